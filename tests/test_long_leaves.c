@@ -95,6 +95,7 @@ static const struct {
     {"svo_k_material_merge", REACH_MATERIALS},
     {"svo_k_gather_pairs", REACH_RUN},
     {"svo_k_filter", REACH_ONE},
+    {"svo_k_filter_top", REACH_ONE},
     {"svo_k_round_areas", REACH_ONE},
     {"svo_k_link", REACH_ONE},
     {"svo_k_gather_level", REACH_ALL},

@@ -23,6 +23,8 @@
 #define SVO_GROUP_ITEMS 64
 /* Nodes or leaves that a work-item gathers on CPUs, where it evaluates their pairs together. */
 #define SVO_GATHER_NODES 32
+/* One group filters this level and those above, which have few nodes. */
+#define SVO_TOP_LEVEL 3
 /* The most groups of a scan's reduce and add passes. Each has one partial sum; one group scans them all, so this is a
    multiple of SVO_GROUP_ITEMS. */
 #define SVO_SCAN_GROUPS 256

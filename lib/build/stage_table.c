@@ -298,7 +298,7 @@ static const svo_i_stage rows[] = {
      .run = svo_i_filter,
      .program = SVO_I_PROGRAM_FILTER,
      .defines = filter_defines,
-     .kernels = {"svo_k_gather", "svo_k_gather_level", "svo_k_gather_pairs", "svo_k_filter"},
+     .kernels = {"svo_k_gather", "svo_k_gather_level", "svo_k_gather_pairs", "svo_k_filter", "svo_k_filter_top"},
      .buffers = {SCRATCH("weights", NODES), SCRATCH("color_sums", NODES), SCRATCH("normal_sums", NODES),
                  TREE("colors", NODES), TREE("normals", NODES), TREE("fills", NODES)}},
     {.name = "areas", /* filter makes them with the rest */

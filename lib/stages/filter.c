@@ -270,8 +270,8 @@ static svo_status round_areas(filterer *f)
     return svo_i_stage_end(commands, SVO_STAGE_FILTER);
 }
 
-/* Adds up the children's sums for the nodes of one level. */
-static svo_status filter_level(filterer *f, const level_sums *children, const level_sums *nodes)
+/* Adds up the children's sums for the nodes of one level, or of it and all levels above. */
+static svo_status filter_level(filterer *f, const level_sums *children, const level_sums *nodes, bool is_top)
 {
     svo_tree *tree = f->build->tree;
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
@@ -287,7 +287,9 @@ static svo_status filter_level(filterer *f, const level_sums *children, const le
                                         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FILLS]),
                                         SVO_I_ARGUMENT(f->build->state),
                                         SVO_I_ARGUMENT(f->params)};
-    return launch_parts(f, f->filter, SVO_I_ARGUMENTS(arguments), f->params.level_count, 1);
+    return is_top ? svo_i_commands_run(&f->build->commands, f->build->programs[SVO_I_PROGRAM_FILTER],
+                                       "svo_k_filter_top", SVO_I_ARGUMENTS(arguments), SVO_GROUP_ITEMS)
+                  : launch_parts(f, f->filter, SVO_I_ARGUMENTS(arguments), f->params.level_count, 1);
 }
 
 static svo_status filter_levels(filterer *f)
@@ -297,10 +299,12 @@ static svo_status filter_levels(filterer *f)
     const uint32_t last_level = first > 0 ? first - 1 : 0; /* inner nodes write the payload of their children too */
     svo_i_stage_begin(&f->build->commands);
     svo_i_commands_stage(&f->build->commands, SVO_STAGE_FILTER, NODE_NS);
-    for (uint32_t level = f->leaf_sums ? depth : depth - 1; level-- > last_level;) {
+    bool is_top = false;
+    for (uint32_t level = f->leaf_sums ? depth : depth - 1; level-- > last_level && !is_top;) {
         const unsigned odd = (depth - level) % 2;
+        is_top = level <= SVO_TOP_LEVEL;
         svo_i_params_of_level(&f->params, &f->build->tree->info, level);
-        SVO_I_TRY(filter_level(f, &f->sums[1 - odd], &f->sums[odd]));
+        SVO_I_TRY(filter_level(f, &f->sums[1 - odd], &f->sums[odd], is_top));
     }
     return svo_i_stage_end(&f->build->commands, SVO_STAGE_FILTER);
 }

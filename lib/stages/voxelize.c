@@ -255,7 +255,11 @@ static svo_status draw_chunk(run *r, uint32_t chunk_index, svo_i_fragments *out)
     SVO_I_TRY_CLEANUP(svo_i_commands_upload(r->commands, "mesh_tiles", found.tiles.items, bytes, &tile_buffer));
     SVO_I_TRY_CLEANUP(svo_i_stage_end(r->commands, SVO_STAGE_TRANSFER));
     SVO_I_TRY_CLEANUP(launch_draws(r, chunk_index, found.begin, tile_buffer, out->buffer));
+    SVO_I_TRY_CLEANUP(svo_i_commands_wait(r->commands)); /* for the tiles' upload */
 cleanup:
+    if (status != SVO_OK && r->commands->mode == SVO_I_MODE_RUN && r->commands->last != NULL) {
+        (void)svo_i_event_settle(r->commands->last);
+    }
     svo_i_commands_free(r->commands, &tile_buffer);
     free_tiles(r, &found);
     return status;
