@@ -158,7 +158,7 @@ static seen_point point_at(const payload_pair *pair, unsigned axis, int64_t u, i
 static svo_part part_of(const payload_pair *pair)
 {
     const unsigned axis = payload_pair_axis(pair->corners);
-    int64_t polygons[2 * SVO_PART_WORDS];
+    int64_t polygons[SVO_PART_WORDS];
     for (unsigned corner = 0; corner < 3; ++corner) {
         for (unsigned k = 0; k < 3; ++k) {
             const unsigned along = (axis + 1 + k) % 3;

@@ -15,6 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/device.h"
 #include "meshes.h"
 #include "payload_pair.h"
 #include "payload_reference.h"
@@ -469,6 +470,16 @@ static void compact_trees_have_none(void **state)
     scene_destroy(&made);
 }
 
+/* As on GPUs: the areas of pairs are added one by one. */
+static int setup_for_single_pairs(void **state)
+{
+    const int failed = fixture_group_setup(state);
+    if (failed == 0 && *state != NULL) {
+        fixture_of_group(state)->device->cpu_path = false;
+    }
+    return failed;
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -484,5 +495,6 @@ int main(void)
         cmocka_unit_test(all_builds_have_the_same_areas),
         cmocka_unit_test(compact_trees_have_none),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("eight pairs", tests, fixture_group_setup, fixture_group_teardown) +
+           cmocka_run_group_tests_name("single pairs", tests, setup_for_single_pairs, fixture_group_teardown);
 }

@@ -260,7 +260,7 @@ static void sum_pieces(const svo_mesh *mesh, unsigned depth, const svo_plan_opti
     }
     for (size_t i = 0; i < snapped.pairs.count; ++i) {
         payload_pair pair;
-        int64_t corners[2 * SVO_PART_WORDS];
+        int64_t corners[SVO_PART_WORDS];
         payload_pair_open(&snapped, &snapped.pairs.pairs[i], &pair);
         const unsigned axis = payload_pair_axis(pair.corners);
         const int64_t sub_units = (INT64_C(1) << SVO_SUB_LOG2) / pair.box.width;

@@ -285,13 +285,13 @@ typedef struct painted_mesh {
 
 #define PAYLOAD ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_MATERIAL)
 
-static void painted_mesh_create(painted_mesh *out)
+static void painted_mesh_create(size_t triangle_count, painted_mesh *out)
 {
     static const svo_material materials[] = {{{255, 255, 255, 255}, SVO_NO_TEXTURE}, {{9, 9, 9, 255}, SVO_NO_TEXTURE}};
     static const double corner[3] = {0.25, 0.25, 0.25};
     uint64_t seed = 7;
     /* Tiny triangles: they need one overlap test only, that is one program of the voxelizer. */
-    random_dust(seed, 300, corner, 0.5, &out->base);
+    random_dust(seed, triangle_count, corner, 0.5, &out->base);
     out->mesh = out->base.mesh;
     out->colors = malloc(out->mesh.vertex_count * 4);
     out->triangle_materials = malloc(out->mesh.triangle_count * sizeof *out->triangle_materials);
@@ -377,6 +377,26 @@ static void build_all(const fixture *opened, const svo_mesh *mesh, built *out)
     options.builder = SVO_BUILDER_CL;
     fixture_build(opened, mesh, 2 * DEPTH, &options, &other); /* its lower levels have blocks for nodes alone */
     built_destroy(&other);
+}
+
+/* The path of GPUs, also with leaves that a group sorts; twice, since the first builds warm up. */
+static void build_as_on_gpus(fixture *opened, const svo_mesh *mesh)
+{
+    const svo_plan_options options = {
+        .need = PAYLOAD | (uint32_t)SVO_NEED_PROJECTED_AREA, .weights = SVO_WEIGHTS_UNIFORM, .edge = 1.0};
+    const bool cpu_path = opened->device->cpu_path;
+    painted_mesh many;
+    painted_mesh_create(12 * SVO_LONG_LEAF, &many);
+    opened->device->cpu_path = false;
+    for (int i = 0; i < 2; ++i) {
+        built made;
+        fixture_build(opened, mesh, DEPTH, &options, &made);
+        built_destroy(&made);
+        fixture_build(opened, &many.mesh, 1, &options, &made); /* eight leaves */
+        built_destroy(&made);
+    }
+    opened->device->cpu_path = cpu_path;
+    painted_mesh_destroy(&many);
 }
 
 /* A plan by kernels of all that they do: some triangles are outside, indices are narrow and begin at an offset. */
@@ -612,7 +632,7 @@ static void every_launch_matches_its_kernel(void **state)
     fixture opened;
     fixture_open_cl(&(fixture_options){.share = SVO_GL_SHARE_AUTO}, &opened);
     painted_mesh painted;
-    painted_mesh_create(&painted);
+    painted_mesh_create(300, &painted);
     built tree;
     build_all(&opened, &painted.mesh, &tree);
     built_destroy(&tree);
@@ -620,6 +640,7 @@ static void every_launch_matches_its_kernel(void **state)
     notes.launched_count = 0;
     plan_all(&opened, &painted.mesh);
     build_all(&opened, &painted.mesh, &tree);
+    build_as_on_gpus(&opened, &painted.mesh);
     query_all(&opened, tree.tree);
     compact_all(&opened, tree.tree);
     place_all(&opened, tree.tree);

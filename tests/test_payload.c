@@ -453,7 +453,7 @@ static int setup_for_single_pairs(void **state)
 {
     const int failed = fixture_group_setup(state);
     if (failed == 0 && *state != NULL) {
-        fixture_of_group(state)->device->has_fp64 = false;
+        fixture_of_group(state)->device->cpu_path = false;
     }
     return failed;
 }

@@ -4,7 +4,7 @@
  * sums up children level by level and writes every node's color, normal and fill.
  *
  * A list of one chunk, the usual case, is linked and gathered straight into the sums of the deepest inner level. With
- * several chunks, or a voxel with more triangles than an invocation can loop over (shaders/compute.glsl), every
+ * several chunks, or a voxel with more triangles than an invocation is given (shaders/compute.glsl), every
  * fragment is added to the sums of its leaf instead.
  */
 #include "compute/filter.h"

@@ -92,7 +92,7 @@ static svo_status sort_long_leaves(sorter *s)
     return launch_leaves(s, SVO_I_ENTRY_MATERIAL_LEAVES, &params, params.leaf_count);
 }
 
-/* One invocation sorts a leaf, unless a leaf has more triangles than it can loop over (shaders/compute.glsl). */
+/* One invocation sorts a leaf, unless a leaf has more triangles than it is given (shaders/compute.glsl). */
 static svo_status sort_leaves(sorter *s)
 {
     bool exhausted = false;

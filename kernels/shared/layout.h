@@ -23,6 +23,8 @@
 #define SVO_GROUP_ITEMS 64
 /* Nodes or leaves that a work-item gathers on CPUs, where it evaluates their pairs together. */
 #define SVO_GATHER_NODES 32
+/* One group filters this level and those above, which have few nodes. */
+#define SVO_TOP_LEVEL 3
 /* The most groups of a scan's reduce and add passes. Each has one partial sum; one group scans them all, so this is a
    multiple of SVO_GROUP_ITEMS. */
 #define SVO_SCAN_GROUPS 256
@@ -35,6 +37,8 @@
 #define SVO_FRAGMENT_WORDS_48 3
 /* Leaf lists up to this length are sorted by one work-item, longer ones by a work-group. */
 #define SVO_SHORT_LIST_MAX 256
+/* The most triangles of a leaf that one work-item sorts or sums up where drivers stop long launches: on GPUs. */
+#define SVO_LONG_LEAF 4096
 /* Long lists are sorted by digits of this many bits. */
 #define SVO_DIGIT_BITS 4
 #define SVO_DIGITS     (1 << SVO_DIGIT_BITS)
@@ -43,6 +47,10 @@
    SVO_TILE_EDGE x SVO_TILE_EDGE columns. */
 #define SVO_TILE_EDGE    8
 #define SVO_TILE_COLUMNS (SVO_TILE_EDGE * SVO_TILE_EDGE)
+/* Words of local memory of a group of it: on CPUs, where one work-item stages its group's fragments, and elsewhere,
+   where each notes its own columns, in 16 bits each. */
+#define SVO_VOXELIZE_STAGE_WORDS (SVO_GROUP_ITEMS * (SVO_TILE_COLUMNS + 1))
+#define SVO_VOXELIZE_NOTE_WORDS  (SVO_GROUP_ITEMS * (SVO_TILE_COLUMNS / 2 + 1))
 
 /* svo_draw_item.flags. */
 #define SVO_DRAW_AXIS_MASK 3u /* 0, 1, 2: the axis of projection */
@@ -239,7 +247,8 @@ SVO_RECORD(svo_filter_params)
     SVO_U32 scan_groups; /* 60: groups of a scan of the leaf lists */
     SVO_U32 first_index; /* 64: first of the launch's nodes or leaves, where a filter is launched in parts */
     SVO_U32 both_sides; /* 68: not 0: triangles count for projected areas from both sides */
-    SVO_U32 reserved[2]; /* 72 */
+    SVO_U32 grouped; /* 72: not 0: fragments are gathered in the order of their leaves */
+    SVO_U32 reserved; /* 76 */
 };
 
 /* Arguments of the kernels that make compact trees and expand them. 32 bytes. */

@@ -3,27 +3,28 @@
  * The payload, from the leaves up: mean color, mean normal and fill of every node, and the leaves' projected areas, in
  * integers.
  *
- *   svo_k_gather_level  per node of the deepest inner level: traverses its leaves' linked lists, sums each triangle's
- *                       contribution to the voxel, writes the leaves' payload and the node's sums. For lists of one
- *                       chunk
- *   svo_k_gather        per leaf of a chunk: the same into the leaf's sums, on top of those of earlier chunks
+ *   svo_k_gather_level  on CPUs, per node of the deepest inner level: traverses its leaves' linked lists, sums each
+ *                       triangle's contribution to the voxel, writes the leaves' payload and the node's sums. For lists
+ *                       of one chunk
+ *   svo_k_gather        on CPUs, per leaf of a chunk: the same into the leaf's sums, on top of those of earlier chunks
+ *   pairs.cl            elsewhere, per fragment: the leaves' sums
  *   svo_k_filter        per node of a level, from the deepest level upwards: writes its children's payload and its own
  *                       sums
+ *   svo_k_filter_top    the same for the few nodes of the top levels, by one group
  *   svo_k_round_areas   per leaf, after all chunks: writes the leaf's projected areas from their sums
  *
  * Invariant: sums are 64-bit and are passed up unrounded; each node rounds once, half up. So the result depends neither
  * on the order of the lists nor on how the fragments are cut into chunks. The plan chooses the unit of weight so that a
  * tree's weights add up to less than 2^46, which leaves headroom for the sums.
  *
- * Launch: one work-item per node or leaf, or in the first two kernels with -DSVO_PAIR_LANES, for CPUs with fp64, one
- * per SVO_GATHER_NODES of them; rounded up to whole groups. There a work-item evaluates its pairs eight at a time
- * (pair_lanes.clh). No atomics: one work-item writes a node's sums.
+ * Launch: one work-item per node or leaf, rounded up to whole groups. The first two kernels, with -DSVO_PAIR_LANES for
+ * CPUs with fp64, have one per SVO_GATHER_NODES of them, which evaluates its pairs eight at a time (pair_lanes.clh). No
+ * atomics: one work-item writes a node's sums.
  * Buffers: sums of one level each: weights (ulong), color (4 ulong a node), normal (3 long a node); of the leaves, for
  * lists of several chunks: areas (6 ulong a leaf).
  */
 #include "shared/fragment.clh"
 #include "shared/state.clh"
-#include "stages/leaf_lists.clh"
 #include "stages/leaf_windows.clh"
 #include "stages/sums.clh"
 
@@ -67,6 +68,8 @@ static void svo_store_root(svo_sums sums, uint node, svo_payload payload, uint f
         svo_store_payload(sums, 0u, payload, fill_shift + 2u);
     }
 }
+
+#ifdef SVO_PAIR_LANES
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_gather(__global const uint *fragments, __global const uint *links, __global const uint *heads,
@@ -140,6 +143,8 @@ __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void svo_k
     }
 }
 
+#endif
+
 #ifdef SVO_AREAS
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
@@ -157,32 +162,71 @@ svo_k_round_areas(__global const ulong *area_sums, __global ushort *areas, __glo
 
 #ifdef SVO_NODE_PAYLOAD
 
-/* Sums are indexed from the first node of their level, payload from the first node that has payload. */
-__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_filter(__global const uchar *masks, __global const uint *first_child, __global const ulong *child_weights,
-             __global const ulong *child_color_sums, __global const long *child_normal_sums, __global ulong *weights,
-             __global ulong *color_sums, __global long *normal_sums, __global uint *colors, __global short *normals,
-             __global ushort *fills, __global const svo_build_state *state, svo_filter_params params)
+/* The sums of a level, indexed from its first node. */
+typedef struct svo_level_sums {
+    __global ulong *weights, *color;
+    __global long *normal;
+} svo_level_sums;
+
+/* index: from the level's first node; payload is indexed from the first node that has payload. */
+static void svo_filter_node(uint index, __global const uchar *masks, __global const uint *first_child,
+                            svo_level_sums children, svo_level_sums nodes, svo_payload payload,
+                            svo_filter_params params)
 {
-    svo_make_current(&params, state);
-    const uint index = params.first_index + (uint)get_global_id(0);
-    if (index >= params.level_count) {
-        return;
-    }
-    const svo_payload payload = {colors, normals, fills};
     const uint node = params.level_begin + index;
     const uint begin = first_child[node];
     const uint end = begin + popcount((uint)masks[node]);
     svo_sums sums = svo_no_sums();
     for (uint child = begin; child < end; ++child) {
         const svo_sums part =
-            svo_load_sums(child - params.child_begin, child_weights, child_color_sums, child_normal_sums);
+            svo_load_sums(child - params.child_begin, children.weights, children.color, children.normal);
         svo_store_payload(part, child - params.payload_begin, payload, params.fill_shift);
         sums = svo_join_sums(sums, part);
     }
-    svo_store_sums(sums, index, weights, color_sums, normal_sums);
+    svo_store_sums(sums, index, nodes.weights, nodes.color, nodes.normal);
     if (params.payload_begin == 0u) {
         svo_store_root(sums, node, payload, params.fill_shift);
+    }
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_filter(__global const uchar *masks, __global const uint *first_child, __global ulong *child_weights,
+             __global ulong *child_color_sums, __global long *child_normal_sums, __global ulong *weights,
+             __global ulong *color_sums, __global long *normal_sums, __global uint *colors, __global short *normals,
+             __global ushort *fills, __global const svo_build_state *state, svo_filter_params params)
+{
+    svo_make_current(&params, state);
+    const uint index = params.first_index + (uint)get_global_id(0);
+    if (index < params.level_count) {
+        const svo_level_sums children = {child_weights, child_color_sums, child_normal_sums};
+        const svo_level_sums nodes = {weights, color_sums, normal_sums};
+        const svo_payload payload = {colors, normals, fills};
+        svo_filter_node(index, masks, first_child, children, nodes, payload, params);
+    }
+}
+
+/* params.level: the first of the levels, which is at most SVO_TOP_LEVEL. Launch: one group. */
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_filter_top(__global const uchar *masks, __global const uint *first_child, __global ulong *child_weights,
+                 __global ulong *child_color_sums, __global long *child_normal_sums, __global ulong *weights,
+                 __global ulong *color_sums, __global long *normal_sums, __global uint *colors, __global short *normals,
+                 __global ushort *fills, __global const svo_build_state *state, svo_filter_params params)
+{
+    svo_level_sums children = {child_weights, child_color_sums, child_normal_sums};
+    svo_level_sums nodes = {weights, color_sums, normal_sums};
+    const svo_payload payload = {colors, normals, fills};
+    const uint last = max(params.payload_level, 1u) - 1u; /* nodes write the payload of their children */
+    for (uint level = params.level + 1u; level-- > last;) {
+        params.level = level;
+        svo_make_current(&params, state);
+        for (uint index = (uint)get_local_id(0); index < params.level_count; index += SVO_GROUP_ITEMS) {
+            svo_filter_node(index, masks, first_child, children, nodes, payload, params);
+        }
+        barrier(CLK_GLOBAL_MEM_FENCE);
+        const svo_level_sums above = children;
+        children = nodes;
+        nodes = above;
+        params.fill_shift += 2u;
     }
 }
 

@@ -2,7 +2,7 @@
 /*
  * Links the fragments of each leaf into a list (Yang et al., "Real-Time Concurrent Linked List Construction on the
  * GPU", 2010). heads[k] is the first fragment of leaf k plus one, 0 for none. A fragment's link replaces its cursor,
- * which no later stage reads. Lists never leave their chunk.
+ * which no later stage reads. Lists never leave their chunk. For CPUs, as the gather kernels of filter.cl are.
  *
  * Launch: one work-item per fragment of a chunk, rounded up to whole groups. Reads and writes cursors and heads.
  * Atomics: one exchange per fragment suffices, since lists are only read after the launch. The order inside a list
@@ -10,7 +10,7 @@
  */
 #include "shared/state.clh"
 
-#if defined(SVO_COLOR) || defined(SVO_NORMAL) || defined(SVO_FILL) || defined(SVO_AREAS)
+#ifdef SVO_PAIR_LANES
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_link(__global uint *cursors, volatile __global uint *heads, __global const svo_build_state *state,

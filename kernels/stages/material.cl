@@ -5,6 +5,8 @@
  *
  *   svo_k_material_scatter  per fragment: (material, weight) into its leaf's range of entries, in any order
  *   svo_k_material_leaves   per leaf: sorts its entries by material and adds up those of one material
+ *   svo_k_material_long     per leaf of more than SVO_LONG_LEAF entries, one work-group: the same, by a radix sort with
+ *                           four bits a pass. On GPUs (SVO_LONG_LEAVES)
  *   svo_k_material_merge    per node of a level: merges its children's entries, up to eight adjacent sorted runs, in
  *                           place of the first
  *
@@ -17,11 +19,15 @@
  * depends on the order of the fragments. Sorting is near-linear: a run of sums is no longer than the number of
  * materials.
  *
- * Launch: one work-item per fragment, leaf or node, rounded up to whole groups. Reads the fragments, their cursors and
- * the surface; writes entries and materials. Atomics: a counter per leaf hands out each slot once.
+ * Launch: one work-item per fragment, leaf or node, rounded up to whole groups; any number of groups, among which the
+ * long leaves are divided. Reads the fragments, their cursors and the surface; writes entries and materials. Atomics: a
+ * counter per leaf hands out each slot once, another one the places in long_leaves; shared_sum.clh.
  */
+#include "shared/group.clh"
 #include "shared/state.clh"
 #include "stages/attribute.clh"
+#include "stages/digits.clh"
+#include "stages/shared_sum.clh"
 
 #ifdef SVO_MATERIAL
 
@@ -98,11 +104,11 @@ static void svo_merge_pair(__global const ulong *from, __global ulong *to, uint 
 }
 
 /* Bottom-up merge sort, alternating between entries and spare; after an odd number of passes the result is copied back.
-   */
+   long_leaves: the number of leaves that are left out, then these. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_material_leaves(__global const uint *list_begin, __global uint *counts, __global ulong *entries,
-                      __global ulong *spare, __global ushort *materials, __global const svo_build_state *state,
-                      svo_filter_params params)
+                      __global ulong *spare, __global uint *long_leaves, __global ushort *materials,
+                      __global const svo_build_state *state, svo_filter_params params)
 {
     svo_make_current(&params, state);
     const uint leaf = (uint)get_global_id(0);
@@ -111,6 +117,14 @@ svo_k_material_leaves(__global const uint *list_begin, __global uint *counts, __
     }
     const uint begin = list_begin[leaf];
     const uint end = list_begin[leaf + 1u];
+#ifdef SVO_LONG_LEAVES
+    if (end - begin > SVO_LONG_LEAF) {
+        long_leaves[1u + atomic_inc(long_leaves)] = leaf;
+        return;
+    }
+#else
+    (void)long_leaves;
+#endif
     __global ulong *from = entries;
     __global ulong *to = spare;
     for (ulong width = 1; width < end - begin; width *= 2) {
@@ -130,6 +144,100 @@ svo_k_material_leaves(__global const uint *list_begin, __global uint *counts, __
     counts[leaf] = count;
     materials[params.leaf_begin + leaf - params.payload_begin] = svo_heaviest(entries, begin, begin + count);
 }
+
+#ifdef SVO_LONG_LEAVES
+
+/* One stable pass over the leaf's entries by a digit of their materials. */
+static void svo_material_pass(__global const ulong *from, __global ulong *to, uint2 leaf, uint digit,
+                              __local uint *counts, __local uint *scratch)
+{
+    const uint item = (uint)get_local_id(0);
+    const uint shift = digit * SVO_DIGIT_BITS;
+    const uint2 strip = svo_strip(leaf.x, leaf.y);
+    for (uint k = 0; k < SVO_DIGITS; ++k) {
+        counts[k * SVO_GROUP_ITEMS + item] = 0u;
+    }
+    for (uint i = strip.x; i < strip.y; ++i) {
+        ++counts[(svo_entry_material(from[i]) >> shift & (SVO_DIGITS - 1u)) * SVO_GROUP_ITEMS + item];
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    svo_scan_digits(counts, scratch);
+    for (uint i = strip.x; i < strip.y; ++i) {
+        const ulong entry = from[i];
+        const uint place = (svo_entry_material(entry) >> shift & (SVO_DIGITS - 1u)) * SVO_GROUP_ITEMS + item;
+        to[leaf.x + counts[place]++] = entry;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+}
+
+/* Whether another material begins at an entry of the sorted leaf. */
+static uint svo_begins_material(__global const ulong *entries, uint2 leaf, uint i)
+{
+    return i == leaf.x || svo_entry_material(entries[i]) != svo_entry_material(entries[i - 1u]) ? 1u : 0u;
+}
+
+/* Adds up the sorted entries of each material, in place, with the help of spare; returns how many materials there
+   are. */
+static uint svo_join_materials(__global ulong *entries, __global ulong *spare, uint2 leaf, __local uint *scratch)
+{
+    const uint item = (uint)get_local_id(0);
+    const uint2 strip = svo_strip(leaf.x, leaf.y);
+    uint begun = 0;
+    for (uint i = strip.x; i < strip.y; ++i) {
+        begun += svo_begins_material(entries, leaf, i);
+        spare[i] = 0UL;
+    }
+    uint count;
+    uint place = leaf.x + svo_group_exclusive(begun, scratch, &count);
+    barrier(CLK_GLOBAL_MEM_FENCE);
+    ulong sum = 0;
+    for (uint i = strip.x; i < strip.y; ++i) {
+        const bool begins = svo_begins_material(entries, leaf, i) != 0u;
+        if (begins && i > strip.x) {
+            svo_add_shared(spare + place - 1u, sum);
+            sum = 0;
+        }
+        place += begins ? 1u : 0u;
+        sum += begins ? entries[i] : entries[i] & ((1UL << SVO_ENTRY_SHIFT) - 1UL);
+    }
+    if (strip.x < strip.y) {
+        svo_add_shared(spare + place - 1u, sum);
+    }
+    barrier(CLK_GLOBAL_MEM_FENCE);
+    for (uint i = leaf.x + item; i < leaf.x + count; i += SVO_GROUP_ITEMS) {
+        entries[i] = spare[i];
+    }
+    return count;
+}
+
+/* counts: SVO_DIGITS * SVO_GROUP_ITEMS words, scratch: SVO_GROUP_ITEMS; arguments, see group.clh. params.digit_passes:
+   over the materials, an even number. */
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_material_long(__global const uint *list_begin, __global uint *leaf_counts, __global ulong *entries,
+                    __global ulong *spare, __global const uint *long_leaves, __global ushort *materials,
+                    __global const svo_build_state *state, svo_filter_params params, __local uint *counts,
+                    __local uint *scratch)
+{
+    svo_make_current(&params, state);
+    const uint long_count = long_leaves[0];
+    for (uint k = (uint)get_group_id(0); k < long_count; k += (uint)get_num_groups(0)) {
+        const uint leaf = long_leaves[1u + k];
+        const uint2 range = (uint2)(list_begin[leaf], list_begin[leaf + 1u]);
+        for (uint pass = 0; pass < params.digit_passes; pass += 2u) {
+            svo_material_pass(entries, spare, range, pass, counts, scratch);
+            svo_material_pass(spare, entries, range, pass + 1u, counts, scratch);
+        }
+        const uint count = svo_join_materials(entries, spare, range, scratch);
+        barrier(CLK_GLOBAL_MEM_FENCE);
+        if (get_local_id(0) == 0u) {
+            leaf_counts[leaf] = count;
+            materials[params.leaf_begin + leaf - params.payload_begin] =
+                svo_heaviest(entries, range.x, range.x + count);
+        }
+    }
+}
+
+#endif
 
 /* child_begins and child_counts are indexed from the first node of their level. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void

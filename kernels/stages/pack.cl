@@ -4,7 +4,8 @@
  *
  *   svo_k_count       per fragment: the lengths
  *   scan.cl           per leaf: where its range begins
- *   svo_k_scatter     per fragment: its triangle into the range, in any order (lengths count down to 0)
+ *   svo_k_scatter     per fragment: its triangle into the range, in any order (lengths count down to 0); where pairs.cl
+ *                     sums up the leaves also, or only, the fragment itself, which gives the order of leaves
  *   svo_k_sort_short  per leaf: Shell sort of up to SVO_SHORT_LIST_MAX entries, with the gaps of Ciura, "Best
  *                     Increments for the Average Case of Shellsort", 2001; longer leaves are appended to long_leaves
  *   svo_k_sort_long   per long leaf, one work-group: stable radix sort, four bits a pass, between list and spare
@@ -16,6 +17,7 @@
  */
 #include "shared/fragment.clh"
 #include "shared/state.clh"
+#include "stages/digits.clh"
 
 #ifdef SVO_RANGES
 
@@ -32,20 +34,36 @@ svo_k_count(__global const uint *cursors, volatile __global uint *counts, __glob
 
 #endif
 
-#ifdef SVO_LISTS
+#if defined(SVO_LISTS) || defined(SVO_ORDER)
 
+/* list: NULL without lists. order: NULL where the list has several chunks. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_scatter(__global const uint *fragments, __global const uint *cursors, volatile __global uint *counts,
-              __global const uint *list_begin, __global uint *list, __global const svo_build_state *state,
-              svo_filter_params params)
+              __global const uint *list_begin, __global uint *list, __global uint *order,
+              __global const svo_build_state *state, svo_filter_params params)
 {
     svo_make_current(&params, state);
     const size_t index = get_global_id(0);
     if (index < params.fragment_count) {
         const uint leaf = cursors[index] - params.leaf_begin;
-        list[list_begin[leaf] + atomic_dec(counts + leaf) - 1u] = svo_fragment_triangle(fragments, index);
+        const uint slot = list_begin[leaf] + atomic_dec(counts + leaf) - 1u;
+#ifdef SVO_LISTS
+        list[slot] = svo_fragment_triangle(fragments, index);
+#endif
+#ifdef SVO_ORDER
+        if (order != 0) {
+            order[slot] = (uint)index;
+        }
+#endif
     }
+    (void)fragments;
+    (void)list;
+    (void)order;
 }
+
+#endif
+
+#ifdef SVO_LISTS
 
 #define SVO_SORT_GAPS 6
 __constant uint svo_gaps[SVO_SORT_GAPS] = {132, 57, 23, 10, 4, 1};
@@ -84,48 +102,21 @@ svo_k_sort_short(__global const uint *list_begin, __global uint *list, __global 
     }
 }
 
-/* counts[digit * SVO_GROUP_ITEMS + item] becomes its exclusive sum over all digits and items. */
-static void svo_scan_digits(__local uint *counts, __local uint *scratch)
-{
-    const uint item = (uint)get_local_id(0);
-    uint sum = 0;
-    for (uint k = 0; k < SVO_DIGITS; ++k) {
-        const uint count = counts[item * SVO_DIGITS + k];
-        counts[item * SVO_DIGITS + k] = sum;
-        sum += count;
-    }
-    scratch[item] = sum;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint reach = 1; reach < SVO_GROUP_ITEMS; reach *= 2) {
-        const uint before = item >= reach ? scratch[item - reach] : 0u;
-        barrier(CLK_LOCAL_MEM_FENCE);
-        scratch[item] += before;
-        barrier(CLK_LOCAL_MEM_FENCE);
-    }
-    const uint before = scratch[item] - sum;
-    for (uint k = 0; k < SVO_DIGITS; ++k) {
-        counts[item * SVO_DIGITS + k] += before;
-    }
-    barrier(CLK_LOCAL_MEM_FENCE);
-}
-
 /* One stable pass over length entries by the digit at shift. Each work-item owns a contiguous strip. */
 static void svo_radix_pass(__global const uint *from, __global uint *to, uint length, uint shift, __local uint *counts,
                            __local uint *scratch)
 {
     const uint item = (uint)get_local_id(0);
-    const uint strip = (length + SVO_GROUP_ITEMS - 1u) / SVO_GROUP_ITEMS;
-    const uint begin = min(item * strip, length);
-    const uint end = min(begin + strip, length);
+    const uint2 strip = svo_strip(0u, length);
     for (uint digit = 0; digit < SVO_DIGITS; ++digit) {
         counts[digit * SVO_GROUP_ITEMS + item] = 0u;
     }
-    for (uint i = begin; i < end; ++i) {
+    for (uint i = strip.x; i < strip.y; ++i) {
         ++counts[(from[i] >> shift & (SVO_DIGITS - 1u)) * SVO_GROUP_ITEMS + item];
     }
     barrier(CLK_LOCAL_MEM_FENCE);
     svo_scan_digits(counts, scratch);
-    for (uint i = begin; i < end; ++i) {
+    for (uint i = strip.x; i < strip.y; ++i) {
         const uint triangle = from[i];
         to[counts[(triangle >> shift & (SVO_DIGITS - 1u)) * SVO_GROUP_ITEMS + item]++] = triangle;
     }

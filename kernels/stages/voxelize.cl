@@ -21,22 +21,31 @@
  * Defines: SVO_NARROW, SVO_WIDE or neither: the class of the triangles (overlap.clh); SVO_NO_TEST: triangles inside one
  * voxel; SVO_THIN; SVO_CODE48; SVO_COLUMN_LANES.
  *
- * A note is the run of voxels of one column, relative to the corner of the work-item's columns and the triangle's first
- * voxel:
+ * A note is the run of voxels of one column: which of the work-item's columns, counted row by row, and the first voxel
+ * on t plus SVO_NOTE_BIAS, counted from the first voxel of the first note:
  *
- *   31       28 27               12 11     6 5      0
- *   [ length ] [ first voxel on t ] [   v   ] [   u   ]
+ *   15         14 13                6 5        0
+ *   [ length - 1 ] [ first voxel on t ] [ column ]
  *
  * A column of a triangle has at most four voxels, since no component of its normal is larger than the one along t (or,
- * without a normal, no extent is shorter).
+ * without a normal, no extent is shorter). So the first voxels of two of at most 64 columns are no more than 67 apart.
  */
 #include "shared/fragment.clh"
 #include "shared/group.clh"
 #include "shared/overlap.clh"
 #include "stages/column_lanes.clh"
 
-/* Odd, so that notes of neighboring work-items lie in different banks of local memory. */
-#define SVO_NOTES_STRIDE (SVO_TILE_COLUMNS + 1)
+typedef ushort svo_note;
+
+#define SVO_NOTE_BIAS 128
+/* Words of a work-item's notes; odd, so that those of neighbors lie in different banks of local memory. */
+#define SVO_NOTE_WORDS (SVO_TILE_COLUMNS / 2 + 1)
+
+/* What a work-item has found: its notes, its fragments, and the voxel on t that the notes count from. */
+typedef struct svo_found {
+    uint notes, fragments;
+    int first;
+} svo_found;
 
 /* A triangle, permuted so that t is its axis of projection (overlap.clh). */
 typedef struct svo_placed {
@@ -55,7 +64,8 @@ typedef struct svo_window {
 
 /* What fragments are made from, besides the notes. */
 typedef struct svo_source {
-    svo_point corner; /* the voxel the notes count from */
+    svo_point corner; /* the voxel the notes count from; on t the triangle's first */
+    uint width; /* columns of a row */
     uint axis;
     uint triangle;
 } svo_source;
@@ -116,6 +126,7 @@ SVO_FUNCTION svo_source svo_source_of(svo_placed placed, svo_window window)
 {
     svo_source r;
     r.corner = svo_make_point(window.u, window.v, placed.first.t);
+    r.width = (uint)(window.end_u - window.u);
     r.axis = placed.axis;
     r.triangle = placed.triangle;
     return r;
@@ -149,17 +160,18 @@ SVO_FUNCTION float svo_reach_of(svo_placed placed)
     return (float)max(u, max(v, t));
 }
 
-/* Notes the runs of all columns of the window. x: how many notes, y: how many fragments. */
-SVO_FUNCTION uint2 svo_scan_columns(svo_placed placed, svo_window window, svo_voxelize_params params,
-                                    __local uint *notes)
+/* Notes the runs of all columns of the window. */
+SVO_FUNCTION svo_found svo_scan_columns(svo_placed placed, svo_window window, svo_voxelize_params params,
+                                        __local svo_note *notes)
 {
     const int voxel_log2 = (int)params.voxel_log2;
     const svo_overlap overlap =
         svo_make_overlap(placed.a, placed.b, placed.c, 1 << voxel_log2, (int)params.open, (int)placed.axis);
     const float reach = svo_reach_of(placed);
-    uint2 found = (uint2)(0u, 0u);
+    svo_found found = {0u, 0u, 0};
+    uint column = 0;
     for (int v = window.v; v < window.end_v; ++v) {
-        for (int u = window.u; u < window.end_u; ++u) {
+        for (int u = window.u; u < window.end_u; ++u, ++column) {
             const int local_u = (u - placed.first.u) << voxel_log2;
             const int local_v = (v - placed.first.v) << voxel_log2;
             if (!svo_overlap_column(overlap, local_u, local_v)) {
@@ -167,9 +179,10 @@ SVO_FUNCTION uint2 svo_scan_columns(svo_placed placed, svo_window window, svo_vo
             }
             const int2 run = svo_column_run(overlap, placed, local_u, local_v, voxel_log2, reach);
             if (run.y > 0) {
-                notes[found.x] =
-                    (uint)(u - window.u) | (uint)(v - window.v) << 6 | (uint)run.x << 12 | (uint)run.y << 28;
-                found += (uint2)(1u, (uint)run.y);
+                found.first = found.notes == 0u ? run.x : found.first;
+                const uint first = (uint)(run.x - found.first + SVO_NOTE_BIAS);
+                notes[found.notes++] = (svo_note)(column | first << 6 | (uint)(run.y - 1) << 14);
+                found.fragments += (uint)run.y;
             }
         }
     }
@@ -187,18 +200,21 @@ SVO_FUNCTION bool svo_fits_tile(svo_window window)
 }
 
 /* The same for any window: finds nothing in one that does not fit a tile. */
-SVO_FUNCTION uint2 svo_find(svo_placed placed, svo_window window, svo_voxelize_params params, __local uint *notes)
+SVO_FUNCTION svo_found svo_find(svo_placed placed, svo_window window, svo_voxelize_params params,
+                                __local svo_note *notes)
 {
+    const svo_found nothing = {0u, 0u, 0};
     if (!svo_fits_tile(window)) {
-        return (uint2)(0u, 0u);
+        return nothing;
     }
     if (params.one_voxel != 0u) {
-        notes[0] = 1u << 28;
-        return (uint2)(1u, 1u);
+        const svo_found one = {1u, 1u, 0};
+        notes[0] = SVO_NOTE_BIAS << 6;
+        return one;
     }
 #ifdef SVO_NO_TEST
     (void)placed;
-    return (uint2)(0u, 0u); /* only triangles inside one voxel come here */
+    return nothing; /* only triangles inside one voxel come here */
 #else
     return svo_scan_columns(placed, window, params, notes);
 #endif
@@ -240,10 +256,23 @@ SVO_FUNCTION svo_window svo_part_window(uint id, svo_placed placed, svo_tile_ite
 /* The code of a note's column: of its voxel that is 0 on the axis of projection. */
 SVO_FUNCTION svo_code svo_column_code(uint note, svo_source source)
 {
+    const uint column = note & 63u;
+    const uint v = column / source.width;
+    const uint u = column - v * source.width;
     const uint at_u = source.axis == 2u ? 0u : source.axis + 1u;
     const uint at_v = source.axis == 0u ? 2u : source.axis - 1u;
-    return svo_axis_code((uint)source.corner.u + (note & 63u)) << at_u |
-           svo_axis_code((uint)source.corner.v + (note >> 6 & 63u)) << at_v;
+    return svo_axis_code((uint)source.corner.u + u) << at_u | svo_axis_code((uint)source.corner.v + v) << at_v;
+}
+
+/* The first voxel of a note's run, on the axis of projection. */
+SVO_FUNCTION uint svo_run_begin(uint note, svo_source source, svo_found found)
+{
+    return (uint)(source.corner.t + found.first + (int)(note >> 6 & 255u) - SVO_NOTE_BIAS);
+}
+
+SVO_FUNCTION uint svo_run_length(uint note)
+{
+    return (note >> 14) + 1u;
 }
 
 #ifdef SVO_COLUMN_LANES
@@ -255,7 +284,7 @@ typedef struct svo_stage {
 } svo_stage;
 
 /* Local memory: the notes of one part, then the stage. A part has at most SVO_PART_FRAGMENTS. */
-#define SVO_STAGE_ROOM     ((SVO_GROUP_ITEMS - 1) * SVO_NOTES_STRIDE / SVO_FRAGMENT_WORDS)
+#define SVO_STAGE_ROOM     ((SVO_VOXELIZE_STAGE_WORDS - SVO_NOTE_WORDS) / SVO_FRAGMENT_WORDS)
 #define SVO_PART_FRAGMENTS (4 * SVO_TILE_COLUMNS)
 
 SVO_FUNCTION void svo_push(svo_stage *stage, svo_code code, uint triangle)
@@ -281,13 +310,13 @@ SVO_FUNCTION void svo_flush(svo_stage *stage, __global uint *counter, __global u
     stage->count = 0u;
 }
 
-SVO_FUNCTION void svo_push_notes(__local const uint *notes, uint note_count, svo_source source, svo_stage *stage)
+SVO_FUNCTION void svo_push_notes(__local const svo_note *notes, svo_found found, svo_source source, svo_stage *stage)
 {
-    for (uint i = 0; i < note_count; ++i) {
+    for (uint i = 0; i < found.notes; ++i) {
         const uint note = notes[i];
         const svo_code column = svo_column_code(note, source);
-        const uint first = (uint)source.corner.t + (note >> 12 & 0xffffu);
-        for (uint k = 0; k < note >> 28; ++k) {
+        const uint first = svo_run_begin(note, source, found);
+        for (uint k = 0; k < svo_run_length(note); ++k) {
             svo_push(stage, column | svo_axis_code(first + k) << source.axis, source.triangle);
         }
     }
@@ -346,8 +375,8 @@ SVO_FUNCTION void svo_push_window(svo_placed placed, svo_window window, svo_voxe
 #endif
 
 /* The same for any window, as svo_find does. */
-SVO_FUNCTION void svo_push_part(svo_placed placed, svo_window window, svo_voxelize_params params, __local uint *notes,
-                                svo_stage *stage)
+SVO_FUNCTION void svo_push_part(svo_placed placed, svo_window window, svo_voxelize_params params,
+                                __local svo_note *notes, svo_stage *stage)
 {
 #ifdef SVO_SCANS_LANES
     if (params.one_voxel == 0u) {
@@ -357,21 +386,22 @@ SVO_FUNCTION void svo_push_part(svo_placed placed, svo_window window, svo_voxeli
         return;
     }
 #endif
-    const uint2 found = svo_find(placed, window, params, notes);
-    svo_push_notes(notes, found.x, svo_source_of(placed, window), stage);
+    const svo_found found = svo_find(placed, window, params, notes);
+    svo_push_notes(notes, found, svo_source_of(placed, window), stage);
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_voxelize(__global const int *vertices, __global const uint *indices, __global const svo_draw_item *items,
                __global const svo_tile_item *tiles, __global uint *counters, __global uint *fragments,
-               svo_voxelize_params params, __local uint *notes, __local uint *scratch)
+               svo_voxelize_params params, __local uint *words, __local uint *scratch)
 {
     if (get_local_id(0) != 0u) {
         return;
     }
     (void)scratch;
     const uint first = (uint)get_global_id(0);
-    svo_stage stage = {notes + SVO_NOTES_STRIDE, 0u};
+    __local svo_note *notes = (__local svo_note *)words;
+    svo_stage stage = {words + SVO_NOTE_WORDS, 0u};
     for (uint id = first; id < first + SVO_GROUP_ITEMS; ++id) {
         svo_tile_item part;
         if (svo_get_part(id, tiles, params, &part)) {
@@ -400,14 +430,14 @@ SVO_FUNCTION uint svo_reserve_group(uint count, __global uint *counter, __local 
 }
 
 /* Writes the fragments of the notes, up to the capacity. */
-SVO_FUNCTION void svo_write(__local const uint *notes, uint note_count, svo_source source, __global uint *fragments,
+SVO_FUNCTION void svo_write(__local const svo_note *notes, svo_found found, svo_source source, __global uint *fragments,
                             uint slot, uint capacity)
 {
-    for (uint i = 0; i < note_count; ++i) {
+    for (uint i = 0; i < found.notes; ++i) {
         const uint note = notes[i];
         const svo_code column = svo_column_code(note, source);
-        const uint first = (uint)source.corner.t + (note >> 12 & 0xffffu);
-        for (uint k = 0; k < note >> 28; ++k) {
+        const uint first = svo_run_begin(note, source, found);
+        for (uint k = 0; k < svo_run_length(note); ++k) {
             if (slot < capacity) {
                 const svo_code code = column | svo_axis_code(first + k) << source.axis;
                 svo_fragment_store(fragments, slot, code, source.triangle);
@@ -420,12 +450,12 @@ SVO_FUNCTION void svo_write(__local const uint *notes, uint note_count, svo_sour
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_voxelize(__global const int *vertices, __global const uint *indices, __global const svo_draw_item *items,
                __global const svo_tile_item *tiles, __global uint *counters, __global uint *fragments,
-               svo_voxelize_params params, __local uint *all_notes, __local uint *scratch)
+               svo_voxelize_params params, __local uint *words, __local uint *scratch)
 {
     const uint id = (uint)get_global_id(0);
-    __local uint *notes = all_notes + (uint)get_local_id(0) * SVO_NOTES_STRIDE;
-    uint2 found = (uint2)(0u, 0u);
-    svo_source source = {{0, 0, 0}, 0u, 0u};
+    __local svo_note *notes = (__local svo_note *)(words + (uint)get_local_id(0) * SVO_NOTE_WORDS);
+    svo_found found = {0u, 0u, 0};
+    svo_source source = {{0, 0, 0}, 1u, 0u, 0u};
     svo_tile_item part;
     if (svo_get_part(id, tiles, params, &part)) {
         const svo_placed placed = svo_place(vertices, indices, items[part.item], params);
@@ -433,8 +463,8 @@ svo_k_voxelize(__global const int *vertices, __global const uint *indices, __glo
         source = svo_source_of(placed, window);
         found = svo_find(placed, window, params, notes);
     }
-    const uint slot = svo_reserve_group(found.y, counters + 2u * params.counter, scratch);
-    svo_write(notes, found.x, source, fragments, slot, params.capacity);
+    const uint slot = svo_reserve_group(found.fragments, counters + 2u * params.counter, scratch);
+    svo_write(notes, found, source, fragments, slot, params.capacity);
 }
 
 #endif

@@ -69,11 +69,14 @@ static void begin_report(svo_build_report *report, const svo_plan *plan, const s
     svo_i_report_add(report, SVO_STAGE_GRID, plan->info.grid_ms, "wall");
 }
 
+/* asked: whether the caller wants the report. */
 static svo_status run_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue, svo_tree **out,
-                            svo_build_report *report)
+                            svo_build_report *report, bool asked)
 {
     svo_status status = SVO_OK;
     svo_i_build build = {.commands = svo_i_commands_begin(plan, queue, report), .frontend = frontend};
+    build.commands.untimed = !asked;
+    build.commands.blocks = frontend->make_tree != NULL; /* from memory of OpenGL that is mapped for a moment */
     begin_report(report, plan, frontend);
     svo_i_plan_buffers_reset(plan);
     plan->built = true;
@@ -86,6 +89,7 @@ static svo_status run_build(svo_plan *plan, svo_frontend *frontend, cl_command_q
     SVO_I_TRY_CLEANUP(check_budget(&build));
     SVO_I_TRY_CLEANUP(svo_i_compile(&build));
     SVO_I_TRY_CLEANUP(run_stages(&build));
+    SVO_I_TRY_CLEANUP(svo_i_commands_wait(&build.commands));
     SVO_I_TRY_CLEANUP(svo_i_progress_end(plan, build.commands.stage));
     *out = build.tree;
     build.tree = NULL;
@@ -93,6 +97,7 @@ cleanup:
     report->fragments = build.fragment_count;
     report->list_chunks = build.list.chunk_count;
     svo_i_commands_end(&build.commands);
+    svo_i_stage_collect(&build.commands);
     svo_i_order_release_scratch(&build);
     svo_tree_destroy(&build.tree);
     return status;
@@ -116,7 +121,7 @@ svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue qu
                                  frontend->builder);
     }
     svo_build_report made;
-    const svo_status status = run_build(plan, frontend, queue, out, &made);
+    const svo_status status = run_build(plan, frontend, queue, out, &made, report != NULL);
     svo_i_report_write(&made, report);
     return status;
 }

@@ -158,6 +158,7 @@ svo_status svo_plan_count(svo_plan *plan, svo_frontend *frontend, cl_command_que
     svo_status status = SVO_OK;
     svo_build_report discarded = {0};
     svo_i_build build = {.commands = svo_i_commands_begin(plan, queue, &discarded), .frontend = frontend};
+    build.commands.untimed = true;
     svo_i_chunking chunking = {0};
     uint64_t total = 0;
     SVO_I_TRY_CLEANUP(svo_i_progress_begin(plan, "svo_plan_count",

@@ -42,6 +42,7 @@ void svo_i_order_release_scratch(svo_i_build *build)
     }
     svo_i_free(build->cursors);
     svo_i_surface_free(build);
+    svo_i_commands_free(&build->commands, &build->order);
     svo_i_commands_free(&build->commands, &build->state);
     svo_i_commands_free(&build->commands, &build->partials);
     svo_i_build_release_list(build);

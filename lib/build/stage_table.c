@@ -62,7 +62,7 @@ static bool surface_runs(const svo_plan *plan)
 
 static bool ranges_runs(const svo_plan *plan)
 {
-    return plan->work.ranges && !plan->work.lists && !plan->work.sorted;
+    return (plan->work.ranges || plan->work.order) && !plan->work.lists && !plan->work.sorted;
 }
 
 static bool bottom_up_ranges_runs(const svo_plan *plan)
@@ -77,7 +77,7 @@ static bool material_runs(const svo_plan *plan)
 
 static bool link_runs(const svo_plan *plan)
 {
-    return plan->work.filter && plan->triangle_count > 0;
+    return plan->work.pair_lanes && plan->triangle_count > 0;
 }
 
 static bool filter_runs(const svo_plan *plan)
@@ -114,8 +114,9 @@ static const char *no_packing(const svo_plan *plan)
     if (plan->work.lists) {
         return "the sorted list is in the order of the lists";
     }
-    return plan->work.ranges ? "no lists; only where each leaf's entries begin is found, for the materials"
-                             : "there are no lists to pack";
+    return plan->work.order    ? "no lists; only the order of the leaves' fragments is found, for the payload"
+           : plan->work.ranges ? "no lists; only where each leaf's entries begin is found, for the materials"
+                               : "there are no lists to pack";
 }
 
 /* ---- the defines that select a stage's kernels ---- */
@@ -133,7 +134,8 @@ static void subdivide_defines(const svo_plan *plan, char *text, size_t bytes)
 
 static void pack_defines(const svo_plan *plan, char *text, size_t bytes)
 {
-    (void)snprintf(text, bytes, " -DSVO_RANGES%s", plan->work.lists ? " -DSVO_LISTS" : "");
+    (void)snprintf(text, bytes, " -DSVO_RANGES%s%s", plan->work.lists ? " -DSVO_LISTS" : "",
+                   plan->work.order ? " -DSVO_ORDER" : "");
 }
 
 static void surface_defines(const svo_plan *plan, char *text, size_t bytes)
@@ -146,8 +148,7 @@ static void surface_defines(const svo_plan *plan, char *text, size_t bytes)
 
 static void material_defines(const svo_plan *plan, char *text, size_t bytes)
 {
-    (void)plan;
-    (void)snprintf(text, bytes, " -DSVO_MATERIAL");
+    (void)snprintf(text, bytes, " -DSVO_MATERIAL%s", plan->device->cpu_path ? "" : " -DSVO_LONG_LEAVES");
 }
 
 static void filter_defines(const svo_plan *plan, char *text, size_t bytes)
@@ -239,7 +240,7 @@ static const svo_i_stage rows[] = {
      .kernels = {"svo_k_count", "svo_k_scan_lists_reduce", "svo_k_scan_lists_partials", "svo_k_scan_lists_add",
                  "svo_k_scatter", "svo_k_sort_short", "svo_k_sort_long"},
      .buffers = {TREE("list_begin", LEAVES), SCRATCH("list_counts", LEAVES), TREE("list", FRAGMENTS),
-                 SCRATCH("list_spare", FRAGMENTS), SCRATCH("long_leaves", FRAGMENTS)}},
+                 SCRATCH("list_spare", FRAGMENTS), SCRATCH("long_leaves", FRAGMENTS), SCRATCH("order", FRAGMENTS)}},
     {.name = "bottom_up lists",
      .stage = SVO_STAGE_PACK,
      .runs = bottom_up_lists_runs,
@@ -264,8 +265,9 @@ static const svo_i_stage rows[] = {
      .item_ns = 15.0,
      .program = SVO_I_PROGRAM_PACK,
      .defines = pack_defines,
-     .kernels = {"svo_k_count", "svo_k_scan_lists_reduce", "svo_k_scan_lists_partials", "svo_k_scan_lists_add"},
-     .buffers = {SCRATCH("list_begin", LEAVES), SCRATCH("list_counts", LEAVES)}},
+     .kernels = {"svo_k_count", "svo_k_scan_lists_reduce", "svo_k_scan_lists_partials", "svo_k_scan_lists_add",
+                 "svo_k_scatter"},
+     .buffers = {SCRATCH("list_begin", LEAVES), SCRATCH("list_counts", LEAVES), SCRATCH("order", FRAGMENTS)}},
     {.name = "bottom_up ranges",
      .stage = SVO_STAGE_PACK,
      .runs = bottom_up_ranges_runs,
@@ -281,9 +283,9 @@ static const svo_i_stage rows[] = {
      .item_ns = 60.0,
      .program = SVO_I_PROGRAM_FILTER,
      .defines = material_defines,
-     .kernels = {"svo_k_material_scatter", "svo_k_material_leaves", "svo_k_material_merge"},
+     .kernels = {"svo_k_material_scatter", "svo_k_material_leaves", "svo_k_material_long", "svo_k_material_merge"},
      .buffers = {TREE("materials", NODES), SCRATCH("entry_counts", NODES), SCRATCH("entry_begins", NODES),
-                 SCRATCH("entries", FRAGMENTS)}},
+                 SCRATCH("entries", FRAGMENTS), SCRATCH("long_leaves", FRAGMENTS)}},
     {.name = "link", /* filter launches it, chunk by chunk */
      .stage = SVO_STAGE_LINK,
      .runs = link_runs,
@@ -296,7 +298,7 @@ static const svo_i_stage rows[] = {
      .run = svo_i_filter,
      .program = SVO_I_PROGRAM_FILTER,
      .defines = filter_defines,
-     .kernels = {"svo_k_gather", "svo_k_gather_level", "svo_k_filter"},
+     .kernels = {"svo_k_gather", "svo_k_gather_level", "svo_k_gather_pairs", "svo_k_filter", "svo_k_filter_top"},
      .buffers = {SCRATCH("weights", NODES), SCRATCH("color_sums", NODES), SCRATCH("normal_sums", NODES),
                  TREE("colors", NODES), TREE("normals", NODES), TREE("fills", NODES)}},
     {.name = "areas", /* filter makes them with the rest */

@@ -20,6 +20,7 @@ svo_status svo_device_warm(svo_device *device, svo_plan *plan)
     SVO_I_TRY(svo_i_default_frontend(device, NULL, &frontend));
     SVO_I_TRY(svo_i_device_queue(device, function, NULL, &queue));
     svo_i_build build = {.commands = svo_i_commands_begin(plan, queue, &discarded), .frontend = frontend};
+    build.commands.untimed = true;
     SVO_I_TRY_CLEANUP(svo_i_progress_begin(plan, function, SVO_I_STAGE_BIT(SVO_STAGE_COMPILE)));
     SVO_I_TRY_CLEANUP(svo_i_compile(&build));
     SVO_I_TRY_CLEANUP(svo_i_progress_end(plan, SVO_STAGE_COMPILE));

@@ -174,6 +174,7 @@ static svo_status compile(svo_workspace *workspace, cl_command_queue queue)
     svo_i_build build = {.commands = svo_i_commands_begin(workspace->plan, queue, &discarded),
                          .frontend = workspace->frontend};
     svo_status status = SVO_OK;
+    build.commands.untimed = true;
     SVO_I_TRY_CLEANUP(svo_i_progress_begin(workspace->plan, SVO_I_WORKSPACE, SVO_I_STAGE_BIT(SVO_STAGE_COMPILE)));
     SVO_I_TRY_CLEANUP(svo_i_compile(&build));
     SVO_I_TRY_CLEANUP(svo_i_progress_end(workspace->plan, SVO_STAGE_COMPILE));

@@ -68,6 +68,7 @@ svo_status svo_i_commands_alloc(svo_i_commands *commands, const char *name, uint
     if (commands->mode == SVO_I_MODE_MEASURE) {
         SVO_I_TRY(measure(commands, name, bytes, out));
     } else {
+        SVO_I_TRY(commands->released_bytes > SVO_I_RELEASED_BYTES_MAX ? svo_i_commands_wait(commands) : SVO_OK);
         SVO_I_TRY(svo_i_device_buffer(commands->device, SVO_I_BUILD, name, CL_MEM_READ_WRITE, (size_t)bytes, out));
     }
     return svo_i_plan_buffer_add(commands->plan, name, bytes > 0 ? bytes : 1);
@@ -129,7 +130,7 @@ svo_status svo_i_commands_write(svo_i_commands *commands, cl_mem buffer, const v
         return SVO_OK;
     }
     cl_event event = NULL;
-    const cl_bool blocking = commands->mode == SVO_I_MODE_RUN ? CL_TRUE : CL_FALSE;
+    const cl_bool blocking = commands->blocks ? CL_TRUE : CL_FALSE;
     const cl_int error = clEnqueueWriteBuffer(commands->queue, buffer, blocking, 0, (size_t)bytes, data,
                                               wait_count(commands), wait_list(commands), &event);
     return follow(commands, "clEnqueueWriteBuffer", error, event);
@@ -151,6 +152,7 @@ void svo_i_commands_free(svo_i_commands *commands, cl_mem *buffer)
     size_t bytes = 0;
     clGetMemObjectInfo(*buffer, CL_MEM_SIZE, sizeof bytes, &bytes, NULL);
     svo_i_plan_buffer_remove(commands->plan, bytes);
+    commands->released_bytes += bytes;
     clReleaseMemObject(*buffer);
     *buffer = NULL;
 }
@@ -188,6 +190,7 @@ svo_status svo_i_commands_wait(svo_i_commands *commands)
 {
     const bool waits = commands->mode == SVO_I_MODE_RUN && commands->last != NULL;
     const cl_int error = waits ? clWaitForEvents(1, &commands->last) : CL_SUCCESS;
+    commands->released_bytes = 0;
     return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(commands->device, SVO_I_BUILD, "clWaitForEvents", error);
 }
 

@@ -31,6 +31,9 @@ typedef struct svo_i_commands {
     svo_plan *plan; /* allocations update its list of buffers */
     cl_command_queue queue;
     bool profiling; /* the queue has CL_QUEUE_PROFILING_ENABLE */
+    bool untimed; /* nobody asks for the times of stages */
+    bool blocks; /* SVO_I_MODE_RUN: writes wait, since their sources end before the build does */
+    uint64_t released_bytes; /* SVO_I_MODE_RUN: of buffers released since the last wait, which may still be in use */
     svo_build_report *report;
     svo_stage stage; /* that the progress reports */
     double item_ns; /* rough time of a work-item of the next launches, for the progress; stages may set it */
@@ -38,7 +41,7 @@ typedef struct svo_i_commands {
     cl_event last; /* the newest command; NULL at first */
     cl_event stage_first; /* the first command of the current stage */
     double stage_start_ms; /* wall clock at the start of the current stage */
-    svo_i_span spans[SVO_I_SPANS_MAX]; /* SVO_I_MODE_ENQUEUE */
+    svo_i_span spans[SVO_I_SPANS_MAX]; /* whose times svo_i_stage_collect will read */
     size_t span_count;
 
     svo_i_allocations *allocations; /* SVO_I_MODE_MEASURE appends to it; SVO_I_MODE_ENQUEUE takes from it */
@@ -46,6 +49,10 @@ typedef struct svo_i_commands {
     svo_i_warm_up *warm_up; /* SVO_I_MODE_MEASURE: performs warm-up launches; NULL: no launches */
     double *expected_ns; /* SVO_I_MODE_MEASURE: receives the predicted time of each stage; NULL: not wanted */
 } svo_i_commands;
+
+/* An allocation waits while more released memory than this may be in use, so that a build's peak on the device is about
+   the plan's. Small builds never wait for that. */
+#define SVO_I_RELEASED_BYTES_MAX (16u << 20)
 
 /* Commands in SVO_I_MODE_RUN. */
 svo_i_commands svo_i_commands_begin(svo_plan *plan, cl_command_queue queue, svo_build_report *report);
@@ -56,7 +63,7 @@ SVO_I_SHARED_BEGIN
 
 /* Allocates a buffer and adds it to the plan's list. name: a static string that the table of stages lists. */
 svo_status svo_i_commands_alloc(svo_i_commands *commands, const char *name, uint64_t bytes, cl_mem *out);
-/* Allocates a buffer and fills it from the host. */
+/* Allocates a buffer and fills it from the host. The data must stay until the next wait. */
 svo_status svo_i_commands_upload(svo_i_commands *commands, const char *name, const void *data, uint64_t bytes,
                                  cl_mem *out);
 
@@ -70,7 +77,7 @@ SVO_I_SHARED_END
 /* Releases a buffer, NULL allowed, and sets it to NULL. */
 void svo_i_commands_free(svo_i_commands *commands, cl_mem *buffer);
 
-/* Writes bytes to the start of a buffer. */
+/* Writes bytes to the start of a buffer. The data must stay until the next wait. */
 svo_status svo_i_commands_write(svo_i_commands *commands, cl_mem buffer, const void *data, uint64_t bytes);
 /* Fills bytes from the start of a buffer with a pattern. */
 svo_status svo_i_commands_fill(svo_i_commands *commands, cl_mem buffer, const void *pattern, size_t pattern_bytes,

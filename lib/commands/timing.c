@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Times of stages. Enqueued builds keep their events; svo_i_stage_collect reads them after the build. */
+/*
+ * Times of stages. Where the queue takes them, their events are kept, and svo_i_stage_collect reads them after the build.
+ * A blocking build on another queue waits at the end of each stage, if someone asks for its time, and any blocking build
+ * does so that has a callback to tell.
+ */
 #include "commands/timing.h"
 
 void svo_i_report_add(svo_build_report *report, svo_stage stage, double ms, const char *clock)
@@ -32,7 +36,8 @@ static double event_span_ms(cl_event first, cl_event last)
 /* Keeps the current stage's events for svo_i_stage_collect. Where that cannot be, its time is not reported. */
 static void keep_span(svo_i_commands *commands, svo_stage stage)
 {
-    if (commands->span_count < SVO_I_SPANS_MAX && commands->profiling && clRetainEvent(commands->last) == CL_SUCCESS) {
+    if (commands->span_count < SVO_I_SPANS_MAX && commands->profiling && !commands->untimed &&
+        clRetainEvent(commands->last) == CL_SUCCESS) {
         commands->spans[commands->span_count++] = (svo_i_span){stage, commands->stage_first, commands->last};
     } else {
         clReleaseEvent(commands->stage_first);
@@ -54,19 +59,10 @@ void svo_i_stage_collect(svo_i_commands *commands)
     commands->span_count = 0;
 }
 
-svo_status svo_i_stage_end(svo_i_commands *commands, svo_stage stage)
+/* Takes the time of a stage that has ended now. */
+static svo_status end_and_wait(svo_i_commands *commands, svo_stage stage)
 {
-    if (commands->stage_first == NULL) {
-        return SVO_OK;
-    }
-    if (commands->mode == SVO_I_MODE_ENQUEUE) {
-        keep_span(commands, stage);
-        return SVO_OK;
-    }
-    const cl_int error = clWaitForEvents(1, &commands->last);
-    if (error != CL_SUCCESS) {
-        return svo_i_device_fail_cl(commands->device, SVO_I_BUILD, "clWaitForEvents", error);
-    }
+    SVO_I_TRY(svo_i_commands_wait(commands));
     const double span = commands->profiling ? event_span_ms(commands->stage_first, commands->last) : -1.0;
     if (span >= 0.0) {
         svo_i_report_add(commands->report, stage, span, "cl-event");
@@ -76,4 +72,24 @@ svo_status svo_i_stage_end(svo_i_commands *commands, svo_stage stage)
     clReleaseEvent(commands->stage_first);
     commands->stage_first = NULL;
     return svo_i_commands_tell(commands);
+}
+
+svo_status svo_i_stage_end(svo_i_commands *commands, svo_stage stage)
+{
+    if (commands->stage_first == NULL) {
+        return SVO_OK;
+    }
+    if (commands->mode == SVO_I_MODE_ENQUEUE) {
+        keep_span(commands, stage);
+        return SVO_OK;
+    }
+    if (commands->plan->progress.callback != NULL || !(commands->profiling || commands->untimed)) {
+        return end_and_wait(commands, stage);
+    }
+    if (commands->span_count == SVO_I_SPANS_MAX) {
+        SVO_I_TRY(svo_i_commands_wait(commands));
+        svo_i_stage_collect(commands);
+    }
+    keep_span(commands, stage);
+    return SVO_OK;
 }

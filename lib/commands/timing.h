@@ -15,7 +15,7 @@ SVO_I_SHARED_END
 /* Commands between begin and end are timed as the stage's. A stage may begin several times; its times add up. */
 void svo_i_stage_begin(svo_i_commands *commands);
 svo_status svo_i_stage_end(svo_i_commands *commands, svo_stage stage);
-/* Adds the times of an enqueued build that has ended to the report, and releases their events. */
+/* Adds the times of a build that has ended to the report, and releases their events. */
 void svo_i_stage_collect(svo_i_commands *commands);
 
 #endif

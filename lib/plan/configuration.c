@@ -30,13 +30,14 @@ static void leave_out(svo_i_work *work, const char *what, const char *format, ..
     va_end(arguments);
 }
 
-/* The builder, leaf lists, and the ranges of the leaves' entries. */
+/* The builder, leaf lists, the ranges of the leaves' entries, and the order of leaves. */
 static void configure_lists(svo_plan *plan)
 {
     svo_i_work *work = &plan->work;
     work->sorted = plan->options.builder == SVO_BUILDER_SORTED;
     work->lists = (plan->info.need & SVO_NEED_RAYS) != 0;
     work->ranges = work->lists || (work->made & SVO_NEED_MATERIAL) != 0;
+    work->order = work->filter && !work->pair_lanes && !work->sorted;
 }
 
 /* Lists stages that do not run, with the reasons from the table of stages. */

@@ -45,6 +45,7 @@ typedef struct svo_i_work {
     bool ranges; /* the range of each leaf's entries: for leaf lists or materials */
     bool filter; /* color, normal or fill per node, or projected areas */
     bool surface; /* some stage reads the mesh's attributes */
+    bool order; /* fragments in the order of their leaves, for kernels/stages/pairs.cl */
     bool pair_lanes; /* pairs are evaluated eight at a time: on CPUs whose doubles are known to be exact */
     bool positions; /* some stage reads vertex positions to weigh or clip a triangle's part in a voxel */
     bool both_sides; /* projected areas: the mesh is open, and its triangles count from both sides */

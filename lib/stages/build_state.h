@@ -29,6 +29,7 @@ typedef struct svo_i_build {
 
     /* Scratch. */
     cl_mem *cursors; /* the current node of each fragment; one buffer per chunk */
+    cl_mem order; /* of the fragments by leaves; of a list of one chunk, if the plan asks for it */
     cl_mem state; /* svo_build_state: counts that kernels read and write */
     cl_mem partials; /* partial sums of a scan */
     svo_build_state host_state; /* source of the write to state, which may not block */

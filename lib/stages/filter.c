@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Links the fragments of each leaf and sums their contributions. Then the sums go up level by level, and the color,
- * normal and fill of every node are written. Projected areas are written for the leaves alone.
+ * Sums up the contributions of the fragments of each leaf. Then the sums go up level by level, and the color, normal
+ * and fill of every node are written. Projected areas are written for the leaves alone.
  *
- * Usually the list has one chunk. Its contributions are summed directly into the deepest inner level. A list of several
- * chunks is linked and summed chunk by chunk, into sums of the leaves.
+ * CPUs link the fragments of each leaf first. Usually the list has one chunk. Its contributions are summed directly
+ * into the deepest inner level. A list of several chunks is linked and summed chunk by chunk, into sums of the leaves.
+ * Elsewhere fragments are added to the sums of the leaves in the order that pack has found, or in any.
  */
 #include "stages/filter.h"
 
@@ -28,11 +29,12 @@ typedef struct filterer {
     svo_i_build *build;
     bool color, normal, fill, areas;
     bool levels; /* color, normal or fill: the sums go up */
+    bool pairs; /* fragments are gathered one by one */
+    bool leaf_sums; /* the leaves have sums, not only their parents */
     cl_mem heads;
-    cl_mem area_sums; /* of the leaves; for several chunks */
+    cl_mem area_sums; /* of the leaves */
     level_sums sums[2]; /* index: distance of the level from the leaves, modulo 2 */
     cl_kernel link, gather, filter;
-    bool one_chunk;
     svo_filter_params params;
 } filterer;
 
@@ -52,12 +54,12 @@ static svo_status allocate_sums(filterer *f, level_sums *sums, uint32_t level, u
     return SVO_OK;
 }
 
-/* Allocates the sums of two adjacent levels. The leaves have sums only if the list has several chunks. */
+/* Allocates the sums of two adjacent levels. */
 static svo_status allocate_all_sums(filterer *f)
 {
     const svo_tree_info *info = &f->build->tree->info;
     const uint64_t parents = info->inner_count - info->level_begin[info->depth - 1];
-    if (!f->one_chunk) {
+    if (f->leaf_sums) {
         SVO_I_TRY(allocate_sums(f, &f->sums[0], info->depth, info->leaf_count));
     } else if (info->depth > 1) {
         const uint64_t grandparents = info->level_begin[info->depth - 1] - info->level_begin[info->depth - 2];
@@ -71,7 +73,7 @@ static svo_status allocate_areas(filterer *f)
     svo_i_commands *commands = &f->build->commands;
     cl_mem *areas = &f->build->tree->buffers[SVO_TREE_AREAS];
     const uint64_t leaves = f->build->tree->info.leaf_count;
-    if (!f->one_chunk) {
+    if (f->leaf_sums) {
         SVO_I_TRY(svo_i_commands_alloc(commands, "area_sums", leaves * 48, &f->area_sums));
     }
     return svo_i_commands_alloc(commands, "areas", leaves * 12, areas);
@@ -83,7 +85,9 @@ static svo_status allocate(filterer *f)
     cl_mem *buffers = f->build->tree->buffers;
     const svo_tree_info *info = &f->build->tree->info;
     const uint64_t nodes = info->node_count - info->level_begin[info->payload_level];
-    SVO_I_TRY(svo_i_commands_alloc(commands, "heads", info->leaf_count * 4, &f->heads));
+    if (!f->pairs) {
+        SVO_I_TRY(svo_i_commands_alloc(commands, "heads", info->leaf_count * 4, &f->heads));
+    }
     if (f->levels) {
         SVO_I_TRY(allocate_all_sums(f));
     }
@@ -103,8 +107,8 @@ static svo_status create_kernels(filterer *f)
 {
     svo_i_commands *commands = &f->build->commands;
     cl_program program = f->build->programs[SVO_I_PROGRAM_FILTER];
-    const char *gather = f->one_chunk ? "svo_k_gather_level" : "svo_k_gather";
-    SVO_I_TRY(svo_i_commands_kernel(commands, program, "svo_k_link", &f->link));
+    const char *gather = f->pairs ? "svo_k_gather_pairs" : f->leaf_sums ? "svo_k_gather" : "svo_k_gather_level";
+    SVO_I_TRY(f->pairs ? SVO_OK : svo_i_commands_kernel(commands, program, "svo_k_link", &f->link));
     SVO_I_TRY(svo_i_commands_kernel(commands, program, gather, &f->gather));
     return f->levels ? svo_i_commands_kernel(commands, program, "svo_k_filter", &f->filter) : SVO_OK;
 }
@@ -140,34 +144,41 @@ static svo_status launch_parts(filterer *f, cl_kernel kernel, const svo_i_argume
     return SVO_OK;
 }
 
-/* Sums a chunk's contributions: into the leaves, or into the level above if it is the only chunk. */
-static svo_status gather_chunk(filterer *f, uint32_t chunk)
+/* The most arguments of a gather kernel. */
+#define GATHER_ARGUMENTS 21
+
+/* Puts the arguments that the gather kernels have in common: the chunk's fragments, the surface, the sums. */
+static cl_uint put_pairs(const filterer *f, uint32_t chunk, svo_i_argument *arguments)
+{
+    const svo_i_build *build = f->build;
+    const svo_i_surface *surface = &build->surface;
+    const level_sums *sums = &f->sums[f->leaf_sums ? 0 : 1];
+    const svo_i_argument common[] = {SVO_I_ARGUMENT(build->list.chunks[chunk].buffer),
+                                     SVO_I_ARGUMENT(build->cursors[chunk]),
+                                     f->pairs ? SVO_I_ARGUMENT(build->order) : SVO_I_ARGUMENT(f->heads),
+                                     SVO_I_ARGUMENT(surface->vertices),
+                                     SVO_I_ARGUMENT(surface->indices),
+                                     SVO_I_ARGUMENT(surface->records),
+                                     SVO_I_ARGUMENT(surface->colors),
+                                     SVO_I_ARGUMENT(surface->normals),
+                                     SVO_I_ARGUMENT(surface->uvs),
+                                     SVO_I_ARGUMENT(surface->materials),
+                                     SVO_I_ARGUMENT(surface->texels),
+                                     SVO_I_ARGUMENT(sums->weights),
+                                     SVO_I_ARGUMENT(sums->colors),
+                                     SVO_I_ARGUMENT(sums->normals)};
+    memcpy(arguments, common, sizeof common);
+    return sizeof common / sizeof common[0];
+}
+
+/* Sums a chunk's linked contributions: into the leaves, or into the level above if it is the only chunk. */
+static svo_status gather_lists(filterer *f, uint32_t chunk)
 {
     svo_i_build *build = f->build;
     svo_tree *tree = build->tree;
-    const level_sums *sums = &f->sums[f->one_chunk ? 1 : 0];
-    const svo_i_argument common[] = {
-        SVO_I_ARGUMENT(build->list.chunks[chunk].buffer),
-        SVO_I_ARGUMENT(build->cursors[chunk]),
-        SVO_I_ARGUMENT(f->heads),
-        SVO_I_ARGUMENT(build->surface.vertices),
-        SVO_I_ARGUMENT(build->surface.indices),
-        SVO_I_ARGUMENT(build->surface.records),
-        SVO_I_ARGUMENT(build->surface.colors),
-        SVO_I_ARGUMENT(build->surface.normals),
-        SVO_I_ARGUMENT(build->surface.uvs),
-        SVO_I_ARGUMENT(build->surface.materials),
-        SVO_I_ARGUMENT(build->surface.texels),
-        SVO_I_ARGUMENT(sums->weights),
-        SVO_I_ARGUMENT(sums->colors),
-        SVO_I_ARGUMENT(sums->normals),
-    };
-    enum { COMMON = sizeof common / sizeof common[0] };
-    svo_i_argument arguments[COMMON + 8];
-    cl_uint count = COMMON;
-    memcpy(arguments, common, sizeof common);
-    svo_i_params_of_level(&f->params, &tree->info, tree->info.depth - 1);
-    if (f->one_chunk) {
+    svo_i_argument arguments[GATHER_ARGUMENTS + 1];
+    cl_uint count = put_pairs(f, chunk, arguments);
+    if (!f->leaf_sums) {
         arguments[count++] = SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]);
         arguments[count++] = SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]);
         arguments[count++] = SVO_I_ARGUMENT(tree->buffers[SVO_TREE_COLORS]);
@@ -178,31 +189,75 @@ static svo_status gather_chunk(filterer *f, uint32_t chunk)
     arguments[count++] = SVO_I_ARGUMENT(f->params);
     if (f->areas) {
         arguments[count++] =
-            f->one_chunk ? SVO_I_ARGUMENT(tree->buffers[SVO_TREE_AREAS]) : SVO_I_ARGUMENT(f->area_sums);
+            f->leaf_sums ? SVO_I_ARGUMENT(f->area_sums) : SVO_I_ARGUMENT(tree->buffers[SVO_TREE_AREAS]);
     }
-    svo_i_stage_begin(&build->commands);
-    const uint64_t nodes = f->one_chunk ? f->params.level_count : f->params.leaf_count;
-    const uint32_t per_item = build->commands.plan->work.pair_lanes ? SVO_GATHER_NODES : 1;
-    const double item_fragments = (double)build->list.chunks[chunk].needed * per_item / (double)(nodes > 0 ? nodes : 1);
+    const uint64_t nodes = f->leaf_sums ? f->params.leaf_count : f->params.level_count;
+    const double item_fragments =
+        (double)build->list.chunks[chunk].needed * SVO_GATHER_NODES / (double)(nodes > 0 ? nodes : 1);
     svo_i_commands_stage(&build->commands, SVO_STAGE_FILTER, GATHER_NS * item_fragments);
-    SVO_I_TRY(launch_parts(f, f->gather, arguments, count, nodes, per_item));
-    return svo_i_stage_end(&build->commands, SVO_STAGE_FILTER);
+    return launch_parts(f, f->gather, arguments, count, nodes, SVO_GATHER_NODES);
+}
+
+/* Adds a chunk's contributions to the leaves, one by one. */
+static svo_status gather_pairs(filterer *f, uint32_t chunk)
+{
+    svo_i_build *build = f->build;
+    svo_i_argument arguments[GATHER_ARGUMENTS];
+    const uint32_t words = 1u + (f->color ? 4u : 0u) + (f->normal ? 3u : 0u) + (f->areas ? 6u : 0u);
+    cl_uint count = put_pairs(f, chunk, arguments);
+    arguments[count++] = SVO_I_ARGUMENT(f->area_sums);
+    arguments[count++] = SVO_I_ARGUMENT(build->state);
+    arguments[count++] = SVO_I_ARGUMENT(f->params);
+    arguments[count++] = SVO_I_LOCAL(words * SVO_GROUP_ITEMS * sizeof(cl_ulong));
+    arguments[count++] = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
+    svo_i_commands_stage(&build->commands, SVO_STAGE_FILTER, GATHER_NS);
+    return launch_parts(f, f->gather, arguments, count, f->params.fragment_count, 1);
+}
+
+/* Sums a chunk's contributions. */
+static svo_status gather_chunk(filterer *f, uint32_t chunk)
+{
+    svo_i_stage_begin(&f->build->commands);
+    svo_i_params_of_level(&f->params, &f->build->tree->info, f->build->tree->info.depth - 1);
+    SVO_I_TRY(f->pairs ? gather_pairs(f, chunk) : gather_lists(f, chunk));
+    return svo_i_stage_end(&f->build->commands, SVO_STAGE_FILTER);
+}
+
+/* Fragments that are gathered one by one are added to zero. */
+static svo_status clear_sums(filterer *f)
+{
+    const struct {
+        cl_mem sums;
+        uint32_t leaf_bytes;
+    } all[] = {{f->sums[0].weights, 8}, {f->sums[0].colors, 32}, {f->sums[0].normals, 24}, {f->area_sums, 48}};
+    svo_i_stage_begin(&f->build->commands);
+    for (unsigned i = 0; i < sizeof all / sizeof all[0]; ++i) {
+        if (all[i].sums != NULL) {
+            SVO_I_TRY(svo_i_commands_fill_zero(&f->build->commands, all[i].sums,
+                                               (uint64_t)f->params.leaf_count * all[i].leaf_bytes));
+        }
+    }
+    return svo_i_stage_end(&f->build->commands, SVO_STAGE_FILTER);
 }
 
 static svo_status gather_leaves(filterer *f)
 {
     f->params.first_chunk = 1;
+    f->params.grouped = f->build->list.chunk_count == 1 ? 1 : 0;
+    SVO_I_TRY(f->pairs ? clear_sums(f) : SVO_OK);
     for (uint32_t i = 0; i < f->build->list.chunk_count; ++i) {
         f->params.fragment_count = (cl_uint)f->build->list.chunks[i].needed;
-        svo_i_commands_stage(&f->build->commands, SVO_STAGE_LINK, LINK_NS);
-        SVO_I_TRY(svo_i_link(f->build, f->link, i, f->heads, f->params));
+        if (!f->pairs) {
+            svo_i_commands_stage(&f->build->commands, SVO_STAGE_LINK, LINK_NS);
+            SVO_I_TRY(svo_i_link(f->build, f->link, i, f->heads, f->params));
+        }
         SVO_I_TRY(gather_chunk(f, i));
         f->params.first_chunk = 0;
     }
     return SVO_OK;
 }
 
-/* Writes the leaves' areas from the sums over several chunks. */
+/* Writes the leaves' areas from their sums. */
 static svo_status round_areas(filterer *f)
 {
     svo_i_commands *commands = &f->build->commands;
@@ -216,8 +271,8 @@ static svo_status round_areas(filterer *f)
     return svo_i_stage_end(commands, SVO_STAGE_FILTER);
 }
 
-/* Adds up the children's sums for the nodes of one level. */
-static svo_status filter_level(filterer *f, const level_sums *children, const level_sums *nodes)
+/* Adds up the children's sums for the nodes of one level, or of it and all levels above. */
+static svo_status filter_level(filterer *f, const level_sums *children, const level_sums *nodes, bool is_top)
 {
     svo_tree *tree = f->build->tree;
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
@@ -233,7 +288,9 @@ static svo_status filter_level(filterer *f, const level_sums *children, const le
                                         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FILLS]),
                                         SVO_I_ARGUMENT(f->build->state),
                                         SVO_I_ARGUMENT(f->params)};
-    return launch_parts(f, f->filter, SVO_I_ARGUMENTS(arguments), f->params.level_count, 1);
+    return is_top ? svo_i_commands_run(&f->build->commands, f->build->programs[SVO_I_PROGRAM_FILTER],
+                                       "svo_k_filter_top", SVO_I_ARGUMENTS(arguments), SVO_GROUP_ITEMS)
+                  : launch_parts(f, f->filter, SVO_I_ARGUMENTS(arguments), f->params.level_count, 1);
 }
 
 static svo_status filter_levels(filterer *f)
@@ -243,10 +300,12 @@ static svo_status filter_levels(filterer *f)
     const uint32_t last_level = first > 0 ? first - 1 : 0; /* inner nodes write the payload of their children too */
     svo_i_stage_begin(&f->build->commands);
     svo_i_commands_stage(&f->build->commands, SVO_STAGE_FILTER, NODE_NS);
-    for (uint32_t level = f->one_chunk ? depth - 1 : depth; level-- > last_level;) {
+    bool is_top = false;
+    for (uint32_t level = f->leaf_sums ? depth : depth - 1; level-- > last_level && !is_top;) {
         const unsigned odd = (depth - level) % 2;
+        is_top = level <= SVO_TOP_LEVEL;
         svo_i_params_of_level(&f->params, &f->build->tree->info, level);
-        SVO_I_TRY(filter_level(f, &f->sums[1 - odd], &f->sums[odd]));
+        SVO_I_TRY(filter_level(f, &f->sums[1 - odd], &f->sums[odd], is_top));
     }
     return svo_i_stage_end(&f->build->commands, SVO_STAGE_FILTER);
 }
@@ -295,7 +354,7 @@ static svo_status run(filterer *f)
     }
     SVO_I_TRY(create_kernels(f));
     SVO_I_TRY(gather_leaves(f));
-    if (f->areas && !f->one_chunk) {
+    if (f->areas && f->leaf_sums) {
         SVO_I_TRY(round_areas(f));
     }
     if (!f->levels) {
@@ -305,18 +364,31 @@ static svo_status run(filterer *f)
     return svo_i_part_sums_root(f->build->commands.plan) ? keep_root(f) : SVO_OK;
 }
 
+/* Releases the order of leaves, and their ranges if nothing else needs them. */
+static void free_order(svo_i_build *build)
+{
+    const svo_i_work *work = &build->commands.plan->work;
+    svo_i_commands_free(&build->commands, &build->order);
+    if (work->order && !work->lists) {
+        svo_i_commands_free(&build->commands, &build->tree->buffers[SVO_TREE_LIST_BEGIN]);
+    }
+}
+
 svo_status svo_i_filter(svo_i_build *build)
 {
-    const uint32_t made = build->commands.plan->work.made;
+    const svo_i_work *work = &build->commands.plan->work;
+    const uint32_t made = work->made;
     filterer f = {.build = build,
                   .color = (made & SVO_NEED_COLOR) != 0,
                   .normal = (made & SVO_NEED_NORMAL) != 0,
                   .fill = (made & SVO_NEED_FILL) != 0,
                   .areas = (made & SVO_NEED_PROJECTED_AREA) != 0,
                   .levels = (made & SVO_I_NEED_FILTER) != 0,
-                  .one_chunk = build->list.chunk_count == 1,
+                  .pairs = !work->pair_lanes,
+                  .leaf_sums = !work->pair_lanes || build->list.chunk_count > 1,
                   .params = svo_i_payload_params(build)};
     const svo_status status = run(&f);
     release(&f);
+    free_order(build);
     return status;
 }

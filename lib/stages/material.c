@@ -16,10 +16,16 @@ typedef struct level_entries {
 typedef struct sorter {
     svo_i_build *build;
     cl_mem list_begin, materials;
+    cl_mem long_leaves; /* on GPUs: how many leaves a work-group sorts, and which; else NULL */
     level_entries levels[2]; /* index: distance of the level from the leaves, modulo 2 */
     cl_kernel merge;
     svo_filter_params params;
 } sorter;
+
+static uint64_t most_long_leaves(const svo_i_build *build)
+{
+    return build->fragment_count / (SVO_LONG_LEAF + 1);
+}
 
 static svo_status allocate(sorter *s)
 {
@@ -32,6 +38,10 @@ static svo_status allocate(sorter *s)
     SVO_I_TRY(svo_i_commands_alloc(&build->commands, "entry_begins", grandparents * 4, &s->levels[0].begins));
     SVO_I_TRY(svo_i_commands_alloc(&build->commands, "entry_counts", parents * 4, &s->levels[1].counts));
     SVO_I_TRY(svo_i_commands_alloc(&build->commands, "entry_begins", parents * 4, &s->levels[1].begins));
+    if (!build->commands.device->cpu_path) {
+        SVO_I_TRY(
+            svo_i_commands_alloc(&build->commands, "long_leaves", (most_long_leaves(build) + 1) * 4, &s->long_leaves));
+    }
     for (unsigned odd = 0; odd < 2; ++odd) {
         SVO_I_TRY(
             svo_i_commands_alloc(&build->commands, "entries", build->fragment_count * 8, &s->levels[odd].entries));
@@ -44,6 +54,7 @@ static void release(sorter *s)
     if (s->merge != NULL) {
         clReleaseKernel(s->merge);
     }
+    svo_i_commands_free(&s->build->commands, &s->long_leaves);
     for (unsigned odd = 0; odd < 2; ++odd) {
         svo_i_commands_free(&s->build->commands, &s->levels[odd].counts);
         svo_i_commands_free(&s->build->commands, &s->levels[odd].begins);
@@ -75,15 +86,29 @@ static svo_status scatter(sorter *s)
 
 static svo_status sort_leaves(sorter *s)
 {
+    svo_i_commands *commands = &s->build->commands;
+    cl_program program = s->build->programs[SVO_I_PROGRAM_FILTER];
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(s->list_begin),
                                         SVO_I_ARGUMENT(s->levels[0].counts),
                                         SVO_I_ARGUMENT(s->levels[0].entries),
                                         SVO_I_ARGUMENT(s->levels[1].entries),
+                                        SVO_I_ARGUMENT(s->long_leaves),
                                         SVO_I_ARGUMENT(s->materials),
                                         SVO_I_ARGUMENT(s->build->state),
-                                        SVO_I_ARGUMENT(s->params)};
-    return svo_i_commands_run(&s->build->commands, s->build->programs[SVO_I_PROGRAM_FILTER], "svo_k_material_leaves",
-                              SVO_I_ARGUMENTS(arguments), s->params.leaf_count);
+                                        SVO_I_ARGUMENT(s->params),
+                                        SVO_I_LOCAL(sizeof(cl_uint) * SVO_DIGITS * SVO_GROUP_ITEMS),
+                                        SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint))};
+    enum { COUNT = sizeof arguments / sizeof arguments[0], LOCALS = 2 };
+    const uint64_t most = most_long_leaves(s->build);
+    if (s->long_leaves == NULL) {
+        return svo_i_commands_run(commands, program, "svo_k_material_leaves", arguments, COUNT - LOCALS,
+                                  s->params.leaf_count);
+    }
+    SVO_I_TRY(svo_i_commands_fill_zero(commands, s->long_leaves, sizeof(cl_uint)));
+    SVO_I_TRY(svo_i_commands_run(commands, program, "svo_k_material_leaves", arguments, COUNT - LOCALS,
+                                 s->params.leaf_count));
+    return svo_i_commands_run(commands, program, "svo_k_material_long", arguments, COUNT,
+                              (most < SVO_SCAN_GROUPS ? most : SVO_SCAN_GROUPS) * SVO_GROUP_ITEMS);
 }
 
 static svo_status merge_level(sorter *s, uint32_t level)
@@ -141,10 +166,10 @@ static svo_status run(sorter *s)
     return svo_i_part_sums_root(s->build->commands.plan) ? keep_root(s) : SVO_OK;
 }
 
-/* Releases the ranges of entries if only the materials needed them. */
+/* Releases the ranges of entries if nothing else needs them. */
 static void free_ranges(svo_i_build *build)
 {
-    if (!build->commands.plan->work.lists) {
+    if (!build->commands.plan->work.lists && !build->commands.plan->work.order) {
         svo_i_commands_free(&build->commands, &build->tree->buffers[SVO_TREE_LIST_BEGIN]);
     }
 }
@@ -166,6 +191,7 @@ static svo_status make_materials(svo_i_build *build)
                     .list_begin = build->tree->buffers[SVO_TREE_LIST_BEGIN],
                     .materials = *materials,
                     .params = svo_i_payload_params(build)};
+        s.params.digit_passes = svo_i_digit_passes(build->commands.plan->material_count);
         const svo_status status = run(&s);
         release(&s);
         SVO_I_TRY(status);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Counts the entries of each leaf and scans the counts into the beginnings of their ranges. Where leaf lists are
- * needed, scatters the triangles into the ranges and sorts each.
+ * needed, scatters the triangles into the ranges and sorts each. Where the order of leaves is needed, scatters the
+ * fragments' indices in the same launch.
  */
 #include "stages/pack.h"
 
@@ -44,6 +45,17 @@ static svo_status allocate_lists(packer *p)
     return SVO_OK;
 }
 
+/* Allocates what the fragments are scattered to. */
+static svo_status allocate_slots(packer *p)
+{
+    svo_i_build *build = p->build;
+    const svo_i_work *work = &build->commands.plan->work;
+    SVO_I_TRY(work->lists ? allocate_lists(p) : SVO_OK);
+    return work->order && build->list.chunk_count == 1
+               ? svo_i_commands_alloc(&build->commands, "order", build->fragment_count * 4, &build->order)
+               : SVO_OK;
+}
+
 static svo_status count_lists(packer *p)
 {
     svo_i_build *build = p->build;
@@ -68,6 +80,7 @@ static svo_status scatter(packer *p)
                                             SVO_I_ARGUMENT(p->counts),
                                             SVO_I_ARGUMENT(p->list_begin),
                                             SVO_I_ARGUMENT(p->list),
+                                            SVO_I_ARGUMENT(build->order),
                                             SVO_I_ARGUMENT(build->state),
                                             SVO_I_ARGUMENT(p->params)};
         SVO_I_TRY(svo_i_commands_run(&p->build->commands, p->build->programs[SVO_I_PROGRAM_PACK], "svo_k_scatter",
@@ -102,16 +115,17 @@ static svo_status run(packer *p)
     SVO_I_TRY(allocate_ranges(p));
     SVO_I_TRY(count_lists(p));
     SVO_I_TRY(svo_i_scan_lists(p->build, SVO_I_PROGRAM_PACK, p->counts, p->list_begin, p->build->state, p->params));
-    if (p->build->commands.plan->work.lists) {
-        SVO_I_TRY(allocate_lists(p));
-        SVO_I_TRY(scatter(p));
-        SVO_I_TRY(sort_lists(p));
-    }
+    SVO_I_TRY(allocate_slots(p));
+    SVO_I_TRY(p->list != NULL || p->build->order != NULL ? scatter(p) : SVO_OK);
+    SVO_I_TRY(p->list != NULL ? sort_lists(p) : SVO_OK);
     return svo_i_stage_end(&p->build->commands, SVO_STAGE_PACK);
 }
 
 svo_status svo_i_pack(svo_i_build *build)
 {
+    if (!build->commands.plan->work.ranges && build->list.chunk_count != 1) {
+        return SVO_OK; /* chunks are gathered in any order */
+    }
     const svo_tree_info *info = &build->tree->info;
     packer p = {.build = build,
                 .params = {.depth = info->depth,

@@ -9,9 +9,13 @@
 #include "plan/estimate.h"
 #include "plan/tiles.h"
 
-/* Local memory of a work-group. */
-#define NOTES_BYTES   (sizeof(cl_uint) * SVO_GROUP_ITEMS * (SVO_TILE_COLUMNS + 1))
+/* Local memory of a work-group: for sums, and for notes and fragments. */
 #define SCRATCH_BYTES (sizeof(cl_uint) * SVO_GROUP_ITEMS)
+
+static size_t words_bytes(const svo_device *device)
+{
+    return sizeof(cl_uint) * (device->cpu_path ? SVO_VOXELIZE_STAGE_WORDS : SVO_VOXELIZE_NOTE_WORDS);
+}
 
 /* The state of one call of svo_i_voxelize. */
 typedef struct run {
@@ -125,6 +129,7 @@ static svo_status launch(run *r, const svo_i_draw *draw, svo_voxelize_params par
     params.width = draw->tile_width;
     params.height = draw->tile_height;
     const uint64_t parts = svo_i_commands_parts(r->commands, ids);
+    const size_t local_bytes = words_bytes(r->commands->device);
     for (uint64_t part = 0; part < parts; ++part) {
         const uint64_t begin = part * SVO_I_PART_ITEMS;
         const uint64_t end = part + 1 < parts ? begin + SVO_I_PART_ITEMS : ids;
@@ -133,7 +138,7 @@ static svo_status launch(run *r, const svo_i_draw *draw, svo_voxelize_params par
         const svo_i_argument arguments[] = {
             SVO_I_ARGUMENT(r->vertices), SVO_I_ARGUMENT(r->indices),  SVO_I_ARGUMENT(r->items),
             SVO_I_ARGUMENT(tiles),       SVO_I_ARGUMENT(r->counters), SVO_I_ARGUMENT(fragments),
-            SVO_I_ARGUMENT(cut),         SVO_I_LOCAL(NOTES_BYTES),    SVO_I_LOCAL(SCRATCH_BYTES)};
+            SVO_I_ARGUMENT(cut),         SVO_I_LOCAL(local_bytes),    SVO_I_LOCAL(SCRATCH_BYTES)};
         SVO_I_TRY(svo_i_commands_launch(r->commands, r->kernels[test_of(plan, draw->class_id)],
                                         SVO_I_ARGUMENTS(arguments), end - begin));
     }
@@ -250,7 +255,11 @@ static svo_status draw_chunk(run *r, uint32_t chunk_index, svo_i_fragments *out)
     SVO_I_TRY_CLEANUP(svo_i_commands_upload(r->commands, "mesh_tiles", found.tiles.items, bytes, &tile_buffer));
     SVO_I_TRY_CLEANUP(svo_i_stage_end(r->commands, SVO_STAGE_TRANSFER));
     SVO_I_TRY_CLEANUP(launch_draws(r, chunk_index, found.begin, tile_buffer, out->buffer));
+    SVO_I_TRY_CLEANUP(svo_i_commands_wait(r->commands)); /* for the tiles' upload */
 cleanup:
+    if (status != SVO_OK && r->commands->mode == SVO_I_MODE_RUN && r->commands->last != NULL) {
+        (void)svo_i_event_settle(r->commands->last);
+    }
     svo_i_commands_free(r->commands, &tile_buffer);
     free_tiles(r, &found);
     return status;
@@ -339,10 +348,11 @@ svo_status svo_frontend_create_cl(svo_device *device, svo_frontend **out)
     if (error != CL_SUCCESS) {
         return svo_i_device_fail_cl(device, "svo_frontend_create_cl", "clGetDeviceInfo", error);
     }
-    if (local_bytes < NOTES_BYTES + SCRATCH_BYTES) {
+    const size_t needed = words_bytes(device) + SCRATCH_BYTES;
+    if (local_bytes < needed) {
         return svo_i_device_fail(device, SVO_UNSUPPORTED,
                                  "svo_frontend_create_cl: %s has %llu bytes of local memory, below %zu", device->name,
-                                 (unsigned long long)local_bytes, NOTES_BYTES + SCRATCH_BYTES);
+                                 (unsigned long long)local_bytes, needed);
     }
     svo_frontend *frontend = svo_i_alloc_zeroed(&device->memory, 1, sizeof *frontend);
     if (frontend == NULL) {

@@ -130,7 +130,7 @@ ivec3 svo_voxel_corner(svo_code code, uint voxel_log2)
 /* The part of a triangle inside a voxel. corners: the triangle's, relative to the voxel's minimum corner. */
 svo_part svo_pair_part(int corners[9])
 {
-    svo_i64 polygons[2 * SVO_PART_WORDS];
+    svo_i64 polygons[SVO_PART_WORDS];
     for (int i = 0; i < 9; ++i) {
         polygons[i] = int64_t(corners[i]) * int64_t(1 << (SVO_SUB_LOG2 - int(params.voxel_log2)));
     }

@@ -13,7 +13,7 @@ layout(local_size_x = SVO_GROUP_ITEMS) in;
 
 layout(std430, binding = 15) buffer Exhausted
 {
-    uint exhausted; /* not 0: an invocation's loops were cut short */
+    uint exhausted; /* not 0: an invocation's loops were cut short, or would have been long */
 };
 
 /* llvmpipe silently stops an invocation after 65535 loop iterations: every later loop ends after one iteration. Call
@@ -28,6 +28,16 @@ void svo_check_loops()
     if (iterations < 2u) {
         exhausted = 1u;
     }
+}
+
+/* Whether a leaf has too many triangles for one invocation, since drivers of GPUs stop long launches; then the host is
+   told in the same way. */
+bool svo_is_long(uint triangles)
+{
+    if (triangles > uint(SVO_LONG_LEAF)) {
+        exhausted = 1u;
+    }
+    return triangles > uint(SVO_LONG_LEAF);
 }
 
 uint svo_item()

@@ -4,7 +4,7 @@
  * GLSL.
  *
  *   SVO_K_GATHER_LEVEL  per node of the deepest inner level: walks its leaves' linked lists, writes the leaves'
- *                       payload and the node's sums. For lists of one chunk whose leaves fit the loop limit
+ *                       payload and the node's sums. For lists of one chunk without long leaves
  *   SVO_K_GATHER        per fragment of a chunk, for all other lists: adds its contribution to the sums of its leaf,
  *                       which start at zero. 64-bit sums by 32-bit atomics, with a carry from the low to the high word
  *   SVO_K_FILTER        per node of a level, upwards from the deepest level left: writes its children's payload and its
@@ -277,7 +277,7 @@ layout(std430, binding = 8) readonly buffer Heads
 svo_sums svo_sum_list(uint link)
 {
     svo_sums sums = svo_no_sums();
-    while (link != 0u) {
+    for (uint triangles = 1u; link != 0u && !svo_is_long(triangles); ++triangles) {
         svo_add_pair(sums, svo_fragment_triangle(link - 1u), svo_fragment_code(link - 1u));
         link = links[link - 1u];
     }

@@ -5,7 +5,7 @@
  *
  *   SVO_K_MATERIAL_SCATTER  per fragment: writes (material, weight) into its leaf's range of entries, in any order
  *   SVO_K_MATERIAL_LEAVES   per leaf: sorts its entries by material and sums up those of one material
- *   SVO_K_MATERIAL_PASS     per entry: one pass of that merge sort, for leaves too long for one invocation
+ *   SVO_K_MATERIAL_PASS     per entry: one pass of that merge sort, where a leaf is too long for one invocation
  *                           (compute.glsl)
  *   SVO_K_MATERIAL_MERGE    per node of a level: merges its children's entries, in place of the first child's
  *
@@ -211,6 +211,9 @@ void main()
     uint end = list_begin[leaf + 1u];
     bool forth = true;
     uint unsorted = params.digit_passes != 0u ? 0u : end - begin;
+    if (svo_is_long(unsorted)) {
+        return;
+    }
     for (uint width = 1u; width < unsorted; width *= 2u) {
         for (uint run = begin; run < end; run += 2u * width) {
             svo_merge_pair(forth, run, min(run + width, end), min(run + 2u * width, end));
