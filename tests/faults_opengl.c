@@ -13,6 +13,8 @@
 #include "raster/raster.h"
 #include "raster/selftest.h"
 
+#define GL_BUFFER_BYTES 64
+
 /*
  * Scenarios: OpenGL.
  */
@@ -150,27 +152,32 @@ static svo_status run_gl_mesh_read(subject *of)
     return status;
 }
 
+/* Gives the buffer to OpenCL, writes it, and gives it to OpenGL. */
+static svo_status pass_bytes(subject *of, svo_gl_buffer *buffer, int content)
+{
+    uint8_t bytes[GL_BUFFER_BYTES];
+    svo_gl_buffer_info info = SVO_GL_BUFFER_INFO_INIT;
+    memset(bytes, content, sizeof bytes);
+    TRY_TOLD(svo_gl_buffer_get_info(buffer, &info));
+    TRY_TOLD(svo_gl_buffer_to_cl(buffer, world.queue));
+    faults_spare(true);
+    assert_int_equal(clEnqueueWriteBuffer(world.queue, info.memory, CL_TRUE, 0, sizeof bytes, bytes, 0, NULL, NULL),
+                     CL_SUCCESS);
+    faults_spare(false);
+    digest(of, &info.bytes, sizeof info.bytes);
+    return told(of, world.device, svo_gl_buffer_to_gl(buffer, sizeof bytes, world.queue, 0, NULL));
+}
+
 /* To OpenGL, back, and there again. */
 static svo_status use_gl_buffer(subject *of, svo_gl_share share)
 {
-    uint8_t bytes[64];
     svo_gl_buffer *buffer = NULL;
-    svo_gl_buffer_info info = SVO_GL_BUFFER_INFO_INIT;
-    TRY_TOLD(svo_gl_buffer_create(world.device, world.context, sizeof bytes, share, &buffer));
-    svo_status status = told(of, world.device, svo_gl_buffer_get_info(buffer, &info));
-    for (int round = 0; round < 2 && status == SVO_OK; ++round) {
-        status = told(of, world.device, svo_gl_buffer_to_cl(buffer, world.queue));
-        if (status == SVO_OK) {
-            faults_spare(true);
-            memset(bytes, 1 + round, sizeof bytes);
-            assert_int_equal(
-                clEnqueueWriteBuffer(world.queue, info.memory, CL_TRUE, 0, sizeof bytes, bytes, 0, NULL, NULL),
-                CL_SUCCESS);
-            faults_spare(false);
-            status = told(of, world.device, svo_gl_buffer_to_gl(buffer, sizeof bytes, world.queue, 0, NULL));
-        }
-    }
-    digest(of, &info.bytes, sizeof info.bytes);
+    svo_status status = SVO_OK;
+    TRY_TOLD(svo_gl_buffer_create(world.device, world.context, GL_BUFFER_BYTES, share, &buffer));
+    SVO_I_TRY_CLEANUP(pass_bytes(of, buffer, 1));
+    SVO_I_TRY_CLEANUP(pass_bytes(of, buffer, 2));
+
+cleanup:
     svo_gl_buffer_destroy(&buffer);
     return status;
 }
