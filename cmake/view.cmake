@@ -1,5 +1,5 @@
-# What `svocl view` needs: SDL2 and a font, which the program embeds. Dear ImGui is optional, as SVOCL_IMGUI is: without it
-# panels are those of tools/view/ui_text.c. C++ is enabled for one file.
+# What `svocl view` needs: svocl::gl, SDL2 and a font, which the program embeds. Dear ImGui is optional, as SVOCL_IMGUI is:
+# without it panels are those of tools/view/ui_text.c. C++ is enabled for one file.
 set(SVOCL_VIEW_FOUND OFF)
 set(SVOCL_IMGUI_FOUND OFF)
 if(SVOCL_VIEW)
@@ -7,10 +7,10 @@ if(SVOCL_VIEW)
   find_file(VIEW_FONT DejaVuSans.ttf PATHS /usr/share/fonts /usr/local/share/fonts
             PATH_SUFFIXES truetype/dejavu dejavu TTF NO_DEFAULT_PATH)
 endif()
-if(SVOCL_VIEW AND SDL2_FOUND AND VIEW_FONT)
+if(SVOCL_VIEW AND SVOCL_GL AND SDL2_FOUND AND VIEW_FONT)
   set(SVOCL_VIEW_FOUND ON)
 elseif(SVOCL_VIEW)
-  message(STATUS "svocl view is left out: it needs SDL2 (libsdl2-dev) and DejaVuSans.ttf (fonts-dejavu-core)")
+  message(STATUS "svocl view is left out: it needs SVOCL_GL, SDL2 (libsdl2-dev) and DejaVuSans.ttf (fonts-dejavu-core)")
 endif()
 if(SVOCL_VIEW_FOUND AND SVOCL_IMGUI)
   find_path(IMGUI_INCLUDE_DIR imgui.h PATH_SUFFIXES imgui)

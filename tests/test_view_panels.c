@@ -353,13 +353,48 @@ static void fill_state(view_state *state, unsigned width, unsigned height)
     fill_probes(&state->probes);
 }
 
-static const ui_drawing *describe_panels(ui *toolkit, ui_events *events, view_state *state)
+/* The viewer's panels in a window, and a hand over them. */
+typedef struct panels_session {
+    ui *toolkit;
+    ui_events events;
+    view_state *state;
+} panels_session;
+
+static panels_session begin_panels(unsigned width, unsigned height)
 {
-    ui_input input = ui_events_frame(events, state->width, state->height, 1.0F / 60);
+    panels_session made = {.toolkit = ui_create(), .state = malloc(sizeof *made.state)};
+    assert_true(made.toolkit != NULL && made.state != NULL);
+    fill_state(made.state, width, height);
+    ui_events_begin(&made.events);
+    return made;
+}
+
+static void end_panels(panels_session *at)
+{
+    view_state_end(at->state);
+    free(at->state);
+    ui_destroy(&at->toolkit);
+}
+
+static const ui_drawing *describe_panels(panels_session *at)
+{
+    const view_state *state = at->state;
+    ui_input input = ui_events_frame(&at->events, state->width, state->height, 1.0F / 60);
     input.large = panels_text_is_large(state);
-    ui_begin(toolkit, &input);
-    panels_describe(toolkit, state);
-    return ui_end(toolkit);
+    ui_begin(at->toolkit, &input);
+    panels_describe(at->toolkit, at->state);
+    return ui_end(at->toolkit);
+}
+
+static void click_panels(panels_session *at, int x, int y)
+{
+    const view_event events[] = {{.kind = VIEW_EVENT_MOVE, .x = x, .y = y},
+                                 {.kind = VIEW_EVENT_BUTTON, .is_down = true, .x = x, .y = y},
+                                 {.kind = VIEW_EVENT_BUTTON, .x = x, .y = y}};
+    for (size_t i = 0; i < sizeof events / sizeof events[0]; ++i) {
+        ui_events_take(&at->events, &events[i]);
+        assert_non_null(describe_panels(at));
+    }
 }
 
 /* How far a batch reaches into a rectangle: pixels of what its clip leaves there. */
@@ -379,66 +414,43 @@ static void test_center_is_free(void **unused)
 {
     (void)unused;
     static const unsigned sizes[][2] = {{160, 160}, {640, 400}, {1280, 800}, {3840, 2160}};
-    view_state *state = malloc(sizeof *state);
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; ++i) {
         const float width = (float)sizes[i][0];
         const float height = (float)sizes[i][1];
         const float center[4] = {0.36F * width, 0, 0.64F * width, height - 40};
-        ui_events events;
-        ui *toolkit = ui_create();
-        fill_state(state, sizes[i][0], sizes[i][1]);
-        ui_events_begin(&events);
+        panels_session at = begin_panels(sizes[i][0], sizes[i][1]);
         for (int scene = 0; scene < 2; ++scene) {
-            view_choose_scene(state, scene == 1);
-            (void)describe_panels(toolkit, &events, state);
-            const ui_drawing *drawing = describe_panels(toolkit, &events, state);
+            view_choose_scene(at.state, scene == 1);
+            (void)describe_panels(&at);
+            const ui_drawing *drawing = describe_panels(&at);
             assert_non_null(drawing);
             assert_true(drawing->vertex_count > 200);
             for (size_t k = 0; k < drawing->batch_count; ++k) {
                 assert_false(reaches(drawing, &drawing->batches[k], center));
             }
         }
-        view_state_end(state);
-        ui_destroy(&toolkit);
+        end_panels(&at);
     }
-    free(state);
 }
 
 /* The first row of the left column is a heading. */
 static void test_heading_opens(void **unused)
 {
     (void)unused;
-    view_state *state = malloc(sizeof *state);
-    ui_events events;
-    ui *toolkit = ui_create();
-    fill_state(state, 640, 400);
-    memset(state->settings.open, false, sizeof state->settings.open);
-    ui_events_begin(&events);
-    (void)describe_panels(toolkit, &events, state);
-    for (int i = 0; i < 3; ++i) {
-        const view_event event = {
-            .kind = i == 0 ? VIEW_EVENT_MOVE : VIEW_EVENT_BUTTON, .is_down = i == 1, .x = 60, .y = 22};
-        ui_events_take(&events, &event);
-        assert_non_null(describe_panels(toolkit, &events, state));
-    }
-    assert_true(state->settings.open[VIEW_PANEL_HELP]);
-    state->settings.panels = false;
-    assert_int_equal(describe_panels(toolkit, &events, state)->index_count, 0);
-    view_state_end(state);
-    ui_destroy(&toolkit);
-    free(state);
+    panels_session at = begin_panels(640, 400);
+    memset(at.state->settings.open, false, sizeof at.state->settings.open);
+    (void)describe_panels(&at);
+    click_panels(&at, 60, 22);
+    assert_true(at.state->settings.open[VIEW_PANEL_HELP]);
+    at.state->settings.panels = false;
+    assert_int_equal(describe_panels(&at)->index_count, 0);
+    end_panels(&at);
 }
 
 /* Clicks a row of the right column, of which the first ones are headings. */
-static void click_right(ui *toolkit, ui_events *events, view_state *state, int row)
+static void click_right(panels_session *at, int row)
 {
-    const int y = (int)(6 + UI_PADDING + ui_row_height(toolkit) * ((float)row + 0.5F));
-    for (int i = 0; i < 3; ++i) {
-        const view_event event = {
-            .kind = i == 0 ? VIEW_EVENT_MOVE : VIEW_EVENT_BUTTON, .is_down = i == 1, .x = 445, .y = y};
-        ui_events_take(events, &event);
-        assert_non_null(describe_panels(toolkit, events, state));
-    }
+    click_panels(at, 445, (int)(6 + UI_PADDING + ui_row_height(at->toolkit) * ((float)row + 0.5F)));
 }
 
 static bool draws_map(const ui_drawing *drawing)
@@ -455,26 +467,20 @@ static bool draws_map(const ui_drawing *drawing)
 static void test_probes_are_shown(void **unused)
 {
     (void)unused;
-    view_state *state = malloc(sizeof *state);
-    ui_events events;
-    ui *toolkit = ui_create();
-    fill_state(state, 640, 400);
-    memset(state->settings.open, false, sizeof state->settings.open);
-    state->settings.open[VIEW_PANEL_PROBES] = true;
-    ui_events_begin(&events);
-    (void)describe_panels(toolkit, &events, state);
-    click_right(toolkit, &events, state, 4);
-    assert_true(state->shown.through);
-    click_right(toolkit, &events, state, 8);
-    assert_true(state->probes.has_spheres);
-    assert_true(draws_map(describe_panels(toolkit, &events, state)));
-    click_right(toolkit, &events, state, 11);
-    assert_false(state->probes.has_map);
-    state->probes.texels = NULL; /* as the drawing does then */
-    assert_false(draws_map(describe_panels(toolkit, &events, state)));
-    view_state_end(state);
-    ui_destroy(&toolkit);
-    free(state);
+    panels_session at = begin_panels(640, 400);
+    memset(at.state->settings.open, false, sizeof at.state->settings.open);
+    at.state->settings.open[VIEW_PANEL_PROBES] = true;
+    (void)describe_panels(&at);
+    click_right(&at, 4);
+    assert_true(at.state->shown.through);
+    click_right(&at, 8);
+    assert_true(at.state->probes.has_spheres);
+    assert_true(draws_map(describe_panels(&at)));
+    click_right(&at, 11);
+    assert_false(at.state->probes.has_map);
+    at.state->probes.texels = NULL; /* as the drawing does then */
+    assert_false(draws_map(describe_panels(&at)));
+    end_panels(&at);
 }
 
 /* ---- memory ---- */
@@ -482,21 +488,20 @@ static void test_probes_are_shown(void **unused)
 /* Opens the panels and shows three frames; false when memory ran out. */
 static bool show_panels(view_state *state)
 {
-    ui_events events;
-    ui_events_begin(&events);
-    ui *toolkit = ui_create();
-    bool is_shown = toolkit != NULL;
+    const view_event event = {.kind = VIEW_EVENT_MOVE, .x = 60, .y = 60};
+    panels_session at = {.toolkit = ui_create(), .state = state};
+    bool is_shown = at.toolkit != NULL;
+    ui_events_begin(&at.events);
     for (int i = 0; i < 3 && is_shown; ++i) {
-        const view_event event = {.kind = VIEW_EVENT_MOVE, .x = 60, .y = 60};
-        ui_events_take(&events, &event);
-        is_shown = describe_panels(toolkit, &events, state) != NULL;
+        ui_events_take(&at.events, &event);
+        is_shown = describe_panels(&at) != NULL;
     }
-    if (toolkit != NULL) {
+    if (at.toolkit != NULL) {
         /* What comes after a failure does nothing. */
-        is_shown = describe_panels(toolkit, &events, state) != NULL && is_shown;
-        (void)ui_wants_mouse(toolkit);
-        (void)ui_wants_keys(toolkit);
-        ui_destroy(&toolkit);
+        is_shown = describe_panels(&at) != NULL && is_shown;
+        (void)ui_wants_mouse(at.toolkit);
+        (void)ui_wants_keys(at.toolkit);
+        ui_destroy(&at.toolkit);
     }
     return is_shown;
 }

@@ -122,7 +122,8 @@ static svo_status run_rounds(svo_i_share_buffer *buffer, cl_mem own, cl_command_
     return SVO_OK;
 }
 
-/* OpenGL writes and OpenCL reads, twice; then the other way round. Expects the context current; the device's message says why it fails. */
+/* OpenGL writes and OpenCL reads, twice; then the other way round. Expects the context current; the device's message
+   says why it fails. */
 static svo_status round_trip(svo_device *device, svo_gl_context *context, svo_gl_share share)
 {
     svo_i_share_buffer buffer = {0};

@@ -13,11 +13,18 @@
 #include "support/options.h"
 #include "support/piped.h"
 #include "support/progress.h"
+#include "svocl/device.h"
 #include "svocl/status.h"
 
 enum { PROGRAM_DONE = 0, PROGRAM_FAILED = 1, PROGRAM_WRONG_USAGE = 2, PROGRAM_TRY_AGAIN = 75 /* as in sysexits.h */ };
 
 #define PROGRAM_WARNINGS_KEPT 16
+
+/* How device handles are made, where not by svo_device_create_default. */
+typedef struct program_devices {
+    svo_status (*create)(void *user, const svo_device_options *options, svo_device **out, svo_message *message);
+    void *user;
+} program_devices;
 
 typedef struct program {
     const char *command; /* "build", ...; NULL before it is known */
@@ -30,6 +37,7 @@ typedef struct program {
     /* Warnings of the library, printed only after success: a failure is one line. */
     char *warnings[PROGRAM_WARNINGS_KEPT];
     unsigned warning_count; /* all warnings, kept or not */
+    program_devices devices; /* create NULL: the default */
     bool reads_mesh; /* so that JSON has the warnings as well */
 } program;
 

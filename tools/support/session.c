@@ -67,7 +67,11 @@ int session_open_device(program *state, session *opened)
     }
     const svo_device_options device_options = device_options_of(state);
     svo_message message = {""};
-    if (svo_device_create_default(&device_options, &opened->device, &message) != SVO_OK) {
+    const program_devices *devices = &state->devices;
+    const svo_status status = devices->create != NULL
+                                  ? devices->create(devices->user, &device_options, &opened->device, &message)
+                                  : svo_device_create_default(&device_options, &opened->device, &message);
+    if (status != SVO_OK) {
         return program_fail_library(state, message.text);
     }
     result = open_queue(state, opened);
@@ -92,9 +96,12 @@ static void explain(session *opened, const char *reason)
 }
 
 /* Replaces device and queue, from which nothing was created yet, by those of an OpenCL context that shares with
-   OpenGL. */
+   OpenGL; not where the program has made them for a context of its own. */
 static int join_opengl(program *state, session *opened)
 {
+    if (state->devices.create != NULL) {
+        return PROGRAM_DONE;
+    }
     const svo_device_options device_options = device_options_of(state);
     svo_device *joined = opengl_join(opened->gl, opened->device, &device_options);
     if (joined == NULL) {
@@ -130,7 +137,7 @@ static int use_opengl(program *state, session *opened, const char *reason)
    where it may share, OpenGL is opened first. */
 static int leave_open(program *state, session *opened)
 {
-    if (opengl_may_share(opened->device)) {
+    if (state->devices.create == NULL && opengl_may_share(opened->device)) {
         opened->gl = opengl_open(&state->options, opened->device, &opened->reason);
     }
     return opened->gl != NULL ? join_opengl(state, opened) : PROGRAM_DONE;

@@ -15,11 +15,13 @@ typedef struct image {
 struct canvas {
     const view_gl *gl;
     image picture, map;
+    image larger; /* takes the place of the picture when it is enlarged */
     GLuint picture_program, line_program;
     GLuint picture_vertices, line_vertices; /* vertex arrays; the first one is empty */
     GLuint line_buffer;
     GLuint frame, frame_texture; /* what is drawn, before the window has it */
     unsigned frame_width, frame_height; /* 0: not made yet */
+    GLuint pair[2]; /* of the picture and the larger one, to copy between them */
 };
 
 /* A triangle that covers the window, and the picture from its upper row on. */
@@ -63,6 +65,7 @@ static void make_frame(canvas *which)
 {
     which->gl->GenFramebuffers(1, &which->frame);
     which->gl->GenTextures(1, &which->frame_texture);
+    which->gl->GenFramebuffers(2, which->pair);
 }
 
 static void make_texture(const view_gl *gl, image *out)
@@ -103,6 +106,7 @@ canvas *canvas_create(const view_gl *gl, svo_message *why)
     made->gl = gl;
     make_frame(made);
     make_texture(gl, &made->picture);
+    make_texture(gl, &made->larger);
     make_texture(gl, &made->map);
     make_vertices(made);
     if (!view_gl_program(gl, picture_vertex, picture_fragment, &made->picture_program, why) ||
@@ -126,8 +130,10 @@ void canvas_destroy(canvas **which)
     gl->DeleteVertexArrays(1, &gone->line_vertices);
     gl->DeleteBuffers(1, &gone->line_buffer);
     gl->DeleteTextures(1, &gone->picture.name);
+    gl->DeleteTextures(1, &gone->larger.name);
     gl->DeleteTextures(1, &gone->map.name);
     gl->DeleteFramebuffers(1, &gone->frame);
+    gl->DeleteFramebuffers(2, gone->pair);
     gl->DeleteTextures(1, &gone->frame_texture);
     free(gone);
     *which = NULL;
@@ -135,30 +141,57 @@ void canvas_destroy(canvas **which)
 
 /* ---- pictures ---- */
 
-static bool fill(const view_gl *gl, image *out, const uint8_t *rgba, unsigned width, unsigned height, svo_message *why)
+/* Makes room in a texture that has another size. pixels: in host memory, or NULL. */
+static void resize(const view_gl *gl, image *out, unsigned width, unsigned height, const uint8_t *pixels)
 {
-    const GLsizei columns = (GLsizei)width;
-    const GLsizei rows = (GLsizei)height;
     gl->BindTexture(GL_TEXTURE_2D, out->name);
-    gl->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
-    if (width != out->width || height != out->height) {
-        gl->TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, columns, rows, 0, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
-        out->width = width;
-        out->height = height;
-    } else {
-        gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, columns, rows, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+    gl->TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, (GLsizei)width, (GLsizei)height, 0, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
+    out->width = width;
+    out->height = height;
+}
+
+bool canvas_take_rows(canvas *which, const canvas_rows *rows, svo_message *why)
+{
+    const view_gl *gl = which->gl;
+    const uintptr_t begin = rows->offset_bytes + (uintptr_t)rows->first_row * rows->width * 4;
+    const char *const in_buffer = NULL;
+    if (rows->width != which->picture.width || rows->height != which->picture.height) {
+        resize(gl, &which->picture, rows->width, rows->height, NULL);
     }
+    gl->BindTexture(GL_TEXTURE_2D, which->picture.name);
+    gl->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, rows->buffer);
+    gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, (GLint)rows->first_row, (GLsizei)rows->width, (GLsizei)rows->row_count,
+                      GL_RGBA, GL_UNSIGNED_BYTE, in_buffer + begin);
+    gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
     return view_gl_check(gl, "taking a picture", why);
 }
 
-bool canvas_take_picture(canvas *which, const uint8_t *rgba, unsigned width, unsigned height, svo_message *why)
+/* The picture before is drawn into one beside it, and the two change places. */
+bool canvas_enlarge(canvas *which, unsigned width, unsigned height, svo_message *why)
 {
-    return fill(which->gl, &which->picture, rgba, width, height, why);
+    const view_gl *gl = which->gl;
+    const image small = which->picture;
+    const GLint columns = (GLint)small.width;
+    const GLint rows = (GLint)small.height;
+    resize(gl, &which->larger, width, height, NULL);
+    gl->BindFramebuffer(GL_READ_FRAMEBUFFER, which->pair[0]);
+    gl->FramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, small.name, 0);
+    gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, which->pair[1]);
+    gl->FramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, which->larger.name, 0);
+    gl->BlitFramebuffer(0, 0, columns, rows, 0, 0, 2 * columns, 2 * rows, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    gl->BindFramebuffer(GL_FRAMEBUFFER, 0);
+    which->picture = which->larger;
+    which->larger = small;
+    return view_gl_check(gl, "enlarging a picture", why);
 }
 
 bool canvas_take_map(canvas *which, const uint8_t *rgba, unsigned edge, svo_message *why)
 {
-    return fill(which->gl, &which->map, rgba, edge, edge, why);
+    const view_gl *gl = which->gl;
+    gl->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    resize(gl, &which->map, edge, edge, rgba);
+    return view_gl_check(gl, "taking a picture", why);
 }
 
 uint32_t canvas_map(const canvas *which)

@@ -22,10 +22,21 @@ typedef struct canvas canvas;
 canvas *canvas_create(const view_gl *gl, svo_message *why);
 void canvas_destroy(canvas **which);
 
-/* Takes a picture, rows from top to bottom. False on failure. */
-bool canvas_take_picture(canvas *which, const uint8_t *rgba, unsigned width, unsigned height, svo_message *why);
+/* Rows of a picture, in an OpenGL buffer that has the whole picture from an offset on, rows from top to bottom. */
+typedef struct canvas_rows {
+    uint32_t buffer;
+    size_t offset_bytes;
+    unsigned width, height; /* of the picture */
+    unsigned first_row, row_count;
+} canvas_rows;
 
-/* Takes a square picture for panels likewise; canvas_map is its name for ui_fill_image. */
+/* Takes rows of a picture; of a new size it must be all. False on failure. */
+bool canvas_take_rows(canvas *which, const canvas_rows *rows, svo_message *why);
+/* Makes a picture of twice the width out of the one that was taken, cut at the size, each pixel four times. False on
+   failure. */
+bool canvas_enlarge(canvas *which, unsigned width, unsigned height, svo_message *why);
+
+/* Takes a square picture for panels, rows from top to bottom; canvas_map is its name for ui_fill_image. */
 bool canvas_take_map(canvas *which, const uint8_t *rgba, unsigned edge, svo_message *why);
 uint32_t canvas_map(const canvas *which);
 

@@ -2,13 +2,10 @@
 /* Coarse and refined pictures. */
 #include "view/drawing.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 void drawing_end(drawing *which)
 {
-    free(which->rgba);
-    *which = (drawing){.rgba = NULL};
+    pixel_buffer_drop(&which->pixels);
+    *which = (drawing){.width = 0};
 }
 
 static bool differs(float a, float b)
@@ -60,28 +57,13 @@ static unsigned coarse_for(const drawing *which, const view_state *state)
     return coarse;
 }
 
-static bool make_room(drawing *which, unsigned width, unsigned height)
-{
-    const size_t bytes = (size_t)width * height * 4;
-    if (bytes <= which->capacity) {
-        return true;
-    }
-    uint8_t *larger = realloc(which->rgba, bytes);
-    if (larger == NULL) {
-        return false;
-    }
-    which->rgba = larger;
-    which->capacity = bytes;
-    return true;
-}
-
 /* Rays from the camera through a pixel: both shaded pictures and those of light have two by two. */
 static unsigned rays_of_pixel(const view_shown *shown)
 {
     return !shown->through && (shown->picture == VIEW_SHADED || subject_picture_is_lit(shown->picture)) ? 4 : 1;
 }
 
-static void remember(drawing *which, const view_state *state, unsigned coarse)
+static void remember(drawing *which, const view_state *state)
 {
     which->shown = state->shown;
     which->is_scene = state->is_scene;
@@ -89,27 +71,6 @@ static void remember(drawing *which, const view_state *state, unsigned coarse)
     which->camera = state->camera.at;
     which->window_width = state->width;
     which->window_height = state->height;
-    which->coarse = coarse;
-}
-
-/* Takes the place of the picture by one of twice the width, enlarged. */
-static bool enlarge(drawing *which, unsigned width, unsigned height)
-{
-    uint8_t *larger = malloc((size_t)width * height * 4);
-    if (larger == NULL) {
-        return false;
-    }
-    for (unsigned y = 0; y < height; ++y) {
-        for (unsigned x = 0; x < width; ++x) {
-            memcpy(larger + 4 * ((size_t)y * width + x), which->rgba + 4 * ((size_t)(y / 2) * which->width + x / 2), 4);
-        }
-    }
-    free(which->rgba);
-    which->rgba = larger;
-    which->capacity = (size_t)width * height * 4;
-    which->width = width;
-    which->height = height;
-    return true;
 }
 
 /* Rows of a band that is expected to take no longer than the goal. */
@@ -124,51 +85,59 @@ static unsigned band_rows(const drawing *which, const view_state *state)
     return count < below ? count : below;
 }
 
+/* Gives the rows to OpenGL, which reads the buffer up to their end. */
+static int enqueue_rows(drawing *which, subject *shown, view_state *state, const picture_part *part)
+{
+    const size_t row_bytes = (size_t)part->width * 4;
+    const size_t window_bytes = (size_t)state->width * state->height * 4;
+    cl_event drawn = NULL;
+    int exit_code =
+        pixel_buffer_begin(&which->pixels, subject_device(shown), subject_queue(shown), window_bytes, state);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = subject_draw(shown, state, part, which->pixels.info.memory, &drawn);
+    }
+    return exit_code == PROGRAM_DONE
+               ? pixel_buffer_finish(&which->pixels, row_bytes * (part->first_row + part->row_count), drawn)
+               : exit_code;
+}
+
 /* Draws rows of the picture and measures them. */
 static int draw_rows(drawing *which, subject *shown, view_state *state, const drawing_clock *clock, unsigned row_count)
 {
     const picture_part part = {which->width, which->height, which->rows_done, row_count};
     const double begin_ms = clock->now_ms(clock->user);
-    const int exit_code = subject_draw(shown, state, &part, which->rgba + (size_t)which->width * which->rows_done * 4);
+    const int exit_code = enqueue_rows(which, shown, state, &part);
     const double pixels = (double)which->width * (double)row_count;
     which->pixel_ms[state->shown.picture][state->shown.through] = (clock->now_ms(clock->user) - begin_ms) / pixels;
     which->rays = (uint64_t)pixels * rays_of_pixel(&state->shown);
     which->rows_done += row_count;
+    which->row_count = row_count;
     return exit_code;
 }
 
-static int fail_without_memory(subject *shown, unsigned width, unsigned height)
+/* Begins a picture. */
+static void resize(drawing *which, const view_state *state, unsigned coarse)
 {
-    return program_fail(shown->running, PROGRAM_FAILED, "out of memory for %ux%u pixels", width, height);
+    which->coarse = coarse;
+    which->width = (state->width + coarse - 1) / coarse;
+    which->height = (state->height + coarse - 1) / coarse;
+    which->rows_done = 0;
 }
 
 /* A whole picture. */
 static int draw_all(drawing *which, subject *shown, view_state *state, const drawing_clock *clock, unsigned coarse)
 {
-    const unsigned width = (state->width + coarse - 1) / coarse;
-    const unsigned height = (state->height + coarse - 1) / coarse;
-    if (!make_room(which, width, height)) {
-        return fail_without_memory(shown, width, height);
-    }
-    which->width = width;
-    which->height = height;
-    which->rows_done = 0;
-    remember(which, state, coarse);
-    return draw_rows(which, shown, state, clock, height);
+    resize(which, state, coarse);
+    remember(which, state);
+    return draw_rows(which, shown, state, clock, which->height);
 }
 
 /* The next band of a finer picture. */
 static int draw_band(drawing *which, subject *shown, view_state *state, const drawing_clock *clock)
 {
     if (which->rows_done == which->height) {
-        const unsigned coarse = which->coarse / 2;
-        const unsigned width = (state->width + coarse - 1) / coarse;
-        const unsigned height = (state->height + coarse - 1) / coarse;
-        if (!enlarge(which, width, height)) {
-            return fail_without_memory(shown, width, height);
-        }
-        which->coarse = coarse;
-        which->rows_done = 0;
+        resize(which, state, which->coarse / 2);
+        which->is_enlarged = true;
     }
     return draw_rows(which, shown, state, clock, band_rows(which, state));
 }
@@ -177,6 +146,7 @@ int drawing_next(drawing *which, subject *shown, view_state *state, const drawin
 {
     int exit_code = PROGRAM_DONE;
     const bool outdated = is_outdated(which, state);
+    which->is_enlarged = false;
     *is_new = outdated || which->coarse > 1 || which->rows_done < which->height;
     if (outdated) {
         exit_code = draw_all(which, shown, state, clock, coarse_for(which, state));

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* When what is drawn: coarse pictures while something moves, then finer ones until the full picture is there. */
+/* When what is drawn: coarse pictures while something moves, then finer ones until the full picture is there. Rows go
+   to the pixel buffer; the picture that they are part of is the canvas's. */
 #ifndef SVOCL_TOOLS_VIEW_DRAWING_H
 #define SVOCL_TOOLS_VIEW_DRAWING_H
 
+#include "view/pixel_buffer.h"
 #include "view/subject.h"
 
 /* What measures pictures: milliseconds. */
@@ -12,11 +14,12 @@ typedef struct drawing_clock {
 } drawing_clock;
 
 typedef struct drawing {
-    uint8_t *rgba; /* the last picture */
-    size_t capacity; /* of rgba, bytes */
+    pixel_buffer pixels; /* rows that were drawn last, at their place in the picture */
     unsigned width, height; /* of the last picture; 0: none yet */
     unsigned coarse; /* of the last picture: the window's pixels along a side of its pixels */
     unsigned rows_done; /* of it, from the top; below them are those of the coarser picture before */
+    unsigned row_count; /* of those, the ones that were drawn last */
+    bool is_enlarged; /* they are the first that go over the picture before, of twice the width */
     /* What the last picture shows. */
     view_shown shown;
     bool is_scene;

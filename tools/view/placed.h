@@ -32,7 +32,8 @@ bool placed_is_current(const placed *which, const view_state *state);
 unsigned placed_changes(const placed *which);
 
 /* Draws what svocl render would of the scene as it is. Returns the exit code. */
-int placed_draw(placed *which, const view_state *state, unsigned width, unsigned height, uint8_t *rgba);
+int placed_draw(placed *which, const view_state *state, unsigned width, unsigned height, cl_mem pixels,
+                cl_event *drawn);
 
 /* The bytes of that scene beforehand. */
 svo_status placed_plan(placed *which, const view_state *state, svo_scene_info *info);

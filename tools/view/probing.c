@@ -169,7 +169,8 @@ int probing_update(probing *which, const probing_source *source, view_state *sta
 
 /* ---- pictures ---- */
 
-int probing_draw(probing *which, view_state *state, unsigned width, unsigned height, uint8_t *rgba)
+/* Colors the rays on the host, and takes from there what they found. */
+static int color(const probing *which, view_state *state, unsigned width, unsigned height, uint8_t *rgba)
 {
     static const svo_render_view views[] = {SVO_VIEW_SHADED, SVO_VIEW_NORMAL, SVO_VIEW_DEPTH, SVO_VIEW_STEPS};
     const probe_picture asked = {.camera = state->camera.at,
@@ -184,5 +185,21 @@ int probing_draw(probing *which, view_state *state, unsigned width, unsigned hei
     for (unsigned i = 0; i <= SVO_PROBE_UNKNOWN; ++i) {
         state->probes.found[i] = (float)probe_found_percent(&found, i);
     }
+    return exit_code;
+}
+
+int probing_draw(probing *which, view_state *state, unsigned width, unsigned height, cl_mem pixels, cl_event *drawn)
+{
+    const size_t bytes = (size_t)width * height * 4;
+    uint8_t *rgba = malloc(bytes);
+    if (rgba == NULL) {
+        return program_fail(which->running, PROGRAM_FAILED, "out of memory for %ux%u pixels", width, height);
+    }
+    int exit_code = color(which, state, width, height, rgba);
+    if (exit_code == PROGRAM_DONE &&
+        clEnqueueWriteBuffer(which->source.queue, pixels, CL_TRUE, 0, bytes, rgba, 0, NULL, drawn) != CL_SUCCESS) {
+        exit_code = program_fail(which->running, PROGRAM_FAILED, "the device does not take the picture of its probes");
+    }
+    free(rgba);
     return exit_code;
 }

@@ -40,6 +40,6 @@ void probing_close(probing *which);
 int probing_update(probing *which, const probing_source *source, view_state *state);
 
 /* Draws through the probes what svocl render would. Returns the exit code. */
-int probing_draw(probing *which, view_state *state, unsigned width, unsigned height, uint8_t *rgba);
+int probing_draw(probing *which, view_state *state, unsigned width, unsigned height, cl_mem pixels, cl_event *drawn);
 
 #endif

@@ -219,6 +219,8 @@ typedef struct view_state {
     const char *input; /* INPUT, for titles */
     const char *device; /* name of the OpenCL device */
     const char *renderer; /* name of OpenGL's */
+    const char *share; /* how pictures get from the one to the other, as svo_gl_share_name has it; NULL: none did */
+    char share_reason[VIEW_LINE_BYTES]; /* what that is, and why not shared */
     unsigned width, height; /* of the window, pixels */
     bool is_done; /* the window is to close */
     view_shown shown;

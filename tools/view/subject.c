@@ -293,7 +293,8 @@ static unsigned round_rows(unsigned rows)
     return (rows + SVO_LIGHT_BAND_ROWS - 1) / SVO_LIGHT_BAND_ROWS * SVO_LIGHT_BAND_ROWS;
 }
 
-static svo_status draw_light(subject *which, const view_state *state, const picture_part *part, uint8_t *rgba)
+static svo_status draw_light(subject *which, const view_state *state, const picture_part *part, cl_mem pixels,
+                             cl_event *drawn)
 {
     const view_shown *shown = &state->shown;
     const svo_light_picture asked = {.struct_size = sizeof asked,
@@ -309,10 +310,11 @@ static svo_status draw_light(subject *which, const view_state *state, const pict
                                      .exposure = shown->exposure,
                                      .first_row = part->first_row,
                                      .row_count = round_rows(part->row_count)};
-    return svo_light_render(which->lit.light, &asked, which->done.opened.queue, rgba);
+    return svo_light_render_enqueue(which->lit.light, &asked, pixels, which->done.opened.queue, 0, NULL, drawn);
 }
 
-static svo_status draw_tree(subject *which, const view_state *state, const picture_part *part, uint8_t *rgba)
+static svo_status draw_tree(subject *which, const view_state *state, const picture_part *part, cl_mem pixels,
+                            cl_event *drawn)
 {
     static const svo_render_view views[] = {SVO_VIEW_SHADED, SVO_VIEW_NORMAL, SVO_VIEW_DEPTH,
                                             SVO_VIEW_STEPS,  SVO_VIEW_LEVEL,  SVO_VIEW_TRIANGLES};
@@ -321,19 +323,31 @@ static svo_status draw_tree(subject *which, const view_state *state, const pictu
                                       .height = part->height,
                                       .camera = state->camera.at,
                                       .view = views[state->shown.picture]};
-    return svo_tree_render(which->done.opened.device, which->done.result.tree, &asked, which->done.opened.queue, rgba);
+    return svo_tree_render_enqueue(which->done.opened.device, which->done.result.tree, &asked, pixels,
+                                   which->done.opened.queue, 0, NULL, drawn);
 }
 
-int subject_draw(subject *which, view_state *state, const picture_part *part, uint8_t *rgba)
+int subject_draw(subject *which, view_state *state, const picture_part *part, cl_mem pixels, cl_event *drawn)
 {
     if (state->shown.through) {
-        return probing_draw(&which->probes, state, part->width, part->height, rgba);
+        return probing_draw(&which->probes, state, part->width, part->height, pixels, drawn);
     }
     if (state->is_scene) {
-        return placed_draw(which->placed, state, part->width, part->height, rgba);
+        return placed_draw(which->placed, state, part->width, part->height, pixels, drawn);
     }
-    const svo_status status = subject_picture_is_lit(state->shown.picture) ? draw_light(which, state, part, rgba)
-                                                                           : draw_tree(which, state, part, rgba);
+    const svo_status status = subject_picture_is_lit(state->shown.picture)
+                                  ? draw_light(which, state, part, pixels, drawn)
+                                  : draw_tree(which, state, part, pixels, drawn);
     return status == SVO_OK ? PROGRAM_DONE
                             : program_fail_library(which->running, svo_device_message(which->done.opened.device));
+}
+
+svo_device *subject_device(const subject *which)
+{
+    return placed_device(which->placed);
+}
+
+cl_command_queue subject_queue(const subject *which)
+{
+    return placed_queue(which->placed);
 }

@@ -44,8 +44,12 @@ typedef struct picture_part {
     unsigned first_row, row_count; /* multiples of SVO_LIGHT_BAND_ROWS, but at the end */
 } picture_part;
 
-/* Draws rows of what the state shows: those of what svocl render writes. Returns the exit code. */
-int subject_draw(subject *which, view_state *state, const picture_part *part, uint8_t *rgba);
+/* Draws rows of what the state shows, those of what svocl render writes, at their place in pixels, a buffer of the
+   whole picture. drawn: receives an event of them. Returns the exit code. */
+int subject_draw(subject *which, view_state *state, const picture_part *part, cl_mem pixels, cl_event *drawn);
+/* Where it draws. */
+svo_device *subject_device(const subject *which);
+cl_command_queue subject_queue(const subject *which);
 
 /* Whether a picture shows light that cones gather. */
 bool subject_picture_is_lit(view_picture picture);

@@ -107,24 +107,32 @@ void ui_heading(ui *panels, const char *text)
     });
 }
 
-void ui_text(ui *panels, const char *format, ...)
+namespace
+{
+
+__attribute__((format(printf, 3, 0))) void write_lines(ui *panels, uint32_t rgba, const char *format, va_list arguments)
 {
     char text[line_bytes];
+    (void)std::vsnprintf(text, sizeof text, format, arguments);
+    guarded(panels, [rgba, &text] { use_color(rgba, text); });
+}
+
+} // namespace
+
+void ui_text(ui *panels, const char *format, ...)
+{
     va_list arguments;
     va_start(arguments, format);
-    (void)std::vsnprintf(text, sizeof text, format, arguments);
+    write_lines(panels, UI_COLOR_TEXT, format, arguments);
     va_end(arguments);
-    guarded(panels, [&text] { use_color(UI_COLOR_TEXT, text); });
 }
 
 void ui_note(ui *panels, const char *format, ...)
 {
-    char text[line_bytes];
     va_list arguments;
     va_start(arguments, format);
-    (void)std::vsnprintf(text, sizeof text, format, arguments);
+    write_lines(panels, UI_COLOR_DIM, format, arguments);
     va_end(arguments);
-    guarded(panels, [&text] { use_color(UI_COLOR_DIM, text); });
 }
 
 void ui_value(ui *panels, const char *label, const char *format, ...)

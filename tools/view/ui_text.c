@@ -405,24 +405,28 @@ static void write_wrapped(ui *panels, uint32_t color, const char *text)
     } while (*text != '\0');
 }
 
-void ui_text(ui *panels, const char *format, ...)
+static __attribute__((format(printf, 3, 0))) void write_lines(ui *panels, uint32_t color, const char *format,
+                                                              va_list arguments)
 {
     char text[UI_TEXT_LINE_BYTES];
+    (void)vsnprintf(text, sizeof text, format, arguments);
+    write_wrapped(panels, color, text);
+}
+
+void ui_text(ui *panels, const char *format, ...)
+{
     va_list arguments;
     va_start(arguments, format);
-    (void)vsnprintf(text, sizeof text, format, arguments);
+    write_lines(panels, UI_COLOR_TEXT, format, arguments);
     va_end(arguments);
-    write_wrapped(panels, UI_COLOR_TEXT, text);
 }
 
 void ui_note(ui *panels, const char *format, ...)
 {
-    char text[UI_TEXT_LINE_BYTES];
     va_list arguments;
     va_start(arguments, format);
-    (void)vsnprintf(text, sizeof text, format, arguments);
+    write_lines(panels, UI_COLOR_DIM, format, arguments);
     va_end(arguments);
-    write_wrapped(panels, UI_COLOR_DIM, text);
 }
 
 void ui_value(ui *panels, const char *label, const char *format, ...)

@@ -190,23 +190,41 @@ static int update(viewer *which, bool *is_new)
 {
     view_state *state = &which->state;
     const drawing_clock clock = {now_ms, which};
+    if (state->wants_load) {
+        pixel_buffer_drop(&which->drawing.pixels); /* another scene may have another device */
+    }
     int exit_code = subject_update(&which->subject, state);
     lap(which, VIEW_STAGE_TREE);
+    /* Builds by OpenGL have contexts of their own. */
+    if (exit_code == PROGRAM_DONE && !window_use(which->window, &which->why)) {
+        exit_code = fail(which);
+    }
     if (exit_code == PROGRAM_DONE) {
         exit_code = drawing_next(&which->drawing, &which->subject, state, &clock, is_new);
     }
     lap(which, VIEW_STAGE_PICTURE);
-    exit_code = exit_code == PROGRAM_DONE ? list_memory(which) : exit_code;
-    /* Builds by OpenGL have contexts of their own. */
-    return exit_code == PROGRAM_DONE && !window_use(which->window, &which->why) ? fail(which) : exit_code;
+    return exit_code == PROGRAM_DONE ? list_memory(which) : exit_code;
+}
+
+/* Brings the rows that were drawn last into the window's picture. */
+static bool take_rows(viewer *which)
+{
+    const drawing *drawn = &which->drawing;
+    const canvas_rows rows = {.buffer = drawn->pixels.info.name,
+                              .offset_bytes = drawn->pixels.info.offset_bytes,
+                              .width = drawn->width,
+                              .height = drawn->height,
+                              .first_row = drawn->rows_done - drawn->row_count,
+                              .row_count = drawn->row_count};
+    return (!drawn->is_enlarged || canvas_enlarge(which->canvas, drawn->width, drawn->height, &which->why)) &&
+           canvas_take_rows(which->canvas, &rows, &which->why);
 }
 
 static int draw(viewer *which, double seconds, bool is_new)
 {
     view_state *state = &which->state;
-    const drawing *drawn = &which->drawing;
     const probe_map *map = &which->subject.probes.map;
-    if (is_new && !canvas_take_picture(which->canvas, drawn->rgba, drawn->width, drawn->height, &which->why)) {
+    if (is_new && !take_rows(which)) {
         return fail(which);
     }
     if (map->is_new && !canvas_take_map(which->canvas, map->rgba, map->edge, &which->why)) {
@@ -327,11 +345,19 @@ static int show(viewer *which)
     progress_destroy(&which->running->progress);
     take_probe_options(which);
     take_picture_options(which);
+    which->drawing.pixels = (pixel_buffer){.running = which->running, .context = window_context(which->window)};
     exit_code = run_frames(which);
     marks_end(&which->marks);
     drawing_end(&which->drawing);
     subject_close(&which->subject);
     return exit_code;
+}
+
+/* A program_devices.create: OpenCL contexts are made for the window's context where the two can share. */
+static svo_status create_device(void *user, const svo_device_options *asked, svo_device **out, svo_message *message)
+{
+    const viewer *which = user;
+    return svo_gl_device_create(window_context(which->window), NULL, asked, out, message);
 }
 
 /* The window comes before the tree: without a display nothing is built. */
@@ -368,7 +394,9 @@ static void take_options(viewer *which)
 static int run(viewer *which)
 {
     int exit_code = open_window(which);
+    which->running->devices = (program_devices){create_device, which};
     exit_code = exit_code == PROGRAM_DONE ? show(which) : exit_code;
+    which->running->devices = (program_devices){NULL, NULL};
     overlay_destroy(&which->overlay);
     canvas_destroy(&which->canvas);
     window_close(&which->window);

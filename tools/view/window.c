@@ -11,6 +11,7 @@ struct window {
     SDL_Window *handle;
     SDL_GLContext context;
     view_gl gl;
+    svo_gl_context *wrapped;
 };
 
 typedef struct key_pair {
@@ -29,6 +30,25 @@ static const key_pair named_keys[] = {
 
 /* ---- opening ---- */
 
+static svo_gl_function find_for_library(void *user, const char *name)
+{
+    (void)user;
+    void *const found = window_find_function(name);
+    svo_gl_function function = NULL;
+    memcpy(&function, &found, sizeof function);
+    return function;
+}
+
+static bool wrap_context(window *made, svo_message *why)
+{
+    svo_message reason = {""};
+    if (svo_gl_context_wrap(find_for_library, NULL, &made->wrapped, &reason) == SVO_OK) {
+        return true;
+    }
+    (void)snprintf(why->text, sizeof why->text, "the window's OpenGL cannot take pictures: %.900s", reason.text);
+    return false;
+}
+
 static bool open_context(window *made, svo_message *why)
 {
     made->context = SDL_GL_CreateContext(made->handle);
@@ -44,7 +64,7 @@ static bool open_context(window *made, svo_message *why)
         made->gl.GetIntegerv(GL_MAJOR_VERSION, &version[0]);
         made->gl.GetIntegerv(GL_MINOR_VERSION, &version[1]);
         if (version[0] > 4 || (version[0] == 4 && version[1] >= 3)) {
-            return true;
+            return wrap_context(made, why);
         }
     }
     (void)snprintf(why->text, sizeof why->text,
@@ -114,6 +134,7 @@ void window_close(window **which)
     if (gone == NULL) {
         return;
     }
+    svo_gl_context_destroy(&gone->wrapped);
     if (gone->context != NULL) {
         SDL_GL_DeleteContext(gone->context);
     }
@@ -138,6 +159,11 @@ bool window_use(window *which, svo_message *why)
 const view_gl *window_gl(const window *which)
 {
     return &which->gl;
+}
+
+svo_gl_context *window_context(const window *which)
+{
+    return which->wrapped;
 }
 
 void *window_find_function(const char *name)

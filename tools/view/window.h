@@ -3,7 +3,7 @@
 #ifndef SVOCL_TOOLS_VIEW_WINDOW_H
 #define SVOCL_TOOLS_VIEW_WINDOW_H
 
-#include "svocl/status.h"
+#include "svocl/gl.h"
 #include "view/events.h"
 #include "view/gl.h"
 
@@ -17,6 +17,8 @@ void window_close(window **which);
 bool window_use(window *which, svo_message *why);
 
 const view_gl *window_gl(const window *which);
+/* The same context for the library; lives as long as the window. */
+svo_gl_context *window_context(const window *which);
 /* The address of a function of OpenGL; NULL where there is none. */
 void *window_find_function(const char *name);
 /* Name of OpenGL's renderer; lives as long as the window. */
