@@ -560,6 +560,145 @@ static void test_trees_of_parts(void **state)
     attributed_mesh_destroy(&made);
 }
 
+/* ---- folders ---- */
+
+static void build_folder(const job *j, svo_device *device, const char *folder)
+{
+    svo_parts *parts = NULL;
+    svo_message message;
+    check(j, svo_parts_open(folder, &parts, &message), &message);
+    for (size_t i = svo_parts_count(parts); i-- > 0;) {
+        check(j, svo_parts_build(parts, i, device, NULL, NULL, &message), &message);
+    }
+    svo_parts_close(&parts);
+}
+
+static void finish_folder(const job *j, const char *folder, const char *path)
+{
+    svo_parts *parts = NULL;
+    svo_message message;
+    check(j, svo_parts_open(folder, &parts, &message), &message);
+    check(j, svo_parts_finish(parts, path, &message), &message);
+    svo_parts_close(&parts);
+}
+
+static size_t count_parts(const job *j, const char *folder)
+{
+    svo_parts *parts = NULL;
+    svo_message message;
+    check(j, svo_parts_open(folder, &parts, &message), &message);
+    const size_t count = svo_parts_count(parts);
+    svo_parts_close(&parts);
+    return count;
+}
+
+/* Any limit gives the same file, in positions of either width. */
+static void test_folders(void **state)
+{
+    attributed_mesh made;
+    svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+    svo_message message;
+    char folder[PATH_BYTES];
+    char whole[PATH_BYTES];
+    char parts[PATH_BYTES];
+    attributed_mesh_create(18, 300, 0.3, &made);
+    options.need = NEED_ALL;
+    options.edge = 1.0;
+    path_of("folder", folder);
+    path_of("whole.svo", whole);
+    path_of("parts.svo", parts);
+    for (unsigned coverage = 0; coverage <= SVO_COVERAGE_CLOSED; ++coverage) {
+        options.coverage = (svo_coverage)coverage;
+        job j = open_job(state, &made.mesh);
+        build_whole(&j, 6, &options);
+        size_t most = 0;
+        for (uint64_t limit = 0; limit <= (uint64_t)1 << 30; limit = limit * 64 + 400000) {
+            check(&j, svo_parts_create(j.opened.device, &made.mesh, 6, &options, limit, folder, &message), &message);
+            most = count_parts(&j, folder) > most ? count_parts(&j, folder) : most;
+            build_folder(&j, j.opened.device, folder);
+            finish_folder(&j, folder, parts);
+            assert_same_files(whole, parts);
+            check(&j, svo_parts_remove(folder, &message), &message);
+            assert_int_equal(access(folder, F_OK), -1);
+        }
+        assert_true(most > 8);
+        free(j.paths);
+    }
+    attributed_mesh_destroy(&made);
+}
+
+/* A part that a device has too little memory for is split while it is built. */
+static void test_small_devices(void **state)
+{
+    attributed_mesh made;
+    svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+    svo_device_options limited = SVO_DEVICE_OPTIONS_INIT;
+    svo_device *device = NULL;
+    svo_message message;
+    char folder[PATH_BYTES];
+    char whole[PATH_BYTES];
+    char split[PATH_BYTES + 16];
+    char parts[PATH_BYTES];
+    attributed_mesh_create(19, 200, 0.0, &made);
+    options.need = NEED_ALL;
+    path_of("folder", folder);
+    path_of("whole.svo", whole);
+    path_of("parts.svo", parts);
+    job j = open_job(state, &made.mesh);
+    build_whole(&j, 6, &options);
+    check(&j, svo_parts_create(j.opened.device, &made.mesh, 6, &options, (uint64_t)1 << 40, folder, &message),
+          &message);
+    assert_int_equal(count_parts(&j, folder), 1);
+    limited.max_device_bytes = 3000000;
+    check(&j, svo_device_create_default(&limited, &device, &message), &message);
+    build_folder(&j, device, folder);
+    svo_device_destroy(&device);
+    (void)snprintf(split, sizeof split, "%s/0-0.split", folder);
+    assert_int_equal(access(split, F_OK), 0);
+    finish_folder(&j, folder, parts);
+    assert_same_files(whole, parts);
+    check(&j, svo_parts_remove(folder, &message), &message);
+    free(j.paths);
+    attributed_mesh_destroy(&made);
+}
+
+/* A changed byte in the plan or in triangles is found before anything is built from it. */
+static void test_damaged_folders(void **state)
+{
+    static const char *const names[] = {"plan", "0-0.tri"};
+    attributed_mesh made;
+    svo_message message;
+    char folder[PATH_BYTES];
+    char path[PATH_BYTES + 16];
+    attributed_mesh_create(20, 5, 0.0, &made);
+    path_of("folder", folder);
+    job j = open_job(state, &made.mesh);
+    for (size_t i = 0; i < 2; ++i) {
+        check(&j, svo_parts_create(j.opened.device, &made.mesh, 3, NULL, (uint64_t)1 << 40, folder, &message),
+              &message);
+        (void)snprintf(path, sizeof path, "%s/%s", folder, names[i]);
+        size_t bytes = 0;
+        char *content = read_file(path, &bytes);
+        for (size_t at = 0; at < bytes; at += 3) {
+            svo_parts *parts = NULL;
+            content[at] = (char)(content[at] ^ 16);
+            write_file(path, content, at % 2 == 0 ? bytes : at);
+            svo_status status = svo_parts_open(folder, &parts, &message);
+            if (status == SVO_OK) {
+                status = svo_parts_build(parts, 0, j.opened.device, NULL, NULL, &message);
+            }
+            assert_int_equal(status, SVO_FILE_DAMAGED);
+            assert_non_null(strstr(message.text, path));
+            svo_parts_close(&parts);
+            content[at] = (char)(content[at] ^ 16);
+        }
+        free(content);
+        check(&j, svo_parts_remove(folder, &message), &message);
+    }
+    free(j.paths);
+    attributed_mesh_destroy(&made);
+}
+
 static int setup(void **state)
 {
     return mkdtemp(directory) != NULL ? fixture_group_setup(state) : -1;
@@ -593,6 +732,9 @@ int main(void)
         cmocka_unit_test(test_overlap),
         cmocka_unit_test(test_bad_requests),
         cmocka_unit_test(test_trees_of_parts),
+        cmocka_unit_test(test_folders),
+        cmocka_unit_test(test_small_devices),
+        cmocka_unit_test(test_damaged_folders),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }

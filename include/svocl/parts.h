@@ -17,8 +17,8 @@
  *     svo_parts_remove          removes what is in the folder
  *
  * A part file is a head, a table of segments and the segments: of each level of the part the child masks and the
- * payload, of the leaves also areas and lists, in Morton order. The head has the sums of the part's root, unrounded: the
- * levels above the parts are rounded once, from sums, by the same integer arithmetic as all others. Numbers are
+ * payload, of the leaves also areas and lists, in Morton order. The head has the sums of the part's root, unrounded:
+ * the levels above the parts are rounded once, from sums, by the same integer arithmetic as all others. Numbers are
  * little-endian.
  *
  *     0    u8[8] 89 53 56 50 0d 0a 1a 0a
@@ -32,8 +32,9 @@
  * A kind is a svo_tree_buffer; 14 are the root's materials and weights, a u64 each: material << 48 | weight. list_begin
  * has an entry per leaf, and lists have positions among the kept triangles of the whole mesh.
  *
- * Thread-safety: functions may be called at the same time, also by several processes for one folder: files appear whole
- * or not at all, and two that build the same part write the same bytes. A svo_parts belongs to one thread at a time.
+ * Thread-safety: functions may be called at the same time, also by several processes for one folder: files appear
+ * whole or not at all, and two that build the same part write the same bytes. A svo_parts belongs to one thread at a
+ * time.
  */
 #ifndef SVOCL_PARTS_H
 #define SVOCL_PARTS_H
@@ -121,9 +122,10 @@ typedef struct svo_parts_entry {
 /** An empty output. */
 #define SVO_PARTS_ENTRY_INIT SVO_STRUCT_INIT(svo_parts_entry)
 
-/** Plans the parts of a mesh: makes one plan of the whole mesh for the header, writes the triangles and the materials to
- *  the folder, and splits parts, eight children each, until each is expected to fit max_bytes. Parts that no triangle
- *  meets do not exist. Part files that are there already stay; svo_parts_build checks whether they are of this tree.
+/** Plans the parts of a mesh: makes one plan of the whole mesh for the header, writes the triangles and the materials
+ *  to the folder, and splits parts, eight children each, until each is expected to fit max_bytes. Parts that no
+ *  triangle meets do not exist. Part files that are there already stay; svo_parts_build checks whether they are of this
+ *  tree.
  *
  * \param device whose memory the parts are planned for
  * \param mesh the whole mesh
@@ -132,8 +134,8 @@ typedef struct svo_parts_entry {
  * \param max_bytes for the buffers and the host's memory of one part's build; 0: a sixteenth of the whole's
  * \param folder is made where it is not there
  * \param message receives the reason for a failure; NULL allowed
- * \returns SVO_CAPACITY_EXCEEDED (max_bytes is too small for any part, or more than 2^32 - 2 nodes are expected; nothing
- *          is written), SVO_FILE_ERROR, and what svo_plan_create returns. */
+ * \returns SVO_CAPACITY_EXCEEDED (more than 2^32 - 2 nodes are expected, and nothing is written; or max_bytes is too
+ *          small for any part), SVO_FILE_ERROR, and what svo_plan_create returns. */
 SVO_API svo_status svo_parts_create(svo_device *device, const svo_mesh *mesh, unsigned depth,
                                     const svo_plan_options *options, uint64_t max_bytes, const char *folder,
                                     svo_message *message);

@@ -5,6 +5,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 
+#include "support/peak_memory.h"
 #include "support/table.h"
 
 /* One row of the stage table. The program measures the import itself; the library measures the others. */
@@ -228,6 +229,7 @@ static void add_buffers(cJSON *document, const job *done)
         cJSON_AddItemToArray(array, buffer);
     }
     json_add_count(document, "peak_bytes", done->result.peak_bytes);
+    json_add_count(document, "peak_resident_bytes", peak_memory_bytes());
 }
 
 cJSON *report_to_json(const program *state, const job *done, const char *hash)

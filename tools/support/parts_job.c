@@ -2,7 +2,6 @@
 /* The steps of building in parts, with what they say when they fail. */
 #include "support/parts_job.h"
 
-#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,20 +25,6 @@ bool parts_folder_exists(const char *folder)
 {
     struct stat found;
     return stat(folder, &found) == 0;
-}
-
-uint64_t parts_peak_bytes(void)
-{
-    char line[256];
-    uint64_t kibibytes = 0;
-    FILE *file = fopen("/proc/self/status", "r");
-    if (file == NULL) {
-        return 0;
-    }
-    while (fgets(line, sizeof line, file) != NULL && sscanf(line, "VmHWM: %" SCNu64, &kibibytes) != 1) {
-    }
-    (void)fclose(file);
-    return kibibytes * 1024;
 }
 
 int parts_fail(program *state, svo_status status, const char *message)

@@ -11,9 +11,6 @@
 char *parts_folder_of(const char *path);
 bool parts_folder_exists(const char *folder);
 
-/* The most memory that this process ever had, in bytes, from /proc; 0: not known. */
-uint64_t parts_peak_bytes(void);
-
 /* program_fail with a library message: PROGRAM_TRY_AGAIN after a failure of the device or of memory. */
 int parts_fail(program *state, svo_status status, const char *message);
 

@@ -7,6 +7,7 @@
 #include "support/json.h"
 #include "support/output.h"
 #include "support/parts_job.h"
+#include "support/peak_memory.h"
 #include "support/table.h"
 
 /* A build in parts and what it took. */
@@ -97,7 +98,7 @@ static int report_json(program *state, const parts_run *run)
     json_add_count(document, "parts", svo_parts_count(run->parts));
     json_add_count(document, "max_memory_bytes", state->options.max_memory);
     json_add_count(document, "mesh_bytes", run->mesh_bytes);
-    json_add_count(document, "peak_resident_bytes", parts_peak_bytes());
+    json_add_count(document, "peak_resident_bytes", peak_memory_bytes());
     cJSON_AddNumberToObject(document, "plan_ms", run->plan_ms);
     cJSON_AddNumberToObject(document, "build_ms", run->build_ms);
     cJSON_AddNumberToObject(document, "stitch_ms", run->stitch_ms);
@@ -121,7 +122,7 @@ static void report_table(const program *state, const parts_run *run)
     table_cell(rows, "mesh");
     table_cell(rows, "%s", figure_bytes(run->mesh_bytes).text);
     table_cell(rows, "peak resident");
-    table_cell(rows, "%s", figure_bytes(parts_peak_bytes()).text);
+    table_cell(rows, "%s", figure_bytes(peak_memory_bytes()).text);
     table_print(rows);
     table_line("The mesh was read whole; the limit counts what parts take beside it.");
 }

@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * `svocl build --max-memory` and `svocl parts` as a user runs them: the file in one piece, byte for byte; damaged
+ * parts, runs that were ended, full disks; the steps by several processes.
+ */
+#include "run_program.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SCENE "scene:statue:20000 -d 7 --need color,normal,rays,material,fill,projected-area"
+
+/* a.svo in one piece. */
+static void build_whole(void)
+{
+    need_builds();
+    run_well("$SVOCL build " SCENE " -q -o a.svo");
+}
+
+static void parts_that_fit_make_the_same_file(void **state)
+{
+    (void)state;
+    build_whole();
+    cJSON *document = run_json("$SVOCL build " SCENE " --max-memory 2M -o b.svo --json");
+    assert_true(number_of(document, "parts") > 8);
+    assert_true(number_of(document, "peak_resident_bytes") > 1e6);
+    cJSON_Delete(document);
+    run_well("cmp a.svo b.svo && test ! -e b.svo.parts");
+    run_well("$SVOCL build " SCENE " --max-memory 1G -o b.svo");
+    assert_non_null(strstr(last.output, "peak resident"));
+    run_well("cmp a.svo b.svo");
+    run_well("rm a.svo b.svo");
+}
+
+/* Each file of a folder that is truncated, and each with a flipped byte, is named and built again; others stay. */
+static void damaged_parts_are_built_again(void **state)
+{
+    (void)state;
+    build_whole();
+    run_well("$SVOCL parts plan " SCENE " --max-memory 6M -o b.svo -q && $SVOCL parts build b.svo.parts");
+    run_well("$SVOCL parts status b.svo.parts");
+    run_well("cd b.svo.parts && for f in *.part; do"
+             "  size=$(stat -c %s $f) && cp $f ../whole && stat -c '%n %i' *.part >../before &&"
+             "  for at in 0 20 40 100 $((size / 2)) $((size - 1)); do"
+             "    cp ../whole $f && truncate -s $at $f &&"
+             "    (cd .. && $SVOCL parts status b.svo.parts | grep -q \"^b.svo.parts/$f: \") || exit 1;"
+             "    cp ../whole $f && byte=$(od -An -tu1 -j $at -N 1 $f) &&"
+             "    printf \"\\\\$(printf %o $((byte ^ 4)))\" | dd of=$f bs=1 seek=$at conv=notrunc status=none &&"
+             "    (cd .. && $SVOCL parts status b.svo.parts | grep -q \"^b.svo.parts/$f: \") || exit 1;"
+             "  done; done");
+    run_badly("$SVOCL parts stitch b.svo.parts", 1, "b.svo.parts/");
+    run_well("test ! -e b.svo");
+    run_well("$SVOCL build " SCENE " --max-memory 6M --resume -q -o b.svo && cmp a.svo b.svo");
+    run_well("rm a.svo b.svo whole before");
+}
+
+/* A part that is there and whole is not written again. */
+static void steps_are_idempotent(void **state)
+{
+    (void)state;
+    build_whole();
+    run_well("$SVOCL parts plan " SCENE " --max-memory 6M -o b.svo -q");
+    run_badly("$SVOCL parts stitch b.svo.parts", 1, "is missing");
+    run_well("seq 0 $(($($SVOCL parts status b.svo.parts --json | grep -c '\"index\"') - 1)) >indices");
+    run_well("xargs -a indices -P 3 -I {} $SVOCL parts build b.svo.parts --part {}"
+             " && stat -c '%n %i' b.svo.parts/*.part >before");
+    run_well("$SVOCL parts build b.svo.parts & $SVOCL parts build b.svo.parts && wait $!"
+             " && stat -c '%n %i' b.svo.parts/*.part | cmp - before");
+    run_well("$SVOCL parts stitch b.svo.parts && cmp a.svo b.svo");
+    run_well("$SVOCL parts stitch b.svo.parts -o c.svo && cmp a.svo c.svo");
+    run_well("$SVOCL parts remove b.svo.parts && test ! -e b.svo.parts");
+    run_well("rm a.svo b.svo c.svo indices before");
+}
+
+/* Whatever write fails, the old file stays, and the next run goes on. */
+static void failed_writes_leave_the_old_file(void **state)
+{
+    (void)state;
+    static const char *const limits[] = {"0", "8", "64", "512", "1500"}; /* of 512 or 1024 bytes */
+    build_whole();
+    for (size_t i = 0; i < sizeof limits / sizeof limits[0]; ++i) {
+        char line[512];
+        run_well("echo old >b.svo");
+        (void)snprintf(line, sizeof line,
+                       "(ulimit -f %s; $SVOCL build " SCENE " --max-memory 6M --resume -q -o b.svo; echo $?) 2>&1"
+                       " | tail -1 | grep -q 1 && test $(cat b.svo) = old",
+                       limits[i]);
+        run_well(line);
+    }
+    run_well("$SVOCL build " SCENE " --max-memory 6M --resume -q -o b.svo && cmp a.svo b.svo");
+    run_well("rm a.svo b.svo");
+}
+
+/* A full disk: a small tmpfs, where one can be mounted. */
+static void full_disks_leave_the_old_file(void **state)
+{
+    (void)state;
+    build_whole();
+    run_well("mkdir disk; unshare -m true 2>/dev/null && unshare -m mount -t tmpfs tmpfs disk 2>/dev/null && touch can"
+             "; true");
+    run("test -e can");
+    if (last.exit_code != 0) {
+        run_well("rm -r a.svo disk");
+        print_message("no tmpfs can be mounted here\n");
+        skip();
+    }
+    run_well("for size in 64k 1m 3m 4m 5m; do unshare -m sh -c \"mount -t tmpfs -o size=$size tmpfs disk &&"
+             " echo old >disk/b.svo && ! $SVOCL build " SCENE " --max-memory 6M -q -o disk/b.svo 2>/dev/null &&"
+             " grep -q old disk/b.svo\" || exit 1; done");
+    run_well("rm -r a.svo disk can");
+}
+
+/* Ended at any time, a run leaves what the next one goes on from. */
+static void ended_runs_are_resumed(void **state)
+{
+    (void)state;
+    build_whole();
+    for (unsigned tenths = 1; tenths <= 4; ++tenths) {
+        char line[512];
+        (void)snprintf(line, sizeof line,
+                       "echo old >b.svo; timeout -s KILL 0.%u $SVOCL build " SCENE
+                       " --max-memory 3M --resume -q -o b.svo; test $(head -c 3 b.svo) = old || cmp a.svo b.svo",
+                       2 * tenths);
+        run_well(line);
+    }
+    run_well("$SVOCL build " SCENE " --max-memory 3M --resume -q -o b.svo && cmp a.svo b.svo");
+    run_well("rm a.svo b.svo");
+}
+
+/* A folder of another input or of another plan is not mixed in. */
+static void parts_of_other_trees_are_replaced(void **state)
+{
+    (void)state;
+    build_whole();
+    run_well("$SVOCL parts plan scene:statue:20000:2 -d 7 --max-memory 6M -o b.svo -q"
+             " && $SVOCL parts build b.svo.parts");
+    run_badly("$SVOCL build " SCENE " --max-memory 6M -q -o b.svo", 1, "--resume");
+    run_well("$SVOCL build " SCENE " --max-memory 6M --resume -q -o b.svo && cmp a.svo b.svo");
+    run_well("rm a.svo b.svo");
+}
+
+static void wrong_usage_is_refused(void **state)
+{
+    (void)state;
+    run_badly("$SVOCL build scene:cube --max-memory 1M", 2, "-o FILE");
+    run_badly("$SVOCL build scene:cube --max-memory 1X -o a.svo", 2, "512M");
+    run_badly("$SVOCL build scene:cube --max-memory 0 -o a.svo", 2, "512M");
+    run_badly("$SVOCL build scene:cube --resume -o a.svo", 2, "--max-memory");
+    run_badly("$SVOCL build scene:cube --max-memory 1M --compress -o a.svo", 2, "--compress");
+    run_badly("$SVOCL build scene:cube --max-memory 1M --builder gl-compute -o a.svo", 2, "gl-compute");
+    run_badly("$SVOCL parts", 2, "ACTION");
+    run_badly("$SVOCL parts grow a.svo.parts", 2, "none of plan");
+    run_badly("$SVOCL parts status a.svo.parts", 1, "a.svo.parts/plan");
+    run_badly("$SVOCL parts plan scene:cube", 2, "-o FILE");
+    need_builds();
+    run_badly("$SVOCL build scene:knot -d 9 --max-memory 1K -q -o a.svo", 1, "max_bytes");
+    run_well("test ! -e a.svo && rm -r a.svo.parts");
+    run_badly("$SVOCL build scene:knot -d 16 --max-memory 1G -q -o a.svo", 1, "nodes");
+    run_well("test ! -e a.svo.parts");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        IN_FOLDER(parts_that_fit_make_the_same_file),
+        IN_FOLDER(damaged_parts_are_built_again),
+        IN_FOLDER(steps_are_idempotent),
+        IN_FOLDER(failed_writes_leave_the_old_file),
+        IN_FOLDER(full_disks_leave_the_old_file),
+        IN_FOLDER(ended_runs_are_resumed),
+        IN_FOLDER(parts_of_other_trees_are_replaced),
+        IN_FOLDER(wrong_usage_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

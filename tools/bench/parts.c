@@ -1,0 +1,162 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Time and memory of builds in parts beside those in one piece. Each build is a process of its own, since the most
+ * memory that a process ever had can be read but not reset. The drivers' caches are warm.
+ */
+#include "bench/parts.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "bench/child.h"
+#include "bench/series.h"
+
+static const char table_id[] = "parts";
+
+/* Limits of a part, as shares of the buffers of the build in one piece; 0: in one piece. */
+static const unsigned shares[] = {0, 4, 16, 64};
+#define FORM_COUNT           (sizeof shares / sizeof shares[0])
+#define RUNS_MAX             101
+#define COMMAND_ARGUMENT_MAX 16
+#define PATH_BYTES           300
+
+/* The processes of one form. */
+typedef struct form_runs {
+    double ms[RUNS_MAX];
+    size_t count;
+    double parts, peak_bytes, buffer_bytes;
+    uint64_t limit;
+    bool failed;
+} form_runs;
+
+static const char note[] =
+    "Wall clock of `svocl build -o FILE` from the start of the process to its exit: medians and quartiles (q1, q3). "
+    "Forms run interleaved, with warm caches of kernels. Limit: of `--max-memory`, a share of the OpenCL buffers of "
+    "the build in one piece. Peak: the most memory that the process had resident (VmHWM), with all libraries. Ratio: "
+    "of "
+    "the medians.";
+
+static int begin(suite *all)
+{
+    result_table *table = result_add_table(all->results, table_id, "Trees built in parts: time and memory", note);
+    result_add_column(table, "scene", "");
+    result_add_column(table, "depth", "");
+    result_add_column(table, "limit", "B");
+    result_add_column(table, "parts", "");
+    result_add_column(table, "runs", "");
+    spread_add_columns(table, "build", "ms");
+    result_add_column(table, "ratio", "");
+    result_add_column(table, "peak", "B");
+    return PROGRAM_DONE;
+}
+
+static double number_of(const cJSON *document, const char *name)
+{
+    const cJSON *number = cJSON_GetObjectItemCaseSensitive(document, name);
+    return cJSON_IsNumber(number) ? number->valuedouble : 0.0;
+}
+
+/* One process, whose file goes to the folder of the caches. */
+static void run_form(const suite *all, const input *source, unsigned depth, const child_cache *cache, form_runs *runs)
+{
+    const char *arguments[COMMAND_ARGUMENT_MAX] = {"build", source->name, "--json", "-d"};
+    char depth_text[16];
+    char limit_text[32];
+    char path[PATH_BYTES];
+    size_t count = 4;
+    cJSON *document = NULL;
+    (void)snprintf(depth_text, sizeof depth_text, "%u", depth);
+    (void)snprintf(limit_text, sizeof limit_text, "%" PRIu64, runs->limit);
+    (void)snprintf(path, sizeof path, "%s/tree.svo", cache->path);
+    arguments[count++] = depth_text;
+    arguments[count++] = "-o";
+    arguments[count++] = path;
+    arguments[count++] = "--frontend";
+    arguments[count++] = "cl";
+    if (runs->limit > 0) {
+        arguments[count++] = "--max-memory";
+        arguments[count++] = limit_text;
+    }
+    if (all->state->options.device_name != NULL) {
+        arguments[count++] = "--device";
+        arguments[count++] = all->state->options.device_name;
+    }
+    const double ms = child_run(arguments, cache, &document);
+    runs->failed = ms < 0.0;
+    if (!runs->failed && runs->count < RUNS_MAX) {
+        runs->ms[runs->count++] = ms;
+        runs->parts = runs->limit > 0 ? number_of(document, "parts") : 1.0;
+        runs->peak_bytes = number_of(document, "peak_resident_bytes");
+        runs->buffer_bytes = number_of(document, "peak_bytes");
+    }
+    cJSON_Delete(document);
+}
+
+static void add_row(result_table *table, const input *source, unsigned depth, form_runs *runs, double whole_ms)
+{
+    const spread ms = spread_of(runs->ms, runs->count);
+    result_add_text(table, "%s", suite_scene_name(source));
+    result_add_number(table, depth);
+    if (runs->limit > 0) {
+        result_add_number(table, (double)runs->limit);
+    } else {
+        result_add_absent(table);
+    }
+    result_add_number(table, runs->parts);
+    result_add_number(table, (double)runs->count);
+    spread_add(table, ms);
+    result_add_number(table, ms.median / whole_ms);
+    result_add_number(table, runs->peak_bytes);
+}
+
+/* The first round, which is not counted, fills the caches and finds the limits. */
+static int warm_up(suite *all, const input *source, unsigned depth, const child_cache *cache, form_runs *runs)
+{
+    for (size_t form = 0; form < FORM_COUNT; ++form) {
+        runs[form].limit = form > 0 ? (uint64_t)(runs[0].buffer_bytes / shares[form]) + 1 : 0;
+        run_form(all, source, depth, cache, &runs[form]);
+        runs[form].count = 0;
+        if (form == 0 && runs[0].failed) {
+            return program_fail(all->state, PROGRAM_FAILED, "'svocl build %s' failed as a child", source->name);
+        }
+    }
+    return PROGRAM_DONE;
+}
+
+static int run(suite *all, const input *source, unsigned depth)
+{
+    form_runs runs[FORM_COUNT];
+    child_cache cache = {""};
+    memset(runs, 0, sizeof runs);
+    if (!child_cache_create(&cache)) {
+        return program_fail(all->state, PROGRAM_FAILED, "no folder for temporary files can be made");
+    }
+    const int exit_code = warm_up(all, source, depth, &cache, runs);
+    const size_t rounds = all->repeats < RUNS_MAX ? all->repeats : RUNS_MAX;
+    for (size_t round = 0; round < rounds && exit_code == PROGRAM_DONE; ++round) {
+        for (size_t form = 0; form < FORM_COUNT; ++form) {
+            if (!runs[form].failed) {
+                run_form(all, source, depth, &cache, &runs[form]);
+            }
+        }
+    }
+    child_cache_remove(&cache);
+    result_table *table = result_find(all->results, table_id);
+    for (size_t form = 0; form < FORM_COUNT && exit_code == PROGRAM_DONE; ++form) {
+        if (runs[form].count > 0) {
+            add_row(table, source, depth, &runs[form], spread_of(runs[0].ms, runs[0].count).median);
+        }
+    }
+    return exit_code;
+}
+
+const suite_subject bench_parts = {
+    .name = "parts",
+    .group = "all",
+    .summary = "time and memory of builds in parts",
+    .full = {.scenes = {"atrium", "terrain"}, .depths = {10}},
+    .quick = {.scenes = {"atrium"}, .depths = {8}},
+    .begin = begin,
+    .run = run,
+};
