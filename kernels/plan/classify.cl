@@ -37,8 +37,8 @@ static svo_placed svo_place_triangle(const svo_snapped *q, const svo_plan_params
     p.far = any(p.low <= -SVO_UNITS_FAR || p.high >= SVO_UNITS_FAR);
     p.outside = any(p.high < 0 || p.low >= units + closed);
     p.inside = all(p.low >= 0 && p.high < units);
-    p.width = (min(p.high, units - 1) >> (int3)(params->voxel_log2)) -
-              (max(p.low - closed, 0) >> (int3)(params->voxel_log2)) + 1;
+    p.width = (min(p.high, (int3)(units - 1)) >> (int3)(params->voxel_log2)) -
+              (max(p.low - closed, (int3)(0)) >> (int3)(params->voxel_log2)) + 1;
     return p;
 }
 

@@ -93,11 +93,11 @@ static float8 svo_nearest_distances(const svo_tree *tree, const svo_nearest_sear
     const float step = (float)(1u << (tree->params.snap_bits - SVO_RAY_BOX_BITS));
     const float4 at = search->point_f;
     const float8 x =
-        max(max(convert_float8(rows[0]) * step - at.x, at.x - convert_float8(rows[3]) * step - step), 0.0f);
+        max(max(convert_float8(rows[0]) * step - at.x, at.x - convert_float8(rows[3]) * step - step), (float8)(0.0f));
     const float8 y =
-        max(max(convert_float8(rows[1]) * step - at.y, at.y - convert_float8(rows[4]) * step - step), 0.0f);
+        max(max(convert_float8(rows[1]) * step - at.y, at.y - convert_float8(rows[4]) * step - step), (float8)(0.0f));
     const float8 z =
-        max(max(convert_float8(rows[2]) * step - at.z, at.z - convert_float8(rows[5]) * step - step), 0.0f);
+        max(max(convert_float8(rows[2]) * step - at.z, at.z - convert_float8(rows[5]) * step - step), (float8)(0.0f));
     return sqrt(x * x + y * y + z * z) * (1.0f - 0x1p-20f) - search->margin;
 }
 

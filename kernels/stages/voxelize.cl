@@ -8,8 +8,8 @@
  *                   memory, the group reserves space for all of them at once, and each work-item writes its own
  *
  * On CPUs (SVO_COLUMN_LANES) the first work-item does the work of its group. It collects fragments in local memory and
- * reserves space when that is full. Columns of the narrow class are tested eight at a time (column_lanes.clh). The
- * fragments are the same.
+ * reserves space when that is full. Columns of the narrow class are tested eight at a time (column_lanes.clh), and of a
+ * triangle inside one voxel it reads a single corner. The fragments are the same.
  *
  * Launch: one work-item per triangle, rounded up to whole groups, then one per tile of the triangles with more than
  * SVO_TILE_COLUMNS columns. The first kind skips those triangles, so no work-item handles more than one tile's columns.
@@ -374,6 +374,20 @@ SVO_FUNCTION void svo_push_window(svo_placed placed, svo_window window, svo_voxe
 
 #endif
 
+/* Pushes the fragment of a triangle inside one voxel, which any of its corners names. */
+SVO_FUNCTION void svo_push_one(__global const int *vertices, __global const uint *indices, svo_draw_item item,
+                               svo_voxelize_params params, svo_stage *stage)
+{
+    const int3 corner = vload3(indices[3 * (size_t)item.triangle], vertices);
+    const int3 voxel = clamp(corner >> (int)params.voxel_log2, (int3)(0), (int3)((1 << params.depth) - 1));
+    const svo_point at = svo_turn(voxel, item.flags & SVO_DRAW_AXIS_MASK);
+    if ((uint)at.u - params.left < params.width && (uint)at.v - params.bottom < params.height) {
+        svo_push(stage,
+                 svo_axis_code((uint)voxel.x) | svo_axis_code((uint)voxel.y) << 1 | svo_axis_code((uint)voxel.z) << 2,
+                 item.triangle);
+    }
+}
+
 /* The same for any window, as svo_find does. */
 SVO_FUNCTION void svo_push_part(svo_placed placed, svo_window window, svo_voxelize_params params,
                                 __local svo_note *notes, svo_stage *stage)
@@ -405,8 +419,12 @@ svo_k_voxelize(__global const int *vertices, __global const uint *indices, __glo
     for (uint id = first; id < first + SVO_GROUP_ITEMS; ++id) {
         svo_tile_item part;
         if (svo_get_part(id, tiles, params, &part)) {
-            const svo_placed placed = svo_place(vertices, indices, items[part.item], params);
-            svo_push_part(placed, svo_part_window(id, placed, part, params), params, notes, &stage);
+            if (params.one_voxel != 0u) {
+                svo_push_one(vertices, indices, items[part.item], params, &stage);
+            } else {
+                const svo_placed placed = svo_place(vertices, indices, items[part.item], params);
+                svo_push_part(placed, svo_part_window(id, placed, part, params), params, notes, &stage);
+            }
         }
         if (stage.count + SVO_PART_FRAGMENTS > SVO_STAGE_ROOM) {
             svo_flush(&stage, counters + 2u * params.counter, fragments, params.capacity);

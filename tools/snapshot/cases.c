@@ -118,6 +118,10 @@ const request requests[] = {
     {"knot:2000", .depth = 5, .need = ALL_NEEDS, .fragment_capacity = 1000, .methods = ALL},
     {"knot:2000", .depth = 5, .need = ALL_NEEDS, .fragment_capacity = 100000, .methods = EACH},
     {"knot:2000", .depth = 5, .need = ALL_NEEDS, .worst_case_nodes = 1, .methods = ALL},
+    /* Pairs of triangle and leaf, which CPUs evaluate eight at a time: many in a leaf, few, and with textures. */
+    {"needles:200", .depth = 5, .need = SVO_NEED_COLOR | SVO_NEED_NORMAL | AREAS, .methods = BY_CL},
+    {"statue:2000", .depth = 9, .need = SVO_NEED_COLOR | SVO_NEED_NORMAL, .methods = BY_CL},
+    {"knot:2000", MESH_TEXTURED, .depth = 4, .need = SVO_NEED_COLOR | AREAS, .chunk_bytes = 16384, .methods = BY_CL},
     /* Projected areas. */
     {"knot:2000", .depth = 5, .need = AREAS, .methods = ALL},
     {"knot:2000", .depth = 5, .need = ALL_NEEDS | AREAS, .methods = EACH},
