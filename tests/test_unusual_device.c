@@ -222,6 +222,45 @@ static void a_list_above_the_largest_buffer(void **state)
     scene_destroy(&knot);
 }
 
+/* The list of a square at depth 16 that covers most of the grid, on a device whose allocations hold it in one buffer:
+   no chunk has more fragments than kernels count in 32 bits, and workspaces, whose list is one chunk, say so. */
+static void lists_above_32_bits_are_cut(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    static const cl_ulong most_bytes = UINT64_C(100000000000);
+    static const float positions[] = {0, 0, 0.5f, 0.98f, 0, 0.5f, 0, 0.98f, 0.5f, 0.98f, 0.98f, 0.5f};
+    static const uint32_t indices[] = {0, 1, 2, 2, 1, 3};
+    const svo_mesh mesh = {
+        .struct_size = sizeof mesh, .positions = positions, .vertex_count = 4, .indices = indices, .triangle_count = 2};
+    const svo_plan_options options = {.struct_size = sizeof options, .edge = 1.0, .need = SVO_NEED_NONE};
+    svo_plan_info info = SVO_PLAN_INFO_INIT;
+    svo_workspace_info room = SVO_WORKSPACE_INFO_INIT;
+    svo_frontend *frontend = NULL;
+    svo_plan *plan = NULL;
+    uint64_t fragments = 0;
+    device_answer = (answer){CL_DEVICE_MAX_MEM_ALLOC_SIZE, &most_bytes, sizeof most_bytes};
+    svo_device *device = open_or_fail(&opened, NULL);
+    expect(device, svo_frontend_create_cl(device, &frontend), SVO_OK, "");
+    expect(device, svo_plan_create(device, &mesh, 16, &options, &plan), SVO_OK, "");
+    expect(device, svo_plan_get_info(plan, &info), SVO_OK, "");
+    assert_true(info.expected_fragments < 4294967295.0 && info.expected_fragments * 1.125 > 4294967295.0);
+    for (size_t i = 0; i < svo_plan_buffer_count(plan); ++i) {
+        svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
+        expect(device, svo_plan_get_buffer(plan, i, &buffer), SVO_OK, "");
+        if (strcmp(buffer.name, "fragments") == 0) {
+            fragments = buffer.bytes / 12;
+            assert_in_range(buffer.count, 2, 3);
+            assert_in_range(fragments / buffer.count, 1, UINT32_MAX - 65536u);
+        }
+    }
+    assert_true((double)fragments > info.expected_fragments);
+    expect(device, svo_workspace_measure(plan, frontend, &room), SVO_UNSUPPORTED,
+           "and builds that are enqueued have one");
+    svo_plan_destroy(&plan);
+    svo_frontend_destroy(&frontend);
+    svo_device_destroy(&device);
+}
+
 static void keep_text(void *user, svo_log_level level, const char *text)
 {
     assert_int_equal(level, SVO_LOG_ERROR);
@@ -299,6 +338,7 @@ int main(void)
         cmocka_unit_test_teardown(a_path_that_is_none_is_refused, forget_answers),
         cmocka_unit_test_teardown(little_local_memory, forget_answers),
         cmocka_unit_test_teardown(a_list_above_the_largest_buffer, forget_answers),
+        cmocka_unit_test_teardown(lists_above_32_bits_are_cut, forget_answers),
         cmocka_unit_test_teardown(kernels_that_do_not_compile, forget_answers),
         cmocka_unit_test_teardown(drivers_declarations_serve_too, forget_answers),
         cmocka_unit_test_teardown(binaries_that_are_not_there, forget_answers),

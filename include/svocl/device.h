@@ -51,7 +51,8 @@ typedef struct svo_device_options {
     svo_log_callback log; /**< NULL: nothing is logged */
     void *log_user; /**< passed to log */
     /** For svo_device_create_default: a part of "platform: device" in letters of either case, or indices as in "0.1"
-     *  (platform.device). NULL matches every device. Of those that match, the first GPU is taken, else the first. */
+     *  (platform.device). NULL matches every device. Of those that match, available ones go before others, then GPUs,
+     *  then those with memory of their own, then those of more compute units, then the first. */
     const char *device_name;
     /** Upper limit in bytes for the OpenCL buffers of this handle and of what is made from it that live at the same
      *  time: trees, scratch, BVHs, batches of rays. A buffer counts until the driver destroys it. OpenGL's memory, a
