@@ -8,8 +8,8 @@
  *   add       the groups of reduce again: exclusive sums inside the range, on top of the group's partial
  *
  * A tile is SVO_GROUP_ITEMS work-items times 16 consecutive elements. The host launches as many groups as there may be
- * tiles, SVO_SCAN_GROUPS at most; the sums are the same for any number of groups. The elements are the lengths of leaf
- * lists, or of whatever other programs count.
+ * tiles, and no more than the device needs; the sums are the same for any number of groups. The elements are the
+ * lengths of leaf lists, or of whatever other programs count.
  * Launch: as above, in groups of SVO_GROUP_ITEMS. No atomics. Local memory, SVO_GROUP_ITEMS words, is an argument, see
  * group.clh.
  */
@@ -18,7 +18,6 @@
 
 #define SVO_ITEM_ELEMENTS 16u
 #define SVO_TILE_ELEMENTS ((uint)SVO_SCAN_TILE)
-#define SVO_ITEM_PARTIALS (SVO_SCAN_GROUPS / SVO_GROUP_ITEMS)
 
 /* The tiles of this group: first and one past last element, of count elements in all. */
 static uint2 svo_group_range(uint count)
@@ -76,17 +75,19 @@ static void svo_store_prefixes(uint16 v, uint sum, __global uint *out, uint inde
 /* Exclusive sums of that many groups' partials on top of base, in place; returns the sum of all. One group. */
 static uint svo_scan_partials(__global uint *partials, uint groups, uint base, __local uint *scratch)
 {
-    const uint first = (uint)get_local_id(0) * SVO_ITEM_PARTIALS;
-    uint sums[SVO_ITEM_PARTIALS];
+    const uint count = (groups + SVO_GROUP_ITEMS - 1u) / SVO_GROUP_ITEMS;
+    const uint first = min((uint)get_local_id(0) * count, groups);
+    const uint end = min(first + count, groups);
     uint sum = 0;
-    for (uint k = 0; k < SVO_ITEM_PARTIALS; ++k) {
-        sums[k] = sum;
-        sum += first + k < groups ? partials[first + k] : 0u;
+    for (uint k = first; k < end; ++k) {
+        sum += partials[k];
     }
     uint total;
-    const uint before = svo_group_exclusive(sum, scratch, &total);
-    for (uint k = 0; k < SVO_ITEM_PARTIALS; ++k) {
-        partials[first + k] = base + before + sums[k];
+    uint before = base + svo_group_exclusive(sum, scratch, &total);
+    for (uint k = first; k < end; ++k) {
+        const uint partial = partials[k];
+        partials[k] = before;
+        before += partial;
     }
     /* Not needed for correctness: without it the compiler of rusticl 25.0 crashes on the store of the total that
        follows. */

@@ -9,7 +9,7 @@
  *   scan.cl             exclusive sums of those counts (svo_k_scan_lists_*)
  *   svo_k_sort_scatter  per block: moves its fragments, in order, to where their digits belong
  *
- * Launch: SVO_SORT_BLOCKS groups. A group owns a block and each work-item a strip of it, which keeps the sort stable.
+ * Launch: any number of groups. A group owns a block and each work-item a strip of it, which keeps the sort stable.
  * Reads one list and writes the other. No atomics. Local memory is an argument, see group.clh.
  */
 #include "shared/fragment.clh"
@@ -25,7 +25,7 @@ static uint svo_sort_digit(__global const uint *fragments, uint index, svo_sort_
 /* The strip of this item, as indices of fragments. */
 static uint2 svo_sort_strip(uint count)
 {
-    const uint strips = SVO_SORT_BLOCKS * SVO_GROUP_ITEMS;
+    const uint strips = (uint)get_global_size(0);
     const uint length = count / strips + (count % strips != 0u ? 1u : 0u);
     const ulong begin = (ulong)get_global_id(0) * length;
     return (uint2)((uint)min(begin, (ulong)count), (uint)min(begin + length, (ulong)count));
@@ -54,7 +54,7 @@ svo_k_sort_count(__global const uint *fragments, __global uint *counts, svo_sort
         for (uint item = 0; item < SVO_GROUP_ITEMS; ++item) {
             sum += digits[digit * SVO_GROUP_ITEMS + item];
         }
-        counts[digit * SVO_SORT_BLOCKS + get_group_id(0)] = sum;
+        counts[digit * get_num_groups(0) + get_group_id(0)] = sum;
     }
 }
 
@@ -65,7 +65,7 @@ svo_k_sort_scatter(__global const uint *from, __global uint *to, __global const 
     const uint2 strip = svo_sort_strip(params.fragment_count);
     svo_sort_count_strip(from, params, strip, digits);
     for (uint digit = (uint)get_local_id(0); digit < SVO_SORT_DIGITS; digit += SVO_GROUP_ITEMS) {
-        uint sum = before[digit * SVO_SORT_BLOCKS + get_group_id(0)];
+        uint sum = before[digit * get_num_groups(0) + get_group_id(0)];
         for (uint item = 0; item < SVO_GROUP_ITEMS; ++item) {
             const uint count = digits[digit * SVO_GROUP_ITEMS + item];
             digits[digit * SVO_GROUP_ITEMS + item] = sum;

@@ -9,8 +9,9 @@
 
 /* PoCL compiles kernels separately for launches of at most 65535 work-items and for larger ones. */
 #define LARGE_ITEMS 131072u
-/* Size of a buffer of zeros: kernels that read zero counts still write the sums. The radix sort's are the largest. */
-#define ZERO_BYTES (sizeof(cl_uint) * SVO_SORT_DIGITS * SVO_SORT_BLOCKS)
+/* Size of a buffer of zeros: kernels that read zero counts still write the sums, of which those of scans are the
+   largest, a vector for each group. */
+#define ZERO_BYTES (sizeof(cl_uint4) * (LARGE_ITEMS / SVO_GROUP_ITEMS))
 /* Limits of a kernel's arguments: the size of a scalar or params struct, and their number. */
 #define PARAMS_BYTES  256
 #define ARGUMENTS_MAX (SVO_I_WARM_UP_BUFFERS + 8)

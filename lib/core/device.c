@@ -282,6 +282,21 @@ static svo_status choose_path(svo_device *handle, svo_path path, svo_message *me
     return SVO_OK;
 }
 
+static uint32_t between(uint32_t least, uint64_t number, uint32_t most)
+{
+    return number < least ? least : number > most ? most : (uint32_t)number;
+}
+
+/* How many groups share the work of a scan or a sort. Results do not depend on it. */
+static svo_status choose_widths(svo_device *handle, cl_device_id device, svo_message *message)
+{
+    cl_uint units = 0;
+    SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, CREATE, message));
+    handle->scan_groups = handle->cpu_path ? SVO_SCAN_GROUPS : between(64, UINT64_C(8) * units, 2048);
+    handle->sort_groups = handle->cpu_path ? SVO_SORT_BLOCKS : between(16, UINT64_C(4) * units, 512);
+    return SVO_OK;
+}
+
 /* The properties that builds and rays depend on. */
 static svo_status query_properties(svo_device *handle, cl_device_id device, svo_message *message)
 {
@@ -341,6 +356,7 @@ svo_status svo_device_create(cl_context context, cl_device_id device, const svo_
     SVO_I_TRY_CLEANUP(check_context(context, device, &memory, message));
     SVO_I_TRY_CLEANUP(query_properties(handle, device, message));
     SVO_I_TRY_CLEANUP(choose_path(handle, asked.path, message));
+    SVO_I_TRY_CLEANUP(choose_widths(handle, device, message));
     SVO_I_TRY_CLEANUP(retain(context, device, message));
     handle->name = name;
     handle->budget = budget;

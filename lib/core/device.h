@@ -23,6 +23,8 @@ struct svo_device {
     cl_ulong global_bytes;
     bool is_cpu; /* by its type: its memory is the host's */
     bool cpu_path; /* kernels and shapes of launches are those for CPUs, see svo_path */
+    uint32_t scan_groups; /* the most groups that divide an array among them; on GPUs by its compute units */
+    uint32_t sort_groups; /* groups of a sort, likewise */
     bool has_fp64; /* kernels have cl_khr_fp64 */
     svo_i_budget *budget; /* NULL: none */
     svo_i_attachment *attachments; /* compiled programs, and what else is kept until the handle is destroyed */

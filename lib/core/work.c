@@ -258,22 +258,22 @@ svo_status svo_i_work_launch(svo_i_device_work *work, const char *name, const sv
 
 /* ---- scans ---- */
 
-/* Groups of a scan: one per tile, SVO_SCAN_GROUPS at most. */
-static uint32_t scan_groups(uint64_t numbers)
+/* Groups of a scan: one per tile, and no more than the device needs. */
+static uint32_t scan_groups(const svo_device *device, uint64_t numbers)
 {
     const uint32_t tile = SVO_SCAN_TILE;
     const uint64_t tiles = (numbers + tile - 1) / tile;
-    return (uint32_t)(tiles < 1 ? 1 : tiles > SVO_SCAN_GROUPS ? SVO_SCAN_GROUPS : tiles);
+    return (uint32_t)(tiles < 1 ? 1 : tiles > device->scan_groups ? device->scan_groups : tiles);
 }
 
 svo_status svo_i_work_scan(svo_i_device_work *work, cl_mem numbers, cl_mem sums, uint64_t count)
 {
-    const svo_filter_params params = {.leaf_count = (cl_uint)count, .scan_groups = scan_groups(count)};
+    const svo_filter_params params = {.leaf_count = (cl_uint)count, .scan_groups = scan_groups(work->device, count)};
     const uint64_t items = (uint64_t)params.scan_groups * SVO_GROUP_ITEMS;
     const cl_mem state = NULL; /* of a build; the kernels of this program do not read it */
     const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
     if (work->partials == NULL) {
-        SVO_I_TRY(svo_i_work_alloc(work, "partials", SVO_SCAN_GROUPS * sizeof(cl_uint), &work->partials));
+        SVO_I_TRY(svo_i_work_alloc(work, "partials", work->device->scan_groups * sizeof(cl_uint), &work->partials));
     }
     const svo_i_argument reduce[] = {SVO_I_ARGUMENT(numbers), SVO_I_ARGUMENT(work->partials), SVO_I_ARGUMENT(state),
                                      SVO_I_ARGUMENT(params), scratch};

@@ -108,7 +108,8 @@ static svo_status sort_leaves(sorter *s)
     SVO_I_TRY(svo_i_commands_run(commands, program, "svo_k_material_leaves", arguments, COUNT - LOCALS,
                                  s->params.leaf_count));
     return svo_i_commands_run(commands, program, "svo_k_material_long", arguments, COUNT,
-                              (most < SVO_SCAN_GROUPS ? most : SVO_SCAN_GROUPS) * SVO_GROUP_ITEMS);
+                              (most < commands->device->scan_groups ? most : commands->device->scan_groups) *
+                                  SVO_GROUP_ITEMS);
 }
 
 static svo_status merge_level(sorter *s, uint32_t level)

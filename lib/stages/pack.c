@@ -105,7 +105,8 @@ static svo_status sort_lists(packer *p)
                                          SVO_I_ARGUMENT(p->params),
                                          SVO_I_LOCAL(sizeof(cl_uint) * SVO_DIGITS * SVO_GROUP_ITEMS),
                                          SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint))};
-    const uint64_t groups = most_long_leaves(build) < SVO_SCAN_GROUPS ? most_long_leaves(build) : SVO_SCAN_GROUPS;
+    const uint64_t most = most_long_leaves(build);
+    const uint64_t groups = most < build->commands.device->scan_groups ? most : build->commands.device->scan_groups;
     return svo_i_commands_run(&p->build->commands, p->build->programs[SVO_I_PROGRAM_PACK], "svo_k_sort_long",
                               SVO_I_ARGUMENTS(long_lists), groups * SVO_GROUP_ITEMS);
 }

@@ -4,16 +4,17 @@
 
 svo_status svo_i_scan_alloc(svo_i_build *build)
 {
-    return build->partials != NULL ? SVO_OK
-                                   : svo_i_commands_alloc(&build->commands, "partials",
-                                                          SVO_SCAN_GROUPS * sizeof(cl_uint4), &build->partials);
+    return build->partials != NULL
+               ? SVO_OK
+               : svo_i_commands_alloc(&build->commands, "partials",
+                                      build->commands.device->scan_groups * sizeof(cl_uint4), &build->partials);
 }
 
-uint32_t svo_i_scan_groups(uint64_t numbers)
+uint32_t svo_i_scan_groups(const svo_device *device, uint64_t numbers)
 {
     const uint32_t tile = SVO_SCAN_TILE;
     const uint64_t tiles = (numbers + tile - 1) / tile;
-    return (uint32_t)(tiles < 1 ? 1 : tiles > SVO_SCAN_GROUPS ? SVO_SCAN_GROUPS : tiles);
+    return (uint32_t)(tiles < 1 ? 1 : tiles > device->scan_groups ? device->scan_groups : tiles);
 }
 
 svo_status svo_i_scan_lists(svo_i_build *build, svo_i_program_kind program, cl_mem numbers, cl_mem sums, cl_mem state,
@@ -21,7 +22,7 @@ svo_status svo_i_scan_lists(svo_i_build *build, svo_i_program_kind program, cl_m
 {
     svo_i_commands *commands = &build->commands;
     cl_program kernels = build->programs[program];
-    params.scan_groups = svo_i_scan_groups(params.leaf_count);
+    params.scan_groups = svo_i_scan_groups(commands->device, params.leaf_count);
     const uint64_t items = (uint64_t)params.scan_groups * SVO_GROUP_ITEMS;
     const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
     const svo_i_argument reduce[] = {SVO_I_ARGUMENT(numbers), SVO_I_ARGUMENT(build->partials), SVO_I_ARGUMENT(state),

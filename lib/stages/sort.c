@@ -14,20 +14,30 @@ typedef struct sorter {
 /* Rough time to count or to move an entry, for the progress. */
 #define ENTRY_NS 8.0
 
+static uint64_t sort_items(const sorter *s)
+{
+    return (uint64_t)s->build->commands.device->sort_groups * SVO_GROUP_ITEMS;
+}
+
+/* A count for each digit in the block of each group. */
+static uint64_t sort_cells(const sorter *s)
+{
+    return (uint64_t)s->build->commands.device->sort_groups * SVO_SORT_DIGITS;
+}
+
 static svo_status launch(sorter *s, const char *name, const svo_i_argument *arguments, cl_uint argument_count)
 {
     return svo_i_commands_run(&s->build->commands, s->build->programs[SVO_I_PROGRAM_SORT], name, arguments,
-                              argument_count, (uint64_t)SVO_SORT_BLOCKS * SVO_GROUP_ITEMS);
+                              argument_count, sort_items(s));
 }
 
 /* One pass over a digit. It swaps the list and the spare buffer. */
 static svo_status sort_pass(sorter *s, svo_sort_params params)
 {
-    const uint64_t items = (uint64_t)SVO_SORT_BLOCKS * SVO_GROUP_ITEMS;
     svo_i_commands_stage(&s->build->commands, SVO_STAGE_SUBDIVIDE,
-                         ENTRY_NS * (double)s->build->fragment_count / (double)items);
+                         ENTRY_NS * (double)s->build->fragment_count / (double)sort_items(s));
     cl_mem *list = &s->build->list.chunks[0].buffer;
-    const svo_filter_params cells = {.leaf_count = (cl_uint)SVO_SORT_DIGITS * SVO_SORT_BLOCKS};
+    const svo_filter_params cells = {.leaf_count = (cl_uint)sort_cells(s)};
     const svo_i_argument digits = SVO_I_LOCAL(sizeof(cl_uint) * SVO_SORT_DIGITS * SVO_GROUP_ITEMS);
     const svo_i_argument count[] = {SVO_I_ARGUMENT(*list), SVO_I_ARGUMENT(s->counts), SVO_I_ARGUMENT(params), digits};
     const svo_i_argument scatter[] = {SVO_I_ARGUMENT(*list), SVO_I_ARGUMENT(s->spare), SVO_I_ARGUMENT(s->before),
@@ -54,7 +64,7 @@ static svo_status sort_by(sorter *s, bool by_triangle, uint32_t bits)
 static svo_status sort_list(sorter *s)
 {
     const svo_plan *plan = s->build->commands.plan;
-    const uint64_t cells = (uint64_t)SVO_SORT_DIGITS * SVO_SORT_BLOCKS;
+    const uint64_t cells = sort_cells(s);
     uint32_t triangle_bits = 0;
     while (triangle_bits < 32 && (plan->triangle_count - 1) >> triangle_bits != 0) {
         ++triangle_bits;

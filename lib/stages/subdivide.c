@@ -161,7 +161,8 @@ static svo_status make_nodes(subdivider *s)
 {
     svo_i_build *build = s->build;
     svo_blocks_params params = s->params;
-    params.scan_groups = svo_i_scan_groups(most_blocks(s, params.level) * (SVO_SCAN_TILE / SVO_GROUP_ITEMS));
+    params.scan_groups =
+        svo_i_scan_groups(build->commands.device, most_blocks(s, params.level) * (SVO_SCAN_TILE / SVO_GROUP_ITEMS));
     const uint64_t items = (uint64_t)params.scan_groups * SVO_GROUP_ITEMS;
     const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint4));
     const svo_i_argument count[] = {SVO_I_ARGUMENT(s->blocks), SVO_I_ARGUMENT(build->partials),
@@ -182,7 +183,8 @@ static svo_status clear_blocks(subdivider *s)
 {
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(s->blocks), SVO_I_ARGUMENT(s->build->state),
                                         SVO_I_ARGUMENT(s->params)};
-    const uint64_t groups = svo_i_scan_groups(most_blocks(s, s->params.level) * (SVO_SCAN_TILE / SVO_GROUP_ITEMS));
+    const uint64_t groups = svo_i_scan_groups(s->build->commands.device,
+                                              most_blocks(s, s->params.level) * (SVO_SCAN_TILE / SVO_GROUP_ITEMS));
     return svo_i_commands_launch(&s->build->commands, s->clear, SVO_I_ARGUMENTS(arguments), groups * SVO_GROUP_ITEMS);
 }
 

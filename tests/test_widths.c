@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: MIT */
+/* Scans and sorts divide their work among as many groups as the device is wide. Trees do not depend on how many. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "core/device.h"
+#include "fixture.h"
+#include "scenes.h"
+
+static void trees_do_not_depend_on_the_widths(void **state)
+{
+    static const struct {
+        uint32_t scan_groups, sort_groups;
+    } widths[] = {{1, 1}, {3, 2}, {65, 16}, {2048, 512}};
+    static const svo_builder builders[] = {SVO_BUILDER_CL, SVO_BUILDER_SORTED};
+    const fixture opened = fixture_cl_of_group(state);
+    scene *knot = fixture_scene("knot:3000");
+    for (size_t b = 0; b < sizeof builders / sizeof builders[0]; ++b) {
+        const svo_plan_options options = {.need = SVO_NEED_ALL, .builder = builders[b]};
+        built usual;
+        fixture_build(&opened, scene_mesh(knot), 8, &options, &usual);
+        for (size_t i = 0; i < sizeof widths / sizeof widths[0]; ++i) {
+            const svo_device before = *opened.device;
+            built forced;
+            opened.device->cpu_path = false;
+            opened.device->scan_groups = widths[i].scan_groups;
+            opened.device->sort_groups = widths[i].sort_groups;
+            fixture_build(&opened, scene_mesh(knot), 8, &options, &forced);
+            assert_string_equal(forced.hash, usual.hash);
+            built_destroy(&forced);
+            opened.device->cpu_path = before.cpu_path;
+            opened.device->scan_groups = before.scan_groups;
+            opened.device->sort_groups = before.sort_groups;
+        }
+        built_destroy(&usual);
+    }
+    scene_destroy(&knot);
+}
+
+static void gpus_are_as_wide_as_their_units(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_device_options options = {.struct_size = sizeof options, .path = SVO_PATH_GPU};
+    svo_device *device = NULL;
+    svo_message message = {""};
+    cl_uint units = 0;
+    clGetDeviceInfo(svo_device_cl_device(opened.device), CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, NULL);
+    assert_int_equal(svo_device_create(svo_device_cl_context(opened.device), svo_device_cl_device(opened.device),
+                                       &options, &device, &message),
+                     SVO_OK);
+    assert_int_equal(device->scan_groups, units * 8 < 64 ? 64 : units * 8 > 2048 ? 2048 : units * 8);
+    assert_int_equal(device->sort_groups, units * 4 < 16 ? 16 : units * 4 > 512 ? 512 : units * 4);
+    svo_device_destroy(&device);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(trees_do_not_depend_on_the_widths),
+                                       cmocka_unit_test(gpus_are_as_wide_as_their_units)};
+    return cmocka_run_group_tests_name("widths", tests, fixture_group_setup, fixture_group_teardown);
+}
