@@ -103,6 +103,10 @@ static void every_subject_adds_its_tables(void **state)
         expect_spread(table, tables[i].spread);
     }
     expect_positive(table_of(document, "thesis-2016"), "sparse octree");
+    assert_int_equal(row_count_of(table_of(document, "startup-needs")),
+                     row_count_of(table_of(document, "e6-leaving-out")) - 1);
+    expect_positive(table_of(document, "startup-needs"), "cold");
+    expect_positive(table_of(document, "startup-needs"), "warm");
     expect_positive(table_of(document, "memory"), "tree per leaf");
     expect_positive(table_of(document, "compact-shared"), "per voxel");
     expect_positive(table_of(document, "e6-leaving-out"), "peak");

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * From the start of a process to its first tree. The program starts anew for each run, first with empty caches of
- * compiled kernels and shaders, then with warm ones.
+ * From the start of a process to its first tree, and to the first tree of other needs in a process that built already.
+ * The program starts anew for each run, first with empty caches of compiled kernels and shaders, then with warm ones.
  */
 #include "bench/startup.h"
 
@@ -12,6 +12,7 @@
 #include "bench/series.h"
 
 static const char table_id[] = "startup";
+static const char needs_id[] = "startup-needs";
 
 /* The methods and their options. */
 static const struct {
@@ -42,6 +43,21 @@ static const char note[] =
     "drivers' caches of kernels and shaders are empty. Warm: after the cold run has filled them. Compile: kernels and "
     "shaders, as the build reports it.";
 
+static const char needs_note[] =
+    "`svocl bench leaving-out` as a process of its own, once with empty caches and once with those that it filled. Its "
+    "first tree has all needs; the rows are the trees after it, each with the kernels that it adds: from the mesh to "
+    "the tree, with compilation. One run each.";
+
+static void begin_needs(suite *all)
+{
+    result_table *table = result_add_table(all->results, needs_id, "The first tree of other needs", needs_note);
+    result_add_column(table, "scene", "");
+    result_add_column(table, "depth", "");
+    result_add_column(table, "need", "");
+    result_add_column(table, "cold", "ms");
+    result_add_column(table, "warm", "ms");
+}
+
 static int begin(suite *all)
 {
     result_table *table = result_add_table(all->results, table_id, "Process start to exit, building one tree", note);
@@ -54,6 +70,7 @@ static int begin(suite *all)
     result_add_column(table, "warm runs", "");
     spread_add_columns(table, "warm", "ms");
     spread_add_columns(table, "warm compile", "ms");
+    begin_needs(all);
     return PROGRAM_DONE;
 }
 
@@ -139,6 +156,65 @@ static void add_row(result_table *table, const input *source, unsigned depth, co
     spread_add(table, spread_of(times->warm_compile, times->warm_count));
 }
 
+/* The rows and, by its name, a column of the first table in a document. */
+static const cJSON *rows_of(const cJSON *document, const char *name, int *column)
+{
+    const cJSON *table = cJSON_GetArrayItem(cJSON_GetObjectItemCaseSensitive(document, "tables"), 0);
+    const cJSON *columns = cJSON_GetObjectItemCaseSensitive(table, "columns");
+    for (*column = 0; *column < cJSON_GetArraySize(columns); ++*column) {
+        const cJSON *one = cJSON_GetArrayItem(columns, *column);
+        const char *found = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(one, "name"));
+        if (found != NULL && strcmp(found, name) == 0) {
+            return cJSON_GetObjectItemCaseSensitive(table, "rows");
+        }
+    }
+    return NULL;
+}
+
+static void add_needs(result_table *table, const input *source, unsigned depth, const cJSON *cold, const cJSON *warm)
+{
+    int need = 0;
+    int first = 0;
+    const cJSON *cold_rows = rows_of(cold, "first", &first);
+    const cJSON *warm_rows = rows_of(warm, "need", &need);
+    for (int i = 1; i < cJSON_GetArraySize(cold_rows) && i < cJSON_GetArraySize(warm_rows); ++i) {
+        const cJSON *cold_row = cJSON_GetArrayItem(cold_rows, i);
+        const cJSON *warm_row = cJSON_GetArrayItem(warm_rows, i);
+        const char *name = cJSON_GetStringValue(cJSON_GetArrayItem(warm_row, need));
+        result_add_text(table, "%s", suite_scene_name(source));
+        result_add_number(table, depth);
+        result_add_text(table, "%s", name != NULL ? name : "");
+        result_add_number(table, cJSON_GetNumberValue(cJSON_GetArrayItem(cold_row, first)));
+        result_add_number(table, cJSON_GetNumberValue(cJSON_GetArrayItem(warm_row, first)));
+    }
+}
+
+/* The trees of other needs in one process, with empty and with filled caches. */
+static int run_needs(suite *all, const input *source, unsigned depth, const char *depth_text)
+{
+    const char *arguments[COMMAND_ARGUMENT_MAX] = {"bench",    "leaving-out", "--scenes", suite_scene_name(source),
+                                                   "--depths", depth_text,    "--repeat", "1",
+                                                   "--json"};
+    child_cache cache = {""};
+    cJSON *cold = NULL;
+    cJSON *warm = NULL;
+    if (all->state->options.device_name != NULL) {
+        arguments[9] = "--device";
+        arguments[10] = all->state->options.device_name;
+    }
+    const bool ran = child_cache_create(&cache) && child_run(arguments, &cache, &cold) >= 0.0 &&
+                     child_run(arguments, &cache, &warm) >= 0.0;
+    if (ran) {
+        add_needs(result_find(all->results, needs_id), source, depth, cold, warm);
+    }
+    cJSON_Delete(cold);
+    cJSON_Delete(warm);
+    child_cache_remove(&cache);
+    return ran ? PROGRAM_DONE
+               : program_fail(all->state, PROGRAM_FAILED, "'svocl bench leaving-out --scenes %s' failed as a child",
+                              suite_scene_name(source));
+}
+
 static int run(suite *all, const input *source, unsigned depth)
 {
     start_times times[FORM_COUNT];
@@ -167,7 +243,7 @@ static int run(suite *all, const input *source, unsigned depth)
             result_extend_note(table, "%s does not work here.", forms[form].name);
         }
     }
-    return PROGRAM_DONE;
+    return run_needs(all, source, depth, depth_text);
 }
 
 const suite_subject bench_startup = {
