@@ -146,6 +146,48 @@ static void devices_that_are_refused(void **state)
     }
 }
 
+/* What runs by the device's type, and by the options whatever the type. */
+static void paths_of_devices(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const struct {
+        cl_device_type type;
+        svo_path asked, path;
+    } rows[] = {
+        {CL_DEVICE_TYPE_CPU, SVO_PATH_AUTO, SVO_PATH_CPU},
+        {CL_DEVICE_TYPE_CPU, SVO_PATH_CPU, SVO_PATH_CPU},
+        {CL_DEVICE_TYPE_CPU, SVO_PATH_GPU, SVO_PATH_GPU},
+        {CL_DEVICE_TYPE_CPU | CL_DEVICE_TYPE_DEFAULT, SVO_PATH_AUTO, SVO_PATH_CPU},
+        {CL_DEVICE_TYPE_GPU, SVO_PATH_AUTO, SVO_PATH_GPU},
+        {CL_DEVICE_TYPE_GPU, SVO_PATH_CPU, SVO_PATH_CPU},
+        {CL_DEVICE_TYPE_GPU, SVO_PATH_GPU, SVO_PATH_GPU},
+        {CL_DEVICE_TYPE_ACCELERATOR, SVO_PATH_AUTO, SVO_PATH_GPU},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
+        const svo_device_options options = {.struct_size = sizeof options, .path = rows[i].asked};
+        device_answer = (answer){CL_DEVICE_TYPE, &rows[i].type, sizeof rows[i].type};
+        svo_device *device = open_or_fail(&opened, &options);
+        if (svo_device_path(device) != rows[i].path) {
+            fail_msg("row %zu: path %s, expected %s", i, svo_path_name(svo_device_path(device)),
+                     svo_path_name(rows[i].path));
+        }
+        svo_device_destroy(&device);
+    }
+}
+
+static void a_path_that_is_none_is_refused(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_device_options options = {.struct_size = sizeof options, .path = (svo_path)3};
+    svo_device *device = NULL;
+    svo_message message = {""};
+    assert_int_equal(open_device(&opened, &options, &device, &message), SVO_INVALID_ARGUMENT);
+    assert_string_equal(message.text, "svo_device_create: options.path 3 is not in 0 .. 2");
+    assert_null(device);
+    assert_string_equal(svo_path_name(SVO_PATH_AUTO), "auto");
+    assert_string_equal(svo_path_name(options.path), "unknown path");
+}
+
 static void little_local_memory(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
@@ -292,6 +334,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(devices_that_are_refused, forget_answers),
+        cmocka_unit_test_teardown(paths_of_devices, forget_answers),
+        cmocka_unit_test_teardown(a_path_that_is_none_is_refused, forget_answers),
         cmocka_unit_test_teardown(little_local_memory, forget_answers),
         cmocka_unit_test_teardown(a_list_above_the_largest_buffer, forget_answers),
         cmocka_unit_test_teardown(lists_above_32_bits_are_cut, forget_answers),

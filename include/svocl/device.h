@@ -31,6 +31,20 @@ extern "C" {
 /** An OpenCL device as svocl uses it. */
 typedef struct svo_device svo_device;
 
+/** Which of the library's kernels run, where CPUs and GPUs have different ones, and in which shapes of launches. Both
+ *  are right on every device and give the same trees, hits and pictures; the other one is slower. */
+typedef enum svo_path {
+    SVO_PATH_AUTO = 0, /**< the CPU's path on CL_DEVICE_TYPE_CPU, else the GPU's */
+    SVO_PATH_CPU = 1, /**< "cpu": a work-item does the work of a group, with vectors */
+    SVO_PATH_GPU = 2 /**< "gpu": work-items do equal parts */
+} svo_path;
+
+/** Name of a path.
+ *
+ * \param path any value
+ * \returns "auto", "cpu", "gpu" or "unknown path"; static. */
+SVO_API const char *svo_path_name(svo_path path);
+
 /** Options of a device handle. */
 typedef struct svo_device_options {
     size_t struct_size; /**< sizeof(svo_device_options) */
@@ -53,6 +67,8 @@ typedef struct svo_device_options {
     /** Host memory of the handle and of all that is made from it: plans, front ends, trees, workspaces. NULL: malloc
      *  and free. */
     const svo_memory_callbacks *memory;
+    /** Which kernels run; others than the default are for tests and comparisons. */
+    svo_path path;
 } svo_device_options;
 
 /** All defaults. */
@@ -104,6 +120,12 @@ SVO_API cl_device_id svo_device_cl_device(const svo_device *device);
  * \param device not NULL
  * \returns "platform: device"; lives as long as the handle. */
 SVO_API const char *svo_device_name(const svo_device *device);
+
+/** The path that kernels take.
+ *
+ * \param device not NULL
+ * \returns SVO_PATH_CPU or SVO_PATH_GPU, never SVO_PATH_AUTO. */
+SVO_API svo_path svo_device_path(const svo_device *device);
 
 /** The message of the last failure of this handle or of one made from it.
  *
