@@ -132,6 +132,69 @@ static double number_in_row(const cJSON *row, const cJSON *table, const char *co
     return cell->valuedouble;
 }
 
+/* The text of a row's cell in that column; "" where it is absent. */
+static const char *text_in_row(const cJSON *row, const cJSON *table, const char *column)
+{
+    const char *text = cJSON_GetStringValue(cJSON_GetArrayItem(row, column_of(table, column)));
+    return text != NULL ? text : "";
+}
+
+/* What does not work here is a row with its reason, and nothing is wrong: the hashes are those of other machines. */
+static void a_machine_is_measured_step_by_step(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("$SVOCL bench gpu --quick --path gpu -q -o gpu.json");
+    cJSON *document = run_json("cat gpu.json");
+    const cJSON *table = table_of(document, "gpu");
+    const cJSON *row = NULL;
+    int ok_count = 0;
+    int counted = 0;
+    assert_true(strlen(text_of(cJSON_GetObjectItem(document, "machine"), "device")) > 0);
+    assert_true(row_count_of(table_of(document, "gpu-pairs")) > 0 || !gl_works());
+    cJSON_ArrayForEach(row, array_of(table, "rows"))
+    {
+        const char *verdict = text_in_row(row, table, "verdict");
+        const char *step = text_in_row(row, table, "step");
+        const bool is_ok = strcmp(verdict, "ok") == 0;
+        const bool by_cl = strncmp(text_in_row(row, table, "method"), "cl", 2) == 0;
+        ok_count += is_ok;
+        if (!is_ok && (by_cl || strcmp(verdict, "failed") != 0 || text_in_row(row, table, "reason")[0] == '\0')) {
+            fail_msg("%s, %s: %s, %s", step, text_in_row(row, table, "method"), verdict,
+                     text_in_row(row, table, "reason"));
+        }
+        if (is_ok && by_cl && strcmp(step, "build") == 0) {
+            assert_true(number_in_row(row, table, "build") > 0.0);
+            counted += cJSON_IsNumber(cJSON_GetArrayItem(row, column_of(table, "launches")));
+        }
+    }
+    assert_true(ok_count >= 8); /* devices, verify and stress; four builds by cl; rays */
+    assert_true(counted == 4 || counted == 0); /* with static libraries, or none */
+    cJSON_Delete(document);
+    static const char *const kept[] = {"gpu.json"};
+    expect_files(kept, 1);
+}
+
+/* Steps that fail do not end the run: all of them do here, and each says why. */
+static void failing_steps_are_rows(void **state)
+{
+    (void)state;
+    run_well("$SVOCL bench gpu --quick --device 'no such device' -q -o gpu.json");
+    cJSON *document = run_json("cat gpu.json");
+    const cJSON *table = table_of(document, "gpu");
+    const cJSON *row = NULL;
+    assert_true(row_count_of(table) >= 10);
+    cJSON_ArrayForEach(row, array_of(table, "rows"))
+    {
+        if (strcmp(text_in_row(row, table, "step"), "devices") != 0) {
+            assert_string_equal(text_in_row(row, table, "verdict"), "failed");
+            assert_non_null(strstr(text_in_row(row, table, "reason"), "OpenCL"));
+        }
+    }
+    cJSON_Delete(document);
+    run_badly("$SVOCL bench gpu --scenes cube", 2, "--scenes");
+}
+
 /* Merged spheres take fewer bytes, and the ratio stands beside them alone. */
 static void minimized_spheres_are_smaller(void **state)
 {
@@ -302,7 +365,8 @@ static void unknown_scenes_are_named(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        IN_FOLDER(front_ends_are_measured),       IN_FOLDER(every_subject_adds_its_tables),
+        IN_FOLDER(front_ends_are_measured),       IN_FOLDER(a_machine_is_measured_step_by_step),
+        IN_FOLDER(failing_steps_are_rows),        IN_FOLDER(every_subject_adds_its_tables),
         IN_FOLDER(minimized_spheres_are_smaller), IN_FOLDER(rays_are_compared_with_a_grid),
         IN_FOLDER(rays_are_compared_with_embree), IN_FOLDER(published_values_name_their_hardware),
         IN_FOLDER(usage_errors_exit_with_code_2), IN_FOLDER(unknown_scenes_are_named),

@@ -14,9 +14,9 @@
 #include <unistd.h>
 
 #include "support/input.h"
+#include "svocl/device.h"
 
 #define OUTPUT_BYTES_MAX ((size_t)1 << 20)
-#define ARGUMENTS_MAX    24
 
 bool child_cache_create(child_cache *made)
 {
@@ -40,22 +40,58 @@ void child_cache_remove(const child_cache *made)
     (void)nftw(made->path, remove_one, 16, FTW_DEPTH | FTW_PHYS);
 }
 
-/* In the child: never returns. The variables are those of PoCL, Mesa, NVIDIA's two drivers, and XDG. */
-static void become(const char *const arguments[], const child_cache *cache, int output)
+void child_add(child_arguments *arguments, const char *text)
+{
+    if (arguments->count < CHILD_ARGUMENTS_MAX) {
+        arguments->list[arguments->count++] = text;
+        arguments->list[arguments->count] = NULL;
+    }
+}
+
+static void add_option(child_arguments *arguments, const char *option, const char *value)
+{
+    child_add(arguments, option);
+    child_add(arguments, value);
+}
+
+void child_add_device(child_arguments *arguments, const options *given, bool in_gl)
+{
+    static const char *const contexts[] = {"surfaceless", "egl-device", "osmesa"};
+    if (given->device_name != NULL) {
+        add_option(arguments, "--device", given->device_name);
+    }
+    if (given->path != SVO_PATH_AUTO) {
+        add_option(arguments, "--path", svo_path_name((svo_path)given->path));
+    }
+    if (in_gl && given->gl_device != NULL) {
+        add_option(arguments, "--gl-device", given->gl_device);
+    } else if (in_gl && given->context != OPTION_CONTEXT_AUTO) {
+        add_option(arguments, "--context", contexts[given->context]);
+    }
+}
+
+/* The variables are those of PoCL, Mesa, NVIDIA's two drivers, and XDG. */
+static bool use_cache(const child_cache *cache)
 {
     static const char *const caches[] = {"POCL_CACHE_DIR",  "MESA_SHADER_CACHE_DIR",       "MESA_GLSL_CACHE_DIR",
                                          "CUDA_CACHE_PATH", "__GL_SHADER_DISK_CACHE_PATH", "XDG_CACHE_HOME"};
-    char *list[ARGUMENTS_MAX + 2] = {(char[]){"svocl"}};
     bool ready = true;
-    for (size_t i = 0; i < ARGUMENTS_MAX && arguments[i] != NULL; ++i) {
-        list[i + 1] = strdup(arguments[i]);
-        ready = ready && list[i + 1] != NULL;
-    }
     for (size_t i = 0; i < sizeof caches / sizeof caches[0]; ++i) {
         ready = setenv(caches[i], cache->path, 1) == 0 && ready;
     }
-    const int nowhere = open("/dev/null", O_WRONLY);
-    if (ready && nowhere >= 0 && dup2(output, STDOUT_FILENO) >= 0 && dup2(nowhere, STDERR_FILENO) >= 0) {
+    return ready;
+}
+
+/* In the child: never returns. */
+static void become(const char *const arguments[], int output, int errors)
+{
+    char *list[CHILD_ARGUMENTS_MAX + 2] = {(char[]){"svocl"}};
+    bool ready = true;
+    for (size_t i = 0; i < CHILD_ARGUMENTS_MAX && arguments[i] != NULL; ++i) {
+        list[i + 1] = strdup(arguments[i]);
+        ready = ready && list[i + 1] != NULL;
+    }
+    if (ready && errors >= 0 && dup2(output, STDOUT_FILENO) >= 0 && dup2(errors, STDERR_FILENO) >= 0) {
         execv("/proc/self/exe", list);
     }
     _exit(127);
@@ -81,15 +117,21 @@ static char *read_all(int pipe_end)
     return NULL;
 }
 
-static bool ended_well(pid_t child)
+/* The status of waitpid; -1 where there is none. */
+static int wait_for(pid_t child)
 {
     int status = 0;
     while (waitpid(child, &status, 0) < 0) {
         if (errno != EINTR) {
-            return false;
+            return -1;
         }
     }
-    return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+    return status;
+}
+
+static bool ended_well(int status)
+{
+    return status >= 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
 double child_run(const char *const arguments[], const child_cache *cache, cJSON **document)
@@ -103,14 +145,83 @@ double child_run(const char *const arguments[], const child_cache *cache, cJSON 
     const double start_ms = input_now_ms();
     const pid_t child = fork();
     if (child == 0) {
-        become(arguments, cache, ends[1]);
+        become(arguments, ends[1], use_cache(cache) ? open("/dev/null", O_WRONLY) : -1);
     }
     close(ends[1]);
     char *text = child > 0 ? read_all(ends[0]) : NULL;
     close(ends[0]);
-    const bool well = child > 0 && ended_well(child);
+    const bool well = child > 0 && ended_well(wait_for(child));
     const double ms = input_now_ms() - start_ms;
     *document = well && text != NULL ? cJSON_Parse(text) : NULL;
     free(text);
     return well ? ms : -1.0;
+}
+
+/* "svocl: build: words": the words. */
+static const char *words_of(const char *line)
+{
+    static const char prefix[] = "svocl: ";
+    const bool is_ours = strncmp(line, prefix, strlen(prefix)) == 0;
+    const char *command_end = is_ours ? strstr(line + strlen(prefix), ": ") : NULL;
+    return command_end != NULL ? command_end + 2 : line;
+}
+
+/* The last line of the file that is not empty. */
+static void keep_last_line(FILE *errors, char *reason, size_t reason_bytes)
+{
+    char line[512];
+    rewind(errors);
+    while (fgets(line, sizeof line, errors) != NULL) {
+        line[strcspn(line, "\n")] = '\0';
+        if (line[0] != '\0') {
+            snprintf(reason, reason_bytes, "%s", words_of(line));
+        }
+    }
+}
+
+static void explain(int status, unsigned seconds, FILE *errors, child_answer *out)
+{
+    if (status >= 0 && WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM) {
+        snprintf(out->reason, sizeof out->reason, "ended after %u seconds", seconds);
+    } else if (status >= 0 && WIFSIGNALED(status)) {
+        snprintf(out->reason, sizeof out->reason, "ended by signal %d", WTERMSIG(status));
+    } else {
+        snprintf(out->reason, sizeof out->reason, "exit status %d", status >= 0 ? WEXITSTATUS(status) : -1);
+        keep_last_line(errors, out->reason, sizeof out->reason);
+    }
+}
+
+void child_ask(const child_arguments *arguments, unsigned seconds, child_answer *out)
+{
+    int ends[2];
+    *out = (child_answer){.reason = "no process could be started"};
+    FILE *errors = tmpfile();
+    if (errors == NULL || pipe(ends) != 0) {
+        if (errors != NULL) {
+            fclose(errors);
+        }
+        return;
+    }
+    fflush(stdout);
+    const double start_ms = input_now_ms();
+    const pid_t child = fork();
+    if (child == 0) {
+        (void)alarm(seconds); /* outlives execv */
+        become(arguments->list, ends[1], fileno(errors));
+    }
+    close(ends[1]);
+    char *text = child > 0 ? read_all(ends[0]) : NULL;
+    close(ends[0]);
+    if (child > 0) {
+        const int status = wait_for(child);
+        out->ms = input_now_ms() - start_ms;
+        out->well = ended_well(status);
+        out->document = text != NULL ? cJSON_Parse(text) : NULL;
+        out->reason[0] = '\0';
+        if (!out->well) {
+            explain(status, seconds, errors, out);
+        }
+    }
+    free(text);
+    fclose(errors);
 }

@@ -5,6 +5,9 @@
 
 #include <cjson/cJSON.h>
 #include <stdbool.h>
+#include <stddef.h>
+
+#include "support/options.h"
 
 /* An empty folder for the drivers' caches of compiled kernels and shaders. False when it cannot be created. */
 typedef struct child_cache {
@@ -13,9 +16,31 @@ typedef struct child_cache {
 bool child_cache_create(child_cache *made);
 void child_cache_remove(const child_cache *made);
 
+#define CHILD_ARGUMENTS_MAX 32
+
+/* Arguments, without the program's name; ends with NULL. */
+typedef struct child_arguments {
+    const char *list[CHILD_ARGUMENTS_MAX + 1];
+    size_t count;
+} child_arguments;
+/* Borrows the text. What is above CHILD_ARGUMENTS_MAX is left out. */
+void child_add(child_arguments *arguments, const char *text);
+/* The options of this process that say where to run; the context only for a child that draws by OpenGL. */
+void child_add_device(child_arguments *arguments, const options *given, bool in_gl);
+
 /* arguments: ends with NULL; without the program's name. Standard error is discarded. document: receives the JSON on
    standard output, NULL without it; cJSON_Delete releases it. Returns the milliseconds from start to exit, below 0 when
    the process cannot run or fails. */
 double child_run(const char *const arguments[], const child_cache *cache, cJSON **document);
+
+/* The end of a child. */
+typedef struct child_answer {
+    cJSON *document; /* the JSON on standard output, also of a child that failed; NULL without; cJSON_Delete */
+    double ms; /* from start to exit */
+    bool well; /* exit code 0 */
+    char reason[512]; /* "" if it ended well; else its last line on standard error, or what ended it */
+} child_answer;
+/* Runs a child with the caches of this process. seconds: it is ended after so many. */
+void child_ask(const child_arguments *arguments, unsigned seconds, child_answer *out);
 
 #endif

@@ -24,11 +24,10 @@ static const struct {
 };
 #define FORM_COUNT (sizeof forms / sizeof forms[0])
 
-#define COLD_RUNS_MAX        101
-#define WARM_PER_COLD        1
-#define QUICK_WARM_PER_COLD  3
-#define WARM_RUNS_MAX        (COLD_RUNS_MAX * QUICK_WARM_PER_COLD)
-#define COMMAND_ARGUMENT_MAX 20
+#define COLD_RUNS_MAX       101
+#define WARM_PER_COLD       1
+#define QUICK_WARM_PER_COLD 3
+#define WARM_RUNS_MAX       (COLD_RUNS_MAX * QUICK_WARM_PER_COLD)
 
 /* Milliseconds of one method's processes, and of compiling in them. */
 typedef struct start_times {
@@ -76,36 +75,15 @@ static int begin(suite *all)
 
 /* The command line of one build, with the device and the context of this process. */
 static void make_arguments(const suite *all, const input *source, const char *depth, size_t form,
-                           const char *arguments[COMMAND_ARGUMENT_MAX])
+                           child_arguments *arguments)
 {
-    static const char *const contexts[] = {"surfaceless", "egl-device", "osmesa"};
-    const options *given = &all->state->options;
-    size_t count = 0;
-    arguments[count++] = "build";
-    arguments[count++] = source->name;
-    arguments[count++] = "--json";
-    arguments[count++] = "-d";
-    arguments[count++] = depth;
-    arguments[count++] = "--weights";
-    arguments[count++] = "uniform";
-    arguments[count++] = forms[form].option;
-    arguments[count++] = forms[form].value;
-    if (given->device_name != NULL) {
-        arguments[count++] = "--device";
-        arguments[count++] = given->device_name;
+    const char *const always[] = {"build",   source->name,       "--json",         "-d", depth, "--weights",
+                                  "uniform", forms[form].option, forms[form].value};
+    *arguments = (child_arguments){.count = 0};
+    for (size_t i = 0; i < sizeof always / sizeof always[0]; ++i) {
+        child_add(arguments, always[i]);
     }
-    if (given->path != SVO_PATH_AUTO) {
-        arguments[count++] = "--path";
-        arguments[count++] = svo_path_name((svo_path)given->path);
-    }
-    if (form > 0 && given->gl_device != NULL) {
-        arguments[count++] = "--gl-device";
-        arguments[count++] = given->gl_device;
-    } else if (form > 0 && given->context != OPTION_CONTEXT_AUTO) {
-        arguments[count++] = "--context";
-        arguments[count++] = contexts[given->context];
-    }
-    arguments[count] = NULL;
+    child_add_device(arguments, &all->state->options, form > 0);
 }
 
 /* One process. Returns its milliseconds, below 0 on failure. */
@@ -225,10 +203,10 @@ static int run(suite *all, const input *source, unsigned depth)
     snprintf(depth_text, sizeof depth_text, "%u", depth);
     for (size_t round = 0; round < round_count; ++round) {
         for (size_t form = 0; form < FORM_COUNT; ++form) {
-            const char *arguments[COMMAND_ARGUMENT_MAX];
-            make_arguments(all, source, depth_text, form, arguments);
+            child_arguments arguments;
+            make_arguments(all, source, depth_text, form, &arguments);
             if (!times[form].failed) {
-                run_round(all, arguments, &times[form]);
+                run_round(all, arguments.list, &times[form]);
             }
         }
     }

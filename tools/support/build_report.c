@@ -249,6 +249,11 @@ cJSON *report_to_json(const program *state, const job *done, const char *hash)
     cJSON_AddNumberToObject(document, "edge", result->info.edge);
     json_add_count(document, "list_chunks", result->report.list_chunks);
     json_add_count(document, "reruns", result->report.reruns);
+    if (result->calls_are_counted) {
+        json_add_count(document, "launches", result->calls.launches);
+        json_add_count(document, "uploads", result->calls.uploads);
+        json_add_count(document, "waits", result->calls.waits);
+    }
     add_stages(document, state, done);
     add_buffers(document, done);
     return document;

@@ -98,15 +98,27 @@ static int build_plan(program *state, session *opened, svo_plan *plan, build_res
     return PROGRAM_DONE;
 }
 
+/* Turns the calls before a build into those of the build. */
+static void count_calls_since(const cl_calls *before, build_result *result)
+{
+    result->calls_are_counted = cl_calls_count(&result->calls);
+    result->calls.launches -= before->launches;
+    result->calls.uploads -= before->uploads;
+    result->calls.waits -= before->waits;
+}
+
 /* One build from the source to the tree. */
 static int build_once(program *state, session *opened, const input *source, uint32_t need, build_result *result)
 {
     svo_plan *plan = NULL;
+    cl_calls before;
+    (void)cl_calls_count(&before);
     progress_step(state->progress, "snapping to the grid");
     int exit_code = job_plan(state, opened->device, source, need, &plan);
     if (exit_code == PROGRAM_DONE) {
         exit_code = build_plan(state, opened, plan, result);
     }
+    count_calls_since(&before, result);
     svo_plan_destroy(&plan);
     return exit_code;
 }

@@ -3,6 +3,7 @@
 #ifndef SVOCL_TOOLS_SUPPORT_JOB_H
 #define SVOCL_TOOLS_SUPPORT_JOB_H
 
+#include "support/cl_calls.h"
 #include "support/input.h"
 #include "support/json.h"
 #include "support/session.h"
@@ -13,6 +14,8 @@ typedef struct build_result {
     svo_tree_info info;
     svo_build_report report; /* stage times are medians of the builds after the first if there were several */
     double first_compile_ms; /* compile time of the first build */
+    cl_calls calls; /* of the last build, its plan included */
+    bool calls_are_counted;
     svo_buffer_info *buffers;
     size_t buffer_count;
     uint64_t peak_bytes;

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "bench/child.h"
+#include "bench/gpu.h"
 #include "bench/openvdb.h"
 #include "bench/rays.h"
 #include "measure/instruction_set.h"
@@ -38,12 +39,14 @@ void command_bench_print_subjects(void)
     add_subjects(rows, first_experiment, "errors");
     table_cell(rows, "errors");
     table_cell(rows, "e1 to e5, e7 and e8");
+    table_cell(rows, BENCH_GPU_NAME);
+    table_cell(rows, BENCH_GPU_SUMMARY);
     table_gap();
     table_heading("SUBJECT");
     table_print_wrapped(rows, TABLE_HELP_WIDTH);
 }
 
-/* "voxelize, build, ..., all, errors, e1 to e5, e7, e8" */
+/* "voxelize, build, ..., all, errors, e1 to e5, e7, e8, gpu" */
 static void list_subjects(char *text, size_t text_bytes)
 {
     size_t used = 0;
@@ -51,8 +54,13 @@ static void list_subjects(char *text, size_t text_bytes)
         used += (size_t)snprintf(text + used, text_bytes - used, "%s, ", subjects[i]->name);
     }
     if (used < text_bytes) {
-        snprintf(text + used, text_bytes - used, "all, errors, e1 to e5, e7, e8");
+        snprintf(text + used, text_bytes - used, "all, errors, e1 to e5, e7, e8, " BENCH_GPU_NAME);
     }
+}
+
+static bool is_gpu(const program *state)
+{
+    return strcmp(state->options.subject, BENCH_GPU_NAME) == 0;
 }
 
 static int check_subject(program *state)
@@ -63,11 +71,12 @@ static int check_subject(program *state)
     if (given->subject == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "SUBJECT is missing, one of %s", known);
     }
-    if (!subjects_know(given->subject)) {
+    if (!is_gpu(state) && !subjects_know(given->subject)) {
         suggestion near = suggestion_begin(given->subject, strlen(given->subject));
         for (size_t i = 0; subjects[i] != NULL; ++i) {
             suggestion_offer(&near, subjects[i]->name);
         }
+        suggestion_offer(&near, BENCH_GPU_NAME);
         return program_fail(state, PROGRAM_WRONG_USAGE, "SUBJECT '%s' is none of %s%s", given->subject, known,
                             suggestion_end(&near).text);
     }
@@ -101,6 +110,9 @@ static int check_options(program *state)
                        : given->frontend != OPTION_FRONTEND_AUTO   ? "frontend"
                        : given->share != SVO_GL_SHARE_AUTO         ? "share"
                        : given->edge > 0.0                         ? "edge"
+                       : is_gpu(state) && given->scenes != NULL    ? "scenes"
+                       : is_gpu(state) && given->depths != NULL    ? "depths"
+                       : is_gpu(state) && given->has_repeat        ? "repeat"
                                                                    : NULL;
     return name == NULL ? PROGRAM_DONE
                         : program_fail(state, PROGRAM_WRONG_USAGE, "option --%s does not apply to bench %s", name,
@@ -140,13 +152,18 @@ static int show(program *state, const result_set *results)
 
 static int run_subjects(program *state)
 {
+    size_t wrong_count = 0;
     result_set *results = result_create();
     if (results == NULL) {
         return program_fail(state, PROGRAM_FAILED, "out of memory");
     }
-    int exit_code = suite_collect(state, subjects, state->options.subject, results);
+    int exit_code = is_gpu(state) ? bench_gpu(state, results, &wrong_count)
+                                  : suite_collect(state, subjects, state->options.subject, results);
     if (exit_code == PROGRAM_DONE) {
         exit_code = show(state, results);
+    }
+    if (exit_code == PROGRAM_DONE && wrong_count > 0) {
+        exit_code = program_fail(state, PROGRAM_FAILED, "%zu results are wrong", wrong_count);
     }
     result_destroy(&results);
     return exit_code;

@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: MIT */
+/* svocl bench gpu: what works on a machine, whether it is right, and how fast, for a machine that is there once. */
+#ifndef SVOCL_TOOLS_BENCH_GPU_H
+#define SVOCL_TOOLS_BENCH_GPU_H
+
+#include "measure/result.h"
+#include "support/program.h"
+
+#define BENCH_GPU_NAME    "gpu"
+#define BENCH_GPU_SUMMARY "devices, exactness, hashes, builds and rays of this machine, each in a process of its own"
+
+/*
+ * Runs every step and fills the set and its machine. Steps that fail are rows with their reason. The options are those
+ * of OPTION_DEVICE, --quick and the context. wrong_count: receives how many steps gave a wrong result. Returns
+ * the exit code, its line printed.
+ */
+int bench_gpu(program *state, result_set *results, size_t *wrong_count);
+
+#endif
