@@ -170,18 +170,19 @@ static void add_needs(result_table *table, const input *source, unsigned depth, 
 /* The trees of other needs in one process, with empty and with filled caches. */
 static int run_needs(suite *all, const input *source, unsigned depth, const char *depth_text)
 {
-    const char *arguments[COMMAND_ARGUMENT_MAX] = {"bench",    "leaving-out", "--scenes", suite_scene_name(source),
-                                                   "--depths", depth_text,    "--repeat", "1",
-                                                   "--json"};
+    const char *const always[] = {"bench",    "leaving-out", "--scenes", suite_scene_name(source),
+                                  "--depths", depth_text,    "--repeat", "1",
+                                  "--json"};
+    child_arguments arguments = {.count = 0};
     child_cache cache = {""};
     cJSON *cold = NULL;
     cJSON *warm = NULL;
-    if (all->state->options.device_name != NULL) {
-        arguments[9] = "--device";
-        arguments[10] = all->state->options.device_name;
+    for (size_t i = 0; i < sizeof always / sizeof always[0]; ++i) {
+        child_add(&arguments, always[i]);
     }
-    const bool ran = child_cache_create(&cache) && child_run(arguments, &cache, &cold) >= 0.0 &&
-                     child_run(arguments, &cache, &warm) >= 0.0;
+    child_add_device(&arguments, &all->state->options, false);
+    const bool ran = child_cache_create(&cache) && child_run(arguments.list, &cache, &cold) >= 0.0 &&
+                     child_run(arguments.list, &cache, &warm) >= 0.0;
     if (ran) {
         add_needs(result_find(all->results, needs_id), source, depth, cold, warm);
     }
