@@ -23,6 +23,7 @@ typedef struct shim_faults {
     bool lists_no_device; /* clGetGLContextInfoKHR lists none */
     bool corrupts; /* acquiring changes one word */
     bool acquires_nothing; /* later acquires keep the bytes of the first */
+    bool releases_nothing; /* releasing leaves OpenGL the bytes that it had */
 } shim_faults;
 
 typedef struct shim_counts {
