@@ -9,6 +9,7 @@
 
 #include "bench/gpu_steps.h"
 #include "measure/instruction_set.h"
+#include "support/input.h"
 #include "svocl/version.h"
 
 #define REPEATS       "11"
@@ -75,10 +76,10 @@ static void run_checks(gpu_run *run, const gpu_work *work)
 {
     progress_step(run->state->progress, "devices");
     gpu_step_devices(run);
-    for (const gpu_input *input = work->verified; input->scene != NULL; ++input) {
+    for (const gpu_input *source = work->verified; source->scene != NULL; ++source) {
         for (size_t i = 0; verified_methods[i] != NULL; ++i) {
             progress_step(run->state->progress, "verify");
-            gpu_step_verify(run, input, verified_methods[i]);
+            gpu_step_verify(run, source, verified_methods[i]);
         }
     }
     progress_step(run->state->progress, "stress");
@@ -87,15 +88,15 @@ static void run_checks(gpu_run *run, const gpu_work *work)
 
 static void run_times(gpu_run *run, const gpu_work *work)
 {
-    for (const gpu_input *input = work->built; input->scene != NULL; ++input) {
+    for (const gpu_input *source = work->built; source->scene != NULL; ++source) {
         for (size_t i = 0; i < METHOD_COUNT; ++i) {
             progress_step(run->state->progress, "build");
-            gpu_step_build(run, input, &methods[i], work->repeats);
+            gpu_step_build(run, source, &methods[i], work->repeats);
         }
     }
-    for (const gpu_input *input = work->traced; input->scene != NULL; ++input) {
+    for (const gpu_input *source = work->traced; source->scene != NULL; ++source) {
         progress_step(run->state->progress, "rays");
-        gpu_step_rays(run, input);
+        gpu_step_rays(run, source);
     }
 }
 
@@ -110,7 +111,7 @@ static void describe_host(const program *state, result_machine *machine)
 int bench_gpu(program *state, result_set *results, size_t *wrong_count)
 {
     const gpu_work *work = state->options.quick ? &quick_work : &full_work;
-    gpu_run run = {.state = state, .results = results};
+    gpu_run run = {.state = state, .results = results, .start_ms = input_now_ms()};
     describe_host(state, &results->machine);
     program_begin_progress(state, count_steps(work));
     gpu_add_tables(&run);

@@ -11,8 +11,8 @@
 
 /*
  * Runs every step and fills the set and its machine. Steps that fail are rows with their reason. The options are those
- * of OPTION_DEVICE, --quick and the context. wrong_count: receives how many steps gave a wrong result. Returns
- * the exit code, its line printed.
+ * of OPTION_DEVICE, --quick and the context. wrong_count: receives how many steps gave a wrong result. Returns the exit
+ * code, its line printed.
  */
 int bench_gpu(program *state, result_set *results, size_t *wrong_count);
 

@@ -5,18 +5,19 @@
 #include <math.h>
 #include <string.h>
 
-/* No step takes that long on a machine that works. */
+#include "support/input.h"
+
+/* No step takes that long on a machine that works. Where several hang, the last are not run. */
 #define STEP_SECONDS 90u
+#define ALL_SECONDS  570u
 #define NEEDS        "color,normal,rays"
 
 static const char pairs_note[] = "What works with each OpenCL device and OpenGL renderer, and why the rest does not.";
 static const char steps_note[] =
     "Each row is a process of its own. Verdict: ok; wrong, a result that differs from the exact reference or from the "
-    "known hash; failed, with the reason. Builds have colors, normals and leaf lists. Those of `--quick` weigh "
-    "triangles alike. Times are medians of the builds "
-    "after the first; build: grid, voxelize, transfer and list to tree. Launches, uploads and waits are calls of "
-    "OpenCL "
-    "in one build with its plan. Rate: million rays per second.";
+    "known hash; failed, with the reason. Builds have colors, normals and leaf lists, with `--quick` by uniform "
+    "weights. Times are medians of the builds after the first; build: grid, voxelize, transfer and list to tree. "
+    "Launches, uploads and waits are calls of OpenCL in one build with its plan. Rate: million rays per second.";
 
 void gpu_add_tables(gpu_run *run)
 {
@@ -48,17 +49,17 @@ void gpu_add_tables(gpu_run *run)
 /* A row before it is added. Numbers that are not finite are absent. */
 typedef struct step_row {
     const char *step, *method;
-    const gpu_input *input; /* NULL: none */
+    const gpu_input *source; /* NULL: none */
     const char *kind; /* of rays; NULL: none */
     double compile_ms, voxelize_ms, tree_ms, build_ms, rate, launches, uploads, waits;
 } step_row;
 
-static step_row row_of(const char *step, const gpu_input *input, const char *method)
+static step_row row_of(const char *step, const gpu_input *source, const char *method)
 {
     const double none = (double)NAN;
     return (step_row){.step = step,
                       .method = method,
-                      .input = input,
+                      .source = source,
                       .compile_ms = none,
                       .voxelize_ms = none,
                       .tree_ms = none,
@@ -75,10 +76,10 @@ static void add_row(gpu_run *run, const step_row *row, const child_answer *answe
     const double numbers[] = {row->compile_ms, row->voxelize_ms, row->tree_ms, row->build_ms,
                               row->rate,       row->launches,    row->uploads, row->waits};
     result_add_text(run->steps, "%s", row->step);
-    if (row->input == NULL) {
+    if (row->source == NULL) {
         result_add_text(run->steps, "%s", "");
     } else {
-        result_add_text(run->steps, "%s at depth %s%s%s", row->input->scene + strlen("scene:"), row->input->depth,
+        result_add_text(run->steps, "%s at depth %s%s%s", row->source->scene + strlen("scene:"), row->source->depth,
                         row->kind != NULL ? ", " : "", row->kind != NULL ? row->kind : "");
     }
     result_add_text(run->steps, "%s", row->method);
@@ -110,25 +111,35 @@ static const cJSON *array_of(const cJSON *object, const char *name)
     return cJSON_GetObjectItemCaseSensitive(object, name);
 }
 
+static void run_child(const gpu_run *run, const child_arguments *arguments, child_answer *answer)
+{
+    const double left = ALL_SECONDS - (input_now_ms() - run->start_ms) / 1000.0;
+    if (left < 1.0) {
+        *answer = (child_answer){.reason = "not run: the steps before took too long"};
+        return;
+    }
+    child_ask(arguments, left < STEP_SECONDS ? (unsigned)left : STEP_SECONDS, answer);
+}
+
 /* first: the words of the command before --json; ends with NULL. */
-static void ask(const gpu_run *run, const char *const first[], const gpu_input *input, const gpu_method *method,
+static void ask(const gpu_run *run, const char *const first[], const gpu_input *source, const gpu_method *method,
                 child_answer *answer)
 {
     child_arguments arguments = {.count = 0};
     for (size_t i = 0; first[i] != NULL; ++i) {
         child_add(&arguments, first[i]);
     }
-    if (input != NULL) {
-        child_add(&arguments, input->scene);
+    if (source != NULL) {
+        child_add(&arguments, source->scene);
         child_add(&arguments, "-d");
-        child_add(&arguments, input->depth);
+        child_add(&arguments, source->depth);
     }
     for (size_t i = 0; method != NULL && method->options[i] != NULL; ++i) {
         child_add(&arguments, method->options[i]);
     }
     child_add(&arguments, "--json");
     child_add_device(&arguments, &run->state->options, method != NULL && method->in_gl);
-    child_ask(&arguments, STEP_SECONDS, answer);
+    run_child(run, &arguments, answer);
 }
 
 /* ---- devices ---- */
@@ -194,7 +205,7 @@ void gpu_step_devices(gpu_run *run)
     child_answer answer;
     child_add(&arguments, "devices");
     child_add(&arguments, "--json");
-    child_ask(&arguments, STEP_SECONDS, &answer);
+    run_child(run, &arguments, &answer);
     const cJSON *pair = NULL;
     cJSON_ArrayForEach(pair, array_of(answer.document, "pairs"))
     {
@@ -231,13 +242,13 @@ void gpu_step_stress(gpu_run *run, const char *count)
     cJSON_Delete(answer.document);
 }
 
-void gpu_step_verify(gpu_run *run, const gpu_input *input, const gpu_method *method)
+void gpu_step_verify(gpu_run *run, const gpu_input *source, const gpu_method *method)
 {
     static const char *const words[] = {"verify", NULL};
     child_answer answer;
-    ask(run, words, input, method, &answer);
+    ask(run, words, source, method, &answer);
     const cJSON *exact = cJSON_GetObjectItemCaseSensitive(answer.document, "exact");
-    const step_row row = row_of("verify", input, method->name);
+    const step_row row = row_of("verify", source, method->name);
     add_row(run, &row, &answer, cJSON_IsFalse(exact) ? "not exact" : NULL);
     cJSON_Delete(answer.document);
 }
@@ -259,24 +270,24 @@ static double sum_stages(const cJSON *document, const char *const names[], size_
 }
 
 /* Why the hash is wrong; NULL where it is right, or where there is none. */
-static const char *compare_hash(const gpu_input *input, const cJSON *document, char *words, size_t words_bytes)
+static const char *compare_hash(const gpu_input *source, const cJSON *document, char *words, size_t words_bytes)
 {
     const char *hash = text_of(document, "hash");
-    if (hash[0] == '\0' || input->hash == NULL || strcmp(hash, input->hash) == 0) {
+    if (hash[0] == '\0' || source->hash == NULL || strcmp(hash, source->hash) == 0) {
         return NULL;
     }
-    snprintf(words, words_bytes, "the hash is %s, not %s", hash, input->hash);
+    snprintf(words, words_bytes, "the hash is %s, not %s", hash, source->hash);
     return words;
 }
 
-void gpu_step_build(gpu_run *run, const gpu_input *input, const gpu_method *method, const char *repeats)
+void gpu_step_build(gpu_run *run, const gpu_input *source, const gpu_method *method, const char *repeats)
 {
     static const char *const stages[] = {"voxelize", "subdivide", "link", "pack", "filter", "grid", "transfer"};
-    const char *const words[] = {"build", "--need", NEEDS, "--weights", input->weights, "--repeat", repeats, NULL};
+    const char *const words[] = {"build", "--need", NEEDS, "--weights", source->weights, "--repeat", repeats, NULL};
     char wrong[128];
     child_answer answer;
-    ask(run, words, input, method, &answer);
-    step_row row = row_of("build", input, method->name);
+    ask(run, words, source, method, &answer);
+    step_row row = row_of("build", source, method->name);
     row.compile_ms = number_of(answer.document, "first_compile_ms");
     row.voxelize_ms = sum_stages(answer.document, stages, 1);
     row.tree_ms = sum_stages(answer.document, stages + 1, 4);
@@ -284,19 +295,19 @@ void gpu_step_build(gpu_run *run, const gpu_input *input, const gpu_method *meth
     row.launches = number_of(answer.document, "launches");
     row.uploads = number_of(answer.document, "uploads");
     row.waits = number_of(answer.document, "waits");
-    add_row(run, &row, &answer, compare_hash(input, answer.document, wrong, sizeof wrong));
+    add_row(run, &row, &answer, compare_hash(source, answer.document, wrong, sizeof wrong));
     cJSON_Delete(answer.document);
 }
 
-void gpu_step_rays(gpu_run *run, const gpu_input *input)
+void gpu_step_rays(gpu_run *run, const gpu_input *source)
 {
     const bool quick = run->state->options.quick != 0;
     const char *const words[] = {"bench", "rays", "--ray-count", quick ? "10000" : "1000000", NULL};
     child_answer answer;
-    ask(run, words, input, NULL, &answer);
+    ask(run, words, source, NULL, &answer);
     const cJSON *sets = array_of(answer.document, "sets");
     const cJSON *set = NULL;
-    step_row row = row_of("rays", input, "");
+    step_row row = row_of("rays", source, "");
     cJSON_ArrayForEach(set, sets)
     {
         row.kind = text_of(set, "name");

@@ -11,6 +11,7 @@ typedef struct gpu_run {
     program *state;
     result_set *results;
     result_table *pairs, *steps; /* what works on which device and renderer; all steps */
+    double start_ms; /* input_now_ms */
     size_t wrong_count;
 } gpu_run;
 
@@ -37,10 +38,10 @@ void gpu_step_devices(gpu_run *run);
 /* The ill-conditioned inputs of svocl stress. count: how many, in its unit. */
 void gpu_step_stress(gpu_run *run, const char *count);
 /* A tree against the exact reference. */
-void gpu_step_verify(gpu_run *run, const gpu_input *input, const gpu_method *method);
+void gpu_step_verify(gpu_run *run, const gpu_input *source, const gpu_method *method);
 /* A tree's hash, its times and its calls. repeats: builds. */
-void gpu_step_build(gpu_run *run, const gpu_input *input, const gpu_method *method, const char *repeats);
+void gpu_step_build(gpu_run *run, const gpu_input *source, const gpu_method *method, const char *repeats);
 /* Rays, a row for each kind. */
-void gpu_step_rays(gpu_run *run, const gpu_input *input);
+void gpu_step_rays(gpu_run *run, const gpu_input *source);
 
 #endif
