@@ -217,16 +217,17 @@ svo_k_filter_top(__global const uchar *masks, __global const uint *first_child, 
     const svo_payload payload = {colors, normals, fills};
     const uint last = max(params.payload_level, 1u) - 1u; /* nodes write the payload of their children */
     for (uint level = params.level + 1u; level-- > last;) {
-        params.level = level;
-        svo_make_current(&params, state);
-        for (uint index = (uint)get_local_id(0); index < params.level_count; index += SVO_GROUP_ITEMS) {
-            svo_filter_node(index, masks, first_child, children, nodes, payload, params);
+        svo_filter_params current = params; /* of which drivers may have one for all work-items */
+        current.level = level;
+        current.fill_shift += 2u * (params.level - level);
+        svo_make_current(&current, state);
+        for (uint index = (uint)get_local_id(0); index < current.level_count; index += SVO_GROUP_ITEMS) {
+            svo_filter_node(index, masks, first_child, children, nodes, payload, current);
         }
         barrier(CLK_GLOBAL_MEM_FENCE);
         const svo_level_sums above = children;
         children = nodes;
         nodes = above;
-        params.fill_shift += 2u;
     }
 }
 
