@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A blocking build waits where the host needs a count, and once at its end. It waits after each stage only where someone
- * asks for times that the queue does not take, or to be told of the progress. The tree is the same.
+ * A blocking build waits where the host needs a count, and once at its end. It waits after each stage only where
+ * someone asks for times that the queue does not take, or to be told of the progress. The tree is the same.
  */
 #include <setjmp.h>
 #include <stdarg.h>

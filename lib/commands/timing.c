@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Times of stages. Where the queue takes them, their events are kept, and svo_i_stage_collect reads them after the build.
- * A blocking build on another queue waits at the end of each stage, if someone asks for its time, and any blocking build
- * does so that has a callback to tell.
+ * Times of stages. Where the queue takes them, their events are kept, and svo_i_stage_collect reads them after the
+ * build. A blocking build on another queue waits at the end of each stage, if someone asks for its time, and any
+ * blocking build does so that has a callback to tell.
  */
 #include "commands/timing.h"
 
