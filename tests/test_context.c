@@ -557,7 +557,8 @@ static void share_paths_are_probed_with_reasons(void **state)
     assert_string_equal(reason, "");
     svo_i_share_probe(on.device, on.context, SVO_GL_SHARE_HOST, reason, sizeof reason);
     print_message("host: %s\n", reason);
-    bool possible = on.device->is_cpu && svo_i_gl_context_functions(on.context)->BufferStorage != NULL;
+    bool possible =
+        on.device->is_cpu && on.device->cpu_path && svo_i_gl_context_functions(on.context)->BufferStorage != NULL;
     assert_int_equal(reason[0] == '\0', possible);
     assert_string_equal(svo_device_message(on.device), "what was said before");
     pair_release(&on);
@@ -570,16 +571,22 @@ static void host_share_needs_a_cpu_and_buffer_storage(void **state)
     char reason[256];
     pair_make_any(&on);
     bool is_cpu = on.device->is_cpu;
+    bool cpu_path = on.device->cpu_path;
     on.device->is_cpu = false;
     svo_i_share_probe(on.device, on.context, SVO_GL_SHARE_HOST, reason, sizeof reason);
     assert_non_null(strstr(reason, "is not a CPU device"));
     on.device->is_cpu = true;
+    on.device->cpu_path = false;
+    svo_i_share_probe(on.device, on.context, SVO_GL_SHARE_HOST, reason, sizeof reason);
+    assert_non_null(strstr(reason, "takes the path of GPUs"));
+    on.device->cpu_path = true;
     on.context->functions.BufferStorage = NULL;
     svo_i_share_probe(on.device, on.context, SVO_GL_SHARE_HOST, reason, sizeof reason);
     assert_non_null(strstr(reason, "GL_ARB_buffer_storage"));
     svo_i_share_buffer buffer = {0};
     assert_int_equal(svo_i_share_buffer_create(on.device, on.context, SVO_GL_SHARE_HOST, 64, &buffer), SVO_UNSUPPORTED);
     on.device->is_cpu = is_cpu;
+    on.device->cpu_path = cpu_path;
     pair_release(&on);
 }
 

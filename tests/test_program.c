@@ -27,6 +27,7 @@ static void usage_errors_exit_with_code_2(void **state)
     run_badly("$SVOCL build scene:cube --edge nan --origin 0,0,0", 2, "'nan'");
     run_badly("$SVOCL build scene:cube --need color,taste", 2, "'color,taste'");
     run_badly("$SVOCL build scene:cube --threads 0", 2, "threads 0 is below 1");
+    run_badly("$SVOCL build scene:cube --path fpga", 2, "--path 'fpga' is none of cpu, gpu");
     run_badly("$SVOCL build scene:cube --context glx", 2, "'glx'");
     run_badly("$SVOCL build scene:cube --context osmesa --gl-device 0", 2, "--gl-device");
     run_badly("$SVOCL build scene:cube --frontend cl --share host", 2, "--share");
@@ -678,9 +679,10 @@ static void devices_has_its_json_names(void **state)
 {
     (void)state;
     need_builds();
-    cJSON *document = run_json("$SVOCL devices --json");
+    cJSON *document = run_json("$SVOCL devices --path gpu --json");
     const cJSON *platform = cJSON_GetArrayItem(array_of(document, "platforms"), 0);
     number_of(cJSON_GetArrayItem(array_of(platform, "devices"), 0), "max_allocation_bytes");
+    assert_string_equal(text_of(cJSON_GetArrayItem(array_of(platform, "devices"), 0), "path"), "gpu");
     if (gl_works()) {
         assert_true(cJSON_GetArraySize(array_of(document, "renderers")) >= 3);
     }
@@ -755,6 +757,8 @@ static void the_hash_is_the_same_by_every_method(void **state)
     }
     expect_hash("--threads 1", hash);
     expect_hash("--threads 2", hash);
+    expect_hash("--path cpu", hash);
+    expect_hash("--path gpu", hash);
     expect_hash("--frontend auto", hash);
     expect_hash("--frontend cl", hash);
     if (gl_works()) {

@@ -177,6 +177,10 @@ static svo_status check_host(svo_device *device, const svo_gl_context *context)
     if (!device->is_cpu) {
         return svo_i_device_fail(device, SVO_UNSUPPORTED, "%s is not a CPU device", device->name);
     }
+    if (!device->cpu_path) {
+        return svo_i_device_fail(device, SVO_UNSUPPORTED, "%s takes the path of GPUs, which have memory of their own",
+                                 device->name);
+    }
     if (svo_i_gl_context_functions(context)->BufferStorage == NULL) {
         return svo_i_device_fail(device, SVO_UNSUPPORTED,
                                  "the context has neither OpenGL 4.4 nor GL_ARB_buffer_storage");

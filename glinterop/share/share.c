@@ -43,7 +43,8 @@ static svo_status check_size(svo_device *device, const svo_gl_context *context, 
 static svo_status create_allocated(svo_i_share_buffer *buffer)
 {
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
-    gl->BufferData(WORK_TARGET, (GLsizeiptr)buffer->bytes, NULL, GL_DYNAMIC_READ);
+    /* The GPU writes and reads it. Drivers put buffers for the host to read into system memory. */
+    gl->BufferData(WORK_TARGET, (GLsizeiptr)buffer->bytes, NULL, GL_STATIC_COPY);
     SVO_I_TRY(svo_i_share_check_gl(buffer, "svo_i_share_buffer_create", "glBufferData"));
     if (buffer->share == SVO_GL_SHARE_AUTO) {
         return SVO_OK;

@@ -258,6 +258,22 @@ static svo_status find_extension(const svo_device *handle, cl_device_id device, 
     return SVO_OK;
 }
 
+const char *svo_path_name(svo_path path)
+{
+    static const char *const names[] = {"auto", "cpu", "gpu"};
+    return (unsigned)path <= SVO_PATH_GPU ? names[path] : "unknown path";
+}
+
+static svo_status choose_path(svo_device *handle, svo_path path, svo_message *message)
+{
+    if ((unsigned)path > SVO_PATH_GPU) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, CREATE ": options.path %d is not in %d .. %d", (int)path,
+                          (int)SVO_PATH_AUTO, (int)SVO_PATH_GPU);
+    }
+    handle->cpu_path = path == SVO_PATH_CPU || (path == SVO_PATH_AUTO && handle->is_cpu);
+    return SVO_OK;
+}
+
 /* The properties that builds and rays depend on. */
 static svo_status query_properties(svo_device *handle, cl_device_id device, svo_message *message)
 {
@@ -316,6 +332,7 @@ svo_status svo_device_create(cl_context context, cl_device_id device, const svo_
     SVO_I_TRY_CLEANUP(check_device(device, name, &memory, message));
     SVO_I_TRY_CLEANUP(check_context(context, device, &memory, message));
     SVO_I_TRY_CLEANUP(query_properties(handle, device, message));
+    SVO_I_TRY_CLEANUP(choose_path(handle, asked.path, message));
     SVO_I_TRY_CLEANUP(retain(context, device, message));
     handle->name = name;
     handle->budget = budget;
@@ -360,6 +377,11 @@ cl_device_id svo_device_cl_device(const svo_device *device)
 const char *svo_device_name(const svo_device *device)
 {
     return device->name;
+}
+
+svo_path svo_device_path(const svo_device *device)
+{
+    return device->cpu_path ? SVO_PATH_CPU : SVO_PATH_GPU;
 }
 
 const char *svo_device_message(const svo_device *device)

@@ -21,7 +21,8 @@ struct svo_device {
     char *name;
     cl_ulong max_allocation_bytes;
     cl_ulong global_bytes;
-    bool is_cpu;
+    bool is_cpu; /* by its type: its memory is the host's */
+    bool cpu_path; /* kernels and shapes of launches are those for CPUs, see svo_path */
     bool has_fp64; /* kernels have cl_khr_fp64 */
     svo_i_budget *budget; /* NULL: none */
     svo_i_attachment *attachments; /* compiled programs, and what else is kept until the handle is destroyed */

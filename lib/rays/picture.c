@@ -115,7 +115,7 @@ static svo_status prepare_shaded(const svo_i_picture_source *source, picture *dr
 {
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(source->colors), SVO_I_ARGUMENT(source->normals),
                                         SVO_I_ARGUMENT(drawn->params), SVO_I_ARGUMENT(drawn->pixels)};
-    const bool tiles = source->device->is_cpu;
+    const bool tiles = source->device->cpu_path;
     char defines[64];
     (void)snprintf(defines, sizeof defines, "%s%s", tiles ? " -DSVO_CAST_TILES" : "", color_defines(source));
     SVO_I_TRY(make_kernel(source, SVO_I_PROGRAM_CAST, defines, "svo_k_cast", &drawn->kernel));

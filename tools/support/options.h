@@ -40,7 +40,8 @@ enum option_group {
     OPTION_GATHER_COMMAND = 4194304, /* points, reference */
     OPTION_WEB_COMMAND = 8388608, /* max-bytes */
     OPTION_PROBES = 16777216, /* probes, and how rays choose them */
-    OPTION_VIEW_COMMAND = 33554432 /* the window, script */
+    OPTION_VIEW_COMMAND = 33554432, /* the window, script */
+    OPTION_DEVICES_COMMAND = 67108864 /* path, of all devices */
 };
 
 enum option_frontend {
@@ -82,6 +83,7 @@ typedef struct options {
 
     const char *device_name; /* NULL: the library's choice */
     uint64_t threads; /* 0: the drivers decide */
+    int path; /* svo_path */
     const char *kernels_path; /* folder of saved kernels; NULL: the user's */
 
     uint64_t depth;

@@ -26,6 +26,7 @@ static const choice frontends[] = {{"auto", OPTION_FRONTEND_AUTO},
                                    {"gl-expand", OPTION_FRONTEND_GL_EXPAND},
                                    {"gl-hw", OPTION_FRONTEND_GL_HW},
                                    {NULL, 0}};
+static const choice paths[] = {{"cpu", SVO_PATH_CPU}, {"gpu", SVO_PATH_GPU}, {NULL, 0}};
 static const choice shares[] = {{"auto", SVO_GL_SHARE_AUTO},
                                 {"interop", SVO_GL_SHARE_INTEROP},
                                 {"host", SVO_GL_SHARE_HOST},
@@ -352,6 +353,8 @@ static const rule rules[] = {
      "OpenCL device: part of its name, or P.D indices"},
     {"threads", '\0', OPTION_DEVICE, "N", read_count, FIELD(threads), 1, 1024, NULL,
      "threads of PoCL and llvmpipe, 1 to 1024 (all cores)"},
+    {"path", '\0', OPTION_DEVICE | OPTION_DEVICES_COMMAND, "NAME", read_choice, FIELD(path), 0, 0, paths,
+     "kernels for another kind of device: cpu, gpu (the device's own)"},
     {"kernels", '\0', OPTION_DEVICE, "DIR", read_text, FIELD(kernels_path), 0, 0, NULL,
      "where svocl kernels saves, and others load instead of compiling ($XDG_CACHE_HOME/svocl)"},
     {"output", 'o', OPTION_OUTPUT, "FILE", read_text, FIELD(output_path), 0, 0, NULL,

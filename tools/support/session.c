@@ -28,7 +28,8 @@ static svo_device_options device_options_of(program *state)
     return (svo_device_options){.struct_size = sizeof(svo_device_options),
                                 .log = program_log,
                                 .log_user = state,
-                                .device_name = state->options.device_name};
+                                .device_name = state->options.device_name,
+                                .path = (svo_path)state->options.path};
 }
 
 static int open_queue(program *state, session *opened)

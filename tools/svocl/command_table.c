@@ -14,7 +14,7 @@
 static const command commands[] = {
     {.name = "devices",
      .run = command_devices,
-     .groups = OPTION_JSON,
+     .groups = OPTION_DEVICES_COMMAND | OPTION_JSON,
      .summary = "Lists OpenCL devices, OpenGL renderers, what works on each pair.",
      .examples = EXAMPLES("devices", "devices --json")},
     {.name = "scene",
