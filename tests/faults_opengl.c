@@ -13,8 +13,6 @@
 #include "raster/raster.h"
 #include "raster/selftest.h"
 
-#define GL_BUFFER_BYTES 64
-
 /*
  * Scenarios: OpenGL.
  */
@@ -35,7 +33,7 @@ static svo_status run_context(subject *of)
     return status;
 }
 
-/* Each EGL device is tried, and OSMesa. */
+/* Each EGL device is tried, and OSMesa, and what suits the device. */
 static svo_status run_other_contexts(subject *of)
 {
     svo_gl_context *context = NULL;
@@ -45,7 +43,9 @@ static svo_status run_other_contexts(subject *of)
     (void)snprintf(name, sizeof name, "%.4s", info.renderer);
     SVO_I_TRY(svo_gl_context_create_named(name, &context, &of->message));
     svo_gl_context_destroy(&context);
-    const svo_status status = svo_gl_context_create(SVO_GL_OSMESA, 0, &context, &of->message);
+    SVO_I_TRY(svo_gl_context_create(SVO_GL_OSMESA, 0, &context, &of->message));
+    svo_gl_context_destroy(&context);
+    const svo_status status = svo_gl_context_create_for(world.device, NULL, &context, &of->message);
     svo_gl_context_destroy(&context);
     return status;
 }
@@ -152,19 +152,18 @@ static svo_status run_gl_mesh_read(subject *of)
     return status;
 }
 
-/* Gives the buffer to OpenCL, writes it, and gives it to OpenGL. */
-static svo_status pass_bytes(subject *of, svo_gl_buffer *buffer, int content)
+#define GL_BUFFER_BYTES 64
+
+/* Fills the buffer by OpenCL, and gives it to OpenGL. */
+static svo_status fill_gl_buffer(subject *of, svo_gl_buffer *buffer, cl_mem memory, int value)
 {
     uint8_t bytes[GL_BUFFER_BYTES];
-    svo_gl_buffer_info info = SVO_GL_BUFFER_INFO_INIT;
-    memset(bytes, content, sizeof bytes);
-    TRY_TOLD(svo_gl_buffer_get_info(buffer, &info));
     TRY_TOLD(svo_gl_buffer_to_cl(buffer, world.queue));
     faults_spare(true);
-    assert_int_equal(clEnqueueWriteBuffer(world.queue, info.memory, CL_TRUE, 0, sizeof bytes, bytes, 0, NULL, NULL),
+    memset(bytes, value, sizeof bytes);
+    assert_int_equal(clEnqueueWriteBuffer(world.queue, memory, CL_TRUE, 0, sizeof bytes, bytes, 0, NULL, NULL),
                      CL_SUCCESS);
     faults_spare(false);
-    digest(of, &info.bytes, sizeof info.bytes);
     return told(of, world.device, svo_gl_buffer_to_gl(buffer, sizeof bytes, world.queue, 0, NULL));
 }
 
@@ -172,12 +171,14 @@ static svo_status pass_bytes(subject *of, svo_gl_buffer *buffer, int content)
 static svo_status use_gl_buffer(subject *of, svo_gl_share share)
 {
     svo_gl_buffer *buffer = NULL;
+    svo_gl_buffer_info info = SVO_GL_BUFFER_INFO_INIT;
     svo_status status = SVO_OK;
     TRY_TOLD(svo_gl_buffer_create(world.device, world.context, GL_BUFFER_BYTES, share, &buffer));
-    SVO_I_TRY_CLEANUP(pass_bytes(of, buffer, 1));
-    SVO_I_TRY_CLEANUP(pass_bytes(of, buffer, 2));
-
+    SVO_I_TRY_CLEANUP(told(of, world.device, svo_gl_buffer_get_info(buffer, &info)));
+    SVO_I_TRY_CLEANUP(fill_gl_buffer(of, buffer, info.memory, 1));
+    SVO_I_TRY_CLEANUP(fill_gl_buffer(of, buffer, info.memory, 2));
 cleanup:
+    digest(of, &info.bytes, sizeof info.bytes);
     svo_gl_buffer_destroy(&buffer);
     return status;
 }

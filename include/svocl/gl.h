@@ -119,6 +119,18 @@ SVO_API svo_status svo_gl_context_create_named(const char *device_name, svo_gl_c
 SVO_API svo_status svo_gl_context_create_named_with(const char *device_name, const svo_gl_context_options *options,
                                                     svo_gl_context **out, svo_message *message);
 
+/** Makes the off-screen context that suits an OpenCL device best: on the GPU that clGetGLContextInfoKHR says is the
+ *  device, else on a GPU of its name, else on any GPU, else in software. EGL devices are tried first, then Mesa's
+ *  surfaceless platform, and OSMesa last. No further context is made when none can suit better.
+ *
+ * \param device not NULL; it need not outlive the context
+ * \param options NULL means all defaults
+ * \param out receives the context
+ * \param message receives what failed for each candidate; NULL allowed
+ * \returns SVO_NO_GL, SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on failure. */
+SVO_API svo_status svo_gl_context_create_for(const svo_device *device, const svo_gl_context_options *options,
+                                             svo_gl_context **out, svo_message *message);
+
 /** Any OpenGL function. */
 typedef void (*svo_gl_function)(void);
 
