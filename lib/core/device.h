@@ -24,6 +24,7 @@ struct svo_device {
     bool is_cpu; /* by its type: its memory is the host's */
     bool cpu_path; /* kernels and shapes of launches are those for CPUs, see svo_path */
     bool has_fp64; /* kernels have cl_khr_fp64 */
+    cl_uint band_tiles; /* tiles of a picture in one launch, so that none takes long enough for a driver to end it */
     svo_i_budget *budget; /* NULL: none */
     svo_i_attachment *attachments; /* compiled programs, and what else is kept until the handle is destroyed */
     double compile_ms;

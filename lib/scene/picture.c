@@ -4,11 +4,11 @@
 
 #include "core/struct_size.h"
 #include "rays/camera.h"
+#include "rays/picture.h"
 #include "scene/state.h"
 
 /* Rays along each side of a pixel. */
-#define SAMPLES   2u
-#define TILE_EDGE 8u
+#define SAMPLES 2u
 /* The range of the ambient occlusion, of an instance's mean width. */
 #define OCCLUSION_SHARE 0.25
 
@@ -111,8 +111,8 @@ static svo_status fill_picture(const svo_scene *scene, const svo_scene_render_op
 /* ---- drawing ---- */
 
 typedef struct drawing {
-    cl_kernel kernel;
-    cl_mem picture, lights, pixels;
+    svo_i_tiles tiles;
+    cl_mem picture, lights;
 } drawing;
 
 static svo_status write(const svo_scene *scene, cl_command_queue queue, cl_mem to, size_t bytes, const void *data)
@@ -127,51 +127,35 @@ static svo_status prepare(const svo_scene *scene, const svo_scene_picture *pictu
     svo_device *device = scene->device;
     const size_t pixel_bytes = (size_t)picture->width * picture->height * 4;
     cl_program program = NULL;
+    out->tiles.items = SVO_GROUP_ITEMS;
+    out->tiles.width = picture->width;
+    out->tiles.height = picture->height;
     SVO_I_TRY(svo_i_device_buffer(device, function_name, "camera", CL_MEM_READ_ONLY, sizeof *picture, &out->picture));
     SVO_I_TRY(svo_i_device_buffer(device, function_name, "lights", CL_MEM_READ_ONLY,
                                   SVO_SCENE_LIGHTS_MAX * sizeof(svo_scene_light), &out->lights));
-    SVO_I_TRY(svo_i_device_buffer(device, function_name, "picture", CL_MEM_WRITE_ONLY, pixel_bytes, &out->pixels));
+    SVO_I_TRY(
+        svo_i_device_buffer(device, function_name, "picture", CL_MEM_WRITE_ONLY, pixel_bytes, &out->tiles.pixels));
     SVO_I_TRY(svo_i_program_get(device, function_name, SVO_I_PROGRAM_SCENE_CAST, scene->form, &program, NULL));
-    SVO_I_TRY(svo_i_kernel_create(device, function_name, program, "svo_k_scene_render", &out->kernel));
+    SVO_I_TRY(svo_i_kernel_create(device, function_name, program, "svo_k_scene_render", &out->tiles.kernel));
     const svo_i_argument others[] = {SVO_I_ARGUMENT(scene->buffers[SVO_I_SCENE_COLORS]),
                                      SVO_I_ARGUMENT(scene->buffers[SVO_I_SCENE_NORMALS]), SVO_I_ARGUMENT(out->picture),
-                                     SVO_I_ARGUMENT(out->lights), SVO_I_ARGUMENT(out->pixels)};
-    SVO_I_TRY(svo_i_scene_set_args(scene, function_name, out->kernel, 0, &scene->params));
-    return svo_i_kernel_set_from(device, function_name, out->kernel, svo_i_scene_arguments(scene),
+                                     SVO_I_ARGUMENT(out->lights), SVO_I_ARGUMENT(out->tiles.pixels)};
+    out->tiles.first_tile = svo_i_scene_arguments(scene) + 5;
+    SVO_I_TRY(svo_i_scene_set_args(scene, function_name, out->tiles.kernel, 0, &scene->params));
+    return svo_i_kernel_set_from(device, function_name, out->tiles.kernel, svo_i_scene_arguments(scene),
                                  SVO_I_ARGUMENTS(others));
-}
-
-static svo_status draw(const svo_scene *scene, cl_command_queue queue, const drawing *drawn,
-                       const svo_scene_picture *picture, uint8_t *rgba)
-{
-    const size_t tiles =
-        (size_t)((picture->width + TILE_EDGE - 1) / TILE_EDGE) * ((picture->height + TILE_EDGE - 1) / TILE_EDGE);
-    const size_t local = SVO_GROUP_ITEMS;
-    const size_t global = tiles * local;
-    const size_t pixel_bytes = (size_t)picture->width * picture->height * 4;
-    const char *call = "clEnqueueNDRangeKernel";
-    cl_event done = NULL;
-    cl_int error = clEnqueueNDRangeKernel(queue, drawn->kernel, 1, NULL, &global, &local, 0, NULL, &done);
-    if (error == CL_SUCCESS) {
-        call = "clEnqueueReadBuffer";
-        error = clEnqueueReadBuffer(queue, drawn->pixels, CL_TRUE, 0, pixel_bytes, rgba, 1, &done, NULL);
-    }
-    if (done != NULL) {
-        clReleaseEvent(done);
-    }
-    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(scene->device, function_name, call, error);
 }
 
 static void release(drawing *drawn)
 {
-    const cl_mem buffers[] = {drawn->picture, drawn->lights, drawn->pixels};
+    const cl_mem buffers[] = {drawn->picture, drawn->lights, drawn->tiles.pixels};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
         if (buffers[i] != NULL) {
             clReleaseMemObject(buffers[i]);
         }
     }
-    if (drawn->kernel != NULL) {
-        clReleaseKernel(drawn->kernel);
+    if (drawn->tiles.kernel != NULL) {
+        clReleaseKernel(drawn->tiles.kernel);
     }
 }
 
@@ -181,7 +165,7 @@ svo_status svo_scene_render(svo_scene *scene, const svo_scene_render_options *op
     svo_scene_render_options asked = {.width = 0};
     svo_scene_picture picture = {.samples = 0};
     svo_scene_light lights[SVO_SCENE_LIGHTS_MAX] = {{.shadows = 0}};
-    drawing drawn = {.kernel = NULL};
+    drawing drawn = {.picture = NULL};
     svo_status status = SVO_OK;
     if (scene == NULL) {
         return SVO_INVALID_ARGUMENT;
@@ -199,7 +183,7 @@ svo_status svo_scene_render(svo_scene *scene, const svo_scene_render_options *op
     SVO_I_TRY_CLEANUP(prepare(scene, &picture, &drawn));
     SVO_I_TRY_CLEANUP(write(scene, queue, drawn.picture, sizeof picture, &picture));
     SVO_I_TRY_CLEANUP(write(scene, queue, drawn.lights, sizeof lights, lights));
-    SVO_I_TRY_CLEANUP(draw(scene, queue, &drawn, &picture, rgba));
+    SVO_I_TRY_CLEANUP(svo_i_picture_draw_tiles(scene->device, function_name, queue, &drawn.tiles, rgba));
 
 cleanup:
     release(&drawn);
