@@ -203,6 +203,31 @@ static void gpu_is_never_a_processor(void **state)
     assert_non_null(strstr(message.text, "no EGL device matches \"GPU\""));
 }
 
+/* Where EGL lists GPUs alone, the context is on one; where a CPU draws everything, it is the first that works. */
+static void context_for_a_device_is_the_best(void **state)
+{
+    (void)state;
+    svo_message message = {""};
+    svo_gl_context *context = NULL;
+    svo_gl_context_info info = SVO_GL_CONTEXT_INFO_INIT;
+    svo_device *device = machine_device_or_skip();
+    const svo_status status = svo_gl_context_create_for(device, NULL, &context, &message);
+    if (status == SVO_OK) {
+        svo_gl_context *gpu = NULL;
+        svo_gl_context_get_info(context, &info);
+        assert_int_equal(info.is_software, svo_gl_context_create_named("gpu", &gpu, NULL) != SVO_OK);
+        svo_gl_context_destroy(&gpu);
+    } else {
+        assert_int_equal(status, SVO_NO_GL);
+        assert_non_null(strstr(message.text, "svo_gl_context_create_for: no OpenGL context: "));
+    }
+    svo_gl_context_destroy(&context);
+    assert_int_equal(svo_gl_context_create_for(NULL, NULL, &context, &message), SVO_INVALID_ARGUMENT);
+    assert_string_equal(message.text, "svo_gl_context_create_for: device is NULL");
+    assert_int_equal(svo_gl_context_create_for(device, NULL, NULL, &message), SVO_INVALID_ARGUMENT);
+    svo_device_destroy(&device);
+}
+
 static bool promise(void *native)
 {
     (void)native;
@@ -742,6 +767,7 @@ int main(void)
         cmocka_unit_test(wrong_device_index_is_refused),
         cmocka_unit_test(software_is_known_without_a_context),
         cmocka_unit_test(egl_devices_are_found_by_name),
+        cmocka_unit_test(context_for_a_device_is_the_best),
         cmocka_unit_test(gpu_is_never_a_processor),
         cmocka_unit_test(software_in_place_of_a_gpu_is_refused),
         cmocka_unit_test(wrong_arguments_are_refused),

@@ -34,8 +34,9 @@ svo_status svo_i_device_fail_cl(svo_device *device, const char *function, const 
     return svo_i_fail_cl(svo_i_device_message(device), function, call, error);
 }
 
-svo_status svo_i_device_buffer(svo_device *device, const char *function, const char *name, cl_mem_flags flags,
-                               size_t bytes, cl_mem *out)
+/* content: of the buffer, with CL_MEM_COPY_HOST_PTR; else NULL. */
+static svo_status make_buffer(svo_device *device, const char *function, const char *name, cl_mem_flags flags,
+                              void *content, size_t bytes, cl_mem *out)
 {
     if (bytes > device->max_allocation_bytes) {
         return svo_i_device_fail(device, SVO_OUT_OF_DEVICE_MEMORY,
@@ -50,7 +51,7 @@ svo_status svo_i_device_buffer(svo_device *device, const char *function, const c
                                  (unsigned long long)svo_i_budget_max(device->budget));
     }
     cl_int error = CL_SUCCESS;
-    cl_mem buffer = clCreateBuffer(device->context, flags, made_bytes, NULL, &error);
+    cl_mem buffer = clCreateBuffer(device->context, flags, made_bytes, content, &error);
     if (error == CL_SUCCESS) {
         error = svo_i_budget_count(device->budget, buffer, made_bytes);
         if (error != CL_SUCCESS) {
@@ -64,6 +65,20 @@ svo_status svo_i_device_buffer(svo_device *device, const char *function, const c
     }
     *out = buffer;
     return SVO_OK;
+}
+
+svo_status svo_i_device_buffer(svo_device *device, const char *function, const char *name, cl_mem_flags flags,
+                               size_t bytes, cl_mem *out)
+{
+    return make_buffer(device, function, name, flags, NULL, bytes, out);
+}
+
+svo_status svo_i_device_constants(svo_device *device, const char *function, const char *name, const void *content,
+                                  size_t bytes, cl_mem *out)
+{
+    void *copied = NULL; /* OpenCL's parameter is not const, though the memory is only read */
+    memcpy(&copied, &content, sizeof copied);
+    return make_buffer(device, function, name, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, copied, bytes, out);
 }
 
 svo_status svo_i_device_check_queue(svo_device *device, const char *function, cl_command_queue queue)
@@ -93,6 +108,14 @@ svo_status svo_i_device_check_memory(svo_device *device, const char *function, c
     return held >= bytes ? SVO_OK
                          : svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s holds %zu bytes, below %zu",
                                              function, name, held, bytes);
+}
+
+svo_status svo_i_device_check_output(svo_device *device, const char *function, const char *name, cl_mem memory,
+                                     size_t bytes)
+{
+    const char *wrong = svo_i_wrong_output(device->context, memory);
+    return wrong == NULL ? svo_i_device_check_memory(device, function, name, memory, bytes)
+                         : svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s %s", function, name, wrong);
 }
 
 /* The device's own queue, attached to it. */

@@ -14,8 +14,6 @@ _Static_assert((uint32_t)SVO_VIEW_NORMAL == SVO_VIEW_KIND_NORMAL && (uint32_t)SV
                    (uint32_t)SVO_VIEW_TRIANGLES == SVO_VIEW_KIND_TRIANGLES,
                "svo_render_view and kernels/rays/view.cl number the views alike");
 
-#define TILE_EDGE 8u
-
 svo_status svo_i_picture_options(svo_device *device, const char *function, const svo_render_options *options,
                                  svo_render_options *out)
 {
@@ -70,8 +68,9 @@ static svo_status fill_params(const svo_i_picture_source *source, const svo_rend
 
 /* Buffers and kernel of one picture. */
 typedef struct picture {
-    svo_i_tiles tiles;
-    cl_mem params;
+    svo_i_tiles tiles; /* its kernel: owned */
+    cl_mem params; /* owned */
+    cl_mem pixels;
 } picture;
 
 static const char *normal_defines(const svo_i_picture_source *source)
@@ -101,8 +100,7 @@ static svo_status prepare_view(const svo_i_picture_source *source, const svo_ren
     const cl_float4 eye = {{options->camera.eye[0], options->camera.eye[1], options->camera.eye[2], 0}};
     const cl_uint shown = options->view;
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(source->normals), SVO_I_ARGUMENT(drawn->params),
-                                        SVO_I_ARGUMENT(eye), SVO_I_ARGUMENT(shown),
-                                        SVO_I_ARGUMENT(drawn->tiles.pixels)};
+                                        SVO_I_ARGUMENT(eye), SVO_I_ARGUMENT(shown), SVO_I_ARGUMENT(drawn->pixels)};
     SVO_I_TRY(make_kernel(source, SVO_I_PROGRAM_VIEW, "", "svo_k_view", &drawn->tiles.kernel));
     drawn->tiles.items = SVO_GROUP_ITEMS;
     drawn->tiles.first_tile = source->tree.arguments + 5;
@@ -115,7 +113,7 @@ static svo_status prepare_view(const svo_i_picture_source *source, const svo_ren
 static svo_status prepare_shaded(const svo_i_picture_source *source, picture *drawn)
 {
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(source->colors), SVO_I_ARGUMENT(source->normals),
-                                        SVO_I_ARGUMENT(drawn->params), SVO_I_ARGUMENT(drawn->tiles.pixels)};
+                                        SVO_I_ARGUMENT(drawn->params), SVO_I_ARGUMENT(drawn->pixels)};
     const bool tiles = source->device->cpu_path;
     char defines[64];
     (void)snprintf(defines, sizeof defines, "%s%s", tiles ? " -DSVO_CAST_TILES" : "", color_defines(source));
@@ -130,97 +128,47 @@ static svo_status prepare_shaded(const svo_i_picture_source *source, picture *dr
                                  arguments, 4);
 }
 
-static svo_status prepare(const svo_i_picture_source *source, const svo_render_options *options, picture *out)
-{
-    const size_t pixel_bytes = (size_t)options->width * options->height * 4;
-    out->tiles.width = options->width;
-    out->tiles.height = options->height;
-    SVO_I_TRY(svo_i_device_buffer(source->device, source->function, "camera", CL_MEM_READ_ONLY, sizeof(svo_cast_params),
-                                  &out->params));
-    SVO_I_TRY(svo_i_device_buffer(source->device, source->function, "picture", CL_MEM_WRITE_ONLY, pixel_bytes,
-                                  &out->tiles.pixels));
-    return options->view == SVO_VIEW_SHADED ? prepare_shaded(source, out) : prepare_view(source, options, out);
-}
-
-/* ---- tiles ---- */
-
-/* Launches one band; *last becomes its event. Each command waits for the previous one, since the queue may be
-   out-of-order. */
-static svo_status draw_band(svo_device *device, const char *function, cl_command_queue queue, const svo_i_tiles *tiles,
-                            cl_uint first, size_t count, cl_event *last)
-{
-    const size_t global = count * tiles->items;
-    cl_event done = NULL;
-    SVO_I_TRY(svo_i_kernel_set_from(device, function, tiles->kernel, tiles->first_tile, &SVO_I_ARGUMENT(first), 1));
-    const cl_int error = clEnqueueNDRangeKernel(queue, tiles->kernel, 1, NULL, &global, &tiles->items,
-                                                *last != NULL ? 1 : 0, *last != NULL ? last : NULL, &done);
-    if (error != CL_SUCCESS) {
-        return svo_i_device_fail_cl(device, function, "clEnqueueNDRangeKernel", error);
-    }
-    if (*last != NULL) {
-        clReleaseEvent(*last);
-    }
-    *last = done;
-    return SVO_OK;
-}
-
-svo_status svo_i_picture_draw_tiles(svo_device *device, const char *function, cl_command_queue queue,
-                                    const svo_i_tiles *tiles, uint8_t *rgba)
-{
-    const cl_uint count = ((tiles->width + TILE_EDGE - 1) / TILE_EDGE) * ((tiles->height + TILE_EDGE - 1) / TILE_EDGE);
-    const size_t pixel_bytes = (size_t)tiles->width * tiles->height * 4;
-    cl_event last = NULL;
-    svo_status status = SVO_OK;
-    for (cl_uint first = 0; first < count; first += device->band_tiles) {
-        const cl_uint rest = count - first;
-        SVO_I_TRY_CLEANUP(draw_band(device, function, queue, tiles, first,
-                                    rest < device->band_tiles ? rest : device->band_tiles, &last));
-    }
-    const cl_int error = clEnqueueReadBuffer(queue, tiles->pixels, CL_TRUE, 0, pixel_bytes, rgba, 1, &last, NULL);
-    if (error != CL_SUCCESS) {
-        status = svo_i_device_fail_cl(device, function, "clEnqueueReadBuffer", error);
-    }
-
-cleanup:
-    if (last != NULL) {
-        clReleaseEvent(last);
-    }
-    return status;
-}
-
-/* ---- pictures ---- */
-
-static svo_status draw(const svo_i_picture_source *source, cl_command_queue queue, const picture *drawn,
-                       const svo_cast_params *params, uint8_t *rgba)
-{
-    const cl_int error = clEnqueueWriteBuffer(queue, drawn->params, CL_TRUE, 0, sizeof *params, params, 0, NULL, NULL);
-    if (error != CL_SUCCESS) {
-        return svo_i_device_fail_cl(source->device, source->function, "clEnqueueWriteBuffer", error);
-    }
-    return svo_i_picture_draw_tiles(source->device, source->function, queue, &drawn->tiles, rgba);
-}
-
-svo_status svo_i_picture_draw(const svo_i_picture_source *source, const svo_render_options *options,
-                              cl_command_queue queue, uint8_t *rgba)
+static svo_status enqueue(const svo_i_picture_source *source, const svo_render_options *options, const svo_i_pixels *to)
 {
     svo_cast_params params = {.depth = 0};
-    picture drawn = {.params = NULL};
+    picture drawn = {.tiles = {.width = options->width, .height = options->height}, .pixels = to->buffer};
     svo_status status = SVO_OK;
-    SVO_I_TRY(check_payload(source));
     SVO_I_TRY(fill_params(source, options, &params));
-    SVO_I_TRY(svo_i_device_queue(source->device, source->function, queue, &queue));
-    SVO_I_TRY_CLEANUP(prepare(source, options, &drawn));
-    SVO_I_TRY_CLEANUP(draw(source, queue, &drawn, &params, rgba));
+    SVO_I_TRY_CLEANUP(
+        svo_i_device_constants(source->device, source->function, "camera", &params, sizeof params, &drawn.params));
+    SVO_I_TRY_CLEANUP(options->view == SVO_VIEW_SHADED ? prepare_shaded(source, &drawn)
+                                                       : prepare_view(source, options, &drawn));
+    SVO_I_TRY_CLEANUP(svo_i_pixels_draw(source->device, source->function, &drawn.tiles, to));
 
 cleanup:
-    if (drawn.tiles.pixels != NULL) {
-        clReleaseMemObject(drawn.tiles.pixels);
-    }
     if (drawn.params != NULL) {
         clReleaseMemObject(drawn.params);
     }
     if (drawn.tiles.kernel != NULL) {
         clReleaseKernel(drawn.tiles.kernel);
     }
+    return status;
+}
+
+svo_status svo_i_picture_enqueue(const svo_i_picture_source *source, const svo_render_options *options,
+                                 const svo_i_pixels *to)
+{
+    SVO_I_TRY(check_payload(source));
+    SVO_I_TRY(svo_i_pixels_check(source->device, source->function, options->width, options->height, to));
+    return enqueue(source, options, to);
+}
+
+svo_status svo_i_picture_draw(const svo_i_picture_source *source, const svo_render_options *options,
+                              cl_command_queue queue, uint8_t *rgba)
+{
+    svo_i_own_pixels own;
+    svo_status status = SVO_OK;
+    SVO_I_TRY(check_payload(source));
+    SVO_I_TRY(svo_i_own_pixels_begin(source->device, source->function, options->width, options->height, queue, &own));
+    SVO_I_TRY_CLEANUP(enqueue(source, options, &own.to));
+    SVO_I_TRY_CLEANUP(svo_i_own_pixels_read(&own, 0, options->height, rgba));
+
+cleanup:
+    svo_i_own_pixels_end(&own);
     return status;
 }

@@ -435,6 +435,8 @@ static const rule rules[] = {
      "count the fragments before allocating memory for them"},
     {"payload-level", '\0', OPTION_BUILD_COMMAND, "N", read_count, FIELD(payload_level), 0, SVO_DEPTH_MAX, NULL,
      "first level with payload, 0 to 16 (0: all levels)"},
+    {"levels", '\0', OPTION_LEVELS, "L", read_count, FIELD(last_level), 1, SVO_DEPTH_MAX, NULL,
+     "read levels 0 to L of a .svo file alone: a tree of depth L (all)"},
     {"solid", '\0', OPTION_SOLID, "RULE", read_choice, FIELD(solid), 0, 0, solids,
      "also fill the inside, by winding or parity; -o then writes the solid (not filled)"},
     {"hidden", '\0', OPTION_VOXELS, NULL, read_flag, FIELD(hidden), 0, 0, NULL,
