@@ -422,6 +422,31 @@ static void pictures_are_repeatable(void **unused)
     free(voxels);
 }
 
+/* A driver may end a launch that takes long, so large pictures take several. Every view, in bands of three tiles. */
+static void bands_draw_the_same_picture(void **unused)
+{
+    (void)unused;
+    static uint8_t whole[WIDTH * HEIGHT * 4];
+    static uint8_t banded[WIDTH * HEIGHT * 4];
+    occupancy *voxels = make_ball(5);
+    svo_tree *tree = make_tree(voxels, false);
+    svo_render_options options = {.struct_size = sizeof options, .width = WIDTH, .height = HEIGHT};
+    svo_camera_frame(tree, (float)WIDTH / HEIGHT, &options.camera);
+    const cl_uint all = device->band_tiles;
+    assert_true(all > (cl_uint)(WIDTH * HEIGHT / 64));
+    for (int view = SVO_VIEW_SHADED; view < SVO_VIEW_TRIANGLES; ++view) {
+        options.view = (svo_render_view)view;
+        assert_int_equal(svo_tree_render(device, tree, &options, queue, whole), SVO_OK);
+        memset(banded, 0, sizeof banded);
+        device->band_tiles = 3;
+        assert_int_equal(svo_tree_render(device, tree, &options, queue, banded), SVO_OK);
+        device->band_tiles = all;
+        assert_memory_equal(whole, banded, sizeof whole);
+    }
+    svo_tree_destroy(&tree);
+    free(voxels);
+}
+
 static double mean_brightness(svo_tree *tree, const svo_camera *camera)
 {
     static uint8_t picture[WIDTH * HEIGHT * 4];
@@ -602,6 +627,7 @@ int main(void)
         cmocka_unit_test(every_pixel_of_a_wall_is_hit),
         cmocka_unit_test(parallel_rays_along_an_axis_hit_and_miss),
         cmocka_unit_test(pictures_are_repeatable),
+        cmocka_unit_test(bands_draw_the_same_picture),
         cmocka_unit_test(a_ball_is_lit_from_above),
         cmocka_unit_test(the_framing_camera_shows_the_tree_and_fills_the_picture),
         cmocka_unit_test(bad_arguments_are_refused),

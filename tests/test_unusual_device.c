@@ -8,11 +8,15 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdio.h>
-#include <string.h>
 
 #include <cmocka.h>
 
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/device.h"
 #include "fixture.h"
 #include "scenes.h"
 
@@ -28,6 +32,9 @@ typedef struct answer {
 static answer device_answer, program_answer;
 static bool refuses_to_compile, refuses_short;
 static size_t short_builds;
+/* What is replaced in the texts of kernels, and how often; NULL: nothing. */
+static const char *replaced, *replacement;
+static size_t replacements;
 
 static cl_int tell(const answer *told, size_t bytes, void *value, size_t *needed)
 {
@@ -49,6 +56,10 @@ cl_int __real_clGetProgramInfo(cl_program program, cl_program_info what, size_t 
 cl_int __wrap_clGetProgramInfo(cl_program program, cl_program_info what, size_t bytes, void *value, size_t *needed);
 cl_int __wrap_clGetProgramBuildInfo(cl_program program, cl_device_id device, cl_program_build_info what, size_t bytes,
                                     void *value, size_t *needed);
+cl_program __real_clCreateProgramWithSource(cl_context context, cl_uint count, const char **texts, const size_t *bytes,
+                                            cl_int *error);
+cl_program __wrap_clCreateProgramWithSource(cl_context context, cl_uint count, const char **texts, const size_t *bytes,
+                                            cl_int *error);
 cl_int __real_clBuildProgram(cl_program program, cl_uint count, const cl_device_id *devices, const char *options,
                              build_callback done, void *user);
 cl_int __wrap_clBuildProgram(cl_program program, cl_uint count, const cl_device_id *devices, const char *options,
@@ -75,6 +86,26 @@ cl_int __wrap_clGetProgramBuildInfo(cl_program program, cl_device_id device, cl_
     return tell(&(answer){.value = BUILD_LOG, .bytes = sizeof BUILD_LOG}, bytes, value, needed);
 }
 
+cl_program __wrap_clCreateProgramWithSource(cl_context context, cl_uint count, const char **texts, const size_t *bytes,
+                                            cl_int *error)
+{
+    const char *last = texts[count - 1];
+    const char *found = replaced != NULL && bytes == NULL ? strstr(last, replaced) : NULL;
+    if (found == NULL) {
+        return __real_clCreateProgramWithSource(context, count, texts, bytes, error);
+    }
+    const size_t room = strlen(last) + strlen(replacement) + 1;
+    char *other = malloc(room);
+    const char *changed[2] = {texts[0], other};
+    assert_non_null(other);
+    assert_in_range(count, 1, 2);
+    (void)snprintf(other, room, "%.*s%s%s", (int)(found - last), last, replacement, found + strlen(replaced));
+    ++replacements;
+    cl_program program = __real_clCreateProgramWithSource(context, count, &changed[2 - count], NULL, error);
+    free(other);
+    return program;
+}
+
 cl_int __wrap_clBuildProgram(cl_program program, cl_uint count, const cl_device_id *devices, const char *options,
                              build_callback done, void *user)
 {
@@ -91,6 +122,8 @@ static int forget_answers(void **state)
     (void)state;
     device_answer = program_answer = (answer){0};
     refuses_to_compile = refuses_short = false;
+    replaced = replacement = NULL;
+    replacements = 0;
     return 0;
 }
 
@@ -330,6 +363,93 @@ static void binaries_that_are_not_there(void **state)
     scene_destroy(&cube);
 }
 
+/* ---- rays ---- */
+
+/* Two triangles in a grid of the unit cube: a wall before its face x = 0 by less than snapping moves it, and one that
+   reaches far out. */
+static svo_tree *build_wall(svo_device *device)
+{
+    static const float wall = -0.45F * 0x1p-20F;
+    const float positions[6][3] = {{wall, 0, 0},     {wall, 1, 0},        {wall, 0, 1},
+                                   {-3, 0.9F, 0.9F}, {0.2F, 0.9F, 0.95F}, {-3, 0.95F, 0.9F}};
+    const uint32_t indices[6] = {0, 1, 2, 3, 4, 5};
+    const svo_mesh mesh = {.struct_size = sizeof mesh,
+                           .positions = positions[0],
+                           .vertex_count = 6,
+                           .indices = indices,
+                           .triangle_count = 2};
+    svo_plan_options options = {.struct_size = sizeof options, .need = SVO_NEED_RAYS, .edge = 1};
+    svo_plan *plan = NULL;
+    svo_tree *tree = NULL;
+    expect(device, svo_plan_create(device, &mesh, 8, &options, &plan), SVO_OK, "");
+    expect(device, svo_build(plan, NULL, NULL, &tree, NULL), SVO_OK, "");
+    svo_plan_destroy(&plan);
+    return tree;
+}
+
+/* The driver fuses although the kernels forbid it, in float or in double: rays of triangles are refused with words. */
+static void a_device_that_fuses_is_refused(void **state)
+{
+    static const char *const kinds[] = {"float", "double"};
+    const fixture opened = fixture_cl_of_group(state);
+    for (int i = 0; i < (opened.device->has_fp64 ? 2 : 1); ++i) {
+        char text[128], fused[128];
+        (void)snprintf(text, sizeof text, "(%s a, %s b, %s c, %s d)\n{\n    return a * b - c * d;", kinds[i], kinds[i],
+                       kinds[i], kinds[i]);
+        (void)snprintf(fused, sizeof fused, "(%s a, %s b, %s c, %s d)\n{\n    return fma(a, b, -(c * d));", kinds[i],
+                       kinds[i], kinds[i], kinds[i]);
+        svo_device *device = open_or_fail(&opened, NULL);
+        svo_tree *tree = build_wall(device);
+        svo_ray ray = {.origin = {0.5F, 0.2F, 0.2F}, .direction = {-1, 0, 0}, .t_max = 1};
+        svo_hit hit;
+        replaced = text;
+        replacement = fused;
+        expect(device, svo_tree_trace(tree, &ray, &hit, 1, SVO_TRACE_CLOSEST, NULL), SVO_UNSUPPORTED,
+               " fuses multiplications and additions although the kernels forbid it");
+        assert_int_equal(replacements, 1);
+        assert_int_equal(svo_tree_ray_bytes(tree), 0);
+        assert_int_equal(forget_answers(NULL), 0);
+        svo_tree_destroy(&tree);
+        svo_device_destroy(&device);
+    }
+}
+
+/* Floats of coordinates far away round by more than the wall is outside: its hits count all the same. */
+static void hits_at_the_border_count_without_doubles(void **state)
+{
+    enum { RAYS = 256 };
+    const fixture opened = fixture_cl_of_group(state);
+    svo_ray rays[RAYS];
+    svo_hit hits[RAYS];
+    for (int path = SVO_PATH_CPU; path <= SVO_PATH_GPU; ++path) {
+        svo_device *device =
+            open_or_fail(&opened, &(svo_device_options){.struct_size = sizeof(svo_device_options), .path = path});
+        for (int i = 0; i < RAYS; ++i) {
+            const float y = 0.01F + 0.48F * (float)(i % 16) / 16.0F;
+            const float z = 0.01F + 0.48F * (float)(i / 16) / 16.0F;
+            rays[i] = (svo_ray){.origin = {40.3F, y, z}, .direction = {-1, 0.001F * y, 0}, .t_max = INFINITY};
+        }
+        device->has_fp64 = false;
+        svo_tree *tree = build_wall(device);
+        replaced = "#ifdef cl_khr_fp64";
+        replacement = "#undef cl_khr_fp64\n#ifdef cl_khr_fp64";
+        expect(device, svo_tree_trace(tree, rays, hits, RAYS, SVO_TRACE_CLOSEST, NULL), SVO_OK, "");
+        assert_true(replacements >= 2); /* the BVH's kernels and the rays' */
+        for (int i = 0; i < RAYS; ++i) {
+            if (hits[i].triangle != 0 || !(fabsf(hits[i].t - 40.3F) < 0x1p-15F)) {
+                fail_msg("path %d: ray %d meets triangle %u at %a, expected 0 at 40.3", path, i, hits[i].triangle,
+                         (double)hits[i].t);
+            }
+        }
+        rays[0] = (svo_ray){.origin = {40.3F, 0.915F, 0.915F}, .direction = {-1, 0, 0}, .t_max = INFINITY};
+        expect(device, svo_tree_trace(tree, rays, hits, 1, SVO_TRACE_CLOSEST, NULL), SVO_OK, "");
+        assert_int_equal(hits[0].triangle, SVO_NO_TRIANGLE); /* at x = -2 */
+        assert_int_equal(forget_answers(NULL), 0);
+        svo_tree_destroy(&tree);
+        svo_device_destroy(&device);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -342,6 +462,8 @@ int main(void)
         cmocka_unit_test_teardown(kernels_that_do_not_compile, forget_answers),
         cmocka_unit_test_teardown(drivers_declarations_serve_too, forget_answers),
         cmocka_unit_test_teardown(binaries_that_are_not_there, forget_answers),
+        cmocka_unit_test_teardown(a_device_that_fuses_is_refused, forget_answers),
+        cmocka_unit_test_teardown(hits_at_the_border_count_without_doubles, forget_answers),
     };
     return cmocka_run_group_tests_name("unusual device", tests, fixture_group_setup, fixture_group_teardown);
 }

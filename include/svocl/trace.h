@@ -107,8 +107,9 @@ typedef enum svo_bvh_quality {
  *
  * \param tree with SVO_NEED_RAYS, coverage half-open or closed, on a device
  * \param queue on the context of the tree's device; NULL: the device's own
- * \returns SVO_INVALID_ARGUMENT, SVO_COMPILE_FAILED, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY or SVO_CL_ERROR
- *          on failure. */
+ * \returns SVO_INVALID_ARGUMENT, SVO_COMPILE_FAILED, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY, SVO_CL_ERROR or
+ *          SVO_UNSUPPORTED (the device fuses multiplications and additions although the kernels forbid it, so rays
+ *          could pass between triangles) on failure. */
 SVO_API svo_status svo_tree_prepare_rays(svo_tree *tree, cl_command_queue queue);
 
 /** The same in a quality of the caller's choosing. A BVH of the other quality is replaced; on failure it stays.
@@ -141,10 +142,11 @@ typedef enum svo_trace_flags {
  *
  * Hit, t, u and v are computed in double precision and are the same on every device with cl_khr_fp64, whatever the
  * tree's depth; elsewhere the same watertight test runs in single precision, on vertices rounded to floats in grid
- * units, which are off by at most 2^-25 of the grid's width. t is that of the exact hit, rounded to float, or next to
- * it. Closed surfaces have no gaps: a ray
- * through an edge or a corner hits one of the triangles there. A ray with a number that is not finite (t_max excepted),
- * without a direction, or with t_min above t_max hits nothing.
+ * units, which are off by at most 2^-25 of the grid's width; and hits may lie outside the grid by 2^-19 more of the
+ * largest coordinate, from the grid's corner, of a vertex or the ray's origin. t is that of the exact hit, rounded to
+ * float, or next to it. Closed surfaces have no gaps: a ray through an edge or a corner hits one of the triangles
+ * there. A ray with a number that is not finite (t_max excepted), without a direction, or with t_min above t_max hits
+ * nothing.
  *
  * The first call of a device handle compiles the kernel; the first call for a tree makes its BVH. Later calls allocate
  * nothing on the device.

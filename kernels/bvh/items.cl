@@ -2,7 +2,8 @@
 /*
  * The first step of a BVH: which triangles it holds, and their boxes.
  *
- *   svo_k_bvh_reach   the largest coordinate of a vertex, and whether one lies outside the grid
+ *   svo_k_bvh_reach   the largest coordinate of a vertex, whether one lies outside the grid, and whether the device
+ *                     fuses operations
  *   svo_k_bvh_mark    only then: a one for each triangle that the tree lists; scan.cl turns them into places
  *   svo_k_bvh_begin   the root: a range, or a job if it is small
  *   svo_k_bvh_items   an item per triangle, and the bounds of all centers
@@ -11,11 +12,13 @@
  * items: one per chunk of params.chunk_items triangles. Atomics: maxima, minima and bits, which no order changes. No
  * local memory.
  */
+#include "bvh/fusion.clh"
 #include "bvh/ranges.clh"
 #include "bvh/triangles.clh"
 
+/* factors: for svo_bvh_fuses. */
 __kernel void svo_k_bvh_reach(__global const int *vertices, __global svo_bvh_state *state, uint vertex_count,
-                              uint snap_bits)
+                              uint snap_bits, float4 factors)
 {
     const ulong all = 3 * (ulong)vertex_count;
     const ulong length = all / get_global_size(0) + 1u;
@@ -26,6 +29,9 @@ __kernel void svo_k_bvh_reach(__global const int *vertices, __global svo_bvh_sta
     for (ulong i = begin; i < end; ++i) {
         reach = max(reach, abs(vertices[i]));
         outside |= (uint)vertices[i] >> snap_bits;
+    }
+    if (get_global_id(0) == 0u) {
+        state->fuses = svo_bvh_fuses(factors) ? 1u : 0u;
     }
     atomic_max(&state->reach, reach);
     atomic_or(&state->outside, outside != 0u ? 1u : 0u);

@@ -2,7 +2,8 @@
 /*
  * Pictures of what rays find, one ray per pixel, without lighting: normals, depths, traversal steps, levels, triangles.
  *
- * Launch: one work-item per pixel, tiles of 8 x 8 pixels per group, one dimension, rounded up to whole tiles.
+ * Launch: one work-item per pixel, tiles of 8 x 8 pixels per group, one dimension, as many tiles as the host likes,
+ * from first_tile on.
  * Reads the tree and, with -DSVO_NORMAL, its normals; writes one RGBA8 word per pixel. No atomics, no local memory.
  */
 #include "shared/layout.h"
@@ -113,10 +114,10 @@ static float3 svo_view_voxel(const svo_tree *tree, const svo_cast_ray *ray, uint
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_view(SVO_TREE_PARAMETERS, __global const short *normals, __constant const svo_cast_params *params, float4 eye,
-           uint view, __global uint *picture)
+           uint view, __global uint *picture, uint first_tile)
 {
     const uint item = (uint)get_local_id(0);
-    const uint tile = (uint)get_group_id(0);
+    const uint tile = (uint)get_group_id(0) + first_tile;
     const uint tiles_across = (params->width + 7u) / 8u;
     const uint x = tile % tiles_across * 8u + (item & 7u);
     const uint y = tile / tiles_across * 8u + (item >> 3);

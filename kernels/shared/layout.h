@@ -423,7 +423,8 @@ SVO_RECORD(svo_bvh_state)
     SVO_U32 chunk_count; /* 12: of these ranges */
     SVO_U32 job_count; /* 16 */
     SVO_U32 node_count; /* 20: nodes of the levels that are numbered */
-    SVO_U32 reserved[2]; /* 24 */
+    SVO_U32 fuses; /* 24: not 0: the device fuses multiplications and additions that must not be */
+    SVO_U32 reserved; /* 28 */
 };
 
 /* Arguments of the kernels that make a BVH. 40 bytes. */

@@ -12,6 +12,8 @@
 #include "shared/layout.h"
 
 #define SETTLE_ATTEMPTS 3
+/* A quarter of a million pixels. */
+#define BAND_TILES 4096u
 
 svo_message *svo_i_device_message(svo_device *device)
 {
@@ -364,6 +366,7 @@ svo_status svo_device_create(cl_context context, cl_device_id device, const svo_
     handle->log_user = asked.log_user;
     handle->context = context;
     handle->device = device;
+    handle->band_tiles = BAND_TILES;
     *out = handle;
     return SVO_OK;
 

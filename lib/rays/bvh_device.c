@@ -120,17 +120,26 @@ static svo_status place_listed(maker *m)
     return scan(m, count, &m->params.item_count);
 }
 
-/* Finds the reach of the vertices, and how many triangles the BVH holds. */
+/* Finds the reach of the vertices, and how many triangles the BVH holds. Refuses a device on which rays are wrong. */
 static svo_status find_extent(maker *m)
 {
     const cl_uint vertex_count = (cl_uint)m->mesh->vertex_count;
     const float width = (float)(1u << m->mesh->snap_bits);
+    /* See svo_bvh_fuses of kernels/bvh/fusion.clh. */
+    const cl_float4 factors = {{0x1.000002p0F, 0x1.000006p0F, 0x1.000002p0F, 0x1.000006p0F}};
     svo_bvh_state state = {.reach = 0};
     const svo_i_argument reach[] = {SVO_I_ARGUMENT(m->mesh->vertices), SVO_I_ARGUMENT(m->buffers[STATE]),
-                                    SVO_I_ARGUMENT(vertex_count), SVO_I_ARGUMENT(m->mesh->snap_bits)};
+                                    SVO_I_ARGUMENT(vertex_count), SVO_I_ARGUMENT(m->mesh->snap_bits),
+                                    SVO_I_ARGUMENT(factors)};
     SVO_I_TRY(svo_i_work_fill_zero(&m->work, m->buffers[STATE], sizeof state));
     SVO_I_TRY(run(m, "svo_k_bvh_reach", SVO_I_ARGUMENTS(reach), REACH_ITEMS));
     SVO_I_TRY(read_state(m, &state));
+    if (state.fuses != 0) {
+        return svo_i_device_fail(m->work.device, SVO_UNSUPPORTED,
+                                 "%s: %s fuses multiplications and additions although the kernels forbid it, so rays "
+                                 "could pass between triangles",
+                                 m->work.function, m->work.device->name);
+    }
     m->out->reach = (float)state.reach > width ? (float)state.reach : width;
     m->out->clips = state.outside != 0;
     m->params.item_count = m->mesh->triangle_count;

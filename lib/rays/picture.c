@@ -14,8 +14,6 @@ _Static_assert((uint32_t)SVO_VIEW_NORMAL == SVO_VIEW_KIND_NORMAL && (uint32_t)SV
                    (uint32_t)SVO_VIEW_TRIANGLES == SVO_VIEW_KIND_TRIANGLES,
                "svo_render_view and kernels/rays/view.cl number the views alike");
 
-#define TILE_EDGE 8u
-
 svo_status svo_i_picture_options(svo_device *device, const char *function, const svo_render_options *options,
                                  svo_render_options *out)
 {
@@ -70,8 +68,7 @@ static svo_status fill_params(const svo_i_picture_source *source, const svo_rend
 
 /* Buffers and kernel of one picture. */
 typedef struct picture {
-    cl_kernel kernel;
-    size_t items_per_tile;
+    svo_i_tiles tiles; /* its kernel: owned */
     cl_mem params; /* owned */
     cl_mem pixels;
 } picture;
@@ -97,20 +94,22 @@ static svo_status make_kernel(const svo_i_picture_source *source, svo_i_program_
     return svo_i_kernel_create(source->device, source->function, program, name, out);
 }
 
-/* The kernel of an unlit view, with all arguments set. */
+/* The kernel of an unlit view, with all arguments set but the first tile. */
 static svo_status prepare_view(const svo_i_picture_source *source, const svo_render_options *options, picture *drawn)
 {
     const cl_float4 eye = {{options->camera.eye[0], options->camera.eye[1], options->camera.eye[2], 0}};
     const cl_uint shown = options->view;
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(source->normals), SVO_I_ARGUMENT(drawn->params),
                                         SVO_I_ARGUMENT(eye), SVO_I_ARGUMENT(shown), SVO_I_ARGUMENT(drawn->pixels)};
-    SVO_I_TRY(make_kernel(source, SVO_I_PROGRAM_VIEW, "", "svo_k_view", &drawn->kernel));
-    drawn->items_per_tile = SVO_GROUP_ITEMS;
-    SVO_I_TRY(source->tree.set(source->tree.of, source->function, drawn->kernel, 0));
-    return svo_i_kernel_set_from(source->device, source->function, drawn->kernel, source->tree.arguments, arguments, 5);
+    SVO_I_TRY(make_kernel(source, SVO_I_PROGRAM_VIEW, "", "svo_k_view", &drawn->tiles.kernel));
+    drawn->tiles.items = SVO_GROUP_ITEMS;
+    drawn->tiles.first_tile = source->tree.arguments + 5;
+    SVO_I_TRY(source->tree.set(source->tree.of, source->function, drawn->tiles.kernel, 0));
+    return svo_i_kernel_set_from(source->device, source->function, drawn->tiles.kernel, source->tree.arguments,
+                                 arguments, 5);
 }
 
-/* The kernel of a shaded picture, with all arguments set. */
+/* The kernel of a shaded picture, with all arguments set but the first tile. */
 static svo_status prepare_shaded(const svo_i_picture_source *source, picture *drawn)
 {
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(source->colors), SVO_I_ARGUMENT(source->normals),
@@ -118,47 +117,35 @@ static svo_status prepare_shaded(const svo_i_picture_source *source, picture *dr
     const bool tiles = source->device->cpu_path;
     char defines[64];
     (void)snprintf(defines, sizeof defines, "%s%s", tiles ? " -DSVO_CAST_TILES" : "", color_defines(source));
-    SVO_I_TRY(make_kernel(source, SVO_I_PROGRAM_CAST, defines, "svo_k_cast", &drawn->kernel));
-    drawn->items_per_tile = tiles ? 1 : SVO_GROUP_ITEMS;
+    SVO_I_TRY(make_kernel(source, SVO_I_PROGRAM_CAST, defines, "svo_k_cast", &drawn->tiles.kernel));
+    drawn->tiles.items = tiles ? 1 : SVO_GROUP_ITEMS;
+    drawn->tiles.first_tile = source->node_arguments + 4;
     for (cl_uint i = 0; i < source->node_arguments; ++i) {
-        SVO_I_TRY(svo_i_kernel_set_from(source->device, source->function, drawn->kernel, i,
+        SVO_I_TRY(svo_i_kernel_set_from(source->device, source->function, drawn->tiles.kernel, i,
                                         &(svo_i_argument){sizeof(cl_mem), &source->nodes[i], true}, 1));
     }
-    return svo_i_kernel_set_from(source->device, source->function, drawn->kernel, source->node_arguments, arguments, 4);
-}
-
-static svo_status launch(const svo_i_picture_source *source, const picture *drawn, const svo_cast_params *params,
-                         const svo_i_pixels *to)
-{
-    const size_t tiles =
-        (size_t)((params->width + TILE_EDGE - 1) / TILE_EDGE) * ((params->height + TILE_EDGE - 1) / TILE_EDGE);
-    const size_t local = drawn->items_per_tile;
-    const size_t global = tiles * local;
-    const cl_int error =
-        clEnqueueNDRangeKernel(to->queue, drawn->kernel, 1, NULL, &global, &local, to->num_wait, to->wait, to->event);
-    return error == CL_SUCCESS
-               ? SVO_OK
-               : svo_i_device_fail_cl(source->device, source->function, "clEnqueueNDRangeKernel", error);
+    return svo_i_kernel_set_from(source->device, source->function, drawn->tiles.kernel, source->node_arguments,
+                                 arguments, 4);
 }
 
 static svo_status enqueue(const svo_i_picture_source *source, const svo_render_options *options, const svo_i_pixels *to)
 {
     svo_cast_params params = {.depth = 0};
-    picture drawn = {.pixels = to->buffer};
+    picture drawn = {.tiles = {.width = options->width, .height = options->height}, .pixels = to->buffer};
     svo_status status = SVO_OK;
     SVO_I_TRY(fill_params(source, options, &params));
     SVO_I_TRY_CLEANUP(
         svo_i_device_constants(source->device, source->function, "camera", &params, sizeof params, &drawn.params));
     SVO_I_TRY_CLEANUP(options->view == SVO_VIEW_SHADED ? prepare_shaded(source, &drawn)
                                                        : prepare_view(source, options, &drawn));
-    SVO_I_TRY_CLEANUP(launch(source, &drawn, &params, to));
+    SVO_I_TRY_CLEANUP(svo_i_pixels_draw(source->device, source->function, &drawn.tiles, to));
 
 cleanup:
     if (drawn.params != NULL) {
         clReleaseMemObject(drawn.params);
     }
-    if (drawn.kernel != NULL) {
-        clReleaseKernel(drawn.kernel);
+    if (drawn.tiles.kernel != NULL) {
+        clReleaseKernel(drawn.tiles.kernel);
     }
     return status;
 }

@@ -2,6 +2,8 @@
 /* Buffers that pictures are drawn to. */
 #include "rays/pixels.h"
 
+#define TILE_EDGE 8u
+
 svo_status svo_i_pixels_check(svo_device *device, const char *function, uint32_t width, uint32_t height,
                               const svo_i_pixels *given)
 {
@@ -11,6 +13,54 @@ svo_status svo_i_pixels_check(svo_device *device, const char *function, uint32_t
     SVO_I_TRY(svo_i_device_check_queue(device, function, given->queue));
     SVO_I_TRY(svo_i_device_check_wait(device, function, given->num_wait, given->wait));
     return svo_i_device_check_output(device, function, "pixels", given->buffer, (size_t)width * height * 4);
+}
+
+static cl_uint count_tiles(const svo_i_tiles *tiles)
+{
+    return ((tiles->width + TILE_EDGE - 1) / TILE_EDGE) * ((tiles->height + TILE_EDGE - 1) / TILE_EDGE);
+}
+
+/* Launches the band that begins with a tile. */
+static svo_status draw_band(svo_device *device, const char *function, const svo_i_tiles *tiles, cl_uint first,
+                            const svo_i_pixels *to)
+{
+    const cl_uint count = count_tiles(tiles);
+    const cl_uint band = count - first < device->band_tiles ? count - first : device->band_tiles;
+    const size_t global = band * tiles->items;
+    SVO_I_TRY(svo_i_kernel_set_from(device, function, tiles->kernel, tiles->first_tile, &SVO_I_ARGUMENT(first), 1));
+    const cl_int error = clEnqueueNDRangeKernel(to->queue, tiles->kernel, 1, NULL, &global, &tiles->items, to->num_wait,
+                                                to->wait, to->event);
+    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(device, function, "clEnqueueNDRangeKernel", error);
+}
+
+svo_status svo_i_pixels_draw(svo_device *device, const char *function, const svo_i_tiles *tiles, const svo_i_pixels *to)
+{
+    const cl_uint count = count_tiles(tiles);
+    cl_event previous = NULL;
+    svo_status status = SVO_OK;
+    for (cl_uint first = 0; first < count; first += device->band_tiles) {
+        const bool is_last = count - first <= device->band_tiles;
+        cl_event drawn = NULL;
+        svo_i_pixels band = *to;
+        band.event = is_last ? to->event : &drawn;
+        /* Each band waits for the previous one, since the queue may be out-of-order. */
+        if (previous != NULL) {
+            band.num_wait = 1;
+            band.wait = &previous;
+        }
+        SVO_I_TRY_CLEANUP(draw_band(device, function, tiles, first, &band));
+        if (previous != NULL) {
+            clReleaseEvent(previous);
+        }
+        previous = drawn;
+    }
+
+cleanup:
+    if (previous != NULL) {
+        (void)svo_i_event_settle(previous); /* nothing is in progress after a failure */
+        clReleaseEvent(previous);
+    }
+    return status;
 }
 
 svo_status svo_i_own_pixels_begin(svo_device *device, const char *function, uint32_t width, uint32_t height,

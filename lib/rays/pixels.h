@@ -5,6 +5,7 @@
 #define SVO_LIB_RAYS_PIXELS_H
 
 #include "core/device.h"
+#include "core/program.h"
 
 /* A buffer, and the commands that fill it. */
 typedef struct svo_i_pixels {
@@ -18,6 +19,18 @@ typedef struct svo_i_pixels {
 /* Refuses what a caller gave, unless a picture of this size can go there. */
 svo_status svo_i_pixels_check(svo_device *device, const char *function, uint32_t width, uint32_t height,
                               const svo_i_pixels *given);
+
+/* A kernel that draws tiles of 8 x 8 pixels, a group each. */
+typedef struct svo_i_tiles {
+    cl_kernel kernel;
+    cl_uint first_tile; /* the index of its last argument; all others are set */
+    size_t items; /* of a group */
+    cl_uint width, height; /* pixels */
+} svo_i_tiles;
+
+/* Enqueues all tiles, in launches of at most svo_device.band_tiles. */
+svo_status svo_i_pixels_draw(svo_device *device, const char *function, const svo_i_tiles *tiles,
+                             const svo_i_pixels *to);
 
 /* Pixels on their way to the host. Not to be moved: to.event points into it. */
 typedef struct svo_i_own_pixels {

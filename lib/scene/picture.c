@@ -8,8 +8,7 @@
 #include "scene/state.h"
 
 /* Rays along each side of a pixel. */
-#define SAMPLES   2u
-#define TILE_EDGE 8u
+#define SAMPLES 2u
 /* The range of the ambient occlusion, of an instance's mean width. */
 #define OCCLUSION_SHARE 0.25
 
@@ -140,20 +139,6 @@ static svo_status prepare(drawing *drawn, cl_mem pixels)
                                  SVO_I_ARGUMENTS(others));
 }
 
-static svo_status launch(const drawing *drawn, const svo_i_pixels *to)
-{
-    const svo_scene_picture *picture = &drawn->picture;
-    const size_t tiles =
-        (size_t)((picture->width + TILE_EDGE - 1) / TILE_EDGE) * ((picture->height + TILE_EDGE - 1) / TILE_EDGE);
-    const size_t local = SVO_GROUP_ITEMS;
-    const size_t global = tiles * local;
-    const cl_int error =
-        clEnqueueNDRangeKernel(to->queue, drawn->kernel, 1, NULL, &global, &local, to->num_wait, to->wait, to->event);
-    return error == CL_SUCCESS
-               ? SVO_OK
-               : svo_i_device_fail_cl(drawn->scene->device, drawn->function, "clEnqueueNDRangeKernel", error);
-}
-
 static void release(drawing *drawn)
 {
     if (drawn->picture_buffer != NULL) {
@@ -171,7 +156,12 @@ static svo_status enqueue(drawing *drawn, const svo_i_pixels *to)
 {
     svo_status status = SVO_OK;
     SVO_I_TRY_CLEANUP(prepare(drawn, to->buffer));
-    SVO_I_TRY_CLEANUP(launch(drawn, to));
+    const svo_i_tiles tiles = {.kernel = drawn->kernel,
+                               .first_tile = svo_i_scene_arguments(drawn->scene) + 5,
+                               .items = SVO_GROUP_ITEMS,
+                               .width = drawn->picture.width,
+                               .height = drawn->picture.height};
+    SVO_I_TRY_CLEANUP(svo_i_pixels_draw(drawn->scene->device, drawn->function, &tiles, to));
 
 cleanup:
     release(drawn);
