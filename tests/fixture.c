@@ -5,6 +5,7 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -18,10 +19,25 @@ void fixture_skip(fixture *opened, const char *reason)
     skip();
 }
 
+/* Tests of stages with two paths run a second time for the other one. */
+static svo_path path_of(const fixture_options *options)
+{
+    const char *name = getenv("SVOCL_TEST_PATH");
+    if (options->path != SVO_PATH_AUTO || name == NULL) {
+        return options->path;
+    }
+    const bool for_gpu = strcmp(name, svo_path_name(SVO_PATH_GPU)) == 0;
+    if (!for_gpu && strcmp(name, svo_path_name(SVO_PATH_CPU)) != 0) {
+        fail_msg("SVOCL_TEST_PATH is '%s', neither cpu nor gpu", name);
+    }
+    return for_gpu ? SVO_PATH_GPU : SVO_PATH_CPU;
+}
+
 static void open_device(const fixture_options *options, fixture *out)
 {
     svo_message message = {""};
-    const svo_status status = svo_device_create_default(NULL, &out->device, &message);
+    const svo_device_options device_options = {.struct_size = sizeof device_options, .path = path_of(options)};
+    const svo_status status = svo_device_create_default(&device_options, &out->device, &message);
     if (status == SVO_NO_DEVICE) {
         fixture_skip(out, message.text);
     }

@@ -16,6 +16,7 @@ typedef struct fixture_options {
     svo_gl_share share;
     uint32_t no_int64; /* as in svo_gl_options */
     cl_command_queue_properties queue_properties;
+    svo_path path; /* SVO_PATH_AUTO: by the environment variable SVOCL_TEST_PATH, "cpu" or "gpu", else by the device */
 } fixture_options;
 
 typedef struct fixture {

@@ -24,12 +24,14 @@
 #define WIDTH     (1 << SNAP_BITS)
 
 static svo_device *device;
+static svo_path path;
 
 static int open_device(void **state)
 {
     svo_message message;
+    const svo_device_options options = {.struct_size = sizeof options, .path = path};
     (void)state;
-    return svo_device_create_default(NULL, &device, &message) == SVO_OK ? 0 : -1;
+    return svo_device_create_default(&options, &device, &message) == SVO_OK ? 0 : -1;
 }
 
 static int close_device(void **state)
@@ -605,6 +607,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(bytes_are_the_same_on_every_device),
         cmocka_unit_test(a_refit_follows_the_vertices),
     };
+    path = argc > 1 && strcmp(argv[1], "gpu") == 0 ? SVO_PATH_GPU : SVO_PATH_AUTO;
     if (argc > 1 && strcmp(argv[1], "small") == 0) {
         return cmocka_run_group_tests_name("bvh", small, open_device, close_device);
     }

@@ -26,6 +26,7 @@
 #define HEIGHT         64u
 
 static svo_device *device;
+static svo_path path;
 static cl_command_queue queue;
 
 /* ---- trees by hand ---- */
@@ -586,7 +587,8 @@ static int open_device(void **unused)
 {
     (void)unused;
     svo_message message = {""};
-    if (svo_device_create_default(NULL, &device, &message) != SVO_OK) {
+    const svo_device_options options = {.struct_size = sizeof options, .path = path};
+    if (svo_device_create_default(&options, &device, &message) != SVO_OK) {
         print_error("no OpenCL device: %s\n", message.text);
         return -1;
     }
@@ -611,11 +613,8 @@ static int close_device(void **unused)
 /* As on GPUs: pixel by pixel, not by packets of rays. */
 static int open_device_for_pixels(void **state)
 {
-    const int failed = open_device(state);
-    if (failed == 0) {
-        device->cpu_path = false;
-    }
-    return failed;
+    path = SVO_PATH_GPU;
+    return open_device(state);
 }
 
 int main(void)

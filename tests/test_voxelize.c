@@ -236,19 +236,24 @@ static void small_plans_need_no_opengl(void **state)
     }
 }
 
-/* The tests that follow run the kernels for other devices, which are right on CPUs too. */
-static void without_the_kernels_for_cpus(void **state)
+static int setup_for_gpus(void **state)
 {
-    const fixture opened = fixture_cl_of_group(state);
-    opened.device->cpu_path = false;
+    const int failed = fixture_group_setup(state);
+    if (failed == 0) {
+        fixture_open_cl(&(fixture_options){.queue_properties = CL_QUEUE_PROFILING_ENABLE, .path = SVO_PATH_GPU},
+                        *state);
+    }
+    return failed;
 }
 
 int main(void)
 {
-    const struct CMUnitTest other[] = {
-        cmocka_unit_test(without_the_kernels_for_cpus),     cmocka_unit_test(random_meshes_are_exact),
-        cmocka_unit_test(t9_every_depth_is_exact),          cmocka_unit_test(t7_large_triangles_are_cut_into_tiles),
-        cmocka_unit_test(t10_lists_grow_to_the_exact_need), cmocka_unit_test(steep_segments_beyond_the_grid_are_exact),
+    const struct CMUnitTest on_gpus[] = {
+        cmocka_unit_test(random_meshes_are_exact),
+        cmocka_unit_test(t9_every_depth_is_exact),
+        cmocka_unit_test(t7_large_triangles_are_cut_into_tiles),
+        cmocka_unit_test(t10_lists_grow_to_the_exact_need),
+        cmocka_unit_test(steep_segments_beyond_the_grid_are_exact),
     };
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(random_meshes_are_exact),
@@ -262,5 +267,5 @@ int main(void)
         cmocka_unit_test(small_plans_need_no_opengl),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown) +
-           cmocka_run_group_tests_name("other devices", other, fixture_group_setup, fixture_group_teardown);
+           cmocka_run_group_tests_name("the path of GPUs", on_gpus, setup_for_gpus, fixture_group_teardown);
 }

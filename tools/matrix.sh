@@ -40,7 +40,10 @@ readonly matrix_cases=(
     "scene:atrium -d 8 --need color,rays,fill,projected-area --light bricks"
     "scene:atrium -d 7 --need rays --probes 3,3,3 --probe-resolution 128"
 )
-readonly matrix_methods=("cl cl" "cl sorted" "gl-expand cl" "gl-expand gl-compute") # front end and builder
+# Front end, builder and whose kernels run: the device's, or another's.
+readonly matrix_methods=("cl cl cpu" "cl cl gpu" "cl sorted cpu" "cl sorted gpu" "gl-expand cl cpu" "gl-expand cl gpu"
+    "gl-expand gl-compute cpu")
+readonly matrix_hits=("cl hits cpu" "cl hits gpu")
 # Arguments of `svocl trace`; matrix_rays is on its standard input.
 readonly matrix_small_traces=("scene:cornell:60 -d 4 --camera auto --size 24x16")
 readonly matrix_traces=(
@@ -167,28 +170,29 @@ matrix_takes_part()
     [[ $column != oclgrind ]] || [[ $is_small == yes && $frontend == cl ]]
 }
 
-# One line of the table: a method to build, or to trace with the builder "hits". All hashes of a case must equal the
-# first; differences go to matrix_wrong.
+# One line of the table: a method to build, or to trace with the builder "hits", by the kernels of a path. All hashes of
+# a case must equal the first; differences go to matrix_wrong.
 matrix_wrong=()
 matrix_expected=
 matrix_row()
 {
-    local folder=$1 is_small=$2 case=$3 frontend=$4 builder=$5 column hash cell
-    printf '  %-22s' "$frontend, $builder"
+    local folder=$1 is_small=$2 case=$3 frontend=$4 builder=$5 path=$6 column hash cell
+    printf '  %-26s' "$frontend, $builder, $path"
     for column in "${matrix_columns[@]}"; do
         cell=-
         if matrix_takes_part "$column" "$frontend" "$is_small"; then
             # shellcheck disable=SC2086 # one word per argument
             if [[ $builder == hits ]]; then
-                hash=$(matrix_hits "$column" "$folder" $case --frontend "$frontend")
+                hash=$(matrix_hits "$column" "$folder" $case --frontend "$frontend" --path "$path")
             else
-                hash=$(matrix_hash "$column" "$folder" $case --frontend "$frontend" --builder "$builder")
+                hash=$(matrix_hash "$column" "$folder" $case --frontend "$frontend" --builder "$builder" \
+                    --path "$path")
             fi
             matrix_expected=${matrix_expected:-$hash}
             cell=same
             if [[ $hash != "$matrix_expected" || ! $hash =~ ^[0-9a-f]{32}$ ]]; then
                 cell=DIFFERS
-                matrix_wrong+=("$case, $frontend, $builder, $column: $hash")
+                matrix_wrong+=("$case, $frontend, $builder, $path, $column: $hash")
             fi
         fi
         printf ' %9s' "$cell"
@@ -204,7 +208,7 @@ matrix_case()
     matrix_expected=
     printf '%s\n' "$case"
     for method in "$@"; do
-        # shellcheck disable=SC2086 # two words
+        # shellcheck disable=SC2086 # three words
         matrix_row "$folder" "$is_small" "$case" $method
     done
     printf '  %s\n' "$matrix_expected"
@@ -232,7 +236,7 @@ matrix()
     matrix_make_root "$folder" "$mirror"
     matrix_build "$folder"
     matrix_versions "$folder"
-    printf '%-24s' ''
+    printf '%-28s' ''
     printf ' %9s' "${matrix_columns[@]}"
     printf '\n'
     for case in "${matrix_small_cases[@]}"; do
@@ -242,10 +246,10 @@ matrix()
         matrix_case "$folder" no "$case" "${matrix_methods[@]}"
     done
     for case in "${matrix_small_traces[@]}"; do
-        matrix_case "$folder" yes "$case" "cl hits"
+        matrix_case "$folder" yes "$case" "${matrix_hits[@]}"
     done
     for case in "${matrix_traces[@]}"; do
-        matrix_case "$folder" no "$case" "cl hits"
+        matrix_case "$folder" no "$case" "${matrix_hits[@]}"
     done
     if ((${#matrix_wrong[@]} > 0)); then
         printf 'matrix: these differ:\n'

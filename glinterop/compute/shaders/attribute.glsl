@@ -83,6 +83,12 @@ uint svo_significant_bits(uint64_t number)
     return high != 0u ? uint(findMSB(high)) + 33u : uint(findMSB(low) + 1);
 }
 
+/* GLSL 4.30 has no max of 64-bit integers. */
+int64_t svo_not_negative(int64_t number)
+{
+    return number > int64_t(0) ? number : int64_t(0);
+}
+
 /* The weights of the corners at a point of the triangle, in sub-units; a third each for a triangle without area. The
    point has a precision of 2^-12 unit, or of one unit when the triangle reaches further than 2^24 units, so that areas
    stay below 2^62. */
@@ -105,9 +111,9 @@ ivec3 svo_corner_weights(int corners[9], int64_t u, int64_t v, uint voxel_log2)
         return svo_equal_weights();
     }
     int64_t side = area < int64_t(0) ? int64_t(-1) : int64_t(1);
-    part_x = max(part_x * side, int64_t(0));
-    part_y = max(part_y * side, int64_t(0));
-    part_z = max(part_z * side, int64_t(0));
+    part_x = svo_not_negative(part_x * side);
+    part_y = svo_not_negative(part_y * side);
+    part_z = svo_not_negative(part_z * side);
     uint64_t total = uint64_t(part_x + part_y + part_z);
     /* Sixteen significant bits suffice and allow a 32-bit division. */
     uint significant = svo_significant_bits(total);

@@ -183,7 +183,8 @@ uint svo_fill_of(uint64_t weight, uint shift)
     if (shift > 62u) {
         return 0u;
     }
-    return uint(min(((weight >> (shift - 1u)) + uint64_t(1)) >> 1, uint64_t(65535)));
+    uint64_t fill = ((weight >> (shift - 1u)) + uint64_t(1)) >> 1;
+    return fill < uint64_t(65535) ? uint(fill) : 65535u;
 }
 
 #endif

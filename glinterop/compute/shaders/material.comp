@@ -100,7 +100,7 @@ uint svo_heaviest(uint begin, uint end)
     for (uint i = begin; i < end; ++i) {
         uint64_t weight = svo_entry_weight(entries[i]);
         material = weight > most ? svo_entry_material(entries[i]) : material;
-        most = max(most, weight);
+        most = weight > most ? weight : most;
     }
     return material;
 }
@@ -140,7 +140,7 @@ void svo_merge_pair(bool forth, uint begin, uint middle, uint end)
     for (;;) {
         uint64_t first = a < middle ? svo_from(forth, a) : SVO_NO_ENTRY;
         uint64_t second = b < end ? svo_from(forth, b) : SVO_NO_ENTRY;
-        uint64_t least = min(first, second);
+        uint64_t least = first < second ? first : second;
         if (open != SVO_NO_ENTRY && svo_entry_material(open) != svo_entry_material(least)) {
             svo_put(forth, written, open);
             ++written;
@@ -288,7 +288,7 @@ void main()
         for (uint i = 0u; i < children; ++i) {
             uint64_t entry = next[i] < last[i] ? spare[next[i]] : SVO_NO_ENTRY;
             chosen = entry < least ? i : chosen;
-            least = min(least, entry);
+            least = entry < least ? entry : least;
         }
         if (open != SVO_NO_ENTRY && svo_entry_material(open) != svo_entry_material(least)) {
             entries[end] = open;

@@ -1,0 +1,216 @@
+# shellcheck shell=bash
+# SPDX-License-Identifier: MIT
+#
+# `tools/dev check`: each kernel file alone, under each set of defines, compiles without a warning; and for GPUs of
+# NVIDIA and AMD its kernels keep within the private memory (the stack) that tools/kernel_stacks.txt allows them.
+# `tools/dev stacks [NAME...]` prints what they take. tools/dev sources this file, which uses its functions and
+# settings.
+# shellcheck disable=SC2154
+
+readonly stack_limits=tools/kernel_stacks.txt
+readonly stack_targets="nvptx64 amdgcn" libclc=/usr/lib/clc
+# What selects the kernels of CPUs.
+readonly cpu_defines='PAIR_LANES COLUMN_LANES MARK_BATCHES CAST_TILES RAY_STREAMS'
+
+# Lines of a kernel file, a tab and the names of defines without their SVO_: all that are checked, also those that
+# change nothing in the file. No kernel uses all of its helpers.
+all_variants()
+{
+    local lists='RANGES LISTS' names form picture='PICTURE_TRIANGLES COLOR NORMAL FINISHES'
+    for names in "$lists COMPARE COLOR NORMAL FILL MATERIAL WEIGHTS_AREA" \
+        "$lists CODE48 COLOR VERTEX_COLOR TEXTURE NORMAL VERTEX_NORMAL WEIGHTS_CENTER SCENE_TRIANGLES AREAS" \
+        'COLOR NORMAL WEIGHTS_AREA AREAS' 'SORT NO_TEST CAST_TILES RAY_STREAMS COLOR NORMAL' \
+        'COLOR VERTEX_COLOR TEXTURE NORMAL VERTEX_NORMAL WEIGHTS_AREA AREAS PAIR_LANES' \
+        'COLOR NORMAL CODE48 WEIGHTS_CENTER PAIR_LANES' 'NARROW COLUMN_LANES MARK_BATCHES COUNT_HITS' \
+        'NARROW COLUMN_LANES CODE48' 'NARROW THIN' 'WIDE CODE48' 'WIDE CODE48 THIN'; do
+        # Kernels that read light need a form.
+        find kernels -name '*.cl' -printf "%p\t$names LIGHT_FACES\n"
+    done
+    # What compact trees are read by.
+    for form in READ_{DESCRIPTOR,IMPLIED,SHARED}{,' HAS_BASES'}; do
+        printf "%s\tCOLOR NORMAL $form\n" kernels/rays/{render,trace_voxels,view}.cl \
+            kernels/scene/{bounds,render,trace}.cl kernels/compact/expand.cl
+    done
+    # What light is stored in.
+    for form in LIGHT_{FACES,BRICKS,VOXELS}{,' LIGHT_AREA',' LIGHT_LOBES'," $picture"}; do
+        find kernels/light -name '*.cl' -printf "%p\t$form\n"
+    done
+}
+
+# Lines of a kernel file and the words in it and in what it includes.
+kernel_words()
+{
+    find kernels -name '*.cl' -print0 | xargs -0 clang -x cl -target spir64 -Iinclude -Ikernels -MM -w |
+        sed -e ':more; /\\$/ { N; s/\\\n//; b more }' | while read -r _ file files; do
+        # shellcheck disable=SC2086 # one word per file
+        printf '%s %s\n' "$file" "$(grep -ohE '\<SVO_[A-Z0-9_]+' "$file" $files | sort -u | tr '\n' ' ')"
+    done
+}
+
+# Lines of all_variants with the defines that the file asks for, each once.
+kernel_variants()
+{
+    awk 'NR == FNR { for (i = 2; i <= NF; ++i) known[$1, $i]; next }
+        {
+            defines = ""
+            for (i = 2; i <= NF; ++i) if (($1, "SVO_" $i) in known) defines = defines " " $i
+            print $1 "\t" substr(defines, 2)
+        }' <(kernel_words) <(all_variants) | sort -u
+}
+
+# A line of kernel_variants as a device without svocl around it would see it, after the precompiled built-in functions.
+check_variant()
+{
+    local file=${1%%$'\t'*} name defines=()
+    for name in ${1#*$'\t'}; do
+        defines+=("-DSVO_$name")
+    done
+    # shellcheck disable=SC2086 # one word per option
+    clang $builtin_options -include-pch "$builtins" -fsyntax-only -Wall -Wextra -Wno-unused-function -Werror -Iinclude \
+        -Ikernels "${defines[@]}" "$file"
+}
+
+# tools/scalar_bounds.clh refuses what oclgrind 21 gets wrong. And no local array of a kernel's own: PoCL 3.1 puts some of them into static storage that its threads share, with
+# wrong results now and then. Local memory comes as an argument.
+check_kernels()
+{
+    if sources cl clh | xargs -0 grep -n -E '__local [^()*=]*\[.*\] *[;=]'; then
+        printf 'local arrays declared in kernels; make them arguments\n'
+        return 1
+    fi
+    local builtins=$build_clang/builtins.pch
+    local builtin_options='-x cl -cl-std=CL1.2 -target spir64 -cl-no-stdinc -Xclang -finclude-default-header'
+    mkdir -p "$build_clang"
+    # shellcheck disable=SC2086
+    clang $builtin_options -fsyntax-only -Xclang -emit-pch -Xclang -o -Xclang "$builtins" tools/scalar_bounds.clh ||
+        return 1
+    export -f check_variant
+    export builtins builtin_options
+    # shellcheck disable=SC2016 # expanded by the inner shell
+    kernel_variants | tr '\n' '\0' | xargs -0 -n 1 -P "$jobs" bash -c 'check_variant "$1" || exit 255' check
+}
+
+# --- private memory --------------------------------------------------------------------------------------------------
+
+# Lines of kernel_variants for GPUs, without what selects the kernels of CPUs.
+gpu_variants()
+{
+    kernel_variants | sed -E "s/ (${cpu_defines// /|})\>//g; s/\t(${cpu_defines// /|}) */\t/" | sort -u
+}
+
+# Options of clang for a target: NVIDIA's GPUs from Volta on, and AMD's gfx906 by a driver for which scratch is printed.
+stack_options()
+{
+    case $1 in
+    nvptx64)
+        printf '%s\n' -target nvptx64--nvidiacl -Xclang -target-cpu -Xclang sm_70 -Xclang -target-feature \
+            -Xclang +ptx60 -Xclang -mlink-builtin-bitcode -Xclang "$libclc/nvptx64--nvidiacl.bc"
+        ;;
+    amdgcn)
+        printf '%s\n' -target amdgcn-mesa-mesa3d -mcpu=gfx906 -Xclang -mlink-builtin-bitcode \
+            -Xclang "$libclc/gfx906-amdgcn-mesa-mesa3d.bc"
+        ;;
+    esac
+}
+
+# Lines of each kernel of an assembly file and the bytes of private memory of a work-item. AMD's files tell what a
+# kernel takes with all that it calls; NVIDIA's tell the frame and the calls of each function, and none calls itself.
+read_stacks()
+{
+    case $1 in
+    nvptx64)
+        awk 'function total(name,    most, i, bytes) {
+                most = 0
+                for (i = 0; i < calls[name]; ++i) {
+                    bytes = total(called[name, i])
+                    if (bytes > most) most = bytes
+                }
+                return frame[name] + most
+            }
+            /\.(entry|func)/ { is_kernel = /\.entry/; name = ""; sub(/.*\.(entry|func) */, "") }
+            name == "" && match($0, /[A-Za-z_$][A-Za-z0-9_$]*\($/) {
+                name = substr($0, RSTART, RLENGTH - 1)
+                if (is_kernel) kernels[name]
+            }
+            /__local_depot[0-9]+\[/ { sub(/.*\[/, ""); frame[name] = int($0) }
+            /^\tcall/ { in_call = 1 }
+            in_call && /^\t[A-Za-z_$][A-Za-z0-9_$]*, *$/ {
+                called[name, calls[name]++] = substr($1, 1, length($1) - 1)
+                in_call = 0
+            }
+            END { for (kernel in kernels) print kernel, total(kernel) }'
+        ;;
+    amdgcn) awk '/-- Begin function/ { name = $NF } /^; ScratchSize: / && name ~ /^svo_k_/ { print name, $NF }' ;;
+    esac
+}
+
+# measure_variant FOLDER "FILE<tab>DEFINES" compiles a file for each target, where FOLDER does not have the result yet,
+# and prints the names of the results. They are named by hashes of the preprocessed text and the options, since many
+# defines change nothing in a file.
+measure_variant()
+{
+    local folder=$1 file=${2%%$'\t'*} name target text hash options result
+    local compile=(clang -x cl -cl-std=CL1.2 -Werror -Iinclude -Ikernels)
+    for name in ${2#*$'\t'}; do
+        compile+=("-DSVO_$name")
+    done
+    text=$("${compile[@]}" -target nvptx64--nvidiacl -E -P -o - "$file") || return 1
+    for target in $stack_targets; do
+        mapfile -t options < <(stack_options "$target")
+        hash=$(printf '%s' "$clang_version ${options[*]} $text" | sha256sum)
+        result=$folder/${hash%% *}
+        if [[ ! -e $result ]]; then
+            "${compile[@]}" "${options[@]}" -O2 -S -o "$result.$$.s" "$file" &&
+                read_stacks "$target" <"$result.$$.s" | sed "s,^,$target ${file#kernels/} ," >"$result.$$" &&
+                rm "$result.$$.s" && mv "$result.$$" "$result" || return 1
+        fi
+        printf '%s\n' "$result"
+    done
+}
+
+# Lines of a kernel's file, its name and, for each target, the most bytes of private memory that it takes under any
+# defines. Arguments: parts of names of files; none means all.
+kernel_stacks()
+{
+    local folder=$root/$build/stacks clang_version
+    clang_version=$(clang --version | head -n 1)
+    mkdir -p "$folder"
+    export -f measure_variant stack_options read_stacks
+    export clang_version stack_targets libclc
+    # shellcheck disable=SC2016 # expanded by the inner shell
+    gpu_variants | grep -F "$(printf '%s\n' "${@:-.cl}")" | tr '\n' '\0' |
+        xargs -0 -n 1 -P "$jobs" bash -o pipefail -c 'measure_variant "$1" "$2" || exit 255' measure "$folder" |
+        sort -u | xargs cat | awk '
+            { kernel = $2 " " $3; kernels[kernel]; if ($4 > most[kernel, $1]) most[kernel, $1] = $4 }
+            END { for (kernel in kernels) print kernel, most[kernel, "nvptx64"] + 0, most[kernel, "amdgcn"] + 0 }' |
+        sort
+}
+
+stacks()
+{
+    setup
+    kernel_stacks "$@" | awk '{ printf "%-22s %-32s %7d %7d\n", $1, $2, $3, $4 }'
+}
+
+# Lines of kernel_stacks against the table of limits.
+check_stacks()
+{
+    kernel_stacks | awk -v limits="$stack_limits" '
+        function wrong(words) { print limits ": " words; failed = 1 }
+        NR == FNR {
+            if ($0 ~ /^#|^$/) next
+            if ($1 != "*" && NF < 5) wrong($2 " gives no reason")
+            kernel = $1 " " $2; nvptx64[kernel] = $3; amdgcn[kernel] = $4
+            next
+        }
+        {
+            kernel = $1 " " $2; line = kernel in nvptx64 ? kernel : "* *"; seen[kernel]
+            if ($3 > nvptx64[line]) wrong(kernel " takes " $3 " bytes on nvptx64, above " nvptx64[line])
+            if ($4 > amdgcn[line]) wrong(kernel " takes " $4 " bytes on amdgcn, above " amdgcn[line])
+            if (line == kernel && $3 <= nvptx64["* *"] && $4 <= amdgcn["* *"]) wrong(kernel " needs no line")
+        }
+        END {
+            for (kernel in nvptx64) if (kernel != "* *" && !(kernel in seen)) wrong("there is no kernel " kernel)
+            exit failed
+        }' "$stack_limits" -
+}
