@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Part files to a .svo file. The file's arrays are written one after the other, each level by level from the parts in
- * Morton order. Children follow from masks: in the order of all nodes, first_child is one more than the number of
- * children before. The head of the file has lengths and checksums, so it is written last.
+ * Part files to a .svo file. Its chunks are levels of arrays, and each is made of the parts in Morton order. The head of
+ * the file has lengths and checksums, so it is written last.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <errno.h>
@@ -14,8 +13,10 @@
 
 #include "core/memory.h"
 #include "io/file_save.h"
+#include "io/file_tree.h"
 #include "output/output.h"
 #include "parts/pieces.h"
+#include "shared/nodes.clh"
 #include "svocl/parts.h"
 
 /* Numbers that are made at a time. */
@@ -32,7 +33,7 @@ typedef struct stitcher {
     file_chunk *chunk; /* that is being written */
     XXH3_state_t hash; /* of its bytes */
     svo_tree_buffer array;
-    uint64_t next; /* the next node's first child, or the lists' entries so far */
+    uint64_t next; /* the children of a level, or the lists' entries, so far */
 } stitcher;
 
 static svo_status fail_errno(const stitcher *s, int error)
@@ -40,40 +41,18 @@ static svo_status fail_errno(const stitcher *s, int error)
     return svo_i_fail(s->message, SVO_FILE_ERROR, "%s: cannot be written: %s", s->path, strerror(error));
 }
 
-/* A visitor: appends bytes to the chunk. */
+/* A visitor: appends bytes to the chunk. Of child masks it counts the children. */
 static svo_status put(void *user, const void *bytes, size_t byte_count)
 {
     stitcher *s = user;
+    const uint8_t *masks = bytes;
+    for (size_t i = 0; i < byte_count && s->array == SVO_TREE_CHILD_MASK; ++i) {
+        s->next += svo_count_bits(masks[i]);
+    }
     const int error = svo_i_output_write(&s->output, bytes, byte_count);
     XXH3_64bits_update(&s->hash, bytes, byte_count);
     s->chunk->plain_bytes += byte_count;
     return error == 0 ? SVO_OK : fail_errno(s, error);
-}
-
-static uint32_t count_bits(uint8_t mask)
-{
-    uint32_t count = 0;
-    for (; mask != 0; mask &= (uint8_t)(mask - 1)) {
-        ++count;
-    }
-    return count;
-}
-
-/* A visitor: the first children of nodes with these masks. */
-static svo_status put_first_children(void *user, const void *bytes, size_t byte_count)
-{
-    stitcher *s = user;
-    const uint8_t *masks = bytes;
-    uint32_t numbers[NUMBERS];
-    for (size_t at = 0; at < byte_count; at += NUMBERS) {
-        const size_t count = byte_count - at < NUMBERS ? byte_count - at : NUMBERS;
-        for (size_t i = 0; i < count; ++i) {
-            numbers[i] = (uint32_t)s->next;
-            s->next += count_bits(masks[at + i]);
-        }
-        SVO_I_TRY(put(s, numbers, count * sizeof *numbers));
-    }
-    return SVO_OK;
 }
 
 /* A visitor: where lists begin, counted from the part's first entry. */
@@ -101,8 +80,6 @@ static svo_status put_upper(stitcher *s, const svo_i_upper_node *upper)
     switch (s->array) {
     case SVO_TREE_CHILD_MASK:
         return put(s, &upper->mask, 1);
-    case SVO_TREE_FIRST_CHILD:
-        return put_first_children(s, &upper->mask, 1);
     case SVO_TREE_COLORS:
         return put(s, upper->payload.color, sizeof upper->payload.color);
     case SVO_TREE_NORMALS:
@@ -127,8 +104,7 @@ static uint64_t segment_bytes(const svo_i_piece *piece, uint32_t kind, uint32_t 
 
 static svo_status put_piece(stitcher *s, uint32_t level, const svo_i_piece *piece)
 {
-    const bool children = s->array == SVO_TREE_FIRST_CHILD;
-    const uint32_t kind = children ? SVO_TREE_CHILD_MASK : (uint32_t)s->array;
+    const uint32_t kind = (uint32_t)s->array;
     const uint32_t own_level = level - piece->level;
     svo_i_part_reader reader = {.file = -1};
     svo_status status = SVO_OK;
@@ -138,11 +114,7 @@ static svo_status put_piece(stitcher *s, uint32_t level, const svo_i_piece *piec
         status = svo_i_part_damaged(&reader, "an array is missing or has another length");
         goto cleanup;
     }
-    SVO_I_TRY_CLEANUP(svo_i_part_stream(&reader, segment,
-                                        children                          ? put_first_children
-                                        : s->array == SVO_TREE_LIST_BEGIN ? put_list_begins
-                                                                          : put,
-                                        s));
+    SVO_I_TRY_CLEANUP(svo_i_part_stream(&reader, segment, s->array == SVO_TREE_LIST_BEGIN ? put_list_begins : put, s));
     s->next += s->array == SVO_TREE_LIST_BEGIN ? piece->list_count : 0;
 cleanup:
     svo_i_part_close(&reader);
@@ -154,28 +126,15 @@ static svo_status put_nodes(void *user, uint32_t level, const svo_i_upper_node *
     return upper != NULL ? put_upper(user, upper) : put_piece(user, level, piece);
 }
 
-/* Visits the levels first .. last. */
-static svo_status put_levels(stitcher *s, uint32_t first, uint32_t last)
+static svo_status put_level(stitcher *s, uint32_t level)
 {
-    for (uint32_t level = first; level <= last; ++level) {
-        SVO_I_TRY(svo_i_pieces_visit(&s->all, level, put_nodes, s));
-    }
-    return SVO_OK;
-}
-
-static svo_status put_first_child(stitcher *s)
-{
-    s->next = 1; /* node 0 is the root */
-    SVO_I_TRY(put_levels(s, 0, s->info.depth - 1));
-    return s->next == s->info.node_count
-               ? SVO_OK
-               : svo_i_fail(s->message, SVO_FILE_DAMAGED, "%s: the parts' masks do not add up to their nodes", s->path);
+    return svo_i_pieces_visit(&s->all, level, put_nodes, s);
 }
 
 static svo_status put_list_begin(stitcher *s)
 {
     s->next = 0;
-    SVO_I_TRY(put_levels(s, s->info.depth, s->info.depth));
+    SVO_I_TRY(put_level(s, s->info.depth));
     const uint32_t end = (uint32_t)s->next;
     return put(s, &end, sizeof end);
 }
@@ -208,25 +167,32 @@ cleanup:
     return status;
 }
 
-static svo_status put_array(stitcher *s)
+static svo_status put_masks(stitcher *s, uint32_t level)
 {
-    const uint32_t depth = s->info.depth;
+    const uint32_t *level_begin = s->info.level_begin;
+    s->next = 0;
+    SVO_I_TRY(put_level(s, level));
+    return s->next == level_begin[level + 2] - level_begin[level + 1]
+               ? SVO_OK
+               : svo_i_fail(s->message, SVO_FILE_DAMAGED, "%s: the parts' masks do not add up to their nodes", s->path);
+}
+
+/* The elements of an array that belong to a level. */
+static svo_status put_array(stitcher *s, uint32_t level)
+{
     switch (s->array) {
-    case SVO_TREE_CHILD_MASK:
-        return put_levels(s, 0, depth - 1);
-    case SVO_TREE_FIRST_CHILD:
-        return put_first_child(s);
     case SVO_TREE_COLORS:
     case SVO_TREE_NORMALS:
     case SVO_TREE_MATERIALS:
     case SVO_TREE_FILLS:
-        return svo_i_tree_is_constant(&s->info, s->array) ? put_constant(s)
-                                                          : put_levels(s, s->info.payload_level, depth);
-    case SVO_TREE_LIST_BEGIN:
-        return put_list_begin(s);
+        return svo_i_tree_is_constant(&s->info, s->array) ? put_constant(s) : put_level(s, level);
+    case SVO_TREE_CHILD_MASK:
+        return put_masks(s, level);
     case SVO_TREE_LIST:
     case SVO_TREE_AREAS:
-        return put_levels(s, depth, depth);
+        return put_level(s, level);
+    case SVO_TREE_LIST_BEGIN:
+        return put_list_begin(s);
     default:
         return put_mesh(s);
     }
@@ -234,25 +200,17 @@ static svo_status put_array(stitcher *s)
 
 /* ---- the file ---- */
 
-static svo_status put_chunk(stitcher *s, uint64_t offset)
+static svo_status put_chunk(stitcher *s, const file_entry *entry, uint64_t offset)
 {
+    s->array = entry->buffer;
     s->chunk = &s->head.chunks[s->head.header.chunk_count++];
-    *s->chunk = (file_chunk){.kind = (uint32_t)s->array, .codec = FILE_CODEC_STORED, .offset = offset};
+    *s->chunk = (file_chunk){.kind = file_entry_kind(entry), .codec = FILE_CODEC_STORED, .offset = offset};
     XXH3_INITSTATE(&s->hash);
     XXH3_64bits_reset(&s->hash);
-    SVO_I_TRY(put_array(s));
+    SVO_I_TRY(put_array(s, entry->level));
     s->chunk->stored_bytes = s->chunk->plain_bytes;
     s->chunk->hash = XXH3_64bits_digest(&s->hash);
     return SVO_OK;
-}
-
-static uint32_t count_chunks(const stitcher *s)
-{
-    uint32_t count = 0;
-    for (svo_tree_buffer array = 0; array < SVO_TREE_BUFFER_COUNT; ++array) {
-        count += svo_i_tree_holds(&s->info, array) ? 1u : 0u;
-    }
-    return count;
 }
 
 /* Writes the head in its place. */
@@ -272,18 +230,18 @@ static svo_status put_head(stitcher *s, uint64_t file_bytes)
 static svo_status put_file(stitcher *s)
 {
     file_header *header = &s->head.header;
+    file_entry entries[FILE_CHUNKS_MAX];
+    const uint32_t entry_count = file_list_entries(&s->info, FILE_VERSION, entries);
     svo_i_file_fill_header(header, &s->info);
-    header->header_bytes = (uint32_t)(sizeof *header + count_chunks(s) * sizeof(file_chunk));
+    header->header_bytes = (uint32_t)(sizeof *header + entry_count * sizeof(file_chunk));
     uint64_t offset = header->header_bytes;
     const int error = svo_i_output_write(&s->output, &s->head, header->header_bytes); /* holds the place */
     if (error != 0) {
         return fail_errno(s, error);
     }
-    for (s->array = 0; s->array < SVO_TREE_BUFFER_COUNT; ++s->array) {
-        if (svo_i_tree_holds(&s->info, s->array)) {
-            SVO_I_TRY(put_chunk(s, offset));
-            offset += s->chunk->stored_bytes;
-        }
+    for (uint32_t i = 0; i < entry_count; ++i) {
+        SVO_I_TRY(put_chunk(s, &entries[i], offset));
+        offset += s->chunk->stored_bytes;
     }
     return put_head(s, offset);
 }

@@ -41,7 +41,9 @@ enum option_group {
     OPTION_WEB_COMMAND = 8388608, /* max-bytes */
     OPTION_PROBES = 16777216, /* probes, and how rays choose them */
     OPTION_VIEW_COMMAND = 33554432, /* the window, script */
-    OPTION_PARTS_COMMAND = 67108864 /* an argument before INPUT, which part */
+    OPTION_DEVICES_COMMAND = 67108864, /* path, of all devices */
+    OPTION_LEVELS = 134217728, /* how much of a .svo file is read */
+    OPTION_PARTS_COMMAND = 268435456 /* an argument before INPUT, which part */
 };
 
 enum option_frontend {
@@ -83,6 +85,7 @@ typedef struct options {
 
     const char *device_name; /* NULL: the library's choice */
     uint64_t threads; /* 0: the drivers decide */
+    int path; /* svo_path */
     const char *kernels_path; /* folder of saved kernels; NULL: the user's */
 
     uint64_t depth;
@@ -107,6 +110,7 @@ typedef struct options {
     uint64_t repeat, compress;
     uint64_t plan, plan_only, count_first; /* build: flags */
     uint64_t payload_level; /* build */
+    uint64_t last_level; /* of a .svo file; 0: all */
     bool has_repeat;
     int form; /* verify: 0 not given, else 1 + svo_form, or OPTION_FORM_ALL */
     int solid; /* build, verify: 0 not given, else 1 + svo_solid_rule */

@@ -29,6 +29,7 @@ static svo_device_options device_options_of(program *state)
                                 .log = program_log,
                                 .log_user = state,
                                 .device_name = state->options.device_name,
+                                .path = (svo_path)state->options.path,
                                 .max_device_bytes = state->options.max_memory};
 }
 
@@ -110,7 +111,7 @@ static int join_opengl(program *state, session *opened)
 /* OpenGL was requested: if it does not work, that is an error. */
 static int use_opengl(program *state, session *opened, const char *reason)
 {
-    opened->gl = opengl_open(&state->options, &opened->reason);
+    opened->gl = opengl_open(&state->options, opened->device, &opened->reason);
     if (opened->gl == NULL) {
         return program_fail(state, PROGRAM_FAILED, "%s", opened->reason.text);
     }
@@ -130,7 +131,7 @@ static int use_opengl(program *state, session *opened, const char *reason)
 static int leave_open(program *state, session *opened)
 {
     if (opengl_may_share(opened->device)) {
-        opened->gl = opengl_open(&state->options, &opened->reason);
+        opened->gl = opengl_open(&state->options, opened->device, &opened->reason);
     }
     return opened->gl != NULL ? join_opengl(state, opened) : PROGRAM_DONE;
 }
@@ -139,7 +140,7 @@ static int leave_open(program *state, session *opened)
 static bool try_opengl(program *state, session *opened)
 {
     if (opened->gl == NULL) {
-        opened->gl = opengl_open(&state->options, &opened->reason);
+        opened->gl = opengl_open(&state->options, opened->device, &opened->reason);
     }
     return opened->gl != NULL && opengl_start(opened->gl, &state->options, opened->device, &opened->reason);
 }
@@ -181,7 +182,7 @@ int session_open_both(program *state, session *opened)
     if (result != PROGRAM_DONE) {
         return result;
     }
-    opened->gl = opengl_open(&state->options, &opened->reason);
+    opened->gl = opengl_open(&state->options, opened->device, &opened->reason);
     if (opened->gl != NULL) {
         result = join_opengl(state, opened);
     }
