@@ -296,6 +296,7 @@ DECLARE(int, ferror, (FILE * stream))
 }
 
 PLAIN(FAULT_FILE, int, fseek, (FILE * stream, long offset, int whence), (stream, offset, whence), -1, EIO)
+PLAIN(FAULT_FILE, int, rmdir, (const char *path), (path), -1, EIO)
 PLAIN(FAULT_FILE, int, fstat, (int file, struct stat *entry), (file, entry), -1, EIO)
 PLAIN(FAULT_FILE, int, stat, (const char *path, struct stat *entry), (path, entry), -1, EIO)
 PLAIN(FAULT_FILE, int, lstat, (const char *path, struct stat *entry), (path, entry), -1, EIO)

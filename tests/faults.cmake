@@ -5,7 +5,8 @@ set(SVOCL_FAULTS_CALLS
   fopen fread free fseek fstat fsync ftruncate fwrite kill link linkat lseek lstat malloc mkdir mmap munmap nanosleep
   open opendir pipe2 poll posix_memalign posix_spawn posix_spawn_file_actions_adddup2 posix_spawn_file_actions_addopen
   posix_spawn_file_actions_init posix_spawnattr_init posix_spawnattr_setflags posix_spawnattr_setsigdefault
-  posix_spawnattr_setsigmask pread pwrite read readdir readlink realloc realpath rename setrlimit stat strdup strndup
+  posix_spawnattr_setsigmask pread pwrite read readdir readlink realloc realpath rename rmdir setrlimit stat strdup
+  strndup
   unlink waitpid write clBuildProgram clCreateBuffer clCreateCommandQueue clCreateContext clCreateKernel
   clCreateProgramWithBinary clCreateProgramWithSource clCreateSubBuffer clCreateSubDevices clCreateUserEvent
   clEnqueueBarrierWithWaitList clEnqueueCopyBuffer clEnqueueFillBuffer clEnqueueMapBuffer clEnqueueMarkerWithWaitList

@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "faults_scenario.h"
+#include "svocl/parts.h"
 
 /*
  * Scenarios: files.
@@ -289,6 +290,37 @@ static svo_status run_voxels(subject *of)
     return status;
 }
 
+/* ---- parts ---- */
+
+/* Plans, builds and stitches the tree in parts, and removes their folder. */
+static svo_status run_parts(subject *of)
+{
+    char folder[128];
+    char path[128];
+    svo_parts *parts = NULL;
+    (void)snprintf(folder, sizeof folder, "%s/parts", world.folder);
+    (void)snprintf(path, sizeof path, "%s/parts.svo", world.folder);
+    SVO_I_TRY(svo_parts_create(world.device, &world.mesh.mesh, DEPTH, &everything, 0, folder, &of->message));
+    SVO_I_TRY(svo_parts_open(folder, &parts, &of->message));
+    svo_status status = SVO_OK;
+    for (size_t i = 0; i < svo_parts_count(parts) && status == SVO_OK; ++i) {
+        status = svo_parts_build(parts, i, world.device, world.cl, world.queue, &of->message);
+    }
+    if (status == SVO_OK) {
+        status = svo_parts_finish(parts, path, &of->message);
+    }
+    svo_parts_close(&parts);
+    return status == SVO_OK ? svo_parts_remove(folder, &of->message) : status;
+}
+
+static void digest_parts(subject *of)
+{
+    char path[128];
+    (void)snprintf(path, sizeof path, "%s/parts.svo", world.folder);
+    digest_file(of, path);
+    assert_int_equal(unlink(path), 0);
+}
+
 static const scenario rows[] = {
     {"save", false, false, prepare_host_tree, run_save, digest_saved, destroy_all},
     {"load", false, false, prepare_nothing, run_load, NULL, destroy_all},
@@ -301,6 +333,7 @@ static const scenario rows[] = {
     {"import_stl", false, true, prepare_stl, run_import, NULL, destroy_all},
     {"import_off", false, true, prepare_off, run_import, NULL, destroy_all},
     {"voxels", false, false, prepare_nothing, run_voxels, NULL, destroy_all},
+    {"parts", false, false, prepare_nothing, run_parts, digest_parts, destroy_all},
     {"save_kernels", false, false, prepare_nothing, run_save_kernels, NULL, destroy_all},
     {"load_kernels", false, false, prepare_nothing, run_load_kernels, NULL, destroy_all},
 };

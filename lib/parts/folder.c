@@ -45,14 +45,20 @@ typedef struct plan_texture {
 static_assert(sizeof(plan_head) == 56 + 8 + sizeof(svo_part_header), "no padding");
 static_assert(sizeof(svo_material) == 8 && sizeof(svo_i_part_entry) == 32, "no padding");
 
-char *svo_i_folder_path(const svo_parts *parts, const char *name)
+/* The path of a file; released by svo_i_free. NULL when out of memory. */
+static char *join(const char *folder, const char *name)
 {
-    const size_t bytes = strlen(parts->folder) + strlen(name) + 2;
+    const size_t bytes = strlen(folder) + strlen(name) + 2;
     char *path = svo_i_alloc(NULL, bytes);
     if (path != NULL) {
-        (void)snprintf(path, bytes, "%s/%s", parts->folder, name);
+        (void)snprintf(path, bytes, "%s/%s", folder, name);
     }
     return path;
+}
+
+char *svo_i_folder_path(const svo_parts *parts, const char *name)
+{
+    return join(parts->folder, name);
 }
 
 char *svo_i_part_path(const svo_parts *parts, uint32_t level, uint64_t code, const char *suffix)
@@ -62,10 +68,13 @@ char *svo_i_part_path(const svo_parts *parts, uint32_t level, uint64_t code, con
     return svo_i_folder_path(parts, name);
 }
 
-bool svo_i_file_exists(const char *path)
+svo_status svo_i_file_find(const char *path, bool *is_there, svo_message *message)
 {
     struct stat found;
-    return stat(path, &found) == 0 && S_ISREG(found.st_mode);
+    *is_there = stat(path, &found) == 0;
+    return *is_there || errno == ENOENT
+               ? SVO_OK
+               : svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be looked up: %s", path, strerror(errno));
 }
 
 svo_status svo_i_folder_no_memory(const svo_parts *parts, svo_message *message)
@@ -73,21 +82,35 @@ svo_status svo_i_folder_no_memory(const svo_parts *parts, svo_message *message)
     return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: out of memory", parts->folder);
 }
 
-/* Removes the files of a folder for which choose says so. Returns an errno. */
+/* Removes a file of a folder, unless another process has. Returns an errno. */
+static int remove_file(const char *folder, const char *name)
+{
+    char *path = join(folder, name);
+    const int error = path == NULL ? ENOMEM : unlink(path) == 0 || errno == ENOENT ? 0 : errno;
+    svo_i_free(path);
+    return error;
+}
+
+/* Removes the files of a folder for which choose says so. Returns the errno of the last that failed. */
 static int remove_files(const char *folder, bool (*choose)(const char *name))
 {
     DIR *opened = opendir(folder);
     if (opened == NULL) {
         return errno;
     }
-    int error = 0;
-    for (const struct dirent *entry = readdir(opened); entry != NULL; entry = readdir(opened)) {
-        if (choose(entry->d_name) && unlinkat(dirfd(opened), entry->d_name, 0) != 0 && errno != ENOENT) {
-            error = errno;
+    int last_error = 0;
+    const struct dirent *entry = NULL;
+    do {
+        errno = 0;
+        entry = readdir(opened);
+        int error = entry == NULL ? errno : 0;
+        if (entry != NULL && choose(entry->d_name)) {
+            error = remove_file(folder, entry->d_name);
         }
-    }
+        last_error = error != 0 ? error : last_error;
+    } while (entry != NULL);
     (void)closedir(opened);
-    return error;
+    return last_error;
 }
 
 static bool ends_in(const char *name, const char *suffix)
@@ -380,8 +403,10 @@ svo_status svo_parts_remove(const char *folder, svo_message *message)
     if (folder == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_parts_remove: folder is NULL");
     }
-    const int error = remove_files(folder, is_ours);
-    (void)rmdir(folder); /* where nothing else is in it */
+    int error = remove_files(folder, is_ours);
+    if (error == 0 && rmdir(folder) != 0 && errno != ENOTEMPTY && errno != EEXIST && errno != ENOENT) {
+        error = errno;
+    }
     return error == 0 ? SVO_OK
                       : svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be emptied: %s", folder, strerror(error));
 }

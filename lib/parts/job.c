@@ -91,37 +91,47 @@ svo_status svo_i_part_divide(const svo_parts *parts, uint32_t level, uint64_t co
 /* How a part's file stands. */
 typedef enum standing { PART_MISSING, PART_WHOLE, PART_SPLIT, PART_WRONG } standing;
 
-static svo_status find_standing(const svo_parts *parts, uint32_t level, uint64_t code, standing *found,
-                                svo_message *message)
+static svo_status find_file(const svo_parts *parts, uint32_t level, uint64_t code, const char *suffix, bool *is_there,
+                            svo_message *message)
 {
-    char *split = svo_i_part_path(parts, level, code, "split");
-    char *path = svo_i_part_path(parts, level, code, "part");
-    svo_part_info info = SVO_PART_INFO_INIT;
-    svo_status status = SVO_OK;
-    *found = PART_MISSING;
-    if (split == NULL || path == NULL) {
-        status = svo_i_folder_no_memory(parts, message);
-    } else if (svo_i_file_exists(path)) {
-        const bool whole =
-            svo_part_check(&parts->header, path, &info, message) == SVO_OK && info.level == level && info.code == code;
-        *found = whole ? PART_WHOLE : PART_WRONG;
-    } else if (svo_i_file_exists(split)) {
-        *found = PART_SPLIT;
-    }
-    svo_i_free(split);
+    char *path = svo_i_part_path(parts, level, code, suffix);
+    const svo_status status =
+        path != NULL ? svo_i_file_find(path, is_there, message) : svo_i_folder_no_memory(parts, message);
     svo_i_free(path);
     return status;
 }
 
-/* Whether triangles meet the part, as it has a file of them. */
-static svo_status has_triangles(const svo_parts *parts, uint32_t level, uint64_t code, bool *has, svo_message *message)
+/* Whether a part's file is whole; the message says why not. */
+static svo_status check_file(const svo_parts *parts, uint32_t level, uint64_t code, bool *is_whole,
+                             svo_message *message)
 {
-    char *path = svo_i_part_path(parts, level, code, "tri");
+    svo_part_info info = SVO_PART_INFO_INIT;
+    char *path = svo_i_part_path(parts, level, code, "part");
     if (path == NULL) {
         return svo_i_folder_no_memory(parts, message);
     }
-    *has = svo_i_file_exists(path);
+    const svo_status status = svo_part_check(&parts->header, path, &info, message);
+    *is_whole = status == SVO_OK && info.level == level && info.code == code;
+    if (status == SVO_OK && !*is_whole) {
+        (void)svo_i_fail(message, SVO_FILE_DAMAGED, "%s: the part of another place", path);
+    }
     svo_i_free(path);
+    return status == SVO_FILE_DAMAGED ? SVO_OK : status;
+}
+
+static svo_status find_standing(const svo_parts *parts, uint32_t level, uint64_t code, standing *found,
+                                svo_message *message)
+{
+    bool is_there = false;
+    bool is_whole = false;
+    SVO_I_TRY(find_file(parts, level, code, "part", &is_there, message));
+    if (is_there) {
+        SVO_I_TRY(check_file(parts, level, code, &is_whole, message));
+        *found = is_whole ? PART_WHOLE : PART_WRONG;
+        return SVO_OK;
+    }
+    SVO_I_TRY(find_file(parts, level, code, "split", &is_there, message));
+    *found = is_there ? PART_SPLIT : PART_MISSING;
     return SVO_OK;
 }
 
@@ -137,9 +147,9 @@ static svo_status visit_part(const svo_parts *parts, uint32_t level, uint64_t co
         return visit(user, level, code, found);
     }
     for (uint64_t octant = 0; octant < 8; ++octant) {
-        bool has = false;
-        SVO_I_TRY(has_triangles(parts, level + 1, code << 3 | octant, &has, message));
-        if (has) {
+        bool has_triangles = false;
+        SVO_I_TRY(find_file(parts, level + 1, code << 3 | octant, "tri", &has_triangles, message));
+        if (has_triangles) {
             SVO_I_TRY(visit_part(parts, level + 1, code << 3 | octant, visit, user, message));
         }
     }
