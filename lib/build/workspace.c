@@ -12,6 +12,7 @@
 #include "plan/chunking.h"
 #include "plan/estimate.h"
 #include "plan/progress.h"
+#include "plan/update.h"
 
 #define SVO_I_WORKSPACE "svo_workspace_create"
 
@@ -20,6 +21,10 @@ static svo_status check(svo_plan *plan, svo_frontend *frontend)
     if (frontend == NULL || frontend->device != plan->device) {
         return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, SVO_I_WORKSPACE ": frontend is %s",
                                  frontend == NULL ? "NULL" : "of another device than plan");
+    }
+    const char *wrong = svo_i_update_wrong(plan, frontend->on_device);
+    if (wrong != NULL) {
+        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, SVO_I_WORKSPACE ": %s", wrong);
     }
     if (frontend->make_tree != NULL) {
         return svo_i_device_fail(plan->device, SVO_UNSUPPORTED,

@@ -91,16 +91,22 @@ void svo_i_launcher_free(cl_mem *buffer)
     }
 }
 
-svo_status svo_i_launcher_zero(svo_i_launcher *launcher, cl_mem buffer, uint64_t bytes)
+svo_status svo_i_launcher_fill(svo_i_launcher *launcher, cl_mem buffer, const void *pattern, size_t pattern_bytes,
+                               uint64_t bytes)
 {
-    const cl_uchar zero = 0;
     cl_event event = NULL;
     if (bytes == 0) {
         return SVO_OK;
     }
-    const cl_int error = clEnqueueFillBuffer(launcher->queue, buffer, &zero, sizeof zero, 0, (size_t)bytes,
+    const cl_int error = clEnqueueFillBuffer(launcher->queue, buffer, pattern, pattern_bytes, 0, (size_t)bytes,
                                              wait_count(launcher), wait_list(launcher), &event);
     return follow(launcher, "clEnqueueFillBuffer", error, event);
+}
+
+svo_status svo_i_launcher_zero(svo_i_launcher *launcher, cl_mem buffer, uint64_t bytes)
+{
+    const cl_uchar zero = 0;
+    return svo_i_launcher_fill(launcher, buffer, &zero, sizeof zero, bytes);
 }
 
 svo_status svo_i_launcher_copy(svo_i_launcher *launcher, cl_mem from, cl_mem to, uint64_t bytes)
@@ -112,6 +118,14 @@ svo_status svo_i_launcher_copy(svo_i_launcher *launcher, cl_mem from, cl_mem to,
     const cl_int error = clEnqueueCopyBuffer(launcher->queue, from, to, 0, 0, (size_t)bytes, wait_count(launcher),
                                              wait_list(launcher), &event);
     return follow(launcher, "clEnqueueCopyBuffer", error, event);
+}
+
+svo_status svo_i_launcher_write(svo_i_launcher *launcher, cl_mem buffer, const void *data, uint64_t bytes)
+{
+    cl_event event = NULL;
+    const cl_int error = clEnqueueWriteBuffer(launcher->queue, buffer, CL_FALSE, 0, (size_t)bytes, data,
+                                              wait_count(launcher), wait_list(launcher), &event);
+    return follow(launcher, "clEnqueueWriteBuffer", error, event);
 }
 
 svo_status svo_i_launcher_read(svo_i_launcher *launcher, cl_mem buffer, uint64_t offset, void *to, uint64_t bytes)

@@ -29,8 +29,12 @@ svo_status svo_i_launcher_input(svo_i_launcher *launcher, const char *name, cons
                                 cl_mem *out);
 /* Releases a buffer; NULL allowed. */
 void svo_i_launcher_free(cl_mem *buffer);
+svo_status svo_i_launcher_fill(svo_i_launcher *launcher, cl_mem buffer, const void *pattern, size_t pattern_bytes,
+                               uint64_t bytes);
 svo_status svo_i_launcher_zero(svo_i_launcher *launcher, cl_mem buffer, uint64_t bytes);
 svo_status svo_i_launcher_copy(svo_i_launcher *launcher, cl_mem from, cl_mem to, uint64_t bytes);
+/* Does not wait: data must stay until the launch that follows it has ended. */
+svo_status svo_i_launcher_write(svo_i_launcher *launcher, cl_mem buffer, const void *data, uint64_t bytes);
 /* Waits for the result. */
 svo_status svo_i_launcher_read(svo_i_launcher *launcher, cl_mem buffer, uint64_t offset, void *to, uint64_t bytes);
 /* Launches enough work-groups for items work-items; nothing if items is 0. */

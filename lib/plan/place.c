@@ -9,6 +9,7 @@
 #include "plan/grid.h"
 #include "plan/host_copy.h"
 #include "plan/positions.h"
+#include "plan/update_create.h"
 
 const char *svo_place_name(svo_place place)
 {
@@ -72,7 +73,8 @@ static svo_status take_on_device(svo_plan *plan, const svo_i_plan_input *input)
                                  plan->progress.function, plan->device->name);
     }
     SVO_I_TRY(svo_i_device_queue(plan->device, plan->progress.function, input->queue, &launcher.queue));
-    const svo_status status = run_kernels(plan, &launcher, input, &mesh);
+    const svo_status status = plan->options.updatable != 0 ? svo_i_update_create(plan, &launcher, input, &mesh)
+                                                           : run_kernels(plan, &launcher, input, &mesh);
     svo_i_launcher_end(&launcher);
     svo_i_device_mesh_free(&mesh);
     return status;
@@ -93,7 +95,7 @@ static void start_over(svo_plan *plan, const svo_plan *before)
 svo_status svo_i_plan_take_mesh(svo_plan *plan, const svo_i_plan_input *input)
 {
     const svo_plan before = *plan;
-    if (plan->options.place == SVO_PLACE_DEVICE || input->buffers != NULL) {
+    if (plan->options.place == SVO_PLACE_DEVICE || plan->options.updatable != 0 || input->buffers != NULL) {
         return take_on_device(plan, input);
     }
     if (plan->options.place == SVO_PLACE_HOST ||

@@ -43,6 +43,10 @@ class PlanInfo(NamedTuple):
     grid_ms: float
     """Wall clock of validating, snapping and classifying, milliseconds; without compiling kernels."""
     place: Place
+    area: float
+    """Of the kept triangles' three projections, divided by the square root of 3."""
+    weight_log2: int
+    updatable: int
     """Place.HOST or Place.DEVICE."""
 
 
