@@ -568,6 +568,151 @@ static void a_failed_update_takes_the_mesh_away(void **state)
     svo_plan_destroy(&plan);
 }
 
+/* ---- rays ---- */
+
+enum { RAY_COUNT = 500 };
+
+static void make_rays(svo_ray rays[RAY_COUNT])
+{
+    uint64_t random = 4;
+    for (int r = 0; r < RAY_COUNT; ++r) {
+        for (int axis = 0; axis < 3; ++axis) {
+            rays[r].origin[axis] = (float)(random_unit(&random) * 2.0 - 0.5);
+            rays[r].direction[axis] = (float)(random_unit(&random) - 0.5);
+        }
+        rays[r].t_min = 0.0F;
+        rays[r].t_max = INFINITY;
+    }
+}
+
+/* The hits of the tree's rays are those of a new plan's; returns how many there are. */
+static unsigned compare_hits(const fixture *opened, svo_tree *tree, const svo_mesh *mesh, svo_plan_options options)
+{
+    static svo_ray rays[RAY_COUNT];
+    static svo_hit hits[2][RAY_COUNT];
+    svo_plan *plan = make_plan(opened, mesh, 6, options);
+    svo_tree *anew = NULL;
+    unsigned found = 0;
+    make_rays(rays);
+    succeed(opened, svo_build(plan, opened->frontend, opened->queue, &anew, NULL));
+    succeed(opened, svo_tree_trace(tree, rays, hits[0], RAY_COUNT, SVO_TRACE_CLOSEST, opened->queue));
+    succeed(opened, svo_tree_trace(anew, rays, hits[1], RAY_COUNT, SVO_TRACE_CLOSEST, opened->queue));
+    for (int r = 0; r < RAY_COUNT; ++r) {
+        hits[0][r].count = hits[1][r].count = 0; /* leaves visited depend on the BVH */
+        assert_memory_equal(&hits[0][r], &hits[1][r], sizeof hits[0][r]);
+        found += hits[0][r].triangle != SVO_NO_TRIANGLE ? 1 : 0;
+    }
+    svo_tree_destroy(&anew);
+    svo_plan_destroy(&plan);
+    return found;
+}
+
+/* Moves the mesh to one of its places as it is, and all that depends on it. Returns what that allocated. */
+static counted follow(const fixture *opened, moving *m, int move, svo_plan *plan, svo_workspace *workspace,
+                      svo_tree *tree)
+{
+    take_floats(m, m->at[move].base.positions);
+    counting_begin();
+    succeed(opened, svo_plan_update_enqueue(plan, &m->mesh, opened->queue, 0, NULL, NULL));
+    succeed(opened, svo_build_enqueue(workspace, tree, opened->queue, 0, NULL, NULL));
+    succeed(opened, svo_tree_refit_bvh_enqueue(tree, opened->queue, 0, NULL, NULL));
+    const counted figures = counting_read();
+    succeed(opened, svo_tree_finish(tree, opened->queue, 0, NULL));
+    return figures;
+}
+
+/* A mesh, its plan and a tree with a BVH. */
+typedef struct traced {
+    moving m;
+    svo_plan_options options;
+    svo_plan *plan;
+    svo_workspace *workspace;
+    svo_tree *tree;
+} traced;
+
+static void traced_create(const fixture *opened, traced *out)
+{
+    moving_create(21, 400, 0.0, true, &out->m);
+    out->options = updatable(SVO_NEED_RAYS);
+    out->options.edge = 1.5;
+    out->plan = make_plan(opened, &out->m.mesh, 6, out->options);
+    out->workspace = make_workspace(opened, out->plan);
+    out->tree = make_tree(opened, out->workspace);
+    (void)enqueue_and_finish(opened, out->workspace, out->tree);
+}
+
+static void traced_destroy(traced *t)
+{
+    svo_tree_destroy(&t->tree);
+    svo_workspace_destroy(&t->workspace);
+    svo_plan_destroy(&t->plan);
+    moving_destroy(&t->m);
+}
+
+static void a_refit_bvh_has_the_hits_of_a_new_one(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    traced t;
+    traced_create(&opened, &t);
+    succeed(&opened, svo_tree_make_bvh(t.tree, SVO_BVH_BEST, opened.queue));
+    const uint64_t bytes = svo_tree_ray_bytes(t.tree);
+    for (int i = 0; i < MOVES; ++i) {
+        const counted figures = follow(&opened, &t.m, i, t.plan, t.workspace, t.tree);
+        assert_int_equal(figures.buffers, 0);
+        assert_int_equal(figures.builds, 0);
+        assert_int_equal(figures.waits, 0);
+        assert_in_range(compare_hits(&opened, t.tree, &t.m.mesh, t.options), 50, RAY_COUNT);
+        assert_int_equal(svo_tree_ray_bytes(t.tree), bytes);
+    }
+    traced_destroy(&t);
+}
+
+/* Without a refit, and where a triangle has left the grid, rays get a new BVH. */
+static void rays_never_meet_an_outdated_bvh(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    traced t;
+    traced_create(&opened, &t);
+    succeed(&opened, svo_tree_prepare_rays(t.tree, opened.queue));
+    take_floats(&t.m, t.m.at[0].base.positions);
+    succeed(&opened, svo_plan_update(t.plan, &t.m.mesh));
+    (void)enqueue_and_finish(&opened, t.workspace, t.tree);
+    (void)compare_hits(&opened, t.tree, &t.m.mesh, t.options);
+    for (int k = 0; k < 9; ++k) {
+        t.m.at[1].base.positions[k] += 7.0;
+    }
+    t.m.at[2].base.positions[5] = -0.5;
+    for (int i = 1; i < MOVES; ++i) {
+        (void)follow(&opened, &t.m, i, t.plan, t.workspace, t.tree);
+        (void)compare_hits(&opened, t.tree, &t.m.mesh, t.options);
+        if (i == 1) { /* the new BVH is of a mesh that was not all there */
+            assert_int_equal(svo_tree_refit_bvh_enqueue(t.tree, opened.queue, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
+            take_floats(&t.m, t.m.at[0].base.positions);
+            succeed(&opened, svo_plan_update(t.plan, &t.m.mesh));
+            (void)enqueue_and_finish(&opened, t.workspace, t.tree);
+            succeed(&opened, svo_tree_make_bvh(t.tree, SVO_BVH_FAST, opened.queue));
+        }
+    }
+    traced_destroy(&t);
+}
+
+static void wrong_refits_are_refused(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    traced t;
+    traced_create(&opened, &t);
+    assert_int_equal(svo_tree_refit_bvh_enqueue(NULL, opened.queue, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_refit_bvh_enqueue(t.tree, opened.queue, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
+    assert_non_null(strstr(svo_device_message(opened.device), "no BVH"));
+    succeed(&opened, svo_tree_prepare_rays(t.tree, opened.queue));
+    assert_int_equal(svo_tree_refit_bvh_enqueue(t.tree, NULL, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
+    succeed(&opened, svo_tree_refit_bvh_enqueue(t.tree, opened.queue, 0, NULL, NULL));
+    succeed(&opened, svo_build_enqueue(t.workspace, t.tree, opened.queue, 0, NULL, NULL));
+    succeed(&opened, svo_tree_finish(t.tree, opened.queue, 1, NULL));
+    assert_int_equal(svo_tree_refit_bvh_enqueue(t.tree, opened.queue, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
+    traced_destroy(&t);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -580,6 +725,9 @@ int main(void)
         cmocka_unit_test(commands_are_ordered_whatever_the_queues),
         cmocka_unit_test(what_does_not_fit_is_reported_and_other_trees_stay),
         cmocka_unit_test(a_mesh_may_outgrow_its_unit_of_weight),
+        cmocka_unit_test(a_refit_bvh_has_the_hits_of_a_new_one),
+        cmocka_unit_test(rays_never_meet_an_outdated_bvh),
+        cmocka_unit_test(wrong_refits_are_refused),
         cmocka_unit_test(wrong_requests_are_refused),
         cmocka_unit_test(wrong_updates_are_refused),
         cmocka_unit_test(a_failed_update_takes_the_mesh_away),

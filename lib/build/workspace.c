@@ -266,6 +266,7 @@ static svo_tree *new_member(svo_workspace *workspace)
     svo_i_attachment_add(&tree->attachments, &member->attachment);
     tree->device = workspace->device;
     tree->content = SVO_I_TREE_EMPTY;
+    tree->moves = workspace->plan->update != NULL;
     tree->workspace = workspace;
     tree->next = workspace->trees;
     workspace->trees = tree;
