@@ -217,6 +217,45 @@ static svo_status run_light(subject *of)
     return SVO_OK;
 }
 
+/* In buffers: a tree, then its light over it, which waits for the first. */
+static svo_status enqueue_pictures(subject *of, svo_light *light, cl_mem pixels, cl_event done[2])
+{
+    svo_render_options options = {.struct_size = sizeof options, .width = PICTURE_SIDE, .height = PICTURE_SIDE};
+    svo_light_picture lit = SVO_LIGHT_PICTURE_INIT;
+    svo_camera_frame(of->tree, 1.0F, &options.camera);
+    lit.width = lit.height = PICTURE_SIDE;
+    lit.camera = options.camera;
+    lit.row_count = SVO_LIGHT_BAND_ROWS;
+    TRY_TOLD(svo_tree_render_enqueue(world.device, of->tree, &options, pixels, world.queue, 0, NULL, &done[0]));
+    return told(of, world.device, svo_light_render_enqueue(light, &lit, pixels, world.queue, 1, done, &done[1]));
+}
+
+static svo_status run_render_enqueue(subject *of)
+{
+    uint8_t picture[PICTURE_SIDE * PICTURE_SIDE * 4];
+    cl_event done[2] = {NULL, NULL};
+    svo_light *light = NULL;
+    faults_spare(true);
+    cl_mem pixels = clCreateBuffer(svo_device_cl_context(world.device), CL_MEM_READ_WRITE, sizeof picture, NULL, NULL);
+    faults_spare(false);
+    svo_status status = told(of, world.device, svo_light_create(of->tree, NULL, world.queue, &light));
+    if (status == SVO_OK) {
+        status = enqueue_pictures(of, light, pixels, done);
+    }
+    faults_spare(true);
+    assert_int_equal(clFinish(world.queue), CL_SUCCESS);
+    assert_int_equal(clEnqueueReadBuffer(world.queue, pixels, CL_TRUE, 0, sizeof picture, picture, 0, NULL, NULL),
+                     CL_SUCCESS);
+    for (int i = 0; i < 2 && done[i] != NULL; ++i) {
+        clReleaseEvent(done[i]);
+    }
+    clReleaseMemObject(pixels);
+    faults_spare(false);
+    digest(of, picture, sizeof picture);
+    svo_light_destroy(&light);
+    return status;
+}
+
 /* The hash of probes, a ray through them, and diffuse light where they have it. */
 static svo_status use_probes(subject *of, svo_probes *probes, bool diffuse)
 {
@@ -296,6 +335,7 @@ static const scenario rows[] = {
     {"solid", false, false, prepare_tree, run_solid, NULL, destroy_all},
     {"scene", false, false, prepare_tree, run_scene, NULL, destroy_all},
     {"light", false, false, prepare_tree, run_light, NULL, destroy_all},
+    {"render_enqueue", false, false, prepare_tree, run_render_enqueue, NULL, destroy_all},
     {"probes", false, false, prepare_tree, run_probes, NULL, destroy_all},
 };
 const scenario_list form_scenarios = {rows, sizeof rows / sizeof rows[0]};

@@ -33,7 +33,7 @@ static svo_status run_context(subject *of)
     return status;
 }
 
-/* Each EGL device is tried, and OSMesa. */
+/* Each EGL device is tried, and OSMesa, and what suits the device. */
 static svo_status run_other_contexts(subject *of)
 {
     svo_gl_context *context = NULL;
@@ -43,7 +43,9 @@ static svo_status run_other_contexts(subject *of)
     (void)snprintf(name, sizeof name, "%.4s", info.renderer);
     SVO_I_TRY(svo_gl_context_create_named(name, &context, &of->message));
     svo_gl_context_destroy(&context);
-    const svo_status status = svo_gl_context_create(SVO_GL_OSMESA, 0, &context, &of->message);
+    SVO_I_TRY(svo_gl_context_create(SVO_GL_OSMESA, 0, &context, &of->message));
+    svo_gl_context_destroy(&context);
+    const svo_status status = svo_gl_context_create_for(world.device, NULL, &context, &of->message);
     svo_gl_context_destroy(&context);
     return status;
 }
@@ -150,6 +152,43 @@ static svo_status run_gl_mesh_read(subject *of)
     return status;
 }
 
+#define GL_BUFFER_BYTES 64
+
+/* Fills the buffer by OpenCL, and gives it to OpenGL. */
+static svo_status fill_gl_buffer(subject *of, svo_gl_buffer *buffer, cl_mem memory, int value)
+{
+    uint8_t bytes[GL_BUFFER_BYTES];
+    TRY_TOLD(svo_gl_buffer_to_cl(buffer, world.queue));
+    faults_spare(true);
+    memset(bytes, value, sizeof bytes);
+    assert_int_equal(clEnqueueWriteBuffer(world.queue, memory, CL_TRUE, 0, sizeof bytes, bytes, 0, NULL, NULL),
+                     CL_SUCCESS);
+    faults_spare(false);
+    return told(of, world.device, svo_gl_buffer_to_gl(buffer, sizeof bytes, world.queue, 0, NULL));
+}
+
+/* To OpenGL, back, and there again. */
+static svo_status use_gl_buffer(subject *of, svo_gl_share share)
+{
+    svo_gl_buffer *buffer = NULL;
+    svo_gl_buffer_info info = SVO_GL_BUFFER_INFO_INIT;
+    svo_status status = SVO_OK;
+    TRY_TOLD(svo_gl_buffer_create(world.device, world.context, GL_BUFFER_BYTES, share, &buffer));
+    SVO_I_TRY_CLEANUP(told(of, world.device, svo_gl_buffer_get_info(buffer, &info)));
+    SVO_I_TRY_CLEANUP(fill_gl_buffer(of, buffer, info.memory, 1));
+    SVO_I_TRY_CLEANUP(fill_gl_buffer(of, buffer, info.memory, 2));
+cleanup:
+    digest(of, &info.bytes, sizeof info.bytes);
+    svo_gl_buffer_destroy(&buffer);
+    return status;
+}
+
+static svo_status run_gl_buffer(subject *of)
+{
+    SVO_I_TRY(use_gl_buffer(of, SVO_GL_SHARE_AUTO));
+    return use_gl_buffer(of, SVO_GL_SHARE_COPY);
+}
+
 static svo_status build_in_gl(subject *of, svo_gl *gl)
 {
     svo_tree *tree = NULL;
@@ -221,6 +260,7 @@ static const scenario rows[] = {
     {"gl_selftest", true, false, prepare_nothing, run_selftest, NULL, destroy_all},
     {"gl_wrapped", true, false, prepare_wrapped, run_wrapped, NULL, cleanup_wrapped},
     {"gl_mesh_read", true, false, prepare_nothing, run_gl_mesh_read, NULL, destroy_all},
+    {"gl_buffer", true, false, prepare_nothing, run_gl_buffer, NULL, destroy_all},
     {"gl_create", true, false, prepare_nothing, run_gl, NULL, destroy_all},
     {"gl_build_host", true, false, prepare_plan, run_gl_build_host, NULL, destroy_all},
     {"gl_build_copy", true, false, prepare_plan, run_gl_build_copy, NULL, destroy_all},

@@ -30,6 +30,8 @@ typedef struct joined_context {
 static struct {
     svo_gl_context *context;
     svo_i_gl_functions honest; /* the context's original functions */
+    const svo_i_gl_platform *honest_platform;
+    svo_i_gl_platform platform; /* the same, by its own account of GLX */
     shim_faults faults;
     shim_counts counts;
     bool finished; /* glFinish since the last acquire */
@@ -90,8 +92,11 @@ static cl_context_properties property_of(const cl_context_properties *properties
 static bool names_the_context(const cl_context_properties *properties)
 {
     const svo_i_gl_handles handles = shim.context->platform->handles(shim.context->native);
+    const bool is_glx = handles.system == SVO_I_GL_SYSTEM_GLX;
     return property_of(properties, CL_GL_CONTEXT_KHR) == (cl_context_properties)handles.context &&
-           property_of(properties, CL_EGL_DISPLAY_KHR) == (cl_context_properties)handles.display;
+           property_of(properties, is_glx ? CL_GLX_DISPLAY_KHR : CL_EGL_DISPLAY_KHR) ==
+               (cl_context_properties)handles.display &&
+           property_of(properties, is_glx ? CL_EGL_DISPLAY_KHR : CL_GLX_DISPLAY_KHR) == 0;
 }
 
 static cl_int CL_API_CALL get_context_info(cl_context context, cl_context_info what, size_t bytes, void *value,
@@ -266,6 +271,9 @@ static cl_int CL_API_CALL acquire(cl_command_queue queue, cl_uint count, const c
 static cl_int copy_to_gl(const shared_object *object, cl_command_queue queue, cl_uint wait_count, const cl_event *wait,
                          cl_event *event)
 {
+    if (shim.faults.releases_nothing) {
+        return clEnqueueMarkerWithWaitList(queue, wait_count, wait, event);
+    }
     void *bytes = malloc(object->bytes);
     assert_non_null(bytes);
     const cl_int error =
@@ -320,6 +328,13 @@ static const svo_i_opencl shim_opencl = {
     .GetExtensionFunctionAddressForPlatform = get_function,
 };
 
+static svo_i_gl_handles glx_handles(void *native)
+{
+    svo_i_gl_handles handles = shim.honest_platform->handles(native);
+    handles.system = SVO_I_GL_SYSTEM_GLX;
+    return handles;
+}
+
 static void APIENTRY note_finish(void)
 {
     shim.finished = true;
@@ -332,6 +347,10 @@ void shim_install(svo_gl_context *context, const shim_faults *faults)
     shim.context = context;
     shim.honest = context->functions;
     shim.faults = *faults;
+    shim.honest_platform = context->platform;
+    shim.platform = *context->platform;
+    shim.platform.handles = faults->is_glx ? glx_handles : context->platform->handles;
+    context->platform = &shim.platform;
     context->opencl = &shim_opencl;
     context->functions.Finish = note_finish;
 }
@@ -348,6 +367,7 @@ void shim_get_counts(shim_counts *counts)
 
 void shim_remove(svo_gl_context *context)
 {
+    context->platform = shim.honest_platform;
     context->opencl = &svo_i_opencl_installed;
     context->functions.Finish = shim.honest.Finish;
 }

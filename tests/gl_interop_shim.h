@@ -19,9 +19,11 @@ typedef struct shim_faults {
     const char *missing_function; /* the platform lacks this function */
     cl_int info_error, context_error, create_error, acquire_error, release_error; /* CL_SUCCESS: none */
     unsigned spared_calls; /* create, acquire and release succeed this many times before they fail */
+    bool is_glx; /* the context is of GLX; from shim_install on */
     bool lists_no_device; /* clGetGLContextInfoKHR lists none */
     bool corrupts; /* acquiring changes one word */
     bool acquires_nothing; /* later acquires keep the bytes of the first */
+    bool releases_nothing; /* releasing leaves OpenGL the bytes that it had */
 } shim_faults;
 
 typedef struct shim_counts {

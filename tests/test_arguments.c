@@ -194,7 +194,7 @@ static void workspaces(void **state)
 static void rules_that_choose_a_front_end(void **state)
 {
     (void)state;
-    svo_device cpu = {.name = "cpu", .is_cpu = true}, gpu = {.name = "gpu"};
+    svo_device cpu = {.name = "cpu", .cpu_path = true}, gpu = {.name = "gpu"};
     const struct {
         svo_i_renderer renderer;
         const svo_device *device;

@@ -203,6 +203,31 @@ static void gpu_is_never_a_processor(void **state)
     assert_non_null(strstr(message.text, "no EGL device matches \"GPU\""));
 }
 
+/* Where EGL lists GPUs alone, the context is on one; where a CPU draws everything, it is the first that works. */
+static void context_for_a_device_is_the_best(void **state)
+{
+    (void)state;
+    svo_message message = {""};
+    svo_gl_context *context = NULL;
+    svo_gl_context_info info = SVO_GL_CONTEXT_INFO_INIT;
+    svo_device *device = machine_device_or_skip();
+    const svo_status status = svo_gl_context_create_for(device, NULL, &context, &message);
+    if (status == SVO_OK) {
+        svo_gl_context *gpu = NULL;
+        svo_gl_context_get_info(context, &info);
+        assert_int_equal(info.is_software, svo_gl_context_create_named("gpu", &gpu, NULL) != SVO_OK);
+        svo_gl_context_destroy(&gpu);
+    } else {
+        assert_int_equal(status, SVO_NO_GL);
+        assert_non_null(strstr(message.text, "svo_gl_context_create_for: no OpenGL context: "));
+    }
+    svo_gl_context_destroy(&context);
+    assert_int_equal(svo_gl_context_create_for(NULL, NULL, &context, &message), SVO_INVALID_ARGUMENT);
+    assert_string_equal(message.text, "svo_gl_context_create_for: device is NULL");
+    assert_int_equal(svo_gl_context_create_for(device, NULL, NULL, &message), SVO_INVALID_ARGUMENT);
+    svo_device_destroy(&device);
+}
+
 static bool promise(void *native)
 {
     (void)native;
@@ -557,7 +582,8 @@ static void share_paths_are_probed_with_reasons(void **state)
     assert_string_equal(reason, "");
     svo_i_share_probe(on.device, on.context, SVO_GL_SHARE_HOST, reason, sizeof reason);
     print_message("host: %s\n", reason);
-    bool possible = on.device->is_cpu && svo_i_gl_context_functions(on.context)->BufferStorage != NULL;
+    bool possible =
+        on.device->is_cpu && on.device->cpu_path && svo_i_gl_context_functions(on.context)->BufferStorage != NULL;
     assert_int_equal(reason[0] == '\0', possible);
     assert_string_equal(svo_device_message(on.device), "what was said before");
     pair_release(&on);
@@ -570,16 +596,22 @@ static void host_share_needs_a_cpu_and_buffer_storage(void **state)
     char reason[256];
     pair_make_any(&on);
     bool is_cpu = on.device->is_cpu;
+    bool cpu_path = on.device->cpu_path;
     on.device->is_cpu = false;
     svo_i_share_probe(on.device, on.context, SVO_GL_SHARE_HOST, reason, sizeof reason);
     assert_non_null(strstr(reason, "is not a CPU device"));
     on.device->is_cpu = true;
+    on.device->cpu_path = false;
+    svo_i_share_probe(on.device, on.context, SVO_GL_SHARE_HOST, reason, sizeof reason);
+    assert_non_null(strstr(reason, "takes the path of GPUs"));
+    on.device->cpu_path = true;
     on.context->functions.BufferStorage = NULL;
     svo_i_share_probe(on.device, on.context, SVO_GL_SHARE_HOST, reason, sizeof reason);
     assert_non_null(strstr(reason, "GL_ARB_buffer_storage"));
     svo_i_share_buffer buffer = {0};
     assert_int_equal(svo_i_share_buffer_create(on.device, on.context, SVO_GL_SHARE_HOST, 64, &buffer), SVO_UNSUPPORTED);
     on.device->is_cpu = is_cpu;
+    on.device->cpu_path = cpu_path;
     pair_release(&on);
 }
 
@@ -735,6 +767,7 @@ int main(void)
         cmocka_unit_test(wrong_device_index_is_refused),
         cmocka_unit_test(software_is_known_without_a_context),
         cmocka_unit_test(egl_devices_are_found_by_name),
+        cmocka_unit_test(context_for_a_device_is_the_best),
         cmocka_unit_test(gpu_is_never_a_processor),
         cmocka_unit_test(software_in_place_of_a_gpu_is_refused),
         cmocka_unit_test(wrong_arguments_are_refused),

@@ -308,6 +308,30 @@ static void integrators_opencl_context_is_shared(void **state)
     close_pair(&pair);
 }
 
+/* OpenCL is told of a GLX context by the properties of GLX, and by none of EGL. */
+static void contexts_of_glx_are_shared(void **state)
+{
+    (void)state;
+    shared_pair pair;
+    open_pair(&(shim_faults){.is_glx = true}, 0, &pair);
+    assert_int_equal(create_gl(&pair.opened, SVO_GL_SHARE_INTEROP), SVO_OK);
+    assert_same_hash(&pair, &everything, "interop");
+    cl_context_properties properties[8] = {0};
+    size_t bytes = 0;
+    const svo_gl_context *context = pair.opened.context;
+    assert_int_equal(context->opencl->GetContextInfo(svo_device_cl_context(pair.opened.device), CL_CONTEXT_PROPERTIES,
+                                                     sizeof properties, properties, &bytes),
+                     CL_SUCCESS);
+    const svo_i_gl_handles handles = context->platform->handles(context->native);
+    assert_int_equal(bytes, 7 * sizeof properties[0]);
+    assert_int_equal(properties[0], CL_CONTEXT_PLATFORM);
+    assert_int_equal(properties[2], CL_GL_CONTEXT_KHR);
+    assert_true(properties[3] == (cl_context_properties)handles.context);
+    assert_int_equal(properties[4], CL_GLX_DISPLAY_KHR);
+    assert_true(properties[5] == (cl_context_properties)handles.display);
+    close_pair(&pair);
+}
+
 static void osmesa_cannot_be_named_to_opencl(void **state)
 {
     (void)state;
@@ -337,6 +361,7 @@ int main(void)
         cmocka_unit_test(chosen_device_is_joined),
         cmocka_unit_test(plain_opencl_context_is_told_apart),
         cmocka_unit_test(integrators_opencl_context_is_shared),
+        cmocka_unit_test(contexts_of_glx_are_shared),
         cmocka_unit_test(osmesa_cannot_be_named_to_opencl),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

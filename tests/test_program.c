@@ -27,6 +27,7 @@ static void usage_errors_exit_with_code_2(void **state)
     run_badly("$SVOCL build scene:cube --edge nan --origin 0,0,0", 2, "'nan'");
     run_badly("$SVOCL build scene:cube --need color,taste", 2, "'color,taste'");
     run_badly("$SVOCL build scene:cube --threads 0", 2, "threads 0 is below 1");
+    run_badly("$SVOCL build scene:cube --path fpga", 2, "--path 'fpga' is none of cpu, gpu");
     run_badly("$SVOCL build scene:cube --context glx", 2, "'glx'");
     run_badly("$SVOCL build scene:cube --context osmesa --gl-device 0", 2, "--gl-device");
     run_badly("$SVOCL build scene:cube --frontend cl --share host", 2, "--share");
@@ -654,6 +655,22 @@ static void info_says_what_is_stored_once(void **state)
     assert_null(strstr(last.output, "stored once"));
 }
 
+static void upper_levels_of_a_file(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("$SVOCL build scene:knot:2000 -d 6 --origin -2,-2,-2 --edge 4 --compress -o whole.svo");
+    cJSON *info = run_json("$SVOCL info whole.svo --levels 4 --json");
+    assert_int_equal((int)number_of(info, "depth"), 4);
+    cJSON_Delete(info);
+    run_well("$SVOCL render whole.svo --levels 4 --view level --size 40x40 -o upper.png");
+    run_well("$SVOCL convert whole.svo upper.binvox --levels 4");
+    run_badly("$SVOCL info whole.svo --levels 7", 1, "last_level 7 is not in 1 .. 6, the depth of whole.svo");
+    run_badly("$SVOCL info whole.svo --levels 0", 2, "levels 0 is below 1");
+    run_badly("$SVOCL hash scene:cube --levels 3", 2, "--levels applies to .svo files, not to scene:cube");
+    run_badly("$SVOCL info - --levels 3 <whole.svo", 2, "standard input is read whole");
+}
+
 static void info_names_what_is_wrong_with_a_file(void **state)
 {
     (void)state;
@@ -678,9 +695,10 @@ static void devices_has_its_json_names(void **state)
 {
     (void)state;
     need_builds();
-    cJSON *document = run_json("$SVOCL devices --json");
+    cJSON *document = run_json("$SVOCL devices --path gpu --json");
     const cJSON *platform = cJSON_GetArrayItem(array_of(document, "platforms"), 0);
     number_of(cJSON_GetArrayItem(array_of(platform, "devices"), 0), "max_allocation_bytes");
+    assert_string_equal(text_of(cJSON_GetArrayItem(array_of(platform, "devices"), 0), "path"), "gpu");
     if (gl_works()) {
         assert_true(cJSON_GetArraySize(array_of(document, "renderers")) >= 3);
     }
@@ -755,6 +773,8 @@ static void the_hash_is_the_same_by_every_method(void **state)
     }
     expect_hash("--threads 1", hash);
     expect_hash("--threads 2", hash);
+    expect_hash("--path cpu", hash);
+    expect_hash("--path gpu", hash);
     expect_hash("--frontend auto", hash);
     expect_hash("--frontend cl", hash);
     if (gl_works()) {
@@ -1142,6 +1162,7 @@ int main(void)
                                        IN_FOLDER(a_plan_is_printed_before_the_build),
                                        IN_FOLDER(the_plan_leaves_opengl_out_of_small_scenes),
                                        IN_FOLDER(info_says_what_is_stored_once),
+                                       IN_FOLDER(upper_levels_of_a_file),
                                        IN_FOLDER(info_names_what_is_wrong_with_a_file),
                                        IN_FOLDER(devices_has_its_json_names),
                                        IN_FOLDER(opengl_is_started_only_for_what_needs_it),

@@ -203,6 +203,100 @@ static void lying_driver_is_not_used(void **state)
     svo_device_destroy(&device);
 }
 
+/*
+ * A driver that does what the extensions' texts say. It rasterizes triangles conservatively by way of the vertex
+ * shader, whose margin it widens by half a pixel, while the capability is on; it drops triangles that are drawn while
+ * it is off. Points in the mode of INTEL are an error and are not drawn. Those in NV's come twice.
+ */
+
+static struct {
+    bool on;
+    svo_i_conservative method;
+    GLenum error; /* until it is read */
+    unsigned conservative_draws, point_draws;
+} strict;
+
+static void APIENTRY enable_strict(GLenum capability)
+{
+    strict.on = strict.on || is_conservative_capability(capability);
+    enable_honest(capability);
+}
+
+static void APIENTRY disable_strict(GLenum capability)
+{
+    strict.on = strict.on && !is_conservative_capability(capability);
+    disable_honest(capability);
+}
+
+static void APIENTRY draw_strict(GLenum mode, GLint first, GLsizei count)
+{
+    if (mode == GL_POINTS) {
+        ++strict.point_draws;
+        if (strict.on && strict.method == SVO_I_CONSERVATIVE_INTEL) {
+            strict.error = GL_INVALID_OPERATION;
+            return;
+        }
+        if (strict.on) {
+            honest.DrawArrays(mode, first, count);
+        }
+    } else {
+        strict.conservative_draws += strict.on;
+    }
+    honest.DrawArrays(mode, first, mode == GL_POINTS || strict.on ? count : 0);
+}
+
+static GLenum APIENTRY get_error_strict(void)
+{
+    const GLenum error = strict.error;
+    strict.error = GL_NO_ERROR;
+    return error != GL_NO_ERROR ? error : honest.GetError();
+}
+
+static void APIENTRY source_strict(GLuint shader, GLsizei count, const GLchar *const *texts, const GLint *lengths)
+{
+    const GLchar *widened[16];
+    assert_true(count <= 16 && lengths == NULL);
+    for (GLsizei i = 0; i < count; ++i) {
+        const bool is_margin = strcmp(texts[i], "#define SVO_REACH 0.0625\n") == 0;
+        widened[i] = is_margin ? "#define SVO_REACH 0.5625\n" : texts[i];
+    }
+    honest.ShaderSource(shader, count, widened, NULL);
+}
+
+static void start_strictly(svo_gl_context *context, const lie *listed)
+{
+    start_lying(context, listed->extensions);
+    memset(&strict, 0, sizeof strict);
+    strict.method = listed->method;
+    context->functions.Enable = enable_strict;
+    context->functions.Disable = disable_strict;
+    context->functions.DrawArrays = draw_strict;
+    context->functions.GetError = get_error_strict;
+    context->functions.ShaderSource = source_strict;
+}
+
+static void selftest_passes_on_a_strict_driver(void **state)
+{
+    const lie *listed = *state;
+    svo_device *device = machine_device_or_skip();
+    svo_gl_context *context = machine_any_context_or_skip();
+    start_strictly(context, listed);
+    for (int no_int64 = 0; no_int64 < 2; ++no_int64) {
+        char reason[REASON_BYTES] = "not run";
+        selftest_reason(device, context, listed->method, no_int64 != 0, reason);
+        assert_string_equal(reason, "");
+    }
+    assert_true(strict.point_draws > 0 && strict.conservative_draws > 0);
+    assert_false(strict.on);
+    svo_gl *gl = NULL;
+    assert_int_equal(svo_gl_create(device, context, NULL, &gl), SVO_OK);
+    assert_int_equal(svo_gl_chosen_raster(gl), SVO_GL_RASTER_HW);
+    svo_gl_destroy(&gl);
+    stop_lying(context);
+    svo_gl_context_destroy(&context);
+    svo_device_destroy(&device);
+}
+
 /* Extension state that an application may have set, kept in variables by the fake driver. */
 static GLboolean conservative_on;
 static GLint conservative_mode;
@@ -439,6 +533,56 @@ static void hardware_without_the_extension_is_refused(void **state)
     svo_device_destroy(&device);
 }
 
+/*
+ * Where OpenGL keeps lists.
+ */
+
+static unsigned buffers_made;
+static GLenum wrong_usage; /* of a buffer that shaders write; 0: none */
+
+static void APIENTRY keep_usage(GLenum target, GLsizeiptr bytes, const void *data, GLenum usage)
+{
+    honest.BufferData(target, bytes, data, usage);
+    if (data == NULL && target == GL_COPY_READ_BUFFER) {
+        ++buffers_made;
+        wrong_usage = usage != GL_STATIC_COPY ? usage : wrong_usage;
+    }
+}
+
+/* Drivers put buffers for the host to read, and some for it to change, into system memory. */
+static void lists_are_in_the_gpus_memory(void **state)
+{
+    (void)state;
+    svo_device *device = machine_device_or_skip();
+    svo_gl_context *context = machine_any_context_or_skip();
+    const svo_gl_options options = {.struct_size = sizeof options, .share = SVO_GL_SHARE_COPY};
+    svo_gl *gl = NULL;
+    mixed_mesh mixed;
+    honest = context->functions;
+    context->functions.BufferData = keep_usage;
+    make_mixed(1, &mixed);
+    assert_int_equal(svo_gl_create(device, context, &options, &gl), SVO_OK);
+    for (int in_gl = 0; in_gl < 2; ++in_gl) {
+        svo_plan *plan = plan_mixed(device, &mixed, 8);
+        svo_tree *tree = NULL;
+        buffers_made = 0;
+        wrong_usage = 0;
+        const svo_status status =
+            in_gl ? svo_gl_build(gl, plan, NULL, &tree, NULL) : svo_build(plan, svo_gl_frontend(gl), NULL, &tree, NULL);
+        if (status != SVO_OK) {
+            fail_msg("%s", svo_device_message(device));
+        }
+        assert_true(buffers_made > 0);
+        assert_int_equal(wrong_usage, 0);
+        svo_tree_destroy(&tree);
+        svo_plan_destroy(&plan);
+    }
+    svo_gl_destroy(&gl);
+    context->functions = honest;
+    svo_gl_context_destroy(&context);
+    svo_device_destroy(&device);
+}
+
 /* 64-bit integers of GLSL, or of two words.
  */
 
@@ -482,11 +626,14 @@ int main(void)
         cmocka_unit_test_prestate(selftest_finds_what_a_lying_driver_misses, &lies[1]),
         cmocka_unit_test_prestate(lying_driver_is_not_used, &lies[0]),
         cmocka_unit_test_prestate(lying_driver_is_not_used, &lies[1]),
+        cmocka_unit_test_prestate(selftest_passes_on_a_strict_driver, &lies[0]),
+        cmocka_unit_test_prestate(selftest_passes_on_a_strict_driver, &lies[1]),
         cmocka_unit_test_prestate(conservative_state_is_off_and_comes_back, &lies[0]),
         cmocka_unit_test_prestate(conservative_state_is_off_and_comes_back, &lies[1]),
         cmocka_unit_test(shaders_of_every_way_compile),
         cmocka_unit_test(forced_choice_is_kept_or_refused),
         cmocka_unit_test(hardware_without_the_extension_is_refused),
+        cmocka_unit_test(lists_are_in_the_gpus_memory),
         cmocka_unit_test(kind_of_integers_leaves_no_trace),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

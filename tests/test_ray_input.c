@@ -16,10 +16,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define XXH_INLINE_ALL
-#include <xxhash.h>
-
 #include "meshes.h"
+#include "older_file.h"
 #include "ray_check.h"
 #include "svocl/io.h"
 
@@ -281,62 +279,10 @@ static void abutting_grids_lose_no_hit(void **state)
 
 /* ---- files of version 1 ---- */
 
-typedef struct saved {
-    uint8_t bytes[1 << 22];
-    size_t byte_count;
-} saved;
-
-static int keep_bytes(void *user, const void *bytes, size_t byte_count)
-{
-    saved *to = user;
-    assert_true(byte_count <= sizeof to->bytes - to->byte_count);
-    memcpy(to->bytes + to->byte_count, bytes, byte_count);
-    to->byte_count += byte_count;
-    return 0;
-}
-
-/* By the offsets of io.h: takes out the last chunk, which has the positions, and its entry in the table. */
-static void make_version_1(saved *file)
-{
-    enum {
-        VERSION = 8,
-        HEADER_BYTES = 12,
-        FILE_BYTES = 16,
-        HASH = 24,
-        COUNT = 32,
-        TABLE = 200,
-        ENTRY = 40,
-        OFFSET = 8
-    };
-    uint32_t words[2] = {1, 0};
-    uint32_t count = 0;
-    uint64_t end = 0;
-    memcpy(&words[1], file->bytes + HEADER_BYTES, 4);
-    memcpy(&count, file->bytes + COUNT, 4);
-    memcpy(&end, file->bytes + TABLE + (size_t)(count - 1) * ENTRY + OFFSET, 8);
-    memmove(file->bytes + words[1] - ENTRY, file->bytes + words[1], (size_t)end - words[1]);
-    words[1] -= ENTRY;
-    --count;
-    for (uint32_t i = 0; i < count; ++i) {
-        uint64_t offset = 0;
-        memcpy(&offset, file->bytes + TABLE + (size_t)i * ENTRY + OFFSET, 8);
-        offset -= ENTRY;
-        memcpy(file->bytes + TABLE + (size_t)i * ENTRY + OFFSET, &offset, 8);
-    }
-    file->byte_count = (size_t)end - ENTRY;
-    const uint64_t file_bytes = file->byte_count;
-    memcpy(file->bytes + VERSION, words, 8);
-    memcpy(file->bytes + FILE_BYTES, &file_bytes, 8);
-    memcpy(file->bytes + COUNT, &count, 4);
-    const uint64_t hash = XXH3_64bits(file->bytes + COUNT, words[1] - COUNT);
-    memcpy(file->bytes + HASH, &hash, 8);
-}
-
 static void rays_of_version_1_meet_the_snapped_mesh(void **state)
 {
     static svo_ray rays[RAYS];
     static svo_hit hits[RAYS], of_input[RAYS];
-    static saved file;
     const fixture *opened = fixture_of_group(state);
     uint64_t random = 1;
     size_t met = 0;
@@ -347,14 +293,15 @@ static void rays_of_version_1_meet_the_snapped_mesh(void **state)
     build_for_rays(opened, &made.mesh, 6, NULL, 0, &tree);
     aim_rays(&made, &random, rays);
     trace_rays(opened, &tree, rays, RAYS, SVO_TRACE_CLOSEST, of_input);
-    assert_int_equal(svo_tree_write(tree.tree, keep_bytes, &file, NULL, NULL), SVO_OK);
-    make_version_1(&file);
+    size_t byte_count = 0;
+    uint8_t *file = older_file_make(tree.tree, 1, &byte_count);
     built old = {.tree = NULL};
     svo_message message = {""};
-    if (svo_tree_load_memory(file.bytes, file.byte_count, "version 1", &old.tree, &message) != SVO_OK) {
+    if (svo_tree_load_memory(file, byte_count, "version 1", &old.tree, &message) != SVO_OK) {
         fail_msg("%s", message.text);
         return;
     }
+    free(file);
     old.info = (svo_tree_info)SVO_TREE_INFO_INIT;
     old.arrays = (svo_tree_arrays)SVO_TREE_ARRAYS_INIT;
     assert_int_equal(svo_tree_get_info(old.tree, &old.info), SVO_OK);

@@ -588,7 +588,7 @@ static int open_device_for_pixels(void **state)
 {
     const int failed = open_device(state);
     if (failed == 0) {
-        device->is_cpu = false;
+        device->cpu_path = false;
     }
     return failed;
 }

@@ -146,6 +146,48 @@ static void devices_that_are_refused(void **state)
     }
 }
 
+/* What runs by the device's type, and by the options whatever the type. */
+static void paths_of_devices(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const struct {
+        cl_device_type type;
+        svo_path asked, path;
+    } rows[] = {
+        {CL_DEVICE_TYPE_CPU, SVO_PATH_AUTO, SVO_PATH_CPU},
+        {CL_DEVICE_TYPE_CPU, SVO_PATH_CPU, SVO_PATH_CPU},
+        {CL_DEVICE_TYPE_CPU, SVO_PATH_GPU, SVO_PATH_GPU},
+        {CL_DEVICE_TYPE_CPU | CL_DEVICE_TYPE_DEFAULT, SVO_PATH_AUTO, SVO_PATH_CPU},
+        {CL_DEVICE_TYPE_GPU, SVO_PATH_AUTO, SVO_PATH_GPU},
+        {CL_DEVICE_TYPE_GPU, SVO_PATH_CPU, SVO_PATH_CPU},
+        {CL_DEVICE_TYPE_GPU, SVO_PATH_GPU, SVO_PATH_GPU},
+        {CL_DEVICE_TYPE_ACCELERATOR, SVO_PATH_AUTO, SVO_PATH_GPU},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
+        const svo_device_options options = {.struct_size = sizeof options, .path = rows[i].asked};
+        device_answer = (answer){CL_DEVICE_TYPE, &rows[i].type, sizeof rows[i].type};
+        svo_device *device = open_or_fail(&opened, &options);
+        if (svo_device_path(device) != rows[i].path) {
+            fail_msg("row %zu: path %s, expected %s", i, svo_path_name(svo_device_path(device)),
+                     svo_path_name(rows[i].path));
+        }
+        svo_device_destroy(&device);
+    }
+}
+
+static void a_path_that_is_none_is_refused(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_device_options options = {.struct_size = sizeof options, .path = (svo_path)3};
+    svo_device *device = NULL;
+    svo_message message = {""};
+    assert_int_equal(open_device(&opened, &options, &device, &message), SVO_INVALID_ARGUMENT);
+    assert_string_equal(message.text, "svo_device_create: options.path 3 is not in 0 .. 2");
+    assert_null(device);
+    assert_string_equal(svo_path_name(SVO_PATH_AUTO), "auto");
+    assert_string_equal(svo_path_name(options.path), "unknown path");
+}
+
 static void little_local_memory(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
@@ -178,6 +220,45 @@ static void a_list_above_the_largest_buffer(void **state)
     svo_plan_destroy(&plan);
     svo_device_destroy(&device);
     scene_destroy(&knot);
+}
+
+/* The list of a square at depth 16 that covers most of the grid, on a device whose allocations hold it in one buffer:
+   no chunk has more fragments than kernels count in 32 bits, and workspaces, whose list is one chunk, say so. */
+static void lists_above_32_bits_are_cut(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    static const cl_ulong most_bytes = UINT64_C(100000000000);
+    static const float positions[] = {0, 0, 0.5f, 0.98f, 0, 0.5f, 0, 0.98f, 0.5f, 0.98f, 0.98f, 0.5f};
+    static const uint32_t indices[] = {0, 1, 2, 2, 1, 3};
+    const svo_mesh mesh = {
+        .struct_size = sizeof mesh, .positions = positions, .vertex_count = 4, .indices = indices, .triangle_count = 2};
+    const svo_plan_options options = {.struct_size = sizeof options, .edge = 1.0, .need = SVO_NEED_NONE};
+    svo_plan_info info = SVO_PLAN_INFO_INIT;
+    svo_workspace_info room = SVO_WORKSPACE_INFO_INIT;
+    svo_frontend *frontend = NULL;
+    svo_plan *plan = NULL;
+    uint64_t fragments = 0;
+    device_answer = (answer){CL_DEVICE_MAX_MEM_ALLOC_SIZE, &most_bytes, sizeof most_bytes};
+    svo_device *device = open_or_fail(&opened, NULL);
+    expect(device, svo_frontend_create_cl(device, &frontend), SVO_OK, "");
+    expect(device, svo_plan_create(device, &mesh, 16, &options, &plan), SVO_OK, "");
+    expect(device, svo_plan_get_info(plan, &info), SVO_OK, "");
+    assert_true(info.expected_fragments < 4294967295.0 && info.expected_fragments * 1.125 > 4294967295.0);
+    for (size_t i = 0; i < svo_plan_buffer_count(plan); ++i) {
+        svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
+        expect(device, svo_plan_get_buffer(plan, i, &buffer), SVO_OK, "");
+        if (strcmp(buffer.name, "fragments") == 0) {
+            fragments = buffer.bytes / 12;
+            assert_in_range(buffer.count, 2, 3);
+            assert_in_range(fragments / buffer.count, 1, UINT32_MAX - 65536u);
+        }
+    }
+    assert_true((double)fragments > info.expected_fragments);
+    expect(device, svo_workspace_measure(plan, frontend, &room), SVO_UNSUPPORTED,
+           "and builds that are enqueued have one");
+    svo_plan_destroy(&plan);
+    svo_frontend_destroy(&frontend);
+    svo_device_destroy(&device);
 }
 
 static void keep_text(void *user, svo_log_level level, const char *text)
@@ -253,8 +334,11 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(devices_that_are_refused, forget_answers),
+        cmocka_unit_test_teardown(paths_of_devices, forget_answers),
+        cmocka_unit_test_teardown(a_path_that_is_none_is_refused, forget_answers),
         cmocka_unit_test_teardown(little_local_memory, forget_answers),
         cmocka_unit_test_teardown(a_list_above_the_largest_buffer, forget_answers),
+        cmocka_unit_test_teardown(lists_above_32_bits_are_cut, forget_answers),
         cmocka_unit_test_teardown(kernels_that_do_not_compile, forget_answers),
         cmocka_unit_test_teardown(drivers_declarations_serve_too, forget_answers),
         cmocka_unit_test_teardown(binaries_that_are_not_there, forget_answers),

@@ -240,7 +240,7 @@ static void small_plans_need_no_opengl(void **state)
 static void without_the_kernels_for_cpus(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
-    opened.device->is_cpu = false;
+    opened.device->cpu_path = false;
 }
 
 int main(void)

@@ -23,7 +23,7 @@ static svo_status alloc(svo_i_compute *compute, const char *name, uint64_t bytes
     }
     gl->GenBuffers(1, out);
     gl->BindBuffer(WORK_TARGET, *out);
-    gl->BufferData(WORK_TARGET, (GLsizeiptr)padded, NULL, GL_DYNAMIC_COPY);
+    gl->BufferData(WORK_TARGET, (GLsizeiptr)padded, NULL, GL_STATIC_COPY); /* in the GPU's memory */
     if (data != NULL && bytes > 0) {
         gl->BufferSubData(WORK_TARGET, 0, (GLsizeiptr)bytes, data);
     }

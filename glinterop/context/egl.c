@@ -14,6 +14,7 @@
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 
+#include "context/candidates.h"
 #include "core/message.h"
 
 /* X(member, type): the functions of libEGL that svocl uses, looked up as "egl" + member. */
@@ -188,22 +189,34 @@ static const char *device_extensions(const egl_library *egl, EGLDeviceEXT device
     return query_string != NULL ? query_string(device, EGL_EXTENSIONS) : NULL;
 }
 
-int svo_gl_egl_is_software(void)
+svo_status svo_i_egl_find_software(bool *software, uint32_t room, uint32_t *count, svo_message *message)
 {
     svo_status status = SVO_OK;
     egl_library egl = {0};
     EGLDeviceEXT *devices = NULL;
-    uint32_t count = 0;
-    uint32_t software = 0;
-    SVO_I_TRY_CLEANUP(egl_library_open(&egl, NULL));
-    SVO_I_TRY_CLEANUP(list_devices(&egl, NULL, &devices, &count, NULL));
-    for (uint32_t i = 0; devices != NULL && i < count; ++i) {
-        software += svo_i_list_has_token(device_extensions(&egl, devices[i]), "EGL_MESA_device_software");
+    *count = 0;
+    SVO_I_TRY_CLEANUP(egl_library_open(&egl, message));
+    SVO_I_TRY_CLEANUP(list_devices(&egl, NULL, &devices, count, message));
+    for (uint32_t i = 0; devices != NULL && i < *count && i < room; ++i) {
+        software[i] = svo_i_list_has_token(device_extensions(&egl, devices[i]), "EGL_MESA_device_software");
     }
 cleanup:
+    *count = status == SVO_OK ? *count : 0;
     svo_i_free(devices);
     svo_i_library_close(egl.library);
-    return status == SVO_OK && software > 0 && software == count;
+    return status;
+}
+
+int svo_gl_egl_is_software(void)
+{
+    bool software[SVO_I_EGL_DEVICES_MAX] = {false};
+    uint32_t count = 0;
+    uint32_t in_software = 0;
+    (void)svo_i_egl_find_software(software, SVO_I_EGL_DEVICES_MAX, &count, NULL);
+    for (uint32_t i = 0; i < count && i < SVO_I_EGL_DEVICES_MAX; ++i) {
+        in_software += software[i];
+    }
+    return in_software > 0 && in_software == count;
 }
 
 static svo_status find_device(const egl_library *egl, uint32_t device_index, const svo_i_memory *memory,

@@ -10,6 +10,10 @@ extern const svo_i_gl_platform svo_i_egl_platform;
 /* How many devices EGL lists. A failure, with *count 0: no libEGL, or it cannot be asked. */
 svo_status svo_i_egl_count_devices(uint32_t *count, svo_message *message);
 
+/* The same, and for each of the first devices, at most room, whether EGL says that it draws on the CPU. Makes no
+   context. */
+svo_status svo_i_egl_find_software(bool *software, uint32_t room, uint32_t *count, svo_message *message);
+
 /* What EGL has current on this thread. Handles are EGL's, without its types. */
 typedef struct svo_i_egl_binding {
     bool loaded; /* the process has loaded libEGL, so there is something to restore */

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* Libraries loaded at run time and extension lists, below egl.c, osmesa.c and wrap.c. */
+#define _POSIX_C_SOURCE 200809L
 #include "context/library.h"
 
 #include <dlfcn.h>
 #include <stddef.h>
 #include <string.h>
+#include <strings.h>
 
 #include "core/message.h"
 
@@ -62,6 +64,17 @@ bool svo_i_list_has_token(const char *list, const char *token)
         bool starts = at == list || at[-1] == ' ';
         bool ends = at[length] == ' ' || at[length] == '\0';
         if (starts && ends) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool svo_i_text_contains(const char *text, const char *part)
+{
+    const size_t length = strlen(part);
+    for (; length > 0 && *text != '\0'; ++text) {
+        if (strncasecmp(text, part, length) == 0) {
             return true;
         }
     }

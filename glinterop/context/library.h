@@ -38,5 +38,7 @@ void *svo_i_library_ask(const char *file_name, const char *function_name);
 /* Whether a space-separated list has the token as a whole word: "GL_NV_x_y" does not contain "GL_NV_x". list: NULL
    counts as empty. An empty token is in no list. */
 bool svo_i_list_has_token(const char *list, const char *token);
+/* Whether text contains part, in letters of either case. */
+bool svo_i_text_contains(const char *text, const char *part);
 
 #endif

@@ -15,24 +15,12 @@
 
 #define GPU "gpu"
 
-/* Whether text contains part, ignoring case. */
-static bool contains(const char *text, const char *part)
-{
-    const size_t length = strlen(part);
-    for (; *text != '\0'; ++text) {
-        if (strncasecmp(text, part, length) == 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
 static bool matches(const svo_gl_context *context, const char *device_name)
 {
     if (strcasecmp(device_name, GPU) == 0) {
         return !svo_i_gl_is_software(&context->functions);
     }
-    return contains(context->functions.renderer, device_name);
+    return svo_i_text_contains(context->functions.renderer, device_name);
 }
 
 /* Whether the name is an index, and which. */

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Probes methods of rasterization and share paths when an svo_gl is created, and chooses one of each. */
+/* Probes methods of rasterization when an svo_gl is created, and chooses one. */
 #include "frontend/choice.h"
 
 #include <stdio.h>
 
 #include "core/message.h"
 #include "raster/selftest.h"
-#include "share/probe.h"
 
 /* Hardware-conservative rasterization where the extension exists and the self-test passes; else NULL and a reason. */
 static svo_i_raster *try_hardware(svo_gl *gl)
@@ -45,24 +44,4 @@ svo_status svo_i_gl_choose_raster(svo_gl *gl, svo_gl_raster asked)
     svo_i_raster_destroy(&hardware);
     gl->raster_choice = SVO_GL_RASTER_EXPAND;
     return svo_i_raster_create(gl->device, gl->context, SVO_I_CONSERVATIVE_EXPAND, gl->no_int64, &gl->raster);
-}
-
-svo_status svo_i_gl_choose_share(svo_gl *gl, svo_gl_share asked)
-{
-    for (svo_gl_share share = SVO_GL_SHARE_INTEROP; share <= SVO_GL_SHARE_COPY; ++share) {
-        svo_i_share_probe(gl->device, gl->context, share, gl->share_reasons[share], SVO_I_GL_REASON_BYTES);
-    }
-    for (svo_gl_share share = SVO_GL_SHARE_INTEROP; share <= SVO_GL_SHARE_COPY; ++share) {
-        const bool works = gl->share_reasons[share][0] == '\0';
-        if (asked == share && !works) {
-            return svo_i_device_fail(gl->device, SVO_UNSUPPORTED, "svo_gl_create: share %s does not work: %s",
-                                     svo_gl_share_name(share), gl->share_reasons[share]);
-        }
-        if (works && (asked == share || asked == SVO_GL_SHARE_AUTO)) {
-            gl->share_choice = share;
-            return SVO_OK;
-        }
-    }
-    return svo_i_device_fail(gl->device, SVO_UNSUPPORTED, "svo_gl_create: no share path works: %s",
-                             gl->share_reasons[SVO_GL_SHARE_COPY]);
 }

@@ -18,8 +18,8 @@ const char *svo_gl_raster_name(svo_gl_raster raster)
 
 const char *svo_gl_share_name(svo_gl_share share)
 {
-    static const char *const names[SVO_I_GL_SHARES] = {"auto", "interop", "host", "copy"};
-    return share < SVO_I_GL_SHARES ? names[share] : "unknown";
+    static const char *const names[SVO_I_SHARES] = {"auto", "interop", "host", "copy"};
+    return share < SVO_I_SHARES ? names[share] : "unknown";
 }
 
 const char *svo_gl_raster_reason(const svo_gl *gl, svo_gl_raster raster)
@@ -29,7 +29,7 @@ const char *svo_gl_raster_reason(const svo_gl *gl, svo_gl_raster raster)
 
 const char *svo_gl_share_reason(const svo_gl *gl, svo_gl_share share)
 {
-    return share < SVO_I_GL_SHARES ? gl->share_reasons[share] : "unknown";
+    return share < SVO_I_SHARES ? gl->share_reasons.text[share] : "unknown";
 }
 
 svo_gl_raster svo_gl_chosen_raster(const svo_gl *gl)
@@ -82,11 +82,11 @@ static void release(void *self, svo_i_fragment_list *list)
 
 static svo_status check_options(svo_device *device, const svo_gl_options *options)
 {
-    if ((unsigned)options->raster >= SVO_I_GL_RASTERS || (unsigned)options->share >= SVO_I_GL_SHARES) {
+    if ((unsigned)options->raster >= SVO_I_GL_RASTERS || (unsigned)options->share >= SVO_I_SHARES) {
         return svo_i_device_fail(
             device, SVO_INVALID_ARGUMENT,
             "svo_gl_create: options.raster %d is not in 0 .. %d or options.share %d not in 0 .. %d",
-            (int)options->raster, SVO_I_GL_RASTERS - 1, (int)options->share, SVO_I_GL_SHARES - 1);
+            (int)options->raster, SVO_I_GL_RASTERS - 1, (int)options->share, SVO_I_SHARES - 1);
     }
     return SVO_OK;
 }
@@ -124,7 +124,8 @@ svo_status svo_gl_create(svo_device *device, svo_gl_context *context, const svo_
     gl->device = device;
     gl->context = context;
     gl->no_int64 = asked.no_int64 != 0;
-    SVO_I_TRY_CLEANUP(svo_i_gl_choose_share(gl, asked.share));
+    SVO_I_TRY_CLEANUP(
+        svo_i_share_choose(device, context, "svo_gl_create", asked.share, &gl->share_reasons, &gl->share_choice));
     SVO_I_TRY_CLEANUP(svo_i_gl_choose_raster(gl, asked.raster));
     fill_frontend(gl);
     *out = gl;

@@ -7,10 +7,10 @@
 #include "compute/compute.h"
 #include "raster/light_view.h"
 #include "raster/raster.h"
+#include "share/probe.h"
 
 #define SVO_I_GL_REASON_BYTES 512
 #define SVO_I_GL_RASTERS      3
-#define SVO_I_GL_SHARES       4
 
 struct svo_gl {
     svo_device *device;
@@ -20,7 +20,7 @@ struct svo_gl {
     svo_gl_share share_choice;
     /* "" for a method or path that works. */
     char raster_reasons[SVO_I_GL_RASTERS][SVO_I_GL_REASON_BYTES];
-    char share_reasons[SVO_I_GL_SHARES][SVO_I_GL_REASON_BYTES];
+    svo_i_share_reasons share_reasons;
     svo_i_raster *raster;
     svo_frontend frontend;
 

@@ -145,14 +145,7 @@ void svo_i_raster_destroy(svo_i_raster **raster)
 
 static const char *reach_of(svo_i_conservative conservative)
 {
-    switch (conservative) {
-    case SVO_I_CONSERVATIVE_NV:
-        return "#define SVO_REACH 0.0\n";
-    case SVO_I_CONSERVATIVE_INTEL:
-        return "#define SVO_REACH 0.0625\n";
-    default:
-        return "#define SVO_REACH 0.5625\n";
-    }
+    return conservative == SVO_I_CONSERVATIVE_EXPAND ? "#define SVO_REACH 0.5625\n" : "#define SVO_REACH 0.0625\n";
 }
 
 static svo_status compile_shader(svo_i_raster *raster, GLenum stage, svo_i_class class_id, variant v, GLuint *out)
@@ -330,12 +323,15 @@ svo_status svo_i_raster_upload(svo_i_raster *raster, const svo_plan *plan, uint3
     return set_state(raster, plan);
 }
 
-static void set_conservative(const svo_i_raster *raster, bool on)
+/* Triangles alone are drawn conservatively. A point is one pixel: GL_INTEL_conservative_rasterization refuses to draw
+   points in its mode, and GL_NV_conservative_raster gives them the pixels around theirs as well. */
+static void set_conservative(const svo_i_raster *raster, bool on, bool *is_on)
 {
     const svo_i_gl_functions *gl = raster->gl;
-    if (raster->conservative == SVO_I_CONSERVATIVE_EXPAND) {
+    if (raster->conservative == SVO_I_CONSERVATIVE_EXPAND || on == *is_on) {
         return;
     }
+    *is_on = on;
     const GLenum capability = raster->conservative == SVO_I_CONSERVATIVE_NV ? GL_CONSERVATIVE_RASTERIZATION_NV
                                                                             : GL_CONSERVATIVE_RASTERIZATION_INTEL;
     if (!on) {
@@ -375,10 +371,11 @@ svo_status svo_i_raster_draw(svo_i_raster *raster, const svo_plan *plan, const s
     const svo_i_gl_functions *gl = raster->gl;
     const svo_i_chunk *target = &layout->chunks[chunk];
     const GLuint view_log2 = view_log2_of(plan);
-    set_conservative(raster, true);
+    bool is_conservative = false;
     for (uint32_t i = 0; i < target->draw_count; ++i) {
         const svo_i_draw *draw = &layout->draws[target->first_draw + i];
         const raster_program *program = program_of(raster, plan, draw->class_id);
+        set_conservative(raster, !program->points, &is_conservative);
         gl->UseProgram(program->name);
         gl->Uniform1i(program->depth, (GLint)plan->info.depth);
         gl->Uniform1i(program->voxel_log2, (GLint)plan->voxel_log2);
@@ -393,7 +390,7 @@ svo_status svo_i_raster_draw(svo_i_raster *raster, const svo_plan *plan, const s
                            (GLsizei)draw->tile_height);
         draw_items(raster, plan, draw);
     }
-    set_conservative(raster, false);
+    set_conservative(raster, false, &is_conservative);
     return check(raster, "drawing");
 }
 

@@ -9,11 +9,11 @@
 #include "context/context.h"
 #include "plan/plan_data.h"
 
-/* The method that makes rasterization conservative. */
+/* The method that makes rasterization conservative. The vertex shader adds a margin to each. */
 typedef enum svo_i_conservative {
     SVO_I_CONSERVATIVE_EXPAND = 0, /* the vertex shader */
     SVO_I_CONSERVATIVE_NV, /* GL_NV_conservative_raster_pre_snap_triangles */
-    SVO_I_CONSERVATIVE_INTEL /* GL_INTEL_conservative_rasterization, with a margin added by the vertex shader */
+    SVO_I_CONSERVATIVE_INTEL /* GL_INTEL_conservative_rasterization */
 } svo_i_conservative;
 
 /* The hardware's method, or SVO_I_CONSERVATIVE_EXPAND and the reason (a static string) why it has none. */

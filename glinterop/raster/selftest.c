@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The start-up test of hardware-conservative rasterization. Drivers differ on needles and on triangles smaller than a
- * pixel; a driver that misses a voxel here is not used.
+ * The start-up test of hardware-conservative rasterization. Drivers differ on needles, on triangles smaller than a
+ * pixel, and on positions far from the corner of a large viewport; a driver that misses a voxel here is not used.
  */
 #include "raster/selftest.h"
 
@@ -14,8 +14,22 @@
 #include "plan/estimate.h"
 #include "shared/overlap.clh"
 
-#define TEST_DEPTH     6u
-#define TEST_TRIANGLES 96u
+#define TRIANGLES_MAX 96u
+#define EXTENTS       4u
+
+/* A test mesh: how far its triangles extend along each axis, in turn, in units of 2^-20 of the grid. */
+typedef struct test_mesh {
+    unsigned depth;
+    uint32_t triangle_count;
+    int32_t extents[EXTENTS][3];
+} test_mesh;
+
+/* The largest viewport is that of depth 13; above, there are several, and needles that cross them. */
+static const test_mesh test_meshes[] = {
+    {6, TRIANGLES_MAX, {{12000, 12000, 12000}, {900, 900, 900}, {300000, 300000, 300000}, {60000, 60000, 60000}}},
+    {SVO_I_VIEW_LOG2, 48, {{4000, 4000, 4000}, {60, 60, 60}, {400000, 300, 200}, {200, 400000, 300}}},
+    {SVO_I_VIEW_LOG2 + 1, 24, {{2000, 2000, 2000}, {30, 30, 30}, {300, 100, 400000}, {400000, 200, 100}}},
+};
 
 static uint32_t next_random(uint32_t *state)
 {
@@ -25,14 +39,13 @@ static uint32_t next_random(uint32_t *state)
 
 /* Integer coordinates on a grid of 2^20 units: a mix of small triangles, needles, slivers of one unit and large ones.
    */
-static void make_vertices(double *positions)
+static void make_vertices(const test_mesh *test, double *positions)
 {
-    static const int32_t extents[4] = {12000, 900, 300000, 60000};
     uint32_t random = 12345;
-    for (uint32_t t = 0; t < TEST_TRIANGLES; ++t) {
-        const int32_t extent = extents[t % 4];
+    for (uint32_t t = 0; t < test->triangle_count; ++t) {
         double *v = positions + (size_t)t * 9;
         for (unsigned axis = 0; axis < 3; ++axis) {
+            const int32_t extent = test->extents[t % EXTENTS][axis];
             const int32_t low = (int32_t)(next_random(&random) % (uint32_t)((1 << 20) - extent - 1));
             const int32_t a = low + (int32_t)(next_random(&random) % (uint32_t)extent);
             const int32_t b = low + (int32_t)(next_random(&random) % (uint32_t)extent);
@@ -137,14 +150,24 @@ svo_status svo_i_walk(const svo_plan *plan, uint32_t **out, uint64_t *fragment_c
     return SVO_OK;
 }
 
-static int compare_fragments(const void *left, const void *right)
+static int compare_words(const uint32_t *a, const uint32_t *b, unsigned count)
 {
-    const uint32_t *a = left;
-    const uint32_t *b = right;
-    if (a[1] != b[1]) {
-        return a[1] < b[1] ? -1 : 1;
+    for (unsigned i = 0; i < count; ++i) {
+        if (a[i] != b[i]) {
+            return a[i] < b[i] ? -1 : 1;
+        }
     }
-    return a[0] < b[0] ? -1 : a[0] > b[0] ? 1 : 0;
+    return 0;
+}
+
+static int compare_fragments_30(const void *left, const void *right)
+{
+    return compare_words(left, right, SVO_FRAGMENT_WORDS_30);
+}
+
+static int compare_fragments_48(const void *left, const void *right)
+{
+    return compare_words(left, right, SVO_FRAGMENT_WORDS_48);
 }
 
 /* Draws the plan into a buffer of its own and reads the fragments. words: room for capacity fragments. */
@@ -153,19 +176,20 @@ static svo_status draw(svo_device *device, const svo_i_gl_functions *gl, svo_i_r
 {
     svo_i_chunking layout;
     svo_status status = SVO_OK;
+    const uint64_t bytes = capacity * svo_i_plan_fragment_bytes(plan);
     SVO_I_TRY(svo_i_chunking_create(plan, UINT64_C(1) << 26, &layout));
     layout.chunks[0].capacity = capacity;
     GLuint buffer = 0;
     gl->GenBuffers(1, &buffer);
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
-    gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)(capacity * 8), NULL, GL_STREAM_READ);
+    gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)bytes, NULL, GL_STREAM_READ);
     SVO_I_TRY_CLEANUP(svo_i_raster_prepare(raster, plan));
     SVO_I_TRY_CLEANUP(svo_i_raster_upload(raster, plan, 1));
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SVO_I_RASTER_FRAGMENTS, buffer);
     SVO_I_TRY_CLEANUP(svo_i_raster_draw(raster, plan, &layout, 0));
     SVO_I_TRY_CLEANUP(svo_i_raster_finish(raster, 1, needed));
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
-    gl->GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)(capacity * 8), words);
+    gl->GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)bytes, words);
     SVO_I_TRY_CLEANUP(svo_i_gl_check(gl, "svo_gl_create", "self-test", &device->message));
 cleanup:
     gl->DeleteBuffers(1, &buffer);
@@ -174,22 +198,27 @@ cleanup:
 }
 
 /* Writes "" to reason when both arrays hold the same fragments in any order, else how they differ. Sorts both. */
-static void report_difference(uint32_t *drawn, uint32_t *expected, uint32_t needed, uint64_t count, char *reason,
-                              size_t reason_bytes)
+static void report_difference(const svo_plan *plan, uint32_t *drawn, uint32_t *expected, uint32_t needed,
+                              uint64_t count, char *reason, size_t reason_bytes)
 {
+    const unsigned depth = plan->info.depth;
+    const size_t bytes = svo_i_plan_fragment_bytes(plan);
     if (needed != count) {
-        (void)snprintf(reason, reason_bytes, "the self-test found %u fragments, not %llu", needed,
-                       (unsigned long long)count);
+        (void)snprintf(reason, reason_bytes, "the self-test found %u fragments, not %llu, at depth %u", needed,
+                       (unsigned long long)count, depth);
         return;
     }
-    qsort(drawn, (size_t)count, 8, compare_fragments);
-    qsort(expected, (size_t)count, 8, compare_fragments);
-    const bool same = memcmp(drawn, expected, (size_t)count * 8) == 0;
-    (void)snprintf(reason, reason_bytes, "%s", same ? "" : "the self-test found other fragments than the walk");
+    int (*compare)(const void *, const void *) =
+        depth <= SVO_CODE30_DEPTH_MAX ? compare_fragments_30 : compare_fragments_48;
+    qsort(drawn, (size_t)count, bytes, compare);
+    qsort(expected, (size_t)count, bytes, compare);
+    if (memcmp(drawn, expected, (size_t)count * bytes) != 0) {
+        (void)snprintf(reason, reason_bytes, "the self-test found other fragments than the walk at depth %u", depth);
+    }
 }
 
-static svo_status compare(svo_device *device, const svo_i_gl_functions *gl, svo_i_raster *raster, const svo_plan *plan,
-                          char *reason, size_t reason_bytes)
+static svo_status draw_and_compare(svo_device *device, const svo_i_gl_functions *gl, svo_i_raster *raster,
+                                   const svo_plan *plan, char *reason, size_t reason_bytes)
 {
     svo_status status = SVO_OK;
     uint32_t *expected = NULL;
@@ -197,42 +226,53 @@ static svo_status compare(svo_device *device, const svo_i_gl_functions *gl, svo_
     uint64_t count = 0;
     uint32_t needed = 0;
     SVO_I_TRY_CLEANUP(svo_i_walk(plan, &expected, &count));
-    drawn = svo_i_alloc(&device->memory, (size_t)(count + 1) * 8);
+    drawn = svo_i_alloc(&device->memory, (size_t)(count + 1) * svo_i_plan_fragment_bytes(plan));
     if (drawn == NULL) {
         status = svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "svo_gl_create: no memory for %llu fragments",
                                    (unsigned long long)count);
         goto cleanup;
     }
     SVO_I_TRY_CLEANUP(draw(device, gl, raster, plan, count + 1, drawn, &needed));
-    report_difference(drawn, expected, needed, count, reason, reason_bytes);
+    report_difference(plan, drawn, expected, needed, count, reason, reason_bytes);
 cleanup:
     svo_i_free(expected);
     svo_i_free(drawn);
     return status;
 }
 
+/* Tests one mesh. A failure leaves its words in the device's message. */
+static svo_status test_one(svo_device *device, const svo_i_gl_functions *gl, svo_i_raster *raster,
+                           const test_mesh *test, char *reason, size_t reason_bytes)
+{
+    double positions[TRIANGLES_MAX * 9];
+    make_vertices(test, positions);
+    const svo_mesh mesh = {.struct_size = sizeof mesh,
+                           .positions_double = positions,
+                           .vertex_count = (size_t)test->triangle_count * 3,
+                           .triangle_count = test->triangle_count};
+    const svo_plan_options options = {.struct_size = sizeof options, .edge = (double)(1 << 20), .need = SVO_NEED_NONE};
+    svo_plan *plan = NULL;
+    SVO_I_TRY(svo_plan_create(device, &mesh, test->depth, &options, &plan));
+    const svo_status status = draw_and_compare(device, gl, raster, plan, reason, reason_bytes);
+    svo_plan_destroy(&plan);
+    return status;
+}
+
 void svo_i_raster_selftest(svo_device *device, svo_gl_context *context, svo_i_raster *raster, char *reason,
                            size_t reason_bytes)
 {
-    double positions[TEST_TRIANGLES * 9];
-    make_vertices(positions);
-    const svo_mesh mesh = {.struct_size = sizeof mesh,
-                           .positions_double = positions,
-                           .vertex_count = (size_t)TEST_TRIANGLES * 3,
-                           .triangle_count = TEST_TRIANGLES};
-    const svo_plan_options options = {.struct_size = sizeof options, .edge = (double)(1 << 20), .need = SVO_NEED_NONE};
     const svo_message before = device->message;
-    svo_plan *plan = NULL;
-    if (svo_plan_create(device, &mesh, TEST_DEPTH, &options, &plan) != SVO_OK ||
-        svo_i_gl_context_make_current(context, &device->message) != SVO_OK) {
+    reason[0] = '\0';
+    if (svo_i_gl_context_make_current(context, &device->message) != SVO_OK) {
         (void)snprintf(reason, reason_bytes, "the self-test could not start: %s", device->message.text);
     } else {
         const svo_i_gl_functions *gl = svo_i_gl_context_functions(context);
-        if (compare(device, gl, raster, plan, reason, reason_bytes) != SVO_OK) {
-            (void)snprintf(reason, reason_bytes, "the self-test failed: %s", device->message.text);
+        for (size_t i = 0; i < sizeof test_meshes / sizeof test_meshes[0] && reason[0] == '\0'; ++i) {
+            if (test_one(device, gl, raster, &test_meshes[i], reason, reason_bytes) != SVO_OK) {
+                (void)snprintf(reason, reason_bytes, "the self-test failed: %s", device->message.text);
+            }
         }
         svo_i_gl_context_release_current(context);
     }
-    svo_plan_destroy(&plan);
     device->message = before;
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Compares a rasterizer with a walk over all voxels, on needles, slivers and sub-pixel triangles. */
+/* Compares a rasterizer with a walk over all voxels, on needles, slivers and sub-pixel triangles, in small, large and
+   several viewports. */
 #ifndef SVO_GLINTEROP_RASTER_SELFTEST_H
 #define SVO_GLINTEROP_RASTER_SELFTEST_H
 

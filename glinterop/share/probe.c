@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Finds which share paths work on a pair of device and context, and why the others do not. Called once per svo_gl.
+ * Finds which share paths work on a pair of device and context, and why the others do not. Called once per svo_gl and
+ * per svo_gl_buffer.
  *
  * A trial may end the process, so `interop` proceeds step by step, and each step runs only after the previous one has
  * shown that it is safe (interop.h). `host` is safe to try. Both end in a self-test.
@@ -41,6 +42,24 @@ static svo_status write_pattern(const svo_i_share_buffer *buffer, unsigned round
     return svo_i_gl_check(gl, "svo_i_share_probe", "glCopyBufferSubData", &buffer->device->message);
 }
 
+/* OpenGL copies what it sees to a buffer of its own and reads it there. */
+static svo_status read_pattern(const svo_i_share_buffer *buffer, cl_uint *words)
+{
+    const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
+    GLuint own = 0;
+    svo_i_gl_clear_errors(gl);
+    gl->GenBuffers(1, &own);
+    gl->BindBuffer(GL_COPY_WRITE_BUFFER, own);
+    gl->BufferData(GL_COPY_WRITE_BUFFER, TEST_BYTES, NULL, GL_STREAM_READ);
+    gl->BindBuffer(GL_COPY_READ_BUFFER, buffer->name);
+    gl->CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, (GLintptr)buffer->offset_bytes, 0, TEST_BYTES);
+    gl->GetBufferSubData(GL_COPY_WRITE_BUFFER, 0, TEST_BYTES, words);
+    gl->BindBuffer(GL_COPY_READ_BUFFER, 0);
+    gl->BindBuffer(GL_COPY_WRITE_BUFFER, 0);
+    gl->DeleteBuffers(1, &own);
+    return svo_i_gl_check(gl, "svo_i_share_probe", "glGetBufferSubData", &buffer->device->message);
+}
+
 /* The device copies the shared bytes to a buffer of its own, so the result is what kernels would see. */
 static svo_status compare_pattern(const svo_i_share_buffer *buffer, unsigned round, cl_mem own, cl_command_queue queue,
                                   cl_uint *words)
@@ -65,6 +84,30 @@ static svo_status compare_pattern(const svo_i_share_buffer *buffer, unsigned rou
     return SVO_OK;
 }
 
+/* The other way round: the device writes, and OpenGL copies to a buffer of its own. */
+static svo_status return_pattern(svo_i_share_buffer *buffer, unsigned round, cl_command_queue queue, cl_uint *words)
+{
+    svo_device *device = buffer->device;
+    SVO_I_TRY(svo_i_share_buffer_begin_cl(buffer, queue));
+    for (unsigned i = 0; i < TEST_WORDS; ++i) {
+        words[i] = test_word(round, i);
+    }
+    const cl_int error = clEnqueueWriteBuffer(queue, buffer->memory, CL_TRUE, 0, TEST_BYTES, words, 0, NULL, NULL);
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(device, "svo_i_share_probe", "clEnqueueWriteBuffer", error);
+    }
+    SVO_I_TRY(svo_i_share_buffer_end_cl(buffer, TEST_BYTES, queue));
+    SVO_I_TRY(read_pattern(buffer, words));
+    for (unsigned i = 0; i < TEST_WORDS; ++i) {
+        if (words[i] != test_word(round, i)) {
+            return svo_i_device_fail(device, SVO_UNSUPPORTED,
+                                     "OpenGL reads 0x%08x at word %u where OpenCL wrote 0x%08x", words[i], i,
+                                     test_word(round, i));
+        }
+    }
+    return SVO_OK;
+}
+
 static svo_status run_rounds(svo_i_share_buffer *buffer, cl_mem own, cl_command_queue queue, cl_uint *words)
 {
     for (unsigned round = 0; round < TEST_ROUNDS; ++round) {
@@ -73,10 +116,13 @@ static svo_status run_rounds(svo_i_share_buffer *buffer, cl_mem own, cl_command_
         SVO_I_TRY(svo_i_share_buffer_to_cl(buffer, TEST_BYTES, queue));
         SVO_I_TRY(compare_pattern(buffer, round, own, queue, words));
     }
+    for (unsigned round = TEST_ROUNDS; round < 2 * TEST_ROUNDS; ++round) {
+        SVO_I_TRY(return_pattern(buffer, round, queue, words));
+    }
     return SVO_OK;
 }
 
-/* OpenGL writes and OpenCL reads, twice. Expects the context current; the device's message says why it fails. */
+/* OpenGL writes and OpenCL reads, twice; then the other way round. Expects the context current; the device's message says why it fails. */
 static svo_status round_trip(svo_device *device, svo_gl_context *context, svo_gl_share share)
 {
     svo_i_share_buffer buffer = {0};
@@ -130,6 +176,10 @@ static svo_status check_host(svo_device *device, const svo_gl_context *context)
     if (!device->is_cpu) {
         return svo_i_device_fail(device, SVO_UNSUPPORTED, "%s is not a CPU device", device->name);
     }
+    if (!device->cpu_path) {
+        return svo_i_device_fail(device, SVO_UNSUPPORTED, "%s takes the path of GPUs, which have memory of their own",
+                                 device->name);
+    }
     if (svo_i_gl_context_functions(context)->BufferStorage == NULL) {
         return svo_i_device_fail(device, SVO_UNSUPPORTED,
                                  "the context has neither OpenGL 4.4 nor GL_ARB_buffer_storage");
@@ -178,4 +228,25 @@ void svo_i_share_probe(svo_device *device, svo_gl_context *context, svo_gl_share
         (void)snprintf(reason, reason_bytes, "auto is not a share path");
         break;
     }
+}
+
+svo_status svo_i_share_choose(svo_device *device, svo_gl_context *context, const char *function, svo_gl_share asked,
+                              svo_i_share_reasons *reasons, svo_gl_share *choice)
+{
+    for (svo_gl_share share = SVO_GL_SHARE_INTEROP; share <= SVO_GL_SHARE_COPY; ++share) {
+        svo_i_share_probe(device, context, share, reasons->text[share], sizeof reasons->text[share]);
+    }
+    for (svo_gl_share share = SVO_GL_SHARE_INTEROP; share <= SVO_GL_SHARE_COPY; ++share) {
+        const bool works = reasons->text[share][0] == '\0';
+        if (asked == share && !works) {
+            return svo_i_device_fail(device, SVO_UNSUPPORTED, "%s: share %s does not work: %s", function,
+                                     svo_gl_share_name(share), reasons->text[share]);
+        }
+        if (works && (asked == share || asked == SVO_GL_SHARE_AUTO)) {
+            *choice = share;
+            return SVO_OK;
+        }
+    }
+    return svo_i_device_fail(device, SVO_UNSUPPORTED, "%s: no share path works: %s", function,
+                             reasons->text[SVO_GL_SHARE_COPY]);
 }

@@ -6,6 +6,21 @@
 #include "context/context.h"
 #include "core/device.h"
 
+#define SVO_I_SHARES             4
+#define SVO_I_SHARE_REASON_BYTES 512
+
+/* Why each path does not work; "" for one that does. */
+typedef struct svo_i_share_reasons {
+    char text[SVO_I_SHARES][SVO_I_SHARE_REASON_BYTES];
+} svo_i_share_reasons;
+
+/*
+ * Finds what works on this pair and chooses. asked: AUTO takes the first path that works; another one that does not is
+ * SVO_UNSUPPORTED, with the reason in the device's message. function: for that message.
+ */
+svo_status svo_i_share_choose(svo_device *device, svo_gl_context *context, const char *function, svo_gl_share asked,
+                              svo_i_share_reasons *reasons, svo_gl_share *choice);
+
 /*
  * Writes to reason why a share path does not work on this pair, in one line, or "" if it works. `interop` and `host`
  * are tested by a round trip. The device's message stays unchanged.

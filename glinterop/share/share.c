@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Buffers that OpenGL writes and OpenCL reads, between the rasterizer and the build. probe.c finds which path works. */
+/* Buffers of both APIs, and how their content gets from one to the other. probe.c finds which path works. */
 #include "share/share.h"
 
 #include "core/message.h"
+#include "share/share_host.h"
 #include "share/share_interop.h"
 
-/* svocl draws nothing from this binding point, so its use disturbs no state. */
-#define WORK_TARGET GL_COPY_READ_BUFFER
+#define WORK_TARGET SVO_I_SHARE_WORK_TARGET
 
 size_t svo_i_share_limit_bytes(const svo_device *device, const svo_gl_context *context)
 {
@@ -39,85 +39,13 @@ static svo_status check_size(svo_device *device, const svo_gl_context *context, 
     return SVO_OK;
 }
 
-static svo_status check_gl(const svo_i_share_buffer *buffer, const char *function, const char *step)
-{
-    return svo_i_gl_check(svo_i_gl_context_functions(buffer->context), function, step, &buffer->device->message);
-}
-
-/* Why glMapBufferRange returned NULL. */
-static svo_status fail_map(const svo_i_share_buffer *buffer, const char *function)
-{
-    SVO_I_TRY(check_gl(buffer, function, "glMapBufferRange"));
-    return svo_i_device_fail(buffer->device, SVO_GL_ERROR, "%s: glMapBufferRange returned NULL", function);
-}
-
-/* The alignment that OpenCL requires of a buffer's first byte. The device property is in bits. */
-static svo_status find_cl_alignment(svo_device *device, size_t *bytes)
-{
-    cl_uint bits = 0;
-    const cl_int error = clGetDeviceInfo(device->device, CL_DEVICE_MEM_BASE_ADDR_ALIGN, sizeof bits, &bits, NULL);
-    if (error != CL_SUCCESS) {
-        return svo_i_device_fail_cl(device, "svo_i_share_buffer_create", "clGetDeviceInfo", error);
-    }
-    *bytes = bits > 8 ? bits / 8 : 1;
-    return SVO_OK;
-}
-
-/* Maps the whole OpenGL buffer persistently and finds the first byte that both APIs' alignments allow. */
-static svo_status map_persistently(svo_i_share_buffer *buffer, size_t allocated_bytes, size_t alignment_bytes)
-{
-    static const GLbitfield access = GL_MAP_READ_BIT | GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
-    const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
-    gl->BufferStorage(WORK_TARGET, (GLsizeiptr)allocated_bytes, NULL, access);
-    SVO_I_TRY(check_gl(buffer, "svo_i_share_buffer_create", "glBufferStorage"));
-    unsigned char *mapped = gl->MapBufferRange(WORK_TARGET, 0, (GLsizeiptr)allocated_bytes, access);
-    if (mapped == NULL) {
-        return fail_map(buffer, "svo_i_share_buffer_create");
-    }
-    size_t past_bytes = (size_t)((uintptr_t)mapped % alignment_bytes);
-    buffer->offset_bytes = past_bytes == 0 ? 0 : alignment_bytes - past_bytes;
-    buffer->pointer = mapped + buffer->offset_bytes;
-    size_t gl_alignment_bytes = (size_t)gl->limits.storage_offset_alignment_bytes;
-    if (gl_alignment_bytes > 1 && buffer->offset_bytes % gl_alignment_bytes != 0) {
-        return svo_i_device_fail(buffer->device, SVO_UNSUPPORTED,
-                                 "svo_i_share_buffer_create: offset %zu for OpenCL's alignment of %zu bytes is no "
-                                 "multiple of OpenGL's %zu",
-                                 buffer->offset_bytes, alignment_bytes, gl_alignment_bytes);
-    }
-    return SVO_OK;
-}
-
-static svo_status create_host(svo_i_share_buffer *buffer)
-{
-    const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
-    if (gl->BufferStorage == NULL) {
-        return svo_i_device_fail(buffer->device, SVO_UNSUPPORTED,
-                                 "svo_i_share_buffer_create: the context has no glBufferStorage");
-    }
-    size_t alignment_bytes = 1, allocated_bytes = 0;
-    SVO_I_TRY(find_cl_alignment(buffer->device, &alignment_bytes));
-    if (!svo_i_add_size(buffer->bytes, alignment_bytes - 1, &allocated_bytes)) {
-        return svo_i_device_fail(buffer->device, SVO_OUT_OF_HOST_MEMORY,
-                                 "svo_i_share_buffer_create: %zu bytes do not fit the address space", buffer->bytes);
-    }
-    SVO_I_TRY(map_persistently(buffer, allocated_bytes, alignment_bytes));
-    cl_int error = CL_SUCCESS;
-    buffer->memory = clCreateBuffer(buffer->device->context, CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, buffer->bytes,
-                                    buffer->pointer, &error);
-    if (error != CL_SUCCESS) {
-        buffer->memory = NULL;
-        return svo_i_device_fail_cl(buffer->device, "svo_i_share_buffer_create", "clCreateBuffer(CL_MEM_USE_HOST_PTR)",
-                                    error);
-    }
-    return SVO_OK;
-}
-
 /* `copy`: one buffer per API. `interop`: one buffer for both. AUTO: an OpenGL buffer only. */
 static svo_status create_allocated(svo_i_share_buffer *buffer)
 {
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
-    gl->BufferData(WORK_TARGET, (GLsizeiptr)buffer->bytes, NULL, GL_DYNAMIC_READ);
-    SVO_I_TRY(check_gl(buffer, "svo_i_share_buffer_create", "glBufferData"));
+    /* The GPU writes and reads it. Drivers put buffers for the host to read into system memory. */
+    gl->BufferData(WORK_TARGET, (GLsizeiptr)buffer->bytes, NULL, GL_STATIC_COPY);
+    SVO_I_TRY(svo_i_share_check_gl(buffer, "svo_i_share_buffer_create", "glBufferData"));
     if (buffer->share == SVO_GL_SHARE_AUTO) {
         return SVO_OK;
     }
@@ -135,7 +63,7 @@ static svo_status create_current(svo_i_share_buffer *buffer)
     svo_i_gl_clear_errors(gl);
     gl->GenBuffers(1, &buffer->name);
     gl->BindBuffer(WORK_TARGET, buffer->name);
-    svo_status status = buffer->share == SVO_GL_SHARE_HOST ? create_host(buffer) : create_allocated(buffer);
+    svo_status status = buffer->share == SVO_GL_SHARE_HOST ? svo_i_share_host_create(buffer) : create_allocated(buffer);
     gl->BindBuffer(WORK_TARGET, 0);
     return status;
 }
@@ -160,27 +88,10 @@ svo_status svo_i_share_buffer_create(svo_device *device, svo_gl_context *context
     return status;
 }
 
-/* Takes a mapped buffer back from OpenGL and releases the queue. */
-static svo_status unmap_and_wait(svo_i_share_buffer *buffer)
-{
-    cl_event done = NULL;
-    cl_int error = clEnqueueUnmapMemObject(buffer->mapping_queue, buffer->memory, buffer->pointer, 0, NULL, &done);
-    if (error == CL_SUCCESS) {
-        error = clWaitForEvents(1, &done);
-        clReleaseEvent(done);
-    }
-    clReleaseCommandQueue(buffer->mapping_queue);
-    buffer->mapping_queue = NULL;
-    if (error != CL_SUCCESS) {
-        return svo_i_device_fail_cl(buffer->device, "svo_i_share_buffer_to_cl", "clEnqueueUnmapMemObject", error);
-    }
-    return SVO_OK;
-}
-
 void svo_i_share_buffer_destroy(svo_i_share_buffer *buffer)
 {
     if (buffer->mapping_queue != NULL) {
-        (void)unmap_and_wait(buffer);
+        (void)svo_i_share_host_unmap(buffer);
     }
     const bool is_current = buffer->name != 0 && svo_i_gl_context_make_current_to_delete(buffer->context);
     (void)svo_i_share_interop_release(buffer);
@@ -202,32 +113,6 @@ void svo_i_share_buffer_bind(const svo_i_share_buffer *buffer, GLuint binding)
                           (GLsizeiptr)buffer->bytes);
 }
 
-/*
- * OpenCL 1.2, section 5.2.1 lets a device cache a CL_MEM_USE_HOST_PTR buffer. Others may write the memory only while it
- * is mapped, and unmapping makes their writes visible. On PoCL's CPU device both are nearly free.
- */
-static svo_status map_for_gl(svo_i_share_buffer *buffer, cl_command_queue queue)
-{
-    cl_int error = CL_SUCCESS;
-    void *mapped = clEnqueueMapBuffer(queue, buffer->memory, CL_TRUE, CL_MAP_WRITE_INVALIDATE_REGION, 0, buffer->bytes,
-                                      0, NULL, NULL, &error);
-    if (error != CL_SUCCESS) {
-        return svo_i_device_fail_cl(buffer->device, "svo_i_share_buffer_to_gl", "clEnqueueMapBuffer", error);
-    }
-    if (mapped != buffer->pointer) {
-        (void)clEnqueueUnmapMemObject(queue, buffer->memory, mapped, 0, NULL, NULL);
-        return svo_i_device_fail(buffer->device, SVO_UNSUPPORTED,
-                                 "svo_i_share_buffer_to_gl: OpenCL does not map the buffer in place");
-    }
-    error = clRetainCommandQueue(queue);
-    if (error != CL_SUCCESS) {
-        (void)clEnqueueUnmapMemObject(queue, buffer->memory, mapped, 0, NULL, NULL);
-        return svo_i_device_fail_cl(buffer->device, "svo_i_share_buffer_to_gl", "clRetainCommandQueue", error);
-    }
-    buffer->mapping_queue = queue;
-    return SVO_OK;
-}
-
 static svo_status release_to_gl(svo_i_share_buffer *buffer)
 {
     SVO_I_TRY(svo_i_gl_context_make_current(buffer->context, &buffer->device->message));
@@ -244,7 +129,7 @@ svo_status svo_i_share_buffer_to_gl(svo_i_share_buffer *buffer, cl_command_queue
     if (buffer->share != SVO_GL_SHARE_HOST || buffer->mapping_queue != NULL) {
         return SVO_OK;
     }
-    return map_for_gl(buffer, queue);
+    return svo_i_share_host_map(buffer, CL_MAP_WRITE_INVALIDATE_REGION, queue);
 }
 
 /* Expects buffer->name bound to WORK_TARGET. */
@@ -253,7 +138,7 @@ static svo_status copy_bound_to_cl(const svo_i_share_buffer *buffer, size_t used
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
     const void *mapped = gl->MapBufferRange(WORK_TARGET, 0, (GLsizeiptr)used_bytes, GL_MAP_READ_BIT);
     if (mapped == NULL) {
-        return fail_map(buffer, "svo_i_share_buffer_to_cl");
+        return svo_i_share_fail_map(buffer, "svo_i_share_buffer_to_cl");
     }
     cl_int error = clEnqueueWriteBuffer(queue, buffer->memory, CL_TRUE, 0, used_bytes, mapped, 0, NULL, NULL);
     bool intact = gl->UnmapBuffer(WORK_TARGET) == GL_TRUE;
@@ -283,14 +168,14 @@ static svo_status to_cl_current(svo_i_share_buffer *buffer, size_t used_bytes, c
     if (buffer->share == SVO_GL_SHARE_INTEROP) {
         gl->MemoryBarrier(GL_ALL_BARRIER_BITS);
         svo_status status = svo_i_share_interop_acquire(buffer, queue);
-        svo_status written = check_gl(buffer, "svo_i_share_buffer_to_cl", "OpenGL's work on the buffer");
+        svo_status written = svo_i_share_check_gl(buffer, "svo_i_share_buffer_to_cl", "OpenGL's work on the buffer");
         return written != SVO_OK ? written : status;
     }
     gl->MemoryBarrier(is_host ? GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT : GL_BUFFER_UPDATE_BARRIER_BIT);
     gl->Finish();
-    svo_status drawn = check_gl(buffer, "svo_i_share_buffer_to_cl", "OpenGL's work on the buffer");
+    svo_status drawn = svo_i_share_check_gl(buffer, "svo_i_share_buffer_to_cl", "OpenGL's work on the buffer");
     if (is_host) {
-        svo_status status = unmap_and_wait(buffer);
+        svo_status status = svo_i_share_host_unmap(buffer);
         return drawn != SVO_OK ? drawn : status;
     }
     SVO_I_TRY(drawn);
@@ -310,6 +195,81 @@ svo_status svo_i_share_buffer_to_cl(svo_i_share_buffer *buffer, size_t used_byte
     }
     SVO_I_TRY(svo_i_gl_context_make_current(buffer->context, &buffer->device->message));
     const svo_status status = to_cl_current(buffer, used_bytes, queue);
+    svo_i_gl_context_release_current(buffer->context);
+    return status;
+}
+
+/* ---- from OpenCL to OpenGL ---- */
+
+static svo_status begin_cl_current(svo_i_share_buffer *buffer, cl_command_queue queue)
+{
+    const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
+    if (buffer->share == SVO_GL_SHARE_INTEROP) {
+        return buffer->acquiring_queue == NULL ? svo_i_share_interop_acquire(buffer, queue) : SVO_OK;
+    }
+    if (buffer->mapping_queue != NULL) { /* OpenGL may still read what is about to be overwritten */
+        gl->Finish();
+        return svo_i_share_host_unmap(buffer);
+    }
+    return SVO_OK;
+}
+
+svo_status svo_i_share_buffer_begin_cl(svo_i_share_buffer *buffer, cl_command_queue queue)
+{
+    SVO_I_TRY(svo_i_gl_context_make_current(buffer->context, &buffer->device->message));
+    const svo_status status = begin_cl_current(buffer, queue);
+    svo_i_gl_context_release_current(buffer->context);
+    return status;
+}
+
+/* The device writes into OpenGL's memory, as the driver maps it. Expects buffer->name bound to WORK_TARGET. */
+static svo_status copy_bound_to_gl(const svo_i_share_buffer *buffer, size_t used_bytes, cl_command_queue queue)
+{
+    static const char function[] = "svo_i_share_buffer_end_cl";
+    const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
+    void *mapped =
+        gl->MapBufferRange(WORK_TARGET, 0, (GLsizeiptr)used_bytes, GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
+    if (mapped == NULL) {
+        return svo_i_share_fail_map(buffer, function);
+    }
+    const cl_int error = clEnqueueReadBuffer(queue, buffer->memory, CL_TRUE, 0, used_bytes, mapped, 0, NULL, NULL);
+    const bool intact = gl->UnmapBuffer(WORK_TARGET) == GL_TRUE;
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(buffer->device, function, "clEnqueueReadBuffer", error);
+    }
+    return intact ? SVO_OK
+                  : svo_i_device_fail(buffer->device, SVO_GL_ERROR,
+                                      "%s: glUnmapBuffer reports that the content was lost", function);
+}
+
+static svo_status end_cl_current(svo_i_share_buffer *buffer, size_t used_bytes, cl_command_queue queue)
+{
+    const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
+    if (buffer->share == SVO_GL_SHARE_INTEROP) {
+        return svo_i_share_interop_release(buffer);
+    }
+    if (buffer->share == SVO_GL_SHARE_HOST) {
+        return buffer->mapping_queue == NULL ? svo_i_share_host_map(buffer, CL_MAP_READ, queue) : SVO_OK;
+    }
+    if (used_bytes == 0) {
+        return SVO_OK;
+    }
+    svo_i_gl_clear_errors(gl);
+    gl->BindBuffer(WORK_TARGET, buffer->name);
+    const svo_status status = copy_bound_to_gl(buffer, used_bytes, queue);
+    gl->BindBuffer(WORK_TARGET, 0);
+    return status;
+}
+
+svo_status svo_i_share_buffer_end_cl(svo_i_share_buffer *buffer, size_t used_bytes, cl_command_queue queue)
+{
+    if (used_bytes > buffer->bytes) {
+        return svo_i_device_fail(buffer->device, SVO_INVALID_ARGUMENT,
+                                 "svo_i_share_buffer_end_cl: used_bytes %zu is above the buffer's %zu", used_bytes,
+                                 buffer->bytes);
+    }
+    SVO_I_TRY(svo_i_gl_context_make_current(buffer->context, &buffer->device->message));
+    const svo_status status = end_cl_current(buffer, used_bytes, queue);
     svo_i_gl_context_release_current(buffer->context);
     return status;
 }

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Buffers for the fragment list, which OpenGL writes and OpenCL reads.
+ * Buffers of both APIs.
  *
- * svo_i_share_buffer_to_gl gives a buffer to OpenGL, the rasterizer binds and fills it, and svo_i_share_buffer_to_cl
- * gives its first bytes to OpenCL. The share paths differ in how they do this, never in the bytes.
+ * The fragment list is written by OpenGL and read by OpenCL: svo_i_share_buffer_to_gl gives a buffer to OpenGL, the
+ * rasterizer binds and fills it, and svo_i_share_buffer_to_cl gives its first bytes to OpenCL. Pictures go the other
+ * way: svo_i_share_buffer_begin_cl, kernels, svo_i_share_buffer_end_cl. The share paths differ in how they do this,
+ * never in the bytes.
  *
  * `interop` is one buffer for both APIs by cl_khr_gl_sharing, where probe.c has shown that it works. With `host`,
  * OpenCL uses the memory of a persistently mapped OpenGL buffer in place. `copy` keeps one buffer per API.
@@ -38,5 +40,11 @@ svo_status svo_i_share_buffer_to_gl(svo_i_share_buffer *buffer, cl_command_queue
 /* Waits for OpenGL, then makes the first used_bytes visible to every OpenCL command enqueued after the return. Call
    svo_i_share_buffer_to_gl first. */
 svo_status svo_i_share_buffer_to_cl(svo_i_share_buffer *buffer, size_t used_bytes, cl_command_queue queue);
+
+/* Gives the buffer to OpenCL for writing, after OpenGL's commands that read it. */
+svo_status svo_i_share_buffer_begin_cl(svo_i_share_buffer *buffer, cl_command_queue queue);
+/* Makes the first used_bytes visible to every OpenGL command after the return. OpenCL's work on it must have completed.
+   Call svo_i_share_buffer_begin_cl first. */
+svo_status svo_i_share_buffer_end_cl(svo_i_share_buffer *buffer, size_t used_bytes, cl_command_queue queue);
 
 #endif

@@ -297,6 +297,20 @@ SVO_API svo_status svo_compact_trace(svo_compact *compact, const svo_ray *rays, 
 SVO_API svo_status svo_compact_render(svo_compact *compact, const svo_render_options *options, cl_command_queue queue,
                                       uint8_t *rgba);
 
+/** svo_compact_render into a buffer of the caller's, without waiting, as svo_tree_render_enqueue does it.
+ *
+ * \param compact see svo_compact_render; stays as it is until the event
+ * \param options see svo_compact_render; not used after the call
+ * \param pixels see svo_tree_render_enqueue
+ * \param queue of the context and the device of the compact tree's handle
+ * \param num_wait number of events in wait
+ * \param wait events of that context to wait for; NULL when num_wait is 0
+ * \param event receives an event of the picture; NULL allowed
+ * \returns what svo_compact_render returns; pixels as by svo_tree_render_enqueue. */
+SVO_API svo_status svo_compact_render_enqueue(svo_compact *compact, const svo_render_options *options, cl_mem pixels,
+                                              cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
+                                              cl_event *event);
+
 /** Number of kernel arguments that SVO_TREE_PARAMETERS declares with svo_compact_kernel_options. */
 #define SVO_COMPACT_ARGUMENTS 4u
 

@@ -31,13 +31,28 @@ extern "C" {
 /** An OpenCL device as svocl uses it. */
 typedef struct svo_device svo_device;
 
+/** Which of the library's kernels run, where CPUs and GPUs have different ones, and in which shapes of launches. Both
+ *  are right on every device and give the same trees, hits and pictures; the other one is slower. */
+typedef enum svo_path {
+    SVO_PATH_AUTO = 0, /**< the CPU's path on CL_DEVICE_TYPE_CPU, else the GPU's */
+    SVO_PATH_CPU = 1, /**< "cpu": a work-item does the work of a group, with vectors */
+    SVO_PATH_GPU = 2 /**< "gpu": work-items do equal parts */
+} svo_path;
+
+/** Name of a path.
+ *
+ * \param path any value
+ * \returns "auto", "cpu", "gpu" or "unknown path"; static. */
+SVO_API const char *svo_path_name(svo_path path);
+
 /** Options of a device handle. */
 typedef struct svo_device_options {
     size_t struct_size; /**< sizeof(svo_device_options) */
     svo_log_callback log; /**< NULL: nothing is logged */
     void *log_user; /**< passed to log */
     /** For svo_device_create_default: a part of "platform: device" in letters of either case, or indices as in "0.1"
-     *  (platform.device). NULL matches every device. Of those that match, the first GPU is taken, else the first. */
+     *  (platform.device). NULL matches every device. Of those that match, available ones go before others, then GPUs,
+     *  then those with memory of their own, then those of more compute units, then the first. */
     const char *device_name;
     /** Upper limit in bytes for the OpenCL buffers of this handle and of what is made from it that live at the same
      *  time: trees, scratch, BVHs, batches of rays. A buffer counts until the driver destroys it. OpenGL's memory, a
@@ -52,6 +67,8 @@ typedef struct svo_device_options {
     /** Host memory of the handle and of all that is made from it: plans, front ends, trees, workspaces. NULL: malloc
      *  and free. */
     const svo_memory_callbacks *memory;
+    /** Which kernels run; others than the default are for tests and comparisons. */
+    svo_path path;
 } svo_device_options;
 
 /** All defaults. */
@@ -103,6 +120,12 @@ SVO_API cl_device_id svo_device_cl_device(const svo_device *device);
  * \param device not NULL
  * \returns "platform: device"; lives as long as the handle. */
 SVO_API const char *svo_device_name(const svo_device *device);
+
+/** The path that kernels take.
+ *
+ * \param device not NULL
+ * \returns SVO_PATH_CPU or SVO_PATH_GPU, never SVO_PATH_AUTO. */
+SVO_API svo_path svo_device_path(const svo_device *device);
 
 /** The message of the last failure of this handle or of one made from it.
  *

@@ -119,6 +119,18 @@ SVO_API svo_status svo_gl_context_create_named(const char *device_name, svo_gl_c
 SVO_API svo_status svo_gl_context_create_named_with(const char *device_name, const svo_gl_context_options *options,
                                                     svo_gl_context **out, svo_message *message);
 
+/** Makes the off-screen context that suits an OpenCL device best: on the GPU that clGetGLContextInfoKHR says is the
+ *  device, else on a GPU of its name, else on any GPU, else in software. EGL devices are tried first, then Mesa's
+ *  surfaceless platform, and OSMesa last. No further context is made when none can suit better.
+ *
+ * \param device not NULL; it need not outlive the context
+ * \param options NULL means all defaults
+ * \param out receives the context
+ * \param message receives what failed for each candidate; NULL allowed
+ * \returns SVO_NO_GL, SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on failure. */
+SVO_API svo_status svo_gl_context_create_for(const svo_device *device, const svo_gl_context_options *options,
+                                             svo_gl_context **out, svo_message *message);
+
 /** Any OpenGL function. */
 typedef void (*svo_gl_function)(void);
 
@@ -128,7 +140,8 @@ typedef svo_gl_function (*svo_gl_get_proc_address)(void *user, const char *name)
 /** Wraps a context of the caller's, OpenGL 4.3 or later of either profile.
  *
  * The context must be current on this thread now and whenever svocl uses it: in svo_gl_create, svo_build,
- * svo_gl_build, svo_gl_light_set_sources, svo_gl_mesh_read, and when what was made with it is destroyed.
+ * svo_gl_build, svo_gl_light_set_sources, svo_gl_mesh_read, calls of buffers, and when what was made with it is
+ * destroyed.
  * svo_gl_context_destroy releases the handle alone.
  *
  * Each call restores the context's state: bindings of buffers, storage blocks, program, vertex array and framebuffers,
@@ -274,6 +287,80 @@ SVO_API const char *svo_gl_raster_reason(const svo_gl *gl, svo_gl_raster raster)
  * \param share not AUTO
  * \returns "" if it works. Static or owned by gl. */
 SVO_API const char *svo_gl_share_reason(const svo_gl *gl, svo_gl_share share);
+
+/** A buffer that OpenCL writes and OpenGL reads: a picture of svo_tree_render_enqueue, hits, whatever kernels make.
+ *
+ *     svo_gl_buffer_to_cl(buffer, queue);
+ *     svo_tree_render_enqueue(device, tree, &options, info.memory, queue, 0, NULL, &drawn);
+ *     svo_gl_buffer_to_gl(buffer, width * height * 4, queue, 1, &drawn);
+ *     glBindBuffer(GL_PIXEL_UNPACK_BUFFER, info.name);
+ *     glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, (void *)info.offset_bytes);
+ */
+typedef struct svo_gl_buffer svo_gl_buffer;
+
+/** What a buffer is; nothing of it changes. */
+typedef struct svo_gl_buffer_info {
+    size_t struct_size; /**< sizeof(svo_gl_buffer_info) */
+    svo_gl_share share; /**< the way its bytes take, never AUTO */
+    uint32_t name; /**< of the OpenGL buffer, which the caller neither maps, resizes nor deletes */
+    size_t offset_bytes; /**< where the bytes begin in it: 0, but for "host" where OpenCL aligns memory more coarsely */
+    size_t bytes; /**< as asked for */
+    cl_mem memory; /**< the OpenCL buffer, owned by the handle: use it between svo_gl_buffer_to_cl and _to_gl alone */
+} svo_gl_buffer_info;
+
+/** An empty output. */
+#define SVO_GL_BUFFER_INFO_INIT SVO_STRUCT_INIT(svo_gl_buffer_info)
+
+/** Makes a buffer. Which ways work is tried first, in both directions, as by svo_gl_create. With "interop" it is one
+ *  buffer of both APIs, with "host" OpenCL uses memory that OpenGL has mapped, with "copy" the device writes its bytes
+ *  into mapped OpenGL memory once they are finished.
+ *
+ * \param device must outlive the result
+ * \param context must outlive the result
+ * \param bytes not 0, at most what both APIs allocate and a storage block of the context holds
+ * \param share AUTO: the first way that works; a forced choice that does not work is an error, never a fallback
+ * \param out receives the buffer, of undefined content, which the caller destroys
+ * \returns SVO_UNSUPPORTED with the reason in svo_device_message, SVO_OUT_OF_DEVICE_MEMORY, SVO_NO_GL, SVO_GL_ERROR,
+ *          SVO_CL_ERROR, SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on failure. */
+SVO_API svo_status svo_gl_buffer_create(svo_device *device, svo_gl_context *context, size_t bytes, svo_gl_share share,
+                                        svo_gl_buffer **out);
+
+/** Destroys a buffer. No command in flight may use it.
+ *
+ * \param buffer set to NULL; NULL and a pointer to NULL are allowed */
+SVO_API void svo_gl_buffer_destroy(svo_gl_buffer **buffer);
+
+/** Describes a buffer.
+ *
+ * \param buffer not NULL
+ * \param info receives the description
+ * \returns SVO_INVALID_ARGUMENT when info is NULL or its struct_size is too small. */
+SVO_API svo_status svo_gl_buffer_get_info(const svo_gl_buffer *buffer, svo_gl_buffer_info *info);
+
+/** Why a way does not work for a buffer.
+ *
+ * \param buffer not NULL
+ * \param share not AUTO
+ * \returns "" if it works. Owned by buffer. */
+SVO_API const char *svo_gl_buffer_share_reason(const svo_gl_buffer *buffer, svo_gl_share share);
+
+/** Gives a buffer to OpenCL, after what OpenGL reads of it by earlier commands. Bytes that were there stay.
+ *
+ * \param buffer not NULL
+ * \param queue on the device's context; NULL: the device's own
+ * \returns SVO_INVALID_ARGUMENT, SVO_NO_GL, SVO_GL_ERROR or SVO_CL_ERROR on failure. */
+SVO_API svo_status svo_gl_buffer_to_cl(svo_gl_buffer *buffer, cl_command_queue queue);
+
+/** Gives a buffer to OpenGL: waits for OpenCL, then every later OpenGL command sees the bytes.
+ *
+ * \param buffer after svo_gl_buffer_to_cl
+ * \param used_bytes how many of its first bytes OpenGL will read, at most all
+ * \param queue on the device's context; NULL: the device's own. Commands of this queue are waited for if it is in-order
+ * \param num_wait number of events in wait
+ * \param wait events of that context to wait for; NULL when num_wait is 0
+ * \returns SVO_INVALID_ARGUMENT, SVO_NO_GL, SVO_GL_ERROR or SVO_CL_ERROR on failure; the buffer then stays OpenCL's. */
+SVO_API svo_status svo_gl_buffer_to_gl(svo_gl_buffer *buffer, size_t used_bytes, cl_command_queue queue,
+                                       cl_uint num_wait, const cl_event *wait);
 
 /** svo_build by compute shaders. The list is drawn by gl's front end and stays in OpenGL, where nodes, lists and
  *  payload are made; only the finished arrays go to OpenCL. The tree is the same, bit for bit. It serves to compare the

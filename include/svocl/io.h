@@ -3,11 +3,11 @@
  * Files (svocl::io): trees as .svo; meshes from OBJ, PLY, STL, OFF, and from what assimp knows. It includes
  * voxel_files.h, whose subject is voxels.
  *
- * The .svo format, version 2. All numbers are little-endian; offsets are bytes from the start of the file.
+ * The .svo format, version 3. All numbers are little-endian; offsets are bytes from the start of the file.
  *
  *     offset bytes
  *     0      8     magic: 89 53 56 4F 0D 0A 1A 0A  ("\x89SVO\r\n\x1a\n")
- *     8      4     u32 version: 2; files of version 1 are still read
+ *     8      4     u32 version: 3; files of versions 1 and 2 are still read
  *     12     4     u32 header_bytes: offset of the first byte after the chunk table
  *     16     8     u64 file_bytes: length of the whole file
  *     24     8     u64 XXH3-64 over bytes 32 .. header_bytes
@@ -31,24 +31,37 @@
  *     200    40 *  chunk table: one entry per chunk
  *
  *     chunk entry
- *     0      4     u32 kind: svo_tree_buffer's value
+ *     0      2     u16 kind: svo_tree_buffer's value
+ *     2      2     u16 level: whose nodes the elements belong to
  *     4      4     u32 codec: 0 stored, 1 zstd frame
  *     8      8     u64 offset
  *     16     8     u64 stored_bytes
  *     24     8     u64 plain_bytes
  *     32     8     u64 XXH3-64 over the uncompressed bytes
  *
- * Chunks hold the arrays of svo_tree_arrays in ascending kind, back to back, the first at header_bytes. plain_bytes
- * follows from the header's counts and the array's element size; that of list, vertices and indices gives their count.
- * child_mask and first_child are always present. Every node's first_child is set, also that of the empty tree's root
- * (1). positions or positions_double is there with need's bit 2, unless coverage is thin; its used vertices snap to
- * those of vertices. In version 1, and in a file of such a tree, there is neither: rays meet the snapped mesh
- * (svo_tree_info.positions). A zstd chunk has at least 4 bytes per 128 KiB of plain_bytes, as zstd itself ensures.
+ * Chunks lie back to back, the first at header_bytes, in ascending level, and within a level in ascending kind. So the
+ * levels above any level are one piece at the beginning of the file. A chunk holds the elements of svo_tree_arrays that
+ * belong to the nodes of its level:
+ *
+ *     array                               levels
+ *     child_mask                          0 .. depth - 1
+ *     colors, normals, materials, fills   payload_level .. depth; if constant, one element at payload_level
+ *     all others                          depth
+ *
+ * first_child is not in the file: a node's children begin where those of the node before it end, from node 1 on.
+ * plain_bytes follows from the header's counts and the array's element size; that of list, vertices and indices gives
+ * their count. child_mask is always present. positions or positions_double is there with need's bit 2, unless coverage
+ * is thin; its used vertices snap to those of vertices. A zstd chunk has at least 4 bytes per 128 KiB of plain_bytes,
+ * as zstd itself ensures.
+ *
+ * In version 2 a chunk is a whole array, its level is 0, and first_child is there as well, of every node, also of the
+ * empty tree's root (1). Version 1 has, besides, no positions. Trees of such files, and files that are made of those,
+ * are without them: rays meet the snapped mesh (svo_tree_info.positions).
  *
  * Files of compact trees (compact.h), version 1, differ in this: the magic is 89 53 56 43 0D 0A 1A 0A
  * ("\x89SVC\r\n\x1a\n"). need has payload alone. level_begin counts inner nodes: level l has level_begin[l + 1] -
  * level_begin[l] of them, level depth none. The kind of a chunk is a svo_compact_buffer, in ascending order, where the
- * array is held. Before them there is one chunk of kind 64:
+ * array is held, and its level is 0. Before them there is one chunk of kind 64:
  *
  *     offset bytes
  *     0      4     u32 form: svo_form
@@ -162,6 +175,23 @@ typedef struct svo_load_options {
  * \returns what svo_tree_load returns, and SVO_INVALID_ARGUMENT for options that are not valid. */
 SVO_API svo_status svo_tree_load_with(const char *path, const svo_load_options *options, svo_tree **out,
                                       svo_message *message);
+
+/** Reads the upper levels of a .svo file: a tree of that depth. Of files since version 3 the levels below are not read;
+ *  older ones are read whole and shortened.
+ *
+ * The nodes of last_level are its leaves. It has the file's colors, normals, materials and fills, unless their
+ * payload_level is below last_level, and neither lists nor geometry nor areas, so rays meet its voxels
+ * (svo_trace_voxel). Counts of triangles and fragments are the whole tree's. With the depth of the file it is the whole
+ * tree, with all that svo_tree_load gives.
+ *
+ * \param path of the file
+ * \param last_level 1 .. the depth of the file
+ * \param options NULL means all defaults
+ * \param out receives the tree
+ * \param message receives what is wrong and where; NULL allowed
+ * \returns what svo_tree_load_with returns; SVO_INVALID_ARGUMENT also for a last_level that the file does not have. */
+SVO_API svo_status svo_tree_load_levels(const char *path, uint32_t last_level, const svo_load_options *options,
+                                        svo_tree **out, svo_message *message);
 
 /** svo_tree_load_memory with options.
  *

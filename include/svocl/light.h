@@ -345,6 +345,21 @@ typedef struct svo_light_picture {
 SVO_API svo_status svo_light_render(svo_light *light, const svo_light_picture *picture, cl_command_queue queue,
                                     uint8_t *rgba);
 
+/** svo_light_render into a buffer of the caller's, without waiting, as svo_tree_render_enqueue does it.
+ *
+ * \param light see svo_light_render; stays as it is until the event, and its tree too
+ * \param picture see svo_light_render; not used after the call
+ * \param pixels see svo_tree_render_enqueue: room for the whole picture. A band goes to its place there, and rows
+ *        outside the band stay as they are
+ * \param queue of the context and the device of the light's handle
+ * \param num_wait number of events in wait
+ * \param wait events of that context to wait for; NULL when num_wait is 0
+ * \param event receives an event of the picture; NULL allowed
+ * \returns what svo_light_render returns; pixels as by svo_tree_render_enqueue. */
+SVO_API svo_status svo_light_render_enqueue(svo_light *light, const svo_light_picture *picture, cl_mem pixels,
+                                            cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
+                                            cl_event *event);
+
 #ifdef __cplusplus
 }
 #endif

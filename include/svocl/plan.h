@@ -15,6 +15,7 @@
 
 #include "svocl/device.h"
 #include "svocl/mesh.h"
+#include "svocl/part_types.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -181,6 +182,15 @@ typedef struct svo_plan_options {
     void *progress_user; /**< passed to progress */
     /** Where the plan is made. SVO_PLACE_DEVICE fails with SVO_UNSUPPORTED on devices without doubles or denormals. */
     svo_place place;
+    /** Not NULL: builds a part of a larger tree (parts.h): what lies under the node of level part_level and Morton code
+     *  part_code. The result is a tree of depth - part_level levels below that node, for svo_part_save. need, coverage,
+     *  weights, payload_level, origin and edge are the header's. The plan is made on the host. */
+    const svo_part_header *part_header;
+    /** triangle_count: each triangle's position among the kept triangles of the whole mesh, ascending, for leaf lists;
+     *  then the mesh needs only the triangles that meet the part. NULL: the mesh is the whole mesh. */
+    const uint32_t *part_triangles;
+    uint64_t part_code; /**< below 8^part_level; unused without part_header */
+    uint32_t part_level; /**< 0 .. depth - 1; 0 is the whole tree. Unused without part_header */
     /** Of an updatable plan: the largest area that the mesh will have inside the grid, square world units; finite. It
      *  decides the unit of weight, which stays, so that payload does not depend on how the mesh lies at first. 0: four
      *  times the area of the mesh that is given. */
@@ -188,7 +198,7 @@ typedef struct svo_plan_options {
     /** Not 0: the mesh may move, see svo_plan_update_enqueue. Requires edge, a mesh with vertices and triangles, and a
      *  device with doubles and denormals, since kernels make the plan: SVO_PLACE_DEVICE. All kernels that some motion
      *  may need are compiled, all payload is made per node, and the list has the room of this mesh, a margin included,
-     *  unless fragment_capacity says otherwise. Takes 113 bytes per triangle and 14 per vertex besides what
+     *  unless fragment_capacity says otherwise. Takes 55 bytes per triangle and up to 38 per vertex besides what
      *  SVO_PLACE_DEVICE names. */
     uint32_t updatable;
     /** The weight of a voxel's face, as a power of two from 13 on (svo_plan_info.weight_log2); 0: the largest without
@@ -279,13 +289,20 @@ typedef struct svo_left_out {
  *
  * \param device must outlive the plan
  * \param mesh what to voxelize
- * \param depth SVO_DEPTH_MIN .. SVO_DEPTH_MAX
+ * \param depth SVO_DEPTH_MIN .. SVO_DEPTH_MAX; of a part: that of the whole tree
  * \param options NULL means all defaults
  * \param out receives the plan
  * \returns SVO_INVALID_ARGUMENT (depth, options, missing arrays, a grid that cannot be scaled),
  *          SVO_OUT_OF_DEVICE_MEMORY (2^32 texels or more), SVO_CANCELED or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned depth,
                                    const svo_plan_options *options, svo_plan **out);
+
+/** What parts of the plan's tree need to know of the whole; see svo_plan_options.part_header.
+ *
+ * \param plan of the whole mesh, not of a part
+ * \param header receives the values
+ * \returns SVO_INVALID_ARGUMENT (a plan of a part, a struct_size that is too small). */
+SVO_API svo_status svo_plan_get_part_header(const svo_plan *plan, svo_part_header *header);
 
 /** Makes a plan from a mesh in OpenCL buffers, by kernels: SVO_PLACE_DEVICE.
  *

@@ -235,6 +235,20 @@ typedef struct svo_scene_render_options {
 SVO_API svo_status svo_scene_render(svo_scene *scene, const svo_scene_render_options *options, cl_command_queue queue,
                                     uint8_t *rgba);
 
+/** svo_scene_render into a buffer of the caller's, without waiting, as svo_tree_render_enqueue does it.
+ *
+ * \param scene see svo_scene_render; stays as it is until the event
+ * \param options see svo_scene_render; not used after the call
+ * \param pixels see svo_tree_render_enqueue
+ * \param queue of the context and the device of the scene's handle
+ * \param num_wait number of events in wait
+ * \param wait events of that context to wait for; NULL when num_wait is 0
+ * \param event receives an event of the picture; NULL allowed
+ * \returns what svo_scene_render returns; pixels as by svo_tree_render_enqueue. */
+SVO_API svo_status svo_scene_render_enqueue(svo_scene *scene, const svo_scene_render_options *options, cl_mem pixels,
+                                            cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
+                                            cl_event *event);
+
 #ifdef __cplusplus
 }
 #endif

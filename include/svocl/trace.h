@@ -74,6 +74,26 @@ typedef struct svo_render_options {
 SVO_API svo_status svo_tree_render(svo_device *device, svo_tree *tree, const svo_render_options *options,
                                    cl_command_queue queue, uint8_t *rgba);
 
+/** svo_tree_render into a buffer of the caller's, without waiting: the picture need not cross to the host. Its bytes
+ *  are those of svo_tree_render. The first call of a device handle compiles the kernel, and views of a tree with
+ *  triangles make its BVH, see the head of this file; that is waited for.
+ *
+ * \param device see svo_tree_render
+ * \param tree see svo_tree_render; stays as it is until the event
+ * \param options see svo_tree_render; not used after the call
+ * \param pixels buffer of the device's context that kernels may write, not CL_MEM_READ_ONLY, of at least
+ *        height * width * 4 bytes: it receives what rgba of svo_tree_render does. A sub-buffer puts the picture
+ *        somewhere else in a larger buffer
+ * \param queue of the context and the device of the handle, in-order or out-of-order
+ * \param num_wait number of events in wait
+ * \param wait events of that context to wait for; NULL when num_wait is 0
+ * \param event receives an event of the picture; NULL allowed
+ * \returns what svo_tree_render returns. SVO_INVALID_ARGUMENT leaves pixels as they are; after SVO_CL_ERROR they are
+ *          undefined. */
+SVO_API svo_status svo_tree_render_enqueue(svo_device *device, svo_tree *tree, const svo_render_options *options,
+                                           cl_mem pixels, cl_command_queue queue, cl_uint num_wait,
+                                           const cl_event *wait, cl_event *event);
+
 /** How a BVH is made. Hits are the same. */
 typedef enum svo_bvh_quality {
     SVO_BVH_BEST = 0, /**< splits by the surface area heuristic throughout: most rays per second */

@@ -6,6 +6,7 @@
 #include "build/order.h"
 #include "build/report.h"
 #include "plan/buffers.h"
+#include "plan/part.h"
 #include "plan/progress.h"
 #include "plan/update.h"
 #include "stages/constants.h"
@@ -122,6 +123,10 @@ svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue qu
     const char *wrong = wrong_argument(plan, frontend, out);
     if (wrong != NULL) {
         return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, "svo_build: %s", wrong);
+    }
+    if (svo_i_plan_is_part(plan) && frontend->make_tree != NULL) {
+        return svo_i_device_fail(plan->device, SVO_UNSUPPORTED, "svo_build: the builder %s makes no parts of trees",
+                                 frontend->builder);
     }
     svo_build_report made;
     const svo_status status = run_build(plan, frontend, queue, out, &made);

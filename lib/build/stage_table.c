@@ -128,7 +128,7 @@ static void sort_defines(const svo_plan *plan, char *text, size_t bytes)
 
 static void subdivide_defines(const svo_plan *plan, char *text, size_t bytes)
 {
-    (void)snprintf(text, bytes, "%s", plan->device->is_cpu ? " -DSVO_MARK_BATCHES" : "");
+    (void)snprintf(text, bytes, "%s", plan->device->cpu_path ? " -DSVO_MARK_BATCHES" : "");
 }
 
 static void pack_defines(const svo_plan *plan, char *text, size_t bytes)

@@ -11,6 +11,7 @@
 #include "plan/buffers.h"
 #include "plan/chunking.h"
 #include "plan/estimate.h"
+#include "plan/part.h"
 #include "plan/progress.h"
 #include "plan/update.h"
 
@@ -29,6 +30,10 @@ static svo_status check(svo_plan *plan, svo_frontend *frontend)
     if (frontend->make_tree != NULL) {
         return svo_i_device_fail(plan->device, SVO_UNSUPPORTED,
                                  SVO_I_WORKSPACE ": builder %s cannot be enqueued, only cl", frontend->builder);
+    }
+    if (svo_i_plan_is_part(plan)) {
+        return svo_i_device_fail(plan->device, SVO_UNSUPPORTED,
+                                 SVO_I_WORKSPACE ": the plan is that of a part, which svo_build makes");
     }
     if (plan->work.sorted) {
         return svo_i_device_fail(plan->device, SVO_UNSUPPORTED,

@@ -100,6 +100,34 @@ static svo_i_picture_source describe(svo_compact *compact, const char *function)
                                   .payload_level = info->payload_level};
 }
 
+/* Checks what is asked for. */
+static svo_status check_picture(const svo_compact *compact, const char *function, const svo_render_options *options,
+                                svo_render_options *asked)
+{
+    if (options == NULL) {
+        return svo_i_device_fail(compact->device, SVO_INVALID_ARGUMENT, "%s: options is NULL", function);
+    }
+    SVO_I_TRY(svo_i_picture_options(compact->device, function, options, asked));
+    return asked->view != SVO_VIEW_TRIANGLES
+               ? SVO_OK
+               : svo_i_device_fail(compact->device, SVO_INVALID_ARGUMENT, "%s: a compact tree has no triangles to show",
+                                   function);
+}
+
+svo_status svo_compact_render_enqueue(svo_compact *compact, const svo_render_options *options, cl_mem pixels,
+                                      cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
+{
+    static const char function[] = "svo_compact_render_enqueue";
+    const svo_i_pixels to = {pixels, queue, num_wait, wait, event};
+    svo_render_options asked;
+    if (compact == NULL || compact->device == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    SVO_I_TRY(check_picture(compact, function, options, &asked));
+    const svo_i_picture_source source = describe(compact, function);
+    return svo_i_picture_enqueue(&source, &asked, &to);
+}
+
 svo_status svo_compact_render(svo_compact *compact, const svo_render_options *options, cl_command_queue queue,
                               uint8_t *rgba)
 {
@@ -108,15 +136,10 @@ svo_status svo_compact_render(svo_compact *compact, const svo_render_options *op
     if (compact == NULL || compact->device == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    if (options == NULL || rgba == NULL) {
-        return svo_i_device_fail(compact->device, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
-                                 options == NULL ? "options" : "rgba");
+    if (rgba == NULL) {
+        return svo_i_device_fail(compact->device, SVO_INVALID_ARGUMENT, "%s: rgba is NULL", function);
     }
-    SVO_I_TRY(svo_i_picture_options(compact->device, function, options, &asked));
-    if (asked.view == SVO_VIEW_TRIANGLES) {
-        return svo_i_device_fail(compact->device, SVO_INVALID_ARGUMENT, "%s: a compact tree has no triangles to show",
-                                 function);
-    }
+    SVO_I_TRY(check_picture(compact, function, options, &asked));
     const svo_i_picture_source source = describe(compact, function);
     return svo_i_picture_draw(&source, &asked, queue, rgba);
 }

@@ -32,8 +32,9 @@ svo_status svo_i_device_fail_cl(svo_device *device, const char *function, const 
     return svo_i_fail_cl(svo_i_device_message(device), function, call, error);
 }
 
-svo_status svo_i_device_buffer(svo_device *device, const char *function, const char *name, cl_mem_flags flags,
-                               size_t bytes, cl_mem *out)
+/* content: of the buffer, with CL_MEM_COPY_HOST_PTR; else NULL. */
+static svo_status make_buffer(svo_device *device, const char *function, const char *name, cl_mem_flags flags,
+                              void *content, size_t bytes, cl_mem *out)
 {
     if (bytes > device->max_allocation_bytes) {
         return svo_i_device_fail(device, SVO_OUT_OF_DEVICE_MEMORY,
@@ -48,7 +49,7 @@ svo_status svo_i_device_buffer(svo_device *device, const char *function, const c
                                  (unsigned long long)svo_i_budget_max(device->budget));
     }
     cl_int error = CL_SUCCESS;
-    cl_mem buffer = clCreateBuffer(device->context, flags, made_bytes, NULL, &error);
+    cl_mem buffer = clCreateBuffer(device->context, flags, made_bytes, content, &error);
     if (error == CL_SUCCESS) {
         error = svo_i_budget_count(device->budget, buffer, made_bytes);
         if (error != CL_SUCCESS) {
@@ -62,6 +63,20 @@ svo_status svo_i_device_buffer(svo_device *device, const char *function, const c
     }
     *out = buffer;
     return SVO_OK;
+}
+
+svo_status svo_i_device_buffer(svo_device *device, const char *function, const char *name, cl_mem_flags flags,
+                               size_t bytes, cl_mem *out)
+{
+    return make_buffer(device, function, name, flags, NULL, bytes, out);
+}
+
+svo_status svo_i_device_constants(svo_device *device, const char *function, const char *name, const void *content,
+                                  size_t bytes, cl_mem *out)
+{
+    void *copied = NULL; /* OpenCL's parameter is not const, though the memory is only read */
+    memcpy(&copied, &content, sizeof copied);
+    return make_buffer(device, function, name, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, copied, bytes, out);
 }
 
 svo_status svo_i_device_check_queue(svo_device *device, const char *function, cl_command_queue queue)
@@ -91,6 +106,14 @@ svo_status svo_i_device_check_memory(svo_device *device, const char *function, c
     return held >= bytes ? SVO_OK
                          : svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s holds %zu bytes, below %zu",
                                              function, name, held, bytes);
+}
+
+svo_status svo_i_device_check_output(svo_device *device, const char *function, const char *name, cl_mem memory,
+                                     size_t bytes)
+{
+    const char *wrong = svo_i_wrong_output(device->context, memory);
+    return wrong == NULL ? svo_i_device_check_memory(device, function, name, memory, bytes)
+                         : svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s %s", function, name, wrong);
 }
 
 /* The device's own queue, attached to it. */
@@ -235,6 +258,22 @@ static svo_status find_extension(const svo_device *handle, cl_device_id device, 
     return SVO_OK;
 }
 
+const char *svo_path_name(svo_path path)
+{
+    static const char *const names[] = {"auto", "cpu", "gpu"};
+    return (unsigned)path <= SVO_PATH_GPU ? names[path] : "unknown path";
+}
+
+static svo_status choose_path(svo_device *handle, svo_path path, svo_message *message)
+{
+    if ((unsigned)path > SVO_PATH_GPU) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, CREATE ": options.path %d is not in %d .. %d", (int)path,
+                          (int)SVO_PATH_AUTO, (int)SVO_PATH_GPU);
+    }
+    handle->cpu_path = path == SVO_PATH_CPU || (path == SVO_PATH_AUTO && handle->is_cpu);
+    return SVO_OK;
+}
+
 /* The properties that builds and rays depend on. */
 static svo_status query_properties(svo_device *handle, cl_device_id device, svo_message *message)
 {
@@ -293,6 +332,7 @@ svo_status svo_device_create(cl_context context, cl_device_id device, const svo_
     SVO_I_TRY_CLEANUP(check_device(device, name, &memory, message));
     SVO_I_TRY_CLEANUP(check_context(context, device, &memory, message));
     SVO_I_TRY_CLEANUP(query_properties(handle, device, message));
+    SVO_I_TRY_CLEANUP(choose_path(handle, asked.path, message));
     SVO_I_TRY_CLEANUP(retain(context, device, message));
     handle->name = name;
     handle->budget = budget;
@@ -337,6 +377,11 @@ cl_device_id svo_device_cl_device(const svo_device *device)
 const char *svo_device_name(const svo_device *device)
 {
     return device->name;
+}
+
+svo_path svo_device_path(const svo_device *device)
+{
+    return device->cpu_path ? SVO_PATH_CPU : SVO_PATH_GPU;
 }
 
 const char *svo_device_message(const svo_device *device)

@@ -21,7 +21,8 @@ struct svo_device {
     char *name;
     cl_ulong max_allocation_bytes;
     cl_ulong global_bytes;
-    bool is_cpu;
+    bool is_cpu; /* by its type: its memory is the host's */
+    bool cpu_path; /* kernels and shapes of launches are those for CPUs, see svo_path */
     bool has_fp64; /* kernels have cl_khr_fp64 */
     svo_i_budget *budget; /* NULL: none */
     svo_i_attachment *attachments; /* compiled programs, and what else is kept until the handle is destroyed */
@@ -55,13 +56,22 @@ bool svo_i_event_settle(cl_event event);
 
 void svo_i_device_log(const svo_device *device, svo_log_level level, const char *text);
 
+/* Refuses a caller's events that are of another context, or NULL. */
+svo_status svo_i_device_check_wait(svo_device *device, const char *function, cl_uint num_wait, const cl_event *wait);
+
 SVO_I_SHARED_END
+
+/* svo_i_device_buffer for what kernels only read, with its content. No command is enqueued, so nothing waits. */
+svo_status svo_i_device_constants(svo_device *device, const char *function, const char *name, const void *content,
+                                  size_t bytes, cl_mem *out);
 
 /* Refuse a caller's objects that are of another context, or NULL; name: of the argument, for the message. A queue must
    also be of this device, and memory a buffer of at least so many bytes. */
 svo_status svo_i_device_check_queue(svo_device *device, const char *function, cl_command_queue queue);
-svo_status svo_i_device_check_wait(svo_device *device, const char *function, cl_uint num_wait, const cl_event *wait);
 svo_status svo_i_device_check_memory(svo_device *device, const char *function, const char *name, cl_mem memory,
+                                     size_t bytes);
+/* The same for memory that kernels write: CL_MEM_READ_ONLY is refused too. */
+svo_status svo_i_device_check_output(svo_device *device, const char *function, const char *name, cl_mem memory,
                                      size_t bytes);
 
 #endif

@@ -25,6 +25,35 @@ static bool contains(const char *text, const char *part)
     return length == 0;
 }
 
+/* What decides between devices that match a request. */
+typedef struct device_facts {
+    cl_bool available;
+    cl_bool shares_memory; /* with the host, as CPUs and integrated GPUs do */
+    cl_device_type type;
+    cl_uint compute_units;
+} device_facts;
+
+static bool is_gpu(const device_facts *facts)
+{
+    return (facts->type & CL_DEVICE_TYPE_GPU) != 0;
+}
+
+/* Devices that work come first, then GPUs, then those with memory of their own, then those of more compute units. Of
+   equals the first stays. */
+static bool is_better(const device_facts *facts, const device_facts *best)
+{
+    if (facts->available != best->available) {
+        return facts->available != CL_FALSE;
+    }
+    if (is_gpu(facts) != is_gpu(best)) {
+        return is_gpu(facts);
+    }
+    if (facts->shares_memory != best->shares_memory) {
+        return facts->shares_memory == CL_FALSE;
+    }
+    return facts->compute_units > best->compute_units;
+}
+
 /* A search of svo_device_create_default: the request, and the best device so far. */
 typedef struct device_search {
     const svo_i_memory *memory;
@@ -32,7 +61,7 @@ typedef struct device_search {
     bool by_index;
     unsigned platform_index, device_index;
     cl_device_id found;
-    bool found_gpu;
+    device_facts best; /* of the device found */
     char bare[256]; /* names and errors of platforms without a device, cut to fit */
 } device_search;
 
@@ -48,19 +77,31 @@ static void note_bare_platform(device_search *search, cl_platform_id platform, c
     svo_i_free(name);
 }
 
+static svo_status read_facts(cl_device_id device, device_facts *out, svo_message *message)
+{
+    *out = (device_facts){0};
+    SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_TYPE, sizeof out->type, &out->type, CREATE_DEFAULT, message));
+    SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_AVAILABLE, sizeof out->available, &out->available, CREATE_DEFAULT,
+                                    message));
+    SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof out->compute_units, &out->compute_units,
+                                    CREATE_DEFAULT, message));
+    /* OpenCL 2.0 has deprecated it; where a driver does not answer, it decides nothing. */
+    (void)clGetDeviceInfo(device, CL_DEVICE_HOST_UNIFIED_MEMORY, sizeof out->shares_memory, &out->shares_memory, NULL);
+    return SVO_OK;
+}
+
 /* Compares a device with the best one so far. */
 static svo_status search_device(device_search *search, cl_device_id device, svo_message *message)
 {
     char *name = NULL;
-    cl_device_type type = 0;
-    SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_TYPE, sizeof type, &type, CREATE_DEFAULT, message));
+    device_facts facts;
+    SVO_I_TRY(read_facts(device, &facts, message));
     SVO_I_TRY(svo_i_device_full_name(device, CREATE_DEFAULT, search->memory, &name, message));
     const bool matches = search->wanted == NULL || contains(name, search->wanted);
     svo_i_free(name);
-    const bool gpu = (type & CL_DEVICE_TYPE_GPU) != 0;
-    if (matches && (search->found == NULL || (gpu && !search->found_gpu))) {
+    if (matches && (search->found == NULL || is_better(&facts, &search->best))) {
         search->found = device;
-        search->found_gpu = gpu;
+        search->best = facts;
     }
     return SVO_OK;
 }

@@ -33,6 +33,19 @@ const char *svo_i_wrong_memory(cl_context context, cl_mem memory)
     return own_context != context ? "is of another context" : NULL;
 }
 
+const char *svo_i_wrong_output(cl_context context, cl_mem memory)
+{
+    const char *wrong = svo_i_wrong_memory(context, memory);
+    cl_mem_flags flags = 0;
+    if (wrong != NULL) {
+        return wrong;
+    }
+    if (clGetMemObjectInfo(memory, CL_MEM_FLAGS, sizeof flags, &flags, NULL) != CL_SUCCESS) {
+        return "is no buffer: clGetMemObjectInfo failed";
+    }
+    return (flags & CL_MEM_READ_ONLY) != 0 ? "is of CL_MEM_READ_ONLY, and kernels write it" : NULL;
+}
+
 const char *svo_i_wrong_kernel(cl_context context, cl_kernel kernel)
 {
     cl_context own_context = NULL;

@@ -12,6 +12,8 @@
    is a whole sentence; the others follow the argument's name, as "is of another context" does. */
 const char *svo_i_wrong_queue(cl_context context, cl_device_id device, cl_command_queue queue);
 const char *svo_i_wrong_memory(cl_context context, cl_mem memory);
+/* The same for memory that kernels write. */
+const char *svo_i_wrong_output(cl_context context, cl_mem memory);
 const char *svo_i_wrong_kernel(cl_context context, cl_kernel kernel);
 const char *svo_i_wrong_wait(cl_context context, cl_uint num_wait, const cl_event *wait);
 

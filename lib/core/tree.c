@@ -42,6 +42,7 @@ void svo_tree_destroy(svo_tree **tree)
     if ((*tree)->build_state != NULL) {
         clReleaseMemObject((*tree)->build_state);
     }
+    svo_i_free((*tree)->part.runs);
     svo_i_free(*tree);
     *tree = NULL;
 }

@@ -8,6 +8,7 @@
 #include "core/attachment.h"
 #include "core/memory.h"
 #include "core/message.h"
+#include "svocl/part_types.h"
 #include "svocl/tree.h"
 
 struct svo_workspace;
@@ -21,6 +22,23 @@ typedef enum svo_i_tree_content {
     SVO_I_TREE_FAILED, /* the last build failed */
     SVO_I_TREE_ABANDONED /* the workspace was destroyed before the pending build was finished */
 } svo_i_tree_content;
+
+/* The sums of a node's payload, unrounded, as kernels/stages/sums.clh adds them up. */
+typedef struct svo_i_node_sums {
+    uint64_t weight;
+    uint64_t color[4];
+    int64_t normal[3];
+} svo_i_node_sums;
+
+/* Of a tree that is a part of a larger one; header.depth is 0 in whole trees. */
+typedef struct svo_i_tree_part {
+    svo_part_header header;
+    uint32_t level;
+    uint32_t run_count;
+    uint64_t code;
+    svo_i_node_sums root; /* where a level above has payload; else 0 */
+    uint64_t *runs; /* the root's materials and their weights, as kernels/stages/material.cl has them; owned */
+} svo_i_tree_part;
 
 /* The name of svo_tree.build_state among the buffers of a plan. */
 #define SVO_I_TREE_BUILD_STATE "build_state"
@@ -38,6 +56,7 @@ struct svo_tree {
     struct svo_workspace *workspace; /* whose builds fill it; NULL: none, or no longer */
     svo_tree *next; /* of the workspace's trees */
     struct svo_i_pending *pending; /* the build that is filling it; NULL: none */
+    svo_i_tree_part part;
     bool moves; /* of an updatable plan: its BVH can follow */
     bool downloaded; /* host[] has all arrays of the tree (an empty array stays NULL) */
 };

@@ -10,10 +10,34 @@ svo_status svo_i_work_begin(svo_device *device, const char *function, cl_command
     return svo_i_device_queue(device, function, queue, &out->queue);
 }
 
+svo_status svo_i_work_begin_after(svo_device *device, const char *function, cl_command_queue queue, cl_uint num_wait,
+                                  const cl_event *wait, svo_i_device_work *out)
+{
+    cl_event begun = NULL;
+    SVO_I_TRY(svo_i_work_begin(device, function, queue, out));
+    if (num_wait > 0) {
+        const cl_int error = clEnqueueMarkerWithWaitList(out->queue, num_wait, wait, &begun);
+        if (error != CL_SUCCESS) {
+            return svo_i_device_fail_cl(device, function, "clEnqueueMarkerWithWaitList", error);
+        }
+    }
+    out->last = begun;
+    return SVO_OK;
+}
+
 void svo_i_work_end(svo_i_device_work *work)
 {
     if (work->last != NULL) {
         (void)svo_i_event_settle(work->last);
+    }
+    svo_i_work_leave(work, NULL);
+}
+
+void svo_i_work_leave(svo_i_device_work *work, cl_event *event)
+{
+    if (event != NULL) {
+        *event = work->last;
+    } else if (work->last != NULL) {
         clReleaseEvent(work->last);
     }
     for (size_t i = 0; i < work->buffer_count; ++i) {
@@ -52,19 +76,39 @@ static size_t find_slot(const svo_i_device_work *work)
     return slot;
 }
 
-svo_status svo_i_work_alloc(svo_i_device_work *work, const char *name, uint64_t bytes, cl_mem *out)
+static svo_status check_slot(const svo_i_device_work *work)
+{
+    return find_slot(work) < SVO_I_WORK_BUFFERS_MAX
+               ? SVO_OK
+               : svo_i_device_fail(work->device, SVO_INTERNAL, "%s: more than %d scratch buffers", work->function,
+                                   SVO_I_WORK_BUFFERS_MAX);
+}
+
+/* Takes a new scratch buffer into the work. */
+static void own(svo_i_device_work *work, cl_mem buffer, uint64_t bytes)
 {
     const size_t slot = find_slot(work);
-    if (slot == SVO_I_WORK_BUFFERS_MAX) {
-        return svo_i_device_fail(work->device, SVO_INTERNAL, "%s: more than %d scratch buffers", work->function,
-                                 SVO_I_WORK_BUFFERS_MAX);
-    }
-    SVO_I_TRY(svo_i_work_result(work, name, bytes, out));
-    work->buffers[slot] = *out;
+    work->buffers[slot] = buffer;
     work->buffer_bytes[slot] = bytes;
     work->live_bytes += bytes;
     work->peak_bytes = work->live_bytes > work->peak_bytes ? work->live_bytes : work->peak_bytes;
     work->buffer_count = slot == work->buffer_count ? slot + 1 : work->buffer_count;
+}
+
+svo_status svo_i_work_alloc(svo_i_device_work *work, const char *name, uint64_t bytes, cl_mem *out)
+{
+    SVO_I_TRY(check_slot(work));
+    SVO_I_TRY(svo_i_work_result(work, name, bytes, out));
+    own(work, *out, bytes);
+    return SVO_OK;
+}
+
+svo_status svo_i_work_constants(svo_i_device_work *work, const char *name, const void *content, uint64_t bytes,
+                                cl_mem *out)
+{
+    SVO_I_TRY(check_slot(work));
+    SVO_I_TRY(svo_i_device_constants(work->device, work->function, name, content, (size_t)bytes, out));
+    own(work, *out, bytes);
     return SVO_OK;
 }
 

@@ -26,8 +26,14 @@ typedef struct svo_i_device_work {
 
 /* Begins a work. queue: NULL for the device's own. */
 svo_status svo_i_work_begin(svo_device *device, const char *function, cl_command_queue queue, svo_i_device_work *out);
+/* The same for a work of an enqueued call, whose first command waits for events. */
+svo_status svo_i_work_begin_after(svo_device *device, const char *function, cl_command_queue queue, cl_uint num_wait,
+                                  const cl_event *wait, svo_i_device_work *out);
 /* Waits for the newest command, also after a failure, and releases what the work owns. */
 void svo_i_work_end(svo_i_device_work *work);
+/* Releases what the work owns without waiting: OpenCL keeps it until the commands are done. event: receives that of the
+   newest command; NULL allowed. */
+void svo_i_work_leave(svo_i_device_work *work, cl_event *event);
 
 /* Waits for the newest command. */
 svo_status svo_i_work_wait(svo_i_device_work *work);
@@ -37,6 +43,9 @@ svo_status svo_i_work_use(svo_i_device_work *work, svo_i_program_kind kind, cons
 
 /* A scratch buffer, which the work owns. */
 svo_status svo_i_work_alloc(svo_i_device_work *work, const char *name, uint64_t bytes, cl_mem *out);
+/* A scratch buffer that kernels only read, with its content; no command is enqueued. */
+svo_status svo_i_work_constants(svo_i_device_work *work, const char *name, const void *content, uint64_t bytes,
+                                cl_mem *out);
 /* Releases a scratch buffer early. */
 void svo_i_work_free(svo_i_device_work *work, cl_mem *buffer);
 /* A buffer that the caller owns. */

@@ -7,6 +7,7 @@
 
 #include "core/message.h"
 #include "core/tree.h"
+#include "shared/nodes.clh"
 #include "svocl/plan.h"
 
 #define SNAPPED_MAX (1 << 29) /* coordinates of accepted triangles lie below this (lib/plan/grid.c) */
@@ -17,15 +18,6 @@ typedef struct check {
     const char *name;
     svo_message *message;
 } check;
-
-static uint32_t count_bits(uint8_t mask)
-{
-    uint32_t count = 0;
-    for (; mask != 0; mask &= (uint8_t)(mask - 1)) {
-        ++count;
-    }
-    return count;
-}
 
 /*
  * Nodes are in breadth-first order without gaps: a node's children begin where those of the node before it end. So
@@ -48,7 +40,7 @@ static svo_status check_nodes(const check *job)
                                   "%s: node %" PRIu64 ": first_child is %" PRIu32 ", %" PRIu64 " expected", job->name,
                                   node, job->arrays.first_child[node], next_child);
             }
-            next_child += count_bits(mask);
+            next_child += svo_count_bits(mask);
         }
         if (next_child != info->level_begin[level + 2]) {
             return svo_i_fail(job->message, SVO_FILE_DAMAGED,

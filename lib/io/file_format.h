@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The .svo format as structs, for file_save.c and file_load.c. io.h documents it byte by byte; the assertions below
+ * The .svo format as structs, for file_save.c, file_load.c and tree_load.c. io.h documents it byte by byte; the assertions below
  * keep the two equal. Hosts and files are little-endian, so a struct in memory is its bytes in the file.
  */
 #ifndef SVO_LIB_IO_FILE_FORMAT_H
@@ -18,8 +18,9 @@
 
 #define FILE_MAGIC       "\x89SVO\r\n\x1a\n"
 #define FILE_MAGIC_BYTES 8
-#define FILE_VERSION     2
+#define FILE_VERSION     3
 #define FILE_OLDEST      1 /* version that is still read: without the mesh's own positions */
+#define FILE_BY_LEVELS   3 /* the first version whose chunks are arrays of one level, without first_child */
 #define FILE_HASH_BEGIN  32 /* the header's checksum covers everything from here to the end of the chunk table */
 
 /* Files of compact trees. The header has the same fields; its levels are those of the inner nodes. */
@@ -52,6 +53,9 @@ typedef struct file_header {
 
 typedef enum file_codec { FILE_CODEC_STORED = 0, FILE_CODEC_ZSTD = 1 } file_codec;
 
+/* A chunk's kind has the array in its lower bits, and above them the level. */
+#define FILE_KIND_BITS 16
+
 typedef struct file_chunk {
     uint32_t kind;
     uint32_t codec;
@@ -61,8 +65,8 @@ typedef struct file_chunk {
     uint64_t hash;
 } file_chunk;
 
-/* Chunks of a file at most. */
-#define FILE_CHUNKS_MAX SVO_TREE_BUFFER_COUNT
+/* Chunks of a file at most: child masks and four kinds of payload by level, and every array once. */
+#define FILE_CHUNKS_MAX (5 * SVO_LEVELS_MAX + SVO_TREE_BUFFER_COUNT)
 
 /* Header and table as they lie in the file, for as many chunks as a file can have. */
 typedef struct file_head {

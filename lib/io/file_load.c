@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * .svo files to trees. Files are not trusted: lengths are checked against the file before anything is allocated, a
- * checksum covers every byte, and file_check.c verifies the structure of the finished arrays.
+ * Headers and chunks of .svo and .svc files. Files are not trusted: lengths are checked against the file before
+ * anything is allocated, and a checksum covers every byte. tree_load.c and compact_file.c make trees of them.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <errno.h>
@@ -221,7 +221,7 @@ svo_status svo_i_file_check_place(const svo_i_file_load *state, const file_chunk
     return SVO_OK;
 }
 
-static svo_status out_of_memory(const svo_i_file_load *state, const char *array, uint64_t byte_count)
+svo_status svo_i_file_no_memory(const svo_i_file_load *state, const char *array, uint64_t byte_count)
 {
     return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: chunk %s needs %" PRIu64 " bytes of memory",
                       state->name, array, byte_count);
@@ -235,11 +235,11 @@ static svo_status unpack_chunk(const svo_i_file_load *state, const file_chunk *c
     ZSTD_DCtx *context = NULL;
     void *packed = svo_i_alloc(&state->host_memory, stored_bytes > 0 ? stored_bytes : 1);
     if (packed == NULL) {
-        return out_of_memory(state, array, chunk->stored_bytes);
+        return svo_i_file_no_memory(state, array, chunk->stored_bytes);
     }
     context = ZSTD_createDCtx_advanced(file_zstd_memory(&state->host_memory));
     if (context == NULL) {
-        status = out_of_memory(state, array, chunk->plain_bytes);
+        status = svo_i_file_no_memory(state, array, chunk->plain_bytes);
         goto cleanup;
     }
     SVO_I_TRY_CLEANUP(read_at(state, chunk->offset, packed, stored_bytes));
@@ -256,33 +256,38 @@ cleanup:
     return status;
 }
 
-svo_status svo_i_file_load_chunk(const svo_i_file_load *state, const file_chunk *chunk, const char *array, void **out)
+svo_status svo_i_file_read_chunk(const svo_i_file_load *state, const file_chunk *chunk, const char *array, void *plain)
 {
     if (chunk->plain_bytes > SIZE_MAX || chunk->stored_bytes > SIZE_MAX) {
-        return out_of_memory(state, array, chunk->plain_bytes);
+        return svo_i_file_no_memory(state, array, chunk->plain_bytes);
     }
     const size_t plain_bytes = (size_t)chunk->plain_bytes;
-    void *plain = NULL;
     if (plain_bytes > 0) {
-        plain = svo_i_alloc(&state->host_memory, plain_bytes);
-        if (plain == NULL) {
-            return out_of_memory(state, array, chunk->plain_bytes);
-        }
-        *out = plain;
         SVO_I_TRY(chunk->codec == FILE_CODEC_ZSTD ? unpack_chunk(state, chunk, array, plain)
                                                   : read_at(state, chunk->offset, plain, plain_bytes));
     }
-    const uint64_t hash = XXH3_64bits(plain != NULL ? plain : "", plain_bytes);
+    const uint64_t hash = XXH3_64bits(plain_bytes > 0 ? plain : "", plain_bytes);
     return hash == chunk->hash
                ? SVO_OK
                : svo_i_file_damaged(state, "chunk %s: checksum is %016" PRIx64 ", file says %016" PRIx64, array, hash,
                                     chunk->hash);
 }
 
+svo_status svo_i_file_load_chunk(const svo_i_file_load *state, const file_chunk *chunk, const char *array, void **out)
+{
+    if (chunk->plain_bytes > 0 && chunk->plain_bytes <= SIZE_MAX) {
+        *out = svo_i_alloc(&state->host_memory, (size_t)chunk->plain_bytes);
+        if (*out == NULL) {
+            return svo_i_file_no_memory(state, array, chunk->plain_bytes);
+        }
+    }
+    return svo_i_file_read_chunk(state, chunk, array, *out);
+}
+
 svo_status svo_i_file_check_end(const svo_i_file_load *state, uint32_t chunk_index, uint64_t offset)
 {
     if (chunk_index != state->head.header.chunk_count) {
-        return svo_i_file_damaged(state, "chunk %" PRIu32 ": kind %" PRIu32 " is not expected", chunk_index,
+        return svo_i_file_damaged(state, "chunk %" PRIu32 ": kind 0x%" PRIx32 " is not expected", chunk_index,
                                   state->head.chunks[chunk_index].kind);
     }
     if (offset != state->file_bytes) {
@@ -325,170 +330,4 @@ svo_status svo_i_file_load_open(svo_i_file_load *state)
 void svo_i_file_load_close(svo_i_file_load *state)
 {
     close(state->file);
-}
-
-/* ---- built trees ---- */
-
-static void fill_info(svo_tree_info *info, const file_header *header)
-{
-    info->depth = header->depth;
-    info->snap_bits = header->snap_bits;
-    info->coverage = header->coverage;
-    info->need = header->need;
-    info->constant = header->constant;
-    info->weights = header->weights;
-    info->payload_level = header->payload_level;
-    memcpy(info->origin, header->origin, sizeof info->origin);
-    info->edge = header->edge;
-    info->scale = header->scale;
-    info->snap_error = header->snap_error;
-    info->triangles = header->triangles;
-    info->refused_triangles = header->refused_triangles;
-    info->fragments = header->fragments;
-    memcpy(info->level_begin, header->level_begin, sizeof info->level_begin);
-    info->inner_count = header->level_begin[header->depth];
-    info->node_count = header->level_begin[header->depth + 1];
-    info->leaf_count = info->node_count - info->inner_count;
-}
-
-/* The mesh's positions are there as floats, as doubles, or, in version 1 and in what was made of its files, not at
-   all. */
-static uint32_t find_positions(const file_head *head)
-{
-    const bool has_rays = (head->header.need & SVO_NEED_RAYS) != 0 && head->header.coverage != SVO_COVERAGE_THIN;
-    for (uint32_t i = 0; i < head->header.chunk_count && head->header.version > 1 && has_rays; ++i) {
-        if (head->chunks[i].kind == SVO_TREE_POSITIONS) {
-            return SVO_POSITIONS_FLOAT;
-        }
-        if (head->chunks[i].kind == SVO_TREE_POSITIONS_DOUBLE) {
-            return SVO_POSITIONS_DOUBLE;
-        }
-    }
-    return SVO_POSITIONS_SNAPPED;
-}
-
-/* Three counts are not in the header but follow from their chunk's length. */
-static uint64_t *count_from_length(svo_tree_info *info, svo_tree_buffer kind)
-{
-    switch (kind) {
-    case SVO_TREE_LIST:
-        return &info->list_count;
-    case SVO_TREE_VERTICES:
-        return &info->vertex_count;
-    case SVO_TREE_INDICES:
-        return &info->list_triangle_count;
-    default:
-        return NULL;
-    }
-}
-
-static svo_status check_chunk_length(svo_i_file_load *state, svo_tree_info *info, const file_chunk *chunk)
-{
-    const svo_tree_buffer kind = (svo_tree_buffer)chunk->kind;
-    const uint64_t element_bytes = svo_i_tree_element_bytes(kind);
-    uint64_t *count = count_from_length(info, kind);
-    if (count != NULL) {
-        *count = chunk->plain_bytes / element_bytes;
-    }
-    const uint64_t element_count = svo_i_tree_element_count(info, kind);
-    if (chunk->plain_bytes != element_count * element_bytes || element_count > UINT32_MAX) {
-        return svo_i_file_damaged(state, "chunk %s: %" PRIu64 " bytes are not %" PRIu64 " elements of %" PRIu64,
-                                  svo_tree_buffer_name(kind), chunk->plain_bytes, element_count, element_bytes);
-    }
-    return SVO_OK;
-}
-
-static svo_status check_chunk_table(svo_i_file_load *state, svo_tree_info *info)
-{
-    const file_header *header = &state->head.header;
-    uint64_t offset = header->header_bytes;
-    uint32_t chunk_index = 0;
-    for (uint32_t i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
-        if (!svo_i_tree_holds(info, (svo_tree_buffer)i)) {
-            continue;
-        }
-        const char *array = svo_tree_buffer_name((svo_tree_buffer)i);
-        if (chunk_index == header->chunk_count) {
-            return svo_i_file_damaged(state, "chunk %s is missing", array);
-        }
-        const file_chunk *chunk = &state->head.chunks[chunk_index++];
-        if (chunk->kind != i) {
-            return svo_i_file_damaged(state, "chunk %" PRIu32 ": kind is %" PRIu32 ", %" PRIu32 " (%s) expected",
-                                      chunk_index - 1, chunk->kind, i, array);
-        }
-        SVO_I_TRY(svo_i_file_check_place(state, chunk, array, offset));
-        SVO_I_TRY(check_chunk_length(state, info, chunk));
-        offset += chunk->stored_bytes;
-    }
-    return svo_i_file_check_end(state, chunk_index, offset);
-}
-
-static svo_status load_chunks(svo_i_file_load *state, svo_tree *tree)
-{
-    SVO_I_TRY(check_chunk_table(state, &tree->info));
-    for (uint32_t i = 0; i < state->head.header.chunk_count; ++i) {
-        const file_chunk *chunk = &state->head.chunks[i];
-        const svo_tree_buffer kind = (svo_tree_buffer)chunk->kind;
-        SVO_I_TRY(svo_i_file_load_chunk(state, chunk, svo_tree_buffer_name(kind), &tree->host[kind]));
-        if (!svo_i_tree_repeat(tree, kind, &tree->host[kind])) {
-            return out_of_memory(state, svo_tree_buffer_name(kind), tree->info.node_count * chunk->plain_bytes);
-        }
-    }
-    tree->downloaded = true;
-    return svo_i_file_check_structure(tree, state->name, state->message);
-}
-
-static svo_status load(svo_i_file_load *state, svo_tree **out)
-{
-    static const svo_i_file_kind kind = {".svo", FILE_MAGIC, FILE_OLDEST, FILE_VERSION, SVO_TREE_BUFFER_COUNT};
-    svo_status status = SVO_OK;
-    SVO_I_TRY(svo_i_file_read_head(state, &kind));
-    svo_tree *tree = svo_i_tree_new(&state->host_memory);
-    if (tree == NULL) {
-        return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the tree", state->name);
-    }
-    fill_info(&tree->info, &state->head.header);
-    tree->info.positions = find_positions(&state->head);
-    SVO_I_TRY_CLEANUP(load_chunks(state, tree));
-    *out = tree;
-    tree = NULL;
-cleanup:
-    svo_tree_destroy(&tree);
-    return status;
-}
-
-svo_status svo_tree_load(const char *path, svo_tree **out, svo_message *message)
-{
-    return svo_tree_load_with(path, NULL, out, message);
-}
-
-svo_status svo_tree_load_with(const char *path, const svo_load_options *options, svo_tree **out, svo_message *message)
-{
-    svo_i_file_load state = {.name = path, .message = message};
-    if (path == NULL || out == NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_load: %s is NULL", path == NULL ? "path" : "out");
-    }
-    SVO_I_TRY(svo_i_file_read_options(options, "svo_tree_load", &state));
-    SVO_I_TRY(svo_i_file_load_open(&state));
-    const svo_status status = load(&state, out);
-    svo_i_file_load_close(&state);
-    return status;
-}
-
-svo_status svo_tree_load_memory(const void *bytes, size_t byte_count, const char *name, svo_tree **out,
-                                svo_message *message)
-{
-    return svo_tree_load_memory_with(bytes, byte_count, name, NULL, out, message);
-}
-
-svo_status svo_tree_load_memory_with(const void *bytes, size_t byte_count, const char *name,
-                                     const svo_load_options *options, svo_tree **out, svo_message *message)
-{
-    if (bytes == NULL || name == NULL || out == NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_load_memory: %s is NULL",
-                          bytes == NULL ? "bytes" : (name == NULL ? "name" : "out"));
-    }
-    svo_i_file_load state = {.name = name, .message = message, .memory = bytes, .file = -1, .file_bytes = byte_count};
-    SVO_I_TRY(svo_i_file_read_options(options, "svo_tree_load_memory", &state));
-    return load(&state, out);
 }

@@ -39,11 +39,16 @@ svo_status svo_i_file_check_place(const svo_i_file_load *state, const file_chunk
                                   uint64_t offset);
 /* Checks that there are no further chunks or bytes. */
 svo_status svo_i_file_check_end(const svo_i_file_load *state, uint32_t chunk_index, uint64_t offset);
-/* Reads a chunk whose place was checked. *out, in host_memory, is set as soon as there is memory, also on failure. */
+/* Reads a chunk whose place was checked into memory for chunk->plain_bytes, and checks its checksum. */
+svo_status svo_i_file_read_chunk(const svo_i_file_load *state, const file_chunk *chunk, const char *array, void *plain);
+/* The same into new memory. *out, in host_memory, is set as soon as there is memory, also on failure. */
 svo_status svo_i_file_load_chunk(const svo_i_file_load *state, const file_chunk *chunk, const char *array, void **out);
 
 /* SVO_FILE_DAMAGED, with the file's name before the words. */
 svo_status svo_i_file_damaged(const svo_i_file_load *state, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
+
+/* SVO_OUT_OF_HOST_MEMORY, with the file's name and the array's. */
+svo_status svo_i_file_no_memory(const svo_i_file_load *state, const char *array, uint64_t byte_count);
 
 #endif

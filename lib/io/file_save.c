@@ -15,6 +15,7 @@
 #include "core/struct_size.h"
 #include "core/tree.h"
 #include "io/file_save.h"
+#include "io/file_tree.h"
 #include "io/file_zstd.h"
 #include "output/output.h"
 
@@ -78,7 +79,7 @@ static svo_status measure_chunk(const svo_i_file_save *state, const svo_i_file_a
     return SVO_OK;
 }
 
-static void fill_header(file_header *header, const svo_tree_info *info)
+void svo_i_file_fill_header(file_header *header, const svo_tree_info *info)
 {
     memcpy(header->magic, FILE_MAGIC, FILE_MAGIC_BYTES);
     header->version = FILE_VERSION;
@@ -206,18 +207,25 @@ static svo_status start(const char *function, const svo_tree *tree, const svo_sa
         return svo_i_fail(message, SVO_INVALID_ARGUMENT,
                           "%s: the tree has no host arrays; call svo_tree_download first", function);
     }
+    if (tree->part.header.depth != 0) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: the tree is a part of another; call svo_part_save",
+                          function);
+    }
     *state = (svo_i_file_save){
         .name = function, .message = message, .memory = &tree->memory, .compress = asked.compress != 0};
-    fill_header(&state->head.header, &tree->info);
-    for (uint32_t i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
-        const svo_tree_buffer kind = (svo_tree_buffer)i;
-        if (svo_i_tree_holds(&tree->info, kind)) {
-            state->arrays[state->array_count++] = (svo_i_file_array){
-                .kind = i,
-                .name = svo_tree_buffer_name(kind),
-                .plain = tree->host[i],
-                .bytes = svo_i_tree_element_count(&tree->info, kind) * svo_i_tree_element_bytes(kind)};
-        }
+    svo_i_file_fill_header(&state->head.header, &tree->info);
+    file_entry entries[FILE_CHUNKS_MAX];
+    state->array_count = file_list_entries(&tree->info, FILE_VERSION, entries);
+    for (uint32_t i = 0; i < state->array_count; ++i) {
+        const file_entry *entry = &entries[i];
+        const size_t element_bytes = svo_i_tree_element_bytes(entry->buffer);
+        const uint8_t *array = tree->host[entry->buffer];
+        const uint64_t begin = file_entry_begin(&tree->info, FILE_VERSION, entry);
+        state->arrays[i] =
+            (svo_i_file_array){.kind = file_entry_kind(entry),
+                               .name = svo_tree_buffer_name(entry->buffer),
+                               .plain = array != NULL ? array + begin * element_bytes : NULL,
+                               .bytes = file_entry_count(&tree->info, FILE_VERSION, entry) * element_bytes};
     }
     return SVO_OK;
 }

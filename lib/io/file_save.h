@@ -29,6 +29,8 @@ typedef struct svo_i_file_save {
     void *packed[FILE_CHUNKS_MAX]; /* compressed chunks, in the order of head.chunks; NULL: written as they are */
 } svo_i_file_save;
 
+/* Fills the header of a built tree's file, but for lengths, counts and checksums. */
+void svo_i_file_fill_header(file_header *header, const svo_tree_info *info);
 /* Writes the file through state->write. */
 svo_status svo_i_file_write(svo_i_file_save *state);
 /* Writes the file to a path, whole or not at all; sets name, write and user. */

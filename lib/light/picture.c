@@ -6,6 +6,7 @@
 #include "light/gather.h"
 #include "light/shader.h"
 #include "rays/camera.h"
+#include "rays/pixels.h"
 
 _Static_assert((uint32_t)SVO_LIGHT_VIEW_FULL == SVO_LIT_VIEW_FULL && (uint32_t)SVO_LIGHT_VIEW_AO == SVO_LIT_VIEW_AO &&
                    (uint32_t)SVO_LIGHT_VIEW_DIRECT == SVO_LIT_VIEW_DIRECT &&
@@ -17,11 +18,9 @@ _Static_assert((uint32_t)SVO_LIGHT_VIEW_FULL == SVO_LIT_VIEW_FULL && (uint32_t)S
 /* Tiles of a launch, so that none takes long enough for a driver to end it. */
 #define BAND_TILES 256u
 
-static const char function[] = "svo_light_render";
-
 /* ---- parameters ---- */
 
-static svo_status check_band(const svo_light *light, const svo_light_picture *picture)
+static svo_status check_band(const svo_light *light, const char *function, const svo_light_picture *picture)
 {
     if (picture->first_row >= picture->height || picture->first_row % TILE_EDGE != 0) {
         return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
@@ -34,7 +33,7 @@ static svo_status check_band(const svo_light *light, const svo_light_picture *pi
                                                                    function, picture->row_count, TILE_EDGE);
 }
 
-static svo_status check_picture(const svo_light *light, const svo_light_picture *picture)
+static svo_status check_picture(const svo_light *light, const char *function, const svo_light_picture *picture)
 {
     SVO_I_TRY(svo_i_camera_check(light->device, function, &picture->camera, picture->width, picture->height));
     if ((unsigned)picture->view > SVO_LIGHT_VIEW_SPECULAR) {
@@ -42,13 +41,14 @@ static svo_status check_picture(const svo_light *light, const svo_light_picture 
                                  (int)picture->view, (int)SVO_LIGHT_VIEW_SPECULAR);
     }
     return picture->exposure >= 0.0F && isfinite(picture->exposure)
-               ? check_band(light, picture)
+               ? check_band(light, function, picture)
                : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
                                    "%s: picture.exposure %g is negative or not finite", function,
                                    (double)picture->exposure);
 }
 
-static svo_status fill_params(const svo_light *light, const svo_light_picture *picture, svo_lit_picture_params *params)
+static svo_status fill_params(const svo_light *light, const char *function, const svo_light_picture *picture,
+                              svo_lit_picture_params *params)
 {
     svo_i_pinhole hole;
     SVO_I_TRY(
@@ -67,7 +67,8 @@ static svo_status fill_params(const svo_light *light, const svo_light_picture *p
 }
 
 /* The caller's options for what the view shows of them. */
-static svo_status fill_gather(const svo_light *light, const svo_light_picture *picture, svo_gather_params *gather)
+static svo_status fill_gather(const svo_light *light, const char *function, const svo_light_picture *picture,
+                              svo_gather_params *gather)
 {
     SVO_I_TRY(svo_i_gather_params(light, function, &picture->gather, gather));
     if (picture->view == SVO_LIGHT_VIEW_AO) {
@@ -78,20 +79,6 @@ static svo_status fill_gather(const svo_light *light, const svo_light_picture *p
 
 /* ---- drawing ---- */
 
-typedef struct drawing {
-    svo_i_device_work work;
-    svo_i_light_shader shader;
-    cl_mem pixels;
-} drawing;
-
-static svo_status prepare(const svo_light *light, const svo_light_picture *picture, drawing *drawn)
-{
-    const uint64_t pixel_bytes = (uint64_t)picture->width * picture->height * 4;
-    SVO_I_TRY(svo_i_work_alloc(&drawn->work, "picture", pixel_bytes, &drawn->pixels));
-    return svo_i_light_shader_begin(&drawn->work, light, SVO_I_PROGRAM_LIGHT_PICTURE, "svo_k_light_picture",
-                                    &drawn->shader);
-}
-
 /* Rows of the picture's band. */
 static uint32_t rows_of_band(const svo_light_picture *picture)
 {
@@ -99,49 +86,93 @@ static uint32_t rows_of_band(const svo_light_picture *picture)
     return picture->row_count == 0 || picture->row_count > below ? below : picture->row_count;
 }
 
-static svo_status draw(const drawing *drawn, const svo_light_picture *picture, const svo_gather_params *gather,
-                       svo_lit_picture_params *params)
+/* A picture that is about to be drawn. */
+typedef struct drawing {
+    const svo_light *light;
+    const char *function; /* for messages */
+    svo_light_picture asked;
+    svo_lit_picture_params params;
+    svo_gather_params gather;
+} drawing;
+
+static svo_status launch(const drawing *drawn, const svo_i_light_shader *shader, cl_mem pixels)
 {
-    const svo_i_argument own[] = {SVO_I_ARGUMENT(drawn->pixels)};
-    const uint64_t across = (params->width + TILE_EDGE - 1) / TILE_EDGE;
+    const svo_light_picture *picture = &drawn->asked;
+    const svo_i_argument own[] = {SVO_I_ARGUMENT(pixels)};
+    const uint64_t across = (picture->width + TILE_EDGE - 1) / TILE_EDGE;
     const uint64_t begin = across * (picture->first_row / TILE_EDGE);
     const uint64_t end = begin + across * ((rows_of_band(picture) + TILE_EDGE - 1) / TILE_EDGE);
+    svo_lit_picture_params params = drawn->params;
     for (uint64_t first = begin; first < end; first += BAND_TILES) {
-        params->first_tile = (uint32_t)first;
-        SVO_I_TRY(svo_i_light_shader_launch(&drawn->shader, gather, params, SVO_I_ARGUMENTS(own),
+        params.first_tile = (uint32_t)first;
+        SVO_I_TRY(svo_i_light_shader_launch(shader, &drawn->gather, &params, SVO_I_ARGUMENTS(own),
                                             end - first < BAND_TILES ? end - first : BAND_TILES));
     }
     return SVO_OK;
 }
 
+static svo_status enqueue(const drawing *drawn, const svo_i_pixels *to)
+{
+    svo_i_device_work work;
+    svo_i_light_shader shader = {.kernel = NULL};
+    svo_status status = SVO_OK;
+    SVO_I_TRY(svo_i_work_begin_after(drawn->light->device, drawn->function, to->queue, to->num_wait, to->wait, &work));
+    SVO_I_TRY_CLEANUP(
+        svo_i_light_shader_begin(&work, drawn->light, SVO_I_PROGRAM_LIGHT_PICTURE, "svo_k_light_picture", &shader));
+    SVO_I_TRY_CLEANUP(launch(drawn, &shader, to->buffer));
+
+cleanup:
+    svo_i_light_shader_end(&shader);
+    svo_i_work_leave(&work, status == SVO_OK ? to->event : NULL);
+    return status;
+}
+
+/* Checks what is asked for. */
+static svo_status begin(const svo_light *light, const char *function, const svo_light_picture *picture, drawing *out)
+{
+    *out = (drawing){.light = light, .function = function};
+    if (picture == NULL) {
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: picture is NULL", function);
+    }
+    SVO_I_TRY(svo_i_struct_read(svo_i_device_message(light->device), function, "picture", picture, &out->asked,
+                                SVO_I_STRUCT_SIZES(svo_light_picture, exposure)));
+    SVO_I_TRY(svo_i_tree_check(light->tree, function));
+    SVO_I_TRY(check_picture(light, function, &out->asked));
+    SVO_I_TRY(fill_params(light, function, &out->asked, &out->params));
+    return fill_gather(light, function, &out->asked, &out->gather);
+}
+
+svo_status svo_light_render_enqueue(svo_light *light, const svo_light_picture *picture, cl_mem pixels,
+                                    cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
+{
+    const svo_i_pixels to = {pixels, queue, num_wait, wait, event};
+    drawing drawn;
+    if (light == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    SVO_I_TRY(begin(light, "svo_light_render_enqueue", picture, &drawn));
+    SVO_I_TRY(svo_i_pixels_check(light->device, drawn.function, drawn.asked.width, drawn.asked.height, &to));
+    return enqueue(&drawn, &to);
+}
+
 svo_status svo_light_render(svo_light *light, const svo_light_picture *picture, cl_command_queue queue, uint8_t *rgba)
 {
-    svo_light_picture asked;
-    svo_lit_picture_params params;
-    svo_gather_params gather;
-    drawing drawn = {.pixels = NULL};
+    static const char function[] = "svo_light_render";
+    svo_i_own_pixels own;
+    drawing drawn;
     svo_status status = SVO_OK;
     if (light == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    if (picture == NULL || rgba == NULL) {
-        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
-                                 picture == NULL ? "picture" : "rgba");
+    if (rgba == NULL) {
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: rgba is NULL", function);
     }
-    SVO_I_TRY(svo_i_struct_read(svo_i_device_message(light->device), function, "picture", picture, &asked,
-                                SVO_I_STRUCT_SIZES(svo_light_picture, exposure)));
-    SVO_I_TRY(svo_i_tree_check(light->tree, function));
-    SVO_I_TRY(check_picture(light, &asked));
-    SVO_I_TRY(fill_params(light, &asked, &params));
-    SVO_I_TRY(fill_gather(light, &asked, &gather));
-    SVO_I_TRY(svo_i_work_begin(light->device, function, queue, &drawn.work));
-    SVO_I_TRY_CLEANUP(prepare(light, &asked, &drawn));
-    SVO_I_TRY_CLEANUP(draw(&drawn, &asked, &gather, &params));
-    SVO_I_TRY_CLEANUP(svo_i_work_read(&drawn.work, drawn.pixels, (size_t)asked.width * asked.first_row * 4, rgba,
-                                      (size_t)asked.width * rows_of_band(&asked) * 4));
+    SVO_I_TRY(begin(light, function, picture, &drawn));
+    SVO_I_TRY(svo_i_own_pixels_begin(light->device, function, drawn.asked.width, drawn.asked.height, queue, &own));
+    SVO_I_TRY_CLEANUP(enqueue(&drawn, &own.to));
+    SVO_I_TRY_CLEANUP(svo_i_own_pixels_read(&own, drawn.asked.first_row, rows_of_band(&drawn.asked), rgba));
 
 cleanup:
-    svo_i_work_end(&drawn.work);
-    svo_i_light_shader_end(&drawn.shader);
+    svo_i_own_pixels_end(&own);
     return status;
 }

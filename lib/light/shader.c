@@ -58,8 +58,7 @@ static svo_status upload(svo_i_device_work *work, const char *name, const void *
     if (bytes == 0) {
         return SVO_OK;
     }
-    SVO_I_TRY(svo_i_work_alloc(work, name, bytes, out));
-    return svo_i_work_write(work, *out, list, bytes);
+    return svo_i_work_constants(work, name, list, bytes, out);
 }
 
 svo_status svo_i_light_shader_begin(svo_i_device_work *work, const svo_light *light, svo_i_program_kind kind,

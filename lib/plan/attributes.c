@@ -8,6 +8,7 @@
 
 #include "plan/attributes.h"
 #include "plan/grid.h"
+#include "plan/part.h"
 
 #define UV_ONE     65536.0
 #define UV_LIMIT   32767.0
@@ -315,6 +316,11 @@ uint32_t svo_i_plan_choose_weight_log2(const svo_plan *plan, double largest_area
 svo_status svo_i_plan_conclude(svo_plan *plan, const svo_i_findings *found)
 {
     const uint32_t asked = plan->options.weight_log2;
+    if (svo_i_plan_is_part(plan)) {
+        svo_i_plan_take_constants(plan);
+        plan->info.weight_log2 = plan->weight_log2;
+        return SVO_OK;
+    }
     svo_i_plan_find_constants(plan, found);
     /* The areas of three projections are no less than the area. */
     const uint32_t finest = svo_i_plan_choose_weight_log2(plan, found->largest_area, plan->estimate[2]);
@@ -342,10 +348,11 @@ static svo_status fill(svo_plan *plan, const svo_mesh *mesh, svo_i_findings *fou
     for (uint32_t t = 0; t < plan->triangle_count; ++t) {
         found->material_used[material_of(plan, mesh, t)] = 1;
     }
-    if ((plan->info.need & SVO_NEED_COLOR) != 0) {
+    const uint32_t varying = plan->info.need & ~plan->part.header.constant; /* of a part the whole knows this */
+    if ((varying & SVO_NEED_COLOR) != 0) {
         SVO_I_TRY(copy_color_inputs(plan, mesh, found->material_used));
     }
-    if ((plan->info.need & SVO_NEED_NORMAL) != 0 && mesh->normals != NULL) {
+    if ((varying & SVO_NEED_NORMAL) != 0 && mesh->normals != NULL) {
         SVO_I_TRY(copy_normals(plan, mesh));
     }
     SVO_I_TRY(make_records(plan, mesh, found));

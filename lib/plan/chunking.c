@@ -27,6 +27,13 @@ uint64_t svo_i_chunk_bytes_max(const svo_plan *plan, uint64_t frontend_bytes)
     return requested != 0 && requested < most ? requested : most;
 }
 
+/* The fragments of a chunk of that size, as far as kernels can count them. */
+static uint64_t fragments_within(const svo_plan *plan, uint64_t chunk_bytes)
+{
+    const uint64_t fragments = chunk_bytes / svo_i_plan_fragment_bytes(plan);
+    return fragments < SVO_I_FRAGMENTS_MAX ? fragments : SVO_I_FRAGMENTS_MAX;
+}
+
 void svo_i_chunking_destroy(svo_i_chunking *chunking)
 {
     svo_i_free(chunking->draws);
@@ -177,7 +184,7 @@ static bool cut_list(cutter *c, bool fits)
 svo_status svo_i_chunking_create(const svo_plan *plan, uint64_t chunk_bytes, svo_i_chunking *chunking)
 {
     *chunking = (svo_i_chunking){.memory = &plan->device->memory};
-    cutter c = {.plan = plan, .chunking = chunking, .limit = chunk_bytes / svo_i_plan_fragment_bytes(plan)};
+    cutter c = {.plan = plan, .chunking = chunking, .limit = fragments_within(plan, chunk_bytes)};
     /* The capacity that svo_i_with_slack makes of it stays within the limit. */
     c.room = c.limit > 2048 ? ((double)c.limit - 1024.0) / 1.125 : (double)c.limit * 0.5;
     const double expected = svo_i_plan_expected(plan, plan->info.depth);
@@ -253,7 +260,7 @@ static bool regrow_chunk(const svo_i_chunking *old, uint32_t chunk_index, uint64
 svo_status svo_i_chunking_grow(const svo_plan *plan, uint64_t chunk_bytes, const uint64_t *needed,
                                svo_i_chunking *chunking)
 {
-    const uint64_t limit = chunk_bytes / svo_i_plan_fragment_bytes(plan);
+    const uint64_t limit = fragments_within(plan, chunk_bytes);
     svo_i_chunking grown = {.memory = &plan->device->memory};
     for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
         if (!regrow_chunk(chunking, i, needed[i], limit, &grown)) {

@@ -145,7 +145,7 @@ static void configure_payload(svo_plan *plan)
     work->made = plan->info.need & SVO_I_NEED_PAYLOAD & ~work->constant;
     const bool areas = (work->made & SVO_NEED_PROJECTED_AREA) != 0;
     work->filter = areas || (work->made & SVO_I_NEED_FILTER) != 0;
-    work->pair_lanes = work->filter && plan->device->is_cpu && has_exact_doubles(plan->device);
+    work->pair_lanes = work->filter && plan->device->cpu_path && has_exact_doubles(plan->device);
     work->surface = work->made != 0;
     work->positions = areas || (work->surface && plan->options.weights != SVO_WEIGHTS_UNIFORM);
     work->vertex_colors = (work->made & SVO_NEED_COLOR) != 0 && svo_i_plan_has(plan->colors, plan->memory.colors);
@@ -281,7 +281,7 @@ void svo_i_plan_test_defines(const svo_plan *plan, svo_i_test test, char *define
     static const char *const names[SVO_I_TEST_COUNT] = {" -DSVO_NO_TEST", " -DSVO_NARROW", "", " -DSVO_WIDE"};
     (void)snprintf(defines, bytes, "%s%s%s%s", names[test], plan->work.long_codes ? " -DSVO_CODE48" : "",
                    plan->info.coverage == SVO_COVERAGE_THIN ? " -DSVO_THIN" : "",
-                   plan->device->is_cpu ? " -DSVO_COLUMN_LANES" : "");
+                   plan->device->cpu_path ? " -DSVO_COLUMN_LANES" : "");
 }
 
 /* Every option begins with a space, because some compilers fail on options that end in one. */

@@ -26,7 +26,7 @@ bool svo_i_frontend_prefers_cl(const svo_device *device, const svo_i_renderer *r
         svo_i_message_set(reason, "%s draws in software, OpenCL on %s is faster", renderer->name, device->name);
         return true;
     }
-    if (!renderer->in_place && !device->is_cpu) {
+    if (!renderer->in_place && !device->cpu_path) {
         svo_i_message_set(reason, "%s and %s share no memory, and the list would go through the host", renderer->name,
                           device->name);
         return true;

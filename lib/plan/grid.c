@@ -12,6 +12,7 @@
 #include "plan/closed.h"
 #include "plan/estimate.h"
 #include "plan/grid.h"
+#include "plan/part.h"
 #include "plan/progress.h"
 
 #define VERTEX_FINITE 1u
@@ -116,7 +117,9 @@ static void fit_grid(svo_plan *plan, const svo_i_bounds *bounds)
 
 svo_status svo_i_plan_make_grid(svo_plan *plan, const svo_i_bounds *bounds)
 {
-    if (plan->options.edge > 0.0) {
+    if (svo_i_plan_is_part(plan)) {
+        svo_i_part_grid(plan);
+    } else if (plan->options.edge > 0.0) {
         for (unsigned axis = 0; axis < 3; ++axis) {
             plan->info.origin[axis] = plan->options.origin[axis] + 0.0;
         }
@@ -133,19 +136,21 @@ svo_status svo_i_plan_make_grid(svo_plan *plan, const svo_i_bounds *bounds)
     return SVO_OK;
 }
 
-/* Snaps the used vertices. snap_error is the largest error of those within UNITS_MAX. */
+/* Snaps the used vertices. snap_error is the largest error of those within UNITS_MAX. Those of a part are snapped to
+   the whole grid, and then count from the part's corner. */
 static void snap_vertices(svo_plan *plan, const svo_mesh *mesh, const uint8_t *flags)
 {
-    const svo_plan_info *info = &plan->info;
+    const double *origin = svo_i_plan_is_part(plan) ? plan->part.header.origin : plan->info.origin;
+    const double scale = plan->info.scale;
     double largest = 0.0;
     for (size_t v = 0; v < mesh->vertex_count; ++v) {
         for (unsigned axis = 0; axis < 3 && (flags[v] & VERTEX_USED) != 0; ++axis) {
             const double x = coordinate(mesh, v, axis);
-            const double q = rint((x - info->origin[axis]) * info->scale);
+            const double q = rint((x - origin[axis]) * scale);
             if (fabs(q) < UNITS_MAX) {
-                plan->vertices[v * 3 + axis] = (int32_t)q;
+                plan->vertices[v * 3 + axis] = (int32_t)q - plan->part.corner[axis];
                 /* On grids near the largest double, converting back may overflow. */
-                const double error = fmin(fabs(q / info->scale + info->origin[axis] - x), DBL_MAX);
+                const double error = fmin(fabs(q / scale + origin[axis] - x), DBL_MAX);
                 largest = error > largest ? error : largest;
             } else {
                 plan->vertices[v * 3 + axis] = q > 0.0 ? UNITS_FAR : -UNITS_FAR;
@@ -274,11 +279,36 @@ static void put_outside(svo_plan *plan, const uint32_t corners[3])
     memcpy(plan->indices + (size_t)place * 3, corners, 3 * sizeof *corners);
 }
 
+/* Whether the whole tree, of which the plan makes a part, keeps the triangle. */
+static bool whole_keeps(const svo_plan *plan, const placed *p)
+{
+    const int32_t units = (int32_t)(1u << plan->part.header.snap_bits);
+    const int32_t closed = plan->info.coverage == SVO_COVERAGE_CLOSED ? 1 : 0;
+    bool meets = !p->far;
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        meets = meets && p->high[axis] >= -plan->part.corner[axis] &&
+                p->low[axis] < units + closed - plan->part.corner[axis];
+    }
+    return meets;
+}
+
+/* Notes the position of a part's triangle among those that the whole keeps. *whole_kept: how many of those came before.
+   */
+static void note_position(svo_plan *plan, size_t t, const placed *p, uint32_t *whole_kept)
+{
+    const uint32_t *given = plan->options.part_triangles;
+    plan->part.positions[plan->triangle_count] = given != NULL ? given[t] : *whole_kept;
+    *whole_kept += whole_keeps(plan, p) ? 1u : 0u;
+}
+
 /* Keeps an accepted triangle that meets the grid, or counts it. */
-static void keep_triangle(svo_plan *plan, const svo_mesh *mesh, size_t t, uint8_t *classes)
+static void keep_triangle(svo_plan *plan, const svo_mesh *mesh, size_t t, uint8_t *classes, uint32_t *whole_kept)
 {
     const uint32_t corners[3] = {corner_index(mesh, t, 0), corner_index(mesh, t, 1), corner_index(mesh, t, 2)};
     const placed p = place(plan, corners);
+    if (plan->part.positions != NULL) {
+        note_position(plan, t, &p, whole_kept);
+    }
     if (p.outside) {
         ++plan->info.outside_triangles;
         put_outside(plan, corners);
@@ -302,13 +332,14 @@ static void keep_triangle(svo_plan *plan, const svo_mesh *mesh, size_t t, uint8_
 /* Keeps the accepted triangles. Items are in the order of the mesh; classes[] receives the class of each. */
 static svo_status keep_triangles(svo_plan *plan, const svo_mesh *mesh, const uint8_t *flags, uint8_t *classes)
 {
+    uint32_t whole_kept = 0;
     for (size_t t = 0; t < mesh->triangle_count; ++t) {
         if (t % TRIANGLES_TOLD == 0 &&
             svo_i_progress_add(plan, SVO_STAGE_GRID, SVO_I_KEEP_NS * (double)TRIANGLES_TOLD)) {
             SVO_I_TRY(svo_i_progress_tell(plan, SVO_STAGE_GRID));
         }
         if (acceptable(mesh, flags, t)) {
-            keep_triangle(plan, mesh, t, classes);
+            keep_triangle(plan, mesh, t, classes, &whole_kept);
         }
     }
     return SVO_OK;
@@ -426,6 +457,7 @@ svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh)
                               "svo_plan_create: no memory for %zu vertices and %zu triangles", vertices, triangles);
         goto cleanup;
     }
+    SVO_I_TRY_CLEANUP(svo_i_part_alloc(plan, triangles));
     plan->vertex_count = (uint32_t)vertices;
     plan->info.triangles = triangles;
     plan->info.refused_triangles = mark_vertices(mesh, flags);
@@ -435,7 +467,7 @@ svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh)
     (void)svo_i_progress_add(plan, SVO_STAGE_GRID, SVO_I_SNAP_NS * (double)vertices);
     SVO_I_TRY_CLEANUP(svo_i_progress_tell(plan, SVO_STAGE_GRID));
     SVO_I_TRY_CLEANUP(keep_triangles(plan, mesh, flags, classes));
-    if ((plan->options.need & SVO_NEED_PROJECTED_AREA) != 0) {
+    if ((plan->options.need & SVO_NEED_PROJECTED_AREA) != 0 && !svo_i_plan_is_part(plan)) {
         bool closed = false;
         SVO_I_TRY_CLEANUP(svo_i_plan_is_closed(plan, &closed));
         plan->work.both_sides = !closed;
@@ -443,6 +475,7 @@ svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh)
     clear_unused_vertices(plan, flags);
     SVO_I_TRY_CLEANUP(sort_items(plan, classes));
     svo_i_estimate_end(plan);
+    svo_i_part_counts(plan);
     status = list_large(plan);
 cleanup:
     svo_i_free(flags);

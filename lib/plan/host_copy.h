@@ -9,8 +9,10 @@
 bool svo_i_plan_has(const void *host, cl_mem memory);
 /* Reads an array of the plan's memory; the caller frees *out. */
 svo_status svo_i_plan_read(const svo_plan *plan, cl_mem memory, uint64_t bytes, void **out);
-/* Brings all arrays to the host, for front ends and builders of OpenGL. Does nothing where they are. */
+SVO_I_SHARED_BEGIN
+/* Brings all arrays to the host, for front ends and builders of OpenGL and for files. Does nothing where they are. */
 svo_status svo_i_plan_copy_to_host(svo_plan *plan);
+SVO_I_SHARED_END
 void svo_i_plan_memory_free(svo_i_plan_memory *memory);
 
 #endif

@@ -70,7 +70,7 @@ static svo_status borrow(svo_i_launcher *launcher, const void *data, uint64_t by
 svo_status svo_i_launcher_input(svo_i_launcher *launcher, const char *name, const void *data, uint64_t bytes,
                                 cl_mem *out)
 {
-    if (launcher->device->is_cpu && bytes > 0) {
+    if (launcher->device->cpu_path && bytes > 0) {
         return borrow(launcher, data, bytes, out);
     }
     cl_event event = NULL;

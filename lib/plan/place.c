@@ -8,6 +8,7 @@
 #include "plan/device_grid.h"
 #include "plan/grid.h"
 #include "plan/host_copy.h"
+#include "plan/part.h"
 #include "plan/positions.h"
 #include "plan/update_create.h"
 
@@ -48,6 +49,7 @@ static svo_status take_on_host(svo_plan *plan, const svo_i_plan_input *input)
     plan->info.place = SVO_PLACE_HOST;
     SVO_I_TRY(svo_i_plan_grid(plan, &input->mesh));
     SVO_I_TRY(svo_i_plan_attributes(plan, &input->mesh));
+    svo_i_part_name_triangles(plan);
     return svo_i_plan_positions(plan, &input->mesh);
 }
 
@@ -98,7 +100,7 @@ svo_status svo_i_plan_take_mesh(svo_plan *plan, const svo_i_plan_input *input)
     if (plan->options.place == SVO_PLACE_DEVICE || plan->options.updatable != 0 || input->buffers != NULL) {
         return take_on_device(plan, input);
     }
-    if (plan->options.place == SVO_PLACE_HOST ||
+    if (plan->options.place == SVO_PLACE_HOST || svo_i_plan_is_part(plan) ||
         !prefers_kernels(plan->device, plan->progress.function, input->mesh.triangle_count)) {
         return take_on_host(plan, input);
     }

@@ -9,6 +9,7 @@
 #include "plan/configuration.h"
 #include "plan/estimate.h"
 #include "plan/host_copy.h"
+#include "plan/part.h"
 #include "plan/place.h"
 #include "plan/progress.h"
 #include "plan/update.h"
@@ -17,11 +18,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Grid units per axis, as a power of two. It is the same for all depths up to 12, so that their trees nest. Above, a
-   voxel has 2^8 units. */
-#define SNAP_BITS           20u
-#define SNAP_BITS_DEPTH_MAX 12u
-#define DEEP_VOXEL_LOG2     8u
 /* Far above the fragments of one column of one triangle, which a chunk must hold. */
 #define CHUNK_BYTES_MIN 16384
 
@@ -83,6 +79,10 @@ static svo_status check_updatable(svo_device *device, const char *function, cons
     if (options->updatable != 0 && options->place == SVO_PLACE_HOST) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
                                  "%s: options.place is host; updatable plans are made on the device", function);
+    }
+    if (options->updatable != 0 && options->part_header != NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "%s: options has part_header and updatable; parts cannot be updated", function);
     }
     return SVO_OK;
 }
@@ -186,9 +186,10 @@ static svo_status check_input(svo_device *device, const char *function, const sv
         SVO_I_TRY(check_positions(device, function, &input->mesh));
         return check_mesh(device, function, &input->mesh);
     }
-    if (options->place == SVO_PLACE_HOST) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.place is host; the mesh is on the device",
-                                 function);
+    if (options->place == SVO_PLACE_HOST || options->part_header != NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s; the mesh is on the device", function,
+                                 options->place == SVO_PLACE_HOST ? "options.place is host"
+                                                                  : "options.part_header needs a plan on the host");
     }
     SVO_I_TRY(svo_i_mesh_check(function, device->context, input->buffers, &device->message));
     SVO_I_TRY(svo_i_device_check_wait(device, function, input->wait_count, input->wait));
@@ -202,7 +203,7 @@ static svo_status make_plan(svo_plan *plan, const char *function, const svo_i_pl
     const double start_ms = svo_i_now_ms();
     const double compiled_ms = plan->device->compile_ms;
     const uint32_t depth = plan->info.depth;
-    plan->info.snap_bits = depth <= SNAP_BITS_DEPTH_MAX ? SNAP_BITS : depth + DEEP_VOXEL_LOG2;
+    plan->info.snap_bits = svo_i_snap_bits(depth + plan->part.level) - plan->part.level;
     plan->info.coverage = plan->options.coverage;
     plan->voxel_log2 = plan->info.snap_bits - depth;
     plan->progress.expected_ns[SVO_STAGE_GRID] = SVO_I_SNAP_NS * (double)mesh->vertex_count +
@@ -226,7 +227,10 @@ svo_status svo_i_plan_new(svo_device *device, const char *function, const svo_i_
     }
     SVO_I_TRY(svo_i_struct_read(&device->message, function, "options", options, &asked,
                                 SVO_I_STRUCT_SIZES(svo_plan_options, coverage)));
+    svo_i_plan_part part = {.level = 0};
+    SVO_I_TRY(svo_i_part_read(device, function, depth, &asked, &part));
     SVO_I_TRY(check_input(device, function, input, &asked));
+    depth -= part.level;
     if (asked.payload_level > depth) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.payload_level %u is above depth %u",
                                  function, asked.payload_level, depth);
@@ -237,6 +241,7 @@ svo_status svo_i_plan_new(svo_device *device, const char *function, const svo_i_
     }
     plan->device = device;
     plan->options = asked;
+    plan->part = part;
     svo_plan_set_progress(plan, asked.progress, asked.progress_user);
     plan->info.depth = depth;
     plan->stages = stages->rows;
@@ -261,6 +266,7 @@ void svo_plan_destroy(svo_plan **plan)
     svo_i_free(p->vertices);
     svo_i_free(p->indices);
     svo_i_free(p->triangle_ids);
+    svo_i_free(p->part.positions);
     svo_i_free(p->positions);
     svo_i_free(p->positions_double);
     svo_i_free(p->items);

@@ -175,6 +175,15 @@ typedef struct svo_i_plan_memory {
     cl_mem records, colors, normals, uvs; /* NULL where the request does not read them or the mesh has none */
 } svo_i_plan_memory;
 
+/* The place of a part in the whole tree; header.depth is 0 in a plan of a whole tree. */
+typedef struct svo_i_plan_part {
+    svo_part_header header;
+    uint32_t level;
+    uint64_t code;
+    int32_t corner[3]; /* minimum corner of the part in the whole grid, grid units */
+    uint32_t *positions; /* of the kept triangles among those that the whole keeps; NULL once triangle_ids has them */
+} svo_i_plan_part;
+
 struct svo_i_update; /* update.h */
 
 struct svo_plan {
@@ -183,6 +192,7 @@ struct svo_plan {
     svo_i_progress progress;
     svo_plan_info info;
     svo_plan_options options;
+    svo_i_plan_part part;
     svo_i_work work; /* what a build does */
     const svo_i_stage *stages; /* the table of stages, in build/stage_table.c */
     size_t stage_count;

@@ -455,7 +455,7 @@ static svo_status begin(maker *m, svo_device *device, const char *function, cl_c
     m->mesh = mesh;
     m->params.triangle_count = mesh->triangle_count;
     m->params.snap_bits = mesh->snap_bits;
-    m->serial_group = device->is_cpu ? 1 : SVO_GROUP_ITEMS;
+    m->serial_group = device->cpu_path ? 1 : SVO_GROUP_ITEMS;
     SVO_I_TRY(svo_i_work_begin(device, function, queue, &m->work));
     return svo_i_work_use(&m->work, SVO_I_PROGRAM_BVH, DEFINES);
 }
@@ -483,10 +483,10 @@ svo_status svo_i_bvh_make(svo_device *device, const char *function, cl_command_q
 {
     maker m = {.out = out};
     *out = (svo_i_device_bvh){.quality = options->quality};
-    m.params.chunk_items = options->chunk_items != 0 ? options->chunk_items : device->is_cpu ? 1024 : 256;
+    m.params.chunk_items = options->chunk_items != 0 ? options->chunk_items : device->cpu_path ? 1024 : 256;
     m.params.subtree_items = options->quality == SVO_BVH_FAST ? SVO_BVH_SWEEP_ITEMS
                              : options->subtree_items != 0    ? options->subtree_items
-                             : device->is_cpu                 ? 2048
+                             : device->cpu_path               ? 2048
                                                               : 128;
     svo_status status = SVO_OK;
     SVO_I_TRY_CLEANUP(begin(&m, device, function, queue, mesh));

@@ -72,7 +72,8 @@ static svo_status fill_params(const svo_i_picture_source *source, const svo_rend
 typedef struct picture {
     cl_kernel kernel;
     size_t items_per_tile;
-    cl_mem params, pixels;
+    cl_mem params; /* owned */
+    cl_mem pixels;
 } picture;
 
 static const char *normal_defines(const svo_i_picture_source *source)
@@ -114,7 +115,7 @@ static svo_status prepare_shaded(const svo_i_picture_source *source, picture *dr
 {
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(source->colors), SVO_I_ARGUMENT(source->normals),
                                         SVO_I_ARGUMENT(drawn->params), SVO_I_ARGUMENT(drawn->pixels)};
-    const bool tiles = source->device->is_cpu;
+    const bool tiles = source->device->cpu_path;
     char defines[64];
     (void)snprintf(defines, sizeof defines, "%s%s", tiles ? " -DSVO_CAST_TILES" : "", color_defines(source));
     SVO_I_TRY(make_kernel(source, SVO_I_PROGRAM_CAST, defines, "svo_k_cast", &drawn->kernel));
@@ -126,63 +127,61 @@ static svo_status prepare_shaded(const svo_i_picture_source *source, picture *dr
     return svo_i_kernel_set_from(source->device, source->function, drawn->kernel, source->node_arguments, arguments, 4);
 }
 
-static svo_status prepare(const svo_i_picture_source *source, const svo_render_options *options, picture *out)
-{
-    const size_t pixel_bytes = (size_t)options->width * options->height * 4;
-    SVO_I_TRY(svo_i_device_buffer(source->device, source->function, "camera", CL_MEM_READ_ONLY, sizeof(svo_cast_params),
-                                  &out->params));
-    SVO_I_TRY(
-        svo_i_device_buffer(source->device, source->function, "picture", CL_MEM_WRITE_ONLY, pixel_bytes, &out->pixels));
-    return options->view == SVO_VIEW_SHADED ? prepare_shaded(source, out) : prepare_view(source, options, out);
-}
-
-/* Each command waits for the previous one by an event, since the queue may be out-of-order. */
-static svo_status draw(const svo_i_picture_source *source, cl_command_queue queue, const picture *drawn,
-                       const svo_cast_params *params, uint8_t *rgba)
+static svo_status launch(const svo_i_picture_source *source, const picture *drawn, const svo_cast_params *params,
+                         const svo_i_pixels *to)
 {
     const size_t tiles =
         (size_t)((params->width + TILE_EDGE - 1) / TILE_EDGE) * ((params->height + TILE_EDGE - 1) / TILE_EDGE);
     const size_t local = drawn->items_per_tile;
     const size_t global = tiles * local;
-    const size_t pixel_bytes = (size_t)params->width * params->height * 4;
-    cl_event cast = NULL;
-    const char *call = "clEnqueueWriteBuffer";
-    cl_int error = clEnqueueWriteBuffer(queue, drawn->params, CL_TRUE, 0, sizeof *params, params, 0, NULL, NULL);
-    if (error == CL_SUCCESS) {
-        call = "clEnqueueNDRangeKernel";
-        error = clEnqueueNDRangeKernel(queue, drawn->kernel, 1, NULL, &global, &local, 0, NULL, &cast);
-    }
-    if (error == CL_SUCCESS) {
-        call = "clEnqueueReadBuffer";
-        error = clEnqueueReadBuffer(queue, drawn->pixels, CL_TRUE, 0, pixel_bytes, rgba, 1, &cast, NULL);
-    }
-    if (cast != NULL) {
-        clReleaseEvent(cast);
-    }
-    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(source->device, source->function, call, error);
+    const cl_int error =
+        clEnqueueNDRangeKernel(to->queue, drawn->kernel, 1, NULL, &global, &local, to->num_wait, to->wait, to->event);
+    return error == CL_SUCCESS
+               ? SVO_OK
+               : svo_i_device_fail_cl(source->device, source->function, "clEnqueueNDRangeKernel", error);
 }
 
-svo_status svo_i_picture_draw(const svo_i_picture_source *source, const svo_render_options *options,
-                              cl_command_queue queue, uint8_t *rgba)
+static svo_status enqueue(const svo_i_picture_source *source, const svo_render_options *options, const svo_i_pixels *to)
 {
     svo_cast_params params = {.depth = 0};
-    picture drawn = {.kernel = NULL};
+    picture drawn = {.pixels = to->buffer};
     svo_status status = SVO_OK;
-    SVO_I_TRY(check_payload(source));
     SVO_I_TRY(fill_params(source, options, &params));
-    SVO_I_TRY(svo_i_device_queue(source->device, source->function, queue, &queue));
-    SVO_I_TRY_CLEANUP(prepare(source, options, &drawn));
-    SVO_I_TRY_CLEANUP(draw(source, queue, &drawn, &params, rgba));
+    SVO_I_TRY_CLEANUP(
+        svo_i_device_constants(source->device, source->function, "camera", &params, sizeof params, &drawn.params));
+    SVO_I_TRY_CLEANUP(options->view == SVO_VIEW_SHADED ? prepare_shaded(source, &drawn)
+                                                       : prepare_view(source, options, &drawn));
+    SVO_I_TRY_CLEANUP(launch(source, &drawn, &params, to));
 
 cleanup:
-    if (drawn.pixels != NULL) {
-        clReleaseMemObject(drawn.pixels);
-    }
     if (drawn.params != NULL) {
         clReleaseMemObject(drawn.params);
     }
     if (drawn.kernel != NULL) {
         clReleaseKernel(drawn.kernel);
     }
+    return status;
+}
+
+svo_status svo_i_picture_enqueue(const svo_i_picture_source *source, const svo_render_options *options,
+                                 const svo_i_pixels *to)
+{
+    SVO_I_TRY(check_payload(source));
+    SVO_I_TRY(svo_i_pixels_check(source->device, source->function, options->width, options->height, to));
+    return enqueue(source, options, to);
+}
+
+svo_status svo_i_picture_draw(const svo_i_picture_source *source, const svo_render_options *options,
+                              cl_command_queue queue, uint8_t *rgba)
+{
+    svo_i_own_pixels own;
+    svo_status status = SVO_OK;
+    SVO_I_TRY(check_payload(source));
+    SVO_I_TRY(svo_i_own_pixels_begin(source->device, source->function, options->width, options->height, queue, &own));
+    SVO_I_TRY_CLEANUP(enqueue(source, options, &own.to));
+    SVO_I_TRY_CLEANUP(svo_i_own_pixels_read(&own, 0, options->height, rgba));
+
+cleanup:
+    svo_i_own_pixels_end(&own);
     return status;
 }

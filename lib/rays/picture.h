@@ -3,6 +3,7 @@
 #ifndef SVO_LIB_RAYS_PICTURE_H
 #define SVO_LIB_RAYS_PICTURE_H
 
+#include "rays/pixels.h"
 #include "rays/target.h"
 #include "svocl/nodes.h"
 #include "svocl/trace.h"
@@ -23,6 +24,9 @@ typedef struct svo_i_picture_source {
 /* The options of a picture, checked. */
 svo_status svo_i_picture_options(svo_device *device, const char *function, const svo_render_options *options,
                                  svo_render_options *out);
+/* Enqueues what draws a picture. */
+svo_status svo_i_picture_enqueue(const svo_i_picture_source *source, const svo_render_options *options,
+                                 const svo_i_pixels *to);
 /* Draws a picture and waits for it. */
 svo_status svo_i_picture_draw(const svo_i_picture_source *source, const svo_render_options *options,
                               cl_command_queue queue, uint8_t *rgba);

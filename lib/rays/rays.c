@@ -332,6 +332,10 @@ svo_status svo_i_rays_check(const svo_tree *tree, const char *function)
                                  "%s: the tree's coverage is thin, which leaves out voxels that triangles touch",
                                  function);
     }
+    if (tree->part.header.depth != 0) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
+                                 "%s: the tree is a part of another, which rays need whole", function);
+    }
     if (tree->device == NULL) {
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
                                  "%s: the tree is not on a device; call svo_tree_upload first", function);

@@ -5,9 +5,8 @@
 #include "rays/picture.h"
 #include "rays/rays.h"
 
-static svo_status check_tree(svo_device *device, const svo_tree *tree)
+static svo_status check_tree(svo_device *device, const svo_tree *tree, const char *function)
 {
-    static const char function[] = "svo_tree_render";
     if (tree->device != NULL && tree->device != device) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: the tree is on another device", function);
     }
@@ -34,6 +33,36 @@ static svo_status describe(svo_device *device, svo_tree *tree, const char *funct
     return svo_tree_get_grid(tree, &out->grid);
 }
 
+/* Checks what is asked for and describes what is drawn. */
+static svo_status begin(svo_device *device, svo_tree *tree, const char *function, const svo_render_options *options,
+                        svo_render_options *asked, svo_i_picture_source *source)
+{
+    if (tree == NULL || options == NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
+                                 tree == NULL ? "tree" : "options");
+    }
+    SVO_I_TRY(svo_i_picture_options(device, function, options, asked));
+    SVO_I_TRY(svo_i_tree_check(tree, function));
+    SVO_I_TRY(check_tree(device, tree, function));
+    if (asked->view == SVO_VIEW_TRIANGLES) {
+        SVO_I_TRY(svo_i_rays_check(tree, function));
+    }
+    return describe(device, tree, function, source);
+}
+
+svo_status svo_tree_render_enqueue(svo_device *device, svo_tree *tree, const svo_render_options *options, cl_mem pixels,
+                                   cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
+{
+    const svo_i_pixels to = {pixels, queue, num_wait, wait, event};
+    svo_render_options asked;
+    svo_i_picture_source source;
+    if (device == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    SVO_I_TRY(begin(device, tree, "svo_tree_render_enqueue", options, &asked, &source));
+    return svo_i_picture_enqueue(&source, &asked, &to);
+}
+
 svo_status svo_tree_render(svo_device *device, svo_tree *tree, const svo_render_options *options,
                            cl_command_queue queue, uint8_t *rgba)
 {
@@ -43,18 +72,9 @@ svo_status svo_tree_render(svo_device *device, svo_tree *tree, const svo_render_
     if (device == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    if (tree == NULL || options == NULL || rgba == NULL) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
-                                 tree == NULL      ? "tree"
-                                 : options == NULL ? "options"
-                                                   : "rgba");
+    if (rgba == NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: rgba is NULL", function);
     }
-    SVO_I_TRY(svo_i_picture_options(device, function, options, &asked));
-    SVO_I_TRY(svo_i_tree_check(tree, function));
-    SVO_I_TRY(check_tree(device, tree));
-    if (asked.view == SVO_VIEW_TRIANGLES) {
-        SVO_I_TRY(svo_i_rays_check(tree, function));
-    }
-    SVO_I_TRY(describe(device, tree, function, &source));
+    SVO_I_TRY(begin(device, tree, function, options, &asked, &source));
     return svo_i_picture_draw(&source, &asked, queue, rgba);
 }

@@ -23,7 +23,7 @@ static size_t stream_share(size_t ray_count)
 static svo_status ray_batch(svo_tree *tree, const char *function, size_t ray_count, uint32_t flags, cl_uint *any,
                             svo_i_batch *out)
 {
-    const bool streams = flags != SVO_TRACE_COUNT && tree->device != NULL && tree->device->is_cpu;
+    const bool streams = flags != SVO_TRACE_COUNT && tree->device != NULL && tree->device->cpu_path;
     *any = flags == SVO_TRACE_ANY;
     *out = (svo_i_batch){.device = tree->device,
                          .function = function,

@@ -4,6 +4,7 @@
 
 #include "core/struct_size.h"
 #include "rays/camera.h"
+#include "rays/pixels.h"
 #include "scene/state.h"
 
 /* Rays along each side of a pixel. */
@@ -12,21 +13,19 @@
 /* The range of the ambient occlusion, of an instance's mean width. */
 #define OCCLUSION_SHARE 0.25
 
-static const char function_name[] = "svo_scene_render";
-
 /* ---- checks ---- */
 
-static svo_status check_options(const svo_scene *scene, const svo_scene_render_options *options)
+static svo_status check_options(const svo_scene *scene, const char *function, const svo_scene_render_options *options)
 {
-    SVO_I_TRY(svo_i_camera_check(scene->device, function_name, &options->camera, options->width, options->height));
+    SVO_I_TRY(svo_i_camera_check(scene->device, function, &options->camera, options->width, options->height));
     if (options->light_count > SVO_SCENE_LIGHTS_MAX || (options->light_count > 0 && options->lights == NULL)) {
         return svo_i_device_fail(scene->device, SVO_INVALID_ARGUMENT,
-                                 "%s: options.light_count %u is above %u, or options.lights is NULL", function_name,
+                                 "%s: options.light_count %u is above %u, or options.lights is NULL", function,
                                  options->light_count, SVO_SCENE_LIGHTS_MAX);
     }
     if (!(options->occlusion_range >= 0.0F) || !isfinite(options->occlusion_range)) {
         return svo_i_device_fail(scene->device, SVO_INVALID_ARGUMENT,
-                                 "%s: options.occlusion_range %g is not finite, or below 0", function_name,
+                                 "%s: options.occlusion_range %g is not finite, or below 0", function,
                                  (double)options->occlusion_range);
     }
     return SVO_OK;
@@ -35,7 +34,7 @@ static svo_status check_options(const svo_scene *scene, const svo_scene_render_o
 /* ---- parameters ---- */
 
 /* The caller's lights with unit directions. */
-static svo_status fill_lights(const svo_scene *scene, const svo_scene_render_options *options,
+static svo_status fill_lights(const svo_scene *scene, const char *function, const svo_scene_render_options *options,
                               svo_scene_light lights[SVO_SCENE_LIGHTS_MAX])
 {
     for (uint32_t i = 0; i < options->light_count; ++i) {
@@ -53,7 +52,7 @@ static svo_status fill_lights(const svo_scene *scene, const svo_scene_render_opt
             return svo_i_device_fail(scene->device, SVO_INVALID_ARGUMENT,
                                      "%s: options.lights[%u] has no direction, a color that is not finite or below 0, "
                                      "or shadows above 1",
-                                     function_name, i);
+                                     function, i);
         }
     }
     return SVO_OK;
@@ -82,12 +81,12 @@ static float default_range(const svo_scene *scene)
     return (float)(OCCLUSION_SHARE * sum / scene->info.instance_count);
 }
 
-static svo_status fill_picture(const svo_scene *scene, const svo_scene_render_options *options,
+static svo_status fill_picture(const svo_scene *scene, const char *function, const svo_scene_render_options *options,
                                svo_scene_picture *picture, svo_scene_light lights[SVO_SCENE_LIGHTS_MAX])
 {
     svo_i_pinhole hole;
-    SVO_I_TRY(svo_i_pinhole_from_camera(scene->device, function_name, &options->camera, options->width, options->height,
-                                        &hole));
+    SVO_I_TRY(
+        svo_i_pinhole_from_camera(scene->device, function, &options->camera, options->width, options->height, &hole));
     for (int axis = 0; axis < 3; ++axis) {
         picture->eye[axis] = options->camera.eye[axis];
         picture->corner[axis] = hole.corner[axis];
@@ -105,103 +104,128 @@ static svo_status fill_picture(const svo_scene *scene, const svo_scene_render_op
         lights[0] = default_light(&hole.view, hole.up);
         picture->light_count = 1;
     }
-    return fill_lights(scene, options, lights);
+    return fill_lights(scene, function, options, lights);
 }
 
 /* ---- drawing ---- */
 
+/* A picture that is about to be drawn. */
 typedef struct drawing {
+    const svo_scene *scene;
+    const char *function; /* for messages */
+    svo_scene_picture picture;
+    svo_scene_light lights[SVO_SCENE_LIGHTS_MAX];
+    /* Owned, until the picture is enqueued. */
     cl_kernel kernel;
-    cl_mem picture, lights, pixels;
+    cl_mem picture_buffer, lights_buffer;
 } drawing;
 
-static svo_status write(const svo_scene *scene, cl_command_queue queue, cl_mem to, size_t bytes, const void *data)
+static svo_status prepare(drawing *drawn, cl_mem pixels)
 {
-    const cl_int error = clEnqueueWriteBuffer(queue, to, CL_TRUE, 0, bytes, data, 0, NULL, NULL);
-    return error == CL_SUCCESS ? SVO_OK
-                               : svo_i_device_fail_cl(scene->device, function_name, "clEnqueueWriteBuffer", error);
-}
-
-static svo_status prepare(const svo_scene *scene, const svo_scene_picture *picture, drawing *out)
-{
+    const svo_scene *scene = drawn->scene;
     svo_device *device = scene->device;
-    const size_t pixel_bytes = (size_t)picture->width * picture->height * 4;
+    const char *function = drawn->function;
     cl_program program = NULL;
-    SVO_I_TRY(svo_i_device_buffer(device, function_name, "camera", CL_MEM_READ_ONLY, sizeof *picture, &out->picture));
-    SVO_I_TRY(svo_i_device_buffer(device, function_name, "lights", CL_MEM_READ_ONLY,
-                                  SVO_SCENE_LIGHTS_MAX * sizeof(svo_scene_light), &out->lights));
-    SVO_I_TRY(svo_i_device_buffer(device, function_name, "picture", CL_MEM_WRITE_ONLY, pixel_bytes, &out->pixels));
-    SVO_I_TRY(svo_i_program_get(device, function_name, SVO_I_PROGRAM_SCENE_CAST, scene->form, &program, NULL));
-    SVO_I_TRY(svo_i_kernel_create(device, function_name, program, "svo_k_scene_render", &out->kernel));
-    const svo_i_argument others[] = {SVO_I_ARGUMENT(scene->buffers[SVO_I_SCENE_COLORS]),
-                                     SVO_I_ARGUMENT(scene->buffers[SVO_I_SCENE_NORMALS]), SVO_I_ARGUMENT(out->picture),
-                                     SVO_I_ARGUMENT(out->lights), SVO_I_ARGUMENT(out->pixels)};
-    SVO_I_TRY(svo_i_scene_set_args(scene, function_name, out->kernel, 0, &scene->params));
-    return svo_i_kernel_set_from(device, function_name, out->kernel, svo_i_scene_arguments(scene),
+    SVO_I_TRY(svo_i_device_constants(device, function, "camera", &drawn->picture, sizeof drawn->picture,
+                                     &drawn->picture_buffer));
+    SVO_I_TRY(
+        svo_i_device_constants(device, function, "lights", drawn->lights, sizeof drawn->lights, &drawn->lights_buffer));
+    SVO_I_TRY(svo_i_program_get(device, function, SVO_I_PROGRAM_SCENE_CAST, scene->form, &program, NULL));
+    SVO_I_TRY(svo_i_kernel_create(device, function, program, "svo_k_scene_render", &drawn->kernel));
+    const svo_i_argument others[] = {
+        SVO_I_ARGUMENT(scene->buffers[SVO_I_SCENE_COLORS]), SVO_I_ARGUMENT(scene->buffers[SVO_I_SCENE_NORMALS]),
+        SVO_I_ARGUMENT(drawn->picture_buffer), SVO_I_ARGUMENT(drawn->lights_buffer), SVO_I_ARGUMENT(pixels)};
+    SVO_I_TRY(svo_i_scene_set_args(scene, function, drawn->kernel, 0, &scene->params));
+    return svo_i_kernel_set_from(device, function, drawn->kernel, svo_i_scene_arguments(scene),
                                  SVO_I_ARGUMENTS(others));
 }
 
-static svo_status draw(const svo_scene *scene, cl_command_queue queue, const drawing *drawn,
-                       const svo_scene_picture *picture, uint8_t *rgba)
+static svo_status launch(const drawing *drawn, const svo_i_pixels *to)
 {
+    const svo_scene_picture *picture = &drawn->picture;
     const size_t tiles =
         (size_t)((picture->width + TILE_EDGE - 1) / TILE_EDGE) * ((picture->height + TILE_EDGE - 1) / TILE_EDGE);
     const size_t local = SVO_GROUP_ITEMS;
     const size_t global = tiles * local;
-    const size_t pixel_bytes = (size_t)picture->width * picture->height * 4;
-    const char *call = "clEnqueueNDRangeKernel";
-    cl_event done = NULL;
-    cl_int error = clEnqueueNDRangeKernel(queue, drawn->kernel, 1, NULL, &global, &local, 0, NULL, &done);
-    if (error == CL_SUCCESS) {
-        call = "clEnqueueReadBuffer";
-        error = clEnqueueReadBuffer(queue, drawn->pixels, CL_TRUE, 0, pixel_bytes, rgba, 1, &done, NULL);
-    }
-    if (done != NULL) {
-        clReleaseEvent(done);
-    }
-    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(scene->device, function_name, call, error);
+    const cl_int error =
+        clEnqueueNDRangeKernel(to->queue, drawn->kernel, 1, NULL, &global, &local, to->num_wait, to->wait, to->event);
+    return error == CL_SUCCESS
+               ? SVO_OK
+               : svo_i_device_fail_cl(drawn->scene->device, drawn->function, "clEnqueueNDRangeKernel", error);
 }
 
 static void release(drawing *drawn)
 {
-    const cl_mem buffers[] = {drawn->picture, drawn->lights, drawn->pixels};
-    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
-        if (buffers[i] != NULL) {
-            clReleaseMemObject(buffers[i]);
-        }
+    if (drawn->picture_buffer != NULL) {
+        clReleaseMemObject(drawn->picture_buffer);
+    }
+    if (drawn->lights_buffer != NULL) {
+        clReleaseMemObject(drawn->lights_buffer);
     }
     if (drawn->kernel != NULL) {
         clReleaseKernel(drawn->kernel);
     }
 }
 
+static svo_status enqueue(drawing *drawn, const svo_i_pixels *to)
+{
+    svo_status status = SVO_OK;
+    SVO_I_TRY_CLEANUP(prepare(drawn, to->buffer));
+    SVO_I_TRY_CLEANUP(launch(drawn, to));
+
+cleanup:
+    release(drawn);
+    return status;
+}
+
+/* Checks what is asked for. */
+static svo_status begin(const svo_scene *scene, const char *function, const svo_scene_render_options *options,
+                        drawing *out)
+{
+    svo_scene_render_options asked = {.width = 0};
+    *out = (drawing){.scene = scene, .function = function};
+    if (options == NULL) {
+        return svo_i_device_fail(scene->device, SVO_INVALID_ARGUMENT, "%s: options is NULL", function);
+    }
+    SVO_I_TRY(svo_i_struct_read(&scene->device->message, function, "options", options, &asked,
+                                SVO_I_STRUCT_SIZES(svo_scene_render_options, reserved2)));
+    SVO_I_TRY(svo_i_scene_check(scene, function));
+    SVO_I_TRY(check_options(scene, function, &asked));
+    return fill_picture(scene, function, &asked, &out->picture, out->lights);
+}
+
+svo_status svo_scene_render_enqueue(svo_scene *scene, const svo_scene_render_options *options, cl_mem pixels,
+                                    cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
+{
+    const svo_i_pixels to = {pixels, queue, num_wait, wait, event};
+    drawing drawn;
+    if (scene == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    SVO_I_TRY(begin(scene, "svo_scene_render_enqueue", options, &drawn));
+    SVO_I_TRY(svo_i_pixels_check(scene->device, drawn.function, drawn.picture.width, drawn.picture.height, &to));
+    return enqueue(&drawn, &to);
+}
+
 svo_status svo_scene_render(svo_scene *scene, const svo_scene_render_options *options, cl_command_queue queue,
                             uint8_t *rgba)
 {
-    svo_scene_render_options asked = {.width = 0};
-    svo_scene_picture picture = {.samples = 0};
-    svo_scene_light lights[SVO_SCENE_LIGHTS_MAX] = {{.shadows = 0}};
-    drawing drawn = {.kernel = NULL};
+    static const char function[] = "svo_scene_render";
+    svo_i_own_pixels own;
+    drawing drawn;
     svo_status status = SVO_OK;
     if (scene == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    if (options == NULL || rgba == NULL) {
-        return svo_i_device_fail(scene->device, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function_name,
-                                 options == NULL ? "options" : "rgba");
+    if (rgba == NULL) {
+        return svo_i_device_fail(scene->device, SVO_INVALID_ARGUMENT, "%s: rgba is NULL", function);
     }
-    SVO_I_TRY(svo_i_struct_read(&scene->device->message, function_name, "options", options, &asked,
-                                SVO_I_STRUCT_SIZES(svo_scene_render_options, reserved2)));
-    SVO_I_TRY(svo_i_scene_check(scene, function_name));
-    SVO_I_TRY(check_options(scene, &asked));
-    SVO_I_TRY(fill_picture(scene, &asked, &picture, lights));
-    SVO_I_TRY(svo_i_device_queue(scene->device, function_name, queue, &queue));
-    SVO_I_TRY_CLEANUP(prepare(scene, &picture, &drawn));
-    SVO_I_TRY_CLEANUP(write(scene, queue, drawn.picture, sizeof picture, &picture));
-    SVO_I_TRY_CLEANUP(write(scene, queue, drawn.lights, sizeof lights, lights));
-    SVO_I_TRY_CLEANUP(draw(scene, queue, &drawn, &picture, rgba));
+    SVO_I_TRY(begin(scene, function, options, &drawn));
+    SVO_I_TRY(svo_i_own_pixels_begin(scene->device, function, drawn.picture.width, drawn.picture.height, queue, &own));
+    SVO_I_TRY_CLEANUP(enqueue(&drawn, &own.to));
+    SVO_I_TRY_CLEANUP(svo_i_own_pixels_read(&own, 0, drawn.picture.height, rgba));
 
 cleanup:
-    release(&drawn);
+    svo_i_own_pixels_end(&own);
     return status;
 }

@@ -120,6 +120,10 @@ void svo_i_build_fill_info(const svo_i_build *build)
     to->triangles = from->triangles;
     to->refused_triangles = from->refused_triangles;
     to->fragments = build->fragment_count;
+    const svo_i_plan_part *part = &build->commands.plan->part;
+    build->tree->part.header = part->header;
+    build->tree->part.level = part->level;
+    build->tree->part.code = part->code;
 }
 
 /* Plans may describe trees of too many nodes; builds refuse them. */

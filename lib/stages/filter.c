@@ -10,6 +10,7 @@
 
 #include <string.h>
 
+#include "plan/part.h"
 #include "stages/link.h"
 #include "stages/payload_params.h"
 
@@ -269,6 +270,19 @@ static svo_status clear_payload(filterer *f)
     return SVO_OK;
 }
 
+/* Keeps the root's sums of a part, from which the levels above it are made. */
+static svo_status keep_root(filterer *f)
+{
+    svo_i_commands *commands = &f->build->commands;
+    svo_i_node_sums *root = &f->build->tree->part.root;
+    const level_sums *sums = &f->sums[f->build->tree->info.depth % 2];
+    SVO_I_TRY(svo_i_commands_read(commands, sums->weights, &root->weight, sizeof root->weight));
+    if (f->color) {
+        SVO_I_TRY(svo_i_commands_read(commands, sums->colors, root->color, sizeof root->color));
+    }
+    return f->normal ? svo_i_commands_read(commands, sums->normals, root->normal, sizeof root->normal) : SVO_OK;
+}
+
 static svo_status run(filterer *f)
 {
     const bool is_empty = f->build->tree->info.leaf_count == 0;
@@ -284,7 +298,11 @@ static svo_status run(filterer *f)
     if (f->areas && !f->one_chunk) {
         SVO_I_TRY(round_areas(f));
     }
-    return f->levels ? filter_levels(f) : SVO_OK;
+    if (!f->levels) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(filter_levels(f));
+    return svo_i_part_sums_root(f->build->commands.plan) ? keep_root(f) : SVO_OK;
 }
 
 svo_status svo_i_filter(svo_i_build *build)

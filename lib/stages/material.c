@@ -5,6 +5,7 @@
  */
 #include "stages/material.h"
 
+#include "plan/part.h"
 #include "stages/payload_params.h"
 
 /* The entries of a level's nodes: pairs of a material and a weight. */
@@ -107,6 +108,25 @@ static svo_status merge_level(sorter *s, uint32_t level)
     return svo_i_commands_launch(&s->build->commands, s->merge, SVO_I_ARGUMENTS(arguments), s->params.level_count);
 }
 
+/* Keeps the root's entries of a part, from which the levels above it are made. They begin at the first slot. */
+static svo_status keep_root(sorter *s)
+{
+    svo_i_build *build = s->build;
+    const level_entries *root = &s->levels[build->tree->info.depth % 2];
+    cl_uint count = 0;
+    SVO_I_TRY(svo_i_commands_read(&build->commands, root->counts, &count, sizeof count));
+    if (build->commands.mode != SVO_I_MODE_RUN) {
+        return SVO_OK; /* nothing was counted */
+    }
+    build->tree->part.runs = svo_i_alloc(&build->tree->memory, ((size_t)count + 1) * sizeof(uint64_t));
+    if (build->tree->part.runs == NULL) {
+        return svo_i_device_fail(build->commands.device, SVO_OUT_OF_HOST_MEMORY,
+                                 "svo_build: no memory for %u materials", count);
+    }
+    build->tree->part.run_count = count;
+    return svo_i_commands_read(&build->commands, root->entries, build->tree->part.runs, count * sizeof(uint64_t));
+}
+
 static svo_status run(sorter *s)
 {
     SVO_I_TRY(allocate(s));
@@ -118,7 +138,7 @@ static svo_status run(sorter *s)
     for (uint32_t level = s->build->tree->info.depth; level-- > last_level;) {
         SVO_I_TRY(merge_level(s, level));
     }
-    return SVO_OK;
+    return svo_i_part_sums_root(s->build->commands.plan) ? keep_root(s) : SVO_OK;
 }
 
 /* Releases the ranges of entries if only the materials needed them. */

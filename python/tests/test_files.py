@@ -32,6 +32,18 @@ def test_a_saved_tree_loads_again(tree, tmp_path, compress):
                 assert (mine is None and theirs is None) or np.array_equal(mine, theirs)
 
 
+def test_upper_levels_of_a_file(tree, tmp_path):
+    path = tmp_path / "torus.svo"
+    tree.save(path)
+    with svocl.Tree.load(path, levels=3) as upper:
+        inner, nodes = tree.info.level_begin[3], tree.info.level_begin[4]
+        assert upper.info.depth == 3 and upper.info.leaf_count == nodes - inner
+        assert np.array_equal(upper.arrays.child_mask, tree.arrays.child_mask[:inner])
+        assert upper.arrays.list is None
+    with pytest.raises(svocl.InvalidArgumentError, match="last_level 17 is not in 1 .. "):
+        svocl.Tree.load(path, levels=17)
+
+
 def test_a_loaded_tree_traces_after_upload(device, tree, tmp_path):
     tree.save(tmp_path / "torus.svo")
     rays = svocl.make_rays([[-3, 0.013, 0.017]], [1, 0, 0])

@@ -33,8 +33,7 @@ static const svo_plan_options options = {.struct_size = sizeof options,
                                          .need = SVO_NEED_RAYS | SVO_NEED_COLOR | SVO_NEED_NORMAL,
                                          .edge = 1.0,
                                          .max_area = 4.0,
-                                         .fragment_capacity = 600000,
-                                         .worst_case_nodes = 1,
+                                         .fragment_capacity = 300000,
                                          .updatable = 1};
 
 /* What runs once a frame, in order. */

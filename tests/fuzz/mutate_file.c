@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Mutations of .svo files that pass the checks of lengths and checksums: after most changes, the header, the chunk
+ * Mutations of .svo and .svc files that pass the checks of lengths and checksums: after most changes, the header, the chunk
  * table and all checksums are recomputed. Otherwise a fuzzer would never get past the first checksum. Only libFuzzer
  * calls it; the inputs it stores need no further processing.
  */
@@ -36,7 +36,7 @@ static file_head read_head(const uint8_t *data, size_t byte_count)
 
 static uint32_t chunk_count(const file_head *head)
 {
-    return head->header.chunk_count < SVO_TREE_BUFFER_COUNT ? head->header.chunk_count : SVO_TREE_BUFFER_COUNT;
+    return head->header.chunk_count < FILE_CHUNKS_MAX ? head->header.chunk_count : FILE_CHUNKS_MAX;
 }
 
 /* Sets length and checksum of the uncompressed chunk; unchanged if decompression fails. */
@@ -63,12 +63,24 @@ static void repair_chunk(file_chunk *chunk, const uint8_t *data, size_t byte_cou
     }
 }
 
+/* Makes it a file of a known format and version: of compact trees, or else of trees. */
+static void repair_identity(file_header *header)
+{
+    const bool compact = memcmp(header->magic, FILE_COMPACT_MAGIC, FILE_MAGIC_BYTES) == 0;
+    const uint32_t newest = compact ? FILE_COMPACT_VERSION : FILE_VERSION;
+    if (!compact) {
+        memcpy(header->magic, FILE_MAGIC, FILE_MAGIC_BYTES);
+    }
+    if (header->version == 0 || header->version > newest) {
+        header->version = newest;
+    }
+}
+
 /* Recomputes checksums and, on request, offsets: chunks back to back, the last one takes all remaining bytes. */
 static void repair(uint8_t *data, size_t byte_count, bool places)
 {
     file_head head = read_head(data, byte_count);
-    memcpy(head.header.magic, FILE_MAGIC, FILE_MAGIC_BYTES);
-    head.header.version = FILE_VERSION;
+    repair_identity(&head.header);
     head.header.file_bytes = byte_count;
     const uint32_t count = chunk_count(&head);
     const size_t head_bytes = sizeof head.header + count * sizeof head.chunks[0];

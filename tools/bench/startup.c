@@ -77,6 +77,10 @@ static void make_arguments(const suite *all, const input *source, const char *de
         arguments[count++] = "--device";
         arguments[count++] = given->device_name;
     }
+    if (given->path != SVO_PATH_AUTO) {
+        arguments[count++] = "--path";
+        arguments[count++] = svo_path_name((svo_path)given->path);
+    }
     if (form > 0 && given->gl_device != NULL) {
         arguments[count++] = "--gl-device";
         arguments[count++] = given->gl_device;

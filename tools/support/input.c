@@ -203,6 +203,14 @@ static int check_triangles(program *state, input *opened)
                         opened->name, refused->bad_index_count, given, refused->not_finite_count);
 }
 
+static int refuse_levels(program *state)
+{
+    return state->options.last_level == 0
+               ? PROGRAM_DONE
+               : program_fail(state, PROGRAM_WRONG_USAGE, "--levels applies to .svo files, not to %s",
+                              state->options.input);
+}
+
 int input_open(program *state, input *opened)
 {
     *opened = (input){.name = state->options.input};
@@ -215,9 +223,12 @@ int input_open(program *state, input *opened)
     if (voxel_input_is_given(state)) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "%s holds voxels, a mesh is needed here", opened->name);
     }
-    const double started_ms = input_now_ms();
-    int result = is_scene ? open_scene(state, opened) : open_file(state, opened);
-    opened->import_ms = input_now_ms() - started_ms;
+    int result = refuse_levels(state);
+    if (result == PROGRAM_DONE) {
+        const double started_ms = input_now_ms();
+        result = is_scene ? open_scene(state, opened) : open_file(state, opened);
+        opened->import_ms = input_now_ms() - started_ms;
+    }
     if (result == PROGRAM_DONE) {
         result = check_triangles(state, opened);
     }
@@ -237,7 +248,10 @@ int input_open_any(program *state, uint32_t need, input *opened)
     }
     *opened = (input){.name = state->options.input};
     progress_step(state->progress, "reading the voxels");
-    int exit_code = voxel_input_check_options(state, need);
+    int exit_code = refuse_levels(state);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = voxel_input_check_options(state, need);
+    }
     const double started_ms = input_now_ms();
     if (exit_code == PROGRAM_DONE) {
         exit_code = voxel_input_open(state, &opened->voxels);
@@ -261,20 +275,32 @@ int input_load_compact(program *state, svo_compact **out)
                               out);
 }
 
+/* A .svo file, whole or its upper levels; what is piped is whole. */
+static svo_status load_svo(const program *state, svo_tree **out, svo_message *message)
+{
+    const piped_input *piped = &state->piped;
+    if (is_piped(state)) {
+        return svo_tree_load_memory(piped->bytes, piped->byte_count, piped->name, out, message);
+    }
+    return state->options.last_level != 0
+               ? svo_tree_load_levels(state->options.input, (uint32_t)state->options.last_level, NULL, out, message)
+               : svo_tree_load(state->options.input, out, message);
+}
+
 int input_load_tree(program *state, svo_tree **out)
 {
     svo_message message = {""};
     progress_step(state->progress, "reading the tree");
-    const piped_input *piped = &state->piped;
+    if (state->options.last_level != 0 && (is_piped(state) || input_is_compact(state))) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--levels reads a .svo file; %s",
+                            is_piped(state) ? "standard input is read whole" : "compact trees are read whole");
+    }
     if (input_is_compact(state)) {
         svo_compact *compact = NULL;
         const int exit_code = input_load_compact(state, &compact);
         return exit_code == PROGRAM_DONE ? compact_input_expand(state, state->options.input, &compact, out) : exit_code;
     }
-    const svo_status status = is_piped(state)
-                                  ? svo_tree_load_memory(piped->bytes, piped->byte_count, piped->name, out, &message)
-                                  : svo_tree_load(state->options.input, out, &message);
-    return status == SVO_OK ? PROGRAM_DONE : program_fail_library(state, message.text);
+    return load_svo(state, out, &message) == SVO_OK ? PROGRAM_DONE : program_fail_library(state, message.text);
 }
 
 int input_measure(program *state, uint64_t *byte_count)

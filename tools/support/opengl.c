@@ -21,38 +21,32 @@ struct opengl {
     size_t further_count;
 };
 
-static svo_status create_context(const options *given, svo_gl_context_kind kind, svo_gl_context **out,
+/* --gl-device, --context, or what suits the device best. */
+static svo_status create_context(const options *given, const svo_device *device, svo_gl_context **out,
                                  svo_message *message)
 {
-    return given->gl_device != NULL ? svo_gl_context_create_named(given->gl_device, out, message)
-                                    : svo_gl_context_create(kind, 0, out, message);
+    if (given->gl_device != NULL) {
+        return svo_gl_context_create_named(given->gl_device, out, message);
+    }
+    return given->context != OPTION_CONTEXT_AUTO
+               ? svo_gl_context_create((svo_gl_context_kind)given->context, 0, out, message)
+               : svo_gl_context_create_for(device, NULL, out, message);
 }
 
-/* --context auto: the first kind that works. A forced kind that does not work is an error. */
-static bool open_context(const options *given, opengl *out, svo_message *reason)
+/* A forced kind that does not work is an error. */
+static bool open_context(const options *given, const svo_device *device, opengl *out, svo_message *reason)
 {
     svo_message message = {""};
-    size_t used = (size_t)snprintf(reason->text, sizeof reason->text, "no OpenGL context");
-    for (int kind = 0; kind < SVO_GL_CONTEXT_KINDS; ++kind) {
-        const char *name = svo_gl_context_kind_name((svo_gl_context_kind)kind);
-        if (given->context != OPTION_CONTEXT_AUTO && given->context != kind) {
-            continue;
-        }
-        if (create_context(given, (svo_gl_context_kind)kind, &out->context, &message) == SVO_OK) {
-            out->info = (svo_gl_context_info)SVO_GL_CONTEXT_INFO_INIT;
-            svo_gl_context_get_info(out->context, &out->info);
-            return true;
-        }
-        if (given->context != OPTION_CONTEXT_AUTO) {
-            snprintf(reason->text, sizeof reason->text, "--context %.32s: %.900s", name, program_words(message.text));
-            return false;
-        }
-        if (used < sizeof reason->text) {
-            used += (size_t)snprintf(reason->text + used, sizeof reason->text - used, "%s%s: %s",
-                                     kind == 0 ? ": " : "; ", name, program_words(message.text));
-        }
+    if (create_context(given, device, &out->context, &message) != SVO_OK) {
+        const bool forced = given->context != OPTION_CONTEXT_AUTO;
+        snprintf(reason->text, sizeof reason->text, "%s%s%s%.900s", forced ? "--context " : "",
+                 forced ? svo_gl_context_kind_name((svo_gl_context_kind)given->context) : "", forced ? ": " : "",
+                 program_words(message.text));
+        return false;
     }
-    return false;
+    out->info = (svo_gl_context_info)SVO_GL_CONTEXT_INFO_INIT;
+    svo_gl_context_get_info(out->context, &out->info);
+    return true;
 }
 
 static svo_gl_raster raster_of(int frontend)
@@ -89,14 +83,14 @@ svo_device *opengl_join(const opengl *opened, const svo_device *device, const sv
     return joined;
 }
 
-opengl *opengl_open(const options *given, svo_message *reason)
+opengl *opengl_open(const options *given, const svo_device *device, svo_message *reason)
 {
     opengl *opened = calloc(1, sizeof *opened);
     if (opened == NULL) {
         snprintf(reason->text, sizeof reason->text, "out of memory");
         return NULL;
     }
-    if (!open_context(given, opened, reason)) {
+    if (!open_context(given, device, opened, reason)) {
         opengl_close(&opened);
     }
     return opened;

@@ -16,8 +16,9 @@ typedef struct opengl opengl;
 bool opengl_may_share(const svo_device *device);
 /* Whether OpenGL would draw on the CPU, as far as that is known without a context. False for a forced context. */
 bool opengl_is_software(const options *given);
-/* Opens a context by --context and --gl-device. NULL if that fails; the reason names the option that forced it. */
-opengl *opengl_open(const options *given, svo_message *reason);
+/* Opens a context by --context and --gl-device, without them the one that suits the device. NULL if that fails; the
+   reason names the option that forced it. */
+opengl *opengl_open(const options *given, const svo_device *device, svo_message *reason);
 /* The same device on an OpenCL context that shares with the context if the two can; NULL otherwise. Destroy it
    before opengl_close. */
 svo_device *opengl_join(const opengl *opened, const svo_device *device, const svo_device_options *device_options);

@@ -19,9 +19,10 @@ bool opengl_may_share(const svo_device *device)
     return false;
 }
 
-opengl *opengl_open(const options *given, svo_message *reason)
+opengl *opengl_open(const options *given, const svo_device *device, svo_message *reason)
 {
     (void)given;
+    (void)device;
     snprintf(reason->text, sizeof reason->text, WITHOUT);
     return NULL;
 }

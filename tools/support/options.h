@@ -40,7 +40,9 @@ enum option_group {
     OPTION_GATHER_COMMAND = 4194304, /* points, reference */
     OPTION_WEB_COMMAND = 8388608, /* max-bytes */
     OPTION_PROBES = 16777216, /* probes, and how rays choose them */
-    OPTION_VIEW_COMMAND = 33554432 /* the window, script */
+    OPTION_VIEW_COMMAND = 33554432, /* the window, script */
+    OPTION_DEVICES_COMMAND = 67108864, /* path, of all devices */
+    OPTION_LEVELS = 134217728 /* how much of a .svo file is read */
 };
 
 enum option_frontend {
@@ -82,6 +84,7 @@ typedef struct options {
 
     const char *device_name; /* NULL: the library's choice */
     uint64_t threads; /* 0: the drivers decide */
+    int path; /* svo_path */
     const char *kernels_path; /* folder of saved kernels; NULL: the user's */
 
     uint64_t depth;
@@ -106,6 +109,7 @@ typedef struct options {
     uint64_t repeat, compress;
     uint64_t plan, plan_only, count_first; /* build: flags */
     uint64_t payload_level; /* build */
+    uint64_t last_level; /* of a .svo file; 0: all */
     bool has_repeat;
     int form; /* verify: 0 not given, else 1 + svo_form, or OPTION_FORM_ALL */
     int solid; /* build, verify: 0 not given, else 1 + svo_solid_rule */

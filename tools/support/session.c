@@ -28,7 +28,8 @@ static svo_device_options device_options_of(program *state)
     return (svo_device_options){.struct_size = sizeof(svo_device_options),
                                 .log = program_log,
                                 .log_user = state,
-                                .device_name = state->options.device_name};
+                                .device_name = state->options.device_name,
+                                .path = (svo_path)state->options.path};
 }
 
 static int open_queue(program *state, session *opened)
@@ -109,7 +110,7 @@ static int join_opengl(program *state, session *opened)
 /* OpenGL was requested: if it does not work, that is an error. */
 static int use_opengl(program *state, session *opened, const char *reason)
 {
-    opened->gl = opengl_open(&state->options, &opened->reason);
+    opened->gl = opengl_open(&state->options, opened->device, &opened->reason);
     if (opened->gl == NULL) {
         return program_fail(state, PROGRAM_FAILED, "%s", opened->reason.text);
     }
@@ -129,7 +130,7 @@ static int use_opengl(program *state, session *opened, const char *reason)
 static int leave_open(program *state, session *opened)
 {
     if (opengl_may_share(opened->device)) {
-        opened->gl = opengl_open(&state->options, &opened->reason);
+        opened->gl = opengl_open(&state->options, opened->device, &opened->reason);
     }
     return opened->gl != NULL ? join_opengl(state, opened) : PROGRAM_DONE;
 }
@@ -138,7 +139,7 @@ static int leave_open(program *state, session *opened)
 static bool try_opengl(program *state, session *opened)
 {
     if (opened->gl == NULL) {
-        opened->gl = opengl_open(&state->options, &opened->reason);
+        opened->gl = opengl_open(&state->options, opened->device, &opened->reason);
     }
     return opened->gl != NULL && opengl_start(opened->gl, &state->options, opened->device, &opened->reason);
 }
@@ -180,7 +181,7 @@ int session_open_both(program *state, session *opened)
     if (result != PROGRAM_DONE) {
         return result;
     }
-    opened->gl = opengl_open(&state->options, &opened->reason);
+    opened->gl = opengl_open(&state->options, opened->device, &opened->reason);
     if (opened->gl != NULL) {
         result = join_opengl(state, opened);
     }

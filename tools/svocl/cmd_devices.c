@@ -64,8 +64,10 @@ static void open_device(program *state, cJSON *object, cl_device_id device, open
     svo_message message = {""};
     cl_int error = CL_SUCCESS;
     svo_device *handle = NULL;
-    const svo_device_options device_options = {
-        .struct_size = sizeof device_options, .log = program_log, .log_user = state};
+    const svo_device_options device_options = {.struct_size = sizeof device_options,
+                                               .log = program_log,
+                                               .log_user = state,
+                                               .path = (svo_path)state->options.path};
     cl_context context = clCreateContext(NULL, 1, &device, NULL, NULL, &error);
     if (context == NULL) {
         snprintf(message.text, sizeof message.text, "clCreateContext failed (%d)", error);
@@ -77,6 +79,7 @@ static void open_device(program *state, cJSON *object, cl_device_id device, open
     cJSON_AddBoolToObject(object, "works", handle != NULL);
     json_add_text(object, "reason", program_words(message.text));
     if (handle != NULL) {
+        json_add_text(object, "path", svo_path_name(svo_device_path(handle)));
         add_frontends(object, handle);
         opened->devices[opened->device_count] = handle;
         opened->contexts[opened->device_count++] = context;
@@ -198,8 +201,11 @@ static void print_devices(const cJSON *platform, int platform_index)
         table_cell(rows, "%s, %u compute units, %s memory, %s per buffer", text_of(device, "type"),
                    (unsigned)count_of(device, "compute_units"), figure_bytes(count_of(device, "memory_bytes")).text,
                    figure_bytes(count_of(device, "max_allocation_bytes")).text);
-        print_methods(rows, cJSON_GetObjectItem(device, "frontends"));
-        if (!works(device)) {
+        if (works(device)) {
+            table_cell(rows, "%s", "");
+            table_cell(rows, "path %s", text_of(device, "path"));
+            print_methods(rows, cJSON_GetObjectItem(device, "frontends"));
+        } else {
             table_cell(rows, "%s", "");
             table_cell(rows, "cannot be used: %s", text_of(device, "reason"));
         }

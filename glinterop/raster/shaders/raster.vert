@@ -11,9 +11,9 @@
  *
  * Each item has three vertices (a point has one), pulled from storage blocks. All outputs are flat.
  *
- * SVO_REACH is half a pixel (0 where the hardware rasterizes conservatively) plus a margin of 1/16 pixel (0 where the
- * hardware does so before it snaps). The margin covers two roundings: of positions to the rasterizer's sub-pixel grid,
- * which is 1/256 pixel or coarser, and of the float arithmetic here. Positions are below 2^14 pixels and exact to 2^-9.
+ * SVO_REACH is half a pixel (0 where the hardware rasterizes conservatively) plus a margin of 1/16 pixel. The margin
+ * covers two roundings: of positions to the rasterizer's sub-pixel grid, which is 1/256 pixel or coarser, and of the
+ * float arithmetic here, which no hardware knows of. Positions are below 2^14 pixels and exact to 2^-9.
  */
 layout(std430, binding = 0) readonly buffer Vertices
 {

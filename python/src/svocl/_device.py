@@ -26,7 +26,7 @@ class Device(Handle):
 
     Args:
         name: without a context: a part of "platform: device", or indices as in "0.1". None matches every device. Of
-            those that match, the first GPU is taken, else the first.
+            those that match, the available GPU of most compute units with memory of its own is taken first.
         context: a pyopencl.Context, or the int_ptr of one; None: a context is made.
         device: a pyopencl.Device of the context, or its int_ptr; None: the context's only device.
 

@@ -111,8 +111,12 @@ class Tree(Resident):
     # --- files ------------------------------------------------------------------------------------------------------
 
     @staticmethod
-    def load(path: Path) -> "Tree":
+    def load(path: Path, *, levels: Optional[int] = None) -> "Tree":
         """Reads a .svo file. Lengths, checksums and every index are checked. For rays and pictures, upload it then.
+
+        Args:
+            levels: 1 to the file's depth: levels 0 to this one alone, a tree of that depth with its payload and without
+                triangles. None: all.
 
         Raises:
             FileError: the file cannot be read.
@@ -120,6 +124,8 @@ class Tree(Resident):
         """
         need_io("Tree.load")
         name = encode(path)
+        if levels is not None:
+            return _loaded(lib.svo_tree_load_levels, name, levels, ffi.NULL)
         return _loaded(lib.svo_tree_load, name)
 
     @staticmethod

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: MIT */
+/* The parts of a tree in Morton order, and the nodes above them. */
+#ifndef SVO_LIB_PARTS_PIECES_H
+#define SVO_LIB_PARTS_PIECES_H
+
+#include "parts/part_read.h"
+#include "parts/sums.h"
+
+/* A part with nodes, as its file's head describes it. */
+typedef struct svo_i_piece {
+    const char *path; /* the caller's */
+    uint32_t level;
+    uint64_t code;
+    uint64_t fragments;
+    uint64_t list_count;
+    svo_i_part_root root;
+    uint32_t level_begin[SVO_LEVELS_MAX];
+} svo_i_piece;
+
+/* A node above the parts. */
+typedef struct svo_i_upper_node {
+    uint64_t code;
+    svo_i_part_root root;
+    svo_i_part_payload payload;
+    uint8_t mask;
+} svo_i_upper_node;
+
+typedef struct svo_i_pieces {
+    svo_part_header header;
+    svo_message *message;
+    svo_i_piece *pieces; /* in Morton order, without overlap */
+    size_t piece_count;
+    svo_i_upper_node *uppers; /* level by level */
+    size_t upper_begin[SVO_LEVELS_MAX];
+} svo_i_pieces;
+
+/* Reads the heads of part files and makes the nodes above them. To be freed also after a failure. header and message
+   are set. */
+svo_status svo_i_pieces_read(svo_i_pieces *all, const char *const *paths, size_t count);
+void svo_i_pieces_free(svo_i_pieces *all);
+
+/* Counts nodes and fragments into the info of the whole tree. Fails with SVO_CAPACITY_EXCEEDED. */
+svo_status svo_i_pieces_count(const svo_i_pieces *all, svo_tree_info *info);
+
+/* Called for the nodes of a level in their order: with a node above the parts, or with a part. The other is NULL. */
+typedef svo_status (*svo_i_piece_visitor)(void *user, uint32_t level, const svo_i_upper_node *upper,
+                                          const svo_i_piece *piece);
+svo_status svo_i_pieces_visit(const svo_i_pieces *all, uint32_t level, svo_i_piece_visitor visit, void *user);
+
+#endif

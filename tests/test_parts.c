@@ -1,0 +1,598 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A tree that is built in parts and stitched is the tree in one piece: the files are equal byte for byte, however it is
+ * cut, in whatever order the parts come, with every payload and coverage. Damaged parts are refused by name.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "attributed_mesh.h"
+#include "fixture.h"
+#include "svocl/io.h"
+#include "svocl/parts.h"
+
+#define PATH_BYTES 256
+#define PARTS_MAX  4096
+#define NEED_ALL   ((uint32_t)SVO_NEED_ALL)
+
+static char directory[] = "/tmp/svocl-parts-XXXXXX";
+
+/* How the grid is cut. */
+typedef struct cut {
+    uint32_t level; /* of the parts */
+    uint64_t mixed; /* not 0: a seed; nodes above level are parts themselves as it decides */
+    bool keep_empty; /* parts without triangles have files too */
+} cut;
+
+/* A tree that is being built in parts. */
+typedef struct job {
+    fixture opened;
+    const svo_mesh *mesh;
+    svo_part_header header;
+    svo_builder builder;
+    cut how;
+    uint64_t state;
+    char (*paths)[PATH_BYTES];
+    size_t count;
+} job;
+
+static void path_of(const char *name, char path[PATH_BYTES])
+{
+    const int length = snprintf(path, PATH_BYTES, "%s/%s", directory, name);
+    assert_true(length > 0 && length < PATH_BYTES);
+}
+
+static void check(const job *j, svo_status status, const svo_message *message)
+{
+    if (status != SVO_OK) {
+        fail_msg("%s: %s", svo_status_name(status),
+                 message != NULL ? message->text : svo_device_message(j->opened.device));
+    }
+}
+
+static void save_part(job *j, svo_plan *plan, uint32_t level, uint64_t code)
+{
+    svo_tree *tree = NULL;
+    svo_message message;
+    assert_true(j->count < PARTS_MAX);
+    char *path = j->paths[j->count++];
+    char name[64];
+    (void)snprintf(name, sizeof name, "%u-%llx.part", level, (unsigned long long)code);
+    path_of(name, path);
+    check(j, svo_build(plan, j->opened.frontend, j->opened.queue, &tree, NULL), NULL);
+    check(j, svo_tree_download(tree, j->opened.queue), NULL);
+    check(j, svo_part_save(tree, path, &message), &message);
+    svo_tree_destroy(&tree);
+}
+
+static void build_part(job *j, uint32_t level, uint64_t code)
+{
+    svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+    svo_plan_info info = SVO_PLAN_INFO_INIT;
+    svo_plan *plan = NULL;
+    options.part_header = &j->header;
+    options.part_level = level;
+    options.part_code = code;
+    options.builder = j->builder;
+    check(j, svo_plan_create(j->opened.device, j->mesh, j->header.depth, &options, &plan), NULL);
+    assert_int_equal(svo_plan_get_info(plan, &info), SVO_OK);
+    assert_int_equal(info.depth, j->header.depth - level);
+    if (info.expected_fragments > 0.0 || j->how.keep_empty) {
+        save_part(j, plan, level, code);
+    }
+    svo_plan_destroy(&plan);
+}
+
+static void cut_node(job *j, uint32_t level, uint64_t code)
+{
+    if (level == j->how.level || (j->how.mixed != 0 && level > 0 && random_below(&j->state, 3) == 0)) {
+        build_part(j, level, code);
+        return;
+    }
+    for (uint64_t octant = 0; octant < 8; ++octant) {
+        cut_node(j, level + 1, code << 3 | octant);
+    }
+}
+
+static char *read_file(const char *path, size_t *bytes)
+{
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    assert_int_equal(fseek(file, 0, SEEK_END), 0);
+    *bytes = (size_t)ftell(file);
+    rewind(file);
+    char *content = malloc(*bytes + 1);
+    assert_non_null(content);
+    assert_int_equal(fread(content, 1, *bytes, file), *bytes);
+    (void)fclose(file);
+    return content;
+}
+
+static void assert_same_files(const char *a, const char *b)
+{
+    size_t a_bytes = 0;
+    size_t b_bytes = 0;
+    char *first = read_file(a, &a_bytes);
+    char *second = read_file(b, &b_bytes);
+    assert_int_equal(a_bytes, b_bytes);
+    for (size_t i = 0; i < a_bytes; ++i) {
+        if (first[i] != second[i]) {
+            fail_msg("byte %zu of %zu is %d in one piece, %d in parts", i, a_bytes, first[i], second[i]);
+        }
+    }
+    free(first);
+    free(second);
+}
+
+static void shuffle(job *j, const char **paths)
+{
+    for (size_t i = 0; i < j->count; ++i) {
+        const size_t other = random_below(&j->state, (uint32_t)i + 1);
+        paths[i] = paths[other];
+        paths[other] = j->paths[i];
+    }
+}
+
+static svo_status stitch(job *j, const char *out, svo_message *message)
+{
+    char mesh[PATH_BYTES];
+    const char **paths = calloc(j->count + 1, sizeof *paths);
+    assert_non_null(paths);
+    path_of("mesh", mesh);
+    shuffle(j, paths);
+    const svo_status status = svo_parts_stitch(&j->header, paths, j->count,
+                                               (j->header.need & SVO_NEED_RAYS) != 0 ? mesh : NULL, out, message);
+    free(paths);
+    return status;
+}
+
+/* Builds and saves the tree in one piece, and takes the header from its plan. */
+static void build_whole(job *j, unsigned depth, const svo_plan_options *options)
+{
+    svo_plan *plan = NULL;
+    svo_tree *tree = NULL;
+    svo_message message;
+    char path[PATH_BYTES];
+    path_of("whole.svo", path);
+    check(j, svo_plan_create(j->opened.device, j->mesh, depth, options, &plan), NULL);
+    j->header = (svo_part_header)SVO_PART_HEADER_INIT;
+    check(j, svo_plan_get_part_header(plan, &j->header), NULL);
+    check(j, svo_build(plan, j->opened.frontend, j->opened.queue, &tree, NULL), NULL);
+    check(j, svo_tree_download(tree, j->opened.queue), NULL);
+    check(j, svo_tree_save(tree, path, NULL, &message), &message);
+    svo_tree_destroy(&tree);
+    if ((j->header.need & SVO_NEED_RAYS) != 0) {
+        path_of("mesh", path);
+        check(j, svo_part_save_mesh(plan, path, &message), &message);
+    }
+    svo_plan_destroy(&plan);
+}
+
+static void remove_parts(job *j)
+{
+    for (size_t i = 0; i < j->count; ++i) {
+        assert_int_equal(unlink(j->paths[i]), 0);
+    }
+    j->count = 0;
+}
+
+static job open_job(void **state, const svo_mesh *mesh)
+{
+    job j = {.opened = fixture_cl_of_group(state), .mesh = mesh, .paths = calloc(PARTS_MAX, PATH_BYTES)};
+    assert_non_null(j.paths);
+    return j;
+}
+
+static void cut_and_compare(job *j, cut how)
+{
+    svo_message message;
+    char whole[PATH_BYTES];
+    char parts[PATH_BYTES];
+    path_of("whole.svo", whole);
+    path_of("parts.svo", parts);
+    j->how = how;
+    j->state = how.mixed + 1;
+    cut_node(j, 0, 0);
+    check(j, stitch(j, parts, &message), &message);
+    assert_same_files(whole, parts);
+    remove_parts(j);
+}
+
+static const cut cuts[] = {{0, 0, true}, {1, 0, false}, {2, 0, true}, {2, 1, false}, {3, 2, false}};
+
+static void compare_cuts(void **state, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
+                         size_t cut_count)
+{
+    job j = open_job(state, mesh);
+    build_whole(&j, depth, options);
+    for (size_t i = 0; i < cut_count; ++i) {
+        cut_and_compare(&j, cuts[i]);
+    }
+    free(j.paths);
+}
+
+static void test_every_cut(void **state)
+{
+    attributed_mesh made;
+    svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+    attributed_mesh_create(7, 60, 0.0, &made);
+    options.need = NEED_ALL;
+    compare_cuts(state, &made.mesh, 6, &options, sizeof cuts / sizeof cuts[0]);
+    attributed_mesh_destroy(&made);
+}
+
+/* One part per parent of leaves. */
+static void test_deepest_cut(void **state)
+{
+    attributed_mesh made;
+    svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+    attributed_mesh_create(8, 12, 0.0, &made);
+    options.need = NEED_ALL;
+    job j = open_job(state, &made.mesh);
+    build_whole(&j, 4, &options);
+    cut_and_compare(&j, (cut){3, 0, false});
+    free(j.paths);
+    attributed_mesh_destroy(&made);
+}
+
+/* Triangles that reach outside a caller's grid, for each coverage and kind of weight. */
+static void test_coverages(void **state)
+{
+    attributed_mesh made;
+    attributed_mesh_create(9, 40, 0.7, &made);
+    for (unsigned coverage = 0; coverage <= SVO_COVERAGE_THIN; ++coverage) {
+        svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+        options.need = coverage == SVO_COVERAGE_THIN ? NEED_ALL & ~(uint32_t)SVO_NEED_FILL : NEED_ALL;
+        options.coverage = (svo_coverage)coverage;
+        options.weights = coverage == SVO_COVERAGE_THIN ? SVO_WEIGHTS_CENTER : SVO_WEIGHTS_AREA;
+        options.edge = 1.0;
+        compare_cuts(state, &made.mesh, 5, &options, 4);
+    }
+    attributed_mesh_destroy(&made);
+}
+
+static void test_payload_levels(void **state)
+{
+    attributed_mesh made;
+    attributed_mesh_create(10, 40, 0.0, &made);
+    for (unsigned level = 1; level <= 5; ++level) {
+        svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+        options.need = NEED_ALL;
+        options.payload_level = level;
+        compare_cuts(state, &made.mesh, 5, &options, 4);
+    }
+    attributed_mesh_destroy(&made);
+}
+
+/* Depths with longer codes, with finer snapping, and the least; with the other builder. */
+static void test_depths(void **state)
+{
+    static const unsigned depths[] = {1, 10, 11, 13, 16};
+    const double corner[3] = {0.499, 0.499, 0.499};
+    owned_mesh dust;
+    random_dust(11, 30, corner, 0.002, &dust);
+    for (size_t i = 0; i < sizeof depths / sizeof depths[0]; ++i) {
+        svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+        options.need = (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_FILL;
+        options.edge = 1.0;
+        job j = open_job(state, &dust.mesh);
+        build_whole(&j, depths[i], &options);
+        j.builder = SVO_BUILDER_SORTED;
+        cut_and_compare(&j, (cut){depths[i] > 1 ? 2 : 0, 0, false});
+        free(j.paths);
+    }
+    owned_mesh_free(&dust);
+}
+
+/* Two squares of equal area and different material in each part; every node above has a tie. */
+static void test_materials_tie(void **state)
+{
+    static const float positions[] = {0, 0, 0, 8, 0, 0, 0, 8, 0, 8, 8, 0, 0, 0, 8, 8, 0, 8, 0, 8, 8, 8, 8, 8};
+    static const uint32_t indices[] = {0, 1, 2, 3, 2, 1, 4, 5, 6, 7, 6, 5};
+    static const uint16_t materials[] = {2, 1, 1, 2};
+    static const svo_material all[3] = {
+        {{255, 0, 0, 255}, SVO_NO_TEXTURE}, {{0, 255, 0, 255}, SVO_NO_TEXTURE}, {{0, 0, 255, 255}, SVO_NO_TEXTURE}};
+    svo_mesh mesh = SVO_MESH_INIT;
+    svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+    mesh.positions = positions;
+    mesh.vertex_count = 8;
+    mesh.indices = indices;
+    mesh.triangle_count = 4;
+    mesh.triangle_materials = materials;
+    mesh.materials = all;
+    mesh.material_count = 3;
+    options.need = (uint32_t)SVO_NEED_MATERIAL | (uint32_t)SVO_NEED_COLOR;
+    compare_cuts(state, &mesh, 4, &options, 4);
+}
+
+/* Triangles whose corners and edges lie on the faces, edges and corners of parts. */
+static void test_triangles_on_faces(void **state)
+{
+    uint64_t random = 12;
+    enum { TRIANGLES = 80 };
+    float positions[TRIANGLES * 9];
+    svo_mesh mesh = SVO_MESH_INIT;
+    for (size_t i = 0; i < TRIANGLES * 9; ++i) {
+        positions[i] = 0.25f * (float)random_below(&random, 5);
+    }
+    mesh.positions = positions;
+    mesh.vertex_count = (size_t)TRIANGLES * 3;
+    mesh.triangle_count = TRIANGLES;
+    for (unsigned coverage = 0; coverage <= SVO_COVERAGE_CLOSED; ++coverage) {
+        svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+        options.need = NEED_ALL;
+        options.coverage = (svo_coverage)coverage;
+        options.edge = 1.0;
+        compare_cuts(state, &mesh, 5, &options, 4);
+    }
+}
+
+static void test_empty_trees(void **state)
+{
+    const float far[9] = {5, 5, 5, 6, 5, 5, 5, 6, 5};
+    svo_mesh mesh = SVO_MESH_INIT;
+    svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+    mesh.positions = far;
+    mesh.vertex_count = 3;
+    mesh.triangle_count = 1;
+    options.need = NEED_ALL;
+    options.edge = 1.0;
+    compare_cuts(state, &mesh, 3, &options, 3);
+}
+
+/* A part may be built from the triangles that meet it alone. */
+static void test_triangles_of_a_part(void **state)
+{
+    attributed_mesh made;
+    svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+    svo_message message;
+    char paths[2][PATH_BYTES];
+    attributed_mesh_create(13, 60, 0.0, &made);
+    options.need = NEED_ALL;
+    options.edge = 1.0;
+    job j = open_job(state, &made.mesh);
+    build_whole(&j, 5, &options);
+    build_part(&j, 1, 3);
+    assert_int_equal(j.count, 1);
+    path_of("other", paths[0]);
+    assert_int_equal(rename(j.paths[0], paths[0]), 0);
+
+    uint32_t names[60];
+    uint32_t indices[180];
+    size_t count = 0;
+    for (uint32_t t = 0; t < 60; ++t) {
+        double high[2] = {-1.0, -1.0};
+        double low_z = 2.0;
+        for (unsigned corner = 0; corner < 3; ++corner) {
+            const double *at = made.base.positions + 3 * (size_t)made.mesh.indices[3 * t + corner];
+            high[0] = at[0] > high[0] ? at[0] : high[0];
+            high[1] = at[1] > high[1] ? at[1] : high[1];
+            low_z = at[2] < low_z ? at[2] : low_z;
+        }
+        /* part 3 has the high x and y and the low z */
+        if (high[0] > 0.45 && high[1] > 0.45 && low_z < 0.55) {
+            memcpy(indices + 3 * count, made.mesh.indices + 3 * (size_t)t, 3 * sizeof *indices);
+            names[count++] = t;
+        }
+    }
+    assert_true(count > 0 && count < 60);
+    uint16_t materials[60];
+    for (size_t i = 0; i < count; ++i) {
+        materials[i] = made.mesh.triangle_materials[names[i]];
+    }
+    svo_mesh some = made.mesh;
+    some.indices = indices;
+    some.triangle_count = count;
+    some.triangle_materials = materials;
+    svo_plan *plan = NULL;
+    svo_plan_options part = SVO_PLAN_OPTIONS_INIT;
+    part.part_header = &j.header;
+    part.part_level = 1;
+    part.part_code = 3;
+    part.part_triangles = names;
+    check(&j, svo_plan_create(j.opened.device, &some, 5, &part, &plan), NULL);
+    j.count = 0;
+    save_part(&j, plan, 1, 3);
+    svo_plan_destroy(&plan);
+    assert_same_files(paths[0], j.paths[0]);
+    svo_part_info info = SVO_PART_INFO_INIT;
+    check(&j, svo_part_check(&j.header, paths[0], &info, &message), &message);
+    assert_int_equal(info.level, 1);
+    assert_int_equal(info.code, 3);
+    assert_true(info.leaf_count > 0 && info.node_count > info.leaf_count && info.fragments >= info.leaf_count);
+    assert_int_equal(unlink(paths[0]), 0);
+    remove_parts(&j);
+    free(j.paths);
+    attributed_mesh_destroy(&made);
+}
+
+static void write_file(const char *path, const char *bytes, size_t count)
+{
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, count, file), count);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void assert_refused(const job *j, const char *path)
+{
+    svo_message message;
+    const svo_status status = svo_part_check(&j->header, path, NULL, &message);
+    assert_int_equal(status, SVO_FILE_DAMAGED);
+    assert_non_null(strstr(message.text, path));
+}
+
+/* Every truncation and every flipped byte of a part. */
+static void test_damaged_parts(void **state)
+{
+    attributed_mesh made;
+    svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+    svo_message message;
+    char out[PATH_BYTES];
+    size_t bytes = 0;
+    attributed_mesh_create(14, 4, 0.0, &made);
+    options.need = NEED_ALL;
+    job j = open_job(state, &made.mesh);
+    build_whole(&j, 3, &options);
+    build_part(&j, 0, 0);
+    char *content = read_file(j.paths[0], &bytes);
+    for (size_t i = 0; i < bytes; i += 1 + i / 512) {
+        write_file(j.paths[0], content, i);
+        assert_refused(&j, j.paths[0]);
+        content[i] = (char)(content[i] ^ 1);
+        write_file(j.paths[0], content, bytes);
+        assert_refused(&j, j.paths[0]);
+        content[i] = (char)(content[i] ^ 1);
+    }
+    /* a file that is damaged where only its segments say so leaves no tree */
+    path_of("damaged.svo", out);
+    content[bytes - 1] = (char)(content[bytes - 1] ^ 1);
+    write_file(j.paths[0], content, bytes);
+    assert_int_equal(stitch(&j, out, &message), SVO_FILE_DAMAGED);
+    assert_int_equal(access(out, F_OK), -1);
+    /* that of another tree */
+    content[bytes - 1] = (char)(content[bytes - 1] ^ 1);
+    write_file(j.paths[0], content, bytes);
+    j.header.weight_log2 += 1;
+    assert_refused(&j, j.paths[0]);
+    free(content);
+    remove_parts(&j);
+    free(j.paths);
+    attributed_mesh_destroy(&made);
+}
+
+/* Parts that overlap are refused, and both are named or one of them. */
+static void test_overlap(void **state)
+{
+    attributed_mesh made;
+    svo_message message;
+    char out[PATH_BYTES];
+    attributed_mesh_create(15, 30, 0.0, &made);
+    job j = open_job(state, &made.mesh);
+    build_whole(&j, 4, NULL);
+    build_part(&j, 1, 2);
+    for (uint64_t octant = 0; octant < 8; ++octant) {
+        build_part(&j, 2, 2 << 3 | octant);
+    }
+    assert_true(j.count > 1);
+    path_of("overlap.svo", out);
+    assert_int_equal(stitch(&j, out, &message), SVO_FILE_DAMAGED);
+    assert_non_null(strstr(message.text, "overlaps"));
+    assert_int_equal(access(out, F_OK), -1);
+    remove_parts(&j);
+    free(j.paths);
+    attributed_mesh_destroy(&made);
+}
+
+static void test_bad_requests(void **state)
+{
+    attributed_mesh made;
+    attributed_mesh_create(16, 10, 0.0, &made);
+    job j = open_job(state, &made.mesh);
+    build_whole(&j, 4, NULL);
+    const struct {
+        unsigned depth;
+        uint32_t level;
+        uint64_t code;
+        svo_place place;
+        svo_status status;
+        const char *names;
+    } requests[] = {{5, 1, 0, SVO_PLACE_DEFAULT, SVO_INVALID_ARGUMENT, "another depth"},
+                    {4, 4, 0, SVO_PLACE_DEFAULT, SVO_INVALID_ARGUMENT, "part_level 4"},
+                    {4, 2, 64, SVO_PLACE_DEFAULT, SVO_INVALID_ARGUMENT, "part_code 64"},
+                    {4, 1, 0, SVO_PLACE_DEVICE, SVO_UNSUPPORTED, "place"}};
+    for (size_t i = 0; i < sizeof requests / sizeof requests[0]; ++i) {
+        svo_plan *plan = NULL;
+        svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+        options.part_header = &j.header;
+        options.part_level = requests[i].level;
+        options.part_code = requests[i].code;
+        options.place = requests[i].place;
+        assert_int_equal(svo_plan_create(j.opened.device, &made.mesh, requests[i].depth, &options, &plan),
+                         requests[i].status);
+        assert_non_null(strstr(svo_device_message(j.opened.device), requests[i].names));
+    }
+    free(j.paths);
+    attributed_mesh_destroy(&made);
+}
+
+/* A part's tree is for svo_part_save alone, and a whole tree is no part. */
+static void test_trees_of_parts(void **state)
+{
+    attributed_mesh made;
+    svo_message message;
+    char path[PATH_BYTES];
+    attributed_mesh_create(17, 10, 0.0, &made);
+    job j = open_job(state, &made.mesh);
+    svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+    svo_plan *plan = NULL;
+    svo_tree *tree = NULL;
+    options.need = NEED_ALL;
+    build_whole(&j, 4, &options);
+    options.part_header = &j.header;
+    options.part_level = 1;
+    check(&j, svo_plan_create(j.opened.device, &made.mesh, 4, &options, &plan), NULL);
+    check(&j, svo_build(plan, NULL, NULL, &tree, NULL), NULL);
+    check(&j, svo_tree_download(tree, NULL), NULL);
+    path_of("part.svo", path);
+    assert_int_equal(svo_tree_save(tree, path, NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_prepare_rays(tree, NULL), SVO_INVALID_ARGUMENT);
+    svo_part_header header = SVO_PART_HEADER_INIT;
+    assert_int_equal(svo_plan_get_part_header(plan, &header), SVO_INVALID_ARGUMENT);
+    svo_tree_destroy(&tree);
+    svo_plan_destroy(&plan);
+    path_of("whole.svo", path);
+    assert_int_equal(svo_tree_load(path, &tree, &message), SVO_OK);
+    assert_int_equal(svo_part_save(tree, path, &message), SVO_INVALID_ARGUMENT);
+    svo_tree_destroy(&tree);
+    free(j.paths);
+    attributed_mesh_destroy(&made);
+}
+
+static int setup(void **state)
+{
+    return mkdtemp(directory) != NULL ? fixture_group_setup(state) : -1;
+}
+
+static int teardown(void **state)
+{
+    static const char *const names[] = {"whole.svo", "parts.svo", "mesh"};
+    char path[PATH_BYTES];
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        path_of(names[i], path);
+        (void)unlink(path);
+    }
+    (void)rmdir(directory);
+    return fixture_group_teardown(state);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_every_cut),
+        cmocka_unit_test(test_deepest_cut),
+        cmocka_unit_test(test_coverages),
+        cmocka_unit_test(test_payload_levels),
+        cmocka_unit_test(test_depths),
+        cmocka_unit_test(test_materials_tie),
+        cmocka_unit_test(test_triangles_on_faces),
+        cmocka_unit_test(test_empty_trees),
+        cmocka_unit_test(test_triangles_of_a_part),
+        cmocka_unit_test(test_damaged_parts),
+        cmocka_unit_test(test_overlap),
+        cmocka_unit_test(test_bad_requests),
+        cmocka_unit_test(test_trees_of_parts),
+    };
+    return cmocka_run_group_tests(tests, setup, teardown);
+}
