@@ -63,6 +63,14 @@ cl_int __real_clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool
                                   void *to, cl_uint num_wait, const cl_event *wait, cl_event *event);
 cl_int __wrap_clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset, size_t bytes,
                                   void *to, cl_uint num_wait, const cl_event *wait, cl_event *event);
+cl_int __real_clEnqueueWriteBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset, size_t bytes,
+                                   const void *from, cl_uint num_wait, const cl_event *wait, cl_event *event);
+cl_int __wrap_clEnqueueWriteBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset, size_t bytes,
+                                   const void *from, cl_uint num_wait, const cl_event *wait, cl_event *event);
+cl_int __real_clWaitForEvents(cl_uint num_wait, const cl_event *wait);
+cl_int __wrap_clWaitForEvents(cl_uint num_wait, const cl_event *wait);
+cl_int __real_clFinish(cl_command_queue queue);
+cl_int __wrap_clFinish(cl_command_queue queue);
 cl_int __real_clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t *offset,
                                      const size_t *global, const size_t *local, cl_uint num_wait, const cl_event *wait,
                                      cl_event *event);
@@ -222,7 +230,27 @@ cl_int __wrap_clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool
                                   void *to, cl_uint num_wait, const cl_event *wait, cl_event *event)
 {
     notes.figures.read_bytes += bytes;
+    notes.figures.waits += blocking != CL_FALSE ? 1 : 0;
     return __real_clEnqueueReadBuffer(queue, buffer, blocking, offset, bytes, to, num_wait, wait, event);
+}
+
+cl_int __wrap_clEnqueueWriteBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset, size_t bytes,
+                                   const void *from, cl_uint num_wait, const cl_event *wait, cl_event *event)
+{
+    notes.figures.waits += blocking != CL_FALSE ? 1 : 0;
+    return __real_clEnqueueWriteBuffer(queue, buffer, blocking, offset, bytes, from, num_wait, wait, event);
+}
+
+cl_int __wrap_clWaitForEvents(cl_uint num_wait, const cl_event *wait)
+{
+    ++notes.figures.waits;
+    return __real_clWaitForEvents(num_wait, wait);
+}
+
+cl_int __wrap_clFinish(cl_command_queue queue)
+{
+    ++notes.figures.waits;
+    return __real_clFinish(queue);
 }
 
 cl_int __wrap_clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t *offset,

@@ -281,6 +281,21 @@ static void prepare_short(subject *of)
     prepare_plan_by(of, &options);
 }
 
+/* A plan whose mesh moves. */
+static void prepare_moving(subject *of)
+{
+    svo_plan_options options = everything;
+    options.updatable = 1;
+    options.edge = 2.0;
+    prepare_plan_by(of, &options);
+}
+
+static svo_status run_update(subject *of)
+{
+    TRY_TOLD(svo_plan_update(of->plan, &world.mesh.mesh));
+    return build_and_digest(of, world.cl);
+}
+
 static void prepare_chunks(subject *of)
 {
     svo_plan_options options = everything;
@@ -427,6 +442,7 @@ static const scenario rows[] = {
     {"build_sorted", false, false, prepare_sorted, run_build, NULL, destroy_all},
     {"build_short", false, false, prepare_short, run_build, NULL, destroy_all},
     {"build_chunks", false, false, prepare_chunks, run_build, NULL, destroy_all},
+    {"plan_update", false, false, prepare_moving, run_update, NULL, destroy_all},
     {"first_build", false, false, prepare_device, run_first_build, NULL, destroy_all},
     {"workspace", false, false, prepare_plan, run_workspace, NULL, destroy_all},
     {"enqueue", false, false, prepare_workspace, run_enqueue, NULL, destroy_all},

@@ -414,6 +414,10 @@ static void plan_all(const fixture *opened, const svo_mesh *mesh)
     options.place = SVO_PLACE_DEVICE;
     succeed(opened, svo_plan_create(opened->device, mesh, DEPTH, &options, &plan));
     svo_plan_destroy(&plan);
+    options.updatable = 1;
+    succeed(opened, svo_plan_create(opened->device, mesh, DEPTH, &options, &plan));
+    svo_plan_destroy(&plan);
+    options.updatable = 0;
     options.edge = 0.0;
     succeed(opened, svo_plan_create(opened->device, mesh, DEPTH, &options, &plan));
     svo_plan_destroy(&plan);

@@ -386,7 +386,7 @@ static void hits_after_a_refit_are_those_of_a_new_bvh(void **state)
         assert_int_equal(svo_i_rays_make(tree.tree, "test", opened->queue, &options), SVO_OK);
         trace_rays(opened, &tree, rays, RAYS, SVO_TRACE_CLOSEST, before);
         write_vertices(opened, &tree, moved);
-        assert_int_equal(svo_i_rays_refit(tree.tree, "test", opened->queue), SVO_OK);
+        assert_int_equal(svo_i_rays_refit(tree.tree, "test", opened->queue, NULL, NULL), SVO_OK);
         trace_rays(opened, &tree, rays, RAYS, SVO_TRACE_CLOSEST, refit);
         assert_int_equal(svo_i_rays_make(tree.tree, "test", opened->queue, &options), SVO_OK);
         trace_rays(opened, &tree, rays, RAYS, SVO_TRACE_CLOSEST, anew);

@@ -110,8 +110,8 @@ SVO_API size_t svo_build_report_stage(const svo_build_report *report, size_t ind
  * \param report receives what the build did, also on failure, unless an argument is refused; NULL allowed
  * \returns SVO_OUT_OF_DEVICE_MEMORY (the message says how many bytes are needed), SVO_COMPILE_FAILED, SVO_CL_ERROR,
  *          SVO_GL_ERROR, SVO_NO_GL (the context cannot be made current), SVO_UNSUPPORTED (a limit of the context),
- *          SVO_OUT_OF_HOST_MEMORY, SVO_INVALID_ARGUMENT, SVO_CANCELED (the plan's progress callback) or SVO_INTERNAL on
- *          failure. */
+ *          SVO_OUT_OF_HOST_MEMORY, SVO_INVALID_ARGUMENT, SVO_CANCELED (the plan's progress callback),
+ *          SVO_CAPACITY_EXCEEDED (an updatable plan's mesh has outgrown max_area) or SVO_INTERNAL on failure. */
 SVO_API svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue, svo_tree **out,
                              svo_build_report *report);
 
@@ -233,7 +233,9 @@ SVO_API svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, c
  *        svo_build_enqueue
  * \returns SVO_CAPACITY_EXCEEDED when a capacity was too small. The tree stays undefined. report->fragments is the
  *          exact number of fragments, report->inner_nodes the room for inner nodes that suffices, and the message has
- *          both. A plan with that fragment_capacity fits, with worst_case_nodes where nodes were short.
+ *          both. A plan with that fragment_capacity fits, with worst_case_nodes where nodes were short. Of an updatable
+ *          plan it is at least the exact number, and the mesh may have outgrown max_area instead; other trees of the
+ *          workspace keep their content.
  *          SVO_INVALID_ARGUMENT without a build in flight, or after svo_workspace_destroy. Otherwise as svo_build. */
 SVO_API svo_status svo_tree_finish(svo_tree *tree, cl_command_queue queue, int trim, svo_build_report *report);
 
@@ -243,7 +245,7 @@ SVO_API svo_status svo_tree_finish(svo_tree *tree, cl_command_queue queue, int t
  * \param plan not NULL
  * \param frontend as for svo_build
  * \param queue as for svo_build
- * \returns what svo_build returns. */
+ * \returns SVO_UNSUPPORTED for an updatable plan, or what svo_build returns. */
 SVO_API svo_status svo_plan_count(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue);
 
 #ifdef __cplusplus

@@ -191,6 +191,20 @@ typedef struct svo_plan_options {
     const uint32_t *part_triangles;
     uint64_t part_code; /**< below 8^part_level; unused without part_header */
     uint32_t part_level; /**< 0 .. depth - 1; 0 is the whole tree. Unused without part_header */
+    /** Of an updatable plan: the largest area that the mesh will have inside the grid, square world units; finite. It
+     *  decides the unit of weight, which stays, so that payload does not depend on how the mesh lies at first. 0: four
+     *  times the area of the mesh that is given. */
+    double max_area;
+    /** Not 0: the mesh may move, see svo_plan_update_enqueue. Requires edge, a mesh with vertices and triangles, and a
+     *  device with doubles and denormals, since kernels make the plan: SVO_PLACE_DEVICE. All kernels that some motion
+     *  may need are compiled, all payload is made per node, and the list has the room of this mesh, a margin included,
+     *  unless fragment_capacity says otherwise. Takes 55 bytes per triangle and up to 38 per vertex besides what
+     *  SVO_PLACE_DEVICE names. */
+    uint32_t updatable;
+    /** The weight of a voxel's face, as a power of two from 13 on (svo_plan_info.weight_log2); 0: the largest without
+     *  overflow. So that trees of different plans can be equal. At most what the mesh's area allows, and 30 in
+     *  updatable plans, where it takes the place of max_area. */
+    uint32_t weight_log2;
 } svo_plan_options;
 
 /** All defaults. */
@@ -215,6 +229,11 @@ typedef struct svo_plan_info {
     uint64_t fragments; /**< the exact number after svo_plan_count; 0 before */
     double grid_ms; /**< wall clock of validating, snapping and classifying, milliseconds; without compiling */
     uint32_t place; /**< svo_place: SVO_PLACE_HOST or SVO_PLACE_DEVICE */
+    /** The areas of the three projections of the kept triangles, as far as inside the grid, divided by the square root
+     *  of 3; square world units. At most their area. */
+    double area;
+    uint32_t weight_log2; /**< the weight of a voxel's face, as a power of two; 0 without payload */
+    uint32_t updatable; /**< not 0: see svo_plan_update_enqueue */
 } svo_plan_info;
 
 /** An empty output. */
@@ -308,7 +327,52 @@ SVO_API svo_status svo_plan_create_from_buffers(svo_device *device, const svo_me
                                                 const svo_plan_options *options, cl_command_queue queue,
                                                 cl_uint num_wait, const cl_event *wait, svo_plan **out);
 
-/** Destroys a plan.
+/** Replaces the vertices of an updatable plan by others, without allocating device memory, compiling or waiting. Builds
+ * that are enqueued later (svo_build_enqueue) wait for the update, and the update for those enqueued before, whatever
+ * the queues.
+ *
+ * The topology stays: indices, materials, vertex colors and texture coordinates are those that the plan was made from.
+ * A triangle may become degenerate, leave the grid and come back. The tree equals, byte for byte, that of a new
+ * updatable plan for this mesh with the same weight_log2. With SVO_NEED_PROJECTED_AREA, whether the mesh is closed is
+ * found once, when the plan is made.
+ *
+ * Capacities stay too. What does not fit shows in svo_tree_finish or svo_build: SVO_CAPACITY_EXCEEDED. After a failure
+ * of this call the plan has no mesh until another update succeeds.
+ *
+ * \param plan with options.updatable
+ * \param mesh positions, in floats or doubles as at first, and normals where the plan reads them; vertex_count and
+ *        triangle_count are the plan's. Other arrays are not read. The arrays must stay as they are until the event
+ * \param queue of the plan's device, in-order or out-of-order
+ * \param num_wait number of events in wait
+ * \param wait events to wait for first; NULL when num_wait is 0
+ * \param event receives an event of the update; NULL allowed
+ * \returns SVO_INVALID_ARGUMENT (not updatable, other counts, a missing array), SVO_CL_ERROR or SVO_OUT_OF_HOST_MEMORY
+ *          on failure. */
+SVO_API svo_status svo_plan_update_enqueue(svo_plan *plan, const svo_mesh *mesh, cl_command_queue queue,
+                                           cl_uint num_wait, const cl_event *wait, cl_event *event);
+
+/** svo_plan_update_enqueue for vertices in OpenCL buffers, or in OpenGL buffers as svo_plan_create_from_buffers says.
+ *
+ * \param plan with options.updatable, of floats
+ * \param buffers views of positions, and of normals where the plan reads them, with the plan's vertex_count and
+ *        triangle_count. Other views are not read. The buffers must stay as they are until the event
+ * \param queue see svo_plan_update_enqueue
+ * \param num_wait see svo_plan_update_enqueue
+ * \param wait see svo_plan_update_enqueue
+ * \param event see svo_plan_update_enqueue
+ * \returns what svo_plan_update_enqueue returns. */
+SVO_API svo_status svo_plan_update_from_buffers_enqueue(svo_plan *plan, const svo_mesh_buffers *buffers,
+                                                        cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
+                                                        cl_event *event);
+
+/** svo_plan_update_enqueue on the device's own queue; waits, so that the arrays are not needed afterwards.
+ *
+ * \param plan see svo_plan_update_enqueue
+ * \param mesh see svo_plan_update_enqueue
+ * \returns what svo_plan_update_enqueue returns. */
+SVO_API svo_status svo_plan_update(svo_plan *plan, const svo_mesh *mesh);
+
+/** Destroys a plan. Updates in flight are waited for.
  *
  * \param plan set to NULL; NULL and a pointer to NULL are allowed */
 SVO_API void svo_plan_destroy(svo_plan **plan);
@@ -320,7 +384,8 @@ SVO_API void svo_plan_destroy(svo_plan **plan);
  * \param user passed to progress */
 SVO_API void svo_plan_set_progress(svo_plan *plan, svo_progress_callback progress, void *user);
 
-/** Describes a plan.
+/** Describes a plan. Figures of the mesh that an updatable plan's updates change are those of the newest that
+ *  svo_tree_finish or svo_build has waited for.
  *
  * \param plan not NULL
  * \param info receives the description

@@ -120,6 +120,25 @@ SVO_API svo_status svo_tree_prepare_rays(svo_tree *tree, cl_command_queue queue)
  * \returns what svo_tree_prepare_rays returns. */
 SVO_API svo_status svo_tree_make_bvh(svo_tree *tree, svo_bvh_quality quality, cl_command_queue queue);
 
+/** Fits the tree's BVH to a mesh that has moved (svo_plan_update_enqueue), after a build into the tree. Allocates no
+ * device memory, compiles nothing and waits for no build: enqueue it after svo_build_enqueue, with that call's event or
+ * on the same in-order queue.
+ *
+ * The BVH keeps the triangles of each node, those of its first mesh, and gets new boxes and corners. Hits are those of
+ * a new BVH; the further the mesh moves from the first, the more boxes overlap and the longer rays take. If a triangle
+ * has left the grid, the first use of the BVH after svo_tree_finish makes a new one in its place. A BVH that can be
+ * refit takes 140 bytes per triangle more.
+ *
+ * \param tree of a workspace of an updatable plan with positions in floats, not trimmed, with a BVH that was made while
+ *        all its triangles were inside the grid. Rays of its old content come first, by wait or by an in-order queue
+ * \param queue of the context and the device of the tree's handle
+ * \param num_wait number of events in wait
+ * \param wait events of that context to wait for; NULL when num_wait is 0
+ * \param event receives an event of the refit; NULL allowed
+ * \returns SVO_INVALID_ARGUMENT, SVO_CL_ERROR or SVO_OUT_OF_HOST_MEMORY on failure. */
+SVO_API svo_status svo_tree_refit_bvh_enqueue(svo_tree *tree, cl_command_queue queue, cl_uint num_wait,
+                                              const cl_event *wait, cl_event *event);
+
 /** Device memory of the BVH.
  *
  * \param tree NULL allowed

@@ -88,7 +88,7 @@ static svo_large_item svo_describe(__global const int *vertices, const uint corn
     return large;
 }
 
-/* before: the rows of svo_k_plan_totals. */
+/* before: the rows of svo_k_plan_totals. large: NULL if nobody reads it. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_plan_keep(__global const int *vertices, __global const uint *mesh_indices, __global const uchar *fates,
                 __global const float *fragments, __global const ulong *before, __global uint *indices,
@@ -125,7 +125,7 @@ svo_k_plan_keep(__global const int *vertices, __global const uint *mesh_indices,
         items[slot].triangle = next++;
         items[slot].flags = flags;
         item_fragments[slot] = fragments[t];
-        if ((fate & SVO_FATE_LARGE) != 0u) {
+        if ((fate & SVO_FATE_LARGE) != 0u && large != 0) {
             large[atomic_inc(large_count)] =
                 svo_describe(vertices, corners, slot, flags & SVO_DRAW_AXIS_MASK, fragments[t]);
         }

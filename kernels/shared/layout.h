@@ -56,6 +56,8 @@
 #define SVO_DRAW_AXIS_MASK 3u /* 0, 1, 2: the axis of projection */
 #define SVO_DRAW_BOUNDS    4u /* draw the triangle's bounds: needles, degenerate triangles, parts outside the grid */
 
+#define SVO_DRAW_NOTHING 8u /* alone: a place for an item that is not used */
+
 /* One triangle to draw; the front end reads an array of them. 8 bytes. */
 SVO_RECORD(svo_draw_item)
 {

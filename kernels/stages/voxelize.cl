@@ -231,19 +231,19 @@ SVO_FUNCTION uint svo_reserve(uint count, __global uint *counter)
 }
 
 /* The work-item's triangle or tile; false if it has none. */
-SVO_FUNCTION bool svo_get_part(uint id, __global const svo_tile_item *tiles, svo_voxelize_params params,
-                               svo_tile_item *part)
+SVO_FUNCTION bool svo_get_part(uint id, __global const svo_draw_item *items, __global const svo_tile_item *tiles,
+                               svo_voxelize_params params, svo_tile_item *part)
 {
     const uint tile = id - params.first_tile_id;
+    bool has_part = tile < params.tile_count;
     if (id < params.first_tile_id) {
         part->item = params.first_item + id;
         part->corner = 0u;
-        return id < params.item_count;
-    }
-    if (tile < params.tile_count) {
+        has_part = id < params.item_count;
+    } else if (has_part) {
         *part = tiles[params.first_tile + tile];
     }
-    return tile < params.tile_count;
+    return has_part && items[part->item].flags != SVO_DRAW_NOTHING;
 }
 
 /* The columns of a part. */
@@ -418,7 +418,7 @@ svo_k_voxelize(__global const int *vertices, __global const uint *indices, __glo
     svo_stage stage = {words + SVO_NOTE_WORDS, 0u};
     for (uint id = first; id < first + SVO_GROUP_ITEMS; ++id) {
         svo_tile_item part;
-        if (svo_get_part(id, tiles, params, &part)) {
+        if (svo_get_part(id, items, tiles, params, &part)) {
             if (params.one_voxel != 0u) {
                 svo_push_one(vertices, indices, items[part.item], params, &stage);
             } else {
@@ -475,7 +475,7 @@ svo_k_voxelize(__global const int *vertices, __global const uint *indices, __glo
     svo_found found = {0u, 0u, 0};
     svo_source source = {{0, 0, 0}, 1u, 0u, 0u};
     svo_tile_item part;
-    if (svo_get_part(id, tiles, params, &part)) {
+    if (svo_get_part(id, items, tiles, params, &part)) {
         const svo_placed placed = svo_place(vertices, indices, items[part.item], params);
         const svo_window window = svo_part_window(id, placed, part, params);
         source = svo_source_of(placed, window);

@@ -8,6 +8,7 @@
 #include "plan/buffers.h"
 #include "plan/part.h"
 #include "plan/progress.h"
+#include "plan/update.h"
 #include "stages/constants.h"
 
 /* Refuses a scene that, by the fragment estimate, exceeds the caller's budget. Nothing is compiled yet. A front end
@@ -56,7 +57,7 @@ static const char *wrong_argument(const svo_plan *plan, const svo_frontend *fron
     if (frontend->device != plan->device) {
         return "frontend is of another device than plan";
     }
-    return out == NULL ? "out is NULL" : NULL;
+    return out == NULL ? "out is NULL" : svo_i_update_wrong(plan, frontend->on_device);
 }
 
 static void begin_report(svo_build_report *report, const svo_plan *plan, const svo_frontend *frontend)
@@ -67,6 +68,18 @@ static void begin_report(svo_build_report *report, const svo_plan *plan, const s
                                  .builder = builder,
                                  .renderer = frontend->renderer != NULL ? frontend->renderer : ""};
     svo_i_report_add(report, SVO_STAGE_GRID, plan->info.grid_ms, "wall");
+}
+
+/* Where the mesh moves, the host learns its counts now. */
+static svo_status run_updated(svo_i_build *build)
+{
+    svo_plan *plan = build->commands.plan;
+    SVO_I_TRY(svo_i_update_settle(plan, SVO_I_BUILD, build->commands.queue));
+    SVO_I_TRY(run_stages(build));
+    if (build->tree->info.list_triangle_count > 0) {
+        build->tree->info.list_triangle_count = plan->update->kept_triangles;
+    }
+    return SVO_OK;
 }
 
 /* asked: whether the caller wants the report. */
@@ -88,7 +101,7 @@ static svo_status run_build(svo_plan *plan, svo_frontend *frontend, cl_command_q
     SVO_I_TRY_CLEANUP(svo_i_progress_begin(plan, SVO_I_BUILD, SVO_I_STAGES_OF_BUILDS));
     SVO_I_TRY_CLEANUP(check_budget(&build));
     SVO_I_TRY_CLEANUP(svo_i_compile(&build));
-    SVO_I_TRY_CLEANUP(run_stages(&build));
+    SVO_I_TRY_CLEANUP(plan->update != NULL ? run_updated(&build) : run_stages(&build));
     SVO_I_TRY_CLEANUP(svo_i_commands_wait(&build.commands));
     SVO_I_TRY_CLEANUP(svo_i_progress_end(plan, build.commands.stage));
     *out = build.tree;

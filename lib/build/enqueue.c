@@ -38,10 +38,11 @@ static void return_buffers(svo_workspace *workspace, svo_tree *tree)
     }
 }
 
-/* Enqueues a wait for the caller's events and for the workspace's previous build. */
+/* Enqueues a wait for the caller's events, for the workspace's previous build, and for a plan's newest update. */
 static svo_status wait_first(svo_workspace *workspace, svo_i_build *build, cl_uint num_wait, const cl_event *wait)
 {
-    cl_event *all = svo_i_alloc_zeroed(&workspace->device->memory, (size_t)num_wait + 1, sizeof *all);
+    const svo_i_update *update = workspace->plan->update;
+    cl_event *all = svo_i_alloc_zeroed(&workspace->device->memory, (size_t)num_wait + 2, sizeof *all);
     cl_uint count = num_wait;
     if (all == NULL) {
         return svo_i_device_fail(workspace->device, SVO_OUT_OF_HOST_MEMORY,
@@ -52,6 +53,9 @@ static svo_status wait_first(svo_workspace *workspace, svo_i_build *build, cl_ui
     }
     if (workspace->last != NULL) {
         all[count++] = workspace->last;
+    }
+    if (update != NULL && update->last != NULL) {
+        all[count++] = update->last;
     }
     const cl_int error =
         clEnqueueMarkerWithWaitList(build->commands.queue, count, count > 0 ? all : NULL, &build->commands.last);
@@ -97,6 +101,12 @@ static svo_status make_list(svo_workspace *workspace, svo_i_pending *pending)
 static svo_status publish_counts(svo_i_pending *pending)
 {
     svo_i_build *build = &pending->build;
+    const svo_i_update *update = build->commands.plan->update;
+    svo_i_mesh_totals *totals = &pending->totals;
+    if (update != NULL) {
+        SVO_I_TRY(svo_i_commands_read(&build->commands, update->sums, totals->sums, sizeof totals->sums));
+        SVO_I_TRY(svo_i_commands_read(&build->commands, update->error, &totals->error, sizeof totals->error));
+    }
     SVO_I_TRY(svo_i_commands_copy(&build->commands, build->state, build->tree->build_state, 0, sizeof pending->state));
     return svo_i_commands_read(&build->commands, build->state, &pending->state, sizeof pending->state);
 }
@@ -139,6 +149,9 @@ static void close_build(svo_workspace *workspace, svo_i_pending *pending)
         } else {
             (void)svo_i_event_settle(pending->done); /* so that the next build need not wait for this one */
         }
+        if (workspace->plan->update != NULL) {
+            (void)svo_i_update_follow(workspace->plan, "svo_build_enqueue", pending->done);
+        }
     }
 }
 
@@ -166,7 +179,7 @@ static const char *wrong_enqueue(const svo_workspace *workspace, const svo_tree 
     if (tree->pending != NULL) {
         return "tree has a build in flight; call svo_tree_finish first";
     }
-    return NULL;
+    return svo_i_update_wrong(workspace->plan, true);
 }
 
 /* Sends the commands to the device and gives the caller the event. */
@@ -227,6 +240,21 @@ cleanup:
     return SVO_OK;
 }
 
+/* Sets what an updatable plan's mesh tells of the tree. */
+static svo_status take_mesh(svo_tree *tree, const svo_i_pending *pending)
+{
+    svo_plan *plan = pending->build.commands.plan;
+    svo_tree_info *info = &tree->info;
+    if (plan->update == NULL) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(svo_i_update_take(plan, "svo_tree_finish", &pending->totals));
+    info->refused_triangles = plan->info.refused_triangles;
+    info->snap_error = plan->info.snap_error;
+    info->list_triangle_count = (info->need & SVO_NEED_RAYS) != 0 ? plan->update->kept_triangles : 0;
+    return SVO_OK;
+}
+
 /* Sets the tree's counts, or fails with the capacities that the build would have needed. */
 static svo_status take_counts(svo_tree *tree, svo_i_pending *pending)
 {
@@ -249,6 +277,7 @@ static svo_status take_counts(svo_tree *tree, svo_i_pending *pending)
                                  (unsigned long long)room->inner_capacity);
     }
     bool fits = false;
+    SVO_I_TRY(take_mesh(tree, pending));
     tree->info.fragments = needed;
     tree->info.list_count = (tree->info.need & SVO_NEED_RAYS) != 0 ? needed : 0;
     return svo_i_build_take_state(build, state, &fits);

@@ -155,6 +155,10 @@ svo_status svo_plan_count(svo_plan *plan, svo_frontend *frontend, cl_command_que
         return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT,
                                  "svo_plan_count: frontend is of another device than plan");
     }
+    if (plan->update != NULL) {
+        return svo_i_device_fail(plan->device, SVO_UNSUPPORTED,
+                                 "svo_plan_count: plan is updatable; its capacity is not that of one mesh");
+    }
     svo_status status = SVO_OK;
     svo_build_report discarded = {0};
     svo_i_build build = {.commands = svo_i_commands_begin(plan, queue, &discarded), .frontend = frontend};

@@ -4,6 +4,7 @@
 #define SVO_LIB_BUILD_PENDING_H
 
 #include "plan/tiles.h"
+#include "plan/update.h"
 #include "stages/build_state.h"
 
 typedef struct svo_i_pending svo_i_pending;
@@ -14,6 +15,7 @@ struct svo_i_pending {
     svo_build_report report;
     cl_event done;
     svo_build_state state; /* read back by the last command */
+    svo_i_mesh_totals totals; /* of an updatable plan's mesh; read back too */
     svo_i_pending *next; /* in workspace->given_up */
 };
 

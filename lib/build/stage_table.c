@@ -187,7 +187,8 @@ static const svo_i_stage rows[] = {
      .kernels = {"svo_k_voxelize"},
      /* The number of tiles is an estimate, as that of nodes is. */
      .buffers = {SCRATCH("mesh_vertices", MESH), SCRATCH("mesh_indices", MESH), SCRATCH("mesh_items", MESH),
-                 SCRATCH("mesh_tiles", NODES), SCRATCH("counters", MESH), SCRATCH("fragments", FRAGMENTS)}},
+                 SCRATCH("mesh_tiles", NODES), SCRATCH("tile_count", MESH), SCRATCH("counters", MESH),
+                 SCRATCH("fragments", FRAGMENTS)}},
     {.name = "sort",
      .stage = SVO_STAGE_SUBDIVIDE,
      .runs = sort_runs,

@@ -13,6 +13,7 @@
 #include "plan/estimate.h"
 #include "plan/part.h"
 #include "plan/progress.h"
+#include "plan/update.h"
 
 #define SVO_I_WORKSPACE "svo_workspace_create"
 
@@ -21,6 +22,10 @@ static svo_status check(svo_plan *plan, svo_frontend *frontend)
     if (frontend == NULL || frontend->device != plan->device) {
         return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, SVO_I_WORKSPACE ": frontend is %s",
                                  frontend == NULL ? "NULL" : "of another device than plan");
+    }
+    const char *wrong = svo_i_update_wrong(plan, frontend->on_device);
+    if (wrong != NULL) {
+        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, SVO_I_WORKSPACE ": %s", wrong);
     }
     if (frontend->make_tree != NULL) {
         return svo_i_device_fail(plan->device, SVO_UNSUPPORTED,
@@ -267,6 +272,7 @@ static svo_tree *new_member(svo_workspace *workspace)
     svo_i_attachment_add(&tree->attachments, &member->attachment);
     tree->device = workspace->device;
     tree->content = SVO_I_TREE_EMPTY;
+    tree->moves = workspace->plan->update != NULL;
     tree->workspace = workspace;
     tree->next = workspace->trees;
     workspace->trees = tree;

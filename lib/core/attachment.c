@@ -18,6 +18,19 @@ svo_i_attachment *svo_i_attachment_find(svo_i_attachment *list, svo_i_attachment
     return list;
 }
 
+void svo_i_attachments_outdate(svo_i_attachment **list)
+{
+    while (*list != NULL) {
+        svo_i_attachment *attachment = *list;
+        if (attachment->outdate != NULL && attachment->outdate(attachment) != 0) {
+            list = &attachment->next;
+        } else {
+            *list = attachment->next;
+            attachment->destroy(attachment);
+        }
+    }
+}
+
 void svo_i_attachments_clear(svo_i_attachment **list)
 {
     while (*list != NULL) {

@@ -33,6 +33,7 @@ void svo_tree_destroy(svo_tree **tree)
     }
     svo_i_attachments_clear(&(*tree)->attachments);
     svo_i_tree_forget(*tree);
+    svo_i_attachments_clear(&(*tree)->derived);
     for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
         if ((*tree)->buffers[i] != NULL) {
             clReleaseMemObject((*tree)->buffers[i]);
@@ -53,7 +54,7 @@ void svo_i_tree_forget(svo_tree *tree)
         tree->host[i] = NULL;
     }
     tree->downloaded = false;
-    svo_i_attachments_clear(&tree->derived);
+    svo_i_attachments_outdate(&tree->derived);
 }
 
 const char *svo_i_tree_undefined(const svo_tree *tree)

@@ -52,11 +52,12 @@ struct svo_tree {
     cl_mem build_state; /* svo_build_state of the last enqueued build, owned; NULL for other trees */
     void *host[SVO_TREE_BUFFER_COUNT]; /* host copies by svo_i_alloc, owned; NULL where absent or not downloaded */
     svo_i_attachment *attachments; /* kept until the tree is destroyed */
-    svo_i_attachment *derived; /* computed from the buffers, and released when they change */
+    svo_i_attachment *derived; /* computed from the buffers, and outdated when they change */
     struct svo_workspace *workspace; /* whose builds fill it; NULL: none, or no longer */
     svo_tree *next; /* of the workspace's trees */
     struct svo_i_pending *pending; /* the build that is filling it; NULL: none */
     svo_i_tree_part part;
+    bool moves; /* of an updatable plan: its BVH can follow */
     bool downloaded; /* host[] has all arrays of the tree (an empty array stays NULL) */
 };
 
@@ -69,7 +70,7 @@ svo_tree *svo_i_tree_new(const svo_i_memory *memory);
 /* Why the tree's content is undefined, for a message; NULL for a complete tree. */
 const char *svo_i_tree_undefined(const svo_tree *tree);
 
-/* Releases the host arrays and all that is derived from the buffers, which are about to change. */
+/* Releases the host arrays and what is derived from the buffers, which are about to change. */
 void svo_i_tree_forget(svo_tree *tree);
 
 /* The properties of an array that follow from info: whether the tree holds it, whether one element stands for all

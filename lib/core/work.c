@@ -156,13 +156,25 @@ static const cl_event *wait_list(const svo_i_device_work *work)
     return work->last != NULL ? &work->last : work->wait;
 }
 
-svo_status svo_i_work_write(svo_i_device_work *work, cl_mem buffer, const void *data, uint64_t bytes)
+static svo_status write(svo_i_device_work *work, cl_mem buffer, const void *data, uint64_t bytes, cl_bool waits)
 {
     cl_event event = NULL;
-    const cl_int error = bytes > 0 ? clEnqueueWriteBuffer(work->queue, buffer, CL_TRUE, 0, (size_t)bytes, data,
-                                                          wait_count(work), wait_list(work), &event)
-                                   : CL_SUCCESS;
-    return bytes > 0 ? follow(work, "clEnqueueWriteBuffer", error, event) : SVO_OK;
+    if (bytes == 0) {
+        return SVO_OK;
+    }
+    const cl_int error = clEnqueueWriteBuffer(work->queue, buffer, waits, 0, (size_t)bytes, data, wait_count(work),
+                                              wait_list(work), &event);
+    return follow(work, "clEnqueueWriteBuffer", error, event);
+}
+
+svo_status svo_i_work_write(svo_i_device_work *work, cl_mem buffer, const void *data, uint64_t bytes)
+{
+    return write(work, buffer, data, bytes, CL_TRUE);
+}
+
+svo_status svo_i_work_write_later(svo_i_device_work *work, cl_mem buffer, const void *data, uint64_t bytes)
+{
+    return write(work, buffer, data, bytes, CL_FALSE);
 }
 
 /* The host's memory as a buffer, without a copy. */
@@ -184,26 +196,27 @@ svo_status svo_i_work_input(svo_i_device_work *work, const char *name, const voi
     return svo_i_work_write(work, *out, data, bytes);
 }
 
-/* Fills with a pattern of pattern_bytes. */
-static svo_status fill(svo_i_device_work *work, cl_mem buffer, cl_uint word, size_t pattern_bytes, uint64_t bytes)
+svo_status svo_i_work_fill_pattern(svo_i_device_work *work, cl_mem buffer, const void *pattern, size_t pattern_bytes,
+                                   uint64_t bytes)
 {
     cl_event event = NULL;
     if (bytes == 0) {
         return SVO_OK;
     }
-    const cl_int error = clEnqueueFillBuffer(work->queue, buffer, &word, pattern_bytes, 0, (size_t)bytes,
+    const cl_int error = clEnqueueFillBuffer(work->queue, buffer, pattern, pattern_bytes, 0, (size_t)bytes,
                                              wait_count(work), wait_list(work), &event);
     return follow(work, "clEnqueueFillBuffer", error, event);
 }
 
 svo_status svo_i_work_fill_zero(svo_i_device_work *work, cl_mem buffer, uint64_t bytes)
 {
-    return fill(work, buffer, 0, bytes % sizeof(cl_uint) == 0 ? sizeof(cl_uint) : 1, bytes);
+    const cl_uint zero = 0;
+    return svo_i_work_fill_pattern(work, buffer, &zero, bytes % sizeof zero == 0 ? sizeof zero : 1, bytes);
 }
 
 svo_status svo_i_work_fill(svo_i_device_work *work, cl_mem buffer, cl_uint word, uint64_t bytes)
 {
-    return fill(work, buffer, word, sizeof word, bytes);
+    return svo_i_work_fill_pattern(work, buffer, &word, sizeof word, bytes);
 }
 
 svo_status svo_i_work_copy(svo_i_device_work *work, cl_mem from, uint64_t from_offset, cl_mem to, uint64_t to_offset,

@@ -56,9 +56,14 @@ svo_status svo_i_work_result(svo_i_device_work *work, const char *name, uint64_t
 svo_status svo_i_work_input(svo_i_device_work *work, const char *name, const void *data, uint64_t bytes, cl_mem *out);
 
 svo_status svo_i_work_write(svo_i_device_work *work, cl_mem buffer, const void *data, uint64_t bytes);
+/* Does not wait: data must stay until the launch that follows has ended. */
+svo_status svo_i_work_write_later(svo_i_device_work *work, cl_mem buffer, const void *data, uint64_t bytes);
 svo_status svo_i_work_fill_zero(svo_i_device_work *work, cl_mem buffer, uint64_t bytes);
 /* Fills whole words. */
 svo_status svo_i_work_fill(svo_i_device_work *work, cl_mem buffer, cl_uint word, uint64_t bytes);
+/* Fills whole patterns, whose size OpenCL allows. */
+svo_status svo_i_work_fill_pattern(svo_i_device_work *work, cl_mem buffer, const void *pattern, size_t pattern_bytes,
+                                   uint64_t bytes);
 svo_status svo_i_work_copy(svo_i_device_work *work, cl_mem from, uint64_t from_offset, cl_mem to, uint64_t to_offset,
                            uint64_t bytes);
 /* Reads bytes from an offset of a buffer and waits. */

@@ -17,10 +17,9 @@
 #define STRETCH_ONE 1073741824.0 /* 1 in svo_triangle_record.stretch: 2^30 */
 
 /* Limits on weights, as powers of two: the largest weight of a pair, where rounding may double a tiny area; the largest
-   sum of all weights, where closed voxels count some area twice; the least weight of a voxel's face. */
+   sum of all weights, where closed voxels count some area twice. */
 #define PAIR_LOG2_MAX  31
 #define TOTAL_LOG2_MAX 44
-#define FACE_LOG2_MIN  (SVO_I_FILL_LOG2 + 1u)
 /* Above sqrt(2), the largest area of a plane inside a voxel, in faces. */
 #define CUT_FACES_MAX 1.5
 
@@ -302,26 +301,36 @@ static int power_above(double x)
     return power;
 }
 
-/* The finest unit of weight for which neither a pair nor the whole tree can overflow. Areas are in voxel faces. */
-static uint32_t choose_weight_log2(const svo_plan *plan, double largest_area)
+/* Neither a pair nor the whole tree can overflow. Areas are in voxel faces. */
+uint32_t svo_i_plan_choose_weight_log2(const svo_plan *plan, double largest_area, double total_area)
 {
     const double face = ldexp(1.0, 2 * (int)plan->voxel_log2);
     const double pair = fmin(largest_area / face, CUT_FACES_MAX);
-    const double total = plan->estimate[2] / face; /* the areas of three projections: no less than the area */
+    const double total = total_area / face;
     const int by_pair = PAIR_LOG2_MAX - power_above(pair);
     const int by_total = TOTAL_LOG2_MAX - power_above(total);
     const int log2 = by_pair < by_total ? by_pair : by_total;
-    return log2 > (int)FACE_LOG2_MIN ? (uint32_t)log2 : FACE_LOG2_MIN;
+    return log2 > (int)SVO_I_WEIGHT_LOG2_MIN ? (uint32_t)log2 : SVO_I_WEIGHT_LOG2_MIN;
 }
 
-void svo_i_plan_conclude(svo_plan *plan, const svo_i_findings *found)
+svo_status svo_i_plan_conclude(svo_plan *plan, const svo_i_findings *found)
 {
+    const uint32_t asked = plan->options.weight_log2;
     if (svo_i_plan_is_part(plan)) {
         svo_i_plan_take_constants(plan);
-        return;
+        plan->info.weight_log2 = plan->weight_log2;
+        return SVO_OK;
     }
     svo_i_plan_find_constants(plan, found);
-    plan->weight_log2 = choose_weight_log2(plan, found->largest_area);
+    /* The areas of three projections are no less than the area. */
+    const uint32_t finest = svo_i_plan_choose_weight_log2(plan, found->largest_area, plan->estimate[2]);
+    plan->weight_log2 = asked != 0 ? asked : finest;
+    plan->info.weight_log2 = plan->weight_log2;
+    return asked <= finest ? SVO_OK
+                           : svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT,
+                                               "%s: options.weight_log2 %u is above %u, the most that the mesh's area "
+                                               "allows",
+                                               plan->progress.function, asked, finest);
 }
 
 /* Copies the inputs of colors. */
@@ -358,9 +367,9 @@ svo_status svo_i_plan_attributes(svo_plan *plan, const svo_mesh *mesh)
         return SVO_OK;
     }
     svo_i_findings found = {.material_used = svo_i_alloc_zeroed(&plan->device->memory, plan->material_count, 1)};
-    const svo_status status = found.material_used != NULL ? fill(plan, mesh, &found) : no_memory(plan);
+    svo_status status = found.material_used != NULL ? fill(plan, mesh, &found) : no_memory(plan);
     if (status == SVO_OK) {
-        svo_i_plan_conclude(plan, &found);
+        status = svo_i_plan_conclude(plan, &found);
     }
     svo_i_free(found.material_used);
     return status;

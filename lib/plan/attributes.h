@@ -15,7 +15,10 @@ void svo_i_plan_resolve_need(svo_plan *plan, const svo_mesh *mesh, bool has_colo
 bool svo_i_material_is_textured(const svo_mesh *mesh, bool has_uvs, size_t material);
 /* Copies the materials, and the textures of used ones. */
 svo_status svo_i_plan_copy_materials(svo_plan *plan, const svo_mesh *mesh, bool has_uvs, const uint8_t *material_used);
-/* Finds what is constant, and chooses the unit of weights. */
-void svo_i_plan_conclude(svo_plan *plan, const svo_i_findings *found);
+/* The finest unit of weight that suits triangles of that largest area and a sum of projected areas, both in square grid
+   units: the weight of a voxel's face, as a power of two. */
+uint32_t svo_i_plan_choose_weight_log2(const svo_plan *plan, double largest_area, double total_area);
+/* Finds what is constant, and chooses the unit of weights. SVO_INVALID_ARGUMENT: the one asked for is too fine. */
+svo_status svo_i_plan_conclude(svo_plan *plan, const svo_i_findings *found);
 
 #endif

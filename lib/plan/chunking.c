@@ -192,7 +192,8 @@ svo_status svo_i_chunking_create(const svo_plan *plan, uint64_t chunk_bytes, svo
     const bool reads = !fits && plan->item_fragments == NULL; /* the plan's kernels have left them on the device */
     void *read = NULL;
     if (reads) {
-        SVO_I_TRY(svo_i_plan_read(plan, plan->memory.item_fragments, (uint64_t)plan->triangle_count * 4, &read));
+        SVO_I_TRY(svo_i_plan_read(plan, plan->memory.item_fragments, (uint64_t)plan->class_begin[SVO_I_CLASS_COUNT] * 4,
+                                  &read));
     }
     c.expected = reads ? read : plan->item_fragments;
     c.held = fits ? expected : 0.0;

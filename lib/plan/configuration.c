@@ -181,8 +181,8 @@ static void configure_tests(svo_plan *plan)
     work->tests[SVO_I_TEST_WIDE] = class_count(plan, SVO_I_CLASS_WIDE) > 0;
     const bool any = work->tests[SVO_I_TEST_NARROW] || work->tests[SVO_I_TEST_REGULAR] || work->tests[SVO_I_TEST_WIDE];
     work->tests[SVO_I_TEST_NONE] = points > 0 && !any;
-    if (plan->triangle_count == 0) {
-        return;
+    if (plan->triangle_count == 0 || plan->update != NULL) {
+        return; /* no triangles, or nothing is known of them */
     }
     if (points > 0) {
         leave_out(work, "overlap test", "%u of %u triangles lie inside one voxel each", points, plan->triangle_count);

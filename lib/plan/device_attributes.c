@@ -10,7 +10,7 @@
 #include "plan/attributes.h"
 #include "plan/device_grid.h"
 
-#define COLUMNS       5 /* of svo_k_plan_records */
+#define COLUMNS       SVO_I_RECORD_COLUMNS
 #define SCRATCH_BYTES (sizeof(cl_ulong) * SVO_GROUP_ITEMS)
 
 typedef struct attributes_run {
@@ -21,8 +21,45 @@ typedef struct attributes_run {
     bool has_colors, has_normals, has_uvs; /* in the mesh */
     svo_i_findings found;
     uint8_t *is_textured; /* one byte per material */
-    cl_mem textured, materials, partials; /* scratch */
+    svo_i_material_marks marks;
+    cl_mem partials;
 } attributes_run;
+
+svo_status svo_i_launch_normals(svo_i_device_work *work, cl_mem from, cl_mem to, cl_uint vertices)
+{
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(from), SVO_I_ARGUMENT(to), SVO_I_ARGUMENT(vertices)};
+    return svo_i_work_launch(work, "svo_k_plan_normals", SVO_I_ARGUMENTS(arguments), vertices);
+}
+
+svo_status svo_i_launch_uvs(svo_i_device_work *work, cl_mem from, cl_mem to, cl_ulong numbers)
+{
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(from), SVO_I_ARGUMENT(to), SVO_I_ARGUMENT(numbers)};
+    return svo_i_work_launch(work, "svo_k_plan_uvs", SVO_I_ARGUMENTS(arguments), numbers);
+}
+
+svo_status svo_i_launch_records(svo_i_device_work *work, const svo_plan *plan, const svo_i_device_mesh *mesh,
+                                const svo_i_material_marks *marks, cl_mem partials)
+{
+    const svo_i_plan_memory *memory = &plan->memory;
+    const svo_plan_params params = {.vertex_count = plan->vertex_count,
+                                    .triangle_count = plan->triangle_count,
+                                    .flags = SVO_PLAN_TEXTURED,
+                                    .material_count = plan->material_count};
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(memory->vertices),
+                                        SVO_I_ARGUMENT(memory->indices),
+                                        SVO_I_ARGUMENT(memory->triangle_ids),
+                                        SVO_I_ARGUMENT(mesh->triangle_materials),
+                                        SVO_I_ARGUMENT(memory->colors),
+                                        SVO_I_ARGUMENT(memory->normals),
+                                        SVO_I_ARGUMENT(marks->textured),
+                                        SVO_I_ARGUMENT(marks->used),
+                                        SVO_I_ARGUMENT(memory->records),
+                                        SVO_I_ARGUMENT(partials),
+                                        SVO_I_ARGUMENT(params),
+                                        SVO_I_LOCAL(SCRATCH_BYTES)};
+    return svo_i_work_launch(work, "svo_k_plan_records", SVO_I_ARGUMENTS(arguments),
+                             svo_i_run_items(plan->triangle_count));
+}
 
 /* Vertex colors and normals, in buffers of the plan's own. */
 static svo_status fill_vertices(attributes_run *r)
@@ -37,9 +74,7 @@ static svo_status fill_vertices(attributes_run *r)
         return SVO_OK;
     }
     SVO_I_TRY(svo_i_work_result(r->work, "plan_normals", (uint64_t)vertices * 8, &memory->normals));
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->mesh->normals), SVO_I_ARGUMENT(memory->normals),
-                                        SVO_I_ARGUMENT(vertices)};
-    return svo_i_work_launch(r->work, "svo_k_plan_normals", SVO_I_ARGUMENTS(arguments), vertices);
+    return svo_i_launch_normals(r->work, r->mesh->normals, memory->normals, vertices);
 }
 
 /* Which materials have a texture, for the kernel. */
@@ -49,10 +84,10 @@ static svo_status mark_textured(attributes_run *r)
     for (uint32_t i = 0; i < r->plan->material_count; ++i) {
         r->is_textured[i] = wanted && svo_i_material_is_textured(&r->input->mesh, r->has_uvs, i) ? 1 : 0;
     }
-    SVO_I_TRY(svo_i_work_alloc(r->work, "plan_materials", r->plan->material_count, &r->materials));
-    SVO_I_TRY(svo_i_work_fill_zero(r->work, r->materials, r->plan->material_count));
-    SVO_I_TRY(svo_i_work_alloc(r->work, "plan_textured", r->plan->material_count, &r->textured));
-    return svo_i_work_write(r->work, r->textured, r->is_textured, r->plan->material_count);
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_materials", r->plan->material_count, &r->marks.used));
+    SVO_I_TRY(svo_i_work_fill_zero(r->work, r->marks.used, r->plan->material_count));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_textured", r->plan->material_count, &r->marks.textured));
+    return svo_i_work_write(r->work, r->marks.textured, r->is_textured, r->plan->material_count);
 }
 
 static void take_totals(svo_i_findings *found, const uint64_t totals[COLUMNS])
@@ -68,35 +103,18 @@ static svo_status make_records(attributes_run *r)
     svo_plan *plan = r->plan;
     svo_i_plan_memory *memory = &plan->memory;
     uint64_t totals[COLUMNS] = {0};
-    const svo_plan_params params = {.vertex_count = plan->vertex_count,
-                                    .triangle_count = plan->triangle_count,
-                                    .flags = SVO_PLAN_TEXTURED,
-                                    .material_count = plan->material_count};
     SVO_I_TRY(mark_textured(r));
     SVO_I_TRY(svo_i_work_result(r->work, "plan_records", plan->triangle_count * sizeof(svo_triangle_record),
                                 &memory->records));
-    SVO_I_TRY(svo_i_work_alloc(r->work, "plan_partials",
-                               (uint64_t)svo_i_run_groups(plan->triangle_count) * COLUMNS * sizeof(cl_ulong),
-                               &r->partials));
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(memory->vertices),
-                                        SVO_I_ARGUMENT(memory->indices),
-                                        SVO_I_ARGUMENT(memory->triangle_ids),
-                                        SVO_I_ARGUMENT(r->mesh->triangle_materials),
-                                        SVO_I_ARGUMENT(memory->colors),
-                                        SVO_I_ARGUMENT(memory->normals),
-                                        SVO_I_ARGUMENT(r->textured),
-                                        SVO_I_ARGUMENT(r->materials),
-                                        SVO_I_ARGUMENT(memory->records),
-                                        SVO_I_ARGUMENT(r->partials),
-                                        SVO_I_ARGUMENT(params),
-                                        SVO_I_LOCAL(SCRATCH_BYTES)};
-    SVO_I_TRY(svo_i_work_launch(r->work, "svo_k_plan_records", SVO_I_ARGUMENTS(arguments),
-                                svo_i_run_items(plan->triangle_count)));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_partials",
+                                (uint64_t)svo_i_run_groups(plan->triangle_count) * COLUMNS * sizeof(cl_ulong),
+                                &r->partials));
+    SVO_I_TRY(svo_i_launch_records(r->work, plan, r->mesh, &r->marks, r->partials));
     SVO_I_TRY(svo_i_run_totals(r->work, r->partials, plan->triangle_count, COLUMNS, true, totals));
     if (plan->triangle_count > 0) {
         take_totals(&r->found, totals);
     }
-    return svo_i_work_read(r->work, r->materials, 0, r->found.material_used, plan->material_count);
+    return svo_i_work_read(r->work, r->marks.used, 0, r->found.material_used, plan->material_count);
 }
 
 /* The first triangle's record, and the attributes of its first corner. */
@@ -127,9 +145,7 @@ static svo_status fill_colors(attributes_run *r)
         return SVO_OK;
     }
     SVO_I_TRY(svo_i_work_result(r->work, "plan_uvs", numbers * 4, &plan->memory.uvs));
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->mesh->uvs), SVO_I_ARGUMENT(plan->memory.uvs),
-                                        SVO_I_ARGUMENT(numbers)};
-    return svo_i_work_launch(r->work, "svo_k_plan_uvs", SVO_I_ARGUMENTS(arguments), numbers);
+    return svo_i_launch_uvs(r->work, r->mesh->uvs, plan->memory.uvs, numbers);
 }
 
 static svo_status run_steps(attributes_run *r, svo_i_device_mesh *mesh)
@@ -146,8 +162,7 @@ static svo_status run_steps(attributes_run *r, svo_i_device_mesh *mesh)
     if ((plan->info.need & SVO_NEED_COLOR) != 0) {
         SVO_I_TRY(fill_colors(r));
     }
-    svo_i_plan_conclude(plan, &r->found);
-    return SVO_OK;
+    return svo_i_plan_conclude(plan, &r->found);
 }
 
 svo_status svo_i_device_attributes(svo_plan *plan, svo_i_device_work *work, const svo_i_plan_input *input,
@@ -169,6 +184,9 @@ svo_status svo_i_device_attributes(svo_plan *plan, svo_i_device_work *work, cons
     r.found.material_used = svo_i_alloc_zeroed(&plan->device->memory, plan->material_count, 1);
     r.is_textured = svo_i_alloc_zeroed(&plan->device->memory, plan->material_count, 1);
     const svo_status status = run_steps(&r, mesh);
+    svo_i_buffer_release(&r.marks.textured);
+    svo_i_buffer_release(&r.marks.used);
+    svo_i_buffer_release(&r.partials);
     svo_i_free(r.found.material_used);
     svo_i_free(r.is_textured);
     return status;

@@ -16,20 +16,6 @@
 /* Local memory of a work-group: one number of 64 bits per work-item. */
 #define SCRATCH_BYTES (sizeof(cl_ulong) * SVO_GROUP_ITEMS)
 
-/* What the steps share besides the plan's buffers. */
-typedef struct grid_run {
-    svo_plan *plan;
-    svo_i_device_work *work;
-    const svo_i_device_mesh *mesh;
-    svo_plan_params params;
-    cl_mem used; /* per vertex: whether an accepted triangle uses it */
-    cl_mem kept; /* per vertex: whether a kept triangle does */
-    cl_mem fates, fragments; /* per triangle */
-    cl_mem partials; /* a row per work-group */
-    cl_mem large, large_count;
-    uint64_t totals[SVO_PLAN_SUMS];
-} grid_run;
-
 uint32_t svo_i_run_groups(uint64_t elements)
 {
     const uint32_t tile = SVO_SCAN_TILE;
@@ -41,23 +27,29 @@ uint64_t svo_i_run_items(uint64_t elements)
     return (elements + RUN - 1) / RUN;
 }
 
+svo_status svo_i_run_reduce(svo_i_device_work *work, cl_mem partials, uint64_t elements, uint32_t columns, bool largest,
+                            cl_mem totals)
+{
+    const svo_plan_total_params params = {svo_i_run_groups(elements), columns, largest ? 1u : 0u, 0};
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(partials), SVO_I_ARGUMENT(totals), SVO_I_ARGUMENT(params),
+                                        SVO_I_LOCAL(SCRATCH_BYTES)};
+    return svo_i_work_launch(work, "svo_k_plan_totals", SVO_I_ARGUMENTS(arguments), SVO_GROUP_ITEMS);
+}
+
 svo_status svo_i_run_totals(svo_i_device_work *work, cl_mem partials, uint64_t elements, uint32_t columns, bool largest,
                             uint64_t *out)
 {
     cl_mem totals = NULL;
-    const svo_plan_total_params params = {svo_i_run_groups(elements), columns, largest ? 1u : 0u, 0};
     memset(out, 0, columns * sizeof *out);
-    if (params.groups == 0) {
+    if (elements == 0) {
         return SVO_OK;
     }
-    SVO_I_TRY(svo_i_work_alloc(work, "totals", columns * sizeof(cl_ulong), &totals));
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(partials), SVO_I_ARGUMENT(totals), SVO_I_ARGUMENT(params),
-                                        SVO_I_LOCAL(SCRATCH_BYTES)};
-    svo_status status = svo_i_work_launch(work, "svo_k_plan_totals", SVO_I_ARGUMENTS(arguments), SVO_GROUP_ITEMS);
+    SVO_I_TRY(svo_i_work_result(work, "totals", columns * sizeof(cl_ulong), &totals));
+    svo_status status = svo_i_run_reduce(work, partials, elements, columns, largest, totals);
     if (status == SVO_OK) {
         status = svo_i_work_read(work, totals, 0, out, columns * sizeof *out);
     }
-    svo_i_work_free(work, &totals);
+    svo_i_buffer_release(&totals);
     return status;
 }
 
@@ -83,20 +75,20 @@ static double double_of_key(uint64_t key)
     return double_of((key & sign) != 0 ? key ^ sign : ~key);
 }
 
-static svo_status alloc(grid_run *r)
+svo_status svo_i_grid_alloc(svo_i_grid_run *r)
 {
     const uint64_t vertices = r->params.vertex_count;
     const uint64_t triangles = r->params.triangle_count;
     const uint32_t groups = svo_i_run_groups(vertices > triangles ? vertices : triangles);
-    SVO_I_TRY(svo_i_work_alloc(r->work, "plan_used", vertices, &r->used));
-    SVO_I_TRY(svo_i_work_alloc(r->work, "plan_fates", triangles, &r->fates));
-    SVO_I_TRY(svo_i_work_alloc(r->work, "plan_fragments", triangles * 4, &r->fragments));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_used", vertices, &r->used));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_fates", triangles, &r->fates));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_fragments", triangles * 4, &r->fragments));
     SVO_I_TRY(
-        svo_i_work_alloc(r->work, "plan_partials", (uint64_t)groups * SVO_PLAN_SUMS * sizeof(cl_ulong), &r->partials));
+        svo_i_work_result(r->work, "plan_partials", (uint64_t)groups * SVO_PLAN_SUMS * sizeof(cl_ulong), &r->partials));
     return svo_i_work_result(r->work, "plan_vertices", vertices * 12, &r->plan->memory.vertices);
 }
 
-static svo_status accept(grid_run *r)
+svo_status svo_i_grid_accept(svo_i_grid_run *r)
 {
     SVO_I_TRY(svo_i_work_fill_zero(r->work, r->used, r->params.vertex_count));
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->mesh->positions), SVO_I_ARGUMENT(r->mesh->indices),
@@ -105,8 +97,16 @@ static svo_status accept(grid_run *r)
                              svo_i_run_items(r->params.triangle_count));
 }
 
+void svo_i_grid_place(svo_i_grid_run *r)
+{
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        put_double(r->plan->info.origin[axis], r->params.origin + (size_t)axis * 2);
+    }
+    put_double(r->plan->info.scale, r->params.scale);
+}
+
 /* Finds the bounds of the used vertices, if the grid depends on them, and makes the grid. */
-static svo_status fit(grid_run *r)
+static svo_status fit(svo_i_grid_run *r)
 {
     uint64_t keys[6] = {0};
     svo_i_bounds bounds = {.any = false};
@@ -124,28 +124,30 @@ static svo_status fit(grid_run *r)
         bounds.high[axis] = double_of_key(keys[axis + 3]);
     }
     SVO_I_TRY(svo_i_plan_make_grid(r->plan, &bounds));
-    for (unsigned axis = 0; axis < 3; ++axis) {
-        put_double(r->plan->info.origin[axis], r->params.origin + (size_t)axis * 2);
-    }
-    put_double(r->plan->info.scale, r->params.scale);
+    svo_i_grid_place(r);
     return SVO_OK;
 }
 
-static svo_status snap(grid_run *r)
+svo_status svo_i_grid_snap(svo_i_grid_run *r)
 {
-    uint64_t largest = 0;
     const svo_i_argument arguments[] = {
         SVO_I_ARGUMENT(r->mesh->positions), SVO_I_ARGUMENT(r->used),   SVO_I_ARGUMENT(r->plan->memory.vertices),
         SVO_I_ARGUMENT(r->partials),        SVO_I_ARGUMENT(r->params), SVO_I_LOCAL(SCRATCH_BYTES)};
-    SVO_I_TRY(svo_i_work_launch(r->work, "svo_k_plan_snap", SVO_I_ARGUMENTS(arguments),
-                                svo_i_run_items(r->params.vertex_count)));
+    return svo_i_work_launch(r->work, "svo_k_plan_snap", SVO_I_ARGUMENTS(arguments),
+                             svo_i_run_items(r->params.vertex_count));
+}
+
+static svo_status snap(svo_i_grid_run *r)
+{
+    uint64_t largest = 0;
+    SVO_I_TRY(svo_i_grid_snap(r));
     SVO_I_TRY(svo_i_run_totals(r->work, r->partials, r->params.vertex_count, 1, true, &largest));
     r->plan->info.snap_error = double_of(largest);
     return SVO_OK;
 }
 
 /* Takes the counts and sums of all triangles into the plan. */
-static void take_totals(grid_run *r)
+static void take_totals(svo_i_grid_run *r)
 {
     svo_plan *plan = r->plan;
     const uint64_t *totals = r->totals;
@@ -163,9 +165,8 @@ static void take_totals(grid_run *r)
     r->params.flags |= plan->triangle_count < r->params.triangle_count ? SVO_PLAN_SOME : 0u;
 }
 
-static svo_status classify(grid_run *r)
+svo_status svo_i_grid_classify(svo_i_grid_run *r)
 {
-    const uint64_t triangles = r->params.triangle_count;
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->plan->memory.vertices),
                                         SVO_I_ARGUMENT(r->mesh->indices),
                                         SVO_I_ARGUMENT(r->used),
@@ -174,21 +175,26 @@ static svo_status classify(grid_run *r)
                                         SVO_I_ARGUMENT(r->partials),
                                         SVO_I_ARGUMENT(r->params),
                                         SVO_I_LOCAL(SCRATCH_BYTES)};
-    SVO_I_TRY(
-        svo_i_work_launch(r->work, "svo_k_plan_classify", SVO_I_ARGUMENTS(arguments), svo_i_run_items(triangles)));
-    SVO_I_TRY(svo_i_run_totals(r->work, r->partials, triangles, SVO_PLAN_SUMS, false, r->totals));
+    return svo_i_work_launch(r->work, "svo_k_plan_classify", SVO_I_ARGUMENTS(arguments),
+                             svo_i_run_items(r->params.triangle_count));
+}
+
+static svo_status classify(svo_i_grid_run *r)
+{
+    SVO_I_TRY(svo_i_grid_classify(r));
+    SVO_I_TRY(svo_i_run_totals(r->work, r->partials, r->params.triangle_count, SVO_PLAN_SUMS, false, r->totals));
     take_totals(r);
     return SVO_OK;
 }
 
 /* For projected areas: whether the edges cancel. */
-static svo_status find_closed(grid_run *r)
+svo_status svo_i_grid_find_closed(svo_i_grid_run *r)
 {
     uint64_t sums[2] = {0};
     cl_mem partials = NULL; /* the rows of classification are still needed */
     const uint64_t triangles = r->params.triangle_count;
-    SVO_I_TRY(svo_i_work_alloc(r->work, "plan_partials", (uint64_t)svo_i_run_groups(triangles) * 2 * sizeof(cl_ulong),
-                               &partials));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_partials", (uint64_t)svo_i_run_groups(triangles) * 2 * sizeof(cl_ulong),
+                                &partials));
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->plan->memory.vertices),
                                         SVO_I_ARGUMENT(r->mesh->indices),
                                         SVO_I_ARGUMENT(r->fates),
@@ -200,12 +206,12 @@ static svo_status find_closed(grid_run *r)
     if (status == SVO_OK) {
         status = svo_i_run_totals(r->work, partials, triangles, 2, false, sums);
     }
-    svo_i_work_free(r->work, &partials);
+    svo_i_buffer_release(&partials);
     r->plan->work.both_sides = (sums[0] | sums[1]) != 0;
     return status;
 }
 
-static svo_status alloc_kept(grid_run *r)
+static svo_status alloc_kept(svo_i_grid_run *r)
 {
     svo_i_plan_memory *memory = &r->plan->memory;
     const uint64_t count = r->plan->triangle_count;
@@ -214,17 +220,16 @@ static svo_status alloc_kept(grid_run *r)
     SVO_I_TRY(svo_i_work_result(r->work, "plan_triangle_ids", count * 4, &memory->triangle_ids));
     SVO_I_TRY(svo_i_work_result(r->work, "plan_items", count * sizeof(svo_draw_item), &memory->items));
     SVO_I_TRY(svo_i_work_result(r->work, "plan_item_fragments", count * 4, &memory->item_fragments));
-    SVO_I_TRY(svo_i_work_alloc(r->work, "plan_large", r->plan->large_count * sizeof(svo_large_item), &r->large));
-    SVO_I_TRY(svo_i_work_alloc(r->work, "plan_large_count", sizeof(cl_uint), &r->large_count));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_large", r->plan->large_count * sizeof(svo_large_item), &r->large));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_large_count", sizeof(cl_uint), &r->large_count));
     SVO_I_TRY(svo_i_work_fill_zero(r->work, r->large_count, sizeof(cl_uint)));
-    SVO_I_TRY(svo_i_work_alloc(r->work, "plan_kept", kept_bytes, &r->kept));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_kept", kept_bytes, &r->kept));
     return svo_i_work_fill_zero(r->work, r->kept, kept_bytes);
 }
 
-static svo_status keep(grid_run *r)
+svo_status svo_i_grid_keep(svo_i_grid_run *r)
 {
     const svo_i_plan_memory *memory = &r->plan->memory;
-    SVO_I_TRY(alloc_kept(r));
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(memory->vertices),
                                         SVO_I_ARGUMENT(r->mesh->indices),
                                         SVO_I_ARGUMENT(r->fates),
@@ -250,7 +255,7 @@ static svo_status keep(grid_run *r)
 }
 
 /* The mesh's own positions of the vertices that kept triangles use, for rays; positions.c has it for the host. */
-static svo_status keep_positions(grid_run *r)
+svo_status svo_i_grid_keep_positions(svo_i_grid_run *r)
 {
     const bool is_double = (r->params.flags & SVO_PLAN_DOUBLES) != 0;
     svo_i_plan_memory *memory = &r->plan->memory;
@@ -259,8 +264,10 @@ static svo_status keep_positions(grid_run *r)
     if ((r->plan->options.need & SVO_NEED_RAYS) == 0 || r->plan->info.coverage == SVO_COVERAGE_THIN) {
         return SVO_OK;
     }
-    SVO_I_TRY(svo_i_work_result(r->work, "plan_positions", (uint64_t)r->params.vertex_count * (is_double ? 24 : 12),
-                                positions));
+    if (*positions == NULL) {
+        SVO_I_TRY(svo_i_work_result(r->work, "plan_positions", (uint64_t)r->params.vertex_count * (is_double ? 24 : 12),
+                                    positions));
+    }
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->mesh->positions), SVO_I_ARGUMENT(marks),
                                         SVO_I_ARGUMENT(*positions), SVO_I_ARGUMENT(r->params)};
     return svo_i_work_launch(r->work, "svo_k_plan_positions", SVO_I_ARGUMENTS(arguments), r->params.vertex_count);
@@ -274,7 +281,7 @@ static int compare_items(const void *a, const void *b)
 }
 
 /* Reads the large triangles, whose order differs from run to run. */
-static svo_status read_large(grid_run *r)
+static svo_status read_large(svo_i_grid_run *r)
 {
     svo_plan *plan = r->plan;
     const size_t bytes = plan->large_count * sizeof *plan->large;
@@ -288,45 +295,56 @@ static svo_status read_large(grid_run *r)
     return SVO_OK;
 }
 
-static svo_status run_steps(grid_run *r)
+static svo_status run_steps(svo_i_grid_run *r)
 {
     svo_plan *plan = r->plan;
-    SVO_I_TRY(alloc(r));
-    SVO_I_TRY(accept(r));
+    SVO_I_TRY(svo_i_grid_alloc(r));
+    SVO_I_TRY(svo_i_grid_accept(r));
     SVO_I_TRY(fit(r));
     SVO_I_TRY(snap(r));
     (void)svo_i_progress_add(plan, SVO_STAGE_GRID, SVO_I_SNAP_NS * (double)r->params.vertex_count);
     SVO_I_TRY(svo_i_progress_tell(plan, SVO_STAGE_GRID));
     SVO_I_TRY(classify(r));
     if ((plan->options.need & SVO_NEED_PROJECTED_AREA) != 0) {
-        SVO_I_TRY(find_closed(r));
+        SVO_I_TRY(svo_i_grid_find_closed(r));
     }
-    SVO_I_TRY(keep(r));
-    SVO_I_TRY(keep_positions(r));
+    SVO_I_TRY(alloc_kept(r));
+    SVO_I_TRY(svo_i_grid_keep(r));
+    SVO_I_TRY(svo_i_grid_keep_positions(r));
     SVO_I_TRY(read_large(r));
     (void)svo_i_progress_add(plan, SVO_STAGE_GRID, SVO_I_KEEP_NS * (double)r->params.triangle_count);
     return svo_i_progress_tell(plan, SVO_STAGE_GRID);
+}
+
+void svo_i_grid_begin(svo_i_grid_run *r, uint64_t triangles, bool is_double)
+{
+    const svo_plan *plan = r->plan;
+    r->params = (svo_plan_params){.vertex_count = plan->vertex_count,
+                                  .triangle_count = (cl_uint)triangles,
+                                  .snap_bits = plan->info.snap_bits,
+                                  .voxel_log2 = plan->voxel_log2};
+    r->params.flags = (r->mesh->indices != NULL ? SVO_PLAN_INDEXED : 0u) | (is_double ? SVO_PLAN_DOUBLES : 0u) |
+                      (plan->info.coverage == SVO_COVERAGE_CLOSED ? SVO_PLAN_CLOSED : 0u) |
+                      (plan->info.coverage == SVO_COVERAGE_THIN ? SVO_PLAN_THIN : 0u);
+}
+
+void svo_i_grid_end(svo_i_grid_run *r)
+{
+    cl_mem *buffers[] = {&r->used, &r->kept, &r->fates, &r->fragments, &r->partials, &r->large, &r->large_count};
+    for (unsigned i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
+        svo_i_buffer_release(buffers[i]);
+    }
 }
 
 svo_status svo_i_device_grid(svo_plan *plan, svo_i_device_work *work, const svo_i_plan_input *input,
                              const svo_i_device_mesh *mesh)
 {
     const svo_mesh *given = &input->mesh;
-    grid_run r = {.plan = plan, .work = work, .mesh = mesh};
+    svo_i_grid_run r = {.plan = plan, .work = work, .mesh = mesh};
     plan->vertex_count = (uint32_t)given->vertex_count;
     plan->info.triangles = given->triangle_count;
-    r.params = (svo_plan_params){.vertex_count = plan->vertex_count,
-                                 .triangle_count = (cl_uint)given->triangle_count,
-                                 .snap_bits = plan->info.snap_bits,
-                                 .voxel_log2 = plan->voxel_log2};
-    r.params.flags = (mesh->indices != NULL ? SVO_PLAN_INDEXED : 0u) |
-                     (given->positions_double != NULL ? SVO_PLAN_DOUBLES : 0u) |
-                     (plan->info.coverage == SVO_COVERAGE_CLOSED ? SVO_PLAN_CLOSED : 0u) |
-                     (plan->info.coverage == SVO_COVERAGE_THIN ? SVO_PLAN_THIN : 0u);
+    svo_i_grid_begin(&r, given->triangle_count, given->positions_double != NULL);
     const svo_status status = run_steps(&r);
-    cl_mem *buffers[] = {&r.used, &r.kept, &r.fates, &r.fragments, &r.partials, &r.large, &r.large_count};
-    for (unsigned i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
-        svo_i_work_free(work, buffers[i]);
-    }
+    svo_i_grid_end(&r);
     return status;
 }

@@ -5,6 +5,37 @@
 
 #include "plan/device_mesh.h"
 
+/* What the steps share besides the plan's buffers. */
+typedef struct svo_i_grid_run {
+    svo_plan *plan;
+    svo_i_device_work *work;
+    const svo_i_device_mesh *mesh;
+    svo_plan_params params;
+    cl_mem used; /* per vertex: whether an accepted triangle uses it */
+    cl_mem kept; /* per vertex: whether a kept triangle does */
+    cl_mem fates, fragments; /* per triangle */
+    cl_mem partials; /* a row per work-group */
+    cl_mem large, large_count; /* NULL: large triangles are not listed */
+    uint64_t totals[SVO_PLAN_SUMS];
+} svo_i_grid_run;
+
+/* Makes params for a mesh whose positions are floats or doubles. */
+void svo_i_grid_begin(svo_i_grid_run *r, uint64_t triangles, bool is_double);
+/* Copies the grid that the plan has to params. */
+void svo_i_grid_place(svo_i_grid_run *r);
+/* Makes used, fates, fragments, partials and the plan's vertices. */
+svo_status svo_i_grid_alloc(svo_i_grid_run *r);
+/* The steps, each after the one before. They launch and read nothing back; snap leaves a column of largest numbers in
+   the partials, classify SVO_PLAN_SUMS columns of sums, which svo_i_run_reduce must have reduced before keep. */
+svo_status svo_i_grid_accept(svo_i_grid_run *r);
+svo_status svo_i_grid_snap(svo_i_grid_run *r);
+svo_status svo_i_grid_classify(svo_i_grid_run *r);
+svo_status svo_i_grid_find_closed(svo_i_grid_run *r); /* waits */
+svo_status svo_i_grid_keep(svo_i_grid_run *r);
+svo_status svo_i_grid_keep_positions(svo_i_grid_run *r);
+/* Releases what svo_i_grid_run owns. */
+void svo_i_grid_end(svo_i_grid_run *r);
+
 /* Fills the plan's snapped mesh, draw items and fragment estimate. Its arrays are buffers in plan->memory; the host
    gets the large triangles alone. mesh: has the geometry. */
 svo_status svo_i_device_grid(svo_plan *plan, svo_i_device_work *work, const svo_i_plan_input *input,
@@ -12,7 +43,10 @@ svo_status svo_i_device_grid(svo_plan *plan, svo_i_device_work *work, const svo_
 /* Work-groups of a launch with a work-item per SVO_SCAN_TILE / SVO_GROUP_ITEMS elements, and its work-items. */
 uint32_t svo_i_run_groups(uint64_t elements);
 uint64_t svo_i_run_items(uint64_t elements);
-/* Reduces the columns that a launch over elements has left in its groups' partials, and reads them. */
+/* Reduces the columns that a launch over elements has left in its groups' partials, to totals. */
+svo_status svo_i_run_reduce(svo_i_device_work *work, cl_mem partials, uint64_t elements, uint32_t columns, bool largest,
+                            cl_mem totals);
+/* The same, and reads them. */
 svo_status svo_i_run_totals(svo_i_device_work *work, cl_mem partials, uint64_t elements, uint32_t columns, bool largest,
                             uint64_t *out);
 

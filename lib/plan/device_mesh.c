@@ -20,16 +20,15 @@ static void words_of(uint64_t number, cl_uint words[2])
     words[1] = (cl_uint)(number >> 32);
 }
 
-/* Packs a view's elements into a new buffer. */
-static svo_status pack(svo_i_device_work *work, const array *from, uint64_t stride_bytes, cl_mem *out)
+svo_status svo_i_plan_copy_view(svo_i_device_work *work, const svo_mesh_view *view, uint64_t count,
+                                uint32_t element_bytes, cl_mem to)
 {
-    svo_plan_view view = {.element_bytes = from->element_bytes};
-    words_of(from->count, view.count);
-    words_of(from->view->offset_bytes, view.offset);
-    words_of(stride_bytes, view.stride);
-    SVO_I_TRY(svo_i_work_result(work, from->name, from->count * from->element_bytes, out));
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(from->view->memory), SVO_I_ARGUMENT(*out), SVO_I_ARGUMENT(view)};
-    return svo_i_work_launch(work, "svo_k_plan_pack", SVO_I_ARGUMENTS(arguments), from->count);
+    svo_plan_view params = {.element_bytes = element_bytes};
+    words_of(count, params.count);
+    words_of(view->offset_bytes, params.offset);
+    words_of(view->stride_bytes != 0 ? view->stride_bytes : element_bytes, params.stride);
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(view->memory), SVO_I_ARGUMENT(to), SVO_I_ARGUMENT(params)};
+    return svo_i_work_launch(work, "svo_k_plan_pack", SVO_I_ARGUMENTS(arguments), count);
 }
 
 /* Gets an array. *out stays NULL for one that is empty or absent. */
@@ -43,7 +42,8 @@ static svo_status get_array(svo_i_device_work *work, const array *from, cl_mem *
     }
     const uint64_t stride_bytes = from->view->stride_bytes != 0 ? from->view->stride_bytes : from->element_bytes;
     if (from->view->offset_bytes != 0 || stride_bytes != from->element_bytes) {
-        return pack(work, from, stride_bytes, out);
+        SVO_I_TRY(svo_i_work_result(work, from->name, from->count * from->element_bytes, out));
+        return svo_i_plan_copy_view(work, from->view, from->count, from->element_bytes, *out);
     }
     const cl_int error = clRetainMemObject(from->view->memory);
     if (error != CL_SUCCESS) {

@@ -27,6 +27,9 @@ typedef struct svo_i_plan_input {
 svo_status svo_i_device_mesh_geometry(svo_i_device_work *work, const svo_i_plan_input *input, svo_i_device_mesh *out);
 svo_status svo_i_device_mesh_attributes(svo_i_device_work *work, const svo_i_plan_input *input, uint32_t need,
                                         svo_i_device_mesh *out);
+/* Copies the elements of a view to a buffer, packed. */
+svo_status svo_i_plan_copy_view(svo_i_device_work *work, const svo_mesh_view *view, uint64_t count,
+                                uint32_t element_bytes, cl_mem to);
 void svo_i_device_mesh_free(svo_i_device_mesh *mesh);
 
 #endif

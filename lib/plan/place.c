@@ -10,6 +10,7 @@
 #include "plan/host_copy.h"
 #include "plan/part.h"
 #include "plan/positions.h"
+#include "plan/update_create.h"
 
 const char *svo_place_name(svo_place place)
 {
@@ -76,7 +77,8 @@ static svo_status take_on_device(svo_plan *plan, const svo_i_plan_input *input)
     SVO_I_TRY(svo_i_work_begin(plan->device, plan->progress.function, input->queue, &work));
     work.wait_count = input->wait_count;
     work.wait = input->wait;
-    const svo_status status = run_kernels(plan, &work, input, &mesh);
+    const svo_status status = plan->options.updatable != 0 ? svo_i_update_create(plan, &work, input, &mesh)
+                                                           : run_kernels(plan, &work, input, &mesh);
     svo_i_work_end(&work);
     svo_i_device_mesh_free(&mesh);
     return status;
@@ -97,7 +99,7 @@ static void start_over(svo_plan *plan, const svo_plan *before)
 svo_status svo_i_plan_take_mesh(svo_plan *plan, const svo_i_plan_input *input)
 {
     const svo_plan before = *plan;
-    if (plan->options.place == SVO_PLACE_DEVICE || input->buffers != NULL) {
+    if (plan->options.place == SVO_PLACE_DEVICE || plan->options.updatable != 0 || input->buffers != NULL) {
         return take_on_device(plan, input);
     }
     if (plan->options.place == SVO_PLACE_HOST || svo_i_plan_is_part(plan) ||

@@ -12,6 +12,7 @@
 #include "plan/part.h"
 #include "plan/place.h"
 #include "plan/progress.h"
+#include "plan/update.h"
 #include "svocl/nodes.h"
 
 #include <math.h>
@@ -64,8 +65,31 @@ const char *svo_certainty_name(svo_certainty certainty)
     return (unsigned)certainty <= SVO_BYTES_ESTIMATE ? names[certainty] : "unknown certainty";
 }
 
+/* The fields of plans whose mesh moves. */
+static svo_status check_updatable(svo_device *device, const char *function, const svo_plan_options *options)
+{
+    if (!isfinite(options->max_area) || options->max_area < 0.0) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.max_area %g is not finite and at least 0",
+                                 function, options->max_area);
+    }
+    if (options->weight_log2 != 0 && options->weight_log2 < SVO_I_WEIGHT_LOG2_MIN) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.weight_log2 %u is below %u", function,
+                                 options->weight_log2, SVO_I_WEIGHT_LOG2_MIN);
+    }
+    if (options->updatable != 0 && options->place == SVO_PLACE_HOST) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "%s: options.place is host; updatable plans are made on the device", function);
+    }
+    if (options->updatable != 0 && options->part_header != NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "%s: options has part_header and updatable; parts cannot be updated", function);
+    }
+    return SVO_OK;
+}
+
 static svo_status check_options(svo_device *device, const char *function, const svo_plan_options *options)
 {
+    SVO_I_TRY(check_updatable(device, function, options));
     if ((options->need & ~((uint32_t)SVO_NEED_ALL | (uint32_t)SVO_NEED_NONE)) != 0 ||
         ((options->need & SVO_NEED_NONE) != 0 && options->need != SVO_NEED_NONE)) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.need 0x%x is not a combination of svo_need",
@@ -187,6 +211,7 @@ static svo_status make_plan(svo_plan *plan, const char *function, const svo_i_pl
     SVO_I_TRY(svo_i_progress_begin(plan, function, SVO_I_STAGE_BIT(SVO_STAGE_GRID)));
     SVO_I_TRY(svo_i_plan_take_mesh(plan, input));
     plan->info.expected_fragments = svo_i_plan_expected(plan, depth);
+    plan->info.area = plan->estimate[2] / (plan->info.scale * plan->info.scale * sqrt(3.0));
     SVO_I_TRY(svo_i_plan_configure(plan));
     plan->info.grid_ms = svo_i_now_ms() - start_ms - (plan->device->compile_ms - compiled_ms);
     return SVO_OK;
@@ -236,6 +261,7 @@ void svo_plan_destroy(svo_plan **plan)
         return;
     }
     svo_plan *p = *plan;
+    svo_i_update_destroy(p->update);
     svo_i_plan_memory_free(&p->memory);
     svo_i_free(p->vertices);
     svo_i_free(p->indices);

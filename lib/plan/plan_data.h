@@ -113,6 +113,10 @@ typedef struct svo_i_chunking {
 
 /* Unit of fill: a node's face is 2^SVO_I_FILL_LOG2. */
 #define SVO_I_FILL_LOG2 12u
+/* Limits on the weight of a voxel's face, as a power of two: fills must be representable, and pairs of the largest area
+   in a voxel fit 32 bits. */
+#define SVO_I_WEIGHT_LOG2_MIN (SVO_I_FILL_LOG2 + 1u)
+#define SVO_I_WEIGHT_LOG2_MAX 30u
 
 struct svo_i_build; /* stages/build_state.h */
 
@@ -181,8 +185,11 @@ typedef struct svo_i_plan_part {
     uint32_t *positions; /* of the kept triangles among those that the whole keeps; NULL once triangle_ids has them */
 } svo_i_plan_part;
 
+struct svo_i_update; /* update.h */
+
 struct svo_plan {
     svo_device *device;
+    struct svo_i_update *update; /* of a plan that is updatable; else NULL */
     svo_i_progress progress;
     svo_plan_info info;
     svo_plan_options options;
@@ -203,7 +210,8 @@ struct svo_plan {
     float *positions; /* vertex_count * 3 */
     double *positions_double;
 
-    /* The draw items: kept triangles, sorted by class. */
+    /* The draw items: kept triangles, sorted by class. In an updatable plan each class has room for all triangles, and
+       its other items are SVO_DRAW_NOTHING; triangle_count is that of the mesh. */
     svo_draw_item *items;
     float *item_fragments; /* expected fragments of each item */
     uint32_t class_begin[SVO_I_CLASS_COUNT + 1];
@@ -224,7 +232,7 @@ struct svo_plan {
     uint32_t *texels;
     uint64_t texel_count;
     size_t textures_given, textures_used; /* textures of the mesh, and of kept triangles */
-    uint32_t weight_log2; /* weight of a voxel's face, as a power of two; at least SVO_I_FILL_LOG2 + 1 */
+    uint32_t weight_log2; /* weight of a voxel's face, as a power of two; SVO_I_WEIGHT_LOG2_MIN and more */
 
     /* The buffers that a build allocates. */
     svo_buffer_info buffers[SVO_I_BUFFERS_MAX];

@@ -47,7 +47,6 @@ typedef struct maker {
     const svo_i_bvh_mesh *mesh;
     svo_i_device_bvh *out;
     cl_mem buffers[WORK_BUFFERS]; /* of the work */
-    cl_mem nodes, leaves; /* new ones, which take the place of the BVH's */
     svo_bvh_params params;
     size_t serial_group; /* work-items of a group that take a chunk or a job each */
 } maker;
@@ -120,19 +119,25 @@ static svo_status place_listed(maker *m)
     return scan(m, count, &m->params.item_count);
 }
 
-/* Finds the reach of the vertices, and how many triangles the BVH holds. Refuses a device on which rays are wrong. */
-static svo_status find_extent(maker *m)
+/* Finds the reach of the vertices, and whether the device fuses. */
+static svo_status find_reach(maker *m)
 {
     const cl_uint vertex_count = (cl_uint)m->mesh->vertex_count;
-    const float width = (float)(1u << m->mesh->snap_bits);
     /* See svo_bvh_fuses of kernels/bvh/fusion.clh. */
     const cl_float4 factors = {{0x1.000002p0F, 0x1.000006p0F, 0x1.000002p0F, 0x1.000006p0F}};
-    svo_bvh_state state = {.reach = 0};
     const svo_i_argument reach[] = {SVO_I_ARGUMENT(m->mesh->vertices), SVO_I_ARGUMENT(m->buffers[STATE]),
                                     SVO_I_ARGUMENT(vertex_count), SVO_I_ARGUMENT(m->mesh->snap_bits),
                                     SVO_I_ARGUMENT(factors)};
-    SVO_I_TRY(svo_i_work_fill_zero(&m->work, m->buffers[STATE], sizeof state));
-    SVO_I_TRY(run(m, "svo_k_bvh_reach", SVO_I_ARGUMENTS(reach), REACH_ITEMS));
+    SVO_I_TRY(svo_i_work_fill_zero(&m->work, m->buffers[STATE], sizeof(svo_bvh_state)));
+    return run(m, "svo_k_bvh_reach", SVO_I_ARGUMENTS(reach), REACH_ITEMS);
+}
+
+/* The same, and how many triangles the BVH holds. Refuses a device on which rays are wrong. */
+static svo_status find_extent(maker *m)
+{
+    const float width = (float)(1u << m->mesh->snap_bits);
+    svo_bvh_state state = {.reach = 0};
+    SVO_I_TRY(find_reach(m));
     SVO_I_TRY(read_state(m, &state));
     if (state.fuses != 0) {
         return svo_i_device_fail(m->work.device, SVO_UNSUPPORTED,
@@ -375,7 +380,7 @@ static svo_status write_leaves(maker *m)
     const svo_i_argument arguments[] = {
         SVO_I_ARGUMENT(mesh->vertices),      SVO_I_ARGUMENT(mesh->indices),      SVO_I_ARGUMENT(mesh->triangle_ids),
         SVO_I_ARGUMENT(mesh->floats),        SVO_I_ARGUMENT(mesh->doubles),      SVO_I_ARGUMENT(m->out->order),
-        SVO_I_ARGUMENT(m->out->item_counts), SVO_I_ARGUMENT(m->buffers[PLACES]), SVO_I_ARGUMENT(m->leaves),
+        SVO_I_ARGUMENT(m->out->item_counts), SVO_I_ARGUMENT(m->buffers[PLACES]), SVO_I_ARGUMENT(m->out->leaves),
         SVO_I_ARGUMENT(m->buffers[ITEMS_A]), SVO_I_ARGUMENT(params->item_count), SVO_I_ARGUMENT(params->snap_bits),
         SVO_I_ARGUMENT(has_doubles)};
     return run(m, "svo_k_bvh_leaves", SVO_I_ARGUMENTS(arguments), (uint64_t)params->item_count + 1);
@@ -392,7 +397,7 @@ static svo_status fit_nodes(maker *m)
                                             SVO_I_ARGUMENT(m->buffers[PLACES]),
                                             SVO_I_ARGUMENT(m->buffers[ITEMS_A]),
                                             SVO_I_ARGUMENT(m->buffers[ITEMS_B]),
-                                            SVO_I_ARGUMENT(m->nodes),
+                                            SVO_I_ARGUMENT(out->nodes),
                                             SVO_I_ARGUMENT(begin),
                                             SVO_I_ARGUMENT(end),
                                             SVO_I_ARGUMENT(box_log2)};
@@ -401,7 +406,7 @@ static svo_status fit_nodes(maker *m)
     return SVO_OK;
 }
 
-/* Writes what rays read, into new buffers which take the place of the BVH's. */
+/* Writes what rays read. */
 static svo_status write_records(maker *m)
 {
     svo_i_device_bvh *out = m->out;
@@ -410,28 +415,39 @@ static svo_status write_records(maker *m)
     const uint64_t node_bytes = (uint64_t)out->level_begin[out->level_count] * sizeof(svo_ray_node);
     const uint64_t leaf_bytes =
         (uint64_t)units * 16 + (SVO_RAY_LEAF_HEAD_WORDS + SVO_RAY_LEAF_PADDING_WORDS) * sizeof(cl_uint);
-    SVO_I_TRY(svo_i_work_result(&m->work, "ray_nodes", node_bytes, &m->nodes));
-    SVO_I_TRY(svo_i_work_result(&m->work, "ray_leaves", leaf_bytes, &m->leaves));
-    SVO_I_TRY(write_leaves(m));
-    SVO_I_TRY(fit_nodes(m));
-    SVO_I_TRY(svo_i_work_wait(&m->work));
-    const cl_mem old[] = {out->nodes, out->leaves};
-    out->nodes = m->nodes;
-    out->leaves = m->leaves;
+    SVO_I_TRY(svo_i_work_result(&m->work, "ray_nodes", node_bytes, &out->nodes));
+    SVO_I_TRY(svo_i_work_result(&m->work, "ray_leaves", leaf_bytes, &out->leaves));
     out->node_bytes = node_bytes;
     out->leaf_bytes = leaf_bytes;
-    m->nodes = old[0];
-    m->leaves = old[1];
-    return SVO_OK;
+    SVO_I_TRY(write_leaves(m));
+    SVO_I_TRY(fit_nodes(m));
+    return svo_i_work_wait(&m->work);
 }
 
 /* ---- all of it ---- */
 
 static void release_refit(svo_i_device_bvh *bvh)
 {
-    svo_i_buffer_release(&bvh->children);
-    svo_i_buffer_release(&bvh->order);
-    svo_i_buffer_release(&bvh->item_counts);
+    cl_mem *buffers[] = {&bvh->children,   &bvh->order,      &bvh->item_counts, &bvh->places,
+                         &bvh->leaf_boxes, &bvh->node_boxes, &bvh->state};
+    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
+        svo_i_buffer_release(buffers[i]);
+    }
+}
+
+/* Keeps those of the work's buffers that a refit uses. */
+static svo_status keep_refit(maker *m)
+{
+    const work_buffer from[] = {PLACES, ITEMS_A, ITEMS_B, STATE};
+    cl_mem *to[] = {&m->out->places, &m->out->leaf_boxes, &m->out->node_boxes, &m->out->state};
+    for (size_t i = 0; i < sizeof to / sizeof to[0]; ++i) {
+        const cl_int error = clRetainMemObject(m->buffers[from[i]]);
+        if (error != CL_SUCCESS) {
+            return svo_i_device_fail_cl(m->work.device, m->work.function, "clRetainMemObject", error);
+        }
+        *to[i] = m->buffers[from[i]];
+    }
+    return SVO_OK;
 }
 
 static svo_status begin(maker *m, svo_device *device, const char *function, cl_command_queue queue,
@@ -449,8 +465,6 @@ static svo_status begin(maker *m, svo_device *device, const char *function, cl_c
 static void end(maker *m)
 {
     svo_i_work_end(&m->work);
-    svo_i_buffer_release(&m->nodes);
-    svo_i_buffer_release(&m->leaves);
 }
 
 static svo_status make(maker *m)
@@ -478,7 +492,9 @@ svo_status svo_i_bvh_make(svo_device *device, const char *function, cl_command_q
     svo_status status = SVO_OK;
     SVO_I_TRY_CLEANUP(begin(&m, device, function, queue, mesh));
     SVO_I_TRY_CLEANUP(make(&m));
-    if (!options->can_refit) {
+    if (options->can_refit) {
+        SVO_I_TRY_CLEANUP(keep_refit(&m));
+    } else {
         release_refit(out);
     }
 
@@ -490,22 +506,47 @@ cleanup:
     return status;
 }
 
-static svo_status refit(maker *m)
+/* Reads the state, without waiting. */
+static svo_status tell_state(maker *m, svo_bvh_state *state)
 {
-    const uint64_t boxes = m->params.item_count + 1;
-    const uint64_t bytes[WORK_BUFFERS] = {[ITEMS_A] = boxes * sizeof(cl_float8), [ITEMS_B] = boxes * sizeof(cl_float8)};
-    SVO_I_TRY(make_first_buffers(m));
-    SVO_I_TRY(make_works(m, bytes));
-    return write_records(m);
+    cl_event event = NULL;
+    const cl_int error = clEnqueueReadBuffer(m->work.queue, m->buffers[STATE], CL_FALSE, 0, sizeof *state, state, 1,
+                                             &m->work.last, &event);
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(m->work.device, m->work.function, "clEnqueueReadBuffer", error);
+    }
+    svo_i_work_follow(&m->work, event);
+    return SVO_OK;
+}
+
+static svo_status refit(maker *m, cl_event wait, svo_bvh_state *state)
+{
+    cl_event first = NULL;
+    const cl_uint wait_count = wait != NULL ? 1 : 0;
+    const cl_int error = clEnqueueMarkerWithWaitList(m->work.queue, wait_count, wait != NULL ? &wait : NULL, &first);
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(m->work.device, m->work.function, "clEnqueueMarkerWithWaitList", error);
+    }
+    svo_i_work_follow(&m->work, first);
+    SVO_I_TRY(find_reach(m));
+    SVO_I_TRY(write_leaves(m));
+    SVO_I_TRY(fit_nodes(m));
+    return tell_state(m, state);
 }
 
 svo_status svo_i_bvh_refit(svo_device *device, const char *function, cl_command_queue queue, const svo_i_bvh_mesh *mesh,
-                           svo_i_device_bvh *bvh)
+                           svo_i_device_bvh *bvh, cl_event wait, svo_bvh_state *state, cl_event *event)
 {
     maker m = {.out = bvh, .params = {.item_count = bvh->item_count}};
     svo_status status = SVO_OK;
+    m.buffers[PLACES] = bvh->places;
+    m.buffers[ITEMS_A] = bvh->leaf_boxes;
+    m.buffers[ITEMS_B] = bvh->node_boxes;
+    m.buffers[STATE] = bvh->state;
     SVO_I_TRY_CLEANUP(begin(&m, device, function, queue, mesh));
-    SVO_I_TRY_CLEANUP(refit(&m));
+    SVO_I_TRY_CLEANUP(refit(&m, wait, state));
+    *event = m.work.last;
+    m.work.last = NULL; /* nobody waits for it here */
 
 cleanup:
     end(&m);

@@ -27,7 +27,8 @@ typedef struct svo_i_device_bvh {
     bool clips; /* a vertex lies outside the grid */
     svo_bvh_quality quality;
 
-    cl_mem children, order, item_counts; /* NULL unless asked for */
+    /* What a refit reads, and its scratch; NULL unless asked for. */
+    cl_mem children, order, item_counts, places, leaf_boxes, node_boxes, state;
     uint32_t item_count;
     uint32_t level_count;
     uint32_t level_begin[SVO_BVH_DEPTH_MAX + 1]; /* the first node of each level of nodes, and the number of all */
@@ -43,10 +44,11 @@ typedef struct svo_i_bvh_options {
 /* Makes a BVH and waits for it. *out is all zero on failure; else the caller releases it. */
 svo_status svo_i_bvh_make(svo_device *device, const char *function, cl_command_queue queue, const svo_i_bvh_mesh *mesh,
                           const svo_i_bvh_options *options, svo_i_device_bvh *out);
-/* Fits a BVH, made with can_refit, to vertices that have moved inside the grid: its nodes keep their children. Waits.
-   On failure the BVH is as it was. */
+/* Enqueues the fit of a BVH, made with can_refit, to vertices that have moved inside the grid: its nodes keep their
+   children. *state receives, with the event, whether a vertex lies outside; the BVH is of no use then. wait: NULL
+   allowed. */
 svo_status svo_i_bvh_refit(svo_device *device, const char *function, cl_command_queue queue, const svo_i_bvh_mesh *mesh,
-                           svo_i_device_bvh *bvh);
+                           svo_i_device_bvh *bvh, cl_event wait, svo_bvh_state *state, cl_event *event);
 void svo_i_bvh_release(svo_i_device_bvh *bvh);
 
 #endif

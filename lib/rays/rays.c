@@ -23,19 +23,65 @@ typedef struct tree_bvh {
     svo_i_attachment attachment;
     svo_i_device_bvh bvh;
     uint32_t flags; /* SVO_RAY_FLAG_* */
+    bool is_outdated; /* the geometry has changed since */
+    bool follows; /* the newest refit is of the geometry that the tree has, or that a build in flight makes */
+    cl_event refitted; /* the newest refit, unless its outcome is known; else NULL */
+    svo_bvh_state state; /* of that refit */
 } tree_bvh;
+
+static void forget_refit(tree_bvh *held)
+{
+    if (held->refitted != NULL) {
+        clReleaseEvent(held->refitted);
+        held->refitted = NULL;
+    }
+}
 
 static void release_bvh(svo_i_attachment *attachment)
 {
     tree_bvh *held = (tree_bvh *)attachment;
+    if (held->refitted != NULL) {
+        (void)svo_i_event_settle(held->refitted);
+    }
+    forget_refit(held);
     svo_i_bvh_release(&held->bvh);
     svo_i_free(held);
 }
 
-/* The tree's BVH; NULL before it is made. */
-static tree_bvh *find_bvh(const svo_tree *tree)
+/* The tree's BVH, outdated or not; NULL before it is made. */
+static tree_bvh *find_any_bvh(const svo_tree *tree)
 {
     return (tree_bvh *)svo_i_attachment_find(tree->derived, release_bvh);
+}
+
+/* Waits for a refit, and finds out whether it suits the tree: all triangles are in the BVH, and inside the grid. */
+static void settle_refit(const svo_tree *tree, tree_bvh *held)
+{
+    if (held->refitted == NULL || !held->follows || tree->content == SVO_I_TREE_IN_FLIGHT) {
+        return;
+    }
+    held->is_outdated = clWaitForEvents(1, &held->refitted) != CL_SUCCESS || held->state.outside != 0 ||
+                        tree->content != SVO_I_TREE_COMPLETE || tree->info.list_triangle_count != held->bvh.item_count;
+    forget_refit(held);
+}
+
+/* The tree's BVH; NULL unless there is one that suits the geometry. */
+static tree_bvh *find_bvh(const svo_tree *tree)
+{
+    tree_bvh *held = find_any_bvh(tree);
+    if (held != NULL) {
+        settle_refit(tree, held);
+    }
+    return held != NULL && !held->is_outdated ? held : NULL;
+}
+
+/* The tree is built anew. A BVH that can follow stays. */
+static int outdate_bvh(svo_i_attachment *attachment)
+{
+    tree_bvh *held = (tree_bvh *)attachment;
+    held->is_outdated = true;
+    held->follows = false;
+    return held->bvh.children != NULL;
 }
 
 static svo_i_bvh_mesh mesh_of(const svo_tree *tree, const svo_i_corners *corners)
@@ -55,7 +101,7 @@ static svo_i_bvh_mesh mesh_of(const svo_tree *tree, const svo_i_corners *corners
 /* The tree's BVH, at first without buffers. */
 static svo_status hold_bvh(svo_tree *tree, const char *function, tree_bvh **out)
 {
-    *out = find_bvh(tree);
+    *out = find_any_bvh(tree);
     if (*out != NULL) {
         return SVO_OK;
     }
@@ -63,7 +109,7 @@ static svo_status hold_bvh(svo_tree *tree, const char *function, tree_bvh **out)
     if (*out == NULL) {
         return svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the BVH", function);
     }
-    (*out)->attachment.destroy = release_bvh;
+    (*out)->attachment = (svo_i_attachment){.destroy = release_bvh, .outdate = outdate_bvh};
     svo_i_attachment_add(&tree->derived, &(*out)->attachment);
     return SVO_OK;
 }
@@ -75,32 +121,107 @@ svo_status svo_i_rays_make(svo_tree *tree, const char *function, cl_command_queu
     svo_i_device_bvh made;
     svo_i_corners corners;
     SVO_I_TRY(hold_bvh(tree, function, &held));
+    settle_refit(tree, held);
     SVO_I_TRY(svo_i_corners_find(tree, function, queue, &corners));
     const svo_i_bvh_mesh mesh = mesh_of(tree, &corners);
     const svo_status status = svo_i_bvh_make(tree->device, function, queue, &mesh, options, &made);
     if (status == SVO_OK) {
         svo_i_bvh_release(&held->bvh);
         held->bvh = made;
+        held->is_outdated = false;
         held->flags = (corners.in_world ? SVO_RAY_FLAG_WORLD : 0) | (made.clips ? SVO_RAY_FLAG_CLIP : 0);
     }
     svo_i_corners_release(&corners);
     return status;
 }
 
-svo_status svo_i_rays_refit(svo_tree *tree, const char *function, cl_command_queue queue)
+svo_status svo_i_rays_refit(svo_tree *tree, const char *function, cl_command_queue queue, cl_event wait,
+                            cl_event *event)
 {
-    tree_bvh *held = find_bvh(tree);
+    tree_bvh *held = find_any_bvh(tree);
     svo_i_corners corners;
     SVO_I_TRY(svo_i_corners_find(tree, function, queue, &corners));
-    const svo_i_bvh_mesh mesh = mesh_of(tree, &corners);
-    const svo_status status = svo_i_bvh_refit(tree->device, function, queue, &mesh, &held->bvh);
+    svo_i_bvh_mesh mesh = mesh_of(tree, &corners);
+    if (held->refitted != NULL) {
+        (void)svo_i_event_settle(held->refitted);
+    }
+    forget_refit(held);
+    held->is_outdated = true; /* until the outcome is known */
+    const svo_status status =
+        svo_i_bvh_refit(tree->device, function, queue, &mesh, &held->bvh, wait, &held->state, &held->refitted);
     svo_i_corners_release(&corners);
-    return status;
+    SVO_I_TRY(status);
+    held->follows = true;
+    if (event != NULL) {
+        const cl_int error = clRetainEvent(held->refitted);
+        if (error != CL_SUCCESS) {
+            return svo_i_device_fail_cl(tree->device, function, "clRetainEvent", error);
+        }
+        *event = held->refitted;
+    }
+    return SVO_OK;
+}
+
+/* Whether a BVH that is made now can follow a mesh that moves: all of it is there, and in the grid, and its leaves hold
+   the mesh's own floats. Others are made anew. */
+static bool can_follow(const svo_tree *tree)
+{
+    return tree->moves && tree->workspace != NULL && tree->info.positions == SVO_POSITIONS_FLOAT &&
+           tree->info.list_triangle_count == tree->info.triangles;
+}
+
+/* Why the tree's BVH cannot be refit; NULL: it can. */
+static const char *wrong_refit(const svo_tree *tree)
+{
+    const tree_bvh *held = find_any_bvh(tree);
+    if (!tree->moves || tree->workspace == NULL) {
+        return "tree is not of a workspace of an updatable plan, or was trimmed";
+    }
+    if (held == NULL) {
+        return "tree has no BVH; call svo_tree_make_bvh after the first build";
+    }
+    if (held->bvh.children == NULL || (held->flags & SVO_RAY_FLAG_CLIP) != 0 ||
+        (held->flags & SVO_RAY_FLAG_WORLD) == 0) {
+        return "the BVH was made of doubles, or of a mesh that was not all inside the grid; make it anew";
+    }
+    return tree->content != SVO_I_TREE_COMPLETE && tree->content != SVO_I_TREE_IN_FLIGHT ? svo_i_tree_undefined(tree)
+                                                                                         : NULL;
+}
+
+/* Enqueues a wait for the caller's events and for the refit before. The build came earlier on the caller's word. */
+static svo_status enqueue_wait(const svo_tree *tree, const char *function, cl_command_queue queue, cl_uint num_wait,
+                               const cl_event *wait, cl_event *event)
+{
+    const cl_int error = clEnqueueMarkerWithWaitList(queue, num_wait, num_wait > 0 ? wait : NULL, event);
+    return error == CL_SUCCESS ? SVO_OK
+                               : svo_i_device_fail_cl(tree->device, function, "clEnqueueMarkerWithWaitList", error);
+}
+
+svo_status svo_tree_refit_bvh_enqueue(svo_tree *tree, cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
+                                      cl_event *event)
+{
+    static const char function[] = "svo_tree_refit_bvh_enqueue";
+    cl_event waited = NULL;
+    if (tree == NULL || tree->device == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    const char *wrong = wrong_refit(tree);
+    if (wrong != NULL) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: %s", function, wrong);
+    }
+    SVO_I_TRY(svo_i_device_check_queue(tree->device, function, queue));
+    SVO_I_TRY(svo_i_device_check_wait(tree->device, function, num_wait, wait));
+    SVO_I_TRY(enqueue_wait(tree, function, queue, num_wait, wait, &waited));
+    const svo_status status = svo_i_rays_refit(tree, function, queue, waited, event);
+    clReleaseEvent(waited);
+    SVO_I_TRY(status);
+    const cl_int error = clFlush(queue);
+    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(tree->device, function, "clFlush", error);
 }
 
 svo_status svo_i_rays_prepare(svo_tree *tree, const char *function, cl_command_queue queue)
 {
-    const svo_i_bvh_options options = {.quality = SVO_BVH_BEST};
+    const svo_i_bvh_options options = {.quality = SVO_BVH_BEST, .can_refit = can_follow(tree)};
     return svo_i_rays_buffers(tree).leaves != NULL ? SVO_OK : svo_i_rays_make(tree, function, queue, &options);
 }
 
@@ -117,11 +238,11 @@ svo_status svo_tree_prepare_rays(svo_tree *tree, cl_command_queue queue)
 svo_status svo_tree_make_bvh(svo_tree *tree, svo_bvh_quality quality, cl_command_queue queue)
 {
     static const char function[] = "svo_tree_make_bvh";
-    const svo_i_bvh_options options = {.quality = quality};
     if (tree == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
     SVO_I_TRY(svo_i_rays_check(tree, function));
+    const svo_i_bvh_options options = {.quality = quality, .can_refit = can_follow(tree)};
     if ((unsigned)quality > SVO_BVH_FAST) {
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: quality %d is not in 0 .. %d", function,
                                  (int)quality, (int)SVO_BVH_FAST);

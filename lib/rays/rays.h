@@ -19,8 +19,10 @@ svo_status svo_i_rays_prepare(svo_tree *tree, const char *function, cl_command_q
 /* Makes the BVH, in place of the one that the tree may have, and waits for it. */
 svo_status svo_i_rays_make(svo_tree *tree, const char *function, cl_command_queue queue,
                            const svo_i_bvh_options *options);
-/* Fits the BVH, made with can_refit, to the tree's vertices, which have moved inside the grid. Waits. */
-svo_status svo_i_rays_refit(svo_tree *tree, const char *function, cl_command_queue queue);
+/* Enqueues the fit of the BVH, made with can_refit, to the tree's vertices, which have moved inside the grid. wait and
+   event: NULL allowed. */
+svo_status svo_i_rays_refit(svo_tree *tree, const char *function, cl_command_queue queue, cl_event wait,
+                            cl_event *event);
 /* The tree's BVH; all zero before it is made. */
 typedef struct svo_i_ray_buffers {
     cl_mem nodes, leaves;

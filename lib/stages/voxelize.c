@@ -8,6 +8,8 @@
 #include "plan/configuration.h"
 #include "plan/estimate.h"
 #include "plan/tiles.h"
+#include "plan/update.h"
+#include "stages/moving_tiles.h"
 
 /* Local memory of a work-group: for sums, and for notes and fragments. */
 #define SCRATCH_BYTES (sizeof(cl_uint) * SVO_GROUP_ITEMS)
@@ -82,6 +84,8 @@ static svo_status upload(run *r)
 {
     const svo_plan *plan = r->commands->plan;
     const uint64_t triangles = plan->triangle_count;
+    /* An updatable plan has one more, for tiles that are not used. */
+    const uint64_t items = plan->class_begin[SVO_I_CLASS_COUNT] + (plan->update != NULL ? UINT64_C(1) : 0);
     const uint64_t counter_bytes = (r->chunking->chunk_count + 1u) * 8ull;
     svo_i_stage_begin(r->commands);
     SVO_I_TRY(svo_i_commands_take(r->commands, "mesh_vertices", plan->vertices, plan->memory.vertices,
@@ -89,7 +93,7 @@ static svo_status upload(run *r)
     SVO_I_TRY(svo_i_commands_take(r->commands, "mesh_indices", plan->indices, plan->memory.indices, triangles * 12,
                                   &r->indices));
     SVO_I_TRY(svo_i_commands_take(r->commands, "mesh_items", plan->items, plan->memory.items,
-                                  triangles * sizeof(svo_draw_item), &r->items));
+                                  items * sizeof(svo_draw_item), &r->items));
     SVO_I_TRY(svo_i_commands_alloc(r->commands, "counters", counter_bytes, &r->counters));
     SVO_I_TRY(svo_i_commands_fill_zero(r->commands, r->counters, counter_bytes));
     return svo_i_stage_end(r->commands, SVO_STAGE_TRANSFER);
@@ -113,21 +117,27 @@ static void cut_launch(svo_voxelize_params *params, uint64_t begin, uint64_t end
     params->first_tile_id = (uint32_t)((end < tile_id ? end : begin > tile_id ? begin : tile_id) - begin);
 }
 
+/* Completes the params of a draw. */
+static void describe(const svo_plan *plan, const svo_i_draw *draw, svo_voxelize_params *params)
+{
+    params->depth = plan->info.depth;
+    params->voxel_log2 = plan->voxel_log2;
+    params->open = plan->info.coverage == SVO_COVERAGE_CLOSED ? 0 : 1;
+    params->one_voxel = draw->class_id == SVO_I_CLASS_POINT;
+    params->first_item = draw->first_item;
+    params->item_count = draw->item_count;
+    params->first_tile_id = (uint32_t)ids_of_triangles(draw);
+    params->left = draw->tile_x;
+    params->bottom = draw->tile_y;
+    params->width = draw->tile_width;
+    params->height = draw->tile_height;
+}
+
 static svo_status launch(run *r, const svo_i_draw *draw, svo_voxelize_params params, cl_mem tiles, cl_mem fragments)
 {
     const svo_plan *plan = r->commands->plan;
     const uint64_t ids = ids_of_triangles(draw) + params.tile_count;
-    params.depth = plan->info.depth;
-    params.voxel_log2 = plan->voxel_log2;
-    params.open = plan->info.coverage == SVO_COVERAGE_CLOSED ? 0 : 1;
-    params.one_voxel = draw->class_id == SVO_I_CLASS_POINT;
-    params.first_item = draw->first_item;
-    params.item_count = draw->item_count;
-    params.first_tile_id = (uint32_t)ids_of_triangles(draw);
-    params.left = draw->tile_x;
-    params.bottom = draw->tile_y;
-    params.width = draw->tile_width;
-    params.height = draw->tile_height;
+    describe(plan, draw, &params);
     const uint64_t parts = svo_i_commands_parts(r->commands, ids);
     const size_t local_bytes = words_bytes(r->commands->device);
     for (uint64_t part = 0; part < parts; ++part) {
@@ -226,6 +236,42 @@ static svo_status launch_draws(run *r, uint32_t chunk_index, const size_t *tile_
     return svo_i_stage_end(r->commands, SVO_STAGE_VOXELIZE);
 }
 
+/* Launches the draws of an updatable plan, each after its tiles. Triangles inside one voxel are never large. */
+static svo_status launch_moving_draws(run *r, uint32_t chunk_index, uint64_t room, svo_i_moving_tiles *tiles,
+                                      cl_mem fragments)
+{
+    const svo_i_chunk *chunk = &r->chunking->chunks[chunk_index];
+    svo_i_commands_stage(r->commands, SVO_STAGE_VOXELIZE, item_ns(r, chunk, NULL));
+    svo_i_stage_begin(r->commands);
+    for (uint32_t i = 0; i < chunk->draw_count; ++i) {
+        const svo_i_draw *draw = &r->chunking->draws[chunk->first_draw + i];
+        svo_voxelize_params params = {.tile_count = draw->class_id != SVO_I_CLASS_POINT ? (uint32_t)room : 0,
+                                      .capacity = (uint32_t)chunk->capacity,
+                                      .counter = chunk_index};
+        describe(r->commands->plan, draw, &params);
+        if (params.tile_count > 0) {
+            SVO_I_TRY(svo_i_moving_tiles_make(r->commands, tiles, &params));
+        }
+        SVO_I_TRY(launch(r, draw, params, tiles->tiles, fragments));
+    }
+    return svo_i_stage_end(r->commands, SVO_STAGE_VOXELIZE);
+}
+
+static svo_status draw_moving_chunk(run *r, uint32_t chunk_index, svo_i_fragments *out)
+{
+    svo_status status = SVO_OK;
+    const uint64_t room = svo_i_update_tiles_max(r->chunking->chunks[chunk_index].capacity);
+    svo_i_moving_tiles tiles = {
+        .vertices = r->vertices, .indices = r->indices, .items = r->items, .counters = r->counters};
+    SVO_I_TRY_CLEANUP(svo_i_commands_alloc(r->commands, "mesh_tiles", room * sizeof(svo_tile_item), &tiles.tiles));
+    SVO_I_TRY_CLEANUP(svo_i_commands_alloc(r->commands, "tile_count", sizeof(cl_uint), &tiles.count));
+    SVO_I_TRY_CLEANUP(launch_moving_draws(r, chunk_index, room, &tiles, out->buffer));
+cleanup:
+    svo_i_commands_free(r->commands, &tiles.count);
+    svo_i_commands_free(r->commands, &tiles.tiles);
+    return status;
+}
+
 /* Allocates the buffer of a chunk. In SVO_I_MODE_RUN the caller adds it to the plan's list, for every front end. */
 static svo_status alloc_fragments(run *r, svo_i_fragments *out)
 {
@@ -308,7 +354,8 @@ static svo_status make_list(run *r, svo_i_fragment_list *list)
     }
     SVO_I_TRY(upload(r));
     for (uint32_t i = 0; i < r->chunking->chunk_count; ++i) {
-        SVO_I_TRY(draw_chunk(r, i, &list->chunks[i]));
+        SVO_I_TRY(r->commands->plan->update != NULL ? draw_moving_chunk(r, i, &list->chunks[i])
+                                                    : draw_chunk(r, i, &list->chunks[i]));
     }
     return r->commands->mode == SVO_I_MODE_RUN ? read_counters(r, list) : SVO_OK;
 }

@@ -44,6 +44,12 @@ class PlanInfo(NamedTuple):
     """Wall clock of validating, snapping and classifying, milliseconds; without compiling kernels."""
     place: Place
     """Place.HOST or Place.DEVICE."""
+    area: float
+    """Of the kept triangles' three projections, divided by the square root of 3; square world units."""
+    weight_log2: int
+    """The weight of a voxel's face, as a power of two; 0 without payload."""
+    updatable: int
+    """Not 0: the mesh may move."""
 
 
 class PlanBuffer(NamedTuple):

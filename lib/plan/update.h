@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Updatable plans: kernels make them from a mesh that moves (device_grid.c), and the host learns nothing of it. All
+ * arrays have room for every triangle, so that counts are needed nowhere before a build has ended.
+ */
+#ifndef SVO_LIB_PLAN_UPDATE_H
+#define SVO_LIB_PLAN_UPDATE_H
+
+#include "plan/device_attributes.h"
+#include "plan/device_grid.h"
+
+/* What kernels count of a mesh. */
+typedef struct svo_i_mesh_totals {
+    uint64_t sums[SVO_PLAN_SUMS]; /* triangles by fate, the sums of the estimate */
+    uint64_t error; /* the snap error, bits of a double */
+} svo_i_mesh_totals;
+
+typedef struct svo_i_update {
+    svo_i_grid_run grid;
+    svo_i_device_mesh mesh; /* copies of the mesh's arrays, of which updates replace positions and normals */
+    svo_i_material_marks marks;
+    cl_mem sums, error; /* svo_i_mesh_totals */
+    cl_event last; /* the newest command that reads or writes the plan's arrays; NULL at first */
+    bool has_mesh; /* the newest update has succeeded */
+    uint64_t kept_triangles; /* of the newest mesh that the host has waited for */
+} svo_i_update;
+
+/* Launches what makes the plan's arrays from update->mesh. Reads nothing back. */
+svo_status svo_i_update_run(svo_plan *plan, svo_i_device_work *work);
+/* Makes event, which is retained, the newest command that reads or writes the plan's arrays. */
+svo_status svo_i_update_follow(svo_plan *plan, const char *function, cl_event event);
+/* Waits for the newest update and takes its totals. For calls that wait. */
+svo_status svo_i_update_settle(svo_plan *plan, const char *function, cl_command_queue queue);
+/* Takes what the host has read. SVO_CAPACITY_EXCEEDED: the mesh's area is too large for the plan's weights. */
+svo_status svo_i_update_take(svo_plan *plan, const char *function, const svo_i_mesh_totals *totals);
+/* Waits and releases everything; NULL allowed. */
+void svo_i_update_destroy(svo_i_update *update);
+
+/* Why builds of a plan have no mesh, or front ends cannot read it; NULL: they can. */
+const char *svo_i_update_wrong(const svo_plan *plan, bool on_device);
+
+/* Room for the tiles of a chunk's large triangles. */
+uint64_t svo_i_update_tiles_max(uint64_t fragment_capacity);
+
+#endif
