@@ -131,7 +131,8 @@ typedef struct svo_parts_entry {
  * \param mesh the whole mesh
  * \param depth of the whole tree
  * \param options of the whole tree; NULL means all defaults. part_header must be NULL
- * \param max_bytes for the buffers and the host's memory of one part's build; 0: a sixteenth of the whole's
+ * \param max_bytes for the buffers and the host's memory of one part's build; 0: a sixteenth of the whole's, and
+ *        at least 16 MiB
  * \param folder is made where it is not there
  * \param message receives the reason for a failure; NULL allowed
  * \returns SVO_CAPACITY_EXCEEDED (more than 2^32 - 2 nodes are expected, and nothing is written; or max_bytes is too

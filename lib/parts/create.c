@@ -17,8 +17,9 @@
 #include "plan/host_copy.h"
 
 #define NODES_MAX 4294967294.0
-/* Without a limit, parts take at most this share of the whole. */
-#define PARTS_LEAST 16u
+/* Without a limit, parts take at most this share of the whole, or so many bytes, which the least part needs. */
+#define PARTS_LEAST      16u
+#define PART_BYTES_LEAST ((uint64_t)16 << 20)
 
 static svo_status copy_materials(svo_parts *parts, const svo_mesh *mesh, svo_message *message)
 {
@@ -170,7 +171,8 @@ static svo_status plan_whole(svo_parts *parts, svo_device *device, const svo_mes
                           parts->header.expected_nodes, depth);
     }
     if (parts->max_bytes == 0) {
-        parts->max_bytes = svo_plan_peak_bytes(*plan) / PARTS_LEAST + 1;
+        const uint64_t share = svo_plan_peak_bytes(*plan) / PARTS_LEAST;
+        parts->max_bytes = share > PART_BYTES_LEAST ? share : PART_BYTES_LEAST;
     }
     return SVO_OK;
 }

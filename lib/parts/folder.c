@@ -253,6 +253,7 @@ svo_status svo_i_folder_save(const svo_parts *parts, svo_message *message)
 typedef struct remainder {
     const unsigned char *at;
     size_t left;
+    bool lacks_memory;
 } remainder;
 
 /* A copy of the next count elements; NULL: out of memory, or there are not that many. */
@@ -268,6 +269,7 @@ static void *take(remainder *from, uint64_t count, size_t element_bytes)
         from->at += bytes;
         from->left -= bytes;
     }
+    from->lacks_memory = from->lacks_memory || copy == NULL;
     return copy;
 }
 
@@ -275,6 +277,7 @@ static bool take_textures(svo_parts *parts, remainder *from, uint64_t count)
 {
     plan_texture *sizes = take(from, count, sizeof *sizes);
     parts->textures = sizes != NULL ? svo_i_alloc_zeroed(NULL, (size_t)count + 1, sizeof *parts->textures) : NULL;
+    from->lacks_memory = from->lacks_memory || (sizes != NULL && parts->textures == NULL);
     bool whole = parts->textures != NULL;
     for (size_t i = 0; i < count && whole; ++i) {
         svo_texture *to = &parts->textures[parts->texture_count++];
@@ -289,25 +292,39 @@ static bool take_textures(svo_parts *parts, remainder *from, uint64_t count)
     return whole;
 }
 
-static bool take_plan(svo_parts *parts, const unsigned char *bytes, size_t byte_count)
+/* Takes the front of the file; false: it is not what was written. */
+static bool take_head(svo_parts *parts, const unsigned char *bytes, size_t byte_count, plan_head *head)
 {
-    plan_head head;
-    memcpy(&head, bytes, sizeof head);
     const size_t begin = offsetof(plan_head, version);
-    if (memcmp(head.magic, PLAN_MAGIC, sizeof head.magic) != 0 || head.version != PLAN_VERSION ||
-        head.file_bytes != byte_count || head.hash != XXH3_64bits(bytes + begin, byte_count - begin)) {
+    if (byte_count < sizeof *head) {
         return false;
     }
-    remainder from = {bytes + sizeof head, byte_count - sizeof head};
-    parts->header = head.header;
-    parts->fields = head.fields;
-    parts->max_bytes = head.max_bytes;
+    memcpy(head, bytes, sizeof *head);
+    parts->header = head->header;
+    parts->fields = head->fields;
+    parts->max_bytes = head->max_bytes;
+    return memcmp(head->magic, PLAN_MAGIC, sizeof head->magic) == 0 && head->version == PLAN_VERSION &&
+           head->file_bytes == byte_count && head->hash == XXH3_64bits(bytes + begin, byte_count - begin);
+}
+
+static svo_status take_plan(svo_parts *parts, const char *path, const unsigned char *bytes, size_t byte_count,
+                            svo_message *message)
+{
+    plan_head head;
+    if (!take_head(parts, bytes, byte_count, &head)) {
+        return svo_i_fail(message, SVO_FILE_DAMAGED, "%s: not the plan that was written", path);
+    }
+    remainder from = {bytes + sizeof head, byte_count - sizeof head, false};
     parts->entries = take(&from, head.entry_count, sizeof *parts->entries);
     parts->materials = take(&from, head.material_count, sizeof *parts->materials);
     parts->entry_count = (size_t)head.entry_count;
     parts->material_count = (size_t)head.material_count;
-    return parts->entries != NULL && parts->materials != NULL && take_textures(parts, &from, head.texture_count) &&
-           from.left == 0;
+    const bool whole = parts->entries != NULL && parts->materials != NULL &&
+                       take_textures(parts, &from, head.texture_count) && from.left == 0;
+    if (from.lacks_memory) {
+        return svo_i_folder_no_memory(parts, message);
+    }
+    return whole ? SVO_OK : svo_i_fail(message, SVO_FILE_DAMAGED, "%s: not the plan that was written", path);
 }
 
 /* Reads a whole file into memory that the caller frees. */
@@ -342,8 +359,8 @@ static svo_status open_plan(svo_parts *parts, const char *path, svo_message *mes
     unsigned char *bytes = NULL;
     size_t byte_count = 0;
     svo_status status = read_plan(path, &bytes, &byte_count, message);
-    if (status == SVO_OK && (byte_count < sizeof(plan_head) || !take_plan(parts, bytes, byte_count))) {
-        status = svo_i_fail(message, SVO_FILE_DAMAGED, "%s: not the plan that was written", path);
+    if (status == SVO_OK) {
+        status = take_plan(parts, path, bytes, byte_count, message);
     }
     svo_i_free(bytes);
     return status;

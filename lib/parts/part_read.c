@@ -111,7 +111,10 @@ static svo_status read_head(svo_i_part_reader *reader, const svo_part_header *he
 {
     struct stat found;
     part_head *head = &reader->content.head;
-    if (fstat(reader->file, &found) != 0 || !S_ISREG(found.st_mode)) {
+    if (fstat(reader->file, &found) != 0) {
+        return svo_i_fail(reader->message, SVO_FILE_ERROR, "%s: cannot be read: %s", reader->path, strerror(errno));
+    }
+    if (!S_ISREG(found.st_mode)) {
         return svo_i_fail(reader->message, SVO_FILE_ERROR, "%s: not a file", reader->path);
     }
     SVO_I_TRY(read_at(reader, 0, head, sizeof *head));
