@@ -70,8 +70,8 @@ check_variant()
         -Ikernels "${defines[@]}" "$file"
 }
 
-# tools/scalar_bounds.clh refuses what oclgrind 21 gets wrong. And no local array of a kernel's own: PoCL 3.1 puts some of them into static storage that its threads share, with
-# wrong results now and then. Local memory comes as an argument.
+# tools/scalar_bounds.clh refuses what oclgrind 21 gets wrong. And no local array of a kernel's own: PoCL 3.1 puts some
+# of them into static storage that its threads share, with wrong results now and then. Local memory comes as an argument.
 check_kernels()
 {
     if sources cl clh | xargs -0 grep -n -E '__local [^()*=]*\[.*\] *[;=]'; then

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The .svo format as structs, for file_save.c, file_load.c and tree_load.c. io.h documents it byte by byte; the assertions below
- * keep the two equal. Hosts and files are little-endian, so a struct in memory is its bytes in the file.
+ * The .svo format as structs, for file_save.c, file_load.c and tree_load.c. io.h documents it byte by byte; the
+ * assertions below keep the two equal. Hosts and files are little-endian, so a struct in memory is its bytes in the
+ * file.
  */
 #ifndef SVO_LIB_IO_FILE_FORMAT_H
 #define SVO_LIB_IO_FILE_FORMAT_H

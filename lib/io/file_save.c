@@ -215,17 +215,17 @@ static svo_status start(const char *function, const svo_tree *tree, const svo_sa
         .name = function, .message = message, .memory = &tree->memory, .compress = asked.compress != 0};
     svo_i_file_fill_header(&state->head.header, &tree->info);
     file_entry entries[FILE_CHUNKS_MAX];
-    state->array_count = file_list_entries(&tree->info, FILE_VERSION, entries);
+    state->array_count = svo_i_file_list_entries(&tree->info, FILE_VERSION, entries);
     for (uint32_t i = 0; i < state->array_count; ++i) {
         const file_entry *entry = &entries[i];
         const size_t element_bytes = svo_i_tree_element_bytes(entry->buffer);
         const uint8_t *array = tree->host[entry->buffer];
-        const uint64_t begin = file_entry_begin(&tree->info, FILE_VERSION, entry);
+        const uint64_t begin = svo_i_file_entry_begin(&tree->info, FILE_VERSION, entry);
         state->arrays[i] =
-            (svo_i_file_array){.kind = file_entry_kind(entry),
+            (svo_i_file_array){.kind = svo_i_file_entry_kind(entry),
                                .name = svo_tree_buffer_name(entry->buffer),
                                .plain = array != NULL ? array + begin * element_bytes : NULL,
-                               .bytes = file_entry_count(&tree->info, FILE_VERSION, entry) * element_bytes};
+                               .bytes = svo_i_file_entry_count(&tree->info, FILE_VERSION, entry) * element_bytes};
     }
     return SVO_OK;
 }

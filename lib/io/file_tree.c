@@ -28,7 +28,7 @@ static bool is_in_file(const svo_tree_info *info, uint32_t version, svo_tree_buf
     return svo_i_tree_holds(info, buffer) && (buffer != SVO_TREE_FIRST_CHILD || version < FILE_BY_LEVELS);
 }
 
-uint32_t file_list_entries(const svo_tree_info *info, uint32_t version, file_entry entries[FILE_CHUNKS_MAX])
+uint32_t svo_i_file_list_entries(const svo_tree_info *info, uint32_t version, file_entry entries[FILE_CHUNKS_MAX])
 {
     const uint32_t last_level = version < FILE_BY_LEVELS ? 0 : info->depth;
     uint32_t count = 0;
@@ -47,7 +47,7 @@ uint32_t file_list_entries(const svo_tree_info *info, uint32_t version, file_ent
     return count;
 }
 
-uint32_t file_entry_kind(const file_entry *entry)
+uint32_t svo_i_file_entry_kind(const file_entry *entry)
 {
     return (uint32_t)entry->buffer | entry->level << FILE_KIND_BITS;
 }
@@ -66,13 +66,13 @@ static bool is_divided(const svo_tree_info *info, uint32_t version, svo_tree_buf
     return version >= FILE_BY_LEVELS && last > *first;
 }
 
-uint64_t file_entry_begin(const svo_tree_info *info, uint32_t version, const file_entry *entry)
+uint64_t svo_i_file_entry_begin(const svo_tree_info *info, uint32_t version, const file_entry *entry)
 {
     uint32_t first = 0;
     return is_divided(info, version, entry->buffer, &first) ? nodes_before(info, entry->level, first) : 0;
 }
 
-uint64_t file_entry_count(const svo_tree_info *info, uint32_t version, const file_entry *entry)
+uint64_t svo_i_file_entry_count(const svo_tree_info *info, uint32_t version, const file_entry *entry)
 {
     uint32_t first = 0;
     return is_divided(info, version, entry->buffer, &first) ? nodes_before(info, entry->level + 1, entry->level)

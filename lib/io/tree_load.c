@@ -103,7 +103,7 @@ static svo_status check_entry(tree_file *file, uint32_t chunk_index, uint64_t of
         return svo_i_file_damaged(load, "chunk %s is missing", name.text);
     }
     const file_chunk *chunk = &load->head.chunks[chunk_index];
-    const uint32_t kind = file_entry_kind(entry);
+    const uint32_t kind = svo_i_file_entry_kind(entry);
     if (chunk->kind != kind) {
         return svo_i_file_damaged(load, "chunk %" PRIu32 ": kind is 0x%" PRIx32 ", 0x%" PRIx32 " (%s) expected",
                                   chunk_index, chunk->kind, kind, name.text);
@@ -114,7 +114,7 @@ static svo_status check_entry(tree_file *file, uint32_t chunk_index, uint64_t of
     if (count != NULL) {
         *count = chunk->plain_bytes / element_bytes;
     }
-    const uint64_t element_count = file_entry_count(&file->info, load->head.header.version, entry);
+    const uint64_t element_count = svo_i_file_entry_count(&file->info, load->head.header.version, entry);
     return chunk->plain_bytes == element_count * element_bytes && element_count <= UINT32_MAX
                ? SVO_OK
                : svo_i_file_damaged(load, "chunk %s: %" PRIu64 " bytes are not %" PRIu64 " elements of %" PRIu64,
@@ -125,7 +125,7 @@ static svo_status check_entry(tree_file *file, uint32_t chunk_index, uint64_t of
 static svo_status check_entries(tree_file *file)
 {
     const svo_i_file_load *load = file->load;
-    const uint32_t entry_count = file_list_entries(&file->info, load->head.header.version, file->entries);
+    const uint32_t entry_count = svo_i_file_list_entries(&file->info, load->head.header.version, file->entries);
     uint64_t offset = load->head.header.header_bytes;
     for (uint32_t i = 0; i < entry_count; ++i) {
         SVO_I_TRY(check_entry(file, i, offset));
@@ -148,7 +148,7 @@ static svo_status read_entry(const tree_file *file, uint32_t chunk_index, svo_tr
             return svo_i_file_no_memory(load, name.text, array_bytes);
         }
     }
-    const uint64_t begin = file_entry_begin(&tree->info, load->head.header.version, entry);
+    const uint64_t begin = svo_i_file_entry_begin(&tree->info, load->head.header.version, entry);
     uint8_t *plain = *array != NULL ? (uint8_t *)*array + begin * element_bytes : NULL;
     return svo_i_file_read_chunk(load, &load->head.chunks[chunk_index], name.text, plain);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Part files to a .svo file. Its chunks are levels of arrays, and each is made of the parts in Morton order. The head of
- * the file has lengths and checksums, so it is written last.
+ * Part files to a .svo file. Its chunks are levels of arrays, and each is made of the parts in Morton order. The head
+ * of the file has lengths and checksums, so it is written last.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <errno.h>
@@ -204,7 +204,7 @@ static svo_status put_chunk(stitcher *s, const file_entry *entry, uint64_t offse
 {
     s->array = entry->buffer;
     s->chunk = &s->head.chunks[s->head.header.chunk_count++];
-    *s->chunk = (file_chunk){.kind = file_entry_kind(entry), .codec = FILE_CODEC_STORED, .offset = offset};
+    *s->chunk = (file_chunk){.kind = svo_i_file_entry_kind(entry), .codec = FILE_CODEC_STORED, .offset = offset};
     XXH3_INITSTATE(&s->hash);
     XXH3_64bits_reset(&s->hash);
     SVO_I_TRY(put_array(s, entry->level));
@@ -231,7 +231,7 @@ static svo_status put_file(stitcher *s)
 {
     file_header *header = &s->head.header;
     file_entry entries[FILE_CHUNKS_MAX];
-    const uint32_t entry_count = file_list_entries(&s->info, FILE_VERSION, entries);
+    const uint32_t entry_count = svo_i_file_list_entries(&s->info, FILE_VERSION, entries);
     svo_i_file_fill_header(header, &s->info);
     header->header_bytes = (uint32_t)(sizeof *header + entry_count * sizeof(file_chunk));
     uint64_t offset = header->header_bytes;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Mutations of .svo and .svc files that pass the checks of lengths and checksums: after most changes, the header, the chunk
- * table and all checksums are recomputed. Otherwise a fuzzer would never get past the first checksum. Only libFuzzer
- * calls it; the inputs it stores need no further processing.
+ * Mutations of .svo and .svc files that pass the checks of lengths and checksums: after most changes, the header, the
+ * chunk table and all checksums are recomputed. Otherwise a fuzzer would never get past the first checksum. Only
+ * libFuzzer calls it; the inputs it stores need no further processing.
  */
 #include <stdbool.h>
 #include <string.h>
