@@ -71,7 +71,8 @@ check_variant()
 }
 
 # tools/scalar_bounds.clh refuses what oclgrind 21 gets wrong. And no local array of a kernel's own: PoCL 3.1 puts some
-# of them into static storage that its threads share, with wrong results now and then. Local memory comes as an argument.
+# of them into static storage that its threads share, with wrong results now and then. Local memory comes as an
+# argument.
 check_kernels()
 {
     if sources cl clh | xargs -0 grep -n -E '__local [^()*=]*\[.*\] *[;=]'; then
