@@ -170,7 +170,7 @@ class Documents:
 
 
 class TreeFile:
-    """A .svo file whose chunks are not compressed."""
+    """A .svo file whose chunks are not compressed: arrays level by level."""
 
     def __init__(self, documents, path):
         with open(path, "rb") as file:
@@ -188,7 +188,17 @@ class TreeFile:
             if entry["codec"] != 0:
                 raise ValueError("%s: a compressed chunk" % path)
             begin = entry["offset"]
-            self.chunks[documents.kinds[entry["kind"]]] = self.data[begin : begin + entry["plain_bytes"]]
+            name = documents.kinds[entry["kind"]]
+            self.chunks[name] = self.chunks.get(name, b"") + self.data[begin : begin + entry["plain_bytes"]]
+        self.chunks["first_child"] = self.first_children()
+
+    def first_children(self):
+        """A node's children begin where those of the node before it end, from node 1 on."""
+        numbers, following = [], 1
+        for mask in self.chunks["child_mask"]:
+            numbers.append(following)
+            following += bin(mask).count("1")
+        return struct.pack("<%dI" % len(numbers), *numbers)
 
     def first_entry(self, documents):
         offset, layout = documents.header["level_begin"]
