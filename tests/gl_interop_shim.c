@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Emulates cl_khr_gl_sharing by copies. */
+#define _POSIX_C_SOURCE 200809L
 #include "gl_interop_shim.h"
 
 #include <setjmp.h>
@@ -8,6 +9,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include <cmocka.h>
 
@@ -370,4 +372,16 @@ void shim_remove(svo_gl_context *context)
     context->platform = shim.honest_platform;
     context->opencl = &svo_i_opencl_installed;
     context->functions.Finish = shim.honest.Finish;
+}
+
+void shim_end(svo_gl_context *context)
+{
+    for (int i = 0; shim.counts.objects > 0 && i < 2000; ++i) { /* destroyed a moment after their last command */
+        nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+    }
+    if (shim.counts.violations != 0) {
+        fail_msg("%u violations, the last: %s", shim.counts.violations, shim.counts.last_violation);
+    }
+    assert_int_equal(shim.counts.objects, 0);
+    shim_remove(context);
 }

@@ -37,5 +37,7 @@ void shim_install(svo_gl_context *context, const shim_faults *faults);
 void shim_set_faults(const shim_faults *faults); /* from now on */
 void shim_get_counts(shim_counts *counts);
 void shim_remove(svo_gl_context *context);
+/* The same, after a check that no call violated the specification and that all objects are released. */
+void shim_end(svo_gl_context *context);
 
 #endif

@@ -11,7 +11,6 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include <cmocka.h>
 
@@ -91,27 +90,11 @@ static void open_application(const shim_faults *faults, application *out)
     scene_destroy(&knot);
 }
 
-/* Checks that the fake driver saw no call against the specification, and that nothing is left. */
-static void check_shim(application *of)
-{
-    shim_counts counts;
-    shim_get_counts(&counts);
-    for (int i = 0; counts.objects > 0 && i < 2000; ++i) { /* destroyed a moment after their last command */
-        nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
-        shim_get_counts(&counts);
-    }
-    if (counts.violations != 0) {
-        fail_msg("%u violations, the last: %s", counts.violations, counts.last_violation);
-    }
-    assert_int_equal(counts.objects, 0);
-    shim_remove(of->context);
-}
-
 static void close_application(application *of)
 {
     built_destroy(&of->made);
     if (of->has_shim) {
-        check_shim(of);
+        shim_end(of->context);
     }
     fixture_close(&of->opened);
     svo_gl_context_destroy(&of->context);

@@ -16,17 +16,11 @@
 
 #include "attributed_mesh.h"
 #include "counting.h"
+#include "enqueued.h"
 #include "fixture.h"
 #include "memory_ledger.h"
 
 enum { MOVES = 3 };
-
-static void succeed(const fixture *opened, svo_status status)
-{
-    if (status != SVO_OK) {
-        fail_msg("%s: %s", svo_status_name(status), svo_device_message(opened->device));
-    }
-}
 
 /* ---- a mesh that moves ---- */
 
@@ -94,27 +88,6 @@ static svo_plan_options updatable(uint32_t need)
                               .updatable = 1,
                               .fragment_capacity = 1 << 20,
                               .worst_case_nodes = 1};
-}
-
-static svo_plan *make_plan(const fixture *opened, const svo_mesh *mesh, unsigned depth, svo_plan_options options)
-{
-    svo_plan *plan = NULL;
-    succeed(opened, svo_plan_create(opened->device, mesh, depth, &options, &plan));
-    return plan;
-}
-
-static svo_workspace *make_workspace(const fixture *opened, svo_plan *plan)
-{
-    svo_workspace *workspace = NULL;
-    succeed(opened, svo_workspace_create(plan, opened->frontend, opened->queue, NULL, &workspace));
-    return workspace;
-}
-
-static svo_tree *make_tree(const fixture *opened, svo_workspace *workspace)
-{
-    svo_tree *tree = NULL;
-    succeed(opened, svo_workspace_make_tree(workspace, &tree));
-    return tree;
 }
 
 typedef struct outcome {

@@ -14,6 +14,7 @@
 #include <cmocka.h>
 
 #include "counting.h"
+#include "enqueued.h"
 #include "fixture.h"
 #include "scenes.h"
 
@@ -21,35 +22,6 @@ static const uint32_t needs[] = {
     SVO_NEED_NONE, SVO_NEED_DEFAULT, SVO_NEED_RAYS, SVO_NEED_MATERIAL, SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_FILL,
     SVO_NEED_ALL};
 enum { NEEDS = sizeof needs / sizeof needs[0] };
-
-static void succeed(const fixture *opened, svo_status status)
-{
-    if (status != SVO_OK) {
-        fail_msg("%s: %s", svo_status_name(status), svo_device_message(opened->device));
-    }
-}
-
-static svo_plan *make_plan(const fixture *opened, const svo_mesh *mesh, unsigned depth, svo_plan_options options)
-{
-    svo_plan *plan = NULL;
-    options.struct_size = sizeof options;
-    succeed(opened, svo_plan_create(opened->device, mesh, depth, &options, &plan));
-    return plan;
-}
-
-static svo_workspace *make_workspace(const fixture *opened, svo_plan *plan)
-{
-    svo_workspace *workspace = NULL;
-    succeed(opened, svo_workspace_create(plan, opened->frontend, opened->queue, NULL, &workspace));
-    return workspace;
-}
-
-static svo_tree *make_tree(const fixture *opened, svo_workspace *workspace)
-{
-    svo_tree *tree = NULL;
-    succeed(opened, svo_workspace_make_tree(workspace, &tree));
-    return tree;
-}
 
 static void hash_of(const fixture *opened, svo_tree *tree, char hash[SVO_HASH_TEXT_BYTES])
 {
