@@ -22,7 +22,9 @@ failed=0
 for processor in x86-64 haswell; do
     for kernel in stages/scan stages/subdivide stages/voxelize stages/filter rays/nearest rays/render rays/trace \
         rays/trace_voxels rays/view compact/expand compact/gather compact/implied compact/minimize compact/payload \
-        compact/places compact/sizes compact/words; do
+        compact/places compact/sizes compact/words plan/attributes plan/classify plan/closed plan/keep plan/snap \
+        plan/tiles plan/views bvh/collapse bvh/corners bvh/items bvh/leaves bvh/morton bvh/refit bvh/split \
+        bvh/subtree; do
         compile "-march=$processor" -DSVO_RANGES -DSVO_LISTS -DSVO_SORT -DSVO_COMPARE -DSVO_COLOR \
             -DSVO_NORMAL -DSVO_FILL -DSVO_WEIGHTS_AREA -DSVO_PAIR_LANES -DSVO_RAY_STREAMS -DSVO_CAST_TILES \
             -DSVO_NARROW -DSVO_COLUMN_LANES -DSVO_MARK_BATCHES "kernels/$kernel.cl" ||
