@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -311,6 +312,60 @@ static void wrong_arguments_are_refused(void **state)
     scene_destroy(&made);
 }
 
+/* A driver whose timer queries work, by its own account: each query is a microsecond after the one before. */
+static struct {
+    GLuint64 now_ns;
+    GLuint ids[2];
+    GLuint64 times[2];
+} invented;
+
+static void APIENTRY count_query(GLuint id, GLenum target)
+{
+    assert_int_equal(target, GL_TIMESTAMP);
+    invented.now_ns += 1000;
+    invented.ids[1] = invented.ids[0];
+    invented.times[1] = invented.times[0];
+    invented.ids[0] = id;
+    invented.times[0] = invented.now_ns;
+}
+
+static void APIENTRY tell_query(GLuint id, GLenum name, GLuint64 *out)
+{
+    assert_int_equal(name, GL_QUERY_RESULT);
+    assert_true(id == invented.ids[0] || id == invented.ids[1]);
+    *out = id == invented.ids[0] ? invented.times[0] : invented.times[1];
+}
+
+/* GPUs have timers, llvmpipe has the wall clock. */
+static void stages_are_timed_where_timers_work(void **state)
+{
+    (void)state;
+    static const char *const clocks[] = {"wall", "gl-timer"};
+    for (unsigned timers = 0; timers < 2; ++timers) {
+        fixture opened;
+        built made;
+        fixture_open(&(fixture_options){0}, &opened);
+        if (timers == 1) {
+            opened.context->functions.renderer = "Invented GPU";
+            opened.context->functions.QueryCounter = count_query;
+            opened.context->functions.GetQueryObjectui64v = tell_query;
+        } else if (strstr(opened.context->functions.renderer, "llvmpipe") == NULL) {
+            fixture_close(&opened);
+            continue;
+        }
+        scene *knot = fixture_scene("knot:300");
+        fixture_build_in_gl(&opened, scene_mesh(knot), 4, &(svo_plan_options){.weights = SVO_WEIGHTS_UNIFORM}, &made);
+        svo_stage_time time;
+        (void)svo_build_report_stage(&made.report, SVO_STAGE_SUBDIVIDE, &time);
+        assert_string_equal(time.clock, clocks[timers]);
+        /* The stage is timed once or more, a microsecond each time. */
+        assert_true(timers == 0 || (time.ms > 0.0009 && fabs(time.ms * 1000 - rint(time.ms * 1000)) < 1e-6));
+        built_destroy(&made);
+        scene_destroy(&knot);
+        fixture_close(&opened);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -323,6 +378,7 @@ int main(void)
         cmocka_unit_test(crowds_in_a_voxel_give_the_same_lists),
         cmocka_unit_test(crowds_beyond_the_limit_of_loops_give_the_same_tree),
         cmocka_unit_test(materials_of_a_crowd_are_the_same),
+        cmocka_unit_test(stages_are_timed_where_timers_work),
         cmocka_unit_test(meshes_of_nothing_give_a_root),
         cmocka_unit_test(any_queue_will_do),
         cmocka_unit_test(without_64_bit_integers_payload_is_refused),
