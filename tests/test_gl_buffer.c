@@ -126,6 +126,8 @@ static svo_gl_buffer_info info_of(const svo_gl_buffer *buffer)
 static void bring_picture(const application *of, svo_gl_buffer *buffer, GLuint texture)
 {
     const svo_gl_buffer_info info = info_of(buffer);
+    const uintptr_t begin = (uintptr_t)info.offset_bytes;
+    const void *offset = NULL; /* OpenGL takes an offset in the buffer for a pointer */
     cl_event drawn = NULL;
     succeed(of, svo_gl_buffer_to_cl(buffer, of->opened.queue));
     succeed(of, svo_tree_render_enqueue(of->opened.device, of->made.tree, &of->options, info.memory, of->opened.queue,
@@ -134,8 +136,8 @@ static void bring_picture(const application *of, svo_gl_buffer *buffer, GLuint t
     clReleaseEvent(drawn);
     of->BindTexture(GL_TEXTURE_2D, texture);
     of->BindBuffer(GL_PIXEL_UNPACK_BUFFER, info.name);
-    of->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, WIDTH, HEIGHT, GL_RGBA, GL_UNSIGNED_BYTE,
-                      (const char *)NULL + info.offset_bytes);
+    memcpy(&offset, &begin, sizeof offset);
+    of->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, WIDTH, HEIGHT, GL_RGBA, GL_UNSIGNED_BYTE, offset);
     of->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
 }
 

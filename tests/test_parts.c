@@ -368,7 +368,7 @@ static void test_triangles_of_a_part(void **state)
     path_of("other", paths[0]);
     assert_int_equal(rename(j.paths[0], paths[0]), 0);
 
-    uint32_t names[60];
+    uint32_t names[60] = {0};
     uint32_t indices[180];
     size_t count = 0;
     for (uint32_t t = 0; t < 60; ++t) {

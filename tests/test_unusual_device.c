@@ -422,11 +422,12 @@ static void hits_at_the_border_count_without_doubles(void **state)
     svo_ray rays[RAYS];
     svo_hit hits[RAYS];
     for (int path = SVO_PATH_CPU; path <= SVO_PATH_GPU; ++path) {
-        svo_device *device =
-            open_or_fail(&opened, &(svo_device_options){.struct_size = sizeof(svo_device_options), .path = path});
+        svo_device *device = open_or_fail(
+            &opened, &(svo_device_options){.struct_size = sizeof(svo_device_options), .path = (svo_path)path});
         for (int i = 0; i < RAYS; ++i) {
+            const int row = i / 16;
             const float y = 0.01F + 0.48F * (float)(i % 16) / 16.0F;
-            const float z = 0.01F + 0.48F * (float)(i / 16) / 16.0F;
+            const float z = 0.01F + 0.48F * (float)row / 16.0F;
             rays[i] = (svo_ray){.origin = {40.3F, y, z}, .direction = {-1, 0.001F * y, 0}, .t_max = INFINITY};
         }
         device->has_fp64 = false;

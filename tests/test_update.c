@@ -264,7 +264,7 @@ static void buffers_move_the_mesh(void **state)
 
 /* ---- nothing allocated, compiled or waited for ---- */
 
-static svo_mesh one_triangle(float positions[9])
+static svo_mesh one_triangle(const float positions[9])
 {
     return (svo_mesh){.struct_size = sizeof(svo_mesh), .positions = positions, .vertex_count = 3, .triangle_count = 1};
 }

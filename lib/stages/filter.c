@@ -208,7 +208,7 @@ static svo_status gather_pairs(filterer *f, uint32_t chunk)
     arguments[count++] = SVO_I_ARGUMENT(f->area_sums);
     arguments[count++] = SVO_I_ARGUMENT(build->state);
     arguments[count++] = SVO_I_ARGUMENT(f->params);
-    arguments[count++] = SVO_I_LOCAL(words * SVO_GROUP_ITEMS * sizeof(cl_ulong));
+    arguments[count++] = SVO_I_LOCAL(sizeof(cl_ulong) * words * SVO_GROUP_ITEMS);
     arguments[count++] = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
     svo_i_commands_stage(&build->commands, SVO_STAGE_FILTER, GATHER_NS);
     return launch_parts(f, f->gather, arguments, count, f->params.fragment_count, 1);

@@ -60,30 +60,33 @@ static double now_ms(void)
 /* Squares of two colors, and two triangles for each square of vertices. */
 static void weave(void)
 {
-    for (int v = 0; v < VERTICES; ++v) {
+    for (size_t v = 0; v < VERTICES; ++v) {
         const bool red = (v % (SIDE + 1) / 10 + v / (SIDE + 1) / 10) % 2 == 0;
         const uint8_t rgba[4] = {red ? 190 : 235, red ? 40 : 225, red ? 45 : 205, 255};
         memcpy(colors + v * 4, rgba, sizeof rgba);
     }
-    for (int t = 0; t < TRIANGLES; ++t) {
+    for (size_t t = 0; t < TRIANGLES; ++t) {
         const uint32_t corner = (uint32_t)(t / 2 / SIDE * (SIDE + 1) + t / 2 % SIDE);
         const uint32_t steps[2][3] = {{0, 1, SIDE + 1}, {1, SIDE + 2, SIDE + 1}};
-        for (int k = 0; k < 3; ++k)
+        for (size_t k = 0; k < 3; ++k)
             indices[t * 3 + k] = corner + steps[t % 2][k];
     }
-    for (int r = 0; r < RAYS; ++r)
-        rays[r] = (svo_ray){.origin = {(float)(r % 64) / 64.0F, (float)(r / 64) / 64.0F, -1.0F},
+    for (int r = 0; r < RAYS; ++r) {
+        const int row = r / 64;
+        rays[r] = (svo_ray){.origin = {(float)(r % 64) / 64.0F, (float)row / 64.0F, -1.0F},
                             .direction = {0.05F, 0.02F, 1.0F},
                             .t_max = 10.0F};
+    }
 }
 
 /* The cloth hangs at its upper edge; waves run down and grow. */
 static void move_to(int frame)
 {
     const float time = 6.2831853F * (float)frame / FRAMES;
-    for (int v = 0; v < VERTICES; ++v) {
+    for (size_t v = 0; v < VERTICES; ++v) {
+        const size_t row = v / (SIDE + 1);
         const float x = (float)(v % (SIDE + 1)) / SIDE;
-        const float y = (float)(v / (SIDE + 1)) / SIDE;
+        const float y = (float)row / SIDE;
         positions[v * 3] = 0.12F + 0.76F * x + 0.04F * y * sinf(5.0F * y - time);
         positions[v * 3 + 1] = 0.92F - 0.8F * y + 0.03F * y * cosf(4.0F * x + time);
         positions[v * 3 + 2] = 0.5F + 0.22F * y * sinf(7.0F * x + 3.0F * y - 2.0F * time);
@@ -143,8 +146,8 @@ static bool take_picture(cloth *c, int picture)
     svo_camera_frame(c->tree, 1.0F, &view.camera);
     if (svo_tree_render(c->device, c->tree, &view, c->queue, rgba) != SVO_OK)
         return false;
-    for (int y = 0; y < HEIGHT; ++y)
-        memcpy(film[y][picture], rgba + y * WIDTH * 4, WIDTH * 4);
+    for (size_t y = 0; y < HEIGHT; ++y)
+        memcpy(film[y][picture], rgba + y * sizeof film[y][picture], sizeof film[y][picture]);
     return true;
 }
 
@@ -195,14 +198,14 @@ static bool run(cloth *c)
         svo_tree_download(c->tree, c->queue) != SVO_OK || svo_tree_hash(c->tree, SVO_HASH_ALL, hash[0]) != SVO_OK ||
         svo_tree_get_info(c->tree, &info) != SVO_OK)
         return false;
+    bool same = strcmp(hash[0], hash[1]) == 0;
     for (int r = 0; r < RAYS; ++r) {
         found += hits[0][r].triangle != SVO_NO_TRIANGLE ? 1 : 0;
-        hits[0][r].count = hits[1][r].count = 0; /* leaves of the BVH that the ray visited */
+        same = same && hits[0][r].t == hits[1][r].t && hits[0][r].triangle == hits[1][r].triangle;
     }
-    const bool same = strcmp(hash[0], hash[1]) == 0 && memcmp(hits[0], hits[1], sizeof hits[0]) == 0;
     for (int i = UPDATE; i < STAGES; ++i)
         printf("%-7s %6.2f ms\n", stage_names[i], c->stage_ms[i] / FRAMES);
-    printf("frame   %6.2f ms; planned anew %.2f ms\n", c->frames_ms / FRAMES, c->anew_ms / (FRAMES / ANEW_EVERY));
+    printf("frame   %6.2f ms; planned anew %.2f ms\n", c->frames_ms / FRAMES, c->anew_ms * ANEW_EVERY / FRAMES);
     printf("%d frames of %d triangles, %u voxels in the last, %d of %d rays hit\n", FRAMES, TRIANGLES,
            (unsigned)info.leaf_count, found, RAYS);
     printf("the last tree and its hits: %s\n", same ? "the same as planned anew" : "not those of a new plan");

@@ -154,15 +154,16 @@ bool canvas_take_rows(canvas *which, const canvas_rows *rows, svo_message *why)
 {
     const view_gl *gl = which->gl;
     const uintptr_t begin = rows->offset_bytes + (uintptr_t)rows->first_row * rows->width * 4;
-    const char *const in_buffer = NULL;
+    const void *in_buffer = NULL; /* OpenGL takes an offset in the buffer for a pointer */
     if (rows->width != which->picture.width || rows->height != which->picture.height) {
         resize(gl, &which->picture, rows->width, rows->height, NULL);
     }
+    memcpy(&in_buffer, &begin, sizeof in_buffer);
     gl->BindTexture(GL_TEXTURE_2D, which->picture.name);
     gl->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
     gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, rows->buffer);
     gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, (GLint)rows->first_row, (GLsizei)rows->width, (GLsizei)rows->row_count,
-                      GL_RGBA, GL_UNSIGNED_BYTE, in_buffer + begin);
+                      GL_RGBA, GL_UNSIGNED_BYTE, in_buffer);
     gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
     return view_gl_check(gl, "taking a picture", why);
 }
