@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Plans, workspaces and their trees, for tests of enqueued builds. A failure fails the test with the library's words. */
+/* Plans, workspaces and their trees, for tests of enqueued builds. A failure fails the test with its words. */
 #include "enqueued.h"
 
 #include <setjmp.h>

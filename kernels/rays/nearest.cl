@@ -110,7 +110,7 @@ static float svo_nearest_distance(const svo_tree *tree, const svo_nearest_search
     const float4 at = search->point_f;
     const float4 low = (float4)((float)bounds[0], (float)bounds[8], (float)bounds[16], 0.0f) * step - at;
     const float4 high = at - (float4)((float)bounds[24], (float)bounds[32], (float)bounds[40], 0.0f) * step - step;
-    const float4 away = max(max(low, high), 0.0f);
+    const float4 away = max(max(low, high), (float4)(0.0f));
     return sqrt(away.x * away.x + away.y * away.y + away.z * away.z) * (1.0f - 0x1p-20f) - search->margin;
 }
 
