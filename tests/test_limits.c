@@ -236,6 +236,32 @@ static void threads_are_limited(void **state)
     attributed_mesh_destroy(&made);
 }
 
+/* PoCL's threads use a part of a device after the last release of its context, so a part outlives its handles. */
+static void a_part_of_a_device_outlives_its_handles(void **state)
+{
+    (void)state;
+    cl_device_id parts[2] = {NULL, NULL};
+    for (int i = 0; i < 2; ++i) {
+        const svo_device_options options = {.struct_size = sizeof options, .max_threads = 1};
+        svo_device *device = NULL;
+        svo_message message = {""};
+        const svo_status status = svo_device_create_default(&options, &device, &message);
+        if (status == SVO_UNSUPPORTED) {
+            print_message("skipped: %s\n", message.text);
+            skip();
+        }
+        if (status != SVO_OK) {
+            fail_msg("%s", message.text);
+        }
+        parts[i] = svo_device_cl_device(device);
+        svo_device_destroy(&device);
+    }
+    cl_uint units = 0;
+    assert_ptr_equal(parts[0], parts[1]);
+    assert_int_equal(clGetDeviceInfo(parts[0], CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, NULL), CL_SUCCESS);
+    assert_int_equal(units, 1);
+}
+
 static void a_callers_device_takes_no_limit_of_threads(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
@@ -257,6 +283,7 @@ int main(void)
         cmocka_unit_test(a_list_does_not_grow_beyond_the_budget),
         cmocka_unit_test(workspaces_keep_to_the_budget),
         cmocka_unit_test(threads_are_limited),
+        cmocka_unit_test(a_part_of_a_device_outlives_its_handles),
         cmocka_unit_test(a_callers_device_takes_no_limit_of_threads),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);

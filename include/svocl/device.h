@@ -60,9 +60,10 @@ typedef struct svo_device_options {
      *  whose predicted bytes do not fit, before they compile or allocate, and any buffer that would exceed the limit is
      *  SVO_OUT_OF_DEVICE_MEMORY. 0: no limit but the device's. */
     uint64_t max_device_bytes;
-    /** For svo_device_create_default: the most compute units, on a CPU threads, that kernels run on. A device with more
-     *  is divided (clCreateSubDevices), and the handle's device is the part. 0: all of them. svo_device_create, whose
-     *  caller chooses the device, refuses it. */
+    /** For svo_device_create_default: the most compute units, on a CPU threads, that kernels run on. A device with
+     *  more is divided (clCreateSubDevices). The handle's device is then the part, which later handles of this limit
+     *  share and which stays until the process ends. 0: all of them. svo_device_create, whose caller chooses the
+     *  device, refuses it. */
     uint32_t max_threads;
     /** Host memory of the handle and of all that is made from it: plans, front ends, trees, workspaces. NULL: malloc
      *  and free. */

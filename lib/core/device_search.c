@@ -2,6 +2,7 @@
 /* svo_device_create_default: finds a device by name or index on all platforms, and makes a context for it. */
 #define _POSIX_C_SOURCE 200809L
 #include <CL/cl_ext.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
@@ -211,6 +212,40 @@ static svo_status find_device(const char *wanted, const svo_i_memory *memory, cl
     return SVO_OK;
 }
 
+/* A device divided by a limit of threads. Such a part is kept until the process ends: PoCL 3.1's contexts and queues do
+   not retain it, while its threads still release the last events of a queue that the host has finished. */
+typedef struct device_part {
+    cl_device_id whole;
+    uint32_t threads;
+    cl_device_id part;
+    const struct device_part *next;
+} device_part;
+
+static _Atomic(const device_part *) kept_parts;
+
+static cl_device_id find_part(cl_device_id whole, uint32_t threads)
+{
+    const device_part *kept = atomic_load(&kept_parts);
+    while (kept != NULL && (kept->whole != whole || kept->threads != threads)) {
+        kept = kept->next;
+    }
+    return kept != NULL ? kept->part : NULL;
+}
+
+/* Two threads at once may keep two parts for the same limit, which is harmless. The memory is malloc's, since a
+   caller's functions may not last as long. */
+static svo_status keep_part(cl_device_id whole, uint32_t threads, cl_device_id part, svo_message *message)
+{
+    device_part *kept = svo_i_alloc(NULL, sizeof *kept);
+    if (kept == NULL) {
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, CREATE_DEFAULT ": no memory for a part of the device");
+    }
+    *kept = (device_part){.whole = whole, .threads = threads, .part = part, .next = atomic_load(&kept_parts)};
+    while (!atomic_compare_exchange_weak(&kept_parts, &kept->next, kept)) {
+    }
+    return SVO_OK;
+}
+
 /* Replaces a device that has more compute units than threads by a part that has as many. threads: 0: all. */
 static svo_status limit_threads(uint32_t threads, cl_device_id *device, svo_message *message)
 {
@@ -223,25 +258,26 @@ static svo_status limit_threads(uint32_t threads, cl_device_id *device, svo_mess
     if (threads >= units) {
         return SVO_OK;
     }
-    const cl_device_partition_property parts[] = {CL_DEVICE_PARTITION_BY_COUNTS, (cl_device_partition_property)threads,
-                                                  CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
-    cl_device_id part = NULL;
-    const cl_int error = clCreateSubDevices(*device, parts, 1, &part, NULL);
-    if (error != CL_SUCCESS) {
-        return svo_i_fail(message, SVO_UNSUPPORTED,
-                          CREATE_DEFAULT ": the device has %u compute units, and does not give away %u for "
-                                         "options.max_threads: clCreateSubDevices failed with %s (%d)",
-                          units, threads, svo_i_cl_error_name(error), error);
+    cl_device_id part = find_part(*device, threads);
+    if (part == NULL) {
+        const cl_device_partition_property parts[] = {CL_DEVICE_PARTITION_BY_COUNTS,
+                                                      (cl_device_partition_property)threads,
+                                                      CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
+        const cl_int error = clCreateSubDevices(*device, parts, 1, &part, NULL);
+        if (error != CL_SUCCESS) {
+            return svo_i_fail(message, SVO_UNSUPPORTED,
+                              CREATE_DEFAULT ": the device has %u compute units, and does not give away %u for "
+                                             "options.max_threads: clCreateSubDevices failed with %s (%d)",
+                              units, threads, svo_i_cl_error_name(error), error);
+        }
+        const svo_status status = keep_part(*device, threads, part, message);
+        if (status != SVO_OK) {
+            clReleaseDevice(part);
+            return status;
+        }
     }
     *device = part;
     return SVO_OK;
-}
-
-static void release_part(cl_device_id whole, cl_device_id part)
-{
-    if (part != whole) {
-        clReleaseDevice(part);
-    }
 }
 
 svo_status svo_device_create_default(const svo_device_options *options, svo_device **out, svo_message *message)
@@ -253,17 +289,14 @@ svo_status svo_device_create_default(const svo_device_options *options, svo_devi
     svo_i_memory memory;
     SVO_I_TRY(svo_i_memory_read(message, CREATE_DEFAULT, "options.memory", asked.memory, &memory));
     SVO_I_TRY(find_device(asked.device_name, &memory, &device, message));
-    const cl_device_id whole = device;
     SVO_I_TRY(limit_threads(asked.max_threads, &device, message));
     asked.max_threads = 0;
     cl_int error = CL_SUCCESS;
     cl_context context = clCreateContext(NULL, 1, &device, NULL, NULL, &error);
     if (error != CL_SUCCESS) {
-        release_part(whole, device);
         return svo_i_fail_cl(message, CREATE_DEFAULT, "clCreateContext", error);
     }
     const svo_status created = svo_device_create(context, device, &asked, out, message);
-    clReleaseContext(context);
-    release_part(whole, device); /* the handle has retained it */
+    clReleaseContext(context); /* the handle has retained it */
     return created;
 }
