@@ -146,8 +146,8 @@ read_stacks()
 }
 
 # measure_variant FOLDER "FILE<tab>DEFINES" compiles a file for each target, where FOLDER does not have the result yet,
-# and prints the names of the results. They are named by hashes of the preprocessed text and the options, since many
-# defines change nothing in a file.
+# and prints the names of the results. They are named by hashes of the preprocessed text, the options and what reads the
+# assembly, since many defines change nothing in a file.
 measure_variant()
 {
     local folder=$1 file=${2%%$'\t'*} name target text hash options result
@@ -158,7 +158,7 @@ measure_variant()
     text=$("${compile[@]}" -target nvptx64--nvidiacl -E -P -o - "$file") || return 1
     for target in $stack_targets; do
         mapfile -t options < <(stack_options "$target")
-        hash=$(printf '%s' "$clang_version ${options[*]} $text" | sha256sum)
+        hash=$(printf '%s' "$clang_version ${options[*]} $stack_reader $text" | sha256sum)
         result=$folder/${hash%% *}
         if [[ ! -e $result ]]; then
             "${compile[@]}" "${options[@]}" -O2 -S -o "$result.$$.s" "$file" &&
@@ -173,11 +173,12 @@ measure_variant()
 # defines. Arguments: parts of names of files; none means all.
 kernel_stacks()
 {
-    local folder=$root/$build/stacks clang_version
+    local folder=$root/$build/stacks clang_version stack_reader
     clang_version=$(clang --version | head -n 1)
+    stack_reader=$(declare -f read_stacks)
     mkdir -p "$folder"
     export -f measure_variant stack_options read_stacks
-    export clang_version stack_targets libclc
+    export clang_version stack_reader stack_targets libclc
     # shellcheck disable=SC2016 # expanded by the inner shell
     gpu_variants | grep -F "$(printf '%s\n' "${@:-.cl}")" | tr '\n' '\0' |
         xargs -0 -n 1 -P "$jobs" bash -o pipefail -c 'measure_variant "$1" "$2" || exit 255' measure "$folder" |
