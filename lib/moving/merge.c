@@ -28,12 +28,11 @@ static svo_status launch(svo_i_device_work *work, const svo_i_kept_list *a, cons
                                     SVO_I_ARGUMENT(b->fragments), SVO_I_ARGUMENT(b->values),
                                     SVO_I_ARGUMENT(dropped),      SVO_I_ARGUMENT(counts),
                                     SVO_I_ARGUMENT(params)};
-    const svo_i_argument write[] = {SVO_I_ARGUMENT(a->fragments),  SVO_I_ARGUMENT(a->values),
-                                    SVO_I_ARGUMENT(a->materials),  SVO_I_ARGUMENT(b->fragments),
-                                    SVO_I_ARGUMENT(b->values),     SVO_I_ARGUMENT(b->materials),
-                                    SVO_I_ARGUMENT(dropped),       SVO_I_ARGUMENT(before),
-                                    SVO_I_ARGUMENT(to->fragments), SVO_I_ARGUMENT(to->values),
-                                    SVO_I_ARGUMENT(to->materials), SVO_I_ARGUMENT(params)};
+    const svo_i_argument write[] = {
+        SVO_I_ARGUMENT(a->fragments), SVO_I_ARGUMENT(a->values),     SVO_I_ARGUMENT(a->materials),
+        SVO_I_ARGUMENT(b->fragments), SVO_I_ARGUMENT(b->values),     SVO_I_ARGUMENT(b->materials),
+        SVO_I_ARGUMENT(dropped),      SVO_I_ARGUMENT(before),        SVO_I_ARGUMENT(to->fragments),
+        SVO_I_ARGUMENT(to->values),   SVO_I_ARGUMENT(to->materials), SVO_I_ARGUMENT(params)};
     SVO_I_TRY(svo_i_work_launch(work, "svo_k_merge_count", SVO_I_ARGUMENTS(count), strips));
     SVO_I_TRY(svo_i_work_scan(work, counts, before, strips));
     return svo_i_work_launch(work, "svo_k_merge_write", SVO_I_ARGUMENTS(write), strips);

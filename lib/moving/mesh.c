@@ -162,8 +162,8 @@ static void free_array(const void *array)
 /* Releases the arrays of a mesh that owns them. */
 static void free_arrays(svo_mesh *mesh)
 {
-    const void *arrays[] = {mesh->positions, mesh->positions_double, mesh->normals,           mesh->indices,
-                            mesh->colors,    mesh->uvs,              mesh->triangle_materials};
+    const void *arrays[] = {mesh->positions, mesh->positions_double,  mesh->normals, mesh->indices, mesh->colors,
+                            mesh->uvs,       mesh->triangle_materials};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; ++i) {
         free_array(arrays[i]);
     }

@@ -8,8 +8,8 @@
 
 #include "core/struct_size.h"
 #include "core/work.h"
-#include "moving/mesh.h"
 #include "moving/merge.h"
+#include "moving/mesh.h"
 #include "moving/objects.h"
 #include "moving/pairs.h"
 #include "moving/tree.h"
@@ -214,9 +214,9 @@ svo_status svo_moving_update(svo_moving *moving, cl_command_queue queue, svo_mov
     }
     const double start_ms = svo_i_now_ms();
     update u = {.moving = moving, .timed = report != NULL, .start_ms = start_ms};
-    SVO_I_TRY(report != NULL ? svo_i_struct_check(&moving->device->message, update_name, "report", report,
-                                                  SIZES_OF_REPORT)
-                             : SVO_OK);
+    SVO_I_TRY(report != NULL
+                  ? svo_i_struct_check(&moving->device->message, update_name, "report", report, SIZES_OF_REPORT)
+                  : SVO_OK);
     SVO_I_TRY(svo_i_device_queue(moving->device, update_name, queue, &u.queue));
     u.report.fragments = moving->list.count;
     const svo_status status = is_due(moving) ? run_stages(&u) : SVO_OK;

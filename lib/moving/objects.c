@@ -37,8 +37,7 @@ static svo_status check_vertex_arrays(const svo_moving *moving, const char *func
 {
     svo_device *device = moving->device;
     SVO_I_TRY(check_array(device, function, "positions", mesh->positions, like->positions, of));
-    SVO_I_TRY(
-        check_array(device, function, "positions_double", mesh->positions_double, like->positions_double, of));
+    SVO_I_TRY(check_array(device, function, "positions_double", mesh->positions_double, like->positions_double, of));
     return check_array(device, function, "normals", mesh->normals, like->normals, of);
 }
 

@@ -62,9 +62,8 @@ cleanup:
 /* Takes the sorted list out of a build, which would release it. */
 static void take_list(svo_i_build *build, svo_i_kept_list *out)
 {
-    *out = (svo_i_kept_list){.fragments = build->list.chunks[0].buffer,
-                             .count = build->fragment_count,
-                             .capacity = build->fragment_count};
+    *out = (svo_i_kept_list){
+        .fragments = build->list.chunks[0].buffer, .count = build->fragment_count, .capacity = build->fragment_count};
     build->list.chunks[0].buffer = NULL;
 }
 
@@ -118,13 +117,12 @@ static svo_status launch_weigh(const svo_moving *moving, uint32_t index, svo_i_d
     const svo_filter_params filter = {
         .depth = plan->info.depth, .voxel_log2 = plan->voxel_log2, .weight_log2 = plan->weight_log2};
     const svo_moving_params params = {.count = (cl_uint)list->count, .object = index};
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(list->fragments), SVO_I_ARGUMENT(memory->vertices),
-                                        SVO_I_ARGUMENT(memory->indices), SVO_I_ARGUMENT(memory->records),
-                                        SVO_I_ARGUMENT(memory->colors),  SVO_I_ARGUMENT(memory->normals),
-                                        SVO_I_ARGUMENT(memory->uvs),     SVO_I_ARGUMENT(moving->materials),
-                                        SVO_I_ARGUMENT(moving->texels),  SVO_I_ARGUMENT(list->values),
-                                        SVO_I_ARGUMENT(list->materials), SVO_I_ARGUMENT(filter),
-                                        SVO_I_ARGUMENT(params)};
+    const svo_i_argument arguments[] = {
+        SVO_I_ARGUMENT(list->fragments), SVO_I_ARGUMENT(memory->vertices),  SVO_I_ARGUMENT(memory->indices),
+        SVO_I_ARGUMENT(memory->records), SVO_I_ARGUMENT(memory->colors),    SVO_I_ARGUMENT(memory->normals),
+        SVO_I_ARGUMENT(memory->uvs),     SVO_I_ARGUMENT(moving->materials), SVO_I_ARGUMENT(moving->texels),
+        SVO_I_ARGUMENT(list->values),    SVO_I_ARGUMENT(list->materials),   SVO_I_ARGUMENT(filter),
+        SVO_I_ARGUMENT(params)};
     const uint64_t per_item = plan->work.pair_lanes ? SVO_GROUP_ITEMS : 1;
     return svo_i_work_launch(work, "svo_k_moving_weigh", SVO_I_ARGUMENTS(arguments),
                              (list->count + per_item - 1) / per_item);

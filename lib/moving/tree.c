@@ -64,9 +64,8 @@ typedef struct part {
 
 static svo_status copy_part(maker *m, const part *p)
 {
-    const svo_moving_params params = {.count = (cl_uint)(p->count * p->words),
-                                      .object = (cl_uint)p->added,
-                                      .first = (cl_uint)(p->first * p->words)};
+    const svo_moving_params params = {
+        .count = (cl_uint)(p->count * p->words), .object = (cl_uint)p->added, .first = (cl_uint)(p->first * p->words)};
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(p->from), SVO_I_ARGUMENT(m->build.tree->buffers[p->buffer]),
                                         SVO_I_ARGUMENT(params)};
     return svo_i_commands_run(&m->build.commands, m->kept.program, "svo_k_moving_shift", SVO_I_ARGUMENTS(arguments),
@@ -82,15 +81,13 @@ static svo_status copy_object(maker *m, const svo_plan *plan, const place *at)
 {
     const svo_i_plan_memory *memory = &plan->memory;
     const uint64_t listed = plan->update->kept_triangles;
-    const bool doubles = memory->positions_double != NULL;
-    const part parts[] = {
-        {SVO_TREE_VERTICES, 3, memory->vertices, at->vertex, plan->vertex_count, 0},
-        {SVO_TREE_INDICES, 3, memory->indices, at->listed, listed, at->vertex},
-        {SVO_TREE_TRIANGLE_IDS, 1, memory->triangle_ids, at->listed, listed, at->triangle},
-        {doubles ? SVO_TREE_POSITIONS_DOUBLE : SVO_TREE_POSITIONS, doubles ? 6 : 3,
-         doubles ? memory->positions_double : memory->positions, at->vertex, plan->vertex_count, 0}};
+    const part parts[] = {{SVO_TREE_VERTICES, 3, memory->vertices, at->vertex, plan->vertex_count, 0},
+                          {SVO_TREE_INDICES, 3, memory->indices, at->listed, listed, at->vertex},
+                          {SVO_TREE_TRIANGLE_IDS, 1, memory->triangle_ids, at->listed, listed, at->triangle},
+                          {SVO_TREE_POSITIONS, 3, memory->positions, at->vertex, plan->vertex_count, 0},
+                          {SVO_TREE_POSITIONS_DOUBLE, 6, memory->positions_double, at->vertex, plan->vertex_count, 0}};
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) {
-        SVO_I_TRY(copy_part(m, &parts[i]));
+        SVO_I_TRY(parts[i].from != NULL ? copy_part(m, &parts[i]) : SVO_OK);
     }
     return SVO_OK;
 }
@@ -99,17 +96,23 @@ static svo_status alloc_geometry(maker *m, const place *end)
 {
     svo_i_commands *commands = &m->build.commands;
     svo_tree *tree = m->build.tree;
-    const bool doubles = m->moving->whole.memory.positions_double != NULL;
+    const svo_i_plan_memory *memory = &m->moving->whole.memory;
     tree->info.vertex_count = end->vertex;
     tree->info.list_triangle_count = end->listed;
-    tree->info.positions = doubles ? SVO_POSITIONS_DOUBLE : SVO_POSITIONS_FLOAT;
+    tree->info.positions = SVO_POSITIONS_SNAPPED; /* of thin voxels */
     SVO_I_TRY(svo_i_commands_alloc(commands, "vertices", end->vertex * 12, &tree->buffers[SVO_TREE_VERTICES]));
     SVO_I_TRY(svo_i_commands_alloc(commands, "indices", end->listed * 12, &tree->buffers[SVO_TREE_INDICES]));
     SVO_I_TRY(svo_i_commands_alloc(commands, "triangle_ids", end->listed * 4, &tree->buffers[SVO_TREE_TRIANGLE_IDS]));
-    return doubles ? svo_i_commands_alloc(commands, "positions_double", end->vertex * 24,
-                                          &tree->buffers[SVO_TREE_POSITIONS_DOUBLE])
-                   : svo_i_commands_alloc(commands, "positions", end->vertex * 12,
-                                          &tree->buffers[SVO_TREE_POSITIONS]);
+    if (memory->positions != NULL) {
+        tree->info.positions = SVO_POSITIONS_FLOAT;
+        return svo_i_commands_alloc(commands, "positions", end->vertex * 12, &tree->buffers[SVO_TREE_POSITIONS]);
+    }
+    if (memory->positions_double != NULL) {
+        tree->info.positions = SVO_POSITIONS_DOUBLE;
+        return svo_i_commands_alloc(commands, "positions_double", end->vertex * 24,
+                                    &tree->buffers[SVO_TREE_POSITIONS_DOUBLE]);
+    }
+    return SVO_OK;
 }
 
 static void advance(place *at, const svo_i_moving_object *object)
@@ -162,8 +165,8 @@ static svo_status write_firsts(maker *m)
         firsts[i] = (uint32_t)at.listed;
         advance(&at, &moving->objects[i]);
     }
-    const svo_status status = svo_i_device_constants(moving->device, "svo_moving_update", "object_firsts", firsts,
-                                                     bytes, &m->firsts);
+    const svo_status status =
+        svo_i_device_constants(moving->device, "svo_moving_update", "object_firsts", firsts, bytes, &m->firsts);
     svo_i_free(firsts);
     return status;
 }
