@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Scenes that move: after each update the tree is that of a full build of the scene's mesh, byte for byte; objects come,
- * go, hide and leave the grid; what is refused or does not fit leaves the tree as it was; memory is flat.
+ * Scenes that move: after each update the tree is that of a full build of the scene's mesh, byte for byte; objects
+ * come, go, hide and leave the grid; what is refused or does not fit leaves the tree as it was; memory is flat.
  */
 #include <math.h>
 #include <setjmp.h>

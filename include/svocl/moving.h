@@ -3,10 +3,10 @@
  * Scenes that move: one tree of a static mesh and of objects that move through it.
  *
  * An update voxelizes the objects that changed, and no others. The (voxel, triangle) pairs of everything else are kept
- * in Morton order with what they contribute to the payload; those of the changed objects are merged in, and the nodes
+ * in Morton order with what they contribute to the payload. Those of the changed objects are merged in, and the nodes
  * and the payload follow from the merged list by sums of integers. So the tree is, byte for byte, the one that
- * svo_build makes of the scene's mesh (svo_moving_get_mesh) with the same need, coverage, weights, payload_level, origin
- * and edge, and with the weight_log2 that svo_moving_get_info names.
+ * svo_build makes of the scene's mesh (svo_moving_get_mesh), with the same need, coverage, weights, payload_level,
+ * origin and edge, and with the weight_log2 that svo_moving_get_info names.
  *
  * The scene's mesh is the static mesh followed by the visible objects in the order of their numbers. What leaves the
  * grid occupies nothing and is counted.
@@ -42,8 +42,8 @@ typedef struct svo_moving svo_moving;
 /** What a scene is, for good. */
 typedef struct svo_moving_options {
     size_t struct_size; /**< sizeof(svo_moving_options) */
-    /** svo_need bits; SVO_NEED_DEFAULT goes by the static mesh. Without SVO_NEED_PROJECTED_AREA: whether a mesh is closed
-     *  depends on all of it. */
+    /** svo_need bits; SVO_NEED_DEFAULT goes by the static mesh. Without SVO_NEED_PROJECTED_AREA: whether a mesh is
+     *  closed depends on all of it. */
     uint32_t need;
     svo_coverage coverage; /**< which voxels are occupied */
     svo_weights weights; /**< of the payload */
@@ -111,9 +111,9 @@ typedef struct svo_moving_object {
 /** Makes a scene of a static mesh alone, and its tree.
  *
  * \param device with doubles and denormals; must outlive the scene
- * \param mesh the static mesh, with vertices and triangles; it may lie outside the grid. Objects have the arrays that it
- *        has: normals, colors, texture coordinates and materials of triangles, or none. Its materials and textures are
- *        those of all objects and must stay as long as the scene; the other arrays are copied
+ * \param mesh the static mesh, with vertices and triangles; it may lie outside the grid. Objects have the arrays of
+ *        vertices that it has: normals, colors and texture coordinates, or none. Its materials and textures are those of
+ *        all objects and must stay as long as the scene; the other arrays are copied
  * \param depth SVO_DEPTH_MIN .. SVO_DEPTH_MAX
  * \param options not NULL, since edge is required
  * \param queue of the device, in-order or out-of-order; NULL: the device's own
@@ -131,8 +131,8 @@ SVO_API void svo_moving_destroy(svo_moving **moving);
 /** Adds an object, which is visible. The tree changes with the next update.
  *
  * \param moving not NULL
- * \param mesh with vertices and triangles and the arrays of the static mesh; all are copied but materials and textures,
- *        which are not read
+ * \param mesh with vertices and triangles and the vertices' arrays of the static mesh; all are copied but materials and
+ *        textures, which are not read
  * \param transform rows of a 3 x 4 matrix from the mesh to the world, 12 numbers; NULL: none, the mesh is in the world
  * \param object receives the object's number: the least that is free
  * \returns SVO_INVALID_ARGUMENT (also for a transform that is not finite or flat, or a mesh with other arrays) or what

@@ -2,10 +2,10 @@
 /*
  * The numbers of an object among those of the scene.
  *
- *   svo_k_moving_shift    per word: copies it to its place in a common array, plus what comes before its object
- *   svo_k_moving_number   per entry of the leaf lists, in the order of the pairs: its triangle among all
+ *   svo_k_moving_shift   per word: copies it to its place in a common array, plus what comes before its object
+ *   svo_k_moving_number  per pair: the entry of its leaf's list, its triangle among those of the scene
  *
- * Launch: one work-item per word, rounded up to whole groups.
+ * Launch: one work-item per word or pair, rounded up to whole groups.
  */
 #include "moving/kept.clh"
 
@@ -20,11 +20,11 @@ svo_k_moving_shift(__global const uint *from, __global uint *to, svo_moving_para
 
 /* firsts: the first triangle of each object. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_moving_number(__global const uint4 *values, __global const uint *firsts, __global uint *list,
-                    svo_moving_params params)
+svo_k_moving_number(__global const uint *fragments, __global const uint4 *values, __global const uint *firsts,
+                    __global uint *list, svo_moving_params params)
 {
     const uint index = (uint)get_global_id(0);
     if (index < params.count) {
-        list[index] += firsts[svo_kept_object(values, index)];
+        list[index] = firsts[svo_kept_object(values, index)] + svo_fragment_triangle(fragments, index);
     }
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the pairs of an object contribute to the payload: clipped, weighed and sampled once, as filter.cl would do it for
- * each build, and kept until the object moves.
+ * What the pairs of an object contribute to the payload: clipped, weighed and sampled once, as filter.cl would do it
+ * for each build, and kept until the object moves.
  *
  *   svo_k_moving_weigh  per pair or, with -DSVO_PAIR_LANES for CPUs, per window of pairs: its weight, color and normal,
  *                       and its material where materials is not NULL

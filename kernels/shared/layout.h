@@ -570,6 +570,20 @@ SVO_RECORD(svo_moving_params)
     SVO_U32 first; /* 12: the first word to write */
 };
 
+/* Pairs of a sorted list that a work-item makes nodes from. */
+#define SVO_NODE_STRIP 256
+/* Levels at the largest depth, and their end: SVO_LEVELS_MAX of svocl/tree.h. */
+#define SVO_NODE_LEVELS 18
+
+/* Arguments of the kernels that make nodes of a sorted list. 16 bytes. */
+SVO_RECORD(svo_node_params)
+{
+    SVO_U32 count; /* 0: pairs */
+    SVO_U32 strips; /* 4: of SVO_NODE_STRIP pairs; the last may have fewer */
+    SVO_U32 depth; /* 8 */
+    SVO_U32 reserved; /* 12 */
+};
+
 #if !defined(GL_core_profile)
 SVO_ASSERT_BYTES(svo_draw_item, 8);
 SVO_ASSERT_BYTES(svo_tile_item, 8);
@@ -603,6 +617,7 @@ SVO_ASSERT_BYTES(svo_scene_params, 40);
 SVO_ASSERT_BYTES(svo_scene_picture, 112);
 SVO_ASSERT_BYTES(svo_solid_params, 48);
 SVO_ASSERT_BYTES(svo_moving_params, 16);
+SVO_ASSERT_BYTES(svo_node_params, 16);
 #endif
 
 #endif

@@ -40,41 +40,38 @@ static svo_status launch(svo_i_device_work *work, const svo_i_kept_list *a, cons
 
 /* ---- several objects ---- */
 
-static svo_status merge_two(svo_moving *moving, svo_i_device_work *work, cl_mem dropped, svo_i_kept_list *a,
-                            svo_i_kept_list *b)
+/* Merges b into a. */
+static svo_status merge_two(svo_moving *moving, const char *function, cl_command_queue queue, cl_mem dropped,
+                            svo_i_kept_list *a, svo_i_kept_list *b)
 {
     svo_status status = SVO_OK;
+    svo_i_device_work work = {.device = NULL};
     svo_i_kept_list both = {.count = 0};
-    SVO_I_TRY_CLEANUP(svo_i_kept_list_alloc(moving, work->function, a->count + b->count, &both));
+    SVO_I_TRY(begin(moving, function, queue, &work));
+    SVO_I_TRY_CLEANUP(svo_i_kept_list_alloc(moving, function, a->count + b->count, &both));
     both.count = a->count + b->count;
-    SVO_I_TRY_CLEANUP(launch(work, a, b, dropped, &both));
-    SVO_I_TRY_CLEANUP(svo_i_work_wait(work));
-    svo_i_kept_list_free(a);
+    SVO_I_TRY_CLEANUP(launch(&work, a, b, dropped, &both));
+    SVO_I_TRY_CLEANUP(svo_i_work_wait(&work));
     svo_i_kept_list_free(b);
+    svo_i_kept_list_free(a);
     *a = both;
-    return SVO_OK;
+    both = (svo_i_kept_list){.count = 0};
 cleanup:
-    if (work->last != NULL) {
-        (void)svo_i_event_settle(work->last);
-    }
+    svo_i_work_end(&work);
     svo_i_kept_list_free(&both);
     return status;
 }
 
 /* Rounds of merging neighbors: each halves the number of lists. */
-static svo_status merge_rounds(svo_moving *moving, cl_command_queue queue, const char *function, cl_mem dropped,
+static svo_status merge_rounds(svo_moving *moving, const char *function, cl_command_queue queue, cl_mem dropped,
                                svo_i_kept_list *lists, uint32_t count)
 {
-    svo_status status = SVO_OK;
-    for (uint32_t reach = 1; reach < count && reach < SVO_I_MOVING_OBJECTS; reach *= 2) {
-        for (uint32_t i = 0; i + reach < count && status == SVO_OK; i += 2 * reach) {
-            svo_i_device_work work = {.device = NULL};
-            status = begin(moving, function, queue, &work);
-            status = status == SVO_OK ? merge_two(moving, &work, dropped, &lists[i], &lists[i + reach]) : status;
-            svo_i_work_end(&work);
+    for (uint32_t reach = 1; reach < count; reach *= 2) {
+        for (uint32_t i = 0; i + reach < count; i += 2 * reach) {
+            SVO_I_TRY(merge_two(moving, function, queue, dropped, &lists[i], &lists[i + reach]));
         }
     }
-    return status;
+    return SVO_OK;
 }
 
 svo_status svo_i_moving_merge_all(svo_moving *moving, const char *function, cl_command_queue queue,
@@ -90,7 +87,7 @@ svo_status svo_i_moving_merge_all(svo_moving *moving, const char *function, cl_c
     SVO_I_TRY_CLEANUP(svo_i_work_alloc(&work, "dropped", DROPPED_BYTES, &none));
     SVO_I_TRY_CLEANUP(svo_i_work_fill_zero(&work, none, DROPPED_BYTES));
     SVO_I_TRY_CLEANUP(svo_i_work_wait(&work));
-    SVO_I_TRY_CLEANUP(merge_rounds(moving, queue, function, none, lists, count));
+    SVO_I_TRY_CLEANUP(merge_rounds(moving, function, queue, none, lists, count));
 cleanup:
     svo_i_work_end(&work);
     return status;

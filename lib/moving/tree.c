@@ -1,21 +1,20 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Makes the tree by the stages of the builder "sorted", from a list that is sorted and weighed already. The plan of the
- * static mesh, with the counts of the whole scene, says what the stages do.
+ * Makes the tree from a list that is sorted and weighed already: nodes.c, then the stages of builds that make payload.
+ * The plan of the static mesh, with the counts of the whole scene, says what the stages do.
  */
 #include "moving/tree.h"
 
 #include <string.h>
 
 #include "build/order.h"
+#include "moving/nodes.h"
 #include "moving/pairs.h"
 #include "plan/buffers.h"
 #include "plan/configuration.h"
 #include "plan/update.h"
-#include "stages/bottom_up.h"
 #include "stages/filter.h"
 #include "stages/material.h"
-#include "stages/scan.h"
 
 typedef struct maker {
     svo_moving *moving;
@@ -171,18 +170,17 @@ static svo_status write_firsts(maker *m)
     return status;
 }
 
-/* The leaves' ranges; and with rays the lists, whose triangles are numbered in their objects at first. */
+/* The leaves' lists, which are in the order of the pairs, and the mesh that they name. */
 static svo_status make_lists(maker *m)
 {
     svo_i_build *build = &m->build;
+    cl_mem *list = &build->tree->buffers[SVO_TREE_LIST];
     const svo_moving_params params = {.count = (cl_uint)build->fragment_count};
-    SVO_I_TRY(svo_i_bottom_up_lists(build));
-    if (!m->moving->whole.work.lists) {
-        return SVO_OK;
-    }
+    build->tree->info.list_count = build->fragment_count;
+    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "list", build->fragment_count * 4, list));
     SVO_I_TRY(write_firsts(m));
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(m->list->values), SVO_I_ARGUMENT(m->firsts),
-                                        SVO_I_ARGUMENT(build->tree->buffers[SVO_TREE_LIST]), SVO_I_ARGUMENT(params)};
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(m->list->fragments), SVO_I_ARGUMENT(m->list->values),
+                                        SVO_I_ARGUMENT(m->firsts), SVO_I_ARGUMENT(*list), SVO_I_ARGUMENT(params)};
     SVO_I_TRY(svo_i_commands_run(&build->commands, m->kept.program, "svo_k_moving_number", SVO_I_ARGUMENTS(arguments),
                                  params.count));
     return make_geometry(m);
@@ -226,9 +224,6 @@ static svo_status lend_list(maker *m)
 static void release(maker *m)
 {
     svo_i_build *build = &m->build;
-    for (uint32_t i = 0; build->cursors != NULL && i < build->list.chunk_count; ++i) {
-        svo_i_commands_free(&build->commands, &build->cursors[i]);
-    }
     svo_i_free(build->list.chunks);
     build->list = (svo_i_fragment_list){.chunks = NULL};
     svo_i_order_release_scratch(build);
@@ -257,9 +252,8 @@ static svo_status run(maker *m, svo_moving_report *report)
     SVO_I_TRY(get_programs(m));
     SVO_I_TRY(lend_list(m));
     fill_info(m);
-    SVO_I_TRY(svo_i_scan_alloc(build));
-    SVO_I_TRY(svo_i_bottom_up(build));
-    SVO_I_TRY(make_lists(m));
+    SVO_I_TRY(svo_i_moving_nodes(build, m->kept.program));
+    SVO_I_TRY(work->lists ? make_lists(m) : SVO_OK);
     SVO_I_TRY(tell(m, report != NULL ? &report->nodes_ms : NULL, &start));
     SVO_I_TRY((work->made & SVO_NEED_MATERIAL) != 0 ? svo_i_material(build) : SVO_OK);
     SVO_I_TRY(work->filter ? svo_i_filter(build) : SVO_OK);
