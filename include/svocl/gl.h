@@ -370,7 +370,8 @@ SVO_API svo_status svo_gl_buffer_to_gl(svo_gl_buffer *buffer, size_t used_bytes,
  *     svo_build_enqueue(workspace, tree, queue, 0, NULL, NULL);
  *
  * With "interop" nothing is waited for where the device has cl_khr_gl_event: OpenGL's later commands on this thread
- * wait for the update. Elsewhere, and with "host" and "copy", the call waits for OpenGL, and until the update has ended.
+ * wait for the update. Elsewhere, and with "host" and "copy", the call waits for OpenGL and until the update has
+ * ended.
  *
  * \param plan with options.updatable, of floats; of the buffers' device
  * \param positions not NULL: 3 floats per vertex, packed, from the buffer's offset_bytes on
