@@ -409,8 +409,9 @@ SVO_API size_t svo_plan_buffer_count(const svo_plan *plan);
 /** An OpenCL buffer that a build allocates, in order of allocation.
  *
  * Before a build the list is predicted, with the front end of OpenCL alone. After a build it is exact, attempts that
- * were too small included. svo_workspace_create makes it the list of a workspace and a tree. With a front end of
- * OpenGL, mesh_vertices, mesh_indices, mesh_items, mesh_tiles and counters are missing, since they are in OpenGL's
+ * were too small included. svo_workspace_create makes it the list of a workspace and a tree. The snapped mesh is there
+ * once: vertices and indices, or mesh_vertices and mesh_indices where the voxelizer alone reads them. With a front end
+ * of OpenGL, mesh_vertices, mesh_indices, mesh_items, mesh_tiles and counters are missing, since they are in OpenGL's
  * memory, as is OpenGL's side of the list with share "copy". Small buffers that kernels are tried on when they are
  * compiled, before the build allocates, are not listed.
  *
