@@ -31,6 +31,8 @@ all_variants()
         printf "%s\tCOLOR NORMAL $form\n" kernels/rays/{render,trace_voxels,view}.cl \
             kernels/scene/{bounds,render,trace}.cl kernels/compact/expand.cl
     done
+    # What paged trees are read by.
+    printf "%s\tCOLOR NORMAL READ_PAGED\n" kernels/rays/{render,view}.cl
     # What light is stored in.
     for form in LIGHT_{FACES,BRICKS,VOXELS}{,' LIGHT_AREA',' LIGHT_LOBES'," $picture"}; do
         find kernels/light -name '*.cl' -printf "%p\t$form\n"
