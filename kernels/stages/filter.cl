@@ -26,7 +26,7 @@
 #include "shared/fragment.clh"
 #include "shared/state.clh"
 #include "stages/leaf_windows.clh"
-#include "stages/sums.clh"
+#include "stages/payload.clh"
 
 #ifdef SVO_GATHERED
 
@@ -36,38 +36,6 @@
 #else
 #define SVO_AND_AREAS(type, name)
 #endif
-
-/* The payload arrays that are written; NULL where a variant has none. */
-typedef struct svo_payload {
-    __global uint *colors;
-    __global short *normals;
-    __global ushort *fills;
-} svo_payload;
-
-/* node: counted from the first node that has payload. */
-static void svo_store_payload(svo_sums sums, uint node, svo_payload payload, uint fill_shift)
-{
-    SVO_UNUSED(fill_shift);
-#ifdef SVO_COLOR
-    const uint4 mean = svo_mean_color(sums.color, sums.weight);
-    payload.colors[node] = mean.x | mean.y << 8 | mean.z << 16 | mean.w << 24;
-#endif
-#ifdef SVO_NORMAL
-    const int3 normal = svo_mean_normal((long3)(sums.x, sums.y, sums.z), sums.weight);
-    vstore3(convert_short3(normal), node, payload.normals);
-#endif
-#ifdef SVO_FILL
-    payload.fills[node] = svo_fill_of(sums.weight, fill_shift);
-#endif
-}
-
-/* There is no level above to write the root's payload, so the work-item that sums up the root writes it. */
-static void svo_store_root(svo_sums sums, uint node, svo_payload payload, uint fill_shift)
-{
-    if (node == 0u && sums.weight != 0) {
-        svo_store_payload(sums, 0u, payload, fill_shift + 2u);
-    }
-}
 
 #ifdef SVO_PAIR_LANES
 
