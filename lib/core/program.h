@@ -103,8 +103,10 @@ typedef struct svo_i_argument {
 /* Sets all arguments, in order. */
 svo_status svo_i_kernel_set(svo_device *device, const char *function, cl_kernel kernel, const svo_i_argument *arguments,
                             cl_uint argument_count);
+SVO_I_SHARED_BEGIN
 /* Sets arguments from first_index on. */
 svo_status svo_i_kernel_set_from(svo_device *device, const char *function, cl_kernel kernel, cl_uint first_index,
                                  const svo_i_argument *arguments, cl_uint argument_count);
+SVO_I_SHARED_END
 
 #endif

@@ -14,6 +14,7 @@
 #include "core/struct_size.h"
 #include "parts/format.h"
 #include "parts/job.h"
+#include "parts/split.h"
 #include "plan/host_copy.h"
 
 #define NODES_MAX 4294967294.0

@@ -215,7 +215,7 @@ static int write_plan(const svo_parts *parts, plan_head *head, const char *path)
         error = put_plan(parts, head, &hash, &output);
     }
     if (error == 0) {
-        error = svo_i_output_commit(&output);
+        error = svo_i_output_commit_unflushed(&output);
     }
     svo_i_output_abandon(&output);
     return error;

@@ -115,7 +115,7 @@ static svo_status finish_file(triangle_file *file, uint64_t *hash)
     const uint64_t sum = XXH3_64bits_digest(file->hash);
     int error = svo_i_output_write(&file->output, &sum, sizeof sum);
     if (error == 0) {
-        error = svo_i_output_commit(&file->output);
+        error = svo_i_output_commit_unflushed(&file->output);
     }
     if (hash != NULL) {
         *hash = sum;

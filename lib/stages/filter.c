@@ -337,7 +337,7 @@ static svo_status filter_levels(filterer *f)
     bool is_top = false;
     for (uint32_t level = f->leaf_sums ? depth : depth - 1; level-- > last_level && !is_top;) {
         const unsigned odd = (depth - level) % 2;
-        is_top = level <= SVO_TOP_LEVEL;
+        is_top = f->pairs && level <= SVO_TOP_LEVEL;
         svo_i_params_of_level(&f->params, &f->build->tree->info, level);
         SVO_I_TRY(filter_level(f, &f->sums[1 - odd], &f->sums[odd], is_top));
     }
