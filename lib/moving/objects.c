@@ -7,7 +7,6 @@
 #include "core/struct_size.h"
 #include "moving/mesh.h"
 
-/* The static mesh, in messages about objects. */
 static const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
 /* ---- making ---- */
