@@ -69,7 +69,7 @@ static bool cut_vertices(const svo_mesh *mesh, moving_run *run)
     const uint32_t *from = run->object.indices;
     uint32_t first = UINT32_MAX;
     uint32_t last = 0;
-    run->indices = malloc(corners * sizeof *run->indices);
+    run->indices = malloc((corners + 1) * sizeof *run->indices);
     for (size_t i = 0; i < corners; ++i) {
         first = from[i] < first ? from[i] : first;
         last = from[i] > last ? from[i] : last;

@@ -118,7 +118,7 @@ static int make_actors(animation *film)
     const size_t still_count = film->file.instance_count - film->file.motion_count;
     size_t first[2] = {0, 0};
     bool fits = true;
-    film->actors = calloc(film->file.motion_count, sizeof *film->actors);
+    film->actors = calloc(film->file.motion_count + 1, sizeof *film->actors);
     film->actor_count = film->actors != NULL ? film->file.motion_count : 0;
     for (size_t i = 0; i < film->file.instance_count && film->actors != NULL; ++i) {
         const svo_mesh *part = part_of(film, i);
@@ -184,8 +184,9 @@ static void grow_by_actor(box *b, const actor *one, const double m[12])
     for (size_t v = 0; v < one->mesh.vertex_count; ++v) {
         const double *p = one->mesh.positions_double + v * 3;
         double q[3];
-        for (int k = 0; k < 3; ++k) {
-            q[k] = m[4 * k] * p[0] + m[4 * k + 1] * p[1] + m[4 * k + 2] * p[2] + m[4 * k + 3];
+        for (size_t k = 0; k < 3; ++k) {
+            const double *row = m + 4 * k;
+            q[k] = row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3];
         }
         grow(b, q);
     }
