@@ -68,7 +68,7 @@ typedef struct svo_paged_info {
     uint64_t page_count; /**< of the whole tree */
     uint64_t file_bytes; /**< length of the file */
     uint64_t device_bytes; /**< of the buffers on the device, all of them: at most what was given */
-    uint64_t least_bytes; /**< what would have to be given at least */
+    uint64_t least_bytes; /**< of the buffers with the upper levels and room for the largest page alone */
     uint64_t whole_bytes; /**< of the buffers where all pages have room */
     uint64_t open_read_bytes; /**< that were read by svo_paged_open */
 } svo_paged_info;
@@ -98,7 +98,8 @@ typedef struct svo_paged_counts {
 
 /** Opens a .svo file of version 3 whose chunks are not compressed, checks it and reads its upper levels.
  *
- * Beside the buffers, the host holds about 20 bytes for each page, 4 bytes for each page and level, and one page.
+ * Beside the buffers, the host holds 32 bytes for each page of the tree, 4 bytes for each page and level, and at
+ * most a few MB of pages on their way.
  *
  * \param device that draws; must outlive the paged tree
  * \param path of the file, which stays open
