@@ -27,7 +27,7 @@ pytestmark = pytest.mark.skipif(not svocl.has_io, reason="built without svocl::i
 DEPTH = 6
 PART_BYTES = 200 << 10
 FAULTS = os.path.join(os.path.dirname(__file__), "worker_faults.py")
-SECONDS = 40
+SECONDS = 120
 """Every wait of the tests ends."""
 
 
@@ -58,7 +58,7 @@ class Pool:
 
     def __init__(self, folder, address=None):
         self.folder, self.address, self.processes = folder, address, []
-        self.environment = dict(os.environ, DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL="1s")
+        self.environment = dict(os.environ)
         self.environment["DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES"] = "1"
         self.environment["DASK_DISTRIBUTED__SCHEDULER__WORKER_SATURATION"] = "1.0"
         self.environment["DASK_TEMPORARY_DIRECTORY"] = str(folder)
@@ -84,7 +84,9 @@ class Pool:
             )
         return self.processes[-1]
 
-    def scheduler(self, host="127.0.0.1"):
+    def scheduler(self, host="127.0.0.1", ttl="30s"):
+        """ttl: after so long without a word from a worker it is given up, but never before 5 s."""
+        self.environment["DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL"] = ttl
         file = self.folder / f"scheduler{len(self.processes)}.json"
         command = ["distributed.cli.dask_scheduler", "--host", host, "--port", "0", "--scheduler-file", str(file)]
         process = self._start(command)
@@ -275,6 +277,7 @@ def test_a_part_that_kills_its_workers(pool, device, mesh, mesh_file, whole, tmp
 def test_a_worker_stopped(pool, mesh_file, whole, tmp_path):
     """The scheduler gives it up, and the other worker builds what it had. It does no harm when it goes on."""
     path = tmp_path / "tree.svo"
+    pool.scheduler(ttl="1s")
     stopped = pool.worker(f"at=2 signal={signal.SIGSTOP:d} slow=0.02")
     pool.worker("slow=0.02")
     code, _, errors = run(mesh_file, path, "--scheduler", pool.address)
@@ -354,7 +357,7 @@ def test_a_network_cut_and_restored(pool, mesh_file, whole, tmp_path):
     """Between the scheduler and its only worker: for a moment, and for so long that the worker is given up."""
     path = tmp_path / "tree.svo"
     with Network() as network, pool:
-        pool.scheduler("10.251.19.1")
+        pool.scheduler("10.251.19.1", ttl="1s")
         pool.worker("slow=0.05", nanny=True, within=network.within)
         job = start(mesh_file, path, "--scheduler", pool.address, "--no-shared-folder")
         for parts, seconds in ((5, 0.5), (15, 7)):
