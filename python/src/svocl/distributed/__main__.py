@@ -109,7 +109,8 @@ def plan_by_program(options: argparse.Namespace) -> None:
     if program is None:
         raise Failed(WRONG_USAGE, f"{options.mesh}: generated meshes need the program {options.program}; see --program")
     command = [program, "parts", "plan", options.mesh, "-d", str(options.depth), "-o", options.output, "--quiet"]
-    command += ["--coverage", options.coverage, "--weights", options.weights, "--max-memory", str(options.max_memory)]
+    command += ["--coverage", options.coverage, "--weights", options.weights]
+    command += ["--max-memory", str(options.max_memory)] if options.max_memory else []
     command += ["--need", ",".join(options.need)] if options.need else []
     command += ["--device", options.device] if options.device else []
     done = subprocess.run(command, stdin=subprocess.DEVNULL)
