@@ -449,6 +449,16 @@ static int commit_file(svo_i_output *output)
     return error;
 }
 
+/* A file that had a name from the start is on a file system without unnamed files. Those are network file systems, whose
+   other machines see what is flushed. */
+static int name_file_where_seen(svo_i_output *output)
+{
+    if (output->temporary[0] != '\0' && fsync(output->descriptor) != 0) {
+        return errno;
+    }
+    return name_file(output);
+}
+
 static int commit(svo_i_output *output, int (*finish)(svo_i_output *output))
 {
     int error = 0;
@@ -469,7 +479,7 @@ int svo_i_output_commit(svo_i_output *output)
 
 int svo_i_output_commit_unflushed(svo_i_output *output)
 {
-    return commit(output, name_file);
+    return commit(output, name_file_where_seen);
 }
 
 void svo_i_output_abandon(svo_i_output *output)

@@ -62,8 +62,8 @@ int svo_i_output_write_at(const svo_i_output *output, uint64_t offset, const voi
 /* Flushes, gives the file its name and closes. On failure nothing is left, and an old file is unchanged. */
 int svo_i_output_commit(svo_i_output *output);
 
-/* The same without flushing, for files that are made again if need be: after a crash of the machine the file may be
-   there with other bytes, so it must have a checksum. */
+/* The same without flushing to a local disk, for files that are made again if need be: after a crash of the machine the
+   file may be there with other bytes, so it must have a checksum. */
 int svo_i_output_commit_unflushed(svo_i_output *output);
 
 /* Closes and leaves nothing behind, except what has gone straight to its place. Does nothing when not open. */

@@ -455,6 +455,8 @@ static const rule rules[] = {
      "first level with payload, 0 to 16 (0: all levels)"},
     {"levels", '\0', OPTION_LEVELS, "L", read_count, FIELD(last_level), 1, SVO_DEPTH_MAX, NULL,
      "read levels 0 to L of a .svo file alone: a tree of depth L (all)"},
+    {"paged", '\0', OPTION_PAGED, "BYTES", read_bytes, FIELD(paged), 1, UINT64_MAX, NULL,
+     "draw a .svo file with so much of it on the device: 65536, 512M, 4G; the rest is read as rays need it (all)"},
     {"max-memory", '\0', OPTION_BUILD_COMMAND | OPTION_PARTS_COMMAND, "BYTES", read_bytes, FIELD(max_memory), 0,
      UINT64_MAX, NULL, "build in parts that take at most so much memory each: 65536, 512M, 4G (build: in one piece)"},
     {"resume", '\0', OPTION_BUILD_COMMAND, NULL, read_flag, FIELD(resume), 0, 0, NULL,

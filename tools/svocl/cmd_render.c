@@ -11,6 +11,7 @@
 #include "support/viewpoint.h"
 #include "svocl/commands.h"
 #include "svocl/render_light.h"
+#include "svocl/render_paged.h"
 #include "svocl/render_probes.h"
 #include "svocl/render_scene.h"
 
@@ -121,6 +122,9 @@ int command_render(program *state)
         return PROGRAM_WRONG_USAGE;
     }
     int exit_code = output_check(state, state->options.output_path);
+    if (exit_code == PROGRAM_DONE && state->options.paged > 0) {
+        return render_paged(state);
+    }
     if (exit_code == PROGRAM_DONE && state->options.through != 0) {
         return render_probes(state);
     }
