@@ -351,7 +351,7 @@ SVO_API svo_status svo_plan_create_from_buffers(svo_device *device, const svo_me
 SVO_API svo_status svo_plan_update_enqueue(svo_plan *plan, const svo_mesh *mesh, cl_command_queue queue,
                                            cl_uint num_wait, const cl_event *wait, cl_event *event);
 
-/** svo_plan_update_enqueue for vertices in OpenCL buffers, or in OpenGL buffers as svo_plan_create_from_buffers says.
+/** svo_plan_update_enqueue for vertices in OpenCL buffers. gl.h has svo_gl_plan_update_enqueue for those of OpenGL.
  *
  * \param plan with options.updatable, of floats
  * \param buffers views of positions, and of normals where the plan reads them, with the plan's vertex_count and

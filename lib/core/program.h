@@ -41,6 +41,7 @@ typedef enum svo_i_program_kind {
     SVO_I_PROGRAM_PROBE_TRACE, /* trace of probes */
     SVO_I_PROGRAM_PROBE_GATHER, /* gather of probes */
     SVO_I_PROGRAM_LIGHT, /* scan, and those of kernels/light that make and filter light */
+    SVO_I_PROGRAM_MOVING, /* scan, and those of kernels/moving */
     SVO_I_PROGRAM_KINDS
 } svo_i_program_kind;
 
