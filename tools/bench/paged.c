@@ -20,7 +20,7 @@ static const char table_id[] = "paged";
 #define HEIGHT       480u
 #define STOPS        24u
 #define STOPS_QUICK  6u
-#define PICTURES_MAX 32u /* at a stop */
+#define PICTURES_MAX 96u /* at a stop */
 #define TIMES_MAX    ((size_t)STOPS * PICTURES_MAX)
 #define PATH_BYTES   300
 
