@@ -232,18 +232,24 @@ static void test_every_cut(void **state)
     attributed_mesh_destroy(&made);
 }
 
-/* One part per parent of leaves. */
-static void test_deepest_cut(void **state)
+/* One part per parent of leaves, and hundreds of parts, alone and mixed with larger ones. */
+static void test_deepest_cuts(void **state)
 {
+    static const struct {
+        unsigned depth, triangles;
+        cut how;
+    } deepest[] = {{4, 12, {3, 0, false}}, {5, 2, {4, 0, false}}, {6, 4, {4, 3, false}}};
     attributed_mesh made;
     svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
-    attributed_mesh_create(8, 12, 0.0, &made);
     options.need = NEED_ALL;
-    job j = open_job(state, &made.mesh);
-    build_whole(&j, 4, &options);
-    cut_and_compare(&j, (cut){3, 0, false});
-    free(j.paths);
-    attributed_mesh_destroy(&made);
+    for (size_t i = 0; i < sizeof deepest / sizeof deepest[0]; ++i) {
+        attributed_mesh_create(8, deepest[i].triangles, 0.0, &made);
+        job j = open_job(state, &made.mesh);
+        build_whole(&j, deepest[i].depth, &options);
+        cut_and_compare(&j, deepest[i].how);
+        free(j.paths);
+        attributed_mesh_destroy(&made);
+    }
 }
 
 /* Triangles that reach outside a caller's grid, for each coverage and kind of weight. */
@@ -792,7 +798,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_cut),
-        cmocka_unit_test(test_deepest_cut),
+        cmocka_unit_test(test_deepest_cuts),
         cmocka_unit_test(test_coverages),
         cmocka_unit_test(test_payload_levels),
         cmocka_unit_test(test_depths),

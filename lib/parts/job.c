@@ -3,6 +3,7 @@
  * Builds the parts of a folder. What is done shows in the folder alone, so any process can go on: a part has a .part
  * file, or a .split file and then its children are built in its place, those that have triangles.
  */
+#define _POSIX_C_SOURCE 200809L
 #include "parts/job.h"
 
 #include <string.h>
