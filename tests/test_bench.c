@@ -339,8 +339,7 @@ static void workers_are_measured_beside_a_model(void **state)
     run_badly("$SVOCL bench parts --workers 2,", 2, "--workers '2,'");
     run_badly("$SVOCL bench parts --workers 65", 2, "--workers '65'");
     run_badly("$SVOCL bench build --workers 2", 2, "--workers");
-    cJSON *document =
-        run_json("$SVOCL bench parts --quick --repeat 1 --scenes statue:2000 --depths 5 --workers 3 --json");
+    cJSON *document = run_json("$SVOCL bench parts --quick --repeat 1 --scenes cube --depths 6 --workers 3 --json");
     const cJSON *table = table_of(document, "parts-workers");
     const cJSON *rows = cJSON_GetObjectItemCaseSensitive(table, "rows");
     static const unsigned workers[] = {1, 3, 4, 8, 16};
