@@ -237,6 +237,7 @@ cl_int __wrap_clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool
 cl_int __wrap_clEnqueueWriteBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset, size_t bytes,
                                    const void *from, cl_uint num_wait, const cl_event *wait, cl_event *event)
 {
+    notes.figures.written_bytes += bytes;
     notes.figures.waits += blocking != CL_FALSE ? 1 : 0;
     return __real_clEnqueueWriteBuffer(queue, buffer, blocking, offset, bytes, from, num_wait, wait, event);
 }

@@ -33,6 +33,7 @@ typedef struct counted {
     uint64_t launched_items; /* work-items of all launches of one dimension */
     uint64_t waits; /* calls of clWaitForEvents and clFinish, and blocking reads and writes */
     uint64_t read_bytes; /* that clEnqueueReadBuffer has brought to the host */
+    uint64_t written_bytes; /* that clEnqueueWriteBuffer has brought to the device */
     uint64_t failed_launches; /* as requested by counting_fail_launch */
 } counted;
 

@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "faults_scenario.h"
+#include "svocl/paged.h"
 #include "svocl/parts.h"
 
 /*
@@ -337,6 +338,28 @@ static svo_status run_parts(subject *of)
     return run_parts_of(of, PART_BYTES);
 }
 
+static svo_status run_parts_of_file_by(subject *of, uint64_t max_bytes)
+{
+    char folder[128];
+    svo_parts *parts = NULL;
+    svo_status status = SVO_OK;
+    (void)snprintf(folder, sizeof folder, "%s/parts", world.folder);
+    SVO_I_TRY(svo_parts_create_from_file(world.device, of->mesh_path, DEPTH, NULL, max_bytes, folder, &of->message));
+    SVO_I_TRY_CLEANUP(svo_parts_open(folder, &parts, &of->message));
+    SVO_I_TRY_CLEANUP(build_parts(of, parts));
+    digest_parts(of);
+    status = svo_parts_remove(folder, &of->message);
+cleanup:
+    svo_parts_close(&parts);
+    return status;
+}
+
+/* The same of a mesh file in blocks. */
+static svo_status run_parts_of_file(subject *of)
+{
+    return run_parts_of_file_by(of, PART_BYTES);
+}
+
 /* A part is split when memory runs out; the handle keeps the kernels that smaller parts need. */
 static void prepare_parts(subject *of)
 {
@@ -346,6 +369,88 @@ static void prepare_parts(subject *of)
         max_bytes /= 2;
     }
     is_done = true;
+}
+
+/* The same kernels, for a file of the folder. */
+static void prepare_parts_of_file(subject *of, const char *name)
+{
+    static char path[128];
+    uint64_t max_bytes = PART_BYTES;
+    (void)snprintf(path, sizeof path, "%s/%s", world.folder, name);
+    of->mesh_path = path;
+    while (run_parts_of_file_by(of, max_bytes) == SVO_OK) {
+        max_bytes /= 2;
+    }
+}
+
+static void prepare_parts_of_ply(subject *of)
+{
+    prepare_parts_of_file(of, "b.ply");
+}
+
+static void prepare_parts_of_stl(subject *of)
+{
+    prepare_parts_of_file(of, "b.stl");
+}
+
+/* ---- pages ---- */
+
+#define PAGED_PICTURES 4
+
+static uint64_t paged_bytes; /* not enough for all pages */
+
+static svo_status open_paged(uint64_t budget_bytes, svo_paged **out)
+{
+    const svo_paged_options options = {.struct_size = sizeof options, .page_levels = 2};
+    return svo_paged_open(world.device, world.tree_path, budget_bytes, &options, out);
+}
+
+static void prepare_paged(subject *of)
+{
+    svo_paged_info info = SVO_PAGED_INFO_INIT;
+    svo_paged *paged = NULL;
+    (void)of;
+    assert_int_equal(open_paged(UINT64_MAX, &paged), SVO_OK);
+    assert_int_equal(svo_paged_get_info(paged, &info), SVO_OK);
+    svo_paged_close(&paged);
+    paged_bytes = info.whole_bytes * 3 / 4;
+}
+
+/* Draws and updates from several sides. An update that fails may be repeated. */
+static svo_status fly_paged(subject *of, svo_paged *paged)
+{
+    static uint8_t rgba[PICTURE_SIDE * PICTURE_SIDE * 4];
+    svo_render_options options = {.struct_size = sizeof options,
+                                  .width = PICTURE_SIDE,
+                                  .height = PICTURE_SIDE,
+                                  .camera = {{0, 0, 0}, {0.5F, 0.5F, 0.5F}, {0, 1, 0}, 0.7F}};
+    svo_paged_counts counts = SVO_PAGED_COUNTS_INIT;
+    for (int i = 0; i < PAGED_PICTURES; ++i) {
+        options.camera.eye[0] = i % 2 == 0 ? -1.5F : 2.5F;
+        options.camera.eye[2] = i < 2 ? 3.0F : -2.0F;
+        TRY_TOLD(svo_paged_render(paged, &options, rgba));
+        digest(of, rgba, sizeof rgba);
+        const svo_status status = told(of, world.device, svo_paged_update(paged));
+        if (status != SVO_OK) {
+            faults_spare(true);
+            assert_int_equal(svo_paged_update(paged), SVO_OK);
+            assert_int_equal(svo_paged_render(paged, &options, rgba), SVO_OK);
+            faults_spare(false);
+            return status;
+        }
+    }
+    (void)svo_paged_get_counts(paged, &counts);
+    digest(of, &counts, sizeof counts);
+    return counts.all_read_pages > 0 ? SVO_OK : SVO_INTERNAL;
+}
+
+static svo_status run_paged(subject *of)
+{
+    svo_paged *paged = NULL;
+    TRY_TOLD(open_paged(paged_bytes, &paged));
+    const svo_status status = fly_paged(of, paged);
+    svo_paged_close(&paged);
+    return status;
 }
 
 static const scenario rows[] = {
@@ -361,6 +466,9 @@ static const scenario rows[] = {
     {"import_off", false, true, prepare_off, run_import, NULL, destroy_all},
     {"voxels", false, false, prepare_nothing, run_voxels, NULL, destroy_all},
     {"parts", false, false, prepare_parts, run_parts, NULL, destroy_all},
+    {"parts_of_ply", false, false, prepare_parts_of_ply, run_parts_of_file, NULL, destroy_all},
+    {"parts_of_stl", false, false, prepare_parts_of_stl, run_parts_of_file, NULL, destroy_all},
+    {"paged", false, false, prepare_paged, run_paged, NULL, destroy_all},
     {"save_kernels", false, false, prepare_nothing, run_save_kernels, NULL, destroy_all},
     {"load_kernels", false, false, prepare_nothing, run_load_kernels, NULL, destroy_all},
 };

@@ -350,6 +350,40 @@ static svo_status run_enqueue(subject *of)
     return enqueue_and_finish(of, of->workspace, of->tree, 0);
 }
 
+/* A scene with an object that comes, moves and goes. */
+static svo_status move_object(subject *of, svo_moving *moving)
+{
+    const double transform[12] = {0.5, 0, 0, 0.1, 0, 0.5, 0, 0.2, 0, 0, 0.5, 0.3};
+    uint32_t object = 0;
+    svo_mesh mesh;
+    TRY_TOLD(svo_moving_add(moving, &world.mesh.mesh, NULL, &object));
+    TRY_TOLD(svo_moving_update(moving, world.queue, NULL));
+    TRY_TOLD(svo_moving_set_transform(moving, object, transform));
+    TRY_TOLD(svo_moving_update(moving, world.queue, NULL));
+    TRY_TOLD(svo_moving_get_mesh(moving, &mesh));
+    TRY_TOLD(digest_tree(of, svo_moving_tree(moving)));
+    TRY_TOLD(svo_moving_remove(moving, object));
+    TRY_TOLD(svo_moving_update(moving, world.queue, NULL));
+    return told(of, world.device, digest_tree(of, svo_moving_tree(moving)));
+}
+
+static svo_status run_moving(subject *of)
+{
+    const svo_moving_options options = {.struct_size = sizeof options,
+                                        .need = (uint32_t)SVO_NEED_RAYS | (uint32_t)SVO_NEED_MATERIAL |
+                                                (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL,
+                                        .edge = 2.0,
+                                        .max_area = 100.0};
+    svo_moving *moving = NULL;
+    svo_status status = told(of, world.device,
+                             svo_moving_create(world.device, &world.mesh.mesh, DEPTH, &options, world.queue, &moving));
+    if (status == SVO_OK) {
+        status = move_object(of, moving);
+    }
+    svo_moving_destroy(&moving);
+    return status;
+}
+
 /*
  * Scenarios: rays and pictures.
  */
@@ -443,6 +477,7 @@ static const scenario rows[] = {
     {"build_short", false, false, prepare_short, run_build, NULL, destroy_all},
     {"build_chunks", false, false, prepare_chunks, run_build, NULL, destroy_all},
     {"plan_update", false, false, prepare_moving, run_update, NULL, destroy_all},
+    {"moving", false, false, prepare_nothing, run_moving, NULL, destroy_all},
     {"first_build", false, false, prepare_device, run_first_build, NULL, destroy_all},
     {"workspace", false, false, prepare_plan, run_workspace, NULL, destroy_all},
     {"enqueue", false, false, prepare_workspace, run_enqueue, NULL, destroy_all},

@@ -190,6 +190,38 @@ static svo_status run_gl_buffer(subject *of)
     return use_gl_buffer(of, SVO_GL_SHARE_COPY);
 }
 
+/* A plan of one triangle that OpenGL moves. */
+static void prepare_gl_update(subject *of)
+{
+    static const float corners[9] = {0.1F, 0.1F, 0.1F, 0.9F, 0.1F, 0.1F, 0.1F, 0.9F, 0.1F};
+    const svo_mesh mesh = {.struct_size = sizeof mesh, .positions = corners, .vertex_count = 3, .triangle_count = 1};
+    const svo_plan_options options = {.struct_size = sizeof options, .edge = 1.0, .updatable = 1};
+    if (svo_plan_create(world.device, &mesh, 4, &options, &of->plan) != SVO_OK) {
+        fail_msg("%s", svo_device_message(world.device));
+    }
+}
+
+static svo_status update_from(subject *of, svo_gl_share share)
+{
+    svo_gl_buffer *buffer = NULL;
+    svo_status status = SVO_OK;
+    TRY_TOLD(svo_gl_buffer_create(world.device, world.context, GL_BUFFER_BYTES, share, &buffer));
+    SVO_I_TRY_CLEANUP(pass_bytes(of, buffer, 1)); /* numbers beside 0 */
+    SVO_I_TRY_CLEANUP(
+        told(of, world.device, svo_gl_plan_update_enqueue(of->plan, buffer, NULL, world.queue, 0, NULL, NULL)));
+    SVO_I_TRY_CLEANUP(build_and_digest(of, world.cl));
+
+cleanup:
+    svo_gl_buffer_destroy(&buffer);
+    return status;
+}
+
+static svo_status run_gl_update(subject *of)
+{
+    SVO_I_TRY(update_from(of, SVO_GL_SHARE_AUTO));
+    return update_from(of, SVO_GL_SHARE_COPY);
+}
+
 static svo_status build_in_gl(subject *of, svo_gl *gl)
 {
     svo_tree *tree = NULL;
@@ -262,6 +294,7 @@ static const scenario rows[] = {
     {"gl_wrapped", true, false, prepare_wrapped, run_wrapped, NULL, cleanup_wrapped},
     {"gl_mesh_read", true, false, prepare_nothing, run_gl_mesh_read, NULL, destroy_all},
     {"gl_buffer", true, false, prepare_nothing, run_gl_buffer, NULL, destroy_all},
+    {"gl_update", true, false, prepare_gl_update, run_gl_update, NULL, destroy_all},
     {"gl_create", true, false, prepare_nothing, run_gl, NULL, destroy_all},
     {"gl_build_host", true, false, prepare_plan, run_gl_build_host, NULL, destroy_all},
     {"gl_build_copy", true, false, prepare_plan, run_gl_build_copy, NULL, destroy_all},

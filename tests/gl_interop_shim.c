@@ -246,28 +246,58 @@ static cl_int copy_to_cl(shared_object *object, cl_command_queue queue, cl_uint 
     return error;
 }
 
-static cl_int CL_API_CALL acquire(cl_command_queue queue, cl_uint count, const cl_mem *objects, cl_uint wait_count,
-                                  const cl_event *wait, cl_event *event)
+/* Calls one for each object, each after the one before; event: of the last. */
+static cl_int each_object(cl_command_queue queue, cl_uint count, const cl_mem *objects, cl_uint wait_count,
+                          const cl_event *wait, cl_event *event,
+                          cl_int (*one)(shared_object *, cl_command_queue, cl_uint, const cl_event *, cl_event *))
 {
-    shared_object *object = count == 1 ? find_object(objects[0]) : NULL;
-    if (object == NULL) {
-        return CL_INVALID_GL_OBJECT;
+    cl_event last = NULL;
+    cl_int error = count > 0 ? CL_SUCCESS : CL_INVALID_VALUE;
+    for (cl_uint i = 0; i < count; ++i) {
+        shared_object *object = find_object(objects[i]);
+        cl_event next = NULL;
+        const cl_int failed =
+            object == NULL ? CL_INVALID_GL_OBJECT
+                           : one(object, queue, last != NULL ? 1 : wait_count, last != NULL ? &last : wait, &next);
+        error = error == CL_SUCCESS ? failed : error;
+        if (last != NULL) {
+            clReleaseEvent(last);
+        }
+        last = next;
     }
-    expect_current();
+    if (event != NULL && error == CL_SUCCESS) {
+        *event = last;
+    } else if (last != NULL) {
+        clReleaseEvent(last);
+    }
+    return error;
+}
+
+static cl_int acquire_one(shared_object *object, cl_command_queue queue, cl_uint wait_count, const cl_event *wait,
+                          cl_event *event)
+{
     if (object->acquired) {
         violate("acquired twice");
     }
+    const cl_int copied = copy_to_cl(object, queue, wait_count, wait, event);
+    object->acquired = object->acquired_before = true;
+    return copied;
+}
+
+static cl_int CL_API_CALL acquire(cl_command_queue queue, cl_uint count, const cl_mem *objects, cl_uint wait_count,
+                                  const cl_event *wait, cl_event *event)
+{
+    expect_current();
     if (!shim.finished && shim.faults.extensions != NULL && strstr(shim.faults.extensions, "gl_event") == NULL) {
         violate("acquired without glFinish");
     }
-    const cl_int error = fault(shim.faults.acquire_error, shim.counts.acquired++);
+    shim.finished = false;
+    const cl_int error = fault(shim.faults.acquire_error, shim.counts.acquired);
+    shim.counts.acquired += count;
     if (error != CL_SUCCESS) {
         return error;
     }
-    const cl_int copied = copy_to_cl(object, queue, wait_count, wait, event);
-    shim.finished = false;
-    object->acquired = object->acquired_before = true;
-    return copied;
+    return each_object(queue, count, objects, wait_count, wait, event, acquire_one);
 }
 
 static cl_int copy_to_gl(const shared_object *object, cl_command_queue queue, cl_uint wait_count, const cl_event *wait,
@@ -287,20 +317,37 @@ static cl_int copy_to_gl(const shared_object *object, cl_command_queue queue, cl
     return error;
 }
 
-static cl_int CL_API_CALL release(cl_command_queue queue, cl_uint count, const cl_mem *objects, cl_uint wait_count,
-                                  const cl_event *wait, cl_event *event)
+static cl_int release_one(shared_object *object, cl_command_queue queue, cl_uint wait_count, const cl_event *wait,
+                          cl_event *event)
 {
-    shared_object *object = count == 1 ? find_object(objects[0]) : NULL;
-    if (object == NULL) {
-        return CL_INVALID_GL_OBJECT;
-    }
-    expect_current();
     if (!object->acquired) {
         violate("released without being acquired");
     }
     object->acquired = false;
-    const cl_int error = fault(shim.faults.release_error, shim.counts.released++);
-    return error != CL_SUCCESS ? error : copy_to_gl(object, queue, wait_count, wait, event);
+    ++shim.counts.released;
+    return copy_to_gl(object, queue, wait_count, wait, event);
+}
+
+/* What a failed call has not given back is not acquired either, and may be destroyed. */
+static cl_int fail_to_release_one(shared_object *object, cl_command_queue queue, cl_uint wait_count,
+                                  const cl_event *wait, cl_event *event)
+{
+    (void)queue;
+    (void)wait_count;
+    (void)wait;
+    (void)event;
+    ++shim.counts.released;
+    object->acquired = false;
+    return shim.faults.release_error;
+}
+
+static cl_int CL_API_CALL release(cl_command_queue queue, cl_uint count, const cl_mem *objects, cl_uint wait_count,
+                                  const cl_event *wait, cl_event *event)
+{
+    expect_current();
+    const cl_int error = fault(shim.faults.release_error, shim.counts.released);
+    return each_object(queue, count, objects, wait_count, wait, event,
+                       error == CL_SUCCESS ? release_one : fail_to_release_one);
 }
 
 static void *CL_API_CALL get_function(cl_platform_id platform, const char *name)
@@ -340,6 +387,7 @@ static svo_i_gl_handles glx_handles(void *native)
 static void APIENTRY note_finish(void)
 {
     shim.finished = true;
+    ++shim.counts.finishes;
     shim.honest.Finish();
 }
 

@@ -27,7 +27,8 @@ typedef struct shim_faults {
 } shim_faults;
 
 typedef struct shim_counts {
-    unsigned created, acquired, released; /* calls */
+    unsigned created, acquired, released; /* objects of calls */
+    unsigned finishes; /* of OpenGL */
     unsigned objects; /* alive */
     unsigned violations; /* calls with undefined behavior */
     const char *last_violation;

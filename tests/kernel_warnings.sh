@@ -27,7 +27,7 @@ for processor in x86-64 haswell; do
         bvh/subtree; do
         compile "-march=$processor" -DSVO_RANGES -DSVO_LISTS -DSVO_SORT -DSVO_COMPARE -DSVO_COLOR \
             -DSVO_NORMAL -DSVO_FILL -DSVO_WEIGHTS_AREA -DSVO_PAIR_LANES -DSVO_RAY_STREAMS -DSVO_CAST_TILES \
-            -DSVO_NARROW -DSVO_COLUMN_LANES -DSVO_MARK_BATCHES "kernels/$kernel.cl" ||
+            -DSVO_NARROW -DSVO_COLUMN_LANES -DSVO_ONE_WORKER "kernels/$kernel.cl" ||
             failed=1
     done
     for form in DESCRIPTOR IMPLIED SHARED; do

@@ -108,6 +108,8 @@ static void every_subject_adds_its_tables(void **state)
     expect_positive(table_of(document, "startup-needs"), "cold");
     expect_positive(table_of(document, "startup-needs"), "warm");
     expect_positive(table_of(document, "memory"), "tree per leaf");
+    expect_positive(table_of(document, "paged"), "picture");
+    expect_positive(table_of(document, "paged"), "complete stops");
     expect_positive(table_of(document, "compact-shared"), "per voxel");
     expect_positive(table_of(document, "e6-leaving-out"), "peak");
     assert_true(row_count_of(table_of(document, "light-stages")) > 3 * 5);

@@ -349,6 +349,37 @@ static void write_meshes(void)
                "\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}]}");
 }
 
+static void write_bytes(const char *name, const char *head, size_t head_bytes, const void *data, size_t data_bytes)
+{
+    char path[160];
+    (void)snprintf(path, sizeof path, "%s/%s", world.folder, name);
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(head, 1, head_bytes, file), head_bytes);
+    assert_int_equal(fwrite(data, 1, data_bytes, file), data_bytes);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* Files that are read in blocks: a facet and a quad. */
+static void write_binary_meshes(void)
+{
+    static const char ply[] = "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\n"
+                              "property float y\nproperty float z\nelement face 1\n"
+                              "property list int int vertex_indices\nend_header\n";
+    const struct {
+        float vertices[12];
+        int32_t face[5];
+    } quad = {{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, {4, 0, 1, 2, 3}};
+    const struct {
+        uint32_t count;
+        float facet[12];
+        char attribute[4];
+    } facets = {1, {0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0}, {0}};
+    const char head[80] = "binary";
+    write_bytes("b.ply", ply, sizeof ply - 1, &quad, sizeof quad);
+    write_bytes("b.stl", head, sizeof head, &facets, sizeof facets - 2);
+}
+
 static void make_kernel(void)
 {
     const char *sources[] = {svo_tree_kernel_source(), "kernel void empty(SVO_TREE_PARAMETERS) {}"};
@@ -450,6 +481,7 @@ static int open_world(void **state)
     (void)snprintf(world.report_path, sizeof world.report_path, "%s/report", world.folder);
     assert_int_equal(setenv(CHILD_REPORT_VARIABLE, world.report_path, 1), 0);
     write_meshes();
+    write_binary_meshes();
     make_kernel();
     subject of = {0};
     prepare_host_tree(&of);
@@ -489,8 +521,8 @@ static int close_world(void **state)
     svo_device_destroy(&world.device);
     remove_kernels();
     (void)rmdir(world.kernels_folder);
-    const char *const names[] = {"a.gltf", "a.obj", "a.mtl", "a.ppm", "a.ply", "a.stl",
-                                 "a.off",  "a.svo", "b.svo", "a.svc", "a.vox", "report"};
+    const char *const names[] = {"a.gltf", "a.obj", "a.mtl", "a.ppm", "a.ply", "a.stl", "b.ply",
+                                 "b.stl",  "a.off", "a.svo", "b.svo", "a.svc", "a.vox", "report"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         char path[160];
         (void)snprintf(path, sizeof path, "%s/%s", world.folder, names[i]);

@@ -60,6 +60,7 @@ extern const char svo_i_source_probes[];
 extern const char svo_i_source_probe_filter[];
 extern const char svo_i_source_probe_trace[];
 extern const char svo_i_source_probe_gather[];
+extern const char svo_i_source_moving[];
 
 typedef struct passed_argument {
     unsigned times; /* how often it was set since the last launch */
@@ -100,6 +101,8 @@ static size_t bytes_of_type(const char *type)
                  {"svo_bvh_params", sizeof(svo_bvh_params)},
                  {"svo_blocks_params", sizeof(svo_blocks_params)},
                  {"svo_filter_params", sizeof(svo_filter_params)},
+                 {"svo_moving_params", sizeof(svo_moving_params)},
+                 {"svo_node_params", sizeof(svo_node_params)},
                  {"svo_sort_params", sizeof(svo_sort_params)},
                  {"svo_bottom_up_params", sizeof(svo_bottom_up_params)},
                  {"float", sizeof(cl_float)},
@@ -602,6 +605,21 @@ static void shine_all(const fixture *opened, const svo_mesh *mesh)
     }
 }
 
+/* Two objects that move beside the mesh, with lists and materials. */
+static void move_all(const fixture *opened, const svo_mesh *mesh)
+{
+    const double transform[12] = {0.5, 0, 0, 0.1, 0, 0.5, 0, 0.1, 0, 0, 0.5, 0.1};
+    const svo_moving_options options = {
+        .struct_size = sizeof options, .need = PAYLOAD | (uint32_t)SVO_NEED_RAYS, .edge = 1.0, .max_area = 1e3};
+    svo_moving *moving = NULL;
+    uint32_t object = 0;
+    succeed(opened, svo_moving_create(opened->device, mesh, DEPTH, &options, opened->queue, &moving));
+    succeed(opened, svo_moving_add(moving, mesh, transform, &object));
+    succeed(opened, svo_moving_add(moving, mesh, NULL, &object));
+    succeed(opened, svo_moving_update(moving, opened->queue, NULL));
+    svo_moving_destroy(&moving);
+}
+
 /* Fails if a kernel defined in the source was never launched. Returns how many the source defines. */
 static size_t check_all_launched(const char *source)
 {
@@ -632,7 +650,8 @@ static void every_launch_matches_its_kernel(void **state)
         svo_i_source_scene_build,  svo_i_source_scene_bounds, svo_i_source_scene_trace, svo_i_source_scene_cast,
         svo_i_source_solid,        svo_i_source_light,        svo_i_source_photons,     svo_i_source_light_picture,
         svo_i_source_gather,       svo_i_source_light_shade,  svo_i_source_probes,      svo_i_source_probe_filter,
-        svo_i_source_probe_trace,  svo_i_source_probe_gather, svo_i_source_bvh,         svo_i_source_plan};
+        svo_i_source_probe_trace,  svo_i_source_probe_gather, svo_i_source_bvh,         svo_i_source_plan,
+        svo_i_source_moving};
     fixture opened;
     fixture_open_cl(&(fixture_options){.share = SVO_GL_SHARE_AUTO}, &opened);
     painted_mesh painted;
@@ -651,6 +670,7 @@ static void every_launch_matches_its_kernel(void **state)
     fill_all(&opened);
     light_all(&opened, tree.tree);
     shine_all(&opened, &painted.mesh);
+    move_all(&opened, &painted.mesh);
     for (size_t i = 0; i < sizeof sources / sizeof sources[0]; ++i) {
         assert_true(check_all_launched(sources[i]) > 0);
     }

@@ -244,8 +244,7 @@ static void projected_areas(void **state)
     options.need |= SVO_NEED_PROJECTED_AREA;
     measured_build(&sheet.mesh, DEPTH, &options, &full);
     assert_same_results(&less, &full);
-    assert_takes_less(&less, &full,
-                      FEWER_PEAK_BYTES | SAME_PEAK_BYTES | FEWER_TREE_BYTES | FEWER_KERNELS | OTHER_DEFINES);
+    assert_takes_less(&less, &full, FEWER_PEAK_BYTES | FEWER_TREE_BYTES | FEWER_KERNELS | OTHER_DEFINES);
     assert_only_less_leaves_out(&less, &full, "clipping");
     assert_only_full_has_buffer(&less, &full, "areas");
     assert_only_full_has_buffer(&less, &full, "vertices");
@@ -495,7 +494,7 @@ static void clipping_with_uniform_weights(void **state)
     assert_payload_is_exact(&sheet.mesh, &expected, &less.result);
     exact_destroy(&expected);
     assert_string_equal(less.result.nodes_hash, full.result.nodes_hash);
-    assert_takes_less(&less, &full, FEWER_PEAK_BYTES | SAME_PEAK_BYTES | OTHER_DEFINES);
+    assert_takes_less(&less, &full, FEWER_PEAK_BYTES | OTHER_DEFINES);
     assert_only_less_leaves_out(&less, &full, "clipping");
     assert_only_full_has_buffer(&less, &full, "vertices");
     assert_only_full_has_define(&less, &full, "SVO_WEIGHTS_AREA");

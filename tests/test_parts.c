@@ -232,18 +232,24 @@ static void test_every_cut(void **state)
     attributed_mesh_destroy(&made);
 }
 
-/* One part per parent of leaves. */
-static void test_deepest_cut(void **state)
+/* One part per parent of leaves, and hundreds of parts, alone and mixed with larger ones. */
+static void test_deepest_cuts(void **state)
 {
+    static const struct {
+        unsigned depth, triangles;
+        cut how;
+    } deepest[] = {{4, 12, {3, 0, false}}, {5, 2, {4, 0, false}}, {6, 4, {4, 3, false}}};
     attributed_mesh made;
     svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
-    attributed_mesh_create(8, 12, 0.0, &made);
     options.need = NEED_ALL;
-    job j = open_job(state, &made.mesh);
-    build_whole(&j, 4, &options);
-    cut_and_compare(&j, (cut){3, 0, false});
-    free(j.paths);
-    attributed_mesh_destroy(&made);
+    for (size_t i = 0; i < sizeof deepest / sizeof deepest[0]; ++i) {
+        attributed_mesh_create(8, deepest[i].triangles, 0.0, &made);
+        job j = open_job(state, &made.mesh);
+        build_whole(&j, deepest[i].depth, &options);
+        cut_and_compare(&j, deepest[i].how);
+        free(j.paths);
+        attributed_mesh_destroy(&made);
+    }
 }
 
 /* Triangles that reach outside a caller's grid, for each coverage and kind of weight. */
@@ -592,6 +598,17 @@ static size_t count_parts(const job *j, const char *folder)
     return count;
 }
 
+static bool is_built(const job *j, const char *folder, size_t index)
+{
+    svo_parts *parts = NULL;
+    svo_message message;
+    int answer = 0;
+    check(j, svo_parts_open(folder, &parts, &message), &message);
+    check(j, svo_parts_is_built(parts, index, &answer, &message), &message);
+    svo_parts_close(&parts);
+    return answer != 0;
+}
+
 /* Any limit gives the same file, in positions of either width. */
 static void test_folders(void **state)
 {
@@ -627,7 +644,62 @@ static void test_folders(void **state)
     attributed_mesh_destroy(&made);
 }
 
-/* A part that a device has too little memory for is split while it is built. */
+/* Flips a bit of a file's last byte. */
+static void damage_end(const char *path)
+{
+    size_t bytes = 0;
+    char *content = read_file(path, &bytes);
+    content[bytes - 1] = (char)(content[bytes - 1] ^ 1);
+    write_file(path, content, bytes);
+    free(content);
+}
+
+/* Parts that change after they were built are found while they are put together, the file stays as it was, and the next
+   build replaces them. */
+static void test_parts_that_change(void **state)
+{
+    attributed_mesh made;
+    svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+    svo_message message;
+    svo_parts *parts = NULL;
+    char folder[PATH_BYTES];
+    char whole[PATH_BYTES];
+    char out[PATH_BYTES];
+    char path[PATH_BYTES + 48];
+    attributed_mesh_create(21, 100, 0.0, &made);
+    path_of("folder", folder);
+    path_of("whole.svo", whole);
+    path_of("parts.svo", out);
+    job j = open_job(state, &made.mesh);
+    build_whole(&j, 5, &options);
+    check(&j, svo_parts_create(j.opened.device, &made.mesh, 5, &options, 400000, folder, &message), &message);
+    build_folder(&j, j.opened.device, folder);
+    check(&j, svo_parts_open(folder, &parts, &message), &message);
+    assert_true(svo_parts_count(parts) > 1);
+    for (size_t i = 0; i < svo_parts_count(parts); ++i) {
+        svo_parts_entry entry = SVO_PARTS_ENTRY_INIT;
+        check(&j, svo_parts_get(parts, i, &entry, &message), &message);
+        (void)snprintf(path, sizeof path, "%s/%u-%llx.part", folder, entry.level, (unsigned long long)entry.code);
+        damage_end(path);
+        write_file(out, "before", 6);
+        assert_int_equal(svo_parts_finish(parts, out, &message), SVO_FILE_DAMAGED);
+        assert_non_null(strstr(message.text, path));
+        size_t bytes = 0;
+        char *content = read_file(out, &bytes);
+        assert_int_equal(bytes, 6);
+        assert_memory_equal(content, "before", 6);
+        free(content);
+        check(&j, svo_parts_build(parts, i, j.opened.device, NULL, NULL, &message), &message);
+    }
+    svo_parts_close(&parts);
+    finish_folder(&j, folder, out);
+    assert_same_files(whole, out);
+    check(&j, svo_parts_remove(folder, &message), &message);
+    free(j.paths);
+    attributed_mesh_destroy(&made);
+}
+
+/* A part that a device has too little memory for is split while it is built. A damaged note of that counts as none. */
 static void test_small_devices(void **state)
 {
     attributed_mesh made;
@@ -652,9 +724,15 @@ static void test_small_devices(void **state)
     limited.max_device_bytes = 3000000;
     check(&j, svo_device_create_default(&limited, &device, &message), &message);
     build_folder(&j, device, folder);
-    svo_device_destroy(&device);
     (void)snprintf(split, sizeof split, "%s/0-0.split", folder);
     assert_int_equal(access(split, F_OK), 0);
+    finish_folder(&j, folder, parts);
+    assert_same_files(whole, parts);
+    damage_end(split);
+    assert_false(is_built(&j, folder, 0));
+    build_folder(&j, device, folder);
+    assert_true(is_built(&j, folder, 0));
+    svo_device_destroy(&device);
     finish_folder(&j, folder, parts);
     assert_same_files(whole, parts);
     check(&j, svo_parts_remove(folder, &message), &message);
@@ -720,7 +798,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_cut),
-        cmocka_unit_test(test_deepest_cut),
+        cmocka_unit_test(test_deepest_cuts),
         cmocka_unit_test(test_coverages),
         cmocka_unit_test(test_payload_levels),
         cmocka_unit_test(test_depths),
@@ -733,6 +811,7 @@ int main(void)
         cmocka_unit_test(test_bad_requests),
         cmocka_unit_test(test_trees_of_parts),
         cmocka_unit_test(test_folders),
+        cmocka_unit_test(test_parts_that_change),
         cmocka_unit_test(test_small_devices),
         cmocka_unit_test(test_damaged_folders),
     };

@@ -62,7 +62,7 @@ static bool plan_defines(const fixture *opened, const svo_mesh *mesh, const char
 
 static void each_path_has_its_kernels(void **state)
 {
-    static const char *const defines[] = {"-DSVO_MARK_BATCHES", "-DSVO_COLUMN_LANES"};
+    static const char *const defines[] = {"-DSVO_ONE_WORKER", "-DSVO_COLUMN_LANES"};
     const both *opened = *state;
     attributed_mesh made;
     attributed_mesh_create(1, 100, 0.1, &made);

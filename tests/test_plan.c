@@ -190,14 +190,18 @@ static const struct {
 
 static void assert_plan_has_what_is_needed(const svo_buffer_info *buffers, size_t count, uint32_t need)
 {
-    static const char *const always[] = {"mesh_vertices", "mesh_indices",    "mesh_items",       "mesh_tiles",
-                                         "counters",      "fragments",       "blocks",           "block_ranks",
-                                         "state",         "child_mask_pool", "first_child_pool", "child_mask",
-                                         "first_child",   "partials"};
+    static const char *const always[] = {"mesh_items",       "mesh_tiles",  "counters",    "fragments",
+                                         "blocks",           "block_ranks", "state",       "child_mask_pool",
+                                         "first_child_pool", "child_mask",  "first_child", "partials"};
     size_t expected_count = sizeof always / sizeof always[0];
     for (size_t i = 0; i < sizeof always / sizeof always[0]; ++i) {
         assert_true(has_buffer(buffers, count, always[i]));
     }
+    /* Under these names where the voxelizer alone reads them. */
+    assert_int_equal(has_buffer(buffers, count, "mesh_vertices"), !has_buffer(buffers, count, "vertices"));
+    assert_int_equal(has_buffer(buffers, count, "mesh_indices"), !has_buffer(buffers, count, "indices"));
+    expected_count += has_buffer(buffers, count, "vertices") ? 0 : 1;
+    expected_count += has_buffer(buffers, count, "indices") ? 0 : 1;
     for (size_t i = 0; i < sizeof optional_buffers / sizeof optional_buffers[0]; ++i) {
         const bool needed = (need & optional_buffers[i].needs) != 0;
         if (has_buffer(buffers, count, optional_buffers[i].name) != needed) {

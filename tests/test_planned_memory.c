@@ -69,6 +69,64 @@ static void chunked_and_grown_lists_allocate_the_planned_buffers(void **state)
     attributed_mesh_destroy(&made);
 }
 
+static uint64_t bytes_of(const measured *taken, const char *name)
+{
+    const svo_buffer_info *found = measured_buffer(taken, name);
+    return found != NULL ? found->bytes : 0;
+}
+
+/* The bytes of all arrays that the host fills. */
+static uint64_t uploaded_bytes(const measured *taken)
+{
+    static const char *const names[] = {
+        "mesh_vertices", "mesh_indices", "mesh_items",    "mesh_tiles",       "vertices",
+        "indices",       "triangle_ids", "positions",     "positions_double", "records",
+        "uvs",           "texels",       "vertex_colors", "vertex_normals",   "material_records"};
+    uint64_t bytes = 0;
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        bytes += bytes_of(taken, names[i]);
+    }
+    return bytes;
+}
+
+/* The voxelizer, the payload and the tree share the snapped mesh: no byte of it crosses to the device twice, also where
+   the list is made again. */
+static void the_mesh_is_uploaded_once(void **state)
+{
+    (void)state;
+    static const struct {
+        uint32_t need;
+        svo_weights weights;
+        uint64_t fragment_capacity;
+    } requests[] = {
+        {SVO_NEED_NONE, SVO_WEIGHTS_AREA, 0},  {SVO_NEED_RAYS, SVO_WEIGHTS_AREA, 0},
+        {SVO_NEED_COLOR, SVO_WEIGHTS_AREA, 0}, {SVO_NEED_COLOR, SVO_WEIGHTS_UNIFORM, 0},
+        {SVO_NEED_ALL, SVO_WEIGHTS_AREA, 0},   {SVO_NEED_ALL, SVO_WEIGHTS_AREA, 100},
+    };
+    static const uint64_t counts_bytes = 4096; /* what a build writes besides arrays */
+    attributed_mesh made;
+    attributed_mesh_create(7, 2000, 0.02, &made);
+    for (size_t i = 0; i < sizeof requests / sizeof requests[0] * BUILDERS; ++i) {
+        const size_t r = i / BUILDERS;
+        const svo_plan_options options = {.need = requests[r].need,
+                                          .weights = requests[r].weights,
+                                          .builder = builders[i % BUILDERS],
+                                          .fragment_capacity = requests[r].fragment_capacity,
+                                          .edge = 1.0,
+                                          .place = SVO_PLACE_HOST};
+        measured taken;
+        measured_build(&made.mesh, 5, &options, &taken);
+        const uint64_t written = counting_read().written_bytes;
+        assert_int_equal(taken.result.report.reruns > 0, requests[r].fragment_capacity > 0);
+        assert_int_equal(bytes_of(&taken, "vertices") + bytes_of(&taken, "mesh_vertices"), made.mesh.vertex_count * 12);
+        assert_in_range(bytes_of(&taken, "indices") + bytes_of(&taken, "mesh_indices"), 1,
+                        made.mesh.triangle_count * 12); /* of kept triangles */
+        assert_in_range(written, uploaded_bytes(&taken), uploaded_bytes(&taken) + counts_bytes);
+        measured_destroy(&taken);
+    }
+    attributed_mesh_destroy(&made);
+}
+
 /* Upper limits, at depth 9, with everything requested. */
 static void tiny_scenes_need_little_memory(void **state)
 {
@@ -109,6 +167,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_request_allocates_the_planned_buffers),
         cmocka_unit_test(chunked_and_grown_lists_allocate_the_planned_buffers),
+        cmocka_unit_test(the_mesh_is_uploaded_once),
         cmocka_unit_test(tiny_scenes_need_little_memory),
     };
     return cmocka_run_group_tests_name("planned memory", tests, NULL, NULL);

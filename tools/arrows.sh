@@ -12,7 +12,9 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 # The rooms of each tree in their order. A room in parentheses stands beside the one before it: neither includes the
 # other.
-readonly lib_rooms='output core plan commands stages build (io (voxels (rays compact (parts solid (scene (light probes'
+lib_rooms='output core plan commands stages build (io (voxels (rays '
+lib_rooms+='compact (moving (parts (paged solid (scene (light probes'
+readonly lib_rooms
 readonly glinterop_rooms='context share raster compute frontend'
 readonly tools_rooms='scenes (reference support measure stress (bench (errors (report (web (view svocl (snapshot'
 

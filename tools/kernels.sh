@@ -10,7 +10,7 @@
 readonly stack_limits=tools/kernel_stacks.txt
 readonly stack_targets="nvptx64 amdgcn" libclc=/usr/lib/clc
 # What selects the kernels of CPUs.
-readonly cpu_defines='PAIR_LANES COLUMN_LANES MARK_BATCHES CAST_TILES RAY_STREAMS'
+readonly cpu_defines='PAIR_LANES COLUMN_LANES ONE_WORKER CAST_TILES RAY_STREAMS'
 
 # Lines of a kernel file, a tab and the names of defines without their SVO_: all that are checked, also those that
 # change nothing in the file. No kernel uses all of its helpers.
@@ -21,7 +21,7 @@ all_variants()
         "$lists CODE48 COLOR VERTEX_COLOR TEXTURE NORMAL VERTEX_NORMAL WEIGHTS_CENTER SCENE_TRIANGLES AREAS" \
         'COLOR NORMAL WEIGHTS_AREA AREAS' 'SORT NO_TEST CAST_TILES RAY_STREAMS COLOR NORMAL' \
         'COLOR VERTEX_COLOR TEXTURE NORMAL VERTEX_NORMAL WEIGHTS_AREA AREAS PAIR_LANES' \
-        'COLOR NORMAL CODE48 WEIGHTS_CENTER PAIR_LANES' 'NARROW COLUMN_LANES MARK_BATCHES COUNT_HITS' \
+        'COLOR NORMAL CODE48 WEIGHTS_CENTER PAIR_LANES' 'NARROW COLUMN_LANES ONE_WORKER COUNT_HITS' \
         'NARROW COLUMN_LANES CODE48' 'NARROW THIN' 'WIDE CODE48' 'WIDE CODE48 THIN'; do
         # Kernels that read light need a form.
         find kernels -name '*.cl' -printf "%p\t$names LIGHT_FACES\n"
@@ -31,6 +31,8 @@ all_variants()
         printf "%s\tCOLOR NORMAL $form\n" kernels/rays/{render,trace_voxels,view}.cl \
             kernels/scene/{bounds,render,trace}.cl kernels/compact/expand.cl
     done
+    # What paged trees are read by.
+    printf "%s\tCOLOR NORMAL READ_PAGED\n" kernels/rays/{render,view}.cl
     # What light is stored in.
     for form in LIGHT_{FACES,BRICKS,VOXELS}{,' LIGHT_AREA',' LIGHT_LOBES'," $picture"}; do
         find kernels/light -name '*.cl' -printf "%p\t$form\n"

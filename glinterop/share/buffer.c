@@ -1,23 +1,34 @@
 /* SPDX-License-Identifier: MIT */
-/* Buffers of callers: kernels of theirs or of svocl write them, and OpenGL reads. */
+/* Buffers of callers: kernels of theirs or of svocl write them, and OpenGL reads; or the other way (update.c). */
+#include "share/buffer.h"
+
 #include "core/message.h"
 #include "core/struct_size.h"
-#include "share/probe.h"
-#include "share/share.h"
+#include "share/share_host.h"
 
-struct svo_gl_buffer {
-    svo_i_share_buffer shared;
-    svo_i_share_reasons reasons;
-    bool is_in_cl; /* between svo_gl_buffer_to_cl and svo_gl_buffer_to_gl */
-};
-
-/* Names the public function in the message of a failure inside. */
-static svo_status named(svo_device *device, const char *function, svo_status status)
+svo_status svo_i_gl_buffer_named(svo_device *device, const char *function, svo_status status)
 {
     if (status != SVO_OK) {
         svo_i_message_rename(&device->message, function);
     }
     return status;
+}
+
+void svo_i_gl_buffer_settle(svo_gl_buffer *buffer)
+{
+    if (buffer->released != NULL) {
+        (void)svo_i_event_settle(buffer->released);
+        clReleaseEvent(buffer->released);
+        buffer->released = NULL;
+    }
+}
+
+/* Maps the memory of a buffer that OpenGL is to write first. */
+static svo_status give_to_gl(svo_i_share_buffer *shared, const char *function)
+{
+    cl_command_queue queue = NULL;
+    SVO_I_TRY(svo_i_device_queue(shared->device, function, NULL, &queue));
+    return svo_i_share_host_map(shared, CL_MAP_READ | CL_MAP_WRITE, queue);
 }
 
 svo_status svo_gl_buffer_create(svo_device *device, svo_gl_context *context, size_t bytes, svo_gl_share share,
@@ -41,13 +52,16 @@ svo_status svo_gl_buffer_create(svo_device *device, svo_gl_context *context, siz
         return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the handle", function);
     }
     SVO_I_TRY_CLEANUP(svo_i_share_choose(device, context, function, share, &buffer->reasons, &choice));
-    SVO_I_TRY_CLEANUP(
-        named(device, function, svo_i_share_buffer_create(device, context, choice, bytes, &buffer->shared)));
+    SVO_I_TRY_CLEANUP(svo_i_gl_buffer_named(
+        device, function, svo_i_share_buffer_create(device, context, choice, bytes, &buffer->shared)));
+    if (choice == SVO_GL_SHARE_HOST) {
+        SVO_I_TRY_CLEANUP(svo_i_gl_buffer_named(device, function, give_to_gl(&buffer->shared, function)));
+    }
     *out = buffer;
     buffer = NULL;
 
 cleanup:
-    svo_i_free(buffer);
+    svo_gl_buffer_destroy(&buffer);
     return status;
 }
 
@@ -56,6 +70,7 @@ void svo_gl_buffer_destroy(svo_gl_buffer **buffer)
     if (buffer == NULL || *buffer == NULL) {
         return;
     }
+    svo_i_gl_buffer_settle(*buffer);
     svo_i_share_buffer_destroy(&(*buffer)->shared);
     svo_i_free(*buffer);
     *buffer = NULL;
@@ -85,7 +100,8 @@ svo_status svo_gl_buffer_to_cl(svo_gl_buffer *buffer, cl_command_queue queue)
     }
     svo_device *device = buffer->shared.device;
     SVO_I_TRY(svo_i_device_queue(device, function, queue, &queue));
-    SVO_I_TRY(named(device, function, svo_i_share_buffer_begin_cl(&buffer->shared, queue)));
+    svo_i_gl_buffer_settle(buffer);
+    SVO_I_TRY(svo_i_gl_buffer_named(device, function, svo_i_share_buffer_begin_cl(&buffer->shared, queue)));
     buffer->is_in_cl = true;
     return SVO_OK;
 }
@@ -108,7 +124,7 @@ svo_status svo_gl_buffer_to_gl(svo_gl_buffer *buffer, size_t used_bytes, cl_comm
     if (error != CL_SUCCESS) {
         return svo_i_device_fail_cl(device, function, "clWaitForEvents", error);
     }
-    SVO_I_TRY(named(device, function, svo_i_share_buffer_end_cl(&buffer->shared, used_bytes, queue)));
+    SVO_I_TRY(svo_i_gl_buffer_named(device, function, svo_i_share_buffer_end_cl(&buffer->shared, used_bytes, queue)));
     buffer->is_in_cl = false;
     return SVO_OK;
 }

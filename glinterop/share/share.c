@@ -249,7 +249,7 @@ static svo_status end_cl_current(svo_i_share_buffer *buffer, size_t used_bytes, 
         return svo_i_share_interop_release(buffer);
     }
     if (buffer->share == SVO_GL_SHARE_HOST) {
-        return buffer->mapping_queue == NULL ? svo_i_share_host_map(buffer, CL_MAP_READ, queue) : SVO_OK;
+        return buffer->mapping_queue == NULL ? svo_i_share_host_map(buffer, CL_MAP_READ | CL_MAP_WRITE, queue) : SVO_OK;
     }
     if (used_bytes == 0) {
         return SVO_OK;

@@ -288,7 +288,8 @@ SVO_API const char *svo_gl_raster_reason(const svo_gl *gl, svo_gl_raster raster)
  * \returns "" if it works. Static or owned by gl. */
 SVO_API const char *svo_gl_share_reason(const svo_gl *gl, svo_gl_share share);
 
-/** A buffer that OpenCL writes and OpenGL reads: a picture of svo_tree_render_enqueue, hits, whatever kernels make.
+/** A buffer that OpenCL writes and OpenGL reads: a picture of svo_tree_render_enqueue, hits, whatever kernels make. Or
+ *  one that OpenGL writes and svo_gl_plan_update_enqueue reads.
  *
  *     svo_gl_buffer_to_cl(buffer, queue);
  *     svo_tree_render_enqueue(device, tree, &options, info.memory, queue, 0, NULL, &drawn);
@@ -319,7 +320,7 @@ typedef struct svo_gl_buffer_info {
  * \param context must outlive the result
  * \param bytes not 0, at most what both APIs allocate and a storage block of the context holds
  * \param share AUTO: the first way that works; a forced choice that does not work is an error, never a fallback
- * \param out receives the buffer, of undefined content, which the caller destroys
+ * \param out receives the buffer, of undefined content, OpenGL's at first, which the caller destroys
  * \returns SVO_UNSUPPORTED with the reason in svo_device_message, SVO_OUT_OF_DEVICE_MEMORY, SVO_NO_GL, SVO_GL_ERROR,
  *          SVO_CL_ERROR, SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_gl_buffer_create(svo_device *device, svo_gl_context *context, size_t bytes, svo_gl_share share,
@@ -361,6 +362,28 @@ SVO_API svo_status svo_gl_buffer_to_cl(svo_gl_buffer *buffer, cl_command_queue q
  * \returns SVO_INVALID_ARGUMENT, SVO_NO_GL, SVO_GL_ERROR or SVO_CL_ERROR on failure; the buffer then stays OpenCL's. */
 SVO_API svo_status svo_gl_buffer_to_gl(svo_gl_buffer *buffer, size_t used_bytes, cl_command_queue queue,
                                        cl_uint num_wait, const cl_event *wait);
+
+/** svo_plan_update_enqueue for vertices that OpenGL has written: by a compute shader, transform feedback or an upload,
+ *  in commands before the call. The buffers are OpenGL's before and after.
+ *
+ *     svo_gl_plan_update_enqueue(plan, positions, NULL, queue, 0, NULL, NULL);
+ *     svo_build_enqueue(workspace, tree, queue, 0, NULL, NULL);
+ *
+ * With "interop" nothing is waited for where the device has cl_khr_gl_event: OpenGL's later commands on this thread
+ * wait for the update. Elsewhere, and with "host" and "copy", the call waits for OpenGL and until the update has
+ * ended.
+ *
+ * \param plan with options.updatable, of floats; of the buffers' device
+ * \param positions not NULL: 3 floats per vertex, packed, from the buffer's offset_bytes on
+ * \param normals the same, where the plan reads normals; else NULL. Of the context and share of positions
+ * \param queue of the plan's device, in-order or out-of-order; NULL: the device's own
+ * \param num_wait number of events in wait
+ * \param wait events to wait for first; NULL when num_wait is 0
+ * \param event receives an event of the update; NULL allowed
+ * \returns what svo_plan_update_enqueue returns, and SVO_NO_GL or SVO_GL_ERROR. */
+SVO_API svo_status svo_gl_plan_update_enqueue(svo_plan *plan, svo_gl_buffer *positions, svo_gl_buffer *normals,
+                                              cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
+                                              cl_event *event);
 
 /** svo_build by compute shaders. The list is drawn by gl's front end and stays in OpenGL, where nodes, lists and
  *  payload are made; only the finished arrays go to OpenCL. The tree is the same, bit for bit. It serves to compare the

@@ -11,6 +11,7 @@
  * svo_parts_create does all of this in a folder, with parts that fit a number of bytes:
  *
  *     svo_parts_create          mesh -> folder: header, triangles by part, list of parts
+ *     svo_parts_create_from_file  the same of a file that is read in blocks
  *     svo_parts_open            folder -> svo_parts, in any process on any machine that sees the folder
  *     svo_parts_build           builds one part of the list, unless it is there
  *     svo_parts_finish          all parts are there -> the .svo file
@@ -91,7 +92,7 @@ SVO_API svo_status svo_part_check(const svo_part_header *header, const char *pat
 
 /** Puts parts together: writes the .svo file that svo_tree_save writes of the tree in one piece, byte for byte.
  *
- * Memory holds one level of one part at a time, and about 200 bytes per part and per node above the parts.
+ * Parts are read once, in blocks of 16 KiB. Memory holds about 200 bytes per part and per node above the parts.
  *
  * \param header of the tree
  * \param paths part_count part files, in any order; parts may have different levels but not overlap. Where no part is,
@@ -140,6 +141,27 @@ typedef struct svo_parts_entry {
 SVO_API svo_status svo_parts_create(svo_device *device, const svo_mesh *mesh, unsigned depth,
                                     const svo_plan_options *options, uint64_t max_bytes, const char *folder,
                                     svo_message *message);
+
+/** The same for a mesh file that is read in blocks, twice, so that the mesh is never in memory as a whole: binary STL,
+ *  and binary PLY with vertices and faces alone. The tree is the one that the file's import gives, byte for byte.
+ *  What an import leaves out with a warning is left out without one.
+ *
+ * Memory holds about 20 MB beside what the limit counts, however large the file is.
+ *
+ * \param device whose memory the parts are planned for
+ * \param path the file
+ * \param depth of the whole tree
+ * \param options of the whole tree, see svo_parts_create
+ * \param max_bytes for the buffers and the host's memory of one part's build; not 0
+ * \param folder is made where it is not there
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_UNSUPPORTED (another format, a file with textures, materials or strips, SVO_NEED_RAYS or
+ *          SVO_NEED_PROJECTED_AREA: the message has the reason, and svo_import_file with svo_parts_create does it),
+ *          SVO_IMPORT_FAILED (truncated, counts that the file is too short for, no triangles) and what
+ *          svo_parts_create returns. */
+SVO_API svo_status svo_parts_create_from_file(svo_device *device, const char *path, unsigned depth,
+                                              const svo_plan_options *options, uint64_t max_bytes, const char *folder,
+                                              svo_message *message);
 
 /** Opens a folder of svo_parts_create.
  *

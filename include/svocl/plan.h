@@ -351,7 +351,7 @@ SVO_API svo_status svo_plan_create_from_buffers(svo_device *device, const svo_me
 SVO_API svo_status svo_plan_update_enqueue(svo_plan *plan, const svo_mesh *mesh, cl_command_queue queue,
                                            cl_uint num_wait, const cl_event *wait, cl_event *event);
 
-/** svo_plan_update_enqueue for vertices in OpenCL buffers, or in OpenGL buffers as svo_plan_create_from_buffers says.
+/** svo_plan_update_enqueue for vertices in OpenCL buffers. gl.h has svo_gl_plan_update_enqueue for those of OpenGL.
  *
  * \param plan with options.updatable, of floats
  * \param buffers views of positions, and of normals where the plan reads them, with the plan's vertex_count and
@@ -409,8 +409,9 @@ SVO_API size_t svo_plan_buffer_count(const svo_plan *plan);
 /** An OpenCL buffer that a build allocates, in order of allocation.
  *
  * Before a build the list is predicted, with the front end of OpenCL alone. After a build it is exact, attempts that
- * were too small included. svo_workspace_create makes it the list of a workspace and a tree. With a front end of
- * OpenGL, mesh_vertices, mesh_indices, mesh_items, mesh_tiles and counters are missing, since they are in OpenGL's
+ * were too small included. svo_workspace_create makes it the list of a workspace and a tree. The snapped mesh is there
+ * once: vertices and indices, or mesh_vertices and mesh_indices where the voxelizer alone reads them. With a front end
+ * of OpenGL, mesh_vertices, mesh_indices, mesh_items, mesh_tiles and counters are missing, since they are in OpenGL's
  * memory, as is OpenGL's side of the list with share "copy". Small buffers that kernels are tried on when they are
  * compiled, before the build allocates, are not listed.
  *

@@ -11,6 +11,7 @@
  *     nodes       as places: boxes, codes, points  nodes.h
  *     rays        triangles, voxels, pictures      trace.h
  *     svo_compact smaller forms of a tree          compact.h
+ *     svo_moving  one tree of objects that move    moving.h
  *     svo_scene   many placed trees                scene.h
  *     svo_light   light in a tree, cones           light.h
  *     svo_probes  light field probes               probes.h
@@ -26,6 +27,7 @@
 #include "svocl/light.h"
 #include "svocl/memory.h"
 #include "svocl/mesh.h"
+#include "svocl/moving.h"
 #include "svocl/nodes.h"
 #include "svocl/plan.h"
 #include "svocl/probes.h"

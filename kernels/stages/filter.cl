@@ -10,7 +10,7 @@
  *   pairs.cl            elsewhere, per fragment: the leaves' sums
  *   svo_k_filter        per node of a level, from the deepest level upwards: writes its children's payload and its own
  *                       sums
- *   svo_k_filter_top    the same for the few nodes of the top levels, by one group
+ *   svo_k_filter_top    elsewhere than on CPUs, the same for the few nodes of the top levels, by one group
  *   svo_k_round_areas   per leaf, after all chunks: writes the leaf's projected areas from their sums
  *
  * Invariant: sums are 64-bit and are passed up unrounded; each node rounds once, half up. So the result depends neither
@@ -26,7 +26,7 @@
 #include "shared/fragment.clh"
 #include "shared/state.clh"
 #include "stages/leaf_windows.clh"
-#include "stages/sums.clh"
+#include "stages/payload.clh"
 
 #ifdef SVO_GATHERED
 
@@ -36,38 +36,6 @@
 #else
 #define SVO_AND_AREAS(type, name)
 #endif
-
-/* The payload arrays that are written; NULL where a variant has none. */
-typedef struct svo_payload {
-    __global uint *colors;
-    __global short *normals;
-    __global ushort *fills;
-} svo_payload;
-
-/* node: counted from the first node that has payload. */
-static void svo_store_payload(svo_sums sums, uint node, svo_payload payload, uint fill_shift)
-{
-    SVO_UNUSED(fill_shift);
-#ifdef SVO_COLOR
-    const uint4 mean = svo_mean_color(sums.color, sums.weight);
-    payload.colors[node] = mean.x | mean.y << 8 | mean.z << 16 | mean.w << 24;
-#endif
-#ifdef SVO_NORMAL
-    const int3 normal = svo_mean_normal((long3)(sums.x, sums.y, sums.z), sums.weight);
-    vstore3(convert_short3(normal), node, payload.normals);
-#endif
-#ifdef SVO_FILL
-    payload.fills[node] = svo_fill_of(sums.weight, fill_shift);
-#endif
-}
-
-/* There is no level above to write the root's payload, so the work-item that sums up the root writes it. */
-static void svo_store_root(svo_sums sums, uint node, svo_payload payload, uint fill_shift)
-{
-    if (node == 0u && sums.weight != 0) {
-        svo_store_payload(sums, 0u, payload, fill_shift + 2u);
-    }
-}
 
 #ifdef SVO_PAIR_LANES
 
@@ -101,6 +69,40 @@ svo_k_gather(__global const uint *fragments, __global const uint *links, __globa
     }
 }
 
+/* What svo_k_gather_level reads and writes besides the lists. */
+typedef struct svo_gathered {
+    __global const uchar *masks;
+    __global const uint *first_child;
+    svo_payload payload;
+    __global ulong *weights, *color_sums;
+    __global long *normal_sums;
+    __global ushort *areas;
+} svo_gathered;
+
+/* Sums up the leaves of some nodes of the level. lists: of those leaves; leaf: the first of them. */
+SVO_CALLED void svo_gather_nodes(svo_lists *lists, const svo_gathered *to, uint begin, uint end, uint leaf,
+                                 svo_filter_params params)
+{
+    for (uint index = begin; index < end; ++index) {
+        const uint node = params.level_begin + index;
+        const uint leaf_end = leaf + popcount((uint)to->masks[node]);
+        svo_sums sums = svo_no_sums();
+        for (; leaf < leaf_end; ++leaf) {
+            svo_sums part = svo_no_sums();
+            svo_lists_sum(lists, leaf - params.leaf_begin, params, &part);
+            svo_store_payload(part, leaf - params.payload_begin, to->payload, params.fill_shift);
+#ifdef SVO_AREAS
+            svo_store_areas(part.areas, leaf - params.leaf_begin, to->areas);
+#endif
+            sums = svo_join_sums(sums, part);
+        }
+        svo_store_sums(sums, index, to->weights, to->color_sums, to->normal_sums);
+        if (params.payload_begin == 0u) {
+            svo_store_root(sums, node, to->payload, params.fill_shift);
+        }
+    }
+}
+
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void svo_k_gather_level(
     __global const uint *fragments, __global const uint *links, __global const uint *heads,
     __global const int *vertices, __global const uint *indices, __global const svo_triangle_record *records,
@@ -117,30 +119,16 @@ __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void svo_k
         return;
     }
     const uint last = params.level_begin + end - 1u;
-    uint leaf = first_child[params.level_begin + begin];
+    const uint leaf = first_child[params.level_begin + begin];
     const uint last_leaf = first_child[last] + popcount((uint)masks[last]);
     const svo_surface surface = {vertices, indices, records, vertex_colors, vertex_normals, uvs, materials, texels};
     svo_lists lists;
     svo_lists_open(&lists, surface, fragments, links, heads, leaf - params.leaf_begin, last_leaf - params.leaf_begin);
-    const svo_payload payload = {colors, normals, fills};
-    for (uint index = begin; index < end; ++index) {
-        const uint node = params.level_begin + index;
-        const uint leaf_end = leaf + popcount((uint)masks[node]);
-        svo_sums sums = svo_no_sums();
-        for (; leaf < leaf_end; ++leaf) {
-            svo_sums part = svo_no_sums();
-            svo_lists_sum(&lists, leaf - params.leaf_begin, params, &part);
-            svo_store_payload(part, leaf - params.payload_begin, payload, params.fill_shift);
+    svo_gathered to = {masks, first_child, {colors, normals, fills}, weights, color_sums, normal_sums, 0};
 #ifdef SVO_AREAS
-            svo_store_areas(part.areas, leaf - params.leaf_begin, areas);
+    to.areas = areas;
 #endif
-            sums = svo_join_sums(sums, part);
-        }
-        svo_store_sums(sums, index, weights, color_sums, normal_sums);
-        if (params.payload_begin == 0u) {
-            svo_store_root(sums, node, payload, params.fill_shift);
-        }
-    }
+    svo_gather_nodes(&lists, &to, begin, end, leaf, params);
 }
 
 #endif
@@ -169,9 +157,9 @@ typedef struct svo_level_sums {
 } svo_level_sums;
 
 /* index: from the level's first node; payload is indexed from the first node that has payload. */
-static void svo_filter_node(uint index, __global const uchar *masks, __global const uint *first_child,
-                            svo_level_sums children, svo_level_sums nodes, svo_payload payload,
-                            svo_filter_params params)
+SVO_CALLED void svo_filter_node(uint index, __global const uchar *masks, __global const uint *first_child,
+                                svo_level_sums children, svo_level_sums nodes, svo_payload payload,
+                                svo_filter_params params)
 {
     const uint node = params.level_begin + index;
     const uint begin = first_child[node];

@@ -31,7 +31,6 @@
 
 #ifdef SVO_MATERIAL
 
-#define SVO_ENTRY_SHIFT 48
 /* Sorts after all materials, which are below 65535. */
 #define SVO_NO_ENTRY (~0UL)
 

@@ -27,8 +27,8 @@
  *   svo_k_find_leaves   once, where something reads the cursors: every fragment's leaf
  *
  * Launch: one work-item per fragment of a chunk or per block, rounded up to whole groups. Groups of the scan own
- * contiguous ranges of blocks; svo_k_scan_blocks is one group. On CPUs (SVO_MARK_BATCHES) the first work-item marks for
- * its group.
+ * contiguous ranges of blocks; svo_k_scan_blocks is one group. On CPUs (SVO_ONE_WORKER) the first work-item marks and
+ * scans for its group.
  * Reads the fragments; writes masks, first_child, cursors, blocks, ranks, and counts and overflow of the state.
  * Atomics: atomic_or sets bits. Bits are never cleared, so a bit that is read as set needs no atomic. A block is final
  * once the launch that marks its level has ended.
@@ -131,12 +131,12 @@ static svo_mark svo_mark_of(__global const uint *fragments, size_t index, __glob
     return mark;
 }
 
-#ifdef SVO_MARK_BATCHES
+#ifdef SVO_ONE_WORKER
 
 /* Marks the fragments from first to end, at most SVO_GROUP_ITEMS. Two loops, because whether a bit is missing cannot be
    predicted: the first has no branch that depends on it. */
-static void svo_mark_batch(__global const uint *fragments, size_t first, size_t end, volatile __global uint *blocks,
-                           __global const uint *ranks, __global svo_build_state *state, svo_blocks_params params)
+SVO_CALLED void svo_mark_batch(__global const uint *fragments, size_t first, size_t end, volatile __global uint *blocks,
+                               __global const uint *ranks, __global svo_build_state *state, svo_blocks_params params)
 {
     svo_mark missing[SVO_GROUP_ITEMS + 1];
     uint count = 0;
@@ -166,7 +166,7 @@ svo_k_mark(__global const uint *fragments, volatile __global uint *blocks, __glo
     if (index >= count || (params.level > params.dense && state->overflow != 0u)) {
         return;
     }
-#ifdef SVO_MARK_BATCHES
+#ifdef SVO_ONE_WORKER
     if (get_local_id(0) == 0) {
         svo_mark_batch(fragments, index, min(index + SVO_GROUP_ITEMS, count), blocks, ranks, state, params);
     }
@@ -230,9 +230,26 @@ static uint2 svo_group_blocks(uint count)
     return (uint2)(begin, min(begin + tiles_per_group * SVO_GROUP_ITEMS, count));
 }
 
-/* Exclusive prefix sum over the group's items (see shared/group.clh); *total receives the sum of all. */
+/* The work-items of a group that scan. On CPUs the first alone is faster, and needs no barriers. */
+#ifdef SVO_ONE_WORKER
+#define SVO_WORKERS 1u
+#else
+#define SVO_WORKERS SVO_GROUP_ITEMS
+#endif
+
+static bool svo_is_worker(void)
+{
+    return SVO_WORKERS == SVO_GROUP_ITEMS || get_local_id(0) == 0;
+}
+
+/* Exclusive prefix sum over the group's workers (see shared/group.clh); *total receives the sum of all. */
 static uint4 svo_group_exclusive4(uint4 value, __local uint4 *scratch, uint4 *total)
 {
+#ifdef SVO_ONE_WORKER
+    (void)scratch;
+    *total = value;
+    return (uint4)(0u);
+#else
     const uint item = (uint)get_local_id(0);
     uint4 sum = value;
     scratch[item] = sum;
@@ -247,15 +264,19 @@ static uint4 svo_group_exclusive4(uint4 value, __local uint4 *scratch, uint4 *to
     *total = scratch[SVO_GROUP_ITEMS - 1];
     barrier(CLK_LOCAL_MEM_FENCE);
     return sum - value;
+#endif
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_count_blocks(__global const uint *blocks, __global uint4 *partials, __global const svo_build_state *state,
                    svo_blocks_params params, __local uint4 *scratch)
 {
+    if (!svo_is_worker()) {
+        return;
+    }
     const uint2 range = svo_group_blocks(svo_count_blocks(params, state));
     uint4 sum = (uint4)(0u);
-    for (uint i = range.x + (uint)get_local_id(0); i < range.y; i += SVO_GROUP_ITEMS) {
+    for (uint i = range.x + (uint)get_local_id(0); i < range.y; i += SVO_WORKERS) {
         sum += svo_count_nodes(blocks, params.block_begin + i);
     }
     uint4 total;
@@ -291,8 +312,11 @@ __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_scan_blocks(__global uint4 *partials, __global svo_build_state *state, svo_blocks_params params,
                   __local uint4 *scratch)
 {
+    if (!svo_is_worker()) {
+        return;
+    }
     uint4 sum = (uint4)(0u);
-    for (uint first = 0; first < params.scan_groups; first += SVO_GROUP_ITEMS) {
+    for (uint first = 0; first < params.scan_groups; first += SVO_WORKERS) {
         const uint group = first + (uint)get_local_id(0);
         uint4 total;
         const uint4 before =
@@ -317,9 +341,9 @@ static void svo_put_node(__global uchar *masks, __global uint *first_child, __gl
 }
 
 /* The nodes of the block's own level and the two below. before: how many of each level, and of the third, precede. */
-static void svo_make_nodes(__global const uint *blocks, uint block, uint4 before, __global uint *ranks,
-                           __global uchar *masks, __global uint *first_child, __global const svo_build_state *state,
-                           svo_blocks_params params)
+SVO_CALLED void svo_make_nodes(__global const uint *blocks, uint block, uint4 before, __global uint *ranks,
+                               __global uchar *masks, __global uint *first_child, __global const svo_build_state *state,
+                               svo_blocks_params params)
 {
     const uint4 begin = before;
     const bool has_ranks = block < params.rank_blocks;
@@ -363,9 +387,12 @@ svo_k_make_nodes(__global const uint *blocks, __global const uint4 *partials, __
                  __global uchar *masks, __global uint *first_child, __global const svo_build_state *state,
                  svo_blocks_params params, __local uint4 *scratch)
 {
+    if (!svo_is_worker()) {
+        return;
+    }
     const uint2 range = svo_group_blocks(svo_count_blocks(params, state));
     uint4 sum = partials[get_group_id(0)];
-    for (uint tile = range.x; tile < range.y; tile += SVO_GROUP_ITEMS) {
+    for (uint tile = range.x; tile < range.y; tile += SVO_WORKERS) {
         const uint i = tile + (uint)get_local_id(0);
         const uint block = params.block_begin + i;
         uint4 total;

@@ -404,33 +404,48 @@ SVO_FUNCTION void svo_push_part(svo_placed placed, svo_window window, svo_voxeli
     svo_push_notes(notes, found, svo_source_of(placed, window), stage);
 }
 
+/* The kernel's buffers. */
+typedef struct svo_draw {
+    __global const int *vertices;
+    __global const uint *indices;
+    __global const svo_draw_item *items;
+    __global const svo_tile_item *tiles;
+    __global uint *counter, *fragments;
+} svo_draw;
+
+/* Makes the fragments of the group whose first work-item is given. */
+SVO_CALLED void svo_draw_group(uint first, const svo_draw *draw, svo_voxelize_params params, __local uint *words)
+{
+    __local svo_note *notes = (__local svo_note *)words;
+    svo_stage stage = {words + SVO_NOTE_WORDS, 0u};
+    for (uint id = first; id < first + SVO_GROUP_ITEMS; ++id) {
+        svo_tile_item part;
+        if (svo_get_part(id, draw->items, draw->tiles, params, &part)) {
+            const svo_draw_item item = draw->items[part.item];
+            if (params.one_voxel != 0u) {
+                svo_push_one(draw->vertices, draw->indices, item, params, &stage);
+            } else {
+                const svo_placed placed = svo_place(draw->vertices, draw->indices, item, params);
+                svo_push_part(placed, svo_part_window(id, placed, part, params), params, notes, &stage);
+            }
+        }
+        if (stage.count + SVO_PART_FRAGMENTS > SVO_STAGE_ROOM) {
+            svo_flush(&stage, draw->counter, draw->fragments, params.capacity);
+        }
+    }
+    svo_flush(&stage, draw->counter, draw->fragments, params.capacity);
+}
+
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_voxelize(__global const int *vertices, __global const uint *indices, __global const svo_draw_item *items,
                __global const svo_tile_item *tiles, __global uint *counters, __global uint *fragments,
                svo_voxelize_params params, __local uint *words, __local uint *scratch)
 {
-    if (get_local_id(0) != 0u) {
-        return;
-    }
     (void)scratch;
-    const uint first = (uint)get_global_id(0);
-    __local svo_note *notes = (__local svo_note *)words;
-    svo_stage stage = {words + SVO_NOTE_WORDS, 0u};
-    for (uint id = first; id < first + SVO_GROUP_ITEMS; ++id) {
-        svo_tile_item part;
-        if (svo_get_part(id, items, tiles, params, &part)) {
-            if (params.one_voxel != 0u) {
-                svo_push_one(vertices, indices, items[part.item], params, &stage);
-            } else {
-                const svo_placed placed = svo_place(vertices, indices, items[part.item], params);
-                svo_push_part(placed, svo_part_window(id, placed, part, params), params, notes, &stage);
-            }
-        }
-        if (stage.count + SVO_PART_FRAGMENTS > SVO_STAGE_ROOM) {
-            svo_flush(&stage, counters + 2u * params.counter, fragments, params.capacity);
-        }
+    if (get_local_id(0) == 0u) {
+        const svo_draw draw = {vertices, indices, items, tiles, counters + 2u * params.counter, fragments};
+        svo_draw_group((uint)get_global_id(0), &draw, params, words);
     }
-    svo_flush(&stage, counters + 2u * params.counter, fragments, params.capacity);
 }
 
 #else

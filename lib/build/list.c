@@ -13,6 +13,7 @@
 #include "plan/chunking.h"
 #include "plan/estimate.h"
 #include "plan/progress.h"
+#include "stages/snapped_mesh.h"
 
 /* A bound on halving chunks, far above what a list can need. */
 #define RERUNS_MAX 32u
@@ -184,6 +185,7 @@ svo_status svo_plan_count(svo_plan *plan, svo_frontend *frontend, cl_command_que
     plan->built = false;
     SVO_I_TRY_CLEANUP(svo_i_predict(plan));
 cleanup:
+    svo_i_snapped_mesh_free(&build.commands);
     svo_i_commands_end(&build.commands);
     svo_i_chunking_destroy(&chunking);
     return status;

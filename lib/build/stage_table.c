@@ -129,7 +129,7 @@ static void sort_defines(const svo_plan *plan, char *text, size_t bytes)
 
 static void subdivide_defines(const svo_plan *plan, char *text, size_t bytes)
 {
-    (void)snprintf(text, bytes, "%s", plan->device->cpu_path ? " -DSVO_MARK_BATCHES" : "");
+    (void)snprintf(text, bytes, "%s", plan->device->cpu_path ? " -DSVO_ONE_WORKER" : "");
 }
 
 static void pack_defines(const svo_plan *plan, char *text, size_t bytes)

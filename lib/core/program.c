@@ -44,6 +44,7 @@ extern const char svo_i_source_probe_filter[];
 extern const char svo_i_source_probe_trace[];
 extern const char svo_i_source_probe_gather[];
 extern const char svo_i_source_light[];
+extern const char svo_i_source_moving[];
 
 static void release_program(svo_i_attachment *attachment)
 {
@@ -81,7 +82,8 @@ const char *svo_i_program_kind_name(svo_i_program_kind kind)
                                                            [SVO_I_PROGRAM_PROBE_FILTER] = "probe_filter",
                                                            [SVO_I_PROGRAM_PROBE_TRACE] = "probe_trace",
                                                            [SVO_I_PROGRAM_PROBE_GATHER] = "probe_gather",
-                                                           [SVO_I_PROGRAM_LIGHT] = "light"};
+                                                           [SVO_I_PROGRAM_LIGHT] = "light",
+                                                           [SVO_I_PROGRAM_MOVING] = "moving"};
     return names[kind];
 }
 
@@ -114,7 +116,8 @@ const char *svo_i_program_source(svo_i_program_kind kind)
                                                       [SVO_I_PROGRAM_PROBE_FILTER] = svo_i_source_probe_filter,
                                                       [SVO_I_PROGRAM_PROBE_TRACE] = svo_i_source_probe_trace,
                                                       [SVO_I_PROGRAM_PROBE_GATHER] = svo_i_source_probe_gather,
-                                                      [SVO_I_PROGRAM_LIGHT] = svo_i_source_light};
+                                                      [SVO_I_PROGRAM_LIGHT] = svo_i_source_light,
+                                                      [SVO_I_PROGRAM_MOVING] = svo_i_source_moving};
     return sources[kind];
 }
 

@@ -41,6 +41,7 @@ typedef enum svo_i_program_kind {
     SVO_I_PROGRAM_PROBE_TRACE, /* trace of probes */
     SVO_I_PROGRAM_PROBE_GATHER, /* gather of probes */
     SVO_I_PROGRAM_LIGHT, /* scan, and those of kernels/light that make and filter light */
+    SVO_I_PROGRAM_MOVING, /* scan, and those of kernels/moving */
     SVO_I_PROGRAM_KINDS
 } svo_i_program_kind;
 
@@ -102,8 +103,10 @@ typedef struct svo_i_argument {
 /* Sets all arguments, in order. */
 svo_status svo_i_kernel_set(svo_device *device, const char *function, cl_kernel kernel, const svo_i_argument *arguments,
                             cl_uint argument_count);
+SVO_I_SHARED_BEGIN
 /* Sets arguments from first_index on. */
 svo_status svo_i_kernel_set_from(svo_device *device, const char *function, cl_kernel kernel, cl_uint first_index,
                                  const svo_i_argument *arguments, cl_uint argument_count);
+SVO_I_SHARED_END
 
 #endif

@@ -41,8 +41,7 @@ svo_status svo_i_file_damaged(const svo_i_file_load *state, const char *format, 
     return svo_i_fail(state->message, SVO_FILE_DAMAGED, "%s: %s", state->name, detail.text);
 }
 
-/* Copies bytes that the caller has checked to lie inside the file. */
-static svo_status read_at(const svo_i_file_load *state, uint64_t offset, void *out, size_t byte_count)
+svo_status svo_i_file_read_at(const svo_i_file_load *state, uint64_t offset, void *out, size_t byte_count)
 {
     if (state->memory != NULL) {
         memcpy(out, state->memory + offset, byte_count);
@@ -72,7 +71,7 @@ static svo_status read_identity(svo_i_file_load *state, const svo_i_file_kind *k
 {
     file_header *header = &state->head.header;
     const size_t there_bytes = state->file_bytes < sizeof *header ? (size_t)state->file_bytes : sizeof *header;
-    SVO_I_TRY(read_at(state, 0, header, there_bytes));
+    SVO_I_TRY(svo_i_file_read_at(state, 0, header, there_bytes));
     const size_t magic_bytes = there_bytes < FILE_MAGIC_BYTES ? there_bytes : FILE_MAGIC_BYTES;
     if (magic_bytes == 0 || memcmp(header->magic, kind->magic, magic_bytes) != 0) {
         return svo_i_file_damaged(state, "not a %s file", kind->name);
@@ -109,7 +108,7 @@ static svo_status read_chunk_table(svo_i_file_load *state, const svo_i_file_kind
         return svo_i_file_damaged(state, "header: its length is %" PRIu32 ", %zu expected", header->header_bytes,
                                   head_bytes);
     }
-    SVO_I_TRY(read_at(state, sizeof *header, state->head.chunks, table_bytes));
+    SVO_I_TRY(svo_i_file_read_at(state, sizeof *header, state->head.chunks, table_bytes));
     const uint64_t hash = XXH3_64bits((const uint8_t *)&state->head + FILE_HASH_BEGIN, head_bytes - FILE_HASH_BEGIN);
     if (hash != header->header_hash) {
         return svo_i_file_damaged(state, "header: checksum is %016" PRIx64 ", file says %016" PRIx64, hash,
@@ -242,7 +241,7 @@ static svo_status unpack_chunk(const svo_i_file_load *state, const file_chunk *c
         status = svo_i_file_no_memory(state, array, chunk->plain_bytes);
         goto cleanup;
     }
-    SVO_I_TRY_CLEANUP(read_at(state, chunk->offset, packed, stored_bytes));
+    SVO_I_TRY_CLEANUP(svo_i_file_read_at(state, chunk->offset, packed, stored_bytes));
     got = ZSTD_decompressDCtx(context, plain, (size_t)chunk->plain_bytes, packed, stored_bytes);
     if (ZSTD_isError(got)) {
         status = svo_i_file_damaged(state, "chunk %s: zstd: %s", array, ZSTD_getErrorName(got));
@@ -264,7 +263,7 @@ svo_status svo_i_file_read_chunk(const svo_i_file_load *state, const file_chunk 
     const size_t plain_bytes = (size_t)chunk->plain_bytes;
     if (plain_bytes > 0) {
         SVO_I_TRY(chunk->codec == FILE_CODEC_ZSTD ? unpack_chunk(state, chunk, array, plain)
-                                                  : read_at(state, chunk->offset, plain, plain_bytes));
+                                                  : svo_i_file_read_at(state, chunk->offset, plain, plain_bytes));
     }
     const uint64_t hash = XXH3_64bits(plain_bytes > 0 ? plain : "", plain_bytes);
     return hash == chunk->hash
@@ -323,11 +322,12 @@ svo_status svo_i_file_load_open(svo_i_file_load *state)
         state->file_bytes = (uint64_t)entry.st_size;
         return SVO_OK;
     }
-    close(state->file);
+    svo_i_file_load_close(state);
     return status;
 }
 
 void svo_i_file_load_close(svo_i_file_load *state)
 {
     close(state->file);
+    state->file = -1;
 }

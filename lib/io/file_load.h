@@ -39,6 +39,8 @@ svo_status svo_i_file_check_place(const svo_i_file_load *state, const file_chunk
                                   uint64_t offset);
 /* Checks that there are no further chunks or bytes. */
 svo_status svo_i_file_check_end(const svo_i_file_load *state, uint32_t chunk_index, uint64_t offset);
+/* Reads bytes that were checked to lie inside the file. */
+svo_status svo_i_file_read_at(const svo_i_file_load *state, uint64_t offset, void *out, size_t byte_count);
 /* Reads a chunk whose place was checked into memory for chunk->plain_bytes, and checks its checksum. */
 svo_status svo_i_file_read_chunk(const svo_i_file_load *state, const file_chunk *chunk, const char *array, void *plain);
 /* The same into new memory. *out, in host_memory, is set as soon as there is memory, also on failure. */

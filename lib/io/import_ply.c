@@ -11,17 +11,7 @@
 #include "core/message.h"
 #include "io/import_faces.h"
 #include "io/import_material.h"
-#include "io/import_ply_value.h"
-
-/* What a property of a vertex is for: components of gather_vertex. */
-typedef enum vertex_slot {
-    SLOT_NONE = 0,
-    SLOT_POSITION,
-    SLOT_NORMAL = SLOT_POSITION + 3,
-    SLOT_UV = SLOT_NORMAL + 3,
-    SLOT_COLOR = SLOT_UV + 2,
-    SLOT_END = SLOT_COLOR + 4
-} vertex_slot;
+#include "io/import_ply_vertex.h"
 
 typedef struct ply_reader {
     mesh_reader *reader;
@@ -32,145 +22,35 @@ typedef struct ply_reader {
     svo_material material;
 } ply_reader;
 
-/* Names */
-
-static vertex_slot slot_of(const char *name)
-{
-    static const struct {
-        const char *name;
-        int slot;
-    } names[] = {{"x", SLOT_POSITION},
-                 {"y", SLOT_POSITION + 1},
-                 {"z", SLOT_POSITION + 2},
-                 {"nx", SLOT_NORMAL},
-                 {"ny", SLOT_NORMAL + 1},
-                 {"nz", SLOT_NORMAL + 2},
-                 {"red", SLOT_COLOR},
-                 {"green", SLOT_COLOR + 1},
-                 {"blue", SLOT_COLOR + 2},
-                 {"alpha", SLOT_COLOR + 3},
-                 {"r", SLOT_COLOR},
-                 {"g", SLOT_COLOR + 1},
-                 {"b", SLOT_COLOR + 2},
-                 {"a", SLOT_COLOR + 3},
-                 {"diffuse_red", SLOT_COLOR},
-                 {"diffuse_green", SLOT_COLOR + 1},
-                 {"diffuse_blue", SLOT_COLOR + 2},
-                 {"u", SLOT_UV},
-                 {"v", SLOT_UV + 1},
-                 {"s", SLOT_UV},
-                 {"t", SLOT_UV + 1},
-                 {"tx", SLOT_UV},
-                 {"ty", SLOT_UV + 1},
-                 {"texture_u", SLOT_UV},
-                 {"texture_v", SLOT_UV + 1}};
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
-        if (strcmp(name, names[i].name) == 0) {
-            return (vertex_slot)names[i].slot;
-        }
-    }
-    return SLOT_NONE;
-}
-
-/* A color channel as a byte. Bytes are copied, 16 bits scaled, floats taken from [0, 1]; wider whole numbers hold what
-   a byte would. */
-static svo_status read_color(ply_source *source, ply_type type, uint8_t *channel)
-{
-    float value = 0;
-    SVO_I_TRY(svo_i_ply_float(source, type, &value));
-    switch (type) {
-    case PLY_FLOAT:
-    case PLY_DOUBLE:
-        break;
-    case PLY_UINT16:
-        value /= 65535.0f;
-        break;
-    case PLY_INT16:
-        value = (value + 32767) / 65535.0f;
-        break;
-    case PLY_INT8:
-        value = (value + 127) / 255.0f;
-        break;
-    default:
-        value /= 255.0f;
-        break;
-    }
-    *channel = svo_i_import_color_byte(value);
-    return SVO_OK;
-}
-
 /* Vertices */
-
-static svo_status read_vertex_value(ply_source *source, ply_type type, vertex_slot slot, gather_vertex *vertex)
-{
-    if (slot >= SLOT_COLOR) {
-        return read_color(source, type, &vertex->color[slot - SLOT_COLOR]);
-    }
-    float *target = NULL;
-    if (slot >= SLOT_UV) {
-        target = &vertex->uv[slot - SLOT_UV];
-    } else {
-        target = slot >= SLOT_NORMAL ? &vertex->normal[slot - SLOT_NORMAL] : &vertex->position[slot - SLOT_POSITION];
-    }
-    return svo_i_ply_float(source, type, target);
-}
-
-static void note_slots(ply_reader *ply, const ply_element *element, vertex_slot slots[PLY_PROPERTIES_MAX])
-{
-    gather *mesh = ply->reader->mesh;
-    for (size_t i = 0; i < element->property_count; ++i) {
-        const bool is_list = element->properties[i].count_type != PLY_NO_TYPE;
-        slots[i] = is_list ? SLOT_NONE : slot_of(element->properties[i].name);
-        mesh->has_normals = mesh->has_normals || (slots[i] >= SLOT_NORMAL && slots[i] < SLOT_UV);
-        mesh->has_colors = mesh->has_colors || slots[i] >= SLOT_COLOR;
-        if (!mesh->has_uvs && slots[i] >= SLOT_UV && slots[i] < SLOT_COLOR) {
-            slots[i] = SLOT_NONE;
-        }
-    }
-}
-
-/* Channels that are missing beside others are 0, but alpha is 255. */
-static gather_vertex blank_vertex(const vertex_slot slots[PLY_PROPERTIES_MAX], size_t property_count)
-{
-    gather_vertex vertex = {.color = {255, 255, 255, 255}};
-    for (size_t i = 0; i < property_count; ++i) {
-        if (slots[i] >= SLOT_COLOR && slots[i] < SLOT_COLOR + 3) {
-            memset(vertex.color, 0, 3);
-        }
-    }
-    return vertex;
-}
 
 static svo_status read_vertices(ply_reader *ply, const ply_element *element)
 {
-    vertex_slot slots[PLY_PROPERTIES_MAX] = {SLOT_NONE};
+    ply_slot slots[PLY_PROPERTIES_MAX] = {PLY_SLOT_NONE};
+    gather *mesh = ply->reader->mesh;
     ply_source *source = &ply->source;
     if (ply->has_vertices) {
         return svo_i_fail(ply->reader->message, SVO_IMPORT_FAILED, "element vertex is declared twice");
     }
     ply->has_vertices = true;
-    note_slots(ply, element, slots);
+    svo_i_ply_note_slots(element, mesh->has_uvs, slots, &mesh->has_normals, &mesh->has_colors);
     if (element->count > 0 && element->property_count == 0) {
         return svo_i_fail(ply->reader->message, SVO_IMPORT_FAILED, "element vertex has no property");
     }
-    const gather_vertex blank = blank_vertex(slots, element->property_count);
+    const gather_vertex blank = svo_i_ply_blank_vertex(element, slots);
     SVO_I_TRY(svo_i_faces_begin(&ply->faces, ply->reader, element->count));
     for (uint64_t i = 0; i < element->count; ++i) {
         gather_vertex *vertex = &ply->faces.vertices[i];
         *vertex = blank;
         source->instance = i;
         SVO_I_TRY(svo_i_ply_begin_instance(source));
-        for (size_t k = 0; k < element->property_count; ++k) {
-            const ply_property *property = &element->properties[k];
-            SVO_I_TRY(slots[k] != SLOT_NONE ? read_vertex_value(source, property->type, slots[k], vertex)
-                                            : svo_i_ply_skip(source, property));
-        }
+        SVO_I_TRY(svo_i_ply_read_vertex(source, element, slots, vertex));
         svo_i_ply_end_instance(source);
-        if (ply->reader->mesh->has_uvs) {
+        if (mesh->has_uvs) {
             vertex->uv[1] = 1 - vertex->uv[1]; /* v = 0 is PLY's last row and svo_texture's first */
         }
     }
-    return svo_i_faces_end_vertices(&ply->faces, ply->reader->mesh->has_uvs);
+    return svo_i_faces_end_vertices(&ply->faces, mesh->has_uvs);
 }
 
 /* Faces */
@@ -203,16 +83,10 @@ static svo_status read_corner_uvs(ply_reader *ply, const ply_property *property,
     return SVO_OK;
 }
 
-static size_t find_index_list(const ply_element *element)
-{
-    const size_t found = svo_i_ply_find(element, "vertex_indices");
-    return found < element->property_count ? found : svo_i_ply_find(element, "vertex_index");
-}
-
 static svo_status read_faces(ply_reader *ply, const ply_element *element)
 {
     ply_source *source = &ply->source;
-    const size_t indices = find_index_list(element), uvs = svo_i_ply_find(element, "texcoord");
+    const size_t indices = svo_i_ply_find_index_list(element), uvs = svo_i_ply_find(element, "texcoord");
     if (indices == element->property_count || element->properties[indices].count_type == PLY_NO_TYPE) {
         return element->count == 0
                    ? SVO_OK
@@ -276,7 +150,7 @@ static svo_status read_strip_list(ply_reader *ply, const ply_property *property)
 
 static svo_status read_strips(ply_reader *ply, const ply_element *element)
 {
-    const size_t indices = find_index_list(element);
+    const size_t indices = svo_i_ply_find_index_list(element);
     if (element->count > 0 &&
         (indices == element->property_count || element->properties[indices].count_type == PLY_NO_TYPE)) {
         return svo_i_fail(ply->reader->message, SVO_IMPORT_FAILED, "element %s has no list vertex_indices",
@@ -315,7 +189,7 @@ static svo_status read_materials(ply_reader *ply, const ply_element *element)
             if (i > 0 || channel == 4 || property->count_type != PLY_NO_TYPE) {
                 SVO_I_TRY(svo_i_ply_skip(source, property));
             } else {
-                SVO_I_TRY(read_color(source, property->type, &rgba[channel]));
+                SVO_I_TRY(svo_i_ply_read_color(source, property->type, &rgba[channel]));
                 has_color = true;
             }
         }
@@ -356,28 +230,11 @@ static svo_status read_element(ply_reader *ply, const ply_element *element)
     return is_face ? read_faces(ply, element) : read_strips(ply, element);
 }
 
-/* Whether vertices or faces have texture coordinates. */
-static bool declares_uvs(const ply_header *header)
-{
-    for (size_t i = 0; i < header->element_count; ++i) {
-        const ply_element *element = &header->elements[i];
-        const bool is_vertex = strcmp(element->name, "vertex") == 0;
-        for (size_t k = 0; k < element->property_count; ++k) {
-            const vertex_slot slot = slot_of(element->properties[k].name);
-            if ((is_vertex && slot >= SLOT_UV && slot < SLOT_COLOR) ||
-                strcmp(element->properties[k].name, "texcoord") == 0) {
-                return true;
-            }
-        }
-    }
-    return false;
-}
-
 /* The texture that the header names, before the data is read: without it texture coordinates are left out. */
 static svo_status read_texture(ply_reader *ply)
 {
     mesh_reader *reader = ply->reader;
-    if (!declares_uvs(&ply->header) || ply->header.texture_file[0] == '\0' || reader->path == NULL) {
+    if (!svo_i_ply_declares_uvs(&ply->header) || ply->header.texture_file[0] == '\0' || reader->path == NULL) {
         return SVO_OK;
     }
     texture_list textures = {.mesh_path = reader->path, .stream = reader->stream};

@@ -12,6 +12,12 @@ static size_t left_bytes(const ply_source *source)
     return (size_t)(source->cursor.end - source->cursor.at);
 }
 
+/* The same to the end of the file. */
+static uint64_t file_bytes_left(const ply_source *source)
+{
+    return left_bytes(source) + source->later_bytes;
+}
+
 /* "line 12" or "byte 345" of the file. */
 static text_word place(const ply_source *source)
 {
@@ -19,7 +25,8 @@ static text_word place(const ply_source *source)
     const bool is_text = source->format == PLY_ASCII;
     svo_message text;
     (void)svo_i_fail(&text, SVO_OK, "%s %" PRIu64, is_text ? "line" : "byte",
-                     is_text ? source->cursor.line : (uint64_t)(source->cursor.at - source->reader->bytes));
+                     is_text ? source->cursor.line
+                             : source->earlier_bytes + (uint64_t)(source->cursor.at - source->reader->bytes));
     memcpy(word.text, text.text, sizeof word.text - 1);
     word.text[sizeof word.text - 1] = '\0';
     return word;
@@ -42,11 +49,12 @@ svo_status svo_i_ply_check_fit(const ply_source *source, const ply_element *elem
         each_bytes += source->format == PLY_ASCII ? 2 : svo_i_ply_type_bytes(type);
     }
     /* The last value of an ascii file needs no break behind it. */
-    const uint64_t available_bytes = (uint64_t)left_bytes(source) + (source->format == PLY_ASCII ? 1 : 0);
+    const uint64_t available_bytes = file_bytes_left(source) + (source->format == PLY_ASCII ? 1 : 0);
     if (each_bytes != 0 && element->count > available_bytes / each_bytes) {
         return svo_i_fail(source->reader->message, SVO_IMPORT_FAILED,
-                          "%s: %" PRIu64 " of element %s need at least %" PRIu64 " bytes each, and %zu are left",
-                          place(source).text, element->count, element->name, each_bytes, left_bytes(source));
+                          "%s: %" PRIu64 " of element %s need at least %" PRIu64 " bytes each, and %" PRIu64
+                          " are left",
+                          place(source).text, element->count, element->name, each_bytes, file_bytes_left(source));
     }
     return SVO_OK;
 }
@@ -171,11 +179,11 @@ svo_status svo_i_ply_list_length(ply_source *source, const ply_property *propert
     int64_t value = 0;
     SVO_I_TRY(svo_i_ply_integer(source, property->count_type, &value));
     const size_t each_bytes = source->format == PLY_ASCII ? 2 : svo_i_ply_type_bytes(property->type);
-    if (value < 0 || (uint64_t)value > left_bytes(source) / each_bytes + 1) {
+    if (value < 0 || (uint64_t)value > file_bytes_left(source) / each_bytes + 1) {
         return svo_i_fail(source->reader->message, SVO_IMPORT_FAILED,
-                          "%s: list %s of %s %" PRIu64 " has length %" PRId64 ", and %zu bytes are left",
+                          "%s: list %s of %s %" PRIu64 " has length %" PRId64 ", and %" PRIu64 " bytes are left",
                           place(source).text, property->name, source->element->name, source->instance, value,
-                          left_bytes(source));
+                          file_bytes_left(source));
     }
     *length = (uint64_t)value;
     return SVO_OK;

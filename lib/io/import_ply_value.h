@@ -9,6 +9,7 @@ typedef struct ply_source {
     const mesh_reader *reader;
     ply_format format;
     text_cursor cursor; /* line: for ascii alone */
+    uint64_t earlier_bytes, later_bytes; /* of the file, where the reader has a block of it */
     number_reader numbers;
     const ply_element *element; /* for messages: what is read, and its number from 0 */
     uint64_t instance;

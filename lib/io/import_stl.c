@@ -13,8 +13,6 @@
 #include "io/import_polygon.h"
 
 #define HEADER_BYTES 80
-#define BEGIN_BYTES  84 /* the header and the number of facets */
-#define FACET_BYTES  50
 #define PROBE_BYTES  500 /* of a text file, which must be free of bytes that no text has */
 
 /* Binary */
@@ -33,8 +31,7 @@ static void read_floats(const char *bytes, float *out, size_t count)
     }
 }
 
-/* The header's color, or white; whether the file follows Magics. */
-static bool header_color(const char *bytes, uint8_t rgba[4])
+bool svo_i_stl_header_color(const char *bytes, uint8_t rgba[4])
 {
     static const char mark[] = "COLOR=";
     const size_t mark_bytes = sizeof mark - 1;
@@ -49,9 +46,15 @@ static bool header_color(const char *bytes, uint8_t rgba[4])
 }
 
 /* VisCAM: bit 15 set, then blue, green, red from the lowest bits. Magics: bit 15 clear, then red, green, blue. */
-static void facet_color(uint32_t attribute, bool is_magics, const uint8_t none[4], uint8_t rgba[4])
+static bool has_color(const char *facet, bool is_magics)
 {
-    if (((attribute & 0x8000u) == 0) != is_magics) {
+    return (((uint8_t)facet[STL_FACET_BYTES - 1] & 0x80u) == 0) == is_magics;
+}
+
+static void facet_color(const char *facet, bool is_magics, const uint8_t none[4], uint8_t rgba[4])
+{
+    const uint32_t attribute = (uint8_t)facet[48] | (uint32_t)(uint8_t)facet[49] << 8;
+    if (!has_color(facet, is_magics)) {
         memcpy(rgba, none, 4);
         return;
     }
@@ -60,6 +63,18 @@ static void facet_color(uint32_t attribute, bool is_magics, const uint8_t none[4
         rgba[i] = svo_i_import_color_byte((float)channel * (1.0f / 31.0f));
     }
     rgba[3] = 255;
+}
+
+bool svo_i_stl_read_facet(const char *facet, bool is_magics, const uint8_t none[4], float values[12], uint8_t rgba[4])
+{
+    read_floats(facet, values, 12);
+    facet_color(facet, is_magics, none, rgba);
+    return has_color(facet, is_magics);
+}
+
+uint32_t svo_i_stl_facet_count(const char *bytes)
+{
+    return read_u32(bytes + HEADER_BYTES);
 }
 
 static bool gather_facet(gather *mesh, const float facet[12], const uint8_t rgba[4])
@@ -77,11 +92,10 @@ static bool gather_facet(gather *mesh, const float facet[12], const uint8_t rgba
 }
 
 /* Whether any facet has a color of its own. */
-static bool any_color(const char *facets, uint32_t count, bool is_magics)
+static bool any_color(const char *facets, uint32_t count)
 {
     for (uint32_t i = 0; i < count; ++i) {
-        const uint8_t high = (uint8_t)facets[(size_t)i * FACET_BYTES + FACET_BYTES - 1];
-        if (((high & 0x80u) == 0) == is_magics) {
+        if (has_color(facets + (size_t)i * STL_FACET_BYTES, false)) {
             return true;
         }
     }
@@ -91,28 +105,25 @@ static bool any_color(const char *facets, uint32_t count, bool is_magics)
 static svo_status read_binary(const mesh_reader *reader)
 {
     uint8_t none[4];
-    const uint32_t count = read_u32(reader->bytes + HEADER_BYTES);
-    const uint64_t needed_bytes = BEGIN_BYTES + (uint64_t)count * FACET_BYTES;
+    const uint32_t count = svo_i_stl_facet_count(reader->bytes);
+    const uint64_t needed_bytes = STL_BEGIN_BYTES + (uint64_t)count * STL_FACET_BYTES;
     if (needed_bytes > reader->byte_count) {
         return svo_i_fail(reader->message, SVO_IMPORT_FAILED,
                           "byte %d: %" PRIu32 " facets need %" PRIu64 " bytes, and the file has %zu", HEADER_BYTES,
                           count, needed_bytes, reader->byte_count);
     }
-    const char *facets = reader->bytes + BEGIN_BYTES;
-    const bool is_magics = header_color(reader->bytes, none);
+    const char *facets = reader->bytes + STL_BEGIN_BYTES;
+    const bool is_magics = svo_i_stl_header_color(reader->bytes, none);
     reader->mesh->has_normals = true;
-    reader->mesh->has_colors = is_magics || any_color(facets, count, false);
+    reader->mesh->has_colors = is_magics || any_color(facets, count);
     /* Closed surfaces have half as many vertices as triangles. */
     if (!svo_i_gather_reserve(reader->mesh, count / 2, count, true)) {
         return svo_i_read_out_of_memory(reader);
     }
-    for (uint32_t i = 0; i < count; ++i, facets += FACET_BYTES) {
+    for (uint32_t i = 0; i < count; ++i, facets += STL_FACET_BYTES) {
         float facet[12];
-        uint8_t rgba[4] = {255, 255, 255, 255};
-        read_floats(facets, facet, 12);
-        if (reader->mesh->has_colors) {
-            facet_color((uint8_t)facets[48] | (uint32_t)(uint8_t)facets[49] << 8, is_magics, none, rgba);
-        }
+        uint8_t rgba[4];
+        (void)svo_i_stl_read_facet(facets, is_magics, none, facet, rgba);
         if (!gather_facet(reader->mesh, facet, rgba)) {
             return svo_i_read_out_of_memory(reader);
         }
@@ -292,33 +303,32 @@ cleanup:
     return status;
 }
 
-/* The length tells binary files from text, since headers of binary files may begin with "solid" as well. */
-static bool is_text(const mesh_reader *reader)
+bool svo_i_stl_is_text(const char *bytes, size_t byte_count, uint64_t file_bytes)
 {
-    if (reader->byte_count >= BEGIN_BYTES &&
-        BEGIN_BYTES + (uint64_t)read_u32(reader->bytes + HEADER_BYTES) * FACET_BYTES == reader->byte_count) {
+    if (byte_count >= STL_BEGIN_BYTES &&
+        STL_BEGIN_BYTES + (uint64_t)svo_i_stl_facet_count(bytes) * STL_FACET_BYTES == file_bytes) {
         return false;
     }
-    text_cursor cursor = {.at = reader->bytes, .end = reader->bytes + reader->byte_count, .line = 1};
+    text_cursor cursor = {.at = bytes, .end = bytes + byte_count, .line = 1};
     while (!text_skip_blanks(&cursor) && cursor.at != cursor.end) {
         text_skip_line_end(&cursor);
     }
     if (!text_take_keyword(&cursor, "solid")) {
         return false;
     }
-    const size_t probe_bytes = reader->byte_count < PROBE_BYTES ? reader->byte_count : PROBE_BYTES;
-    return memchr(reader->bytes, '\0', probe_bytes) == NULL;
+    const size_t probe_bytes = byte_count < PROBE_BYTES ? byte_count : PROBE_BYTES;
+    return memchr(bytes, '\0', probe_bytes) == NULL;
 }
 
 svo_status svo_i_read_stl(mesh_reader *reader)
 {
-    if (is_text(reader)) {
+    if (svo_i_stl_is_text(reader->bytes, reader->byte_count, reader->byte_count)) {
         return read_text(reader);
     }
-    if (reader->byte_count < BEGIN_BYTES) {
+    if (reader->byte_count < STL_BEGIN_BYTES) {
         return svo_i_fail(reader->message, SVO_IMPORT_FAILED,
                           "no STL file: no 'solid' at its begin, and %zu bytes, where a binary one has at least %d",
-                          reader->byte_count, BEGIN_BYTES);
+                          reader->byte_count, STL_BEGIN_BYTES);
     }
     return read_binary(reader);
 }

@@ -3,6 +3,8 @@
  * Trees from .svo files of every version: whole, or their upper levels alone. file_load.c reads the header and the
  * chunks, file_tree.c says which chunks there must be, and file_check.c verifies the structure of the finished arrays.
  */
+#include "io/tree_load.h"
+
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
@@ -10,17 +12,8 @@
 #include "core/compact.h"
 #include "core/message.h"
 #include "io/file_check.h"
-#include "io/file_load.h"
-#include "io/file_tree.h"
 #include "shared/nodes.clh"
 #include "svocl/plan.h"
-
-/* A file that becomes a tree. */
-typedef struct tree_file {
-    svo_i_file_load *load;
-    svo_tree_info info; /* of the whole tree */
-    file_entry entries[FILE_CHUNKS_MAX]; /* in the order of the chunks */
-} tree_file;
 
 static void fill_info(svo_tree_info *info, const file_header *header)
 {
@@ -76,15 +69,10 @@ static uint64_t *count_from_length(svo_tree_info *info, svo_tree_buffer kind)
     }
 }
 
-/* Names a entry in messages: the array, and its level if it has several. */
-typedef struct entry_name {
-    char text[48];
-} entry_name;
-
-static entry_name name_entry(const tree_file *file, uint32_t chunk_index)
+svo_i_entry_name svo_i_tree_file_name(const svo_i_tree_file *file, uint32_t chunk_index)
 {
     const file_entry *entry = &file->entries[chunk_index];
-    entry_name name;
+    svo_i_entry_name name;
     const char *array = svo_tree_buffer_name(entry->buffer);
     if (file->load->head.header.version < FILE_BY_LEVELS) {
         (void)snprintf(name.text, sizeof name.text, "%s", array);
@@ -94,11 +82,11 @@ static entry_name name_entry(const tree_file *file, uint32_t chunk_index)
     return name;
 }
 
-static svo_status check_entry(tree_file *file, uint32_t chunk_index, uint64_t offset)
+static svo_status check_entry(svo_i_tree_file *file, uint32_t chunk_index, uint64_t offset)
 {
     const svo_i_file_load *load = file->load;
     const file_entry *entry = &file->entries[chunk_index];
-    const entry_name name = name_entry(file, chunk_index);
+    const svo_i_entry_name name = svo_i_tree_file_name(file, chunk_index);
     if (chunk_index == load->head.header.chunk_count) {
         return svo_i_file_damaged(load, "chunk %s is missing", name.text);
     }
@@ -122,7 +110,7 @@ static svo_status check_entry(tree_file *file, uint32_t chunk_index, uint64_t of
 }
 
 /* Checks all chunks of the table, also those that are not going to be read. */
-static svo_status check_entries(tree_file *file)
+static svo_status check_entries(svo_i_tree_file *file)
 {
     const svo_i_file_load *load = file->load;
     const uint32_t entry_count = svo_i_file_list_entries(&file->info, load->head.header.version, file->entries);
@@ -134,11 +122,11 @@ static svo_status check_entries(tree_file *file)
     return svo_i_file_check_end(load, entry_count, offset);
 }
 
-static svo_status read_entry(const tree_file *file, uint32_t chunk_index, svo_tree *tree)
+static svo_status read_entry(const svo_i_tree_file *file, uint32_t chunk_index, svo_tree *tree)
 {
     const svo_i_file_load *load = file->load;
     const file_entry *entry = &file->entries[chunk_index];
-    const entry_name name = name_entry(file, chunk_index);
+    const svo_i_entry_name name = svo_i_tree_file_name(file, chunk_index);
     const size_t element_bytes = svo_i_tree_element_bytes(entry->buffer);
     const uint64_t array_bytes = svo_i_tree_element_count(&tree->info, entry->buffer) * element_bytes;
     void **array = &tree->host[entry->buffer];
@@ -172,7 +160,7 @@ static svo_status number_children(const svo_i_file_load *load, svo_tree *tree)
 }
 
 /* Reads those of the file's arrays that the tree, all of the file's or its upper levels, holds. */
-static svo_status read_entries(const tree_file *file, svo_tree *tree)
+static svo_status read_entries(const svo_i_tree_file *file, svo_tree *tree)
 {
     const svo_i_file_load *load = file->load;
     for (uint32_t i = 0; i < load->head.header.chunk_count; ++i) {
@@ -240,7 +228,7 @@ static void shorten(svo_tree *tree, uint32_t last_level)
 /* ---- loading ---- */
 
 /* last_level: 0 for all of them. */
-static svo_status load_tree(tree_file *file, uint32_t last_level, svo_tree *tree)
+static svo_status load_tree(svo_i_tree_file *file, uint32_t last_level, svo_tree *tree)
 {
     const svo_i_file_load *load = file->load;
     const bool by_levels = load->head.header.version >= FILE_BY_LEVELS;
@@ -257,15 +245,20 @@ static svo_status load_tree(tree_file *file, uint32_t last_level, svo_tree *tree
     return svo_i_file_check_structure(tree, load->name, load->message);
 }
 
-static svo_status load(svo_i_file_load *state, uint32_t last_level, svo_tree **out)
+svo_status svo_i_tree_file_read_head(svo_i_tree_file *file)
 {
     static const svo_i_file_kind kind = {".svo", FILE_MAGIC, FILE_OLDEST, FILE_VERSION, FILE_CHUNKS_MAX};
-    tree_file file = {.load = state};
+    SVO_I_TRY(svo_i_file_read_head(file->load, &kind));
+    fill_info(&file->info, &file->load->head.header);
+    file->info.positions = find_positions(&file->load->head);
+    return check_entries(file);
+}
+
+static svo_status load(svo_i_file_load *state, uint32_t last_level, svo_tree **out)
+{
+    svo_i_tree_file file = {.load = state};
     svo_status status = SVO_OK;
-    SVO_I_TRY(svo_i_file_read_head(state, &kind));
-    fill_info(&file.info, &state->head.header);
-    file.info.positions = find_positions(&state->head);
-    SVO_I_TRY(check_entries(&file));
+    SVO_I_TRY(svo_i_tree_file_read_head(&file));
     const uint32_t depth = file.info.depth;
     if (last_level > depth) {
         return svo_i_fail(state->message, SVO_INVALID_ARGUMENT,

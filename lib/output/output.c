@@ -368,6 +368,22 @@ int svo_i_output_write(const svo_i_output *output, const void *bytes, size_t byt
                                      : write_without_signal(output->descriptor, bytes, byte_count);
 }
 
+int svo_i_output_write_at(const svo_i_output *output, uint64_t offset, const void *bytes, size_t byte_count)
+{
+    const char *from = bytes;
+    while (byte_count > 0) {
+        const ssize_t written = pwrite(output->descriptor, from, byte_count, (off_t)offset);
+        if (written < 0 && errno != EINTR) {
+            return errno;
+        }
+        const size_t done = written > 0 ? (size_t)written : 0;
+        from += done;
+        offset += done;
+        byte_count -= done;
+    }
+    return 0;
+}
+
 /* ---- the end ---- */
 
 /* A file that is replaced keeps its owner and its permissions. Where that fails the new file is the caller's. */
@@ -412,32 +428,58 @@ static void sync_folder(const char *path)
     }
 }
 
+static int name_file(svo_i_output *output)
+{
+    keep_attributes(output);
+    hold(output);
+    const int error = take_name(output);
+    release(output);
+    return error;
+}
+
 static int commit_file(svo_i_output *output)
 {
     if (fsync(output->descriptor) != 0) {
         return errno;
     }
-    keep_attributes(output);
-    hold(output);
-    const int error = take_name(output);
-    release(output);
+    const int error = name_file(output);
     if (error == 0) {
         sync_folder(output->target);
     }
     return error;
 }
 
-int svo_i_output_commit(svo_i_output *output)
+/* A file that had a name from the start is on a file system without unnamed files. Most of those are on the network,
+   and other machines see what is flushed. */
+static int name_file_where_seen(svo_i_output *output)
+{
+    if (output->temporary[0] != '\0' && fsync(output->descriptor) != 0) {
+        return errno;
+    }
+    return name_file(output);
+}
+
+static int commit(svo_i_output *output, int (*finish)(svo_i_output *output))
 {
     int error = 0;
     if (output->target[0] != '\0') {
-        error = commit_file(output);
+        error = finish(output);
     } else {
         error = close(output->descriptor) != 0 ? errno : 0;
         output->descriptor = -1;
     }
     svo_i_output_abandon(output);
     return error;
+}
+
+int svo_i_output_commit(svo_i_output *output)
+{
+    return commit(output, commit_file);
+}
+
+int svo_i_output_commit_unflushed(svo_i_output *output)
+{
+    return commit(output, name_file_where_seen);
 }
 
 void svo_i_output_abandon(svo_i_output *output)

@@ -19,6 +19,7 @@
 
 #include <limits.h>
 #include <stddef.h>
+#include <stdint.h>
 
 /*
  * Told about temporary names, so that a program can remove them when a signal ends it. hold is called before a name
@@ -55,8 +56,15 @@ int svo_i_output_open_descriptor(int descriptor, svo_i_output *output);
 /* Writes all the bytes. A reader that has gone is EPIPE; it raises no SIGPIPE. */
 int svo_i_output_write(const svo_i_output *output, const void *bytes, size_t byte_count);
 
+/* Writes all the bytes to a place of a file that is being made (target is not ""). */
+int svo_i_output_write_at(const svo_i_output *output, uint64_t offset, const void *bytes, size_t byte_count);
+
 /* Flushes, gives the file its name and closes. On failure nothing is left, and an old file is unchanged. */
 int svo_i_output_commit(svo_i_output *output);
+
+/* The same without flushing to a local disk, for files that are made again if need be: after a crash of the machine the
+   file may be there with other bytes, so it must have a checksum. */
+int svo_i_output_commit_unflushed(svo_i_output *output);
 
 /* Closes and leaves nothing behind, except what has gone straight to its place. Does nothing when not open. */
 void svo_i_output_abandon(svo_i_output *output);

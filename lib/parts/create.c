@@ -12,8 +12,10 @@
 
 #include "core/device.h"
 #include "core/struct_size.h"
+#include "parts/create.h"
 #include "parts/format.h"
 #include "parts/job.h"
+#include "parts/split.h"
 #include "plan/host_copy.h"
 
 #define NODES_MAX 4294967294.0
@@ -151,7 +153,24 @@ static svo_status plan_part(const planner *p, uint32_t level, uint64_t code, uin
     return fit ? svo_i_folder_add(p->parts, &entry, p->message) : plan_children(p, level, code);
 }
 
+svo_status svo_i_parts_divide(svo_parts *parts, svo_device *device, svo_message *message)
+{
+    const planner p = {parts, device, message};
+    SVO_I_TRY(plan_part(&p, 0, 0, parts->header.kept_triangles));
+    return svo_i_folder_save(parts, message);
+}
+
 /* ---- all together ---- */
+
+svo_status svo_i_parts_check_nodes(const svo_parts *parts, svo_message *message)
+{
+    const svo_part_header *header = &parts->header;
+    return header->expected_nodes <= NODES_MAX
+               ? SVO_OK
+               : svo_i_fail(message, SVO_CAPACITY_EXCEEDED,
+                            "svo_parts_create: about %.0f nodes are expected at depth %u, above 2^32 - 2",
+                            header->expected_nodes, header->depth);
+}
 
 /* A plan of the whole mesh; sets the header and the limit. */
 static svo_status plan_whole(svo_parts *parts, svo_device *device, const svo_mesh *mesh, unsigned depth,
@@ -165,11 +184,7 @@ static svo_status plan_whole(svo_parts *parts, svo_device *device, const svo_mes
     if (svo_plan_get_part_header(*plan, &parts->header) != SVO_OK) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_parts_create: options.part_header is not NULL");
     }
-    if (parts->header.expected_nodes > NODES_MAX) {
-        return svo_i_fail(message, SVO_CAPACITY_EXCEEDED,
-                          "svo_parts_create: about %.0f nodes are expected at depth %u, above 2^32 - 2",
-                          parts->header.expected_nodes, depth);
-    }
+    SVO_I_TRY(svo_i_parts_check_nodes(parts, message));
     if (parts->max_bytes == 0) {
         const uint64_t share = svo_plan_peak_bytes(*plan) / PARTS_LEAST;
         parts->max_bytes = share > PART_BYTES_LEAST ? share : PART_BYTES_LEAST;
@@ -177,6 +192,7 @@ static svo_status plan_whole(svo_parts *parts, svo_device *device, const svo_mes
     return SVO_OK;
 }
 
+/* Fills a folder from a mesh in memory. */
 static svo_status fill_folder(svo_parts *parts, svo_device *device, const svo_mesh *mesh, unsigned depth,
                               const svo_plan_options *options, svo_message *message)
 {
@@ -188,9 +204,7 @@ static svo_status fill_folder(svo_parts *parts, svo_device *device, const svo_me
     SVO_I_TRY_CLEANUP(save_input(parts, plan, mesh, message));
     SVO_I_TRY_CLEANUP(save_mesh(parts, plan, message));
     svo_plan_destroy(&plan);
-    const planner p = {parts, device, message};
-    SVO_I_TRY_CLEANUP(plan_part(&p, 0, 0, parts->header.kept_triangles));
-    status = svo_i_folder_save(parts, message);
+    status = svo_i_parts_divide(parts, device, message);
 cleanup:
     svo_plan_destroy(&plan);
     return status;
@@ -208,15 +222,10 @@ svo_status svo_parts_create(svo_device *device, const svo_mesh *mesh, unsigned d
     }
     svo_mesh given;
     SVO_I_TRY(svo_i_struct_read(message, function, "mesh", mesh, &given, SVO_I_STRUCT_SIZES(svo_mesh, triangle_count)));
-    svo_parts *parts = svo_i_alloc_zeroed(NULL, 1, sizeof *parts);
-    svo_status status = SVO_OK;
-    if (parts != NULL) {
-        parts->folder = svo_i_copy_text(NULL, folder);
-        parts->max_bytes = max_bytes;
-    }
-    status = parts != NULL && parts->folder != NULL
-                 ? fill_folder(parts, device, &given, depth, options, message)
-                 : svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: out of memory", function);
+    svo_parts *parts = svo_i_folder_new(folder, max_bytes);
+    const svo_status status = parts != NULL
+                                  ? fill_folder(parts, device, &given, depth, options, message)
+                                  : svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: out of memory", function);
     svo_parts_close(&parts);
     return status;
 }

@@ -155,6 +155,20 @@ svo_status svo_i_folder_add(svo_parts *parts, const svo_i_part_entry *entry, svo
     return SVO_OK;
 }
 
+svo_parts *svo_i_folder_new(const char *folder, uint64_t max_bytes)
+{
+    svo_parts *parts = svo_i_alloc_zeroed(NULL, 1, sizeof *parts);
+    char *copy = svo_i_copy_text(NULL, folder);
+    if (parts == NULL || copy == NULL) {
+        svo_i_free(parts);
+        svo_i_free(copy);
+        return NULL;
+    }
+    parts->folder = copy;
+    parts->max_bytes = max_bytes;
+    return parts;
+}
+
 void svo_i_folder_free(svo_parts *parts)
 {
     for (size_t i = 0; parts->textures != NULL && i < parts->texture_count; ++i) {
@@ -215,7 +229,7 @@ static int write_plan(const svo_parts *parts, plan_head *head, const char *path)
         error = put_plan(parts, head, &hash, &output);
     }
     if (error == 0) {
-        error = svo_i_output_commit(&output);
+        error = svo_i_output_commit_unflushed(&output);
     }
     svo_i_output_abandon(&output);
     return error;

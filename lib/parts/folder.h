@@ -39,6 +39,8 @@ struct svo_parts {
 char *svo_i_folder_path(const svo_parts *parts, const char *name);
 char *svo_i_part_path(const svo_parts *parts, uint32_t level, uint64_t code, const char *suffix);
 
+/* A handle without parts; NULL when out of memory. */
+svo_parts *svo_i_folder_new(const char *folder, uint64_t max_bytes);
 /* Makes the folder, or empties it of all but part files. */
 svo_status svo_i_folder_make(const char *folder, svo_message *message);
 svo_status svo_i_folder_add(svo_parts *parts, const svo_i_part_entry *entry, svo_message *message);

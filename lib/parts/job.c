@@ -10,7 +10,8 @@
 
 #include "core/device.h"
 #include "core/struct_size.h"
-#include "output/output.h"
+#include "parts/part_read.h"
+#include "parts/split.h"
 
 /* Host bytes of a plan per triangle with corners of its own: snapped vertices, indices, names twice, draw items, the
    estimate, classes, flags, records, and a sorted copy of the items. */
@@ -66,26 +67,6 @@ cleanup:
     return status;
 }
 
-svo_status svo_i_part_divide(const svo_parts *parts, uint32_t level, uint64_t code, uint64_t counts[8],
-                             svo_message *message)
-{
-    char *paths[8] = {NULL};
-    char *path = svo_i_part_path(parts, level, code, "tri");
-    bool whole = path != NULL;
-    svo_status status = SVO_OK;
-    for (unsigned octant = 0; octant < 8; ++octant) {
-        paths[octant] = svo_i_part_path(parts, level + 1, code << 3 | octant, "tri");
-        whole = whole && paths[octant] != NULL;
-    }
-    status = whole ? svo_i_triangles_split(&parts->header, parts->fields, path, level, code, paths, counts, message)
-                   : svo_i_folder_no_memory(parts, message);
-    for (unsigned octant = 0; octant < 8; ++octant) {
-        svo_i_free(paths[octant]);
-    }
-    svo_i_free(path);
-    return status;
-}
-
 /* ---- what is there ---- */
 
 /* How a part's file stands. */
@@ -102,15 +83,15 @@ static svo_status find_file(const svo_parts *parts, uint32_t level, uint64_t cod
 }
 
 /* Whether a part's file is whole; the message says why not. */
-static svo_status check_file(const svo_parts *parts, uint32_t level, uint64_t code, bool *is_whole,
+static svo_status check_file(const svo_parts *parts, uint32_t level, uint64_t code, bool reads_all, bool *is_whole,
                              svo_message *message)
 {
-    svo_part_info info = SVO_PART_INFO_INIT;
+    svo_part_info info;
     char *path = svo_i_part_path(parts, level, code, "part");
     if (path == NULL) {
         return svo_i_folder_no_memory(parts, message);
     }
-    const svo_status status = svo_part_check(&parts->header, path, &info, message);
+    const svo_status status = svo_i_part_check(&parts->header, path, reads_all, &info, message);
     *is_whole = status == SVO_OK && info.level == level && info.code == code;
     if (status == SVO_OK && !*is_whole) {
         (void)svo_i_fail(message, SVO_FILE_DAMAGED, "%s: the part of another place", path);
@@ -119,38 +100,42 @@ static svo_status check_file(const svo_parts *parts, uint32_t level, uint64_t co
     return status == SVO_FILE_DAMAGED ? SVO_OK : status;
 }
 
-static svo_status find_standing(const svo_parts *parts, uint32_t level, uint64_t code, standing *found,
-                                svo_message *message)
+/* A look at the parts that stand for one of the list: itself, or those that it was split into. */
+typedef struct tour {
+    const svo_parts *parts;
+    svo_status (*visit)(void *user, uint32_t level, uint64_t code, standing found);
+    void *user;
+    svo_message *message;
+    bool reads_all; /* every byte of the files, not the heads alone */
+} tour;
+
+/* counts: of the children's triangles where it is split. */
+static svo_status find_standing(const tour *t, uint32_t level, uint64_t code, standing *found, uint64_t counts[8])
 {
     bool is_there = false;
     bool is_whole = false;
-    SVO_I_TRY(find_file(parts, level, code, "part", &is_there, message));
+    SVO_I_TRY(find_file(t->parts, level, code, "part", &is_there, t->message));
     if (is_there) {
-        SVO_I_TRY(check_file(parts, level, code, &is_whole, message));
+        SVO_I_TRY(check_file(t->parts, level, code, t->reads_all, &is_whole, t->message));
         *found = is_whole ? PART_WHOLE : PART_WRONG;
         return SVO_OK;
     }
-    SVO_I_TRY(find_file(parts, level, code, "split", &is_there, message));
+    SVO_I_TRY(svo_i_split_find(t->parts, level, code, &is_there, counts, t->message));
     *found = is_there ? PART_SPLIT : PART_MISSING;
     return SVO_OK;
 }
 
-/* Called for the parts that stand for one of the list: itself, or those that it was split into. */
-typedef svo_status (*part_visitor)(void *user, uint32_t level, uint64_t code, standing found);
-
-static svo_status visit_part(const svo_parts *parts, uint32_t level, uint64_t code, part_visitor visit, void *user,
-                             svo_message *message)
+static svo_status visit_part(const tour *t, uint32_t level, uint64_t code)
 {
     standing found = PART_MISSING;
-    SVO_I_TRY(find_standing(parts, level, code, &found, message));
+    uint64_t counts[8];
+    SVO_I_TRY(find_standing(t, level, code, &found, counts));
     if (found != PART_SPLIT) {
-        return visit(user, level, code, found);
+        return t->visit(t->user, level, code, found);
     }
     for (uint64_t octant = 0; octant < 8; ++octant) {
-        bool has_triangles = false;
-        SVO_I_TRY(find_file(parts, level + 1, code << 3 | octant, "tri", &has_triangles, message));
-        if (has_triangles) {
-            SVO_I_TRY(visit_part(parts, level + 1, code << 3 | octant, visit, user, message));
+        if (counts[octant] > 0) {
+            SVO_I_TRY(visit_part(t, level + 1, code << 3 | octant));
         }
     }
     return SVO_OK;
@@ -184,7 +169,8 @@ svo_status svo_parts_is_built(const svo_parts *parts, size_t index, int *is_buil
     }
     *is_built = 1;
     svo_i_message_set(message, "%s", "");
-    return visit_part(parts, parts->entries[index].level, parts->entries[index].code, note_missing, is_built, message);
+    const tour t = {parts, note_missing, is_built, message, true};
+    return visit_part(&t, parts->entries[index].level, parts->entries[index].code);
 }
 
 svo_status svo_parts_get(const svo_parts *parts, size_t index, svo_parts_entry *entry, svo_message *message)
@@ -254,31 +240,18 @@ cleanup:
     return status;
 }
 
-/* Divides a part and notes that its children stand for it. */
-static svo_status split_part(const builder *b, uint32_t level, uint64_t code)
+static svo_status build_visited(void *user, uint32_t level, uint64_t code, standing found);
+
+/* Builds what stands for a part and is missing or damaged. */
+static svo_status build_at(builder *b, uint32_t level, uint64_t code)
 {
-    uint64_t counts[8];
-    SVO_I_TRY(svo_i_part_divide(b->parts, level, code, counts, b->message));
-    char *path = svo_i_part_path(b->parts, level, code, "split");
-    if (path == NULL) {
-        return svo_i_folder_no_memory(b->parts, b->message);
-    }
-    svo_i_output output = {.descriptor = -1};
-    int error = svo_i_output_open(path, NULL, &output);
-    if (error == 0) {
-        error = svo_i_output_commit(&output);
-    }
-    svo_i_output_abandon(&output);
-    const svo_status status =
-        error == 0 ? SVO_OK
-                   : svo_i_fail(b->message, SVO_FILE_ERROR, "%s: cannot be written: %s", path, strerror(error));
-    svo_i_free(path);
-    return status;
+    const tour t = {b->parts, build_visited, b, b->message, true};
+    return visit_part(&t, level, code);
 }
 
 static svo_status build_visited(void *user, uint32_t level, uint64_t code, standing found)
 {
-    const builder *b = user;
+    builder *b = user;
     bool too_large = false;
     if (found == PART_WHOLE) {
         return SVO_OK;
@@ -293,8 +266,10 @@ static svo_status build_visited(void *user, uint32_t level, uint64_t code, stand
                                              "svo_parts_build: max_bytes %llu is too small for the least part",
                                              (unsigned long long)b->parts->max_bytes);
     }
-    SVO_I_TRY(split_part(b, level, code));
-    return visit_part(b->parts, level, code, build_visited, user, b->message);
+    uint64_t counts[8];
+    SVO_I_TRY(svo_i_part_divide(b->parts, level, code, counts, b->message));
+    SVO_I_TRY(svo_i_split_save(b->parts, level, code, counts, b->message));
+    return build_at(b, level, code);
 }
 
 svo_status svo_parts_build(const svo_parts *parts, size_t index, svo_device *device, svo_frontend *frontend,
@@ -306,7 +281,7 @@ svo_status svo_parts_build(const svo_parts *parts, size_t index, svo_device *dev
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: device is NULL", function);
     }
     builder b = {parts, device, frontend, queue, message};
-    return visit_part(parts, parts->entries[index].level, parts->entries[index].code, build_visited, &b, message);
+    return build_at(&b, parts->entries[index].level, parts->entries[index].code);
 }
 
 /* ---- stitching ---- */
@@ -354,9 +329,9 @@ svo_status svo_parts_finish(const svo_parts *parts, const char *path, svo_messag
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_parts_finish: %s is NULL",
                           parts == NULL ? "parts" : "path");
     }
+    const tour t = {parts, gather_path, &g, message, false}; /* the stitcher reads all of them */
     for (size_t i = 0; i < parts->entry_count; ++i) {
-        const svo_i_part_entry *entry = &parts->entries[i];
-        SVO_I_TRY_CLEANUP(visit_part(parts, entry->level, entry->code, gather_path, &g, message));
+        SVO_I_TRY_CLEANUP(visit_part(&t, parts->entries[i].level, parts->entries[i].code));
     }
     if ((parts->header.need & SVO_NEED_RAYS) != 0) {
         mesh = svo_i_folder_path(parts, "mesh");

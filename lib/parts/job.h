@@ -9,9 +9,6 @@
 /* Plans a part from its triangles. *expected_bytes: of the buffers and the host's memory of its build. */
 svo_status svo_i_part_plan(const svo_parts *parts, svo_device *device, uint32_t level, uint64_t code, svo_plan **plan,
                            uint64_t *expected_bytes, svo_message *message);
-/* Divides a part's triangles among files of its children. */
-svo_status svo_i_part_divide(const svo_parts *parts, uint32_t level, uint64_t code, uint64_t counts[8],
-                             svo_message *message);
 /* Host memory of a part's build while it is planned: its triangles and what the plan makes of them. */
 uint64_t svo_i_part_host_bytes(const svo_parts *parts, uint64_t triangles);
 

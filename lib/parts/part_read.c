@@ -203,26 +203,32 @@ static svo_part_info info_of(const svo_part_header *header, const part_head *hea
                            .file_bytes = head->file_bytes};
 }
 
+svo_status svo_i_part_check(const svo_part_header *header, const char *path, bool reads_all, svo_part_info *info,
+                            svo_message *message)
+{
+    svo_i_part_reader reader = {.file = -1};
+    svo_status status = SVO_OK;
+    SVO_I_TRY_CLEANUP(svo_i_part_open(header, path, false, message, &reader));
+    for (uint32_t i = 0; reads_all && i < reader.content.head.segment_count; ++i) {
+        SVO_I_TRY_CLEANUP(svo_i_part_stream(&reader, &reader.content.segments[i], NULL, NULL));
+    }
+    *info = info_of(header, &reader.content.head);
+cleanup:
+    svo_i_part_close(&reader);
+    return status;
+}
+
 svo_status svo_part_check(const svo_part_header *header, const char *path, svo_part_info *info, svo_message *message)
 {
     static const char function[] = "svo_part_check";
-    svo_i_part_reader reader = {.file = -1};
     svo_part_header whole;
-    svo_status status = SVO_OK;
+    svo_part_info found;
     if (path == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: path is NULL", function);
     }
     SVO_I_TRY(svo_i_part_header_read(function, header, message, &whole));
-    SVO_I_TRY_CLEANUP(svo_i_part_open(&whole, path, false, message, &reader));
-    for (uint32_t i = 0; i < reader.content.head.segment_count; ++i) {
-        SVO_I_TRY_CLEANUP(svo_i_part_stream(&reader, &reader.content.segments[i], NULL, NULL));
-    }
-    if (info != NULL) {
-        const svo_part_info found = info_of(&whole, &reader.content.head);
-        status =
-            svo_i_struct_write(message, function, "info", &found, info, SVO_I_STRUCT_SIZES(svo_part_info, file_bytes));
-    }
-cleanup:
-    svo_i_part_close(&reader);
-    return status;
+    SVO_I_TRY(svo_i_part_check(&whole, path, true, &found, message));
+    return info == NULL ? SVO_OK
+                        : svo_i_struct_write(message, function, "info", &found, info,
+                                             SVO_I_STRUCT_SIZES(svo_part_info, file_bytes));
 }

@@ -6,6 +6,7 @@
 #include <stdbool.h>
 
 #include "parts/format.h"
+#include "svocl/parts.h"
 
 typedef struct svo_i_part_reader {
     const char *path;
@@ -30,6 +31,10 @@ svo_status svo_i_part_stream(const svo_i_part_reader *reader, const part_segment
                              void *user);
 /* Fails for a file whose contents contradict each other. */
 svo_status svo_i_part_damaged(const svo_i_part_reader *reader, const char *why);
+
+/* Checks a part file: its head, and on request every byte. */
+svo_status svo_i_part_check(const svo_part_header *header, const char *path, bool reads_all, svo_part_info *info,
+                            svo_message *message);
 
 /* Takes a caller's header. */
 svo_status svo_i_part_header_read(const char *function, const svo_part_header *given, svo_message *message,

@@ -70,7 +70,7 @@ static svo_status write_file(writer *w)
         error = write_segments(w, &output, head_bytes);
     }
     if (error == 0) {
-        error = svo_i_output_commit(&output);
+        error = svo_i_output_commit_unflushed(&output);
     }
     svo_i_output_abandon(&output);
     return error == 0 ? SVO_OK

@@ -261,3 +261,22 @@ svo_status svo_i_pieces_visit(const svo_i_pieces *all, uint32_t level, svo_i_pie
     }
     return SVO_OK;
 }
+
+svo_status svo_i_pieces_visit_all(const svo_i_pieces *all, svo_i_piece_visitor visit, void *user)
+{
+    size_t next[SVO_LEVELS_MAX];
+    memcpy(next, all->upper_begin, sizeof next);
+    if (all->piece_count == 0) {
+        return visit(user, 0, all->uppers, NULL);
+    }
+    for (size_t i = 0; i < all->piece_count; ++i) {
+        const svo_i_piece *piece = &all->pieces[i];
+        for (uint32_t level = 0; level < piece->level; ++level) {
+            if (begins_upper(all, i, level)) {
+                SVO_I_TRY(visit(user, level, &all->uppers[next[level]++], NULL));
+            }
+        }
+        SVO_I_TRY(visit(user, piece->level, NULL, piece));
+    }
+    return SVO_OK;
+}

@@ -42,9 +42,13 @@ void svo_i_pieces_free(svo_i_pieces *all);
 /* Counts nodes and fragments into the info of the whole tree. Fails with SVO_CAPACITY_EXCEEDED. */
 svo_status svo_i_pieces_count(const svo_i_pieces *all, svo_tree_info *info);
 
-/* Called for the nodes of a level in their order: with a node above the parts, or with a part. The other is NULL. */
+/* Called with a node above the parts, or with a part. The other is NULL. */
 typedef svo_status (*svo_i_piece_visitor)(void *user, uint32_t level, const svo_i_upper_node *upper,
                                           const svo_i_piece *piece);
+/* Calls for all nodes above the parts and all parts, each with its level: before a part come the nodes above it that it
+   is the first below of. So a level's nodes come in their order. */
+svo_status svo_i_pieces_visit_all(const svo_i_pieces *all, svo_i_piece_visitor visit, void *user);
+/* Calls for the nodes of a level in their order. */
 svo_status svo_i_pieces_visit(const svo_i_pieces *all, uint32_t level, svo_i_piece_visitor visit, void *user);
 
 #endif

@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Part files to a .svo file. Its chunks are levels of arrays, and each is made of the parts in Morton order. The head
- * of the file has lengths and checksums, so it is written last.
+ * Part files to a .svo file. Its chunks are levels of arrays, and each is made of the parts in Morton order. Parts are
+ * read once, in that order: the counts in their heads give the place of every chunk, and a part appends to all of them.
  */
 #define _POSIX_C_SOURCE 200809L
-#include <errno.h>
 #include <string.h>
-#include <unistd.h>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
@@ -22,6 +20,17 @@
 /* Numbers that are made at a time. */
 #define NUMBERS 4096
 
+/* Alignment of a checksum's state, which svo_i_alloc does not give. */
+#define STATE_ALIGNMENT 64
+
+/* A chunk of the file. Parts append to all chunks in turn, each in its place. */
+typedef struct filling {
+    XXH3_state_t hash; /* of its bytes so far */
+    file_entry entry;
+    file_chunk *chunk; /* plain_bytes: so far */
+    uint64_t next; /* the children of its nodes, or its lists' entries, so far */
+} filling;
+
 typedef struct stitcher {
     svo_i_pieces all;
     svo_tree_info info; /* of the whole tree */
@@ -30,67 +39,97 @@ typedef struct stitcher {
     svo_message *message;
     svo_i_output output;
     file_head head;
-    file_chunk *chunk; /* that is being written */
-    XXH3_state_t hash; /* of its bytes */
-    svo_tree_buffer array;
-    uint64_t next; /* the children of a level, or the lists' entries, so far */
+    void *memory; /* of the fillings */
+    filling *fillings;
+    uint32_t filling_count;
 } stitcher;
+
+/* What bytes of a part or of the mesh are appended to. */
+typedef struct target {
+    stitcher *s;
+    filling *to;
+} target;
 
 static svo_status fail_errno(const stitcher *s, int error)
 {
     return svo_i_fail(s->message, SVO_FILE_ERROR, "%s: cannot be written: %s", s->path, strerror(error));
 }
 
-/* A visitor: appends bytes to the chunk. Of child masks it counts the children. */
-static svo_status put(void *user, const void *bytes, size_t byte_count)
+/* Appends bytes to a chunk. Of child masks it counts the children. */
+static svo_status put(stitcher *s, filling *to, const void *bytes, size_t byte_count)
 {
-    stitcher *s = user;
     const uint8_t *masks = bytes;
-    for (size_t i = 0; i < byte_count && s->array == SVO_TREE_CHILD_MASK; ++i) {
-        s->next += svo_count_bits(masks[i]);
+    for (size_t i = 0; i < byte_count && to->entry.buffer == SVO_TREE_CHILD_MASK; ++i) {
+        to->next += svo_count_bits(masks[i]);
     }
-    const int error = svo_i_output_write(&s->output, bytes, byte_count);
-    XXH3_64bits_update(&s->hash, bytes, byte_count);
-    s->chunk->plain_bytes += byte_count;
+    const int error = svo_i_output_write_at(&s->output, to->chunk->offset + to->chunk->plain_bytes, bytes, byte_count);
+    XXH3_64bits_update(&to->hash, bytes, byte_count);
+    to->chunk->plain_bytes += byte_count;
     return error == 0 ? SVO_OK : fail_errno(s, error);
+}
+
+/* A visitor. */
+static svo_status put_bytes(void *user, const void *bytes, size_t byte_count)
+{
+    const target *at = user;
+    return put(at->s, at->to, bytes, byte_count);
 }
 
 /* A visitor: where lists begin, counted from the part's first entry. */
 static svo_status put_list_begins(void *user, const void *bytes, size_t byte_count)
 {
-    stitcher *s = user;
+    const target *at = user;
     const unsigned char *from = bytes;
     uint32_t numbers[NUMBERS];
     const size_t most = sizeof numbers;
-    for (size_t at = 0; at < byte_count; at += most) {
-        const size_t piece_bytes = byte_count - at < most ? byte_count - at : most;
-        memcpy(numbers, from + at, piece_bytes);
+    for (size_t begin = 0; begin < byte_count; begin += most) {
+        const size_t piece_bytes = byte_count - begin < most ? byte_count - begin : most;
+        memcpy(numbers, from + begin, piece_bytes);
         for (size_t i = 0; i < piece_bytes / sizeof *numbers; ++i) {
-            numbers[i] += (uint32_t)s->next;
+            numbers[i] += (uint32_t)at->to->next;
         }
-        SVO_I_TRY(put(s, numbers, piece_bytes));
+        SVO_I_TRY(put(at->s, at->to, numbers, piece_bytes));
     }
     return SVO_OK;
 }
 
 /* ---- nodes ---- */
 
-static svo_status put_upper(stitcher *s, const svo_i_upper_node *upper)
+/* Whether parts and the nodes above them have elements of an array. */
+static bool is_of_parts(const stitcher *s, svo_tree_buffer array)
 {
-    switch (s->array) {
+    switch (array) {
     case SVO_TREE_CHILD_MASK:
-        return put(s, &upper->mask, 1);
+    case SVO_TREE_LIST:
+    case SVO_TREE_LIST_BEGIN:
+    case SVO_TREE_AREAS:
+        return true;
     case SVO_TREE_COLORS:
-        return put(s, upper->payload.color, sizeof upper->payload.color);
     case SVO_TREE_NORMALS:
-        return put(s, upper->payload.normal, sizeof upper->payload.normal);
     case SVO_TREE_MATERIALS:
-        return put(s, &upper->payload.material, sizeof upper->payload.material);
     case SVO_TREE_FILLS:
-        return put(s, &upper->payload.fill, sizeof upper->payload.fill);
+        return !svo_i_tree_is_constant(&s->info, array);
+    default:
+        return false;
+    }
+}
+
+static svo_status put_upper(stitcher *s, filling *to, const svo_i_upper_node *upper)
+{
+    switch (to->entry.buffer) {
+    case SVO_TREE_CHILD_MASK:
+        return put(s, to, &upper->mask, 1);
+    case SVO_TREE_COLORS:
+        return put(s, to, upper->payload.color, sizeof upper->payload.color);
+    case SVO_TREE_NORMALS:
+        return put(s, to, upper->payload.normal, sizeof upper->payload.normal);
+    case SVO_TREE_MATERIALS:
+        return put(s, to, &upper->payload.material, sizeof upper->payload.material);
+    case SVO_TREE_FILLS:
+        return put(s, to, &upper->payload.fill, sizeof upper->payload.fill);
     default:
         return svo_i_fail(s->message, SVO_INTERNAL, "svo_parts_stitch: %s has no elements above the leaves",
-                          svo_tree_buffer_name(s->array));
+                          svo_tree_buffer_name(to->entry.buffer));
     }
 }
 
@@ -102,20 +141,31 @@ static uint64_t segment_bytes(const svo_i_piece *piece, uint32_t kind, uint32_t 
                                  : nodes * svo_i_tree_element_bytes((svo_tree_buffer)kind);
 }
 
-static svo_status put_piece(stitcher *s, uint32_t level, const svo_i_piece *piece)
+static svo_status put_segment(stitcher *s, filling *to, const svo_i_piece *piece, const svo_i_part_reader *reader)
 {
-    const uint32_t kind = (uint32_t)s->array;
-    const uint32_t own_level = level - piece->level;
+    const uint32_t kind = (uint32_t)to->entry.buffer;
+    const uint32_t own_level = to->entry.level - piece->level;
+    const part_segment *segment = svo_i_part_find(reader, kind, own_level);
+    target at = {s, to};
+    if (segment == NULL || segment->bytes != segment_bytes(piece, kind, own_level)) {
+        return svo_i_part_damaged(reader, "an array is missing or has another length");
+    }
+    SVO_I_TRY(svo_i_part_stream(reader, segment, kind == SVO_TREE_LIST_BEGIN ? put_list_begins : put_bytes, &at));
+    to->next += kind == SVO_TREE_LIST_BEGIN ? piece->list_count : 0;
+    return SVO_OK;
+}
+
+static svo_status put_piece(stitcher *s, const svo_i_piece *piece)
+{
     svo_i_part_reader reader = {.file = -1};
     svo_status status = SVO_OK;
     SVO_I_TRY_CLEANUP(svo_i_part_open(&s->all.header, piece->path, false, s->message, &reader));
-    const part_segment *segment = svo_i_part_find(&reader, kind, own_level);
-    if (segment == NULL || segment->bytes != segment_bytes(piece, kind, own_level)) {
-        status = svo_i_part_damaged(&reader, "an array is missing or has another length");
-        goto cleanup;
+    for (uint32_t i = 0; i < s->filling_count; ++i) {
+        filling *to = &s->fillings[i];
+        if (to->entry.level >= piece->level && is_of_parts(s, to->entry.buffer)) {
+            SVO_I_TRY_CLEANUP(put_segment(s, to, piece, &reader));
+        }
     }
-    SVO_I_TRY_CLEANUP(svo_i_part_stream(&reader, segment, s->array == SVO_TREE_LIST_BEGIN ? put_list_begins : put, s));
-    s->next += s->array == SVO_TREE_LIST_BEGIN ? piece->list_count : 0;
 cleanup:
     svo_i_part_close(&reader);
     return status;
@@ -123,127 +173,142 @@ cleanup:
 
 static svo_status put_nodes(void *user, uint32_t level, const svo_i_upper_node *upper, const svo_i_piece *piece)
 {
-    return upper != NULL ? put_upper(user, upper) : put_piece(user, level, piece);
+    stitcher *s = user;
+    if (piece != NULL) {
+        return put_piece(s, piece);
+    }
+    for (uint32_t i = 0; i < s->filling_count; ++i) {
+        filling *to = &s->fillings[i];
+        if (to->entry.level == level && is_of_parts(s, to->entry.buffer)) {
+            SVO_I_TRY(put_upper(s, to, upper));
+        }
+    }
+    return SVO_OK;
 }
 
-static svo_status put_level(stitcher *s, uint32_t level)
-{
-    return svo_i_pieces_visit(&s->all, level, put_nodes, s);
-}
-
-static svo_status put_list_begin(stitcher *s)
-{
-    s->next = 0;
-    SVO_I_TRY(put_level(s, s->info.depth));
-    const uint32_t end = (uint32_t)s->next;
-    return put(s, &end, sizeof end);
-}
+/* ---- what parts do not have ---- */
 
 /* Payload that is the same in every node; zero in a tree without leaves. */
-static svo_status put_constant(stitcher *s)
+static svo_status put_constant(stitcher *s, filling *to)
 {
     static const unsigned char none[8] = {0};
     const svo_part_header *header = &s->all.header;
-    const void *value = s->array == SVO_TREE_COLORS    ? (const void *)header->constant_color
-                        : s->array == SVO_TREE_NORMALS ? (const void *)header->constant_normal
-                                                       : (const void *)&header->constant_material;
-    return put(s, s->info.leaf_count > 0 ? value : none, svo_i_tree_element_bytes(s->array));
+    const svo_tree_buffer array = to->entry.buffer;
+    const void *value = array == SVO_TREE_COLORS    ? (const void *)header->constant_color
+                        : array == SVO_TREE_NORMALS ? (const void *)header->constant_normal
+                                                    : (const void *)&header->constant_material;
+    return put(s, to, s->info.leaf_count > 0 ? value : none, svo_i_tree_element_bytes(array));
 }
 
-static svo_status put_mesh(stitcher *s)
+static svo_status put_mesh(stitcher *s, filling *to)
 {
     svo_i_part_reader reader = {.file = -1};
+    target at = {s, to};
     svo_status status = SVO_OK;
     SVO_I_TRY_CLEANUP(svo_i_part_open(&s->all.header, s->mesh_path, true, s->message, &reader));
-    const part_segment *segment = svo_i_part_find(&reader, (uint32_t)s->array, 0);
-    const uint64_t bytes = svo_i_tree_element_count(&s->info, s->array) * svo_i_tree_element_bytes(s->array);
-    if (segment == NULL || segment->bytes != bytes) {
+    const part_segment *segment = svo_i_part_find(&reader, (uint32_t)to->entry.buffer, 0);
+    if (segment == NULL || segment->bytes != to->chunk->stored_bytes) {
         status = svo_i_part_damaged(&reader, "an array of the mesh is missing or has another length");
         goto cleanup;
     }
-    status = svo_i_part_stream(&reader, segment, put, s);
+    status = svo_i_part_stream(&reader, segment, put_bytes, &at);
 cleanup:
     svo_i_part_close(&reader);
     return status;
 }
 
-static svo_status put_masks(stitcher *s, uint32_t level)
+/* Appends what follows the parts' elements, or stands in their place. */
+static svo_status put_rest(stitcher *s, filling *to)
 {
-    const uint32_t *level_begin = s->info.level_begin;
-    s->next = 0;
-    SVO_I_TRY(put_level(s, level));
-    return s->next == level_begin[level + 2] - level_begin[level + 1]
-               ? SVO_OK
-               : svo_i_fail(s->message, SVO_FILE_DAMAGED, "%s: the parts' masks do not add up to their nodes", s->path);
-}
-
-/* The elements of an array that belong to a level. */
-static svo_status put_array(stitcher *s, uint32_t level)
-{
-    switch (s->array) {
+    const uint32_t end = (uint32_t)to->next;
+    switch (to->entry.buffer) {
     case SVO_TREE_COLORS:
     case SVO_TREE_NORMALS:
     case SVO_TREE_MATERIALS:
     case SVO_TREE_FILLS:
-        return svo_i_tree_is_constant(&s->info, s->array) ? put_constant(s) : put_level(s, level);
+        return svo_i_tree_is_constant(&s->info, to->entry.buffer) ? put_constant(s, to) : SVO_OK;
     case SVO_TREE_CHILD_MASK:
-        return put_masks(s, level);
     case SVO_TREE_LIST:
     case SVO_TREE_AREAS:
-        return put_level(s, level);
+        return SVO_OK;
     case SVO_TREE_LIST_BEGIN:
-        return put_list_begin(s);
+        return put(s, to, &end, sizeof end);
     default:
-        return put_mesh(s);
+        return put_mesh(s, to);
     }
 }
 
 /* ---- the file ---- */
 
-static svo_status put_chunk(stitcher *s, const file_entry *entry, uint64_t offset)
+/* Places the chunks, whose lengths follow from the counts. Returns the length of the file. */
+static uint64_t place_chunks(stitcher *s, const file_entry *entries)
 {
-    s->array = entry->buffer;
-    s->chunk = &s->head.chunks[s->head.header.chunk_count++];
-    *s->chunk = (file_chunk){.kind = svo_i_file_entry_kind(entry), .codec = FILE_CODEC_STORED, .offset = offset};
-    XXH3_INITSTATE(&s->hash);
-    XXH3_64bits_reset(&s->hash);
-    SVO_I_TRY(put_array(s, entry->level));
-    s->chunk->stored_bytes = s->chunk->plain_bytes;
-    s->chunk->hash = XXH3_64bits_digest(&s->hash);
+    file_header *header = &s->head.header;
+    svo_i_file_fill_header(header, &s->info);
+    header->chunk_count = s->filling_count;
+    header->header_bytes = (uint32_t)(sizeof *header + s->filling_count * sizeof(file_chunk));
+    uint64_t offset = header->header_bytes;
+    for (uint32_t i = 0; i < s->filling_count; ++i) {
+        filling *to = &s->fillings[i];
+        to->entry = entries[i];
+        to->chunk = &s->head.chunks[i];
+        to->next = 0;
+        XXH3_INITSTATE(&to->hash);
+        XXH3_64bits_reset(&to->hash);
+        *to->chunk = (file_chunk){.kind = svo_i_file_entry_kind(&entries[i]),
+                                  .codec = FILE_CODEC_STORED,
+                                  .offset = offset,
+                                  .stored_bytes = svo_i_file_entry_count(&s->info, FILE_VERSION, &entries[i]) *
+                                                  svo_i_tree_element_bytes(entries[i].buffer)};
+        offset += to->chunk->stored_bytes;
+    }
+    return offset;
+}
+
+static svo_status alloc_fillings(stitcher *s)
+{
+    s->memory = svo_i_alloc(NULL, s->filling_count * sizeof *s->fillings + STATE_ALIGNMENT);
+    if (s->memory == NULL) {
+        return svo_i_fail(s->message, SVO_OUT_OF_HOST_MEMORY, "svo_parts_stitch: no memory for %u chunks",
+                          s->filling_count);
+    }
+    const uintptr_t aligned = ((uintptr_t)s->memory + STATE_ALIGNMENT - 1) / STATE_ALIGNMENT * STATE_ALIGNMENT;
+    s->fillings = (filling *)aligned;
     return SVO_OK;
 }
 
-/* Writes the head in its place. */
-static svo_status put_head(stitcher *s, uint64_t file_bytes)
+/* Appends what is left, and completes the chunks. */
+static svo_status finish_chunks(stitcher *s)
 {
-    file_header *header = &s->head.header;
-    header->file_bytes = file_bytes;
-    header->header_hash =
-        XXH3_64bits((const uint8_t *)&s->head + FILE_HASH_BEGIN, header->header_bytes - FILE_HASH_BEGIN);
-    if (lseek(s->output.descriptor, 0, SEEK_SET) != 0) {
-        return fail_errno(s, errno);
+    const uint32_t *level_begin = s->info.level_begin;
+    for (uint32_t i = 0; i < s->filling_count; ++i) {
+        filling *to = &s->fillings[i];
+        const uint32_t level = to->entry.level;
+        SVO_I_TRY(put_rest(s, to));
+        if (to->chunk->plain_bytes != to->chunk->stored_bytes ||
+            (to->entry.buffer == SVO_TREE_CHILD_MASK && to->next != level_begin[level + 2] - level_begin[level + 1])) {
+            return svo_i_fail(s->message, SVO_FILE_DAMAGED, "%s: the parts' %s do not add up to their nodes", s->path,
+                              svo_tree_buffer_name(to->entry.buffer));
+        }
+        to->chunk->hash = XXH3_64bits_digest(&to->hash);
     }
-    const int error = svo_i_output_write(&s->output, &s->head, header->header_bytes);
-    return error == 0 ? SVO_OK : fail_errno(s, error);
+    return SVO_OK;
 }
 
+/* One pass over the parts; the head has checksums, so it is written last. */
 static svo_status put_file(stitcher *s)
 {
     file_header *header = &s->head.header;
     file_entry entries[FILE_CHUNKS_MAX];
-    const uint32_t entry_count = svo_i_file_list_entries(&s->info, FILE_VERSION, entries);
-    svo_i_file_fill_header(header, &s->info);
-    header->header_bytes = (uint32_t)(sizeof *header + entry_count * sizeof(file_chunk));
-    uint64_t offset = header->header_bytes;
-    const int error = svo_i_output_write(&s->output, &s->head, header->header_bytes); /* holds the place */
-    if (error != 0) {
-        return fail_errno(s, error);
-    }
-    for (uint32_t i = 0; i < entry_count; ++i) {
-        SVO_I_TRY(put_chunk(s, &entries[i], offset));
-        offset += s->chunk->stored_bytes;
-    }
-    return put_head(s, offset);
+    s->filling_count = svo_i_file_list_entries(&s->info, FILE_VERSION, entries);
+    SVO_I_TRY(alloc_fillings(s));
+    header->file_bytes = place_chunks(s, entries);
+    SVO_I_TRY(svo_i_pieces_visit_all(&s->all, put_nodes, s));
+    SVO_I_TRY(finish_chunks(s));
+    header->header_hash =
+        XXH3_64bits((const uint8_t *)&s->head + FILE_HASH_BEGIN, header->header_bytes - FILE_HASH_BEGIN);
+    const int error = svo_i_output_write_at(&s->output, 0, &s->head, header->header_bytes);
+    return error == 0 ? SVO_OK : fail_errno(s, error);
 }
 
 /* What the header says of the whole tree. */
@@ -308,6 +373,7 @@ svo_status svo_parts_stitch(const svo_part_header *header, const char *const *pa
     SVO_I_TRY_CLEANUP(svo_i_pieces_count(&s.all, &s.info));
     status = write_tree(&s);
 cleanup:
+    svo_i_free(s.memory);
     svo_i_pieces_free(&s.all);
     return status;
 }

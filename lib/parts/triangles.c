@@ -13,7 +13,6 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "output/output.h"
 #include "svocl/nodes.h"
 #include "svocl/plan.h"
 
@@ -54,31 +53,24 @@ size_t svo_i_triangle_bytes(uint32_t fields)
 
 /* ---- writing ---- */
 
-/* A file of triangles that is being written. */
-typedef struct triangle_file {
-    svo_i_output output;
-    const char *path;
-    svo_message *message;
-    XXH3_state_t *hash; /* the caller's, since memory of svo_i_alloc is not aligned enough for it */
-    unsigned char *block;
-    size_t filled, block_bytes;
-    uint64_t count;
-} triangle_file;
-
-static svo_status fail_errno(const triangle_file *file, int error)
+static svo_status fail_errno(const svo_i_triangle_file *file, int error)
 {
     return svo_i_fail(file->message, SVO_FILE_ERROR, "%s: cannot be written: %s", file->path, strerror(error));
 }
 
-static svo_status begin_file(triangle_file *file, const char *path, size_t record_bytes, svo_message *message)
+svo_status svo_i_triangles_begin(svo_i_triangle_file *file, void *hash, const char *path, uint32_t fields,
+                                 svo_message *message)
 {
+    file->hash = hash;
     file->path = path;
     file->message = message;
+    file->fields = fields;
+    file->record_bytes = svo_i_triangle_bytes(fields);
     file->output.descriptor = -1;
     file->filled = 0;
     file->count = 0;
-    file->block_bytes = BLOCK_RECORDS * record_bytes;
-    XXH3_INITSTATE(file->hash);
+    file->block_bytes = BLOCK_RECORDS * file->record_bytes;
+    XXH3_INITSTATE((XXH3_state_t *)file->hash);
     XXH3_64bits_reset(file->hash);
     file->block = svo_i_alloc(NULL, file->block_bytes);
     if (file->block == NULL) {
@@ -88,7 +80,7 @@ static svo_status begin_file(triangle_file *file, const char *path, size_t recor
     return error == 0 ? SVO_OK : fail_errno(file, error);
 }
 
-static svo_status flush(triangle_file *file)
+static svo_status flush(svo_i_triangle_file *file)
 {
     const int error = svo_i_output_write(&file->output, file->block, file->filled);
     XXH3_64bits_update(file->hash, file->block, file->filled);
@@ -97,25 +89,24 @@ static svo_status flush(triangle_file *file)
 }
 
 /* Room for one more record. */
-static svo_status next_record(triangle_file *file, size_t record_bytes, unsigned char **record)
+static svo_status next_record(svo_i_triangle_file *file, unsigned char **record)
 {
-    if (file->filled + record_bytes > file->block_bytes) {
+    if (file->filled + file->record_bytes > file->block_bytes) {
         SVO_I_TRY(flush(file));
     }
     *record = file->block + file->filled;
-    file->filled += record_bytes;
+    file->filled += file->record_bytes;
     ++file->count;
     return SVO_OK;
 }
 
-/* *hash: NULL allowed. */
-static svo_status finish_file(triangle_file *file, uint64_t *hash)
+svo_status svo_i_triangles_finish(svo_i_triangle_file *file, uint64_t *hash)
 {
     SVO_I_TRY(flush(file));
     const uint64_t sum = XXH3_64bits_digest(file->hash);
     int error = svo_i_output_write(&file->output, &sum, sizeof sum);
     if (error == 0) {
-        error = svo_i_output_commit(&file->output);
+        error = svo_i_output_commit_unflushed(&file->output);
     }
     if (hash != NULL) {
         *hash = sum;
@@ -123,7 +114,7 @@ static svo_status finish_file(triangle_file *file, uint64_t *hash)
     return error == 0 ? SVO_OK : fail_errno(file, error);
 }
 
-static void end_file(triangle_file *file)
+void svo_i_triangles_end(svo_i_triangle_file *file)
 {
     if (file->block != NULL) {
         svo_i_output_abandon(&file->output);
@@ -159,23 +150,28 @@ static void put_triangle(const svo_mesh *mesh, uint32_t fields, uint32_t triangl
     (void)put_field(to, mesh->uvs, uv_bytes(fields), corners);
 }
 
+svo_status svo_i_triangles_append(svo_i_triangle_file *file, const svo_mesh *mesh, const uint32_t *ids, uint32_t count)
+{
+    unsigned char *record = NULL;
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t name = (uint32_t)file->count;
+        SVO_I_TRY(next_record(file, &record));
+        put_triangle(mesh, file->fields, ids[i], name, record);
+    }
+    return SVO_OK;
+}
+
 svo_status svo_i_triangles_save(const svo_mesh *mesh, const uint32_t *ids, uint32_t count, const char *path,
                                 uint64_t *hash, svo_message *message)
 {
     XXH3_state_t state;
-    triangle_file file = {.hash = &state};
-    const uint32_t fields = svo_i_triangle_fields(mesh);
-    const size_t record_bytes = svo_i_triangle_bytes(fields);
-    unsigned char *record = NULL;
+    svo_i_triangle_file file = {.block = NULL};
     svo_status status = SVO_OK;
-    SVO_I_TRY_CLEANUP(begin_file(&file, path, record_bytes, message));
-    for (uint32_t i = 0; i < count; ++i) {
-        SVO_I_TRY_CLEANUP(next_record(&file, record_bytes, &record));
-        put_triangle(mesh, fields, ids[i], i, record);
-    }
-    status = finish_file(&file, hash);
+    SVO_I_TRY_CLEANUP(svo_i_triangles_begin(&file, &state, path, svo_i_triangle_fields(mesh), message));
+    SVO_I_TRY_CLEANUP(svo_i_triangles_append(&file, mesh, ids, count));
+    status = svo_i_triangles_finish(&file, hash);
 cleanup:
-    end_file(&file);
+    svo_i_triangles_end(&file);
     return status;
 }
 
@@ -378,7 +374,7 @@ typedef struct divider {
     const svo_part_header *header;
     uint32_t fields;
     double middle[3]; /* of the parent, in units of the whole grid */
-    triangle_file files[8];
+    svo_i_triangle_file files[8];
 } divider;
 
 /* A corner's coordinate in units of the whole grid, as plan/grid.c snaps it. */
@@ -425,7 +421,7 @@ static svo_status divide_record(divider *d, const unsigned char *record, size_t 
         }
         if (meets) {
             unsigned char *to = NULL;
-            SVO_I_TRY(next_record(&d->files[octant], record_bytes, &to));
+            SVO_I_TRY(next_record(&d->files[octant], &to));
             memcpy(to, record, record_bytes);
         }
     }
@@ -457,8 +453,7 @@ svo_status svo_i_triangles_split(const svo_part_header *header, uint32_t fields,
     find_middle(d, level, code);
     SVO_I_TRY_CLEANUP(open_source(&source, path, fields, message));
     for (unsigned octant = 0; octant < 8; ++octant) {
-        d->files[octant].hash = &states[octant];
-        SVO_I_TRY_CLEANUP(begin_file(&d->files[octant], paths[octant], source.record_bytes, message));
+        SVO_I_TRY_CLEANUP(svo_i_triangles_begin(&d->files[octant], &states[octant], paths[octant], fields, message));
     }
     size_t count = 0;
     do {
@@ -470,12 +465,12 @@ svo_status svo_i_triangles_split(const svo_part_header *header, uint32_t fields,
     for (unsigned octant = 0; octant < 8; ++octant) {
         counts[octant] = d->files[octant].count;
         if (counts[octant] > 0) {
-            SVO_I_TRY_CLEANUP(finish_file(&d->files[octant], NULL));
+            SVO_I_TRY_CLEANUP(svo_i_triangles_finish(&d->files[octant], NULL));
         }
     }
 cleanup:
     for (unsigned octant = 0; octant < 8; ++octant) {
-        end_file(&d->files[octant]);
+        svo_i_triangles_end(&d->files[octant]);
     }
     close_source(&source);
     svo_i_free(d);

@@ -7,6 +7,7 @@
 #define SVO_LIB_PARTS_TRIANGLES_H
 
 #include "core/memory.h"
+#include "output/output.h"
 #include "svocl/mesh.h"
 #include "svocl/part_types.h"
 
@@ -19,8 +20,27 @@
 uint32_t svo_i_triangle_fields(const svo_mesh *mesh);
 size_t svo_i_triangle_bytes(uint32_t fields);
 
-/* Writes the triangles of a mesh that ids names, in their order; each is called by its place in ids. *hash: of the
-   records. */
+/* A file of triangles that is being written. */
+typedef struct svo_i_triangle_file {
+    svo_i_output output;
+    const char *path;
+    svo_message *message;
+    void *hash; /* an XXH3_state_t of the caller's, since memory of svo_i_alloc is not aligned enough for it */
+    uint32_t fields;
+    size_t record_bytes;
+    unsigned char *block; /* NULL: not begun */
+    size_t filled, block_bytes;
+    uint64_t count; /* of triangles */
+} svo_i_triangle_file;
+
+/* Begins a file, appends the triangles of a mesh that ids names, each called by its place in the file, and finishes it.
+   hash and path must outlive the file. To be ended also after a failure. *hash: of the records; NULL allowed. */
+svo_status svo_i_triangles_begin(svo_i_triangle_file *file, void *hash, const char *path, uint32_t fields,
+                                 svo_message *message);
+svo_status svo_i_triangles_append(svo_i_triangle_file *file, const svo_mesh *mesh, const uint32_t *ids, uint32_t count);
+svo_status svo_i_triangles_finish(svo_i_triangle_file *file, uint64_t *hash);
+void svo_i_triangles_end(svo_i_triangle_file *file);
+/* All of it: the file of a mesh. */
 svo_status svo_i_triangles_save(const svo_mesh *mesh, const uint32_t *ids, uint32_t count, const char *path,
                                 uint64_t *hash, svo_message *message);
 

@@ -245,7 +245,7 @@ static uint32_t half_word(int16_t value)
     return (uint16_t)value;
 }
 
-static bool same_own_normal(const svo_triangle_record *a, const svo_triangle_record *b)
+bool svo_i_same_own_normal(const svo_triangle_record *a, const svo_triangle_record *b)
 {
     return a->normal_xy == b->normal_xy && (a->normal_z_flags & 0xffffu) == (b->normal_z_flags & 0xffffu);
 }
@@ -267,7 +267,7 @@ static svo_status make_records(svo_plan *plan, const svo_mesh *mesh, svo_i_findi
                                  (is_flat(plan, corners, record->material) ? SVO_TRIANGLE_FLAT : 0u);
         record->stretch = (uint32_t)rint(s.stretch * STRETCH_ONE);
         found->largest_area = fmax(found->largest_area, s.area);
-        found->own_normals_vary = found->own_normals_vary || !same_own_normal(record, &plan->records[0]);
+        found->own_normals_vary = found->own_normals_vary || !svo_i_same_own_normal(record, &plan->records[0]);
     }
     found->first_record = plan->records[0];
     return SVO_OK;
@@ -343,7 +343,7 @@ static svo_status copy_color_inputs(svo_plan *plan, const svo_mesh *mesh, const 
     return mesh->colors != NULL ? copy_colors(plan, mesh) : SVO_OK;
 }
 
-static svo_status fill(svo_plan *plan, const svo_mesh *mesh, svo_i_findings *found)
+svo_status svo_i_plan_find(svo_plan *plan, const svo_mesh *mesh, svo_i_findings *found)
 {
     for (uint32_t t = 0; t < plan->triangle_count; ++t) {
         found->material_used[material_of(plan, mesh, t)] = 1;
@@ -367,7 +367,7 @@ svo_status svo_i_plan_attributes(svo_plan *plan, const svo_mesh *mesh)
         return SVO_OK;
     }
     svo_i_findings found = {.material_used = svo_i_alloc_zeroed(&plan->device->memory, plan->material_count, 1)};
-    svo_status status = found.material_used != NULL ? fill(plan, mesh, &found) : no_memory(plan);
+    svo_status status = found.material_used != NULL ? svo_i_plan_find(plan, mesh, &found) : no_memory(plan);
     if (status == SVO_OK) {
         status = svo_i_plan_conclude(plan, &found);
     }

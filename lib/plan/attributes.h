@@ -8,6 +8,11 @@
 /* Resolves SVO_NEED_DEFAULT, fills the payload inputs and finds constant payload, on the host. */
 svo_status svo_i_plan_attributes(svo_plan *plan, const svo_mesh *mesh);
 
+/* Fills the payload inputs alone. found: all zero but for material_used, which has a byte for each material. */
+svo_status svo_i_plan_find(svo_plan *plan, const svo_mesh *mesh, svo_i_findings *found);
+/* Whether two triangles have the same normal of their own. */
+bool svo_i_same_own_normal(const svo_triangle_record *a, const svo_triangle_record *b);
+
 /* Parts that do not depend on where the mesh is. has_colors, has_normals, has_uvs: whether the mesh has them. */
 
 void svo_i_plan_resolve_need(svo_plan *plan, const svo_mesh *mesh, bool has_colors, bool has_normals);

@@ -117,6 +117,9 @@ static void fit_grid(svo_plan *plan, const svo_i_bounds *bounds)
 
 svo_status svo_i_plan_make_grid(svo_plan *plan, const svo_i_bounds *bounds)
 {
+    if (plan->has_grid) {
+        return SVO_OK;
+    }
     if (svo_i_plan_is_part(plan)) {
         svo_i_part_grid(plan);
     } else if (plan->options.edge > 0.0) {

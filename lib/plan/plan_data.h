@@ -194,6 +194,7 @@ struct svo_plan {
     svo_plan_info info;
     svo_plan_options options;
     svo_i_plan_part part;
+    bool has_grid; /* info has it before the mesh is taken: survey.c */
     svo_i_work work; /* what a build does */
     const svo_i_stage *stages; /* the table of stages, in build/stage_table.c */
     size_t stage_count;

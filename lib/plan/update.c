@@ -72,10 +72,10 @@ static double most_area(const svo_plan *plan)
     return most * 0.5;
 }
 
-static svo_status check_area(const svo_plan *plan, const char *function)
+svo_status svo_i_update_check_area(const svo_plan *plan, const char *function, double area)
 {
     const double unit = 1.0 / (plan->info.scale * plan->info.scale * sqrt(3.0));
-    const double total = plan->info.area / unit;
+    const double total = area / unit;
     if ((plan->info.need & SVO_I_NEED_PAYLOAD) == 0 ||
         svo_i_plan_choose_weight_log2(plan, INFINITY, total) >= plan->weight_log2) {
         return SVO_OK;
@@ -83,7 +83,7 @@ static svo_status check_area(const svo_plan *plan, const char *function)
     return svo_i_device_fail(plan->device, SVO_CAPACITY_EXCEEDED,
                              "%s: the mesh has an area of at least %g inside the grid, and the plan's unit of weight "
                              "suits %g; see options.max_area",
-                             function, plan->info.area, most_area(plan) * unit);
+                             function, area, most_area(plan) * unit);
 }
 
 svo_status svo_i_update_take(svo_plan *plan, const char *function, const svo_i_mesh_totals *totals)
@@ -97,7 +97,7 @@ svo_status svo_i_update_take(svo_plan *plan, const char *function, const svo_i_m
     plan->update->kept_triangles = info->triangles - info->refused_triangles - info->outside_triangles;
     memcpy(&info->snap_error, &totals->error, sizeof info->snap_error);
     info->area = 0.5 * doubled_areas / (info->scale * info->scale * sqrt(3.0));
-    return check_area(plan, function);
+    return svo_i_update_check_area(plan, function, info->area);
 }
 
 svo_status svo_i_update_settle(svo_plan *plan, const char *function, cl_command_queue queue)

@@ -33,6 +33,9 @@ svo_status svo_i_update_follow(svo_plan *plan, const char *function, cl_event ev
 svo_status svo_i_update_settle(svo_plan *plan, const char *function, cl_command_queue queue);
 /* Takes what the host has read. SVO_CAPACITY_EXCEEDED: the mesh's area is too large for the plan's weights. */
 svo_status svo_i_update_take(svo_plan *plan, const char *function, const svo_i_mesh_totals *totals);
+/* SVO_CAPACITY_EXCEEDED: a mesh of this area inside the grid, as svo_plan_info has it, is too large for the plan's
+   weights. */
+svo_status svo_i_update_check_area(const svo_plan *plan, const char *function, double area);
 /* Waits and releases everything; NULL allowed. */
 void svo_i_update_destroy(svo_i_update *update);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures of what svo_i_picture_source describes: a built tree (render.c) or a compact one. */
+/* Pictures of what svo_i_picture_source describes: a built tree (render.c), a compact one or a paged one. */
 #ifndef SVO_LIB_RAYS_PICTURE_H
 #define SVO_LIB_RAYS_PICTURE_H
 
@@ -21,14 +21,19 @@ typedef struct svo_i_picture_source {
     uint32_t payload_level;
 } svo_i_picture_source;
 
+SVO_I_SHARED_BEGIN
+
 /* The options of a picture, checked. */
 svo_status svo_i_picture_options(svo_device *device, const char *function, const svo_render_options *options,
                                  svo_render_options *out);
-/* Enqueues what draws a picture. */
-svo_status svo_i_picture_enqueue(const svo_i_picture_source *source, const svo_render_options *options,
-                                 const svo_i_pixels *to);
 /* Draws a picture and waits for it. */
 svo_status svo_i_picture_draw(const svo_i_picture_source *source, const svo_render_options *options,
                               cl_command_queue queue, uint8_t *rgba);
+
+SVO_I_SHARED_END
+
+/* Enqueues what draws a picture. */
+svo_status svo_i_picture_enqueue(const svo_i_picture_source *source, const svo_render_options *options,
+                                 const svo_i_pixels *to);
 
 #endif

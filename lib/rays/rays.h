@@ -33,9 +33,11 @@ svo_i_ray_buffers svo_i_rays_buffers(const svo_tree *tree);
 svo_status svo_i_rays_tree_params(const svo_tree *tree, const char *function, svo_ray_params *params);
 /* Sets the arguments that SVO_TREE_PARAMETERS declares, from first_index on. Makes the BVH if the tree has one. */
 svo_status svo_i_rays_set_tree(svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index);
+SVO_I_SHARED_BEGIN
 /* What the kernels know of a grid; edge: svo_tree_info.edge. */
 svo_status svo_i_rays_params(svo_device *device, const char *function, const svo_grid *grid, double edge,
                              svo_ray_params *params);
+SVO_I_SHARED_END
 /* A tree's triangles as the target of batches; and its voxels, for which it makes no BVH. */
 svo_i_ray_target svo_i_rays_target(svo_tree *tree);
 svo_i_ray_target svo_i_voxels_target(svo_tree *tree);

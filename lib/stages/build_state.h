@@ -13,10 +13,15 @@
 
 /* The mesh's attributes on the device. Buffers that the plan does not need are NULL. */
 typedef struct svo_i_surface {
-    cl_mem vertices, indices;
-    bool is_borrowed; /* the tree owns vertices and indices */
+    cl_mem vertices, indices; /* the tree's or those of commands.mesh */
     cl_mem records, colors, normals, uvs, materials, texels;
 } svo_i_surface;
+
+/* Pairs that are weighed already, in the order of the list: see kernels/moving. */
+typedef struct svo_i_kept {
+    cl_program program;
+    cl_mem values, materials; /* of each fragment; materials NULL where none are needed */
+} svo_i_kept;
 
 typedef struct svo_i_build {
     svo_i_commands commands;
@@ -36,6 +41,7 @@ typedef struct svo_i_build {
     uint64_t inner_capacity; /* inner nodes that the tree's arrays can hold */
     bool in_place; /* nodes are made in the tree's own arrays, of the plan's capacities, and never trimmed */
     svo_i_surface surface;
+    const svo_i_kept *kept; /* NULL: filter and material weigh the pairs themselves, with the surface */
 
     svo_tree *tree; /* incomplete until the last stage has run */
 } svo_i_build;

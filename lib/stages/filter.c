@@ -5,7 +5,8 @@
  *
  * CPUs link the fragments of each leaf first. Usually the list has one chunk. Its contributions are summed directly
  * into the deepest inner level. A list of several chunks is linked and summed chunk by chunk, into sums of the leaves.
- * Elsewhere fragments are added to the sums of the leaves in the order that pack has found, or in any.
+ * Elsewhere fragments are added to the sums of the leaves in the order that pack has found, or in any. Pairs that are
+ * weighed already (kernels/moving) are summed into the deepest inner level everywhere.
  */
 #include "stages/filter.h"
 
@@ -85,7 +86,7 @@ static svo_status allocate(filterer *f)
     cl_mem *buffers = f->build->tree->buffers;
     const svo_tree_info *info = &f->build->tree->info;
     const uint64_t nodes = info->node_count - info->level_begin[info->payload_level];
-    if (!f->pairs) {
+    if (!f->pairs && f->build->kept == NULL) {
         SVO_I_TRY(svo_i_commands_alloc(commands, "heads", info->leaf_count * 4, &f->heads));
     }
     if (f->levels) {
@@ -107,6 +108,9 @@ static svo_status create_kernels(filterer *f)
 {
     svo_i_commands *commands = &f->build->commands;
     cl_program program = f->build->programs[SVO_I_PROGRAM_FILTER];
+    if (f->build->kept != NULL) {
+        return svo_i_commands_kernel(commands, program, "svo_k_filter", &f->filter);
+    }
     const char *gather = f->pairs ? "svo_k_gather_pairs" : f->leaf_sums ? "svo_k_gather" : "svo_k_gather_level";
     SVO_I_TRY(f->pairs ? SVO_OK : svo_i_commands_kernel(commands, program, "svo_k_link", &f->link));
     SVO_I_TRY(svo_i_commands_kernel(commands, program, gather, &f->gather));
@@ -240,8 +244,38 @@ static svo_status clear_sums(filterer *f)
     return svo_i_stage_end(&f->build->commands, SVO_STAGE_FILTER);
 }
 
+/* Sums pairs that are weighed already, into the level above the leaves. */
+static svo_status gather_kept(filterer *f)
+{
+    svo_i_build *build = f->build;
+    const svo_i_kept *kept = build->kept;
+    const level_sums *sums = &f->sums[1];
+    const cl_mem *tree = build->tree->buffers;
+    svo_i_params_of_level(&f->params, &build->tree->info, build->tree->info.depth - 1);
+    f->params.fragment_count = (cl_uint)build->fragment_count;
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(kept->values),
+                                        SVO_I_ARGUMENT(tree[SVO_TREE_LIST_BEGIN]),
+                                        SVO_I_ARGUMENT(sums->weights),
+                                        SVO_I_ARGUMENT(sums->colors),
+                                        SVO_I_ARGUMENT(sums->normals),
+                                        SVO_I_ARGUMENT(tree[SVO_TREE_CHILD_MASK]),
+                                        SVO_I_ARGUMENT(tree[SVO_TREE_FIRST_CHILD]),
+                                        SVO_I_ARGUMENT(tree[SVO_TREE_COLORS]),
+                                        SVO_I_ARGUMENT(tree[SVO_TREE_NORMALS]),
+                                        SVO_I_ARGUMENT(tree[SVO_TREE_FILLS]),
+                                        SVO_I_ARGUMENT(build->state),
+                                        SVO_I_ARGUMENT(f->params)};
+    svo_i_stage_begin(&build->commands);
+    SVO_I_TRY(svo_i_commands_run(&build->commands, kept->program, "svo_k_moving_gather", SVO_I_ARGUMENTS(arguments),
+                                 f->params.level_count));
+    return svo_i_stage_end(&build->commands, SVO_STAGE_FILTER);
+}
+
 static svo_status gather_leaves(filterer *f)
 {
+    if (f->build->kept != NULL) {
+        return gather_kept(f);
+    }
     f->params.first_chunk = 1;
     f->params.grouped = f->build->list.chunk_count == 1 ? 1 : 0;
     SVO_I_TRY(f->pairs ? clear_sums(f) : SVO_OK);
@@ -303,7 +337,7 @@ static svo_status filter_levels(filterer *f)
     bool is_top = false;
     for (uint32_t level = f->leaf_sums ? depth : depth - 1; level-- > last_level && !is_top;) {
         const unsigned odd = (depth - level) % 2;
-        is_top = level <= SVO_TOP_LEVEL;
+        is_top = f->pairs && level <= SVO_TOP_LEVEL;
         svo_i_params_of_level(&f->params, &f->build->tree->info, level);
         SVO_I_TRY(filter_level(f, &f->sums[1 - odd], &f->sums[odd], is_top));
     }
@@ -384,8 +418,8 @@ svo_status svo_i_filter(svo_i_build *build)
                   .fill = (made & SVO_NEED_FILL) != 0,
                   .areas = (made & SVO_NEED_PROJECTED_AREA) != 0,
                   .levels = (made & SVO_I_NEED_FILTER) != 0,
-                  .pairs = !work->pair_lanes,
-                  .leaf_sums = !work->pair_lanes || build->list.chunk_count > 1,
+                  .pairs = build->kept == NULL && !work->pair_lanes,
+                  .leaf_sums = build->kept == NULL && (!work->pair_lanes || build->list.chunk_count > 1),
                   .params = svo_i_payload_params(build)};
     const svo_status status = run(&f);
     release(&f);

@@ -3,6 +3,7 @@
 #include "stages/geometry.h"
 
 #include "plan/host_copy.h"
+#include "stages/snapped_mesh.h"
 
 static svo_status upload_positions(svo_i_build *build)
 {
@@ -23,16 +24,24 @@ static svo_status upload_positions(svo_i_build *build)
     return SVO_OK;
 }
 
+/* Moves the snapped mesh to the tree. */
+static svo_status take_mesh(svo_i_build *build)
+{
+    svo_i_snapped_mesh *mesh = &build->commands.mesh;
+    if (build->tree->buffers[SVO_TREE_VERTICES] == NULL) { /* else a front end has them there */
+        SVO_I_TRY(svo_i_snapped_vertices(&build->commands, &build->tree->buffers[SVO_TREE_VERTICES]));
+        mesh->vertices = NULL;
+    }
+    SVO_I_TRY(svo_i_snapped_indices(&build->commands, &build->tree->buffers[SVO_TREE_INDICES]));
+    mesh->indices = NULL;
+    return SVO_OK;
+}
+
 svo_status svo_i_geometry_upload(svo_i_build *build)
 {
     const svo_plan *plan = build->commands.plan;
     svo_i_stage_begin(&build->commands);
-    if (build->tree->buffers[SVO_TREE_VERTICES] == NULL) {
-        SVO_I_TRY(svo_i_commands_take(&build->commands, "vertices", plan->vertices, plan->memory.vertices,
-                                      (uint64_t)plan->vertex_count * 12, &build->tree->buffers[SVO_TREE_VERTICES]));
-    }
-    SVO_I_TRY(svo_i_commands_take(&build->commands, "indices", plan->indices, plan->memory.indices,
-                                  (uint64_t)plan->triangle_count * 12, &build->tree->buffers[SVO_TREE_INDICES]));
+    SVO_I_TRY(take_mesh(build));
     SVO_I_TRY(svo_i_commands_take(&build->commands, "triangle_ids", plan->triangle_ids, plan->memory.triangle_ids,
                                   (uint64_t)plan->triangle_count * 4, &build->tree->buffers[SVO_TREE_TRIANGLE_IDS]));
     SVO_I_TRY(upload_positions(build));

@@ -62,9 +62,24 @@ static void release(sorter *s)
     }
 }
 
+/* The same from pairs that are weighed already, in the order of the leaves. */
+static svo_status take_kept(sorter *s)
+{
+    svo_i_build *build = s->build;
+    const svo_i_kept *kept = build->kept;
+    const svo_moving_params params = {.count = (cl_uint)build->fragment_count};
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(kept->values), SVO_I_ARGUMENT(kept->materials),
+                                        SVO_I_ARGUMENT(s->levels[0].entries), SVO_I_ARGUMENT(params)};
+    return svo_i_commands_run(&build->commands, kept->program, "svo_k_moving_entries", SVO_I_ARGUMENTS(arguments),
+                              params.count);
+}
+
 static svo_status scatter(sorter *s)
 {
     svo_i_build *build = s->build;
+    if (build->kept != NULL) {
+        return take_kept(s);
+    }
     SVO_I_TRY(svo_i_commands_fill_zero(&build->commands, s->levels[0].counts, s->params.leaf_count * UINT64_C(4)));
     for (uint32_t i = 0; i < build->list.chunk_count; ++i) {
         s->params.fragment_count = (cl_uint)build->list.chunks[i].needed;

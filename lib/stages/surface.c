@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Uploads the attributes that the plan has, for material.c and filter.c. Vertices and indices that the tree has for
- * rays are used in place.
+ * Uploads the attributes that the plan has, for material.c and filter.c. Vertices and indices are those of the snapped
+ * mesh, which the tree may have taken for rays.
  */
 #include "stages/surface.h"
 
 #include "plan/host_copy.h"
+#include "stages/snapped_mesh.h"
 
 /* Uploads an array if the plan has it, on the host or on the device. */
 static svo_status upload(svo_i_build *build, const char *name, const void *host, cl_mem memory, uint64_t bytes,
@@ -16,21 +17,15 @@ static svo_status upload(svo_i_build *build, const char *name, const void *host,
 }
 
 /* Uniform weights alone need no vertices: they do not depend on where in its voxel a triangle is. */
-static svo_status upload_geometry(svo_i_build *build, svo_i_surface *out)
+static svo_status get_geometry(svo_i_build *build, svo_i_surface *out)
 {
-    const svo_plan *plan = build->commands.plan;
-    out->is_borrowed = build->tree->buffers[SVO_TREE_VERTICES] != NULL;
-    if (out->is_borrowed) {
+    if (build->tree->buffers[SVO_TREE_VERTICES] != NULL) {
         out->vertices = build->tree->buffers[SVO_TREE_VERTICES];
         out->indices = build->tree->buffers[SVO_TREE_INDICES];
         return SVO_OK;
     }
-    if (plan->work.positions) {
-        SVO_I_TRY(upload(build, "vertices", plan->vertices, plan->memory.vertices, (uint64_t)plan->vertex_count * 12,
-                         &out->vertices));
-    }
-    return upload(build, "indices", plan->indices, plan->memory.indices, (uint64_t)plan->triangle_count * 12,
-                  &out->indices);
+    SVO_I_TRY(build->commands.plan->work.positions ? svo_i_snapped_vertices(&build->commands, &out->vertices) : SVO_OK);
+    return svo_i_snapped_indices(&build->commands, &out->indices);
 }
 
 svo_status svo_i_surface_upload(svo_i_build *build)
@@ -39,7 +34,7 @@ svo_status svo_i_surface_upload(svo_i_build *build)
     const svo_plan *plan = build->commands.plan;
     const uint64_t vertices = plan->vertex_count;
     svo_i_stage_begin(&build->commands);
-    SVO_I_TRY(upload_geometry(build, out));
+    SVO_I_TRY(get_geometry(build, out));
     SVO_I_TRY(upload(build, "records", plan->records, plan->memory.records,
                      (uint64_t)plan->triangle_count * sizeof(svo_triangle_record), &out->records));
     SVO_I_TRY(upload(build, "vertex_colors", plan->colors, plan->memory.colors, vertices * 4, &out->colors));
@@ -54,14 +49,11 @@ svo_status svo_i_surface_upload(svo_i_build *build)
 void svo_i_surface_free(svo_i_build *build)
 {
     svo_i_surface *surface = &build->surface;
-    if (!surface->is_borrowed) {
-        svo_i_commands_free(&build->commands, &surface->vertices);
-        svo_i_commands_free(&build->commands, &surface->indices);
-    }
     cl_mem *buffers[] = {&surface->records, &surface->colors,    &surface->normals,
                          &surface->uvs,     &surface->materials, &surface->texels};
     for (unsigned i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
         svo_i_commands_free(&build->commands, buffers[i]);
     }
+    svo_i_snapped_mesh_free(&build->commands);
     *surface = (svo_i_surface){0};
 }

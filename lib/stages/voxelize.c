@@ -10,6 +10,7 @@
 #include "plan/tiles.h"
 #include "plan/update.h"
 #include "stages/moving_tiles.h"
+#include "stages/snapped_mesh.h"
 
 /* Local memory of a work-group: for sums, and for notes and fragments. */
 #define SCRATCH_BYTES (sizeof(cl_uint) * SVO_GROUP_ITEMS)
@@ -23,7 +24,8 @@ static size_t words_bytes(const svo_device *device)
 typedef struct run {
     svo_i_commands *commands;
     const svo_i_chunking *chunking;
-    cl_mem vertices, indices, items, counters;
+    cl_mem vertices, indices; /* of commands->mesh */
+    cl_mem items, counters;
     cl_kernel kernels[SVO_I_TEST_COUNT];
 } run;
 
@@ -83,15 +85,12 @@ static svo_status create_kernels(run *r)
 static svo_status upload(run *r)
 {
     const svo_plan *plan = r->commands->plan;
-    const uint64_t triangles = plan->triangle_count;
     /* An updatable plan has one more, for tiles that are not used. */
     const uint64_t items = plan->class_begin[SVO_I_CLASS_COUNT] + (plan->update != NULL ? UINT64_C(1) : 0);
     const uint64_t counter_bytes = (r->chunking->chunk_count + 1u) * 8ull;
     svo_i_stage_begin(r->commands);
-    SVO_I_TRY(svo_i_commands_take(r->commands, "mesh_vertices", plan->vertices, plan->memory.vertices,
-                                  (uint64_t)plan->vertex_count * 12, &r->vertices));
-    SVO_I_TRY(svo_i_commands_take(r->commands, "mesh_indices", plan->indices, plan->memory.indices, triangles * 12,
-                                  &r->indices));
+    SVO_I_TRY(svo_i_snapped_vertices(r->commands, &r->vertices));
+    SVO_I_TRY(svo_i_snapped_indices(r->commands, &r->indices));
     SVO_I_TRY(svo_i_commands_take(r->commands, "mesh_items", plan->items, plan->memory.items,
                                   items * sizeof(svo_draw_item), &r->items));
     SVO_I_TRY(svo_i_commands_alloc(r->commands, "counters", counter_bytes, &r->counters));
@@ -333,8 +332,7 @@ static svo_status read_counters(run *r, svo_i_fragment_list *list)
 
 static void release_run(run *r)
 {
-    svo_i_commands_free(r->commands, &r->vertices);
-    svo_i_commands_free(r->commands, &r->indices);
+    svo_i_snapped_mesh_listed(r->commands);
     svo_i_commands_free(r->commands, &r->items);
     for (svo_i_test test = 0; test < SVO_I_TEST_COUNT; ++test) {
         if (r->kernels[test] != NULL) {

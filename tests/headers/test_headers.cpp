@@ -12,6 +12,7 @@
 #endif
 #ifdef HAVE_IO
 #include "svocl/io.h"
+#include "svocl/paged.h"
 #endif
 #include "svocl/svocl.h"
 
@@ -67,6 +68,9 @@ static void initialize_structs()
     EXPECT_SIZE(svo_load_options, SVO_LOAD_OPTIONS_INIT);
     EXPECT_SIZE(svo_save_options, SVO_SAVE_OPTIONS_INIT);
     EXPECT_SIZE(svo_import_options, SVO_IMPORT_OPTIONS_INIT);
+    EXPECT_SIZE(svo_paged_options, SVO_PAGED_OPTIONS_INIT);
+    EXPECT_SIZE(svo_paged_info, SVO_PAGED_INFO_INIT);
+    EXPECT_SIZE(svo_paged_counts, SVO_PAGED_COUNTS_INIT);
     EXPECT_SIZE(svo_voxels_load_options, SVO_VOXELS_LOAD_OPTIONS_INIT);
     EXPECT_SIZE(svo_voxel_file_info, SVO_VOXEL_FILE_INFO_INIT);
     EXPECT_SIZE(svo_voxels_save_info, SVO_VOXELS_SAVE_INFO_INIT);

@@ -12,6 +12,8 @@
 
 #include <string.h>
 
+#include "support/wrapped.h"
+
 #define KERNEL_NAME_BYTES 128
 
 static call_counts notes;
@@ -71,20 +73,6 @@ static void note_argument(cl_uint index, size_t bytes, const void *value)
     }
 }
 
-/* The linker's names, for the calls themselves and for what stands in for them. */
-/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming,bugprone-macro-parentheses) */
-#define WRAPPED(type, name, parameters, arguments, note) \
-    type __real_##name parameters;                       \
-    type __wrap_##name parameters;                       \
-    type __wrap_##name parameters                        \
-    {                                                    \
-        note;                                            \
-        return __real_##name arguments;                  \
-    }
-
-#define EVENTS       cl_uint num_wait, const cl_event *wait, cl_event *event
-#define EVENTS_GIVEN num_wait, wait, event
-
 typedef void(CL_CALLBACK *build_callback)(cl_program program, void *user);
 
 static void note_buffer(cl_mem_flags flags, size_t bytes)
@@ -109,6 +97,7 @@ static void note_program_text(counted_call call, const char *text)
     chain(&notes.programs, text != NULL ? text : "", text != NULL ? strlen(text) : 0);
 }
 
+/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): names of the linker */
 WRAPPED(cl_mem, clCreateBuffer, (cl_context context, cl_mem_flags flags, size_t bytes, void *host, cl_int *error),
         (context, flags, bytes, host, error), note_buffer(flags, bytes))
 WRAPPED(cl_mem, clCreateSubBuffer,
@@ -167,4 +156,4 @@ WRAPPED(cl_int, clWaitForEvents, (cl_uint count, const cl_event *events), (count
         ++notes.calls[COUNTED_clWaitForEvents])
 WRAPPED(cl_int, clFlush, (cl_command_queue queue), (queue), ++notes.calls[COUNTED_clFlush])
 WRAPPED(cl_int, clFinish, (cl_command_queue queue), (queue), ++notes.calls[COUNTED_clFinish])
-/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming,bugprone-macro-parentheses) */
+/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */

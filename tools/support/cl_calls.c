@@ -5,6 +5,8 @@
 #ifdef SVOCL_COUNTS_CL_CALLS
 #include <CL/cl.h>
 
+#include "support/wrapped.h"
+
 static cl_calls counted;
 
 bool cl_calls_count(cl_calls *counts)
@@ -13,45 +15,32 @@ bool cl_calls_count(cl_calls *counts)
     return true;
 }
 
-/* The linker's names, for the calls themselves and for what stands in for them. */
-/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming,bugprone-macro-parentheses) */
-#define COUNTED(type, name, parameters, arguments, count) \
-    type __real_##name parameters;                        \
-    type __wrap_##name parameters;                        \
-    type __wrap_##name parameters                         \
-    {                                                     \
-        count;                                            \
-        return __real_##name arguments;                   \
-    }
-
-COUNTED(cl_int, clEnqueueNDRangeKernel,
+/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): names of the linker */
+WRAPPED(cl_int, clEnqueueNDRangeKernel,
         (cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t *offset, const size_t *global,
-         const size_t *local, cl_uint wait_count, const cl_event *wait, cl_event *event),
-        (queue, kernel, dimensions, offset, global, local, wait_count, wait, event), ++counted.launches)
+         const size_t *local, EVENTS),
+        (queue, kernel, dimensions, offset, global, local, EVENTS_GIVEN), ++counted.launches)
 
-COUNTED(cl_int, clEnqueueWriteBuffer,
-        (cl_command_queue queue, cl_mem buffer, cl_bool blocks, size_t offset, size_t bytes, const void *from,
-         cl_uint wait_count, const cl_event *wait, cl_event *event),
-        (queue, buffer, blocks, offset, bytes, from, wait_count, wait, event),
+WRAPPED(cl_int, clEnqueueWriteBuffer,
+        (cl_command_queue queue, cl_mem buffer, cl_bool blocks, size_t offset, size_t bytes, const void *from, EVENTS),
+        (queue, buffer, blocks, offset, bytes, from, EVENTS_GIVEN),
         (++counted.uploads, counted.waits += blocks != CL_FALSE))
 
-COUNTED(cl_int, clEnqueueReadBuffer,
-        (cl_command_queue queue, cl_mem buffer, cl_bool blocks, size_t offset, size_t bytes, void *to,
-         cl_uint wait_count, const cl_event *wait, cl_event *event),
-        (queue, buffer, blocks, offset, bytes, to, wait_count, wait, event), counted.waits += blocks != CL_FALSE)
+WRAPPED(cl_int, clEnqueueReadBuffer,
+        (cl_command_queue queue, cl_mem buffer, cl_bool blocks, size_t offset, size_t bytes, void *to, EVENTS),
+        (queue, buffer, blocks, offset, bytes, to, EVENTS_GIVEN), counted.waits += blocks != CL_FALSE)
 
-COUNTED(void *, clEnqueueMapBuffer,
-        (cl_command_queue queue, cl_mem buffer, cl_bool blocks, cl_map_flags flags, size_t offset, size_t bytes,
-         cl_uint wait_count, const cl_event *wait, cl_event *event, cl_int *error),
-        (queue, buffer, blocks, flags, offset, bytes, wait_count, wait, event, error),
-        counted.waits += blocks != CL_FALSE)
+WRAPPED(void *, clEnqueueMapBuffer,
+        (cl_command_queue queue, cl_mem buffer, cl_bool blocks, cl_map_flags flags, size_t offset, size_t bytes, EVENTS,
+         cl_int *error),
+        (queue, buffer, blocks, flags, offset, bytes, EVENTS_GIVEN, error), counted.waits += blocks != CL_FALSE)
 
-COUNTED(cl_mem, clCreateBuffer, (cl_context context, cl_mem_flags flags, size_t bytes, void *host, cl_int *error),
+WRAPPED(cl_mem, clCreateBuffer, (cl_context context, cl_mem_flags flags, size_t bytes, void *host, cl_int *error),
         (context, flags, bytes, host, error), counted.uploads += (flags & CL_MEM_COPY_HOST_PTR) != 0)
 
-COUNTED(cl_int, clWaitForEvents, (cl_uint count, const cl_event *events), (count, events), ++counted.waits)
-COUNTED(cl_int, clFinish, (cl_command_queue queue), (queue), ++counted.waits)
-/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming,bugprone-macro-parentheses) */
+WRAPPED(cl_int, clWaitForEvents, (cl_uint count, const cl_event *events), (count, events), ++counted.waits)
+WRAPPED(cl_int, clFinish, (cl_command_queue queue), (queue), ++counted.waits)
+/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
 
 #else
 

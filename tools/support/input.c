@@ -63,6 +63,12 @@ bool input_is_tree(const program *state)
            (strncmp(name, "scene:", 6) != 0 && length >= 4 && strcasecmp(name + length - 4, ".svo") == 0);
 }
 
+bool input_is_mesh_file(const program *state)
+{
+    return !is_piped(state) && strncmp(state->options.input, "scene:", 6) != 0 && !input_is_tree(state) &&
+           !voxel_input_is_given(state);
+}
+
 int input_refuse_build_options(program *state)
 {
     if ((state->options.given_groups & (unsigned)OPTION_BUILD) == 0) {

@@ -39,6 +39,9 @@ bool input_is_tree(const program *state);
 bool input_is_compact(const program *state);
 int input_refuse_build_options(program *state);
 
+/* Whether INPUT is a mesh file: no scene, pipe, tree or voxel file. */
+bool input_is_mesh_file(const program *state);
+
 /* Reads or generates the mesh; one step of the progress bar. Returns the exit code; on failure nothing stays open. */
 int input_open(program *state, input *opened);
 /* The same, or reads the voxels of a voxel file, whose tree can have need (svo_need bits). */

@@ -2,6 +2,7 @@
 /* An OpenGL context by the options, and the front end in it. */
 #include "support/opengl.h"
 
+#include <CL/cl_gl.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -76,10 +77,33 @@ bool opengl_is_software(const options *given)
     return given->gl_device == NULL && given->context == OPTION_CONTEXT_AUTO && svo_gl_egl_is_software() != 0;
 }
 
+/* Whether the device's OpenCL context was created against one of OpenGL. */
+static bool is_joined(const svo_device *device)
+{
+    enum { PROPERTIES_MAX = 64 };
+    cl_context_properties properties[PROPERTIES_MAX] = {0};
+    size_t bytes = 0;
+    if (clGetContextInfo(svo_device_cl_context(device), CL_CONTEXT_PROPERTIES, sizeof properties, properties, &bytes) !=
+        CL_SUCCESS) {
+        return false;
+    }
+    bool found = false;
+    for (size_t i = 0; i + 1 < bytes / sizeof properties[0] && properties[i] != 0; i += 2) {
+        found = found || properties[i] == CL_GL_CONTEXT_KHR;
+    }
+    return found;
+}
+
 svo_device *opengl_join(const opengl *opened, const svo_device *device, const svo_device_options *device_options)
 {
     svo_device *joined = NULL;
+    if (!opengl_may_share(device)) {
+        return NULL;
+    }
     (void)svo_gl_device_create(opened->context, svo_device_cl_device(device), device_options, &joined, NULL);
+    if (joined != NULL && !is_joined(joined)) {
+        svo_device_destroy(&joined); /* a second handle of what there is */
+    }
     return joined;
 }
 

@@ -2,6 +2,7 @@
 /* The steps of building in parts, with what they say when they fail. */
 #include "support/parts_job.h"
 
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -51,7 +52,38 @@ static uint64_t mesh_bytes_of(const svo_mesh *mesh)
     return mesh->vertex_count * per_vertex + mesh->triangle_count * per_triangle;
 }
 
-int parts_plan(program *state, session *opened, const char *folder, uint64_t *mesh_bytes)
+/* Plans parts of a file in blocks. *status: SVO_UNSUPPORTED where the mesh must be in memory. */
+static int plan_in_blocks(program *state, session *opened, const char *folder, svo_status *status, svo_message *message)
+{
+    const svo_plan_options asked = job_plan_options(state, state->options.need);
+    progress_step(state->progress, "reading the mesh");
+    *status = svo_parts_create_from_file(opened->device, state->options.input, (unsigned)state->options.depth, &asked,
+                                         state->options.max_memory, folder, message);
+    state->reads_mesh = true;
+    return *status == SVO_OK || *status == SVO_UNSUPPORTED ? PROGRAM_DONE : parts_fail(state, *status, message->text);
+}
+
+/* A mesh without a valid triangle is an input error, not an empty tree. */
+static int check_triangles(program *state, const char *folder)
+{
+    svo_part_header header = SVO_PART_HEADER_INIT;
+    svo_parts *parts = NULL;
+    svo_message message;
+    const int exit_code = parts_open(state, folder, &parts);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    svo_status status = svo_parts_get_header(parts, &header, &message);
+    svo_parts_close(&parts);
+    if (status == SVO_OK && header.refused_triangles == header.triangles) {
+        status = svo_parts_remove(folder, &message);
+        return program_fail(state, PROGRAM_FAILED, "%s: no valid triangle in it: all %" PRIu64 " are refused",
+                            state->options.input, header.triangles);
+    }
+    return status == SVO_OK ? PROGRAM_DONE : program_fail_library(state, message.text);
+}
+
+static int plan_from_memory(program *state, session *opened, const char *folder, parts_mesh *mesh)
 {
     input source = {0};
     svo_message message;
@@ -59,15 +91,27 @@ int parts_plan(program *state, session *opened, const char *folder, uint64_t *me
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    if (mesh_bytes != NULL) {
-        *mesh_bytes = mesh_bytes_of(source.mesh);
-    }
+    mesh->bytes = mesh_bytes_of(source.mesh);
     progress_step(state->progress, "planning parts");
     const svo_plan_options asked = job_plan_options(state, state->options.need);
     const svo_status status = svo_parts_create(opened->device, source.mesh, (unsigned)state->options.depth, &asked,
                                                state->options.max_memory, folder, &message);
     input_close(&source);
     return status == SVO_OK ? PROGRAM_DONE : parts_fail(state, status, message.text);
+}
+
+int parts_plan(program *state, session *opened, const char *folder, parts_mesh *mesh)
+{
+    *mesh = (parts_mesh){.in_blocks = false};
+    if (state->options.max_memory > 0 && state->options.strict == 0 && input_is_mesh_file(state)) {
+        svo_status status = SVO_OK;
+        const int exit_code = plan_in_blocks(state, opened, folder, &status, &mesh->why_whole);
+        if (exit_code != PROGRAM_DONE || status == SVO_OK) {
+            mesh->in_blocks = status == SVO_OK;
+            return exit_code == PROGRAM_DONE ? check_triangles(state, folder) : exit_code;
+        }
+    }
+    return plan_from_memory(state, opened, folder, mesh);
 }
 
 int parts_open(program *state, const char *folder, svo_parts **out)

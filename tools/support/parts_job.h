@@ -14,9 +14,16 @@ bool parts_folder_exists(const char *folder);
 /* program_fail with a library message: PROGRAM_TRY_AGAIN after a failure of the device or of memory. */
 int parts_fail(program *state, svo_status status, const char *message);
 
-/* Reads the mesh of INPUT and plans its parts in a folder by the options. *mesh_bytes: of the mesh in memory; NULL
-   allowed. Returns the exit code. */
-int parts_plan(program *state, session *opened, const char *folder, uint64_t *mesh_bytes);
+/* How a mesh came into a folder of parts. */
+typedef struct parts_mesh {
+    bool in_blocks; /* it was never in memory as a whole */
+    svo_message why_whole; /* why not, of a mesh file; "": of no file, or not asked for */
+    uint64_t bytes; /* of the mesh in memory */
+} parts_mesh;
+
+/* Plans the parts of INPUT in a folder by the options: a mesh file in blocks where that works and --max-memory is
+   given, else from memory. Returns the exit code. */
+int parts_plan(program *state, session *opened, const char *folder, parts_mesh *mesh);
 int parts_open(program *state, const char *folder, svo_parts **out);
 /* Builds one part; where its file is damaged, says so. */
 int parts_build(program *state, session *opened, const svo_parts *parts, size_t index);

@@ -15,7 +15,7 @@ typedef struct parts_run {
     char *folder;
     session opened;
     svo_parts *parts;
-    uint64_t mesh_bytes;
+    parts_mesh mesh;
     double plan_ms, build_ms, stitch_ms;
 } parts_run;
 
@@ -71,7 +71,7 @@ static int build_all(program *state, parts_run *run)
 static int plan_all(program *state, parts_run *run)
 {
     const double start_ms = input_now_ms();
-    int exit_code = parts_plan(state, &run->opened, run->folder, &run->mesh_bytes);
+    int exit_code = parts_plan(state, &run->opened, run->folder, &run->mesh);
     run->plan_ms = input_now_ms() - start_ms;
     return exit_code == PROGRAM_DONE ? parts_open(state, run->folder, &run->parts) : exit_code;
 }
@@ -97,7 +97,8 @@ static int report_json(program *state, const parts_run *run)
     json_add_count(document, "depth", state->options.depth);
     json_add_count(document, "parts", svo_parts_count(run->parts));
     json_add_count(document, "max_memory_bytes", state->options.max_memory);
-    json_add_count(document, "mesh_bytes", run->mesh_bytes);
+    cJSON_AddBoolToObject(document, "mesh_in_blocks", run->mesh.in_blocks);
+    json_add_count(document, "mesh_bytes", run->mesh.bytes);
     json_add_count(document, "peak_resident_bytes", peak_memory_bytes());
     cJSON_AddNumberToObject(document, "plan_ms", run->plan_ms);
     cJSON_AddNumberToObject(document, "build_ms", run->build_ms);
@@ -119,12 +120,21 @@ static void report_table(const program *state, const parts_run *run)
     table_cell(rows, "%s", figure_ms(run->stitch_ms).text);
     table_cell(rows, "limit of a part");
     table_cell(rows, "%s", figure_bytes(state->options.max_memory).text);
-    table_cell(rows, "mesh");
-    table_cell(rows, "%s", figure_bytes(run->mesh_bytes).text);
+    if (!run->mesh.in_blocks) {
+        table_cell(rows, "mesh");
+        table_cell(rows, "%s", figure_bytes(run->mesh.bytes).text);
+    }
     table_cell(rows, "peak resident");
     table_cell(rows, "%s", figure_bytes(peak_memory_bytes()).text);
     table_print(rows);
-    table_line("The mesh was read whole; the limit counts what parts take beside it.");
+    if (run->mesh.in_blocks) {
+        table_line("The mesh was read from its file in blocks.");
+    } else {
+        table_line("The mesh was in memory as a whole; the limit counts what parts take beside it.");
+    }
+    if (run->mesh.why_whole.text[0] != '\0') {
+        table_line("%s", run->mesh.why_whole.text);
+    }
 }
 
 static int run_all(program *state, parts_run *run)

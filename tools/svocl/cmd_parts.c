@@ -20,6 +20,7 @@ static int plan(program *state)
 {
     session opened = {0};
     svo_parts *parts = NULL;
+    parts_mesh mesh;
     if (state->options.output_path == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "parts plan needs -o FILE");
     }
@@ -30,7 +31,7 @@ static int plan(program *state)
     program_begin_progress(state, 2);
     int exit_code = session_open(state, &opened);
     if (exit_code == PROGRAM_DONE) {
-        exit_code = parts_plan(state, &opened, folder, NULL);
+        exit_code = parts_plan(state, &opened, folder, &mesh);
     }
     if (exit_code == PROGRAM_DONE) {
         exit_code = parts_open(state, folder, &parts);

@@ -1,0 +1,217 @@
+/* SPDX-License-Identifier: MIT */
+/** \file
+ * Scenes that move: one tree of a static mesh and of objects that move through it.
+ *
+ * An update voxelizes the objects that changed, and no others. The (voxel, triangle) pairs of everything else are kept
+ * in Morton order with what they contribute to the payload. Those of the changed objects are merged in, and the nodes
+ * and the payload follow from the merged list by sums of integers. So the tree is, byte for byte, the one that
+ * svo_build makes of the scene's mesh (svo_moving_get_mesh), with the same need, coverage, weights, payload_level,
+ * origin and edge, and with the weight_log2 that svo_moving_get_info names.
+ *
+ * The scene's mesh is the static mesh followed by the visible objects in the order of their numbers. What leaves the
+ * grid occupies nothing and is counted.
+ *
+ * Objects that move rigidly, and need no common tree, are better off as instances of a scene (scene.h): a matrix moves
+ * them, nothing is voxelized, and rays meet them where they are.
+ *
+ * Thread-safety: a handle needs exclusive use, of it and of its device handle.
+ */
+#ifndef SVOCL_MOVING_H
+#define SVOCL_MOVING_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "svocl/plan.h"
+#include "svocl/tree.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** The most objects of a scene, numbered from 0. */
+#define SVO_MOVING_OBJECTS_MAX 65535
+
+/** A transform is flat when the absolute value of its determinant is at most this times the product of the lengths of
+ *  its columns. */
+#define SVO_MOVING_DETERMINANT_MIN 1e-12
+
+/** A scene that moves. */
+typedef struct svo_moving svo_moving;
+
+/** What a scene is, for good. */
+typedef struct svo_moving_options {
+    size_t struct_size; /**< sizeof(svo_moving_options) */
+    /** svo_need bits; SVO_NEED_DEFAULT goes by the static mesh. Without SVO_NEED_PROJECTED_AREA: whether a mesh is
+     *  closed depends on all of it. */
+    uint32_t need;
+    svo_coverage coverage; /**< which voxels are occupied */
+    svo_weights weights; /**< of the payload */
+    uint32_t payload_level; /**< the first level with payload, 0 .. depth */
+    double origin[3]; /**< minimum corner of the grid; finite */
+    double edge; /**< width of the grid; finite and above 0 */
+    /** The largest area that the scene will have inside the grid, square world units. It decides the unit of weight,
+     *  which stays. 0: four times the area of the static mesh. */
+    double max_area;
+    /** Most (voxel, triangle) pairs of the scene; 0: as many as memory holds, at most 2^32 - 65537. */
+    uint64_t fragment_capacity;
+    uint32_t weight_log2; /**< see svo_plan_options; takes the place of max_area */
+} svo_moving_options;
+
+/** All defaults; edge is missing. */
+#define SVO_MOVING_OPTIONS_INIT SVO_STRUCT_INIT(svo_moving_options)
+
+/** What an update did. */
+typedef struct svo_moving_report {
+    size_t struct_size; /**< sizeof(svo_moving_report) */
+    uint64_t changed_objects; /**< voxelized, hidden or removed */
+    uint64_t changed_fragments; /**< pairs that went and pairs that came */
+    uint64_t fragments; /**< pairs of the scene */
+    double move_ms; /**< the objects' vertices: to the device, snapped, classified */
+    double voxelize_ms; /**< their pairs, in Morton order */
+    double weigh_ms; /**< what their pairs contribute: clipping, colors, normals */
+    double merge_ms; /**< the lists merged */
+    double nodes_ms; /**< nodes, leaf lists and their triangles */
+    double payload_ms; /**< the payload */
+    double total_ms; /**< all of it. Milliseconds, wall clock; stages are told apart by waiting after each */
+} svo_moving_report;
+
+/** An empty output. */
+#define SVO_MOVING_REPORT_INIT SVO_STRUCT_INIT(svo_moving_report)
+
+/** A scene after its newest update. */
+typedef struct svo_moving_info {
+    size_t struct_size; /**< sizeof(svo_moving_info) */
+    uint32_t need; /**< svo_need bits, resolved */
+    uint32_t weight_log2; /**< see svo_plan_options */
+    uint32_t object_count; /**< objects that exist, now */
+    uint32_t reserved; /**< zero */
+    uint64_t fragments; /**< (voxel, triangle) pairs */
+    uint64_t list_bytes; /**< device memory of the lists, what merging needs included */
+    double area; /**< inside the grid, as svo_plan_info.area */
+} svo_moving_info;
+
+/** An empty output. */
+#define SVO_MOVING_INFO_INIT SVO_STRUCT_INIT(svo_moving_info)
+
+/** An object after the newest update. */
+typedef struct svo_moving_object {
+    size_t struct_size; /**< sizeof(svo_moving_object) */
+    uint64_t triangles; /**< of its mesh */
+    uint64_t refused_triangles; /**< as in svo_plan_info */
+    uint64_t outside_triangles; /**< whose bounds miss the grid */
+    uint64_t fragments; /**< (voxel, triangle) pairs; 0 while it is hidden */
+    uint32_t first_triangle; /**< where its triangles begin in the scene's mesh; unused while it is hidden */
+    uint32_t visible; /**< not 0: it is part of the scene */
+} svo_moving_object;
+
+/** An empty output. */
+#define SVO_MOVING_OBJECT_INIT SVO_STRUCT_INIT(svo_moving_object)
+
+/** Makes a scene of a static mesh alone, and its tree.
+ *
+ * \param device with doubles and denormals; must outlive the scene
+ * \param mesh the static mesh, with vertices and triangles; it may lie outside the grid. Objects have the arrays of
+ *        vertices that it has: normals, colors and texture coordinates, or none. Its materials and textures are those
+ *        of all objects and must stay as long as the scene; the other arrays are copied
+ * \param depth SVO_DEPTH_MIN .. SVO_DEPTH_MAX
+ * \param options not NULL, since edge is required
+ * \param queue of the device, in-order or out-of-order; NULL: the device's own
+ * \param out receives the scene
+ * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (SVO_NEED_PROJECTED_AREA, no doubles), SVO_CAPACITY_EXCEEDED or what
+ *          svo_build returns. */
+SVO_API svo_status svo_moving_create(svo_device *device, const svo_mesh *mesh, unsigned depth,
+                                     const svo_moving_options *options, cl_command_queue queue, svo_moving **out);
+
+/** Destroys a scene and its tree.
+ *
+ * \param moving set to NULL; NULL and a pointer to NULL are allowed */
+SVO_API void svo_moving_destroy(svo_moving **moving);
+
+/** Adds an object, which is visible. The tree changes with the next update.
+ *
+ * \param moving not NULL
+ * \param mesh with vertices and triangles and the vertices' arrays of the static mesh; all are copied but materials and
+ *        textures, which are not read
+ * \param transform rows of a 3 x 4 matrix from the mesh to the world, 12 numbers; NULL: none, the mesh is in the world
+ * \param object receives the object's number: the least that is free
+ * \returns SVO_INVALID_ARGUMENT (also for a transform that is not finite or flat, or a mesh with other arrays) or what
+ *          svo_plan_create returns. The scene is unchanged then. */
+SVO_API svo_status svo_moving_add(svo_moving *moving, const svo_mesh *mesh, const double transform[12],
+                                  uint32_t *object);
+
+/** Moves an object. Its vertices in the world are ((m0 x + m1 y) + m2 z) + m3 in double, for each row, then rounded to
+ *  floats if the mesh has floats. Normals are turned by the matrix of cofactors and keep any length.
+ *
+ * \param moving not NULL
+ * \param object its number
+ * \param transform see svo_moving_add
+ * \returns SVO_INVALID_ARGUMENT, naming the object, for a transform that is not finite or flat; nothing moves then. */
+SVO_API svo_status svo_moving_set_transform(svo_moving *moving, uint32_t object, const double transform[12]);
+
+/** Replaces an object's vertices, to which its transform applies.
+ *
+ * \param moving not NULL
+ * \param object its number
+ * \param mesh positions and normals as in the object's mesh, and its counts; other arrays are not read
+ * \returns SVO_INVALID_ARGUMENT (other counts, a missing array). */
+SVO_API svo_status svo_moving_set_vertices(svo_moving *moving, uint32_t object, const svo_mesh *mesh);
+
+/** Shows or hides an object.
+ *
+ * \param moving not NULL
+ * \param object its number
+ * \param visible not 0: it is part of the scene
+ * \returns SVO_INVALID_ARGUMENT. */
+SVO_API svo_status svo_moving_show(svo_moving *moving, uint32_t object, int visible);
+
+/** Removes an object and releases its memory; an object that is added later may get its number.
+ *
+ * \param moving not NULL
+ * \param object its number
+ * \returns SVO_INVALID_ARGUMENT. */
+SVO_API svo_status svo_moving_remove(svo_moving *moving, uint32_t object);
+
+/** Makes the tree of the scene as it is now, and waits for it. After a failure the tree before stays what it was, and
+ *  another update may succeed, for example after objects have moved back.
+ *
+ * \param moving not NULL
+ * \param queue of the device, in-order or out-of-order; NULL: the device's own
+ * \param report receives what was done; NULL: not wanted, and nothing waits between the stages
+ * \returns SVO_CAPACITY_EXCEEDED (more pairs than fragment_capacity, more area than max_area; the message has the
+ *          figures), SVO_OUT_OF_DEVICE_MEMORY, SVO_OUT_OF_HOST_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR. */
+SVO_API svo_status svo_moving_update(svo_moving *moving, cl_command_queue queue, svo_moving_report *report);
+
+/** The tree of the newest update that succeeded.
+ *
+ * \param moving not NULL
+ * \returns the tree, owned by the scene; the next update that succeeds destroys it. */
+SVO_API svo_tree *svo_moving_tree(const svo_moving *moving);
+
+/** The scene's mesh, as it will be after the next update: the static mesh, then the visible objects, in the world.
+ *
+ * \param moving not NULL
+ * \param mesh receives the mesh; its arrays live until the scene is changed or destroyed
+ * \returns SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY. */
+SVO_API svo_status svo_moving_get_mesh(svo_moving *moving, svo_mesh *mesh);
+
+/** Describes a scene.
+ *
+ * \param moving not NULL
+ * \param info receives the description
+ * \returns SVO_INVALID_ARGUMENT when info is NULL or its struct_size is too small. */
+SVO_API svo_status svo_moving_get_info(const svo_moving *moving, svo_moving_info *info);
+
+/** Describes an object.
+ *
+ * \param moving not NULL
+ * \param object its number
+ * \param info receives the description
+ * \returns SVO_INVALID_ARGUMENT when there is no such object, info is NULL or its struct_size is too small. */
+SVO_API svo_status svo_moving_get_object(const svo_moving *moving, uint32_t object, svo_moving_object *info);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Merges two lists of kept pairs, each in the order of (code, object), and leaves out pairs of the first whose object
+ * has changed. The lists are cut by diagonals, so that all work-items have as many pairs (Odeh, Green, Mwassi, Shmueli
+ * and Birk, "Merge Path - Parallel Merging Made Simple", 2012).
+ *
+ *   svo_k_merge_count  per strip: how many of its pairs stay
+ *   scan.cl            exclusive sums of the counts
+ *   svo_k_merge_write  per strip: writes them
+ *
+ * Launch: one work-item per SVO_MERGE_STRIP pairs of both lists, rounded up to whole groups. No atomics.
+ * Invariant: an object has pairs in one list, or those in the first are left out; so the order is that of (code,
+ * object), and within these two that of the list.
+ */
+#include "moving/kept.clh"
+
+/* A list: fragments and values. */
+typedef struct svo_kept_list {
+    __global const uint *fragments;
+    __global const uint4 *values;
+    uint count;
+} svo_kept_list;
+
+/* The part of a strip: from first to end in both lists. */
+typedef struct svo_merge_part {
+    uint2 first, end;
+} svo_merge_part;
+
+static ulong svo_merge_key(svo_kept_list list, uint index)
+{
+    return (ulong)svo_fragment_code(list.fragments, index) << 16 | svo_kept_object(list.values, index);
+}
+
+/* How many of the first diagonal pairs are of the first list, and of the second. */
+static uint2 svo_merge_split(svo_kept_list a, svo_kept_list b, ulong diagonal)
+{
+    uint low = (uint)(diagonal > b.count ? diagonal - b.count : 0UL);
+    uint high = (uint)min(diagonal, (ulong)a.count);
+    while (low < high) {
+        const uint middle = low + (high - low) / 2u;
+        if (svo_merge_key(a, middle) <= svo_merge_key(b, (uint)(diagonal - 1UL - middle))) {
+            low = middle + 1u;
+        } else {
+            high = middle;
+        }
+    }
+    return (uint2)(low, (uint)(diagonal - low));
+}
+
+static svo_merge_part svo_merge_part_of(svo_kept_list a, svo_kept_list b, uint strip)
+{
+    const ulong all = (ulong)a.count + b.count;
+    const ulong begin = (ulong)strip * SVO_MERGE_STRIP;
+    svo_merge_part part;
+    part.first = svo_merge_split(a, b, min(begin, all));
+    part.end = svo_merge_split(a, b, min(begin + SVO_MERGE_STRIP, all));
+    return part;
+}
+
+static bool svo_is_dropped(__global const uint *dropped, svo_kept_list list, uint index)
+{
+    const uint object = svo_kept_object(list.values, index);
+    return (dropped[object >> 5] >> (object & 31u) & 1u) != 0u;
+}
+
+/* dropped: a bit for each object. counts: one of each strip. */
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_merge_count(__global const uint *a_fragments, __global const uint4 *a_values, __global const uint *b_fragments,
+                  __global const uint4 *b_values, __global const uint *dropped, __global uint *counts,
+                  svo_moving_params params)
+{
+    const svo_kept_list a = {a_fragments, a_values, params.count};
+    const svo_kept_list b = {b_fragments, b_values, params.other_count};
+    const uint strip = (uint)get_global_id(0);
+    if ((ulong)strip * SVO_MERGE_STRIP >= (ulong)a.count + b.count) {
+        return;
+    }
+    const svo_merge_part part = svo_merge_part_of(a, b, strip);
+    uint count = part.end.y - part.first.y;
+    for (uint i = part.first.x; i < part.end.x; ++i) {
+        count += svo_is_dropped(dropped, a, i) ? 0u : 1u;
+    }
+    counts[strip] = count;
+}
+
+/* a_materials, b_materials, materials: NULL where none are needed. */
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_merge_write(__global const uint *a_fragments, __global const uint4 *a_values, __global const uint *a_materials,
+                  __global const uint *b_fragments, __global const uint4 *b_values, __global const uint *b_materials,
+                  __global const uint *dropped, __global const uint *before, __global uint *fragments,
+                  __global uint4 *values, __global uint *materials, svo_moving_params params)
+{
+    const svo_kept_list a = {a_fragments, a_values, params.count};
+    const svo_kept_list b = {b_fragments, b_values, params.other_count};
+    const uint strip = (uint)get_global_id(0);
+    if ((ulong)strip * SVO_MERGE_STRIP >= (ulong)a.count + b.count) {
+        return;
+    }
+    const svo_merge_part part = svo_merge_part_of(a, b, strip);
+    uint2 next = part.first;
+    uint slot = before[strip];
+    while (next.x < part.end.x || next.y < part.end.y) {
+        const bool of_a =
+            next.y == part.end.y || (next.x < part.end.x && svo_merge_key(a, next.x) <= svo_merge_key(b, next.y));
+        if (of_a && svo_is_dropped(dropped, a, next.x)) {
+            ++next.x;
+            continue;
+        }
+        const uint from = of_a ? next.x : next.y;
+        svo_fragment_store(fragments, slot, svo_fragment_code(of_a ? a_fragments : b_fragments, from),
+                           svo_fragment_triangle(of_a ? a_fragments : b_fragments, from));
+        values[slot] = (of_a ? a_values : b_values)[from];
+        if (materials != 0) {
+            materials[slot] = (of_a ? a_materials : b_materials)[from];
+        }
+        ++slot;
+        next += of_a ? (uint2)(1u, 0u) : (uint2)(0u, 1u);
+    }
+}

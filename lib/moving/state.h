@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: MIT */
+/* A scene that moves: its objects, and the list of their pairs. */
+#ifndef SVO_LIB_MOVING_STATE_H
+#define SVO_LIB_MOVING_STATE_H
+
+#include "plan/plan_data.h"
+#include "svocl/moving.h"
+
+/* Kept pairs in the order of (code, object, triangle), as kernels/moving has them. */
+typedef struct svo_i_kept_list {
+    cl_mem fragments, values;
+    cl_mem materials; /* NULL where none are needed */
+    uint64_t count;
+    uint64_t capacity; /* that the buffers have room for; 0: there are none */
+} svo_i_kept_list;
+
+/* The arrays of a mesh, all owned. One of floats and doubles is there. */
+typedef struct svo_i_vertices {
+    float *floats;
+    double *doubles;
+    float *normals; /* NULL where the mesh has none */
+} svo_i_vertices;
+
+typedef struct svo_i_moving_object {
+    svo_plan *plan; /* of the object alone; NULL: the number is free */
+    double transform[12];
+    svo_i_vertices given, world; /* as the caller gave them, and where they are */
+    svo_mesh mesh; /* with the vertices of world; its other arrays are owned too, but for materials and textures */
+    bool visible;
+    bool moved; /* the plan does not have the vertices of world yet */
+    bool stale; /* pairs in the scene's list are not those of the plan, or there are none */
+    bool listed; /* the scene's list has pairs of the object, or of the one before it with this number */
+    uint64_t fragments; /* in the scene's list */
+} svo_i_moving_object;
+
+/* Object k of the caller is objects[k + 1]; the static mesh is objects[0]. */
+struct svo_moving {
+    svo_device *device;
+    svo_frontend *frontend; /* owned */
+    svo_plan_options options; /* of the objects' plans */
+    uint64_t fragment_limit;
+    uint32_t depth;
+    svo_i_moving_object *objects;
+    uint32_t object_count, object_capacity; /* numbers in use or once used, and room for them */
+    svo_plan whole; /* the static mesh's plan, for stages that work on the whole scene; borrows its arrays */
+    cl_mem materials, texels; /* of all objects; NULL where none are needed */
+    svo_i_kept_list list, spare; /* of the newest tree; and the buffers that were its list before */
+    svo_tree *tree;
+    double area; /* of the newest tree */
+    svo_mesh mesh; /* svo_moving_get_mesh: arrays owned; vertex_count 0: not made */
+};
+
+#define SVO_I_MOVING_OBJECTS (SVO_MOVING_OBJECTS_MAX + 1u)
+
+/* Whether pairs of the object stay in the list. */
+static inline bool svo_i_moving_stays(const svo_i_moving_object *object)
+{
+    return object->listed && object->plan != NULL && object->visible && !object->stale;
+}
+
+/* Whether the object is in the scene. */
+static inline bool svo_i_moving_shows(const svo_i_moving_object *object)
+{
+    return object->plan != NULL && object->visible;
+}
+
+#endif

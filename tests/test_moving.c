@@ -1,0 +1,539 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Scenes that move: after each update the tree is that of a full build of the scene's mesh, byte for byte; objects
+ * come, go, hide and leave the grid; what is refused or does not fit leaves the tree as it was; memory is flat.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "attributed_mesh.h"
+#include "enqueued.h"
+#include "fixture.h"
+#include "memory_ledger.h"
+
+enum { OBJECTS = 5 };
+
+static const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+
+/* ---- scenes ---- */
+
+/* A static mesh around the unit cube and smaller objects, of random triangles with every attribute. */
+typedef struct actors {
+    attributed_mesh room, objects[OBJECTS];
+    float *floats[OBJECTS + 1]; /* their positions; NULL: doubles */
+} actors;
+
+static void use_floats(attributed_mesh *mesh, float **floats)
+{
+    const size_t count = mesh->mesh.vertex_count * 3;
+    *floats = malloc(count * sizeof **floats);
+    assert_non_null(*floats);
+    for (size_t i = 0; i < count; ++i) {
+        (*floats)[i] = (float)mesh->base.positions[i];
+    }
+    mesh->mesh.positions = *floats;
+    mesh->mesh.positions_double = NULL;
+}
+
+/* An object has triangles of its own materials, without or with indices, and a few that are refused. */
+static void actors_create(uint64_t seed, size_t triangles, bool in_floats, actors *out)
+{
+    *out = (actors){.floats = {NULL}};
+    attributed_mesh_create(seed, triangles, 0.1, &out->room);
+    for (int i = 0; i < OBJECTS; ++i) {
+        attributed_mesh *object = &out->objects[i];
+        attributed_mesh_create(seed * 31 + 5 + (uint64_t)i, triangles / 4 + (size_t)i, 0.0, object);
+        object->mesh.triangle_materials = i == 2 ? NULL : object->mesh.triangle_materials;
+        object->base.positions[3 * i] = i == 3 ? (double)NAN : object->base.positions[3 * i];
+    }
+    for (int i = 0; in_floats && i <= OBJECTS; ++i) {
+        use_floats(i == 0 ? &out->room : &out->objects[i - 1], &out->floats[i]);
+    }
+}
+
+static void actors_destroy(actors *made)
+{
+    attributed_mesh_destroy(&made->room);
+    for (int i = 0; i < OBJECTS; ++i) {
+        attributed_mesh_destroy(&made->objects[i]);
+    }
+    for (int i = 0; i <= OBJECTS; ++i) {
+        free(made->floats[i]);
+    }
+}
+
+/* A random turn, stretch and shift; half of the objects reach outside the grid, some lie outside. */
+static void random_transform(uint64_t *seed, double out[12])
+{
+    const double angle = 6.28 * random_unit(seed);
+    const double size = 0.1 + 0.4 * random_unit(seed);
+    const double turn[9] = {cos(angle), -sin(angle), 0, sin(angle), cos(angle), 0.3, 0.1, 0, 0.5 + random_unit(seed)};
+    for (int row = 0; row < 3; ++row) {
+        for (int k = 0; k < 3; ++k) {
+            out[4 * row + k] = size * turn[3 * row + k];
+        }
+        out[4 * row + 3] = 1.2 * random_unit(seed) - 0.2;
+    }
+}
+
+static svo_moving *make_moving(const fixture *opened, const svo_mesh *mesh, unsigned depth, svo_moving_options options)
+{
+    svo_moving *moving = NULL;
+    options.struct_size = sizeof options;
+    succeed(opened, svo_moving_create(opened->device, mesh, depth, &options, opened->queue, &moving));
+    return moving;
+}
+
+static svo_moving *make_stage(const fixture *opened, const actors *of, unsigned depth, svo_moving_options options)
+{
+    uint64_t seed = 99;
+    svo_moving *moving = make_moving(opened, &of->room.mesh, depth, options);
+    for (uint32_t i = 0; i < OBJECTS; ++i) {
+        double transform[12];
+        uint32_t object = 77;
+        random_transform(&seed, transform);
+        succeed(opened, svo_moving_add(moving, &of->objects[i].mesh, transform, &object));
+        assert_int_equal(object, i);
+    }
+    return moving;
+}
+
+static void update(const fixture *opened, svo_moving *moving)
+{
+    succeed(opened, svo_moving_update(moving, opened->queue, NULL));
+}
+
+/* ---- trees ---- */
+
+typedef struct outcome {
+    char hash[SVO_HASH_TEXT_BYTES];
+    svo_tree_info info;
+    svo_tree_arrays arrays;
+} outcome;
+
+static outcome outcome_of(const fixture *opened, svo_tree *tree)
+{
+    outcome found = {.info = SVO_TREE_INFO_INIT, .arrays = {.struct_size = sizeof found.arrays}};
+    succeed(opened, svo_tree_download(tree, opened->queue));
+    succeed(opened, svo_tree_hash(tree, SVO_HASH_ALL, found.hash));
+    succeed(opened, svo_tree_get_info(tree, &found.info));
+    succeed(opened, svo_tree_get_arrays(tree, &found.arrays));
+    return found;
+}
+
+/* What the hash leaves out, of the mesh that rays meet. */
+static void assert_same_geometry(const outcome *actual, const outcome *expected)
+{
+    const svo_tree_arrays *a = &actual->arrays;
+    const svo_tree_arrays *b = &expected->arrays;
+    const size_t vertices = (size_t)expected->info.vertex_count;
+    const size_t triangles = (size_t)expected->info.list_triangle_count;
+    if ((expected->info.need & SVO_NEED_RAYS) == 0) {
+        return;
+    }
+    assert_int_equal(actual->info.positions, expected->info.positions);
+    assert_memory_equal(a->vertices, b->vertices, vertices * 12);
+    assert_memory_equal(a->indices, b->indices, triangles * 12);
+    assert_memory_equal(a->triangle_ids, b->triangle_ids, triangles * 4);
+    if (b->positions != NULL) {
+        assert_memory_equal(a->positions, b->positions, vertices * 12);
+    } else if (b->positions_double != NULL) {
+        assert_memory_equal(a->positions_double, b->positions_double, vertices * 24);
+    }
+}
+
+static void assert_same(const outcome *actual, const outcome *expected)
+{
+    assert_string_equal(actual->hash, expected->hash);
+    assert_int_equal(actual->info.triangles, expected->info.triangles);
+    assert_int_equal(actual->info.refused_triangles, expected->info.refused_triangles);
+    assert_int_equal(actual->info.vertex_count, expected->info.vertex_count);
+    assert_int_equal(actual->info.list_triangle_count, expected->info.list_triangle_count);
+    assert_int_equal(actual->info.fragments, expected->info.fragments);
+    assert_true(actual->info.snap_error == expected->info.snap_error);
+    assert_same_geometry(actual, expected);
+}
+
+/* Compares the tree with a full build of the scene's mesh. */
+static void compare(const fixture *opened, svo_moving *moving, unsigned depth, const svo_moving_options *of)
+{
+    svo_mesh mesh;
+    svo_tree *tree = NULL;
+    svo_moving_info info = SVO_MOVING_INFO_INIT;
+    succeed(opened, svo_moving_get_mesh(moving, &mesh));
+    succeed(opened, svo_moving_get_info(moving, &info));
+    svo_plan_options options = {.need = info.need != 0 ? info.need : (uint32_t)SVO_NEED_NONE,
+                                .coverage = of->coverage,
+                                .weights = of->weights,
+                                .payload_level = of->payload_level,
+                                .edge = of->edge,
+                                .weight_log2 = info.weight_log2};
+    memcpy(options.origin, of->origin, sizeof options.origin);
+    svo_plan *plan = make_plan(opened, &mesh, depth, options);
+    succeed(opened, svo_build(plan, opened->frontend, opened->queue, &tree, NULL));
+    const outcome expected = outcome_of(opened, tree);
+    const outcome actual = outcome_of(opened, svo_moving_tree(moving));
+    assert_same(&actual, &expected);
+    assert_int_equal(info.fragments, expected.info.fragments);
+    svo_tree_destroy(&tree);
+    svo_plan_destroy(&plan);
+}
+
+/* ---- equality ---- */
+
+static const uint32_t everything = (uint32_t)SVO_NEED_ALL & ~(uint32_t)SVO_NEED_PROJECTED_AREA;
+
+/* One of the objects moves, hides, appears or gets other vertices. */
+static void play(const fixture *opened, svo_moving *moving, const actors *of, uint64_t *seed, bool *visible)
+{
+    double transform[12];
+    const uint32_t object = random_below(seed, OBJECTS);
+    const uint32_t act = random_below(seed, 8);
+    if (act == 0) {
+        visible[object] = !visible[object];
+        succeed(opened, svo_moving_show(moving, object, visible[object]));
+    } else if (act == 1) {
+        succeed(opened, svo_moving_set_vertices(moving, object, &of->objects[object].mesh));
+    } else {
+        random_transform(seed, transform);
+        succeed(opened, svo_moving_set_transform(moving, object, transform));
+    }
+}
+
+static void compare_moves(const fixture *opened, uint64_t seed, int moves, unsigned depth, svo_moving_options options)
+{
+    actors made;
+    bool visible[OBJECTS] = {true, true, true, true, true};
+    actors_create(seed, 120, seed % 2 == 0, &made);
+    options.max_area = 40.0;
+    svo_moving *moving = make_stage(opened, &made, depth, options);
+    update(opened, moving);
+    compare(opened, moving, depth, &options);
+    for (int i = 0; i < moves; ++i) {
+        for (uint32_t k = random_below(&seed, 3) + 1; k > 0; --k) {
+            play(opened, moving, &made, &seed, visible);
+        }
+        update(opened, moving);
+        compare(opened, moving, depth, &options);
+    }
+    svo_moving_destroy(&moving);
+    actors_destroy(&made);
+}
+
+static void a_hundred_moves_equal_full_builds(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_moving_options options = {.need = everything, .edge = 1.0};
+    compare_moves(&opened, 4, 100, 6, options);
+}
+
+static void every_kind_of_request_can_move(void **state)
+{
+    static const uint32_t needs[] = {SVO_NEED_NONE,
+                                     SVO_NEED_DEFAULT,
+                                     SVO_NEED_RAYS,
+                                     SVO_NEED_MATERIAL,
+                                     SVO_NEED_NORMAL | SVO_NEED_MATERIAL,
+                                     SVO_NEED_COLOR | SVO_NEED_RAYS};
+    const fixture opened = fixture_cl_of_group(state);
+    for (size_t i = 0; i < sizeof needs / sizeof needs[0]; ++i) {
+        const svo_moving_options options = {.need = needs[i],
+                                            .coverage = (svo_coverage)(i % 3),
+                                            .weights = (svo_weights)((i + i / 3) % 3),
+                                            .payload_level = (uint32_t)i % 4,
+                                            .origin = {-0.1, 0.0, 0.2},
+                                            .edge = 0.9};
+        compare_moves(&opened, 70 + i, 4, i == 4 ? 1 : 7, options);
+    }
+}
+
+/* Long codes, and a grid finer than 2^20 units. */
+static void deep_grids_can_move(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_moving_options options = {.need = everything, .origin = {0.4, 0.4, 0.4}, .edge = 60.0};
+    compare_moves(&opened, 11, 3, 11, options);
+    compare_moves(&opened, 12, 3, 13, options);
+}
+
+/* The room lies outside the grid, and the objects leave it one after the other. */
+static void all_may_leave_the_grid(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_moving_options options = {.need = everything, .origin = {10, 10, 10}, .edge = 1.0, .max_area = 40.0};
+    const double away[12] = {1, 0, 0, -4, 0, 1, 0, 0, 0, 0, 1, 0};
+    const double inside[12] = {0.5, 0, 0, 10.2, 0, 0.5, 0, 10.2, 0, 0, 0.5, 10.1};
+    svo_moving_object info = SVO_MOVING_OBJECT_INIT;
+    actors made;
+    actors_create(8, 60, true, &made);
+    svo_moving *moving = make_stage(&opened, &made, 5, options);
+    update(&opened, moving);
+    compare(&opened, moving, 5, &options);
+    for (uint32_t i = 0; i < OBJECTS; ++i) {
+        succeed(&opened, svo_moving_set_transform(moving, i, inside));
+        update(&opened, moving);
+        compare(&opened, moving, 5, &options);
+        succeed(&opened, svo_moving_get_object(moving, i, &info));
+        assert_int_equal(info.outside_triangles, 0);
+        assert_true(info.fragments > 0);
+    }
+    for (uint32_t i = 0; i < OBJECTS; ++i) {
+        succeed(&opened, svo_moving_set_transform(moving, i, away));
+        update(&opened, moving);
+        compare(&opened, moving, 5, &options);
+        succeed(&opened, svo_moving_get_object(moving, i, &info));
+        assert_int_equal(info.outside_triangles + info.refused_triangles, info.triangles);
+        assert_int_equal(info.fragments, 0);
+    }
+    svo_moving_destroy(&moving);
+    actors_destroy(&made);
+}
+
+static void objects_come_and_go(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_moving_options options = {.need = everything, .edge = 1.0, .max_area = 40.0};
+    svo_moving_object info = SVO_MOVING_OBJECT_INIT;
+    svo_moving_info scene = SVO_MOVING_INFO_INIT;
+    uint32_t object = 0;
+    actors made;
+    actors_create(6, 80, false, &made);
+    svo_moving *moving = make_stage(&opened, &made, 6, options);
+    update(&opened, moving);
+    succeed(&opened, svo_moving_remove(moving, 1));
+    succeed(&opened, svo_moving_remove(moving, 3));
+    assert_int_equal(svo_moving_remove(moving, 3), SVO_INVALID_ARGUMENT);
+    update(&opened, moving);
+    compare(&opened, moving, 6, &options);
+    succeed(&opened, svo_moving_remove(moving, 2)); /* its number goes to another before the update */
+    succeed(&opened, svo_moving_add(moving, &made.objects[0].mesh, identity, &object));
+    assert_int_equal(object, 1);
+    succeed(&opened, svo_moving_add(moving, &made.objects[4].mesh, NULL, &object));
+    assert_int_equal(object, 2);
+    update(&opened, moving);
+    compare(&opened, moving, 6, &options);
+    succeed(&opened, svo_moving_get_info(moving, &scene));
+    assert_int_equal(scene.object_count, 4);
+    succeed(&opened, svo_moving_show(moving, 0, 0));
+    succeed(&opened, svo_moving_get_object(moving, 1, &info));
+    assert_int_equal(info.first_triangle, made.room.mesh.triangle_count);
+    update(&opened, moving);
+    compare(&opened, moving, 6, &options);
+    for (uint32_t i = 0; i < OBJECTS; ++i) {
+        (void)svo_moving_remove(moving, i);
+    }
+    update(&opened, moving);
+    compare(&opened, moving, 6, &options);
+    svo_moving_destroy(&moving);
+    actors_destroy(&made);
+}
+
+/* An update without a change does nothing; one that is reported says what it did. */
+static void reports_count_what_changed(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_moving_options options = {.need = SVO_NEED_NORMAL, .edge = 1.0, .max_area = 40.0};
+    svo_moving_report report = SVO_MOVING_REPORT_INIT;
+    svo_moving_object before = SVO_MOVING_OBJECT_INIT;
+    svo_moving_object after = SVO_MOVING_OBJECT_INIT;
+    actors made;
+    actors_create(10, 80, true, &made);
+    svo_moving *moving = make_stage(&opened, &made, 6, options);
+    update(&opened, moving);
+    const svo_tree *tree = svo_moving_tree(moving);
+    succeed(&opened, svo_moving_update(moving, opened.queue, &report));
+    assert_int_equal(report.changed_objects, 0);
+    assert_ptr_equal(svo_moving_tree(moving), tree);
+    succeed(&opened, svo_moving_get_object(moving, 0, &before));
+    succeed(&opened, svo_moving_set_transform(moving, 0, identity));
+    succeed(&opened, svo_moving_show(moving, 4, 0));
+    succeed(&opened, svo_moving_get_object(moving, 4, &after));
+    const uint64_t hidden = after.fragments;
+    succeed(&opened, svo_moving_update(moving, opened.queue, &report));
+    succeed(&opened, svo_moving_get_object(moving, 0, &after));
+    assert_int_equal(report.changed_objects, 2);
+    assert_int_equal(report.changed_fragments, before.fragments + after.fragments + hidden);
+    assert_true(report.total_ms > 0.0);
+    svo_moving_destroy(&moving);
+    actors_destroy(&made);
+}
+
+/* ---- failures ---- */
+
+static void assert_fails(const fixture *opened, svo_status actual, svo_status expected, const char *words)
+{
+    assert_int_equal(actual, expected);
+    if (strstr(svo_device_message(opened->device), words) == NULL) {
+        fail_msg("\"%s\" does not say \"%s\"", svo_device_message(opened->device), words);
+    }
+}
+
+static void wrong_transforms_are_refused(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_moving_options options = {.need = SVO_NEED_NONE, .edge = 1.0};
+    const double flat[12] = {1, 2, 0, 0, 2, 4, 0, 0, 0, 0, 1, 0};
+    const double none[12] = {0};
+    double infinite[12] = {1, 0, 0, (double)INFINITY, 0, 1, 0, 0, 0, 0, 1, 0};
+    uint32_t object = 0;
+    actors made;
+    actors_create(2, 60, true, &made);
+    svo_moving *moving = make_stage(&opened, &made, 4, options);
+    update(&opened, moving);
+    const svo_tree *tree = svo_moving_tree(moving);
+    assert_fails(&opened, svo_moving_set_transform(moving, 3, flat), SVO_INVALID_ARGUMENT, "object 3 is flat");
+    assert_fails(&opened, svo_moving_set_transform(moving, 2, none), SVO_INVALID_ARGUMENT, "object 2 is flat");
+    assert_fails(&opened, svo_moving_set_transform(moving, 1, infinite), SVO_INVALID_ARGUMENT,
+                 "object 1 is not finite");
+    assert_fails(&opened, svo_moving_set_transform(moving, 1, NULL), SVO_INVALID_ARGUMENT, "object 1 is NULL");
+    assert_fails(&opened, svo_moving_set_transform(moving, 5, identity), SVO_INVALID_ARGUMENT, "no object 5");
+    assert_fails(&opened, svo_moving_add(moving, &made.objects[0].mesh, flat, &object), SVO_INVALID_ARGUMENT,
+                 "object 5 is flat");
+    update(&opened, moving);
+    assert_ptr_equal(svo_moving_tree(moving), tree); /* nothing had moved */
+    svo_moving_destroy(&moving);
+    actors_destroy(&made);
+}
+
+static void wrong_meshes_are_refused(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_moving_options options = {.struct_size = sizeof options, .edge = 1.0};
+    svo_moving_options wrong = options;
+    svo_moving *moving = NULL;
+    uint32_t object = 0;
+    actors made;
+    actors_create(2, 60, true, &made);
+    const svo_mesh *room = &made.room.mesh;
+    wrong.edge = 0.0;
+    assert_fails(&opened, svo_moving_create(opened.device, room, 4, &wrong, NULL, &moving), SVO_INVALID_ARGUMENT,
+                 "edge");
+    wrong = options;
+    wrong.need = SVO_NEED_PROJECTED_AREA;
+    assert_fails(&opened, svo_moving_create(opened.device, room, 4, &wrong, NULL, &moving), SVO_UNSUPPORTED,
+                 "projected-area");
+    assert_fails(&opened, svo_moving_create(opened.device, room, 4, NULL, NULL, &moving), SVO_INVALID_ARGUMENT,
+                 "options is NULL");
+    assert_fails(&opened, svo_moving_create(opened.device, room, 17, &options, NULL, &moving), SVO_INVALID_ARGUMENT,
+                 "depth 17");
+    moving = make_moving(&opened, room, 4, options);
+    svo_mesh mesh = made.objects[0].mesh;
+    mesh.normals = NULL;
+    assert_fails(&opened, svo_moving_add(moving, &mesh, NULL, &object), SVO_INVALID_ARGUMENT, "normals");
+    mesh = made.objects[0].mesh;
+    mesh.colors = NULL;
+    assert_fails(&opened, svo_moving_add(moving, &mesh, NULL, &object), SVO_INVALID_ARGUMENT, "colors");
+    mesh = made.objects[0].mesh;
+    mesh.triangle_count = 0;
+    assert_fails(&opened, svo_moving_add(moving, &mesh, NULL, &object), SVO_INVALID_ARGUMENT, "svo_moving_add");
+    succeed(&opened, svo_moving_add(moving, &made.objects[0].mesh, NULL, &object));
+    mesh = made.objects[0].mesh;
+    --mesh.vertex_count;
+    assert_fails(&opened, svo_moving_set_vertices(moving, object, &mesh), SVO_INVALID_ARGUMENT, "vertices");
+    svo_moving_destroy(&moving);
+    actors_destroy(&made);
+}
+
+/* The tree stays what it was until the scene fits again. */
+static void what_does_not_fit_leaves_the_tree(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const double large[12] = {0.9, 0, 0, 0, 0, 0.9, 0, 0, 0, 0, 0.9, 0};
+    const double small[12] = {0.01, 0, 0, 0.5, 0, 0.01, 0, 0.5, 0, 0, 0.01, 0.5};
+    for (int by_area = 0; by_area < 2; ++by_area) {
+        svo_moving_options options = {.need = everything, .edge = 1.0, .max_area = 40.0};
+        svo_moving_info info = SVO_MOVING_INFO_INIT;
+        uint32_t object = 0;
+        actors made;
+        actors_create(2, 100, true, &made);
+        svo_moving *moving = make_moving(&opened, &made.room.mesh, 6, options);
+        succeed(&opened, svo_moving_get_info(moving, &info));
+        if (by_area) {
+            options.max_area = info.area * 1.01;
+        } else {
+            options.fragment_capacity = info.fragments + 2000;
+        }
+        svo_moving_destroy(&moving);
+        moving = make_moving(&opened, &made.room.mesh, 6, options);
+        for (int i = 0; i < 40; ++i) {
+            succeed(&opened, svo_moving_add(moving, &made.objects[4].mesh, small, &object));
+        }
+        update(&opened, moving);
+        const outcome before = outcome_of(&opened, svo_moving_tree(moving));
+        for (uint32_t i = 0; i < 40; ++i) {
+            succeed(&opened, svo_moving_set_transform(moving, i, large));
+        }
+        assert_fails(&opened, svo_moving_update(moving, opened.queue, NULL), SVO_CAPACITY_EXCEEDED,
+                     by_area ? "max_area" : "fragment_capacity");
+        const outcome after = outcome_of(&opened, svo_moving_tree(moving));
+        assert_same(&after, &before);
+        for (uint32_t i = 0; i < 40; ++i) {
+            succeed(&opened, svo_moving_set_transform(moving, i, small));
+        }
+        update(&opened, moving);
+        compare(&opened, moving, 6, &options);
+        svo_moving_destroy(&moving);
+        actors_destroy(&made);
+    }
+}
+
+/* ---- memory ---- */
+
+static void memory_is_flat(void **state)
+{
+    enum { UPDATES = 10000, WARM = 200 };
+    (void)state;
+    const svo_device_options device_options = {.struct_size = sizeof device_options, .memory = &ledger_callbacks};
+    const float positions[9] = {0.1F, 0.1F, 0.1F, 0.3F, 0.1F, 0.1F, 0.1F, 0.4F, 0.1F};
+    const svo_mesh mesh = {.struct_size = sizeof mesh, .positions = positions, .vertex_count = 3, .triangle_count = 1};
+    const svo_moving_options options = {.need = SVO_NEED_RAYS | SVO_NEED_NORMAL, .edge = 1.0};
+    svo_moving_info info[2] = {SVO_MOVING_INFO_INIT, SVO_MOVING_INFO_INIT};
+    fixture opened = {.device = NULL};
+    uint64_t blocks = 0;
+    uint32_t object = 0;
+    assert_int_equal(svo_device_create_default(&device_options, &opened.device, NULL), SVO_OK);
+    svo_moving *moving = make_moving(&opened, &mesh, 3, options);
+    succeed(&opened, svo_moving_add(moving, &mesh, NULL, &object));
+    for (int i = 0; i < UPDATES; ++i) {
+        const double transform[12] = {1, 0, 0, (double)(i % 64) / 128.0, 0, 1, 0, 0, 0, 0, 1, 0};
+        succeed(&opened, svo_moving_set_transform(moving, object, transform));
+        succeed(&opened, svo_moving_show(moving, object, i % 7 != 0));
+        update(&opened, moving);
+        if (i == WARM) {
+            ledger_begin(LEDGER_NEVER);
+            blocks = ledger_end().live_blocks;
+            succeed(&opened, svo_moving_get_info(moving, &info[0]));
+        }
+    }
+    succeed(&opened, svo_moving_get_info(moving, &info[1]));
+    assert_int_equal(info[1].list_bytes, info[0].list_bytes);
+    assert_int_equal(ledger_end().live_blocks, blocks);
+    assert_null(ledger_end().wrong);
+    svo_moving_destroy(&moving);
+    fixture_close(&opened);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_hundred_moves_equal_full_builds),
+        cmocka_unit_test(every_kind_of_request_can_move),
+        cmocka_unit_test(deep_grids_can_move),
+        cmocka_unit_test(all_may_leave_the_grid),
+        cmocka_unit_test(objects_come_and_go),
+        cmocka_unit_test(reports_count_what_changed),
+        cmocka_unit_test(wrong_transforms_are_refused),
+        cmocka_unit_test(wrong_meshes_are_refused),
+        cmocka_unit_test(what_does_not_fit_leaves_the_tree),
+        cmocka_unit_test(memory_is_flat),
+    };
+    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+}

@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: MIT */
+/* Renders a .svo file in pages: pictures follow each other until one misses nothing, or nothing more finds room. */
+#include "svocl/render_paged.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+
+#include "support/input.h"
+#include "support/json.h"
+#include "support/output.h"
+#include "support/picture.h"
+#include "support/session.h"
+#include "support/table.h"
+#include "support/viewpoint.h"
+#include "svocl/paged.h"
+
+/* The camera frames what these levels occupy; svo_camera_frame looks at no others. */
+#define FRAME_LEVEL_MAX 6u
+
+typedef struct paged_render {
+    program *state;
+    session opened;
+    svo_paged *paged;
+    svo_paged_info info;
+    svo_paged_counts counts;
+    svo_render_options asked;
+    double render_ms; /* of all pictures and updates */
+} paged_render;
+
+static int fail_library(const paged_render *work)
+{
+    return program_fail_library(work->state, svo_device_message(work->opened.device));
+}
+
+static int check(program *state)
+{
+    const options *given = &state->options;
+    if (!input_is_tree(state) || input_is_compact(state) || state->piped.name != NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--paged reads a .svo file, not %s", given->input);
+    }
+    if (given->last_level != 0) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--levels does not apply with --paged");
+    }
+    if (given->view >= (int)SVO_VIEW_TRIANGLES || given->through != 0 ||
+        (given->given_groups & ((unsigned)OPTION_LIGHT | (unsigned)OPTION_PROBES)) != 0) {
+        return program_fail(state, PROGRAM_WRONG_USAGE,
+                            "--paged has the views shaded, normal, depth, steps and level alone, without lights");
+    }
+    return input_refuse_build_options(state);
+}
+
+static int place_camera(paged_render *work)
+{
+    const options *given = &work->state->options;
+    const uint32_t level = work->info.depth < FRAME_LEVEL_MAX ? work->info.depth : FRAME_LEVEL_MAX;
+    svo_message message = {""};
+    svo_tree *coarse = NULL;
+    if (svo_tree_load_levels(given->input, level, NULL, &coarse, &message) != SVO_OK) {
+        return program_fail_library(work->state, message.text);
+    }
+    svo_camera_frame(coarse, (float)given->width / (float)given->height, &work->asked.camera);
+    svo_tree_destroy(&coarse);
+    return viewpoint_apply(work->state, true, &work->asked.camera);
+}
+
+/* Whether another picture would differ from the last one. */
+static bool may_improve(const paged_render *work)
+{
+    return work->counts.missed_pages > 0 && (work->counts.pictures < 2 || work->counts.read_pages > 0);
+}
+
+static int draw(paged_render *work, uint8_t *rgba)
+{
+    const double started_ms = input_now_ms();
+    do {
+        if (svo_paged_update(work->paged) != SVO_OK || svo_paged_render(work->paged, &work->asked, rgba) != SVO_OK) {
+            return fail_library(work);
+        }
+        (void)svo_paged_get_counts(work->paged, &work->counts);
+    } while (may_improve(work));
+    work->render_ms = input_now_ms() - started_ms;
+    return PROGRAM_DONE;
+}
+
+static int report(const paged_render *work)
+{
+    const options *given = &work->state->options;
+    const svo_paged_counts *counts = &work->counts;
+    if (given->json) {
+        cJSON *document = json_document();
+        json_add_text(document, "input", given->input);
+        json_add_text(document, "file", given->output_path);
+        json_add_count(document, "width", given->width);
+        json_add_count(document, "height", given->height);
+        json_add_count(document, "device_bytes", work->info.device_bytes);
+        json_add_count(document, "whole_bytes", work->info.whole_bytes);
+        json_add_count(document, "file_bytes", work->info.file_bytes);
+        json_add_count(document, "pages", work->info.page_count);
+        json_add_count(document, "held_pages", counts->held_pages);
+        json_add_count(document, "pictures", counts->pictures);
+        json_add_count(document, "missed_pages", counts->missed_pages);
+        json_add_count(document, "read_bytes", counts->all_read_bytes);
+        cJSON_AddNumberToObject(document, "render_ms", work->render_ms);
+        json_add_text(document, "device", svo_device_name(work->opened.device));
+        cJSON_AddItemToObject(document, "eye", cJSON_CreateFloatArray(work->asked.camera.eye, 3));
+        cJSON_AddItemToObject(document, "target", cJSON_CreateFloatArray(work->asked.camera.target, 3));
+        return json_print(work->state, document);
+    }
+    if (!given->quiet) {
+        progress_hide(work->state->progress);
+        table_line("%s: %ux%u pixels of %s in %s, %s pictures; %s of %s pages in %s of buffers",
+                   output_name(given->output_path), given->width, given->height, given->input,
+                   figure_ms(work->render_ms).text, figure_count(counts->pictures).text,
+                   figure_count(counts->held_pages).text, figure_count(work->info.page_count).text,
+                   figure_bytes(work->info.device_bytes).text);
+        if (counts->missed_pages > 0) {
+            table_line("%s pages have no room; coarser nodes stand in", figure_count(counts->missed_pages).text);
+        }
+    }
+    return PROGRAM_DONE;
+}
+
+static int render(paged_render *work)
+{
+    const options *given = &work->state->options;
+    uint8_t *rgba = NULL;
+    if (svo_paged_open(work->opened.device, given->input, given->paged, NULL, &work->paged) != SVO_OK) {
+        return fail_library(work);
+    }
+    (void)svo_paged_get_info(work->paged, &work->info);
+    int exit_code = place_camera(work);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    rgba = malloc((size_t)given->width * given->height * 4);
+    if (rgba == NULL) {
+        return program_fail(work->state, PROGRAM_FAILED, "out of memory for %ux%u pixels", given->width, given->height);
+    }
+    progress_step(work->state->progress, "casting rays");
+    exit_code = draw(work, rgba);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = picture_write(work->state, rgba);
+    }
+    free(rgba);
+    return exit_code;
+}
+
+int render_paged(program *state)
+{
+    const options *given = &state->options;
+    paged_render work = {.state = state, .info = SVO_PAGED_INFO_INIT, .counts = SVO_PAGED_COUNTS_INIT};
+    work.asked = (svo_render_options){.struct_size = sizeof work.asked,
+                                      .width = given->width,
+                                      .height = given->height,
+                                      .view = (svo_render_view)given->view};
+    int exit_code = check(state);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    program_begin_progress(state, 3);
+    progress_step(state->progress, "reading the tree");
+    exit_code = session_open_device(state, &work.opened);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    exit_code = render(&work);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = report(&work);
+    }
+    svo_paged_close(&work.paged);
+    session_close(&work.opened);
+    return exit_code;
+}
