@@ -332,6 +332,33 @@ static void published_values_name_their_hardware(void **state)
     cJSON_Delete(document);
 }
 
+/* Rows of 1 and 3 workers are measured; those of more are the model's. */
+static void workers_are_measured_beside_a_model(void **state)
+{
+    (void)state;
+    need_builds();
+    run_badly("$SVOCL bench parts --workers 0", 2, "--workers '0'");
+    run_badly("$SVOCL bench parts --workers 2,", 2, "--workers '2,'");
+    run_badly("$SVOCL bench parts --workers 65", 2, "--workers '65'");
+    run_badly("$SVOCL bench build --workers 2", 2, "--workers");
+    cJSON *document = run_json("$SVOCL bench parts --quick --repeat 1 --scenes cube --depths 6 --workers 3 --json");
+    const cJSON *table = table_of(document, "parts-workers");
+    const cJSON *rows = cJSON_GetObjectItemCaseSensitive(table, "rows");
+    static const unsigned workers[] = {1, 3, 4, 8, 16};
+    assert_int_equal(row_count_of(table), sizeof workers / sizeof workers[0]);
+    for (int i = 0; i < row_count_of(table); ++i) {
+        const cJSON *row = cJSON_GetArrayItem(rows, i);
+        assert_int_equal((unsigned)number_in_row(row, table, "workers"), workers[i]);
+        assert_int_equal((unsigned)number_in_row(row, table, "runs"), i < 2);
+        assert_true(number_in_row(row, table, "parts") > 1);
+        /* More workers are never slower in the model, and at most so many times as fast. */
+        assert_true(number_in_row(row, table, "model speedup") >= 1 - 1e-9);
+        assert_true(number_in_row(row, table, "model speedup") <= workers[i] + 1e-9);
+    }
+    cJSON_Delete(document);
+    expect_files(NULL, 0);
+}
+
 static void usage_errors_exit_with_code_2(void **state)
 {
     (void)state;
@@ -367,11 +394,17 @@ static void unknown_scenes_are_named(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        IN_FOLDER(front_ends_are_measured),       IN_FOLDER(a_machine_is_measured_step_by_step),
-        IN_FOLDER(failing_steps_are_rows),        IN_FOLDER(every_subject_adds_its_tables),
-        IN_FOLDER(minimized_spheres_are_smaller), IN_FOLDER(rays_are_compared_with_a_grid),
-        IN_FOLDER(rays_are_compared_with_embree), IN_FOLDER(published_values_name_their_hardware),
-        IN_FOLDER(usage_errors_exit_with_code_2), IN_FOLDER(unknown_scenes_are_named),
+        IN_FOLDER(front_ends_are_measured),
+        IN_FOLDER(a_machine_is_measured_step_by_step),
+        IN_FOLDER(failing_steps_are_rows),
+        IN_FOLDER(every_subject_adds_its_tables),
+        IN_FOLDER(minimized_spheres_are_smaller),
+        IN_FOLDER(rays_are_compared_with_a_grid),
+        IN_FOLDER(rays_are_compared_with_embree),
+        IN_FOLDER(published_values_name_their_hardware),
+        IN_FOLDER(usage_errors_exit_with_code_2),
+        IN_FOLDER(unknown_scenes_are_named),
+        IN_FOLDER(workers_are_measured_beside_a_model),
     };
     return cmocka_run_group_tests_name("bench", tests, NULL, NULL);
 }

@@ -117,16 +117,21 @@ static char *read_all(int pipe_end)
     return NULL;
 }
 
+/* waitpid, until it says something. */
+static pid_t wait_through(pid_t child, int *status)
+{
+    pid_t ended = -1;
+    do {
+        ended = waitpid(child, status, 0);
+    } while (ended < 0 && errno == EINTR);
+    return ended;
+}
+
 /* The status of waitpid; -1 where there is none. */
 static int wait_for(pid_t child)
 {
     int status = 0;
-    while (waitpid(child, &status, 0) < 0) {
-        if (errno != EINTR) {
-            return -1;
-        }
-    }
-    return status;
+    return wait_through(child, &status) < 0 ? -1 : status;
 }
 
 static bool ended_well(int status)
@@ -155,6 +160,25 @@ double child_run(const char *const arguments[], const child_cache *cache, cJSON 
     *document = well && text != NULL ? cJSON_Parse(text) : NULL;
     free(text);
     return well ? ms : -1.0;
+}
+
+pid_t child_start(const child_arguments *arguments, const child_cache *cache)
+{
+    fflush(stdout);
+    const pid_t child = fork();
+    if (child == 0) {
+        const int nowhere = use_cache(cache) ? open("/dev/null", O_WRONLY) : -1;
+        become(arguments->list, nowhere, nowhere);
+    }
+    return child;
+}
+
+pid_t child_wait(bool *well)
+{
+    int status = 0;
+    const pid_t ended = wait_through(-1, &status);
+    *well = ended >= 0 && ended_well(status);
+    return ended;
 }
 
 /* "svocl: build: words": the words. */

@@ -6,6 +6,7 @@
 #include <cjson/cJSON.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <sys/types.h>
 
 #include "support/options.h"
 
@@ -32,6 +33,11 @@ void child_add_device(child_arguments *arguments, const options *given, bool in_
    standard output, NULL without it; cJSON_Delete releases it. Returns the milliseconds from start to exit, below 0 when
    the process cannot run or fails. */
 double child_run(const char *const arguments[], const child_cache *cache, cJSON **document);
+
+/* Starts a child whose output is discarded. Returns its ID, below 0 when none could be started. */
+pid_t child_start(const child_arguments *arguments, const child_cache *cache);
+/* Waits until one of the children that were started ends; *well: with exit code 0. Returns its ID, below 0 without. */
+pid_t child_wait(bool *well);
 
 /* The end of a child. */
 typedef struct child_answer {

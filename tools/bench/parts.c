@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Time and memory of builds in parts beside those in one piece. Each build is a process of its own, since the most
- * memory that a process ever had can be read but not reset. The drivers' caches are warm.
+ * memory that a process ever had can be read but not reset. The drivers' caches are warm. workers.c adds what several
+ * processes side by side make of it.
  */
 #include "bench/parts.h"
 
@@ -11,11 +12,13 @@
 
 #include "bench/child.h"
 #include "bench/series.h"
+#include "bench/workers.h"
 
 static const char table_id[] = "parts";
 
 /* Limits of a part, as shares of the buffers of the build in one piece; 0: in one piece. */
 static const unsigned shares[] = {0, 4, 16, 64};
+#define WORKERS_SHARE        2u /* for workers: parts that take long beside the start of a process */
 #define FORM_COUNT           (sizeof shares / sizeof shares[0])
 #define RUNS_MAX             101
 #define COMMAND_ARGUMENT_MAX 16
@@ -48,7 +51,7 @@ static int begin(suite *all)
     spread_add_columns(table, "build", "ms");
     result_add_column(table, "ratio", "");
     result_add_column(table, "peak", "B");
-    return PROGRAM_DONE;
+    return workers_begin(all);
 }
 
 static double number_of(const cJSON *document, const char *name)
@@ -132,7 +135,7 @@ static int run(suite *all, const input *source, unsigned depth)
     if (!child_cache_create(&cache)) {
         return program_fail(all->state, PROGRAM_FAILED, "no folder for temporary files can be made");
     }
-    const int exit_code = warm_up(all, source, depth, &cache, runs);
+    int exit_code = warm_up(all, source, depth, &cache, runs);
     const size_t rounds = all->repeats < RUNS_MAX ? all->repeats : RUNS_MAX;
     for (size_t round = 0; round < rounds && exit_code == PROGRAM_DONE; ++round) {
         for (size_t form = 0; form < FORM_COUNT; ++form) {
@@ -140,6 +143,10 @@ static int run(suite *all, const input *source, unsigned depth)
                 run_form(all, source, depth, &cache, &runs[form]);
             }
         }
+    }
+    if (exit_code == PROGRAM_DONE) {
+        const uint64_t limit = (uint64_t)(runs[0].buffer_bytes / WORKERS_SHARE) + 1;
+        exit_code = workers_run(all, source, depth, limit, &cache);
     }
     child_cache_remove(&cache);
     result_table *table = result_find(all->results, table_id);
@@ -154,7 +161,7 @@ static int run(suite *all, const input *source, unsigned depth)
 const suite_subject bench_parts = {
     .name = "parts",
     .group = "all",
-    .summary = "time and memory of builds in parts",
+    .summary = "time and memory of builds in parts, and several workers side by side",
     .full = {.scenes = {"atrium", "terrain"}, .depths = {10}},
     .quick = {.scenes = {"atrium"}, .depths = {8}},
     .begin = begin,

@@ -127,6 +127,7 @@ typedef struct options {
     uint64_t count; /* stress: amount of work */
     int versus; /* bench: 0 nothing, or OPTION_VERSUS_* */
     uint64_t ray_count; /* bench: rays per set */
+    const char *workers; /* bench parts: a list with commas; NULL: not given */
     const char *isa; /* bench: the instruction set of PoCL and of Embree; NULL: the processor's */
     const char *scenes, *depths; /* measurements: lists with commas; NULL: each measurement's own */
     uint64_t quick; /* measurements: a flag */

@@ -496,6 +496,8 @@ static const rule rules[] = {
      "also measure this, interleaved: embree or grid (leaf lists without the tree) for rays, openvdb for solid (none)"},
     {"ray-count", '\0', OPTION_BENCH_COMMAND, "N", read_count, FIELD(ray_count), 1, 100000000, NULL,
      "rays per set (1000000)"},
+    {"workers", '\0', OPTION_BENCH_COMMAND, "LIST", read_text, FIELD(workers), 0, 0, NULL,
+     "bench parts: comma-separated numbers of workers of one thread each (1,2)"},
     {"isa", '\0', OPTION_BENCH_COMMAND, "NAME", read_text, FIELD(isa), 0, 0, NULL,
      "instruction set of PoCL's kernels and of Embree: sse2, avx2 or avx512 (the widest of the processor)"},
     {"json", '\0', OPTION_JSON, NULL, read_flag, FIELD(json), 0, 0, NULL, "print JSON on standard output"},

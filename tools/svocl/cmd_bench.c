@@ -94,6 +94,10 @@ static int check_options(program *state)
     if (given->has_depth) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "bench %s takes --depths in place of -d", given->subject);
     }
+    const bool has_parts = strcmp(given->subject, "parts") == 0 || strcmp(given->subject, "all") == 0;
+    if (given->workers != NULL && !has_parts) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "option --workers does not apply to bench %s", given->subject);
+    }
     static const char *const rivals[] = {
         [OPTION_VERSUS_EMBREE] = "embree", [OPTION_VERSUS_OPENVDB] = "openvdb", [OPTION_VERSUS_GRID] = "grid"};
     if (given->versus != 0 && (given->versus != OPTION_VERSUS_OPENVDB || strcmp(given->subject, "solid") != 0)) {
