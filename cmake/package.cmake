@@ -74,7 +74,7 @@ if(SVOCL_PYTHON)
   svocl_package(svocl_python python3-svocl python "its Python package")
   set(CPACK_DEBIAN_SVOCL_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.9), python3-cffi, python3-numpy")
   set(CPACK_DEBIAN_SVOCL_PYTHON_PACKAGE_RECOMMENDS "${svocl_opencl_package}")
-  set(CPACK_DEBIAN_SVOCL_PYTHON_PACKAGE_SUGGESTS "python3-pyopencl, python3-tqdm")
+  set(CPACK_DEBIAN_SVOCL_PYTHON_PACKAGE_SUGGESTS "python3-distributed, python3-pyopencl, python3-tqdm")
   # Python compiles its files when the package is installed, and they go with it.
   set(CPACK_DEBIAN_SVOCL_PYTHON_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/cmake/python3-svocl/postinst
                                                       ${PROJECT_SOURCE_DIR}/cmake/python3-svocl/prerm)

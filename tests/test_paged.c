@@ -243,7 +243,7 @@ static uint64_t check_eviction(const svo_paged *paged, const snapshot *before, u
             last_gone = last_gone == UINT32_MAX || goes_before(before, last_gone, page) ? page : last_gone;
             ++evicted;
         } else if (before->begin[page] == 0 && after.begin[page] != 0) {
-            assert_int_equal(before->mark[page], 1);
+            assert_int_not_equal(before->mark[page], 0);
         }
     }
     for (uint32_t page = 0; page < before->page_count && evicted > 0; ++page) {

@@ -139,10 +139,34 @@ static void meshes_without_colors_are_clay(void **state)
     run_well("rm m.mtl clay.obj white.obj black.obj");
 }
 
+/* With room for all of the file the picture is that of the whole tree; with less there is one too, and it says so. */
+static void a_file_in_pages(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("$SVOCL build scene:statue:3000 -d 7 -o a.svo -q && $SVOCL build scene:cube -d 5 -o c.svo --compress -q");
+    run_well("$SVOCL render a.svo -q --size 64x48 -o whole.png");
+    run_well("$SVOCL render a.svo -q --size 64x48 -o paged.png --paged 1G && cmp whole.png paged.png");
+    cJSON *document = run_json("$SVOCL render a.svo --json --size 64x48 -o paged.png --paged 60K");
+    const double device_bytes = number_of(document, "device_bytes");
+    assert_true(device_bytes > 0 && device_bytes <= 60 * 1024);
+    assert_true(number_of(document, "pages") > number_of(document, "held_pages"));
+    assert_true(number_of(document, "pictures") > 1);
+    assert_true(number_of(document, "missed_pages") > 0);
+    cJSON_Delete(document);
+    run_badly("$SVOCL render a.svo -o p.png --paged 100", 1, "budget_bytes 100 is below");
+    run_badly("$SVOCL render c.svo -o p.png --paged 4K", 1, "is compressed");
+    run_badly("$SVOCL render scene:cube -o p.png --paged 1M", 2, "--paged reads a .svo file");
+    run_badly("$SVOCL render a.svo -o p.png --paged 1M --levels 3", 2, "--levels does not apply with --paged");
+    run_badly("$SVOCL render a.svo -o p.png --paged 1M --view triangles", 2, "--paged has the views shaded");
+    run_badly("$SVOCL render a.svo -o p.png --paged 1M -d 3", 2, "build options do not apply");
+    run_well("rm a.svo c.svo whole.png paged.png");
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {IN_FOLDER(a_camera_inside_sees_the_walls), IN_FOLDER(every_input_has_the_camera),
-                                       IN_FOLDER(a_wrong_camera_is_one_line),
+    const struct CMUnitTest tests[] = {IN_FOLDER(a_file_in_pages), IN_FOLDER(a_camera_inside_sees_the_walls),
+                                       IN_FOLDER(every_input_has_the_camera), IN_FOLDER(a_wrong_camera_is_one_line),
                                        IN_FOLDER(meshes_without_colors_are_clay)};
     return cmocka_run_group_tests_name("render", tests, NULL, NULL);
 }

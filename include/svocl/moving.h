@@ -112,8 +112,8 @@ typedef struct svo_moving_object {
  *
  * \param device with doubles and denormals; must outlive the scene
  * \param mesh the static mesh, with vertices and triangles; it may lie outside the grid. Objects have the arrays of
- *        vertices that it has: normals, colors and texture coordinates, or none. Its materials and textures are those of
- *        all objects and must stay as long as the scene; the other arrays are copied
+ *        vertices that it has: normals, colors and texture coordinates, or none. Its materials and textures are those
+ *        of all objects and must stay as long as the scene; the other arrays are copied
  * \param depth SVO_DEPTH_MIN .. SVO_DEPTH_MAX
  * \param options not NULL, since edge is required
  * \param queue of the device, in-order or out-of-order; NULL: the device's own

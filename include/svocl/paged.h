@@ -48,7 +48,7 @@ typedef struct svo_paged svo_paged;
 /** Options of a paged tree. */
 typedef struct svo_paged_options {
     size_t struct_size; /**< sizeof(svo_paged_options) */
-    uint32_t page_levels; /**< of a page, 2 .. 5; 0: 4 */
+    uint32_t page_levels; /**< of a page, 2 .. 5; 0: 3. Fewer follow the view more closely, and take more pages */
     uint32_t reserved; /**< 0 */
     /** An update that has read as many bytes reads no further page; 0: no limit. */
     uint64_t update_bytes;
@@ -68,7 +68,7 @@ typedef struct svo_paged_info {
     uint64_t page_count; /**< of the whole tree */
     uint64_t file_bytes; /**< length of the file */
     uint64_t device_bytes; /**< of the buffers on the device, all of them: at most what was given */
-    uint64_t least_bytes; /**< what would have to be given at least */
+    uint64_t least_bytes; /**< of the buffers with the upper levels and room for the largest page alone */
     uint64_t whole_bytes; /**< of the buffers where all pages have room */
     uint64_t open_read_bytes; /**< that were read by svo_paged_open */
 } svo_paged_info;
@@ -98,7 +98,8 @@ typedef struct svo_paged_counts {
 
 /** Opens a .svo file of version 3 whose chunks are not compressed, checks it and reads its upper levels.
  *
- * Beside the buffers, the host holds about 20 bytes for each page, 4 bytes for each page and level, and one page.
+ * Beside the buffers, the host holds 32 bytes for each page of the tree, 4 bytes for each page and level, and at
+ * most a few MB of pages on their way.
  *
  * \param device that draws; must outlive the paged tree
  * \param path of the file, which stays open
@@ -127,9 +128,9 @@ SVO_API svo_status svo_paged_get_info(const svo_paged *paged, svo_paged_info *in
  * \returns what svo_tree_render returns. */
 SVO_API svo_status svo_paged_render(svo_paged *paged, const svo_render_options *options, uint8_t *rgba);
 
-/** Reads the pages that the last picture missed, those nearer to the root first, and drops others as far as room is
- *  short. After a failure none of them is there, pictures are as they would be without the call, or coarser where
- *  pages were dropped, and the call may be repeated.
+/** Reads the pages that the last picture missed: those nearer to the root first, of equal levels those that rays missed
+ *  most often, then by Morton code. Drops others as far as room is short. After a failure none of them is there,
+ *  pictures are as they would be without the call, or coarser where pages were dropped, and the call may be repeated.
  *
  * \param paged not NULL
  * \returns SVO_FILE_ERROR (cannot be read), SVO_FILE_DAMAGED (the file has changed since it was opened), SVO_CL_ERROR,

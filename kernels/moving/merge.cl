@@ -100,8 +100,8 @@ svo_k_merge_write(__global const uint *a_fragments, __global const uint4 *a_valu
     uint2 next = part.first;
     uint slot = before[strip];
     while (next.x < part.end.x || next.y < part.end.y) {
-        const bool of_a = next.y == part.end.y ||
-                          (next.x < part.end.x && svo_merge_key(a, next.x) <= svo_merge_key(b, next.y));
+        const bool of_a =
+            next.y == part.end.y || (next.x < part.end.x && svo_merge_key(a, next.x) <= svo_merge_key(b, next.y));
         if (of_a && svo_is_dropped(dropped, a, next.x)) {
             ++next.x;
             continue;

@@ -37,8 +37,8 @@ static void svo_weigh(__global const uint *fragments, svo_surface surface, __glo
         color = SVO_UINT_OF(window.color, i);
 #endif
 #ifdef SVO_NORMAL
-        normal = (int3)(SVO_INT_OF(window.normal[0], i), SVO_INT_OF(window.normal[1], i),
-                        SVO_INT_OF(window.normal[2], i));
+        normal =
+            (int3)(SVO_INT_OF(window.normal[0], i), SVO_INT_OF(window.normal[1], i), SVO_INT_OF(window.normal[2], i));
 #endif
         values[begin + i] = svo_keep(SVO_UINT_OF(window.weight, i), color, normal, object);
     }

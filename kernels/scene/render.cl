@@ -51,19 +51,18 @@ static float3 svo_scene_constant(__constant const float *values)
     return (float3)(values[0], values[1], values[2]);
 }
 
-/* The distance to the first hit within range; range without one. */
-static float svo_scene_reach(const svo_scene_view *view, float3 point, float3 direction, float range, float footprint)
+/* The distance to the first hit within range, or to any; range without one. */
+static float svo_scene_reach(const svo_scene_view *view, float3 point, float3 direction, float range, float footprint,
+                             uint flags)
 {
     const svo_ray ray = svo_scene_make_ray(point, direction, range);
     svo_scene_search search;
-    return svo_scene_search_ray(&view->scene, &ray, footprint, 0u, &search) ? min(search.t, range) : range;
+    return svo_scene_search_ray(&view->scene, &ray, footprint, flags, &search) ? min(search.t, range) : range;
 }
 
 static bool svo_scene_is_shadowed(const svo_scene_view *view, float3 point, float3 direction)
 {
-    const svo_ray ray = svo_scene_make_ray(point, direction, INFINITY);
-    svo_scene_search search;
-    return svo_scene_search_ray(&view->scene, &ray, 0.0f, SVO_SCENE_FLAG_ANY, &search);
+    return svo_scene_reach(view, point, direction, INFINITY, 0.0f, SVO_SCENE_FLAG_ANY) < INFINITY;
 }
 
 /* How open the hemisphere above the point is, by short rays. 0 .. 1. */
@@ -73,7 +72,7 @@ static float svo_scene_openness(const svo_scene_view *view, const svo_scene_surf
     float open = 0.0f;
     for (int k = 0; k < SVO_SHADE_OCCLUSION_RAYS; ++k) {
         const float3 direction = svo_shade_occlusion_direction(surface->normal, k);
-        open += svo_scene_reach(view, surface->point, direction, range, SVO_SHADE_OCCLUSION_FOOTPRINT) / range;
+        open += svo_scene_reach(view, surface->point, direction, range, SVO_SHADE_OCCLUSION_FOOTPRINT, 0u) / range;
     }
     return open / (float)SVO_SHADE_OCCLUSION_RAYS;
 }

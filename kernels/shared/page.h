@@ -8,7 +8,7 @@
 
 /* The words of a page in the table of pages. */
 #define SVO_PAGE_BEGIN 0u /* its first node, or SVO_PAGE_ABSENT */
-#define SVO_PAGE_MARK  1u /* not 0: a ray went into it, or would have */
+#define SVO_PAGE_MARK  1u /* not 0: rays went into it, or would have, and how often */
 #define SVO_PAGE_WORDS 2u
 
 /* Node 0 is the tree's root, which no page has. */

@@ -123,19 +123,37 @@ static svo_status make_room(const svo_moving *moving, const char *function, uint
     return svo_i_kept_list_alloc(moving, function, fragments + fragments / 8 + 1, list);
 }
 
+/* Copies the pairs that stay, which are few, so that merging does not pass over all that go. */
+static svo_status keep_staying(svo_moving *moving, svo_i_device_work *work, cl_mem dropped, uint64_t staying,
+                               svo_i_kept_list *out)
+{
+    static const svo_i_kept_list none = {.count = 0};
+    SVO_I_TRY(svo_i_kept_list_alloc(moving, work->function, staying > 0 ? staying : 1, out));
+    out->count = staying;
+    return launch(work, &moving->list, &none, dropped, out);
+}
+
 svo_status svo_i_moving_merge(svo_moving *moving, const char *function, cl_command_queue queue,
                               const svo_i_kept_list *changed, uint64_t fragments, svo_i_kept_list *to)
 {
     svo_status status = SVO_OK;
     svo_i_device_work work = {.device = NULL};
+    svo_i_kept_list kept = {.count = 0};
+    const uint64_t staying = fragments - changed->count;
     cl_mem dropped = NULL;
     SVO_I_TRY(make_room(moving, function, fragments, to));
     to->count = fragments;
     SVO_I_TRY(begin(moving, function, queue, &work));
     SVO_I_TRY_CLEANUP(mark_dropped(moving, &work, &dropped));
-    SVO_I_TRY_CLEANUP(launch(&work, &moving->list, changed, dropped, to));
+    if (staying < moving->list.count / 4) {
+        SVO_I_TRY_CLEANUP(keep_staying(moving, &work, dropped, staying, &kept));
+        SVO_I_TRY_CLEANUP(launch(&work, &kept, changed, dropped, to));
+    } else {
+        SVO_I_TRY_CLEANUP(launch(&work, &moving->list, changed, dropped, to));
+    }
     SVO_I_TRY_CLEANUP(svo_i_work_wait(&work));
 cleanup:
     svo_i_work_end(&work);
+    svo_i_kept_list_free(&kept);
     return status;
 }

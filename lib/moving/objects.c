@@ -7,7 +7,6 @@
 #include "core/struct_size.h"
 #include "moving/mesh.h"
 
-/* The static mesh, in messages about objects. */
 static const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
 /* ---- making ---- */
@@ -89,18 +88,18 @@ cleanup:
 
 /* ---- the caller's objects ---- */
 
-/* Refuses a handle that is NULL, and a number that no object has. */
-static svo_status find(svo_moving *moving, const char *function, uint32_t number, svo_i_moving_object **out)
+/* The object of that number; NULL, with a message, where there is none or no handle. */
+static svo_i_moving_object *find(svo_moving *moving, const char *function, uint32_t number)
 {
     if (moving == NULL) {
-        return SVO_INVALID_ARGUMENT;
+        return NULL;
     }
     if (number >= SVO_MOVING_OBJECTS_MAX || number + 1 >= moving->object_count ||
         moving->objects[number + 1].plan == NULL) {
-        return svo_i_device_fail(moving->device, SVO_INVALID_ARGUMENT, "%s: there is no object %u", function, number);
+        (void)svo_i_device_fail(moving->device, SVO_INVALID_ARGUMENT, "%s: there is no object %u", function, number);
+        return NULL;
     }
-    *out = &moving->objects[number + 1];
-    return SVO_OK;
+    return &moving->objects[number + 1];
 }
 
 /* The least free index, for which there is room. */
@@ -135,7 +134,7 @@ static svo_status find_free(svo_moving *moving, const char *function, uint32_t *
 svo_status svo_moving_add(svo_moving *moving, const svo_mesh *mesh, const double transform[12], uint32_t *object)
 {
     static const char function[] = "svo_moving_add";
-    svo_mesh copy;
+    svo_mesh copy = {.struct_size = 0};
     uint32_t index = 0;
     if (moving == NULL || object == NULL) {
         return svo_i_device_fail(moving != NULL ? moving->device : NULL, SVO_INVALID_ARGUMENT, "%s: %s is NULL",
@@ -173,8 +172,10 @@ static void place(svo_moving *moving, svo_i_moving_object *object)
 svo_status svo_moving_set_transform(svo_moving *moving, uint32_t object, const double transform[12])
 {
     static const char function[] = "svo_moving_set_transform";
-    svo_i_moving_object *found = NULL;
-    SVO_I_TRY(find(moving, function, object, &found));
+    svo_i_moving_object *found = find(moving, function, object);
+    if (found == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
     if (transform == NULL) {
         return svo_i_device_fail(moving->device, SVO_INVALID_ARGUMENT, "%s: transform of object %u is NULL", function,
                                  object);
@@ -188,9 +189,11 @@ svo_status svo_moving_set_transform(svo_moving *moving, uint32_t object, const d
 svo_status svo_moving_set_vertices(svo_moving *moving, uint32_t object, const svo_mesh *mesh)
 {
     static const char function[] = "svo_moving_set_vertices";
-    svo_i_moving_object *found = NULL;
-    svo_mesh copy;
-    SVO_I_TRY(find(moving, function, object, &found));
+    svo_i_moving_object *found = find(moving, function, object);
+    svo_mesh copy = {.struct_size = 0};
+    if (found == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
     SVO_I_TRY(read_mesh(moving, function, mesh, &copy));
     if (copy.vertex_count != found->mesh.vertex_count || copy.triangle_count != found->mesh.triangle_count) {
         return svo_i_device_fail(moving->device, SVO_INVALID_ARGUMENT,
@@ -206,8 +209,10 @@ svo_status svo_moving_set_vertices(svo_moving *moving, uint32_t object, const sv
 
 svo_status svo_moving_show(svo_moving *moving, uint32_t object, int visible)
 {
-    svo_i_moving_object *found = NULL;
-    SVO_I_TRY(find(moving, "svo_moving_show", object, &found));
+    svo_i_moving_object *found = find(moving, "svo_moving_show", object);
+    if (found == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
     if (found->visible != (visible != 0)) {
         found->visible = visible != 0;
         found->stale = true;
@@ -218,8 +223,10 @@ svo_status svo_moving_show(svo_moving *moving, uint32_t object, int visible)
 
 svo_status svo_moving_remove(svo_moving *moving, uint32_t object)
 {
-    svo_i_moving_object *found = NULL;
-    SVO_I_TRY(find(moving, "svo_moving_remove", object, &found));
+    svo_i_moving_object *found = find(moving, "svo_moving_remove", object);
+    if (found == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
     svo_i_moving_release_object(found);
     svo_i_moving_forget_mesh(moving);
     return SVO_OK;

@@ -449,8 +449,8 @@ static int commit_file(svo_i_output *output)
     return error;
 }
 
-/* A file that had a name from the start is on a file system without unnamed files. Those are network file systems, whose
-   other machines see what is flushed. */
+/* A file that had a name from the start is on a file system without unnamed files. Most of those are on the network,
+   and other machines see what is flushed. */
 static int name_file_where_seen(svo_i_output *output)
 {
     if (output->temporary[0] != '\0' && fsync(output->descriptor) != 0) {

@@ -99,26 +99,46 @@ static uint64_t take_share(uint64_t count, uint64_t part, uint64_t whole)
     return count * part / whole;
 }
 
+/* Elements for inner nodes and leaves beyond those of the largest page, within a number of bytes. Bands are read from
+   the top down, so inner nodes of all but the last come first, with half of the bytes at most; what is left is shared
+   as the last band's nodes are. */
+static void share_room(const svo_paged *paged, uint64_t bytes, uint64_t *inner, uint64_t *leaves)
+{
+    const paged_layout *layout = &paged->layout;
+    const svo_tree_info *info = &paged->file.info;
+    const uint64_t more_inner = layout->inner_count - paged->largest_inner;
+    const uint64_t more_leaves = layout->leaf_count - paged->largest_leaves;
+    const uint32_t last_root_level = info->depth - layout->page_levels;
+    const uint64_t above = info->level_begin[last_root_level + 1] - layout->top_inner_count;
+    const uint64_t afforded = bytes / 2 / node_bytes(layout, 1, 0);
+    uint64_t first = above < afforded ? above : afforded;
+    first = first < more_inner ? first : more_inner;
+    const uint64_t rest = node_bytes(layout, more_inner - first, more_leaves);
+    const uint64_t left = bytes - node_bytes(layout, first, 0);
+    const uint64_t part = left < rest ? left : rest;
+    *inner = first + take_share(more_inner - first, part, rest);
+    *leaves = take_share(more_leaves, part, rest);
+}
+
 svo_status svo_i_paged_fit(svo_paged *paged, uint64_t budget_bytes)
 {
     const svo_tree_info *info = &paged->file.info;
     paged_layout *layout = &paged->layout;
     const uint64_t fixed = fixed_bytes(info, layout);
     const uint64_t top_leaves = info->leaf_count - layout->leaf_count;
-    const uint64_t more_inner = layout->inner_count - paged->largest_inner;
-    const uint64_t more_leaves = layout->leaf_count - paged->largest_leaves;
-    const uint64_t more_bytes = node_bytes(layout, more_inner, more_leaves);
+    uint64_t inner = 0, leaves = 0;
     layout->least_bytes = fixed + node_bytes(layout, paged->largest_inner, paged->largest_leaves);
-    layout->whole_bytes = layout->least_bytes + more_bytes;
+    layout->whole_bytes = fixed + node_bytes(layout, layout->inner_count, layout->leaf_count);
     if (budget_bytes < layout->least_bytes) {
         return svo_i_device_fail(paged->device, SVO_CAPACITY_EXCEEDED,
                                  "svo_paged_open: budget_bytes %" PRIu64 " is below %" PRIu64 ", the least for %s",
                                  budget_bytes, layout->least_bytes, paged->path);
     }
-    const uint64_t left = budget_bytes - layout->least_bytes;
-    const uint64_t part = left < more_bytes ? left : more_bytes;
-    const uint64_t inner = layout->top_inner_count + paged->largest_inner + take_share(more_inner, part, more_bytes);
-    const uint64_t leaves = top_leaves + paged->largest_leaves + take_share(more_leaves, part, more_bytes);
+    if (layout->page_count > 0) {
+        share_room(paged, budget_bytes - layout->least_bytes, &inner, &leaves);
+    }
+    inner += layout->top_inner_count + paged->largest_inner;
+    leaves += top_leaves + paged->largest_leaves;
     if (inner + leaves >= SVO_PAGE_ROOT) {
         return svo_i_device_fail(paged->device, SVO_UNSUPPORTED,
                                  "svo_paged_open: budget_bytes %" PRIu64 " is room for %" PRIu64

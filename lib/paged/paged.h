@@ -17,7 +17,7 @@
 
 #define PAGED_LEVELS_MIN     2 /* so that the children of a root are inner nodes */
 #define PAGED_LEVELS_MAX     5
-#define PAGED_LEVELS_DEFAULT 4
+#define PAGED_LEVELS_DEFAULT 3
 #define PAGED_BANDS_MAX      (SVO_LEVELS_MAX / PAGED_LEVELS_MIN)
 
 /* The arrays of the file that are paged, in the order of its chunks. */

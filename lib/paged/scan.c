@@ -176,42 +176,46 @@ static svo_status scan_window(chunk_scan *scan, uint32_t begin, XXH3_state_t *st
     return SVO_OK;
 }
 
-static svo_status scan_chunk(svo_paged *paged, const paged_band *band, paged_array array, uint32_t level,
-                             uint8_t *window)
+/* Reads the chunk of an array's level, in the scan's band. */
+static svo_status scan_chunk(chunk_scan *scan, paged_array array, uint32_t level)
 {
+    svo_paged *paged = scan->paged;
     uint32_t index = 0;
-    chunk_scan scan = {.paged = paged, .band = band, .array = array, .level = level, .window = window};
     XXH3_state_t state;
-    scan.chunk = svo_i_paged_chunk(paged, array, level, &index);
-    scan.below = level == svo_i_paged_last_level(paged, band) ? band + 1 : NULL;
-    scan.children = (child_count){.paged = paged, .level = level};
+    scan->chunk = svo_i_paged_chunk(paged, array, level, &index);
+    scan->array = array;
+    scan->level = level;
+    scan->below = level == svo_i_paged_last_level(paged, scan->band) ? scan->band + 1 : NULL;
+    scan->children = (child_count){.paged = paged, .level = level};
     const svo_i_entry_name name = svo_i_tree_file_name(&paged->file, index);
-    if (scan.chunk->codec != FILE_CODEC_STORED) {
+    if (scan->chunk->codec != FILE_CODEC_STORED) {
         return svo_i_fail(paged->load.message, SVO_UNSUPPORTED,
                           "%s: chunk %s is compressed, and pages are read from chunks that are not", paged->path,
                           name.text);
     }
     XXH3_INITSTATE(&state);
     XXH3_64bits_reset(&state);
-    for (uint32_t page = 0; page < band->page_count;) {
-        SVO_I_TRY(scan_window(&scan, page, &state, &page));
+    for (uint32_t page = 0; page < scan->band->page_count;) {
+        SVO_I_TRY(scan_window(scan, page, &state, &page));
     }
     const uint64_t hash = XXH3_64bits_digest(&state);
-    return hash == scan.chunk->hash
+    return hash == scan->chunk->hash
                ? SVO_OK
                : svo_i_file_damaged(&paged->load, "chunk %s: checksum is %016" PRIx64 ", file says %016" PRIx64,
-                                    name.text, hash, scan.chunk->hash);
+                                    name.text, hash, scan->chunk->hash);
 }
 
 /* The levels of a band, each array's chunk in the order of the file. */
-static svo_status scan_band(svo_paged *paged, const paged_band *band, uint8_t *window)
+static svo_status scan_band(chunk_scan *scan, const paged_band *band)
 {
+    const svo_paged *paged = scan->paged;
     const uint32_t last_level = svo_i_paged_last_level(paged, band);
+    scan->band = band;
     for (uint32_t level = band->root_level + 1; level <= last_level; ++level) {
         for (int i = 0; i < PAGED_ARRAYS; ++i) {
             const bool is_there = paged->layout.by_node[i] && (i != PAGED_MASKS || level < paged->file.info.depth);
             if (is_there) {
-                SVO_I_TRY(scan_chunk(paged, band, (paged_array)i, level, window));
+                SVO_I_TRY(scan_chunk(scan, (paged_array)i, level));
             }
         }
     }
@@ -257,23 +261,23 @@ static void find_largest(svo_paged *paged)
 
 svo_status svo_i_paged_scan(svo_paged *paged, paged_top *top)
 {
+    chunk_scan scan = {.paged = paged};
     svo_status status = SVO_OK;
-    uint8_t *window = NULL;
     SVO_I_TRY(make_bands(paged));
     for (int i = 0; i < PAGED_ARRAYS; ++i) {
         SVO_I_TRY(read_top_array(paged, (paged_array)i, top));
     }
     SVO_I_TRY(check_top(paged, top));
-    window = svo_i_alloc(&paged->memory, WINDOW_BYTES);
-    if (window == NULL) {
+    scan.window = svo_i_alloc(&paged->memory, WINDOW_BYTES);
+    if (scan.window == NULL) {
         return no_memory(paged);
     }
     for (uint32_t i = 0; i < paged->layout.band_count; ++i) {
-        SVO_I_TRY_CLEANUP(scan_band(paged, &paged->bands[i], window));
+        SVO_I_TRY_CLEANUP(scan_band(&scan, &paged->bands[i]));
     }
     find_largest(paged);
 
 cleanup:
-    svo_i_free(window);
+    svo_i_free(scan.window);
     return status;
 }

@@ -5,10 +5,10 @@
 #include "paged/pool.h"
 #include "shared/page.h"
 
-/* Marks in the table on the host, between pictures. */
-#define MARK_NONE   0u
-#define MARK_MISSED 1u
-#define MARK_READ   2u /* missed, and read by the update in progress */
+/*
+ * Between pictures the table on the host has marks of missed pages alone: how often rays missed them. A page that is
+ * there and has a mark was read by the update in progress.
+ */
 
 /* What may go, in the order in which it goes. */
 typedef struct victims {
@@ -107,25 +107,45 @@ static svo_status find_room(svo_paged *paged, uint32_t page, victims *list, bool
 
 /* ---- the update ---- */
 
-static svo_status read_missed(svo_paged *paged, victims *list)
+/* The pages of a band that were missed, most often first, of equal ones the first. Returns their number. */
+static uint32_t list_missed(const svo_paged *paged, const paged_band *band, uint64_t *keys)
+{
+    uint32_t count = 0;
+    for (uint32_t page = band->first_page; page < band->first_page + band->page_count; ++page) {
+        const uint32_t mark = *word_of(paged, page, SVO_PAGE_MARK);
+        if (mark != 0) {
+            keys[count++] = (uint64_t)~mark << 32 | page;
+        }
+    }
+    qsort(keys, count, sizeof *keys, compare_keys);
+    return count;
+}
+
+static svo_status read_page(svo_paged *paged, uint32_t page, victims *list)
 {
     const uint64_t limit = paged->update_bytes > 0 ? paged->update_bytes : UINT64_MAX;
-    for (uint32_t page = 0; page < paged->layout.page_count; ++page) {
-        bool found = false;
-        if (*word_of(paged, page, SVO_PAGE_MARK) != MARK_MISSED) {
-            continue;
+    bool found = false;
+    if (paged->counts.read_bytes < limit) {
+        SVO_I_TRY(find_room(paged, page, list, &found));
+    }
+    if (!found) {
+        ++paged->counts.waiting_pages;
+        return SVO_OK;
+    }
+    SVO_I_TRY(svo_i_paged_stage_page(paged, page));
+    *word_of(paged, page, SVO_PAGE_BEGIN) = paged->pages[page].inner_at;
+    ++paged->counts.read_pages;
+    return SVO_OK;
+}
+
+/* Reads band after band. keys: room for all that were missed. */
+static svo_status read_missed(svo_paged *paged, uint64_t *keys, victims *list)
+{
+    for (uint32_t i = 0; i < paged->layout.band_count; ++i) {
+        const uint32_t count = list_missed(paged, &paged->bands[i], keys);
+        for (uint32_t k = 0; k < count; ++k) {
+            SVO_I_TRY(read_page(paged, (uint32_t)keys[k], list));
         }
-        if (paged->counts.read_bytes < limit) {
-            SVO_I_TRY(find_room(paged, page, list, &found));
-        }
-        if (!found) {
-            ++paged->counts.waiting_pages;
-            continue;
-        }
-        *word_of(paged, page, SVO_PAGE_MARK) = MARK_READ;
-        SVO_I_TRY(svo_i_paged_stage_page(paged, page));
-        *word_of(paged, page, SVO_PAGE_BEGIN) = paged->pages[page].inner_at;
-        ++paged->counts.read_pages;
     }
     return svo_i_paged_flush(paged);
 }
@@ -135,11 +155,12 @@ static void settle(svo_paged *paged, bool done)
 {
     for (uint32_t page = 0; page < paged->layout.page_count; ++page) {
         uint32_t *mark = word_of(paged, page, SVO_PAGE_MARK);
-        if (*mark == MARK_READ && !done) {
-            drop_page(paged, page);
-        }
-        if (*mark == MARK_READ) {
-            *mark = done ? MARK_NONE : MARK_MISSED;
+        if (*mark != 0 && paged->pages[page].inner_at != SVO_PAGE_ABSENT) {
+            if (done) {
+                *mark = 0;
+            } else {
+                drop_page(paged, page);
+            }
         }
     }
     paged->stage.inner_count = paged->stage.leaf_count = 0;
@@ -154,8 +175,13 @@ svo_status svo_paged_update(svo_paged *paged)
     }
     svo_paged_counts *counts = &paged->counts;
     counts->read_pages = counts->read_bytes = counts->evicted_pages = counts->waiting_pages = 0;
-    const svo_status status = read_missed(paged, &list);
+    uint64_t *missed = svo_i_alloc(&paged->memory, ((size_t)counts->missed_pages + 1) * sizeof *missed);
+    if (missed == NULL) {
+        return svo_i_device_fail(paged->device, SVO_OUT_OF_HOST_MEMORY, "svo_paged_update: no memory to order pages");
+    }
+    const svo_status status = read_missed(paged, missed, &list);
     settle(paged, status == SVO_OK);
+    svo_i_free(missed);
     svo_i_free(list.keys);
     counts->all_read_pages += counts->read_pages;
     counts->all_read_bytes += counts->read_bytes;

@@ -13,7 +13,7 @@
 
 static const char table_id[] = "moving";
 
-/* Shares of the triangles that move. */
+/* Shares of the area that moves, and so about of the pairs. */
 static const double shares[] = {0.001, 0.01, 0.1, 1.0};
 #define SHARE_COUNT (sizeof shares / sizeof shares[0])
 
@@ -69,7 +69,7 @@ static bool cut_vertices(const svo_mesh *mesh, moving_run *run)
     const uint32_t *from = run->object.indices;
     uint32_t first = UINT32_MAX;
     uint32_t last = 0;
-    run->indices = malloc(corners * sizeof *run->indices);
+    run->indices = malloc((corners + 1) * sizeof *run->indices);
     for (size_t i = 0; i < corners; ++i) {
         first = from[i] < first ? from[i] : first;
         last = from[i] > last ? from[i] : last;
@@ -88,12 +88,51 @@ static bool cut_vertices(const svo_mesh *mesh, moving_run *run)
     return run->indices != NULL;
 }
 
+static double coordinate(const svo_mesh *mesh, size_t vertex, int axis)
+{
+    const size_t at = vertex * 3 + (size_t)axis;
+    return mesh->positions_double != NULL ? mesh->positions_double[at] : (double)mesh->positions[at];
+}
+
+static double area_of(const svo_mesh *mesh, size_t triangle)
+{
+    const uint32_t *corners = mesh->indices + triangle * 3;
+    double squares = 0.0;
+    for (int k = 0; k < 3; ++k) {
+        double edges[2][2];
+        for (int corner = 0; corner < 2; ++corner) {
+            for (int axis = 0; axis < 2; ++axis) {
+                const int at = (k + axis) % 3;
+                edges[corner][axis] = coordinate(mesh, corners[corner + 1], at) - coordinate(mesh, corners[0], at);
+            }
+        }
+        const double normal = edges[0][0] * edges[1][1] - edges[0][1] * edges[1][0];
+        squares += normal * normal;
+    }
+    return 0.5 * sqrt(squares);
+}
+
+/* How many of the last triangles have a share of the area. */
+static size_t count_moved(const svo_mesh *mesh, double share)
+{
+    const size_t triangles = mesh->triangle_count;
+    double total = 0.0;
+    double moved = 0.0;
+    size_t count = 0;
+    for (size_t t = 0; t < triangles; ++t) {
+        total += area_of(mesh, t);
+    }
+    while (count + 1 < triangles && (count == 0 || moved < share * total)) {
+        moved += area_of(mesh, triangles - ++count);
+    }
+    return count;
+}
+
 /* Cuts the mesh, which has indices, in two. */
 static bool cut(const svo_mesh *mesh, double share, moving_run *run)
 {
     const size_t triangles = mesh->triangle_count;
-    size_t moved = (size_t)(share * (double)triangles + 0.5);
-    moved = moved < 1 ? 1 : moved >= triangles ? triangles - 1 : moved;
+    const size_t moved = count_moved(mesh, share);
     run->fixed = *mesh;
     run->fixed.triangle_count = triangles - moved;
     run->object = *mesh;
@@ -111,7 +150,7 @@ static void choose_grid(const svo_mesh *mesh, svo_moving_options *to)
     double low[3] = {INFINITY, INFINITY, INFINITY};
     double high[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
-        const double x = mesh->positions_double != NULL ? mesh->positions_double[i] : (double)mesh->positions[i];
+        const double x = coordinate(mesh, i / 3, (int)(i % 3));
         low[i % 3] = fmin(low[i % 3], x);
         high[i % 3] = fmax(high[i % 3], x);
     }

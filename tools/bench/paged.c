@@ -20,7 +20,7 @@ static const char table_id[] = "paged";
 #define HEIGHT       480u
 #define STOPS        24u
 #define STOPS_QUICK  6u
-#define PICTURES_MAX 32u /* at a stop */
+#define PICTURES_MAX 96u /* at a stop */
 #define TIMES_MAX    ((size_t)STOPS * PICTURES_MAX)
 #define PATH_BYTES   300
 
@@ -215,8 +215,11 @@ static int build_tree(flight *of, const input *source, unsigned depth)
 static int fly_all(flight *of, const input *source)
 {
     flown *done = malloc(sizeof *done);
-    int exit_code = done != NULL ? fly_in_core(of) : program_fail(of->all->state, PROGRAM_FAILED, "out of memory");
     uint64_t file_bytes = 0;
+    if (done == NULL) {
+        return program_fail(of->all->state, PROGRAM_FAILED, "out of memory for the times of a flight");
+    }
+    int exit_code = fly_in_core(of);
     for (size_t i = SHARE_COUNT; i-- > 0 && exit_code == PROGRAM_DONE;) {
         /* The first flight has more than the file takes, and says how much that is. */
         exit_code = fly(of, file_bytes > 0 ? file_bytes / shares[i] : UINT64_MAX, done);

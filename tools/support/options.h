@@ -44,7 +44,8 @@ enum option_group {
     OPTION_DEVICES_COMMAND = 67108864, /* path, of all devices */
     OPTION_LEVELS = 134217728, /* how much of a .svo file is read */
     OPTION_PARTS_COMMAND = 268435456, /* an argument before INPUT, which part */
-    OPTION_PAGED = 536870912 /* how much of a file is held */
+    OPTION_PAGED = 536870912, /* how much of a file is held */
+    OPTION_ANIMATION = 1073741824 /* frames of what moves */
 };
 
 enum option_frontend {
@@ -154,6 +155,8 @@ typedef struct options {
     uint64_t max_memory; /* build, parts: bytes that a part may take; 0: not given */
     uint64_t resume; /* build: a flag */
     const char *part; /* parts: NULL: not given, else an index or LEVEL-CODE */
+    uint64_t animate, verify_frames; /* render: flags */
+    uint64_t frames; /* render: of an animation */
     uint64_t paged; /* render: bytes of buffers for a file that is paged; 0: not given */
 } options;
 

@@ -9,6 +9,7 @@
 #include <strings.h>
 
 #include "support/scene_place.h"
+#include "support/scene_place_read.h"
 #include "support/suggest.h"
 
 #define PI 3.14159265358979323846
@@ -125,42 +126,6 @@ static int find_tree(const json_source *source, const scene_file *file, const cJ
 
 /* ---- transforms ---- */
 
-static int read_vector(const json_source *source, const cJSON *object, const char *name, float out[3])
-{
-    const cJSON *value = member(object, name);
-    return value != NULL ? json_source_floats(source, value, name, 3, out) : PROGRAM_DONE;
-}
-
-/* A number for all axes, or one for each. */
-static int read_scale(const json_source *source, const cJSON *object, float out[3])
-{
-    const cJSON *value = member(object, "scale");
-    if (cJSON_IsNumber(value)) {
-        if (!(fabs(value->valuedouble) <= 1e30)) {
-            return json_source_fail(source, value, "'scale' is not within 1e30");
-        }
-        out[0] = out[1] = out[2] = (float)value->valuedouble;
-    } else {
-        const int exit_code = read_vector(source, object, "scale", out);
-        if (exit_code != PROGRAM_DONE) {
-            return exit_code;
-        }
-    }
-    return out[0] != 0.0F && out[1] != 0.0F && out[2] != 0.0F
-               ? PROGRAM_DONE
-               : json_source_fail(source, value, "'scale' is 0 along an axis");
-}
-
-static int read_place(const json_source *source, const cJSON *object, scene_place *out)
-{
-    *out = (scene_place){{0, 0, 0}, {0, 0, 0}, {1, 1, 1}};
-    int exit_code = read_vector(source, object, "translate", out->translate);
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = read_vector(source, object, "rotate", out->rotate);
-    }
-    return exit_code == PROGRAM_DONE ? read_scale(source, object, out->scale) : exit_code;
-}
-
 /* The lit views place meshes without a scene, which would refuse a flat matrix. */
 static int read_matrix(const json_source *source, const cJSON *value, float out[12])
 {
@@ -204,9 +169,9 @@ static int read_copies(const json_source *source, const cJSON *object, copies *o
         exit_code = read_counts(source, member(object, "count"), out->count);
     }
     if (exit_code == PROGRAM_DONE) {
-        exit_code = read_vector(source, object, "step", out->step);
+        exit_code = scene_place_read_vector(source, object, "step", out->step);
     }
-    return exit_code == PROGRAM_DONE ? read_vector(source, object, "rotate", out->rotate) : exit_code;
+    return exit_code == PROGRAM_DONE ? scene_place_read_vector(source, object, "rotate", out->rotate) : exit_code;
 }
 
 /* Room for so many more. */
@@ -283,9 +248,32 @@ static int check_matrix_alone(const json_source *source, const cJSON *object)
     return turned == NULL ? PROGRAM_DONE : json_source_fail(source, turned, "'rotate' of copies beside 'matrix'");
 }
 
+/* An instance that moves: it is where its first key places it. */
+static int read_moving(const json_source *source, const cJSON *object, uint32_t tree, scene_file *file)
+{
+    static const char *const keys[] = {"tree", "motion", NULL};
+    int exit_code = json_source_check_keys(source, object, "an instance with 'motion'", keys);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = reserve(source, object, file, 1);
+    }
+    scene_motion motion = {.keys = NULL};
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = scene_motion_read(source, member(object, "motion"), &motion);
+    }
+    if (exit_code == PROGRAM_DONE) {
+        motion.instance = file->instance_count;
+        file->motions[file->motion_count++] = motion;
+        file->entries[file->entry_count++] = (scene_file_entry){file->instance_count, object};
+        svo_instance *added = &file->instances[file->instance_count++];
+        added->tree = tree;
+        scene_place_compose(&motion.keys[0].place, added->transform);
+    }
+    return exit_code;
+}
+
 static int read_instance(const json_source *source, const cJSON *object, scene_file *file)
 {
-    static const char *const keys[] = {"tree", "matrix", "translate", "rotate", "scale", "copies", NULL};
+    static const char *const keys[] = {"tree", "matrix", "translate", "rotate", "scale", "copies", "motion", NULL};
     const cJSON *given_matrix = member(object, "matrix");
     uint32_t tree = 0;
     float matrix[12] = {0};
@@ -295,6 +283,9 @@ static int read_instance(const json_source *source, const cJSON *object, scene_f
     if (exit_code == PROGRAM_DONE) {
         exit_code = find_tree(source, file, object, &tree);
     }
+    if (exit_code == PROGRAM_DONE && member(object, "motion") != NULL) {
+        return read_moving(source, object, tree, file);
+    }
     if (exit_code == PROGRAM_DONE && given_matrix != NULL) {
         exit_code = check_matrix_alone(source, object);
     }
@@ -302,7 +293,7 @@ static int read_instance(const json_source *source, const cJSON *object, scene_f
         exit_code = read_matrix(source, given_matrix, matrix);
     }
     if (exit_code == PROGRAM_DONE) {
-        exit_code = read_place(source, object, &from);
+        exit_code = scene_place_read(source, object, &from);
     }
     if (exit_code == PROGRAM_DONE) {
         exit_code = read_copies(source, member(object, "copies"), &lattice);
@@ -327,7 +318,8 @@ static int read_instances(const json_source *source, scene_file *file)
                                 "'instances' is missing or not an array with an instance");
     }
     file->entries = calloc((size_t)cJSON_GetArraySize(instances), sizeof *file->entries);
-    if (file->entries == NULL) {
+    file->motions = calloc((size_t)cJSON_GetArraySize(instances), sizeof *file->motions);
+    if (file->entries == NULL || file->motions == NULL) {
         return program_fail(source->state, PROGRAM_FAILED, "out of memory for %d entries",
                             cJSON_GetArraySize(instances));
     }
@@ -395,13 +387,13 @@ static int read_camera(const json_source *source, scene_file *file)
         exit_code = json_source_fail(source, object, "'camera' has no 'eye' or no 'target'");
     }
     if (exit_code == PROGRAM_DONE) {
-        exit_code = read_vector(source, object, "eye", file->camera.eye);
+        exit_code = scene_place_read_vector(source, object, "eye", file->camera.eye);
     }
     if (exit_code == PROGRAM_DONE) {
-        exit_code = read_vector(source, object, "target", file->camera.target);
+        exit_code = scene_place_read_vector(source, object, "target", file->camera.target);
     }
     if (exit_code == PROGRAM_DONE) {
-        exit_code = read_vector(source, object, "up", file->camera.up);
+        exit_code = scene_place_read_vector(source, object, "up", file->camera.up);
     }
     if (exit_code == PROGRAM_DONE) {
         exit_code = read_fov(source, object, &file->camera.vertical_fov);
@@ -423,7 +415,7 @@ static int read_direction(const json_source *source, const cJSON *light, float o
 
 static int read_color(const json_source *source, const cJSON *light, float out[3])
 {
-    const int exit_code = read_vector(source, light, "color", out);
+    const int exit_code = scene_place_read_vector(source, light, "color", out);
     return exit_code != PROGRAM_DONE || (out[0] >= 0.0F && out[1] >= 0.0F && out[2] >= 0.0F)
                ? exit_code
                : json_source_fail(source, member(light, "color"), "'color' has a number below 0");
@@ -512,6 +504,10 @@ void scene_file_close(scene_file *file)
     free(file->trees);
     free(file->entries);
     free(file->instances);
+    for (size_t i = 0; i < file->motion_count; ++i) {
+        free(file->motions[i].keys);
+    }
+    free(file->motions);
     *file = (scene_file){.trees = NULL};
 }
 

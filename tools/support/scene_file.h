@@ -5,6 +5,7 @@
 
 #include "support/json_source.h"
 #include "support/program.h"
+#include "support/scene_motion.h"
 #include "svocl/svocl.h"
 
 #define SCENE_FILE_PATH_BYTES 4096
@@ -34,6 +35,8 @@ typedef struct scene_file {
     size_t entry_count;
     svo_instance *instances;
     size_t instance_count, instance_capacity;
+    scene_motion *motions; /* of instances that move, by ascending instance */
+    size_t motion_count;
     svo_camera camera;
     bool has_camera;
     svo_scene_light lights[SVO_SCENE_LIGHTS_MAX];

@@ -10,6 +10,7 @@
 #include "support/table.h"
 #include "support/viewpoint.h"
 #include "svocl/commands.h"
+#include "svocl/render_animation.h"
 #include "svocl/render_light.h"
 #include "svocl/render_paged.h"
 #include "svocl/render_probes.h"
@@ -121,7 +122,13 @@ int command_render(program *state)
     if (check_probes(state) != PROGRAM_DONE || check_view(state) != PROGRAM_DONE) {
         return PROGRAM_WRONG_USAGE;
     }
-    int exit_code = output_check(state, state->options.output_path);
+    int exit_code = render_animation_check(state);
+    if (exit_code == PROGRAM_DONE && state->options.animate != 0) {
+        return render_animation(state);
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = output_check(state, state->options.output_path);
+    }
     if (exit_code == PROGRAM_DONE && state->options.paged > 0) {
         return render_paged(state);
     }

@@ -78,16 +78,16 @@ static const command commands[] = {
     {.name = "render",
      .run = command_render,
      .groups = BUILDS | OPTION_VOXELS | OPTION_OUTPUT | OPTION_PICTURE_SIZE | OPTION_RENDER_COMMAND | OPTION_LIGHT |
-               OPTION_PROBES | OPTION_LEVELS | OPTION_PAGED,
+               OPTION_PROBES | OPTION_LEVELS | OPTION_PAGED | OPTION_ANIMATION,
      .input_name = "INPUT",
      .needs_input = true,
      .summary = "Renders the octree of a mesh or voxels, a .svo file or a .json scene as a PNG.",
      .reads_file = true,
-     .examples =
-         EXAMPLES("render model.svo -o model.png --size 1920x1080", "render model.svo --view steps -o heat.png",
-                  "render scene:atrium -d 9 --view full --lights sun.json -o full.png",
-                  "render scene:atrium --through probes --probes 8,8,8 -o p.png", "render scene.json -o many.png",
-                  "render large.svo --paged 512M -o large.png", "render model.svo -o - | convert - model.jpg")},
+     .examples = EXAMPLES("render model.svo -o model.png --size 1920x1080", "render model.svo --view steps -o heat.png",
+                          "render scene:atrium -d 9 --view full --lights sun.json -o full.png",
+                          "render scene:atrium --through probes --probes 8,8,8 -o p.png",
+                          "render scene.json -o many.png", "render moving.json --animate --frames 60 -d 8 -o film.png",
+                          "render large.svo --paged 512M -o large.png", "render model.svo -o - | convert - model.jpg")},
 #ifdef SVOCL_VIEW
     {.name = "view",
      .run = command_view,

@@ -84,6 +84,7 @@ from ._errors import (
 )
 from ._light import LIGHT_ARGUMENTS, Light, LightSource, light_kernel_source, make_gather_points
 from ._mesh import Finish, Material, Mesh, Texture, has_io, read_mesh
+from ._parts import Parts, PartEntry
 from ._plan import Plan
 from ._scene import Scene, SceneLight, make_instances
 from ._structs import (
@@ -158,6 +159,8 @@ __all__ = [
     "Place",
     "OutOfDeviceMemoryError",
     "OutOfHostMemoryError",
+    "PartEntry",
+    "Parts",
     "Plan",
     "PlanBuffer",
     "PlanInfo",

@@ -130,19 +130,7 @@ class Device(Handle):
         """
         if not isinstance(mesh, Mesh):
             raise TypeError(f"mesh: {type(mesh).__name__}, expected svocl.Mesh")
-        if (origin is None) != (edge is None):
-            raise ValueError("origin and edge: give both or neither")
-        options = _structs.new("svo_plan_options")
-        options.need = _arrays.integer("need", need)
-        options.coverage = Coverage(coverage)
-        options.weights = Weights(weights)
-        options.builder = Builder(builder)
-        options.payload_level = _arrays.integer("payload_level", payload_level)
-        if origin is not None and edge is not None:
-            if not edge > 0:  # in C, 0 is a fitted grid
-                raise ValueError(f"edge: {edge} is not above 0")
-            options.origin = _arrays.three("origin", origin)
-            options.edge = edge
+        options = plan_options(need, coverage, weights, builder, payload_level, origin, edge)
         options.fragment_capacity = _arrays.integer("fragment_capacity", fragment_capacity, 64)
         options.worst_case_nodes = bool(worst_case_nodes)
         options.chunk_bytes = _arrays.integer("chunk_bytes", chunk_bytes, 64)
@@ -180,6 +168,32 @@ class Device(Handle):
 
     def __repr__(self) -> str:
         return "<svocl.Device: closed>" if self.closed else f"<svocl.Device: {self.name}>"
+
+
+def plan_options(
+    need: Need,
+    coverage: Coverage,
+    weights: Weights,
+    builder: Builder,
+    payload_level: int,
+    origin: Optional[Sequence[float]],
+    edge: Optional[float],
+) -> Any:
+    """svo_plan_options of what decides the tree, see Device.plan."""
+    if (origin is None) != (edge is None):
+        raise ValueError("origin and edge: give both or neither")
+    options = _structs.new("svo_plan_options")
+    options.need = _arrays.integer("need", need)
+    options.coverage = Coverage(coverage)
+    options.weights = Weights(weights)
+    options.builder = Builder(builder)
+    options.payload_level = _arrays.integer("payload_level", payload_level)
+    if origin is not None and edge is not None:
+        if not edge > 0:  # in C, 0 is a fitted grid
+            raise ValueError(f"edge: {edge} is not above 0")
+        options.origin = _arrays.three("origin", origin)
+        options.edge = edge
+    return options
 
 
 def _only_device(context: Any, device: Any) -> Any:

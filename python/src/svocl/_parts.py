@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: MIT
+"""Trees in parts: a folder with what each part needs, built by any number of processes and stitched to one file."""
+
+import logging
+import os
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Optional
+
+from . import _arrays, _structs
+from ._callbacks import call
+from ._device import Device, plan_options
+from ._enums import Builder, Coverage, Need, Weights
+from ._errors import error, text
+from ._handle import Guard, Handle, Native
+from ._mesh import Mesh, Path, encode, need_io
+from ._native import ffi, lib
+
+
+class PartEntry(NamedTuple):
+    """A part of the list."""
+
+    level: int
+    """Of the node that the part lies under."""
+    code: int
+    """The node's Morton code."""
+    triangles: int
+    """That may meet the part."""
+    expected_bytes: int
+    """Memory that its build is expected to take at most."""
+
+    @property
+    def name(self) -> str:
+        """LEVEL-CODE, the code in hexadecimal: the front of its files' names."""
+        return f"{self.level}-{self.code:x}"
+
+
+class Parts(Handle):
+    """A folder with the parts of one tree, as Parts.create or `svocl parts plan` fills it.
+
+    Any number of processes may use one folder at once: files appear whole or not at all. len() is the number of parts
+    in the list. Warnings about files that do not count go to the logger "svocl".
+
+    Args:
+        folder: of Parts.create.
+
+    Raises:
+        FileError: it cannot be read.
+        FileDamagedError: its list of parts is damaged.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        need_io("Parts")
+        self.folder = os.fsdecode(folder)
+        out = ffi.new("svo_parts **")
+        message = ffi.new("svo_message *")
+        status = call(lib.svo_parts_open, encode(folder), out, message, undo=lambda: lib.svo_parts_close(out))
+        if status != lib.SVO_OK:
+            raise error(status, text(message.text))
+        self._open(Native(out[0], _close, Guard(), None))
+
+    @classmethod
+    def create(
+        cls,
+        device: Device,
+        mesh: Mesh,
+        depth: int,
+        folder: Path,
+        *,
+        max_bytes: int = 0,
+        need: Need = Need.DEFAULT,
+        coverage: Coverage = Coverage.HALF_OPEN,
+        weights: Weights = Weights.AREA,
+        builder: Builder = Builder.CL,
+        payload_level: int = 0,
+        origin: Optional[Sequence[float]] = None,
+        edge: Optional[float] = None,
+    ) -> "Parts":
+        """Plans the parts of a mesh and fills a folder. Parts of this tree that are in it already stay.
+
+        Args:
+            device: whose memory the parts are planned for.
+            mesh: the whole mesh.
+            depth: of the whole tree.
+            folder: is made where it is not there.
+            max_bytes: for the buffers and the host's memory of one part's build; 0: a sixteenth of the whole's, and
+                at least 16 MiB.
+            need, coverage, weights, builder, payload_level, origin, edge: see Device.plan.
+
+        Raises:
+            CapacityExceededError: the tree has too many nodes, or max_bytes is too small for any part.
+            FileError, and what Device.plan raises.
+        """
+        need_io("Parts.create")
+        options = plan_options(need, coverage, weights, builder, payload_level, origin, edge)
+        struct, kept = mesh._struct()
+        bytes_max = _arrays.integer("max_bytes", max_bytes, 64)
+        message = ffi.new("svo_message *")
+        arguments = (struct, _arrays.integer("depth", depth), options, bytes_max, encode(folder), message)
+        with device._use() as pointer:
+            status = call(lib.svo_parts_create, pointer, *arguments)
+        del kept
+        if status != lib.SVO_OK:
+            raise error(status, text(message.text))
+        return cls(folder)
+
+    @staticmethod
+    def remove(folder: Path) -> None:
+        """Removes the files of a folder, and the folder if nothing else is in it.
+
+        Raises:
+            FileError: a file cannot be removed.
+        """
+        need_io("Parts.remove")
+        message = ffi.new("svo_message *")
+        status = call(lib.svo_parts_remove, encode(folder), message)
+        if status != lib.SVO_OK:
+            raise error(status, text(message.text))
+
+    def __len__(self) -> int:
+        with self._use() as pointer:
+            return int(lib.svo_parts_count(pointer))
+
+    @property
+    def entries(self) -> list[PartEntry]:
+        """The list of parts."""
+        found = []
+        entry = _structs.new("svo_parts_entry")
+        for index in range(len(self)):
+            self._ask(lib.svo_parts_get, index, entry)
+            found.append(PartEntry(entry.level, entry.code, entry.triangles, entry.expected_bytes))
+        return found
+
+    def is_built(self, index: int) -> bool:
+        """Whether a part is there and every byte is right; it is read whole."""
+        out = ffi.new("int *")
+        words = self._ask(lib.svo_parts_is_built, _arrays.integer("index", index, 64), out)
+        if words:
+            logging.getLogger("svocl").warning("%s", words)
+        return bool(out[0])
+
+    def build(self, index: int, device: Device) -> None:
+        """Builds a part, unless it is there and whole.
+
+        Args:
+            index: in the list.
+            device: any.
+
+        Raises:
+            FileError, FileDamagedError: the folder's files.
+            CapacityExceededError: a part that cannot be split does not fit.
+        """
+        number = _arrays.integer("index", index, 64)
+        with device._use() as on:
+            self._ask(lib.svo_parts_build, number, on, ffi.NULL, ffi.NULL)
+
+    def finish(self, path: Path) -> None:
+        """Stitches all parts to a .svo file, which appears whole or not at all.
+
+        Raises:
+            FileError: a part is missing, or a file cannot be written.
+            FileDamagedError: a part is damaged.
+            CapacityExceededError: the tree has too many nodes for a file.
+        """
+        self._ask(lib.svo_parts_finish, encode(path))
+
+    def _ask(self, function: Any, *arguments: Any) -> str:
+        """Calls function(pointer, *arguments, message); returns the message, raises the status."""
+        message = ffi.new("svo_message *")
+        with self._use() as pointer:
+            status = call(function, pointer, *arguments, message)
+        if status != lib.SVO_OK:
+            raise error(status, text(message.text))
+        return text(message.text)
+
+    def __repr__(self) -> str:
+        return "<svocl.Parts: closed>" if self.closed else f"<svocl.Parts: {len(self)} parts in {self.folder}>"
+
+
+def _close(pointer: Any) -> None:
+    lib.svo_parts_close(ffi.new("svo_parts **", pointer))

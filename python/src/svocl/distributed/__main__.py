@@ -1,0 +1,329 @@
+# SPDX-License-Identifier: MIT
+"""python -m svocl.distributed: a mesh to a .svo file by workers of a Dask cluster.
+
+Exit codes are those of `svocl parts`: 0, 1 where no other try can succeed, 2 for wrong usage, 75 where the same command
+goes on from what is there, and 130 after Ctrl-C.
+"""
+
+import argparse
+import contextlib
+import importlib
+import json
+import logging
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from typing import Any, NoReturn, Optional
+
+import svocl
+
+from ._run import Interrupted, Refused, Share, Summary, build_parts
+from ._tasks import RETRIED, worker_ttl
+
+DONE, FAILED, WRONG_USAGE, TRY_AGAIN, STOPPED = 0, 1, 2, 75, 130
+NAME = "svocl.distributed"
+CLOSE_SECONDS = 10
+SETTINGS = {
+    "distributed.scheduler.worker-ttl": ("5 minutes", "30s"),
+    "distributed.scheduler.worker-saturation": (1.1, 1.0),
+}
+"""Of schedulers that are started here, after Dask's own: a worker that has stopped is given up sooner, and parts wait
+at the scheduler, not at workers that may die."""
+
+
+class Failed(Exception):
+    """A job's end in words, with the exit code."""
+
+    def __init__(self, code: int, words: str) -> None:
+        super().__init__(words)
+        self.code = code
+
+
+def main() -> int:
+    options = read_options()
+    signal.signal(signal.SIGTERM, lambda number, frame: stop())
+    try:
+        return run(options)
+    except Failed as problem:
+        return fail(problem.code, str(problem))
+    except Interrupted as problem:
+        return fail(TRY_AGAIN, str(problem))
+    except Refused as problem:
+        return fail(FAILED, str(problem))
+    except svocl.Error as problem:
+        is_retried = isinstance(problem, RETRIED) and not isinstance(problem, svocl.FileError)
+        return fail(TRY_AGAIN if is_retried else FAILED, str(problem))
+    except OSError as problem:
+        return fail(FAILED, str(problem))
+    except KeyboardInterrupt:
+        return fail(STOPPED, "stopped; the same command goes on from the parts that are there")
+
+
+def run(options: argparse.Namespace) -> int:
+    folder = f"{options.output}.parts"
+    times: dict[str, float] = {}
+    with measured(times, "plan"):
+        parts = plan(options, folder)
+    with parts:
+        summary = build(options, parts, times)
+        with measured(times, "stitch"):
+            parts.finish(options.output)
+    if not options.keep:
+        svocl.Parts.remove(folder)
+    tell(options, summary, times)
+    return DONE
+
+
+# --- the steps --------------------------------------------------------------------------------------------------------
+
+
+def plan(options: argparse.Namespace, folder: str) -> svocl.Parts:
+    """Fills the folder. Generated meshes are the program's."""
+    if options.mesh.startswith("scene:"):
+        plan_by_program(options)
+        return svocl.Parts(folder)
+    need = svocl.Need.DEFAULT
+    for name in options.need or ():
+        need |= svocl.Need[name.upper().replace("-", "_")]
+    mesh = svocl.read_mesh(options.mesh)
+    with svocl.Device(options.device) as device:
+        return svocl.Parts.create(
+            device,
+            mesh,
+            options.depth,
+            folder,
+            max_bytes=options.max_memory,
+            need=need,
+            coverage=svocl.Coverage[options.coverage.upper().replace("-", "_")],
+            weights=svocl.Weights[options.weights.upper()],
+        )
+
+
+def plan_by_program(options: argparse.Namespace) -> None:
+    program = shutil.which(options.program)
+    if program is None:
+        raise Failed(WRONG_USAGE, f"{options.mesh}: generated meshes need the program {options.program}; see --program")
+    command = [program, "parts", "plan", options.mesh, "-d", str(options.depth), "-o", options.output, "--quiet"]
+    command += ["--coverage", options.coverage, "--weights", options.weights]
+    command += ["--max-memory", str(options.max_memory)] if options.max_memory else []
+    command += ["--need", ",".join(options.need)] if options.need else []
+    command += ["--device", options.device] if options.device else []
+    done = subprocess.run(command, stdin=subprocess.DEVNULL)
+    if done.returncode != 0:
+        raise Failed(done.returncode if done.returncode > 0 else FAILED, f"this failed: {' '.join(command)}")
+
+
+def build(options: argparse.Namespace, parts: svocl.Parts, times: dict[str, float]) -> Summary:
+    with measured(times, "start"):
+        opened = contextlib.ExitStack()
+        client = opened.enter_context(connected(options))
+    with opened, contextlib.closing(Report(options.quiet)) as report:
+        client.subscribe_topic("all", report.event)
+        opened.callback(client.unsubscribe_topic, "all")
+        warn_of_ttl(client, report)
+        with measured(times, "build"):
+            return build_parts(
+                client,
+                parts,
+                shared_folder=not options.no_shared_folder,
+                device=options.device,
+                patience=options.patience,
+                report=report.parts,
+            )
+
+
+@contextlib.contextmanager
+def measured(times: dict[str, float], name: str) -> Iterator[None]:
+    begin = time.perf_counter()
+    yield
+    times[name] = time.perf_counter() - begin
+
+
+# --- the cluster ------------------------------------------------------------------------------------------------------
+
+
+@contextlib.contextmanager
+def connected(options: argparse.Namespace) -> Iterator[Any]:
+    """A client of the scheduler that was given, or of one with workers on this machine."""
+    distributed = import_extra("distributed")
+    with contextlib.ExitStack() as opened:
+        address = options.scheduler
+        if address is None:
+            cluster = start_cluster(distributed, options)
+            opened.callback(cluster.close, timeout=CLOSE_SECONDS)
+            address = cluster.scheduler_address
+        try:
+            client = distributed.Client(address, timeout=options.connect_timeout, set_as_default=False)
+        except (OSError, ValueError) as problem:
+            raise Failed(TRY_AGAIN, f"no scheduler answers at {address}: {problem}") from problem
+        opened.callback(client.close, timeout=CLOSE_SECONDS)
+        yield client
+
+
+def start_cluster(distributed: Any, options: argparse.Namespace) -> Any:
+    """Workers as processes. Dask's limit of memory would kill workers in the midst of parts; --max-memory bounds
+    those."""
+    config = import_extra("dask.config")
+    for name, (usual, value) in SETTINGS.items():
+        if config.get(name) == usual:  # else someone chose it
+            config.set({name: value})
+    return distributed.LocalCluster(
+        n_workers=options.workers or max(1, (os.cpu_count() or 1) // options.threads),
+        threads_per_worker=options.threads,
+        processes=True,
+        memory_limit=0,
+        dashboard_address=options.dashboard,
+        silence_logs=logging.CRITICAL,
+    )
+
+
+def warn_of_ttl(client: Any, report: "Report") -> None:
+    """A scheduler of others keeps its settings; what they mean here is said."""
+    seconds = client.run_on_scheduler(worker_ttl)
+    if seconds is None or seconds > 60:
+        after = "never gives up a worker" if seconds is None else f"gives up a worker after {seconds:g} s"
+        report.line(f"the scheduler {after} that has stopped; DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL=30s sets that")
+
+
+# --- what is shown ----------------------------------------------------------------------------------------------------
+
+
+class Report:
+    """A bar on standard error, and lines above it."""
+
+    def __init__(self, quiet: bool) -> None:
+        self.quiet = quiet
+        self.bar: Any = None
+
+    def line(self, text: str) -> None:
+        if not self.quiet:
+            tqdm().write(f"{NAME}: {text}", file=sys.stderr)
+
+    def parts(self, there: int, count: int, line: str) -> None:
+        if line:
+            self.line(line)
+        if self.bar is None and not self.quiet:
+            # The parts that are there before the first is built tell nothing about the speed.
+            self.bar = tqdm()(total=count, initial=there, unit="part", file=sys.stderr, dynamic_ncols=True)
+        if self.bar is not None:
+            self.bar.update(there - self.bar.n)
+
+    def event(self, event: Any) -> None:
+        """What the scheduler says of its workers."""
+        message = event[1]
+        if isinstance(message, dict) and message.get("action") == "remove-worker" and message.get("processing-tasks"):
+            self.line(f"the worker {message.get('worker')} is gone; what it had is built by others")
+
+    def close(self) -> None:
+        if self.bar is not None:
+            self.bar.close()
+
+
+def tqdm() -> Any:
+    return import_extra("tqdm").tqdm
+
+
+def import_extra(name: str) -> Any:
+    try:
+        return importlib.import_module(name)
+    except ImportError as problem:
+        raise Failed(FAILED, f"{problem}; pip install 'svocl[distributed]'") from problem
+
+
+def tell(options: argparse.Namespace, summary: Summary, times: dict[str, float]) -> None:
+    busiest = max((share.seconds for share in summary.workers.values()), default=0.0)
+    model = times["plan"] + busiest + times["stitch"]
+    if options.json:
+        workers = [{"worker": name, **share._asdict()} for name, share in sorted(summary.workers.items())]
+        document = {"parts": summary.parts, "kept": summary.kept, "workers": workers}
+        document.update({f"{name}_seconds": seconds for name, seconds in times.items()})
+        print(json.dumps({**document, "model_seconds": model}))
+    elif not options.quiet:
+        took = ", ".join(f"{name} {seconds:.2f} s" for name, seconds in times.items())
+        print(f"{options.output}: {summary.parts} parts, {summary.kept} of them kept, {len(summary.workers)} workers")
+        print(f"{took}; plan, busiest worker and stitch {model:.2f} s")
+
+
+def fail(code: int, words: str) -> int:
+    for line in words.splitlines():
+        print(f"{NAME}: {line}", file=sys.stderr)
+    return code
+
+
+def stop() -> NoReturn:
+    raise KeyboardInterrupt
+
+
+# --- options ----------------------------------------------------------------------------------------------------------
+
+
+def read_bytes(text: str) -> int:
+    """65536, 512M, 4G."""
+    found = re.fullmatch(r"(\d+)([KMGT]?)", text)
+    if not found:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number of bytes such as 65536, 512M or 4G")
+    return int(found[1]) << 10 * " KMGT".index(found[2] or " ")
+
+
+def read_needs(text: str) -> list[str]:
+    known = [need.name.lower().replace("_", "-") for need in svocl.Need if need.name not in (None, "DEFAULT")]
+    for name in text.split(","):
+        if name not in known:
+            raise argparse.ArgumentTypeError(f"'{name}' is none of {', '.join(known)}")
+    return text.split(",")
+
+
+def read_count(text: str) -> int:
+    if not text.isdecimal() or int(text) == 0:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number from 1 on")
+    return int(text)
+
+
+def read_options(arguments: Optional[list[str]] = None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog=f"python -m {NAME}",
+        description="Builds a sparse voxel octree in parts on Dask's distributed scheduler.",
+        epilog="exit code 75: the same command goes on from the parts that are there",
+    )
+    add = parser.add_argument
+    add("mesh", metavar="MESH", help="mesh file, or scene:NAME[:SIZE] where the program svocl is installed")
+    add("-d", "--depth", type=read_count, required=True, help="of the tree, 1 to 16")
+    add("-o", "--output", required=True, metavar="OUT.svo", help="the file; parts lie in OUT.svo.parts until the end")
+    add("--scheduler", metavar="ADDRESS", help="tcp://HOST:8786 (workers are started on this machine)")
+    add(
+        "--workers",
+        type=read_count,
+        metavar="N",
+        help="without --scheduler: workers to start (as threads fit the cores)",
+    )
+    add("--threads", type=read_count, default=1, metavar="N", help="without --scheduler: threads of each worker (1)")
+    add("--dashboard", metavar=":PORT", help="without --scheduler: Dask's dashboard (none); needs bokeh")
+    add("--max-memory", type=read_bytes, default=0, metavar="BYTES", help="of one part: 65536, 512M, 4G")
+    add("--no-shared-folder", action="store_true", help="send triangles to workers and take parts back as bytes, "
+        "also where a worker sees the folder")  # fmt: skip
+    add("--need", type=read_needs, metavar="LIST", help="comma-separated: color, normal, rays, material, fill, ...")
+    add("--coverage", choices=("half-open", "closed", "thin"), default="half-open")
+    add("--weights", choices=("area", "uniform", "center"), default="area")
+    add("--device", metavar="NAME", help="a part of 'platform: device'; SVOCL_DEVICE of a worker goes first")
+    add(
+        "--patience",
+        type=float,
+        default=900.0,
+        metavar="S",
+        help="seconds without a part after which the job ends (900)",
+    )
+    add("--connect-timeout", type=float, default=30.0, metavar="S", help="seconds to wait for the scheduler (30)")
+    add("--program", default="svocl", metavar="SVOCL", help="the program that makes scene:NAME")
+    add("--keep", action="store_true", help="keep OUT.svo.parts")
+    add("--json", action="store_true", help="print times and workers as JSON")
+    add("-q", "--quiet", action="store_true", help="no bar and no lines but errors")
+    return parser.parse_args(arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: MIT
+"""What a worker does: builds one part in a folder that it shares with the client, or in one of its own."""
+
+import hashlib
+import importlib
+import os
+import tempfile
+import threading
+import time
+from typing import Any, NamedTuple, Optional
+
+from .._device import Device
+from .._errors import (
+    CLError,
+    CompileError,
+    Error,
+    FileError,
+    GLError,
+    NoDeviceError,
+    OutOfDeviceMemoryError,
+    OutOfHostMemoryError,
+)
+from .._parts import Parts
+
+PLAN = "plan"
+"""The file of a folder of parts that says what they are parts of."""
+
+RETRIED = (CLError, CompileError, FileError, GLError, NoDeviceError, OutOfDeviceMemoryError, OutOfHostMemoryError)
+"""What another worker, or another try, may do without. Everything else fails the same way again."""
+
+
+class Work(NamedTuple):
+    """A part to build."""
+
+    place: int
+    """In the list of parts."""
+    name: str
+    """LEVEL-CODE."""
+    folder: str
+    """The client's folder of parts."""
+    plan_digest: bytes
+    """Of the folder's file `plan`: a folder of that name on another machine may be another one."""
+    device: Optional[str]
+    """A part of "platform: device"; the worker's environment, SVOCL_DEVICE, goes first."""
+
+
+class Built(NamedTuple):
+    """What comes of a part."""
+
+    worker: str
+    """Its address."""
+    seconds: float = 0.0
+    is_shared: bool = True
+    """False: the worker does not see the client's folder, and has built nothing."""
+    files: Optional[dict[str, bytes]] = None
+    """By name, what belongs in the client's folder; None: it is there."""
+    failure: str = ""
+    """Not "": why it was not built."""
+    is_final: bool = False
+    """No other try can succeed either."""
+
+
+def digest(content: bytes) -> bytes:
+    """By which a plan is known."""
+    return hashlib.blake2b(content, digest_size=16).digest()
+
+
+def build_shared(work: Work) -> Built:
+    """Builds a part in the client's folder, if that is there."""
+    try:
+        with open(os.path.join(work.folder, PLAN), "rb") as file:
+            is_shared = digest(file.read()) == work.plan_digest
+    except OSError:
+        is_shared = False
+    return _build(work, work.folder) if is_shared else Built(_address(), is_shared=False)
+
+
+def build_sent(work: Work, plan: bytes, triangles: bytes) -> Built:
+    """Builds a part from what the task brings along, and returns its files.
+
+    Args:
+        work: the part.
+        plan: content of the client's file `plan`.
+        triangles: content of the part's file of triangles.
+    """
+    try:
+        with tempfile.TemporaryDirectory(prefix="svocl-") as folder:
+            for name, content in ((PLAN, plan), (f"{work.name}.tri", triangles)):
+                with open(os.path.join(folder, name), "wb") as file:
+                    file.write(content)
+            return _build(work, folder)._replace(files=_read_files(folder))
+    except OSError as problem:
+        return Built(_address(), failure=str(problem))
+
+
+def _read_files(folder: str) -> dict[str, bytes]:
+    """The parts in a folder, and which of them were split."""
+    files = {}
+    for name in os.listdir(folder):
+        if name.endswith((".part", ".split")):
+            with open(os.path.join(folder, name), "rb") as file:
+                files[name] = file.read()
+    return files
+
+
+def worker_ttl(dask_scheduler: Any) -> Optional[float]:
+    """After how many seconds of silence a scheduler gives a worker up; None: never."""
+    seconds = dask_scheduler.worker_ttl
+    return None if seconds is None else float(seconds)
+
+
+_lock = threading.Lock()
+_devices: dict[Optional[str], Device] = {}
+
+
+def _build(work: Work, folder: str) -> Built:
+    """Failures come back as words: an exception's traceback may be what the client cannot read."""
+    # All threads of a worker are PoCL's, so a worker builds one part at a time.
+    with _lock:
+        begin = time.perf_counter()
+        name = os.environ.get("SVOCL_DEVICE", work.device)
+        try:
+            with Parts(folder) as parts:
+                parts.build(work.place, _open_device(name))
+        except Error as problem:
+            _close_device(name)
+            return Built(_address(), failure=str(problem), is_final=not isinstance(problem, RETRIED))
+        return Built(_address(), seconds=time.perf_counter() - begin)
+
+
+def _open_device(name: Optional[str]) -> Device:
+    """The worker's device: opened once, since its kernels are compiled for it."""
+    if name not in _devices:
+        # PoCL reads this when it is loaded.
+        os.environ.setdefault("POCL_MAX_PTHREAD_COUNT", str(_worker().state.nthreads))
+        _devices[name] = Device(name)
+    return _devices[name]
+
+
+def _close_device(name: Optional[str]) -> None:
+    """A device that failed may fail again; the next part opens it anew."""
+    device = _devices.pop(name, None)
+    if device is not None:
+        device.close()
+
+
+def _worker() -> Any:
+    return importlib.import_module("distributed").get_worker()
+
+
+def _address() -> str:
+    return str(_worker().address)

@@ -1,0 +1,374 @@
+# SPDX-License-Identifier: MIT
+"""Trees in parts by Dask's workers: one hash however many there are, and whatever happens to them.
+
+Scheduler and workers are real processes. worker_faults.py makes workers kill, stop or delay at a certain part.
+"""
+
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+import shapes
+
+import svocl
+from svocl.distributed.__main__ import read_options
+
+pytest.importorskip("distributed", reason="Dask's distributed is not installed (pip install distributed)")
+pytest.importorskip("tqdm", reason="tqdm is not installed (pip install tqdm)")
+pytestmark = pytest.mark.skipif(not svocl.has_io, reason="built without svocl::io")
+
+DEPTH = 6
+PART_BYTES = 200 << 10
+FAULTS = os.path.join(os.path.dirname(__file__), "worker_faults.py")
+SECONDS = 120
+"""Every wait of the tests ends."""
+
+
+@pytest.fixture(scope="module")
+def mesh_file(tmp_path_factory):
+    positions, indices = shapes.torus(48, 24)
+    lines = ["v {} {} {}".format(*place) for place in positions]
+    lines += ["f {} {} {}".format(*(triangle + 1)) for triangle in indices]
+    path = tmp_path_factory.mktemp("mesh") / "torus.obj"
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+@pytest.fixture(scope="module")
+def mesh(mesh_file):
+    return svocl.read_mesh(mesh_file)
+
+
+@pytest.fixture(scope="module")
+def whole(device, mesh):
+    """The hash of the tree in one piece."""
+    with device.build(mesh, DEPTH) as tree:
+        return tree.hash()
+
+
+class Pool:
+    """A scheduler and its workers, ended with the test."""
+
+    def __init__(self, folder, address=None):
+        self.folder, self.address, self.processes = folder, address, []
+        self.environment = dict(os.environ)
+        self.environment["DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES"] = "1"
+        self.environment["DASK_DISTRIBUTED__SCHEDULER__WORKER_SATURATION"] = "1.0"
+        self.environment["DASK_TEMPORARY_DIRECTORY"] = str(folder)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for process in self.processes:
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGCONT)
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait(SECONDS)
+
+    def _start(self, command, fault="", within=()):
+        environment = dict(self.environment, SVOCL_FAULT=fault)
+        with open(self.folder / f"log{len(self.processes)}", "w") as log:
+            command = [*within, sys.executable, "-m", *command, "--no-dashboard"]
+            self.processes.append(
+                subprocess.Popen(
+                    command, stdout=log, stderr=log, env=environment, cwd=self.folder, start_new_session=True
+                )
+            )
+        return self.processes[-1]
+
+    def scheduler(self, host="127.0.0.1", ttl="30s"):
+        """ttl: after so long without a word from a worker it is given up, but never before 5 s."""
+        self.environment["DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL"] = ttl
+        file = self.folder / f"scheduler{len(self.processes)}.json"
+        command = ["distributed.cli.dask_scheduler", "--host", host, "--port", "0", "--scheduler-file", str(file)]
+        process = self._start(command)
+        end = time.monotonic() + SECONDS
+        while not file.exists() or not file.read_text().endswith("}"):
+            assert time.monotonic() < end and process.poll() is None, "the scheduler does not start"
+            time.sleep(0.02)
+        self.address = json.loads(file.read_text())["address"]
+        return process
+
+    def worker(self, fault="", nanny=False, within=()):
+        command = ["distributed.cli.dask_worker", self.address, "--nthreads", "1", "--memory-limit", "0"]
+        command += ["--preload", FAULTS, "--nanny" if nanny else "--no-nanny"]
+        return self._start(command, fault, within)
+
+
+@pytest.fixture(scope="module")
+def scheduler(tmp_path_factory):
+    """For tests that leave it alive."""
+    with Pool(tmp_path_factory.mktemp("scheduler")) as made:
+        made.scheduler()
+        yield made.address
+
+
+@pytest.fixture
+def pool(scheduler, tmp_path):
+    with Pool(tmp_path, scheduler) as made:
+        yield made
+
+
+def start(mesh_file, path, *options):
+    """The command; finish() waits for it."""
+    command = [sys.executable, "-m", "svocl.distributed", str(mesh_file), "-d", str(DEPTH), "-o", str(path)]
+    command += ["--max-memory", str(PART_BYTES), "--json", *options]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def finish(process):
+    try:
+        output, errors = process.communicate(timeout=SECONDS)
+    finally:
+        process.kill()
+    print(errors)
+    return process.returncode, json.loads(output) if output else None, errors
+
+
+def run(*arguments):
+    return finish(start(*arguments))
+
+
+def expect_tree(path, whole):
+    with svocl.Tree.load(path) as tree:
+        assert tree.hash() == whole
+    assert not os.path.exists(f"{path}.parts")
+
+
+# --- parts ----------------------------------------------------------------------------------------------------------
+
+
+def test_parts_in_any_order_are_the_tree_in_one_piece(device, mesh, tmp_path, random):
+    for need in (svocl.Need.DEFAULT, svocl.Need.RAYS | svocl.Need.NORMAL):
+        with device.build(mesh, DEPTH, need=need) as tree:
+            tree.save(tmp_path / "whole.svo")
+        folder = tmp_path / "folder"
+        with svocl.Parts.create(device, mesh, DEPTH, folder, max_bytes=PART_BYTES, need=need) as parts:
+            assert len(parts) == len(parts.entries) > 10
+            for index in random.permutation(len(parts)):
+                assert not parts.is_built(index)
+                with pytest.raises(svocl.FileError, match="is missing"):
+                    parts.finish(tmp_path / "parts.svo")
+                parts.build(index, device)
+                assert parts.is_built(index)
+            parts.finish(tmp_path / "parts.svo")
+        svocl.Parts.remove(folder)
+        assert (tmp_path / "parts.svo").read_bytes() == (tmp_path / "whole.svo").read_bytes()
+        assert not folder.exists()
+
+
+def test_parts_refuse_what_they_must(device, mesh, tmp_path):
+    with pytest.raises(svocl.CapacityExceededError, match="max_bytes 1 is too small"):
+        svocl.Parts.create(device, mesh, DEPTH, tmp_path / "small", max_bytes=1)
+    with pytest.raises(svocl.FileError, match="nowhere"):
+        svocl.Parts(tmp_path / "nowhere")
+    with svocl.Parts.create(device, mesh, DEPTH, tmp_path / "folder") as parts:
+        with pytest.raises(svocl.InvalidArgumentError, match="index"):
+            parts.build(len(parts), device)
+        with pytest.raises(svocl.InvalidArgumentError, match="index"):
+            parts.is_built(len(parts))
+    with pytest.raises(ValueError, match="Parts is closed"):
+        parts.finish(tmp_path / "t.svo")
+
+
+# --- workers that work ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("workers", [1, 2, 3, 4])
+def test_one_hash_for_any_number_of_workers(mesh_file, whole, tmp_path, workers):
+    """Odd numbers share the folder, even ones get triangles and send bytes back."""
+    path = tmp_path / "tree.svo"
+    options = ["--no-shared-folder"] if workers % 2 == 0 else []
+    code, document, errors = run(mesh_file, path, "--workers", str(workers), *options)
+    assert code == 0 and document["kept"] == 0 and 1 <= len(document["workers"]) <= workers
+    assert sum(worker["parts"] for worker in document["workers"]) == document["parts"] > 10
+    assert "100%" in errors
+    expect_tree(path, whole)
+
+
+def test_a_worker_that_does_not_see_the_folder_gets_the_triangles(pool, mesh_file, whole, tmp_path):
+    """Found by the worker itself: it has other files under that name, by a mount of its own."""
+    hidden = tmp_path / "seen"
+    hidden.mkdir()
+    within = ("unshare", "-m", "sh", "-c", f'mount -t tmpfs none {hidden} && exec "$@"', "sh")
+    if subprocess.run([*within, "true"], stderr=subprocess.DEVNULL).returncode != 0:
+        pytest.skip("a mount of its own needs root: unshare -m fails")
+    pool.worker(within=within)
+    code, document, errors = run(mesh_file, hidden / "tree.svo", "--scheduler", pool.address)
+    assert code == 0 and "does not see" in errors
+    expect_tree(hidden / "tree.svo", whole)
+
+
+def test_generated_meshes_are_the_programs(tmp_path):
+    program = os.environ.get("SVOCL_PROGRAM") or shutil.which("svocl")
+    if program is None:
+        pytest.skip("the program svocl is not there (SVOCL_PROGRAM)")
+    path = tmp_path / "cube.svo"
+    # Without a limit there is one part; it is built at once.
+    need = ["--need", "normal,rays"]
+    options = [*need, "--workers", "1", "--program", program]
+    command = [sys.executable, "-m", "svocl.distributed", "scene:cube", "-d", str(DEPTH), "-o", str(path), *options]
+    subprocess.run(command, check=True, timeout=SECONDS)
+    hash_line = subprocess.check_output([program, "hash", "scene:cube", "-d", str(DEPTH), *need], text=True)
+    expect_tree(path, hash_line.split()[0])
+    assert run("scene:cube", path, "--max-memory", "100K", *options)[0] == 0
+    expect_tree(path, hash_line.split()[0])
+
+
+def test_words_for_what_cannot_work(mesh_file, tmp_path):
+    path = tmp_path / "tree.svo"
+    code, _, errors = run(tmp_path / "nothing.obj", path)
+    assert code == 1 and "nothing.obj" in errors
+    code, _, errors = run(mesh_file, path, "--max-memory", "1")
+    assert code == 1 and "max_bytes 1 is too small" in errors
+    code, _, errors = run(mesh_file, path, "--scheduler", "tcp://127.0.0.1:1", "--connect-timeout", "1")
+    assert code == 75 and "no scheduler answers at tcp://127.0.0.1:1" in errors
+    assert run(mesh_file, path, "--max-memory", "1.5G")[0] == 2
+    assert not path.exists()
+    for options in (["--need", "colour"], ["--workers", "0"], ["--coverage", "all"], ["--patience", "long"]):
+        with pytest.raises(SystemExit, match="2"):
+            read_options([str(mesh_file), "-d", "6", "-o", str(path), *options])
+
+
+# --- workers that do not --------------------------------------------------------------------------------------------
+
+
+def test_workers_killed(pool, mesh_file, whole, tmp_path):
+    """At the first and in the midst of a later part; the third worker builds what they had."""
+    killed = [pool.worker(f"{fault} signal={signal.SIGKILL:d} slow=0.02") for fault in ("at=1", "at=5 when=amid")]
+    pool.worker("slow=0.1")
+    code, _, errors = run(mesh_file, tmp_path / "tree.svo", "--scheduler", pool.address)
+    assert code == 0 and [worker.wait(SECONDS) for worker in killed] == [-signal.SIGKILL] * 2
+    assert re.search(r"the worker tcp://\S+ is gone", errors)
+    expect_tree(tmp_path / "tree.svo", whole)
+
+
+def test_the_only_worker_killed_at_its_last_part(pool, device, mesh, mesh_file, whole, tmp_path):
+    """The part is there, but nobody has been told. The worker's nanny starts it again."""
+    with svocl.Parts.create(device, mesh, DEPTH, tmp_path / "count", max_bytes=PART_BYTES) as parts:
+        last = len(parts)
+    pool.worker(f"at={last} when=after signal={signal.SIGKILL:d} once={tmp_path / 'once'}", nanny=True)
+    code, document, _ = run(mesh_file, tmp_path / "tree.svo", "--scheduler", pool.address)
+    assert code == 0 and (tmp_path / "once").exists()
+    assert document["kept"] == 0 and sum(worker["parts"] for worker in document["workers"]) == last
+    expect_tree(tmp_path / "tree.svo", whole)
+
+
+def test_a_part_that_kills_its_workers(pool, device, mesh, mesh_file, whole, tmp_path):
+    """The others are built; the words name the part; a later run builds that alone."""
+    with svocl.Parts.create(device, mesh, DEPTH, tmp_path / "count", max_bytes=PART_BYTES) as parts:
+        count, deadly = len(parts), min(parts.entries, key=lambda entry: entry.expected_bytes).name
+    path = tmp_path / "tree.svo"
+    pool.worker(f"name={deadly} signal={signal.SIGKILL:d}", nanny=True)
+    code, _, errors = run(mesh_file, path, "--scheduler", pool.address)
+    assert code == 75 and f"the part {deadly}: 2 workers died while they had it" in errors
+    assert f"{count - 1} of {count} parts are in {path}.parts; the same command goes on from there" in errors
+    assert not path.exists()
+    code, document, _ = run(mesh_file, path, "--workers", "1")
+    assert code == 0 and document["kept"] == count - 1
+    expect_tree(path, whole)
+
+
+def test_a_worker_stopped(pool, mesh_file, whole, tmp_path):
+    """The scheduler gives it up, and the other worker builds what it had. It does no harm when it goes on."""
+    path = tmp_path / "tree.svo"
+    pool.scheduler(ttl="1s")
+    stopped = pool.worker(f"at=2 signal={signal.SIGSTOP:d} slow=0.02")
+    pool.worker("slow=0.02")
+    code, _, errors = run(mesh_file, path, "--scheduler", pool.address)
+    assert code == 0 and "is gone" in errors and stopped.poll() is None
+    expect_tree(path, whole)
+    os.kill(stopped.pid, signal.SIGCONT)
+    assert run(mesh_file, path, "--scheduler", pool.address)[0] == 0
+    expect_tree(path, whole)
+
+
+def test_no_part_arrives(pool, mesh_file, tmp_path):
+    """The wait ends where there is no worker."""
+    path = tmp_path / "tree.svo"
+    code, _, errors = run(mesh_file, path, "--scheduler", pool.address, "--patience", "0.5")
+    assert code == 75 and "no part arrived for 0.5 s" in errors and "0 of " in errors
+
+
+def test_the_scheduler_killed(pool, mesh_file, whole, tmp_path):
+    path = tmp_path / "tree.svo"
+    scheduler = pool.scheduler()
+    pool.worker(f"at=6 signal={signal.SIGKILL:d} pid={scheduler.pid} slow=0.02")
+    code, _, errors = run(mesh_file, path, "--scheduler", pool.address)
+    found = re.search(r"the connection to the scheduler is lost\n.*: (\d+) of \d+ parts are in", errors)
+    assert code == 75 and found and not path.exists()
+    pool.scheduler()
+    pool.worker()
+    code, document, _ = run(mesh_file, path, "--scheduler", pool.address)
+    assert code == 0 and document["kept"] >= int(found[1]) > 0
+    expect_tree(path, whole)
+
+
+# --- a network that is cut --------------------------------------------------------------------------------------------
+
+
+class Network:
+    """A namespace with a cable to this one."""
+
+    def __init__(self):
+        self.name = f"svocl{os.getpid()}"
+        self.near, self.far = f"sva{os.getpid()}", f"svb{os.getpid()}"
+        self.within = ("ip", "netns", "exec", self.name)
+
+    def __enter__(self):
+        if not shutil.which("ip") or self._ip("netns", "add", self.name) != 0:
+            pytest.skip("a network of its own needs root and iproute2: ip netns add fails")
+        if self._ip("link", "add", self.near, "type", "veth", "peer", "name", self.far, "netns", self.name) != 0:
+            self._ip("netns", "delete", self.name)
+            pytest.skip("a network of its own needs the kernel's veth: ip link add fails")
+        for place, name, address in (((), self.near, "10.251.19.1"), (("-n", self.name), self.far, "10.251.19.2")):
+            self._ip(*place, "address", "add", f"{address}/30", "dev", name)
+            self._ip(*place, "link", "set", name, "up")
+        self._ip("-n", self.name, "link", "set", "lo", "up")
+        return self
+
+    def __exit__(self, *_):
+        self._ip("link", "delete", self.near)
+        self._ip("netns", "delete", self.name)
+
+    def _ip(self, *arguments):
+        return subprocess.run(["ip", *arguments], stderr=subprocess.DEVNULL).returncode
+
+    def cut(self):
+        self._ip("-n", self.name, "link", "set", self.far, "down")
+
+    def restore(self):
+        self._ip("-n", self.name, "link", "set", self.far, "up")
+
+
+def wait_for_parts(folder, count):
+    end = time.monotonic() + SECONDS
+    while not folder.exists() or len([name for name in os.listdir(folder) if name.endswith(".part")]) < count:
+        assert time.monotonic() < end, "no parts arrive"
+        time.sleep(0.02)
+
+
+def test_a_network_cut_and_restored(pool, mesh_file, whole, tmp_path):
+    """Between the scheduler and its only worker: for a moment, and for so long that the worker is given up."""
+    path = tmp_path / "tree.svo"
+    with Network() as network, pool:
+        pool.scheduler("10.251.19.1", ttl="1s")
+        pool.worker("slow=0.05", nanny=True, within=network.within)
+        job = start(mesh_file, path, "--scheduler", pool.address, "--no-shared-folder")
+        for parts, seconds in ((5, 0.5), (15, 7)):
+            wait_for_parts(tmp_path / "tree.svo.parts", parts)
+            network.cut()
+            time.sleep(seconds)
+            assert job.poll() is None
+            network.restore()
+        code, _, errors = finish(job)
+        assert code == 0 and "is gone" in errors
+        expect_tree(path, whole)
