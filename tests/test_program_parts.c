@@ -140,6 +140,49 @@ static void parts_of_other_trees_are_replaced(void **state)
     run_well("rm a.svo b.svo");
 }
 
+/* A binary STL file of facets along a spiral, each with a normal of its own. */
+static void write_facets(const char *name, uint32_t count)
+{
+    const char header[80] = "facets";
+    FILE *file = fopen(name, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(header, 1, sizeof header, file), sizeof header);
+    assert_int_equal(fwrite(&count, sizeof count, 1, file), 1);
+    for (uint32_t i = 0; i < count; ++i) {
+        const float x = (float)(i % 1000);
+        const float y = (float)(i / 1000);
+        const float z = (float)(i % 7919) * 0.05f;
+        const float facet[12] = {x, y, 1, x, y, z, x + 1, y, z, x, y + 1, z};
+        const uint16_t attribute = 0;
+        assert_int_equal(fwrite(facet, sizeof facet, 1, file), 1);
+        assert_int_equal(fwrite(&attribute, sizeof attribute, 1, file), 1);
+    }
+    assert_int_equal(fclose(file), 0);
+}
+
+/* A mesh in blocks takes no memory of its own: 50 MB of facets are 100 MB in memory and as many in a plan. */
+static void mesh_files_are_read_in_blocks(void **state)
+{
+    (void)state;
+    need_builds();
+    write_facets("facets.stl", 1000000);
+    cJSON *small = run_json("$SVOCL build scene:cube -d 4 -o c.svo --json");
+    cJSON *large = run_json("$SVOCL build facets.stl -d 7 --max-memory 16M -o a.svo --json");
+    assert_true(cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(large, "mesh_in_blocks")));
+    const double most = number_of(small, "peak_resident_bytes") + 80.0 * 1048576.0;
+    if (number_of(large, "peak_resident_bytes") > most) {
+        fail_msg("%.0f bytes were resident, above %.0f", number_of(large, "peak_resident_bytes"), most);
+    }
+    cJSON_Delete(small);
+    cJSON_Delete(large);
+    run_well("$SVOCL build facets.stl -d 7 -q -o b.svo && cmp a.svo b.svo");
+    run_well("$SVOCL build facets.stl -d 7 --need rays --max-memory 64M -o b.svo");
+    assert_non_null(strstr(last.output, "rays needs the whole mesh"));
+    run_well("truncate -s 49999999 facets.stl");
+    run_badly("$SVOCL build facets.stl -d 7 --max-memory 16M -o b.svo", 1, "facets.stl: byte 80");
+    run_well("rm -r a.svo b.svo c.svo facets.stl");
+}
+
 static void wrong_usage_is_refused(void **state)
 {
     (void)state;
@@ -170,6 +213,7 @@ int main(void)
         IN_FOLDER(full_disks_leave_the_old_file),
         IN_FOLDER(ended_runs_are_resumed),
         IN_FOLDER(parts_of_other_trees_are_replaced),
+        IN_FOLDER(mesh_files_are_read_in_blocks),
         IN_FOLDER(wrong_usage_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -98,6 +98,9 @@ static svo_status save_mesh(const svo_parts *parts, svo_plan *plan, svo_message 
 
 /* ---- splitting ---- */
 
+/* The least that the buffers of a build take per triangle: its corners, indices, draw item and one fragment. */
+#define BUFFER_BYTES (36u + 12u + 8u + 8u)
+
 typedef struct planner {
     svo_parts *parts;
     svo_device *device;
@@ -108,10 +111,10 @@ typedef struct planner {
 static svo_status fits(const planner *p, uint32_t level, uint64_t code, uint64_t triangles, bool *fit, uint64_t *bytes)
 {
     svo_plan *plan = NULL;
-    *bytes = svo_i_part_host_bytes(p->parts, triangles);
+    *bytes = svo_i_part_host_bytes(p->parts, triangles) + triangles * BUFFER_BYTES;
     *fit = *bytes <= p->parts->max_bytes;
     if (!*fit) {
-        return SVO_OK; /* even its plan is too large */
+        return SVO_OK; /* too large by its triangles alone, so it is not planned */
     }
     const svo_status status = svo_i_part_plan(p->parts, p->device, level, code, &plan, bytes, p->message);
     svo_plan_destroy(&plan);
