@@ -42,6 +42,7 @@ typedef struct faults_world {
     uint64_t stride;
     uint64_t failed_calls[FAULT_KINDS], recovered;
     unsigned violations;
+    faults_objects kept; /* what the process keeps to its end */
     char current[128]; /* for words after a crash or a hang */
 } faults_world;
 extern faults_world world;
