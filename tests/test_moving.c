@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Scenes that move: after each update the tree is that of a full build of the scene's mesh, byte for byte; objects
- * come, go, hide and leave the grid; what is refused or does not fit leaves the tree as it was; memory is flat.
+ * come, go, hide and leave the grid; what is refused or does not fit leaves the tree as it was.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -17,7 +17,6 @@
 #include "attributed_mesh.h"
 #include "enqueued.h"
 #include "fixture.h"
-#include "memory_ledger.h"
 
 enum { OBJECTS = 5 };
 
@@ -485,42 +484,6 @@ static void what_does_not_fit_leaves_the_tree(void **state)
     }
 }
 
-/* ---- memory ---- */
-
-static void memory_is_flat(void **state)
-{
-    enum { UPDATES = 10000, WARM = 200 };
-    (void)state;
-    const svo_device_options device_options = {.struct_size = sizeof device_options, .memory = &ledger_callbacks};
-    const float positions[9] = {0.1F, 0.1F, 0.1F, 0.3F, 0.1F, 0.1F, 0.1F, 0.4F, 0.1F};
-    const svo_mesh mesh = {.struct_size = sizeof mesh, .positions = positions, .vertex_count = 3, .triangle_count = 1};
-    const svo_moving_options options = {.need = SVO_NEED_RAYS | SVO_NEED_NORMAL, .edge = 1.0};
-    svo_moving_info info[2] = {SVO_MOVING_INFO_INIT, SVO_MOVING_INFO_INIT};
-    fixture opened = {.device = NULL};
-    uint64_t blocks = 0;
-    uint32_t object = 0;
-    assert_int_equal(svo_device_create_default(&device_options, &opened.device, NULL), SVO_OK);
-    svo_moving *moving = make_moving(&opened, &mesh, 3, options);
-    succeed(&opened, svo_moving_add(moving, &mesh, NULL, &object));
-    for (int i = 0; i < UPDATES; ++i) {
-        const double transform[12] = {1, 0, 0, (double)(i % 64) / 128.0, 0, 1, 0, 0, 0, 0, 1, 0};
-        succeed(&opened, svo_moving_set_transform(moving, object, transform));
-        succeed(&opened, svo_moving_show(moving, object, i % 7 != 0));
-        update(&opened, moving);
-        if (i == WARM) {
-            ledger_begin(LEDGER_NEVER);
-            blocks = ledger_end().live_blocks;
-            succeed(&opened, svo_moving_get_info(moving, &info[0]));
-        }
-    }
-    succeed(&opened, svo_moving_get_info(moving, &info[1]));
-    assert_int_equal(info[1].list_bytes, info[0].list_bytes);
-    assert_int_equal(ledger_end().live_blocks, blocks);
-    assert_null(ledger_end().wrong);
-    svo_moving_destroy(&moving);
-    fixture_close(&opened);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -533,7 +496,6 @@ int main(void)
         cmocka_unit_test(wrong_transforms_are_refused),
         cmocka_unit_test(wrong_meshes_are_refused),
         cmocka_unit_test(what_does_not_fit_leaves_the_tree),
-        cmocka_unit_test(memory_is_flat),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
 }
