@@ -136,17 +136,20 @@ static svo_status play(const fixture *opened, const stage *of, const double *siz
 {
     const svo_moving_options options = {
         .struct_size = sizeof options, .need = SVO_NEED_NORMAL, .edge = 1.0, .max_area = 1000.0};
-    svo_status status = svo_moving_create(opened->device, &of->room.mesh, 6, &options, NULL, moving);
+    const svo_status made = svo_moving_create(opened->device, &of->room.mesh, 6, &options, NULL, moving);
     uint32_t object = 0;
-    if (status != SVO_OK) {
-        return status;
+    if (made != SVO_OK) {
+        return made;
     }
     succeed(opened, svo_moving_add(*moving, &of->thing.mesh, NULL, &object));
-    for (size_t i = 0; i < count && status == SVO_OK; ++i) {
+    for (size_t i = 0; i < count; ++i) {
         scale(opened, *moving, object, sizes[i], 0.05);
-        status = svo_moving_update(*moving, NULL, NULL);
+        const svo_status updated = svo_moving_update(*moving, NULL, NULL);
+        if (updated != SVO_OK) {
+            return updated;
+        }
     }
-    return status;
+    return SVO_OK;
 }
 
 /* Plays sizes of an object on a device of so many bytes. Returns whether all fit. */
