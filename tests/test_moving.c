@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Scenes that move: after each update the tree is that of a full build of the scene's mesh, byte for byte; objects
- * come, go, hide and leave the grid; what is refused or does not fit leaves the tree as it was; memory is flat.
+ * Scenes that move: after each update the tree is that of a full build of the scene's mesh, byte for byte, and so is
+ * its light; objects come, go, hide and leave the grid; what is refused or does not fit leaves the tree as it was.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -17,7 +17,6 @@
 #include "attributed_mesh.h"
 #include "enqueued.h"
 #include "fixture.h"
-#include "memory_ledger.h"
 
 enum { OBJECTS = 5 };
 
@@ -162,8 +161,8 @@ static void assert_same(const outcome *actual, const outcome *expected)
     assert_same_geometry(actual, expected);
 }
 
-/* Compares the tree with a full build of the scene's mesh. */
-static void compare(const fixture *opened, svo_moving *moving, unsigned depth, const svo_moving_options *of)
+/* A full build of the scene's mesh. */
+static svo_tree *build_whole(const fixture *opened, svo_moving *moving, unsigned depth, const svo_moving_options *of)
 {
     svo_mesh mesh;
     svo_tree *tree = NULL;
@@ -179,12 +178,21 @@ static void compare(const fixture *opened, svo_moving *moving, unsigned depth, c
     memcpy(options.origin, of->origin, sizeof options.origin);
     svo_plan *plan = make_plan(opened, &mesh, depth, options);
     succeed(opened, svo_build(plan, opened->frontend, opened->queue, &tree, NULL));
+    svo_plan_destroy(&plan);
+    return tree;
+}
+
+/* Compares the tree with a full build. */
+static void compare(const fixture *opened, svo_moving *moving, unsigned depth, const svo_moving_options *of)
+{
+    svo_moving_info info = SVO_MOVING_INFO_INIT;
+    svo_tree *tree = build_whole(opened, moving, depth, of);
     const outcome expected = outcome_of(opened, tree);
     const outcome actual = outcome_of(opened, svo_moving_tree(moving));
     assert_same(&actual, &expected);
+    succeed(opened, svo_moving_get_info(moving, &info));
     assert_int_equal(info.fragments, expected.info.fragments);
     svo_tree_destroy(&tree);
-    svo_plan_destroy(&plan);
 }
 
 /* ---- equality ---- */
@@ -366,6 +374,58 @@ static void reports_count_what_changed(void **state)
     actors_destroy(&made);
 }
 
+/* ---- light ---- */
+
+/* The digest of the light of a tree, from a lamp and a sky. */
+static void digest_light(const fixture *opened, svo_tree *tree, svo_light_form form, char text[SVO_HASH_TEXT_BYTES])
+{
+    const svo_light_source lamp = {
+        .kind = SVO_SOURCE_POINT, .position = {0.5F, 0.45F, 0.4F}, .value = {3.0F, 2.0F, 1.0F}};
+    const svo_light_setup setup = {
+        .struct_size = sizeof setup, .sources = &lamp, .source_count = 1, .sky = {0.1F, 0.2F, 0.3F}};
+    const svo_light_options options = {.struct_size = sizeof options, .form = form};
+    svo_light_info info = SVO_LIGHT_INFO_INIT;
+    svo_light *light = NULL;
+    succeed(opened, svo_light_create(tree, &options, opened->queue, &light));
+    succeed(opened, svo_light_set_sources(light, &setup, opened->queue));
+    succeed(opened, svo_light_get_info(light, &info));
+    assert_true(info.photon_hits > 0);
+    succeed(opened, svo_light_hash(light, opened->queue, text));
+    svo_light_destroy(&light);
+}
+
+/* The light of a moved tree is that of a full build, byte for byte, and follows what moves. */
+static void light_is_that_of_full_builds(void **state)
+{
+    enum { UPDATES = 3, DEPTH = 6 };
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_moving_options options = {.need = everything, .edge = 1.0, .max_area = 40.0};
+    uint64_t seed = 20;
+    actors made;
+    actors_create(20, 80, true, &made);
+    svo_moving *moving = make_stage(&opened, &made, DEPTH, options);
+    for (int form = 0; form < SVO_LIGHT_FORM_COUNT; ++form) {
+        char before[SVO_HASH_TEXT_BYTES] = "";
+        for (uint32_t i = 0; i < UPDATES; ++i) {
+            char actual[SVO_HASH_TEXT_BYTES];
+            char expected[SVO_HASH_TEXT_BYTES];
+            double transform[12];
+            random_transform(&seed, transform);
+            succeed(&opened, svo_moving_set_transform(moving, i, transform));
+            update(&opened, moving);
+            svo_tree *whole = build_whole(&opened, moving, DEPTH, &options);
+            digest_light(&opened, svo_moving_tree(moving), (svo_light_form)form, actual);
+            digest_light(&opened, whole, (svo_light_form)form, expected);
+            assert_string_equal(actual, expected);
+            assert_string_not_equal(actual, before);
+            memcpy(before, actual, sizeof before);
+            svo_tree_destroy(&whole);
+        }
+    }
+    svo_moving_destroy(&moving);
+    actors_destroy(&made);
+}
+
 /* ---- failures ---- */
 
 static void assert_fails(const fixture *opened, svo_status actual, svo_status expected, const char *words)
@@ -485,46 +545,6 @@ static void what_does_not_fit_leaves_the_tree(void **state)
     }
 }
 
-/* ---- memory ---- */
-
-static void memory_is_flat(void **state)
-{
-    enum { UPDATES = 10000, WARM = 200 };
-    (void)state;
-    if (getenv("SVOCL_TEST_PATH") != NULL) {
-        print_message("skipped: the host's memory does not depend on the kernels\n");
-        skip();
-    }
-    const svo_device_options device_options = {.struct_size = sizeof device_options, .memory = &ledger_callbacks};
-    const float positions[9] = {0.1F, 0.1F, 0.1F, 0.3F, 0.1F, 0.1F, 0.1F, 0.4F, 0.1F};
-    const svo_mesh mesh = {.struct_size = sizeof mesh, .positions = positions, .vertex_count = 3, .triangle_count = 1};
-    const svo_moving_options options = {.need = SVO_NEED_RAYS | SVO_NEED_NORMAL, .edge = 1.0};
-    svo_moving_info info[2] = {SVO_MOVING_INFO_INIT, SVO_MOVING_INFO_INIT};
-    fixture opened = {.device = NULL};
-    uint64_t blocks = 0;
-    uint32_t object = 0;
-    assert_int_equal(svo_device_create_default(&device_options, &opened.device, NULL), SVO_OK);
-    svo_moving *moving = make_moving(&opened, &mesh, 3, options);
-    succeed(&opened, svo_moving_add(moving, &mesh, NULL, &object));
-    for (int i = 0; i < UPDATES; ++i) {
-        const double transform[12] = {1, 0, 0, (double)(i % 64) / 128.0, 0, 1, 0, 0, 0, 0, 1, 0};
-        succeed(&opened, svo_moving_set_transform(moving, object, transform));
-        succeed(&opened, svo_moving_show(moving, object, i % 7 != 0));
-        update(&opened, moving);
-        if (i == WARM) {
-            ledger_begin(LEDGER_NEVER);
-            blocks = ledger_end().live_blocks;
-            succeed(&opened, svo_moving_get_info(moving, &info[0]));
-        }
-    }
-    succeed(&opened, svo_moving_get_info(moving, &info[1]));
-    assert_int_equal(info[1].list_bytes, info[0].list_bytes);
-    assert_int_equal(ledger_end().live_blocks, blocks);
-    assert_null(ledger_end().wrong);
-    svo_moving_destroy(&moving);
-    fixture_close(&opened);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -534,10 +554,10 @@ int main(void)
         cmocka_unit_test(all_may_leave_the_grid),
         cmocka_unit_test(objects_come_and_go),
         cmocka_unit_test(reports_count_what_changed),
+        cmocka_unit_test(light_is_that_of_full_builds),
         cmocka_unit_test(wrong_transforms_are_refused),
         cmocka_unit_test(wrong_meshes_are_refused),
         cmocka_unit_test(what_does_not_fit_leaves_the_tree),
-        cmocka_unit_test(memory_is_flat),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
 }
