@@ -30,6 +30,8 @@ FAULTS = os.path.join(os.path.dirname(__file__), "worker_faults.py")
 SECONDS = 120
 """Every wait of the tests ends."""
 
+long = pytest.mark.skipif("SVOCL_LONG_TESTS" not in os.environ, reason="long: run by `tools/dev long`")
+
 
 @pytest.fixture(scope="module")
 def mesh_file(tmp_path_factory):
@@ -182,7 +184,7 @@ def test_parts_refuse_what_they_must(device, mesh, tmp_path):
 # --- workers that work ----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("workers", [1, 2, 3, 4])
+@pytest.mark.parametrize("workers", [pytest.param(1, marks=long), 2, pytest.param(3, marks=long), 4])
 def test_one_hash_for_any_number_of_workers(mesh_file, whole, tmp_path, workers):
     """Odd numbers share the folder, even ones get triangles and send bytes back."""
     path = tmp_path / "tree.svo"
@@ -194,6 +196,7 @@ def test_one_hash_for_any_number_of_workers(mesh_file, whole, tmp_path, workers)
     expect_tree(path, whole)
 
 
+@long
 def test_a_worker_that_does_not_see_the_folder_gets_the_triangles(pool, mesh_file, whole, tmp_path):
     """Found by the worker itself: it has other files under that name, by a mount of its own."""
     hidden = tmp_path / "seen"
@@ -251,6 +254,7 @@ def test_workers_killed(pool, mesh_file, whole, tmp_path):
     expect_tree(tmp_path / "tree.svo", whole)
 
 
+@long
 def test_the_only_worker_killed_at_its_last_part(pool, device, mesh, mesh_file, whole, tmp_path):
     """The part is there, but nobody has been told. The worker's nanny starts it again."""
     with svocl.Parts.create(device, mesh, DEPTH, tmp_path / "count", max_bytes=PART_BYTES) as parts:
@@ -262,6 +266,7 @@ def test_the_only_worker_killed_at_its_last_part(pool, device, mesh, mesh_file, 
     expect_tree(tmp_path / "tree.svo", whole)
 
 
+@long
 def test_a_part_that_kills_its_workers(pool, device, mesh, mesh_file, whole, tmp_path):
     """The others are built; the words name the part; a later run builds that alone."""
     with svocl.Parts.create(device, mesh, DEPTH, tmp_path / "count", max_bytes=PART_BYTES) as parts:
@@ -277,6 +282,7 @@ def test_a_part_that_kills_its_workers(pool, device, mesh, mesh_file, whole, tmp
     expect_tree(path, whole)
 
 
+@long
 def test_a_worker_stopped(pool, mesh_file, whole, tmp_path):
     """The scheduler gives it up, and the other worker builds what it had. It does no harm when it goes on."""
     path = tmp_path / "tree.svo"
@@ -291,6 +297,7 @@ def test_a_worker_stopped(pool, mesh_file, whole, tmp_path):
     expect_tree(path, whole)
 
 
+@long
 def test_no_part_arrives(pool, mesh_file, tmp_path):
     """The wait ends where there is no worker."""
     path = tmp_path / "tree.svo"
@@ -356,6 +363,7 @@ def wait_for_parts(folder, count):
         time.sleep(0.02)
 
 
+@long
 def test_a_network_cut_and_restored(pool, mesh_file, whole, tmp_path):
     """Between the scheduler and its only worker: for a moment, and for so long that the worker is given up."""
     path = tmp_path / "tree.svo"
