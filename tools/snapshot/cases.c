@@ -165,7 +165,7 @@ const request moving_requests[] = {
     {"knot:2000", .depth = 7, .origin = {-2, -2, -2}, .edge = 4, .need = SVO_NEED_COLOR | SVO_NEED_NORMAL},
     {"knot:2000", .depth = 6, CLOSED, .origin = {-2, -2, -2}, .edge = 4, .need = ALL_NEEDS},
     {"knot:2000", MESH_DOUBLES, .depth = 6, .origin = {-2, -2, -2}, .edge = 4, .need = SVO_NEED_NONE},
-    {"atrium:3000", .depth = 7, UNIFORM, .origin = {-30, -30, -30}, .edge = 60, .need = ALL_NEEDS},
+    {"atrium:3000", .depth = 7, .origin = {-30, -30, -30}, .edge = 60, .need = ALL_NEEDS},
 };
 const size_t moving_request_count = sizeof moving_requests / sizeof moving_requests[0];
 

@@ -8,7 +8,7 @@
 #include "digest.h"
 #include "svocl/moving.h"
 
-#define AREA_MAX 1e3 /* square world units: more than any of the scenes has */
+#define AREA_MAX 20.0 /* of faces of the grid: more than any of the scenes has */
 
 typedef enum step_kind { ADD, MOVE, HIDE, SHOW, REMOVE } step_kind;
 
@@ -82,7 +82,7 @@ void describe_moving(const char *name, const opened *session, const svo_mesh *me
     options.payload_level = wanted->payload_level;
     memcpy(options.origin, wanted->origin, sizeof options.origin);
     options.edge = wanted->edge;
-    options.max_area = AREA_MAX;
+    options.max_area = AREA_MAX * wanted->edge * wanted->edge;
     svo_status status = svo_moving_create(session->device, mesh, wanted->depth, &options, session->queue, &moving);
     if (status != SVO_OK) {
         line_print_status(name, "moving", status);
