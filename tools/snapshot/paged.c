@@ -39,20 +39,19 @@ typedef struct paged_case {
 static svo_status refine(const paged_case *of, svo_paged *paged, const svo_render_options *view)
 {
     svo_paged_counts counts = SVO_PAGED_COUNTS_INIT;
-    svo_status status = SVO_OK;
-    for (int i = 0; i < PICTURES_MAX && status == SVO_OK; ++i) {
-        status = svo_paged_render(paged, view, of->rgba);
+    for (int i = 0; i < PICTURES_MAX; ++i) {
+        svo_status status = svo_paged_render(paged, view, of->rgba);
         (void)svo_paged_get_counts(paged, &counts);
         if (status != SVO_OK || counts.missed_pages == 0) {
             return status;
         }
         status = svo_paged_update(paged);
         (void)svo_paged_get_counts(paged, &counts);
-        if (counts.read_pages == 0) {
+        if (status != SVO_OK || counts.read_pages == 0) {
             return status;
         }
     }
-    return status;
+    return SVO_OK;
 }
 
 static void print_counts(const paged_case *of, const char *part, const svo_paged *paged)
@@ -116,25 +115,29 @@ static svo_status measure_file(const paged_case *of, uint64_t *file_bytes)
     return status;
 }
 
+static void fly_all(paged_case *of, svo_tree *tree, uint64_t file_bytes)
+{
+    of->view = (svo_render_options){.struct_size = sizeof of->view, .width = PICTURE_WIDTH, .height = PICTURE_HEIGHT};
+    svo_camera_frame(tree, (float)PICTURE_WIDTH / PICTURE_HEIGHT, &of->view.camera);
+    for (size_t way = 0; way < sizeof ways / sizeof ways[0]; ++way) {
+        of->way = ways[way].name;
+        fly_in(of, way, file_bytes);
+    }
+}
+
 void describe_paged(const char *name, const opened *session, svo_tree *tree, const char *folder)
 {
     char path[PATH_BYTES];
+    uint64_t file_bytes = 0;
     paged_case of = {.name = name, .session = session, .path = path, .rgba = malloc(PICTURE_BYTES)};
     (void)snprintf(path, sizeof path, "%s/paged.svo", folder);
     svo_status status = of.rgba != NULL ? svo_tree_save(tree, path, NULL, NULL) : SVO_OUT_OF_HOST_MEMORY;
-    uint64_t file_bytes = 0;
     if (status == SVO_OK) {
         status = measure_file(&of, &file_bytes);
     }
-    of.view = (svo_render_options){.struct_size = sizeof of.view, .width = PICTURE_WIDTH, .height = PICTURE_HEIGHT};
     if (status == SVO_OK) {
-        svo_camera_frame(tree, (float)PICTURE_WIDTH / PICTURE_HEIGHT, &of.view.camera);
-    }
-    for (size_t way = 0; way < sizeof ways / sizeof ways[0] && status == SVO_OK; ++way) {
-        of.way = ways[way].name;
-        fly_in(&of, way, file_bytes);
-    }
-    if (status != SVO_OK) {
+        fly_all(&of, tree, file_bytes);
+    } else {
         line_print_status(name, "paged", status);
     }
     (void)remove(path);
