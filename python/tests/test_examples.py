@@ -52,7 +52,7 @@ def test_readme(tmp_path, monkeypatch, capsys):
     cl = pytest.importorskip("pyopencl")
     pytest.importorskip("tqdm")
     blocks = re.findall(r"```python\n(.*?)```", (EXAMPLES.parent / "README.md").read_text(), re.DOTALL)
-    assert len(blocks) == 6
+    assert len(blocks) == 7
     names = {}
     monkeypatch.chdir(tmp_path)
     if not svocl.has_io:
@@ -65,10 +65,12 @@ def test_readme(tmp_path, monkeypatch, capsys):
     assert names["solid"].solid_info.open_columns == (0, 0, 0) and names["picture"].shape == (480, 640, 4)
     exec(blocks.pop(1), names)
     assert names["picture"].any() and names["light"].info.photon_hits > 0
-    parts = blocks.pop(1)
+    parts, paged = blocks.pop(1), blocks.pop(1)
     if svocl.has_io:
         exec(parts, names)
         assert svocl.Tree.load("mesh.svo").info.leaf_count == names["tree"].info.leaf_count
+        exec(paged, names)
+        assert names["picture"].shape == (480, 640, 4) and names["picture"].any() and names["paged"].closed
     context = cl.create_some_context(interactive=False)
     monkeypatch.setattr(cl, "create_some_context", lambda: context)
     rays, hits = svocl.make_rays([[0.2, 0.2, -1]], [0, 0, 1]), np.zeros(1, svocl.hit_dtype)

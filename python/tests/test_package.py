@@ -109,6 +109,8 @@ def test_structs_are_complete():
         "svo_scene_info": (_structs.SceneInfo, {"reserved"}),
         "svo_light_info": (_structs.LightInfo, set()),
         "svo_light_source": (svocl.LightSource, {"reserved"}),
+        "svo_paged_info": (_structs.PagedInfo, set()),
+        "svo_paged_counts": (_structs.PagedCounts, set()),
         "svo_scene_light": (svocl.SceneLight, {"reserved"}),
         # OpenGL's, and those of enqueued builds; stage_times are stages.
         "svo_build_report": (_structs.BuildReport, {"inner_nodes", "renderer", "stage_times"}),

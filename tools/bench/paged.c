@@ -50,6 +50,7 @@ typedef struct flight {
 typedef struct flown {
     svo_paged_info info;
     svo_paged_counts counts;
+    bool has_room; /* for the upper levels and a page */
     unsigned complete, most_pictures;
     double picture_ms[TIMES_MAX], update_ms[TIMES_MAX];
     size_t picture_count, update_count;
@@ -112,9 +113,14 @@ static int fly(const flight *of, uint64_t budget_bytes, flown *out)
     svo_paged *paged = NULL;
     int exit_code = PROGRAM_DONE;
     *out = (flown){.info = SVO_PAGED_INFO_INIT, .counts = SVO_PAGED_COUNTS_INIT};
-    if (svo_paged_open(of->all->opened.device, of->path, budget_bytes, NULL, &paged) != SVO_OK) {
+    const svo_status status = svo_paged_open(of->all->opened.device, of->path, budget_bytes, NULL, &paged);
+    if (status == SVO_CAPACITY_EXCEEDED) {
+        return PROGRAM_DONE;
+    }
+    if (status != SVO_OK) {
         return fail_library(of);
     }
+    out->has_room = true;
     (void)svo_paged_get_info(paged, &out->info);
     for (unsigned stop = 0; stop < of->stops && exit_code == PROGRAM_DONE; ++stop) {
         exit_code = stop_at(of, paged, stop, out);
@@ -213,35 +219,31 @@ static int build_tree(flight *of, const input *source, unsigned depth)
                : program_fail_library(of->all->state, message.text);
 }
 
-/* What the file has, and the least room that it needs. */
-static int ask_file(const flight *of, svo_paged_info *info)
+static int measure_file(const flight *of, uint64_t *file_bytes)
 {
     svo_paged *paged = NULL;
-    *info = (svo_paged_info)SVO_PAGED_INFO_INIT;
+    svo_paged_info info = SVO_PAGED_INFO_INIT;
     if (svo_paged_open(of->all->opened.device, of->path, UINT64_MAX, NULL, &paged) != SVO_OK) {
         return fail_library(of);
     }
-    (void)svo_paged_get_info(paged, info);
+    (void)svo_paged_get_info(paged, &info);
     svo_paged_close(&paged);
+    *file_bytes = info.file_bytes;
     return PROGRAM_DONE;
 }
 
 static int fly_all(flight *of, const input *source)
 {
     flown *done = malloc(sizeof *done);
-    svo_paged_info file;
+    uint64_t file_bytes = 0;
     if (done == NULL) {
         return program_fail(of->all->state, PROGRAM_FAILED, "out of memory for the times of a flight");
     }
-    int exit_code = ask_file(of, &file);
+    int exit_code = measure_file(of, &file_bytes);
     exit_code = exit_code == PROGRAM_DONE ? fly_in_core(of) : exit_code;
     for (size_t i = SHARE_COUNT; i-- > 0 && exit_code == PROGRAM_DONE;) {
-        const uint64_t budget_bytes = file.file_bytes / shares[i];
-        if (budget_bytes < file.least_bytes) {
-            continue; /* a small file */
-        }
-        exit_code = fly(of, budget_bytes, done);
-        if (exit_code == PROGRAM_DONE) {
+        exit_code = fly(of, file_bytes / shares[i], done);
+        if (exit_code == PROGRAM_DONE && done->has_room) {
             add_row(of, source, shares[i], done);
         }
     }

@@ -29,22 +29,23 @@ typedef struct form_runs {
     double ms[RUNS_MAX];
     size_t count;
     double parts, peak_bytes, buffer_bytes;
-    uint64_t limit;
+    uint64_t limit; /* 0: in one piece */
+    unsigned share; /* the limit is 1/share of the buffers in one piece */
     bool failed;
 } form_runs;
 
 static const char note[] =
     "Wall clock of `svocl build -o FILE` from the start of the process to its exit: medians and quartiles (q1, q3). "
-    "Forms run interleaved, with warm caches of kernels. Limit: of `--max-memory`, a share of the OpenCL buffers of "
-    "the build in one piece. Peak: the most memory that the process had resident (VmHWM), with all libraries. Ratio: "
-    "of "
-    "the medians.";
+    "Forms run interleaved, with warm caches of kernels. Limit: of `--max-memory`; the form says which share it is "
+    "of the OpenCL buffers in one piece. Peak: the most memory that the process had resident (VmHWM), with all "
+    "libraries. Ratio: of the medians.";
 
 static int begin(suite *all)
 {
     result_table *table = result_add_table(all->results, table_id, "Trees built in parts: time and memory", note);
     result_add_column(table, "scene", "");
     result_add_column(table, "depth", "");
+    result_add_column(table, "form", "");
     result_add_column(table, "limit", "B");
     result_add_column(table, "parts", "");
     result_add_column(table, "runs", "");
@@ -102,8 +103,10 @@ static void add_row(result_table *table, const input *source, unsigned depth, fo
     result_add_text(table, "%s", suite_scene_name(source));
     result_add_number(table, depth);
     if (runs->limit > 0) {
+        result_add_text(table, "1/%u", runs->share);
         result_add_number(table, (double)runs->limit);
     } else {
+        result_add_text(table, "in one piece");
         result_add_absent(table);
     }
     result_add_number(table, runs->parts);
@@ -117,6 +120,7 @@ static void add_row(result_table *table, const input *source, unsigned depth, fo
 static int warm_up(suite *all, const input *source, unsigned depth, const child_cache *cache, form_runs *runs)
 {
     for (size_t form = 0; form < FORM_COUNT; ++form) {
+        runs[form].share = shares[form];
         runs[form].limit = form > 0 ? (uint64_t)(runs[0].buffer_bytes / shares[form]) + 1 : 0;
         run_form(all, source, depth, cache, &runs[form]);
         runs[form].count = 0;

@@ -189,6 +189,11 @@ function drawLegend(points) {
   return html`<ul class="legend">${items}</ul>`;
 }
 
+/* "time, ms"; counts have no unit. */
+function labelOf(name, unit) {
+  return unit !== "" ? `${name}, ${unit}` : name;
+}
+
 /* ---- bars ---- */
 
 function drawBar(point, index, left, scale, unit) {
@@ -212,7 +217,7 @@ function drawBars(figure, points, all, id, label) {
   const height = points.length * barHeight + 34;
   return wrapChart(id, label, height, [
     bars, html`<path class="axis" d="M${left} 3V${height - 29}"/><text class="label" x="${left}" y="${height - 10}">${
-      figure.ys[0]}, ${unit.name}</text>`
+      labelOf(figure.ys[0], unit.name)}</text>`
   ]);
 }
 
@@ -262,16 +267,27 @@ function drawApart(figure, table, rows) {
   return figure.ys.map((name, index) => {
     const unit = table.columns[findColumn(table, name)].unit;
     const chartName = `${figure.name}_${index + 1}`;
-    const one = {...figure, name: chartName, ys: [name], title: name, yLabel: `${name}, ${unit}`, unit};
+    const one = {...figure, name: chartName, ys: [name], title: name, yLabel: labelOf(name, unit), unit};
     return drawPanels(one, table, rows);
   });
 }
 
-/* Nothing where the table lacks a column of the figure or has no rows. */
-function drawFigure(figure, table) {
-  const wanted = [figure.panels, figure.curves, figure.x, figure.size, figure.only?.[0], ...figure.ys];
+/* The rows that a figure shows. */
+function selectRows(figure, table) {
   const rows = table.rows.filter(row =>
     figure.only === undefined || row[findColumn(table, figure.only[0])] === figure.only[1]);
+  if (figure.most === undefined) {
+    return rows;
+  }
+  const column = findColumn(table, figure.most);
+  const most = Math.max(...rows.map(row => row[column]));
+  return rows.filter(row => row[column] === most);
+}
+
+/* Nothing where the table lacks a column of the figure or has no rows. */
+function drawFigure(figure, table) {
+  const wanted = [figure.panels, figure.curves, figure.x, figure.size, figure.only?.[0], figure.most, ...figure.ys];
+  const rows = selectRows(figure, table);
   if (rows.length === 0 || wanted.some(name => name !== undefined && findColumn(table, name) < 0)) {
     return null;
   }

@@ -98,6 +98,30 @@ const sections = [
     lead: "Device memory of an occupancy-only octree, compared with methods that store every node or fragment."
   },
   {
+    group: "Larger than memory, and in motion",
+    table: "parts",
+    heading: "Trees in parts",
+    lead: "The same file from builds that may take a quarter, a sixteenth and a sixty-fourth of the memory."
+  },
+  {
+    table: "parts-workers",
+    heading: "Trees in parts: workers",
+    lead: "Several workers build one tree, part by part. A model says how long more of them would take if none " +
+      "disturbed another."
+  },
+  {
+    table: "moving",
+    heading: "Scenes that move",
+    lead: "An update makes anew what moved and keeps the rest. Its tree is the one that a full build makes of the " +
+      "same vertices."
+  },
+  {
+    table: "paged",
+    heading: "Paged trees",
+    lead: "Pictures of a file of which only a share is in memory. A stop of the camera is complete when a picture " +
+      "misses nothing; then it is the picture of the whole tree."
+  },
+  {
     group: "Comparison with older systems",
     table: "thesis-2020",
     heading: "Octree building (thesis, 2020)",
@@ -179,7 +203,8 @@ const probeErrors = {
 /*
  * A figure has one panel for each text in its panel column, and all panels share their axes.
  *   table, name: where the values come from; the charts' ids begin with the name
- *   only: [column, text]: rows with that text; without: curves whose names begin so are left out
+ *   only: [column, text]: rows with that text; most: rows with that column's largest number
+ *   without: curves whose names begin so are left out
  *   curves: the column that names the curve or, without x, the bar; none: each of ys is a curve
  *   front: "all": the Pareto front of points with equal `size`; "each": one per curve
  *   apart: each of ys has panels of its own
@@ -421,6 +446,62 @@ const figures = [
     ys: ["full octree", "list of 36 bytes", "fragment list", "peak", "tree"],
     xLabel: "depth",
     yLabel: "bytes"
+  },
+  {
+    table: "parts",
+    name: "parts",
+    caption: "Time and peak memory of builds in one piece, and in parts with a limit that is a share of its buffers. " +
+      "The peak includes the driver and all libraries.",
+    panels: "scene",
+    curves: "form",
+    ys: ["build", "peak"],
+    most: "depth",
+    apart: true
+  },
+  {
+    table: "parts-workers",
+    name: "workers",
+    caption: "From the mesh to the file of the whole tree, by workers of one thread each: what was measured, and the " +
+      "model.",
+    panels: "scene",
+    x: "workers",
+    ys: ["time", "model"],
+    most: "depth",
+    xLabel: "workers",
+    yLabel: "time, ms"
+  },
+  {
+    table: "moving",
+    name: "moving",
+    caption: "An update and a full build, by the share of the scene that moved.",
+    panels: "scene",
+    x: "changed",
+    ys: ["update", "build"],
+    most: "depth",
+    xLabel: "changed, %",
+    yLabel: "time, ms"
+  },
+  {
+    table: "moving",
+    name: "movings",
+    caption: "Stages of an update. The first three cost what moved; the others run through the whole scene.",
+    panels: "scene",
+    x: "changed",
+    ys: ["move", "voxelize", "weigh", "merge", "nodes", "payload"],
+    most: "depth",
+    xLabel: "changed, %",
+    yLabel: "time, ms"
+  },
+  {
+    table: "paged",
+    name: "paged",
+    caption: "A flight around the scene with room for a share of the file: stops with a complete picture, pages that " +
+      "were missed, and what was read.",
+    panels: "scene",
+    curves: "room",
+    ys: ["complete stops", "misses", "read"],
+    most: "depth",
+    apart: true
   }
 ];
 
@@ -481,7 +562,11 @@ const methodStyles = {
   "8³ prefiltered probes": ["purple", "square"],
   "cl": ["blue", "circle"],
   "sorted": ["green", "square"],
-  "gl-compute": ["orange", "diamond"]
+  "gl-compute": ["orange", "diamond"],
+  "update": ["blue", "circle"],
+  "build": ["orange", "diamond"],
+  "time": ["blue", "circle"],
+  "model": ["gray", "square"]
 };
 
 const colorOrder = ["blue", "sky", "green", "orange", "vermillion", "purple", "yellow", "gray"];

@@ -154,6 +154,21 @@ const request query_requests[] = {
 };
 const size_t query_request_count = sizeof query_requests / sizeof query_requests[0];
 
+const request paged_requests[] = {
+    {"knot:2000", .depth = 8, .need = SVO_NEED_COLOR | SVO_NEED_NORMAL},
+    {"atrium:3000", .depth = 8, .need = SVO_NEED_COLOR | SVO_NEED_NORMAL},
+    {"statue:2000", .depth = 7, .need = ALL_NEEDS},
+};
+const size_t paged_request_count = sizeof paged_requests / sizeof paged_requests[0];
+
+const request moving_requests[] = {
+    {"knot:2000", .depth = 7, .origin = {-2, -2, -2}, .edge = 4, .need = SVO_NEED_COLOR | SVO_NEED_NORMAL},
+    {"knot:2000", .depth = 6, CLOSED, .origin = {-2, -2, -2}, .edge = 4, .need = ALL_NEEDS},
+    {"knot:2000", MESH_DOUBLES, .depth = 6, .origin = {-2, -2, -2}, .edge = 4, .need = SVO_NEED_NONE},
+    {"atrium:3000", .depth = 7, .origin = {-30, -30, -30}, .edge = 60, .need = ALL_NEEDS},
+};
+const size_t moving_request_count = sizeof moving_requests / sizeof moving_requests[0];
+
 const request instanced_requests[INSTANCED_COUNT] = {
     {"knot:2000", .depth = 5, .need = ALL_NEEDS},
     {"cornell:500", .depth = 4, CLOSED, .need = ALL_NEEDS},

@@ -64,6 +64,14 @@ extern const size_t counted_request_count;
 extern const request query_requests[];
 extern const size_t query_request_count;
 
+/* Trees whose files are drawn page by page. */
+extern const request paged_requests[];
+extern const size_t paged_request_count;
+
+/* Scenes that move, on grids of their own. */
+extern const request moving_requests[];
+extern const size_t moving_request_count;
+
 /* Trees that one scene has instances of. */
 #define INSTANCED_COUNT 3
 extern const request instanced_requests[INSTANCED_COUNT];

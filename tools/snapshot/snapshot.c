@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Prints digests of everything that svocl produces for a table of cases, one NAME<TAB>VALUE per line: trees, files,
- * reports, plans, pictures, hits, compact trees, scenes, lists of voxels, OpenCL calls. `tools/dev snapshot` sorts and
- * compares them: a refactoring changes none.
+ * reports, plans, pictures, hits, compact trees, scenes, paged trees, scenes that move, lists of voxels, OpenCL calls.
+ * `tools/dev snapshot` sorts and compares them: a refactoring changes none.
  *
  * Times and device names are left out, so that the lines are equal in every run on one machine.
  */
@@ -17,6 +17,8 @@
 #include "instances.h"
 #include "lists.h"
 #include "meshes.h"
+#include "moving.h"
+#include "paged.h"
 #include "queries.h"
 
 typedef struct run {
@@ -97,24 +99,62 @@ static svo_status build_downloaded(const opened *session, const svo_mesh *mesh, 
     return status != SVO_OK ? status : svo_tree_download(made->tree, session->queue);
 }
 
-static int run_queries(run *state)
+/* Prints the lines of a built tree, which is on the device and on the host. */
+typedef void print_tree(const char *name, const run *state, svo_tree *tree);
+
+static int run_trees(run *state, const request *wanted, size_t count, print_tree *print)
 {
-    for (size_t i = 0; i < query_request_count; ++i) {
+    for (size_t i = 0; i < count; ++i) {
         char name[LINE_NAME_BYTES];
         svo_message message = {""};
         build made;
-        const svo_mesh *mesh = case_mesh_get(&state->mesh, &query_requests[i], &message);
+        const svo_mesh *mesh = case_mesh_get(&state->mesh, &wanted[i], &message);
         if (mesh == NULL) {
-            return fail(query_requests[i].scene, message.text);
+            return fail(wanted[i].scene, message.text);
         }
-        request_name(&query_requests[i], name, sizeof name);
-        const svo_status status = build_downloaded(&state->session, mesh, &query_requests[i], &made);
+        request_name(&wanted[i], name, sizeof name);
+        const svo_status status = build_downloaded(&state->session, mesh, &wanted[i], &made);
         if (status == SVO_OK) {
-            describe_queries(name, &state->session, made.tree);
+            print(name, state, made.tree);
         } else {
             line_print_status(name, "queries", status);
         }
         build_release(&made);
+    }
+    return EXIT_SUCCESS;
+}
+
+static void print_queries(const char *name, const run *state, svo_tree *tree)
+{
+    describe_queries(name, &state->session, tree);
+}
+
+static int run_queries(run *state)
+{
+    return run_trees(state, query_requests, query_request_count, print_queries);
+}
+
+static void print_pages(const char *name, const run *state, svo_tree *tree)
+{
+    describe_paged(name, &state->session, tree, state->folder);
+}
+
+static int run_paged(run *state)
+{
+    return run_trees(state, paged_requests, paged_request_count, print_pages);
+}
+
+static int run_moving(run *state)
+{
+    for (size_t i = 0; i < moving_request_count; ++i) {
+        char name[LINE_NAME_BYTES];
+        svo_message message = {""};
+        const svo_mesh *mesh = case_mesh_get(&state->mesh, &moving_requests[i], &message);
+        if (mesh == NULL) {
+            return fail(moving_requests[i].scene, message.text);
+        }
+        request_name(&moving_requests[i], name, sizeof name);
+        describe_moving(name, &state->session, mesh, &moving_requests[i]);
     }
     return EXIT_SUCCESS;
 }
@@ -193,7 +233,8 @@ static int run_counts(run *state)
 
 static int run_all(run *state)
 {
-    int (*const parts[])(run *) = {run_requests, run_queries, run_instances, run_lists, run_counts};
+    int (*const parts[])(run *) = {run_requests,  run_queries, run_paged, run_moving,
+                                   run_instances, run_lists,   run_counts};
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) {
         const int result = parts[i](state);
         if (result != EXIT_SUCCESS) {

@@ -84,6 +84,7 @@ from ._errors import (
 )
 from ._light import LIGHT_ARGUMENTS, Light, LightSource, light_kernel_source, make_gather_points
 from ._mesh import Finish, Material, Mesh, Texture, has_io, read_mesh
+from ._paged import Paged
 from ._parts import Parts, PartEntry
 from ._plan import Plan
 from ._scene import Scene, SceneLight, make_instances
@@ -94,6 +95,8 @@ from ._structs import (
     Kernels,
     LeftOut,
     LightInfo,
+    PagedCounts,
+    PagedInfo,
     PlanBuffer,
     PlanInfo,
     SceneInfo,
@@ -159,6 +162,9 @@ __all__ = [
     "Place",
     "OutOfDeviceMemoryError",
     "OutOfHostMemoryError",
+    "Paged",
+    "PagedCounts",
+    "PagedInfo",
     "PartEntry",
     "Parts",
     "Plan",

@@ -365,6 +365,60 @@ class SceneInfo(NamedTuple):
     """Its greatest corner."""
 
 
+class PagedInfo(NamedTuple):
+    """What Paged opened."""
+
+    depth: int
+    """The grid has 2**depth voxels per axis."""
+    top_level: int
+    """Levels 0 to this one are always there."""
+    page_levels: int
+    """Of a page."""
+    need: Need
+    """What of colors and normals the file has."""
+    page_count: int
+    """Of the whole tree."""
+    file_bytes: int
+    """Length of the file."""
+    device_bytes: int
+    """Of all buffers on the device: at most what was given."""
+    least_bytes: int
+    """Of the buffers with room for the upper levels and the largest page alone."""
+    whole_bytes: int
+    """Of the buffers where all pages have room."""
+    open_read_bytes: int
+    """Read when the file was opened."""
+
+
+class PagedCounts(NamedTuple):
+    """What the last picture, the last update and all of them did."""
+
+    pictures: int
+    """Drawn so far."""
+    used_pages: int
+    """By the last picture."""
+    missed_pages: int
+    """Absent ones that the last picture asked for; 0: it was complete."""
+    read_pages: int
+    """By the last update."""
+    read_bytes: int
+    """By the last update."""
+    evicted_pages: int
+    """By the last update."""
+    waiting_pages: int
+    """Missed, and not read by the last update: no room, or update_bytes were read."""
+    held_pages: int
+    """Now."""
+    all_missed_pages: int
+    """Sum over all pictures."""
+    all_read_pages: int
+    """By all updates."""
+    all_read_bytes: int
+    """By all updates."""
+    all_evicted_pages: int
+    """By all updates."""
+
+
 _KINDS: dict[str, Any] = {
     "form": Form,
     "minimized": bool,
