@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Scenes that move: after each update the tree is that of a full build of the scene's mesh, byte for byte, and so is
- * its light; objects come, go, hide and leave the grid; what is refused or does not fit leaves the tree as it was.
+ * its light; objects come, go, hide and leave the grid; what is refused or does not fit leaves the tree as it was;
+ * memory is flat.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -17,6 +18,7 @@
 #include "attributed_mesh.h"
 #include "enqueued.h"
 #include "fixture.h"
+#include "memory_ledger.h"
 
 enum { OBJECTS = 5 };
 
@@ -394,7 +396,6 @@ static void digest_light(const fixture *opened, svo_tree *tree, svo_light_form f
     svo_light_destroy(&light);
 }
 
-/* The light of a moved tree is that of a full build, byte for byte, and follows what moves. */
 static void light_is_that_of_full_builds(void **state)
 {
     enum { UPDATES = 3, DEPTH = 6 };
@@ -407,8 +408,7 @@ static void light_is_that_of_full_builds(void **state)
     for (int form = 0; form < SVO_LIGHT_FORM_COUNT; ++form) {
         char before[SVO_HASH_TEXT_BYTES] = "";
         for (uint32_t i = 0; i < UPDATES; ++i) {
-            char actual[SVO_HASH_TEXT_BYTES];
-            char expected[SVO_HASH_TEXT_BYTES];
+            char actual[SVO_HASH_TEXT_BYTES], expected[SVO_HASH_TEXT_BYTES];
             double transform[12];
             random_transform(&seed, transform);
             succeed(&opened, svo_moving_set_transform(moving, i, transform));
@@ -417,7 +417,7 @@ static void light_is_that_of_full_builds(void **state)
             digest_light(&opened, svo_moving_tree(moving), (svo_light_form)form, actual);
             digest_light(&opened, whole, (svo_light_form)form, expected);
             assert_string_equal(actual, expected);
-            assert_string_not_equal(actual, before);
+            assert_string_not_equal(actual, before); /* it follows what moves */
             memcpy(before, actual, sizeof before);
             svo_tree_destroy(&whole);
         }
@@ -545,6 +545,46 @@ static void what_does_not_fit_leaves_the_tree(void **state)
     }
 }
 
+/* ---- memory ---- */
+
+static void memory_is_flat(void **state)
+{
+    enum { UPDATES = 10000, WARM = 200 };
+    (void)state;
+    if (getenv("SVOCL_TEST_PATH") != NULL) {
+        print_message("skipped: the host's memory does not depend on the kernels\n");
+        skip();
+    }
+    const svo_device_options device_options = {.struct_size = sizeof device_options, .memory = &ledger_callbacks};
+    const float positions[9] = {0.1F, 0.1F, 0.1F, 0.3F, 0.1F, 0.1F, 0.1F, 0.4F, 0.1F};
+    const svo_mesh mesh = {.struct_size = sizeof mesh, .positions = positions, .vertex_count = 3, .triangle_count = 1};
+    const svo_moving_options options = {.need = SVO_NEED_RAYS | SVO_NEED_NORMAL, .edge = 1.0};
+    svo_moving_info info[2] = {SVO_MOVING_INFO_INIT, SVO_MOVING_INFO_INIT};
+    fixture opened = {.device = NULL};
+    uint64_t blocks = 0;
+    uint32_t object = 0;
+    assert_int_equal(svo_device_create_default(&device_options, &opened.device, NULL), SVO_OK);
+    svo_moving *moving = make_moving(&opened, &mesh, 3, options);
+    succeed(&opened, svo_moving_add(moving, &mesh, NULL, &object));
+    for (int i = 0; i < UPDATES; ++i) {
+        const double transform[12] = {1, 0, 0, (double)(i % 64) / 128.0, 0, 1, 0, 0, 0, 0, 1, 0};
+        succeed(&opened, svo_moving_set_transform(moving, object, transform));
+        succeed(&opened, svo_moving_show(moving, object, i % 7 != 0));
+        update(&opened, moving);
+        if (i == WARM) {
+            ledger_begin(LEDGER_NEVER);
+            blocks = ledger_end().live_blocks;
+            succeed(&opened, svo_moving_get_info(moving, &info[0]));
+        }
+    }
+    succeed(&opened, svo_moving_get_info(moving, &info[1]));
+    assert_int_equal(info[1].list_bytes, info[0].list_bytes);
+    assert_int_equal(ledger_end().live_blocks, blocks);
+    assert_null(ledger_end().wrong);
+    svo_moving_destroy(&moving);
+    fixture_close(&opened);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -558,6 +598,7 @@ int main(void)
         cmocka_unit_test(wrong_transforms_are_refused),
         cmocka_unit_test(wrong_meshes_are_refused),
         cmocka_unit_test(what_does_not_fit_leaves_the_tree),
+        cmocka_unit_test(memory_is_flat),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
 }

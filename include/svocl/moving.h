@@ -87,7 +87,7 @@ typedef struct svo_moving_info {
     uint32_t object_count; /**< objects that exist, now */
     uint32_t reserved; /**< zero */
     uint64_t fragments; /**< (voxel, triangle) pairs */
-    uint64_t list_bytes; /**< device memory that is kept beside the tree: its list, and buffers for the next update */
+    uint64_t list_bytes; /**< device memory of the lists, what merging needs included */
     double area; /**< inside the grid, as svo_plan_info.area */
 } svo_moving_info;
 
@@ -185,8 +185,7 @@ SVO_API svo_status svo_moving_update(svo_moving *moving, cl_command_queue queue,
 /** The tree of the newest update that succeeded.
  *
  * \param moving not NULL
- * \returns the tree, owned by the scene; the next update that succeeds destroys it, and the one after may write to its
- *          buffers: commands of the caller that use them must have ended by then. */
+ * \returns the tree, owned by the scene; the next update that succeeds destroys it. */
 SVO_API svo_tree *svo_moving_tree(const svo_moving *moving);
 
 /** The scene's mesh, as it will be after the next update: the static mesh, then the visible objects, in the world.

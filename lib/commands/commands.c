@@ -67,8 +67,6 @@ svo_status svo_i_commands_alloc(svo_i_commands *commands, const char *name, uint
     }
     if (commands->mode == SVO_I_MODE_MEASURE) {
         SVO_I_TRY(measure(commands, name, bytes, out));
-    } else if (commands->spares != NULL) {
-        SVO_I_TRY(svo_i_spares_take(commands->spares, commands->device, SVO_I_BUILD, name, bytes, out, &bytes));
     } else {
         SVO_I_TRY(commands->released_bytes > SVO_I_RELEASED_BYTES_MAX ? svo_i_commands_wait(commands) : SVO_OK);
         SVO_I_TRY(svo_i_device_buffer(commands->device, SVO_I_BUILD, name, CL_MEM_READ_WRITE, (size_t)bytes, out));
@@ -151,14 +149,12 @@ void svo_i_commands_free(svo_i_commands *commands, cl_mem *buffer)
         *buffer = NULL;
         return;
     }
-    const uint64_t bytes = svo_i_buffer_bytes(*buffer);
+    size_t bytes = 0;
+    clGetMemObjectInfo(*buffer, CL_MEM_SIZE, sizeof bytes, &bytes, NULL);
     svo_i_plan_buffer_remove(commands->plan, bytes);
-    if (commands->spares != NULL) {
-        svo_i_spares_give(commands->spares, buffer);
-        return;
-    }
     commands->released_bytes += bytes;
-    svo_i_buffer_release(buffer);
+    clReleaseMemObject(*buffer);
+    *buffer = NULL;
 }
 
 svo_status svo_i_commands_fill(svo_i_commands *commands, cl_mem buffer, const void *pattern, size_t pattern_bytes,

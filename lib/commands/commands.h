@@ -9,7 +9,6 @@
 #include "commands/allocations.h"
 #include "commands/warm_up.h"
 #include "core/program.h"
-#include "core/spares.h"
 #include "plan/plan_data.h"
 
 /* Stages issue the same commands in every mode; the mode selects what a command does. */
@@ -42,7 +41,6 @@ typedef struct svo_i_commands {
     uint64_t released_bytes; /* SVO_I_MODE_RUN: of buffers released since the last wait, which may still be in use */
     svo_i_snapped_mesh mesh; /* what stages share of it; stages/snapped_mesh.h */
     svo_build_report *report;
-    svo_i_spares *spares; /* SVO_I_MODE_RUN: buffers come from there and go there; NULL: they are made and released */
     svo_stage stage; /* that the progress reports */
     double item_ns; /* rough time of a work-item of the next launches, for the progress; stages may set it */
 
@@ -82,7 +80,7 @@ svo_status svo_i_commands_take(svo_i_commands *commands, const char *name, const
 
 SVO_I_SHARED_END
 
-/* Releases a buffer, NULL allowed, or gives it to the spares, and sets it to NULL. */
+/* Releases a buffer, NULL allowed, and sets it to NULL. */
 void svo_i_commands_free(svo_i_commands *commands, cl_mem *buffer);
 
 /* Writes bytes to the start of a buffer. The data must stay until the next wait. */

@@ -52,13 +52,13 @@ static svo_status merge_two(svo_moving *moving, const char *function, cl_command
     both.count = a->count + b->count;
     SVO_I_TRY_CLEANUP(launch(&work, a, b, dropped, &both));
     SVO_I_TRY_CLEANUP(svo_i_work_wait(&work));
-    svo_i_kept_list_free(moving, b);
-    svo_i_kept_list_free(moving, a);
+    svo_i_kept_list_free(b);
+    svo_i_kept_list_free(a);
     *a = both;
     both = (svo_i_kept_list){.count = 0};
 cleanup:
     svo_i_work_end(&work);
-    svo_i_kept_list_free(moving, &both);
+    svo_i_kept_list_free(&both);
     return status;
 }
 
@@ -113,12 +113,22 @@ cleanup:
     return status;
 }
 
+/* Makes room in a list for so many pairs, and for an eighth more where it has to grow. */
+static svo_status make_room(const svo_moving *moving, const char *function, uint64_t fragments, svo_i_kept_list *list)
+{
+    if (list->capacity >= fragments && list->capacity > 0) {
+        return SVO_OK;
+    }
+    svo_i_kept_list_free(list);
+    return svo_i_kept_list_alloc(moving, function, fragments + fragments / 8 + 1, list);
+}
+
 /* Copies the pairs that stay, which are few, so that merging does not pass over all that go. */
 static svo_status keep_staying(svo_moving *moving, svo_i_device_work *work, cl_mem dropped, uint64_t staying,
                                svo_i_kept_list *out)
 {
     static const svo_i_kept_list none = {.count = 0};
-    SVO_I_TRY(svo_i_kept_list_alloc(moving, work->function, staying, out));
+    SVO_I_TRY(svo_i_kept_list_alloc(moving, work->function, staying > 0 ? staying : 1, out));
     out->count = staying;
     return launch(work, &moving->list, &none, dropped, out);
 }
@@ -131,7 +141,7 @@ svo_status svo_i_moving_merge(svo_moving *moving, const char *function, cl_comma
     svo_i_kept_list kept = {.count = 0};
     const uint64_t staying = fragments - changed->count;
     cl_mem dropped = NULL;
-    SVO_I_TRY(svo_i_kept_list_alloc(moving, function, fragments, to));
+    SVO_I_TRY(make_room(moving, function, fragments, to));
     to->count = fragments;
     SVO_I_TRY(begin(moving, function, queue, &work));
     SVO_I_TRY_CLEANUP(mark_dropped(moving, &work, &dropped));
@@ -144,6 +154,6 @@ svo_status svo_i_moving_merge(svo_moving *moving, const char *function, cl_comma
     SVO_I_TRY_CLEANUP(svo_i_work_wait(&work));
 cleanup:
     svo_i_work_end(&work);
-    svo_i_kept_list_free(moving, &kept);
+    svo_i_kept_list_free(&kept);
     return status;
 }

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "core/struct_size.h"
-#include "core/tree.h"
 #include "core/work.h"
 #include "moving/merge.h"
 #include "moving/mesh.h"
@@ -141,6 +140,8 @@ static svo_status merge(update *u)
         u->list = u->changed[0];
         u->changed[0] = none;
     } else {
+        u->list = moving->spare;
+        moving->spare = none;
         SVO_I_TRY(svo_i_moving_merge(moving, update_name, u->queue, u->changed_count > 0 ? &u->changed[0] : &none,
                                      u->report.fragments, &u->list));
     }
@@ -148,16 +149,7 @@ static svo_status merge(update *u)
     return SVO_OK;
 }
 
-/* Destroys a tree whose buffers serve the next update. */
-static void give_tree(svo_moving *moving, svo_tree **tree)
-{
-    for (int i = 0; *tree != NULL && i < SVO_TREE_BUFFER_COUNT; ++i) {
-        svo_i_spares_give(&moving->spares, &(*tree)->buffers[i]);
-    }
-    svo_tree_destroy(tree);
-}
-
-/* Takes the new list and tree. */
+/* Takes the new list and tree. The old list's buffers serve the next update. */
 static void commit(update *u, const uint64_t *counts)
 {
     svo_moving *moving = u->moving;
@@ -172,11 +164,11 @@ static void commit(update *u, const uint64_t *counts)
     for (uint32_t i = 0; i < u->changed_count; ++i) {
         moving->objects[u->members[i]].fragments = counts[i];
     }
-    svo_i_spares_end_round(&moving->spares);
-    svo_i_kept_list_free(moving, &moving->list);
+    svo_i_kept_list_free(&moving->spare);
+    moving->spare = moving->list;
     moving->list = u->list;
     u->list = (svo_i_kept_list){.count = 0};
-    give_tree(moving, &moving->tree);
+    svo_tree_destroy(&moving->tree);
     moving->tree = u->tree;
 }
 
@@ -203,22 +195,14 @@ cleanup:
     return status;
 }
 
-/* Runs the stages and releases what they have left. */
-static svo_status run_update(update *u)
+static void release_update(update *u)
 {
-    u->report = (svo_moving_report){.struct_size = 0};
-    u->start_ms = svo_i_now_ms();
-    const svo_status status = run_stages(u);
     for (uint32_t i = 0; u->changed != NULL && i < u->changed_count; ++i) {
-        svo_i_kept_list_free(u->moving, &u->changed[i]);
+        svo_i_kept_list_free(&u->changed[i]);
     }
-    svo_i_kept_list_free(u->moving, &u->list);
+    svo_i_kept_list_free(&u->list);
     svo_i_free(u->changed);
     svo_i_free(u->members);
-    u->changed = NULL;
-    u->members = NULL;
-    u->changed_count = 0;
-    return status;
 }
 
 #define SIZES_OF_REPORT SVO_I_STRUCT_SIZES(svo_moving_report, total_ms)
@@ -229,17 +213,14 @@ svo_status svo_moving_update(svo_moving *moving, cl_command_queue queue, svo_mov
         return SVO_INVALID_ARGUMENT;
     }
     const double start_ms = svo_i_now_ms();
-    update u = {.moving = moving, .timed = report != NULL};
+    update u = {.moving = moving, .timed = report != NULL, .start_ms = start_ms};
     SVO_I_TRY(report != NULL
                   ? svo_i_struct_check(&moving->device->message, update_name, "report", report, SIZES_OF_REPORT)
                   : SVO_OK);
     SVO_I_TRY(svo_i_device_queue(moving->device, update_name, queue, &u.queue));
     u.report.fragments = moving->list.count;
-    svo_status status = is_due(moving) ? run_update(&u) : SVO_OK;
-    if (status == SVO_OUT_OF_DEVICE_MEMORY && moving->spares.count > 0) { /* they may be what is missing */
-        svo_i_spares_clear(&moving->spares);
-        status = run_update(&u);
-    }
+    const svo_status status = is_due(moving) ? run_stages(&u) : SVO_OK;
+    release_update(&u);
     u.report.total_ms = svo_i_now_ms() - start_ms;
     if (report != NULL) {
         (void)svo_i_struct_write(NULL, update_name, "report", &u.report, report, SIZES_OF_REPORT);
@@ -367,8 +348,8 @@ void svo_moving_destroy(svo_moving **moving)
     }
     svo_moving *m = *moving;
     svo_tree_destroy(&m->tree);
-    svo_i_kept_list_free(m, &m->list);
-    svo_i_spares_clear(&m->spares);
+    svo_i_kept_list_free(&m->list);
+    svo_i_kept_list_free(&m->spare);
     for (uint32_t i = 0; i < m->object_count; ++i) {
         svo_i_moving_release_object(&m->objects[i]);
     }
@@ -386,9 +367,18 @@ svo_tree *svo_moving_tree(const svo_moving *moving)
     return moving->tree;
 }
 
+static uint64_t bytes_of(cl_mem buffer)
+{
+    size_t bytes = 0;
+    if (buffer != NULL) {
+        clGetMemObjectInfo(buffer, CL_MEM_SIZE, sizeof bytes, &bytes, NULL);
+    }
+    return bytes;
+}
+
 static uint64_t list_bytes(const svo_i_kept_list *list)
 {
-    return svo_i_buffer_bytes(list->fragments) + svo_i_buffer_bytes(list->values) + svo_i_buffer_bytes(list->materials);
+    return bytes_of(list->fragments) + bytes_of(list->values) + bytes_of(list->materials);
 }
 
 svo_status svo_moving_get_info(const svo_moving *moving, svo_moving_info *info)
@@ -396,7 +386,7 @@ svo_status svo_moving_get_info(const svo_moving *moving, svo_moving_info *info)
     svo_moving_info made = {.need = moving->whole.info.need,
                             .weight_log2 = moving->whole.info.weight_log2,
                             .fragments = moving->list.count,
-                            .list_bytes = list_bytes(&moving->list) + svo_i_spares_bytes(&moving->spares),
+                            .list_bytes = list_bytes(&moving->list) + list_bytes(&moving->spare),
                             .area = moving->area};
     for (uint32_t i = 1; i < moving->object_count; ++i) {
         made.object_count += moving->objects[i].plan != NULL ? 1 : 0;

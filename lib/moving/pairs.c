@@ -18,11 +18,11 @@
 
 /* ---- lists ---- */
 
-void svo_i_kept_list_free(svo_moving *moving, svo_i_kept_list *list)
+void svo_i_kept_list_free(svo_i_kept_list *list)
 {
-    svo_i_spares_give(&moving->spares, &list->fragments);
-    svo_i_spares_give(&moving->spares, &list->values);
-    svo_i_spares_give(&moving->spares, &list->materials);
+    svo_i_buffer_release(&list->fragments);
+    svo_i_buffer_release(&list->values);
+    svo_i_buffer_release(&list->materials);
     *list = (svo_i_kept_list){.count = 0};
 }
 
@@ -31,31 +31,29 @@ static bool needs_materials(const svo_moving *moving)
     return (moving->whole.work.made & SVO_NEED_MATERIAL) != 0;
 }
 
-static svo_status take(svo_moving *moving, const char *function, const char *name, uint64_t bytes, cl_mem *out)
-{
-    return svo_i_spares_take(&moving->spares, moving->device, function, name, bytes, out, NULL);
-}
-
 /* Makes the buffers of the values. */
-static svo_status alloc_values(svo_moving *moving, const char *function, uint64_t capacity, svo_i_kept_list *list)
+static svo_status alloc_values(const svo_moving *moving, const char *function, uint64_t capacity, svo_i_kept_list *list)
 {
-    SVO_I_TRY(take(moving, function, "values", capacity * SVO_KEPT_WORDS * sizeof(cl_uint), &list->values));
-    return needs_materials(moving)
-               ? take(moving, function, "pair_materials", capacity * sizeof(cl_uint), &list->materials)
-               : SVO_OK;
+    SVO_I_TRY(svo_i_device_buffer(moving->device, function, "values", CL_MEM_READ_WRITE,
+                                  (size_t)capacity * SVO_KEPT_WORDS * sizeof(cl_uint), &list->values));
+    return needs_materials(moving) ? svo_i_device_buffer(moving->device, function, "pair_materials", CL_MEM_READ_WRITE,
+                                                         (size_t)capacity * sizeof(cl_uint), &list->materials)
+                                   : SVO_OK;
 }
 
-svo_status svo_i_kept_list_alloc(svo_moving *moving, const char *function, uint64_t capacity, svo_i_kept_list *out)
+svo_status svo_i_kept_list_alloc(const svo_moving *moving, const char *function, uint64_t capacity,
+                                 svo_i_kept_list *out)
 {
     svo_status status = SVO_OK;
-    svo_i_kept_list made = {.count = 0};
-    SVO_I_TRY_CLEANUP(
-        take(moving, function, "fragments", capacity * svo_i_plan_fragment_bytes(&moving->whole), &made.fragments));
+    svo_i_kept_list made = {.capacity = capacity};
+    SVO_I_TRY_CLEANUP(svo_i_device_buffer(moving->device, function, "fragments", CL_MEM_READ_WRITE,
+                                          (size_t)capacity * svo_i_plan_fragment_bytes(&moving->whole),
+                                          &made.fragments));
     SVO_I_TRY_CLEANUP(alloc_values(moving, function, capacity, &made));
     *out = made;
     return SVO_OK;
 cleanup:
-    svo_i_kept_list_free(moving, &made);
+    svo_i_kept_list_free(&made);
     return status;
 }
 
@@ -64,7 +62,8 @@ cleanup:
 /* Takes the sorted list out of a build, which would release it. */
 static void take_list(svo_i_build *build, svo_i_kept_list *out)
 {
-    *out = (svo_i_kept_list){.fragments = build->list.chunks[0].buffer, .count = build->fragment_count};
+    *out = (svo_i_kept_list){
+        .fragments = build->list.chunks[0].buffer, .count = build->fragment_count, .capacity = build->fragment_count};
     build->list.chunks[0].buffer = NULL;
 }
 
@@ -82,7 +81,6 @@ svo_status svo_i_moving_voxelize(svo_moving *moving, uint32_t index, cl_command_
     svo_build_report report = {0};
     svo_i_build build = {.commands = svo_i_commands_begin(plan, queue, &report), .frontend = moving->frontend};
     build.commands.untimed = true;
-    build.commands.spares = &moving->spares;
     char defines[SVO_I_DEFINES_BYTES];
     svo_i_plan_buffers_reset(plan);
     svo_i_plan_defines(plan, SVO_I_PROGRAM_SORT, defines, sizeof defines);

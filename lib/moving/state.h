@@ -3,7 +3,6 @@
 #ifndef SVO_LIB_MOVING_STATE_H
 #define SVO_LIB_MOVING_STATE_H
 
-#include "core/spares.h"
 #include "plan/plan_data.h"
 #include "svocl/moving.h"
 
@@ -12,6 +11,7 @@ typedef struct svo_i_kept_list {
     cl_mem fragments, values;
     cl_mem materials; /* NULL where none are needed */
     uint64_t count;
+    uint64_t capacity; /* that the buffers have room for; 0: there are none */
 } svo_i_kept_list;
 
 /* The arrays of a mesh, all owned. One of floats and doubles is there. */
@@ -44,9 +44,8 @@ struct svo_moving {
     uint32_t object_count, object_capacity; /* numbers in use or once used, and room for them */
     svo_plan whole; /* the static mesh's plan, for stages that work on the whole scene; borrows its arrays */
     cl_mem materials, texels; /* of all objects; NULL where none are needed */
-    svo_i_kept_list list; /* of the newest tree */
+    svo_i_kept_list list, spare; /* of the newest tree; and the buffers that were its list before */
     svo_tree *tree;
-    svo_i_spares spares; /* for the next update: the tree and the list before the newest, scratch */
     double area; /* of the newest tree */
     svo_mesh mesh; /* svo_moving_get_mesh: arrays owned; vertex_count 0: not made */
 };

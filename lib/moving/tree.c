@@ -273,7 +273,6 @@ svo_status svo_i_moving_tree(svo_moving *moving, cl_command_queue queue, const s
                             .frontend = moving->frontend,
                             .tree = svo_i_tree_new(&moving->device->memory)};
     m.build.commands.untimed = true;
-    m.build.commands.spares = &moving->spares;
     if (m.build.tree == NULL) {
         return svo_i_device_fail(moving->device, SVO_OUT_OF_HOST_MEMORY, "svo_moving_update: no memory for the tree");
     }
