@@ -272,6 +272,25 @@ static void test_failed_saves_leave_the_file(void **unused)
     free(state);
 }
 
+/* Motions are not edited, and a file without them would be another scene. */
+static void test_scenes_with_motions_are_not_saved(void **unused)
+{
+    (void)unused;
+    char path[4096];
+    view_state *state = malloc(sizeof *state);
+    begin_scene(state);
+    (void)snprintf(path, sizeof path, "%s/moving.json", work_folder());
+    state->scene_motions = 2;
+    scene_edit_save(state, path);
+    assert_non_null(strstr(state->log[(state->log_count - 1) % VIEW_LOG_LINES], "motions of 2 instances"));
+    assert_int_equal(access(path, F_OK), -1);
+    state->scene_motions = 0;
+    scene_edit_save(state, path);
+    assert_int_equal(unlink(path), 0);
+    view_state_end(state);
+    free(state);
+}
+
 /* ---- lights ---- */
 
 static void test_angles(void **unused)
@@ -317,10 +336,15 @@ static void test_dragged_light_follows_the_mouse(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_found_placements_give_the_matrix), cmocka_unit_test(test_plain_placements_are_found),
-        cmocka_unit_test(test_quarter_turns_and_shear),          cmocka_unit_test(test_edits),
-        cmocka_unit_test(test_saved_instances_are_the_same),     cmocka_unit_test(test_paths_follow_the_file),
-        cmocka_unit_test(test_failed_saves_leave_the_file),      cmocka_unit_test(test_angles),
+        cmocka_unit_test(test_found_placements_give_the_matrix),
+        cmocka_unit_test(test_plain_placements_are_found),
+        cmocka_unit_test(test_quarter_turns_and_shear),
+        cmocka_unit_test(test_edits),
+        cmocka_unit_test(test_saved_instances_are_the_same),
+        cmocka_unit_test(test_paths_follow_the_file),
+        cmocka_unit_test(test_failed_saves_leave_the_file),
+        cmocka_unit_test(test_scenes_with_motions_are_not_saved),
+        cmocka_unit_test(test_angles),
         cmocka_unit_test(test_dragged_light_follows_the_mouse),
     };
     return cmocka_run_group_tests(tests, work_folder_make, work_folder_remove);

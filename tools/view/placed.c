@@ -185,6 +185,7 @@ bool placed_describe(placed *which, view_state *state)
     state->scene_light = 0;
     state->occlusion_range = file->occlusion_range;
     state->scene_form = scene_file_form_name(file);
+    state->scene_motions = file->motion_count;
     state->device = svo_device_name(which->device);
     state->is_scene = true;
     state->shown.picture = VIEW_SHADED;

@@ -112,6 +112,10 @@ void scene_edit_remove(view_state *state)
 
 void scene_edit_save(view_state *state, const char *path)
 {
+    if (state->scene_motions > 0) {
+        view_log(state, "%s was not saved: the motions of %zu instances would be lost", path, state->scene_motions);
+        return;
+    }
     const int error = path[0] != '\0' ? scene_save(state, path) : ENOENT;
     if (error != 0) {
         view_log(state, "%s was not saved: %s", path, strerror(error));

@@ -249,6 +249,7 @@ typedef struct view_state {
     size_t scene_light; /* the chosen one */
     float occlusion_range; /* of a scene; 0: its own */
     const char *scene_form; /* as the scene's file calls it; NULL: there is no file */
+    size_t scene_motions; /* of instances of the scene's file, which stand still here */
     char scene_path[VIEW_PATH_BYTES]; /* of the scene's file */
     bool wants_load; /* scene_path is to be loaded */
 
