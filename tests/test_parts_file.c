@@ -83,8 +83,10 @@ static void put_int(bytes *out, int32_t value)
 /* A wavy surface over a grid of side + 1 vertices each way. */
 static void find_vertex(unsigned side, unsigned vertex, float position[3])
 {
-    const float x = (float)(vertex % (side + 1)) / (float)side;
-    const float y = (float)(vertex / (side + 1)) / (float)side;
+    const unsigned column = vertex % (side + 1);
+    const unsigned row = vertex / (side + 1);
+    const float x = (float)column / (float)side;
+    const float y = (float)row / (float)side;
     position[0] = x;
     position[1] = y;
     position[2] = 0.3f * x * y + 0.1f * (float)(vertex % 7) / 7.0f;
@@ -184,7 +186,7 @@ static bytes make_stl(unsigned side, unsigned attribute)
     char header[80] = "a surface ";
     const uint32_t count = 2 * side * side;
     if (attribute == 2) {
-        memcpy(header + 10, "COLOR=\x80\x40\x20\xff", 10);
+        (void)snprintf(header + 10, sizeof header - 10, "COLOR=\x80\x40\x20\xff");
     }
     put(&out, header, sizeof header);
     put(&out, &count, sizeof count);

@@ -149,8 +149,9 @@ static void write_facets(const char *name, uint32_t count)
     assert_int_equal(fwrite(header, 1, sizeof header, file), sizeof header);
     assert_int_equal(fwrite(&count, sizeof count, 1, file), 1);
     for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t row = i / 1000;
         const float x = (float)(i % 1000);
-        const float y = (float)(i / 1000);
+        const float y = (float)row;
         const float z = (float)(i % 7919) * 0.05f;
         const float facet[12] = {x, y, 1, x, y, z, x + 1, y, z, x, y + 1, z};
         const uint16_t attribute = 0;

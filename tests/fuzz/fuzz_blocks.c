@@ -16,6 +16,12 @@
 
 #define PATH_BYTES 64
 
+/* Bit for bit: NaN and zeros of both signs are told apart. */
+static bool are_same_floats(const float *a, const void *b, size_t count)
+{
+    return memcmp((const void *)a, b, count * sizeof *a) == 0;
+}
+
 /* Whether a corner of a block is that of the imported mesh. */
 static bool is_same_corner(const svo_mesh *block, size_t corner, const gather *mesh, uint32_t index)
 {
@@ -24,9 +30,8 @@ static bool is_same_corner(const svo_mesh *block, size_t corner, const gather *m
         return isnan(position[0]);
     }
     const gather_vertex *vertex = &mesh->vertices[index];
-    return memcmp(position, vertex->position, sizeof vertex->position) == 0 &&
-           (block->normals == NULL ||
-            memcmp(block->normals + corner * 3, vertex->normal, sizeof vertex->normal) == 0) &&
+    return are_same_floats(position, vertex->position, 3) &&
+           (block->normals == NULL || are_same_floats(block->normals + corner * 3, vertex->normal, 3)) &&
            (block->colors == NULL || memcmp(block->colors + corner * 4, vertex->color, sizeof vertex->color) == 0);
 }
 
@@ -104,7 +109,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t byte_count)
     read_file(path, data, byte_count);
     (void)unlink(path);
     (void)rmdir(folder);
-    memcpy(folder + sizeof folder - 7, "XXXXXX", 6);
+    (void)snprintf(folder + sizeof folder - 7, 7, "XXXXXX");
     (void)close(file);
     return 0;
 }
