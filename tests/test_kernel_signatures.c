@@ -22,6 +22,7 @@
 #include "meshes.h"
 #include "rays/rays.h"
 #include "shared/light_layout.h"
+#include "shared/moving_layout.h"
 #include "shared/probe_layout.h"
 #include "solid_meshes.h"
 

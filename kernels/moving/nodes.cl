@@ -13,6 +13,7 @@
  * does not matter. Masks are bytes; four lie in a word, the first in its low byte.
  */
 #include "shared/fragment.clh"
+#include "shared/moving_layout.h"
 
 /* The first level on which a pair's node is not that of the pair before it; depth + 1: they are in one leaf. */
 static uint svo_first_level(svo_code code, svo_code before, uint depth)

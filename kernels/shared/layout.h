@@ -2,9 +2,9 @@
 /*
  * What the host, the OpenCL kernels and the GLSL shaders must agree on: constants, and the records that travel in
  * buffers and kernel arguments. One text for C, C++, OpenCL C and GLSL. Records hold 32-bit integers and floats only,
- * every field at a multiple of four bytes, without padding. Offsets are in bytes. Light and probes have files of their
- * own, light_layout.h and probe_layout.h. The records that callers of the library see are in svocl/ray_types.h and its
- * neighbors.
+ * every field at a multiple of four bytes, without padding. Offsets are in bytes. Light, probes and scenes that move have
+ * files of their own: light_layout.h, probe_layout.h and moving_layout.h. The records that callers of the library see
+ * are in svocl/ray_types.h and its neighbors.
  */
 #ifndef SVO_KERNELS_SHARED_LAYOUT_H
 #define SVO_KERNELS_SHARED_LAYOUT_H
@@ -13,8 +13,8 @@
 #include "svocl/scene_types.h"
 #include "svocl/tree_types.h"
 
-/* Vectors may be wider than the registers of a device. All functions are inlined, so how else they would be passed is
-   of no interest, but PoCL would print the number of such warnings. */
+/* Vectors may be wider than the registers of a device. All functions are called from their own file alone, so how they
+   are passed is of no interest, but PoCL would print the number of such warnings. */
 #if defined(__OPENCL_C_VERSION__) && defined(__clang__)
 #pragma clang diagnostic ignored "-Wpsabi"
 #endif
@@ -552,38 +552,6 @@ SVO_RECORD(svo_solid_params)
     SVO_U32 value[2]; /* 40: the element of interior leaves, its first half in the low half of the first word */
 };
 
-/* ---- scenes that move ---- */
-
-/* Entries of two lists that a work-item merges. */
-#define SVO_MERGE_STRIP 512
-/* A pair that is kept, besides its code and triangle: its weight, its color (RGBA8), its normal (x, y) and, in the last
-   word, the normal's z in the low half and its object in the high half. */
-#define SVO_KEPT_WORDS        4
-#define SVO_KEPT_OBJECT_SHIFT 16
-
-/* Arguments of the kernels of scenes that move. 16 bytes. */
-SVO_RECORD(svo_moving_params)
-{
-    SVO_U32 count; /* 0: pairs, of the first list where there are two; or words */
-    SVO_U32 other_count; /* 4: pairs of the second list */
-    SVO_U32 object; /* 8: of the pairs; or what is added to words */
-    SVO_U32 first; /* 12: the first word to write */
-};
-
-/* Pairs of a sorted list that a work-item makes nodes from. */
-#define SVO_NODE_STRIP 256
-/* Levels at the largest depth, and their end: SVO_LEVELS_MAX of svocl/tree.h. */
-#define SVO_NODE_LEVELS 18
-
-/* Arguments of the kernels that make nodes of a sorted list. 16 bytes. */
-SVO_RECORD(svo_node_params)
-{
-    SVO_U32 count; /* 0: pairs */
-    SVO_U32 strips; /* 4: of SVO_NODE_STRIP pairs; the last may have fewer */
-    SVO_U32 depth; /* 8 */
-    SVO_U32 reserved; /* 12 */
-};
-
 #if !defined(GL_core_profile)
 SVO_ASSERT_BYTES(svo_draw_item, 8);
 SVO_ASSERT_BYTES(svo_tile_item, 8);
@@ -616,8 +584,6 @@ SVO_ASSERT_BYTES(svo_scene_node, 64);
 SVO_ASSERT_BYTES(svo_scene_params, 40);
 SVO_ASSERT_BYTES(svo_scene_picture, 112);
 SVO_ASSERT_BYTES(svo_solid_params, 48);
-SVO_ASSERT_BYTES(svo_moving_params, 16);
-SVO_ASSERT_BYTES(svo_node_params, 16);
 #endif
 
 #endif

@@ -2,6 +2,7 @@
 /* Makes nodes by kernels/moving/nodes.cl. */
 #include "moving/nodes.h"
 
+#include "shared/moving_layout.h"
 #include "stages/scan.h"
 
 _Static_assert(SVO_NODE_LEVELS == SVO_LEVELS_MAX, "kernels have all levels of a tree");

@@ -4,6 +4,7 @@
 #define SVO_LIB_MOVING_STATE_H
 
 #include "plan/plan_data.h"
+#include "shared/moving_layout.h"
 #include "svocl/moving.h"
 
 /* Kept pairs in the order of (code, object, triangle), as kernels/moving has them. */

@@ -6,6 +6,7 @@
 #include "stages/material.h"
 
 #include "plan/part.h"
+#include "shared/moving_layout.h"
 #include "stages/payload_params.h"
 
 /* The entries of a level's nodes: pairs of a material and a weight. */
