@@ -8,6 +8,7 @@
 
 #include "core/struct_size.h"
 #include "core/work.h"
+#include "moving/bvh.h"
 #include "moving/merge.h"
 #include "moving/mesh.h"
 #include "moving/objects.h"
@@ -163,11 +164,13 @@ static void commit(update *u, const uint64_t *counts)
     }
     for (uint32_t i = 0; i < u->changed_count; ++i) {
         moving->objects[u->members[i]].fragments = counts[i];
+        moving->objects[u->members[i]].version = ++moving->serial;
     }
     svo_i_kept_list_free(&moving->spare);
     moving->spare = moving->list;
     moving->list = u->list;
     u->list = (svo_i_kept_list){.count = 0};
+    svo_i_moving_note_parts(moving);
     svo_tree_destroy(&moving->tree);
     moving->tree = u->tree;
 }
@@ -348,6 +351,7 @@ void svo_moving_destroy(svo_moving **moving)
     }
     svo_moving *m = *moving;
     svo_tree_destroy(&m->tree);
+    svo_i_moving_free_bvhs(m);
     svo_i_kept_list_free(&m->list);
     svo_i_kept_list_free(&m->spare);
     for (uint32_t i = 0; i < m->object_count; ++i) {
