@@ -10,6 +10,7 @@
 
 #include "core/struct_size.h"
 #include "core/work.h"
+#include "moving/bvh.h"
 #include "moving/merge.h"
 #include "moving/mesh.h"
 #include "moving/objects.h"
@@ -156,11 +157,13 @@ void svo_i_moving_commit(update *u, const uint64_t *counts)
     }
     for (uint32_t i = 0; i < u->changed_count; ++i) {
         moving->objects[u->members[i]].fragments = counts[i];
+        moving->objects[u->members[i]].version = ++moving->serial;
     }
     svo_i_kept_list_free(&moving->spare);
     moving->spare = moving->list;
     moving->list = u->list;
     u->list = (svo_i_kept_list){.count = 0};
+    svo_i_moving_note_parts(moving);
     svo_tree_destroy(&moving->tree);
     moving->tree = u->tree;
     u->tree = NULL;
@@ -350,6 +353,7 @@ void svo_moving_destroy(svo_moving **moving)
         (void)svo_moving_finish(m, NULL); /* its commands write to the scene */
     }
     svo_tree_destroy(&m->tree);
+    svo_i_moving_free_bvhs(m);
     svo_i_kept_list_free(&m->list);
     svo_i_kept_list_free(&m->spare);
     for (uint32_t i = 0; i < m->object_count; ++i) {
