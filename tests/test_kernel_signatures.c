@@ -56,6 +56,7 @@ extern const char svo_i_source_gather[];
 extern const char svo_i_source_light[];
 extern const char svo_i_source_light_picture[];
 extern const char svo_i_source_light_shade[];
+extern const char svo_i_source_kept_photons[];
 extern const char svo_i_source_photons[];
 extern const char svo_i_source_probes[];
 extern const char svo_i_source_probe_filter[];
@@ -120,6 +121,7 @@ static size_t bytes_of_type(const char *type)
                  {"svo_light_source", sizeof(svo_light_source)},
                  {"svo_light_view_params", sizeof(svo_light_view_params)},
                  {"svo_photon_params", sizeof(svo_photon_params)},
+                 {"svo_crossing_params", sizeof(svo_crossing_params)},
                  {"svo_unmet_params", sizeof(svo_unmet_params)},
                  {"svo_exchange_params", sizeof(svo_exchange_params)},
                  {"svo_probes_params", sizeof(svo_probes_params)},
@@ -645,14 +647,14 @@ static void every_launch_matches_its_kernel(void **state)
 {
     (void)state;
     const char *const sources[] = {
-        svo_i_source_subdivide,    svo_i_source_sort,         svo_i_source_pack,        svo_i_source_filter,
-        svo_i_source_voxelize,     svo_i_source_cast,         svo_i_source_trace,       svo_i_source_view,
-        svo_i_source_trace_voxels, svo_i_source_compact,      svo_i_source_expand,      svo_i_source_minimize,
-        svo_i_source_scene_build,  svo_i_source_scene_bounds, svo_i_source_scene_trace, svo_i_source_scene_cast,
-        svo_i_source_solid,        svo_i_source_light,        svo_i_source_photons,     svo_i_source_light_picture,
-        svo_i_source_gather,       svo_i_source_light_shade,  svo_i_source_probes,      svo_i_source_probe_filter,
-        svo_i_source_probe_trace,  svo_i_source_probe_gather, svo_i_source_bvh,         svo_i_source_plan,
-        svo_i_source_moving};
+        svo_i_source_subdivide,     svo_i_source_sort,         svo_i_source_pack,         svo_i_source_filter,
+        svo_i_source_voxelize,      svo_i_source_cast,         svo_i_source_trace,        svo_i_source_view,
+        svo_i_source_trace_voxels,  svo_i_source_compact,      svo_i_source_expand,       svo_i_source_minimize,
+        svo_i_source_scene_build,   svo_i_source_scene_bounds, svo_i_source_scene_trace,  svo_i_source_scene_cast,
+        svo_i_source_solid,         svo_i_source_light,        svo_i_source_kept_photons, svo_i_source_photons,
+        svo_i_source_light_picture, svo_i_source_gather,       svo_i_source_light_shade,  svo_i_source_probes,
+        svo_i_source_probe_filter,  svo_i_source_probe_trace,  svo_i_source_probe_gather, svo_i_source_bvh,
+        svo_i_source_plan,          svo_i_source_moving};
     fixture opened;
     fixture_open_cl(&(fixture_options){.share = SVO_GL_SHARE_AUTO}, &opened);
     painted_mesh painted;

@@ -8,6 +8,7 @@
 
 #include "core/struct_size.h"
 #include "core/work.h"
+#include "moving/changes.h"
 #include "moving/merge.h"
 #include "moving/mesh.h"
 #include "moving/objects.h"
@@ -153,6 +154,7 @@ static svo_status merge(update *u)
 static void commit(update *u, const uint64_t *counts)
 {
     svo_moving *moving = u->moving;
+    svo_i_moving_note_changes(moving);
     moving->area = 0.0;
     for (uint32_t i = 0; i < moving->object_count; ++i) {
         svo_i_moving_object *object = &moving->objects[i];
@@ -219,7 +221,11 @@ svo_status svo_moving_update(svo_moving *moving, cl_command_queue queue, svo_mov
                   : SVO_OK);
     SVO_I_TRY(svo_i_device_queue(moving->device, update_name, queue, &u.queue));
     u.report.fragments = moving->list.count;
-    const svo_status status = is_due(moving) ? run_stages(&u) : SVO_OK;
+    const bool due = is_due(moving);
+    const svo_status status = due ? run_stages(&u) : SVO_OK;
+    if (!due) {
+        svo_i_moving_forget_changes(moving);
+    }
     release_update(&u);
     u.report.total_ms = svo_i_now_ms() - start_ms;
     if (report != NULL) {

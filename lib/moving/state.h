@@ -32,6 +32,9 @@ typedef struct svo_i_moving_object {
     bool stale; /* pairs in the scene's list are not those of the plan, or there are none */
     bool listed; /* the scene's list has pairs of the object, or of the one before it with this number */
     uint64_t fragments; /* in the scene's list */
+    svo_box box; /* of the vertices that the scene's list is of; low above high: there are none */
+    svo_box changes[2]; /* of the newest update */
+    uint32_t change_count;
 } svo_i_moving_object;
 
 /* Object k of the caller is objects[k + 1]; the static mesh is objects[0]. */
