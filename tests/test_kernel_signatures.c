@@ -541,8 +541,14 @@ static void light_all(const fixture *opened, svo_tree *tree)
         const svo_light_options options = {.struct_size = sizeof options, .form = (svo_light_form)form};
         svo_i_lit_leaves lit = {.lit_count = 1, .unit = 1};
         svo_i_device_work work;
+        const svo_light_source lamp = {.kind = SVO_SOURCE_POINT, .position = {0.5F, 0.5F, 0.5F}, .value = {1, 1, 1}};
+        const svo_light_setup setup = {
+            .struct_size = sizeof setup, .sources = &lamp, .source_count = 1, .view_resolution = 8, .updatable = 1};
+        const svo_box changed = {.high = {1, 1, 1}};
         svo_light *light = NULL;
         succeed(opened, svo_light_create(tree, &options, opened->queue, &light));
+        succeed(opened, svo_light_set_sources(light, &setup, opened->queue));
+        succeed(opened, svo_light_update(light, tree, &changed, 1, opened->queue));
         succeed(opened, svo_i_work_begin(opened->device, "light_all", opened->queue, &work));
         succeed(opened, svo_i_work_alloc(&work, "leaves", sizeof leaf, &lit.leaves));
         succeed(opened, svo_i_work_alloc(&work, "radiance", sizeof radiance, &lit.radiance));
