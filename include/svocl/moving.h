@@ -22,6 +22,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "svocl/nodes.h"
 #include "svocl/plan.h"
 #include "svocl/trace.h"
 #include "svocl/tree.h"
@@ -259,6 +260,16 @@ SVO_API svo_status svo_moving_make_bvh(svo_moving *moving, svo_bvh_quality quali
  * \param moving not NULL
  * \returns the tree, owned by the scene; the next update that succeeds destroys it. */
 SVO_API svo_tree *svo_moving_tree(const svo_moving *moving);
+
+/** Where the newest update that succeeded changed the tree: the bounds of each object that changed, before it and after
+ *  it, where it was and is in the scene. An update that found nothing to do has none. svo_light_update takes them.
+ *
+ * \param moving not NULL
+ * \param boxes receives the first boxes, at most capacity; NULL allowed when that is 0
+ * \param capacity boxes that there is room for; two for each object suffice
+ * \param count receives how many there are
+ * \returns SVO_INVALID_ARGUMENT when count is NULL, or boxes where capacity is not 0. */
+SVO_API svo_status svo_moving_get_changes(const svo_moving *moving, svo_box *boxes, size_t capacity, size_t *count);
 
 /** The scene's mesh, as it will be after the next update: the static mesh, then the visible objects, in the world.
  *
