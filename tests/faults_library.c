@@ -370,7 +370,8 @@ static svo_status move_object(subject *of, svo_moving *moving)
     TRY_TOLD(svo_moving_update(moving, world.queue, NULL));
     TRY_TOLD(svo_moving_make_bvh(moving, SVO_BVH_BEST, 0.0F, world.queue, NULL));
     TRY_TOLD(svo_moving_set_transform(moving, object, transform));
-    TRY_TOLD(svo_moving_update(moving, world.queue, NULL));
+    TRY_TOLD(svo_moving_update_enqueue(moving, world.queue, 0, NULL, NULL));
+    TRY_TOLD(svo_moving_finish(moving, NULL));
     TRY_TOLD(svo_moving_get_mesh(moving, &mesh));
     TRY_TOLD(digest_tree(of, svo_moving_tree(moving)));
     TRY_TOLD(trace_moving(of, moving));
