@@ -246,8 +246,9 @@ typedef struct svo_moving_bvh_report {
  *
  * \param moving with SVO_NEED_RAYS, coverage half-open or closed. No batch of rays of its trees may be in progress
  * \param quality of objects' BVHs that are made, a svo_bvh_quality
- * \param cost_ratio a refit BVH is made anew when a random ray through the object visits so many times the nodes that
- *        it visited when the BVH was made; not negative. 0: 1.5. Below 1: every object that has changed is made anew
+ * \param cost_ratio a refit BVH is made anew when a random ray through the object visits so many times the nodes and
+ *        leaves that it visited when the BVH was made; not negative. 0: 1.5. Below 1: every object that has changed is
+ *        made anew
  * \param queue of the device, in-order or out-of-order; NULL: the device's own
  * \param report receives what was done; NULL: not wanted
  * \returns SVO_INVALID_ARGUMENT or what svo_tree_prepare_rays returns. After a failure rays make a BVH of the whole
