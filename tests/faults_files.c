@@ -316,13 +316,21 @@ static void digest_parts(subject *of)
     faults_spare(false);
 }
 
+/* Fills the folder from the mesh in memory, or from its file where there is one. */
+static svo_status create_parts(subject *of, const char *folder, uint64_t max_bytes)
+{
+    return of->mesh_path == NULL
+               ? svo_parts_create(world.device, &world.mesh.mesh, DEPTH, &everything, max_bytes, folder, &of->message)
+               : svo_parts_create_from_file(world.device, of->mesh_path, DEPTH, NULL, max_bytes, folder, &of->message);
+}
+
 static svo_status run_parts_of(subject *of, uint64_t max_bytes)
 {
     char folder[128];
     svo_parts *parts = NULL;
     svo_status status = SVO_OK;
     (void)snprintf(folder, sizeof folder, "%s/parts", world.folder);
-    SVO_I_TRY(svo_parts_create(world.device, &world.mesh.mesh, DEPTH, &everything, max_bytes, folder, &of->message));
+    SVO_I_TRY(create_parts(of, folder, max_bytes));
     SVO_I_TRY_CLEANUP(svo_parts_open(folder, &parts, &of->message));
     SVO_I_TRY_CLEANUP(build_parts(of, parts));
     digest_parts(of);
@@ -336,28 +344,6 @@ cleanup:
 static svo_status run_parts(subject *of)
 {
     return run_parts_of(of, PART_BYTES);
-}
-
-static svo_status run_parts_of_file_by(subject *of, uint64_t max_bytes)
-{
-    char folder[128];
-    svo_parts *parts = NULL;
-    svo_status status = SVO_OK;
-    (void)snprintf(folder, sizeof folder, "%s/parts", world.folder);
-    SVO_I_TRY(svo_parts_create_from_file(world.device, of->mesh_path, DEPTH, NULL, max_bytes, folder, &of->message));
-    SVO_I_TRY_CLEANUP(svo_parts_open(folder, &parts, &of->message));
-    SVO_I_TRY_CLEANUP(build_parts(of, parts));
-    digest_parts(of);
-    status = svo_parts_remove(folder, &of->message);
-cleanup:
-    svo_parts_close(&parts);
-    return status;
-}
-
-/* The same of a mesh file in blocks. */
-static svo_status run_parts_of_file(subject *of)
-{
-    return run_parts_of_file_by(of, PART_BYTES);
 }
 
 /* A part is split when memory runs out; the handle keeps the kernels that smaller parts need. */
@@ -378,7 +364,7 @@ static void prepare_parts_of_file(subject *of, const char *name)
     uint64_t max_bytes = PART_BYTES;
     (void)snprintf(path, sizeof path, "%s/%s", world.folder, name);
     of->mesh_path = path;
-    while (run_parts_of_file_by(of, max_bytes) == SVO_OK) {
+    while (run_parts_of(of, max_bytes) == SVO_OK) {
         max_bytes /= 2;
     }
 }
@@ -466,8 +452,8 @@ static const scenario rows[] = {
     {"import_off", false, true, prepare_off, run_import, NULL, destroy_all},
     {"voxels", false, false, prepare_nothing, run_voxels, NULL, destroy_all},
     {"parts", false, false, prepare_parts, run_parts, NULL, destroy_all},
-    {"parts_of_ply", false, false, prepare_parts_of_ply, run_parts_of_file, NULL, destroy_all},
-    {"parts_of_stl", false, false, prepare_parts_of_stl, run_parts_of_file, NULL, destroy_all},
+    {"parts_of_ply", false, false, prepare_parts_of_ply, run_parts, NULL, destroy_all},
+    {"parts_of_stl", false, false, prepare_parts_of_stl, run_parts, NULL, destroy_all},
     {"paged", false, false, prepare_paged, run_paged, NULL, destroy_all},
     {"save_kernels", false, false, prepare_nothing, run_save_kernels, NULL, destroy_all},
     {"load_kernels", false, false, prepare_nothing, run_load_kernels, NULL, destroy_all},

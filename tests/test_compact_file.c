@@ -19,11 +19,10 @@
 
 #include "compact_reference.h"
 #include "core/compact.h"
-#include "fixture.h"
+#include "fixture_folder.h"
 #include "io/file_format.h"
 #include "meshes.h"
 #include "svocl/io.h"
-#include "work_folder.h"
 
 #define PAYLOAD \
     ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_MATERIAL | (uint32_t)SVO_NEED_FILL)
@@ -285,16 +284,6 @@ static void write_seeds(void **state)
     }
 }
 
-static int open_group(void **state)
-{
-    return work_folder_make(NULL) == 0 ? fixture_group_setup(state) : -1;
-}
-
-static int close_group(void **state)
-{
-    return fixture_group_teardown(state) == 0 ? work_folder_remove(NULL) : -1;
-}
-
 int main(int argc, char **argv)
 {
     const struct CMUnitTest writing[] = {cmocka_unit_test(write_seeds)};
@@ -303,7 +292,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(damaged_structure_is_noticed), cmocka_unit_test(wrong_arguments_are_refused)};
     seed_folder = argc == 2 ? argv[1] : NULL;
     if (seed_folder != NULL) {
-        return cmocka_run_group_tests_name("seeds", writing, open_group, close_group);
+        return cmocka_run_group_tests_name("seeds", writing, fixture_folder_setup, fixture_folder_teardown);
     }
-    return cmocka_run_group_tests_name("files of compact trees", tests, open_group, close_group);
+    return cmocka_run_group_tests_name("files of compact trees", tests, fixture_folder_setup, fixture_folder_teardown);
 }

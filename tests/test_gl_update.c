@@ -19,6 +19,7 @@
 enum { DEPTH = 5, TRIANGLES = 200, VERTICES = TRIANGLES * 3, NUMBERS = VERTICES * 3, BYTES = NUMBERS * 4, MOVES = 3 };
 
 static unsigned waits;
+static unsigned map_failures; /* that many next calls fail */
 
 /* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
 cl_int __real_clWaitForEvents(cl_uint count, const cl_event *events);
@@ -28,6 +29,25 @@ cl_int __wrap_clWaitForEvents(cl_uint count, const cl_event *events)
 {
     ++waits;
     return __real_clWaitForEvents(count, events);
+}
+
+void *__real_clEnqueueMapBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, cl_map_flags access,
+                                size_t offset, size_t bytes, cl_uint num_wait, const cl_event *wait, cl_event *event,
+                                cl_int *error);
+void *__wrap_clEnqueueMapBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, cl_map_flags access,
+                                size_t offset, size_t bytes, cl_uint num_wait, const cl_event *wait, cl_event *event,
+                                cl_int *error);
+
+void *__wrap_clEnqueueMapBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, cl_map_flags access,
+                                size_t offset, size_t bytes, cl_uint num_wait, const cl_event *wait, cl_event *event,
+                                cl_int *error)
+{
+    if (map_failures > 0) {
+        --map_failures;
+        *error = CL_MAP_FAILURE;
+        return NULL;
+    }
+    return __real_clEnqueueMapBuffer(queue, buffer, blocking, access, offset, bytes, num_wait, wait, event, error);
 }
 /* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
 
@@ -285,6 +305,29 @@ static void a_failing_call_is_a_status_and_the_next_works(void **state)
     close_pair(&pair);
 }
 
+/* The one buffer stays OpenCL's until svo_gl_buffer_to_gl; the other, if it can be mapped, is OpenGL's. */
+static void buffers_that_cannot_be_mapped_stay_with_opencl(void **state)
+{
+    (void)state;
+    moved_pair pair;
+    open_pair(NULL, 0, SVO_GL_SHARE_HOST, &pair);
+    for (unsigned failures = 1; failures <= 2; ++failures) {
+        map_failures = failures;
+        assert_int_equal(update(&pair, NULL), SVO_CL_ERROR);
+        assert_int_equal(map_failures, 0);
+        assert_non_null(strstr(svo_device_message(pair.opened.device),
+                               "svo_gl_plan_update_enqueue: clEnqueueMapBuffer failed with CL_MAP_FAILURE"));
+        assert_int_equal(update(&pair, NULL), SVO_INVALID_ARGUMENT);
+        assert_non_null(strstr(svo_device_message(pair.opened.device), "positions is OpenCL's"));
+        succeed(&pair, svo_gl_buffer_to_gl(pair.positions, 0, pair.opened.queue, 0, NULL));
+        if (failures > 1) {
+            succeed(&pair, svo_gl_buffer_to_gl(pair.normals, 0, pair.opened.queue, 0, NULL));
+        }
+        check_move(&pair, failures);
+    }
+    close_pair(&pair);
+}
+
 static void expect_refused(const moved_pair *pair, svo_status status, const char *words)
 {
     assert_int_equal(status, SVO_INVALID_ARGUMENT);
@@ -337,6 +380,7 @@ int main(void)
         cmocka_unit_test(copied_vertices_move_the_mesh),
         cmocka_unit_test(shared_vertices_are_not_waited_for),
         cmocka_unit_test(a_failing_call_is_a_status_and_the_next_works),
+        cmocka_unit_test(buffers_that_cannot_be_mapped_stay_with_opencl),
         cmocka_unit_test(wrong_arguments_are_refused),
     };
     return cmocka_run_group_tests_name("moved by OpenGL", tests, NULL, NULL);

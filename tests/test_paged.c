@@ -13,12 +13,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "fixture_folder.h"
 #include "meshes.h"
 #include "paged/paged.h"
 #include "paged_walk.h"
 #include "shared/page.h"
 #include "svocl/io.h"
-#include "work_folder.h"
 
 #define DEPTH     7u
 #define VIEWS     6u /* of a flight */
@@ -437,17 +437,6 @@ static void test_arguments(void **state)
     paged_scene_destroy(&scene);
 }
 
-static int begin(void **state)
-{
-    return work_folder_make(state) == 0 ? fixture_group_setup(state) : -1;
-}
-
-static int end(void **state)
-{
-    const int folder = work_folder_remove(state);
-    return fixture_group_teardown(state) == 0 ? folder : -1;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -463,5 +452,5 @@ int main(void)
         cmocka_unit_test(test_updates_with_a_limit),
         cmocka_unit_test(test_arguments),
     };
-    return cmocka_run_group_tests(tests, begin, end);
+    return cmocka_run_group_tests(tests, fixture_folder_setup, fixture_folder_teardown);
 }

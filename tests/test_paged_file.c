@@ -17,13 +17,13 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "fixture_folder.h"
 #include "io/file_format.h"
 #include "meshes.h"
 #include "older_file.h"
 #include "paged_walk.h"
 #include "scenes.h"
 #include "svocl/io.h"
-#include "work_folder.h"
 
 #define DEPTH       6u
 #define PAGE_LEVELS 2u
@@ -252,17 +252,6 @@ static void test_a_file_that_is_replaced(void **state)
     paged_scene_destroy(&shown);
 }
 
-static int begin(void **state)
-{
-    return work_folder_make(state) == 0 ? fixture_group_setup(state) : -1;
-}
-
-static int end(void **state)
-{
-    const int folder = work_folder_remove(state);
-    return fixture_group_teardown(state) == 0 ? folder : -1;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -273,5 +262,5 @@ int main(void)
         cmocka_unit_test(test_files_that_change),
         cmocka_unit_test(test_a_file_that_is_replaced),
     };
-    return cmocka_run_group_tests(tests, begin, end);
+    return cmocka_run_group_tests(tests, fixture_folder_setup, fixture_folder_teardown);
 }

@@ -194,6 +194,12 @@ static job open_job(void **state, const svo_mesh *mesh)
     return j;
 }
 
+static void close_job(job *j)
+{
+    remove_parts(j);
+    free(j->paths);
+}
+
 static void cut_and_compare(job *j, cut how)
 {
     svo_message message;
@@ -219,7 +225,7 @@ static void compare_cuts(void **state, const svo_mesh *mesh, unsigned depth, con
     for (size_t i = 0; i < cut_count; ++i) {
         cut_and_compare(&j, cuts[i]);
     }
-    free(j.paths);
+    close_job(&j);
 }
 
 static void test_every_cut(void **state)
@@ -247,7 +253,7 @@ static void test_deepest_cuts(void **state)
         job j = open_job(state, &made.mesh);
         build_whole(&j, deepest[i].depth, &options);
         cut_and_compare(&j, deepest[i].how);
-        free(j.paths);
+        close_job(&j);
         attributed_mesh_destroy(&made);
     }
 }
@@ -296,7 +302,7 @@ static void test_depths(void **state)
         build_whole(&j, depths[i], &options);
         j.builder = SVO_BUILDER_SORTED;
         cut_and_compare(&j, (cut){depths[i] > 1 ? 2 : 0, 0, false});
-        free(j.paths);
+        close_job(&j);
     }
     owned_mesh_free(&dust);
 }
@@ -418,8 +424,7 @@ static void test_triangles_of_a_part(void **state)
     assert_int_equal(info.code, 3);
     assert_true(info.leaf_count > 0 && info.node_count > info.leaf_count && info.fragments >= info.leaf_count);
     assert_int_equal(unlink(paths[0]), 0);
-    remove_parts(&j);
-    free(j.paths);
+    close_job(&j);
     attributed_mesh_destroy(&made);
 }
 
@@ -473,8 +478,7 @@ static void test_damaged_parts(void **state)
     j.header.weight_log2 += 1;
     assert_refused(&j, j.paths[0]);
     free(content);
-    remove_parts(&j);
-    free(j.paths);
+    close_job(&j);
     attributed_mesh_destroy(&made);
 }
 
@@ -496,8 +500,7 @@ static void test_overlap(void **state)
     assert_int_equal(stitch(&j, out, &message), SVO_FILE_DAMAGED);
     assert_non_null(strstr(message.text, "overlaps"));
     assert_int_equal(access(out, F_OK), -1);
-    remove_parts(&j);
-    free(j.paths);
+    close_job(&j);
     attributed_mesh_destroy(&made);
 }
 
@@ -529,7 +532,7 @@ static void test_bad_requests(void **state)
                          requests[i].status);
         assert_non_null(strstr(svo_device_message(j.opened.device), requests[i].names));
     }
-    free(j.paths);
+    close_job(&j);
     attributed_mesh_destroy(&made);
 }
 
@@ -562,7 +565,7 @@ static void test_trees_of_parts(void **state)
     assert_int_equal(svo_tree_load(path, &tree, &message), SVO_OK);
     assert_int_equal(svo_part_save(tree, path, &message), SVO_INVALID_ARGUMENT);
     svo_tree_destroy(&tree);
-    free(j.paths);
+    close_job(&j);
     attributed_mesh_destroy(&made);
 }
 
@@ -639,7 +642,7 @@ static void test_folders(void **state)
             assert_int_equal(access(folder, F_OK), -1);
         }
         assert_true(most > 8);
-        free(j.paths);
+        close_job(&j);
     }
     attributed_mesh_destroy(&made);
 }
@@ -695,7 +698,7 @@ static void test_parts_that_change(void **state)
     finish_folder(&j, folder, out);
     assert_same_files(whole, out);
     check(&j, svo_parts_remove(folder, &message), &message);
-    free(j.paths);
+    close_job(&j);
     attributed_mesh_destroy(&made);
 }
 
@@ -736,7 +739,7 @@ static void test_small_devices(void **state)
     finish_folder(&j, folder, parts);
     assert_same_files(whole, parts);
     check(&j, svo_parts_remove(folder, &message), &message);
-    free(j.paths);
+    close_job(&j);
     attributed_mesh_destroy(&made);
 }
 
@@ -773,7 +776,7 @@ static void test_damaged_folders(void **state)
         free(content);
         check(&j, svo_parts_remove(folder, &message), &message);
     }
-    free(j.paths);
+    close_job(&j);
     attributed_mesh_destroy(&made);
 }
 

@@ -17,11 +17,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "fixture.h"
+#include "fixture_folder.h"
 #include "import_check.h"
 #include "svocl/io.h"
 #include "svocl/parts.h"
-#include "work_folder.h"
 
 #define PATH_BYTES 256
 #define DEPTH      6
@@ -485,17 +484,6 @@ static void test_bad_requests(void **state)
     assert_non_null(strstr(message.text, "depth 17"));
 }
 
-static int setup(void **state)
-{
-    return work_folder_make(state) == 0 ? fixture_group_setup(state) : -1;
-}
-
-static int teardown(void **state)
-{
-    const int left = fixture_group_teardown(state);
-    return work_folder_remove(state) == 0 ? left : -1;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -508,5 +496,5 @@ int main(void)
         cmocka_unit_test(test_counts_above_the_file),
         cmocka_unit_test(test_bad_requests),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, fixture_folder_setup, fixture_folder_teardown);
 }

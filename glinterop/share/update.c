@@ -190,18 +190,19 @@ static svo_status bring(const update *u)
     return SVO_OK;
 }
 
-/* Maps what OpenCL has; a buffer that cannot be mapped stays OpenCL's. */
+/* Maps what OpenCL has; a buffer that cannot be mapped stays OpenCL's, and the other is mapped all the same. */
 static svo_status take_back(const update *u)
 {
+    svo_status status = SVO_OK;
     for (unsigned i = 0; i < u->count; ++i) {
         svo_i_share_buffer *shared = &u->from[i]->shared;
         if (shared->share == SVO_GL_SHARE_HOST && shared->mapping_queue == NULL) {
-            u->from[i]->is_in_cl = true;
-            SVO_I_TRY(svo_i_share_host_map(shared, CL_MAP_READ | CL_MAP_WRITE, u->queue));
-            u->from[i]->is_in_cl = false;
+            const svo_status mapped = svo_i_share_host_map(shared, CL_MAP_READ | CL_MAP_WRITE, u->queue);
+            u->from[i]->is_in_cl = mapped != SVO_OK;
+            status = status != SVO_OK ? status : mapped;
         }
     }
-    return SVO_OK;
+    return status;
 }
 
 static svo_status run_brought(update *u)

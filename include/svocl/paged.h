@@ -62,14 +62,16 @@ typedef struct svo_paged_options {
 typedef struct svo_paged_info {
     size_t struct_size; /**< sizeof(svo_paged_info) */
     uint32_t depth; /**< of the tree */
-    uint32_t top_level; /**< levels 0 .. top_level are always there */
+    uint32_t top_level; /**< levels 0 .. top_level are always there: the more, the greater budget_bytes is */
     uint32_t page_levels; /**< of a page */
     uint32_t need; /**< of the file's svo_need bits those that are there: color and normal */
-    uint64_t page_count; /**< of the whole tree */
+    uint64_t page_count; /**< of all levels below top_level */
     uint64_t file_bytes; /**< length of the file */
     uint64_t device_bytes; /**< of the buffers on the device, all of them: at most what was given */
-    uint64_t least_bytes; /**< of the buffers with the upper levels and room for the largest page alone */
-    uint64_t whole_bytes; /**< of the buffers where all pages have room */
+    /** Of the buffers with these upper levels and room for the largest page alone. A smaller budget may do: it holds
+     *  fewer upper levels. One with which svo_paged_open fails names the least of all. */
+    uint64_t least_bytes;
+    uint64_t whole_bytes; /**< of the buffers with these upper levels and room for all pages */
     uint64_t open_read_bytes; /**< that were read by svo_paged_open */
 } svo_paged_info;
 

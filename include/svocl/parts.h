@@ -92,7 +92,7 @@ SVO_API svo_status svo_part_check(const svo_part_header *header, const char *pat
 
 /** Puts parts together: writes the .svo file that svo_tree_save writes of the tree in one piece, byte for byte.
  *
- * Parts are read once, in blocks of 16 KiB. Memory holds about 200 bytes per part and per node above the parts.
+ * Parts are read once, in blocks of 64 KiB. Memory holds about 200 bytes per part and per node above the parts.
  *
  * \param header of the tree
  * \param paths part_count part files, in any order; parts may have different levels but not overlap. Where no part is,

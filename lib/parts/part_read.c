@@ -16,8 +16,8 @@
 #include "core/struct_size.h"
 #include "svocl/parts.h"
 
-/* Of a segment that is read at a time. */
-#define PIECE_BYTES 16384
+/* Of a segment that is read at a time: each piece costs two calls of the system where parts are stitched. */
+#define PIECE_BYTES 65536
 
 svo_status svo_i_part_damaged(const svo_i_part_reader *reader, const char *why)
 {

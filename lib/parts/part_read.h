@@ -23,7 +23,7 @@ void svo_i_part_close(svo_i_part_reader *reader);
 /* The segment of a kind and level; NULL: the file has none. */
 const part_segment *svo_i_part_find(const svo_i_part_reader *reader, uint32_t kind, uint32_t level);
 
-/* Called with the bytes of a segment, a piece at a time; pieces but the last are multiples of 16384 bytes. */
+/* Called with the bytes of a segment, a piece at a time; pieces but the last are multiples of 65536 bytes. */
 typedef svo_status (*svo_i_part_visitor)(void *user, const void *bytes, size_t byte_count);
 /* Reads a segment and compares its checksum after the last piece, so what came from it is void after a failure. visit:
    NULL allowed. */

@@ -18,6 +18,7 @@ import pytest
 import shapes
 
 import svocl
+from svocl.distributed import _run, _tasks
 from svocl.distributed.__main__ import read_options
 
 pytest.importorskip("distributed", reason="Dask's distributed is not installed (pip install distributed)")
@@ -239,6 +240,27 @@ def test_words_for_what_cannot_work(mesh_file, tmp_path):
     for options in (["--need", "colour"], ["--workers", "0"], ["--coverage", "all"], ["--patience", "long"]):
         with pytest.raises(SystemExit, match="2"):
             read_options([str(mesh_file), "-d", "6", "-o", str(path), *options])
+
+
+def test_workers_send_files_of_their_parts_alone(device, mesh, tmp_path, monkeypatch):
+    """Other names are refused: nothing is written, and the words say which."""
+    distributed = pytest.importorskip("distributed")
+    folder = tmp_path / "tree.svo.parts"
+    with svocl.Parts.create(device, mesh, DEPTH, folder, max_bytes=PART_BYTES) as parts:
+        first, last = parts.entries[0], parts.entries[-1]
+        assert _run.is_of_part(f"{last.name}.part", last)
+        assert _run.is_of_part(f"{last.level + 1}-{last.code << 3 | 7:x}.split", last)
+        strange = [f"{first.name}.part", f"{last.level - 1}-{last.code >> 3:x}.split", f"{last.name}.tri", "plan"]
+        strange += [f"../{last.name}.part", f"/{last.name}.part", f"{last.name}.part/..", f"0{last.name}.part", ""]
+        assert not [name for name in strange if _run.is_of_part(name, last)]
+        plan = (folder / "plan").read_bytes()
+        there = sorted(tmp_path.rglob("*"))
+        with distributed.Client(processes=False, n_workers=1, threads_per_worker=1, dashboard_address=None) as client:
+            sent = _tasks.Built("a worker", files={"plan": b"", "../out.part": b""})
+            monkeypatch.setattr(_tasks, "build_sent", lambda work, plan, triangles: sent)
+            with pytest.raises(_run.Interrupted, match="a worker: 'plan' is no file of the part"):
+                _run.build_parts(client, parts, shared_folder=False)
+        assert sorted(tmp_path.rglob("*")) == there and (folder / "plan").read_bytes() == plan
 
 
 # --- workers that do not --------------------------------------------------------------------------------------------

@@ -371,21 +371,21 @@ class PagedInfo(NamedTuple):
     depth: int
     """The grid has 2**depth voxels per axis."""
     top_level: int
-    """Levels 0 to this one are always there."""
+    """Levels 0 to this one are always there: the more, the greater budget_bytes is."""
     page_levels: int
     """Of a page."""
     need: Need
     """What of colors and normals the file has."""
     page_count: int
-    """Of the whole tree."""
+    """Of all levels below top_level."""
     file_bytes: int
     """Length of the file."""
     device_bytes: int
     """Of all buffers on the device: at most what was given."""
     least_bytes: int
-    """Of the buffers with room for the upper levels and the largest page alone."""
+    """Of the buffers with these upper levels and room for the largest page alone; a smaller budget has fewer levels."""
     whole_bytes: int
-    """Of the buffers where all pages have room."""
+    """Of the buffers with these upper levels and room for all pages."""
     open_read_bytes: int
     """Read when the file was opened."""
 

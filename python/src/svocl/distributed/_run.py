@@ -4,13 +4,14 @@
 import asyncio
 import importlib
 import os
+import re
 import time
 import uuid
 import warnings
 from collections import deque
 from typing import Any, Callable, NamedTuple, Optional
 
-from .._parts import Parts
+from .._parts import PartEntry, Parts
 from . import _tasks
 
 TRIES = 3
@@ -180,8 +181,13 @@ class _Run:
             self.shared = False
             self.waiting.append(index)
             return
+        files = built.files or {}
+        strangers = [name for name in files if not is_of_part(name, entry)]
+        if strangers:
+            self._try_again(index, f"{built.worker}: {strangers[0]!r} is no file of the part")
+            return
         # A part may have been split. What says so comes last, when its children are there.
-        for name, content in sorted((built.files or {}).items(), key=lambda file: file[0].endswith(".split")):
+        for name, content in sorted(files.items(), key=lambda file: file[0].endswith(".split")):
             self._write(name, content)
         share = self.workers.get(built.worker, Share(0, 0.0))
         self.workers[built.worker] = Share(share.parts + 1, share.seconds + built.seconds)
@@ -230,6 +236,14 @@ class _Run:
             return self.client.sync(function, callback_timeout=30)
         except (asyncio.TimeoutError, OSError) as problem:
             raise self._lost() from problem
+
+
+def is_of_part(name: str, entry: PartEntry) -> bool:
+    """Whether a file that a worker sends belongs in the folder: of the part, or of one that it was split into."""
+    found = re.fullmatch(r"(0|[1-9][0-9]?)-(0|[1-9a-f][0-9a-f]*)\.(part|split)", name)
+    if not found or int(found[1]) < entry.level:
+        return False
+    return int(found[2], 16) >> 3 * (int(found[1]) - entry.level) == entry.code
 
 
 def words_of(problem: BaseException) -> str:
