@@ -15,187 +15,12 @@
 
 #include <cmocka.h>
 
-#include "attributed_mesh.h"
 #include "enqueued.h"
 #include "fixture.h"
 #include "memory_ledger.h"
-
-enum { OBJECTS = 5 };
+#include "moving_scene.h"
 
 static const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
-
-/* ---- scenes ---- */
-
-/* A static mesh around the unit cube and smaller objects, of random triangles with every attribute. */
-typedef struct actors {
-    attributed_mesh room, objects[OBJECTS];
-    float *floats[OBJECTS + 1]; /* their positions; NULL: doubles */
-} actors;
-
-static void use_floats(attributed_mesh *mesh, float **floats)
-{
-    const size_t count = mesh->mesh.vertex_count * 3;
-    *floats = malloc(count * sizeof **floats);
-    assert_non_null(*floats);
-    for (size_t i = 0; i < count; ++i) {
-        (*floats)[i] = (float)mesh->base.positions[i];
-    }
-    mesh->mesh.positions = *floats;
-    mesh->mesh.positions_double = NULL;
-}
-
-/* An object has triangles of its own materials, without or with indices, and a few that are refused. */
-static void actors_create(uint64_t seed, size_t triangles, bool in_floats, actors *out)
-{
-    *out = (actors){.floats = {NULL}};
-    attributed_mesh_create(seed, triangles, 0.1, &out->room);
-    for (int i = 0; i < OBJECTS; ++i) {
-        attributed_mesh *object = &out->objects[i];
-        attributed_mesh_create(seed * 31 + 5 + (uint64_t)i, triangles / 4 + (size_t)i, 0.0, object);
-        object->mesh.triangle_materials = i == 2 ? NULL : object->mesh.triangle_materials;
-        object->base.positions[3 * i] = i == 3 ? (double)NAN : object->base.positions[3 * i];
-    }
-    for (int i = 0; in_floats && i <= OBJECTS; ++i) {
-        use_floats(i == 0 ? &out->room : &out->objects[i - 1], &out->floats[i]);
-    }
-}
-
-static void actors_destroy(actors *made)
-{
-    attributed_mesh_destroy(&made->room);
-    for (int i = 0; i < OBJECTS; ++i) {
-        attributed_mesh_destroy(&made->objects[i]);
-    }
-    for (int i = 0; i <= OBJECTS; ++i) {
-        free(made->floats[i]);
-    }
-}
-
-/* A random turn, stretch and shift; half of the objects reach outside the grid, some lie outside. */
-static void random_transform(uint64_t *seed, double out[12])
-{
-    const double angle = 6.28 * random_unit(seed);
-    const double size = 0.1 + 0.4 * random_unit(seed);
-    const double turn[9] = {cos(angle), -sin(angle), 0, sin(angle), cos(angle), 0.3, 0.1, 0, 0.5 + random_unit(seed)};
-    for (int row = 0; row < 3; ++row) {
-        for (int k = 0; k < 3; ++k) {
-            out[4 * row + k] = size * turn[3 * row + k];
-        }
-        out[4 * row + 3] = 1.2 * random_unit(seed) - 0.2;
-    }
-}
-
-static svo_moving *make_moving(const fixture *opened, const svo_mesh *mesh, unsigned depth, svo_moving_options options)
-{
-    svo_moving *moving = NULL;
-    options.struct_size = sizeof options;
-    succeed(opened, svo_moving_create(opened->device, mesh, depth, &options, opened->queue, &moving));
-    return moving;
-}
-
-static svo_moving *make_stage(const fixture *opened, const actors *of, unsigned depth, svo_moving_options options)
-{
-    uint64_t seed = 99;
-    svo_moving *moving = make_moving(opened, &of->room.mesh, depth, options);
-    for (uint32_t i = 0; i < OBJECTS; ++i) {
-        double transform[12];
-        uint32_t object = 77;
-        random_transform(&seed, transform);
-        succeed(opened, svo_moving_add(moving, &of->objects[i].mesh, transform, &object));
-        assert_int_equal(object, i);
-    }
-    return moving;
-}
-
-static void update(const fixture *opened, svo_moving *moving)
-{
-    succeed(opened, svo_moving_update(moving, opened->queue, NULL));
-}
-
-/* ---- trees ---- */
-
-typedef struct outcome {
-    char hash[SVO_HASH_TEXT_BYTES];
-    svo_tree_info info;
-    svo_tree_arrays arrays;
-} outcome;
-
-static outcome outcome_of(const fixture *opened, svo_tree *tree)
-{
-    outcome found = {.info = SVO_TREE_INFO_INIT, .arrays = {.struct_size = sizeof found.arrays}};
-    succeed(opened, svo_tree_download(tree, opened->queue));
-    succeed(opened, svo_tree_hash(tree, SVO_HASH_ALL, found.hash));
-    succeed(opened, svo_tree_get_info(tree, &found.info));
-    succeed(opened, svo_tree_get_arrays(tree, &found.arrays));
-    return found;
-}
-
-/* What the hash leaves out, of the mesh that rays meet. */
-static void assert_same_geometry(const outcome *actual, const outcome *expected)
-{
-    const svo_tree_arrays *a = &actual->arrays;
-    const svo_tree_arrays *b = &expected->arrays;
-    const size_t vertices = (size_t)expected->info.vertex_count;
-    const size_t triangles = (size_t)expected->info.list_triangle_count;
-    if ((expected->info.need & SVO_NEED_RAYS) == 0) {
-        return;
-    }
-    assert_int_equal(actual->info.positions, expected->info.positions);
-    assert_memory_equal(a->vertices, b->vertices, vertices * 12);
-    assert_memory_equal(a->indices, b->indices, triangles * 12);
-    assert_memory_equal(a->triangle_ids, b->triangle_ids, triangles * 4);
-    if (b->positions != NULL) {
-        assert_memory_equal(a->positions, b->positions, vertices * 12);
-    } else if (b->positions_double != NULL) {
-        assert_memory_equal(a->positions_double, b->positions_double, vertices * 24);
-    }
-}
-
-static void assert_same(const outcome *actual, const outcome *expected)
-{
-    assert_string_equal(actual->hash, expected->hash);
-    assert_int_equal(actual->info.triangles, expected->info.triangles);
-    assert_int_equal(actual->info.refused_triangles, expected->info.refused_triangles);
-    assert_int_equal(actual->info.vertex_count, expected->info.vertex_count);
-    assert_int_equal(actual->info.list_triangle_count, expected->info.list_triangle_count);
-    assert_int_equal(actual->info.fragments, expected->info.fragments);
-    assert_true(actual->info.snap_error == expected->info.snap_error);
-    assert_same_geometry(actual, expected);
-}
-
-/* A full build of the scene's mesh. */
-static svo_tree *build_whole(const fixture *opened, svo_moving *moving, unsigned depth, const svo_moving_options *of)
-{
-    svo_mesh mesh;
-    svo_tree *tree = NULL;
-    svo_moving_info info = SVO_MOVING_INFO_INIT;
-    succeed(opened, svo_moving_get_mesh(moving, &mesh));
-    succeed(opened, svo_moving_get_info(moving, &info));
-    svo_plan_options options = {.need = info.need != 0 ? info.need : (uint32_t)SVO_NEED_NONE,
-                                .coverage = of->coverage,
-                                .weights = of->weights,
-                                .payload_level = of->payload_level,
-                                .edge = of->edge,
-                                .weight_log2 = info.weight_log2};
-    memcpy(options.origin, of->origin, sizeof options.origin);
-    svo_plan *plan = make_plan(opened, &mesh, depth, options);
-    succeed(opened, svo_build(plan, opened->frontend, opened->queue, &tree, NULL));
-    svo_plan_destroy(&plan);
-    return tree;
-}
-
-/* Compares the tree with a full build. */
-static void compare(const fixture *opened, svo_moving *moving, unsigned depth, const svo_moving_options *of)
-{
-    svo_moving_info info = SVO_MOVING_INFO_INIT;
-    svo_tree *tree = build_whole(opened, moving, depth, of);
-    const outcome expected = outcome_of(opened, tree);
-    const outcome actual = outcome_of(opened, svo_moving_tree(moving));
-    assert_same(&actual, &expected);
-    succeed(opened, svo_moving_get_info(moving, &info));
-    assert_int_equal(info.fragments, expected.info.fragments);
-    svo_tree_destroy(&tree);
-}
 
 /* ---- equality ---- */
 
@@ -225,14 +50,14 @@ static void compare_moves(const fixture *opened, uint64_t seed, int moves, unsig
     actors_create(seed, 120, seed % 2 == 0, &made);
     options.max_area = 40.0;
     svo_moving *moving = make_stage(opened, &made, depth, options);
-    update(opened, moving);
-    compare(opened, moving, depth, &options);
+    update_moving(opened, moving);
+    compare_moving(opened, moving, depth, &options);
     for (int i = 0; i < moves; ++i) {
         for (uint32_t k = random_below(&seed, 3) + 1; k > 0; --k) {
             play(opened, moving, &made, &seed, visible);
         }
-        update(opened, moving);
-        compare(opened, moving, depth, &options);
+        update_moving(opened, moving);
+        compare_moving(opened, moving, depth, &options);
     }
     svo_moving_destroy(&moving);
     actors_destroy(&made);
@@ -285,23 +110,17 @@ static void all_may_leave_the_grid(void **state)
     actors made;
     actors_create(8, 60, true, &made);
     svo_moving *moving = make_stage(&opened, &made, 5, options);
-    update(&opened, moving);
-    compare(&opened, moving, 5, &options);
-    for (uint32_t i = 0; i < OBJECTS; ++i) {
-        succeed(&opened, svo_moving_set_transform(moving, i, inside));
-        update(&opened, moving);
-        compare(&opened, moving, 5, &options);
-        succeed(&opened, svo_moving_get_object(moving, i, &info));
-        assert_int_equal(info.outside_triangles, 0);
-        assert_true(info.fragments > 0);
-    }
-    for (uint32_t i = 0; i < OBJECTS; ++i) {
-        succeed(&opened, svo_moving_set_transform(moving, i, away));
-        update(&opened, moving);
-        compare(&opened, moving, 5, &options);
-        succeed(&opened, svo_moving_get_object(moving, i, &info));
-        assert_int_equal(info.outside_triangles + info.refused_triangles, info.triangles);
-        assert_int_equal(info.fragments, 0);
+    update_moving(&opened, moving);
+    compare_moving(&opened, moving, 5, &options);
+    for (uint32_t step = 0; step < 2 * OBJECTS; ++step) {
+        const bool leaves = step >= OBJECTS;
+        const uint32_t object = step % OBJECTS;
+        succeed(&opened, svo_moving_set_transform(moving, object, leaves ? away : inside));
+        update_moving(&opened, moving);
+        compare_moving(&opened, moving, 5, &options);
+        succeed(&opened, svo_moving_get_object(moving, object, &info));
+        assert_int_equal(info.outside_triangles, leaves ? info.triangles - info.refused_triangles : 0);
+        assert_true(leaves == (info.fragments == 0));
     }
     svo_moving_destroy(&moving);
     actors_destroy(&made);
@@ -317,31 +136,31 @@ static void objects_come_and_go(void **state)
     actors made;
     actors_create(6, 80, false, &made);
     svo_moving *moving = make_stage(&opened, &made, 6, options);
-    update(&opened, moving);
+    update_moving(&opened, moving);
     succeed(&opened, svo_moving_remove(moving, 1));
     succeed(&opened, svo_moving_remove(moving, 3));
     assert_int_equal(svo_moving_remove(moving, 3), SVO_INVALID_ARGUMENT);
-    update(&opened, moving);
-    compare(&opened, moving, 6, &options);
+    update_moving(&opened, moving);
+    compare_moving(&opened, moving, 6, &options);
     succeed(&opened, svo_moving_remove(moving, 2)); /* its number goes to another before the update */
     succeed(&opened, svo_moving_add(moving, &made.objects[0].mesh, identity, &object));
     assert_int_equal(object, 1);
     succeed(&opened, svo_moving_add(moving, &made.objects[4].mesh, NULL, &object));
     assert_int_equal(object, 2);
-    update(&opened, moving);
-    compare(&opened, moving, 6, &options);
+    update_moving(&opened, moving);
+    compare_moving(&opened, moving, 6, &options);
     succeed(&opened, svo_moving_get_info(moving, &scene));
     assert_int_equal(scene.object_count, 4);
     succeed(&opened, svo_moving_show(moving, 0, 0));
     succeed(&opened, svo_moving_get_object(moving, 1, &info));
     assert_int_equal(info.first_triangle, made.room.mesh.triangle_count);
-    update(&opened, moving);
-    compare(&opened, moving, 6, &options);
+    update_moving(&opened, moving);
+    compare_moving(&opened, moving, 6, &options);
     for (uint32_t i = 0; i < OBJECTS; ++i) {
         (void)svo_moving_remove(moving, i);
     }
-    update(&opened, moving);
-    compare(&opened, moving, 6, &options);
+    update_moving(&opened, moving);
+    compare_moving(&opened, moving, 6, &options);
     svo_moving_destroy(&moving);
     actors_destroy(&made);
 }
@@ -357,7 +176,7 @@ static void reports_count_what_changed(void **state)
     actors made;
     actors_create(10, 80, true, &made);
     svo_moving *moving = make_stage(&opened, &made, 6, options);
-    update(&opened, moving);
+    update_moving(&opened, moving);
     const svo_tree *tree = svo_moving_tree(moving);
     succeed(&opened, svo_moving_update(moving, opened.queue, &report));
     assert_int_equal(report.changed_objects, 0);
@@ -412,7 +231,7 @@ static void light_is_that_of_full_builds(void **state)
             double transform[12];
             random_transform(&seed, transform);
             succeed(&opened, svo_moving_set_transform(moving, i, transform));
-            update(&opened, moving);
+            update_moving(&opened, moving);
             svo_tree *whole = build_whole(&opened, moving, DEPTH, &options);
             digest_light(&opened, svo_moving_tree(moving), (svo_light_form)form, actual);
             digest_light(&opened, whole, (svo_light_form)form, expected);
@@ -447,7 +266,7 @@ static void wrong_transforms_are_refused(void **state)
     actors made;
     actors_create(2, 60, true, &made);
     svo_moving *moving = make_stage(&opened, &made, 4, options);
-    update(&opened, moving);
+    update_moving(&opened, moving);
     const svo_tree *tree = svo_moving_tree(moving);
     assert_fails(&opened, svo_moving_set_transform(moving, 3, flat), SVO_INVALID_ARGUMENT, "object 3 is flat");
     assert_fails(&opened, svo_moving_set_transform(moving, 2, none), SVO_INVALID_ARGUMENT, "object 2 is flat");
@@ -457,7 +276,7 @@ static void wrong_transforms_are_refused(void **state)
     assert_fails(&opened, svo_moving_set_transform(moving, 5, identity), SVO_INVALID_ARGUMENT, "no object 5");
     assert_fails(&opened, svo_moving_add(moving, &made.objects[0].mesh, flat, &object), SVO_INVALID_ARGUMENT,
                  "object 5 is flat");
-    update(&opened, moving);
+    update_moving(&opened, moving);
     assert_ptr_equal(svo_moving_tree(moving), tree); /* nothing had moved */
     svo_moving_destroy(&moving);
     actors_destroy(&made);
@@ -526,7 +345,7 @@ static void what_does_not_fit_leaves_the_tree(void **state)
         for (int i = 0; i < 40; ++i) {
             succeed(&opened, svo_moving_add(moving, &made.objects[4].mesh, small, &object));
         }
-        update(&opened, moving);
+        update_moving(&opened, moving);
         const outcome before = outcome_of(&opened, svo_moving_tree(moving));
         for (uint32_t i = 0; i < 40; ++i) {
             succeed(&opened, svo_moving_set_transform(moving, i, large));
@@ -538,8 +357,8 @@ static void what_does_not_fit_leaves_the_tree(void **state)
         for (uint32_t i = 0; i < 40; ++i) {
             succeed(&opened, svo_moving_set_transform(moving, i, small));
         }
-        update(&opened, moving);
-        compare(&opened, moving, 6, &options);
+        update_moving(&opened, moving);
+        compare_moving(&opened, moving, 6, &options);
         svo_moving_destroy(&moving);
         actors_destroy(&made);
     }
@@ -570,7 +389,7 @@ static void memory_is_flat(void **state)
         const double transform[12] = {1, 0, 0, (double)(i % 64) / 128.0, 0, 1, 0, 0, 0, 0, 1, 0};
         succeed(&opened, svo_moving_set_transform(moving, object, transform));
         succeed(&opened, svo_moving_show(moving, object, i % 7 != 0));
-        update(&opened, moving);
+        update_moving(&opened, moving);
         if (i == WARM) {
             ledger_begin(LEDGER_NEVER);
             blocks = ledger_end().live_blocks;

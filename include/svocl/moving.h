@@ -23,6 +23,7 @@
 #include <stdint.h>
 
 #include "svocl/plan.h"
+#include "svocl/trace.h"
 #include "svocl/tree.h"
 
 #ifdef __cplusplus
@@ -181,6 +182,77 @@ SVO_API svo_status svo_moving_remove(svo_moving *moving, uint32_t object);
  * \returns SVO_CAPACITY_EXCEEDED (more pairs than fragment_capacity, more area than max_area; the message has the
  *          figures), SVO_OUT_OF_DEVICE_MEMORY, SVO_OUT_OF_HOST_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR. */
 SVO_API svo_status svo_moving_update(svo_moving *moving, cl_command_queue queue, svo_moving_report *report);
+
+/** Enqueues the update that svo_moving_update makes, and does not wait for the device:
+ *
+ *     svo_moving_set_transform   what moves, each frame
+ *     svo_moving_update_enqueue  waits for nothing; the tree stays the one before
+ *     svo_moving_finish          waits for the update; now the tree is that of a full build, byte for byte
+ *
+ * Until svo_moving_finish, calls that change the scene are refused, and those that read it tell of the tree before,
+ * which may be used meanwhile. An object that is made anew has room for an eighth more pairs than it ever had, before
+ * its first update for those that the fragment estimate expects. Where that is too little, svo_moving_finish says so.
+ * Device memory is allocated for all of the room at once; OpenCL releases what is scratch when its commands are done.
+ *
+ * \param moving not NULL, without an update in flight
+ * \param queue of the device, in-order or out-of-order
+ * \param num_wait number of events in wait
+ * \param wait events of the device's context to wait for; NULL when num_wait is 0
+ * \param event receives an event of the whole update; NULL allowed
+ * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the pairs of an object do not fit one buffer of the device),
+ *          SVO_CAPACITY_EXCEEDED (room for more than 2^32 - 65537 pairs), SVO_OUT_OF_DEVICE_MEMORY,
+ *          SVO_OUT_OF_HOST_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR. After a failure, which waits for what was
+ *          enqueued until then, no update is in flight and the tree stays. */
+SVO_API svo_status svo_moving_update_enqueue(svo_moving *moving, cl_command_queue queue, cl_uint num_wait,
+                                             const cl_event *wait, cl_event *event);
+
+/** Waits for the update in flight and takes its tree.
+ *
+ * \param moving not NULL, with an update in flight
+ * \param report receives what was done, without the times of stages; total_ms is the time since the update was
+ *        enqueued. NULL: not wanted
+ * \returns SVO_CAPACITY_EXCEEDED (an object has more pairs than the update had room for: the message has the figures,
+ *          and the next update has room; or as svo_moving_update), SVO_INVALID_ARGUMENT (no update is in flight),
+ *          SVO_OUT_OF_DEVICE_MEMORY or SVO_CL_ERROR. After a failure the tree before stays what it was, and no update
+ *          is in flight. */
+SVO_API svo_status svo_moving_finish(svo_moving *moving, svo_moving_report *report);
+
+/** What became of the objects' BVHs. The static mesh counts as an object. */
+typedef struct svo_moving_bvh_report {
+    size_t struct_size; /**< sizeof(svo_moving_bvh_report) */
+    uint32_t kept; /**< objects that had not changed */
+    uint32_t refit; /**< objects that moved or got new vertices */
+    uint32_t made; /**< objects that had no BVH, or whose BVH was made anew */
+    uint32_t reserved; /**< zero */
+    double total_ms; /**< all of it. Milliseconds, wall clock */
+} svo_moving_bvh_report;
+
+/** An empty output. */
+#define SVO_MOVING_BVH_REPORT_INIT SVO_STRUCT_INIT(svo_moving_bvh_report)
+
+/** Makes the BVH of the newest tree from those of its objects, and waits for it. Call it after an update; then all that
+ *  trace.h offers works on svo_moving_tree, with the hits of a BVH of the whole mesh, bit for bit, but for the counts
+ *  of leaves visited and the record of SVO_TRACE_ANY. Without this call the first rays make a BVH of the whole mesh.
+ *
+ *  Each object has a BVH of its own below common nodes. The static mesh's is made once, with SVO_BVH_BEST. An object's
+ *  is kept while the object stays, refit when it moves or gets new vertices, and made anew when rays through it have
+ *  become too costly, when it reaches or reached outside the grid, and when its triangles inside the grid are others.
+ *  A transform is followed by a refit too: rays meet vertices as they are in the scene's mesh, rounded to its floats,
+ *  where a ray that is transformed into the object would be rounded itself and meet others.
+ *
+ *  A BVH that can be refit takes 140 bytes per triangle, beside the 51 to 55 of its nodes and leaves. Objects' BVHs
+ *  stay while they are hidden.
+ *
+ * \param moving with SVO_NEED_RAYS, coverage half-open or closed. No batch of rays of its trees may be in progress
+ * \param quality of objects' BVHs that are made, a svo_bvh_quality
+ * \param cost_ratio a refit BVH is made anew when a random ray through the object visits so many times the nodes that
+ *        it visited when the BVH was made; not negative. 0: 1.5. Below 1: every object that has changed is made anew
+ * \param queue of the device, in-order or out-of-order; NULL: the device's own
+ * \param report receives what was done; NULL: not wanted
+ * \returns SVO_INVALID_ARGUMENT or what svo_tree_prepare_rays returns. After a failure rays make a BVH of the whole
+ *          mesh, and another call makes all objects' anew. */
+SVO_API svo_status svo_moving_make_bvh(svo_moving *moving, svo_bvh_quality quality, float cost_ratio,
+                                       cl_command_queue queue, svo_moving_bvh_report *report);
 
 /** The tree of the newest update that succeeded.
  *

@@ -63,16 +63,16 @@ static bool svo_is_dropped(__global const uint *dropped, svo_kept_list list, uin
     return (dropped[object >> 5] >> (object & 31u) & 1u) != 0u;
 }
 
-/* dropped: a bit for each object. counts: one of each strip. */
+/* a_count, b_count: see svo_kept_count. dropped: a bit for each object. counts: one of each strip. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_merge_count(__global const uint *a_fragments, __global const uint4 *a_values, __global const uint *b_fragments,
-                  __global const uint4 *b_values, __global const uint *dropped, __global uint *counts,
-                  svo_moving_params params)
+                  __global const uint4 *b_values, __global const uint *a_count, __global const uint *b_count,
+                  __global const uint *dropped, __global uint *counts, svo_moving_params params)
 {
-    const svo_kept_list a = {a_fragments, a_values, params.count};
-    const svo_kept_list b = {b_fragments, b_values, params.other_count};
+    const svo_kept_list a = {a_fragments, a_values, svo_kept_count(params.count, a_count)};
+    const svo_kept_list b = {b_fragments, b_values, svo_kept_count(params.other_count, b_count)};
     const uint strip = (uint)get_global_id(0);
-    if ((ulong)strip * SVO_MERGE_STRIP >= (ulong)a.count + b.count) {
+    if ((ulong)strip * SVO_MERGE_STRIP >= (ulong)params.count + params.other_count) {
         return;
     }
     const svo_merge_part part = svo_merge_part_of(a, b, strip);
@@ -87,11 +87,12 @@ svo_k_merge_count(__global const uint *a_fragments, __global const uint4 *a_valu
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_merge_write(__global const uint *a_fragments, __global const uint4 *a_values, __global const uint *a_materials,
                   __global const uint *b_fragments, __global const uint4 *b_values, __global const uint *b_materials,
-                  __global const uint *dropped, __global const uint *before, __global uint *fragments,
-                  __global uint4 *values, __global uint *materials, svo_moving_params params)
+                  __global const uint *a_count, __global const uint *b_count, __global const uint *dropped,
+                  __global const uint *before, __global uint *fragments, __global uint4 *values,
+                  __global uint *materials, svo_moving_params params)
 {
-    const svo_kept_list a = {a_fragments, a_values, params.count};
-    const svo_kept_list b = {b_fragments, b_values, params.other_count};
+    const svo_kept_list a = {a_fragments, a_values, svo_kept_count(params.count, a_count)};
+    const svo_kept_list b = {b_fragments, b_values, svo_kept_count(params.other_count, b_count)};
     const uint strip = (uint)get_global_id(0);
     if ((ulong)strip * SVO_MERGE_STRIP >= (ulong)a.count + b.count) {
         return;

@@ -9,22 +9,30 @@
  */
 #include "moving/kept.clh"
 
+/* Words from params.first on. firsts: NULL; or the first triangle of each object and the end of all, and the words are
+   those of the triangles of the object params.first, params.other_count each. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_moving_shift(__global const uint *from, __global uint *to, svo_moving_params params)
+svo_k_moving_shift(__global const uint *from, __global uint *to, __global const uint *firsts, svo_moving_params params)
 {
     const uint index = (uint)get_global_id(0);
-    if (index < params.count) {
-        to[(size_t)params.first + index] = from[index] + params.object;
+    uint first = params.first;
+    uint count = params.count;
+    if (firsts != 0) {
+        first = firsts[params.first] * params.other_count;
+        count = firsts[params.first + 1u] * params.other_count - first;
+    }
+    if (index < count) {
+        to[(size_t)first + index] = from[index] + params.object;
     }
 }
 
-/* firsts: the first triangle of each object. */
+/* counted: see svo_kept_count. firsts: the first triangle of each object. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_moving_number(__global const uint *fragments, __global const uint4 *values, __global const uint *firsts,
-                    __global uint *list, svo_moving_params params)
+                    __global const uint *counted, __global uint *list, svo_moving_params params)
 {
     const uint index = (uint)get_global_id(0);
-    if (index < params.count) {
+    if (index < svo_kept_count(params.count, counted)) {
         list[index] = firsts[svo_kept_object(values, index)] + svo_fragment_triangle(fragments, index);
     }
 }

@@ -79,13 +79,15 @@ svo_k_moving_weigh(__global const uint *fragments, __global const int *vertices,
                    __global const svo_triangle_record *records, __global const uint *vertex_colors,
                    __global const short *vertex_normals, __global const int *uvs,
                    __global const svo_material_record *materials, __global const uint *texels, __global uint4 *values,
-                   __global uint *pair_materials, svo_filter_params filter, svo_moving_params params)
+                   __global uint *pair_materials, __global const uint *counted, svo_filter_params filter,
+                   svo_moving_params params)
 {
     const ulong begin = (ulong)get_global_id(0) * SVO_WEIGH_PAIRS;
-    if (begin >= params.count) {
+    const uint pairs = svo_kept_count(params.count, counted);
+    if (begin >= pairs) {
         return;
     }
-    const uint end = (uint)min(begin + SVO_WEIGH_PAIRS, (ulong)params.count);
+    const uint end = (uint)min(begin + SVO_WEIGH_PAIRS, (ulong)pairs);
     const svo_surface surface = {vertices, indices, records, vertex_colors, vertex_normals, uvs, materials, texels};
     svo_weigh(fragments, surface, values, (uint)begin, end, filter, params.object);
     for (uint i = (uint)begin; i < (pair_materials != 0 ? end : (uint)begin); ++i) {

@@ -60,9 +60,15 @@ static svo_status take(svo_i_commands *commands, const char *name, uint64_t byte
     return SVO_OK;
 }
 
+/* Whether buffers are those of a workspace. */
+static bool is_lent(const svo_i_commands *commands)
+{
+    return commands->mode == SVO_I_MODE_ENQUEUE && commands->allocations != NULL;
+}
+
 svo_status svo_i_commands_alloc(svo_i_commands *commands, const char *name, uint64_t bytes, cl_mem *out)
 {
-    if (commands->mode == SVO_I_MODE_ENQUEUE) {
+    if (is_lent(commands)) {
         return take(commands, name, bytes, out);
     }
     if (commands->mode == SVO_I_MODE_MEASURE) {
@@ -138,7 +144,7 @@ svo_status svo_i_commands_write(svo_i_commands *commands, cl_mem buffer, const v
 
 void svo_i_commands_free(svo_i_commands *commands, cl_mem *buffer)
 {
-    if (*buffer == NULL || commands->mode == SVO_I_MODE_ENQUEUE) {
+    if (*buffer == NULL || is_lent(commands)) {
         *buffer = NULL;
         return;
     }

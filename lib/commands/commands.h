@@ -15,7 +15,9 @@
 typedef enum svo_i_mode {
     SVO_I_MODE_RUN = 0, /* a blocking build: allocates, launches, waits for counts, grows buffers that were too small */
     SVO_I_MODE_MEASURE, /* records allocations and launches nothing, except for warm-up; counts are capacities */
-    SVO_I_MODE_ENQUEUE /* launches in the workspace's memory and never waits; counts are capacities */
+    /* Launches in the workspace's memory and never waits; counts are capacities. Without a workspace's allocations it
+       makes its own, which OpenCL keeps until the commands are done. */
+    SVO_I_MODE_ENQUEUE
 } svo_i_mode;
 
 /* The first and last command of a stage, for timing after the build has ended. */
@@ -50,7 +52,8 @@ typedef struct svo_i_commands {
     svo_i_span spans[SVO_I_SPANS_MAX]; /* whose times svo_i_stage_collect will read */
     size_t span_count;
 
-    svo_i_allocations *allocations; /* SVO_I_MODE_MEASURE appends to it; SVO_I_MODE_ENQUEUE takes from it */
+    svo_i_allocations
+        *allocations; /* SVO_I_MODE_MEASURE appends to it; SVO_I_MODE_ENQUEUE takes from it, unless NULL */
     size_t next_allocation; /* SVO_I_MODE_ENQUEUE: the next entry to take */
     svo_i_warm_up *warm_up; /* SVO_I_MODE_MEASURE: performs warm-up launches; NULL: no launches */
     double *expected_ns; /* SVO_I_MODE_MEASURE: receives the predicted time of each stage; NULL: not wanted */

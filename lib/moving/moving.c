@@ -3,11 +3,14 @@
  * Scenes that move. An update makes new pairs of what changed, a new list and a new tree beside the old ones, and takes
  * them only when all has succeeded.
  */
+#include "moving/moving.h"
+
 #include <math.h>
 #include <string.h>
 
 #include "core/struct_size.h"
 #include "core/work.h"
+#include "moving/bvh.h"
 #include "moving/merge.h"
 #include "moving/mesh.h"
 #include "moving/objects.h"
@@ -19,18 +22,7 @@
 
 static const char update_name[] = "svo_moving_update";
 
-typedef struct update {
-    svo_moving *moving;
-    cl_command_queue queue;
-    bool timed;
-    svo_moving_report report;
-    double start_ms; /* of the current stage */
-    svo_i_kept_list *changed; /* lists of the objects in members */
-    uint32_t *members; /* indices of objects whose pairs are made anew */
-    uint32_t changed_count;
-    svo_i_kept_list list; /* of the new tree */
-    svo_tree *tree;
-} update;
+typedef svo_i_moving_update update;
 
 /* The time since the last call goes to a stage. */
 static void tell(update *u, double *stage_ms)
@@ -40,14 +32,17 @@ static void tell(update *u, double *stage_ms)
     u->start_ms = now;
 }
 
-/* Whether anything in the list is to change. */
-static bool is_due(const svo_moving *moving)
+bool svo_i_moving_is_new(const svo_i_moving_object *object)
+{
+    return svo_i_moving_shows(object) && !svo_i_moving_stays(object);
+}
+
+bool svo_i_moving_is_due(const svo_moving *moving)
 {
     bool due = moving->tree == NULL;
     for (uint32_t i = 0; i < moving->object_count; ++i) {
         const svo_i_moving_object *object = &moving->objects[i];
-        due = due || (object->listed && !svo_i_moving_stays(object)) ||
-              (svo_i_moving_shows(object) && !svo_i_moving_stays(object));
+        due = due || (object->listed && !svo_i_moving_stays(object)) || svo_i_moving_is_new(object);
     }
     return due;
 }
@@ -63,8 +58,8 @@ static svo_status move_objects(update *u)
             continue;
         }
         if (object->moved) {
-            SVO_I_TRY(svo_plan_update_enqueue(object->plan, &object->mesh, u->queue, 0, NULL, NULL));
-            SVO_I_TRY(svo_i_update_settle(object->plan, update_name, u->queue));
+            SVO_I_TRY(svo_plan_update_enqueue(object->plan, &object->mesh, u->chain.queue, 0, NULL, NULL));
+            SVO_I_TRY(svo_i_update_settle(object->plan, update_name, u->chain.queue));
             object->moved = false;
         }
         area += object->plan->info.area;
@@ -74,7 +69,7 @@ static svo_status move_objects(update *u)
     return SVO_OK;
 }
 
-static svo_status alloc_changed(update *u)
+svo_status svo_i_moving_alloc_changed(update *u)
 {
     const svo_i_memory *memory = &u->moving->device->memory;
     u->changed = svo_i_alloc_zeroed(memory, u->moving->object_count, sizeof *u->changed);
@@ -82,21 +77,21 @@ static svo_status alloc_changed(update *u)
     return u->changed != NULL && u->members != NULL
                ? SVO_OK
                : svo_i_device_fail(u->moving->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u objects",
-                                   update_name, u->moving->object_count);
+                                   u->chain.function, u->moving->object_count);
 }
 
 /* Makes the pairs of the objects that changed. */
 static svo_status make_pairs(update *u)
 {
     svo_moving *moving = u->moving;
-    SVO_I_TRY(alloc_changed(u));
+    SVO_I_TRY(svo_i_moving_alloc_changed(u));
     for (uint32_t i = 0; i < moving->object_count; ++i) {
-        if (svo_i_moving_shows(&moving->objects[i]) && !svo_i_moving_stays(&moving->objects[i])) {
+        if (svo_i_moving_is_new(&moving->objects[i])) {
             svo_i_kept_list *list = &u->changed[u->changed_count];
             u->members[u->changed_count++] = i;
-            SVO_I_TRY(svo_i_moving_voxelize(moving, i, u->queue, list));
+            SVO_I_TRY(svo_i_moving_voxelize(moving, i, &u->chain, NULL, list));
             tell(u, &u->report.voxelize_ms);
-            SVO_I_TRY(svo_i_moving_weigh(moving, update_name, i, u->queue, list));
+            SVO_I_TRY(svo_i_moving_weigh(moving, i, &u->chain, list));
             tell(u, &u->report.weigh_ms);
         }
     }
@@ -120,37 +115,36 @@ static svo_status count_pairs(update *u, uint64_t *staying)
         u->report.fragments += u->changed[i].count;
         u->report.changed_fragments += u->changed[i].count;
     }
-    return u->report.fragments <= moving->fragment_limit
+    return u->report.fragments <= u->fragment_limit
                ? SVO_OK
                : svo_i_device_fail(moving->device, SVO_CAPACITY_EXCEEDED,
                                    "%s: the scene has %llu fragments, and room for %llu; see options.fragment_capacity",
-                                   update_name, (unsigned long long)u->report.fragments,
-                                   (unsigned long long)moving->fragment_limit);
+                                   u->chain.function, (unsigned long long)u->report.fragments,
+                                   (unsigned long long)u->fragment_limit);
 }
 
-/* Makes the list of the new tree. */
-static svo_status merge(update *u)
+svo_status svo_i_moving_merge_changed(update *u)
 {
     svo_moving *moving = u->moving;
     uint64_t staying = 0;
     static const svo_i_kept_list none = {.count = 0};
     SVO_I_TRY(count_pairs(u, &staying));
-    SVO_I_TRY(svo_i_moving_merge_all(moving, update_name, u->queue, u->changed, u->changed_count));
+    SVO_I_TRY(svo_i_moving_merge_all(moving, &u->chain, u->changed, u->changed_count));
     if (staying == 0 && u->changed_count > 0) { /* nothing to merge */
         u->list = u->changed[0];
         u->changed[0] = none;
     } else {
         u->list = moving->spare;
         moving->spare = none;
-        SVO_I_TRY(svo_i_moving_merge(moving, update_name, u->queue, u->changed_count > 0 ? &u->changed[0] : &none,
+        SVO_I_TRY(svo_i_moving_merge(moving, &u->chain, u->changed_count > 0 ? &u->changed[0] : &none,
                                      u->report.fragments, &u->list));
     }
     tell(u, &u->report.merge_ms);
     return SVO_OK;
 }
 
-/* Takes the new list and tree. The old list's buffers serve the next update. */
-static void commit(update *u, const uint64_t *counts)
+/* The old list's buffers serve the next update. */
+void svo_i_moving_commit(update *u, const uint64_t *counts)
 {
     svo_moving *moving = u->moving;
     moving->area = 0.0;
@@ -163,13 +157,16 @@ static void commit(update *u, const uint64_t *counts)
     }
     for (uint32_t i = 0; i < u->changed_count; ++i) {
         moving->objects[u->members[i]].fragments = counts[i];
+        moving->objects[u->members[i]].version = ++moving->serial;
     }
     svo_i_kept_list_free(&moving->spare);
     moving->spare = moving->list;
     moving->list = u->list;
     u->list = (svo_i_kept_list){.count = 0};
+    svo_i_moving_note_parts(moving);
     svo_tree_destroy(&moving->tree);
     moving->tree = u->tree;
+    u->tree = NULL;
 }
 
 static svo_status run_stages(update *u)
@@ -187,15 +184,15 @@ static svo_status run_stages(update *u)
     for (uint32_t i = 0; i < u->changed_count; ++i) {
         counts[i] = u->changed[i].count;
     }
-    SVO_I_TRY_CLEANUP(merge(u));
-    SVO_I_TRY_CLEANUP(svo_i_moving_tree(u->moving, u->queue, &u->list, u->timed ? &u->report : NULL, &u->tree));
-    commit(u, counts);
+    SVO_I_TRY_CLEANUP(svo_i_moving_merge_changed(u));
+    SVO_I_TRY_CLEANUP(svo_i_moving_tree(u->moving, &u->chain, &u->list, u->timed ? &u->report : NULL, &u->tree));
+    svo_i_moving_commit(u, counts);
 cleanup:
     svo_i_free(counts);
     return status;
 }
 
-static void release_update(update *u)
+void svo_i_moving_release_update(update *u)
 {
     for (uint32_t i = 0; u->changed != NULL && i < u->changed_count; ++i) {
         svo_i_kept_list_free(&u->changed[i]);
@@ -213,14 +210,19 @@ svo_status svo_moving_update(svo_moving *moving, cl_command_queue queue, svo_mov
         return SVO_INVALID_ARGUMENT;
     }
     const double start_ms = svo_i_now_ms();
-    update u = {.moving = moving, .timed = report != NULL, .start_ms = start_ms};
+    update u = {.moving = moving,
+                .chain = {.function = update_name, .waits = true},
+                .fragment_limit = moving->fragment_limit,
+                .timed = report != NULL,
+                .start_ms = start_ms};
+    SVO_I_TRY(svo_i_moving_check_still(moving, update_name));
     SVO_I_TRY(report != NULL
                   ? svo_i_struct_check(&moving->device->message, update_name, "report", report, SIZES_OF_REPORT)
                   : SVO_OK);
-    SVO_I_TRY(svo_i_device_queue(moving->device, update_name, queue, &u.queue));
+    SVO_I_TRY(svo_i_device_queue(moving->device, update_name, queue, &u.chain.queue));
     u.report.fragments = moving->list.count;
-    const svo_status status = is_due(moving) ? run_stages(&u) : SVO_OK;
-    release_update(&u);
+    const svo_status status = svo_i_moving_is_due(moving) ? run_stages(&u) : SVO_OK;
+    svo_i_moving_release_update(&u);
     u.report.total_ms = svo_i_now_ms() - start_ms;
     if (report != NULL) {
         (void)svo_i_struct_write(NULL, update_name, "report", &u.report, report, SIZES_OF_REPORT);
@@ -347,7 +349,11 @@ void svo_moving_destroy(svo_moving **moving)
         return;
     }
     svo_moving *m = *moving;
+    if (m->flight != NULL) {
+        (void)svo_moving_finish(m, NULL); /* its commands write to the scene */
+    }
     svo_tree_destroy(&m->tree);
+    svo_i_moving_free_bvhs(m);
     svo_i_kept_list_free(&m->list);
     svo_i_kept_list_free(&m->spare);
     for (uint32_t i = 0; i < m->object_count; ++i) {

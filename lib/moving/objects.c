@@ -73,6 +73,8 @@ svo_status svo_i_moving_make_object(svo_moving *moving, const char *function, ui
     svo_status status = SVO_OK;
     svo_i_moving_object made = {.visible = true, .stale = true, .listed = moving->objects[index].listed};
     made.fragments = moving->objects[index].fragments;
+    made.part = moving->objects[index].part;
+    made.identity = ++moving->serial;
     memcpy(made.transform, transform != NULL ? transform : identity, sizeof made.transform);
     SVO_I_TRY_CLEANUP(svo_i_moving_copy_mesh(moving->device, function, mesh, &made));
     if (transform != NULL) {
@@ -88,10 +90,18 @@ cleanup:
 
 /* ---- the caller's objects ---- */
 
-/* The object of that number; NULL, with a message, where there is none or no handle. */
+svo_status svo_i_moving_check_still(const svo_moving *moving, const char *function)
+{
+    return moving->flight == NULL
+               ? SVO_OK
+               : svo_i_device_fail(moving->device, SVO_INVALID_ARGUMENT,
+                                   "%s: an update is in flight; call svo_moving_finish first", function);
+}
+
+/* The object of that number; NULL, with a message, where there is none, no handle, or an update in flight. */
 static svo_i_moving_object *find(svo_moving *moving, const char *function, uint32_t number)
 {
-    if (moving == NULL) {
+    if (moving == NULL || svo_i_moving_check_still(moving, function) != SVO_OK) {
         return NULL;
     }
     if (number >= SVO_MOVING_OBJECTS_MAX || number + 1 >= moving->object_count ||
@@ -140,6 +150,7 @@ svo_status svo_moving_add(svo_moving *moving, const svo_mesh *mesh, const double
         return svo_i_device_fail(moving != NULL ? moving->device : NULL, SVO_INVALID_ARGUMENT, "%s: %s is NULL",
                                  function, moving == NULL ? "moving" : "object");
     }
+    SVO_I_TRY(svo_i_moving_check_still(moving, function));
     SVO_I_TRY(read_mesh(moving, function, mesh, &copy));
     SVO_I_TRY(check_arrays(moving, function, &copy));
     SVO_I_TRY(find_free(moving, function, &index));

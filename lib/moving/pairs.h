@@ -3,18 +3,25 @@
 #ifndef SVO_LIB_MOVING_PAIRS_H
 #define SVO_LIB_MOVING_PAIRS_H
 
-#include "moving/state.h"
+#include "moving/chain.h"
 
-/* The program of kernels/moving. */
-svo_status svo_i_moving_program(const svo_moving *moving, const char *function, cl_program *out);
+/* What the device counts of an object in an update that does not wait. */
+typedef struct svo_i_pair_count {
+    cl_uint words[2]; /* low and high word of the pairs that the object has */
+    uint64_t capacity; /* pairs that there is room for */
+} svo_i_pair_count;
+
 /* Makes buffers of a list with room for so many pairs, at least one. */
 svo_status svo_i_kept_list_alloc(const svo_moving *moving, const char *function, uint64_t capacity,
                                  svo_i_kept_list *out);
 void svo_i_kept_list_free(svo_i_kept_list *list);
-/* Voxelizes an object. out: a new list of fragments without values; the sorted order is that of a leaf list. */
-svo_status svo_i_moving_voxelize(svo_moving *moving, uint32_t index, cl_command_queue queue, svo_i_kept_list *out);
+/* Voxelizes an object. out: a new list of fragments without values; the sorted order is that of a leaf list. later:
+   of a chain that does not wait; receives the count when the commands are done. */
+svo_status svo_i_moving_voxelize(svo_moving *moving, uint32_t index, svo_i_chain *chain, svo_i_pair_count *later,
+                                 svo_i_kept_list *out);
 /* Adds the values to such a list. */
-svo_status svo_i_moving_weigh(svo_moving *moving, const char *function, uint32_t index, cl_command_queue queue,
-                              svo_i_kept_list *list);
+svo_status svo_i_moving_weigh(svo_moving *moving, uint32_t index, svo_i_chain *chain, svo_i_kept_list *list);
+/* The next voxelization of an object has room for so many pairs, and an eighth more. Room does not shrink. */
+void svo_i_moving_remember(svo_i_moving_object *object, uint64_t fragments);
 
 #endif

@@ -11,6 +11,7 @@
 typedef struct svo_i_kept_list {
     cl_mem fragments, values;
     cl_mem materials; /* NULL where none are needed */
+    cl_mem counted; /* where the device alone knows the count, which is at most this one; else NULL */
     uint64_t count;
     uint64_t capacity; /* that the buffers have room for; 0: there are none */
 } svo_i_kept_list;
@@ -22,6 +23,15 @@ typedef struct svo_i_vertices {
     float *normals; /* NULL where the mesh has none */
 } svo_i_vertices;
 
+/* The triangles of an object in the newest tree, and which they are. */
+typedef struct svo_i_moving_part {
+    uint64_t first_vertex, vertex_count;
+    uint32_t first_triangle, triangle_count; /* among those that the tree lists */
+    uint32_t first_id; /* the position of the object's first triangle in the scene's mesh */
+    bool is_there;
+    uint64_t identity, version; /* as of the object when the tree was made */
+} svo_i_moving_part;
+
 typedef struct svo_i_moving_object {
     svo_plan *plan; /* of the object alone; NULL: the number is free */
     double transform[12];
@@ -32,7 +42,11 @@ typedef struct svo_i_moving_object {
     bool stale; /* pairs in the scene's list are not those of the plan, or there are none */
     bool listed; /* the scene's list has pairs of the object, or of the one before it with this number */
     uint64_t fragments; /* in the scene's list */
+    uint64_t identity, version; /* serial numbers: of the object, and of its vertices in the newest tree */
+    svo_i_moving_part part; /* of the object in the newest tree, or of the one before it with this number */
 } svo_i_moving_object;
+
+struct svo_i_flight; /* enqueue.c */
 
 /* Object k of the caller is objects[k + 1]; the static mesh is objects[0]. */
 struct svo_moving {
@@ -43,11 +57,16 @@ struct svo_moving {
     uint32_t depth;
     svo_i_moving_object *objects;
     uint32_t object_count, object_capacity; /* numbers in use or once used, and room for them */
-    svo_plan whole; /* the static mesh's plan, for stages that work on the whole scene; borrows its arrays */
+    /* For stages that work on the whole scene: a copy of the static mesh's plan, whose arrays it borrows. That plan
+       lives as long as the scene and is never updated. */
+    svo_plan whole;
     cl_mem materials, texels; /* of all objects; NULL where none are needed */
     svo_i_kept_list list, spare; /* of the newest tree; and the buffers that were its list before */
     svo_tree *tree;
+    struct svo_i_flight *flight; /* an update that is enqueued and not finished; else NULL */
     double area; /* of the newest tree */
+    uint64_t serial; /* the newest serial number */
+    struct svo_i_moving_bvhs *bvhs; /* NULL before svo_moving_make_bvh */
     svo_mesh mesh; /* svo_moving_get_mesh: arrays owned; vertex_count 0: not made */
 };
 

@@ -15,6 +15,7 @@
 #include "plan/update.h"
 #include "stages/filter.h"
 #include "stages/material.h"
+#include "stages/scan.h"
 
 typedef struct maker {
     svo_moving *moving;
@@ -22,7 +23,10 @@ typedef struct maker {
     const svo_i_kept_list *list;
     svo_i_kept kept;
     svo_build_report discarded;
-    cl_mem firsts; /* the first triangle of each object */
+    svo_i_chain *chain;
+    const svo_i_moving_news *news; /* NULL: the update waits */
+    svo_build_state *state; /* receives the state, where news is not NULL */
+    cl_mem firsts; /* the first triangle of each object in the leaf lists, and the end */
 } maker;
 
 /* ---- what the mesh brings ---- */
@@ -33,11 +37,8 @@ static uint64_t listed_triangles(const svo_i_moving_object *object)
     return svo_i_moving_shows(object) ? object->plan->update->kept_triangles : 0;
 }
 
-static void fill_info(const maker *m)
+static void count_triangles(const svo_moving *moving, svo_tree_info *info)
 {
-    const svo_moving *moving = m->moving;
-    svo_tree_info *info = &m->build.tree->info;
-    svo_i_build_fill_info(&m->build);
     info->triangles = 0;
     info->refused_triangles = 0;
     info->snap_error = 0.0;
@@ -55,18 +56,23 @@ static void fill_info(const maker *m)
 /* An array of the tree: one of the object's, behind those of the objects before it. words: of an element. */
 typedef struct part {
     svo_tree_buffer buffer;
+    bool listed; /* of the triangles in leaf lists, whose number the device has */
     uint32_t words;
     cl_mem from;
-    uint64_t first, count; /* elements */
+    uint64_t first; /* element; where listed, the object */
+    uint64_t count; /* elements; where listed, the most */
     uint64_t added; /* to each word */
 } part;
 
 static svo_status copy_part(maker *m, const part *p)
 {
-    const svo_moving_params params = {
-        .count = (cl_uint)(p->count * p->words), .object = (cl_uint)p->added, .first = (cl_uint)(p->first * p->words)};
+    const svo_moving_params params = {.count = (cl_uint)(p->count * p->words),
+                                      .other_count = p->words,
+                                      .object = (cl_uint)p->added,
+                                      .first = (cl_uint)(p->listed ? p->first : p->first * p->words)};
+    const cl_mem firsts = p->listed ? m->firsts : NULL;
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(p->from), SVO_I_ARGUMENT(m->build.tree->buffers[p->buffer]),
-                                        SVO_I_ARGUMENT(params)};
+                                        SVO_I_ARGUMENT(firsts), SVO_I_ARGUMENT(params)};
     return svo_i_commands_run(&m->build.commands, m->kept.program, "svo_k_moving_shift", SVO_I_ARGUMENTS(arguments),
                               params.count);
 }
@@ -76,15 +82,17 @@ typedef struct place {
     uint64_t vertex, listed, triangle;
 } place;
 
-static svo_status copy_object(maker *m, const svo_plan *plan, const place *at)
+static svo_status copy_object(maker *m, uint32_t index, const place *at)
 {
+    const svo_plan *plan = m->moving->objects[index].plan;
     const svo_i_plan_memory *memory = &plan->memory;
-    const uint64_t listed = plan->update->kept_triangles;
-    const part parts[] = {{SVO_TREE_VERTICES, 3, memory->vertices, at->vertex, plan->vertex_count, 0},
-                          {SVO_TREE_INDICES, 3, memory->indices, at->listed, listed, at->vertex},
-                          {SVO_TREE_TRIANGLE_IDS, 1, memory->triangle_ids, at->listed, listed, at->triangle},
-                          {SVO_TREE_POSITIONS, 3, memory->positions, at->vertex, plan->vertex_count, 0},
-                          {SVO_TREE_POSITIONS_DOUBLE, 6, memory->positions_double, at->vertex, plan->vertex_count, 0}};
+    const uint64_t vertices = plan->vertex_count;
+    const uint64_t triangles = plan->triangle_count;
+    const part parts[] = {{SVO_TREE_VERTICES, false, 3, memory->vertices, at->vertex, vertices, 0},
+                          {SVO_TREE_INDICES, true, 3, memory->indices, index, triangles, at->vertex},
+                          {SVO_TREE_TRIANGLE_IDS, true, 1, memory->triangle_ids, index, triangles, at->triangle},
+                          {SVO_TREE_POSITIONS, false, 3, memory->positions, at->vertex, vertices, 0},
+                          {SVO_TREE_POSITIONS_DOUBLE, false, 6, memory->positions_double, at->vertex, vertices, 0}};
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) {
         SVO_I_TRY(parts[i].from != NULL ? copy_part(m, &parts[i]) : SVO_OK);
     }
@@ -114,11 +122,12 @@ static svo_status alloc_geometry(maker *m, const place *end)
     return SVO_OK;
 }
 
-static void advance(place *at, const svo_i_moving_object *object)
+/* news: where not NULL, the device counts the listed triangles, and the place is after as many as there may be. */
+static void advance(place *at, const svo_i_moving_object *object, const svo_i_moving_news *news)
 {
     if (svo_i_moving_shows(object)) {
         at->vertex += object->plan->vertex_count;
-        at->listed += listed_triangles(object);
+        at->listed += news != NULL ? object->plan->triangle_count : listed_triangles(object);
         at->triangle += object->plan->info.triangles;
     }
 }
@@ -130,43 +139,78 @@ static svo_status make_geometry(maker *m)
     place end = {0};
     place at = {0};
     for (uint32_t i = 0; i < moving->object_count; ++i) {
-        advance(&end, &moving->objects[i]);
+        advance(&end, &moving->objects[i], m->news);
     }
     if (end.vertex * 6 >= UINT32_MAX || end.triangle * 3 >= UINT32_MAX) { /* the kernels count words in 32 bits */
         return svo_i_device_fail(moving->device, SVO_OUT_OF_DEVICE_MEMORY,
-                                 "svo_moving_update: %llu vertices and %llu triangles are too many for rays",
+                                 "%s: %llu vertices and %llu triangles are too many for rays", m->chain->function,
                                  (unsigned long long)end.vertex, (unsigned long long)end.triangle);
     }
     SVO_I_TRY(alloc_geometry(m, &end));
     for (uint32_t i = 0; i < moving->object_count; ++i) {
         const svo_i_moving_object *object = &moving->objects[i];
         if (svo_i_moving_shows(object)) {
-            SVO_I_TRY(copy_object(m, object->plan, &at));
+            SVO_I_TRY(copy_object(m, i, &at));
         }
-        advance(&at, object);
+        advance(&at, object, m->news);
     }
     return SVO_OK;
 }
 
 /* ---- lists ---- */
 
-static svo_status write_firsts(maker *m)
+/* Puts what the host knows of the objects' triangles into a new buffer. */
+static svo_status upload_listed(maker *m, cl_mem *out)
 {
-    svo_moving *moving = m->moving;
+    const svo_moving *moving = m->moving;
     const size_t bytes = moving->object_count * sizeof(uint32_t);
-    uint32_t *firsts = svo_i_alloc_zeroed(&moving->device->memory, moving->object_count, sizeof *firsts);
-    place at = {0};
-    if (firsts == NULL) {
-        return svo_i_device_fail(moving->device, SVO_OUT_OF_HOST_MEMORY, "svo_moving_update: no memory for %u objects",
-                                 moving->object_count);
+    cl_mem known = NULL;
+    uint32_t *listed = svo_i_alloc_zeroed(&moving->device->memory, moving->object_count, sizeof *listed);
+    if (listed == NULL) {
+        return svo_i_device_fail(moving->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u objects",
+                                 m->chain->function, moving->object_count);
     }
     for (uint32_t i = 0; i < moving->object_count; ++i) {
-        firsts[i] = (uint32_t)at.listed;
-        advance(&at, &moving->objects[i]);
+        listed[i] = (uint32_t)listed_triangles(&moving->objects[i]);
     }
-    const svo_status status =
-        svo_i_device_constants(moving->device, "svo_moving_update", "object_firsts", firsts, bytes, &m->firsts);
-    svo_i_free(firsts);
+    svo_status status = svo_i_device_constants(moving->device, m->chain->function, "listed", listed, bytes, &known);
+    svo_i_free(listed);
+    SVO_I_TRY_CLEANUP(status);
+    SVO_I_TRY_CLEANUP(svo_i_commands_alloc(&m->build.commands, "object_triangles", bytes, out));
+    SVO_I_TRY_CLEANUP(svo_i_commands_copy(&m->build.commands, known, *out, 0, bytes));
+cleanup:
+    svo_i_buffer_release(&known);
+    return status;
+}
+
+/* Replaces what only the device knows. */
+static svo_status count_moved(maker *m, cl_mem listed)
+{
+    for (uint32_t i = 0; m->news != NULL && i < m->news->moved_count; ++i) {
+        const svo_plan *plan = m->moving->objects[m->news->moved[i]].plan;
+        const svo_moving_params params = {.count = plan->triangle_count, .object = m->news->moved[i]};
+        const svo_i_argument arguments[] = {SVO_I_ARGUMENT(plan->update->sums), SVO_I_ARGUMENT(listed),
+                                            SVO_I_ARGUMENT(params)};
+        SVO_I_TRY(svo_i_commands_run(&m->build.commands, m->kept.program, "svo_k_moving_listed",
+                                     SVO_I_ARGUMENTS(arguments), 1));
+    }
+    return SVO_OK;
+}
+
+static svo_status make_firsts(maker *m)
+{
+    svo_status status = SVO_OK;
+    svo_i_commands *commands = &m->build.commands;
+    const uint32_t objects = m->moving->object_count;
+    cl_mem listed = NULL;
+    SVO_I_TRY_CLEANUP(upload_listed(m, &listed));
+    SVO_I_TRY_CLEANUP(count_moved(m, listed));
+    SVO_I_TRY_CLEANUP(
+        svo_i_commands_alloc(commands, "object_firsts", (objects + UINT64_C(1)) * sizeof(cl_uint), &m->firsts));
+    SVO_I_TRY_CLEANUP(svo_i_scan_lists(&m->build, SVO_I_PROGRAM_SORT, listed, m->firsts, NULL,
+                                       (svo_filter_params){.leaf_count = objects}));
+cleanup:
+    svo_i_commands_free(commands, &listed);
     return status;
 }
 
@@ -178,9 +222,10 @@ static svo_status make_lists(maker *m)
     const svo_moving_params params = {.count = (cl_uint)build->fragment_count};
     build->tree->info.list_count = build->fragment_count;
     SVO_I_TRY(svo_i_commands_alloc(&build->commands, "list", build->fragment_count * 4, list));
-    SVO_I_TRY(write_firsts(m));
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(m->list->fragments), SVO_I_ARGUMENT(m->list->values),
-                                        SVO_I_ARGUMENT(m->firsts), SVO_I_ARGUMENT(*list), SVO_I_ARGUMENT(params)};
+    SVO_I_TRY(make_firsts(m));
+    const svo_i_argument arguments[] = {
+        SVO_I_ARGUMENT(m->list->fragments), SVO_I_ARGUMENT(m->list->values), SVO_I_ARGUMENT(m->firsts),
+        SVO_I_ARGUMENT(m->list->counted),   SVO_I_ARGUMENT(*list),           SVO_I_ARGUMENT(params)};
     SVO_I_TRY(svo_i_commands_run(&build->commands, m->kept.program, "svo_k_moving_number", SVO_I_ARGUMENTS(arguments),
                                  params.count));
     return make_geometry(m);
@@ -196,11 +241,11 @@ static svo_status get_programs(maker *m)
         char defines[SVO_I_DEFINES_BYTES];
         if (svo_i_plan_needs_program(plan, kinds[i])) {
             svo_i_plan_defines(plan, kinds[i], defines, sizeof defines);
-            SVO_I_TRY(svo_i_program_get(plan->device, "svo_moving_update", kinds[i], defines,
+            SVO_I_TRY(svo_i_program_get(plan->device, m->chain->function, kinds[i], defines,
                                         &m->build.programs[kinds[i]], NULL));
         }
     }
-    return svo_i_moving_program(m->moving, "svo_moving_update", &m->kept.program);
+    return svo_i_moving_program(m->moving, m->chain->function, &m->kept.program);
 }
 
 /* Lends the list to the build. */
@@ -209,7 +254,8 @@ static svo_status lend_list(maker *m)
     svo_i_build *build = &m->build;
     svo_i_fragments *chunk = svo_i_alloc_zeroed(&m->moving->device->memory, 1, sizeof *chunk);
     if (chunk == NULL) {
-        return svo_i_device_fail(m->moving->device, SVO_OUT_OF_HOST_MEMORY, "svo_moving_update: no memory for a list");
+        return svo_i_device_fail(m->moving->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a list",
+                                 m->chain->function);
     }
     *chunk = (svo_i_fragments){.buffer = m->list->fragments, .needed = m->list->count, .capacity = m->list->count};
     build->list = (svo_i_fragment_list){.chunks = chunk, .chunk_count = 1};
@@ -227,7 +273,7 @@ static void release(maker *m)
     svo_i_free(build->list.chunks);
     build->list = (svo_i_fragment_list){.chunks = NULL};
     svo_i_order_release_scratch(build);
-    svo_i_buffer_release(&m->firsts);
+    svo_i_commands_free(&build->commands, &m->firsts);
     svo_tree_destroy(&build->tree);
 }
 
@@ -244,6 +290,30 @@ static svo_status tell(maker *m, double *stage_ms, double *start)
     return SVO_OK;
 }
 
+/* Sets the tree's counts to the most that there may be: the nodes of the tree before, and one for each new pair. */
+static svo_status bound_levels(maker *m)
+{
+    const svo_tree_info *before = &m->moving->tree->info;
+    svo_tree_info *info = &m->build.tree->info;
+    uint64_t nodes = 0;
+    for (uint32_t level = 0; level <= info->depth; ++level) {
+        const uint64_t all = UINT64_C(1) << 3 * level;
+        const uint64_t most = before->level_begin[level + 1] - before->level_begin[level] + m->news->pairs;
+        info->level_begin[level] = (uint32_t)nodes;
+        nodes += most < all ? most : all;
+        if (nodes >= UINT32_MAX) {
+            return svo_i_device_fail(m->moving->device, SVO_OUT_OF_DEVICE_MEMORY,
+                                     "%s: the tree may have more than 2^32 - 2 nodes; svo_moving_update counts them",
+                                     m->chain->function);
+        }
+    }
+    info->level_begin[info->depth + 1] = (uint32_t)nodes;
+    info->inner_count = info->level_begin[info->depth];
+    info->node_count = nodes;
+    info->leaf_count = nodes - info->inner_count;
+    return SVO_OK;
+}
+
 static svo_status run(maker *m, svo_moving_report *report)
 {
     const svo_i_work *work = &m->moving->whole.work;
@@ -251,8 +321,10 @@ static svo_status run(maker *m, svo_moving_report *report)
     double start = svo_i_now_ms();
     SVO_I_TRY(get_programs(m));
     SVO_I_TRY(lend_list(m));
-    fill_info(m);
-    SVO_I_TRY(svo_i_moving_nodes(build, m->kept.program));
+    svo_i_build_fill_info(build);
+    count_triangles(m->moving, &build->tree->info);
+    SVO_I_TRY(m->news != NULL ? bound_levels(m) : SVO_OK);
+    SVO_I_TRY(svo_i_moving_nodes(build, m->kept.program, m->list->counted));
     SVO_I_TRY(work->lists ? make_lists(m) : SVO_OK);
     SVO_I_TRY(tell(m, report != NULL ? &report->nodes_ms : NULL, &start));
     SVO_I_TRY((work->made & SVO_NEED_MATERIAL) != 0 ? svo_i_material(build) : SVO_OK);
@@ -260,30 +332,62 @@ static svo_status run(maker *m, svo_moving_report *report)
     if (!work->lists) {
         svo_i_commands_free(&build->commands, &build->tree->buffers[SVO_TREE_LIST_BEGIN]);
     }
+    if (m->news != NULL) {
+        return svo_i_commands_read(&build->commands, build->state, m->state, sizeof *m->state);
+    }
     SVO_I_TRY(svo_i_commands_wait(&build->commands));
     return tell(m, report != NULL ? &report->payload_ms : NULL, &start);
 }
 
-svo_status svo_i_moving_tree(svo_moving *moving, cl_command_queue queue, const svo_i_kept_list *list,
+static svo_status make_tree(maker *m, svo_moving_report *report, svo_tree **out)
+{
+    svo_moving *moving = m->moving;
+    svo_tree *tree = svo_i_tree_new(&moving->device->memory);
+    if (tree == NULL) {
+        return svo_i_device_fail(moving->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the tree",
+                                 m->chain->function);
+    }
+    tree->device = moving->device;
+    svo_i_plan_buffers_reset(&moving->whole);
+    m->build = (svo_i_build){.commands = svo_i_chain_begin_commands(m->chain, &moving->whole, &m->discarded),
+                             .frontend = moving->frontend,
+                             .tree = tree};
+    const svo_status status = run(m, report);
+    svo_i_chain_end_commands(m->chain, &m->build.commands, status);
+    if (status == SVO_OK) {
+        *out = tree;
+        m->build.tree = NULL;
+    }
+    release(m);
+    return status;
+}
+
+svo_status svo_i_moving_tree(svo_moving *moving, svo_i_chain *chain, const svo_i_kept_list *list,
                              svo_moving_report *report, svo_tree **out)
 {
-    maker m = {.moving = moving, .list = list};
-    svo_i_plan_buffers_reset(&moving->whole);
-    m.build = (svo_i_build){.commands = svo_i_commands_begin(&moving->whole, queue, &m.discarded),
-                            .frontend = moving->frontend,
-                            .tree = svo_i_tree_new(&moving->device->memory)};
-    m.build.commands.untimed = true;
-    if (m.build.tree == NULL) {
-        return svo_i_device_fail(moving->device, SVO_OUT_OF_HOST_MEMORY, "svo_moving_update: no memory for the tree");
+    maker m = {.moving = moving, .chain = chain, .list = list};
+    return make_tree(&m, report, out);
+}
+
+svo_status svo_i_moving_tree_later(svo_moving *moving, svo_i_chain *chain, const svo_i_kept_list *list,
+                                   const svo_i_moving_news *news, svo_build_state *state, svo_tree **out)
+{
+    maker m = {.moving = moving, .chain = chain, .list = list, .news = news, .state = state};
+    return make_tree(&m, NULL, out);
+}
+
+svo_status svo_i_moving_tree_end(const svo_moving *moving, const svo_build_state *state, svo_tree *tree)
+{
+    svo_tree_info *info = &tree->info;
+    SVO_I_TRY(svo_i_moving_take_state(moving->device, state, info));
+    count_triangles(moving, info);
+    info->fragments = state->fragments_low;
+    if (moving->whole.work.lists) {
+        info->list_count = info->fragments;
+        info->list_triangle_count = 0;
+        for (uint32_t i = 0; i < moving->object_count; ++i) {
+            info->list_triangle_count += listed_triangles(&moving->objects[i]);
+        }
     }
-    m.build.tree->device = moving->device;
-    const svo_status status = run(&m, report);
-    svo_i_commands_end(&m.build.commands);
-    svo_i_stage_collect(&m.build.commands);
-    if (status == SVO_OK) {
-        *out = m.build.tree;
-        m.build.tree = NULL;
-    }
-    release(&m);
-    return status;
+    return SVO_OK;
 }
