@@ -5,8 +5,9 @@
  * gather both: ambient occlusion, one bounce of indirect light, and specular reflections.
  *
  * A light is made of a built tree and refers to it; the tree must outlive it and stay as it is. Opacity is made once;
- * svo_light_set_sources reruns the stages of the sources alone, and svo_light_update makes the light of a changed tree. What is stored is integers, the same bytes on every
- * device and run. Cones are single-precision: the same on every run, and within 1e-4 between devices.
+ * svo_light_set_sources reruns the stages of the sources alone, and svo_light_update makes the light of a changed
+ * tree. What is stored is integers, the same bytes on every device and run. Cones are single-precision: the same on
+ * every run, and within 1e-4 between devices.
  *
  * Forms. SVO_LIGHT_FACES: six opacities and radiances a node, for rays along +x, -x, +y, -y, +z, -z, interpolated
  * between the eight nodes around a point; walls let little light through, whatever the width of the cone.

@@ -16,8 +16,8 @@
  * or a triangle of its list, and its footprint lies outside. Both tests are in floats, with bounds that are widened
  * by more than their error; photons that are shot again without need get the same flux again.
  *
- * Launch: as above, rounded up to whole groups of SVO_GROUP_ITEMS. Atomics: counters, whose order does not matter, since
- * groups and slots may come in any; the sums of photon_sums.clh. No local memory.
+ * Launch: as above, rounded up to whole groups. Atomics: counters number groups and slots, whose order does not matter;
+ * the sums of photon_sums.clh. No local memory.
  */
 #include "light/photon_sums.clh"
 #include "light/photons.clh"

@@ -8,16 +8,15 @@
  *   svo_k_photon_total   per 64 slots: the flux of all of them
  *   svo_k_unmet_count    per leaf: whether a ray to its center (light_view.cl) met the leaf first
  *
- * Four photons in a row are a group, those of two by two pixels. They mostly share leaves; each of them takes one claim and one
- * addition. spread.clh says why a photon goes to several.
+ * Four photons in a row are a group, those of two by two pixels. They mostly share leaves; each of them takes one claim
+ * and one addition. spread.clh says why a photon goes to several.
  *
  * A published system averages the photons of a leaf (Crassin et al., "Interactive Indirect Illumination Using Voxel
  * Cone Tracing", 2011), so brightness ignores the distance of the source; here flux is summed.
  *
  * Launch: as above, rounded up to whole groups. Atomics: a leaf's slot is claimed by a compare-and-swap and numbered by
- * a counter, so the numbers of slots differ from run to run; results name leaves, not slots. Sums are integers of 64
- * bits, two words with a carry: their order does not matter. Those that find have SVO_GROUP_ITEMS words of local memory
- * as an argument, see shared/group.clh.
+ * a counter, so the numbers of slots differ from run to run; results name leaves, not slots. Those that find have
+ * SVO_GROUP_ITEMS words of local memory as an argument, see shared/group.clh.
  */
 #include "light/photon_sums.clh"
 #include "light/photons.clh"

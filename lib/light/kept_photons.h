@@ -4,9 +4,7 @@
 #define SVO_LIB_LIGHT_KEPT_PHOTONS_H
 
 #include "light/light_view.h"
-#include "light/photons.h"
 #include "light/state.h"
-#include "svocl/nodes.h"
 
 /* A view whose photons are kept. */
 typedef struct svo_i_kept_view {
@@ -16,9 +14,10 @@ typedef struct svo_i_kept_view {
 } svo_i_kept_view;
 
 /* The views, and with them their photons, follow from a setup, the grid and the bounds of the leaves. */
-struct svo_i_kept_photons {
+typedef struct svo_i_kept_photons {
     svo_device *device;
     bool whole; /* what follows is that of the light's tree */
+    bool has_directions; /* of radiance */
     svo_grid grid;
     svo_i_lit_box box;
     svo_i_kept_view *views; /* owned */
@@ -29,7 +28,13 @@ struct svo_i_kept_photons {
     uint64_t slot_room, slot_count;
     uint64_t shot, hits;
     cl_uint lost[6]; /* flux: red, green, blue, 64 bits each */
-};
+} svo_i_kept_photons;
+
+/* Photons of a launch that have been shot, as photons.h has them. */
+typedef struct svo_i_shot_photons {
+    cl_mem weights, met, spreads, slots, groups;
+    cl_uint first; /* their view's first photon among the kept ones */
+} svo_i_shot_photons;
 
 /* Whether photons of a tree can be kept: they meet triangles by rays. */
 bool svo_i_kept_is_possible(const svo_light *light, const svo_light_setup *setup);
@@ -37,17 +42,16 @@ bool svo_i_kept_is_possible(const svo_light *light, const svo_light_setup *setup
 bool svo_i_kept_fits(const svo_i_kept_photons *kept, const svo_tree *tree, const svo_i_lit_box *box);
 /* Begins anew, for the views of a setup. */
 svo_status svo_i_kept_begin(svo_i_kept_photons *kept, svo_i_device_work *work, const svo_tree *tree,
-                            const svo_light_setup *setup, const svo_i_lit_box *box);
+                            const svo_light_setup *setup, const svo_i_lit_box *box, bool has_directions);
 /* Gives slots more room. sum_bytes: of the sums of one. */
 svo_status svo_i_kept_grow(svo_i_kept_photons *kept, svo_i_device_work *work, uint64_t room, uint64_t sum_bytes);
-/* The photons that are shot next are those of the next view, whose params are known now. */
-void svo_i_kept_next_view(svo_i_photons *photons, const svo_light_view_params *params);
+/* The photons that are shot next are those of the next view, whose params are known now. Returns its first photon. */
+uint32_t svo_i_kept_next_view(svo_i_kept_photons *kept, const svo_light_view_params *params);
 /* Keeps the photons of a launch. */
-svo_status svo_i_kept_take(svo_i_photons *photons, const svo_light_view_params *params);
-/* Shoots again what the boxes concern, and finds places in the new tree for the rest. */
-svo_status svo_i_kept_shoot_again(svo_i_photons *photons, const svo_i_light_changes *changes);
-/* All photons have been shot: what is kept is whole. totals: of photons. */
-svo_status svo_i_kept_finish(svo_i_photons *photons, const svo_i_flux_totals *totals);
+svo_status svo_i_kept_take(const svo_i_kept_photons *kept, svo_i_device_work *work, const svo_i_shot_photons *shot,
+                           const svo_light_view_params *params);
+/* Selects the program of kept photons. */
+svo_status svo_i_kept_use(const svo_i_kept_photons *kept, svo_i_device_work *work);
 uint64_t svo_i_kept_bytes(const svo_i_kept_photons *kept);
 /* NULL allowed; sets it to NULL. */
 void svo_i_kept_destroy(svo_i_kept_photons **kept);

@@ -8,7 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "light/kept_photons.h"
 #include "rays/rays.h"
 #include "svocl/trace.h"
 
@@ -213,6 +212,18 @@ static svo_status see_band(svo_i_photons *photons, const svo_light_view_params *
     return svo_i_work_wait(work);
 }
 
+static svo_status keep_band(svo_i_photons *photons, const svo_light_view_params *params)
+{
+    const svo_i_shot_photons shot = {.weights = photons->weights,
+                                     .met = photons->met,
+                                     .spreads = photons->spreads,
+                                     .slots = photons->slots,
+                                     .groups = photons->groups,
+                                     .first = photons->kept_first};
+    SVO_I_TRY(svo_i_kept_take(photons->kept, photons->work, &shot, params));
+    return svo_i_photons_use(photons);
+}
+
 svo_status svo_i_photons_shoot_weighed(svo_i_photons *photons, const svo_light_view_params *params)
 {
     svo_i_device_work *work = photons->work;
@@ -227,7 +238,7 @@ svo_status svo_i_photons_shoot_weighed(svo_i_photons *photons, const svo_light_v
     SVO_I_TRY(svo_i_photons_make_room(photons));
     SVO_I_TRY(svo_i_work_launch(work, "svo_k_photon_add", SVO_I_ARGUMENTS(add),
                                 (params->count + SVO_ITEM_PHOTONS - 1) / SVO_ITEM_PHOTONS));
-    SVO_I_TRY(photons->kept != NULL ? svo_i_kept_take(photons, params) : SVO_OK);
+    SVO_I_TRY(photons->kept != NULL ? keep_band(photons, params) : SVO_OK);
     SVO_I_TRY(svo_i_work_wait(work));
     photons->view_ms += seen - start;
     photons->sum_ms += svo_i_now_ms() - seen;
@@ -269,7 +280,7 @@ svo_status svo_i_photons_shoot(svo_i_photons *photons, const svo_i_light_view *v
         params.flux[2 * channel + 1] = (cl_uint)(flux >> 32);
     }
     if (photons->kept != NULL) {
-        svo_i_kept_next_view(photons, &params);
+        photons->kept_first = svo_i_kept_next_view(photons->kept, &params);
     }
     if (photons->map == NULL) {
         return shoot_bands(photons, view, &params);

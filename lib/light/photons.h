@@ -5,11 +5,10 @@
 
 #include "core/tree.h"
 #include "core/work.h"
+#include "light/kept_photons.h"
 #include "light/light_view.h"
 #include "light/node_map.h"
 #include "light/viewer.h"
-
-typedef struct svo_i_kept_photons svo_i_kept_photons;
 
 /* Photons of a band: many enough for a GPU, few enough for the caches of a CPU. Whole tiles. */
 #define SVO_I_BAND_PHOTONS (UINT32_C(1) << 18)

@@ -5,9 +5,9 @@
 #include <math.h>
 
 #include "core/struct_size.h"
+#include "light/again.h"
 #include "light/cells.h"
 #include "light/exchange.h"
-#include "light/kept_photons.h"
 #include "light/photons.h"
 #include "light/setup.h"
 #include "light/unmet.h"
@@ -194,7 +194,7 @@ static svo_status begin_kept(svo_i_device_work *work, svo_light *light, const sv
         return svo_i_device_fail(light->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for kept photons",
                                  work->function);
     }
-    return svo_i_kept_begin(light->kept, work, light->tree, setup, box);
+    return svo_i_kept_begin(light->kept, work, light->tree, setup, box, light->info.form == SVO_LIGHT_FACES);
 }
 
 /* Shoots all photons, or those that changes concern. */
@@ -203,7 +203,7 @@ static svo_status shoot(svo_i_photons *photons, svo_light *light, const svo_ligh
 {
     svo_status status = SVO_OK;
     if (again) {
-        status = svo_i_kept_shoot_again(photons, light->changes);
+        status = svo_i_photons_shoot_again(photons, light->changes);
     } else if (setup->diagnose != 0) {
         status = shoot_and_count(photons, setup, box, &light->info);
     } else {
@@ -229,7 +229,7 @@ static svo_status describe_flux(svo_i_photons *photons, svo_light_info *info)
     info->photons = photons->shot;
     info->photon_hits = photons->hits_before + photons->hits;
     info->traced_photons = photons->traced;
-    return photons->kept != NULL ? svo_i_kept_finish(photons, &totals) : SVO_OK;
+    return photons->kept != NULL ? svo_i_photons_finish_kept(photons, &totals) : SVO_OK;
 }
 
 /* The unit of flux: a power of two with which no sum overflows. */

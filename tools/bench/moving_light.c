@@ -131,7 +131,10 @@ static svo_status make_light(lit_run *run, svo_light **light, uint32_t updatable
     setup.updatable = updatable;
     svo_light_destroy(light);
     const svo_status status = svo_light_create(svo_moving_tree(run->moving), NULL, run->all->opened.queue, light);
-    return status == SVO_OK ? svo_light_set_sources(*light, &setup, run->all->opened.queue) : status;
+    if (status != SVO_OK) {
+        return status;
+    }
+    return svo_light_set_sources(*light, &setup, run->all->opened.queue);
 }
 
 static svo_status update_light(lit_run *run)
@@ -139,9 +142,10 @@ static svo_status update_light(lit_run *run)
     svo_box boxes[2];
     size_t count = 0;
     const svo_status status = svo_moving_get_changes(run->moving, boxes, 2, &count);
-    return status == SVO_OK ? svo_light_update(run->light, svo_moving_tree(run->moving), boxes, count < 2 ? count : 2,
-                                               run->all->opened.queue)
-                            : status;
+    if (status != SVO_OK) {
+        return status;
+    }
+    return svo_light_update(run->light, svo_moving_tree(run->moving), boxes, count, run->all->opened.queue);
 }
 
 static svo_status move(lit_run *run, const svo_mesh *object, size_t round, double *times)
@@ -170,15 +174,17 @@ static double photon_ms(const svo_light_info *info)
 /* The same light twice, in turn first and second. */
 static svo_status light_both(lit_run *run, size_t round, double *times)
 {
-    svo_status status = SVO_OK;
-    for (size_t turn = 0; turn < 2 && status == SVO_OK; ++turn) {
+    for (size_t turn = 0; turn < 2; ++turn) {
         const bool updates = (round + turn) % 2 == 0;
         const double start_ms = input_now_ms();
-        status = updates ? update_light(run) : make_light(run, &run->anew, 0);
+        const svo_status status = updates ? update_light(run) : make_light(run, &run->anew, 0);
+        if (status != SVO_OK) {
+            return status;
+        }
         times[updates ? UPDATE : NOTHING] = input_now_ms() - start_ms;
     }
     times[RATIO] = times[UPDATE] / times[NOTHING];
-    return status;
+    return SVO_OK;
 }
 
 static void describe(lit_run *run, double *times)
