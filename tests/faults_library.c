@@ -350,6 +350,16 @@ static svo_status run_enqueue(subject *of)
     return enqueue_and_finish(of, of->workspace, of->tree, 0);
 }
 
+/* By the BVHs of the objects. */
+static svo_status trace_moving(subject *of, svo_moving *moving)
+{
+    svo_hit hits[RAYS];
+    TRY_TOLD(svo_moving_make_bvh(moving, SVO_BVH_BEST, 0.0F, world.queue, NULL));
+    TRY_TOLD(svo_tree_trace(svo_moving_tree(moving), world.rays, hits, RAYS, SVO_TRACE_COUNT, world.queue));
+    digest(of, hits, sizeof hits);
+    return SVO_OK;
+}
+
 /* A scene with an object that comes, moves and goes. */
 static svo_status move_object(subject *of, svo_moving *moving)
 {
@@ -358,11 +368,13 @@ static svo_status move_object(subject *of, svo_moving *moving)
     svo_mesh mesh;
     TRY_TOLD(svo_moving_add(moving, &world.mesh.mesh, NULL, &object));
     TRY_TOLD(svo_moving_update(moving, world.queue, NULL));
+    TRY_TOLD(svo_moving_make_bvh(moving, SVO_BVH_BEST, 0.0F, world.queue, NULL));
     TRY_TOLD(svo_moving_set_transform(moving, object, transform));
     TRY_TOLD(svo_moving_update_enqueue(moving, world.queue, 0, NULL, NULL));
     TRY_TOLD(svo_moving_finish(moving, NULL));
     TRY_TOLD(svo_moving_get_mesh(moving, &mesh));
     TRY_TOLD(digest_tree(of, svo_moving_tree(moving)));
+    TRY_TOLD(trace_moving(of, moving));
     TRY_TOLD(svo_moving_remove(moving, object));
     TRY_TOLD(svo_moving_update(moving, world.queue, NULL));
     return told(of, world.device, digest_tree(of, svo_moving_tree(moving)));

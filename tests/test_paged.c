@@ -399,6 +399,43 @@ static void test_updates_with_a_limit(void **state)
     paged_scene_destroy(&scene);
 }
 
+/* ---- failures ---- */
+
+static size_t failing_bytes; /* a read of so many fails after it has brought them */
+
+/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
+cl_int __real_clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset, size_t bytes,
+                                  void *to, cl_uint num_wait, const cl_event *wait, cl_event *event);
+cl_int __wrap_clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset, size_t bytes,
+                                  void *to, cl_uint num_wait, const cl_event *wait, cl_event *event);
+
+cl_int __wrap_clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset, size_t bytes,
+                                  void *to, cl_uint num_wait, const cl_event *wait, cl_event *event)
+{
+    const cl_int error = __real_clEnqueueReadBuffer(queue, buffer, blocking, offset, bytes, to, num_wait, wait, event);
+    return bytes == failing_bytes ? CL_OUT_OF_RESOURCES : error;
+}
+/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
+
+/* A picture whose marks could not be read has missed nothing, whatever came of the read. */
+static void test_marks_that_cannot_be_read(void **state)
+{
+    paged_scene scene;
+    paged_scene_make(state, "knot:500", DEPTH, 0, &scene);
+    const svo_render_options view = paged_view(&scene, SVO_VIEW_NORMAL, 0, 1);
+    svo_paged *paged = paged_scene_open(&scene, paged_scene_whole_bytes(&scene, 2) / 8, 2);
+    failing_bytes = paged_info(paged).page_count * SVO_PAGE_WORDS * sizeof(uint32_t);
+    assert_int_not_equal(svo_paged_render(paged, &view, scene.drawn), SVO_OK);
+    failing_bytes = 0;
+    assert_int_equal(paged_counts(paged).missed_pages, 0);
+    paged_update(&scene, paged);
+    assert_int_equal(paged_counts(paged).read_pages + paged_counts(paged).waiting_pages, 0);
+    paged_draw(&scene, paged, &view);
+    assert_true(paged_counts(paged).missed_pages > 0);
+    svo_paged_close(&paged);
+    paged_scene_destroy(&scene);
+}
+
 /* ---- arguments ---- */
 
 static void test_arguments(void **state)
@@ -450,6 +487,7 @@ int main(void)
         cmocka_unit_test(test_the_same_flight_twice),
         cmocka_unit_test(test_budgets),
         cmocka_unit_test(test_updates_with_a_limit),
+        cmocka_unit_test(test_marks_that_cannot_be_read),
         cmocka_unit_test(test_arguments),
     };
     return cmocka_run_group_tests(tests, fixture_folder_setup, fixture_folder_teardown);

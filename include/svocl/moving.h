@@ -22,7 +22,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "svocl/nodes.h"
 #include "svocl/plan.h"
+#include "svocl/trace.h"
 #include "svocl/tree.h"
 
 #ifdef __cplusplus
@@ -216,11 +218,59 @@ SVO_API svo_status svo_moving_update_enqueue(svo_moving *moving, cl_command_queu
  *          is in flight. */
 SVO_API svo_status svo_moving_finish(svo_moving *moving, svo_moving_report *report);
 
+/** What became of the objects' BVHs. The static mesh counts as an object. */
+typedef struct svo_moving_bvh_report {
+    size_t struct_size; /**< sizeof(svo_moving_bvh_report) */
+    uint32_t kept; /**< objects that had not changed */
+    uint32_t refit; /**< objects that moved or got new vertices */
+    uint32_t made; /**< objects that had no BVH, or whose BVH was made anew */
+    uint32_t reserved; /**< zero */
+    double total_ms; /**< all of it. Milliseconds, wall clock */
+} svo_moving_bvh_report;
+
+/** An empty output. */
+#define SVO_MOVING_BVH_REPORT_INIT SVO_STRUCT_INIT(svo_moving_bvh_report)
+
+/** Makes the BVH of the newest tree from those of its objects, and waits for it. Call it after an update; then all that
+ *  trace.h offers works on svo_moving_tree, with the hits of a BVH of the whole mesh, bit for bit, but for the counts
+ *  of leaves visited and the record of SVO_TRACE_ANY. Without this call the first rays make a BVH of the whole mesh.
+ *
+ *  Each object has a BVH of its own below common nodes. The static mesh's is made once, with SVO_BVH_BEST. An object's
+ *  is kept while the object stays, refit when it moves or gets new vertices, and made anew when rays through it have
+ *  become too costly, when it reaches or reached outside the grid, and when its triangles inside the grid are others.
+ *  A transform is followed by a refit too: rays meet vertices as they are in the scene's mesh, rounded to its floats,
+ *  where a ray that is transformed into the object would be rounded itself and meet others.
+ *
+ *  A BVH that can be refit takes 140 bytes per triangle, beside the 51 to 55 of its nodes and leaves. Objects' BVHs
+ *  stay while they are hidden.
+ *
+ * \param moving with SVO_NEED_RAYS, coverage half-open or closed. No batch of rays of its trees may be in progress
+ * \param quality of objects' BVHs that are made, a svo_bvh_quality
+ * \param cost_ratio a refit BVH is made anew when a random ray through the object visits so many times the nodes and
+ *        leaves that it visited when the BVH was made; not negative. 0: 1.5. Below 1: every object that has changed is
+ *        made anew
+ * \param queue of the device, in-order or out-of-order; NULL: the device's own
+ * \param report receives what was done; NULL: not wanted
+ * \returns SVO_INVALID_ARGUMENT or what svo_tree_prepare_rays returns. After a failure rays make a BVH of the whole
+ *          mesh, and another call makes all objects' anew. */
+SVO_API svo_status svo_moving_make_bvh(svo_moving *moving, svo_bvh_quality quality, float cost_ratio,
+                                       cl_command_queue queue, svo_moving_bvh_report *report);
+
 /** The tree of the newest update that succeeded.
  *
  * \param moving not NULL
  * \returns the tree, owned by the scene; the next update that succeeds destroys it. */
 SVO_API svo_tree *svo_moving_tree(const svo_moving *moving);
+
+/** Where the newest update that succeeded changed the tree: the bounds of each object that changed, before it and after
+ *  it, where it was and is in the scene. An update that found nothing to do has none. svo_light_update takes them.
+ *
+ * \param moving not NULL
+ * \param boxes receives the first boxes, at most capacity; NULL allowed when that is 0
+ * \param capacity boxes that there is room for; two for each object suffice
+ * \param count receives how many there are
+ * \returns SVO_INVALID_ARGUMENT when count is NULL, or boxes where capacity is not 0. */
+SVO_API svo_status svo_moving_get_changes(const svo_moving *moving, svo_box *boxes, size_t capacity, size_t *count);
 
 /** The scene's mesh, as it will be after the next update: the static mesh, then the visible objects, in the world.
  *

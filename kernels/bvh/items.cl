@@ -17,13 +17,14 @@
 #include "bvh/triangles.clh"
 
 /* factors: for svo_bvh_fuses. */
-__kernel void svo_k_bvh_reach(__global const int *vertices, __global svo_bvh_state *state, uint vertex_count,
-                              uint snap_bits, float4 factors)
+__kernel void svo_k_bvh_reach(__global const int *vertices, __global svo_bvh_state *state, uint first_vertex,
+                              uint vertex_count, uint snap_bits, float4 factors)
 {
     const ulong all = 3 * (ulong)vertex_count;
     const ulong length = all / get_global_size(0) + 1u;
-    const ulong begin = min(get_global_id(0) * length, all);
-    const ulong end = min(begin + length, all);
+    const ulong before = 3 * (ulong)first_vertex;
+    const ulong begin = before + min(get_global_id(0) * length, all);
+    const ulong end = min(begin + length, before + all);
     uint reach = 0u;
     uint outside = 0u;
     for (ulong i = begin; i < end; ++i) {
@@ -37,18 +38,20 @@ __kernel void svo_k_bvh_reach(__global const int *vertices, __global svo_bvh_sta
     atomic_or(&state->outside, outside != 0u ? 1u : 0u);
 }
 
-__kernel void svo_k_bvh_mark(__global const uint *list, __global uint *listed, uint list_count)
+/* Of the triangle_count triangles from first_triangle on. */
+__kernel void svo_k_bvh_mark(__global const uint *list, __global uint *listed, uint list_count, uint first_triangle,
+                             uint triangle_count)
 {
     const uint i = (uint)get_global_id(0);
-    if (i < list_count) {
-        listed[list[i]] = 1u;
+    if (i < list_count && list[i] - first_triangle < triangle_count) {
+        listed[list[i] - first_triangle] = 1u;
     }
 }
 
 __kernel void svo_k_bvh_begin(__global svo_bvh_range *ranges, __global svo_bvh_job *jobs,
                               __global svo_bvh_branch *branches, __global svo_bvh_state *state, svo_bvh_params params)
 {
-    const svo_bvh_job root = {0u, params.item_count, 0u, 0u};
+    const svo_bvh_job root = {0u, params.item_count, params.halvings, 0u};
     const bool is_job = params.item_count <= params.subtree_items;
     svo_bvh_begin_range(ranges, root, 0u);
     jobs[0] = root;

@@ -91,7 +91,7 @@ __kernel void svo_k_bvh_top(__global const svo_bvh_range *root, __global const u
                             __global svo_bvh_state *state, uint item_count)
 {
     const svo_bvh_centers centers = svo_bvh_centers_of(root);
-    const svo_bvh_job all = {0u, item_count, 0u, 0u};
+    const svo_bvh_job all = {0u, item_count, root->halvings, 0u};
     svo_bvh_job stack[SVO_BVH_DEPTH_MAX + 1];
     uint height = 1u;
     uint job_count = 0u;

@@ -4,8 +4,12 @@
  * geometry but the number of triangles. Bounds are rounded outwards to 16 bits (after Mahovsky and Wyvill,
  * "Memory-Conserving Bounding Volume Hierarchies with Coherent Raytracing", 2006).
  *
- * Launch: a work-item per node of a level, the lowest level first. Reads the boxes of leaves, by their first items, and
- * of the nodes below; writes the level's nodes and their boxes. No atomics, no local memory.
+ *   svo_k_bvh_refit    per node of a level, the lowest level first: reads the boxes of leaves, by their first items,
+ *                      and of the nodes below; writes the node and its box
+ *   svo_k_bvh_extent   once they are written: how costly rays through the nodes are
+ *
+ * Launch: refit: one dimension, rounded up to whole groups; extent: one group of SVO_GROUP_ITEMS. No atomics. Local
+ * memory is an argument.
  */
 #include "bvh/boxes.clh"
 
@@ -23,9 +27,11 @@ static void svo_bvh_set_bounds(uint *words, uint child, uint4 value)
     words[8u + child / 2u] |= value.z << shift;
 }
 
+/* node_begin, leaf_begin: the BVH's first node among those of others, and units of leaves before its own. */
 __kernel void svo_k_bvh_refit(__global const svo_bvh_children *children, __global const uint *places,
                               __global const float8 *leaf_boxes, __global float8 *node_boxes,
-                              __global svo_ray_node *nodes, uint level_begin, uint level_end, uint box_log2)
+                              __global svo_ray_node *nodes, uint level_begin, uint level_end, uint box_log2,
+                              uint node_begin, uint leaf_begin)
 {
     const uint node = level_begin + (uint)get_global_id(0);
     if (node >= level_end) {
@@ -41,8 +47,8 @@ __kernel void svo_k_bvh_refit(__global const svo_bvh_children *children, __globa
     for (uint i = 0; i < 8u; ++i) {
         const bool is_there = of->count[i] != 0u;
         const bool is_node = of->node[i] != 0u;
-        const uint place = SVO_RAY_LEAF_HEAD_WORDS / 4u + places[of->first[i]];
-        made.child[i] = is_node ? of->node[i] : SVO_RAY_LEAF | (is_there ? place : 0u);
+        const uint place = SVO_RAY_LEAF_HEAD_WORDS / 4u + leaf_begin + places[of->first[i]];
+        made.child[i] = is_node ? node_begin + of->node[i] : SVO_RAY_LEAF | (is_there ? place : 0u);
         uint4 low = (uint4)(0xffffu);
         uint4 high = (uint4)(0u);
         if (is_there) {
@@ -54,6 +60,31 @@ __kernel void svo_k_bvh_refit(__global const svo_bvh_children *children, __globa
         svo_bvh_set_bounds(made.low, i, low);
         svo_bvh_set_bounds(made.high, i, high);
     }
-    nodes[node] = made;
+    nodes[node_begin + node] = made;
     node_boxes[node] = sum;
+}
+
+/* In lane 3 of the root's box the areas of all nodes and leaves: over the root's, those that a random ray through it
+   visits (Lauterbach, Yoon, Tuft and Manocha, "RT-DEFORM", 2006, watch a refit hierarchy by areas). Strips and their
+   order are fixed, and so is the sum. */
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_bvh_extent(__global float8 *node_boxes, __global const float8 *leaf_boxes, __global const uint *item_counts,
+                 uint node_count, uint item_count, __local float *sums)
+{
+    const uint item = (uint)get_local_id(0);
+    float sum = 0.0f;
+    for (uint node = item; node < node_count; node += SVO_GROUP_ITEMS) {
+        sum += svo_bvh_half_area(node_boxes[node]);
+    }
+    for (uint first = item; first < item_count; first += SVO_GROUP_ITEMS) {
+        sum += item_counts[first] != 0u ? svo_bvh_half_area(leaf_boxes[first]) : 0.0f;
+    }
+    sums[item] = sum;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (item == 0u) {
+        for (uint i = 1; i < SVO_GROUP_ITEMS; ++i) {
+            sum += sums[i];
+        }
+        node_boxes[0].s3 = sum;
+    }
 }

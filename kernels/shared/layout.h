@@ -444,7 +444,7 @@ SVO_RECORD(svo_bvh_params)
     SVO_U32 in_b; /* 24: not 0: the items of this level are in the second buffer */
     SVO_U32 range_count; /* 28: of this level */
     SVO_U32 chunk_count; /* 32 */
-    SVO_U32 reserved; /* 36 */
+    SVO_U32 halvings; /* 36: splits above the root, of a BVH below other nodes */
 };
 
 /* ---- scenes ---- */

@@ -14,6 +14,7 @@
 #include "io/blocks_file.h"
 #include "io/import_formats.h"
 #include "io/import_stl.h"
+#include "io/read_at.h"
 
 svo_status svo_i_blocks_no_memory(const svo_i_blocks *blocks)
 {
@@ -29,21 +30,11 @@ svo_status svo_i_blocks_fail(const svo_i_blocks *blocks, svo_status status, cons
 
 svo_status svo_i_blocks_read_at(const svo_i_blocks *blocks, uint64_t offset, void *out, size_t byte_count)
 {
-    char *to = out;
-    while (byte_count > 0) {
-        const ssize_t got = pread(blocks->file, to, byte_count, (off_t)offset);
-        if (got < 0 && errno == EINTR) {
-            continue;
-        }
-        if (got <= 0) {
-            return svo_i_fail(blocks->message, SVO_FILE_ERROR, "%s: cannot be read: %s", blocks->path,
-                              got < 0 ? strerror(errno) : "it has become shorter");
-        }
-        to += got;
-        offset += (uint64_t)got;
-        byte_count -= (size_t)got;
-    }
-    return SVO_OK;
+    size_t got = 0;
+    const int error = svo_i_read_at(blocks->file, offset, out, byte_count, &got);
+    return got == byte_count ? SVO_OK
+                             : svo_i_fail(blocks->message, SVO_FILE_ERROR, "%s: cannot be read: %s", blocks->path,
+                                          error != 0 ? strerror(error) : "it has become shorter");
 }
 
 svo_status svo_i_blocks_need(svo_i_blocks *blocks, size_t byte_count)

@@ -21,6 +21,7 @@
 #include "io/file_check.h"
 #include "io/file_load.h"
 #include "io/file_zstd.h"
+#include "io/read_at.h"
 #include "svocl/plan.h"
 
 /* A zstd block takes at least 4 bytes and holds at most 128 KiB, so no valid chunk expands further. */
@@ -47,23 +48,14 @@ svo_status svo_i_file_read_at(const svo_i_file_load *state, uint64_t offset, voi
         memcpy(out, state->memory + offset, byte_count);
         return SVO_OK;
     }
-    char *to = out;
-    while (byte_count > 0) {
-        const ssize_t got = pread(state->file, to, byte_count, (off_t)offset);
-        if (got < 0 && errno == EINTR) {
-            continue;
-        }
-        if (got < 0) {
-            return svo_i_fail(state->message, SVO_FILE_ERROR, "%s: cannot be read: %s", state->name, strerror(errno));
-        }
-        if (got == 0) {
-            return svo_i_file_damaged(state, "became shorter while it was read: byte %" PRIu64 " is gone", offset);
-        }
-        to += got;
-        offset += (uint64_t)got;
-        byte_count -= (size_t)got;
+    size_t got = 0;
+    const int error = svo_i_read_at(state->file, offset, out, byte_count, &got);
+    if (error != 0) {
+        return svo_i_fail(state->message, SVO_FILE_ERROR, "%s: cannot be read: %s", state->name, strerror(error));
     }
-    return SVO_OK;
+    return got == byte_count
+               ? SVO_OK
+               : svo_i_file_damaged(state, "became shorter while it was read: byte %" PRIu64 " is gone", offset + got);
 }
 
 /* Checks that this is a complete file of a known version. */

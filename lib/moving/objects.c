@@ -73,6 +73,9 @@ svo_status svo_i_moving_make_object(svo_moving *moving, const char *function, ui
     svo_status status = SVO_OK;
     svo_i_moving_object made = {.visible = true, .stale = true, .listed = moving->objects[index].listed};
     made.fragments = moving->objects[index].fragments;
+    made.part = moving->objects[index].part;
+    made.identity = ++moving->serial;
+    made.box = moving->objects[index].box;
     memcpy(made.transform, transform != NULL ? transform : identity, sizeof made.transform);
     SVO_I_TRY_CLEANUP(svo_i_moving_copy_mesh(moving->device, function, mesh, &made));
     if (transform != NULL) {

@@ -24,6 +24,15 @@ typedef struct svo_i_vertices {
     float *normals; /* NULL where the mesh has none */
 } svo_i_vertices;
 
+/* The triangles of an object in the newest tree, and which they are. */
+typedef struct svo_i_moving_part {
+    uint64_t first_vertex, vertex_count;
+    uint32_t first_triangle, triangle_count; /* among those that the tree lists */
+    uint32_t first_id; /* the position of the object's first triangle in the scene's mesh */
+    bool is_there;
+    uint64_t identity, version; /* as of the object when the tree was made */
+} svo_i_moving_part;
+
 typedef struct svo_i_moving_object {
     svo_plan *plan; /* of the object alone; NULL: the number is free */
     double transform[12];
@@ -34,6 +43,11 @@ typedef struct svo_i_moving_object {
     bool stale; /* pairs in the scene's list are not those of the plan, or there are none */
     bool listed; /* the scene's list has pairs of the object, or of the one before it with this number */
     uint64_t fragments; /* in the scene's list */
+    uint64_t identity, version; /* serial numbers: of the object, and of its vertices in the newest tree */
+    svo_i_moving_part part; /* of the object in the newest tree, or of the one before it with this number */
+    svo_box box; /* of the vertices that the scene's list is of; low above high: there are none */
+    svo_box changes[2]; /* of the newest update */
+    uint32_t change_count;
 } svo_i_moving_object;
 
 struct svo_i_flight; /* enqueue.c */
@@ -55,6 +69,8 @@ struct svo_moving {
     svo_tree *tree;
     struct svo_i_flight *flight; /* an update that is enqueued and not finished; else NULL */
     double area; /* of the newest tree */
+    uint64_t serial; /* the newest serial number */
+    struct svo_i_moving_bvhs *bvhs; /* NULL before svo_moving_make_bvh */
     svo_mesh mesh; /* svo_moving_get_mesh: arrays owned; vertex_count 0: not made */
 };
 

@@ -97,7 +97,11 @@ svo_status svo_paged_render(svo_paged *paged, const svo_render_options *options,
     clear_marks(paged);
     SVO_I_TRY(svo_i_paged_write_table(paged));
     SVO_I_TRY(svo_i_picture_draw(&source, &asked, NULL, rgba));
-    SVO_I_TRY(svo_i_paged_read_table(paged));
+    const svo_status status = svo_i_paged_read_table(paged);
+    if (status != SVO_OK) {
+        clear_marks(paged); /* a read that fails may have brought some */
+        return status;
+    }
     count_marks(paged);
     return SVO_OK;
 }

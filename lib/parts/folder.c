@@ -16,6 +16,7 @@
 #include <xxhash.h>
 
 #include "core/struct_size.h"
+#include "io/read_at.h"
 #include "output/output.h"
 #include "parts/format.h"
 #include "parts/part_read.h"
@@ -169,7 +170,7 @@ svo_parts *svo_i_folder_new(const char *folder, uint64_t max_bytes)
     return parts;
 }
 
-void svo_i_folder_free(svo_parts *parts)
+static void free_parts(svo_parts *parts)
 {
     for (size_t i = 0; parts->textures != NULL && i < parts->texture_count; ++i) {
         svo_i_free((void *)parts->textures[i].rgba);
@@ -355,17 +356,15 @@ static svo_status read_plan(const char *path, unsigned char **bytes, size_t *byt
     }
     *byte_count = (size_t)found.st_size;
     *bytes = svo_i_alloc(NULL, *byte_count + 1);
-    size_t there = 0;
-    ssize_t got = 1;
-    while (*bytes != NULL && there < *byte_count && (got > 0 || (got < 0 && errno == EINTR))) {
-        got = read(file, *bytes + there, *byte_count - there);
-        there += got > 0 ? (size_t)got : 0;
-    }
+    size_t got = 0;
+    const int error = *bytes != NULL ? svo_i_read_at(file, 0, *bytes, *byte_count, &got) : 0;
     (void)close(file);
     if (*bytes == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %zu bytes", path, *byte_count);
     }
-    return there == *byte_count ? SVO_OK : svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read", path);
+    return got == *byte_count ? SVO_OK
+                              : svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path,
+                                           error != 0 ? strerror(error) : "it has become shorter");
 }
 
 static svo_status open_plan(svo_parts *parts, const char *path, svo_message *message)
@@ -403,7 +402,7 @@ svo_status svo_parts_open(const char *folder, svo_parts **out, svo_message *mess
 cleanup:
     svo_i_free(path);
     if (parts != NULL) {
-        svo_i_folder_free(parts);
+        free_parts(parts);
     }
     return status;
 }
@@ -411,7 +410,7 @@ cleanup:
 void svo_parts_close(svo_parts **parts)
 {
     if (parts != NULL && *parts != NULL) {
-        svo_i_folder_free(*parts);
+        free_parts(*parts);
         *parts = NULL;
     }
 }

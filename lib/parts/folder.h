@@ -46,7 +46,6 @@ svo_status svo_i_folder_make(const char *folder, svo_message *message);
 svo_status svo_i_folder_add(svo_parts *parts, const svo_i_part_entry *entry, svo_message *message);
 /* Writes "plan". */
 svo_status svo_i_folder_save(const svo_parts *parts, svo_message *message);
-void svo_i_folder_free(svo_parts *parts);
 
 /* Whether there is a file; what cannot be told is a failure, since a part would be left out. */
 svo_status svo_i_file_find(const char *path, bool *is_there, svo_message *message);

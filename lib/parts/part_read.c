@@ -14,6 +14,7 @@
 #include <xxhash.h>
 
 #include "core/struct_size.h"
+#include "io/read_at.h"
 #include "svocl/parts.h"
 
 /* Of a segment that is read at a time: each piece costs two calls of the system where parts are stitched. */
@@ -26,23 +27,12 @@ svo_status svo_i_part_damaged(const svo_i_part_reader *reader, const char *why)
 
 static svo_status read_at(const svo_i_part_reader *reader, uint64_t offset, void *out, size_t byte_count)
 {
-    char *to = out;
-    while (byte_count > 0) {
-        const ssize_t got = pread(reader->file, to, byte_count, (off_t)offset);
-        if (got < 0 && errno == EINTR) {
-            continue;
-        }
-        if (got < 0) {
-            return svo_i_fail(reader->message, SVO_FILE_ERROR, "%s: cannot be read: %s", reader->path, strerror(errno));
-        }
-        if (got == 0) {
-            return svo_i_part_damaged(reader, "truncated");
-        }
-        to += got;
-        offset += (uint64_t)got;
-        byte_count -= (size_t)got;
+    size_t got = 0;
+    const int error = svo_i_read_at(reader->file, offset, out, byte_count, &got);
+    if (error != 0) {
+        return svo_i_fail(reader->message, SVO_FILE_ERROR, "%s: cannot be read: %s", reader->path, strerror(error));
     }
-    return SVO_OK;
+    return got == byte_count ? SVO_OK : svo_i_part_damaged(reader, "truncated");
 }
 
 static svo_status check_head(const svo_i_part_reader *reader, uint64_t file_bytes)

@@ -138,6 +138,20 @@ static svo_status list_uppers(svo_i_pieces *all)
     return SVO_OK;
 }
 
+/* Calls for the nodes of a level in their order. */
+static svo_status visit_level(const svo_i_pieces *all, uint32_t level, svo_i_piece_visitor visit, void *user)
+{
+    const svo_i_upper_node *upper = all->uppers + all->upper_begin[level];
+    for (size_t i = 0; i < all->piece_count; ++i) {
+        if (all->pieces[i].level <= level) {
+            SVO_I_TRY(visit(user, level, NULL, &all->pieces[i]));
+        } else if (begins_upper(all, i, level)) {
+            SVO_I_TRY(visit(user, level, upper++, NULL));
+        }
+    }
+    return SVO_OK;
+}
+
 /* Sums of the level below go to a level's nodes. user: the next node to receive children. */
 typedef struct joining {
     const svo_i_pieces *all;
@@ -165,7 +179,7 @@ static svo_status sum_up(svo_i_pieces *all)
     for (uint32_t level = header->depth - 1; level-- > 0;) {
         joining job = {.all = all, .parent = all->uppers + all->upper_begin[level]};
         if (all->upper_begin[level + 1] > all->upper_begin[level]) {
-            SVO_I_TRY(svo_i_pieces_visit(all, level + 1, join_child, &job));
+            SVO_I_TRY(visit_level(all, level + 1, join_child, &job));
         }
         for (size_t i = all->upper_begin[level]; i < all->upper_begin[level + 1]; ++i) {
             all->uppers[i].payload =
@@ -243,22 +257,6 @@ svo_status svo_i_pieces_count(const svo_i_pieces *all, svo_tree_info *info)
     info->inner_count = begin[depth];
     info->node_count = begin[depth + 1];
     info->leaf_count = info->node_count - info->inner_count;
-    return SVO_OK;
-}
-
-svo_status svo_i_pieces_visit(const svo_i_pieces *all, uint32_t level, svo_i_piece_visitor visit, void *user)
-{
-    const svo_i_upper_node *upper = all->uppers + all->upper_begin[level];
-    if (all->piece_count == 0 && level == 0) {
-        return visit(user, level, upper, NULL);
-    }
-    for (size_t i = 0; i < all->piece_count; ++i) {
-        if (all->pieces[i].level <= level) {
-            SVO_I_TRY(visit(user, level, NULL, &all->pieces[i]));
-        } else if (begins_upper(all, i, level)) {
-            SVO_I_TRY(visit(user, level, upper++, NULL));
-        }
-    }
     return SVO_OK;
 }
 

@@ -48,7 +48,5 @@ typedef svo_status (*svo_i_piece_visitor)(void *user, uint32_t level, const svo_
 /* Calls for all nodes above the parts and all parts, each with its level: before a part come the nodes above it that it
    is the first below of. So a level's nodes come in their order. */
 svo_status svo_i_pieces_visit_all(const svo_i_pieces *all, svo_i_piece_visitor visit, void *user);
-/* Calls for the nodes of a level in their order. */
-svo_status svo_i_pieces_visit(const svo_i_pieces *all, uint32_t level, svo_i_piece_visitor visit, void *user);
 
 #endif

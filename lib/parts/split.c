@@ -11,6 +11,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "io/read_at.h"
 #include "output/output.h"
 #include "parts/triangles.h"
 
@@ -76,12 +77,7 @@ static int read_split(const char *path, split_file *content, size_t *byte_count)
     if (file < 0) {
         return errno;
     }
-    ssize_t got = 0;
-    do {
-        got = read(file, content, sizeof *content);
-    } while (got < 0 && errno == EINTR);
-    const int error = got < 0 ? errno : 0;
-    *byte_count = got < 0 ? 0 : (size_t)got;
+    const int error = svo_i_read_at(file, 0, content, sizeof *content, byte_count);
     (void)close(file);
     return error;
 }

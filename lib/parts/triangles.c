@@ -13,6 +13,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "io/read_at.h"
 #include "svocl/nodes.h"
 #include "svocl/plan.h"
 
@@ -193,24 +194,15 @@ static svo_status damaged(const triangle_source *source)
     return svo_i_fail(source->message, SVO_FILE_DAMAGED, "%s: not the triangles that were written", source->path);
 }
 
+/* Reads what follows the records that were read. */
 static svo_status read_bytes(const triangle_source *source, void *out, size_t byte_count)
 {
-    char *to = out;
-    while (byte_count > 0) {
-        const ssize_t got = read(source->file, to, byte_count);
-        if (got < 0 && errno == EINTR) {
-            continue;
-        }
-        if (got < 0) {
-            return svo_i_fail(source->message, SVO_FILE_ERROR, "%s: cannot be read: %s", source->path, strerror(errno));
-        }
-        if (got == 0) {
-            return damaged(source);
-        }
-        to += got;
-        byte_count -= (size_t)got;
+    size_t got = 0;
+    const int error = svo_i_read_at(source->file, source->read * source->record_bytes, out, byte_count, &got);
+    if (error != 0) {
+        return svo_i_fail(source->message, SVO_FILE_ERROR, "%s: cannot be read: %s", source->path, strerror(error));
     }
-    return SVO_OK;
+    return got == byte_count ? SVO_OK : damaged(source);
 }
 
 /* Opens a file and finds the number of its records. To be closed also after a failure. */
@@ -257,15 +249,6 @@ static svo_status next_block(triangle_source *source, size_t *count)
     uint64_t sum = 0;
     SVO_I_TRY(read_bytes(source, &sum, sizeof sum));
     return sum == XXH3_64bits_digest(&source->hash) ? SVO_OK : damaged(source);
-}
-
-svo_status svo_i_triangles_count(const char *path, uint32_t fields, uint64_t *count, svo_message *message)
-{
-    triangle_source source;
-    const svo_status status = open_source(&source, path, fields, message);
-    *count = source.count;
-    close_source(&source);
-    return status;
 }
 
 /* ---- loading ---- */

@@ -58,9 +58,6 @@ typedef struct svo_i_soup {
 svo_status svo_i_triangles_load(const char *path, uint32_t fields, svo_i_soup *soup, svo_message *message);
 void svo_i_soup_free(svo_i_soup *soup);
 
-/* The number of triangles in a file, by its length. */
-svo_status svo_i_triangles_count(const char *path, uint32_t fields, uint64_t *count, svo_message *message);
-
 /* Divides the triangles of a part among its eight children by their snapped bounds. paths: of the children's files,
    which are written where a triangle may meet the child. counts: receives how many do. */
 svo_status svo_i_triangles_split(const svo_part_header *header, uint32_t fields, const char *path, uint32_t level,

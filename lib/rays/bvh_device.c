@@ -112,7 +112,8 @@ static svo_status place_listed(maker *m)
     const uint32_t count = m->mesh->triangle_count;
     const cl_uint list_count = (cl_uint)m->mesh->list_count;
     const svo_i_argument mark[] = {SVO_I_ARGUMENT(m->mesh->list), SVO_I_ARGUMENT(m->buffers[LISTED]),
-                                   SVO_I_ARGUMENT(list_count)};
+                                   SVO_I_ARGUMENT(list_count), SVO_I_ARGUMENT(m->mesh->first_triangle),
+                                   SVO_I_ARGUMENT(count)};
     SVO_I_TRY(svo_i_work_fill_zero(&m->work, m->buffers[LISTED], (uint64_t)count * sizeof(cl_uint)));
     SVO_I_TRY(run(m, "svo_k_bvh_mark", SVO_I_ARGUMENTS(mark), list_count));
     m->params.use_list = 1;
@@ -122,12 +123,13 @@ static svo_status place_listed(maker *m)
 /* Finds the reach of the vertices, and whether the device fuses. */
 static svo_status find_reach(maker *m)
 {
+    const cl_uint first_vertex = (cl_uint)m->mesh->first_vertex;
     const cl_uint vertex_count = (cl_uint)m->mesh->vertex_count;
     /* See svo_bvh_fuses of kernels/bvh/fusion.clh. */
     const cl_float4 factors = {{0x1.000002p0F, 0x1.000006p0F, 0x1.000002p0F, 0x1.000006p0F}};
-    const svo_i_argument reach[] = {SVO_I_ARGUMENT(m->mesh->vertices), SVO_I_ARGUMENT(m->buffers[STATE]),
-                                    SVO_I_ARGUMENT(vertex_count), SVO_I_ARGUMENT(m->mesh->snap_bits),
-                                    SVO_I_ARGUMENT(factors)};
+    const svo_i_argument reach[] = {SVO_I_ARGUMENT(m->mesh->vertices),  SVO_I_ARGUMENT(m->buffers[STATE]),
+                                    SVO_I_ARGUMENT(first_vertex),       SVO_I_ARGUMENT(vertex_count),
+                                    SVO_I_ARGUMENT(m->mesh->snap_bits), SVO_I_ARGUMENT(factors)};
     SVO_I_TRY(svo_i_work_fill_zero(&m->work, m->buffers[STATE], sizeof(svo_bvh_state)));
     return run(m, "svo_k_bvh_reach", SVO_I_ARGUMENTS(reach), REACH_ITEMS);
 }
@@ -200,10 +202,10 @@ static svo_status make_items(maker *m)
     const svo_i_argument begin[] = {SVO_I_ARGUMENT(m->buffers[RANGES_A]), SVO_I_ARGUMENT(m->buffers[JOBS]),
                                     SVO_I_ARGUMENT(m->buffers[BRANCHES]), SVO_I_ARGUMENT(m->buffers[STATE]),
                                     SVO_I_ARGUMENT(*params)};
-    const svo_i_argument items[] = {SVO_I_ARGUMENT(mesh->vertices),       SVO_I_ARGUMENT(mesh->indices),
-                                    SVO_I_ARGUMENT(mesh->triangle_ids),   SVO_I_ARGUMENT(m->buffers[LISTED]),
-                                    SVO_I_ARGUMENT(m->buffers[PLACES]),   SVO_I_ARGUMENT(m->buffers[ITEMS_A]),
-                                    SVO_I_ARGUMENT(m->buffers[RANGES_A]), SVO_I_ARGUMENT(*params)};
+    const svo_i_argument items[] = {
+        SVO_I_ARGUMENT(mesh->vertices),       SVO_I_ARGUMENT(mesh->indices),        SVO_I_ARGUMENT(mesh->triangle_ids),
+        SVO_I_ARGUMENT(mesh->first_triangle), SVO_I_ARGUMENT(m->buffers[LISTED]),   SVO_I_ARGUMENT(m->buffers[PLACES]),
+        SVO_I_ARGUMENT(m->buffers[ITEMS_A]),  SVO_I_ARGUMENT(m->buffers[RANGES_A]), SVO_I_ARGUMENT(*params)};
     SVO_I_TRY(run_one(m, "svo_k_bvh_begin", SVO_I_ARGUMENTS(begin)));
     return run_serial(m, "svo_k_bvh_items", SVO_I_ARGUMENTS(items),
                       (mesh->triangle_count + params->chunk_items - 1) / params->chunk_items);
@@ -378,11 +380,11 @@ static svo_status write_leaves(maker *m)
     const svo_bvh_params *params = &m->params;
     const cl_uint has_doubles = mesh->doubles != NULL;
     const svo_i_argument arguments[] = {
-        SVO_I_ARGUMENT(mesh->vertices),      SVO_I_ARGUMENT(mesh->indices),      SVO_I_ARGUMENT(mesh->triangle_ids),
-        SVO_I_ARGUMENT(mesh->floats),        SVO_I_ARGUMENT(mesh->doubles),      SVO_I_ARGUMENT(m->out->order),
-        SVO_I_ARGUMENT(m->out->item_counts), SVO_I_ARGUMENT(m->buffers[PLACES]), SVO_I_ARGUMENT(m->out->leaves),
-        SVO_I_ARGUMENT(m->buffers[ITEMS_A]), SVO_I_ARGUMENT(params->item_count), SVO_I_ARGUMENT(params->snap_bits),
-        SVO_I_ARGUMENT(has_doubles)};
+        SVO_I_ARGUMENT(mesh->vertices),       SVO_I_ARGUMENT(mesh->indices),       SVO_I_ARGUMENT(mesh->triangle_ids),
+        SVO_I_ARGUMENT(mesh->first_triangle), SVO_I_ARGUMENT(mesh->floats),        SVO_I_ARGUMENT(mesh->doubles),
+        SVO_I_ARGUMENT(m->out->order),        SVO_I_ARGUMENT(m->out->item_counts), SVO_I_ARGUMENT(m->buffers[PLACES]),
+        SVO_I_ARGUMENT(m->out->leaves),       SVO_I_ARGUMENT(m->buffers[ITEMS_A]), SVO_I_ARGUMENT(params->item_count),
+        SVO_I_ARGUMENT(params->snap_bits),    SVO_I_ARGUMENT(has_doubles),         SVO_I_ARGUMENT(m->out->leaf_begin)};
     return run(m, "svo_k_bvh_leaves", SVO_I_ARGUMENTS(arguments), (uint64_t)params->item_count + 1);
 }
 
@@ -400,9 +402,22 @@ static svo_status fit_nodes(maker *m)
                                             SVO_I_ARGUMENT(out->nodes),
                                             SVO_I_ARGUMENT(begin),
                                             SVO_I_ARGUMENT(end),
-                                            SVO_I_ARGUMENT(box_log2)};
+                                            SVO_I_ARGUMENT(box_log2),
+                                            SVO_I_ARGUMENT(out->node_begin),
+                                            SVO_I_ARGUMENT(out->leaf_begin)};
         SVO_I_TRY(run(m, "svo_k_bvh_refit", SVO_I_ARGUMENTS(arguments), end - begin));
     }
+    return SVO_OK;
+}
+
+/* Finds how large that is which rays read. */
+static svo_status size_records(maker *m)
+{
+    svo_i_device_bvh *out = m->out;
+    uint32_t units = 0;
+    SVO_I_TRY(place_leaves(m, &units));
+    out->node_bytes = (uint64_t)out->level_begin[out->level_count] * sizeof(svo_ray_node);
+    out->leaf_bytes = (uint64_t)units * 16 + (SVO_RAY_LEAF_HEAD_WORDS + SVO_RAY_LEAF_PADDING_WORDS) * sizeof(cl_uint);
     return SVO_OK;
 }
 
@@ -410,15 +425,8 @@ static svo_status fit_nodes(maker *m)
 static svo_status write_records(maker *m)
 {
     svo_i_device_bvh *out = m->out;
-    uint32_t units = 0;
-    SVO_I_TRY(place_leaves(m, &units));
-    const uint64_t node_bytes = (uint64_t)out->level_begin[out->level_count] * sizeof(svo_ray_node);
-    const uint64_t leaf_bytes =
-        (uint64_t)units * 16 + (SVO_RAY_LEAF_HEAD_WORDS + SVO_RAY_LEAF_PADDING_WORDS) * sizeof(cl_uint);
-    SVO_I_TRY(svo_i_work_result(&m->work, "ray_nodes", node_bytes, &out->nodes));
-    SVO_I_TRY(svo_i_work_result(&m->work, "ray_leaves", leaf_bytes, &out->leaves));
-    out->node_bytes = node_bytes;
-    out->leaf_bytes = leaf_bytes;
+    SVO_I_TRY(svo_i_work_result(&m->work, "ray_nodes", out->node_bytes, &out->nodes));
+    SVO_I_TRY(svo_i_work_result(&m->work, "ray_leaves", out->leaf_bytes, &out->leaves));
     SVO_I_TRY(write_leaves(m));
     SVO_I_TRY(fit_nodes(m));
     return svo_i_work_wait(&m->work);
@@ -426,7 +434,7 @@ static svo_status write_records(maker *m)
 
 /* ---- all of it ---- */
 
-static void release_refit(svo_i_device_bvh *bvh)
+void svo_i_bvh_forget_refit(svo_i_device_bvh *bvh)
 {
     cl_mem *buffers[] = {&bvh->children,   &bvh->order,      &bvh->item_counts, &bvh->places,
                          &bvh->leaf_boxes, &bvh->node_boxes, &bvh->state};
@@ -467,7 +475,7 @@ static void end(maker *m)
     svo_i_work_end(&m->work);
 }
 
-static svo_status make(maker *m)
+static svo_status make(maker *m, const svo_i_bvh_options *options)
 {
     SVO_I_TRY(make_first_buffers(m));
     SVO_I_TRY(find_extent(m));
@@ -476,13 +484,14 @@ static svo_status make(maker *m)
     SVO_I_TRY(m->out->quality == SVO_BVH_FAST ? split_sorted(m) : split_items(m));
     SVO_I_TRY(make_nodes(m));
     m->out->item_count = m->params.item_count;
-    return write_records(m);
+    SVO_I_TRY(size_records(m));
+    return options->no_records ? svo_i_work_wait(&m->work) : write_records(m);
 }
 
 svo_status svo_i_bvh_make(svo_device *device, const char *function, cl_command_queue queue, const svo_i_bvh_mesh *mesh,
                           const svo_i_bvh_options *options, svo_i_device_bvh *out)
 {
-    maker m = {.out = out};
+    maker m = {.out = out, .params = {.halvings = options->halvings}};
     *out = (svo_i_device_bvh){.quality = options->quality};
     m.params.chunk_items = options->chunk_items != 0 ? options->chunk_items : device->cpu_path ? 1024 : 256;
     m.params.subtree_items = options->quality == SVO_BVH_FAST ? SVO_BVH_SWEEP_ITEMS
@@ -491,11 +500,11 @@ svo_status svo_i_bvh_make(svo_device *device, const char *function, cl_command_q
                                                               : 128;
     svo_status status = SVO_OK;
     SVO_I_TRY_CLEANUP(begin(&m, device, function, queue, mesh));
-    SVO_I_TRY_CLEANUP(make(&m));
+    SVO_I_TRY_CLEANUP(make(&m, options));
     if (options->can_refit) {
         SVO_I_TRY_CLEANUP(keep_refit(&m));
     } else {
-        release_refit(out);
+        svo_i_bvh_forget_refit(out);
     }
 
 cleanup:
@@ -555,7 +564,7 @@ cleanup:
 
 void svo_i_bvh_release(svo_i_device_bvh *bvh)
 {
-    release_refit(bvh);
+    svo_i_bvh_forget_refit(bvh);
     svo_i_buffer_release(&bvh->nodes);
     svo_i_buffer_release(&bvh->leaves);
 }

@@ -84,7 +84,7 @@ static int outdate_bvh(svo_i_attachment *attachment)
     return held->bvh.children != NULL;
 }
 
-static svo_i_bvh_mesh mesh_of(const svo_tree *tree, const svo_i_corners *corners)
+svo_i_bvh_mesh svo_i_rays_mesh(const svo_tree *tree, const svo_i_corners *corners)
 {
     return (svo_i_bvh_mesh){.vertices = tree->buffers[SVO_TREE_VERTICES],
                             .floats = corners->floats,
@@ -114,6 +114,22 @@ static svo_status hold_bvh(svo_tree *tree, const char *function, tree_bvh **out)
     return SVO_OK;
 }
 
+static void replace_bvh(tree_bvh *held, const svo_i_device_bvh *made, bool in_world)
+{
+    svo_i_bvh_release(&held->bvh);
+    held->bvh = *made;
+    held->is_outdated = false;
+    held->flags = (in_world ? SVO_RAY_FLAG_WORLD : 0) | (made->clips ? SVO_RAY_FLAG_CLIP : 0);
+}
+
+svo_status svo_i_rays_take(svo_tree *tree, const char *function, const svo_i_device_bvh *bvh, bool in_world)
+{
+    tree_bvh *held = NULL;
+    SVO_I_TRY(hold_bvh(tree, function, &held));
+    replace_bvh(held, bvh, in_world);
+    return SVO_OK;
+}
+
 svo_status svo_i_rays_make(svo_tree *tree, const char *function, cl_command_queue queue,
                            const svo_i_bvh_options *options)
 {
@@ -123,13 +139,10 @@ svo_status svo_i_rays_make(svo_tree *tree, const char *function, cl_command_queu
     SVO_I_TRY(hold_bvh(tree, function, &held));
     settle_refit(tree, held);
     SVO_I_TRY(svo_i_corners_find(tree, function, queue, &corners));
-    const svo_i_bvh_mesh mesh = mesh_of(tree, &corners);
+    const svo_i_bvh_mesh mesh = svo_i_rays_mesh(tree, &corners);
     const svo_status status = svo_i_bvh_make(tree->device, function, queue, &mesh, options, &made);
     if (status == SVO_OK) {
-        svo_i_bvh_release(&held->bvh);
-        held->bvh = made;
-        held->is_outdated = false;
-        held->flags = (corners.in_world ? SVO_RAY_FLAG_WORLD : 0) | (made.clips ? SVO_RAY_FLAG_CLIP : 0);
+        replace_bvh(held, &made, corners.in_world);
     }
     svo_i_corners_release(&corners);
     return status;
@@ -141,7 +154,7 @@ svo_status svo_i_rays_refit(svo_tree *tree, const char *function, cl_command_que
     tree_bvh *held = find_any_bvh(tree);
     svo_i_corners corners;
     SVO_I_TRY(svo_i_corners_find(tree, function, queue, &corners));
-    svo_i_bvh_mesh mesh = mesh_of(tree, &corners);
+    svo_i_bvh_mesh mesh = svo_i_rays_mesh(tree, &corners);
     if (held->refitted != NULL) {
         (void)svo_i_event_settle(held->refitted);
     }

@@ -6,6 +6,7 @@
 #include "core/program.h"
 #include "core/tree.h"
 #include "rays/bvh_device.h"
+#include "rays/corners.h"
 #include "rays/target.h"
 #include "shared/layout.h"
 #include "svocl/nodes.h"
@@ -23,6 +24,11 @@ svo_status svo_i_rays_make(svo_tree *tree, const char *function, cl_command_queu
    event: NULL allowed. */
 svo_status svo_i_rays_refit(svo_tree *tree, const char *function, cl_command_queue queue, cl_event wait,
                             cl_event *event);
+/* The geometry of which a tree's BVH is made. corners: of svo_i_corners_find. */
+svo_i_bvh_mesh svo_i_rays_mesh(const svo_tree *tree, const svo_i_corners *corners);
+/* Gives the tree a BVH of its triangles that was made elsewhere, in place of the one that it may have. bvh: nodes and
+   leaves become the tree's, unless it fails. */
+svo_status svo_i_rays_take(svo_tree *tree, const char *function, const svo_i_device_bvh *bvh, bool in_world);
 /* The tree's BVH; all zero before it is made. */
 typedef struct svo_i_ray_buffers {
     cl_mem nodes, leaves;

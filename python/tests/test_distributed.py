@@ -4,11 +4,13 @@
 Scheduler and workers are real processes. worker_faults.py makes workers kill, stop or delay at a certain part.
 """
 
+import contextlib
 import json
 import os
 import re
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -187,10 +189,15 @@ def test_parts_refuse_what_they_must(device, mesh, tmp_path):
 
 @pytest.mark.parametrize("workers", [pytest.param(1, marks=long), 2, pytest.param(3, marks=long), 4])
 def test_one_hash_for_any_number_of_workers(mesh_file, whole, tmp_path, workers):
-    """Odd numbers share the folder, even ones get triangles and send bytes back."""
+    """Odd numbers share the folder, even ones get triangles and send bytes back. Dask's usual port is taken."""
     path = tmp_path / "tree.svo"
     options = ["--no-shared-folder"] if workers % 2 == 0 else []
-    code, document, errors = run(mesh_file, path, "--workers", str(workers), *options)
+    with socket.socket() as other:
+        with contextlib.suppress(OSError):  # it is taken already
+            other.bind(("127.0.0.1", 8787))
+            other.listen()
+        code, document, errors = run(mesh_file, path, "--workers", str(workers), *options)
+    assert "in use" not in errors
     assert code == 0 and document["kept"] == 0 and 1 <= len(document["workers"]) <= workers
     assert sum(worker["parts"] for worker in document["workers"]) == document["parts"] > 10
     assert "100%" in errors
@@ -255,7 +262,7 @@ def test_workers_send_files_of_their_parts_alone(device, mesh, tmp_path, monkeyp
         assert not [name for name in strange if _run.is_of_part(name, last)]
         plan = (folder / "plan").read_bytes()
         there = sorted(tmp_path.rglob("*"))
-        with distributed.Client(processes=False, n_workers=1, threads_per_worker=1, dashboard_address=None) as client:
+        with distributed.Client(processes=False, n_workers=1, dashboard_address="127.0.0.1:0") as client:
             sent = _tasks.Built("a worker", files={"plan": b"", "../out.part": b""})
             monkeypatch.setattr(_tasks, "build_sent", lambda work, plan, triangles: sent)
             with pytest.raises(_run.Interrupted, match="a worker: 'plan' is no file of the part"):

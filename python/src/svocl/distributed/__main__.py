@@ -177,7 +177,7 @@ def start_cluster(distributed: Any, options: argparse.Namespace) -> Any:
         threads_per_worker=options.threads,
         processes=True,
         memory_limit=0,
-        dashboard_address=options.dashboard,
+        dashboard_address=options.dashboard or "127.0.0.1:0",  # not 8787, which another scheduler may have
         silence_logs=logging.CRITICAL,
     )
 

@@ -1,0 +1,367 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Makes the BVH of a scene's newest tree from those of its objects: kept, refit, or made anew. Objects' triangles are
+ * in the world, as the tree has them, so a transform is followed by a refit: rays meet the same floats as in a BVH of
+ * the whole mesh, and a ray in an object's own coordinates would be rounded.
+ */
+#include "moving/bvh.h"
+
+#include "core/struct_size.h"
+#include "core/work.h"
+#include "moving/bvh_buffers.h"
+#include "moving/bvh_top.h"
+#include "plan/update.h"
+#include "rays/rays.h"
+
+static const char function[] = "svo_moving_make_bvh";
+
+/* Costs of rays after a refit that are endured, relative to those when the BVH was made. */
+#define DEFAULT_COST_RATIO 1.5F
+
+/* ---- the tree's parts ---- */
+
+void svo_i_moving_note_parts(svo_moving *moving)
+{
+    uint64_t vertices = 0;
+    uint64_t triangles = 0;
+    uint64_t ids = 0;
+    for (uint32_t i = 0; i < moving->object_count; ++i) {
+        svo_i_moving_object *object = &moving->objects[i];
+        object->part = (svo_i_moving_part){.is_there = svo_i_moving_shows(object)};
+        if (object->part.is_there) {
+            object->part = (svo_i_moving_part){.first_vertex = vertices,
+                                               .vertex_count = object->plan->vertex_count,
+                                               .first_triangle = (uint32_t)triangles,
+                                               .triangle_count = (uint32_t)object->plan->update->kept_triangles,
+                                               .first_id = (uint32_t)ids,
+                                               .is_there = true,
+                                               .identity = object->identity,
+                                               .version = object->version};
+            vertices += object->part.vertex_count;
+            triangles += object->part.triangle_count;
+            ids += object->plan->info.triangles;
+        }
+    }
+}
+
+/* ---- the scene's BVHs ---- */
+
+static void forget_object(svo_i_object_bvh *object)
+{
+    svo_i_bvh_release(&object->bvh);
+    *object = (svo_i_object_bvh){.identity = 0};
+}
+
+void svo_i_moving_free_bvhs(svo_moving *moving)
+{
+    svo_i_moving_bvhs *bvhs = moving->bvhs;
+    if (bvhs == NULL) {
+        return;
+    }
+    for (uint32_t i = 0; i < bvhs->object_count; ++i) {
+        forget_object(&bvhs->objects[i]);
+    }
+    svo_i_buffer_release(&bvhs->nodes);
+    svo_i_buffer_release(&bvhs->leaves);
+    svo_i_free(bvhs->objects);
+    svo_i_free(bvhs);
+    moving->bvhs = NULL;
+}
+
+/* Room for the BVHs of all objects. Those of objects that are gone are released. */
+static svo_status open_bvhs(svo_moving *moving)
+{
+    const svo_i_memory *memory = &moving->device->memory;
+    const uint32_t count = moving->object_count;
+    svo_i_moving_bvhs *bvhs =
+        moving->bvhs != NULL ? moving->bvhs : (moving->bvhs = svo_i_alloc_zeroed(memory, 1, sizeof *bvhs));
+    svo_i_object_bvh *objects = bvhs == NULL ? NULL
+                                : count > bvhs->object_count
+                                    ? svo_i_grow(memory, bvhs->objects, count * sizeof *objects)
+                                    : bvhs->objects;
+    if (objects == NULL) {
+        return svo_i_device_fail(moving->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u objects", function,
+                                 count);
+    }
+    bvhs->objects = objects;
+    while (bvhs->object_count < count) {
+        objects[bvhs->object_count++] = (svo_i_object_bvh){.identity = 0};
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        const svo_i_moving_object *object = &moving->objects[i];
+        const bool is_gone = object->plan == NULL || objects[i].identity != object->identity;
+        if (!object->part.is_there && is_gone) {
+            forget_object(&objects[i]);
+        }
+    }
+    return SVO_OK;
+}
+
+/* ---- one call ---- */
+
+/* What becomes of an object's BVH. */
+typedef enum action { KEEP, REWRITE, REFIT, MAKE } action;
+
+typedef struct pass {
+    svo_moving *moving;
+    cl_command_queue queue;
+    svo_bvh_quality quality;
+    float cost_ratio;
+    svo_i_corners corners;
+    action *actions; /* of the objects */
+    cl_event last; /* the newest command; NULL: there is none */
+    svo_moving_bvh_report report;
+} pass;
+
+static const svo_i_moving_part *part_of(const pass *p, uint32_t index)
+{
+    return &p->moving->objects[index].part;
+}
+
+static svo_i_object_bvh *bvh_of(const pass *p, uint32_t index)
+{
+    return &p->moving->bvhs->objects[index];
+}
+
+static svo_i_bvh_mesh mesh_of(const pass *p, uint32_t index)
+{
+    const svo_i_moving_part *part = part_of(p, index);
+    svo_i_bvh_mesh mesh = svo_i_rays_mesh(p->moving->tree, &p->corners);
+    mesh.first_vertex = part->first_vertex;
+    mesh.vertex_count = part->vertex_count;
+    mesh.first_triangle = part->first_triangle;
+    mesh.triangle_count = part->triangle_count;
+    return mesh;
+}
+
+/* The nodes and leaves that a random ray through the object visits. */
+static float cost_of(const svo_i_object_bvh *object)
+{
+    const svo_i_bvh_extent *extent = &object->extent;
+    float width[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        width[axis] = -extent->high[axis] - extent->low[axis];
+    }
+    const float root = width[0] * width[1] + width[1] * width[2] + width[2] * width[0];
+    return root > 0.0F ? extent->area / root : 0.0F;
+}
+
+/* What to do first. Triangles that are partly outside are in the BVH as far as they have voxels; these change. */
+static action choose(const pass *p, uint32_t index)
+{
+    const svo_i_object_bvh *object = bvh_of(p, index);
+    const svo_i_moving_part *part = part_of(p, index);
+    if (!part->is_there) {
+        return KEEP;
+    }
+    if (object->identity != part->identity) {
+        return MAKE;
+    }
+    if (object->version == part->version) {
+        return object->is_written && object->first_id == part->first_id ? KEEP : REWRITE;
+    }
+    return p->cost_ratio < 1.0F || object->bvh.clips || object->bvh.item_count != part->triangle_count ? MAKE : REFIT;
+}
+
+/* Makes an object's BVH, without records. Its place stays if there is room. */
+static svo_status make_object(const pass *p, uint32_t index)
+{
+    svo_i_object_bvh *object = bvh_of(p, index);
+    const svo_i_bvh_mesh mesh = mesh_of(p, index);
+    const svo_i_bvh_options options = {.quality = index == 0 ? SVO_BVH_BEST : p->quality,
+                                       .can_refit = true,
+                                       .no_records = true,
+                                       .halvings = SVO_I_MOVING_TOP_LEVELS};
+    svo_i_device_bvh made;
+    SVO_I_TRY(svo_i_bvh_make(p->moving->device, function, p->queue, &mesh, &options, &made));
+    made.node_begin = object->bvh.node_begin;
+    made.leaf_begin = object->bvh.leaf_begin;
+    svo_i_bvh_release(&object->bvh);
+    object->bvh = made;
+    object->identity = part_of(p, index)->identity;
+    object->is_written = false;
+    return SVO_OK;
+}
+
+/* Takes the event of a command that waited for the newest one. */
+static void follow(pass *p, cl_event event)
+{
+    if (p->last != NULL) {
+        clReleaseEvent(p->last);
+    }
+    p->last = event;
+}
+
+/* Enqueues the writing of an object's records. */
+static svo_status write_object(pass *p, uint32_t index)
+{
+    svo_i_object_bvh *object = bvh_of(p, index);
+    svo_device *device = p->moving->device;
+    const svo_i_bvh_mesh mesh = mesh_of(p, index);
+    cl_event event = NULL;
+    SVO_I_TRY(svo_i_bvh_refit(device, function, p->queue, &mesh, &object->bvh, p->last, &object->state, &event));
+    follow(p, event);
+    SVO_I_TRY(svo_i_bvh_read_extent(device, function, p->queue, &object->bvh, p->last, &object->extent, &event));
+    follow(p, event);
+    object->version = part_of(p, index)->version;
+    object->first_id = part_of(p, index)->first_id;
+    object->is_written = true;
+    return SVO_OK;
+}
+
+static svo_status wait_for_last(pass *p)
+{
+    const cl_int error = p->last != NULL ? clWaitForEvents(1, &p->last) : CL_SUCCESS;
+    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(p->moving->device, function, "clWaitForEvents", error);
+}
+
+/* Whether a refit was in vain: the object is outside now, or rays became too costly. */
+static bool is_bad(const pass *p, uint32_t index)
+{
+    const svo_i_object_bvh *object = bvh_of(p, index);
+    return object->state.outside != 0 || cost_of(object) > p->cost_ratio * object->made_cost;
+}
+
+/* Makes, places and writes what is due; each refit is judged and stays, or is to be made. */
+static svo_status run_round(pass *p)
+{
+    const uint32_t count = p->moving->object_count;
+    for (uint32_t i = 0; i < count; ++i) {
+        SVO_I_TRY(p->actions[i] == MAKE ? make_object(p, i) : SVO_OK);
+    }
+    SVO_I_TRY(svo_i_moving_place_bvhs(p->moving, function, p->queue));
+    for (uint32_t i = 0; i < count; ++i) {
+        const bool is_due = p->actions[i] != KEEP || (part_of(p, i)->is_there && !bvh_of(p, i)->is_written);
+        SVO_I_TRY(is_due ? write_object(p, i) : SVO_OK);
+    }
+    SVO_I_TRY(wait_for_last(p));
+    for (uint32_t i = 0; i < count; ++i) {
+        if (p->actions[i] == MAKE) {
+            bvh_of(p, i)->made_cost = cost_of(bvh_of(p, i));
+            ++p->report.made;
+        }
+        const bool again = p->actions[i] == REFIT && is_bad(p, i);
+        p->report.refit += p->actions[i] == REFIT && !again ? 1 : 0;
+        p->actions[i] = again ? MAKE : KEEP;
+    }
+    return SVO_OK;
+}
+
+/* Whether a round has anything to do; always before the first. */
+static bool is_due(const pass *p)
+{
+    bool due = p->moving->bvhs->nodes == NULL;
+    for (uint32_t i = 0; i < p->moving->object_count; ++i) {
+        due = due || p->actions[i] != KEEP;
+    }
+    return due;
+}
+
+/* Gives the tree the BVH. */
+static svo_status hand_over(const pass *p)
+{
+    const svo_i_moving_bvhs *bvhs = p->moving->bvhs;
+    svo_device *device = p->moving->device;
+    svo_status status = SVO_OK;
+    svo_i_device_bvh whole = {.quality = SVO_BVH_BEST,
+                              .node_bytes = bvhs->node_capacity * sizeof(svo_ray_node),
+                              .leaf_bytes = bvhs->leaf_capacity * 16};
+    for (uint32_t i = 0; i < p->moving->object_count; ++i) {
+        const svo_i_device_bvh *bvh = &bvh_of(p, i)->bvh;
+        if (part_of(p, i)->is_there) {
+            whole.clips = whole.clips || bvh->clips;
+            whole.reach = bvh->reach > whole.reach ? bvh->reach : whole.reach;
+        }
+    }
+    SVO_I_TRY_CLEANUP(svo_i_bvh_place(device, function, &whole, bvhs->nodes, bvhs->leaves, 0, 0));
+    SVO_I_TRY_CLEANUP(svo_i_rays_take(p->moving->tree, function, &whole, p->corners.in_world));
+    return SVO_OK;
+cleanup:
+    svo_i_bvh_release(&whole);
+    return status;
+}
+
+static svo_status run(pass *p)
+{
+    svo_moving *moving = p->moving;
+    SVO_I_TRY(svo_i_corners_find(moving->tree, function, p->queue, &p->corners));
+    for (uint32_t i = 0; i < moving->object_count; ++i) {
+        p->actions[i] = choose(p, i);
+    }
+    while (is_due(p)) {
+        SVO_I_TRY(run_round(p));
+    }
+    svo_i_bvh_forget_refit(&bvh_of(p, 0)->bvh); /* the static mesh stays */
+    SVO_I_TRY(svo_i_moving_make_top(moving, function, p->queue));
+    return hand_over(p);
+}
+
+/* After a failure nothing is sure of the records: the next call makes all anew. */
+static svo_status run_pass(pass *p)
+{
+    svo_status status = SVO_OK;
+    SVO_I_TRY_CLEANUP(open_bvhs(p->moving));
+    p->actions = svo_i_alloc_zeroed(&p->moving->device->memory, p->moving->object_count, sizeof *p->actions);
+    if (p->actions == NULL) {
+        status = svo_i_device_fail(p->moving->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u objects", function,
+                                   p->moving->object_count);
+        goto cleanup;
+    }
+    SVO_I_TRY_CLEANUP(run(p));
+cleanup:
+    if (status != SVO_OK) {
+        (void)wait_for_last(p);
+        svo_i_moving_free_bvhs(p->moving);
+    }
+    if (p->last != NULL) {
+        clReleaseEvent(p->last);
+    }
+    svo_i_corners_release(&p->corners);
+    svo_i_free(p->actions);
+    return status;
+}
+
+/* Whether the newest tree has the scene's BVH. */
+static bool is_made(const svo_moving *moving)
+{
+    const cl_mem nodes = svo_i_rays_buffers(moving->tree).nodes;
+    return moving->bvhs != NULL && nodes != NULL && nodes == moving->bvhs->nodes;
+}
+
+#define SIZES_OF_REPORT SVO_I_STRUCT_SIZES(svo_moving_bvh_report, total_ms)
+
+static svo_status check(const svo_moving *moving, svo_bvh_quality quality, float cost_ratio,
+                        const svo_moving_bvh_report *report)
+{
+    svo_device *device = moving->device;
+    if ((unsigned)quality > SVO_BVH_FAST) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: quality %d is not in 0 .. %d", function,
+                                 (int)quality, (int)SVO_BVH_FAST);
+    }
+    if (!(cost_ratio >= 0.0F)) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: cost_ratio %g is not 0 or above", function,
+                                 (double)cost_ratio);
+    }
+    SVO_I_TRY(report != NULL ? svo_i_struct_check(&device->message, function, "report", report, SIZES_OF_REPORT)
+                             : SVO_OK);
+    return svo_i_rays_check(moving->tree, function);
+}
+
+svo_status svo_moving_make_bvh(svo_moving *moving, svo_bvh_quality quality, float cost_ratio, cl_command_queue queue,
+                               svo_moving_bvh_report *report)
+{
+    if (moving == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    const double start_ms = svo_i_now_ms();
+    pass p = {.moving = moving, .quality = quality, .cost_ratio = cost_ratio == 0.0F ? DEFAULT_COST_RATIO : cost_ratio};
+    SVO_I_TRY(check(moving, quality, cost_ratio, report));
+    SVO_I_TRY(svo_i_device_queue(moving->device, function, queue, &p.queue));
+    SVO_I_TRY(is_made(moving) ? SVO_OK : run_pass(&p));
+    p.report.kept = svo_i_moving_count_parts(moving) - p.report.refit - p.report.made;
+    p.report.total_ms = svo_i_now_ms() - start_ms;
+    if (report != NULL) {
+        (void)svo_i_struct_write(NULL, function, "report", &p.report, report, SIZES_OF_REPORT);
+    }
+    return SVO_OK;
+}
