@@ -193,8 +193,18 @@ static svo_status run_light(subject *of)
                                        .view_resolution = 16,
                                        .diagnose = 1};
         svo_light *light = NULL;
+        const svo_box changed = {.high = {0.5, 0.5, 0.5}};
+        svo_light_setup updatable = setup;
+        updatable.diagnose = 0;
+        updatable.updatable = 1;
         TRY_TOLD(svo_light_create(of->tree, &options, world.queue, &light));
-        svo_status status = svo_light_set_sources(light, &setup, world.queue);
+        svo_status status = svo_light_set_sources(light, &updatable, world.queue);
+        if (status == SVO_OK) {
+            status = svo_light_update(light, of->tree, &changed, 1, world.queue);
+        }
+        if (status == SVO_OK) {
+            status = svo_light_set_sources(light, &setup, world.queue);
+        }
         svo_light_picture drawn = SVO_LIGHT_PICTURE_INIT;
         uint8_t picture[PICTURE_SIDE * PICTURE_SIDE * 4];
         drawn.width = drawn.height = PICTURE_SIDE;

@@ -87,7 +87,8 @@ static void every_subject_adds_its_tables(void **state)
                   {"filter", "list to tree"}, {"startup", "warm"},          {"rays", "svocl time"},
                   {"import", "svocl"},        {"convert", "time"},          {"e6-leaving-out", "build"},
                   {"scene-sizes", "build"},   {"thesis-2020", "structure"}, {"compact", "primary ratio"},
-                  {"scene", "refit"},         {"parts", "build"},           {"moving", "ratio"}};
+                  {"scene", "refit"},         {"parts", "build"},           {"moving", "ratio"},
+                  {"moving-rays", "ratio"}};
     for (size_t i = 0; i < sizeof tables / sizeof tables[0]; ++i) {
         const cJSON *table = table_of(document, tables[i].id);
         assert_true(row_count_of(table) > 0);
@@ -351,6 +352,27 @@ static void workers_are_measured_beside_a_model(void **state)
     expect_files(NULL, 0);
 }
 
+/* Limits that are too small have no rows, and the note says why, of each by itself. */
+static void limits_that_are_too_small_are_named(void **state)
+{
+    (void)state;
+    need_builds();
+    cJSON *document = run_json("$SVOCL bench parts --quick --repeat 1 --scenes cube --depths 2 --workers 1 --json");
+    const cJSON *table = table_of(document, "parts");
+    assert_int_equal(row_count_of(table), 1);
+    const char *found = text_of(table, "note");
+    for (int i = 0; i < 3; ++i) {
+        found = strstr(found, "is too small for the least part");
+        assert_non_null(found);
+        ++found;
+    }
+    table = table_of(document, "parts-workers");
+    assert_int_equal(row_count_of(table), 0);
+    assert_non_null(strstr(text_of(table, "note"), "no parts of"));
+    cJSON_Delete(document);
+    expect_files(NULL, 0);
+}
+
 static void usage_errors_exit_with_code_2(void **state)
 {
     (void)state;
@@ -397,6 +419,7 @@ int main(void)
         IN_FOLDER(usage_errors_exit_with_code_2),
         IN_FOLDER(unknown_scenes_are_named),
         IN_FOLDER(workers_are_measured_beside_a_model),
+        IN_FOLDER(limits_that_are_too_small_are_named),
     };
     return cmocka_run_group_tests_name("bench", tests, NULL, NULL);
 }

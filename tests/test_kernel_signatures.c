@@ -56,6 +56,7 @@ extern const char svo_i_source_gather[];
 extern const char svo_i_source_light[];
 extern const char svo_i_source_light_picture[];
 extern const char svo_i_source_light_shade[];
+extern const char svo_i_source_kept_photons[];
 extern const char svo_i_source_photons[];
 extern const char svo_i_source_probes[];
 extern const char svo_i_source_probe_filter[];
@@ -120,6 +121,7 @@ static size_t bytes_of_type(const char *type)
                  {"svo_light_source", sizeof(svo_light_source)},
                  {"svo_light_view_params", sizeof(svo_light_view_params)},
                  {"svo_photon_params", sizeof(svo_photon_params)},
+                 {"svo_crossing_params", sizeof(svo_crossing_params)},
                  {"svo_unmet_params", sizeof(svo_unmet_params)},
                  {"svo_exchange_params", sizeof(svo_exchange_params)},
                  {"svo_probes_params", sizeof(svo_probes_params)},
@@ -539,8 +541,14 @@ static void light_all(const fixture *opened, svo_tree *tree)
         const svo_light_options options = {.struct_size = sizeof options, .form = (svo_light_form)form};
         svo_i_lit_leaves lit = {.lit_count = 1, .unit = 1};
         svo_i_device_work work;
+        const svo_light_source lamp = {.kind = SVO_SOURCE_POINT, .position = {0.5F, 0.5F, 0.5F}, .value = {1, 1, 1}};
+        const svo_light_setup setup = {
+            .struct_size = sizeof setup, .sources = &lamp, .source_count = 1, .view_resolution = 8, .updatable = 1};
+        const svo_box changed = {.high = {1, 1, 1}};
         svo_light *light = NULL;
         succeed(opened, svo_light_create(tree, &options, opened->queue, &light));
+        succeed(opened, svo_light_set_sources(light, &setup, opened->queue));
+        succeed(opened, svo_light_update(light, tree, &changed, 1, opened->queue));
         succeed(opened, svo_i_work_begin(opened->device, "light_all", opened->queue, &work));
         succeed(opened, svo_i_work_alloc(&work, "leaves", sizeof leaf, &lit.leaves));
         succeed(opened, svo_i_work_alloc(&work, "radiance", sizeof radiance, &lit.radiance));
@@ -649,14 +657,14 @@ static void every_launch_matches_its_kernel(void **state)
 {
     (void)state;
     const char *const sources[] = {
-        svo_i_source_subdivide,    svo_i_source_sort,         svo_i_source_pack,        svo_i_source_filter,
-        svo_i_source_voxelize,     svo_i_source_cast,         svo_i_source_trace,       svo_i_source_view,
-        svo_i_source_trace_voxels, svo_i_source_compact,      svo_i_source_expand,      svo_i_source_minimize,
-        svo_i_source_scene_build,  svo_i_source_scene_bounds, svo_i_source_scene_trace, svo_i_source_scene_cast,
-        svo_i_source_solid,        svo_i_source_light,        svo_i_source_photons,     svo_i_source_light_picture,
-        svo_i_source_gather,       svo_i_source_light_shade,  svo_i_source_probes,      svo_i_source_probe_filter,
-        svo_i_source_probe_trace,  svo_i_source_probe_gather, svo_i_source_bvh,         svo_i_source_plan,
-        svo_i_source_moving};
+        svo_i_source_subdivide,     svo_i_source_sort,         svo_i_source_pack,         svo_i_source_filter,
+        svo_i_source_voxelize,      svo_i_source_cast,         svo_i_source_trace,        svo_i_source_view,
+        svo_i_source_trace_voxels,  svo_i_source_compact,      svo_i_source_expand,       svo_i_source_minimize,
+        svo_i_source_scene_build,   svo_i_source_scene_bounds, svo_i_source_scene_trace,  svo_i_source_scene_cast,
+        svo_i_source_solid,         svo_i_source_light,        svo_i_source_kept_photons, svo_i_source_photons,
+        svo_i_source_light_picture, svo_i_source_gather,       svo_i_source_light_shade,  svo_i_source_probes,
+        svo_i_source_probe_filter,  svo_i_source_probe_trace,  svo_i_source_probe_gather, svo_i_source_bvh,
+        svo_i_source_plan,          svo_i_source_moving};
     fixture opened;
     fixture_open_cl(&(fixture_options){.share = SVO_GL_SHARE_AUTO}, &opened);
     painted_mesh painted;

@@ -93,6 +93,7 @@ static const struct {
     {"svo_k_material_leaves", REACH_LEAF},
     {"svo_k_material_long", REACH_STRIP},
     {"svo_k_material_merge", REACH_MATERIALS},
+    {"svo_k_material_top", REACH_MATERIALS},
     {"svo_k_gather_pairs", REACH_RUN},
     {"svo_k_filter", REACH_ONE},
     {"svo_k_filter_top", REACH_ONE},

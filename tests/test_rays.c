@@ -622,6 +622,49 @@ static void an_own_kernel_traces_arrays_of_rays(void **state)
     built_destroy(&tree);
 }
 
+/* Packets whose rays come from one to four eyes, so that groups of every size occur; of each fourth packet a ray is
+   invalid and another one unusually long. */
+static void rays_of_a_packet_are_traced_in_groups(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    enum { RAYS = 2048 };
+    static svo_ray rays[RAYS];
+    static svo_hit expected[RAYS];
+    static svo_hit hits[RAYS];
+    uint64_t random = 22;
+    built tree;
+    size_t met = 0;
+    build_scene(opened, "knot:3000", 6, &tree);
+    for (size_t i = 0; i < RAYS; ++i) {
+        const size_t packet = i / 8;
+        const size_t eye = (size_t)(random_unit(&random) * (double)(1 + packet % 4));
+        const double length = packet % 4 != 3 ? 1.0 : i % 8 == 2 ? 0.0 : i % 8 == 5 ? 0x1p70 : 1.0;
+        rays[i] = random_ray(&random, 1.0);
+        for (int axis = 0; axis < 3; ++axis) {
+            const double pixel[3] = {0.2 + 0.04 * (double)(packet % 16), 0.2 + 0.04 * (double)(packet / 16), 0.5};
+            const double from = 1.5 + 0.25 * axis + 0.1 * (double)eye;
+            rays[i].origin[axis] = (float)(tree.info.origin[axis] + tree.info.edge * from);
+            rays[i].direction[axis] = (float)(length * tree.info.edge * (pixel[axis] + 1e-3 * (double)(i % 8) - from));
+        }
+    }
+    run_arrays_kernel(opened, &tree, svo_tree_kernel_options(), 0, rays, expected, RAYS);
+    for (cl_uint any = 0; any < 2; ++any) {
+        trace_rays(opened, &tree, rays, RAYS, any != 0 ? SVO_TRACE_ANY : SVO_TRACE_CLOSEST, hits);
+        for (size_t i = 0; i < RAYS; ++i) {
+            met += any == 0 && expected[i].triangle != SVO_NO_TRIANGLE;
+            const bool same = any != 0
+                                  ? (hits[i].triangle == SVO_NO_TRIANGLE) == (expected[i].triangle == SVO_NO_TRIANGLE)
+                                  : memcmp(&hits[i], &expected[i], offsetof(svo_hit, count)) == 0;
+            if (!same) {
+                fail_msg("ray %zu, any %u: triangle %u, expected %u", i, any, hits[i].triangle, expected[i].triangle);
+                return;
+            }
+        }
+    }
+    assert_in_range(met, RAYS / 8, RAYS - RAYS / 8);
+    built_destroy(&tree);
+}
+
 /* The tree needs no lists. A voxel is hit before the triangles in it, by at most its diagonal. */
 static void voxel_hits_come_just_before_triangle_hits(void **state)
 {
@@ -748,6 +791,7 @@ int main(void)
         cmocka_unit_test(the_bvh_is_refused_for_trees_without_lists),
         cmocka_unit_test(the_nearest_triangle_agrees_with_the_reference),
         cmocka_unit_test(an_own_kernel_traces_arrays_of_rays),
+        cmocka_unit_test(rays_of_a_packet_are_traced_in_groups),
         cmocka_unit_test(voxel_hits_come_just_before_triangle_hits),
         cmocka_unit_test(invalid_calls_are_refused),
         cmocka_unit_test(events_order_an_out_of_order_queue),

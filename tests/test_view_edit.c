@@ -170,27 +170,33 @@ static void read_floats(const cJSON *array, int count, float *out)
     }
 }
 
-/* As the format says: a matrix, or a placement. */
-static void read_transform(const cJSON *instance, float transform[12])
+static scene_place read_place(const cJSON *object)
 {
     scene_place place = {.scale = {1, 1, 1}};
-    const cJSON *matrix = cJSON_GetObjectItem(instance, "matrix");
-    const cJSON *scale = cJSON_GetObjectItem(instance, "scale");
-    if (matrix != NULL) {
-        read_floats(matrix, 12, transform);
-        return;
+    const cJSON *scale = cJSON_GetObjectItem(object, "scale");
+    if (cJSON_GetObjectItem(object, "translate") != NULL) {
+        read_floats(cJSON_GetObjectItem(object, "translate"), 3, place.translate);
     }
-    if (cJSON_GetObjectItem(instance, "translate") != NULL) {
-        read_floats(cJSON_GetObjectItem(instance, "translate"), 3, place.translate);
-    }
-    if (cJSON_GetObjectItem(instance, "rotate") != NULL) {
-        read_floats(cJSON_GetObjectItem(instance, "rotate"), 3, place.rotate);
+    if (cJSON_GetObjectItem(object, "rotate") != NULL) {
+        read_floats(cJSON_GetObjectItem(object, "rotate"), 3, place.rotate);
     }
     if (cJSON_IsNumber(scale)) {
         place.scale[0] = place.scale[1] = place.scale[2] = (float)scale->valuedouble;
     } else if (scale != NULL) {
         read_floats(scale, 3, place.scale);
     }
+    return place;
+}
+
+/* As the format says: a matrix, or a placement. */
+static void read_transform(const cJSON *instance, float transform[12])
+{
+    const cJSON *matrix = cJSON_GetObjectItem(instance, "matrix");
+    if (matrix != NULL) {
+        read_floats(matrix, 12, transform);
+        return;
+    }
+    const scene_place place = read_place(instance);
     scene_place_compose(&place, transform);
 }
 
@@ -272,21 +278,102 @@ static void test_failed_saves_leave_the_file(void **unused)
     free(state);
 }
 
-/* Motions are not edited, and a file without them would be another scene. */
-static void test_scenes_with_motions_are_not_saved(void **unused)
+/* ---- motions ---- */
+
+#define KEYS 5
+
+/* Gives the first instance a motion of random keys. */
+static void move_first(view_state *state, scene_key keys[KEYS], scene_motion *motion, uint32_t *seed)
+{
+    for (int i = 0; i < KEYS; ++i) {
+        keys[i] = (scene_key){-1 + 0.7F * (float)i, random_place(seed)};
+    }
+    *motion = (scene_motion){0, keys, KEYS};
+    scene_place_compose(&keys[0].place, state->instances[0].transform);
+    assert_true(view_add_mover(state, &(view_mover){0, motion, keys[0].place}));
+}
+
+/* The saved keys of an instance, and those that the viewer shows, bit for bit. */
+static void expect_saved_motion(view_state *state, size_t index)
+{
+    const view_mover *mover = view_mover_of(state, index);
+    work_folder_remember("moving.json");
+    assert_int_equal(scene_save(state, path_of("moving.json")), 0);
+    char *text = read_whole(path_of("moving.json"));
+    cJSON *document = cJSON_Parse(text);
+    const cJSON *instance = cJSON_GetArrayItem(cJSON_GetObjectItem(document, "instances"), (int)index);
+    const cJSON *key = cJSON_GetObjectItem(instance, "motion")->child;
+    for (size_t i = 0; i < KEYS; ++i, key = key->next) {
+        const scene_place saved = read_place(key);
+        const scene_place shown = view_mover_key(mover, i);
+        assert_memory_equal(&saved, &shown, sizeof shown);
+        assert_true((float)cJSON_GetObjectItem(key, "time")->valuedouble == mover->motion->keys[i].time);
+    }
+    assert_null(key);
+    cJSON_Delete(document);
+    free(text);
+}
+
+static void test_saved_motions_are_the_same(void **unused)
 {
     (void)unused;
-    char path[4096];
+    uint32_t seed = 11;
+    scene_key keys[KEYS];
+    scene_motion motion;
     view_state *state = malloc(sizeof *state);
     begin_scene(state);
-    (void)snprintf(path, sizeof path, "%s/moving.json", work_folder());
-    state->scene_motions = 2;
-    scene_edit_save(state, path);
-    assert_non_null(strstr(state->log[(state->log_count - 1) % VIEW_LOG_LINES], "motions of 2 instances"));
-    assert_int_equal(access(path, F_OK), -1);
-    state->scene_motions = 0;
-    scene_edit_save(state, path);
-    assert_int_equal(unlink(path), 0);
+    move_first(state, keys, &motion, &seed);
+    for (size_t i = 0; i < KEYS; ++i) {
+        const scene_place shown = view_mover_key(&state->movers[0], i);
+        assert_memory_equal(&shown, &keys[i].place, sizeof shown);
+    }
+    expect_saved_motion(state, 0);
+    const scene_place place = random_place(&seed);
+    assert_true(scene_edit_set(state, 0, &place));
+    expect_saved_motion(state, 0);
+    scene_edit_move(state, 0, (const float[3]){0.1F, -7, 3});
+    expect_saved_motion(state, 0);
+    view_state_end(state);
+    free(state);
+}
+
+/* What a hand does to the first key it does to all; a copy has a motion of its own. */
+static void test_motions_follow_their_first_key(void **unused)
+{
+    (void)unused;
+    uint32_t seed = 3;
+    scene_key keys[KEYS];
+    scene_motion motion;
+    view_state *state = malloc(sizeof *state);
+    begin_scene(state);
+    move_first(state, keys, &motion, &seed);
+    scene_place place = keys[0].place;
+    place.translate[1] += 5;
+    place.rotate[2] -= 30;
+    place.scale[0] *= 2;
+    assert_true(scene_edit_set(state, 0, &place));
+    const scene_place last = view_mover_key(&state->movers[0], KEYS - 1);
+    assert_float_equal(last.translate[1], keys[KEYS - 1].place.translate[1] + 5, 1e-4F);
+    assert_float_equal(last.rotate[2], keys[KEYS - 1].place.rotate[2] - 30, 1e-4F);
+    assert_float_equal(last.scale[0], keys[KEYS - 1].place.scale[0] * 2, 1e-5F);
+    assert_float_equal(last.scale[1], keys[KEYS - 1].place.scale[1], 0);
+    state->instance = 0;
+    assert_true(scene_edit_add(state));
+    assert_int_equal(state->mover_count, 2);
+    assert_float_equal(state->movers[1].first.translate[0], state->instances[1].transform[3], 0);
+    assert_true(state->movers[1].first.translate[0] > state->movers[0].first.translate[0]);
+    expect_saved_motion(state, 1);
+    /* Keys that would be no numbers keep the motion as it is. */
+    const float far = keys[1].place.translate[0] > keys[0].place.translate[0] ? 1e9F : -1e9F;
+    const view_mover before = state->movers[0];
+    keys[1].place.translate[0] += far;
+    scene_edit_move(state, 0, (const float[3]){far, 0, 0});
+    assert_memory_equal(&state->movers[0], &before, sizeof before);
+    view_remove_instance(state, 0);
+    assert_int_equal(state->mover_count, 1);
+    assert_int_equal(state->movers[0].instance, 0);
+    view_remove_instance(state, 0);
+    assert_int_equal(state->mover_count, 0);
     view_state_end(state);
     free(state);
 }
@@ -336,15 +423,11 @@ static void test_dragged_light_follows_the_mouse(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_found_placements_give_the_matrix),
-        cmocka_unit_test(test_plain_placements_are_found),
-        cmocka_unit_test(test_quarter_turns_and_shear),
-        cmocka_unit_test(test_edits),
-        cmocka_unit_test(test_saved_instances_are_the_same),
-        cmocka_unit_test(test_paths_follow_the_file),
-        cmocka_unit_test(test_failed_saves_leave_the_file),
-        cmocka_unit_test(test_scenes_with_motions_are_not_saved),
-        cmocka_unit_test(test_angles),
+        cmocka_unit_test(test_found_placements_give_the_matrix), cmocka_unit_test(test_plain_placements_are_found),
+        cmocka_unit_test(test_quarter_turns_and_shear),          cmocka_unit_test(test_edits),
+        cmocka_unit_test(test_saved_instances_are_the_same),     cmocka_unit_test(test_paths_follow_the_file),
+        cmocka_unit_test(test_failed_saves_leave_the_file),      cmocka_unit_test(test_saved_motions_are_the_same),
+        cmocka_unit_test(test_motions_follow_their_first_key),   cmocka_unit_test(test_angles),
         cmocka_unit_test(test_dragged_light_follows_the_mouse),
     };
     return cmocka_run_group_tests(tests, work_folder_make, work_folder_remove);

@@ -414,12 +414,15 @@ static void test_center_is_free(void **unused)
 {
     (void)unused;
     static const unsigned sizes[][2] = {{160, 160}, {640, 400}, {1280, 800}, {3840, 2160}};
+    static scene_key key;
+    static const scene_motion motion = {0, &key, 1};
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; ++i) {
         const float width = (float)sizes[i][0];
         const float height = (float)sizes[i][1];
         const float center[4] = {0.36F * width, 0, 0.64F * width, height - 40};
         panels_session at = begin_panels(sizes[i][0], sizes[i][1]);
-        for (int scene = 0; scene < 2; ++scene) {
+        for (int scene = 0; scene < 3; ++scene) {
+            assert_true(scene < 2 || view_add_mover(at.state, &(view_mover){.motion = &motion}));
             view_choose_scene(at.state, scene == 1);
             (void)describe_panels(&at);
             const ui_drawing *drawing = describe_panels(&at);

@@ -14,6 +14,7 @@
 
 #include "view/camera.h"
 #include "view/input.h"
+#include "view/play.h"
 #include "view/probe_spheres.h"
 #include "view/settings.h"
 #include "work_folder.h"
@@ -406,6 +407,97 @@ static void settings_have_the_place_of_the_standard(void **unused)
     assert_string_equal(file.path, "");
 }
 
+/* ---- motions ---- */
+
+/* One instance moves for 2 s in 21 frames. */
+static view_state *make_film(void)
+{
+    static scene_key keys[2] = {{.time = 1}, {.time = 3}};
+    static const scene_motion motion = {0, keys, 2};
+    view_state *state = make_state();
+    assert_true(view_add_instance(state, &(svo_instance){.tree = 0}));
+    assert_true(view_add_mover(state, &(view_mover){.motion = &motion}));
+    state->film.frame_count = 21;
+    state->film.first_time = 1;
+    state->film.last_time = 3;
+    return state;
+}
+
+static void motions_play_by_seconds(void **unused)
+{
+    (void)unused;
+    view_state *state = make_film();
+    play_advance(state, 1);
+    assert_int_equal(state->film.frame, 0);
+    (void)press(state, VIEW_KEY_SPACE, false);
+    play_advance(state, 0.99);
+    assert_int_equal(state->film.frame, 9);
+    play_advance(state, 0.02);
+    assert_int_equal(state->film.frame, 10);
+    (void)press(state, VIEW_KEY_UP, false);
+    play_advance(state, 0.5);
+    assert_int_equal(state->film.frame, 20);
+    play_advance(state, 0.1);
+    assert_int_equal(state->film.frame, 1); /* from the beginning again */
+    (void)press(state, VIEW_KEY_DOWN, false);
+    (void)press(state, VIEW_KEY_DOWN, false);
+    state->film.loops = false;
+    play_advance(state, 100);
+    assert_int_equal(state->film.frame, 20);
+    assert_false(state->film.is_playing);
+    (void)press(state, VIEW_KEY_SPACE, false);
+    assert_int_equal(state->film.frame, 0);
+    assert_true(state->film.is_playing);
+    for (int i = 0; i < 20; ++i) {
+        (void)press(state, VIEW_KEY_DOWN, false);
+    }
+    assert_int_equal(state->film.speed_log2, -VIEW_SPEED_MAX);
+    free_state(state);
+}
+
+static void steps_pause_and_end(void **unused)
+{
+    (void)unused;
+    view_state *state = make_film();
+    (void)press(state, VIEW_KEY_SPACE, false);
+    (void)press(state, VIEW_KEY_LEFT, false);
+    assert_false(state->film.is_playing);
+    assert_int_equal(state->film.frame, 20);
+    (void)press(state, VIEW_KEY_RIGHT, false);
+    assert_int_equal(state->film.frame, 0);
+    (void)press(state, VIEW_KEY_RIGHT, false);
+    assert_int_equal(state->film.frame, 1);
+    state->film.loops = false;
+    play_seek(state, 99);
+    (void)press(state, VIEW_KEY_RIGHT, false);
+    assert_int_equal(state->film.frame, 20);
+    play_seek(state, 0);
+    (void)press(state, VIEW_KEY_LEFT, false);
+    assert_int_equal(state->film.frame, 0);
+    free_state(state);
+}
+
+/* Without motions nothing plays, and what moves is not lit by cones and has no probes: a line of the log each. */
+static void motions_say_what_is_not_possible(void **unused)
+{
+    (void)unused;
+    view_state *none = make_state();
+    (void)press(none, VIEW_KEY_SPACE, false);
+    (void)press(none, VIEW_KEY_RIGHT, false);
+    assert_int_equal(none->log_count, 2);
+    assert_false(none->film.is_playing);
+    free_state(none);
+    view_state *state = make_film();
+    view_choose_picture(state, VIEW_FULL);
+    assert_int_equal(state->shown.picture, VIEW_SHADED);
+    view_choose_through(state, true);
+    assert_false(state->shown.through);
+    assert_int_equal(state->log_count, 2);
+    view_choose_picture(state, VIEW_DEPTH);
+    assert_int_equal(state->shown.picture, VIEW_DEPTH);
+    free_state(state);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(orbit_turns_the_eye_around_the_target),
@@ -421,6 +513,9 @@ int main(void)
                                        cmocka_unit_test(settings_come_back),
                                        cmocka_unit_test(damaged_settings_mean_defaults_and_a_line),
                                        cmocka_unit_test(settings_that_cannot_be_kept_are_a_line),
+                                       cmocka_unit_test(motions_play_by_seconds),
+                                       cmocka_unit_test(steps_pause_and_end),
+                                       cmocka_unit_test(motions_say_what_is_not_possible),
                                        cmocka_unit_test(settings_have_the_place_of_the_standard)};
     return cmocka_run_group_tests(tests, work_folder_make, work_folder_remove);
 }

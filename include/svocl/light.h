@@ -5,8 +5,9 @@
  * gather both: ambient occlusion, one bounce of indirect light, and specular reflections.
  *
  * A light is made of a built tree and refers to it; the tree must outlive it and stay as it is. Opacity is made once;
- * svo_light_set_sources reruns the stages of the sources alone. What is stored is integers, the same bytes on every
- * device and run. Cones are single-precision: the same on every run, and within 1e-4 between devices.
+ * svo_light_set_sources reruns the stages of the sources alone, and svo_light_update makes the light of a changed
+ * tree. What is stored is integers, the same bytes on every device and run. Cones are single-precision: the same on
+ * every run, and within 1e-4 between devices.
  *
  * Forms. SVO_LIGHT_FACES: six opacities and radiances a node, for rays along +x, -x, +y, -y, +z, -z, interpolated
  * between the eight nodes around a point; walls let little light through, whatever the width of the cone.
@@ -24,6 +25,7 @@
 
 #include "svocl/device.h"
 #include "svocl/light_types.h"
+#include "svocl/nodes.h"
 #include "svocl/trace.h"
 #include "svocl/tree.h"
 
@@ -119,6 +121,8 @@ typedef struct svo_light_info {
      *  for each lit node: a pyramid over the light views, of each pixel's leaf and above it of the common ancestor of
      *  2 x 2 cells (Crassin et al., 2011). 0 without svo_light_setup.diagnose. */
     uint64_t node_map_items;
+    uint64_t traced_photons; /**< of photons, those whose rays were traced by the newest call */
+    uint64_t kept_bytes; /**< held for svo_light_update, besides total_bytes */
 } svo_light_info;
 
 /** An empty output. */
@@ -186,6 +190,7 @@ typedef struct svo_light_setup {
     uint32_t view_resolution; /**< photons along a side of each light's view, 1 .. 16384; 0: four per facing leaf */
     uint32_t diagnose; /**< not 0: counts missed_leaves and node_map_items too, by one more ray a leaf and source */
     uint32_t no_photons; /**< not 0: sources light surfaces of pictures directly, but no photons leave them */
+    uint32_t updatable; /**< not 0: photons are kept for svo_light_update, in about 36 bytes each and 200 a lit leaf */
 } svo_light_setup;
 
 /** No light. */
@@ -204,6 +209,32 @@ typedef struct svo_light_setup {
  *          SVO_UNSUPPORTED, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR on
  *          failure. */
 SVO_API svo_status svo_light_set_sources(svo_light *light, const svo_light_setup *setup, cl_command_queue queue);
+
+/** The most boxes of svo_light_update. */
+#define SVO_LIGHT_BOXES_MAX 1048576u
+
+/** Makes the light that of another tree, in place of the one before: its opacity, and the light of the sources that the
+ *  light has. What is stored is, byte for byte, what svo_light_create and svo_light_set_sources make of the tree.
+ *
+ * With svo_light_setup.updatable, photons are shot again only where rays cross a box before they hit, or hit beside
+ * one; of the others flux and leaves are kept. All are shot where the grid or the bounds of the leaves have changed,
+ * since views follow from them, and with diagnose, without leaf lists, or after sources that OpenGL saw.
+ *
+ * The tree before is not read and may be gone, as after svo_moving_update. After a failure the light is still that of
+ * the tree before, and the next update shoots all photons.
+ *
+ * \param light not NULL. Its buffers are new after a success
+ * \param tree on the device of the light; must outlive the light from now on
+ * \param changed change_count boxes that hold all triangles that have come, gone or moved since the tree before, where
+ *        they were and where they are: svo_moving_get_changes has them. A box that is missing makes the light
+ *        undefined, or fails. Numbers of other triangles may have changed, but not their order. NULL when that is 0
+ * \param change_count at most SVO_LIGHT_BOXES_MAX
+ * \param queue on the context of its device; NULL: the device's own
+ * 
+eturns SVO_INVALID_ARGUMENT (a box that is not finite or empty, a tree of another device, lit leaves that went
+ *          outside the boxes), or what svo_light_create and svo_light_set_sources return. */
+SVO_API svo_status svo_light_update(svo_light *light, svo_tree *tree, const svo_box *changed, size_t change_count,
+                                    cl_command_queue queue);
 
 /* ---- cones ---- */
 

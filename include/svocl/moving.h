@@ -22,6 +22,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "svocl/nodes.h"
 #include "svocl/plan.h"
 #include "svocl/trace.h"
 #include "svocl/tree.h"
@@ -245,8 +246,9 @@ typedef struct svo_moving_bvh_report {
  *
  * \param moving with SVO_NEED_RAYS, coverage half-open or closed. No batch of rays of its trees may be in progress
  * \param quality of objects' BVHs that are made, a svo_bvh_quality
- * \param cost_ratio a refit BVH is made anew when a random ray through the object visits so many times the nodes that
- *        it visited when the BVH was made; not negative. 0: 1.5. Below 1: every object that has changed is made anew
+ * \param cost_ratio a refit BVH is made anew when a random ray through the object visits so many times the nodes and
+ *        leaves that it visited when the BVH was made; not negative. 0: 1.5. Below 1: every object that has changed is
+ *        made anew
  * \param queue of the device, in-order or out-of-order; NULL: the device's own
  * \param report receives what was done; NULL: not wanted
  * \returns SVO_INVALID_ARGUMENT or what svo_tree_prepare_rays returns. After a failure rays make a BVH of the whole
@@ -259,6 +261,16 @@ SVO_API svo_status svo_moving_make_bvh(svo_moving *moving, svo_bvh_quality quali
  * \param moving not NULL
  * \returns the tree, owned by the scene; the next update that succeeds destroys it. */
 SVO_API svo_tree *svo_moving_tree(const svo_moving *moving);
+
+/** Where the newest update that succeeded changed the tree: the bounds of each object that changed, before it and after
+ *  it, where it was and is in the scene. An update that found nothing to do has none. svo_light_update takes them.
+ *
+ * \param moving not NULL
+ * \param boxes receives the first boxes, at most capacity; NULL allowed when that is 0
+ * \param capacity boxes that there is room for; two for each object suffice
+ * \param count receives how many there are
+ * \returns SVO_INVALID_ARGUMENT when count is NULL, or boxes where capacity is not 0. */
+SVO_API svo_status svo_moving_get_changes(const svo_moving *moving, svo_box *boxes, size_t capacity, size_t *count);
 
 /** The scene's mesh, as it will be after the next update: the static mesh, then the visible objects, in the world.
  *

@@ -35,6 +35,12 @@ typedef struct svo_grid {
     double scale; /**< grid units per world unit */
 } svo_grid;
 
+/** A box in world coordinates. This struct does not grow. */
+typedef struct svo_box {
+    double low[3]; /**< least corner */
+    double high[3]; /**< greatest corner; not below low on any axis */
+} svo_box;
+
 /** The grid of a tree.
  *
  * \param tree not NULL

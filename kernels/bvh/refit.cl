@@ -64,19 +64,20 @@ __kernel void svo_k_bvh_refit(__global const svo_bvh_children *children, __globa
     node_boxes[node] = sum;
 }
 
-/* The sum of the nodes' areas in lane 3 of the root's box: over the root's area, the nodes that a random ray through
-   it visits (Lauterbach, Yoon, Tuft and Manocha, "RT-DEFORM", 2006, watch a refit hierarchy by areas). Strips and their
+/* In lane 3 of the root's box the areas of all nodes and leaves: over the root's, those that a random ray through it
+   visits (Lauterbach, Yoon, Tuft and Manocha, "RT-DEFORM", 2006, watch a refit hierarchy by areas). Strips and their
    order are fixed, and so is the sum. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_bvh_extent(__global float8 *node_boxes, uint node_count, __local float *sums)
+svo_k_bvh_extent(__global float8 *node_boxes, __global const float8 *leaf_boxes, __global const uint *item_counts,
+                 uint node_count, uint item_count, __local float *sums)
 {
     const uint item = (uint)get_local_id(0);
-    const uint length = (node_count + SVO_GROUP_ITEMS - 1u) / SVO_GROUP_ITEMS;
-    const uint begin = min(item * length, node_count);
-    const uint end = min(begin + length, node_count);
     float sum = 0.0f;
-    for (uint node = begin; node < end; ++node) {
+    for (uint node = item; node < node_count; node += SVO_GROUP_ITEMS) {
         sum += svo_bvh_half_area(node_boxes[node]);
+    }
+    for (uint first = item; first < item_count; first += SVO_GROUP_ITEMS) {
+        sum += item_counts[first] != 0u ? svo_bvh_half_area(leaf_boxes[first]) : 0.0f;
     }
     sums[item] = sum;
     barrier(CLK_LOCAL_MEM_FENCE);

@@ -23,20 +23,15 @@ static void svo_set_ray(__global svo_ray *ray, float3 origin, float3 direction, 
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_light_rays(__global const svo_photon_weight *weights, __global svo_ray *rays, svo_light_view_params view)
+svo_k_light_rays(__global const svo_photon_weight *weights, __global svo_ray *rays, __global const uint *groups,
+                 svo_light_view_params view)
 {
     const uint item = (uint)get_global_id(0);
     if (item >= view.count) {
         return;
     }
-    float x;
-    float y;
-    svo_photon_pixel(&view, view.first + item, &x, &y);
-    const float3 direction = svo_photon_direction(&view, x, y);
-    float3 origin = svo_view_vector(view.base);
-    if (view.parallel != 0u) {
-        origin += x * svo_view_vector(view.right) + y * svo_view_vector(view.up);
-    }
+    float3 origin;
+    const float3 direction = svo_photon_ray(&view, svo_photon_number(&view, groups, item), &origin);
     svo_set_ray(rays + item, origin, direction, weights[item].flux != 0u);
 }
 

@@ -52,21 +52,18 @@ static svo_ray svo_picture_ray(const svo_lit_picture *picture, uint x, uint y, u
 }
 
 /* The share of white that a pixel shows. */
-static float3 svo_picture_pixel(const svo_lit_picture *picture, uint x, uint y, svo_lit_cache *cache)
+SVO_INLINED float3 svo_picture_pixel(const svo_lit_picture *picture, uint x, uint y, svo_lit_cache *cache)
 {
     const uint samples = SVO_PICTURE_SAMPLES * SVO_PICTURE_SAMPLES;
     float3 sum = (float3)(0.0f);
     for (uint sample = 0; sample < samples; ++sample) {
         const svo_ray ray = svo_picture_ray(picture, x, y, sample);
-        svo_lit_surface surface;
-        if (!svo_lit_find(picture, &ray, &surface)) {
+        float3 radiance;
+        if (!svo_lit_look(picture, &ray, cache, &radiance)) {
             sum += svo_picture_background(picture);
-            continue;
+        } else {
+            sum += picture->params.view == SVO_LIT_VIEW_AO ? radiance : svo_picture_shown(picture, radiance);
         }
-        const svo_gather_result gathered = svo_lit_cones(picture, &surface, vload3(0, ray.direction), cache);
-        sum += picture->params.view == SVO_LIT_VIEW_AO
-                   ? (float3)(gathered.openness)
-                   : svo_picture_shown(picture, svo_lit_radiance(picture, &surface, &gathered));
     }
     return sum / (float)samples;
 }
@@ -81,8 +78,7 @@ __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void svo_k
     const uint x = tile % tiles_across * 16u + 2u * (item & 7u);
     const uint y = tile / tiles_across * 16u + 2u * (item >> 3);
     SVO_LIT_MAKE(picture);
-    svo_lit_cache cache;
-    svo_lit_cache_begin(SVO_PICTURE_NEAR, &cache);
+    SVO_LIT_CACHE(cache, SVO_PICTURE_NEAR);
     for (uint pixel = 0; pixel < 4u; ++pixel) {
         const uint column = x + (pixel & 1u);
         const uint row = y + (pixel >> 1);

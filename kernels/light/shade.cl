@@ -13,26 +13,17 @@
 /* Rays share what cones gather within this many leaf edges. */
 #define SVO_SHADE_NEAR 4.0f
 
-static float3 svo_shade_ray(const svo_lit_picture *picture, const svo_ray *ray, svo_lit_cache *cache)
-{
-    svo_lit_surface surface;
-    if (!svo_lit_find(picture, ray, &surface)) {
-        return vload3(0, picture->params.sky);
-    }
-    const svo_gather_result gathered = svo_lit_cones(picture, &surface, vload3(0, ray->direction), cache);
-    return svo_lit_radiance(picture, &surface, &gathered);
-}
-
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_light_shade(SVO_LIT_PARAMETERS, __global const svo_ray *rays, __global float *radiance)
 {
     const uint first = (uint)get_global_id(0) * SVO_SHADE_RAYS;
     const uint end = min(first + SVO_SHADE_RAYS, params.width);
-    svo_lit_cache cache;
     SVO_LIT_MAKE(picture);
-    svo_lit_cache_begin(SVO_SHADE_NEAR, &cache);
+    SVO_LIT_CACHE(cache, SVO_SHADE_NEAR);
     for (uint i = first; i < end; ++i) {
         const svo_ray ray = rays[i];
-        vstore3(svo_shade_ray(&picture, &ray, &cache), i, radiance);
+        float3 seen = vload3(0, params.sky);
+        svo_lit_look(&picture, &ray, &cache, &seen);
+        vstore3(seen, i, radiance);
     }
 }

@@ -78,13 +78,17 @@ SVO_RECORD(svo_light_step)
 #define SVO_SPREAD_PARTS       15 /* of a photon: each goes to a leaf */
 
 /* What photons count. */
-#define SVO_PHOTON_SLOTS    0 /* leaves that have a slot */
-#define SVO_PHOTON_HITS     1
-#define SVO_PHOTON_UNMET    2 /* leaves that should have met one */
-#define SVO_PHOTON_BITS     3 /* of the largest radiance, before it gets its unit */
-#define SVO_PHOTON_NO_LEAF  4 /* lost flux: red, green, blue, 64 bits each */
-#define SVO_PHOTON_IN_LEAF  10 /* the flux of the lit leaves, likewise */
-#define SVO_PHOTON_COUNTERS 16
+#define SVO_PHOTON_SLOTS      0 /* slots that have been claimed */
+#define SVO_PHOTON_HITS       1
+#define SVO_PHOTON_UNMET      2 /* leaves that should have met one */
+#define SVO_PHOTON_BITS       3 /* of the largest radiance, before it gets its unit */
+#define SVO_PHOTON_NO_LEAF    4 /* lost flux: red, green, blue, 64 bits each */
+#define SVO_PHOTON_IN_LEAF    10 /* the flux of the lit leaves, likewise */
+#define SVO_PHOTON_TAKEN      16 /* hits that are taken back */
+#define SVO_PHOTON_FREE       17 /* slots without photons, whose numbers follow the counters */
+#define SVO_PHOTON_FIRST_SLOT 18 /* of those that are claimed when no slot is free any more */
+#define SVO_PHOTON_GONE       19 /* slots whose leaves are gone, although photons of theirs stay: 0 */
+#define SVO_PHOTON_COUNTERS   20
 
 /* A photon's flux relative to that of a pixel in the middle of the view, 2^31 = 1; 0: none is shot. And 1 / length of
    its direction, 2^31 = 1. 8 bytes. */
@@ -98,7 +102,7 @@ SVO_RECORD(svo_photon_weight)
    each photon. 48 bytes. */
 SVO_RECORD(svo_photon_spread)
 {
-    SVO_U32 leaves[8]; /* 0: of the cells; SVO_PHOTON_LOST: there is none, and it gets nothing */
+    SVO_U32 leaves[8]; /* 0: of the cells; SVO_PHOTON_LOST: there is none, and it gets nothing. Slots in what is kept */
     SVO_U32 parts[4]; /* 32: of a photon: four bits for each cell, the first lowest */
 };
 
@@ -132,6 +136,18 @@ SVO_RECORD(svo_photon_params)
     SVO_U32 count; /* 20: photons, slots or leaves of the launch */
     SVO_U32 spreads; /* 24: not 0: photons of a view spread, leaves get slots, and hits are counted */
     SVO_F32 cells; /* 28: leaves along a world unit */
+};
+
+/* Arguments of the kernel that finds photons whose rays meet what changed. 32 bytes. */
+SVO_RECORD(svo_crossing_params)
+{
+    SVO_U32 kept_first; /* 0: the view's first photon among the kept ones */
+    SVO_U32 group_count; /* 4: of the view */
+    SVO_U32 view; /* 8: its number */
+    SVO_U32 box_count; /* 12 */
+    SVO_F32 cells; /* 16: leaves along a world unit */
+    SVO_F32 beside; /* 20: so many leaves from a hit to a box matter, besides the photon's footprint */
+    SVO_U32 reserved[2]; /* 24 */
 };
 
 /* Arguments of the kernel that looks for leaves that should have met a photon. 48 bytes. */
@@ -218,6 +234,7 @@ SVO_ASSERT_BYTES(svo_photon_weight, 8);
 SVO_ASSERT_BYTES(svo_photon_spread, 48);
 SVO_ASSERT_BYTES(svo_light_view_params, 104);
 SVO_ASSERT_BYTES(svo_photon_params, 32);
+SVO_ASSERT_BYTES(svo_crossing_params, 32);
 SVO_ASSERT_BYTES(svo_unmet_params, 48);
 SVO_ASSERT_BYTES(svo_finish_record, 32);
 SVO_ASSERT_BYTES(svo_exchange_params, 32);

@@ -9,6 +9,7 @@
  *                           four bits a pass. On GPUs (SVO_LONG_LEAVES)
  *   svo_k_material_merge    per node of a level: merges its children's entries, up to eight adjacent sorted runs, in
  *                           place of the first
+ *   svo_k_material_top      elsewhere than on CPUs, the same for the few nodes of the top levels, by one group
  *
  * An entry is a material and a sum of weights in one word, so that words sort by material:
  *
@@ -238,34 +239,34 @@ svo_k_material_long(__global const uint *list_begin, __global uint *leaf_counts,
 
 #endif
 
-/* child_begins and child_counts are indexed from the first node of their level. */
-__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_material_merge(__global const uchar *masks, __global const uint *first_child, __global const uint *child_begins,
-                     __global const uint *child_counts, __global const ulong *child_entries, __global uint *begins,
-                     __global uint *counts, __global ulong *entries, __global ushort *materials,
-                     __global const svo_build_state *state, svo_filter_params params)
+/* The entries of a level's nodes, indexed from its first node. */
+typedef struct svo_level_entries {
+    __global uint *begins;
+    __global uint *counts;
+    __global ulong *entries;
+} svo_level_entries;
+
+/* index: from the level's first node. */
+SVO_CALLED void svo_merge_node(uint index, __global const uchar *masks, __global const uint *first_child,
+                               svo_level_entries children, svo_level_entries nodes, __global ushort *materials,
+                               svo_filter_params params)
 {
-    svo_make_current(&params, state);
-    const uint index = (uint)get_global_id(0);
-    if (index >= params.level_count) {
-        return;
-    }
     const uint node = params.level_begin + index;
     const uint child = first_child[node] - params.child_begin;
-    const uint children = popcount((uint)masks[node]);
+    const uint child_count = popcount((uint)masks[node]);
     uint next[8];
     uint last[8];
-    for (uint i = 0; i < children; ++i) {
-        next[i] = child_begins[child + i];
-        last[i] = next[i] + child_counts[child + i];
+    for (uint i = 0; i < child_count; ++i) {
+        next[i] = children.begins[child + i];
+        last[i] = next[i] + children.counts[child + i];
     }
     const uint begin = next[0];
     uint end = begin;
     for (;;) {
         uint chosen = 0;
         ulong least = SVO_NO_ENTRY;
-        for (uint i = 0; i < children; ++i) {
-            const ulong entry = next[i] < last[i] ? child_entries[next[i]] : SVO_NO_ENTRY;
+        for (uint i = 0; i < child_count; ++i) {
+            const ulong entry = next[i] < last[i] ? children.entries[next[i]] : SVO_NO_ENTRY;
             chosen = entry < least ? i : chosen;
             least = min(least, entry);
         }
@@ -273,11 +274,50 @@ svo_k_material_merge(__global const uchar *masks, __global const uint *first_chi
             break;
         }
         ++next[chosen];
-        end = svo_put_entry(entries, begin, end, least);
+        end = svo_put_entry(nodes.entries, begin, end, least);
     }
-    begins[index] = begin;
-    counts[index] = end - begin;
-    materials[node - params.payload_begin] = svo_heaviest(entries, begin, end);
+    nodes.begins[index] = begin;
+    nodes.counts[index] = end - begin;
+    materials[node - params.payload_begin] = svo_heaviest(nodes.entries, begin, end);
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_material_merge(__global const uchar *masks, __global const uint *first_child, __global uint *child_begins,
+                     __global uint *child_counts, __global ulong *child_entries, __global uint *begins,
+                     __global uint *counts, __global ulong *entries, __global ushort *materials,
+                     __global const svo_build_state *state, svo_filter_params params)
+{
+    svo_make_current(&params, state);
+    const uint index = (uint)get_global_id(0);
+    if (index < params.level_count) {
+        const svo_level_entries children = {child_begins, child_counts, child_entries};
+        const svo_level_entries nodes = {begins, counts, entries};
+        svo_merge_node(index, masks, first_child, children, nodes, materials, params);
+    }
+}
+
+/* params.level: the first of the levels, which is at most SVO_TOP_LEVEL and not the one above the leaves, since their
+   entries begin where list_begin says. Launch: one group. */
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_material_top(__global const uchar *masks, __global const uint *first_child, __global uint *child_begins,
+                   __global uint *child_counts, __global ulong *child_entries, __global uint *begins,
+                   __global uint *counts, __global ulong *entries, __global ushort *materials,
+                   __global const svo_build_state *state, svo_filter_params params)
+{
+    svo_level_entries children = {child_begins, child_counts, child_entries};
+    svo_level_entries nodes = {begins, counts, entries};
+    for (uint level = params.level + 1u; level-- > params.payload_level;) {
+        svo_filter_params current = params; /* of which drivers may have one for all work-items */
+        current.level = level;
+        svo_make_current(&current, state);
+        for (uint index = (uint)get_local_id(0); index < current.level_count; index += SVO_GROUP_ITEMS) {
+            svo_merge_node(index, masks, first_child, children, nodes, materials, current);
+        }
+        barrier(CLK_GLOBAL_MEM_FENCE);
+        const svo_level_entries above = children;
+        children = nodes;
+        nodes = above;
+    }
 }
 
 #endif

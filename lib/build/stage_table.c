@@ -284,7 +284,8 @@ static const svo_i_stage rows[] = {
      .item_ns = 60.0,
      .program = SVO_I_PROGRAM_FILTER,
      .defines = material_defines,
-     .kernels = {"svo_k_material_scatter", "svo_k_material_leaves", "svo_k_material_long", "svo_k_material_merge"},
+     .kernels = {"svo_k_material_scatter", "svo_k_material_leaves", "svo_k_material_long", "svo_k_material_merge",
+                 "svo_k_material_top"},
      .buffers = {TREE("materials", NODES), SCRATCH("entry_counts", NODES), SCRATCH("entry_begins", NODES),
                  SCRATCH("entries", FRAGMENTS), SCRATCH("long_leaves", FRAGMENTS)}},
     {.name = "link", /* filter launches it, chunk by chunk */

@@ -36,6 +36,7 @@ extern const char svo_i_source_scene_trace[];
 extern const char svo_i_source_scene_cast[];
 extern const char svo_i_source_solid[];
 extern const char svo_i_source_gather[];
+extern const char svo_i_source_kept_photons[];
 extern const char svo_i_source_photons[];
 extern const char svo_i_source_light_picture[];
 extern const char svo_i_source_light_shade[];
@@ -75,6 +76,7 @@ const char *svo_i_program_kind_name(svo_i_program_kind kind)
                                                            [SVO_I_PROGRAM_MINIMIZE] = "minimize",
                                                            [SVO_I_PROGRAM_SOLID] = "solid",
                                                            [SVO_I_PROGRAM_GATHER] = "gather",
+                                                           [SVO_I_PROGRAM_KEPT_PHOTONS] = "kept_photons",
                                                            [SVO_I_PROGRAM_PHOTONS] = "photons",
                                                            [SVO_I_PROGRAM_LIGHT_PICTURE] = "light_picture",
                                                            [SVO_I_PROGRAM_LIGHT_SHADE] = "light_shade",
@@ -109,6 +111,7 @@ const char *svo_i_program_source(svo_i_program_kind kind)
                                                       [SVO_I_PROGRAM_MINIMIZE] = svo_i_source_minimize,
                                                       [SVO_I_PROGRAM_SOLID] = svo_i_source_solid,
                                                       [SVO_I_PROGRAM_GATHER] = svo_i_source_gather,
+                                                      [SVO_I_PROGRAM_KEPT_PHOTONS] = svo_i_source_kept_photons,
                                                       [SVO_I_PROGRAM_PHOTONS] = svo_i_source_photons,
                                                       [SVO_I_PROGRAM_LIGHT_PICTURE] = svo_i_source_light_picture,
                                                       [SVO_I_PROGRAM_LIGHT_SHADE] = svo_i_source_light_shade,

@@ -33,6 +33,7 @@ typedef enum svo_i_program_kind {
     SVO_I_PROGRAM_SCENE_CAST, /* render of scenes */
     SVO_I_PROGRAM_SOLID, /* those of kernels/solid */
     SVO_I_PROGRAM_GATHER, /* gather of light */
+    SVO_I_PROGRAM_KEPT_PHOTONS, /* kept_photons of light */
     SVO_I_PROGRAM_PHOTONS, /* scan; light_view, photons, exchange of kernels/light */
     SVO_I_PROGRAM_LIGHT_PICTURE, /* picture of light */
     SVO_I_PROGRAM_LIGHT_SHADE, /* shade of light */

@@ -272,7 +272,7 @@ svo_status svo_i_light_exchange(svo_i_photons *photons, svo_light *light, const 
     SVO_I_TRY(svo_i_photons_use(photons));
     describe_tree(&e);
     SVO_I_TRY(find_emitting(&e));
-    lit->lit_count = photons->slot_count;
+    lit->lit_count = photons->lit_count;
     if (lit->lit_count == 0) {
         return SVO_OK;
     }

@@ -12,6 +12,7 @@
 #include "core/struct_size.h"
 #include "light/bricks.h"
 #include "light/faces.h"
+#include "light/kept_photons.h"
 #include "light/opacity.h"
 #include "light/plan.h"
 #include "light/setup.h"
@@ -82,12 +83,13 @@ static uint32_t find_flags(const svo_tree_info *tree)
 svo_status svo_light_create(svo_tree *tree, const svo_light_options *options, cl_command_queue queue, svo_light **out)
 {
     static const char function[] = "svo_light_create";
+    svo_light_options asked;
     svo_light_info info;
     if (tree == NULL || out == NULL) {
         return svo_i_device_fail(tree != NULL ? tree->device : NULL, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
                                  tree == NULL ? "tree" : "out");
     }
-    SVO_I_TRY(svo_i_light_plan(tree, function, options, &info));
+    SVO_I_TRY(svo_i_light_plan(tree, function, options, &asked, &info));
     if (tree->device == NULL) {
         return svo_i_device_fail(NULL, SVO_INVALID_ARGUMENT,
                                  "%s: the tree is not on a device; call svo_tree_upload first", function);
@@ -99,6 +101,8 @@ svo_status svo_light_create(svo_tree *tree, const svo_light_options *options, cl
     light->tree = tree;
     light->device = tree->device;
     light->info = info;
+    light->options = asked;
+    light->options.struct_size = sizeof light->options;
     light->params = (svo_light_params){
         .depth = tree->info.depth,
         .flags = find_flags(&tree->info),
@@ -121,6 +125,7 @@ void svo_light_destroy(svo_light **light)
         svo_i_light_release(*light, i);
     }
     svo_i_light_forget_setup(*light);
+    svo_i_kept_destroy(&(*light)->kept);
     svo_i_free(*light);
     *light = NULL;
 }
@@ -133,7 +138,7 @@ svo_status svo_light_get_info(const svo_light *light, svo_light_info *info)
         return SVO_INVALID_ARGUMENT;
     }
     return svo_i_struct_write(svo_i_device_message(light->device), "svo_light_get_info", "info", &light->info, info,
-                              SVO_I_STRUCT_SIZES(svo_light_info, node_map_items));
+                              SVO_I_STRUCT_SIZES(svo_light_info, kept_bytes));
 }
 
 cl_mem svo_light_get_buffer(const svo_light *light, svo_light_buffer buffer)

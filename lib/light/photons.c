@@ -34,23 +34,52 @@ svo_status svo_i_photons_use(const svo_i_photons *photons)
     return svo_i_work_use(photons->work, SVO_I_PROGRAM_PHOTONS, defines[photons->has_directions][photons->has_lobes]);
 }
 
-svo_status svo_i_photons_begin(svo_i_device_work *work, svo_tree *tree, bool has_directions, bool has_lobes,
-                               double unit, svo_i_photons *out)
+/* Makes room for slots, or more of it. */
+static svo_status make_sums(svo_i_photons *photons, uint64_t room)
+{
+    svo_i_kept_photons *kept = photons->kept;
+    cl_mem larger = NULL;
+    if (kept != NULL) {
+        SVO_I_TRY(svo_i_kept_grow(kept, photons->work, room, sum_bytes(photons, 1)));
+        photons->sums = kept->sums;
+    } else {
+        SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_sums", sum_bytes(photons, room), &larger));
+        SVO_I_TRY(svo_i_work_fill_zero(photons->work, larger, sum_bytes(photons, room)));
+        SVO_I_TRY(svo_i_work_copy(photons->work, photons->sums, 0, larger, 0, sum_bytes(photons, photons->slot_room)));
+        svo_i_work_free(photons->work, &photons->sums);
+        photons->sums = larger;
+    }
+    photons->slot_room = room;
+    return SVO_OK;
+}
+
+static svo_status begin_sums(svo_i_photons *photons)
+{
+    const uint64_t leaves = photons->tree->info.leaf_count;
+    if (photons->kept != NULL && photons->kept->sums != NULL) {
+        photons->sums = photons->kept->sums;
+        photons->slot_room = photons->kept->slot_room;
+        return SVO_OK;
+    }
+    return make_sums(photons, leaves < FIRST_SLOTS ? leaves : FIRST_SLOTS);
+}
+
+svo_status svo_i_photons_begin(svo_i_device_work *work, svo_tree *tree, bool has_directions, double unit,
+                               svo_i_kept_photons *kept, svo_i_photons *out)
 {
     const svo_tree_info *info = &tree->info;
     const uint64_t slot_bytes = info->leaf_count * sizeof(cl_uint);
+    const uint64_t counters = SVO_PHOTON_COUNTERS + (kept != NULL ? kept->slot_count : 0);
     *out = (svo_i_photons){.work = work,
                            .tree = tree,
                            .has_directions = has_directions,
-                           .has_lobes = has_lobes,
                            .of_triangles = svo_i_rays_of_triangles(info),
                            .unit = unit,
-                           .slot_room = info->leaf_count < FIRST_SLOTS ? info->leaf_count : FIRST_SLOTS};
+                           .kept = kept};
     SVO_I_TRY(svo_i_work_alloc(work, "photon_slots", slot_bytes, &out->slots));
-    SVO_I_TRY(svo_i_work_alloc(work, "photon_sums", sum_bytes(out, out->slot_room), &out->sums));
-    SVO_I_TRY(svo_i_work_alloc(work, "photon_counters", SVO_PHOTON_COUNTERS * sizeof(cl_uint), &out->counters));
+    SVO_I_TRY(begin_sums(out));
+    SVO_I_TRY(svo_i_work_alloc(work, "photon_counters", counters * sizeof(cl_uint), &out->counters));
     SVO_I_TRY(svo_i_work_fill(work, out->slots, SVO_SLOT_NONE, slot_bytes));
-    SVO_I_TRY(svo_i_work_fill_zero(work, out->sums, sum_bytes(out, out->slot_room)));
     return svo_i_work_fill_zero(work, out->counters, SVO_PHOTON_COUNTERS * sizeof(cl_uint));
 }
 
@@ -94,28 +123,21 @@ void svo_i_photons_release(svo_i_photons *photons)
     svo_i_work_free(photons->work, &photons->counters);
 }
 
-static svo_status grow_sums(svo_i_photons *photons, uint64_t least)
-{
-    const uint64_t most = photons->tree->info.leaf_count;
-    const uint64_t room = 2 * least < most ? 2 * least : most;
-    cl_mem larger = NULL;
-    SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_sums", sum_bytes(photons, room), &larger));
-    SVO_I_TRY(svo_i_work_fill_zero(photons->work, larger, sum_bytes(photons, room)));
-    SVO_I_TRY(svo_i_work_copy(photons->work, photons->sums, 0, larger, 0, sum_bytes(photons, photons->slot_room)));
-    svo_i_work_free(photons->work, &photons->sums);
-    photons->sums = larger;
-    photons->slot_room = room;
-    return SVO_OK;
-}
-
 svo_status svo_i_photons_make_room(svo_i_photons *photons)
 {
+    const uint64_t most = photons->tree->info.leaf_count;
     cl_uint counted[2] = {0, 0};
     SVO_I_TRY(svo_i_work_read(photons->work, photons->counters, 0, counted, sizeof counted));
-    photons->slot_count = counted[SVO_PHOTON_SLOTS];
+    const uint64_t claimed = counted[SVO_PHOTON_SLOTS];
+    const uint64_t free = photons->slot_free;
+    photons->slot_count = photons->slot_base + (claimed > free ? claimed - free : 0);
+    photons->lit_count = photons->slot_base - free + claimed;
     /* The counter of hits may wrap between many views; a band has fewer. */
     photons->hits += (cl_uint)(counted[SVO_PHOTON_HITS] - (cl_uint)photons->hits);
-    return photons->slot_count > photons->slot_room ? grow_sums(photons, photons->slot_count) : SVO_OK;
+    if (photons->slot_count <= photons->slot_room) {
+        return SVO_OK;
+    }
+    return make_sums(photons, 2 * photons->slot_count < most ? 2 * photons->slot_count : most);
 }
 
 /* ---- a band ---- */
@@ -166,50 +188,73 @@ svo_status svo_i_photons_find(svo_i_photons *photons, const svo_light_view_param
                                         SVO_I_ARGUMENT(photons->counters),
                                         scratch,
                                         SVO_I_ARGUMENT(params),
+                                        SVO_I_ARGUMENT(photons->groups),
                                         SVO_I_ARGUMENT(*(view != NULL ? view : &no_view))};
     const svo_i_argument *of_voxels = &arguments[7]; /* without lists and view */
     const cl_uint argument_count = (cl_uint)(sizeof arguments / sizeof arguments[0]);
     return photons->of_triangles
                ? svo_i_work_launch(photons->work, "svo_k_photon_find", arguments, argument_count, items)
-               : svo_i_work_launch(photons->work, "svo_k_voxel_find", of_voxels, argument_count - 8, items);
+               : svo_i_work_launch(photons->work, "svo_k_voxel_find", of_voxels, argument_count - 9, items);
 }
 
-/* What a band's photons weigh and meet. */
-static svo_status see_band(svo_i_photons *photons, const svo_i_light_view *view, const svo_light_view_params *params)
+/* What a band's photons meet. */
+static svo_status see_band(svo_i_photons *photons, const svo_light_view_params *params)
 {
     svo_i_device_work *work = photons->work;
-    svo_photon_weight *weights = photons->host_weights;
     const svo_i_argument rays[] = {SVO_I_ARGUMENT(photons->weights), SVO_I_ARGUMENT(photons->rays),
-                                   SVO_I_ARGUMENT(*params)};
-    photons->shot += svo_i_view_weights(view, params->first, params->count, weights);
-    SVO_I_TRY(svo_i_work_write(work, photons->weights, weights, params->count * sizeof *weights));
+                                   SVO_I_ARGUMENT(photons->groups), SVO_I_ARGUMENT(*params)};
     if (photons->viewer != NULL) {
         SVO_I_TRY(svo_i_work_wait(work));
-        return photons->viewer->draw(photons->viewer->self, params, weights, work->queue, photons->met);
+        return photons->viewer->draw(photons->viewer->self, params, photons->host_weights, work->queue, photons->met);
     }
     SVO_I_TRY(svo_i_work_launch(work, "svo_k_light_rays", SVO_I_ARGUMENTS(rays), params->count));
     SVO_I_TRY(svo_i_photons_trace(photons, params->count));
     return svo_i_work_wait(work);
 }
 
-static svo_status shoot_band(svo_i_photons *photons, const svo_i_light_view *view, const svo_light_view_params *params)
+static svo_status keep_band(svo_i_photons *photons, const svo_light_view_params *params)
+{
+    const svo_i_shot_photons shot = {.weights = photons->weights,
+                                     .met = photons->met,
+                                     .spreads = photons->spreads,
+                                     .slots = photons->slots,
+                                     .groups = photons->groups,
+                                     .first = photons->kept_first};
+    SVO_I_TRY(svo_i_kept_take(photons->kept, photons->work, &shot, params));
+    return svo_i_photons_use(photons);
+}
+
+svo_status svo_i_photons_shoot_weighed(svo_i_photons *photons, const svo_light_view_params *params)
 {
     svo_i_device_work *work = photons->work;
     const double start = svo_i_now_ms();
-    const svo_i_argument add[] = {SVO_I_ARGUMENT(photons->weights),  SVO_I_ARGUMENT(photons->met),
-                                  SVO_I_ARGUMENT(photons->leaves),   SVO_I_ARGUMENT(photons->spreads),
-                                  SVO_I_ARGUMENT(photons->slots),    SVO_I_ARGUMENT(photons->sums),
-                                  SVO_I_ARGUMENT(photons->counters), SVO_I_ARGUMENT(*params)};
-    SVO_I_TRY(see_band(photons, view, params));
+    const svo_i_argument add[] = {
+        SVO_I_ARGUMENT(photons->weights),  SVO_I_ARGUMENT(photons->met),    SVO_I_ARGUMENT(photons->leaves),
+        SVO_I_ARGUMENT(photons->spreads),  SVO_I_ARGUMENT(photons->slots),  SVO_I_ARGUMENT(photons->sums),
+        SVO_I_ARGUMENT(photons->counters), SVO_I_ARGUMENT(photons->groups), SVO_I_ARGUMENT(*params)};
+    SVO_I_TRY(see_band(photons, params));
     const double seen = svo_i_now_ms();
     SVO_I_TRY(svo_i_photons_find(photons, params, params->count));
     SVO_I_TRY(svo_i_photons_make_room(photons));
     SVO_I_TRY(svo_i_work_launch(work, "svo_k_photon_add", SVO_I_ARGUMENTS(add),
                                 (params->count + SVO_ITEM_PHOTONS - 1) / SVO_ITEM_PHOTONS));
+    SVO_I_TRY(photons->kept != NULL ? keep_band(photons, params) : SVO_OK);
     SVO_I_TRY(svo_i_work_wait(work));
     photons->view_ms += seen - start;
     photons->sum_ms += svo_i_now_ms() - seen;
     return photons->map != NULL ? svo_i_node_map_take(photons->map, work, photons->leaves, params) : SVO_OK;
+}
+
+static svo_status shoot_band(svo_i_photons *photons, const svo_i_light_view *view, const svo_light_view_params *params)
+{
+    const double start = svo_i_now_ms();
+    svo_photon_weight *weights = photons->host_weights;
+    const uint32_t shot = svo_i_view_weights(view, params->first, params->count, weights);
+    photons->shot += shot;
+    photons->traced += shot;
+    SVO_I_TRY(svo_i_work_write(photons->work, photons->weights, weights, params->count * sizeof *weights));
+    photons->view_ms += svo_i_now_ms() - start;
+    return svo_i_photons_shoot_weighed(photons, params);
 }
 
 /* All bands of a view. */
@@ -233,6 +278,9 @@ svo_status svo_i_photons_shoot(svo_i_photons *photons, const svo_i_light_view *v
         const uint64_t flux = (uint64_t)((double)value[channel] * view->pixel / photons->unit + 0.5);
         params.flux[2 * channel] = (cl_uint)flux;
         params.flux[2 * channel + 1] = (cl_uint)(flux >> 32);
+    }
+    if (photons->kept != NULL) {
+        photons->kept_first = svo_i_kept_next_view(photons->kept, &params);
     }
     if (photons->map == NULL) {
         return shoot_bands(photons, view, &params);

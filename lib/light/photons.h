@@ -5,6 +5,7 @@
 
 #include "core/tree.h"
 #include "core/work.h"
+#include "light/kept_photons.h"
 #include "light/light_view.h"
 #include "light/node_map.h"
 #include "light/viewer.h"
@@ -24,9 +25,16 @@ typedef struct svo_i_photons {
     cl_mem sums; /* of the slots */
     cl_mem counters; /* SVO_PHOTON_COUNTERS */
     uint64_t slot_room, slot_count;
+    uint64_t slot_base, slot_free; /* of kept photons: slots that there were, and those of them that were free */
+    uint64_t lit_count; /* leaves with slots */
     uint64_t shot; /* photons with flux */
-    uint64_t hits; /* 64 bits of what the counter has 32 of */
+    uint64_t traced; /* of them, by rays of this call */
+    uint64_t hits; /* of rays of this call: 64 bits of what the counter has 32 of */
+    uint64_t hits_before; /* of photons that are not shot again */
+    svo_i_kept_photons *kept; /* owns the sums, and receives what is shot; NULL: nothing is kept */
+    cl_uint kept_first; /* the view's first photon among the kept ones */
     cl_mem weights, rays, met, leaves; /* of a band */
+    cl_mem groups; /* of the photons that are shot; NULL: all of a view */
     svo_photon_weight *host_weights; /* of a band, owned */
     cl_mem spreads; /* svo_photon_spread each SVO_ITEM_PHOTONS of them */
     const svo_i_light_viewer *viewer; /* NULL: rays see */
@@ -35,11 +43,13 @@ typedef struct svo_i_photons {
 } svo_i_photons;
 
 /* Begins: no leaf has a slot. unit: a power of two; all photons together have less flux than
-   2^SVO_FLUX_TOTAL_LOG2 of it. */
-svo_status svo_i_photons_begin(svo_i_device_work *work, svo_tree *tree, bool has_directions, bool has_lobes,
-                               double unit, svo_i_photons *out);
+   2^SVO_FLUX_TOTAL_LOG2 of it. kept: NULL: nothing is kept. */
+svo_status svo_i_photons_begin(svo_i_device_work *work, svo_tree *tree, bool has_directions, double unit,
+                               svo_i_kept_photons *kept, svo_i_photons *out);
 /* Shoots all photons of a view. value: red, green, blue of its source. */
 svo_status svo_i_photons_shoot(svo_i_photons *photons, const svo_i_light_view *view, const float value[3]);
+/* Shoots those of a launch whose weights are there. */
+svo_status svo_i_photons_shoot_weighed(svo_i_photons *photons, const svo_light_view_params *params);
 /* Buffers for a band, kept from view to view. */
 svo_status svo_i_photons_make_bands(svo_i_photons *photons);
 /* What the band's rays meet, and the leaves of that. view: whose photons they are: then they spread, the leaves get

@@ -56,30 +56,30 @@ static uint64_t scratch_bytes(const svo_tree_info *tree, svo_light_form form)
 }
 
 svo_status svo_i_light_plan(const svo_tree *tree, const char *function, const svo_light_options *options,
-                            svo_light_info *info)
+                            svo_light_options *asked, svo_light_info *info)
 {
-    svo_light_options asked;
     SVO_I_TRY(check_tree(tree, function));
-    SVO_I_TRY(read_options(tree, function, options, &asked));
+    SVO_I_TRY(read_options(tree, function, options, asked));
     const bool has_areas = (tree->info.need & SVO_NEED_PROJECTED_AREA) != 0;
-    *info = (svo_light_info){.form = asked.form, .opacity = has_areas ? asked.opacity : SVO_OPACITY_FULL};
-    info->bytes[SVO_LIGHT_OPACITY] = opacity_bytes(&tree->info, asked.form);
-    if (asked.form == SVO_LIGHT_FACES) {
+    *info = (svo_light_info){.form = asked->form, .opacity = has_areas ? asked->opacity : SVO_OPACITY_FULL};
+    info->bytes[SVO_LIGHT_OPACITY] = opacity_bytes(&tree->info, asked->form);
+    if (asked->form == SVO_LIGHT_FACES) {
         info->bytes[SVO_LIGHT_COVER] = info->bytes[SVO_LIGHT_OPACITY];
     }
     info->total_bytes = info->bytes[SVO_LIGHT_OPACITY] + info->bytes[SVO_LIGHT_COVER];
-    info->scratch_bytes = scratch_bytes(&tree->info, asked.form);
+    info->scratch_bytes = scratch_bytes(&tree->info, asked->form);
     return SVO_OK;
 }
 
 svo_status svo_light_plan(const svo_tree *tree, const svo_light_options *options, svo_light_info *info)
 {
     static const char function[] = "svo_light_plan";
+    svo_light_options asked;
     svo_light_info planned;
     if (tree == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    SVO_I_TRY(svo_i_light_plan(tree, function, options, &planned));
+    SVO_I_TRY(svo_i_light_plan(tree, function, options, &asked, &planned));
     return svo_i_struct_write(svo_i_device_message(tree->device), function, "info", &planned, info,
-                              SVO_I_STRUCT_SIZES(svo_light_info, node_map_items));
+                              SVO_I_STRUCT_SIZES(svo_light_info, kept_bytes));
 }

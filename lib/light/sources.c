@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "core/struct_size.h"
+#include "light/again.h"
 #include "light/cells.h"
 #include "light/exchange.h"
 #include "light/photons.h"
@@ -176,6 +177,42 @@ cleanup:
     return status;
 }
 
+/* Begins what is kept, or goes on with it. fits: receives whether few photons need to be shot. */
+static svo_status begin_kept(svo_i_device_work *work, svo_light *light, const svo_light_setup *setup,
+                             const svo_i_lit_box *box, bool *fits)
+{
+    *fits = light->kept != NULL && light->changes != NULL && svo_i_kept_fits(light->kept, light->tree, box);
+    if (*fits) {
+        return SVO_OK;
+    }
+    svo_i_kept_destroy(&light->kept);
+    if (!svo_i_kept_is_possible(light, setup)) {
+        return SVO_OK;
+    }
+    light->kept = svo_i_alloc_zeroed(&light->device->memory, 1, sizeof *light->kept);
+    if (light->kept == NULL) {
+        return svo_i_device_fail(light->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for kept photons",
+                                 work->function);
+    }
+    return svo_i_kept_begin(light->kept, work, light->tree, setup, box, light->info.form == SVO_LIGHT_FACES);
+}
+
+/* Shoots all photons, or those that changes concern. */
+static svo_status shoot(svo_i_photons *photons, svo_light *light, const svo_light_setup *setup,
+                        const svo_i_lit_box *box, bool again)
+{
+    svo_status status = SVO_OK;
+    if (again) {
+        status = svo_i_photons_shoot_again(photons, light->changes);
+    } else if (setup->diagnose != 0) {
+        status = shoot_and_count(photons, setup, box, &light->info);
+    } else {
+        status = shoot_all(photons, setup, box);
+    }
+    svo_i_photons_release_bands(photons);
+    return status;
+}
+
 /* What became of the flux. */
 static svo_status describe_flux(svo_i_photons *photons, svo_light_info *info)
 {
@@ -190,8 +227,9 @@ static svo_status describe_flux(svo_i_photons *photons, svo_light_info *info)
     }
     info->lost_flux = all > 0 ? lost / all : 0;
     info->photons = photons->shot;
-    info->photon_hits = photons->hits;
-    return SVO_OK;
+    info->photon_hits = photons->hits_before + photons->hits;
+    info->traced_photons = photons->traced;
+    return photons->kept != NULL ? svo_i_photons_finish_kept(photons, &totals) : SVO_OK;
 }
 
 /* The unit of flux: a power of two with which no sum overflows. */
@@ -227,12 +265,12 @@ svo_status svo_i_light_shine(svo_i_device_work *work, svo_light *light, const sv
     SVO_I_TRY(svo_i_lit_box_of_tree(work, light->tree, &box));
     const double unit = flux_unit(bound_flux(setup, &box));
     const bool faces = light->info.form == SVO_LIGHT_FACES;
-    SVO_I_TRY(svo_i_photons_begin(work, light->tree, faces, has_lobes(light, setup), unit, &photons));
+    bool again = false;
+    SVO_I_TRY(begin_kept(work, light, setup, &box, &again));
+    SVO_I_TRY(svo_i_photons_begin(work, light->tree, faces, unit, light->kept, &photons));
+    photons.has_lobes = has_lobes(light, setup);
     photons.viewer = light->viewer;
-    const svo_status shot =
-        setup->diagnose != 0 ? shoot_and_count(&photons, setup, &box, &light->info) : shoot_all(&photons, setup, &box);
-    svo_i_photons_release_bands(&photons);
-    SVO_I_TRY(shot);
+    SVO_I_TRY(shoot(&photons, light, setup, &box, again));
     double *const stage_ms = light->info.stage_ms;
     stage_ms[SVO_LIGHT_STAGE_VIEW] = photons.view_ms;
     SVO_I_TRY(describe_flux(&photons, &light->info));
@@ -240,6 +278,7 @@ svo_status svo_i_light_shine(svo_i_device_work *work, svo_light *light, const sv
     const double start = svo_i_now_ms();
     SVO_I_TRY(svo_i_light_exchange(&photons, light, setup->finishes, setup->finish_count, lit));
     light->info.lit_leaves = lit->lit_count;
+    light->info.kept_bytes = svo_i_kept_bytes(light->kept);
     svo_i_photons_release(&photons);
     return svo_i_light_took(work, light, SVO_LIGHT_STAGE_EXCHANGE, start);
 }
@@ -252,21 +291,23 @@ static void darken(svo_light *light)
     svo_light_info *info = &light->info;
     svo_i_light_darken(light);
     svo_i_light_forget_setup(light);
+    svo_i_kept_destroy(&light->kept);
     svo_i_light_release(light, SVO_LIGHT_FLUX);
     for (int i = SVO_LIGHT_STAGE_VIEW; i < SVO_LIGHT_STAGE_COUNT; ++i) {
         info->stage_ms[i] = 0;
     }
     info->photons = info->photon_hits = info->lit_leaves = info->missed_leaves = info->node_map_items = 0;
+    info->traced_photons = info->kept_bytes = 0;
     info->flux[0] = info->flux[1] = info->flux[2] = info->lost_flux = 0;
     light->params.sky[0] = light->params.sky[1] = light->params.sky[2] = 0.0F;
 }
 
-static svo_status shine(svo_light *light, const svo_light_setup *setup, cl_command_queue queue)
+static svo_status shine(svo_light *light, const char *name, const svo_light_setup *setup, cl_command_queue queue)
 {
     svo_i_device_work work;
     svo_i_lit_leaves lit;
     svo_status status = SVO_OK;
-    SVO_I_TRY(svo_i_work_begin(light->device, function, queue, &work));
+    SVO_I_TRY(svo_i_work_begin(light->device, name, queue, &work));
     SVO_I_TRY_CLEANUP(svo_i_light_shine(&work, light, setup, &lit));
     SVO_I_TRY_CLEANUP(svo_i_light_filter(&work, light, &lit));
     if (work.peak_bytes > light->info.scratch_bytes) {
@@ -278,6 +319,24 @@ cleanup:
     return status;
 }
 
+svo_status svo_i_light_set(svo_light *light, const char *name, const svo_light_setup *setup, cl_command_queue queue)
+{
+    svo_light_setup shining = *setup;
+    shining.source_count = setup->no_photons != 0 ? 0 : setup->source_count;
+    svo_status status = shine(light, name, &shining, queue);
+    if (status == SVO_OK) {
+        status = svo_i_light_keep_setup(light, name, setup);
+    }
+    if (status != SVO_OK) {
+        darken(light);
+        return status;
+    }
+    for (int channel = 0; channel < 3; ++channel) {
+        light->params.sky[channel] = setup->sky[channel];
+    }
+    return SVO_OK;
+}
+
 svo_status svo_light_set_sources(svo_light *light, const svo_light_setup *setup, cl_command_queue queue)
 {
     svo_light_setup asked;
@@ -286,21 +345,8 @@ svo_status svo_light_set_sources(svo_light *light, const svo_light_setup *setup,
     }
     darken(light);
     SVO_I_TRY(svo_i_struct_read(svo_i_device_message(light->device), function, "setup", setup, &asked,
-                                SVO_I_STRUCT_SIZES(svo_light_setup, no_photons)));
+                                SVO_I_STRUCT_SIZES(svo_light_setup, updatable)));
     SVO_I_TRY(check_setup(light, &asked));
     SVO_I_TRY(svo_i_tree_check(light->tree, function));
-    svo_light_setup shining = asked;
-    shining.source_count = asked.no_photons != 0 ? 0 : asked.source_count;
-    svo_status status = shine(light, &shining, queue);
-    if (status == SVO_OK) {
-        status = svo_i_light_keep_setup(light, function, &asked);
-    }
-    if (status != SVO_OK) {
-        darken(light);
-        return status;
-    }
-    for (int channel = 0; channel < 3; ++channel) {
-        light->params.sky[channel] = asked.sky[channel];
-    }
-    return SVO_OK;
+    return svo_i_light_set(light, function, &asked, queue);
 }

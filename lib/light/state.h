@@ -9,22 +9,34 @@
 #include "svocl/light.h"
 
 struct svo_i_light_viewer;
+struct svo_i_kept_photons;
 
-/* What lights the tree directly, for pictures: copies of what svo_light_set_sources got. */
+/* What lights the tree: copies of what svo_light_set_sources got. */
 typedef struct svo_i_light_setup {
-    svo_light_source *sources; /* with unit directions; NULL: none */
+    svo_light_setup asked; /* its arrays are given and finishes below; struct_size 0: there is none */
+    svo_light_source *given; /* NULL: none */
+    svo_light_source *sources; /* with unit directions, for pictures; NULL: none */
     size_t source_count;
     svo_finish *finishes; /* NULL: none */
     size_t finish_count;
 } svo_i_light_setup;
+
+/* Bounds of what has changed in a tree. */
+typedef struct svo_i_light_changes {
+    const svo_box *boxes;
+    size_t count;
+} svo_i_light_changes;
 
 struct svo_light {
     svo_tree *tree; /* the caller's */
     svo_device *device; /* the tree's */
     svo_light_info info;
     svo_light_params params; /* of its kernels */
+    svo_light_options options; /* as asked */
     cl_mem buffers[SVO_LIGHT_BUFFER_COUNT]; /* owned; NULL where not held */
     svo_i_light_setup setup; /* owned */
+    struct svo_i_kept_photons *kept; /* owned; NULL: no photons are kept */
+    const svo_i_light_changes *changes; /* during svo_light_update: of the tree that kept is of; else NULL */
     const struct svo_i_light_viewer *viewer; /* during svo_i_light_set_sources_by; else NULL: rays */
 };
 

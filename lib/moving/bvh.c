@@ -134,7 +134,7 @@ static svo_i_bvh_mesh mesh_of(const pass *p, uint32_t index)
     return mesh;
 }
 
-/* The nodes that a random ray through the object visits. */
+/* The nodes and leaves that a random ray through the object visits. */
 static float cost_of(const svo_i_object_bvh *object)
 {
     const svo_i_bvh_extent *extent = &object->extent;

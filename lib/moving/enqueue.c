@@ -5,6 +5,7 @@
  */
 
 #include "core/struct_size.h"
+#include "moving/changes.h"
 #include "moving/moving.h"
 #include "moving/objects.h"
 #include "moving/pairs.h"
@@ -242,6 +243,7 @@ static svo_status finish(svo_i_flight *flight)
         return svo_i_device_fail_cl(device, finish_name, "clWaitForEvents for the update", error);
     }
     if (u->tree == NULL) { /* nothing was due */
+        svo_i_moving_forget_changes(u->moving);
         return SVO_OK;
     }
     SVO_I_TRY(take_objects(flight));

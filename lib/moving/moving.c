@@ -11,6 +11,7 @@
 #include "core/struct_size.h"
 #include "core/work.h"
 #include "moving/bvh.h"
+#include "moving/changes.h"
 #include "moving/merge.h"
 #include "moving/mesh.h"
 #include "moving/objects.h"
@@ -147,6 +148,7 @@ svo_status svo_i_moving_merge_changed(update *u)
 void svo_i_moving_commit(update *u, const uint64_t *counts)
 {
     svo_moving *moving = u->moving;
+    svo_i_moving_note_changes(moving);
     moving->area = 0.0;
     for (uint32_t i = 0; i < moving->object_count; ++i) {
         svo_i_moving_object *object = &moving->objects[i];
@@ -221,7 +223,11 @@ svo_status svo_moving_update(svo_moving *moving, cl_command_queue queue, svo_mov
                   : SVO_OK);
     SVO_I_TRY(svo_i_device_queue(moving->device, update_name, queue, &u.chain.queue));
     u.report.fragments = moving->list.count;
-    const svo_status status = svo_i_moving_is_due(moving) ? run_stages(&u) : SVO_OK;
+    const bool due = svo_i_moving_is_due(moving);
+    const svo_status status = due ? run_stages(&u) : SVO_OK;
+    if (!due) {
+        svo_i_moving_forget_changes(moving);
+    }
     svo_i_moving_release_update(&u);
     u.report.total_ms = svo_i_now_ms() - start_ms;
     if (report != NULL) {

@@ -75,6 +75,7 @@ svo_status svo_i_moving_make_object(svo_moving *moving, const char *function, ui
     made.fragments = moving->objects[index].fragments;
     made.part = moving->objects[index].part;
     made.identity = ++moving->serial;
+    made.box = moving->objects[index].box;
     memcpy(made.transform, transform != NULL ? transform : identity, sizeof made.transform);
     SVO_I_TRY_CLEANUP(svo_i_moving_copy_mesh(moving->device, function, mesh, &made));
     if (transform != NULL) {

@@ -44,6 +44,9 @@ typedef struct svo_i_moving_object {
     uint64_t fragments; /* in the scene's list */
     uint64_t identity, version; /* serial numbers: of the object, and of its vertices in the newest tree */
     svo_i_moving_part part; /* of the object in the newest tree, or of the one before it with this number */
+    svo_box box; /* of the vertices that the scene's list is of; low above high: there are none */
+    svo_box changes[2]; /* of the newest update */
+    uint32_t change_count;
 } svo_i_moving_object;
 
 struct svo_i_flight; /* enqueue.c */

@@ -30,8 +30,10 @@ static svo_status read_extent(svo_i_device_work *work, const svo_i_device_bvh *b
 {
     cl_event event = NULL;
     const cl_uint node_count = bvh->level_begin[bvh->level_count];
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(bvh->node_boxes), SVO_I_ARGUMENT(node_count),
-                                        SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_float))};
+    const svo_i_argument arguments[] = {
+        SVO_I_ARGUMENT(bvh->node_boxes),  SVO_I_ARGUMENT(bvh->leaf_boxes),
+        SVO_I_ARGUMENT(bvh->item_counts), SVO_I_ARGUMENT(node_count),
+        SVO_I_ARGUMENT(bvh->item_count),  SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_float))};
     SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_BVH, " -DSVO_SORT"));
     SVO_I_TRY(svo_i_work_launch(work, "svo_k_bvh_extent", SVO_I_ARGUMENTS(arguments), SVO_GROUP_ITEMS));
     const cl_int error =

@@ -12,7 +12,7 @@ svo_status svo_i_bvh_place(svo_device *device, const char *function, svo_i_devic
 /* The root's box in grid units, and what rays through it cost. */
 typedef struct svo_i_bvh_extent {
     cl_float low[3];
-    cl_float area; /* half those of all nodes, in sum; over half the root's, the nodes that a random ray visits */
+    cl_float area; /* half those of all nodes and leaves; over half the root's, how many a random ray visits */
     cl_float high[3]; /* negated */
     cl_float unused;
 } svo_i_bvh_extent;

@@ -128,7 +128,8 @@ static svo_status sort_leaves(sorter *s)
                                   SVO_GROUP_ITEMS);
 }
 
-static svo_status merge_level(sorter *s, uint32_t level)
+/* Merges the entries of a level's nodes, or of those and of all levels above. */
+static svo_status merge_level(sorter *s, uint32_t level, bool is_top)
 {
     svo_tree *tree = s->build->tree;
     const bool odd = (tree->info.depth - level) % 2 != 0;
@@ -147,7 +148,22 @@ static svo_status merge_level(sorter *s, uint32_t level)
                                         SVO_I_ARGUMENT(s->materials),
                                         SVO_I_ARGUMENT(s->build->state),
                                         SVO_I_ARGUMENT(s->params)};
-    return svo_i_commands_launch(&s->build->commands, s->merge, SVO_I_ARGUMENTS(arguments), s->params.level_count);
+    svo_i_commands *commands = &s->build->commands;
+    return is_top ? svo_i_commands_run(commands, s->build->programs[SVO_I_PROGRAM_FILTER], "svo_k_material_top",
+                                       SVO_I_ARGUMENTS(arguments), SVO_GROUP_ITEMS)
+                  : svo_i_commands_launch(commands, s->merge, SVO_I_ARGUMENTS(arguments), s->params.level_count);
+}
+
+/* From the deepest level up to the first that has payload. On GPUs one group does the levels above SVO_TOP_LEVEL. */
+static svo_status merge_levels(sorter *s)
+{
+    const uint32_t depth = s->build->tree->info.depth;
+    bool is_top = false;
+    for (uint32_t level = depth; level-- > s->params.payload_level && !is_top;) {
+        is_top = !s->build->commands.device->cpu_path && level <= SVO_TOP_LEVEL && level + 1 < depth;
+        SVO_I_TRY(merge_level(s, level, is_top));
+    }
+    return SVO_OK;
 }
 
 /* Keeps the root's entries of a part, from which the levels above it are made. They begin at the first slot. */
@@ -176,10 +192,7 @@ static svo_status run(sorter *s)
                                     "svo_k_material_merge", &s->merge));
     SVO_I_TRY(scatter(s));
     SVO_I_TRY(sort_leaves(s));
-    const uint32_t last_level = s->params.payload_level;
-    for (uint32_t level = s->build->tree->info.depth; level-- > last_level;) {
-        SVO_I_TRY(merge_level(s, level));
-    }
+    SVO_I_TRY(merge_levels(s));
     return svo_i_part_sums_root(s->build->commands.plan) ? keep_root(s) : SVO_OK;
 }
 

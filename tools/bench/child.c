@@ -139,29 +139,6 @@ static bool ended_well(int status)
     return status >= 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
-double child_run(const char *const arguments[], const child_cache *cache, cJSON **document)
-{
-    int ends[2];
-    *document = NULL;
-    if (pipe(ends) != 0) {
-        return -1.0;
-    }
-    fflush(stdout);
-    const double start_ms = input_now_ms();
-    const pid_t child = fork();
-    if (child == 0) {
-        become(arguments, ends[1], use_cache(cache) ? open("/dev/null", O_WRONLY) : -1);
-    }
-    close(ends[1]);
-    char *text = child > 0 ? read_all(ends[0]) : NULL;
-    close(ends[0]);
-    const bool well = child > 0 && ended_well(wait_for(child));
-    const double ms = input_now_ms() - start_ms;
-    *document = well && text != NULL ? cJSON_Parse(text) : NULL;
-    free(text);
-    return well ? ms : -1.0;
-}
-
 pid_t child_start(const child_arguments *arguments, const child_cache *cache)
 {
     fflush(stdout);
@@ -215,7 +192,7 @@ static void explain(int status, unsigned seconds, FILE *errors, child_answer *ou
     }
 }
 
-void child_ask(const child_arguments *arguments, unsigned seconds, child_answer *out)
+static void ask(const char *const arguments[], const child_cache *cache, unsigned seconds, child_answer *out)
 {
     int ends[2];
     *out = (child_answer){.reason = "no process could be started"};
@@ -231,7 +208,7 @@ void child_ask(const child_arguments *arguments, unsigned seconds, child_answer 
     const pid_t child = fork();
     if (child == 0) {
         (void)alarm(seconds); /* outlives execv */
-        become(arguments->list, ends[1], fileno(errors));
+        become(arguments, ends[1], cache == NULL || use_cache(cache) ? fileno(errors) : -1);
     }
     close(ends[1]);
     char *text = child > 0 ? read_all(ends[0]) : NULL;
@@ -248,4 +225,20 @@ void child_ask(const child_arguments *arguments, unsigned seconds, child_answer 
     }
     free(text);
     fclose(errors);
+}
+
+void child_ask(const child_arguments *arguments, const child_cache *cache, unsigned seconds, child_answer *out)
+{
+    ask(arguments->list, cache, seconds, out);
+}
+
+double child_run(const char *const arguments[], const child_cache *cache, cJSON **document)
+{
+    child_answer answer;
+    ask(arguments, cache, 0, &answer);
+    *document = answer.well ? answer.document : NULL;
+    if (!answer.well) {
+        cJSON_Delete(answer.document);
+    }
+    return answer.well ? answer.ms : -1.0;
 }

@@ -46,7 +46,8 @@ typedef struct child_answer {
     bool well; /* exit code 0 */
     char reason[512]; /* "" if it ended well; else its last line on standard error, or what ended it */
 } child_answer;
-/* Runs a child with the caches of this process. seconds: it is ended after so many. */
-void child_ask(const child_arguments *arguments, unsigned seconds, child_answer *out);
+/* Runs a child and keeps what it said. cache: NULL: the caches of this process. seconds: it is ended after so many; 0:
+   never. */
+void child_ask(const child_arguments *arguments, const child_cache *cache, unsigned seconds, child_answer *out);
 
 #endif

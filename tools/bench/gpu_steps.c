@@ -118,7 +118,7 @@ static void run_child(const gpu_run *run, const child_arguments *arguments, chil
         *answer = (child_answer){.reason = "not run: the steps before took too long"};
         return;
     }
-    child_ask(arguments, left < STEP_SECONDS ? (unsigned)left : STEP_SECONDS, answer);
+    child_ask(arguments, NULL, left < STEP_SECONDS ? (unsigned)left : STEP_SECONDS, answer);
 }
 
 /* first: the words of the command before --json; ends with NULL. */

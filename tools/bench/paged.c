@@ -31,10 +31,9 @@ static const unsigned shares[] = {16, 4, 1};
 static const char note[] =
     "A flight of 24 stops (6 with --quick) from afar to near and half around the scene, 640x480, shaded. Room: for "
     "buffers, as a share of the file, which has colors and normals; too little for its upper levels is left out. At a "
-    "stop pictures follow each other until one "
-    "misses nothing (the stop is complete) or nothing more finds room. Pictures: per stop, on average and at most. "
-    "Misses, reads, evictions: of the flight; reads also as a multiple of the file. Picture, update: medians of wall "
-    "clock. In core: svo_tree_render of the whole tree at the same stops.";
+    "stop pictures follow each other until one misses nothing (the stop is complete) or nothing more finds room. "
+    "Pictures: per stop, on average and at most. Misses, reads, evictions: of the flight; reads also as a multiple of "
+    "the file. Picture, update: medians of wall clock. In core: svo_tree_render of the whole tree at the same stops.";
 
 typedef struct flight {
     suite *all;

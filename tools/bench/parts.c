@@ -18,11 +18,10 @@ static const char table_id[] = "parts";
 
 /* Limits of a part, as shares of the buffers of the build in one piece; 0: in one piece. */
 static const unsigned shares[] = {0, 4, 16, 64};
-#define WORKERS_SHARE        2u /* for workers: parts that take long beside the start of a process */
-#define FORM_COUNT           (sizeof shares / sizeof shares[0])
-#define RUNS_MAX             101
-#define COMMAND_ARGUMENT_MAX 16
-#define PATH_BYTES           300
+#define WORKERS_SHARE 2u /* for workers: parts that take long beside the start of a process */
+#define FORM_COUNT    (sizeof shares / sizeof shares[0])
+#define RUNS_MAX      101
+#define PATH_BYTES    300
 
 /* The processes of one form. */
 typedef struct form_runs {
@@ -32,6 +31,7 @@ typedef struct form_runs {
     uint64_t limit; /* 0: in one piece */
     unsigned share; /* the limit is 1/share of the buffers in one piece */
     bool failed;
+    char reason[512]; /* why */
 } form_runs;
 
 static const char note[] =
@@ -61,40 +61,37 @@ static double number_of(const cJSON *document, const char *name)
     return cJSON_IsNumber(number) ? number->valuedouble : 0.0;
 }
 
-/* One process, whose file goes to the folder of the caches. */
+/* One process, whose file goes to the folder of the caches. A failed build leaves parts beside its file, which would
+   stand in the way of others. */
 static void run_form(const suite *all, const input *source, unsigned depth, const child_cache *cache, form_runs *runs)
 {
-    const char *arguments[COMMAND_ARGUMENT_MAX] = {"build", source->name, "--json", "-d"};
+    child_arguments arguments = {.count = 0};
+    child_answer answer;
     char depth_text[16];
     char limit_text[32];
     char path[PATH_BYTES];
-    size_t count = 4;
-    cJSON *document = NULL;
     (void)snprintf(depth_text, sizeof depth_text, "%u", depth);
     (void)snprintf(limit_text, sizeof limit_text, "%" PRIu64, runs->limit);
-    (void)snprintf(path, sizeof path, "%s/tree.svo", cache->path);
-    arguments[count++] = depth_text;
-    arguments[count++] = "-o";
-    arguments[count++] = path;
-    arguments[count++] = "--frontend";
-    arguments[count++] = "cl";
+    (void)snprintf(path, sizeof path, "%s/tree_%u.svo", cache->path, runs->share);
+    const char *const rest[] = {"build", source->name, "--json", "-d", depth_text, "-o", path, "--frontend", "cl"};
+    for (size_t i = 0; i < sizeof rest / sizeof rest[0]; ++i) {
+        child_add(&arguments, rest[i]);
+    }
     if (runs->limit > 0) {
-        arguments[count++] = "--max-memory";
-        arguments[count++] = limit_text;
+        child_add(&arguments, "--max-memory");
+        child_add(&arguments, limit_text);
     }
-    if (all->state->options.device_name != NULL) {
-        arguments[count++] = "--device";
-        arguments[count++] = all->state->options.device_name;
+    child_add_device(&arguments, &all->state->options, false);
+    child_ask(&arguments, cache, 0, &answer);
+    runs->failed = !answer.well;
+    (void)snprintf(runs->reason, sizeof runs->reason, "%s", answer.reason);
+    if (answer.well && runs->count < RUNS_MAX) {
+        runs->ms[runs->count++] = answer.ms;
+        runs->parts = runs->limit > 0 ? number_of(answer.document, "parts") : 1.0;
+        runs->peak_bytes = number_of(answer.document, "peak_resident_bytes");
+        runs->buffer_bytes = number_of(answer.document, "peak_bytes");
     }
-    const double ms = child_run(arguments, cache, &document);
-    runs->failed = ms < 0.0;
-    if (!runs->failed && runs->count < RUNS_MAX) {
-        runs->ms[runs->count++] = ms;
-        runs->parts = runs->limit > 0 ? number_of(document, "parts") : 1.0;
-        runs->peak_bytes = number_of(document, "peak_resident_bytes");
-        runs->buffer_bytes = number_of(document, "peak_bytes");
-    }
-    cJSON_Delete(document);
+    cJSON_Delete(answer.document);
 }
 
 static void add_row(result_table *table, const input *source, unsigned depth, form_runs *runs, double whole_ms)
@@ -116,6 +113,13 @@ static void add_row(result_table *table, const input *source, unsigned depth, fo
     result_add_number(table, runs->peak_bytes);
 }
 
+/* Limits that are too small have no row, but a line of the note. */
+static void explain(result_table *table, const input *source, unsigned depth, const form_runs *runs)
+{
+    result_extend_note(table, "%s at depth %u has no row for 1/%u (%" PRIu64 " bytes): %s.", suite_scene_name(source),
+                       depth, runs->share, runs->limit, runs->reason);
+}
+
 /* The first round, which is not counted, fills the caches and finds the limits. */
 static int warm_up(suite *all, const input *source, unsigned depth, const child_cache *cache, form_runs *runs)
 {
@@ -125,7 +129,8 @@ static int warm_up(suite *all, const input *source, unsigned depth, const child_
         run_form(all, source, depth, cache, &runs[form]);
         runs[form].count = 0;
         if (form == 0 && runs[0].failed) {
-            return program_fail(all->state, PROGRAM_FAILED, "'svocl build %s' failed as a child", source->name);
+            return program_fail(all->state, PROGRAM_FAILED, "'svocl build %s' failed as a child: %s", source->name,
+                                runs[0].reason);
         }
     }
     return PROGRAM_DONE;
@@ -155,7 +160,9 @@ static int run(suite *all, const input *source, unsigned depth)
     child_cache_remove(&cache);
     result_table *table = result_find(all->results, table_id);
     for (size_t form = 0; form < FORM_COUNT && exit_code == PROGRAM_DONE; ++form) {
-        if (runs[form].count > 0) {
+        if (runs[form].failed) {
+            explain(table, source, depth, &runs[form]);
+        } else if (runs[form].count > 0) {
             add_row(table, source, depth, &runs[form], spread_of(runs[0].ms, runs[0].count).median);
         }
     }

@@ -234,7 +234,9 @@ static int open_job(job *j)
     svo_message message;
     svo_parts *parts = NULL;
     if (plan_parts(j) < 0.0) {
-        return PROGRAM_DONE; /* no part fits the limit: there is nothing to measure */
+        result_extend_note(result_find(j->all->results, table_id), "%s at depth %s has no rows: no parts of %s bytes.",
+                           j->mesh, j->depth, j->limit);
+        return PROGRAM_DONE;
     }
     if (svo_parts_open(j->folder, &parts, &message) != SVO_OK) {
         return program_fail_library(j->all->state, message.text);

@@ -116,6 +116,12 @@ const sections = [
       "same vertices."
   },
   {
+    table: "moving-rays",
+    heading: "Rays through scenes that move",
+    lead: "After an update the BVHs of objects that moved are refit. A BVH of the whole mesh, made anew, has the " +
+      "same hits."
+  },
+  {
     table: "paged",
     heading: "Paged trees",
     lead: "Pictures of a file of which only a share is in memory. A stop of the camera is complete when a picture " +

@@ -401,7 +401,7 @@ static const rule rules[] = {
      "shaded, normal, depth, steps, level, triangles; by cones: ao, direct, gi, specular, full (shaded)"},
     {"animate", '\0', OPTION_ANIMATION, NULL, read_flag, FIELD(animate), 0, 0, NULL,
      "the motions of a .json scene in one tree, a picture for each frame: -o film.png, film_000.png and so on"},
-    {"frames", '\0', OPTION_ANIMATION, "N", read_count, FIELD(frames), 1, 100000, NULL,
+    {"frames", '\0', OPTION_ANIMATION | OPTION_VIEW_COMMAND, "N", read_count, FIELD(frames), 1, 100000, NULL,
      "frames of an animation, from the first to the last time of its motions (60)"},
     {"verify", '\0', OPTION_ANIMATION, NULL, read_flag, FIELD(verify_frames), 0, 0, NULL,
      "build each frame of an animation anew and compare the hashes"},

@@ -43,3 +43,24 @@ int picture_write(program *state, const uint8_t *rgba)
     progress_step(state->progress, "writing the picture");
     return picture_write_as(state, given->output_path, given->width, given->height, rgba);
 }
+
+cJSON *picture_document(const program *state)
+{
+    const options *given = &state->options;
+    cJSON *document = json_document();
+    json_add_text(document, "input", given->input);
+    json_add_text(document, "file", given->output_path);
+    json_add_count(document, "width", given->width);
+    json_add_count(document, "height", given->height);
+    return document;
+}
+
+int picture_print_document(program *state, cJSON *document, double render_ms, const svo_device *device,
+                           const svo_camera *camera)
+{
+    cJSON_AddNumberToObject(document, "render_ms", render_ms);
+    json_add_text(document, "device", svo_device_name(device));
+    cJSON_AddItemToObject(document, "eye", cJSON_CreateFloatArray(camera->eye, 3));
+    cJSON_AddItemToObject(document, "target", cJSON_CreateFloatArray(camera->target, 3));
+    return json_print(state, document);
+}

@@ -20,16 +20,8 @@ static int report_picture(program *state, const session *opened, const svo_camer
 {
     const options *given = &state->options;
     if (given->json) {
-        cJSON *document = json_document();
-        json_add_text(document, "input", given->input);
-        json_add_text(document, "file", given->output_path);
-        json_add_count(document, "width", given->width);
-        json_add_count(document, "height", given->height);
-        cJSON_AddNumberToObject(document, "render_ms", render_ms);
-        json_add_text(document, "device", svo_device_name(opened->device));
-        cJSON_AddItemToObject(document, "eye", cJSON_CreateFloatArray(camera->eye, 3));
-        cJSON_AddItemToObject(document, "target", cJSON_CreateFloatArray(camera->target, 3));
-        return json_print(state, document);
+        cJSON *document = picture_document(state);
+        return picture_print_document(state, document, render_ms, opened->device, camera);
     }
     if (given->quiet) {
         return PROGRAM_DONE;

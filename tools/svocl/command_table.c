@@ -98,7 +98,7 @@ static const command commands[] = {
      .summary = "Shows the octree of a mesh or voxels, a .svo file or a .json scene in a window.",
      .reads_file = true,
      .examples = EXAMPLES("view scene:atrium", "view model.obj -d 10 --lights sun.json --view full",
-                          "view scene.json --width 1920 --height 1080")},
+                          "view scene.json --width 1920 --height 1080", "view moving.json --frames 60 -d 8")},
 #endif
     {.name = "export-web",
      .run = command_export_web,

@@ -57,18 +57,10 @@ static int report(const light_render *work)
 {
     const options *given = &work->state->options;
     if (given->json) {
-        cJSON *document = json_document();
-        json_add_text(document, "input", given->input);
-        json_add_text(document, "file", given->output_path);
-        json_add_count(document, "width", given->width);
-        json_add_count(document, "height", given->height);
+        cJSON *document = picture_document(work->state);
         lighting_report_scene_json(document, &work->lit, &work->done);
         lighting_report_json(document, &work->lit);
-        cJSON_AddNumberToObject(document, "render_ms", work->render_ms);
-        json_add_text(document, "device", svo_device_name(work->done.opened.device));
-        cJSON_AddItemToObject(document, "eye", cJSON_CreateFloatArray(work->camera.eye, 3));
-        cJSON_AddItemToObject(document, "target", cJSON_CreateFloatArray(work->camera.target, 3));
-        return json_print(work->state, document);
+        return picture_print_document(work->state, document, work->render_ms, work->done.opened.device, &work->camera);
     }
     if (!given->quiet) {
         progress_hide(work->state->progress);

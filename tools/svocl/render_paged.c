@@ -87,11 +87,7 @@ static int report(const paged_render *work)
     const options *given = &work->state->options;
     const svo_paged_counts *counts = &work->counts;
     if (given->json) {
-        cJSON *document = json_document();
-        json_add_text(document, "input", given->input);
-        json_add_text(document, "file", given->output_path);
-        json_add_count(document, "width", given->width);
-        json_add_count(document, "height", given->height);
+        cJSON *document = picture_document(work->state);
         json_add_count(document, "device_bytes", work->info.device_bytes);
         json_add_count(document, "whole_bytes", work->info.whole_bytes);
         json_add_count(document, "file_bytes", work->info.file_bytes);
@@ -100,11 +96,7 @@ static int report(const paged_render *work)
         json_add_count(document, "pictures", counts->pictures);
         json_add_count(document, "missed_pages", counts->missed_pages);
         json_add_count(document, "read_bytes", counts->all_read_bytes);
-        cJSON_AddNumberToObject(document, "render_ms", work->render_ms);
-        json_add_text(document, "device", svo_device_name(work->opened.device));
-        cJSON_AddItemToObject(document, "eye", cJSON_CreateFloatArray(work->asked.camera.eye, 3));
-        cJSON_AddItemToObject(document, "target", cJSON_CreateFloatArray(work->asked.camera.target, 3));
-        return json_print(work->state, document);
+        return picture_print_document(work->state, document, work->render_ms, work->opened.device, &work->asked.camera);
     }
     if (!given->quiet) {
         progress_hide(work->state->progress);

@@ -84,11 +84,7 @@ static int draw(probe_render *work)
 static int report_json(const probe_render *work)
 {
     const options *given = &work->state->options;
-    cJSON *document = json_document();
-    json_add_text(document, "input", given->input);
-    json_add_text(document, "file", given->output_path);
-    json_add_count(document, "width", given->width);
-    json_add_count(document, "height", given->height);
+    cJSON *document = picture_document(work->state);
     cJSON *counts = cJSON_CreateArray();
     for (int axis = 0; axis < 3; ++axis) {
         cJSON_AddItemToArray(counts, cJSON_CreateNumber((double)work->info.counts[axis]));
@@ -103,11 +99,7 @@ static int report_json(const probe_render *work)
     json_add_count(document, "misses", work->found.rays[SVO_PROBE_MISS]);
     json_add_count(document, "unknown", work->found.rays[SVO_PROBE_UNKNOWN]);
     cJSON_AddNumberToObject(document, "probes_ms", work->probes_ms);
-    cJSON_AddNumberToObject(document, "render_ms", work->found.trace_ms);
-    json_add_text(document, "device", svo_device_name(work->device));
-    cJSON_AddItemToObject(document, "eye", cJSON_CreateFloatArray(work->camera.eye, 3));
-    cJSON_AddItemToObject(document, "target", cJSON_CreateFloatArray(work->camera.target, 3));
-    return json_print(work->state, document);
+    return picture_print_document(work->state, document, work->found.trace_ms, work->device, &work->camera);
 }
 
 static void report_text(const probe_render *work)

@@ -55,20 +55,13 @@ static int report(const scene_render *work)
     svo_scene_info info = SVO_SCENE_INFO_INIT;
     (void)svo_scene_get_info(work->placed.scene, &info);
     if (given->json) {
-        cJSON *document = json_document();
-        json_add_text(document, "input", given->input);
-        json_add_text(document, "file", given->output_path);
-        json_add_count(document, "width", given->width);
-        json_add_count(document, "height", given->height);
+        cJSON *document = picture_document(work->state);
         json_add_text(document, "form", scene_file_form_name(&work->placed.file));
         json_add_count(document, "trees", info.tree_count);
         json_add_count(document, "instances", info.instance_count);
         json_add_count(document, "device_bytes", info.total_bytes);
-        cJSON_AddNumberToObject(document, "render_ms", work->render_ms);
-        json_add_text(document, "device", svo_device_name(work->placed.trees.opened.device));
-        cJSON_AddItemToObject(document, "eye", cJSON_CreateFloatArray(work->camera.eye, 3));
-        cJSON_AddItemToObject(document, "target", cJSON_CreateFloatArray(work->camera.target, 3));
-        return json_print(work->state, document);
+        return picture_print_document(work->state, document, work->render_ms, work->placed.trees.opened.device,
+                                      &work->camera);
     }
     if (!given->quiet) {
         progress_hide(work->state->progress);

@@ -10,6 +10,7 @@
 #include "bench/leaving_out.h"
 #include "bench/light.h"
 #include "bench/moving.h"
+#include "bench/moving_light.h"
 #include "bench/paged.h"
 #include "bench/parts.h"
 #include "bench/peers.h"
@@ -46,6 +47,7 @@ const suite_subject *const subjects[] = {
     &bench_parts,
     &bench_paged,
     &bench_moving,
+    &bench_moving_light,
     &bench_thesis_2020,
     &bench_thesis_2016,
     &bench_peer_embree,

@@ -38,7 +38,7 @@ static bool is_outdated(const drawing *which, const view_state *state)
     return which->width == 0 || which->window_width != state->width || which->window_height != state->height ||
            shown_differs(&which->shown, &state->shown) || which->is_scene != state->is_scene ||
            which->revisions.lights != state->revisions.lights ||
-           which->revisions.instances != state->revisions.instances ||
+           which->revisions.instances != state->revisions.instances || which->revisions.film != state->revisions.film ||
            camera_differs(&which->camera, &state->camera.at);
 }
 

@@ -2,10 +2,12 @@
 /* Events to changes of the state. */
 #include "view/input.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 #include "view/camera.h"
 #include "view/light_edit.h"
+#include "view/play.h"
 #include "view/scene_edit.h"
 
 /* Pixels that the mouse may move in a click. */
@@ -33,6 +35,10 @@ input_binding input_describe(size_t index)
                                              {"E", "field or eight"},
                                              {"O, M", "spheres, a map"},
                                              {", and .", "another probe"},
+                                             {"Space", "play, pause"},
+                                             {"Left, Right", "a frame back, on"},
+                                             {"Up, Down", "play faster, slower"},
+                                             {"K", "panel Motion"},
                                              {"I", "edit instances"},
                                              {"N, Delete", "add, remove one"},
                                              {"Shift+drag", "move it"},
@@ -109,6 +115,30 @@ static bool press_for_probes(int key, view_state *state)
     case ',':
     case '.':
         view_choose_probe(state, (int64_t)state->probes.chosen + (key == '.' ? 1 : -1));
+        return true;
+    default:
+        return false;
+    }
+}
+
+/* Keys of motions; false: it is none of them. */
+static bool press_for_motions(int key, view_state *state)
+{
+    switch (key) {
+    case VIEW_KEY_SPACE:
+        play_toggle(state);
+        return true;
+    case VIEW_KEY_LEFT:
+    case VIEW_KEY_RIGHT:
+        play_step(state, key == VIEW_KEY_RIGHT ? 1 : -1);
+        return true;
+    case VIEW_KEY_UP:
+    case VIEW_KEY_DOWN:
+        play_choose_speed(state, state->film.speed_log2 + (key == VIEW_KEY_UP ? 1 : -1));
+        view_log(state, "a second of motions' time takes %g s", ldexp(1, -state->film.speed_log2));
+        return true;
+    case 'k':
+        view_toggle_panel(state, VIEW_PANEL_MOTION);
         return true;
     default:
         return false;
@@ -192,7 +222,7 @@ static input_wish press_key(const view_event *event, view_state *state)
         edit_instances(state, false);
     } else if (key == VIEW_KEY_ESCAPE) {
         state->selection.is_hit = false;
-    } else if (!press_for_probes(key, state)) {
+    } else if (!press_for_probes(key, state) && !press_for_motions(key, state)) {
         press_letter(event, state);
     }
     return INPUT_NOTHING;

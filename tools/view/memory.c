@@ -37,6 +37,15 @@ static uint64_t planned_bytes(const svo_plan *plan, const char *name)
     return 0;
 }
 
+static void list_arrays(const svo_tree *tree, const char *prefix, const svo_plan *plan, view_state *state)
+{
+    for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+        const char *name = svo_tree_buffer_name((svo_tree_buffer)i);
+        const uint64_t bytes = bytes_of(svo_tree_get_buffer(tree, (svo_tree_buffer)i));
+        add(state, prefix, name, bytes > 0 ? planned_bytes(plan, name) : 0, bytes);
+    }
+}
+
 static int list_tree(const subject *which, view_state *state)
 {
     const job *done = &which->done;
@@ -48,11 +57,7 @@ static int list_tree(const subject *which, view_state *state)
             return exit_code;
         }
     }
-    for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
-        const char *name = svo_tree_buffer_name((svo_tree_buffer)i);
-        const uint64_t bytes = bytes_of(svo_tree_get_buffer(done->result.tree, (svo_tree_buffer)i));
-        add(state, "", name, bytes > 0 ? planned_bytes(plan, name) : 0, bytes);
-    }
+    list_arrays(done->result.tree, "", plan, state);
     add(state, "", "BVH", 0, svo_tree_ray_bytes(done->result.tree));
     svo_plan_destroy(&plan);
     return PROGRAM_DONE;
@@ -89,6 +94,17 @@ static void list_scene(const subject *which, view_state *state)
     }
 }
 
+/* ---- what moves ---- */
+
+static void list_film(const subject *which, view_state *state)
+{
+    svo_moving_info info = SVO_MOVING_INFO_INIT;
+    if (svo_moving_get_info(which->film.moving.moving, &info) == SVO_OK) {
+        list_arrays(film_tree(&which->film), "moving ", NULL, state);
+        add(state, "moving ", "lists", 0, info.list_bytes);
+    }
+}
+
 /* ---- probes ---- */
 
 static void list_probes(const subject *which, view_state *state)
@@ -109,6 +125,9 @@ int memory_list(const subject *which, view_state *state)
     }
     if (placed_scene(which->placed) != NULL) {
         list_scene(which, state);
+    }
+    if (film_tree(&which->film) != NULL) {
+        list_film(which, state);
     }
     list_probes(which, state);
     return exit_code;

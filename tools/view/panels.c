@@ -56,7 +56,8 @@ static const section left_sections[] = {
 static const section right_sections[] = {
     {VIEW_PANEL_PICTURE, "View", panels_picture},          {VIEW_PANEL_CAMERA, "Camera", panels_camera},
     {VIEW_PANEL_LIGHTS, "Lights", panels_lights},          {VIEW_PANEL_PROBES, "Probes", panels_probes},
-    {VIEW_PANEL_INSTANCES, "Instances", panels_instances}, {VIEW_PANEL_SETTINGS, "Settings", panels_settings},
+    {VIEW_PANEL_INSTANCES, "Instances", panels_instances}, {VIEW_PANEL_MOTION, "Motion", panels_motion},
+    {VIEW_PANEL_SETTINGS, "Settings", panels_settings},
 };
 
 static void describe_column(ui *toolkit, view_state *state, const char *name, ui_place place, const section *sections,
@@ -91,6 +92,7 @@ static void describe_line(ui *toolkit, view_state *state, float height)
 {
     char level[32] = "";
     char through[64] = "";
+    char moving[64] = "";
     char text[256 + VIEW_LINE_BYTES];
     char shown[sizeof text];
     const char *last = state->log_count > 0 ? state->log[(state->log_count - 1) % VIEW_LOG_LINES] : "";
@@ -102,8 +104,12 @@ static void describe_line(ui *toolkit, view_state *state, float height)
         (void)snprintf(through, sizeof through, " through probes (%s), %.2f %% unknown",
                        svo_probe_choice_name(state->shown.choice), (double)state->probes.found[SVO_PROBE_UNKNOWN]);
     }
-    (void)snprintf(text, sizeof text, "%s%s%s   %u x %u%s   %.1f ms   %s", view_picture_name(state->shown.picture),
-                   through, level, state->width, state->height, state->is_refined ? "" : " coarse",
+    if (view_shows_film(state)) {
+        (void)snprintf(moving, sizeof moving, "   frame %llu of %llu", (unsigned long long)state->film.frame,
+                       (unsigned long long)state->film.frame_count);
+    }
+    (void)snprintf(text, sizeof text, "%s%s%s%s   %u x %u%s   %.1f ms   %s", view_picture_name(state->shown.picture),
+                   through, level, moving, state->width, state->height, state->is_refined ? "" : " coarse",
                    (double)panels_mean(state).ms, last);
     panels_fit(toolkit, text, place.width - 2 * UI_PADDING, shown, sizeof shown);
     ui_panel_begin(toolkit, "#line", place);

@@ -181,7 +181,9 @@ static void describe_scene_lights(ui *toolkit, view_state *state)
 
 void panels_lights(ui *toolkit, view_state *state)
 {
-    if (state->is_scene) {
+    if (view_shows_film(state)) {
+        ui_note(toolkit, "What moves has the light of svocl render.");
+    } else if (state->is_scene) {
         describe_scene_lights(toolkit, state);
     } else {
         describe_sources(toolkit, state);

@@ -122,7 +122,9 @@ void panels_picture(ui *toolkit, view_state *state)
     if (state->level_max > state->level_min) {
         choose_level(toolkit, state);
     }
-    if (!state->is_scene) {
+    if (view_shows_film(state)) {
+        ui_note(toolkit, "What moves has the light of svocl render, and none that cones gather.");
+    } else if (!state->is_scene) {
         choose_light(toolkit, state);
     }
 }

@@ -15,6 +15,7 @@ panels_page panels_camera;
 panels_page panels_lights;
 panels_page panels_selection; /* what a click found */
 panels_page panels_instances;
+panels_page panels_motion; /* playing what moves */
 panels_page panels_probes;
 panels_page panels_settings;
 

@@ -212,6 +212,10 @@ static void describe_grid(ui *toolkit, view_state *state)
 
 void panels_probes(ui *toolkit, view_state *state)
 {
+    if (view_shows_film(state)) {
+        ui_note(toolkit, "What moves has no probes.");
+        return;
+    }
     look_through(toolkit, state);
     describe_made(toolkit, state);
     describe_map(toolkit, state);

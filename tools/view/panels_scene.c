@@ -173,7 +173,9 @@ void panels_instances(ui *toolkit, view_state *state)
     if (ui_checkbox(toolkit, "Edit", &is_scene)) {
         view_choose_scene(state, is_scene);
     }
-    ui_tooltip(toolkit, "Shows the tree as the first instance of a scene, which more can be added to.");
+    ui_tooltip(toolkit, state->mover_count > 0
+                            ? "Shows the instances, those that move at their first keys; else what moves."
+                            : "Shows the tree as the first instance of a scene, which more can be added to.");
     if (!state->is_scene) {
         return;
     }

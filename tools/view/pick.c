@@ -153,8 +153,8 @@ static void fill_triangle(const find *found, view_selection *out)
 
 static svo_status trace(subject *which, const view_state *state, find *found)
 {
-    svo_tree *tree = which->done.result.tree;
-    cl_command_queue queue = which->done.opened.queue;
+    svo_tree *tree = subject_tree(which, state);
+    cl_command_queue queue = subject_queue(which);
     if (state->has_triangles) {
         const svo_status status = svo_tree_trace(tree, &found->ray, &found->hit, 1, SVO_TRACE_CLOSEST, queue);
         if (status != SVO_OK) {
@@ -203,8 +203,10 @@ static bool look_up(const svo_tree *tree, find *found)
 
 static int pick_in_tree(subject *which, view_state *state, find *found)
 {
-    if (!look_up(which->done.result.tree, found) || trace(which, state, found) != SVO_OK) {
-        return program_fail_library(which->running, svo_device_message(which->done.opened.device));
+    svo_tree *tree = subject_tree(which, state);
+    if ((view_shows_film(state) && svo_tree_download(tree, subject_queue(which)) != SVO_OK) || !look_up(tree, found) ||
+        trace(which, state, found) != SVO_OK) {
+        return program_fail_library(which->running, svo_device_message(subject_device(which)));
     }
     fill(found, &state->selection);
     return PROGRAM_DONE;

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "support/animation.h"
+
 struct placed {
     program *running;
     char path[VIEW_PATH_BYTES]; /* of the file; "": none */
@@ -19,6 +21,8 @@ struct placed {
     svo_scene *scene;
     svo_instance *instances; /* as the scene has them, instance_count */
     size_t instance_count;
+    view_mover *movers; /* with them */
+    size_t mover_count;
     unsigned revision; /* of the state's instances */
     unsigned changes;
 };
@@ -32,17 +36,44 @@ static bool make_list(placed *which, size_t count)
     return which->list != NULL;
 }
 
-/* Keeps what the scene now has, to compare with and to return to. */
-static bool remember(placed *which, const svo_instance *instances, size_t count)
+/* A copy of a list, into a block that may be there; NULL without memory. */
+static void *copy_list(void *block, const void *list, size_t count, size_t element_bytes)
 {
-    svo_instance *copy = realloc(which->instances, count * sizeof *copy);
-    if (copy == NULL) {
-        return false;
+    void *copy = realloc(block, (count + 1) * element_bytes);
+    if (copy != NULL && count > 0) {
+        memcpy(copy, list, count * element_bytes);
     }
-    memcpy(copy, instances, count * sizeof *copy);
-    which->instances = copy;
-    which->instance_count = count;
-    return true;
+    return copy;
+}
+
+/* Keeps what the scene now has, to compare with and to return to. */
+static bool remember_instances(placed *which, const svo_instance *instances, size_t count)
+{
+    svo_instance *copy = copy_list(which->instances, instances, count, sizeof *copy);
+    which->instances = copy != NULL ? copy : which->instances;
+    which->instance_count = copy != NULL ? count : which->instance_count;
+    return copy != NULL;
+}
+
+static bool remember(placed *which, const view_state *state)
+{
+    view_mover *movers = copy_list(which->movers, state->movers, state->mover_count, sizeof *movers);
+    which->movers = movers != NULL ? movers : which->movers;
+    which->mover_count = movers != NULL ? state->mover_count : which->mover_count;
+    return movers != NULL && remember_instances(which, state->instances, state->instance_count);
+}
+
+/* The motions as the file has them. */
+static bool list_movers(placed *which)
+{
+    const size_t count = which->file.motion_count;
+    which->movers = malloc((count + 1) * sizeof *which->movers);
+    which->mover_count = which->movers != NULL ? count : 0;
+    for (size_t i = 0; i < which->mover_count; ++i) {
+        const scene_motion *motion = &which->file.motions[i];
+        which->movers[i] = (view_mover){motion->instance, motion, motion->keys[0].place};
+    }
+    return which->movers != NULL;
 }
 
 static int fail_without_memory(const placed *which, size_t count)
@@ -59,8 +90,9 @@ static int place_file(placed *which)
     if (svo_scene_create(which->device, &asked, which->queue, &which->scene) != SVO_OK) {
         return scene_file_fail_library(file, svo_device_message(which->device));
     }
-    return remember(which, file->instances, file->instance_count) ? PROGRAM_DONE
-                                                                  : fail_without_memory(which, file->instance_count);
+    return list_movers(which) && remember_instances(which, file->instances, file->instance_count)
+               ? PROGRAM_DONE
+               : fail_without_memory(which, file->instance_count);
 }
 
 static int open_file(placed *which)
@@ -122,15 +154,15 @@ static void name_tree(const char *path, char name[VIEW_NAME_BYTES])
 
 placed *placed_of_input(program *running, unsigned depth)
 {
-    const char *input = running->options.input;
+    const char *path = running->options.input;
     placed *made = calloc(1, sizeof *made);
     if (made == NULL || !make_list(made, 1)) {
         free(made);
         return NULL;
     }
     made->running = running;
-    name_tree(input, made->list[0].name);
-    (void)snprintf(made->list[0].path, sizeof made->list[0].path, "%s", input);
+    name_tree(path, made->list[0].name);
+    (void)snprintf(made->list[0].path, sizeof made->list[0].path, "%s", path);
     made->list[0].depth = depth;
     /* What came through a pipe cannot be read again. */
     made->list_count = running->piped.name != NULL ? 0 : 1;
@@ -147,6 +179,7 @@ void placed_close(placed **which)
     scene_trees_close(&gone->trees);
     scene_file_close(&gone->file);
     free(gone->instances);
+    free(gone->movers);
     free(gone->list);
     free(gone);
     *which = NULL;
@@ -156,16 +189,20 @@ void placed_close(placed **which)
 
 static bool take_instances(const placed *which, view_state *state)
 {
-    const size_t count = which->file.instance_count;
-    svo_instance *copy = malloc((count > 0 ? count : 1) * sizeof *copy);
-    if (copy == NULL) {
+    svo_instance *instances = copy_list(NULL, which->instances, which->instance_count, sizeof *instances);
+    view_mover *movers = copy_list(NULL, which->movers, which->mover_count, sizeof *movers);
+    if (instances == NULL || movers == NULL) {
+        free(instances);
+        free(movers);
         return false;
     }
-    memcpy(copy, which->file.instances, count * sizeof *copy);
     free(state->instances);
-    state->instances = copy;
-    state->instance_count = state->instance_capacity = count;
+    free(state->movers);
+    state->instances = instances;
+    state->instance_count = state->instance_capacity = which->instance_count;
     state->instance = 0;
+    state->movers = movers;
+    state->mover_count = state->mover_capacity = which->mover_count;
     return true;
 }
 
@@ -185,8 +222,11 @@ bool placed_describe(placed *which, view_state *state)
     state->scene_light = 0;
     state->occlusion_range = file->occlusion_range;
     state->scene_form = scene_file_form_name(file);
-    state->scene_motions = file->motion_count;
     state->device = svo_device_name(which->device);
+    state->film.frame_count = animation_frame_count(which->running);
+    state->film.frame = 0;
+    state->film.position = 0;
+    state->film.is_playing = false;
     state->is_scene = true;
     state->shown.picture = VIEW_SHADED;
     state->shown.through = false;
@@ -281,6 +321,10 @@ static void undo(placed *which, view_state *state, svo_status status)
         state->instance_count = which->instance_count;
         state->instance = state->instance < state->instance_count ? state->instance : state->instance_count - 1;
     }
+    if (which->mover_count > 0 && which->mover_count <= state->mover_capacity) {
+        memcpy(state->movers, which->movers, which->mover_count * sizeof *state->movers);
+        state->mover_count = which->mover_count;
+    }
     view_instances_changed(state);
     which->revision = state->revisions.instances;
 }
@@ -299,9 +343,7 @@ int placed_update(placed *which, view_state *state)
     if (status == SVO_OK) {
         ++which->changes;
         which->revision = state->revisions.instances;
-        return remember(which, state->instances, state->instance_count)
-                   ? PROGRAM_DONE
-                   : fail_without_memory(which, state->instance_count);
+        return remember(which, state) ? PROGRAM_DONE : fail_without_memory(which, state->instance_count);
     }
     if (which->scene == NULL || status == SVO_CL_ERROR) {
         return program_fail_library(which->running, svo_device_message(which->device));

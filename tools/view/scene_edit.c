@@ -16,6 +16,11 @@
 bool scene_edit_place(const view_state *state, size_t index, scene_place *out)
 {
     const float *transform = state->instances[index].transform;
+    const view_mover *mover = view_mover_of(state, index);
+    if (mover != NULL) {
+        *out = mover->first;
+        return true;
+    }
     if (scene_place_is_exact(&state->edited, transform)) {
         *out = state->edited;
         return true;
@@ -38,9 +43,29 @@ static bool is_usable(const scene_place *place)
     return usable;
 }
 
+/* Moves all keys with the first; what is not a number for one of them changes none. */
+static bool move_keys(view_state *state, size_t index, const scene_place *place)
+{
+    view_mover *mover = view_mover_of(state, index);
+    if (mover == NULL) {
+        return true;
+    }
+    view_mover moved = *mover;
+    moved.first = *place;
+    for (size_t i = 0; i < moved.motion->key_count; ++i) {
+        const scene_place key = view_mover_key(&moved, i);
+        if (!view_is_moderate(key.translate, 3) || !view_is_moderate(key.rotate, 3) ||
+            !view_is_moderate(key.scale, 3)) {
+            return false;
+        }
+    }
+    *mover = moved;
+    return true;
+}
+
 bool scene_edit_set(view_state *state, size_t index, const scene_place *place)
 {
-    if (index >= state->instance_count || !is_usable(place)) {
+    if (index >= state->instance_count || !is_usable(place) || !move_keys(state, index, place)) {
         return false;
     }
     state->edited = *place;
@@ -53,6 +78,14 @@ void scene_edit_move(view_state *state, size_t index, const float translate[3])
 {
     if (index >= state->instance_count || !view_is_moderate(translate, 3)) {
         return;
+    }
+    const view_mover *mover = view_mover_of(state, index);
+    if (mover != NULL) {
+        scene_place place = mover->first;
+        memcpy(place.translate, translate, sizeof place.translate);
+        if (!move_keys(state, index, &place)) {
+            return;
+        }
     }
     for (int axis = 0; axis < 3; ++axis) {
         state->instances[index].transform[4 * axis + 3] = translate[axis];
@@ -83,8 +116,24 @@ void scene_edit_drag(view_state *state, float right, float down)
     memcpy(state->selection.point, moved, sizeof moved);
 }
 
+/* The copy of an instance that moves does so too, from where it is. */
+static bool copy_motion(view_state *state, size_t from, const svo_instance *added)
+{
+    const view_mover *mover = view_mover_of(state, from);
+    if (mover == NULL) {
+        return true;
+    }
+    view_mover copy = *mover;
+    copy.instance = state->instance;
+    for (int axis = 0; axis < 3; ++axis) {
+        copy.first.translate[axis] = added->transform[4 * axis + 3];
+    }
+    return view_add_mover(state, &copy);
+}
+
 bool scene_edit_add(view_state *state)
 {
+    const size_t from = state->instance;
     svo_instance added = {.transform = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
     if (state->instance < state->instance_count) {
         const float *eye = state->camera.at.eye;
@@ -94,6 +143,10 @@ bool scene_edit_add(view_state *state)
         added.transform[3] += 0.25F * away;
     }
     if (!view_add_instance(state, &added)) {
+        return false;
+    }
+    if (!copy_motion(state, from, &added)) {
+        view_remove_instance(state, state->instance);
         return false;
     }
     view_log(state, "added instance %zu of %s", state->instance, state->trees[added.tree].name);
@@ -112,10 +165,6 @@ void scene_edit_remove(view_state *state)
 
 void scene_edit_save(view_state *state, const char *path)
 {
-    if (state->scene_motions > 0) {
-        view_log(state, "%s was not saved: the motions of %zu instances would be lost", path, state->scene_motions);
-        return;
-    }
     const int error = path[0] != '\0' ? scene_save(state, path) : ENOENT;
     if (error != 0) {
         view_log(state, "%s was not saved: %s", path, strerror(error));

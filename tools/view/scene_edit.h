@@ -10,7 +10,8 @@
    the translation alone. */
 bool scene_edit_place(const view_state *state, size_t index, scene_place *out);
 
-/* Places an instance. A scale of 0 and numbers that are not finite change nothing; false then. */
+/* Places an instance; one that moves has its first key there, and the others follow. A scale of 0 and numbers that are
+   not finite change nothing; false then. */
 bool scene_edit_set(view_state *state, size_t index, const scene_place *place);
 
 /* Moves an instance and leaves the rest of its matrix as it is. */

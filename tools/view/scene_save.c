@@ -167,13 +167,30 @@ static void put_place(writer *to, const scene_place *place)
     }
 }
 
-/* As a placement where that gives the matrix exactly. */
-static void put_instance(writer *to, const view_state *state, const svo_instance *instance)
+static void put_motion(writer *to, const view_mover *mover)
 {
+    put(to, ", \"motion\": [");
+    for (size_t i = 0; i < mover->motion->key_count; ++i) {
+        const scene_place place = view_mover_key(mover, i);
+        put(to, i > 0 ? ",\n      {\"time\": " : "\n      {\"time\": ");
+        put_float(to, mover->motion->keys[i].time);
+        put_place(to, &place);
+        put(to, "}");
+    }
+    put(to, "]");
+}
+
+/* As a placement where that gives the matrix exactly. */
+static void put_instance(writer *to, const view_state *state, size_t index)
+{
+    const svo_instance *instance = &state->instances[index];
+    const view_mover *mover = view_mover_of(state, index);
     scene_place place;
     put(to, "    {\"tree\": ");
     put_quoted(to, state->trees[instance->tree].name);
-    if (scene_place_find(instance->transform, &place) && scene_place_is_exact(&place, instance->transform)) {
+    if (mover != NULL) {
+        put_motion(to, mover);
+    } else if (scene_place_find(instance->transform, &place) && scene_place_is_exact(&place, instance->transform)) {
         put_place(to, &place);
     } else {
         put(to, ", ");
@@ -223,7 +240,7 @@ static int put_scene(writer *to, const view_state *state, const char *path)
     put(to, "  \"instances\": [");
     for (size_t i = 0; i < state->instance_count; ++i) {
         put(to, i > 0 ? ",\n" : "\n");
-        put_instance(to, state, &state->instances[i]);
+        put_instance(to, state, i);
     }
     put(to, "\n  ],\n");
     put_camera(to, &state->camera.at);

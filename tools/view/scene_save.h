@@ -5,8 +5,8 @@
 
 #include "view/state.h"
 
-/* Writes trees, instances, camera, lights and the range of occlusion, whole or not at all. Read again, instances are
-   the same bit for bit. Returns 0 or an errno. */
+/* Writes trees, instances, camera, lights and the range of occlusion, whole or not at all. Read again, instances
+   and motions are the same bit for bit. Returns 0 or an errno. */
 int scene_save(const view_state *state, const char *path);
 
 #endif

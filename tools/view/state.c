@@ -11,6 +11,7 @@ void view_state_begin(view_state *state)
 {
     const view_probe_grid grid = {.counts = {4, 4, 4}, .resolution = 128, .field_size = 64, .max_mib = 1024};
     *state = (view_state){.shown = {.photons = true, .gi = true, .cones = 16, .exposure = 1.0F, .probes = grid},
+                          .film = {.loops = true},
                           .probes = {.asked = grid}};
     state->selection.instance = SVO_NO_INSTANCE;
     state->settings = (view_settings){.width = 1280,
@@ -27,10 +28,13 @@ void view_state_end(view_state *state)
 {
     free(state->sources);
     free(state->instances);
+    free(state->movers);
     state->sources = NULL;
     state->instances = NULL;
+    state->movers = NULL;
     state->source_count = 0;
     state->instance_count = 0;
+    state->mover_count = 0;
 }
 
 bool view_is_moderate(const float *numbers, size_t count)
@@ -61,7 +65,7 @@ const char *view_stage_name(view_stage stage)
 const char *view_panel_name(view_panel panel)
 {
     static const char *const names[VIEW_PANELS] = {"help",      "frames",    "memory",   "view", "camera", "lights",
-                                                   "selection", "instances", "settings", "log",  "probes"};
+                                                   "selection", "instances", "settings", "log",  "probes", "motion"};
     return (unsigned)panel < VIEW_PANELS ? names[panel] : "unknown panel";
 }
 
@@ -92,6 +96,8 @@ void view_choose_picture(view_state *state, view_picture picture)
         view_log(state, "probes of a scene hold no light: normal, depth and steps alone");
     } else if (state->is_scene && !state->shown.through && picture != VIEW_SHADED) {
         view_log(state, "view %s does not apply to a scene", view_picture_name(picture));
+    } else if (view_shows_film(state) && picture > VIEW_TRIANGLES) {
+        view_log(state, "view %s is not drawn of what moves; key I looks at the instances", view_picture_name(picture));
     } else if (picture == VIEW_TRIANGLES && !state->has_triangles) {
         view_log(state, "view triangles: the tree holds no triangles");
     } else if ((unsigned)picture < VIEW_PICTURES) {
@@ -139,6 +145,10 @@ void view_toggle_panel(view_state *state, view_panel panel)
 void view_choose_through(view_state *state, bool is_on)
 {
     view_shown *shown = &state->shown;
+    if (is_on && view_shows_film(state)) {
+        view_refuse_probes(state);
+        return;
+    }
     shown->through = is_on;
     if (state->is_scene) {
         shown->picture = is_on ? VIEW_NORMAL : VIEW_SHADED;
@@ -182,6 +192,12 @@ void view_hide_probes(view_state *state)
     }
     state->probes.has_spheres = false;
     state->probes.has_map = false;
+}
+
+void view_refuse_probes(view_state *state)
+{
+    view_hide_probes(state);
+    view_log(state, "what moves has no probes; key I looks at the instances");
 }
 
 /* ---- lists ---- */
@@ -251,11 +267,65 @@ bool view_add_instance(view_state *state, const svo_instance *instance)
     return true;
 }
 
+view_mover *view_mover_of(const view_state *state, size_t instance)
+{
+    size_t low = 0;
+    size_t high = state->mover_count;
+    while (low < high) {
+        const size_t middle = (low + high) / 2;
+        if (state->movers[middle].instance < instance) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low < state->mover_count && state->movers[low].instance == instance ? &state->movers[low] : NULL;
+}
+
+scene_place view_mover_key(const view_mover *mover, size_t key)
+{
+    const scene_place *first = &mover->motion->keys[0].place;
+    scene_place place = mover->motion->keys[key].place;
+    for (int axis = 0; axis < 3; ++axis) {
+        place.translate[axis] += mover->first.translate[axis] - first->translate[axis];
+        place.rotate[axis] += mover->first.rotate[axis] - first->rotate[axis];
+        place.scale[axis] *= mover->first.scale[axis] / first->scale[axis];
+    }
+    return key == 0 ? mover->first : place;
+}
+
+bool view_add_mover(view_state *state, const view_mover *mover)
+{
+    view_mover *movers = grow(state->movers, state->mover_count, &state->mover_capacity, sizeof *state->movers);
+    if (movers == NULL) {
+        view_log(state, "out of memory for another motion");
+        return false;
+    }
+    state->movers = movers;
+    state->movers[state->mover_count++] = *mover;
+    return true;
+}
+
+/* Of an instance that is gone; those above it have moved down. */
+static void remove_mover(view_state *state, size_t instance)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < state->mover_count; ++i) {
+        view_mover mover = state->movers[i];
+        if (mover.instance != instance) {
+            mover.instance -= mover.instance > instance ? 1 : 0;
+            state->movers[kept++] = mover;
+        }
+    }
+    state->mover_count = kept;
+}
+
 void view_remove_instance(view_state *state, size_t index)
 {
     if (index < state->instance_count) {
         svo_instance *gone = &state->instances[index];
         memmove(gone, gone + 1, (--state->instance_count - index) * sizeof *gone);
+        remove_mover(state, index);
         state->instance = state->instance > 0 && state->instance >= index ? state->instance - 1 : state->instance;
         view_instances_changed(state);
     }
@@ -266,16 +336,22 @@ void view_remove_instance(view_state *state, size_t index)
 void view_choose_scene(view_state *state, bool is_scene)
 {
     static const svo_instance first = {.transform = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
-    if (!is_scene && state->scene_form != NULL) {
+    if (!is_scene && state->scene_form != NULL && state->mover_count == 0) {
         view_log(state, "a scene from a file has no tree to show alone");
     } else if (is_scene && state->tree_count == 0) {
         view_log(state, "trees that came through a pipe cannot be placed");
     } else if (!is_scene || state->instance_count > 0 || view_add_instance(state, &first)) {
         state->is_scene = is_scene;
+        state->film.is_playing = state->film.is_playing && !is_scene;
         state->shown.picture = VIEW_SHADED;
         state->shown.through = false;
         state->probes.map = is_scene ? VIEW_MAP_NORMAL : state->probes.map;
     }
+}
+
+bool view_shows_film(const view_state *state)
+{
+    return !state->is_scene && state->mover_count > 0;
 }
 
 void view_add_scene_light(view_state *state)

@@ -11,7 +11,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "support/scene_place.h"
+#include "support/scene_motion.h"
 #include "svocl/light.h"
 #include "svocl/probes.h"
 #include "svocl/scene.h"
@@ -27,6 +27,7 @@
 #define VIEW_EDGE_MIN     160u /* of the window, pixels */
 #define VIEW_EDGE_MAX     16384u
 #define VIEW_EXPOSURE_MAX 64.0F
+#define VIEW_SPEED_MAX    4 /* of motions, as a power of two */
 #define VIEW_PROBES_AXIS  32u /* most probes along an axis that the panel offers */
 
 /* ---- what is shown ---- */
@@ -74,6 +75,7 @@ typedef struct view_shown {
 typedef struct view_revisions {
     unsigned lights; /* sources and sky */
     unsigned instances;
+    unsigned film; /* the tree of what moves */
 } view_revisions;
 
 /* ---- camera ---- */
@@ -152,6 +154,26 @@ typedef struct view_tree {
     unsigned depth; /* 0: not given */
 } view_tree;
 
+/* An instance that moves. */
+typedef struct view_mover {
+    size_t instance;
+    const scene_motion *motion; /* as the scene's file has it */
+    scene_place first; /* where its first key is now; the others follow (view_mover_key) */
+} view_mover;
+
+/* ---- motions ---- */
+
+/* Motions frame by frame, as svocl render --animate has them. */
+typedef struct view_film {
+    uint64_t frame_count;
+    uint64_t frame; /* that is asked for */
+    double position; /* in frames; what plays is between two */
+    float first_time, last_time; /* of all motions */
+    double time; /* of the frame that is shown */
+    bool is_playing, loops; /* after the last frame comes the first */
+    int speed_log2; /* motions' time in a second; -VIEW_SPEED_MAX .. VIEW_SPEED_MAX */
+} view_film;
+
 /* ---- statistics ---- */
 
 typedef enum view_stage {
@@ -183,7 +205,7 @@ typedef struct view_memory {
 
 /* ---- panels and settings ---- */
 
-/* In the order of their keys, F1 to F10 and F12. */
+/* In the order of their keys, F1 to F10, F12 and K. */
 typedef enum view_panel {
     VIEW_PANEL_HELP = 0,
     VIEW_PANEL_FRAMES,
@@ -196,6 +218,7 @@ typedef enum view_panel {
     VIEW_PANEL_SETTINGS,
     VIEW_PANEL_LOG,
     VIEW_PANEL_PROBES,
+    VIEW_PANEL_MOTION,
     VIEW_PANELS
 } view_panel;
 
@@ -231,7 +254,7 @@ typedef struct view_state {
 
     unsigned level_min, level_max; /* of leaves to choose from; equal where the tree cannot be built anew */
     bool has_triangles; /* VIEW_TRIANGLES and picking of triangles work */
-    bool is_scene; /* placed trees: VIEW_SHADED alone, and what probes show without light */
+    bool is_scene; /* placed trees, not a tree alone: VIEW_SHADED alone, and what probes show without light */
 
     svo_light_source *sources; /* source_count of source_capacity */
     size_t source_count, source_capacity;
@@ -243,13 +266,15 @@ typedef struct view_state {
     svo_instance *instances; /* instance_count of instance_capacity */
     size_t instance_count, instance_capacity;
     size_t instance; /* the chosen one */
+    view_mover *movers; /* mover_count of mover_capacity, by ascending instance */
+    size_t mover_count, mover_capacity;
+    view_film film;
     scene_place edited; /* how an instance was placed last: its angles, which its matrix does not tell */
     svo_scene_light scene_lights[SVO_SCENE_LIGHTS_MAX]; /* of a scene, in place of sources */
     size_t scene_light_count;
     size_t scene_light; /* the chosen one */
     float occlusion_range; /* of a scene; 0: its own */
     const char *scene_form; /* as the scene's file calls it; NULL: there is no file */
-    size_t scene_motions; /* of instances of the scene's file, which stand still here */
     char scene_path[VIEW_PATH_BYTES]; /* of the scene's file */
     bool wants_load; /* scene_path is to be loaded */
 
@@ -308,6 +333,8 @@ void view_choose_probe(view_state *state, int64_t index);
 bool view_shows_probes(const view_state *state);
 /* Shows nothing of them any more. */
 void view_hide_probes(view_state *state);
+/* The same, and says that what moves has none. */
+void view_refuse_probes(view_state *state);
 
 /* Lights. After a change of a source or the sky by hand, view_lights_changed. Adding one fails without memory. */
 void view_lights_changed(view_state *state);
@@ -318,9 +345,18 @@ void view_remove_source(view_state *state, size_t index);
 void view_instances_changed(view_state *state);
 bool view_add_instance(view_state *state, const svo_instance *instance);
 void view_remove_instance(view_state *state, size_t index);
+/* The motion of an instance; NULL: it has none. */
+view_mover *view_mover_of(const view_state *state, size_t instance);
+/* A key of it: as the file has it, but moved, turned and scaled as its first key is. */
+scene_place view_mover_key(const view_mover *mover, size_t key);
+/* Of an instance above those that move. Fails without memory. */
+bool view_add_mover(view_state *state, const view_mover *mover);
 
-/* Shows the tree as the first instance of a scene, or alone again; a scene from a file stays one. */
+/* Shows the tree as the first instance of a scene, or alone again. A scene from a file has no tree alone, but if it has
+   motions the tree of what moves. */
 void view_choose_scene(view_state *state, bool is_scene);
+/* Whether the tree of what moves is shown. */
+bool view_shows_film(const view_state *state);
 /* Lights of a scene, at most SVO_SCENE_LIGHTS_MAX. */
 void view_add_scene_light(view_state *state);
 void view_remove_scene_light(view_state *state, size_t index);

@@ -83,13 +83,36 @@ static int place_scene_camera(subject *which, view_state *state, const scene_fil
     return exit_code;
 }
 
+/* The camera of svocl render --animate. */
+static int place_film_camera(subject *which, view_state *state)
+{
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    (void)svo_tree_get_info(film_tree(&which->film), &info);
+    const int exit_code = animation_camera(&which->film.moving, placed_file(which->placed),
+                                           (float)state->width / (float)state->height, &state->camera.at);
+    begin_camera(state, info.edge);
+    return exit_code;
+}
+
+/* Where something moves its first frame is shown. */
 static int open_scene(program *running, view_state *state, subject *out)
 {
     int exit_code = placed_open(running, running->options.input, &out->placed);
     if (exit_code == PROGRAM_DONE && !placed_describe(out->placed, state)) {
         exit_code = program_fail(running, PROGRAM_FAILED, "out of memory for the instances");
     }
-    return exit_code == PROGRAM_DONE ? place_scene_camera(out, state, placed_file(out->placed)) : exit_code;
+    if (exit_code == PROGRAM_DONE && state->mover_count > 0) {
+        view_choose_scene(state, false);
+        exit_code = film_update(&out->film, out->placed, state);
+    }
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    if (view_shows_film(state)) {
+        view_log(state, "%llu frames: Space plays", (unsigned long long)state->film.frame_count);
+        return place_film_camera(out, state);
+    }
+    return place_scene_camera(out, state, placed_file(out->placed));
 }
 
 /* ---- both ---- */
@@ -127,7 +150,7 @@ static int open_tree(program *running, view_state *state, subject *out)
 
 int subject_open(program *running, view_state *state, subject *out)
 {
-    *out = (subject){.running = running, .probes = {.running = running}};
+    *out = (subject){.running = running, .film = {.running = running}, .probes = {.running = running}};
     const int exit_code =
         scene_file_is_input(running) ? open_scene(running, state, out) : open_tree(running, state, out);
     if (exit_code != PROGRAM_DONE) {
@@ -149,6 +172,7 @@ static void close_tree(subject *which)
 void subject_close(subject *which)
 {
     probing_close(&which->probes);
+    film_close(&which->film);
     placed_close(&which->placed);
     close_tree(which);
 }
@@ -166,8 +190,10 @@ int subject_load(subject *which, view_state *state)
         return PROGRAM_DONE;
     }
     probing_drop(&which->probes, state);
+    film_close(&which->film);
     placed_close(&which->placed);
     close_tree(which);
+    state->source_count = 0; /* they lit the tree */
     which->placed = fresh;
     ++which->changes;
     view_log(state, "loaded %zu instances of %zu trees from %s", state->instance_count, state->tree_count,
@@ -266,16 +292,32 @@ static int update_probes(subject *which, view_state *state)
     return probing_update(&which->probes, &source, state);
 }
 
+/* Trees that move are gone with the next frame, so they have no probes. */
+static int update_film(subject *which, view_state *state)
+{
+    if (view_shows_probes(state)) {
+        view_refuse_probes(state);
+    }
+    if (which->probes.probes != NULL) {
+        probing_drop(&which->probes, state);
+    }
+    which->probes.map.is_new = false;
+    return film_update(&which->film, which->placed, state);
+}
+
 int subject_update(subject *which, view_state *state)
 {
     int exit_code = state->wants_load ? subject_load(which, state) : PROGRAM_DONE;
+    if (exit_code == PROGRAM_DONE && view_shows_film(state)) {
+        exit_code = update_film(which, state);
+    }
     if (exit_code == PROGRAM_DONE && which->has_tree) {
         exit_code = update_tree(which, state);
     }
     if (exit_code == PROGRAM_DONE && state->is_scene) {
         exit_code = update_scene(which, state);
     }
-    return exit_code == PROGRAM_DONE ? update_probes(which, state) : exit_code;
+    return exit_code == PROGRAM_DONE && !view_shows_film(state) ? update_probes(which, state) : exit_code;
 }
 
 /* ---- pictures ---- */
@@ -323,8 +365,8 @@ static svo_status draw_tree(subject *which, const view_state *state, const pictu
                                       .height = part->height,
                                       .camera = state->camera.at,
                                       .view = views[state->shown.picture]};
-    return svo_tree_render_enqueue(which->done.opened.device, which->done.result.tree, &asked, pixels,
-                                   which->done.opened.queue, 0, NULL, drawn);
+    return svo_tree_render_enqueue(subject_device(which), subject_tree(which, state), &asked, pixels,
+                                   subject_queue(which), 0, NULL, drawn);
 }
 
 int subject_draw(subject *which, view_state *state, const picture_part *part, cl_mem pixels, cl_event *drawn)
@@ -339,7 +381,12 @@ int subject_draw(subject *which, view_state *state, const picture_part *part, cl
                                   ? draw_light(which, state, part, pixels, drawn)
                                   : draw_tree(which, state, part, pixels, drawn);
     return status == SVO_OK ? PROGRAM_DONE
-                            : program_fail_library(which->running, svo_device_message(which->done.opened.device));
+                            : program_fail_library(which->running, svo_device_message(subject_device(which)));
+}
+
+svo_tree *subject_tree(const subject *which, const view_state *state)
+{
+    return view_shows_film(state) ? film_tree(&which->film) : which->done.result.tree;
 }
 
 svo_device *subject_device(const subject *which)

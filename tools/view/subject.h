@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* What is looked at: the tree on the device and its light, or a scene of placed trees, and what the library draws of
-   them. */
+/* What is looked at: the tree on the device and its light, a scene of placed trees, or the tree of what moves in it;
+   and what the library draws of them. */
 #ifndef SVOCL_TOOLS_VIEW_SUBJECT_H
 #define SVOCL_TOOLS_VIEW_SUBJECT_H
 
 #include "support/job.h"
 #include "support/lighting.h"
+#include "view/film.h"
 #include "view/placed.h"
 #include "view/probing.h"
 #include "view/state.h"
@@ -13,6 +14,7 @@
 typedef struct subject {
     program *running;
     placed *placed; /* what is drawn where the state is a scene */
+    film film; /* of it, what moves */
     bool has_tree; /* the fields below are of a tree that can be shown alone */
     job done;
     lighting lit;
@@ -47,6 +49,8 @@ typedef struct picture_part {
 /* Draws rows of what the state shows, those of what svocl render writes, at their place in pixels, a buffer of the
    whole picture. drawn: receives an event of them. Returns the exit code. */
 int subject_draw(subject *which, view_state *state, const picture_part *part, cl_mem pixels, cl_event *drawn);
+/* The tree that is looked at alone: what moves, or INPUT's. NULL: there is none. */
+svo_tree *subject_tree(const subject *which, const view_state *state);
 /* Where it draws. */
 svo_device *subject_device(const subject *which);
 cl_command_queue subject_queue(const subject *which);

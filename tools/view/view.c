@@ -16,6 +16,7 @@
 #include "view/memory.h"
 #include "view/overlay.h"
 #include "view/pick.h"
+#include "view/play.h"
 #include "view/script.h"
 #include "view/settings.h"
 #include "view/window.h"
@@ -147,7 +148,7 @@ static int play(viewer *which)
 static bool is_idle(const viewer *which)
 {
     return !which->has_script && which->lively_frames == 0 && which->state.is_refined &&
-           !camera_is_moving(&which->state);
+           !which->state.film.is_playing && !camera_is_moving(&which->state);
 }
 
 static int take_events(viewer *which)
@@ -177,7 +178,8 @@ static int list_memory(viewer *which)
 {
     const subject *shown = &which->subject;
     const uint64_t changes = 1 + shown->changes + placed_changes(shown->placed) +
-                             svo_tree_ray_bytes(shown->done.result.tree) + shown->probes.version;
+                             svo_tree_ray_bytes(shown->done.result.tree) + shown->probes.version +
+                             which->state.revisions.film;
     if (which->listed == changes) {
         return PROGRAM_DONE;
     }
@@ -269,6 +271,7 @@ static int run_frame(viewer *which)
     const double seconds = begin_frame(which);
     int exit_code = take_events(which);
     camera_move(&which->state, (float)seconds);
+    play_advance(&which->state, seconds);
     lap(which, VIEW_STAGE_EVENTS);
     exit_code = exit_code == PROGRAM_DONE ? update(which, &is_new) : exit_code;
     exit_code = exit_code == PROGRAM_DONE ? draw(which, seconds, is_new) : exit_code;

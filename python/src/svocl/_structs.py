@@ -280,6 +280,10 @@ class LightInfo(NamedTuple):
     node_map_items: int
     """Items that a node map would start to filter the same photons (Crassin et al., 2011); 0 without
     Light.set_sources(diagnose=True)."""
+    traced_photons: int
+    """Of photons, those whose rays were traced by the newest call."""
+    kept_bytes: int
+    """Held for updates, besides total_bytes; 0: nothing is kept."""
 
 
 class VoxelsInfo(NamedTuple):

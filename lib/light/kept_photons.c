@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: MIT */
+/* What is kept of photons: its buffers, and what they receive while photons are shot (photons.c, again.c). */
+#include "light/kept_photons.h"
+
+#include <string.h>
+
+#include "rays/rays.h"
+
+bool svo_i_kept_is_possible(const svo_light *light, const svo_light_setup *setup)
+{
+    return setup->updatable != 0 && setup->diagnose == 0 && light->viewer == NULL &&
+           svo_i_rays_of_triangles(&light->tree->info);
+}
+
+bool svo_i_kept_fits(const svo_i_kept_photons *kept, const svo_tree *tree, const svo_i_lit_box *box)
+{
+    svo_grid grid = {.depth = 0};
+    return kept->whole && svo_tree_get_grid(tree, &grid) == SVO_OK && memcmp(&grid, &kept->grid, sizeof grid) == 0 &&
+           memcmp(box, &kept->box, sizeof *box) == 0;
+}
+
+/* ---- buffers ---- */
+
+static void release_buffers(svo_i_kept_photons *kept)
+{
+    cl_mem *const buffers[] = {&kept->weights, &kept->ends, &kept->spreads, &kept->sums, &kept->users, &kept->codes};
+    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
+        svo_i_buffer_release(buffers[i]);
+    }
+    svo_i_free(kept->views);
+}
+
+void svo_i_kept_destroy(svo_i_kept_photons **kept)
+{
+    if (*kept != NULL) {
+        release_buffers(*kept);
+        svo_i_free(*kept);
+        *kept = NULL;
+    }
+}
+
+static uint64_t bytes_of(cl_mem buffer)
+{
+    size_t bytes = 0;
+    if (buffer != NULL) {
+        clGetMemObjectInfo(buffer, CL_MEM_SIZE, sizeof bytes, &bytes, NULL);
+    }
+    return bytes;
+}
+
+uint64_t svo_i_kept_bytes(const svo_i_kept_photons *kept)
+{
+    return kept == NULL ? 0
+                        : bytes_of(kept->weights) + bytes_of(kept->ends) + bytes_of(kept->spreads) +
+                              bytes_of(kept->sums) + bytes_of(kept->users) + bytes_of(kept->codes);
+}
+
+/* Lists the views of a setup as svo_i_light_shine shoots them. kept->views: room for them; NULL: they are counted. */
+static svo_status list_views(svo_i_kept_photons *kept, svo_i_device_work *work, const svo_light_setup *setup)
+{
+    svo_i_light_view views[SVO_I_VIEWS_OF_ONE_MAX];
+    uint64_t photons = 0;
+    kept->view_count = 0;
+    for (size_t i = 0; i < setup->source_count; ++i) {
+        const svo_light_source *source = &setup->sources[i];
+        const uint32_t count =
+            svo_i_source_is_dark(source) ? 0 : svo_i_light_views(source, &kept->box, setup->view_resolution, views);
+        for (uint32_t k = 0; k < count; ++k) {
+            if (kept->views != NULL) {
+                kept->views[kept->view_count] =
+                    (svo_i_kept_view){.photon_count = views[k].photon_count, .first = (uint32_t)photons};
+            }
+            photons += views[k].photon_count;
+            ++kept->view_count;
+        }
+    }
+    kept->photon_count = (uint32_t)photons;
+    return photons <= UINT32_MAX
+               ? SVO_OK
+               : svo_i_device_fail(kept->device, SVO_UNSUPPORTED, "%s: setup.updatable: %llu photons are above %u",
+                                   work->function, (unsigned long long)photons, UINT32_MAX);
+}
+
+static svo_status make_views(svo_i_kept_photons *kept, svo_i_device_work *work, const svo_light_setup *setup)
+{
+    SVO_I_TRY(list_views(kept, work, setup));
+    kept->views = svo_i_alloc_zeroed(&kept->device->memory, kept->view_count + 1, sizeof *kept->views);
+    if (kept->views == NULL) {
+        return svo_i_device_fail(kept->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %zu views", work->function,
+                                 kept->view_count);
+    }
+    return list_views(kept, work, setup);
+}
+
+svo_status svo_i_kept_begin(svo_i_kept_photons *kept, svo_i_device_work *work, const svo_tree *tree,
+                            const svo_light_setup *setup, const svo_i_lit_box *box, bool has_directions)
+{
+    release_buffers(kept);
+    *kept = (svo_i_kept_photons){.device = tree->device, .has_directions = has_directions, .box = *box};
+    SVO_I_TRY(svo_tree_get_grid(tree, &kept->grid));
+    SVO_I_TRY(make_views(kept, work, setup));
+    const uint64_t photons = kept->photon_count;
+    SVO_I_TRY(svo_i_work_result(work, "kept_weights", photons * sizeof(svo_photon_weight), &kept->weights));
+    SVO_I_TRY(svo_i_work_result(work, "kept_ends", photons * sizeof(cl_float4), &kept->ends));
+    return svo_i_work_result(work, "kept_spreads", photons / SVO_ITEM_PHOTONS * sizeof(svo_photon_spread),
+                             &kept->spreads);
+}
+
+/* Replaces a buffer by a larger one, whose new part is filled with a word. */
+static svo_status grow(svo_i_device_work *work, const char *name, uint64_t old_bytes, uint64_t bytes, cl_uint word,
+                       cl_mem *buffer)
+{
+    cl_mem larger = NULL;
+    svo_status status = SVO_OK;
+    SVO_I_TRY(svo_i_work_result(work, name, bytes, &larger));
+    SVO_I_TRY_CLEANUP(svo_i_work_fill(work, larger, word, bytes));
+    SVO_I_TRY_CLEANUP(svo_i_work_copy(work, *buffer, 0, larger, 0, old_bytes));
+    SVO_I_TRY_CLEANUP(svo_i_work_wait(work));
+    svo_i_buffer_release(buffer);
+    *buffer = larger;
+    return SVO_OK;
+cleanup:
+    (void)svo_i_work_wait(work);
+    svo_i_buffer_release(&larger);
+    return status;
+}
+
+svo_status svo_i_kept_grow(svo_i_kept_photons *kept, svo_i_device_work *work, uint64_t room, uint64_t sum_bytes)
+{
+    const uint64_t old = kept->slot_room;
+    SVO_I_TRY(grow(work, "kept_sums", old * sum_bytes, room * sum_bytes, 0, &kept->sums));
+    SVO_I_TRY(grow(work, "kept_users", old * sizeof(cl_uint), room * sizeof(cl_uint), 0, &kept->users));
+    SVO_I_TRY(grow(work, "kept_codes", old * sizeof(cl_ulong), room * sizeof(cl_ulong), SVO_SLOT_NONE, &kept->codes));
+    kept->slot_room = room;
+    return SVO_OK;
+}
+
+/* ---- while photons are shot ---- */
+
+svo_status svo_i_kept_use(const svo_i_kept_photons *kept, svo_i_device_work *work)
+{
+    return svo_i_work_use(work, SVO_I_PROGRAM_KEPT_PHOTONS,
+                          kept->has_directions ? " -DSVO_SORT -DSVO_LIGHT_FACES" : " -DSVO_SORT");
+}
+
+uint32_t svo_i_kept_next_view(svo_i_kept_photons *kept, const svo_light_view_params *params)
+{
+    svo_i_kept_view *view = &kept->views[kept->shot_views++];
+    view->params = *params;
+    return view->first;
+}
+
+svo_status svo_i_kept_take(const svo_i_kept_photons *kept, svo_i_device_work *work, const svo_i_shot_photons *shot,
+                           const svo_light_view_params *params)
+{
+    const svo_i_argument arguments[] = {
+        SVO_I_ARGUMENT(shot->weights), SVO_I_ARGUMENT(shot->met),     SVO_I_ARGUMENT(shot->spreads),
+        SVO_I_ARGUMENT(shot->slots),   SVO_I_ARGUMENT(kept->weights), SVO_I_ARGUMENT(kept->ends),
+        SVO_I_ARGUMENT(kept->spreads), SVO_I_ARGUMENT(kept->users),   SVO_I_ARGUMENT(shot->first),
+        SVO_I_ARGUMENT(shot->groups),  SVO_I_ARGUMENT(*params)};
+    SVO_I_TRY(svo_i_kept_use(kept, work));
+    return svo_i_work_launch(work, "svo_k_photon_keep", SVO_I_ARGUMENTS(arguments), params->count / SVO_ITEM_PHOTONS);
+}

@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * svo_light_update: the light of a changed tree is made beside the old one, which it replaces when all has succeeded.
+ * Photons are many, and most of them meet what they met: kept_photons.c shoots the others.
+ */
+#include <math.h>
+
+#include "light/kept_photons.h"
+#include "light/sources.h"
+
+static const char function[] = "svo_light_update";
+
+static svo_status check_box(const svo_light *light, size_t index, const svo_box *box)
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!isfinite(box->low[axis]) || !isfinite(box->high[axis])) {
+            return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: changed[%zu] is not finite", function,
+                                     index);
+        }
+        if (box->low[axis] > box->high[axis]) {
+            return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
+                                     "%s: changed[%zu].low[%d] %g is above high %g", function, index, axis,
+                                     box->low[axis], box->high[axis]);
+        }
+    }
+    return SVO_OK;
+}
+
+static svo_status check_changes(const svo_light *light, const svo_box *changed, size_t count)
+{
+    if (count > SVO_LIGHT_BOXES_MAX) {
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: %zu boxes are above %u", function, count,
+                                 SVO_LIGHT_BOXES_MAX);
+    }
+    if (count > 0 && changed == NULL) {
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: changed is NULL", function);
+    }
+    for (size_t i = 0; changed != NULL && i < count; ++i) {
+        SVO_I_TRY(check_box(light, i, &changed[i]));
+    }
+    return SVO_OK;
+}
+
+static svo_status check_tree(const svo_light *light, const svo_tree *tree)
+{
+    if (tree == NULL) {
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: tree is NULL", function);
+    }
+    return tree->device == light->device ? SVO_OK
+                                         : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
+                                                             "%s: the tree is not on the light's device", function);
+}
+
+/* Lights a new light as the old one is, with its photons. */
+static svo_status light_up(svo_light *made, svo_light *light, const svo_i_light_changes *changes,
+                           cl_command_queue queue)
+{
+    if (light->setup.asked.struct_size == 0) {
+        return SVO_OK;
+    }
+    made->kept = light->kept;
+    light->kept = NULL;
+    light->info.kept_bytes = 0;
+    made->changes = changes;
+    const svo_status status = svo_i_light_set(made, function, &light->setup.asked, queue);
+    made->changes = NULL;
+    return status;
+}
+
+svo_status svo_light_update(svo_light *light, svo_tree *tree, const svo_box *changed, size_t change_count,
+                            cl_command_queue queue)
+{
+    const svo_i_light_changes changes = {.boxes = changed, .count = change_count};
+    svo_light *made = NULL;
+    if (light == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    SVO_I_TRY(check_tree(light, tree));
+    SVO_I_TRY(check_changes(light, changed, change_count));
+    svo_status status = svo_light_create(tree, &light->options, queue, &made);
+    if (status != SVO_OK) {
+        svo_i_message_rename(svo_i_device_message(light->device), function);
+        return status;
+    }
+    status = light_up(made, light, &changes, queue);
+    if (status == SVO_OK) {
+        const svo_light old = *light;
+        *light = *made;
+        *made = old;
+    }
+    svo_light_destroy(&made);
+    return status;
+}
