@@ -2,8 +2,6 @@
 /* What is kept of photons: its buffers, and what they receive while photons are shot (photons.c, again.c). */
 #include "light/kept_photons.h"
 
-#include <string.h>
-
 #include "rays/rays.h"
 
 bool svo_i_kept_is_possible(const svo_light *light, const svo_light_setup *setup)
@@ -12,11 +10,29 @@ bool svo_i_kept_is_possible(const svo_light *light, const svo_light_setup *setup
            svo_i_rays_of_triangles(&light->tree->info);
 }
 
+static bool is_same_grid(const svo_grid *a, const svo_grid *b)
+{
+    bool same = a->depth == b->depth && a->snap_bits == b->snap_bits && a->scale == b->scale;
+    for (int axis = 0; axis < 3; ++axis) {
+        same = same && a->origin[axis] == b->origin[axis];
+    }
+    return same;
+}
+
+static bool is_same_box(const svo_i_lit_box *a, const svo_i_lit_box *b)
+{
+    bool same = a->leaf_edge == b->leaf_edge;
+    for (int axis = 0; axis < 3; ++axis) {
+        same = same && a->low[axis] == b->low[axis] && a->high[axis] == b->high[axis];
+    }
+    return same;
+}
+
 bool svo_i_kept_fits(const svo_i_kept_photons *kept, const svo_tree *tree, const svo_i_lit_box *box)
 {
     svo_grid grid = {.depth = 0};
-    return kept->whole && svo_tree_get_grid(tree, &grid) == SVO_OK && memcmp(&grid, &kept->grid, sizeof grid) == 0 &&
-           memcmp(box, &kept->box, sizeof *box) == 0;
+    return kept->whole && svo_tree_get_grid(tree, &grid) == SVO_OK && is_same_grid(&grid, &kept->grid) &&
+           is_same_box(box, &kept->box);
 }
 
 /* ---- buffers ---- */
