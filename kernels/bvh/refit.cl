@@ -64,6 +64,14 @@ __kernel void svo_k_bvh_refit(__global const svo_bvh_children *children, __globa
     node_boxes[node] = sum;
 }
 
+/* A work-item's share of so many numbers. */
+static uint2 svo_bvh_strip(uint item, uint count)
+{
+    const uint length = (count + SVO_GROUP_ITEMS - 1u) / SVO_GROUP_ITEMS;
+    const uint begin = min(item * length, count);
+    return (uint2)(begin, min(begin + length, count));
+}
+
 /* In lane 3 of the root's box the areas of all nodes and leaves: over the root's, those that a random ray through it
    visits (Lauterbach, Yoon, Tuft and Manocha, "RT-DEFORM", 2006, watch a refit hierarchy by areas). Strips and their
    order are fixed, and so is the sum. */
@@ -72,12 +80,16 @@ svo_k_bvh_extent(__global float8 *node_boxes, __global const float8 *leaf_boxes,
                  uint node_count, uint item_count, __local float *sums)
 {
     const uint item = (uint)get_local_id(0);
+    const uint2 nodes = svo_bvh_strip(item, node_count);
+    const uint2 items = svo_bvh_strip(item, item_count);
     float sum = 0.0f;
-    for (uint node = item; node < node_count; node += SVO_GROUP_ITEMS) {
+    for (uint node = nodes.x; node < nodes.y; ++node) {
         sum += svo_bvh_half_area(node_boxes[node]);
     }
-    for (uint first = item; first < item_count; first += SVO_GROUP_ITEMS) {
-        sum += item_counts[first] != 0u ? svo_bvh_half_area(leaf_boxes[first]) : 0.0f;
+    for (uint first = items.x; first < items.y; ++first) {
+        if (item_counts[first] != 0u) {
+            sum += svo_bvh_half_area(leaf_boxes[first]);
+        }
     }
     sums[item] = sum;
     barrier(CLK_LOCAL_MEM_FENCE);
