@@ -14,7 +14,7 @@ dlerror environ feof ftell getenv getpid memchr memcmp memcpy memmove memset nan
 posix_spawnattr_destroy pthread_sigmask qsort sigaddset sigemptyset sigfillset sigismember sigpending
 sigtimedwait snprintf strcasecmp strchr strcmp strcspn strerror strlen strncasecmp strncmp strpbrk strrchr
 strncat strspn strstr strtok_r strtol strtoll strtoul strtoull ungetc vsnprintf acosf cbrt ceil exp2 floor fma fmax
-fmin frexp ilogbf ldexp ldexpf log2 nextafter nextafterf pow rint sqrt sqrtf tan"
+fmaxf fmin fminf frexp ilogbf ldexp ldexpf log2 nextafter nextafterf pow rint sqrt sqrtf tan"
 plain=$(printf '%s' "$plain" | tr '\n' ' ')
 # Libraries that allocate for themselves, and what compilers and sanitizers add.
 families='^(svo_|ai[A-Z]|ZSTD_|XXH|zip_|XML_|__(asan|ubsan|tsan|sanitizer|gcov|stack_chk|llvm)_|llvm_|_ZN10fast_float'

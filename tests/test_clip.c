@@ -66,7 +66,7 @@ static clip_probe_input *make_records(void)
     return records;
 }
 
-static void compare(const clip_probe_input *given, const clip_probe_output *found, const char *language)
+static void compare(const clip_probe_input *given, const clip_probe_output *found, const char *name)
 {
     uint32_t with_area = 0;
     for (uint32_t i = 0; i < RECORDS; ++i) {
@@ -74,10 +74,22 @@ static void compare(const clip_probe_input *given, const clip_probe_output *foun
         with_area += expected.area[0] != 0 || expected.area[1] != 0 ? 1 : 0;
         if (memcmp(&found[i], &expected, sizeof expected) != 0) {
             fail_msg("record %u: weight %u, centroid %u %u in %s, %u, %u %u in C", i, found[i].weight, found[i].u,
-                     found[i].v, language, expected.weight, expected.u, expected.v);
+                     found[i].v, name, expected.weight, expected.u, expected.v);
         }
     }
     assert_in_range(with_area, RECORDS / 4, RECORDS - RECORDS / 8);
+}
+
+/* Runs a kernel on the records. */
+static void compare_kernel(svo_device *device, const char *source, const char *options, const char *kernel,
+                           const clip_probe_input *given)
+{
+    clip_probe_output *found = calloc(RECORDS, sizeof *found);
+    assert_non_null(found);
+    const machine_job job = {given, RECORDS * sizeof *given, found, RECORDS * sizeof *found, RECORDS};
+    machine_run_kernel(device, source, options, kernel, &job);
+    compare(given, found, kernel);
+    free(found);
 }
 
 static void opencl_agrees_with_c(void **state)
@@ -85,12 +97,7 @@ static void opencl_agrees_with_c(void **state)
     (void)state;
     svo_device *device = machine_device_or_skip();
     clip_probe_input *given = make_records();
-    clip_probe_output *found = calloc(RECORDS, sizeof *found);
-    assert_non_null(found);
-    const machine_job job = {given, RECORDS * sizeof *given, found, RECORDS * sizeof *found, RECORDS};
-    machine_run_kernel(device, clip_probe_source_cl, "-cl-std=CL1.2", "clip_probe_all", &job);
-    compare(given, found, "OpenCL C");
-    free(found);
+    compare_kernel(device, clip_probe_source_cl, "-cl-std=CL1.2", "clip_probe_all", given);
     free(given);
     svo_device_destroy(&device);
 }
@@ -153,18 +160,13 @@ static void eight_lanes_agree_with_c(void **state)
     }
     uint64_t seed = 20260102;
     clip_probe_input *given = calloc(RECORDS, sizeof *given);
-    clip_probe_output *found = calloc(RECORDS, sizeof *found);
     assert_non_null(given);
-    assert_non_null(found);
     for (int round = 0; round < ROUNDS; ++round) {
         for (uint32_t i = 0; i < RECORDS; i += 8) {
             make_lane_records(&seed, &given[i]);
         }
-        const machine_job job = {given, RECORDS * sizeof *given, found, RECORDS * sizeof *found, RECORDS};
-        machine_run_kernel(device, clip_lanes_source_cl, "-cl-std=CL1.2 -DSVO_PAIR_LANES", "clip_lanes_all", &job);
-        compare(given, found, "eight lanes");
+        compare_kernel(device, clip_lanes_source_cl, "-cl-std=CL1.2 -DSVO_PAIR_LANES", "clip_lanes_all", given);
     }
-    free(found);
     free(given);
     svo_device_destroy(&device);
 }

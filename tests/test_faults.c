@@ -583,7 +583,7 @@ int main(int argc, char **argv)
         return exit_code;
     }
     (void)faults_disarm();
-    world.stride = argc > 1 ? strtoull(argv[1], NULL, 10) : 50;
+    world.stride = argc > 1 ? strtoull(argv[1], NULL, 10) : 200;
     if (world.stride == 0 || argc > 3) {
         (void)fprintf(stderr, "usage: %s [STRIDE [SCENARIO]]\n", argv[0]);
         return 2;

@@ -299,6 +299,11 @@ static void wrong_meshes_are_refused(void **state)
     wrong.need = SVO_NEED_PROJECTED_AREA;
     assert_fails(&opened, svo_moving_create(opened.device, room, 4, &wrong, NULL, &moving), SVO_UNSUPPORTED,
                  "projected-area");
+    wrong = options;
+    wrong.need = SVO_NEED_FILL;
+    wrong.weights = SVO_WEIGHTS_UNIFORM;
+    assert_fails(&opened, svo_moving_create(opened.device, room, 4, &wrong, NULL, &moving), SVO_INVALID_ARGUMENT,
+                 "svo_moving_create: options.need has fill, which requires weights area");
     assert_fails(&opened, svo_moving_create(opened.device, room, 4, NULL, NULL, &moving), SVO_INVALID_ARGUMENT,
                  "options is NULL");
     assert_fails(&opened, svo_moving_create(opened.device, room, 17, &options, NULL, &moving), SVO_INVALID_ARGUMENT,

@@ -399,6 +399,36 @@ static void a_whole_bvh_can_be_replaced(void **state)
     close_stage(&s);
 }
 
+/* A scene copies the tree and its BVH, of which it has no other. */
+static void instances_have_the_same_hits(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_instance instance = {0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+    svo_scene_options options = SVO_SCENE_OPTIONS_INIT;
+    svo_scene *scene = NULL;
+    svo_ray rays[RAYS];
+    svo_scene_triangle_hit actual[RAYS];
+    svo_hit expected[RAYS];
+    stage s;
+    open_stage(&opened, 11, true, 6.0, &s);
+    (void)make_bvh(&opened, &s, SVO_BVH_BEST, 0.0F);
+    svo_tree *tree = svo_moving_tree(s.moving);
+    options.trees = &tree;
+    options.tree_count = 1;
+    options.instances = &instance;
+    options.instance_count = 1;
+    options.need = SVO_NEED_RAYS;
+    random_rays(11, rays);
+    succeed(&opened, svo_scene_create(opened.device, &options, opened.queue, &scene));
+    succeed(&opened, svo_scene_trace_triangles(scene, rays, actual, RAYS, SVO_SCENE_CLOSEST, opened.queue));
+    succeed(&opened, svo_tree_trace(tree, rays, expected, RAYS, SVO_TRACE_CLOSEST, opened.queue));
+    for (int i = 0; i < RAYS; ++i) {
+        assert_int_equal(actual[i].triangle, expected[i].triangle);
+    }
+    svo_scene_destroy(&scene);
+    close_stage(&s);
+}
+
 /* ---- failures ---- */
 
 static void assert_fails(const fixture *opened, svo_status actual, const char *words)
@@ -490,6 +520,7 @@ int main(void)
         cmocka_unit_test(only_what_changed_is_refit_or_made),
         cmocka_unit_test(a_bad_refit_is_made_anew),
         cmocka_unit_test(a_whole_bvh_can_be_replaced),
+        cmocka_unit_test(instances_have_the_same_hits),
         cmocka_unit_test(wrong_calls_are_refused),
         cmocka_unit_test(memory_is_flat),
     };

@@ -541,6 +541,107 @@ static void a_failed_update_takes_the_mesh_away(void **state)
     svo_plan_destroy(&plan);
 }
 
+/* ---- events that fail ---- */
+
+/* PoCL aborts where an event fails that commands wait for, so one is said to have failed. */
+static struct {
+    cl_event failed; /* NULL: none */
+    cl_event waited[4]; /* what the newest marker waits for that waits for anything */
+    cl_uint waited_count;
+} watched;
+
+/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): names of the linker */
+cl_int __real_clGetEventInfo(cl_event event, cl_event_info name, size_t bytes, void *value, size_t *needed);
+cl_int __wrap_clGetEventInfo(cl_event event, cl_event_info name, size_t bytes, void *value, size_t *needed);
+cl_int __wrap_clGetEventInfo(cl_event event, cl_event_info name, size_t bytes, void *value, size_t *needed)
+{
+    const cl_int error = __real_clGetEventInfo(event, name, bytes, value, needed);
+    if (error == CL_SUCCESS && event == watched.failed && name == CL_EVENT_COMMAND_EXECUTION_STATUS) {
+        *(cl_int *)value = CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST;
+    }
+    return error;
+}
+
+cl_int __real_clEnqueueMarkerWithWaitList(cl_command_queue queue, cl_uint count, const cl_event *wait, cl_event *event);
+cl_int __wrap_clEnqueueMarkerWithWaitList(cl_command_queue queue, cl_uint count, const cl_event *wait, cl_event *event);
+cl_int __wrap_clEnqueueMarkerWithWaitList(cl_command_queue queue, cl_uint count, const cl_event *wait, cl_event *event)
+{
+    if (count > 0) {
+        const size_t most = sizeof watched.waited / sizeof watched.waited[0];
+        watched.waited_count = count;
+        memcpy(watched.waited, wait, (count < most ? count : most) * sizeof *wait);
+    }
+    return __real_clEnqueueMarkerWithWaitList(queue, count, wait, event);
+}
+/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
+
+static void assert_waited_for(cl_event expected)
+{
+    assert_int_equal(watched.waited_count, 1);
+    assert_ptr_equal(watched.waited[0], expected);
+}
+
+/* An update that failed, as after an event of the caller's that did, is waited for by nothing. The one before it, which
+   may still run, is. */
+static void nothing_waits_for_a_failed_update(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const float positions[9] = {0.1F, 0.1F, 0.1F, 0.3F, 0.1F, 0.1F, 0.1F, 0.4F, 0.1F};
+    const svo_mesh mesh = one_triangle(positions);
+    const svo_plan_options options = updatable(SVO_NEED_NONE);
+    svo_plan *plan = make_plan(&opened, &mesh, 5, options);
+    svo_workspace *workspace = make_workspace(&opened, plan);
+    svo_tree *tree = make_tree(&opened, workspace);
+    const cl_event gate = clCreateUserEvent(svo_device_cl_context(opened.device), NULL);
+    cl_event held = NULL;
+    cl_event failed = NULL;
+    succeed(&opened, svo_plan_update_enqueue(plan, &mesh, opened.queue, 1, &gate, &held));
+    succeed(&opened, svo_plan_update_enqueue(plan, &mesh, opened.queue, 0, NULL, &failed));
+    assert_waited_for(held);
+    watched.failed = failed;
+    succeed(&opened, svo_plan_update_enqueue(plan, &mesh, opened.queue, 0, NULL, NULL));
+    assert_waited_for(held);
+    assert_int_equal(clSetUserEventStatus(gate, CL_COMPLETE), CL_SUCCESS);
+    succeed(&opened, svo_plan_update_enqueue(plan, &mesh, opened.queue, 0, NULL, NULL));
+    const outcome actual = enqueue_and_finish(&opened, workspace, tree);
+    const outcome expected = build_of_new_plan(&opened, &mesh, 5, options);
+    assert_same(&actual, &expected);
+    svo_tree_destroy(&tree);
+    svo_workspace_destroy(&workspace);
+    svo_plan_destroy(&plan);
+    watched.failed = NULL;
+    clReleaseEvent(held);
+    clReleaseEvent(failed);
+    clReleaseEvent(gate);
+}
+
+/* The same for builds in a workspace. */
+static void nothing_waits_for_a_failed_build(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const float positions[9] = {0.1F, 0.1F, 0.1F, 0.3F, 0.1F, 0.1F, 0.1F, 0.4F, 0.1F};
+    const svo_mesh mesh = one_triangle(positions);
+    svo_plan *plan = make_plan(&opened, &mesh, 5, updatable(SVO_NEED_NONE));
+    svo_workspace *workspace = make_workspace(&opened, plan);
+    svo_tree *trees[2] = {make_tree(&opened, workspace), make_tree(&opened, workspace)};
+    cl_event failed = NULL;
+    succeed(&opened, svo_build_enqueue(workspace, trees[0], opened.queue, 0, NULL, &failed));
+    succeed(&opened, svo_tree_finish(trees[0], opened.queue, 0, NULL));
+    watched.failed = failed;
+    watched.waited_count = 0;
+    succeed(&opened, svo_build_enqueue(workspace, trees[1], opened.queue, 0, NULL, NULL));
+    for (cl_uint i = 0; i < watched.waited_count; ++i) {
+        assert_ptr_not_equal(watched.waited[i], failed);
+    }
+    succeed(&opened, svo_tree_finish(trees[1], opened.queue, 0, NULL));
+    watched.failed = NULL;
+    svo_tree_destroy(&trees[0]);
+    svo_tree_destroy(&trees[1]);
+    svo_workspace_destroy(&workspace);
+    svo_plan_destroy(&plan);
+    clReleaseEvent(failed);
+}
+
 /* ---- rays ---- */
 
 enum { RAY_COUNT = 500 };
@@ -704,6 +805,8 @@ int main(void)
         cmocka_unit_test(wrong_requests_are_refused),
         cmocka_unit_test(wrong_updates_are_refused),
         cmocka_unit_test(a_failed_update_takes_the_mesh_away),
+        cmocka_unit_test(nothing_waits_for_a_failed_update),
+        cmocka_unit_test(nothing_waits_for_a_failed_build),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
 }

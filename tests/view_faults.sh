@@ -6,11 +6,11 @@
 #
 # usage: view_faults.sh PROGRAM SHIM SCRIPT [every]
 #
-# Without "every" the first call from each place of the program fails, and every 50th of all.
+# Without "every" the first call from each place of the program fails, and every 200th of all.
 set -euo pipefail
 
 readonly program=$1 shim=$2 script=$3
-[[ ${4:-} == every ]] && step=1 || step=50
+[[ ${4:-} == every ]] && step=1 || step=200
 # shellcheck source=tests/complain.sh
 source "${BASH_SOURCE[0]%/*}/complain.sh"
 cd "$work"

@@ -230,8 +230,7 @@ SVO_API svo_status svo_light_set_sources(svo_light *light, const svo_light_setup
  *        undefined, or fails. Numbers of other triangles may have changed, but not their order. NULL when that is 0
  * \param change_count at most SVO_LIGHT_BOXES_MAX
  * \param queue on the context of its device; NULL: the device's own
- * 
-eturns SVO_INVALID_ARGUMENT (a box that is not finite or empty, a tree of another device, lit leaves that went
+ * \returns SVO_INVALID_ARGUMENT (a box that is not finite or empty, a tree of another device, lit leaves that went
  *          outside the boxes), or what svo_light_create and svo_light_set_sources return. */
 SVO_API svo_status svo_light_update(svo_light *light, svo_tree *tree, const svo_box *changed, size_t change_count,
                                     cl_command_queue queue);

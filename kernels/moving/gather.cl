@@ -15,9 +15,9 @@
 
 #ifdef SVO_NODE_PAYLOAD
 
-static void svo_add_kept(svo_sums *sums, uint4 value)
+/* Adds a pair of that weight. */
+static void svo_add_kept(svo_sums *sums, ulong weight, uint4 value)
 {
-    const ulong weight = value.x;
     sums->weight += weight;
 #ifdef SVO_COLOR
     sums->color += weight * convert_ulong4(svo_unpack(value.y));
@@ -28,6 +28,45 @@ static void svo_add_kept(svo_sums *sums, uint4 value)
     sums->y += (long)weight * normal.y;
     sums->z += (long)weight * normal.z;
 #endif
+}
+
+/* Whether two pairs have the same color and normal. */
+static bool svo_is_alike(uint4 a, uint4 b)
+{
+    return ((a.y ^ b.y) | (a.z ^ b.z) | ((a.w ^ b.w) & 0xffffu)) == 0u;
+}
+
+/* Sums up the pairs of a leaf and writes its payload. The mean of pairs that are alike is that of each. */
+static svo_sums svo_sum_kept(__global const uint4 *values, uint first, uint last, uint leaf, svo_payload payload,
+                             uint fill_shift)
+{
+    svo_sums sums = svo_no_sums();
+    const uint4 one = values[first];
+    ulong weight = 0;
+    bool alike = true;
+    for (uint pair = first; pair < last; ++pair) {
+        const uint4 value = values[pair];
+        weight += value.x;
+        alike = alike && svo_is_alike(value, one);
+    }
+    if (alike && weight != 0) {
+        svo_add_kept(&sums, weight, one);
+#ifdef SVO_COLOR
+        payload.colors[leaf] = one.y;
+#endif
+#ifdef SVO_NORMAL
+        vstore3(convert_short3(svo_kept_normal(one)), leaf, payload.normals);
+#endif
+#ifdef SVO_FILL
+        payload.fills[leaf] = svo_fill_of(weight, fill_shift);
+#endif
+        return sums;
+    }
+    for (uint pair = first; pair < last; ++pair) {
+        svo_add_kept(&sums, values[pair].x, values[pair]);
+    }
+    svo_store_payload(sums, leaf, payload, fill_shift);
+    return sums;
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
@@ -47,12 +86,10 @@ svo_k_moving_gather(__global const uint4 *values, __global const uint *list_begi
     const uint end = begin + popcount((uint)masks[node]);
     svo_sums sums = svo_no_sums();
     for (uint leaf = begin; leaf < end; ++leaf) {
-        svo_sums part = svo_no_sums();
+        const uint first = list_begin[leaf - params.leaf_begin];
         const uint last = list_begin[leaf - params.leaf_begin + 1u];
-        for (uint pair = list_begin[leaf - params.leaf_begin]; pair < last; ++pair) {
-            svo_add_kept(&part, values[pair]);
-        }
-        svo_store_payload(part, leaf - params.payload_begin, payload, params.fill_shift);
+        const svo_sums part =
+            svo_sum_kept(values, first, last, leaf - params.payload_begin, payload, params.fill_shift);
         sums = svo_join_sums(sums, part);
     }
     svo_store_sums(sums, index, weights, color_sums, normal_sums);

@@ -17,7 +17,7 @@ SVO_RECORD(svo_moving_params)
 {
     SVO_U32 count; /* 0: pairs, of the first list where there are two; or words */
     SVO_U32 other_count; /* 4: pairs of the second list */
-    SVO_U32 object; /* 8: of the pairs; or what is added to words */
+    SVO_U32 object; /* 8: of the pairs; or what is added to words; or marks that are left out */
     SVO_U32 first; /* 12: the first word to write */
 };
 

@@ -41,7 +41,9 @@ static void return_buffers(svo_workspace *workspace, svo_tree *tree)
 /* Enqueues a wait for the caller's events, for the workspace's previous build, and for a plan's newest update. */
 static svo_status wait_first(svo_workspace *workspace, svo_i_build *build, cl_uint num_wait, const cl_event *wait)
 {
-    const svo_i_update *update = workspace->plan->update;
+    svo_i_update *update = workspace->plan->update;
+    const cl_event build_before = svo_i_in_flight_newest(&workspace->builds);
+    const cl_event update_before = update != NULL ? svo_i_in_flight_newest(&update->commands) : NULL;
     cl_event *all = svo_i_alloc_zeroed(&workspace->device->memory, (size_t)num_wait + 2, sizeof *all);
     cl_uint count = num_wait;
     if (all == NULL) {
@@ -51,11 +53,11 @@ static svo_status wait_first(svo_workspace *workspace, svo_i_build *build, cl_ui
     if (num_wait > 0) {
         memcpy(all, wait, num_wait * sizeof *all);
     }
-    if (workspace->last != NULL) {
-        all[count++] = workspace->last;
+    if (build_before != NULL) {
+        all[count++] = build_before;
     }
-    if (update != NULL && update->last != NULL) {
-        all[count++] = update->last;
+    if (update_before != NULL) {
+        all[count++] = update_before;
     }
     const cl_int error =
         clEnqueueMarkerWithWaitList(build->commands.queue, count, count > 0 ? all : NULL, &build->commands.last);
@@ -138,19 +140,12 @@ static void close_build(svo_workspace *workspace, svo_i_pending *pending)
     }
     return_buffers(workspace, build->tree);
     if (build->commands.last != NULL) {
-        if (workspace->last != NULL) {
-            clReleaseEvent(workspace->last);
-        }
+        svo_i_update *update = workspace->plan->update;
         pending->done = build->commands.last;
         build->commands.last = NULL;
-        workspace->last = NULL;
-        if (clRetainEvent(pending->done) == CL_SUCCESS) {
-            workspace->last = pending->done;
-        } else {
-            (void)svo_i_event_settle(pending->done); /* so that the next build need not wait for this one */
-        }
-        if (workspace->plan->update != NULL) {
-            (void)svo_i_update_follow(workspace->plan, "svo_build_enqueue", pending->done);
+        (void)svo_i_in_flight_add(&workspace->builds, workspace->device, "svo_build_enqueue", pending->done);
+        if (update != NULL) {
+            (void)svo_i_in_flight_add(&update->commands, workspace->device, "svo_build_enqueue", pending->done);
         }
     }
 }

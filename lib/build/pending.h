@@ -29,7 +29,7 @@ struct svo_workspace {
     svo_workspace_info info;
     cl_mem scratch; /* owned, or the caller's retained */
     cl_program programs[SVO_I_PROGRAM_STAGE_KINDS]; /* owned by the device */
-    cl_event last; /* the newest build's last command; NULL at first */
+    svo_i_in_flight builds; /* the last command of each */
     svo_i_pending *given_up; /* builds that failed after some of their commands were enqueued */
     svo_tree *trees; /* trees of the workspace that were neither trimmed nor destroyed */
 };
@@ -38,7 +38,8 @@ struct svo_workspace {
 void svo_i_pending_release(svo_i_pending *pending);
 /* Takes a build that failed. Releases it as soon as its commands have ended. */
 void svo_i_pending_give_up(svo_workspace *workspace, svo_i_pending *pending);
-/* Releases failed builds: those whose commands have ended, or all, after the caller has waited for workspace->last. */
+/* Releases failed builds: those whose commands have ended, or all, after the caller has waited for the workspace's
+   builds. */
 void svo_i_pending_release_given_up(svo_workspace *workspace, bool all);
 /* Waits for the tree's pending build, if there is one, and removes the tree from its workspace. */
 void svo_i_pending_leave_workspace(svo_tree *tree);

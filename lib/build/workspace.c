@@ -229,10 +229,7 @@ void svo_workspace_destroy(svo_workspace **workspace)
     if (workspace == NULL || *workspace == NULL) {
         return;
     }
-    if ((*workspace)->last != NULL) {
-        (void)svo_i_event_settle((*workspace)->last);
-        clReleaseEvent((*workspace)->last);
-    }
+    svo_i_in_flight_end(&(*workspace)->builds);
     svo_i_pending_release_given_up(*workspace, true);
     svo_i_pending_end_workspace(*workspace);
     release(*workspace);

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+/* The one loop around pread of trees, parts and meshes in blocks, which may be interrupted or give less. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/read_at.h"
 

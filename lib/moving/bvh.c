@@ -265,7 +265,7 @@ static svo_status hand_over(const pass *p)
     svo_status status = SVO_OK;
     svo_i_device_bvh whole = {.quality = SVO_BVH_BEST,
                               .node_bytes = bvhs->node_capacity * sizeof(svo_ray_node),
-                              .leaf_bytes = bvhs->leaf_capacity * 16};
+                              .leaf_bytes = bvhs->leaf_capacity * 16 + SVO_RAY_LEAF_HEAD_WORDS * sizeof(cl_uint)};
     for (uint32_t i = 0; i < p->moving->object_count; ++i) {
         const svo_i_device_bvh *bvh = &bvh_of(p, i)->bvh;
         if (part_of(p, i)->is_there) {

@@ -390,7 +390,7 @@ static uint64_t bytes_of(cl_mem buffer)
 
 static uint64_t list_bytes(const svo_i_kept_list *list)
 {
-    return bytes_of(list->fragments) + bytes_of(list->values) + bytes_of(list->materials);
+    return bytes_of(list->fragments) + bytes_of(list->values) + bytes_of(list->materials) + bytes_of(list->marks);
 }
 
 svo_status svo_moving_get_info(const svo_moving *moving, svo_moving_info *info)

@@ -22,6 +22,7 @@ void svo_i_kept_list_free(svo_i_kept_list *list)
     svo_i_buffer_release(&list->fragments);
     svo_i_buffer_release(&list->values);
     svo_i_buffer_release(&list->materials);
+    svo_i_buffer_release(&list->marks);
     svo_i_buffer_release(&list->counted);
     *list = (svo_i_kept_list){.count = 0};
 }
@@ -50,6 +51,8 @@ svo_status svo_i_kept_list_alloc(const svo_moving *moving, const char *function,
                                           (size_t)capacity * svo_i_plan_fragment_bytes(&moving->whole),
                                           &made.fragments));
     SVO_I_TRY_CLEANUP(alloc_values(moving, function, capacity, &made));
+    SVO_I_TRY_CLEANUP(svo_i_device_buffer(moving->device, function, "pair_marks", CL_MEM_READ_WRITE,
+                                          (size_t)svo_i_kept_list_marks(capacity) * sizeof(cl_uint), &made.marks));
     *out = made;
     return SVO_OK;
 cleanup:

@@ -15,6 +15,11 @@ typedef struct svo_i_pair_count {
 svo_status svo_i_kept_list_alloc(const svo_moving *moving, const char *function, uint64_t capacity,
                                  svo_i_kept_list *out);
 void svo_i_kept_list_free(svo_i_kept_list *list);
+/* Marks of a list of so many pairs. */
+static inline uint64_t svo_i_kept_list_marks(uint64_t pairs)
+{
+    return (pairs + SVO_MERGE_STRIP - 1) / SVO_MERGE_STRIP;
+}
 /* Voxelizes an object. out: a new list of fragments without values; the sorted order is that of a leaf list. later:
    of a chain that does not wait; receives the count when the commands are done. */
 svo_status svo_i_moving_voxelize(svo_moving *moving, uint32_t index, svo_i_chain *chain, svo_i_pair_count *later,

@@ -11,6 +11,7 @@
 typedef struct svo_i_kept_list {
     cl_mem fragments, values;
     cl_mem materials; /* NULL where none are needed */
+    cl_mem marks; /* of merged lists: whose pairs are where, see merge.cl; else NULL */
     cl_mem counted; /* where the device alone knows the count, which is at most this one; else NULL */
     uint64_t count;
     uint64_t capacity; /* that the buffers have room for; 0: there are none */

@@ -46,20 +46,6 @@ svo_status svo_i_update_run(svo_plan *plan, svo_i_device_work *work)
                : SVO_OK;
 }
 
-svo_status svo_i_update_follow(svo_plan *plan, const char *function, cl_event event)
-{
-    const cl_int error = clRetainEvent(event);
-    if (error != CL_SUCCESS) {
-        (void)svo_i_event_settle(event); /* so that nothing need wait for it */
-        return svo_i_device_fail_cl(plan->device, function, "clRetainEvent", error);
-    }
-    if (plan->update->last != NULL) {
-        clReleaseEvent(plan->update->last);
-    }
-    plan->update->last = event;
-    return SVO_OK;
-}
-
 /* ---- what the host learns ---- */
 
 /* The largest sum of projected areas that the weights have room for, square grid units. */
@@ -105,8 +91,9 @@ svo_status svo_i_update_settle(svo_plan *plan, const char *function, cl_command_
     svo_i_update *update = plan->update;
     svo_i_mesh_totals totals = {.error = 0};
     svo_i_device_work work = {.device = plan->device, .function = function, .queue = queue};
-    work.wait_count = update->last != NULL ? 1 : 0;
-    work.wait = update->last != NULL ? &update->last : NULL;
+    const cl_event newest = svo_i_in_flight_newest(&update->commands);
+    work.wait_count = newest != NULL ? 1 : 0;
+    work.wait = newest != NULL ? &newest : NULL;
     svo_status status = svo_i_work_read(&work, update->sums, 0, totals.sums, sizeof totals.sums);
     if (status == SVO_OK) {
         status = svo_i_work_read(&work, update->error, 0, &totals.error, sizeof totals.error);
@@ -137,10 +124,7 @@ void svo_i_update_destroy(svo_i_update *update)
     if (update == NULL) {
         return;
     }
-    if (update->last != NULL) {
-        (void)svo_i_event_settle(update->last);
-        clReleaseEvent(update->last);
-    }
+    svo_i_in_flight_end(&update->commands);
     svo_i_grid_end(&update->grid);
     svo_i_device_mesh_free(&update->mesh);
     cl_mem *buffers[] = {&update->marks.textured, &update->marks.used, &update->sums, &update->error};
@@ -185,6 +169,7 @@ static svo_status check_vertices(svo_plan *plan, const char *function, const ver
 /* Enqueues a wait for the caller's events, then for the chain. */
 static svo_status wait_first(const svo_plan *plan, svo_i_device_work *work)
 {
+    cl_event newest = svo_i_in_flight_newest(&plan->update->commands);
     cl_event given = NULL;
     cl_int error = work->wait_count > 0 ? clEnqueueMarkerWithWaitList(work->queue, work->wait_count, work->wait, &given)
                                         : CL_SUCCESS;
@@ -194,8 +179,8 @@ static svo_status wait_first(const svo_plan *plan, svo_i_device_work *work)
         if (given != NULL) {
             both[count++] = given;
         }
-        if (plan->update->last != NULL) {
-            both[count++] = plan->update->last;
+        if (newest != NULL) {
+            both[count++] = newest;
         }
         error = clEnqueueMarkerWithWaitList(work->queue, count, count > 0 ? both : NULL, &work->last);
     }
@@ -230,7 +215,7 @@ static svo_status enqueue(svo_plan *plan, svo_i_device_work *work, const vertice
     SVO_I_TRY(wait_first(plan, work));
     SVO_I_TRY(copy_vertices(plan, work, from));
     SVO_I_TRY(svo_i_update_run(plan, work));
-    SVO_I_TRY(svo_i_update_follow(plan, work->function, work->last));
+    SVO_I_TRY(svo_i_in_flight_add(&plan->update->commands, plan->device, work->function, work->last));
     const cl_int error = clFlush(work->queue);
     return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(plan->device, work->function, "clFlush", error);
 }

@@ -6,6 +6,7 @@
 #ifndef SVO_LIB_PLAN_UPDATE_H
 #define SVO_LIB_PLAN_UPDATE_H
 
+#include "core/in_flight.h"
 #include "plan/device_attributes.h"
 #include "plan/device_grid.h"
 
@@ -20,15 +21,13 @@ typedef struct svo_i_update {
     svo_i_device_mesh mesh; /* copies of the mesh's arrays, of which updates replace positions and normals */
     svo_i_material_marks marks;
     cl_mem sums, error; /* svo_i_mesh_totals */
-    cl_event last; /* the newest command that reads or writes the plan's arrays; NULL at first */
+    svo_i_in_flight commands; /* that read or write the plan's arrays */
     bool has_mesh; /* the newest update has succeeded */
     uint64_t kept_triangles; /* of the newest mesh that the host has waited for */
 } svo_i_update;
 
 /* Launches what makes the plan's arrays from update->mesh. Reads nothing back. */
 svo_status svo_i_update_run(svo_plan *plan, svo_i_device_work *work);
-/* Makes event, which is retained, the newest command that reads or writes the plan's arrays. */
-svo_status svo_i_update_follow(svo_plan *plan, const char *function, cl_event event);
 /* Waits for the newest update and takes its totals. For calls that wait. */
 svo_status svo_i_update_settle(svo_plan *plan, const char *function, cl_command_queue queue);
 /* Takes what the host has read. SVO_CAPACITY_EXCEEDED: the mesh's area is too large for the plan's weights. */

@@ -343,6 +343,7 @@ void view_choose_scene(view_state *state, bool is_scene)
     } else if (!is_scene || state->instance_count > 0 || view_add_instance(state, &first)) {
         state->is_scene = is_scene;
         state->film.is_playing = state->film.is_playing && !is_scene;
+        state->selection.is_hit = state->selection.is_hit && state->mover_count == 0; /* what moves is elsewhere */
         state->shown.picture = VIEW_SHADED;
         state->shown.through = false;
         state->probes.map = is_scene ? VIEW_MAP_NORMAL : state->probes.map;

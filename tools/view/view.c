@@ -173,13 +173,14 @@ static int take_events(viewer *which)
 
 /* ---- a frame ---- */
 
-/* Once for each tree, its BVH, light and scene: plans take time. */
+/* Once for each tree, its BVH, light and scene: plans take time. What moves is followed where it is looked at. */
 static int list_memory(viewer *which)
 {
     const subject *shown = &which->subject;
+    const view_state *state = &which->state;
+    const uint64_t frames = state->settings.open[VIEW_PANEL_MEMORY] ? state->revisions.film : 0;
     const uint64_t changes = 1 + shown->changes + placed_changes(shown->placed) +
-                             svo_tree_ray_bytes(shown->done.result.tree) + shown->probes.version +
-                             which->state.revisions.film;
+                             svo_tree_ray_bytes(shown->done.result.tree) + shown->probes.version + frames;
     if (which->listed == changes) {
         return PROGRAM_DONE;
     }
