@@ -175,6 +175,19 @@ static svo_status run_scene(subject *of)
     return status;
 }
 
+/* A light that is updated, for a tree that has not changed. */
+static svo_status update_light(subject *of, svo_light *light, svo_light_setup setup)
+{
+    const svo_box changed = {.high = {0.5, 0.5, 0.5}};
+    setup.diagnose = 0;
+    setup.updatable = 1;
+    const svo_status status = svo_light_set_sources(light, &setup, world.queue);
+    if (status != SVO_OK) {
+        return status;
+    }
+    return svo_light_update(light, of->tree, &changed, 1, world.queue);
+}
+
 /* Opacity and light in each form. */
 static svo_status run_light(subject *of)
 {
@@ -193,15 +206,8 @@ static svo_status run_light(subject *of)
                                        .view_resolution = 16,
                                        .diagnose = 1};
         svo_light *light = NULL;
-        const svo_box changed = {.high = {0.5, 0.5, 0.5}};
-        svo_light_setup updatable = setup;
-        updatable.diagnose = 0;
-        updatable.updatable = 1;
         TRY_TOLD(svo_light_create(of->tree, &options, world.queue, &light));
-        svo_status status = svo_light_set_sources(light, &updatable, world.queue);
-        if (status == SVO_OK) {
-            status = svo_light_update(light, of->tree, &changed, 1, world.queue);
-        }
+        svo_status status = form == 0 ? update_light(of, light, setup) : SVO_OK;
         if (status == SVO_OK) {
             status = svo_light_set_sources(light, &setup, world.queue);
         }
