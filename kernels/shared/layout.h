@@ -205,6 +205,11 @@ SVO_RECORD(svo_subdivide_params)
 #define SVO_SORT_BITS   6
 #define SVO_SORT_DIGITS (1 << SVO_SORT_BITS)
 #define SVO_SORT_BLOCKS 64
+/* Local memory of the sort kernels: on CPUs a count for each digit and work-item; on GPUs a place and a bit for each
+   work-item, for each digit. */
+#define SVO_SORT_ITEM_WORDS  (SVO_GROUP_ITEMS / 32)
+#define SVO_SORT_STRIP_BYTES (4 * SVO_SORT_DIGITS * SVO_GROUP_ITEMS)
+#define SVO_SORT_TILE_BYTES  (4 * SVO_SORT_DIGITS * (1 + SVO_SORT_ITEM_WORDS))
 
 /* Arguments of the sort kernels. 16 bytes. */
 SVO_RECORD(svo_sort_params)

@@ -123,8 +123,7 @@ static const char *no_packing(const svo_plan *plan)
 
 static void sort_defines(const svo_plan *plan, char *text, size_t bytes)
 {
-    (void)plan;
-    (void)snprintf(text, bytes, " -DSVO_SORT");
+    (void)snprintf(text, bytes, "%s", svo_i_sort_defines(plan->device));
 }
 
 static void subdivide_defines(const svo_plan *plan, char *text, size_t bytes)

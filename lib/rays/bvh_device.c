@@ -6,9 +6,8 @@
 #include "rays/bvh_device.h"
 
 #include "core/work.h"
+#include "stages/sort.h"
 
-/* SVO_SORT: the scan that adds up numbers of any kind. */
-#define DEFINES " -DSVO_SORT"
 /* Work-items that look through the vertices. */
 #define REACH_ITEMS 1024u
 /* Numbers that a pass of the sort counts. */
@@ -271,7 +270,7 @@ static svo_status sort_pass(maker *m, uint32_t shift)
     cl_mem *work = m->buffers;
     const svo_sort_params params = {.fragment_count = m->params.item_count, .shift = shift};
     const uint64_t items = (uint64_t)SVO_SORT_BLOCKS * SVO_GROUP_ITEMS;
-    const svo_i_argument digits = SVO_I_LOCAL(sizeof(cl_uint) * SVO_SORT_DIGITS * SVO_GROUP_ITEMS);
+    const svo_i_argument digits = SVO_I_LOCAL(svo_i_sort_local_bytes(m->work.device));
     const svo_i_argument count[] = {SVO_I_ARGUMENT(work[FRAGMENTS]), SVO_I_ARGUMENT(work[LISTED]),
                                     SVO_I_ARGUMENT(params), digits};
     const svo_i_argument scatter[] = {SVO_I_ARGUMENT(work[FRAGMENTS]), SVO_I_ARGUMENT(work[FRAGMENTS_2]),
@@ -466,7 +465,7 @@ static svo_status begin(maker *m, svo_device *device, const char *function, cl_c
     m->params.snap_bits = mesh->snap_bits;
     m->serial_group = device->cpu_path ? 1 : SVO_GROUP_ITEMS;
     SVO_I_TRY(svo_i_work_begin(device, function, queue, &m->work));
-    return svo_i_work_use(&m->work, SVO_I_PROGRAM_BVH, DEFINES);
+    return svo_i_work_use(&m->work, SVO_I_PROGRAM_BVH, svo_i_sort_defines(m->work.device));
 }
 
 /* Waits for all commands and releases what the maker holds. */

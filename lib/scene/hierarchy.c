@@ -6,9 +6,10 @@
 #include "scene/hierarchy.h"
 
 #include <math.h>
+#include <stdio.h>
 
-/* SVO_CODE48, SVO_SORT: fragments of three words, and the scan that sorts need. */
-#define DEFINES   " -DSVO_CODE48 -DSVO_SORT"
+#include "stages/sort.h"
+
 #define CODE_BITS (3 * SVO_SCENE_CODE_BITS)
 
 /* ---- sizes ---- */
@@ -76,8 +77,11 @@ cleanup:
 
 static svo_status begin(svo_scene *scene, const char *function, cl_command_queue queue, chain *out)
 {
+    char defines[SVO_I_PROGRAM_DEFINES_BYTES];
     *out = (chain){.scene = scene, .function = function, .queue = queue};
-    return svo_i_program_get(scene->device, function, SVO_I_PROGRAM_SCENE_BUILD, DEFINES, &out->program, NULL);
+    /* Fragments of three words. */
+    (void)snprintf(defines, sizeof defines, " -DSVO_CODE48%s", svo_i_sort_defines(scene->device));
+    return svo_i_program_get(scene->device, function, SVO_I_PROGRAM_SCENE_BUILD, defines, &out->program, NULL);
 }
 
 /* Waits for all commands, also after a failure: buffers may be released next. */
@@ -173,7 +177,7 @@ static svo_status sort_pass(chain *c, uint32_t shift)
     cl_mem *buffers = c->scene->buffers;
     const svo_sort_params params = {.fragment_count = c->scene->info.instance_count, .shift = shift};
     const uint64_t items = (uint64_t)SVO_SORT_BLOCKS * SVO_GROUP_ITEMS;
-    const svo_i_argument digits = SVO_I_LOCAL(sizeof(cl_uint) * SVO_SORT_DIGITS * SVO_GROUP_ITEMS);
+    const svo_i_argument digits = SVO_I_LOCAL(svo_i_sort_local_bytes(c->scene->device));
     const svo_i_argument count[] = {SVO_I_ARGUMENT(buffers[SVO_I_SCENE_LIST]),
                                     SVO_I_ARGUMENT(buffers[SVO_I_SCENE_COUNTS]), SVO_I_ARGUMENT(params), digits};
     const svo_i_argument scatter[] = {SVO_I_ARGUMENT(buffers[SVO_I_SCENE_LIST]),

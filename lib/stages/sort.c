@@ -38,7 +38,7 @@ static svo_status sort_pass(sorter *s, svo_sort_params params)
                          ENTRY_NS * (double)s->build->fragment_count / (double)sort_items(s));
     cl_mem *list = &s->build->list.chunks[0].buffer;
     const svo_filter_params cells = {.leaf_count = (cl_uint)sort_cells(s)};
-    const svo_i_argument digits = SVO_I_LOCAL(sizeof(cl_uint) * SVO_SORT_DIGITS * SVO_GROUP_ITEMS);
+    const svo_i_argument digits = SVO_I_LOCAL(svo_i_sort_local_bytes(s->build->commands.device));
     const svo_i_argument count[] = {SVO_I_ARGUMENT(*list), SVO_I_ARGUMENT(s->counts), SVO_I_ARGUMENT(params), digits};
     const svo_i_argument scatter[] = {SVO_I_ARGUMENT(*list), SVO_I_ARGUMENT(s->spare), SVO_I_ARGUMENT(s->before),
                                       SVO_I_ARGUMENT(params), digits};
