@@ -42,6 +42,9 @@ static void return_buffers(svo_workspace *workspace, svo_tree *tree)
 static svo_status wait_first(svo_workspace *workspace, svo_i_build *build, cl_uint num_wait, const cl_event *wait)
 {
     svo_i_update *update = workspace->plan->update;
+    SVO_I_TRY(svo_i_in_flight_reserve(&workspace->builds, workspace->device, "svo_build_enqueue"));
+    SVO_I_TRY(update != NULL ? svo_i_in_flight_reserve(&update->commands, workspace->device, "svo_build_enqueue")
+                             : SVO_OK);
     const cl_event build_before = svo_i_in_flight_newest(&workspace->builds);
     const cl_event update_before = update != NULL ? svo_i_in_flight_newest(&update->commands) : NULL;
     cl_event *all = svo_i_alloc_zeroed(&workspace->device->memory, (size_t)num_wait + 2, sizeof *all);

@@ -38,9 +38,10 @@ cl_event svo_i_in_flight_newest(svo_i_in_flight *commands)
     return commands->count > 0 ? commands->events[commands->count - 1] : NULL;
 }
 
-static svo_status reserve(svo_i_in_flight *commands, svo_device *device, const char *function)
+svo_status svo_i_in_flight_reserve(svo_i_in_flight *commands, svo_device *device, const char *function)
 {
     enum { FIRST_CAPACITY = 8 };
+    prune(commands);
     if (commands->count < commands->capacity) {
         return SVO_OK;
     }
@@ -54,25 +55,15 @@ static svo_status reserve(svo_i_in_flight *commands, svo_device *device, const c
     return SVO_OK;
 }
 
-static svo_status keep(svo_i_in_flight *commands, svo_device *device, const char *function, cl_event event)
+svo_status svo_i_in_flight_add(svo_i_in_flight *commands, svo_device *device, const char *function, cl_event event)
 {
-    SVO_I_TRY(reserve(commands, device, function));
     const cl_int error = clRetainEvent(event);
     if (error != CL_SUCCESS) {
+        (void)svo_i_event_settle(event); /* so that nothing need wait for it */
         return svo_i_device_fail_cl(device, function, "clRetainEvent", error);
     }
     commands->events[commands->count++] = event;
     return SVO_OK;
-}
-
-svo_status svo_i_in_flight_add(svo_i_in_flight *commands, svo_device *device, const char *function, cl_event event)
-{
-    prune(commands);
-    const svo_status status = keep(commands, device, function, event);
-    if (status != SVO_OK) {
-        (void)svo_i_event_settle(event); /* so that nothing need wait for it */
-    }
-    return status;
 }
 
 void svo_i_in_flight_end(svo_i_in_flight *commands)

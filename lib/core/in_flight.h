@@ -17,8 +17,10 @@ typedef struct svo_i_in_flight {
 
 /* What the next command has to wait for; NULL: nothing. The event stays theirs. */
 cl_event svo_i_in_flight_newest(svo_i_in_flight *commands);
-/* Adds a command that waits for the newest one, or for what did; its event is retained. After a failure the command has
-   ended. */
+/* Makes room for one more command, before it is enqueued. */
+svo_status svo_i_in_flight_reserve(svo_i_in_flight *commands, svo_device *device, const char *function);
+/* Adds a command that waits for the newest one, or for what did, where room was made; its event is retained. After a
+   failure the command has ended. */
 svo_status svo_i_in_flight_add(svo_i_in_flight *commands, svo_device *device, const char *function, cl_event event);
 /* Waits for all and releases their events. */
 void svo_i_in_flight_end(svo_i_in_flight *commands);

@@ -169,6 +169,7 @@ static svo_status check_vertices(svo_plan *plan, const char *function, const ver
 /* Enqueues a wait for the caller's events, then for the chain. */
 static svo_status wait_first(const svo_plan *plan, svo_i_device_work *work)
 {
+    SVO_I_TRY(svo_i_in_flight_reserve(&plan->update->commands, plan->device, work->function));
     cl_event newest = svo_i_in_flight_newest(&plan->update->commands);
     cl_event given = NULL;
     cl_int error = work->wait_count > 0 ? clEnqueueMarkerWithWaitList(work->queue, work->wait_count, work->wait, &given)
