@@ -31,7 +31,7 @@
 #define SECONDS         60
 #define ULPS_MAX        1
 #define ASSIMP_DECIMALS 1e-15 /* assimp cuts a number after 15 decimals */
-#define WORDS_MAX       600
+#define WORDS_MAX       1024
 
 /* What a child reports of one file, through a pipe. */
 typedef struct outcome {

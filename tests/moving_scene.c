@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include "enqueued.h"
+#include "memory_ledger.h"
 
 static void use_floats(attributed_mesh *mesh, float **floats)
 {
@@ -164,4 +165,55 @@ void compare_moving(const fixture *opened, svo_moving *moving, unsigned depth, c
     succeed(opened, svo_moving_get_info(moving, &info));
     assert_int_equal(info.fragments, expected.info.fragments);
     svo_tree_destroy(&tree);
+}
+
+/* ---- memory ---- */
+
+static void change(const fixture *opened, svo_moving *moving, const svo_mesh *mesh, int step, uint32_t *object)
+{
+    const double transform[12] = {1, 0, 0, (double)(step % 64) / 64.0, 0, 1, 0, 0, 0, 0, 1, 0};
+    if (step % 10 == 3) {
+        succeed(opened, svo_moving_remove(moving, *object));
+        succeed(opened, svo_moving_add(moving, mesh, NULL, object));
+    }
+    succeed(opened, svo_moving_set_transform(moving, *object, transform));
+    succeed(opened, svo_moving_show(moving, *object, step % 7 != 0));
+}
+
+void check_memory_is_flat(int updates, void (*update)(const fixture *opened, svo_moving *moving),
+                          uint64_t (*held)(const svo_moving *moving))
+{
+    enum { WARM = 100 };
+    if (getenv("SVOCL_TEST_PATH") != NULL) {
+        print_message("skipped: memory does not depend on the kernels\n");
+        skip();
+    }
+    const svo_device_options device_options = {.struct_size = sizeof device_options, .memory = &ledger_callbacks};
+    const float positions[9] = {0.1F, 0.1F, 0.1F, 0.3F, 0.1F, 0.1F, 0.1F, 0.4F, 0.1F};
+    const svo_mesh mesh = {.struct_size = sizeof mesh, .positions = positions, .vertex_count = 3, .triangle_count = 1};
+    const svo_moving_options options = {.need = SVO_NEED_RAYS | SVO_NEED_NORMAL, .edge = 1.0};
+    svo_moving_info info[2] = {SVO_MOVING_INFO_INIT, SVO_MOVING_INFO_INIT};
+    fixture opened = {.device = NULL};
+    uint64_t blocks = 0;
+    uint64_t early = 0;
+    uint32_t object = 0;
+    assert_int_equal(svo_device_create_default(&device_options, &opened.device, NULL), SVO_OK);
+    svo_moving *moving = make_moving(&opened, &mesh, 3, options);
+    succeed(&opened, svo_moving_add(moving, &mesh, NULL, &object));
+    for (int i = 0; i < updates; ++i) {
+        change(&opened, moving, &mesh, i, &object);
+        update(&opened, moving);
+        if (i == WARM) {
+            blocks = ledger_end().live_blocks;
+            early = held(moving);
+            succeed(&opened, svo_moving_get_info(moving, &info[0]));
+        }
+    }
+    succeed(&opened, svo_moving_get_info(moving, &info[1]));
+    assert_int_equal(info[1].list_bytes, info[0].list_bytes);
+    assert_int_equal(held(moving), early);
+    assert_int_equal(ledger_end().live_blocks, blocks);
+    assert_null(ledger_end().wrong);
+    svo_moving_destroy(&moving);
+    fixture_close(&opened);
 }

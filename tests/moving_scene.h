@@ -46,4 +46,9 @@ svo_tree *build_whole(const fixture *opened, svo_moving *moving, unsigned depth,
 /* Compares the tree with a full build. */
 void compare_moving(const fixture *opened, svo_moving *moving, unsigned depth, const svo_moving_options *of);
 
+/* A triangle moves, out of the grid too, hides, goes and comes back, so many times. Early on and at the end a scene
+   holds the same: blocks of the host, lists, and what `held` says. Skips where kernels for another device run. */
+void check_memory_is_flat(int updates, void (*update)(const fixture *opened, svo_moving *moving),
+                          uint64_t (*held)(const svo_moving *moving));
+
 #endif

@@ -17,7 +17,6 @@
 
 #include "enqueued.h"
 #include "fixture.h"
-#include "memory_ledger.h"
 #include "moving_scene.h"
 
 static const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
@@ -371,42 +370,16 @@ static void what_does_not_fit_leaves_the_tree(void **state)
 
 /* ---- memory ---- */
 
+static uint64_t nothing_else(const svo_moving *moving)
+{
+    (void)moving;
+    return 0;
+}
+
 static void memory_is_flat(void **state)
 {
-    enum { UPDATES = 10000, WARM = 200 };
     (void)state;
-    if (getenv("SVOCL_TEST_PATH") != NULL) {
-        print_message("skipped: the host's memory does not depend on the kernels\n");
-        skip();
-    }
-    const svo_device_options device_options = {.struct_size = sizeof device_options, .memory = &ledger_callbacks};
-    const float positions[9] = {0.1F, 0.1F, 0.1F, 0.3F, 0.1F, 0.1F, 0.1F, 0.4F, 0.1F};
-    const svo_mesh mesh = {.struct_size = sizeof mesh, .positions = positions, .vertex_count = 3, .triangle_count = 1};
-    const svo_moving_options options = {.need = SVO_NEED_RAYS | SVO_NEED_NORMAL, .edge = 1.0};
-    svo_moving_info info[2] = {SVO_MOVING_INFO_INIT, SVO_MOVING_INFO_INIT};
-    fixture opened = {.device = NULL};
-    uint64_t blocks = 0;
-    uint32_t object = 0;
-    assert_int_equal(svo_device_create_default(&device_options, &opened.device, NULL), SVO_OK);
-    svo_moving *moving = make_moving(&opened, &mesh, 3, options);
-    succeed(&opened, svo_moving_add(moving, &mesh, NULL, &object));
-    for (int i = 0; i < UPDATES; ++i) {
-        const double transform[12] = {1, 0, 0, (double)(i % 64) / 128.0, 0, 1, 0, 0, 0, 0, 1, 0};
-        succeed(&opened, svo_moving_set_transform(moving, object, transform));
-        succeed(&opened, svo_moving_show(moving, object, i % 7 != 0));
-        update_moving(&opened, moving);
-        if (i == WARM) {
-            ledger_begin(LEDGER_NEVER);
-            blocks = ledger_end().live_blocks;
-            succeed(&opened, svo_moving_get_info(moving, &info[0]));
-        }
-    }
-    succeed(&opened, svo_moving_get_info(moving, &info[1]));
-    assert_int_equal(info[1].list_bytes, info[0].list_bytes);
-    assert_int_equal(ledger_end().live_blocks, blocks);
-    assert_null(ledger_end().wrong);
-    svo_moving_destroy(&moving);
-    fixture_close(&opened);
+    check_memory_is_flat(3000, update_moving, nothing_else);
 }
 
 int main(void)

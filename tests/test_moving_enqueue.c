@@ -17,7 +17,6 @@
 
 #include "counting.h"
 #include "enqueued.h"
-#include "memory_ledger.h"
 #include "moving_scene.h"
 
 static const uint32_t everything = (uint32_t)SVO_NEED_ALL & ~(uint32_t)SVO_NEED_PROJECTED_AREA;
@@ -366,48 +365,25 @@ static void a_failure_leaves_the_tree(void **state)
 
 /* ---- memory ---- */
 
+static void update_and_finish(const fixture *opened, svo_moving *moving)
+{
+    cl_command_queue queue = make_unordered(opened);
+    succeed(opened, svo_moving_update_enqueue(moving, queue, 0, NULL, NULL));
+    succeed(opened, svo_moving_finish(moving, NULL));
+    clReleaseCommandQueue(queue);
+}
+
+static uint64_t buffers_of(const svo_moving *moving)
+{
+    (void)moving;
+    return counting_read().live_buffers;
+}
+
 static void memory_is_flat(void **state)
 {
-    enum { UPDATES = 2000, WARM = 100 };
     (void)state;
-    if (getenv("SVOCL_TEST_PATH") != NULL) {
-        print_message("skipped: memory does not depend on the kernels\n");
-        skip();
-    }
-    const svo_device_options device_options = {.struct_size = sizeof device_options, .memory = &ledger_callbacks};
-    const float positions[9] = {0.1F, 0.1F, 0.1F, 0.3F, 0.1F, 0.1F, 0.1F, 0.4F, 0.1F};
-    const svo_mesh mesh = {.struct_size = sizeof mesh, .positions = positions, .vertex_count = 3, .triangle_count = 1};
-    const svo_moving_options options = {.need = SVO_NEED_RAYS | SVO_NEED_NORMAL, .edge = 1.0};
-    svo_moving_info info[2] = {SVO_MOVING_INFO_INIT, SVO_MOVING_INFO_INIT};
-    fixture opened = {.device = NULL};
-    uint64_t blocks = 0;
-    uint64_t buffers = 0;
-    uint32_t object = 0;
     counting_begin();
-    assert_int_equal(svo_device_create_default(&device_options, &opened.device, NULL), SVO_OK);
-    cl_command_queue queue = make_unordered(&opened);
-    svo_moving *moving = make_moving(&opened, &mesh, 3, options);
-    succeed(&opened, svo_moving_add(moving, &mesh, NULL, &object));
-    for (int i = 0; i < UPDATES; ++i) {
-        const double transform[12] = {1, 0, 0, (double)(i % 64) / 128.0, 0, 1, 0, 0, 0, 0, 1, 0};
-        succeed(&opened, svo_moving_set_transform(moving, object, transform));
-        succeed(&opened, svo_moving_show(moving, object, i % 7 != 0));
-        succeed(&opened, svo_moving_update_enqueue(moving, queue, 0, NULL, NULL));
-        succeed(&opened, svo_moving_finish(moving, NULL));
-        if (i == WARM) {
-            blocks = ledger_end().live_blocks;
-            buffers = counting_read().live_buffers;
-            succeed(&opened, svo_moving_get_info(moving, &info[0]));
-        }
-    }
-    succeed(&opened, svo_moving_get_info(moving, &info[1]));
-    assert_int_equal(info[1].list_bytes, info[0].list_bytes);
-    assert_int_equal(ledger_end().live_blocks, blocks);
-    assert_int_equal(counting_read().live_buffers, buffers);
-    assert_null(ledger_end().wrong);
-    svo_moving_destroy(&moving);
-    clReleaseCommandQueue(queue);
-    fixture_close(&opened);
+    check_memory_is_flat(2000, update_and_finish, buffers_of);
 }
 
 int main(void)

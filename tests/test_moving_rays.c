@@ -16,7 +16,6 @@
 #include <cmocka.h>
 
 #include "enqueued.h"
-#include "memory_ledger.h"
 #include "moving_scene.h"
 
 enum { RAYS = 1500, POINTS = 100, DEPTH = 6 };
@@ -466,48 +465,21 @@ static void wrong_calls_are_refused(void **state)
 
 /* ---- memory ---- */
 
-/* Host blocks, and the buffers that rays read. */
+static void update_with_bvh(const fixture *opened, svo_moving *moving)
+{
+    update_moving(opened, moving);
+    succeed(opened, svo_moving_make_bvh(moving, SVO_BVH_BEST, 0.0F, NULL, NULL));
+}
+
+static uint64_t ray_bytes_of(const svo_moving *moving)
+{
+    return svo_tree_ray_bytes(svo_moving_tree(moving));
+}
+
 static void memory_is_flat(void **state)
 {
-    enum { UPDATES = 1000, WARM = 200 };
     (void)state;
-    if (getenv("SVOCL_TEST_PATH") != NULL) {
-        print_message("skipped: the host's memory does not depend on the kernels\n");
-        skip();
-    }
-    const svo_device_options device_options = {.struct_size = sizeof device_options, .memory = &ledger_callbacks};
-    const float positions[9] = {0.1F, 0.1F, 0.1F, 0.3F, 0.1F, 0.1F, 0.1F, 0.4F, 0.1F};
-    const svo_mesh mesh = {.struct_size = sizeof mesh, .positions = positions, .vertex_count = 3, .triangle_count = 1};
-    const svo_moving_options options = {.struct_size = sizeof options, .need = SVO_NEED_RAYS, .edge = 1.0};
-    fixture opened = {.device = NULL};
-    svo_moving *moving = NULL;
-    uint64_t blocks = 0;
-    uint64_t bytes = 0;
-    uint32_t object = 0;
-    assert_int_equal(svo_device_create_default(&device_options, &opened.device, NULL), SVO_OK);
-    succeed(&opened, svo_moving_create(opened.device, &mesh, 3, &options, NULL, &moving));
-    succeed(&opened, svo_moving_add(moving, &mesh, NULL, &object));
-    for (int i = 0; i < UPDATES; ++i) {
-        const double transform[12] = {1, 0, 0, (double)(i % 64) / 64.0, 0, 1, 0, 0, 0, 0, 1, 0}; /* outside and back */
-        if (i % 10 == 3) {
-            succeed(&opened, svo_moving_remove(moving, object));
-            succeed(&opened, svo_moving_add(moving, &mesh, transform, &object));
-        }
-        succeed(&opened, svo_moving_set_transform(moving, object, transform));
-        succeed(&opened, svo_moving_show(moving, object, i % 7 != 0));
-        succeed(&opened, svo_moving_update(moving, NULL, NULL));
-        succeed(&opened, svo_moving_make_bvh(moving, SVO_BVH_BEST, 0.0F, NULL, NULL));
-        if (i == WARM) {
-            ledger_begin(LEDGER_NEVER);
-            blocks = ledger_end().live_blocks;
-            bytes = svo_tree_ray_bytes(svo_moving_tree(moving));
-        }
-    }
-    assert_int_equal(svo_tree_ray_bytes(svo_moving_tree(moving)), bytes);
-    assert_int_equal(ledger_end().live_blocks, blocks);
-    assert_null(ledger_end().wrong);
-    svo_moving_destroy(&moving);
-    fixture_close(&opened);
+    check_memory_is_flat(1000, update_with_bvh, ray_bytes_of);
 }
 
 int main(void)

@@ -52,8 +52,7 @@ typedef struct svo_i_commands {
     svo_i_span spans[SVO_I_SPANS_MAX]; /* whose times svo_i_stage_collect will read */
     size_t span_count;
 
-    svo_i_allocations
-        *allocations; /* SVO_I_MODE_MEASURE appends to it; SVO_I_MODE_ENQUEUE takes from it, unless NULL */
+    svo_i_allocations *allocations; /* SVO_I_MODE_MEASURE appends to it; SVO_I_MODE_ENQUEUE takes from it; or NULL */
     size_t next_allocation; /* SVO_I_MODE_ENQUEUE: the next entry to take */
     svo_i_warm_up *warm_up; /* SVO_I_MODE_MEASURE: performs warm-up launches; NULL: no launches */
     double *expected_ns; /* SVO_I_MODE_MEASURE: receives the predicted time of each stage; NULL: not wanted */

@@ -116,10 +116,11 @@ cleanup:
 
 /* ---- the scene ---- */
 
-/* Makes room in a list for so many pairs, and for an eighth more where it has to grow. */
+/* Makes room in a list for so many pairs, and for an eighth more where it has to grow. A list that was not merged has
+   no marks. */
 static svo_status make_room(const svo_moving *moving, const char *function, uint64_t fragments, svo_i_kept_list *list)
 {
-    if (list->capacity >= fragments && list->capacity > 0) {
+    if (list->capacity >= fragments && list->marks != NULL) {
         return SVO_OK;
     }
     svo_i_kept_list_free(list);

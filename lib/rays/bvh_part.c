@@ -6,6 +6,7 @@
 #include "rays/bvh_part.h"
 
 #include "core/work.h"
+#include "stages/sort.h"
 
 svo_status svo_i_bvh_place(svo_device *device, const char *function, svo_i_device_bvh *bvh, cl_mem nodes, cl_mem leaves,
                            uint32_t node_begin, uint32_t leaf_begin)
@@ -34,7 +35,7 @@ static svo_status read_extent(svo_i_device_work *work, const svo_i_device_bvh *b
         SVO_I_ARGUMENT(bvh->node_boxes),  SVO_I_ARGUMENT(bvh->leaf_boxes),
         SVO_I_ARGUMENT(bvh->item_counts), SVO_I_ARGUMENT(node_count),
         SVO_I_ARGUMENT(bvh->item_count),  SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_float))};
-    SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_BVH, " -DSVO_SORT"));
+    SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_BVH, svo_i_sort_defines(work->device)));
     SVO_I_TRY(svo_i_work_launch(work, "svo_k_bvh_extent", SVO_I_ARGUMENTS(arguments), SVO_GROUP_ITEMS));
     const cl_int error =
         clEnqueueReadBuffer(work->queue, bvh->node_boxes, CL_FALSE, 0, sizeof *extent, extent, 1, &work->last, &event);

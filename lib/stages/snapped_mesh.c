@@ -13,14 +13,18 @@ static bool keeps_indices(const svo_plan *plan)
     return plan->work.lists || plan->work.surface;
 }
 
+/* Uploads an array of so many threes of words, or takes it from the plan's memory, unless that has been done. */
+static svo_status take(svo_i_commands *commands, const char *name, const void *host, cl_mem memory, uint64_t count,
+                       cl_mem *taken)
+{
+    return *taken != NULL ? SVO_OK : svo_i_commands_take(commands, name, host, memory, count * 12, taken);
+}
+
 svo_status svo_i_snapped_vertices(svo_i_commands *commands, cl_mem *out)
 {
     const svo_plan *plan = commands->plan;
-    if (commands->mesh.vertices == NULL) {
-        SVO_I_TRY(svo_i_commands_take(commands, keeps_vertices(plan) ? "vertices" : "mesh_vertices", plan->vertices,
-                                      plan->memory.vertices, (uint64_t)plan->vertex_count * 12,
-                                      &commands->mesh.vertices));
-    }
+    SVO_I_TRY(take(commands, keeps_vertices(plan) ? "vertices" : "mesh_vertices", plan->vertices, plan->memory.vertices,
+                   plan->vertex_count, &commands->mesh.vertices));
     *out = commands->mesh.vertices;
     return SVO_OK;
 }
@@ -28,11 +32,8 @@ svo_status svo_i_snapped_vertices(svo_i_commands *commands, cl_mem *out)
 svo_status svo_i_snapped_indices(svo_i_commands *commands, cl_mem *out)
 {
     const svo_plan *plan = commands->plan;
-    if (commands->mesh.indices == NULL) {
-        SVO_I_TRY(svo_i_commands_take(commands, keeps_indices(plan) ? "indices" : "mesh_indices", plan->indices,
-                                      plan->memory.indices, (uint64_t)plan->triangle_count * 12,
-                                      &commands->mesh.indices));
-    }
+    SVO_I_TRY(take(commands, keeps_indices(plan) ? "indices" : "mesh_indices", plan->indices, plan->memory.indices,
+                   plan->triangle_count, &commands->mesh.indices));
     *out = commands->mesh.indices;
     return SVO_OK;
 }

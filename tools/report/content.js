@@ -122,6 +122,12 @@ const sections = [
       "same hits."
   },
   {
+    table: "moving-light",
+    heading: "Light of scenes that move",
+    lead: "Photons are shot again where something moved in their way; the others are kept. The light is the same as " +
+      "one from nothing."
+  },
+  {
     table: "paged",
     heading: "Paged trees",
     lead: "Pictures of a file of which only a share is in memory. A stop of the camera is complete when a picture " +
