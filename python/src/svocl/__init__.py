@@ -84,6 +84,7 @@ from ._errors import (
 )
 from ._light import LIGHT_ARGUMENTS, Light, LightSource, light_kernel_source, make_gather_points
 from ._mesh import Finish, Material, Mesh, Texture, has_io, read_mesh
+from ._moving import Moving
 from ._paged import Paged
 from ._parts import Parts, PartEntry
 from ._plan import Plan
@@ -95,6 +96,10 @@ from ._structs import (
     Kernels,
     LeftOut,
     LightInfo,
+    MovingBvhReport,
+    MovingInfo,
+    MovingObject,
+    MovingReport,
     PagedCounts,
     PagedInfo,
     PlanBuffer,
@@ -155,6 +160,11 @@ __all__ = [
     "March",
     "Material",
     "Mesh",
+    "Moving",
+    "MovingBvhReport",
+    "MovingInfo",
+    "MovingObject",
+    "MovingReport",
     "Need",
     "NoDeviceError",
     "NoGLError",

@@ -99,6 +99,7 @@ class Device(Handle):
         fragment_capacity: int = 0,
         worst_case_nodes: bool = False,
         chunk_bytes: int = 0,
+        weight_log2: int = 0,
         progress: Optional[_progress.Progress] = None,
     ) -> Plan:
         """Plans the build of a mesh: what it will do, and the size of every buffer. Allocates nothing on the device.
@@ -116,6 +117,8 @@ class Device(Handle):
             fragment_capacity: fragments the list has room for at first; 0: by the fragment estimate.
             worst_case_nodes: room for as many inner nodes as the fragments could require.
             chunk_bytes: upper limit for a chunk of the list, at least 16384; 0: that of the device.
+            weight_log2: the weight of a voxel's face, as a power of two from 13 on, so that trees of different plans
+                can be equal; 0: the largest without overflow.
             progress: for this call, and for Plan.count and Plan.build that are not given another. A callable
                 (stage, fraction): a name such as "grid" or "voxelize", and 0.0 .. 1.0 of the whole call, by predicted
                 times, never less than before. It runs on the calling thread and must not use the device or what was
@@ -134,6 +137,7 @@ class Device(Handle):
         options.fragment_capacity = _arrays.integer("fragment_capacity", fragment_capacity, 64)
         options.worst_case_nodes = bool(worst_case_nodes)
         options.chunk_bytes = _arrays.integer("chunk_bytes", chunk_bytes, 64)
+        options.weight_log2 = _arrays.integer("weight_log2", weight_log2)
         struct, kept = mesh._struct()
         out = ffi.new("svo_plan **")
         arguments = (struct, _arrays.integer("depth", depth), options, out)

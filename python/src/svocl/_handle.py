@@ -64,10 +64,23 @@ class Guard:
 
 
 class Native:
-    """A native handle, destroyed when its last holder has dropped it."""
+    """A native handle, destroyed when its last holder has dropped it.
 
-    def __init__(self, pointer: Any, destroy: Callable[[Any], None], guard: Guard, parent: Optional["Native"]) -> None:
+    Args:
+        stays: arrays in its memory stay as long as the handle, so that numpy may look into them.
+    """
+
+    def __init__(
+        self,
+        pointer: Any,
+        destroy: Callable[[Any], None],
+        guard: Guard,
+        parent: Optional["Native"],
+        *,
+        stays: bool = True,
+    ) -> None:
         self.guard = guard
+        self.stays = stays
         self.parent: Optional[Native] = None
         self._parent_hold: Optional[object] = None
         self._pointer: list[Any] = [pointer]
@@ -77,10 +90,29 @@ class Native:
             self.set_parent(parent)
 
     def set_parent(self, parent: "Native") -> None:
-        """Keeps the parent alive, and uses its guard from now on."""
+        """Keeps the parent alive in place of the one before, and uses its guard from now on."""
+        before, hold = self.parent, self._parent_hold
         self.parent = parent
         self._parent_hold = parent.hold()
         self.guard = parent.guard
+        if before is not None:
+            before.drop(hold)
+
+    def lend(self, pointer: Any) -> "Native":
+        """A handle of what this one owns and may replace, on the same device: until end(), it keeps this one alive.
+        Under the guard."""
+        hold = self.hold()
+        return Native(pointer, lambda _: self.drop(hold), self.guard, self.parent, stays=False)
+
+    @property
+    def ended(self) -> bool:
+        """What it stood for is gone."""
+        return not self._pointer
+
+    def end(self) -> None:
+        """Destroys what it stands for now, whoever holds it. Under the guard."""
+        if self._pointer:
+            self._destroy(self._pointer.pop())
 
     def hold(self) -> object:
         """Keeps the handle alive until drop(); returns what drop() takes. Under the guard, or by the first holder."""
@@ -95,11 +127,12 @@ class Native:
             self.guard.later(self._destroy_unheld)
 
     def _destroy_unheld(self) -> None:
-        if self._holds or not self._pointer:
+        if self._holds:
             return
-        self._destroy(self._pointer.pop())
-        if self.parent is not None:
-            self.parent.drop(self._parent_hold)
+        self.end()
+        hold, self._parent_hold = self._parent_hold, None
+        if self.parent is not None and hold is not None:
+            self.parent.drop(hold)
 
     @contextlib.contextmanager
     def use(self, what: str) -> Iterator[Any]:
@@ -142,8 +175,8 @@ class Handle:
 
     @property
     def closed(self) -> bool:
-        """Whether close() was called."""
-        return self._hold is None
+        """Whether close() was called, or the owner of what it stands for has replaced it (Moving.tree)."""
+        return self._hold is None or self._native.ended
 
     def __enter__(self: _Self) -> _Self:
         return self
@@ -194,10 +227,15 @@ class View:
 
 
 def view(native: Native, pointer: Any, dtype: Any, shape: Any) -> "Optional[np.ndarray[Any, Any]]":
-    """A read-only array over native memory, without a copy; None for NULL. Under the guard."""
+    """A read-only array over native memory, without a copy where that stays; None for NULL. Under the guard."""
     if pointer == ffi.NULL:
         return None
     kind = np.dtype(dtype)
     if 0 in shape:
         return np.empty(shape, kind)
+    if not native.stays:
+        count = int(np.prod(shape))
+        copy = np.frombuffer(ffi.buffer(pointer, count * kind.itemsize), kind).reshape(shape).copy()
+        copy.flags.writeable = False
+        return copy
     return np.asarray(View(native, int(ffi.cast("uintptr_t", pointer)), kind, shape))

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Light in a tree: photons from sources, and cones that gather ambient occlusion and indirect light."""
 
+import contextlib
 import functools
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, NamedTuple, Optional
 
 import numpy as np
@@ -68,7 +69,7 @@ def make_gather_points(
 
 class Light(Handle):
     """The light of a tree: opacity on all levels, and radiance after set_sources. It keeps the tree alive, which must
-    stay as it is. There is no light at first, and the sky is black.
+    stay as it is; when Moving.tree ends, Light.update takes the next. There is no light at first, and the sky is black.
 
     Args:
         tree: on a device. Colors give albedo and opacity (without: opaque, albedo 0.6); Need.NORMAL,
@@ -106,7 +107,8 @@ class Light(Handle):
     def info(self) -> _structs.LightInfo:
         """What it holds, and what its last stages did."""
         struct = _structs.new("svo_light_info")
-        self._call(lib.svo_light_get_info, struct)
+        with super()._use() as pointer:  # whatever became of the tree
+            lib.svo_light_get_info(pointer, struct)
         return _structs.read_light_info(struct)
 
     # --- sources ----------------------------------------------------------------------------------------------------
@@ -120,6 +122,7 @@ class Light(Handle):
         view_resolution: int = 0,
         photons: bool = True,
         diagnose: bool = False,
+        updatable: bool = False,
         queue: Any = None,
     ) -> None:
         """Lights the tree and waits: shoots photons, sums them in the leaves, and filters radiance upwards. Replaces
@@ -132,6 +135,7 @@ class Light(Handle):
             view_resolution: photons along a side of each source's view, 1 .. 16384; 0: four per facing leaf.
             photons: False: sources light the surfaces of pictures, but these light no others.
             diagnose: also count LightInfo.missed_leaves and LightInfo.node_map_items.
+            updatable: keep photons on the device, so that Light.update shoots few of them again.
             queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
 
         Raises:
@@ -145,8 +149,48 @@ class Light(Handle):
         setup.finishes, setup.finish_count = finished if finishes else ffi.NULL, len(finishes)
         setup.sky = _arrays.three("sky", sky)
         setup.view_resolution = _arrays.integer("view_resolution", view_resolution)
-        setup.diagnose, setup.no_photons = bool(diagnose), not photons
+        setup.diagnose, setup.no_photons, setup.updatable = bool(diagnose), not photons, bool(updatable)
         self._call(lib.svo_light_set_sources, setup, _opencl.pointer("cl_command_queue", queue, "queue"))
+
+    def update(self, tree: Tree, changed: npt.ArrayLike, *, queue: Any = None) -> None:
+        """Makes the light that of another tree, with the same sources, and waits: byte for byte that of Light(tree) and
+        Light.set_sources. The tree before may be gone, as after Moving.update. A failed call leaves the light that of
+        the tree before.
+
+        Args:
+            tree: on the light's device; the light keeps it alive from now on.
+            changed: (count, 2, 3): least and greatest corners of boxes that hold all triangles that have come, gone or
+                moved since the tree before, where they were and where they are: Moving.changes.
+            queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
+
+        Raises:
+            InvalidArgumentError: a box that is not finite or empty, a tree of another device, or changes elsewhere.
+            OutOfDeviceMemoryError, OutOfHostMemoryError, CompileError, CLError
+        """
+        if not isinstance(tree, Tree):
+            raise TypeError(f"tree: {type(tree).__name__}, expected svocl.Tree")
+        array = _arrays.floats("changed", changed, ("count", 2, 3), double=True).astype(np.float64)
+        boxes = address("svo_box *", array) if len(array) else ffi.NULL
+        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
+        with super()._use() as pointer:
+            if tree.closed:
+                raise ValueError("Tree is closed")
+            if tree._native.guard is not self._native.guard:
+                raise InvalidArgumentError(
+                    "Light.update: the tree is not on the light's device", Status.INVALID_ARGUMENT
+                )
+            status = call(lib.svo_light_update, pointer, tree._native._pointer[0], boxes, len(array), cl_queue)
+            if status != lib.SVO_OK:
+                raise error(status, self._native.device_message())
+            self._native.set_parent(tree._native)
+
+    @contextlib.contextmanager
+    def _use(self) -> Iterator[Any]:
+        with super()._use() as pointer:
+            tree = self._native.parent
+            if tree is not None and tree.ended:
+                raise ValueError("Light: Moving has replaced its tree; call Light.update first")
+            yield pointer
 
     # --- cones ------------------------------------------------------------------------------------------------------
 

@@ -234,28 +234,33 @@ def _imported(native: Native) -> Mesh:
     hold = native.hold()
     try:
         with native.use("import") as pointer:
-            struct = lib.svo_import_mesh(pointer)
-            vertices, triangles = struct.vertex_count, struct.triangle_count
-            mesh = Mesh.__new__(Mesh)
-            double = struct.positions == ffi.NULL
-            positions = struct.positions_double if double else struct.positions
-            found = view(native, positions, np.float64 if double else np.float32, (vertices, 3))
-            mesh.positions = np.empty((0, 3), np.float32) if found is None else found
-            mesh.indices = view(native, struct.indices, np.uint32, (triangles, 3))
-            mesh.normals = view(native, struct.normals, np.float32, (vertices, 3))
-            mesh.colors = view(native, struct.colors, np.uint8, (vertices, 4))
-            mesh.uvs = view(native, struct.uvs, np.float32, (vertices, 2))
-            mesh.triangle_materials = view(native, struct.triangle_materials, np.uint16, (triangles,))
-            mesh.materials = tuple(_read_material(struct.materials[i]) for i in range(struct.material_count))
-            mesh.textures = tuple(_read_texture(native, struct.textures[i]) for i in range(struct.texture_count))
-            finish_count = 0 if struct.finishes == ffi.NULL else struct.material_count
-            mesh.finishes = tuple(_read_finish(struct.finishes[i]) for i in range(finish_count))
+            mesh = read_struct(native, lib.svo_import_mesh(pointer))
             info = _structs.new("svo_import_info")
             lib.svo_import_get_info(pointer, info)
             mesh.import_info = _structs.read(info, _structs.ImportInfo)
             return mesh
     finally:
         native.drop(hold)
+
+
+def read_struct(native: Native, struct: Any) -> Mesh:
+    """The mesh of an svo_mesh in native memory. Under the guard."""
+    vertices, triangles = struct.vertex_count, struct.triangle_count
+    mesh = Mesh.__new__(Mesh)
+    double = struct.positions == ffi.NULL
+    positions = struct.positions_double if double else struct.positions
+    found = view(native, positions, np.float64 if double else np.float32, (vertices, 3))
+    mesh.positions = np.empty((0, 3), np.float32) if found is None else found
+    mesh.indices = view(native, struct.indices, np.uint32, (triangles, 3))
+    mesh.normals = view(native, struct.normals, np.float32, (vertices, 3))
+    mesh.colors = view(native, struct.colors, np.uint8, (vertices, 4))
+    mesh.uvs = view(native, struct.uvs, np.float32, (vertices, 2))
+    mesh.triangle_materials = view(native, struct.triangle_materials, np.uint16, (triangles,))
+    mesh.materials = tuple(_read_material(struct.materials[i]) for i in range(struct.material_count))
+    mesh.textures = tuple(_read_texture(native, struct.textures[i]) for i in range(struct.texture_count))
+    finish_count = 0 if struct.finishes == ffi.NULL else struct.material_count
+    mesh.finishes = tuple(_read_finish(struct.finishes[i]) for i in range(finish_count))
+    return mesh
 
 
 def _read_material(struct: Any) -> Material:

@@ -423,6 +423,78 @@ class PagedCounts(NamedTuple):
     """By all updates."""
 
 
+class MovingReport(NamedTuple):
+    """What an update of a moving scene did. Times are wall clock, milliseconds; stages are told apart by waiting after
+    each."""
+
+    changed_objects: int
+    """Voxelized, hidden or removed."""
+    changed_fragments: int
+    """(voxel, triangle) pairs that went and that came."""
+    fragments: int
+    """Pairs of the scene."""
+    move_ms: float
+    """The objects' vertices: to the device, snapped, classified."""
+    voxelize_ms: float
+    """Their pairs, in Morton order."""
+    weigh_ms: float
+    """What their pairs contribute to the payload."""
+    merge_ms: float
+    """The lists merged."""
+    nodes_ms: float
+    """Nodes, leaf lists and their triangles."""
+    payload_ms: float
+    total_ms: float
+    """All of it."""
+
+
+class MovingBvhReport(NamedTuple):
+    """What became of the BVHs of a moving scene's objects. The static mesh counts as an object."""
+
+    kept: int
+    """Objects that had not changed."""
+    refit: int
+    """Objects that moved or got new vertices."""
+    made: int
+    """Objects that had no BVH, or whose BVH was made anew."""
+    total_ms: float
+    """Wall clock, milliseconds."""
+
+
+class MovingInfo(NamedTuple):
+    """A moving scene after its newest update."""
+
+    need: Need
+    """Resolved: what the tree holds."""
+    weight_log2: int
+    """The weight of a voxel's face, as a power of two: for Device.plan."""
+    object_count: int
+    """Objects that exist, now."""
+    fragments: int
+    """(voxel, triangle) pairs."""
+    list_bytes: int
+    """Device memory of the lists, what merging needs included."""
+    area: float
+    """Inside the grid, as PlanInfo.area."""
+
+
+class MovingObject(NamedTuple):
+    """An object of a moving scene after the newest update."""
+
+    triangles: int
+    """Of its mesh."""
+    refused_triangles: int
+    """As in PlanInfo."""
+    outside_triangles: int
+    """Those whose bounds miss the grid."""
+    fragments: int
+    """(voxel, triangle) pairs; 0 while it is hidden."""
+    first_triangle: int
+    """Where its triangles begin in the scene's mesh; unused while it is hidden."""
+    visible: bool
+    """It is part of the scene."""
+
+
 _KINDS: dict[str, Any] = {
     "form": Form,
     "minimized": bool,
@@ -434,6 +506,7 @@ _KINDS: dict[str, Any] = {
     "certainty": Certainty,
     "positions": Positions,
     "persistent": bool,
+    "visible": bool,
 }
 
 

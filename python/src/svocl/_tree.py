@@ -101,12 +101,20 @@ class Tree(Resident):
     _noun = "tree"
 
     report: Optional[_structs.BuildReport]
-    """What the build did; None for a tree from a file."""
+    """What the build did; None for a tree from a file or of Moving."""
 
     def __init__(self, pointer: Any, device: Optional[Native], report: Optional[_structs.BuildReport]) -> None:
         guard = Guard() if device is None else device.guard
         self._open(Native(pointer, _destroy_tree, guard, device))
         self.report = report
+
+    @staticmethod
+    def _of(native: Native) -> "Tree":
+        """Of a handle that is another's (Native.lend). Under the guard."""
+        tree = Tree.__new__(Tree)
+        tree._open(native)
+        tree.report = None
+        return tree
 
     # --- files ------------------------------------------------------------------------------------------------------
 
