@@ -641,7 +641,8 @@ static void rays_of_a_packet_are_traced_in_groups(void **state)
         const double length = packet % 4 != 3 ? 1.0 : i % 8 == 2 ? 0.0 : i % 8 == 5 ? 0x1p70 : 1.0;
         rays[i] = random_ray(&random, 1.0);
         for (int axis = 0; axis < 3; ++axis) {
-            const double pixel[3] = {0.2 + 0.04 * (double)(packet % 16), 0.2 + 0.04 * (double)(packet / 16), 0.5};
+            const double pixel[3] = {0.2 + 0.04 * (double)(packet % 16), 0.2 + 0.04 * floor((double)packet / 16.0),
+                                     0.5};
             const double from = 1.5 + 0.25 * axis + 0.1 * (double)eye;
             rays[i].origin[axis] = (float)(tree.info.origin[axis] + tree.info.edge * from);
             rays[i].direction[axis] = (float)(length * tree.info.edge * (pixel[axis] + 1e-3 * (double)(i % 8) - from));

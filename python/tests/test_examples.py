@@ -52,7 +52,7 @@ def test_readme(tmp_path, monkeypatch, capsys):
     cl = pytest.importorskip("pyopencl")
     pytest.importorskip("tqdm")
     blocks = re.findall(r"```python\n(.*?)```", (EXAMPLES.parent / "README.md").read_text(), re.DOTALL)
-    assert len(blocks) == 7
+    assert len(blocks) == 8
     names = {}
     monkeypatch.chdir(tmp_path)
     if not svocl.has_io:
@@ -65,6 +65,9 @@ def test_readme(tmp_path, monkeypatch, capsys):
     assert names["solid"].solid_info.open_columns == (0, 0, 0) and names["picture"].shape == (480, 640, 4)
     exec(blocks.pop(1), names)
     assert names["picture"].any() and names["light"].info.photon_hits > 0
+    moving = blocks.pop(1)
+    exec(moving, names)
+    assert names["moving"].closed and names["angle"] == 0.2
     parts, paged = blocks.pop(1), blocks.pop(1)
     if svocl.has_io:
         exec(parts, names)

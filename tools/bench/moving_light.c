@@ -111,7 +111,7 @@ static void place(const lit_run *run, const svo_mesh *object, double steps, doub
     find_bounds(object, low, high);
     const double size = run->width / fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
     memset(transform, 0, 12 * sizeof *transform);
-    for (int axis = 0; axis < 3; ++axis) {
+    for (size_t axis = 0; axis < 3; ++axis) {
         transform[5 * axis] = size;
         transform[4 * axis + 3] = run->middle[axis] + steps * run->step - size * (low[axis] + high[axis]) / 2;
     }
