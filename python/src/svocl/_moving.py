@@ -21,8 +21,8 @@ from ._tree import Tree, address
 
 
 class Moving(Handle):
-    """A static mesh and objects that move, in one tree. An update voxelizes the objects that changed alone. The tree is,
-    byte for byte, that of a full build of Moving.mesh() with the same grid, need, coverage and weights, and the
+    """A static mesh and objects that move, in one tree. An update voxelizes the objects that changed alone. The tree
+    is, byte for byte, that of a full build of Moving.mesh() with the same grid, need, coverage and weights, and the
     weight_log2 of Moving.info.
 
     What only moves rigidly, and needs no common tree, is better off as instances of a Scene.
