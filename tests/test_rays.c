@@ -573,6 +573,20 @@ static void run_arrays_kernel(const fixture *opened, const built *tree, const ch
     clReleaseProgram(program);
 }
 
+/* Closest hits are the same but for the leaves visited; any hit is one where there is one. */
+static void expect_hits(const svo_hit *hits, const svo_hit *expected, size_t count, cl_uint any, const char *way)
+{
+    for (size_t i = 0; i < count; ++i) {
+        const bool same = any != 0 ? (hits[i].triangle == SVO_NO_TRIANGLE) == (expected[i].triangle == SVO_NO_TRIANGLE)
+                                   : memcmp(&hits[i], &expected[i], offsetof(svo_hit, count)) == 0;
+        if (!same) {
+            fail_msg("%s: ray %zu, any %u: triangle %u, expected %u", way, i, any, hits[i].triangle,
+                     expected[i].triangle);
+            return;
+        }
+    }
+}
+
 /* Camera rays, then scattered ones; with streams and without. */
 static void an_own_kernel_traces_arrays_of_rays(void **state)
 {
@@ -607,16 +621,7 @@ static void an_own_kernel_traces_arrays_of_rays(void **state)
             snprintf(options, sizeof options, "%s%s", svo_tree_kernel_options(),
                      streams != 0 ? " -DSVO_RAY_STREAMS" : "");
             run_arrays_kernel(opened, &tree, options, any, rays, hits, RAYS);
-            for (size_t i = 0; i < RAYS; ++i) {
-                const bool same =
-                    any != 0 ? (hits[i].triangle == SVO_NO_TRIANGLE) == (expected[i].triangle == SVO_NO_TRIANGLE)
-                             : memcmp(&hits[i], &expected[i], offsetof(svo_hit, count)) == 0;
-                if (!same) {
-                    fail_msg("ray %zu, any %u, streams %d: triangle %u, expected %u", i, any, streams, hits[i].triangle,
-                             expected[i].triangle);
-                    return;
-                }
-            }
+            expect_hits(hits, expected, RAYS, any, options);
         }
     }
     built_destroy(&tree);
@@ -653,14 +658,8 @@ static void rays_of_a_packet_are_traced_in_groups(void **state)
         trace_rays(opened, &tree, rays, RAYS, any != 0 ? SVO_TRACE_ANY : SVO_TRACE_CLOSEST, hits);
         for (size_t i = 0; i < RAYS; ++i) {
             met += any == 0 && expected[i].triangle != SVO_NO_TRIANGLE;
-            const bool same = any != 0
-                                  ? (hits[i].triangle == SVO_NO_TRIANGLE) == (expected[i].triangle == SVO_NO_TRIANGLE)
-                                  : memcmp(&hits[i], &expected[i], offsetof(svo_hit, count)) == 0;
-            if (!same) {
-                fail_msg("ray %zu, any %u: triangle %u, expected %u", i, any, hits[i].triangle, expected[i].triangle);
-                return;
-            }
         }
+        expect_hits(hits, expected, RAYS, any, "packets");
     }
     assert_in_range(met, RAYS / 8, RAYS - RAYS / 8);
     built_destroy(&tree);
