@@ -205,11 +205,15 @@ SVO_RECORD(svo_subdivide_params)
 #define SVO_SORT_BITS   6
 #define SVO_SORT_DIGITS (1 << SVO_SORT_BITS)
 #define SVO_SORT_BLOCKS 64
-/* Local memory of the sort kernels: on CPUs a count for each digit and work-item; on GPUs a place and a bit for each
-   work-item, for each digit. */
-#define SVO_SORT_ITEM_WORDS  (SVO_GROUP_ITEMS / 32)
-#define SVO_SORT_STRIP_BYTES (4 * SVO_SORT_DIGITS * SVO_GROUP_ITEMS)
-#define SVO_SORT_TILE_BYTES  (4 * SVO_SORT_DIGITS * (1 + SVO_SORT_ITEM_WORDS))
+/* The same of long lists on CPUs, where fewer passes are worth more counts. */
+#define SVO_SORT_WIDE_BITS   9
+#define SVO_SORT_WIDE_DIGITS (1 << SVO_SORT_WIDE_BITS)
+#define SVO_SORT_LONG_LIST   (1 << 17)
+/* Local memory of the sort kernels: on CPUs a count for each digit; on GPUs a place and a bit for each work-item, for
+   each digit. */
+#define SVO_SORT_ITEM_WORDS   (SVO_GROUP_ITEMS / 32)
+#define SVO_SORT_SERIAL_BYTES (4 * SVO_SORT_WIDE_DIGITS)
+#define SVO_SORT_TILE_BYTES   (4 * SVO_SORT_DIGITS * (1 + SVO_SORT_ITEM_WORDS))
 
 /* Arguments of the sort kernels. 16 bytes. */
 SVO_RECORD(svo_sort_params)
@@ -217,7 +221,7 @@ SVO_RECORD(svo_sort_params)
     SVO_U32 fragment_count; /* 0 */
     SVO_U32 shift; /* 4: of the digit, in bits */
     SVO_U32 by_triangle; /* 8: not 0: a digit of the triangle, else of the code */
-    SVO_U32 reserved; /* 12 */
+    SVO_U32 bits; /* 12: of the digit */
 };
 
 /* Arguments of the kernels that make nodes from sorted codes. 32 bytes. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Sorts the fragment list for the bottom-up builder: a stable least-significant-digit radix sort with digits of
- * SVO_SORT_BITS bits (Knuth, "The Art of Computer Programming", volume 3, 5.2.5), parallel as in Satish, Harris and
+ * params.bits bits (Knuth, "The Art of Computer Programming", volume 3, 5.2.5), parallel as in Satish, Harris and
  * Garland, "Designing Efficient Sorting Algorithms for Manycore GPUs", 2009.
  *
  *   svo_k_sort_count    per block of the list: how often each digit occurs, stored digit by digit, so that the prefix
@@ -11,9 +11,9 @@
  *
  * Launch: any number of groups, each of which owns a block of the list. On GPUs the work-items of a group take
  * adjacent fragments, tile after tile; a fragment's place among those of its digit follows from a bit for each
- * work-item. On CPUs (SVO_SORT_STRIPS) each work-item has a strip of the block. Either keeps the sort stable, and gives
- * the same list. Reads one list and writes the other. Atomics: on bits and counts in local memory, where order does not
- * matter. Local memory is an argument, see group.clh.
+ * work-item. On CPUs (SVO_SORT_SERIAL) one work-item takes the whole block, since a group runs on one thread, and
+ * digits may be wider. Either keeps the sort stable, and gives the same list. Reads one list and writes the other.
+ * Atomics: on bits and counts in local memory, where order does not matter. Local memory is an argument, see group.clh.
  */
 #include "shared/fragment.clh"
 
@@ -22,7 +22,7 @@ static uint svo_sort_digit(__global const uint *fragments, uint index, svo_sort_
 {
     const ulong key = params.by_triangle != 0u ? (ulong)svo_fragment_triangle(fragments, index)
                                                : (ulong)svo_fragment_code(fragments, index);
-    return (uint)(key >> params.shift) & (SVO_SORT_DIGITS - 1u);
+    return (uint)(key >> params.shift) & ((1u << params.bits) - 1u);
 }
 
 /* A part of the list, by index of so many parts: first, and one past the last. */
@@ -40,38 +40,34 @@ static void svo_sort_move(__global const uint *from, uint index, __global uint *
     }
 }
 
-#ifdef SVO_SORT_STRIPS
-
-/* The strip of this item, as indices of fragments. */
-static uint2 svo_sort_strip(uint count)
+/* The block of this group, as indices of fragments. */
+static uint2 svo_sort_block(uint count)
 {
-    return svo_sort_part((uint)get_global_id(0), (uint)get_global_size(0), count);
+    return svo_sort_part((uint)get_group_id(0), (uint)get_num_groups(0), count);
 }
 
-/* digits[digit * SVO_GROUP_ITEMS + item]: how often the digit occurs in the item's strip. */
-static void svo_sort_count_strip(__global const uint *fragments, svo_sort_params params, uint2 strip,
+#ifdef SVO_SORT_SERIAL
+
+/* digits: receives how often each digit occurs in a block. */
+static void svo_sort_count_block(__global const uint *fragments, svo_sort_params params, uint2 block,
                                  __local uint *digits)
 {
-    const uint item = (uint)get_local_id(0);
-    for (uint digit = 0; digit < SVO_SORT_DIGITS; ++digit) {
-        digits[digit * SVO_GROUP_ITEMS + item] = 0u;
+    for (uint digit = 0; digit < 1u << params.bits; ++digit) {
+        digits[digit] = 0u;
     }
-    for (uint i = strip.x; i < strip.y; ++i) {
-        ++digits[svo_sort_digit(fragments, i, params) * SVO_GROUP_ITEMS + item];
+    for (uint i = block.x; i < block.y; ++i) {
+        ++digits[svo_sort_digit(fragments, i, params)];
     }
-    barrier(CLK_LOCAL_MEM_FENCE);
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_sort_count(__global const uint *fragments, __global uint *counts, svo_sort_params params, __local uint *digits)
 {
-    svo_sort_count_strip(fragments, params, svo_sort_strip(params.fragment_count), digits);
-    for (uint digit = (uint)get_local_id(0); digit < SVO_SORT_DIGITS; digit += SVO_GROUP_ITEMS) {
-        uint sum = 0;
-        for (uint item = 0; item < SVO_GROUP_ITEMS; ++item) {
-            sum += digits[digit * SVO_GROUP_ITEMS + item];
+    if (get_local_id(0) == 0) {
+        svo_sort_count_block(fragments, params, svo_sort_block(params.fragment_count), digits);
+        for (uint digit = 0; digit < 1u << params.bits; ++digit) {
+            counts[digit * get_num_groups(0) + get_group_id(0)] = digits[digit];
         }
-        counts[digit * get_num_groups(0) + get_group_id(0)] = sum;
     }
 }
 
@@ -79,30 +75,18 @@ __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_sort_scatter(__global const uint *from, __global uint *to, __global const uint *before, svo_sort_params params,
                    __local uint *digits)
 {
-    const uint2 strip = svo_sort_strip(params.fragment_count);
-    svo_sort_count_strip(from, params, strip, digits);
-    for (uint digit = (uint)get_local_id(0); digit < SVO_SORT_DIGITS; digit += SVO_GROUP_ITEMS) {
-        uint sum = before[digit * get_num_groups(0) + get_group_id(0)];
-        for (uint item = 0; item < SVO_GROUP_ITEMS; ++item) {
-            const uint count = digits[digit * SVO_GROUP_ITEMS + item];
-            digits[digit * SVO_GROUP_ITEMS + item] = sum;
-            sum += count;
+    if (get_local_id(0) == 0) {
+        const uint2 block = svo_sort_block(params.fragment_count);
+        for (uint digit = 0; digit < 1u << params.bits; ++digit) {
+            digits[digit] = before[digit * get_num_groups(0) + get_group_id(0)];
         }
-    }
-    barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint i = strip.x; i < strip.y; ++i) {
-        const uint slot = digits[svo_sort_digit(from, i, params) * SVO_GROUP_ITEMS + get_local_id(0)]++;
-        svo_sort_move(from, i, to, slot);
+        for (uint i = block.x; i < block.y; ++i) {
+            svo_sort_move(from, i, to, digits[svo_sort_digit(from, i, params)]++);
+        }
     }
 }
 
 #else
-
-/* The block of this group, as indices of fragments. */
-static uint2 svo_sort_block(uint count)
-{
-    return svo_sort_part((uint)get_group_id(0), (uint)get_num_groups(0), count);
-}
 
 /* digits: a count for each. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
@@ -111,7 +95,7 @@ svo_k_sort_count(__global const uint *fragments, __global uint *counts, svo_sort
 {
     const uint2 block = svo_sort_block(params.fragment_count);
     const uint item = (uint)get_local_id(0);
-    for (uint digit = item; digit < SVO_SORT_DIGITS; digit += SVO_GROUP_ITEMS) {
+    for (uint digit = item; digit < 1u << params.bits; digit += SVO_GROUP_ITEMS) {
         digits[digit] = 0u;
     }
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -119,7 +103,7 @@ svo_k_sort_count(__global const uint *fragments, __global uint *counts, svo_sort
         atomic_inc(digits + svo_sort_digit(fragments, i, params));
     }
     barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint digit = item; digit < SVO_SORT_DIGITS; digit += SVO_GROUP_ITEMS) {
+    for (uint digit = item; digit < 1u << params.bits; digit += SVO_GROUP_ITEMS) {
         counts[digit * get_num_groups(0) + get_group_id(0)] = digits[digit];
     }
 }
@@ -143,8 +127,8 @@ svo_k_sort_scatter(__global const uint *from, __global uint *to, __global const 
 {
     const uint2 block = svo_sort_block(params.fragment_count);
     const uint item = (uint)get_local_id(0);
-    volatile __local uint *bits = digits + SVO_SORT_DIGITS;
-    for (uint digit = item; digit < SVO_SORT_DIGITS; digit += SVO_GROUP_ITEMS) {
+    volatile __local uint *bits = digits + (1u << params.bits);
+    for (uint digit = item; digit < 1u << params.bits; digit += SVO_GROUP_ITEMS) {
         digits[digit] = before[digit * get_num_groups(0) + get_group_id(0)];
         for (uint word = 0; word < SVO_SORT_ITEM_WORDS; ++word) {
             bits[digit * SVO_SORT_ITEM_WORDS + word] = 0u;
@@ -163,7 +147,7 @@ svo_k_sort_scatter(__global const uint *from, __global uint *to, __global const 
             svo_sort_move(from, tile + item, to, digits[own] + svo_sort_rank(of_own));
         }
         barrier(CLK_LOCAL_MEM_FENCE);
-        for (uint digit = item; digit < SVO_SORT_DIGITS; digit += SVO_GROUP_ITEMS) {
+        for (uint digit = item; digit < 1u << params.bits; digit += SVO_GROUP_ITEMS) {
             for (uint word = 0; word < SVO_SORT_ITEM_WORDS; ++word) {
                 digits[digit] += popcount(bits[digit * SVO_SORT_ITEM_WORDS + word]);
                 bits[digit * SVO_SORT_ITEM_WORDS + word] = 0u;

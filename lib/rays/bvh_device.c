@@ -290,7 +290,7 @@ static svo_status split_items(maker *m)
 static svo_status sort_pass(maker *m, uint32_t shift)
 {
     cl_mem *work = m->buffers;
-    const svo_sort_params params = {.fragment_count = m->params.item_count, .shift = shift};
+    const svo_sort_params params = {.fragment_count = m->params.item_count, .shift = shift, .bits = SVO_SORT_BITS};
     const uint64_t items = (uint64_t)SVO_SORT_BLOCKS * SVO_GROUP_ITEMS;
     const svo_i_argument digits = SVO_I_LOCAL(svo_i_sort_local_bytes(m->work.device));
     const svo_i_argument count[] = {SVO_I_ARGUMENT(work[FRAGMENTS]), SVO_I_ARGUMENT(work[LISTED]),

@@ -175,7 +175,8 @@ static svo_status scan(chain *c)
 static svo_status sort_pass(chain *c, uint32_t shift)
 {
     cl_mem *buffers = c->scene->buffers;
-    const svo_sort_params params = {.fragment_count = c->scene->info.instance_count, .shift = shift};
+    const svo_sort_params params = {
+        .fragment_count = c->scene->info.instance_count, .shift = shift, .bits = SVO_SORT_BITS};
     const uint64_t items = (uint64_t)SVO_SORT_BLOCKS * SVO_GROUP_ITEMS;
     const svo_i_argument digits = SVO_I_LOCAL(svo_i_sort_local_bytes(c->scene->device));
     const svo_i_argument count[] = {SVO_I_ARGUMENT(buffers[SVO_I_SCENE_LIST]),

@@ -9,6 +9,7 @@ typedef struct sorter {
     svo_i_build *build;
     cl_mem spare; /* as large as the list */
     cl_mem counts, before; /* digits by blocks, and their exclusive sums */
+    uint32_t bits; /* of a digit, the most */
 } sorter;
 
 /* Rough time to count or to move an entry, for the progress. */
@@ -20,9 +21,9 @@ static uint64_t sort_items(const sorter *s)
 }
 
 /* A count for each digit in the block of each group. */
-static uint64_t sort_cells(const sorter *s)
+static uint64_t sort_cells(const sorter *s, uint32_t bits)
 {
-    return (uint64_t)s->build->commands.device->sort_groups * SVO_SORT_DIGITS;
+    return (uint64_t)s->build->commands.device->sort_groups << bits;
 }
 
 static svo_status launch(sorter *s, const char *name, const svo_i_argument *arguments, cl_uint argument_count)
@@ -37,7 +38,7 @@ static svo_status sort_pass(sorter *s, svo_sort_params params)
     svo_i_commands_stage(&s->build->commands, SVO_STAGE_SUBDIVIDE,
                          ENTRY_NS * (double)s->build->fragment_count / (double)sort_items(s));
     cl_mem *list = &s->build->list.chunks[0].buffer;
-    const svo_filter_params cells = {.leaf_count = (cl_uint)sort_cells(s)};
+    const svo_filter_params cells = {.leaf_count = (cl_uint)sort_cells(s, params.bits)};
     const svo_i_argument digits = SVO_I_LOCAL(svo_i_sort_local_bytes(s->build->commands.device));
     const svo_i_argument count[] = {SVO_I_ARGUMENT(*list), SVO_I_ARGUMENT(s->counts), SVO_I_ARGUMENT(params), digits};
     const svo_i_argument scatter[] = {SVO_I_ARGUMENT(*list), SVO_I_ARGUMENT(s->spare), SVO_I_ARGUMENT(s->before),
@@ -55,16 +56,23 @@ static svo_status sort_pass(sorter *s, svo_sort_params params)
 static svo_status sort_by(sorter *s, bool by_triangle, uint32_t bits)
 {
     svo_sort_params params = {.fragment_count = (cl_uint)s->build->fragment_count, .by_triangle = by_triangle ? 1 : 0};
-    for (; params.shift < bits; params.shift += SVO_SORT_BITS) {
+    for (; params.shift < bits; params.shift += params.bits) {
+        params.bits = bits - params.shift < s->bits ? bits - params.shift : s->bits;
         SVO_I_TRY(sort_pass(s, params));
     }
     return SVO_OK;
 }
 
+static uint32_t choose_bits(const svo_i_build *build)
+{
+    const bool is_long = build->fragment_count >= SVO_SORT_LONG_LIST;
+    return build->commands.device->cpu_path && is_long ? SVO_SORT_WIDE_BITS : SVO_SORT_BITS;
+}
+
 static svo_status sort_list(sorter *s)
 {
     const svo_plan *plan = s->build->commands.plan;
-    const uint64_t cells = sort_cells(s);
+    const uint64_t cells = sort_cells(s, s->bits);
     uint32_t triangle_bits = 0;
     while (triangle_bits < 32 && (plan->triangle_count - 1) >> triangle_bits != 0) {
         ++triangle_bits;
@@ -134,7 +142,7 @@ static svo_status run(sorter *s)
 
 svo_status svo_i_sort(svo_i_build *build)
 {
-    sorter s = {.build = build};
+    sorter s = {.build = build, .bits = choose_bits(build)};
     svo_i_stage_begin(&build->commands);
     const svo_status status = run(&s);
     svo_i_commands_free(&build->commands, &s.spare);

@@ -17,12 +17,12 @@ svo_status svo_i_sort(svo_i_build *build);
 /* What selects the kernels of a sort for a device, and the bytes of local memory that they get. */
 static inline const char *svo_i_sort_defines(const svo_device *device)
 {
-    return device->cpu_path ? " -DSVO_SORT -DSVO_SORT_STRIPS" : " -DSVO_SORT";
+    return device->cpu_path ? " -DSVO_SORT -DSVO_SORT_SERIAL" : " -DSVO_SORT";
 }
 
 static inline size_t svo_i_sort_local_bytes(const svo_device *device)
 {
-    return device->cpu_path ? SVO_SORT_STRIP_BYTES : SVO_SORT_TILE_BYTES;
+    return device->cpu_path ? SVO_SORT_SERIAL_BYTES : SVO_SORT_TILE_BYTES;
 }
 
 #endif
