@@ -33,6 +33,23 @@ static void parts_that_fit_make_the_same_file(void **state)
     run_well("rm a.svo b.svo");
 }
 
+/* Whatever makes them, with whatever number of threads. */
+static void every_way_makes_the_same_file(void **state)
+{
+    (void)state;
+    static const char *const ways[] = {"--frontend cl --threads 1", "--frontend cl --threads 2 --path gpu",
+                                       "--builder sorted --threads 1", "--frontend gl-expand --threads 2"};
+    build_whole();
+    const size_t count = sizeof ways / sizeof ways[0] - (gl_works() ? 0 : 1);
+    for (size_t i = 0; i < count; ++i) {
+        char line[512];
+        (void)snprintf(line, sizeof line, "$SVOCL build " SCENE " --max-memory 6M -q -o b.svo %s && cmp a.svo b.svo",
+                       ways[i]);
+        run_well(line);
+    }
+    run_well("rm a.svo b.svo");
+}
+
 /* Each file of a folder that is truncated, and each with a flipped byte, is named and built again; others stay. */
 static void damaged_parts_are_built_again(void **state)
 {
@@ -200,7 +217,10 @@ static void wrong_usage_is_refused(void **state)
     need_builds();
     run_badly("$SVOCL build scene:knot -d 9 --max-memory 1K -q -o a.svo", 1, "max_bytes");
     run_well("test ! -e a.svo && rm -r a.svo.parts");
-    run_badly("$SVOCL build scene:knot -d 16 --max-memory 1G -q -o a.svo", 1, "nodes");
+    run_badly("$SVOCL build scene:knot -d 16 --max-memory 1G -q -o a.svo", 1,
+              "nodes are expected at depth 16, above 2^32 - 2");
+    run_well("test ! -e a.svo.parts");
+    run_badly("$SVOCL parts plan scene:knot -d 16 --max-memory 1G -q -o a.svo", 1, "nodes are expected");
     run_well("test ! -e a.svo.parts");
 }
 
@@ -208,6 +228,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         IN_FOLDER(parts_that_fit_make_the_same_file),
+        IN_FOLDER(every_way_makes_the_same_file),
         IN_FOLDER(damaged_parts_are_built_again),
         IN_FOLDER(steps_are_idempotent),
         IN_FOLDER(failed_writes_leave_the_old_file),
