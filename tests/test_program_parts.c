@@ -90,6 +90,22 @@ static void steps_are_idempotent(void **state)
     run_well("rm a.svo b.svo c.svo indices before");
 }
 
+/* What fails for now and what fails for good. */
+static void exit_codes_tell_whether_to_try_again(void **state)
+{
+    (void)state;
+    need_builds();
+    run_badly("OCL_ICD_VENDORS=/nonexistent $SVOCL parts plan scene:cube -d 4 -o b.svo", 75, "OpenCL");
+    run_badly("$SVOCL parts plan nothing.obj -d 4 -o b.svo", 1, "nothing.obj");
+    run_well("$SVOCL parts plan scene:cube -d 4 --max-memory 1M -o b.svo -q");
+    run_badly("OCL_ICD_VENDORS=/nonexistent $SVOCL parts build b.svo.parts", 75, "OpenCL");
+    run_badly("$SVOCL parts build b.svo.parts --device none-such", 75, "none-such");
+    run_badly("$SVOCL parts build b.svo.parts --part 1000", 2, "1000");
+    run_well("truncate -s -1 b.svo.parts/plan");
+    run_badly("$SVOCL parts build b.svo.parts", 1, "b.svo.parts/plan");
+    run_well("$SVOCL parts remove b.svo.parts");
+}
+
 /* Whatever write fails, the old file stays, and the next run goes on. */
 static void failed_writes_leave_the_old_file(void **state)
 {
@@ -231,6 +247,7 @@ int main(void)
         IN_FOLDER(every_way_makes_the_same_file),
         IN_FOLDER(damaged_parts_are_built_again),
         IN_FOLDER(steps_are_idempotent),
+        IN_FOLDER(exit_codes_tell_whether_to_try_again),
         IN_FOLDER(failed_writes_leave_the_old_file),
         IN_FOLDER(full_disks_leave_the_old_file),
         IN_FOLDER(ended_runs_are_resumed),
