@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include <dirent.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -812,6 +813,104 @@ static void test_small_devices(void **state)
     attributed_mesh_destroy(&made);
 }
 
+/* ---- triangles of parts that were split ---- */
+
+/* A folder of one part that a small device has split, and split again. */
+typedef struct divided_folder {
+    attributed_mesh made;
+    job opened;
+    svo_device *device;
+    svo_parts *parts;
+    char folder[PATH_BYTES], whole[PATH_BYTES], out[PATH_BYTES];
+} divided_folder;
+
+static void open_divided(void **state, divided_folder *d)
+{
+    svo_device_options limited = SVO_DEVICE_OPTIONS_INIT;
+    svo_message message;
+    attributed_mesh_create(23, 200, 0.0, &d->made);
+    path_of("folder", d->folder);
+    path_of("whole.svo", d->whole);
+    path_of("parts.svo", d->out);
+    d->opened = open_job(state, &d->made.mesh);
+    build_whole(&d->opened, 6, NULL);
+    check(&d->opened,
+          svo_parts_create(d->opened.opened.device, &d->made.mesh, 6, NULL, (uint64_t)1 << 40, d->folder, &message),
+          &message);
+    limited.max_device_bytes = 450000;
+    check(&d->opened, svo_device_create_default(&limited, &d->device, &message), &message);
+    build_folder(&d->opened, d->device, d->folder);
+    check(&d->opened, svo_parts_open(d->folder, &d->parts, &message), &message);
+}
+
+static void close_divided(divided_folder *d)
+{
+    svo_message message;
+    svo_parts_close(&d->parts);
+    check(&d->opened, svo_parts_remove(d->folder, &message), &message);
+    svo_device_destroy(&d->device);
+    close_job(&d->opened);
+    attributed_mesh_destroy(&d->made);
+}
+
+/* Finds a part of the deepest level. */
+static void find_deep_part(const divided_folder *d, uint32_t *level, unsigned long long *code)
+{
+    DIR *opened = opendir(d->folder);
+    assert_non_null(opened);
+    *level = 0;
+    for (const struct dirent *entry = readdir(opened); entry != NULL; entry = readdir(opened)) {
+        unsigned found_level = 0;
+        unsigned long long found_code = 0;
+        char end = '\0';
+        if (sscanf(entry->d_name, "%u-%llx.par%c", &found_level, &found_code, &end) == 3 && found_level > *level) {
+            *level = found_level;
+            *code = found_code;
+        }
+    }
+    (void)closedir(opened);
+}
+
+/* A worker without the folder sends parts, but no triangles of those that it split. They come from the part's own, also
+   where they are damaged. Without those, the words say what to do. */
+static void test_triangles_that_are_missing(void **state)
+{
+    divided_folder d;
+    svo_message message;
+    uint32_t level = 0;
+    unsigned long long code = 0;
+    char part[PATH_BYTES + 48];
+    char above[PATH_BYTES + 48];
+    char listed[PATH_BYTES + 48];
+    open_divided(state, &d);
+    find_deep_part(&d, &level, &code);
+    assert_true(level >= 2);
+    (void)snprintf(part, sizeof part, "%s/%u-%llx.part", d.folder, level, code);
+    (void)snprintf(above, sizeof above, "%s/%u-%llx.tri", d.folder, level - 1, code >> 3);
+    (void)snprintf(listed, sizeof listed, "%s/0-0.tri", d.folder);
+    char triangles[PATH_BYTES + 48];
+    (void)snprintf(triangles, sizeof triangles, "%s/%u-%llx.tri", d.folder, level, code);
+    for (unsigned way = 0; way < 2; ++way) {
+        damage_end(part);
+        if (way == 0) {
+            assert_int_equal(unlink(triangles), 0);
+            assert_int_equal(unlink(above), 0);
+        } else {
+            damage_end(triangles);
+        }
+        check(&d.opened, svo_parts_build(d.parts, 0, d.device, NULL, NULL, &message), &message);
+        check(&d.opened, svo_parts_finish(d.parts, d.out, &message), &message);
+        assert_same_files(d.whole, d.out);
+    }
+    damage_end(part);
+    assert_int_equal(unlink(triangles), 0);
+    assert_int_equal(unlink(listed), 0);
+    assert_int_equal(svo_parts_build(d.parts, 0, d.device, NULL, NULL, &message), SVO_FILE_ERROR);
+    assert_non_null(strstr(message.text, "0-0.tri: cannot be opened"));
+    assert_non_null(strstr(message.text, "planning the parts again"));
+    close_divided(&d);
+}
+
 /* A changed byte in the plan or in triangles is found before anything is built from it. */
 static void test_damaged_folders(void **state)
 {
@@ -886,6 +985,7 @@ int main(void)
         cmocka_unit_test(test_folders),
         cmocka_unit_test(test_parts_that_change),
         cmocka_unit_test(test_small_devices),
+        cmocka_unit_test(test_triangles_that_are_missing),
         cmocka_unit_test(test_damaged_folders),
     };
     return cmocka_run_group_tests(tests, setup, teardown);

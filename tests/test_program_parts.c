@@ -229,6 +229,21 @@ static void mesh_files_are_read_in_blocks(void **state)
     run_well("rm -r a.svo b.svo c.svo facets.stl");
 }
 
+/* A mesh without a valid triangle leaves no folder; where one cannot be removed, that is said too. */
+static void a_folder_that_stays_is_named(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("(head -c 80 /dev/zero; printf '\\1\\0\\0\\0'; for i in $(seq 12); do printf '\\0\\0\\300\\177'; done;"
+             " printf '\\0\\0') >nan.stl");
+    run_badly("$SVOCL parts plan nan.stl -d 4 --max-memory 1M -o b.svo", 1, "nan.stl: no valid triangle in it");
+    assert_null(strstr(last.errors, "b.svo.parts"));
+    run_well("test ! -e b.svo.parts && mkdir -p b.svo.parts/1-0.part"); /* what unlink does not take */
+    run_badly("$SVOCL parts plan nan.stl -d 4 --max-memory 1M -o b.svo", 1,
+              "all 1 are refused; b.svo.parts: cannot be emptied: Is a directory");
+    run_well("rm -r b.svo.parts nan.stl");
+}
+
 static void wrong_usage_is_refused(void **state)
 {
     (void)state;
@@ -255,12 +270,19 @@ static void wrong_usage_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        IN_FOLDER(parts_that_fit_make_the_same_file),     IN_FOLDER(every_way_makes_the_same_file),
-        IN_FOLDER(damaged_parts_are_built_again),         IN_FOLDER(steps_are_idempotent),
-        IN_FOLDER(exit_codes_tell_whether_to_try_again),  IN_FOLDER(failed_writes_leave_the_old_file),
-        IN_FOLDER(full_disks_leave_the_old_file),         IN_FOLDER(ended_runs_are_resumed),
-        IN_FOLDER(what_killed_processes_left_is_removed), IN_FOLDER(parts_of_other_trees_are_replaced),
-        IN_FOLDER(mesh_files_are_read_in_blocks),         IN_FOLDER(wrong_usage_is_refused),
+        IN_FOLDER(parts_that_fit_make_the_same_file),
+        IN_FOLDER(every_way_makes_the_same_file),
+        IN_FOLDER(damaged_parts_are_built_again),
+        IN_FOLDER(steps_are_idempotent),
+        IN_FOLDER(exit_codes_tell_whether_to_try_again),
+        IN_FOLDER(failed_writes_leave_the_old_file),
+        IN_FOLDER(full_disks_leave_the_old_file),
+        IN_FOLDER(ended_runs_are_resumed),
+        IN_FOLDER(what_killed_processes_left_is_removed),
+        IN_FOLDER(parts_of_other_trees_are_replaced),
+        IN_FOLDER(mesh_files_are_read_in_blocks),
+        IN_FOLDER(a_folder_that_stays_is_named),
+        IN_FOLDER(wrong_usage_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Trees that are larger than the memory that their builds take: `svocl build --max-memory` as a process of its own, with
- * the most memory that it had. parts.c compares smaller ones with builds in one piece.
+ * Trees that are larger than the memory that their builds take: `svocl build --max-memory` as a process of its own,
+ * with the most memory that it had. parts.c compares smaller ones with builds in one piece.
  */
 #include "bench/parts_large.h"
 
@@ -12,7 +12,7 @@
 #include "bench/child.h"
 
 #define MIB ((uint64_t)1 << 20)
-/* Edge of a wide grid over that of the mesh, which lies in its middle: where the eight parts of the first level meet. */
+/* Edge of a wide grid over the mesh's. The mesh lies in the middle, where the eight parts of the first level meet. */
 #define WIDE 32.0
 
 static const char table_id[] = "parts-large";
