@@ -4,11 +4,12 @@
  * has weighed yet.
  *
  *   svo_k_moving_gather   per node of the deepest inner level: sums up the pairs of its leaves, writes the leaves'
- *                         payload and the node's sums
+ *                         payload, their projected areas and the node's sums
  *   svo_k_moving_entries  per pair: its entry for material.cl
  *
  * Launch: one work-item per node or pair, rounded up to whole groups. No atomics: one work-item writes a node's sums.
  */
+#include "moving/areas.clh"
 #include "moving/kept.clh"
 #include "shared/state.clh"
 #include "stages/payload.clh"
@@ -69,11 +70,32 @@ static svo_sums svo_sum_kept(__global const uint4 *values, uint first, uint last
     return sums;
 }
 
+#endif
+
+#ifdef SVO_AREAS
+
+/* The areas of a leaf. Whether triangles count from both sides is known now: kept pairs have what each case needs. */
+static svo_areas svo_sum_kept_areas(__global const uint4 *pair_areas, uint first, uint last, bool both_sides)
+{
+    svo_areas areas = svo_no_areas();
+    for (uint pair = first; pair < last; ++pair) {
+        svo_add_areas(&areas, svo_kept_seen(pair_areas[pair]), both_sides);
+    }
+    return areas;
+}
+
+#endif
+
+#ifdef SVO_GATHERED
+
+/* edges: the sums of the scene's edges (kernels/plan/closed.cl), zero where they cancel. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_moving_gather(__global const uint4 *values, __global const uint *list_begin, __global ulong *weights,
                     __global ulong *color_sums, __global long *normal_sums, __global const uchar *masks,
                     __global const uint *first_child, __global uint *colors, __global short *normals,
-                    __global ushort *fills, __global const svo_build_state *state, svo_filter_params params)
+                    __global ushort *fills, __global const svo_build_state *state,
+                    svo_filter_params params SVO_AND_AREAS(const uint4, pair_areas) SVO_AND_AREAS(const ulong, edges)
+                        SVO_AND_AREAS(ushort, areas))
 {
     svo_make_current(&params, state);
     const uint index = (uint)get_global_id(0);
@@ -85,12 +107,21 @@ svo_k_moving_gather(__global const uint4 *values, __global const uint *list_begi
     const uint begin = first_child[node];
     const uint end = begin + popcount((uint)masks[node]);
     svo_sums sums = svo_no_sums();
+    SVO_UNUSED(values);
+#ifdef SVO_AREAS
+    const bool both_sides = (edges[0] | edges[1]) != 0;
+#endif
     for (uint leaf = begin; leaf < end; ++leaf) {
         const uint first = list_begin[leaf - params.leaf_begin];
         const uint last = list_begin[leaf - params.leaf_begin + 1u];
+#ifdef SVO_NODE_PAYLOAD
         const svo_sums part =
             svo_sum_kept(values, first, last, leaf - params.payload_begin, payload, params.fill_shift);
         sums = svo_join_sums(sums, part);
+#endif
+#ifdef SVO_AREAS
+        svo_store_areas(svo_sum_kept_areas(pair_areas, first, last, both_sides), leaf - params.leaf_begin, areas);
+#endif
     }
     svo_store_sums(sums, index, weights, color_sums, normal_sums);
     if (params.payload_begin == 0u) {

@@ -108,12 +108,11 @@ static svo_status create_kernels(filterer *f)
 {
     svo_i_commands *commands = &f->build->commands;
     cl_program program = f->build->programs[SVO_I_PROGRAM_FILTER];
-    if (f->build->kept != NULL) {
-        return svo_i_commands_kernel(commands, program, "svo_k_filter", &f->filter);
-    }
     const char *gather = f->pairs ? "svo_k_gather_pairs" : f->leaf_sums ? "svo_k_gather" : "svo_k_gather_level";
-    SVO_I_TRY(f->pairs ? SVO_OK : svo_i_commands_kernel(commands, program, "svo_k_link", &f->link));
-    SVO_I_TRY(svo_i_commands_kernel(commands, program, gather, &f->gather));
+    if (f->build->kept == NULL) {
+        SVO_I_TRY(f->pairs ? SVO_OK : svo_i_commands_kernel(commands, program, "svo_k_link", &f->link));
+        SVO_I_TRY(svo_i_commands_kernel(commands, program, gather, &f->gather));
+    }
     return f->levels ? svo_i_commands_kernel(commands, program, "svo_k_filter", &f->filter) : SVO_OK;
 }
 
@@ -264,9 +263,13 @@ static svo_status gather_kept(filterer *f)
                                         SVO_I_ARGUMENT(tree[SVO_TREE_NORMALS]),
                                         SVO_I_ARGUMENT(tree[SVO_TREE_FILLS]),
                                         SVO_I_ARGUMENT(build->state),
-                                        SVO_I_ARGUMENT(f->params)};
+                                        SVO_I_ARGUMENT(f->params),
+                                        SVO_I_ARGUMENT(kept->areas),
+                                        SVO_I_ARGUMENT(kept->edges),
+                                        SVO_I_ARGUMENT(tree[SVO_TREE_AREAS])};
+    const cl_uint count = (cl_uint)(sizeof arguments / sizeof arguments[0]) - (f->areas ? 0 : 3);
     svo_i_stage_begin(&build->commands);
-    SVO_I_TRY(svo_i_commands_run(&build->commands, kept->program, "svo_k_moving_gather", SVO_I_ARGUMENTS(arguments),
+    SVO_I_TRY(svo_i_commands_run(&build->commands, kept->program, "svo_k_moving_gather", arguments, count,
                                  f->params.level_count));
     return svo_i_stage_end(&build->commands, SVO_STAGE_FILTER);
 }
