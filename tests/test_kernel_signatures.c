@@ -635,6 +635,15 @@ static void move_all(const fixture *opened, const svo_mesh *mesh)
     svo_moving_destroy(&moving);
 }
 
+/* The same on the path of GPUs. */
+static void move_as_on_gpus(fixture *opened, const svo_mesh *mesh)
+{
+    const bool cpu_path = opened->device->cpu_path;
+    opened->device->cpu_path = false;
+    move_all(opened, mesh);
+    opened->device->cpu_path = cpu_path;
+}
+
 /* Fails if a kernel defined in the source was never launched. Returns how many the source defines. */
 static size_t check_all_launched(const char *source)
 {
@@ -686,6 +695,7 @@ static void every_launch_matches_its_kernel(void **state)
     light_all(&opened, tree.tree);
     shine_all(&opened, &painted.mesh);
     move_all(&opened, &painted.mesh);
+    move_as_on_gpus(&opened, &painted.mesh);
     for (size_t i = 0; i < sizeof sources / sizeof sources[0]; ++i) {
         assert_true(check_all_launched(sources[i]) > 0);
     }

@@ -372,10 +372,11 @@ static uint64_t nothing_else(const svo_moving *moving)
     return 0;
 }
 
+/* Over ten thousand updates where SVOCL_LONG_TESTS is set (tools/dev long). */
 static void memory_is_flat(void **state)
 {
     (void)state;
-    check_memory_is_flat(3000, update_moving, nothing_else);
+    check_memory_is_flat(getenv("SVOCL_LONG_TESTS") != NULL ? 10000 : 3000, update_moving, nothing_else);
 }
 
 int main(void)
