@@ -614,12 +614,14 @@ static void shine_all(const fixture *opened, const svo_mesh *mesh)
     }
 }
 
-/* Two objects that move beside the mesh, with lists and materials. */
+/* Two objects that move beside the mesh, with lists, materials and projected areas. */
 static void move_all(const fixture *opened, const svo_mesh *mesh)
 {
     const double transform[12] = {0.5, 0, 0, 0.1, 0, 0.5, 0, 0.1, 0, 0, 0.5, 0.1};
-    const svo_moving_options options = {
-        .struct_size = sizeof options, .need = PAYLOAD | (uint32_t)SVO_NEED_RAYS, .edge = 1.0, .max_area = 1e3};
+    const svo_moving_options options = {.struct_size = sizeof options,
+                                        .need = PAYLOAD | (uint32_t)SVO_NEED_RAYS | (uint32_t)SVO_NEED_PROJECTED_AREA,
+                                        .edge = 1.0,
+                                        .max_area = 1e3};
     svo_moving *moving = NULL;
     uint32_t object = 0;
     succeed(opened, svo_moving_create(opened->device, mesh, DEPTH, &options, opened->queue, &moving));

@@ -34,7 +34,7 @@ typedef struct stage {
 static svo_moving_options options_of_stage(void)
 {
     const svo_moving_options options = {.struct_size = sizeof options,
-                                        .need = (uint32_t)SVO_NEED_ALL & ~(uint32_t)SVO_NEED_PROJECTED_AREA,
+                                        .need = SVO_NEED_ALL,
                                         .origin = {-0.1, -0.1, -0.1},
                                         .edge = 1.2,
                                         .max_area = 60.0};

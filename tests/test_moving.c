@@ -23,7 +23,7 @@ static const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
 /* ---- equality ---- */
 
-static const uint32_t everything = (uint32_t)SVO_NEED_ALL & ~(uint32_t)SVO_NEED_PROJECTED_AREA;
+static const uint32_t everything = SVO_NEED_ALL;
 
 /* One of the objects moves, hides, appears or gets other vertices. */
 static void play(const fixture *opened, svo_moving *moving, const actors *of, uint64_t *seed, bool *visible)
@@ -294,10 +294,6 @@ static void wrong_meshes_are_refused(void **state)
     wrong.edge = 0.0;
     assert_fails(&opened, svo_moving_create(opened.device, room, 4, &wrong, NULL, &moving), SVO_INVALID_ARGUMENT,
                  "edge");
-    wrong = options;
-    wrong.need = SVO_NEED_PROJECTED_AREA;
-    assert_fails(&opened, svo_moving_create(opened.device, room, 4, &wrong, NULL, &moving), SVO_UNSUPPORTED,
-                 "projected-area");
     wrong = options;
     wrong.need = SVO_NEED_FILL;
     wrong.weights = SVO_WEIGHTS_UNIFORM;

@@ -22,6 +22,9 @@
 #define GATHER_NS 250.0
 #define NODE_NS   40.0
 
+/* The last arguments of the kernels that sum up kept pairs, which only those with projected areas have. */
+#define KEPT_AREA_ARGUMENTS 3
+
 /* The sums of one level. */
 typedef struct level_sums {
     cl_mem weights, colors, normals;
@@ -110,12 +113,11 @@ static svo_status create_kernels(filterer *f)
 {
     svo_i_commands *commands = &f->build->commands;
     cl_program program = f->build->programs[SVO_I_PROGRAM_FILTER];
-    if (f->build->kept != NULL) {
-        return svo_i_commands_kernel(commands, program, "svo_k_filter", &f->filter);
-    }
     const char *gather = f->pairs ? "svo_k_gather_pairs" : f->leaf_sums ? "svo_k_gather" : "svo_k_gather_level";
-    SVO_I_TRY(f->pairs ? SVO_OK : svo_i_commands_kernel(commands, program, "svo_k_link", &f->link));
-    SVO_I_TRY(svo_i_commands_kernel(commands, program, gather, &f->gather));
+    if (f->build->kept == NULL) {
+        SVO_I_TRY(f->pairs ? SVO_OK : svo_i_commands_kernel(commands, program, "svo_k_link", &f->link));
+        SVO_I_TRY(svo_i_commands_kernel(commands, program, gather, &f->gather));
+    }
     return f->levels ? svo_i_commands_kernel(commands, program, "svo_k_filter", &f->filter) : SVO_OK;
 }
 
@@ -263,12 +265,19 @@ static svo_status gather_long(filterer *f)
     const level_sums *sums = &f->long_sums;
     const uint64_t groups = (build->fragment_count + SVO_KEPT_LONG - 1) / SVO_KEPT_LONG;
     SVO_I_TRY(allocate_sums(f, &f->long_sums, build->tree->info.depth, groups));
-    const svo_i_argument arguments[] = {
-        SVO_I_ARGUMENT(kept->values),  SVO_I_ARGUMENT(build->tree->buffers[SVO_TREE_LIST_BEGIN]),
-        SVO_I_ARGUMENT(sums->weights), SVO_I_ARGUMENT(sums->colors),
-        SVO_I_ARGUMENT(sums->normals), SVO_I_ARGUMENT(build->state),
-        SVO_I_ARGUMENT(f->params),     SVO_I_LOCAL(sizeof(cl_ulong) * SVO_GROUP_ITEMS)};
-    return svo_i_commands_run(&build->commands, kept->program, "svo_k_moving_long", SVO_I_ARGUMENTS(arguments),
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(kept->values),
+                                        SVO_I_ARGUMENT(build->tree->buffers[SVO_TREE_LIST_BEGIN]),
+                                        SVO_I_ARGUMENT(sums->weights),
+                                        SVO_I_ARGUMENT(sums->colors),
+                                        SVO_I_ARGUMENT(sums->normals),
+                                        SVO_I_ARGUMENT(build->state),
+                                        SVO_I_ARGUMENT(f->params),
+                                        SVO_I_LOCAL(sizeof(cl_ulong) * SVO_GROUP_ITEMS),
+                                        SVO_I_ARGUMENT(kept->areas),
+                                        SVO_I_ARGUMENT(kept->edges),
+                                        SVO_I_ARGUMENT(build->tree->buffers[SVO_TREE_AREAS])};
+    const cl_uint count = (cl_uint)(sizeof arguments / sizeof arguments[0]) - (f->areas ? 0 : KEPT_AREA_ARGUMENTS);
+    return svo_i_commands_run(&build->commands, kept->program, "svo_k_moving_long", arguments, count,
                               groups * SVO_GROUP_ITEMS);
 }
 
@@ -297,8 +306,12 @@ static svo_status gather_kept(filterer *f)
                                         SVO_I_ARGUMENT(tree[SVO_TREE_NORMALS]),
                                         SVO_I_ARGUMENT(tree[SVO_TREE_FILLS]),
                                         SVO_I_ARGUMENT(build->state),
-                                        SVO_I_ARGUMENT(f->params)};
-    SVO_I_TRY(svo_i_commands_run(&build->commands, kept->program, "svo_k_moving_gather", SVO_I_ARGUMENTS(arguments),
+                                        SVO_I_ARGUMENT(f->params),
+                                        SVO_I_ARGUMENT(kept->areas),
+                                        SVO_I_ARGUMENT(kept->edges),
+                                        SVO_I_ARGUMENT(tree[SVO_TREE_AREAS])};
+    const cl_uint count = (cl_uint)(sizeof arguments / sizeof arguments[0]) - (f->areas ? 0 : KEPT_AREA_ARGUMENTS);
+    SVO_I_TRY(svo_i_commands_run(&build->commands, kept->program, "svo_k_moving_gather", arguments, count,
                                  f->params.level_count));
     return svo_i_stage_end(&build->commands, SVO_STAGE_FILTER);
 }
