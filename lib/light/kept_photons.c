@@ -28,18 +28,47 @@ static bool is_same_box(const svo_i_lit_box *a, const svo_i_lit_box *b)
     return same;
 }
 
-bool svo_i_kept_fits(const svo_i_kept_photons *kept, const svo_tree *tree, const svo_i_lit_box *box)
+static svo_status read_payload(svo_i_device_work *work, const svo_tree *tree, svo_i_kept_payload *out)
+{
+    static const svo_tree_buffer buffers[3] = {SVO_TREE_COLORS, SVO_TREE_NORMALS, SVO_TREE_MATERIALS};
+    const svo_tree_info *info = &tree->info;
+    *out = (svo_i_kept_payload){.need = info->need, .constant = info->constant, .weights = info->weights};
+    for (size_t i = 0; i < 3; ++i) {
+        if (svo_i_tree_is_constant(info, buffers[i]) && tree->buffers[buffers[i]] != NULL) {
+            SVO_I_TRY(svo_i_work_read(work, tree->buffers[buffers[i]], 0, &out->constants[i],
+                                      svo_i_tree_element_bytes(buffers[i])));
+        }
+    }
+    return SVO_OK;
+}
+
+static bool is_same_payload(const svo_i_kept_payload *a, const svo_i_kept_payload *b)
+{
+    bool same = a->need == b->need && a->constant == b->constant && a->weights == b->weights;
+    for (int i = 0; i < 3; ++i) {
+        same = same && a->constants[i] == b->constants[i];
+    }
+    return same;
+}
+
+svo_status svo_i_kept_fits(const svo_i_kept_photons *kept, svo_i_device_work *work, const svo_tree *tree,
+                           const svo_i_lit_box *box, bool *fits)
 {
     svo_grid grid = {.depth = 0};
-    return kept->whole && svo_tree_get_grid(tree, &grid) == SVO_OK && is_same_grid(&grid, &kept->grid) &&
-           is_same_box(box, &kept->box);
+    svo_i_kept_payload payload;
+    SVO_I_TRY(svo_tree_get_grid(tree, &grid));
+    SVO_I_TRY(read_payload(work, tree, &payload));
+    *fits = kept->whole && is_same_grid(&grid, &kept->grid) && is_same_box(box, &kept->box) &&
+            is_same_payload(&payload, &kept->payload);
+    return SVO_OK;
 }
 
 /* ---- buffers ---- */
 
 static void release_buffers(svo_i_kept_photons *kept)
 {
-    cl_mem *const buffers[] = {&kept->weights, &kept->ends, &kept->spreads, &kept->sums, &kept->users, &kept->codes};
+    cl_mem *const buffers[] = {&kept->weights, &kept->ends,  &kept->spreads,  &kept->sums,
+                               &kept->users,   &kept->codes, &kept->radiance, &kept->bits};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
         svo_i_buffer_release(buffers[i]);
     }
@@ -66,9 +95,10 @@ static uint64_t bytes_of(cl_mem buffer)
 
 uint64_t svo_i_kept_bytes(const svo_i_kept_photons *kept)
 {
-    return kept == NULL ? 0
-                        : bytes_of(kept->weights) + bytes_of(kept->ends) + bytes_of(kept->spreads) +
-                              bytes_of(kept->sums) + bytes_of(kept->users) + bytes_of(kept->codes);
+    return kept == NULL
+               ? 0
+               : bytes_of(kept->weights) + bytes_of(kept->ends) + bytes_of(kept->spreads) + bytes_of(kept->sums) +
+                     bytes_of(kept->users) + bytes_of(kept->codes) + bytes_of(kept->radiance) + bytes_of(kept->bits);
 }
 
 /* Lists the views of a setup as svo_i_light_shine shoots them. kept->views: room for them; NULL: they are counted. */
@@ -114,6 +144,7 @@ svo_status svo_i_kept_begin(svo_i_kept_photons *kept, svo_i_device_work *work, c
     release_buffers(kept);
     *kept = (svo_i_kept_photons){.device = tree->device, .has_directions = has_directions, .box = *box};
     SVO_I_TRY(svo_tree_get_grid(tree, &kept->grid));
+    SVO_I_TRY(read_payload(work, tree, &kept->payload));
     SVO_I_TRY(make_views(kept, work, setup));
     const uint64_t photons = kept->photon_count;
     SVO_I_TRY(svo_i_work_result(work, "kept_weights", photons * sizeof(svo_photon_weight), &kept->weights));
@@ -141,12 +172,15 @@ cleanup:
     return status;
 }
 
-svo_status svo_i_kept_grow(svo_i_kept_photons *kept, svo_i_device_work *work, uint64_t room, uint64_t sum_bytes)
+svo_status svo_i_kept_grow(svo_i_kept_photons *kept, svo_i_device_work *work, uint64_t room, uint64_t sum_bytes,
+                           uint64_t radiance_bytes)
 {
     const uint64_t old = kept->slot_room;
     SVO_I_TRY(grow(work, "kept_sums", old * sum_bytes, room * sum_bytes, 0, &kept->sums));
     SVO_I_TRY(grow(work, "kept_users", old * sizeof(cl_uint), room * sizeof(cl_uint), 0, &kept->users));
     SVO_I_TRY(grow(work, "kept_codes", old * sizeof(cl_ulong), room * sizeof(cl_ulong), SVO_SLOT_NONE, &kept->codes));
+    SVO_I_TRY(grow(work, "kept_radiance", old * radiance_bytes, room * radiance_bytes, 0, &kept->radiance));
+    SVO_I_TRY(grow(work, "kept_bits", old * sizeof(cl_uint), room * sizeof(cl_uint), SVO_SLOT_STALE, &kept->bits));
     kept->slot_room = room;
     return SVO_OK;
 }
@@ -172,8 +206,8 @@ svo_status svo_i_kept_take(const svo_i_kept_photons *kept, svo_i_device_work *wo
     const svo_i_argument arguments[] = {
         SVO_I_ARGUMENT(shot->weights), SVO_I_ARGUMENT(shot->met),     SVO_I_ARGUMENT(shot->spreads),
         SVO_I_ARGUMENT(shot->slots),   SVO_I_ARGUMENT(kept->weights), SVO_I_ARGUMENT(kept->ends),
-        SVO_I_ARGUMENT(kept->spreads), SVO_I_ARGUMENT(kept->users),   SVO_I_ARGUMENT(shot->first),
-        SVO_I_ARGUMENT(shot->groups),  SVO_I_ARGUMENT(*params)};
+        SVO_I_ARGUMENT(kept->spreads), SVO_I_ARGUMENT(kept->users),   SVO_I_ARGUMENT(kept->bits),
+        SVO_I_ARGUMENT(shot->first),   SVO_I_ARGUMENT(shot->groups),  SVO_I_ARGUMENT(*params)};
     SVO_I_TRY(svo_i_kept_use(kept, work));
     return svo_i_work_launch(work, "svo_k_photon_keep", SVO_I_ARGUMENTS(arguments), params->count / SVO_ITEM_PHOTONS);
 }
