@@ -175,7 +175,7 @@ static svo_status run_scene(subject *of)
     return status;
 }
 
-/* A light that is updated, for a tree that has not changed. */
+/* A light that is updated twice, for a tree that has not changed. */
 static svo_status update_light(subject *of, svo_light *light, svo_light_setup setup)
 {
     const svo_box changed = {.high = {0.5, 0.5, 0.5}};
@@ -185,7 +185,8 @@ static svo_status update_light(subject *of, svo_light *light, svo_light_setup se
     if (status != SVO_OK) {
         return status;
     }
-    return svo_light_update(light, of->tree, &changed, 1, world.queue);
+    TRY_TOLD(svo_light_update(light, of->tree, &changed, 1, world.queue));
+    return svo_light_update(light, of->tree, &changed, 1, world.queue); /* from what the first one kept */
 }
 
 /* Opacity and light in each form. */

@@ -190,7 +190,8 @@ typedef struct svo_light_setup {
     uint32_t view_resolution; /**< photons along a side of each light's view, 1 .. 16384; 0: four per facing leaf */
     uint32_t diagnose; /**< not 0: counts missed_leaves and node_map_items too, by one more ray a leaf and source */
     uint32_t no_photons; /**< not 0: sources light surfaces of pictures directly, but no photons leave them */
-    uint32_t updatable; /**< not 0: photons are kept for svo_light_update, in about 36 bytes each and 280 a lit leaf */
+    uint32_t updatable; /**< not 0: photons are kept for svo_light_update, in about 36 bytes each, 280 a lit leaf and
+                              17 an inner node */
 } svo_light_setup;
 
 /** No light. */
@@ -219,7 +220,8 @@ SVO_API svo_status svo_light_set_sources(svo_light *light, const svo_light_setup
  * With svo_light_setup.updatable, photons are shot again only where rays cross a box before they hit, or hit beside
  * one; of the others flux and leaves are kept. All are shot where the grid or the bounds of the leaves have changed,
  * since views follow from them, where the kind of payload has, and with diagnose, without leaf lists, or after sources
- * that OpenGL saw. The radiance of leaves is made where photons came or went, and in the boxes.
+ * that OpenGL saw. The radiance of leaves is made where photons came or went, and in the boxes. From the second update
+ * on, opacity is made of nodes that a box touches.
  *
  * The tree before is not read and may be gone, as after svo_moving_update. After a failure the light is still that of
  * the tree before, and the next update shoots all photons.

@@ -27,7 +27,7 @@ typedef struct again {
 static svo_status list_groups(again *a, size_t index, uint32_t box_count)
 {
     const svo_i_kept_view *view = &a->kept->views[index];
-    const double cells = 1 / svo_grid_cell_edge(&a->kept->grid, a->kept->grid.depth);
+    const double cells = 1 / svo_grid_cell_edge(&a->kept->tree.grid, a->kept->tree.grid.depth);
     /* A photon's point lies in a cell that what changed may touch, or it takes the leaf of a cell beside its own. */
     const svo_crossing_params params = {.kept_first = view->first,
                                         .group_count = view->photon_count / SVO_ITEM_PHOTONS,

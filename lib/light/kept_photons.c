@@ -10,15 +10,6 @@ bool svo_i_kept_is_possible(const svo_light *light, const svo_light_setup *setup
            svo_i_rays_of_triangles(&light->tree->info);
 }
 
-static bool is_same_grid(const svo_grid *a, const svo_grid *b)
-{
-    bool same = a->depth == b->depth && a->snap_bits == b->snap_bits && a->scale == b->scale;
-    for (int axis = 0; axis < 3; ++axis) {
-        same = same && a->origin[axis] == b->origin[axis];
-    }
-    return same;
-}
-
 static bool is_same_box(const svo_i_lit_box *a, const svo_i_lit_box *b)
 {
     bool same = a->leaf_edge == b->leaf_edge;
@@ -28,38 +19,12 @@ static bool is_same_box(const svo_i_lit_box *a, const svo_i_lit_box *b)
     return same;
 }
 
-static svo_status read_payload(svo_i_device_work *work, const svo_tree *tree, svo_i_kept_payload *out)
-{
-    static const svo_tree_buffer buffers[3] = {SVO_TREE_COLORS, SVO_TREE_NORMALS, SVO_TREE_MATERIALS};
-    const svo_tree_info *info = &tree->info;
-    *out = (svo_i_kept_payload){.need = info->need, .constant = info->constant, .weights = info->weights};
-    for (size_t i = 0; i < 3; ++i) {
-        if (svo_i_tree_is_constant(info, buffers[i]) && tree->buffers[buffers[i]] != NULL) {
-            SVO_I_TRY(svo_i_work_read(work, tree->buffers[buffers[i]], 0, &out->constants[i],
-                                      svo_i_tree_element_bytes(buffers[i])));
-        }
-    }
-    return SVO_OK;
-}
-
-static bool is_same_payload(const svo_i_kept_payload *a, const svo_i_kept_payload *b)
-{
-    bool same = a->need == b->need && a->constant == b->constant && a->weights == b->weights;
-    for (int i = 0; i < 3; ++i) {
-        same = same && a->constants[i] == b->constants[i];
-    }
-    return same;
-}
-
 svo_status svo_i_kept_fits(const svo_i_kept_photons *kept, svo_i_device_work *work, const svo_tree *tree,
                            const svo_i_lit_box *box, bool *fits)
 {
-    svo_grid grid = {.depth = 0};
-    svo_i_kept_payload payload;
-    SVO_I_TRY(svo_tree_get_grid(tree, &grid));
-    SVO_I_TRY(read_payload(work, tree, &payload));
-    *fits = kept->whole && is_same_grid(&grid, &kept->grid) && is_same_box(box, &kept->box) &&
-            is_same_payload(&payload, &kept->payload);
+    svo_i_kept_tree now;
+    SVO_I_TRY(svo_i_kept_tree_read(work, tree, &now));
+    *fits = kept->whole && is_same_box(box, &kept->box) && svo_i_kept_tree_is_same(&now, &kept->tree);
     return SVO_OK;
 }
 
@@ -84,21 +49,13 @@ void svo_i_kept_destroy(svo_i_kept_photons **kept)
     }
 }
 
-static uint64_t bytes_of(cl_mem buffer)
-{
-    size_t bytes = 0;
-    if (buffer != NULL) {
-        clGetMemObjectInfo(buffer, CL_MEM_SIZE, sizeof bytes, &bytes, NULL);
-    }
-    return bytes;
-}
-
 uint64_t svo_i_kept_bytes(const svo_i_kept_photons *kept)
 {
-    return kept == NULL
-               ? 0
-               : bytes_of(kept->weights) + bytes_of(kept->ends) + bytes_of(kept->spreads) + bytes_of(kept->sums) +
-                     bytes_of(kept->users) + bytes_of(kept->codes) + bytes_of(kept->radiance) + bytes_of(kept->bits);
+    return kept == NULL ? 0
+                        : svo_i_kept_buffer_bytes(kept->weights) + svo_i_kept_buffer_bytes(kept->ends) +
+                              svo_i_kept_buffer_bytes(kept->spreads) + svo_i_kept_buffer_bytes(kept->sums) +
+                              svo_i_kept_buffer_bytes(kept->users) + svo_i_kept_buffer_bytes(kept->codes) +
+                              svo_i_kept_buffer_bytes(kept->radiance) + svo_i_kept_buffer_bytes(kept->bits);
 }
 
 /* Lists the views of a setup as svo_i_light_shine shoots them. kept->views: room for them; NULL: they are counted. */
@@ -143,8 +100,7 @@ svo_status svo_i_kept_begin(svo_i_kept_photons *kept, svo_i_device_work *work, c
 {
     release_buffers(kept);
     *kept = (svo_i_kept_photons){.device = tree->device, .has_directions = has_directions, .box = *box};
-    SVO_I_TRY(svo_tree_get_grid(tree, &kept->grid));
-    SVO_I_TRY(read_payload(work, tree, &kept->payload));
+    SVO_I_TRY(svo_i_kept_tree_read(work, tree, &kept->tree));
     SVO_I_TRY(make_views(kept, work, setup));
     const uint64_t photons = kept->photon_count;
     SVO_I_TRY(svo_i_work_result(work, "kept_weights", photons * sizeof(svo_photon_weight), &kept->weights));

@@ -4,6 +4,7 @@
 #ifndef SVO_LIB_LIGHT_KEPT_PHOTONS_H
 #define SVO_LIB_LIGHT_KEPT_PHOTONS_H
 
+#include "light/kept_tree.h"
 #include "light/light_view.h"
 #include "light/state.h"
 
@@ -14,20 +15,13 @@ typedef struct svo_i_kept_view {
     uint32_t first; /* its first photon among all */
 } svo_i_kept_view;
 
-/* Payload of a tree that is not found in boxes of what has changed. */
-typedef struct svo_i_kept_payload {
-    uint32_t need, constant, weights; /* of svo_tree_info */
-    uint64_t constants[3]; /* of colors, normals and materials, where all nodes have the same; else 0 */
-} svo_i_kept_payload;
-
 /* The views, and with them their photons, follow from a setup, the grid and the bounds of the leaves. */
 typedef struct svo_i_kept_photons {
     svo_device *device;
     bool whole; /* what follows is that of the light's tree */
     bool has_directions; /* of radiance */
-    svo_grid grid;
+    svo_i_kept_tree tree;
     svo_i_lit_box box;
-    svo_i_kept_payload payload;
     svo_i_kept_view *views; /* owned */
     size_t view_count, shot_views;
     uint32_t photon_count;

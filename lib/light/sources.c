@@ -8,6 +8,7 @@
 #include "light/again.h"
 #include "light/cells.h"
 #include "light/exchange.h"
+#include "light/kept_nodes.h"
 #include "light/photons.h"
 #include "light/setup.h"
 #include "light/unmet.h"
@@ -182,7 +183,7 @@ static svo_status begin_kept(svo_i_device_work *work, svo_light *light, const sv
                              const svo_i_lit_box *box, bool *fits)
 {
     *fits = false;
-    if (light->kept != NULL && light->changes != NULL) {
+    if (light->kept != NULL && light->before != NULL) {
         SVO_I_TRY(svo_i_kept_fits(light->kept, work, light->tree, box, fits));
     }
     if (*fits) {
@@ -206,7 +207,7 @@ static svo_status shoot(svo_i_photons *photons, svo_light *light, const svo_ligh
 {
     svo_status status = SVO_OK;
     if (again) {
-        status = svo_i_photons_shoot_again(photons, light->changes);
+        status = svo_i_photons_shoot_again(photons, &light->before->changes);
     } else if (setup->diagnose != 0) {
         status = shoot_and_count(photons, setup, box, &light->info);
     } else {
@@ -286,7 +287,7 @@ svo_status svo_i_light_shine(svo_i_device_work *work, svo_light *light, const sv
         photons.slots = NULL; /* the work releases them at its end */
     }
     light->info.lit_leaves = lit->lit_count;
-    light->info.kept_bytes = svo_i_kept_bytes(light->kept);
+    light->info.kept_bytes = svo_i_kept_bytes(light->kept) + svo_i_kept_nodes_bytes(light->nodes);
     svo_i_photons_release(&photons);
     return svo_i_light_took(work, light, SVO_LIGHT_STAGE_EXCHANGE, start);
 }
@@ -300,6 +301,7 @@ static void darken(svo_light *light)
     svo_i_light_darken(light);
     svo_i_light_forget_setup(light);
     svo_i_kept_destroy(&light->kept);
+    svo_i_kept_nodes_destroy(&light->nodes);
     svo_i_light_release(light, SVO_LIGHT_FLUX);
     for (int i = SVO_LIGHT_STAGE_VIEW; i < SVO_LIGHT_STAGE_COUNT; ++i) {
         info->stage_ms[i] = 0;
