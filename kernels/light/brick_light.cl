@@ -16,12 +16,14 @@
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_light_lit_bricks(__global const uchar *colors, __global const ushort *areas, __global const uint *leaves,
-                       __global const uint *values, __global uint *premultiplied, svo_light_step params)
+                       __global const uint *slots, __global const uint *values, __global uint *premultiplied,
+                       svo_light_step params)
 {
     const uint item = (uint)get_global_id(0);
     if (item < params.count) {
         const uint opacity = svo_leaf_opacity_any(colors, areas, leaves[item], params);
-        vstore3(svo_radiance_times(vload3(item, values), opacity), item, premultiplied);
+        const uint3 value = vload3(svo_light_value_place(leaves, slots, item), values);
+        vstore3(svo_radiance_times(value, opacity), item, premultiplied);
     }
 }
 

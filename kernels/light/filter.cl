@@ -97,17 +97,19 @@ svo_k_light_mark_bricks(__global const uchar *child_mask, __global const uint *f
 
 #ifdef SVO_LIGHT_FACES
 
+/* slots: of svo_light_value_place. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_light_lit_faces(__global const uint *leaves, __global const uint *values, __global const uint *lit,
-                      __global uint *radiance, svo_light_step params)
+svo_k_light_lit_faces(__global const uint *leaves, __global const uint *slots, __global const uint *values,
+                      __global const uint *lit, __global uint *radiance, svo_light_step params)
 {
     const uint item = (uint)get_global_id(0);
     if (item >= params.count) {
         return;
     }
+    const size_t from = 6u * (size_t)svo_light_value_place(leaves, slots, item);
     const size_t place = 6u * (size_t)lit[params.leaf_begin + leaves[item]];
     for (uint direction = 0; direction < 6u; ++direction) {
-        radiance[place + direction] = svo_radiance_encode(vload3(6u * (size_t)item + direction, values));
+        radiance[place + direction] = svo_radiance_encode(vload3(from + direction, values));
     }
 }
 
@@ -164,13 +166,15 @@ svo_k_light_face_light(__global const uchar *child_mask, __global const uint *fi
 #ifdef SVO_LIGHT_VOXELS
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_light_lit_voxels(__global const uint *leaves, __global const uint *values, __global const ushort *opacities,
-                       __global const uint *lit, __global uint *radiance, svo_light_step params)
+svo_k_light_lit_voxels(__global const uint *leaves, __global const uint *slots, __global const uint *values,
+                       __global const ushort *opacities, __global const uint *lit, __global uint *radiance,
+                       svo_light_step params)
 {
     const uint item = (uint)get_global_id(0);
     if (item < params.count) {
         const uint node = params.leaf_begin + leaves[item];
-        radiance[lit[node]] = svo_radiance_encode(svo_radiance_times(vload3(item, values), opacities[node]));
+        const uint3 value = vload3(svo_light_value_place(leaves, slots, item), values);
+        radiance[lit[node]] = svo_radiance_encode(svo_radiance_times(value, opacities[node]));
     }
 }
 

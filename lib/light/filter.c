@@ -116,10 +116,14 @@ static svo_status store_leaves(const filter *f)
 {
     const svo_light_step params = step_of_leaves(f);
     const cl_mem *buffers = f->light->buffers;
-    const svo_i_argument faces[] = {SVO_I_ARGUMENT(f->from->leaves), SVO_I_ARGUMENT(f->from->radiance),
-                                    SVO_I_ARGUMENT(buffers[SVO_LIGHT_LIT]), SVO_I_ARGUMENT(buffers[SVO_LIGHT_RADIANCE]),
+    const svo_i_argument faces[] = {SVO_I_ARGUMENT(f->from->leaves),
+                                    SVO_I_ARGUMENT(f->from->slots),
+                                    SVO_I_ARGUMENT(f->from->radiance),
+                                    SVO_I_ARGUMENT(buffers[SVO_LIGHT_LIT]),
+                                    SVO_I_ARGUMENT(buffers[SVO_LIGHT_RADIANCE]),
                                     SVO_I_ARGUMENT(params)};
     const svo_i_argument voxels[] = {SVO_I_ARGUMENT(f->from->leaves),
+                                     SVO_I_ARGUMENT(f->from->slots),
                                      SVO_I_ARGUMENT(f->from->radiance),
                                      SVO_I_ARGUMENT(buffers[SVO_LIGHT_OPACITY]),
                                      SVO_I_ARGUMENT(buffers[SVO_LIGHT_LIT]),
@@ -177,6 +181,7 @@ static svo_status premultiply(filter *f)
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(f->light->tree->buffers[SVO_TREE_COLORS]),
                                         SVO_I_ARGUMENT(areas),
                                         SVO_I_ARGUMENT(f->from->leaves),
+                                        SVO_I_ARGUMENT(f->from->slots),
                                         SVO_I_ARGUMENT(f->from->radiance),
                                         SVO_I_ARGUMENT(f->values),
                                         SVO_I_ARGUMENT(params)};

@@ -73,12 +73,12 @@ static int check_triangles(program *state, const char *folder)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    svo_status status = svo_parts_get_header(parts, &header, &message);
+    const svo_status status = svo_parts_get_header(parts, &header, &message);
     svo_parts_close(&parts);
     if (status == SVO_OK && header.refused_triangles == header.triangles) {
-        status = svo_parts_remove(folder, &message);
-        return program_fail(state, PROGRAM_FAILED, "%s: no valid triangle in it: all %" PRIu64 " are refused",
-                            state->options.input, header.triangles);
+        const bool removed = svo_parts_remove(folder, &message) == SVO_OK;
+        return program_fail(state, PROGRAM_FAILED, "%s: no valid triangle in it: all %" PRIu64 " are refused%s%s",
+                            state->options.input, header.triangles, removed ? "" : "; ", removed ? "" : message.text);
     }
     return status == SVO_OK ? PROGRAM_DONE : program_fail_library(state, message.text);
 }

@@ -8,6 +8,7 @@
 
 #include "support/input.h"
 #include "support/picture.h"
+#include "support/scene_file.h"
 #include "view/camera.h"
 #include "view/canvas.h"
 #include "view/drawing.h"
@@ -410,6 +411,15 @@ static int run(viewer *which)
     return exit_code;
 }
 
+/* What the command line asks for and INPUT cannot have. */
+static int check_options(program *running)
+{
+    return running->options.frames == 0 || scene_file_is_input(running)
+               ? PROGRAM_DONE
+               : program_fail(running, PROGRAM_WRONG_USAGE, "--frames takes a scene with motions, a .json file, not %s",
+                              running->options.input);
+}
+
 /* A script neither reads nor writes settings: it shows the same for everybody. */
 static int begin(viewer *which)
 {
@@ -433,7 +443,8 @@ int view_run(program *running)
     }
     which->running = running;
     view_state_begin(&which->state);
-    int exit_code = begin(which);
+    int exit_code = check_options(running);
+    exit_code = exit_code == PROGRAM_DONE ? begin(which) : exit_code;
     if (exit_code == PROGRAM_DONE) {
         take_options(which);
         exit_code = run(which);
