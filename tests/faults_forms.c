@@ -181,11 +181,9 @@ static svo_status update_light(subject *of, svo_light *light, svo_light_setup se
     const svo_box changed = {.high = {0.5, 0.5, 0.5}};
     setup.diagnose = 0;
     setup.updatable = 1;
-    svo_status status = svo_light_set_sources(light, &setup, world.queue);
-    for (int i = 0; i < 2 && status == SVO_OK; ++i) { /* the second has what the first one kept */
-        status = svo_light_update(light, of->tree, &changed, 1, world.queue);
-    }
-    return status;
+    SVO_I_TRY(svo_light_set_sources(light, &setup, world.queue));
+    SVO_I_TRY(svo_light_update(light, of->tree, &changed, 1, world.queue));
+    return svo_light_update(light, of->tree, &changed, 1, world.queue); /* from what the first one kept */
 }
 
 /* Opacity and light in each form. */

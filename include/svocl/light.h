@@ -221,7 +221,7 @@ SVO_API svo_status svo_light_set_sources(svo_light *light, const svo_light_setup
  * one; of the others flux and leaves are kept. All are shot where the grid or the bounds of the leaves have changed,
  * since views follow from them, where the kind of payload has, and with diagnose, without leaf lists, or after sources
  * that OpenGL saw. The radiance of leaves is made where photons came or went, and in the boxes. From the second update
- * on, opacity is made of nodes that a box touches.
+ * on, opacity is made of nodes that a box touches, and radiance of nodes above such leaves.
  *
  * The tree before is not read and may be gone, as after svo_moving_update. After a failure the light is still that of
  * the tree before, and the next update shoots all photons.

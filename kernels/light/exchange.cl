@@ -128,6 +128,7 @@ svo_k_radiance_bits(__global const uint *leaves, __global const uint *slots, __g
             slot_bits[slot] = bits | SVO_SLOT_STALE;
         }
     }
+    bits &= SVO_SLOT_BITS;
     /* Few raise the maximum; an atomic for each would take most of the time. */
     if (bits > counters[SVO_PHOTON_BITS]) {
         atomic_max(counters + SVO_PHOTON_BITS, bits);
@@ -194,7 +195,9 @@ svo_k_radiance(__global const uint *leaves, __global const uint *slots, __global
         svo_reflect(&tree, areas, leaf, of_slot, &params, radiance + (size_t)item * SVO_LEAF_VALUES);
     } else if (params.kept == SVO_RADIANCE_OF_SLOTS || (slot_bits[slot] & SVO_SLOT_STALE) != 0u) {
         svo_reflect(&tree, areas, leaf, of_slot, &params, radiance + (size_t)slot * SVO_LEAF_VALUES);
-        slot_bits[slot] &= ~SVO_SLOT_STALE;
+        slot_bits[slot] = (slot_bits[slot] & SVO_SLOT_BITS) | SVO_SLOT_FRESH;
+    } else {
+        slot_bits[slot] &= SVO_SLOT_BITS;
     }
     for (uint k = 0; k < 2u * SVO_FLUX_SUMS; ++k) {
         flux[(size_t)item * 2u * SVO_FLUX_SUMS + k] = of_slot[k];

@@ -10,7 +10,7 @@
  *   svo_k_photon_take     per listed group: takes its flux back from the sums of its slots
  *   svo_k_photon_weigh    per photon of listed groups: its weight, for the kernels that shoot
  *   svo_k_slot_places     per slot: where its leaf is in the new tree; lists the slots that no group reaches any more
- *   svo_k_slot_codes      per leaf: the code of its slot, where that is new
+ *   svo_k_slot_codes      per leaf: the code of its slot, where that is new; marks those whose radiance is
  *
  * A photon that what changed does not concern meets what it met: its ray misses the bounds of what changed, before and
  * after, up to the hit. And it reaches the leaves that it reached: only cells within these bounds gain or lose a leaf
@@ -18,7 +18,7 @@
  * by more than their error; photons that are shot again without need get the same flux again.
  *
  * Launch: as above, rounded up to whole groups. Atomics: counters number groups and slots, whose order does not matter;
- * the sums of photon_sums.clh. No local memory.
+ * leaves set bits at their parents; the sums of photon_sums.clh. No local memory.
  */
 #include "light/changed.clh"
 #include "light/photon_sums.clh"
@@ -252,16 +252,34 @@ svo_k_photon_weigh(__global const svo_photon_weight *kept_weights, __global svo_
     }
 }
 
+/* Marks a leaf at the node above it. renewed: as renewed.cl has it; NULL: not wanted. */
+static void svo_mark_renewed(__global const uchar *child_mask, __global const uint *first_child, ulong code, uint depth,
+                             volatile __global uint *renewed)
+{
+    uint cell[3];
+    svo_node node;
+    if (renewed == NULL || code == SVO_NO_CODE) {
+        return;
+    }
+    svo_deinterleave(code >> 3, cell);
+    svo_walk_down(child_mask, first_child, depth - 1u, cell, &node);
+    if (node.level == depth - 1u) {
+        atomic_or(renewed + node.index, 1u << (uint)(code & 7ul));
+    }
+}
+
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_slot_places(__global const uchar *child_mask, __global const uint *first_child, __global const uint *users,
                   __global ulong *codes, __global uint *bits, __global const int *boxes, uint box_count,
-                  __global uint *slots, volatile __global uint *counters, svo_photon_params params)
+                  __global uint *slots, volatile __global uint *renewed, volatile __global uint *counters,
+                  svo_photon_params params)
 {
     const uint slot = (uint)get_global_id(0);
     if (slot >= params.count) {
         return;
     }
     if (users[slot] == 0u) {
+        svo_mark_renewed(child_mask, first_child, codes[slot], params.depth, renewed);
         codes[slot] = SVO_NO_CODE;
         bits[slot] = SVO_SLOT_STALE;
         counters[SVO_PHOTON_COUNTERS + atomic_inc(counters + SVO_PHOTON_FREE)] = slot;
@@ -284,7 +302,8 @@ svo_k_slot_places(__global const uchar *child_mask, __global const uint *first_c
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_slot_codes(__global const uchar *child_mask, __global const uint *first_child, __global const uint *slots,
-                 __global ulong *codes, svo_photon_params params)
+                 __global ulong *codes, __global const uint *bits, volatile __global uint *renewed,
+                 svo_photon_params params)
 {
     const uint leaf = (uint)get_global_id(0);
     const uint slot = leaf < params.leaf_count ? slots[leaf] : SVO_SLOT_NONE;
@@ -292,5 +311,8 @@ svo_k_slot_codes(__global const uchar *child_mask, __global const uint *first_ch
         svo_node node;
         svo_walk_up(child_mask, first_child, params.leaf_begin, params.leaf_begin + leaf, &node);
         codes[slot] = svo_interleave(node.cell);
+    }
+    if (slot != SVO_SLOT_NONE && (bits[slot] & SVO_SLOT_FRESH) != 0u) {
+        svo_mark_renewed(child_mask, first_child, codes[slot], params.depth, renewed);
     }
 }

@@ -462,6 +462,34 @@ SVO_RECORD(svo_bvh_params)
     SVO_U32 halvings; /* 36: splits above the root, of a BVH below other nodes */
 };
 
+/* A BVH among those that kernels fit to their triangles together, in buffers that they share. 24 bytes. */
+SVO_RECORD(svo_bvh_member)
+{
+    SVO_U32 first_triangle; /* 0: of the mesh */
+    SVO_U32 item_count; /* 4 */
+    SVO_U32 item_begin; /* 8: its first item among those of the others */
+    SVO_U32 child_begin; /* 12: the children of its first node among those of the others */
+    SVO_U32 node_begin; /* 16: its first node among those that rays read */
+    SVO_U32 leaf_begin; /* 20: units of 16 bytes of leaves before its own */
+};
+
+/* Nodes or items of a member, for a group. 12 bytes. */
+SVO_RECORD(svo_bvh_tile)
+{
+    SVO_U32 member; /* 0 */
+    SVO_U32 begin; /* 4 */
+    SVO_U32 end; /* 8: at most SVO_GROUP_ITEMS after begin */
+};
+
+/* What is known of a BVH that was fit: its root's box in grid units, and what rays through it cost. 32 bytes. */
+SVO_RECORD(svo_bvh_extent)
+{
+    SVO_F32 low[3]; /* 0 */
+    SVO_F32 area; /* 12: half those of all nodes and leaves; over half the root's, how many a random ray visits */
+    SVO_F32 high[3]; /* 16: negated */
+    SVO_U32 outside; /* 28: whether a triangle reaches outside the grid; the BVH is of no use then */
+};
+
 /* ---- scenes ---- */
 
 /* Bits of a coordinate in the Morton code of a box's center. */
@@ -593,6 +621,9 @@ SVO_ASSERT_BYTES(svo_bvh_branch, 16);
 SVO_ASSERT_BYTES(svo_bvh_children, 96);
 SVO_ASSERT_BYTES(svo_bvh_state, 32);
 SVO_ASSERT_BYTES(svo_bvh_params, 40);
+SVO_ASSERT_BYTES(svo_bvh_member, 24);
+SVO_ASSERT_BYTES(svo_bvh_tile, 12);
+SVO_ASSERT_BYTES(svo_bvh_extent, 32);
 SVO_ASSERT_BYTES(svo_scene_tree, 32);
 SVO_ASSERT_BYTES(svo_scene_instance, 152);
 SVO_ASSERT_BYTES(svo_scene_node, 64);

@@ -61,9 +61,11 @@ SVO_RECORD(svo_light_step)
 #define SVO_PHOTON_LOST   0xfffffffeu
 /* The slot of a leaf that has none. */
 #define SVO_SLOT_NONE 0xffffffffu
-/* What is known of the radiance of a slot: the bits of the largest value, before it gets its unit, and a flag: it is to
-   be made anew. */
+/* What is known of the radiance of a slot: the bits of the largest value, before it gets its unit, and flags: it is to
+   be made anew; it has been. */
+#define SVO_SLOT_BITS  0xffu
 #define SVO_SLOT_STALE 0x80000000u
+#define SVO_SLOT_FRESH 0x40000000u
 
 /* Sums of a lit leaf, of 64 bits each: flux red, green, blue; all flux times the direction of its photons, 2^24 = 1 on
    x, y, z; and, where radiance has directions, the flux of each channel times the cosine for each of the six

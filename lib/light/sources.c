@@ -207,7 +207,7 @@ static svo_status shoot(svo_i_photons *photons, svo_light *light, const svo_ligh
 {
     svo_status status = SVO_OK;
     if (again) {
-        status = svo_i_photons_shoot_again(photons, &light->before->changes);
+        status = svo_i_photons_shoot_again(photons, light->before);
     } else if (setup->diagnose != 0) {
         status = shoot_and_count(photons, setup, box, &light->info);
     } else {
@@ -282,7 +282,7 @@ svo_status svo_i_light_shine(svo_i_device_work *work, svo_light *light, const sv
     const double start = svo_i_now_ms();
     SVO_I_TRY(svo_i_light_exchange(&photons, light, setup->finishes, setup->finish_count, lit));
     if (light->kept != NULL) {
-        SVO_I_TRY(svo_i_photons_finish_kept(&photons, &totals));
+        SVO_I_TRY(svo_i_photons_finish_kept(&photons, &totals, again ? light->before->renewed : NULL));
         lit->slots = photons.slots;
         photons.slots = NULL; /* the work releases them at its end */
     }

@@ -33,6 +33,7 @@ typedef struct svo_i_light_before {
     const struct svo_light *light; /* of the tree before, which may be gone */
     svo_i_light_changes changes;
     cl_mem origins; /* u32 an inner node: what it was in the tree before, or SVO_NO_NODE. Owned; NULL: not known */
+    cl_mem renewed; /* u32 an inner node: octants of its children whose leaves have new radiance. Owned; NULL: all do */
 } svo_i_light_before;
 
 struct svo_light {

@@ -76,6 +76,7 @@ static svo_status make_after(svo_light *light, svo_tree *tree, svo_i_light_befor
         (*made)->before = NULL;
     }
     svo_i_buffer_release(&before->origins);
+    svo_i_buffer_release(&before->renewed);
     svo_i_kept_nodes_destroy(&light->nodes);
     return status;
 }
