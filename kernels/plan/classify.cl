@@ -185,7 +185,7 @@ static uint svo_size_of(const svo_placed *p, uint axis)
     const int u = axis == 0u ? p->width.y : axis == 1u ? p->width.z : p->width.x;
     const int v = axis == 0u ? p->width.z : axis == 1u ? p->width.x : p->width.y;
     const long columns = (long)u * v;
-    return columns > SVO_TILE_COLUMNS ? SVO_SIZE_LARGE : (uint)min(columns, (long)(SVO_SIZES - 1));
+    return columns > SVO_TILE_COLUMNS ? SVO_SIZE_LARGE : (uint)min(columns, (long)(SVO_SIZE_COUNT - 1));
 }
 
 /* The fate of an accepted triangle. sums: widths, and twice the projected areas, of one that is kept. */

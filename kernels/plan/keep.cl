@@ -98,7 +98,7 @@ static void svo_rank_sizes(__global const ushort *fates, uint2 run, uint class_i
     const uint item = (uint)get_local_id(0);
     __local ushort *column = table + item; /* of this work-item's triangles */
     __local ushort *row = table + item * SVO_SIZE_PITCH; /* of the size that it sums up */
-    for (uint size = 0; size < SVO_SIZES; ++size) {
+    for (uint size = 0; size < SVO_SIZE_COUNT; ++size) {
         column[size * SVO_SIZE_PITCH] = 0;
     }
     for (uint t = run.x; t < run.y; ++t) {

@@ -53,14 +53,14 @@
 #define SVO_VOXELIZE_NOTE_WORDS  (SVO_GROUP_ITEMS * (SVO_TILE_COLUMNS / 2 + 1))
 
 /* Draw items of a class are sorted by size, within blocks of SVO_SCAN_TILE triangles of the mesh, and so are tiles: so
-   work-items that run together visit about as many columns. The size is the number of columns, up to SVO_SIZES - 1, or
-   SVO_SIZE_LARGE where there are more than those of a tile. A work-item of the plan's kernels counts one size. */
-#define SVO_SIZES      SVO_GROUP_ITEMS
+   work-items that run together visit about as many columns. The size is the number of columns, below SVO_SIZE_COUNT,
+   or SVO_SIZE_LARGE where there are more than those of a tile. A work-item of the plan's kernels counts one size. */
+#define SVO_SIZE_COUNT SVO_GROUP_ITEMS
 #define SVO_SIZE_LARGE 0u
 /* Words of 16 bits in local memory that count the triangles of each size of each work-item: a row for each size, padded
    so that work-items that go through rows meet different banks. */
 #define SVO_SIZE_PITCH (SVO_GROUP_ITEMS + 2)
-#define SVO_SIZE_WORDS (SVO_SIZES * SVO_SIZE_PITCH)
+#define SVO_SIZE_WORDS (SVO_SIZE_COUNT * SVO_SIZE_PITCH)
 
 /* svo_draw_item.flags. */
 #define SVO_DRAW_AXIS_MASK 3u /* 0, 1, 2: the axis of projection */

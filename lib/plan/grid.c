@@ -323,7 +323,9 @@ static int64_t count_columns(const placed *p, unsigned axis)
 /* The rank of a triangle among those of its class and block; kernels/plan/classify.cl has the same. */
 static uint32_t size_of(int64_t columns)
 {
-    return columns > SVO_TILE_COLUMNS ? SVO_SIZE_LARGE : columns < SVO_SIZES ? (uint32_t)columns : SVO_SIZES - 1;
+    return columns > SVO_TILE_COLUMNS ? SVO_SIZE_LARGE
+           : columns < SVO_SIZE_COUNT ? (uint32_t)columns
+                                      : SVO_SIZE_COUNT - 1;
 }
 
 /* Keeps an accepted triangle that meets the grid, or counts it. */
@@ -388,12 +390,12 @@ static void clear_unused_vertices(svo_plan *plan, uint8_t *flags)
 static void sort_block(const svo_plan *plan, const order_key *keys, size_t begin, size_t end, uint32_t *next,
                        svo_draw_item *items, float *fragments)
 {
-    uint32_t slots[SVO_I_CLASS_COUNT][SVO_SIZES] = {{0}};
+    uint32_t slots[SVO_I_CLASS_COUNT][SVO_SIZE_COUNT] = {{0}};
     for (size_t i = begin; i < end; ++i) {
         ++slots[keys[i].class_id][keys[i].size];
     }
     for (unsigned c = 0; c < SVO_I_CLASS_COUNT; ++c) {
-        for (unsigned size = 0; size < SVO_SIZES; ++size) {
+        for (unsigned size = 0; size < SVO_SIZE_COUNT; ++size) {
             const uint32_t count = slots[c][size];
             slots[c][size] = next[c];
             next[c] += count;
