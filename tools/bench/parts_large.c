@@ -140,8 +140,8 @@ static void build_once(const large_run *run, child_answer *built, child_answer *
     *error = built->well ? file->reason : built->reason;
 }
 
-/* The first build, which is not counted, fills the caches. Where the disk is too small there is no row, but a line of the
-   note. */
+/* The first build, which is not counted, fills the caches. Where the disk is too small there is no row, but a line of
+   the note. */
 static void run_case(const large_run *run)
 {
     result_table *table = result_find(run->all->results, table_id);
