@@ -33,6 +33,13 @@ static int check_plan(program *state)
     return refused == PROGRAM_DONE ? parts_check_builder(state) : refused;
 }
 
+/* A device that fails here may work later, or on another machine that sees the folder. */
+static int open_device(program *state, session *opened)
+{
+    const int exit_code = session_open(state, opened);
+    return exit_code == PROGRAM_FAILED ? PROGRAM_TRY_AGAIN : exit_code;
+}
+
 static int plan(program *state)
 {
     session opened = {0};
@@ -50,7 +57,7 @@ static int plan(program *state)
         return program_fail(state, PROGRAM_FAILED, "out of memory");
     }
     program_begin_progress(state, 2);
-    exit_code = session_open(state, &opened);
+    exit_code = open_device(state, &opened);
     if (exit_code == PROGRAM_DONE) {
         exit_code = parts_plan(state, &opened, folder, &mesh);
     }
@@ -110,7 +117,7 @@ static int build_parts_of(program *state, const svo_parts *parts)
         end = first + 1;
     }
     if (exit_code == PROGRAM_DONE) {
-        exit_code = session_open(state, &opened);
+        exit_code = open_device(state, &opened);
     }
     for (size_t i = first; i < end && exit_code == PROGRAM_DONE; ++i) {
         exit_code = parts_build(state, &opened, parts, i);

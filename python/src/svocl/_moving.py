@@ -33,7 +33,8 @@ class Moving(Handle):
         depth: 1 .. 16: the grid has 2**depth voxels per axis.
         origin: minimum corner of the grid. What leaves the grid occupies nothing and is counted.
         edge: width of the grid, above 0.
-        need: what the tree holds; without Need.PROJECTED_AREA. Need.DEFAULT goes by the static mesh.
+        need: what the tree holds; Need.DEFAULT goes by the static mesh. For Need.PROJECTED_AREA each update finds
+            whether the scene's mesh is closed.
         coverage, weights, payload_level: see Device.plan.
         max_area: the largest area that the scene will have inside the grid, square world units; 0: four times that of
             the static mesh.
@@ -43,7 +44,7 @@ class Moving(Handle):
 
     Raises:
         InvalidArgumentError: a depth or option out of range.
-        UnsupportedError: Need.PROJECTED_AREA, or a device without doubles.
+        UnsupportedError: a device without doubles.
         CapacityExceededError, OutOfDeviceMemoryError, OutOfHostMemoryError, CompileError, CLError
     """
 
