@@ -43,6 +43,16 @@ int parts_fail(program *state, svo_status status, const char *message)
     }
 }
 
+int parts_check_builder(program *state)
+{
+    const int builder = state->options.builder;
+    return builder == SVO_BUILDER_CL
+               ? PROGRAM_DONE
+               : program_fail(state, PROGRAM_WRONG_USAGE, "--builder %s makes no parts of trees",
+                              builder == OPTION_BUILDER_GL_COMPUTE ? "gl-compute"
+                                                                   : svo_builder_name((svo_builder)builder));
+}
+
 /* Bytes of a mesh's arrays. */
 static uint64_t mesh_bytes_of(const svo_mesh *mesh)
 {

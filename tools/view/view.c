@@ -411,13 +411,21 @@ static int run(viewer *which)
     return exit_code;
 }
 
-/* What the command line asks for and INPUT cannot have. */
+/* What the command line asks for and INPUT cannot have: light by cones is of trees. */
 static int check_options(program *running)
 {
-    return running->options.frames == 0 || scene_file_is_input(running)
-               ? PROGRAM_DONE
-               : program_fail(running, PROGRAM_WRONG_USAGE, "--frames takes a scene with motions, a .json file, not %s",
-                              running->options.input);
+    const options *given = &running->options;
+    const bool is_scene = scene_file_is_input(running);
+    const bool has_cones = given->view >= OPTION_VIEW_LIGHT || (given->given_groups & (unsigned)OPTION_LIGHT) != 0;
+    if (given->frames != 0 && !is_scene) {
+        return program_fail(running, PROGRAM_WRONG_USAGE, "--frames takes a scene with motions, a .json file, not %s",
+                            given->input);
+    }
+    return is_scene && has_cones
+               ? program_fail(running, PROGRAM_WRONG_USAGE,
+                              "options of lights and cones, and their views, do not apply to the scene %s",
+                              given->input)
+               : PROGRAM_DONE;
 }
 
 /* A script neither reads nor writes settings: it shows the same for everybody. */
