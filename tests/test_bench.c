@@ -98,6 +98,8 @@ static void every_subject_adds_its_tables(void **state)
     assert_int_equal(row_count_of(table_of(document, "startup-needs")),
                      row_count_of(table_of(document, "e6-leaving-out")) - 1);
     expect_positive(table_of(document, "paged"), "picture");
+    expect_positive(table_of(document, "parts-large"), "leaves");
+    expect_positive(table_of(document, "parts-large"), "peak");
     expect_positive(table_of(document, "startup-needs"), "cold");
     expect_positive(table_of(document, "startup-needs"), "warm");
     expect_positive(table_of(document, "memory"), "tree per leaf");

@@ -17,6 +17,7 @@
 #include "bvh_reference.h"
 #include "core/device.h"
 #include "rays/bvh_device.h"
+#include "rays/bvh_fit.h"
 #include "scenes.h"
 #include "svocl/svocl.h"
 
@@ -570,7 +571,7 @@ static void move_vertices(soup *of, uint64_t seed)
 /* Fits the BVH and waits. */
 static void refit(const placed *on, svo_i_device_bvh *made)
 {
-    svo_bvh_state told = {.outside = 7};
+    svo_bvh_extent told = {.outside = 7};
     cl_event done = NULL;
     assert_int_equal(svo_i_bvh_refit(device, "test_bvh", NULL, &on->mesh, made, NULL, &told, &done), SVO_OK);
     assert_int_equal(clWaitForEvents(1, &done), CL_SUCCESS);

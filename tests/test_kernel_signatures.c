@@ -549,6 +549,7 @@ static void light_all(const fixture *opened, svo_tree *tree)
         succeed(opened, svo_light_create(tree, &options, opened->queue, &light));
         succeed(opened, svo_light_set_sources(light, &setup, opened->queue));
         succeed(opened, svo_light_update(light, tree, &changed, 1, opened->queue));
+        succeed(opened, svo_light_update(light, tree, &changed, 1, opened->queue)); /* from what the first one kept */
         succeed(opened, svo_i_work_begin(opened->device, "light_all", opened->queue, &work));
         succeed(opened, svo_i_work_alloc(&work, "leaves", sizeof leaf, &lit.leaves));
         succeed(opened, svo_i_work_alloc(&work, "radiance", sizeof radiance, &lit.radiance));

@@ -260,7 +260,20 @@ static void hits_are_the_same_in_doubles(void **state)
     compare_moves(&opened, 4, 6, false, 1.0);
 }
 
-/* Several levels of common nodes; half of the objects lie in one place. */
+/* Adds many objects with a few triangles; half of them lie in one place. */
+static void add_many(const fixture *opened, stage *s, uint32_t many, uint64_t *seed)
+{
+    for (uint32_t i = 0; i < many; ++i) {
+        double transform[12];
+        uint32_t object = 0;
+        svo_mesh few = s->made.objects[0].mesh;
+        few.triangle_count = 2;
+        random_transform(seed, transform);
+        succeed(opened, svo_moving_add(s->moving, &few, i < many / 2 ? transform : NULL, &object));
+    }
+}
+
+/* Several levels of common nodes. Then all objects are refit at once, small and large ones. */
 static void many_objects_can_be_traced(void **state)
 {
     enum { MANY = 150 };
@@ -268,16 +281,17 @@ static void many_objects_can_be_traced(void **state)
     uint64_t seed = 5;
     stage s;
     open_stage(&opened, seed, true, 6.0, &s);
-    for (uint32_t i = 0; i < MANY; ++i) {
-        double transform[12];
-        uint32_t object = 0;
-        svo_mesh few = s.made.objects[0].mesh;
-        few.triangle_count = 2;
-        random_transform(&seed, transform);
-        succeed(&opened, svo_moving_add(s.moving, &few, i < MANY / 2 ? transform : NULL, &object));
-    }
+    add_many(&opened, &s, MANY, &seed);
     update_moving(&opened, s.moving);
     assert_int_equal(make_bvh(&opened, &s, SVO_BVH_BEST, 0.0F).made, MANY + OBJECTS + 1);
+    compare(&opened, &s, seed);
+    for (uint32_t i = 0; i < MANY + OBJECTS; ++i) {
+        double transform[12];
+        random_transform(&seed, transform);
+        succeed(&opened, svo_moving_set_transform(s.moving, i, transform));
+    }
+    update_moving(&opened, s.moving);
+    assert_int_equal(make_bvh(&opened, &s, SVO_BVH_BEST, FLT_MAX).refit, MANY + OBJECTS);
     compare(&opened, &s, seed);
     close_stage(&s);
 }
@@ -326,6 +340,28 @@ static void only_what_changed_is_refit_or_made(void **state)
     update_moving(&opened, s.moving);
     assert_report(make_bvh(&opened, &s, SVO_BVH_BEST, FLT_MAX), 5, 0, 0);
     compare(&opened, &s, 9);
+    close_stage(&s);
+}
+
+/* The BVHs' buffers are replaced by larger ones while an object is hidden. Then it is shown, and refit. */
+static void a_hidden_object_keeps_its_bvh(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const double moved[12] = {0.2, 0, 0, 0.3, 0, 0.2, 0, 0.4, 0, 0, 0.2, 0.5};
+    uint64_t seed = 11;
+    stage s;
+    open_stage(&opened, seed, true, 6.0, &s);
+    assert_report(make_bvh(&opened, &s, SVO_BVH_BEST, 0.0F), 0, 0, 6);
+    succeed(&opened, svo_moving_show(s.moving, 0, 0));
+    add_many(&opened, &s, 40, &seed);
+    update_moving(&opened, s.moving);
+    assert_report(make_bvh(&opened, &s, SVO_BVH_BEST, 0.0F), 5, 0, 40);
+
+    succeed(&opened, svo_moving_show(s.moving, 0, 1));
+    succeed(&opened, svo_moving_set_transform(s.moving, 0, moved));
+    update_moving(&opened, s.moving);
+    assert_report(make_bvh(&opened, &s, SVO_BVH_BEST, FLT_MAX), 45, 1, 0);
+    compare(&opened, &s, seed);
     close_stage(&s);
 }
 
@@ -490,6 +526,7 @@ int main(void)
         cmocka_unit_test(hits_are_the_same_in_doubles),
         cmocka_unit_test(many_objects_can_be_traced),
         cmocka_unit_test(only_what_changed_is_refit_or_made),
+        cmocka_unit_test(a_hidden_object_keeps_its_bvh),
         cmocka_unit_test(a_bad_refit_is_made_anew),
         cmocka_unit_test(a_whole_bvh_can_be_replaced),
         cmocka_unit_test(instances_have_the_same_hits),

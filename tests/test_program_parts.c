@@ -161,6 +161,18 @@ static void ended_runs_are_resumed(void **state)
     run_well("rm a.svo b.svo");
 }
 
+/* Names of files that killed processes were writing, on file systems without O_TMPFILE, go with the folder. */
+static void what_killed_processes_left_is_removed(void **state)
+{
+    (void)state;
+    build_whole();
+    run_well("$SVOCL parts plan " SCENE " --max-memory 6M -o b.svo -q && touch b.svo.parts/.svocl-1234-0.tmp");
+    run_well("$SVOCL build " SCENE " --max-memory 6M --resume -q -o b.svo && cmp a.svo b.svo && test ! -e b.svo.parts");
+    run_well("$SVOCL parts plan " SCENE " --max-memory 6M -o b.svo -q && touch b.svo.parts/.svocl-mine");
+    run_well("$SVOCL parts remove b.svo.parts && test $(ls -A b.svo.parts) = .svocl-mine");
+    run_well("rm -r a.svo b.svo b.svo.parts");
+}
+
 /* A folder of another input or of another plan is not mixed in. */
 static void parts_of_other_trees_are_replaced(void **state)
 {
@@ -266,6 +278,7 @@ int main(void)
         IN_FOLDER(failed_writes_leave_the_old_file),
         IN_FOLDER(full_disks_leave_the_old_file),
         IN_FOLDER(ended_runs_are_resumed),
+        IN_FOLDER(what_killed_processes_left_is_removed),
         IN_FOLDER(parts_of_other_trees_are_replaced),
         IN_FOLDER(mesh_files_are_read_in_blocks),
         IN_FOLDER(a_folder_that_stays_is_named),

@@ -240,8 +240,9 @@ typedef struct svo_moving_bvh_report {
  *  A transform is followed by a refit too: rays meet vertices as they are in the scene's mesh, rounded to its floats,
  *  where a ray that is transformed into the object would be rounded itself and meet others.
  *
- *  A BVH that can be refit takes 140 bytes per triangle, beside the 51 to 55 of its nodes and leaves. Objects' BVHs
- *  stay while they are hidden.
+ *  Objects' BVHs lie in common buffers, and those that are refit are refit in one set of launches. A BVH that can be
+ *  refit takes about 50 bytes per triangle, beside the 51 to 55 of its nodes and leaves; there is room for two thirds
+ *  more of both. Objects' BVHs stay while they are hidden.
  *
  * \param moving with SVO_NEED_RAYS, coverage half-open or closed. No batch of rays of its trees may be in progress
  * \param quality of objects' BVHs that are made, a svo_bvh_quality

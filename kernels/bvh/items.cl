@@ -63,10 +63,11 @@ __kernel void svo_k_bvh_begin(__global svo_bvh_range *ranges, __global svo_bvh_j
 }
 
 /* listed, places: the triangle's mark and the number of those before it, where params.use_list is set. */
-__kernel void svo_k_bvh_items(SVO_BVH_MESH_PARAMETERS, __global const uint *listed, __global const uint *places,
-                              __global float8 *items, __global svo_bvh_range *ranges, svo_bvh_params params)
+__kernel void svo_k_bvh_items(SVO_BVH_MESH_PARAMETERS, uint first_triangle, __global const uint *listed,
+                              __global const uint *places, __global float8 *items, __global svo_bvh_range *ranges,
+                              svo_bvh_params params)
 {
-    SVO_BVH_MESH_MAKE(mesh);
+    SVO_BVH_MESH_MAKE(mesh, first_triangle);
     const uint chunk = (uint)get_global_id(0);
     const uint begin = min(chunk * params.chunk_items, params.triangle_count);
     const uint end = min(begin + params.chunk_items, params.triangle_count);

@@ -52,6 +52,16 @@
 #define SVO_VOXELIZE_STAGE_WORDS (SVO_GROUP_ITEMS * (SVO_TILE_COLUMNS + 1))
 #define SVO_VOXELIZE_NOTE_WORDS  (SVO_GROUP_ITEMS * (SVO_TILE_COLUMNS / 2 + 1))
 
+/* Draw items of a class are sorted by size, within blocks of SVO_SCAN_TILE triangles of the mesh, and so are tiles: so
+   work-items that run together visit about as many columns. The size is the number of columns, up to SVO_SIZES - 1, or
+   SVO_SIZE_LARGE where there are more than those of a tile. A work-item of the plan's kernels counts one size. */
+#define SVO_SIZES      SVO_GROUP_ITEMS
+#define SVO_SIZE_LARGE 0u
+/* Words of 16 bits in local memory that count the triangles of each size of each work-item: a row for each size, padded
+   so that work-items that go through rows meet different banks. */
+#define SVO_SIZE_PITCH (SVO_GROUP_ITEMS + 2)
+#define SVO_SIZE_WORDS (SVO_SIZES * SVO_SIZE_PITCH)
+
 /* svo_draw_item.flags. */
 #define SVO_DRAW_AXIS_MASK 3u /* 0, 1, 2: the axis of projection */
 #define SVO_DRAW_BOUNDS    4u /* draw the triangle's bounds: needles, degenerate triangles, parts outside the grid */
@@ -103,14 +113,14 @@ SVO_RECORD(svo_plan_params)
 #define SVO_PLAN_SOME     16u /* not all triangles are kept */
 #define SVO_PLAN_TEXTURED 32u /* textures may be sampled */
 
-/* What becomes of a triangle: its class (svo_i_class in lib/plan/plan_data.h) or one of these, in the low bits of a
-   byte; above them its draw flags, and whether it is large. */
+/* What becomes of a triangle: its class (svo_i_class in lib/plan/plan_data.h) or one of these, in the low bits of 16;
+   above them its draw flags, then its size. */
 #define SVO_FATE_REFUSED   4u /* index out of range, not finite */
 #define SVO_FATE_OUTSIDE   5u
 #define SVO_FATE_FAR       6u /* refused, since the overlap test cannot represent it */
 #define SVO_FATE_MASK      7u
 #define SVO_FATE_DRAW_LOG2 3
-#define SVO_FATE_LARGE     64u
+#define SVO_FATE_SIZE_LOG2 6
 
 /* The columns of 64 bits that classification sums: triangles by fate, the sums of the estimate, large triangles. */
 #define SVO_PLAN_SUM_WIDTHS     7
@@ -452,6 +462,34 @@ SVO_RECORD(svo_bvh_params)
     SVO_U32 halvings; /* 36: splits above the root, of a BVH below other nodes */
 };
 
+/* A BVH among those that kernels fit to their triangles together, in buffers that they share. 24 bytes. */
+SVO_RECORD(svo_bvh_member)
+{
+    SVO_U32 first_triangle; /* 0: of the mesh */
+    SVO_U32 item_count; /* 4 */
+    SVO_U32 item_begin; /* 8: its first item among those of the others */
+    SVO_U32 child_begin; /* 12: the children of its first node among those of the others */
+    SVO_U32 node_begin; /* 16: its first node among those that rays read */
+    SVO_U32 leaf_begin; /* 20: units of 16 bytes of leaves before its own */
+};
+
+/* Nodes or items of a member, for a group. 12 bytes. */
+SVO_RECORD(svo_bvh_tile)
+{
+    SVO_U32 member; /* 0 */
+    SVO_U32 begin; /* 4 */
+    SVO_U32 end; /* 8: at most SVO_GROUP_ITEMS after begin */
+};
+
+/* What is known of a BVH that was fit: its root's box in grid units, and what rays through it cost. 32 bytes. */
+SVO_RECORD(svo_bvh_extent)
+{
+    SVO_F32 low[3]; /* 0 */
+    SVO_F32 area; /* 12: half those of all nodes and leaves; over half the root's, how many a random ray visits */
+    SVO_F32 high[3]; /* 16: negated */
+    SVO_U32 outside; /* 28: whether a triangle reaches outside the grid; the BVH is of no use then */
+};
+
 /* ---- scenes ---- */
 
 /* Bits of a coordinate in the Morton code of a box's center. */
@@ -583,6 +621,9 @@ SVO_ASSERT_BYTES(svo_bvh_branch, 16);
 SVO_ASSERT_BYTES(svo_bvh_children, 96);
 SVO_ASSERT_BYTES(svo_bvh_state, 32);
 SVO_ASSERT_BYTES(svo_bvh_params, 40);
+SVO_ASSERT_BYTES(svo_bvh_member, 24);
+SVO_ASSERT_BYTES(svo_bvh_tile, 12);
+SVO_ASSERT_BYTES(svo_bvh_extent, 32);
 SVO_ASSERT_BYTES(svo_scene_tree, 32);
 SVO_ASSERT_BYTES(svo_scene_instance, 152);
 SVO_ASSERT_BYTES(svo_scene_node, 64);

@@ -11,7 +11,9 @@
 #include "moving/bvh_buffers.h"
 #include "moving/bvh_top.h"
 #include "plan/update.h"
+#include "rays/bvh_fit.h"
 #include "rays/rays.h"
+#include "stages/sort.h"
 
 static const char function[] = "svo_moving_make_bvh";
 
@@ -63,6 +65,9 @@ void svo_i_moving_free_bvhs(svo_moving *moving)
     }
     svo_i_buffer_release(&bvhs->nodes);
     svo_i_buffer_release(&bvhs->leaves);
+    for (int i = 0; i < SVO_I_BVH_SHAPE_BUFFERS; ++i) {
+        svo_i_buffer_release(&bvhs->shape[i]);
+    }
     svo_i_free(bvhs->objects);
     svo_i_free(bvhs);
     moving->bvhs = NULL;
@@ -109,7 +114,8 @@ typedef struct pass {
     float cost_ratio;
     svo_i_corners corners;
     action *actions; /* of the objects */
-    cl_event last; /* the newest command; NULL: there is none */
+    const svo_i_device_bvh **fitted; /* BVHs that are written together */
+    svo_bvh_extent *extents; /* of these */
     svo_moving_bvh_report report;
 } pass;
 
@@ -137,7 +143,7 @@ static svo_i_bvh_mesh mesh_of(const pass *p, uint32_t index)
 /* The nodes and leaves that a random ray through the object visits. */
 static float cost_of(const svo_i_object_bvh *object)
 {
-    const svo_i_bvh_extent *extent = &object->extent;
+    const svo_bvh_extent *extent = &object->extent;
     float width[3];
     for (int axis = 0; axis < 3; ++axis) {
         width[axis] = -extent->high[axis] - extent->low[axis];
@@ -183,43 +189,63 @@ static svo_status make_object(const pass *p, uint32_t index)
     return SVO_OK;
 }
 
-/* Takes the event of a command that waited for the newest one. */
-static void follow(pass *p, cl_event event)
+/* Whether an object's records are to be written. */
+static bool is_due(const pass *p, uint32_t index)
 {
-    if (p->last != NULL) {
-        clReleaseEvent(p->last);
-    }
-    p->last = event;
+    return p->actions[index] != KEEP || (part_of(p, index)->is_there && !bvh_of(p, index)->is_written);
 }
 
-/* Enqueues the writing of an object's records. */
-static svo_status write_object(pass *p, uint32_t index)
+/* Writes the records of the first BVHs of p->fitted and reads their extents. */
+static svo_status fit(const pass *p, uint32_t count)
 {
-    svo_i_object_bvh *object = bvh_of(p, index);
     svo_device *device = p->moving->device;
-    const svo_i_bvh_mesh mesh = mesh_of(p, index);
-    cl_event event = NULL;
-    SVO_I_TRY(svo_i_bvh_refit(device, function, p->queue, &mesh, &object->bvh, p->last, &object->state, &event));
-    follow(p, event);
-    SVO_I_TRY(svo_i_bvh_read_extent(device, function, p->queue, &object->bvh, p->last, &object->extent, &event));
-    follow(p, event);
-    object->version = part_of(p, index)->version;
-    object->first_id = part_of(p, index)->first_id;
-    object->is_written = true;
-    return SVO_OK;
+    const svo_i_bvh_mesh mesh = svo_i_rays_mesh(p->moving->tree, &p->corners);
+    svo_status status = SVO_OK;
+    svo_i_bvh_tables tables;
+    svo_i_device_work work;
+    SVO_I_TRY(svo_i_work_begin(device, function, p->queue, &work));
+    SVO_I_TRY_CLEANUP(svo_i_bvh_tables_make(device, function, p->fitted, count, &tables));
+    SVO_I_TRY_CLEANUP(svo_i_work_use(&work, SVO_I_PROGRAM_BVH, svo_i_sort_defines(device)));
+    SVO_I_TRY_CLEANUP(svo_i_bvh_fit(&work, &mesh, p->fitted[0], &tables));
+    SVO_I_TRY_CLEANUP(svo_i_work_read(&work, tables.extents, 0, p->extents, count * sizeof *p->extents));
+cleanup:
+    svo_i_work_end(&work);
+    svo_i_bvh_tables_free(&tables);
+    return status;
 }
 
-static svo_status wait_for_last(pass *p)
+/* Writes together what is due of the records of the objects from first on. */
+static svo_status write_objects(const pass *p, uint32_t first, uint32_t end)
 {
-    const cl_int error = p->last != NULL ? clWaitForEvents(1, &p->last) : CL_SUCCESS;
-    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(p->moving->device, function, "clWaitForEvents", error);
+    uint32_t count = 0;
+    for (uint32_t i = first; i < end; ++i) {
+        if (is_due(p, i)) {
+            svo_i_device_bvh *bvh = &bvh_of(p, i)->bvh;
+            bvh->first_triangle = part_of(p, i)->first_triangle;
+            p->fitted[count++] = bvh;
+        }
+    }
+    if (count == 0) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(fit(p, count));
+    for (uint32_t i = end; i-- > first;) {
+        if (is_due(p, i)) {
+            svo_i_object_bvh *object = bvh_of(p, i);
+            object->extent = p->extents[--count];
+            object->version = part_of(p, i)->version;
+            object->first_id = part_of(p, i)->first_id;
+            object->is_written = true;
+        }
+    }
+    return SVO_OK;
 }
 
 /* Whether a refit was in vain: the object is outside now, or rays became too costly. */
 static bool is_bad(const pass *p, uint32_t index)
 {
     const svo_i_object_bvh *object = bvh_of(p, index);
-    return object->state.outside != 0 || cost_of(object) > p->cost_ratio * object->made_cost;
+    return object->extent.outside != 0 || cost_of(object) > p->cost_ratio * object->made_cost;
 }
 
 /* Makes, places and writes what is due; each refit is judged and stays, or is to be made. */
@@ -230,11 +256,8 @@ static svo_status run_round(pass *p)
         SVO_I_TRY(p->actions[i] == MAKE ? make_object(p, i) : SVO_OK);
     }
     SVO_I_TRY(svo_i_moving_place_bvhs(p->moving, function, p->queue));
-    for (uint32_t i = 0; i < count; ++i) {
-        const bool is_due = p->actions[i] != KEEP || (part_of(p, i)->is_there && !bvh_of(p, i)->is_written);
-        SVO_I_TRY(is_due ? write_object(p, i) : SVO_OK);
-    }
-    SVO_I_TRY(wait_for_last(p));
+    SVO_I_TRY(write_objects(p, 0, 1)); /* the static mesh has a shape of its own */
+    SVO_I_TRY(write_objects(p, 1, count));
     for (uint32_t i = 0; i < count; ++i) {
         if (p->actions[i] == MAKE) {
             bvh_of(p, i)->made_cost = cost_of(bvh_of(p, i));
@@ -248,7 +271,7 @@ static svo_status run_round(pass *p)
 }
 
 /* Whether a round has anything to do; always before the first. */
-static bool is_due(const pass *p)
+static bool has_work(const pass *p)
 {
     bool due = p->moving->bvhs->nodes == NULL;
     for (uint32_t i = 0; i < p->moving->object_count; ++i) {
@@ -288,7 +311,7 @@ static svo_status run(pass *p)
     for (uint32_t i = 0; i < moving->object_count; ++i) {
         p->actions[i] = choose(p, i);
     }
-    while (is_due(p)) {
+    while (has_work(p)) {
         SVO_I_TRY(run_round(p));
     }
     svo_i_bvh_forget_refit(&bvh_of(p, 0)->bvh); /* the static mesh stays */
@@ -299,25 +322,27 @@ static svo_status run(pass *p)
 /* After a failure nothing is sure of the records: the next call makes all anew. */
 static svo_status run_pass(pass *p)
 {
+    const svo_i_memory *memory = &p->moving->device->memory;
+    const uint32_t count = p->moving->object_count;
     svo_status status = SVO_OK;
     SVO_I_TRY_CLEANUP(open_bvhs(p->moving));
-    p->actions = svo_i_alloc_zeroed(&p->moving->device->memory, p->moving->object_count, sizeof *p->actions);
-    if (p->actions == NULL) {
+    p->actions = svo_i_alloc_zeroed(memory, count, sizeof *p->actions);
+    p->fitted = svo_i_alloc_zeroed(memory, count, sizeof *p->fitted);
+    p->extents = svo_i_alloc_zeroed(memory, count, sizeof *p->extents);
+    if (p->actions == NULL || p->fitted == NULL || p->extents == NULL) {
         status = svo_i_device_fail(p->moving->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u objects", function,
-                                   p->moving->object_count);
+                                   count);
         goto cleanup;
     }
     SVO_I_TRY_CLEANUP(run(p));
 cleanup:
     if (status != SVO_OK) {
-        (void)wait_for_last(p);
         svo_i_moving_free_bvhs(p->moving);
-    }
-    if (p->last != NULL) {
-        clReleaseEvent(p->last);
     }
     svo_i_corners_release(&p->corners);
     svo_i_free(p->actions);
+    svo_i_free(p->fitted);
+    svo_i_free(p->extents);
     return status;
 }
 

@@ -81,7 +81,7 @@ svo_status svo_i_grid_alloc(svo_i_grid_run *r)
     const uint64_t triangles = r->params.triangle_count;
     const uint32_t groups = svo_i_run_groups(vertices > triangles ? vertices : triangles);
     SVO_I_TRY(svo_i_work_result(r->work, "plan_used", vertices, &r->used));
-    SVO_I_TRY(svo_i_work_result(r->work, "plan_fates", triangles, &r->fates));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_fates", triangles * sizeof(cl_ushort), &r->fates));
     SVO_I_TRY(svo_i_work_result(r->work, "plan_fragments", triangles * 4, &r->fragments));
     SVO_I_TRY(
         svo_i_work_result(r->work, "plan_partials", (uint64_t)groups * SVO_PLAN_SUMS * sizeof(cl_ulong), &r->partials));
@@ -248,7 +248,8 @@ svo_status svo_i_grid_keep(svo_i_grid_run *r)
                                         SVO_I_ARGUMENT(r->large_count),
                                         SVO_I_ARGUMENT(r->kept),
                                         SVO_I_ARGUMENT(r->params),
-                                        SVO_I_LOCAL(SCRATCH_BYTES)};
+                                        SVO_I_LOCAL(SCRATCH_BYTES),
+                                        SVO_I_LOCAL(SVO_SIZE_WORDS * sizeof(cl_ushort))};
     SVO_I_TRY(svo_i_work_launch(r->work, "svo_k_plan_keep", SVO_I_ARGUMENTS(arguments),
                                 svo_i_run_items(r->params.triangle_count)));
     if ((r->params.flags & SVO_PLAN_SOME) == 0) {

@@ -6,6 +6,7 @@
 #include "rays/bvh_device.h"
 
 #include "core/work.h"
+#include "rays/bvh_fit.h"
 #include "stages/sort.h"
 
 /* Work-items that look through the vertices. */
@@ -162,6 +163,22 @@ static svo_status make_first_buffers(maker *m)
     return make_works(m, bytes);
 }
 
+static svo_status make_shape(maker *m, svo_i_bvh_shape_buffer which, const char *name, uint64_t bytes)
+{
+    return svo_i_work_result(&m->work, name, bytes, &m->out->shape[which]);
+}
+
+/* Keeps a temporary buffer, which the fit uses once the binary tree is made. */
+static svo_status keep_shape(maker *m, svo_i_bvh_shape_buffer which, work_buffer from)
+{
+    const cl_int error = clRetainMemObject(m->buffers[from]);
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(m->work.device, m->work.function, "clRetainMemObject", error);
+    }
+    m->out->shape[which] = m->buffers[from];
+    return SVO_OK;
+}
+
 /* Buffers whose sizes follow from the number of items. Each level of the binary tree has at most as many ranges as
    there are jobs' worth of items. */
 static svo_status make_buffers(maker *m)
@@ -187,10 +204,12 @@ static svo_status make_buffers(maker *m)
         [COUNTS] = nodes_max(count) * sizeof(cl_uint),
     };
     SVO_I_TRY(make_works(m, bytes));
-    SVO_I_TRY(
-        svo_i_work_result(&m->work, "bvh_children", nodes_max(count) * sizeof(svo_bvh_children), &m->out->children));
-    SVO_I_TRY(svo_i_work_result(&m->work, "bvh_order", (count + 1) * sizeof(cl_uint), &m->out->order));
-    return svo_i_work_result(&m->work, "bvh_item_counts", (count + 1) * sizeof(cl_uint), &m->out->item_counts);
+    SVO_I_TRY(make_shape(m, SVO_I_BVH_CHILDREN, "bvh_children", nodes_max(count) * sizeof(svo_bvh_children)));
+    SVO_I_TRY(make_shape(m, SVO_I_BVH_ORDER, "bvh_order", (count + 1) * sizeof(cl_uint)));
+    SVO_I_TRY(make_shape(m, SVO_I_BVH_ITEM_COUNTS, "bvh_item_counts", (count + 1) * sizeof(cl_uint)));
+    SVO_I_TRY(keep_shape(m, SVO_I_BVH_PLACES, PLACES));
+    SVO_I_TRY(keep_shape(m, SVO_I_BVH_LEAF_BOXES, ITEMS_A));
+    return keep_shape(m, SVO_I_BVH_NODE_BOXES, ITEMS_B);
 }
 
 /* The root, and the items with the bounds of their centers. */
@@ -256,9 +275,12 @@ static svo_status split_items(maker *m)
         SVO_I_TRY(split_level(m));
         m->params.in_b = m->params.in_b != 0 ? 0 : 1;
     }
-    const svo_i_argument subtrees[] = {SVO_I_ARGUMENT(m->buffers[JOBS]),    SVO_I_ARGUMENT(m->buffers[ITEMS_A]),
-                                       SVO_I_ARGUMENT(m->buffers[ITEMS_B]), SVO_I_ARGUMENT(m->buffers[BRANCHES]),
-                                       SVO_I_ARGUMENT(m->out->order),       SVO_I_ARGUMENT(state.job_count)};
+    const svo_i_argument subtrees[] = {SVO_I_ARGUMENT(m->buffers[JOBS]),
+                                       SVO_I_ARGUMENT(m->buffers[ITEMS_A]),
+                                       SVO_I_ARGUMENT(m->buffers[ITEMS_B]),
+                                       SVO_I_ARGUMENT(m->buffers[BRANCHES]),
+                                       SVO_I_ARGUMENT(m->out->shape[SVO_I_BVH_ORDER]),
+                                       SVO_I_ARGUMENT(state.job_count)};
     return run_serial(m, "svo_k_bvh_subtrees", SVO_I_ARGUMENTS(subtrees), state.job_count);
 }
 
@@ -296,7 +318,7 @@ static svo_status sort_items(maker *m)
         SVO_I_TRY(sort_pass(m, shift));
     }
     const svo_i_argument gather[] = {SVO_I_ARGUMENT(work[FRAGMENTS]), SVO_I_ARGUMENT(work[ITEMS_A]),
-                                     SVO_I_ARGUMENT(work[ITEMS_B]), SVO_I_ARGUMENT(m->out->order),
+                                     SVO_I_ARGUMENT(work[ITEMS_B]), SVO_I_ARGUMENT(m->out->shape[SVO_I_BVH_ORDER]),
                                      SVO_I_ARGUMENT(item_count)};
     return run(m, "svo_k_bvh_gather", SVO_I_ARGUMENTS(gather), item_count);
 }
@@ -322,12 +344,15 @@ static svo_status split_sorted(maker *m)
 static svo_status open_level(maker *m, cl_uint level_begin, cl_uint level_end)
 {
     cl_mem *work = m->buffers;
-    const svo_i_argument open[] = {
-        SVO_I_ARGUMENT(work[NODES]),  SVO_I_ARGUMENT(work[BRANCHES]),      SVO_I_ARGUMENT(m->out->children),
-        SVO_I_ARGUMENT(work[COUNTS]), SVO_I_ARGUMENT(m->out->item_counts), SVO_I_ARGUMENT(level_begin),
-        SVO_I_ARGUMENT(level_end)};
+    const svo_i_argument open[] = {SVO_I_ARGUMENT(work[NODES]),
+                                   SVO_I_ARGUMENT(work[BRANCHES]),
+                                   SVO_I_ARGUMENT(m->out->shape[SVO_I_BVH_CHILDREN]),
+                                   SVO_I_ARGUMENT(work[COUNTS]),
+                                   SVO_I_ARGUMENT(m->out->shape[SVO_I_BVH_ITEM_COUNTS]),
+                                   SVO_I_ARGUMENT(level_begin),
+                                   SVO_I_ARGUMENT(level_end)};
     const svo_i_argument number[] = {SVO_I_ARGUMENT(work[NODES]),
-                                     SVO_I_ARGUMENT(m->out->children),
+                                     SVO_I_ARGUMENT(m->out->shape[SVO_I_BVH_CHILDREN]),
                                      SVO_I_ARGUMENT(work[COUNTS]),
                                      SVO_I_ARGUMENT(work[STATE]),
                                      SVO_I_ARGUMENT(level_begin),
@@ -344,7 +369,8 @@ static svo_status make_nodes(maker *m)
     svo_bvh_state state = {.node_count = 1};
     const svo_i_argument root[] = {SVO_I_ARGUMENT(m->buffers[BRANCHES]), SVO_I_ARGUMENT(m->buffers[NODES]),
                                    SVO_I_ARGUMENT(m->params.item_count)};
-    SVO_I_TRY(svo_i_work_fill_zero(&m->work, out->item_counts, ((uint64_t)m->params.item_count + 1) * sizeof(cl_uint)));
+    SVO_I_TRY(svo_i_work_fill_zero(&m->work, out->shape[SVO_I_BVH_ITEM_COUNTS],
+                                   ((uint64_t)m->params.item_count + 1) * sizeof(cl_uint)));
     SVO_I_TRY(run_one(m, "svo_k_bvh_root", SVO_I_ARGUMENTS(root)));
     out->level_begin[0] = 0;
     do {
@@ -363,50 +389,15 @@ static svo_status place_leaves(maker *m, uint32_t *units)
     const svo_i_bvh_mesh *mesh = m->mesh;
     const cl_uint item_count = m->params.item_count;
     const cl_uint has_doubles = mesh->doubles != NULL;
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(m->out->item_counts), SVO_I_ARGUMENT(m->buffers[LISTED]),
-                                        SVO_I_ARGUMENT(has_doubles), SVO_I_ARGUMENT(item_count)};
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(m->out->shape[SVO_I_BVH_ITEM_COUNTS]),
+                                        SVO_I_ARGUMENT(m->buffers[LISTED]), SVO_I_ARGUMENT(has_doubles),
+                                        SVO_I_ARGUMENT(item_count)};
     if (item_count == 0) {
         *units = 0;
         return svo_i_work_fill_zero(&m->work, m->buffers[PLACES], sizeof(cl_uint));
     }
     SVO_I_TRY(run(m, "svo_k_bvh_leaf_units", SVO_I_ARGUMENTS(arguments), item_count));
     return scan(m, item_count, units);
-}
-
-static svo_status write_leaves(maker *m)
-{
-    const svo_i_bvh_mesh *mesh = m->mesh;
-    const svo_bvh_params *params = &m->params;
-    const cl_uint has_doubles = mesh->doubles != NULL;
-    const svo_i_argument arguments[] = {
-        SVO_I_ARGUMENT(mesh->vertices),       SVO_I_ARGUMENT(mesh->indices),       SVO_I_ARGUMENT(mesh->triangle_ids),
-        SVO_I_ARGUMENT(mesh->first_triangle), SVO_I_ARGUMENT(mesh->floats),        SVO_I_ARGUMENT(mesh->doubles),
-        SVO_I_ARGUMENT(m->out->order),        SVO_I_ARGUMENT(m->out->item_counts), SVO_I_ARGUMENT(m->buffers[PLACES]),
-        SVO_I_ARGUMENT(m->out->leaves),       SVO_I_ARGUMENT(m->buffers[ITEMS_A]), SVO_I_ARGUMENT(params->item_count),
-        SVO_I_ARGUMENT(params->snap_bits),    SVO_I_ARGUMENT(has_doubles),         SVO_I_ARGUMENT(m->out->leaf_begin)};
-    return run(m, "svo_k_bvh_leaves", SVO_I_ARGUMENTS(arguments), (uint64_t)params->item_count + 1);
-}
-
-static svo_status fit_nodes(maker *m)
-{
-    svo_i_device_bvh *out = m->out;
-    const cl_uint box_log2 = m->params.snap_bits - SVO_RAY_BOX_BITS;
-    for (uint32_t level = out->level_count; level-- > 0;) {
-        const cl_uint begin = out->level_begin[level];
-        const cl_uint end = out->level_begin[level + 1];
-        const svo_i_argument arguments[] = {SVO_I_ARGUMENT(out->children),
-                                            SVO_I_ARGUMENT(m->buffers[PLACES]),
-                                            SVO_I_ARGUMENT(m->buffers[ITEMS_A]),
-                                            SVO_I_ARGUMENT(m->buffers[ITEMS_B]),
-                                            SVO_I_ARGUMENT(out->nodes),
-                                            SVO_I_ARGUMENT(begin),
-                                            SVO_I_ARGUMENT(end),
-                                            SVO_I_ARGUMENT(box_log2),
-                                            SVO_I_ARGUMENT(out->node_begin),
-                                            SVO_I_ARGUMENT(out->leaf_begin)};
-        SVO_I_TRY(run(m, "svo_k_bvh_refit", SVO_I_ARGUMENTS(arguments), end - begin));
-    }
-    return SVO_OK;
 }
 
 /* Finds how large that is which rays read. */
@@ -424,10 +415,11 @@ static svo_status size_records(maker *m)
 static svo_status write_records(maker *m)
 {
     svo_i_device_bvh *out = m->out;
+    const svo_i_device_bvh *fitted = out;
     SVO_I_TRY(svo_i_work_result(&m->work, "ray_nodes", out->node_bytes, &out->nodes));
     SVO_I_TRY(svo_i_work_result(&m->work, "ray_leaves", out->leaf_bytes, &out->leaves));
-    SVO_I_TRY(write_leaves(m));
-    SVO_I_TRY(fit_nodes(m));
+    SVO_I_TRY(svo_i_bvh_tables_make(m->work.device, m->work.function, &fitted, 1, &out->tables));
+    SVO_I_TRY(svo_i_bvh_fit(&m->work, m->mesh, out, &out->tables));
     return svo_i_work_wait(&m->work);
 }
 
@@ -435,26 +427,10 @@ static svo_status write_records(maker *m)
 
 void svo_i_bvh_forget_refit(svo_i_device_bvh *bvh)
 {
-    cl_mem *buffers[] = {&bvh->children,   &bvh->order,      &bvh->item_counts, &bvh->places,
-                         &bvh->leaf_boxes, &bvh->node_boxes, &bvh->state};
-    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
-        svo_i_buffer_release(buffers[i]);
+    for (int i = 0; i < SVO_I_BVH_SHAPE_BUFFERS; ++i) {
+        svo_i_buffer_release(&bvh->shape[i]);
     }
-}
-
-/* Keeps those of the work's buffers that a refit uses. */
-static svo_status keep_refit(maker *m)
-{
-    const work_buffer from[] = {PLACES, ITEMS_A, ITEMS_B, STATE};
-    cl_mem *to[] = {&m->out->places, &m->out->leaf_boxes, &m->out->node_boxes, &m->out->state};
-    for (size_t i = 0; i < sizeof to / sizeof to[0]; ++i) {
-        const cl_int error = clRetainMemObject(m->buffers[from[i]]);
-        if (error != CL_SUCCESS) {
-            return svo_i_device_fail_cl(m->work.device, m->work.function, "clRetainMemObject", error);
-        }
-        *to[i] = m->buffers[from[i]];
-    }
-    return SVO_OK;
+    svo_i_bvh_tables_free(&bvh->tables);
 }
 
 static svo_status begin(maker *m, svo_device *device, const char *function, cl_command_queue queue,
@@ -491,7 +467,7 @@ svo_status svo_i_bvh_make(svo_device *device, const char *function, cl_command_q
                           const svo_i_bvh_options *options, svo_i_device_bvh *out)
 {
     maker m = {.out = out, .params = {.halvings = options->halvings}};
-    *out = (svo_i_device_bvh){.quality = options->quality};
+    *out = (svo_i_device_bvh){.quality = options->quality, .first_triangle = mesh->first_triangle};
     m.params.chunk_items = options->chunk_items != 0 ? options->chunk_items : device->cpu_path ? 1024 : 256;
     m.params.subtree_items = options->quality == SVO_BVH_FAST ? SVO_BVH_SWEEP_ITEMS
                              : options->subtree_items != 0    ? options->subtree_items
@@ -500,9 +476,7 @@ svo_status svo_i_bvh_make(svo_device *device, const char *function, cl_command_q
     svo_status status = SVO_OK;
     SVO_I_TRY_CLEANUP(begin(&m, device, function, queue, mesh));
     SVO_I_TRY_CLEANUP(make(&m, options));
-    if (options->can_refit) {
-        SVO_I_TRY_CLEANUP(keep_refit(&m));
-    } else {
+    if (!options->can_refit) {
         svo_i_bvh_forget_refit(out);
     }
 
@@ -511,53 +485,6 @@ cleanup:
     if (status != SVO_OK) {
         svo_i_bvh_release(out);
     }
-    return status;
-}
-
-/* Reads the state, without waiting. */
-static svo_status tell_state(maker *m, svo_bvh_state *state)
-{
-    cl_event event = NULL;
-    const cl_int error = clEnqueueReadBuffer(m->work.queue, m->buffers[STATE], CL_FALSE, 0, sizeof *state, state, 1,
-                                             &m->work.last, &event);
-    if (error != CL_SUCCESS) {
-        return svo_i_device_fail_cl(m->work.device, m->work.function, "clEnqueueReadBuffer", error);
-    }
-    svo_i_work_follow(&m->work, event);
-    return SVO_OK;
-}
-
-static svo_status refit(maker *m, cl_event wait, svo_bvh_state *state)
-{
-    cl_event first = NULL;
-    const cl_uint wait_count = wait != NULL ? 1 : 0;
-    const cl_int error = clEnqueueMarkerWithWaitList(m->work.queue, wait_count, wait != NULL ? &wait : NULL, &first);
-    if (error != CL_SUCCESS) {
-        return svo_i_device_fail_cl(m->work.device, m->work.function, "clEnqueueMarkerWithWaitList", error);
-    }
-    svo_i_work_follow(&m->work, first);
-    SVO_I_TRY(find_reach(m));
-    SVO_I_TRY(write_leaves(m));
-    SVO_I_TRY(fit_nodes(m));
-    return tell_state(m, state);
-}
-
-svo_status svo_i_bvh_refit(svo_device *device, const char *function, cl_command_queue queue, const svo_i_bvh_mesh *mesh,
-                           svo_i_device_bvh *bvh, cl_event wait, svo_bvh_state *state, cl_event *event)
-{
-    maker m = {.out = bvh, .params = {.item_count = bvh->item_count}};
-    svo_status status = SVO_OK;
-    m.buffers[PLACES] = bvh->places;
-    m.buffers[ITEMS_A] = bvh->leaf_boxes;
-    m.buffers[ITEMS_B] = bvh->node_boxes;
-    m.buffers[STATE] = bvh->state;
-    SVO_I_TRY_CLEANUP(begin(&m, device, function, queue, mesh));
-    SVO_I_TRY_CLEANUP(refit(&m, wait, state));
-    *event = m.work.last;
-    m.work.last = NULL; /* nobody waits for it here */
-
-cleanup:
-    end(&m);
     return status;
 }
 

@@ -9,6 +9,7 @@
 
 #include "core/foreign.h"
 #include "rays/bvh_device.h"
+#include "rays/bvh_fit.h"
 #include "rays/corners.h"
 #include "svocl/plan.h"
 #include "svocl/trace.h"
@@ -26,7 +27,7 @@ typedef struct tree_bvh {
     bool is_outdated; /* the geometry has changed since */
     bool follows; /* the newest refit is of the geometry that the tree has, or that a build in flight makes */
     cl_event refitted; /* the newest refit, unless its outcome is known; else NULL */
-    svo_bvh_state state; /* of that refit */
+    svo_bvh_extent extent; /* of that refit */
 } tree_bvh;
 
 static void forget_refit(tree_bvh *held)
@@ -60,7 +61,7 @@ static void settle_refit(const svo_tree *tree, tree_bvh *held)
     if (held->refitted == NULL || !held->follows || tree->content == SVO_I_TREE_IN_FLIGHT) {
         return;
     }
-    held->is_outdated = clWaitForEvents(1, &held->refitted) != CL_SUCCESS || held->state.outside != 0 ||
+    held->is_outdated = clWaitForEvents(1, &held->refitted) != CL_SUCCESS || held->extent.outside != 0 ||
                         tree->content != SVO_I_TREE_COMPLETE || tree->info.list_triangle_count != held->bvh.item_count;
     forget_refit(held);
 }
@@ -81,7 +82,7 @@ static int outdate_bvh(svo_i_attachment *attachment)
     tree_bvh *held = (tree_bvh *)attachment;
     held->is_outdated = true;
     held->follows = false;
-    return held->bvh.children != NULL;
+    return held->bvh.shape[SVO_I_BVH_CHILDREN] != NULL;
 }
 
 svo_i_bvh_mesh svo_i_rays_mesh(const svo_tree *tree, const svo_i_corners *corners)
@@ -161,7 +162,7 @@ svo_status svo_i_rays_refit(svo_tree *tree, const char *function, cl_command_que
     forget_refit(held);
     held->is_outdated = true; /* until the outcome is known */
     const svo_status status =
-        svo_i_bvh_refit(tree->device, function, queue, &mesh, &held->bvh, wait, &held->state, &held->refitted);
+        svo_i_bvh_refit(tree->device, function, queue, &mesh, &held->bvh, wait, &held->extent, &held->refitted);
     svo_i_corners_release(&corners);
     SVO_I_TRY(status);
     held->follows = true;
@@ -193,7 +194,7 @@ static const char *wrong_refit(const svo_tree *tree)
     if (held == NULL) {
         return "tree has no BVH; call svo_tree_make_bvh after the first build";
     }
-    if (held->bvh.children == NULL || (held->flags & SVO_RAY_FLAG_CLIP) != 0 ||
+    if (held->bvh.shape[SVO_I_BVH_CHILDREN] == NULL || (held->flags & SVO_RAY_FLAG_CLIP) != 0 ||
         (held->flags & SVO_RAY_FLAG_WORLD) == 0) {
         return "the BVH was made of doubles, or of a mesh that was not all inside the grid; make it anew";
     }
