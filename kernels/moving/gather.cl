@@ -74,21 +74,6 @@ static svo_sums svo_sum_kept(__global const uint4 *values, uint first, uint last
 
 #endif
 
-#ifdef SVO_AREAS
-
-/* Sums up what every so many-th pair shows. Kept pairs have what both cases need, whether they count from both sides or
-   not. */
-static svo_areas svo_sum_kept_areas(__global const uint4 *pair_areas, uint first, uint last, uint step, bool both_sides)
-{
-    svo_areas areas = svo_no_areas();
-    for (uint pair = first; pair < last; pair += step) {
-        svo_add_areas(&areas, svo_kept_seen(pair_areas[pair]), both_sides);
-    }
-    return areas;
-}
-
-#endif
-
 #ifdef SVO_GATHERED
 
 /* The leaf that has a pair. */
