@@ -384,7 +384,8 @@ static svo_status run_moving(subject *of)
 {
     const svo_moving_options options = {.struct_size = sizeof options,
                                         .need = (uint32_t)SVO_NEED_RAYS | (uint32_t)SVO_NEED_MATERIAL |
-                                                (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL,
+                                                (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL |
+                                                (uint32_t)SVO_NEED_PROJECTED_AREA,
                                         .edge = 2.0,
                                         .max_area = 100.0};
     svo_moving *moving = NULL;

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * For LD_PRELOAD: ends the program by a signal in the middle of writing a file, and takes away files without a name.
+ * For LD_PRELOAD: ends the program by a signal in the middle of writing a file, takes away files without a name, and
+ * tells what a child would be started with.
  *
  *   SHIM_SIGNAL=N          the signal
  *   SHIM_AT=fsync|rename   the call before which it is raised: all bytes are written, or a temporary name is there; of
  *                          files in the working folder alone, where drivers keep nothing
  *   SHIM_NO_TMPFILE=1      open fails with O_TMPFILE, as on file systems without it
+ *   SHIM_ARGUMENTS=FILE    execv appends its arguments to the file, a line for each child, and starts nothing
  */
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -81,6 +83,26 @@ int open(const char *path, int flags, ...)
         return -1;
     }
     return real(path, flags, mode);
+}
+
+int execv(const char *path, char *const arguments[])
+{
+    int (*real)(const char *, char *const[]) = NULL;
+    *(void **)&real = next("execv");
+    const char *list = getenv("SHIM_ARGUMENTS");
+    if (list == NULL) {
+        return real(path, arguments);
+    }
+    FILE *file = fopen(list, "a");
+    for (size_t i = 0; file != NULL && arguments[i] != NULL; ++i) {
+        (void)fprintf(file, "%s%s", i > 0 ? " " : "", arguments[i]);
+    }
+    if (file != NULL) {
+        (void)fputc('\n', file);
+        (void)fclose(file);
+    }
+    errno = ENOENT;
+    return -1;
 }
 
 /* NOLINTEND(readability-inconsistent-declaration-parameter-name) */

@@ -98,6 +98,8 @@ static void every_subject_adds_its_tables(void **state)
     assert_int_equal(row_count_of(table_of(document, "startup-needs")),
                      row_count_of(table_of(document, "e6-leaving-out")) - 1);
     expect_positive(table_of(document, "paged"), "picture");
+    expect_positive(table_of(document, "parts-large"), "leaves");
+    expect_positive(table_of(document, "parts-large"), "peak");
     expect_positive(table_of(document, "startup-needs"), "cold");
     expect_positive(table_of(document, "startup-needs"), "warm");
     expect_positive(table_of(document, "memory"), "tree per leaf");
@@ -297,6 +299,24 @@ static void rays_are_compared_with_embree(void **state)
     expect_files(kept, 1);
 }
 
+/* The process that measures another instruction set runs where this one does. */
+static void children_run_on_the_same_device(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("LD_PRELOAD=$SHIM SHIM_ARGUMENTS=list.txt ASAN_OPTIONS=verify_asan_link_order=0 $SVOCL bench rays "
+             "--scenes cube --depths 3 --ray-count 10 --repeat 1 --device 0.0 --path gpu --threads 1");
+    run("cat list.txt");
+    if (last.exit_code != 0) {
+        print_message("skipped: no AVX-512, or built without libembree-dev\n");
+        skip();
+    }
+    assert_non_null(strstr(last.output, "svocl bench rays --isa avx2 "));
+    assert_non_null(strstr(last.output, " --depths 3 --threads 1 --device 0.0 --path gpu"));
+    static const char *const kept[] = {"list.txt"};
+    expect_files(kept, 1);
+}
+
 /* Tables contain the published values and name their hardware. */
 static void published_values_name_their_hardware(void **state)
 {
@@ -415,6 +435,7 @@ int main(void)
         IN_FOLDER(minimized_spheres_are_smaller),
         IN_FOLDER(rays_are_compared_with_a_grid),
         IN_FOLDER(rays_are_compared_with_embree),
+        IN_FOLDER(children_run_on_the_same_device),
         IN_FOLDER(published_values_name_their_hardware),
         IN_FOLDER(usage_errors_exit_with_code_2),
         IN_FOLDER(unknown_scenes_are_named),

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Which OpenGL context a program gets for an OpenCL device, over invented machines: what is tried in which order, what
- * is taken, and what is not even tried.
+ * is taken, what is not even tried, and which EGL devices promise a GPU.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -111,11 +111,41 @@ static void there_is_room_for_all(void **state)
     assert_int_equal(candidates[SVO_I_CANDIDATES_MAX - 1].kind, SVO_GL_OSMESA);
 }
 
+/* EGL devices by what drivers list of them. */
+static void extensions_tell_gpus_from_software(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *extensions;
+        bool is_software, is_gpu;
+    } rows[] = {
+        {NULL, false, false},
+        {"", false, false},
+        {"EGL_MESA_device_software", true, false},
+        {"EGL_MESA_device_software EGL_EXT_device_drm EGL_EXT_device_drm_render_node", true, false},
+        {"EGL_EXT_device_drm EGL_EXT_device_drm_render_node", false, true},
+        {"EGL_NV_device_cuda EGL_EXT_device_query_name", false, true},
+        {"EGL_EXT_device_persistent_id EGL_EXT_device_drm", false, true},
+        {"EGL_EXT_device_drm_render_node", false, false}, /* other words that begin alike */
+        {"EGL_NV_device_cuda_more XEGL_EXT_device_drm", false, false},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
+        const bool is_software = svo_i_egl_device_is_software(rows[i].extensions);
+        const bool is_gpu = svo_i_egl_device_is_gpu(rows[i].extensions);
+        if (is_software != rows[i].is_software || is_gpu != rows[i].is_gpu) {
+            fail_msg("row %zu: software %d, GPU %d; expected %d and %d", i, is_software, is_gpu, rows[i].is_software,
+                     rows[i].is_gpu);
+            return;
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_best_context_is_taken),
         cmocka_unit_test(there_is_room_for_all),
+        cmocka_unit_test(extensions_tell_gpus_from_software),
     };
     return cmocka_run_group_tests_name("candidates", tests, NULL, NULL);
 }

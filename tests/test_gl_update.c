@@ -20,6 +20,10 @@ enum { DEPTH = 5, TRIANGLES = 200, VERTICES = TRIANGLES * 3, NUMBERS = VERTICES 
 
 static unsigned waits;
 static unsigned map_failures; /* that many next calls fail */
+/* PoCL aborts where an event fails that commands wait for, so one is said to have failed. */
+static cl_event said_to_have_failed;
+static cl_event waited_for[16]; /* by markers */
+static size_t waited_count;
 
 /* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
 cl_int __real_clWaitForEvents(cl_uint count, const cl_event *events);
@@ -48,6 +52,29 @@ void *__wrap_clEnqueueMapBuffer(cl_command_queue queue, cl_mem buffer, cl_bool b
         return NULL;
     }
     return __real_clEnqueueMapBuffer(queue, buffer, blocking, access, offset, bytes, num_wait, wait, event, error);
+}
+
+cl_int __real_clGetEventInfo(cl_event event, cl_event_info name, size_t bytes, void *value, size_t *needed);
+cl_int __wrap_clGetEventInfo(cl_event event, cl_event_info name, size_t bytes, void *value, size_t *needed);
+
+cl_int __wrap_clGetEventInfo(cl_event event, cl_event_info name, size_t bytes, void *value, size_t *needed)
+{
+    const cl_int error = __real_clGetEventInfo(event, name, bytes, value, needed);
+    if (error == CL_SUCCESS && event == said_to_have_failed && name == CL_EVENT_COMMAND_EXECUTION_STATUS) {
+        *(cl_int *)value = CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST;
+    }
+    return error;
+}
+
+cl_int __real_clEnqueueMarkerWithWaitList(cl_command_queue queue, cl_uint count, const cl_event *wait, cl_event *event);
+cl_int __wrap_clEnqueueMarkerWithWaitList(cl_command_queue queue, cl_uint count, const cl_event *wait, cl_event *event);
+
+cl_int __wrap_clEnqueueMarkerWithWaitList(cl_command_queue queue, cl_uint count, const cl_event *wait, cl_event *event)
+{
+    for (cl_uint i = 0; i < count && waited_count < sizeof waited_for / sizeof waited_for[0]; ++i) {
+        waited_for[waited_count++] = wait[i];
+    }
+    return __real_clEnqueueMarkerWithWaitList(queue, count, wait, event);
 }
 /* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
 
@@ -305,6 +332,41 @@ static void a_failing_call_is_a_status_and_the_next_works(void **state)
     close_pair(&pair);
 }
 
+static bool is_waited_for(cl_event event)
+{
+    for (size_t i = 0; i < waited_count; ++i) {
+        if (waited_for[i] == event) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Later updates from its buffers do not wait for one that failed, as after an event of the caller's that did. They wait
+   for the one before it. */
+static void nothing_waits_for_a_failed_update(void **state)
+{
+    (void)state;
+    moved_pair pair;
+    cl_event first = NULL;
+    cl_event failed = NULL;
+    open_pair(&(shim_faults){.extensions = NULL}, 0, SVO_GL_SHARE_INTEROP, &pair);
+    succeed(&pair, update(&pair, &first));
+    waited_count = 0;
+    succeed(&pair, update(&pair, &failed));
+    assert_true(is_waited_for(first));
+    said_to_have_failed = failed;
+    waited_count = 0;
+    succeed(&pair, update(&pair, NULL));
+    assert_true(is_waited_for(first));
+    assert_false(is_waited_for(failed));
+    check_move(&pair, 1);
+    said_to_have_failed = NULL;
+    clReleaseEvent(first);
+    clReleaseEvent(failed);
+    close_pair(&pair);
+}
+
 /* The one buffer stays OpenCL's until svo_gl_buffer_to_gl; the other, if it can be mapped, is OpenGL's. */
 static void buffers_that_cannot_be_mapped_stay_with_opencl(void **state)
 {
@@ -380,6 +442,7 @@ int main(void)
         cmocka_unit_test(copied_vertices_move_the_mesh),
         cmocka_unit_test(shared_vertices_are_not_waited_for),
         cmocka_unit_test(a_failing_call_is_a_status_and_the_next_works),
+        cmocka_unit_test(nothing_waits_for_a_failed_update),
         cmocka_unit_test(buffers_that_cannot_be_mapped_stay_with_opencl),
         cmocka_unit_test(wrong_arguments_are_refused),
     };

@@ -549,6 +549,7 @@ static void light_all(const fixture *opened, svo_tree *tree)
         succeed(opened, svo_light_create(tree, &options, opened->queue, &light));
         succeed(opened, svo_light_set_sources(light, &setup, opened->queue));
         succeed(opened, svo_light_update(light, tree, &changed, 1, opened->queue));
+        succeed(opened, svo_light_update(light, tree, &changed, 1, opened->queue)); /* from what the first one kept */
         succeed(opened, svo_i_work_begin(opened->device, "light_all", opened->queue, &work));
         succeed(opened, svo_i_work_alloc(&work, "leaves", sizeof leaf, &lit.leaves));
         succeed(opened, svo_i_work_alloc(&work, "radiance", sizeof radiance, &lit.radiance));
@@ -614,12 +615,14 @@ static void shine_all(const fixture *opened, const svo_mesh *mesh)
     }
 }
 
-/* Two objects that move beside the mesh, with lists and materials. */
+/* Two objects that move beside the mesh, with lists, materials and projected areas. */
 static void move_all(const fixture *opened, const svo_mesh *mesh)
 {
     const double transform[12] = {0.5, 0, 0, 0.1, 0, 0.5, 0, 0.1, 0, 0, 0.5, 0.1};
-    const svo_moving_options options = {
-        .struct_size = sizeof options, .need = PAYLOAD | (uint32_t)SVO_NEED_RAYS, .edge = 1.0, .max_area = 1e3};
+    const svo_moving_options options = {.struct_size = sizeof options,
+                                        .need = PAYLOAD | (uint32_t)SVO_NEED_RAYS | (uint32_t)SVO_NEED_PROJECTED_AREA,
+                                        .edge = 1.0,
+                                        .max_area = 1e3};
     svo_moving *moving = NULL;
     uint32_t object = 0;
     succeed(opened, svo_moving_create(opened->device, mesh, DEPTH, &options, opened->queue, &moving));
@@ -631,6 +634,15 @@ static void move_all(const fixture *opened, const svo_mesh *mesh)
     succeed(opened, svo_moving_finish(moving, NULL));
     succeed(opened, svo_moving_make_bvh(moving, SVO_BVH_BEST, 0.0F, opened->queue, NULL));
     svo_moving_destroy(&moving);
+}
+
+/* The same on the path of GPUs. */
+static void move_as_on_gpus(fixture *opened, const svo_mesh *mesh)
+{
+    const bool cpu_path = opened->device->cpu_path;
+    opened->device->cpu_path = false;
+    move_all(opened, mesh);
+    opened->device->cpu_path = cpu_path;
 }
 
 /* Fails if a kernel defined in the source was never launched. Returns how many the source defines. */
@@ -684,6 +696,7 @@ static void every_launch_matches_its_kernel(void **state)
     light_all(&opened, tree.tree);
     shine_all(&opened, &painted.mesh);
     move_all(&opened, &painted.mesh);
+    move_as_on_gpus(&opened, &painted.mesh);
     for (size_t i = 0; i < sizeof sources / sizeof sources[0]; ++i) {
         assert_true(check_all_launched(sources[i]) > 0);
     }

@@ -20,7 +20,7 @@
 #include "fixture.h"
 #include "memory_ledger.h"
 
-enum { OBJECTS = 3, DEPTH = 6, BOXES = 64 };
+enum { OBJECTS = 5, DEPTH = 6, BOXES = 64 };
 
 /* ---- scenes ---- */
 
@@ -34,7 +34,7 @@ typedef struct stage {
 static svo_moving_options options_of_stage(void)
 {
     const svo_moving_options options = {.struct_size = sizeof options,
-                                        .need = (uint32_t)SVO_NEED_ALL & ~(uint32_t)SVO_NEED_PROJECTED_AREA,
+                                        .need = SVO_NEED_ALL,
                                         .origin = {-0.1, -0.1, -0.1},
                                         .edge = 1.2,
                                         .max_area = 60.0};
@@ -240,12 +240,14 @@ static void compare_moves(const fixture *opened, uint64_t seed, int moves, svo_l
     close_stage(&of);
 }
 
+/* A hundred moves where SVOCL_LONG_TESTS is set (tools/dev long). */
 static void random_moves_equal_lights_from_nothing(void **state)
 {
+    const int moves = getenv("SVOCL_LONG_TESTS") != NULL ? 100 : 8;
     const fixture opened = fixture_cl_of_group(state);
     const svo_light_setup setup = setup_of(all_sources, 3, 0);
     for (int form = 0; form < SVO_LIGHT_FORM_COUNT; ++form) {
-        compare_moves(&opened, 40 + (uint64_t)form, form == 0 ? 8 : 4, (svo_light_form)form, &setup);
+        compare_moves(&opened, 40 + (uint64_t)form, form == 0 ? moves : 4, (svo_light_form)form, &setup);
     }
 }
 

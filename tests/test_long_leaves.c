@@ -15,9 +15,11 @@
 #include <cmocka.h>
 
 #include "core/device.h"
+#include "enqueued.h"
 #include "fixture.h"
 #include "meshes.h"
 #include "shared/layout.h"
+#include "shared/moving_layout.h"
 
 #define TRIANGLES 200000u
 #define MATERIALS 1000u
@@ -65,8 +67,11 @@ typedef enum reach {
     REACH_RUN, /* the part of it that is in one group */
     REACH_SHORT, /* a list of at most SVO_SHORT_LIST_MAX, six gaps */
     REACH_LEAF, /* a leaf of at most SVO_LONG_LEAF, merged by halves */
-    REACH_STRIP, /* a part of it for each work-item of a group: two loops for each digit of 32 bits, and four more */
+    REACH_STRIP, /* a part of it for each work-item of a group: two loops for each digit of 32 bits, and four more, or
+                    less */
     REACH_MATERIALS, /* its materials, for eight children */
+    REACH_KEPT, /* eight leaves of at most SVO_KEPT_LONG pairs, twice */
+    REACH_PART, /* a part of the list: strips of two lists that are merged, or that nodes are made from */
     REACH_ALL /* all of it */
 } reach;
 
@@ -100,6 +105,19 @@ static const struct {
     {"svo_k_round_areas", REACH_ONE},
     {"svo_k_link", REACH_ONE},
     {"svo_k_gather_level", REACH_ALL},
+    {"svo_k_sort_count", REACH_STRIP},
+    {"svo_k_sort_scatter", REACH_STRIP},
+    {"svo_k_merge_count", REACH_PART},
+    {"svo_k_merge_write", REACH_PART},
+    {"svo_k_moving_shift", REACH_ONE},
+    {"svo_k_moving_number", REACH_ONE},
+    {"svo_k_moving_weigh", REACH_ONE},
+    {"svo_k_moving_begins", REACH_PART},
+    {"svo_k_moving_levels", REACH_ONE},
+    {"svo_k_moving_nodes", REACH_PART},
+    {"svo_k_moving_long", REACH_STRIP},
+    {"svo_k_moving_gather", REACH_KEPT},
+    {"svo_k_moving_entries", REACH_ONE},
 };
 
 static uint64_t steps_of(const char *kernel, uint64_t triangles)
@@ -122,6 +140,10 @@ static uint64_t steps_of(const char *kernel, uint64_t triangles)
                 return strip * passes;
             case REACH_MATERIALS:
                 return MATERIALS * children;
+            case REACH_KEPT:
+                return children * SVO_KEPT_LONG * 3;
+            case REACH_PART:
+                return SVO_MERGE_STRIP + SVO_NODE_STRIP * SVO_NODE_LEVELS;
             case REACH_ALL:
                 return triangles;
             }
@@ -234,8 +256,44 @@ static void no_work_item_goes_through_a_long_leaf(void **state)
     crowd_destroy(&made);
 }
 
+/* Updates a scene that moves, and leaves the launches of the update. */
+static void update_on(const fixture *opened, bool cpu_path, const crowd *made, char hash[SVO_HASH_TEXT_BYTES])
+{
+    static const double aside[12] = {1, 0, 0, 0.4, 0, 1, 0, 0.1, 0, 0, 1, -0.5};
+    const svo_moving_options options = {.struct_size = sizeof options, .need = SVO_NEED_ALL, .edge = 1.0};
+    svo_moving *moving = NULL;
+    uint32_t object = 0;
+    opened->device->cpu_path = cpu_path;
+    succeed(opened, svo_moving_create(opened->device, &made->base.mesh, 5, &options, opened->queue, &moving));
+    succeed(opened, svo_moving_add(moving, &made->base.mesh, NULL, &object));
+    succeed(opened, svo_moving_update(moving, opened->queue, NULL));
+    succeed(opened, svo_moving_set_transform(moving, object, aside));
+    notes.count = 0;
+    succeed(opened, svo_moving_update(moving, opened->queue, NULL));
+    succeed(opened, svo_tree_download(svo_moving_tree(moving), opened->queue));
+    succeed(opened, svo_tree_hash(svo_moving_tree(moving), SVO_HASH_ALL, hash));
+    svo_moving_destroy(&moving);
+}
+
+static void nor_does_one_of_a_scene_that_moves(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    char by_cpu[SVO_HASH_TEXT_BYTES], by_gpu[SVO_HASH_TEXT_BYTES];
+    const char *kernel = "";
+    crowd made;
+    crowd_create(&made);
+    update_on(&opened, true, &made, by_cpu);
+    assert_int_equal(items_of("svo_k_moving_long"), 0);
+    update_on(&opened, false, &made, by_gpu);
+    assert_in_range(longest_item(&kernel), 1, STEPS_MAX);
+    assert_in_range(items_of("svo_k_moving_long"), 2 * TRIANGLES / SVO_KEPT_LONG * SVO_GROUP_ITEMS, TRIANGLES);
+    assert_string_equal(by_gpu, by_cpu);
+    crowd_destroy(&made);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(no_work_item_goes_through_a_long_leaf)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(no_work_item_goes_through_a_long_leaf),
+                                       cmocka_unit_test(nor_does_one_of_a_scene_that_moves)};
     return cmocka_run_group_tests_name("long leaves", tests, fixture_group_setup, fixture_group_teardown);
 }

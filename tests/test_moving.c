@@ -23,7 +23,7 @@ static const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
 /* ---- equality ---- */
 
-static const uint32_t everything = (uint32_t)SVO_NEED_ALL & ~(uint32_t)SVO_NEED_PROJECTED_AREA;
+static const uint32_t everything = SVO_NEED_ALL;
 
 /* One of the objects moves, hides, appears or gets other vertices. */
 static void play(const fixture *opened, svo_moving *moving, const actors *of, uint64_t *seed, bool *visible)
@@ -295,10 +295,6 @@ static void wrong_meshes_are_refused(void **state)
     assert_fails(&opened, svo_moving_create(opened.device, room, 4, &wrong, NULL, &moving), SVO_INVALID_ARGUMENT,
                  "edge");
     wrong = options;
-    wrong.need = SVO_NEED_PROJECTED_AREA;
-    assert_fails(&opened, svo_moving_create(opened.device, room, 4, &wrong, NULL, &moving), SVO_UNSUPPORTED,
-                 "projected-area");
-    wrong = options;
     wrong.need = SVO_NEED_FILL;
     wrong.weights = SVO_WEIGHTS_UNIFORM;
     assert_fails(&opened, svo_moving_create(opened.device, room, 4, &wrong, NULL, &moving), SVO_INVALID_ARGUMENT,
@@ -376,10 +372,11 @@ static uint64_t nothing_else(const svo_moving *moving)
     return 0;
 }
 
+/* Over ten thousand updates where SVOCL_LONG_TESTS is set (tools/dev long). */
 static void memory_is_flat(void **state)
 {
     (void)state;
-    check_memory_is_flat(3000, update_moving, nothing_else);
+    check_memory_is_flat(getenv("SVOCL_LONG_TESTS") != NULL ? 10000 : 3000, update_moving, nothing_else);
 }
 
 int main(void)

@@ -19,7 +19,7 @@
 #include "enqueued.h"
 #include "moving_scene.h"
 
-static const uint32_t everything = (uint32_t)SVO_NEED_ALL & ~(uint32_t)SVO_NEED_PROJECTED_AREA;
+static const uint32_t everything = SVO_NEED_ALL;
 static const double small[12] = {0.01, 0, 0, 0.5, 0, 0.01, 0, 0.5, 0, 0, 0.01, 0.5};
 static const double large[12] = {0.9, 0, 0, 0, 0, 0.9, 0, 0, 0, 0, 0.9, 0};
 

@@ -11,11 +11,15 @@
 
 #include <cmocka.h>
 
+#include <dirent.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
 
 #include "attributed_mesh.h"
 #include "fixture.h"
@@ -290,7 +294,7 @@ static void test_payload_levels(void **state)
 /* Depths with longer codes, with finer snapping, and the least; with the other builder. */
 static void test_depths(void **state)
 {
-    static const unsigned depths[] = {1, 10, 11, 13, 16};
+    static const unsigned depths[] = {1, 10, 11, 12, 13, 16};
     const double corner[3] = {0.499, 0.499, 0.499};
     owned_mesh dust;
     random_dust(11, 30, corner, 0.002, &dust);
@@ -436,6 +440,16 @@ static void write_file(const char *path, const char *bytes, size_t count)
     assert_int_equal(fclose(file), 0);
 }
 
+/* Writes one byte into a file that is there. */
+static void overwrite(const char *path, long at, char byte)
+{
+    FILE *file = fopen(path, "r+b");
+    assert_non_null(file);
+    assert_int_equal(fseek(file, at, SEEK_SET), 0);
+    assert_int_equal(fputc((unsigned char)byte, file), (unsigned char)byte);
+    assert_int_equal(fclose(file), 0);
+}
+
 static void assert_refused(const job *j, const char *path)
 {
     svo_message message;
@@ -458,13 +472,16 @@ static void test_damaged_parts(void **state)
     build_whole(&j, 3, &options);
     build_part(&j, 0, 0);
     char *content = read_file(j.paths[0], &bytes);
-    for (size_t i = 0; i < bytes; i += 1 + i / 512) {
-        write_file(j.paths[0], content, i);
+    for (size_t i = 0; i < bytes; ++i) {
+        const char flipped = (char)(content[i] ^ 1 << i % 8);
+        overwrite(j.paths[0], (long)i, flipped);
         assert_refused(&j, j.paths[0]);
-        content[i] = (char)(content[i] ^ 1);
-        write_file(j.paths[0], content, bytes);
+        overwrite(j.paths[0], (long)i, content[i]);
+    }
+    check(&j, svo_part_check(&j.header, j.paths[0], NULL, &message), &message);
+    for (size_t i = bytes; i-- > 0;) {
+        assert_int_equal(truncate(j.paths[0], (off_t)i), 0);
         assert_refused(&j, j.paths[0]);
-        content[i] = (char)(content[i] ^ 1);
     }
     /* a file that is damaged where only its segments say so leaves no tree */
     path_of("damaged.svo", out);
@@ -502,6 +519,59 @@ static void test_overlap(void **state)
     assert_int_equal(access(out, F_OK), -1);
     close_job(&j);
     attributed_mesh_destroy(&made);
+}
+
+/* Bytes of a part file's head, as parts.h documents them. */
+enum { HEAD_SEGMENTS = 12, HEAD_HASH = 24, HEAD_HASHED = 32, HEAD_LEVELS = 128, HEAD_BYTES = 200, SEGMENT_BYTES = 32 };
+
+/* Rewrites the head of a part of 12 levels: full levels down to the tenth, 3 * 10^9 nodes below, a right checksum.
+   Returns how many nodes that are. */
+static uint64_t promise_nodes(const char *path)
+{
+    size_t bytes = 0;
+    char *content = read_file(path, &bytes);
+    uint32_t segments = 0;
+    uint32_t begin = 0;
+    memcpy(&segments, content + HEAD_SEGMENTS, sizeof segments);
+    for (uint32_t level = 0; level <= 12; ++level) {
+        begin += level <= 10 ? 1u << (3 * level) : 1500000000u;
+        memcpy(content + HEAD_LEVELS + sizeof begin * (level + 1), &begin, sizeof begin);
+    }
+    const uint64_t hash =
+        XXH3_64bits(content + HEAD_HASHED, HEAD_BYTES - HEAD_HASHED + (size_t)segments * SEGMENT_BYTES);
+    memcpy(content + HEAD_HASH, &hash, sizeof hash);
+    write_file(path, content, bytes);
+    free(content);
+    return begin;
+}
+
+/* Parts that each fit 32 bits and do not together: refused by the exact number before anything is written. */
+static void test_too_many_nodes(void **state)
+{
+    const double corner[3] = {0.499, 0.499, 0.499};
+    owned_mesh dust;
+    svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+    svo_message message;
+    char out[PATH_BYTES];
+    char number[32];
+    random_dust(22, 8, corner, 0.002, &dust);
+    options.edge = 1.0;
+    job j = open_job(state, &dust.mesh);
+    build_whole(&j, 13, &options);
+    build_part(&j, 1, 0);
+    build_part(&j, 1, 7);
+    assert_int_equal(j.count, 2);
+    uint64_t nodes = 1;
+    for (size_t i = 0; i < j.count; ++i) {
+        nodes += promise_nodes(j.paths[i]);
+    }
+    path_of("many.svo", out);
+    assert_int_equal(stitch(&j, out, &message), SVO_CAPACITY_EXCEEDED);
+    (void)snprintf(number, sizeof number, " %llu nodes", (unsigned long long)nodes);
+    assert_non_null(strstr(message.text, number));
+    assert_int_equal(access(out, F_OK), -1);
+    close_job(&j);
+    owned_mesh_free(&dust);
 }
 
 static void test_bad_requests(void **state)
@@ -743,6 +813,104 @@ static void test_small_devices(void **state)
     attributed_mesh_destroy(&made);
 }
 
+/* ---- triangles of parts that were split ---- */
+
+/* A folder of one part that a small device has split, and split again. */
+typedef struct divided_folder {
+    attributed_mesh made;
+    job opened;
+    svo_device *device;
+    svo_parts *parts;
+    char folder[PATH_BYTES], whole[PATH_BYTES], out[PATH_BYTES];
+} divided_folder;
+
+static void open_divided(void **state, divided_folder *d)
+{
+    svo_device_options limited = SVO_DEVICE_OPTIONS_INIT;
+    svo_message message;
+    attributed_mesh_create(23, 200, 0.0, &d->made);
+    path_of("folder", d->folder);
+    path_of("whole.svo", d->whole);
+    path_of("parts.svo", d->out);
+    d->opened = open_job(state, &d->made.mesh);
+    build_whole(&d->opened, 6, NULL);
+    check(&d->opened,
+          svo_parts_create(d->opened.opened.device, &d->made.mesh, 6, NULL, (uint64_t)1 << 40, d->folder, &message),
+          &message);
+    limited.max_device_bytes = 450000;
+    check(&d->opened, svo_device_create_default(&limited, &d->device, &message), &message);
+    build_folder(&d->opened, d->device, d->folder);
+    check(&d->opened, svo_parts_open(d->folder, &d->parts, &message), &message);
+}
+
+static void close_divided(divided_folder *d)
+{
+    svo_message message;
+    svo_parts_close(&d->parts);
+    check(&d->opened, svo_parts_remove(d->folder, &message), &message);
+    svo_device_destroy(&d->device);
+    close_job(&d->opened);
+    attributed_mesh_destroy(&d->made);
+}
+
+/* Finds a part of the deepest level. */
+static void find_deep_part(const divided_folder *d, uint32_t *level, unsigned long long *code)
+{
+    DIR *opened = opendir(d->folder);
+    assert_non_null(opened);
+    *level = 0;
+    for (const struct dirent *entry = readdir(opened); entry != NULL; entry = readdir(opened)) {
+        unsigned found_level = 0;
+        unsigned long long found_code = 0;
+        char end = '\0';
+        if (sscanf(entry->d_name, "%u-%llx.par%c", &found_level, &found_code, &end) == 3 && found_level > *level) {
+            *level = found_level;
+            *code = found_code;
+        }
+    }
+    (void)closedir(opened);
+}
+
+/* A worker without the folder sends parts, but no triangles of those that it split. They come from the part's own, also
+   where they are damaged. Without those, the words say what to do. */
+static void test_triangles_that_are_missing(void **state)
+{
+    divided_folder d;
+    svo_message message;
+    uint32_t level = 0;
+    unsigned long long code = 0;
+    char part[PATH_BYTES + 48];
+    char above[PATH_BYTES + 48];
+    char listed[PATH_BYTES + 48];
+    open_divided(state, &d);
+    find_deep_part(&d, &level, &code);
+    assert_true(level >= 2);
+    (void)snprintf(part, sizeof part, "%s/%u-%llx.part", d.folder, level, code);
+    (void)snprintf(above, sizeof above, "%s/%u-%llx.tri", d.folder, level - 1, code >> 3);
+    (void)snprintf(listed, sizeof listed, "%s/0-0.tri", d.folder);
+    char triangles[PATH_BYTES + 48];
+    (void)snprintf(triangles, sizeof triangles, "%s/%u-%llx.tri", d.folder, level, code);
+    for (unsigned way = 0; way < 2; ++way) {
+        damage_end(part);
+        if (way == 0) {
+            assert_int_equal(unlink(triangles), 0);
+            assert_int_equal(unlink(above), 0);
+        } else {
+            damage_end(triangles);
+        }
+        check(&d.opened, svo_parts_build(d.parts, 0, d.device, NULL, NULL, &message), &message);
+        check(&d.opened, svo_parts_finish(d.parts, d.out, &message), &message);
+        assert_same_files(d.whole, d.out);
+    }
+    damage_end(part);
+    assert_int_equal(unlink(triangles), 0);
+    assert_int_equal(unlink(listed), 0);
+    assert_int_equal(svo_parts_build(d.parts, 0, d.device, NULL, NULL, &message), SVO_FILE_ERROR);
+    assert_non_null(strstr(message.text, "0-0.tri: cannot be opened"));
+    assert_non_null(strstr(message.text, "planning the parts again"));
+    close_divided(&d);
+}
+
 /* A changed byte in the plan or in triangles is found before anything is built from it. */
 static void test_damaged_folders(void **state)
 {
@@ -811,11 +979,13 @@ int main(void)
         cmocka_unit_test(test_triangles_of_a_part),
         cmocka_unit_test(test_damaged_parts),
         cmocka_unit_test(test_overlap),
+        cmocka_unit_test(test_too_many_nodes),
         cmocka_unit_test(test_bad_requests),
         cmocka_unit_test(test_trees_of_parts),
         cmocka_unit_test(test_folders),
         cmocka_unit_test(test_parts_that_change),
         cmocka_unit_test(test_small_devices),
+        cmocka_unit_test(test_triangles_that_are_missing),
         cmocka_unit_test(test_damaged_folders),
     };
     return cmocka_run_group_tests(tests, setup, teardown);

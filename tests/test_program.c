@@ -43,6 +43,49 @@ static void usage_errors_exit_with_code_2(void **state)
     run_badly("$SVOCL render tree.svo -o a.png -d 8", 2, "tree.svo");
 }
 
+/* What a command, or what it does with its input, cannot use is refused before anything is read. */
+static void options_without_effect_are_refused(void **state)
+{
+    (void)state;
+    static const char *const lines[][2] = {
+        {"build scene:cube --plan-only --count-first", "--count-first does not apply"},
+        {"build scene:cube --max-memory 1M -o a.svo --frame 2", "--frame do not apply with --max-memory"},
+        {"parts plan scene:cube -o a.svo --part 1", "--part does not apply to parts plan"},
+        {"parts plan scene:cube -o a.svo --builder sorted", "--builder sorted makes no parts"},
+        {"parts build a.svo.parts -d 3", "--depth does not apply to parts build"},
+        {"parts build a.svo.parts --json", "--json does not apply to parts build"},
+        {"parts status a.svo.parts -o b.svo", "--output does not apply to parts status"},
+        {"parts stitch a.svo.parts --part 1", "--part does not apply to parts stitch"},
+        {"parts remove a.svo.parts --device 0.0", "--device does not apply to parts remove"},
+        {"scene --seed 2", "--seed does not apply without NAME"},
+        {"scene cube:20 --seed 5 -o a.ply", "--seed does not apply to a NAME with numbers"},
+        {"hash a.svo --frame 2", "--frame apply to voxel files"},
+        {"hash a.vox --share host", "--share does not apply to voxels"},
+        {"build a.vox --weights area", "--weights does not apply to voxels"},
+        {"convert a.vox a.svo --levels 2", "--levels applies to .svo files"},
+        {"trace scene:cube --rays a.csv --size 2x2 -o b.csv", "--size does not apply with --rays"},
+        {"trace scene:cube --camera auto --need color -o b.csv", "--need does not apply to rays"},
+        {"reference scene:cube --points 3 --weights uniform -o b.csv", "--weights does not apply to paths"},
+        {"kernels scene:cube --frontend gl-expand", "OpenGL does not apply"},
+        {"render scene:cube -o a.png --gi off", "--gi does not apply"},
+        {"render scene:cube -o a.png --through probes --gi off", "--gi does not apply"},
+        {"render scene:cube -o a.png --exposure 2", "--exposure does not apply"},
+        {"report --from a.json -o a --scenes cube", "--scenes does not apply with --from"},
+        {"bench rays --workers 2", "--workers does not apply to bench rays"},
+        {"bench rays --need color", "--need does not apply to bench rays"},
+        {"bench e1 --scenes cube", "--scenes does not apply to bench e1"},
+        {"bench thesis-2016 --depths 4", "--depths does not apply to bench thesis-2016"},
+        {"bench parts --ray-count 9", "--ray-count does not apply to bench parts"},
+        {"bench memory --coverage half-open", "--coverage does not apply to bench memory"},
+    };
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i) {
+        char line[128];
+        (void)snprintf(line, sizeof line, "$SVOCL %s", lines[i][0]);
+        run_badly(line, 2, lines[i][1]);
+    }
+    expect_files(NULL, 0);
+}
+
 static void names_without_meaning_are_refused(void **state)
 {
     (void)state;
@@ -1136,6 +1179,7 @@ static void two_processes_save_into_one_folder(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {IN_FOLDER(usage_errors_exit_with_code_2),
+                                       IN_FOLDER(options_without_effect_are_refused),
                                        IN_FOLDER(names_without_meaning_are_refused),
                                        IN_FOLDER(help_goes_to_standard_output),
                                        IN_FOLDER(scenes_are_written_and_read_again),

@@ -33,6 +33,23 @@ static void parts_that_fit_make_the_same_file(void **state)
     run_well("rm a.svo b.svo");
 }
 
+/* Whatever makes them, with whatever number of threads. */
+static void every_way_makes_the_same_file(void **state)
+{
+    (void)state;
+    static const char *const ways[] = {"--frontend cl --threads 1", "--frontend cl --threads 2 --path gpu",
+                                       "--builder sorted --threads 1", "--frontend gl-expand --threads 2"};
+    build_whole();
+    const size_t count = sizeof ways / sizeof ways[0] - (gl_works() ? 0 : 1);
+    for (size_t i = 0; i < count; ++i) {
+        char line[512];
+        (void)snprintf(line, sizeof line, "$SVOCL build " SCENE " --max-memory 6M -q -o b.svo %s && cmp a.svo b.svo",
+                       ways[i]);
+        run_well(line);
+    }
+    run_well("rm a.svo b.svo");
+}
+
 /* Each file of a folder that is truncated, and each with a flipped byte, is named and built again; others stay. */
 static void damaged_parts_are_built_again(void **state)
 {
@@ -71,6 +88,22 @@ static void steps_are_idempotent(void **state)
     run_well("$SVOCL parts stitch b.svo.parts -o c.svo && cmp a.svo c.svo");
     run_well("$SVOCL parts remove b.svo.parts && test ! -e b.svo.parts");
     run_well("rm a.svo b.svo c.svo indices before");
+}
+
+/* What fails for now and what fails for good. */
+static void exit_codes_tell_whether_to_try_again(void **state)
+{
+    (void)state;
+    need_builds();
+    run_badly("OCL_ICD_VENDORS=/nonexistent $SVOCL parts plan scene:cube -d 4 -o b.svo", 75, "OpenCL");
+    run_badly("$SVOCL parts plan nothing.obj -d 4 -o b.svo", 1, "nothing.obj");
+    run_well("$SVOCL parts plan scene:cube -d 4 --max-memory 1M -o b.svo -q");
+    run_badly("OCL_ICD_VENDORS=/nonexistent $SVOCL parts build b.svo.parts", 75, "OpenCL");
+    run_badly("$SVOCL parts build b.svo.parts --device none-such", 75, "none-such");
+    run_badly("$SVOCL parts build b.svo.parts --part 1000", 2, "1000");
+    run_well("truncate -s -1 b.svo.parts/plan");
+    run_badly("$SVOCL parts build b.svo.parts", 1, "b.svo.parts/plan");
+    run_well("$SVOCL parts remove b.svo.parts");
 }
 
 /* Whatever write fails, the old file stays, and the next run goes on. */
@@ -126,6 +159,18 @@ static void ended_runs_are_resumed(void **state)
     }
     run_well("$SVOCL build " SCENE " --max-memory 3M --resume -q -o b.svo && cmp a.svo b.svo");
     run_well("rm a.svo b.svo");
+}
+
+/* Names of files that killed processes were writing, on file systems without O_TMPFILE, go with the folder. */
+static void what_killed_processes_left_is_removed(void **state)
+{
+    (void)state;
+    build_whole();
+    run_well("$SVOCL parts plan " SCENE " --max-memory 6M -o b.svo -q && touch b.svo.parts/.svocl-1234-0.tmp");
+    run_well("$SVOCL build " SCENE " --max-memory 6M --resume -q -o b.svo && cmp a.svo b.svo && test ! -e b.svo.parts");
+    run_well("$SVOCL parts plan " SCENE " --max-memory 6M -o b.svo -q && touch b.svo.parts/.svocl-mine");
+    run_well("$SVOCL parts remove b.svo.parts && test $(ls -A b.svo.parts) = .svocl-mine");
+    run_well("rm -r a.svo b.svo b.svo.parts");
 }
 
 /* A folder of another input or of another plan is not mixed in. */
@@ -184,6 +229,21 @@ static void mesh_files_are_read_in_blocks(void **state)
     run_well("rm -r a.svo b.svo c.svo facets.stl");
 }
 
+/* A mesh without a valid triangle leaves no folder; where one cannot be removed, that is said too. */
+static void a_folder_that_stays_is_named(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("(head -c 80 /dev/zero; printf '\\1\\0\\0\\0'; for i in $(seq 12); do printf '\\0\\0\\300\\177'; done;"
+             " printf '\\0\\0') >nan.stl");
+    run_badly("$SVOCL parts plan nan.stl -d 4 --max-memory 1M -o b.svo", 1, "nan.stl: no valid triangle in it");
+    assert_null(strstr(last.errors, "b.svo.parts"));
+    run_well("test ! -e b.svo.parts && mkdir -p b.svo.parts/1-0.part"); /* what unlink does not take */
+    run_badly("$SVOCL parts plan nan.stl -d 4 --max-memory 1M -o b.svo", 1,
+              "all 1 are refused; b.svo.parts: cannot be emptied: Is a directory");
+    run_well("rm -r b.svo.parts nan.stl");
+}
+
 static void wrong_usage_is_refused(void **state)
 {
     (void)state;
@@ -200,7 +260,10 @@ static void wrong_usage_is_refused(void **state)
     need_builds();
     run_badly("$SVOCL build scene:knot -d 9 --max-memory 1K -q -o a.svo", 1, "max_bytes");
     run_well("test ! -e a.svo && rm -r a.svo.parts");
-    run_badly("$SVOCL build scene:knot -d 16 --max-memory 1G -q -o a.svo", 1, "nodes");
+    run_badly("$SVOCL build scene:knot -d 16 --max-memory 1G -q -o a.svo", 1,
+              "nodes are expected at depth 16, above 2^32 - 2");
+    run_well("test ! -e a.svo.parts");
+    run_badly("$SVOCL parts plan scene:knot -d 16 --max-memory 1G -q -o a.svo", 1, "nodes are expected");
     run_well("test ! -e a.svo.parts");
 }
 
@@ -208,13 +271,17 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         IN_FOLDER(parts_that_fit_make_the_same_file),
+        IN_FOLDER(every_way_makes_the_same_file),
         IN_FOLDER(damaged_parts_are_built_again),
         IN_FOLDER(steps_are_idempotent),
+        IN_FOLDER(exit_codes_tell_whether_to_try_again),
         IN_FOLDER(failed_writes_leave_the_old_file),
         IN_FOLDER(full_disks_leave_the_old_file),
         IN_FOLDER(ended_runs_are_resumed),
+        IN_FOLDER(what_killed_processes_left_is_removed),
         IN_FOLDER(parts_of_other_trees_are_replaced),
         IN_FOLDER(mesh_files_are_read_in_blocks),
+        IN_FOLDER(a_folder_that_stays_is_named),
         IN_FOLDER(wrong_usage_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

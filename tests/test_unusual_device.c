@@ -19,6 +19,7 @@
 #include "core/device.h"
 #include "fixture.h"
 #include "scenes.h"
+#include "shared/layout.h"
 
 #define BUILD_LOG "1 error generated.\nprogram.cl:7: error: no such thing\nand more"
 
@@ -219,6 +220,31 @@ static void a_path_that_is_none_is_refused(void **state)
     assert_null(device);
     assert_string_equal(svo_path_name(SVO_PATH_AUTO), "auto");
     assert_string_equal(svo_path_name(options.path), "unknown path");
+}
+
+/* On the path of GPUs scans and sorts are as wide as the device has compute units, within bounds. */
+static void widths_of_devices(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const struct {
+        cl_uint units;
+        svo_path path;
+        uint32_t scan_groups, sort_groups;
+    } rows[] = {
+        {1, SVO_PATH_GPU, 64, 16},
+        {20, SVO_PATH_GPU, 160, 80},
+        {132, SVO_PATH_GPU, 1056, 512},
+        {1024, SVO_PATH_GPU, 2048, 512},
+        {132, SVO_PATH_CPU, SVO_SCAN_GROUPS, SVO_SORT_BLOCKS},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
+        const svo_device_options options = {.struct_size = sizeof options, .path = rows[i].path};
+        device_answer = (answer){CL_DEVICE_MAX_COMPUTE_UNITS, &rows[i].units, sizeof rows[i].units};
+        svo_device *device = open_or_fail(&opened, &options);
+        assert_int_equal(device->scan_groups, rows[i].scan_groups);
+        assert_int_equal(device->sort_groups, rows[i].sort_groups);
+        svo_device_destroy(&device);
+    }
 }
 
 static void little_local_memory(void **state)
@@ -457,6 +483,7 @@ int main(void)
         cmocka_unit_test_teardown(devices_that_are_refused, forget_answers),
         cmocka_unit_test_teardown(paths_of_devices, forget_answers),
         cmocka_unit_test_teardown(a_path_that_is_none_is_refused, forget_answers),
+        cmocka_unit_test_teardown(widths_of_devices, forget_answers),
         cmocka_unit_test_teardown(little_local_memory, forget_answers),
         cmocka_unit_test_teardown(a_list_above_the_largest_buffer, forget_answers),
         cmocka_unit_test_teardown(lists_above_32_bits_are_cut, forget_answers),

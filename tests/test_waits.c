@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * A blocking build waits where the host needs a count, and once at its end. It waits after each stage only where
- * someone asks for times that the queue does not take, or to be told of the progress. The tree is the same.
+ * someone asks for times that the queue does not take, or to be told of the progress. The tree is the same. Each array
+ * of the mesh is uploaded once, and no upload is waited for.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,9 +16,16 @@
 #include "fixture.h"
 #include "scenes.h"
 
+#define ARRAYS_MAX 16
+
 static struct {
     unsigned waits, writes, blocking_writes;
+    const void *large[ARRAYS_MAX]; /* where large uploads come from */
+    unsigned large_count;
 } calls;
+
+/* More than a record of counts or parameters. */
+static const size_t large_bytes = 1024;
 
 /* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
 cl_int __real_clWaitForEvents(cl_uint count, const cl_event *events);
@@ -38,6 +46,9 @@ cl_int __wrap_clEnqueueWriteBuffer(cl_command_queue queue, cl_mem buffer, cl_boo
 {
     ++calls.writes;
     calls.blocking_writes += blocking != CL_FALSE ? 1 : 0;
+    if (bytes > large_bytes && calls.large_count < ARRAYS_MAX) {
+        calls.large[calls.large_count++] = data;
+    }
     return __real_clEnqueueWriteBuffer(queue, buffer, blocking, offset, bytes, data, num_wait, wait, event);
 }
 /* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
@@ -74,7 +85,7 @@ static void count_build(const request *asked, svo_build_report *report, char has
     assert_int_equal(svo_plan_create(opened.device, scene_mesh(knot), DEPTH, &options, &plan), SVO_OK);
     for (int i = 0; i < 2; ++i) {
         svo_tree *tree = NULL;
-        calls.waits = calls.writes = calls.blocking_writes = 0;
+        memset(&calls, 0, sizeof calls);
         const svo_status status = svo_build(plan, opened.cl, opened.queue, &tree, asked->wants_times ? report : NULL);
         const unsigned waits = calls.waits;
         if (status != SVO_OK) {
@@ -121,8 +132,45 @@ static void builds_wait_only_where_they_must(void **state)
     }
 }
 
+/* Large uploads of a plan and its first build on the path of GPUs. */
+static unsigned count_uploads(const fixture *opened, const svo_mesh *mesh, svo_place place)
+{
+    const svo_plan_options options = {.struct_size = sizeof options, .need = SVO_NEED_ALL, .place = place};
+    svo_plan *plan = NULL;
+    svo_tree *tree = NULL;
+    memset(&calls, 0, sizeof calls);
+    assert_int_equal(svo_plan_create(opened->device, mesh, DEPTH, &options, &plan), SVO_OK);
+    assert_int_equal(svo_build(plan, opened->cl, opened->queue, &tree, NULL), SVO_OK);
+    for (unsigned i = 0; i < calls.large_count; ++i) {
+        for (unsigned k = 0; k < i; ++k) {
+            assert_ptr_not_equal(calls.large[i], calls.large[k]);
+        }
+    }
+    svo_tree_destroy(&tree);
+    svo_plan_destroy(&plan);
+    return calls.large_count;
+}
+
+static void arrays_are_uploaded_once(void **state)
+{
+    (void)state;
+    /* Of the host's plan: vertices, indices, items; triangle ids, positions; records, colors, normals. Of the mesh:
+       positions, indices, normals, colors. */
+    static const unsigned by_host = 8, by_device = 4;
+    fixture opened;
+    scene *knot = fixture_scene("knot:2000");
+    fixture_open_cl(&(fixture_options){.path = SVO_PATH_GPU}, &opened);
+    assert_int_equal(count_uploads(&opened, scene_mesh(knot), SVO_PLACE_HOST), by_host);
+    assert_int_equal(calls.blocking_writes, 0);
+    assert_int_equal(count_uploads(&opened, scene_mesh(knot), SVO_PLACE_DEVICE), by_device);
+    assert_in_range(calls.blocking_writes, 0, 1); /* a byte for each material */
+    scene_destroy(&knot);
+    fixture_close(&opened);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(builds_wait_only_where_they_must)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(builds_wait_only_where_they_must),
+                                       cmocka_unit_test(arrays_are_uploaded_once)};
     return cmocka_run_group_tests_name("waits", tests, NULL, NULL);
 }

@@ -45,25 +45,8 @@ static void trees_do_not_depend_on_the_widths(void **state)
     scene_destroy(&knot);
 }
 
-static void gpus_are_as_wide_as_their_units(void **state)
-{
-    const fixture opened = fixture_cl_of_group(state);
-    const svo_device_options options = {.struct_size = sizeof options, .path = SVO_PATH_GPU};
-    svo_device *device = NULL;
-    svo_message message = {""};
-    cl_uint units = 0;
-    clGetDeviceInfo(svo_device_cl_device(opened.device), CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, NULL);
-    assert_int_equal(svo_device_create(svo_device_cl_context(opened.device), svo_device_cl_device(opened.device),
-                                       &options, &device, &message),
-                     SVO_OK);
-    assert_int_equal(device->scan_groups, units * 8 < 64 ? 64 : units * 8 > 2048 ? 2048 : units * 8);
-    assert_int_equal(device->sort_groups, units * 4 < 16 ? 16 : units * 4 > 512 ? 512 : units * 4);
-    svo_device_destroy(&device);
-}
-
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(trees_do_not_depend_on_the_widths),
-                                       cmocka_unit_test(gpus_are_as_wide_as_their_units)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(trees_do_not_depend_on_the_widths)};
     return cmocka_run_group_tests_name("widths", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -90,6 +90,11 @@ expect_failure 1 'no display' env -u SDL_VIDEODRIVER -u DISPLAY -u WAYLAND_DISPL
 expect_failure 1 'OpenGL 4.3' env MESA_GL_VERSION_OVERRIDE=4.2 "${view[@]}"
 expect_failure 1 'OpenCL' env OCL_ICD_VENDORS=/nonexistent "${view[@]}"
 expect_failure 1 'nothing.txt' "$program" view scene:cube -d 2 --script nothing.txt
+expect_failure 2 'frames' "${view[@]}" --frames 8
+echo '{"trees": {"a": {"path": "scene:cube", "depth": 2}}, "instances": [{"tree": "a"}]}' >still.json
+expect_failure 2 'lights and cones' "$program" view still.json --script short.txt --view full
+expect_failure 2 'lights and cones' "$program" view still.json --script short.txt --cones 5
+expect_failure 2 'still.json: nothing moves' "$program" view still.json --script short.txt --frames 8
 [[ ! -e a.png ]] || complain "a picture in spite of failures"
 while IFS='|' read -r line words; do
     printf '\n%s\n' "$line" >wrong.txt

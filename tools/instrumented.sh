@@ -11,8 +11,9 @@ readonly suppressions=$root/tools/suppressions
 readonly coverage_minimum=97 # percent of lines
 
 # What `asan` and `tsan` run without arguments, in minutes: files and arrays from outside, builds that wait and builds
-# that do not, rays, OpenGL, failing drivers, threads.
-readonly instrumented_tests=(fuzz_seeds_file fuzz_seeds_mesh test_file test_workspace test_bad_driver test_threads)
+# that do not, rays, OpenGL, failing drivers, threads, paging.
+readonly instrumented_tests=(fuzz_seeds_file fuzz_seeds_mesh test_file test_workspace test_bad_driver test_threads
+    test_paged_threads)
 
 # configure_preset PRESET: as `configure`, into the preset's folder.
 configure_preset()
@@ -23,7 +24,7 @@ configure_preset()
     quietly "$folder/configure.log" cmake --preset "$1"
 }
 
-# instrumented PRESET PREFIX... -- [CTEST ARGUMENT...]: builds and runs the six tests, or those that the arguments
+# instrumented PRESET PREFIX... -- [CTEST ARGUMENT...]: builds and runs the seven tests, or those that the arguments
 # select. PREFIX is a command that runs ctest. oclgrind loads a library of its own first, where a sanitizer must be.
 instrumented()
 {

@@ -2,6 +2,20 @@
 /* Orders the candidates for a context and chooses among them. */
 #include "context/candidates.h"
 
+#include "context/library.h"
+
+bool svo_i_egl_device_is_software(const char *extensions)
+{
+    return svo_i_list_has_token(extensions, "EGL_MESA_device_software");
+}
+
+/* A device with a kernel driver is a GPU. Mesa's software device has none and lists an extension that says so. */
+bool svo_i_egl_device_is_gpu(const char *extensions)
+{
+    return !svo_i_egl_device_is_software(extensions) && (svo_i_list_has_token(extensions, "EGL_EXT_device_drm") ||
+                                                         svo_i_list_has_token(extensions, "EGL_NV_device_cuda"));
+}
+
 static size_t add(svo_i_candidate *out, size_t count, svo_gl_context_kind kind, uint32_t device_index, bool is_software)
 {
     out[count] = (svo_i_candidate){.kind = kind, .device_index = device_index, .is_software = is_software};

@@ -32,6 +32,10 @@ typedef enum svo_i_fit {
 #define SVO_I_EGL_DEVICES_MAX 32u
 #define SVO_I_CANDIDATES_MAX  (SVO_I_EGL_DEVICES_MAX + 2u)
 
+/* What the extensions of an EGL device say without a context: a CPU draws; a GPU must draw. NULL: EGL cannot say. */
+bool svo_i_egl_device_is_software(const char *extensions);
+bool svo_i_egl_device_is_gpu(const char *extensions);
+
 /*
  * Lists the candidates in the order to try them. GPUs that EGL lists come first, then Mesa's surfaceless platform,
  * which draws on one of them or on the CPU, and what draws on the CPU last.

@@ -198,7 +198,7 @@ svo_status svo_i_egl_find_software(bool *software, uint32_t room, uint32_t *coun
     SVO_I_TRY_CLEANUP(egl_library_open(&egl, message));
     SVO_I_TRY_CLEANUP(list_devices(&egl, NULL, &devices, count, message));
     for (uint32_t i = 0; devices != NULL && i < *count && i < room; ++i) {
-        software[i] = svo_i_list_has_token(device_extensions(&egl, devices[i]), "EGL_MESA_device_software");
+        software[i] = svo_i_egl_device_is_software(device_extensions(&egl, devices[i]));
     }
 cleanup:
     *count = status == SVO_OK ? *count : 0;
@@ -407,17 +407,11 @@ static svo_i_function egl_get_proc_address(void *pointer, const char *name)
     return (svo_i_function)native->egl.GetProcAddress(name);
 }
 
-/* A device with a kernel driver is a GPU. Mesa's software device has none and lists an extension that says so. */
 static bool egl_promises_gpu(void *pointer)
 {
     const egl_context *native = pointer;
-    if (native->device == EGL_NO_DEVICE_EXT) {
-        return false;
-    }
-    const char *extensions = device_extensions(&native->egl, native->device);
-    return !svo_i_list_has_token(extensions, "EGL_MESA_device_software") &&
-           (svo_i_list_has_token(extensions, "EGL_EXT_device_drm") ||
-            svo_i_list_has_token(extensions, "EGL_NV_device_cuda"));
+    return native->device != EGL_NO_DEVICE_EXT &&
+           svo_i_egl_device_is_gpu(device_extensions(&native->egl, native->device));
 }
 
 static svo_i_gl_handles egl_handles(void *pointer)

@@ -16,11 +16,7 @@ svo_status svo_i_gl_buffer_named(svo_device *device, const char *function, svo_s
 
 void svo_i_gl_buffer_settle(svo_gl_buffer *buffer)
 {
-    if (buffer->released != NULL) {
-        (void)svo_i_event_settle(buffer->released);
-        clReleaseEvent(buffer->released);
-        buffer->released = NULL;
-    }
+    svo_i_in_flight_end(&buffer->released);
 }
 
 /* Maps the memory of a buffer that OpenGL is to write first. */

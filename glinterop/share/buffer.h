@@ -3,6 +3,7 @@
 #ifndef SVO_GLINTEROP_SHARE_BUFFER_H
 #define SVO_GLINTEROP_SHARE_BUFFER_H
 
+#include "core/in_flight.h"
 #include "share/probe.h"
 #include "share/share.h"
 
@@ -10,7 +11,7 @@ struct svo_gl_buffer {
     svo_i_share_buffer shared;
     svo_i_share_reasons reasons;
     bool is_in_cl; /* between svo_gl_buffer_to_cl and svo_gl_buffer_to_gl */
-    cl_event released; /* by interop: the end of the newest update from it, which may be in flight; NULL: none is */
+    svo_i_in_flight released; /* by interop: the ends of updates from it */
 };
 
 /* Names the public function in the message of a failure inside. */

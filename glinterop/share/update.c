@@ -85,14 +85,17 @@ static svo_status run(update *u)
 
 /* ---- by interop ---- */
 
-/* Waits for the caller's events and for the last updates from the buffers, which may be of other queues. */
+/* Waits for the caller's events and for the last updates from the buffers, which may be of other queues. Makes room for
+   keep_released. */
 static svo_status wait_first(update *u)
 {
     cl_event all[SOURCES_MAX + 1];
     cl_uint count = 0;
     for (unsigned i = 0; i < u->count; ++i) {
-        if (u->from[i]->released != NULL) {
-            all[count++] = u->from[i]->released;
+        SVO_I_TRY(svo_i_in_flight_reserve(&u->from[i]->released, u->plan->device, FUNCTION));
+        const cl_event released = svo_i_in_flight_newest(&u->from[i]->released);
+        if (released != NULL) {
+            all[count++] = released;
         }
     }
     if (count == 0) {
@@ -108,18 +111,11 @@ static svo_status wait_first(update *u)
     return follow(u, "clEnqueueMarkerWithWaitList", error, event);
 }
 
-/* Keeps the newest release for what comes next. */
+/* Keeps the release for what comes next. */
 static svo_status keep_released(const update *u)
 {
     for (unsigned i = 0; i < u->count; ++i) {
-        const cl_int error = clRetainEvent(u->last);
-        if (error != CL_SUCCESS) {
-            return svo_i_device_fail_cl(u->plan->device, FUNCTION, "clRetainEvent", error);
-        }
-        if (u->from[i]->released != NULL) {
-            clReleaseEvent(u->from[i]->released);
-        }
-        u->from[i]->released = u->last;
+        SVO_I_TRY(svo_i_in_flight_add(&u->from[i]->released, u->plan->device, FUNCTION, u->last));
     }
     return SVO_OK;
 }

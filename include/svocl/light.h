@@ -190,7 +190,8 @@ typedef struct svo_light_setup {
     uint32_t view_resolution; /**< photons along a side of each light's view, 1 .. 16384; 0: four per facing leaf */
     uint32_t diagnose; /**< not 0: counts missed_leaves and node_map_items too, by one more ray a leaf and source */
     uint32_t no_photons; /**< not 0: sources light surfaces of pictures directly, but no photons leave them */
-    uint32_t updatable; /**< not 0: photons are kept for svo_light_update, in about 36 bytes each and 200 a lit leaf */
+    uint32_t updatable; /**< not 0: photons are kept for svo_light_update, in about 36 bytes each, 280 a lit leaf and
+                              17 an inner node */
 } svo_light_setup;
 
 /** No light. */
@@ -218,7 +219,9 @@ SVO_API svo_status svo_light_set_sources(svo_light *light, const svo_light_setup
  *
  * With svo_light_setup.updatable, photons are shot again only where rays cross a box before they hit, or hit beside
  * one; of the others flux and leaves are kept. All are shot where the grid or the bounds of the leaves have changed,
- * since views follow from them, and with diagnose, without leaf lists, or after sources that OpenGL saw.
+ * since views follow from them, where the kind of payload has, and with diagnose, without leaf lists, or after sources
+ * that OpenGL saw. The radiance of leaves is made where photons came or went, and in the boxes. From the second update
+ * on, opacity is made of nodes that a box touches, and radiance of nodes above such leaves.
  *
  * The tree before is not read and may be gone, as after svo_moving_update. After a failure the light is still that of
  * the tree before, and the next update shoots all photons.
@@ -227,7 +230,8 @@ SVO_API svo_status svo_light_set_sources(svo_light *light, const svo_light_setup
  * \param tree on the device of the light; must outlive the light from now on
  * \param changed change_count boxes that hold all triangles that have come, gone or moved since the tree before, where
  *        they were and where they are: svo_moving_get_changes has them. A box that is missing makes the light
- *        undefined, or fails. Numbers of other triangles may have changed, but not their order. NULL when that is 0
+ *        undefined, or fails. Numbers of other triangles may have changed, but not their order. The trees weigh
+ *        payload alike (svo_plan_options.weight_log2), as those of a scene that moves do. NULL when that is 0
  * \param change_count at most SVO_LIGHT_BOXES_MAX
  * \param queue on the context of its device; NULL: the device's own
  * \returns SVO_INVALID_ARGUMENT (a box that is not finite or empty, a tree of another device, lit leaves that went

@@ -44,8 +44,8 @@ typedef struct svo_moving svo_moving;
 /** What a scene is, for good. */
 typedef struct svo_moving_options {
     size_t struct_size; /**< sizeof(svo_moving_options) */
-    /** svo_need bits; SVO_NEED_DEFAULT goes by the static mesh. Without SVO_NEED_PROJECTED_AREA: whether a mesh is
-     *  closed depends on all of it. */
+    /** svo_need bits; SVO_NEED_DEFAULT goes by the static mesh. With SVO_NEED_PROJECTED_AREA each update finds whether
+     *  the scene's mesh is closed, which may take several objects; that can change the areas of all leaves. */
     uint32_t need;
     svo_coverage coverage; /**< which voxels are occupied */
     svo_weights weights; /**< of the payload */
@@ -120,8 +120,7 @@ typedef struct svo_moving_object {
  * \param options not NULL, since edge is required
  * \param queue of the device, in-order or out-of-order; NULL: the device's own
  * \param out receives the scene
- * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (SVO_NEED_PROJECTED_AREA, no doubles), SVO_CAPACITY_EXCEEDED or what
- *          svo_build returns. */
+ * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (no doubles), SVO_CAPACITY_EXCEEDED or what svo_build returns. */
 SVO_API svo_status svo_moving_create(svo_device *device, const svo_mesh *mesh, unsigned depth,
                                      const svo_moving_options *options, cl_command_queue queue, svo_moving **out);
 
@@ -265,6 +264,7 @@ SVO_API svo_tree *svo_moving_tree(const svo_moving *moving);
 
 /** Where the newest update that succeeded changed the tree: the bounds of each object that changed, before it and after
  *  it, where it was and is in the scene. An update that found nothing to do has none. svo_light_update takes them.
+ *  Projected areas that change since the scene's mesh opens or closes do not count; svo_light_update reads them all.
  *
  * \param moving not NULL
  * \param boxes receives the first boxes, at most capacity; NULL allowed when that is 0

@@ -210,7 +210,8 @@ SVO_API svo_status svo_parts_get(const svo_parts *parts, size_t index, svo_parts
 SVO_API svo_status svo_parts_is_built(const svo_parts *parts, size_t index, int *is_built, svo_message *message);
 
 /** Builds a part, unless its file is there and whole. A part that takes more memory than expected is split, and its
- *  children are built instead. A damaged file is replaced.
+ *  children are built instead. A damaged file is replaced. Triangles of such children that are missing or damaged are
+ *  made again from those of the part.
  *
  * \param parts not NULL
  * \param index below svo_parts_count
@@ -218,8 +219,9 @@ SVO_API svo_status svo_parts_is_built(const svo_parts *parts, size_t index, int 
  * \param frontend of the device; NULL: OpenCL's. Builders of OpenGL make no parts
  * \param queue of the device; NULL: the device's own
  * \param message receives the reason for a failure; NULL allowed
- * \returns SVO_FILE_ERROR, SVO_FILE_DAMAGED (triangles that are not those that were written), SVO_CAPACITY_EXCEEDED (a
- *          part that cannot be split does not fit), SVO_INVALID_ARGUMENT and what svo_build returns. */
+ * \returns SVO_FILE_ERROR (such as triangles that are missing), SVO_FILE_DAMAGED (triangles that are not those that
+ *          were written; creating the parts again writes them, and keeps what is built), SVO_CAPACITY_EXCEEDED (a part
+ *          that cannot be split does not fit), SVO_INVALID_ARGUMENT and what svo_build returns. */
 SVO_API svo_status svo_parts_build(const svo_parts *parts, size_t index, svo_device *device, svo_frontend *frontend,
                                    cl_command_queue queue, svo_message *message);
 

@@ -9,6 +9,7 @@
  * Launch: one work-item per lit leaf or node, rounded up to whole groups. No atomics, no local memory.
  */
 #include "light/brick.clh"
+#include "light/kept_light.clh"
 #include "light/opacity.clh"
 #include "light/radiance.clh"
 
@@ -16,12 +17,14 @@
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_light_lit_bricks(__global const uchar *colors, __global const ushort *areas, __global const uint *leaves,
-                       __global const uint *values, __global uint *premultiplied, svo_light_step params)
+                       __global const uint *slots, __global const uint *values, __global uint *premultiplied,
+                       svo_light_step params)
 {
     const uint item = (uint)get_global_id(0);
     if (item < params.count) {
         const uint opacity = svo_leaf_opacity_any(colors, areas, leaves[item], params);
-        vstore3(svo_radiance_times(vload3(item, values), opacity), item, premultiplied);
+        const uint3 value = vload3(svo_light_value_place(leaves, slots, item), values);
+        vstore3(svo_radiance_times(value, opacity), item, premultiplied);
     }
 }
 
@@ -41,11 +44,15 @@ static void svo_brick_store_light(const ulong *sums, ulong weight_log2, uint pla
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_light_brick_deep(__global const uchar *child_mask, __global const uint *first_child, __global const ulong *codes,
                        __global const uint *lit_leaves, __global const uint *premultiplied, __global const uint *lit,
-                       __global uint *radiance, svo_light_step params)
+                       SVO_KEPT_LIGHT_PARAMETERS, __global uint *radiance, svo_light_step params)
 {
     const uint item = (uint)get_global_id(0);
     const uint node = params.first + item;
     if (item >= params.count || lit[node] == SVO_NO_NODE) {
+        return;
+    }
+    if (svo_light_stays(origins, fresh, node)) {
+        svo_copy_radiance(old_radiance, old_lit[origins[node]], radiance, lit[node], SVO_BRICK_SAMPLES);
         return;
     }
     uint cells[SVO_BRICK_CELL_COUNT];
@@ -66,11 +73,16 @@ svo_k_light_brick_deep(__global const uchar *child_mask, __global const uint *fi
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_light_brick_light(__global const uchar *child_mask, __global const uint *first_child, __global const ulong *codes,
-                        __global const uint *lit, __global uint *radiance, svo_light_step params)
+                        __global const uint *lit, SVO_KEPT_LIGHT_PARAMETERS, __global uint *radiance,
+                        svo_light_step params)
 {
     const uint item = (uint)get_global_id(0);
     const uint node = params.first + item;
     if (item >= params.count || lit[node] == SVO_NO_NODE) {
+        return;
+    }
+    if (svo_light_stays(origins, fresh, node)) {
+        svo_copy_radiance(old_radiance, old_lit[origins[node]], radiance, lit[node], SVO_BRICK_SAMPLES);
         return;
     }
     uint cells[SVO_BRICK_CELL_COUNT];

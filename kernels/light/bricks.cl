@@ -27,11 +27,11 @@ static void svo_brick_store(const ulong *sums, uint weight_log2, uint node, __gl
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_light_brick_leaves(__global const uchar *child_mask, __global const uint *first_child,
-                         __global const ulong *codes, __global const ushort *leaves, __global ushort *samples,
-                         svo_light_step params)
+                         __global const ulong *codes, __global const ushort *leaves, __global const uint *origins,
+                         __global ushort *samples, svo_light_step params)
 {
     const uint item = (uint)get_global_id(0);
-    if (item >= params.count) {
+    if (item >= params.count || svo_light_is_kept(origins, params.first + item)) {
         return;
     }
     uint cells[SVO_BRICK_CELL_COUNT];
@@ -46,10 +46,10 @@ svo_k_light_brick_leaves(__global const uchar *child_mask, __global const uint *
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_light_brick_level(__global const uchar *child_mask, __global const uint *first_child, __global const ulong *codes,
-                        __global ushort *samples, svo_light_step params)
+                        __global const uint *origins, __global ushort *samples, svo_light_step params)
 {
     const uint item = (uint)get_global_id(0);
-    if (item >= params.count) {
+    if (item >= params.count || svo_light_is_kept(origins, params.first + item)) {
         return;
     }
     uint cells[SVO_BRICK_CELL_COUNT];

@@ -12,6 +12,8 @@
  *   svo_k_radiance_bits     per lit leaf: the size of the largest radiance, from which the host finds a unit
  *   svo_k_radiance          per lit leaf: radiance in that unit, and its sums of flux
  *
+ * Both of the last make what is stale anew, all of it where nothing is kept.
+ *
  * Launch: as above, rounded up to whole groups. Integers alone. Atomics claim slots (photons.cl) and find a maximum; no
  * local memory.
  */
@@ -27,6 +29,8 @@
 #else
 #define SVO_LEAF_DIRECTIONS 1u
 #endif
+/* Of radiance. */
+#define SVO_LEAF_VALUES (3u * SVO_LEAF_DIRECTIONS)
 
 /* ---- which leaves are lit ---- */
 
@@ -91,23 +95,44 @@ static ulong svo_reflected(__global const uint *of_slot, uint direction, uint ch
 #endif
 }
 
+/* The bits of the largest value of a leaf. */
+static uint svo_count_radiance_bits(const svo_surface_tree *tree, uint leaf, __global const uint *of_slot,
+                                    const svo_exchange_params *params)
+{
+    svo_leaf_surface surface;
+    svo_read_surface(tree, leaf, of_slot, params, &surface);
+    ulong most = 0ul;
+    for (uint k = 0; k < 3u * SVO_LEAF_DIRECTIONS; ++k) {
+        most = max(most, svo_reflected(of_slot, k / 3u, k % 3u, &surface));
+    }
+    return 64u - (uint)clz(most);
+}
+
+/* slot_bits: where radiance is kept, of each slot. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_radiance_bits(__global const uint *leaves, __global const uint *slots, __global const uint *sums,
-                    SVO_SURFACE_PARAMETERS, volatile __global uint *counters, svo_exchange_params params)
+                    SVO_SURFACE_PARAMETERS, __global uint *slot_bits, volatile __global uint *counters,
+                    svo_exchange_params params)
 {
     const uint item = (uint)get_global_id(0);
     if (item >= params.count) {
         return;
     }
     SVO_SURFACE_MAKE(tree);
-    __global const uint *of_slot = sums + (size_t)slots[leaves[item]] * SVO_LEAF_SUMS * 2;
-    svo_leaf_surface surface;
-    svo_read_surface(&tree, leaves[item], of_slot, &params, &surface);
-    ulong most = 0ul;
-    for (uint k = 0; k < 3u * SVO_LEAF_DIRECTIONS; ++k) {
-        most = max(most, svo_reflected(of_slot, k / 3u, k % 3u, &surface));
+    const uint slot = slots[leaves[item]];
+    const bool kept = params.kept != SVO_RADIANCE_OF_LEAVES;
+    uint bits = kept ? slot_bits[slot] : SVO_SLOT_STALE;
+    if ((bits & SVO_SLOT_STALE) != 0u) {
+        bits = svo_count_radiance_bits(&tree, leaves[item], sums + (size_t)slot * SVO_LEAF_SUMS * 2, &params);
+        if (kept) {
+            slot_bits[slot] = bits | SVO_SLOT_STALE;
+        }
     }
-    atomic_max(counters + SVO_PHOTON_BITS, 64u - (uint)clz(most));
+    bits &= SVO_SLOT_BITS;
+    /* Few raise the maximum; an atomic for each would take most of the time. */
+    if (bits > counters[SVO_PHOTON_BITS]) {
+        atomic_max(counters + SVO_PHOTON_BITS, bits);
+    }
 }
 
 /* reflected in the unit of radiance, rounded half up. */
@@ -130,24 +155,15 @@ static uint svo_leaf_opacity(__global const ushort *areas, uint leaf, uint direc
 
 #endif
 
-/* flux: six sums of a lit leaf. */
-__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_radiance(__global const uint *leaves, __global const uint *slots, __global const uint *sums,
-               SVO_SURFACE_PARAMETERS, __global const ushort *areas, __global uint *radiance, __global uint *flux,
-               svo_exchange_params params)
+/* The values of a leaf. */
+static void svo_reflect(const svo_surface_tree *tree, __global const ushort *areas, uint leaf,
+                        __global const uint *of_slot, const svo_exchange_params *params, __global uint *values)
 {
-    const uint item = (uint)get_global_id(0);
-    if (item >= params.count) {
-        return;
-    }
-    SVO_SURFACE_MAKE(tree);
-    const uint leaf = leaves[item];
-    __global const uint *of_slot = sums + (size_t)slots[leaf] * SVO_LEAF_SUMS * 2;
     svo_leaf_surface surface;
-    svo_read_surface(&tree, leaf, of_slot, &params, &surface);
+    svo_read_surface(tree, leaf, of_slot, params, &surface);
     for (uint direction = 0; direction < SVO_LEAF_DIRECTIONS; ++direction) {
 #ifdef SVO_LIGHT_FACES
-        const uint opacity = svo_leaf_opacity(areas, leaf, direction, &surface, &params);
+        const uint opacity = svo_leaf_opacity(areas, leaf, direction, &surface, params);
 #else
         const uint opacity = SVO_OPAQUE; /* the filter multiplies by it */
         (void)areas;
@@ -156,8 +172,32 @@ svo_k_radiance(__global const uint *leaves, __global const uint *slots, __global
             const ulong emitted = (ulong)surface.emission[channel] * opacity;
             const uint own = (uint)((emitted + SVO_OPAQUE / 2u) / SVO_OPAQUE);
             const ulong reflected = svo_reflected(of_slot, direction, channel, &surface);
-            radiance[(item * SVO_LEAF_DIRECTIONS + direction) * 3u + channel] = own + svo_to_unit(reflected, &params);
+            values[direction * 3u + channel] = own + svo_to_unit(reflected, params);
         }
+    }
+}
+
+/* radiance: by slots where it is kept, else by lit leaves. flux: six sums of a lit leaf. */
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_radiance(__global const uint *leaves, __global const uint *slots, __global const uint *sums,
+               SVO_SURFACE_PARAMETERS, __global const ushort *areas, __global uint *slot_bits, __global uint *radiance,
+               __global uint *flux, svo_exchange_params params)
+{
+    const uint item = (uint)get_global_id(0);
+    if (item >= params.count) {
+        return;
+    }
+    SVO_SURFACE_MAKE(tree);
+    const uint leaf = leaves[item];
+    const uint slot = slots[leaf];
+    __global const uint *of_slot = sums + (size_t)slot * SVO_LEAF_SUMS * 2;
+    if (params.kept == SVO_RADIANCE_OF_LEAVES) {
+        svo_reflect(&tree, areas, leaf, of_slot, &params, radiance + (size_t)item * SVO_LEAF_VALUES);
+    } else if (params.kept == SVO_RADIANCE_OF_SLOTS || (slot_bits[slot] & SVO_SLOT_STALE) != 0u) {
+        svo_reflect(&tree, areas, leaf, of_slot, &params, radiance + (size_t)slot * SVO_LEAF_VALUES);
+        slot_bits[slot] = (slot_bits[slot] & SVO_SLOT_BITS) | SVO_SLOT_FRESH;
+    } else {
+        slot_bits[slot] &= SVO_SLOT_BITS;
     }
     for (uint k = 0; k < 2u * SVO_FLUX_SUMS; ++k) {
         flux[(size_t)item * 2u * SVO_FLUX_SUMS + k] = of_slot[k];

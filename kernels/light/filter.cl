@@ -16,6 +16,7 @@
  * Launch: one work-item per node or lit leaf, rounded up to whole groups. No atomics, no local memory.
  */
 #include "light/extinction.clh"
+#include "light/kept_light.clh"
 #include "light/nodes.clh"
 #include "light/opacity.clh"
 #include "light/radiance.clh"
@@ -82,13 +83,19 @@ static bool svo_is_lit_beside(__global const uchar *child_mask, __global const u
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_light_mark_bricks(__global const uchar *child_mask, __global const uint *first_child, __global const ulong *codes,
-                        __global const uint *marks, __global uint *brick_marks, svo_light_step params)
+                        __global const uint *marks, SVO_KEPT_LIGHT_PARAMETERS, __global uint *brick_marks,
+                        svo_light_step params)
 {
     const uint item = (uint)get_global_id(0);
     if (item >= params.count) {
         return;
     }
     const uint node = params.first + item;
+    (void)old_radiance;
+    if (svo_light_stays(origins, fresh, node)) {
+        brick_marks[node] = old_lit[origins[node]] != SVO_NO_NODE ? 1u : 0u;
+        return;
+    }
     brick_marks[node] =
         marks[node] != 0u || svo_is_lit_beside(child_mask, first_child, codes, marks, node, params.level);
 }
@@ -97,17 +104,19 @@ svo_k_light_mark_bricks(__global const uchar *child_mask, __global const uint *f
 
 #ifdef SVO_LIGHT_FACES
 
+/* slots: of svo_light_value_place. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_light_lit_faces(__global const uint *leaves, __global const uint *values, __global const uint *lit,
-                      __global uint *radiance, svo_light_step params)
+svo_k_light_lit_faces(__global const uint *leaves, __global const uint *slots, __global const uint *values,
+                      __global const uint *lit, __global uint *radiance, svo_light_step params)
 {
     const uint item = (uint)get_global_id(0);
     if (item >= params.count) {
         return;
     }
+    const size_t from = 6u * (size_t)svo_light_value_place(leaves, slots, item);
     const size_t place = 6u * (size_t)lit[params.leaf_begin + leaves[item]];
     for (uint direction = 0; direction < 6u; ++direction) {
-        radiance[place + direction] = svo_radiance_encode(vload3(6u * (size_t)item + direction, values));
+        radiance[place + direction] = svo_radiance_encode(vload3(from + direction, values));
     }
 }
 
@@ -131,12 +140,16 @@ static void svo_add_face_light(const uint *children, uint octant, uint place, __
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_light_face_light(__global const uchar *child_mask, __global const uint *first_child,
-                       __global const ushort *extinctions, __global const uint *lit, __global uint *radiance,
-                       svo_light_step params)
+                       __global const ushort *extinctions, __global const uint *lit, SVO_KEPT_LIGHT_PARAMETERS,
+                       __global uint *radiance, svo_light_step params)
 {
     const uint item = (uint)get_global_id(0);
     const uint node = params.first + item;
     if (item >= params.count || lit[node] == SVO_NO_NODE) {
+        return;
+    }
+    if (svo_light_stays(origins, fresh, node)) {
+        svo_copy_radiance(old_radiance, old_lit[origins[node]], radiance, lit[node], 6u);
         return;
     }
     uint children[8];
@@ -164,23 +177,29 @@ svo_k_light_face_light(__global const uchar *child_mask, __global const uint *fi
 #ifdef SVO_LIGHT_VOXELS
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_light_lit_voxels(__global const uint *leaves, __global const uint *values, __global const ushort *opacities,
-                       __global const uint *lit, __global uint *radiance, svo_light_step params)
+svo_k_light_lit_voxels(__global const uint *leaves, __global const uint *slots, __global const uint *values,
+                       __global const ushort *opacities, __global const uint *lit, __global uint *radiance,
+                       svo_light_step params)
 {
     const uint item = (uint)get_global_id(0);
     if (item < params.count) {
         const uint node = params.leaf_begin + leaves[item];
-        radiance[lit[node]] = svo_radiance_encode(svo_radiance_times(vload3(item, values), opacities[node]));
+        const uint3 value = vload3(svo_light_value_place(leaves, slots, item), values);
+        radiance[lit[node]] = svo_radiance_encode(svo_radiance_times(value, opacities[node]));
     }
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_light_voxel_light(__global const uchar *child_mask, __global const uint *first_child, __global const uint *lit,
-                        __global uint *radiance, svo_light_step params)
+                        SVO_KEPT_LIGHT_PARAMETERS, __global uint *radiance, svo_light_step params)
 {
     const uint item = (uint)get_global_id(0);
     const uint node = params.first + item;
     if (item >= params.count || lit[node] == SVO_NO_NODE) {
+        return;
+    }
+    if (svo_light_stays(origins, fresh, node)) {
+        svo_copy_radiance(old_radiance, old_lit[origins[node]], radiance, lit[node], 1u);
         return;
     }
     const uint end = first_child[node] + popcount((uint)child_mask[node]);

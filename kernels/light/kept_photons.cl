@@ -2,14 +2,15 @@
 /*
  * Photons that are kept, so that few of them are shot again when a part of the tree has changed. Of each photon the
  * flux, the normal and the distance of what it met are kept, of each group of four the slots that it reaches; of each
- * slot the code of its leaf and how many groups reach it. Nodes are numbered anew when a tree changes, slots are not.
+ * slot the code of its leaf, how many groups reach it and its radiance (exchange.cl), which becomes stale where photons
+ * come or go and where what changed may touch the leaf. Nodes are numbered anew when a tree changes, slots are not.
  *
  *   svo_k_photon_keep     per group: keeps what was shot
  *   svo_k_photon_cross    per group of a view: lists those that what changed may concern
  *   svo_k_photon_take     per listed group: takes its flux back from the sums of its slots
  *   svo_k_photon_weigh    per photon of listed groups: its weight, for the kernels that shoot
  *   svo_k_slot_places     per slot: where its leaf is in the new tree; lists the slots that no group reaches any more
- *   svo_k_slot_codes      per leaf: the code of its slot, where that is new
+ *   svo_k_slot_codes      per leaf: the code of its slot, where that is new; marks those whose radiance is
  *
  * A photon that what changed does not concern meets what it met: its ray misses the bounds of what changed, before and
  * after, up to the hit. And it reaches the leaves that it reached: only cells within these bounds gain or lose a leaf
@@ -17,8 +18,9 @@
  * by more than their error; photons that are shot again without need get the same flux again.
  *
  * Launch: as above, rounded up to whole groups. Atomics: counters number groups and slots, whose order does not matter;
- * the sums of photon_sums.clh. No local memory.
+ * leaves set bits at their parents; the sums of photon_sums.clh. No local memory.
  */
+#include "light/changed.clh"
 #include "light/photon_sums.clh"
 #include "light/photons.clh"
 #include "light/spread.clh"
@@ -35,8 +37,8 @@ __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_photon_keep(__global const svo_photon_weight *weights, __global const svo_hit *hits,
                   __global const svo_photon_spread *spreads, __global const uint *slots,
                   __global svo_photon_weight *kept_weights, __global float4 *kept_ends,
-                  __global svo_photon_spread *kept_spreads, volatile __global uint *users, uint kept_first,
-                  __global const uint *groups, svo_light_view_params view)
+                  __global svo_photon_spread *kept_spreads, volatile __global uint *users, __global uint *bits,
+                  uint kept_first, __global const uint *groups, svo_light_view_params view)
 {
     const uint item = (uint)get_global_id(0);
     const uint first = item * SVO_ITEM_PHOTONS;
@@ -58,34 +60,31 @@ svo_k_photon_keep(__global const svo_photon_weight *weights, __global const svo_
         to->leaves[place] = slot;
         if (slot != SVO_SLOT_NONE) {
             atomic_inc(users + slot);
+            bits[slot] = SVO_SLOT_STALE;
         }
     }
 }
 
 /* ---- what changed ---- */
 
-/* Narrows a range of distances to those at which a ray is between two planes across an axis. */
-static void svo_clip_to_slab(float origin, float along, float low, float high, float *near, float *far)
+/* A ray, and 1 / its direction. Along an axis that it does not go it meets planes beyond all distances. */
+typedef struct svo_kept_ray {
+    float3 origin, along, inverse;
+} svo_kept_ray;
+
+static float svo_invert(float along)
 {
-    if (fabs(along) < 0x1p-100f) {
-        *far = origin < low || origin > high ? -1.0f : *far;
-        return;
-    }
-    const float a = (low - origin) / along;
-    const float b = (high - origin) / along;
-    *near = max(*near, min(a, b));
-    *far = min(*far, max(a, b));
+    return fabs(along) < 0x1p-100f ? 0x1p100f : 1.0f / along;
 }
 
 /* Whether a ray meets a box, which is low x, y, z, high x, y, z, before t. */
-static bool svo_meets_box(float3 origin, float3 along, float t, __global const float *box)
+static bool svo_meets_box(const svo_kept_ray *ray, float t, __global const float *box)
 {
-    float near = 0.0f;
-    float far = t;
-    svo_clip_to_slab(origin.x, along.x, box[0], box[3], &near, &far);
-    svo_clip_to_slab(origin.y, along.y, box[1], box[4], &near, &far);
-    svo_clip_to_slab(origin.z, along.z, box[2], box[5], &near, &far);
-    return near <= far;
+    const float3 a = (vload3(0, box) - ray->origin) * ray->inverse;
+    const float3 b = (vload3(1, box) - ray->origin) * ray->inverse;
+    const float3 near = min(a, b);
+    const float3 far = max(a, b);
+    return max(max(near.x, near.y), max(near.z, 0.0f)) <= min(min(far.x, far.y), min(far.z, t));
 }
 
 /* Whether a point is at most so far from a box along each axis. */
@@ -110,18 +109,34 @@ static float3 svo_find_reach(const svo_light_view_params *view, uint photon, flo
     return (float3)(reach[0], reach[1], reach[2]);
 }
 
+/* At least as far, found sooner: a pixel's sides are laid along the ray at most 1 / its cosine times as far. */
+static float svo_bound_reach(const svo_light_view_params *view, float3 along, float4 end,
+                             const svo_crossing_params *params)
+{
+    const float cosine = fabs(svo_times(along, end.xyz)) - 0x1p-24f;
+    const float length = fabs(along.x) + fabs(along.y) + fabs(along.z);
+    const float steepest = 1.01f + 1.01f * length / max(cosine, 0x1p-30f);
+    const float sides = (view->half_x + view->half_y) * (view->parallel != 0u ? 1.0f : end.w);
+    const float cells = sides * params->cells * (2.0f * SVO_SPREAD_MIDDLE / SVO_SPREAD_PARTS) * steepest;
+    const float most = 2.0f * SVO_SPREAD_MIDDLE * SVO_SPREAD_STEP_MAX / (1 << SVO_PLACE_BITS);
+    return (min(cells, most) + params->beside + 0.01f) / params->cells;
+}
+
 static bool svo_is_concerned(const svo_light_view_params *view, uint photon, float4 end, __global const float *boxes,
                              const svo_crossing_params *params)
 {
-    float3 origin;
-    const float3 along = svo_photon_ray(view, photon, &origin);
+    svo_kept_ray ray;
+    ray.along = svo_photon_ray(view, photon, &ray.origin);
+    ray.inverse = (float3)(svo_invert(ray.along.x), svo_invert(ray.along.y), svo_invert(ray.along.z));
     const bool hits = end.w < INFINITY;
-    const float3 reach = hits ? svo_find_reach(view, photon, end, params) : (float3)(0.0f);
-    const float3 point = hits ? origin + along * end.w : origin;
+    const float bound = hits ? svo_bound_reach(view, ray.along, end, params) : 0.0f;
+    const float3 point = hits ? ray.origin + ray.along * end.w : ray.origin;
     bool concerned = false;
     for (uint i = 0; i < params->box_count && !concerned; ++i) {
         __global const float *box = boxes + 6u * i;
-        concerned = svo_meets_box(origin, along, end.w, box) || (hits && svo_is_beside_box(point, reach, box));
+        concerned = svo_meets_box(&ray, end.w, box) ||
+                    (hits && svo_is_beside_box(point, (float3)(bound), box) &&
+                     svo_is_beside_box(point, svo_find_reach(view, photon, end, params), box));
     }
     return concerned;
 }
@@ -199,7 +214,7 @@ static void svo_take_hits(const svo_light_view_params *view, __global const svo_
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_photon_take(__global const svo_photon_weight *kept_weights, __global const float4 *kept_ends,
                   __global const svo_photon_spread *kept_spreads, volatile __global uint *sums,
-                  volatile __global uint *users, volatile __global uint *counters, uint kept_first,
+                  volatile __global uint *users, __global uint *bits, volatile __global uint *counters, uint kept_first,
                   __global const uint *groups, svo_light_view_params view)
 {
     const uint item = (uint)get_global_id(0);
@@ -220,6 +235,7 @@ svo_k_photon_take(__global const svo_photon_weight *kept_weights, __global const
         svo_negate_sums(&taken);
         svo_store_sums(sums, slot, &taken);
         atomic_dec(users + slot);
+        bits[slot] = SVO_SLOT_STALE;
     }
     svo_take_hits(&view, kept_weights + kept, kept_ends + kept, spread, counters);
 }
@@ -236,9 +252,26 @@ svo_k_photon_weigh(__global const svo_photon_weight *kept_weights, __global svo_
     }
 }
 
+/* Marks a leaf at the node above it. renewed: as renewed.cl has it; NULL: not wanted. */
+static void svo_mark_renewed(__global const uchar *child_mask, __global const uint *first_child, ulong code, uint depth,
+                             volatile __global uint *renewed)
+{
+    uint cell[3];
+    svo_node node;
+    if (renewed == NULL || code == SVO_NO_CODE) {
+        return;
+    }
+    svo_deinterleave(code >> 3, cell);
+    svo_walk_down(child_mask, first_child, depth - 1u, cell, &node);
+    if (node.level == depth - 1u) {
+        atomic_or(renewed + node.index, 1u << (uint)(code & 7ul));
+    }
+}
+
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_slot_places(__global const uchar *child_mask, __global const uint *first_child, __global const uint *users,
-                  __global ulong *codes, __global uint *slots, volatile __global uint *counters,
+                  __global ulong *codes, __global uint *bits, __global const int *boxes, uint box_count,
+                  __global uint *slots, volatile __global uint *renewed, volatile __global uint *counters,
                   svo_photon_params params)
 {
     const uint slot = (uint)get_global_id(0);
@@ -246,7 +279,9 @@ svo_k_slot_places(__global const uchar *child_mask, __global const uint *first_c
         return;
     }
     if (users[slot] == 0u) {
+        svo_mark_renewed(child_mask, first_child, codes[slot], params.depth, renewed);
         codes[slot] = SVO_NO_CODE;
+        bits[slot] = SVO_SLOT_STALE;
         counters[SVO_PHOTON_COUNTERS + atomic_inc(counters + SVO_PHOTON_FREE)] = slot;
         return;
     }
@@ -254,6 +289,10 @@ svo_k_slot_places(__global const uchar *child_mask, __global const uint *first_c
     svo_node node;
     svo_deinterleave(codes[slot], cell);
     svo_walk_down(child_mask, first_child, params.depth, cell, &node);
+    const int3 at = (int3)((int)cell[0], (int)cell[1], (int)cell[2]);
+    if (svo_is_changed(at, at, boxes, box_count)) {
+        bits[slot] = SVO_SLOT_STALE;
+    }
     if (node.level == params.depth) {
         slots[node.index - params.leaf_begin] = slot;
     } else {
@@ -263,7 +302,8 @@ svo_k_slot_places(__global const uchar *child_mask, __global const uint *first_c
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_slot_codes(__global const uchar *child_mask, __global const uint *first_child, __global const uint *slots,
-                 __global ulong *codes, svo_photon_params params)
+                 __global ulong *codes, __global const uint *bits, volatile __global uint *renewed,
+                 svo_photon_params params)
 {
     const uint leaf = (uint)get_global_id(0);
     const uint slot = leaf < params.leaf_count ? slots[leaf] : SVO_SLOT_NONE;
@@ -271,5 +311,8 @@ svo_k_slot_codes(__global const uchar *child_mask, __global const uint *first_ch
         svo_node node;
         svo_walk_up(child_mask, first_child, params.leaf_begin, params.leaf_begin + leaf, &node);
         codes[slot] = svo_interleave(node.cell);
+    }
+    if (slot != SVO_SLOT_NONE && (bits[slot] & SVO_SLOT_FRESH) != 0u) {
+        svo_mark_renewed(child_mask, first_child, codes[slot], params.depth, renewed);
     }
 }

@@ -9,6 +9,7 @@
  *
  * Launch: one work-item per node, rounded up to whole groups. No atomics, no local memory.
  */
+#include "light/nodes.clh"
 #include "light/opacity.clh"
 #include "shared/place.clh"
 
@@ -45,14 +46,14 @@ svo_k_light_leaves(__global const uchar *colors, __global const ushort *areas, _
 #ifdef SVO_LIGHT_VOXELS
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_light_voxels(__global const uchar *child_mask, __global const uint *first_child, __global ushort *opacities,
-                   svo_light_step params)
+svo_k_light_voxels(__global const uchar *child_mask, __global const uint *first_child, __global const uint *origins,
+                   __global ushort *opacities, svo_light_step params)
 {
     const uint item = (uint)get_global_id(0);
-    if (item >= params.count) {
+    const uint node = params.first + item;
+    if (item >= params.count || svo_light_is_kept(origins, node)) {
         return;
     }
-    const uint node = params.first + item;
     const uint begin = first_child[node];
     const uint end = begin + popcount((uint)child_mask[node]);
     uint sum = 4u;

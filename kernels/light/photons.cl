@@ -134,7 +134,11 @@ svo_k_photon_add(__global const svo_photon_weight *weights, __global const float
 {
     const uint item = (uint)get_global_id(0);
     const uint first = item * SVO_ITEM_PHOTONS;
-    const uint count = first < view.count ? min(view.count - first, (uint)SVO_ITEM_PHOTONS) : 0u;
+    if (first >= view.count) {
+        return;
+    }
+    const uint count = min(view.count - first, (uint)SVO_ITEM_PHOTONS);
+    const uint number = svo_photon_number(&view, groups, first); /* those of one work-item are one group */
     uint given[SVO_ITEM_PHOTONS];
     for (uint k = 0; k < count; ++k) {
         given[k] = 0u;
@@ -142,7 +146,7 @@ svo_k_photon_add(__global const svo_photon_weight *weights, __global const float
             svo_lose_photon(&view, weights[first + k].flux, counters);
         }
     }
-    for (uint place = 0; place < SVO_SPREAD_CELLS && count > 0u; ++place) {
+    for (uint place = 0; place < SVO_SPREAD_CELLS; ++place) {
         const uint leaf = spreads[item].leaves[place];
         svo_photon_sums added;
         if (!svo_is_leaf(leaf)) {
@@ -154,8 +158,8 @@ svo_k_photon_add(__global const svo_photon_weight *weights, __global const float
             given[k] += spreads[item].parts[k] >> 4u * place & 15u;
             if (given[k] > before) {
                 const uint photon = first + k;
-                svo_sum_photon(&view, svo_photon_number(&view, groups, photon), weights[photon], hits[photon].s456,
-                               (uint2)(before, given[k]), &added);
+                svo_sum_photon(&view, number + k, weights[photon], hits[photon].s456, (uint2)(before, given[k]),
+                               &added);
             }
         }
         svo_store_sums(sums, slots[leaf], &added);

@@ -5,6 +5,7 @@
  *   svo_k_moving_take    per place of an object's list: the places after its pairs get the largest key, which a stable
  *                        sort leaves behind them; the first work-item takes the count, which is 0 where not all fit
  *   svo_k_moving_listed  one work-item: how many triangles of an object that moved are in leaf lists
+ *   svo_k_moving_edges   one work-item: adds the sums of the edges of an object that moved to those of the scene
  *
  * Launch: one work-item per place, rounded up to whole groups. No atomics.
  */
@@ -35,3 +36,17 @@ svo_k_moving_listed(__global const ulong *sums, __global uint *listed, svo_movin
             params.count - (uint)(sums[SVO_FATE_REFUSED] + sums[SVO_FATE_FAR] + sums[SVO_FATE_OUTSIDE]);
     }
 }
+
+#ifdef SVO_AREAS
+
+/* edges: of the object's plan. total: of the scene. Both as in kernels/plan/closed.cl. */
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_moving_edges(__global const ulong *edges, __global ulong *total)
+{
+    if (get_global_id(0) == 0u) {
+        total[0] += edges[0];
+        total[1] += edges[1];
+    }
+}
+
+#endif

@@ -130,6 +130,17 @@ static void svo_copy_kept(__global const uint *from_fragments, __global const ui
     }
 }
 
+#ifdef SVO_AREAS
+
+static void svo_copy_areas(__global const uint4 *from, __global uint4 *to, uint count)
+{
+    for (uint i = 0; i < count; ++i) {
+        to[i] = from[i];
+    }
+}
+
+#endif
+
 /* a_materials, b_materials, materials: NULL where none are needed. before: the sums of the counts. marks: zero at
    first. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
@@ -137,7 +148,9 @@ svo_k_merge_write(__global const uint *a_fragments, __global const uint4 *a_valu
                   __global const uint *b_fragments, __global const uint4 *b_values, __global const uint *b_materials,
                   __global const uint *a_count, __global const uint *b_count, __global const uint *dropped,
                   __global const uint *before, __global uint *fragments, __global uint4 *values,
-                  __global uint *materials, volatile __global uint *marks, svo_moving_params params)
+                  __global uint *materials, volatile __global uint *marks,
+                  svo_moving_params params SVO_AND_AREAS(const uint4, a_areas) SVO_AND_AREAS(const uint4, b_areas)
+                      SVO_AND_AREAS(uint4, areas))
 {
     const svo_kept_list a = {a_fragments, a_values, svo_kept_count(params.count, a_count)};
     const svo_kept_list b = {b_fragments, b_values, svo_kept_count(params.other_count, b_count)};
@@ -150,6 +163,9 @@ svo_k_merge_write(__global const uint *a_fragments, __global const uint4 *a_valu
     if (part.first.y == part.end.y && written == part.end.x - part.first.x) { /* as most strips of small changes are */
         svo_copy_kept(a_fragments, a_values, a_materials, part.first.x, written, fragments, values, materials, marks,
                       before[strip]);
+#ifdef SVO_AREAS
+        svo_copy_areas(a_areas + part.first.x, areas + before[strip], written);
+#endif
         return;
     }
     if (written == 0u) {
@@ -174,6 +190,9 @@ svo_k_merge_write(__global const uint *a_fragments, __global const uint4 *a_valu
         if (materials != 0) {
             materials[slot] = (of_a ? a_materials : b_materials)[from];
         }
+#ifdef SVO_AREAS
+        areas[slot] = (of_a ? a_areas : b_areas)[from];
+#endif
         ++slot;
         if (slot % SVO_MERGE_STRIP == 0u || slot == before[strip + 1u]) {
             atomic_or(marks + (slot - 1u) / SVO_MERGE_STRIP, found);

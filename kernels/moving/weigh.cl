@@ -4,20 +4,27 @@
  * for each build, and kept until the object moves.
  *
  *   svo_k_moving_weigh  per pair or, with -DSVO_PAIR_LANES for CPUs, per window of pairs: its weight, color and normal,
- *                       and its material where materials is not NULL
+ *                       with -DSVO_AREAS what it shows, and its material where materials is not NULL
  *
  * Launch: one work-item per pair or window, rounded up to whole groups. No atomics.
  */
+#include "moving/areas.clh"
 #include "moving/kept.clh"
 #include "stages/attribute.clh"
 #include "stages/pair_lanes.clh"
 #include "stages/sums.clh"
 
+/* What is made of each pair. */
+typedef struct svo_weighed {
+    __global uint4 *values;
+    __global uint4 *areas; /* NULL without projected areas */
+} svo_weighed;
+
 #ifdef SVO_PAIR_LANES
 #define SVO_WEIGH_PAIRS SVO_WINDOW_PAIRS
 
 /* Weighs the pairs from begin to end, at most a window. */
-static void svo_weigh(__global const uint *fragments, svo_surface surface, __global uint4 *values, uint begin, uint end,
+static void svo_weigh(__global const uint *fragments, svo_surface surface, svo_weighed to, uint begin, uint end,
                       svo_filter_params filter, uint object)
 {
     svo_window window;
@@ -40,14 +47,18 @@ static void svo_weigh(__global const uint *fragments, svo_surface surface, __glo
         normal =
             (int3)(SVO_INT_OF(window.normal[0], i), SVO_INT_OF(window.normal[1], i), SVO_INT_OF(window.normal[2], i));
 #endif
-        values[begin + i] = svo_keep(SVO_UINT_OF(window.weight, i), color, normal, object);
+        to.values[begin + i] = svo_keep(SVO_UINT_OF(window.weight, i), color, normal, object);
+#ifdef SVO_AREAS
+        const long doubled_area = ((const long *)window.doubled_area)[i];
+        to.areas[begin + i] = svo_keep_seen(svo_part_shows(surface, window.triangle[i], doubled_area));
+#endif
     }
 }
 
 #else
 #define SVO_WEIGH_PAIRS 1u
 
-static void svo_weigh(__global const uint *fragments, svo_surface surface, __global uint4 *values, uint begin, uint end,
+static void svo_weigh(__global const uint *fragments, svo_surface surface, svo_weighed to, uint begin, uint end,
                       svo_filter_params filter, uint object)
 {
     uint weight = 0u;
@@ -69,7 +80,12 @@ static void svo_weigh(__global const uint *fragments, svo_surface surface, __glo
     SVO_UNUSED(surface);
     SVO_UNUSED(filter);
     SVO_UNUSED(end);
-    values[begin] = svo_keep(weight, color, normal, object);
+#ifdef SVO_AREAS
+    const long doubled_area =
+        svo_pair_doubled_area(surface, triangle, svo_fragment_code(fragments, begin), share, filter);
+    to.areas[begin] = svo_keep_seen(svo_part_shows(surface, triangle, doubled_area));
+#endif
+    to.values[begin] = svo_keep(weight, color, normal, object);
 }
 
 #endif
@@ -80,7 +96,7 @@ svo_k_moving_weigh(__global const uint *fragments, __global const int *vertices,
                    __global const short *vertex_normals, __global const int *uvs,
                    __global const svo_material_record *materials, __global const uint *texels, __global uint4 *values,
                    __global uint *pair_materials, __global const uint *counted, svo_filter_params filter,
-                   svo_moving_params params)
+                   svo_moving_params params SVO_AND_AREAS(uint4, areas))
 {
     const ulong begin = (ulong)get_global_id(0) * SVO_WEIGH_PAIRS;
     const uint pairs = svo_kept_count(params.count, counted);
@@ -89,7 +105,11 @@ svo_k_moving_weigh(__global const uint *fragments, __global const int *vertices,
     }
     const uint end = (uint)min(begin + SVO_WEIGH_PAIRS, (ulong)pairs);
     const svo_surface surface = {vertices, indices, records, vertex_colors, vertex_normals, uvs, materials, texels};
-    svo_weigh(fragments, surface, values, (uint)begin, end, filter, params.object);
+    svo_weighed to = {values, 0};
+#ifdef SVO_AREAS
+    to.areas = areas;
+#endif
+    svo_weigh(fragments, surface, to, (uint)begin, end, filter, params.object);
     for (uint i = (uint)begin; i < (pair_materials != 0 ? end : (uint)begin); ++i) {
         pair_materials[i] = records[svo_fragment_triangle(fragments, i)].material;
     }

@@ -3,7 +3,7 @@
  * Decides what becomes of each triangle, and the expected number of its fragments. lib/plan/grid.c and estimate.c
  * explain the rules; they do the same on the host.
  *
- * Launch: one work-item per SVO_PLAN_RUN triangles, in whole groups. Writes a byte and a float per triangle, and a row
+ * Launch: one work-item per SVO_PLAN_RUN triangles, in whole groups. Writes 16 bits and a float per triangle, and a row
  * of sums per group. No atomics.
  */
 #include "plan/plan.clh"
@@ -179,12 +179,13 @@ static ulong2 svo_clipped_sums(const svo_snapped *q, uint snap_bits)
     return (ulong2)(svo_polygon_widths(&p), svo_polygon_doubled_areas(&p));
 }
 
-/* Whether the front end cuts the triangle into tiles: it has more columns than a tile. */
-static bool svo_is_large(const svo_placed *p, uint axis)
+/* What the triangle is sorted by within its class, by the columns that the front end visits for it. */
+static uint svo_size_of(const svo_placed *p, uint axis)
 {
     const int u = axis == 0u ? p->width.y : axis == 1u ? p->width.z : p->width.x;
     const int v = axis == 0u ? p->width.z : axis == 1u ? p->width.x : p->width.y;
-    return (long)u * v > SVO_TILE_COLUMNS;
+    const long columns = (long)u * v;
+    return columns > SVO_TILE_COLUMNS ? SVO_SIZE_LARGE : (uint)min(columns, (long)(SVO_SIZE_COUNT - 1));
 }
 
 /* The fate of an accepted triangle. sums: widths, and twice the projected areas, of one that is kept. */
@@ -200,7 +201,7 @@ static uint svo_judge(const svo_snapped *q, const svo_plan_params *params, ulong
     *sums = p.inside ? (ulong2)((ulong)(extent.x + extent.y + extent.z), sizes.x + sizes.y + sizes.z)
                      : svo_clipped_sums(q, params->snap_bits);
     return svo_class_of(&p, params) | flags << SVO_FATE_DRAW_LOG2 |
-           (svo_is_large(&p, flags & SVO_DRAW_AXIS_MASK) ? SVO_FATE_LARGE : 0u);
+           svo_size_of(&p, flags & SVO_DRAW_AXIS_MASK) << SVO_FATE_SIZE_LOG2;
 }
 
 /* Numbers of a work-item's triangles by fate, 8 bits each, to columns. */
@@ -213,7 +214,7 @@ static void svo_unpack_counts(ulong counts, ulong columns[SVO_PLAN_SUMS])
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_plan_classify(__global const int *vertices, __global const uint *indices, __global const uchar *used,
-                    __global uchar *fates, __global float *fragments, __global ulong *partials, svo_plan_params params,
+                    __global ushort *fates, __global float *fragments, __global ulong *partials, svo_plan_params params,
                     __local ulong *scratch)
 {
     const uint2 run = svo_own_run(params.triangle_count);
@@ -232,10 +233,10 @@ svo_k_plan_classify(__global const int *vertices, __global const uint *indices, 
             const svo_snapped q = svo_snapped_triangle(vertices, corners);
             fate = svo_judge(&q, &params, &sums);
         }
-        fates[t] = (uchar)fate;
+        fates[t] = (ushort)fate;
         fragments[t] = (float)((1ul << one_log2) + (sums.x << (params.voxel_log2 + 1u)) + sums.y) * unit;
         counts += 1ul << (8u * (fate & SVO_FATE_MASK));
-        large += (fate & SVO_FATE_LARGE) != 0u ? 1ul : 0ul;
+        large += svo_fate_is_large(fate) ? 1ul : 0ul;
         total += sums; /* below 16 * 3 * 2^48 */
     }
     ulong columns[SVO_PLAN_SUMS];

@@ -44,7 +44,7 @@ static ulong2 svo_signed_edge(int3 from, int3 to)
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_plan_closed(__global const int *vertices, __global const uint *indices, __global const uchar *fates,
+svo_k_plan_closed(__global const int *vertices, __global const uint *indices, __global const ushort *fates,
                   __global ulong *partials, svo_plan_params params, __local ulong *scratch)
 {
     const uint2 run = svo_own_run(params.triangle_count);

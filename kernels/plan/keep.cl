@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Reduces the rows of the groups, and writes the kept triangles: those in the order of the mesh, and their draw items
- * by class. Counts of classes before a group come from the reduction, so the order is that of a stable counting sort.
+ * by class and, within the triangles of a group, by size. Counts of classes before a group come from the reduction, and
+ * those of sizes from a table in local memory, so the order is that of stable counting sorts. lib/plan/grid.c has the
+ * same on the host.
  *
  * Launch: svo_k_plan_totals one group; svo_k_plan_keep one work-item per SVO_PLAN_RUN triangles; svo_k_plan_clear and
  * svo_k_plan_positions one per vertex, in whole groups. Atomics: the counter of large triangles, whose list the host
  * sorts by item.
  */
 #include "plan/plan.clh"
-
-#define SVO_CLASSES 4u
 
 /* Replaces each column of sums by the exclusive prefix sums over the groups; totals receives the sums. With
    params.largest, totals receives the largest numbers and the rows stay. */
@@ -48,18 +48,27 @@ svo_k_plan_totals(__global ulong *partials, __global ulong *totals, svo_plan_tot
 }
 
 /* Counts of the classes in 16 bits each: a group has SVO_SCAN_TILE triangles. */
-static ulong svo_class_counts(__global const uchar *fates, uint2 run)
+static ulong svo_class_counts(__global const ushort *fates, uint2 run)
 {
     ulong counts = 0;
     for (uint t = run.x; t < run.y; ++t) {
         const uint fate = fates[t] & SVO_FATE_MASK;
-        counts += fate < SVO_CLASSES ? 1ul << (16u * fate) : 0ul;
+        counts += fate < SVO_PLAN_CLASSES ? 1ul << (16u * fate) : 0ul;
     }
     return counts;
 }
 
-/* Counts of the work-items before this one. */
-static ulong svo_counts_before(ulong counts, __local ulong *scratch)
+/* The first class from c on of which a group has triangles. */
+static uint svo_next_class(ulong counts, uint c)
+{
+    while (c < SVO_PLAN_CLASSES && (counts >> (16u * c) & 0xffffu) == 0u) {
+        ++c;
+    }
+    return c;
+}
+
+/* Counts of the work-items before this one; total: of all. */
+static ulong svo_counts_before(ulong counts, __local ulong *scratch, ulong *total)
 {
     const uint item = (uint)get_local_id(0);
     scratch[item] = counts;
@@ -71,7 +80,50 @@ static ulong svo_counts_before(ulong counts, __local ulong *scratch)
         before += own;
     }
     barrier(CLK_LOCAL_MEM_FENCE);
-    return scratch[item];
+    before = scratch[item];
+    if (item == SVO_GROUP_ITEMS - 1u) {
+        scratch[item] = before + counts;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    *total = scratch[SVO_GROUP_ITEMS - 1];
+    barrier(CLK_LOCAL_MEM_FENCE);
+    return before;
+}
+
+/* Ranks the group's triangles of a class by size, then in the order of the mesh; ranks: receives those of the run. A
+   row of the table is for a size, its columns are for the work-items. */
+static void svo_rank_sizes(__global const ushort *fates, uint2 run, uint class_id, __local ulong *scratch,
+                           __local ushort *table, ushort ranks[SVO_PLAN_RUN])
+{
+    const uint item = (uint)get_local_id(0);
+    __local ushort *column = table + item; /* of this work-item's triangles */
+    __local ushort *row = table + item * SVO_SIZE_PITCH; /* of the size that it sums up */
+    for (uint size = 0; size < SVO_SIZE_COUNT; ++size) {
+        column[size * SVO_SIZE_PITCH] = 0;
+    }
+    for (uint t = run.x; t < run.y; ++t) {
+        if ((fates[t] & SVO_FATE_MASK) == class_id) {
+            ++column[(fates[t] >> SVO_FATE_SIZE_LOG2) * SVO_SIZE_PITCH];
+        }
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    uint count = 0;
+    for (uint k = 0; k < SVO_GROUP_ITEMS; ++k) {
+        count += row[k];
+    }
+    ulong total;
+    uint rank = (uint)svo_counts_before(count, scratch, &total);
+    for (uint k = 0; k < SVO_GROUP_ITEMS; ++k) {
+        const uint own = row[k];
+        row[k] = (ushort)rank;
+        rank += own;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint t = run.x; t < run.y; ++t) {
+        if ((fates[t] & SVO_FATE_MASK) == class_id) {
+            ranks[t - run.x] = column[(fates[t] >> SVO_FATE_SIZE_LOG2) * SVO_SIZE_PITCH]++;
+        }
+    }
 }
 
 static svo_large_item svo_describe(__global const int *vertices, const uint corners[3], uint slot, uint axis,
@@ -90,28 +142,32 @@ static svo_large_item svo_describe(__global const int *vertices, const uint corn
 
 /* before: the rows of svo_k_plan_totals. large: NULL if nobody reads it. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_plan_keep(__global const int *vertices, __global const uint *mesh_indices, __global const uchar *fates,
+svo_k_plan_keep(__global const int *vertices, __global const uint *mesh_indices, __global const ushort *fates,
                 __global const float *fragments, __global const ulong *before, __global uint *indices,
                 __global uint *triangle_ids, __global svo_draw_item *items, __global float *item_fragments,
                 __global svo_large_item *large, volatile __global uint *large_count, __global uchar *kept,
-                svo_plan_params params, __local ulong *scratch)
+                svo_plan_params params, __local ulong *scratch, __local ushort *table)
 {
     const uint2 run = svo_own_run(params.triangle_count);
-    const ulong counts = svo_counts_before(svo_class_counts(fates, run), scratch);
-    uint slots[SVO_CLASSES];
+    ulong total;
+    const ulong counts = svo_counts_before(svo_class_counts(fates, run), scratch, &total);
+    uint begin[SVO_PLAN_CLASSES]; /* the group's first slot of each class */
+    ushort ranks[SVO_PLAN_RUN];
     uint next = 0;
-    for (uint c = 0; c < SVO_CLASSES; ++c) {
-        const uint inside = (uint)(counts >> (16u * c)) & 0xffffu;
-        const uint rank = inside + (uint)before[(size_t)get_group_id(0) * SVO_PLAN_SUMS + c];
-        slots[c] = params.class_begin[c] + rank;
-        next += rank;
+    for (uint c = 0; c < SVO_PLAN_CLASSES; ++c) {
+        const uint before_group = (uint)before[(size_t)get_group_id(0) * SVO_PLAN_SUMS + c];
+        next += before_group + ((uint)(counts >> (16u * c)) & 0xffffu);
+        begin[c] = params.class_begin[c] + before_group;
+    }
+    for (uint c = svo_next_class(total, 0u); c < SVO_PLAN_CLASSES; c = svo_next_class(total, c + 1u)) {
+        svo_rank_sizes(fates, run, c, scratch, table, ranks);
     }
     for (uint t = run.x; t < run.y; ++t) {
         const uint fate = fates[t];
-        if ((fate & SVO_FATE_MASK) >= SVO_CLASSES) {
+        if ((fate & SVO_FATE_MASK) >= SVO_PLAN_CLASSES) {
             continue;
         }
-        const uint slot = slots[fate & SVO_FATE_MASK]++;
+        const uint slot = begin[fate & SVO_FATE_MASK] + ranks[t - run.x];
         const uint flags = fate >> SVO_FATE_DRAW_LOG2 & (SVO_DRAW_AXIS_MASK | SVO_DRAW_BOUNDS);
         uint corners[3];
         (void)svo_mesh_corners(mesh_indices, &params, t, corners);
@@ -125,7 +181,7 @@ svo_k_plan_keep(__global const int *vertices, __global const uint *mesh_indices,
         items[slot].triangle = next++;
         items[slot].flags = flags;
         item_fragments[slot] = fragments[t];
-        if ((fate & SVO_FATE_LARGE) != 0u && large != 0) {
+        if (svo_fate_is_large(fate) && large != 0) {
             large[atomic_inc(large_count)] =
                 svo_describe(vertices, corners, slot, flags & SVO_DRAW_AXIS_MASK, fragments[t]);
         }

@@ -52,6 +52,16 @@
 #define SVO_VOXELIZE_STAGE_WORDS (SVO_GROUP_ITEMS * (SVO_TILE_COLUMNS + 1))
 #define SVO_VOXELIZE_NOTE_WORDS  (SVO_GROUP_ITEMS * (SVO_TILE_COLUMNS / 2 + 1))
 
+/* Draw items of a class are sorted by size, within blocks of SVO_SCAN_TILE triangles of the mesh, and so are tiles: so
+   work-items that run together visit about as many columns. The size is the number of columns, below SVO_SIZE_COUNT,
+   or SVO_SIZE_LARGE where there are more than those of a tile. A work-item of the plan's kernels counts one size. */
+#define SVO_SIZE_COUNT SVO_GROUP_ITEMS
+#define SVO_SIZE_LARGE 0u
+/* Words of 16 bits in local memory that count the triangles of each size of each work-item: a row for each size, padded
+   so that work-items that go through rows meet different banks. */
+#define SVO_SIZE_PITCH (SVO_GROUP_ITEMS + 2)
+#define SVO_SIZE_WORDS (SVO_SIZE_COUNT * SVO_SIZE_PITCH)
+
 /* svo_draw_item.flags. */
 #define SVO_DRAW_AXIS_MASK 3u /* 0, 1, 2: the axis of projection */
 #define SVO_DRAW_BOUNDS    4u /* draw the triangle's bounds: needles, degenerate triangles, parts outside the grid */
@@ -103,14 +113,14 @@ SVO_RECORD(svo_plan_params)
 #define SVO_PLAN_SOME     16u /* not all triangles are kept */
 #define SVO_PLAN_TEXTURED 32u /* textures may be sampled */
 
-/* What becomes of a triangle: its class (svo_i_class in lib/plan/plan_data.h) or one of these, in the low bits of a
-   byte; above them its draw flags, and whether it is large. */
+/* What becomes of a triangle: its class (svo_i_class in lib/plan/plan_data.h) or one of these, in the low bits of 16;
+   above them its draw flags, then its size. */
 #define SVO_FATE_REFUSED   4u /* index out of range, not finite */
 #define SVO_FATE_OUTSIDE   5u
 #define SVO_FATE_FAR       6u /* refused, since the overlap test cannot represent it */
 #define SVO_FATE_MASK      7u
 #define SVO_FATE_DRAW_LOG2 3
-#define SVO_FATE_LARGE     64u
+#define SVO_FATE_SIZE_LOG2 6
 
 /* The columns of 64 bits that classification sums: triangles by fate, the sums of the estimate, large triangles. */
 #define SVO_PLAN_SUM_WIDTHS     7

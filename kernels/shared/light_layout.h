@@ -61,6 +61,11 @@ SVO_RECORD(svo_light_step)
 #define SVO_PHOTON_LOST   0xfffffffeu
 /* The slot of a leaf that has none. */
 #define SVO_SLOT_NONE 0xffffffffu
+/* What is known of the radiance of a slot: the bits of the largest value, before it gets its unit, and flags: it is to
+   be made anew; it has been. */
+#define SVO_SLOT_BITS  0xffu
+#define SVO_SLOT_STALE 0x80000000u
+#define SVO_SLOT_FRESH 0x40000000u
 
 /* Sums of a lit leaf, of 64 bits each: flux red, green, blue; all flux times the direction of its photons, 2^24 = 1 on
    x, y, z; and, where radiance has directions, the flux of each channel times the cosine for each of the six
@@ -163,6 +168,11 @@ SVO_RECORD(svo_unmet_params)
     SVO_U32 reserved[3]; /* 36 */
 };
 
+/* Which radiance is made: svo_exchange_params.kept. */
+#define SVO_RADIANCE_OF_LEAVES 0u /* that of all lit leaves, in their order; none is kept */
+#define SVO_RADIANCE_OF_STALE  1u /* by slots, that of stale ones */
+#define SVO_RADIANCE_OF_SLOTS  2u /* by slots, all */
+
 /* What the tree holds: svo_exchange_params.flags. */
 #define SVO_EXCHANGE_COLORS       1u
 #define SVO_EXCHANGE_ONE_COLOR    2u /* for all nodes */
@@ -196,7 +206,7 @@ SVO_RECORD(svo_exchange_params)
     SVO_U32 factor_low; /* 16: radiance is sums times factor / 2^(63 + shift), rounded half up */
     SVO_U32 factor_high; /* 20 */
     SVO_U32 shift; /* 24 */
-    SVO_U32 reserved; /* 28 */
+    SVO_U32 kept; /* 28: SVO_RADIANCE_* */
 };
 
 /* What a picture of a light shows: svo_light_view of light.h. */

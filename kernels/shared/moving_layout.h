@@ -11,6 +11,10 @@
    word, the normal's z in the low half and its object in the high half. */
 #define SVO_KEPT_WORDS        4
 #define SVO_KEPT_OBJECT_SHIFT 16
+/* What it shows, where projected areas are made: see kernels/moving/areas.clh. */
+#define SVO_KEPT_AREA_WORDS 4
+/* The most pairs of a leaf that a work-item sums up on GPUs; groups sum up the longer lists. */
+#define SVO_KEPT_LONG 2048
 
 /* Arguments of the kernels of scenes that move. 16 bytes. */
 SVO_RECORD(svo_moving_params)

@@ -13,6 +13,7 @@
  *
  * Launch: one work-item per triangle, rounded up to whole groups, then one per tile of the triangles with more than
  * SVO_TILE_COLUMNS columns. The first kind skips those triangles, so no work-item handles more than one tile's columns.
+ * The plan sorts items and tiles so that neighbors have about as many columns (lib/plan/grid.c).
  * Reads vertices, indices, items, tiles; writes the chunk's fragments from its start, and its counter.
  * Atomics: an atomic_add on the counter's low word for each space, an atomic_inc on the high word when that wraps. All
  * fragments are counted, in 64 bits, however few fit; nothing is written beyond the capacity.

@@ -15,6 +15,8 @@ typedef struct svo_i_in_flight {
     size_t count, capacity;
 } svo_i_in_flight;
 
+SVO_I_SHARED_BEGIN
+
 /* What the next command has to wait for; NULL: nothing. The event stays theirs. */
 cl_event svo_i_in_flight_newest(svo_i_in_flight *commands);
 /* Makes room for one more command, before it is enqueued. */
@@ -24,5 +26,7 @@ svo_status svo_i_in_flight_reserve(svo_i_in_flight *commands, svo_device *device
 svo_status svo_i_in_flight_add(svo_i_in_flight *commands, svo_device *device, const char *function, cl_event event);
 /* Waits for all and releases their events. */
 void svo_i_in_flight_end(svo_i_in_flight *commands);
+
+SVO_I_SHARED_END
 
 #endif

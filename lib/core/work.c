@@ -193,7 +193,7 @@ svo_status svo_i_work_input(svo_i_device_work *work, const char *name, const voi
         return borrow(work, data, bytes, out);
     }
     SVO_I_TRY(svo_i_work_result(work, name, bytes, out));
-    return svo_i_work_write(work, *out, data, bytes);
+    return svo_i_work_write_later(work, *out, data, bytes);
 }
 
 svo_status svo_i_work_fill_pattern(svo_i_device_work *work, cl_mem buffer, const void *pattern, size_t pattern_bytes,

@@ -52,7 +52,8 @@ svo_status svo_i_work_constants(svo_i_device_work *work, const char *name, const
 void svo_i_work_free(svo_i_device_work *work, cl_mem *buffer);
 /* A buffer that the caller owns. */
 svo_status svo_i_work_result(svo_i_device_work *work, const char *name, uint64_t bytes, cl_mem *out);
-/* The same, with bytes from the host, for kernels to read. A CPU uses the host's memory, which has to outlive it. */
+/* The same, with bytes from the host, for kernels to read. A CPU uses the host's memory, which has to outlive
+   it; others read it before the work ends. */
 svo_status svo_i_work_input(svo_i_device_work *work, const char *name, const void *data, uint64_t bytes, cl_mem *out);
 
 svo_status svo_i_work_write(svo_i_device_work *work, cl_mem buffer, const void *data, uint64_t bytes);

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "light/changes.h"
 #include "light/kept_photons.h"
 
 /* Times the largest coordinate: more than the error of places along rays in floats, some of 2^-24. */
@@ -16,6 +17,9 @@ typedef struct again {
     svo_i_kept_photons *kept;
     svo_i_device_work *work;
     cl_mem boxes, counts;
+    cl_mem changed; /* cells, see changes.h */
+    cl_uint box_count;
+    cl_mem renewed; /* of svo_i_light_before */
     cl_uint *view_counts; /* groups; owned */
     cl_mem groups; /* by view, from the view's first group on */
 } again;
@@ -24,7 +28,7 @@ typedef struct again {
 static svo_status list_groups(again *a, size_t index, uint32_t box_count)
 {
     const svo_i_kept_view *view = &a->kept->views[index];
-    const double cells = 1 / svo_grid_cell_edge(&a->kept->grid, a->kept->grid.depth);
+    const double cells = 1 / svo_grid_cell_edge(&a->kept->tree.grid, a->kept->tree.grid.depth);
     /* A photon's point lies in a cell that what changed may touch, or it takes the leaf of a cell beside its own. */
     const svo_crossing_params params = {.kept_first = view->first,
                                         .group_count = view->photon_count / SVO_ITEM_PHOTONS,
@@ -47,10 +51,11 @@ static svo_status take_back(again *a, size_t index)
     svo_i_photons *photons = a->photons;
     params.first = view->first;
     params.count = a->view_counts[index] * SVO_ITEM_PHOTONS;
-    const svo_i_argument arguments[] = {
-        SVO_I_ARGUMENT(a->kept->weights), SVO_I_ARGUMENT(a->kept->ends),  SVO_I_ARGUMENT(a->kept->spreads),
-        SVO_I_ARGUMENT(a->kept->sums),    SVO_I_ARGUMENT(a->kept->users), SVO_I_ARGUMENT(photons->counters),
-        SVO_I_ARGUMENT(view->first),      SVO_I_ARGUMENT(a->groups),      SVO_I_ARGUMENT(params)};
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(a->kept->weights),  SVO_I_ARGUMENT(a->kept->ends),
+                                        SVO_I_ARGUMENT(a->kept->spreads),  SVO_I_ARGUMENT(a->kept->sums),
+                                        SVO_I_ARGUMENT(a->kept->users),    SVO_I_ARGUMENT(a->kept->bits),
+                                        SVO_I_ARGUMENT(photons->counters), SVO_I_ARGUMENT(view->first),
+                                        SVO_I_ARGUMENT(a->groups),         SVO_I_ARGUMENT(params)};
     return svo_i_work_launch(a->work, "svo_k_photon_take", SVO_I_ARGUMENTS(arguments), a->view_counts[index]);
 }
 
@@ -67,7 +72,11 @@ static svo_status place_slots(again *a)
                                         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
                                         SVO_I_ARGUMENT(a->kept->users),
                                         SVO_I_ARGUMENT(a->kept->codes),
+                                        SVO_I_ARGUMENT(a->kept->bits),
+                                        SVO_I_ARGUMENT(a->changed),
+                                        SVO_I_ARGUMENT(a->box_count),
                                         SVO_I_ARGUMENT(photons->slots),
+                                        SVO_I_ARGUMENT(a->renewed),
                                         SVO_I_ARGUMENT(photons->counters),
                                         SVO_I_ARGUMENT(params)};
     SVO_I_TRY(svo_i_work_launch(a->work, "svo_k_slot_places", SVO_I_ARGUMENTS(arguments), params.count));
@@ -167,6 +176,7 @@ static svo_status find_groups(again *a, const svo_i_light_changes *changes)
 {
     const size_t views = a->kept->view_count;
     SVO_I_TRY(upload_boxes(a, changes));
+    SVO_I_TRY(svo_i_changes_upload(a->work, a->photons->tree, changes, &a->changed));
     SVO_I_TRY(svo_i_work_alloc(a->work, "crossing_counts", views * sizeof(cl_uint), &a->counts));
     SVO_I_TRY(svo_i_work_alloc(a->work, "crossing_groups", a->kept->photon_count / SVO_ITEM_PHOTONS * sizeof(cl_uint),
                                &a->groups));
@@ -194,15 +204,30 @@ static svo_status shoot_again(again *a, const svo_i_light_changes *changes)
     svo_i_work_free(a->work, &a->counts);
     svo_i_work_free(a->work, &a->groups);
     svo_i_work_free(a->work, &a->boxes);
+    svo_i_work_free(a->work, &a->changed);
     return svo_i_photons_use(a->photons);
 }
 
-svo_status svo_i_photons_shoot_again(svo_i_photons *photons, const svo_i_light_changes *changes)
+/* Begins to mark leaves with new radiance, where the light before has what others keep. */
+static svo_status begin_renewed(again *a, svo_i_light_before *before)
 {
+    const uint64_t bytes = a->photons->tree->info.inner_count * sizeof(cl_uint);
+    if (before->origins == NULL || before->light->buffers[SVO_LIGHT_LIT] == NULL) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(svo_i_work_result(a->work, "light_renewed", bytes, &before->renewed));
+    a->renewed = before->renewed;
+    return svo_i_work_fill_zero(a->work, a->renewed, bytes);
+}
+
+svo_status svo_i_photons_shoot_again(svo_i_photons *photons, svo_i_light_before *before)
+{
+    const svo_i_light_changes *changes = &before->changes;
     svo_i_kept_photons *kept = photons->kept;
-    again a = {.photons = photons, .kept = kept, .work = photons->work};
+    again a = {.photons = photons, .kept = kept, .work = photons->work, .box_count = (cl_uint)changes->count};
     kept->whole = false; /* until it is that of the new tree */
     SVO_I_TRY(svo_i_photons_make_bands(photons));
+    SVO_I_TRY(begin_renewed(&a, before));
     a.view_counts = svo_i_alloc_zeroed(&kept->device->memory, kept->view_count + 1, sizeof *a.view_counts);
     if (a.view_counts == NULL) {
         return svo_i_device_fail(kept->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %zu views",
@@ -217,24 +242,28 @@ svo_status svo_i_photons_shoot_again(svo_i_photons *photons, const svo_i_light_c
 
 /* ---- the end ---- */
 
-/* The codes of slots that have been claimed. */
-static svo_status name_slots(svo_i_photons *photons)
+/* The codes of slots that have been claimed, and which leaves have new radiance. */
+static svo_status name_slots(svo_i_photons *photons, cl_mem renewed)
 {
     const svo_tree *tree = photons->tree;
     const svo_photon_params params = {.depth = tree->info.depth,
                                       .leaf_begin = (cl_uint)tree->info.inner_count,
                                       .leaf_count = (cl_uint)tree->info.leaf_count};
-    const svo_i_argument arguments[] = {
-        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]), SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
-        SVO_I_ARGUMENT(photons->slots), SVO_I_ARGUMENT(photons->kept->codes), SVO_I_ARGUMENT(params)};
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
+                                        SVO_I_ARGUMENT(photons->slots),
+                                        SVO_I_ARGUMENT(photons->kept->codes),
+                                        SVO_I_ARGUMENT(photons->kept->bits),
+                                        SVO_I_ARGUMENT(renewed),
+                                        SVO_I_ARGUMENT(params)};
     SVO_I_TRY(svo_i_kept_use(photons->kept, photons->work));
     return svo_i_work_launch(photons->work, "svo_k_slot_codes", SVO_I_ARGUMENTS(arguments), params.leaf_count);
 }
 
-svo_status svo_i_photons_finish_kept(svo_i_photons *photons, const svo_i_flux_totals *totals)
+svo_status svo_i_photons_finish_kept(svo_i_photons *photons, const svo_i_flux_totals *totals, cl_mem renewed)
 {
     svo_i_kept_photons *kept = photons->kept;
-    SVO_I_TRY(name_slots(photons));
+    SVO_I_TRY(name_slots(photons, renewed));
     kept->slot_count = photons->slot_count;
     kept->shot = photons->shot;
     kept->hits = photons->hits_before + photons->hits;

@@ -198,10 +198,13 @@ static svo_status list_leaves(exchange *e, svo_i_lit_leaves *lit)
 /* Bits of the largest radiance of photons, before it has a unit. */
 static svo_status find_bits(exchange *e, const svo_i_lit_leaves *lit, uint32_t *bits)
 {
+    const cl_mem slot_bits = e->photons->kept != NULL ? e->photons->kept->bits : NULL;
     e->params.count = (cl_uint)lit->lit_count;
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(lit->leaves),          SVO_I_ARGUMENT(e->photons->slots),
-                                        SVO_I_ARGUMENT(e->photons->sums),     SURFACE_ARGUMENTS(e),
-                                        SVO_I_ARGUMENT(e->photons->counters), SVO_I_ARGUMENT(e->params)};
+    e->params.kept = e->photons->kept != NULL ? SVO_RADIANCE_OF_STALE : SVO_RADIANCE_OF_LEAVES;
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(lit->leaves),      SVO_I_ARGUMENT(e->photons->slots),
+                                        SVO_I_ARGUMENT(e->photons->sums), SURFACE_ARGUMENTS(e),
+                                        SVO_I_ARGUMENT(slot_bits),        SVO_I_ARGUMENT(e->photons->counters),
+                                        SVO_I_ARGUMENT(e->params)};
     SVO_I_TRY(svo_i_work_launch(e->work, "svo_k_radiance_bits", SVO_I_ARGUMENTS(arguments), lit->lit_count));
     return svo_i_work_read(e->work, e->photons->counters, SVO_PHOTON_BITS * sizeof *bits, bits, sizeof *bits);
 }
@@ -239,18 +242,33 @@ static svo_status choose_unit(exchange *e, uint32_t bits, double *unit)
     return SVO_OK;
 }
 
+/* Where the radiance goes. What is kept in another unit is made anew. */
+static svo_status place_radiance(exchange *e, svo_i_lit_leaves *lit)
+{
+    svo_i_kept_photons *kept = e->photons->kept;
+    if (kept == NULL) {
+        const uint64_t values = svo_i_photons_values_of_leaf(e->photons);
+        return svo_i_work_alloc(e->work, "lit_radiance", lit->lit_count * values * sizeof(cl_uint), &lit->radiance);
+    }
+    e->params.kept = kept->unit == lit->unit ? SVO_RADIANCE_OF_STALE : SVO_RADIANCE_OF_SLOTS;
+    kept->unit = lit->unit;
+    lit->radiance = kept->radiance;
+    return SVO_OK;
+}
+
 static svo_status make_radiance(exchange *e, svo_i_lit_leaves *lit)
 {
-    const uint64_t values = e->photons->has_directions ? SVO_FACE_SUMS : 3;
+    const cl_mem slot_bits = e->photons->kept != NULL ? e->photons->kept->bits : NULL;
     svo_light_info *info = &e->light->info;
     info->bytes[SVO_LIGHT_FLUX] = lit->lit_count * SVO_FLUX_SUMS * sizeof(cl_ulong);
     SVO_I_TRY(svo_i_light_buffer(e->work, e->light, SVO_LIGHT_FLUX));
-    SVO_I_TRY(svo_i_work_alloc(e->work, "lit_radiance", lit->lit_count * values * sizeof(cl_uint), &lit->radiance));
+    SVO_I_TRY(place_radiance(e, lit));
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(lit->leaves),
                                         SVO_I_ARGUMENT(e->photons->slots),
                                         SVO_I_ARGUMENT(e->photons->sums),
                                         SURFACE_ARGUMENTS(e),
                                         SVO_I_ARGUMENT(e->light->tree->buffers[SVO_TREE_AREAS]),
+                                        SVO_I_ARGUMENT(slot_bits),
                                         SVO_I_ARGUMENT(lit->radiance),
                                         SVO_I_ARGUMENT(e->light->buffers[SVO_LIGHT_FLUX]),
                                         SVO_I_ARGUMENT(e->params)};

@@ -3,6 +3,7 @@
 #include "light/filter.h"
 
 #include "light/bricks.h"
+#include "light/kept_nodes.h"
 
 /* The words of a node or a brick. */
 static uint64_t words_of(svo_light_form form)
@@ -24,11 +25,16 @@ typedef struct filter {
     const svo_i_lit_leaves *from;
     cl_mem masks, children; /* of the tree */
     uint64_t lit_bearers; /* nodes that may have radiance: all, or those with bricks */
+    cl_mem origins, fresh, old_lit, old_radiance; /* of SVO_KEPT_LIGHT_PARAMETERS */
     cl_mem marks; /* u32 a node: whether a leaf below is lit */
     cl_mem codes; /* bricks: Morton codes of inner nodes */
     cl_mem values; /* bricks: premultiplied radiance of the lit leaves */
     cl_mem places; /* bricks: u32 a leaf: its place among the lit ones, or SVO_NO_NODE */
 } filter;
+
+#define KEPT_LIGHT_ARGUMENTS(f)                                                             \
+    SVO_I_ARGUMENT((f)->origins), SVO_I_ARGUMENT((f)->fresh), SVO_I_ARGUMENT((f)->old_lit), \
+        SVO_I_ARGUMENT((f)->old_radiance)
 
 static svo_light_step step_of_leaves(const filter *f)
 {
@@ -63,6 +69,43 @@ static svo_status mark_nodes(filter *f)
     return SVO_OK;
 }
 
+/* ---- what is kept ---- */
+
+static svo_status find_renewed(const filter *f, uint32_t level)
+{
+    const svo_light_step params = svo_i_light_step(f->light, level);
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(f->masks),
+                                        SVO_I_ARGUMENT(f->children),
+                                        SVO_I_ARGUMENT(f->origins),
+                                        SVO_I_ARGUMENT(f->codes),
+                                        SVO_I_ARGUMENT(f->light->before->renewed),
+                                        SVO_I_ARGUMENT(f->fresh),
+                                        SVO_I_ARGUMENT(params)};
+    return svo_i_work_launch(f->work, "svo_k_light_renewed", SVO_I_ARGUMENTS(arguments), params.count);
+}
+
+/* Which nodes need new radiance, where the light before has that of others. Bricks: needs codes. */
+static svo_status find_fresh(filter *f)
+{
+    const svo_i_light_before *before = f->light->before;
+    const uint64_t bytes = f->light->tree->info.inner_count * sizeof(cl_uint);
+    if (before == NULL || before->renewed == NULL) {
+        return SVO_OK;
+    }
+    f->origins = before->origins;
+    f->fresh = before->renewed;
+    f->old_lit = before->light->buffers[SVO_LIGHT_LIT];
+    f->old_radiance = before->light->buffers[SVO_LIGHT_RADIANCE];
+    if (f->light->info.form == SVO_LIGHT_BRICKS) {
+        SVO_I_TRY(svo_i_work_alloc(f->work, "light_fresh", bytes, &f->fresh));
+        SVO_I_TRY(svo_i_work_fill_zero(f->work, f->fresh, bytes));
+    }
+    for (uint32_t level = f->light->params.depth; level-- > 0;) {
+        SVO_I_TRY(find_renewed(f, level));
+    }
+    return SVO_OK;
+}
+
 /* The bricks that a lit cell touches. */
 static svo_status mark_bricks(filter *f, cl_mem *brick_marks)
 {
@@ -70,11 +113,12 @@ static svo_status mark_bricks(filter *f, cl_mem *brick_marks)
     SVO_I_TRY(svo_i_work_alloc(f->work, "light_codes", count * sizeof(cl_ulong), &f->codes));
     SVO_I_TRY(svo_i_work_alloc(f->work, "light_brick_marks", count * sizeof(cl_uint), brick_marks));
     SVO_I_TRY(svo_i_light_place(f->work, f->light, f->codes));
+    SVO_I_TRY(find_fresh(f));
     for (uint32_t level = 0; level < f->light->params.depth; ++level) {
         const svo_light_step params = svo_i_light_step(f->light, level);
-        const svo_i_argument arguments[] = {SVO_I_ARGUMENT(f->masks),     SVO_I_ARGUMENT(f->children),
-                                            SVO_I_ARGUMENT(f->codes),     SVO_I_ARGUMENT(f->marks),
-                                            SVO_I_ARGUMENT(*brick_marks), SVO_I_ARGUMENT(params)};
+        const svo_i_argument arguments[] = {
+            SVO_I_ARGUMENT(f->masks), SVO_I_ARGUMENT(f->children),  SVO_I_ARGUMENT(f->codes), SVO_I_ARGUMENT(f->marks),
+            KEPT_LIGHT_ARGUMENTS(f),  SVO_I_ARGUMENT(*brick_marks), SVO_I_ARGUMENT(params)};
         SVO_I_TRY(svo_i_work_launch(f->work, "svo_k_light_mark_bricks", SVO_I_ARGUMENTS(arguments), params.count));
     }
     return SVO_OK;
@@ -116,10 +160,14 @@ static svo_status store_leaves(const filter *f)
 {
     const svo_light_step params = step_of_leaves(f);
     const cl_mem *buffers = f->light->buffers;
-    const svo_i_argument faces[] = {SVO_I_ARGUMENT(f->from->leaves), SVO_I_ARGUMENT(f->from->radiance),
-                                    SVO_I_ARGUMENT(buffers[SVO_LIGHT_LIT]), SVO_I_ARGUMENT(buffers[SVO_LIGHT_RADIANCE]),
+    const svo_i_argument faces[] = {SVO_I_ARGUMENT(f->from->leaves),
+                                    SVO_I_ARGUMENT(f->from->slots),
+                                    SVO_I_ARGUMENT(f->from->radiance),
+                                    SVO_I_ARGUMENT(buffers[SVO_LIGHT_LIT]),
+                                    SVO_I_ARGUMENT(buffers[SVO_LIGHT_RADIANCE]),
                                     SVO_I_ARGUMENT(params)};
     const svo_i_argument voxels[] = {SVO_I_ARGUMENT(f->from->leaves),
+                                     SVO_I_ARGUMENT(f->from->slots),
                                      SVO_I_ARGUMENT(f->from->radiance),
                                      SVO_I_ARGUMENT(buffers[SVO_LIGHT_OPACITY]),
                                      SVO_I_ARGUMENT(buffers[SVO_LIGHT_LIT]),
@@ -130,6 +178,26 @@ static svo_status store_leaves(const filter *f)
                : svo_i_work_launch(f->work, "svo_k_light_lit_voxels", SVO_I_ARGUMENTS(voxels), params.count);
 }
 
+/* Those that stay from the light before. */
+static svo_status store_leaves_again(const filter *f)
+{
+    const cl_mem *buffers = f->light->buffers;
+    const cl_uint words = (cl_uint)words_of(f->light->info.form);
+    const svo_light_step params = svo_i_light_step(f->light, f->light->params.depth - 1);
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(f->masks),
+                                        SVO_I_ARGUMENT(f->children),
+                                        SVO_I_ARGUMENT(f->light->before->light->nodes->children),
+                                        SVO_I_ARGUMENT(f->from->slots),
+                                        SVO_I_ARGUMENT(f->from->radiance),
+                                        SVO_I_ARGUMENT(buffers[SVO_LIGHT_OPACITY]),
+                                        SVO_I_ARGUMENT(buffers[SVO_LIGHT_LIT]),
+                                        KEPT_LIGHT_ARGUMENTS(f),
+                                        SVO_I_ARGUMENT(buffers[SVO_LIGHT_RADIANCE]),
+                                        SVO_I_ARGUMENT(words),
+                                        SVO_I_ARGUMENT(params)};
+    return svo_i_work_launch(f->work, "svo_k_light_leaves_again", SVO_I_ARGUMENTS(arguments), params.count);
+}
+
 static svo_status filter_nodes(const filter *f, uint32_t level)
 {
     const svo_light_step params = svo_i_light_step(f->light, level);
@@ -138,11 +206,15 @@ static svo_status filter_nodes(const filter *f, uint32_t level)
                                     SVO_I_ARGUMENT(f->children),
                                     SVO_I_ARGUMENT(buffers[SVO_LIGHT_OPACITY]),
                                     SVO_I_ARGUMENT(buffers[SVO_LIGHT_LIT]),
+                                    KEPT_LIGHT_ARGUMENTS(f),
                                     SVO_I_ARGUMENT(buffers[SVO_LIGHT_RADIANCE]),
                                     SVO_I_ARGUMENT(params)};
-    const svo_i_argument voxels[] = {SVO_I_ARGUMENT(f->masks), SVO_I_ARGUMENT(f->children),
+    const svo_i_argument voxels[] = {SVO_I_ARGUMENT(f->masks),
+                                     SVO_I_ARGUMENT(f->children),
                                      SVO_I_ARGUMENT(buffers[SVO_LIGHT_LIT]),
-                                     SVO_I_ARGUMENT(buffers[SVO_LIGHT_RADIANCE]), SVO_I_ARGUMENT(params)};
+                                     KEPT_LIGHT_ARGUMENTS(f),
+                                     SVO_I_ARGUMENT(buffers[SVO_LIGHT_RADIANCE]),
+                                     SVO_I_ARGUMENT(params)};
     return f->light->info.form == SVO_LIGHT_FACES
                ? svo_i_work_launch(f->work, "svo_k_light_face_light", SVO_I_ARGUMENTS(faces), params.count)
                : svo_i_work_launch(f->work, "svo_k_light_voxel_light", SVO_I_ARGUMENTS(voxels), params.count);
@@ -151,8 +223,9 @@ static svo_status filter_nodes(const filter *f, uint32_t level)
 static svo_status filter_all_nodes(filter *f)
 {
     SVO_I_TRY(mark_nodes(f));
+    SVO_I_TRY(find_fresh(f));
     SVO_I_TRY(make_buffers(f, f->marks));
-    SVO_I_TRY(store_leaves(f));
+    SVO_I_TRY(f->fresh != NULL ? store_leaves_again(f) : store_leaves(f));
     for (uint32_t level = f->light->params.depth; level-- > 0;) {
         SVO_I_TRY(filter_nodes(f, level));
     }
@@ -177,6 +250,7 @@ static svo_status premultiply(filter *f)
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(f->light->tree->buffers[SVO_TREE_COLORS]),
                                         SVO_I_ARGUMENT(areas),
                                         SVO_I_ARGUMENT(f->from->leaves),
+                                        SVO_I_ARGUMENT(f->from->slots),
                                         SVO_I_ARGUMENT(f->from->radiance),
                                         SVO_I_ARGUMENT(f->values),
                                         SVO_I_ARGUMENT(params)};
@@ -186,25 +260,21 @@ static svo_status premultiply(filter *f)
 static svo_status filter_deepest(const filter *f)
 {
     const svo_light_step params = svo_i_light_step(f->light, f->light->params.depth - 1);
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(f->masks),
-                                        SVO_I_ARGUMENT(f->children),
-                                        SVO_I_ARGUMENT(f->codes),
-                                        SVO_I_ARGUMENT(f->places),
-                                        SVO_I_ARGUMENT(f->values),
-                                        SVO_I_ARGUMENT(f->light->buffers[SVO_LIGHT_LIT]),
-                                        SVO_I_ARGUMENT(f->light->buffers[SVO_LIGHT_RADIANCE]),
-                                        SVO_I_ARGUMENT(params)};
+    const svo_i_argument arguments[] = {
+        SVO_I_ARGUMENT(f->masks),  SVO_I_ARGUMENT(f->children),
+        SVO_I_ARGUMENT(f->codes),  SVO_I_ARGUMENT(f->places),
+        SVO_I_ARGUMENT(f->values), SVO_I_ARGUMENT(f->light->buffers[SVO_LIGHT_LIT]),
+        KEPT_LIGHT_ARGUMENTS(f),   SVO_I_ARGUMENT(f->light->buffers[SVO_LIGHT_RADIANCE]),
+        SVO_I_ARGUMENT(params)};
     return svo_i_work_launch(f->work, "svo_k_light_brick_deep", SVO_I_ARGUMENTS(arguments), params.count);
 }
 
 static svo_status filter_bricks(const filter *f, uint32_t level)
 {
     const svo_light_step params = svo_i_light_step(f->light, level);
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(f->masks),
-                                        SVO_I_ARGUMENT(f->children),
-                                        SVO_I_ARGUMENT(f->codes),
-                                        SVO_I_ARGUMENT(f->light->buffers[SVO_LIGHT_LIT]),
-                                        SVO_I_ARGUMENT(f->light->buffers[SVO_LIGHT_RADIANCE]),
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(f->masks), SVO_I_ARGUMENT(f->children),
+                                        SVO_I_ARGUMENT(f->codes), SVO_I_ARGUMENT(f->light->buffers[SVO_LIGHT_LIT]),
+                                        KEPT_LIGHT_ARGUMENTS(f),  SVO_I_ARGUMENT(f->light->buffers[SVO_LIGHT_RADIANCE]),
                                         SVO_I_ARGUMENT(params)};
     return svo_i_work_launch(f->work, "svo_k_light_brick_light", SVO_I_ARGUMENTS(arguments), params.count);
 }

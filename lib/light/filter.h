@@ -11,6 +11,7 @@ typedef struct svo_i_lit_leaves {
     /* u32, of 3 channels. SVO_LIGHT_FACES: lit_count * 6, for rays along +x, -x, ..., premultiplied by how much of its
        face the leaf's surface covers, so that it is radiance over the whole face. Else lit_count: of the surface. */
     cl_mem radiance;
+    cl_mem slots; /* u32 a leaf: the place of its radiance; NULL: radiance is in the order of leaves */
     uint64_t lit_count;
     float unit; /* radiance of a 1, a power of two */
 } svo_i_lit_leaves;

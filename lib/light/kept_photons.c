@@ -10,15 +10,6 @@ bool svo_i_kept_is_possible(const svo_light *light, const svo_light_setup *setup
            svo_i_rays_of_triangles(&light->tree->info);
 }
 
-static bool is_same_grid(const svo_grid *a, const svo_grid *b)
-{
-    bool same = a->depth == b->depth && a->snap_bits == b->snap_bits && a->scale == b->scale;
-    for (int axis = 0; axis < 3; ++axis) {
-        same = same && a->origin[axis] == b->origin[axis];
-    }
-    return same;
-}
-
 static bool is_same_box(const svo_i_lit_box *a, const svo_i_lit_box *b)
 {
     bool same = a->leaf_edge == b->leaf_edge;
@@ -28,18 +19,21 @@ static bool is_same_box(const svo_i_lit_box *a, const svo_i_lit_box *b)
     return same;
 }
 
-bool svo_i_kept_fits(const svo_i_kept_photons *kept, const svo_tree *tree, const svo_i_lit_box *box)
+svo_status svo_i_kept_fits(const svo_i_kept_photons *kept, svo_i_device_work *work, const svo_tree *tree,
+                           const svo_i_lit_box *box, bool *fits)
 {
-    svo_grid grid = {.depth = 0};
-    return kept->whole && svo_tree_get_grid(tree, &grid) == SVO_OK && is_same_grid(&grid, &kept->grid) &&
-           is_same_box(box, &kept->box);
+    svo_i_kept_tree now;
+    SVO_I_TRY(svo_i_kept_tree_read(work, tree, &now));
+    *fits = kept->whole && is_same_box(box, &kept->box) && svo_i_kept_tree_is_same(&now, &kept->tree);
+    return SVO_OK;
 }
 
 /* ---- buffers ---- */
 
 static void release_buffers(svo_i_kept_photons *kept)
 {
-    cl_mem *const buffers[] = {&kept->weights, &kept->ends, &kept->spreads, &kept->sums, &kept->users, &kept->codes};
+    cl_mem *const buffers[] = {&kept->weights, &kept->ends,  &kept->spreads,  &kept->sums,
+                               &kept->users,   &kept->codes, &kept->radiance, &kept->bits};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
         svo_i_buffer_release(buffers[i]);
     }
@@ -55,20 +49,13 @@ void svo_i_kept_destroy(svo_i_kept_photons **kept)
     }
 }
 
-static uint64_t bytes_of(cl_mem buffer)
-{
-    size_t bytes = 0;
-    if (buffer != NULL) {
-        clGetMemObjectInfo(buffer, CL_MEM_SIZE, sizeof bytes, &bytes, NULL);
-    }
-    return bytes;
-}
-
 uint64_t svo_i_kept_bytes(const svo_i_kept_photons *kept)
 {
     return kept == NULL ? 0
-                        : bytes_of(kept->weights) + bytes_of(kept->ends) + bytes_of(kept->spreads) +
-                              bytes_of(kept->sums) + bytes_of(kept->users) + bytes_of(kept->codes);
+                        : svo_i_kept_buffer_bytes(kept->weights) + svo_i_kept_buffer_bytes(kept->ends) +
+                              svo_i_kept_buffer_bytes(kept->spreads) + svo_i_kept_buffer_bytes(kept->sums) +
+                              svo_i_kept_buffer_bytes(kept->users) + svo_i_kept_buffer_bytes(kept->codes) +
+                              svo_i_kept_buffer_bytes(kept->radiance) + svo_i_kept_buffer_bytes(kept->bits);
 }
 
 /* Lists the views of a setup as svo_i_light_shine shoots them. kept->views: room for them; NULL: they are counted. */
@@ -113,7 +100,7 @@ svo_status svo_i_kept_begin(svo_i_kept_photons *kept, svo_i_device_work *work, c
 {
     release_buffers(kept);
     *kept = (svo_i_kept_photons){.device = tree->device, .has_directions = has_directions, .box = *box};
-    SVO_I_TRY(svo_tree_get_grid(tree, &kept->grid));
+    SVO_I_TRY(svo_i_kept_tree_read(work, tree, &kept->tree));
     SVO_I_TRY(make_views(kept, work, setup));
     const uint64_t photons = kept->photon_count;
     SVO_I_TRY(svo_i_work_result(work, "kept_weights", photons * sizeof(svo_photon_weight), &kept->weights));
@@ -141,12 +128,15 @@ cleanup:
     return status;
 }
 
-svo_status svo_i_kept_grow(svo_i_kept_photons *kept, svo_i_device_work *work, uint64_t room, uint64_t sum_bytes)
+svo_status svo_i_kept_grow(svo_i_kept_photons *kept, svo_i_device_work *work, uint64_t room, uint64_t sum_bytes,
+                           uint64_t radiance_bytes)
 {
     const uint64_t old = kept->slot_room;
     SVO_I_TRY(grow(work, "kept_sums", old * sum_bytes, room * sum_bytes, 0, &kept->sums));
     SVO_I_TRY(grow(work, "kept_users", old * sizeof(cl_uint), room * sizeof(cl_uint), 0, &kept->users));
     SVO_I_TRY(grow(work, "kept_codes", old * sizeof(cl_ulong), room * sizeof(cl_ulong), SVO_SLOT_NONE, &kept->codes));
+    SVO_I_TRY(grow(work, "kept_radiance", old * radiance_bytes, room * radiance_bytes, 0, &kept->radiance));
+    SVO_I_TRY(grow(work, "kept_bits", old * sizeof(cl_uint), room * sizeof(cl_uint), SVO_SLOT_STALE, &kept->bits));
     kept->slot_room = room;
     return SVO_OK;
 }
@@ -172,8 +162,8 @@ svo_status svo_i_kept_take(const svo_i_kept_photons *kept, svo_i_device_work *wo
     const svo_i_argument arguments[] = {
         SVO_I_ARGUMENT(shot->weights), SVO_I_ARGUMENT(shot->met),     SVO_I_ARGUMENT(shot->spreads),
         SVO_I_ARGUMENT(shot->slots),   SVO_I_ARGUMENT(kept->weights), SVO_I_ARGUMENT(kept->ends),
-        SVO_I_ARGUMENT(kept->spreads), SVO_I_ARGUMENT(kept->users),   SVO_I_ARGUMENT(shot->first),
-        SVO_I_ARGUMENT(shot->groups),  SVO_I_ARGUMENT(*params)};
+        SVO_I_ARGUMENT(kept->spreads), SVO_I_ARGUMENT(kept->users),   SVO_I_ARGUMENT(kept->bits),
+        SVO_I_ARGUMENT(shot->first),   SVO_I_ARGUMENT(shot->groups),  SVO_I_ARGUMENT(*params)};
     SVO_I_TRY(svo_i_kept_use(kept, work));
     return svo_i_work_launch(work, "svo_k_photon_keep", SVO_I_ARGUMENTS(arguments), params->count / SVO_ITEM_PHOTONS);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The handle of a light: creation, description, hash, and its side of kernels. */
-#include "svocl/light.h"
+#include "light/light.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -12,6 +12,7 @@
 #include "core/struct_size.h"
 #include "light/bricks.h"
 #include "light/faces.h"
+#include "light/kept_nodes.h"
 #include "light/kept_photons.h"
 #include "light/opacity.h"
 #include "light/plan.h"
@@ -62,6 +63,11 @@ static svo_status make(svo_light *light, const char *function, cl_command_queue 
     svo_i_device_work work;
     svo_status status = SVO_OK;
     SVO_I_TRY(svo_i_work_begin(light->device, function, queue, &work));
+    if (light->before != NULL && light->before->light->setup.asked.updatable != 0) {
+        SVO_I_TRY_CLEANUP(svo_i_kept_nodes_begin(&work, light));
+        SVO_I_TRY_CLEANUP(svo_i_work_use(&work, SVO_I_PROGRAM_LIGHT, svo_i_light_defines(light)));
+        SVO_I_TRY_CLEANUP(svo_i_find_origins(&work, light));
+    }
     SVO_I_TRY_CLEANUP(make_opacity(&work, light));
 
 cleanup:
@@ -80,15 +86,11 @@ static uint32_t find_flags(const svo_tree_info *tree)
            (svo_i_tree_is_constant(tree, SVO_TREE_COLORS) ? SVO_LIGHT_FLAG_ONE_COLOR : 0);
 }
 
-svo_status svo_light_create(svo_tree *tree, const svo_light_options *options, cl_command_queue queue, svo_light **out)
+svo_status svo_i_light_create(svo_tree *tree, const char *function, const svo_light_options *options,
+                              svo_i_light_before *before, cl_command_queue queue, svo_light **out)
 {
-    static const char function[] = "svo_light_create";
     svo_light_options asked;
     svo_light_info info;
-    if (tree == NULL || out == NULL) {
-        return svo_i_device_fail(tree != NULL ? tree->device : NULL, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
-                                 tree == NULL ? "tree" : "out");
-    }
     SVO_I_TRY(svo_i_light_plan(tree, function, options, &asked, &info));
     if (tree->device == NULL) {
         return svo_i_device_fail(NULL, SVO_INVALID_ARGUMENT,
@@ -100,6 +102,7 @@ svo_status svo_light_create(svo_tree *tree, const svo_light_options *options, cl
     }
     light->tree = tree;
     light->device = tree->device;
+    light->before = before;
     light->info = info;
     light->options = asked;
     light->options.struct_size = sizeof light->options;
@@ -116,6 +119,14 @@ svo_status svo_light_create(svo_tree *tree, const svo_light_options *options, cl
     return SVO_OK;
 }
 
+svo_status svo_light_create(svo_tree *tree, const svo_light_options *options, cl_command_queue queue, svo_light **out)
+{
+    static const char function[] = "svo_light_create";
+    return tree != NULL && out != NULL ? svo_i_light_create(tree, function, options, NULL, queue, out)
+                                       : svo_i_device_fail(tree != NULL ? tree->device : NULL, SVO_INVALID_ARGUMENT,
+                                                           "%s: %s is NULL", function, tree == NULL ? "tree" : "out");
+}
+
 void svo_light_destroy(svo_light **light)
 {
     if (light == NULL || *light == NULL) {
@@ -126,6 +137,7 @@ void svo_light_destroy(svo_light **light)
     }
     svo_i_light_forget_setup(*light);
     svo_i_kept_destroy(&(*light)->kept);
+    svo_i_kept_nodes_destroy(&(*light)->nodes);
     svo_i_free(*light);
     *light = NULL;
 }

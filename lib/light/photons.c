@@ -21,6 +21,11 @@ uint64_t svo_i_photons_sums_of_slot(const svo_i_photons *photons)
     return photons->has_directions ? SVO_FLUX_SUMS + SVO_FACE_SUMS : SVO_FLUX_SUMS;
 }
 
+uint64_t svo_i_photons_values_of_leaf(const svo_i_photons *photons)
+{
+    return photons->has_directions ? SVO_FACE_SUMS : 3;
+}
+
 static uint64_t sum_bytes(const svo_i_photons *photons, uint64_t slots)
 {
     return slots * svo_i_photons_sums_of_slot(photons) * sizeof(cl_ulong);
@@ -40,7 +45,8 @@ static svo_status make_sums(svo_i_photons *photons, uint64_t room)
     svo_i_kept_photons *kept = photons->kept;
     cl_mem larger = NULL;
     if (kept != NULL) {
-        SVO_I_TRY(svo_i_kept_grow(kept, photons->work, room, sum_bytes(photons, 1)));
+        SVO_I_TRY(svo_i_kept_grow(kept, photons->work, room, sum_bytes(photons, 1),
+                                  svo_i_photons_values_of_leaf(photons) * sizeof(cl_uint)));
         photons->sums = kept->sums;
     } else {
         SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_sums", sum_bytes(photons, room), &larger));

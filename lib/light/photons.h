@@ -64,8 +64,9 @@ void svo_i_photons_release(svo_i_photons *photons);
 svo_status svo_i_photons_use(const svo_i_photons *photons);
 /* Makes room for the slots that have been claimed, and reads how many there are. */
 svo_status svo_i_photons_make_room(svo_i_photons *photons);
-/* 64-bit numbers of one slot. */
+/* 64-bit numbers of one slot, and 32-bit ones of the radiance of a lit leaf. */
 uint64_t svo_i_photons_sums_of_slot(const svo_i_photons *photons);
+uint64_t svo_i_photons_values_of_leaf(const svo_i_photons *photons);
 
 /* The flux of all lit leaves, and the flux that hit the tree without a leaf: red, green, blue in units. */
 typedef struct svo_i_flux_totals {

@@ -8,6 +8,7 @@
 #include "light/again.h"
 #include "light/cells.h"
 #include "light/exchange.h"
+#include "light/kept_nodes.h"
 #include "light/photons.h"
 #include "light/setup.h"
 #include "light/unmet.h"
@@ -181,7 +182,10 @@ cleanup:
 static svo_status begin_kept(svo_i_device_work *work, svo_light *light, const svo_light_setup *setup,
                              const svo_i_lit_box *box, bool *fits)
 {
-    *fits = light->kept != NULL && light->changes != NULL && svo_i_kept_fits(light->kept, light->tree, box);
+    *fits = false;
+    if (light->kept != NULL && light->before != NULL) {
+        SVO_I_TRY(svo_i_kept_fits(light->kept, work, light->tree, box, fits));
+    }
     if (*fits) {
         return SVO_OK;
     }
@@ -203,7 +207,7 @@ static svo_status shoot(svo_i_photons *photons, svo_light *light, const svo_ligh
 {
     svo_status status = SVO_OK;
     if (again) {
-        status = svo_i_photons_shoot_again(photons, light->changes);
+        status = svo_i_photons_shoot_again(photons, light->before);
     } else if (setup->diagnose != 0) {
         status = shoot_and_count(photons, setup, box, &light->info);
     } else {
@@ -214,22 +218,21 @@ static svo_status shoot(svo_i_photons *photons, svo_light *light, const svo_ligh
 }
 
 /* What became of the flux. */
-static svo_status describe_flux(svo_i_photons *photons, svo_light_info *info)
+static svo_status describe_flux(svo_i_photons *photons, svo_light_info *info, svo_i_flux_totals *totals)
 {
-    svo_i_flux_totals totals;
     double all = 0;
     double lost = 0;
-    SVO_I_TRY(svo_i_photons_total(photons, &totals));
+    SVO_I_TRY(svo_i_photons_total(photons, totals));
     for (int channel = 0; channel < 3; ++channel) {
-        info->flux[channel] = (double)(totals.in_leaves[channel] + totals.lost[channel]) * photons->unit;
-        all += (double)totals.in_leaves[channel] + (double)totals.lost[channel];
-        lost += (double)totals.lost[channel];
+        info->flux[channel] = (double)(totals->in_leaves[channel] + totals->lost[channel]) * photons->unit;
+        all += (double)totals->in_leaves[channel] + (double)totals->lost[channel];
+        lost += (double)totals->lost[channel];
     }
     info->lost_flux = all > 0 ? lost / all : 0;
     info->photons = photons->shot;
     info->photon_hits = photons->hits_before + photons->hits;
     info->traced_photons = photons->traced;
-    return photons->kept != NULL ? svo_i_photons_finish_kept(photons, &totals) : SVO_OK;
+    return SVO_OK;
 }
 
 /* The unit of flux: a power of two with which no sum overflows. */
@@ -258,6 +261,7 @@ svo_status svo_i_light_shine(svo_i_device_work *work, svo_light *light, const sv
 {
     svo_i_lit_box box = {.leaf_edge = 0};
     svo_i_photons photons;
+    svo_i_flux_totals totals;
     *lit = (svo_i_lit_leaves){.unit = 1};
     if (light->tree->info.leaf_count == 0) {
         return SVO_OK;
@@ -273,12 +277,17 @@ svo_status svo_i_light_shine(svo_i_device_work *work, svo_light *light, const sv
     SVO_I_TRY(shoot(&photons, light, setup, &box, again));
     double *const stage_ms = light->info.stage_ms;
     stage_ms[SVO_LIGHT_STAGE_VIEW] = photons.view_ms;
-    SVO_I_TRY(describe_flux(&photons, &light->info));
+    SVO_I_TRY(describe_flux(&photons, &light->info, &totals));
     stage_ms[SVO_LIGHT_STAGE_PHOTONS] = photons.sum_ms;
     const double start = svo_i_now_ms();
     SVO_I_TRY(svo_i_light_exchange(&photons, light, setup->finishes, setup->finish_count, lit));
+    if (light->kept != NULL) {
+        SVO_I_TRY(svo_i_photons_finish_kept(&photons, &totals, again ? light->before->renewed : NULL));
+        lit->slots = photons.slots;
+        photons.slots = NULL; /* the work releases them at its end */
+    }
     light->info.lit_leaves = lit->lit_count;
-    light->info.kept_bytes = svo_i_kept_bytes(light->kept);
+    light->info.kept_bytes = svo_i_kept_bytes(light->kept) + svo_i_kept_nodes_bytes(light->nodes);
     svo_i_photons_release(&photons);
     return svo_i_light_took(work, light, SVO_LIGHT_STAGE_EXCHANGE, start);
 }
@@ -292,6 +301,7 @@ static void darken(svo_light *light)
     svo_i_light_darken(light);
     svo_i_light_forget_setup(light);
     svo_i_kept_destroy(&light->kept);
+    svo_i_kept_nodes_destroy(&light->nodes);
     svo_i_light_release(light, SVO_LIGHT_FLUX);
     for (int i = SVO_LIGHT_STAGE_VIEW; i < SVO_LIGHT_STAGE_COUNT; ++i) {
         info->stage_ms[i] = 0;

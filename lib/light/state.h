@@ -10,6 +10,7 @@
 
 struct svo_i_light_viewer;
 struct svo_i_kept_photons;
+struct svo_i_kept_nodes;
 
 /* What lights the tree: copies of what svo_light_set_sources got. */
 typedef struct svo_i_light_setup {
@@ -27,6 +28,14 @@ typedef struct svo_i_light_changes {
     size_t count;
 } svo_i_light_changes;
 
+/* What svo_light_update begins with. */
+typedef struct svo_i_light_before {
+    const struct svo_light *light; /* of the tree before, which may be gone */
+    svo_i_light_changes changes;
+    cl_mem origins; /* u32 an inner node: what it was in the tree before, or SVO_NO_NODE. Owned; NULL: not known */
+    cl_mem renewed; /* u32 an inner node: octants of its children whose leaves have new radiance. Owned; NULL: all do */
+} svo_i_light_before;
+
 struct svo_light {
     svo_tree *tree; /* the caller's */
     svo_device *device; /* the tree's */
@@ -36,7 +45,8 @@ struct svo_light {
     cl_mem buffers[SVO_LIGHT_BUFFER_COUNT]; /* owned; NULL where not held */
     svo_i_light_setup setup; /* owned */
     struct svo_i_kept_photons *kept; /* owned; NULL: no photons are kept */
-    const svo_i_light_changes *changes; /* during svo_light_update: of the tree that kept is of; else NULL */
+    struct svo_i_kept_nodes *nodes; /* owned; NULL: no nodes are kept */
+    svo_i_light_before *before; /* during svo_light_update, which then has given it kept; else NULL */
     const struct svo_i_light_viewer *viewer; /* during svo_i_light_set_sources_by; else NULL: rays */
 };
 

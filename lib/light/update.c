@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * svo_light_update: the light of a changed tree is made beside the old one, which it replaces when all has succeeded.
- * Photons are many, and most of them meet what they met: kept_photons.c shoots the others.
+ * Photons are many, and most of them meet what they met: again.c shoots the others. Of the nodes, those that boxes do
+ * not touch are copied: kept_nodes.c finds them.
  */
 #include <math.h>
 
+#include "light/kept_nodes.h"
 #include "light/kept_photons.h"
+#include "light/light.h"
 #include "light/sources.h"
 
 static const char function[] = "svo_light_update";
@@ -52,8 +55,7 @@ static svo_status check_tree(const svo_light *light, const svo_tree *tree)
 }
 
 /* Lights a new light as the old one is, with its photons. */
-static svo_status light_up(svo_light *made, svo_light *light, const svo_i_light_changes *changes,
-                           cl_command_queue queue)
+static svo_status light_up(svo_light *made, svo_light *light, cl_command_queue queue)
 {
     if (light->setup.asked.struct_size == 0) {
         return SVO_OK;
@@ -61,28 +63,35 @@ static svo_status light_up(svo_light *made, svo_light *light, const svo_i_light_
     made->kept = light->kept;
     light->kept = NULL;
     light->info.kept_bytes = 0;
-    made->changes = changes;
-    const svo_status status = svo_i_light_set(made, function, &light->setup.asked, queue);
-    made->changes = NULL;
+    return svo_i_light_set(made, function, &light->setup.asked, queue);
+}
+
+/* Makes the light of another tree. light: keeps nothing after a failure. */
+static svo_status make_after(svo_light *light, svo_tree *tree, svo_i_light_before *before, cl_command_queue queue,
+                             svo_light **made)
+{
+    svo_status status = svo_i_light_create(tree, function, &light->options, before, queue, made);
+    if (status == SVO_OK) {
+        status = light_up(*made, light, queue);
+        (*made)->before = NULL;
+    }
+    svo_i_buffer_release(&before->origins);
+    svo_i_buffer_release(&before->renewed);
+    svo_i_kept_nodes_destroy(&light->nodes);
     return status;
 }
 
 svo_status svo_light_update(svo_light *light, svo_tree *tree, const svo_box *changed, size_t change_count,
                             cl_command_queue queue)
 {
-    const svo_i_light_changes changes = {.boxes = changed, .count = change_count};
+    svo_i_light_before before = {.light = light, .changes = {.boxes = changed, .count = change_count}};
     svo_light *made = NULL;
     if (light == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
     SVO_I_TRY(check_tree(light, tree));
     SVO_I_TRY(check_changes(light, changed, change_count));
-    svo_status status = svo_light_create(tree, &light->options, queue, &made);
-    if (status != SVO_OK) {
-        svo_i_message_rename(svo_i_device_message(light->device), function);
-        return status;
-    }
-    status = light_up(made, light, &changes, queue);
+    const svo_status status = make_after(light, tree, &before, queue, &made);
     if (status == SVO_OK) {
         const svo_light old = *light;
         *light = *made;

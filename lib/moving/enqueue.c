@@ -102,6 +102,9 @@ static svo_status move_object(svo_i_flight *flight, uint32_t index, news_of_obje
     if (status == SVO_OK) {
         status = svo_i_commands_read(&commands, update->error, &totals->error, sizeof totals->error);
     }
+    if (status == SVO_OK && update->sums_edges) {
+        status = svo_i_commands_read(&commands, update->edges, &totals->edges, sizeof totals->edges);
+    }
     svo_i_chain_end_commands(chain, &commands, status);
     return status;
 }

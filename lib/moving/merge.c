@@ -34,11 +34,13 @@ static svo_status launch(svo_i_device_work *work, const svo_i_kept_list *a, cons
         SVO_I_ARGUMENT(b->fragments),  SVO_I_ARGUMENT(b->values),     SVO_I_ARGUMENT(b->materials),
         SVO_I_ARGUMENT(a->counted),    SVO_I_ARGUMENT(b->counted),    SVO_I_ARGUMENT(dropped->bits),
         SVO_I_ARGUMENT(before),        SVO_I_ARGUMENT(to->fragments), SVO_I_ARGUMENT(to->values),
-        SVO_I_ARGUMENT(to->materials), SVO_I_ARGUMENT(to->marks),     SVO_I_ARGUMENT(params)};
+        SVO_I_ARGUMENT(to->materials), SVO_I_ARGUMENT(to->marks),     SVO_I_ARGUMENT(params),
+        SVO_I_ARGUMENT(a->areas),      SVO_I_ARGUMENT(b->areas),      SVO_I_ARGUMENT(to->areas)};
+    const cl_uint write_count = (cl_uint)(sizeof write / sizeof write[0]) - (to->areas != NULL ? 0 : 3);
     SVO_I_TRY(svo_i_work_fill_zero(work, to->marks, svo_i_kept_list_marks(to->count) * sizeof(cl_uint)));
     SVO_I_TRY(svo_i_work_launch(work, "svo_k_merge_count", SVO_I_ARGUMENTS(count), strips));
     SVO_I_TRY(svo_i_work_scan(work, counts, before, strips));
-    SVO_I_TRY(svo_i_work_launch(work, "svo_k_merge_write", SVO_I_ARGUMENTS(write), strips));
+    SVO_I_TRY(svo_i_work_launch(work, "svo_k_merge_write", write, write_count, strips));
     return to->counted != NULL
                ? svo_i_work_copy(work, before, strips * sizeof(cl_uint), to->counted, 0, sizeof(cl_uint))
                : SVO_OK;

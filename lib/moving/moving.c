@@ -250,11 +250,6 @@ static svo_status read_options(svo_moving *moving, const svo_moving_options *giv
                                  "svo_moving_create: options.edge %g is not above 0, and the grid is fixed",
                                  options.edge);
     }
-    if ((options.need & SVO_NEED_PROJECTED_AREA) != 0 && options.need != SVO_NEED_NONE) {
-        return svo_i_device_fail(device, SVO_UNSUPPORTED,
-                                 "svo_moving_create: options.need has projected-area, which depends on whether the "
-                                 "whole mesh is closed");
-    }
     moving->fragment_limit = options.fragment_capacity != 0 ? options.fragment_capacity : SVO_I_FRAGMENTS_MAX;
     moving->options = (svo_plan_options){.struct_size = sizeof moving->options,
                                          .need = options.need,
@@ -390,7 +385,8 @@ static uint64_t bytes_of(cl_mem buffer)
 
 static uint64_t list_bytes(const svo_i_kept_list *list)
 {
-    return bytes_of(list->fragments) + bytes_of(list->values) + bytes_of(list->materials) + bytes_of(list->marks);
+    return bytes_of(list->fragments) + bytes_of(list->values) + bytes_of(list->materials) + bytes_of(list->areas) +
+           bytes_of(list->marks);
 }
 
 svo_status svo_moving_get_info(const svo_moving *moving, svo_moving_info *info)

@@ -6,6 +6,7 @@
 
 #include "core/struct_size.h"
 #include "moving/mesh.h"
+#include "plan/update.h"
 
 static const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
@@ -64,6 +65,7 @@ static svo_status make_plan(svo_moving *moving, const char *function, svo_i_movi
         svo_i_message_rename(&moving->device->message, function);
         return status;
     }
+    object->plan->update->sums_edges = object->plan->update->edges != NULL;
     return SVO_OK;
 }
 

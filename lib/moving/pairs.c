@@ -22,6 +22,7 @@ void svo_i_kept_list_free(svo_i_kept_list *list)
     svo_i_buffer_release(&list->fragments);
     svo_i_buffer_release(&list->values);
     svo_i_buffer_release(&list->materials);
+    svo_i_buffer_release(&list->areas);
     svo_i_buffer_release(&list->marks);
     svo_i_buffer_release(&list->counted);
     *list = (svo_i_kept_list){.count = 0};
@@ -37,6 +38,10 @@ static svo_status alloc_values(const svo_moving *moving, const char *function, u
 {
     SVO_I_TRY(svo_i_device_buffer(moving->device, function, "values", CL_MEM_READ_WRITE,
                                   (size_t)capacity * SVO_KEPT_WORDS * sizeof(cl_uint), &list->values));
+    if (svo_i_moving_has_areas(moving)) {
+        SVO_I_TRY(svo_i_device_buffer(moving->device, function, "pair_areas", CL_MEM_READ_WRITE,
+                                      (size_t)capacity * SVO_KEPT_AREA_WORDS * sizeof(cl_uint), &list->areas));
+    }
     return needs_materials(moving) ? svo_i_device_buffer(moving->device, function, "pair_materials", CL_MEM_READ_WRITE,
                                                          (size_t)capacity * sizeof(cl_uint), &list->materials)
                                    : SVO_OK;
@@ -169,10 +174,11 @@ static svo_status launch_weigh(const svo_moving *moving, uint32_t index, svo_i_d
                                         SVO_I_ARGUMENT(memory->uvs),     SVO_I_ARGUMENT(moving->materials),
                                         SVO_I_ARGUMENT(moving->texels),  SVO_I_ARGUMENT(list->values),
                                         SVO_I_ARGUMENT(list->materials), SVO_I_ARGUMENT(list->counted),
-                                        SVO_I_ARGUMENT(filter),          SVO_I_ARGUMENT(params)};
+                                        SVO_I_ARGUMENT(filter),          SVO_I_ARGUMENT(params),
+                                        SVO_I_ARGUMENT(list->areas)};
+    const cl_uint count = (cl_uint)(sizeof arguments / sizeof arguments[0]) - (list->areas != NULL ? 0 : 1);
     const uint64_t per_item = plan->work.pair_lanes ? SVO_GROUP_ITEMS : 1;
-    return svo_i_work_launch(work, "svo_k_moving_weigh", SVO_I_ARGUMENTS(arguments),
-                             (list->count + per_item - 1) / per_item);
+    return svo_i_work_launch(work, "svo_k_moving_weigh", arguments, count, (list->count + per_item - 1) / per_item);
 }
 
 svo_status svo_i_moving_weigh(svo_moving *moving, uint32_t index, svo_i_chain *chain, svo_i_kept_list *list)

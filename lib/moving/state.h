@@ -10,7 +10,7 @@
 /* Kept pairs in the order of (code, object, triangle), as kernels/moving has them. */
 typedef struct svo_i_kept_list {
     cl_mem fragments, values;
-    cl_mem materials; /* NULL where none are needed */
+    cl_mem materials, areas; /* NULL where none are needed */
     cl_mem marks; /* of merged lists: whose pairs are where, see merge.cl; else NULL */
     cl_mem counted; /* where the device alone knows the count, which is at most this one; else NULL */
     uint64_t count;
@@ -75,6 +75,12 @@ struct svo_moving {
 };
 
 #define SVO_I_MOVING_OBJECTS (SVO_MOVING_OBJECTS_MAX + 1u)
+
+/* Whether the scene's pairs are kept with what they show, for projected areas. */
+static inline bool svo_i_moving_has_areas(const svo_moving *moving)
+{
+    return (moving->whole.work.made & (uint32_t)SVO_NEED_PROJECTED_AREA) != 0;
+}
 
 /* Whether pairs of the object stay in the list. */
 static inline bool svo_i_moving_stays(const svo_i_moving_object *object)

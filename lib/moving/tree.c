@@ -231,6 +231,49 @@ static svo_status make_lists(maker *m)
     return make_geometry(m);
 }
 
+/* ---- edges ---- */
+
+/* The sums of the edges of all objects whose edges the host knows. */
+static svo_i_edge_sums sum_known_edges(const maker *m)
+{
+    svo_i_edge_sums known = {{0}};
+    for (uint32_t i = 0; i < m->moving->object_count; ++i) {
+        const svo_i_moving_object *object = &m->moving->objects[i];
+        for (unsigned word = 0; word < 2 && svo_i_moving_shows(object); ++word) {
+            known.words[word] += object->plan->update->edge_sums.words[word];
+        }
+    }
+    for (uint32_t i = 0; m->news != NULL && i < m->news->moved_count; ++i) {
+        const svo_plan *moved = m->moving->objects[m->news->moved[i]].plan;
+        known.words[0] -= moved->update->edge_sums.words[0];
+        known.words[1] -= moved->update->edge_sums.words[1];
+    }
+    return known;
+}
+
+/* The sums of the scene's edges, zero where its mesh is closed. Edges are those of snapped positions, which do not
+   depend on the object, so the sums of objects add up. */
+static svo_status sum_edges(maker *m)
+{
+    svo_status status = SVO_OK;
+    svo_i_commands *commands = &m->build.commands;
+    const svo_i_edge_sums sums = sum_known_edges(m);
+    cl_mem known = NULL;
+    SVO_I_TRY_CLEANUP(
+        svo_i_device_constants(m->moving->device, m->chain->function, "edges", &sums, sizeof sums, &known));
+    SVO_I_TRY_CLEANUP(svo_i_commands_alloc(commands, "edges", sizeof sums, &m->kept.edges));
+    SVO_I_TRY_CLEANUP(svo_i_commands_copy(commands, known, m->kept.edges, 0, sizeof sums));
+    for (uint32_t i = 0; m->news != NULL && i < m->news->moved_count; ++i) {
+        const svo_plan *plan = m->moving->objects[m->news->moved[i]].plan;
+        const svo_i_argument arguments[] = {SVO_I_ARGUMENT(plan->update->edges), SVO_I_ARGUMENT(m->kept.edges)};
+        SVO_I_TRY_CLEANUP(
+            svo_i_commands_run(commands, m->kept.program, "svo_k_moving_edges", SVO_I_ARGUMENTS(arguments), 1));
+    }
+cleanup:
+    svo_i_buffer_release(&known);
+    return status;
+}
+
 /* ---- all of it ---- */
 
 static svo_status get_programs(maker *m)
@@ -262,6 +305,7 @@ static svo_status lend_list(maker *m)
     build->fragment_count = m->list->count;
     m->kept.values = m->list->values;
     m->kept.materials = m->list->materials;
+    m->kept.areas = m->list->areas;
     build->kept = &m->kept;
     return SVO_OK;
 }
@@ -270,6 +314,7 @@ static svo_status lend_list(maker *m)
 static void release(maker *m)
 {
     svo_i_build *build = &m->build;
+    svo_i_commands_free(&build->commands, &m->kept.edges);
     svo_i_free(build->list.chunks);
     build->list = (svo_i_fragment_list){.chunks = NULL};
     svo_i_order_release_scratch(build);
@@ -327,6 +372,7 @@ static svo_status run(maker *m, svo_moving_report *report)
     SVO_I_TRY(svo_i_moving_nodes(build, m->kept.program, m->list->counted));
     SVO_I_TRY(work->lists ? make_lists(m) : SVO_OK);
     SVO_I_TRY(tell(m, report != NULL ? &report->nodes_ms : NULL, &start));
+    SVO_I_TRY(svo_i_moving_has_areas(m->moving) ? sum_edges(m) : SVO_OK);
     SVO_I_TRY((work->made & SVO_NEED_MATERIAL) != 0 ? svo_i_material(build) : SVO_OK);
     SVO_I_TRY(work->filter ? svo_i_filter(build) : SVO_OK);
     if (!work->lists) {

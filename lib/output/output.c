@@ -25,6 +25,9 @@
 #define FD_PATH_BYTES  32
 #define NAME_BYTES_MAX 64 /* of a temporary name within its folder */
 
+#define TEMPORARY_PREFIX ".svocl-"
+#define TEMPORARY_SUFFIX ".tmp"
+
 typedef enum place_kind {
     PLACE_FILE, /* a file to make or to replace */
     PLACE_STRAIGHT, /* a device, a pipe and the like */
@@ -247,7 +250,7 @@ static int take_temporary_name(svo_i_output *output)
     char name[NAME_BYTES_MAX], path[PATH_MAX] = "";
     int error = EEXIST;
     for (int i = 0; error == EEXIST && i < NAME_ATTEMPTS; ++i) {
-        (void)snprintf(name, sizeof name, ".svocl-%ld-%d.tmp", (long)getpid(), i);
+        (void)snprintf(name, sizeof name, TEMPORARY_PREFIX "%ld-%d" TEMPORARY_SUFFIX, (long)getpid(), i);
         error = folder_of(output->target, path);
         if (error == 0) {
             error = join(path, name);
@@ -257,6 +260,14 @@ static int take_temporary_name(svo_i_output *output)
         }
     }
     return error == 0 ? copy_path(path, output->temporary) : error;
+}
+
+bool svo_i_output_is_temporary(const char *name)
+{
+    const size_t suffix_length = sizeof TEMPORARY_SUFFIX - 1;
+    const size_t length = strlen(name);
+    return strncmp(name, TEMPORARY_PREFIX, sizeof TEMPORARY_PREFIX - 1) == 0 && length > suffix_length &&
+           strcmp(name + length - suffix_length, TEMPORARY_SUFFIX) == 0;
 }
 
 /* ---- opening ---- */

@@ -18,6 +18,7 @@
 #define SVO_LIB_OUTPUT_OUTPUT_H
 
 #include <limits.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -68,6 +69,10 @@ int svo_i_output_commit_unflushed(svo_i_output *output);
 
 /* Closes and leaves nothing behind, except what has gone straight to its place. Does nothing when not open. */
 void svo_i_output_abandon(svo_i_output *output);
+
+/* Whether a file of a folder has such a name as outputs have meanwhile: one that a killed process left behind, or one
+   that another process is writing. */
+bool svo_i_output_is_temporary(const char *name);
 
 /* The descriptor of this process that a path names, as /dev/stdin names 0; -1: none. */
 int svo_i_output_descriptor_of(const char *path);

@@ -127,9 +127,10 @@ static bool may_be_stale(const char *name)
            ends_in(name, ".split");
 }
 
+/* Also what killed processes have left on file systems without O_TMPFILE. */
 static bool is_ours(const char *name)
 {
-    return may_be_stale(name) || ends_in(name, ".part");
+    return may_be_stale(name) || ends_in(name, ".part") || svo_i_output_is_temporary(name);
 }
 
 svo_status svo_i_folder_make(const char *folder, svo_message *message)

@@ -192,6 +192,7 @@ typedef struct builder {
     svo_frontend *frontend;
     cl_command_queue queue;
     svo_message *message;
+    uint32_t listed_level; /* of the part of the list that is built, which has triangles of its own */
 } builder;
 
 static svo_status save_tree(const builder *b, svo_tree *tree, uint32_t level, uint64_t code)
@@ -215,13 +216,35 @@ static bool lacks_memory(svo_status status)
     return status == SVO_OUT_OF_DEVICE_MEMORY || status == SVO_OUT_OF_HOST_MEMORY;
 }
 
+/* Makes the triangles of a part anew by splitting the part of the list once more, and those in between. */
+static svo_status restore_triangles(const builder *b, uint32_t level, uint64_t code)
+{
+    uint64_t counts[8];
+    for (uint32_t above = level - b->listed_level; above > 0; --above) {
+        SVO_I_TRY(svo_i_part_divide(b->parts, level - above, code >> 3 * above, counts, b->message));
+    }
+    return SVO_OK;
+}
+
+/* Plans one part. A worker without the folder sends parts alone, so a part that it split may have no triangles here. */
+static svo_status plan_one(const builder *b, uint32_t level, uint64_t code, svo_plan **plan, uint64_t *expected_bytes)
+{
+    const svo_status status = svo_i_part_plan(b->parts, b->device, level, code, plan, expected_bytes, b->message);
+    const bool lacks_triangles = status == SVO_FILE_ERROR || status == SVO_FILE_DAMAGED;
+    if (!lacks_triangles || level == b->listed_level) {
+        return status;
+    }
+    SVO_I_TRY(restore_triangles(b, level, code));
+    return svo_i_part_plan(b->parts, b->device, level, code, plan, expected_bytes, b->message);
+}
+
 /* Builds one part in one piece. *too_large: it is expected to take, or took, more memory than there is. */
 static svo_status build_one(const builder *b, uint32_t level, uint64_t code, bool *too_large)
 {
     svo_plan *plan = NULL;
     svo_tree *tree = NULL;
     uint64_t expected_bytes = 0;
-    svo_status status = svo_i_part_plan(b->parts, b->device, level, code, &plan, &expected_bytes, b->message);
+    svo_status status = plan_one(b, level, code, &plan, &expected_bytes);
     *too_large = lacks_memory(status) || (status == SVO_OK && expected_bytes > b->parts->max_bytes);
     if (status != SVO_OK || *too_large) {
         goto cleanup;
@@ -280,8 +303,9 @@ svo_status svo_parts_build(const svo_parts *parts, size_t index, svo_device *dev
     if (device == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: device is NULL", function);
     }
-    builder b = {parts, device, frontend, queue, message};
-    return build_at(&b, parts->entries[index].level, parts->entries[index].code);
+    const svo_i_part_entry *listed = &parts->entries[index];
+    builder b = {parts, device, frontend, queue, message, listed->level};
+    return build_at(&b, listed->level, listed->code);
 }
 
 /* ---- stitching ---- */

@@ -191,7 +191,8 @@ typedef struct triangle_source {
 
 static svo_status damaged(const triangle_source *source)
 {
-    return svo_i_fail(source->message, SVO_FILE_DAMAGED, "%s: not the triangles that were written", source->path);
+    return svo_i_fail(source->message, SVO_FILE_DAMAGED,
+                      "%s: not the triangles that were written; planning the parts again writes them", source->path);
 }
 
 /* Reads what follows the records that were read. */
@@ -212,7 +213,9 @@ static svo_status open_source(triangle_source *source, const char *path, uint32_
     *source = (triangle_source){.path = path, .message = message, .record_bytes = svo_i_triangle_bytes(fields)};
     source->file = open(path, O_RDONLY | O_CLOEXEC);
     if (source->file < 0 || fstat(source->file, &found) != 0) {
-        return svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be opened: %s", path, strerror(errno));
+        const int error = errno;
+        return svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be opened: %s%s", path, strerror(error),
+                          error == ENOENT ? "; planning the parts again writes it" : "");
     }
     const uint64_t bytes = (uint64_t)found.st_size;
     if (bytes < sizeof(uint64_t) || (bytes - sizeof(uint64_t)) % source->record_bytes != 0 ||

@@ -81,7 +81,7 @@ svo_status svo_i_grid_alloc(svo_i_grid_run *r)
     const uint64_t triangles = r->params.triangle_count;
     const uint32_t groups = svo_i_run_groups(vertices > triangles ? vertices : triangles);
     SVO_I_TRY(svo_i_work_result(r->work, "plan_used", vertices, &r->used));
-    SVO_I_TRY(svo_i_work_result(r->work, "plan_fates", triangles, &r->fates));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_fates", triangles * sizeof(cl_ushort), &r->fates));
     SVO_I_TRY(svo_i_work_result(r->work, "plan_fragments", triangles * 4, &r->fragments));
     SVO_I_TRY(
         svo_i_work_result(r->work, "plan_partials", (uint64_t)groups * SVO_PLAN_SUMS * sizeof(cl_ulong), &r->partials));
@@ -187,28 +187,33 @@ static svo_status classify(svo_i_grid_run *r)
     return SVO_OK;
 }
 
-/* For projected areas: whether the edges cancel. */
-svo_status svo_i_grid_find_closed(svo_i_grid_run *r)
+svo_status svo_i_grid_alloc_edges(svo_i_grid_run *r)
 {
-    uint64_t sums[2] = {0};
-    cl_mem partials = NULL; /* the rows of classification are still needed */
-    const uint64_t triangles = r->params.triangle_count;
-    SVO_I_TRY(svo_i_work_result(r->work, "plan_partials", (uint64_t)svo_i_run_groups(triangles) * 2 * sizeof(cl_ulong),
-                                &partials));
+    const uint64_t rows = svo_i_run_groups(r->params.triangle_count);
+    return svo_i_work_result(r->work, "plan_edges", rows * sizeof(svo_i_edge_sums), &r->edges);
+}
+
+svo_status svo_i_grid_sum_edges(svo_i_grid_run *r)
+{
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->plan->memory.vertices),
                                         SVO_I_ARGUMENT(r->mesh->indices),
                                         SVO_I_ARGUMENT(r->fates),
-                                        SVO_I_ARGUMENT(partials),
+                                        SVO_I_ARGUMENT(r->edges),
                                         SVO_I_ARGUMENT(r->params),
                                         SVO_I_LOCAL(SCRATCH_BYTES)};
-    svo_status status =
-        svo_i_work_launch(r->work, "svo_k_plan_closed", SVO_I_ARGUMENTS(arguments), svo_i_run_items(triangles));
-    if (status == SVO_OK) {
-        status = svo_i_run_totals(r->work, partials, triangles, 2, false, sums);
-    }
-    svo_i_buffer_release(&partials);
-    r->plan->work.both_sides = (sums[0] | sums[1]) != 0;
-    return status;
+    return svo_i_work_launch(r->work, "svo_k_plan_closed", SVO_I_ARGUMENTS(arguments),
+                             svo_i_run_items(r->params.triangle_count));
+}
+
+/* For projected areas: whether the edges cancel. */
+static svo_status find_closed(svo_i_grid_run *r)
+{
+    svo_i_edge_sums sums = {{0}};
+    SVO_I_TRY(svo_i_grid_alloc_edges(r));
+    SVO_I_TRY(svo_i_grid_sum_edges(r));
+    SVO_I_TRY(svo_i_run_totals(r->work, r->edges, r->params.triangle_count, 2, false, sums.words));
+    r->plan->work.both_sides = svo_i_edges_are_open(&sums);
+    return SVO_OK;
 }
 
 static svo_status alloc_kept(svo_i_grid_run *r)
@@ -243,7 +248,8 @@ svo_status svo_i_grid_keep(svo_i_grid_run *r)
                                         SVO_I_ARGUMENT(r->large_count),
                                         SVO_I_ARGUMENT(r->kept),
                                         SVO_I_ARGUMENT(r->params),
-                                        SVO_I_LOCAL(SCRATCH_BYTES)};
+                                        SVO_I_LOCAL(SCRATCH_BYTES),
+                                        SVO_I_LOCAL(SVO_SIZE_WORDS * sizeof(cl_ushort))};
     SVO_I_TRY(svo_i_work_launch(r->work, "svo_k_plan_keep", SVO_I_ARGUMENTS(arguments),
                                 svo_i_run_items(r->params.triangle_count)));
     if ((r->params.flags & SVO_PLAN_SOME) == 0) {
@@ -306,7 +312,7 @@ static svo_status run_steps(svo_i_grid_run *r)
     SVO_I_TRY(svo_i_progress_tell(plan, SVO_STAGE_GRID));
     SVO_I_TRY(classify(r));
     if ((plan->options.need & SVO_NEED_PROJECTED_AREA) != 0) {
-        SVO_I_TRY(svo_i_grid_find_closed(r));
+        SVO_I_TRY(find_closed(r));
     }
     SVO_I_TRY(alloc_kept(r));
     SVO_I_TRY(svo_i_grid_keep(r));
@@ -330,7 +336,8 @@ void svo_i_grid_begin(svo_i_grid_run *r, uint64_t triangles, bool is_double)
 
 void svo_i_grid_end(svo_i_grid_run *r)
 {
-    cl_mem *buffers[] = {&r->used, &r->kept, &r->fates, &r->fragments, &r->partials, &r->large, &r->large_count};
+    cl_mem *buffers[] = {&r->used,     &r->kept,  &r->fates,       &r->fragments,
+                         &r->partials, &r->large, &r->large_count, &r->edges};
     for (unsigned i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
         svo_i_buffer_release(buffers[i]);
     }

@@ -5,6 +5,17 @@
 
 #include "plan/device_mesh.h"
 
+/* Sums of signed hashes of a mesh's edges: see kernels/plan/closed.cl. Those of several meshes add up, modulo 2^64. */
+typedef struct svo_i_edge_sums {
+    uint64_t words[2];
+} svo_i_edge_sums;
+
+/* Whether the edges of a mesh with these sums do not cancel. */
+static inline bool svo_i_edges_are_open(const svo_i_edge_sums *sums)
+{
+    return (sums->words[0] | sums->words[1]) != 0;
+}
+
 /* What the steps share besides the plan's buffers. */
 typedef struct svo_i_grid_run {
     svo_plan *plan;
@@ -16,6 +27,7 @@ typedef struct svo_i_grid_run {
     cl_mem fates, fragments; /* per triangle */
     cl_mem partials; /* a row per work-group */
     cl_mem large, large_count; /* NULL: large triangles are not listed */
+    cl_mem edges; /* svo_i_edge_sums, a row per work-group; NULL: not wanted */
     uint64_t totals[SVO_PLAN_SUMS];
 } svo_i_grid_run;
 
@@ -30,9 +42,11 @@ svo_status svo_i_grid_alloc(svo_i_grid_run *r);
 svo_status svo_i_grid_accept(svo_i_grid_run *r);
 svo_status svo_i_grid_snap(svo_i_grid_run *r);
 svo_status svo_i_grid_classify(svo_i_grid_run *r);
-svo_status svo_i_grid_find_closed(svo_i_grid_run *r); /* waits */
 svo_status svo_i_grid_keep(svo_i_grid_run *r);
 svo_status svo_i_grid_keep_positions(svo_i_grid_run *r);
+/* For projected areas: makes edges, and fills its rows, between classify and keep, which clears vertices. */
+svo_status svo_i_grid_alloc_edges(svo_i_grid_run *r);
+svo_status svo_i_grid_sum_edges(svo_i_grid_run *r);
 /* Releases what svo_i_grid_run owns. */
 void svo_i_grid_end(svo_i_grid_run *r);
 

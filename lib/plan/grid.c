@@ -32,6 +32,12 @@
 /* Triangles between two looks at the progress. */
 #define TRIANGLES_TOLD 4096
 
+/* What the items are sorted by. */
+typedef struct order_key {
+    uint8_t class_id;
+    uint8_t size; /* size_of */
+} order_key;
+
 static double coordinate(const svo_mesh *mesh, size_t vertex, unsigned axis)
 {
     const size_t index = vertex * 3 + axis;
@@ -304,8 +310,26 @@ static void note_position(svo_plan *plan, size_t t, const placed *p, uint32_t *w
     *whole_kept += whole_keeps(plan, p) ? 1u : 0u;
 }
 
+/* The voxel columns that the front end "cl" visits for a triangle. */
+static int64_t count_columns(const placed *p, unsigned axis)
+{
+    const unsigned u = (axis + 1) % 3;
+    const unsigned v = (axis + 2) % 3;
+    const int64_t width = p->last[u] - p->first[u] + 1;
+    const int64_t height = p->last[v] - p->first[v] + 1;
+    return width * height;
+}
+
+/* The rank of a triangle among those of its class and block; kernels/plan/classify.cl has the same. */
+static uint32_t size_of(int64_t columns)
+{
+    return columns > SVO_TILE_COLUMNS ? SVO_SIZE_LARGE
+           : columns < SVO_SIZE_COUNT ? (uint32_t)columns
+                                      : SVO_SIZE_COUNT - 1;
+}
+
 /* Keeps an accepted triangle that meets the grid, or counts it. */
-static void keep_triangle(svo_plan *plan, const svo_mesh *mesh, size_t t, uint8_t *classes, uint32_t *whole_kept)
+static void keep_triangle(svo_plan *plan, const svo_mesh *mesh, size_t t, order_key *keys, uint32_t *whole_kept)
 {
     const uint32_t corners[3] = {corner_index(mesh, t, 0), corner_index(mesh, t, 1), corner_index(mesh, t, 2)};
     const placed p = place(plan, corners);
@@ -324,16 +348,16 @@ static void keep_triangle(svo_plan *plan, const svo_mesh *mesh, size_t t, uint8_
     int64_t normal[3];
     svo_i_plan_normal(plan, corners, normal);
     const uint32_t kept = plan->triangle_count++;
-    const svo_i_class class_id = classify(plan, &p);
-    classes[kept] = (uint8_t)class_id;
     memcpy(plan->indices + (size_t)kept * 3, corners, sizeof corners);
     plan->triangle_ids[kept] = (uint32_t)t;
     plan->items[kept] = (svo_draw_item){kept, draw_flags(plan, corners, &p, normal)};
+    keys[kept] = (order_key){(uint8_t)classify(plan, &p),
+                             (uint8_t)size_of(count_columns(&p, plan->items[kept].flags & SVO_DRAW_AXIS_MASK))};
     plan->item_fragments[kept] = svo_i_estimate_add(plan, corners);
 }
 
-/* Keeps the accepted triangles. Items are in the order of the mesh; classes[] receives the class of each. */
-static svo_status keep_triangles(svo_plan *plan, const svo_mesh *mesh, const uint8_t *flags, uint8_t *classes)
+/* Keeps the accepted triangles. Items are in the order of the mesh; keys[] receives what they are sorted by. */
+static svo_status keep_triangles(svo_plan *plan, const svo_mesh *mesh, const uint8_t *flags, order_key *keys)
 {
     uint32_t whole_kept = 0;
     for (size_t t = 0; t < mesh->triangle_count; ++t) {
@@ -342,7 +366,7 @@ static svo_status keep_triangles(svo_plan *plan, const svo_mesh *mesh, const uin
             SVO_I_TRY(svo_i_progress_tell(plan, SVO_STAGE_GRID));
         }
         if (acceptable(mesh, flags, t)) {
-            keep_triangle(plan, mesh, t, classes, &whole_kept);
+            keep_triangle(plan, mesh, t, keys, &whole_kept);
         }
     }
     return SVO_OK;
@@ -362,8 +386,31 @@ static void clear_unused_vertices(svo_plan *plan, uint8_t *flags)
     }
 }
 
-/* Sorts the items by class, with a stable counting sort. */
-static svo_status sort_items(svo_plan *plan, const uint8_t *classes)
+/* Sorts the items begin .. end by class and size. next: the slot of each class. */
+static void sort_block(const svo_plan *plan, const order_key *keys, size_t begin, size_t end, uint32_t *next,
+                       svo_draw_item *items, float *fragments)
+{
+    uint32_t slots[SVO_I_CLASS_COUNT][SVO_SIZE_COUNT] = {{0}};
+    for (size_t i = begin; i < end; ++i) {
+        ++slots[keys[i].class_id][keys[i].size];
+    }
+    for (unsigned c = 0; c < SVO_I_CLASS_COUNT; ++c) {
+        for (unsigned size = 0; size < SVO_SIZE_COUNT; ++size) {
+            const uint32_t count = slots[c][size];
+            slots[c][size] = next[c];
+            next[c] += count;
+        }
+    }
+    for (size_t i = begin; i < end; ++i) {
+        const uint32_t slot = slots[keys[i].class_id][keys[i].size]++;
+        items[slot] = plan->items[i];
+        fragments[slot] = plan->item_fragments[i];
+    }
+}
+
+/* Sorts the items by class, and those of a class by size within blocks of the mesh's triangles, with stable counting
+   sorts. So work-items of a GPU that run together visit about as many columns, and neighbors in the mesh stay close. */
+static svo_status sort_items(svo_plan *plan, const order_key *keys)
 {
     const size_t count = plan->triangle_count;
     svo_draw_item *items = svo_i_alloc(&plan->device->memory, (count + 1) * sizeof *items);
@@ -375,17 +422,19 @@ static svo_status sort_items(svo_plan *plan, const uint8_t *classes)
                                  count);
     }
     for (size_t i = 0; i < count; ++i) {
-        ++plan->class_begin[classes[i] + 1];
+        ++plan->class_begin[keys[i].class_id + 1];
     }
     uint32_t next[SVO_I_CLASS_COUNT];
     for (unsigned c = 0; c < SVO_I_CLASS_COUNT; ++c) {
         plan->class_begin[c + 1] += plan->class_begin[c];
         next[c] = plan->class_begin[c];
     }
-    for (size_t i = 0; i < count; ++i) {
-        const uint32_t slot = next[classes[i]]++;
-        items[slot] = plan->items[i];
-        fragments[slot] = plan->item_fragments[i];
+    for (size_t begin = 0, end = 0; begin < count; begin = end) {
+        const uint32_t block = plan->triangle_ids[begin] / SVO_SCAN_TILE;
+        while (end < count && plan->triangle_ids[end] / SVO_SCAN_TILE == block) {
+            ++end;
+        }
+        sort_block(plan, keys, begin, end, next, items, fragments);
     }
     svo_i_free(plan->items);
     svo_i_free(plan->item_fragments);
@@ -394,21 +443,10 @@ static svo_status sort_items(svo_plan *plan, const uint8_t *classes)
     return SVO_OK;
 }
 
-/* Whether a triangle has more columns than a tile, as in kernels/stages/voxelize.cl. */
-static bool is_large(const placed *p, unsigned axis)
-{
-    const unsigned u = (axis + 1) % 3;
-    const unsigned v = (axis + 2) % 3;
-    const int64_t width = p->last[u] - p->first[u] + 1;
-    const int64_t height = p->last[v] - p->first[v] + 1;
-    const int32_t most = SVO_TILE_COLUMNS;
-    return width * height > most;
-}
-
 static bool item_is_large(const svo_plan *plan, uint32_t item)
 {
     const placed p = place(plan, plan->indices + (size_t)plan->items[item].triangle * 3);
-    return is_large(&p, plan->items[item].flags & SVO_DRAW_AXIS_MASK);
+    return count_columns(&p, plan->items[item].flags & SVO_DRAW_AXIS_MASK) > SVO_TILE_COLUMNS;
 }
 
 static svo_large_item large_item(const svo_plan *plan, uint32_t item)
@@ -447,13 +485,13 @@ svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh)
     const size_t triangles = mesh->triangle_count;
     svo_status status = SVO_OK;
     uint8_t *flags = svo_i_alloc_zeroed(&plan->device->memory, vertices + 1, 1);
-    uint8_t *classes = svo_i_alloc_zeroed(&plan->device->memory, triangles + 1, 1);
+    order_key *keys = svo_i_alloc_zeroed(&plan->device->memory, triangles + 1, sizeof *keys);
     plan->vertices = svo_i_alloc_zeroed(&plan->device->memory, vertices * 3 + 1, sizeof(int32_t));
     plan->indices = svo_i_alloc_zeroed(&plan->device->memory, triangles * 3 + 1, sizeof(uint32_t));
     plan->triangle_ids = svo_i_alloc(&plan->device->memory, (triangles + 1) * sizeof(uint32_t));
     plan->items = svo_i_alloc(&plan->device->memory, (triangles + 1) * sizeof(svo_draw_item));
     plan->item_fragments = svo_i_alloc(&plan->device->memory, (triangles + 1) * sizeof(float));
-    if (flags == NULL || classes == NULL || plan->vertices == NULL || plan->indices == NULL ||
+    if (flags == NULL || keys == NULL || plan->vertices == NULL || plan->indices == NULL ||
         plan->triangle_ids == NULL || plan->items == NULL || plan->item_fragments == NULL) {
         status =
             svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY,
@@ -469,19 +507,19 @@ svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh)
     snap_vertices(plan, mesh, flags);
     (void)svo_i_progress_add(plan, SVO_STAGE_GRID, SVO_I_SNAP_NS * (double)vertices);
     SVO_I_TRY_CLEANUP(svo_i_progress_tell(plan, SVO_STAGE_GRID));
-    SVO_I_TRY_CLEANUP(keep_triangles(plan, mesh, flags, classes));
+    SVO_I_TRY_CLEANUP(keep_triangles(plan, mesh, flags, keys));
     if ((plan->options.need & SVO_NEED_PROJECTED_AREA) != 0 && !svo_i_plan_is_part(plan)) {
         bool closed = false;
         SVO_I_TRY_CLEANUP(svo_i_plan_is_closed(plan, &closed));
         plan->work.both_sides = !closed;
     }
     clear_unused_vertices(plan, flags);
-    SVO_I_TRY_CLEANUP(sort_items(plan, classes));
+    SVO_I_TRY_CLEANUP(sort_items(plan, keys));
     svo_i_estimate_end(plan);
     svo_i_part_counts(plan);
     status = list_large(plan);
 cleanup:
     svo_i_free(flags);
-    svo_i_free(classes);
+    svo_i_free(keys);
     return status;
 }

@@ -211,8 +211,9 @@ struct svo_plan {
     float *positions; /* vertex_count * 3 */
     double *positions_double;
 
-    /* The draw items: kept triangles, sorted by class. In an updatable plan each class has room for all triangles, and
-       its other items are SVO_DRAW_NOTHING; triangle_count is that of the mesh. */
+    /* The draw items: kept triangles, sorted by class and, within blocks of the mesh, by size (grid.c). In an updatable
+       plan each class has room for all triangles, and its other items are SVO_DRAW_NOTHING; triangle_count is that of
+       the mesh. */
     svo_draw_item *items;
     float *item_fragments; /* expected fragments of each item */
     uint32_t class_begin[SVO_I_CLASS_COUNT + 1];

@@ -2,7 +2,7 @@
 /*
  * Finds the tiles of columns that the projection of a large triangle can meet, so that many work-items share one
  * triangle. The kernel (kernels/stages/voxelize.cl) computes the same bounds for every triangle and skips those that
- * have more columns than a tile.
+ * have more columns than a tile. Tiles are sorted by columns within blocks, as items are (grid.c).
  */
 #include "plan/tiles.h"
 
@@ -91,24 +91,64 @@ static void band_reach(const projection *p, double from, double to, double *low,
     }
 }
 
-static bool add_tile(svo_i_tiles *tiles, uint32_t item, uint32_t u, uint32_t v)
+/* The tiles that are not sorted yet, and the columns of each. */
+typedef struct block {
+    svo_i_tiles *tiles; /* that get them */
+    svo_tile_item items[SVO_SCAN_TILE];
+    uint8_t columns[SVO_SCAN_TILE];
+    uint32_t count;
+} block;
+
+static bool reserve(svo_i_tiles *tiles, size_t count)
 {
-    if (tiles->count == tiles->capacity) {
-        const size_t capacity = tiles->capacity * 2 + 1024;
-        svo_tile_item *grown = svo_i_grow(tiles->memory, tiles->items, capacity * sizeof *grown);
+    const size_t capacity = tiles->count + count;
+    if (capacity > tiles->capacity) {
+        const size_t room = capacity + tiles->capacity;
+        svo_tile_item *grown = svo_i_grow(tiles->memory, tiles->items, room * sizeof *grown);
         if (grown == NULL) {
             return false;
         }
         tiles->items = grown;
-        tiles->capacity = capacity;
+        tiles->capacity = room;
     }
-    tiles->items[tiles->count++] = (svo_tile_item){item, u | v << 16};
     return true;
+}
+
+/* Adds the tiles of a block by their columns, with a stable counting sort, and empties it. */
+static bool sort_block(block *from)
+{
+    svo_i_tiles *tiles = from->tiles;
+    uint32_t slots[SVO_TILE_COLUMNS + 2] = {0};
+    if (!reserve(tiles, from->count)) {
+        return false;
+    }
+    for (uint32_t i = 0; i < from->count; ++i) {
+        ++slots[from->columns[i] + 1];
+    }
+    for (unsigned size = 0; size <= SVO_TILE_COLUMNS; ++size) {
+        slots[size + 1] += slots[size];
+    }
+    for (uint32_t i = 0; i < from->count; ++i) {
+        tiles->items[tiles->count + slots[from->columns[i]]++] = from->items[i];
+    }
+    tiles->count += from->count;
+    from->count = 0;
+    return true;
+}
+
+/* Adds the tile of the projection at (u, v). */
+static bool add_tile(block *to, const projection *p, uint32_t item, int32_t u, int32_t v)
+{
+    const int32_t width = p->end_u - u < SVO_TILE_EDGE ? p->end_u - u : SVO_TILE_EDGE;
+    const int32_t height = p->end_v - v < SVO_TILE_EDGE ? p->end_v - v : SVO_TILE_EDGE;
+    to->columns[to->count] = (uint8_t)(width * height);
+    to->items[to->count++] = (svo_tile_item){item, (uint32_t)u | (uint32_t)v << 16};
+    return to->count < SVO_SCAN_TILE || sort_block(to);
 }
 
 /* Adds the tiles of one row that the projection can meet. A margin of one voxel on every side covers the rounding of
    doubles and closed voxels' far faces. */
-static bool add_row(svo_i_tiles *tiles, const projection *p, uint32_t item, int32_t v)
+static bool add_row(block *to, const projection *p, uint32_t item, int32_t v)
 {
     double low;
     double high;
@@ -120,7 +160,7 @@ static bool add_row(svo_i_tiles *tiles, const projection *p, uint32_t item, int3
     const double first = fmax(floor((low - 1.0 - p->first_u) / SVO_TILE_EDGE), 0.0);
     const double last = fmin(floor((high + 1.0 - p->first_u) / SVO_TILE_EDGE), last_tile);
     for (int32_t k = (int32_t)first; k <= (int32_t)last && last >= 0.0; ++k) {
-        if (!add_tile(tiles, item, (uint32_t)(p->first_u + k * SVO_TILE_EDGE), (uint32_t)v)) {
+        if (!add_tile(to, p, item, p->first_u + k * SVO_TILE_EDGE, v)) {
             return false;
         }
     }
@@ -146,16 +186,19 @@ static uint32_t first_large(const svo_plan *plan, uint32_t item)
 bool svo_i_tiles_of_draw(const svo_plan *plan, const svo_i_draw *draw, svo_i_tiles *tiles)
 {
     const uint32_t end = first_large(plan, draw->first_item + draw->item_count);
+    block unsorted;
+    unsorted.tiles = tiles;
+    unsorted.count = 0;
     tiles->memory = &plan->device->memory;
     for (uint32_t i = first_large(plan, draw->first_item); i < end; ++i) {
         const projection p = project(plan, draw, &plan->large[i]);
         for (int32_t v = p.first_v; v < p.end_v && is_large(&p); v += SVO_TILE_EDGE) {
-            if (!add_row(tiles, &p, plan->large[i].item, v)) {
+            if (!add_row(&unsorted, &p, plan->large[i].item, v)) {
                 return false;
             }
         }
     }
-    return true;
+    return sort_block(&unsorted);
 }
 
 double svo_i_tiles_expected(const svo_plan *plan, const svo_i_draw *draw)

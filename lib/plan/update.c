@@ -25,6 +25,13 @@ static svo_status clear(svo_plan *plan, svo_i_device_work *work)
     return svo_i_work_fill_zero(work, plan->update->grid.kept, plan->vertex_count);
 }
 
+static svo_status sum_edges(svo_plan *plan, svo_i_device_work *work)
+{
+    svo_i_update *update = plan->update;
+    SVO_I_TRY(svo_i_grid_sum_edges(&update->grid));
+    return svo_i_run_reduce(work, update->grid.edges, plan->triangle_count, 2, false, update->edges);
+}
+
 svo_status svo_i_update_run(svo_plan *plan, svo_i_device_work *work)
 {
     svo_i_update *update = plan->update;
@@ -35,6 +42,7 @@ svo_status svo_i_update_run(svo_plan *plan, svo_i_device_work *work)
     SVO_I_TRY(svo_i_run_reduce(work, grid->partials, plan->vertex_count, 1, true, update->error));
     SVO_I_TRY(svo_i_grid_classify(grid));
     SVO_I_TRY(svo_i_run_reduce(work, grid->partials, plan->triangle_count, SVO_PLAN_SUMS, false, update->sums));
+    SVO_I_TRY(update->sums_edges ? sum_edges(plan, work) : SVO_OK);
     SVO_I_TRY(clear(plan, work));
     SVO_I_TRY(svo_i_grid_keep(grid));
     SVO_I_TRY(svo_i_grid_keep_positions(grid));
@@ -81,23 +89,28 @@ svo_status svo_i_update_take(svo_plan *plan, const char *function, const svo_i_m
     info->refused_triangles = sums[SVO_FATE_REFUSED] + sums[SVO_FATE_FAR];
     info->outside_triangles = sums[SVO_FATE_OUTSIDE];
     plan->update->kept_triangles = info->triangles - info->refused_triangles - info->outside_triangles;
+    plan->update->edge_sums = totals->edges;
     memcpy(&info->snap_error, &totals->error, sizeof info->snap_error);
     info->area = 0.5 * doubled_areas / (info->scale * info->scale * sqrt(3.0));
     return svo_i_update_check_area(plan, function, info->area);
 }
 
+svo_status svo_i_update_read(const svo_plan *plan, svo_i_device_work *work, svo_i_mesh_totals *totals)
+{
+    const svo_i_update *update = plan->update;
+    SVO_I_TRY(svo_i_work_read(work, update->sums, 0, totals->sums, sizeof totals->sums));
+    SVO_I_TRY(svo_i_work_read(work, update->error, 0, &totals->error, sizeof totals->error));
+    return update->sums_edges ? svo_i_work_read(work, update->edges, 0, &totals->edges, sizeof totals->edges) : SVO_OK;
+}
+
 svo_status svo_i_update_settle(svo_plan *plan, const char *function, cl_command_queue queue)
 {
-    svo_i_update *update = plan->update;
     svo_i_mesh_totals totals = {.error = 0};
     svo_i_device_work work = {.device = plan->device, .function = function, .queue = queue};
-    const cl_event newest = svo_i_in_flight_newest(&update->commands);
+    const cl_event newest = svo_i_in_flight_newest(&plan->update->commands);
     work.wait_count = newest != NULL ? 1 : 0;
     work.wait = newest != NULL ? &newest : NULL;
-    svo_status status = svo_i_work_read(&work, update->sums, 0, totals.sums, sizeof totals.sums);
-    if (status == SVO_OK) {
-        status = svo_i_work_read(&work, update->error, 0, &totals.error, sizeof totals.error);
-    }
+    const svo_status status = svo_i_update_read(plan, &work, &totals);
     svo_i_work_end(&work);
     SVO_I_TRY(status);
     return svo_i_update_take(plan, function, &totals);
@@ -127,7 +140,7 @@ void svo_i_update_destroy(svo_i_update *update)
     svo_i_in_flight_end(&update->commands);
     svo_i_grid_end(&update->grid);
     svo_i_device_mesh_free(&update->mesh);
-    cl_mem *buffers[] = {&update->marks.textured, &update->marks.used, &update->sums, &update->error};
+    cl_mem *buffers[] = {&update->marks.textured, &update->marks.used, &update->sums, &update->error, &update->edges};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
         svo_i_buffer_release(buffers[i]);
     }

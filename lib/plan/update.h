@@ -14,20 +14,26 @@
 typedef struct svo_i_mesh_totals {
     uint64_t sums[SVO_PLAN_SUMS]; /* triangles by fate, the sums of the estimate */
     uint64_t error; /* the snap error, bits of a double */
+    svo_i_edge_sums edges; /* zero where they are not summed */
 } svo_i_mesh_totals;
 
 typedef struct svo_i_update {
     svo_i_grid_run grid;
     svo_i_device_mesh mesh; /* copies of the mesh's arrays, of which updates replace positions and normals */
     svo_i_material_marks marks;
-    cl_mem sums, error; /* svo_i_mesh_totals */
+    cl_mem sums, error, edges; /* svo_i_mesh_totals; edges NULL without projected areas */
+    bool sums_edges; /* of each mesh, not only of the first */
     svo_i_in_flight commands; /* that read or write the plan's arrays */
     bool has_mesh; /* the newest update has succeeded */
-    uint64_t kept_triangles; /* of the newest mesh that the host has waited for */
+    /* Of the newest mesh that the host has waited for. */
+    uint64_t kept_triangles;
+    svo_i_edge_sums edge_sums;
 } svo_i_update;
 
 /* Launches what makes the plan's arrays from update->mesh. Reads nothing back. */
 svo_status svo_i_update_run(svo_plan *plan, svo_i_device_work *work);
+/* Reads what kernels have counted. */
+svo_status svo_i_update_read(const svo_plan *plan, svo_i_device_work *work, svo_i_mesh_totals *totals);
 /* Waits for the newest update and takes its totals. For calls that wait. */
 svo_status svo_i_update_settle(svo_plan *plan, const char *function, cl_command_queue queue);
 /* Takes what the host has read. SVO_CAPACITY_EXCEEDED: the mesh's area is too large for the plan's weights. */

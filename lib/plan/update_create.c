@@ -104,6 +104,11 @@ static svo_status make_arrays(svo_plan *plan, svo_i_device_work *work)
     SVO_I_TRY(svo_i_work_result(work, "plan_kept", plan->vertex_count, &update->grid.kept));
     SVO_I_TRY(svo_i_work_result(work, "plan_sums", SVO_PLAN_SUMS * sizeof(cl_ulong), &update->sums));
     SVO_I_TRY(svo_i_work_result(work, "plan_error", sizeof(cl_ulong), &update->error));
+    if ((plan->options.need & SVO_NEED_PROJECTED_AREA) != 0) {
+        update->sums_edges = true;
+        SVO_I_TRY(svo_i_grid_alloc_edges(&update->grid));
+        SVO_I_TRY(svo_i_work_result(work, "plan_edges", sizeof(svo_i_edge_sums), &update->edges));
+    }
     SVO_I_TRY(make_zeroed(work, "plan_indices", triangles * 12, &memory->indices));
     SVO_I_TRY(make_zeroed(work, "plan_triangle_ids", triangles * 4, &memory->triangle_ids));
     SVO_I_TRY(svo_i_work_result(work, "plan_items", (items + 1) * sizeof(svo_draw_item), &memory->items));
@@ -199,8 +204,9 @@ static void choose_weights(svo_plan *plan, const uint64_t *totals)
 static svo_status take_first(svo_plan *plan, svo_i_device_work *work)
 {
     svo_i_mesh_totals totals = {.error = 0};
-    SVO_I_TRY(svo_i_work_read(work, plan->update->sums, 0, totals.sums, sizeof totals.sums));
-    SVO_I_TRY(svo_i_work_read(work, plan->update->error, 0, &totals.error, sizeof totals.error));
+    SVO_I_TRY(svo_i_update_read(plan, work, &totals));
+    plan->work.both_sides = svo_i_edges_are_open(&totals.edges);
+    plan->update->sums_edges = false;
     choose_weights(plan, totals.sums);
     SVO_I_TRY(svo_i_update_take(plan, work->function, &totals));
     take_estimate(plan, totals.sums);
@@ -272,9 +278,6 @@ svo_status svo_i_update_create(svo_plan *plan, svo_i_device_work *work, const sv
     SVO_I_TRY(make_arrays(plan, work));
     SVO_I_TRY(make_attributes(plan, work, input, mesh->uvs));
     SVO_I_TRY(svo_i_update_run(plan, work));
-    if ((plan->options.need & SVO_NEED_PROJECTED_AREA) != 0) {
-        SVO_I_TRY(svo_i_grid_find_closed(&plan->update->grid));
-    }
     SVO_I_TRY(warm_tiles(plan, work));
     return take_first(plan, work);
 }

@@ -20,7 +20,8 @@ typedef struct svo_i_surface {
 /* Pairs that are weighed already, in the order of the list: see kernels/moving. */
 typedef struct svo_i_kept {
     cl_program program;
-    cl_mem values, materials; /* of each fragment; materials NULL where none are needed */
+    cl_mem values, materials, areas; /* of each fragment; materials and areas NULL where none are needed */
+    cl_mem edges; /* the sums of the mesh's edges; NULL without areas */
 } svo_i_kept;
 
 typedef struct svo_i_build {

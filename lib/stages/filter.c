@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "plan/part.h"
+#include "shared/moving_layout.h"
 #include "stages/link.h"
 #include "stages/payload_params.h"
 
@@ -20,6 +21,9 @@
 #define LINK_NS   12.0
 #define GATHER_NS 250.0
 #define NODE_NS   40.0
+
+/* The last arguments of the kernels that sum up kept pairs, which only those with projected areas have. */
+#define KEPT_AREA_ARGUMENTS 3
 
 /* The sums of one level. */
 typedef struct level_sums {
@@ -35,6 +39,7 @@ typedef struct filterer {
     cl_mem heads;
     cl_mem area_sums; /* of the leaves */
     level_sums sums[2]; /* index: distance of the level from the leaves, modulo 2 */
+    level_sums long_sums; /* of the long leaves of kept pairs, on GPUs */
     cl_kernel link, gather, filter;
     svo_filter_params params;
 } filterer;
@@ -108,12 +113,11 @@ static svo_status create_kernels(filterer *f)
 {
     svo_i_commands *commands = &f->build->commands;
     cl_program program = f->build->programs[SVO_I_PROGRAM_FILTER];
-    if (f->build->kept != NULL) {
-        return svo_i_commands_kernel(commands, program, "svo_k_filter", &f->filter);
-    }
     const char *gather = f->pairs ? "svo_k_gather_pairs" : f->leaf_sums ? "svo_k_gather" : "svo_k_gather_level";
-    SVO_I_TRY(f->pairs ? SVO_OK : svo_i_commands_kernel(commands, program, "svo_k_link", &f->link));
-    SVO_I_TRY(svo_i_commands_kernel(commands, program, gather, &f->gather));
+    if (f->build->kept == NULL) {
+        SVO_I_TRY(f->pairs ? SVO_OK : svo_i_commands_kernel(commands, program, "svo_k_link", &f->link));
+        SVO_I_TRY(svo_i_commands_kernel(commands, program, gather, &f->gather));
+    }
     return f->levels ? svo_i_commands_kernel(commands, program, "svo_k_filter", &f->filter) : SVO_OK;
 }
 
@@ -125,8 +129,17 @@ static void release(filterer *f)
             clReleaseKernel(kernels[i]);
         }
     }
-    cl_mem *buffers[] = {&f->heads,           &f->sums[0].weights, &f->sums[0].colors,  &f->sums[0].normals,
-                         &f->sums[1].weights, &f->sums[1].colors,  &f->sums[1].normals, &f->area_sums};
+    cl_mem *buffers[] = {&f->heads,
+                         &f->sums[0].weights,
+                         &f->sums[0].colors,
+                         &f->sums[0].normals,
+                         &f->sums[1].weights,
+                         &f->sums[1].colors,
+                         &f->sums[1].normals,
+                         &f->area_sums,
+                         &f->long_sums.weights,
+                         &f->long_sums.colors,
+                         &f->long_sums.normals};
     for (unsigned i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
         svo_i_commands_free(&f->build->commands, buffers[i]);
     }
@@ -244,6 +257,30 @@ static svo_status clear_sums(filterer *f)
     return svo_i_stage_end(&f->build->commands, SVO_STAGE_FILTER);
 }
 
+/* Sums up the leaves of many kept pairs, for which a work-item would take too long. */
+static svo_status gather_long(filterer *f)
+{
+    svo_i_build *build = f->build;
+    const svo_i_kept *kept = build->kept;
+    const level_sums *sums = &f->long_sums;
+    const uint64_t groups = (build->fragment_count + SVO_KEPT_LONG - 1) / SVO_KEPT_LONG;
+    SVO_I_TRY(allocate_sums(f, &f->long_sums, build->tree->info.depth, groups));
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(kept->values),
+                                        SVO_I_ARGUMENT(build->tree->buffers[SVO_TREE_LIST_BEGIN]),
+                                        SVO_I_ARGUMENT(sums->weights),
+                                        SVO_I_ARGUMENT(sums->colors),
+                                        SVO_I_ARGUMENT(sums->normals),
+                                        SVO_I_ARGUMENT(build->state),
+                                        SVO_I_ARGUMENT(f->params),
+                                        SVO_I_LOCAL(sizeof(cl_ulong) * SVO_GROUP_ITEMS),
+                                        SVO_I_ARGUMENT(kept->areas),
+                                        SVO_I_ARGUMENT(kept->edges),
+                                        SVO_I_ARGUMENT(build->tree->buffers[SVO_TREE_AREAS])};
+    const cl_uint count = (cl_uint)(sizeof arguments / sizeof arguments[0]) - (f->areas ? 0 : KEPT_AREA_ARGUMENTS);
+    return svo_i_commands_run(&build->commands, kept->program, "svo_k_moving_long", arguments, count,
+                              groups * SVO_GROUP_ITEMS);
+}
+
 /* Sums pairs that are weighed already, into the level above the leaves. */
 static svo_status gather_kept(filterer *f)
 {
@@ -253,8 +290,13 @@ static svo_status gather_kept(filterer *f)
     const cl_mem *tree = build->tree->buffers;
     svo_i_params_of_level(&f->params, &build->tree->info, build->tree->info.depth - 1);
     f->params.fragment_count = (cl_uint)build->fragment_count;
+    svo_i_stage_begin(&build->commands);
+    SVO_I_TRY(build->commands.device->cpu_path ? SVO_OK : gather_long(f));
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(kept->values),
                                         SVO_I_ARGUMENT(tree[SVO_TREE_LIST_BEGIN]),
+                                        SVO_I_ARGUMENT(f->long_sums.weights),
+                                        SVO_I_ARGUMENT(f->long_sums.colors),
+                                        SVO_I_ARGUMENT(f->long_sums.normals),
                                         SVO_I_ARGUMENT(sums->weights),
                                         SVO_I_ARGUMENT(sums->colors),
                                         SVO_I_ARGUMENT(sums->normals),
@@ -264,9 +306,12 @@ static svo_status gather_kept(filterer *f)
                                         SVO_I_ARGUMENT(tree[SVO_TREE_NORMALS]),
                                         SVO_I_ARGUMENT(tree[SVO_TREE_FILLS]),
                                         SVO_I_ARGUMENT(build->state),
-                                        SVO_I_ARGUMENT(f->params)};
-    svo_i_stage_begin(&build->commands);
-    SVO_I_TRY(svo_i_commands_run(&build->commands, kept->program, "svo_k_moving_gather", SVO_I_ARGUMENTS(arguments),
+                                        SVO_I_ARGUMENT(f->params),
+                                        SVO_I_ARGUMENT(kept->areas),
+                                        SVO_I_ARGUMENT(kept->edges),
+                                        SVO_I_ARGUMENT(tree[SVO_TREE_AREAS])};
+    const cl_uint count = (cl_uint)(sizeof arguments / sizeof arguments[0]) - (f->areas ? 0 : KEPT_AREA_ARGUMENTS);
+    SVO_I_TRY(svo_i_commands_run(&build->commands, kept->program, "svo_k_moving_gather", arguments, count,
                                  f->params.level_count));
     return svo_i_stage_end(&build->commands, SVO_STAGE_FILTER);
 }

@@ -28,6 +28,7 @@ typedef struct gpu_method {
     const char *name;
     const char *options[5]; /* ends with NULL */
     bool in_gl;
+    bool is_slow; /* where OpenGL is llvmpipe: built less often */
 } gpu_method;
 
 /* Both tables, with their columns. */

@@ -423,26 +423,43 @@ static bool wants_narrower(const suite *all)
     return given->isa == NULL && !all->quick && embree_is_there() && instruction_set_is_there("avx512");
 }
 
-/* The calls with AVX2: PoCL and Embree choose their instruction set when they start, so a child process measures. */
-static int run_narrower(suite *all, const input *source, unsigned depth)
+/* "bench rays" of one scene with AVX2, on the device and the threads of this process. */
+static bool measure_narrower(const suite *all, const input *source, unsigned depth, const child_cache *cache,
+                             cJSON **document)
 {
     const options *given = &all->state->options;
-    char ray_count[24];
-    char repeats[24];
-    char depth_text[24];
+    char ray_count[24], repeats[24], depth_text[24], threads[24];
     snprintf(ray_count, sizeof ray_count, "%zu", (size_t)given->ray_count);
     snprintf(repeats, sizeof repeats, "%zu", all->repeats);
     snprintf(depth_text, sizeof depth_text, "%u", depth);
-    const char *arguments[] = {"bench", "rays", "--isa", "avx2", "--json", "--scenes", source->name, "--ray-count",
-                               ray_count, "--repeat", repeats,
-                               /* ends here for the recommended depth */
-                               depth == SUITE_DEPTH_FOR_RAYS ? NULL : "--depths", depth_text, NULL};
+    snprintf(threads, sizeof threads, "%zu", (size_t)given->threads);
+    const char *const always[] = {"bench",      "rays",        "--isa",   "avx2",     "--json", "--scenes",
+                                  source->name, "--ray-count", ray_count, "--repeat", repeats};
+    child_arguments arguments = {.count = 0};
+    for (size_t i = 0; i < sizeof always / sizeof always[0]; ++i) {
+        child_add(&arguments, always[i]);
+    }
+    if (depth != SUITE_DEPTH_FOR_RAYS) {
+        child_add(&arguments, "--depths");
+        child_add(&arguments, depth_text);
+    }
+    if (given->threads != 0) {
+        child_add(&arguments, "--threads");
+        child_add(&arguments, threads);
+    }
+    child_add_device(&arguments, given, true);
+    return child_run(arguments.list, cache, document) >= 0;
+}
+
+/* The calls with AVX2: PoCL and Embree choose their instruction set when they start, so a child process measures. */
+static int run_narrower(suite *all, const input *source, unsigned depth)
+{
     child_cache cache = {.path = ""};
     cJSON *document = NULL;
     if (!child_cache_create(&cache)) {
         return program_fail(all->state, PROGRAM_FAILED, "bench rays: no folder for compiled kernels");
     }
-    const bool taken = child_run(arguments, &cache, &document) >= 0 && take_calls(all, document);
+    const bool taken = measure_narrower(all, source, depth, &cache, &document) && take_calls(all, document);
     cJSON_Delete(document);
     child_cache_remove(&cache);
     if (!taken) {

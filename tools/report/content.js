@@ -104,6 +104,11 @@ const sections = [
     lead: "The same file from builds that may take a quarter, a sixteenth and a sixty-fourth of the memory."
   },
   {
+    table: "parts-large",
+    heading: "Trees larger than memory",
+    lead: "A hundred million leaves and more, with a limit far below the size of the file."
+  },
+  {
     table: "parts-workers",
     heading: "Trees in parts: workers",
     lead: "Several workers build one tree, part by part. A model says how long more of them would take if none " +

@@ -69,10 +69,18 @@ bool input_is_mesh_file(const program *state)
            !voxel_input_is_given(state);
 }
 
+static int refuse_voxel_options(program *state)
+{
+    return (state->options.given_groups & (unsigned)OPTION_VOXELS) == 0
+               ? PROGRAM_DONE
+               : program_fail(state, PROGRAM_WRONG_USAGE, "--hidden and --frame apply to voxel files, not to %s",
+                              state->options.input);
+}
+
 int input_refuse_build_options(program *state)
 {
     if ((state->options.given_groups & (unsigned)OPTION_BUILD) == 0) {
-        return PROGRAM_DONE;
+        return refuse_voxel_options(state);
     }
     return program_fail(state, PROGRAM_WRONG_USAGE, "%s is a finished tree, build options do not apply",
                         state->options.input);
@@ -247,10 +255,8 @@ int input_open(program *state, input *opened)
 int input_open_any(program *state, uint32_t need, input *opened)
 {
     if (!voxel_input_is_given(state)) {
-        return (state->options.given_groups & (unsigned)OPTION_VOXELS) == 0
-                   ? input_open(state, opened)
-                   : program_fail(state, PROGRAM_WRONG_USAGE, "--hidden and --frame apply to voxel files, not to %s",
-                                  state->options.input);
+        const int refused = refuse_voxel_options(state);
+        return refused == PROGRAM_DONE ? input_open(state, opened) : refused;
     }
     *opened = (input){.name = state->options.input};
     progress_step(state->progress, "reading the voxels");

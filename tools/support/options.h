@@ -72,6 +72,7 @@ enum option_frontend {
 #define OPTION_DEFAULT_PAGE  ((uint64_t)32 << 20) /* bytes */
 #define OPTION_CONTEXT_AUTO  (-1)
 #define OPTION_SAMPLES_MAX   262144
+#define OPTION_RULES_MAX     128
 
 /* A point or direction of the command line. */
 typedef struct option_vector {
@@ -83,6 +84,7 @@ typedef struct options {
     const char *input; /* the argument that is not an option; NULL: none */
     const char *subject; /* bench: what is measured; parts: what is done; the argument before input */
     unsigned given_groups; /* groups of the options on the command line */
+    uint64_t given_rules[OPTION_RULES_MAX / 64]; /* those options: bits, by their places in the table */
     uint64_t help, quiet, verbose, json; /* flags: 0 or 1 */
 
     const char *device_name; /* NULL: the library's choice */

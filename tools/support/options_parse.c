@@ -72,7 +72,9 @@ static int parse_option(program *state, const command *which, int argument_count
         }
         value = arguments[++*index];
     }
+    const size_t place = (size_t)(option - options_rule(0));
     state->options.given_groups |= option->group;
+    state->options.given_rules[place / 64] |= (uint64_t)1 << place % 64;
     return option->read(state, option, value);
 }
 
@@ -158,6 +160,59 @@ int options_parse(program *state, const command *which, int argument_count, char
     }
     return check_together(state, which);
 }
+
+/* ---- what is on the command line ---- */
+
+static bool is_among(const char *name, const char *const names[])
+{
+    size_t i = 0;
+    while (names[i] != NULL && strcmp(names[i], name) != 0) {
+        ++i;
+    }
+    return names[i] != NULL;
+}
+
+static bool is_given_at(const options *given, size_t place)
+{
+    return (given->given_rules[place / 64] >> place % 64 & 1u) != 0;
+}
+
+static int refuse(program *state, const rule *option, const char *where)
+{
+    return program_fail(state, PROGRAM_WRONG_USAGE, "option --%s does not apply %s", option->name, where);
+}
+
+bool options_is_given(const options *given, const char *name)
+{
+    bool found = false;
+    for (size_t i = 0; options_rule(i) != NULL; ++i) {
+        found = found || (is_given_at(given, i) && strcmp(options_rule(i)->name, name) == 0);
+    }
+    return found;
+}
+
+int options_refuse(program *state, const char *const names[], const char *where)
+{
+    for (size_t i = 0; options_rule(i) != NULL; ++i) {
+        if (is_given_at(&state->options, i) && is_among(options_rule(i)->name, names)) {
+            return refuse(state, options_rule(i), where);
+        }
+    }
+    return PROGRAM_DONE;
+}
+
+int options_take_only(program *state, unsigned groups, const char *const names[], const char *where)
+{
+    for (size_t i = 0; options_rule(i) != NULL; ++i) {
+        const bool is_taken = (options_rule(i)->group & (groups | (unsigned)OPTION_COMMON)) != 0;
+        if (is_given_at(&state->options, i) && !is_taken && !is_among(options_rule(i)->name, names)) {
+            return refuse(state, options_rule(i), where);
+        }
+    }
+    return PROGRAM_DONE;
+}
+
+/* ---- help ---- */
 
 bool options_may_lack_input(const command *which)
 {

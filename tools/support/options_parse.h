@@ -15,6 +15,15 @@ bool options_ask_for_gl(const options *given);
 /* Whether usage shows the argument in brackets; what bench may lack has them in its name already. */
 bool options_may_lack_input(const command *which);
 
+/* Whether an option is on the command line. */
+bool options_is_given(const options *given, const char *name);
+
+/* Fails where one of the options is on the command line: "option --NAME does not apply WHERE". names: ends with NULL.
+   Returns the exit code. */
+int options_refuse(program *state, const char *const names[], const char *where);
+/* Fails where another option is on the command line than those of the groups and the names. */
+int options_take_only(program *state, unsigned groups, const char *const names[], const char *where);
+
 /* Prints a command's usage and options to standard output. */
 void options_print_help(const command *which);
 

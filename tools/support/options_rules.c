@@ -507,6 +507,8 @@ static const rule rules[] = {
     {"help", 'h', OPTION_COMMON, NULL, read_flag, FIELD(help), 0, 0, NULL, "print this help"},
 };
 
+_Static_assert(sizeof rules / sizeof rules[0] <= OPTION_RULES_MAX, "a bit for each option");
+
 const rule *options_rule(size_t index)
 {
     return index < sizeof rules / sizeof rules[0] ? &rules[index] : NULL;

@@ -43,6 +43,16 @@ int parts_fail(program *state, svo_status status, const char *message)
     }
 }
 
+int parts_check_builder(program *state)
+{
+    const int builder = state->options.builder;
+    return builder == SVO_BUILDER_CL
+               ? PROGRAM_DONE
+               : program_fail(state, PROGRAM_WRONG_USAGE, "--builder %s makes no parts of trees",
+                              builder == OPTION_BUILDER_GL_COMPUTE ? "gl-compute"
+                                                                   : svo_builder_name((svo_builder)builder));
+}
+
 /* Bytes of a mesh's arrays. */
 static uint64_t mesh_bytes_of(const svo_mesh *mesh)
 {
@@ -73,12 +83,12 @@ static int check_triangles(program *state, const char *folder)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    svo_status status = svo_parts_get_header(parts, &header, &message);
+    const svo_status status = svo_parts_get_header(parts, &header, &message);
     svo_parts_close(&parts);
     if (status == SVO_OK && header.refused_triangles == header.triangles) {
-        status = svo_parts_remove(folder, &message);
-        return program_fail(state, PROGRAM_FAILED, "%s: no valid triangle in it: all %" PRIu64 " are refused",
-                            state->options.input, header.triangles);
+        const bool removed = svo_parts_remove(folder, &message) == SVO_OK;
+        return program_fail(state, PROGRAM_FAILED, "%s: no valid triangle in it: all %" PRIu64 " are refused%s%s",
+                            state->options.input, header.triangles, removed ? "" : "; ", removed ? "" : message.text);
     }
     return status == SVO_OK ? PROGRAM_DONE : program_fail_library(state, message.text);
 }

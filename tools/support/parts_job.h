@@ -14,6 +14,9 @@ bool parts_folder_exists(const char *folder);
 /* program_fail with a library message: PROGRAM_TRY_AGAIN after a failure of the device or of memory. */
 int parts_fail(program *state, svo_status status, const char *message);
 
+/* Refuses --builder where it is not the one that makes parts. Returns the exit code. */
+int parts_check_builder(program *state);
+
 /* How a mesh came into a folder of parts. */
 typedef struct parts_mesh {
     bool in_blocks; /* it was never in memory as a whole */

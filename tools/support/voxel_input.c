@@ -5,6 +5,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 
+#include "support/options_parse.h"
 #include "support/table.h"
 
 static bool is_piped(const program *state)
@@ -49,15 +50,11 @@ void voxel_input_close(voxel_input *opened)
 int voxel_input_check_options(program *state, uint32_t need)
 {
     const options *given = &state->options;
-    const char *name = given->has_origin                           ? "origin"
-                       : given->coverage != SVO_COVERAGE_HALF_OPEN ? "coverage"
-                       : given->weights != SVO_WEIGHTS_AREA        ? "weights"
-                       : given->strict != 0                        ? "strict"
-                       : given->import_seconds > 0                 ? "import-seconds"
-                                                                   : NULL;
-    if (name != NULL) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "option --%s does not apply to %s, which holds voxels", name,
-                            given->input);
+    static const char *const of_meshes[] = {"origin", "edge", "coverage", "weights", "strict", "import-seconds", NULL};
+    static const char *const of_opengl[] = {"frontend", "share", "context", "gl-device", NULL};
+    if (options_refuse(state, of_meshes, "to voxels") != PROGRAM_DONE ||
+        (options_ask_for_gl(given) && options_refuse(state, of_opengl, "to voxels") != PROGRAM_DONE)) {
+        return PROGRAM_WRONG_USAGE;
     }
     const uint32_t known = (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_MATERIAL | (uint32_t)SVO_NEED_NONE;
     if ((need & ~known) != 0) {

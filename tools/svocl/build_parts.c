@@ -31,8 +31,11 @@ static int check_options(program *state)
     if (other != NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--%s does not apply with --max-memory", other);
     }
-    if (given->builder == OPTION_BUILDER_GL_COMPUTE) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "--builder gl-compute makes no parts of trees");
+    if (parts_check_builder(state) != PROGRAM_DONE) {
+        return PROGRAM_WRONG_USAGE;
+    }
+    if ((given->given_groups & (unsigned)OPTION_VOXELS) != 0) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--hidden and --frame do not apply with --max-memory");
     }
     if (given->max_memory == 0) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--resume requires --max-memory");

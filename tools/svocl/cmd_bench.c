@@ -10,6 +10,7 @@
 #include "measure/result_json.h"
 #include "measure/result_text.h"
 #include "support/json.h"
+#include "support/options_parse.h"
 #include "support/output.h"
 #include "support/suggest.h"
 #include "support/table.h"
@@ -83,6 +84,49 @@ static int check_subject(program *state)
     return PROGRAM_DONE;
 }
 
+/* Whether --scenes and --depths change a subject that is asked for. */
+static bool has_scenes(const char *wanted)
+{
+    bool found = false;
+    for (size_t i = 0; subjects[i] != NULL; ++i) {
+        const suite_subject *one = subjects[i];
+        found = found || (suite_is_wanted(one, wanted) && one->run_all == NULL && !one->fixed);
+    }
+    return found;
+}
+
+/* Whether it casts as many rays as --ray-count says. */
+static bool has_ray_count(const char *wanted)
+{
+    static const char *const names[] = {"rays", "compact", "e8", "all", "errors"};
+    bool found = false;
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        found = found || strcmp(wanted, names[i]) == 0;
+    }
+    return found;
+}
+
+/* Options of builds and of measurements that the subject does not take. */
+static int check_table_options(program *state)
+{
+    static const char *const of_builds[] = {"need",  "coverage", "weights", "builder", "frontend",
+                                            "share", "origin",   "edge",    NULL};
+    static const char *const of_scenes[] = {"scenes", "depths", NULL};
+    static const char *const of_rays[] = {"ray-count", NULL};
+    static const char *const of_runs[] = {"repeat", NULL};
+    const char *subject = state->options.subject;
+    char where[64];
+    (void)snprintf(where, sizeof where, "to bench %s", subject);
+    int exit_code = options_refuse(state, of_builds, where);
+    if (exit_code == PROGRAM_DONE && !has_scenes(subject)) {
+        exit_code = options_refuse(state, of_scenes, where);
+    }
+    if (exit_code == PROGRAM_DONE && !has_ray_count(subject)) {
+        exit_code = options_refuse(state, of_rays, where);
+    }
+    return exit_code == PROGRAM_DONE && is_gpu(state) ? options_refuse(state, of_runs, where) : exit_code;
+}
+
 /* Subjects have scenes, depths, needs and methods of their own; only `bench rays` takes the options of a build. */
 static int check_options(program *state)
 {
@@ -107,20 +151,7 @@ static int check_options(program *state)
     if (given->versus == OPTION_VERSUS_OPENVDB && !openvdb_is_there()) {
         return program_fail(state, PROGRAM_FAILED, "--vs openvdb: this program was built without libopenvdb-dev");
     }
-    const char *name = given->need != 0                            ? "need"
-                       : given->coverage != SVO_COVERAGE_HALF_OPEN ? "coverage"
-                       : given->weights != SVO_WEIGHTS_AREA        ? "weights"
-                       : given->builder != SVO_BUILDER_CL          ? "builder"
-                       : given->frontend != OPTION_FRONTEND_AUTO   ? "frontend"
-                       : given->share != SVO_GL_SHARE_AUTO         ? "share"
-                       : given->edge > 0.0                         ? "edge"
-                       : is_gpu(state) && given->scenes != NULL    ? "scenes"
-                       : is_gpu(state) && given->depths != NULL    ? "depths"
-                       : is_gpu(state) && given->has_repeat        ? "repeat"
-                                                                   : NULL;
-    return name == NULL ? PROGRAM_DONE
-                        : program_fail(state, PROGRAM_WRONG_USAGE, "option --%s does not apply to bench %s", name,
-                                       given->subject);
+    return check_table_options(state);
 }
 
 static void print_tables(const result_set *results)
@@ -177,7 +208,9 @@ static int measure(program *state)
 {
     const options *given = &state->options;
     if (strcmp(given->subject, "rays") == 0 && given->scenes == NULL && given->depths == NULL) {
-        return bench_rays_alone(state);
+        static const char *const others[] = {"workers", "need", "weights", NULL};
+        const int refused = options_refuse(state, others, "to bench rays");
+        return refused == PROGRAM_DONE ? bench_rays_alone(state) : refused;
     }
     const int exit_code = check_options(state);
     return exit_code != PROGRAM_DONE ? exit_code : run_subjects(state);

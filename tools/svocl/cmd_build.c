@@ -110,9 +110,9 @@ static int check_options(program *state)
         return program_fail(state, PROGRAM_WRONG_USAGE, "%s does not apply with --plan-only, which builds nothing",
                             given->output_path != NULL ? "-o FILE" : "--repeat");
     }
-    if (solid_is_wanted(state) && given->plan_only) {
-        return program_fail(state, PROGRAM_WRONG_USAGE,
-                            "--solid does not apply with --plan-only, which builds nothing");
+    if (given->plan_only && (solid_is_wanted(state) || given->count_first)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s does not apply with --plan-only, which builds nothing",
+                            given->count_first ? "count-first" : "solid");
     }
     if (given->compress && given->output_path == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--compress needs -o FILE");

@@ -39,6 +39,9 @@ static int check_arguments(program *state)
         return program_fail(state, PROGRAM_WRONG_USAGE, "--hidden and --frame do not apply to a tree, IN %s",
                             given->input);
     }
+    if (!input_is_tree(state) && given->last_level != 0) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--levels applies to .svo files, not to IN %s", given->input);
+    }
     const bool to_tree = is_tree_path(given->output_path);
     if (!to_tree && svo_voxel_format_of_path(given->output_path) == SVO_VOXEL_FORMAT_AUTO) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "OUT %s is not .svo, .vox, .svx, .binvox, .ply or .obj",

@@ -6,6 +6,7 @@
 #include "support/job.h"
 #include "support/json.h"
 #include "support/kernel_folder.h"
+#include "support/options_parse.h"
 #include "support/table.h"
 #include "svocl/commands.h"
 
@@ -93,6 +94,9 @@ int command_kernels(program *state)
     session opened = {0};
     char own[KERNEL_FOLDER_BYTES];
     const char *folder = NULL;
+    if (options_ask_for_gl(&state->options)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "kernels are OpenCL's: what asks for OpenGL does not apply");
+    }
     int exit_code = choose_folder(state, own, &folder);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;

@@ -9,12 +9,36 @@
 #include <string.h>
 
 #include "support/json.h"
+#include "support/options_parse.h"
 #include "support/output.h"
 #include "support/parts_job.h"
 #include "support/table.h"
 #include "svocl/commands.h"
 
 #define SUFFIX ".parts"
+
+/* Refuses what an action does not take. */
+static int take_only(program *state, unsigned groups, const char *const names[])
+{
+    char where[32];
+    (void)snprintf(where, sizeof where, "to parts %s", state->options.subject);
+    return options_take_only(state, groups, names, where);
+}
+
+/* Parts are planned without a front end. */
+static int check_plan(program *state)
+{
+    static const char *const others[] = {"part", "frontend", "share", "context", "gl-device", NULL};
+    const int refused = options_refuse(state, others, "to parts plan");
+    return refused == PROGRAM_DONE ? parts_check_builder(state) : refused;
+}
+
+/* A device that fails here may work later, or on another machine that sees the folder. */
+static int open_device(program *state, session *opened)
+{
+    const int exit_code = session_open(state, opened);
+    return exit_code == PROGRAM_FAILED ? PROGRAM_TRY_AGAIN : exit_code;
+}
 
 static int plan(program *state)
 {
@@ -24,12 +48,16 @@ static int plan(program *state)
     if (state->options.output_path == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "parts plan needs -o FILE");
     }
+    int exit_code = check_plan(state);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
     char *folder = parts_folder_of(state->options.output_path);
     if (folder == NULL) {
         return program_fail(state, PROGRAM_FAILED, "out of memory");
     }
     program_begin_progress(state, 2);
-    int exit_code = session_open(state, &opened);
+    exit_code = open_device(state, &opened);
     if (exit_code == PROGRAM_DONE) {
         exit_code = parts_plan(state, &opened, folder, &mesh);
     }
@@ -89,7 +117,7 @@ static int build_parts_of(program *state, const svo_parts *parts)
         end = first + 1;
     }
     if (exit_code == PROGRAM_DONE) {
-        exit_code = session_open(state, &opened);
+        exit_code = open_device(state, &opened);
     }
     for (size_t i = first; i < end && exit_code == PROGRAM_DONE; ++i) {
         exit_code = parts_build(state, &opened, parts, i);
@@ -165,16 +193,24 @@ static int stitch(program *state, const svo_parts *parts)
 
 static int remove_folder(program *state)
 {
+    static const char *const none[] = {NULL};
     svo_message message;
+    if (take_only(state, 0, none) != PROGRAM_DONE) {
+        return PROGRAM_WRONG_USAGE;
+    }
     return svo_parts_remove(state->options.input, &message) == SVO_OK ? PROGRAM_DONE
                                                                       : program_fail_library(state, message.text);
 }
 
-/* The actions on a folder that is open. */
+/* The actions on a folder that is open, and the options that they take. */
 static const struct {
     const char *name;
     int (*run)(program *state, const svo_parts *parts);
-} actions[] = {{"build", build_parts_of}, {"status", status}, {"stitch", stitch}};
+    unsigned groups;
+    const char *names[3];
+} actions[] = {{"build", build_parts_of, OPTION_DEVICE | OPTION_METHODS, {"part", "max-memory", NULL}},
+               {"status", status, OPTION_JSON, {NULL}},
+               {"stitch", stitch, OPTION_OUTPUT, {NULL}}};
 
 int command_parts(program *state)
 {
@@ -191,7 +227,10 @@ int command_parts(program *state)
     for (size_t i = 0; i < sizeof actions / sizeof actions[0]; ++i) {
         if (strcmp(action, actions[i].name) == 0) {
             svo_parts *parts = NULL;
-            int exit_code = parts_open(state, state->options.input, &parts);
+            int exit_code = take_only(state, actions[i].groups, actions[i].names);
+            if (exit_code == PROGRAM_DONE) {
+                exit_code = parts_open(state, state->options.input, &parts);
+            }
             if (exit_code == PROGRAM_DONE) {
                 exit_code = actions[i].run(state, parts);
             }

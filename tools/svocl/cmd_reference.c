@@ -7,6 +7,7 @@
 
 #include "measure/path.h"
 #include "support/lighting.h"
+#include "support/options_parse.h"
 #include "support/output.h"
 #include "support/point_table.h"
 #include "support/table.h"
@@ -186,7 +187,8 @@ static int run(program *state, job *done)
 int command_reference(program *state)
 {
     const options *given = &state->options;
-    if (light_points_check(state) != PROGRAM_DONE) {
+    static const char *const of_payload[] = {"need", "weights", NULL};
+    if (light_points_check(state) != PROGRAM_DONE || options_refuse(state, of_payload, "to paths") != PROGRAM_DONE) {
         return PROGRAM_WRONG_USAGE;
     }
     if (given->output_path == NULL) {

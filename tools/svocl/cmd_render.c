@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "support/job.h"
+#include "support/options_parse.h"
 #include "support/output.h"
 #include "support/picture.h"
 #include "support/probe_picture.h"
@@ -99,6 +100,12 @@ static int check_view(program *state)
     const options *given = &state->options;
     const bool by_cones = render_light_is_asked(given);
     const bool lit_probes = given->through != 0 && given->view == SVO_VIEW_SHADED;
+    static const char *const of_cones[] = {"gi", NULL};
+    static const char *const of_light[] = {"gi", "exposure", NULL};
+    if (!by_cones &&
+        options_refuse(state, lit_probes ? of_cones : of_light, "to a view without cones") != PROGRAM_DONE) {
+        return PROGRAM_WRONG_USAGE;
+    }
     return by_cones || lit_probes || (given->given_groups & (unsigned)OPTION_LIGHT) == 0
                ? PROGRAM_DONE
                : program_fail(state, PROGRAM_WRONG_USAGE,

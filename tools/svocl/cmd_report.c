@@ -13,6 +13,7 @@
 #include "report/summary.h"
 #include "report/text.h"
 #include "support/json.h"
+#include "support/options_parse.h"
 #include "support/output.h"
 #include "support/table.h"
 #include "svocl/commands.h"
@@ -249,8 +250,9 @@ int command_report(program *state)
     if (given->output_path == NULL && given->docs == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "-o DIR is missing");
     }
-    int exit_code = PROGRAM_DONE;
-    if (given->output_path != NULL) {
+    static const char *const of_measurements[] = {"scenes", "depths", "repeat", NULL};
+    int exit_code = given->from != NULL ? options_refuse(state, of_measurements, "with --from") : PROGRAM_DONE;
+    if (exit_code == PROGRAM_DONE && given->output_path != NULL) {
         exit_code = make_folder(state, given->output_path);
     }
     if (exit_code != PROGRAM_DONE) {

@@ -7,6 +7,7 @@
 #include "scenes/scenes.h"
 #include "support/json.h"
 #include "support/mesh_output.h"
+#include "support/options_parse.h"
 #include "support/output.h"
 #include "support/table.h"
 #include "svocl/commands.h"
@@ -73,8 +74,24 @@ static int report_scene(program *state, const svo_mesh *mesh)
     return PROGRAM_DONE;
 }
 
+/* Options that a list of the scenes, or a NAME with numbers of its own, does not take. */
+static int check_options(program *state)
+{
+    static const char *const of_scenes[] = {"triangles", "seed", "output", NULL};
+    static const char *const numbers[] = {"triangles", "seed", NULL};
+    const char *name = state->options.input;
+    if (name == NULL) {
+        return options_refuse(state, of_scenes, "without NAME");
+    }
+    return strchr(name, ':') == NULL ? PROGRAM_DONE
+                                     : options_refuse(state, numbers, "to a NAME with numbers of its own");
+}
+
 int command_scene(program *state)
 {
+    if (check_options(state) != PROGRAM_DONE) {
+        return PROGRAM_WRONG_USAGE;
+    }
     if (state->options.input == NULL) {
         return list_scenes(state);
     }

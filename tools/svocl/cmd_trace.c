@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "support/job.h"
+#include "support/options_parse.h"
 #include "support/output.h"
 #include "support/ray_table.h"
 #include "support/table.h"
@@ -113,6 +114,12 @@ int command_trace(program *state)
         return program_fail(state, PROGRAM_WRONG_USAGE,
                             "exactly one of --rays FILE and --camera VIEW is required, got %s",
                             given->camera != NULL ? "both" : "neither");
+    }
+    static const char *const of_pictures[] = {"size", NULL};
+    static const char *const of_payload[] = {"need", "weights", NULL};
+    if ((given->rays_path != NULL && options_refuse(state, of_pictures, "with --rays") != PROGRAM_DONE) ||
+        options_refuse(state, of_payload, "to rays") != PROGRAM_DONE) {
+        return PROGRAM_WRONG_USAGE;
     }
     if (given->rays_path != NULL && state->piped.name != NULL && piped_is_standard_input(given->rays_path)) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "INPUT and --rays both read standard input");

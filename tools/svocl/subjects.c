@@ -13,6 +13,7 @@
 #include "bench/moving_light.h"
 #include "bench/paged.h"
 #include "bench/parts.h"
+#include "bench/parts_large.h"
 #include "bench/peers.h"
 #include "bench/rays.h"
 #include "bench/scene.h"
@@ -30,12 +31,37 @@
 #include "errors/e8_probes.h"
 
 const suite_subject *const subjects[] = {
-    &bench_voxelize,    &bench_builders,      &bench_filter,        &bench_startup,     &bench_import,
-    &bench_convert,     &bench_rays,          &bench_compact,       &bench_solid,       &bench_scene,
-    &bench_light,       &bench_leaving_out,   &bench_scene_sizes,   &bench_memory,      &bench_parts,
-    &bench_paged,       &bench_moving,        &bench_moving_light,  &bench_thesis_2020, &bench_thesis_2016,
-    &bench_peer_embree, &bench_peer_openvdb,  &errors_voxelization, &errors_rays,       &errors_attributes,
-    &errors_detail,     &errors_conditioning, &errors_cones,        &errors_probes,     NULL,
+    &bench_voxelize,
+    &bench_builders,
+    &bench_filter,
+    &bench_startup,
+    &bench_import,
+    &bench_convert,
+    &bench_rays,
+    &bench_compact,
+    &bench_solid,
+    &bench_scene,
+    &bench_light,
+    &bench_leaving_out,
+    &bench_scene_sizes,
+    &bench_memory,
+    &bench_parts,
+    &bench_parts_large,
+    &bench_paged,
+    &bench_moving,
+    &bench_moving_light,
+    &bench_thesis_2020,
+    &bench_thesis_2016,
+    &bench_peer_embree,
+    &bench_peer_openvdb,
+    &errors_voxelization,
+    &errors_rays,
+    &errors_attributes,
+    &errors_detail,
+    &errors_conditioning,
+    &errors_cones,
+    &errors_probes,
+    NULL,
 };
 
 bool subjects_know(const char *wanted)

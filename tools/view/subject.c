@@ -101,6 +101,10 @@ static int open_scene(program *running, view_state *state, subject *out)
     if (exit_code == PROGRAM_DONE && !placed_describe(out->placed, state)) {
         exit_code = program_fail(running, PROGRAM_FAILED, "out of memory for the instances");
     }
+    if (exit_code == PROGRAM_DONE && state->mover_count == 0 && running->options.frames != 0) {
+        exit_code = program_fail(running, PROGRAM_WRONG_USAGE, "%s: nothing moves, so that --frames does not apply",
+                                 running->options.input);
+    }
     if (exit_code == PROGRAM_DONE && state->mover_count > 0) {
         view_choose_scene(state, false);
         exit_code = film_update(&out->film, out->placed, state);

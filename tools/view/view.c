@@ -8,6 +8,7 @@
 
 #include "support/input.h"
 #include "support/picture.h"
+#include "support/scene_file.h"
 #include "view/camera.h"
 #include "view/canvas.h"
 #include "view/drawing.h"
@@ -410,6 +411,23 @@ static int run(viewer *which)
     return exit_code;
 }
 
+/* What the command line asks for and INPUT cannot have: light by cones is of trees. */
+static int check_options(program *running)
+{
+    const options *given = &running->options;
+    const bool is_scene = scene_file_is_input(running);
+    const bool has_cones = given->view >= OPTION_VIEW_LIGHT || (given->given_groups & (unsigned)OPTION_LIGHT) != 0;
+    if (given->frames != 0 && !is_scene) {
+        return program_fail(running, PROGRAM_WRONG_USAGE, "--frames takes a scene with motions, a .json file, not %s",
+                            given->input);
+    }
+    return is_scene && has_cones
+               ? program_fail(running, PROGRAM_WRONG_USAGE,
+                              "options of lights and cones, and their views, do not apply to the scene %s",
+                              given->input)
+               : PROGRAM_DONE;
+}
+
 /* A script neither reads nor writes settings: it shows the same for everybody. */
 static int begin(viewer *which)
 {
@@ -433,7 +451,8 @@ int view_run(program *running)
     }
     which->running = running;
     view_state_begin(&which->state);
-    int exit_code = begin(which);
+    int exit_code = check_options(running);
+    exit_code = exit_code == PROGRAM_DONE ? begin(which) : exit_code;
     if (exit_code == PROGRAM_DONE) {
         take_options(which);
         exit_code = run(which);

@@ -33,7 +33,8 @@ class Moving(Handle):
         depth: 1 .. 16: the grid has 2**depth voxels per axis.
         origin: minimum corner of the grid. What leaves the grid occupies nothing and is counted.
         edge: width of the grid, above 0.
-        need: what the tree holds; without Need.PROJECTED_AREA. Need.DEFAULT goes by the static mesh.
+        need: what the tree holds; Need.DEFAULT goes by the static mesh. For Need.PROJECTED_AREA each update finds
+            whether the scene's mesh is closed.
         coverage, weights, payload_level: see Device.plan.
         max_area: the largest area that the scene will have inside the grid, square world units; 0: four times that of
             the static mesh.
@@ -43,7 +44,7 @@ class Moving(Handle):
 
     Raises:
         InvalidArgumentError: a depth or option out of range.
-        UnsupportedError: Need.PROJECTED_AREA, or a device without doubles.
+        UnsupportedError: a device without doubles.
         CapacityExceededError, OutOfDeviceMemoryError, OutOfHostMemoryError, CompileError, CLError
     """
 
@@ -151,17 +152,24 @@ class Moving(Handle):
 
     # --- updates ----------------------------------------------------------------------------------------------------
 
-    def update(self, *, queue: Any = None) -> _structs.MovingReport:
+    def update(self, *, queue: Any = None, report: bool = False) -> Optional[_structs.MovingReport]:
         """Makes the tree of the scene as it is now, and waits. After a failure the tree before stays.
 
         Args:
             queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
+            report: measure the stages, which waits after each.
+
+        Returns:
+            What was done, with report; else None.
 
         Raises:
             CapacityExceededError: more pairs than fragment_capacity, or more area than max_area.
             OutOfDeviceMemoryError, OutOfHostMemoryError, CompileError, CLError
         """
-        return self._take(lib.svo_moving_update, _opencl.pointer("cl_command_queue", queue, "queue"))
+        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
+        out = _structs.new("svo_moving_report") if report else ffi.NULL
+        self._take(lib.svo_moving_update, cl_queue, out)
+        return _structs.read(out, _structs.MovingReport) if report else None
 
     def update_enqueue(self, queue: Any, *, wait_for: Iterable[Any] = ()) -> int:
         """Moving.update, but does not wait. Until Moving.finish the tree is the one before, and calls that change the
@@ -183,7 +191,7 @@ class Moving(Handle):
         """Waits for the update in flight, and takes its tree. After a failure the tree before stays.
 
         Returns:
-            As Moving.update, without the times of stages; total_ms is the time since Moving.update_enqueue.
+            As Moving.update with report, without the times of stages; total_ms is the time since Moving.update_enqueue.
 
         Raises:
             CapacityExceededError: an object has more pairs than there was room for; the next update has room. Or as
@@ -191,7 +199,9 @@ class Moving(Handle):
             InvalidArgumentError: no update is in flight.
             OutOfDeviceMemoryError, CLError
         """
-        return self._take(lib.svo_moving_finish)
+        out = _structs.new("svo_moving_report")
+        self._take(lib.svo_moving_finish, out)
+        return _structs.read(out, _structs.MovingReport)
 
     def make_bvh(
         self, *, quality: BvhQuality = BvhQuality.BEST, cost_ratio: float = 0.0, queue: Any = None
@@ -262,14 +272,12 @@ class Moving(Handle):
 
     # --- shared -----------------------------------------------------------------------------------------------------
 
-    def _take(self, function: Any, *arguments: Any) -> _structs.MovingReport:
+    def _take(self, function: Any, *arguments: Any) -> None:
         """Calls a function that replaces the tree, and ends the Trees that stood for the one before."""
-        report = _structs.new("svo_moving_report")
-        with self._called(function, *arguments, report):
+        with self._called(function, *arguments):
             for lent in self._trees:
                 lent.end()
             self._trees.clear()
-        return _structs.read(report, _structs.MovingReport)
 
     def __repr__(self) -> str:
         if self.closed:
