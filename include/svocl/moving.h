@@ -264,11 +264,11 @@ SVO_API svo_tree *svo_moving_tree(const svo_moving *moving);
 
 /** Where the newest update that succeeded changed the tree: the bounds of each object that changed, before it and after
  *  it, where it was and is in the scene. An update that found nothing to do has none. svo_light_update takes them.
- *  Projected areas that change since the scene's mesh opens or closes do not count; svo_light_update reads them all.
+ *  Where the scene's mesh opens or closes, the projected areas of all leaves change: a box is the grid then.
  *
  * \param moving not NULL
  * \param boxes receives the first boxes, at most capacity; NULL allowed when that is 0
- * \param capacity boxes that there is room for; two for each object suffice
+ * \param capacity boxes that there is room for; two for each object and one more suffice
  * \param count receives how many there are
  * \returns SVO_INVALID_ARGUMENT when count is NULL, or boxes where capacity is not 0. */
 SVO_API svo_status svo_moving_get_changes(const svo_moving *moving, svo_box *boxes, size_t capacity, size_t *count);

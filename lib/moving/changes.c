@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "core/device.h"
+#include "plan/update.h"
 
 /* Adds a vertex to bounds; those that are not finite are corners of refused triangles alone. */
 static void add_vertex(svo_box *box, const double vertex[3])
@@ -39,6 +40,34 @@ static void note(svo_i_moving_object *object)
     }
 }
 
+/* Whether the scene's mesh is open, for projected areas. */
+static bool is_open(const svo_moving *moving)
+{
+    svo_i_edge_sums sums = {{0}};
+    for (uint32_t i = 0; i < moving->object_count; ++i) {
+        const svo_i_moving_object *object = &moving->objects[i];
+        for (unsigned word = 0; word < 2 && svo_i_moving_shows(object); ++word) {
+            sums.words[word] += object->plan->update->edge_sums.words[word];
+        }
+    }
+    return svo_i_edges_are_open(&sums);
+}
+
+/* A mesh that opens or closes changes the areas of all leaves. The static mesh has no other changes then. */
+static void note_opening(svo_moving *moving)
+{
+    const bool was_open = moving->is_open;
+    svo_i_moving_object *fixed = &moving->objects[0];
+    moving->is_open = is_open(moving);
+    if (moving->tree != NULL && moving->is_open != was_open) {
+        for (int axis = 0; axis < 3; ++axis) {
+            fixed->changes[0].low[axis] = moving->options.origin[axis];
+            fixed->changes[0].high[axis] = moving->options.origin[axis] + moving->options.edge;
+        }
+        fixed->change_count = 1;
+    }
+}
+
 void svo_i_moving_note_changes(svo_moving *moving)
 {
     for (uint32_t i = 0; i < moving->object_count; ++i) {
@@ -55,6 +84,7 @@ void svo_i_moving_note_changes(svo_moving *moving)
             note(object);
         }
     }
+    note_opening(moving);
 }
 
 void svo_i_moving_forget_changes(svo_moving *moving)

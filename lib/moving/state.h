@@ -69,6 +69,7 @@ struct svo_moving {
     svo_tree *tree;
     struct svo_i_flight *flight; /* an update that is enqueued and not finished; else NULL */
     double area; /* of the newest tree */
+    bool is_open; /* the mesh of the newest tree is open; false where that is not known, without projected areas */
     uint64_t serial; /* the newest serial number */
     struct svo_i_moving_bvhs *bvhs; /* NULL before svo_moving_make_bvh */
     svo_mesh mesh; /* svo_moving_get_mesh: arrays owned; vertex_count 0: not made */
