@@ -263,7 +263,8 @@ SVO_API svo_tree *svo_moving_tree(const svo_moving *moving);
 
 /** Where the newest update that succeeded changed the tree: the bounds of each object that changed, before it and after
  *  it, where it was and is in the scene. An update that found nothing to do has none. svo_light_update takes them.
- *  Projected areas that change since the scene's mesh opens or closes do not count; svo_light_update reads them all.
+ *  With SVO_NEED_PROJECTED_AREA, an update that opens or closes the scene's mesh has one box, around the grid and all
+ *  objects that changed, since it changes the areas of all leaves.
  *
  * \param moving not NULL
  * \param boxes receives the first boxes, at most capacity; NULL allowed when that is 0

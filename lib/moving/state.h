@@ -69,6 +69,8 @@ struct svo_moving {
     svo_tree *tree;
     struct svo_i_flight *flight; /* an update that is enqueued and not finished; else NULL */
     double area; /* of the newest tree */
+    bool is_open; /* the newest tree's mesh, where it has projected areas */
+    bool areas_changed; /* of all leaves by the newest update, since the mesh opened or closed */
     uint64_t serial; /* the newest serial number */
     struct svo_i_moving_bvhs *bvhs; /* NULL before svo_moving_make_bvh */
     svo_mesh mesh; /* svo_moving_get_mesh: arrays owned; vertex_count 0: not made */
