@@ -271,6 +271,69 @@ static void photons_of_any_size_can_follow(void **state)
     }
 }
 
+/* ---- what is the same for all leaves ---- */
+
+/* The unit of radiance, when something comes to the source and goes. Most leaves keep their light. */
+static void the_brightest_leaf_sets_the_unit(void **state)
+{
+    static const double at[2][3] = {{0.17, 0.82, 0.22}, {0.5, 0.5, 0.5}};
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_light_setup setup = setup_of(all_sources, 1, 60);
+    stage of;
+    open_stage(&opened, 17, &of);
+    svo_light *light = make_light(&opened, svo_moving_tree(of.moving), SVO_LIGHT_FACES, &setup);
+    for (int i = 0; i < 4; ++i) {
+        double transform[12];
+        transform_of(transform, 0.05, 0.3, at[i % 2]);
+        succeed(&opened, svo_moving_set_transform(of.moving, 0, transform));
+        follow(&opened, &of, light);
+        assert_true(info_of(&opened, light).traced_photons < info_of(&opened, light).photons);
+        compare(&opened, &of, light, &setup);
+    }
+    svo_light_destroy(&light);
+    close_stage(&of);
+}
+
+/* A lid closes a box: areas of leaves far from it count from one side then, and from both without it. */
+static void a_lid_changes_all_areas(void **state)
+{
+    static const float corners[8][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0},
+                                        {0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}};
+    static const uint32_t walls[30] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5,
+                                       0, 5, 4, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+    static const uint32_t lid[6] = {2, 6, 7, 2, 7, 3};
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_light_setup setup = setup_of(all_sources, 1, 40);
+    const svo_moving_options options = {.struct_size = sizeof options,
+                                        .need = (uint32_t)SVO_NEED_RAYS | (uint32_t)SVO_NEED_PROJECTED_AREA,
+                                        .origin = {-0.1, -0.1, -0.1},
+                                        .edge = 1.2,
+                                        .max_area = 9.0};
+    svo_mesh mesh = {.struct_size = sizeof mesh, .positions = &corners[0][0], .vertex_count = 8};
+    stage of = {.moving = NULL};
+    uint32_t object = 77;
+    mesh.indices = walls;
+    mesh.triangle_count = 10;
+    succeed(&opened, svo_moving_create(opened.device, &mesh, 5, &options, opened.queue, &of.moving));
+    mesh.indices = lid;
+    mesh.triangle_count = 2;
+    succeed(&opened, svo_moving_add(of.moving, &mesh, NULL, &object));
+    succeed(&opened, svo_moving_update(of.moving, opened.queue, NULL));
+    svo_light *light = make_light(&opened, svo_moving_tree(of.moving), SVO_LIGHT_FACES, &setup);
+    for (int i = 0; i < 4; ++i) {
+        svo_box box;
+        size_t count = 0;
+        succeed(&opened, svo_moving_show(of.moving, object, i % 2 != 0));
+        follow(&opened, &of, light);
+        succeed(&opened, svo_moving_get_changes(of.moving, &box, 1, &count));
+        assert_int_equal(count, 1);
+        assert_true(box.low[1] < -0.09 && box.high[1] > 1.09);
+        compare(&opened, &of, light, &setup);
+    }
+    svo_light_destroy(&light);
+    svo_moving_destroy(&of.moving);
+}
+
 /* ---- when all photons are shot ---- */
 
 static void assert_all_are_shot(const fixture *opened, const svo_light *light)
@@ -468,6 +531,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(random_moves_equal_lights_from_nothing),
         cmocka_unit_test(photons_of_any_size_can_follow),
+        cmocka_unit_test(the_brightest_leaf_sets_the_unit),
+        cmocka_unit_test(a_lid_changes_all_areas),
         cmocka_unit_test(bounds_that_change_make_other_views),
         cmocka_unit_test(every_setup_can_follow),
         cmocka_unit_test(dark_lights_can_follow),

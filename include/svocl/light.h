@@ -231,7 +231,8 @@ SVO_API svo_status svo_light_set_sources(svo_light *light, const svo_light_setup
  * \param changed change_count boxes that hold all triangles that have come, gone or moved since the tree before, where
  *        they were and where they are: svo_moving_get_changes has them. A box that is missing makes the light
  *        undefined, or fails. Numbers of other triangles may have changed, but not their order. The trees weigh
- *        payload alike (svo_plan_options.weight_log2), as those of a scene that moves do. NULL when that is 0
+ *        payload alike (svo_plan_options.weight_log2), as those of a scene that moves do; and where their projected
+ *        areas are those of a closed mesh and of an open one, a box is around all leaves. NULL when that is 0
  * \param change_count at most SVO_LIGHT_BOXES_MAX
  * \param queue on the context of its device; NULL: the device's own
  * \returns SVO_INVALID_ARGUMENT (a box that is not finite or empty, a tree of another device, lit leaves that went

@@ -3,7 +3,7 @@
  * Photons that are kept, so that few of them are shot again when a part of the tree has changed. Of each photon the
  * flux, the normal and the distance of what it met are kept, of each group of four the slots that it reaches; of each
  * slot the code of its leaf, how many groups reach it and its radiance (exchange.cl), which becomes stale where photons
- * come or go and where what changed may touch the leaf. Nodes are numbered anew when a tree changes, slots are not.
+ * come or go. Nodes are numbered anew when a tree changes, slots are not.
  *
  *   svo_k_photon_keep     per group: keeps what was shot
  *   svo_k_photon_cross    per group of a view: lists those that what changed may concern
@@ -14,13 +14,13 @@
  *
  * A photon that what changed does not concern meets what it met: its ray misses the bounds of what changed, before and
  * after, up to the hit. And it reaches the leaves that it reached: only cells within these bounds gain or lose a leaf
- * or a triangle of its list, and its footprint lies outside. Both tests are in floats, with bounds that are widened
- * by more than their error; photons that are shot again without need get the same flux again.
+ * or a triangle of its list, and its footprint lies outside. So all photons of a leaf whose payload changed are shot
+ * again, and its radiance is stale. Both tests are in floats, with bounds that are widened by more than their error;
+ * photons that are shot again without need get the same flux again.
  *
  * Launch: as above, rounded up to whole groups. Atomics: counters number groups and slots, whose order does not matter;
  * leaves set bits at their parents; the sums of photon_sums.clh. No local memory.
  */
-#include "light/changed.clh"
 #include "light/photon_sums.clh"
 #include "light/photons.clh"
 #include "light/spread.clh"
@@ -270,9 +270,8 @@ static void svo_mark_renewed(__global const uchar *child_mask, __global const ui
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_slot_places(__global const uchar *child_mask, __global const uint *first_child, __global const uint *users,
-                  __global ulong *codes, __global uint *bits, __global const int *boxes, uint box_count,
-                  __global uint *slots, volatile __global uint *renewed, volatile __global uint *counters,
-                  svo_photon_params params)
+                  __global ulong *codes, __global uint *bits, __global uint *slots, volatile __global uint *renewed,
+                  volatile __global uint *counters, svo_photon_params params)
 {
     const uint slot = (uint)get_global_id(0);
     if (slot >= params.count) {
@@ -289,10 +288,6 @@ svo_k_slot_places(__global const uchar *child_mask, __global const uint *first_c
     svo_node node;
     svo_deinterleave(codes[slot], cell);
     svo_walk_down(child_mask, first_child, params.depth, cell, &node);
-    const int3 at = (int3)((int)cell[0], (int)cell[1], (int)cell[2]);
-    if (svo_is_changed(at, at, boxes, box_count)) {
-        bits[slot] = SVO_SLOT_STALE;
-    }
     if (node.level == params.depth) {
         slots[node.index - params.leaf_begin] = slot;
     } else {

@@ -5,7 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "light/changes.h"
 #include "light/kept_photons.h"
 
 /* Times the largest coordinate: more than the error of places along rays in floats, some of 2^-24. */
@@ -17,8 +16,6 @@ typedef struct again {
     svo_i_kept_photons *kept;
     svo_i_device_work *work;
     cl_mem boxes, counts;
-    cl_mem changed; /* cells, see changes.h */
-    cl_uint box_count;
     cl_mem renewed; /* of svo_i_light_before */
     cl_uint *view_counts; /* groups; owned */
     cl_mem groups; /* by view, from the view's first group on */
@@ -73,8 +70,6 @@ static svo_status place_slots(again *a)
                                         SVO_I_ARGUMENT(a->kept->users),
                                         SVO_I_ARGUMENT(a->kept->codes),
                                         SVO_I_ARGUMENT(a->kept->bits),
-                                        SVO_I_ARGUMENT(a->changed),
-                                        SVO_I_ARGUMENT(a->box_count),
                                         SVO_I_ARGUMENT(photons->slots),
                                         SVO_I_ARGUMENT(a->renewed),
                                         SVO_I_ARGUMENT(photons->counters),
@@ -176,7 +171,6 @@ static svo_status find_groups(again *a, const svo_i_light_changes *changes)
 {
     const size_t views = a->kept->view_count;
     SVO_I_TRY(upload_boxes(a, changes));
-    SVO_I_TRY(svo_i_changes_upload(a->work, a->photons->tree, changes, &a->changed));
     SVO_I_TRY(svo_i_work_alloc(a->work, "crossing_counts", views * sizeof(cl_uint), &a->counts));
     SVO_I_TRY(svo_i_work_alloc(a->work, "crossing_groups", a->kept->photon_count / SVO_ITEM_PHOTONS * sizeof(cl_uint),
                                &a->groups));
@@ -204,7 +198,6 @@ static svo_status shoot_again(again *a, const svo_i_light_changes *changes)
     svo_i_work_free(a->work, &a->counts);
     svo_i_work_free(a->work, &a->groups);
     svo_i_work_free(a->work, &a->boxes);
-    svo_i_work_free(a->work, &a->changed);
     return svo_i_photons_use(a->photons);
 }
 
@@ -224,7 +217,7 @@ svo_status svo_i_photons_shoot_again(svo_i_photons *photons, svo_i_light_before 
 {
     const svo_i_light_changes *changes = &before->changes;
     svo_i_kept_photons *kept = photons->kept;
-    again a = {.photons = photons, .kept = kept, .work = photons->work, .box_count = (cl_uint)changes->count};
+    again a = {.photons = photons, .kept = kept, .work = photons->work};
     kept->whole = false; /* until it is that of the new tree */
     SVO_I_TRY(svo_i_photons_make_bands(photons));
     SVO_I_TRY(begin_renewed(&a, before));

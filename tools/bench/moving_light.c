@@ -28,7 +28,7 @@ static const char note[] =
     "A knot moves by a voxel through the scene, under a sun; the light has the form faces. Width: of the knot, in "
     "widths of the grid. Changed: the share of the (voxel, triangle) pairs that moved. Traced: the share of the "
     "photons that are shot again. BVH: of the moved tree; both need it, and neither includes it. Photons: light "
-    "view and photons, of the update and from nothing. Opacity, radiance: with their filters, the same in both. "
+    "view and photons, of the update and from nothing. Opacity, radiance: of the update, with their filters. "
     "Update: svo_light_update. Nothing: svo_light_create and svo_light_set_sources of the same tree, with the same "
     "bytes. Ratio: of the two within a round.";
 
