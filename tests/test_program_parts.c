@@ -38,7 +38,7 @@ static void every_way_makes_the_same_file(void **state)
 {
     (void)state;
     static const char *const ways[] = {"--frontend cl --threads 1", "--frontend cl --threads 2 --path gpu",
-                                       "--builder sorted --threads 1", "--frontend gl-expand --threads 2"};
+                                       "--frontend gl-expand --threads 2"};
     build_whole();
     const size_t count = sizeof ways / sizeof ways[0] - (gl_works() ? 0 : 1);
     for (size_t i = 0; i < count; ++i) {
@@ -253,6 +253,7 @@ static void wrong_usage_is_refused(void **state)
     run_badly("$SVOCL build scene:cube --resume -o a.svo", 2, "--max-memory");
     run_badly("$SVOCL build scene:cube --max-memory 1M --compress -o a.svo", 2, "--compress");
     run_badly("$SVOCL build scene:cube --max-memory 1M --builder gl-compute -o a.svo", 2, "gl-compute");
+    run_badly("$SVOCL build scene:cube --max-memory 1M --builder sorted -o a.svo", 2, "sorted");
     run_badly("$SVOCL parts", 2, "ACTION");
     run_badly("$SVOCL parts grow a.svo.parts", 2, "none of plan");
     run_badly("$SVOCL parts status a.svo.parts", 1, "a.svo.parts/plan");
