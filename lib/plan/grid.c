@@ -320,12 +320,17 @@ static int64_t count_columns(const placed *p, unsigned axis)
     return width * height;
 }
 
+/* Whether a triangle of so many columns is cut into tiles. */
+static bool is_large(int64_t columns)
+{
+    const int32_t most = SVO_TILE_COLUMNS;
+    return columns > most;
+}
+
 /* The rank of a triangle among those of its class and block; kernels/plan/classify.cl has the same. */
 static uint32_t size_of(int64_t columns)
 {
-    return columns > SVO_TILE_COLUMNS ? SVO_SIZE_LARGE
-           : columns < SVO_SIZE_COUNT ? (uint32_t)columns
-                                      : SVO_SIZE_COUNT - 1;
+    return is_large(columns) ? SVO_SIZE_LARGE : columns < SVO_SIZE_COUNT ? (uint32_t)columns : SVO_SIZE_COUNT - 1;
 }
 
 /* Keeps an accepted triangle that meets the grid, or counts it. */
@@ -446,7 +451,7 @@ static svo_status sort_items(svo_plan *plan, const order_key *keys)
 static bool item_is_large(const svo_plan *plan, uint32_t item)
 {
     const placed p = place(plan, plan->indices + (size_t)plan->items[item].triangle * 3);
-    return count_columns(&p, plan->items[item].flags & SVO_DRAW_AXIS_MASK) > SVO_TILE_COLUMNS;
+    return is_large(count_columns(&p, plan->items[item].flags & SVO_DRAW_AXIS_MASK));
 }
 
 static svo_large_item large_item(const svo_plan *plan, uint32_t item)
