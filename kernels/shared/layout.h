@@ -57,10 +57,9 @@
    or SVO_SIZE_LARGE where there are more than those of a tile. A work-item of the plan's kernels counts one size. */
 #define SVO_SIZE_COUNT SVO_GROUP_ITEMS
 #define SVO_SIZE_LARGE 0u
-/* Local memory: words of 16 bits count the triangles of each size of each work-item. A row for each size, padded
-   so that work-items that go through rows meet different banks. */
+/* Local memory counts the triangles of each size and work-item in 16 bits: SVO_SIZE_COUNT rows of so many, padded so
+   that work-items that go through rows meet different banks. */
 #define SVO_SIZE_PITCH (SVO_GROUP_ITEMS + 2)
-#define SVO_SIZE_BYTES (2 * SVO_SIZE_COUNT * SVO_SIZE_PITCH)
 
 /* svo_draw_item.flags. */
 #define SVO_DRAW_AXIS_MASK 3u /* 0, 1, 2: the axis of projection */

@@ -249,7 +249,7 @@ svo_status svo_i_grid_keep(svo_i_grid_run *r)
                                         SVO_I_ARGUMENT(r->kept),
                                         SVO_I_ARGUMENT(r->params),
                                         SVO_I_LOCAL(SCRATCH_BYTES),
-                                        SVO_I_LOCAL(SVO_SIZE_BYTES)};
+                                        SVO_I_LOCAL(sizeof(cl_ushort) * SVO_SIZE_COUNT * SVO_SIZE_PITCH)};
     SVO_I_TRY(svo_i_work_launch(r->work, "svo_k_plan_keep", SVO_I_ARGUMENTS(arguments),
                                 svo_i_run_items(r->params.triangle_count)));
     if ((r->params.flags & SVO_PLAN_SOME) == 0) {
