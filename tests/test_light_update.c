@@ -454,6 +454,32 @@ static void what_is_refused_leaves_the_light(void **state)
     close_stage(&of);
 }
 
+/* Boxes of a later change are not all that has changed since. */
+static void updates_after_a_failure_begin_anew(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_light_setup setup = setup_of(all_sources, 3, 40);
+    const svo_plan_options refused = {.need = SVO_NEED_NORMAL, .payload_level = 1};
+    uint64_t seed = 33;
+    stage of;
+    built other;
+    open_stage(&opened, seed, &of);
+    fixture_build(&opened, &of.room.mesh, DEPTH, &refused, &other);
+    svo_light *light = make_light(&opened, svo_moving_tree(of.moving), SVO_LIGHT_FACES, &setup);
+    follow(&opened, &of, light);
+    play(&opened, &of, &seed);
+    succeed(&opened, svo_moving_update(of.moving, opened.queue, NULL));
+    assert_refused(&opened, svo_light_update(light, other.tree, NULL, 0, opened.queue), "payload begins at level 1");
+    assert_int_equal(info_of(&opened, light).kept_bytes, 0);
+    play(&opened, &of, &seed);
+    follow(&opened, &of, light);
+    assert_all_are_shot(&opened, light);
+    compare(&opened, &of, light, &setup);
+    svo_light_destroy(&light);
+    built_destroy(&other);
+    close_stage(&of);
+}
+
 /* Without the box of an object that has gone. The next update shoots all photons. */
 static void missing_boxes_are_told(void **state)
 {
@@ -537,6 +563,7 @@ int main(void)
         cmocka_unit_test(every_setup_can_follow),
         cmocka_unit_test(dark_lights_can_follow),
         cmocka_unit_test(what_is_refused_leaves_the_light),
+        cmocka_unit_test(updates_after_a_failure_begin_anew),
         cmocka_unit_test(missing_boxes_are_told),
         cmocka_unit_test(memory_is_flat),
     };

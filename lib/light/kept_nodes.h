@@ -12,8 +12,7 @@
 typedef struct svo_i_kept_nodes {
     svo_i_kept_tree tree;
     cl_mem masks, children; /* of inner nodes: the tree's */
-    cl_mem
-        opacities; /* of inner nodes, six each, u16: of SVO_LIGHT_FACES, where extinctions say too little; else NULL */
+    cl_mem opacities; /* of inner nodes of SVO_LIGHT_FACES, whose extinctions say too little: six u16 each; else NULL */
 } svo_i_kept_nodes;
 
 /* Begins to keep the nodes of a light's tree, in light->nodes. */

@@ -62,11 +62,10 @@ static svo_status light_up(svo_light *made, svo_light *light, cl_command_queue q
     }
     made->kept = light->kept;
     light->kept = NULL;
-    light->info.kept_bytes = 0;
     return svo_i_light_set(made, function, &light->setup.asked, queue);
 }
 
-/* Makes the light of another tree. light: keeps nothing after a failure. */
+/* Makes the light of another tree. After a failure light keeps nothing: the next boxes are those of later changes. */
 static svo_status make_after(svo_light *light, svo_tree *tree, svo_i_light_before *before, cl_command_queue queue,
                              svo_light **made)
 {
@@ -78,6 +77,10 @@ static svo_status make_after(svo_light *light, svo_tree *tree, svo_i_light_befor
     svo_i_buffer_release(&before->origins);
     svo_i_buffer_release(&before->renewed);
     svo_i_kept_nodes_destroy(&light->nodes);
+    if (status != SVO_OK) {
+        svo_i_kept_destroy(&light->kept);
+        light->info.kept_bytes = 0;
+    }
     return status;
 }
 
