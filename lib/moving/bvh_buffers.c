@@ -209,8 +209,11 @@ static svo_status grow(svo_moving *moving, const char *function, cl_command_queu
     svo_status status = SVO_OK;
     svo_i_device_work work;
     if (of.nodes > index_max || of.units > index_max || of.items > index_max) {
-        return svo_i_device_fail(moving->device, SVO_UNSUPPORTED, "%s: the scene's triangles are too many for rays",
-                                 function);
+        return svo_i_device_fail(moving->device, SVO_UNSUPPORTED,
+                                 "%s: room for the BVHs is %llu nodes, %llu units of leaves and %llu items; at most %u "
+                                 "of each can be",
+                                 function, (unsigned long long)of.nodes, (unsigned long long)of.units,
+                                 (unsigned long long)of.items, index_max);
     }
     SVO_I_TRY(svo_i_work_begin(moving->device, function, queue, &work));
     SVO_I_TRY_CLEANUP(make_records(bvhs, &work, &of));
