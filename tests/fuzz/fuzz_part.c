@@ -33,14 +33,12 @@ static void check_message(const svo_message *message, const char *path)
 
 static void stitch(const svo_part_header *header, const char *path)
 {
-    static char out[] = "/tmp/svocl-fuzz-part-XXXXXX";
+    char out[] = "/tmp/svocl-fuzz-part-XXXXXX";
     svo_message message = {""};
     svo_tree *tree = NULL;
-    if (out[sizeof out - 2] == 'X') {
-        const int file = mkstemp(out);
-        REQUIRE(file >= 0);
-        (void)close(file);
-    }
+    const int file = mkstemp(out);
+    REQUIRE(file >= 0);
+    (void)close(file);
     const svo_status status = svo_parts_stitch(header, &path, 1, NULL, out, &message);
     REQUIRE(status == SVO_OK || status == SVO_FILE_DAMAGED || status == SVO_CAPACITY_EXCEEDED);
     REQUIRE(status == SVO_OK || strchr(message.text, '\n') == NULL);
