@@ -19,7 +19,8 @@
 #pragma clang diagnostic ignored "-Wpsabi"
 #endif
 
-/* Work-items of a work-group; kernels are compiled for exactly this size. */
+/* Work-items of a work-group. Kernels are compiled for exactly this size, but for those whose work-items have much to
+   do: there each is a group of its own. */
 #define SVO_GROUP_ITEMS 64
 /* Nodes or leaves that a work-item gathers on CPUs, where it evaluates their pairs together. */
 #define SVO_GATHER_NODES 32

@@ -18,8 +18,8 @@
  * tree's weights add up to less than 2^46, which leaves headroom for the sums.
  *
  * Launch: one work-item per node or leaf, rounded up to whole groups. The first two kernels, with -DSVO_PAIR_LANES for
- * CPUs with fp64, have one per SVO_GATHER_NODES of them, which evaluates its pairs eight at a time (pair_lanes.clh). No
- * atomics: one work-item writes a node's sums.
+ * CPUs with fp64, have one per SVO_GATHER_NODES of them, a group of its own, which evaluates its pairs eight at a time
+ * (pair_lanes.clh). No atomics: one work-item writes a node's sums.
  * Buffers: sums of one level each: weights (ulong), color (4 ulong a node), normal (3 long a node); of the leaves, for
  * lists of several chunks: areas (6 ulong a leaf).
  */
@@ -39,7 +39,7 @@
 
 #ifdef SVO_PAIR_LANES
 
-__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void
 svo_k_gather(__global const uint *fragments, __global const uint *links, __global const uint *heads,
              __global const int *vertices, __global const uint *indices, __global const svo_triangle_record *records,
              __global const uint *vertex_colors, __global const short *vertex_normals, __global const int *uvs,
@@ -103,7 +103,7 @@ SVO_CALLED void svo_gather_nodes(svo_lists *lists, const svo_gathered *to, uint 
     }
 }
 
-__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void svo_k_gather_level(
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void svo_k_gather_level(
     __global const uint *fragments, __global const uint *links, __global const uint *heads,
     __global const int *vertices, __global const uint *indices, __global const svo_triangle_record *records,
     __global const uint *vertex_colors, __global const short *vertex_normals, __global const int *uvs,

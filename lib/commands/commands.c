@@ -277,19 +277,24 @@ svo_status svo_i_commands_run(svo_i_commands *commands, cl_program program, cons
 svo_status svo_i_commands_launch(svo_i_commands *commands, cl_kernel kernel, const svo_i_argument *arguments,
                                  cl_uint argument_count, uint64_t items)
 {
+    return svo_i_commands_launch_groups(commands, kernel, arguments, argument_count, items, SVO_GROUP_ITEMS);
+}
+
+svo_status svo_i_commands_launch_groups(svo_i_commands *commands, cl_kernel kernel, const svo_i_argument *arguments,
+                                        cl_uint argument_count, uint64_t items, size_t group_items)
+{
     if (items == 0 || !svo_i_commands_launch_kernels(commands)) {
         predict(commands, items);
         return SVO_OK;
     }
     if (commands->mode == SVO_I_MODE_MEASURE) {
-        return svo_i_warm_up_launch(commands->warm_up, kernel, arguments, argument_count, items);
+        return svo_i_warm_up_launch(commands->warm_up, kernel, arguments, argument_count, items, group_items);
     }
     SVO_I_TRY(svo_i_kernel_set(commands->device, SVO_I_BUILD, kernel, arguments, argument_count));
-    const size_t local = SVO_GROUP_ITEMS;
-    const size_t global = (size_t)((items + local - 1) / local) * local;
+    const size_t global = (size_t)((items + group_items - 1) / group_items) * group_items;
     cl_event event = NULL;
-    const cl_int error = clEnqueueNDRangeKernel(commands->queue, kernel, 1, NULL, &global, &local, wait_count(commands),
-                                                wait_list(commands), &event);
+    const cl_int error = clEnqueueNDRangeKernel(commands->queue, kernel, 1, NULL, &global, &group_items,
+                                                wait_count(commands), wait_list(commands), &event);
     SVO_I_TRY(follow(commands, "clEnqueueNDRangeKernel", error, event));
     return advance(commands, items);
 }

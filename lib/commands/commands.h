@@ -117,6 +117,9 @@ svo_status svo_i_commands_kernel(svo_i_commands *commands, cl_program program, c
 /* Sets all arguments and launches enough work-groups for items work-items. Launches nothing if items is 0. */
 svo_status svo_i_commands_launch(svo_i_commands *commands, cl_kernel kernel, const svo_i_argument *arguments,
                                  cl_uint argument_count, uint64_t items);
+/* The same with work-groups of so many work-items, which divide SVO_GROUP_ITEMS. */
+svo_status svo_i_commands_launch_groups(svo_i_commands *commands, cl_kernel kernel, const svo_i_argument *arguments,
+                                        cl_uint argument_count, uint64_t items, size_t group_items);
 /* Creates a kernel, launches it and releases it: for kernels that a build launches only a few times. */
 svo_status svo_i_commands_run(svo_i_commands *commands, cl_program program, const char *name,
                               const svo_i_argument *arguments, cl_uint argument_count, uint64_t items);

@@ -158,7 +158,7 @@ static svo_status set_zeros(svo_i_warm_up *warm_up, cl_kernel kernel, const svo_
 }
 
 svo_status svo_i_warm_up_launch(svo_i_warm_up *warm_up, cl_kernel kernel, const svo_i_argument *arguments,
-                                cl_uint argument_count, uint64_t items)
+                                cl_uint argument_count, uint64_t items, size_t group_items)
 {
     const bool is_large = items >= LARGE_ITEMS / 2;
     bool skip = false;
@@ -167,11 +167,10 @@ svo_status svo_i_warm_up_launch(svo_i_warm_up *warm_up, cl_kernel kernel, const 
         return SVO_OK;
     }
     SVO_I_TRY(set_zeros(warm_up, kernel, arguments, argument_count));
-    const size_t local = SVO_GROUP_ITEMS;
-    const size_t global = is_large ? LARGE_ITEMS : SVO_GROUP_ITEMS;
+    const size_t global = is_large ? LARGE_ITEMS : group_items;
     cl_event event = NULL;
     const cl_uint wait_count = warm_up->last != NULL ? 1 : 0;
-    const cl_int error = clEnqueueNDRangeKernel(warm_up->queue, kernel, 1, NULL, &global, &local, wait_count,
+    const cl_int error = clEnqueueNDRangeKernel(warm_up->queue, kernel, 1, NULL, &global, &group_items, wait_count,
                                                 wait_count > 0 ? &warm_up->last : NULL, &event);
     SVO_I_TRY(follow(warm_up, "clEnqueueNDRangeKernel", error, event));
     return advance(warm_up, KERNEL_NS);

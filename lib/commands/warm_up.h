@@ -41,7 +41,7 @@ svo_status svo_i_warm_up_add_program(svo_i_warm_up *warm_up, cl_program program)
 /* Launches the kernel on zeros, with arguments of the same kinds and sizes. Kernels that were warmed up at this launch
    size, and kernels of programs that are not new, are skipped. */
 svo_status svo_i_warm_up_launch(svo_i_warm_up *warm_up, cl_kernel kernel, const svo_i_argument *arguments,
-                                cl_uint argument_count, uint64_t items);
+                                cl_uint argument_count, uint64_t items, size_t group_items);
 /* Waits for the launches and releases the buffers. */
 void svo_i_warm_up_end(svo_i_warm_up *warm_up);
 

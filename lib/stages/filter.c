@@ -145,17 +145,19 @@ static void release(filterer *f)
     }
 }
 
-/* Launches one work-item per node, or per that many nodes, in parts. One of the arguments is f->params. */
+/* Launches one work-item per node, or per that many nodes, in parts. One of the arguments is f->params. Work-items of
+   many nodes are groups of their own, so that small trees keep all threads of a CPU busy. */
 static svo_status launch_parts(filterer *f, cl_kernel kernel, const svo_i_argument *arguments, cl_uint argument_count,
                                uint64_t nodes, uint32_t per_item)
 {
+    const size_t group_items = per_item == 1 ? SVO_GROUP_ITEMS : 1;
     const uint64_t parts = svo_i_commands_parts(&f->build->commands, nodes);
     for (uint64_t part = 0; part < parts; ++part) {
         const uint64_t first = part * SVO_I_PART_ITEMS;
         const uint64_t count = part + 1 < parts ? SVO_I_PART_ITEMS : nodes - first;
         f->params.first_index = (cl_uint)first;
-        SVO_I_TRY(svo_i_commands_launch(&f->build->commands, kernel, arguments, argument_count,
-                                        (count + per_item - 1) / per_item));
+        SVO_I_TRY(svo_i_commands_launch_groups(&f->build->commands, kernel, arguments, argument_count,
+                                               (count + per_item - 1) / per_item, group_items));
     }
     f->params.first_index = 0;
     return SVO_OK;
