@@ -74,16 +74,17 @@ svo_status svo_i_triangles_begin(svo_i_triangle_file *file, void *hash, const ch
     XXH3_INITSTATE((XXH3_state_t *)file->hash);
     XXH3_64bits_reset(file->hash);
     file->block = svo_i_alloc(NULL, file->block_bytes);
-    if (file->block == NULL) {
-        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for triangles", path);
-    }
-    const int error = svo_i_output_open(path, NULL, &file->output);
-    return error == 0 ? SVO_OK : fail_errno(file, error);
+    return file->block != NULL ? SVO_OK
+                               : svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for triangles", path);
 }
 
+/* The first bytes open the file: many children of a part have no triangles, and none. */
 static svo_status flush(svo_i_triangle_file *file)
 {
-    const int error = svo_i_output_write(&file->output, file->block, file->filled);
+    int error = file->output.descriptor < 0 ? svo_i_output_open(file->path, NULL, &file->output) : 0;
+    if (error == 0) {
+        error = svo_i_output_write(&file->output, file->block, file->filled);
+    }
     XXH3_64bits_update(file->hash, file->block, file->filled);
     file->filled = 0;
     return error == 0 ? SVO_OK : fail_errno(file, error);
