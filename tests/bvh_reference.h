@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "shared/layout.h"
+#include "shared/bvh_layout.h"
 
 /* The geometry, as the octree holds it. */
 typedef struct bvh_source {

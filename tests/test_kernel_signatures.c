@@ -21,9 +21,12 @@
 #include "light/filter.h"
 #include "meshes.h"
 #include "rays/rays.h"
+#include "shared/bvh_layout.h"
 #include "shared/light_layout.h"
 #include "shared/moving_layout.h"
 #include "shared/probe_layout.h"
+#include "shared/scene_layout.h"
+#include "shared/solid_layout.h"
 #include "solid_meshes.h"
 
 #define KERNELS_MAX   192

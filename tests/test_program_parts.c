@@ -206,8 +206,8 @@ static void write_facets(const char *name, uint32_t count)
     assert_int_equal(fclose(file), 0);
 }
 
-/* A mesh in blocks takes no memory of its own: 50 MB of facets are 100 MB in memory and as many in a plan. The first builds
-   fill the caches of kernels, since compilers take memory. */
+/* A mesh in blocks takes no memory of its own: 50 MB of facets are 100 MB in memory and as many in a plan. The first
+   builds fill the caches of kernels, since compilers take memory. */
 static void mesh_files_are_read_in_blocks(void **state)
 {
     (void)state;

@@ -7,7 +7,7 @@
  * to its cell. Reads the nodes; writes the bounds of the tree: least x, y, z, and one past the greatest, which the host
  * sets to the empty box before. Atomics: least and greatest numbers, which no order changes. No local memory.
  */
-#include "shared/layout.h"
+#include "shared/scene_layout.h"
 
 #include "rays/read.clh"
 

@@ -8,6 +8,7 @@
  * contracted to fused multiply-adds, so the codes are the same on every device.
  */
 #include "shared/fragment.clh"
+#include "shared/scene_layout.h"
 
 #pragma OPENCL FP_CONTRACT OFF
 

@@ -10,6 +10,7 @@
  * node and each instance has one parent. No local memory.
  */
 #include "shared/fragment.clh"
+#include "shared/scene_layout.h"
 
 /* The length of the common prefix of two places; -1 beyond the ends of the list. */
 static int svo_scene_prefix(__global const uint *list, uint count, uint i, long j)

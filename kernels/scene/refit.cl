@@ -12,7 +12,7 @@
  * parents; writes the nodes' boxes. Atomics: six words per node in arrivals, zero before and afterwards. No local
  * memory.
  */
-#include "shared/layout.h"
+#include "shared/scene_layout.h"
 
 /* A bound as it waits in arrivals: never zero, since no bound is a NaN. */
 static uint svo_scene_pack(float bound)

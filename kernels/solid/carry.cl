@@ -6,7 +6,7 @@
  * Launch: one work-item per inner node of a level, rounded up to whole groups; levels in reverse order. Reads the tree,
  * the leaves' crossings or the bits of the next level; writes those of the level. No atomics, no local memory.
  */
-#include "shared/layout.h"
+#include "shared/solid_layout.h"
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_solid_carry(__global const uchar *child_mask, __global const uint *first_child, __global const uint *crossings,

@@ -11,7 +11,7 @@
  * one item. Atomics: a count, and places in the array of long lists, whose order no result depends on. Local memory,
  * of the last kernel: a word per work-item.
  */
-#include "shared/layout.h"
+#include "shared/solid_layout.h"
 
 #include "shared/group.clh"
 #include "shared/nodes.clh"

@@ -7,7 +7,7 @@
  * leaf and counts: 1 for the root, then the number of children of each node, whose sums are the places of the
  * children. No atomics, no local memory.
  */
-#include "shared/layout.h"
+#include "shared/solid_layout.h"
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_solid_masks(__global const uchar *child_mask, __global const uchar *inside_mask, __global uchar *valid,

@@ -7,7 +7,7 @@
  * mask of interior leaves and the sums of the numbers of children; writes the payload of the children, and the first
  * work-item that of the root. Elements are copied by 16 bits. No atomics, no local memory.
  */
-#include "shared/layout.h"
+#include "shared/solid_layout.h"
 
 static void svo_copy_element(__global const ushort *from, size_t source, __global ushort *to, size_t target,
                              const svo_solid_params *params)

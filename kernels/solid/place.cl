@@ -6,6 +6,7 @@
  * codes of the level, writes those of the next. No atomics, no local memory.
  */
 #include "shared/place.clh"
+#include "shared/solid_layout.h"
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_solid_place(__global const uchar *child_mask, __global const uint *first_child, __global ulong *codes,

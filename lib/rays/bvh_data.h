@@ -4,7 +4,7 @@
 #define SVO_LIB_RAYS_BVH_DATA_H
 
 #include "core/device.h"
-#include "shared/layout.h"
+#include "shared/bvh_layout.h"
 #include "svocl/trace.h"
 
 /* The geometry, as the octree holds it: all of it, or consecutive triangles. */

@@ -3,6 +3,7 @@
 #include "scene/arena.h"
 
 #include "scene/bounds.h"
+#include "shared/bvh_layout.h"
 
 /* ---- layout ---- */
 

@@ -4,7 +4,7 @@
 #define SVO_LIB_SCENE_STATE_H
 
 #include "core/program.h"
-#include "shared/layout.h"
+#include "shared/scene_layout.h"
 #include "svocl/scene.h"
 
 /* The buffers. The first ones are the arguments that SVO_SCENE_PARAMETERS declares, in order; built trees have two

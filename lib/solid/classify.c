@@ -7,7 +7,7 @@
 #include "solid/classify.h"
 
 #include "core/program.h"
-#include "shared/layout.h"
+#include "shared/solid_layout.h"
 
 /* Nodes of a launch, so that its counts fit 32 bits. */
 #define PART_NODES (UINT32_C(1) << 28)

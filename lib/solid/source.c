@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-#include "shared/layout.h"
+#include "shared/solid_layout.h"
 
 /* The most bytes of a payload element. */
 #define ELEMENT_BYTES_MAX 6

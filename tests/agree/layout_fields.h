@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Every record of shared/layout.h, light_layout.h, probe_layout.h and moving_layout.h and every field, in order, for a
- * file that defines these macros first:
+ * Every record of shared/layout.h and its neighbors and every field, in order, for a file that defines these macros
+ * first:
  *
  *   RECORD(record, items, first)   begins a record; first: its first word
  *   SCALAR(record, items, field)   one number

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT */
+/* shared/layout.h for solids. */
+#ifndef SVO_KERNELS_SHARED_SOLID_LAYOUT_H
+#define SVO_KERNELS_SHARED_SOLID_LAYOUT_H
+
+#include "shared/layout.h"
+
+/* Counters of the solid kernels. */
+#define SVO_SOLID_OUTSIDE    0 /* triangles that reach outside the grid */
+#define SVO_SOLID_LONG_LISTS 1 /* leaves whose list a work-group reads */
+#define SVO_SOLID_OPEN_X     2 /* columns whose crossings do not cancel, along x, y and z */
+#define SVO_SOLID_TESTS      5 /* empty cells of the launch */
+#define SVO_SOLID_INSIDE     6 /* of those, inside */
+#define SVO_SOLID_AMBIGUOUS  7 /* of those, with axes that disagree */
+#define SVO_SOLID_COUNTERS   8
+
+/* Arguments of the solid kernels. 48 bytes. */
+SVO_RECORD(svo_solid_params)
+{
+    SVO_U32 depth; /* 0 */
+    SVO_U32 voxel_log2; /* 4: edge of a voxel in grid units */
+    SVO_U32 leaf_begin; /* 8: first leaf */
+    SVO_U32 leaf_count; /* 12 */
+    SVO_U32 first; /* 16: first inner node of the launch */
+    SVO_U32 count; /* 20: nodes, leaves or triangles of the launch */
+    SVO_U32 level; /* 24: of those inner nodes */
+    SVO_U32 parity; /* 28: not 0: an odd sum is inside; 0: a sum other than 0 */
+    SVO_U32 element_halves; /* 32: 16-bit words of a payload element */
+    SVO_U32 repeats; /* 36: not 0: the tree's payload has one element for all nodes */
+    SVO_U32 value[2]; /* 40: the element of interior leaves, its first half in the low half of the first word */
+};
+
+#if !defined(GL_core_profile)
+SVO_ASSERT_BYTES(svo_solid_params, 48);
+#endif
+
+#endif
