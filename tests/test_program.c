@@ -59,6 +59,9 @@ static void options_without_effect_are_refused(void **state)
         {"parts remove a.svo.parts --device 0.0", "--device does not apply to parts remove"},
         {"scene --seed 2", "--seed does not apply without NAME"},
         {"scene cube:20 --seed 5 -o a.ply", "--seed does not apply to a NAME with numbers"},
+        {"gather scene:cube --points a.csv --seed 2 -o b.csv", "--seed does not apply to points of a file"},
+        {"hash a.svo --device 0.0", "--device does not apply to a finished tree"},
+        {"verify a.svo --threads 1", "--threads does not apply to a finished tree"},
         {"hash a.svo --frame 2", "--frame apply to voxel files"},
         {"hash a.vox --share host", "--share does not apply to voxels"},
         {"build a.vox --weights area", "--weights does not apply to voxels"},
@@ -157,6 +160,9 @@ static void scenes_are_written_and_read_again(void **state)
     assert_string_equal(text_of(made, "hash"), text_of(read, "hash"));
     cJSON_Delete(made);
     cJSON_Delete(read);
+    cJSON *written = run_json("$SVOCL scene knot:2000:3 -o knot.ply --json");
+    assert_true(number_of(written, "seed") == 3.0 && number_of(written, "triangles") == 2000.0);
+    cJSON_Delete(written);
     run_badly("$SVOCL scene knot -o knot.xyz", 2, "knot.xyz");
 }
 

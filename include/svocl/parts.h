@@ -131,7 +131,8 @@ typedef struct svo_parts_entry {
  * \param device whose memory the parts are planned for
  * \param mesh the whole mesh
  * \param depth of the whole tree
- * \param options of the whole tree; NULL means all defaults. part_header must be NULL
+ * \param options of the whole tree; NULL means all defaults. part_header must be NULL; builder has no effect, parts
+ *        are built by SVO_BUILDER_CL
  * \param max_bytes for the buffers and the host's memory of one part's build; 0: a sixteenth of the whole's, and
  *        at least 16 MiB
  * \param folder is made where it is not there

@@ -13,6 +13,7 @@
 struct scene {
     scene_builder builder;
     svo_mesh mesh;
+    uint32_t seed;
 };
 
 typedef struct scene_kind {
@@ -142,6 +143,7 @@ svo_status scene_create(const char *spec, scene **out, svo_message *message)
                           request.triangles, kind->description.name);
     }
     fill_mesh(&made->builder, &made->mesh);
+    made->seed = request.seed;
     *out = made;
     return SVO_OK;
 }
@@ -159,4 +161,9 @@ void scene_destroy(scene **scene_handle)
 const svo_mesh *scene_mesh(const scene *scene_handle)
 {
     return &scene_handle->mesh;
+}
+
+uint32_t scene_seed(const scene *scene_handle)
+{
+    return scene_handle->seed;
 }

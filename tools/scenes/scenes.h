@@ -46,6 +46,7 @@ const scene_description *scene_describe(size_t index);
 svo_status scene_create(const char *spec, scene **out, svo_message *message);
 void scene_destroy(scene **scene_handle); /* NULL and a pointer to NULL are allowed */
 const svo_mesh *scene_mesh(const scene *scene_handle); /* lives as long as the scene */
+uint32_t scene_seed(const scene *scene_handle); /* it was made with */
 
 /*
  * The three write a mesh to a stream, whose errors the caller looks for. A mesh needs float positions, normals and

@@ -11,6 +11,7 @@
 #include <time.h>
 
 #include "support/compact_input.h"
+#include "support/options_parse.h"
 #include "support/spool.h"
 
 #define PATH_BYTES 4096
@@ -84,6 +85,14 @@ int input_refuse_build_options(program *state)
     }
     return program_fail(state, PROGRAM_WRONG_USAGE, "%s is a finished tree, build options do not apply",
                         state->options.input);
+}
+
+int input_refuse_device_options(program *state)
+{
+    static const char *const of_devices[] = {"device", "threads", "path", "kernels", NULL};
+    const int exit_code = input_refuse_build_options(state);
+    return exit_code == PROGRAM_DONE ? options_refuse(state, of_devices, "to a finished tree, which the host reads")
+                                     : exit_code;
 }
 
 static bool is_finite_vertex(const svo_mesh *mesh, size_t vertex)

@@ -7,6 +7,7 @@
 
 #include "measure/path.h"
 #include "support/lighting.h"
+#include "support/options_parse.h"
 #include "support/output.h"
 #include "support/table.h"
 #include "svocl/commands.h"
@@ -265,8 +266,13 @@ static int run(gathering *work)
 
 static int check_options(program *state)
 {
+    static const char *const random[] = {"seed", NULL};
     const options *given = &state->options;
     if (light_points_check(state) != PROGRAM_DONE) {
+        return PROGRAM_WRONG_USAGE;
+    }
+    if (light_points_are_read(state) && given->reference == 0 &&
+        options_refuse(state, random, "to points of a file without --reference") != PROGRAM_DONE) {
         return PROGRAM_WRONG_USAGE;
     }
     if (given->output_path == NULL) {

@@ -144,7 +144,7 @@ static int hash_inside(program *state)
 
 static int hash_tree_file(program *state)
 {
-    int exit_code = input_refuse_build_options(state);
+    int exit_code = input_refuse_device_options(state);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }

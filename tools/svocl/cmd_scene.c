@@ -54,12 +54,13 @@ static void write_spec(const options *given, char *spec, size_t spec_bytes)
     }
 }
 
-static int report_scene(program *state, const svo_mesh *mesh)
+static int report_scene(program *state, const scene *made)
 {
+    const svo_mesh *mesh = scene_mesh(made);
     if (state->options.json) {
         cJSON *document = json_document();
         json_add_text(document, "scene", state->options.input);
-        json_add_count(document, "seed", state->options.seed);
+        json_add_count(document, "seed", scene_seed(made));
         json_add_count(document, "triangles", mesh->triangle_count);
         json_add_count(document, "vertices", mesh->vertex_count);
         json_add_text(document, "file", state->options.output_path);
@@ -115,7 +116,7 @@ int command_scene(program *state)
     progress_step(state->progress, "writing the mesh");
     exit_code = mesh_output_write(state, scene_mesh(made), state->options.output_path);
     if (exit_code == PROGRAM_DONE) {
-        exit_code = report_scene(state, scene_mesh(made));
+        exit_code = report_scene(state, made);
     }
     scene_destroy(&made);
     return exit_code;

@@ -156,7 +156,7 @@ static int verify(program *state, const svo_tree *tree, const job *done)
 
 static int verify_tree_file(program *state)
 {
-    int exit_code = input_refuse_build_options(state);
+    int exit_code = input_refuse_device_options(state);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }

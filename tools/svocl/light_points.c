@@ -28,6 +28,11 @@ static size_t point_count_of(const char *text)
     return end != NULL && *end == '\0' && count <= POINTS_MAX ? count : 0;
 }
 
+bool light_points_are_read(const program *state)
+{
+    return point_count_of(state->options.points_path) == 0;
+}
+
 int light_points_make(program *state, const svo_mesh *mesh, point_table *out)
 {
     const size_t count = point_count_of(state->options.points_path);

@@ -9,6 +9,9 @@
 /* --points is missing, or reads standard input as INPUT does. Returns the exit code. */
 int light_points_check(program *state);
 
+/* Whether --points names a file, and not a number of points. */
+bool light_points_are_read(const program *state);
+
 /* Reads the file, or spreads so many points over the mesh by --seed. mesh: NULL for none. Returns the exit code. */
 int light_points_make(program *state, const svo_mesh *mesh, point_table *out);
 
