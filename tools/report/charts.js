@@ -167,11 +167,12 @@ function wrapChart(id, label, height, content) {
     content}</svg>`;
 }
 
-/* all: the points of the whole figure, for axes and styles. */
+/* all: the points of the whole figure, for axes and styles. The first curve lies above the others. */
 function drawCurves(figure, points, all, id, label) {
   const x = makeScale(measureAxis(all.map(point => point.x), figure.xLabel), false);
   const y = makeScale(measureAxis(all.map(point => point.y), figure.yLabel), true);
-  const curves = curveNames(all).map((name, index) => drawCurve(figure, points, name, styleOf(name, index), x, y));
+  const curves = curveNames(all).map((name, index) => drawCurve(figure, points, name, styleOf(name, index), x, y))
+    .reverse();
   return wrapChart(id, label, chartHeight,
     [drawXAxis(x, figure.xLabel), drawYAxis(y, figure.yLabel), curves, drawRings(figure, points, x, y)]);
 }
