@@ -72,7 +72,9 @@ static soup make_soup(uint32_t triangle_count)
     made.floats = calloc((size_t)triangle_count * 9 + 1, sizeof *made.floats);
     made.indices = calloc((size_t)triangle_count * 3 + 1, sizeof *made.indices);
     made.triangle_ids = calloc((size_t)triangle_count + 1, sizeof *made.triangle_ids);
-    assert_true(made.vertices != NULL && made.floats != NULL && made.indices != NULL && made.triangle_ids != NULL);
+    if (made.vertices == NULL || made.floats == NULL || made.indices == NULL || made.triangle_ids == NULL) {
+        abort(); /* no memory */
+    }
     for (uint32_t i = 0; i < triangle_count * 3; ++i) {
         made.indices[i] = i;
         made.triangle_ids[i / 3] = 2 * (i / 3) + 5;

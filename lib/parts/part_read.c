@@ -211,7 +211,7 @@ cleanup:
 svo_status svo_part_check(const svo_part_header *header, const char *path, svo_part_info *info, svo_message *message)
 {
     static const char function[] = "svo_part_check";
-    svo_part_header whole;
+    svo_part_header whole = SVO_PART_HEADER_INIT;
     svo_part_info found;
     if (path == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: path is NULL", function);
