@@ -32,8 +32,7 @@ SVO_RECORD(svo_ray_node)
 #define SVO_RAY_LEAF_HEAD_WORDS    8
 #define SVO_RAY_LEAF_PADDING_WORDS 8
 
-    /* ---- the making of BVHs ---- */
-
+/* The making of BVHs: bins of a split. */
 #define SVO_BVH_BINS     16 /* along an axis */
 #define SVO_BVH_CELLS    48 /* along all three */
 #define SVO_BVH_BY_COUNT 3u /* in place of an axis: split in halves of the items */

@@ -2,9 +2,9 @@
 /*
  * What the host, the OpenCL kernels and the GLSL shaders must agree on: constants, and the records that travel in
  * buffers and kernel arguments. One text for C, C++, OpenCL C and GLSL. Records hold 32-bit integers and floats only,
- * every field at a multiple of four bytes, without padding. Offsets are in bytes. Solids, BVHs, scenes,
- * scenes that move, light and probes have files of their own: solid_layout.h and so on. The records that callers of the
- * library see are in svocl/ray_types.h and its neighbors.
+ * every field at a multiple of four bytes, without padding. Offsets are in bytes. Solids, BVHs, scenes, scenes that
+ * move, light and probes have files of their own: solid_layout.h and so on. The records that callers of the library see
+ * are in svocl/ray_types.h and its neighbors.
  */
 #ifndef SVO_KERNELS_SHARED_LAYOUT_H
 #define SVO_KERNELS_SHARED_LAYOUT_H
