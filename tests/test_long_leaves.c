@@ -3,7 +3,8 @@
  * Two hundred thousand triangles through one voxel. Drivers of GPUs stop launches that take too long, so on their path
  * no work-item may go through a leaf's triangles alone. All launches of a build are noted here. From the launch's size
  * follows how much of the longest list a work-item goes through; a kernel that the table does not know fails the test.
- * The tree is that of the CPU's path.
+ * The tree is that of the CPU's path. There, launches of small trees are noted too, whose groups keep several threads
+ * busy.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -31,7 +32,7 @@
 
 typedef struct noted_launch {
     char kernel[NAME_BYTES];
-    size_t items;
+    size_t items, groups;
 } noted_launch;
 
 static struct {
@@ -52,7 +53,7 @@ cl_int __wrap_clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, c
                                      cl_event *event)
 {
     static const char of_plans[] = "svo_k_plan_"; /* before there are leaves */
-    noted_launch launch = {.items = global[0]};
+    noted_launch launch = {.items = global[0], .groups = local != NULL ? global[0] / local[0] : 1};
     clGetKernelInfo(kernel, CL_KERNEL_FUNCTION_NAME, sizeof launch.kernel, launch.kernel, NULL);
     if (notes.count < LAUNCHES_MAX && strncmp(launch.kernel, of_plans, sizeof of_plans - 1) != 0) {
         notes.launches[notes.count++] = launch;
@@ -166,14 +167,20 @@ static uint64_t longest_item(const char **kernel)
     return most;
 }
 
-static size_t items_of(const char *kernel)
+/* The first launch of a kernel, or nothing. */
+static noted_launch launch_of(const char *kernel)
 {
     for (size_t i = 0; i < notes.count; ++i) {
         if (strcmp(notes.launches[i].kernel, kernel) == 0) {
-            return notes.launches[i].items;
+            return notes.launches[i];
         }
     }
-    return 0;
+    return (noted_launch){.items = 0};
+}
+
+static size_t items_of(const char *kernel)
+{
+    return launch_of(kernel).items;
 }
 
 /* Triangles in one voxel with a few of other materials beside them. */
@@ -219,14 +226,14 @@ static void crowd_destroy(crowd *made)
 }
 
 /* Builds on a path. The kernels are warm, so that what is noted is the build's own. */
-static void build_on(const fixture *opened, bool cpu_path, const crowd *made, const svo_plan_options *options,
+static void build_on(const fixture *opened, bool cpu_path, const svo_mesh *mesh, const svo_plan_options *options,
                      built *out)
 {
     opened->device->cpu_path = cpu_path;
-    fixture_build(opened, &made->base.mesh, 5, options, out);
+    fixture_build(opened, mesh, 5, options, out);
     built_destroy(out);
     notes.count = 0;
-    fixture_build(opened, &made->base.mesh, 5, options, out);
+    fixture_build(opened, mesh, 5, options, out);
 }
 
 static void no_work_item_goes_through_a_long_leaf(void **state)
@@ -237,13 +244,13 @@ static void no_work_item_goes_through_a_long_leaf(void **state)
     crowd made;
     built by_cpu, by_gpu;
     crowd_create(&made);
-    build_on(&opened, true, &made, &options, &by_cpu);
+    build_on(&opened, true, &made.base.mesh, &options, &by_cpu);
     assert_in_range(by_cpu.info.leaf_count, 1, 8);
     if (items_of("svo_k_gather_level") > 0) { /* not on CPUs without exact doubles */
         assert_in_range(longest_item(&kernel), TRIANGLES, UINT64_MAX);
         assert_string_equal(kernel, "svo_k_gather_level");
     }
-    build_on(&opened, false, &made, &options, &by_gpu);
+    build_on(&opened, false, &made.base.mesh, &options, &by_gpu);
     const uint64_t steps = longest_item(&kernel);
     print_message("%u triangles: at most %llu steps of a work-item, in %s\n", TRIANGLES, (unsigned long long)steps,
                   kernel);
@@ -254,6 +261,26 @@ static void no_work_item_goes_through_a_long_leaf(void **state)
     built_destroy(&by_gpu);
     built_destroy(&by_cpu);
     crowd_destroy(&made);
+}
+
+/* A CPU runs a group on one thread, so the nodes of a small tree are gathered by several. */
+static void small_trees_are_gathered_by_groups(void **state)
+{
+    static const double corner[3] = {0.1, 0.1, 0.1};
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_plan_options options = {.need = SVO_NEED_NORMAL};
+    owned_mesh dust;
+    built small;
+    random_dust(7, 20, corner, 0.8, &dust);
+    build_on(&opened, true, &dust.mesh, &options, &small);
+    const uint64_t parents = small.info.inner_count - small.info.level_begin[4];
+    const size_t groups = launch_of("svo_k_gather_level").groups;
+    if (items_of("svo_k_gather_pairs") == 0) { /* which is for CPUs without exact doubles */
+        assert_in_range(parents, 2 * SVO_GATHER_NODES, SVO_GROUP_ITEMS * SVO_GATHER_NODES - 1);
+        assert_int_equal(groups, (parents + SVO_GATHER_NODES - 1) / SVO_GATHER_NODES);
+    }
+    built_destroy(&small);
+    owned_mesh_free(&dust);
 }
 
 /* Updates a scene that moves, and leaves the launches of the update. */
@@ -294,6 +321,7 @@ static void nor_does_one_of_a_scene_that_moves(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(no_work_item_goes_through_a_long_leaf),
+                                       cmocka_unit_test(small_trees_are_gathered_by_groups),
                                        cmocka_unit_test(nor_does_one_of_a_scene_that_moves)};
     return cmocka_run_group_tests_name("long leaves", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -78,7 +78,7 @@ svo_status svo_i_triangles_begin(svo_i_triangle_file *file, void *hash, const ch
                                : svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for triangles", path);
 }
 
-/* The first bytes open the file: many children of a part have no triangles, and none. */
+/* The first bytes open the file, since many children of a part have no triangles and so no file. */
 static svo_status flush(svo_i_triangle_file *file)
 {
     int error = file->output.descriptor < 0 ? svo_i_output_open(file->path, NULL, &file->output) : 0;
