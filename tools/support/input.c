@@ -89,10 +89,10 @@ int input_refuse_build_options(program *state)
 
 int input_refuse_device_options(program *state)
 {
-    static const char *const of_devices[] = {"device", "threads", "path", "kernels", NULL};
     const int exit_code = input_refuse_build_options(state);
-    return exit_code == PROGRAM_DONE ? options_refuse(state, of_devices, "to a finished tree, which the host reads")
-                                     : exit_code;
+    return exit_code == PROGRAM_DONE
+               ? options_refuse_groups(state, OPTION_DEVICE, "to a finished tree, which the host reads")
+               : exit_code;
 }
 
 static bool is_finite_vertex(const svo_mesh *mesh, size_t vertex)

@@ -201,6 +201,16 @@ int options_refuse(program *state, const char *const names[], const char *where)
     return PROGRAM_DONE;
 }
 
+int options_refuse_groups(program *state, unsigned groups, const char *where)
+{
+    for (size_t i = 0; options_rule(i) != NULL; ++i) {
+        if (is_given_at(&state->options, i) && (options_rule(i)->group & groups) != 0) {
+            return refuse(state, options_rule(i), where);
+        }
+    }
+    return PROGRAM_DONE;
+}
+
 int options_take_only(program *state, unsigned groups, const char *const names[], const char *where)
 {
     for (size_t i = 0; options_rule(i) != NULL; ++i) {

@@ -21,6 +21,8 @@ bool options_is_given(const options *given, const char *name);
 /* Fails where one of the options is on the command line: "option --NAME does not apply WHERE". names: ends with NULL.
    Returns the exit code. */
 int options_refuse(program *state, const char *const names[], const char *where);
+/* The same of all options of some groups. */
+int options_refuse_groups(program *state, unsigned groups, const char *where);
 /* Fails where another option is on the command line than those of the groups and the names. */
 int options_take_only(program *state, unsigned groups, const char *const names[], const char *where);
 

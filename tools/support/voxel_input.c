@@ -51,9 +51,8 @@ int voxel_input_check_options(program *state, uint32_t need)
 {
     const options *given = &state->options;
     static const char *const of_meshes[] = {"origin", "edge", "coverage", "weights", "strict", "import-seconds", NULL};
-    static const char *const of_opengl[] = {"frontend", "share", "context", "gl-device", NULL};
     if (options_refuse(state, of_meshes, "to voxels") != PROGRAM_DONE ||
-        (options_ask_for_gl(given) && options_refuse(state, of_opengl, "to voxels") != PROGRAM_DONE)) {
+        (options_ask_for_gl(given) && options_refuse_groups(state, OPTION_METHODS, "to voxels") != PROGRAM_DONE)) {
         return PROGRAM_WRONG_USAGE;
     }
     const uint32_t known = (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_MATERIAL | (uint32_t)SVO_NEED_NONE;

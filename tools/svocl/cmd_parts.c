@@ -28,9 +28,13 @@ static int take_only(program *state, unsigned groups, const char *const names[])
 /* Parts are planned without a front end. */
 static int check_plan(program *state)
 {
-    static const char *const others[] = {"part", "frontend", "share", "context", "gl-device", NULL};
-    const int refused = options_refuse(state, others, "to parts plan");
-    return refused == PROGRAM_DONE ? parts_check_builder(state) : refused;
+    static const char *const of_builds[] = {"part", NULL};
+    static const char where[] = "to parts plan";
+    if (options_refuse(state, of_builds, where) != PROGRAM_DONE ||
+        options_refuse_groups(state, OPTION_METHODS, where) != PROGRAM_DONE) {
+        return PROGRAM_WRONG_USAGE;
+    }
+    return parts_check_builder(state);
 }
 
 /* A device that fails here may work later, or on another machine that sees the folder. */
