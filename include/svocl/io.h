@@ -270,7 +270,8 @@ typedef struct svo_import_options {
 typedef struct svo_import_info {
     size_t struct_size; /**< sizeof(svo_import_info) */
     const char *reader; /**< "obj", "ply", "stl", "off" or "gltf": the library's own; "assimp". A static string */
-    uint64_t declared_vertices; /**< vertices in the file, or by its header; 0 with glTF and assimp, as the next three */
+    uint64_t declared_vertices; /**< vertices in the file, or by its header; 0 for glTF and with assimp, as the next
+                                     three */
     uint64_t used_vertices; /**< of those, the ones that a triangle has */
     uint64_t declared_faces; /**< faces in the file, or by its header; each triangle of a strip counts */
     uint64_t read_faces; /**< of those, the ones that became triangles */
@@ -293,7 +294,8 @@ typedef struct svo_import svo_import;
  *
  *  What a file declares and is not in the mesh is a warning: vertices of no face, points, lines, elements and
  *  statements that are not read, textures that cannot be read (white is used), indices of vertices that do not exist
- *  (PLY; a build refuses such triangles and counts them). extensions of glTF that change what is seen. svo_import_options.strict makes them errors.
+ *  (PLY, glTF; a build refuses such triangles and counts them), extensions of glTF that change what is seen.
+ *  svo_import_options.strict makes them errors.
  *
  * \param path of the file
  * \param options NULL means all defaults

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The import child, seen by its parent: started with one pipe, read until the pipe closes or the time limit passes,
- * then waited for or killed. The default limit grows with what the child says that it reads besides the mesh file. A crash, a hang or endless output becomes a status.
+ * then waited for or killed. The default limit grows with what the child says that it reads besides the mesh file.
+ * A crash, a hang or endless output becomes a status.
  */
 #define _GNU_SOURCE /* pipe2: no other thread's child can inherit the pipe */
 #include "io/import_process.h"

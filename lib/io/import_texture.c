@@ -23,7 +23,7 @@
 #pragma GCC diagnostic ignored "-Wunused-function"
 #include <stb/stb_image.h>
 
-/* Tells the parent what an image takes: its bytes and its texels, of which there are none where it is not understood. */
+/* Tells the parent what an image takes: its bytes, and its texels where it is understood. */
 static void announce(const texture_list *textures, uint64_t packed_bytes, int width, int height)
 {
     svo_i_stream_work(textures->stream, packed_bytes + (uint64_t)width * (uint64_t)height * 4);
