@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Materials of glTF (specification, 3.9): base color, its texture, emission, and what alpha means. Factors are linear
- * in the file and sRGB in svo_material, as texels are in both, so that a build's products of bytes are close to those of
- * light. Metal, roughness and what else changes highlights alone is not read.
+ * in the file and sRGB in svo_material, as texels are in both, so that a build's products of bytes are close to
+ * products of light. Metal, roughness and what else changes highlights alone is not read.
  */
 #include "io/import_gltf_material.h"
 

@@ -40,8 +40,8 @@ struct svo_parts {
 char *svo_i_folder_path(const svo_parts *parts, const char *name);
 char *svo_i_part_path(const svo_parts *parts, uint32_t level, uint64_t code, const char *suffix);
 
-/* Which plan a folder is of, for the files that could be another's: an XXH3-128 of the header, whose input_hash is of the
-   mesh, and of what decides how it is divided. */
+/* Which plan a folder is of, for the files that could be another's: an XXH3-128 of the header, whose input_hash is of
+   the mesh, and of what decides how it is divided. */
 void svo_i_folder_identity(const svo_parts *parts, uint64_t identity[2]);
 /* What a part's file of triangles must be of. */
 svo_i_triangles_of svo_i_folder_triangles(const svo_parts *parts, uint32_t level, uint64_t code);

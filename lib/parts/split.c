@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Divides parts. A .split file has the numbers of triangles of the eight children, what the part is of, and the checksum
-   of both. */
+/* Divides parts. A .split file has the numbers of triangles of the eight children, what the part is of, and the
+   checksum of both. */
 #define _POSIX_C_SOURCE 200809L
 #include "parts/split.h"
 
