@@ -149,7 +149,8 @@ static svo_status parse(gltf_file *file, const gltf_bytes *json)
     const char *end = text;
     file->root = cJSON_ParseWithLengthOpts(text, (size_t)json->byte_count, &end, 0);
     if (!cJSON_IsObject(file->root)) {
-        return svo_i_fail(file->reader->message, SVO_IMPORT_FAILED, "byte %zu of its JSON: not understood",
+        return svo_i_fail(file->reader->message, SVO_IMPORT_FAILED,
+                          "byte %zu of its JSON: not understood, or no memory for it",
                           end != NULL ? (size_t)(end - text) : (size_t)0);
     }
     return SVO_OK;
