@@ -8,7 +8,6 @@
 #include "io/import_gltf.h"
 
 #include <inttypes.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,7 +19,6 @@
 
 #define NODE_DEPTH_MAX 1000 /* bounds the recursion; deeper files are damaged */
 #define MATERIALS_MAX  UINT16_MAX
-#define UNIT_ERROR     1e-6 /* of the squared length of a quaternion of floats */
 
 /* The looks made from one of the file's materials, without and with its texture. */
 typedef struct material_entry {
@@ -358,27 +356,6 @@ static svo_status gather_primitive(gltf_scene *scene, const primitive *p, const 
 
 /* ---- transforms ---- */
 
-/*
- * Translation, rotation as a quaternion x, y, z, w, and scale. In floats, which the file's numbers mostly are, so that
- * trees stay the same bytes from version to version. Quaternions of integers are not quite of length 1.
- */
-static void compose(const double move[3], const double turn[4], const double scale[3], double local[3][4])
-{
-    const double length2 = turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2] + turn[3] * turn[3];
-    const double to_unit = fabs(length2 - 1) < UNIT_ERROR || !(length2 > 0) ? 1 : 1 / sqrt(length2);
-    const float x = (float)(turn[0] * to_unit), y = (float)(turn[1] * to_unit);
-    const float z = (float)(turn[2] * to_unit), w = (float)(turn[3] * to_unit);
-    const float rotation[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
-                                  {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},
-                                  {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}};
-    for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 3; ++column) {
-            local[row][column] = (double)(rotation[row][column] * (float)scale[column]);
-        }
-        local[row][3] = (double)(float)move[row];
-    }
-}
-
 static svo_status read_transform(const gltf_scene *scene, const cJSON *node, const transform *parent, transform *out)
 {
     double matrix[16], move[3] = {0, 0, 0}, turn[4] = {0, 0, 0, 1}, scale[3] = {1, 1, 1};
@@ -387,7 +364,7 @@ static svo_status read_transform(const gltf_scene *scene, const cJSON *node, con
     SVO_I_TRY(svo_i_gltf_numbers(&scene->file, node, "translation", move, 3));
     SVO_I_TRY(svo_i_gltf_numbers(&scene->file, node, "rotation", turn, 4));
     SVO_I_TRY(svo_i_gltf_numbers(&scene->file, node, "scale", scale, 3));
-    compose(move, turn, scale, local);
+    transform_compose(move, turn, scale, local);
     for (int i = 0; i < 12 && svo_i_gltf_get(node, "matrix") != NULL; ++i) {
         local[i / 4][i % 4] = (double)(float)matrix[i % 4 * 4 + i / 4]; /* by columns */
     }
@@ -435,7 +412,7 @@ static transform place_instance(const instances *all, uint32_t number, const tra
     get_vector(&all->moves, number, move);
     get_vector(&all->turns, number, turn);
     get_vector(&all->scales, number, scale);
-    compose(move, turn, scale, local);
+    transform_compose(move, turn, scale, local);
     return transform_combine(node, local);
 }
 

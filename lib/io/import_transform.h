@@ -3,7 +3,10 @@
 #ifndef SVO_LIB_IO_IMPORT_TRANSFORM_H
 #define SVO_LIB_IO_IMPORT_TRANSFORM_H
 
+#include <math.h>
 #include <stdbool.h>
+
+#define TRANSFORM_UNIT_ERROR 1e-6 /* of the squared length of a quaternion of floats */
 
 /* The affine part of a 4 x 4 matrix, rows of 3 and a translation. */
 typedef struct transform {
@@ -61,6 +64,28 @@ static inline transform transform_combine(const transform *parent, const double 
     }
     transform_derive_normal(&result);
     return result;
+}
+
+/*
+ * Translation, rotation as a quaternion x, y, z, w, and scale. In floats, which the file's numbers mostly are, so that
+ * trees stay the same bytes from version to version. Quaternions of integers are not quite of length 1.
+ */
+static inline void transform_compose(const double move[3], const double turn[4], const double scale[3],
+                                     double local[3][4])
+{
+    const double length2 = turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2] + turn[3] * turn[3];
+    const double to_unit = fabs(length2 - 1) < TRANSFORM_UNIT_ERROR || !(length2 > 0) ? 1 : 1 / sqrt(length2);
+    const float x = (float)(turn[0] * to_unit), y = (float)(turn[1] * to_unit);
+    const float z = (float)(turn[2] * to_unit), w = (float)(turn[3] * to_unit);
+    const float rotation[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
+                                  {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},
+                                  {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}};
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 3; ++column) {
+            local[row][column] = (double)(rotation[row][column] * (float)scale[column]);
+        }
+        local[row][3] = (double)(float)move[row];
+    }
 }
 
 static inline void transform_apply(const double linear[3][3], const double offset[3], const double vector[3],
