@@ -15,7 +15,7 @@ if(svocl_type STREQUAL "STATIC_LIBRARY")
   set(svocl_static TRUE)
   set(svocl_pkgconfig_definitions " -DSVO_STATIC")
   list(JOIN svocl_svx_modules " " modules)
-  string(STRIP "assimp libzstd ${modules}" svocl_pkgconfig_io_modules)
+  string(STRIP "assimp libcjson libzstd ${modules}" svocl_pkgconfig_io_modules)
 endif()
 
 # svocl_install_library(target component name): installs target as svocl::component with svocl-component.cmake and

@@ -49,7 +49,7 @@ svocl_package(svocl_development libsvocl-dev libdevel "headers and CMake files f
 set(CPACK_DEBIAN_SVOCL_DEVELOPMENT_PACKAGE_DEPENDS "ocl-icd-opencl-dev | opencl-dev")
 if(svocl_static)
   if(SVOCL_IO)
-    string(APPEND CPACK_DEBIAN_SVOCL_DEVELOPMENT_PACKAGE_DEPENDS ", libassimp-dev, libzstd-dev")
+    string(APPEND CPACK_DEBIAN_SVOCL_DEVELOPMENT_PACKAGE_DEPENDS ", libassimp-dev, libcjson-dev, libzstd-dev")
     if(svocl_svx_modules)
       string(APPEND CPACK_DEBIAN_SVOCL_DEVELOPMENT_PACKAGE_DEPENDS ", libzip-dev, libexpat1-dev")
     endif()

@@ -403,6 +403,7 @@ PLAIN(FAULT_PROCESS, int, posix_spawnattr_setsigmask, (posix_spawnattr_t * attri
       (attributes, signals), EINVAL, 0)
 PLAIN(FAULT_PROCESS, int, setrlimit, (__rlimit_resource_t resource, const struct rlimit *limit), (resource, limit), -1,
       EPERM)
+PLAIN(FAULT_PROCESS, int, getrlimit, (__rlimit_resource_t resource, struct rlimit *limit), (resource, limit), -1, EPERM)
 PLAIN(FAULT_PROCESS, int, nanosleep, (const struct timespec *time, struct timespec *left), (time, left), -1, EINTR)
 
 DECLARE(int, posix_spawn,

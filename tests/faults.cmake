@@ -2,7 +2,8 @@
 enable_language(CXX)
 set(SVOCL_FAULTS_CALLS
   access aligned_alloc calloc close closedir dladdr dlclose dlopen dlsym fchmod fchown fclose fcntl ferror fflush fgetc
-  fopen fread free fseek fstat fsync ftruncate fwrite kill link linkat lseek lstat malloc mkdir mmap munmap nanosleep
+  fopen fread free fseek fstat fsync ftruncate fwrite getrlimit kill link linkat lseek lstat malloc mkdir mmap munmap
+  nanosleep
   open opendir pipe2 poll posix_memalign posix_spawn posix_spawn_file_actions_adddup2 posix_spawn_file_actions_addopen
   posix_spawn_file_actions_init posix_spawnattr_init posix_spawnattr_setflags posix_spawnattr_setsigdefault
   posix_spawnattr_setsigmask pread pwrite read readdir readlink realloc realpath rename rmdir setrlimit stat strdup

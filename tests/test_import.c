@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Meshes are imported as their files define them: positions bit for bit, node transforms, normals, colors, texture
- * coordinates and textures, from OBJ, PLY, STL and glTF files written here. Any failure of the reading process becomes
+ * coordinates and textures, from OBJ, PLY and STL files written here. Any failure of the reading process becomes
  * a status and a one-line message.
  */
 #define _XOPEN_SOURCE 700
@@ -20,6 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <stb/stb_image_write.h>
@@ -92,14 +93,6 @@ static void expect_vector(const float *vector, float x, float y, float z)
 {
     if (vector[0] != x || vector[1] != y || vector[2] != z) {
         fail_msg("(%.9g, %.9g, %.9g), expected (%.9g, %.9g, %.9g)", (double)vector[0], (double)vector[1],
-                 (double)vector[2], (double)x, (double)y, (double)z);
-    }
-}
-
-static void expect_near(const float *vector, float x, float y, float z)
-{
-    if (!(fabsf(vector[0] - x) < 1e-5f && fabsf(vector[1] - y) < 1e-5f && fabsf(vector[2] - z) < 1e-5f)) {
-        fail_msg("(%.9g, %.9g, %.9g), expected about (%.9g, %.9g, %.9g)", (double)vector[0], (double)vector[1],
                  (double)vector[2], (double)x, (double)y, (double)z);
     }
 }
@@ -284,140 +277,6 @@ static void test_binary_stl(void **unused)
     svo_import_destroy(&import);
 }
 
-/* glTF */
-
-static void append_base64(char *text, const uint8_t *bytes, size_t byte_count)
-{
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    size_t end = strlen(text);
-    for (size_t i = 0; i < byte_count; i += 3) {
-        const size_t left = byte_count - i;
-        const uint32_t group = (uint32_t)bytes[i] << 16 | (uint32_t)(left > 1 ? bytes[i + 1] : 0) << 8 |
-                               (uint32_t)(left > 2 ? bytes[i + 2] : 0);
-        assert_true(end + 5 < TEXT_BYTES);
-        for (size_t k = 0; k < 4; ++k) {
-            text[end++] = k <= left ? digits[group >> (18 - 6 * k) & 63] : '=';
-        }
-        text[end] = '\0';
-    }
-}
-
-/* One triangle with normals, uvs and colors, an embedded image, and the given nodes as JSON. */
-static void write_gltf(const char *name, const char *nodes, const char *texture_extension)
-{
-    static const struct {
-        float positions[9], normals[9], uvs[6], colors[12];
-        uint16_t indices[4];
-    } buffer = {{0, 0, 0, 1, 0, 0, 0, 1, 0},
-                {0, 0.6f, 0.8f, 0, 0, 1, 0, 0, 1},
-                {0, 0, 1, 0, 1, 1},
-                {1, 0, 0, 1, 0, 0.5f, 0, 1, 0, 0, 1, 0.25f},
-                {0, 1, 2, 0}};
-    static char text[TEXT_BYTES];
-    int image_bytes = 0;
-    unsigned char *image = stbi_write_png_to_mem(picture, 8, 2, 2, 4, &image_bytes);
-    assert_non_null(image);
-    (void)snprintf(text, sizeof text,
-                   "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_texture_transform\"],\"scene\":0,"
-                   "\"scenes\":[{\"nodes\":[0]}],\"nodes\":[%s],"
-                   "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"TEXCOORD_0\":2,"
-                   "\"COLOR_0\":3},\"indices\":4,\"material\":0}]}],"
-                   "\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,0.5,0.25,0.5],"
-                   "\"baseColorTexture\":{\"index\":0%s}},\"emissiveFactor\":[0.5,0.25,1]}],"
-                   "\"textures\":[{\"source\":0,\"sampler\":0}],\"samplers\":[{\"wrapS\":33648,\"wrapT\":33071}],"
-                   "\"accessors\":["
-                   "{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},"
-                   "{\"bufferView\":1,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},"
-                   "{\"bufferView\":2,\"componentType\":5126,\"count\":3,\"type\":\"VEC2\"},"
-                   "{\"bufferView\":3,\"componentType\":5126,\"count\":3,\"type\":\"VEC4\"},"
-                   "{\"bufferView\":4,\"componentType\":5123,\"count\":3,\"type\":\"SCALAR\"}],"
-                   "\"bufferViews\":[{\"buffer\":0,\"byteOffset\":0,\"byteLength\":36},"
-                   "{\"buffer\":0,\"byteOffset\":36,\"byteLength\":36},"
-                   "{\"buffer\":0,\"byteOffset\":72,\"byteLength\":24},"
-                   "{\"buffer\":0,\"byteOffset\":96,\"byteLength\":48},"
-                   "{\"buffer\":0,\"byteOffset\":144,\"byteLength\":6}],"
-                   "\"buffers\":[{\"byteLength\":%zu,\"uri\":\"data:application/octet-stream;base64,",
-                   nodes, texture_extension, sizeof buffer);
-    append_base64(text, (const uint8_t *)&buffer, sizeof buffer);
-    strncat(text, "\"}],\"images\":[{\"uri\":\"data:image/png;base64,", sizeof text - strlen(text) - 1);
-    append_base64(text, image, (size_t)image_bytes);
-    strncat(text, "\"}]}", sizeof text - strlen(text) - 1);
-    free(image);
-    write_text(name, text);
-}
-
-static void test_gltf_attributes(void **unused)
-{
-    (void)unused;
-    write_gltf("one.gltf", "{\"mesh\":0}", "");
-    svo_import *import = import_file("one.gltf");
-    const svo_mesh *mesh = svo_import_mesh(import);
-    assert_int_equal(mesh->triangle_count, 1);
-    expect_vector(corner(mesh, mesh->positions, 0, 1, 3), 1, 0, 0);
-    expect_vector(corner(mesh, mesh->normals, 0, 0, 3), 0, 0.6f, 0.8f);
-    expect_uv(mesh, 0, 0, 0, 0); /* glTF counts v from the first row, as svo_texture does */
-    expect_uv(mesh, 0, 2, 1, 1);
-    expect_color(mesh, 0, 1, (const uint8_t[]){0, 128, 0, 255});
-    expect_color(mesh, 0, 2, (const uint8_t[]){0, 0, 255, 64});
-    const svo_material *material = material_of(mesh, 0);
-    assert_memory_equal(material->rgba, ((const uint8_t[]){255, 128, 64, 128}), 4);
-    const svo_texture *texture = &mesh->textures[material->texture_index];
-    expect_picture(texture);
-    assert_int_equal(texture->wrap_u, SVO_WRAP_MIRROR);
-    assert_int_equal(texture->wrap_v, SVO_WRAP_CLAMP);
-    assert_non_null(mesh->finishes);
-    expect_vector(mesh->finishes[mesh->triangle_materials[0]].emission, 0.5f, 0.25f, 1);
-    svo_import_destroy(&import);
-}
-
-/* The outer node is translated. The inner node scales x by 2, then rotates about z by a quarter turn. Both nodes have
-   the mesh. */
-static void test_gltf_nested_nodes(void **unused)
-{
-    (void)unused;
-    write_gltf("nested.gltf",
-               "{\"mesh\":0,\"translation\":[10,20,30],\"children\":[1]},"
-               "{\"mesh\":0,\"rotation\":[0,0,0.70710678118,0.70710678118],\"scale\":[2,1,1]}",
-               "");
-    svo_import *import = import_file("nested.gltf");
-    const svo_mesh *mesh = svo_import_mesh(import);
-    assert_int_equal(mesh->triangle_count, 2);
-    expect_vector(corner(mesh, mesh->positions, 0, 1, 3), 11, 20, 30);
-    expect_vector(corner(mesh, mesh->normals, 0, 0, 3), 0, 0.6f, 0.8f);
-    expect_near(corner(mesh, mesh->positions, 1, 0, 3), 10, 20, 30);
-    expect_near(corner(mesh, mesh->positions, 1, 1, 3), 10, 22, 30);
-    expect_near(corner(mesh, mesh->positions, 1, 2, 3), 9, 20, 30);
-    /* Up to scale, the normal is the inverse transpose of diag(2, 1, 1), rotated, times the determinant 2. */
-    expect_near(corner(mesh, mesh->normals, 1, 0, 3), -1.2f, 0, 1.6f);
-    svo_import_destroy(&import);
-}
-
-/* A mirrored triangle and its normal must still face the same side. */
-static void test_gltf_mirrored_node(void **unused)
-{
-    (void)unused;
-    write_gltf("mirror.gltf", "{\"mesh\":0,\"scale\":[1,1,-1]}", "");
-    svo_import *import = import_file("mirror.gltf");
-    const svo_mesh *mesh = svo_import_mesh(import);
-    expect_vector(corner(mesh, mesh->positions, 0, 0, 3), 0, 0, 0);
-    expect_vector(corner(mesh, mesh->positions, 0, 1, 3), 0, 1, 0);
-    expect_vector(corner(mesh, mesh->positions, 0, 2, 3), 1, 0, 0);
-    expect_near(corner(mesh, mesh->normals, 0, 0, 3), 0, 0.6f, -0.8f);
-    svo_import_destroy(&import);
-}
-
-static void test_gltf_texture_transform(void **unused)
-{
-    (void)unused;
-    write_gltf("transform.gltf", "{\"mesh\":0}",
-               ",\"extensions\":{\"KHR_texture_transform\":{\"offset\":[0.5,0.125],\"scale\":[0.5,0.25]}}");
-    svo_import *import = import_file("transform.gltf");
-    const svo_mesh *mesh = svo_import_mesh(import);
-    expect_uv(mesh, 0, 0, 0.5f, 0.125f);
-    expect_uv(mesh, 0, 2, 1, 0.375f);
-    svo_import_destroy(&import);
-}
-
 /* Files without a usable mesh */
 
 static void test_unreadable_files(void **unused)
@@ -500,6 +359,39 @@ static void test_the_time_limit_grows_with_the_file(void **unused)
     free(bytes);
 }
 
+/* Work that the child announces gives it more time: the first child is silent for longer than the limit, the second one
+   hangs, and the third one's limit is of the file as a whole. */
+static void test_the_time_limit_grows_with_announced_work(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *kind;
+        bool time_grows;
+        svo_status expected;
+        const char *text;
+    } cases[] = {{"work", true, SVO_OK, ""},
+                 {"work and hang", true, SVO_IMPORT_FAILED, "reading took longer than 2 s"},
+                 {"work", false, SVO_IMPORT_FAILED, "reading took longer than 1 s"}};
+    const svo_import_options options = {.struct_size = sizeof options,
+                                        .memory_limit_bytes = UINT64_C(1) << 30,
+                                        .time_limit_seconds = 1,
+                                        .child_program = SELF};
+    write_plain();
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        svo_import import = {.byte_count = 0};
+        svo_message message = {""};
+        assert_int_equal(setenv(MISBEHAVIOR, cases[i].kind, 1), 0);
+        const svo_status status =
+            svo_i_import_run_child(path_of("child.obj"), &options, cases[i].time_grows, &import, &message);
+        assert_int_equal(unsetenv(MISBEHAVIOR), 0);
+        svo_i_free(import.bytes);
+        if (status != cases[i].expected || strstr(message.text, cases[i].text) == NULL) {
+            fail_msg("%s: %s \"%s\", expected %s \"%s\"", cases[i].kind, svo_status_name(status), message.text,
+                     svo_status_name(cases[i].expected), cases[i].text);
+        }
+    }
+}
+
 /* Without a child program the helper reads, and not the calling program, which may lack svo_import_child_main. */
 static void test_the_helper_reads_by_default(void **unused)
 {
@@ -564,8 +456,11 @@ static void test_ignored_child_signals(void **unused)
 static void test_damaged_answers(void **unused)
 {
     (void)unused;
-    write_gltf("one.gltf", "{\"mesh\":0}", "");
-    svo_import *good = import_file("one.gltf");
+    write_picture("colors.png");
+    write_text("shiny.mtl", "newmtl shiny\nKd 1 0.5 0.25\nKs 1 1 1\nNs 2\nmap_Kd colors.png\n");
+    write_text("shiny.obj", "mtllib shiny.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nusemtl shiny\n"
+                            "f 1/1/1 2/1/1 3/1/1\n");
+    svo_import *good = import_file("shiny.obj");
     for (size_t i = 0; i < good->byte_count; ++i) {
         svo_import part = {.bytes = malloc(i + 1), .byte_count = i};
         assert_non_null(part.bytes);
@@ -619,6 +514,14 @@ static int misbehave(const char *kind, const char *path, const char *seconds)
             close(IMPORT_CHILD_STREAM);
         }
         pause();
+    } else if (strncmp(kind, "work", 4) == 0) {
+        const struct timespec silence = {.tv_sec = 1, .tv_nsec = 500000000};
+        answer(STREAM_GREETING, STREAM_GREETING_BYTES);
+        svo_i_stream_work(IMPORT_CHILD_STREAM, kind[4] == '\0' ? 1000000000 : 1000000);
+        if (kind[4] != '\0') {
+            pause();
+        }
+        nanosleep(&silence, NULL);
     } else if (strcmp(kind, "tell limit") == 0) {
         answer(STREAM_GREETING, STREAM_GREETING_BYTES);
         (void)svo_i_stream_text(IMPORT_CHILD_STREAM, STREAM_FAILURE, "limit %s", seconds);
@@ -652,14 +555,11 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_missing_attributes_become_neutral),
         cmocka_unit_test(test_ply_with_colors_and_a_bad_index),
         cmocka_unit_test(test_binary_stl),
-        cmocka_unit_test(test_gltf_attributes),
-        cmocka_unit_test(test_gltf_nested_nodes),
-        cmocka_unit_test(test_gltf_mirrored_node),
-        cmocka_unit_test(test_gltf_texture_transform),
         cmocka_unit_test(test_unreadable_files),
         cmocka_unit_test(test_files_without_a_mesh),
         cmocka_unit_test(test_children_that_misbehave),
         cmocka_unit_test(test_the_time_limit_grows_with_the_file),
+        cmocka_unit_test(test_the_time_limit_grows_with_announced_work),
         cmocka_unit_test(test_the_helper_reads_by_default),
         cmocka_unit_test(test_a_child_that_cannot_start),
         cmocka_unit_test(test_a_child_out_of_memory),

@@ -948,6 +948,87 @@ static void test_damaged_folders(void **state)
     attributed_mesh_destroy(&made);
 }
 
+/* A file of triangles of each of the first two parts of a folder, in memory. The caller frees them. */
+typedef struct triangle_files {
+    char paths[2][PATH_BYTES + 48];
+    char *contents[2];
+    size_t bytes[2];
+} triangle_files;
+
+static triangle_files make_triangle_files(const job *j, const svo_mesh *mesh, const char *folder)
+{
+    triangle_files files;
+    svo_parts *parts = NULL;
+    svo_message message;
+    check(j, svo_parts_create(j->opened.device, mesh, 5, NULL, 400000, folder, &message), &message);
+    check(j, svo_parts_open(folder, &parts, &message), &message);
+    assert_true(svo_parts_count(parts) >= 2);
+    for (size_t i = 0; i < 2; ++i) {
+        svo_parts_entry entry = SVO_PARTS_ENTRY_INIT;
+        check(j, svo_parts_get(parts, i, &entry, &message), &message);
+        (void)snprintf(files.paths[i], sizeof files.paths[i], "%s/%u-%llx.tri", folder, entry.level,
+                       (unsigned long long)entry.code);
+        files.contents[i] = read_file(files.paths[i], &files.bytes[i]);
+    }
+    svo_parts_close(&parts);
+    return files;
+}
+
+static void free_triangle_files(triangle_files *files)
+{
+    free(files->contents[0]);
+    free(files->contents[1]);
+}
+
+/* The first part does not build from these bytes, and the message has the text. */
+static void expect_refused(const job *j, const triangle_files *own, const char *folder, const char *bytes,
+                           size_t byte_count, const char *text)
+{
+    svo_parts *parts = NULL;
+    svo_message message;
+    write_file(own->paths[0], bytes, byte_count);
+    check(j, svo_parts_open(folder, &parts, &message), &message);
+    assert_int_equal(svo_parts_build(parts, 0, j->opened.device, NULL, NULL, &message), SVO_FILE_DAMAGED);
+    if (strstr(message.text, own->paths[0]) == NULL || strstr(message.text, text) == NULL) {
+        fail_msg("\"%s\", expected \"%s\"", message.text, text);
+    }
+    svo_parts_close(&parts);
+}
+
+/* Triangles of another mesh, of another part and of the first version, which knew neither, are not built from. */
+static void test_triangles_of_another_plan(void **state)
+{
+    attributed_mesh made;
+    attributed_mesh other;
+    svo_message message;
+    char folder[PATH_BYTES];
+    attributed_mesh_create(31, 200, 0.0, &made);
+    attributed_mesh_create(32, 200, 0.0, &other);
+    path_of("folder", folder);
+    job j = open_job(state, &made.mesh);
+    triangle_files foreign = make_triangle_files(&j, &other.mesh, folder);
+    check(&j, svo_parts_remove(folder, &message), &message);
+    triangle_files own = make_triangle_files(&j, &made.mesh, folder);
+    expect_refused(&j, &own, folder, foreign.contents[0], foreign.bytes[0], "triangles of the plan ");
+    expect_refused(&j, &own, folder, own.contents[1], own.bytes[1], "triangles of the part ");
+    const size_t records = own.bytes[0] - 56;
+    const uint64_t sum = XXH3_64bits(own.contents[0], records);
+    char *older = malloc(own.bytes[0]);
+    assert_non_null(older);
+    memcpy(older, own.contents[0], own.bytes[0]);
+    memcpy(older + records, &sum, sizeof sum);
+    expect_refused(&j, &own, folder, older, records + sizeof sum, "no file of triangles of version 2");
+    free(older);
+    write_file(own.paths[0], own.contents[0], own.bytes[0]);
+    build_folder(&j, j.opened.device, folder);
+    check(&j, svo_parts_remove(folder, &message), &message);
+    free_triangle_files(&foreign);
+    free_triangle_files(&own);
+    close_job(&j);
+    attributed_mesh_destroy(&made);
+    attributed_mesh_destroy(&other);
+}
+
 static int setup(void **state)
 {
     return mkdtemp(directory) != NULL ? fixture_group_setup(state) : -1;
@@ -987,6 +1068,7 @@ int main(void)
         cmocka_unit_test(test_small_devices),
         cmocka_unit_test(test_triangles_that_are_missing),
         cmocka_unit_test(test_damaged_folders),
+        cmocka_unit_test(test_triangles_of_another_plan),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }

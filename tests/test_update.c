@@ -787,6 +787,34 @@ static void wrong_refits_are_refused(void **state)
     traced_destroy(&t);
 }
 
+/* Whether the BVH cannot be refit for the mesh's doubles or for triangles outside the grid, with the figures. */
+static void refits_are_refused_for_one_reason(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    static const char *const words[] = {
+        "the BVH was made of 1200 vertices in doubles, and a refit needs floats",
+        "the BVH was made of 399 of 400 triangles, some of which reach out of the grid"};
+    for (int i = 0; i < 2; ++i) {
+        traced t;
+        moving_create(21, 400, 0.0, i == 1, &t.m);
+        t.options = updatable(SVO_NEED_RAYS);
+        t.options.edge = 1.5;
+        for (int k = 0; i == 1 && k < 9; ++k) {
+            t.m.floats[k] = k < 3 ? 7.0F : 1e30F; /* outside */
+        }
+        t.plan = make_plan(&opened, &t.m.mesh, 6, t.options);
+        t.workspace = make_workspace(&opened, t.plan);
+        t.tree = make_tree(&opened, t.workspace);
+        (void)enqueue_and_finish(&opened, t.workspace, t.tree);
+        succeed(&opened, svo_tree_make_bvh(t.tree, SVO_BVH_FAST, opened.queue));
+        assert_int_equal(svo_tree_refit_bvh_enqueue(t.tree, opened.queue, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
+        if (strstr(svo_device_message(opened.device), words[i]) == NULL) {
+            fail_msg("\"%s\", expected \"%s\"", svo_device_message(opened.device), words[i]);
+        }
+        traced_destroy(&t);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -802,6 +830,7 @@ int main(void)
         cmocka_unit_test(a_refit_bvh_has_the_hits_of_a_new_one),
         cmocka_unit_test(rays_never_meet_an_outdated_bvh),
         cmocka_unit_test(wrong_refits_are_refused),
+        cmocka_unit_test(refits_are_refused_for_one_reason),
         cmocka_unit_test(wrong_requests_are_refused),
         cmocka_unit_test(wrong_updates_are_refused),
         cmocka_unit_test(a_failed_update_takes_the_mesh_away),

@@ -437,6 +437,27 @@ static void test_points(void **state)
     bytes_free(&file);
 }
 
+/* Points of voxels without materials have no such column. */
+static void test_points_without_materials(void **state)
+{
+    (void)state;
+    const svo_voxel voxel = {.x = 1, .rgba = {1, 2, 3, 4}};
+    svo_voxels_source source = SVO_VOXELS_SOURCE_INIT;
+    source.voxels = &voxel;
+    source.voxel_count = 1;
+    svo_voxels *voxels = make(&source);
+    byte_list file = write_as(voxels, SVO_VOXEL_FORMAT_PLY, NULL);
+    bytes_put_u8(&file, 0);
+    const char *end = strstr((const char *)file.bytes, "end_header\n");
+    assert_non_null(end);
+    assert_null(strstr((const char *)file.bytes, "material"));
+    const uint8_t *point = (const uint8_t *)end + strlen("end_header\n");
+    assert_int_equal(file.bytes + file.count - 1 - point, 16);
+    assert_memory_equal(point + 12, voxel.rgba, 4);
+    svo_voxels_destroy(&voxels);
+    bytes_free(&file);
+}
+
 static bool is_there(const svo_voxels *voxels, int32_t x, int32_t y, int32_t z)
 {
     const svo_voxel *all = svo_voxels_get(voxels);
@@ -729,6 +750,7 @@ int main(void)
         cmocka_unit_test(test_binvox_headers),
         cmocka_unit_test(test_binvox_damage),
         cmocka_unit_test(test_points),
+        cmocka_unit_test(test_points_without_materials),
         cmocka_unit_test(test_cubes_have_outer_faces_alone),
         cmocka_unit_test(test_real_files_there_and_back),
         cmocka_unit_test(test_damaged_vox),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /** \file
- * Files (svocl::io): trees as .svo; meshes from OBJ, PLY, STL, OFF, and from what assimp knows. It includes
+ * Files (svocl::io): trees as .svo; meshes from OBJ, PLY, STL, OFF, glTF, and from what assimp knows. It includes
  * voxel_files.h, whose subject is voxels.
  *
  * The .svo format, version 3. All numbers are little-endian; offsets are bytes from the start of the file.
@@ -253,7 +253,8 @@ SVO_API svo_status svo_compact_load_memory(const void *bytes, size_t byte_count,
 typedef struct svo_import_options {
     size_t struct_size; /**< sizeof(svo_import_options) */
     uint64_t memory_limit_bytes; /**< address space of the child process; 0: 8 GiB */
-    uint32_t time_limit_seconds; /**< wall clock; 0: 5 s, and 1 s for each 10^6 bytes of the file */
+    uint32_t time_limit_seconds; /**< wall clock, of all; 0: 5 s, and 1 s for each 10^6 bytes of the file, of the
+                                      files that it names, and of the texels of its textures */
     const char *child_program; /**< a program that calls svo_import_child_main first; "/proc/self/exe" is the caller.
                                     NULL: the installed helper (svo_import_helper) */
     uint32_t strict; /**< not 0: what would be a warning is an error */
@@ -268,8 +269,9 @@ typedef struct svo_import_options {
 /** What a file declares and what was read. */
 typedef struct svo_import_info {
     size_t struct_size; /**< sizeof(svo_import_info) */
-    const char *reader; /**< "obj", "ply", "stl" or "off": the library's own; "assimp". A static string */
-    uint64_t declared_vertices; /**< vertices in the file, or by its header; 0 with assimp, as the next three */
+    const char *reader; /**< "obj", "ply", "stl", "off" or "gltf": the library's own; "assimp". A static string */
+    uint64_t declared_vertices; /**< vertices in the file, or by its header; 0 for glTF and with assimp, as the next
+                                     three */
     uint64_t used_vertices; /**< of those, the ones that a triangle has */
     uint64_t declared_faces; /**< faces in the file, or by its header; each triangle of a strip counts */
     uint64_t read_faces; /**< of those, the ones that became triangles */
@@ -286,11 +288,14 @@ typedef struct svo_import svo_import;
 /** Reads a mesh file in a child process with limits on memory and time, so that a reader that crashes or hangs ends in
  *  an error. OBJ with MTL, PLY, STL and OFF have readers of the library's own: every number of a text becomes the
  *  nearest float, whatever the locale, and a damaged file is an error that names the line or byte, the value and the
- *  limit. glTF and what else assimp knows is read by assimp; node transforms are applied. Polygons are triangulated.
+ *  limit. So has glTF 2.0, with KHR_mesh_quantization, EXT_mesh_gpu_instancing and KHR_texture_transform; a file that
+ *  requires another extension is refused. What else assimp knows is read by assimp. Transforms of nodes are applied.
+ *  Polygons are triangulated. Linear colors, as glTF has them, become sRGB.
  *
  *  What a file declares and is not in the mesh is a warning: vertices of no face, points, lines, elements and
  *  statements that are not read, textures that cannot be read (white is used), indices of vertices that do not exist
- *  (PLY; a build refuses such triangles and counts them). svo_import_options.strict makes them errors.
+ *  (PLY, glTF; a build refuses such triangles and counts them), extensions of glTF that change what is seen.
+ *  svo_import_options.strict makes them errors.
  *
  * \param path of the file
  * \param options NULL means all defaults

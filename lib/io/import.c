@@ -19,7 +19,6 @@
 #define HELPER_PATH_BYTES    4096
 #define DEFAULT_MEMORY_BYTES ((uint64_t)8 << 30)
 #define DEFAULT_TIME_SECONDS 5
-#define BYTES_PER_SECOND     1000000 /* more time for each */
 
 /* Errors for which the system has a better message than a reader: missing, a directory, no permission. */
 static svo_status check_file(const char *path, uint64_t *byte_count, svo_message *message)
@@ -42,7 +41,8 @@ static svo_status check_file(const char *path, uint64_t *byte_count, svo_message
     return status;
 }
 
-/* Options without zeros. helper: room for the path of the helper program. */
+/* Options without zeros. helper: room for the path of the helper program. The time for other files than the mesh file
+   is added when the child announces them (import_process.c). */
 static svo_status fill_options(svo_import_options *options, uint64_t byte_count, char *helper, size_t helper_bytes,
                                svo_message *message)
 {
@@ -50,7 +50,7 @@ static svo_status fill_options(svo_import_options *options, uint64_t byte_count,
         options->memory_limit_bytes = DEFAULT_MEMORY_BYTES;
     }
     if (options->time_limit_seconds == 0) {
-        const uint64_t seconds = DEFAULT_TIME_SECONDS + byte_count / BYTES_PER_SECOND;
+        const uint64_t seconds = DEFAULT_TIME_SECONDS + byte_count / STREAM_BYTES_A_SECOND;
         options->time_limit_seconds = seconds < UINT32_MAX ? (uint32_t)seconds : UINT32_MAX;
     }
     if (options->child_program == NULL) {
@@ -87,6 +87,7 @@ svo_status svo_import_file(const char *path, const svo_import_options *options, 
     SVO_I_TRY(svo_i_struct_read(message, "svo_import_file", "options", options, &filled,
                                 SVO_I_STRUCT_SIZES(svo_import_options, time_limit_seconds)));
     SVO_I_TRY(check_file(path, &byte_count, message));
+    const bool time_grows = filled.time_limit_seconds == 0;
     SVO_I_TRY(fill_options(&filled, byte_count, helper, sizeof helper, message));
     svo_i_memory memory;
     SVO_I_TRY(svo_i_memory_read(message, "svo_import_file", "options.memory", filled.memory, &memory));
@@ -95,7 +96,7 @@ svo_status svo_import_file(const char *path, const svo_import_options *options, 
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the mesh", path);
     }
     import->memory = memory;
-    SVO_I_TRY_CLEANUP(svo_i_import_run_child(path, &filled, import, message));
+    SVO_I_TRY_CLEANUP(svo_i_import_run_child(path, &filled, time_grows, import, message));
     SVO_I_TRY_CLEANUP(svo_i_stream_parse(import, path, filled.strict != 0, log, log_user, message));
     *out = import;
     import = NULL;

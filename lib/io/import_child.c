@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The import child: sets its own resource limits, reads the file and writes the mesh to its parent. OBJ, PLY, STL and
- * OFF have readers of their own (import_formats.h), assimp reads the formats with scenes. On some broken files assimp
+ * The import child: sets its own resource limits, reads the file and writes the mesh to its parent. OBJ, PLY, STL,
+ * OFF and glTF have readers of their own (import_formats.h), assimp reads the others. On some broken files assimp
  * 5.2.5 crashes, hangs or allocates without end; here that ends this process alone.
  */
 #define _POSIX_C_SOURCE 200809L
@@ -35,12 +35,12 @@
 #endif
 
 /* A limit that cannot be set is no error: the parent's timeout still holds. */
-static void set_limits(uint64_t memory_bytes, uint64_t seconds)
+static void set_limits(uint64_t memory_bytes, uint64_t seconds, bool time_grows)
 {
     /* 1 and not 0: with 0 the kernel still pipes a core to a handler, and 1 is too small for any core file. */
     const struct rlimit core = {.rlim_cur = 1, .rlim_max = 1};
     (void)setrlimit(RLIMIT_CORE, &core);
-    const struct rlimit processor = {.rlim_cur = seconds, .rlim_max = seconds + 1};
+    const struct rlimit processor = {.rlim_cur = seconds, .rlim_max = time_grows ? RLIM_INFINITY : seconds + 1};
     (void)setrlimit(RLIMIT_CPU, &processor);
     if (LIMIT_ADDRESS_SPACE) {
         const struct rlimit space = {.rlim_cur = memory_bytes, .rlim_max = memory_bytes};
@@ -109,7 +109,7 @@ static int read_file(const char *path, uint64_t memory_bytes, gather *mesh, stre
         status = svo_i_read_mesh(&reader, format);
     }
     svo_i_file_close(&file);
-    if (format == MESH_FORMAT_OTHER) {
+    if (format == MESH_FORMAT_OTHER || counts->reader == STREAM_READER_ASSIMP) {
         return read_with_assimp(path, memory_bytes, mesh);
     }
     return status != SVO_OK ? report_failure(message.text, memory_bytes) : 0;
@@ -140,7 +140,7 @@ int svo_import_child_main(int argc, char **argv, int *exit_code)
     }
     const uint64_t memory_bytes = strtoull(argv[3], NULL, 10);
     const uint64_t seconds = strtoull(argv[4], NULL, 10);
-    set_limits(memory_bytes, seconds);
+    set_limits(memory_bytes, seconds, strcmp(argv[5], IMPORT_CHILD_GROWS) == 0);
     *exit_code = read_and_send(argv[2], memory_bytes);
     return 1;
 }

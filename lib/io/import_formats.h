@@ -10,7 +10,8 @@ typedef enum mesh_format {
     MESH_FORMAT_OBJ,
     MESH_FORMAT_PLY,
     MESH_FORMAT_STL,
-    MESH_FORMAT_OFF
+    MESH_FORMAT_OFF,
+    MESH_FORMAT_GLTF
 } mesh_format;
 
 /* Judged by the suffix of the path, else by the first bytes. */
@@ -18,7 +19,8 @@ mesh_format svo_i_mesh_format(const char *path, const char *bytes, size_t byte_c
 
 /*
  * Reads a mesh of one of the formats above.
- * Returns SVO_IMPORT_FAILED or SVO_OUT_OF_HOST_MEMORY, with words without the path. A mesh without a triangle fails.
+ * Returns SVO_IMPORT_FAILED or SVO_OUT_OF_HOST_MEMORY, with words without the path. A mesh without a triangle fails. So
+ * does glTF 1.0, and the counts name assimp as its reader.
  */
 svo_status svo_i_read_mesh(mesh_reader *reader, mesh_format format);
 

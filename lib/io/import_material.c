@@ -35,10 +35,7 @@ static svo_wrap wrap_of(enum aiTextureMapMode mode)
     }
 }
 
-/*
- * Scale and offset from the file, such as glTF's KHR_texture_transform. assimp 5.2.5 has a step that applies them, but
- * that step scales about the center, which contradicts what assimp's glTF reader stores.
- */
+/* Scale and offset from the file. assimp 5.2.5 has a step that applies them, but that step scales about the center. */
 static bool read_uv_transform(const texture_list *textures, const struct aiMaterial *source, enum aiTextureType type,
                               texture_use *use)
 {
@@ -66,9 +63,12 @@ static bool add_texture(texture_list *textures, const struct aiMaterial *source,
             aiGetMaterialTexture(source, types[i], 0, &path, NULL, &use->uv_channel, NULL, NULL, modes, NULL) ==
                 aiReturn_SUCCESS &&
             path.length > 0) {
+            const texture_source image = {.name = path.data,
+                                          .wrap_u = wrap_of(modes[0]),
+                                          .wrap_v = wrap_of(modes[1]),
+                                          .alpha_from = TEXTURE_KEEP_ALPHA};
             return read_uv_transform(textures, source, types[i], use) &&
-                   svo_i_import_texture(textures, path.data, wrap_of(modes[0]), wrap_of(modes[1]),
-                                        &material->texture_index);
+                   svo_i_import_texture(textures, &image, &material->texture_index);
         }
     }
     return true;

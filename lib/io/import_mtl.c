@@ -309,7 +309,9 @@ svo_status svo_i_mtl_gather(mtl_library *library, const mesh_reader *reader, tex
         if (source != NULL && textured && source->texture != NULL && source->texture[0] != '\0' &&
             reader->path != NULL) {
             const svo_wrap wrap = source->clamps ? SVO_WRAP_CLAMP : SVO_WRAP_REPEAT;
-            if (!svo_i_import_texture(textures, source->texture, wrap, wrap, &material.texture_index)) {
+            const texture_source image = {
+                .name = source->texture, .wrap_u = wrap, .wrap_v = wrap, .alpha_from = TEXTURE_KEEP_ALPHA};
+            if (!svo_i_import_texture(textures, &image, &material.texture_index)) {
                 return svo_i_read_out_of_memory(reader);
             }
         }

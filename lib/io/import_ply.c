@@ -238,8 +238,8 @@ static svo_status read_texture(ply_reader *ply)
         return SVO_OK;
     }
     texture_list textures = {.mesh_path = reader->path, .stream = reader->stream};
-    const bool done = svo_i_import_texture(&textures, ply->header.texture_file, SVO_WRAP_REPEAT, SVO_WRAP_REPEAT,
-                                           &ply->material.texture_index);
+    const texture_source image = {.name = ply->header.texture_file, .alpha_from = TEXTURE_KEEP_ALPHA};
+    const bool done = svo_i_import_texture(&textures, &image, &ply->material.texture_index);
     reader->mesh->has_uvs = ply->material.texture_index != SVO_NO_TEXTURE;
     svo_i_texture_list_free(&textures);
     return done ? SVO_OK : svo_i_read_out_of_memory(reader);

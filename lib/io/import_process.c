@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The import child, seen by its parent: started with one pipe, read until the pipe closes or the time limit passes,
- * then waited for or killed. A crash, a hang or endless output becomes a status.
+ * then waited for or killed. The default limit grows with what the child says that it reads besides the mesh file.
+ * A crash, a hang or endless output becomes a status.
  */
 #define _GNU_SOURCE /* pipe2: no other thread's child can inherit the pipe */
 #include "io/import_process.h"
@@ -9,10 +10,10 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
+#include <math.h>
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -31,7 +32,9 @@ typedef struct import_child {
     const svo_import_options *options;
     const svo_i_memory *memory;
     svo_message *message;
-    double deadline_ms;
+    bool time_grows;
+    double start_ms, limit_ms;
+    size_t next_frame; /* offset of the first frame of the answer that has not been looked at */
     pid_t process;
     int stream;
 } import_child;
@@ -106,9 +109,10 @@ static int spawn(import_child *child, char *const *arguments, char *const *envir
 
 static svo_status start(import_child *child)
 {
-    char memory[24], seconds[16], word[] = IMPORT_CHILD_WORD;
+    char memory[24], seconds[16], word[] = IMPORT_CHILD_WORD, grows[8];
     (void)snprintf(memory, sizeof memory, "%" PRIu64, child->options->memory_limit_bytes);
     (void)snprintf(seconds, sizeof seconds, "%" PRIu32, child->options->time_limit_seconds);
+    (void)snprintf(grows, sizeof grows, "%s", child->time_grows ? IMPORT_CHILD_GROWS : IMPORT_CHILD_FIXED);
     char *program = svo_i_copy_text(child->memory, child->options->child_program);
     char *path = svo_i_copy_text(child->memory, child->path);
     char **environment = child_environment(child->memory);
@@ -120,7 +124,7 @@ static svo_status start(import_child *child)
         status = svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: no pipe to the reader: %s", child->path,
                             strerror(errno));
     } else {
-        char *const arguments[IMPORT_CHILD_ARGUMENT_COUNT + 1] = {program, word, path, memory, seconds, NULL};
+        char *const arguments[IMPORT_CHILD_ARGUMENT_COUNT + 1] = {program, word, path, memory, seconds, grows, NULL};
         (void)fcntl(ends[0], F_SETPIPE_SZ, PIPE_BYTES); /* refused: more turns of both processes */
         const int error = spawn(child, arguments, environment, ends[1]);
         close(ends[1]);
@@ -140,14 +144,14 @@ static svo_status start(import_child *child)
 
 static svo_status too_slow(const import_child *child)
 {
-    return svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: reading took longer than %" PRIu32 " s", child->path,
-                      child->options->time_limit_seconds);
+    return svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: reading took longer than %.0f s", child->path,
+                      floor(child->limit_ms * 1e-3));
 }
 
 /* Milliseconds until the deadline, rounded up; 0: over. */
 static int remaining_ms(const import_child *child)
 {
-    const double left_ms = child->deadline_ms - svo_i_now_ms();
+    const double left_ms = child->start_ms + child->limit_ms - svo_i_now_ms();
     if (left_ms <= 0) {
         return 0;
     }
@@ -175,8 +179,26 @@ static svo_status make_room(const import_child *child, svo_import *import, size_
     return SVO_OK;
 }
 
+/* Gives the child time for the work that it has announced so far. Frames are judged when the answer is complete. */
+static void take_work(import_child *child, const svo_import *import)
+{
+    stream_frame frame;
+    uint64_t work_bytes = 0;
+    while (child->next_frame < import->byte_count &&
+           import->byte_count - child->next_frame >= sizeof frame + sizeof work_bytes) {
+        memcpy(&frame, import->bytes + child->next_frame, sizeof frame);
+        if (frame.kind == STREAM_WORK) {
+            memcpy(&work_bytes, import->bytes + child->next_frame + sizeof frame, sizeof work_bytes);
+            child->limit_ms += 1e3 * (double)work_bytes / STREAM_BYTES_A_SECOND;
+        }
+        const uint64_t most_bytes = SIZE_MAX - child->next_frame - sizeof frame - STREAM_PAYLOAD_ALIGN;
+        const uint64_t payload_bytes = frame.payload_bytes < most_bytes ? frame.payload_bytes : most_bytes;
+        child->next_frame += sizeof frame + (size_t)payload_bytes + (size_t)(-payload_bytes % STREAM_PAYLOAD_ALIGN);
+    }
+}
+
 /* Reads until the child closes the pipe, which it does at the latest by ending. */
-static svo_status collect(const import_child *child, svo_import *import)
+static svo_status collect(import_child *child, svo_import *import)
 {
     size_t capacity = 0;
     for (;;) {
@@ -195,6 +217,9 @@ static svo_status collect(const import_child *child, svo_import *import)
         }
         if (got > 0) {
             import->byte_count += (size_t)got;
+            if (child->time_grows) {
+                take_work(child, import);
+            }
         } else if (errno != EINTR) {
             return svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: the reader's pipe cannot be read: %s",
                               child->path, strerror(errno));
@@ -252,14 +277,17 @@ static void kill_and_reap(const import_child *child)
     }
 }
 
-svo_status svo_i_import_run_child(const char *path, const svo_import_options *options, svo_import *import,
-                                  svo_message *message)
+svo_status svo_i_import_run_child(const char *path, const svo_import_options *options, bool time_grows,
+                                  svo_import *import, svo_message *message)
 {
     import_child child = {.path = path,
                           .options = options,
                           .memory = &import->memory,
                           .message = message,
-                          .deadline_ms = svo_i_now_ms() + 1e3 * options->time_limit_seconds,
+                          .time_grows = time_grows,
+                          .start_ms = svo_i_now_ms(),
+                          .limit_ms = 1e3 * options->time_limit_seconds,
+                          .next_frame = STREAM_GREETING_BYTES,
                           .process = -1,
                           .stream = -1};
     svo_status status = SVO_OK;

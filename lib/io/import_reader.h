@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the readers of OBJ, PLY, STL and OFF share, in the import child. They read the whole file or fail with its line
- * or byte, the value and the limit. What they leave out on purpose is a warning.
+ * What the readers of OBJ, PLY, STL, OFF and glTF share, in the import child. They read the whole file or fail with its
+ * line or byte, the value and the limit. What they leave out on purpose is a warning.
  */
 #ifndef SVO_LIB_IO_IMPORT_READER_H
 #define SVO_LIB_IO_IMPORT_READER_H

@@ -6,24 +6,15 @@
 #include "io/import_scene.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "io/import_material.h"
 #include "io/import_stream.h"
+#include "io/import_transform.h"
 
 #define NODE_DEPTH_MAX 1000 /* bounds the recursion; deeper files are damaged */
 #define MATERIALS_MAX  UINT16_MAX
 
 static const char out_of_memory[] = "out of memory";
-
-/* The affine part of a 4 x 4 matrix, rows of 3 and a translation, in double. */
-typedef struct transform {
-    double linear[3][3];
-    double offset[3];
-    double normal[3][3]; /* the inverse transpose up to a positive factor */
-    bool is_identity; /* coordinates are copied bit for bit */
-    bool mirrors; /* reverses the winding, so corners are listed in the opposite order */
-} transform;
 
 /* What is known of a mesh of the scene before its triangles are read. */
 typedef struct mesh_plan {
@@ -43,66 +34,13 @@ typedef struct scene_reader {
     size_t small_count; /* points and lines */
 } scene_reader;
 
-/* Transforms */
-
-static transform identity(void)
-{
-    return (transform){
-        .linear = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .normal = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .is_identity = true};
-}
-
-/* The cofactors are the inverse transpose times the determinant, and exist where the inverse does not. */
-static void derive_normal(transform *t)
-{
-    double(*const m)[3] = t->linear;
-    for (int i = 0; i < 3; ++i) {
-        const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
-        for (int k = 0; k < 3; ++k) {
-            const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
-            t->normal[i][k] = m[i1][k1] * m[i2][k2] - m[i1][k2] * m[i2][k1];
-        }
-    }
-    const double determinant = m[0][0] * t->normal[0][0] + m[0][1] * t->normal[0][1] + m[0][2] * t->normal[0][2];
-    t->mirrors = determinant < 0;
-    for (int i = 0; i < 9 && t->mirrors; ++i) {
-        t->normal[i / 3][i % 3] = -t->normal[i / 3][i % 3];
-    }
-}
-
 /* parent applied after the node's own matrix. */
 static transform combine(const transform *parent, const struct aiMatrix4x4 *node)
 {
     const double local[3][4] = {{node->a1, node->a2, node->a3, node->a4},
                                 {node->b1, node->b2, node->b3, node->b4},
                                 {node->c1, node->c2, node->c3, node->c4}};
-    static const double none[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
-    bool is_identity = true;
-    for (int i = 0; i < 12; ++i) {
-        is_identity = is_identity && local[i / 4][i % 4] == none[i / 4][i % 4];
-    }
-    if (is_identity) {
-        return *parent;
-    }
-    transform result = {.is_identity = false};
-    for (int row = 0; row < 3; ++row) {
-        result.offset[row] = parent->offset[row];
-        for (int k = 0; k < 3; ++k) {
-            result.offset[row] += parent->linear[row][k] * local[k][3];
-            for (int column = 0; column < 3; ++column) {
-                result.linear[row][column] += parent->linear[row][k] * local[k][column];
-            }
-        }
-    }
-    derive_normal(&result);
-    return result;
-}
-
-static void apply(const double linear[3][3], const double offset[3], const struct aiVector3D *vector, float out[3])
-{
-    for (int row = 0; row < 3; ++row) {
-        out[row] =
-            (float)(linear[row][0] * vector->x + linear[row][1] * vector->y + linear[row][2] * vector->z + offset[row]);
-    }
+    return transform_combine(parent, local);
 }
 
 /* Vertices and triangles */
@@ -110,23 +48,14 @@ static void apply(const double linear[3][3], const double offset[3], const struc
 static gather_vertex make_vertex(const scene_reader *reader, const transform *t, unsigned mesh_index,
                                  unsigned vertex_index)
 {
-    static const double no_offset[3] = {0};
     const struct aiMesh *source = reader->scene->mMeshes[mesh_index];
     const mesh_plan *plan = &reader->plans[mesh_index];
     gather_vertex vertex = {.color = {255, 255, 255, 255}};
     const struct aiVector3D *position = &source->mVertices[vertex_index];
-    if (t->is_identity) {
-        memcpy(vertex.position, (const float[]){position->x, position->y, position->z}, sizeof vertex.position);
-    } else {
-        apply(t->linear, t->offset, position, vertex.position);
-    }
+    transform_point(t, (const double[]){position->x, position->y, position->z}, vertex.position);
     if (source->mNormals != NULL) {
         const struct aiVector3D *normal = &source->mNormals[vertex_index];
-        if (t->is_identity) {
-            memcpy(vertex.normal, (const float[]){normal->x, normal->y, normal->z}, sizeof vertex.normal);
-        } else {
-            apply(t->normal, no_offset, normal, vertex.normal);
-        }
+        transform_normal(t, (const double[]){normal->x, normal->y, normal->z}, vertex.normal);
     }
     if (source->mColors[0] != NULL) {
         const struct aiColor4D *color = &source->mColors[0][vertex_index];
@@ -313,7 +242,7 @@ const char *svo_i_import_gather_scene(const struct aiScene *scene, const char *p
     }
     scene_reader reader = {.scene = scene, .path = path, .stream = stream, .mesh = mesh};
     texture_list textures = {.scene = scene, .mesh_path = path, .stream = stream};
-    const transform world = identity();
+    const transform world = transform_identity();
     if (plan_meshes(&reader, &textures) && gather_node(&reader, scene->mRootNode, &world, 0)) {
         if (mesh->triangle_count == 0) {
             reader.failure = "no triangles";

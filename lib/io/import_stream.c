@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "core/message.h"
@@ -66,6 +67,16 @@ int svo_i_stream_text(int stream, stream_kind kind, const char *format, ...)
     svo_i_fail_v(&text, SVO_OK, format, arguments);
     va_end(arguments);
     return svo_i_stream_frame(stream, kind, text.text, strlen(text.text));
+}
+
+void svo_i_stream_work(int stream, uint64_t byte_count)
+{
+    struct rlimit processor;
+    (void)svo_i_stream_frame(stream, STREAM_WORK, &byte_count, sizeof byte_count);
+    if (getrlimit(RLIMIT_CPU, &processor) == 0 && processor.rlim_cur != RLIM_INFINITY) {
+        processor.rlim_cur += byte_count / STREAM_BYTES_A_SECOND + 1;
+        (void)setrlimit(RLIMIT_CPU, &processor); /* refused where the limit is for the file as a whole */
+    }
 }
 
 /* Parent side */
@@ -157,6 +168,8 @@ static svo_status take_frame(parse_state *state, stream_kind kind, const uint8_t
         return take_text(state, kind, payload, payload_bytes);
     case STREAM_TEXTURE:
         return take_texture(state, payload, payload_bytes);
+    case STREAM_WORK:
+        return SVO_OK; /* import_process.c has read it */
     default:
         if (state->payload[kind] != NULL) {
             return malformed(state, "an array came twice");
@@ -229,7 +242,7 @@ static svo_status check_lengths(parse_state *state)
 
 static svo_status take_counts(const parse_state *state)
 {
-    static const char *const readers[STREAM_READER_COUNT] = {"assimp", "obj", "ply", "stl", "off"};
+    static const char *const readers[STREAM_READER_COUNT] = {"assimp", "obj", "ply", "stl", "off", "gltf"};
     stream_counts counts;
     if (state->payload[STREAM_COUNTS] == NULL || state->payload_bytes[STREAM_COUNTS] != sizeof counts) {
         return malformed(state, "no counts");

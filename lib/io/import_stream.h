@@ -14,9 +14,10 @@
 #include "core/memory.h"
 #include "svocl/io.h"
 
-#define STREAM_GREETING       "svoimp3\n" /* changes with the frames: parent and child may be different builds */
+#define STREAM_GREETING       "svoimp4\n" /* changes with the frames: parent and child may be different builds */
 #define STREAM_GREETING_BYTES 8
 #define STREAM_PAYLOAD_ALIGN  8
+#define STREAM_BYTES_A_SECOND 1000000 /* of files, that a reader reads at least */
 
 typedef enum stream_kind {
     STREAM_WARNING = 0, /* text for the log callback */
@@ -31,6 +32,7 @@ typedef enum stream_kind {
     STREAM_INDICES, /* 3 uint32_t per triangle */
     STREAM_TRIANGLE_MATERIALS, /* uint16_t per triangle */
     STREAM_COUNTS, /* stream_counts */
+    STREAM_WORK, /* uint64_t: bytes that the child is about to read and to make, beyond those of the mesh file */
     STREAM_END, /* empty: the answer is complete */
     STREAM_KIND_COUNT
 } stream_kind;
@@ -52,6 +54,7 @@ typedef enum stream_reader {
     STREAM_READER_PLY,
     STREAM_READER_STL,
     STREAM_READER_OFF,
+    STREAM_READER_GLTF,
     STREAM_READER_COUNT
 } stream_reader;
 
@@ -78,6 +81,12 @@ int svo_i_stream_begin(int stream, stream_kind kind, uint64_t payload_bytes);
 int svo_i_stream_pad(int stream, uint64_t payload_bytes); /* after the last part */
 int svo_i_stream_frame(int stream, stream_kind kind, const void *payload, size_t payload_bytes);
 int svo_i_stream_text(int stream, stream_kind kind, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+/*
+ * Announces work: the parent gives more time for it, and the child allows itself more processor time, unless the time
+ * is limited for the file as a whole. A parent that is gone is seen at the next write.
+ */
+void svo_i_stream_work(int stream, uint64_t byte_count);
 
 /*
  * Parent side: checks import->bytes and fills the rest of import. path: the mesh file, for messages and the log.

@@ -23,8 +23,15 @@
 #pragma GCC diagnostic ignored "-Wunused-function"
 #include <stb/stb_image.h>
 
+/* Tells the parent what an image takes: its bytes, and its texels where it is understood. */
+static void announce(const texture_list *textures, uint64_t packed_bytes, int width, int height)
+{
+    svo_i_stream_work(textures->stream, packed_bytes + (uint64_t)width * (uint64_t)height * 4);
+}
+
 /* Pixels from malloc and their size, or NULL and the reason. */
-static uint8_t *decode_file(const char *path, int *width, int *height, const char **trouble)
+static uint8_t *decode_file(const texture_list *textures, const char *path, int *width, int *height,
+                            const char **trouble)
 {
     struct stat entry;
     FILE *file = stat(path, &entry) == 0 && S_ISREG(entry.st_mode) ? fopen(path, "rb") : NULL;
@@ -33,21 +40,36 @@ static uint8_t *decode_file(const char *path, int *width, int *height, const cha
         return NULL;
     }
     int channels = 0;
+    (void)stbi_info_from_file(file, width, height, &channels);
+    announce(textures, (uint64_t)entry.st_size, *width, *height);
     uint8_t *pixels = stbi_load_from_file(file, width, height, &channels, 4);
     (void)fclose(file);
     *trouble = pixels == NULL ? stbi_failure_reason() : NULL;
     return pixels;
 }
 
-/* The same for an image inside the mesh file: still packed, or already texels in assimp's order. */
-static uint8_t *decode_embedded(const struct aiTexture *texture, int *width, int *height, const char **trouble)
+/* The same for a packed image in memory. */
+static uint8_t *decode_packed(const texture_list *textures, const void *bytes, size_t byte_count, int *width,
+                              int *height, const char **trouble)
 {
-    if (texture->mHeight == 0 && texture->mWidth <= INT_MAX) {
-        int channels = 0;
-        uint8_t *pixels =
-            stbi_load_from_memory((const uint8_t *)texture->pcData, (int)texture->mWidth, width, height, &channels, 4);
-        *trouble = pixels == NULL ? stbi_failure_reason() : NULL;
-        return pixels;
+    int channels = 0;
+    if (byte_count > INT_MAX) {
+        *trouble = "too large";
+        return NULL;
+    }
+    (void)stbi_info_from_memory(bytes, (int)byte_count, width, height, &channels);
+    announce(textures, byte_count, *width, *height);
+    uint8_t *pixels = stbi_load_from_memory(bytes, (int)byte_count, width, height, &channels, 4);
+    *trouble = pixels == NULL ? stbi_failure_reason() : NULL;
+    return pixels;
+}
+
+/* The same for an image inside assimp's scene: still packed, or already texels in assimp's order. */
+static uint8_t *decode_embedded(const texture_list *textures, const struct aiTexture *texture, int *width, int *height,
+                                const char **trouble)
+{
+    if (texture->mHeight == 0) {
+        return decode_packed(textures, texture->pcData, texture->mWidth, width, height, trouble);
     }
     if (texture->mWidth > STREAM_TEXTURE_SIDE_MAX || texture->mHeight > STREAM_TEXTURE_SIDE_MAX) {
         *trouble = "too large";
@@ -81,22 +103,33 @@ static const struct aiTexture *find_embedded(const struct aiScene *scene, const 
     return NULL;
 }
 
-static uint8_t *decode(const texture_list *textures, const char *texture_path, int *width, int *height,
+static uint8_t *decode(const texture_list *textures, const texture_source *source, int *width, int *height,
                        const char **trouble)
 {
-    const struct aiTexture *embedded = textures->scene != NULL ? find_embedded(textures->scene, texture_path) : NULL;
-    if (embedded != NULL) {
-        return decode_embedded(embedded, width, height, trouble);
+    if (source->bytes != NULL) {
+        return decode_packed(textures, source->bytes, source->byte_count, width, height, trouble);
     }
-    char *path = svo_i_file_beside(textures->mesh_path, texture_path);
+    const struct aiTexture *embedded = textures->scene != NULL ? find_embedded(textures->scene, source->name) : NULL;
+    if (embedded != NULL) {
+        return decode_embedded(textures, embedded, width, height, trouble);
+    }
+    char *path = svo_i_file_beside(textures->mesh_path, source->name);
     if (path == NULL) {
         *trouble = "out of memory";
         return NULL;
     }
     errno = 0;
-    uint8_t *pixels = decode_file(path, width, height, trouble);
+    uint8_t *pixels = decode_file(textures, path, width, height, trouble);
     free(path);
     return pixels;
+}
+
+/* Makes texels opaque or transparent, as their alpha says. */
+static void cut_out(uint8_t *pixels, size_t texel_count, int alpha_from)
+{
+    for (size_t i = 0; i < texel_count; ++i) {
+        pixels[4 * i + 3] = pixels[4 * i + 3] >= alpha_from ? 255 : 0;
+    }
 }
 
 static int send_pixels(int stream, const texture_entry *entry, const uint8_t *pixels, int width, int height)
@@ -114,14 +147,17 @@ static int send_pixels(int stream, const texture_entry *entry, const uint8_t *pi
 }
 
 /* Decodes and sends a new entry's image, or a warning. Returns -1 when the parent is gone. */
-static int send_texture(texture_list *textures, texture_entry *entry)
+static int send_texture(texture_list *textures, const texture_source *source, texture_entry *entry)
 {
     int width = 0, height = 0;
     const char *trouble = NULL;
-    uint8_t *pixels = decode(textures, entry->path, &width, &height, &trouble);
+    uint8_t *pixels = decode(textures, source, &width, &height, &trouble);
     if (pixels == NULL) {
         return svo_i_stream_text(textures->stream, STREAM_WARNING, "texture %s cannot be read, white is used: %s",
-                                 entry->path, trouble);
+                                 entry->name, trouble);
+    }
+    if (entry->alpha_from != TEXTURE_KEEP_ALPHA) {
+        cut_out(pixels, (size_t)width * (size_t)height, entry->alpha_from);
     }
     const int result = send_pixels(textures->stream, entry, pixels, width, height);
     free(pixels);
@@ -129,12 +165,17 @@ static int send_texture(texture_list *textures, texture_entry *entry)
     return result;
 }
 
-bool svo_i_import_texture(texture_list *textures, const char *path, svo_wrap wrap_u, svo_wrap wrap_v, uint32_t *index)
+static bool is_same(const texture_entry *entry, const texture_source *source)
+{
+    return strcmp(entry->name, source->name) == 0 && entry->wrap_u == source->wrap_u &&
+           entry->wrap_v == source->wrap_v && entry->alpha_from == source->alpha_from;
+}
+
+bool svo_i_import_texture(texture_list *textures, const texture_source *source, uint32_t *index)
 {
     for (size_t i = 0; i < textures->entry_count; ++i) {
-        const texture_entry *entry = &textures->entries[i];
-        if (strcmp(entry->path, path) == 0 && entry->wrap_u == wrap_u && entry->wrap_v == wrap_v) {
-            *index = entry->index;
+        if (is_same(&textures->entries[i], source)) {
+            *index = textures->entries[i].index;
             return true;
         }
     }
@@ -148,12 +189,16 @@ bool svo_i_import_texture(texture_list *textures, const char *path, svo_wrap wra
         textures->entry_capacity = capacity;
     }
     texture_entry *entry = &textures->entries[textures->entry_count];
-    *entry = (texture_entry){.path = strdup(path), .wrap_u = wrap_u, .wrap_v = wrap_v, .index = SVO_NO_TEXTURE};
-    if (entry->path == NULL) {
+    *entry = (texture_entry){.name = strdup(source->name),
+                             .wrap_u = source->wrap_u,
+                             .wrap_v = source->wrap_v,
+                             .alpha_from = source->alpha_from,
+                             .index = SVO_NO_TEXTURE};
+    if (entry->name == NULL) {
         return false;
     }
     ++textures->entry_count;
-    const bool sent = send_texture(textures, entry) == 0;
+    const bool sent = send_texture(textures, source, entry) == 0;
     *index = entry->index;
     return sent;
 }
@@ -161,7 +206,7 @@ bool svo_i_import_texture(texture_list *textures, const char *path, svo_wrap wra
 void svo_i_texture_list_free(texture_list *textures)
 {
     for (size_t i = 0; i < textures->entry_count; ++i) {
-        free(textures->entries[i].path);
+        free(textures->entries[i].name);
     }
     free(textures->entries);
     textures->entries = NULL;

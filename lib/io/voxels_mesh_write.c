@@ -8,14 +8,25 @@
 
 #define POSITION_DIGITS 9 /* give every float back */
 
+/* Whether a voxel has another material than 0, which voxels without materials have. */
+static bool has_materials(const voxel_writer *writer)
+{
+    bool has = writer->list.property_count > 0;
+    for (uint64_t i = 0; i < writer->list.voxel_count && !has; ++i) {
+        has = writer->voxels[i].material != 0;
+    }
+    return has;
+}
+
 svo_status svo_i_voxels_write_ply(voxel_writer *writer)
 {
+    const bool with_materials = has_materials(writer);
     SVO_I_TRY(svo_i_voxels_print(writer,
                                  "ply\nformat binary_little_endian 1.0\nelement vertex %" PRIu64
                                  "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n"
                                  "property uchar green\nproperty uchar blue\nproperty uchar alpha\n"
-                                 "property ushort material\nend_header\n",
-                                 writer->list.voxel_count));
+                                 "%send_header\n",
+                                 writer->list.voxel_count, with_materials ? "property ushort material\n" : ""));
     for (uint64_t i = 0; i < writer->list.voxel_count; ++i) {
         const svo_voxel *voxel = &writer->voxels[i];
         const float center[3] = {(float)svo_i_voxels_world(writer, 0, (double)voxel->x + 0.5),
@@ -23,7 +34,7 @@ svo_status svo_i_voxels_write_ply(voxel_writer *writer)
                                  (float)svo_i_voxels_world(writer, 2, (double)voxel->z + 0.5)};
         SVO_I_TRY(svo_i_voxels_put(writer, center, sizeof center));
         SVO_I_TRY(svo_i_voxels_put(writer, voxel->rgba, sizeof voxel->rgba));
-        SVO_I_TRY(svo_i_voxels_put(writer, &voxel->material, sizeof voxel->material));
+        SVO_I_TRY(svo_i_voxels_put(writer, &voxel->material, with_materials ? sizeof voxel->material : 0));
     }
     return SVO_OK;
 }

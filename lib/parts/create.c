@@ -66,6 +66,8 @@ static uint64_t hash_input(const svo_parts *parts, uint64_t hash)
 static svo_status save_input(svo_parts *parts, svo_plan *plan, const svo_mesh *mesh, svo_message *message)
 {
     uint64_t hash = 0;
+    XXH3_state_t state;
+    svo_i_triangle_file file = {.block = NULL};
     svo_status status = svo_i_plan_copy_to_host(plan);
     if (status != SVO_OK) {
         return svo_i_fail(message, status, "%s", svo_device_message(plan->device));
@@ -75,11 +77,16 @@ static svo_status save_input(svo_parts *parts, svo_plan *plan, const svo_mesh *m
         return svo_i_folder_no_memory(parts, message);
     }
     parts->fields = svo_i_triangle_fields(mesh);
-    status = svo_i_triangles_save(mesh, plan->triangle_ids, plan->triangle_count, path, &hash, message);
-    svo_i_free(path);
-    SVO_I_TRY(status);
+    SVO_I_TRY_CLEANUP(svo_i_triangles_begin(&file, &state, path, parts->fields, message));
+    SVO_I_TRY_CLEANUP(svo_i_triangles_append(&file, mesh, plan->triangle_ids, plan->triangle_count));
+    SVO_I_TRY_CLEANUP(svo_i_triangles_hash(&file, &hash));
     parts->header.input_hash = hash_input(parts, hash);
-    return SVO_OK;
+    const svo_i_triangles_of of = svo_i_folder_triangles(parts, 0, 0);
+    status = svo_i_triangles_finish(&file, &of);
+cleanup:
+    svo_i_triangles_end(&file);
+    svo_i_free(path);
+    return status;
 }
 
 static svo_status save_mesh(const svo_parts *parts, svo_plan *plan, svo_message *message)

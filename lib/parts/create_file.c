@@ -69,11 +69,16 @@ static svo_status write_triangles(passing *p, const char *path)
         }
         SVO_I_TRY(svo_i_triangles_append(&p->file, &block, p->kept, kept_count));
     } while (block.triangle_count > 0);
-    SVO_I_TRY(svo_i_triangles_finish(&p->file, &hash));
+    SVO_I_TRY(svo_i_triangles_hash(&p->file, &hash));
     p->parts->header = (svo_part_header)SVO_PART_HEADER_INIT;
     const svo_status status = svo_i_survey_header(&p->survey, &p->parts->header);
+    if (status != SVO_OK) {
+        return fail_device(p, status);
+    }
     p->parts->header.input_hash = hash;
-    return status == SVO_OK ? svo_i_parts_check_nodes(p->parts, p->message) : fail_device(p, status);
+    const svo_i_triangles_of of = svo_i_folder_triangles(p->parts, 0, 0);
+    SVO_I_TRY(svo_i_triangles_finish(&p->file, &of));
+    return svo_i_parts_check_nodes(p->parts, p->message);
 }
 
 static svo_status run_passes(passing *p, svo_plan *empty)

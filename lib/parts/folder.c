@@ -69,6 +69,29 @@ char *svo_i_part_path(const svo_parts *parts, uint32_t level, uint64_t code, con
     return svo_i_folder_path(parts, name);
 }
 
+void svo_i_folder_identity(const svo_parts *parts, uint64_t identity[2])
+{
+    const svo_part_header *header = &parts->header;
+    const uint64_t fields = parts->fields;
+    XXH3_state_t state;
+    XXH3_INITSTATE(&state);
+    XXH3_128bits_reset(&state);
+    XXH3_128bits_update(&state, (const char *)header + sizeof header->struct_size,
+                        sizeof *header - sizeof header->struct_size);
+    XXH3_128bits_update(&state, &parts->max_bytes, sizeof parts->max_bytes);
+    XXH3_128bits_update(&state, &fields, sizeof fields);
+    const XXH128_hash_t digest = XXH3_128bits_digest(&state);
+    identity[0] = digest.low64;
+    identity[1] = digest.high64;
+}
+
+svo_i_triangles_of svo_i_folder_triangles(const svo_parts *parts, uint32_t level, uint64_t code)
+{
+    svo_i_triangles_of of = {.code = code, .level = level, .fields = parts->fields};
+    svo_i_folder_identity(parts, of.plan);
+    return of;
+}
+
 svo_status svo_i_file_find(const char *path, bool *is_there, svo_message *message)
 {
     struct stat found;

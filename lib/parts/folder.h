@@ -10,6 +10,7 @@
 #include <stdbool.h>
 
 #include "core/memory.h"
+#include "parts/triangles.h"
 #include "svocl/parts.h"
 
 /* A part of the list. */
@@ -38,6 +39,12 @@ struct svo_parts {
 /* The path of a file in the folder; released by svo_i_free. NULL when out of memory. */
 char *svo_i_folder_path(const svo_parts *parts, const char *name);
 char *svo_i_part_path(const svo_parts *parts, uint32_t level, uint64_t code, const char *suffix);
+
+/* Which plan a folder is of, for the files that could be another's: an XXH3-128 of the header, whose input_hash is of
+   the mesh, and of what decides how it is divided. */
+void svo_i_folder_identity(const svo_parts *parts, uint64_t identity[2]);
+/* What a part's file of triangles must be of. */
+svo_i_triangles_of svo_i_folder_triangles(const svo_parts *parts, uint32_t level, uint64_t code);
 
 /* A handle without parts; NULL when out of memory. */
 svo_parts *svo_i_folder_new(const char *folder, uint64_t max_bytes);

@@ -50,11 +50,12 @@ svo_status svo_i_part_plan(const svo_parts *parts, svo_device *device, uint32_t 
 {
     svo_i_soup soup = {.names = NULL};
     svo_status status = SVO_OK;
+    const svo_i_triangles_of of = svo_i_folder_triangles(parts, level, code);
     char *path = svo_i_part_path(parts, level, code, "tri");
     if (path == NULL) {
         return svo_i_folder_no_memory(parts, message);
     }
-    SVO_I_TRY_CLEANUP(svo_i_triangles_load(path, parts->fields, &soup, message));
+    SVO_I_TRY_CLEANUP(svo_i_triangles_load(path, &of, &soup, message));
     status = plan_soup(parts, device, level, code, &soup, plan);
     if (status != SVO_OK) {
         status = fail_device(device, status, message);

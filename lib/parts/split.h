@@ -12,7 +12,8 @@ svo_status svo_i_part_divide(const svo_parts *parts, uint32_t level, uint64_t co
 /* Notes in a .split file that the children of a part stand for it. */
 svo_status svo_i_split_save(const svo_parts *parts, uint32_t level, uint64_t code, const uint64_t counts[8],
                             svo_message *message);
-/* Whether there is such a file. A damaged one counts as none, since the part can be divided again. */
+/* Whether there is such a file. A damaged one, or one of another plan or part, counts as none, since the part can be
+   divided again. */
 svo_status svo_i_split_find(const svo_parts *parts, uint32_t level, uint64_t code, bool *is_split, uint64_t counts[8],
                             svo_message *message);
 

@@ -3,9 +3,12 @@
 #define _POSIX_C_SOURCE 200809L
 #include "parts/triangles.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -19,6 +22,20 @@
 
 #define BLOCK_RECORDS 2048
 #define NAME_BYTES    8 /* name and material, 4 bytes each */
+#define MAGIC         "\x89SVT\r\n\x1a\n"
+#define MAGIC_BYTES   8
+#define VERSION       2
+
+/* What follows the records. */
+typedef struct triangle_tail {
+    uint8_t magic[MAGIC_BYTES];
+    uint32_t version;
+    uint32_t record_bytes;
+    svo_i_triangles_of of;
+    uint64_t hash; /* of all before */
+} triangle_tail;
+
+static_assert(sizeof(triangle_tail) == 56 && offsetof(triangle_tail, hash) == 48, "triangles.h: no padding");
 
 uint32_t svo_i_triangle_fields(const svo_mesh *mesh)
 {
@@ -102,16 +119,23 @@ static svo_status next_record(svo_i_triangle_file *file, unsigned char **record)
     return SVO_OK;
 }
 
-svo_status svo_i_triangles_finish(svo_i_triangle_file *file, uint64_t *hash)
+svo_status svo_i_triangles_hash(svo_i_triangle_file *file, uint64_t *hash)
 {
     SVO_I_TRY(flush(file));
-    const uint64_t sum = XXH3_64bits_digest(file->hash);
-    int error = svo_i_output_write(&file->output, &sum, sizeof sum);
+    *hash = XXH3_64bits_digest(file->hash);
+    return SVO_OK;
+}
+
+svo_status svo_i_triangles_finish(svo_i_triangle_file *file, const svo_i_triangles_of *of)
+{
+    triangle_tail tail = {.version = VERSION, .record_bytes = (uint32_t)file->record_bytes, .of = *of};
+    memcpy(tail.magic, MAGIC, MAGIC_BYTES);
+    SVO_I_TRY(flush(file));
+    XXH3_64bits_update(file->hash, &tail, offsetof(triangle_tail, hash));
+    tail.hash = XXH3_64bits_digest(file->hash);
+    int error = svo_i_output_write(&file->output, &tail, sizeof tail);
     if (error == 0) {
         error = svo_i_output_commit_unflushed(&file->output);
-    }
-    if (hash != NULL) {
-        *hash = sum;
     }
     return error == 0 ? SVO_OK : fail_errno(file, error);
 }
@@ -163,20 +187,6 @@ svo_status svo_i_triangles_append(svo_i_triangle_file *file, const svo_mesh *mes
     return SVO_OK;
 }
 
-svo_status svo_i_triangles_save(const svo_mesh *mesh, const uint32_t *ids, uint32_t count, const char *path,
-                                uint64_t *hash, svo_message *message)
-{
-    XXH3_state_t state;
-    svo_i_triangle_file file = {.block = NULL};
-    svo_status status = SVO_OK;
-    SVO_I_TRY_CLEANUP(svo_i_triangles_begin(&file, &state, path, svo_i_triangle_fields(mesh), message));
-    SVO_I_TRY_CLEANUP(svo_i_triangles_append(&file, mesh, ids, count));
-    status = svo_i_triangles_finish(&file, hash);
-cleanup:
-    svo_i_triangles_end(&file);
-    return status;
-}
-
 /* ---- reading ---- */
 
 typedef struct triangle_source {
@@ -185,6 +195,7 @@ typedef struct triangle_source {
     int file;
     size_t record_bytes;
     uint64_t count;
+    triangle_tail tail;
     XXH3_state_t hash;
     unsigned char *block;
     uint64_t read; /* records */
@@ -196,22 +207,46 @@ static svo_status damaged(const triangle_source *source)
                       "%s: not the triangles that were written; planning the parts again writes them", source->path);
 }
 
-/* Reads what follows the records that were read. */
-static svo_status read_bytes(const triangle_source *source, void *out, size_t byte_count)
+static svo_status read_bytes(const triangle_source *source, uint64_t offset, void *out, size_t byte_count)
 {
     size_t got = 0;
-    const int error = svo_i_read_at(source->file, source->read * source->record_bytes, out, byte_count, &got);
+    const int error = svo_i_read_at(source->file, offset, out, byte_count, &got);
     if (error != 0) {
         return svo_i_fail(source->message, SVO_FILE_ERROR, "%s: cannot be read: %s", source->path, strerror(error));
     }
     return got == byte_count ? SVO_OK : damaged(source);
 }
 
+/* Whether the file is one of the plan and the part that are asked for. */
+static svo_status check_tail(const triangle_source *source, const svo_i_triangles_of *of)
+{
+    const svo_i_triangles_of *found = &source->tail.of;
+    if (memcmp(source->tail.magic, MAGIC, MAGIC_BYTES) != 0 || source->tail.version != VERSION) {
+        return svo_i_fail(source->message, SVO_FILE_DAMAGED,
+                          "%s: no file of triangles of version %d; planning the parts again writes one", source->path,
+                          VERSION);
+    }
+    if (found->plan[0] != of->plan[0] || found->plan[1] != of->plan[1] || found->fields != of->fields) {
+        return svo_i_fail(source->message, SVO_FILE_DAMAGED,
+                          "%s: triangles of the plan %016" PRIx64 "%016" PRIx64 ", not of the folder's, %016" PRIx64
+                          "%016" PRIx64 "; planning the parts again writes them",
+                          source->path, found->plan[1], found->plan[0], of->plan[1], of->plan[0]);
+    }
+    if (found->level != of->level || found->code != of->code) {
+        return svo_i_fail(source->message, SVO_FILE_DAMAGED,
+                          "%s: triangles of the part %" PRIu32 "-%" PRIx64 ", not of %" PRIu32 "-%" PRIx64
+                          "; planning the parts again writes them",
+                          source->path, found->level, found->code, of->level, of->code);
+    }
+    return SVO_OK;
+}
+
 /* Opens a file and finds the number of its records. To be closed also after a failure. */
-static svo_status open_source(triangle_source *source, const char *path, uint32_t fields, svo_message *message)
+static svo_status open_source(triangle_source *source, const char *path, const svo_i_triangles_of *of,
+                              svo_message *message)
 {
     struct stat found;
-    *source = (triangle_source){.path = path, .message = message, .record_bytes = svo_i_triangle_bytes(fields)};
+    *source = (triangle_source){.path = path, .message = message, .record_bytes = svo_i_triangle_bytes(of->fields)};
     source->file = open(path, O_RDONLY | O_CLOEXEC);
     if (source->file < 0 || fstat(source->file, &found) != 0) {
         const int error = errno;
@@ -219,11 +254,16 @@ static svo_status open_source(triangle_source *source, const char *path, uint32_
                           error == ENOENT ? "; planning the parts again writes it" : "");
     }
     const uint64_t bytes = (uint64_t)found.st_size;
-    if (bytes < sizeof(uint64_t) || (bytes - sizeof(uint64_t)) % source->record_bytes != 0 ||
-        (bytes - sizeof(uint64_t)) / source->record_bytes >= UINT32_MAX) {
+    if (bytes < sizeof source->tail) {
         return damaged(source);
     }
-    source->count = (bytes - sizeof(uint64_t)) / source->record_bytes;
+    const uint64_t records_bytes = bytes - sizeof source->tail;
+    SVO_I_TRY(read_bytes(source, records_bytes, &source->tail, sizeof source->tail));
+    SVO_I_TRY(check_tail(source, of));
+    if (records_bytes % source->record_bytes != 0 || records_bytes / source->record_bytes >= UINT32_MAX) {
+        return damaged(source);
+    }
+    source->count = records_bytes / source->record_bytes;
     XXH3_INITSTATE(&source->hash);
     XXH3_64bits_reset(&source->hash);
     source->block = svo_i_alloc(NULL, BLOCK_RECORDS * source->record_bytes);
@@ -244,15 +284,14 @@ static svo_status next_block(triangle_source *source, size_t *count)
 {
     const uint64_t left = source->count - source->read;
     *count = left < BLOCK_RECORDS ? (size_t)left : BLOCK_RECORDS;
-    SVO_I_TRY(read_bytes(source, source->block, *count * source->record_bytes));
+    if (*count == 0) {
+        XXH3_64bits_update(&source->hash, &source->tail, offsetof(triangle_tail, hash));
+        return source->tail.hash == XXH3_64bits_digest(&source->hash) ? SVO_OK : damaged(source);
+    }
+    SVO_I_TRY(read_bytes(source, source->read * source->record_bytes, source->block, *count * source->record_bytes));
     XXH3_64bits_update(&source->hash, source->block, *count * source->record_bytes);
     source->read += *count;
-    if (*count > 0) {
-        return SVO_OK;
-    }
-    uint64_t sum = 0;
-    SVO_I_TRY(read_bytes(source, &sum, sizeof sum));
-    return sum == XXH3_64bits_digest(&source->hash) ? SVO_OK : damaged(source);
+    return SVO_OK;
 }
 
 /* ---- loading ---- */
@@ -326,12 +365,13 @@ static void make_mesh(svo_i_soup *soup, uint32_t fields, size_t count)
                             .triangle_materials = soup->materials};
 }
 
-svo_status svo_i_triangles_load(const char *path, uint32_t fields, svo_i_soup *soup, svo_message *message)
+svo_status svo_i_triangles_load(const char *path, const svo_i_triangles_of *of, svo_i_soup *soup, svo_message *message)
 {
+    const uint32_t fields = of->fields;
     triangle_source source;
     svo_status status = SVO_OK;
     *soup = (svo_i_soup){.names = NULL};
-    SVO_I_TRY_CLEANUP(open_source(&source, path, fields, message));
+    SVO_I_TRY_CLEANUP(open_source(&source, path, of, message));
     if (!alloc_soup(soup, fields, (size_t)source.count)) {
         status = svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %llu triangles", path,
                             (unsigned long long)source.count);
@@ -425,8 +465,8 @@ static void find_middle(divider *d, uint32_t level, uint64_t code)
     }
 }
 
-svo_status svo_i_triangles_split(const svo_part_header *header, uint32_t fields, const char *path, uint32_t level,
-                                 uint64_t code, char *const paths[8], uint64_t counts[8], svo_message *message)
+svo_status svo_i_triangles_split(const svo_part_header *header, const svo_i_triangles_of *of, const char *path,
+                                 char *const paths[8], uint64_t counts[8], svo_message *message)
 {
     XXH3_state_t states[8];
     triangle_source source = {.file = -1};
@@ -436,11 +476,12 @@ svo_status svo_i_triangles_split(const svo_part_header *header, uint32_t fields,
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory to divide triangles", path);
     }
     d->header = header;
-    d->fields = fields;
-    find_middle(d, level, code);
-    SVO_I_TRY_CLEANUP(open_source(&source, path, fields, message));
+    d->fields = of->fields;
+    find_middle(d, of->level, of->code);
+    SVO_I_TRY_CLEANUP(open_source(&source, path, of, message));
     for (unsigned octant = 0; octant < 8; ++octant) {
-        SVO_I_TRY_CLEANUP(svo_i_triangles_begin(&d->files[octant], &states[octant], paths[octant], fields, message));
+        SVO_I_TRY_CLEANUP(
+            svo_i_triangles_begin(&d->files[octant], &states[octant], paths[octant], of->fields, message));
     }
     size_t count = 0;
     do {
@@ -452,7 +493,11 @@ svo_status svo_i_triangles_split(const svo_part_header *header, uint32_t fields,
     for (unsigned octant = 0; octant < 8; ++octant) {
         counts[octant] = d->files[octant].count;
         if (counts[octant] > 0) {
-            SVO_I_TRY_CLEANUP(svo_i_triangles_finish(&d->files[octant], NULL));
+            const svo_i_triangles_of child = {.plan = {of->plan[0], of->plan[1]},
+                                              .code = of->code << 3 | octant,
+                                              .level = of->level + 1,
+                                              .fields = of->fields};
+            SVO_I_TRY_CLEANUP(svo_i_triangles_finish(&d->files[octant], &child));
         }
     }
 cleanup:

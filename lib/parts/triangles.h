@@ -1,7 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The triangles of a part in a file: records of one size, each with all that its three corners have, so that triangles
- * can be divided among parts without an index. After the records follows their XXH3.
+ * can be divided among parts without an index.
+ *
+ *   bytes    what
+ *   n * r    n records of r bytes: name and material, 4 bytes each; then for three corners positions (floats or
+ *            doubles), normals, colors and texture coordinates, those that the fields name
+ *   8        magic
+ *   4        version, 2; files of version 1 had nothing but the checksum after the records
+ *   4        r
+ *   32       svo_i_triangles_of: the plan that the triangles are of, the part's place, the fields
+ *   8        XXH3 of all before
  */
 #ifndef SVO_LIB_PARTS_TRIANGLES_H
 #define SVO_LIB_PARTS_TRIANGLES_H
@@ -20,6 +29,14 @@
 uint32_t svo_i_triangle_fields(const svo_mesh *mesh);
 size_t svo_i_triangle_bytes(uint32_t fields);
 
+/* What the triangles of a file are of; its bytes are in the file. */
+typedef struct svo_i_triangles_of {
+    uint64_t plan[2]; /* svo_i_folder_identity */
+    uint64_t code; /* of the part */
+    uint32_t level;
+    uint32_t fields;
+} svo_i_triangles_of;
+
 /* A file of triangles that is being written. */
 typedef struct svo_i_triangle_file {
     svo_i_output output;
@@ -34,16 +51,14 @@ typedef struct svo_i_triangle_file {
 } svo_i_triangle_file;
 
 /* Begins a file, appends the triangles of a mesh that ids names, each called by its place in the file, and finishes it.
-   hash and path must outlive the file. To be ended also after a failure. *hash: of the records; NULL allowed. */
+   hash and path must outlive the file. To be ended also after a failure. */
 svo_status svo_i_triangles_begin(svo_i_triangle_file *file, void *hash, const char *path, uint32_t fields,
                                  svo_message *message);
 svo_status svo_i_triangles_append(svo_i_triangle_file *file, const svo_mesh *mesh, const uint32_t *ids, uint32_t count);
-svo_status svo_i_triangles_finish(svo_i_triangle_file *file, uint64_t *hash);
+/* The hash of all records, before the file is finished. */
+svo_status svo_i_triangles_hash(svo_i_triangle_file *file, uint64_t *hash);
+svo_status svo_i_triangles_finish(svo_i_triangle_file *file, const svo_i_triangles_of *of);
 void svo_i_triangles_end(svo_i_triangle_file *file);
-/* All of it: the file of a mesh. */
-svo_status svo_i_triangles_save(const svo_mesh *mesh, const uint32_t *ids, uint32_t count, const char *path,
-                                uint64_t *hash, svo_message *message);
-
 /* Triangles with corners of their own, as a mesh without materials. */
 typedef struct svo_i_soup {
     svo_mesh mesh;
@@ -55,12 +70,13 @@ typedef struct svo_i_soup {
     uint16_t *materials;
 } svo_i_soup;
 
-svo_status svo_i_triangles_load(const char *path, uint32_t fields, svo_i_soup *soup, svo_message *message);
+/* Fails for a file of another plan or part than of. */
+svo_status svo_i_triangles_load(const char *path, const svo_i_triangles_of *of, svo_i_soup *soup, svo_message *message);
 void svo_i_soup_free(svo_i_soup *soup);
 
 /* Divides the triangles of a part among its eight children by their snapped bounds. paths: of the children's files,
-   which are written where a triangle may meet the child. counts: receives how many do. */
-svo_status svo_i_triangles_split(const svo_part_header *header, uint32_t fields, const char *path, uint32_t level,
-                                 uint64_t code, char *const paths[8], uint64_t counts[8], svo_message *message);
+   which are written where a triangle may meet the child. of: the part. counts: receives how many do. */
+svo_status svo_i_triangles_split(const svo_part_header *header, const svo_i_triangles_of *of, const char *path,
+                                 char *const paths[8], uint64_t counts[8], svo_message *message);
 
 #endif

@@ -194,12 +194,34 @@ static const char *wrong_refit(const svo_tree *tree)
     if (held == NULL) {
         return "tree has no BVH; call svo_tree_make_bvh after the first build";
     }
-    if (held->bvh.shape[SVO_I_BVH_CHILDREN] == NULL || (held->flags & SVO_RAY_FLAG_CLIP) != 0 ||
-        (held->flags & SVO_RAY_FLAG_WORLD) == 0) {
-        return "the BVH was made of doubles, or of a mesh that was not all inside the grid; make it anew";
-    }
     return tree->content != SVO_I_TREE_COMPLETE && tree->content != SVO_I_TREE_IN_FLIGHT ? svo_i_tree_undefined(tree)
                                                                                          : NULL;
+}
+
+/* A BVH follows a mesh where its leaves hold floats and all triangles were in it, inside the grid, when it was made. */
+static svo_status check_bvh(const svo_tree *tree, const char *function)
+{
+    const tree_bvh *held = find_any_bvh(tree);
+    const bool clips = (held->flags & SVO_RAY_FLAG_CLIP) != 0;
+    if ((held->flags & SVO_RAY_FLAG_WORLD) != 0 && !clips && held->bvh.shape[SVO_I_BVH_CHILDREN] != NULL) {
+        return SVO_OK;
+    }
+    if (tree->info.positions == SVO_POSITIONS_DOUBLE) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
+                                 "%s: the BVH was made of %llu vertices in doubles, and a refit needs floats", function,
+                                 (unsigned long long)tree->info.vertex_count);
+    }
+    if ((held->flags & SVO_RAY_FLAG_WORLD) == 0) {
+        return svo_i_device_fail(
+            tree->device, SVO_INVALID_ARGUMENT,
+            "%s: the BVH was made in grid units, since %s, and a refit needs the mesh's floats", function,
+            tree->device->has_fp64 ? "the grid's width is not in 2^-40 .. 2^50" : "the device has no doubles");
+    }
+    return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
+                             "%s: the BVH was made of %u of %llu triangles%s, and a refit needs all of them inside the "
+                             "grid; make it anew",
+                             function, held->bvh.item_count, (unsigned long long)tree->info.triangles,
+                             clips ? ", some of which reach out of the grid" : "");
 }
 
 /* Enqueues a wait for the caller's events and for the refit before. The build came earlier on the caller's word. */
@@ -223,6 +245,7 @@ svo_status svo_tree_refit_bvh_enqueue(svo_tree *tree, cl_command_queue queue, cl
     if (wrong != NULL) {
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: %s", function, wrong);
     }
+    SVO_I_TRY(check_bvh(tree, function));
     SVO_I_TRY(svo_i_device_check_queue(tree->device, function, queue));
     SVO_I_TRY(svo_i_device_check_wait(tree->device, function, num_wait, wait));
     SVO_I_TRY(enqueue_wait(tree, function, queue, num_wait, wait, &waited));

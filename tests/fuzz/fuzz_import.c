@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Fuzz target: arbitrary bytes as an OBJ, MTL, PLY, STL or OFF file, the first byte saying which. Either they are
+ * Fuzz target: arbitrary bytes as an OBJ, PLY, STL, OFF, MTL or glTF file, the first byte saying which. Either they are
  * refused with a one-line message, or the mesh is well formed: each triangle has vertices that exist, or none, and a
  * material.
  */
@@ -35,7 +35,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t byte_count)
     gather mesh = {0};
     stream_counts counts;
     svo_message message = {""};
-    const unsigned kind = data[0] % 5u;
+    const unsigned kind = data[0] % 6u;
     mesh_reader reader = {.bytes = (const char *)data + 1,
                           .byte_count = byte_count - 1,
                           .stream = nowhere,
@@ -48,7 +48,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t byte_count)
         status = svo_i_mtl_read(&library, &reader, "name", reader.bytes, reader.byte_count);
         svo_i_mtl_free(&library);
     } else {
-        status = svo_i_read_mesh(&reader, (mesh_format)(MESH_FORMAT_OBJ + kind));
+        status = svo_i_read_mesh(&reader, kind == 5 ? MESH_FORMAT_GLTF : (mesh_format)(MESH_FORMAT_OBJ + kind));
         if (status == SVO_OK) {
             check_mesh(&mesh);
         }

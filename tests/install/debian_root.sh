@@ -134,8 +134,8 @@ step 'removing it' root "apt-get -y -q purge 'libsvocl*' svocl python3-svocl"
 step 'what is left' root "find / -xdev -iname '*svocl*' -not -path '/packages/*' -not -path '/home/*'"
 [[ ! -s $folder/output ]] || fail 'the purge left files'
 
-step 'what a wheel needs' root \
-    'apt-get -y -q install --no-install-recommends python3-venv python3-cffi python3-numpy libassimp5 libzstd1'
+readonly wheel_packages='python3-venv python3-cffi python3-numpy libassimp5 libcjson1 libzstd1'
+step 'what a wheel needs' root "apt-get -y -q install --no-install-recommends $wheel_packages"
 step 'the wheel' visitor \
     'python3 -m venv --system-site-packages venv && venv/bin/pip install --no-index /packages/svocl-*.whl'
 step 'Python with the wheel' visitor 'venv/bin/python /consumer/hash.py cube.ply 6'

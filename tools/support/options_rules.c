@@ -356,7 +356,7 @@ static const rule rules[] = {
     {"strict", '\0', OPTION_BUILD, NULL, read_flag, FIELD(strict), 0, 0, NULL,
      "fail where the mesh file holds something that is not read"},
     {"import-seconds", '\0', OPTION_BUILD, "N", read_count, FIELD(import_seconds), 1, 1000000, NULL,
-     "time limit for reading the mesh file (5, and 1 for each MB)"},
+     "time limit for reading the mesh file (5, and 1 for each MB that it reads)"},
     {"frontend", '\0', OPTION_BUILD | OPTION_METHODS, "NAME", read_choice, FIELD(frontend), 0, 0, frontends,
      "auto, cl, gl-expand, gl-hw (auto: the fastest)"},
     {"share", '\0', OPTION_BUILD | OPTION_METHODS, "NAME", read_choice, FIELD(share), 0, 0, shares,

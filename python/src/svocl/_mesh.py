@@ -193,7 +193,7 @@ def encode(path: Path) -> bytes:
 
 
 def read_mesh(path: Path, *, memory_limit_bytes: int = 0, time_limit_seconds: int = 0, strict: bool = False) -> Mesh:
-    """Reads a mesh file: OBJ with MTL, PLY, STL and OFF by readers of the library's own, other formats by assimp.
+    """Reads a mesh file: OBJ with MTL, PLY, STL, OFF and glTF by the library's own readers, others by assimp.
 
     The file is read in a process of its own, so that a reader that crashes or hangs ends in an exception. Warnings go
     to the logger "svocl"; Mesh.import_info has the counts. The arrays of the mesh are read-only.
@@ -201,7 +201,8 @@ def read_mesh(path: Path, *, memory_limit_bytes: int = 0, time_limit_seconds: in
     Args:
         path: of the file.
         memory_limit_bytes: address space of that process; 0: the library's default.
-        time_limit_seconds: wall clock; 0: 5 s, and 1 s for each 10**6 bytes of the file.
+        time_limit_seconds: wall clock, of all; 0: 5 s, and 1 s for each 10**6 bytes of the file, of the files that it
+            names, and of the texels of its textures.
         strict: what would be a warning is an error.
 
     Raises:

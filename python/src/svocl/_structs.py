@@ -67,10 +67,10 @@ class PlanBuffer(NamedTuple):
 
 
 class ImportInfo(NamedTuple):
-    """What a mesh file holds and what was read of it. Declared and read counts are 0 where assimp is the reader."""
+    """What a mesh file holds and what was read of it. Declared and read counts are 0 for glTF and with assimp."""
 
     reader: str
-    """"obj", "ply", "stl", "off": the library's own; or "assimp"."""
+    """"obj", "ply", "stl", "off", "gltf": the library's own; or "assimp"."""
     declared_vertices: int
     used_vertices: int
     """Of those, the ones that a triangle has."""
