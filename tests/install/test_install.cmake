@@ -40,6 +40,10 @@ if(NOT out STREQUAL "${VERSION}\n")
 endif()
 run(pkg-config ${static} --cflags --libs svocl-io)
 string(STRIP "${out}" flags)
+# The machine may have none of what libzip links itself.
+if(flags MATCHES "-l(bz2|ssl|crypto)")
+  message(FATAL_ERROR "pkg-config names libraries of libraries: ${flags}")
+endif()
 separate_arguments(flags UNIX_COMMAND "${flags}")
 run(${C_COMPILER} -std=c11 -o ${prefix}/bin/files ${SOURCE_DIR}/tests/install/files.c ${flags})
 set(ENV{LD_LIBRARY_PATH} ${library_dir}) # pkg-config says nothing about where shared libraries lie at run time
