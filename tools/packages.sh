@@ -27,6 +27,7 @@ deb()
     rm -rf "$build_deb/packages"
     quietly "$build_deb/cpack.log" cpack --config "$build_deb/CPackConfig.cmake" -B "$root/$build_deb/packages"
     rm -rf "$build_deb/packages/_CPack_Packages"
+    lintian --allow-root --fail-on error "$build_deb"/packages/*.deb
     wheel "$build_deb/packages"
     ls -s --block-size=K "$build_deb"/packages/*.{deb,whl}
     prepare_run_time

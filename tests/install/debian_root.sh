@@ -111,6 +111,12 @@ expect "$hash"
 step 'what it loads' visitor 'ldd /usr/bin/svocl && ! readelf -d /usr/bin/svocl 2>/dev/null | grep -i runpath'
 expect 'libsvocl\.so[.0-9]* => /(usr/)?lib/'
 
+# Embree is measured beside, and opened when it is asked for.
+step 'no Embree' visitor 'svocl bench rays --vs embree --quick 2>&1 | grep "libembree3-3"'
+expect 'svocl: bench: --vs embree: libembree3.so.3 cannot be opened .apt install libembree3-3.'
+step 'where zsh and fish look' root 'ls /usr/share/zsh/vendor-completions/_svocl \
+    /usr/share/fish/vendor_completions.d/svocl.fish /usr/share/man/man1/svocl.1.gz'
+
 # A project of its own, in CMake and with pkg-config.
 step 'the libraries for programs' root \
     'apt-get -y -q install --no-install-recommends /packages/libsvocl-dev*.deb cmake make gcc libc6-dev pkg-config'

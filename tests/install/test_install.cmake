@@ -28,6 +28,15 @@ if(NOT out MATCHES "^96776 leaves, 128073 nodes, hash ")
   message(FATAL_ERROR "the program built with find_package printed \"${out}\"")
 endif()
 
+# What the program only measures is opened when it is asked for.
+find_program(readelf readelf)
+if(readelf)
+  run(${readelf} -d ${prefix}/bin/svocl)
+  if(out MATCHES "NEEDED[^\n]*embree")
+    message(FATAL_ERROR "the program loads Embree: ${out}")
+  endif()
+endif()
+
 # pkg-config, svocl::io alone
 set(ENV{PKG_CONFIG_PATH} ${library_dir}/pkgconfig)
 set(static "")
