@@ -60,6 +60,9 @@ static cl_int answer(query *real, const void *object, cl_uint what, size_t bytes
     return fits ? CL_SUCCESS : CL_INVALID_VALUE;
 }
 
+/* OpenCL's headers name the parameters otherwise. */
+/* NOLINTBEGIN(readability-inconsistent-declaration-parameter-name) */
+
 CL_API_ENTRY cl_int CL_API_CALL clGetDeviceInfo(cl_device_id device, cl_device_info what, size_t bytes, void *value,
                                                 size_t *needed)
 {
@@ -77,3 +80,5 @@ CL_API_ENTRY cl_int CL_API_CALL clGetPlatformInfo(cl_platform_id platform, cl_pl
                ? answer(real, platform, what, bytes, value, needed)
                : real(platform, what, bytes, value, needed);
 }
+
+/* NOLINTEND(readability-inconsistent-declaration-parameter-name) */

@@ -429,7 +429,9 @@ static void APIENTRY log_much(GLuint name, GLsizei bytes, GLsizei *length, GLcha
 {
     const size_t told = bytes > LONG_LOG ? LONG_LOG : (size_t)bytes - 1;
     (void)name;
-    (void)length;
+    if (length != NULL) {
+        *length = (GLsizei)told;
+    }
     memset(log, 'x', told);
     log[told] = '\0';
 }

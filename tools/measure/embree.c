@@ -56,7 +56,7 @@
 static struct {
     bool is_tried;
     void *library; /* NULL: it cannot be opened, or lacks a function */
-#define MEMBER(name) __typeof__(&name) name;
+#define MEMBER(name) __typeof__ (&(name))(name);
     FUNCTIONS(MEMBER)
 #undef MEMBER
 } api;
