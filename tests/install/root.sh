@@ -73,7 +73,12 @@ clean_root()
     fi
     as_root mkdir "$root"
     as_root tar -C "$root" -xf "$base"
+    # How this machine reaches the network, with the certificates of a proxy.
     as_root cp /etc/resolv.conf /etc/hosts "$root/etc/"
+    if compgen -G '/usr/local/share/ca-certificates/*.crt' >/dev/null; then
+        as_root mkdir -p "$root/usr/local/share/ca-certificates"
+        as_root cp /usr/local/share/ca-certificates/*.crt "$root/usr/local/share/ca-certificates/"
+    fi
     apt-config dump Acquire | as_root tee "$root/etc/apt/apt.conf.d/90acquire" >/dev/null
     # The root is thrown away: no file of it needs to reach the disk.
     as_root tee "$root/etc/dpkg/dpkg.cfg.d/90unsafe-io" >/dev/null <<<force-unsafe-io
