@@ -10,12 +10,11 @@ get_target_property(svocl_type svocl TYPE)
 # What users of static libraries define and link; shared ones bring it themselves.
 set(svocl_static FALSE)
 set(svocl_pkgconfig_definitions "")
-set(svocl_pkgconfig_io_modules "")
+set(svocl_pkgconfig_io_libraries "")
 if(svocl_type STREQUAL "STATIC_LIBRARY")
   set(svocl_static TRUE)
   set(svocl_pkgconfig_definitions " -DSVO_STATIC")
-  list(JOIN svocl_svx_modules " " modules)
-  string(STRIP "assimp libcjson libzstd ${modules}" svocl_pkgconfig_io_modules)
+  list(JOIN svocl_io_libraries " " svocl_pkgconfig_io_libraries)
 endif()
 
 # svocl_install_library(target component name): installs target as svocl::component with svocl-component.cmake and

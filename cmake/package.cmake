@@ -2,9 +2,13 @@
 # and python3-svocl. `tools/dev deb` configures, builds and tests them. Of a static build there is no libsvocl0.1.
 set(CPACK_PACKAGE_NAME svocl)
 set(CPACK_PACKAGE_VENDOR "The svocl authors")
-if(NOT CPACK_PACKAGE_CONTACT)
-  set(CPACK_PACKAGE_CONTACT "The svocl authors <authors@svocl.invalid>") # -DCPACK_PACKAGE_CONTACT=... is yours
+# Who makes packages is responsible for them. The address of the default is one that no mail can reach (RFC 2606).
+set(SVOCL_PACKAGE_MAINTAINER "The svocl authors <authors@svocl.invalid>"
+    CACHE STRING "maintainer of the packages: NAME <ADDRESS>")
+if(NOT SVOCL_PACKAGE_MAINTAINER MATCHES "^[^<>]*[^<> ] <[^<>@ ]+@[^<>@ ]+\\.[^<>@ ]+>$")
+  message(FATAL_ERROR "SVOCL_PACKAGE_MAINTAINER is \"${SVOCL_PACKAGE_MAINTAINER}\" and not NAME <ADDRESS>")
 endif()
+set(CPACK_PACKAGE_CONTACT ${SVOCL_PACKAGE_MAINTAINER})
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
 set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
 set(CPACK_SOURCE_IGNORE_FILES /[.]git /build /demo/)
@@ -29,20 +33,33 @@ is exact, and it is the same on every device and in every run, bit for bit. No
 GPU is needed: PoCL suffices.")
 set(svocl_opencl_package "pocl-opencl-icd | opencl-icd")
 set(CPACK_COMPONENTS_ALL svocl_development)
+set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/cmake/debian_files.cmake)
 
-# svocl_package(component name section what): the component becomes the package of that name, with a copy of the license
-# where Debian has it; `cmake --install` leaves that copy out.
+# What each package has in /usr/share/doc: the license in Debian's form, and the changelog of the package.
+file(READ ${PROJECT_SOURCE_DIR}/LICENSE svocl_license)
+string(REGEX MATCH "Copyright \\(c\\) ([^\n]*)\n+(.*)$" svocl_license "${svocl_license}")
+set(svocl_copyright "${CMAKE_MATCH_1}")
+string(STRIP "${CMAKE_MATCH_2}" svocl_license)
+string(REPLACE "\n\n" "\n.\n" svocl_license "\n${svocl_license}")
+string(REPLACE "\n" "\n " svocl_license "${svocl_license}")
+string(SUBSTRING "${svocl_license}" 1 -1 svocl_license)
+string(TIMESTAMP svocl_date "%a, %d %b %Y %H:%M:%S +0000" UTC) # by SOURCE_DATE_EPOCH, if it is set
+foreach(svocl_file IN ITEMS copyright changelog)
+  configure_file(cmake/debian-${svocl_file}.in ${PROJECT_BINARY_DIR}/debian-${svocl_file} @ONLY)
+endforeach()
+
+# svocl_package(component name section what): the component becomes the package of that name, with its license and its
+# changelog where Debian has them; `cmake --install` leaves those out.
 function(svocl_package component name section what)
   string(TOUPPER ${component} prefix)
   set(CPACK_DEBIAN_${prefix}_PACKAGE_NAME ${name} PARENT_SCOPE)
   set(CPACK_DEBIAN_${prefix}_PACKAGE_SECTION ${section} PARENT_SCOPE)
   set(CPACK_COMPONENT_${prefix}_DESCRIPTION "${svocl_description}\nThis package has ${what}." PARENT_SCOPE)
-  install(
-    FILES ${PROJECT_SOURCE_DIR}/LICENSE
-    DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/${name}
-    RENAME copyright
-    COMPONENT ${component}
-    EXCLUDE_FROM_ALL)
+  set(folder ${CMAKE_INSTALL_DATAROOTDIR}/doc/${name})
+  install(FILES ${PROJECT_BINARY_DIR}/debian-copyright DESTINATION ${folder} RENAME copyright COMPONENT ${component}
+          EXCLUDE_FROM_ALL)
+  install(FILES ${PROJECT_BINARY_DIR}/debian-changelog DESTINATION ${folder} RENAME changelog.Debian
+          COMPONENT ${component} EXCLUDE_FROM_ALL)
 endfunction()
 
 svocl_package(svocl_development libsvocl-dev libdevel "headers and CMake files for programs that use it")
@@ -57,6 +74,7 @@ if(svocl_static)
 else()
   list(APPEND CPACK_COMPONENTS_ALL svocl_library)
   svocl_package(svocl_library libsvocl${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} libs "its shared libraries")
+  set(CPACK_DEBIAN_SVOCL_LIBRARY_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/cmake/libsvocl/triggers)
   set(CPACK_DEBIAN_SVOCL_LIBRARY_PACKAGE_RECOMMENDS "${svocl_opencl_package}")
   set(CPACK_DEBIAN_SVOCL_LIBRARY_PACKAGE_SUGGESTS "libegl1, libgl1-mesa-dri") # svocl::gl opens them
   set(CPACK_COMPONENT_SVOCL_DEVELOPMENT_DEPENDS svocl_library)
@@ -65,6 +83,7 @@ if(SVOCL_TOOLS)
   list(APPEND CPACK_COMPONENTS_ALL svocl_tools)
   svocl_package(svocl_tools svocl graphics "its program")
   set(CPACK_DEBIAN_SVOCL_TOOLS_PACKAGE_RECOMMENDS "${svocl_opencl_package}")
+  set(CPACK_DEBIAN_SVOCL_TOOLS_PACKAGE_SUGGESTS "libembree3-3") # `svocl bench rays --vs embree` opens it
   if(NOT svocl_static)
     set(CPACK_COMPONENT_SVOCL_TOOLS_DEPENDS svocl_library)
   endif()

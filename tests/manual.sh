@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 #
 # The manual pages and the completion of shells, which the program makes from its tables: every command has a page
-# without errors of roff, every option of its help is on it, and bash and zsh complete what the tables say.
+# without errors of roff, every option of its help is on it, and bash, zsh and fish complete what the tables say.
 #
 # usage: manual.sh PROGRAM CMAKE BUILD_DIR
 set -euo pipefail
@@ -29,7 +29,7 @@ if command -v mandoc >/dev/null; then
     # STYLE is advice for manuals of BSD; the date is left out, so that pages are the same every day.
     mandoc -T lint -W warning "$work"/pages/*.1 | grep -v 'missing date' >"$work/lint" || true
     [[ ! -s $work/lint ]] || complain "$(cat "$work/lint")"
-    mandoc -T utf8 "$work/pages/svocl-build.1" | col -b >"$work/text"
+    mandoc -T ascii "$work/pages/svocl-build.1" | sed 's/.\x08//g' >"$work/text" # without overstrikes
     grep -q -e '-d, --depth D' "$work/text" || complain "svocl-build.1 lacks -d D"
 else
     echo "not run: mandoc is not installed"
@@ -117,10 +117,46 @@ else
     echo "not run: zsh is not installed"
 fi
 
+# --- fish ---
+
+if command -v fish >/dev/null; then
+    "$program" completion fish >"$work/svocl.fish"
+    # What fish would offer for the line.
+    expect_fish()
+    {
+        local seen
+        seen=$(HOME=$work fish --no-config -c "source $work/svocl.fish; complete -C '$1'" | cut -f 1 |
+            paste -s -d ' ')
+        [[ $seen == "$2" ]] || complain "fish completes '$1' to '$seen', not '$2'"
+    }
+    expect_fish 'svocl verif' 'verify'
+    expect_fish 'svocl build --fronte' '--frontend'
+    expect_fish 'svocl build --frontend gl-' 'gl-expand gl-hw'
+    expect_fish 'svocl build --frontend=gl-e' '--frontend=gl-expand'
+    expect_fish 'svocl build --need normal,r' 'normal,rays'
+    expect_fish 'svocl build --need=normal,r' '--need=normal,rays'
+    expect_fish 'svocl build scene:cu' 'scene:cube'
+    expect_fish 'svocl build mo' 'model.obj'
+    expect_fish 'svocl build -o mo' 'model.obj'
+    expect_fish 'svocl report --docs fo' 'folder/'
+    expect_fish 'svocl build --device mo' ''
+    expect_fish 'svocl scene stat' 'statue'
+    expect_fish 'svocl bench vo' 'voxelize'
+    expect_fish 'svocl completion f' 'fish'
+    expect_fish 'svocl help verif' 'verify'
+    "$program" --help | sed -n 's/^  \([a-z-]\{1,\}\)  .*/\1/p' | sort >"$work/wanted"
+    HOME=$work fish --no-config -c "source $work/svocl.fish; complete -C 'svocl '" | cut -f 1 | sort >"$work/offered"
+    lacking=$(comm -23 "$work/wanted" "$work/offered")
+    [[ -z $lacking ]] || complain "fish does not offer $lacking"
+else
+    echo "not run: fish is not installed"
+fi
+
 # --- installed ---
 
 "$cmake" --install "$build" --prefix "$work/prefix" >"$work/log" || complain "$(cat "$work/log")"
-for file in man/man1/svocl.1 man/man1/svocl-build.1 bash-completion/completions/svocl zsh/site-functions/_svocl; do
+for file in man/man1/svocl.1 man/man1/svocl-build.1 bash-completion/completions/svocl zsh/site-functions/_svocl \
+    fish/vendor_completions.d/svocl.fish; do
     [[ -s $work/prefix/share/$file ]] || complain "share/$file is not installed"
 done
 cmp -s "$work/pages/svocl-build.1" "$work/prefix/share/man/man1/svocl-build.1" || complain "another page is installed"

@@ -1,24 +1,20 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# Voxel files from a folder outside the repository, there and back: each becomes a .svo file with the same tree, and
-# that a .binvox file with the same voxels. Those of .vox files become .vox files again, with the same tree.
+# Voxel files of stand_ins.py, and of folders outside the repository where they exist, there and back: each becomes a
+# .svo file with the same tree, and that a .binvox file with the same voxels. Those of .vox files become .vox files
+# again, with the same tree.
 #
-# usage: real_voxels.sh PROGRAM FOLDER...; exit code 77 (skipped) if no folder exists.
+# usage: real_voxels.sh PROGRAM FOLDER...; exit code 77 (skipped) without python3 and the folders.
 set -euo pipefail
 
 readonly program=$1
 shift
-folders=()
-for folder in "$@"; do
-    [[ ! -d $folder ]] || folders+=("$folder")
-done
-if ((${#folders[@]} == 0)); then
-    echo "skipped: no folder of $*"
-    exit 77
-fi
+# shellcheck source=tests/stand_ins.sh
+source "${BASH_SOURCE[0]%/*}/stand_ins.sh"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+model_folders "$work" voxels "$@"
 
 # Whether two files have the same tree; further arguments are options of svocl hash.
 same_tree()
@@ -28,7 +24,7 @@ same_tree()
 
 there_and_back()
 {
-    rm -f "$work"/*
+    rm -f "$work"/[ab].*
     "$program" convert "$1" "$work/a.svo" --quiet || return 1
     same_tree "$1" "$work/a.svo" || return 1
     "$program" convert "$work/a.svo" "$work/b.binvox" --quiet || return 1

@@ -12,7 +12,7 @@ set -euo pipefail
 
 readonly program=$1 results=$2
 if ! command -v chromium >/dev/null; then
-    echo "skipped: chromium is not installed"
+    echo "skipped: chromium is not installed (apt install chromium)"
     exit 77
 fi
 work=$(mktemp -d)

@@ -1,22 +1,22 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# Broken, open and torn mesh files from a folder outside the repository: `svocl verify --solid` must find each inside as
-# the reference does, or refuse the file with one line and exit code 1.
+# Broken, open and torn mesh files, as stand_ins.py writes them, and from a folder outside the repository where it
+# exists: `svocl verify --solid` must find each inside as the reference does, or refuse the file with one line and exit
+# code 1.
 #
-# usage: solid_meshes.sh PROGRAM FOLDER; exit code 77 (skipped) if the folder does not exist.
+# usage: solid_meshes.sh PROGRAM FOLDER; exit code 77 (skipped) without python3 and the folder.
 set -euo pipefail
 
-readonly program=$1 folder=$2
+readonly program=$1
 readonly depth=6
 readonly seconds=120
+# shellcheck source=tests/stand_ins.sh
+source "${BASH_SOURCE[0]%/*}/stand_ins.sh"
 
-if [[ ! -d $folder ]]; then
-    echo "skipped: no folder $folder"
-    exit 77
-fi
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+model_folders "$work" . "$2"
 
 exact=0 open=0 refused=0 failed=0
 while IFS= read -r -d '' file; do
@@ -32,10 +32,10 @@ while IFS= read -r -d '' file; do
         refused=$((refused + 1))
     else
         failed=$((failed + 1))
-        echo "FAILED with exit code $code: ${file#"$folder"/}"
+        echo "FAILED with exit code $code: $file"
         cat "$work/out" "$work/err"
     fi
-done < <(find "$folder" -type f \( -name '*.obj' -o -name '*.ply' -o -name '*.stl' -o -name '*.STL' \
+done < <(find "${folders[@]}" -type f \( -name '*.obj' -o -name '*.ply' -o -name '*.stl' -o -name '*.STL' \
     -o -name '*.off' \) -print0 | sort -z)
 
 echo "$exact exact, $open of them open, $refused refused, $failed failed"

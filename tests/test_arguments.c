@@ -108,14 +108,15 @@ static void devices_by_name_and_index(void **state)
     svo_message message = {""};
     svo_device_options options = {.struct_size = sizeof options, .device_name = "0.0"};
     assert_int_equal(svo_device_create_default(&options, &device, &message), SVO_OK);
-    char name[256];
-    (void)snprintf(name, sizeof name, "%s", svo_device_name(device));
+    char *name = svo_i_copy_text(NULL, svo_device_name(device));
+    assert_non_null(name);
     assert_true(svo_device_compile_ms(device) == 0);
     svo_device_destroy(&device);
     options.device_name = name + strlen(name) / 2; /* from within the name on */
     assert_int_equal(svo_device_create_default(&options, &device, &message), SVO_OK);
     assert_string_equal(svo_device_name(device), name);
     svo_device_destroy(&device);
+    svo_i_free(name);
     assert_int_equal(svo_device_create(NULL, svo_device_cl_device(opened.device), NULL, &device, &message),
                      SVO_INVALID_ARGUMENT);
     assert_string_equal(message.text, "svo_device_create: context, device or out is NULL");

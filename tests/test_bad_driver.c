@@ -16,6 +16,7 @@
 
 #include <cmocka.h>
 
+#include "core/device.h"
 #include "fixture.h"
 #include "machine.h"
 #include "meshes.h"
@@ -416,6 +417,54 @@ static void APIENTRY log_nothing(GLuint name, GLsizei bytes, GLsizei *length, GL
     }
 }
 
+#define LONG_LOG 10000
+
+static void APIENTRY refuse(GLuint shader, GLenum what, GLint *value)
+{
+    honest.GetShaderiv(shader, what, value);
+    *value = what == GL_COMPILE_STATUS ? GL_FALSE : what == GL_INFO_LOG_LENGTH ? LONG_LOG + 1 : *value;
+}
+
+static void APIENTRY log_much(GLuint name, GLsizei bytes, GLsizei *length, GLchar *log)
+{
+    const size_t told = bytes > LONG_LOG ? LONG_LOG : (size_t)bytes - 1;
+    (void)name;
+    if (length != NULL) {
+        *length = (GLsizei)told;
+    }
+    memset(log, 'x', told);
+    log[told] = '\0';
+}
+
+static void keep_length(void *user, svo_log_level level, const char *text)
+{
+    (void)level;
+    *(size_t *)user = strlen(text);
+}
+
+static void logs_of_compilers_are_whole(void **state)
+{
+    (void)state;
+    bad_setup setup;
+    open_setup(SVO_GL_SHARE_COPY, &setup);
+    svo_i_gl_functions *functions = &setup.opened.context->functions;
+    svo_device *device = setup.opened.device;
+    const svo_log_callback log = device->log;
+    void *log_user = device->log_user;
+    size_t length = 0;
+    device->log = keep_length;
+    device->log_user = &length;
+    spoil(setup.opened.context);
+    functions->GetShaderiv = refuse;
+    functions->GetShaderInfoLog = log_much;
+    assert_int_equal(build(&setup), SVO_COMPILE_FAILED);
+    assert_int_equal(length, LONG_LOG);
+    mend(setup.opened.context);
+    device->log = log;
+    device->log_user = log_user;
+    close_setup(&setup);
+}
+
 static void compilers_that_fail_are_a_status(void **state)
 {
     (void)state;
@@ -510,6 +559,7 @@ int main(void)
         cmocka_unit_test(nonsense_counters_are_a_status),
         cmocka_unit_test(nonsense_limits_are_a_status),
         cmocka_unit_test(compilers_that_fail_are_a_status),
+        cmocka_unit_test(logs_of_compilers_are_whole),
         cmocka_unit_test(strings_that_are_null_are_a_status),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -571,7 +571,7 @@ static void share_paths_are_probed_with_reasons(void **state)
 {
     (void)state;
     pair on;
-    char reason[256];
+    char reason[SVO_MESSAGE_BYTES];
     pair_make_any(&on);
     (void)svo_i_device_fail(on.device, SVO_OK, "what was said before");
 
@@ -593,7 +593,7 @@ static void host_share_needs_a_cpu_and_buffer_storage(void **state)
 {
     (void)state;
     pair on;
-    char reason[256];
+    char reason[SVO_MESSAGE_BYTES];
     pair_make_any(&on);
     bool is_cpu = on.device->is_cpu;
     bool cpu_path = on.device->cpu_path;
@@ -681,7 +681,7 @@ static void check_round_trips(const pair *on, svo_gl_share share)
 static void check_kind_shares(svo_gl_context_kind kind)
 {
     pair on;
-    char reason[256];
+    char reason[SVO_MESSAGE_BYTES];
     pair_make(&on, kind);
     check_round_trips(&on, SVO_GL_SHARE_COPY);
     svo_i_share_probe(on.device, on.context, SVO_GL_SHARE_HOST, reason, sizeof reason);
@@ -739,7 +739,7 @@ static void shared_buffer_is_handed_over_in_turns(void **state)
 {
     (void)state;
     pair on;
-    char reason[256];
+    char reason[SVO_MESSAGE_BYTES];
     svo_i_share_buffer buffer = {0};
     pair_make_any(&on);
     svo_i_share_probe(on.device, on.context, SVO_GL_SHARE_HOST, reason, sizeof reason);

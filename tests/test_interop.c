@@ -20,7 +20,7 @@
 #include "meshes.h"
 #include "share/interop.h"
 
-enum { DEPTH = 7, TRIANGLES = 300, REASON_BYTES = 512 };
+enum { DEPTH = 7, TRIANGLES = 300, REASON_BYTES = SVO_MESSAGE_BYTES };
 
 static const svo_plan_options everything = {.need = SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS};
 

@@ -28,7 +28,7 @@
 #define NV_PRE_SNAP "GL_NV_conservative_raster_pre_snap_triangles"
 #define INTEL       "GL_INTEL_conservative_rasterization"
 
-enum { REASON_BYTES = 512 };
+enum { REASON_BYTES = SVO_MESSAGE_BYTES };
 
 static void APIENTRY ignore_parameter(GLenum name, GLint value)
 {

@@ -22,7 +22,10 @@ static result_set *make_set(void)
 {
     result_set *set = result_create();
     assert_non_null(set);
-    set->machine = (result_machine){.device = "PoCL \"quoted\"", .driver = "3.1", .renderer = "none", .cpu_threads = 2};
+    set->machine.cpu_threads = 2;
+    result_set_fact(set, &set->machine.device, "PoCL \"quoted\"");
+    result_set_fact(set, &set->machine.driver, "3.1");
+    result_set_fact(set, &set->machine.renderer, "none");
     result_table *table = result_add_table(set, "voxelize", "Front ends", "medians, wall clock");
     result_add_column(table, "scene", "");
     result_add_column(table, "median", "ms");

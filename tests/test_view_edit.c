@@ -272,7 +272,7 @@ static void test_failed_saves_leave_the_file(void **unused)
     (void)snprintf(path, sizeof path, "%s/nowhere/scene.json", work_folder());
     assert_int_equal(scene_save(state, path), ENOENT);
     scene_edit_save(state, "");
-    assert_non_null(strstr(state->log[(state->log_count - 1) % VIEW_LOG_LINES], "not saved"));
+    assert_non_null(strstr(view_log_line(state, 0), "not saved"));
     assert_int_equal(scene_save(state, "/dev/full"), ENOSPC);
     view_state_end(state);
     free(state);

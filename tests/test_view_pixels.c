@@ -68,6 +68,7 @@ static void close_pair(window_pair *pair)
     svo_device_destroy(&pair->device);
     svo_gl_context_destroy(&pair->context);
     own_context_destroy(&pair->own);
+    view_state_end(pair->state);
     free(pair->state);
 }
 

@@ -12,7 +12,7 @@ set -euo pipefail
 
 readonly program=$1 compare=$2
 if ! command -v chromium >/dev/null; then
-    echo "skipped: chromium is not installed"
+    echo "skipped: chromium is not installed (apt install chromium)"
     exit 77
 fi
 readonly inspect=${BASH_SOURCE[0]%/*}/web/inspect.js

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 #
 # `tools/dev deb`: the Debian packages and the Python wheel, and whether they install and run in a clean Debian 12.
-# `tools/dev oldest_cmake`: whether the oldest CMake suffices. tools/dev sources this file, which uses its functions and
-# settings.
+# `tools/dev bare`: demo and test of a clone in a clean Debian 12. `tools/dev oldest_cmake`: whether the oldest CMake
+# suffices. tools/dev sources this file, which uses its functions and settings.
 # shellcheck disable=SC2154
 
 readonly build_deb=build-deb
@@ -18,6 +18,14 @@ wheel()
         --config-settings=build-dir="$root/$build_deb/python" "$root/python"
 }
 
+# What makes clean roots; without root or sudo the tests in them are skipped.
+setup_debootstrap()
+{
+    if ((EUID == 0)) || command -v sudo >/dev/null; then
+        setup debootstrap
+    fi
+}
+
 deb()
 {
     local folder=${1:-$build_deb/debian} mirror=${2:-}
@@ -27,13 +35,18 @@ deb()
     rm -rf "$build_deb/packages"
     quietly "$build_deb/cpack.log" cpack --config "$build_deb/CPackConfig.cmake" -B "$root/$build_deb/packages"
     rm -rf "$build_deb/packages/_CPack_Packages"
+    lintian --allow-root --fail-on error "$build_deb"/packages/*.deb
     wheel "$build_deb/packages"
     ls -s --block-size=K "$build_deb"/packages/*.{deb,whl}
     prepare_run_time
-    if ((EUID == 0)) || command -v sudo >/dev/null; then
-        command -v debootstrap >/dev/null || apt install --no-install-recommends debootstrap >&2
-    fi
+    setup_debootstrap
     tests/install/debian_root.sh "$build_deb/packages" "$build_deb/bin/svocl" "$folder" ${mirror:+"$mirror"}
+}
+
+bare()
+{
+    setup_debootstrap
+    tests/install/bare_root.sh "${1:-$build_deb/debian}" "${@:2}"
 }
 
 oldest_cmake()

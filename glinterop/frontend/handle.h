@@ -9,7 +9,7 @@
 #include "raster/raster.h"
 #include "share/probe.h"
 
-#define SVO_I_GL_REASON_BYTES 512
+#define SVO_I_GL_REASON_BYTES SVO_MESSAGE_BYTES /* reasons are messages, with names of drivers in them */
 #define SVO_I_GL_RASTERS      3
 
 struct svo_gl {

@@ -7,7 +7,7 @@
 #include "core/device.h"
 
 #define SVO_I_SHARES             4
-#define SVO_I_SHARE_REASON_BYTES 512
+#define SVO_I_SHARE_REASON_BYTES SVO_MESSAGE_BYTES /* reasons are messages, with names of drivers in them */
 
 /* Why each path does not work; "" for one that does. */
 typedef struct svo_i_share_reasons {

@@ -63,7 +63,7 @@ typedef struct device_search {
     unsigned platform_index, device_index;
     cl_device_id found;
     device_facts best; /* of the device found */
-    char bare[256]; /* names and errors of platforms without a device, cut to fit */
+    char bare[SVO_MESSAGE_BYTES]; /* names and errors of platforms without a device, for the message */
 } device_search;
 
 /* Adds a platform without a device to the text for the message. */

@@ -24,6 +24,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "core/device_info.h"
 #include "core/program.h"
 
 #define SAVE "svo_device_save_kernels"
@@ -34,6 +35,7 @@
 #define HEAD_BYTES   40u
 #define HASHED_BYTES 24u /* of the head, before the hash */
 #define KEY_BYTES    4096
+#define VALUE_BYTES  256 /* of a line of the key; longer texts are there by their hash */
 #define FILE_MAX     ((size_t)1 << 30)
 #define ATTEMPTS_MAX 100
 
@@ -41,7 +43,6 @@
 typedef struct program_key {
     char text[KEY_BYTES];
     char name[40]; /* of the file */
-    cl_int error; /* the first of the queries */
 } program_key;
 
 /* The contents of a file. */
@@ -60,6 +61,11 @@ static svo_status no_memory(svo_device *device, const char *function)
     return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a program's binary", function);
 }
 
+static void hash_text(XXH128_hash_t hash, char text[33])
+{
+    (void)snprintf(text, 33, "%016llx%016llx", (unsigned long long)hash.high64, (unsigned long long)hash.low64);
+}
+
 /* Adds "name value" as a line. */
 static void add_line(program_key *key, const char *name, const char *value)
 {
@@ -67,26 +73,35 @@ static void add_line(program_key *key, const char *name, const char *value)
     (void)snprintf(key->text + used, sizeof key->text - used, "%s %s\n", name, value);
 }
 
-/* Keeps the first error. */
-static void note_error(program_key *key, cl_int error)
+/* The same for a text of any length, which a driver or the environment has. */
+static void add_text(program_key *key, const char *name, const char *text)
 {
-    key->error = key->error == CL_SUCCESS ? error : key->error;
+    char hash[33];
+    hash_text(XXH3_128bits(text, strlen(text)), hash);
+    add_line(key, name, strlen(text) < VALUE_BYTES ? text : hash);
 }
 
-static void add_device_line(program_key *key, const char *name, const svo_device *device, cl_device_info what)
+static svo_status add_device_line(program_key *key, const char *function, const char *name, svo_device *device,
+                                  cl_device_info what)
 {
-    char value[512] = "";
-    note_error(key, clGetDeviceInfo(device->device, what, sizeof value - 1, value, NULL));
-    add_line(key, name, value);
+    char *text = NULL;
+    SVO_I_TRY(svo_i_device_text(device->device, what, function, &device->memory, &text, &device->message));
+    add_text(key, name, text);
+    svo_i_free(text);
+    return SVO_OK;
 }
 
-static void add_platform_line(program_key *key, const char *name, const svo_device *device, cl_platform_info what)
+static svo_status add_platform_line(program_key *key, const char *function, const char *name, svo_device *device,
+                                    cl_platform_info what)
 {
-    char value[512] = "";
+    char *text = NULL;
     cl_platform_id platform = NULL;
-    note_error(key, clGetDeviceInfo(device->device, CL_DEVICE_PLATFORM, sizeof(cl_platform_id), &platform, NULL));
-    note_error(key, clGetPlatformInfo(platform, what, sizeof value - 1, value, NULL));
-    add_line(key, name, value);
+    SVO_I_TRY(svo_i_device_property(device->device, CL_DEVICE_PLATFORM, sizeof(cl_platform_id), &platform, function,
+                                    &device->message));
+    SVO_I_TRY(svo_i_platform_text(platform, what, function, &device->memory, &text, &device->message));
+    add_text(key, name, text);
+    svo_i_free(text);
+    return SVO_OK;
 }
 
 /* PoCL chooses instructions by these and names the device the same. */
@@ -96,16 +111,25 @@ static void add_environment(program_key *key)
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         const char *value = getenv(names[i]);
         if (value != NULL) {
-            char shown[256];
-            (void)snprintf(shown, sizeof shown, "%s", value);
-            add_line(key, names[i], shown);
+            add_text(key, names[i], value);
         }
     }
 }
 
-static void hash_text(XXH128_hash_t hash, char text[33])
+/* Which driver compiles for which device. */
+static svo_status add_driver(program_key *key, const char *function, svo_device *device)
 {
-    (void)snprintf(text, 33, "%016llx%016llx", (unsigned long long)hash.high64, (unsigned long long)hash.low64);
+    cl_uint bits = 0;
+    SVO_I_TRY(add_platform_line(key, function, "platform", device, CL_PLATFORM_NAME));
+    SVO_I_TRY(add_platform_line(key, function, "platform-version", device, CL_PLATFORM_VERSION));
+    SVO_I_TRY(add_device_line(key, function, "device", device, CL_DEVICE_NAME));
+    SVO_I_TRY(add_device_line(key, function, "vendor", device, CL_DEVICE_VENDOR));
+    SVO_I_TRY(add_device_line(key, function, "device-version", device, CL_DEVICE_VERSION));
+    SVO_I_TRY(add_device_line(key, function, "driver", device, CL_DRIVER_VERSION));
+    SVO_I_TRY(
+        svo_i_device_property(device->device, CL_DEVICE_ADDRESS_BITS, sizeof bits, &bits, function, &device->message));
+    add_line(key, "address-bits", bits == 64 ? "64" : "32");
+    return SVO_OK;
 }
 
 static svo_status make_key(svo_device *device, const char *function, svo_i_program_kind kind, const char *defines,
@@ -114,16 +138,8 @@ static svo_status make_key(svo_device *device, const char *function, svo_i_progr
     const char *source = svo_i_program_source(kind);
     char options[SVO_I_PROGRAM_OPTIONS_BYTES];
     char hash[33];
-    cl_uint bits = 0;
-    *key = (program_key){.error = CL_SUCCESS};
-    add_platform_line(key, "platform", device, CL_PLATFORM_NAME);
-    add_platform_line(key, "platform-version", device, CL_PLATFORM_VERSION);
-    add_device_line(key, "device", device, CL_DEVICE_NAME);
-    add_device_line(key, "vendor", device, CL_DEVICE_VENDOR);
-    add_device_line(key, "device-version", device, CL_DEVICE_VERSION);
-    add_device_line(key, "driver", device, CL_DRIVER_VERSION);
-    note_error(key, clGetDeviceInfo(device->device, CL_DEVICE_ADDRESS_BITS, sizeof bits, &bits, NULL));
-    add_line(key, "address-bits", bits == 64 ? "64" : "32");
+    key->text[0] = '\0';
+    SVO_I_TRY(add_driver(key, function, device));
     add_environment(key);
     hash_text(XXH3_128bits(source, strlen(source)), hash);
     add_line(key, "source", hash);
@@ -132,9 +148,7 @@ static svo_status make_key(svo_device *device, const char *function, svo_i_progr
     add_line(key, "options", options);
     hash_text(XXH3_128bits(key->text, strlen(key->text)), hash);
     (void)snprintf(key->name, sizeof key->name, "%.24s" SUFFIX, hash);
-    return key->error == CL_SUCCESS
-               ? SVO_OK
-               : svo_i_device_fail_cl(device, function, "clGetDeviceInfo or clGetPlatformInfo", key->error);
+    return SVO_OK;
 }
 
 /* "FOLDER/NAME" and up to 64 bytes more; the caller frees it. */

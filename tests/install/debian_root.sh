@@ -7,56 +7,11 @@
 # the wheel in PACKAGES does the same as the Python package did. Needs a mirror, debootstrap, and root or sudo; without
 # the last two it is skipped (77). FOLDER keeps the downloads and the log.
 set -euo pipefail
-readonly packages=$1 program=$2 mirror=${4:-http://deb.debian.org/debian}
-readonly release=bookworm scene='scene:cube -d 6'
+readonly packages=$1 program=$2 scene='scene:cube -d 6'
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-mkdir -p "$3/archives"
-folder=$(cd "$3" && pwd)
-readonly here folder base=$folder/$release.tar root=$folder/root log=$folder/log
-
-skip()
-{
-    printf 'skipped: %s\n' "$1"
-    exit 77
-}
-
-if ((EUID != 0)) && ! sudo -n true 2>/dev/null; then
-    skip 'making a Debian root needs root or sudo'
-fi
-PATH=$PATH:/usr/sbin:/sbin
-command -v debootstrap >/dev/null || skip 'debootstrap is not installed'
-
-as_root()
-{
-    if ((EUID == 0)); then
-        "$@"
-    else
-        sudo "$@"
-    fi
-}
-
-fail()
-{
-    tail -n 50 "$log"
-    printf 'debian_root: %s\n' "$1"
-    exit 1
-}
-
-# Runs a shell command in the root, as its user "visitor" or as root, without the environment of this machine. Mounts
-# end with the command.
-enter()
-{
-    # shellcheck disable=SC2016 # expanded by the inner shell
-    as_root unshare --mount --propagation private bash -c '
-        root=$1 archives=$2 user=$3
-        shift 3
-        mount -t proc proc "$root/proc" && mount --rbind /dev "$root/dev" && mount --rbind /sys "$root/sys" &&
-            mount -t tmpfs tmpfs "$root/tmp" && chmod 1777 "$root/tmp" &&
-            mount --bind "$archives" "$root/var/cache/apt/archives" &&
-            exec env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
-                chroot "$root" su -s /bin/sh "$user" -c "cd && $*"' \
-        enter "$root" "$folder/archives" "$@"
-}
+readonly here
+# shellcheck source=tests/install/root.sh
+source "$here/root.sh"
 
 # step WHAT USER COMMAND: prints and logs what the command prints; it must succeed.
 step()
@@ -78,22 +33,7 @@ expect()
     grep -q -E -- "$1" "$folder/output" || fail "no line of that matches $1"
 }
 
-: >"$log"
-# What a root needs to install packages; made once, then unpacked for each run.
-if [[ ! -e $base ]]; then
-    printf 'making a root of Debian %s\n' "$release"
-    as_root rm -rf --one-file-system "$root"
-    as_root debootstrap --variant=minbase "$release" "$root" "$mirror" >>"$log" 2>&1 || fail 'debootstrap failed'
-    as_root tar -C "$root" --one-file-system --exclude='./var/cache/apt/archives/*.deb' -cf "$base.part" .
-    as_root mv "$base.part" "$base"
-fi
-as_root rm -rf --one-file-system "$root"
-as_root mkdir "$root"
-as_root tar -C "$root" -xf "$base"
-as_root cp /etc/resolv.conf /etc/hosts "$root/etc/"
-apt-config dump Acquire | as_root tee "$root/etc/apt/apt.conf.d/90acquire" >/dev/null
-# The root is thrown away: no file of it needs to reach the disk.
-as_root tee "$root/etc/dpkg/dpkg.cfg.d/90unsafe-io" >/dev/null <<<force-unsafe-io
+clean_root "$3" "${4:-http://deb.debian.org/debian}"
 as_root mkdir "$root/packages" "$root/consumer"
 as_root cp "$packages"/*.deb "$packages"/svocl-*.whl "$root/packages/"
 as_root cp "$here/consumer/CMakeLists.txt" "$here/consumer/hash.py" "$here/../../samples/01_minimal/main.c" \
@@ -110,6 +50,12 @@ hash=$("$program" hash $scene | grep -oE '[0-9a-f]{32}')
 expect "$hash"
 step 'what it loads' visitor 'ldd /usr/bin/svocl && ! readelf -d /usr/bin/svocl 2>/dev/null | grep -i runpath'
 expect 'libsvocl\.so[.0-9]* => /(usr/)?lib/'
+
+# Embree is measured beside, and opened when it is asked for.
+step 'no Embree' visitor 'svocl bench rays --vs embree --quick 2>&1 | grep "libembree3-3"'
+expect 'svocl: bench: --vs embree: libembree3.so.3 cannot be opened .apt install libembree3-3.'
+step 'where zsh and fish look' root 'ls /usr/share/zsh/vendor-completions/_svocl \
+    /usr/share/fish/vendor_completions.d/svocl.fish /usr/share/man/man1/svocl.1.gz'
 
 # A project of its own, in CMake and with pkg-config.
 step 'the libraries for programs' root \
@@ -142,5 +88,5 @@ step 'Python with the wheel' visitor 'venv/bin/python /consumer/hash.py cube.ply
 expect "^[0-9.]+ /home/visitor/venv/lib/python[0-9.]+/site-packages/svocl $hash\$"
 step 'the same files, but for the program that reads meshes' visitor \
     "cd venv/lib/python*/site-packages/svocl && $modules | diff ~/files -"
-as_root rm -rf --one-file-system "$root"
+rm_root
 printf '\ndebian_root: passed, log in %s\n' "$log"

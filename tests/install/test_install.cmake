@@ -28,6 +28,15 @@ if(NOT out MATCHES "^96776 leaves, 128073 nodes, hash ")
   message(FATAL_ERROR "the program built with find_package printed \"${out}\"")
 endif()
 
+# What the program only measures is opened when it is asked for.
+find_program(readelf readelf)
+if(readelf)
+  run(${readelf} -d ${prefix}/bin/svocl)
+  if(out MATCHES "NEEDED[^\n]*embree")
+    message(FATAL_ERROR "the program loads Embree: ${out}")
+  endif()
+endif()
+
 # pkg-config, svocl::io alone
 set(ENV{PKG_CONFIG_PATH} ${library_dir}/pkgconfig)
 set(static "")
@@ -40,6 +49,10 @@ if(NOT out STREQUAL "${VERSION}\n")
 endif()
 run(pkg-config ${static} --cflags --libs svocl-io)
 string(STRIP "${out}" flags)
+# The machine may have none of what libzip links itself.
+if(flags MATCHES "-l(bz2|ssl|crypto)")
+  message(FATAL_ERROR "pkg-config names libraries of libraries: ${flags}")
+endif()
 separate_arguments(flags UNIX_COMMAND "${flags}")
 run(${C_COMPILER} -std=c11 -o ${prefix}/bin/files ${SOURCE_DIR}/tests/install/files.c ${flags})
 set(ENV{LD_LIBRARY_PATH} ${library_dir}) # pkg-config says nothing about where shared libraries lie at run time

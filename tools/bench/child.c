@@ -170,7 +170,7 @@ static const char *words_of(const char *line)
 /* The last line of the file that is not empty. */
 static void keep_last_line(FILE *errors, char *reason, size_t reason_bytes)
 {
-    char line[512];
+    char line[CHILD_REASON_BYTES];
     rewind(errors);
     while (fgets(line, sizeof line, errors) != NULL) {
         line[strcspn(line, "\n")] = '\0';

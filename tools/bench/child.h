@@ -9,6 +9,7 @@
 #include <sys/types.h>
 
 #include "support/options.h"
+#include "svocl/status.h"
 
 /* An empty folder for the drivers' caches of compiled kernels and shaders. False when it cannot be created. */
 typedef struct child_cache {
@@ -18,6 +19,7 @@ bool child_cache_create(child_cache *made);
 void child_cache_remove(const child_cache *made);
 
 #define CHILD_ARGUMENTS_MAX 32
+#define CHILD_REASON_BYTES  (SVO_MESSAGE_BYTES + 64) /* a message of the library, after the command */
 
 /* Arguments, without the program's name; ends with NULL. */
 typedef struct child_arguments {
@@ -44,7 +46,7 @@ typedef struct child_answer {
     cJSON *document; /* the JSON on standard output, also of a child that failed; NULL without; cJSON_Delete */
     double ms; /* from start to exit */
     bool well; /* exit code 0 */
-    char reason[512]; /* "" if it ended well; else its last line on standard error, or what ended it */
+    char reason[CHILD_REASON_BYTES]; /* "" if it ended well; else its last line on standard error, or what ended it */
 } child_answer;
 /* Runs a child and keeps what it said. cache: NULL: the caches of this process. seconds: it is ended after so many; 0:
    never. */

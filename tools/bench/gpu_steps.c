@@ -160,8 +160,9 @@ static void add_methods(gpu_run *run, const cJSON *pair, const char *list, const
 }
 
 /* The driver and the version of the device that builds ran on. */
-static void keep_driver(const cJSON *devices, result_machine *machine)
+static void keep_driver(const cJSON *devices, result_set *results)
 {
+    result_machine *machine = &results->machine;
     const cJSON *platform = NULL;
     const cJSON *device = NULL;
     cJSON_ArrayForEach(platform, array_of(devices, "platforms"))
@@ -171,8 +172,8 @@ static void keep_driver(const cJSON *devices, result_machine *machine)
             const char *name = text_of(device, "name");
             const size_t length = strlen(machine->device);
             if (length >= strlen(name) && strcmp(machine->device + length - strlen(name), name) == 0) {
-                snprintf(machine->driver, sizeof machine->driver, "%s", text_of(device, "driver"));
-                snprintf(machine->platform, sizeof machine->platform, "%s", text_of(device, "version"));
+                result_set_fact(results, &machine->driver, text_of(device, "driver"));
+                result_set_fact(results, &machine->platform, text_of(device, "version"));
             }
         }
     }
@@ -186,17 +187,17 @@ static void keep_machine(gpu_run *run, const cJSON *devices)
     result_machine *machine = &run->results->machine;
     child_answer answer;
     ask(run, words, &smallest, NULL, &answer);
-    snprintf(machine->device, sizeof machine->device, "%s", text_of(answer.document, "device"));
+    result_set_fact(run->results, &machine->device, text_of(answer.document, "device"));
     cJSON_Delete(answer.document);
     const cJSON *pair = NULL;
-    snprintf(machine->renderer, sizeof machine->renderer, "none");
+    result_set_fact(run->results, &machine->renderer, "none");
     cJSON_ArrayForEach(pair, array_of(devices, "pairs"))
     {
         if (strcmp(machine->renderer, "none") == 0 && strcmp(text_of(pair, "device"), machine->device) == 0) {
-            snprintf(machine->renderer, sizeof machine->renderer, "%s", text_of(pair, "renderer"));
+            result_set_fact(run->results, &machine->renderer, text_of(pair, "renderer"));
         }
     }
-    keep_driver(devices, machine);
+    keep_driver(devices, run->results);
 }
 
 void gpu_step_devices(gpu_run *run)
@@ -225,7 +226,7 @@ void gpu_step_stress(gpu_run *run, const char *count)
 {
     const char *const words[] = {"stress", "--count", count, NULL};
     child_answer answer;
-    char wrong[256];
+    char wrong[SVO_MESSAGE_BYTES];
     size_t failed = 0;
     ask(run, words, NULL, NULL, &answer);
     const cJSON *one = NULL;

@@ -31,7 +31,7 @@ typedef struct form_runs {
     uint64_t limit; /* 0: in one piece */
     unsigned share; /* the limit is 1/share of the buffers in one piece */
     bool failed;
-    char reason[512]; /* why */
+    char reason[CHILD_REASON_BYTES]; /* why */
 } form_runs;
 
 static const char note[] =

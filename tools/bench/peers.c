@@ -167,7 +167,7 @@ static int begin_embree(suite *all)
     result_table *table =
         suite_add_table(all, embree_id, "Ray structures: the octree with its BVH, and Embree's BVH", embree_note);
     if (!embree_is_there()) {
-        result_extend_note(table, "Empty: this program was built without libembree-dev.");
+        result_extend_note(table, "Empty: %s.", embree_lack());
     }
     result_add_column(table, "scene", "");
     result_add_column(table, "triangles", "");

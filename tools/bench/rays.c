@@ -245,7 +245,7 @@ int bench_rays_alone(program *state)
         return program_fail(state, PROGRAM_WRONG_USAGE, "option --vs openvdb does not apply to bench rays");
     }
     if (given->versus == OPTION_VERSUS_EMBREE && !embree_is_there()) {
-        return program_fail(state, PROGRAM_FAILED, "--vs embree: this program was built without libembree-dev");
+        return program_fail(state, PROGRAM_FAILED, "--vs embree: %s", embree_lack());
     }
     given->input = given->input != NULL ? given->input : given->quick ? QUICK_INPUT : DEFAULT_INPUT;
     ray_run run = {.state = state,
@@ -300,7 +300,7 @@ static void add_calls_table(suite *all)
     result_add_column(calls, "best", "");
     spread_add_columns(calls, "ratio", "");
     if (!embree_is_there()) {
-        result_extend_note(calls, "Empty: this program was built without libembree-dev.");
+        result_extend_note(calls, "Empty: %s.", embree_lack());
     }
 }
 
@@ -308,7 +308,7 @@ static int begin(suite *all)
 {
     result_table *results = suite_add_table(all, table_id, "Rays against triangles", note);
     if (!embree_is_there()) {
-        result_extend_note(results, "Without Embree: this program was built without libembree-dev.");
+        result_extend_note(results, "Without Embree: %s.", embree_lack());
     }
     result_add_column(results, "scene", "");
     result_add_column(results, "triangles", "");

@@ -12,7 +12,7 @@
 
 static void explain(series_method *method, const char *reason)
 {
-    snprintf(method->reason, sizeof method->reason, "%.250s", reason);
+    snprintf(method->reason, sizeof method->reason, "%s", reason);
 }
 
 void series_use_cl(suite *all, series_method *method)

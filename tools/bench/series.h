@@ -17,7 +17,7 @@ typedef struct series_method {
     svo_plan_options plan;
     bool for_rays; /* builds the BVH for rays as well: SERIES_RAYS */
 
-    char reason[256]; /* not "": why the method does not work here, or not at this size */
+    char reason[SVO_MESSAGE_BYTES]; /* not "": why the method does not work here, or not at this size */
     double *times; /* [round][SERIES_CLOCKS]; round 0 is the warm-up */
     size_t rounds; /* after the warm-up */
     svo_build_report report; /* of the last build */

@@ -1,9 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* The only file that uses Embree. Without the library its functions say so and fail. */
+/*
+ * The only file that uses Embree. It opens the library when it is first asked for, so that a program that was built with
+ * its headers needs it for nothing else. Without it the functions say so and fail.
+ */
 #include "measure/embree.h"
 
 #ifdef SVOCL_EMBREE
 
+#include <dlfcn.h>
 #include <embree3/rtcore.h>
 #include <math.h>
 #include <stdio.h>
@@ -21,6 +25,66 @@
 #define VERSION_BYTES  32
 #define CONFIG_BYTES   32
 #define GREATEST       0x1p60f /* of a ray's numbers; Embree refuses more than 1.8e18 */
+
+/* ---- the library ---- */
+
+#define LIBRARY "libembree3.so.3"
+#define FUNCTIONS(X)                \
+    X(rtcNewDevice)                 \
+    X(rtcReleaseDevice)             \
+    X(rtcGetDeviceProperty)         \
+    X(rtcGetDeviceError)            \
+    X(rtcNewScene)                  \
+    X(rtcReleaseScene)              \
+    X(rtcCommitScene)               \
+    X(rtcSetSceneFlags)             \
+    X(rtcSetSceneBuildQuality)      \
+    X(rtcNewGeometry)               \
+    X(rtcReleaseGeometry)           \
+    X(rtcCommitGeometry)            \
+    X(rtcAttachGeometry)            \
+    X(rtcSetNewGeometryBuffer)      \
+    X(rtcSetGeometryInstancedScene) \
+    X(rtcSetGeometryTransform)      \
+    X(rtcIntersect1)                \
+    X(rtcIntersect8)                \
+    X(rtcIntersect16)               \
+    X(rtcOccluded1)                 \
+    X(rtcOccluded8)                 \
+    X(rtcOccluded16)
+
+static struct {
+    bool is_tried;
+    void *library; /* NULL: it cannot be opened, or lacks a function */
+#define MEMBER(name) __typeof__ (&(name))(name);
+    FUNCTIONS(MEMBER)
+#undef MEMBER
+} api;
+
+static void look_up(void **function, const char *name)
+{
+    *function = api.library != NULL ? dlsym(api.library, name) : NULL;
+    if (*function == NULL) {
+        api.library = NULL;
+    }
+}
+
+bool embree_is_there(void)
+{
+    if (!api.is_tried) {
+        api.is_tried = true;
+        api.library = dlopen(LIBRARY, RTLD_NOW | RTLD_LOCAL);
+#define LOOK_UP(name) look_up((void **)&api.name, #name);
+        FUNCTIONS(LOOK_UP)
+#undef LOOK_UP
+    }
+    return api.library != NULL;
+}
+
+const char *embree_lack(void)
+{
+    return embree_is_there() ? "" : LIBRARY " cannot be opened (apt install libembree3-3)";
+}
 
 struct embree {
     RTCDevice device;
@@ -55,31 +119,26 @@ static void restore_subnormals(uint32_t state)
 
 /* ---- scenes ---- */
 
-bool embree_is_there(void)
-{
-    return true;
-}
-
 static bool add_mesh(embree *made, RTCScene into, const float *vertices, size_t vertex_count, const uint32_t *indices,
                      size_t triangle_count)
 {
-    RTCGeometry geometry = rtcNewGeometry(made->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    float *points = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
-                                            vertex_count);
-    uint32_t *corners = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                                3 * sizeof(uint32_t), triangle_count);
+    RTCGeometry geometry = api.rtcNewGeometry(made->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    float *points = api.rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                3 * sizeof(float), vertex_count);
+    uint32_t *corners = api.rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                                    3 * sizeof(uint32_t), triangle_count);
     const bool there = points != NULL && corners != NULL;
     if (there) {
         memcpy(points, vertices, vertex_count * 3 * sizeof(float));
         memcpy(corners, indices, triangle_count * 3 * sizeof(uint32_t));
         const double start_ms = input_now_ms();
-        rtcCommitGeometry(geometry);
-        rtcAttachGeometry(into, geometry);
-        rtcCommitScene(into);
+        api.rtcCommitGeometry(geometry);
+        api.rtcAttachGeometry(into, geometry);
+        api.rtcCommitScene(into);
         made->build_ms = input_now_ms() - start_ms;
     }
-    rtcReleaseGeometry(geometry);
-    return there && rtcGetDeviceError(made->device) == RTC_ERROR_NONE;
+    api.rtcReleaseGeometry(geometry);
+    return there && api.rtcGetDeviceError(made->device) == RTC_ERROR_NONE;
 }
 
 /* A device and an empty scene; NULL on failure. */
@@ -89,22 +148,22 @@ static embree *open_peer(const embree_options *asked)
                                                      [EMBREE_MEDIUM] = RTC_BUILD_QUALITY_MEDIUM,
                                                      [EMBREE_HIGH] = RTC_BUILD_QUALITY_HIGH};
     char config[CONFIG_BYTES] = "";
-    embree *made = calloc(1, sizeof *made);
+    embree *made = embree_is_there() ? calloc(1, sizeof *made) : NULL;
     if (made == NULL) {
         return NULL;
     }
     if (asked->isa != NULL) {
         snprintf(config, sizeof config, "isa=%s", asked->isa);
     }
-    made->device = rtcNewDevice(config);
+    made->device = api.rtcNewDevice(config);
     if (made->device != NULL) {
         snprintf(made->version, sizeof made->version, "%d.%d.%d",
-                 (int)rtcGetDeviceProperty(made->device, RTC_DEVICE_PROPERTY_VERSION_MAJOR),
-                 (int)rtcGetDeviceProperty(made->device, RTC_DEVICE_PROPERTY_VERSION_MINOR),
-                 (int)rtcGetDeviceProperty(made->device, RTC_DEVICE_PROPERTY_VERSION_PATCH));
-        made->scene = rtcNewScene(made->device);
-        rtcSetSceneFlags(made->scene, asked->robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
-        rtcSetSceneBuildQuality(made->scene, qualities[asked->quality]);
+                 (int)api.rtcGetDeviceProperty(made->device, RTC_DEVICE_PROPERTY_VERSION_MAJOR),
+                 (int)api.rtcGetDeviceProperty(made->device, RTC_DEVICE_PROPERTY_VERSION_MINOR),
+                 (int)api.rtcGetDeviceProperty(made->device, RTC_DEVICE_PROPERTY_VERSION_PATCH));
+        made->scene = api.rtcNewScene(made->device);
+        api.rtcSetSceneFlags(made->scene, asked->robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+        api.rtcSetSceneBuildQuality(made->scene, qualities[asked->quality]);
     }
     if (made->scene == NULL) {
         embree_destroy(&made);
@@ -127,14 +186,14 @@ static void add_instances(embree *made, const float (*matrices)[12], size_t matr
 {
     const double start_ms = input_now_ms();
     for (size_t i = 0; i < matrix_count; ++i) {
-        RTCGeometry instance = rtcNewGeometry(made->device, RTC_GEOMETRY_TYPE_INSTANCE);
-        rtcSetGeometryInstancedScene(instance, made->placed);
-        rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, matrices[i]);
-        rtcCommitGeometry(instance);
-        rtcAttachGeometry(made->scene, instance);
-        rtcReleaseGeometry(instance);
+        RTCGeometry instance = api.rtcNewGeometry(made->device, RTC_GEOMETRY_TYPE_INSTANCE);
+        api.rtcSetGeometryInstancedScene(instance, made->placed);
+        api.rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, matrices[i]);
+        api.rtcCommitGeometry(instance);
+        api.rtcAttachGeometry(made->scene, instance);
+        api.rtcReleaseGeometry(instance);
     }
-    rtcCommitScene(made->scene);
+    api.rtcCommitScene(made->scene);
     made->build_ms = input_now_ms() - start_ms;
 }
 
@@ -146,13 +205,13 @@ embree *embree_create_placed(const float *vertices, size_t vertex_count, const u
     if (made == NULL) {
         return NULL;
     }
-    made->placed = rtcNewScene(made->device);
+    made->placed = api.rtcNewScene(made->device);
     if (made->placed == NULL || !add_mesh(made, made->placed, vertices, vertex_count, indices, triangle_count)) {
         embree_destroy(&made);
         return NULL;
     }
     add_instances(made, matrices, matrix_count);
-    if (rtcGetDeviceError(made->device) != RTC_ERROR_NONE) {
+    if (api.rtcGetDeviceError(made->device) != RTC_ERROR_NONE) {
         embree_destroy(&made);
     }
     return made;
@@ -164,13 +223,13 @@ void embree_destroy(embree **peer)
         return;
     }
     if ((*peer)->scene != NULL) {
-        rtcReleaseScene((*peer)->scene);
+        api.rtcReleaseScene((*peer)->scene);
     }
     if ((*peer)->placed != NULL) {
-        rtcReleaseScene((*peer)->placed);
+        api.rtcReleaseScene((*peer)->placed);
     }
     if ((*peer)->device != NULL) {
-        rtcReleaseDevice((*peer)->device);
+        api.rtcReleaseDevice((*peer)->device);
     }
     free(*peer);
     *peer = NULL;
@@ -191,7 +250,7 @@ bool embree_is_native(const embree *peer, unsigned width)
     const enum RTCDeviceProperty property = width == 16  ? RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED
                                             : width == 8 ? RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED
                                                          : RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED;
-    return width == 1 || rtcGetDeviceProperty(peer->device, property) != 0;
+    return width == 1 || api.rtcGetDeviceProperty(peer->device, property) != 0;
 }
 
 /* ---- rays, as packets ---- */
@@ -270,9 +329,9 @@ static void keep_hit(svo_hit *hit, bool met, float t, uint32_t triangle, float u
         memset(query.hit.geomID, 0xff, sizeof query.hit.geomID);                                                     \
         memset(query.hit.instID, 0xff, sizeof query.hit.instID);                                                     \
         if (batch->call.any) {                                                                                       \
-            rtcOccluded##width(valid, batch->peer->scene, context, &query.ray);                                      \
+            api.rtcOccluded##width(valid, batch->peer->scene, context, &query.ray);                                  \
         } else {                                                                                                     \
-            rtcIntersect##width(valid, batch->peer->scene, context, &query);                                         \
+            api.rtcIntersect##width(valid, batch->peer->scene, context, &query);                                     \
         }                                                                                                            \
         for (unsigned i = 0; i < count; ++i) {                                                                       \
             if (batch->call.any) {                                                                                   \
@@ -292,9 +351,9 @@ static void trace_1(const ray_batch *batch, struct RTCIntersectContext *context,
     struct RTCRayHit query = {.hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}}};
     memcpy(&query.ray, batch->packets + index * RAY_ROWS, sizeof query.ray);
     if (batch->valid[index] != 0 && batch->call.any) {
-        rtcOccluded1(batch->peer->scene, context, &query.ray);
+        api.rtcOccluded1(batch->peer->scene, context, &query.ray);
     } else if (batch->valid[index] != 0) {
-        rtcIntersect1(batch->peer->scene, context, &query);
+        api.rtcIntersect1(batch->peer->scene, context, &query);
     }
     if (batch->call.any) {
         keep_hit(&batch->hits[index], query.ray.tfar < 0, 0, 0, 0, 0);
@@ -343,6 +402,11 @@ double embree_trace(const embree *peer, embree_call call, const svo_ray *rays, s
 bool embree_is_there(void)
 {
     return false;
+}
+
+const char *embree_lack(void)
+{
+    return "this program was built without libembree-dev";
 }
 
 embree *embree_create(const float *vertices, size_t vertex_count, const uint32_t *indices, size_t triangle_count,

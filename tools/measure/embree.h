@@ -27,8 +27,10 @@ typedef struct embree_call {
 #define EMBREE_INTERSECT1 ((embree_call){.width = 1})
 #define EMBREE_OCCLUDED1  ((embree_call){.width = 1, .any = true})
 
-/* Whether this program was built with Embree. */
+/* Whether this program was built for Embree, and its library can be opened. */
 bool embree_is_there(void);
+/* Why it is not there, for people; "" if it is. */
+const char *embree_lack(void);
 
 /* vertices: three floats each; indices: three per triangle. asked: NULL means defaults. NULL on failure. */
 embree *embree_create(const float *vertices, size_t vertex_count, const uint32_t *indices, size_t triangle_count,

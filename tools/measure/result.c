@@ -7,11 +7,31 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define TEXT_BYTES 2048
+#include "support/utf8.h"
+
+void result_set_fact(result_set *set, char **fact, const char *text)
+{
+    char *copy = strdup(text);
+    set->incomplete = set->incomplete || copy == NULL;
+    if (copy != NULL) {
+        free(*fact);
+        *fact = copy;
+    }
+}
 
 result_set *result_create(void)
 {
-    return calloc(1, sizeof(result_set));
+    result_set *set = calloc(1, sizeof *set);
+    if (set != NULL) {
+        result_set_fact(set, &set->machine.device, "");
+        result_set_fact(set, &set->machine.driver, "");
+        result_set_fact(set, &set->machine.platform, "");
+        result_set_fact(set, &set->machine.renderer, "");
+        if (set->incomplete) {
+            result_destroy(&set);
+        }
+    }
+    return set;
 }
 
 static void release_table(result_table *table)
@@ -40,6 +60,10 @@ void result_destroy(result_set **set)
         release_table((*set)->tables[i]);
     }
     free((*set)->tables);
+    free((*set)->machine.device);
+    free((*set)->machine.driver);
+    free((*set)->machine.platform);
+    free((*set)->machine.renderer);
     free(*set);
     *set = NULL;
 }
@@ -82,9 +106,7 @@ result_table *result_add_table(result_set *set, const char *id, const char *titl
 /* Text by malloc; NULL, and the set remembers it, when out of memory. */
 static char *make_text(result_set *owner, const char *format, va_list arguments)
 {
-    char text[TEXT_BYTES];
-    vsnprintf(text, sizeof text, format, arguments);
-    char *made = strdup(text);
+    char *made = utf8_format(format, arguments);
     owner->incomplete = owner->incomplete || made == NULL;
     return made;
 }

@@ -17,10 +17,11 @@
 
 /* The machine of the measurements; "" where a fact is unknown. */
 typedef struct result_machine {
-    char device[RESULT_FACT_BYTES]; /* "Portable Computing Language: pthread-..." */
-    char driver[RESULT_FACT_BYTES]; /* version of the OpenCL driver */
-    char platform[RESULT_FACT_BYTES]; /* version of the OpenCL platform */
-    char renderer[RESULT_FACT_BYTES]; /* OpenGL's; "none" without OpenGL */
+    /* What drivers say, of any length; result_set_fact replaces it. */
+    char *device; /* "Portable Computing Language: pthread-..." */
+    char *driver; /* version of the OpenCL driver */
+    char *platform; /* version of the OpenCL platform */
+    char *renderer; /* OpenGL's; "none" without OpenGL */
     char svocl[RESULT_FACT_BYTES]; /* version of svocl */
     char date[RESULT_FACT_BYTES]; /* "": left out */
     char instruction_set[RESULT_FACT_BYTES]; /* the host's widest vectors, "AVX-512"; "": left out */
@@ -64,6 +65,9 @@ struct result_set {
 /* NULL when out of memory. */
 result_set *result_create(void);
 void result_destroy(result_set **set); /* a pointer to NULL is allowed */
+
+/* Replaces one of the machine's texts that the set owns. */
+void result_set_fact(result_set *set, char **fact, const char *text);
 
 /* A table without columns, at the end of the set, which owns it. NULL when out of memory. */
 result_table *result_add_table(result_set *set, const char *id, const char *title, const char *note);

@@ -101,14 +101,25 @@ static bool read_fact(const cJSON *object, const char *name, char fact[RESULT_FA
     return text != NULL;
 }
 
+/* The same for a text of the set's. */
+static bool read_text(const cJSON *object, const char *name, result_set *set, char **fact, svo_message *message)
+{
+    const char *text = text_of(object, name, message);
+    if (text != NULL) {
+        result_set_fact(set, fact, text);
+    }
+    return text != NULL;
+}
+
 /* True without such a fact, too. */
 static bool read_optional(const cJSON *object, const char *name, char fact[RESULT_FACT_BYTES], svo_message *message)
 {
     return cJSON_GetObjectItemCaseSensitive(object, name) == NULL || read_fact(object, name, fact, message);
 }
 
-static bool read_machine(const cJSON *document, result_machine *machine, svo_message *message)
+static bool read_machine(const cJSON *document, result_set *set, svo_message *message)
 {
+    result_machine *machine = &set->machine;
     const cJSON *object = cJSON_GetObjectItemCaseSensitive(document, "machine");
     const cJSON *threads = cJSON_GetObjectItemCaseSensitive(object, "cpu_threads");
     if (!cJSON_IsNumber(threads) || threads->valuedouble < 0 || threads->valuedouble > 65536) {
@@ -120,10 +131,10 @@ static bool read_machine(const cJSON *document, result_machine *machine, svo_mes
         !read_optional(object, "instruction_set", machine->instruction_set, message)) {
         return false;
     }
-    return read_fact(object, "device", machine->device, message) &&
-           read_fact(object, "driver", machine->driver, message) &&
-           read_fact(object, "platform", machine->platform, message) &&
-           read_fact(object, "renderer", machine->renderer, message) &&
+    return read_text(object, "device", set, &machine->device, message) &&
+           read_text(object, "driver", set, &machine->driver, message) &&
+           read_text(object, "platform", set, &machine->platform, message) &&
+           read_text(object, "renderer", set, &machine->renderer, message) &&
            read_fact(object, "svocl", machine->svocl, message);
 }
 
@@ -194,7 +205,7 @@ static bool read_table(const cJSON *object, result_set *set, svo_message *messag
 static bool read_document(const cJSON *document, result_set *set, svo_message *message)
 {
     const cJSON *tables = array_of(document, "tables", message);
-    if (tables == NULL || !read_machine(document, &set->machine, message)) {
+    if (tables == NULL || !read_machine(document, set, message)) {
         return false;
     }
     const cJSON *table = NULL;

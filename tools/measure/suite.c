@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "measure/instruction_set.h"
+#include "support/devices.h"
 #include "svocl/version.h"
 
 #define REPEATS       11
@@ -96,24 +97,23 @@ result_table *suite_add_table(suite *all, const char *id, const char *title, con
 
 /* ---- the machine ---- */
 
-static void keep_device_fact(cl_device_id device, cl_device_info which, char fact[RESULT_FACT_BYTES])
+static void keep_device_fact(suite *all, cl_device_info which, char **fact)
 {
-    if (clGetDeviceInfo(device, which, RESULT_FACT_BYTES, fact, NULL) != CL_SUCCESS) {
-        fact[0] = '\0';
-    }
+    char *text = devices_text(svo_device_cl_device(all->opened.device), NULL, which);
+    result_set_fact(all->results, fact, text != NULL ? text : "");
+    free(text);
 }
 
-static void describe_machine(const suite *all)
+static void describe_machine(suite *all)
 {
     result_machine *machine = &all->results->machine;
-    const cl_device_id device = svo_device_cl_device(all->opened.device);
     const long online = sysconf(_SC_NPROCESSORS_ONLN);
     const options *given = &all->state->options;
-    snprintf(machine->device, sizeof machine->device, "%s", svo_device_name(all->opened.device));
-    keep_device_fact(device, CL_DRIVER_VERSION, machine->driver);
-    keep_device_fact(device, CL_DEVICE_VERSION, machine->platform);
-    snprintf(machine->renderer, sizeof machine->renderer, "%s",
-             all->opened.gl != NULL ? opengl_renderer(all->opened.gl) : "none");
+    result_set_fact(all->results, &machine->device, svo_device_name(all->opened.device));
+    keep_device_fact(all, CL_DRIVER_VERSION, &machine->driver);
+    keep_device_fact(all, CL_DEVICE_VERSION, &machine->platform);
+    result_set_fact(all->results, &machine->renderer,
+                    all->opened.gl != NULL ? opengl_renderer(all->opened.gl) : "none");
     snprintf(machine->svocl, sizeof machine->svocl, "%s", svo_version_string());
     snprintf(machine->instruction_set, sizeof machine->instruction_set, "%s", instruction_set_name(given->isa));
     machine->cpu_threads = given->threads != 0 ? (unsigned)given->threads : online > 0 ? (unsigned)online : 1;

@@ -547,31 +547,29 @@ bool summary_write_extract(const summary_extract *wanted, const result_set *resu
     return true;
 }
 
-static void write_fact(const char *name, const char *fact, const char *more, FILE *text)
+/* A row of one fact, or of two with a text between them. */
+static void write_fact(const char *name, const char *fact, const char *between, const char *more, FILE *text)
 {
     if (fact[0] == '\0') {
         return;
     }
     fprintf(text, "| %s | ", name);
     write_text(fact, text);
+    write_text(between, text);
     write_text(more, text);
     fputs(" |\n", text);
 }
 
 void summary_write_machine(const result_machine *machine, FILE *text)
 {
-    char driver[RESULT_FACT_BYTES + 16];
-    char date[RESULT_FACT_BYTES + 16];
     char threads[16];
-    snprintf(driver, sizeof driver, ", driver %s", machine->driver);
-    snprintf(date, sizeof date, "%s%s", machine->date[0] != '\0' ? ", " : "", machine->date);
     snprintf(threads, sizeof threads, "%u", machine->cpu_threads);
     fputs("| measured on | |\n| --- | --- |\n", text);
-    write_fact("OpenCL", machine->device, driver, text);
-    write_fact("OpenGL", machine->renderer, "", text);
-    write_fact("instruction set", machine->instruction_set, "", text);
-    write_fact("threads", threads, "", text);
-    write_fact("svocl", machine->svocl, date, text);
+    write_fact("OpenCL", machine->device, ", driver ", machine->driver, text);
+    write_fact("OpenGL", machine->renderer, "", "", text);
+    write_fact("instruction set", machine->instruction_set, "", "", text);
+    write_fact("threads", threads, "", "", text);
+    write_fact("svocl", machine->svocl, machine->date[0] != '\0' ? ", " : "", machine->date, text);
 }
 
 void summary_write(const result_set *results, FILE *text)

@@ -14,9 +14,6 @@
 #include "support/utf8.h"
 #include "svocl/plan.h"
 
-#define CELL_BYTES 512
-#define LINE_BYTES 8192
-
 struct table {
     char alignment[TABLE_COLUMNS_MAX + 1];
     size_t column_count;
@@ -50,12 +47,12 @@ void table_cell(table *rows, const char *format, ...)
         rows->cells = cells;
         rows->cell_capacity = capacity;
     }
-    char text[CELL_BYTES];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    char *text = utf8_format(format, arguments);
     va_end(arguments);
-    char *cell = utf8_escape(text);
+    char *cell = text != NULL ? utf8_escape(text) : NULL;
+    free(text);
     if (cell != NULL) {
         rows->cells[rows->cell_count++] = cell;
     }
@@ -192,11 +189,11 @@ void table_gap(void)
 
 static void print_text(const char *format, va_list arguments)
 {
-    char text[LINE_BYTES];
-    vsnprintf(text, sizeof text, format, arguments);
-    char *escaped = utf8_escape(text);
+    char *text = utf8_format(format, arguments);
+    char *escaped = text != NULL ? utf8_escape(text) : NULL;
     fputs(escaped != NULL ? escaped : "", stdout);
     free(escaped);
+    free(text);
 }
 
 void table_heading(const char *format, ...)

@@ -36,6 +36,19 @@ size_t utf8_length(const char *text)
     return length;
 }
 
+char *utf8_format(const char *format, va_list arguments)
+{
+    va_list again;
+    va_copy(again, arguments);
+    const int length = vsnprintf(NULL, 0, format, again);
+    va_end(again);
+    char *text = length >= 0 ? malloc((size_t)length + 1) : NULL;
+    if (text != NULL) {
+        (void)vsnprintf(text, (size_t)length + 1, format, arguments);
+    }
+    return text;
+}
+
 char *utf8_escape(const char *text)
 {
     char *escaped = malloc(strlen(text) * ESCAPED_BYTES + 1);

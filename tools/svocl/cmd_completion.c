@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl completion: functions of bash and zsh that complete command lines, from the tables of commands and options. */
+/* svocl completion: functions of bash, zsh and fish that complete command lines, from the tables of commands and options. */
 #include <stdio.h>
 #include <string.h>
 
@@ -8,6 +8,8 @@
 #include "support/output.h"
 #include "svocl/commands.h"
 #include "svocl/subjects.h"
+
+#define SHELLS "bash zsh fish"
 
 typedef void script_writer(const program *state, FILE *script);
 
@@ -166,7 +168,7 @@ static void put_bash_argument(FILE *script, const program *state, const command 
         put_subjects(script);
         break;
     case ARGUMENT_SHELL:
-        fputs("        _svocl_words 'bash zsh", script);
+        fputs("        _svocl_words '" SHELLS, script);
         break;
     case ARGUMENT_COMMAND:
         fputs("        _svocl_words '", script);
@@ -265,7 +267,7 @@ static void put_zsh_argument(FILE *script, const program *state, const command *
         } else if (kind == ARGUMENT_COMMAND) {
             put_commands(script, state);
         } else {
-            fputs("bash zsh", script);
+            fputs(SHELLS, script);
         }
         fputs(")", script);
     }
@@ -314,16 +316,122 @@ static void write_zsh(const program *state, FILE *script)
           script);
 }
 
+/* ---- fish ---- */
+
+static const char fish_begin[] =
+    "# Completion of svocl for fish, made by `svocl completion fish`.\n"
+    "\n"
+    "# Whether the command is one of these.\n"
+    "function __svocl_is\n"
+    "    set -l words (commandline -opc)\n"
+    "    test (count $words) -gt 1; and contains -- $words[2] $argv\n"
+    "end\n"
+    "\n"
+    "# Names for the end of a list with commas.\n"
+    "function __svocl_list\n"
+    "    set -l before (commandline -ct | string replace -r '^--[a-z-]+=' '' | string match -r '.*,')\n"
+    "    printf '%s\\n' \"$before\"$argv\n"
+    "end\n"
+    "\n"
+    "complete -c svocl -f\n"
+    "complete -c svocl -n __fish_use_subcommand -l help -d 'Prints the commands.'\n"
+    "complete -c svocl -n __fish_use_subcommand -l version -d 'Prints the version.'\n"
+    "complete -c svocl -n __fish_use_subcommand -a help -d 'Prints the options of a command.'\n";
+
+/* A text in single quotes. */
+static void put_fish_text(FILE *script, const char *text)
+{
+    fputc('\'', script);
+    for (const char *c = text; *c != '\0'; ++c) {
+        fputs(*c == '\'' || *c == '\\' ? "\\" : "", script);
+        fputc(*c, script);
+    }
+    fputc('\'', script);
+}
+
+/* The option for all commands that have it. */
+static void put_fish_option(FILE *script, const program *state, const rule *option)
+{
+    fputs("complete -c svocl -n '__svocl_is", script);
+    for (size_t i = 0; i < state->command_count; ++i) {
+        if (options_apply(option, &state->commands[i])) {
+            fprintf(script, " %s", state->commands[i].name);
+        }
+    }
+    fprintf(script, "' -l %s", option->name);
+    if (option->letter != '\0') {
+        fprintf(script, " -s %c", option->letter);
+    }
+    if (option->choices != NULL) {
+        fputs(is_value(option, "LIST") ? " -x -a '(__svocl_list " : " -x -a '", script);
+        put_choices(script, option->choices);
+        fputs(is_value(option, "LIST") ? ")'" : "'", script);
+    } else if (is_value(option, "DIR")) {
+        fputs(" -x -a '(__fish_complete_directories (commandline -ct))'", script);
+    } else if (option->value_name != NULL) {
+        fputs(is_value(option, "FILE") ? " -r -F" : " -x", script);
+    }
+    fputs(" -d ", script);
+    put_fish_text(script, option->help);
+    fputc('\n', script);
+}
+
+static void put_fish_argument(FILE *script, const program *state, const command *which)
+{
+    const argument_kind kind = kind_of(which);
+    if (kind == ARGUMENT_NONE) {
+        return;
+    }
+    fprintf(script, "complete -c svocl -n '__svocl_is %s'", which->name);
+    fputs(kind == ARGUMENT_INPUT || kind == ARGUMENT_FILE || kind == ARGUMENT_SUBJECT ? " -F" : "", script);
+    if (kind != ARGUMENT_FILE) {
+        fputs(" -a '", script);
+        if (kind == ARGUMENT_INPUT) {
+            for (size_t i = 0; scene_describe(i) != NULL; ++i) {
+                fprintf(script, "%sscene:%s", i == 0 ? "" : " ", scene_describe(i)->name);
+            }
+        } else if (kind == ARGUMENT_SCENE) {
+            put_scenes(script);
+        } else if (kind == ARGUMENT_SUBJECT) {
+            put_subjects(script);
+        } else if (kind == ARGUMENT_COMMAND) {
+            put_commands(script, state);
+        } else {
+            fputs(SHELLS, script);
+        }
+        fputs("'", script);
+    }
+    fputc('\n', script);
+}
+
+static void write_fish(const program *state, FILE *script)
+{
+    fputs(fish_begin, script);
+    fputs("complete -c svocl -n '__svocl_is help' -a '", script);
+    put_commands(script, state);
+    fputs("'\n", script);
+    for (size_t i = 0; i < state->command_count; ++i) {
+        fprintf(script, "complete -c svocl -n __fish_use_subcommand -a %s -d ", state->commands[i].name);
+        put_fish_text(script, state->commands[i].summary);
+        fputc('\n', script);
+        put_fish_argument(script, state, &state->commands[i]);
+    }
+    for (size_t i = 0; options_rule(i) != NULL; ++i) {
+        put_fish_option(script, state, options_rule(i));
+    }
+}
+
 /* ---- the command ---- */
 
 int command_completion(program *state)
 {
     const options *given = &state->options;
-    script_writer *write = strcmp(given->input, "bash") == 0  ? write_bash
-                           : strcmp(given->input, "zsh") == 0 ? write_zsh
-                                                              : NULL;
+    script_writer *write = strcmp(given->input, "bash") == 0   ? write_bash
+                           : strcmp(given->input, "zsh") == 0  ? write_zsh
+                           : strcmp(given->input, "fish") == 0 ? write_fish
+                                                               : NULL;
     if (write == NULL) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "SHELL '%s' is none of bash, zsh", given->input);
+        return program_fail(state, PROGRAM_WRONG_USAGE, "SHELL '%s' is none of bash, zsh, fish", given->input);
     }
     if (given->output_path == NULL) {
         write(state, stdout);

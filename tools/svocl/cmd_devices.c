@@ -15,7 +15,6 @@
 
 #define PLATFORMS_MAX 16
 #define DEVICES_MAX   32 /* per platform and in total */
-#define TEXT_BYTES    512
 
 /* Working OpenCL devices, open until their pairs with renderers are probed. */
 typedef struct opened_devices {
@@ -24,18 +23,14 @@ typedef struct opened_devices {
     size_t device_count;
 } opened_devices;
 
-static void add_platform_text(cJSON *object, const char *name, cl_platform_id platform, cl_platform_info what)
+/* A text of a device, or without one of a platform. */
+static void add_text(cJSON *object, const char *name, cl_device_id device, cl_platform_id platform, cl_uint what)
 {
-    char text[TEXT_BYTES] = "";
-    clGetPlatformInfo(platform, what, sizeof text - 1, text, NULL);
-    json_add_text(object, name, text);
-}
-
-static void add_device_text(cJSON *object, const char *name, cl_device_id device, cl_device_info what)
-{
-    char text[TEXT_BYTES] = "";
-    clGetDeviceInfo(device, what, sizeof text - 1, text, NULL);
-    json_add_text(object, name, text);
+    char *text = devices_text(device, platform, what);
+    if (text != NULL) {
+        json_add_text(object, name, text);
+    }
+    free(text);
 }
 
 static const char *device_type_name(cl_device_id device)
@@ -97,10 +92,10 @@ static cJSON *describe_device(cl_device_id device)
     clGetDeviceInfo(device, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof memory_bytes, &memory_bytes, NULL);
     clGetDeviceInfo(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof max_allocation_bytes, &max_allocation_bytes, NULL);
     cJSON *object = cJSON_CreateObject();
-    add_device_text(object, "name", device, CL_DEVICE_NAME);
+    add_text(object, "name", device, NULL, CL_DEVICE_NAME);
     json_add_text(object, "type", device_type_name(device));
-    add_device_text(object, "version", device, CL_DEVICE_VERSION);
-    add_device_text(object, "driver", device, CL_DRIVER_VERSION);
+    add_text(object, "version", device, NULL, CL_DEVICE_VERSION);
+    add_text(object, "driver", device, NULL, CL_DRIVER_VERSION);
     json_add_count(object, "compute_units", compute_units);
     json_add_count(object, "memory_bytes", memory_bytes);
     json_add_count(object, "max_allocation_bytes", max_allocation_bytes);
@@ -110,9 +105,9 @@ static cJSON *describe_device(cl_device_id device)
 static void gather_platform(program *state, cJSON *platforms, cl_platform_id platform, opened_devices *opened)
 {
     cJSON *object = cJSON_CreateObject();
-    add_platform_text(object, "name", platform, CL_PLATFORM_NAME);
-    add_platform_text(object, "vendor", platform, CL_PLATFORM_VENDOR);
-    add_platform_text(object, "version", platform, CL_PLATFORM_VERSION);
+    add_text(object, "name", NULL, platform, CL_PLATFORM_NAME);
+    add_text(object, "vendor", NULL, platform, CL_PLATFORM_VENDOR);
+    add_text(object, "version", NULL, platform, CL_PLATFORM_VERSION);
     cJSON *devices = cJSON_AddArrayToObject(object, "devices");
     cl_device_id ids[DEVICES_MAX];
     cl_uint count = 0;

@@ -103,7 +103,7 @@ static GLuint link(const view_gl *gl, GLuint vertex, GLuint fragment, char *log,
 
 bool view_gl_program(const view_gl *gl, const char *vertex, const char *fragment, GLuint *out, svo_message *why)
 {
-    char log[256] = "no reason is given";
+    char log[SVO_MESSAGE_BYTES - 64] = "no reason is given";
     const GLuint first = compile(gl, GL_VERTEX_SHADER, vertex, log, sizeof log);
     const GLuint second = first != 0 ? compile(gl, GL_FRAGMENT_SHADER, fragment, log, sizeof log) : 0;
     *out = second != 0 ? link(gl, first, second, log, sizeof log) : 0;

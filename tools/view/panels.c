@@ -32,8 +32,8 @@ static void describe_log(ui *toolkit, view_state *state)
 {
     const size_t kept = state->log_count < VIEW_LOG_LINES ? state->log_count : VIEW_LOG_LINES;
     const size_t shown = kept < LOG_LINES_SHOWN ? kept : LOG_LINES_SHOWN;
-    for (size_t i = state->log_count - shown; i < state->log_count; ++i) {
-        ui_text(toolkit, "%s", state->log[i % VIEW_LOG_LINES]);
+    for (size_t back = shown; back > 0; --back) {
+        ui_text(toolkit, "%s", view_log_line(state, back - 1));
     }
     if (shown == 0) {
         ui_note(toolkit, "Nothing yet.");
@@ -93,9 +93,8 @@ static void describe_line(ui *toolkit, view_state *state, float height)
     char level[32] = "";
     char through[64] = "";
     char moving[64] = "";
-    char text[256 + VIEW_LINE_BYTES];
+    char text[4096]; /* more than the widest window shows */
     char shown[sizeof text];
-    const char *last = state->log_count > 0 ? state->log[(state->log_count - 1) % VIEW_LOG_LINES] : "";
     const ui_place place = {MARGIN, (float)state->height - MARGIN - height, (float)state->width - 2 * MARGIN, height};
     if (state->shown.level > 0) {
         (void)snprintf(level, sizeof level, "   level %u", state->shown.level);
@@ -110,7 +109,7 @@ static void describe_line(ui *toolkit, view_state *state, float height)
     }
     (void)snprintf(text, sizeof text, "%s%s%s%s   %u x %u%s   %.1f ms   %s", view_picture_name(state->shown.picture),
                    through, level, moving, state->width, state->height, state->is_refined ? "" : " coarse",
-                   (double)panels_mean(state).ms, last);
+                   (double)panels_mean(state).ms, view_log_line(state, 0));
     panels_fit(toolkit, text, place.width - 2 * UI_PADDING, shown, sizeof shown);
     ui_panel_begin(toolkit, "#line", place);
     ui_text(toolkit, "%s", shown);

@@ -114,7 +114,7 @@ void panels_frames(ui *toolkit, view_state *state)
     const unsigned coarse = last != NULL ? last->coarse : 0;
     ui_value(toolkit, "Detail", coarse > 1 ? "1 of %u pixels" : "all pixels", coarse * coarse);
     ui_value(toolkit, "Pictures", "%s", state->share != NULL ? state->share : "-");
-    ui_tooltip(toolkit, state->share_reason);
+    ui_tooltip(toolkit, state->share_reason != NULL ? state->share_reason : "");
     draw_graph(toolkit, state);
     draw_legend(toolkit, &means);
 }

@@ -2,8 +2,6 @@
 /* Pictures from OpenCL to OpenGL by svo_gl_buffer. */
 #include "view/pixel_buffer.h"
 
-#include <stdio.h>
-
 static int fail_device(const pixel_buffer *which, const svo_device *device)
 {
     return program_fail_library(which->running, svo_device_message(device));
@@ -16,9 +14,8 @@ static void describe(const pixel_buffer *which, view_state *state)
     const svo_gl_share share = which->info.share;
     const char *reason = svo_gl_buffer_share_reason(which->buffer, SVO_GL_SHARE_INTEROP);
     state->share = svo_gl_share_name(share);
-    (void)snprintf(state->share_reason, sizeof state->share_reason, "%s%s%s", ways[share],
-                   reason[0] != '\0' ? "; " : "", reason);
-    view_log(state, "pictures: %s, %s", state->share, state->share_reason);
+    view_set_text(&state->share_reason, "%s%s%s", ways[share], reason[0] != '\0' ? "; " : "", reason);
+    view_log(state, "pictures: %s, %s%s%s", state->share, ways[share], reason[0] != '\0' ? "; " : "", reason);
 }
 
 static int make(pixel_buffer *which, svo_device *device, size_t bytes, view_state *state)

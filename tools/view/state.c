@@ -29,6 +29,12 @@ void view_state_end(view_state *state)
     free(state->sources);
     free(state->instances);
     free(state->movers);
+    free(state->share_reason);
+    for (size_t i = 0; i < VIEW_LOG_LINES; ++i) {
+        free(state->log[i]);
+        state->log[i] = NULL;
+    }
+    state->share_reason = NULL;
     state->sources = NULL;
     state->instances = NULL;
     state->movers = NULL;
@@ -77,13 +83,42 @@ const char *view_map_name(view_map map)
 
 /* ---- log ---- */
 
+static __attribute__((format(printf, 2, 0))) void set_text(char **text, const char *format, va_list arguments)
+{
+    va_list again;
+    va_copy(again, arguments);
+    const int length = vsnprintf(NULL, 0, format, again);
+    va_end(again);
+    char *made = length >= 0 ? malloc((size_t)length + 1) : NULL;
+    if (made != NULL) {
+        (void)vsnprintf(made, (size_t)length + 1, format, arguments);
+    }
+    free(*text);
+    *text = made;
+}
+
+void view_set_text(char **text, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    set_text(text, format, arguments);
+    va_end(arguments);
+}
+
 void view_log(view_state *state, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    (void)vsnprintf(state->log[state->log_count % VIEW_LOG_LINES], VIEW_LINE_BYTES, format, arguments);
+    set_text(&state->log[state->log_count % VIEW_LOG_LINES], format, arguments);
     va_end(arguments);
     ++state->log_count;
+}
+
+const char *view_log_line(const view_state *state, size_t back)
+{
+    const size_t kept = state->log_count < VIEW_LOG_LINES ? state->log_count : VIEW_LOG_LINES;
+    const char *line = back < kept ? state->log[(state->log_count - 1 - back) % VIEW_LOG_LINES] : "";
+    return line != NULL ? line : "no memory for this line";
 }
 
 /* ---- what is shown ---- */

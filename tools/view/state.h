@@ -18,7 +18,6 @@
 #include "svocl/trace.h"
 
 #define VIEW_NAME_BYTES   64
-#define VIEW_LINE_BYTES   160
 #define VIEW_PATH_BYTES   1024
 #define VIEW_LOG_LINES    200
 #define VIEW_FRAMES_KEPT  240
@@ -137,7 +136,7 @@ typedef struct view_probes {
     uint32_t chosen; /* the probe whose map is shown */
     /* What the drawing says of them. */
     svo_probe_info planned; /* of asked; probe_count 0: refused */
-    char refusal[VIEW_LINE_BYTES]; /* why */
+    char refusal[SVO_MESSAGE_BYTES]; /* why */
     svo_probe_info made; /* probe_count 0: there are none */
     const svo_probe *places; /* made.probe_count */
     const uint32_t *texels; /* of the map, as probe_types.h has them; NULL: none is shown */
@@ -243,7 +242,7 @@ typedef struct view_state {
     const char *device; /* name of the OpenCL device */
     const char *renderer; /* name of OpenGL's */
     const char *share; /* how pictures get from the one to the other, as svo_gl_share_name has it; NULL: none did */
-    char share_reason[VIEW_LINE_BYTES]; /* what that is, and why not shared */
+    char *share_reason; /* what that is, and why not shared; NULL: nothing to say */
     unsigned width, height; /* of the window, pixels */
     bool is_done; /* the window is to close */
     view_shown shown;
@@ -285,7 +284,7 @@ typedef struct view_state {
     size_t frame_count; /* of all frames; the last one is at (frame_count - 1) % VIEW_FRAMES_KEPT */
     view_memory memory[VIEW_MEMORY_MAX];
     size_t memory_count;
-    char log[VIEW_LOG_LINES][VIEW_LINE_BYTES]; /* a ring */
+    char *log[VIEW_LOG_LINES]; /* a ring; view_log_line reads it */
     size_t log_count; /* of all lines */
 
     view_settings settings;
@@ -293,7 +292,7 @@ typedef struct view_state {
 
 /* The state before anything is loaded. */
 void view_state_begin(view_state *state);
-/* Frees its arrays. */
+/* Frees its arrays and texts. */
 void view_state_end(view_state *state);
 
 /* Whether so many numbers are finite and within a thousand million, as hands may not leave them. */
@@ -308,8 +307,12 @@ const char *view_stage_name(view_stage stage);
 /* "help", "frames", ... */
 const char *view_panel_name(view_panel panel);
 
-/* Adds a line to the log; a longer one is cut. */
+/* Replaces a text of the state by one of any length, since names of drivers have any. NULL where memory ran out. */
+void view_set_text(char **text, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* Adds a line to the log, of any length. */
 void view_log(view_state *state, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* Line `back` before the last one; "" where there is none. */
+const char *view_log_line(const view_state *state, size_t back);
 
 /* Chooses a picture. Where it cannot be drawn the log says why, and nothing changes. */
 void view_choose_picture(view_state *state, view_picture picture);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <string>
 
 #include "view/ui_imgui.h"
 #include "view/ui_theme.h"
@@ -16,7 +17,7 @@ using ui_imgui::guarded;
 namespace
 {
 
-constexpr size_t line_bytes = 512;
+constexpr size_t line_bytes = 512; /* of labels, which are the viewer's own */
 
 float full_width()
 {
@@ -110,11 +111,21 @@ void ui_heading(ui *panels, const char *text)
 namespace
 {
 
+/* Of any length, since names of drivers have any. */
+__attribute__((format(printf, 1, 0))) std::string written(const char *format, va_list arguments)
+{
+    va_list again;
+    va_copy(again, arguments);
+    const int length = std::vsnprintf(nullptr, 0, format, again);
+    va_end(again);
+    std::string text(static_cast<size_t>(std::max(length, 0)) + 1, '\0');
+    (void)std::vsnprintf(&text[0], text.size(), format, arguments);
+    return text;
+}
+
 __attribute__((format(printf, 3, 0))) void write_lines(ui *panels, uint32_t rgba, const char *format, va_list arguments)
 {
-    char text[line_bytes];
-    (void)std::vsnprintf(text, sizeof text, format, arguments);
-    guarded(panels, [rgba, &text] { use_color(rgba, text); });
+    guarded(panels, [&] { use_color(rgba, written(format, arguments).c_str()); });
 }
 
 } // namespace
@@ -137,17 +148,15 @@ void ui_note(ui *panels, const char *format, ...)
 
 void ui_value(ui *panels, const char *label, const char *format, ...)
 {
-    char text[line_bytes];
     va_list arguments;
     va_start(arguments, format);
-    (void)std::vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    guarded(panels, [label, &text] {
+    guarded(panels, [&] {
         ImGui::BeginGroup();
         begin_row(label);
-        ImGui::TextUnformatted(text);
+        ImGui::TextUnformatted(written(format, arguments).c_str());
         ImGui::EndGroup();
     });
+    va_end(arguments);
 }
 
 void ui_gap(ui *panels)

@@ -8,7 +8,7 @@
 
 #define UI_TEXT_PANELS_MAX 8
 #define UI_TEXT_DEPTH_MAX  8
-#define UI_TEXT_LINE_BYTES 512
+#define UI_TEXT_LINE_BYTES 4096 /* more than is shown at once */
 
 /* What is remembered of a panel from frame to frame. */
 typedef struct ui_text_panel {

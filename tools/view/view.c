@@ -60,8 +60,7 @@ static int fail(viewer *which)
 /* Prints the last line of the log when the program ends. */
 static void warn(const viewer *which)
 {
-    const view_state *state = &which->state;
-    program_log(which->running, SVO_LOG_WARNING, state->log[(state->log_count - 1) % VIEW_LOG_LINES]);
+    program_log(which->running, SVO_LOG_WARNING, view_log_line(&which->state, 0));
 }
 
 /* ---- time ---- */
@@ -369,7 +368,7 @@ static svo_status create_device(void *user, const svo_device_options *asked, svo
 static int open_window(viewer *which)
 {
     view_state *state = &which->state;
-    char title[VIEW_LINE_BYTES];
+    char title[VIEW_PATH_BYTES];
     (void)snprintf(title, sizeof title, "%s - svocl", state->input);
     which->window =
         window_open(title, state->settings.width, state->settings.height, state->settings.fullscreen, &which->why);
