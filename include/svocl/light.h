@@ -359,10 +359,19 @@ typedef struct svo_light_picture {
 #define SVO_LIGHT_BAND_ROWS 16u /**< bands of a picture have multiples of so many rows */
 
 /** Everything zero but the sizes; width, height and camera have to be set. */
+#if defined(__cplusplus)
+#define SVO_LIGHT_PICTURE_INIT                                              \
+    []() {                                                                  \
+        svo_light_picture svo_picture = SVO_STRUCT_INIT(svo_light_picture); \
+        svo_picture.gather = SVO_GATHER_OPTIONS_INIT;                       \
+        return svo_picture;                                                 \
+    }()
+#else
 #define SVO_LIGHT_PICTURE_INIT                                                      \
     {                                                                               \
         .struct_size = sizeof(svo_light_picture), .gather = SVO_GATHER_OPTIONS_INIT \
     }
+#endif
 
 /** Draws a picture of a lit tree and waits for it: first hits and shadows by exact rays, the rest by cones. Sources,
  *  finishes and sky are those of svo_light_set_sources. Trees without triangles show their voxels.
