@@ -300,7 +300,8 @@ SVO_API svo_status svo_gather(svo_light *light, const svo_gather_point *points, 
 /** Number of kernel arguments that SVO_LIGHT_PARAMETERS declares. */
 #define SVO_LIGHT_ARGUMENTS 9u
 
-/** Cones in a kernel of the caller's own: OpenCL C 1.2 to put before the kernel's source, as svo_tree_kernel_source.
+/** Cones in a kernel of the caller's own: OpenCL C 1.2 to put before the kernel's source, as svo_tree_kernel_source. One
+ *  program may have both texts, in any order.
  *
  * It declares
  *
@@ -317,7 +318,8 @@ SVO_API svo_status svo_gather(svo_light *light, const svo_gather_point *points, 
  * \returns a static string. */
 SVO_API const char *svo_light_kernel_source(void);
 
-/** Compiler options for svo_light_kernel_source: they select the light's form.
+/** Compiler options for svo_light_kernel_source: those of svo_tree_kernel_options, and one that selects the light's
+ *  form.
  *
  * \param light not NULL
  * \returns a string that lives as long as the light. */
