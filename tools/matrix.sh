@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: MIT
 #
 # `tools/dev matrix`: the same scenes and rays by several OpenCL implementations; hashes and hits must be equal. On this
-# machine (Debian 12): PoCL 3.1 and, for small scenes, oclgrind. In a Debian 13 root created by debootstrap: PoCL 6 and
-# Mesa's rusticl, with svocl compiled there by the compiler of that release. tools/dev sources this file, which uses its
-# functions and settings.
+# machine (Debian 12): PoCL 3.1, Intel's driver for CPUs, which pip brings, and, for small scenes, oclgrind. In a Debian
+# 13 root created by debootstrap: PoCL 6 and Mesa's rusticl, with svocl compiled there by the compiler of that release.
+# tools/dev sources this file, which uses its functions and settings.
 # shellcheck disable=SC2154
 
 readonly matrix_release=trixie
@@ -18,6 +18,9 @@ readonly matrix_packages=(
     pocl-opencl-icd # PoCL 6
     mesa-opencl-icd # rusticl
 )
+
+# Intel's driver for CPUs, and the libraries of numbers that its kernels call: packages of PyPI, 830 MB.
+readonly matrix_intel_packages=(intel-opencl-rt intel-cmplr-lib-rt)
 
 # A case is the arguments of `svocl hash`. Small cases also run on oclgrind, an interpreter.
 readonly matrix_all=color,normal,rays,material,fill,projected-area
@@ -39,6 +42,7 @@ readonly matrix_cases=(
     "scene:atrium -d 8 --need color,normal,rays,projected-area --light faces"
     "scene:atrium -d 8 --need color,rays,fill,projected-area --light bricks"
     "scene:atrium -d 7 --need rays --probes 3,3,3 --probe-resolution 128"
+    "scene:knot:140000 -d 7 --need $matrix_all" # enough triangles for a plan by kernels
 )
 # Front end, builder and whose kernels run: the device's, or another's.
 readonly matrix_methods=("cl cl cpu" "cl cl gpu" "cl sorted cpu" "cl sorted gpu" "gl-expand cl cpu" "gl-expand cl gpu"
@@ -50,7 +54,7 @@ readonly matrix_traces=(
     "scene:atrium -d 6 --camera auto --size 320x240"
     "scene:knot:5000 -d 6 --rays /dev/stdin"
 )
-readonly matrix_columns=("PoCL 3.1" "oclgrind" "PoCL 6" "rusticl")
+readonly matrix_columns=("PoCL 3.1" "oclgrind" "Intel" "PoCL 6" "rusticl")
 
 # --- the root --------------------------------------------------------------------------------------------------------
 
@@ -91,6 +95,17 @@ matrix_make_root()
     fi
 }
 
+# A virtual environment beside the root.
+matrix_make_intel()
+{
+    local venv=$1/intel
+    [[ ! -e $venv/made ]] || return 0
+    rm -rf "$venv"
+    quietly "$1/intel.log" python3 -m venv "$venv"
+    quietly "$1/intel.log" "$venv/bin/pip" install --only-binary :all: "${matrix_intel_packages[@]}"
+    touch "$venv/made"
+}
+
 # The working tree as it is, built with warnings as errors.
 matrix_build()
 {
@@ -115,6 +130,10 @@ matrix_runner()
     # Without optimization: oclgrind 21.10 does not support everything that the optimizer emits.
     oclgrind)
         printf '%s\n' oclgrind --build-options -cl-opt-disable "$program"
+        ;;
+    Intel)
+        printf '%s\n' env OCL_ICD_FILENAMES="${folder%/*}/intel/lib/libintelocl.so" \
+            LD_LIBRARY_PATH="${folder%/*}/intel/lib" "$program"
         ;;
     "PoCL 6") printf '%s\n' matrix_enter "$folder" env OCL_ICD_VENDORS=$vendors/pocl.icd /build/bin/svocl ;;
     rusticl)
@@ -220,6 +239,7 @@ matrix_versions()
     local folder=$1 show='${Package} ${Version}\n'
     printf 'here: %s\n' "$(dpkg-query -W -f="$show" pocl-opencl-icd oclgrind libgl1-mesa-dri gcc |
         paste -s -d , | sed 's/,/, /g')"
+    printf 'PyPI: %s\n' "$("${folder%/*}/intel/bin/pip" list 2>/dev/null | awk '/^intel-opencl-rt/ { print $1, $2 }')"
     printf 'Debian 13: %s\n' "$(matrix_enter "$folder" dpkg-query -W -f="$show" pocl-opencl-icd mesa-opencl-icd \
         libgl1-mesa-dri gcc cmake | paste -s -d , | sed 's/,/, /g')"
 }
@@ -234,6 +254,7 @@ matrix()
     prepare_run_time
     command -v debootstrap >/dev/null || apt install --no-install-recommends debootstrap >&2
     matrix_make_root "$folder" "$mirror"
+    matrix_make_intel "${folder%/*}"
     matrix_build "$folder"
     matrix_versions "$folder"
     printf '%-28s' ''

@@ -300,7 +300,8 @@ SVO_API svo_status svo_gather(svo_light *light, const svo_gather_point *points, 
 /** Number of kernel arguments that SVO_LIGHT_PARAMETERS declares. */
 #define SVO_LIGHT_ARGUMENTS 9u
 
-/** Cones in a kernel of the caller's own: OpenCL C 1.2 to put before the kernel's source, as svo_tree_kernel_source.
+/** Cones in a kernel of the caller's own: OpenCL C 1.2 to put before the kernel's source, as svo_tree_kernel_source. One
+ *  program may have both texts, in any order.
  *
  * It declares
  *
@@ -317,7 +318,8 @@ SVO_API svo_status svo_gather(svo_light *light, const svo_gather_point *points, 
  * \returns a static string. */
 SVO_API const char *svo_light_kernel_source(void);
 
-/** Compiler options for svo_light_kernel_source: they select the light's form.
+/** Compiler options for svo_light_kernel_source: those of svo_tree_kernel_options, and one that selects the light's
+ *  form.
  *
  * \param light not NULL
  * \returns a string that lives as long as the light. */
@@ -359,10 +361,19 @@ typedef struct svo_light_picture {
 #define SVO_LIGHT_BAND_ROWS 16u /**< bands of a picture have multiples of so many rows */
 
 /** Everything zero but the sizes; width, height and camera have to be set. */
+#if defined(__cplusplus)
+#define SVO_LIGHT_PICTURE_INIT                                              \
+    []() {                                                                  \
+        svo_light_picture svo_picture = SVO_STRUCT_INIT(svo_light_picture); \
+        svo_picture.gather = SVO_GATHER_OPTIONS_INIT;                       \
+        return svo_picture;                                                 \
+    }()
+#else
 #define SVO_LIGHT_PICTURE_INIT                                                      \
     {                                                                               \
         .struct_size = sizeof(svo_light_picture), .gather = SVO_GATHER_OPTIONS_INIT \
     }
+#endif
 
 /** Draws a picture of a lit tree and waits for it: first hits and shadows by exact rays, the rest by cones. Sources,
  *  finishes and sky are those of svo_light_set_sources. Trees without triangles show their voxels.

@@ -25,7 +25,7 @@ svo_k_plan_totals(__global ulong *partials, __global ulong *totals, svo_plan_tot
         ulong result = 0;
         for (uint group = first; group < end; ++group) {
             const ulong x = partials[(size_t)group * params.columns + column];
-            result = params.largest != 0u ? max(result, x) : result + x;
+            result = svo_reduce(result, x, params.largest != 0u);
         }
         scratch[item] = result;
         barrier(CLK_LOCAL_MEM_FENCE);
@@ -33,7 +33,7 @@ svo_k_plan_totals(__global ulong *partials, __global ulong *totals, svo_plan_tot
         ulong total = 0;
         for (uint k = 0; k < SVO_GROUP_ITEMS; ++k) {
             before = k == item ? total : before;
-            total = params.largest != 0u ? max(total, scratch[k]) : total + scratch[k];
+            total = svo_reduce(total, scratch[k], params.largest != 0u);
         }
         for (uint group = first; group < (params.largest != 0u ? first : end); ++group) {
             const ulong x = partials[(size_t)group * params.columns + column];

@@ -58,10 +58,10 @@ svo_k_plan_bounds(__global const uint *positions, __global const uchar *used, __
             any = true;
         }
     }
-    const ulong none[6] = {0, 0, 0, 0, 0, 0};
-    const ulong keys[6] = {svo_key(-low.x), svo_key(-low.y), svo_key(-low.z),
-                           svo_key(high.x), svo_key(high.y), svo_key(high.z)};
-    svo_group_columns(any ? keys : none, 6u, true, scratch, partials);
+    const ulong used_bits = any ? ~0ul : 0ul;
+    const ulong keys[6] = {svo_key(-low.x) & used_bits, svo_key(-low.y) & used_bits, svo_key(-low.z) & used_bits,
+                           svo_key(high.x) & used_bits, svo_key(high.y) & used_bits, svo_key(high.z) & used_bits};
+    svo_group_columns(keys, 6u, true, scratch, partials);
 }
 
 /* Snaps the used vertices; the others become 0. One column: the bits of the largest error. */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* One cone in your own kernel: the soft shadow of a ring, drawn with letters. One work-item per letter. */
+/* Rays and cones in your own kernel: a ring from above and its soft shadow, drawn with letters. One work-item per
+   letter. */
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -13,10 +14,14 @@
 #define WIDTH  72u
 #define HEIGHT 30u
 
-/* The program's kernel: what passes a cone from a point of the ground to a sun 10 degrees wide. */
+#define OWN_ARGUMENTS (SVO_TREE_ARGUMENTS + SVO_LIGHT_ARGUMENTS) /* the first of the kernel's own */
+
+/* The program's kernel: a ray looks down. Where it meets the ring: 8. Else what passes a cone from the ground to a sun 10
+   degrees wide, from 0, nothing, to 7. */
 static const char kernel_source[] =
-    "__kernel void shade(SVO_LIGHT_PARAMETERS, __global uchar *picture, uint width, uint height)\n"
+    "__kernel void shade(SVO_TREE_PARAMETERS, SVO_LIGHT_PARAMETERS, __global uchar *picture, uint width, uint height)\n"
     "{\n"
+    "    SVO_TREE_MAKE(tree);\n"
     "    SVO_LIGHT_MAKE(light);\n"
     "    const uint x = get_global_id(0);\n"
     "    const uint y = get_global_id(1);\n"
@@ -29,7 +34,10 @@ static const char kernel_source[] =
     "    cone.tangent = 0.0875f;\n" /* of half the angle */
     "    cone.start = cone.range = cone.falloff = 0.0f;\n"
     "    cone.step = 0.5f;\n"
-    "    picture[y * width + x] = (uchar)(svo_trace_cone(&light, &cone).pass * 7.99f);\n"
+    "    const svo_ray down = {{cone.origin.x, cone.origin.y, 2.0f}, {0.0f, 0.0f, -1.0f}, 0.0f, 3.4f};\n"
+    "    svo_hit hit;\n"
+    "    const bool ring = svo_trace_closest(&tree, &down, &hit);\n"
+    "    picture[y * width + x] = ring ? 8 : (uchar)(svo_trace_cone(&light, &cone).pass * 7.99f);\n"
     "}\n";
 
 /* A ring that leans. */
@@ -52,22 +60,23 @@ static void make_ring(float *positions, uint32_t *indices)
     }
 }
 
-/* svocl's source comes before the program's, and the light's arguments come before the kernel's own. */
-static cl_kernel make_kernel(const svo_device *device, svo_light *light, cl_mem picture)
+/* svocl's sources come before the program's. The arguments come in the order of the kernel's parameters. */
+static cl_kernel make_kernel(const svo_device *device, svo_tree *tree, svo_light *light, cl_mem picture)
 {
-    const char *sources[2] = {svo_light_kernel_source(), kernel_source};
+    const char *sources[3] = {svo_tree_kernel_source(), svo_light_kernel_source(), kernel_source};
     const cl_device_id id = svo_device_cl_device(device);
     const cl_uint width = WIDTH;
     const cl_uint height = HEIGHT;
-    cl_program program = clCreateProgramWithSource(svo_device_cl_context(device), 2, sources, NULL, NULL);
+    cl_program program = clCreateProgramWithSource(svo_device_cl_context(device), 3, sources, NULL, NULL);
     cl_kernel kernel = NULL;
     if (program != NULL && clBuildProgram(program, 1, &id, svo_light_kernel_options(light), NULL, NULL) == CL_SUCCESS)
         kernel = clCreateKernel(program, "shade", NULL);
     if (kernel != NULL &&
-        (svo_light_set_args(light, kernel, 0) != SVO_OK ||
-         clSetKernelArg(kernel, SVO_LIGHT_ARGUMENTS, sizeof picture, (const void *)&picture) != CL_SUCCESS ||
-         clSetKernelArg(kernel, SVO_LIGHT_ARGUMENTS + 1, sizeof width, &width) != CL_SUCCESS ||
-         clSetKernelArg(kernel, SVO_LIGHT_ARGUMENTS + 2, sizeof height, &height) != CL_SUCCESS)) {
+        (svo_tree_set_args(tree, kernel, 0) != SVO_OK ||
+         svo_light_set_args(light, kernel, SVO_TREE_ARGUMENTS) != SVO_OK ||
+         clSetKernelArg(kernel, OWN_ARGUMENTS, sizeof picture, (const void *)&picture) != CL_SUCCESS ||
+         clSetKernelArg(kernel, OWN_ARGUMENTS + 1, sizeof width, &width) != CL_SUCCESS ||
+         clSetKernelArg(kernel, OWN_ARGUMENTS + 2, sizeof height, &height) != CL_SUCCESS)) {
         clReleaseKernel(kernel);
         kernel = NULL;
     }
@@ -78,27 +87,29 @@ static cl_kernel make_kernel(const svo_device *device, svo_light *light, cl_mem 
 
 static void print_picture(const unsigned char *picture)
 {
+    unsigned ring = 0;
     unsigned shaded = 0;
     unsigned half = 0;
     for (unsigned y = 0; y < HEIGHT; ++y) {
         for (unsigned x = 0; x < WIDTH; ++x) {
             const unsigned char shade = picture[y * WIDTH + x];
-            putchar("#*+=-:. "[shade & 7]);
+            putchar("#*+=-:. @"[shade]);
+            ring += shade == 8;
             shaded += shade == 0;
             half += shade > 0 && shade < 7;
         }
         putchar('\n');
     }
-    printf("%u letters in the shadow, %u in its soft edge\n", shaded, half);
+    printf("%u letters of the ring, %u in its shadow, %u in its soft edge\n", ring, shaded, half);
 }
 
-static bool draw(const svo_device *device, svo_light *light, cl_command_queue queue)
+static bool draw(const svo_device *device, svo_tree *tree, svo_light *light, cl_command_queue queue)
 {
     unsigned char pixels[WIDTH * HEIGHT];
     const size_t size[2] = {WIDTH, HEIGHT};
     const size_t group[2] = {WIDTH, 1};
     cl_mem picture = clCreateBuffer(svo_device_cl_context(device), CL_MEM_WRITE_ONLY, sizeof pixels, NULL, NULL);
-    cl_kernel kernel = picture != NULL ? make_kernel(device, light, picture) : NULL;
+    cl_kernel kernel = picture != NULL ? make_kernel(device, tree, light, picture) : NULL;
     const bool drawn =
         kernel != NULL && clEnqueueNDRangeKernel(queue, kernel, 2, NULL, size, group, 0, NULL, NULL) == CL_SUCCESS &&
         clEnqueueReadBuffer(queue, picture, CL_TRUE, 0, sizeof pixels, pixels, 0, NULL, NULL) == CL_SUCCESS;
@@ -120,7 +131,8 @@ int main(void)
                            .vertex_count = (size_t)ROUND * TUBE,
                            .indices = indices,
                            .triangle_count = (size_t)ROUND * TUBE * 2};
-    const svo_plan_options options = {.struct_size = sizeof options, .need = SVO_NEED_NORMAL | SVO_NEED_PROJECTED_AREA};
+    const svo_plan_options options = {.struct_size = sizeof options,
+                                      .need = SVO_NEED_NORMAL | SVO_NEED_RAYS | SVO_NEED_PROJECTED_AREA};
     svo_message message = {"an OpenCL call of the program failed"};
     svo_device *device = NULL;
     cl_command_queue queue = NULL;
@@ -134,7 +146,7 @@ int main(void)
         queue = clCreateCommandQueue(svo_device_cl_context(device), svo_device_cl_device(device), 0, NULL);
     done = queue != NULL && svo_plan_create(device, &ring, 6, &options, &plan) == SVO_OK &&
            svo_build(plan, NULL, queue, &tree, NULL) == SVO_OK &&
-           svo_light_create(tree, NULL, queue, &light) == SVO_OK && draw(device, light, queue);
+           svo_light_create(tree, NULL, queue, &light) == SVO_OK && draw(device, tree, light, queue);
     if (!done)
         fprintf(stderr, "%s\n",
                 device != NULL && svo_device_message(device)[0] != '\0' ? svo_device_message(device) : message.text);
