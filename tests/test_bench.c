@@ -336,7 +336,8 @@ static void published_values_name_their_hardware(void **state)
     int index = 0;
     cJSON_ArrayForEach(row, array_of(table, "rows"))
     {
-        const bool deepest = (int)cJSON_GetArrayItem(row, depth)->valuedouble == 6;
+        const bool deepest = (int)cJSON_GetArrayItem(row, depth)->valuedouble == 5;
+        assert_int_equal((int)number_in_row(row, table, "published depth"), 3 + index % 4);
         assert_true(cJSON_GetArrayItem(row, total)->valuedouble == totals[index / 4][index % 4]);
         assert_int_equal(cJSON_IsNumber(cJSON_GetArrayItem(row, structure)), deepest);
         assert_true(!deepest || cJSON_GetArrayItem(row, structure)->valuedouble == structures[index / 4]);
@@ -416,6 +417,47 @@ static void usage_errors_exit_with_code_2(void **state)
     expect_files(NULL, 0);
 }
 
+/* Every subject measures files. The child processes of some get the whole path, and a mesh without normals suffices. */
+static void files_are_measured(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well(
+        "mkdir folder && $SVOCL scene knot:500 -o folder/own.obj && sed -i '/^vn/d; s:/[/0-9]*::g' folder/own.obj");
+    static const struct {
+        const char *subject, *table;
+    } subjects[] = {{"e1", "e1-voxelization"},     {"e2", "e2-rays"},
+                    {"e3", "e3-attributes"},       {"e4", "e4-detail"},
+                    {"startup", "startup-needs"},  {"moving-light", "moving-light"},
+                    {"thesis-2020", "thesis-2020"}};
+    for (size_t i = 0; i < sizeof subjects / sizeof subjects[0]; ++i) {
+        char line[256];
+        snprintf(line, sizeof line, "$SVOCL bench %s --quick --repeat 1 --scenes folder/own.obj%s --json",
+                 subjects[i].subject, subjects[i].subject[0] == 'e' ? "" : " --depths 4");
+        cJSON *document = run_json(line);
+        assert_true(row_count_of(table_of(document, subjects[i].table)) > 0);
+        cJSON_Delete(document);
+    }
+    run_badly("$SVOCL bench e1 --depths 5", 2, "--depths does not apply to bench e1");
+    run_well("rm -r folder");
+    expect_files(NULL, 0);
+}
+
+/* Of many subjects, one that fails leaves its reason, and the others go on. */
+static void subjects_that_fail_leave_a_reason(void **state)
+{
+    (void)state;
+    need_builds();
+    run_badly("$SVOCL bench errors --quick --repeat 1 --scenes scene:castle -o some.json", 1,
+              "7 subjects failed; the tables have the reasons");
+    cJSON *document = run_json("cat some.json");
+    assert_non_null(strstr(text_of(table_of(document, "e1-voxelization"), "note"), "Not measured to the end: "));
+    assert_non_null(strstr(text_of(table_of(document, "e8-probes"), "note"), "castle"));
+    cJSON_Delete(document);
+    static const char *const kept[] = {"some.json"};
+    expect_files(kept, 1);
+}
+
 static void unknown_scenes_are_named(void **state)
 {
     (void)state;
@@ -439,6 +481,8 @@ int main(void)
         IN_FOLDER(published_values_name_their_hardware),
         IN_FOLDER(usage_errors_exit_with_code_2),
         IN_FOLDER(unknown_scenes_are_named),
+        IN_FOLDER(files_are_measured),
+        IN_FOLDER(subjects_that_fail_leave_a_reason),
         IN_FOLDER(workers_are_measured_beside_a_model),
         IN_FOLDER(limits_that_are_too_small_are_named),
     };

@@ -96,10 +96,10 @@ static const summary_extract extracts[] = {
                  "list of 36 bytes"}},
     {.id = "thesis-2020",
      .table_id = "thesis-2020",
-     .title = "Octree-building thesis (2020), depth 6",
+     .title = "Octree-building thesis (2020)",
      .in_summary = true,
-     .picks = {{"depth", NULL}},
-     .columns = {"scene", "voxelize", "structure", "total", "published structure", "published total"}},
+     .columns = {"scene", "depth", "published depth", "voxelize", "structure", "transfer", "total",
+                 "published structure", "published total"}},
     {.id = "thesis-2016",
      .table_id = "thesis-2016",
      .title = "Voxel cone tracing thesis (2016), 512³",
@@ -562,13 +562,19 @@ void summary_write_machine(const result_machine *machine, FILE *text)
 {
     char driver[RESULT_FACT_BYTES + 16];
     char date[RESULT_FACT_BYTES + 16];
+    char clock[RESULT_FACT_BYTES + 16];
     char threads[16];
+    snprintf(clock, sizeof clock, "%s%s", machine->clock[0] != '\0' ? ", " : "", machine->clock);
     snprintf(driver, sizeof driver, ", driver %s", machine->driver);
     snprintf(date, sizeof date, "%s%s", machine->date[0] != '\0' ? ", " : "", machine->date);
     snprintf(threads, sizeof threads, "%u", machine->cpu_threads);
     fputs("| measured on | |\n| --- | --- |\n", text);
     write_fact("OpenCL", machine->device, driver, text);
     write_fact("OpenGL", machine->renderer, "", text);
+    if (machine->processor[0] != '\0') {
+        write_fact("processor", machine->processor, clock, text);
+        write_fact("memory", machine->memory, "", text);
+    }
     write_fact("instruction set", machine->instruction_set, "", text);
     write_fact("threads", threads, "", text);
     write_fact("svocl", machine->svocl, date, text);
