@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* svocl bench: tables with their columns and positive values, and usage errors. Times are not tested. */
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "run_program.h"
@@ -317,6 +318,84 @@ static void children_run_on_the_same_device(void **state)
     expect_files(kept, 1);
 }
 
+/* Whether a column of figures that are the same on every run must be equal in both documents. Bytes of the device depend
+   on the driver. */
+static bool is_pinned(const char *column, bool same_driver)
+{
+    static const char *const counts[] = {"triangles", "depth", "fragments", "nodes", "leaves"};
+    static const char *const bytes[] = {"tree", "fragment list", "peak"};
+    bool found = false;
+    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
+        found = found || strcmp(column, counts[i]) == 0;
+    }
+    for (size_t i = 0; i < sizeof bytes / sizeof bytes[0]; ++i) {
+        found = found || (same_driver && strcmp(column, bytes[i]) == 0);
+    }
+    return found;
+}
+
+static size_t compare_pinned(const cJSON *stored, const cJSON *now, bool same_driver)
+{
+    size_t compared = 0;
+    assert_int_equal(row_count_of(stored), row_count_of(now));
+    const cJSON *column = NULL;
+    cJSON_ArrayForEach(column, array_of(now, "columns"))
+    {
+        const char *name = text_of(column, "name");
+        for (int row = 0; is_pinned(name, same_driver) && row < row_count_of(now); ++row, ++compared) {
+            const double was = number_in_row(cJSON_GetArrayItem(array_of(stored, "rows"), row), stored, name);
+            const double is = number_in_row(cJSON_GetArrayItem(array_of(now, "rows"), row), now, name);
+            if (was != is) {
+                fail_msg("docs/results.json, table %s, row %d: %s %.0f, now %.0f", text_of(now, "id"), row, name, was,
+                         is);
+            }
+        }
+    }
+    return compared;
+}
+
+/* A file of JSON of any length; cJSON_Delete. */
+static cJSON *read_document(const char *path)
+{
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    assert_int_equal(fseek(file, 0, SEEK_END), 0);
+    const size_t bytes = (size_t)ftell(file);
+    rewind(file);
+    char *text = calloc(bytes + 1, 1);
+    assert_non_null(text);
+    assert_int_equal(fread(text, 1, bytes, file), bytes);
+    cJSON *document = cJSON_Parse(text);
+    assert_non_null(document);
+    free(text);
+    fclose(file);
+    return document;
+}
+
+/* What the documents show of bytes and counts is what the program of today measures. */
+static void stored_figures_are_those_of_today(void **state)
+{
+    (void)state;
+    need_builds();
+    static const struct {
+        const char *subject, *table;
+    } subjects[] = {{"memory", "memory"}, {"leaving-out", "e6-leaving-out"}};
+    cJSON *stored = read_document(DOCS_RESULTS);
+    for (size_t i = 0; i < sizeof subjects / sizeof subjects[0]; ++i) {
+        char line[128];
+        snprintf(line, sizeof line, "$SVOCL bench %s --repeat 1 --json", subjects[i].subject);
+        cJSON *now = run_json(line);
+        const cJSON *machines[] = {cJSON_GetObjectItemCaseSensitive(stored, "machine"),
+                                   cJSON_GetObjectItemCaseSensitive(now, "machine")};
+        const bool same_driver = strcmp(text_of(machines[0], "driver"), text_of(machines[1], "driver")) == 0;
+        assert_true(compare_pinned(table_of(stored, subjects[i].table), table_of(now, subjects[i].table), same_driver) >
+                    16);
+        cJSON_Delete(now);
+    }
+    cJSON_Delete(stored);
+    expect_files(NULL, 0);
+}
+
 /* Tables contain the published values and name their hardware. */
 static void published_values_name_their_hardware(void **state)
 {
@@ -336,7 +415,8 @@ static void published_values_name_their_hardware(void **state)
     int index = 0;
     cJSON_ArrayForEach(row, array_of(table, "rows"))
     {
-        const bool deepest = (int)cJSON_GetArrayItem(row, depth)->valuedouble == 6;
+        const bool deepest = (int)cJSON_GetArrayItem(row, depth)->valuedouble == 5;
+        assert_int_equal((int)number_in_row(row, table, "published depth"), 3 + index % 4);
         assert_true(cJSON_GetArrayItem(row, total)->valuedouble == totals[index / 4][index % 4]);
         assert_int_equal(cJSON_IsNumber(cJSON_GetArrayItem(row, structure)), deepest);
         assert_true(!deepest || cJSON_GetArrayItem(row, structure)->valuedouble == structures[index / 4]);
@@ -416,6 +496,48 @@ static void usage_errors_exit_with_code_2(void **state)
     expect_files(NULL, 0);
 }
 
+/* Every subject measures files. The child processes of some get the whole path, and a mesh without normals suffices. */
+static void files_are_measured(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well(
+        "mkdir folder && $SVOCL scene knot:500 -o folder/own.obj && sed -i '/^vn/d; s:/[/0-9]*::g' folder/own.obj");
+    static const struct {
+        const char *subject, *table;
+    } subjects[] = {{"e1", "e1-voxelization"},     {"e2", "e2-rays"},
+                    {"e3", "e3-attributes"},       {"e4", "e4-detail"},
+                    {"startup", "startup-needs"},  {"moving-light", "moving-light"},
+                    {"thesis-2020", "thesis-2020"}};
+    for (size_t i = 0; i < sizeof subjects / sizeof subjects[0]; ++i) {
+        char line[256];
+        snprintf(line, sizeof line, "$SVOCL bench %s --quick --repeat 1 --scenes folder/own.obj%s --json",
+                 subjects[i].subject, subjects[i].subject[0] == 'e' ? "" : " --depths 4");
+        cJSON *document = run_json(line);
+        assert_true(row_count_of(table_of(document, subjects[i].table)) > 0);
+        cJSON_Delete(document);
+    }
+    run_badly("$SVOCL bench e1 --depths 5", 2, "--depths does not apply to bench e1");
+    run_well("rm -r folder");
+    expect_files(NULL, 0);
+}
+
+/* Of many subjects, one that fails leaves its reason, and the others go on. */
+static void subjects_that_fail_leave_a_reason(void **state)
+{
+    (void)state;
+    need_builds();
+    run("$SVOCL bench errors --quick --repeat 1 --scenes scene:castle -o some.json");
+    assert_int_equal(last.exit_code, 1);
+    assert_non_null(strstr(last.errors, "7 subjects failed; the tables have the reasons"));
+    cJSON *document = run_json("cat some.json");
+    assert_non_null(strstr(text_of(table_of(document, "e1-voxelization"), "note"), "Not measured to the end: "));
+    assert_non_null(strstr(text_of(table_of(document, "e8-probes"), "note"), "castle"));
+    cJSON_Delete(document);
+    static const char *const kept[] = {"some.json"};
+    expect_files(kept, 1);
+}
+
 static void unknown_scenes_are_named(void **state)
 {
     (void)state;
@@ -439,6 +561,9 @@ int main(void)
         IN_FOLDER(published_values_name_their_hardware),
         IN_FOLDER(usage_errors_exit_with_code_2),
         IN_FOLDER(unknown_scenes_are_named),
+        IN_FOLDER(stored_figures_are_those_of_today),
+        IN_FOLDER(files_are_measured),
+        IN_FOLDER(subjects_that_fail_leave_a_reason),
         IN_FOLDER(workers_are_measured_beside_a_model),
         IN_FOLDER(limits_that_are_too_small_are_named),
     };

@@ -76,7 +76,7 @@ static void options_without_effect_are_refused(void **state)
         {"report --from a.json -o a --scenes cube", "--scenes does not apply with --from"},
         {"bench rays --workers 2", "--workers does not apply to bench rays"},
         {"bench rays --need color", "--need does not apply to bench rays"},
-        {"bench e1 --scenes cube", "--scenes does not apply to bench e1"},
+        {"bench e1 --depths 5", "--depths does not apply to bench e1"},
         {"bench thesis-2016 --depths 4", "--depths does not apply to bench thesis-2016"},
         {"bench parts --ray-count 9", "--ray-count does not apply to bench parts"},
         {"bench memory --coverage half-open", "--coverage does not apply to bench memory"},

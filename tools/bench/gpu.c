@@ -5,12 +5,9 @@
  */
 #include "bench/gpu.h"
 
-#include <unistd.h>
-
 #include "bench/gpu_steps.h"
-#include "measure/instruction_set.h"
+#include "measure/host.h"
 #include "support/input.h"
-#include "svocl/version.h"
 
 #define REPEATS       "11"
 #define SLOW_REPEATS  "5"
@@ -103,19 +100,11 @@ static void run_times(gpu_run *run, const gpu_work *work)
     }
 }
 
-static void describe_host(const program *state, result_machine *machine)
-{
-    const long online = sysconf(_SC_NPROCESSORS_ONLN);
-    snprintf(machine->svocl, sizeof machine->svocl, "%s", svo_version_string());
-    snprintf(machine->instruction_set, sizeof machine->instruction_set, "%s", instruction_set_name(state->options.isa));
-    machine->cpu_threads = online > 0 ? (unsigned)online : 1;
-}
-
 int bench_gpu(program *state, result_set *results, size_t *wrong_count)
 {
     const gpu_work *work = state->options.quick ? &quick_work : &full_work;
     gpu_run run = {.state = state, .results = results, .start_ms = input_now_ms()};
-    describe_host(state, &results->machine);
+    host_describe(&state->options, &results->machine);
     program_begin_progress(state, count_steps(work));
     gpu_add_tables(&run);
     run_checks(&run, work);

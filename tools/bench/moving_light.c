@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "measure/spread.h"
+#include "measure/vertex_attributes.h"
 #include "scenes/scenes.h"
 #include "svocl/light.h"
 #include "svocl/moving.h"
@@ -248,8 +249,12 @@ static int open_scene(lit_run *run, const svo_mesh *fixed, const svo_mesh *objec
 {
     uint32_t number = 0;
     double transform[12];
-    svo_mesh still = *fixed;
+    vertex_attributes made; /* the scene must have what the object has, and no more */
     choose_grid(fixed, run);
+    if (!vertex_attributes_create(fixed, &made)) {
+        return program_fail(run->all->state, PROGRAM_FAILED, "out of memory for the scene's colors and normals");
+    }
+    svo_mesh still = fixed->colors != NULL && fixed->normals != NULL && fixed->uvs == NULL ? *fixed : made.mesh;
     still.finishes = NULL;
     place(run, object, 0.0, transform);
     cl_command_queue queue = run->all->opened.queue;
@@ -257,6 +262,7 @@ static int open_scene(lit_run *run, const svo_mesh *fixed, const svo_mesh *objec
         svo_moving_create(run->all->opened.device, &still, run->depth, &run->options, queue, &run->moving) == SVO_OK &&
         svo_moving_add(run->moving, object, transform, &number) == SVO_OK &&
         svo_moving_update(run->moving, queue, NULL) == SVO_OK && make_light(run, &run->light, 1) == SVO_OK;
+    vertex_attributes_free(&made);
     return opened ? PROGRAM_DONE : fail(run);
 }
 

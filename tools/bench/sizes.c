@@ -65,7 +65,6 @@ const suite_subject bench_scene_sizes = {
     .full = {.scenes = {"terrain:1", "terrain:10", "terrain:1000", "terrain:100000", "terrain:1000000"},
              .depths = {SIZES_DEPTH}},
     .quick = {.scenes = {"terrain:1", "terrain:10", "terrain:1000", "terrain:100000"}, .depths = {SIZES_DEPTH}},
-    .fixed = true,
     .begin = begin_sizes,
     .run = run_sizes,
 };

@@ -170,7 +170,7 @@ static void add_needs(result_table *table, const input *source, unsigned depth, 
 /* The trees of other needs in one process, with empty and with filled caches. */
 static int run_needs(suite *all, const input *source, unsigned depth, const char *depth_text)
 {
-    const char *const always[] = {"bench",    "leaving-out", "--scenes", suite_scene_name(source),
+    const char *const always[] = {"bench",    "leaving-out", "--scenes", source->name,
                                   "--depths", depth_text,    "--repeat", "1",
                                   "--json"};
     child_arguments arguments = {.count = 0};
@@ -191,7 +191,7 @@ static int run_needs(suite *all, const input *source, unsigned depth, const char
     child_cache_remove(&cache);
     return ran ? PROGRAM_DONE
                : program_fail(all->state, PROGRAM_FAILED, "'svocl bench leaving-out --scenes %s' failed as a child",
-                              suite_scene_name(source));
+                              source->name);
 }
 
 static int run(suite *all, const input *source, unsigned depth)

@@ -27,7 +27,7 @@ svo_tree *cone_lights_tree(cone_lights *lights, unsigned depth, svo_coverage cov
     }
     svo_plan *plan = NULL;
     svo_tree *tree = NULL;
-    if (svo_plan_create(opened->device, scene_mesh(lights->truth->made), depth, &plan_options, &plan) == SVO_OK &&
+    if (svo_plan_create(opened->device, lights->truth->opened.source.mesh, depth, &plan_options, &plan) == SVO_OK &&
         svo_build(plan, opened->cl != NULL ? opened->cl : opened->frontend, opened->queue, &tree, NULL) == SVO_OK) {
         lights->trees[lights->tree_count].depth = depth;
         lights->trees[lights->tree_count].coverage = coverage;

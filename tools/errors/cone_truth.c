@@ -23,7 +23,7 @@ static bool build_tree(error_run *run, cone_truth *truth)
     svo_tree_info info = SVO_TREE_INFO_INIT;
     svo_plan *plan = NULL;
     const bool built =
-        svo_plan_create(opened->device, scene_mesh(truth->made), TREE_DEPTH, &plan_options, &plan) == SVO_OK &&
+        svo_plan_create(opened->device, truth->opened.source.mesh, TREE_DEPTH, &plan_options, &plan) == SVO_OK &&
         svo_build(plan, opened->cl != NULL ? opened->cl : opened->frontend, opened->queue, &truth->tree, NULL) ==
             SVO_OK;
     svo_plan_destroy(&plan);
@@ -41,7 +41,7 @@ static svo_status trace(const error_run *run, const cone_truth *truth, double ra
 {
     const svo_light_setup dark = SVO_LIGHT_SETUP_INIT;
     const path_scene paths = {.tree = truth->tree,
-                              .mesh = scene_mesh(truth->made),
+                              .mesh = truth->opened.source.mesh,
                               .queue = run->opened.queue,
                               .setup = samples == BURIED_SAMPLES ? &dark : &truth->setup,
                               .range = range,
@@ -75,7 +75,7 @@ static bool make_points(const error_run *run, size_t point_count, cone_truth *tr
     truth->results = calloc(point_count, sizeof *truth->results);
     const bool worked =
         candidates != NULL && seen != NULL && truth->points != NULL && truth->results != NULL &&
-        surface_points(scene_mesh(truth->made), candidate_count, SEED, candidates) &&
+        surface_points(truth->opened.source.mesh, candidate_count, SEED, candidates) &&
         trace(run, truth, BURIED_RANGE * truth->edge, candidates, candidate_count, BURIED_SAMPLES, seen) == SVO_OK;
     if (worked) {
         keep_points(candidates, seen, candidate_count, point_count, truth);
@@ -98,11 +98,12 @@ static void sum_up(cone_truth *truth)
 
 int cone_truth_make(error_run *run, const truth_scene *given, size_t point_count, unsigned samples, cone_truth *out)
 {
-    *out = (cone_truth){.name = given->name, .source = given->source, .setup = SVO_LIGHT_SETUP_INIT};
-    out->made = errors_scene(run, given->spec);
-    if (out->made == NULL) {
-        return PROGRAM_FAILED;
+    *out = (cone_truth){.source = given->source, .setup = SVO_LIGHT_SETUP_INIT};
+    const int exit_code = suite_open(run->state, given->scene.spec, &out->opened);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
     }
+    out->name = errors_scene_name(&given->scene, &out->opened.source);
     out->setup.sources = &out->source;
     out->setup.source_count = 1;
     for (int channel = 0; channel < 3; ++channel) {
@@ -121,7 +122,7 @@ int cone_truth_make(error_run *run, const truth_scene *given, size_t point_count
 void cone_truth_free(cone_truth *truth)
 {
     svo_tree_destroy(&truth->tree);
-    scene_destroy(&truth->made);
+    input_close(&truth->opened.source);
     free(truth->points);
     free(truth->results);
     *truth = (cone_truth){.count = 0};

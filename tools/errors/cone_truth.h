@@ -8,7 +8,7 @@
 
 typedef struct cone_truth {
     const char *name; /* of the scene */
-    scene *made;
+    suite_input opened; /* the scene */
     svo_tree *tree; /* its triangles, for rays */
     svo_light_source source;
     svo_light_setup setup; /* that source, and the sky */
@@ -23,7 +23,7 @@ typedef struct cone_truth {
 } cone_truth;
 
 typedef struct truth_scene {
-    const char *name, *spec; /* "statue", "statue:20000" */
+    error_scene scene;
     svo_light_source source;
     float sky[3];
 } truth_scene;

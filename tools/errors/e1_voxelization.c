@@ -48,34 +48,38 @@ static void add_row(result_table *table, const char *name, unsigned depth, const
     result_add_number(table, 100.0 * voxel_method_error(one));
 }
 
-static int measure_scene(error_run *run, result_table *table, const char *name, const char *spec, unsigned last_depth)
+static int measure_scene(error_run *run, result_table *table, const error_scene *given, unsigned last_depth)
 {
-    scene *made = errors_scene(run, spec);
-    if (made == NULL) {
-        return PROGRAM_FAILED;
+    suite_input made;
+    int exit_code = suite_open(run->state, given->spec, &made);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
     }
-    int exit_code = PROGRAM_DONE;
     for (unsigned depth = DEPTH_FIRST; depth <= last_depth && exit_code == PROGRAM_DONE; ++depth) {
         voxel_method_result results[VOXEL_METHODS_MAX] = {0};
         size_t result_count = 0;
         progress_step(run->state->progress, "E1: voxelization");
-        exit_code = voxel_methods_measure(run, scene_mesh(made), depth, 0.0, results, &result_count);
+        exit_code = voxel_methods_measure(run, made.source.mesh, depth, 0.0, results, &result_count);
         for (size_t i = 0; i < result_count && exit_code == PROGRAM_DONE; ++i) {
-            add_row(table, name, depth, &results[i]);
+            add_row(table, errors_scene_name(given, &made.source), depth, &results[i]);
         }
     }
-    scene_destroy(&made);
+    input_close(&made.source);
     return exit_code;
 }
 
 /* A curved surface, and flat ones of which many lie on voxel faces. */
 static int measure(error_run *run)
 {
+    const error_scene own[] = {
+        {"statue", run->quick ? "statue:60000" : "statue:120000"}, {"atrium", "atrium:17000"}, {NULL, NULL}};
     result_table *table = begin_table(run);
-    const int exit_code =
-        measure_scene(run, table, "statue", run->quick ? "statue:60000" : "statue:120000", run->quick ? 9 : 10);
-    return exit_code == PROGRAM_DONE ? measure_scene(run, table, "atrium", "atrium:17000", run->quick ? 8 : 10)
-                                     : exit_code;
+    int exit_code = PROGRAM_DONE;
+    error_scene given = errors_scene_at(run, own, 0);
+    for (size_t i = 1; given.spec != NULL && exit_code == PROGRAM_DONE; given = errors_scene_at(run, own, i++)) {
+        exit_code = measure_scene(run, table, &given, !run->quick ? 10 : i == 1 ? 9 : 8);
+    }
+    return exit_code;
 }
 
 static int run_all(suite *all)
@@ -89,5 +93,6 @@ const suite_subject errors_voxelization = {
     .group = "errors",
     .summary = "error and run time of voxelization: false negatives and positives of each method",
     .run_all = run_all,
+    .takes_scenes = true,
     .step_count = 10,
 };

@@ -125,19 +125,15 @@ static int measure_mesh(error_run *run, const ray_subject *subject)
     return exit_code;
 }
 
-static int measure_quantized(error_run *run, ray_subject *subject, const char *spec)
+static int measure_quantized(error_run *run, ray_subject *subject, const svo_mesh *given)
 {
-    scene *made = errors_scene(run, spec);
-    if (made == NULL) {
-        return PROGRAM_FAILED;
-    }
-    float *positions = quantization_positions(scene_mesh(made));
+    float *positions = quantization_positions(given);
     int exit_code = PROGRAM_FAILED;
-    for (size_t i = 0; positions != NULL && i < scene_mesh(made)->vertex_count * 3; ++i) {
+    for (size_t i = 0; positions != NULL && i < given->vertex_count * 3; ++i) {
         positions[i] = (float)(UNIT * floor((double)positions[i] / UNIT));
     }
     if (positions != NULL) {
-        const svo_mesh mesh = quantization_mesh(scene_mesh(made), positions);
+        const svo_mesh mesh = quantization_mesh(given, positions);
         subject->mesh = &mesh;
         exit_code = measure_mesh(run, subject);
         subject->mesh = NULL;
@@ -145,27 +141,38 @@ static int measure_quantized(error_run *run, ray_subject *subject, const char *s
         errors_fail(run);
     }
     free(positions);
-    scene_destroy(&made);
     return exit_code;
 }
 
-static int measure_input(error_run *run, ray_subject *subject, const char *spec)
+/* Every scene, its coordinates quantized if the subject says so. */
+static int measure_scenes(error_run *run, ray_subject *subject)
 {
-    scene *made = errors_scene(run, spec);
-    if (made == NULL) {
-        return PROGRAM_FAILED;
+    static const error_scene quick[] = {{"statue", "statue:4000"}, {"statue", "statue:40000"}, {NULL, NULL}};
+    static const error_scene full[] = {
+        {"statue", "statue:2000"}, {"statue", "statue:15000"}, {"statue", "statue:120000"}, {NULL, NULL}};
+    const error_scene *own = run->quick ? quick : full;
+    int exit_code = PROGRAM_DONE;
+    error_scene given = errors_scene_at(run, own, 0);
+    for (size_t i = 1; given.spec != NULL && exit_code == PROGRAM_DONE; given = errors_scene_at(run, own, i++)) {
+        suite_input made;
+        exit_code = suite_open(run->state, given.spec, &made);
+        if (exit_code != PROGRAM_DONE) {
+            return exit_code;
+        }
+        subject->mesh = made.source.mesh;
+        exit_code =
+            subject->unit > 0.0 ? measure_quantized(run, subject, made.source.mesh) : measure_mesh(run, subject);
+        if (given.name == NULL) { /* rows name scenes by their triangles */
+            result_extend_note(subject->table, "%s has %zu triangles.", suite_scene_name(&made.source),
+                               made.source.mesh->triangle_count);
+        }
+        input_close(&made.source);
     }
-    subject->mesh = scene_mesh(made);
-    const int exit_code = measure_mesh(run, subject);
-    scene_destroy(&made);
     return exit_code;
 }
 
 static int measure(error_run *run)
 {
-    static const char *const quick[] = {"statue:4000", "statue:40000", NULL};
-    static const char *const full[] = {"statue:2000", "statue:15000", "statue:120000", NULL};
-    const char *const *specs = run->quick ? quick : full;
     const size_t ray_count = run->quick ? QUICK_RAYS : FULL_RAYS;
     const size_t input_count = run->quick ? QUICK_RAYS : INPUT_RAYS;
     svo_ray *rays = calloc(INPUT_RAYS, sizeof *rays);
@@ -173,13 +180,9 @@ static int measure(error_run *run)
     ray_subject raw = {.rays = rays, .ray_count = input_count, .add_row = add_input_row};
     int exit_code = rays != NULL ? PROGRAM_DONE : errors_fail(run);
     quantized.table = begin_table(run, ray_count);
-    for (size_t i = 0; specs[i] != NULL && exit_code == PROGRAM_DONE; ++i) {
-        exit_code = measure_quantized(run, &quantized, specs[i]);
-    }
     raw.table = begin_input_table(run, input_count);
-    for (size_t i = 0; specs[i] != NULL && exit_code == PROGRAM_DONE; ++i) {
-        exit_code = measure_input(run, &raw, specs[i]);
-    }
+    exit_code = exit_code == PROGRAM_DONE ? measure_scenes(run, &quantized) : exit_code;
+    exit_code = exit_code == PROGRAM_DONE ? measure_scenes(run, &raw) : exit_code;
     free(rays);
     return exit_code;
 }
@@ -195,5 +198,6 @@ const suite_subject errors_rays = {
     .group = "errors",
     .summary = "error and run time of ray tracing: missed and wrong rays of each ray-triangle test",
     .run_all = run_all,
+    .takes_scenes = true,
     .step_count = 24,
 };

@@ -3,6 +3,7 @@
 #include "errors/e3_attributes.h"
 
 #include "errors/attribute_methods.h"
+#include "measure/vertex_attributes.h"
 
 static result_table *begin_table(error_run *run)
 {
@@ -60,19 +61,50 @@ static int measure_depth(error_run *run, result_table *table, const svo_mesh *me
     return PROGRAM_DONE;
 }
 
-static int measure(error_run *run)
+static int measure_mesh(error_run *run, result_table *table, const svo_mesh *mesh)
 {
     const unsigned last_depth = run->quick ? 7 : 9;
-    result_table *table = begin_table(run);
-    scene *made = errors_scene(run, run->quick ? "statue:20000" : "statue:120000");
-    int exit_code = made != NULL ? PROGRAM_DONE : PROGRAM_FAILED;
+    int exit_code = PROGRAM_DONE;
     for (attribute kind = ATTRIBUTE_COLOR; kind < ATTRIBUTE_COUNT && exit_code == PROGRAM_DONE; ++kind) {
         progress_step(run->state->progress, "E3: attributes");
         for (unsigned depth = 3; depth <= last_depth && exit_code == PROGRAM_DONE; ++depth) {
-            exit_code = measure_depth(run, table, scene_mesh(made), kind, depth);
+            exit_code = measure_depth(run, table, mesh, kind, depth);
         }
     }
-    scene_destroy(&made);
+    return exit_code;
+}
+
+static int measure_scene(error_run *run, result_table *table, const error_scene *given)
+{
+    suite_input made;
+    int exit_code = suite_open(run->state, given->spec, &made);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    vertex_attributes own;
+    if (vertex_attributes_create(made.source.mesh, &own)) {
+        exit_code = measure_mesh(run, table, &own.mesh);
+        vertex_attributes_free(&own);
+    } else {
+        exit_code = errors_fail(run);
+    }
+    if (run->scenes[0] != NULL) { /* rows do not name their scene */
+        result_extend_note(table, "Scene: %s%s.", suite_scene_name(&made.source),
+                           made.source.mesh->colors == NULL ? ", its colors by position" : "");
+    }
+    input_close(&made.source);
+    return exit_code;
+}
+
+static int measure(error_run *run)
+{
+    const error_scene own[] = {{NULL, run->quick ? "statue:20000" : "statue:120000"}, {NULL, NULL}};
+    result_table *table = begin_table(run);
+    int exit_code = PROGRAM_DONE;
+    error_scene given = errors_scene_at(run, own, 0);
+    for (size_t i = 1; given.spec != NULL && exit_code == PROGRAM_DONE; given = errors_scene_at(run, own, i++)) {
+        exit_code = measure_scene(run, table, &given);
+    }
     return exit_code;
 }
 
@@ -87,5 +119,6 @@ const suite_subject errors_attributes = {
     .group = "errors",
     .summary = "error and run time of attributes: colors and normals of voxels, and their dependence on order",
     .run_all = run_all,
+    .takes_scenes = true,
     .step_count = 2,
 };

@@ -94,32 +94,37 @@ static int add_depth(error_run *run, result_table *table, const char *name, cons
     return worked ? PROGRAM_DONE : errors_fail(run);
 }
 
-static int measure_scene(error_run *run, result_table *table, const char *name, const char *spec, unsigned last_depth)
+static int measure_scene(error_run *run, result_table *table, const error_scene *given, unsigned last_depth)
 {
     detail_reference reference;
-    scene *made = errors_scene(run, spec);
-    if (made == NULL) {
-        return PROGRAM_FAILED;
+    suite_input made;
+    int exit_code = suite_open(run->state, given->spec, &made);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
     }
     progress_step(run->state->progress, "E4: level of detail");
-    int exit_code =
-        detail_reference_create(&run->opened, scene_mesh(made), &reference) ? PROGRAM_DONE : errors_fail(run);
+    const svo_mesh *mesh = made.source.mesh;
+    exit_code = detail_reference_create(&run->opened, mesh, &reference) ? PROGRAM_DONE : errors_fail(run);
     for (unsigned depth = FIRST_DEPTH; depth <= last_depth && exit_code == PROGRAM_DONE; ++depth) {
-        exit_code = add_depth(run, table, name, &reference, scene_mesh(made), depth);
+        exit_code = add_depth(run, table, errors_scene_name(given, &made.source), &reference, mesh, depth);
     }
     detail_reference_free(&reference);
-    scene_destroy(&made);
+    input_close(&made.source);
     return exit_code;
 }
 
 static int measure(error_run *run)
 {
-    const unsigned last_depth = run->quick ? 8 : 9;
+    const error_scene own[] = {{"knot", run->quick ? "knot:20000" : "knot:100000"},
+                               {"statue", run->quick ? "statue:20000" : "statue:120000"},
+                               {NULL, NULL}};
     result_table *table = begin_table(run);
-    const int exit_code = measure_scene(run, table, "knot", run->quick ? "knot:20000" : "knot:100000", last_depth);
-    return exit_code == PROGRAM_DONE
-               ? measure_scene(run, table, "statue", run->quick ? "statue:20000" : "statue:120000", last_depth)
-               : exit_code;
+    int exit_code = PROGRAM_DONE;
+    error_scene given = errors_scene_at(run, own, 0);
+    for (size_t i = 1; given.spec != NULL && exit_code == PROGRAM_DONE; given = errors_scene_at(run, own, i++)) {
+        exit_code = measure_scene(run, table, &given, run->quick ? 8 : 9);
+    }
+    return exit_code;
 }
 
 static int run_all(suite *all)
@@ -133,5 +138,6 @@ const suite_subject errors_detail = {
     .group = "errors",
     .summary = "error and run time of levels of detail",
     .run_all = run_all,
+    .takes_scenes = true,
     .step_count = 2,
 };

@@ -67,16 +67,28 @@ static int measure_voxels(error_run *run, result_table *table, conditioning fami
     return exit_code;
 }
 
-static int measure_rays(error_run *run, result_table *table, const svo_mesh *knot, conditioning family, double value,
-                        size_t ray_count)
+/* Rays against a mesh. */
+typedef struct ray_problem {
+    const char *name; /* in the table */
+    const svo_mesh *mesh;
+    conditioning family;
+    double value;
+    size_t ray_count;
+} ray_problem;
+
+static int measure_rays(error_run *run, result_table *table, const ray_problem *problem)
 {
+    const svo_mesh *given_mesh = problem->mesh;
+    const conditioning family = problem->family;
+    const double value = problem->value;
+    const size_t ray_count = problem->ray_count;
     svo_ray *rays = calloc(ray_count, sizeof *rays);
-    double *positions = calloc(knot->vertex_count * 3 + 1, sizeof *positions);
+    double *positions = calloc(given_mesh->vertex_count * 3 + 1, sizeof *positions);
     const svo_mesh mesh = {.struct_size = sizeof mesh,
                            .positions_double = positions,
-                           .vertex_count = knot->vertex_count,
-                           .indices = knot->indices,
-                           .triangle_count = knot->triangle_count};
+                           .vertex_count = given_mesh->vertex_count,
+                           .indices = given_mesh->indices,
+                           .triangle_count = given_mesh->triangle_count};
     const adversarial_set set = {.target = TARGET_EDGES, .reach = family == CONDITIONING_SCALE ? value : 0.0};
     const ray_case given = {.mesh = &mesh, .rays = rays, .ray_count = ray_count};
     ray_method_result results[RAY_METHODS_MAX] = {0};
@@ -86,15 +98,38 @@ static int measure_rays(error_run *run, result_table *table, const svo_mesh *kno
         exit_code = errors_fail(run);
         goto cleanup;
     }
-    ill_conditioned_positions(knot, family, value, positions);
+    ill_conditioned_positions(given_mesh, family, value, positions);
     adversarial_rays(&mesh, &set, ray_count, rays);
     exit_code = ray_methods_measure(run, &given, results, &result_count);
     for (size_t i = 0; i < result_count && exit_code == PROGRAM_DONE; ++i) {
-        add_row(table, "rays", family, value, results[i].method, results[i].ms, ray_method_error(&results[i]));
+        add_row(table, problem->name, family, value, results[i].method, results[i].ms, ray_method_error(&results[i]));
     }
 cleanup:
     free(positions);
     free(rays);
+    return exit_code;
+}
+
+/* Rays against a mesh that becomes ill-conditioned in each way. */
+static int measure_scene(error_run *run, result_table *table, const error_scene *given, size_t ray_count)
+{
+    suite_input made;
+    int exit_code = suite_open(run->state, given->spec, &made);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    char problem[512] = "rays";
+    if (run->scenes[0] != NULL) {
+        (void)snprintf(problem, sizeof problem, "rays, %s", suite_scene_name(&made.source));
+    }
+    for (int family = 0; family < CONDITIONING_COUNT && exit_code == PROGRAM_DONE; ++family) {
+        progress_step(run->state->progress, "E5: ill-conditioned meshes");
+        for (size_t i = 0; i < VALUES_MAX && values[family][i] > 0.0 && exit_code == PROGRAM_DONE; ++i) {
+            const ray_problem one = {problem, made.source.mesh, (conditioning)family, values[family][i], ray_count};
+            exit_code = measure_rays(run, table, &one);
+        }
+    }
+    input_close(&made.source);
     return exit_code;
 }
 
@@ -104,20 +139,18 @@ static int measure(error_run *run)
     const size_t ray_count = run->quick ? 5000 : 20000;
     const unsigned depth = run->quick ? 6 : 7;
     result_table *table = begin_table(run, triangle_count, depth, ray_count);
-    scene *knot = errors_scene(run, "knot:4000");
-    int exit_code = knot != NULL ? PROGRAM_DONE : PROGRAM_FAILED;
-    for (int rays = 0; rays < 2 && exit_code == PROGRAM_DONE; ++rays) {
-        for (int family = 0; family < CONDITIONING_COUNT && exit_code == PROGRAM_DONE; ++family) {
-            progress_step(run->state->progress, "E5: ill-conditioned meshes");
-            for (size_t i = 0; i < VALUES_MAX && values[family][i] > 0.0 && exit_code == PROGRAM_DONE; ++i) {
-                exit_code =
-                    rays != 0
-                        ? measure_rays(run, table, scene_mesh(knot), (conditioning)family, values[family][i], ray_count)
-                        : measure_voxels(run, table, (conditioning)family, values[family][i], triangle_count, depth);
-            }
+    static const error_scene own[] = {{NULL, "knot:4000"}, {NULL, NULL}};
+    int exit_code = PROGRAM_DONE;
+    for (int family = 0; family < CONDITIONING_COUNT && exit_code == PROGRAM_DONE; ++family) {
+        progress_step(run->state->progress, "E5: ill-conditioned meshes");
+        for (size_t i = 0; i < VALUES_MAX && values[family][i] > 0.0 && exit_code == PROGRAM_DONE; ++i) {
+            exit_code = measure_voxels(run, table, (conditioning)family, values[family][i], triangle_count, depth);
         }
     }
-    scene_destroy(&knot);
+    error_scene given = errors_scene_at(run, own, 0);
+    for (size_t i = 1; given.spec != NULL && exit_code == PROGRAM_DONE; given = errors_scene_at(run, own, i++)) {
+        exit_code = measure_scene(run, table, &given, ray_count);
+    }
     return exit_code;
 }
 
@@ -132,5 +165,6 @@ const suite_subject errors_conditioning = {
     .group = "errors",
     .summary = "where each method fails as meshes become ill-conditioned",
     .run_all = run_all,
+    .takes_scenes = true,
     .step_count = 6,
 };

@@ -28,15 +28,12 @@
 #define METHODS       (WAYS + RAY_METHODS + PATH_METHODS)
 
 static const truth_scene full_scenes[] = {
-    {.name = "atrium",
-     .spec = "atrium",
+    {.scene = {"atrium", "atrium"},
      .source = {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {0.35F, -1, -0.3F}, .value = {10, 9.5F, 8.5F}},
      .sky = {0.4F, 0.5F, 0.7F}},
-    {.name = "cornell",
-     .spec = "cornell",
+    {.scene = {"cornell", "cornell"},
      .source = {.kind = SVO_SOURCE_POINT, .position = {0.1F, 1.5F, 0.1F}, .value = {3, 2.8F, 2.4F}}},
-    {.name = "statue",
-     .spec = "statue",
+    {.scene = {"statue", "statue"},
      .source = {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {-0.6F, -1, -0.8F}, .value = {10, 9.5F, 8.5F}},
      .sky = {0.4F, 0.5F, 0.7F}}};
 #define SCENES (sizeof full_scenes / sizeof full_scenes[0])
@@ -201,7 +198,7 @@ static bool make_cones(cone_run *work)
 
 static bool make_rays(cone_run *work)
 {
-    const svo_mesh *mesh = scene_mesh(work->truth.made);
+    const svo_mesh *mesh = work->truth.opened.source.mesh;
     work->peer = embree_is_there()
                      ? embree_create(mesh->positions, mesh->vertex_count, mesh->indices, mesh->triangle_count, NULL)
                      : NULL;
@@ -472,9 +469,14 @@ static int run_all(suite *all)
     begin_cones(&run);
     begin_directions(&run);
     begin_alternatives(&run);
-    for (size_t i = 0; i < SCENES && exit_code == PROGRAM_DONE; ++i) {
-        truth_scene given = full_scenes[i];
-        given.spec = run.quick ? quick_specs[i] : given.spec;
+    for (size_t i = 0; i < SUITE_LIST_MAX && exit_code == PROGRAM_DONE; ++i) {
+        const bool own = run.scenes[0] == NULL;
+        truth_scene given = full_scenes[own && i < SCENES ? i : 0]; /* others have the light of the first */
+        if (own ? i == SCENES : run.scenes[i] == NULL) {
+            break;
+        }
+        given.scene.spec = own && run.quick ? quick_specs[i] : given.scene.spec;
+        given.scene = own ? given.scene : (error_scene){.spec = run.scenes[i]};
         exit_code = measure_scene(&run, &given);
     }
     return exit_code;
@@ -485,5 +487,6 @@ const suite_subject errors_cones = {
     .group = "errors",
     .summary = "error and run time of cones: ambient occlusion and light beside exact rays",
     .run_all = run_all,
+    .takes_scenes = true,
     .step_count = 2 * SCENES,
 };

@@ -43,18 +43,16 @@ static const probe_grid quick_grids[] = {
 /* A scene, its light without a sky, and a camera inside or in front of it. */
 typedef struct probe_scene {
     truth_scene lit;
-    const char *quick_spec;
-    svo_camera camera;
+    const char *quick_spec; /* NULL: the same */
+    svo_camera camera; /* vertical_fov 0: the one that frames the tree */
 } probe_scene;
 
 static const probe_scene scenes[] = {
-    {.lit = {.name = "atrium",
-             .spec = "atrium",
+    {.lit = {.scene = {"atrium", "atrium"},
              .source = {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {-0.6F, -1, -0.3F}, .value = {10, 9.5F, 8.5F}}},
      .quick_spec = "atrium:17000",
      .camera = {.eye = {0.6F, 1.7F, 6.2F}, .target = {-0.9F, 1.75F, -3}, .up = {0, 1, 0}, .vertical_fov = 1.08F}},
-    {.lit = {.name = "cornell",
-             .spec = "cornell",
+    {.lit = {.scene = {"cornell", "cornell"},
              .source = {.kind = SVO_SOURCE_POINT, .position = {0.1F, 1.5F, 0.1F}, .value = {3, 2.8F, 2.4F}}},
      .quick_spec = "cornell:2000",
      .camera = {.eye = {0, 1, 3.6F}, .target = {0, 1, 0}, .up = {0, 1, 0}, .vertical_fov = 0.75F}}};
@@ -344,9 +342,15 @@ static bool prepare(probe_run *work)
     work->tree = cone_lights_tree(&work->lights, work->depth, SVO_COVERAGE_HALF_OPEN);
     work->hits = calloc(work->ray_count, sizeof *work->hits);
     work->exact = calloc(work->few_count, sizeof *work->exact);
-    return work->tree != NULL && work->hits != NULL && work->exact != NULL &&
-           probe_rays_make(work->run, work->tree, &work->scene->camera, work->ray_count, work->all) &&
-           probe_rays_make(work->run, work->tree, &work->scene->camera, work->few_count, work->few);
+    if (work->tree == NULL || work->hits == NULL || work->exact == NULL) {
+        return false;
+    }
+    svo_camera camera = work->scene->camera;
+    if (!(camera.vertical_fov > 0)) {
+        svo_camera_frame(work->tree, 1, &camera);
+    }
+    return probe_rays_make(work->run, work->tree, &camera, work->ray_count, work->all) &&
+           probe_rays_make(work->run, work->tree, &camera, work->few_count, work->few);
 }
 
 static void release(probe_run *work)
@@ -363,7 +367,7 @@ static int measure_scene(probe_run *work)
 {
     const bool quick = work->run->quick;
     truth_scene given = work->scene->lit;
-    given.spec = quick ? work->scene->quick_spec : given.spec;
+    given.scene.spec = quick && work->scene->quick_spec != NULL ? work->scene->quick_spec : given.scene.spec;
     progress_step(work->run->state->progress, "E8: light by probes");
     int exit_code = cone_truth_make(work->run, &given, quick ? POINTS_QUICK : POINTS, quick ? SAMPLES_QUICK : SAMPLES,
                                     &work->truth);
@@ -392,9 +396,17 @@ static int run_all(suite *all)
     begin_probes(&run, ray_count);
     begin_choices(&run);
     e8_light_begin(&run);
-    for (size_t i = 0; i < SCENES && exit_code == PROGRAM_DONE; ++i) {
+    for (size_t i = 0; i < SUITE_LIST_MAX && exit_code == PROGRAM_DONE; ++i) {
+        const bool own = run.scenes[0] == NULL;
+        probe_scene chosen = scenes[own && i < SCENES ? i : 0]; /* others have the light of the first */
+        if (own ? i == SCENES : run.scenes[i] == NULL) {
+            break;
+        }
+        if (!own) {
+            chosen = (probe_scene){.lit = {.scene = {.spec = run.scenes[i]}, .source = chosen.lit.source}};
+        }
         probe_run work = {.run = &run,
-                          .scene = &scenes[i],
+                          .scene = &chosen,
                           .depth = run.quick ? DEPTH_QUICK : DEPTH,
                           .ray_count = ray_count,
                           .few_count = few_of(ray_count),
@@ -412,5 +424,6 @@ const suite_subject errors_probes = {
     .group = "errors",
     .summary = "error and run time of light field probes: rays through them beside exact rays, light beside paths",
     .run_all = run_all,
+    .takes_scenes = true,
     .step_count = 2 * SCENES,
 };

@@ -28,7 +28,8 @@ error_run errors_begin(const suite *all)
                      .opened = all->opened,
                      .quick = all->quick,
                      .threads = threads < THREADS_MAX ? threads : THREADS_MAX,
-                     .results = all->results};
+                     .results = all->results,
+                     .scenes = all->scenes};
     errors_set_rounds(&run, asked ? all->repeats : all->quick ? QUICK_ROUNDS : FULL_ROUNDS);
     run.opened.frontend = run.opened.gl != NULL ? opengl_frontend(run.opened.gl) : run.opened.cl;
     return run;
@@ -41,13 +42,12 @@ int errors_fail(error_run *run)
                             : program_fail(run->state, PROGRAM_FAILED, "out of memory");
 }
 
-scene *errors_scene(error_run *run, const char *spec)
+error_scene errors_scene_at(const error_run *run, const error_scene *own, size_t index)
 {
-    scene *made = NULL;
-    svo_message message = {""};
-    if (scene_create(spec, &made, &message) != SVO_OK) {
-        program_fail_scene(run->state, SVO_OUT_OF_HOST_MEMORY, message.text);
-        return NULL;
-    }
-    return made;
+    return run->scenes[0] != NULL ? (error_scene){.spec = run->scenes[index]} : own[index];
+}
+
+const char *errors_scene_name(const error_scene *given, const input *source)
+{
+    return given->name != NULL ? given->name : suite_scene_name(source);
 }

@@ -27,7 +27,7 @@ double few_paths_trace(void *user)
     const few_paths *work = user;
     const cone_truth *truth = work->truth;
     const path_scene paths = {.tree = truth->tree,
-                              .mesh = scene_mesh(truth->made),
+                              .mesh = truth->opened.source.mesh,
                               .queue = work->run->opened.queue,
                               .setup = &truth->setup,
                               .threads = work->run->threads};

@@ -206,6 +206,13 @@ void result_add_absent(result_table *table)
     }
 }
 
+void result_drop_partial_row(result_table *table)
+{
+    while (table != NULL && table->column_count > 0 && table->cell_count % table->column_count != 0) {
+        free(table->cells[--table->cell_count].text);
+    }
+}
+
 bool result_is_whole(const result_set *set)
 {
     if (set == NULL || set->incomplete) {

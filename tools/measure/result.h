@@ -25,6 +25,9 @@ typedef struct result_machine {
     char svocl[RESULT_FACT_BYTES]; /* version of svocl */
     char date[RESULT_FACT_BYTES]; /* "": left out */
     char instruction_set[RESULT_FACT_BYTES]; /* the host's widest vectors, "AVX-512"; "": left out */
+    char processor[RESULT_FACT_BYTES]; /* its model; "": left out */
+    char clock[RESULT_FACT_BYTES]; /* "2595 MHz"; "": left out */
+    char memory[RESULT_FACT_BYTES]; /* "23.5 GiB"; "": left out */
     unsigned cpu_threads;
 } result_machine;
 
@@ -78,6 +81,9 @@ void result_extend_note(result_table *table, const char *format, ...) __attribut
 
 /* The next column. All columns come before the first cell. */
 void result_add_column(result_table *table, const char *name, const char *unit);
+
+/* Removes the cells of a row that is not complete. */
+void result_drop_partial_row(result_table *table);
 
 /* The next cell, row by row. A number that is not finite is absent. */
 void result_add_text(result_table *table, const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -9,6 +9,13 @@
 
 /* ---- writing ---- */
 
+static void add_known(cJSON *object, const char *name, const char *fact)
+{
+    if (fact[0] != '\0') {
+        json_add_text(object, name, fact);
+    }
+}
+
 static cJSON *machine_to_json(const result_machine *machine)
 {
     cJSON *object = cJSON_CreateObject();
@@ -18,12 +25,11 @@ static cJSON *machine_to_json(const result_machine *machine)
     json_add_text(object, "renderer", machine->renderer);
     cJSON_AddNumberToObject(object, "cpu_threads", machine->cpu_threads);
     json_add_text(object, "svocl", machine->svocl);
-    if (machine->instruction_set[0] != '\0') {
-        json_add_text(object, "instruction_set", machine->instruction_set);
-    }
-    if (machine->date[0] != '\0') {
-        json_add_text(object, "date", machine->date);
-    }
+    add_known(object, "processor", machine->processor);
+    add_known(object, "clock", machine->clock);
+    add_known(object, "memory", machine->memory);
+    add_known(object, "instruction_set", machine->instruction_set);
+    add_known(object, "date", machine->date);
     return object;
 }
 
@@ -128,6 +134,9 @@ static bool read_machine(const cJSON *document, result_set *set, svo_message *me
     }
     machine->cpu_threads = (unsigned)threads->valuedouble;
     if (!read_optional(object, "date", machine->date, message) ||
+        !read_optional(object, "processor", machine->processor, message) ||
+        !read_optional(object, "clock", machine->clock, message) ||
+        !read_optional(object, "memory", machine->memory, message) ||
         !read_optional(object, "instruction_set", machine->instruction_set, message)) {
         return false;
     }

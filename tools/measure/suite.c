@@ -2,19 +2,32 @@
 /* Reads the options, opens the session and each scene, and calls the subjects for each depth. */
 #include "measure/suite.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "measure/instruction_set.h"
+#include "measure/host.h"
 #include "support/devices.h"
-#include "svocl/version.h"
 
 #define REPEATS       11
 #define QUICK_REPEATS 3
 
 /* ---- options ---- */
+
+/* Whether a name is that of a scene, with "scene:" or without. */
+static bool is_scene(const char *name)
+{
+    for (size_t i = 0; scene_describe(i) != NULL; ++i) {
+        const char *known = scene_describe(i)->name;
+        const size_t length = strlen(known);
+        if (strncmp(name, known, length) == 0 && (name[length] == '\0' || name[length] == ':')) {
+            return true;
+        }
+    }
+    return strncmp(name, "scene:", 6) == 0;
+}
 
 static int read_scenes(suite *all, const char *list)
 {
@@ -31,6 +44,9 @@ static int read_scenes(suite *all, const char *list)
         if (*name == '\0' || count + 1 == SUITE_LIST_MAX) {
             return program_fail(all->state, PROGRAM_WRONG_USAGE, "--scenes '%s' is not a list of 1 to %d names", list,
                                 SUITE_LIST_MAX - 1);
+        }
+        if (!is_scene(name) && access(name, R_OK) != 0) {
+            return program_fail(all->state, PROGRAM_FAILED, "--scenes: %s: %s", name, strerror(errno));
         }
         all->scenes[count++] = name;
         name = comma;
@@ -107,50 +123,43 @@ static void keep_device_fact(suite *all, cl_device_info which, char **fact)
 static void describe_machine(suite *all)
 {
     result_machine *machine = &all->results->machine;
-    const long online = sysconf(_SC_NPROCESSORS_ONLN);
-    const options *given = &all->state->options;
+    host_describe(&all->state->options, machine);
     result_set_fact(all->results, &machine->device, svo_device_name(all->opened.device));
     keep_device_fact(all, CL_DRIVER_VERSION, &machine->driver);
     keep_device_fact(all, CL_DEVICE_VERSION, &machine->platform);
     result_set_fact(all->results, &machine->renderer,
                     all->opened.gl != NULL ? opengl_renderer(all->opened.gl) : "none");
-    snprintf(machine->svocl, sizeof machine->svocl, "%s", svo_version_string());
-    snprintf(machine->instruction_set, sizeof machine->instruction_set, "%s", instruction_set_name(given->isa));
-    machine->cpu_threads = given->threads != 0 ? (unsigned)given->threads : online > 0 ? (unsigned)online : 1;
 }
 
 /* ---- the run ---- */
 
-/* Puts "scene:" before a name that begins with that of a scene. */
-static void complete_name(const char *name, char *text, size_t text_bytes)
+int suite_open(program *state, const char *name, suite_input *out)
 {
-    bool is_scene = false;
-    for (size_t i = 0; scene_describe(i) != NULL; ++i) {
-        const char *known = scene_describe(i)->name;
-        const size_t length = strlen(known);
-        is_scene = is_scene || (strncmp(name, known, length) == 0 && (name[length] == '\0' || name[length] == ':'));
+    const char *prefix = is_scene(name) && strncmp(name, "scene:", 6) != 0 ? "scene:" : "";
+    if (snprintf(out->text, sizeof out->text, "%s%s", prefix, name) >= (int)sizeof out->text) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--scenes: '%s' is longer than %zu bytes", name,
+                            sizeof out->text - sizeof "scene:");
     }
-    snprintf(text, text_bytes, "%s%s", is_scene ? "scene:" : "", name);
+    state->options.input = out->text;
+    progress_hold(state->progress, true);
+    const int exit_code = input_open(state, &out->source);
+    progress_hold(state->progress, false);
+    return exit_code;
 }
 
 /* One scene at every depth. */
 static int run_scene(suite *all, const suite_subject *subject, const char *name, const unsigned *depths)
 {
-    char text[1024];
-    input source;
-    complete_name(name, text, sizeof text);
-    all->state->options.input = text;
-    progress_hold(all->state->progress, true);
-    int exit_code = input_open(all->state, &source);
-    progress_hold(all->state->progress, false);
+    suite_input opened;
+    int exit_code = suite_open(all->state, name, &opened);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
     for (size_t i = 0; depths[i] != 0 && exit_code == PROGRAM_DONE; ++i) {
         progress_step(all->state->progress, subject->name);
-        exit_code = subject->run(all, &source, depths[i]);
+        exit_code = subject->run(all, &opened.source, depths[i]);
     }
-    input_close(&source);
+    input_close(&opened.source);
     return exit_code;
 }
 
@@ -186,22 +195,50 @@ bool suite_is_wanted(const suite_subject *subject, const char *wanted)
     return strcmp(wanted, subject->group) == 0 || strcmp(wanted, subject->name) == 0;
 }
 
-static int run_wanted(suite *all, const suite_subject *const *subjects, const char *wanted)
+/* The steps of the subjects from the first one on. */
+static unsigned count_all_steps(const suite *all, const suite_subject *const *subjects, const char *wanted)
 {
     unsigned steps = 0;
     for (size_t i = 0; subjects[i] != NULL; ++i) {
         steps += suite_is_wanted(subjects[i], wanted) ? count_steps(all, subjects[i]) : 0;
     }
-    program_begin_progress(all->state, steps);
+    return steps;
+}
+
+/* Says in the tables that the subject added, from the first on, why there are no more rows. */
+static void keep_failure(suite *all, const suite_subject *subject, size_t first_table)
+{
+    result_set *results = all->results;
+    for (size_t i = first_table; i < results->table_count; ++i) {
+        result_drop_partial_row(results->tables[i]);
+        result_extend_note(results->tables[i], "Not measured to the end: %s.", all->state->failure);
+    }
+    if (results->table_count == first_table) {
+        result_table *table = result_add_table(results, subject->name, subject->summary, "Not measured.");
+        result_add_column(table, "reason", "");
+        result_add_text(table, "%s", all->state->failure);
+    }
+    ++all->failed_count;
+}
+
+static int run_wanted(suite *all, const suite_subject *const *subjects, const char *wanted)
+{
+    program_begin_progress(all->state, count_all_steps(all, subjects, wanted));
     int exit_code = session_open_both(all->state, &all->opened);
     if (exit_code != PROGRAM_DONE) {
         goto cleanup;
     }
     describe_machine(all);
     for (size_t i = 0; subjects[i] != NULL; ++i) {
+        const size_t first_table = all->results->table_count;
         exit_code = suite_is_wanted(subjects[i], wanted) ? run_subject(all, subjects[i]) : PROGRAM_DONE;
-        if (exit_code != PROGRAM_DONE) {
+        if (exit_code != PROGRAM_DONE && strcmp(wanted, subjects[i]->name) == 0) {
             goto cleanup;
+        }
+        if (exit_code != PROGRAM_DONE) {
+            keep_failure(all, subjects[i], first_table);
+            program_begin_progress(all->state, count_all_steps(all, subjects + i + 1, wanted));
+            exit_code = PROGRAM_DONE;
         }
     }
     if (!result_is_whole(all->results)) {
@@ -212,7 +249,8 @@ cleanup:
     return exit_code;
 }
 
-int suite_collect(program *state, const suite_subject *const *subjects, const char *wanted, result_set *results)
+int suite_collect(program *state, const suite_subject *const *subjects, const char *wanted, result_set *results,
+                  size_t *failed_count)
 {
     suite all = {.state = state, .results = results};
     const options given = state->options; /* a subject may change them for its own work */
@@ -222,6 +260,7 @@ int suite_collect(program *state, const suite_subject *const *subjects, const ch
     }
     progress_destroy(&state->progress);
     state->options = given;
+    *failed_count += all.failed_count;
     free(all.scene_text);
     return exit_code;
 }

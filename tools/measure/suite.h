@@ -23,12 +23,13 @@ typedef struct suite {
     bool quick;
     char *scene_text; /* owned: the list of --scenes, cut at its commas */
     const char *scenes[SUITE_LIST_MAX]; /* ends with NULL; empty: each subject's own */
+    size_t failed_count; /* subjects of a group that failed, each with a reason in the results */
     unsigned depths[SUITE_LIST_MAX]; /* ends with 0 */
 } suite;
 
 /* Scenes and depths, each list ending with NULL or 0. */
 typedef struct suite_work {
-    const char *scenes[SUITE_LIST_MAX]; /* INPUTs, "scene:" left out */
+    const char *scenes[SUITE_LIST_MAX]; /* INPUTs; "scene:" may be left out */
     unsigned depths[SUITE_LIST_MAX];
 } suite_work;
 
@@ -40,6 +41,7 @@ typedef struct suite_subject {
 
     suite_work full, quick;
     bool fixed; /* --scenes and --depths do not change them */
+    bool takes_scenes; /* with run_all: it measures what --scenes says; --depths does not apply */
     int (*begin)(suite *all); /* adds the tables with their columns */
     int (*run)(suite *all, const input *source, unsigned depth); /* adds rows */
 
@@ -53,10 +55,24 @@ bool suite_is_wanted(const suite_subject *subject, const char *wanted);
 
 /*
  * Runs the wanted subjects into a set, whose machine it fills in, with one progress bar for all. The options are those
- * of OPTION_DEVICE and OPTION_MEASURE, and the context. subjects: ends with NULL. Returns the exit code, its line
- * printed.
+ * of OPTION_DEVICE and OPTION_MEASURE, and the context. subjects: ends with NULL.
+ *
+ * Of a group, subjects that fail leave the rows that they have and the reason in the note of a table, and the others go
+ * on; failed_count is increased by their number. Returns the exit code, its line printed: not PROGRAM_DONE if a subject
+ * that was asked for by its own name failed, or nothing could be measured.
  */
-int suite_collect(program *state, const suite_subject *const *subjects, const char *wanted, result_set *results);
+int suite_collect(program *state, const suite_subject *const *subjects, const char *wanted, result_set *results,
+                  size_t *failed_count);
+
+/* One mesh of a list of scenes. */
+typedef struct suite_input {
+    char text[4096]; /* its INPUT */
+    input source;
+} suite_input;
+
+/* Opens an INPUT, in which "scene:" may be left out, to be closed by input_close(&out->source). Returns the exit code.
+ */
+int suite_open(program *state, const char *name, suite_input *out);
 
 /* The scene's name for tables: the input's without "scene:", or a file's without its folders. */
 const char *suite_scene_name(const input *source);

@@ -116,7 +116,8 @@ function drawContents(all, tables) {
 function drawMachine(machine) {
   const facts = [
     ["OpenCL device", machine.device], ["Driver", machine.driver], ["Platform", machine.platform],
-    ["OpenGL renderer", machine.renderer], ["CPU threads", machine.cpu_threads],
+    ["OpenGL renderer", machine.renderer], ["Processor", machine.processor],
+    ["Clock", machine.clock], ["Memory", machine.memory], ["CPU threads", machine.cpu_threads],
     ["Instruction set", machine.instruction_set], ["svocl", machine.svocl],
     ["Date", machine.date]
   ];

@@ -96,10 +96,10 @@ static const summary_extract extracts[] = {
                  "list of 36 bytes"}},
     {.id = "thesis-2020",
      .table_id = "thesis-2020",
-     .title = "Octree-building thesis (2020), depth 6",
+     .title = "Octree-building thesis (2020)",
      .in_summary = true,
-     .picks = {{"depth", NULL}},
-     .columns = {"scene", "voxelize", "structure", "total", "published structure", "published total"}},
+     .columns = {"scene", "depth", "published depth", "voxelize", "structure", "transfer", "total",
+                 "published structure", "published total"}},
     {.id = "thesis-2016",
      .table_id = "thesis-2016",
      .title = "Voxel cone tracing thesis (2016), 512³",
@@ -567,6 +567,10 @@ void summary_write_machine(const result_machine *machine, FILE *text)
     fputs("| measured on | |\n| --- | --- |\n", text);
     write_fact("OpenCL", machine->device, ", driver ", machine->driver, text);
     write_fact("OpenGL", machine->renderer, "", "", text);
+    if (machine->processor[0] != '\0') {
+        write_fact("processor", machine->processor, machine->clock[0] != '\0' ? ", " : "", machine->clock, text);
+        write_fact("memory", machine->memory, "", "", text);
+    }
     write_fact("instruction set", machine->instruction_set, "", "", text);
     write_fact("threads", threads, "", "", text);
     write_fact("svocl", machine->svocl, machine->date[0] != '\0' ? ", " : "", machine->date, text);

@@ -10,8 +10,6 @@
 
 #include "support/utf8.h"
 
-#define TEXT_BYTES 2048
-
 /* A message stays on one line and is UTF-8, whatever file names or drivers put into it. */
 static void print_line(const program *state, const char *kind, const char *text)
 {
@@ -33,13 +31,12 @@ static void print_line(const program *state, const char *kind, const char *text)
 
 int program_fail(program *state, int exit_code, const char *format, ...)
 {
-    char text[TEXT_BYTES];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    vsnprintf(state->failure, sizeof state->failure, format, arguments);
     va_end(arguments);
     progress_destroy(&state->progress);
-    print_line(state, "", text);
+    print_line(state, "", state->failure);
     return exit_code;
 }
 

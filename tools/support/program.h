@@ -19,6 +19,7 @@
 enum { PROGRAM_DONE = 0, PROGRAM_FAILED = 1, PROGRAM_WRONG_USAGE = 2, PROGRAM_TRY_AGAIN = 75 /* as in sysexits.h */ };
 
 #define PROGRAM_WARNINGS_KEPT 16
+#define PROGRAM_FAILURE_BYTES 2048
 
 /* How device handles are made, where not by svo_device_create_default. */
 typedef struct program_devices {
@@ -39,6 +40,7 @@ typedef struct program {
     unsigned warning_count; /* all warnings, kept or not */
     program_devices devices; /* create NULL: the default */
     bool reads_mesh; /* so that JSON has the warnings as well */
+    char failure[PROGRAM_FAILURE_BYTES]; /* the words of the last program_fail */
 } program;
 
 /* Removes the bar, prints "svocl: COMMAND: text" as one line to standard error and returns exit_code. */

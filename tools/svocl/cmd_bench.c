@@ -84,13 +84,14 @@ static int check_subject(program *state)
     return PROGRAM_DONE;
 }
 
-/* Whether --scenes and --depths change a subject that is asked for. */
-static bool has_scenes(const char *wanted)
+/* Whether --scenes changes a subject that is asked for; with depths: whether --depths does. */
+static bool has_scenes(const char *wanted, bool depths)
 {
     bool found = false;
     for (size_t i = 0; subjects[i] != NULL; ++i) {
         const suite_subject *one = subjects[i];
-        found = found || (suite_is_wanted(one, wanted) && one->run_all == NULL && !one->fixed);
+        found = found || (suite_is_wanted(one, wanted) && !one->fixed &&
+                          (one->run_all == NULL || (one->takes_scenes && !depths)));
     }
     return found;
 }
@@ -111,15 +112,19 @@ static int check_table_options(program *state)
 {
     static const char *const of_builds[] = {"need",  "coverage", "weights", "builder", "frontend",
                                             "share", "origin",   "edge",    NULL};
-    static const char *const of_scenes[] = {"scenes", "depths", NULL};
+    static const char *const of_scenes[] = {"scenes", NULL};
+    static const char *const of_depths[] = {"depths", NULL};
     static const char *const of_rays[] = {"ray-count", NULL};
     static const char *const of_runs[] = {"repeat", NULL};
     const char *subject = state->options.subject;
     char where[64];
     (void)snprintf(where, sizeof where, "to bench %s", subject);
     int exit_code = options_refuse(state, of_builds, where);
-    if (exit_code == PROGRAM_DONE && !has_scenes(subject)) {
+    if (exit_code == PROGRAM_DONE && !has_scenes(subject, false)) {
         exit_code = options_refuse(state, of_scenes, where);
+    }
+    if (exit_code == PROGRAM_DONE && !has_scenes(subject, true)) {
+        exit_code = options_refuse(state, of_depths, where);
     }
     if (exit_code == PROGRAM_DONE && !has_ray_count(subject)) {
         exit_code = options_refuse(state, of_rays, where);
@@ -188,17 +193,22 @@ static int show(program *state, const result_set *results)
 static int run_subjects(program *state)
 {
     size_t wrong_count = 0;
+    size_t failed_count = 0;
     result_set *results = result_create();
     if (results == NULL) {
         return program_fail(state, PROGRAM_FAILED, "out of memory");
     }
     int exit_code = is_gpu(state) ? bench_gpu(state, results, &wrong_count)
-                                  : suite_collect(state, subjects, state->options.subject, results);
+                                  : suite_collect(state, subjects, state->options.subject, results, &failed_count);
     if (exit_code == PROGRAM_DONE) {
         exit_code = show(state, results);
     }
     if (exit_code == PROGRAM_DONE && wrong_count > 0) {
         exit_code = program_fail(state, PROGRAM_FAILED, "%zu results are wrong", wrong_count);
+    }
+    if (exit_code == PROGRAM_DONE && failed_count > 0) {
+        exit_code =
+            program_fail(state, PROGRAM_FAILED, "%zu subjects failed; the tables have the reasons", failed_count);
     }
     result_destroy(&results);
     return exit_code;

@@ -84,13 +84,14 @@ static void set_date(result_machine *machine)
     }
 }
 
-static result_set *measure(program *state)
+/* failed_count: receives how many subjects failed. */
+static result_set *measure(program *state, size_t *failed_count)
 {
     result_set *results = result_create();
     if (results == NULL) {
         program_fail(state, PROGRAM_FAILED, "out of memory");
-    } else if (suite_collect(state, subjects, "errors", results) != PROGRAM_DONE ||
-               suite_collect(state, subjects, "all", results) != PROGRAM_DONE) {
+    } else if (suite_collect(state, subjects, "errors", results, failed_count) != PROGRAM_DONE ||
+               suite_collect(state, subjects, "all", results, failed_count) != PROGRAM_DONE) {
         result_destroy(&results);
     } else {
         set_date(&results->machine);
@@ -258,7 +259,8 @@ int command_report(program *state)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    result_set *results = given->from != NULL ? read_results(state, given->from) : measure(state);
+    size_t failed_count = 0;
+    result_set *results = given->from != NULL ? read_results(state, given->from) : measure(state, &failed_count);
     if (results == NULL) {
         return PROGRAM_FAILED;
     }
@@ -272,8 +274,12 @@ int command_report(program *state)
     }
     result_destroy(&results);
     if (exit_code == PROGRAM_DONE && given->json) {
-        return json_print(state, document);
+        exit_code = json_print(state, document);
+    } else {
+        cJSON_Delete(document);
     }
-    cJSON_Delete(document);
-    return exit_code;
+    return exit_code == PROGRAM_DONE && failed_count > 0
+               ? program_fail(state, PROGRAM_FAILED, "%zu subjects failed; their sections have the reasons",
+                              failed_count)
+               : exit_code;
 }
