@@ -78,7 +78,7 @@ static void describe(ui *toolkit, shown *state)
         ++state->buttons;
     }
     state->entered += ui_field(toolkit, "field", state->field, sizeof state->field) ? 1 : 0;
-    state->sections += ui_section(toolkit, "section", &state->section) ? 1 : 0;
+    state->sections += ui_section(toolkit, "section", "F1", &state->section) ? 1 : 0;
     (void)ui_numbers(toolkit, "number", &state->number, 1, 0.5F, "%.1f");
     state->items += ui_item(toolkit, "item", false) ? 1 : 0;
     ui_enable(toolkit, false);
@@ -96,7 +96,7 @@ typedef struct session {
 
 static session begin_session(void)
 {
-    session made = {.toolkit = ui_create()};
+    session made = {.toolkit = ui_create(1)};
     assert_non_null(made.toolkit);
     ui_events_begin(&made.events);
     return made;
@@ -362,7 +362,7 @@ typedef struct panels_session {
 
 static panels_session begin_panels(unsigned width, unsigned height)
 {
-    panels_session made = {.toolkit = ui_create(), .state = malloc(sizeof *made.state)};
+    panels_session made = {.toolkit = ui_create(1), .state = malloc(sizeof *made.state)};
     assert_true(made.toolkit != NULL && made.state != NULL);
     fill_state(made.state, width, height);
     ui_events_begin(&made.events);
@@ -492,7 +492,7 @@ static void test_probes_are_shown(void **unused)
 static bool show_panels(view_state *state)
 {
     const view_event event = {.kind = VIEW_EVENT_MOVE, .x = 60, .y = 60};
-    panels_session at = {.toolkit = ui_create(), .state = state};
+    panels_session at = {.toolkit = ui_create(1), .state = state};
     bool is_shown = at.toolkit != NULL;
     ui_events_begin(&at.events);
     for (int i = 0; i < 3 && is_shown; ++i) {

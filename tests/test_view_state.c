@@ -329,7 +329,9 @@ static void settings_come_back(void **unused)
     written->settings.width = 321;
     written->settings.coarse = 4;
     written->settings.move_speed = 0.7F;
-    written->settings.mode = VIEW_FLY;
+    view_remember_file(written, "/a/first.obj");
+    view_remember_file(written, "/a/second.obj");
+    view_remember_file(written, "/a/first.obj");
     written->settings.panels = false;
     written->settings.open[VIEW_PANEL_LOG] = true;
     written->settings.open[VIEW_PANEL_CAMERA] = false;
@@ -339,7 +341,9 @@ static void settings_come_back(void **unused)
     assert_int_equal(read->settings.width, 321);
     assert_int_equal(read->settings.coarse, 4);
     assert_true(fabsf(read->settings.move_speed - 0.7F) < 1e-6F);
-    assert_int_equal(read->settings.mode, VIEW_FLY);
+    assert_string_equal(read->settings.recent[0], "/a/first.obj");
+    assert_string_equal(read->settings.recent[1], "/a/second.obj");
+    assert_string_equal(read->settings.recent[2], "");
     assert_false(read->settings.panels);
     assert_memory_equal(read->settings.open, written->settings.open, sizeof read->settings.open);
     assert_int_equal(read->log_count, 0);
@@ -357,7 +361,7 @@ static void damaged_settings_mean_defaults_and_a_line(void **unused)
                                         "{\"height\": 300, \"width\": \"640\"}",
                                         "{\"height\": 300, \"goal_ms\": 1e99}",
                                         "{\"height\": 300, \"panels\": 1}",
-                                        "{\"height\": 300, \"camera\": \"walk\"}",
+                                        "{\"height\": 300, \"recent\": [7]}",
                                         "{\"height\": 300, \"open\": {}}"};
     const settings_file file = file_in_folder("damaged.json");
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; ++i) {

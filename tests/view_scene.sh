@@ -66,7 +66,7 @@ key ctrl+s
 key delete
 refine
 shot removed.png
-key ctrl+o
+key ctrl+r
 refine
 shot loaded.png
 SCRIPT
@@ -141,11 +141,15 @@ click 580 274
 text broken.json
 click 320 390
 key tab
-key ctrl+o
+key ctrl+r
+wait 2
+shot notice.png
+key escape
 refine
 shot kept.png
 SCRIPT
 cmp -s kept.png made.png || complain "a broken scene changes the picture"
+cmp -s notice.png made.png && complain "no box says that a scene is broken"
 if (($(wc -l <err) != 1)) || ! grep -q "broken.json:1: 'trees' is missing" err; then
     complain "not one line about the broken scene: $(cat err)"
 fi

@@ -32,6 +32,8 @@ typedef struct program {
     size_t command_count;
     options options;
     progress *progress; /* NULL: no bar */
+    const progress_watch *watch; /* who sees the bars besides a terminal; NULL: nobody */
+    svo_message *failure; /* where program_fail puts its line in place of standard error; NULL: nowhere */
     piped_input piped; /* INPUT, where it came through a pipe */
     int file_descriptor; /* what -o - writes to, once output_begin was called for it */
     /* Warnings of the library, printed only after success: a failure is one line. */
@@ -54,6 +56,11 @@ int program_fail_scene(program *state, svo_status status, const char *message);
 
 /* Removes the bar and begins a new one (see progress.h). */
 void program_begin_progress(program *state, unsigned step_count);
+/* The same for work of one step. */
+void program_begin_step(program *state, const char *what);
+
+/* Whether who watches wants the work to end. */
+bool program_is_canceled(const program *state);
 
 /* An svo_log_callback whose user is the program: keeps warnings; --verbose prints everything at once. */
 void program_log(void *user, svo_log_level level, const char *text);

@@ -7,11 +7,12 @@
 
 #include "view/camera.h"
 #include "view/light_edit.h"
+#include "view/open_dialog.h"
 #include "view/play.h"
 #include "view/scene_edit.h"
 
-/* Pixels that the mouse may move in a click. */
-#define CLICK_PIXELS 3
+/* Pixels of a plain display that the mouse may move in a click. */
+#define CLICK_PIXELS 3.0F
 /* Of a key of exposure: a third of a stop. */
 #define EXPOSURE_STEP 1.26F
 
@@ -42,7 +43,10 @@ input_binding input_describe(size_t index)
                                              {"I", "edit instances"},
                                              {"N, Delete", "add, remove one"},
                                              {"Shift+drag", "move it"},
-                                             {"Ctrl+S, O", "save, load them"},
+                                             {"Ctrl+S, R", "save, load again"},
+                                             {"Ctrl+O, drop", "open a file"},
+                                             {"Ctrl+P", "a picture as PNG"},
+                                             {"Ctrl+Shift+P", "with the panels"},
                                              {"Esc", "drop the selection"},
                                              {"Tab", "panels"},
                                              {"F1-F10, F12", "one panel"},
@@ -68,7 +72,6 @@ static bool hold_motion(const view_event *event, view_state *state)
 static void change_camera_mode(view_state *state)
 {
     state->camera.mode = state->camera.mode == VIEW_ORBIT ? VIEW_FLY : VIEW_ORBIT;
-    state->settings.mode = state->camera.mode;
     view_log(state, "camera: %s", state->camera.mode == VIEW_ORBIT ? "orbit" : "fly");
 }
 
@@ -158,8 +161,14 @@ static bool press_with_control(const view_event *event, view_state *state)
     case 's':
         scene_edit_save(state, state->scene_path);
         return true;
-    case 'o':
+    case 'r':
         state->wants_load = true;
+        return true;
+    case 'o':
+        open_dialog_show(state);
+        return true;
+    case 'p':
+        state->wants_shot = event->shift ? VIEW_SHOT_WINDOW : VIEW_SHOT_PICTURE;
         return true;
     default:
         return false;
@@ -205,6 +214,18 @@ static void press_letter(const view_event *event, view_state *state)
     }
 }
 
+/* Of what can be closed, what was shown last. */
+static void press_escape(view_state *state)
+{
+    if (state->notice[0] != '\0') {
+        state->notice[0] = '\0';
+    } else if (state->open.is_shown) {
+        open_dialog_hide(state);
+    } else {
+        state->selection.is_hit = false;
+    }
+}
+
 static input_wish press_key(const view_event *event, view_state *state)
 {
     const int key = event->key;
@@ -221,7 +242,7 @@ static input_wish press_key(const view_event *event, view_state *state)
     } else if (key == VIEW_KEY_DELETE) {
         edit_instances(state, false);
     } else if (key == VIEW_KEY_ESCAPE) {
-        state->selection.is_hit = false;
+        press_escape(state);
     } else if (!press_for_probes(key, state) && !press_for_motions(key, state)) {
         press_letter(event, state);
     }
@@ -249,7 +270,8 @@ static void move(input_mouse *mouse, const view_event *event, view_state *state)
 {
     const int across = abs(event->x - mouse->press_x);
     const int along = abs(event->y - mouse->press_y);
-    mouse->dragged = mouse->dragged || across > CLICK_PIXELS || along > CLICK_PIXELS;
+    const int most = (int)(CLICK_PIXELS * state->scale);
+    mouse->dragged = mouse->dragged || across > most || along > most;
     if (mouse->dragged) {
         drag(mouse, event, state);
     }
@@ -270,6 +292,14 @@ static input_wish press_button(input_mouse *mouse, const view_event *event)
     }
     return event->button == VIEW_BUTTON_LEFT && was_held && !event->is_down && !mouse->dragged ? INPUT_PICK
                                                                                                : INPUT_NOTHING;
+}
+
+void input_release(input_mouse *mouse, view_state *state)
+{
+    *mouse = (input_mouse){.x = mouse->x, .y = mouse->y};
+    for (int i = 0; i < VIEW_MOTIONS; ++i) {
+        state->camera.held[i] = false;
+    }
 }
 
 input_wish input_take(input_mouse *mouse, const view_event *event, view_state *state)
@@ -293,6 +323,9 @@ input_wish input_take(input_mouse *mouse, const view_event *event, view_state *s
         return INPUT_NOTHING;
     case VIEW_EVENT_QUIT:
         state->is_done = true;
+        return INPUT_NOTHING;
+    case VIEW_EVENT_DROP:
+        view_open_file(state, event->path);
         return INPUT_NOTHING;
     case VIEW_EVENT_TEXT:
     case VIEW_EVENT_RESIZE:

@@ -12,6 +12,7 @@ void view_state_begin(view_state *state)
     const view_probe_grid grid = {.counts = {4, 4, 4}, .resolution = 128, .field_size = 64, .max_mib = 1024};
     *state = (view_state){.shown = {.photons = true, .gi = true, .cones = 16, .exposure = 1.0F, .probes = grid},
                           .film = {.loops = true},
+                          .scale = 1,
                           .probes = {.asked = grid}};
     state->selection.instance = SVO_NO_INSTANCE;
     state->settings = (view_settings){.width = 1280,
@@ -29,12 +30,34 @@ void view_state_end(view_state *state)
     free(state->sources);
     free(state->instances);
     free(state->movers);
+    for (size_t i = 0; i < state->open.name_count; ++i) {
+        free(state->open.names[i]);
+    }
+    free(state->open.names);
+    state->open = (view_open){.is_shown = false};
     state->sources = NULL;
     state->instances = NULL;
     state->movers = NULL;
     state->source_count = 0;
     state->instance_count = 0;
     state->mover_count = 0;
+}
+
+void view_state_renew(const view_state *before, view_state *fresh)
+{
+    view_state_begin(fresh);
+    fresh->renderer = before->renderer;
+    fresh->share = before->share;
+    memcpy(fresh->share_reason, before->share_reason, sizeof fresh->share_reason);
+    fresh->width = before->width;
+    fresh->height = before->height;
+    fresh->scale = before->scale;
+    fresh->seconds = before->seconds;
+    memcpy(fresh->frames, before->frames, sizeof fresh->frames);
+    fresh->frame_count = before->frame_count;
+    memcpy(fresh->log, before->log, sizeof fresh->log);
+    fresh->log_count = before->log_count;
+    fresh->settings = before->settings;
 }
 
 bool view_is_moderate(const float *numbers, size_t count)
@@ -84,6 +107,38 @@ void view_log(view_state *state, const char *format, ...)
     (void)vsnprintf(state->log[state->log_count % VIEW_LOG_LINES], VIEW_LINE_BYTES, format, arguments);
     va_end(arguments);
     ++state->log_count;
+}
+
+/* ---- files ---- */
+
+void view_open_file(view_state *state, const char *path)
+{
+    if (strlen(path) >= sizeof state->open_path) {
+        view_log(state, "a path is longer than %zu bytes", sizeof state->open_path - 1);
+    } else if (path[0] != '\0') {
+        (void)snprintf(state->open_path, sizeof state->open_path, "%s", path);
+        state->wants_open = true;
+    }
+}
+
+void view_remember_file(view_state *state, const char *path)
+{
+    char(*recent)[VIEW_PATH_BYTES] = state->settings.recent;
+    size_t last = 0;
+    if (strlen(path) >= sizeof *recent) {
+        return;
+    }
+    while (last + 1 < VIEW_RECENT_MAX && recent[last][0] != '\0' && strcmp(recent[last], path) != 0) {
+        ++last;
+    }
+    memmove(recent[1], recent[0], last * sizeof *recent);
+    (void)snprintf(recent[0], sizeof *recent, "%s", path);
+}
+
+void view_notice(view_state *state, const char *text)
+{
+    (void)snprintf(state->notice, sizeof state->notice, "%s", text);
+    view_log(state, "%s", text);
 }
 
 /* ---- what is shown ---- */

@@ -28,6 +28,8 @@
 #define VIEW_EDGE_MAX     16384u
 #define VIEW_EXPOSURE_MAX 64.0F
 #define VIEW_SPEED_MAX    4 /* of motions, as a power of two */
+#define VIEW_RECENT_MAX   8 /* files that were opened */
+#define VIEW_NOTICE_BYTES 2048
 #define VIEW_PROBES_AXIS  32u /* most probes along an axis that the panel offers */
 
 /* ---- what is shown ---- */
@@ -189,6 +191,7 @@ typedef enum view_stage {
 /* One frame. In a script times are those of its clock. */
 typedef struct view_frame {
     float ms; /* from the begin of the one before to the begin of this one */
+    float work_ms; /* of the stages: what ms has beyond it is waiting */
     float stage_ms[VIEW_STAGES];
     uint64_t rays; /* from the camera; 0: nothing was drawn */
     unsigned coarse; /* pixels along the side of a block of one color; 1: fully refined */
@@ -228,13 +231,29 @@ typedef struct view_settings {
     bool fullscreen;
     bool panels; /* shown at all */
     bool open[VIEW_PANELS];
-    view_camera_mode mode;
     float turn_speed; /* radians for the width of the window */
     float move_speed; /* widths of the scene a second */
     float goal_ms; /* of a frame while something moves */
     unsigned coarse; /* while something moves: 1, 2, 4, 8; 0: by goal_ms */
     float text_scale; /* 0: by the window; above 1: large */
+    char recent[VIEW_RECENT_MAX][VIEW_PATH_BYTES]; /* files that were opened, the last one first; "" behind the last */
 } view_settings;
+
+/* ---- opening files ---- */
+
+/* The box that asks for a file. */
+typedef struct view_open {
+    bool is_shown;
+    bool takes_focus; /* its field is to be typed into */
+    char path[VIEW_PATH_BYTES]; /* as it was typed */
+    char listed[VIEW_PATH_BYTES]; /* the path whose names are below */
+    char **names; /* what the path's folder has that begins as the path ends; folders end with a slash */
+    size_t name_count;
+    size_t chosen; /* of names; name_count: none */
+} view_open;
+
+/* A picture of the window that is asked for. */
+typedef enum view_shot { VIEW_SHOT_NONE = 0, VIEW_SHOT_PICTURE, VIEW_SHOT_WINDOW /* with panels */ } view_shot;
 
 /* ---- all of it ---- */
 
@@ -245,12 +264,14 @@ typedef struct view_state {
     const char *share; /* how pictures get from the one to the other, as svo_gl_share_name has it; NULL: none did */
     char share_reason[VIEW_LINE_BYTES]; /* what that is, and why not shared */
     unsigned width, height; /* of the window, pixels */
+    float scale; /* pixels for each pixel of a plain display: of panels and of what a hand does */
     bool is_done; /* the window is to close */
     view_shown shown;
     view_revisions revisions;
     view_camera camera;
     double seconds; /* of the clock */
     bool is_refined; /* the window shows the picture in full */
+    bool is_idle; /* and nothing moves: frames wait for an event */
 
     unsigned level_min, level_max; /* of leaves to choose from; equal where the tree cannot be built anew */
     bool has_triangles; /* VIEW_TRIANGLES and picking of triangles work */
@@ -277,6 +298,11 @@ typedef struct view_state {
     const char *scene_form; /* as the scene's file calls it; NULL: there is no file */
     char scene_path[VIEW_PATH_BYTES]; /* of the scene's file */
     bool wants_load; /* scene_path is to be loaded */
+    view_open open; /* the box */
+    char open_path[VIEW_PATH_BYTES]; /* a file in place of what is looked at */
+    bool wants_open; /* it is to be loaded */
+    char notice[VIEW_NOTICE_BYTES]; /* a failure in a box that waits to be closed; "": none */
+    view_shot wants_shot;
 
     view_selection selection;
     view_probes probes;
@@ -295,6 +321,9 @@ typedef struct view_state {
 void view_state_begin(view_state *state);
 /* Frees its arrays. */
 void view_state_end(view_state *state);
+/* The state for something else in the same window: of what was there only the window, settings, statistics and the log
+   stay. */
+void view_state_renew(const view_state *before, view_state *fresh);
 
 /* Whether so many numbers are finite and within a thousand million, as hands may not leave them. */
 bool view_is_moderate(const float *numbers, size_t count);
@@ -310,6 +339,13 @@ const char *view_panel_name(view_panel panel);
 
 /* Adds a line to the log; a longer one is cut. */
 void view_log(view_state *state, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Asks for a file in place of what is looked at; the next frame loads it. */
+void view_open_file(view_state *state, const char *path);
+/* Puts a file in front of those that were opened. */
+void view_remember_file(view_state *state, const char *path);
+/* Says a failure in a box, and in the log. */
+void view_notice(view_state *state, const char *text);
 
 /* Chooses a picture. Where it cannot be drawn the log says why, and nothing changes. */
 void view_choose_picture(view_state *state, view_picture picture);

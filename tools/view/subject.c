@@ -3,17 +3,17 @@
 #include "view/subject.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "support/viewpoint.h"
 
 /* ---- opening ---- */
 
-/* What a person changes in the settings is for the next start. */
 static void begin_camera(view_state *state, double scene_width)
 {
     state->camera.home = state->camera.at;
-    state->camera.mode = state->settings.mode;
+    state->camera.mode = VIEW_ORBIT;
     state->camera.speed = (float)(scene_width * (double)state->settings.move_speed);
 }
 
@@ -181,30 +181,6 @@ void subject_close(subject *which)
     close_tree(which);
 }
 
-int subject_load(subject *which, view_state *state)
-{
-    placed *fresh = NULL;
-    state->wants_load = false;
-    const int exit_code = placed_open(which->running, state->scene_path, &fresh);
-    progress_destroy(&which->running->progress);
-    if (exit_code != PROGRAM_DONE || !placed_describe(fresh, state)) {
-        view_log(state, "%s was not loaded%s", state->scene_path,
-                 exit_code != PROGRAM_DONE ? "; the terminal says why" : ": out of memory");
-        placed_close(&fresh);
-        return PROGRAM_DONE;
-    }
-    probing_drop(&which->probes, state);
-    film_close(&which->film);
-    placed_close(&which->placed);
-    close_tree(which);
-    state->source_count = 0; /* they lit the tree */
-    which->placed = fresh;
-    ++which->changes;
-    view_log(state, "loaded %zu instances of %zu trees from %s", state->instance_count, state->tree_count,
-             state->scene_path);
-    return place_scene_camera(which, state, placed_file(fresh));
-}
-
 /* ---- trees and lights ---- */
 
 bool subject_picture_is_lit(view_picture picture)
@@ -212,17 +188,56 @@ bool subject_picture_is_lit(view_picture picture)
     return picture >= VIEW_AO && picture <= VIEW_SPECULAR;
 }
 
-/* The tree of another level, built anew: levels of a mesh nest, so it is what the deeper tree has there. */
-static int make_tree(subject *which, view_state *state)
+static void drop_light(subject *which, view_state *state)
 {
-    job *done = &which->done;
-    options *given = &which->running->options;
     probing_drop(&which->probes, state);
     svo_light_destroy(&which->lit.light);
     which->is_lit = false;
+}
+
+static int build_level(subject *which)
+{
+    job *done = &which->done;
+    program_begin_progress(which->running, 2);
+    const int exit_code = job_build(which->running, lighting_need(&which->running->options, &done->source), done);
+    progress_destroy(&which->running->progress);
+    return exit_code;
+}
+
+/* Back to the level that is there. */
+static void keep_level(subject *which, view_state *state, const build_result *kept)
+{
+    which->done.result = *kept;
+    which->running->options.depth = which->level;
+    state->shown.level = which->level;
+    view_log(state, "canceled: level %u stays", which->level);
+}
+
+static void release_result(build_result *gone)
+{
+    svo_tree_destroy(&gone->tree);
+    free(gone->buffers);
+    *gone = (build_result){.tree = NULL};
+}
+
+/* The tree of another level, built anew: levels of a mesh nest, so it is what the deeper tree has there. The one before
+   stays until then, for a build that is canceled; where memory does not allow that, it goes first. */
+static int make_tree(subject *which, view_state *state)
+{
+    job *done = &which->done;
+    build_result kept = done->result;
+    done->result = (build_result){.tree = NULL};
+    which->running->options.depth = state->shown.level;
+    int exit_code = build_level(which);
+    if (exit_code != PROGRAM_DONE && program_is_canceled(which->running)) {
+        release_result(&done->result);
+        keep_level(which, state, &kept);
+        return PROGRAM_DONE;
+    }
+    drop_light(which, state);
     state->selection.is_hit = false;
-    given->depth = state->shown.level;
-    const int exit_code = job_build(which->running, lighting_need(given, &done->source), done);
+    release_result(&kept);
+    exit_code = exit_code == PROGRAM_DONE ? exit_code : build_level(which);
     which->level = state->shown.level;
     ++which->changes;
     if (exit_code == PROGRAM_DONE) {
@@ -253,11 +268,13 @@ static int make_light(subject *which, view_state *state)
         probing_drop(&which->probes, state);
         svo_light_destroy(&which->lit.light);
     }
+    program_begin_step(which->running, "lighting the tree");
     if ((which->lit.light == NULL &&
          svo_light_create(done->result.tree, &light_options, done->opened.queue, &which->lit.light) != SVO_OK) ||
         svo_light_set_sources(which->lit.light, &setup, done->opened.queue) != SVO_OK) {
         return program_fail_library(which->running, svo_device_message(done->opened.device));
     }
+    progress_destroy(&which->running->progress);
     which->is_lit = true;
     ++which->lightings;
     ++which->changes;
@@ -311,10 +328,7 @@ static int update_film(subject *which, view_state *state)
 
 int subject_update(subject *which, view_state *state)
 {
-    int exit_code = state->wants_load ? subject_load(which, state) : PROGRAM_DONE;
-    if (exit_code == PROGRAM_DONE && view_shows_film(state)) {
-        exit_code = update_film(which, state);
-    }
+    int exit_code = view_shows_film(state) ? update_film(which, state) : PROGRAM_DONE;
     if (exit_code == PROGRAM_DONE && which->has_tree) {
         exit_code = update_tree(which, state);
     }

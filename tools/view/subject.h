@@ -36,10 +36,6 @@ void subject_close(subject *which);
 /* Makes the tree and the light that the state asks for, as far as its picture shows them. Returns the exit code. */
 int subject_update(subject *which, view_state *state);
 
-/* Loads the scene of state.scene_path in place of what is looked at. Where that fails, everything stays, and the log
-   says so. Returns the exit code. */
-int subject_load(subject *which, view_state *state);
-
 /* Rows of a picture. All but pictures that cones light are drawn whole. */
 typedef struct picture_part {
     unsigned width, height; /* of the picture, pixels */

@@ -37,6 +37,8 @@ struct ui {
     int covered_count;
     const unsigned char *glyphs;
     int glyphs_width, glyphs_height;
+    float scale;
+    ui_clipboard clipboard;
 };
 
 namespace ui_imgui

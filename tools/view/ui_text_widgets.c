@@ -80,7 +80,7 @@ static void draw_arrow(ui *panels, ui_place row, bool is_open)
     }
 }
 
-bool ui_section(ui *panels, const char *title, bool *is_open)
+bool ui_section(ui *panels, const char *title, const char *key, bool *is_open)
 {
     ui_place row = ui_text_row(panels, ui_text_height(panels) + 2 * UI_INSET_Y);
     const ui_text_use use = ui_text_widget(panels, ui_text_id(panels, title), row);
@@ -90,6 +90,7 @@ bool ui_section(ui *panels, const char *title, bool *is_open)
     row.x += UI_INSET_X + 14;
     row.width -= 2 * UI_INSET_X + 14;
     ui_text_write(panels, row, 0, UI_COLOR_TEXT, title);
+    ui_text_write(panels, row, row.width - ui_text_width(panels, key), UI_COLOR_DIM, key);
     return use.clicked;
 }
 
@@ -268,4 +269,11 @@ bool ui_field(ui *panels, const char *label, char *text, size_t text_bytes)
         ui_text_fill(panels, (ui_place){cursor, inner.y + 2, 1, inner.height - 4}, UI_COLOR_ACCENT);
     }
     return entered;
+}
+
+bool ui_path(ui *panels, char *text, size_t text_bytes, bool takes_focus, const ui_path_keys *keys)
+{
+    (void)takes_focus;
+    (void)keys;
+    return ui_field(panels, "Path", text, text_bytes);
 }
