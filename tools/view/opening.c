@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "support/cleanup.h"
+#include "view/history.h"
 #include "view/work.h"
 
 /* A subject that is opened into a state of its own, beside the one that is shown. */
@@ -37,6 +38,7 @@ static int close_job(void *user)
 void opening_close(viewer *which)
 {
     drawing_end(&which->drawing);
+    history_end(&which->state);
     if (which->subject != NULL) {
         (void)work_run(which, "", false, close_job, which->subject);
         free(which->subject);
@@ -81,9 +83,11 @@ static void begin_showing(viewer *which)
     char path[PATH_MAX];
     (void)snprintf(title, sizeof title, "%s - svocl", state->input);
     window_set_title(which->window, title);
+    which->is_marked = false;
     which->drawing.pixels = (pixel_buffer){.running = which->running, .context = window_context(which->window)};
     which->listed = 0;
     take_probe_options(which);
+    history_begin(state);
     if (!which->has_script && which->running->piped.name == NULL && realpath(state->input, path) != NULL) {
         view_remember_file(state, path);
     }

@@ -99,6 +99,11 @@ bool overlay_take(overlay *which, const view_event *event)
     return is_theirs;
 }
 
+bool overlay_types(const overlay *which)
+{
+    return ui_wants_keys(which->toolkit);
+}
+
 void overlay_release(overlay *which)
 {
     ui_events_begin(&which->events);

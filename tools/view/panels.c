@@ -10,6 +10,7 @@
 #include "view/open_dialog.h"
 #include "view/panels_figures.h"
 #include "view/panels_pages.h"
+#include "view/question.h"
 #include "view/ui_theme.h"
 
 #define MARGIN 6.0F /* between the window's edge and panels */
@@ -217,6 +218,7 @@ void panels_describe(ui *toolkit, view_state *state)
     if (state->settings.panels) {
         describe_columns(toolkit, state, width, height);
     }
+    question_describe(toolkit, state);
     panels_open(toolkit, state, width, height);
     describe_notice(toolkit, state, width, height);
 }

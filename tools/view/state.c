@@ -117,7 +117,7 @@ void view_open_file(view_state *state, const char *path)
         view_log(state, "a path is longer than %zu bytes", sizeof state->open_path - 1);
     } else if (path[0] != '\0') {
         (void)snprintf(state->open_path, sizeof state->open_path, "%s", path);
-        state->wants_open = true;
+        view_leave(state, &state->wants_open);
     }
 }
 
@@ -139,6 +139,22 @@ void view_notice(view_state *state, const char *text)
 {
     (void)snprintf(state->notice, sizeof state->notice, "%s", text);
     view_log(state, "%s", text);
+}
+
+/* ---- what is saved ---- */
+
+bool view_is_unsaved(const view_state *state)
+{
+    return state->unsaved[VIEW_SCENE] || state->unsaved[VIEW_LIGHTS];
+}
+
+void view_leave(view_state *state, bool *wish)
+{
+    if (view_is_unsaved(state)) {
+        state->question = (view_question){.asking = VIEW_ASKS_TO_SAVE, .wish = wish, .is_new = true};
+    } else {
+        *wish = true;
+    }
 }
 
 /* ---- what is shown ---- */

@@ -255,6 +255,31 @@ typedef struct view_open {
 /* A picture of the window that is asked for. */
 typedef enum view_shot { VIEW_SHOT_NONE = 0, VIEW_SHOT_PICTURE, VIEW_SHOT_WINDOW /* with panels */ } view_shot;
 
+/* ---- what is saved ---- */
+
+/* What a session can edit and save: a scene, or the lights of a tree alone. */
+typedef enum view_document { VIEW_SCENE = 0, VIEW_LIGHTS, VIEW_DOCUMENTS } view_document;
+
+typedef enum view_asking {
+    VIEW_ASKS_NOTHING = 0,
+    VIEW_ASKS_TO_SAVE, /* before work is lost */
+    VIEW_ASKS_FOR_NAME,
+    VIEW_ASKS_TO_REPLACE /* a file that is there */
+} view_asking;
+
+/* What the window asks; question.h answers. */
+typedef struct view_question {
+    view_asking asking;
+    view_document document;
+    bool *wish; /* what becomes true once nothing is lost; NULL: nothing waits */
+    bool is_new; /* it was not drawn yet */
+    bool has_failed; /* the last line of the log says why the name was not taken */
+    char path[VIEW_PATH_BYTES]; /* that is asked about */
+} view_question;
+
+/* Steps of edits; history.h has them. */
+typedef struct view_history view_history;
+
 /* ---- all of it ---- */
 
 typedef struct view_state {
@@ -303,6 +328,11 @@ typedef struct view_state {
     bool wants_open; /* it is to be loaded */
     char notice[VIEW_NOTICE_BYTES]; /* a failure in a box that waits to be closed; "": none */
     view_shot wants_shot;
+    char lights_path[VIEW_PATH_BYTES]; /* of the lights of a tree alone; "": they have no file yet */
+    char own_paths[VIEW_DOCUMENTS][VIEW_PATH_BYTES]; /* read or written by this session: replaced without a question */
+    bool unsaved[VIEW_DOCUMENTS]; /* edits that no file has */
+    view_question question;
+    view_history *history; /* NULL: nothing is open */
 
     view_selection selection;
     view_probes probes;
@@ -346,6 +376,12 @@ void view_open_file(view_state *state, const char *path);
 void view_remember_file(view_state *state, const char *path);
 /* Says a failure in a box, and in the log. */
 void view_notice(view_state *state, const char *text);
+
+/* Whether closing what is shown would lose edits. */
+bool view_is_unsaved(const view_state *state);
+/* For whatever closes what is shown: sets a wish of the state, such as is_done or wants_load, at once if nothing is
+   lost, else when the window's question is answered with Save or Discard. After Cancel it stays false. */
+void view_leave(view_state *state, bool *wish);
 
 /* Chooses a picture. Where it cannot be drawn the log says why, and nothing changes. */
 void view_choose_picture(view_state *state, view_picture picture);

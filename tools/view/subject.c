@@ -3,10 +3,12 @@
 #include "view/subject.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "support/viewpoint.h"
+#include "view/history.h"
 
 /* ---- opening ---- */
 
@@ -46,6 +48,9 @@ static int take_lights(subject *which, view_state *state)
         }
     }
     state->source = 0;
+    (void)snprintf(state->lights_path, sizeof state->lights_path, "%s",
+                   from_file ? which->running->options.lights_path : "");
+    memcpy(state->own_paths[VIEW_LIGHTS], state->lights_path, sizeof state->lights_path);
     memcpy(state->sky, from_file ? file->sky : lighting_sky, sizeof state->sky);
     return PROGRAM_DONE;
 }

@@ -8,10 +8,12 @@
 #include "support/input.h"
 #include "support/scene_file.h"
 #include "view/camera.h"
+#include "view/history.h"
 #include "view/memory.h"
 #include "view/opening.h"
 #include "view/pick.h"
 #include "view/play.h"
+#include "view/question.h"
 #include "view/shots.h"
 #include "view/work.h"
 
@@ -77,7 +79,10 @@ static int take_event(viewer *which, const view_event *event)
     view_state *state = &which->state;
     const bool closes_box = event->kind == VIEW_EVENT_KEY && event->is_down && event->key == VIEW_KEY_ESCAPE &&
                             (state->open.is_shown || state->notice[0] != '\0');
-    if (overlay_take(which->overlay, event) && !closes_box) {
+    if (event->kind == VIEW_EVENT_BUTTON && event->button >= 0 && event->button < 3) {
+        which->held[event->button] = event->is_down;
+    }
+    if (question_take(state, event) || (overlay_take(which->overlay, event) && !closes_box)) {
         return PROGRAM_DONE;
     }
     switch (input_take(&which->mouse, event, state)) {
@@ -216,6 +221,7 @@ static int update(viewer *which, bool *is_new)
     const drawing_clock clock = {now_ms, which};
     int exit_code = opening_take(which);
     exit_code = exit_code == PROGRAM_DONE && !which->work.is_closed ? update_subject(which) : exit_code;
+    history_look(state, which->held[0] || which->held[1] || which->held[2] || overlay_types(which->overlay));
     lap(which, VIEW_STAGE_TREE);
     if (exit_code == PROGRAM_DONE && !window_use(which->window, &which->why)) {
         exit_code = viewer_fail(which);
@@ -283,6 +289,17 @@ static int show_frame(viewer *which)
     return window_show(which->window, &which->why) ? PROGRAM_DONE : viewer_fail(which);
 }
 
+/* The window's title has a star while there is something to save. */
+static void write_title(viewer *which)
+{
+    char title[VIEW_PATH_BYTES + VIEW_LINE_BYTES];
+    if (which->is_marked != view_is_unsaved(&which->state)) {
+        which->is_marked = !which->is_marked;
+        (void)snprintf(title, sizeof title, "%s%s - svocl", which->is_marked ? "*" : "", which->state.input);
+        window_set_title(which->window, title);
+    }
+}
+
 static int run_frame(viewer *which)
 {
     bool is_new = false;
@@ -294,6 +311,7 @@ static int run_frame(viewer *which)
     }
     camera_move(&which->state, (float)seconds);
     play_advance(&which->state, seconds);
+    write_title(which);
     lap(which, VIEW_STAGE_EVENTS);
     exit_code = update(which, &is_new);
     if (exit_code != PROGRAM_DONE || which->work.is_closed) {

@@ -24,6 +24,8 @@ typedef struct view_work {
     bool is_opening; /* a file, so that it can be canceled; else something of what is shown */
     bool is_shown; /* the box */
     bool is_canceled, is_closed;
+    bool asks; /* there are edits that closing would lose */
+    bool leaves; /* the window is to close, after the question about them */
     int exit_code; /* of the box */
 } view_work;
 
@@ -46,6 +48,8 @@ typedef struct viewer {
     bool is_fullscreen;
     unsigned lively_frames; /* to come without a wait: panels answer an event one frame later */
     input_mouse mouse;
+    bool held[3]; /* buttons, whoever they are for */
+    bool is_marked; /* the title has the mark of unsaved edits */
     script script;
     bool has_script;
     script_step step; /* of this frame */

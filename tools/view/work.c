@@ -3,6 +3,7 @@
 #include "view/work.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "support/cleanup.h"
 #include "support/input.h"
@@ -52,7 +53,10 @@ static int draw(viewer *which, const char *shot)
 static void take_event(viewer *which, const view_event *event)
 {
     view_work *work = &which->work;
-    if (event->kind == VIEW_EVENT_QUIT) {
+    if (event->kind == VIEW_EVENT_QUIT && work->asks) {
+        work->leaves = true;
+        stop(which);
+    } else if (event->kind == VIEW_EVENT_QUIT) {
         work->is_closed = true;
         work->closed_ms = input_now_ms();
         window_hide(which->window);
@@ -149,6 +153,7 @@ int work_run(viewer *which, const char *name, bool is_opening, int (*made)(void 
     *work = (view_work){.name = name,
                         .begun_ms = input_now_ms(),
                         .is_opening = is_opening,
+                        .asks = view_is_unsaved(&which->state),
                         .is_shown = is_opening && !which->has_script};
     which->failure.text[0] = '\0';
     which->running->failure = &which->failure;
@@ -167,7 +172,11 @@ int work_run(viewer *which, const char *name, bool is_opening, int (*made)(void 
     if (work->is_shown) { /* what went up meanwhile was not seen */
         overlay_release(which->overlay);
         input_release(&which->mouse, &which->state);
+        memset(which->held, 0, sizeof which->held);
         which->lively_frames = LIVELY_FRAMES;
+    }
+    if (work->leaves) {
+        view_leave(&which->state, &which->state.is_done);
     }
     which->state.is_done = which->state.is_done || work->is_closed;
     if (worker_exit_code(which->worker) == PROGRAM_DONE && !work->is_canceled) {
