@@ -642,7 +642,7 @@ static void test_closing_asks_about_unsaved_edits(void **unused)
     assert_int_equal(state->question.asking, VIEW_ASKS_NOTHING);
     assert_false(state->is_done);
     /* Another scene. */
-    press(state, 'o', true);
+    press(state, 'r', true);
     assert_false(state->wants_load);
     question_answer(state, 1);
     assert_true(state->wants_load);

@@ -172,10 +172,12 @@ void panels_describe_work(ui *toolkit, const panels_work *work, float width, flo
     const char *slash = strrchr(work->name, '/');
     const char *name = slash != NULL && slash[1] != '\0' ? slash + 1 : work->name;
     const float columns = fminf(BOX_WIDTH, width - 2 * MARGIN);
-    const float rows = 3 * ui_row_height(toolkit) + BAR_HEIGHT + UI_GAP + 2 * UI_PADDING;
+    const float line = ui_row_height(toolkit) - 2 * UI_INSET_Y; /* with its gap */
+    const float rows = 3 * line + 1 + UI_GAP + BAR_HEIGHT + 2 * UI_PADDING;
     const ui_place place = {floorf((width - columns) / 2), floorf((height - rows) / 2), columns, rows};
+    ui_raise(toolkit);
     ui_panel_begin(toolkit, "#work", place);
-    ui_fill(toolkit, place, UI_COLOR_PANEL | UI_RGBA(0, 0, 0, 255));
+    ui_fill(toolkit, (ui_place){place.x + 1, place.y + 1, columns - 2, rows - 2}, UI_COLOR_PANEL | UI_RGBA(0, 0, 0, 255));
     (void)ui_fit(toolkit, name, columns - 2 * UI_PADDING, shown, sizeof shown);
     ui_heading(toolkit, shown);
     write_step(text, sizeof text, work);

@@ -60,5 +60,6 @@ void panels_begin_box(ui *toolkit, const char *name, float box_width, float widt
     const float room = width - 2 * UI_PADDING;
     const float columns = floorf(box_width < room ? box_width : room);
     const float top = floorf(height * 0.12F);
+    ui_raise(toolkit);
     ui_panel_begin(toolkit, name, (ui_place){floorf((width - columns) / 2), top, columns, height - 2 * top});
 }

@@ -241,6 +241,7 @@ void question_describe(ui *toolkit, view_state *state)
     const float height = 8 * ui_row_height(toolkit);
     const ui_place place = {floorf((columns - width) / 2), floorf(rows * 0.3F), width, fminf(height, rows * 0.7F)};
     const bool was_new = state->question.is_new;
+    ui_raise(toolkit);
     ui_panel_begin(toolkit, "#question", place);
     if (asking == VIEW_ASKS_TO_SAVE) {
         describe_leaving(toolkit, state);

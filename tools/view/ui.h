@@ -104,10 +104,12 @@ float ui_row_height(const ui *panels);
 /* ---- panels ---- */
 
 /* Begins a panel; what follows stands in it from top to bottom until ui_panel_end. It is as high as that, at most
-   place.height; what is longer scrolls. name: identifies the panel. One that is new stands above the others. */
+   place.height; what is longer scrolls. name: identifies the panel. */
 void ui_panel_begin(ui *panels, const char *name, ui_place place);
 /* Returns the height. */
 float ui_panel_end(ui *panels);
+/* The next panel stands above the others. */
+void ui_raise(ui *panels);
 
 /* A heading that opens and closes what stands below it; key, of the keyboard, stands at its right. Returns whether it
    was clicked, which changes is_open. */

@@ -365,10 +365,16 @@ void ui_panel_begin(ui *panels, const char *name, ui_place place)
                      ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
                          ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBackground |
                          ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing |
-                         ImGuiWindowFlags_NoBringToFrontOnFocus);
+                         (panels->is_raised ? 0 : ImGuiWindowFlags_NoBringToFrontOnFocus));
+        panels->is_raised = false;
         ImGui::GetWindowDrawList()->ChannelsSplit(2);
         ImGui::GetWindowDrawList()->ChannelsSetCurrent(1);
     });
+}
+
+void ui_raise(ui *panels)
+{
+    panels->is_raised = true;
 }
 
 float ui_panel_end(ui *panels)

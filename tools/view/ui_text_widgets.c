@@ -277,6 +277,11 @@ bool ui_field(ui *panels, const char *label, char *text, size_t text_bytes)
     return entered;
 }
 
+void ui_raise(ui *panels)
+{
+    (void)panels; /* the last one is above the others */
+}
+
 bool ui_path(ui *panels, char *text, size_t text_bytes, bool takes_focus, const ui_path_keys *keys)
 {
     (void)takes_focus;

@@ -385,7 +385,9 @@ static int open_window(viewer *which)
                                 .height = state->settings.height,
                                 .grows = which->first.window_width == 0 && which->first.window_height == 0,
                                 .fullscreen = state->settings.fullscreen};
-    which->window = window_open("svocl", &place, &which->why);
+    char title[VIEW_PATH_BYTES];
+    (void)snprintf(title, sizeof title, "%s - svocl", state->input);
+    which->window = window_open(title, &place, &which->why);
     if (which->window == NULL) {
         return viewer_fail(which);
     }

@@ -158,6 +158,9 @@ int work_run(viewer *which, const char *name, bool is_opening, int (*made)(void 
     which->failure.text[0] = '\0';
     which->running->failure = &which->failure;
     worker_begin(which->worker, made, user);
+    if (work->is_shown) {
+        take_turn(which, NULL);
+    }
     while (now != WORKER_DONE) {
         now = worker_wait(which->worker, which->has_script ? WORKER_FOREVER : LOOK_MS);
         if (now == WORKER_ASKS) {
