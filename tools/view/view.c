@@ -12,6 +12,7 @@
 #include "view/camera.h"
 #include "view/canvas.h"
 #include "view/drawing.h"
+#include "view/ground.h"
 #include "view/history.h"
 #include "view/input.h"
 #include "view/marks.h"
@@ -40,6 +41,7 @@ typedef struct viewer {
     overlay *overlay;
     subject subject;
     drawing drawing;
+    ground ground;
     marks marks;
     uint64_t listed; /* sum of changes whose memory is listed */
     bool is_fullscreen;
@@ -206,6 +208,9 @@ static int update(viewer *which, bool *is_new)
     }
     int exit_code = subject_update(&which->subject, state);
     history_look(state, which->held[0] || which->held[1] || which->held[2] || overlay_types(which->overlay));
+    if (exit_code == PROGRAM_DONE) {
+        subject_box(&which->subject, state);
+    }
     lap(which, VIEW_STAGE_TREE);
     /* Builds by OpenGL have contexts of their own. */
     if (exit_code == PROGRAM_DONE && !window_use(which->window, &which->why)) {
@@ -213,6 +218,9 @@ static int update(viewer *which, bool *is_new)
     }
     if (exit_code == PROGRAM_DONE) {
         exit_code = drawing_next(&which->drawing, &which->subject, state, &clock, is_new);
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = ground_update(&which->ground, &which->subject, state);
     }
     lap(which, VIEW_STAGE_PICTURE);
     return exit_code == PROGRAM_DONE ? list_memory(which) : exit_code;
@@ -374,6 +382,7 @@ static int show(viewer *which)
     which->drawing.pixels = (pixel_buffer){.running = which->running, .context = window_context(which->window)};
     exit_code = run_frames(which);
     marks_end(&which->marks);
+    ground_end(&which->ground);
     drawing_end(&which->drawing);
     history_end(&which->state);
     subject_close(&which->subject);
