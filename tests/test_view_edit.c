@@ -388,16 +388,26 @@ static void test_motions_follow_their_first_key(void **unused)
 static void test_angles(void **unused)
 {
     (void)unused;
-    for (int around = -170; around <= 170; around += 10) {
-        for (int above = -80; above <= 80; above += 10) {
-            float direction[3];
-            float angles[2];
-            light_edit_direction((const float[2]){(float)around, (float)above}, direction);
-            light_edit_angles(direction, angles);
-            assert_float_equal(angles[0], (float)around, 1e-3F);
-            assert_float_equal(angles[1], (float)above, 1e-3F);
+    view_state *state = malloc(sizeof *state);
+    static const float ups[][3] = {{0, 1, 0}, {0, 0, 1}, {1, 0, 0}, {0, 0.6F, 0.8F}};
+    view_state_begin(state);
+    for (int up = 0; up < 4; ++up) {
+        memcpy(state->camera.up, ups[up], sizeof ups[up]);
+        for (int around = -170; around <= 170; around += 10) {
+            for (int above = -80; above <= 80; above += 10) {
+                float direction[3];
+                float angles[2];
+                light_edit_direction(state, (const float[2]){(float)around, (float)above}, direction);
+                light_edit_angles(state, direction, angles);
+                assert_float_equal(angles[0], (float)around, 1e-3F);
+                assert_float_equal(angles[1], (float)above, 1e-3F);
+                const float falls = -ups[up][0] * direction[0] - ups[up][1] * direction[1] - ups[up][2] * direction[2];
+                assert_float_equal(falls, sinf((float)above * 3.14159265F / 180), 1e-5F);
+            }
         }
     }
+    view_state_end(state);
+    free(state);
 }
 
 /* The light stays below the mouse. */

@@ -419,7 +419,7 @@ static void test_center_is_free(void **unused)
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; ++i) {
         const float width = (float)sizes[i][0];
         const float height = (float)sizes[i][1];
-        const float center[4] = {0.36F * width, 0, 0.64F * width, height - 40};
+        const float center[4] = {0.36F * width, 0, 0.64F * width, height - 40 - 100};
         panels_session at = begin_panels(sizes[i][0], sizes[i][1]);
         for (int scene = 0; scene < 3; ++scene) {
             assert_true(scene < 2 || view_add_mover(at.state, &(view_mover){.motion = &motion}));

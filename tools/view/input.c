@@ -28,6 +28,9 @@ input_binding input_describe(size_t index)
                                              {"W S A D", "move; R F up, down"},
                                              {"C", "orbit or fly"},
                                              {"Home", "first view"},
+                                             {"Z", "up: y or z"},
+                                             {"V", "clip"},
+                                             {"X", "ground grid"},
                                              {"1-9, 0", "views"},
                                              {"L, Shift+L", "level up, down"},
                                              {"G", "indirect light"},
@@ -76,6 +79,15 @@ static void change_camera_mode(view_state *state)
 {
     state->camera.mode = state->camera.mode == VIEW_ORBIT ? VIEW_FLY : VIEW_ORBIT;
     view_log(state, "camera: %s", state->camera.mode == VIEW_ORBIT ? "orbit" : "fly");
+}
+
+static void change_up(view_state *state)
+{
+    double up[3];
+    camera_up(state, up);
+    const bool was_y = up[1] > 0.5;
+    camera_choose_up(state, (const float[3]){0, was_y ? 0 : 1, was_y ? 1 : 0});
+    view_log(state, "up: %s", was_y ? "z" : "y");
 }
 
 static void change_form(view_state *state)
@@ -221,6 +233,15 @@ static void press_letter(const view_event *event, view_state *state)
         break;
     case 'n':
         edit_instances(state, true);
+        break;
+    case 'v':
+        view_choose_clip(state, !state->shown.clip.is_on);
+        break;
+    case 'x':
+        state->settings.grid = !state->settings.grid;
+        break;
+    case 'z':
+        change_up(state);
         break;
     default:
         break;

@@ -38,6 +38,7 @@ static int close_job(void *user)
 void opening_close(viewer *which)
 {
     drawing_end(&which->drawing);
+    ground_end(&which->ground);
     history_end(&which->state);
     if (which->subject != NULL) {
         (void)work_run(which, "", false, close_job, which->subject);

@@ -177,7 +177,8 @@ void panels_describe_work(ui *toolkit, const panels_work *work, float width, flo
     const ui_place place = {floorf((width - columns) / 2), floorf((height - rows) / 2), columns, rows};
     ui_raise(toolkit);
     ui_panel_begin(toolkit, "#work", place);
-    ui_fill(toolkit, (ui_place){place.x + 1, place.y + 1, columns - 2, rows - 2}, UI_COLOR_PANEL | UI_RGBA(0, 0, 0, 255));
+    ui_fill(toolkit, (ui_place){place.x + 1, place.y + 1, columns - 2, rows - 2},
+            UI_COLOR_PANEL | UI_RGBA(0, 0, 0, 255));
     (void)ui_fit(toolkit, name, columns - 2 * UI_PADDING, shown, sizeof shown);
     ui_heading(toolkit, shown);
     write_step(text, sizeof text, work);
@@ -211,6 +212,8 @@ static void describe_columns(ui *toolkit, view_state *state, float width, float 
     describe_column(toolkit, state, "#left", left, left_sections, sizeof left_sections / sizeof *left_sections);
     describe_column(toolkit, state, "#right", right, right_sections, sizeof right_sections / sizeof *right_sections);
     describe_line(toolkit, state, below);
+    panels_guides(toolkit, state,
+                  (ui_place){left.x + column + MARGIN, MARGIN, width - 2 * (2 * MARGIN + column), rest + MARGIN});
 }
 
 void panels_describe(ui *toolkit, view_state *state)

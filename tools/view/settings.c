@@ -46,7 +46,9 @@ static const value values[] = {COUNT(width, VIEW_EDGE_MIN, VIEW_EDGE_MAX),
                                FLOAT(goal_ms, 1, 10000),
                                FLOAT(text_scale, 0, 8),
                                FLAG(fullscreen),
-                               FLAG(panels)};
+                               FLAG(panels),
+                               FLAG(axes),
+                               FLAG(grid)};
 
 #define VALUES (sizeof values / sizeof values[0])
 

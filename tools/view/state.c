@@ -22,7 +22,8 @@ void view_state_begin(view_state *state)
                                       .turn_speed = 3.0F,
                                       .move_speed = 0.25F,
                                       .goal_ms = 40.0F,
-                                      .text_scale = 0.0F};
+                                      .text_scale = 0.0F,
+                                      .axes = true};
 }
 
 void view_state_end(view_state *state)
@@ -209,6 +210,58 @@ void view_toggle_panel(view_state *state, view_panel panel)
     if ((unsigned)panel < VIEW_PANELS) {
         state->settings.open[panel] = !state->settings.open[panel];
     }
+}
+
+/* ---- clipping ---- */
+
+void view_clip_range(const view_state *state, const float normal[3], float range[2])
+{
+    range[0] = 0;
+    range[1] = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const float low = normal[axis] * state->low[axis];
+        const float high = normal[axis] * state->high[axis];
+        range[0] += low < high ? low : high;
+        range[1] += low < high ? high : low;
+    }
+}
+
+/* Probes see the whole scene. */
+void view_clip_plane(const view_state *state, float plane[4])
+{
+    const view_clip *clip = &state->shown.clip;
+    const bool is_on = clip->is_on && !state->shown.through;
+    for (int axis = 0; axis < 3; ++axis) {
+        plane[axis] = is_on ? clip->normal[axis] : 0;
+    }
+    plane[3] = is_on ? -clip->offset : 0;
+}
+
+void view_choose_clip(view_state *state, bool is_on)
+{
+    const svo_camera *at = &state->camera.at;
+    view_clip *clip = &state->shown.clip;
+    float range[2];
+    float most = 0;
+    if (is_on && state->shown.through) {
+        view_log(state, "pictures through probes are not clipped");
+        return;
+    }
+    clip->is_on = is_on;
+    if (!is_on) {
+        return;
+    }
+    memset(clip->normal, 0, sizeof clip->normal);
+    for (int axis = 0; axis < 3; ++axis) {
+        const float along = at->target[axis] - at->eye[axis];
+        if (along > most || -along > most) {
+            most = along > 0 ? along : -along;
+            memset(clip->normal, 0, sizeof clip->normal);
+            clip->normal[axis] = along > 0 ? 1.0F : -1.0F;
+        }
+    }
+    view_clip_range(state, clip->normal, range);
+    clip->offset = 0.5F * (range[0] + range[1]);
 }
 
 /* ---- probes ---- */

@@ -58,6 +58,13 @@ typedef struct view_probe_grid {
     uint32_t max_mib; /* of texels */
 } view_probe_grid;
 
+/* A plane that cuts away what is on its near side: points p with normal . p < offset. */
+typedef struct view_clip {
+    bool is_on;
+    float normal[3]; /* unit */
+    float offset; /* world units along it */
+} view_clip;
+
 /* Everything that decides a picture besides camera, lights and instances. */
 typedef struct view_shown {
     view_picture picture;
@@ -71,6 +78,7 @@ typedef struct view_shown {
     bool through; /* camera rays pass probes, not the tree */
     svo_probe_choice choice; /* of the probes that a ray tries */
     view_probe_grid probes; /* where they are shown: view_shows_probes */
+    view_clip clip;
 } view_shown;
 
 /* Everything that decides the bytes of a picture: it is drawn anew when one of these differs from what was drawn. */
@@ -98,6 +106,7 @@ typedef enum view_motion {
 typedef struct view_camera {
     svo_camera at;
     svo_camera home; /* where it began */
+    float up[3]; /* of the world, unit; zero: at.up */
     view_camera_mode mode;
     float speed; /* world units a second */
     bool held[VIEW_MOTIONS];
@@ -206,6 +215,12 @@ typedef struct view_memory {
 
 #define VIEW_MEMORY_MAX 48
 
+/* A piece of a line in the world. */
+typedef struct view_piece {
+    float from[3], to[3];
+    float color[4];
+} view_piece;
+
 /* ---- panels and settings ---- */
 
 /* In the order of their keys, F1 to F10, F12 and K. */
@@ -237,6 +252,7 @@ typedef struct view_settings {
     unsigned coarse; /* while something moves: 1, 2, 4, 8; 0: by goal_ms */
     float text_scale; /* 0: by the window; above 1: large */
     char recent[VIEW_RECENT_MAX][VIEW_PATH_BYTES]; /* files that were opened, the last one first; "" behind the last */
+    bool axes, grid; /* shown */
 } view_settings;
 
 /* ---- opening files ---- */
@@ -295,6 +311,11 @@ typedef struct view_state {
     view_revisions revisions;
     view_camera camera;
     double seconds; /* of the clock */
+    float low[3], high[3]; /* world; the box of what is shown */
+    const view_piece *ground; /* ground_count: the lines that are seen of the ground grid */
+    size_t ground_count;
+    float depth_range[2]; /* world units from the eye that view depth shows in white and in dark gray */
+    float ground_spacing; /* world units between its lines; 0: it is not shown */
     bool is_refined; /* the window shows the picture in full */
     bool is_idle; /* and nothing moves: frames wait for an event */
 
@@ -392,6 +413,13 @@ void view_choose_gi(view_state *state, bool is_on);
 void view_choose_photons(view_state *state, bool is_on);
 void view_choose_exposure(view_state *state, float exposure);
 void view_toggle_panel(view_state *state, view_panel panel);
+
+/* Clips by a plane through the middle of what is shown, across the axis that the camera looks along most, or no more. */
+void view_choose_clip(view_state *state, bool is_on);
+/* The least and the greatest offset of planes of a normal that meet the box of what is shown. */
+void view_clip_range(const view_state *state, const float normal[3], float range[2]);
+/* As svo_render_options.clip has it; zeros where nothing is clipped. */
+void view_clip_plane(const view_state *state, float plane[4]);
 
 /* Looks through probes, in a view that they have, or at the tree again. */
 void view_choose_through(view_state *state, bool is_on);

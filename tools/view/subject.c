@@ -14,6 +14,7 @@
 
 static void begin_camera(view_state *state, double scene_width)
 {
+    memcpy(state->camera.up, state->camera.at.up, sizeof state->camera.up);
     state->camera.home = state->camera.at;
     state->camera.mode = VIEW_ORBIT;
     state->camera.speed = (float)(scene_width * (double)state->settings.move_speed);
@@ -125,6 +126,75 @@ static int open_scene(program *running, view_state *state, subject *out)
 }
 
 /* ---- both ---- */
+
+/* Nodes of no deeper level are looked at for the box of a tree. */
+#define BOX_LEVEL_MAX 6u
+
+/* The occupied part; without host arrays the grid. */
+static void box_of_tree(const svo_tree *tree, view_state *state)
+{
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    double low[3];
+    double high[3];
+    if (tree == NULL || svo_tree_get_info(tree, &info) != SVO_OK) {
+        return;
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        state->low[axis] = (float)info.origin[axis];
+        state->high[axis] = (float)(info.origin[axis] + info.edge);
+    }
+    const uint32_t level = info.depth < BOX_LEVEL_MAX ? info.depth : BOX_LEVEL_MAX;
+    const uint32_t begin = info.level_begin[level];
+    for (uint32_t node = begin; node < info.level_begin[level + 1]; ++node) {
+        if (svo_tree_node_box(tree, node, low, high) != SVO_OK) {
+            return;
+        }
+        for (int axis = 0; axis < 3; ++axis) {
+            const bool is_first = node == begin;
+            state->low[axis] = is_first ? (float)low[axis] : fminf(state->low[axis], (float)low[axis]);
+            state->high[axis] = is_first ? (float)high[axis] : fmaxf(state->high[axis], (float)high[axis]);
+        }
+    }
+}
+
+/* As kernels/rays/view.cl has it. */
+static void tell_depth(const subject *which, view_state *state)
+{
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    const svo_tree *tree = subject_tree(which, state);
+    if (tree == NULL || svo_tree_get_info(tree, &info) != SVO_OK) {
+        return;
+    }
+    double square = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double away = (double)state->camera.at.eye[axis] - (info.origin[axis] + 0.5 * info.edge);
+        square += away * away;
+    }
+    const double reach = 0.87 * info.edge;
+    state->depth_range[0] = (float)fmax(sqrt(square) - reach, 0);
+    state->depth_range[1] = (float)(sqrt(square) + reach);
+}
+
+void subject_box(subject *which, view_state *state)
+{
+    tell_depth(which, state);
+    const svo_scene *placed_now = state->is_scene ? placed_scene(which->placed) : NULL;
+    const uint64_t changes =
+        1 + 2 * ((uint64_t)which->changes + placed_changes(which->placed)) + (state->is_scene ? 1 : 0);
+    if (which->boxed == changes) {
+        return;
+    }
+    which->boxed = changes;
+    svo_scene_info info = SVO_SCENE_INFO_INIT;
+    if (placed_now == NULL) {
+        box_of_tree(subject_tree(which, state), state);
+    } else if (svo_scene_get_info(placed_now, &info) == SVO_OK) {
+        for (int axis = 0; axis < 3; ++axis) {
+            state->low[axis] = (float)info.low[axis];
+            state->high[axis] = (float)info.high[axis];
+        }
+    }
+}
 
 /* The tree can be placed too. */
 static int prepare_placing(subject *which, view_state *state)
@@ -362,19 +432,20 @@ static svo_status draw_light(subject *which, const view_state *state, const pict
                              cl_event *drawn)
 {
     const view_shown *shown = &state->shown;
-    const svo_light_picture asked = {.struct_size = sizeof asked,
-                                     .width = part->width,
-                                     .height = part->height,
-                                     .camera = state->camera.at,
-                                     .view = light_view(shown->picture),
-                                     .gather = {.struct_size = sizeof asked.gather,
-                                                .cones = shown->cones,
-                                                .range = shown->range,
-                                                .falloff = shown->falloff,
-                                                .no_light = !shown->gi},
-                                     .exposure = shown->exposure,
-                                     .first_row = part->first_row,
-                                     .row_count = round_rows(part->row_count)};
+    svo_light_picture asked = {.struct_size = sizeof asked,
+                               .width = part->width,
+                               .height = part->height,
+                               .camera = state->camera.at,
+                               .view = light_view(shown->picture),
+                               .gather = {.struct_size = sizeof asked.gather,
+                                          .cones = shown->cones,
+                                          .range = shown->range,
+                                          .falloff = shown->falloff,
+                                          .no_light = !shown->gi},
+                               .exposure = shown->exposure,
+                               .first_row = part->first_row,
+                               .row_count = round_rows(part->row_count)};
+    view_clip_plane(state, asked.clip);
     return svo_light_render_enqueue(which->lit.light, &asked, pixels, which->done.opened.queue, 0, NULL, drawn);
 }
 
@@ -383,11 +454,12 @@ static svo_status draw_tree(subject *which, const view_state *state, const pictu
 {
     static const svo_render_view views[] = {SVO_VIEW_SHADED, SVO_VIEW_NORMAL, SVO_VIEW_DEPTH,
                                             SVO_VIEW_STEPS,  SVO_VIEW_LEVEL,  SVO_VIEW_TRIANGLES};
-    const svo_render_options asked = {.struct_size = sizeof asked,
-                                      .width = part->width,
-                                      .height = part->height,
-                                      .camera = state->camera.at,
-                                      .view = views[state->shown.picture]};
+    svo_render_options asked = {.struct_size = sizeof asked,
+                                .width = part->width,
+                                .height = part->height,
+                                .camera = state->camera.at,
+                                .view = views[state->shown.picture]};
+    view_clip_plane(state, asked.clip);
     return svo_tree_render_enqueue(subject_device(which), subject_tree(which, state), &asked, pixels,
                                    subject_queue(which), 0, NULL, drawn);
 }

@@ -222,6 +222,9 @@ static int update(viewer *which, bool *is_new)
     int exit_code = opening_take(which);
     exit_code = exit_code == PROGRAM_DONE && !which->work.is_closed ? update_subject(which) : exit_code;
     history_look(state, which->held[0] || which->held[1] || which->held[2] || overlay_types(which->overlay));
+    if (exit_code == PROGRAM_DONE && !which->work.is_closed) {
+        subject_box(which->subject, state);
+    }
     lap(which, VIEW_STAGE_TREE);
     if (exit_code == PROGRAM_DONE && !window_use(which->window, &which->why)) {
         exit_code = viewer_fail(which);
@@ -230,6 +233,7 @@ static int update(viewer *which, bool *is_new)
         return exit_code;
     }
     exit_code = drawing_next(&which->drawing, which->subject, state, &clock, is_new);
+    exit_code = exit_code == PROGRAM_DONE ? ground_update(&which->ground, which->subject, state) : exit_code;
     lap(which, VIEW_STAGE_PICTURE);
     return exit_code == PROGRAM_DONE ? list_memory(which) : exit_code;
 }

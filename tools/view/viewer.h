@@ -6,6 +6,7 @@
 #include "support/program.h"
 #include "view/canvas.h"
 #include "view/drawing.h"
+#include "view/ground.h"
 #include "view/input.h"
 #include "view/marks.h"
 #include "view/overlay.h"
@@ -43,6 +44,7 @@ typedef struct viewer {
     char *opened_path; /* of the file that is shown, where it is not the command line's */
     options first; /* the command line's */
     drawing drawing;
+    ground ground;
     marks marks;
     uint64_t listed; /* sum of changes whose memory is listed */
     bool is_fullscreen;
