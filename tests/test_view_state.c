@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 #include <math.h>
+#include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,9 +15,12 @@
 
 #include "view/camera.h"
 #include "view/input.h"
+#include "view/open_dialog.h"
+#include "view/panels_figures.h"
 #include "view/play.h"
 #include "view/probe_spheres.h"
 #include "view/settings.h"
+#include "view/worker.h"
 #include "work_folder.h"
 
 #define PI 3.14159265358979323846
@@ -213,6 +217,13 @@ static void keys_choose_what_is_shown(void **unused)
     free_state(state);
 }
 
+static void press_control(view_state *state, int key)
+{
+    input_mouse mouse = {.x = 0};
+    const view_event event = {.kind = VIEW_EVENT_KEY, .key = key, .is_down = true, .control = true};
+    assert_int_equal(input_take(&mouse, &event, state), INPUT_NOTHING);
+}
+
 /* Probes have four views, and no light of a scene. */
 static void keys_look_through_probes(void **unused)
 {
@@ -307,6 +318,162 @@ static void clicks_pick_and_drags_turn(void **unused)
     assert_int_equal(button(&mouse, state, false, 140, 90), INPUT_NOTHING);
     assert_true(distance(state->camera.at.eye, state->camera.home.eye) > 0.1);
     assert_int_equal(button(&mouse, state, false, 140, 90), INPUT_NOTHING);
+    free_state(state);
+}
+
+/* ---- work ---- */
+
+/* A job that asks, says how far it is, and goes on until it is to end. */
+typedef struct long_job {
+    worker *thread;
+    unsigned answers;
+    bool is_seen;
+} long_job;
+
+static void answer(void *user)
+{
+    long_job *of = user;
+    ++of->answers;
+}
+
+static int work_until_canceled(void *user)
+{
+    long_job *of = user;
+    const progress_view now = {.what = "working", .stage = "half", .step = 1, .step_count = 2, .part = 0.5};
+    worker_ask(of->thread, answer, of);
+    worker_see(of->thread, &now);
+    worker_ask(of->thread, answer, of);
+    while (!worker_stops(of->thread)) {
+        (void)sched_yield();
+    }
+    return 7;
+}
+
+static int end_at_once(void *user)
+{
+    long_job *of = user;
+    return worker_stops(of->thread) ? 1 : 0;
+}
+
+static void jobs_ask_and_are_canceled(void **unused)
+{
+    (void)unused;
+    long_job of = {.thread = worker_create()};
+    assert_non_null(of.thread);
+    assert_int_equal(worker_wait(of.thread, 0), WORKER_DONE);
+    worker_begin(of.thread, work_until_canceled, &of);
+    for (unsigned i = 1; i <= 2; ++i) {
+        assert_int_equal(worker_wait(of.thread, WORKER_FOREVER), WORKER_ASKS);
+        assert_int_equal(of.answers, i - 1);
+        worker_answer(of.thread);
+    }
+    assert_int_equal(of.answers, 2);
+    const progress_view now = worker_progress(of.thread);
+    assert_string_equal(now.stage, "half");
+    assert_int_equal(now.step, 1);
+    assert_int_equal(worker_wait(of.thread, 1), WORKER_BUSY);
+    worker_cancel(of.thread);
+    assert_int_equal(worker_wait(of.thread, WORKER_FOREVER), WORKER_DONE);
+    assert_int_equal(worker_exit_code(of.thread), 7);
+    worker_begin(of.thread, end_at_once, &of); /* the next one is not canceled */
+    assert_int_equal(worker_wait(of.thread, WORKER_FOREVER), WORKER_DONE);
+    assert_int_equal(worker_exit_code(of.thread), 0);
+    worker_destroy(&of.thread);
+}
+
+/* ---- files ---- */
+
+static void make_file(const char *name)
+{
+    FILE *file = fopen(path_of(name), "wb");
+    assert_non_null(file);
+    assert_int_equal(fclose(file), 0);
+    work_folder_remember(name);
+}
+
+static void type(view_state *state, const char *begin)
+{
+    (void)snprintf(state->open.path, sizeof state->open.path, "%s", path_of(begin));
+}
+
+static void paths_are_completed(void **unused)
+{
+    (void)unused;
+    view_state *state = make_state();
+    make_file("model-a.obj");
+    make_file("model-b.obj");
+    make_file("Other.ply");
+    make_file(".hidden.obj");
+    state->input = path_of("model-a.obj");
+    press_control(state, 'o');
+    assert_true(state->open.is_shown);
+    assert_int_equal(state->open.name_count, 3);
+    type(state, "m");
+    open_dialog_complete(state);
+    assert_string_equal(state->open.path, path_of("model-"));
+    assert_int_equal(state->open.name_count, 2);
+    open_dialog_choose(state, 1); /* from none to the first one */
+    open_dialog_choose(state, 1);
+    open_dialog_choose(state, -1);
+    open_dialog_accept(state);
+    assert_true(state->wants_open);
+    assert_false(state->open.is_shown);
+    assert_string_equal(state->open_path, path_of("model-a.obj"));
+    open_dialog_show(state);
+    type(state, "oth"); /* whatever the case */
+    open_dialog_complete(state);
+    assert_string_equal(state->open.path, path_of("Other.ply"));
+    type(state, "nothing");
+    open_dialog_complete(state);
+    assert_string_equal(state->open.path, path_of("nothing"));
+    type(state, ".h");
+    open_dialog_complete(state);
+    assert_string_equal(state->open.path, path_of(".hidden.obj"));
+    press(state, VIEW_KEY_ESCAPE, false);
+    assert_false(state->open.is_shown);
+    free_state(state);
+}
+
+/* What belongs to one model ends with it; the window, its settings and its log stay. */
+static void another_model_begins_anew(void **unused)
+{
+    (void)unused;
+    view_state *state = make_state();
+    view_state *fresh = make_state();
+    view_state_end(fresh);
+    press(state, 'c', false);
+    press(state, '3', false);
+    assert_int_equal(state->camera.mode, VIEW_FLY);
+    state->selection.is_hit = true;
+    state->film.is_playing = true;
+    state->camera.held[VIEW_FORWARD] = true;
+    state->settings.turn_speed = 7;
+    state->scale = 2;
+    const size_t lines = state->log_count;
+    view_state_renew(state, fresh);
+    assert_int_equal(fresh->camera.mode, VIEW_ORBIT);
+    assert_int_equal(fresh->shown.picture, VIEW_SHADED);
+    assert_false(fresh->selection.is_hit);
+    assert_false(fresh->film.is_playing);
+    assert_false(fresh->camera.held[VIEW_FORWARD]);
+    assert_true(fresh->settings.turn_speed > 6.9F);
+    assert_true(fresh->scale > 1.9F);
+    assert_int_equal(fresh->log_count, lines);
+    assert_int_equal(fresh->width, 640);
+    free_state(state);
+    free_state(fresh);
+}
+
+/* At rest a frame has waited; its work is that of the last one that drew. */
+static void times_are_of_work(void **unused)
+{
+    (void)unused;
+    view_state *state = make_state();
+    state->frames[state->frame_count++] = (view_frame){.ms = 40, .work_ms = 12.5F, .rays = 100};
+    assert_string_equal(panels_time(state).text, "12.5 ms");
+    state->frames[state->frame_count++] = (view_frame){.ms = 137, .work_ms = 0.5F};
+    state->is_idle = true;
+    assert_string_equal(panels_time(state).text, "idle, 12.5 ms");
     free_state(state);
 }
 
@@ -514,6 +681,10 @@ int main(void)
                                        cmocka_unit_test(keys_look_through_probes),
                                        cmocka_unit_test(clicks_find_spheres),
                                        cmocka_unit_test(clicks_pick_and_drags_turn),
+                                       cmocka_unit_test(jobs_ask_and_are_canceled),
+                                       cmocka_unit_test(paths_are_completed),
+                                       cmocka_unit_test(another_model_begins_anew),
+                                       cmocka_unit_test(times_are_of_work),
                                        cmocka_unit_test(settings_come_back),
                                        cmocka_unit_test(damaged_settings_mean_defaults_and_a_line),
                                        cmocka_unit_test(settings_that_cannot_be_kept_are_a_line),

@@ -67,6 +67,8 @@ key delete
 refine
 shot removed.png
 key ctrl+r
+wait 2
+click 320 175
 refine
 shot loaded.png
 SCRIPT

@@ -139,7 +139,8 @@ static int open_file(viewer *which, const char *asked)
     work.state->input = path;
     which->running->options = options_of(which, path);
     const int exit_code = work_run(which, path, true, open_job, &work);
-    if (exit_code == PROGRAM_DONE) {
+    const bool is_canceled = which->work.is_canceled;
+    if (exit_code == PROGRAM_DONE && !is_canceled) {
         if (which->failure.text[0] != '\0') {
             view_log(work.state, "%s", which->failure.text);
         }
@@ -149,6 +150,9 @@ static int open_file(viewer *which, const char *asked)
     which->running->options = before;
     if (!which->work.is_closed) {
         refuse_file(which, path);
+    }
+    if (exit_code == PROGRAM_DONE) { /* what does not ask whether it is canceled */
+        (void)work_run(which, "", false, close_job, work.subject);
     }
     view_state_end(work.state);
     free(work.state);

@@ -447,12 +447,26 @@ script_step script_next(script *which, const view_state *state)
     return *step;
 }
 
-bool script_has_loading(const script *which)
+/* A key that began the work goes up later. */
+static size_t loading_index(const script *which)
 {
-    return which->next < which->step_count && which->steps[which->next].is_loading;
+    const script_step *next = &which->steps[which->next];
+    const bool is_release = which->next < which->step_count && next->kind == SCRIPT_EVENT && !next->is_loading &&
+                            next->event.kind == VIEW_EVENT_KEY && !next->event.is_down;
+    return which->next + (is_release ? 1 : 0);
+}
+
+bool script_has_loading(const script *which, unsigned line)
+{
+    const size_t index = loading_index(which);
+    return index < which->step_count && which->steps[index].is_loading &&
+           (line == 0 || which->steps[index].line == line);
 }
 
 script_step script_next_loading(script *which)
 {
-    return which->steps[which->next++];
+    const size_t index = loading_index(which);
+    const script_step step = which->steps[index];
+    which->steps[index] = which->steps[which->next++];
+    return step;
 }

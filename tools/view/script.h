@@ -46,8 +46,9 @@ void script_close(script *which);
 /* The step of the next frame. Waits come once for each of their frames. */
 script_step script_next(script *which, const view_state *state);
 
-/* Whether the next step is for the window of a load, which script_next_loading then takes. */
-bool script_has_loading(const script *which);
+/* Whether the next step is for the window of a load, which script_next_loading then takes. line: that it must be of; 0:
+   any. */
+bool script_has_loading(const script *which, unsigned line);
 script_step script_next_loading(script *which);
 
 #endif

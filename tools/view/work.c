@@ -49,19 +49,21 @@ static int draw(viewer *which, const char *shot)
     return exit_code;
 }
 
-/* What a hand does to the picture meanwhile is lost. */
+/* What a hand does to the picture meanwhile is lost. Without anything to go back to, Escape closes the window. */
 static void take_event(viewer *which, const view_event *event)
 {
     view_work *work = &which->work;
-    if (event->kind == VIEW_EVENT_QUIT && work->asks) {
+    const bool escapes = event->kind == VIEW_EVENT_KEY && event->is_down && event->key == VIEW_KEY_ESCAPE;
+    const bool closes = event->kind == VIEW_EVENT_QUIT || (escapes && which->subject == NULL);
+    if (closes && work->asks) {
         work->leaves = true;
         stop(which);
-    } else if (event->kind == VIEW_EVENT_QUIT) {
+    } else if (closes) {
         work->is_closed = true;
         work->closed_ms = input_now_ms();
         window_hide(which->window);
         stop(which);
-    } else if (event->kind == VIEW_EVENT_KEY && event->is_down && event->key == VIEW_KEY_ESCAPE) {
+    } else if (escapes) {
         stop(which);
     }
 }
@@ -108,17 +110,20 @@ static void look_after(viewer *which)
 
 /* ---- the work ---- */
 
-/* A step of a script for the box, while the work waits. */
+/* A line of a script for the box, while the work waits. */
 static void play(void *user)
 {
     viewer *which = user;
     view_work *work = &which->work;
-    const script_step step = script_next_loading(&which->script);
+    script_step step;
     work->is_shown = true;
-    if (step.kind == SCRIPT_EVENT && !window_push(which->window, &step.event)) {
-        work->exit_code = program_fail(which->running, PROGRAM_FAILED, "an event of the script was refused");
-    }
-    take_turn(which, step.kind == SCRIPT_SHOT ? step.path : NULL);
+    do {
+        step = script_next_loading(&which->script);
+        if (step.kind == SCRIPT_EVENT && !window_push(which->window, &step.event)) {
+            work->exit_code = program_fail(which->running, PROGRAM_FAILED, "an event of the script was refused");
+        }
+        take_turn(which, step.kind == SCRIPT_SHOT ? step.path : NULL);
+    } while (script_has_loading(&which->script, step.line));
 }
 
 /* Functions of a progress_watch. A script's steps come at those of the work, so that they are always the same. */
@@ -126,7 +131,7 @@ static void see_progress(void *user, const progress_view *now)
 {
     viewer *which = user;
     worker_see(which->worker, now);
-    if (which->has_script && now->stage == NULL && script_has_loading(&which->script)) {
+    if (which->has_script && now->stage == NULL && script_has_loading(&which->script, 0)) {
         worker_ask(which->worker, play, which);
     }
 }
