@@ -3,6 +3,7 @@
 #include "view/window.h"
 
 #include <SDL.h>
+#include <SDL_syswm.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,6 +15,7 @@ struct window {
     view_gl gl;
     svo_gl_context *wrapped;
     char *copied; /* SDL's, of the clipboard */
+    float x11_scale; /* by the desktop's settings when the window was opened */
 };
 
 /* Of an inch of a plain display. */
@@ -78,32 +80,48 @@ static bool open_context(window *made, svo_message *why)
     return false;
 }
 
-/* X11 has the dots of an inch, by the desktop's settings or the display's size. */
-static float scale_of_display(int display)
+#ifdef SDL_VIDEO_DRIVER_X11
+typedef char *get_default(Display *display, const char *program, const char *option);
+
+/* Desktops on X11 say it as the dots of an inch, in a resource that SDL does not read. */
+static float scale_of_x11(SDL_Window *handle)
 {
-    float dots = PLAIN_DOTS;
-    const bool is_known = display >= 0 && SDL_GetDisplayDPI(display, NULL, &dots, NULL) == 0;
-    return is_known ? dots / PLAIN_DOTS : 1;
+    SDL_SysWMinfo info;
+    float dots = 0;
+    get_default *find = NULL;
+    SDL_VERSION(&info.version);
+    if (SDL_GetWindowWMInfo(handle, &info) != SDL_TRUE || info.subsystem != SDL_SYSWM_X11) {
+        return 1;
+    }
+    void *library = SDL_LoadObject("libX11.so.6"); /* SDL has it open */
+    void *const found = library != NULL ? SDL_LoadFunction(library, "XGetDefault") : NULL;
+    memcpy(&find, &found, sizeof find);
+    const char *text = find != NULL ? find(info.info.x11.display, "Xft", "dpi") : NULL;
+    dots = text != NULL ? strtof(text, NULL) : PLAIN_DOTS;
+    if (library != NULL) {
+        SDL_UnloadObject(library);
+    }
+    return dots > 0 ? dots / PLAIN_DOTS : 1;
 }
+#else
+static float scale_of_x11(SDL_Window *handle)
+{
+    (void)handle;
+    return 1;
+}
+#endif
 
 static float in_quarters(float scale)
 {
     return fminf(fmaxf(floorf(4 * scale + 0.5F) / 4, 1), 4);
 }
 
-/* Only X11 measures windows in pixels, whatever their size. */
-static float growth(const window_place *place)
-{
-    const char *driver = SDL_GetCurrentVideoDriver();
-    return place->grows && driver != NULL && strcmp(driver, "x11") == 0 ? in_quarters(scale_of_display(0)) : 1;
-}
-
 static bool open_window(window *made, const char *title, const window_place *place, svo_message *why)
 {
     const Uint32 flags = SDL_WINDOW_OPENGL | SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI |
                          (place->fullscreen ? SDL_WINDOW_FULLSCREEN_DESKTOP : 0);
-    const int width = (int)((float)place->width * growth(place));
-    const int height = (int)((float)place->height * growth(place));
+    const int width = (int)place->width;
+    const int height = (int)place->height;
     SDL_GL_SetAttribute(SDL_GL_CONTEXT_PROFILE_MASK, SDL_GL_CONTEXT_PROFILE_CORE);
     SDL_GL_SetAttribute(SDL_GL_CONTEXT_MAJOR_VERSION, 4);
     SDL_GL_SetAttribute(SDL_GL_CONTEXT_MINOR_VERSION, 3);
@@ -111,6 +129,11 @@ static bool open_window(window *made, const char *title, const window_place *pla
     if (made->handle == NULL) {
         (void)snprintf(why->text, sizeof why->text, "no window of %dx%d pixels: %s", width, height, SDL_GetError());
         return false;
+    }
+    made->x11_scale = scale_of_x11(made->handle);
+    const float scale = place->grows ? in_quarters(made->x11_scale) : 1;
+    if (scale > 1) {
+        SDL_SetWindowSize(made->handle, (int)((float)width * scale), (int)((float)height * scale));
     }
     return open_context(made, why);
 }
@@ -222,7 +245,7 @@ static float pixels_of_unit(const window *which)
 float window_scale(const window *which)
 {
     const float units = pixels_of_unit(which);
-    return in_quarters(units > 1.01F ? units : scale_of_display(SDL_GetWindowDisplayIndex(which->handle)));
+    return in_quarters(units > 1.01F ? units : which->x11_scale);
 }
 
 void window_size(const window *which, unsigned *width, unsigned *height)

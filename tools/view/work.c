@@ -37,8 +37,10 @@ static int draw(viewer *which, const char *shot)
     unsigned width = 0;
     unsigned height = 0;
     window_size(which->window, &width, &height);
-    if (!canvas_continue(which->canvas, width, height, &which->why) ||
-        !overlay_draw_work(which->overlay, &work, width, height, &which->why)) {
+    const bool is_begun = which->work.is_opening
+                              ? canvas_draw(which->canvas, width, height, NULL, 0, &which->why) /* without panels */
+                              : canvas_continue(which->canvas, width, height, &which->why);
+    if (!is_begun || !overlay_draw_work(which->overlay, &work, width, height, &which->why)) {
         return viewer_fail(which);
     }
     const int exit_code = shot != NULL ? shots_take(which, shot, width, height) : PROGRAM_DONE;
