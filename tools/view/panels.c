@@ -140,7 +140,6 @@ void panels_describe(ui *toolkit, view_state *state)
     describe_column(toolkit, state, "#left", left, left_sections, sizeof left_sections / sizeof *left_sections);
     describe_column(toolkit, state, "#right", right, right_sections, sizeof right_sections / sizeof *right_sections);
     describe_line(toolkit, state, line);
-    panels_guides(
-        toolkit, state,
-        (ui_place){left.x + width + MARGIN, MARGIN, (float)state->width - 2 * (2 * MARGIN + width), height + MARGIN});
+    panels_guides(toolkit, state,
+                  (ui_place){left.x + width + MARGIN, MARGIN, (float)state->width - 2 * (2 * MARGIN + width), height});
 }
