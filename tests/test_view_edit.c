@@ -643,8 +643,7 @@ static void test_closing_asks_about_unsaved_edits(void **unused)
     (void)snprintf(input, sizeof input, "%s", state->input);
     state->input = input;
     history_begin(state);
-    scene_edit_drag(state, 4, 2);
-    history_look(state, false);
+    scene_edit_drag(state, 4, 2); /* in the same frame */
     (void)input_take(&mouse, &close, state);
     assert_false(state->is_done);
     assert_int_equal(state->question.asking, VIEW_ASKS_TO_SAVE);

@@ -669,6 +669,92 @@ static void motions_say_what_is_not_possible(void **unused)
     free_state(state);
 }
 
+/* ---- what is up ---- */
+
+static void tap(view_state *state, int key)
+{
+    input_mouse mouse = {.x = 0};
+    const view_event event = {.kind = VIEW_EVENT_KEY, .key = key, .is_down = true};
+    (void)input_take(&mouse, &event, state);
+}
+
+/* Key Z: the camera sees the model's sides as before, and goes around z. */
+static void the_worlds_up_may_be_z(void **unused)
+{
+    (void)unused;
+    view_state *state = make_state();
+    const float quarter = (float)(PI / 2 * 640 / (double)state->settings.turn_speed);
+    tap(state, 'z');
+    expect_point(state->camera.at.eye, 1, 2 - 10, 3);
+    expect_point(state->camera.at.up, 0, 0, 1);
+    camera_turn(state, quarter, 0);
+    expect_point(state->camera.at.eye, 1 - 10, 2, 3);
+    expect_point(state->camera.at.up, 0, 0, 1);
+    tap(state, VIEW_KEY_HOME);
+    expect_point(state->camera.at.eye, 1, 2 - 10, 3);
+    tap(state, 'z');
+    expect_point(state->camera.at.eye, 1, 2, 13);
+    expect_point(state->camera.at.up, 0, 1, 0);
+    free_state(state);
+}
+
+/* Looking from above and turning goes around up again; R flies up. */
+static void views_along_axes_keep_up(void **unused)
+{
+    (void)unused;
+    for (int up = 1; up < 3; ++up) {
+        view_state *state = make_state();
+        const float wanted[3] = {0, up == 1, up == 2};
+        camera_choose_up(state, wanted);
+        for (int axis = 0; axis < 3; ++axis) {
+            camera_look_along(state, axis);
+            expect_point(state->camera.at.eye, 1 + 10 * (axis == 0), 2 + 10 * (axis == 1), 3 + 10 * (axis == 2));
+            camera_turn(state, 30, 0);
+            expect_point(state->camera.at.up, 0, up == 1, up == 2);
+            assert_true(fabs(distance(state->camera.at.eye, state->camera.at.target) - 10) < 1e-4);
+        }
+        free_state(state);
+    }
+}
+
+/* ---- clipping ---- */
+
+/* Key V cuts away the side of the camera; picking begins at the plane. */
+static void clicks_respect_the_clip_plane(void **unused)
+{
+    (void)unused;
+    view_state *state = make_state();
+    svo_ray ray;
+    float plane[4];
+    for (int axis = 0; axis < 3; ++axis) {
+        state->low[axis] = -5;
+        state->high[axis] = 7;
+    }
+    tap(state, 'v');
+    view_clip_plane(state, plane);
+    assert_memory_equal(plane, ((const float[4]){0, 0, -1, 1}), sizeof plane); /* below z = 1 */
+    for (int x = 0; x < 640; x += 64) {
+        camera_pick_ray(state, (float)x, 100, &ray);
+        assert_float_equal(ray.origin[2] + ray.t_min * ray.direction[2], 1, 1e-5F);
+        assert_true(ray.t_max > 1e30F);
+    }
+    state->camera.at.target[2] = 30; /* away from what is left */
+    camera_pick_ray(state, 320, 200, &ray);
+    assert_true(ray.t_min > ray.t_max);
+    state->camera.at.eye[2] = -20; /* from the side that is left, rays end at the plane */
+    camera_pick_ray(state, 320, 200, &ray);
+    assert_float_equal(ray.t_min, 0, 0);
+    assert_float_equal(ray.origin[2] + ray.t_max * ray.direction[2], 1, 1e-5F);
+    tap(state, 'v');
+    view_clip_plane(state, plane);
+    assert_memory_equal(plane, ((const float[4]){0}), sizeof plane);
+    /* Not through probes. */
+    state->shown.through = true;
+    tap(state, 'v');
+    assert_false(state->shown.clip.is_on);
+    free_state(state);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(orbit_turns_the_eye_around_the_target),
@@ -677,6 +763,9 @@ int main(void)
                                        cmocka_unit_test(speed_does_not_depend_on_the_frames),
                                        cmocka_unit_test(panning_keeps_the_target_below_the_mouse),
                                        cmocka_unit_test(rays_and_pixels_agree),
+                                       cmocka_unit_test(the_worlds_up_may_be_z),
+                                       cmocka_unit_test(views_along_axes_keep_up),
+                                       cmocka_unit_test(clicks_respect_the_clip_plane),
                                        cmocka_unit_test(keys_choose_what_is_shown),
                                        cmocka_unit_test(keys_look_through_probes),
                                        cmocka_unit_test(clicks_find_spheres),

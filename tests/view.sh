@@ -68,6 +68,12 @@ differ camera-coarse camera-orbit
 differ camera-orbit camera-near
 differ camera-near camera-fly
 differ pick pick-none
+differ view-1-shaded clip-shaded
+differ view-3-depth clip-depth
+differ view-0-full clip-full
+differ view-1-shaded grid-behind
+differ grid-behind grid-z
+cmp -s first/grid-gone.png first/view-1-shaded.png || complain "without clip plane and grid the picture is another"
 differ view-1-shaded probes-spheres
 differ probes-spheres probes-chosen
 differ probes-map-radiance probes-map-normal

@@ -151,6 +151,7 @@ static void fail(view_state *state)
     view_history *which = state->history;
     forget_all(which);
     which->failed = true;
+    which->seen = state->revisions;
     which->first[VIEW_SCENE] = which->first[VIEW_LIGHTS] = ++which->last;
     view_log(state, "out of memory: what was edited so far cannot be undone");
 }
@@ -194,6 +195,7 @@ static void tell_unsaved(view_state *state)
     for (int i = 0; i < VIEW_DOCUMENTS; ++i) {
         state->unsaved[i] = versions_of(state->history)[i] != state->history->saved[i];
     }
+    state->looked = state->history->seen;
 }
 
 void history_end(view_state *state)
@@ -214,8 +216,10 @@ void history_begin(view_state *state)
         view_log(state, "out of memory: edits cannot be undone");
     } else if (!copy_all(state)) {
         fail(state);
-        history_saved(state, VIEW_SCENE);
-        history_saved(state, VIEW_LIGHTS);
+        memcpy(state->history->saved, state->history->first, sizeof state->history->saved);
+    }
+    if (state->history != NULL) {
+        tell_unsaved(state);
     }
 }
 

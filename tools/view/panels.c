@@ -213,7 +213,7 @@ static void describe_columns(ui *toolkit, view_state *state, float width, float 
     describe_column(toolkit, state, "#right", right, right_sections, sizeof right_sections / sizeof *right_sections);
     describe_line(toolkit, state, below);
     panels_guides(toolkit, state,
-                  (ui_place){left.x + column + MARGIN, MARGIN, width - 2 * (2 * MARGIN + column), rest + MARGIN});
+                  (ui_place){left.x + column + MARGIN, MARGIN, width - 2 * (2 * MARGIN + column), rest});
 }
 
 void panels_describe(ui *toolkit, view_state *state)

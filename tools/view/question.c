@@ -159,11 +159,11 @@ bool question_take(view_state *state, const view_event *event)
         end(state);
         return true;
     }
-    if (event->key == VIEW_KEY_ENTER && state->question.asking == VIEW_ASKS_TO_SAVE) {
-        question_save(state);
-        return true;
+    if (state->question.asking != VIEW_ASKS_TO_SAVE) {
+        return false; /* a field has the other keys */
     }
-    return false;
+    question_answer(state, event->key == VIEW_KEY_ENTER || event->key == 's' ? 0 : event->key == 'd' ? 1 : -1);
+    return true;
 }
 
 void question_answer(view_state *state, int button)

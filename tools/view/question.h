@@ -15,7 +15,7 @@ void question_save(view_state *state);
    that a tree of the scene comes from. The log says how it went. */
 void question_save_as(view_state *state, view_document document, const char *path);
 
-/* Whether the key is for a question that is asked: Escape cancels, Enter saves. */
+/* Whether the key is for a question that is asked: Escape cancels, Enter and S save, D discards. */
 bool question_take(view_state *state, const view_event *event);
 
 /* Presses a button of the question, the first one is 0: Save, Discard, Cancel; Save, Cancel; Replace, Other name,

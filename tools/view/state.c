@@ -146,7 +146,9 @@ void view_notice(view_state *state, const char *text)
 
 bool view_is_unsaved(const view_state *state)
 {
-    return state->unsaved[VIEW_SCENE] || state->unsaved[VIEW_LIGHTS];
+    const bool is_newer = state->history != NULL && (state->looked.lights != state->revisions.lights ||
+                                                     state->looked.instances != state->revisions.instances);
+    return is_newer || state->unsaved[VIEW_SCENE] || state->unsaved[VIEW_LIGHTS];
 }
 
 void view_leave(view_state *state, bool *wish)

@@ -354,6 +354,7 @@ typedef struct view_state {
     bool unsaved[VIEW_DOCUMENTS]; /* edits that no file has */
     view_question question;
     view_history *history; /* NULL: nothing is open */
+    view_revisions looked; /* those that unsaved tells of */
 
     view_selection selection;
     view_probes probes;
