@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Scripts: keys, moves, clicks, waits and shots in place of hands, one step a frame. docs/view.md describes the
- * commands. Steps for the window of a load come at its next steps of progress. While one plays, a frame lasts 1/60 s, however long it takes: so the same script gives the same pictures.
+ * commands. Steps for the window of a load come at its next steps of progress. While one plays, a frame lasts 1/60 s,
+ * however long it takes: so the same script gives the same pictures.
  */
 #ifndef SVOCL_TOOLS_VIEW_SCRIPT_H
 #define SVOCL_TOOLS_VIEW_SCRIPT_H
