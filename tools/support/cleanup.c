@@ -61,12 +61,13 @@ void cleanup_take(void)
 /* The thread of the files may be in the middle of its list: the handler runs there, where it holds no signal back. */
 void cleanup_end(int exit_code)
 {
+    const int number = ending_signals[0];
     struct sigaction wanted = {.sa_handler = end};
     sigfillset(&wanted.sa_mask);
     code_by_hand = exit_code;
     is_ended_by_hand = 1;
-    (void)sigaction(SIGTERM, &wanted, NULL);
-    (void)pthread_kill(writer, SIGTERM);
+    (void)sigaction(number, &wanted, NULL);
+    (void)pthread_kill(writer, number);
     for (;;) {
         (void)pause();
     }
