@@ -143,7 +143,8 @@ SCRIPT
 [[ -e made.json ]] || complain "Enter in the field of the file saves nothing"
 same made.json made.png
 
-# Ctrl+S asks for a name beside INPUT, and before it replaces a file of somebody else; Ctrl+Q asks before edits are lost.
+# Ctrl+S asks for a name beside INPUT, and before it replaces a file of somebody else; Ctrl+Q asks before edits are
+# lost.
 printf 'mine\n' >knot-scene.json
 view scene:knot:2000 -d 6 <<SCRIPT
 key i

@@ -279,7 +279,7 @@ int ground_update(ground *which, subject *shown, view_state *state)
     const bool is_shown = state->settings.grid && find_plane(state, &on);
     state->ground_count = is_shown ? which->count : 0;
     state->ground_spacing = is_shown ? (float)on.spacing : 0;
-    if (!is_shown || memcmp(&key, &which->made, sizeof key) == 0) {
+    if (!is_shown || memcmp((const void *)&key, (const void *)&which->made, sizeof key) == 0) {
         return PROGRAM_DONE;
     }
     which->made = key;

@@ -2,6 +2,7 @@
 /* Steps of edits: what differs of each list between two looks. */
 #include "view/history.h"
 
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -63,19 +64,19 @@ static list list_of(view_state *state, part which)
     return (list){(unsigned char *)state->scene_lights, state->scene_light_count, sizeof state->scene_lights[0]};
 }
 
-/* Movers have bytes between their fields. */
+/* Movers have bytes between and behind their fields. */
 static bool is_same(part which, const unsigned char *a, const unsigned char *b, size_t bytes)
 {
-    view_mover first;
-    view_mover second;
+    const size_t place = offsetof(view_mover, first);
+    const size_t motion = offsetof(view_mover, motion);
     if (which != PART_MOVERS) {
         return memcmp(a, b, bytes) == 0;
     }
-    memcpy(&first, a, sizeof first);
-    memcpy(&second, b, sizeof second);
-    return first.instance == second.instance && first.motion == second.motion &&
-           memcmp(&first.first, &second.first, sizeof first.first) == 0;
+    return memcmp(a, b, sizeof(size_t)) == 0 && memcmp(a + motion, b + motion, sizeof(const scene_motion *)) == 0 &&
+           memcmp(a + place, b + place, sizeof(scene_place)) == 0;
 }
+
+_Static_assert(offsetof(view_mover, instance) == 0, "movers begin with the instance");
 
 /* Makes room in a list of the state, whose count becomes this. The sky's is fixed, and so is that of scene_lights. */
 static bool resize(view_state *state, part which, size_t count)

@@ -415,7 +415,8 @@ void view_choose_photons(view_state *state, bool is_on);
 void view_choose_exposure(view_state *state, float exposure);
 void view_toggle_panel(view_state *state, view_panel panel);
 
-/* Clips by a plane through the middle of what is shown, across the axis that the camera looks along most, or no more. */
+/* Clips by a plane through the middle of what is shown, across the axis that the camera looks along most; or clips no
+   more. */
 void view_choose_clip(view_state *state, bool is_on);
 /* The least and the greatest offset of planes of a normal that meet the box of what is shown. */
 void view_clip_range(const view_state *state, const float normal[3], float range[2]);
