@@ -339,6 +339,55 @@ static void test_children_that_misbehave(void **unused)
     expect_misbehavior("again", &self, "svo_import_child_main must come first");
 }
 
+/* Stops at its third call. */
+static int stop_at_third(void *user, uint64_t byte_count)
+{
+    unsigned *calls = user;
+    assert_true(byte_count == 0);
+    return ++*calls == 3;
+}
+
+static int go_on(void *user, uint64_t byte_count)
+{
+    uint64_t *last = user;
+    assert_true(byte_count >= *last);
+    *last = byte_count;
+    return 0;
+}
+
+static void test_the_progress_callback_stops_a_reader_that_hangs(void **unused)
+{
+    (void)unused;
+    static const char *const kinds[] = {"hang", "hang deaf"};
+    for (int i = 0; i < 2; ++i) {
+        unsigned calls = 0;
+        const svo_import_options asked = {
+            .struct_size = sizeof asked, .child_program = SELF, .progress = stop_at_third, .progress_user = &calls};
+        write_plain();
+        assert_int_equal(setenv(MISBEHAVIOR, kinds[i], 1), 0);
+        expect_failure(path_of("child.obj"), &asked, SVO_CANCELED, "the progress callback stopped the import");
+        assert_int_equal(unsetenv(MISBEHAVIOR), 0);
+        assert_int_equal(calls, 3);
+    }
+}
+
+static void test_an_import_with_progress_reads_the_same(void **unused)
+{
+    (void)unused;
+    uint64_t last = 0;
+    svo_import *import = NULL;
+    svo_message message = {""};
+    const svo_import_options asked = {
+        .struct_size = sizeof asked, .child_program = SELF, .progress = go_on, .progress_user = &last};
+    write_plain();
+    if (svo_import_file(path_of("child.obj"), &asked, NULL, NULL, &import, &message) != SVO_OK) {
+        fail_msg("%s", message.text);
+    }
+    assert_true(svo_import_mesh(import)->triangle_count > 0);
+    assert_true(last > 0);
+    svo_import_destroy(&import);
+}
+
 /* 5 s, and 1 s for each 10^6 bytes of the file. A child repeats the limit that it was given. */
 static void test_the_time_limit_grows_with_the_file(void **unused)
 {
@@ -558,6 +607,8 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_unreadable_files),
         cmocka_unit_test(test_files_without_a_mesh),
         cmocka_unit_test(test_children_that_misbehave),
+        cmocka_unit_test(test_the_progress_callback_stops_a_reader_that_hangs),
+        cmocka_unit_test(test_an_import_with_progress_reads_the_same),
         cmocka_unit_test(test_the_time_limit_grows_with_the_file),
         cmocka_unit_test(test_the_time_limit_grows_with_announced_work),
         cmocka_unit_test(test_the_helper_reads_by_default),

@@ -310,7 +310,33 @@ static void trees_without_triangles_are_drawn(void **state)
     free(alphas);
 }
 
-/* ---- wrong calls ---- */
+/* ---- clipping ---- */
+
+/* A plane above the floor leaves the sky of it, or all of it, for each view. */
+static void a_plane_cuts_the_floor_away(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    static uint8_t pictures[3][WIDTH * HEIGHT * 4];
+    const svo_light_source sun = {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {1, -1, 0}, .value = {1, 1, 1}};
+    lit_floor scene;
+    open_floor(&opened, false, &scene);
+    shine(&opened, scene.light, &sun, 0.2F);
+    for (int view = SVO_LIGHT_VIEW_FULL; view <= SVO_LIGHT_VIEW_SPECULAR; ++view) {
+        svo_light_picture picture = picture_of((svo_light_view)view);
+        draw(&opened, scene.light, &picture, pictures[0]);
+        picture.clip[1] = -1; /* the eye is on the side that is cut away */
+        picture.clip[3] = 5;
+        draw(&opened, scene.light, &picture, pictures[1]);
+        assert_memory_equal(pictures[0], pictures[1], sizeof pictures[0]);
+        picture.clip[1] = 1; /* the floor is */
+        picture.clip[3] = -5;
+        draw(&opened, scene.light, &picture, pictures[1]);
+        picture.camera.target[1] = 40; /* away from it */
+        draw(&opened, scene.light, &picture, pictures[2]);
+        assert_memory_equal(pictures[1], pictures[2], sizeof pictures[0]);
+    }
+    close_floor(&scene);
+}
 
 /* ---- bands ---- */
 
@@ -370,6 +396,7 @@ static void wrong_pictures_are_refused(void **state)
     REFUSED(wrong.first_row = 8, "svo_light_render: picture.first_row 8 is not a multiple of 16 below height");
     REFUSED(wrong.first_row = 16 * wrong.height, "is not a multiple of 16 below height");
     REFUSED(wrong.row_count = 17, "svo_light_render: picture.row_count 17 is not a multiple of 16");
+    REFUSED(wrong.clip[0] = INFINITY, "svo_light_render: clip inf, 0, 0, 0 is not finite");
     REFUSED(wrong.exposure = -1, "svo_light_render: picture.exposure -1 is negative or not finite");
     REFUSED(wrong.gather.cones = 3, "options.cones 3 is not 1, 5, 6, 16 or 64");
 #undef REFUSED
@@ -386,6 +413,7 @@ int main(void)
         cmocka_unit_test(sources_light_directly),        cmocka_unit_test(shadows_are_those_of_triangles),
         cmocka_unit_test(floors_are_open_to_the_sky),    cmocka_unit_test(full_is_direct_and_indirect),
         cmocka_unit_test(finishes_emit_and_reflect),     cmocka_unit_test(trees_without_triangles_are_drawn),
-        cmocka_unit_test(bands_are_rows_of_the_picture), cmocka_unit_test(wrong_pictures_are_refused)};
+        cmocka_unit_test(bands_are_rows_of_the_picture), cmocka_unit_test(a_plane_cuts_the_floor_away),
+        cmocka_unit_test(wrong_pictures_are_refused)};
     return cmocka_run_group_tests_name("pictures of light", tests, fixture_group_setup, fixture_group_teardown);
 }

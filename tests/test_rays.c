@@ -405,8 +405,11 @@ static void the_bvh_is_refused_for_trees_without_lists(void **state)
 {
     const fixture *opened = fixture_of_group(state);
     static uint8_t picture[8 * 8 * 4];
-    const svo_render_options triangles = {
-        sizeof triangles, 8, 8, {{0, 0, 3}, {0, 0, 0}, {0, 1, 0}, 0.5f}, SVO_VIEW_TRIANGLES};
+    const svo_render_options triangles = {.struct_size = sizeof triangles,
+                                          .width = 8,
+                                          .height = 8,
+                                          .camera = {{0, 0, 3}, {0, 0, 0}, {0, 1, 0}, 0.5f},
+                                          .view = SVO_VIEW_TRIANGLES};
     scene *made = make_scene("cube");
     built plain;
     built thin;

@@ -103,6 +103,38 @@ static void lights_light(void **state)
     svo_scene_destroy(&scene);
 }
 
+/* Of two instances far apart a plane between them leaves one, with its light, from either side of the plane. */
+static void a_plane_cuts_instances_away(void **state)
+{
+    (void)state;
+    static uint8_t pictures[3][WIDTH * HEIGHT * 4];
+    const svo_instance placed[2] = {{.transform = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}},
+                                    {.transform = {1, 0, 0, 100, 0, 1, 0, 0, 0, 0, 1, 0}}};
+    svo_scene *both = make_placed_scene(&shapes, placed, 2, SVO_NEED_NONE);
+    svo_scene *one = make_placed_scene(&shapes, placed, 1, SVO_NEED_NONE);
+    const svo_scene_light light = {.direction = {1, 0.2F, 0}, .shadows = 1, .color = {1, 1, 1}};
+    svo_scene_render_options options = {
+        .struct_size = sizeof options, .width = WIDTH, .height = HEIGHT, .light_count = 1, .lights = &light};
+    for (int side = 0; side < 2; ++side) {
+        svo_scene_camera_frame(one, (float)WIDTH / HEIGHT, &options.camera);
+        if (side == 1) { /* through the one that is cut away */
+            memcpy(options.camera.eye, options.camera.target, sizeof options.camera.eye);
+            options.camera.eye[0] += 150;
+            options.camera.vertical_fov = 0.05F;
+        }
+        memset(options.clip, 0, sizeof options.clip);
+        draw(one, &options, pictures[0]);
+        draw(both, &options, pictures[1]);
+        options.clip[0] = -2;
+        options.clip[3] = 2 * 60;
+        draw(both, &options, pictures[2]);
+        assert_true(side == 0 || count_different(pictures[0], pictures[1]) > 20);
+        assert_int_equal(count_different(pictures[0], pictures[2]), 0);
+    }
+    svo_scene_destroy(&both);
+    svo_scene_destroy(&one);
+}
+
 /* ---- rays ---- */
 
 /* Rays along an axis within an edge of a box, from near it or from very far: both directions, of three lengths, with
@@ -298,6 +330,7 @@ static void wrong_pictures_are_refused(void **state)
     REFUSED(lights, NULL, "or options.lights is NULL");
     REFUSED(lights, &dark, "options.lights[0]");
     REFUSED(occlusion_range, -1, "occlusion_range -1");
+    REFUSED(clip[1], NAN, "is not finite");
 #undef REFUSED
     expect_words(svo_scene_render(scene, NULL, NULL, rgba), SVO_INVALID_ARGUMENT, "options is NULL");
     expect_words(svo_scene_render(scene, &good, NULL, NULL), SVO_INVALID_ARGUMENT, "rgba is NULL");
@@ -342,10 +375,15 @@ static void a_plan_lists_what_is_allocated(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_placed_tree_is_drawn_as_the_tree), cmocka_unit_test(lights_light),
-        cmocka_unit_test(wrong_pictures_are_refused),         cmocka_unit_test(bad_matrices_are_refused_and_named),
-        cmocka_unit_test(wrong_options_are_refused),          cmocka_unit_test(wrong_arguments_are_refused),
-        cmocka_unit_test(a_plan_lists_what_is_allocated),     cmocka_unit_test(rays_in_edges_of_boxes_have_one_answer),
+        cmocka_unit_test(a_placed_tree_is_drawn_as_the_tree),
+        cmocka_unit_test(lights_light),
+        cmocka_unit_test(a_plane_cuts_instances_away),
+        cmocka_unit_test(wrong_pictures_are_refused),
+        cmocka_unit_test(bad_matrices_are_refused_and_named),
+        cmocka_unit_test(wrong_options_are_refused),
+        cmocka_unit_test(wrong_arguments_are_refused),
+        cmocka_unit_test(a_plan_lists_what_is_allocated),
+        cmocka_unit_test(rays_in_edges_of_boxes_have_one_answer),
     };
     return cmocka_run_group_tests_name("limits of scenes", tests, scene_group_open, scene_group_close);
 }

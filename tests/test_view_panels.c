@@ -78,7 +78,7 @@ static void describe(ui *toolkit, shown *state)
         ++state->buttons;
     }
     state->entered += ui_field(toolkit, "field", state->field, sizeof state->field) ? 1 : 0;
-    state->sections += ui_section(toolkit, "section", &state->section) ? 1 : 0;
+    state->sections += ui_section(toolkit, "section", "F1", &state->section) ? 1 : 0;
     (void)ui_numbers(toolkit, "number", &state->number, 1, 0.5F, "%.1f");
     state->items += ui_item(toolkit, "item", false) ? 1 : 0;
     ui_enable(toolkit, false);
@@ -96,7 +96,7 @@ typedef struct session {
 
 static session begin_session(void)
 {
-    session made = {.toolkit = ui_create()};
+    session made = {.toolkit = ui_create(1)};
     assert_non_null(made.toolkit);
     ui_events_begin(&made.events);
     return made;
@@ -362,7 +362,7 @@ typedef struct panels_session {
 
 static panels_session begin_panels(unsigned width, unsigned height)
 {
-    panels_session made = {.toolkit = ui_create(), .state = malloc(sizeof *made.state)};
+    panels_session made = {.toolkit = ui_create(1), .state = malloc(sizeof *made.state)};
     assert_true(made.toolkit != NULL && made.state != NULL);
     fill_state(made.state, width, height);
     ui_events_begin(&made.events);
@@ -419,7 +419,7 @@ static void test_center_is_free(void **unused)
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; ++i) {
         const float width = (float)sizes[i][0];
         const float height = (float)sizes[i][1];
-        const float center[4] = {0.36F * width, 0, 0.64F * width, height - 40};
+        const float center[4] = {0.36F * width, 0, 0.64F * width, height - 40 - 100};
         panels_session at = begin_panels(sizes[i][0], sizes[i][1]);
         for (int scene = 0; scene < 3; ++scene) {
             assert_true(scene < 2 || view_add_mover(at.state, &(view_mover){.motion = &motion}));
@@ -486,13 +486,71 @@ static void test_probes_are_shown(void **unused)
     end_panels(&at);
 }
 
+/* ---- texts and boxes ---- */
+
+static void test_texts_end_at_words(void **unused)
+{
+    (void)unused;
+    static const char text[] = "Portable Computing Language, a device";
+    char fitted[sizeof text + 8];
+    panels_session at = begin_panels(640, 400);
+    (void)describe_panels(&at);
+    const float whole = ui_text_width(at.toolkit, text);
+    assert_true(ui_fit(at.toolkit, text, whole, fitted, sizeof fitted));
+    assert_string_equal(fitted, text);
+    assert_false(ui_fit(at.toolkit, text, whole - 1, fitted, sizeof fitted));
+    assert_string_equal(fitted, "Portable Computing Language, a...");
+    assert_false(ui_fit(at.toolkit, text, ui_text_width(at.toolkit, "Portable Comp..."), fitted, sizeof fitted));
+    assert_string_equal(fitted, "Portable...");
+    assert_false(ui_fit(at.toolkit, text, ui_text_width(at.toolkit, "Porta..."), fitted, sizeof fitted));
+    assert_string_equal(fitted, "Porta...");
+    assert_false(ui_fit(at.toolkit, "\xC3\xA9\xC3\xA9\xC3\xA9", ui_text_width(at.toolkit, "\xC3\xA9..."), fitted,
+                        sizeof fitted));
+    assert_string_equal(fitted, "\xC3\xA9...");
+    end_panels(&at);
+}
+
+/* How far the rightmost corner of a color is. */
+static float reach_of(const ui_drawing *drawing, uint32_t color)
+{
+    float reach = 0;
+    for (size_t i = 0; i < drawing->vertex_count; ++i) {
+        const ui_vertex *corner = &drawing->vertices[i];
+        reach = corner->color == color && corner->x > reach ? corner->x : reach;
+    }
+    return reach;
+}
+
+/* The box of work has a bar that grows with the steps, and stays within the window. */
+static void test_work_has_a_bar(void **unused)
+{
+    (void)unused;
+    panels_session at = begin_panels(640, 400);
+    panels_work work = {.name = "folder/a.obj",
+                        .progress = {.what = "building the tree", .stage = "pack", .step = 2, .step_count = 2},
+                        .seconds = 12};
+    float before = 0;
+    for (int quarter = 1; quarter <= 4; ++quarter) {
+        work.progress.part = 0.25 * quarter;
+        const ui_input input = ui_events_frame(&at.events, 640, 400, 1.0F / 60);
+        ui_begin(at.toolkit, &input);
+        panels_describe_work(at.toolkit, &work, 640, 400);
+        const ui_drawing *drawing = ui_end(at.toolkit);
+        assert_non_null(drawing);
+        const float reach = reach_of(drawing, UI_COLOR_ACCENT);
+        assert_true(reach > before && reach < 540);
+        before = reach;
+    }
+    end_panels(&at);
+}
+
 /* ---- memory ---- */
 
 /* Opens the panels and shows three frames; false when memory ran out. */
 static bool show_panels(view_state *state)
 {
     const view_event event = {.kind = VIEW_EVENT_MOVE, .x = 60, .y = 60};
-    panels_session at = {.toolkit = ui_create(), .state = state};
+    panels_session at = {.toolkit = ui_create(1), .state = state};
     bool is_shown = at.toolkit != NULL;
     ui_events_begin(&at.events);
     for (int i = 0; i < 3 && is_shown; ++i) {
@@ -543,6 +601,8 @@ int main(void)
         cmocka_unit_test(test_center_is_free),
         cmocka_unit_test(test_heading_opens),
         cmocka_unit_test(test_probes_are_shown),
+        cmocka_unit_test(test_texts_end_at_words),
+        cmocka_unit_test(test_work_has_a_bar),
         cmocka_unit_test(test_each_allocation_fails),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

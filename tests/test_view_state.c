@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 #include <math.h>
+#include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,9 +15,12 @@
 
 #include "view/camera.h"
 #include "view/input.h"
+#include "view/open_dialog.h"
+#include "view/panels_figures.h"
 #include "view/play.h"
 #include "view/probe_spheres.h"
 #include "view/settings.h"
+#include "view/worker.h"
 #include "work_folder.h"
 
 #define PI 3.14159265358979323846
@@ -213,6 +217,13 @@ static void keys_choose_what_is_shown(void **unused)
     free_state(state);
 }
 
+static void press_control(view_state *state, int key)
+{
+    input_mouse mouse = {.x = 0};
+    const view_event event = {.kind = VIEW_EVENT_KEY, .key = key, .is_down = true, .control = true};
+    assert_int_equal(input_take(&mouse, &event, state), INPUT_NOTHING);
+}
+
 /* Probes have four views, and no light of a scene. */
 static void keys_look_through_probes(void **unused)
 {
@@ -310,6 +321,162 @@ static void clicks_pick_and_drags_turn(void **unused)
     free_state(state);
 }
 
+/* ---- work ---- */
+
+/* A job that asks, says how far it is, and goes on until it is to end. */
+typedef struct long_job {
+    worker *thread;
+    unsigned answers;
+    bool is_seen;
+} long_job;
+
+static void answer(void *user)
+{
+    long_job *of = user;
+    ++of->answers;
+}
+
+static int work_until_canceled(void *user)
+{
+    long_job *of = user;
+    const progress_view now = {.what = "working", .stage = "half", .step = 1, .step_count = 2, .part = 0.5};
+    worker_ask(of->thread, answer, of);
+    worker_see(of->thread, &now);
+    worker_ask(of->thread, answer, of);
+    while (!worker_stops(of->thread)) {
+        (void)sched_yield();
+    }
+    return 7;
+}
+
+static int end_at_once(void *user)
+{
+    long_job *of = user;
+    return worker_stops(of->thread) ? 1 : 0;
+}
+
+static void jobs_ask_and_are_canceled(void **unused)
+{
+    (void)unused;
+    long_job of = {.thread = worker_create()};
+    assert_non_null(of.thread);
+    assert_int_equal(worker_wait(of.thread, 0), WORKER_DONE);
+    worker_begin(of.thread, work_until_canceled, &of);
+    for (unsigned i = 1; i <= 2; ++i) {
+        assert_int_equal(worker_wait(of.thread, WORKER_FOREVER), WORKER_ASKS);
+        assert_int_equal(of.answers, i - 1);
+        worker_answer(of.thread);
+    }
+    assert_int_equal(of.answers, 2);
+    const progress_view now = worker_progress(of.thread);
+    assert_string_equal(now.stage, "half");
+    assert_int_equal(now.step, 1);
+    assert_int_equal(worker_wait(of.thread, 1), WORKER_BUSY);
+    worker_cancel(of.thread);
+    assert_int_equal(worker_wait(of.thread, WORKER_FOREVER), WORKER_DONE);
+    assert_int_equal(worker_exit_code(of.thread), 7);
+    worker_begin(of.thread, end_at_once, &of); /* the next one is not canceled */
+    assert_int_equal(worker_wait(of.thread, WORKER_FOREVER), WORKER_DONE);
+    assert_int_equal(worker_exit_code(of.thread), 0);
+    worker_destroy(&of.thread);
+}
+
+/* ---- files ---- */
+
+static void make_file(const char *name)
+{
+    FILE *file = fopen(path_of(name), "wb");
+    assert_non_null(file);
+    assert_int_equal(fclose(file), 0);
+    work_folder_remember(name);
+}
+
+static void type(view_state *state, const char *begin)
+{
+    (void)snprintf(state->open.path, sizeof state->open.path, "%s", path_of(begin));
+}
+
+static void paths_are_completed(void **unused)
+{
+    (void)unused;
+    view_state *state = make_state();
+    make_file("model-a.obj");
+    make_file("model-b.obj");
+    make_file("Other.ply");
+    make_file(".hidden.obj");
+    state->input = path_of("model-a.obj");
+    press_control(state, 'o');
+    assert_true(state->open.is_shown);
+    assert_int_equal(state->open.name_count, 3);
+    type(state, "m");
+    open_dialog_complete(state);
+    assert_string_equal(state->open.path, path_of("model-"));
+    assert_int_equal(state->open.name_count, 2);
+    open_dialog_choose(state, 1); /* from none to the first one */
+    open_dialog_choose(state, 1);
+    open_dialog_choose(state, -1);
+    open_dialog_accept(state);
+    assert_true(state->wants_open);
+    assert_false(state->open.is_shown);
+    assert_string_equal(state->open_path, path_of("model-a.obj"));
+    open_dialog_show(state);
+    type(state, "oth"); /* whatever the case */
+    open_dialog_complete(state);
+    assert_string_equal(state->open.path, path_of("Other.ply"));
+    type(state, "nothing");
+    open_dialog_complete(state);
+    assert_string_equal(state->open.path, path_of("nothing"));
+    type(state, ".h");
+    open_dialog_complete(state);
+    assert_string_equal(state->open.path, path_of(".hidden.obj"));
+    press(state, VIEW_KEY_ESCAPE, false);
+    assert_false(state->open.is_shown);
+    free_state(state);
+}
+
+/* What belongs to one model ends with it; the window, its settings and its log stay. */
+static void another_model_begins_anew(void **unused)
+{
+    (void)unused;
+    view_state *state = make_state();
+    view_state *fresh = make_state();
+    view_state_end(fresh);
+    press(state, 'c', false);
+    press(state, '3', false);
+    assert_int_equal(state->camera.mode, VIEW_FLY);
+    state->selection.is_hit = true;
+    state->film.is_playing = true;
+    state->camera.held[VIEW_FORWARD] = true;
+    state->settings.turn_speed = 7;
+    state->scale = 2;
+    const size_t lines = state->log_count;
+    view_state_renew(state, fresh);
+    assert_int_equal(fresh->camera.mode, VIEW_ORBIT);
+    assert_int_equal(fresh->shown.picture, VIEW_SHADED);
+    assert_false(fresh->selection.is_hit);
+    assert_false(fresh->film.is_playing);
+    assert_false(fresh->camera.held[VIEW_FORWARD]);
+    assert_true(fresh->settings.turn_speed > 6.9F);
+    assert_true(fresh->scale > 1.9F);
+    assert_int_equal(fresh->log_count, lines);
+    assert_int_equal(fresh->width, 640);
+    free_state(state);
+    free_state(fresh);
+}
+
+/* At rest a frame has waited; its work is that of the last one that drew. */
+static void times_are_of_work(void **unused)
+{
+    (void)unused;
+    view_state *state = make_state();
+    state->frames[state->frame_count++] = (view_frame){.ms = 40, .work_ms = 12.5F, .rays = 100};
+    assert_string_equal(panels_time(state).text, "12.5 ms");
+    state->frames[state->frame_count++] = (view_frame){.ms = 137, .work_ms = 0.5F};
+    state->is_idle = true;
+    assert_string_equal(panels_time(state).text, "idle, 12.5 ms");
+    free_state(state);
+}
+
 /* ---- settings ---- */
 
 static settings_file file_in_folder(const char *name)
@@ -329,7 +496,9 @@ static void settings_come_back(void **unused)
     written->settings.width = 321;
     written->settings.coarse = 4;
     written->settings.move_speed = 0.7F;
-    written->settings.mode = VIEW_FLY;
+    view_remember_file(written, "/a/first.obj");
+    view_remember_file(written, "/a/second.obj");
+    view_remember_file(written, "/a/first.obj");
     written->settings.panels = false;
     written->settings.open[VIEW_PANEL_LOG] = true;
     written->settings.open[VIEW_PANEL_CAMERA] = false;
@@ -339,7 +508,9 @@ static void settings_come_back(void **unused)
     assert_int_equal(read->settings.width, 321);
     assert_int_equal(read->settings.coarse, 4);
     assert_true(fabsf(read->settings.move_speed - 0.7F) < 1e-6F);
-    assert_int_equal(read->settings.mode, VIEW_FLY);
+    assert_string_equal(read->settings.recent[0], "/a/first.obj");
+    assert_string_equal(read->settings.recent[1], "/a/second.obj");
+    assert_string_equal(read->settings.recent[2], "");
     assert_false(read->settings.panels);
     assert_memory_equal(read->settings.open, written->settings.open, sizeof read->settings.open);
     assert_int_equal(read->log_count, 0);
@@ -357,7 +528,7 @@ static void damaged_settings_mean_defaults_and_a_line(void **unused)
                                         "{\"height\": 300, \"width\": \"640\"}",
                                         "{\"height\": 300, \"goal_ms\": 1e99}",
                                         "{\"height\": 300, \"panels\": 1}",
-                                        "{\"height\": 300, \"camera\": \"walk\"}",
+                                        "{\"height\": 300, \"recent\": [7]}",
                                         "{\"height\": 300, \"open\": {}}"};
     const settings_file file = file_in_folder("damaged.json");
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; ++i) {
@@ -498,6 +669,92 @@ static void motions_say_what_is_not_possible(void **unused)
     free_state(state);
 }
 
+/* ---- what is up ---- */
+
+static void tap(view_state *state, int key)
+{
+    input_mouse mouse = {.x = 0};
+    const view_event event = {.kind = VIEW_EVENT_KEY, .key = key, .is_down = true};
+    (void)input_take(&mouse, &event, state);
+}
+
+/* Key Z: the camera sees the model's sides as before, and goes around z. */
+static void the_worlds_up_may_be_z(void **unused)
+{
+    (void)unused;
+    view_state *state = make_state();
+    const float quarter = (float)(PI / 2 * 640 / (double)state->settings.turn_speed);
+    tap(state, 'z');
+    expect_point(state->camera.at.eye, 1, 2 - 10, 3);
+    expect_point(state->camera.at.up, 0, 0, 1);
+    camera_turn(state, quarter, 0);
+    expect_point(state->camera.at.eye, 1 - 10, 2, 3);
+    expect_point(state->camera.at.up, 0, 0, 1);
+    tap(state, VIEW_KEY_HOME);
+    expect_point(state->camera.at.eye, 1, 2 - 10, 3);
+    tap(state, 'z');
+    expect_point(state->camera.at.eye, 1, 2, 13);
+    expect_point(state->camera.at.up, 0, 1, 0);
+    free_state(state);
+}
+
+/* Looking from above and turning goes around up again; R flies up. */
+static void views_along_axes_keep_up(void **unused)
+{
+    (void)unused;
+    for (int up = 1; up < 3; ++up) {
+        view_state *state = make_state();
+        const float wanted[3] = {0, up == 1, up == 2};
+        camera_choose_up(state, wanted);
+        for (int axis = 0; axis < 3; ++axis) {
+            camera_look_along(state, axis);
+            expect_point(state->camera.at.eye, 1 + 10 * (axis == 0), 2 + 10 * (axis == 1), 3 + 10 * (axis == 2));
+            camera_turn(state, 30, 0);
+            expect_point(state->camera.at.up, 0, up == 1, up == 2);
+            assert_true(fabs(distance(state->camera.at.eye, state->camera.at.target) - 10) < 1e-4);
+        }
+        free_state(state);
+    }
+}
+
+/* ---- clipping ---- */
+
+/* Key V cuts away the side of the camera; picking begins at the plane. */
+static void clicks_respect_the_clip_plane(void **unused)
+{
+    (void)unused;
+    view_state *state = make_state();
+    svo_ray ray;
+    float plane[4];
+    for (int axis = 0; axis < 3; ++axis) {
+        state->low[axis] = -5;
+        state->high[axis] = 7;
+    }
+    tap(state, 'v');
+    view_clip_plane(state, plane);
+    assert_memory_equal(plane, ((const float[4]){0, 0, -1, 1}), sizeof plane); /* below z = 1 */
+    for (int x = 0; x < 640; x += 64) {
+        camera_pick_ray(state, (float)x, 100, &ray);
+        assert_float_equal(ray.origin[2] + ray.t_min * ray.direction[2], 1, 1e-5F);
+        assert_true(ray.t_max > 1e30F);
+    }
+    state->camera.at.target[2] = 30; /* away from what is left */
+    camera_pick_ray(state, 320, 200, &ray);
+    assert_true(ray.t_min > ray.t_max);
+    state->camera.at.eye[2] = -20; /* from the side that is left, rays end at the plane */
+    camera_pick_ray(state, 320, 200, &ray);
+    assert_float_equal(ray.t_min, 0, 0);
+    assert_float_equal(ray.origin[2] + ray.t_max * ray.direction[2], 1, 1e-5F);
+    tap(state, 'v');
+    view_clip_plane(state, plane);
+    assert_memory_equal(plane, ((const float[4]){0}), sizeof plane);
+    /* Not through probes. */
+    state->shown.through = true;
+    tap(state, 'v');
+    assert_false(state->shown.clip.is_on);
+    free_state(state);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(orbit_turns_the_eye_around_the_target),
@@ -506,10 +763,17 @@ int main(void)
                                        cmocka_unit_test(speed_does_not_depend_on_the_frames),
                                        cmocka_unit_test(panning_keeps_the_target_below_the_mouse),
                                        cmocka_unit_test(rays_and_pixels_agree),
+                                       cmocka_unit_test(the_worlds_up_may_be_z),
+                                       cmocka_unit_test(views_along_axes_keep_up),
+                                       cmocka_unit_test(clicks_respect_the_clip_plane),
                                        cmocka_unit_test(keys_choose_what_is_shown),
                                        cmocka_unit_test(keys_look_through_probes),
                                        cmocka_unit_test(clicks_find_spheres),
                                        cmocka_unit_test(clicks_pick_and_drags_turn),
+                                       cmocka_unit_test(jobs_ask_and_are_canceled),
+                                       cmocka_unit_test(paths_are_completed),
+                                       cmocka_unit_test(another_model_begins_anew),
+                                       cmocka_unit_test(times_are_of_work),
                                        cmocka_unit_test(settings_come_back),
                                        cmocka_unit_test(damaged_settings_mean_defaults_and_a_line),
                                        cmocka_unit_test(settings_that_cannot_be_kept_are_a_line),

@@ -66,13 +66,23 @@ key ctrl+s
 key delete
 refine
 shot removed.png
-key ctrl+o
+key ctrl+z
+refine
+shot undone.png
+key ctrl+y
+refine
+shot redone.png
+key ctrl+r
+wait 2
+key d
 refine
 shot loaded.png
 SCRIPT
 same before.json before.png
 same scene.json edited.png
 same scene.json loaded.png
+same scene.json undone.png
+cmp -s removed.png redone.png || complain "what was undone and redone is another picture"
 (($(count_instances scene.json) == 4)) || complain "$(count_instances scene.json) instances in the saved scene"
 cmp -s before.png edited.png && complain "another instance shows nothing"
 cmp -s removed.png edited.png && complain "a removed instance still shows"
@@ -133,6 +143,54 @@ SCRIPT
 [[ -e made.json ]] || complain "Enter in the field of the file saves nothing"
 same made.json made.png
 
+# Ctrl+S asks for a name beside INPUT, and before it replaces a file of somebody else; Ctrl+Q asks before edits are
+# lost.
+printf 'mine\n' >knot-scene.json
+view scene:knot:2000 -d 6 <<SCRIPT
+key i
+key n
+key ctrl+q
+wait 2
+shot asked.png
+key escape
+key ctrl+s
+wait 3
+key enter
+wait 3
+key escape
+SCRIPT
+[[ -e asked.png ]] || complain "Ctrl+Q loses what no file has"
+[[ $(<knot-scene.json) == mine ]] || complain "a file was replaced unasked"
+rm knot-scene.json
+view scene:knot:2000 -d 6 <<SCRIPT
+key i
+key n
+key ctrl+q
+wait 2
+key s
+wait 3
+key enter
+wait 20
+shot never.png
+SCRIPT
+(($(count_instances knot-scene.json) == 2)) || complain "the scene was not saved under the name that was asked for"
+[[ ! -e never.png ]] || complain "the window stays open after its edits were saved"
+
+# The lights of a tree alone go where --lights reads them.
+view scene:atrium -d 5 <<SCRIPT
+key tab
+drag ctrl+left 320 200 400 230 4
+key 8
+refine
+shot lit.png
+key ctrl+s
+wait 3
+key enter
+wait 3
+SCRIPT
+"$program" render scene:atrium -d 5 --view direct --lights atrium-lights.json --size 640x400 -q -o relit.png
+cmp -s lit.png relit.png || complain "saved lights give another picture"
+
 # A scene that cannot be loaded changes nothing.
 printf '{"trees": 1}\n' >broken.json
 view scene:knot:2000 -d 6 2>err <<SCRIPT
@@ -141,11 +199,15 @@ click 580 274
 text broken.json
 click 320 390
 key tab
-key ctrl+o
+key ctrl+r
+wait 2
+shot notice.png
+key escape
 refine
 shot kept.png
 SCRIPT
 cmp -s kept.png made.png || complain "a broken scene changes the picture"
+cmp -s notice.png made.png && complain "no box says that a scene is broken"
 if (($(wc -l <err) != 1)) || ! grep -q "broken.json:1: 'trees' is missing" err; then
     complain "not one line about the broken scene: $(cat err)"
 fi

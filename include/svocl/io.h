@@ -249,6 +249,13 @@ SVO_API svo_status svo_compact_load(const char *path, const svo_load_options *op
 SVO_API svo_status svo_compact_load_memory(const void *bytes, size_t byte_count, const char *name,
                                            const svo_load_options *options, svo_compact **out, svo_message *message);
 
+/** Is asked while a mesh file is read, ten times a second or more often, on the thread that called the library.
+ *
+ * \param user progress_user of the import's options
+ * \param byte_count of the mesh so far that the child has sent: 0 until it has read the file
+ * \returns 0 to go on. Else the child is killed, and the import ends with SVO_CANCELED. */
+typedef int (*svo_import_progress_callback)(void *user, uint64_t byte_count);
+
 /** Options of an import. */
 typedef struct svo_import_options {
     size_t struct_size; /**< sizeof(svo_import_options) */
@@ -261,6 +268,8 @@ typedef struct svo_import_options {
     /** Host memory of the import in this process; NULL: malloc and free. The child process has its own, by malloc, up
      *  to memory_limit_bytes. */
     const svo_memory_callbacks *memory;
+    svo_import_progress_callback progress; /**< NULL allowed */
+    void *progress_user; /**< passed to progress */
 } svo_import_options;
 
 /** All defaults. */
@@ -304,7 +313,8 @@ typedef struct svo_import svo_import;
  * \param out receives the mesh
  * \param message receives the reason for a failure; NULL allowed
  * \returns SVO_FILE_ERROR (missing, unreadable), SVO_IMPORT_FAILED (not understood, no triangle, a crash, a limit, a
- *          warning of a strict import, no helper) or SVO_OUT_OF_HOST_MEMORY on failure. */
+ *          warning of a strict import, no helper), SVO_CANCELED (the progress callback) or SVO_OUT_OF_HOST_MEMORY on
+ *          failure. */
 SVO_API svo_status svo_import_file(const char *path, const svo_import_options *options, svo_log_callback log,
                                    void *log_user, svo_import **out, svo_message *message);
 

@@ -356,6 +356,9 @@ typedef struct svo_light_picture {
     uint32_t reserved; /**< zero */
     uint32_t first_row; /**< of a band of the picture: a multiple of SVO_LIGHT_BAND_ROWS below height */
     uint32_t row_count; /**< of the band, cut at the picture's end: a multiple as well; 0: all rows from first_row on */
+    /** A plane in world coordinates: where clip[0] x + clip[1] y + clip[2] z + clip[3] is below 0 the picture shows
+     *  nothing; light is that of the whole scene. Finite; all zero: nothing is cut away */
+    float clip[4];
 } svo_light_picture;
 
 #define SVO_LIGHT_BAND_ROWS 16u /**< bands of a picture have multiples of so many rows */

@@ -52,6 +52,10 @@ typedef struct svo_render_options {
     uint32_t height; /**< pixels, 1 .. 16384 */
     svo_camera camera; /**< the view */
     svo_render_view view; /**< what to show */
+    uint32_t reserved; /**< zero */
+    /** A plane in world coordinates: where clip[0] x + clip[1] y + clip[2] z + clip[3] is below 0 the picture shows
+     *  nothing, and the sun shines through. Finite; all zero: nothing is cut away */
+    float clip[4];
 } svo_render_options;
 
 /** Everything zero; width, height and camera have to be set. */

@@ -11,6 +11,7 @@
  * likes. Reads tree, light and sources; writes one RGBA8 word per pixel. No atomics, no local memory.
  */
 #include "light/shading.clh"
+#include "rays/part.clh"
 #include "rays/shade.clh"
 
 #define SVO_PICTURE_SAMPLES 2u /* along each side of a pixel */
@@ -48,7 +49,11 @@ static svo_ray svo_picture_ray(const svo_lit_picture *picture, uint x, uint y, u
     const float row = (float)y + ((float)(sample / SVO_PICTURE_SAMPLES) + 0.5f) / (float)SVO_PICTURE_SAMPLES;
     const float3 direction = normalize(vload3(0, picture->params.corner) + column * vload3(0, picture->params.across) +
                                        row * vload3(0, picture->params.down));
-    return svo_lit_ray(vload3(0, picture->params.eye), direction, INFINITY);
+    const float3 eye = vload3(0, picture->params.eye);
+    const float2 part = svo_ray_part(vload4(0, picture->params.clip), eye, direction);
+    svo_ray ray = svo_lit_ray(eye, direction, part.y);
+    ray.t_min = part.x;
+    return ray;
 }
 
 /* The share of white that a pixel shows. */

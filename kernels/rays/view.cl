@@ -8,6 +8,7 @@
  */
 #include "shared/layout.h"
 
+#include "rays/part.clh"
 #include "rays/rays.clh"
 
 /* The step count that the last color stands for. */
@@ -69,8 +70,10 @@ static float3 svo_view_normal(const svo_cast_hit *hit, float3 direction, __globa
 
 #ifndef SVO_COMPACT
 
-static float3 svo_view_triangle(const svo_tree *tree, float4 eye, float3 direction)
+/* part: of the ray that is seen, in voxels */
+static float3 svo_view_triangle(const svo_tree *tree, float4 eye, float3 direction, float2 part)
 {
+    const float voxel = (float)(1u << (tree->params.snap_bits - tree->params.depth)) / tree->params.scale[0];
     svo_ray ray;
     svo_hit hit;
     ray.origin[0] = eye.x;
@@ -79,8 +82,8 @@ static float3 svo_view_triangle(const svo_tree *tree, float4 eye, float3 directi
     ray.direction[0] = direction.x;
     ray.direction[1] = direction.y;
     ray.direction[2] = direction.z;
-    ray.t_min = 0.0f;
-    ray.t_max = INFINITY;
+    ray.t_min = voxel * part.x;
+    ray.t_max = voxel * part.y;
     if (!svo_trace_closest(tree, &ray, &hit)) {
         return (float3)(1.0f);
     }
@@ -90,7 +93,9 @@ static float3 svo_view_triangle(const svo_tree *tree, float4 eye, float3 directi
 
 #endif
 
-static float3 svo_view_voxel(const svo_tree *tree, const svo_cast_ray *ray, uint view, __global const short *normals)
+/* The ray begins at a distance from the eye; cut_axis: of the face where it begins in a voxel. */
+static float3 svo_view_voxel(const svo_tree *tree, const svo_cast_ray *ray, float first, int cut_axis, uint view,
+                             __global const short *normals)
 {
     svo_cast_tree cast;
     svo_cast_hit hit;
@@ -103,11 +108,13 @@ static float3 svo_view_voxel(const svo_tree *tree, const svo_cast_ray *ray, uint
     if (!met) {
         return (float3)(1.0f);
     }
+    hit.axis = first > 0.0f && hit.distance == 0.0f ? cut_axis : hit.axis;
     if (view == SVO_VIEW_KIND_NORMAL) {
         return 0.5f + 0.5f * svo_view_normal(&hit, ray->direction, normals);
     }
     if (view == SVO_VIEW_KIND_DEPTH) {
-        return (float3)(svo_view_nearness(ray->origin, hit.distance, (float)(1u << tree->params.depth)));
+        return (float3)(svo_view_nearness(ray->origin - first * ray->direction, first + hit.distance,
+                                          (float)(1u << tree->params.depth)));
     }
     return svo_view_mixed(hit.level * 7u) * (hit.axis == 0 ? 0.8f : hit.axis == 1 ? 1.0f : 0.65f);
 }
@@ -126,17 +133,21 @@ svo_k_view(SVO_TREE_PARAMETERS, __global const short *normals, __constant const 
     }
     SVO_TREE_MAKE(tree);
     svo_cast_ray ray;
-    ray.origin = svo_view_vector(params->eye);
-    ray.range = SVO_CAST_FAR;
+    const float3 from = svo_view_vector(params->eye);
     ray.footprint = params->footprint;
     ray.direction = normalize(svo_view_vector(params->corner) + ((float)x + 0.5f) * svo_view_vector(params->across) +
                               ((float)y + 0.5f) * svo_view_vector(params->down));
+    const float4 clip = vload4(0, params->clip);
+    const float2 part = svo_ray_part(clip, from, ray.direction);
+    ray.origin = from + part.x * ray.direction;
+    ray.range = fmin(part.y - part.x, SVO_CAST_FAR);
 #ifdef SVO_COMPACT
     (void)eye;
-    const float3 color = svo_view_voxel(&tree, &ray, view, normals);
+    const float3 color = svo_view_voxel(&tree, &ray, part.x, svo_part_axis(clip), view, normals);
 #else
-    const float3 color = view == SVO_VIEW_KIND_TRIANGLES ? svo_view_triangle(&tree, eye, ray.direction)
-                                                         : svo_view_voxel(&tree, &ray, view, normals);
+    const float3 color = view == SVO_VIEW_KIND_TRIANGLES
+                             ? svo_view_triangle(&tree, eye, ray.direction, part)
+                             : svo_view_voxel(&tree, &ray, part.x, svo_part_axis(clip), view, normals);
 #endif
     picture[(size_t)y * params->width + x] = svo_view_pack(color);
 }

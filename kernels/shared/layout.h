@@ -319,7 +319,7 @@ SVO_RECORD(svo_material_record)
 };
 
 /* Arguments of the ray caster. Positions and lengths in voxels, from the grid's minimum corner; directions in the
-   grid's axes. 96 bytes. */
+   grid's axes. 112 bytes. */
 SVO_RECORD(svo_cast_params)
 {
     SVO_F32 eye[3]; /* 0 */
@@ -334,6 +334,7 @@ SVO_RECORD(svo_cast_params)
     SVO_U32 reserved; /* 76: zero */
     SVO_F32 up[3]; /* 80: unit, towards the sky */
     SVO_F32 occlusion_range; /* 92: range of the ambient occlusion */
+    SVO_F32 clip[4]; /* 96: a plane; what is below it is not there (kernels/rays/part.clh). Zeros: none */
 };
 
 #define SVO_CAST_SAMPLES 2u /* camera rays of a shaded picture along each side of a pixel */
@@ -377,7 +378,7 @@ SVO_ASSERT_BYTES(svo_filter_params, 80);
 SVO_ASSERT_BYTES(svo_compact_params, 32);
 SVO_ASSERT_BYTES(svo_minimize_params, 48);
 SVO_ASSERT_BYTES(svo_material_record, 32);
-SVO_ASSERT_BYTES(svo_cast_params, 96);
+SVO_ASSERT_BYTES(svo_cast_params, 112);
 SVO_ASSERT_BYTES(svo_ray_params, 68);
 #endif
 

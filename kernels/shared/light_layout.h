@@ -234,6 +234,7 @@ SVO_RECORD(svo_lit_picture_params)
     SVO_U32 finish_count; /* 80 */
     SVO_U32 first_tile; /* 84: of the launch */
     SVO_U32 reserved[2]; /* 88 */
+    SVO_F32 clip[4]; /* 96: a plane; what is below it is not seen (kernels/rays/part.clh). Zeros: none */
 };
 
 #if !defined(GL_core_profile)
@@ -248,7 +249,7 @@ SVO_ASSERT_BYTES(svo_crossing_params, 32);
 SVO_ASSERT_BYTES(svo_unmet_params, 48);
 SVO_ASSERT_BYTES(svo_finish_record, 32);
 SVO_ASSERT_BYTES(svo_exchange_params, 32);
-SVO_ASSERT_BYTES(svo_lit_picture_params, 96);
+SVO_ASSERT_BYTES(svo_lit_picture_params, 112);
 #endif
 
 #endif

@@ -78,7 +78,8 @@ SVO_RECORD(svo_scene_picture)
     SVO_F32 up[3]; /* 64: unit, towards the sky */
     SVO_F32 occlusion_range; /* 76: range of the ambient occlusion */
     SVO_U32 light_count; /* 80 */
-    SVO_U32 reserved[7]; /* 84 */
+    SVO_U32 reserved[3]; /* 84 */
+    SVO_F32 clip[4]; /* 96: a plane; what is below it is not there (kernels/rays/part.clh). Zeros: none */
 };
 
 #if !defined(GL_core_profile)

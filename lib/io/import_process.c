@@ -25,6 +25,7 @@
 
 #define FIRST_READ_BYTES ((size_t)1 << 20)
 #define PIPE_BYTES       (1 << 20) /* of the answer on its way: the default is 64 KiB */
+#define PROGRESS_MS      100 /* between calls of the progress callback */
 #define NOT_STARTED_CODE 127 /* posix_spawn's exit code where exec fails in the child */
 
 typedef struct import_child {
@@ -158,6 +159,21 @@ static int remaining_ms(const import_child *child)
     return left_ms < 1e6 ? (int)left_ms + 1 : 1000000;
 }
 
+/* Milliseconds until something has to be looked at again, above 0. */
+static int pause_ms(const import_child *child)
+{
+    const int left_ms = remaining_ms(child);
+    return child->options->progress != NULL && left_ms > PROGRESS_MS ? PROGRESS_MS : left_ms;
+}
+
+static svo_status ask_progress(const import_child *child, const svo_import *import)
+{
+    const svo_import_options *options = child->options;
+    return options->progress == NULL || options->progress(options->progress_user, import->byte_count) == 0
+               ? SVO_OK
+               : svo_i_fail(child->message, SVO_CANCELED, "%s: the progress callback stopped the import", child->path);
+}
+
 /* Room for at least one more byte, up to the child's memory limit. */
 static svo_status make_room(const import_child *child, svo_import *import, size_t *capacity)
 {
@@ -203,12 +219,12 @@ static svo_status collect(import_child *child, svo_import *import)
     size_t capacity = 0;
     for (;;) {
         struct pollfd wait_for = {.fd = child->stream, .events = POLLIN};
-        const int left_ms = remaining_ms(child);
-        if (left_ms == 0) {
+        if (remaining_ms(child) == 0) {
             return too_slow(child);
         }
-        if (poll(&wait_for, 1, left_ms) <= 0) {
-            continue; /* interrupted, or the deadline, which is checked above */
+        SVO_I_TRY(ask_progress(child, import));
+        if (poll(&wait_for, 1, pause_ms(child)) <= 0) {
+            continue; /* interrupted, a pause, or the deadline, which is checked above */
         }
         SVO_I_TRY(make_room(child, import, &capacity));
         const ssize_t got = read(child->stream, import->bytes + import->byte_count, capacity - import->byte_count);
@@ -229,7 +245,7 @@ static svo_status collect(import_child *child, svo_import *import)
 
 /* Waits for a child that has closed its pipe to end. *known is false where the calling program reaps its children
    itself, so that the exit code is lost. */
-static svo_status wait_for_end(const import_child *child, int *exit_state, bool *known)
+static svo_status wait_for_end(const import_child *child, const svo_import *import, int *exit_state, bool *known)
 {
     for (;;) {
         const pid_t ended = waitpid(child->process, exit_state, WNOHANG);
@@ -244,6 +260,7 @@ static svo_status wait_for_end(const import_child *child, int *exit_state, bool 
         if (remaining_ms(child) == 0) {
             return too_slow(child);
         }
+        SVO_I_TRY(ask_progress(child, import));
         const struct timespec moment = {.tv_nsec = 200000};
         nanosleep(&moment, NULL);
     }
@@ -296,7 +313,7 @@ svo_status svo_i_import_run_child(const char *path, const svo_import_options *op
     bool ended = false;
     SVO_I_TRY(start(&child));
     SVO_I_TRY_CLEANUP(collect(&child, import));
-    SVO_I_TRY_CLEANUP(wait_for_end(&child, &exit_state, &known));
+    SVO_I_TRY_CLEANUP(wait_for_end(&child, import, &exit_state, &known));
     ended = true;
     if (known) {
         status = check_exit(&child, exit_state, import);

@@ -20,6 +20,7 @@ svo_status svo_i_picture_options(svo_device *device, const char *function, const
     SVO_I_TRY(svo_i_struct_read(&device->message, function, "options", options, out,
                                 SVO_I_STRUCT_SIZES(svo_render_options, camera)));
     SVO_I_TRY(svo_i_camera_check(device, function, &out->camera, out->width, out->height));
+    SVO_I_TRY(svo_i_clip_check(device, function, out->clip));
     if ((unsigned)out->view > SVO_VIEW_TRIANGLES) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.view %d is not in 0 .. %d", function,
                                  (int)out->view, (int)SVO_VIEW_TRIANGLES);
@@ -40,6 +41,18 @@ static svo_status check_payload(const svo_i_picture_source *source)
                              source->function, source->payload_level);
 }
 
+/* A plane of the world in voxels: its normal is as long as it was, and so is what it has above it, times voxels. */
+static void fill_clip(const svo_i_picture_source *source, const float world[4], double voxels_per_unit,
+                      svo_cast_params *params)
+{
+    double above = (double)world[3]; /* of the grid's corner */
+    for (int axis = 0; axis < 3; ++axis) {
+        above += (double)world[axis] * source->grid.origin[axis];
+        params->clip[axis] = world[axis];
+    }
+    params->clip[3] = (float)(above * voxels_per_unit);
+}
+
 static svo_status fill_params(const svo_i_picture_source *source, const svo_render_options *options,
                               svo_cast_params *params)
 {
@@ -58,6 +71,7 @@ static svo_status fill_params(const svo_i_picture_source *source, const svo_rend
         params->sun[axis] = (float)sun[axis];
         params->up[axis] = (float)hole.up[axis];
     }
+    fill_clip(source, options->clip, voxels_per_unit, params);
     params->footprint = (float)hole.pixel;
     params->width = options->width;
     params->height = options->height;

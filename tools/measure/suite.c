@@ -211,12 +211,12 @@ static void keep_failure(suite *all, const suite_subject *subject, size_t first_
     result_set *results = all->results;
     for (size_t i = first_table; i < results->table_count; ++i) {
         result_drop_partial_row(results->tables[i]);
-        result_extend_note(results->tables[i], "Not measured to the end: %s.", all->state->failure);
+        result_extend_note(results->tables[i], "Not measured to the end: %s.", all->state->last_failure);
     }
     if (results->table_count == first_table) {
         result_table *table = result_add_table(results, subject->name, subject->summary, "Not measured.");
         result_add_column(table, "reason", "");
-        result_add_text(table, "%s", all->state->failure);
+        result_add_text(table, "%s", all->state->last_failure);
     }
     ++all->failed_count;
 }

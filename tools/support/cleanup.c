@@ -13,7 +13,9 @@ static const int ending_signals[] = {SIGHUP, SIGINT, SIGPIPE, SIGQUIT, SIGTERM, 
 #define SIGNAL_COUNT (sizeof ending_signals / sizeof ending_signals[0])
 
 /* A handler has no argument for state of its own. */
-static pthread_t writer;
+static _Atomic(pthread_t) writer;
+static volatile sig_atomic_t is_ended_by_hand;
+static volatile sig_atomic_t code_by_hand;
 static cleanup_entry *first;
 static sigset_t before_hold;
 
@@ -30,6 +32,9 @@ static void end(int number)
             (void)unlink(entry->path);
         }
     }
+    if (is_ended_by_hand != 0) {
+        _exit(code_by_hand);
+    }
     /* Ends the process as the signal would have done, for a caller that asks how it ended. */
     (void)signal(number, SIG_DFL);
     (void)raise(number);
@@ -45,6 +50,26 @@ void cleanup_begin(void)
         if (sigaction(ending_signals[i], NULL, &old) == 0 && old.sa_handler != SIG_IGN) {
             (void)sigaction(ending_signals[i], &wanted, NULL);
         }
+    }
+}
+
+void cleanup_take(void)
+{
+    writer = pthread_self();
+}
+
+/* The thread of the files may be in the middle of its list: the handler runs there, where it holds no signal back. */
+void cleanup_end(int exit_code)
+{
+    const int number = ending_signals[0];
+    struct sigaction wanted = {.sa_handler = end};
+    sigfillset(&wanted.sa_mask);
+    code_by_hand = exit_code;
+    is_ended_by_hand = 1;
+    (void)sigaction(number, &wanted, NULL);
+    (void)pthread_kill(writer, number);
+    for (;;) {
+        (void)pause();
     }
 }
 

@@ -159,6 +159,13 @@ static void log_with_name(void *user, svo_log_level level, const char *text)
     program_log(file->state, level, with_name(file, text).text);
 }
 
+/* An svo_import_progress_callback whose user is the program's bar. */
+static int ask_to_go_on(void *user, uint64_t byte_count)
+{
+    (void)byte_count;
+    return progress_stops(user) ? 1 : 0;
+}
+
 static int import(program *state, const char *path, input *opened)
 {
     svo_message message = {""};
@@ -166,7 +173,9 @@ static int import(program *state, const char *path, input *opened)
     char helper[PATH_BYTES];
     svo_import_options import_options = {.struct_size = sizeof import_options,
                                          .time_limit_seconds = (uint32_t)state->options.import_seconds,
-                                         .strict = (uint32_t)state->options.strict};
+                                         .strict = (uint32_t)state->options.strict,
+                                         .progress = ask_to_go_on,
+                                         .progress_user = state->progress};
     if (svo_import_helper(helper, sizeof helper, NULL) != SVO_OK) {
         import_options.child_program = "/proc/self/exe"; /* this program alone, copied out of its installation */
     }

@@ -43,7 +43,7 @@ static svo_status make_plan(const program *state, svo_device *device, const inpu
 static int show_progress(void *user, svo_stage stage, double fraction)
 {
     progress_part(user, svo_stage_name(stage), fraction);
-    return 0;
+    return progress_stops(user) ? 1 : 0;
 }
 
 svo_plan_options job_plan_options(const program *state, uint32_t need)

@@ -154,6 +154,7 @@ typedef struct options {
     int probe_choice; /* svo_probe_choice */
     uint64_t window_width, window_height; /* view: pixels; 0: not given */
     uint64_t fullscreen; /* view: a flag */
+    double scale; /* view: of panels; 0: not given */
     const char *script_path; /* view: NULL: not given */
     uint64_t max_memory; /* build, parts: bytes that a part may take; 0: not given */
     uint64_t resume; /* build: a flag */

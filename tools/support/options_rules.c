@@ -20,6 +20,7 @@
 #define OPTION_VECTOR_MAX 1e18
 #define OPTION_FOV_MIN    0.01
 #define OPTION_FOV_MAX    179.0
+#define OPTION_SCALE_MAX  4.0
 
 static const choice frontends[] = {{"auto", OPTION_FRONTEND_AUTO},
                                    {"cl", OPTION_FRONTEND_CL},
@@ -222,6 +223,17 @@ static int read_fov(program *state, const rule *option, const char *value)
     if (!parse_number(value, &end, degrees) || *end != '\0' || *degrees < OPTION_FOV_MIN || *degrees > OPTION_FOV_MAX) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--%s '%s' is not a number of degrees within %g .. %g",
                             option->name, value, OPTION_FOV_MIN, OPTION_FOV_MAX);
+    }
+    return PROGRAM_DONE;
+}
+
+static int read_scale(program *state, const rule *option, const char *value)
+{
+    double *scale = field(state, option);
+    char *end = NULL;
+    if (!parse_number(value, &end, scale) || *end != '\0' || *scale < 1.0 || *scale > OPTION_SCALE_MAX) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s '%s' is not a number within 1 .. %g", option->name, value,
+                            OPTION_SCALE_MAX);
     }
     return PROGRAM_DONE;
 }
@@ -482,6 +494,8 @@ static const rule rules[] = {
     {"height", '\0', OPTION_VIEW_COMMAND, "N", read_count, FIELD(window_height), 160, 16384, NULL,
      "height of the window in pixels (that of the last time; 800)"},
     {"fullscreen", '\0', OPTION_VIEW_COMMAND, NULL, read_flag, FIELD(fullscreen), 0, 0, NULL, "cover the screen"},
+    {"scale", '\0', OPTION_VIEW_COMMAND, "S", read_scale, FIELD(scale), 0, 0, NULL,
+     "size of panels and text, 1 to 4 (that of the display)"},
     {"script", '\0', OPTION_VIEW_COMMAND, "FILE", read_text, FIELD(script_path), 0, 0, NULL,
      "keys, moves, clicks, waits and shots to play, in place of hands; the same pictures on every run"},
     {"compress", '\0', OPTION_BUILD_COMMAND | OPTION_CONVERT_COMMAND, NULL, read_flag, FIELD(compress), 0, 0, NULL,

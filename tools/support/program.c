@@ -33,10 +33,15 @@ int program_fail(program *state, int exit_code, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(state->failure, sizeof state->failure, format, arguments);
+    vsnprintf(state->last_failure, sizeof state->last_failure, format, arguments);
     va_end(arguments);
     progress_destroy(&state->progress);
-    print_line(state, "", state->failure);
+    if (state->failure != NULL) {
+        snprintf(state->failure->text, sizeof state->failure->text, "%.*s", (int)sizeof state->failure->text - 1,
+                 state->last_failure);
+    } else {
+        print_line(state, "", state->last_failure);
+    }
     return exit_code;
 }
 
@@ -61,7 +66,18 @@ int program_fail_library(program *state, const char *message)
 void program_begin_progress(program *state, unsigned step_count)
 {
     progress_destroy(&state->progress);
-    state->progress = state->options.quiet ? NULL : progress_create(state->command, step_count);
+    state->progress = progress_create(state->command, step_count, !state->options.quiet, state->watch);
+}
+
+void program_begin_step(program *state, const char *what)
+{
+    program_begin_progress(state, 1);
+    progress_step(state->progress, what);
+}
+
+bool program_is_canceled(const program *state)
+{
+    return state->watch != NULL && state->watch->stops(state->watch->user);
 }
 
 void program_log(void *user, svo_log_level level, const char *text)

@@ -33,6 +33,8 @@ typedef struct program {
     size_t command_count;
     options options;
     progress *progress; /* NULL: no bar */
+    const progress_watch *watch; /* who sees the bars besides a terminal; NULL: nobody */
+    svo_message *failure; /* where program_fail puts its line in place of standard error; NULL: nowhere */
     piped_input piped; /* INPUT, where it came through a pipe */
     int file_descriptor; /* what -o - writes to, once output_begin was called for it */
     /* Warnings of the library, printed only after success: a failure is one line. */
@@ -40,7 +42,7 @@ typedef struct program {
     unsigned warning_count; /* all warnings, kept or not */
     program_devices devices; /* create NULL: the default */
     bool reads_mesh; /* so that JSON has the warnings as well */
-    char failure[PROGRAM_FAILURE_BYTES]; /* the words of the last program_fail */
+    char last_failure[PROGRAM_FAILURE_BYTES]; /* the words of the last program_fail */
 } program;
 
 /* Removes the bar, prints "svocl: COMMAND: text" as one line to standard error and returns exit_code. */
@@ -56,6 +58,11 @@ int program_fail_scene(program *state, svo_status status, const char *message);
 
 /* Removes the bar and begins a new one (see progress.h). */
 void program_begin_progress(program *state, unsigned step_count);
+/* The same for work of one step. */
+void program_begin_step(program *state, const char *what);
+
+/* Whether who watches wants the work to end. */
+bool program_is_canceled(const program *state);
 
 /* An svo_log_callback whose user is the program: keeps warnings; --verbose prints everything at once. */
 void program_log(void *user, svo_log_level level, const char *text);

@@ -25,6 +25,8 @@ struct progress {
     bool shown;
     bool held;
     bool ending;
+    bool is_drawn; /* on a terminal, by the thread */
+    progress_watch watch; /* NULL functions: nobody */
     pthread_mutex_t lock;
     pthread_cond_t changed;
     pthread_t thread;
@@ -40,7 +42,7 @@ static double now_s(void)
 static void draw(progress *bar)
 {
     const double elapsed_s = now_s() - bar->started_s;
-    if (elapsed_s < QUIET_SECONDS || bar->steps_begun == 0) {
+    if (!bar->is_drawn || elapsed_s < QUIET_SECONDS || bar->steps_begun == 0) {
         return;
     }
     const double done = (bar->steps_begun - 1 + bar->part) / bar->step_count;
@@ -88,9 +90,18 @@ static void *keep_drawing(void *user)
     return NULL;
 }
 
-progress *progress_create(const char *title, unsigned step_count)
+static void tell(const progress *bar)
 {
-    if (!isatty(STDERR_FILENO) || step_count == 0) {
+    const progress_view now = {bar->what, bar->stage, bar->steps_begun, bar->step_count, bar->part};
+    if (bar->watch.see != NULL) {
+        bar->watch.see(bar->watch.user, &now);
+    }
+}
+
+progress *progress_create(const char *title, unsigned step_count, bool on_terminal, const progress_watch *watch)
+{
+    const bool is_drawn = on_terminal && isatty(STDERR_FILENO) == 1;
+    if ((!is_drawn && watch == NULL) || step_count == 0) {
         return NULL;
     }
     progress *bar = calloc(1, sizeof *bar);
@@ -101,9 +112,11 @@ progress *progress_create(const char *title, unsigned step_count)
     bar->what = "";
     bar->step_count = step_count;
     bar->started_s = now_s();
+    bar->watch = watch != NULL ? *watch : bar->watch;
     pthread_mutex_init(&bar->lock, NULL);
     pthread_cond_init(&bar->changed, NULL);
-    if (pthread_create(&bar->thread, NULL, keep_drawing, bar) != 0) {
+    bar->is_drawn = is_drawn && pthread_create(&bar->thread, NULL, keep_drawing, bar) == 0;
+    if (!bar->is_drawn && watch == NULL) {
         pthread_cond_destroy(&bar->changed);
         pthread_mutex_destroy(&bar->lock);
         free(bar);
@@ -118,7 +131,8 @@ void progress_step(progress *bar, const char *what)
         return;
     }
     pthread_mutex_lock(&bar->lock);
-    if (!bar->held) {
+    const bool is_seen = !bar->held;
+    if (is_seen) {
         bar->what = what;
         bar->stage = NULL;
         bar->part = 0.0;
@@ -126,6 +140,9 @@ void progress_step(progress *bar, const char *what)
         draw(bar);
     }
     pthread_mutex_unlock(&bar->lock);
+    if (is_seen) {
+        tell(bar);
+    }
 }
 
 void progress_part(progress *bar, const char *stage, double fraction)
@@ -134,11 +151,20 @@ void progress_part(progress *bar, const char *stage, double fraction)
         return;
     }
     pthread_mutex_lock(&bar->lock);
-    if (!bar->held) { /* the thread draws it */
+    const bool is_seen = !bar->held;
+    if (is_seen) { /* the thread draws it */
         bar->stage = stage;
         bar->part = fraction;
     }
     pthread_mutex_unlock(&bar->lock);
+    if (is_seen) {
+        tell(bar);
+    }
+}
+
+bool progress_stops(const progress *bar)
+{
+    return bar != NULL && bar->watch.stops != NULL && bar->watch.stops(bar->watch.user);
 }
 
 void progress_hold(progress *bar, bool held)
@@ -171,7 +197,9 @@ void progress_destroy(progress **bar)
     erase(*bar);
     pthread_cond_signal(&(*bar)->changed);
     pthread_mutex_unlock(&(*bar)->lock);
-    pthread_join((*bar)->thread, NULL);
+    if ((*bar)->is_drawn) {
+        pthread_join((*bar)->thread, NULL);
+    }
     pthread_cond_destroy(&(*bar)->changed);
     pthread_mutex_destroy(&(*bar)->lock);
     free(*bar);

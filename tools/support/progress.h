@@ -13,14 +13,33 @@
 
 typedef struct progress progress;
 
-/* title: a static string. step_count: the number of progress_step calls that follow. NULL without a terminal. */
-progress *progress_create(const char *title, unsigned step_count);
+/* What a bar shows. */
+typedef struct progress_view {
+    const char *what; /* the current step: a static string; "" before the first one */
+    const char *stage; /* of it: a static string, or NULL */
+    unsigned step, step_count;
+    double part; /* of the current step that is done, 0 .. 1 */
+} progress_view;
+
+/* Who else shows the bar, such as a window, and may stop the work. Both are called on the thread that works. */
+typedef struct progress_watch {
+    void (*see)(void *user, const progress_view *now); /* at each change */
+    bool (*stops)(void *user); /* whether the work is to end */
+    void *user;
+} progress_watch;
+
+/* title: a static string. step_count: the number of progress_step calls that follow. on_terminal: shown there, if
+   there is one. watch: copied; NULL: nobody. NULL where neither shows it. */
+progress *progress_create(const char *title, unsigned step_count, bool on_terminal, const progress_watch *watch);
 
 /* The next step begins. what: a static string, "reading the mesh". */
 void progress_step(progress *bar, const char *what);
 
 /* How far the current step is, 0 .. 1, and what it is doing: a static string. */
 void progress_part(progress *bar, const char *stage, double fraction);
+
+/* Whether who watches wants the work to end. */
+bool progress_stops(const progress *bar);
 
 /* While held, new steps are part of the current one. */
 void progress_hold(progress *bar, bool held);

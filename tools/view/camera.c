@@ -62,6 +62,16 @@ static void unit_up(const svo_camera *camera, double up[3])
     (void)normalize(up);
 }
 
+void camera_up(const view_state *state, double up[3])
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        up[axis] = (double)state->camera.up[axis];
+    }
+    if (!(normalize(up) > 0)) {
+        unit_up(&state->camera.at, up);
+    }
+}
+
 static frame frame_of(const svo_camera *camera)
 {
     frame out;
@@ -98,11 +108,12 @@ void camera_turn(view_state *state, float right, float down)
     const double sign = orbits ? -1 : 1; /* dragging to the right turns the scene, or the head, to the right */
     frame at = frame_of(camera);
     double up[3];
-    unit_up(camera, up);
+    camera_up(state, up);
     turn(at.sight, at.right, limit_angle(at.sight, up, -(double)down * radians));
     turn(at.sight, up, (orbits ? sign : -sign) * (double)right * radians);
     for (int axis = 0; axis < 3; ++axis) {
         const double way = at.sight[axis] * at.distance;
+        camera->up[axis] = (float)up[axis];
         if (orbits) {
             camera->eye[axis] = (float)((double)camera->target[axis] - way);
         } else {
@@ -168,7 +179,7 @@ void camera_move(view_state *state, float seconds)
     if (!camera_is_moving(state)) {
         return;
     }
-    unit_up(&state->camera.at, axis_up);
+    camera_up(state, axis_up);
     for (int axis = 0; axis < 3; ++axis) {
         by[axis] = way * (forward * at.sight[axis] + right * at.right[axis] + up * axis_up[axis]);
     }
@@ -178,6 +189,67 @@ void camera_move(view_state *state, float seconds)
 void camera_go_home(view_state *state)
 {
     state->camera.at = state->camera.home;
+}
+
+/* ---- up ---- */
+
+/* Turns a vector as one unit vector is turned to another. */
+static void turn_along(double vector[3], const double from[3], const double to[3])
+{
+    double axis[3];
+    cross(from, to, axis);
+    if (normalize(axis) > 1e-6) {
+        const double cosine = dot(from, to);
+        turn(vector, axis, acos(cosine > 1 ? 1 : cosine < -1 ? -1 : cosine));
+    } else if (dot(from, to) < 0) { /* upside down, around what is to the right of it */
+        const double side[3] = {from[1], from[2], from[0]};
+        cross(from, side, axis);
+        (void)normalize(axis);
+        turn(vector, axis, acos(-1.0));
+    }
+}
+
+static void turn_camera(svo_camera *camera, const double from[3], const double to[3])
+{
+    double away[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        away[axis] = (double)camera->eye[axis] - (double)camera->target[axis];
+    }
+    turn_along(away, from, to);
+    for (int axis = 0; axis < 3; ++axis) {
+        camera->eye[axis] = (float)((double)camera->target[axis] + away[axis]);
+        camera->up[axis] = (float)to[axis];
+    }
+}
+
+void camera_choose_up(view_state *state, const float up[3])
+{
+    double from[3];
+    double to[3] = {(double)up[0], (double)up[1], (double)up[2]};
+    camera_up(state, from);
+    if (!(normalize(to) > 0)) {
+        return;
+    }
+    turn_camera(&state->camera.at, from, to);
+    turn_camera(&state->camera.home, from, to);
+    for (int axis = 0; axis < 3; ++axis) {
+        state->camera.up[axis] = (float)to[axis];
+    }
+}
+
+void camera_look_along(view_state *state, int axis)
+{
+    svo_camera *camera = &state->camera.at;
+    const frame at = frame_of(camera);
+    double up[3];
+    camera_up(state, up);
+    const bool is_pole = fabs(up[axis]) > cos(POLE_ANGLE);
+    const int above = axis == 1 ? 2 : 1;
+    const float side = axis == 1 ? -1.0F : 1.0F;
+    for (int i = 0; i < 3; ++i) {
+        camera->eye[i] = (float)((double)camera->target[i] + (i == axis ? at.distance : 0));
+        camera->up[i] = !is_pole ? (float)up[i] : i == above ? side : 0;
+    }
 }
 
 /* ---- the window ---- */
@@ -231,4 +303,41 @@ void camera_ray(const view_state *state, float x, float y, float direction[3])
     for (int axis = 0; axis < 3; ++axis) {
         direction[axis] = (float)ray[axis];
     }
+}
+
+void camera_axes(const view_state *state, float right[3], float above[3], float sight[3])
+{
+    const frame at = frame_of(&state->camera.at);
+    for (int axis = 0; axis < 3; ++axis) {
+        right[axis] = (float)at.right[axis];
+        above[axis] = (float)at.above[axis];
+        sight[axis] = (float)at.sight[axis];
+    }
+}
+
+void camera_clip_ray(const view_state *state, svo_ray *ray)
+{
+    float plane[4];
+    view_clip_plane(state, plane);
+    double height = (double)plane[3];
+    double along = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        height += (double)plane[axis] * (double)ray->origin[axis];
+        along += (double)plane[axis] * (double)ray->direction[axis];
+    }
+    const float crossing = (float)(along != 0 ? -height / along : 0);
+    if (height >= 0) {
+        ray->t_max = along < 0 ? fminf(ray->t_max, crossing) : ray->t_max;
+    } else {
+        ray->t_min = along > 0 ? crossing : 0;
+        ray->t_max = along > 0 ? ray->t_max : -1;
+    }
+}
+
+void camera_pick_ray(const view_state *state, float x, float y, svo_ray *ray)
+{
+    *ray = (svo_ray){.t_max = INFINITY};
+    memcpy(ray->origin, state->camera.at.eye, sizeof ray->origin);
+    camera_ray(state, x, y, ray->direction);
+    camera_clip_ray(state, ray);
 }

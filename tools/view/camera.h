@@ -31,6 +31,27 @@ void camera_go_home(view_state *state);
 /* Where a point of the world is in the window, pixels. False behind the eye. */
 bool camera_project(const view_state *state, const float point[3], float pixel[2]);
 
+/* The ray through a place of the window, as far as a clipping plane leaves it: t in world units. Where it leaves nothing
+   t_min is above t_max. */
+void camera_pick_ray(const view_state *state, float x, float y, svo_ray *ray);
+
+/* Cuts a ray from the eye so. */
+void camera_clip_ray(const view_state *state, svo_ray *ray);
+
+/* Makes a direction, of any length, the world's up: orbits go around it. The camera turns with it, so that it looks at
+   the world's sides as before. */
+void camera_choose_up(view_state *state, const float up[3]);
+
+/* The direction that is up in the world. */
+void camera_up(const view_state *state, double up[3]);
+
+/* Looks along an axis at the target, from its positive side and as far away as now; along the world's up with -z or y
+   above. */
+void camera_look_along(view_state *state, int axis);
+
+/* The camera's directions, unit: to the right and up in the picture, and of the line of sight. */
+void camera_axes(const view_state *state, float right[3], float above[3], float sight[3]);
+
 /* The direction of the ray through a place of the window, of length 1. */
 void camera_ray(const view_state *state, float x, float y, float direction[3]);
 

@@ -283,6 +283,13 @@ bool canvas_draw(canvas *which, unsigned width, unsigned height, const canvas_ve
     return view_gl_check(gl, "drawing the window", why);
 }
 
+bool canvas_continue(canvas *which, unsigned width, unsigned height, svo_message *why)
+{
+    return width == which->frame_width && height == which->frame_height
+               ? use_frame(which, width, height, why)
+               : canvas_draw(which, width, height, NULL, 0, why);
+}
+
 bool canvas_show(canvas *which, svo_message *why)
 {
     const view_gl *gl = which->gl;

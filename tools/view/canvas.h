@@ -45,6 +45,9 @@ uint32_t canvas_map(const canvas *which);
 bool canvas_draw(canvas *which, unsigned width, unsigned height, const canvas_vertex *vertices, size_t count,
                  svo_message *why);
 
+/* Begins a frame with all of the one before. In a window of another size it has the picture alone. False on failure. */
+bool canvas_continue(canvas *which, unsigned width, unsigned height, svo_message *why);
+
 /* Puts the frame into the window. False on failure. */
 bool canvas_show(canvas *which, svo_message *why);
 

@@ -32,12 +32,19 @@ static bool shown_differs(const view_shown *had, const view_shown *now)
            (now->through && (had->choice != now->choice || view_grid_differs(&had->probes, &now->probes)));
 }
 
+static bool clip_differs(const view_clip *had, const view_clip *now)
+{
+    return had->is_on != now->is_on ||
+           (now->is_on && (differs(had->offset, now->offset) || differs(had->normal[0], now->normal[0]) ||
+                           differs(had->normal[1], now->normal[1]) || differs(had->normal[2], now->normal[2])));
+}
+
 /* Whether the last picture shows something else than the state does. */
 static bool is_outdated(const drawing *which, const view_state *state)
 {
     return which->width == 0 || which->window_width != state->width || which->window_height != state->height ||
-           shown_differs(&which->shown, &state->shown) || which->is_scene != state->is_scene ||
-           which->revisions.lights != state->revisions.lights ||
+           shown_differs(&which->shown, &state->shown) || clip_differs(&which->shown.clip, &state->shown.clip) ||
+           which->is_scene != state->is_scene || which->revisions.lights != state->revisions.lights ||
            which->revisions.instances != state->revisions.instances || which->revisions.film != state->revisions.film ||
            camera_differs(&which->camera, &state->camera.at);
 }

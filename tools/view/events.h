@@ -12,6 +12,7 @@ typedef enum view_event_kind {
     VIEW_EVENT_BUTTON, /* of the mouse, at x, y */
     VIEW_EVENT_WHEEL, /* by steps, at x, y */
     VIEW_EVENT_RESIZE, /* the window has x times y pixels */
+    VIEW_EVENT_DROP, /* a file was dropped on the window: path */
     VIEW_EVENT_QUIT
 } view_event_kind;
 
@@ -46,6 +47,7 @@ typedef struct view_event {
     int x, y; /* pixels from the window's left upper corner */
     float steps; /* of the wheel, away from the user is positive */
     char text[32]; /* UTF-8 */
+    char path[1024]; /* "": it was longer */
 } view_event;
 
 #endif

@@ -113,7 +113,7 @@ int film_update(film *which, const placed *from, view_state *state)
         film_close(which);
         if (open_film(which, from, state) != PROGRAM_DONE) {
             film_close(which);
-            view_log(state, "the motions are not shown; the terminal says why");
+            view_log(state, "the motions are not shown");
             view_choose_scene(state, true);
             return PROGRAM_DONE;
         }

@@ -6,12 +6,15 @@
 #include <stdlib.h>
 
 #include "view/camera.h"
+#include "view/history.h"
 #include "view/light_edit.h"
+#include "view/open_dialog.h"
 #include "view/play.h"
+#include "view/question.h"
 #include "view/scene_edit.h"
 
-/* Pixels that the mouse may move in a click. */
-#define CLICK_PIXELS 3
+/* Pixels of a plain display that the mouse may move in a click. */
+#define CLICK_PIXELS 3.0F
 /* Of a key of exposure: a third of a stop. */
 #define EXPOSURE_STEP 1.26F
 
@@ -25,6 +28,9 @@ input_binding input_describe(size_t index)
                                              {"W S A D", "move; R F up, down"},
                                              {"C", "orbit or fly"},
                                              {"Home", "first view"},
+                                             {"Z", "up: y or z"},
+                                             {"V", "clip"},
+                                             {"X", "ground grid"},
                                              {"1-9, 0", "views"},
                                              {"L, Shift+L", "level up, down"},
                                              {"G", "indirect light"},
@@ -42,7 +48,11 @@ input_binding input_describe(size_t index)
                                              {"I", "edit instances"},
                                              {"N, Delete", "add, remove one"},
                                              {"Shift+drag", "move it"},
-                                             {"Ctrl+S, O", "save, load them"},
+                                             {"Ctrl+S, R", "save, load again"},
+                                             {"Ctrl+O, drop", "open a file"},
+                                             {"Ctrl+P", "a picture as PNG"},
+                                             {"Ctrl+Shift+P", "with the panels"},
+                                             {"Ctrl+Z, Y", "undo, redo"},
                                              {"Esc", "drop the selection"},
                                              {"Tab", "panels"},
                                              {"F1-F10, F12", "one panel"},
@@ -68,8 +78,16 @@ static bool hold_motion(const view_event *event, view_state *state)
 static void change_camera_mode(view_state *state)
 {
     state->camera.mode = state->camera.mode == VIEW_ORBIT ? VIEW_FLY : VIEW_ORBIT;
-    state->settings.mode = state->camera.mode;
     view_log(state, "camera: %s", state->camera.mode == VIEW_ORBIT ? "orbit" : "fly");
+}
+
+static void change_up(view_state *state)
+{
+    double up[3];
+    camera_up(state, up);
+    const bool was_y = up[1] > 0.5;
+    camera_choose_up(state, (const float[3]){0, was_y ? 0 : 1, was_y ? 1 : 0});
+    view_log(state, "up: %s", was_y ? "z" : "y");
 }
 
 static void change_form(view_state *state)
@@ -153,13 +171,29 @@ static bool press_with_control(const view_event *event, view_state *state)
     }
     switch (event->key) {
     case 'q':
-        state->is_done = true;
+        view_leave(state, &state->is_done);
         return true;
     case 's':
-        scene_edit_save(state, state->scene_path);
+        question_save(state);
+        return true;
+    case 'r':
+        view_leave(state, &state->wants_load);
+        return true;
+    case 'z':
+        if (event->shift) {
+            history_redo(state);
+        } else {
+            history_undo(state);
+        }
+        return true;
+    case 'y':
+        history_redo(state);
         return true;
     case 'o':
-        state->wants_load = true;
+        open_dialog_show(state);
+        return true;
+    case 'p':
+        state->wants_shot = event->shift ? VIEW_SHOT_WINDOW : VIEW_SHOT_PICTURE;
         return true;
     default:
         return false;
@@ -200,8 +234,29 @@ static void press_letter(const view_event *event, view_state *state)
     case 'n':
         edit_instances(state, true);
         break;
+    case 'v':
+        view_choose_clip(state, !state->shown.clip.is_on);
+        break;
+    case 'x':
+        state->settings.grid = !state->settings.grid;
+        break;
+    case 'z':
+        change_up(state);
+        break;
     default:
         break;
+    }
+}
+
+/* Of what can be closed, what was shown last. */
+static void press_escape(view_state *state)
+{
+    if (state->notice[0] != '\0') {
+        state->notice[0] = '\0';
+    } else if (state->open.is_shown) {
+        open_dialog_hide(state);
+    } else {
+        state->selection.is_hit = false;
     }
 }
 
@@ -221,7 +276,7 @@ static input_wish press_key(const view_event *event, view_state *state)
     } else if (key == VIEW_KEY_DELETE) {
         edit_instances(state, false);
     } else if (key == VIEW_KEY_ESCAPE) {
-        state->selection.is_hit = false;
+        press_escape(state);
     } else if (!press_for_probes(key, state) && !press_for_motions(key, state)) {
         press_letter(event, state);
     }
@@ -249,7 +304,8 @@ static void move(input_mouse *mouse, const view_event *event, view_state *state)
 {
     const int across = abs(event->x - mouse->press_x);
     const int along = abs(event->y - mouse->press_y);
-    mouse->dragged = mouse->dragged || across > CLICK_PIXELS || along > CLICK_PIXELS;
+    const int most = (int)(CLICK_PIXELS * state->scale);
+    mouse->dragged = mouse->dragged || across > most || along > most;
     if (mouse->dragged) {
         drag(mouse, event, state);
     }
@@ -272,10 +328,21 @@ static input_wish press_button(input_mouse *mouse, const view_event *event)
                                                                                                : INPUT_NOTHING;
 }
 
+void input_release(input_mouse *mouse, view_state *state)
+{
+    *mouse = (input_mouse){.x = mouse->x, .y = mouse->y};
+    for (int i = 0; i < VIEW_MOTIONS; ++i) {
+        state->camera.held[i] = false;
+    }
+}
+
 input_wish input_take(input_mouse *mouse, const view_event *event, view_state *state)
 {
     switch (event->kind) {
     case VIEW_EVENT_KEY:
+        if (state->question.asking != VIEW_ASKS_NOTHING && event->is_down) {
+            return INPUT_NOTHING;
+        }
         return !press_with_control(event, state) && !hold_motion(event, state) && event->is_down
                    ? press_key(event, state)
                    : INPUT_NOTHING;
@@ -292,7 +359,10 @@ input_wish input_take(input_mouse *mouse, const view_event *event, view_state *s
         }
         return INPUT_NOTHING;
     case VIEW_EVENT_QUIT:
-        state->is_done = true;
+        view_leave(state, &state->is_done);
+        return INPUT_NOTHING;
+    case VIEW_EVENT_DROP:
+        view_open_file(state, event->path);
         return INPUT_NOTHING;
     case VIEW_EVENT_TEXT:
     case VIEW_EVENT_RESIZE:

@@ -17,6 +17,9 @@ typedef struct input_mouse {
 /* What an event asks for besides changes of the state. */
 typedef enum input_wish { INPUT_NOTHING = 0, INPUT_PICK, INPUT_FULLSCREEN } input_wish;
 
+/* Forgets what is held: its end was not seen. */
+void input_release(input_mouse *mouse, view_state *state);
+
 /* Applies an event. INPUT_PICK: a click at mouse->x, y. */
 input_wish input_take(input_mouse *mouse, const view_event *event, view_state *state);
 

@@ -118,17 +118,38 @@ void light_edit_push(view_state *state, float steps)
     view_lights_changed(state);
 }
 
-void light_edit_angles(const float direction[3], float angles[2])
+/* The axes around the world's up: for y they are x, y and z. */
+static void find_world(const view_state *state, float axes[3][3])
 {
-    angles[0] = atan2f(-direction[0], -direction[2]) * 180 / PI;
-    angles[1] = atan2f(-direction[1], hypotf(direction[0], direction[2])) * 180 / PI;
+    double up[3];
+    camera_up(state, up);
+    const bool is_z = fabs(up[2]) > 0.9;
+    const float helper[3] = {0, is_z ? -1.0F : 0, is_z ? 0 : 1.0F};
+    for (int i = 0; i < 3; ++i) {
+        axes[1][i] = (float)up[i];
+    }
+    cross(axes[1], helper, axes[0]);
+    normalize(axes[0]);
+    cross(axes[0], axes[1], axes[2]);
 }
 
-void light_edit_direction(const float angles[2], float direction[3])
+void light_edit_angles(const view_state *state, const float direction[3], float angles[2])
 {
+    float axes[3][3];
+    find_world(state, axes);
+    const float seen[3] = {dot(axes[0], direction), dot(axes[1], direction), dot(axes[2], direction)};
+    angles[0] = atan2f(-seen[0], -seen[2]) * 180 / PI;
+    angles[1] = atan2f(-seen[1], hypotf(seen[0], seen[2])) * 180 / PI;
+}
+
+void light_edit_direction(const view_state *state, const float angles[2], float direction[3])
+{
+    float axes[3][3];
     const float around = angles[0] * PI / 180;
     const float above = angles[1] * PI / 180;
-    direction[0] = -sinf(around) * cosf(above);
-    direction[1] = -sinf(above);
-    direction[2] = -cosf(around) * cosf(above);
+    const float seen[3] = {-sinf(around) * cosf(above), -sinf(above), -cosf(around) * cosf(above)};
+    find_world(state, axes);
+    for (int i = 0; i < 3; ++i) {
+        direction[i] = seen[0] * axes[0][i] + seen[1] * axes[1][i] + seen[2] * axes[2][i];
+    }
 }

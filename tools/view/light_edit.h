@@ -15,8 +15,8 @@ void light_edit_drag(view_state *state, float right, float down);
 /* Moves it away from the camera by steps of the wheel. Parallel light stays. */
 void light_edit_push(view_state *state, float steps);
 
-/* Degrees: around the vertical axis, and above the horizon, of where a direction comes from. */
-void light_edit_angles(const float direction[3], float angles[2]);
-void light_edit_direction(const float angles[2], float direction[3]);
+/* Degrees: around the world's up, and above the horizon, of where a direction comes from. */
+void light_edit_angles(const view_state *state, const float direction[3], float angles[2]);
+void light_edit_direction(const view_state *state, const float angles[2], float direction[3]);
 
 #endif

@@ -224,6 +224,10 @@ void marks_make(marks *which, const view_state *state)
 {
     which->count = 0;
     which->failed = false;
+    for (size_t i = 0; i < state->ground_count; ++i) {
+        const view_piece *piece = &state->ground[i];
+        add_edge(which, state, piece->from, piece->to, THIN, piece->color);
+    }
     if (state->selection.is_hit) {
         mark_selection(which, state);
     }

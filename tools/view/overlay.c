@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "view/panels.h"
 #include "view/ui_events.h"
 #include "view/ui_paint.h"
 
@@ -13,22 +12,27 @@ struct overlay {
     ui *toolkit;
     ui_paint *paint;
     ui_events events;
+    float scale;
+    bool large; /* text, as it was last */
     bool picture_holds[3]; /* buttons that went down on the picture */
 };
 
-overlay *overlay_create(const view_gl *gl, svo_message *why)
+overlay *overlay_create(const view_gl *gl, float scale, const ui_clipboard *clipboard, svo_message *why)
 {
     unsigned width = 0;
     unsigned height = 0;
     overlay *made = calloc(1, sizeof *made);
     if (made != NULL) {
-        made->toolkit = ui_create();
+        made->scale = scale;
+        made->large = true;
+        made->toolkit = ui_create(scale);
     }
     if (made == NULL || made->toolkit == NULL) {
         (void)snprintf(why->text, sizeof why->text, "out of memory for the panels");
         free(made);
         return NULL;
     }
+    ui_set_clipboard(made->toolkit, clipboard);
     const uint8_t *glyphs = ui_glyphs(made->toolkit, &width, &height);
     made->paint = ui_paint_create(gl, glyphs, width, height, why);
     if (made->paint == NULL) {
@@ -84,6 +88,7 @@ bool overlay_take(overlay *which, const view_event *event)
         is_theirs = !is_dragged && ui_wants_mouse(which->toolkit);
         break;
     case VIEW_EVENT_RESIZE:
+    case VIEW_EVENT_DROP:
     case VIEW_EVENT_QUIT:
         break;
     }
@@ -94,19 +99,55 @@ bool overlay_take(overlay *which, const view_event *event)
     return is_theirs;
 }
 
-bool overlay_draw(overlay *which, view_state *state, float seconds, svo_message *why)
+bool overlay_types(const overlay *which)
 {
-    ui_input input = ui_events_frame(&which->events, state->width, state->height, seconds);
-    input.large = panels_text_is_large(state);
+    return ui_wants_keys(which->toolkit);
+}
+
+void overlay_release(overlay *which)
+{
+    ui_events_begin(&which->events);
+    for (int i = 0; i < 3; ++i) {
+        which->picture_holds[i] = false;
+    }
+}
+
+/* Begins a frame of the toolkit, whose pixels are those of a plain display. */
+static void begin(overlay *which, unsigned width, unsigned height, float seconds)
+{
+    ui_input input = ui_events_frame(&which->events, width, height, seconds);
+    input.large = which->large;
+    input.width /= which->scale;
+    input.height /= which->scale;
+    input.mouse[0] /= which->scale;
+    input.mouse[1] /= which->scale;
     if (picture_holds_any(which)) {
         input.mouse[0] = input.mouse[1] = -1;
     }
     ui_begin(which->toolkit, &input);
-    panels_describe(which->toolkit, state);
+}
+
+static bool end(overlay *which, unsigned width, unsigned height, svo_message *why)
+{
     const ui_drawing *drawing = ui_end(which->toolkit);
     if (drawing == NULL) {
         (void)snprintf(why->text, sizeof why->text, "out of memory for the panels");
         return false;
     }
-    return ui_paint_draw(which->paint, drawing, state->width, state->height, why);
+    return ui_paint_draw(which->paint, drawing, width, height, which->scale, why);
+}
+
+bool overlay_draw(overlay *which, view_state *state, float seconds, svo_message *why)
+{
+    which->large = panels_text_is_large(state);
+    begin(which, state->width, state->height, seconds);
+    panels_describe(which->toolkit, state);
+    return end(which, state->width, state->height, why);
+}
+
+bool overlay_draw_work(overlay *which, const panels_work *work, unsigned width, unsigned height, svo_message *why)
+{
+    begin(which, width, height, 0);
+    panels_describe_work(which->toolkit, work, (float)width / which->scale, (float)height / which->scale);
+    return end(which, width, height, why);
 }

@@ -2,8 +2,11 @@
 /* Means over the ring of frames. */
 #include "view/panels_figures.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
+
+#include "view/ui_theme.h"
 
 #define MEAN_MS 500.0F
 
@@ -38,14 +41,25 @@ panels_means panels_mean(const view_state *state)
     return sums;
 }
 
-void panels_fit(const ui *toolkit, const char *text, float width, char *out, size_t out_bytes)
+panels_text panels_time(const view_state *state)
 {
-    (void)snprintf(out, out_bytes, "%s", text);
-    size_t length = strlen(out);
-    while (length > 0 && ui_text_width(toolkit, out) > width) {
-        do {
-            --length;
-        } while (length > 0 && ((unsigned char)out[length] & 0xC0U) == 0x80);
-        out[length] = '\0';
+    panels_text made = {""};
+    size_t ago = 0;
+    const view_frame *frame = panels_frame(state, 0);
+    while (frame != NULL && frame->rays == 0) {
+        frame = panels_frame(state, ++ago);
     }
+    frame = frame != NULL ? frame : panels_frame(state, 0);
+    (void)snprintf(made.text, sizeof made.text, "%s%.1f ms", state->is_idle ? "idle, " : "",
+                   frame != NULL ? (double)frame->work_ms : 0.0);
+    return made;
+}
+
+void panels_begin_box(ui *toolkit, const char *name, float box_width, float width, float height)
+{
+    const float room = width - 2 * UI_PADDING;
+    const float columns = floorf(box_width < room ? box_width : room);
+    const float top = floorf(height * 0.12F);
+    ui_raise(toolkit);
+    ui_panel_begin(toolkit, name, (ui_place){floorf((width - columns) / 2), top, columns, height - 2 * top});
 }

@@ -11,14 +11,21 @@ const view_frame *panels_frame(const view_state *state, size_t ago);
 
 /* Means of the last frames, half a second of them at most. */
 typedef struct panels_means {
-    float ms; /* 0: no frame yet */
+    float ms; /* from frame to frame; 0: no frame yet */
     float stage_ms[VIEW_STAGES];
     double rays_a_second; /* 0: nothing was drawn */
 } panels_means;
 
 panels_means panels_mean(const view_state *state);
 
-/* The longest begin of a text that is at most so wide. */
-void panels_fit(const ui *toolkit, const char *text, float width, char *out, size_t out_bytes);
+/* What the last frame that drew took to make, "idle" before it while nothing is drawn. */
+typedef struct panels_text {
+    char text[64];
+} panels_text;
+
+panels_text panels_time(const view_state *state);
+
+/* Begins a panel above the others, at most so wide, in a window of this size. ui_panel_end ends it. */
+void panels_begin_box(ui *toolkit, const char *name, float box_width, float width, float height);
 
 #endif

@@ -11,7 +11,7 @@
 /* Its height, in rows of text, in low and in high windows. */
 #define GRAPH_ROWS_LOW  2.5F
 #define GRAPH_ROWS_HIGH 4.0F
-#define HIGH_WINDOW     600u
+#define HIGH_WINDOW     600.0F
 
 static const uint32_t stage_colors[VIEW_STAGES] = {
     UI_RGBA(140, 148, 160, 255), UI_RGBA(236, 118, 106, 255), UI_RGBA(94, 176, 239, 255),
@@ -65,7 +65,7 @@ static void draw_graph(ui *toolkit, const view_state *state)
 {
     ui_place place;
     char text[32];
-    const float rows = state->height < HIGH_WINDOW ? GRAPH_ROWS_LOW : GRAPH_ROWS_HIGH;
+    const float rows = (float)state->height / state->scale < HIGH_WINDOW ? GRAPH_ROWS_LOW : GRAPH_ROWS_HIGH;
     (void)ui_canvas(toolkit, "graph", roundf(rows * ui_row_height(toolkit)), &place, NULL);
     const float step = 2;
     const size_t most = (size_t)(place.width / step);
@@ -107,8 +107,14 @@ void panels_frames(ui *toolkit, view_state *state)
 {
     const panels_means means = panels_mean(state);
     const view_frame *last = panels_frame(state, 0);
-    ui_value(toolkit, "Frame", "%.1f ms, %.0f /s", (double)means.ms, means.ms > 0 ? 1000.0 / (double)means.ms : 0.0);
-    ui_tooltip(toolkit, "Mean time from frame to frame, and frames a second.");
+    ui_value(toolkit, "Frame", "%s", panels_time(state).text);
+    ui_tooltip(toolkit, "The work of the last frame that was drawn, without waiting.");
+    if (state->is_idle || !(means.ms > 0)) {
+        ui_value(toolkit, "Rate", "-");
+    } else {
+        ui_value(toolkit, "Rate", "%.0f /s", 1000.0 / (double)means.ms);
+    }
+    ui_tooltip(toolkit, "Frames a second, the mean of half a second.");
     ui_value(toolkit, "Rays", "%s", means.rays_a_second > 0 ? figure_rate(means.rays_a_second).text : "-");
     ui_tooltip(toolkit, "Rays from the camera, by the time that OpenCL took for the pictures.");
     const unsigned coarse = last != NULL ? last->coarse : 0;
@@ -136,7 +142,7 @@ static void draw_buffer(ui *toolkit, const view_memory *buffer, uint64_t largest
     const float share = largest > 0 ? (float)((double)buffer->bytes / (double)largest) : 0;
     const float y = place.y + UI_INSET_Y;
     ui_fill(toolkit, (ui_place){place.x, place.y, place.width * share, place.height}, UI_COLOR_FIELD);
-    panels_fit(toolkit, buffer->name, place.width - 2 * column, name, sizeof name);
+    (void)ui_fit(toolkit, buffer->name, place.width - 2 * column, name, sizeof name);
     ui_fill_text(toolkit, place.x + 2, y, UI_COLOR_TEXT, name);
     write_right(toolkit, place.x + place.width - column, y, UI_COLOR_TEXT, figure_bytes(buffer->bytes).text);
     write_right(toolkit, place.x + place.width, y, UI_COLOR_DIM,

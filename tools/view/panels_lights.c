@@ -14,16 +14,16 @@
 
 static const char *const kinds[] = {"sun", "point", "spot"};
 
-static bool edit_direction(ui *toolkit, float direction[3])
+static bool edit_direction(ui *toolkit, const view_state *state, float direction[3])
 {
     float angles[2];
-    light_edit_angles(direction, angles);
+    light_edit_angles(state, direction, angles);
     bool changed = ui_slider(toolkit, "Around", &angles[0], -180, 180, "%.0f \xC2\xB0");
-    ui_tooltip(toolkit, "Where the light comes from, around the vertical axis. Control and drag moves it too.");
+    ui_tooltip(toolkit, "Where the light comes from, around what is up. Control and drag moves it too.");
     changed |= ui_slider(toolkit, "Height", &angles[1], -STEEP, STEEP, "%.0f \xC2\xB0");
     ui_tooltip(toolkit, "Where the light comes from, above the horizon.");
     if (changed) {
-        light_edit_direction(angles, direction);
+        light_edit_direction(state, angles, direction);
     }
     return changed;
 }
@@ -71,7 +71,7 @@ static void edit_source(ui *toolkit, view_state *state, svo_light_source *source
         ui_tooltip(toolkit, "In the world. Control and drag moves it in the picture, with the wheel away and back.");
     }
     if (source->kind != SVO_SOURCE_POINT) {
-        changed |= edit_direction(toolkit, source->direction);
+        changed |= edit_direction(toolkit, state, source->direction);
     }
     if (source->kind == SVO_SOURCE_SPOT) {
         changed |= edit_cone(toolkit, source);
@@ -143,7 +143,7 @@ static void edit_scene_light(ui *toolkit, view_state *state, svo_scene_light *li
     float away[3] = {-light->direction[0], -light->direction[1], -light->direction[2]};
     bool shadows = light->shadows != 0;
     bool changed = false;
-    if (edit_direction(toolkit, away)) {
+    if (edit_direction(toolkit, state, away)) {
         changed = true;
         for (int i = 0; i < 3; ++i) {
             light->direction[i] = -away[i];

@@ -2,6 +2,7 @@
 /* What is shown, from where, and the settings. */
 #include <math.h>
 
+#include "view/camera.h"
 #include "view/panels_pages.h"
 
 #define PI 3.14159265F
@@ -111,6 +112,67 @@ static void choose_light(ui *toolkit, view_state *state)
     choose_occlusion(toolkit, state);
 }
 
+/* ---- what is cut away, and what helps to find one's way ---- */
+
+static void choose_clip_normal(ui *toolkit, view_state *state)
+{
+    static const char *const names[] = {"below x", "below y", "below z", "above x", "above y", "above z", "as seen"};
+    view_clip *clip = &state->shown.clip;
+    float range[2];
+    int chosen = 6;
+    for (int i = 0; i < 6; ++i) {
+        chosen = (i < 3 ? clip->normal[i % 3] : -clip->normal[i % 3]) >= 1 ? i : chosen;
+    }
+    const int before = chosen;
+    if (!ui_choice(toolkit, "Cut away", names, 7, &chosen) && chosen == before) {
+        return;
+    }
+    view_clip_range(state, clip->normal, range);
+    const float share = range[1] > range[0] ? (clip->offset - range[0]) / (range[1] - range[0]) : 0.5F;
+    if (chosen == 6) {
+        camera_ray(state, 0.5F * (float)state->width, 0.5F * (float)state->height, clip->normal);
+    }
+    for (int i = 0; i < 3 && chosen < 6; ++i) {
+        clip->normal[i] = i != chosen % 3 ? 0 : chosen < 3 ? 1.0F : -1.0F;
+    }
+    view_clip_range(state, clip->normal, range);
+    clip->offset = range[0] + share * (range[1] - range[0]);
+}
+
+/* The slider tells where the plane is along its axis. */
+static void choose_clip(ui *toolkit, view_state *state)
+{
+    view_clip *clip = &state->shown.clip;
+    bool is_on = clip->is_on;
+    float range[2];
+    if (ui_checkbox(toolkit, "Clip", &is_on)) {
+        view_choose_clip(state, is_on);
+    }
+    ui_tooltip(toolkit, "Cuts away what is before a plane, so that the inside shows. Key V.");
+    if (!clip->is_on) {
+        return;
+    }
+    choose_clip_normal(toolkit, state);
+    ui_tooltip(toolkit, "Across which axis, and which side; as seen: what is nearer, as the camera stands now.");
+    const float sign = clip->normal[0] + clip->normal[1] + clip->normal[2] < 0 ? -1.0F : 1.0F;
+    view_clip_range(state, clip->normal, range);
+    float at = sign * clip->offset;
+    const float low = sign > 0 ? range[0] : -range[1];
+    const float high = sign > 0 ? range[1] : -range[0];
+    if (ui_slider(toolkit, "Plane at", &at, low, high, "%.4g")) {
+        clip->offset = sign * at;
+    }
+    ui_tooltip(toolkit, "World units along the axis, or from the camera.");
+}
+
+static void choose_guides(ui *toolkit, view_state *state)
+{
+    ui_checkbox(toolkit, "Axes", &state->settings.axes);
+    ui_tooltip(toolkit, "Where x, y and z are, in the corner of the picture.");
+    ui_checkbox(toolkit, "Ground grid", &state->settings.grid);
+    ui_tooltip(toolkit, "Lines on the ground, hidden by what stands before them. Key X.");
+}
+
 /* Scenes are shaded alone, but through probes, and those of a file have no level to choose. */
 void panels_picture(ui *toolkit, view_state *state)
 {
@@ -127,6 +189,10 @@ void panels_picture(ui *toolkit, view_state *state)
     } else if (!state->is_scene) {
         choose_light(toolkit, state);
     }
+    if (!state->shown.through) {
+        choose_clip(toolkit, state);
+    }
+    choose_guides(toolkit, state);
 }
 
 /* ---- the camera ---- */
@@ -155,15 +221,21 @@ static void place_camera(ui *toolkit, view_state *state)
     }
 }
 
-/* From the front, the side or above, as far away as now. */
-static void look_along(view_state *state, int axis)
+static void choose_up(ui *toolkit, view_state *state)
 {
-    svo_camera *at = &state->camera.at;
-    const float away = distance(at->eye, at->target);
-    for (int i = 0; i < 3; ++i) {
-        at->eye[i] = at->target[i] + (i == axis ? away : 0);
-        at->up[i] = i == (axis == 1 ? 2 : 1) ? (axis == 1 ? -1.0F : 1.0F) : 0;
+    static const char *const names[] = {"x", "y", "z", "-x", "-y", "-z", "other"};
+    double up[3];
+    int chosen = 6;
+    camera_up(state, up);
+    for (int i = 0; i < 6; ++i) {
+        chosen = (i < 3 ? up[i % 3] : -up[i % 3]) > 1 - 1e-9 ? i : chosen;
     }
+    if (ui_choice(toolkit, "Up", names, 6, &chosen) && chosen < 6) {
+        float wanted[3] = {0};
+        wanted[chosen % 3] = chosen < 3 ? 1.0F : -1.0F;
+        camera_choose_up(state, wanted);
+    }
+    ui_tooltip(toolkit, "What is up in the world; the camera turns around it. Key Z: y or z.");
 }
 
 void panels_camera(ui *toolkit, view_state *state)
@@ -175,6 +247,7 @@ void panels_camera(ui *toolkit, view_state *state)
         state->camera.mode = (view_camera_mode)mode;
     }
     ui_tooltip(toolkit, "Dragging turns around the target, or turns the view where the camera is. Key C.");
+    choose_up(toolkit, state);
     place_camera(toolkit, state);
     if (ui_numbers(toolkit, "Speed", &state->camera.speed, 1, 0.01F * fmaxf(state->camera.speed, 0.01F), "%.2f")) {
         state->camera.speed = fmaxf(state->camera.speed, 0);
@@ -184,7 +257,7 @@ void panels_camera(ui *toolkit, view_state *state)
     if (pressed == 3) {
         state->camera.at = state->camera.home;
     } else if (pressed >= 0) {
-        look_along(state, pressed);
+        camera_look_along(state, pressed);
     }
     ui_tooltip(toolkit, "Looks along an axis, or from where the camera began.");
 }

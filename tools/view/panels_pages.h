@@ -19,4 +19,8 @@ panels_page panels_motion; /* playing what moves */
 panels_page panels_probes;
 panels_page panels_settings;
 
+/* The axes in the corner of the picture, and what the colors of a view of numbers mean, above the line at the bottom.
+   free: the picture between the columns, as far as that line. */
+void panels_guides(ui *toolkit, view_state *state, ui_place free);
+
 #endif

@@ -185,14 +185,6 @@ static void fill(const find *found, view_selection *out)
     }
 }
 
-static svo_ray ray_at(const view_state *state, int x, int y)
-{
-    svo_ray ray = {.t_max = INFINITY};
-    memcpy(ray.origin, state->camera.at.eye, sizeof ray.origin);
-    camera_ray(state, (float)x + 0.5F, (float)y + 0.5F, ray.direction);
-    return ray;
-}
-
 static bool look_up(const svo_tree *tree, find *found)
 {
     found->tree = tree;
@@ -260,7 +252,8 @@ int pick_at(subject *which, view_state *state, int x, int y)
         view_log(state, "probe %u: %s", probe, states[state->probes.places[probe].state]);
         return PROGRAM_DONE;
     }
-    find found = {.ray = ray_at(state, x, y), .hit.triangle = SVO_NO_TRIANGLE, .voxel.node = SVO_NO_NODE};
+    find found = {.hit.triangle = SVO_NO_TRIANGLE, .voxel.node = SVO_NO_NODE};
+    camera_pick_ray(state, (float)x + 0.5F, (float)y + 0.5F, &found.ray);
     state->selection =
         (view_selection){.instance = SVO_NO_INSTANCE, .triangle = SVO_NO_TRIANGLE, .node = SVO_NO_NODE, .t = INFINITY};
     const int exit_code = state->is_scene ? pick_in_scene(which, state, &found) : pick_in_tree(which, state, &found);

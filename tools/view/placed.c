@@ -214,6 +214,8 @@ bool placed_describe(placed *which, view_state *state)
     }
     state->trees = which->list;
     state->tree_count = which->list_count;
+    (void)snprintf(state->scene_path, sizeof state->scene_path, "%s", which->path);
+    (void)snprintf(state->own_paths[VIEW_SCENE], sizeof state->own_paths[0], "%s", which->path);
     if (which->path[0] == '\0') {
         return true;
     }
@@ -231,7 +233,6 @@ bool placed_describe(placed *which, view_state *state)
     state->shown.picture = VIEW_SHADED;
     state->shown.through = false;
     state->probes.map = VIEW_MAP_NORMAL;
-    (void)snprintf(state->scene_path, sizeof state->scene_path, "%s", which->path);
     view_lights_changed(state);
     view_instances_changed(state);
     return true;
@@ -354,13 +355,14 @@ int placed_update(placed *which, view_state *state)
 
 int placed_draw(placed *which, const view_state *state, unsigned width, unsigned height, cl_mem pixels, cl_event *drawn)
 {
-    const svo_scene_render_options asked = {.struct_size = sizeof asked,
-                                            .width = width,
-                                            .height = height,
-                                            .camera = state->camera.at,
-                                            .lights = state->scene_light_count > 0 ? state->scene_lights : NULL,
-                                            .light_count = (uint32_t)state->scene_light_count,
-                                            .occlusion_range = state->occlusion_range};
+    svo_scene_render_options asked = {.struct_size = sizeof asked,
+                                      .width = width,
+                                      .height = height,
+                                      .camera = state->camera.at,
+                                      .lights = state->scene_light_count > 0 ? state->scene_lights : NULL,
+                                      .light_count = (uint32_t)state->scene_light_count,
+                                      .occlusion_range = state->occlusion_range};
+    view_clip_plane(state, asked.clip);
     return svo_scene_render_enqueue(which->scene, &asked, pixels, which->queue, 0, NULL, drawn) == SVO_OK
                ? PROGRAM_DONE
                : program_fail_library(which->running, svo_device_message(which->device));

@@ -116,10 +116,12 @@ static int make(probing *which, view_state *state)
     }
     const svo_probe_options asked = options_of(grid, &which->source, state->shown.cones);
     probing_drop(which, state);
+    program_begin_step(which->running, "making probes");
     const probing_source *source = &which->source;
     const svo_status status = source->tree != NULL
                                   ? svo_probes_create(source->tree, &asked, source->queue, &which->probes)
                                   : svo_probes_create_scene(source->scene, &asked, source->queue, &which->probes);
+    progress_destroy(&which->running->progress);
     if (status == SVO_CL_ERROR) {
         return fail_device(which);
     }
@@ -138,7 +140,10 @@ static int light(probing *which)
 {
     which->lightings = which->source.lightings;
     ++which->version;
-    return svo_probes_relight(which->probes, which->source.queue) == SVO_OK ? PROGRAM_DONE : fail_device(which);
+    program_begin_step(which->running, "lighting the probes");
+    const svo_status status = svo_probes_relight(which->probes, which->source.queue);
+    progress_destroy(&which->running->progress);
+    return status == SVO_OK ? PROGRAM_DONE : fail_device(which);
 }
 
 int probing_update(probing *which, const probing_source *source, view_state *state)

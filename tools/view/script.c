@@ -17,6 +17,7 @@ typedef struct reader {
     program *running;
     const char *path;
     unsigned line;
+    bool is_loading; /* the line begins with the word */
     script *out;
     char *words[SCRIPT_WORDS_MAX];
     size_t word_count;
@@ -63,7 +64,9 @@ static int add(reader *from, const script_step *step)
         out->steps = larger;
         out->step_capacity = wanted;
     }
-    out->steps[out->step_count++] = *step;
+    out->steps[out->step_count] = *step;
+    out->steps[out->step_count].is_loading = from->is_loading;
+    out->steps[out->step_count++].line = from->line;
     return PROGRAM_DONE;
 }
 
@@ -310,6 +313,17 @@ static int read_coarse(reader *from)
                                      : exit_code;
 }
 
+/* drop FILE: on the window */
+static int read_drop(reader *from)
+{
+    view_event event = {.kind = VIEW_EVENT_DROP};
+    if (from->word_count != 2 || strlen(from->words[1]) >= sizeof event.path) {
+        return fail(from, "'drop' takes one file name");
+    }
+    (void)snprintf(event.path, sizeof event.path, "%s", from->words[1]);
+    return add_event(from, &event);
+}
+
 /* shot FILE */
 static int read_shot(reader *from)
 {
@@ -325,7 +339,7 @@ typedef struct script_command {
 static const script_command commands[] = {{"key", read_key},       {"text", read_text}, {"move", read_move},
                                           {"click", read_click},   {"drag", read_drag}, {"wheel", read_wheel},
                                           {"size", read_size},     {"wait", read_wait}, {"refine", read_refine},
-                                          {"coarse", read_coarse}, {"shot", read_shot}};
+                                          {"coarse", read_coarse}, {"drop", read_drop}, {"shot", read_shot}};
 
 #define COMMANDS (sizeof commands / sizeof commands[0])
 
@@ -341,6 +355,10 @@ static int read_line(reader *from, char *line)
             return fail(from, "more than %d words", SCRIPT_WORDS_MAX);
         }
         from->words[from->word_count++] = word;
+    }
+    from->is_loading = from->word_count > 1 && strcmp(from->words[0], "loading") == 0;
+    if (from->is_loading) {
+        memmove(from->words, from->words + 1, --from->word_count * sizeof *from->words);
     }
     for (size_t i = 0; i < COMMANDS && from->word_count > 0; ++i) {
         if (strcmp(commands[i].name, from->words[0]) == 0) {
@@ -427,4 +445,28 @@ script_step script_next(script *which, const view_state *state)
         which->waited = 0;
     }
     return *step;
+}
+
+/* A key that began the work goes up later. */
+static size_t loading_index(const script *which)
+{
+    const script_step *next = &which->steps[which->next];
+    const bool is_release = which->next < which->step_count && next->kind == SCRIPT_EVENT && !next->is_loading &&
+                            next->event.kind == VIEW_EVENT_KEY && !next->event.is_down;
+    return which->next + (is_release ? 1 : 0);
+}
+
+bool script_has_loading(const script *which, unsigned line)
+{
+    const size_t index = loading_index(which);
+    return index < which->step_count && which->steps[index].is_loading &&
+           (line == 0 || which->steps[index].line == line);
+}
+
+script_step script_next_loading(script *which)
+{
+    const size_t index = loading_index(which);
+    const script_step step = which->steps[index];
+    which->steps[index] = which->steps[which->next++];
+    return step;
 }

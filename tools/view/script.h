@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Scripts: keys, moves, clicks, waits and shots in place of hands, one step a frame. docs/view.md describes the
- * commands. While one plays, a frame lasts 1/60 s, however long it takes: so the same script gives the same pictures.
+ * commands. Steps for the window of a load come at its next steps of progress. While one plays, a frame lasts 1/60 s,
+ * however long it takes: so the same script gives the same pictures.
  */
 #ifndef SVOCL_TOOLS_VIEW_SCRIPT_H
 #define SVOCL_TOOLS_VIEW_SCRIPT_H
@@ -27,6 +28,8 @@ typedef struct script_step {
     view_event event;
     unsigned count; /* SCRIPT_WAIT: frames; SCRIPT_COARSE: pixels */
     const char *path; /* SCRIPT_SHOT */
+    bool is_loading; /* for the window that shows what is loaded */
+    unsigned line; /* of the file */
 } script_step;
 
 typedef struct script {
@@ -43,5 +46,10 @@ void script_close(script *which);
 
 /* The step of the next frame. Waits come once for each of their frames. */
 script_step script_next(script *which, const view_state *state);
+
+/* Whether the next step is for the window of a load, which script_next_loading then takes. line: that it must be of; 0:
+   any. */
+bool script_has_loading(const script *which, unsigned line);
+script_step script_next_loading(script *which);
 
 #endif

@@ -46,11 +46,11 @@ static const value values[] = {COUNT(width, VIEW_EDGE_MIN, VIEW_EDGE_MAX),
                                FLOAT(goal_ms, 1, 10000),
                                FLOAT(text_scale, 0, 8),
                                FLAG(fullscreen),
-                               FLAG(panels)};
+                               FLAG(panels),
+                               FLAG(axes),
+                               FLAG(grid)};
 
 #define VALUES (sizeof values / sizeof values[0])
-
-static const char *const mode_names[] = {"orbit", "fly"};
 
 /* ---- paths ---- */
 
@@ -106,15 +106,22 @@ static bool take_value(const value *which, const cJSON *item, view_settings *set
     return true;
 }
 
-static bool take_mode(const cJSON *item, view_settings *settings)
+/* Files that were opened. */
+static bool take_recent(const cJSON *list, view_settings *settings)
 {
-    for (int mode = 0; mode < 2 && cJSON_IsString(item); ++mode) {
-        if (strcmp(item->valuestring, mode_names[mode]) == 0) {
-            settings->mode = (view_camera_mode)mode;
-            return true;
+    const cJSON *item = NULL;
+    size_t count = 0;
+    memset(settings->recent, 0, sizeof settings->recent);
+    cJSON_ArrayForEach(item, list)
+    {
+        if (!cJSON_IsString(item) || strlen(item->valuestring) >= sizeof settings->recent[0]) {
+            return false;
+        }
+        if (count < VIEW_RECENT_MAX) {
+            (void)snprintf(settings->recent[count++], sizeof settings->recent[0], "%s", item->valuestring);
         }
     }
-    return false;
+    return cJSON_IsArray(list);
 }
 
 /* The names of the panels that are open. */
@@ -145,11 +152,11 @@ static const char *take_document(const cJSON *document, view_settings *settings)
             return values[i].name;
         }
     }
-    const cJSON *mode = cJSON_GetObjectItemCaseSensitive(document, "camera");
+    const cJSON *recent = cJSON_GetObjectItemCaseSensitive(document, "recent");
     const cJSON *open = cJSON_GetObjectItemCaseSensitive(document, "open");
-    return mode != NULL && !take_mode(mode, settings)   ? "camera"
-           : open != NULL && !take_open(open, settings) ? "open"
-                                                        : NULL;
+    return recent != NULL && !take_recent(recent, settings) ? "recent"
+           : open != NULL && !take_open(open, settings)     ? "open"
+                                                            : NULL;
 }
 
 /* The file as text; false with errno 0 where it is too long. */
@@ -228,6 +235,17 @@ static bool add_open(cJSON *document, const view_settings *settings)
     return is_added;
 }
 
+static bool add_recent(cJSON *document, const view_settings *settings)
+{
+    cJSON *list = cJSON_AddArrayToObject(document, "recent");
+    bool is_added = list != NULL;
+    for (int i = 0; i < VIEW_RECENT_MAX && settings->recent[i][0] != '\0' && is_added; ++i) {
+        cJSON *path = cJSON_CreateString(settings->recent[i]);
+        is_added = path != NULL && cJSON_AddItemToArray(list, path);
+    }
+    return is_added;
+}
+
 /* The text of the file, by malloc; NULL without memory. */
 static char *print(const view_settings *settings)
 {
@@ -236,8 +254,7 @@ static char *print(const view_settings *settings)
     for (size_t i = 0; i < VALUES && is_added; ++i) {
         is_added = add_value(document, &values[i], settings);
     }
-    is_added = is_added && cJSON_AddStringToObject(document, "camera", mode_names[settings->mode]) != NULL &&
-               add_open(document, settings);
+    is_added = is_added && add_recent(document, settings) && add_open(document, settings);
     char *text = is_added ? cJSON_Print(document) : NULL;
     cJSON_Delete(document);
     return text;

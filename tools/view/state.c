@@ -12,6 +12,7 @@ void view_state_begin(view_state *state)
     const view_probe_grid grid = {.counts = {4, 4, 4}, .resolution = 128, .field_size = 64, .max_mib = 1024};
     *state = (view_state){.shown = {.photons = true, .gi = true, .cones = 16, .exposure = 1.0F, .probes = grid},
                           .film = {.loops = true},
+                          .scale = 1,
                           .probes = {.asked = grid}};
     state->selection.instance = SVO_NO_INSTANCE;
     state->settings = (view_settings){.width = 1280,
@@ -21,7 +22,8 @@ void view_state_begin(view_state *state)
                                       .turn_speed = 3.0F,
                                       .move_speed = 0.25F,
                                       .goal_ms = 40.0F,
-                                      .text_scale = 0.0F};
+                                      .text_scale = 0.0F,
+                                      .axes = true};
 }
 
 void view_state_end(view_state *state)
@@ -35,12 +37,36 @@ void view_state_end(view_state *state)
         state->log[i] = NULL;
     }
     state->share_reason = NULL;
+    for (size_t i = 0; i < state->open.name_count; ++i) {
+        free(state->open.names[i]);
+    }
+    free(state->open.names);
+    state->open = (view_open){.is_shown = false};
     state->sources = NULL;
     state->instances = NULL;
     state->movers = NULL;
     state->source_count = 0;
     state->instance_count = 0;
     state->mover_count = 0;
+}
+
+void view_state_renew(const view_state *before, view_state *fresh)
+{
+    view_state_begin(fresh);
+    fresh->renderer = before->renderer;
+    fresh->share = before->share;
+    fresh->share_reason = before->share_reason != NULL ? strdup(before->share_reason) : NULL;
+    fresh->width = before->width;
+    fresh->height = before->height;
+    fresh->scale = before->scale;
+    fresh->seconds = before->seconds;
+    memcpy(fresh->frames, before->frames, sizeof fresh->frames);
+    fresh->frame_count = before->frame_count;
+    for (size_t i = 0; i < VIEW_LOG_LINES; ++i) {
+        fresh->log[i] = before->log[i] != NULL ? strdup(before->log[i]) : NULL;
+    }
+    fresh->log_count = before->log_count;
+    fresh->settings = before->settings;
 }
 
 bool view_is_moderate(const float *numbers, size_t count)
@@ -121,6 +147,56 @@ const char *view_log_line(const view_state *state, size_t back)
     return line != NULL ? line : "no memory for this line";
 }
 
+/* ---- files ---- */
+
+void view_open_file(view_state *state, const char *path)
+{
+    if (strlen(path) >= sizeof state->open_path) {
+        view_log(state, "a path is longer than %zu bytes", sizeof state->open_path - 1);
+    } else if (path[0] != '\0') {
+        (void)snprintf(state->open_path, sizeof state->open_path, "%s", path);
+        view_leave(state, &state->wants_open);
+    }
+}
+
+void view_remember_file(view_state *state, const char *path)
+{
+    char(*recent)[VIEW_PATH_BYTES] = state->settings.recent;
+    size_t last = 0;
+    if (strlen(path) >= sizeof *recent) {
+        return;
+    }
+    while (last + 1 < VIEW_RECENT_MAX && recent[last][0] != '\0' && strcmp(recent[last], path) != 0) {
+        ++last;
+    }
+    memmove(recent[1], recent[0], last * sizeof *recent);
+    (void)snprintf(recent[0], sizeof *recent, "%s", path);
+}
+
+void view_notice(view_state *state, const char *text)
+{
+    (void)snprintf(state->notice, sizeof state->notice, "%s", text);
+    view_log(state, "%s", text);
+}
+
+/* ---- what is saved ---- */
+
+bool view_is_unsaved(const view_state *state)
+{
+    const bool is_newer = state->history != NULL && (state->looked.lights != state->revisions.lights ||
+                                                     state->looked.instances != state->revisions.instances);
+    return is_newer || state->unsaved[VIEW_SCENE] || state->unsaved[VIEW_LIGHTS];
+}
+
+void view_leave(view_state *state, bool *wish)
+{
+    if (view_is_unsaved(state)) {
+        state->question = (view_question){.asking = VIEW_ASKS_TO_SAVE, .wish = wish, .is_new = true};
+    } else {
+        *wish = true;
+    }
+}
+
 /* ---- what is shown ---- */
 
 void view_choose_picture(view_state *state, view_picture picture)
@@ -173,6 +249,58 @@ void view_toggle_panel(view_state *state, view_panel panel)
     if ((unsigned)panel < VIEW_PANELS) {
         state->settings.open[panel] = !state->settings.open[panel];
     }
+}
+
+/* ---- clipping ---- */
+
+void view_clip_range(const view_state *state, const float normal[3], float range[2])
+{
+    range[0] = 0;
+    range[1] = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const float low = normal[axis] * state->low[axis];
+        const float high = normal[axis] * state->high[axis];
+        range[0] += low < high ? low : high;
+        range[1] += low < high ? high : low;
+    }
+}
+
+/* Probes see the whole scene. */
+void view_clip_plane(const view_state *state, float plane[4])
+{
+    const view_clip *clip = &state->shown.clip;
+    const bool is_on = clip->is_on && !state->shown.through;
+    for (int axis = 0; axis < 3; ++axis) {
+        plane[axis] = is_on ? clip->normal[axis] : 0;
+    }
+    plane[3] = is_on ? -clip->offset : 0;
+}
+
+void view_choose_clip(view_state *state, bool is_on)
+{
+    const svo_camera *at = &state->camera.at;
+    view_clip *clip = &state->shown.clip;
+    float range[2];
+    float most = 0;
+    if (is_on && state->shown.through) {
+        view_log(state, "pictures through probes are not clipped");
+        return;
+    }
+    clip->is_on = is_on;
+    if (!is_on) {
+        return;
+    }
+    memset(clip->normal, 0, sizeof clip->normal);
+    for (int axis = 0; axis < 3; ++axis) {
+        const float along = at->target[axis] - at->eye[axis];
+        if (along > most || -along > most) {
+            most = along > 0 ? along : -along;
+            memset(clip->normal, 0, sizeof clip->normal);
+            clip->normal[axis] = along > 0 ? 1.0F : -1.0F;
+        }
+    }
+    view_clip_range(state, clip->normal, range);
+    clip->offset = 0.5F * (range[0] + range[1]);
 }
 
 /* ---- probes ---- */

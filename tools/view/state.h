@@ -27,6 +27,8 @@
 #define VIEW_EDGE_MAX     16384u
 #define VIEW_EXPOSURE_MAX 64.0F
 #define VIEW_SPEED_MAX    4 /* of motions, as a power of two */
+#define VIEW_RECENT_MAX   8 /* files that were opened */
+#define VIEW_NOTICE_BYTES 2048
 #define VIEW_PROBES_AXIS  32u /* most probes along an axis that the panel offers */
 
 /* ---- what is shown ---- */
@@ -55,6 +57,13 @@ typedef struct view_probe_grid {
     uint32_t max_mib; /* of texels */
 } view_probe_grid;
 
+/* A plane that cuts away what is on its near side: points p with normal . p < offset. */
+typedef struct view_clip {
+    bool is_on;
+    float normal[3]; /* unit */
+    float offset; /* world units along it */
+} view_clip;
+
 /* Everything that decides a picture besides camera, lights and instances. */
 typedef struct view_shown {
     view_picture picture;
@@ -68,6 +77,7 @@ typedef struct view_shown {
     bool through; /* camera rays pass probes, not the tree */
     svo_probe_choice choice; /* of the probes that a ray tries */
     view_probe_grid probes; /* where they are shown: view_shows_probes */
+    view_clip clip;
 } view_shown;
 
 /* Everything that decides the bytes of a picture: it is drawn anew when one of these differs from what was drawn. */
@@ -95,6 +105,7 @@ typedef enum view_motion {
 typedef struct view_camera {
     svo_camera at;
     svo_camera home; /* where it began */
+    float up[3]; /* of the world, unit; zero: at.up */
     view_camera_mode mode;
     float speed; /* world units a second */
     bool held[VIEW_MOTIONS];
@@ -188,6 +199,7 @@ typedef enum view_stage {
 /* One frame. In a script times are those of its clock. */
 typedef struct view_frame {
     float ms; /* from the begin of the one before to the begin of this one */
+    float work_ms; /* of the stages: what ms has beyond it is waiting */
     float stage_ms[VIEW_STAGES];
     uint64_t rays; /* from the camera; 0: nothing was drawn */
     unsigned coarse; /* pixels along the side of a block of one color; 1: fully refined */
@@ -201,6 +213,12 @@ typedef struct view_memory {
 } view_memory;
 
 #define VIEW_MEMORY_MAX 48
+
+/* A piece of a line in the world. */
+typedef struct view_piece {
+    float from[3], to[3];
+    float color[4];
+} view_piece;
 
 /* ---- panels and settings ---- */
 
@@ -227,13 +245,55 @@ typedef struct view_settings {
     bool fullscreen;
     bool panels; /* shown at all */
     bool open[VIEW_PANELS];
-    view_camera_mode mode;
     float turn_speed; /* radians for the width of the window */
     float move_speed; /* widths of the scene a second */
     float goal_ms; /* of a frame while something moves */
     unsigned coarse; /* while something moves: 1, 2, 4, 8; 0: by goal_ms */
     float text_scale; /* 0: by the window; above 1: large */
+    char recent[VIEW_RECENT_MAX][VIEW_PATH_BYTES]; /* files that were opened, the last one first; "" behind the last */
+    bool axes, grid; /* shown */
 } view_settings;
+
+/* ---- opening files ---- */
+
+/* The box that asks for a file. */
+typedef struct view_open {
+    bool is_shown;
+    bool takes_focus; /* its field is to be typed into */
+    char path[VIEW_PATH_BYTES]; /* as it was typed */
+    char listed[VIEW_PATH_BYTES]; /* the path whose names are below */
+    char **names; /* what the path's folder has that begins as the path ends; folders end with a slash */
+    size_t name_count;
+    size_t chosen; /* of names; name_count: none */
+} view_open;
+
+/* A picture of the window that is asked for. */
+typedef enum view_shot { VIEW_SHOT_NONE = 0, VIEW_SHOT_PICTURE, VIEW_SHOT_WINDOW /* with panels */ } view_shot;
+
+/* ---- what is saved ---- */
+
+/* What a session can edit and save: a scene, or the lights of a tree alone. */
+typedef enum view_document { VIEW_SCENE = 0, VIEW_LIGHTS, VIEW_DOCUMENTS } view_document;
+
+typedef enum view_asking {
+    VIEW_ASKS_NOTHING = 0,
+    VIEW_ASKS_TO_SAVE, /* before work is lost */
+    VIEW_ASKS_FOR_NAME,
+    VIEW_ASKS_TO_REPLACE /* a file that is there */
+} view_asking;
+
+/* What the window asks; question.h answers. */
+typedef struct view_question {
+    view_asking asking;
+    view_document document;
+    bool *wish; /* what becomes true once nothing is lost; NULL: nothing waits */
+    bool is_new; /* it was not drawn yet */
+    bool has_failed; /* the last line of the log says why the name was not taken */
+    char path[VIEW_PATH_BYTES]; /* that is asked about */
+} view_question;
+
+/* Steps of edits; history.h has them. */
+typedef struct view_history view_history;
 
 /* ---- all of it ---- */
 
@@ -244,12 +304,19 @@ typedef struct view_state {
     const char *share; /* how pictures get from the one to the other, as svo_gl_share_name has it; NULL: none did */
     char *share_reason; /* what that is, and why not shared; NULL: nothing to say */
     unsigned width, height; /* of the window, pixels */
+    float scale; /* pixels for each pixel of a plain display: of panels and of what a hand does */
     bool is_done; /* the window is to close */
     view_shown shown;
     view_revisions revisions;
     view_camera camera;
     double seconds; /* of the clock */
+    float low[3], high[3]; /* world; the box of what is shown */
+    const view_piece *ground; /* ground_count: the lines that are seen of the ground grid */
+    size_t ground_count;
+    float depth_range[2]; /* world units from the eye that view depth shows in white and in dark gray */
+    float ground_spacing; /* world units between its lines; 0: it is not shown */
     bool is_refined; /* the window shows the picture in full */
+    bool is_idle; /* and nothing moves: frames wait for an event */
 
     unsigned level_min, level_max; /* of leaves to choose from; equal where the tree cannot be built anew */
     bool has_triangles; /* VIEW_TRIANGLES and picking of triangles work */
@@ -276,6 +343,17 @@ typedef struct view_state {
     const char *scene_form; /* as the scene's file calls it; NULL: there is no file */
     char scene_path[VIEW_PATH_BYTES]; /* of the scene's file */
     bool wants_load; /* scene_path is to be loaded */
+    view_open open; /* the box */
+    char open_path[VIEW_PATH_BYTES]; /* a file in place of what is looked at */
+    bool wants_open; /* it is to be loaded */
+    char notice[VIEW_NOTICE_BYTES]; /* a failure in a box that waits to be closed; "": none */
+    view_shot wants_shot;
+    char lights_path[VIEW_PATH_BYTES]; /* of the lights of a tree alone; "": they have no file yet */
+    char own_paths[VIEW_DOCUMENTS][VIEW_PATH_BYTES]; /* read or written by this session: replaced without a question */
+    bool unsaved[VIEW_DOCUMENTS]; /* edits that no file has */
+    view_question question;
+    view_history *history; /* NULL: nothing is open */
+    view_revisions looked; /* those that unsaved tells of */
 
     view_selection selection;
     view_probes probes;
@@ -294,6 +372,9 @@ typedef struct view_state {
 void view_state_begin(view_state *state);
 /* Frees its arrays and texts. */
 void view_state_end(view_state *state);
+/* The state for something else in the same window: of what was there only the window, settings, statistics and the log
+   stay. */
+void view_state_renew(const view_state *before, view_state *fresh);
 
 /* Whether so many numbers are finite and within a thousand million, as hands may not leave them. */
 bool view_is_moderate(const float *numbers, size_t count);
@@ -314,6 +395,19 @@ void view_log(view_state *state, const char *format, ...) __attribute__((format(
 /* Line `back` before the last one; "" where there is none. */
 const char *view_log_line(const view_state *state, size_t back);
 
+/* Asks for a file in place of what is looked at; the next frame loads it. */
+void view_open_file(view_state *state, const char *path);
+/* Puts a file in front of those that were opened. */
+void view_remember_file(view_state *state, const char *path);
+/* Says a failure in a box, and in the log. */
+void view_notice(view_state *state, const char *text);
+
+/* Whether closing what is shown would lose edits. */
+bool view_is_unsaved(const view_state *state);
+/* For whatever closes what is shown: sets a wish of the state, such as is_done or wants_load, at once if nothing is
+   lost, else when the window's question is answered with Save or Discard. After Cancel it stays false. */
+void view_leave(view_state *state, bool *wish);
+
 /* Chooses a picture. Where it cannot be drawn the log says why, and nothing changes. */
 void view_choose_picture(view_state *state, view_picture picture);
 /* Clamped to what there is. */
@@ -323,6 +417,14 @@ void view_choose_gi(view_state *state, bool is_on);
 void view_choose_photons(view_state *state, bool is_on);
 void view_choose_exposure(view_state *state, float exposure);
 void view_toggle_panel(view_state *state, view_panel panel);
+
+/* Clips by a plane through the middle of what is shown, across the axis that the camera looks along most; or clips no
+   more. */
+void view_choose_clip(view_state *state, bool is_on);
+/* The least and the greatest offset of planes of a normal that meet the box of what is shown. */
+void view_clip_range(const view_state *state, const float normal[3], float range[2]);
+/* As svo_render_options.clip has it; zeros where nothing is clipped. */
+void view_clip_plane(const view_state *state, float plane[4]);
 
 /* Looks through probes, in a view that they have, or at the tree again. */
 void view_choose_through(view_state *state, bool is_on);

@@ -3,17 +3,20 @@
 #include "view/subject.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "support/viewpoint.h"
+#include "view/history.h"
 
 /* ---- opening ---- */
 
-/* What a person changes in the settings is for the next start. */
 static void begin_camera(view_state *state, double scene_width)
 {
+    memcpy(state->camera.up, state->camera.at.up, sizeof state->camera.up);
     state->camera.home = state->camera.at;
-    state->camera.mode = state->settings.mode;
+    state->camera.mode = VIEW_ORBIT;
     state->camera.speed = (float)(scene_width * (double)state->settings.move_speed);
 }
 
@@ -46,6 +49,9 @@ static int take_lights(subject *which, view_state *state)
         }
     }
     state->source = 0;
+    (void)snprintf(state->lights_path, sizeof state->lights_path, "%s",
+                   from_file ? which->running->options.lights_path : "");
+    memcpy(state->own_paths[VIEW_LIGHTS], state->lights_path, sizeof state->lights_path);
     memcpy(state->sky, from_file ? file->sky : lighting_sky, sizeof state->sky);
     return PROGRAM_DONE;
 }
@@ -121,6 +127,75 @@ static int open_scene(program *running, view_state *state, subject *out)
 
 /* ---- both ---- */
 
+/* Nodes of no deeper level are looked at for the box of a tree. */
+#define BOX_LEVEL_MAX 6u
+
+/* The occupied part; without host arrays the grid. */
+static void box_of_tree(const svo_tree *tree, view_state *state)
+{
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    double low[3];
+    double high[3];
+    if (tree == NULL || svo_tree_get_info(tree, &info) != SVO_OK) {
+        return;
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        state->low[axis] = (float)info.origin[axis];
+        state->high[axis] = (float)(info.origin[axis] + info.edge);
+    }
+    const uint32_t level = info.depth < BOX_LEVEL_MAX ? info.depth : BOX_LEVEL_MAX;
+    const uint32_t begin = info.level_begin[level];
+    for (uint32_t node = begin; node < info.level_begin[level + 1]; ++node) {
+        if (svo_tree_node_box(tree, node, low, high) != SVO_OK) {
+            return;
+        }
+        for (int axis = 0; axis < 3; ++axis) {
+            const bool is_first = node == begin;
+            state->low[axis] = is_first ? (float)low[axis] : fminf(state->low[axis], (float)low[axis]);
+            state->high[axis] = is_first ? (float)high[axis] : fmaxf(state->high[axis], (float)high[axis]);
+        }
+    }
+}
+
+/* As kernels/rays/view.cl has it. */
+static void tell_depth(const subject *which, view_state *state)
+{
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    const svo_tree *tree = subject_tree(which, state);
+    if (tree == NULL || svo_tree_get_info(tree, &info) != SVO_OK) {
+        return;
+    }
+    double square = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double away = (double)state->camera.at.eye[axis] - (info.origin[axis] + 0.5 * info.edge);
+        square += away * away;
+    }
+    const double reach = 0.87 * info.edge;
+    state->depth_range[0] = (float)fmax(sqrt(square) - reach, 0);
+    state->depth_range[1] = (float)(sqrt(square) + reach);
+}
+
+void subject_box(subject *which, view_state *state)
+{
+    tell_depth(which, state);
+    const svo_scene *placed_now = state->is_scene ? placed_scene(which->placed) : NULL;
+    const uint64_t changes =
+        1 + 2 * ((uint64_t)which->changes + placed_changes(which->placed)) + (state->is_scene ? 1 : 0);
+    if (which->boxed == changes) {
+        return;
+    }
+    which->boxed = changes;
+    svo_scene_info info = SVO_SCENE_INFO_INIT;
+    if (placed_now == NULL) {
+        box_of_tree(subject_tree(which, state), state);
+    } else if (svo_scene_get_info(placed_now, &info) == SVO_OK) {
+        for (int axis = 0; axis < 3; ++axis) {
+            state->low[axis] = (float)info.low[axis];
+            state->high[axis] = (float)info.high[axis];
+        }
+    }
+}
+
 /* The tree can be placed too. */
 static int prepare_placing(subject *which, view_state *state)
 {
@@ -181,30 +256,6 @@ void subject_close(subject *which)
     close_tree(which);
 }
 
-int subject_load(subject *which, view_state *state)
-{
-    placed *fresh = NULL;
-    state->wants_load = false;
-    const int exit_code = placed_open(which->running, state->scene_path, &fresh);
-    progress_destroy(&which->running->progress);
-    if (exit_code != PROGRAM_DONE || !placed_describe(fresh, state)) {
-        view_log(state, "%s was not loaded%s", state->scene_path,
-                 exit_code != PROGRAM_DONE ? "; the terminal says why" : ": out of memory");
-        placed_close(&fresh);
-        return PROGRAM_DONE;
-    }
-    probing_drop(&which->probes, state);
-    film_close(&which->film);
-    placed_close(&which->placed);
-    close_tree(which);
-    state->source_count = 0; /* they lit the tree */
-    which->placed = fresh;
-    ++which->changes;
-    view_log(state, "loaded %zu instances of %zu trees from %s", state->instance_count, state->tree_count,
-             state->scene_path);
-    return place_scene_camera(which, state, placed_file(fresh));
-}
-
 /* ---- trees and lights ---- */
 
 bool subject_picture_is_lit(view_picture picture)
@@ -212,17 +263,56 @@ bool subject_picture_is_lit(view_picture picture)
     return picture >= VIEW_AO && picture <= VIEW_SPECULAR;
 }
 
-/* The tree of another level, built anew: levels of a mesh nest, so it is what the deeper tree has there. */
-static int make_tree(subject *which, view_state *state)
+static void drop_light(subject *which, view_state *state)
 {
-    job *done = &which->done;
-    options *given = &which->running->options;
     probing_drop(&which->probes, state);
     svo_light_destroy(&which->lit.light);
     which->is_lit = false;
+}
+
+static int build_level(subject *which)
+{
+    job *done = &which->done;
+    program_begin_progress(which->running, 2);
+    const int exit_code = job_build(which->running, lighting_need(&which->running->options, &done->source), done);
+    progress_destroy(&which->running->progress);
+    return exit_code;
+}
+
+/* Back to the level that is there. */
+static void keep_level(subject *which, view_state *state, const build_result *kept)
+{
+    which->done.result = *kept;
+    which->running->options.depth = which->level;
+    state->shown.level = which->level;
+    view_log(state, "canceled: level %u stays", which->level);
+}
+
+static void release_result(build_result *gone)
+{
+    svo_tree_destroy(&gone->tree);
+    free(gone->buffers);
+    *gone = (build_result){.tree = NULL};
+}
+
+/* The tree of another level, built anew: levels of a mesh nest, so it is what the deeper tree has there. The one before
+   stays until then, for a build that is canceled; where memory does not allow that, it goes first. */
+static int make_tree(subject *which, view_state *state)
+{
+    job *done = &which->done;
+    build_result kept = done->result;
+    done->result = (build_result){.tree = NULL};
+    which->running->options.depth = state->shown.level;
+    int exit_code = build_level(which);
+    if (exit_code != PROGRAM_DONE && program_is_canceled(which->running)) {
+        release_result(&done->result);
+        keep_level(which, state, &kept);
+        return PROGRAM_DONE;
+    }
+    drop_light(which, state);
     state->selection.is_hit = false;
-    given->depth = state->shown.level;
-    const int exit_code = job_build(which->running, lighting_need(given, &done->source), done);
+    release_result(&kept);
+    exit_code = exit_code == PROGRAM_DONE ? exit_code : build_level(which);
     which->level = state->shown.level;
     ++which->changes;
     if (exit_code == PROGRAM_DONE) {
@@ -253,11 +343,13 @@ static int make_light(subject *which, view_state *state)
         probing_drop(&which->probes, state);
         svo_light_destroy(&which->lit.light);
     }
+    program_begin_step(which->running, "lighting the tree");
     if ((which->lit.light == NULL &&
          svo_light_create(done->result.tree, &light_options, done->opened.queue, &which->lit.light) != SVO_OK) ||
         svo_light_set_sources(which->lit.light, &setup, done->opened.queue) != SVO_OK) {
         return program_fail_library(which->running, svo_device_message(done->opened.device));
     }
+    progress_destroy(&which->running->progress);
     which->is_lit = true;
     ++which->lightings;
     ++which->changes;
@@ -311,10 +403,7 @@ static int update_film(subject *which, view_state *state)
 
 int subject_update(subject *which, view_state *state)
 {
-    int exit_code = state->wants_load ? subject_load(which, state) : PROGRAM_DONE;
-    if (exit_code == PROGRAM_DONE && view_shows_film(state)) {
-        exit_code = update_film(which, state);
-    }
+    int exit_code = view_shows_film(state) ? update_film(which, state) : PROGRAM_DONE;
     if (exit_code == PROGRAM_DONE && which->has_tree) {
         exit_code = update_tree(which, state);
     }
@@ -343,19 +432,20 @@ static svo_status draw_light(subject *which, const view_state *state, const pict
                              cl_event *drawn)
 {
     const view_shown *shown = &state->shown;
-    const svo_light_picture asked = {.struct_size = sizeof asked,
-                                     .width = part->width,
-                                     .height = part->height,
-                                     .camera = state->camera.at,
-                                     .view = light_view(shown->picture),
-                                     .gather = {.struct_size = sizeof asked.gather,
-                                                .cones = shown->cones,
-                                                .range = shown->range,
-                                                .falloff = shown->falloff,
-                                                .no_light = !shown->gi},
-                                     .exposure = shown->exposure,
-                                     .first_row = part->first_row,
-                                     .row_count = round_rows(part->row_count)};
+    svo_light_picture asked = {.struct_size = sizeof asked,
+                               .width = part->width,
+                               .height = part->height,
+                               .camera = state->camera.at,
+                               .view = light_view(shown->picture),
+                               .gather = {.struct_size = sizeof asked.gather,
+                                          .cones = shown->cones,
+                                          .range = shown->range,
+                                          .falloff = shown->falloff,
+                                          .no_light = !shown->gi},
+                               .exposure = shown->exposure,
+                               .first_row = part->first_row,
+                               .row_count = round_rows(part->row_count)};
+    view_clip_plane(state, asked.clip);
     return svo_light_render_enqueue(which->lit.light, &asked, pixels, which->done.opened.queue, 0, NULL, drawn);
 }
 
@@ -364,11 +454,12 @@ static svo_status draw_tree(subject *which, const view_state *state, const pictu
 {
     static const svo_render_view views[] = {SVO_VIEW_SHADED, SVO_VIEW_NORMAL, SVO_VIEW_DEPTH,
                                             SVO_VIEW_STEPS,  SVO_VIEW_LEVEL,  SVO_VIEW_TRIANGLES};
-    const svo_render_options asked = {.struct_size = sizeof asked,
-                                      .width = part->width,
-                                      .height = part->height,
-                                      .camera = state->camera.at,
-                                      .view = views[state->shown.picture]};
+    svo_render_options asked = {.struct_size = sizeof asked,
+                                .width = part->width,
+                                .height = part->height,
+                                .camera = state->camera.at,
+                                .view = views[state->shown.picture]};
+    view_clip_plane(state, asked.clip);
     return svo_tree_render_enqueue(subject_device(which), subject_tree(which, state), &asked, pixels,
                                    subject_queue(which), 0, NULL, drawn);
 }

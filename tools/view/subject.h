@@ -25,6 +25,7 @@ typedef struct subject {
     unsigned lights_revision;
     probing probes;
     unsigned lightings; /* how often sources lit the tree */
+    uint64_t boxed; /* what the state's box is of */
     unsigned changes; /* how often a tree, a light or a scene was made */
 } subject;
 
@@ -36,9 +37,8 @@ void subject_close(subject *which);
 /* Makes the tree and the light that the state asks for, as far as its picture shows them. Returns the exit code. */
 int subject_update(subject *which, view_state *state);
 
-/* Loads the scene of state.scene_path in place of what is looked at. Where that fails, everything stays, and the log
-   says so. Returns the exit code. */
-int subject_load(subject *which, view_state *state);
+/* Tells the state the box of what is shown: the occupied part of a tree, or that of all instances. */
+void subject_box(subject *which, view_state *state);
 
 /* Rows of a picture. All but pictures that cones light are drawn whole. */
 typedef struct picture_part {

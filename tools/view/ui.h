@@ -35,6 +35,13 @@ typedef enum ui_key {
     UI_KEY_END,
     UI_KEY_ENTER,
     UI_KEY_ESCAPE,
+    UI_KEY_TAB,
+    UI_KEY_UP,
+    UI_KEY_DOWN,
+    UI_KEY_A, /* with control: all; copy, paste, cut */
+    UI_KEY_C,
+    UI_KEY_V,
+    UI_KEY_X,
     UI_KEY_COUNT
 } ui_key;
 
@@ -48,6 +55,7 @@ typedef struct ui_input {
     float wheel; /* notches; positive is up */
     bool buttons[3]; /* left, right, middle: held */
     bool keys[UI_KEY_COUNT]; /* held */
+    bool control, shift; /* held */
     bool large; /* larger text */
     char typed[UI_TYPED_BYTES]; /* UTF-8 */
 } ui_input;
@@ -60,12 +68,23 @@ typedef struct ui_place {
 /* The toolkit's name and version, for people. */
 const char *ui_toolkit(void);
 
-/* NULL when memory runs out. There is one at a time. */
-ui *ui_create(void);
+/* scale: pixels of the screen for each pixel of the panels; text is made for it. NULL when memory runs out. There is
+   one at a time. */
+ui *ui_create(float scale);
 void ui_destroy(ui **panels);
 
 /* The texture UI_TEXTURE_GLYPHS: width * height bytes of coverage, top to bottom, which live as long as panels. */
 const uint8_t *ui_glyphs(const ui *panels, unsigned *width, unsigned *height);
+
+/* The text that other programs copied, and the text for them. read returns a string that lives until its next call. */
+typedef struct ui_clipboard {
+    const char *(*read)(void *user);
+    void (*write)(void *user, const char *text);
+    void *user;
+} ui_clipboard;
+
+/* Without one, fields paste what they copied themselves. */
+void ui_set_clipboard(ui *panels, const ui_clipboard *clipboard);
 
 /* ---- frames ---- */
 
@@ -89,9 +108,12 @@ float ui_row_height(const ui *panels);
 void ui_panel_begin(ui *panels, const char *name, ui_place place);
 /* Returns the height. */
 float ui_panel_end(ui *panels);
+/* The next panel stands above the others. */
+void ui_raise(ui *panels);
 
-/* A heading that opens and closes what stands below it. Returns whether it was clicked, which changes is_open. */
-bool ui_section(ui *panels, const char *title, bool *is_open);
+/* A heading that opens and closes what stands below it; key, of the keyboard, stands at its right. Returns whether it
+   was clicked, which changes is_open. */
+bool ui_section(ui *panels, const char *title, const char *key, bool *is_open);
 
 /* Widgets of one label in one panel are told apart by the numbers around them. */
 void ui_push(ui *panels, int number);
@@ -107,6 +129,8 @@ void ui_text(ui *panels, const char *format, ...) __attribute__((format(printf, 
 void ui_note(ui *panels, const char *format, ...) __attribute__((format(printf, 2, 3))); /* dim */
 void ui_value(ui *panels, const char *label, const char *format, ...) __attribute__((format(printf, 3, 4)));
 void ui_gap(ui *panels);
+/* A text that is at most so wide: all of it, or its first words and "...". Returns whether it is all. */
+bool ui_fit(const ui *panels, const char *text, float width, char *out, size_t out_bytes);
 
 /* ---- widgets ---- */
 
@@ -128,8 +152,21 @@ bool ui_slider_count(ui *panels, const char *label, int *value, int low, int hig
 bool ui_numbers(ui *panels, const char *label, float *values, int count, float step, const char *format);
 /* Linear red, green and blue, each 0 or above. */
 bool ui_color(ui *panels, const char *label, float rgb[3]);
+/* The next field gets the keys. */
+void ui_focus(ui *panels);
 /* A line of text; returns true when Enter ended it. */
 bool ui_field(ui *panels, const char *label, char *text, size_t text_bytes);
+
+/* What keys do in a field of a path. */
+typedef enum ui_path_edit { UI_PATH_COMPLETE, UI_PATH_PREVIOUS, UI_PATH_NEXT } ui_path_edit;
+typedef struct ui_path_keys {
+    void (*edit)(void *user, ui_path_edit kind); /* may change the text */
+    void *user;
+} ui_path_keys;
+
+/* A line of text as wide as the panel, for a path: Tab, Up and Down are for keys. takes_focus: it is to be typed into.
+   Returns true when Enter ended it. */
+bool ui_path(ui *panels, char *text, size_t text_bytes, bool takes_focus, const ui_path_keys *keys);
 
 /* Explains the widget before it while the mouse is over it. */
 void ui_tooltip(ui *panels, const char *text);

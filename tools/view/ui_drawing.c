@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Lists of triangles that grow. After memory ran out a list stays as it is, and says so. */
-#include "view/ui_drawing.h"
+#include "view/ui.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -95,4 +95,39 @@ void ui_drawing_rectangle(ui_drawing *drawing, const float place[4], const float
                                   {place[2], place[3], texture[2], texture[3], color},
                                   {place[0], place[3], texture[0], texture[3], color}};
     ui_drawing_triangles(drawing, ui_drawing_vertices(drawing, corners, 4), indices, 6);
+}
+
+/* ---- texts ---- */
+
+static bool is_rest_of_character(char byte)
+{
+    return ((unsigned char)byte & 0xC0U) == 0x80;
+}
+
+bool ui_fit(const ui *toolkit, const char *text, float width, char *out, size_t out_bytes)
+{
+    static const char dots[] = "...";
+    size_t length = strlen(text);
+    if (length < out_bytes && ui_text_width(toolkit, text) <= width) {
+        memcpy(out, text, length + 1);
+        return true;
+    }
+    const size_t most = out_bytes - sizeof dots;
+    length = length < most ? length : most;
+    bool is_word = true;
+    do {
+        size_t end = length;
+        while (end > 0 && text[end - 1] != ' ') {
+            --end;
+        }
+        is_word = is_word && end > 1;
+        /* A word that is too wide alone is cut between characters. */
+        length = is_word ? end - 1 : length > 0 ? length - 1 : 0;
+        while (length > 0 && is_rest_of_character(text[length])) {
+            --length;
+        }
+        memcpy(out, text, length);
+        memcpy(out + length, dots, sizeof dots);
+    } while (length > 0 && ui_text_width(toolkit, out) > width);
+    return false;
 }

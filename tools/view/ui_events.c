@@ -4,8 +4,21 @@
 
 #include <string.h>
 
-static const int keys[UI_KEY_COUNT] = {VIEW_KEY_BACKSPACE, VIEW_KEY_DELETE, VIEW_KEY_LEFT,  VIEW_KEY_RIGHT,
-                                       VIEW_KEY_HOME,      VIEW_KEY_END,    VIEW_KEY_ENTER, VIEW_KEY_ESCAPE};
+static const int keys[UI_KEY_COUNT] = {VIEW_KEY_BACKSPACE,
+                                       VIEW_KEY_DELETE,
+                                       VIEW_KEY_LEFT,
+                                       VIEW_KEY_RIGHT,
+                                       VIEW_KEY_HOME,
+                                       VIEW_KEY_END,
+                                       VIEW_KEY_ENTER,
+                                       VIEW_KEY_ESCAPE,
+                                       VIEW_KEY_TAB,
+                                       VIEW_KEY_UP,
+                                       VIEW_KEY_DOWN,
+                                       'a',
+                                       'c',
+                                       'v',
+                                       'x'};
 
 void ui_events_begin(ui_events *events)
 {
@@ -33,6 +46,8 @@ static void take_text(ui_events *events, const char *text)
 void ui_events_take(ui_events *events, const view_event *event)
 {
     ui_input *next = &events->next;
+    next->control = event->control;
+    next->shift = event->shift;
     if (event->kind == VIEW_EVENT_KEY) {
         take_key(events, event);
     } else if (event->kind == VIEW_EVENT_TEXT) {
@@ -62,6 +77,7 @@ ui_input ui_events_frame(ui_events *events, unsigned width, unsigned height, flo
     for (int i = 0; i < UI_KEY_COUNT; ++i) {
         input.keys[i] |= events->keys[i];
     }
-    events->next = (ui_input){.mouse = {input.mouse[0], input.mouse[1]}};
+    events->next =
+        (ui_input){.mouse = {input.mouse[0], input.mouse[1]}, .control = input.control, .shift = input.shift};
     return input;
 }

@@ -155,7 +155,8 @@ void set_fonts(ui *panels)
     config.OversampleH = 1;
     config.OversampleV = 1;
     config.PixelSnapH = true;
-    const float pixels[2] = {UI_TEXT_SMALL, UI_TEXT_LARGE};
+    const float pixels[2] = {UI_TEXT_SMALL * panels->scale, UI_TEXT_LARGE * panels->scale};
+    io.FontGlobalScale = 1 / panels->scale;
     for (int i = 0; i < 2; ++i) {
         /* ImGui takes no const pointer, but with this config it only reads. */
         panels->fonts[i] = io.Fonts->AddFontFromMemoryTTF(const_cast<unsigned char *>(ui_font_bytes),
@@ -178,8 +179,10 @@ void set_fonts(ui *panels)
 /* ImGui calls keys by names of its own; here each has the number that ui_input gives it. */
 void set_keys(ImGuiIO &io)
 {
-    const ImGuiKey_ names[UI_KEY_COUNT] = {ImGuiKey_Backspace, ImGuiKey_Delete, ImGuiKey_LeftArrow, ImGuiKey_RightArrow,
-                                           ImGuiKey_Home,      ImGuiKey_End,    ImGuiKey_Enter,     ImGuiKey_Escape};
+    const ImGuiKey_ names[UI_KEY_COUNT] = {
+        ImGuiKey_Backspace, ImGuiKey_Delete, ImGuiKey_LeftArrow, ImGuiKey_RightArrow, ImGuiKey_Home,
+        ImGuiKey_End,       ImGuiKey_Enter,  ImGuiKey_Escape,    ImGuiKey_Tab,        ImGuiKey_UpArrow,
+        ImGuiKey_DownArrow, ImGuiKey_A,      ImGuiKey_C,         ImGuiKey_V,          ImGuiKey_X};
     for (int i = 0; i < UI_KEY_COUNT; ++i) {
         io.KeyMap[names[i]] = i;
     }
@@ -228,13 +231,14 @@ const char *ui_toolkit(void)
     return "Dear ImGui " IMGUI_VERSION;
 }
 
-ui *ui_create(void)
+ui *ui_create(float scale)
 {
     auto *panels = static_cast<ui *>(std::calloc(1, sizeof(ui)));
     if (panels == nullptr) {
         return nullptr;
     }
     panels->blocks.before = panels->blocks.after = &panels->blocks;
+    panels->scale = scale;
     guarded(panels, [panels] { set_up(panels); });
     if (panels->failed) {
         ui_destroy(&panels);
@@ -259,6 +263,34 @@ const uint8_t *ui_glyphs(const ui *panels, unsigned *width, unsigned *height)
     return panels->glyphs;
 }
 
+namespace
+{
+
+const char *read_clipboard(void *user)
+{
+    const auto *panels = static_cast<ui *>(user);
+    return panels->clipboard.read(panels->clipboard.user);
+}
+
+void write_clipboard(void *user, const char *text)
+{
+    const auto *panels = static_cast<ui *>(user);
+    panels->clipboard.write(panels->clipboard.user, text);
+}
+
+} // namespace
+
+void ui_set_clipboard(ui *panels, const ui_clipboard *clipboard)
+{
+    panels->clipboard = *clipboard;
+    guarded(panels, [panels] {
+        ImGuiIO &io = ImGui::GetIO();
+        io.GetClipboardTextFn = read_clipboard;
+        io.SetClipboardTextFn = write_clipboard;
+        io.ClipboardUserData = panels;
+    });
+}
+
 /* ---- frames ---- */
 
 void ui_begin(ui *panels, const ui_input *input)
@@ -270,6 +302,8 @@ void ui_begin(ui *panels, const ui_input *input)
         io.MousePos = input->mouse[0] < 0 ? ImVec2(-FLT_MAX, -FLT_MAX) : ImVec2(input->mouse[0], input->mouse[1]);
         std::copy(input->buttons, input->buttons + 3, io.MouseDown);
         std::copy(input->keys, input->keys + UI_KEY_COUNT, io.KeysDown);
+        io.KeyCtrl = input->control;
+        io.KeyShift = input->shift;
         io.MouseWheel = input->wheel;
         io.AddInputCharactersUTF8(input->typed);
         io.FontDefault = panels->fonts[input->large ? 1 : 0];
@@ -314,7 +348,7 @@ bool ui_wants_keys(const ui *panels)
 
 float ui_row_height(const ui *panels)
 {
-    return panels->failed ? 0 : ImGui::GetIO().FontDefault->FontSize + 2 * UI_INSET_Y + UI_GAP;
+    return panels->failed ? 0 : ImGui::GetIO().FontDefault->FontSize / panels->scale + 2 * UI_INSET_Y + UI_GAP;
 }
 
 /* ---- panels ---- */
@@ -331,10 +365,16 @@ void ui_panel_begin(ui *panels, const char *name, ui_place place)
                      ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
                          ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBackground |
                          ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing |
-                         ImGuiWindowFlags_NoBringToFrontOnFocus);
+                         (panels->is_raised ? 0 : ImGuiWindowFlags_NoBringToFrontOnFocus));
+        panels->is_raised = false;
         ImGui::GetWindowDrawList()->ChannelsSplit(2);
         ImGui::GetWindowDrawList()->ChannelsSetCurrent(1);
     });
+}
+
+void ui_raise(ui *panels)
+{
+    panels->is_raised = true;
 }
 
 float ui_panel_end(ui *panels)

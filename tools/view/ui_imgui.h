@@ -32,11 +32,14 @@ struct ui {
     size_t reserve_used;
     bool failed; /* memory ran out */
     bool enabled;
+    bool is_raised; /* the next panel */
     ui_place panel; /* the one that is being described */
     ui_place covered[ui_imgui::panels_max]; /* what the panels of the last frame cover */
     int covered_count;
     const unsigned char *glyphs;
     int glyphs_width, glyphs_height;
+    float scale;
+    ui_clipboard clipboard;
 };
 
 namespace ui_imgui

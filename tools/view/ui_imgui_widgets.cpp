@@ -5,6 +5,7 @@
 #include <cstdarg>
 #include <cstdio>
 #include <string>
+#include <cstring>
 
 #include "view/ui_imgui.h"
 #include "view/ui_theme.h"
@@ -87,13 +88,15 @@ void draw_arrow(float x, float y, bool is_open)
 
 } // namespace
 
-bool ui_section(ui *panels, const char *title, bool *is_open)
+bool ui_section(ui *panels, const char *title, const char *key, bool *is_open)
 {
-    return guarded(panels, false, [title, is_open] {
+    return guarded(panels, false, [title, key, is_open] {
         const ImVec2 at = ImGui::GetCursorScreenPos();
+        const float right = at.x + full_width() - UI_INSET_X - ImGui::CalcTextSize(key).x;
         const bool clicked = wide_button(title, UI_COLOR_FIELD, UI_INSET_X + arrow_width);
         *is_open = clicked ? !*is_open : *is_open;
         draw_arrow(at.x + UI_INSET_X, at.y + ImGui::GetFrameHeight() / 2, *is_open);
+        ImGui::GetWindowDrawList()->AddText(ImVec2(std::floor(right), at.y + UI_INSET_Y), UI_COLOR_DIM, key);
         return clicked;
     });
 }
@@ -151,10 +154,16 @@ void ui_value(ui *panels, const char *label, const char *format, ...)
     va_list arguments;
     va_start(arguments, format);
     guarded(panels, [&] {
+        char shown[line_bytes];
+        const std::string text = written(format, arguments);
         ImGui::BeginGroup();
         begin_row(label);
-        ImGui::TextUnformatted(written(format, arguments).c_str());
+        const bool is_whole = ui_fit(panels, text.c_str(), full_width(), shown, sizeof shown);
+        ImGui::TextUnformatted(shown);
         ImGui::EndGroup();
+        if (!is_whole) {
+            ui_tooltip(panels, text.c_str());
+        }
     });
     va_end(arguments);
 }
@@ -286,11 +295,58 @@ bool ui_color(ui *panels, const char *label, float rgb[3])
     });
 }
 
+void ui_focus(ui *panels)
+{
+    guarded(panels, [] { ImGui::SetKeyboardFocusHere(); });
+}
+
 bool ui_field(ui *panels, const char *label, char *text, size_t text_bytes)
 {
     return guarded(panels, false, [=] {
         begin_row(label);
         return ImGui::InputText(hidden_label(label).text, text, text_bytes, ImGuiInputTextFlags_EnterReturnsTrue);
+    });
+}
+
+namespace
+{
+
+/* What a field of a path shows while it is typed into, and who is told of keys. */
+struct path_field {
+    char *text;
+    size_t text_bytes;
+    const ui_path_keys *keys;
+};
+
+/* Of ImGui, for Tab, Up and Down. */
+int edit_path(ImGuiInputTextCallbackData *data)
+{
+    const auto *field = static_cast<const path_field *>(data->UserData);
+    (void)std::snprintf(field->text, field->text_bytes, "%s", data->Buf);
+    field->keys->edit(field->keys->user, data->EventFlag == ImGuiInputTextFlags_CallbackCompletion ? UI_PATH_COMPLETE
+                                         : data->EventKey == ImGuiKey_UpArrow                      ? UI_PATH_PREVIOUS
+                                                                                                   : UI_PATH_NEXT);
+    if (std::strcmp(field->text, data->Buf) != 0) {
+        data->DeleteChars(0, data->BufTextLen);
+        data->InsertChars(0, field->text);
+    }
+    return 0;
+}
+
+} // namespace
+
+bool ui_path(ui *panels, char *text, size_t text_bytes, bool takes_focus, const ui_path_keys *keys)
+{
+    return guarded(panels, false, [=] {
+        path_field field = {text, text_bytes, keys};
+        if (takes_focus) {
+            ImGui::SetKeyboardFocusHere();
+        }
+        ImGui::SetNextItemWidth(-FLT_MIN);
+        return ImGui::InputText("##path", text, text_bytes,
+                                ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_CallbackCompletion |
+                                    ImGuiInputTextFlags_CallbackHistory,
+                                edit_path, &field);
     });
 }
 

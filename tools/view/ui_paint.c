@@ -2,6 +2,7 @@
 /* One program, one buffer of vertices and one of indices, which each frame fills anew. */
 #include "view/ui_paint.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -125,16 +126,27 @@ static int clamp(int value, int low, int high)
     return value < low ? low : value > high ? high : value;
 }
 
+/* A clip in pixels of the screen. */
+static int low_pixel(int clip, float scale)
+{
+    return (int)floorf((float)clip * scale);
+}
+
+static int high_pixel(int clip, float scale)
+{
+    return (int)ceilf((float)clip * scale);
+}
+
 /* OpenGL counts rows from the bottom. */
-static void draw_batch(const ui_paint *paint, const ui_batch *batch, int width, int height)
+static void draw_batch(const ui_paint *paint, const ui_batch *batch, int width, int height, float scale)
 {
     const view_gl *gl = paint->gl;
     const uintptr_t begin = batch->index_begin * sizeof(uint32_t); /* in the buffer; OpenGL takes it for a pointer */
     const void *indices = NULL;
-    const int left = clamp(batch->clip[0], 0, width);
-    const int top = clamp(batch->clip[1], 0, height);
-    const int right = clamp(batch->clip[2], left, width);
-    const int bottom = clamp(batch->clip[3], top, height);
+    const int left = clamp(low_pixel(batch->clip[0], scale), 0, width);
+    const int top = clamp(low_pixel(batch->clip[1], scale), 0, height);
+    const int right = clamp(high_pixel(batch->clip[2], scale), left, width);
+    const int bottom = clamp(high_pixel(batch->clip[3], scale), top, height);
     if (batch->index_count == 0 || right == left || bottom == top) {
         return;
     }
@@ -144,19 +156,20 @@ static void draw_batch(const ui_paint *paint, const ui_batch *batch, int width, 
     gl->DrawElements(GL_TRIANGLES, (GLsizei)batch->index_count, GL_UNSIGNED_INT, indices);
 }
 
-bool ui_paint_draw(ui_paint *paint, const ui_drawing *drawing, unsigned width, unsigned height, svo_message *why)
+bool ui_paint_draw(ui_paint *paint, const ui_drawing *drawing, unsigned width, unsigned height, float scale,
+                   svo_message *why)
 {
     const view_gl *gl = paint->gl;
     upload(paint, drawing);
     gl->UseProgram(paint->program);
-    gl->Uniform2f(0, (float)width, (float)height);
+    gl->Uniform2f(0, (float)width / scale, (float)height / scale);
     gl->ActiveTexture(GL_TEXTURE0);
     gl->Viewport(0, 0, (GLsizei)width, (GLsizei)height);
     gl->Enable(GL_BLEND);
     gl->BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
     gl->Enable(GL_SCISSOR_TEST);
     for (size_t i = 0; i < drawing->batch_count; ++i) {
-        draw_batch(paint, &drawing->batches[i], (int)width, (int)height);
+        draw_batch(paint, &drawing->batches[i], (int)width, (int)height, scale);
     }
     gl->Disable(GL_SCISSOR_TEST);
     gl->Disable(GL_BLEND);

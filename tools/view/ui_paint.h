@@ -15,6 +15,7 @@ ui_paint *ui_paint_create(const view_gl *gl, const uint8_t *glyphs, unsigned wid
 void ui_paint_destroy(ui_paint **paint);
 
 /* Draws over what is there, in a window of so many pixels. False on failure. */
-bool ui_paint_draw(ui_paint *paint, const ui_drawing *drawing, unsigned width, unsigned height, svo_message *why);
+bool ui_paint_draw(ui_paint *paint, const ui_drawing *drawing, unsigned width, unsigned height, float scale,
+                   svo_message *why);
 
 #endif

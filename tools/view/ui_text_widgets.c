@@ -80,7 +80,7 @@ static void draw_arrow(ui *panels, ui_place row, bool is_open)
     }
 }
 
-bool ui_section(ui *panels, const char *title, bool *is_open)
+bool ui_section(ui *panels, const char *title, const char *key, bool *is_open)
 {
     ui_place row = ui_text_row(panels, ui_text_height(panels) + 2 * UI_INSET_Y);
     const ui_text_use use = ui_text_widget(panels, ui_text_id(panels, title), row);
@@ -90,6 +90,7 @@ bool ui_section(ui *panels, const char *title, bool *is_open)
     row.x += UI_INSET_X + 14;
     row.width -= 2 * UI_INSET_X + 14;
     ui_text_write(panels, row, 0, UI_COLOR_TEXT, title);
+    ui_text_write(panels, row, row.width - ui_text_width(panels, key), UI_COLOR_DIM, key);
     return use.clicked;
 }
 
@@ -243,14 +244,20 @@ static bool edit(ui *panels, char *text, size_t text_bytes)
     return entered;
 }
 
+void ui_focus(ui *panels)
+{
+    panels->focus_next = true;
+}
+
 bool ui_field(ui *panels, const char *label, char *text, size_t text_bytes)
 {
     const ui_place place = ui_text_labeled(panels, label);
     const uint32_t id = ui_text_id(panels, label);
     const ui_text_use use = ui_text_widget(panels, id, place);
     bool entered = false;
-    if (use.began) {
+    if (use.began || panels->focus_next) {
         panels->focus = id;
+        panels->focus_next = false;
     }
     if (panels->focus == id) {
         panels->focus_seen = true;
@@ -268,4 +275,16 @@ bool ui_field(ui *panels, const char *label, char *text, size_t text_bytes)
         ui_text_fill(panels, (ui_place){cursor, inner.y + 2, 1, inner.height - 4}, UI_COLOR_ACCENT);
     }
     return entered;
+}
+
+void ui_raise(ui *panels)
+{
+    (void)panels; /* the last one is above the others */
+}
+
+bool ui_path(ui *panels, char *text, size_t text_bytes, bool takes_focus, const ui_path_keys *keys)
+{
+    (void)takes_focus;
+    (void)keys;
+    return ui_field(panels, "Path", text, text_bytes);
 }

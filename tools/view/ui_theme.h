@@ -21,6 +21,11 @@
 #define UI_COLOR_PROBE_IN_PLACE UI_RGBA(94, 176, 239, 255)
 #define UI_COLOR_PROBE_MOVED    UI_RGBA(248, 186, 84, 255)
 
+/* Axes of the world. */
+#define UI_COLOR_AXIS_X UI_RGBA(240, 96, 104, 255)
+#define UI_COLOR_AXIS_Y UI_RGBA(108, 205, 108, 255)
+#define UI_COLOR_AXIS_Z UI_RGBA(104, 156, 255, 255)
+
 /* Pixel sizes of text. */
 #define UI_TEXT_SMALL 13.0F
 #define UI_TEXT_LARGE 16.0F

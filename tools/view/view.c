@@ -2,60 +2,25 @@
 /* The loop: events, the tree and its light, the picture, marks, panels, the window. */
 #include "view/view.h"
 
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
+#include "support/cleanup.h"
 #include "support/input.h"
-#include "support/picture.h"
 #include "support/scene_file.h"
 #include "view/camera.h"
-#include "view/canvas.h"
-#include "view/drawing.h"
-#include "view/input.h"
-#include "view/marks.h"
+#include "view/history.h"
 #include "view/memory.h"
-#include "view/overlay.h"
+#include "view/opening.h"
 #include "view/pick.h"
 #include "view/play.h"
-#include "view/script.h"
-#include "view/settings.h"
-#include "view/window.h"
+#include "view/question.h"
+#include "view/shots.h"
+#include "view/work.h"
 
 /* While nothing changes, frames come this often: panels may still change, and so may what the driver has to say. */
 #define IDLE_MS 100u
-/* After an event, so many frames come at once. */
-#define LIVELY_FRAMES 3u
 /* A frame that took longer, as after sleep, moves the camera as if it had taken this. */
 #define STEP_SECONDS_MAX 0.25
-
-typedef struct viewer {
-    program *running;
-    view_state state;
-    settings_file settings;
-    window *window;
-    canvas *canvas;
-    overlay *overlay;
-    subject subject;
-    drawing drawing;
-    marks marks;
-    uint64_t listed; /* sum of changes whose memory is listed */
-    bool is_fullscreen;
-    unsigned lively_frames; /* to come without a wait: panels answer an event one frame later */
-    input_mouse mouse;
-    script script;
-    bool has_script;
-    script_step step; /* of this frame */
-    uint64_t frame_number;
-    double frame_begin_ms, lap_ms;
-    view_frame frame; /* what is known of this one */
-    svo_message why;
-} viewer;
-
-static int fail(viewer *which)
-{
-    return program_fail(which->running, PROGRAM_FAILED, "%s", which->why.text);
-}
 
 /* Prints the last line of the log when the program ends. */
 static void warn(const viewer *which)
@@ -98,7 +63,12 @@ static void end_frame(viewer *which, bool is_new)
     view_state *state = &which->state;
     which->frame.rays = is_new ? which->drawing.rays : 0;
     which->frame.coarse = which->drawing.coarse;
-    state->frames[state->frame_count++ % VIEW_FRAMES_KEPT] = which->frame;
+    for (int i = 0; i < VIEW_STAGES; ++i) {
+        which->frame.work_ms += which->frame.stage_ms[i];
+    }
+    if (is_new || !state->is_idle) { /* the others would push those out */
+        state->frames[state->frame_count++ % VIEW_FRAMES_KEPT] = which->frame;
+    }
 }
 
 /* ---- events ---- */
@@ -106,12 +76,17 @@ static void end_frame(viewer *which, bool is_new)
 static int take_event(viewer *which, const view_event *event)
 {
     view_state *state = &which->state;
-    if (overlay_take(which->overlay, event)) {
+    const bool closes_box = event->kind == VIEW_EVENT_KEY && event->is_down && event->key == VIEW_KEY_ESCAPE &&
+                            (state->open.is_shown || state->notice[0] != '\0');
+    if (event->kind == VIEW_EVENT_BUTTON && event->button >= 0 && event->button < 3) {
+        which->held[event->button] = event->is_down;
+    }
+    if (question_take(state, event) || (overlay_take(which->overlay, event) && !closes_box)) {
         return PROGRAM_DONE;
     }
     switch (input_take(&which->mouse, event, state)) {
     case INPUT_PICK:
-        return pick_at(&which->subject, state, which->mouse.x, which->mouse.y);
+        return pick_at(which->subject, state, which->mouse.x, which->mouse.y);
     case INPUT_FULLSCREEN:
         state->settings.fullscreen = !state->settings.fullscreen;
         return PROGRAM_DONE;
@@ -125,6 +100,10 @@ static int take_event(viewer *which, const view_event *event)
 static int play(viewer *which)
 {
     which->step = script_next(&which->script, &which->state);
+    if (which->step.is_loading) {
+        return program_fail(which->running, PROGRAM_FAILED, "%s:%u: nothing is being loaded",
+                            which->running->options.script_path, which->step.line);
+    }
     switch (which->step.kind) {
     case SCRIPT_EVENT:
         return window_push(which->window, &which->step.event)
@@ -155,8 +134,10 @@ static int take_events(viewer *which)
 {
     view_event event;
     int exit_code = which->has_script ? play(which) : PROGRAM_DONE;
-    if (is_idle(which)) {
+    which->state.is_idle = is_idle(which);
+    if (which->state.is_idle) {
         window_wait(which->window, IDLE_MS);
+        which->lap_ms = now_ms(which);
     }
     which->lively_frames -= which->lively_frames > 0 ? 1 : 0;
     while (exit_code == PROGRAM_DONE && window_poll(which->window, &event)) {
@@ -171,12 +152,40 @@ static int take_events(viewer *which)
     return exit_code;
 }
 
+/* ---- scale ---- */
+
+/* Panels for the window's scale. */
+static int make_overlay(viewer *which)
+{
+    const ui_clipboard clipboard = {window_read_clipboard, window_write_clipboard, which->window};
+    overlay_destroy(&which->overlay);
+    which->overlay = overlay_create(window_gl(which->window), which->state.scale, &clipboard, &which->why);
+    return which->overlay != NULL ? PROGRAM_DONE : viewer_fail(which);
+}
+
+/* That of --scale, else of the display that the window is on; a script shows the same on all. */
+static float scale_of(const viewer *which)
+{
+    const double given = which->first.scale;
+    return given > 0 ? (float)given : which->has_script ? 1 : window_scale(which->window);
+}
+
+static int follow_scale(viewer *which)
+{
+    const float scale = scale_of(which);
+    if (!(scale < which->state.scale || scale > which->state.scale)) {
+        return PROGRAM_DONE;
+    }
+    which->state.scale = scale;
+    return make_overlay(which);
+}
+
 /* ---- a frame ---- */
 
 /* Once for each tree, its BVH, light and scene: plans take time. What moves is followed where it is looked at. */
 static int list_memory(viewer *which)
 {
-    const subject *shown = &which->subject;
+    const subject *shown = which->subject;
     const view_state *state = &which->state;
     const uint64_t frames = state->settings.open[VIEW_PANEL_MEMORY] ? state->revisions.film : 0;
     const uint64_t changes = 1 + shown->changes + placed_changes(shown->placed) +
@@ -188,23 +197,42 @@ static int list_memory(viewer *which)
     return memory_list(shown, &which->state);
 }
 
+static int update_job(void *user)
+{
+    viewer *which = user;
+    cleanup_take();
+    return subject_update(which->subject, &which->state);
+}
+
+/* A window that was closed meanwhile needs no picture. */
+static int update_subject(viewer *which)
+{
+    const int exit_code = work_run(which, which->state.input, false, update_job, which);
+    return which->work.is_closed || (exit_code == PROGRAM_DONE && which->work.exit_code == PROGRAM_DONE)
+               ? PROGRAM_DONE
+               : work_fail(which, exit_code);
+}
+
 /* Makes what the state asks for. is_new: whether there is a new picture. */
 static int update(viewer *which, bool *is_new)
 {
     view_state *state = &which->state;
     const drawing_clock clock = {now_ms, which};
-    if (state->wants_load) {
-        pixel_buffer_drop(&which->drawing.pixels); /* another scene may have another device */
+    int exit_code = opening_take(which);
+    exit_code = exit_code == PROGRAM_DONE && !which->work.is_closed ? update_subject(which) : exit_code;
+    history_look(state, which->held[0] || which->held[1] || which->held[2] || overlay_types(which->overlay));
+    if (exit_code == PROGRAM_DONE && !which->work.is_closed) {
+        subject_box(which->subject, state);
     }
-    int exit_code = subject_update(&which->subject, state);
     lap(which, VIEW_STAGE_TREE);
-    /* Builds by OpenGL have contexts of their own. */
     if (exit_code == PROGRAM_DONE && !window_use(which->window, &which->why)) {
-        exit_code = fail(which);
+        exit_code = viewer_fail(which);
     }
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = drawing_next(&which->drawing, &which->subject, state, &clock, is_new);
+    if (exit_code != PROGRAM_DONE || which->work.is_closed) {
+        return exit_code;
     }
+    exit_code = drawing_next(&which->drawing, which->subject, state, &clock, is_new);
+    exit_code = exit_code == PROGRAM_DONE ? ground_update(&which->ground, which->subject, state) : exit_code;
     lap(which, VIEW_STAGE_PICTURE);
     return exit_code == PROGRAM_DONE ? list_memory(which) : exit_code;
 }
@@ -226,12 +254,12 @@ static bool take_rows(viewer *which)
 static int draw(viewer *which, double seconds, bool is_new)
 {
     view_state *state = &which->state;
-    const probe_map *map = &which->subject.probes.map;
+    const probe_map *map = &which->subject->probes.map;
     if (is_new && !take_rows(which)) {
-        return fail(which);
+        return viewer_fail(which);
     }
     if (map->is_new && !canvas_take_map(which->canvas, map->rgba, map->edge, &which->why)) {
-        return fail(which);
+        return viewer_fail(which);
     }
     state->probes.texture = canvas_map(which->canvas);
     lap(which, VIEW_STAGE_UPLOAD);
@@ -241,29 +269,38 @@ static int draw(viewer *which, double seconds, bool is_new)
     }
     if (!canvas_draw(which->canvas, state->width, state->height, which->marks.vertices, which->marks.count,
                      &which->why)) {
-        return fail(which);
+        return viewer_fail(which);
     }
     lap(which, VIEW_STAGE_SHOW);
+    shots_save(which, VIEW_SHOT_PICTURE);
     if (!overlay_draw(which->overlay, state, (float)seconds, &which->why)) {
-        return fail(which);
+        return viewer_fail(which);
     }
     lap(which, VIEW_STAGE_PANELS);
+    shots_save(which, VIEW_SHOT_WINDOW);
     return PROGRAM_DONE;
 }
 
-static int take_shot(viewer *which)
+/* Puts what was drawn into the window; waiting for the screen is no work. */
+static int show_frame(viewer *which)
 {
-    const view_state *state = &which->state;
-    uint8_t *rgba = malloc((size_t)state->width * state->height * 4);
-    if (rgba == NULL) {
-        return program_fail(which->running, PROGRAM_FAILED, "out of memory for %ux%u pixels", state->width,
-                            state->height);
+    if (!canvas_show(which->canvas, &which->why)) {
+        return viewer_fail(which);
     }
-    const int exit_code = canvas_read(which->canvas, state->width, state->height, rgba, &which->why)
-                              ? picture_write_as(which->running, which->step.path, state->width, state->height, rgba)
-                              : fail(which);
-    free(rgba);
-    return exit_code;
+    window_finish(which->window);
+    lap(which, VIEW_STAGE_SHOW);
+    return window_show(which->window, &which->why) ? PROGRAM_DONE : viewer_fail(which);
+}
+
+/* The window's title has a star while there is something to save. */
+static void write_title(viewer *which)
+{
+    char title[2 * VIEW_PATH_BYTES];
+    if (which->is_marked != view_is_unsaved(&which->state)) {
+        which->is_marked = !which->is_marked;
+        (void)snprintf(title, sizeof title, "%s%s - svocl", which->is_marked ? "*" : "", which->state.input);
+        window_set_title(which->window, title);
+    }
 }
 
 static int run_frame(viewer *which)
@@ -271,19 +308,23 @@ static int run_frame(viewer *which)
     bool is_new = false;
     const double seconds = begin_frame(which);
     int exit_code = take_events(which);
+    exit_code = exit_code == PROGRAM_DONE ? follow_scale(which) : exit_code;
+    if (exit_code != PROGRAM_DONE || which->state.is_done) {
+        return exit_code;
+    }
     camera_move(&which->state, (float)seconds);
     play_advance(&which->state, seconds);
+    write_title(which);
     lap(which, VIEW_STAGE_EVENTS);
-    exit_code = exit_code == PROGRAM_DONE ? update(which, &is_new) : exit_code;
-    exit_code = exit_code == PROGRAM_DONE ? draw(which, seconds, is_new) : exit_code;
+    exit_code = update(which, &is_new);
+    if (exit_code != PROGRAM_DONE || which->work.is_closed) {
+        return exit_code;
+    }
+    exit_code = draw(which, seconds, is_new);
     if (exit_code == PROGRAM_DONE && which->has_script && which->step.kind == SCRIPT_SHOT) {
-        exit_code = take_shot(which);
+        exit_code = shots_take(which, which->step.path, which->state.width, which->state.height);
     }
-    if (exit_code == PROGRAM_DONE &&
-        !(canvas_show(which->canvas, &which->why) && window_show(which->window, &which->why))) {
-        exit_code = fail(which);
-    }
-    lap(which, VIEW_STAGE_SHOW);
+    exit_code = exit_code == PROGRAM_DONE ? show_frame(which) : exit_code;
     end_frame(which, is_new);
     return exit_code;
 }
@@ -316,23 +357,9 @@ static void take_picture_options(viewer *which)
     view_choose_picture(&which->state, picture_of_option(given->view));
 }
 
-/* What it says of probes. */
-static void take_probe_options(viewer *which)
-{
-    const options *given = &which->running->options;
-    view_probe_grid *grid = &which->state.probes.asked;
-    if (given->probe_counts[0] > 0) {
-        memcpy(grid->counts, given->probe_counts, sizeof grid->counts);
-    }
-    grid->resolution = given->probe_resolution > 0 ? (uint32_t)given->probe_resolution : grid->resolution;
-    grid->field_size = given->probe_field > 0 ? (uint32_t)given->probe_field : grid->field_size;
-    view_choose_probe_choice(&which->state, (svo_probe_choice)given->probe_choice);
-    view_make_probes(&which->state);
-}
-
 static int run_frames(viewer *which)
 {
-    int exit_code = window_use(which->window, &which->why) ? PROGRAM_DONE : fail(which);
+    int exit_code = window_use(which->window, &which->why) ? PROGRAM_DONE : viewer_fail(which);
     which->frame_begin_ms = now_ms(which);
     while (exit_code == PROGRAM_DONE && !which->state.is_done) {
         exit_code = run_frame(which);
@@ -342,45 +369,37 @@ static int run_frames(viewer *which)
 
 static int show(viewer *which)
 {
-    int exit_code = subject_open(which->running, &which->state, &which->subject);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
+    int exit_code = opening_input(which);
+    if (exit_code == PROGRAM_DONE && !which->state.is_done) {
+        take_picture_options(which);
+        exit_code = run_frames(which);
     }
-    progress_destroy(&which->running->progress);
-    take_probe_options(which);
-    take_picture_options(which);
-    which->drawing.pixels = (pixel_buffer){.running = which->running, .context = window_context(which->window)};
-    exit_code = run_frames(which);
+    window_hide(which->window);
     marks_end(&which->marks);
-    drawing_end(&which->drawing);
-    subject_close(&which->subject);
+    opening_close(which);
     return exit_code;
-}
-
-/* A program_devices.create: OpenCL contexts are made for the window's context where the two can share. */
-static svo_status create_device(void *user, const svo_device_options *asked, svo_device **out, svo_message *message)
-{
-    const viewer *which = user;
-    return svo_gl_device_create(window_context(which->window), NULL, asked, out, message);
 }
 
 /* The window comes before the tree: without a display nothing is built. */
 static int open_window(viewer *which)
 {
     view_state *state = &which->state;
+    const window_place place = {.width = state->settings.width,
+                                .height = state->settings.height,
+                                .grows = which->first.window_width == 0 && which->first.window_height == 0,
+                                .fullscreen = state->settings.fullscreen};
     char title[VIEW_PATH_BYTES];
     (void)snprintf(title, sizeof title, "%s - svocl", state->input);
-    which->window =
-        window_open(title, state->settings.width, state->settings.height, state->settings.fullscreen, &which->why);
+    which->window = window_open(title, &place, &which->why);
     if (which->window == NULL) {
-        return fail(which);
+        return viewer_fail(which);
     }
     which->is_fullscreen = state->settings.fullscreen;
     window_size(which->window, &state->width, &state->height);
     state->renderer = window_renderer(which->window);
+    state->scale = scale_of(which);
     which->canvas = canvas_create(window_gl(which->window), &which->why);
-    which->overlay = which->canvas != NULL ? overlay_create(window_gl(which->window), &which->why) : NULL;
-    return which->overlay != NULL ? PROGRAM_DONE : fail(which);
+    return which->canvas != NULL ? make_overlay(which) : viewer_fail(which);
 }
 
 /* What the command line says of the window goes before the settings. */
@@ -391,16 +410,16 @@ static void take_options(viewer *which)
     settings->width = given->window_width > 0 ? (unsigned)given->window_width : settings->width;
     settings->height = given->window_height > 0 ? (unsigned)given->window_height : settings->height;
     settings->fullscreen = settings->fullscreen || given->fullscreen != 0;
-    which->state.camera.mode = settings->mode;
     which->state.input = given->input;
+    which->first = *given;
 }
 
 static int run(viewer *which)
 {
     int exit_code = open_window(which);
-    which->running->devices = (program_devices){create_device, which};
+    exit_code = exit_code == PROGRAM_DONE ? work_begin(which) : exit_code;
     exit_code = exit_code == PROGRAM_DONE ? show(which) : exit_code;
-    which->running->devices = (program_devices){NULL, NULL};
+    work_end(which);
     overlay_destroy(&which->overlay);
     canvas_destroy(&which->canvas);
     window_close(&which->window);
@@ -458,6 +477,7 @@ int view_run(program *running)
     }
     script_close(&which->script);
     view_state_end(&which->state);
+    free(which->opened_path);
     free(which);
     return exit_code;
 }

@@ -3,6 +3,8 @@
 #include "view/window.h"
 
 #include <SDL.h>
+#include <SDL_syswm.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +14,12 @@ struct window {
     SDL_GLContext context;
     view_gl gl;
     svo_gl_context *wrapped;
+    char *copied; /* SDL's, of the clipboard */
+    float x11_scale; /* by the desktop's settings when the window was opened */
 };
+
+/* Of an inch of a plain display. */
+#define PLAIN_DOTS 96.0F
 
 typedef struct key_pair {
     SDL_Keycode sdl;
@@ -73,18 +80,60 @@ static bool open_context(window *made, svo_message *why)
     return false;
 }
 
-static bool open_window(window *made, const char *title, unsigned width, unsigned height, bool fullscreen,
-                        svo_message *why)
+#ifdef SDL_VIDEO_DRIVER_X11
+typedef char *get_default(Display *display, const char *program, const char *option);
+
+/* Desktops on X11 say it as the dots of an inch, in a resource that SDL does not read. */
+static float scale_of_x11(SDL_Window *handle)
 {
-    const Uint32 flags = SDL_WINDOW_OPENGL | SDL_WINDOW_RESIZABLE | (fullscreen ? SDL_WINDOW_FULLSCREEN_DESKTOP : 0);
+    SDL_SysWMinfo info;
+    float dots = 0;
+    get_default *find = NULL;
+    SDL_VERSION(&info.version);
+    if (SDL_GetWindowWMInfo(handle, &info) != SDL_TRUE || info.subsystem != SDL_SYSWM_X11) {
+        return 1;
+    }
+    void *library = SDL_LoadObject("libX11.so.6"); /* SDL has it open */
+    void *const found = library != NULL ? SDL_LoadFunction(library, "XGetDefault") : NULL;
+    memcpy(&find, &found, sizeof find);
+    const char *text = find != NULL ? find(info.info.x11.display, "Xft", "dpi") : NULL;
+    dots = text != NULL ? strtof(text, NULL) : PLAIN_DOTS;
+    if (library != NULL) {
+        SDL_UnloadObject(library);
+    }
+    return dots > 0 ? dots / PLAIN_DOTS : 1;
+}
+#else
+static float scale_of_x11(SDL_Window *handle)
+{
+    (void)handle;
+    return 1;
+}
+#endif
+
+static float in_quarters(float scale)
+{
+    return fminf(fmaxf(floorf(4 * scale + 0.5F) / 4, 1), 4);
+}
+
+static bool open_window(window *made, const char *title, const window_place *place, svo_message *why)
+{
+    const Uint32 flags = SDL_WINDOW_OPENGL | SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI |
+                         (place->fullscreen ? SDL_WINDOW_FULLSCREEN_DESKTOP : 0);
+    const int width = (int)place->width;
+    const int height = (int)place->height;
     SDL_GL_SetAttribute(SDL_GL_CONTEXT_PROFILE_MASK, SDL_GL_CONTEXT_PROFILE_CORE);
     SDL_GL_SetAttribute(SDL_GL_CONTEXT_MAJOR_VERSION, 4);
     SDL_GL_SetAttribute(SDL_GL_CONTEXT_MINOR_VERSION, 3);
-    made->handle =
-        SDL_CreateWindow(title, SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, (int)width, (int)height, flags);
+    made->handle = SDL_CreateWindow(title, SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, width, height, flags);
     if (made->handle == NULL) {
-        (void)snprintf(why->text, sizeof why->text, "no window of %ux%u pixels: %s", width, height, SDL_GetError());
+        (void)snprintf(why->text, sizeof why->text, "no window of %dx%d pixels: %s", width, height, SDL_GetError());
         return false;
+    }
+    made->x11_scale = scale_of_x11(made->handle);
+    const float scale = place->grows ? in_quarters(made->x11_scale) : 1;
+    if (scale > 1) {
+        SDL_SetWindowSize(made->handle, (int)((float)width * scale), (int)((float)height * scale));
     }
     return open_context(made, why);
 }
@@ -108,7 +157,7 @@ static bool begin_video(svo_message *why)
     return false;
 }
 
-window *window_open(const char *title, unsigned width, unsigned height, bool fullscreen, svo_message *why)
+window *window_open(const char *title, const window_place *place, svo_message *why)
 {
     window *made = calloc(1, sizeof *made);
     if (made == NULL) {
@@ -120,7 +169,7 @@ window *window_open(const char *title, unsigned width, unsigned height, bool ful
         free(made);
         return NULL;
     }
-    if (!open_window(made, title, width, height, fullscreen, why)) {
+    if (!open_window(made, title, place, why)) {
         window_close(&made);
         return NULL;
     }
@@ -141,6 +190,7 @@ void window_close(window **which)
     if (gone->handle != NULL) {
         SDL_DestroyWindow(gone->handle);
     }
+    SDL_free(gone->copied);
     SDL_QuitSubSystem(SDL_INIT_VIDEO);
     SDL_Quit();
     free(gone);
@@ -177,6 +227,27 @@ const char *window_renderer(const window *which)
     return name != NULL ? name : "unknown renderer";
 }
 
+void window_set_title(window *which, const char *title)
+{
+    SDL_SetWindowTitle(which->handle, title);
+}
+
+/* Pixels for each of the units in which the desktop measures the window and the mouse. */
+static float pixels_of_unit(const window *which)
+{
+    int units = 0;
+    int pixels = 0;
+    SDL_GetWindowSize(which->handle, &units, NULL);
+    SDL_GL_GetDrawableSize(which->handle, &pixels, NULL);
+    return units > 0 && pixels > 0 ? (float)pixels / (float)units : 1;
+}
+
+float window_scale(const window *which)
+{
+    const float units = pixels_of_unit(which);
+    return in_quarters(units > 1.01F ? units : which->x11_scale);
+}
+
 void window_size(const window *which, unsigned *width, unsigned *height)
 {
     int columns = 0;
@@ -186,9 +257,19 @@ void window_size(const window *which, unsigned *width, unsigned *height)
     *height = rows > 0 ? (unsigned)rows : 1;
 }
 
+void window_hide(window *which)
+{
+    SDL_HideWindow(which->handle);
+}
+
 void window_set_fullscreen(window *which, bool fullscreen)
 {
     SDL_SetWindowFullscreen(which->handle, fullscreen ? SDL_WINDOW_FULLSCREEN_DESKTOP : 0);
+}
+
+void window_finish(window *which)
+{
+    which->gl.Finish();
 }
 
 bool window_show(window *which, svo_message *why)
@@ -202,6 +283,28 @@ void window_wait(window *which, unsigned milliseconds)
 {
     (void)which;
     (void)SDL_WaitEventTimeout(NULL, (int)milliseconds);
+}
+
+bool window_is_closing(window *which)
+{
+    (void)which;
+    SDL_PumpEvents();
+    return SDL_HasEvent(SDL_QUIT) == SDL_TRUE;
+}
+
+/* SDL's text has to be released, and the caller's lives until the next call. */
+const char *window_read_clipboard(void *user)
+{
+    window *which = user;
+    SDL_free(which->copied);
+    which->copied = SDL_GetClipboardText();
+    return which->copied;
+}
+
+void window_write_clipboard(void *user, const char *text)
+{
+    (void)user;
+    (void)SDL_SetClipboardText(text);
 }
 
 /* ---- keys ---- */
@@ -270,6 +373,22 @@ static void read_key(const SDL_KeyboardEvent *from, view_event *to)
                        .control = (from->keysym.mod & KMOD_CTRL) != 0};
 }
 
+static void read_drop(const SDL_DropEvent *from, view_event *to)
+{
+    to->kind = VIEW_EVENT_DROP;
+    if (from->file != NULL && strlen(from->file) < sizeof to->path) {
+        (void)snprintf(to->path, sizeof to->path, "%s", from->file);
+    }
+    SDL_free(from->file);
+}
+
+static void read_place(const window *which, int x, int y, view_event *to)
+{
+    const float pixels = pixels_of_unit(which);
+    to->x = (int)((float)x * pixels);
+    to->y = (int)((float)y * pixels);
+}
+
 /* The wheel's steps are where the mouse was last. */
 static bool read_event(const window *which, const SDL_Event *from, view_event *to)
 {
@@ -292,22 +411,22 @@ static bool read_event(const window *which, const SDL_Event *from, view_event *t
         return true;
     case SDL_MOUSEMOTION:
         to->kind = VIEW_EVENT_MOVE;
-        to->x = from->motion.x;
-        to->y = from->motion.y;
+        read_place(which, from->motion.x, from->motion.y, to);
         return true;
     case SDL_MOUSEBUTTONDOWN:
     case SDL_MOUSEBUTTONUP:
         to->kind = VIEW_EVENT_BUTTON;
         to->button = button_from_sdl(from->button.button);
         to->is_down = from->type == SDL_MOUSEBUTTONDOWN;
-        to->x = from->button.x;
-        to->y = from->button.y;
+        read_place(which, from->button.x, from->button.y, to);
         return true;
     case SDL_MOUSEWHEEL:
         to->kind = VIEW_EVENT_WHEEL;
-        to->x = from->wheel.mouseX;
-        to->y = from->wheel.mouseY;
+        read_place(which, from->wheel.mouseX, from->wheel.mouseY, to);
         to->steps = from->wheel.preciseY;
+        return true;
+    case SDL_DROPFILE:
+        read_drop(&from->drop, to);
         return true;
     default:
         return false;
@@ -362,6 +481,10 @@ static void write_event(const view_event *from, SDL_Event *to)
         to->wheel.mouseY = from->y;
         to->wheel.preciseY = from->steps;
         return;
+    case VIEW_EVENT_DROP:
+        to->type = SDL_DROPFILE;
+        to->drop.file = SDL_strdup(from->path);
+        return;
     case VIEW_EVENT_RESIZE:
     case VIEW_EVENT_QUIT:
         to->type = SDL_QUIT;
@@ -378,5 +501,11 @@ bool window_push(window *which, const view_event *event)
     }
     write_modifiers(event);
     write_event(event, &made);
-    return SDL_PushEvent(&made) == 1;
+    if (SDL_PushEvent(&made) == 1) {
+        return true;
+    }
+    if (event->kind == VIEW_EVENT_DROP) {
+        SDL_free(made.drop.file);
+    }
+    return false;
 }
