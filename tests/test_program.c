@@ -884,7 +884,7 @@ static void voxel_files_are_converted(void **state)
     assert_int_equal((int)number_of(cJSON_GetObjectItem(document, "voxels"), "distinct_voxels"), 2);
     cJSON_Delete(document);
     run_badly("$SVOCL convert a.binvox", 2, "OUT is missing");
-    run_badly("$SVOCL convert a.binvox x.tga", 2, "OUT x.tga is not");
+    run_badly("$SVOCL convert a.binvox x.tga", 2, "output x.tga does not end in .svo, .vox");
     run_badly("$SVOCL convert x.obj x.vox", 2, "IN x.obj is not");
     run_badly("$SVOCL convert a.svo x.vox --frame 1", 2, "--frame");
     run_badly("$SVOCL convert a.binvox x.vox --compress", 2, "--compress");

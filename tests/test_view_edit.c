@@ -15,6 +15,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "support/file_register.h"
 #include "support/scene_place.h"
 #include "view/camera.h"
 #include "view/light_edit.h"
@@ -278,6 +279,44 @@ static void test_failed_saves_leave_the_file(void **unused)
     free(state);
 }
 
+/* What is shown is read from files that a scene must not replace; its own file is one that it may. */
+static void test_saves_spare_what_is_shown(void **unused)
+{
+    (void)unused;
+    char mesh[4096], link_path[4096], scene[4096];
+    struct stat entry;
+    file_register files = {0};
+    view_state *state = malloc(sizeof *state);
+    begin_scene(state);
+    state->files = &files;
+    (void)snprintf(mesh, sizeof mesh, "%s/mesh.obj", work_folder());
+    (void)snprintf(link_path, sizeof link_path, "%s/link.json", work_folder());
+    (void)snprintf(scene, sizeof scene, "%s/shown.json", work_folder());
+    FILE *file = fopen(mesh, "w");
+    assert_non_null(file);
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(symlink(mesh, link_path), 0);
+    assert_int_equal(stat(mesh, &entry), 0);
+    assert_null(file_register_read(&files, &entry, mesh));
+    scene_edit_save(state, link_path);
+    assert_non_null(strstr(state->log[(state->log_count - 1) % VIEW_LOG_LINES], "not saved"));
+    assert_int_equal(stat(mesh, &entry), 0);
+    assert_int_equal(entry.st_size, 0);
+    scene_edit_save(state, scene);
+    assert_non_null(strstr(state->log[(state->log_count - 1) % VIEW_LOG_LINES], "saved 1 instances"));
+    assert_int_equal(stat(scene, &entry), 0);
+    assert_null(file_register_read(&files, &entry, scene));
+    scene_edit_save(state, scene);
+    assert_non_null(strstr(state->log[(state->log_count - 1) % VIEW_LOG_LINES], "not saved"));
+    file_register_forget(&files, scene);
+    scene_edit_save(state, scene);
+    assert_non_null(strstr(state->log[(state->log_count - 1) % VIEW_LOG_LINES], "saved 1 instances"));
+    assert_int_equal(unlink(scene) | unlink(link_path) | unlink(mesh), 0);
+    file_register_free(&files);
+    view_state_end(state);
+    free(state);
+}
+
 /* ---- motions ---- */
 
 #define KEYS 5
@@ -423,11 +462,17 @@ static void test_dragged_light_follows_the_mouse(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_found_placements_give_the_matrix), cmocka_unit_test(test_plain_placements_are_found),
-        cmocka_unit_test(test_quarter_turns_and_shear),          cmocka_unit_test(test_edits),
-        cmocka_unit_test(test_saved_instances_are_the_same),     cmocka_unit_test(test_paths_follow_the_file),
-        cmocka_unit_test(test_failed_saves_leave_the_file),      cmocka_unit_test(test_saved_motions_are_the_same),
-        cmocka_unit_test(test_motions_follow_their_first_key),   cmocka_unit_test(test_angles),
+        cmocka_unit_test(test_found_placements_give_the_matrix),
+        cmocka_unit_test(test_plain_placements_are_found),
+        cmocka_unit_test(test_quarter_turns_and_shear),
+        cmocka_unit_test(test_edits),
+        cmocka_unit_test(test_saved_instances_are_the_same),
+        cmocka_unit_test(test_paths_follow_the_file),
+        cmocka_unit_test(test_failed_saves_leave_the_file),
+        cmocka_unit_test(test_saves_spare_what_is_shown),
+        cmocka_unit_test(test_saved_motions_are_the_same),
+        cmocka_unit_test(test_motions_follow_their_first_key),
+        cmocka_unit_test(test_angles),
         cmocka_unit_test(test_dragged_light_follows_the_mouse),
     };
     return cmocka_run_group_tests(tests, work_folder_make, work_folder_remove);

@@ -32,11 +32,12 @@ static svo_status check_size(svo_i_build *build)
                                  plan->info.expected_fragments, plan->info.depth);
     }
     if (plan->predicted_bytes > build->commands.device->global_bytes) {
-        return svo_i_device_fail(build->commands.device, SVO_OUT_OF_DEVICE_MEMORY,
-                                 "svo_build: the scene needs about %s at depth %u, above the device's %s; svo_parts_create "
-                                 "builds it in parts",
-                                 svo_i_bytes(plan->predicted_bytes).text, plan->info.depth,
-                                 svo_i_bytes(build->commands.device->global_bytes).text);
+        return svo_i_device_fail(
+            build->commands.device, SVO_OUT_OF_DEVICE_MEMORY,
+            "svo_build: the scene needs about %s at depth %u, above the device's %s; svo_parts_create "
+            "builds it in parts",
+            svo_i_bytes(plan->predicted_bytes).text, plan->info.depth,
+            svo_i_bytes(build->commands.device->global_bytes).text);
     }
     return SVO_OK;
 }

@@ -47,8 +47,8 @@ static svo_status make_buffer(svo_device *device, const char *function, const ch
     const size_t made_bytes = bytes > 0 ? bytes : 1;
     if (!svo_i_budget_fits(device->budget, made_bytes)) {
         return svo_i_device_fail(device, SVO_OUT_OF_DEVICE_MEMORY,
-                                 "%s: buffer %s needs %s beside the %s in use, above max_device_bytes, %s", function, name,
-                                 svo_i_bytes(bytes).text, svo_i_bytes(svo_i_budget_held(device->budget)).text,
+                                 "%s: buffer %s needs %s beside the %s in use, above max_device_bytes, %s", function,
+                                 name, svo_i_bytes(bytes).text, svo_i_bytes(svo_i_budget_held(device->budget)).text,
                                  svo_i_bytes(svo_i_budget_max(device->budget)).text);
     }
     cl_int error = CL_SUCCESS;

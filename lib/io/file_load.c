@@ -224,7 +224,8 @@ svo_status svo_i_file_limit(const svo_i_file_load *state, uint64_t voxel_count, 
     return state->voxels_max != 0 || byte_count <= there_bytes / 2
                ? SVO_OK
                : svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY,
-                            "%s: %" PRIu64 " voxels need %s of memory, above half of the %s that are there (voxels_max)",
+                            "%s: %" PRIu64
+                            " voxels need %s of memory, above half of the %s that are there (voxels_max)",
                             state->name, voxel_count, svo_i_bytes(byte_count).text, svo_i_bytes(there_bytes).text);
 }
 

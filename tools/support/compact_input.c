@@ -60,8 +60,7 @@ static int expand(program *state, const session *opened, svo_compact *compact, b
 int compact_input_load(program *state, const char *name, const void *bytes, size_t byte_count, svo_compact **out)
 {
     svo_message message = {""};
-    const svo_load_options load_options = {.struct_size = sizeof load_options,
-                                           .voxels_max = state->options.max_voxels};
+    const svo_load_options load_options = {.struct_size = sizeof load_options, .voxels_max = state->options.max_voxels};
     const svo_status loaded = bytes != NULL
                                   ? svo_compact_load_memory(bytes, byte_count, name, &load_options, out, &message)
                                   : svo_compact_load(name, &load_options, out, &message);
@@ -87,10 +86,11 @@ int compact_input_expand(program *state, const char *name, svo_compact **compact
     byte_list list = {NULL, 0, 0};
     svo_message message = {""};
     const double limit = (double)state->options.max_voxels;
-    int exit_code = limit > 0.0 && count_nodes(*compact) > limit
-                        ? program_fail(state, PROGRAM_FAILED, "%s: %.0f voxels are above the limit of %.0f (--max-voxels)",
-                                       name, count_nodes(*compact), limit)
-                        : session_open_device(state, &opened);
+    int exit_code =
+        limit > 0.0 && count_nodes(*compact) > limit
+            ? program_fail(state, PROGRAM_FAILED, "%s: %.0f voxels are above the limit of %.0f (--max-voxels)", name,
+                           count_nodes(*compact), limit)
+            : session_open_device(state, &opened);
     if (exit_code == PROGRAM_DONE) {
         exit_code = expand(state, &opened, *compact, &list);
     }

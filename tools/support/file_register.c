@@ -96,7 +96,8 @@ const char *file_register_input_at(const file_register *files, const char *path)
     if (found != NULL) {
         return found;
     }
-    (void)snprintf(folder, sizeof folder, "%.*s/.", slash != NULL ? (int)(slash - path) : 1, slash != NULL ? path : ".");
+    (void)snprintf(folder, sizeof folder, "%.*s/.", slash != NULL ? (int)(slash - path) : 1,
+                   slash != NULL ? path : ".");
     return find_input(files, folder);
 }
 

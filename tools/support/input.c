@@ -305,8 +305,7 @@ int input_load_compact(program *state, svo_compact **out)
 static svo_status load_svo(const program *state, svo_tree **out, svo_message *message)
 {
     const piped_input *piped = &state->piped;
-    const svo_load_options load_options = {.struct_size = sizeof load_options,
-                                           .voxels_max = state->options.max_voxels};
+    const svo_load_options load_options = {.struct_size = sizeof load_options, .voxels_max = state->options.max_voxels};
     if (is_piped(state)) {
         return svo_tree_load_memory_with(piped->bytes, piped->byte_count, piped->name, &load_options, out, message);
     }

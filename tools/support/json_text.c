@@ -28,7 +28,8 @@ json_error json_error_at(const char *text, const char *at)
 {
     json_error error = {.line = 1};
     const char *line = text;
-    at += at[0] != '\0' ? strspn(at, " \t\r\n") : 0;
+    /* Where a name should begin, cJSON stops behind the first character; else it has passed all white space. */
+    at -= at > text && at[0] != '\0' && strchr(" \t\r\n", at[0]) != NULL ? 1 : 0;
     for (const char *c = text; c < at; ++c) {
         if (*c == '\n') {
             ++error.line;

@@ -74,7 +74,8 @@ static int fail_resolution(program *state, const char *argument, const char *nex
     }
     return voxels < 2 || voxels > 1ul << SVO_DEPTH_MAX
                ? program_fail(state, PROGRAM_WRONG_USAGE,
-                              "unknown option '%s', did you mean '--depth D', for 2^D voxels along each axis?", argument)
+                              "unknown option '%s', did you mean '--depth D', for 2^D voxels along each axis?",
+                              argument)
                : program_fail(state, PROGRAM_WRONG_USAGE,
                               "unknown option '%s', did you mean '--depth %u', for %lu voxels along each axis?",
                               argument, depth, 1ul << depth);

@@ -47,7 +47,8 @@ static double now_s(void)
 static size_t columns(void)
 {
     struct winsize size;
-    const unsigned count = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : COLUMNS_UNKNOWN;
+    const unsigned count =
+        ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : COLUMNS_UNKNOWN;
     return count < LINE_BYTES ? count - 1 : LINE_BYTES - 1;
 }
 
