@@ -549,7 +549,7 @@ static void test_a_child_out_of_memory(void **unused)
     write_text("large.obj", text);
     free(text);
     const svo_import_options options = {.struct_size = sizeof options, .memory_limit_bytes = (uint64_t)16 << 20};
-    expect_failure(path_of("large.obj"), &options, SVO_IMPORT_FAILED, "reading needs more than 16.0 MiB");
+    expect_failure(path_of("large.obj"), &options, SVO_IMPORT_FAILED, "reading needs more than 16.0 MiB of memory");
 }
 
 /* The caller's own handling of child processes must not matter. */

@@ -354,6 +354,9 @@ static void wrong_numbers_are_wrong_usage(void **state)
     run_badly("$SVOCL build scene:cube --resolution=300", 2, "did you mean '--depth 9', for 512 voxels");
     run_badly("$SVOCL build scene:cube --resolution fine", 2, "did you mean '--depth D', for 2^D voxels");
     run_badly("$SVOCL build scene:cube --payload-level 9", 2, "--payload-level 9 is above the depth, 8");
+    write_full_binvox("full.binvox", 4);
+    run_badly("$SVOCL build full.binvox --payload-level 3", 2, "--payload-level 3 is above the depth, 2");
+    run_well("rm full.binvox");
     run_badly("$SVOCL build scene:cube -d 8 --max-memory 10 -o a.svo", 2, "--max-memory 10 is too small");
     run_badly("$SVOCL parts plan scene:cube -d 8 --max-memory 10 -o a.svo", 2, "--max-memory 10 is too small");
     run_badly("$SVOCL build scene:knot -d 8 --max-memory 3000 -o a.svo", 2, "--max-memory 3000 is too small");

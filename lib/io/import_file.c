@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -59,18 +60,23 @@ char *svo_i_file_beside(const char *path, const char *name)
     return joined;
 }
 
-const char *svo_i_file_open_beside(int stream, const char *path, const char *name, file_bytes *file)
+const char *svo_i_file_open_beside(const char *path, const char *name, file_bytes *file)
 {
     char *joined = svo_i_file_beside(path, name);
     if (joined == NULL) {
         return "out of memory";
     }
     const char *trouble = svo_i_file_open(joined, file);
-    if (trouble == NULL) {
-        (void)svo_i_stream_file(stream, joined); /* without a parent the next frame fails too */
-    }
     free(joined);
     return trouble;
+}
+
+int svo_i_file_tell_beside(int stream, const char *path, const char *name)
+{
+    char *joined = svo_i_file_beside(path, name);
+    const int result = joined != NULL ? svo_i_stream_file(stream, joined) : -1;
+    free(joined);
+    return result;
 }
 
 void svo_i_file_close(file_bytes *file)
@@ -142,14 +148,17 @@ static void flush_nothing(struct aiFile *file)
 
 static struct aiFile *open_scene_file(struct aiFileIO *io, const char *path, const char *mode)
 {
-    const scene_files *files = (const scene_files *)(const void *)io->UserData;
+    scene_files *files = (scene_files *)(void *)io->UserData;
+    const bool is_mesh = strcmp(path, files->path) == 0;
     scene_file *one = mode[0] == 'r' ? malloc(sizeof *one) : NULL;
-    if (one == NULL || svo_i_file_open(path, &one->content) != NULL) {
+    const char *trouble = one != NULL ? svo_i_file_open(path, &one->content) : "out of memory";
+    if (trouble != NULL) {
+        files->trouble = is_mesh ? trouble : files->trouble;
         free(one);
         return NULL;
     }
-    if (strcmp(path, files->path) != 0) {
-        (void)svo_i_stream_file(files->stream, path); /* without a parent the next frame fails too */
+    if (!is_mesh) {
+        files->result = svo_i_stream_file(files->stream, path) != 0 ? -1 : files->result;
     }
     one->at = 0;
     one->file = (struct aiFile){.ReadProc = read_items,

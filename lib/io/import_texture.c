@@ -93,7 +93,6 @@ static uint8_t *decode(const texture_list *textures, const char *texture_path, i
         *trouble = "out of memory";
         return NULL;
     }
-    (void)svo_i_stream_file(textures->stream, path); /* without a parent the next frame fails too */
     errno = 0;
     uint8_t *pixels = decode_file(path, width, height, trouble);
     free(path);
@@ -119,6 +118,10 @@ static int send_texture(texture_list *textures, texture_entry *entry)
 {
     int width = 0, height = 0;
     const char *trouble = NULL;
+    const bool is_file = textures->scene == NULL || find_embedded(textures->scene, entry->path) == NULL;
+    if (is_file && svo_i_file_tell_beside(textures->stream, textures->mesh_path, entry->path) != 0) {
+        return -1;
+    }
     uint8_t *pixels = decode(textures, entry->path, &width, &height, &trouble);
     if (pixels == NULL) {
         return svo_i_stream_text(textures->stream, STREAM_WARNING, "texture %s cannot be read, white is used: %s",
