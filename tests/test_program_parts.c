@@ -251,7 +251,7 @@ static void wrong_usage_is_refused(void **state)
     (void)state;
     run_badly("$SVOCL build scene:cube --max-memory 1M", 2, "-o FILE");
     run_badly("$SVOCL build scene:cube --max-memory 1X -o a.svo", 2, "512M");
-    run_badly("$SVOCL build scene:cube --max-memory 0 -o a.svo", 2, "512M");
+    run_badly("$SVOCL build scene:cube --max-memory 0 -o a.svo", 2, "below 1");
     run_badly("$SVOCL build scene:cube --resume -o a.svo", 2, "--max-memory");
     run_badly("$SVOCL build scene:cube --max-memory 1M --compress -o a.svo", 2, "--compress");
     run_badly("$SVOCL build scene:cube --max-memory 1M --builder gl-compute -o a.svo", 2, "gl-compute");

@@ -340,7 +340,7 @@ static void sizes_have_units(void **state)
     run_badly("$SVOCL build scene:cube --max-memory 99999999999999T -o b.svo", 2, "is above");
     run_badly("$SVOCL export-web scene:cube --max-bytes 300MB -o b.html", 2,
               "max-bytes 300MB is above 268435456 bytes");
-    run_badly("$SVOCL build scene:cube -d 3 --max-memory 0 -o b.svo", 2, "max-memory 0 is below 1 bytes");
+    run_badly("$SVOCL build scene:cube -d 3 --max-memory 0 -o b.svo", 2, "max-memory 0 is below 1");
 }
 
 static void wrong_numbers_are_wrong_usage(void **state)

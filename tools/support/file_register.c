@@ -11,7 +11,7 @@ const char file_register_no_memory[] = "out of memory";
 
 static bool is_same(const file_entry *one, const struct stat *entry)
 {
-    return one->device == entry->st_dev && one->inode == entry->st_ino;
+    return one->device == (uint64_t)entry->st_dev && one->inode == (uint64_t)entry->st_ino;
 }
 
 static const char *add(file_register *files, const struct stat *entry, const char *name, bool is_output)
@@ -29,8 +29,8 @@ static const char *add(file_register *files, const struct stat *entry, const cha
     if (copy == NULL) {
         return file_register_no_memory;
     }
-    files->entries[files->count++] =
-        (file_entry){.device = entry->st_dev, .inode = entry->st_ino, .name = copy, .is_output = is_output};
+    files->entries[files->count++] = (file_entry){
+        .device = (uint64_t)entry->st_dev, .inode = (uint64_t)entry->st_ino, .name = copy, .is_output = is_output};
     return NULL;
 }
 
@@ -69,8 +69,8 @@ void file_register_written(file_register *files, const struct stat *entry, const
     if (i == files->count && add(files, entry, name, true) != NULL) {
         return; /* what is not noted is not protected from the next output alone */
     }
-    files->entries[i].device = entry->st_dev;
-    files->entries[i].inode = entry->st_ino;
+    files->entries[i].device = (uint64_t)entry->st_dev;
+    files->entries[i].inode = (uint64_t)entry->st_ino;
     files->entries[i].is_written = true;
 }
 

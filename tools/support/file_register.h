@@ -9,11 +9,11 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <sys/stat.h>
 
 typedef struct file_entry {
-    dev_t device;
-    ino_t inode;
+    uint64_t device, inode;
     char *name; /* by malloc */
     bool is_output;
     bool is_written; /* the output is complete: whoever reads it reads no input */

@@ -168,7 +168,7 @@ static int read_bytes(program *state, const rule *option, const char *value)
     const uint64_t bytes = count * unit + fraction;
     const uint64_t least = option->minimum > 0 ? option->minimum : 1;
     if (bytes < least) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "%s %s is below %" PRIu64 " bytes", option->name, value, least);
+        return program_fail(state, PROGRAM_WRONG_USAGE, "%s %s is below %" PRIu64, option->name, value, least);
     }
     *(uint64_t *)field(state, option) = bytes;
     return PROGRAM_DONE;
