@@ -38,8 +38,9 @@ int parts_fail(program *state, svo_status status, const char *message)
     case SVO_CL_ERROR:
     case SVO_GL_ERROR:
         return program_fail_status(state, PROGRAM_TRY_AGAIN, message);
-    case SVO_CAPACITY_EXCEEDED: /* the limit of --max-memory */
-        return program_fail_status(state, PROGRAM_WRONG_USAGE, message);
+    case SVO_CAPACITY_EXCEEDED: /* the limit of --max-memory, or the nodes of a tree */
+        return program_fail_status(state, strstr(message, "max_bytes") != NULL ? PROGRAM_WRONG_USAGE : PROGRAM_FAILED,
+                                   message);
     default:
         return program_fail_library(state, message);
     }
