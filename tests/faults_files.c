@@ -155,6 +155,9 @@ static svo_status run_import(subject *of)
         digest(of, mesh->positions, mesh->vertex_count * 3 * sizeof(float));
         digest(of, mesh->indices, mesh->triangle_count * 3 * sizeof(uint32_t));
         digest(of, &mesh->material_count, sizeof mesh->material_count);
+        for (size_t i = 0; svo_import_file_path(import, i) != NULL; ++i) {
+            digest(of, &i, sizeof i);
+        }
     }
     svo_import_destroy(&import);
     return status;

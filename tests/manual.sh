@@ -62,7 +62,7 @@ touch model.obj 'my model.ply'
 mkdir folder
 expect_completion 'build bench' svocl b
 expect_completion '--frontend' svocl build --fro
-expect_completion '--max-bytes' svocl export-web --max
+expect_completion '--max-bytes' svocl export-web --max-b
 expect_completion 'probes' svocl render --through p
 expect_completion 'eight' svocl render --choice e
 expect_completion 'model.obj' svocl convert mo

@@ -304,6 +304,26 @@ static void test_every_truncation_is_found(void **unused)
     svo_tree_destroy(&tree);
 }
 
+/* Nodes on all levels, as many as the header says, before there is memory for them. */
+static void test_trees_have_a_limit_of_voxels(void **unused)
+{
+    (void)unused;
+    svo_tree *tree = small_tree(NEED_ALL), *loaded = NULL;
+    svo_message message = {""};
+    svo_load_options options = {.struct_size = sizeof options, .voxels_max = tree->info.node_count};
+    assert_int_equal(svo_tree_save(tree, path_of("limit.svo"), NULL, NULL), SVO_OK);
+    assert_int_equal(svo_tree_load_with(path_of("limit.svo"), &options, &loaded, &message), SVO_OK);
+    svo_tree_destroy(&loaded);
+    --options.voxels_max;
+    assert_int_equal(svo_tree_load_with(path_of("limit.svo"), &options, &loaded, &message), SVO_INVALID_ARGUMENT);
+    assert_non_null(strstr(message.text, "(voxels_max)"));
+    options.voxels_max = tree->info.level_begin[2];
+    assert_int_equal(svo_tree_load_levels(path_of("limit.svo"), 1, &options, &loaded, &message), SVO_OK);
+    svo_tree_destroy(&loaded);
+    svo_tree_destroy(&tree);
+    assert_int_equal(unlink(path_of("limit.svo")), 0);
+}
+
 static void test_foreign_files_are_named(void **unused)
 {
     (void)unused;
@@ -733,6 +753,7 @@ int main(void)
         cmocka_unit_test(test_every_flipped_byte_is_found),
         cmocka_unit_test(test_flipped_bytes_of_compressed_chunks_do_no_harm),
         cmocka_unit_test(test_every_truncation_is_found),
+        cmocka_unit_test(test_trees_have_a_limit_of_voxels),
         cmocka_unit_test(test_foreign_files_are_named),
         cmocka_unit_test(test_files_that_cannot_be_read),
         cmocka_unit_test(test_broken_headers_are_named),

@@ -158,6 +158,10 @@ static void test_obj_with_material_and_texture(void **unused)
     assert_int_equal(mesh->textures[clamped->texture_index].wrap_u, SVO_WRAP_CLAMP);
     assert_int_equal(mesh->textures[clamped->texture_index].wrap_v, SVO_WRAP_CLAMP);
     assert_string_equal(last_warning, "");
+    /* What was read besides the file is known, each file once: programs that write must spare it. */
+    assert_non_null(strstr(svo_import_file_path(import, 0), "quad.mtl"));
+    assert_non_null(strstr(svo_import_file_path(import, 1), "colors.png"));
+    assert_null(svo_import_file_path(import, 2));
     svo_import_destroy(&import);
     assert_null(import);
 }
@@ -333,7 +337,7 @@ static void test_children_that_misbehave(void **unused)
     expect_misbehavior("silence", &self, "the reader ended without an answer, exit code 3");
     expect_misbehavior("nonsense", &self, "the reader's answer is damaged: it is not from an import child");
     expect_misbehavior("half", &self, "the reader's answer is damaged: it ends too early");
-    expect_misbehavior("flood", &small, "the mesh needs more than 3145728 bytes");
+    expect_misbehavior("flood", &small, "the mesh needs more than 3.0 MiB");
     expect_misbehavior("hang", &second, "reading took longer than 1 s");
     expect_misbehavior("hang deaf", &second, "reading took longer than 1 s");
     expect_misbehavior("again", &self, "svo_import_child_main must come first");
@@ -486,7 +490,7 @@ static void test_a_child_out_of_memory(void **unused)
     write_text("large.obj", text);
     free(text);
     const svo_import_options options = {.struct_size = sizeof options, .memory_limit_bytes = (uint64_t)16 << 20};
-    expect_failure(path_of("large.obj"), &options, SVO_IMPORT_FAILED, "reading needs more than 16777216 bytes");
+    expect_failure(path_of("large.obj"), &options, SVO_IMPORT_FAILED, "reading needs more than 16.0 MiB of memory");
 }
 
 /* The caller's own handling of child processes must not matter. */

@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include "attributed_mesh.h"
+#include "core/host_memory.h"
 #include "counting.h"
 #include "fixture.h"
 #include "meshes.h"
@@ -87,8 +88,8 @@ static void a_plan_above_the_budget_is_refused_beforehand(void **state)
     const uint64_t predicted_bytes = svo_plan_peak_bytes(plan);
     svo_plan_destroy(&plan);
     char words[128];
-    snprintf(words, sizeof words, "svo_build: the scene needs about %llu bytes at depth %d",
-             (unsigned long long)predicted_bytes, (int)DEPTH);
+    snprintf(words, sizeof words, "svo_build: the scene needs about %s at depth %d", svo_i_bytes(predicted_bytes).text,
+             (int)DEPTH);
     svo_device *device = limited_device(&opened, predicted_bytes - 1);
     svo_tree *tree = NULL;
     plan = plan_of(device, &made.mesh, 0);

@@ -251,7 +251,7 @@ static void wrong_usage_is_refused(void **state)
     (void)state;
     run_badly("$SVOCL build scene:cube --max-memory 1M", 2, "-o FILE");
     run_badly("$SVOCL build scene:cube --max-memory 1X -o a.svo", 2, "512M");
-    run_badly("$SVOCL build scene:cube --max-memory 0 -o a.svo", 2, "512M");
+    run_badly("$SVOCL build scene:cube --max-memory 0 -o a.svo", 2, "below 1");
     run_badly("$SVOCL build scene:cube --resume -o a.svo", 2, "--max-memory");
     run_badly("$SVOCL build scene:cube --max-memory 1M --compress -o a.svo", 2, "--compress");
     run_badly("$SVOCL build scene:cube --max-memory 1M --builder gl-compute -o a.svo", 2, "gl-compute");
@@ -261,8 +261,8 @@ static void wrong_usage_is_refused(void **state)
     run_badly("$SVOCL parts status a.svo.parts", 1, "a.svo.parts/plan");
     run_badly("$SVOCL parts plan scene:cube", 2, "-o FILE");
     need_builds();
-    run_badly("$SVOCL build scene:knot -d 9 --max-memory 1K -q -o a.svo", 1, "max_bytes");
-    run_well("test ! -e a.svo && rm -r a.svo.parts");
+    run_badly("$SVOCL build scene:knot -d 9 --max-memory 1K -q -o a.svo", 2, "--max-memory 1024 is too small");
+    run_well("test ! -e a.svo && test ! -e a.svo.parts");
     run_badly("$SVOCL build scene:knot -d 16 --max-memory 1G -q -o a.svo", 1,
               "nodes are expected at depth 16, above 2^32 - 2");
     run_well("test ! -e a.svo.parts");

@@ -31,8 +31,8 @@ static void build_reports_surface_and_inside_apart(void **state)
     assert_null(cJSON_GetObjectItemCaseSensitive(document, "solid"));
     cJSON_Delete(document);
     /* The file is that of a compact tree. */
-    run_well("$SVOCL build scene:cube -d 4 --solid parity -o a.solid && head -c 4 a.solid | tail -c 3 | grep -q SVC");
-    run_well("rm a.solid");
+    run_well("$SVOCL build scene:cube -d 4 --solid parity -o a.svc && head -c 4 a.svc | tail -c 3 | grep -q SVC");
+    run_well("rm a.svc");
     run_well("$SVOCL build scene:cube -d 4 --solid parity");
     assert_non_null(strstr(last.output, "solid by parity"));
     assert_null(strstr(last.output, "not closed"));

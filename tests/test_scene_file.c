@@ -123,7 +123,7 @@ static void a_wrong_file_is_one_line_with_its_place(void **state)
         const char *text, *words;
     } wrong[] = {
         {"", "scene.json:1: not JSON"},
-        {"{\n" TREES ",\n" INSTANCES ",\n}\n", "scene.json:4: not JSON"},
+        {"{\n" TREES ",\n" INSTANCES ",\n}\n", "scene.json:4: not JSON at column 1, '}'"},
         {"{\n" TREES ",\n\n" INSTANCES ",\n\"camra\": {}}", "scene.json:5: key 'camra' of the scene is none of"},
         {"{\n" TREES ",\n\n" INSTANCES ",\n\"camra\": {}}", "did you mean 'camera'?"},
         {"{\"a\\\"\\n{\": 1,\n" TREES "}", "scene.json:1: key 'a"},

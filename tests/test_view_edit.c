@@ -15,6 +15,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "support/file_register.h"
 #include "support/scene_place.h"
 #include "view/camera.h"
 #include "view/history.h"
@@ -279,6 +280,34 @@ static void test_failed_saves_leave_the_file(void **unused)
     assert_int_equal(state->question.asking, VIEW_ASKS_FOR_NAME);
     assert_string_equal(state->question.path, path);
     assert_int_equal(scene_save(state, "/dev/full"), ENOSPC);
+    view_state_end(state);
+    free(state);
+}
+
+/* What is shown is read from files that a scene must not replace, whatever links lead there. */
+static void test_saves_spare_what_is_shown(void **unused)
+{
+    (void)unused;
+    char mesh[4096], link_path[4096];
+    struct stat entry;
+    file_register files = {0};
+    view_state *state = malloc(sizeof *state);
+    begin_scene(state);
+    state->files = &files;
+    (void)snprintf(mesh, sizeof mesh, "%s/mesh.obj", work_folder());
+    (void)snprintf(link_path, sizeof link_path, "%s/link.json", work_folder());
+    FILE *file = fopen(mesh, "w");
+    assert_non_null(file);
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(symlink(mesh, link_path), 0);
+    assert_int_equal(stat(mesh, &entry), 0);
+    assert_null(file_register_read(&files, &entry, mesh));
+    question_save_as(state, VIEW_SCENE, link_path);
+    assert_non_null(strstr(view_log_line(state, 0), "is what is shown"));
+    assert_int_equal(stat(mesh, &entry), 0);
+    assert_int_equal(entry.st_size, 0);
+    assert_int_equal(unlink(link_path) | unlink(mesh), 0);
+    file_register_free(&files);
     view_state_end(state);
     free(state);
 }
@@ -781,6 +810,7 @@ int main(void)
         cmocka_unit_test(test_saved_instances_are_the_same),
         cmocka_unit_test(test_paths_follow_the_file),
         cmocka_unit_test(test_failed_saves_leave_the_file),
+        cmocka_unit_test(test_saves_spare_what_is_shown),
         cmocka_unit_test(test_saved_motions_are_the_same),
         cmocka_unit_test(test_motions_follow_their_first_key),
         cmocka_unit_test(test_angles),

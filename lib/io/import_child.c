@@ -14,6 +14,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "core/host_memory.h"
 #include "core/message.h"
 #include "io/import_file.h"
 #include "io/import_formats.h"
@@ -49,14 +50,15 @@ static void set_limits(uint64_t memory_bytes, uint64_t seconds, bool time_grows)
 }
 
 /* No post-processing that moves, joins or removes geometry: the file's triangles are voxelized as they are. */
-static const struct aiScene *read_scene(const char *path)
+static const struct aiScene *read_scene(const char *path, scene_files *files)
 {
     struct aiPropertyStore *properties = aiCreatePropertyStore();
     if (properties == NULL) {
         return NULL;
     }
     aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_NO_SKELETON_MESHES, 1);
-    const struct aiScene *scene = aiImportFileExWithProperties(path, aiProcess_Triangulate, NULL, properties);
+    svo_i_scene_files(IMPORT_CHILD_STREAM, path, files);
+    const struct aiScene *scene = aiImportFileExWithProperties(path, aiProcess_Triangulate, &files->io, properties);
     aiReleasePropertyStore(properties);
     return scene;
 }
@@ -64,8 +66,8 @@ static const struct aiScene *read_scene(const char *path)
 static int report_failure(const char *words, uint64_t memory_bytes)
 {
     if (strcmp(words, "out of memory") == 0 || strstr(words, "bad_alloc") != NULL) {
-        (void)svo_i_stream_text(IMPORT_CHILD_STREAM, STREAM_FAILURE, "reading needs more than %" PRIu64 " bytes",
-                                memory_bytes);
+        (void)svo_i_stream_text(IMPORT_CHILD_STREAM, STREAM_FAILURE, "reading needs more than %s of memory",
+                                svo_i_bytes(memory_bytes).text);
     } else if (strncmp(words, "No suitable reader found", 24) == 0) {
         (void)svo_i_stream_text(IMPORT_CHILD_STREAM, STREAM_FAILURE, "no mesh format that assimp knows");
     } else {
@@ -77,14 +79,19 @@ static int report_failure(const char *words, uint64_t memory_bytes)
 /* Reads with assimp. Returns 0, or the exit code after reporting a failure. */
 static int read_with_assimp(const char *path, uint64_t memory_bytes, gather *mesh)
 {
-    const struct aiScene *scene = read_scene(path);
+    scene_files files = {.trouble = NULL};
+    const struct aiScene *scene = read_scene(path, &files);
+    if (scene == NULL && files.trouble != NULL) {
+        (void)svo_i_stream_text(IMPORT_CHILD_STREAM, STREAM_FAILURE, "cannot be read: %s", files.trouble);
+        return 1;
+    }
     if (scene == NULL) {
         const char *words = aiGetErrorString();
         return report_failure(words != NULL && words[0] != '\0' ? words : "not understood", memory_bytes);
     }
     const char *failure = svo_i_import_gather_scene(scene, path, IMPORT_CHILD_STREAM, mesh);
     aiReleaseImport(scene);
-    return failure != NULL ? report_failure(failure, memory_bytes) : 0;
+    return failure != NULL ? report_failure(failure, memory_bytes) : -files.result;
 }
 
 /* Reads with one of the library's readers, or with assimp. Returns 0, or the exit code after reporting a failure. */

@@ -285,6 +285,9 @@ static svo_status open_file(gltf_file *file, const char *path, gltf_buffer *buff
         return svo_i_fail(file->reader->message, SVO_IMPORT_FAILED, "buffer %s cannot be read: %s", path, trouble);
     }
     svo_i_stream_work(file->reader->stream, buffer->file.byte_count);
+    if (svo_i_file_tell_beside(file->reader->stream, file->reader->path, path) != 0) {
+        return svo_i_fail(file->reader->message, SVO_IMPORT_FAILED, "buffer %s: out of memory", path);
+    }
     buffer->content = (gltf_bytes){(const uint8_t *)buffer->file.bytes, buffer->file.byte_count};
     return SVO_OK;
 }

@@ -268,7 +268,10 @@ static svo_status read_library_file(obj_reader *obj, const char *name, bool *fou
     if (!*found) {
         return SVO_OK;
     }
-    const svo_status status = svo_i_mtl_read(&obj->file.library, obj->reader, name, library.bytes, library.byte_count);
+    const svo_status status =
+        svo_i_file_tell_beside(obj->reader->stream, obj->reader->path, name) == 0
+            ? svo_i_mtl_read(&obj->file.library, obj->reader, name, library.bytes, library.byte_count)
+            : svo_i_read_out_of_memory(obj->reader);
     svo_i_file_close(&library);
     return status;
 }

@@ -151,6 +151,11 @@ static int send_texture(texture_list *textures, const texture_source *source, te
 {
     int width = 0, height = 0;
     const char *trouble = NULL;
+    const bool is_file =
+        source->bytes == NULL && (textures->scene == NULL || find_embedded(textures->scene, source->name) == NULL);
+    if (is_file && svo_i_file_tell_beside(textures->stream, textures->mesh_path, source->name) != 0) {
+        return -1;
+    }
     uint8_t *pixels = decode(textures, source, &width, &height, &trouble);
     if (pixels == NULL) {
         return svo_i_stream_text(textures->stream, STREAM_WARNING, "texture %s cannot be read, white is used: %s",

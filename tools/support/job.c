@@ -64,6 +64,10 @@ svo_plan_options job_plan_options(const program *state, uint32_t need)
 int job_plan(program *state, svo_device *device, const input *source, uint32_t need, svo_plan **out)
 {
     const options *given = &state->options;
+    if (source->mesh == NULL && !given->has_depth && given->payload_level > source->voxels.list.depth) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--payload-level %u is above the depth, %u",
+                            (unsigned)given->payload_level, source->voxels.list.depth);
+    }
     svo_plan_options plan_options = job_plan_options(state, need);
     if (state->progress != NULL && given->repeat == 1) { /* builds that report wait more often: not where times count */
         plan_options.progress = show_progress;

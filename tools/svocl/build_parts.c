@@ -167,7 +167,11 @@ int build_parts(program *state)
         return program_fail(state, PROGRAM_FAILED, "out of memory");
     }
     program_begin_progress(state, 4);
+    const bool is_new = !parts_folder_exists(run.folder);
     exit_code = run_all(state, &run);
+    if (exit_code == PROGRAM_WRONG_USAGE && is_new && parts_folder_exists(run.folder)) {
+        (void)svo_parts_remove(run.folder, NULL); /* parts of a limit that is too small serve no other run */
+    }
     progress_destroy(&state->progress);
     if (exit_code == PROGRAM_DONE && state->options.json) {
         exit_code = report_json(state, &run);

@@ -221,10 +221,27 @@ int render_animation_check(program *state)
                : program_fail(state, PROGRAM_WRONG_USAGE, "--animate takes no lights, cones, probes or pages");
 }
 
+/* All files, before any work. */
+static int check_frames(program *state)
+{
+    char path[PATH_BYTES];
+    int exit_code = PROGRAM_DONE;
+    const uint64_t count = animation_frame_count(state);
+    for (uint64_t frame = 0; frame < count && exit_code == PROGRAM_DONE; ++frame) {
+        name_frame(state->options.output_path, frame, path);
+        exit_code = output_check(state, path);
+    }
+    return exit_code;
+}
+
 int render_animation(program *state)
 {
-    animated_render work = {.state = state, .frames = cJSON_CreateArray()};
-    int exit_code = open_film(&work);
+    animated_render work = {.state = state, .frames = NULL};
+    int exit_code = check_frames(state);
+    if (exit_code == PROGRAM_DONE) {
+        work.frames = cJSON_CreateArray();
+        exit_code = open_film(&work);
+    }
     for (uint64_t frame = 0; frame < work.film.frame_count && exit_code == PROGRAM_DONE; ++frame) {
         exit_code = show_frame(&work, frame);
     }

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "support/file_register.h"
 #include "view/history.h"
 #include "view/scene_save.h"
 
@@ -78,21 +79,27 @@ static bool is_there(const char *path, struct stat *out)
     return stat(path, out) == 0;
 }
 
-/* Whether a file is what trees or this session come from. */
+static bool is_same_file(const char *path, const struct stat *target)
+{
+    struct stat other;
+    return path != NULL && is_there(path, &other) && other.st_dev == target->st_dev && other.st_ino == target->st_ino;
+}
+
+/* Whether a file is one that this session has read; what it has saved itself, and the scene that is shown, it may
+   replace. */
 static bool is_read(const view_state *state, const char *path)
 {
     struct stat target;
-    struct stat read;
-    if (!is_there(path, &target)) {
+    if (!is_there(path, &target) || (state->scene_form != NULL && is_same_file(state->input, &target))) {
         return false;
     }
     for (size_t i = 0; i < state->tree_count; ++i) {
-        if (is_there(state->trees[i].path, &read) && read.st_dev == target.st_dev && read.st_ino == target.st_ino) {
+        if (is_same_file(state->trees[i].path, &target)) {
             return true;
         }
     }
-    return state->scene_form == NULL && state->input != NULL && is_there(state->input, &read) &&
-           read.st_dev == target.st_dev && read.st_ino == target.st_ino;
+    return is_same_file(state->input, &target) ||
+           (state->files != NULL && file_register_input_at(state->files, path) != NULL);
 }
 
 /* Goes on with what waited for the file; another document may have edits too. */

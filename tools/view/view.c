@@ -412,6 +412,7 @@ static void take_options(viewer *which)
     settings->fullscreen = settings->fullscreen || given->fullscreen != 0;
     which->state.input = given->input;
     which->first = *given;
+    which->state.files = &which->running->files;
 }
 
 static int run(viewer *which)

@@ -108,7 +108,7 @@ class Voxels(Handle):
             path: of the file.
             hidden: .vox: what hidden layers and nodes hold is read too.
             frame: .vox: the frame, or in a file without a scene the model.
-            voxels_max: more voxels, before those in one place become one, are refused; 0: 2**31.
+            voxels_max: more voxels, before those in one place become one, are refused; 0: as many as memory holds.
 
         Raises:
             FileError: the file cannot be read.
