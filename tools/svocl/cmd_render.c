@@ -41,8 +41,8 @@ static int render(program *state, const session *opened, svo_tree *tree)
                                          .width = given->width,
                                          .height = given->height,
                                          .view = (svo_render_view)given->view};
-    svo_camera_frame(tree, (float)given->width / (float)given->height, &render_options.camera);
-    int exit_code = viewpoint_apply(state, true, &render_options.camera);
+    const viewpoint_subject shown = {.tree = tree, .aspect = viewpoint_aspect(state)};
+    int exit_code = viewpoint_place(state, &shown, &render_options.camera);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
