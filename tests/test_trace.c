@@ -530,7 +530,7 @@ static void a_fitted_camera_keeps_its_direction(void **unused)
     for (int axis = 0; axis < 3; ++axis) {
         square += (0.5 - (double)camera.eye[axis]) * (0.5 - (double)camera.eye[axis]);
     }
-    assert_float_equal(0.5 / sqrt(square), sin(atan(tan(0.625) / 1.04)), 0.03);
+    assert_true(fabs(0.5 / sqrt(square) - sin(atan(tan(0.625) / 1.04))) < 0.03);
     expect_no_frame(tree, (svo_camera){.eye = {0, 1, 0}, .up = {0, 2, 0}, .vertical_fov = 1});
     expect_no_frame(tree, (svo_camera){.eye = {0, 1, 0}, .up = {1, 0, 0}, .vertical_fov = 3.15f});
     expect_no_frame(tree, (svo_camera){.eye = {0, 1, (float)HUGE_VAL}, .up = {1, 0, 0}, .vertical_fov = 1});

@@ -260,6 +260,10 @@ typedef struct svo_import_options {
     /** Host memory of the import in this process; NULL: malloc and free. The child process has its own, by malloc, up
      *  to memory_limit_bytes. */
     const svo_memory_callbacks *memory;
+    /** An svo_axes: which axis is up in the file. SVO_AXES_Z_UP turns (x, y, z) to (x, z, -y), normals too; else
+     *  nothing is turned but what the file itself asks for, as COLLADA does. */
+    uint32_t axes;
+    uint32_t reserved; /**< 0 */
 } svo_import_options;
 
 /** All defaults. */

@@ -28,6 +28,7 @@ int voxel_input_open(program *state, voxel_input *opened)
     const svo_voxels_load_options load_options = {.struct_size = sizeof load_options,
                                                   .hidden = (uint32_t)given->hidden,
                                                   .frame = (uint32_t)given->frame,
+                                                  .axes = (uint32_t)given->axes,
                                                   .log = program_log,
                                                   .log_user = state};
     *opened = (voxel_input){.file = SVO_VOXEL_FILE_INFO_INIT, .list = SVO_VOXELS_INFO_INIT};

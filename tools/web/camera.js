@@ -79,7 +79,8 @@ function frameTree(tree, aspect) {
   const up = fit(axes.up, tangentUp);
   const middle = (reachOf(tree, axes.forward) - reachOf(tree, back)) / 2;
   const across = add(scale(axes.right, right.between), scale(axes.up, up.between));
-  return {...camera, target: add(across, scale(axes.forward, middle)), distance: middle - Math.min(right.depth, up.depth)};
+  const distance = middle - Math.min(right.depth, up.depth);
+  return {...camera, target: add(across, scale(axes.forward, middle)), distance};
 }
 
 /* The directions of pixels, and the width of a pixel's cone per unit of distance. */

@@ -260,7 +260,8 @@ async function begin() {
   say("Unpacking the nodes …");
   canvas.addEventListener("webglcontextlost", () => say("The graphics device was lost. Load the page again to go on."));
   const arrays = splitData(tree, await unpackData(tree, letters));
-  const viewer = new Viewer({...tree, masks: arrays.masks, directory: arrays.directory}, new Drawing(canvas, tree, arrays));
+  const {masks, directory} = arrays;
+  const viewer = new Viewer({...tree, masks, directory}, new Drawing(canvas, tree, arrays));
   say("");
   return viewer;
 }
