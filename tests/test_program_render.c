@@ -136,6 +136,45 @@ static void a_framed_input_fills_the_picture_whatever_is_up(void **state)
     run_well("rm small.svo");
 }
 
+/* What is in view has the whole range, whatever its size in the world, and a bar says what the ends are. */
+static void pictures_of_numbers_have_the_scale_of_what_is_in_view(void **state)
+{
+    (void)state;
+    need_builds();
+    static const char *const views[] = {"depth", "steps"};
+    write_text("small.obj", "v 0 0 0\nv 0.003 0 0\nv 0 0.003 0\nv 0 0 0.003\nf 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 3 4\n");
+    for (size_t i = 0; i < 2; ++i) {
+        char line[256];
+        snprintf(line, sizeof line, "$SVOCL render small.obj -d 6 --json -o a.png --size 320x240 --view %s", views[i]);
+        cJSON *document = run_json(line);
+        const cJSON *range = array_of(document, "range");
+        const double low = cJSON_GetArrayItem(range, 0)->valuedouble;
+        const double high = cJSON_GetArrayItem(range, 1)->valuedouble;
+        assert_string_equal(text_of(document, "range_unit"), i == 0 ? "world units" : "steps");
+        /* A tetrahedron of that size is not deeper than its longest edge, and no ray passes more than all cells. */
+        assert_true(i == 0 ? low > 0 && high - low > 0.001 && high - low < 0.0045
+                           : low == 0 && high >= 1 && high < 200);
+        cJSON_Delete(document);
+        program_picture picture = read_picture("a.png");
+        const uint8_t paper[4] = {255, 255, 255, 255};
+        assert_memory_equal(pixel_of(&picture, 6, 234), paper, 4);
+        int darkest = 255;
+        int brightest = 0;
+        for (int y = 0; y < 200; ++y) { /* above the bar */
+            for (int x = 0; x < picture.width; ++x) {
+                const uint8_t *pixel = pixel_of(&picture, x, y);
+                if (memcmp(pixel, paper, 3) != 0) {
+                    darkest = pixel[0] < darkest ? pixel[0] : darkest;
+                    brightest = pixel[0] > brightest ? pixel[0] : brightest;
+                }
+            }
+        }
+        assert_true(darkest < 50 && brightest > 230);
+        free_picture(&picture);
+    }
+    run_well("rm a.png small.obj");
+}
+
 static void models_of_other_people_fill_the_picture(void **state)
 {
     (void)state;
@@ -242,6 +281,7 @@ int main(void)
                                        IN_FOLDER(a_camera_inside_sees_the_walls),
                                        IN_FOLDER(every_input_has_the_camera),
                                        IN_FOLDER(a_framed_input_fills_the_picture_whatever_is_up),
+                                       IN_FOLDER(pictures_of_numbers_have_the_scale_of_what_is_in_view),
                                        IN_FOLDER(models_of_other_people_fill_the_picture),
                                        IN_FOLDER(a_wrong_camera_is_one_line),
                                        IN_FOLDER(meshes_without_colors_are_clay)};

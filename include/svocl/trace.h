@@ -68,6 +68,11 @@ typedef struct svo_render_options {
     uint32_t height; /**< pixels, 1 .. 16384 */
     svo_camera camera; /**< the view */
     svo_render_view view; /**< what to show */
+    /** Range of SVO_VIEW_DEPTH, distances from the eye in widths of a leaf, or of SVO_VIEW_STEPS, steps; at least 0.
+     *  range_low is black, range_high white, and what lies nowhere is white with alpha 0. Both equal: the view's own
+     *  colors, as SVO_VIEW_DEPTH and SVO_VIEW_STEPS say */
+    float range_low;
+    float range_high; /**< at least range_low, finite */
 } svo_render_options;
 
 /** Everything zero; width, height and camera have to be set. */
