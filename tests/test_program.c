@@ -849,6 +849,19 @@ static void the_hash_is_the_same_by_every_method(void **state)
     }
 }
 
+/* All commands mean the same by default: normals, of the triangles where the mesh has none. */
+static void scans_without_normals_get_those_of_their_triangles(void **state)
+{
+    (void)state;
+    need_builds();
+    write_text("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n");
+    run_well("$SVOCL hash a.obj -d 5 >1 && $SVOCL hash a.obj -d 5 --need normal >2 && cmp 1 2");
+    run_well("$SVOCL build a.obj -d 5 -o a.svo -q && $SVOCL hash a.svo >2 && cmp 1 2");
+    run_well("$SVOCL render a.obj -d 5 -o 1.png -q --size 48x32 && $SVOCL render a.svo -o 2.png -q --size 48x32 && "
+             "cmp 1.png 2.png");
+    run_well("rm 1 2 1.png 2.png a.obj a.svo");
+}
+
 /* z is up in .vox, and where --axes z-up says so; trees have y up. */
 static void files_with_z_up_are_turned(void **state)
 {
@@ -1253,6 +1266,7 @@ int main(void)
                                        IN_FOLDER(opengl_is_started_only_for_what_needs_it),
                                        IN_FOLDER(verify_finds_every_scene_exact),
                                        IN_FOLDER(the_hash_is_the_same_by_every_method),
+                                       IN_FOLDER(scans_without_normals_get_those_of_their_triangles),
                                        IN_FOLDER(files_with_z_up_are_turned),
                                        IN_FOLDER(voxel_files_are_converted),
                                        IN_FOLDER(hash_says_what_ran),
