@@ -849,6 +849,54 @@ static void the_hash_is_the_same_by_every_method(void **state)
     }
 }
 
+/* All commands mean the same by default: normals, of the triangles where the mesh has none. */
+static void scans_without_normals_get_those_of_their_triangles(void **state)
+{
+    (void)state;
+    need_builds();
+    write_text("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n");
+    run_well("$SVOCL hash a.obj -d 5 >1 && $SVOCL hash a.obj -d 5 --need normal >2 && cmp 1 2");
+    run_well("$SVOCL build a.obj -d 5 -o a.svo -q && $SVOCL hash a.svo >2 && cmp 1 2");
+    run_well("$SVOCL render a.obj -d 5 -o 1.png -q --size 48x32 && $SVOCL render a.svo -o 2.png -q --size 48x32 && "
+             "cmp 1.png 2.png");
+    run_well("rm 1 2 1.png 2.png a.obj a.svo");
+}
+
+/* z is up in .vox, and where --axes z-up says so; trees have y up. */
+static void files_with_z_up_are_turned(void **state)
+{
+    (void)state;
+    need_builds();
+    /* Voxels (0, 0, 0), (0, 0, 1), (0, 0, 2) and (0, 1, 0) of a .vox file stand upright in the tree: y is 0 to 2. */
+    run_well(
+        "printf 'VOX "
+        "\\226\\0\\0\\0MAIN\\0\\0\\0\\0\\70\\0\\0\\0SIZE\\14\\0\\0\\0\\0\\0\\0\\0\\1\\0\\0\\0\\2\\0\\0\\0\\3\\0\\0\\0"
+        "XYZI\\24\\0\\0\\0\\0\\0\\0\\0\\4\\0\\0\\0\\0\\0\\0\\1\\0\\0\\1\\1\\0\\0\\2\\1\\0\\1\\0\\1' >a.vox");
+    run_well("$SVOCL convert a.vox a.svo && $SVOCL convert a.svo b.vox");
+    assert_non_null(strstr(last.output, "0, 0, -2 to 1, 3, 0"));
+    run_well("$SVOCL convert a.vox a.svo --axes keep");
+    assert_non_null(strstr(last.output, "0, 0, 0 to 1, 2, 3"));
+    run_well("$SVOCL convert a.svo c.vox --axes keep && $SVOCL convert b.vox b.obj --axes keep -q && "
+             "$SVOCL convert c.vox c.obj --axes keep -q && cmp b.obj c.obj && cmp b.vox c.vox");
+    /* Other formats have y up, unless they are said to have z up. */
+    run_well("$SVOCL convert b.vox y.binvox && $SVOCL convert b.vox z.binvox --axes keep");
+    run_well("$SVOCL hash a.vox --need none >1 && $SVOCL hash y.binvox --need none >2 && $SVOCL hash z.binvox --axes "
+             "z-up --need none >3 && "
+             "cmp 1 2 && cmp 1 3");
+    run_well("! $SVOCL hash z.binvox --need none | cmp -s - 1");
+    /* Meshes, and their normals. */
+    write_text("z.obj", "v 0 0 0\nv 1 0 0\nv 1 3 0\nv 0 0 2\nvn 0 1 0\nf 1//1 2//1 3//1\nf 1//1 3//1 4//1\n");
+    write_text("y.obj", "v 0 0 0\nv 1 0 0\nv 1 0 -3\nv 0 2 0\nvn 0 0 -1\nf 1//1 2//1 3//1\nf 1//1 3//1 4//1\n");
+    run_well("$SVOCL hash z.obj --axes z-up >1 && $SVOCL hash y.obj >2 && cmp 1 2 && $SVOCL hash z.obj >3");
+    run_well("! cmp -s 1 3 && $SVOCL hash z.obj --axes keep | cmp - 3");
+    run_badly("$SVOCL hash scene:cube --axes z-up", 2, "--axes z-up applies to files, not to scene:cube");
+    run_badly("$SVOCL build z.obj -o z.svo --axes z-up --max-memory 1G", 2,
+              "--axes z-up does not apply to builds in parts");
+    run_badly("$SVOCL hash a.svo --axes keep", 2, "build options do not apply");
+    run_badly("$SVOCL hash a.vox --axes up", 2, "--axes");
+    run_well("rm 1 2 3 a.vox b.vox c.vox b.obj c.obj a.svo y.binvox z.binvox y.obj z.obj");
+}
+
 static void voxel_files_are_converted(void **state)
 {
     (void)state;
@@ -1224,6 +1272,8 @@ int main(void)
                                        IN_FOLDER(opengl_is_started_only_for_what_needs_it),
                                        IN_FOLDER(verify_finds_every_scene_exact),
                                        IN_FOLDER(the_hash_is_the_same_by_every_method),
+                                       IN_FOLDER(scans_without_normals_get_those_of_their_triangles),
+                                       IN_FOLDER(files_with_z_up_are_turned),
                                        IN_FOLDER(voxel_files_are_converted),
                                        IN_FOLDER(hash_says_what_ran),
                                        IN_FOLDER(a_picture_is_written),

@@ -20,12 +20,24 @@
 
 #define NAME "file.vox"
 
+/* The options with coordinates as they are in the file, z up; given: NULL or those of a test. */
+static svo_voxels_load_options keep_axes(const svo_voxels_load_options *given)
+{
+    svo_voxels_load_options options = SVO_VOXELS_LOAD_OPTIONS_INIT;
+    if (given != NULL) {
+        options = *given;
+    }
+    options.axes = SVO_AXES_KEEP;
+    return options;
+}
+
 /* Reads a file, which must be good, and frees its bytes. */
 static svo_voxels *load(byte_list file, const svo_voxels_load_options *options, svo_voxel_file_info *info)
 {
     svo_voxels *voxels = NULL;
     svo_message message = {""};
-    const svo_status status = svo_voxels_load_memory(file.bytes, file.count, NAME, options, &voxels, info, &message);
+    const svo_voxels_load_options kept = keep_axes(options);
+    const svo_status status = svo_voxels_load_memory(file.bytes, file.count, NAME, &kept, &voxels, info, &message);
     if (status != SVO_OK) {
         fail_msg("%s: %s", svo_status_name(status), message.text);
     }
@@ -38,7 +50,8 @@ static void refuse(byte_list file, const svo_voxels_load_options *options, svo_s
 {
     svo_voxels *voxels = NULL;
     svo_message message = {""};
-    const svo_status status = svo_voxels_load_memory(file.bytes, file.count, NAME, options, &voxels, NULL, &message);
+    const svo_voxels_load_options kept = keep_axes(options);
+    const svo_status status = svo_voxels_load_memory(file.bytes, file.count, NAME, &kept, &voxels, NULL, &message);
     if (status != expected || strstr(message.text, words) == NULL || strncmp(message.text, NAME ": ", 10) != 0) {
         fail_msg("%s '%s', expected %s '%s'", svo_status_name(status), message.text, svo_status_name(expected), words);
     }
@@ -471,6 +484,7 @@ static void test_farthest_places(void **state)
         svo_voxels *voxels = NULL;
         byte_list file = {0};
         assert_int_equal(svo_voxels_create(&source, &voxels, NULL), SVO_OK);
+        assert_int_equal(svo_voxels_set_axes(voxels, SVO_AXES_KEEP), SVO_OK);
         assert_int_equal(svo_voxels_write(voxels, SVO_VOXEL_FORMAT_VOX, append, &file, NULL, NULL), SVO_OK);
         svo_voxels *back = load(file, NULL, NULL);
         assert_int_equal(info_of(back).voxel_count, 2);
@@ -478,6 +492,58 @@ static void test_farthest_places(void **state)
         svo_voxels_destroy(&back);
         svo_voxels_destroy(&voxels);
     }
+}
+
+/* z is up in .vox: (x, y, z) is (x, z, -1 - y) in the list, and back in what is written, palette and all. */
+static void test_up_is_turned_and_turned_back(void **state)
+{
+    (void)state;
+    static const svo_voxel given[] = {{.x = -3, .y = 4, .z = 9, .rgba = {9, 8, 7, 255}, .material = 1},
+                                      {.x = 5, .y = -6, .z = 0, .rgba = {1, 2, 3, 255}, .material = 2},
+                                      {.x = 0, .y = 0, .z = -2, .rgba = {1, 2, 3, 255}, .material = 2}};
+    const svo_voxels_source source = {.struct_size = sizeof source, .voxels = given, .voxel_count = 3};
+    svo_voxels *z_up = NULL;
+    byte_list files[3] = {{0}, {0}, {0}};
+    assert_int_equal(svo_voxels_create(&source, &z_up, NULL), SVO_OK);
+    assert_int_equal(svo_voxels_set_axes(z_up, SVO_AXES_KEEP), SVO_OK);
+    assert_int_equal(svo_voxels_write(z_up, SVO_VOXEL_FORMAT_VOX, append, &files[0], NULL, NULL), SVO_OK);
+    for (uint32_t axes = SVO_AXES_AUTO; axes <= SVO_AXES_Z_UP; axes += SVO_AXES_Z_UP) { /* the same for .vox */
+        const svo_voxels_load_options options = {.struct_size = sizeof options, .axes = axes};
+        svo_voxels *y_up = NULL;
+        assert_int_equal(svo_voxels_load_memory(files[0].bytes, files[0].count, NAME, &options, &y_up, NULL, NULL),
+                         SVO_OK);
+        assert_int_equal(info_of(y_up).voxel_count, 3);
+        for (int i = 0; i < 3; ++i) {
+            const int64_t place[3] = {given[i].x, given[i].z, -1 - given[i].y};
+            const svo_voxel *found = find(y_up, place);
+            assert_non_null(found);
+            assert_memory_equal(found->rgba, given[i].rgba, 4);
+            assert_int_equal(found->material, given[i].material);
+        }
+        byte_list *file = &files[1 + axes / 2];
+        assert_int_equal(svo_voxels_write(y_up, SVO_VOXEL_FORMAT_VOX, append, file, NULL, NULL), SVO_OK);
+        assert_int_equal(file->count, files[0].count);
+        assert_memory_equal(file->bytes, files[0].bytes, file->count);
+        svo_voxels_destroy(&y_up);
+    }
+    svo_voxels_destroy(&z_up);
+    for (int i = 0; i < 3; ++i) {
+        bytes_free(&files[i]);
+    }
+}
+
+static void test_axes_that_do_not_exist_are_refused(void **state)
+{
+    (void)state;
+    const svo_voxels_load_options options = {.struct_size = sizeof options, .axes = 3};
+    const svo_voxels_source source = {.struct_size = sizeof source};
+    svo_voxels *voxels = NULL;
+    svo_message message = {""};
+    assert_int_equal(svo_voxels_load_memory("VOX ", 4, NAME, &options, &voxels, NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_string_equal(message.text, "svo_voxels_load_memory: options.axes 3 is not in 0 .. 2");
+    assert_int_equal(svo_voxels_create(&source, &voxels, NULL), SVO_OK);
+    assert_int_equal(svo_voxels_set_axes(voxels, (svo_axes)3), SVO_INVALID_ARGUMENT);
+    svo_voxels_destroy(&voxels);
 }
 
 /* MATL keeps all keys; MATT gets the keys of MATL. */
@@ -723,7 +789,8 @@ static void test_counts_of_real_files(void **state)
         svo_message message = {""};
         svo_voxel_file_info info = SVO_VOXEL_FILE_INFO_INIT;
         (void)snprintf(path, sizeof path, "%s/vox/%s", SHARED_SCENES, files[i].name);
-        if (svo_voxels_load(path, NULL, &voxels, &info, &message) != SVO_OK) {
+        const svo_voxels_load_options kept = keep_axes(NULL);
+        if (svo_voxels_load(path, &kept, &voxels, &info, &message) != SVO_OK) {
             fail_msg("%s", message.text);
         }
         const svo_voxels_info list = info_of(voxels);
@@ -754,6 +821,8 @@ int main(void)
         cmocka_unit_test(test_hidden_and_overlap),
         cmocka_unit_test(test_layers_by_id),
         cmocka_unit_test(test_farthest_places),
+        cmocka_unit_test(test_up_is_turned_and_turned_back),
+        cmocka_unit_test(test_axes_that_do_not_exist_are_refused),
         cmocka_unit_test(test_materials),
         cmocka_unit_test(test_depth_limit),
         cmocka_unit_test(test_instance_limit),

@@ -275,6 +275,10 @@ typedef struct svo_import_options {
     const svo_memory_callbacks *memory;
     svo_import_progress_callback progress; /**< NULL allowed */
     void *progress_user; /**< passed to progress */
+    /** An svo_axes: which axis is up in the file. SVO_AXES_Z_UP turns (x, y, z) to (x, z, -y), normals too; else
+     *  nothing is turned but what the file itself asks for, as COLLADA does. */
+    uint32_t axes;
+    uint32_t reserved; /**< 0 */
 } svo_import_options;
 
 /** All defaults. */

@@ -29,7 +29,7 @@ typedef struct svo_plan svo_plan;
 
 /** What a tree holds besides its occupancy. */
 typedef enum svo_need {
-    SVO_NEED_DEFAULT = 0, /**< the colors and normals that the mesh has */
+    SVO_NEED_DEFAULT = 0, /**< normals, and the colors that the mesh has */
     SVO_NEED_COLOR = 1, /**< RGBA8 per node; white if the mesh has neither colors nor materials */
     SVO_NEED_NORMAL = 2, /**< 3 x int16 per node; the triangles' own normals if the mesh has none */
     SVO_NEED_RAYS = 4, /**< leaf lists, vertices as given and snapped, and indices, from which trace.h makes a BVH */

@@ -67,6 +67,8 @@ typedef struct svo_voxels_load_options {
     /** Host memory of the reading and of the list, for its whole life; NULL: malloc and free. libzip, expat and
      *  stb_image, which read .svx files, have their own, by malloc. */
     const svo_memory_callbacks *memory;
+    uint32_t axes; /**< an svo_axes: which axis is up in the file. In the list it is y, but for SVO_AXES_KEEP */
+    uint32_t reserved; /**< 0 */
 } svo_voxels_load_options;
 
 /** All defaults. */
@@ -145,7 +147,8 @@ typedef int (*svo_voxels_write_callback)(void *user, const void *bytes, size_t b
  *  they become the indices of the palette; else colors do, and beyond 255 of them a voxel has the nearest of 255 that
  *  k-means finds. Properties are written to the materials' chunks. .binvox: the occupancy, in the smallest cube whose
  *  edge is a power of two. .svx: occupancy, colors without alpha, and materials unless one is above
- *  255. Neither has properties of materials; .vox has neither origin nor voxel_edge.
+ *  255. Neither has properties of materials; .vox has neither origin nor voxel_edge. svo_voxels_set_axes says which
+ *  axis is up in the file: z in .vox, unless it says otherwise.
  *
  * \param voxels not NULL
  * \param path of the file

@@ -67,6 +67,14 @@ typedef struct svo_voxels_source {
 /** A list of voxels, with arrays of its own. */
 typedef struct svo_voxels svo_voxels;
 
+/** Which axis is up in a file. Where it is z, (x, y, z) is turned to (x, z, -y) when it is read, so that y is up in
+ *  trees and lists, and back when it is written. A voxel at (x, y, z) goes to (x, z, -1 - y): its corners turn. */
+typedef enum svo_axes {
+    SVO_AXES_AUTO = 0, /**< what the format says: z in .vox, y in the others */
+    SVO_AXES_KEEP = 1, /**< nothing is turned */
+    SVO_AXES_Z_UP = 2 /**< z, whatever the format */
+} svo_axes;
+
 /** What a list holds. */
 typedef struct svo_voxels_info {
     size_t struct_size; /**< sizeof(svo_voxels_info) */
@@ -93,6 +101,14 @@ typedef struct svo_voxels_info {
  * \returns SVO_INVALID_ARGUMENT (a number, a coordinate or the extent is out of range, or memory is not valid) or
  *          SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_voxels_create(const svo_voxels_source *source, svo_voxels **out, svo_message *message);
+
+/** Says which axis is up in files that a list is written to. A list that was read from a file has what
+ *  svo_voxels_load_options said, so that the file can be written as it was; others have SVO_AXES_AUTO.
+ *
+ * \param voxels not NULL
+ * \param axes an svo_axes
+ * \returns SVO_INVALID_ARGUMENT if there is no such value. */
+SVO_API svo_status svo_voxels_set_axes(svo_voxels *voxels, svo_axes axes);
 
 /** Destroys a list.
  *

@@ -39,6 +39,13 @@ static float3 svo_view_mixed(uint number)
            convert_float3((uint3)(mixed & 255u, mixed >> 8 & 255u, mixed >> 16 & 255u)) * (0.75f / 255.0f);
 }
 
+/* Values of the range as shares of white. What lies nowhere is transparent white. */
+static uint svo_view_share(bool met, float value, float2 range)
+{
+    const uint byte = convert_uint(clamp((value - range.x) / (range.y - range.x), 0.0f, 1.0f) * 255.0f + 0.5f);
+    return met ? byte * 0x010101u | 0xff000000u : 0x00ffffffu;
+}
+
 static float3 svo_view_vector(__constant const float *values)
 {
     return (float3)(values[0], values[1], values[2]);
@@ -119,9 +126,22 @@ static float3 svo_view_voxel(const svo_tree *tree, const svo_cast_ray *ray, floa
     return svo_view_mixed(hit.level * 7u) * (hit.axis == 0 ? 0.8f : hit.axis == 1 ? 1.0f : 0.65f);
 }
 
+/* Distances or steps in a range. The ray begins at a distance from the eye. */
+static uint svo_view_value(const svo_tree *tree, const svo_cast_ray *ray, float first, uint view, float2 range)
+{
+    svo_cast_tree cast;
+    svo_cast_hit hit;
+    cast.nodes = tree->voxels;
+    cast.depth = tree->params.depth;
+    const bool met = svo_cast(&cast, ray, &hit);
+    return view == SVO_VIEW_KIND_STEPS ? svo_view_share(true, (float)hit.steps, range)
+                                       : svo_view_share(met, first + hit.distance, range);
+}
+
+/* range: in which the views depth and steps are shown, widths of a leaf or steps; empty: that of the view. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_view(SVO_TREE_PARAMETERS, __global const short *normals, __constant const svo_cast_params *params, float4 eye,
-           uint view, __global uint *picture, uint first_tile)
+           uint view, float2 range, __global uint *picture, uint first_tile)
 {
     const uint item = (uint)get_local_id(0);
     const uint tile = (uint)get_group_id(0) + first_tile;
@@ -141,6 +161,10 @@ svo_k_view(SVO_TREE_PARAMETERS, __global const short *normals, __constant const 
     const float2 part = svo_ray_part(clip, from, ray.direction);
     ray.origin = from + part.x * ray.direction;
     ray.range = fmin(part.y - part.x, SVO_CAST_FAR);
+    if (range.y > range.x && (view == SVO_VIEW_KIND_DEPTH || view == SVO_VIEW_KIND_STEPS)) {
+        picture[(size_t)y * params->width + x] = svo_view_value(&tree, &ray, part.x, view, range);
+        return;
+    }
 #ifdef SVO_COMPACT
     (void)eye;
     const float3 color = svo_view_voxel(&tree, &ray, part.x, svo_part_axis(clip), view, normals);

@@ -12,6 +12,7 @@ struct svo_voxels {
     svo_voxel *voxels; /* each place once, in Morton order; owned */
     svo_voxel_property *properties; /* sorted; owned */
     char *texts; /* of all properties; owned */
+    svo_axes axes; /* of files that it is written to */
 };
 
 #endif

@@ -63,6 +63,29 @@ static svo_status fill_options(svo_import_options *options, uint64_t byte_count,
     return SVO_OK;
 }
 
+/* From z up to y up. */
+static void turn_floats(const float *vectors, size_t count)
+{
+    float *turned = (float *)vectors; /* in import->bytes */
+    for (size_t i = 0; i < count && turned != NULL; ++i, turned += 3) {
+        const float y = turned[1];
+        turned[1] = turned[2];
+        turned[2] = -y;
+    }
+}
+
+static void turn_mesh(const svo_mesh *mesh)
+{
+    double *doubles = (double *)mesh->positions_double;
+    turn_floats(mesh->positions, mesh->vertex_count);
+    turn_floats(mesh->normals, mesh->vertex_count);
+    for (size_t i = 0; i < mesh->vertex_count && doubles != NULL; ++i, doubles += 3) {
+        const double y = doubles[1];
+        doubles[1] = doubles[2];
+        doubles[2] = -y;
+    }
+}
+
 static svo_status check_arguments(const char *path, svo_import *const *out, svo_message *message)
 {
     if (path == NULL || out == NULL) {
@@ -86,6 +109,10 @@ svo_status svo_import_file(const char *path, const svo_import_options *options, 
     SVO_I_TRY(check_arguments(path, out, message));
     SVO_I_TRY(svo_i_struct_read(message, "svo_import_file", "options", options, &filled,
                                 SVO_I_STRUCT_SIZES(svo_import_options, time_limit_seconds)));
+    if (filled.axes > SVO_AXES_Z_UP) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_import_file: options.axes %u is not in 0 .. %d",
+                          filled.axes, SVO_AXES_Z_UP);
+    }
     SVO_I_TRY(check_file(path, &byte_count, message));
     const bool time_grows = filled.time_limit_seconds == 0;
     SVO_I_TRY(fill_options(&filled, byte_count, helper, sizeof helper, message));
@@ -98,6 +125,9 @@ svo_status svo_import_file(const char *path, const svo_import_options *options, 
     import->memory = memory;
     SVO_I_TRY_CLEANUP(svo_i_import_run_child(path, &filled, time_grows, import, message));
     SVO_I_TRY_CLEANUP(svo_i_stream_parse(import, path, filled.strict != 0, log, log_user, message));
+    if (filled.axes == SVO_AXES_Z_UP) {
+        turn_mesh(&import->mesh);
+    }
     *out = import;
     import = NULL;
 cleanup:

@@ -54,6 +54,25 @@ static svo_status read_format(voxel_reader *reader)
     return svo_i_voxels_damaged(reader, "byte 0: neither a .vox nor a .svx nor a .binvox file");
 }
 
+bool svo_i_voxels_are_turned(svo_axes axes, svo_voxel_format format)
+{
+    return axes == SVO_AXES_Z_UP || (axes == SVO_AXES_AUTO && format == SVO_VOXEL_FORMAT_VOX);
+}
+
+/* From z up to y up. */
+static void turn(voxel_reader *reader)
+{
+    for (uint64_t i = 0; i < reader->voxel_count; ++i) {
+        svo_voxel *voxel = &reader->voxels[i];
+        const int32_t y = voxel->y;
+        voxel->y = voxel->z;
+        voxel->z = -1 - y;
+    }
+    const double y = reader->origin[1];
+    reader->origin[1] = reader->origin[2];
+    reader->origin[2] = -y;
+}
+
 /* Makes the list of what was read. */
 static svo_status make_list(voxel_reader *reader, svo_voxels **out)
 {
@@ -87,7 +106,12 @@ static svo_status load(voxel_reader *reader, svo_voxels **out, svo_voxel_file_in
 {
     svo_status status = SVO_OK;
     SVO_I_TRY_CLEANUP(read_format(reader));
+    const svo_axes axes = (svo_axes)reader->options.axes;
+    if (svo_i_voxels_are_turned(axes, (svo_voxel_format)reader->info.format)) {
+        turn(reader);
+    }
     SVO_I_TRY_CLEANUP(make_list(reader, out));
+    (void)svo_voxels_set_axes(*out, axes);
     if (info != NULL) {
         (void)svo_i_struct_write(NULL, "", "info", &reader->info, info,
                                  SVO_I_STRUCT_SIZES(svo_voxel_file_info, warnings));
@@ -106,6 +130,10 @@ static svo_status start(const char *function, const svo_voxels_load_options *opt
     SVO_I_TRY(svo_i_struct_read(reader->message, function, "options", options, &reader->options,
                                 SVO_I_STRUCT_SIZES(svo_voxels_load_options, log_user)));
     SVO_I_TRY(svo_i_memory_read(reader->message, function, "options.memory", reader->options.memory, &reader->memory));
+    if (reader->options.axes > SVO_AXES_Z_UP) {
+        return svo_i_fail(reader->message, SVO_INVALID_ARGUMENT, "%s: options.axes %u is not in 0 .. %d", function,
+                          reader->options.axes, SVO_AXES_Z_UP);
+    }
     const uint64_t most = SVO_VOXELS_MAX;
     reader->limit_is_default = reader->options.voxels_max == 0;
     if (reader->limit_is_default) {

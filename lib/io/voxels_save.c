@@ -24,29 +24,73 @@ static svo_status write_format(voxel_writer *writer, svo_voxel_format format)
     }
 }
 
+/* Makes a list with z up of one with y up. */
+static svo_status turn(const voxel_writer *writer, svo_voxels **out)
+{
+    const svo_memory_callbacks memory = {.struct_size = sizeof memory,
+                                         .allocate = writer->memory->allocate,
+                                         .release = writer->memory->release,
+                                         .user = writer->memory->user};
+    svo_voxels_source source = {.struct_size = sizeof source,
+                                .voxel_count = writer->list.voxel_count,
+                                .properties = writer->properties,
+                                .property_count = (size_t)writer->list.property_count,
+                                .origin = {writer->list.origin[0], -writer->list.origin[2], writer->list.origin[1]},
+                                .voxel_edge = writer->list.voxel_edge,
+                                .memory = memory.allocate != NULL ? &memory : NULL};
+    svo_voxel *turned = svo_i_alloc(writer->memory, (size_t)source.voxel_count * sizeof *turned + 1);
+    if (turned == NULL) {
+        return svo_i_voxels_write_fail(writer, SVO_OUT_OF_HOST_MEMORY, "no memory for %llu voxels",
+                                       (unsigned long long)source.voxel_count);
+    }
+    for (uint64_t i = 0; i < source.voxel_count; ++i) {
+        turned[i] = writer->voxels[i];
+        turned[i].y = -1 - writer->voxels[i].z;
+        turned[i].z = writer->voxels[i].y;
+    }
+    source.voxels = turned;
+    const svo_status status = svo_voxels_create(&source, out, writer->message);
+    if (status != SVO_OK) {
+        svo_i_message_rename(writer->message, writer->name);
+    }
+    svo_i_free(turned);
+    return status;
+}
+
+static svo_status take_list(voxel_writer *writer, const svo_voxels *voxels)
+{
+    writer->voxels = svo_voxels_get(voxels);
+    writer->properties = svo_voxels_get_properties(voxels);
+    writer->list = (svo_voxels_info)SVO_VOXELS_INFO_INIT;
+    return svo_voxels_get_info(voxels, &writer->list);
+}
+
 /* Writes a list whose format is known; then fills info, which may be NULL. */
 static svo_status write_list(voxel_writer *writer, const svo_voxels *voxels, svo_voxel_format format,
                              svo_voxels_save_info *info)
 {
+    svo_status status = SVO_OK;
+    svo_voxels *turned = NULL;
     writer->memory = &voxels->memory;
-    writer->voxels = svo_voxels_get(voxels);
-    writer->properties = svo_voxels_get_properties(voxels);
-    writer->list = (svo_voxels_info)SVO_VOXELS_INFO_INIT;
-    SVO_I_TRY(svo_voxels_get_info(voxels, &writer->list));
+    SVO_I_TRY(take_list(writer, voxels));
+    if (svo_i_voxels_are_turned(voxels->axes, format)) {
+        SVO_I_TRY(turn(writer, &turned));
+        (void)take_list(writer, turned);
+    }
     writer->info = (svo_voxels_save_info){.struct_size = sizeof writer->info, .format = format, .models = 1};
     writer->buffer = svo_i_alloc(writer->memory, VOXEL_BUFFER_BYTES);
     if (writer->buffer == NULL) {
-        return svo_i_voxels_write_fail(writer, SVO_OUT_OF_HOST_MEMORY, "no memory for a buffer");
+        SVO_I_TRY_CLEANUP(svo_i_voxels_write_fail(writer, SVO_OUT_OF_HOST_MEMORY, "no memory for a buffer"));
     }
-    svo_status status = write_format(writer, format);
-    if (status == SVO_OK) {
-        status = svo_i_voxels_flush(writer);
-    }
-    svo_i_free(writer->buffer);
-    if (status == SVO_OK && info != NULL) {
+    SVO_I_TRY_CLEANUP(write_format(writer, format));
+    SVO_I_TRY_CLEANUP(svo_i_voxels_flush(writer));
+    if (info != NULL) {
         (void)svo_i_struct_write(NULL, "", "info", &writer->info, info,
                                  SVO_I_STRUCT_SIZES(svo_voxels_save_info, bytes));
     }
+cleanup:
+    svo_i_free(writer->buffer);
+    svo_voxels_destroy(&turned);
     return status;
 }
 

@@ -56,13 +56,13 @@ static void find_textures(svo_plan *plan, const svo_mesh *mesh, bool has_uvs, co
     }
 }
 
-void svo_i_plan_resolve_need(svo_plan *plan, const svo_mesh *mesh, bool has_colors, bool has_normals)
+void svo_i_plan_resolve_need(svo_plan *plan, const svo_mesh *mesh, bool has_colors)
 {
     const uint32_t need = plan->options.need;
     plan->info.need = need & ~(uint32_t)SVO_NEED_NONE;
     if (need == SVO_NEED_DEFAULT) {
-        plan->info.need = (has_colors || mesh->material_count > 0 ? (uint32_t)SVO_NEED_COLOR : 0u) |
-                          (has_normals ? (uint32_t)SVO_NEED_NORMAL : 0u);
+        plan->info.need =
+            (has_colors || mesh->material_count > 0 ? (uint32_t)SVO_NEED_COLOR : 0u) | (uint32_t)SVO_NEED_NORMAL;
     }
     plan->material_count = mesh->material_count > 0 ? (uint32_t)mesh->material_count : 1;
 }
@@ -362,7 +362,7 @@ svo_status svo_i_plan_find(svo_plan *plan, const svo_mesh *mesh, svo_i_findings 
 
 svo_status svo_i_plan_attributes(svo_plan *plan, const svo_mesh *mesh)
 {
-    svo_i_plan_resolve_need(plan, mesh, mesh->colors != NULL, mesh->normals != NULL);
+    svo_i_plan_resolve_need(plan, mesh, mesh->colors != NULL);
     if ((plan->info.need & SVO_I_NEED_PAYLOAD) == 0) {
         return SVO_OK;
     }

@@ -13,9 +13,9 @@ svo_status svo_i_plan_find(svo_plan *plan, const svo_mesh *mesh, svo_i_findings 
 /* Whether two triangles have the same normal of their own. */
 bool svo_i_same_own_normal(const svo_triangle_record *a, const svo_triangle_record *b);
 
-/* Parts that do not depend on where the mesh is. has_colors, has_normals, has_uvs: whether the mesh has them. */
+/* Parts that do not depend on where the mesh is. has_colors, has_uvs: whether the mesh has them. */
 
-void svo_i_plan_resolve_need(svo_plan *plan, const svo_mesh *mesh, bool has_colors, bool has_normals);
+void svo_i_plan_resolve_need(svo_plan *plan, const svo_mesh *mesh, bool has_colors);
 /* Whether a material names a texture that can be sampled. */
 bool svo_i_material_is_textured(const svo_mesh *mesh, bool has_uvs, size_t material);
 /* Copies the materials, and the textures of used ones. */

@@ -55,8 +55,7 @@ static void leave_out_payload(svo_plan *plan, svo_need bit, const char *what)
 {
     svo_i_work *work = &plan->work;
     if ((plan->info.need & (uint32_t)bit) == 0) {
-        const bool by_default =
-            plan->options.need == SVO_NEED_DEFAULT && (bit == SVO_NEED_COLOR || bit == SVO_NEED_NORMAL);
+        const bool by_default = plan->options.need == SVO_NEED_DEFAULT && bit == SVO_NEED_COLOR;
         leave_out(work, what, "%s", by_default ? "the mesh has none" : "it is not requested");
     }
 }

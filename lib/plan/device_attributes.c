@@ -177,7 +177,7 @@ svo_status svo_i_device_attributes(svo_plan *plan, svo_i_device_work *work, cons
                         .has_colors = b != NULL ? b->colors.memory != NULL : given->colors != NULL,
                         .has_normals = b != NULL ? b->normals.memory != NULL : given->normals != NULL,
                         .has_uvs = b != NULL ? b->uvs.memory != NULL : given->uvs != NULL};
-    svo_i_plan_resolve_need(plan, given, r.has_colors, r.has_normals);
+    svo_i_plan_resolve_need(plan, given, r.has_colors);
     if ((plan->info.need & SVO_I_NEED_PAYLOAD) == 0) {
         return SVO_OK;
     }

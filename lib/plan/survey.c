@@ -118,7 +118,7 @@ static void add_findings(svo_i_survey *survey, const svo_i_findings *block)
 static svo_status find(svo_i_survey *survey, svo_plan *block, const svo_mesh *mesh)
 {
     svo_i_findings found = {.material_used = survey->material_used};
-    svo_i_plan_resolve_need(block, mesh, mesh->colors != NULL, mesh->normals != NULL);
+    svo_i_plan_resolve_need(block, mesh, mesh->colors != NULL);
     survey->whole->info.need = block->info.need;
     survey->has_colors = mesh->colors != NULL;
     survey->has_normals = mesh->normals != NULL;

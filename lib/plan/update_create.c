@@ -267,8 +267,7 @@ svo_status svo_i_update_create(svo_plan *plan, svo_i_device_work *work, const sv
     SVO_I_TRY(begin(plan, &input->mesh));
     SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_PLAN, ""));
     const svo_mesh_buffers *b = input->buffers;
-    svo_i_plan_resolve_need(plan, &input->mesh, b != NULL ? b->colors.memory != NULL : input->mesh.colors != NULL,
-                            b != NULL ? b->normals.memory != NULL : input->mesh.normals != NULL);
+    svo_i_plan_resolve_need(plan, &input->mesh, b != NULL ? b->colors.memory != NULL : input->mesh.colors != NULL);
     SVO_I_TRY(svo_i_device_mesh_geometry(work, input, mesh));
     if ((plan->info.need & SVO_I_NEED_PAYLOAD) != 0) {
         SVO_I_TRY(svo_i_device_mesh_attributes(work, input, plan->info.need, mesh));

@@ -2,6 +2,7 @@
 /* Pictures of voxels, whatever holds them: the host side of kernels/rays/render.cl and view.cl. */
 #include "rays/picture.h"
 
+#include <float.h>
 #include <stdio.h>
 
 #include "core/device.h"
@@ -24,6 +25,10 @@ svo_status svo_i_picture_options(svo_device *device, const char *function, const
     if ((unsigned)out->view > SVO_VIEW_TRIANGLES) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.view %d is not in 0 .. %d", function,
                                  (int)out->view, (int)SVO_VIEW_TRIANGLES);
+    }
+    if (!(out->range_low >= 0.0F && out->range_high >= out->range_low && out->range_high <= FLT_MAX)) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.range_low %g, range_high %g is no range",
+                                 function, (double)out->range_low, (double)out->range_high);
     }
     return SVO_OK;
 }
@@ -113,14 +118,16 @@ static svo_status prepare_view(const svo_i_picture_source *source, const svo_ren
 {
     const cl_float4 eye = {{options->camera.eye[0], options->camera.eye[1], options->camera.eye[2], 0}};
     const cl_uint shown = options->view;
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(source->normals), SVO_I_ARGUMENT(drawn->params),
-                                        SVO_I_ARGUMENT(eye), SVO_I_ARGUMENT(shown), SVO_I_ARGUMENT(drawn->pixels)};
+    const cl_float2 range = {{options->range_low, options->range_high}};
+    const svo_i_argument arguments[] = {
+        SVO_I_ARGUMENT(source->normals), SVO_I_ARGUMENT(drawn->params), SVO_I_ARGUMENT(eye),
+        SVO_I_ARGUMENT(shown),           SVO_I_ARGUMENT(range),         SVO_I_ARGUMENT(drawn->pixels)};
     SVO_I_TRY(make_kernel(source, SVO_I_PROGRAM_VIEW, "", "svo_k_view", &drawn->tiles.kernel));
     drawn->tiles.items = SVO_GROUP_ITEMS;
-    drawn->tiles.first_tile = source->tree.arguments + 5;
+    drawn->tiles.first_tile = source->tree.arguments + 6;
     SVO_I_TRY(source->tree.set(source->tree.of, source->function, drawn->tiles.kernel, 0));
     return svo_i_kernel_set_from(source->device, source->function, drawn->tiles.kernel, source->tree.arguments,
-                                 arguments, 5);
+                                 arguments, 6);
 }
 
 /* The kernel of a shaded picture, with all arguments set but the first tile. */

@@ -259,6 +259,15 @@ svo_status svo_voxels_create(const svo_voxels_source *source, svo_voxels **out, 
     return svo_i_voxels_take(&memory, &given, voxels, spare, out, message);
 }
 
+svo_status svo_voxels_set_axes(svo_voxels *voxels, svo_axes axes)
+{
+    if ((unsigned)axes > SVO_AXES_Z_UP) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    voxels->axes = axes;
+    return SVO_OK;
+}
+
 void svo_voxels_destroy(svo_voxels **voxels)
 {
     if (voxels == NULL || *voxels == NULL) {

@@ -62,6 +62,7 @@ def test_enumerations_are_complete():
     enumerations = {
         "svo_status": (_enums.Status, "SVO_"),
         "svo_need": (_enums.Need, "SVO_NEED_"),
+        "svo_axes": (_enums.Axes, "SVO_AXES_"),
         "svo_coverage": (_enums.Coverage, "SVO_COVERAGE_"),
         "svo_place": (_enums.Place, "SVO_PLACE_"),
         "svo_weights": (_enums.Weights, "SVO_WEIGHTS_"),

@@ -76,6 +76,14 @@ def test_files(random, suffix, tmp_path):
                 assert loaded.file_info.instance_voxels == len(voxels.records)
                 places = [{tuple(int(v[axis]) for axis in "xyz") for v in some.records} for some in (loaded, voxels)]
                 assert places[0] == places[1]
+                kept = svocl.Voxels.load(path, axes=svocl.Axes.KEEP)
+                turned = {(int(v["x"]), int(v["z"]), -1 - int(v["y"])) for v in kept.records}
+                assert turned == places[0]
+                kept.save(tmp_path / "kept.vox")
+                assert (tmp_path / "kept.vox").read_bytes() == path.read_bytes()
+                kept.set_axes(svocl.Axes.AUTO)
+                kept.save(tmp_path / "kept.vox")
+                assert (tmp_path / "kept.vox").read_bytes() != path.read_bytes()
 
 
 @pytest.mark.skipif(not svocl.has_io, reason="built without svocl::io")

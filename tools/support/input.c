@@ -129,6 +129,9 @@ static void note_refused(const svo_mesh *mesh, size_t triangle, refused_triangle
 static int open_scene(program *state, input *opened)
 {
     svo_message message = {""};
+    if (state->options.axes == (int)SVO_AXES_Z_UP) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--axes z-up applies to files, not to %s", opened->name);
+    }
     const svo_status status = scene_create(opened->name + strlen("scene:"), &opened->made, &message);
     if (status != SVO_OK) {
         return program_fail_scene(state, status, message.text);
@@ -176,7 +179,8 @@ static int import(program *state, const char *path, input *opened)
                                          .time_limit_seconds = (uint32_t)state->options.import_seconds,
                                          .strict = (uint32_t)state->options.strict,
                                          .progress = ask_to_go_on,
-                                         .progress_user = state->progress};
+                                         .progress_user = state->progress,
+                                         .axes = (uint32_t)state->options.axes};
     if (svo_import_helper(helper, sizeof helper, NULL) != SVO_OK) {
         import_options.child_program = "/proc/self/exe"; /* this program alone, copied out of its installation */
     }

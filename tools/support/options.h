@@ -150,6 +150,7 @@ typedef struct options {
     double exposure; /* light: of pictures; 0: not given */
     uint64_t reference; /* gather: paths for each point; 0: none */
     uint64_t hidden, frame; /* voxel files: a flag, and the number of a frame */
+    int axes; /* an svo_axes */
     uint64_t max_bytes; /* export-web: of the page */
     int through; /* render: 0 the tree, 1 probes */
     uint32_t probe_counts[3]; /* probes along each axis */

@@ -18,6 +18,7 @@
 #include "svocl/probes.h"
 #include "svocl/solid.h"
 #include "svocl/trace.h"
+#include "svocl/voxels.h"
 
 #define OPTION_VECTOR_MAX 1e18
 #define OPTION_FOV_MIN    0.01
@@ -77,6 +78,8 @@ static const choice forms[] = {{"descriptor", 1 + SVO_FORM_DESCRIPTOR},
                                {"shared", 1 + SVO_FORM_SHARED},
                                {"all", OPTION_FORM_ALL},
                                {NULL, 0}};
+static const choice axes_of_files[] = {
+    {"auto", SVO_AXES_AUTO}, {"keep", SVO_AXES_KEEP}, {"z-up", SVO_AXES_Z_UP}, {NULL, 0}};
 static const choice needs[] = {{"color", SVO_NEED_COLOR},
                                {"normal", SVO_NEED_NORMAL},
                                {"rays", SVO_NEED_RAYS},
@@ -388,7 +391,7 @@ static const rule rules[] = {
     {"depth", 'd', OPTION_BUILD, "D", read_depth, FIELD(depth), SVO_DEPTH_MIN, SVO_DEPTH_MAX, NULL,
      "levels below the root: 2^D voxels per axis, 1 to 16 (8; voxels: the least that holds them)"},
     {"need", '\0', OPTION_BUILD, "LIST", read_need, FIELD(need), 0, 0, needs,
-     "color,normal,rays,material,fill,projected-area or none (colors and normals of the mesh)"},
+     "color,normal,rays,material,fill,projected-area or none (normals, and the colors of the mesh)"},
     {"origin", '\0', OPTION_BUILD, "X,Y,Z", read_origin, FIELD(origin), 0, 0, NULL,
      "minimum corner of the grid, requires --edge (fitted to the mesh)"},
     {"edge", '\0', OPTION_BUILD, "E", read_edge, FIELD(edge), 0, 0, NULL,
@@ -518,6 +521,8 @@ static const rule rules[] = {
      "most voxels that a voxel file or a tree may unfold to, those of all levels (what memory holds)"},
     {"solid", '\0', OPTION_SOLID, "RULE", read_choice, FIELD(solid), 0, 0, solids,
      "also fill the inside, by winding or parity; -o then writes the solid (not filled)"},
+    {"axes", '\0', OPTION_BUILD | OPTION_CONVERT_COMMAND, "NAME", read_choice, FIELD(axes), 0, 0, axes_of_files,
+     "what is up in files: auto, z in .vox, else y; z-up; keep, nothing is turned (auto)"},
     {"hidden", '\0', OPTION_VOXELS, NULL, read_flag, FIELD(hidden), 0, 0, NULL,
      "voxel files: also read what hidden layers and nodes hold"},
     {"frame", '\0', OPTION_VOXELS, "N", read_count, FIELD(frame), 0, INT32_MAX, NULL,

@@ -49,6 +49,9 @@ int parts_fail(program *state, svo_status status, const char *message)
 int parts_check_builder(program *state)
 {
     const int builder = state->options.builder;
+    if (state->options.axes == (int)SVO_AXES_Z_UP) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--axes z-up does not apply to builds in parts");
+    }
     return builder == SVO_BUILDER_CL
                ? PROGRAM_DONE
                : program_fail(state, PROGRAM_WRONG_USAGE, "--builder %s makes no parts of trees",

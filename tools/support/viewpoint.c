@@ -47,14 +47,39 @@ static int check(program *state, const svo_camera *camera)
     return PROGRAM_DONE;
 }
 
-int viewpoint_apply(program *state, bool frames, svo_camera *camera)
+/* As the options of the camera want it; where it cannot stand, check() says why. */
+static void frame(const program *state, const viewpoint_subject *of, svo_camera *camera)
 {
     const options *given = &state->options;
-    const double standing = frames && given->eye.is_given ? STANDING_FOV : 0;
-    const double degrees = given->fov > 0 ? given->fov : standing;
+    *camera = (svo_camera){.up = {0, 1, 0}, .vertical_fov = (float)(given->fov * DEGREE)};
+    take(&given->up, camera->up);
+    if (of->scene != NULL) {
+        (void)svo_scene_camera_fit(of->scene, of->aspect, camera);
+    } else {
+        (void)svo_camera_fit(of->tree, of->aspect, camera);
+    }
+    take(&given->up, camera->up); /* also one of zeros, which counts as none there */
+    if (given->eye.is_given && !(given->fov > 0)) {
+        camera->vertical_fov = (float)(STANDING_FOV * DEGREE);
+    }
+}
+
+int viewpoint_place(program *state, const viewpoint_subject *of, svo_camera *camera)
+{
+    const options *given = &state->options;
+    if (of->camera != NULL) {
+        *camera = *of->camera;
+        take(&given->up, camera->up);
+        camera->vertical_fov = given->fov > 0 ? (float)(given->fov * DEGREE) : camera->vertical_fov;
+    } else {
+        frame(state, of, camera);
+    }
     take(&given->eye, camera->eye);
     take(&given->look_at, camera->target);
-    take(&given->up, camera->up);
-    camera->vertical_fov = degrees > 0 ? (float)(degrees * DEGREE) : camera->vertical_fov;
     return check(state, camera);
+}
+
+float viewpoint_aspect(const program *state)
+{
+    return (float)state->options.width / (float)state->options.height;
 }

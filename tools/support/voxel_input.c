@@ -29,6 +29,7 @@ int voxel_input_open(program *state, voxel_input *opened)
                                                   .hidden = (uint32_t)given->hidden,
                                                   .frame = (uint32_t)given->frame,
                                                   .voxels_max = given->max_voxels,
+                                                  .axes = (uint32_t)given->axes,
                                                   .log = program_log,
                                                   .log_user = state};
     *opened = (voxel_input){.file = SVO_VOXEL_FILE_INFO_INIT, .list = SVO_VOXELS_INFO_INIT};

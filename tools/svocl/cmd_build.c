@@ -3,6 +3,7 @@
 #include "support/build_report.h"
 #include "support/options_parse.h"
 #include "support/output.h"
+#include "support/picture.h"
 #include "support/plan_report.h"
 #include "support/solid_report.h"
 #include "support/table.h"
@@ -147,11 +148,18 @@ int command_build(program *state)
         return plan_alone(state);
     }
     job done;
-    exit_code = job_run(state, solid_need(state, state->options.need), solid_is_wanted(state) ? 3 : 2, &done);
+    uint32_t need = solid_need(state, state->options.need);
+    exit_code = job_open(state, need, solid_is_wanted(state) ? 3 : 2, &done);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    exit_code = finish(state, &done);
+    if (need != state->options.need && state->options.need == (uint32_t)SVO_NEED_DEFAULT) {
+        need |= picture_need(&done.source, SVO_NEED_DEFAULT); /* what the default means beside the bits of the solid */
+    }
+    exit_code = job_build(state, need, &done);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = finish(state, &done);
+    }
     job_release(&done);
     return exit_code;
 }

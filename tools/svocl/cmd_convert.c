@@ -63,6 +63,9 @@ static int read_tree(program *state, voxel_input *source)
     if (exit_code == PROGRAM_DONE && svo_tree_get_voxels(tree, &source->voxels, &message) != SVO_OK) {
         exit_code = program_fail_library(state, message.text);
     }
+    if (exit_code == PROGRAM_DONE) {
+        (void)svo_voxels_set_axes(source->voxels, (svo_axes)state->options.axes);
+    }
     svo_tree_destroy(&tree);
     if (exit_code == PROGRAM_DONE) {
         source->list = (svo_voxels_info)SVO_VOXELS_INFO_INIT;

@@ -9,6 +9,7 @@
 #include "support/probe_picture.h"
 #include "support/scene_file.h"
 #include "support/table.h"
+#include "support/value_scale.h"
 #include "support/viewpoint.h"
 #include "svocl/commands.h"
 #include "svocl/render_animation.h"
@@ -17,11 +18,13 @@
 #include "svocl/render_probes.h"
 #include "svocl/render_scene.h"
 
-static int report_picture(program *state, const session *opened, const svo_camera *camera, double render_ms)
+static int report_picture(program *state, const session *opened, const svo_camera *camera, const value_scale *scale,
+                          double render_ms)
 {
     const options *given = &state->options;
     if (given->json) {
         cJSON *document = picture_document(state);
+        value_scale_report(document, scale);
         return picture_print_document(state, document, render_ms, opened->device, camera);
     }
     if (given->quiet) {
@@ -41,8 +44,8 @@ static int render(program *state, const session *opened, svo_tree *tree)
                                          .width = given->width,
                                          .height = given->height,
                                          .view = (svo_render_view)given->view};
-    svo_camera_frame(tree, (float)given->width / (float)given->height, &render_options.camera);
-    int exit_code = viewpoint_apply(state, true, &render_options.camera);
+    const viewpoint_subject shown = {.tree = tree, .aspect = viewpoint_aspect(state)};
+    int exit_code = viewpoint_place(state, &shown, &render_options.camera);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
@@ -52,7 +55,12 @@ static int render(program *state, const session *opened, svo_tree *tree)
     }
     progress_step(state->progress, "casting rays");
     const double started_ms = input_now_ms();
-    if (svo_tree_render(opened->device, tree, &render_options, opened->queue, rgba) != SVO_OK) {
+    value_scale scale = {.is_shown = false};
+    const svo_status status =
+        value_scale_suits(render_options.view)
+            ? value_scale_render(opened->device, tree, &render_options, opened->queue, rgba, &scale)
+            : svo_tree_render(opened->device, tree, &render_options, opened->queue, rgba);
+    if (status != SVO_OK) {
         exit_code = program_fail_library(state, svo_device_message(opened->device));
     }
     const double render_ms = input_now_ms() - started_ms;
@@ -60,7 +68,8 @@ static int render(program *state, const session *opened, svo_tree *tree)
         exit_code = picture_write(state, rgba);
     }
     free(rgba);
-    return exit_code == PROGRAM_DONE ? report_picture(state, opened, &render_options.camera, render_ms) : exit_code;
+    return exit_code == PROGRAM_DONE ? report_picture(state, opened, &render_options.camera, &scale, render_ms)
+                                     : exit_code;
 }
 
 static int build_tree(program *state, job *done)

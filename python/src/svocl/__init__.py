@@ -39,6 +39,7 @@ from ._arrays import (
 from ._compact import COMPACT_ARGUMENTS, Compact, CompactArrays, Solid
 from ._device import Device
 from ._enums import (
+    Axes,
     Builder,
     BvhQuality,
     Certainty,
@@ -124,6 +125,7 @@ __all__ = [
     "NO_NODE",
     "NO_TRIANGLE",
     "TREE_ARGUMENTS",
+    "Axes",
     "BuildReport",
     "Builder",
     "BvhQuality",

@@ -31,7 +31,7 @@ class Need(IntFlag):
     """What a tree holds besides its occupancy; flags that combine with |."""
 
     DEFAULT = lib.SVO_NEED_DEFAULT
-    """The colors and normals that the mesh has."""
+    """Normals, and the colors that the mesh has."""
     COLOR = lib.SVO_NEED_COLOR
     """RGBA8 per node."""
     NORMAL = lib.SVO_NEED_NORMAL
@@ -62,6 +62,17 @@ class Place(IntEnum):
     DEFAULT = lib.SVO_PLACE_DEFAULT
     HOST = lib.SVO_PLACE_HOST
     DEVICE = lib.SVO_PLACE_DEVICE
+
+
+class Axes(IntEnum):
+    """Which axis is up in a file. Where it is z, (x, y, z) is turned to (x, z, -y) when it is read, and back when it is
+    written."""
+
+    AUTO = lib.SVO_AXES_AUTO
+    """What the format says: z in .vox, y in the others."""
+    KEEP = lib.SVO_AXES_KEEP
+    """Nothing is turned."""
+    Z_UP = lib.SVO_AXES_Z_UP
 
 
 class Weights(IntEnum):

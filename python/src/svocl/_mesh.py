@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from . import _arrays, _structs
 from ._callbacks import call
-from ._enums import Status, Wrap
+from ._enums import Axes, Status, Wrap
 from ._errors import UnsupportedError, error, text
 from ._handle import Guard, Native, view
 from ._native import ffi, lib
@@ -192,7 +192,14 @@ def encode(path: Path) -> bytes:
     return name
 
 
-def read_mesh(path: Path, *, memory_limit_bytes: int = 0, time_limit_seconds: int = 0, strict: bool = False) -> Mesh:
+def read_mesh(
+    path: Path,
+    *,
+    memory_limit_bytes: int = 0,
+    time_limit_seconds: int = 0,
+    strict: bool = False,
+    axes: Axes = Axes.AUTO,
+) -> Mesh:
     """Reads a mesh file: OBJ with MTL, PLY, STL, OFF and glTF by the library's own readers, others by assimp.
 
     The file is read in a process of its own, so that a reader that crashes or hangs ends in an exception. Warnings go
@@ -204,6 +211,7 @@ def read_mesh(path: Path, *, memory_limit_bytes: int = 0, time_limit_seconds: in
         time_limit_seconds: wall clock, of all; 0: 5 s, and 1 s for each 10**6 bytes of the file, of the files that it
             names, and of the texels of its textures.
         strict: what would be a warning is an error.
+        axes: Axes.Z_UP: z is up in the file, so that it is turned. Else it is as the file says.
 
     Raises:
         FileError: missing or unreadable.
@@ -214,6 +222,7 @@ def read_mesh(path: Path, *, memory_limit_bytes: int = 0, time_limit_seconds: in
     options.memory_limit_bytes = _arrays.integer("memory_limit_bytes", memory_limit_bytes, 64)
     options.time_limit_seconds = _arrays.integer("time_limit_seconds", time_limit_seconds)
     options.strict = bool(strict)
+    options.axes = Axes(axes)
     helper = os.path.join(os.path.dirname(os.path.abspath(__file__)), "svocl-import")
     program = ffi.new("char[]", encode(helper))  # the wheel's; Debian's package uses that of the shared library
     options.child_program = program if os.path.exists(helper) else ffi.NULL

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from . import _arrays, _progress, _structs
 from ._callbacks import call
-from ._enums import Builder, Need
+from ._enums import Axes, Builder, Need
 from ._errors import error, text
 from ._handle import Guard, Handle, Native, view
 from ._mesh import Path, encode, need_io
@@ -101,7 +101,9 @@ class Voxels(Handle):
     # --- files ------------------------------------------------------------------------------------------------------
 
     @classmethod
-    def load(cls, path: Path, *, hidden: bool = False, frame: int = 0, voxels_max: int = 0) -> "Voxels":
+    def load(
+        cls, path: Path, *, hidden: bool = False, frame: int = 0, voxels_max: int = 0, axes: Axes = Axes.AUTO
+    ) -> "Voxels":
         """Reads a .vox, .svx or .binvox file; its bytes say which. Warnings go to the logger "svocl".
 
         Args:
@@ -109,6 +111,7 @@ class Voxels(Handle):
             hidden: .vox: what hidden layers and nodes hold is read too.
             frame: .vox: the frame, or in a file without a scene the model.
             voxels_max: more voxels, before those in one place become one, are refused; 0: as many as memory holds.
+            axes: which axis is up in the file. In the list it is y, but for Axes.KEEP.
 
         Raises:
             FileError: the file cannot be read.
@@ -117,7 +120,7 @@ class Voxels(Handle):
             UnsupportedError: .svx, and svocl was built without libzip or expat.
         """
         need_io("Voxels.load")
-        return cls._load(lib.svo_voxels_load, [encode(path)], hidden, frame, voxels_max)
+        return cls._load(lib.svo_voxels_load, [encode(path)], hidden, frame, voxels_max, axes)
 
     @classmethod
     def load_bytes(
@@ -128,17 +131,29 @@ class Voxels(Handle):
         hidden: bool = False,
         frame: int = 0,
         voxels_max: int = 0,
+        axes: Axes = Axes.AUTO,
     ) -> "Voxels":
         """Voxels.load from memory.
 
         Args:
             content: of a file.
             name: stands for the path in messages.
-            hidden, frame, voxels_max: see Voxels.load.
+            hidden, frame, voxels_max, axes: see Voxels.load.
         """
         need_io("Voxels.load_bytes")
         memory = ffi.from_buffer(content)
-        return cls._load(lib.svo_voxels_load_memory, [memory, len(memory), name.encode()], hidden, frame, voxels_max)
+        source = [memory, len(memory), name.encode()]
+        return cls._load(lib.svo_voxels_load_memory, source, hidden, frame, voxels_max, axes)
+
+    def set_axes(self, axes: Axes) -> None:
+        """Says which axis is up in files that the list is written to: at first what Voxels.load was given, else
+        Axes.AUTO.
+
+        Args:
+            axes: an Axes.
+        """
+        with self._use() as pointer:
+            call(lib.svo_voxels_set_axes, pointer, Axes(axes))
 
     def save(self, path: Path) -> _structs.VoxelsSaveInfo:
         """Writes a file, whole or not at all; its suffix says the format: .vox, .svx, .binvox, .ply (points) or .obj
@@ -268,11 +283,12 @@ class Voxels(Handle):
     # --- shared -----------------------------------------------------------------------------------------------------
 
     @classmethod
-    def _load(cls, load: Any, source: list[Any], hidden: bool, frame: int, voxels_max: int) -> "Voxels":
+    def _load(cls, load: Any, source: list[Any], hidden: bool, frame: int, voxels_max: int, axes: Axes) -> "Voxels":
         options = _structs.new("svo_voxels_load_options")
         options.hidden = bool(hidden)
         options.frame = _arrays.integer("frame", frame)
         options.voxels_max = _arrays.integer("voxels_max", voxels_max, 64)
+        options.axes = Axes(axes)
         options.log = lib.svocl_python_log
         info = _structs.new("svo_voxel_file_info")
         made = cls.__new__(cls)
