@@ -1,23 +1,25 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Pictures of what rays find, one ray per pixel, without lighting: normals, depths, traversal steps, levels, triangles.
+ * Pictures of what rays find, one ray per pixel or several, without lighting: normals, depths, traversal steps, levels,
+ * triangles. Linear pictures have the numbers themselves, others colors for them.
  *
  * Launch: one work-item per pixel, tiles of 8 x 8 pixels per group, one dimension, as many tiles as the host likes,
  * from first_tile on.
- * Reads the tree and, with -DSVO_NORMAL, its normals; writes one RGBA8 word per pixel. No atomics, no local memory.
+ * Reads the tree and, with -DSVO_NORMAL, its normals; writes one RGBA8 word or four floats per pixel. No atomics, no local memory.
  */
 #include "shared/layout.h"
 
+#include "rays/pixel.clh"
 #include "rays/rays.clh"
 
 /* The step count that the last color stands for. */
 #define SVO_STEPS_HOT 64.0f
 
-static uint svo_view_pack(float3 color)
-{
-    const uint3 bytes = convert_uint3(clamp(color, (float3)(0.0f), (float3)(1.0f)) * 255.0f + 0.5f);
-    return bytes.x | bytes.y << 8 | bytes.z << 16 | 0xff000000u;
-}
+/* What a ray found, as a color, or in linear pictures as numbers. */
+typedef struct svo_view_seen {
+    float3 shown;
+    bool met; /* anything; else nothing is shown, except for steps */
+} svo_view_seen;
 
 /* From dark blue over green and yellow to red. */
 static float3 svo_view_heat(float value)
@@ -69,10 +71,11 @@ static float3 svo_view_normal(const svo_cast_hit *hit, float3 direction, __globa
 
 #ifndef SVO_COMPACT
 
-static float3 svo_view_triangle(const svo_tree *tree, float4 eye, float3 direction)
+static svo_view_seen svo_view_triangle(const svo_tree *tree, float4 eye, float3 direction, bool linear)
 {
     svo_ray ray;
     svo_hit hit;
+    svo_view_seen seen;
     ray.origin[0] = eye.x;
     ray.origin[1] = eye.y;
     ray.origin[2] = eye.z;
@@ -81,35 +84,88 @@ static float3 svo_view_triangle(const svo_tree *tree, float4 eye, float3 directi
     ray.direction[2] = direction.z;
     ray.t_min = 0.0f;
     ray.t_max = INFINITY;
-    if (!svo_trace_closest(tree, &ray, &hit)) {
-        return (float3)(1.0f);
+    seen.shown = (float3)(0.0f);
+    seen.met = svo_trace_closest(tree, &ray, &hit);
+    if (seen.met) {
+        const float facing = fabs(dot((float3)(hit.normal[0], hit.normal[1], hit.normal[2]), direction));
+        seen.shown = linear ? (float3)((float)hit.triangle) : svo_view_mixed(hit.triangle) * (0.45f + 0.55f * facing);
     }
-    const float facing = fabs(dot((float3)(hit.normal[0], hit.normal[1], hit.normal[2]), direction));
-    return svo_view_mixed(hit.triangle) * (0.45f + 0.55f * facing);
+    return seen;
 }
 
 #endif
 
-static float3 svo_view_voxel(const svo_tree *tree, const svo_cast_ray *ray, uint view, __global const short *normals)
+static float3 svo_view_color(const svo_tree *tree, const svo_cast_ray *ray, const svo_cast_hit *hit, uint view,
+                             __global const short *normals)
+{
+    switch (view) {
+    case SVO_VIEW_KIND_STEPS:
+        return svo_view_heat((float)hit->steps / SVO_STEPS_HOT);
+    case SVO_VIEW_KIND_NORMAL:
+        return 0.5f + 0.5f * svo_view_normal(hit, ray->direction, normals);
+    case SVO_VIEW_KIND_DEPTH:
+        return (float3)(svo_view_nearness(ray->origin, hit->distance, (float)(1u << tree->params.depth)));
+    default:
+        return svo_view_mixed(hit->level * 7u) * (hit->axis == 0 ? 0.8f : hit->axis == 1 ? 1.0f : 0.65f);
+    }
+}
+
+static float3 svo_view_numbers(const svo_tree *tree, const svo_cast_ray *ray, const svo_cast_hit *hit, uint view,
+                               __global const short *normals)
+{
+    const int voxel_log2 = (int)tree->params.snap_bits - (int)tree->params.depth; /* grid units */
+    switch (view) {
+    case SVO_VIEW_KIND_STEPS:
+        return (float3)((float)hit->steps);
+    case SVO_VIEW_KIND_NORMAL:
+        return svo_view_normal(hit, ray->direction, normals);
+    case SVO_VIEW_KIND_DEPTH:
+        return (float3)(ldexp(hit->distance, voxel_log2) / tree->params.scale[0]);
+    default:
+        return (float3)((float)hit->level);
+    }
+}
+
+static svo_view_seen svo_view_voxel(const svo_tree *tree, const svo_cast_ray *ray, uint view,
+                                    __global const short *normals, bool linear)
 {
     svo_cast_tree cast;
     svo_cast_hit hit;
+    svo_view_seen seen;
     cast.nodes = tree->voxels;
     cast.depth = tree->params.depth;
-    const bool met = svo_cast(&cast, ray, &hit);
-    if (view == SVO_VIEW_KIND_STEPS) {
-        return svo_view_heat((float)hit.steps / SVO_STEPS_HOT);
+    seen.shown = (float3)(0.0f);
+    seen.met = svo_cast(&cast, ray, &hit);
+    if (seen.met || view == SVO_VIEW_KIND_STEPS) {
+        seen.shown =
+            linear ? svo_view_numbers(tree, ray, &hit, view, normals) : svo_view_color(tree, ray, &hit, view, normals);
     }
-    if (!met) {
-        return (float3)(1.0f);
+    return seen;
+}
+
+/* A ray's color or numbers added to those of its pixel. Rays that met nothing are white, or what is asked for. */
+static void svo_view_add(__constant const svo_cast_params *params, const svo_view_seen *seen, uint view, float3 *sum,
+                         uint *met)
+{
+    const bool shown = seen->met || view == SVO_VIEW_KIND_STEPS;
+    const float3 behind =
+        (params->pixel_flags & SVO_PIXEL_LINEAR) != 0u
+            ? (float3)(0.0f)
+            : svo_pixel_background(params->pixel_flags, svo_view_vector(params->background), (float3)(1.0f));
+    *sum += shown ? seen->shown : behind;
+    *met += shown ? 1u : 0u;
+}
+
+/* Numbers are means of what was met, beside the share of the pixel that was. */
+static void svo_view_store(__constant const svo_cast_params *params, float3 sum, uint met, __global uint *picture,
+                           size_t place)
+{
+    if ((params->pixel_flags & SVO_PIXEL_LINEAR) != 0u) {
+        svo_pixel_store_linear(picture, place, svo_pixel_mean(SVO_PIXEL_TRANSPARENT, sum, met, params->samples));
+    } else {
+        const float4 pixel = svo_pixel_mean(params->pixel_flags, sum, met, params->samples);
+        picture[place] = svo_pixel_bytes(pixel.xyz, pixel.w);
     }
-    if (view == SVO_VIEW_KIND_NORMAL) {
-        return 0.5f + 0.5f * svo_view_normal(&hit, ray->direction, normals);
-    }
-    if (view == SVO_VIEW_KIND_DEPTH) {
-        return (float3)(svo_view_nearness(ray->origin, hit.distance, (float)(1u << tree->params.depth)));
-    }
-    return svo_view_mixed(hit.level * 7u) * (hit.axis == 0 ? 0.8f : hit.axis == 1 ? 1.0f : 0.65f);
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
@@ -125,18 +181,26 @@ svo_k_view(SVO_TREE_PARAMETERS, __global const short *normals, __constant const 
         return;
     }
     SVO_TREE_MAKE(tree);
+    const bool linear = (params->pixel_flags & SVO_PIXEL_LINEAR) != 0u;
+    float3 sum = (float3)(0.0f);
+    uint met = 0u;
     svo_cast_ray ray;
     ray.origin = svo_view_vector(params->eye);
     ray.range = SVO_CAST_FAR;
     ray.footprint = params->footprint;
-    ray.direction = normalize(svo_view_vector(params->corner) + ((float)x + 0.5f) * svo_view_vector(params->across) +
-                              ((float)y + 0.5f) * svo_view_vector(params->down));
+    for (uint sample = 0u; sample < params->samples; ++sample) {
+        const float2 place = (float2)((float)x, (float)y) + svo_pixel_place(sample, params->samples);
+        ray.direction = normalize(svo_view_vector(params->corner) + place.x * svo_view_vector(params->across) +
+                                  place.y * svo_view_vector(params->down));
 #ifdef SVO_COMPACT
-    (void)eye;
-    const float3 color = svo_view_voxel(&tree, &ray, view, normals);
+        (void)eye;
+        const svo_view_seen seen = svo_view_voxel(&tree, &ray, view, normals, linear);
 #else
-    const float3 color = view == SVO_VIEW_KIND_TRIANGLES ? svo_view_triangle(&tree, eye, ray.direction)
-                                                         : svo_view_voxel(&tree, &ray, view, normals);
+        const svo_view_seen seen = view == SVO_VIEW_KIND_TRIANGLES
+                                       ? svo_view_triangle(&tree, eye, ray.direction, linear)
+                                       : svo_view_voxel(&tree, &ray, view, normals, linear);
 #endif
-    picture[(size_t)y * params->width + x] = svo_view_pack(color);
+        svo_view_add(params, &seen, view, &sum, &met);
+    }
+    svo_view_store(params, sum, met, picture, (size_t)y * params->width + x);
 }

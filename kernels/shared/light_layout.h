@@ -218,7 +218,7 @@ SVO_RECORD(svo_exchange_params)
 /* And for maps, which are looked at from elsewhere: full without specular light. */
 #define SVO_LIT_VIEW_MATTE 5u
 
-/* Arguments of pictures of lights, world coordinates. 96 bytes. */
+/* Arguments of pictures of lights, world coordinates. 112 bytes. */
 SVO_RECORD(svo_lit_picture_params)
 {
     SVO_F32 eye[3]; /* 0 */
@@ -233,7 +233,10 @@ SVO_RECORD(svo_lit_picture_params)
     SVO_U32 source_count; /* 76 */
     SVO_U32 finish_count; /* 80 */
     SVO_U32 first_tile; /* 84: of the launch */
-    SVO_U32 reserved[2]; /* 88 */
+    SVO_U32 samples; /* 88: camera rays of a pixel */
+    SVO_U32 pixel_flags; /* 92: SVO_PIXEL_* */
+    SVO_F32 background[3]; /* 96: what is behind everything, with SVO_PIXEL_COLOR */
+    SVO_U32 reserved; /* 108 */
 };
 
 #if !defined(GL_core_profile)
@@ -248,7 +251,7 @@ SVO_ASSERT_BYTES(svo_crossing_params, 32);
 SVO_ASSERT_BYTES(svo_unmet_params, 48);
 SVO_ASSERT_BYTES(svo_finish_record, 32);
 SVO_ASSERT_BYTES(svo_exchange_params, 32);
-SVO_ASSERT_BYTES(svo_lit_picture_params, 96);
+SVO_ASSERT_BYTES(svo_lit_picture_params, 112);
 #endif
 
 #endif

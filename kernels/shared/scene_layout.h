@@ -74,11 +74,13 @@ SVO_RECORD(svo_scene_picture)
     SVO_F32 across[3]; /* 32: from a pixel to its right neighbor, at that distance */
     SVO_U32 height; /* 44: pixels */
     SVO_F32 down[3]; /* 48: from a pixel to the one below, at that distance */
-    SVO_U32 samples; /* 60: rays per pixel along each of its sides */
+    SVO_U32 samples; /* 60: rays of a pixel */
     SVO_F32 up[3]; /* 64: unit, towards the sky */
     SVO_F32 occlusion_range; /* 76: range of the ambient occlusion */
     SVO_U32 light_count; /* 80 */
-    SVO_U32 reserved[7]; /* 84 */
+    SVO_U32 pixel_flags; /* 84: SVO_PIXEL_* */
+    SVO_F32 background[3]; /* 88: what is behind everything, with SVO_PIXEL_COLOR */
+    SVO_U32 reserved[3]; /* 100 */
 };
 
 #if !defined(GL_core_profile)

@@ -2,6 +2,7 @@
 /* Pictures of voxels, whatever holds them: the host side of kernels/rays/render.cl and view.cl. */
 #include "rays/picture.h"
 
+#include <math.h>
 #include <stdio.h>
 
 #include "core/device.h"
@@ -40,8 +41,17 @@ static svo_status check_payload(const svo_i_picture_source *source)
                              source->function, source->payload_level);
 }
 
+/* What is written of each pixel. */
+static svo_status describe_output(const svo_i_picture_source *source, const svo_render_options *options,
+                                  svo_i_pixel_output *out)
+{
+    const bool shaded = options->view == SVO_VIEW_SHADED;
+    return svo_i_pixel_output_of(source->device, source->function, "options", &options->output,
+                                 shaded ? SVO_CAST_SAMPLES : 1u, shaded ? SVO_I_CURVE_ROOT : SVO_I_CURVE_NONE, out);
+}
+
 static svo_status fill_params(const svo_i_picture_source *source, const svo_render_options *options,
-                              svo_cast_params *params)
+                              const svo_i_pixel_output *output, svo_cast_params *params)
 {
     svo_i_pinhole hole;
     SVO_I_TRY(svo_i_pinhole_from_camera(source->device, source->function, &options->camera, options->width,
@@ -57,8 +67,11 @@ static svo_status fill_params(const svo_i_picture_source *source, const svo_rend
         params->down[axis] = hole.down[axis];
         params->sun[axis] = (float)sun[axis];
         params->up[axis] = (float)hole.up[axis];
+        params->background[axis] = output->background[axis];
     }
-    params->footprint = (float)hole.pixel;
+    params->samples = output->samples;
+    params->pixel_flags = output->flags;
+    params->footprint = (float)(hole.pixel / sqrt((double)output->samples));
     params->width = options->width;
     params->height = options->height;
     params->depth = source->grid.depth;
@@ -128,12 +141,13 @@ static svo_status prepare_shaded(const svo_i_picture_source *source, picture *dr
                                  arguments, 4);
 }
 
-static svo_status enqueue(const svo_i_picture_source *source, const svo_render_options *options, const svo_i_pixels *to)
+static svo_status enqueue(const svo_i_picture_source *source, const svo_render_options *options,
+                          const svo_i_pixel_output *output, const svo_i_pixels *to)
 {
     svo_cast_params params = {.depth = 0};
     picture drawn = {.tiles = {.width = options->width, .height = options->height}, .pixels = to->buffer};
     svo_status status = SVO_OK;
-    SVO_I_TRY(fill_params(source, options, &params));
+    SVO_I_TRY(fill_params(source, options, output, &params));
     SVO_I_TRY_CLEANUP(
         svo_i_device_constants(source->device, source->function, "camera", &params, sizeof params, &drawn.params));
     SVO_I_TRY_CLEANUP(options->view == SVO_VIEW_SHADED ? prepare_shaded(source, &drawn)
@@ -153,19 +167,25 @@ cleanup:
 svo_status svo_i_picture_enqueue(const svo_i_picture_source *source, const svo_render_options *options,
                                  const svo_i_pixels *to)
 {
+    svo_i_pixel_output output;
     SVO_I_TRY(check_payload(source));
-    SVO_I_TRY(svo_i_pixels_check(source->device, source->function, options->width, options->height, to));
-    return enqueue(source, options, to);
+    SVO_I_TRY(describe_output(source, options, &output));
+    SVO_I_TRY(
+        svo_i_pixels_check(source->device, source->function, options->width, options->height, output.pixel_bytes, to));
+    return enqueue(source, options, &output, to);
 }
 
 svo_status svo_i_picture_draw(const svo_i_picture_source *source, const svo_render_options *options,
                               cl_command_queue queue, uint8_t *rgba)
 {
+    svo_i_pixel_output output;
     svo_i_own_pixels own;
     svo_status status = SVO_OK;
     SVO_I_TRY(check_payload(source));
-    SVO_I_TRY(svo_i_own_pixels_begin(source->device, source->function, options->width, options->height, queue, &own));
-    SVO_I_TRY_CLEANUP(enqueue(source, options, &own.to));
+    SVO_I_TRY(describe_output(source, options, &output));
+    SVO_I_TRY(svo_i_own_pixels_begin(source->device, source->function, options->width, options->height,
+                                     output.pixel_bytes, queue, &own));
+    SVO_I_TRY_CLEANUP(enqueue(source, options, &output, &own.to));
     SVO_I_TRY_CLEANUP(svo_i_own_pixels_read(&own, 0, options->height, rgba));
 
 cleanup:

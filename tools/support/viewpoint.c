@@ -58,3 +58,28 @@ int viewpoint_apply(program *state, bool frames, svo_camera *camera)
     camera->vertical_fov = degrees > 0 ? (float)(degrees * DEGREE) : camera->vertical_fov;
     return check(state, camera);
 }
+
+void viewpoint_turn(const svo_camera *start, unsigned frame, unsigned frame_count, svo_camera *out)
+{
+    double up[3];
+    double away[3]; /* from the target to the eye */
+    double along = 0;
+    *out = *start;
+    for (int axis = 0; axis < 3; ++axis) {
+        up[axis] = (double)start->up[axis];
+        away[axis] = (double)start->eye[axis] - (double)start->target[axis];
+    }
+    const double unit = length(up);
+    for (int axis = 0; axis < 3; ++axis) {
+        up[axis] /= unit;
+        along += up[axis] * away[axis];
+    }
+    /* O. Rodrigues' formula. */
+    const double angle = 360 * DEGREE * frame / frame_count;
+    const double across[3] = {up[1] * away[2] - up[2] * away[1], up[2] * away[0] - up[0] * away[2],
+                              up[0] * away[1] - up[1] * away[0]};
+    for (int axis = 0; axis < 3 && frame > 0; ++axis) {
+        out->eye[axis] = (float)((double)start->target[axis] + cos(angle) * away[axis] + sin(angle) * across[axis] +
+                                 (1 - cos(angle)) * along * up[axis]);
+    }
+}

@@ -10,4 +10,8 @@
    its angle suits that alone. Returns the exit code. */
 int viewpoint_apply(program *state, bool frames, svo_camera *camera);
 
+/* A camera on its way round its target, about its up axis: frame 0 is where it stands, and frame_count would be there
+   again. */
+void viewpoint_turn(const svo_camera *start, unsigned frame, unsigned frame_count, svo_camera *out);
+
 #endif

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* svocl render: renders a tree or a scene of trees, framed or as a camera sees it. */
-#include <stdlib.h>
-
 #include "support/job.h"
 #include "support/options_parse.h"
 #include "support/output.h"
@@ -28,44 +26,49 @@ static int report_picture(program *state, const session *opened, const svo_camer
         return PROGRAM_DONE;
     }
     progress_hide(state->progress);
-    table_line("%s: %ux%u pixels of %s in %s", output_name(given->output_path), given->width, given->height,
-               given->input, figure_ms(render_ms).text);
+    table_line("%s of %s in %s", picture_describe(given).text, given->input, figure_ms(render_ms).text);
     return PROGRAM_DONE;
 }
 
-/* tree: on the device, with its arrays on the host. */
+/* A tree on the device, with its arrays on the host. */
+typedef struct tree_render {
+    program *state;
+    const session *opened;
+    svo_tree *tree;
+} tree_render;
+
+static int draw(void *user, const svo_camera *camera, const svo_picture_output *output, uint8_t *pixels)
+{
+    const tree_render *work = user;
+    const options *given = &work->state->options;
+    const svo_render_options asked = {.struct_size = sizeof asked,
+                                      .width = given->width,
+                                      .height = given->height,
+                                      .camera = *camera,
+                                      .view = (svo_render_view)given->view,
+                                      .output = *output};
+    return svo_tree_render(work->opened->device, work->tree, &asked, work->opened->queue, pixels) == SVO_OK
+               ? PROGRAM_DONE
+               : program_fail_library(work->state, svo_device_message(work->opened->device));
+}
+
 static int render(program *state, const session *opened, svo_tree *tree)
 {
+    tree_render work = {.state = state, .opened = opened, .tree = tree};
     const options *given = &state->options;
-    svo_render_options render_options = {.struct_size = sizeof render_options,
-                                         .width = given->width,
-                                         .height = given->height,
-                                         .view = (svo_render_view)given->view};
-    svo_camera_frame(tree, (float)given->width / (float)given->height, &render_options.camera);
-    int exit_code = viewpoint_apply(state, true, &render_options.camera);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
-    }
-    uint8_t *rgba = malloc((size_t)given->width * given->height * 4);
-    if (rgba == NULL) {
-        return program_fail(state, PROGRAM_FAILED, "out of memory for %ux%u pixels", given->width, given->height);
-    }
-    progress_step(state->progress, "casting rays");
-    const double started_ms = input_now_ms();
-    if (svo_tree_render(opened->device, tree, &render_options, opened->queue, rgba) != SVO_OK) {
-        exit_code = program_fail_library(state, svo_device_message(opened->device));
-    }
-    const double render_ms = input_now_ms() - started_ms;
+    svo_camera camera;
+    double render_ms = 0;
+    svo_camera_frame(tree, (float)given->width / (float)given->height, &camera);
+    int exit_code = viewpoint_apply(state, true, &camera);
     if (exit_code == PROGRAM_DONE) {
-        exit_code = picture_write(state, rgba);
+        exit_code = picture_draw(state, "casting rays", &camera, draw, &work, &render_ms);
     }
-    free(rgba);
-    return exit_code == PROGRAM_DONE ? report_picture(state, opened, &render_options.camera, render_ms) : exit_code;
+    return exit_code == PROGRAM_DONE ? report_picture(state, opened, &camera, render_ms) : exit_code;
 }
 
 static int build_tree(program *state, job *done)
 {
-    const int exit_code = job_open(state, state->options.need, 2, done);
+    const int exit_code = job_open(state, state->options.need, 1 + picture_frames(&state->options), done);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
@@ -121,12 +124,17 @@ int command_render(program *state)
     if (check_probes(state) != PROGRAM_DONE || check_view(state) != PROGRAM_DONE) {
         return PROGRAM_WRONG_USAGE;
     }
+    char first[PICTURE_PATH_BYTES];
     int exit_code = render_animation_check(state);
-    if (exit_code == PROGRAM_DONE && state->options.animate != 0) {
-        return render_animation(state);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = picture_check(state);
     }
     if (exit_code == PROGRAM_DONE) {
-        exit_code = output_check(state, state->options.output_path);
+        picture_frame_path(&state->options, 0, first);
+        exit_code = output_check(state, first);
+    }
+    if (exit_code == PROGRAM_DONE && state->options.animate != 0) {
+        return render_animation(state);
     }
     if (exit_code == PROGRAM_DONE && state->options.paged > 0) {
         return render_paged(state);
@@ -141,7 +149,8 @@ int command_render(program *state)
         return render_scene(state);
     }
     if (exit_code == PROGRAM_DONE) {
-        exit_code = input_is_tree(state) ? job_load(state, 2, &done) : build_tree(state, &done);
+        exit_code = input_is_tree(state) ? job_load(state, 1 + picture_frames(&state->options), &done)
+                                         : build_tree(state, &done);
     }
     if (exit_code == PROGRAM_DONE) {
         exit_code = render(state, &done.opened, done.result.tree);
