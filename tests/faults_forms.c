@@ -151,7 +151,7 @@ static svo_status use_scene(subject *of, svo_scene *scene)
     digest(of, hits, sizeof hits);
     TRY_TOLD(svo_scene_trace_triangles(scene, world.rays, triangles, RAYS, SVO_SCENE_CLOSEST, world.queue));
     digest(of, triangles, sizeof triangles);
-    svo_scene_camera_frame(scene, 1.0F, &options.camera);
+    (void)svo_scene_camera_fit(scene, 1.0F, &options.camera);
     TRY_TOLD(svo_scene_render(scene, &options, world.queue, picture));
     digest(of, picture, sizeof picture);
     return SVO_OK;

@@ -423,7 +423,7 @@ static svo_status run_render(subject *of)
     uint8_t picture[PICTURE_SIDE * PICTURE_SIDE * 4];
     svo_render_options options = {
         .struct_size = sizeof options, .width = PICTURE_SIDE, .height = PICTURE_SIDE, .view = SVO_VIEW_SHADED};
-    svo_camera_frame(of->tree, 1.0F, &options.camera);
+    TRY_TOLD(svo_camera_fit(of->tree, 1.0F, &options.camera));
     for (unsigned i = 0; i < 2; ++i) {
         memset(picture, 0, sizeof picture);
         TRY_TOLD(svo_tree_render(world.device, of->tree, &options, world.queue, picture));

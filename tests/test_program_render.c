@@ -3,6 +3,7 @@
 #include "program_picture.h"
 #include "run_program.h"
 
+#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -81,6 +82,78 @@ static void every_input_has_the_camera(void **state)
     expect_vector(document, "target", 0, 0.25, 0);
     cJSON_Delete(document);
     run_well("rm a.png cube.obj cube.svo cube.svc scene.json");
+}
+
+/* Pictures of levels are white where nothing is. */
+static bool is_empty(const program_picture *picture, int x, int y)
+{
+    const uint8_t *pixel = pixel_of(picture, x, y);
+    return pixel[0] == 255 && pixel[1] == 255 && pixel[2] == 255;
+}
+
+/* All of the input is in view, with room around it, and it spans two thirds of the picture's width or of its height. */
+static void expect_framed(const char *input, const char *more)
+{
+    char line[512];
+    snprintf(line, sizeof line, "$SVOCL render '%s' -q --view level -o a.png %s", input, more);
+    run_well(line);
+    program_picture picture = read_picture("a.png");
+    int low[2] = {picture.width, picture.height};
+    int high[2] = {0, 0};
+    for (int y = 0; y < picture.height; ++y) {
+        for (int x = 0; x < picture.width; ++x) {
+            if (!is_empty(&picture, x, y)) {
+                low[0] = x < low[0] ? x : low[0];
+                low[1] = y < low[1] ? y : low[1];
+                high[0] = x >= high[0] ? x + 1 : high[0];
+                high[1] = y >= high[1] ? y + 1 : high[1];
+            }
+        }
+    }
+    const bool is_inside = low[0] > 0 && low[1] > 0 && high[0] < picture.width && high[1] < picture.height;
+    if (!is_inside || (3 * (high[0] - low[0]) < 2 * picture.width && 3 * (high[1] - low[1]) < 2 * picture.height)) {
+        fail_msg("%s: it is in columns %d .. %d and rows %d .. %d of %d x %d", line, low[0], high[0] - 1, low[1],
+                 high[1] - 1, picture.width, picture.height);
+    }
+    free_picture(&picture);
+    run_well("rm a.png");
+}
+
+static void a_framed_input_fills_the_picture_whatever_is_up(void **state)
+{
+    (void)state;
+    need_builds();
+    static const char *const options[] = {"--size 96x64", "--size 64x96 --up 0,0,1", "--size 96x64 --up=-1,2,0.5",
+                                          "--size 128x128 --up 0,-1,0 --fov 100", "--size 200x50 --fov 5"};
+    /* A small part of the grid, and long thin things. */
+    run_well("$SVOCL build scene:knot -d 8 --origin=-9,-9,-9 --edge 40 --need none -o small.svo -q");
+    static const char *const inputs[] = {"scene:knot", "scene:needles", "scene:statue:2000", "small.svo"};
+    for (size_t i = 0; i < sizeof inputs / sizeof inputs[0]; ++i) {
+        for (size_t k = 0; k < sizeof options / sizeof options[0]; ++k) {
+            expect_framed(inputs[i], options[k]);
+        }
+    }
+    run_well("rm small.svo");
+}
+
+static void models_of_other_people_fill_the_picture(void **state)
+{
+    (void)state;
+    need_builds();
+    DIR *folder = opendir(SHARED_SCENES "/vox");
+    if (folder == NULL) {
+        print_message("skipped: %s is not there\n", SHARED_SCENES "/vox");
+        skip();
+    }
+    for (const struct dirent *entry = readdir(folder); entry != NULL; entry = readdir(folder)) {
+        if (entry->d_name[0] != '.') {
+            char path[1024];
+            snprintf(path, sizeof path, "%s/%s", SHARED_SCENES "/vox", entry->d_name);
+            expect_framed(path, "--size 96x72");
+            expect_framed(path, "--size 96x72 --up 0,0,1");
+        }
+    }
+    closedir(folder);
 }
 
 static void a_wrong_camera_is_one_line(void **state)
@@ -165,8 +238,12 @@ static void a_file_in_pages(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {IN_FOLDER(a_file_in_pages), IN_FOLDER(a_camera_inside_sees_the_walls),
-                                       IN_FOLDER(every_input_has_the_camera), IN_FOLDER(a_wrong_camera_is_one_line),
+    const struct CMUnitTest tests[] = {IN_FOLDER(a_file_in_pages),
+                                       IN_FOLDER(a_camera_inside_sees_the_walls),
+                                       IN_FOLDER(every_input_has_the_camera),
+                                       IN_FOLDER(a_framed_input_fills_the_picture_whatever_is_up),
+                                       IN_FOLDER(models_of_other_people_fill_the_picture),
+                                       IN_FOLDER(a_wrong_camera_is_one_line),
                                        IN_FOLDER(meshes_without_colors_are_clay)};
     return cmocka_run_group_tests_name("render", tests, NULL, NULL);
 }

@@ -499,6 +499,45 @@ static double seen_extent(const svo_camera *camera, double aspect, const double 
     return extent;
 }
 
+static void expect_no_frame(const svo_tree *tree, svo_camera camera)
+{
+    const svo_camera before = camera;
+    assert_int_equal(svo_camera_fit(tree, 1.0f, &camera), SVO_INVALID_ARGUMENT);
+    assert_memory_equal(&camera, &before, sizeof camera);
+}
+
+static void a_fitted_camera_keeps_its_direction(void **unused)
+{
+    (void)unused;
+    occupancy *voxels = make_ball(5);
+    svo_tree *tree = make_tree(voxels, false);
+    svo_camera framed;
+    svo_camera_frame(tree, 1.5f, &framed);
+    svo_camera zeros = {.vertical_fov = 0};
+    assert_int_equal(svo_camera_fit(tree, 1.5f, &zeros), SVO_OK);
+    assert_memory_equal(&zeros, &framed, sizeof framed);
+    svo_camera camera = {.eye = {3, 9, 27}, .target = {2, 11, 30}, .up = {0.1f, 0.2f, 3}, .vertical_fov = 1.25f};
+    const pinhole before = pinhole_of(&camera);
+    assert_int_equal(svo_camera_fit(tree, 1.5f, &camera), SVO_OK);
+    const pinhole after = pinhole_of(&camera);
+    for (int axis = 0; axis < 3; ++axis) {
+        assert_float_equal(after.forward[axis], before.forward[axis], 1e-5);
+        assert_float_equal(after.right[axis], before.right[axis], 1e-5);
+    }
+    assert_true(camera.vertical_fov == 1.25f);
+    /* The ball touches the margin, though its box would leave room: the sine of its half angle is radius / distance. */
+    double square = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        square += (0.5 - (double)camera.eye[axis]) * (0.5 - (double)camera.eye[axis]);
+    }
+    assert_float_equal(0.5 / sqrt(square), sin(atan(tan(0.625) / 1.04)), 0.03);
+    expect_no_frame(tree, (svo_camera){.eye = {0, 1, 0}, .up = {0, 2, 0}, .vertical_fov = 1});
+    expect_no_frame(tree, (svo_camera){.eye = {0, 1, 0}, .up = {1, 0, 0}, .vertical_fov = 3.15f});
+    expect_no_frame(tree, (svo_camera){.eye = {0, 1, (float)HUGE_VAL}, .up = {1, 0, 0}, .vertical_fov = 1});
+    svo_tree_destroy(&tree);
+    free(voxels);
+}
+
 static void the_framing_camera_shows_the_tree_and_fills_the_picture(void **unused)
 {
     (void)unused;
@@ -628,6 +667,7 @@ int main(void)
         cmocka_unit_test(pictures_are_repeatable),
         cmocka_unit_test(bands_draw_the_same_picture),
         cmocka_unit_test(a_ball_is_lit_from_above),
+        cmocka_unit_test(a_fitted_camera_keeps_its_direction),
         cmocka_unit_test(the_framing_camera_shows_the_tree_and_fills_the_picture),
         cmocka_unit_test(bad_arguments_are_refused),
     };

@@ -190,30 +190,6 @@ static void constant_payload_is_one_element(void **state)
     release(&made);
 }
 
-/* ---- bounds ---- */
-
-static void bounds_are_those_of_the_cells(void **state)
-{
-    packable made = {0};
-    make(state, "knot:5000", NULL, 0, &made);
-    uint32_t low[3] = {UINT32_MAX, UINT32_MAX, UINT32_MAX};
-    uint32_t high[3] = {0, 0, 0};
-    for (uint32_t i = made.made.info.level_begin[6]; i < made.made.info.level_begin[7]; ++i) {
-        svo_node node;
-        assert_int_equal(svo_tree_find_node(made.made.tree, i, &node), SVO_OK);
-        for (int axis = 0; axis < 3; ++axis) {
-            low[axis] = 2 * node.cell[axis] < low[axis] ? 2 * node.cell[axis] : low[axis];
-            high[axis] = 2 * node.cell[axis] + 2 > high[axis] ? 2 * node.cell[axis] + 2 : high[axis];
-        }
-    }
-    uint32_t found_low[3];
-    uint32_t found_high[3];
-    assert_true(web_tree_bounds(&made.tree, found_low, found_high));
-    assert_memory_equal(found_low, low, sizeof low);
-    assert_memory_equal(found_high, high, sizeof high);
-    release(&made);
-}
-
 /* ---- normals ---- */
 
 /* The direction that a page reads (tools/web/nodes.glsl). */
@@ -274,7 +250,6 @@ int main(void)
         cmocka_unit_test(merged_leaves_stay),
         cmocka_unit_test(payload_may_begin_below_the_root),
         cmocka_unit_test(constant_payload_is_one_element),
-        cmocka_unit_test(bounds_are_those_of_the_cells),
         cmocka_unit_test(normals_keep_their_direction),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);

@@ -206,6 +206,14 @@ SVO_API svo_status svo_scene_trace_triangles(svo_scene *scene, const svo_ray *ra
  * \param camera receives the camera */
 SVO_API void svo_scene_camera_frame(const svo_scene *scene, float aspect, svo_camera *camera);
 
+/** Moves a camera to where the boxes of all instances fill its picture and all of them are in view, as svo_camera_fit.
+ *
+ * \param scene not NULL
+ * \param aspect width / height, above 0; anything else counts as 1
+ * \param camera see svo_camera_fit
+ * \returns what svo_camera_fit returns. */
+SVO_API svo_status svo_scene_camera_fit(const svo_scene *scene, float aspect, svo_camera *camera);
+
 /** Options of a picture of a scene. */
 typedef struct svo_scene_render_options {
     size_t struct_size; /**< sizeof(svo_scene_render_options) */

@@ -28,12 +28,28 @@ typedef struct svo_camera {
     float vertical_fov; /**< radians, above 0 and below pi */
 } svo_camera;
 
-/** Frames the occupied part of a tree from the front, a little from the right and from above.
+/** Framing looks at no deeper level: what it takes for occupied are the cells of this one. */
+#define SVO_FRAME_LEVEL_MAX 7u
+
+/** Frames the occupied part of a tree from the front, a little from the right and from above; y is up.
  *
  * \param tree not NULL; without host arrays the whole grid is framed
  * \param aspect width / height, above 0; anything else counts as 1
  * \param camera receives the camera */
 SVO_API void svo_camera_frame(const svo_tree *tree, float aspect, svo_camera *camera);
+
+/** Moves a camera to where the occupied part of a tree fills its picture and all of it is in view, with a margin of two
+ *  hundredths of the picture at least. Its direction of sight, its up and its angle stay. Its target becomes the point
+ *  in the middle of the picture that is as far away as the middle of what is framed.
+ *
+ * \param tree not NULL; without host arrays the whole grid is framed
+ * \param aspect width / height, above 0; anything else counts as 1
+ * \param camera is moved. Where eye and target are the same it looks from the direction of svo_camera_frame, turned
+ *        with up; up zero: y; vertical_fov zero: that of svo_camera_frame. So a camera of zeros becomes that of
+ *        svo_camera_frame
+ * \returns SVO_INVALID_ARGUMENT, and leaves the camera, if a coordinate is not finite, up is along the line of sight,
+ *          or vertical_fov is not below pi. */
+SVO_API svo_status svo_camera_fit(const svo_tree *tree, float aspect, svo_camera *camera);
 
 /** What a picture shows. */
 typedef enum svo_render_view {

@@ -8,9 +8,6 @@
 #include "core/device.h"
 #include "core/tree.h"
 
-/* The deepest level that is searched for the bounds of the occupied part. */
-#define BOUNDS_LEVEL_MAX 6u
-
 #define PICTURE_EDGE_MAX 16384u
 
 /* ---- vectors ---- */
@@ -98,143 +95,177 @@ svo_status svo_i_pinhole_from_camera(svo_device *device, const char *function, c
 
 /* ---- framing ---- */
 
-/* A box of cells on one level. */
-typedef struct cell_bounds {
-    uint32_t low[3], high[3]; /* high: one past the last cell */
-} cell_bounds;
+/* Of a camera that names no direction: 26 degrees to the right and 22 above the horizon, of a viewer in front. */
+static const double front_side[3] = {0.406, 0.375, 0.833};
+#define FRONT_FOV 0.56
+/* Of the picture's half, around what is framed. */
+#define FRAME_MARGIN 1.04
 
-/* The tree's nodes on the host; NULL where the tree has no host arrays. */
-typedef struct node_arrays {
+/* The nodes on the host, and a direction along which the farthest occupied cell is sought. */
+typedef struct reach_search {
     const uint8_t *child_mask;
     const uint32_t *first_child;
-} node_arrays;
+    double origin[3], edge; /* of the grid */
+    double along[3];
+    uint32_t ahead; /* the octant that lies farthest along it */
+    uint32_t level; /* cells of this one are not opened */
+    double reach;
+} reach_search;
 
-static void extend_bounds(const node_arrays *arrays, uint32_t node, uint32_t levels_left, const uint32_t cell[3],
-                          cell_bounds *bounds)
+/* How far the corner of a cell reaches. */
+static double cell_reach(const reach_search *of, uint32_t level, const uint32_t cell[3])
 {
-    if (levels_left == 0) {
-        for (int axis = 0; axis < 3; ++axis) {
-            bounds->low[axis] = cell[axis] < bounds->low[axis] ? cell[axis] : bounds->low[axis];
-            bounds->high[axis] = cell[axis] >= bounds->high[axis] ? cell[axis] + 1 : bounds->high[axis];
-        }
+    const double width = of->edge / (double)(1u << level);
+    double reach = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        reach += of->along[axis] * (of->origin[axis] + width * (cell[axis] + (of->ahead >> axis & 1)));
+    }
+    return reach;
+}
+
+/* Opens nodes that may reach farther than what was found, the one ahead first. */
+static void search_reach(reach_search *of, uint32_t node, uint32_t level, const uint32_t cell[3])
+{
+    const double reach = cell_reach(of, level, cell);
+    if (reach <= of->reach) {
         return;
     }
-    uint32_t child = arrays->first_child[node];
+    const uint32_t mask = level < of->level ? of->child_mask[node] : 0;
+    if (mask == 0) {
+        of->reach = reach;
+        return;
+    }
+    uint32_t child[8];
+    uint32_t next = of->first_child[node];
     for (uint32_t octant = 0; octant < 8; ++octant) {
-        if ((arrays->child_mask[node] >> octant & 1) != 0) {
+        child[octant] = next;
+        next += mask >> octant & 1;
+    }
+    for (uint32_t k = 0; k < 8; ++k) {
+        const uint32_t octant = of->ahead ^ k;
+        if ((mask >> octant & 1) != 0) {
             const uint32_t inner[3] = {2 * cell[0] + (octant & 1), 2 * cell[1] + (octant >> 1 & 1),
                                        2 * cell[2] + (octant >> 2)};
-            extend_bounds(arrays, child, levels_left - 1, inner, bounds);
-            ++child;
+            search_reach(of, child[octant], level + 1, inner);
         }
     }
 }
 
-/* The occupied part in world coordinates; the whole grid without host arrays or leaves. */
-static void occupied_bounds(const svo_tree *tree, double low[3], double high[3])
+/* Without host arrays or leaves the whole grid counts. */
+static double tree_reach(const void *subject, const double along[3])
 {
-    const uint32_t level = tree->info.depth < BOUNDS_LEVEL_MAX ? tree->info.depth : BOUNDS_LEVEL_MAX;
-    const uint32_t cells = 1u << level;
-    cell_bounds bounds = {{0, 0, 0}, {cells, cells, cells}};
-    const node_arrays arrays = {tree->host[SVO_TREE_CHILD_MASK], tree->host[SVO_TREE_FIRST_CHILD]};
-    if (arrays.child_mask != NULL && arrays.first_child != NULL && tree->info.leaf_count > 0) {
-        bounds = (cell_bounds){{cells, cells, cells}, {0, 0, 0}};
-        const uint32_t root[3] = {0, 0, 0};
-        extend_bounds(&arrays, 0, level, root, &bounds);
-    }
+    const svo_tree *tree = subject;
+    const bool is_known = tree->host[SVO_TREE_CHILD_MASK] != NULL && tree->host[SVO_TREE_FIRST_CHILD] != NULL &&
+                          tree->info.leaf_count > 0;
+    const uint32_t deepest = tree->info.depth < SVO_FRAME_LEVEL_MAX ? tree->info.depth : SVO_FRAME_LEVEL_MAX;
+    reach_search search = {.child_mask = tree->host[SVO_TREE_CHILD_MASK],
+                           .first_child = tree->host[SVO_TREE_FIRST_CHILD],
+                           .edge = tree->info.edge,
+                           .level = is_known ? deepest : 0,
+                           .reach = -HUGE_VAL};
     for (int axis = 0; axis < 3; ++axis) {
-        low[axis] = tree->info.origin[axis] + tree->info.edge * bounds.low[axis] / cells;
-        high[axis] = tree->info.origin[axis] + tree->info.edge * bounds.high[axis] / cells;
+        search.origin[axis] = tree->info.origin[axis];
+        search.along[axis] = along[axis];
+        search.ahead |= along[axis] > 0 ? 1u << axis : 0;
+    }
+    const uint32_t root[3] = {0, 0, 0};
+    search_reach(&search, 0, 0, root);
+    return search.reach;
+}
+
+/* The direction from which a camera without one looks: in front of whoever has this up, unit, turned there from y by
+   the least rotation (Rodrigues' formula). */
+static void turn_front_side(const double up[3], double side[3])
+{
+    const double axis[3] = {up[2], 0, -up[0]}; /* y x up */
+    double once[3];
+    double twice[3];
+    cross(axis, front_side, once);
+    cross(axis, once, twice);
+    for (int i = 0; i < 3; ++i) {
+        side[i] = up[1] > -1 + 1e-12 ? front_side[i] + once[i] + twice[i] / (1 + up[1])
+                                     : (i < 2 ? -front_side[i] : front_side[i]);
     }
 }
 
-/* A corner of a box as a camera at distance sees it: tangents to the right and upwards, and depth past the target. */
-typedef struct seen_corner {
-    double right, up, beyond;
-} seen_corner;
-
-static void see_corners(const svo_i_view *camera_view, const double target[3], const double low[3],
-                        const double high[3], seen_corner corners[8])
+/* What a camera leaves open takes its default. False without a frame. */
+static bool complete_camera(svo_camera *camera, svo_i_view *out)
 {
-    for (int k = 0; k < 8; ++k) {
-        double offset[3];
+    double up[3] = {(double)camera->up[0], (double)camera->up[1], (double)camera->up[2]};
+    if (!(camera->vertical_fov > 0)) {
+        camera->vertical_fov = (float)FRONT_FOV;
+    }
+    if (dot(up, up) == 0) {
+        camera->up[1] = 1;
+        up[1] = 1;
+    }
+    if (memcmp(camera->eye, camera->target, sizeof camera->eye) == 0) {
+        double side[3];
+        if (!svo_i_normalize(up, up)) {
+            return false;
+        }
+        turn_front_side(up, side);
         for (int axis = 0; axis < 3; ++axis) {
-            offset[axis] = ((k >> axis & 1) != 0 ? high[axis] : low[axis]) - target[axis];
-        }
-        corners[k].right = dot(offset, camera_view->right);
-        corners[k].up = dot(offset, camera_view->up);
-        corners[k].beyond = dot(offset, camera_view->forward);
-    }
-}
-
-/* The least distance from which all corners are inside a view of these half tangents. */
-static double framing_distance(const seen_corner corners[8], double tangent_right, double tangent_up)
-{
-    double distance = 0;
-    for (int k = 0; k < 8; ++k) {
-        distance = fmax(distance, fabs(corners[k].right) / tangent_right - corners[k].beyond);
-        distance = fmax(distance, fabs(corners[k].up) / tangent_up - corners[k].beyond);
-    }
-    return distance;
-}
-
-/* Moves the target so that the corners are centered in the picture. */
-static void center_target(const svo_i_view *camera_view, const seen_corner corners[8], double distance,
-                          double target[3])
-{
-    double low[2] = {HUGE_VAL, HUGE_VAL};
-    double high[2] = {-HUGE_VAL, -HUGE_VAL};
-    for (int k = 0; k < 8; ++k) {
-        const double depth = distance + corners[k].beyond;
-        const double seen[2] = {corners[k].right / depth, corners[k].up / depth};
-        for (int side = 0; side < 2; ++side) {
-            low[side] = fmin(low[side], seen[side]);
-            high[side] = fmax(high[side], seen[side]);
+            camera->eye[axis] = (float)side[axis];
+            camera->target[axis] = 0;
         }
     }
+    return (double)camera->vertical_fov < 3.14159265358979 && svo_i_view_from_camera(camera, out);
+}
+
+/*
+ * A point is inside a side of the picture if side . point - tangent * forward . point is at most that of the eye. So
+ * the farthest points along four directions place the eye: two opposite ones give its place between them, and how far
+ * back it has to be for both.
+ */
+static double fit_sides(const svo_i_fitted *of, const svo_i_view *looking, const double side[3], double tangent,
+                        double *between)
+{
+    double along[2][3];
     for (int axis = 0; axis < 3; ++axis) {
-        target[axis] += distance * 0.5 *
-                        ((low[0] + high[0]) * camera_view->right[axis] + (low[1] + high[1]) * camera_view->up[axis]);
+        along[0][axis] = side[axis] - tangent * looking->forward[axis];
+        along[1][axis] = -side[axis] - tangent * looking->forward[axis];
     }
+    const double first = of->reach(of->subject, along[0]);
+    const double second = of->reach(of->subject, along[1]);
+    *between = 0.5 * (first - second);
+    return -0.5 * (first + second) / tangent;
 }
 
-void svo_i_camera_frame(const double low[3], const double high[3], float aspect, svo_camera *camera)
+bool svo_i_camera_fit(const svo_i_fitted *of, float aspect, svo_camera *camera)
 {
     const double shape = isfinite(aspect) && aspect > 0.0f ? (double)aspect : 1.0;
-    const double half_fov = 0.28;
-    const double margin = 1.04;
-    /* 26 degrees to the right and 22 above the z axis, which points to the viewer; y is up. */
-    const svo_camera direction = {
-        .eye = {0.406f, 0.375f, 0.833f}, .up = {0, 1, 0}, .vertical_fov = (float)(2 * half_fov)};
+    svo_camera fitted = *camera;
     svo_i_view looking = {{0}, {0}, {0}};
-    (void)svo_i_view_from_camera(&direction, &looking);
-    double target[3];
+    if (!complete_camera(&fitted, &looking)) {
+        return false;
+    }
+    const double tangent = tan(0.5 * (double)fitted.vertical_fov) / FRAME_MARGIN;
+    double right;
+    double up;
+    const double far_enough = fmin(fit_sides(of, &looking, looking.right, tangent * shape, &right),
+                                   fit_sides(of, &looking, looking.up, tangent, &up));
+    const double back[3] = {-looking.forward[0], -looking.forward[1], -looking.forward[2]};
+    const double middle = 0.5 * (of->reach(of->subject, looking.forward) - of->reach(of->subject, back));
     for (int axis = 0; axis < 3; ++axis) {
-        target[axis] = 0.5 * (low[axis] + high[axis]);
+        const double across = right * looking.right[axis] + up * looking.up[axis];
+        fitted.eye[axis] = (float)(across + far_enough * looking.forward[axis]);
+        fitted.target[axis] = (float)(across + middle * looking.forward[axis]);
     }
-    const double tangent_up = tan(half_fov) / margin;
-    double distance = 0;
-    for (int pass = 0; pass < 4; ++pass) {
-        seen_corner corners[8];
-        see_corners(&looking, target, low, high, corners);
-        distance = framing_distance(corners, tangent_up * shape, tangent_up);
-        if (pass < 3) {
-            center_target(&looking, corners, distance, target);
-        }
-    }
-    *camera = direction;
-    for (int axis = 0; axis < 3; ++axis) {
-        camera->target[axis] = (float)target[axis];
-        camera->eye[axis] = (float)(target[axis] - distance * looking.forward[axis]);
-    }
+    *camera = fitted;
+    return true;
+}
+
+svo_status svo_camera_fit(const svo_tree *tree, float aspect, svo_camera *camera)
+{
+    const svo_i_fitted fitted = {tree, tree_reach};
+    return svo_i_camera_fit(&fitted, aspect, camera) ? SVO_OK : SVO_INVALID_ARGUMENT;
 }
 
 void svo_camera_frame(const svo_tree *tree, float aspect, svo_camera *camera)
 {
-    double low[3];
-    double high[3];
-    occupied_bounds(tree, low, high);
-    svo_i_camera_frame(low, high, aspect, camera);
+    *camera = (svo_camera){.vertical_fov = 0};
+    (void)svo_camera_fit(tree, aspect, camera);
 }
 
 /* ---- light ---- */

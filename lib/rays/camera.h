@@ -35,8 +35,14 @@ svo_status svo_i_pinhole_from_camera(svo_device *device, const char *function, c
 /* False, and out untouched, for a vector without a direction. */
 bool svo_i_normalize(const double a[3], double out[3]);
 
-/* Frames a box as svo_camera_frame does the occupied part of a tree. */
-void svo_i_camera_frame(const double low[3], const double high[3], float aspect, svo_camera *camera);
+/* What a camera is fitted to. reach: the largest dot product of a point of it with a direction. */
+typedef struct svo_i_fitted {
+    const void *subject;
+    double (*reach)(const void *subject, const double along[3]);
+} svo_i_fitted;
+
+/* Does what svo_camera_fit says; false, and the camera as it was, for one without a frame. */
+bool svo_i_camera_fit(const svo_i_fitted *of, float aspect, svo_camera *camera);
 
 /* Towards the light: high, and over the right shoulder of whoever looks along the view. up: unit. */
 void svo_i_place_sun(const svo_i_view *looking, const double up[3], double sun[3]);

@@ -193,6 +193,11 @@ def test_a_picture(device, cube):
         assert np.array_equal(picture, tree.render(64, 48, camera=camera))
         background, middle = picture[0, 0], picture[24, 32]
         assert not np.array_equal(background, middle)
+        turned = tree.frame(4 / 3, svocl.Camera((0, 0, 0), (0, 0, 0), (0, 0, 2), 1.0))
+        assert turned.up == (0, 0, 2) and turned.vertical_fov == 1.0 and turned.eye != camera.eye
+        assert turned.eye[2] > turned.target[2] and turned.eye[1] < turned.target[1]
+        with pytest.raises(svocl.InvalidArgumentError, match="has no frame"):
+            tree.frame(1.0, svocl.Camera((0, 1, 0), (0, 0, 0), (0, 1, 0), 1.0))
         away = camera._replace(target=tuple(2 * e - t for e, t in zip(camera.eye, camera.target)))
         assert np.all(tree.render(64, 48, camera=away)[:, :, 3] == background[3])
         assert not np.array_equal(tree.render(64, 48, camera=away)[24, 32], middle)

@@ -295,12 +295,11 @@ svo_tree *animation_tree(const animation *film)
 
 int animation_camera(const animation *film, const scene_file *file, float aspect, svo_camera *camera)
 {
-    *camera = file->camera;
-    if (!file->has_camera && svo_tree_download(animation_tree(film), film->queue) != SVO_OK) {
+    const bool framed = !file->has_camera || film->state->options.from_side > 0;
+    if (framed && svo_tree_download(animation_tree(film), film->queue) != SVO_OK) {
         return fail_library(film);
     }
-    if (!file->has_camera) {
-        svo_camera_frame(animation_tree(film), aspect, camera);
-    }
-    return viewpoint_apply(film->state, !file->has_camera, camera);
+    const viewpoint_subject shown = {
+        .camera = file->has_camera ? &file->camera : NULL, .tree = animation_tree(film), .aspect = aspect};
+    return viewpoint_place(film->state, &shown, camera);
 }

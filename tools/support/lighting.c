@@ -170,13 +170,9 @@ int lighting_make(program *state, const job *done, const svo_light_setup *setup,
 
 int lighting_place_camera(program *state, const lighting *work, const svo_tree *tree, svo_camera *camera)
 {
-    const options *given = &state->options;
-    if (work->file.has_camera) {
-        *camera = work->file.camera;
-    } else {
-        svo_camera_frame(tree, (float)given->width / (float)given->height, camera);
-    }
-    return viewpoint_apply(state, !work->file.has_camera, camera);
+    const viewpoint_subject shown = {
+        .camera = work->file.has_camera ? &work->file.camera : NULL, .tree = tree, .aspect = viewpoint_aspect(state)};
+    return viewpoint_place(state, &shown, camera);
 }
 
 svo_light_source lighting_sun(const svo_camera *camera)

@@ -139,6 +139,7 @@ typedef struct options {
     int view; /* svo_render_view, or from OPTION_VIEW_LIGHT on */
     option_vector eye, look_at, up; /* render: the camera, world units */
     double fov; /* render: degrees; 0: not given */
+    int from_side; /* render: 0: not given, else 1 + the place in the table of sides of support/viewpoint.c */
     uint64_t count; /* stress: amount of work */
     int versus; /* bench: 0 nothing, or OPTION_VERSUS_* */
     uint64_t ray_count; /* bench: rays per set */

@@ -59,6 +59,8 @@ static const choice views[] = {{"shaded", SVO_VIEW_SHADED},
 static const choice picture_formats[] = {{"png", OPTION_FORMAT_PNG}, {"exr", OPTION_FORMAT_EXR},
                                          {"hdr", OPTION_FORMAT_HDR}, {"ppm", OPTION_FORMAT_PPM},
                                          {"y4m", OPTION_FORMAT_Y4M}, {NULL, 0}};
+static const choice sides[] = {{"front", 1}, {"left", 2},   {"right", 3}, {"back", 4},
+                               {"top", 5},   {"bottom", 6}, {"iso", 7},   {NULL, 0}};
 static const choice light_forms[] = {
     {"faces", SVO_LIGHT_FACES}, {"bricks", SVO_LIGHT_BRICKS}, {"voxels", SVO_LIGHT_VOXELS}, {NULL, 0}};
 static const choice opacities[] = {{"area", SVO_OPACITY_AREA}, {"full", SVO_OPACITY_FULL}, {NULL, 0}};
@@ -466,6 +468,8 @@ static const rule rules[] = {
      "also path-trace each point by N paths, rounded down to 16 squares (none)"},
     {"eye", '\0', OPTION_RENDER_COMMAND, "X,Y,Z", read_vector, FIELD(eye), 0, 0, NULL,
      "where the camera stands, world units (where all of INPUT is in view)"},
+    {"from", '\0', OPTION_RENDER_COMMAND, "SIDE", read_choice, FIELD(from_side), 0, 0, sides,
+     "side from which all of INPUT is framed: front, left, right, back, top, bottom, iso (a little right and above)"},
     {"at", '\0', OPTION_RENDER_COMMAND, "X,Y,Z", read_vector, FIELD(look_at), 0, 0, NULL,
      "the point that the camera looks at (the middle of INPUT)"},
     {"up", '\0', OPTION_RENDER_COMMAND, "X,Y,Z", read_vector, FIELD(up), 0, 0, NULL,

@@ -1,14 +1,25 @@
 /* SPDX-License-Identifier: MIT */
-/* The camera of a picture, as --eye, --at, --up and --fov place it. */
+/* The camera of a picture, as --eye, --at, --up, --fov and --from place it. */
 #ifndef SVOCL_TOOLS_SUPPORT_VIEWPOINT_H
 #define SVOCL_TOOLS_SUPPORT_VIEWPOINT_H
 
 #include "support/program.h"
-#include "svocl/trace.h"
+#include "svocl/scene.h"
 
-/* Moves a camera to where the options want it; what they leave open stays. frames: the camera frames its subject, and
-   its angle suits that alone. Returns the exit code. */
-int viewpoint_apply(program *state, bool frames, svo_camera *camera);
+/* What a picture shows. */
+typedef struct viewpoint_subject {
+    const svo_camera *camera; /* of a file; NULL: it frames the scene, else the tree */
+    const svo_scene *scene; /* NULL: there is none */
+    const svo_tree *tree;
+    float aspect; /* of the picture */
+} viewpoint_subject;
+
+/* Places a camera: what the options leave open is that of the file, or frames the subject, with --turntable from all
+   sides. Returns the exit code. */
+int viewpoint_place(program *state, const viewpoint_subject *of, svo_camera *camera);
+
+/* Of the picture that the options ask for. */
+float viewpoint_aspect(const program *state);
 
 /* A camera on its way round its target, about its up axis: frame 0 is where it stands, and frame_count would be there
    again. */

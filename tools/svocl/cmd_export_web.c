@@ -108,9 +108,6 @@ static int pack(program *state, web_export *made)
     made->tree = web_tree_of(made->compact);
     made->page = (web_page){.name = name_of_input(&state->options), .tree = &made->tree};
     progress_step(state->progress, "compressing the nodes");
-    if (!web_tree_bounds(&made->tree, made->page.low, made->page.high)) {
-        return program_fail(state, PROGRAM_FAILED, "out of memory for the bounds");
-    }
     for (uint32_t level = made->tree.info.depth; level > 0 && !fits; --level) {
         const int exit_code = pack_level(state, level, made, &fits);
         if (exit_code != PROGRAM_DONE) {

@@ -55,11 +55,10 @@ static int draw(void *user, const svo_camera *camera, const svo_picture_output *
 static int render(program *state, const session *opened, svo_tree *tree)
 {
     tree_render work = {.state = state, .opened = opened, .tree = tree};
-    const options *given = &state->options;
+    const viewpoint_subject shown = {.tree = tree, .aspect = viewpoint_aspect(state)};
     svo_camera camera;
     double render_ms = 0;
-    svo_camera_frame(tree, (float)given->width / (float)given->height, &camera);
-    int exit_code = viewpoint_apply(state, true, &camera);
+    int exit_code = viewpoint_place(state, &shown, &camera);
     if (exit_code == PROGRAM_DONE) {
         exit_code = picture_draw(state, "casting rays", &camera, draw, &work, &render_ms);
     }

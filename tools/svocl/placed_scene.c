@@ -40,11 +40,8 @@ void placed_scene_close(placed_scene *which)
 
 int placed_scene_camera(program *state, const placed_scene *which, svo_camera *camera)
 {
-    const options *given = &state->options;
-    if (which->file.has_camera) {
-        *camera = which->file.camera;
-    } else {
-        svo_scene_camera_frame(which->scene, (float)given->width / (float)given->height, camera);
-    }
-    return viewpoint_apply(state, !which->file.has_camera, camera);
+    const viewpoint_subject shown = {.camera = which->file.has_camera ? &which->file.camera : NULL,
+                                     .scene = which->scene,
+                                     .aspect = viewpoint_aspect(state)};
+    return viewpoint_place(state, &shown, camera);
 }

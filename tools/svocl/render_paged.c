@@ -12,9 +12,6 @@
 #include "support/viewpoint.h"
 #include "svocl/paged.h"
 
-/* The camera frames what these levels occupy; svo_camera_frame looks at no others. */
-#define FRAME_LEVEL_MAX 6u
-
 typedef struct paged_render {
     program *state;
     session opened;
@@ -49,16 +46,17 @@ static int check(program *state)
 
 static int place_camera(paged_render *work)
 {
-    const options *given = &work->state->options;
-    const uint32_t level = work->info.depth < FRAME_LEVEL_MAX ? work->info.depth : FRAME_LEVEL_MAX;
+    const char *path = work->state->options.input;
+    const uint32_t level = work->info.depth < SVO_FRAME_LEVEL_MAX ? work->info.depth : SVO_FRAME_LEVEL_MAX;
     svo_message message = {""};
     svo_tree *coarse = NULL;
-    if (svo_tree_load_levels(given->input, level, NULL, &coarse, &message) != SVO_OK) {
+    if (svo_tree_load_levels(path, level, NULL, &coarse, &message) != SVO_OK) {
         return program_fail_library(work->state, message.text);
     }
-    svo_camera_frame(coarse, (float)given->width / (float)given->height, &work->asked.camera);
+    const viewpoint_subject shown = {.tree = coarse, .aspect = viewpoint_aspect(work->state)};
+    const int exit_code = viewpoint_place(work->state, &shown, &work->asked.camera);
     svo_tree_destroy(&coarse);
-    return viewpoint_apply(work->state, true, &work->asked.camera);
+    return exit_code;
 }
 
 /* Whether another picture would differ from the last one. */

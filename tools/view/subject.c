@@ -19,15 +19,12 @@ static void begin_camera(view_state *state, double scene_width)
 
 static int place_camera(subject *which, view_state *state)
 {
-    svo_camera *camera = &state->camera.at;
+    const viewpoint_subject shown = {.camera = which->lit.file.has_camera ? &which->lit.file.camera : NULL,
+                                     .tree = which->done.result.tree,
+                                     .aspect = (float)state->width / (float)state->height};
     svo_tree_info info = SVO_TREE_INFO_INIT;
-    (void)svo_tree_get_info(which->done.result.tree, &info);
-    if (which->lit.file.has_camera) {
-        *camera = which->lit.file.camera;
-    } else {
-        svo_camera_frame(which->done.result.tree, (float)state->width / (float)state->height, camera);
-    }
-    const int exit_code = viewpoint_apply(which->running, !which->lit.file.has_camera, camera);
+    (void)svo_tree_get_info(shown.tree, &info);
+    const int exit_code = viewpoint_place(which->running, &shown, &state->camera.at);
     begin_camera(state, info.edge);
     return exit_code;
 }
@@ -70,15 +67,12 @@ static int describe(subject *which, view_state *state)
 /* The camera of the file, or one that frames all instances. */
 static int place_scene_camera(subject *which, view_state *state, const scene_file *file)
 {
-    svo_camera *camera = &state->camera.at;
+    const viewpoint_subject shown = {.camera = file->has_camera ? &file->camera : NULL,
+                                     .scene = placed_scene(which->placed),
+                                     .aspect = (float)state->width / (float)state->height};
     svo_scene_info info = SVO_SCENE_INFO_INIT;
-    (void)svo_scene_get_info(placed_scene(which->placed), &info);
-    if (file->has_camera) {
-        *camera = file->camera;
-    } else {
-        svo_scene_camera_frame(placed_scene(which->placed), (float)state->width / (float)state->height, camera);
-    }
-    const int exit_code = viewpoint_apply(which->running, !file->has_camera, camera);
+    (void)svo_scene_get_info(shown.scene, &info);
+    const int exit_code = viewpoint_place(which->running, &shown, &state->camera.at);
     begin_camera(state, fmax(fmax(info.high[0] - info.low[0], info.high[1] - info.low[1]), info.high[2] - info.low[2]));
     return exit_code;
 }

@@ -5,6 +5,7 @@
 const halfFov = 0.28; /* radians; as svo_camera_frame has it, like the direction below and the margin */
 const homeDirection = [0.406, 0.375, 0.833];
 const frameMargin = 1.04;
+const frameLevel = 7; /* SVO_FRAME_LEVEL_MAX */
 const steepest = 1.55; /* radians above the horizon: short of the pole */
 
 const add = (a, b) => a.map((value, axis) => value + b[axis]);
@@ -22,32 +23,63 @@ function axesOf(camera) {
   return {forward, right, up: cross(right, forward)};
 }
 
-/* Frames a box as svo_camera_frame does: the least distance from which all corners are in view, and the target moved
-   until they are centered. */
-function frameBox(low, high, aspect) {
+/* The number of bits that are set below the one at index, 0 .. 127, of the four words that begin there. */
+function countBitsBelow(words, begin, index) {
+  let count = 0;
+  for (let word = 0; word <= index >> 5; ++word) {
+    let bits = words[begin + word] & (word < index >> 5 ? ~0 : (1 << (index & 31)) - 1);
+    for (; bits !== 0; bits &= bits - 1) {
+      ++count;
+    }
+  }
+  return count;
+}
+
+/* How far the occupied cells of frameLevel reach along a direction, in cells of the page's level. Nodes that may reach
+   farther than what was found are opened, the one ahead first. */
+function reachOf({level, masks, directory}, along) {
+  const ahead = along.reduce((octant, value, axis) => value > 0 ? octant | 1 << axis : octant, 0);
+  const deepest = Math.min(level, frameLevel);
+  let farthest = -Infinity;
+  const visit = (node, depth, cell) => {
+    const width = 2 ** (level - depth);
+    const reach = dot(along, cell.map((low, axis) => width * (low + (ahead >> axis & 1))));
+    if (reach <= farthest) {
+      return;
+    }
+    const mask = depth < deepest ? masks[node >> 2] >> 8 * (node & 3) & 255 : 0;
+    if (mask === 0) {
+      farthest = reach;
+    }
+    for (let k = 0; k < 8; ++k) {
+      const octant = ahead ^ k;
+      if ((mask >> octant & 1) !== 0) {
+        const child = directory[node >> 4] + countBitsBelow(masks, node >> 4 << 2, 8 * (node & 15) + octant);
+        visit(child, depth + 1, cell.map((low, axis) => 2 * low + (octant >> axis & 1)));
+      }
+    }
+  };
+  visit(0, 0, [0, 0, 0]);
+  return farthest;
+}
+
+/* Frames the occupied cells of a tree as svo_camera_frame does: the farthest points along four directions place the
+   eye. */
+function frameTree(tree, aspect) {
   const direction = normalize(homeDirection);
   const camera = {yaw: Math.atan2(direction[0], direction[2]), pitch: Math.asin(direction[1])};
   const axes = axesOf(camera);
   const tangentUp = Math.tan(halfFov) / frameMargin;
-  const tangentRight = tangentUp * aspect;
-  let target = scale(add(low, high), 0.5);
-  let distance = 0;
-  for (let pass = 0; pass < 4; ++pass) {
-    const corners = [...Array(8).keys()].map(k => {
-      const offset = [0, 1, 2].map(axis => ((k >> axis & 1) !== 0 ? high : low)[axis] - target[axis]);
-      return {right: dot(offset, axes.right), up: dot(offset, axes.up), beyond: dot(offset, axes.forward)};
-    });
-    distance = Math.max(...corners.map(({right, up, beyond}) =>
-      Math.max(Math.abs(right) / tangentRight, Math.abs(up) / tangentUp) - beyond));
-    const middle = side => {
-      const seen = corners.map(corner => corner[side] / (distance + corner.beyond));
-      return distance * (Math.min(...seen) + Math.max(...seen)) / 2;
-    };
-    if (pass < 3) {
-      target = add(target, add(scale(axes.right, middle("right")), scale(axes.up, middle("up"))));
-    }
-  }
-  return {...camera, target, distance};
+  const back = scale(axes.forward, -1);
+  const fit = (side, tangent) => {
+    const [first, second] = [1, -1].map(sign => reachOf(tree, add(scale(side, sign), scale(back, tangent))));
+    return {between: (first - second) / 2, depth: -(first + second) / (2 * tangent)};
+  };
+  const right = fit(axes.right, tangentUp * aspect);
+  const up = fit(axes.up, tangentUp);
+  const middle = (reachOf(tree, axes.forward) - reachOf(tree, back)) / 2;
+  const across = add(scale(axes.right, right.between), scale(axes.up, up.between));
+  return {...camera, target: add(across, scale(axes.forward, middle)), distance: middle - Math.min(right.depth, up.depth)};
 }
 
 /* The directions of pixels, and the width of a pixel's cone per unit of distance. */

@@ -8,11 +8,9 @@
 #include <string.h>
 #include <zlib.h>
 
-#include "svocl/nodes.h"
+#include "svocl/plan.h"
 
 #define MASKS_PER_ENTRY ((uint64_t)1 << WEB_DIRECTORY_STEP_LOG2)
-/* The deepest level that is searched for the bounds of the occupied part, as svo_camera_frame searches it. */
-#define BOUNDS_LEVEL_MAX 6u
 /* The length of a normal, squared, up to which pictures show the face's in its place. */
 #define SHORT_NORMAL 0.04f
 
@@ -56,58 +54,6 @@ web_cut web_cut_at(const web_tree *tree, uint32_t level)
     cut.normals = cut_payload(tree, tree->arrays.normals != NULL, SVO_NEED_NORMAL, cut.node_count);
     cut.byte_count = whole_masks(&cut) + 4 * cut.directory_count + 4 * cut.colors.count + 2 * cut.normals.count;
     return cut;
-}
-
-/* ---- bounds ---- */
-
-typedef struct bounds {
-    uint32_t low[3], high[3]; /* high: one past the last cell */
-} bounds;
-
-/* width: of the cell, in voxels. */
-static void extend(bounds *box, uint64_t code, uint32_t width)
-{
-    uint32_t cell[3];
-    svo_code_to_cell(code, cell);
-    for (int axis = 0; axis < 3; ++axis) {
-        const uint32_t low = cell[axis] * width;
-        box->low[axis] = low < box->low[axis] ? low : box->low[axis];
-        box->high[axis] = low + width > box->high[axis] ? low + width : box->high[axis];
-    }
-}
-
-bool web_tree_bounds(const web_tree *tree, uint32_t low[3], uint32_t high[3])
-{
-    const svo_compact_info *info = &tree->info;
-    const uint8_t *masks = tree->arrays.nodes;
-    const uint32_t deepest = info->depth < BOUNDS_LEVEL_MAX ? info->depth : BOUNDS_LEVEL_MAX;
-    const web_cut cut = web_cut_at(tree, deepest);
-    const uint32_t voxels = 1u << info->depth;
-    bounds box = {{voxels, voxels, voxels}, {0, 0, 0}};
-    uint64_t *codes = malloc((size_t)cut.node_count * sizeof *codes); /* Morton codes, each on its node's level */
-    if (codes == NULL) {
-        return false;
-    }
-    codes[0] = 0;
-    uint64_t node = 0;
-    uint64_t child = 1;
-    for (uint32_t level = 0; level <= deepest; ++level) {
-        for (const uint64_t end = child; node < end; ++node) {
-            const unsigned mask = level < deepest ? masks[node] : 0;
-            for (unsigned octant = 0; octant < 8; ++octant) {
-                if ((mask >> octant & 1u) != 0) {
-                    codes[child++] = codes[node] << 3 | octant;
-                }
-            }
-            if (mask == 0) {
-                extend(&box, codes[node], voxels >> level);
-            }
-        }
-    }
-    free(codes);
-    memcpy(low, box.low, sizeof box.low);
-    memcpy(high, box.high, sizeof box.high);
-    return true;
 }
 
 /* ---- normals ---- */

@@ -48,10 +48,6 @@ web_tree web_tree_of(const svo_compact *compact);
 /* level: 1 .. info.depth. */
 web_cut web_cut_at(const web_tree *tree, uint32_t level);
 
-/* The box of the occupied cells of level 6, or of the tree's depth if it is less, in voxels of the tree. False when out
-   of memory. */
-bool web_tree_bounds(const web_tree *tree, uint32_t low[3], uint32_t high[3]);
-
 /* A normal in octahedral coordinates (Meyer et al., "On Floating-Point Normal Vectors", 2010): each 128 + round(127 p).
    0, 0: shorter than a fifth, so that the face's is used. */
 void web_pack_normal(const int16_t normal[3], unsigned char out[2]);

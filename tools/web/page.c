@@ -8,7 +8,6 @@
  *    "voxels": 117010, "leaves": 117010, "nodes": 154867,    of the tree; of the page
  *    "masks": 37857, "directory": 2367, "bytes": 976543,
  *    "colors": {"count": 154867, "first": 0, "stride": 1}, "normals": null,
- *    "low": [0, 4, 12], "high": [256, 248, 240],             the occupied part, in cells of the level
  *    "origin": [0, 0, 0], "edge": 0.0039}                    of the grid; of a cell, in world units
  */
 #include "web/page.h"
@@ -42,16 +41,6 @@ static void add_payload(cJSON *object, const char *name, const web_payload *payl
     json_add_count(added, "stride", payload->stride);
 }
 
-/* Voxels of the tree as cells of the page's level. */
-static void add_bounds(cJSON *object, const char *name, const web_page *page, const uint32_t voxels[3])
-{
-    double cells[3];
-    for (int axis = 0; axis < 3; ++axis) {
-        cells[axis] = (double)voxels[axis] / (double)(1u << (page->tree->info.depth - page->cut.level));
-    }
-    json_add_vector(object, name, cells);
-}
-
 /* JSON text by malloc; NULL when out of memory. */
 static char *describe(const web_page *page)
 {
@@ -73,8 +62,6 @@ static char *describe(const web_page *page)
     json_add_count(object, "bytes", cut->byte_count);
     add_payload(object, "colors", &cut->colors);
     add_payload(object, "normals", &cut->normals);
-    add_bounds(object, "low", page, page->low);
-    add_bounds(object, "high", page, page->high);
     json_add_vector(object, "origin", info->origin);
     cJSON_AddNumberToObject(object, "edge", svo_grid_cell_edge(&grid, cut->level));
     char *text = cJSON_PrintUnformatted(object);

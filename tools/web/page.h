@@ -11,7 +11,6 @@
 typedef struct web_page {
     const char *name; /* of the tree, a heading */
     const web_tree *tree;
-    uint32_t low[3], high[3]; /* what web_tree_bounds says */
     web_cut cut;
     const unsigned char *packed; /* what web_pack makes of the cut */
     size_t packed_count;

@@ -105,7 +105,7 @@ class Viewer {
   }
 
   goHome() {
-    this.camera = frameBox(this.tree.low, this.tree.high, canvas.width / canvas.height);
+    this.camera = frameTree(this.tree, canvas.width / canvas.height);
     this.sun = sunOf(this.camera);
     this.touched = false;
     this.draw();
@@ -260,7 +260,7 @@ async function begin() {
   say("Unpacking the nodes …");
   canvas.addEventListener("webglcontextlost", () => say("The graphics device was lost. Load the page again to go on."));
   const arrays = splitData(tree, await unpackData(tree, letters));
-  const viewer = new Viewer(tree, new Drawing(canvas, tree, arrays));
+  const viewer = new Viewer({...tree, masks: arrays.masks, directory: arrays.directory}, new Drawing(canvas, tree, arrays));
   say("");
   return viewer;
 }

@@ -314,7 +314,7 @@ class Light(Handle):
             status = call(lib.svo_tree_download, pointer, ffi.NULL)
             if status != lib.SVO_OK:
                 raise error(status, self._native.device_message())
-            return framed(lib.svo_camera_frame, pointer, aspect)
+            return framed(lib.svo_camera_fit, pointer, aspect)
 
     # --- the device -------------------------------------------------------------------------------------------------
 

@@ -17,8 +17,6 @@ from ._mesh import Path, encode, need_io
 from ._native import ffi, lib
 from ._tree import Camera, Tree, render_options
 
-_FRAME_LEVELS = 6
-
 
 class Paged(Handle):
     """A .svo file of which so much is on a device as a budget allows. Where a part of the tree is absent, a coarser
@@ -70,15 +68,16 @@ class Paged(Handle):
         self._call(lib.svo_paged_get_counts, struct)
         return _structs.read(struct, _structs.PagedCounts)
 
-    def frame(self, aspect: float = 1.0) -> Camera:
+    def frame(self, aspect: float = 1.0, camera: Optional[Camera] = None) -> Camera:
         """A camera that frames the occupied part of the tree, as Tree.frame, from its upper levels. Reads them from
         the file at the path.
 
         Args:
             aspect: width / height of the picture, above 0.
+            camera: see Tree.frame.
         """
-        with Tree.load(self.path, levels=min(self.info.depth, _FRAME_LEVELS)) as upper:
-            return upper.frame(aspect)
+        with Tree.load(self.path, levels=min(self.info.depth, lib.SVO_FRAME_LEVEL_MAX)) as upper:
+            return upper.frame(aspect, camera)
 
     def render(
         self, width: int, height: int, *, camera: Optional[Camera] = None, view: View = View.SHADED

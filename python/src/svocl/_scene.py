@@ -207,14 +207,18 @@ class Scene(Handle):
 
     # --- pictures ---------------------------------------------------------------------------------------------------
 
-    def frame(self, aspect: float = 1.0) -> Camera:
-        """A camera that frames all instances, from where Tree.frame looks.
+    def frame(self, aspect: float = 1.0, camera: Optional[Camera] = None) -> Camera:
+        """A camera that frames all instances, from where Tree.frame looks or another camera does.
 
         Args:
             aspect: width / height of the picture, above 0.
+            camera: one whose direction of sight, up and angle stay; None: as Tree.frame.
+
+        Raises:
+            InvalidArgumentError: the camera has no frame: its up is along its line of sight.
         """
         with self._use() as pointer:
-            return framed(lib.svo_scene_camera_frame, pointer, aspect)
+            return framed(lib.svo_scene_camera_fit, pointer, aspect, camera)
 
     def render(
         self,

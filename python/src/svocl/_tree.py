@@ -421,14 +421,19 @@ class Tree(Resident):
 
     # --- pictures ---------------------------------------------------------------------------------------------------
 
-    def frame(self, aspect: float = 1.0) -> Camera:
-        """A camera that frames the occupied part of the tree from the front, a little from the right and from above.
+    def frame(self, aspect: float = 1.0, camera: Optional[Camera] = None) -> Camera:
+        """A camera that frames the occupied part of the tree from the front, a little from the right and from above, or
+        from where another camera looks.
 
         Args:
             aspect: width / height of the picture, above 0.
+            camera: one whose direction of sight, up and angle stay; None: from the front.
+
+        Raises:
+            InvalidArgumentError: the camera has no frame: its up is along its line of sight.
         """
         with self._downloaded(None) as pointer:
-            return framed(lib.svo_camera_frame, pointer, aspect)
+            return framed(lib.svo_camera_fit, pointer, aspect, camera)
 
     def render(
         self,
@@ -468,10 +473,14 @@ class Tree(Resident):
         return f"<svocl.Tree: depth {info.depth}, {info.node_count} nodes, {info.leaf_count} leaves>"
 
 
-def framed(function: Any, pointer: Any, aspect: float) -> Camera:
-    """The camera that one of the library's functions chooses, under the guard."""
+def framed(function: Any, pointer: Any, aspect: float, start: Optional[Camera] = None) -> Camera:
+    """The camera that one of the library's functions moves to where it frames, under the guard."""
     camera = ffi.new("svo_camera *")
-    call(function, pointer, aspect, camera)
+    if start is not None:
+        write_camera(camera, start)
+    status = call(function, pointer, aspect, camera)
+    if status != lib.SVO_OK:
+        raise error(status, f"{start} has no frame: its up is along its line of sight, or a number is not finite")
     return Camera(tuple(camera.eye), tuple(camera.target), tuple(camera.up), camera.vertical_fov)
 
 
