@@ -22,33 +22,6 @@ static double length(const double a[3])
     return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
 }
 
-static int check(program *state, const svo_camera *camera)
-{
-    double sight[3];
-    double up[3];
-    for (int axis = 0; axis < 3; ++axis) {
-        sight[axis] = (double)camera->target[axis] - (double)camera->eye[axis];
-        up[axis] = (double)camera->up[axis];
-    }
-    const double across[3] = {sight[1] * up[2] - sight[2] * up[1], sight[2] * up[0] - sight[0] * up[2],
-                              sight[0] * up[1] - sight[1] * up[0]};
-    if (!(length(sight) > 0)) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s %g,%g,%g is where the camera %s",
-                            state->options.eye.is_given ? "eye" : "at", (double)camera->eye[0], (double)camera->eye[1],
-                            (double)camera->eye[2], state->options.eye.is_given ? "looks at" : "stands");
-    }
-    if (!(length(up) > 0) || !(length(across) > SINE_MIN * length(sight) * length(up))) {
-        return program_fail(state, PROGRAM_WRONG_USAGE,
-                            "--up %g,%g,%g is along the line of sight from %g,%g,%g to %g,%g,%g, or zero",
-                            (double)camera->up[0], (double)camera->up[1], (double)camera->up[2], (double)camera->eye[0],
-                            (double)camera->eye[1], (double)camera->eye[2], (double)camera->target[0],
-                            (double)camera->target[1], (double)camera->target[2]);
-    }
-    return PROGRAM_DONE;
-}
-
-/* ---- directions ---- */
-
 static void cross(const double a[3], const double b[3], double out[3])
 {
     out[0] = a[1] * b[2] - a[2] * b[1];
@@ -88,6 +61,33 @@ static void rotate(const double about[3], double sine, double cosine, const doub
         out[axis] = cosine * vector[axis] + sine * across[axis] + (1 - cosine) * along * about[axis];
     }
 }
+
+static int check(program *state, const svo_camera *camera)
+{
+    double sight[3];
+    double up[3];
+    double across[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        sight[axis] = (double)camera->target[axis] - (double)camera->eye[axis];
+    }
+    widen(camera->up, up);
+    cross(sight, up, across);
+    if (!(length(sight) > 0)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s %g,%g,%g is where the camera %s",
+                            state->options.eye.is_given ? "eye" : "at", (double)camera->eye[0], (double)camera->eye[1],
+                            (double)camera->eye[2], state->options.eye.is_given ? "looks at" : "stands");
+    }
+    if (!(length(up) > 0) || !(length(across) > SINE_MIN * length(sight) * length(up))) {
+        return program_fail(state, PROGRAM_WRONG_USAGE,
+                            "--up %g,%g,%g is along the line of sight from %g,%g,%g to %g,%g,%g, or zero",
+                            (double)camera->up[0], (double)camera->up[1], (double)camera->up[2], (double)camera->eye[0],
+                            (double)camera->eye[1], (double)camera->eye[2], (double)camera->target[0],
+                            (double)camera->target[1], (double)camera->target[2]);
+    }
+    return PROGRAM_DONE;
+}
+
+/* ---- directions ---- */
 
 /* The side that --from names, where y is up and the front faces z, turned to the camera's up by the least rotation, as
    svo_camera_fit turns its own. */
