@@ -375,8 +375,8 @@ typedef struct svo_light_picture {
  * \param light not NULL
  * \param picture size, camera, view
  * \param queue on the context of its device; NULL: the device's own
- * \param rgba receives the rows of the band, width * 4 bytes each, of SVO_PIXELS_LINEAR width * 4 floats, top to bottom: the
- *        same as in the whole picture
+ * \param rgba receives the rows of the band, width * 4 bytes each, of SVO_PIXELS_LINEAR width * 4 floats, top to bottom:
+ *        the same as in the whole picture
  * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED, SVO_COMPILE_FAILED, SVO_CL_ERROR or SVO_OUT_OF_DEVICE_MEMORY on
  *          failure. */
 SVO_API svo_status svo_light_render(svo_light *light, const svo_light_picture *picture, cl_command_queue queue,

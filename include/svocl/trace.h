@@ -67,8 +67,8 @@ typedef enum svo_pixel_format {
     SVO_PIXELS_BYTES = 0,
     /** Floats: red, green, blue and alpha. Light is linear, as it is before the tone curve, and multiplied by alpha.
      *  Views that are no light have numbers, which are not: SVO_VIEW_NORMAL x, y and z; SVO_VIEW_DEPTH the distance
-     *  from the eye, world units; SVO_VIEW_STEPS cells; SVO_VIEW_LEVEL levels; SVO_VIEW_TRIANGLES positions in the mesh,
-     *  which floats hold up to 2^24. They are means of the rays that met something, 0 without one, and alpha is the
+     *  from the eye, world units; SVO_VIEW_STEPS cells; SVO_VIEW_LEVEL levels; SVO_VIEW_TRIANGLES positions in the
+     *  mesh, which floats hold up to 2^24. They are means of the rays that met something, 0 without one, and alpha is the
      *  share of those. */
     SVO_PIXELS_LINEAR = 1
 } svo_pixel_format;
@@ -89,8 +89,8 @@ typedef struct svo_picture_output {
     svo_pixel_format format; /**< bytes or floats; a pixel takes 4 or 16 bytes. Floats are aligned as float is */
     svo_background background; /**< numbers of SVO_PIXELS_LINEAR have none */
     float background_color[3]; /**< red, green, blue from 0 to 1, which are 0 to 255 in bytes; floats get the light */
-    /** Rays of a pixel, 1 .. SVO_PICTURE_SAMPLES_MAX, in the middles of cells of equal area: rows that divide the pixel,
-     *  and columns that divide rows. What they see is averaged as linear light. 0: 4, and 1 in views that are no light */
+    /** Rays of a pixel, 1 .. SVO_PICTURE_SAMPLES_MAX, in the middles of cells of equal area: rows divide the pixel, and
+     *  columns the rows. What they see is averaged as linear light. 0: 4, and 1 in views that are no light */
     uint32_t samples;
 } svo_picture_output;
 
@@ -110,9 +110,9 @@ typedef struct svo_render_options {
 
 /** Draws a picture of the tree and waits for it. SVO_VIEW_SHADED shades voxels by normal (their own, else that of the
  *  face where the ray entered) and color (their own, else clay of albedo 0.6), with the shadows of a sun behind the
- *  camera and a sky that neighbors darken, by four rays for each pixel or what options ask for. Up to a half, 0.85 times the light is the share
- *  of white that a pixel shows; above, highlights roll off as 1 - exp(1 - 2 light) / 2. Bytes are square roots of
- *  shares. The picture is the same on every run.
+ *  camera and a sky that neighbors darken, by four rays for each pixel or as many as options ask for. Up to a half,
+ *  0.85 times the light is the share of white that a pixel shows; above, highlights roll off as
+ *  1 - exp(1 - 2 light) / 2. Bytes are square roots of shares. The picture is the same on every run.
  *
  * \param device the tree's
  * \param tree on a device, its colors and normals, if any, on all levels. All views but SVO_VIEW_SHADED make its BVH if
@@ -133,8 +133,8 @@ SVO_API svo_status svo_tree_render(svo_device *device, svo_tree *tree, const svo
  * \param tree see svo_tree_render; stays as it is until the event
  * \param options see svo_tree_render; not used after the call
  * \param pixels buffer of the device's context that kernels may write, not CL_MEM_READ_ONLY, of at least
- *        height * width * 4 bytes, or 16 of SVO_PIXELS_LINEAR: it receives what rgba of svo_tree_render does. A sub-buffer puts the picture
- *        somewhere else in a larger buffer
+ *        height * width * 4 bytes, or 16 of SVO_PIXELS_LINEAR: it receives what rgba of svo_tree_render does. A
+ *        sub-buffer puts the picture somewhere else in a larger buffer
  * \param queue of the context and the device of the handle, in-order or out-of-order
  * \param num_wait number of events in wait
  * \param wait events of that context to wait for; NULL when num_wait is 0

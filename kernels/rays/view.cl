@@ -5,7 +5,8 @@
  *
  * Launch: one work-item per pixel, tiles of 8 x 8 pixels per group, one dimension, as many tiles as the host likes,
  * from first_tile on.
- * Reads the tree and, with -DSVO_NORMAL, its normals; writes one RGBA8 word or four floats per pixel. No atomics, no local memory.
+ * Reads the tree and, with -DSVO_NORMAL, its normals; writes one RGBA8 word or four floats per pixel. No atomics, no
+ * local memory.
  */
 #include "shared/layout.h"
 
