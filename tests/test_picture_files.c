@@ -89,9 +89,8 @@ static void a_wrong_file_is_one_line(void **state)
 {
     (void)state;
 #define RENDER "$SVOCL render missing.obj "
-    run_badly(RENDER "-o a.jpg", 2, "-o a.jpg: pictures are .png, .exr, .hdr, .ppm, .y4m");
-    run_badly(RENDER "-o a", 2, "-o a: pictures are .png");
-    run_badly("$SVOCL render missing.json --animate -o film.gif", 2, "-o film.gif: pictures are .png");
+    run_badly(RENDER "-o a.jpg", 2, "output a.jpg does not end in .png, .exr, .hdr, .ppm or .y4m");
+    run_badly("$SVOCL render missing.json --animate -o film.gif", 2, "output film.gif does not end in .png");
     run_badly(RENDER "-o a.png --format gif", 2, "--format 'gif' is none of png, exr, hdr, ppm, y4m");
     run_badly(RENDER "-o a.ppm --background transparent", 2, ".ppm has no alpha; --background transparent takes .png");
     run_badly(RENDER "-o a.hdr --background transparent", 2, ".hdr has no alpha; --background transparent takes .exr");

@@ -1137,6 +1137,12 @@ static void kernels_are_saved_and_loaded(void **state)
     assert_non_null(strstr(last.errors, "warning: kept/"));
     assert_non_null(strstr(last.errors, "is damaged"));
     run_badly("$SVOCL hash scene:cube -d 5 --kernels plain.txt", 1, "plain.txt");
+    /* Code that others may have written is not run, and the folder is made so that they cannot. */
+    run_well("chmod 0777 kept");
+    run_badly("$SVOCL hash scene:cube -d 5 --frontend cl --kernels kept", 1, "kept is no folder that you alone");
+    run_badly("$SVOCL kernels scene:cube -d 5 --kernels kept", 1, "kept is no folder that you alone");
+    run_well("rm -r kept && umask 0 && $SVOCL kernels scene:cube -d 5 --kernels kept -q");
+    run_well("test -z \"$(find kept -perm /022)\" && $SVOCL hash scene:cube -d 5 --frontend cl --kernels kept -q");
     run_well("rm -r kept");
 }
 

@@ -148,7 +148,7 @@ SVO_API double svo_device_compile_ms(const svo_device *device);
  * alone, and never in a build.
  *
  * \param device not NULL
- * \param folder made if there is none, but not the folders above it
+ * \param folder made if there is none, for the user alone to write to, but not the folders above it
  * \param saved receives the number of files that were written; NULL allowed
  * \returns SVO_INVALID_ARGUMENT, SVO_FILE_ERROR (with the path), SVO_CL_ERROR, SVO_UNSUPPORTED (a context of more than
  *          64 devices) or SVO_OUT_OF_HOST_MEMORY on failure. */

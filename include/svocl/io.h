@@ -161,6 +161,10 @@ SVO_API svo_status svo_tree_load_memory(const void *bytes, size_t byte_count, co
 typedef struct svo_load_options {
     size_t struct_size; /**< sizeof(svo_load_options) */
     const svo_memory_callbacks *memory; /**< host memory of the tree, for its whole life; NULL: malloc and free */
+    /** A tree of more voxels, its nodes on all levels, is refused before there is memory for it: a small file may
+     *  unfold to any size. 0: as many as take half the memory that the machine, the process's limit of address space
+     *  and its control group allow. Of a compact tree its stored nodes count. */
+    uint64_t voxels_max;
 } svo_load_options;
 
 /** All defaults. */
@@ -172,7 +176,8 @@ typedef struct svo_load_options {
  * \param options NULL means all defaults
  * \param out receives the tree
  * \param message receives what is wrong and where; NULL allowed
- * \returns what svo_tree_load returns, and SVO_INVALID_ARGUMENT for options that are not valid. */
+ * \returns what svo_tree_load returns, and SVO_INVALID_ARGUMENT for options that are not valid, or more voxels than
+ *          options.voxels_max. */
 SVO_API svo_status svo_tree_load_with(const char *path, const svo_load_options *options, svo_tree **out,
                                       svo_message *message);
 
@@ -325,6 +330,15 @@ SVO_API svo_status svo_import_get_info(const svo_import *import, svo_import_info
  * \param import not NULL
  * \returns the mesh; lives as long as import. */
 SVO_API const svo_mesh *svo_import_mesh(const svo_import *import);
+
+/** The files besides the mesh file that an import opened: material libraries, textures, buffers. So a program that
+ *  writes files can spare those that its mesh is made of.
+ *
+ * \param import not NULL
+ * \param index from 0 on
+ * \returns the path, from where the program runs or absolute, each once; NULL past the last. Lives as long as
+ *          import. */
+SVO_API const char *svo_import_file_path(const svo_import *import, size_t index);
 
 /** Frees a mesh.
  *

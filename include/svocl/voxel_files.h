@@ -58,7 +58,10 @@ typedef struct svo_voxels_load_options {
     /** .vox: the frame. Of nodes with frames, the last one that begins at this frame or earlier is taken. In a file
      *  without a scene it is the number of the model, from 0 on. */
     uint32_t frame;
-    uint64_t voxels_max; /**< more voxels, before those in one place become one, are refused; 0: SVO_VOXELS_MAX */
+    /** More voxels, before those in one place become one, are refused before there is memory for them; 0: one for each
+     *  200 bytes of memory that the machine, the process's limit of address space and its control group allow, which a
+     *  build of them needs. At most SVO_VOXELS_MAX. */
+    uint64_t voxels_max;
     svo_log_callback log; /**< receives warnings of what is not read; NULL: nothing is called */
     void *log_user; /**< passed to log */
     /** Host memory of the reading and of the list, for its whole life; NULL: malloc and free. libzip, expat and

@@ -5,6 +5,7 @@
 #include "build/measure.h"
 #include "build/order.h"
 #include "build/report.h"
+#include "core/host_memory.h"
 #include "plan/buffers.h"
 #include "plan/part.h"
 #include "plan/progress.h"
@@ -26,14 +27,16 @@ static svo_status check_size(svo_i_build *build)
     const svo_plan *plan = build->commands.plan;
     if (plan->info.expected_fragments >= (double)UINT32_MAX) {
         return svo_i_device_fail(build->commands.device, SVO_OUT_OF_DEVICE_MEMORY,
-                                 "svo_build: the scene needs about %.0f fragments at depth %u, above 2^32 - 1",
+                                 "svo_build: the scene needs about %.0f fragments at depth %u, above 2^32 - 1; "
+                                 "svo_parts_create builds it in parts",
                                  plan->info.expected_fragments, plan->info.depth);
     }
     if (plan->predicted_bytes > build->commands.device->global_bytes) {
         return svo_i_device_fail(build->commands.device, SVO_OUT_OF_DEVICE_MEMORY,
-                                 "svo_build: the scene needs about %llu bytes at depth %u, above the device's %llu",
-                                 (unsigned long long)plan->predicted_bytes, plan->info.depth,
-                                 (unsigned long long)build->commands.device->global_bytes);
+                                 "svo_build: the scene needs about %s at depth %u, above the device's %s; svo_parts_create "
+                                 "builds it in parts",
+                                 svo_i_bytes(plan->predicted_bytes).text, plan->info.depth,
+                                 svo_i_bytes(build->commands.device->global_bytes).text);
     }
     return SVO_OK;
 }

@@ -4,6 +4,7 @@
 
 #include "compact/form.h"
 #include "core/device.h"
+#include "core/host_memory.h"
 #include "core/tree.h"
 #include "shared/layout.h"
 #include "svocl/plan.h"
@@ -71,6 +72,22 @@ static svo_status describe(svo_device *device, const svo_compact_info *info, svo
 static uint32_t level_count(const svo_tree_info *info, uint32_t level)
 {
     return info->level_begin[level + 1] - info->level_begin[level];
+}
+
+/* A compact tree of a few bytes may unfold to any size, and devices that are processors have the host's memory. */
+static svo_status check_memory(svo_device *device, const svo_tree_info *info)
+{
+    uint64_t bytes = 0;
+    const uint64_t there_bytes = svo_i_host_memory_bytes();
+    for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+        bytes += svo_i_tree_holds(info, i) ? svo_i_tree_element_count(info, i) * svo_i_tree_element_bytes(i) : 0;
+    }
+    return bytes <= there_bytes
+               ? SVO_OK
+               : svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY,
+                                   "svo_compact_expand: the tree's %llu nodes need %s, above the %s that are there",
+                                   (unsigned long long)info->node_count, svo_i_bytes(bytes).text,
+                                   svo_i_bytes(there_bytes).text);
 }
 
 /* ---- levels ---- */
@@ -207,6 +224,7 @@ svo_status svo_compact_expand(svo_compact *compact, cl_command_queue queue, svo_
         goto cleanup;
     }
     SVO_I_TRY_CLEANUP(describe(compact->device, &compact->info, &e.tree->info));
+    SVO_I_TRY_CLEANUP(check_memory(compact->device, &e.tree->info));
     e.tree->device = compact->device;
     SVO_I_TRY_CLEANUP(expand(&e));
     *out = e.tree;

@@ -8,6 +8,7 @@
 
 #include "core/device_info.h"
 #include "core/foreign.h"
+#include "core/host_memory.h"
 #include "core/struct_size.h"
 #include "shared/layout.h"
 
@@ -40,15 +41,15 @@ static svo_status make_buffer(svo_device *device, const char *function, const ch
 {
     if (bytes > device->max_allocation_bytes) {
         return svo_i_device_fail(device, SVO_OUT_OF_DEVICE_MEMORY,
-                                 "%s: buffer %s needs %zu bytes, above the device's limit of %llu", function, name,
-                                 bytes, (unsigned long long)device->max_allocation_bytes);
+                                 "%s: buffer %s needs %s, above the device's limit of %s", function, name,
+                                 svo_i_bytes(bytes).text, svo_i_bytes(device->max_allocation_bytes).text);
     }
     const size_t made_bytes = bytes > 0 ? bytes : 1;
     if (!svo_i_budget_fits(device->budget, made_bytes)) {
         return svo_i_device_fail(device, SVO_OUT_OF_DEVICE_MEMORY,
-                                 "%s: buffer %s needs %zu bytes beside the %llu in use, above max_device_bytes %llu",
-                                 function, name, bytes, (unsigned long long)svo_i_budget_held(device->budget),
-                                 (unsigned long long)svo_i_budget_max(device->budget));
+                                 "%s: buffer %s needs %s beside the %s in use, above max_device_bytes, %s", function, name,
+                                 svo_i_bytes(bytes).text, svo_i_bytes(svo_i_budget_held(device->budget)).text,
+                                 svo_i_bytes(svo_i_budget_max(device->budget)).text);
     }
     cl_int error = CL_SUCCESS;
     cl_mem buffer = clCreateBuffer(device->context, flags, made_bytes, content, &error);
@@ -61,7 +62,7 @@ static svo_status make_buffer(svo_device *device, const char *function, const ch
     if (error != CL_SUCCESS) {
         return svo_i_device_fail(
             device, error == CL_OUT_OF_HOST_MEMORY ? SVO_OUT_OF_HOST_MEMORY : SVO_OUT_OF_DEVICE_MEMORY,
-            "%s: buffer %s of %zu bytes: %s (%d)", function, name, bytes, svo_i_cl_error_name(error), error);
+            "%s: buffer %s of %s: %s (%d)", function, name, svo_i_bytes(bytes).text, svo_i_cl_error_name(error), error);
     }
     *out = buffer;
     return SVO_OK;

@@ -238,7 +238,7 @@ static svo_status write_file(svo_device *device, const char *path, const kernel_
     errno = EEXIST;
     for (int i = 0; i < ATTEMPTS_MAX && descriptor < 0 && errno == EEXIST; ++i) {
         (void)snprintf(temporary, bytes, "%s.%ld.%d.tmp", path, (long)getpid(), i);
-        descriptor = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        descriptor = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
     }
     if (descriptor < 0) {
         status = fail_errno(device, SAVE, path, "cannot be written");
@@ -353,7 +353,7 @@ svo_status svo_device_save_kernels(svo_device *device, const char *folder, size_
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, SAVE ": %s",
                                  device == NULL ? "device is NULL" : "folder is NULL or empty");
     }
-    if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
+    if (mkdir(folder, 0755) != 0 && errno != EEXIST) {
         return fail_errno(device, SAVE, folder, "cannot be made");
     }
     for (size_t i = 0; svo_i_program_at(device, i, &entry); ++i) {

@@ -233,6 +233,15 @@ static svo_status load_arrays(const svo_i_file_load *state, uint64_t offset, svo
     return svo_i_file_check_end(state, chunk_index, offset);
 }
 
+static uint64_t count_bytes(const svo_compact_info *info)
+{
+    uint64_t bytes = 0;
+    for (uint32_t i = 0; i < SVO_COMPACT_BUFFER_COUNT; ++i) {
+        bytes += info->bytes[i];
+    }
+    return bytes;
+}
+
 static svo_status load(svo_i_file_load *state, svo_compact **out)
 {
     static const svo_i_file_kind kind = {"compact tree's", FILE_COMPACT_MAGIC, FILE_COMPACT_VERSION,
@@ -249,6 +258,7 @@ static svo_status load(svo_i_file_load *state, svo_compact **out)
     }
     fill_info(&state->head.header, &counts, &compact->info);
     svo_i_compact_count(&compact->info);
+    SVO_I_TRY_CLEANUP(svo_i_file_limit(state, compact->info.stored_count, count_bytes(&compact->info)));
     SVO_I_TRY_CLEANUP(load_arrays(state, offset, compact));
     SVO_I_TRY_CLEANUP(svo_i_compact_check(compact, state->name, state->message));
     compact->downloaded = true;

@@ -15,6 +15,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "core/host_memory.h"
 #include "core/message.h"
 #include "core/struct_size.h"
 #include "core/tree.h"
@@ -212,10 +213,25 @@ svo_status svo_i_file_check_place(const svo_i_file_load *state, const file_chunk
     return SVO_OK;
 }
 
+svo_status svo_i_file_limit(const svo_i_file_load *state, uint64_t voxel_count, uint64_t byte_count)
+{
+    const uint64_t there_bytes = svo_i_host_memory_bytes();
+    if (state->voxels_max != 0 && voxel_count > state->voxels_max) {
+        return svo_i_fail(state->message, SVO_INVALID_ARGUMENT,
+                          "%s: %" PRIu64 " voxels are above the limit of %" PRIu64 " (voxels_max)", state->name,
+                          voxel_count, state->voxels_max);
+    }
+    return state->voxels_max != 0 || byte_count <= there_bytes / 2
+               ? SVO_OK
+               : svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY,
+                            "%s: %" PRIu64 " voxels need %s of memory, above half of the %s that are there (voxels_max)",
+                            state->name, voxel_count, svo_i_bytes(byte_count).text, svo_i_bytes(there_bytes).text);
+}
+
 svo_status svo_i_file_no_memory(const svo_i_file_load *state, const char *array, uint64_t byte_count)
 {
-    return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: chunk %s needs %" PRIu64 " bytes of memory",
-                      state->name, array, byte_count);
+    return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: chunk %s needs %s of memory", state->name, array,
+                      svo_i_bytes(byte_count).text);
 }
 
 static svo_status unpack_chunk(const svo_i_file_load *state, const file_chunk *chunk, const char *array, void *plain)
@@ -293,6 +309,7 @@ svo_status svo_i_file_read_options(const svo_load_options *options, const char *
     svo_load_options asked;
     SVO_I_TRY(svo_i_struct_read(state->message, function, "options", options, &asked,
                                 SVO_I_STRUCT_SIZES(svo_load_options, memory)));
+    state->voxels_max = asked.voxels_max;
     return svo_i_memory_read(state->message, function, "options.memory", asked.memory, &state->host_memory);
 }
 

@@ -11,6 +11,7 @@ typedef struct svo_i_file_load {
     const char *name; /* begins messages */
     svo_message *message;
     svo_i_memory host_memory;
+    uint64_t voxels_max; /* 0: by memory */
     const uint8_t *memory; /* the whole file, or NULL: read from file */
     int file;
     uint64_t file_bytes;
@@ -45,6 +46,9 @@ svo_status svo_i_file_read_at(const svo_i_file_load *state, uint64_t offset, voi
 svo_status svo_i_file_read_chunk(const svo_i_file_load *state, const file_chunk *chunk, const char *array, void *plain);
 /* The same into new memory. *out, in host_memory, is set as soon as there is memory, also on failure. */
 svo_status svo_i_file_load_chunk(const svo_i_file_load *state, const file_chunk *chunk, const char *array, void **out);
+
+/* Fails where so many voxels, or the bytes of their arrays, are above the limit. */
+svo_status svo_i_file_limit(const svo_i_file_load *state, uint64_t voxel_count, uint64_t byte_count);
 
 /* SVO_FILE_DAMAGED, with the file's name before the words. */
 svo_status svo_i_file_damaged(const svo_i_file_load *state, const char *format, ...)

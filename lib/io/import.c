@@ -115,11 +115,17 @@ const svo_mesh *svo_import_mesh(const svo_import *import)
     return &import->mesh;
 }
 
+const char *svo_import_file_path(const svo_import *import, size_t index)
+{
+    return index < import->file_count ? import->files[index] : NULL;
+}
+
 void svo_import_destroy(svo_import **import)
 {
     if (import == NULL || *import == NULL) {
         return;
     }
+    svo_i_free((void *)(*import)->files);
     svo_i_free((*import)->textures);
     svo_i_free((*import)->bytes);
     svo_i_free(*import);

@@ -14,6 +14,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "core/host_memory.h"
 #include "core/message.h"
 #include "io/import_file.h"
 #include "io/import_formats.h"
@@ -56,7 +57,9 @@ static const struct aiScene *read_scene(const char *path)
         return NULL;
     }
     aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_NO_SKELETON_MESHES, 1);
-    const struct aiScene *scene = aiImportFileExWithProperties(path, aiProcess_Triangulate, NULL, properties);
+    scene_files files;
+    svo_i_scene_files(IMPORT_CHILD_STREAM, path, &files);
+    const struct aiScene *scene = aiImportFileExWithProperties(path, aiProcess_Triangulate, &files.io, properties);
     aiReleasePropertyStore(properties);
     return scene;
 }
@@ -64,8 +67,8 @@ static const struct aiScene *read_scene(const char *path)
 static int report_failure(const char *words, uint64_t memory_bytes)
 {
     if (strcmp(words, "out of memory") == 0 || strstr(words, "bad_alloc") != NULL) {
-        (void)svo_i_stream_text(IMPORT_CHILD_STREAM, STREAM_FAILURE, "reading needs more than %" PRIu64 " bytes",
-                                memory_bytes);
+        (void)svo_i_stream_text(IMPORT_CHILD_STREAM, STREAM_FAILURE, "reading needs more than %s",
+                                svo_i_bytes(memory_bytes).text);
     } else if (strncmp(words, "No suitable reader found", 24) == 0) {
         (void)svo_i_stream_text(IMPORT_CHILD_STREAM, STREAM_FAILURE, "no mesh format that assimp knows");
     } else {

@@ -12,6 +12,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "io/import_stream.h"
+
 const char *svo_i_file_open(const char *path, file_bytes *file)
 {
     *file = (file_bytes){.bytes = "", .byte_count = 0};
@@ -57,13 +59,16 @@ char *svo_i_file_beside(const char *path, const char *name)
     return joined;
 }
 
-const char *svo_i_file_open_beside(const char *path, const char *name, file_bytes *file)
+const char *svo_i_file_open_beside(int stream, const char *path, const char *name, file_bytes *file)
 {
     char *joined = svo_i_file_beside(path, name);
     if (joined == NULL) {
         return "out of memory";
     }
     const char *trouble = svo_i_file_open(joined, file);
+    if (trouble == NULL) {
+        (void)svo_i_stream_file(stream, joined); /* without a parent the next frame fails too */
+    }
     free(joined);
     return trouble;
 }
@@ -74,4 +79,101 @@ void svo_i_file_close(file_bytes *file)
         munmap((void *)(uintptr_t)file->bytes, file->byte_count);
     }
     *file = (file_bytes){.bytes = "", .byte_count = 0};
+}
+
+/* ---- files of assimp ---- */
+
+typedef struct scene_file {
+    struct aiFile file; /* its UserData is this */
+    file_bytes content;
+    size_t at;
+} scene_file;
+
+static scene_file *scene_file_of(struct aiFile *file)
+{
+    return (scene_file *)(void *)file->UserData;
+}
+
+static size_t read_items(struct aiFile *file, char *out, size_t item_bytes, size_t item_count)
+{
+    scene_file *one = scene_file_of(file);
+    const size_t left = item_bytes > 0 ? (one->content.byte_count - one->at) / item_bytes : 0;
+    const size_t count = item_count < left ? item_count : left;
+    memcpy(out, one->content.bytes + one->at, count * item_bytes);
+    one->at += count * item_bytes;
+    return count;
+}
+
+static size_t write_nothing(struct aiFile *file, const char *bytes, size_t item_bytes, size_t item_count)
+{
+    (void)file;
+    (void)bytes;
+    (void)item_bytes;
+    (void)item_count;
+    return 0;
+}
+
+static size_t tell(struct aiFile *file)
+{
+    return scene_file_of(file)->at;
+}
+
+static size_t measure(struct aiFile *file)
+{
+    return scene_file_of(file)->content.byte_count;
+}
+
+static enum aiReturn seek(struct aiFile *file, size_t offset, enum aiOrigin origin)
+{
+    scene_file *one = scene_file_of(file);
+    const size_t from = origin == aiOrigin_SET ? 0 : origin == aiOrigin_CUR ? one->at : one->content.byte_count;
+    const size_t at = from + offset; /* which may stand for a step back */
+    if (at > one->content.byte_count) {
+        return aiReturn_FAILURE;
+    }
+    one->at = at;
+    return aiReturn_SUCCESS;
+}
+
+static void flush_nothing(struct aiFile *file)
+{
+    (void)file;
+}
+
+static struct aiFile *open_scene_file(struct aiFileIO *io, const char *path, const char *mode)
+{
+    const scene_files *files = (const scene_files *)(const void *)io->UserData;
+    scene_file *one = mode[0] == 'r' ? malloc(sizeof *one) : NULL;
+    if (one == NULL || svo_i_file_open(path, &one->content) != NULL) {
+        free(one);
+        return NULL;
+    }
+    if (strcmp(path, files->path) != 0) {
+        (void)svo_i_stream_file(files->stream, path); /* without a parent the next frame fails too */
+    }
+    one->at = 0;
+    one->file = (struct aiFile){.ReadProc = read_items,
+                                .WriteProc = write_nothing,
+                                .TellProc = tell,
+                                .FileSizeProc = measure,
+                                .SeekProc = seek,
+                                .FlushProc = flush_nothing,
+                                .UserData = (aiUserData)(void *)one};
+    return &one->file;
+}
+
+static void close_scene_file(struct aiFileIO *io, struct aiFile *file)
+{
+    (void)io;
+    scene_file *one = scene_file_of(file);
+    svo_i_file_close(&one->content);
+    free(one);
+}
+
+void svo_i_scene_files(int stream, const char *path, scene_files *files)
+{
+    *files = (scene_files){
+        .io = {.OpenProc = open_scene_file, .CloseProc = close_scene_file, .UserData = (aiUserData)(void *)files},
+        .stream = stream,
+        .path = path};
 }

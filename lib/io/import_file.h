@@ -3,6 +3,7 @@
 #ifndef SVO_LIB_IO_IMPORT_FILE_H
 #define SVO_LIB_IO_IMPORT_FILE_H
 
+#include <assimp/cfileio.h>
 #include <stddef.h>
 
 typedef struct file_bytes {
@@ -12,11 +13,22 @@ typedef struct file_bytes {
 
 /* Returns NULL, or why the file cannot be read: a static string. */
 const char *svo_i_file_open(const char *path, file_bytes *file);
-/* A file whose name is relative to the folder of another one, with either system's separators. */
-const char *svo_i_file_open_beside(const char *path, const char *name, file_bytes *file);
+/* A file whose name is relative to the folder of another one, with either system's separators. The parent at the other
+   end of stream is told of it. */
+const char *svo_i_file_open_beside(int stream, const char *path, const char *name, file_bytes *file);
 void svo_i_file_close(file_bytes *file);
 
 /* That name as a path, released by free; NULL: no memory. */
 char *svo_i_file_beside(const char *path, const char *name);
+
+/* How assimp opens files, so that the parent is told of each but path, the mesh file. files: filled in, and valid as
+   long as path. */
+typedef struct scene_files {
+    struct aiFileIO io;
+    int stream;
+    const char *path;
+} scene_files;
+
+void svo_i_scene_files(int stream, const char *path, scene_files *files);
 
 #endif

@@ -262,7 +262,7 @@ static svo_status read_material_name(obj_reader *obj)
 static svo_status read_library_file(obj_reader *obj, const char *name, bool *found)
 {
     file_bytes library;
-    const char *trouble = svo_i_file_open_beside(obj->reader->path, name, &library);
+    const char *trouble = svo_i_file_open_beside(obj->reader->stream, obj->reader->path, name, &library);
     *found = trouble == NULL;
     if (!*found) {
         return SVO_OK;

@@ -19,6 +19,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "core/host_memory.h"
 #include "core/message.h"
 #include "io/import_stream.h"
 
@@ -161,14 +162,14 @@ static svo_status make_room(const import_child *child, svo_import *import, size_
         return SVO_OK;
     }
     if (*capacity >= child->options->memory_limit_bytes) {
-        return svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: the mesh needs more than %" PRIu64 " bytes",
-                          child->path, child->options->memory_limit_bytes);
+        return svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: the mesh needs more than %s", child->path,
+                          svo_i_bytes(child->options->memory_limit_bytes).text);
     }
     const size_t larger = *capacity == 0 ? FIRST_READ_BYTES : 2 * *capacity;
     uint8_t *bytes = larger > *capacity ? svo_i_grow(child->memory, import->bytes, larger) : NULL;
     if (bytes == NULL) {
-        return svo_i_fail(child->message, SVO_OUT_OF_HOST_MEMORY, "%s: the mesh needs more than %zu bytes", child->path,
-                          *capacity);
+        return svo_i_fail(child->message, SVO_OUT_OF_HOST_MEMORY, "%s: the mesh needs more than %s", child->path,
+                          svo_i_bytes(*capacity).text);
     }
     import->bytes = bytes;
     *capacity = larger;

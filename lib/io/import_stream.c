@@ -58,6 +58,11 @@ int svo_i_stream_frame(int stream, stream_kind kind, const void *payload, size_t
     return svo_i_stream_pad(stream, payload_bytes);
 }
 
+int svo_i_stream_file(int stream, const char *path)
+{
+    return svo_i_stream_frame(stream, STREAM_FILE, path, strlen(path) + 1);
+}
+
 int svo_i_stream_text(int stream, stream_kind kind, const char *format, ...)
 {
     svo_message text;
@@ -149,6 +154,33 @@ static svo_status take_texture(parse_state *state, const uint8_t *payload, size_
     return SVO_OK;
 }
 
+/* Readers may open a file more than once. */
+static svo_status take_file(parse_state *state, const uint8_t *payload, size_t payload_bytes)
+{
+    svo_import *import = state->import;
+    const char *path = (const char *)payload;
+    if (payload_bytes == 0 || memchr(payload, '\0', payload_bytes) != payload + payload_bytes - 1) {
+        return malformed(state, "a file without a path");
+    }
+    for (size_t i = 0; i < import->file_count; ++i) {
+        if (strcmp(import->files[i], path) == 0) {
+            return SVO_OK;
+        }
+    }
+    if (import->file_count == import->file_capacity) {
+        const size_t capacity = 2 * import->file_capacity + 8;
+        const char **files = svo_i_grow(&import->memory, (void *)import->files, capacity * sizeof *files);
+        if (files == NULL) {
+            return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %zu paths", state->path,
+                              capacity);
+        }
+        import->files = files;
+        import->file_capacity = capacity;
+    }
+    import->files[import->file_count++] = path;
+    return SVO_OK;
+}
+
 static svo_status take_frame(parse_state *state, stream_kind kind, const uint8_t *payload, size_t payload_bytes)
 {
     switch (kind) {
@@ -157,6 +189,8 @@ static svo_status take_frame(parse_state *state, stream_kind kind, const uint8_t
         return take_text(state, kind, payload, payload_bytes);
     case STREAM_TEXTURE:
         return take_texture(state, payload, payload_bytes);
+    case STREAM_FILE:
+        return take_file(state, payload, payload_bytes);
     default:
         if (state->payload[kind] != NULL) {
             return malformed(state, "an array came twice");

@@ -14,7 +14,7 @@
 #include "core/memory.h"
 #include "svocl/io.h"
 
-#define STREAM_GREETING       "svoimp3\n" /* changes with the frames: parent and child may be different builds */
+#define STREAM_GREETING       "svoimp4\n" /* changes with the frames: parent and child may be different builds */
 #define STREAM_GREETING_BYTES 8
 #define STREAM_PAYLOAD_ALIGN  8
 
@@ -31,6 +31,7 @@ typedef enum stream_kind {
     STREAM_INDICES, /* 3 uint32_t per triangle */
     STREAM_TRIANGLE_MATERIALS, /* uint16_t per triangle */
     STREAM_COUNTS, /* stream_counts */
+    STREAM_FILE, /* the path, with its zero, of a file besides the mesh file that is read */
     STREAM_END, /* empty: the answer is complete */
     STREAM_KIND_COUNT
 } stream_kind;
@@ -70,6 +71,8 @@ struct svo_import {
     svo_mesh mesh;
     svo_texture *textures;
     svo_import_info info;
+    const char **files; /* paths, in bytes */
+    size_t file_count, file_capacity;
 };
 
 /* Child side. They return 0, or -1 when the parent is gone. A frame's payload may be written in parts. */
@@ -77,6 +80,7 @@ int svo_i_stream_write(int stream, const void *bytes, size_t byte_count);
 int svo_i_stream_begin(int stream, stream_kind kind, uint64_t payload_bytes);
 int svo_i_stream_pad(int stream, uint64_t payload_bytes); /* after the last part */
 int svo_i_stream_frame(int stream, stream_kind kind, const void *payload, size_t payload_bytes);
+int svo_i_stream_file(int stream, const char *path);
 int svo_i_stream_text(int stream, stream_kind kind, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
 /*

@@ -93,6 +93,7 @@ static uint8_t *decode(const texture_list *textures, const char *texture_path, i
         *trouble = "out of memory";
         return NULL;
     }
+    (void)svo_i_stream_file(textures->stream, path); /* without a parent the next frame fails too */
     errno = 0;
     uint8_t *pixels = decode_file(path, width, height, trouble);
     free(path);

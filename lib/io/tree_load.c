@@ -227,6 +227,19 @@ static void shorten(svo_tree *tree, uint32_t last_level)
 
 /* ---- loading ---- */
 
+/* Bytes of all arrays on the host. */
+static uint64_t count_bytes(const svo_tree_info *info)
+{
+    uint64_t bytes = 0;
+    for (uint32_t i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+        const svo_tree_buffer buffer = (svo_tree_buffer)i;
+        const uint64_t count =
+            svo_i_tree_is_constant(info, buffer) ? info->node_count : svo_i_tree_element_count(info, buffer);
+        bytes += svo_i_tree_holds(info, buffer) ? count * svo_i_tree_element_bytes(buffer) : 0;
+    }
+    return bytes;
+}
+
 /* last_level: 0 for all of them. */
 static svo_status load_tree(svo_i_tree_file *file, uint32_t last_level, svo_tree *tree)
 {
@@ -236,6 +249,7 @@ static svo_status load_tree(svo_i_tree_file *file, uint32_t last_level, svo_tree
     if (last_level != 0 && by_levels) {
         keep_levels(&tree->info, last_level);
     }
+    SVO_I_TRY(svo_i_file_limit(load, tree->info.node_count, count_bytes(&tree->info)));
     SVO_I_TRY(read_entries(file, tree));
     if (last_level != 0 && !by_levels) {
         shorten(tree, last_level);

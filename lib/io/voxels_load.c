@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "core/host_memory.h"
 #include "core/struct_size.h"
 #include "io/voxels_formats.h"
 
@@ -106,7 +107,11 @@ static svo_status start(const char *function, const svo_voxels_load_options *opt
                                 SVO_I_STRUCT_SIZES(svo_voxels_load_options, log_user)));
     SVO_I_TRY(svo_i_memory_read(reader->message, function, "options.memory", reader->options.memory, &reader->memory));
     const uint64_t most = SVO_VOXELS_MAX;
-    if (reader->options.voxels_max == 0 || reader->options.voxels_max > most) {
+    reader->limit_is_default = reader->options.voxels_max == 0;
+    if (reader->limit_is_default) {
+        reader->options.voxels_max = svo_i_host_memory_bytes() / BUILT_VOXEL_BYTES;
+    }
+    if (reader->options.voxels_max > most) {
         reader->options.voxels_max = most;
     }
     return info == NULL ? SVO_OK

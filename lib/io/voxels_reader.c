@@ -5,6 +5,8 @@
 #include <inttypes.h>
 #include <string.h>
 
+#include "core/host_memory.h"
+
 static svo_status fail(const voxel_reader *reader, svo_status status, const char *format, va_list arguments)
 {
     svo_message detail;
@@ -46,12 +48,26 @@ void svo_i_voxels_warn(voxel_reader *reader, const char *format, ...)
     reader->options.log(reader->options.log_user, SVO_LOG_WARNING, line.text);
 }
 
+svo_status svo_i_voxels_limit(const voxel_reader *reader, uint64_t voxel_count)
+{
+    const uint64_t limit = reader->options.voxels_max;
+    if (voxel_count <= limit) {
+        return SVO_OK;
+    }
+    return reader->limit_is_default && limit < SVO_VOXELS_MAX
+               ? svo_i_voxels_fail(reader, SVO_OUT_OF_HOST_MEMORY,
+                                   "%" PRIu64 " voxels need %s of memory, and %s are there for %" PRIu64
+                                   " (voxels_max)",
+                                   voxel_count, svo_i_bytes(voxel_count * BUILT_VOXEL_BYTES).text,
+                                   svo_i_bytes(svo_i_host_memory_bytes()).text, limit)
+               : svo_i_voxels_fail(reader, SVO_INVALID_ARGUMENT,
+                                   "%" PRIu64 " voxels are above the limit of %" PRIu64 " (voxels_max)", voxel_count,
+                                   limit);
+}
+
 svo_status svo_i_voxels_reserve(voxel_reader *reader, uint64_t voxel_count)
 {
-    if (voxel_count > reader->options.voxels_max) {
-        return svo_i_voxels_fail(reader, SVO_INVALID_ARGUMENT, "%" PRIu64 " voxels are above the limit of %" PRIu64,
-                                 voxel_count, reader->options.voxels_max);
-    }
+    SVO_I_TRY(svo_i_voxels_limit(reader, voxel_count));
     if (voxel_count <= reader->voxel_capacity) {
         return SVO_OK;
     }

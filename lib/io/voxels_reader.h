@@ -3,9 +3,14 @@
 #ifndef SVO_LIB_IO_VOXELS_READER_H
 #define SVO_LIB_IO_VOXELS_READER_H
 
+#include <stdbool.h>
+
 #include "core/memory.h"
 #include "core/message.h"
 #include "svocl/voxel_files.h"
+
+/* What a voxel takes while its tree is built: 20 in the list, 140 in the plan (voxels.h), and buffers. */
+#define BUILT_VOXEL_BYTES 200
 
 /* A property of a material, whose texts lie in the reader's. */
 typedef struct voxel_property {
@@ -19,6 +24,7 @@ typedef struct voxel_reader {
     const uint8_t *bytes;
     size_t byte_count;
     svo_voxels_load_options options; /* voxels_max is not 0 */
+    bool limit_is_default; /* voxels_max comes from memory */
     svo_i_memory memory; /* of options.memory */
     svo_message *message;
     svo_voxel_file_info info;
@@ -43,6 +49,8 @@ svo_status svo_i_voxels_fail(const voxel_reader *reader, svo_status status, cons
 /* Counts a warning and gives it to the log callback: "NAME: " and what the format says. */
 void svo_i_voxels_warn(voxel_reader *reader, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+/* Fails where so many voxels are above the limit. */
+svo_status svo_i_voxels_limit(const voxel_reader *reader, uint64_t voxel_count);
 /* Makes room for so many voxels in all, after a check of the limit. */
 svo_status svo_i_voxels_reserve(voxel_reader *reader, uint64_t voxel_count);
 /* Adds a voxel, for which there is room. */

@@ -17,6 +17,8 @@ typedef struct svx_reader {
     svx_manifest manifest;
     const svx_channel *channels[SVX_KINDS]; /* NULL: the file has none of that kind */
     uint32_t width, height, slice_count; /* of the slices */
+    bool counts; /* else it adds the voxels */
+    uint64_t counted;
 } svx_reader;
 
 /* Reads an entry of at most that many bytes into memory of its own. */
@@ -179,6 +181,10 @@ static svo_status add_slice(svx_reader *r, uint32_t slice, const svx_image image
         if (svo_i_svx_png_gray(&images[SVX_DENSITY], pixel) < half) {
             continue;
         }
+        if (r->counts) {
+            ++r->counted;
+            continue;
+        }
         place[m->slice_axis] = (int32_t)slice;
         place[m->column_axis] = (int32_t)(pixel % r->width);
         place[m->row_axis] = (int32_t)(pixel / r->width);
@@ -198,7 +204,7 @@ static svo_status read_slice_images(svx_reader *r, uint32_t slice)
 {
     svo_status status = SVO_OK;
     svx_image images[SVX_KINDS] = {{.gray = NULL}};
-    for (int kind = 0; kind < SVX_KINDS; ++kind) {
+    for (int kind = 0; kind < (r->counts ? 1 : SVX_KINDS); ++kind) { /* the first is the density */
         SVO_I_TRY_CLEANUP(read_slice(r, (svx_kind)kind, slice, &images[kind]));
     }
     status = add_slice(r, slice, images);
@@ -213,7 +219,17 @@ static svo_status read_slices(svx_reader *r)
 {
     for (uint32_t slice = 0; slice < r->slice_count; ++slice) {
         SVO_I_TRY(read_slice_images(r, slice));
+        SVO_I_TRY(svo_i_voxels_limit(r->reader, r->counted));
     }
+    return SVO_OK;
+}
+
+/* A grid that may hold more than the limit is counted first: slices pack so well that a small file fills any memory. */
+static svo_status count_voxels(svx_reader *r)
+{
+    r->counts = (uint64_t)r->width * r->height * r->slice_count > r->reader->options.voxels_max;
+    SVO_I_TRY(r->counts ? read_slices(r) : SVO_OK);
+    r->counts = false;
     return SVO_OK;
 }
 
@@ -222,6 +238,7 @@ static svo_status read_archive(svx_reader *r)
     SVO_I_TRY(read_manifest(r));
     SVO_I_TRY(choose_channels(r));
     SVO_I_TRY(measure_grid(r));
+    SVO_I_TRY(count_voxels(r));
     SVO_I_TRY(read_slices(r));
     voxel_reader *reader = r->reader;
     reader->voxel_edge = r->manifest.voxel_size;

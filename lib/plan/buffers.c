@@ -4,6 +4,8 @@
 
 #include "plan/buffers.h"
 
+#include "core/host_memory.h"
+
 void svo_i_plan_buffers_reset(svo_plan *plan)
 {
     plan->buffer_count = 0;
@@ -76,9 +78,9 @@ svo_status svo_i_plan_check_budget(const svo_plan *plan, const char *function, u
     return svo_i_budget_fits(budget, bytes)
                ? SVO_OK
                : svo_i_device_fail(plan->device, SVO_OUT_OF_DEVICE_MEMORY,
-                                   "%s: the scene needs about %llu bytes at depth %u beside the %llu in use, above "
-                                   "max_device_bytes %llu",
-                                   function, (unsigned long long)bytes, plan->info.depth,
-                                   (unsigned long long)svo_i_budget_held(budget),
-                                   (unsigned long long)svo_i_budget_max(budget));
+                                   "%s: the scene needs about %s at depth %u beside the %s in use, above "
+                                   "max_device_bytes, %s",
+                                   function, svo_i_bytes(bytes).text, plan->info.depth,
+                                   svo_i_bytes(svo_i_budget_held(budget)).text,
+                                   svo_i_bytes(svo_i_budget_max(budget)).text);
 }

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/host_memory.h"
 #include "core/tree.h"
 #include "svocl/nodes.h"
 #include "voxels/voxels.h"
@@ -97,6 +98,13 @@ svo_status svo_tree_get_voxels(const svo_tree *tree, svo_voxels **out, svo_messa
     if (info->leaf_count > SVO_VOXELS_MAX) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: the tree has %llu leaves, above %u", function,
                           (unsigned long long)info->leaf_count, SVO_VOXELS_MAX);
+    }
+    /* Twice while the list is made. */
+    const uint64_t needed_bytes = 2 * info->leaf_count * sizeof(svo_voxel);
+    if (needed_bytes > svo_i_host_memory_bytes()) {
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: %llu voxels need %s, above the %s that are there",
+                          function, (unsigned long long)info->leaf_count, svo_i_bytes(needed_bytes).text,
+                          svo_i_bytes(svo_i_host_memory_bytes()).text);
     }
     const bool of_world = is_unit_grid(info);
     int32_t offset[3] = {0, 0, 0};

@@ -209,9 +209,11 @@ static bool read_document(const cJSON *document, result_set *set, svo_message *m
 
 result_set *result_parse(const char *text, svo_message *message)
 {
-    cJSON *document = cJSON_Parse(text);
+    const char *end = text;
+    cJSON *document = cJSON_ParseWithOpts(text, &end, 1);
     if (document == NULL) {
-        snprintf(message->text, sizeof message->text, "not JSON");
+        const json_error error = json_error_at(text, end);
+        snprintf(message->text, sizeof message->text, "line %u: %s", error.line, error.text);
         return NULL;
     }
     snprintf(message->text, sizeof message->text, "out of memory");

@@ -60,9 +60,25 @@ static int expand(program *state, const session *opened, svo_compact *compact, b
 int compact_input_load(program *state, const char *name, const void *bytes, size_t byte_count, svo_compact **out)
 {
     svo_message message = {""};
-    const svo_status loaded = bytes != NULL ? svo_compact_load_memory(bytes, byte_count, name, NULL, out, &message)
-                                            : svo_compact_load(name, NULL, out, &message);
+    const svo_load_options load_options = {.struct_size = sizeof load_options,
+                                           .voxels_max = state->options.max_voxels};
+    const svo_status loaded = bytes != NULL
+                                  ? svo_compact_load_memory(bytes, byte_count, name, &load_options, out, &message)
+                                  : svo_compact_load(name, &load_options, out, &message);
     return loaded == SVO_OK ? PROGRAM_DONE : program_fail_library(state, message.text);
+}
+
+/* The nodes of the expanded tree: those of a level, and those inside the leaves above it. */
+static double count_nodes(const svo_compact *compact)
+{
+    svo_compact_info info = SVO_COMPACT_INFO_INIT;
+    double nodes = 0.0, inside = 0.0;
+    (void)svo_compact_get_info(compact, &info);
+    for (uint32_t level = 0; level <= info.depth; ++level) {
+        nodes += (double)info.level_inner[level] + (double)info.level_leaf[level] + inside;
+        inside = 8.0 * (inside + (double)info.level_leaf[level]);
+    }
+    return nodes;
 }
 
 int compact_input_expand(program *state, const char *name, svo_compact **compact, svo_tree **out)
@@ -70,7 +86,11 @@ int compact_input_expand(program *state, const char *name, svo_compact **compact
     session opened = {0};
     byte_list list = {NULL, 0, 0};
     svo_message message = {""};
-    int exit_code = session_open_device(state, &opened);
+    const double limit = (double)state->options.max_voxels;
+    int exit_code = limit > 0.0 && count_nodes(*compact) > limit
+                        ? program_fail(state, PROGRAM_FAILED, "%s: %.0f voxels are above the limit of %.0f (--max-voxels)",
+                                       name, count_nodes(*compact), limit)
+                        : session_open_device(state, &opened);
     if (exit_code == PROGRAM_DONE) {
         exit_code = expand(state, &opened, *compact, &list);
     }

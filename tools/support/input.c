@@ -12,6 +12,7 @@
 
 #include "support/compact_input.h"
 #include "support/options_parse.h"
+#include "support/output.h"
 #include "support/spool.h"
 
 #define PATH_BYTES 4096
@@ -176,7 +177,11 @@ static int import(program *state, const char *path, input *opened)
     opened->mesh = svo_import_mesh(opened->import);
     opened->import_info.struct_size = sizeof opened->import_info;
     (void)svo_import_get_info(opened->import, &opened->import_info);
-    return PROGRAM_DONE;
+    int exit_code = output_protect(state, path);
+    for (size_t i = 0; svo_import_file_path(opened->import, i) != NULL && exit_code == PROGRAM_DONE; ++i) {
+        exit_code = output_protect(state, svo_import_file_path(opened->import, i));
+    }
+    return exit_code;
 }
 
 /* The importer reads files by their suffix, in another process: what came through a pipe becomes a file for it. */
@@ -300,12 +305,15 @@ int input_load_compact(program *state, svo_compact **out)
 static svo_status load_svo(const program *state, svo_tree **out, svo_message *message)
 {
     const piped_input *piped = &state->piped;
+    const svo_load_options load_options = {.struct_size = sizeof load_options,
+                                           .voxels_max = state->options.max_voxels};
     if (is_piped(state)) {
-        return svo_tree_load_memory(piped->bytes, piped->byte_count, piped->name, out, message);
+        return svo_tree_load_memory_with(piped->bytes, piped->byte_count, piped->name, &load_options, out, message);
     }
     return state->options.last_level != 0
-               ? svo_tree_load_levels(state->options.input, (uint32_t)state->options.last_level, NULL, out, message)
-               : svo_tree_load(state->options.input, out, message);
+               ? svo_tree_load_levels(state->options.input, (uint32_t)state->options.last_level, &load_options, out,
+                                      message)
+               : svo_tree_load_with(state->options.input, &load_options, out, message);
 }
 
 int input_load_tree(program *state, svo_tree **out)

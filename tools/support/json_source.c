@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "support/json_text.h"
 #include "support/suggest.h"
 
 #define TEXT_BYTES_MAX ((size_t)256 << 20)
@@ -177,7 +178,8 @@ static int parse(json_source *source, const char *text)
     const char *end = text;
     source->root = cJSON_ParseWithLengthOpts(text, strlen(text) + 1, &end, 1);
     if (source->root == NULL) {
-        return program_fail(source->state, PROGRAM_FAILED, "%s:%u: not JSON", source->path, 1 + count_lines(text, end));
+        const json_error error = json_error_at(text, end);
+        return program_fail(source->state, PROGRAM_FAILED, "%s:%u: %s", source->path, error.line, error.text);
     }
     return index_values(source, text);
 }

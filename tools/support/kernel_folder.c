@@ -32,9 +32,19 @@ bool kernel_folder_make(const char *path)
     return has_parent && (mkdir(path, 0700) == 0 || errno == EEXIST);
 }
 
+static bool is_own(const struct stat *entry)
+{
+    return (entry->st_uid == geteuid() || entry->st_uid == 0) && (entry->st_mode & (S_IWGRP | S_IWOTH)) == 0;
+}
+
 bool kernel_folder_is_own(const char *path)
 {
     struct stat entry;
-    return stat(path, &entry) == 0 && S_ISDIR(entry.st_mode) && entry.st_uid == geteuid() &&
-           (entry.st_mode & (S_IWGRP | S_IWOTH)) == 0;
+    return stat(path, &entry) == 0 && S_ISDIR(entry.st_mode) && is_own(&entry);
+}
+
+bool kernel_folder_is_open(const char *path)
+{
+    struct stat entry;
+    return stat(path, &entry) == 0 && S_ISDIR(entry.st_mode) && !is_own(&entry);
 }

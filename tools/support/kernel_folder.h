@@ -13,7 +13,9 @@ bool kernel_folder_name(char path[KERNEL_FOLDER_BYTES]);
 /* Makes it, and ~/.cache, for the user alone. Returns false with errno set. */
 bool kernel_folder_make(const char *path);
 
-/* Whether a folder is there that only this user may write to: binaries of others must not be run. */
+/* Whether a folder is there that only this user, or root, may write to: binaries of others must not be run. */
 bool kernel_folder_is_own(const char *path);
+/* Whether one is there that others may write to. */
+bool kernel_folder_is_open(const char *path);
 
 #endif

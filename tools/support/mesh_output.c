@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
 
 #include "scenes/scenes.h"
 #include "support/output.h"
@@ -15,22 +14,6 @@ static bool has_suffix(const char *path, const char *suffix)
     const size_t path_bytes = strlen(path);
     const size_t suffix_bytes = strlen(suffix);
     return path_bytes > suffix_bytes && strcasecmp(path + path_bytes - suffix_bytes, suffix) == 0;
-}
-
-/* A stream has no name that asks for a format. */
-static bool is_stream(const char *path)
-{
-    struct stat status;
-    return strcmp(path, "-") == 0 || svo_i_output_descriptor_of(path) >= 0 ||
-           (stat(path, &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode));
-}
-
-int mesh_output_check(program *state, const char *path)
-{
-    if (!has_suffix(path, ".obj") && !has_suffix(path, ".ply") && !is_stream(path)) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "'%s' does not end in .obj or .ply", path);
-    }
-    return output_check(state, path);
 }
 
 /* Passes a failure of a writer on; the file is abandoned. */

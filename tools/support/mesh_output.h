@@ -6,11 +6,7 @@
 #include "support/program.h"
 #include "svocl/mesh.h"
 
-/* Whether a mesh can be written to path, by its suffix in any case: .obj or .ply. What is no file, as "-", gets PLY.
-   Returns the exit code. */
-int mesh_output_check(program *state, const char *path);
-
-/* Writes a mesh as scenes.h describes. An .obj file of a mesh with materials gets an .mtl file of the same name beside
+/* Writes a mesh as scenes.h describes, by the suffix in any case: .obj or PLY. An .obj file of a mesh with materials gets an .mtl file of the same name beside
    it. Returns the exit code; after a failure there is no new file. */
 int mesh_output_write(program *state, const svo_mesh *mesh, const char *path);
 

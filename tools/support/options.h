@@ -48,6 +48,9 @@ enum option_group {
     OPTION_PICTURE_FILE = 1073741824 /* what a picture's file holds, and its frames */
 };
 
+/* How large voxel files and trees may become. An enumerator could not hold the last bit. */
+#define OPTION_UNFOLDED 0x80000000u
+
 enum option_frontend {
     OPTION_FRONTEND_AUTO = 0,
     OPTION_FRONTEND_CL, /* OpenCL alone */
@@ -169,6 +172,7 @@ typedef struct options {
     uint64_t window_width, window_height; /* view: pixels; 0: not given */
     uint64_t fullscreen; /* view: a flag */
     const char *script_path; /* view: NULL: not given */
+    uint64_t max_voxels; /* of voxel files and trees; 0: by memory */
     uint64_t max_memory; /* build, parts: bytes that a part may take; 0: not given */
     uint64_t resume; /* build: a flag */
     const char *part; /* parts: NULL: not given, else an index or LEVEL-CODE */
@@ -198,6 +202,9 @@ typedef struct command {
     const char *summary; /* one line */
     bool reads_file; /* INPUT may be a file or a pipe */
     enum option_output output; /* what -o names */
+    const char *suffixes; /* of the files that the command writes, ".obj .ply"; NULL: any */
+    const char *solid_suffixes; /* the same with --solid; NULL: takes none */
+    bool needs_suffix; /* it tells the format */
     const char *const *examples; /* arguments after "svocl"; ends with NULL */
 } command;
 

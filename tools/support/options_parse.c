@@ -3,11 +3,13 @@
 #include "support/options_parse.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "support/options_rules.h"
 #include "support/suggest.h"
 #include "support/table.h"
+#include "svocl/plan.h"
 
 /* Commands whose INPUT comes after a subject. */
 #define SUBJECT_FIRST ((unsigned)OPTION_BENCH_COMMAND | (unsigned)OPTION_PARTS_COMMAND)
@@ -37,8 +39,64 @@ static const rule *find_rule(const command *which, const char *argument, const c
     return found;
 }
 
-static int fail_unknown(program *state, const command *which, const char *argument)
+/* The long option that has one dash too few: "-depth". */
+static const rule *find_one_dash(const command *which, const char *argument)
 {
+    const rule *found = NULL;
+    const size_t length = strcspn(argument + 1, "=");
+    for (size_t i = 0; argument[1] != '-' && length > 1 && options_rule(i) != NULL; ++i) {
+        const rule *option = options_rule(i);
+        if (strlen(option->name) == length && strncmp(option->name, argument + 1, length) == 0 &&
+            options_apply(option, which)) {
+            found = option;
+        }
+    }
+    return found;
+}
+
+static int fail_one_dash(program *state, const rule *option, const char *argument, const char *next)
+{
+    const char *attached = strchr(argument, '=');
+    const char *value = option->value_name == NULL ? NULL : attached != NULL ? attached + 1 : next;
+    return program_fail(state, PROGRAM_WRONG_USAGE, "unknown option '%s', did you mean '--%s%s%s'?", argument,
+                        option->name, value != NULL ? " " : "", value != NULL ? value : "");
+}
+
+/* Other programs ask for the voxels along an axis where -d asks for levels. */
+static int fail_resolution(program *state, const char *argument, const char *next)
+{
+    const char *attached = strchr(argument, '=');
+    const char *value = attached != NULL ? attached + 1 : next != NULL ? next : "";
+    const unsigned long voxels = strtoul(value, NULL, 10);
+    unsigned depth = SVO_DEPTH_MIN;
+    while (depth < SVO_DEPTH_MAX && 1ul << depth < voxels) {
+        ++depth;
+    }
+    return voxels < 2 || voxels > 1ul << SVO_DEPTH_MAX
+               ? program_fail(state, PROGRAM_WRONG_USAGE,
+                              "unknown option '%s', did you mean '--depth D', for 2^D voxels along each axis?", argument)
+               : program_fail(state, PROGRAM_WRONG_USAGE,
+                              "unknown option '%s', did you mean '--depth %u', for %lu voxels along each axis?",
+                              argument, depth, 1ul << depth);
+}
+
+static bool is_resolution(const command *which, const char *argument)
+{
+    static const char *const names[] = {"resolution", "res", "grid", "voxels"};
+    const char *name = argument + strspn(argument, "-");
+    const size_t length = strcspn(name, "=");
+    bool found = false;
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        found = found || (strlen(names[i]) == length && strncmp(names[i], name, length) == 0);
+    }
+    return found && (which->groups & (unsigned)OPTION_BUILD) != 0;
+}
+
+static int fail_unknown(program *state, const command *which, const char *argument, const char *next)
+{
+    if (is_resolution(which, argument)) {
+        return fail_resolution(state, argument, next);
+    }
     const char *name = argument + strspn(argument, "-");
     suggestion near = suggestion_begin(name, strcspn(name, "="));
     for (size_t i = 0; options_rule(i) != NULL; ++i) {
@@ -55,9 +113,14 @@ static int parse_option(program *state, const command *which, int argument_count
 {
     const char *argument = arguments[*index];
     const char *value = NULL;
+    const char *next = *index + 1 < argument_count ? arguments[*index + 1] : NULL;
+    const rule *one_dash = find_one_dash(which, argument);
+    if (one_dash != NULL) {
+        return fail_one_dash(state, one_dash, argument, next);
+    }
     const rule *option = find_rule(which, argument, &value);
     if (option == NULL) {
-        return fail_unknown(state, which, argument);
+        return fail_unknown(state, which, argument, next);
     }
     if (!options_apply(option, which)) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "option --%s does not apply to this command", option->name);
@@ -189,6 +252,15 @@ bool options_is_given(const options *given, const char *name)
         found = found || (is_given_at(given, i) && strcmp(options_rule(i)->name, name) == 0);
     }
     return found;
+}
+
+const char *options_input_path(const options *given, size_t place)
+{
+    const rule *option = options_rule(place);
+    return is_given_at(given, place) && option->value_name != NULL && strcmp(option->value_name, "FILE") == 0 &&
+                   option->group != (unsigned)OPTION_OUTPUT
+               ? *(const char *const *)((const char *)given + option->offset)
+               : NULL;
 }
 
 int options_refuse(program *state, const char *const names[], const char *where)

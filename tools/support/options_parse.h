@@ -18,6 +18,9 @@ bool options_may_lack_input(const command *which);
 /* Whether an option is on the command line. */
 bool options_is_given(const options *given, const char *name);
 
+/* The file that the option at a place of the table reads, where it is on the command line; else NULL. */
+const char *options_input_path(const options *given, size_t place);
+
 /* Fails where one of the options is on the command line: "option --NAME does not apply WHERE". names: ends with NULL.
    Returns the exit code. */
 int options_refuse(program *state, const char *const names[], const char *where);

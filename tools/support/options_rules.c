@@ -2,12 +2,14 @@
 /* The table of options and the readers of their values. */
 #include "support/options_rules.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "scenes/scenes.h"
 #include "support/suggest.h"
@@ -129,21 +131,51 @@ static int read_count(program *state, const rule *option, const char *value)
     return PROGRAM_DONE;
 }
 
-/* A number of bytes, with K, M, G or T for powers of 1024. */
+/* Bytes in a unit: K, M, G, T and KiB, MiB, ... are powers of 1024; KB, MB, ... of 1000; B and nothing are 1. 0: none of
+   them. */
+static uint64_t unit_bytes(const char *unit)
+{
+    static const char letters[] = "KMGT";
+    if (unit[0] == '\0' || strcasecmp(unit, "B") == 0) {
+        return 1;
+    }
+    const char *letter = strchr(letters, toupper((unsigned char)unit[0]));
+    const bool is_decimal = strcasecmp(unit + 1, "B") == 0;
+    if (letter == NULL || !(unit[1] == '\0' || is_decimal || strcasecmp(unit + 1, "iB") == 0)) {
+        return 0;
+    }
+    uint64_t bytes = 1;
+    for (const char *at = letters; at <= letter; ++at) {
+        bytes *= is_decimal ? 1000 : 1024;
+    }
+    return bytes;
+}
+
+/* A number of bytes with a unit, which may have a fraction then: 65536, 512M, 4GB, 1.5GiB. */
 static int read_bytes(program *state, const rule *option, const char *value)
 {
-    static const char units[] = "KMGT";
-    char *end = NULL;
     errno = 0;
-    const unsigned long long number = strtoull(value, &end, 10);
-    const char *unit = *end != '\0' ? strchr(units, *end) : NULL;
-    const unsigned shift = unit != NULL ? 10u * (unsigned)(unit - units + 1) : 0;
-    const bool whole = value[0] >= '0' && value[0] <= '9' && end[unit != NULL ? 1 : 0] == '\0' && errno == 0;
-    if (!whole || number == 0 || number > UINT64_MAX >> shift || number << shift > option->maximum) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s '%s' is not a number of bytes, such as 65536 or 512M",
-                            option->name, value);
+    const size_t whole = strspn(value, "0123456789");
+    const size_t digits = value[whole] == '.' ? whole + 1 + strspn(value + whole + 1, "0123456789") : whole;
+    const uint64_t unit = whole > 0 ? unit_bytes(value + digits) : 0;
+    const bool has_fraction = digits > whole;
+    const unsigned long long count = strtoull(value, NULL, 10);
+    if (unit == 0 || (has_fraction && (unit == 1 || digits == whole + 1))) {
+        return program_fail(state, PROGRAM_WRONG_USAGE,
+                            "--%s '%s' is not a number of bytes, such as 65536, 512M, 4GB or 1.5GiB", option->name,
+                            value);
     }
-    *(uint64_t *)field(state, option) = (uint64_t)number << shift;
+    const uint64_t fraction = has_fraction ? (uint64_t)(strtod(value + whole, NULL) * (double)unit) : 0;
+    const uint64_t most = option->maximum;
+    if (errno == ERANGE || fraction > most || count > (most - fraction) / unit) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "%s %s is above %" PRIu64 " bytes", option->name, value, most);
+    }
+    const uint64_t bytes = count * unit + fraction;
+    const uint64_t least = option->minimum > 0 ? option->minimum : 1;
+    if (bytes < least) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "%s %s is below %" PRIu64 " bytes", option->name, value, least);
+    }
+    *(uint64_t *)field(state, option) = bytes;
     return PROGRAM_DONE;
 }
 
@@ -499,21 +531,23 @@ static const rule rules[] = {
     {"levels", '\0', OPTION_LEVELS, "L", read_count, FIELD(last_level), 1, SVO_DEPTH_MAX, NULL,
      "read levels 0 to L of a .svo file alone: a tree of depth L (all)"},
     {"paged", '\0', OPTION_PAGED, "BYTES", read_bytes, FIELD(paged), 1, UINT64_MAX, NULL,
-     "draw a .svo file with so much of it on the device: 65536, 512M, 4G; the rest is read as rays need it (all)"},
+     "draw a .svo file with so much of it on the device: 65536, 512MiB, 4GB; the rest is read as rays need it (all)"},
     {"max-memory", '\0', OPTION_BUILD_COMMAND | OPTION_PARTS_COMMAND, "BYTES", read_bytes, FIELD(max_memory), 0,
-     UINT64_MAX, NULL, "build in parts that take at most so much memory each: 65536, 512M, 4G (build: in one piece)"},
+     UINT64_MAX, NULL, "build in parts that take at most so much memory each: 65536, 512MiB, 4GB (build: in one piece)"},
     {"resume", '\0', OPTION_BUILD_COMMAND, NULL, read_flag, FIELD(resume), 0, 0, NULL,
      "with --max-memory: keep the parts that an earlier run has finished"},
     {"part", '\0', OPTION_PARTS_COMMAND, "PART", read_text, FIELD(part), 0, 0, NULL,
      "parts build: the part to build, its index or its LEVEL-CODE (all)"},
+    {"max-voxels", '\0', OPTION_UNFOLDED, "N", read_count, FIELD(max_voxels), 1, UINT32_MAX, NULL,
+     "most voxels that a voxel file or a tree may unfold to, those of all levels (what memory holds)"},
     {"solid", '\0', OPTION_SOLID, "RULE", read_choice, FIELD(solid), 0, 0, solids,
      "also fill the inside, by winding or parity; -o then writes the solid (not filled)"},
     {"hidden", '\0', OPTION_VOXELS, NULL, read_flag, FIELD(hidden), 0, 0, NULL,
      "voxel files: also read what hidden layers and nodes hold"},
     {"frame", '\0', OPTION_VOXELS, "N", read_count, FIELD(frame), 0, INT32_MAX, NULL,
      "voxel files: the frame, or the model where there is no scene (0)"},
-    {"max-bytes", '\0', OPTION_WEB_COMMAND, "N", read_count, FIELD(max_bytes), 1, (uint64_t)256 << 20, NULL,
-     "most bytes of the page, up to 268435456; a larger tree is cut at the deepest level that fits (33554432)"},
+    {"max-bytes", '\0', OPTION_WEB_COMMAND, "BYTES", read_bytes, FIELD(max_bytes), 1, (uint64_t)256 << 20, NULL,
+     "most bytes of the page, up to 256MiB; a larger tree is cut at the deepest level that fits (32MiB)"},
     {"width", '\0', OPTION_VIEW_COMMAND, "N", read_count, FIELD(window_width), 160, 16384, NULL,
      "width of the window in pixels (that of the last time; 1280)"},
     {"height", '\0', OPTION_VIEW_COMMAND, "N", read_count, FIELD(window_height), 160, 16384, NULL,

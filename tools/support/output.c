@@ -4,7 +4,10 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <stdio.h>
 #include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static bool is_standard_output(const char *path)
@@ -22,13 +25,100 @@ static int fail_errno(program *state, const char *path, int error)
     return program_fail(state, PROGRAM_FAILED, "%s: %s", output_name(path), strerror(error));
 }
 
-int output_begin(program *state, enum option_output kind)
+/* ---- inputs stay ---- */
+
+/* The regular file or the folder that a path leads to, where "-" is a stream of this process. */
+static bool find_file(const char *path, int stream, struct stat *entry)
 {
-    options *given = &state->options;
-    if (given->output_path == NULL ||
-        (!is_standard_output(given->output_path) && svo_i_output_descriptor_of(given->output_path) != STDOUT_FILENO)) {
+    const bool is_there = strcmp(path, "-") == 0 ? fstat(stream, entry) == 0 : stat(path, entry) == 0;
+    return is_there && (S_ISREG(entry->st_mode) || S_ISDIR(entry->st_mode));
+}
+
+static int fail_clash(program *state, const char *output, const char *input)
+{
+    return input == file_register_no_memory
+               ? program_fail(state, PROGRAM_FAILED, "out of memory")
+               : program_fail(state, PROGRAM_WRONG_USAGE, "output %s would replace %s, which this run reads", output,
+                              input);
+}
+
+int output_protect(program *state, const char *path)
+{
+    struct stat entry;
+    if (!find_file(path, STDIN_FILENO, &entry)) {
+        return PROGRAM_DONE; /* whoever reads it says what is wrong */
+    }
+    const char *name = strcmp(path, "-") == 0 ? "standard input" : path;
+    const char *clash = file_register_read(&state->files, &entry, name);
+    return clash == NULL ? PROGRAM_DONE : fail_clash(state, clash, name);
+}
+
+/* Fails where an output would replace an input, or another output of this run. */
+static int claim(program *state, const char *path)
+{
+    struct stat entry;
+    const char *name = output_name(path);
+    const char *clash = is_standard_output(path) ? NULL : file_register_input_at(&state->files, path);
+    if (clash == NULL && find_file(path, state->file_descriptor, &entry)) {
+        clash = file_register_write(&state->files, &entry, name);
+    }
+    if (clash == NULL) {
         return PROGRAM_DONE;
     }
+    return file_register_is_output(&state->files, clash)
+               ? program_fail(state, PROGRAM_WRONG_USAGE, "outputs %s and %s are one file", clash, name)
+               : fail_clash(state, name, clash);
+}
+
+/* ---- suffixes ---- */
+
+/* Whether a list with spaces, ".obj .ply", has the suffix. */
+static bool is_listed(const char *suffixes, const char *suffix)
+{
+    const size_t length = strlen(suffix);
+    for (const char *at = suffixes; *at != '\0'; at += strspn(at, " ")) {
+        const size_t one = strcspn(at, " ");
+        if (one == length && strncasecmp(at, suffix, length) == 0) {
+            return true;
+        }
+        at += one;
+    }
+    return false;
+}
+
+/* ".obj .ply" as ".obj or .ply". */
+static void write_list(const char *suffixes, char *text, size_t text_bytes)
+{
+    size_t used = 0;
+    for (const char *at = suffixes; *at != '\0' && used < text_bytes; at += strspn(at, " ")) {
+        const size_t one = strcspn(at, " ");
+        const char *between = at == suffixes ? "" : at[one] == '\0' ? " or " : ", ";
+        used += (size_t)snprintf(text + used, text_bytes - used, "%s%.*s", between, (int)one, at);
+        at += one;
+    }
+}
+
+static int check_suffix(program *state, const command *which, const char *path)
+{
+    char known[128] = "";
+    const char *suffixes = state->options.solid != 0 ? which->solid_suffixes : which->suffixes;
+    const char *slash = strrchr(path, '/');
+    const char *name = slash != NULL ? slash + 1 : path;
+    const char *suffix = name[0] != '\0' ? strrchr(name + 1, '.') : NULL; /* a leading dot hides a file */
+    if (suffixes == NULL || piped_is_stream(path) ||
+        (suffix == NULL ? !which->needs_suffix : is_listed(suffixes, suffix))) {
+        return PROGRAM_DONE;
+    }
+    write_list(suffixes, known, sizeof known);
+    return program_fail(state, PROGRAM_WRONG_USAGE, "output %s does not end in %s", path, known);
+}
+
+/* ---- standard output ---- */
+
+/* The path after -o leads to standard output: keeps that for the file. */
+static int take_standard_output(program *state, enum option_output kind)
+{
+    options *given = &state->options;
     if (kind == OPTION_OUTPUT_FOLDER) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "-o %s is standard output, a folder is needed",
                             given->output_path);
@@ -49,15 +139,34 @@ int output_begin(program *state, enum option_output kind)
     return PROGRAM_DONE;
 }
 
+int output_begin(program *state, const command *which)
+{
+    const char *path = state->options.output_path;
+    if (path == NULL) {
+        return PROGRAM_DONE;
+    }
+    if (is_standard_output(path) || svo_i_output_descriptor_of(path) == STDOUT_FILENO) {
+        return take_standard_output(state, which->output);
+    }
+    const char *input = which->output != OPTION_OUTPUT_FOLDER ? file_register_input_at(&state->files, path) : NULL;
+    return input != NULL ? fail_clash(state, path, input) : check_suffix(state, which, path);
+}
+
+/* ---- files ---- */
+
 int output_check(program *state, const char *path)
 {
     const int error = is_standard_output(path) ? 0 : svo_i_output_check(path);
-    return error == 0 ? PROGRAM_DONE : fail_errno(state, path, error);
+    return error == 0 ? claim(state, path) : fail_errno(state, path, error);
 }
 
 int output_open(program *state, const char *path, output_file *file)
 {
     *file = (output_file){.path = path};
+    const int claimed = claim(state, path);
+    if (claimed != PROGRAM_DONE) {
+        return claimed;
+    }
     cleanup_add(&file->temporary);
     int error = is_standard_output(path) ? svo_i_output_open_descriptor(state->file_descriptor, &file->target)
                                          : svo_i_output_open(path, &file->temporary.watch, &file->target);
@@ -96,6 +205,11 @@ bool output_flush(output_file *file)
 
 int output_commit(program *state, output_file *file)
 {
+    const int claimed = claim(state, file->path); /* another output may have appeared there */
+    if (claimed != PROGRAM_DONE) {
+        output_abandon(file);
+        return claimed;
+    }
     int error = output_flush(file) ? 0 : file->error;
     if (fclose(file->stream) != 0 && error == 0) {
         error = errno;
@@ -103,6 +217,10 @@ int output_commit(program *state, output_file *file)
     file->stream = NULL;
     if (error == 0) {
         error = svo_i_output_commit(&file->target);
+    }
+    struct stat entry;
+    if (error == 0 && find_file(file->path, state->file_descriptor, &entry)) {
+        file_register_written(&state->files, &entry, output_name(file->path));
     }
     const int result = error != 0 ? fail_errno(state, file->path, error) : PROGRAM_DONE;
     output_abandon(file);

@@ -25,12 +25,17 @@ typedef struct output_file {
 const char *output_name(const char *path);
 
 /*
- * To be called once, with the path after -o: where it is "-" or leads to standard output, keeps that for the file. What
- * the program prints then goes to standard error. kind: what -o names. Returns the exit code.
+ * To be called once, when the inputs of the command line are protected, with the path after -o: checks it, and that the
+ * command writes files of its suffix. Where it is "-" or leads to standard output, keeps that for the file. What the
+ * program prints then goes to standard error. Returns the exit code.
  */
-int output_begin(program *state, enum option_output kind);
+int output_begin(program *state, const command *which);
 
-/* Fails early if no file can be created at path: before long work, not after it. */
+/* This run reads path, "-" for standard input: no output may be that file. Fails where one is. */
+int output_protect(program *state, const char *path);
+
+/* Fails early if no file can be created at path, or if it is one that this run reads or writes: before long work, not
+   after it. output_open checks the latter again. */
 int output_check(program *state, const char *path);
 
 int output_open(program *state, const char *path, output_file *file);

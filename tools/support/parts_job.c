@@ -37,7 +37,9 @@ int parts_fail(program *state, svo_status status, const char *message)
     case SVO_COMPILE_FAILED:
     case SVO_CL_ERROR:
     case SVO_GL_ERROR:
-        return program_fail(state, PROGRAM_TRY_AGAIN, "%s", program_words(message));
+        return program_fail_status(state, PROGRAM_TRY_AGAIN, message);
+    case SVO_CAPACITY_EXCEEDED: /* the limit of --max-memory */
+        return program_fail_status(state, PROGRAM_WRONG_USAGE, message);
     default:
         return program_fail_library(state, message);
     }
@@ -110,7 +112,7 @@ static int plan_from_memory(program *state, session *opened, const char *folder,
     return status == SVO_OK ? PROGRAM_DONE : parts_fail(state, status, message.text);
 }
 
-int parts_plan(program *state, session *opened, const char *folder, parts_mesh *mesh)
+static int plan_either(program *state, session *opened, const char *folder, parts_mesh *mesh)
 {
     *mesh = (parts_mesh){.in_blocks = false};
     if (state->options.max_memory > 0 && state->options.strict == 0 && input_is_mesh_file(state)) {
@@ -122,6 +124,17 @@ int parts_plan(program *state, session *opened, const char *folder, parts_mesh *
         }
     }
     return plan_from_memory(state, opened, folder, mesh);
+}
+
+/* A limit that is too small leaves nothing behind. */
+int parts_plan(program *state, session *opened, const char *folder, parts_mesh *mesh)
+{
+    const bool is_new = !parts_folder_exists(folder);
+    const int exit_code = plan_either(state, opened, folder, mesh);
+    if (exit_code == PROGRAM_WRONG_USAGE && is_new && parts_folder_exists(folder)) {
+        (void)svo_parts_remove(folder, NULL);
+    }
+    return exit_code;
 }
 
 int parts_open(program *state, const char *folder, svo_parts **out)

@@ -82,6 +82,18 @@ int picture_check(program *state)
     return exit_code == PROGRAM_DONE ? check_film(state, format) : exit_code;
 }
 
+int picture_check_files(program *state, uint64_t frame_count)
+{
+    char path[PICTURE_PATH_BYTES];
+    int exit_code = PROGRAM_DONE;
+    const uint64_t file_count = picture_format_of(&state->options)->is_film ? 1 : frame_count;
+    for (uint64_t frame = 0; frame < file_count && exit_code == PROGRAM_DONE; ++frame) {
+        picture_frame_path(&state->options, frame, path);
+        exit_code = output_check(state, path);
+    }
+    return exit_code;
+}
+
 unsigned picture_frames(const options *given)
 {
     return given->turntable > 0 ? (unsigned)given->turntable : 1u;
@@ -119,7 +131,8 @@ static int write_to(program *state, const char *path, const picture_format *form
 int picture_write_as(program *state, const char *path, uint32_t width, uint32_t height, const uint8_t *rgba)
 {
     const picture_pixels pixels = {.width = width, .height = height, .bytes = rgba};
-    return write_to(state, path, picture_format_of_path(".png"), &pixels);
+    const options png = {.format = OPTION_FORMAT_PNG};
+    return write_to(state, path, picture_format_of(&png), &pixels);
 }
 
 int picture_open(program *state, picture_stream *out)

@@ -20,6 +20,9 @@ int picture_write_as(program *state, const char *path, uint32_t width, uint32_t 
 /* Refuses what the format after -o does not hold, before long work. Returns the exit code. */
 int picture_check(program *state);
 
+/* Whether all files can be written: before long work, not after it. Returns the exit code. */
+int picture_check_files(program *state, uint64_t frame_count);
+
 /* The number of files or frames, without those of --animate: each takes a step of the progress bar. */
 unsigned picture_frames(const options *given);
 

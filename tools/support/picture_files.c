@@ -5,6 +5,7 @@
 #include <stb/stb_image_write.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #ifdef SVOCL_EXR
 #include <openexr.h>
@@ -153,7 +154,7 @@ static int write_exr(program *state, output_file *file, const picture_pixels *pi
 static int write_exr(program *state, output_file *file, const picture_pixels *pixels)
 {
     (void)pixels;
-    return picture_format_check(state, picture_format_of_path(".exr"), file->path);
+    return picture_format_check(state, &(picture_format){.value = OPTION_FORMAT_EXR}, file->path);
 }
 
 #endif
@@ -240,26 +241,26 @@ const char *picture_format_suffixes(void)
     return ".png, .exr, .hdr, .ppm, .y4m";
 }
 
-const picture_format *picture_format_of_path(const char *path)
+static const picture_format *format_of_suffix(const char *path)
 {
-    const char *name = strrchr(path, '/');
-    const char *dot = strrchr(name != NULL ? name : path, '.');
-    for (size_t i = 0; i < FORMATS && dot != NULL; ++i) {
-        if (strcmp(formats[i].suffix, dot) == 0) {
+    const char *slash = strrchr(path, '/');
+    const char *name = slash != NULL ? slash + 1 : path;
+    const char *suffix = name[0] != '\0' ? strrchr(name + 1, '.') : NULL; /* a leading dot hides a file */
+    for (size_t i = 0; i < FORMATS && suffix != NULL; ++i) {
+        if (strcasecmp(formats[i].suffix, suffix) == 0) {
             return &formats[i];
         }
     }
-    return NULL;
+    return suffix != NULL ? NULL : &formats[0];
 }
 
 const picture_format *picture_format_of(const options *given)
 {
-    if (given->format == OPTION_FORMAT_BY_NAME && strcmp(given->output_path, "-") != 0) {
-        return picture_format_of_path(given->output_path);
+    if (given->format == OPTION_FORMAT_BY_NAME) {
+        return format_of_suffix(given->output_path);
     }
-    const int wanted = given->format == OPTION_FORMAT_BY_NAME ? OPTION_FORMAT_PNG : given->format;
     size_t i = 0;
-    while (formats[i].value != wanted) {
+    while (formats[i].value != given->format) {
         ++i;
     }
     return &formats[i];

@@ -22,12 +22,9 @@ typedef struct picture_format {
     int (*write)(program *state, output_file *file, const picture_pixels *pixels); /* returns the exit code */
 } picture_format;
 
-/* The format after --format, else that of the suffix of -o, else of standard output PNG. NULL: the suffix is that of
-   none. */
+/* The format after --format, else that of the suffix of -o, else, also of standard output, PNG. NULL: the suffix is
+   that of none. */
 const picture_format *picture_format_of(const options *given);
-/* The format of a suffix alone; NULL: none. */
-const picture_format *picture_format_of_path(const char *path);
-
 /* ".png, .exr, .hdr, .ppm, .y4m" */
 const char *picture_format_suffixes(void);
 

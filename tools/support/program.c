@@ -56,9 +56,42 @@ int program_fail_scene(program *state, svo_status status, const char *message)
     return program_fail(state, exit_code, "%s", program_words(message));
 }
 
+/* What the library calls an argument, and what the command line does. */
+static const char *const arguments[][2] = {{"options.payload_level", "--payload-level"},
+                                           {"max_device_bytes", "--max-memory"},
+                                           {"max_bytes", "--max-memory"},
+                                           {"svo_parts_create", "svocl build --max-memory"},
+                                           {"voxels_max", "--max-voxels"}};
+
+/* The words with options in place of arguments. */
+static svo_message with_options(const char *words)
+{
+    svo_message named = {""};
+    size_t used = 0;
+    while (*words != '\0' && used + 1 < sizeof named.text) {
+        size_t i = 0;
+        const size_t count = sizeof arguments / sizeof arguments[0];
+        while (i < count && strncmp(words, arguments[i][0], strlen(arguments[i][0])) != 0) {
+            ++i;
+        }
+        const char *from = i < count ? arguments[i][1] : words;
+        const size_t length = i < count ? strlen(from) : 1;
+        const size_t left = sizeof named.text - 1 - used;
+        memcpy(named.text + used, from, length < left ? length : left);
+        used += length < left ? length : left;
+        words += i < count ? strlen(arguments[i][0]) : 1;
+    }
+    return named;
+}
+
+int program_fail_status(program *state, int exit_code, const char *message)
+{
+    return program_fail(state, exit_code, "%s", with_options(program_words(message)).text);
+}
+
 int program_fail_library(program *state, const char *message)
 {
-    return program_fail(state, PROGRAM_FAILED, "%s", program_words(message));
+    return program_fail_status(state, PROGRAM_FAILED, message);
 }
 
 void program_begin_progress(program *state, unsigned step_count)

@@ -10,6 +10,7 @@
 
 #include <stdbool.h>
 
+#include "support/file_register.h"
 #include "support/options.h"
 #include "support/piped.h"
 #include "support/progress.h"
@@ -33,6 +34,7 @@ typedef struct program {
     options options;
     progress *progress; /* NULL: no bar */
     piped_input piped; /* INPUT, where it came through a pipe */
+    file_register files; /* what this run reads and writes */
     int file_descriptor; /* what -o - writes to, once output_begin was called for it */
     /* Warnings of the library, printed only after success: a failure is one line. */
     char *warnings[PROGRAM_WARNINGS_KEPT];
@@ -47,7 +49,9 @@ int program_fail(program *state, int exit_code, const char *format, ...) __attri
 /* A library message without its leading function name: "svo_plan_create: words" -> "words". */
 const char *program_words(const char *message);
 
-/* program_fail with a library message, shortened by program_words. */
+/* program_fail with a library message, shortened by program_words, that names options where the library names its
+   arguments. The second with PROGRAM_FAILED. */
+int program_fail_status(program *state, int exit_code, const char *message);
 int program_fail_library(program *state, const char *message);
 /* The same for scenes, whose names and counts come from the command line: an invalid one is wrong usage. */
 int program_fail_scene(program *state, svo_status status, const char *message);

@@ -7,12 +7,17 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
 #include <time.h>
 #include <unistd.h>
 
 #define QUIET_SECONDS      0.5
 #define REDRAW_NANOSECONDS 100000000L
 #define BAR_CELLS          24U
+#define BAR_CELLS_MIN      8U
+#define COLUMNS_UNKNOWN    80
+#define LINE_BYTES         256
 
 struct progress {
     const char *title;
@@ -37,24 +42,65 @@ static double now_s(void)
     return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
 }
 
+/* Columns that a line may fill: the last one stays free, since terminals go to the next line behind it. Asked anew each
+   time, since windows change. */
+static size_t columns(void)
+{
+    struct winsize size;
+    const unsigned count = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : COLUMNS_UNKNOWN;
+    return count < LINE_BYTES ? count - 1 : LINE_BYTES - 1;
+}
+
+/* Puts a text into room columns; one that is longer ends in dots. */
+static void put_text(char line[LINE_BYTES], const char *text, size_t room)
+{
+    const size_t length = strlen(text);
+    const size_t dots = length <= room ? 0 : room < 3 ? room : 3;
+    (void)snprintf(line + strlen(line), LINE_BYTES - strlen(line), "%.*s%.*s",
+                   (int)(length <= room ? length : room - dots), text, (int)dots, "...");
+}
+
+/* The bar is as long as there is room, then what runs is shortened; the step and the clock stay. */
+static void write_line(const progress *bar, double elapsed_s, char line[LINE_BYTES])
+{
+    char step[32], what[LINE_BYTES], clock[48];
+    const size_t room = columns();
+    const double done = (bar->steps_begun - 1 + bar->part) / bar->step_count;
+    (void)snprintf(step, sizeof step, "%u/%u ", bar->steps_begun, bar->step_count);
+    (void)snprintf(what, sizeof what, "%s%s%s", bar->what, bar->stage != NULL ? ": " : "",
+                   bar->stage != NULL ? bar->stage : "");
+    if (bar->stage != NULL) {
+        (void)snprintf(clock, sizeof clock, ", %.0f %%, %.1f s", bar->part * 100.0, elapsed_s);
+    } else {
+        (void)snprintf(clock, sizeof clock, ", %.1f s", elapsed_s);
+    }
+    size_t used = strlen(bar->title) + 1 + strlen(step) + strlen(clock);
+    const size_t wanted = used + strlen(what) + 3; /* with brackets and a space */
+    const size_t cells = wanted + BAR_CELLS_MIN > room ? 0 : wanted + BAR_CELLS > room ? room - wanted : BAR_CELLS;
+    const size_t filled = done < 1.0 ? (size_t)((double)cells * done) : cells;
+    (void)snprintf(line, LINE_BYTES, "%s ", bar->title);
+    if (cells > 0) {
+        char text[BAR_CELLS + 1] = "";
+        memset(text, '=', filled);
+        memset(text + filled, '.', cells - filled);
+        (void)snprintf(line + strlen(line), LINE_BYTES - strlen(line), "[%.*s] ", (int)cells, text);
+        used += cells + 3;
+    }
+    put_text(line, step, strlen(step));
+    put_text(line, what, used < room ? room - used : 0);
+    put_text(line, clock, strlen(clock));
+    line[room] = '\0';
+}
+
 static void draw(progress *bar)
 {
+    char line[LINE_BYTES];
     const double elapsed_s = now_s() - bar->started_s;
     if (elapsed_s < QUIET_SECONDS || bar->steps_begun == 0) {
         return;
     }
-    const double done = (bar->steps_begun - 1 + bar->part) / bar->step_count;
-    const unsigned filled = done < 1.0 ? (unsigned)(BAR_CELLS * done) : BAR_CELLS;
-    char cells[BAR_CELLS + 1];
-    for (unsigned i = 0; i < BAR_CELLS; ++i) {
-        cells[i] = i < filled ? '=' : '.';
-    }
-    cells[BAR_CELLS] = '\0';
-    fprintf(stderr, "\r\033[K%s [%s] %u/%u %s", bar->title, cells, bar->steps_begun, bar->step_count, bar->what);
-    if (bar->stage != NULL) {
-        fprintf(stderr, ": %s, %.0f %%", bar->stage, bar->part * 100.0);
-    }
-    fprintf(stderr, ", %.1f s", elapsed_s);
+    write_line(bar, elapsed_s, line);
+    fprintf(stderr, "\r\033[K%s", line);
     fflush(stderr);
     bar->shown = true;
 }

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "support/output.h"
 #include "support/scene_place.h"
 #include "support/scene_place_read.h"
 #include "support/suggest.h"
@@ -59,9 +60,10 @@ static int find_path(const json_source *source, const cJSON *value, scene_file_t
     const bool is_own = path[0] == '/' || strncmp(path, "scene:", 6) == 0 || slash == NULL;
     const int length = snprintf(out->path, sizeof out->path, "%.*s%s", is_own ? 0 : (int)(slash + 1 - source->path),
                                 source->path, path);
-    return length > 0 && (size_t)length < sizeof out->path
-               ? PROGRAM_DONE
-               : json_source_fail(source, value, "'path' is longer than %zu bytes", sizeof out->path - 1);
+    if (length < 0 || (size_t)length >= sizeof out->path) {
+        return json_source_fail(source, value, "'path' is longer than %zu bytes", sizeof out->path - 1);
+    }
+    return strncmp(path, "scene:", 6) == 0 ? PROGRAM_DONE : output_protect(source->state, out->path);
 }
 
 static int read_tree(const json_source *source, const cJSON *object, scene_file_tree *out)

@@ -62,10 +62,10 @@ static bool has_form(const scene_trees *work, const svo_compact *compact)
 /* A file of the scene's form is used as it is: it may be minimized, or a solid. For another one nothing is loaded. */
 static int load_compact(scene_trees *work, size_t index)
 {
-    svo_message message = {""};
     svo_compact **out = &work->compacts[index];
-    if (svo_compact_load(work->file->trees[index].path, NULL, out, &message) != SVO_OK) {
-        return program_fail_library(work->running, message.text);
+    const int exit_code = compact_input_load(work->running, work->file->trees[index].path, NULL, 0, out);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
     }
     if (!has_form(work, *out)) {
         svo_compact_destroy(out);

@@ -53,6 +53,10 @@ static int load_kernels(program *state, svo_device *device)
     if (folder == NULL && kernel_folder_name(own) && kernel_folder_is_own(own)) {
         (void)svo_device_load_kernels(device, own, NULL);
     }
+    if (folder != NULL && kernel_folder_is_open(folder)) {
+        return program_fail(state, PROGRAM_FAILED,
+                            "--kernels %s is no folder that you alone may write to, and kernels are code", folder);
+    }
     return folder == NULL || svo_device_load_kernels(device, folder, NULL) == SVO_OK
                ? PROGRAM_DONE
                : program_fail_library(state, svo_device_message(device));

@@ -28,6 +28,7 @@ int voxel_input_open(program *state, voxel_input *opened)
     const svo_voxels_load_options load_options = {.struct_size = sizeof load_options,
                                                   .hidden = (uint32_t)given->hidden,
                                                   .frame = (uint32_t)given->frame,
+                                                  .voxels_max = given->max_voxels,
                                                   .log = program_log,
                                                   .log_user = state};
     *opened = (voxel_input){.file = SVO_VOXEL_FILE_INFO_INIT, .list = SVO_VOXELS_INFO_INIT};
@@ -36,7 +37,7 @@ int voxel_input_open(program *state, voxel_input *opened)
                                                  &opened->voxels, &opened->file, &message)
                         : svo_voxels_load(given->input, &load_options, &opened->voxels, &opened->file, &message);
     if (status != SVO_OK) {
-        return program_fail(state, PROGRAM_FAILED, "%s", message.text);
+        return program_fail_library(state, message.text);
     }
     (void)svo_voxels_get_info(opened->voxels, &opened->list);
     return PROGRAM_DONE;

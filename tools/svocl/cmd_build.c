@@ -120,8 +120,22 @@ static int check_options(program *state)
     return given->output_path != NULL ? output_check(state, given->output_path) : PROGRAM_DONE;
 }
 
+/* Of a voxel file the depth is known when it is read. */
+static int check_payload_level(program *state)
+{
+    const options *given = &state->options;
+    const bool is_known = given->has_depth || !voxel_input_is_given(state);
+    return !is_known || given->payload_level <= given->depth
+               ? PROGRAM_DONE
+               : program_fail(state, PROGRAM_WRONG_USAGE, "--payload-level %u is above the depth, %u",
+                              (unsigned)given->payload_level, (unsigned)given->depth);
+}
+
 int command_build(program *state)
 {
+    if (check_payload_level(state) != PROGRAM_DONE) {
+        return PROGRAM_WRONG_USAGE;
+    }
     if (state->options.max_memory != 0 || state->options.resume) {
         return build_parts(state);
     }

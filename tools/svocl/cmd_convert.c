@@ -44,7 +44,7 @@ static int check_arguments(program *state)
     }
     const bool to_tree = is_tree_path(given->output_path);
     if (!to_tree && svo_voxel_format_of_path(given->output_path) == SVO_VOXEL_FORMAT_AUTO) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "OUT %s is not .svo, .vox, .svx, .binvox, .ply or .obj",
+        return program_fail(state, PROGRAM_WRONG_USAGE, "output %s has no suffix that tells the format",
                             given->output_path);
     }
     if (given->compress && !to_tree) {

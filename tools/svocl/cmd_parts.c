@@ -53,6 +53,9 @@ static int plan(program *state)
         return program_fail(state, PROGRAM_WRONG_USAGE, "parts plan needs -o FILE");
     }
     int exit_code = check_plan(state);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = output_check(state, state->options.output_path);
+    }
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
@@ -179,7 +182,8 @@ static int stitch(program *state, const svo_parts *parts)
     const char *folder = state->options.input;
     const size_t length = strlen(folder);
     if (state->options.output_path != NULL) {
-        return parts_finish(state, parts, state->options.output_path);
+        const int exit_code = output_check(state, state->options.output_path);
+        return exit_code == PROGRAM_DONE ? parts_finish(state, parts, state->options.output_path) : exit_code;
     }
     if (length < sizeof SUFFIX || strcmp(folder + length - (sizeof SUFFIX - 1), SUFFIX) != 0) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "%s does not end in " SUFFIX ": parts stitch needs -o FILE",

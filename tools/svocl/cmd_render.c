@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* svocl render: renders a tree or a scene of trees, framed or as a camera sees it. */
+#include "support/animation.h"
 #include "support/job.h"
 #include "support/options_parse.h"
 #include "support/output.h"
@@ -123,14 +124,13 @@ int command_render(program *state)
     if (check_probes(state) != PROGRAM_DONE || check_view(state) != PROGRAM_DONE) {
         return PROGRAM_WRONG_USAGE;
     }
-    char first[PICTURE_PATH_BYTES];
     int exit_code = render_animation_check(state);
     if (exit_code == PROGRAM_DONE) {
         exit_code = picture_check(state);
     }
     if (exit_code == PROGRAM_DONE) {
-        picture_frame_path(&state->options, 0, first);
-        exit_code = output_check(state, first);
+        exit_code = picture_check_files(state, state->options.animate != 0 ? animation_frame_count(state)
+                                                                           : picture_frames(&state->options));
     }
     if (exit_code == PROGRAM_DONE && state->options.animate != 0) {
         return render_animation(state);

@@ -152,6 +152,14 @@ static int write_json(program *state, const page_content *content, const result_
     return PROGRAM_DONE;
 }
 
+/* The results of --from may be those of the same folder, and would be replaced. */
+static int check_results(program *state)
+{
+    char path[PATH_BYTES];
+    (void)snprintf(path, sizeof path, "%s/results.json", state->options.output_path);
+    return output_check(state, path);
+}
+
 /* Writes one file into the folder, completely or not at all, and adds it to files. */
 static int write_file(program *state, const page_content *content, const result_table *shown, const char *name,
                       write_part *write, cJSON *files)
@@ -254,6 +262,9 @@ int command_report(program *state)
     int exit_code = given->from != NULL ? options_refuse(state, of_measurements, "with --from") : PROGRAM_DONE;
     if (exit_code == PROGRAM_DONE && given->output_path != NULL) {
         exit_code = make_folder(state, given->output_path);
+    }
+    if (exit_code == PROGRAM_DONE && given->output_path != NULL) {
+        exit_code = check_results(state);
     }
     if (exit_code != PROGRAM_DONE) {
         return exit_code;

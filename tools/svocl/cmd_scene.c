@@ -99,7 +99,7 @@ int command_scene(program *state)
     if (state->options.output_path == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "-o FILE is missing");
     }
-    int exit_code = mesh_output_check(state, state->options.output_path);
+    int exit_code = output_check(state, state->options.output_path);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }

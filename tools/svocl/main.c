@@ -10,6 +10,7 @@
 #include "scenes/scenes.h"
 #include "support/input.h"
 #include "support/options_parse.h"
+#include "support/options_rules.h"
 #include "support/output.h"
 #include "support/suggest.h"
 #include "support/table.h"
@@ -67,6 +68,21 @@ static void print_command_help(const command *which)
     }
 }
 
+/* The files that the command line names as inputs. What those refer to is protected when it is read. */
+static int protect_inputs(program *state, const command *which)
+{
+    const options *given = &state->options;
+    int exit_code = PROGRAM_DONE;
+    if (which->reads_file && given->input != NULL && strncmp(given->input, "scene:", 6) != 0) {
+        exit_code = output_protect(state, given->input);
+    }
+    for (size_t i = 0; options_rule(i) != NULL && exit_code == PROGRAM_DONE; ++i) {
+        const char *path = options_input_path(given, i);
+        exit_code = path != NULL ? output_protect(state, path) : PROGRAM_DONE;
+    }
+    return exit_code;
+}
+
 static int run_command(program *state, const command *which, int argument_count, char **arguments)
 {
     state->command = which->name;
@@ -78,7 +94,10 @@ static int run_command(program *state, const command *which, int argument_count,
         print_command_help(which);
         return PROGRAM_DONE;
     }
-    exit_code = output_begin(state, which->output);
+    exit_code = protect_inputs(state, which);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = output_begin(state, which);
+    }
     if (exit_code == PROGRAM_DONE && which->reads_file) {
         exit_code = input_begin(state);
     }
@@ -86,6 +105,7 @@ static int run_command(program *state, const command *which, int argument_count,
         exit_code = which->run(state);
     }
     piped_free(&state->piped);
+    file_register_free(&state->files);
     progress_destroy(&state->progress);
     program_end_warnings(state, exit_code != PROGRAM_DONE || state->options.quiet);
     return exit_code;

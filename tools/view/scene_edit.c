@@ -165,6 +165,11 @@ void scene_edit_remove(view_state *state)
 
 void scene_edit_save(view_state *state, const char *path)
 {
+    const char *input = state->files != NULL ? file_register_input_at(state->files, path) : NULL;
+    if (input != NULL) {
+        view_log(state, "%s was not saved: it would replace %s, which is shown", path, input);
+        return;
+    }
     const int error = path[0] != '\0' ? scene_save(state, path) : ENOENT;
     if (error != 0) {
         view_log(state, "%s was not saved: %s", path, strerror(error));

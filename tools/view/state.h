@@ -276,6 +276,7 @@ typedef struct view_state {
     float occlusion_range; /* of a scene; 0: its own */
     const char *scene_form; /* as the scene's file calls it; NULL: there is no file */
     char scene_path[VIEW_PATH_BYTES]; /* of the scene's file */
+    const struct file_register *files; /* what is shown is read from these, so nothing is saved there; NULL: unknown */
     bool wants_load; /* scene_path is to be loaded */
 
     view_selection selection;

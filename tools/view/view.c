@@ -394,6 +394,10 @@ static void take_options(viewer *which)
     settings->fullscreen = settings->fullscreen || given->fullscreen != 0;
     which->state.camera.mode = settings->mode;
     which->state.input = given->input;
+    which->state.files = &which->running->files;
+    if (scene_file_is_input(which->running)) {
+        file_register_forget(&which->running->files, given->input); /* it is saved in place */
+    }
 }
 
 static int run(viewer *which)
