@@ -13,6 +13,7 @@
 #include <cmocka.h>
 #include <math.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -228,13 +229,23 @@ static reference_answer reference_pixel(const occupancy *voxels, const pinhole *
 
 /* ---- pictures ---- */
 
-static void render(svo_tree *tree, const svo_camera *camera, uint8_t *rgba)
+static const float no_clip[4] = {0};
+
+static void render_clipped(svo_tree *tree, const svo_camera *camera, const float clip[4], svo_render_view view,
+                           uint8_t *rgba)
 {
-    const svo_render_options options = {sizeof options, WIDTH, HEIGHT, *camera, SVO_VIEW_SHADED};
+    svo_render_options options = {
+        .struct_size = sizeof options, .width = WIDTH, .height = HEIGHT, .camera = *camera, .view = view};
+    memcpy(options.clip, clip, sizeof options.clip);
     memset(rgba, 0x5a, (size_t)WIDTH * HEIGHT * 4);
     if (svo_tree_render(device, tree, &options, queue, rgba) != SVO_OK) {
         fail_msg("%s", svo_device_message(device));
     }
+}
+
+static void render(svo_tree *tree, const svo_camera *camera, uint8_t *rgba)
+{
+    render_clipped(tree, camera, no_clip, SVO_VIEW_SHADED, rgba);
 }
 
 static void render_background(uint8_t *rgba)
@@ -252,13 +263,15 @@ static bool is_black(const uint8_t *pixel)
     return pixel[0] == 0 && pixel[1] == 0 && pixel[2] == 0 && pixel[3] == 255;
 }
 
-/* Compares a picture of black voxels with the reference; returns the number of fully covered pixels. */
-static uint32_t check_picture(const char *name, const occupancy *voxels, const svo_camera *camera)
+/* Compares a picture of black voxels, of which a plane leaves some, with the reference; returns the number of fully
+   covered pixels. */
+static uint32_t check_clipped(const char *name, const occupancy *voxels, const float clip[4], const occupancy *left,
+                              const svo_camera *camera)
 {
     static uint8_t picture[WIDTH * HEIGHT * 4];
     static uint8_t background[WIDTH * HEIGHT * 4];
     svo_tree *tree = make_tree(voxels, true);
-    render(tree, camera, picture);
+    render_clipped(tree, camera, clip, SVO_VIEW_SHADED, picture);
     render_background(background);
     const pinhole hole = pinhole_of(camera);
     uint32_t hits = 0;
@@ -266,7 +279,7 @@ static uint32_t check_picture(const char *name, const occupancy *voxels, const s
         for (uint32_t x = 0; x < WIDTH; ++x) {
             const uint8_t *pixel = picture + 4 * ((size_t)y * WIDTH + x);
             const uint8_t *behind = background + 4 * ((size_t)y * WIDTH + x);
-            const reference_answer answer = reference_pixel(voxels, &hole, x, y);
+            const reference_answer answer = reference_pixel(left, &hole, x, y);
             if ((answer == REFERENCE_HIT && !is_black(pixel)) ||
                 (answer == REFERENCE_MISS && memcmp(pixel, behind, 4) != 0)) {
                 fail_msg("%s: pixel %u, %u is %u %u %u; the reference says %s", name, x, y, pixel[0], pixel[1],
@@ -277,6 +290,11 @@ static uint32_t check_picture(const char *name, const occupancy *voxels, const s
     }
     svo_tree_destroy(&tree);
     return hits;
+}
+
+static uint32_t check_picture(const char *name, const occupancy *voxels, const svo_camera *camera)
+{
+    return check_clipped(name, voxels, no_clip, voxels, camera);
 }
 
 static void an_empty_tree_is_background(void **unused)
@@ -339,6 +357,71 @@ static void random_voxels_are_drawn_from_everywhere(void **unused)
         assert_true(check_picture("random voxels", voxels, &cameras[k]) > 50);
         free(voxels);
     }
+}
+
+/* The voxels of one side of a plane between cells. */
+static occupancy *voxels_beyond(const occupancy *voxels, int axis, uint32_t cell, bool above)
+{
+    occupancy *left = new_occupancy(voxels->depth);
+    const uint32_t cells = 1u << voxels->depth;
+    for (uint32_t k = 0; k < cells * cells * cells; ++k) {
+        const uint32_t at[3] = {k % cells, k / cells % cells, k / cells / cells};
+        const uint32_t code = morton(at[0], at[1], at[2]);
+        left->leaves[code] = voxels->leaves[code] && (at[axis] >= cell) == above;
+    }
+    return left;
+}
+
+/* How many pixels of a view differ by more than rounding. */
+static uint32_t count_differing(svo_tree *clipped, const float clip[4], svo_tree *left, const svo_camera *camera,
+                                svo_render_view view)
+{
+    static uint8_t pictures[2][WIDTH * HEIGHT * 4];
+    uint32_t count = 0;
+    render_clipped(clipped, camera, clip, view, pictures[0]);
+    render_clipped(left, camera, no_clip, view, pictures[1]);
+    for (size_t i = 0; i < sizeof pictures[0]; i += 4) {
+        count += abs((int)pictures[0][i] - (int)pictures[1][i]) > 1;
+    }
+    return count;
+}
+
+/* What a plane cuts away might as well not be there. */
+static void a_plane_cuts_away_what_is_below_it(void **unused)
+{
+    (void)unused;
+    const svo_camera cameras[] = {{{1.5f, 1.2f, 2.1f}, {0.5f, 0.5f, 0.5f}, {0, 1, 0}, 0.6f},
+                                  {{0.53f, 0.47f, 0.52f}, {0.1f, 0.4f, 0.2f}, {0, 1, 0}, 1.5f}};
+    occupancy *voxels = new_occupancy(4);
+    uint32_t state = 4711;
+    for (uint32_t leaf = 0; leaf < 1u << 12; ++leaf) {
+        state = state * 1664525u + 1013904223u;
+        voxels->leaves[leaf] = state >> 24 < 12 && leaf != morton(8, 7, 8);
+    }
+    svo_tree *tree = make_tree(voxels, false);
+    for (int k = 0; k < 12; ++k) {
+        const int axis = k % 3;
+        const bool above = k / 3 % 2 == 0;
+        const svo_camera *camera = &cameras[k / 6];
+        const uint32_t cell = 5 + (uint32_t)k;
+        float clip[4] = {0};
+        clip[axis] = above ? 3.0f : -3.0f; /* of any length */
+        clip[3] = -clip[axis] * (float)cell / 16;
+        occupancy *left = voxels_beyond(voxels, axis, cell, above);
+        svo_tree *rest = make_tree(left, false);
+        char name[32];
+        (void)snprintf(name, sizeof name, "plane %d", k);
+        (void)check_clipped(name, voxels, clip, left, camera);
+        for (int view = SVO_VIEW_NORMAL; view <= SVO_VIEW_LEVEL; ++view) {
+            if (view != SVO_VIEW_STEPS) { /* empty cells are larger without what was cut away */
+                assert_in_range(count_differing(tree, clip, rest, camera, (svo_render_view)view), 0, 8);
+            }
+        }
+        svo_tree_destroy(&rest);
+        free(left);
+    }
+    svo_tree_destroy(&tree);
+    free(voxels);
 }
 
 static void every_pixel_of_a_wall_is_hit(void **unused)
@@ -586,8 +669,10 @@ static void bad_arguments_are_refused(void **unused)
     occupancy *voxels = new_occupancy(1);
     voxels->leaves[0] = true;
     svo_tree *tree = make_tree(voxels, false);
-    const svo_render_options good = {
-        sizeof good, WIDTH, HEIGHT, {{0, 0, 3}, {0, 0, 0}, {0, 1, 0}, 0.5f}, SVO_VIEW_SHADED};
+    const svo_render_options good = {.struct_size = sizeof good,
+                                     .width = WIDTH,
+                                     .height = HEIGHT,
+                                     .camera = {{0, 0, 3}, {0, 0, 0}, {0, 1, 0}, 0.5f}};
     expect_refusal(tree, NULL, "options is NULL");
     svo_render_options bad = good;
     bad.struct_size = 1;
@@ -604,6 +689,9 @@ static void bad_arguments_are_refused(void **unused)
     bad = good;
     bad.camera.vertical_fov = NAN;
     expect_refusal(tree, &bad, "vertical_fov");
+    bad = good;
+    bad.clip[3] = INFINITY;
+    expect_refusal(tree, &bad, "clip 0, 0, 0, inf is not finite");
     bad = good;
     bad.camera.eye[2] = 0; /* eye and target coincide */
     expect_refusal(tree, &bad, "camera.eye");
@@ -662,6 +750,7 @@ int main(void)
         cmocka_unit_test(an_empty_tree_is_background),
         cmocka_unit_test(one_voxel_covers_its_pixels),
         cmocka_unit_test(random_voxels_are_drawn_from_everywhere),
+        cmocka_unit_test(a_plane_cuts_away_what_is_below_it),
         cmocka_unit_test(every_pixel_of_a_wall_is_hit),
         cmocka_unit_test(parallel_rays_along_an_axis_hit_and_miss),
         cmocka_unit_test(pictures_are_repeatable),

@@ -17,7 +17,10 @@
 
 #include "support/scene_place.h"
 #include "view/camera.h"
+#include "view/history.h"
+#include "view/input.h"
 #include "view/light_edit.h"
+#include "view/question.h"
 #include "view/scene_edit.h"
 #include "view/scene_save.h"
 #include "work_folder.h"
@@ -271,8 +274,10 @@ static void test_failed_saves_leave_the_file(void **unused)
     begin_scene(state);
     (void)snprintf(path, sizeof path, "%s/nowhere/scene.json", work_folder());
     assert_int_equal(scene_save(state, path), ENOENT);
-    scene_edit_save(state, "");
+    question_save_as(state, VIEW_SCENE, path);
     assert_non_null(strstr(state->log[(state->log_count - 1) % VIEW_LOG_LINES], "not saved"));
+    assert_int_equal(state->question.asking, VIEW_ASKS_FOR_NAME);
+    assert_string_equal(state->question.path, path);
     assert_int_equal(scene_save(state, "/dev/full"), ENOSPC);
     view_state_end(state);
     free(state);
@@ -420,15 +425,363 @@ static void test_dragged_light_follows_the_mouse(void **unused)
     free(state);
 }
 
+/* ---- undo ---- */
+
+static scene_key undo_keys[2] = {{.time = 0, .place = {.scale = {1, 1, 1}}},
+                                 {.time = 1, .place = {.scale = {1, 1, 1}}}};
+static const scene_motion undo_motion = {.keys = undo_keys, .key_count = 2};
+
+static void edit_light(view_state *state, uint32_t *seed)
+{
+    switch (random_bits(seed) % 5) {
+    case 0:
+        (void)light_edit_add(state, random_bits(seed) % 3);
+        break;
+    case 1:
+        view_remove_source(state, state->source_count > 0 ? random_bits(seed) % state->source_count : 0);
+        break;
+    case 2:
+        state->sky[random_bits(seed) % 3] = random_within(seed, 0, 2);
+        view_lights_changed(state);
+        break;
+    case 3:
+        if (state->scene_light_count < SVO_SCENE_LIGHTS_MAX) {
+            view_add_scene_light(state);
+        }
+        break;
+    default:
+        view_remove_scene_light(state, random_bits(seed) % 3);
+        break;
+    }
+}
+
+static void edit_at_random(view_state *state, uint32_t *seed)
+{
+    const scene_place place = random_place(seed);
+    state->instance = random_bits(seed) % state->instance_count;
+    switch (random_bits(seed) % 6) {
+    case 0:
+        assert_true(scene_edit_add(state));
+        break;
+    case 1:
+        scene_edit_remove(state);
+        break;
+    case 2:
+        scene_edit_drag(state, random_within(seed, -50, 50), 3);
+        break;
+    case 3:
+        state->instances[state->instance].tree ^= 1;
+        view_instances_changed(state);
+        break;
+    case 4:
+        (void)scene_edit_set(state, state->instance, &place);
+        break;
+    default:
+        edit_light(state, seed);
+        break;
+    }
+}
+
+/* The bytes of both files of a state. */
+static char *bytes_of(const view_state *state)
+{
+    enum { BYTES_MAX = 1 << 20 };
+    char *text = calloc(2, BYTES_MAX);
+    static const char *const names[2] = {"undo-scene.json", "undo-lights.json"};
+    work_folder_remember(names[0]);
+    work_folder_remember(names[1]);
+    assert_int_equal(scene_save(state, path_of(names[0])), 0);
+    assert_int_equal(lights_save(state, path_of(names[1])), 0);
+    for (size_t i = 0, used = 0; i < 2; ++i) {
+        FILE *file = fopen(path_of(names[i]), "rb");
+        assert_non_null(file);
+        used += fread(text + used, 1, BYTES_MAX - 1, file);
+        (void)fclose(file);
+    }
+    return text;
+}
+
+static void test_undo_of_all_edits_gives_the_first_bytes(void **unused)
+{
+    (void)unused;
+    enum { EDITS = 400 };
+    uint32_t seed = 29;
+    char *texts[EDITS + 1];
+    view_state *state = malloc(sizeof *state);
+    begin_scene(state);
+    assert_true(scene_edit_add(state));
+    assert_true(view_add_mover(state, &(view_mover){1, &undo_motion, undo_keys[0].place}));
+    assert_true(light_edit_add(state, SVO_SOURCE_DIRECTIONAL));
+    history_begin(state);
+    assert_false(view_is_unsaved(state));
+    texts[0] = bytes_of(state);
+    size_t step_count = 0;
+    for (int i = 0; i < EDITS; ++i) {
+        edit_at_random(state, &seed);
+        history_look(state, false);
+        char *now = bytes_of(state);
+        if (strcmp(now, texts[step_count]) == 0) {
+            free(now);
+        } else {
+            texts[++step_count] = now;
+        }
+    }
+    assert_true(step_count > EDITS / 2);
+    assert_true(view_is_unsaved(state));
+    for (size_t pass = 0; pass < 2; ++pass) {
+        for (size_t i = step_count; i-- > 0;) {
+            history_undo(state);
+            char *now = bytes_of(state);
+            assert_string_equal(now, texts[i]);
+            free(now);
+        }
+        assert_false(view_is_unsaved(state));
+        history_undo(state); /* there is nothing left */
+        for (size_t i = 1; i <= step_count; ++i) {
+            history_redo(state);
+            char *now = bytes_of(state);
+            assert_string_equal(now, texts[i]);
+            free(now);
+        }
+        history_redo(state);
+        assert_true(view_is_unsaved(state));
+    }
+    for (size_t i = 0; i <= step_count; ++i) {
+        free(texts[i]);
+    }
+    history_end(state);
+    view_state_end(state);
+    free(state);
+}
+
+static void test_a_drag_is_one_step(void **unused)
+{
+    (void)unused;
+    view_state *state = malloc(sizeof *state);
+    begin_scene(state);
+    history_begin(state);
+    char *before = bytes_of(state);
+    for (int i = 0; i < 20; ++i) {
+        scene_edit_drag(state, 4, 2);
+        history_look(state, i < 19);
+    }
+    history_undo(state);
+    char *after = bytes_of(state);
+    assert_string_equal(before, after);
+    /* An edit instead of a redo forgets what was undone. */
+    scene_edit_drag(state, -4, 2);
+    history_redo(state);
+    assert_non_null(strstr(state->log[(state->log_count - 1) % VIEW_LOG_LINES], "nothing to redo"));
+    free(before);
+    free(after);
+    history_end(state);
+    view_state_end(state);
+    free(state);
+}
+
+/* Lists of many instances: old steps go, and what is left still leads back to where the first of them began. */
+static void test_steps_are_bounded(void **unused)
+{
+    (void)unused;
+    enum { INSTANCES = 200000, EDITS = 20 };
+    view_state *state = malloc(sizeof *state);
+    begin_scene(state);
+    const svo_instance first = state->instances[0];
+    while (state->instance_count < INSTANCES) {
+        assert_true(view_add_instance(state, &first));
+    }
+    history_begin(state);
+    for (int edit = 0; edit < EDITS; ++edit) { /* 20 MB a step */
+        for (size_t i = 0; i < state->instance_count; ++i) {
+            state->instances[i].transform[3] += 1;
+        }
+        view_instances_changed(state);
+        history_look(state, false);
+    }
+    int undone = 0;
+    for (float x = EDITS + 1; state->instances[0].transform[3] < x; ++undone) {
+        x = state->instances[0].transform[3];
+        history_undo(state);
+    }
+    assert_in_range(undone - 1, 1, 2 * (HISTORY_BYTES_MAX / (INSTANCES * 2 * sizeof(svo_instance))));
+    assert_true(view_is_unsaved(state));
+    history_end(state);
+    view_state_end(state);
+    free(state);
+}
+
+/* ---- questions ---- */
+
+static void press(view_state *state, int key, bool control)
+{
+    input_mouse mouse = {.x = 0};
+    const view_event event = {.kind = VIEW_EVENT_KEY, .key = key, .is_down = true, .control = control};
+    if (!question_take(state, &event)) {
+        (void)input_take(&mouse, &event, state);
+    }
+}
+
+static void test_closing_asks_about_unsaved_edits(void **unused)
+{
+    (void)unused;
+    input_mouse mouse = {.x = 0};
+    const view_event close = {.kind = VIEW_EVENT_QUIT};
+    view_state *state = malloc(sizeof *state);
+    begin_scene(state);
+    state->input = path_of("model.obj");
+    char input[4096];
+    (void)snprintf(input, sizeof input, "%s", state->input);
+    state->input = input;
+    history_begin(state);
+    scene_edit_drag(state, 4, 2);
+    history_look(state, false);
+    (void)input_take(&mouse, &close, state);
+    assert_false(state->is_done);
+    assert_int_equal(state->question.asking, VIEW_ASKS_TO_SAVE);
+    press(state, VIEW_KEY_ESCAPE, false);
+    assert_int_equal(state->question.asking, VIEW_ASKS_NOTHING);
+    assert_false(state->is_done);
+    /* Another scene. */
+    press(state, 'o', true);
+    assert_false(state->wants_load);
+    question_answer(state, 1);
+    assert_true(state->wants_load);
+    state->wants_load = false;
+    /* Save asks for a name, and then closes. */
+    work_folder_remember("model-scene.json");
+    press(state, 'q', true);
+    press(state, VIEW_KEY_ENTER, false);
+    assert_int_equal(state->question.asking, VIEW_ASKS_FOR_NAME);
+    assert_string_equal(state->question.path, path_of("model-scene.json"));
+    question_answer(state, 0);
+    assert_true(state->is_done);
+    assert_false(view_is_unsaved(state));
+    assert_int_equal(access(path_of("model-scene.json"), F_OK), 0);
+    history_end(state);
+    view_state_end(state);
+    free(state);
+}
+
+static void test_saving_replaces_no_other_file_unasked(void **unused)
+{
+    (void)unused;
+    char model[4096];
+    char there[4096];
+    char text[64] = "";
+    view_state *state = malloc(sizeof *state);
+    begin_scene(state);
+    (void)snprintf(model, sizeof model, "%s", path_of("mesh.obj"));
+    (void)snprintf(there, sizeof there, "%s", path_of("mesh-scene.json"));
+    write_text("mesh.obj", "v 0 0 0\n");
+    write_text("mesh-scene.json", "mine\n");
+    state->input = model;
+    history_begin(state);
+    press(state, 's', true);
+    assert_int_equal(state->question.asking, VIEW_ASKS_FOR_NAME);
+    question_answer(state, 0);
+    assert_int_equal(state->question.asking, VIEW_ASKS_TO_REPLACE);
+    press(state, VIEW_KEY_ENTER, false); /* does not replace */
+    assert_int_equal(state->question.asking, VIEW_ASKS_TO_REPLACE);
+    FILE *file = fopen(there, "rb");
+    assert_string_equal(fgets(text, sizeof text, file), "mine\n");
+    (void)fclose(file);
+    question_answer(state, 0);
+    assert_int_equal(state->question.asking, VIEW_ASKS_NOTHING);
+    assert_string_equal(state->scene_path, there);
+    press(state, 's', true); /* its own file now */
+    assert_int_equal(state->question.asking, VIEW_ASKS_NOTHING);
+    /* Never what is looked at. */
+    question_save_as(state, VIEW_SCENE, model);
+    assert_int_equal(state->question.asking, VIEW_ASKS_FOR_NAME);
+    assert_true(state->question.has_failed);
+    file = fopen(model, "rb");
+    assert_string_equal(fgets(text, sizeof text, file), "v 0 0 0\n");
+    (void)fclose(file);
+    history_end(state);
+    view_state_end(state);
+    free(state);
+}
+
+static void check_floats(const cJSON *object, const char *name, const float *wanted)
+{
+    const cJSON *values = cJSON_GetObjectItem(object, name);
+    assert_int_equal(values != NULL, wanted != NULL);
+    for (int i = 0; i < 3 && wanted != NULL; ++i) {
+        assert_true((float)cJSON_GetArrayItem(values, i)->valuedouble == wanted[i]);
+    }
+}
+
+/* Lights of a tree alone go where --lights reads them, bit for bit. */
+static void test_saved_lights_are_read_again(void **unused)
+{
+    (void)unused;
+    uint32_t seed = 5;
+    view_state *state = malloc(sizeof *state);
+    begin_scene(state);
+    state->is_scene = false;
+    history_begin(state);
+    for (uint32_t i = 0; i < 60; ++i) {
+        assert_true(light_edit_add(state, i % 3));
+        svo_light_source *source = &state->sources[i];
+        source->value[0] = random_within(&seed, 0, 9);
+        if (source->kind == SVO_SOURCE_SPOT) {
+            source->outer_angle = random_within(&seed, 0.4F, 1.5F);
+            source->inner_angle = random_within(&seed, 0, 0.39F);
+        }
+    }
+    state->sky[1] = 0.1F;
+    press(state, 's', true);
+    assert_int_equal(state->question.asking, VIEW_ASKS_FOR_NAME);
+    assert_int_equal(state->question.document, VIEW_LIGHTS);
+    work_folder_remember("lights.json");
+    question_save_as(state, VIEW_LIGHTS, path_of("lights.json"));
+    assert_false(view_is_unsaved(state));
+    char *text = bytes_of(state);
+    cJSON *root = cJSON_Parse(strstr(text, "{\n  \"lights\": [\n    {\"kind\""));
+    assert_non_null(root);
+    const cJSON *lights = cJSON_GetObjectItem(root, "lights");
+    assert_int_equal(cJSON_GetArraySize(lights), 60);
+    for (int i = 0; i < 60; ++i) {
+        const svo_light_source *had = &state->sources[i];
+        const cJSON *got = cJSON_GetArrayItem(lights, i);
+        check_floats(got, "value", had->value);
+        check_floats(got, "direction", had->kind != SVO_SOURCE_POINT ? had->direction : NULL);
+        check_floats(got, "position", had->kind != SVO_SOURCE_DIRECTIONAL ? had->position : NULL);
+        if (had->kind == SVO_SOURCE_SPOT) {
+            const double degree = 0.017453292519943295; /* as light_file.c has it */
+            assert_true((float)(cJSON_GetObjectItem(got, "inner_angle")->valuedouble * degree) == had->inner_angle);
+            assert_true((float)(cJSON_GetObjectItem(got, "outer_angle")->valuedouble * degree) == had->outer_angle);
+        }
+    }
+    check_floats(root, "sky", state->sky);
+    check_floats(cJSON_GetObjectItem(root, "camera"), "eye", state->camera.at.eye);
+    cJSON_Delete(root);
+    free(text);
+    history_end(state);
+    view_state_end(state);
+    free(state);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_found_placements_give_the_matrix), cmocka_unit_test(test_plain_placements_are_found),
-        cmocka_unit_test(test_quarter_turns_and_shear),          cmocka_unit_test(test_edits),
-        cmocka_unit_test(test_saved_instances_are_the_same),     cmocka_unit_test(test_paths_follow_the_file),
-        cmocka_unit_test(test_failed_saves_leave_the_file),      cmocka_unit_test(test_saved_motions_are_the_same),
-        cmocka_unit_test(test_motions_follow_their_first_key),   cmocka_unit_test(test_angles),
+        cmocka_unit_test(test_found_placements_give_the_matrix),
+        cmocka_unit_test(test_plain_placements_are_found),
+        cmocka_unit_test(test_quarter_turns_and_shear),
+        cmocka_unit_test(test_edits),
+        cmocka_unit_test(test_saved_instances_are_the_same),
+        cmocka_unit_test(test_paths_follow_the_file),
+        cmocka_unit_test(test_failed_saves_leave_the_file),
+        cmocka_unit_test(test_saved_motions_are_the_same),
+        cmocka_unit_test(test_motions_follow_their_first_key),
+        cmocka_unit_test(test_angles),
         cmocka_unit_test(test_dragged_light_follows_the_mouse),
+        cmocka_unit_test(test_undo_of_all_edits_gives_the_first_bytes),
+        cmocka_unit_test(test_a_drag_is_one_step),
+        cmocka_unit_test(test_steps_are_bounded),
+        cmocka_unit_test(test_closing_asks_about_unsaved_edits),
+        cmocka_unit_test(test_saving_replaces_no_other_file_unasked),
+        cmocka_unit_test(test_saved_lights_are_read_again),
     };
     return cmocka_run_group_tests(tests, work_folder_make, work_folder_remove);
 }

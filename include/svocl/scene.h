@@ -228,6 +228,9 @@ typedef struct svo_scene_render_options {
     float occlusion_range;
     uint32_t reserved2; /**< zero */
     svo_picture_output output; /**< what of each pixel is written; all zero: bytes */
+    /** A plane in world coordinates: where clip[0] x + clip[1] y + clip[2] z + clip[3] is below 0 the picture shows
+     *  nothing, and lights shine through. Finite; all zero: nothing is cut away */
+    float clip[4];
 } svo_scene_render_options;
 
 /** Everything zero; width, height and camera have to be set. */

@@ -68,8 +68,8 @@ typedef enum svo_pixel_format {
     /** Floats: red, green, blue and alpha. Light is linear, as it is before the tone curve, and multiplied by alpha.
      *  Views that are no light have numbers, which are not: SVO_VIEW_NORMAL x, y and z; SVO_VIEW_DEPTH the distance
      *  from the eye, world units; SVO_VIEW_STEPS cells; SVO_VIEW_LEVEL levels; SVO_VIEW_TRIANGLES positions in the
-     *  mesh, which floats hold up to 2^24. They are means of the rays that met something, 0 without one, and alpha is the
-     *  share of those. */
+     *  mesh, which floats hold up to 2^24. They are means of the rays that met something, 0 without one, and alpha is
+     *  the share of those. */
     SVO_PIXELS_LINEAR = 1
 } svo_pixel_format;
 
@@ -103,6 +103,9 @@ typedef struct svo_render_options {
     svo_render_view view; /**< what to show */
     uint32_t reserved; /**< zero */
     svo_picture_output output; /**< what of each pixel is written; all zero: bytes */
+    /** A plane in world coordinates: where clip[0] x + clip[1] y + clip[2] z + clip[3] is below 0 the picture shows
+     *  nothing, and the sun shines through. Finite; all zero: nothing is cut away */
+    float clip[4];
 } svo_render_options;
 
 /** Everything zero; width, height and camera have to be set. */

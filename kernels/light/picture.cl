@@ -11,6 +11,7 @@
  * likes. Reads tree, light and sources; writes one RGBA8 word or four floats per pixel. No atomics, no local memory.
  */
 #include "light/shading.clh"
+#include "rays/part.clh"
 #include "rays/shade.clh"
 
 /* Samples share what cones gather within this many leaf edges. */
@@ -50,7 +51,11 @@ static svo_ray svo_picture_ray(const svo_lit_picture *picture, uint x, uint y, u
     const float2 place = (float2)((float)x, (float)y) + svo_pixel_place(sample, picture->params.samples);
     const float3 direction = normalize(vload3(0, picture->params.corner) + place.x * vload3(0, picture->params.across) +
                                        place.y * vload3(0, picture->params.down));
-    return svo_lit_ray(vload3(0, picture->params.eye), direction, INFINITY);
+    const float3 eye = vload3(0, picture->params.eye);
+    const float2 part = svo_ray_part(vload4(0, picture->params.clip), eye, direction);
+    svo_ray ray = svo_lit_ray(eye, direction, part.y);
+    ray.t_min = part.x;
+    return ray;
 }
 
 /* The shares of white that a pixel shows, or its light. */

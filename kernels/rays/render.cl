@@ -38,10 +38,11 @@ static bool svo_cast_is_sunlit(const svo_cast_picture *picture, const svo_cast_s
 {
     svo_cast_ray ray;
     svo_cast_hit blocker;
-    ray.origin = surface->point;
     ray.direction = svo_params_vector(picture->params->sun);
+    const float2 part = svo_cast_part(picture->params, surface->point, ray.direction);
+    ray.origin = surface->point + part.x * ray.direction;
     ray.footprint = 0.0f;
-    ray.range = SVO_CAST_FAR;
+    ray.range = fmin(part.y - part.x, SVO_CAST_FAR);
     return dot(surface->normal, ray.direction) > 0.0f && !svo_cast(&picture->tree, &ray, &blocker);
 }
 
@@ -55,17 +56,20 @@ static float4 svo_cast_pixel(const svo_cast_picture *picture, uint x, uint y)
     svo_cast_hit hit;
     bool is_lit = false;
     uint met = 0u;
-    ray.origin = svo_params_vector(picture->params->eye);
-    ray.range = SVO_CAST_FAR;
+    const float3 eye = svo_params_vector(picture->params->eye);
     ray.footprint = picture->params->footprint;
     for (uint sample = 0u; sample < samples; ++sample) {
         ray.direction = svo_cast_direction(picture->params, x, y, sample);
+        const float2 part = svo_cast_part(picture->params, eye, ray.direction);
+        ray.origin = eye + part.x * ray.direction;
+        ray.range = fmin(part.y - part.x, SVO_CAST_FAR);
         is_lit = is_lit && sample % SVO_CAST_SAMPLES != 0u;
         if (!svo_cast(&picture->tree, &ray, &hit)) {
             sum += svo_cast_background(picture, y);
             continue;
         }
         ++met;
+        svo_cast_return(picture->params, part.x, &hit);
         const svo_cast_surface surface = svo_cast_surface_of(picture, &hit, ray.direction);
         if (!is_lit || !svo_cast_shares_light(&surface, &lit)) {
             light = svo_cast_light(picture, &surface, svo_cast_openness(picture, &surface),

@@ -10,6 +10,7 @@
  */
 #include "shared/layout.h"
 
+#include "rays/part.clh"
 #include "rays/pixel.clh"
 #include "rays/rays.clh"
 
@@ -72,8 +73,10 @@ static float3 svo_view_normal(const svo_cast_hit *hit, float3 direction, __globa
 
 #ifndef SVO_COMPACT
 
-static svo_view_seen svo_view_triangle(const svo_tree *tree, float4 eye, float3 direction, bool linear)
+/* part: of the ray that is seen, in voxels */
+static svo_view_seen svo_view_triangle(const svo_tree *tree, float4 eye, float3 direction, float2 part, bool linear)
 {
+    const float voxel = (float)(1u << (tree->params.snap_bits - tree->params.depth)) / tree->params.scale[0];
     svo_ray ray;
     svo_hit hit;
     svo_view_seen seen;
@@ -83,8 +86,8 @@ static svo_view_seen svo_view_triangle(const svo_tree *tree, float4 eye, float3 
     ray.direction[0] = direction.x;
     ray.direction[1] = direction.y;
     ray.direction[2] = direction.z;
-    ray.t_min = 0.0f;
-    ray.t_max = INFINITY;
+    ray.t_min = voxel * part.x;
+    ray.t_max = voxel * part.y;
     seen.shown = (float3)(0.0f);
     seen.met = svo_trace_closest(tree, &ray, &hit);
     if (seen.met) {
@@ -96,22 +99,23 @@ static svo_view_seen svo_view_triangle(const svo_tree *tree, float4 eye, float3 
 
 #endif
 
-static float3 svo_view_color(const svo_tree *tree, const svo_cast_ray *ray, const svo_cast_hit *hit, uint view,
+/* hit: with the distance from the eye. */
+static float3 svo_view_color(const svo_tree *tree, float3 eye, const svo_cast_hit *hit, float3 direction, uint view,
                              __global const short *normals)
 {
     switch (view) {
     case SVO_VIEW_KIND_STEPS:
         return svo_view_heat((float)hit->steps / SVO_STEPS_HOT);
     case SVO_VIEW_KIND_NORMAL:
-        return 0.5f + 0.5f * svo_view_normal(hit, ray->direction, normals);
+        return 0.5f + 0.5f * svo_view_normal(hit, direction, normals);
     case SVO_VIEW_KIND_DEPTH:
-        return (float3)(svo_view_nearness(ray->origin, hit->distance, (float)(1u << tree->params.depth)));
+        return (float3)(svo_view_nearness(eye, hit->distance, (float)(1u << tree->params.depth)));
     default:
         return svo_view_mixed(hit->level * 7u) * (hit->axis == 0 ? 0.8f : hit->axis == 1 ? 1.0f : 0.65f);
     }
 }
 
-static float3 svo_view_numbers(const svo_tree *tree, const svo_cast_ray *ray, const svo_cast_hit *hit, uint view,
+static float3 svo_view_numbers(const svo_tree *tree, const svo_cast_hit *hit, float3 direction, uint view,
                                __global const short *normals)
 {
     const int voxel_log2 = (int)tree->params.snap_bits - (int)tree->params.depth; /* grid units */
@@ -119,7 +123,7 @@ static float3 svo_view_numbers(const svo_tree *tree, const svo_cast_ray *ray, co
     case SVO_VIEW_KIND_STEPS:
         return (float3)((float)hit->steps);
     case SVO_VIEW_KIND_NORMAL:
-        return svo_view_normal(hit, ray->direction, normals);
+        return svo_view_normal(hit, direction, normals);
     case SVO_VIEW_KIND_DEPTH:
         return (float3)(ldexp(hit->distance, voxel_log2) / tree->params.scale[0]);
     default:
@@ -127,7 +131,8 @@ static float3 svo_view_numbers(const svo_tree *tree, const svo_cast_ray *ray, co
     }
 }
 
-static svo_view_seen svo_view_voxel(const svo_tree *tree, const svo_cast_ray *ray, uint view,
+/* The ray begins at a distance from the eye; cut_axis: of the face where it begins in a voxel. */
+static svo_view_seen svo_view_voxel(const svo_tree *tree, const svo_cast_ray *ray, float first, int cut_axis, uint view,
                                     __global const short *normals, bool linear)
 {
     svo_cast_tree cast;
@@ -137,9 +142,12 @@ static svo_view_seen svo_view_voxel(const svo_tree *tree, const svo_cast_ray *ra
     cast.depth = tree->params.depth;
     seen.shown = (float3)(0.0f);
     seen.met = svo_cast(&cast, ray, &hit);
+    hit.axis = first > 0.0f && hit.distance == 0.0f ? cut_axis : hit.axis;
+    hit.distance += first;
     if (seen.met || view == SVO_VIEW_KIND_STEPS) {
         seen.shown =
-            linear ? svo_view_numbers(tree, ray, &hit, view, normals) : svo_view_color(tree, ray, &hit, view, normals);
+            linear ? svo_view_numbers(tree, &hit, ray->direction, view, normals)
+                   : svo_view_color(tree, ray->origin - first * ray->direction, &hit, ray->direction, view, normals);
     }
     return seen;
 }
@@ -186,20 +194,24 @@ svo_k_view(SVO_TREE_PARAMETERS, __global const short *normals, __constant const 
     float3 sum = (float3)(0.0f);
     uint met = 0u;
     svo_cast_ray ray;
-    ray.origin = svo_view_vector(params->eye);
-    ray.range = SVO_CAST_FAR;
+    const float3 from = svo_view_vector(params->eye);
+    const float4 clip = vload4(0, params->clip);
     ray.footprint = params->footprint;
     for (uint sample = 0u; sample < params->samples; ++sample) {
         const float2 place = (float2)((float)x, (float)y) + svo_pixel_place(sample, params->samples);
         ray.direction = normalize(svo_view_vector(params->corner) + place.x * svo_view_vector(params->across) +
                                   place.y * svo_view_vector(params->down));
+        const float2 part = svo_ray_part(clip, from, ray.direction);
+        ray.origin = from + part.x * ray.direction;
+        ray.range = fmin(part.y - part.x, SVO_CAST_FAR);
 #ifdef SVO_COMPACT
         (void)eye;
-        const svo_view_seen seen = svo_view_voxel(&tree, &ray, view, normals, linear);
+        const svo_view_seen seen = svo_view_voxel(&tree, &ray, part.x, svo_part_axis(clip), view, normals, linear);
 #else
-        const svo_view_seen seen = view == SVO_VIEW_KIND_TRIANGLES
-                                       ? svo_view_triangle(&tree, eye, ray.direction, linear)
-                                       : svo_view_voxel(&tree, &ray, view, normals, linear);
+        const svo_view_seen seen =
+            view == SVO_VIEW_KIND_TRIANGLES
+                ? svo_view_triangle(&tree, eye, ray.direction, part, linear)
+                : svo_view_voxel(&tree, &ray, part.x, svo_part_axis(clip), view, normals, linear);
 #endif
         svo_view_add(params, &seen, view, &sum, &met);
     }

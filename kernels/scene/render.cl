@@ -9,6 +9,7 @@
  */
 #include "shared/layout.h"
 
+#include "rays/part.clh"
 #include "rays/shade.clh"
 #include "scene/scene.clh"
 
@@ -51,18 +52,28 @@ static float3 svo_scene_constant(__constant const float *values)
     return (float3)(values[0], values[1], values[2]);
 }
 
-/* The distance to the first hit within range, or to any; range without one. */
-static float svo_scene_reach(const svo_scene_view *view, float3 point, float3 direction, float range, float footprint,
-                             uint flags)
+/* The part of a ray that the picture's plane leaves. */
+static svo_ray svo_scene_clip(const svo_scene_view *view, float3 origin, float3 direction)
+{
+    const float2 part = svo_ray_part(vload4(0, view->picture->clip), origin, direction);
+    svo_ray ray = svo_scene_make_ray(origin, direction, part.y);
+    ray.t_min = part.x;
+    return ray;
+}
+
+/* The distance to the first hit within range; range without one. */
+static float svo_scene_reach(const svo_scene_view *view, float3 point, float3 direction, float range, float footprint)
 {
     const svo_ray ray = svo_scene_make_ray(point, direction, range);
     svo_scene_search search;
-    return svo_scene_search_ray(&view->scene, &ray, footprint, flags, &search) ? min(search.t, range) : range;
+    return svo_scene_search_ray(&view->scene, &ray, footprint, 0u, &search) ? min(search.t, range) : range;
 }
 
 static bool svo_scene_is_shadowed(const svo_scene_view *view, float3 point, float3 direction)
 {
-    return svo_scene_reach(view, point, direction, INFINITY, 0.0f, SVO_SCENE_FLAG_ANY) < INFINITY;
+    const svo_ray ray = svo_scene_clip(view, point, direction);
+    svo_scene_search search;
+    return svo_scene_search_ray(&view->scene, &ray, 0.0f, SVO_SCENE_FLAG_ANY, &search);
 }
 
 /* How open the hemisphere above the point is, by short rays. 0 .. 1. */
@@ -72,7 +83,7 @@ static float svo_scene_openness(const svo_scene_view *view, const svo_scene_surf
     float open = 0.0f;
     for (int k = 0; k < SVO_SHADE_OCCLUSION_RAYS; ++k) {
         const float3 direction = svo_shade_occlusion_direction(surface->normal, k);
-        open += svo_scene_reach(view, surface->point, direction, range, SVO_SHADE_OCCLUSION_FOOTPRINT, 0u) / range;
+        open += svo_scene_reach(view, surface->point, direction, range, SVO_SHADE_OCCLUSION_FOOTPRINT) / range;
     }
     return open / (float)SVO_SHADE_OCCLUSION_RAYS;
 }
@@ -152,7 +163,7 @@ static float3 svo_scene_sample(const svo_scene_view *view, float column, float r
     const float3 direction =
         normalize(svo_scene_constant(picture->corner) + column * svo_scene_constant(picture->across) +
                   row * svo_scene_constant(picture->down));
-    const svo_ray ray = svo_scene_make_ray(origin, direction, INFINITY);
+    const svo_ray ray = svo_scene_clip(view, origin, direction);
     svo_scene_search search;
     if (!svo_scene_search_ray(&view->scene, &ray, picture->footprint, 0u, &search)) {
         return svo_pixel_background(picture->pixel_flags, svo_scene_constant(picture->background),

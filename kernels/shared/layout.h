@@ -319,7 +319,7 @@ SVO_RECORD(svo_material_record)
 };
 
 /* Arguments of the ray caster. Positions and lengths in voxels, from the grid's minimum corner; directions in the
-   grid's axes. 112 bytes. */
+   grid's axes. 128 bytes. */
 SVO_RECORD(svo_cast_params)
 {
     SVO_F32 eye[3]; /* 0 */
@@ -336,6 +336,7 @@ SVO_RECORD(svo_cast_params)
     SVO_F32 occlusion_range; /* 92: range of the ambient occlusion */
     SVO_F32 background[3]; /* 96: what is behind everything, with SVO_PIXEL_COLOR */
     SVO_U32 pixel_flags; /* 108: SVO_PIXEL_* */
+    SVO_F32 clip[4]; /* 112: a plane; what is below it is not there (kernels/rays/part.clh). Zeros: none */
 };
 
 /* Camera rays of a pixel: where shaded pictures are not asked for another number, those of a group that share light,
@@ -387,7 +388,7 @@ SVO_ASSERT_BYTES(svo_filter_params, 80);
 SVO_ASSERT_BYTES(svo_compact_params, 32);
 SVO_ASSERT_BYTES(svo_minimize_params, 48);
 SVO_ASSERT_BYTES(svo_material_record, 32);
-SVO_ASSERT_BYTES(svo_cast_params, 112);
+SVO_ASSERT_BYTES(svo_cast_params, 128);
 SVO_ASSERT_BYTES(svo_ray_params, 68);
 #endif
 

@@ -64,7 +64,7 @@ SVO_RECORD(svo_scene_params)
     SVO_U32 reserved; /* 36 */
 };
 
-/* A picture of a scene. World coordinates. 112 bytes. */
+/* A picture of a scene. World coordinates. 128 bytes. */
 SVO_RECORD(svo_scene_picture)
 {
     SVO_F32 eye[3]; /* 0 */
@@ -81,6 +81,7 @@ SVO_RECORD(svo_scene_picture)
     SVO_U32 pixel_flags; /* 84: SVO_PIXEL_* */
     SVO_F32 background[3]; /* 88: what is behind everything, with SVO_PIXEL_COLOR */
     SVO_U32 reserved[3]; /* 100 */
+    SVO_F32 clip[4]; /* 112: a plane; what is below it is not there (kernels/rays/part.clh). Zeros: none */
 };
 
 #if !defined(GL_core_profile)
@@ -88,7 +89,7 @@ SVO_ASSERT_BYTES(svo_scene_tree, 32);
 SVO_ASSERT_BYTES(svo_scene_instance, 152);
 SVO_ASSERT_BYTES(svo_scene_node, 64);
 SVO_ASSERT_BYTES(svo_scene_params, 40);
-SVO_ASSERT_BYTES(svo_scene_picture, 112);
+SVO_ASSERT_BYTES(svo_scene_picture, 128);
 #endif
 
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Pictures of lit trees: the host side of kernels/light/picture.cl. */
 #include <math.h>
+#include <string.h>
 
 #include "core/struct_size.h"
 #include "light/gather.h"
@@ -38,6 +39,7 @@ static svo_status check_band(const svo_light *light, const char *function, const
 static svo_status check_picture(const svo_light *light, const char *function, const svo_light_picture *picture)
 {
     SVO_I_TRY(svo_i_camera_check(light->device, function, &picture->camera, picture->width, picture->height));
+    SVO_I_TRY(svo_i_clip_check(light->device, function, picture->clip));
     if ((unsigned)picture->view > SVO_LIGHT_VIEW_SPECULAR) {
         return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: picture.view %d is not in 0 .. %d", function,
                                  (int)picture->view, (int)SVO_LIGHT_VIEW_SPECULAR);
@@ -58,6 +60,7 @@ static svo_status fill_params(const svo_light *light, const char *function, cons
     SVO_I_TRY(
         svo_i_pinhole_from_camera(light->device, function, &picture->camera, picture->width, picture->height, &hole));
     *params = svo_i_light_shader_params(light, picture->view);
+    memcpy(params->clip, picture->clip, sizeof params->clip);
     params->width = picture->width;
     params->height = picture->height;
     params->exposure = picture->exposure > 0.0F ? picture->exposure : 1.0F;

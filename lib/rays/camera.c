@@ -73,6 +73,14 @@ svo_status svo_i_camera_check(svo_device *device, const char *function, const sv
                                    function, fov);
 }
 
+svo_status svo_i_clip_check(svo_device *device, const char *function, const float clip[4])
+{
+    const bool is_finite = isfinite(clip[0]) && isfinite(clip[1]) && isfinite(clip[2]) && isfinite(clip[3]);
+    return is_finite ? SVO_OK
+                     : svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: clip %g, %g, %g, %g is not finite",
+                                         function, (double)clip[0], (double)clip[1], (double)clip[2], (double)clip[3]);
+}
+
 svo_status svo_i_pinhole_from_camera(svo_device *device, const char *function, const svo_camera *camera, uint32_t width,
                                      uint32_t height, svo_i_pinhole *out)
 {

@@ -32,6 +32,9 @@ typedef struct svo_i_pinhole {
 svo_status svo_i_pinhole_from_camera(svo_device *device, const char *function, const svo_camera *camera, uint32_t width,
                                      uint32_t height, svo_i_pinhole *out);
 
+/* Refuses planes that are not finite. */
+svo_status svo_i_clip_check(svo_device *device, const char *function, const float clip[4]);
+
 /* False, and out untouched, for a vector without a direction. */
 bool svo_i_normalize(const double a[3], double out[3]);
 

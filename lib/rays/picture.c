@@ -21,6 +21,7 @@ svo_status svo_i_picture_options(svo_device *device, const char *function, const
     SVO_I_TRY(svo_i_struct_read(&device->message, function, "options", options, out,
                                 SVO_I_STRUCT_SIZES(svo_render_options, camera)));
     SVO_I_TRY(svo_i_camera_check(device, function, &out->camera, out->width, out->height));
+    SVO_I_TRY(svo_i_clip_check(device, function, out->clip));
     if ((unsigned)out->view > SVO_VIEW_TRIANGLES) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.view %d is not in 0 .. %d", function,
                                  (int)out->view, (int)SVO_VIEW_TRIANGLES);
@@ -50,6 +51,18 @@ static svo_status describe_output(const svo_i_picture_source *source, const svo_
                                  shaded ? SVO_CAST_SAMPLES : 1u, shaded ? SVO_I_CURVE_ROOT : SVO_I_CURVE_NONE, out);
 }
 
+/* A plane of the world in voxels: its normal is as long as it was, and so is what it has above it, times voxels. */
+static void fill_clip(const svo_i_picture_source *source, const float world[4], double voxels_per_unit,
+                      svo_cast_params *params)
+{
+    double above = (double)world[3]; /* of the grid's corner */
+    for (int axis = 0; axis < 3; ++axis) {
+        above += (double)world[axis] * source->grid.origin[axis];
+        params->clip[axis] = world[axis];
+    }
+    params->clip[3] = (float)(above * voxels_per_unit);
+}
+
 static svo_status fill_params(const svo_i_picture_source *source, const svo_render_options *options,
                               const svo_i_pixel_output *output, svo_cast_params *params)
 {
@@ -69,6 +82,7 @@ static svo_status fill_params(const svo_i_picture_source *source, const svo_rend
         params->up[axis] = (float)hole.up[axis];
         params->background[axis] = output->background[axis];
     }
+    fill_clip(source, options->clip, voxels_per_unit, params);
     params->samples = output->samples;
     params->pixel_flags = output->flags;
     params->footprint = (float)(hole.pixel / sqrt((double)output->samples));

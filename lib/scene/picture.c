@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Pictures of scenes: the host side of kernels/scene/render.cl. */
 #include <math.h>
+#include <string.h>
 
 #include "core/struct_size.h"
 #include "rays/camera.h"
@@ -17,6 +18,7 @@
 static svo_status check_options(const svo_scene *scene, const char *function, const svo_scene_render_options *options)
 {
     SVO_I_TRY(svo_i_camera_check(scene->device, function, &options->camera, options->width, options->height));
+    SVO_I_TRY(svo_i_clip_check(scene->device, function, options->clip));
     if (options->light_count > SVO_SCENE_LIGHTS_MAX || (options->light_count > 0 && options->lights == NULL)) {
         return svo_i_device_fail(scene->device, SVO_INVALID_ARGUMENT,
                                  "%s: options.light_count %u is above %u, or options.lights is NULL", function,
@@ -97,6 +99,7 @@ static svo_status fill_picture(const svo_scene *scene, const char *function, con
         picture->up[axis] = (float)hole.up[axis];
         picture->background[axis] = output->background[axis];
     }
+    memcpy(picture->clip, options->clip, sizeof picture->clip);
     picture->footprint = (float)(hole.pixel / sqrt((double)output->samples));
     picture->width = options->width;
     picture->height = options->height;

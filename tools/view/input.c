@@ -6,8 +6,10 @@
 #include <stdlib.h>
 
 #include "view/camera.h"
+#include "view/history.h"
 #include "view/light_edit.h"
 #include "view/play.h"
+#include "view/question.h"
 #include "view/scene_edit.h"
 
 /* Pixels that the mouse may move in a click. */
@@ -42,7 +44,8 @@ input_binding input_describe(size_t index)
                                              {"I", "edit instances"},
                                              {"N, Delete", "add, remove one"},
                                              {"Shift+drag", "move it"},
-                                             {"Ctrl+S, O", "save, load them"},
+                                             {"Ctrl+S, O", "save, load"},
+                                             {"Ctrl+Z, Y", "undo, redo"},
                                              {"Esc", "drop the selection"},
                                              {"Tab", "panels"},
                                              {"F1-F10, F12", "one panel"},
@@ -153,13 +156,23 @@ static bool press_with_control(const view_event *event, view_state *state)
     }
     switch (event->key) {
     case 'q':
-        state->is_done = true;
+        view_leave(state, &state->is_done);
         return true;
     case 's':
-        scene_edit_save(state, state->scene_path);
+        question_save(state);
         return true;
     case 'o':
-        state->wants_load = true;
+        view_leave(state, &state->wants_load);
+        return true;
+    case 'z':
+        if (event->shift) {
+            history_redo(state);
+        } else {
+            history_undo(state);
+        }
+        return true;
+    case 'y':
+        history_redo(state);
         return true;
     default:
         return false;
@@ -276,6 +289,9 @@ input_wish input_take(input_mouse *mouse, const view_event *event, view_state *s
 {
     switch (event->kind) {
     case VIEW_EVENT_KEY:
+        if (state->question.asking != VIEW_ASKS_NOTHING && event->is_down) {
+            return INPUT_NOTHING;
+        }
         return !press_with_control(event, state) && !hold_motion(event, state) && event->is_down
                    ? press_key(event, state)
                    : INPUT_NOTHING;
@@ -292,7 +308,7 @@ input_wish input_take(input_mouse *mouse, const view_event *event, view_state *s
         }
         return INPUT_NOTHING;
     case VIEW_EVENT_QUIT:
-        state->is_done = true;
+        view_leave(state, &state->is_done);
         return INPUT_NOTHING;
     case VIEW_EVENT_TEXT:
     case VIEW_EVENT_RESIZE:

@@ -94,6 +94,11 @@ bool overlay_take(overlay *which, const view_event *event)
     return is_theirs;
 }
 
+bool overlay_types(const overlay *which)
+{
+    return ui_wants_keys(which->toolkit);
+}
+
 bool overlay_draw(overlay *which, view_state *state, float seconds, svo_message *why)
 {
     ui_input input = ui_events_frame(&which->events, state->width, state->height, seconds);

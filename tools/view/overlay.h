@@ -18,6 +18,9 @@ void overlay_destroy(overlay **which);
    button or key that went down on the picture does until it goes up is never theirs. */
 bool overlay_take(overlay *which, const view_event *event);
 
+/* Whether a field of text has the keys. */
+bool overlay_types(const overlay *which);
+
 /* Describes the panels, which may change the state, and draws them over what is there. False on failure. */
 bool overlay_draw(overlay *which, view_state *state, float seconds, svo_message *why);
 

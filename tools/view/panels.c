@@ -9,6 +9,7 @@
 #include "view/input.h"
 #include "view/panels_figures.h"
 #include "view/panels_pages.h"
+#include "view/question.h"
 #include "view/ui_theme.h"
 
 #define MARGIN 6.0F /* between the window's edge and panels */
@@ -127,6 +128,7 @@ bool panels_text_is_large(const view_state *state)
 
 void panels_describe(ui *toolkit, view_state *state)
 {
+    question_describe(toolkit, state);
     if (!state->settings.panels) {
         return;
     }

@@ -5,6 +5,7 @@
 
 #include "support/table.h"
 #include "view/panels_pages.h"
+#include "view/question.h"
 #include "view/scene_edit.h"
 
 #define LIST_SHOWN      8
@@ -159,11 +160,11 @@ static void edit_file(ui *toolkit, view_state *state)
     ui_tooltip(toolkit, "A scene for svocl render and svocl view; Enter saves it.");
     const int pressed = ui_buttons(toolkit, buttons, 2);
     if (entered || pressed == 0) {
-        scene_edit_save(state, state->scene_path);
+        question_save_as(state, VIEW_SCENE, state->scene_path);
     } else if (pressed == 1) {
-        state->wants_load = true;
+        view_leave(state, &state->wants_load);
     }
-    ui_tooltip(toolkit, "Trees, instances, camera and lights. Loading forgets what was not saved.");
+    ui_tooltip(toolkit, "Trees, instances, camera and lights.");
 }
 
 void panels_instances(ui *toolkit, view_state *state)

@@ -214,6 +214,8 @@ bool placed_describe(placed *which, view_state *state)
     }
     state->trees = which->list;
     state->tree_count = which->list_count;
+    (void)snprintf(state->scene_path, sizeof state->scene_path, "%s", which->path);
+    (void)snprintf(state->own_paths[VIEW_SCENE], sizeof state->own_paths[0], "%s", which->path);
     if (which->path[0] == '\0') {
         return true;
     }
@@ -231,7 +233,6 @@ bool placed_describe(placed *which, view_state *state)
     state->shown.picture = VIEW_SHADED;
     state->shown.through = false;
     state->probes.map = VIEW_MAP_NORMAL;
-    (void)snprintf(state->scene_path, sizeof state->scene_path, "%s", which->path);
     view_lights_changed(state);
     view_instances_changed(state);
     return true;

@@ -2,12 +2,10 @@
 /* Placements and lists of instances. */
 #include "view/scene_edit.h"
 
-#include <errno.h>
 #include <math.h>
 #include <string.h>
 
 #include "view/camera.h"
-#include "view/scene_save.h"
 
 /* Of scales, without sign: a scene refuses what is flat. */
 #define SCALE_MIN 1e-6F
@@ -161,19 +159,4 @@ void scene_edit_remove(view_state *state)
     }
     view_log(state, "removed instance %zu", state->instance);
     view_remove_instance(state, state->instance);
-}
-
-void scene_edit_save(view_state *state, const char *path)
-{
-    const char *input = state->files != NULL ? file_register_input_at(state->files, path) : NULL;
-    if (input != NULL) {
-        view_log(state, "%s was not saved: it would replace %s, which is shown", path, input);
-        return;
-    }
-    const int error = path[0] != '\0' ? scene_save(state, path) : ENOENT;
-    if (error != 0) {
-        view_log(state, "%s was not saved: %s", path, strerror(error));
-    } else {
-        view_log(state, "saved %zu instances in %s", state->instance_count, path);
-    }
 }

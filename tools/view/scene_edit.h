@@ -26,7 +26,4 @@ bool scene_edit_add(view_state *state);
 /* Removes the chosen instance; a scene keeps one. */
 void scene_edit_remove(view_state *state);
 
-/* Saves the scene, and says in the log how it went. */
-void scene_edit_save(view_state *state, const char *path);
-
 #endif

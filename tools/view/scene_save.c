@@ -256,17 +256,85 @@ static int put_scene(writer *to, const view_state *state, const char *path)
     return to->error;
 }
 
-int scene_save(const view_state *state, const char *path)
+/* ---- lights of a tree ---- */
+
+/* Radians as degrees that give the same float again. */
+static void put_angle(writer *to, const char *name, float radians)
+{
+    char text[64];
+    (void)snprintf(text, sizeof text, ", \"%s\": %.17g", name, (double)radians * 180 / PI);
+    put(to, text);
+}
+
+static void put_source(writer *to, const svo_light_source *source)
+{
+    static const char *const kinds[] = {"directional", "point", "spot"};
+    put(to, "    {\"kind\": ");
+    put_quoted(to, kinds[source->kind <= SVO_SOURCE_SPOT ? source->kind : SVO_SOURCE_DIRECTIONAL]);
+    if (source->kind != SVO_SOURCE_DIRECTIONAL) {
+        put(to, ", ");
+        put_floats(to, "position", source->position, 3);
+    }
+    if (source->kind != SVO_SOURCE_POINT) {
+        put(to, ", ");
+        put_floats(to, "direction", source->direction, 3);
+    }
+    put(to, ", ");
+    put_floats(to, "value", source->value, 3);
+    if (source->kind == SVO_SOURCE_SPOT) {
+        put_angle(to, "inner_angle", source->inner_angle);
+        put_angle(to, "outer_angle", source->outer_angle);
+    }
+    put(to, "}");
+}
+
+static int put_sources(writer *to, const view_state *state, const char *path)
+{
+    const svo_camera *camera = &state->camera.at;
+    (void)path;
+    put(to, "{\n  \"lights\": [");
+    for (size_t i = 0; i < state->source_count; ++i) {
+        put(to, i > 0 ? ",\n" : "\n");
+        put_source(to, &state->sources[i]);
+    }
+    put(to, "\n  ],\n  ");
+    put_floats(to, "sky", state->sky, 3);
+    put(to, ",\n  \"camera\": {");
+    put_floats(to, "eye", camera->eye, 3);
+    put(to, ", ");
+    put_floats(to, "at", camera->target, 3);
+    put(to, ", ");
+    put_floats(to, "up", camera->up, 3);
+    put_angle(to, "fov", camera->vertical_fov);
+    put(to, "}\n}\n");
+    flush(to);
+    return to->error;
+}
+
+/* ---- files ---- */
+
+static int save(const view_state *state, const char *path,
+                int (*put_all)(writer *to, const view_state *state, const char *path))
 {
     writer to = {.error = 0};
     to.error = svo_i_output_open(path, NULL, &to.output);
     if (to.error != 0) {
         return to.error;
     }
-    const int error = put_scene(&to, state, path);
+    const int error = put_all(&to, state, path);
     if (error != 0) {
         svo_i_output_abandon(&to.output);
         return error;
     }
     return svo_i_output_commit(&to.output);
+}
+
+int scene_save(const view_state *state, const char *path)
+{
+    return save(state, path, put_scene);
+}
+
+int lights_save(const view_state *state, const char *path)
+{
+    return save(state, path, put_sources);
 }

@@ -86,6 +86,22 @@ void view_log(view_state *state, const char *format, ...)
     ++state->log_count;
 }
 
+/* ---- what is saved ---- */
+
+bool view_is_unsaved(const view_state *state)
+{
+    return state->unsaved[VIEW_SCENE] || state->unsaved[VIEW_LIGHTS];
+}
+
+void view_leave(view_state *state, bool *wish)
+{
+    if (view_is_unsaved(state)) {
+        state->question = (view_question){.asking = VIEW_ASKS_TO_SAVE, .wish = wish, .is_new = true};
+    } else {
+        *wish = true;
+    }
+}
+
 /* ---- what is shown ---- */
 
 void view_choose_picture(view_state *state, view_picture picture)

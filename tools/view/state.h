@@ -236,6 +236,31 @@ typedef struct view_settings {
     float text_scale; /* 0: by the window; above 1: large */
 } view_settings;
 
+/* ---- what is saved ---- */
+
+/* What a session can edit and save: a scene, or the lights of a tree alone. */
+typedef enum view_document { VIEW_SCENE = 0, VIEW_LIGHTS, VIEW_DOCUMENTS } view_document;
+
+typedef enum view_asking {
+    VIEW_ASKS_NOTHING = 0,
+    VIEW_ASKS_TO_SAVE, /* before work is lost */
+    VIEW_ASKS_FOR_NAME,
+    VIEW_ASKS_TO_REPLACE /* a file that is there */
+} view_asking;
+
+/* What the window asks; question.h answers. */
+typedef struct view_question {
+    view_asking asking;
+    view_document document;
+    bool *wish; /* what becomes true once nothing is lost; NULL: nothing waits */
+    bool is_new; /* it was not drawn yet */
+    bool has_failed; /* the last line of the log says why the name was not taken */
+    char path[VIEW_PATH_BYTES]; /* that is asked about */
+} view_question;
+
+/* Steps of edits; history.h has them. */
+typedef struct view_history view_history;
+
 /* ---- all of it ---- */
 
 typedef struct view_state {
@@ -278,6 +303,11 @@ typedef struct view_state {
     char scene_path[VIEW_PATH_BYTES]; /* of the scene's file */
     const struct file_register *files; /* what is shown is read from these, so nothing is saved there; NULL: unknown */
     bool wants_load; /* scene_path is to be loaded */
+    char lights_path[VIEW_PATH_BYTES]; /* of the lights of a tree alone; "": they have no file yet */
+    char own_paths[VIEW_DOCUMENTS][VIEW_PATH_BYTES]; /* read or written by this session: replaced without a question */
+    bool unsaved[VIEW_DOCUMENTS]; /* edits that no file has */
+    view_question question;
+    view_history *history; /* NULL: nothing is open */
 
     view_selection selection;
     view_probes probes;
@@ -311,6 +341,12 @@ const char *view_panel_name(view_panel panel);
 
 /* Adds a line to the log; a longer one is cut. */
 void view_log(view_state *state, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Whether closing what is shown would lose edits. */
+bool view_is_unsaved(const view_state *state);
+/* For whatever closes what is shown: sets a wish of the state, such as is_done or wants_load, at once if nothing is
+   lost, else when the window's question is answered with Save or Discard. After Cancel it stays false. */
+void view_leave(view_state *state, bool *wish);
 
 /* Chooses a picture. Where it cannot be drawn the log says why, and nothing changes. */
 void view_choose_picture(view_state *state, view_picture picture);

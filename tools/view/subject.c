@@ -3,9 +3,11 @@
 #include "view/subject.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "support/viewpoint.h"
+#include "view/history.h"
 
 /* ---- opening ---- */
 
@@ -43,6 +45,9 @@ static int take_lights(subject *which, view_state *state)
         }
     }
     state->source = 0;
+    (void)snprintf(state->lights_path, sizeof state->lights_path, "%s",
+                   from_file ? which->running->options.lights_path : "");
+    memcpy(state->own_paths[VIEW_LIGHTS], state->lights_path, sizeof state->lights_path);
     memcpy(state->sky, from_file ? file->sky : lighting_sky, sizeof state->sky);
     return PROGRAM_DONE;
 }
@@ -194,6 +199,7 @@ int subject_load(subject *which, view_state *state)
     state->source_count = 0; /* they lit the tree */
     which->placed = fresh;
     ++which->changes;
+    history_begin(state);
     view_log(state, "loaded %zu instances of %zu trees from %s", state->instance_count, state->tree_count,
              state->scene_path);
     return place_scene_camera(which, state, placed_file(fresh));

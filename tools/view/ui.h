@@ -128,6 +128,8 @@ bool ui_slider_count(ui *panels, const char *label, int *value, int low, int hig
 bool ui_numbers(ui *panels, const char *label, float *values, int count, float step, const char *format);
 /* Linear red, green and blue, each 0 or above. */
 bool ui_color(ui *panels, const char *label, float rgb[3]);
+/* The next field gets the keys. */
+void ui_focus(ui *panels);
 /* A line of text; returns true when Enter ended it. */
 bool ui_field(ui *panels, const char *label, char *text, size_t text_bytes);
 

@@ -277,6 +277,11 @@ bool ui_color(ui *panels, const char *label, float rgb[3])
     });
 }
 
+void ui_focus(ui *panels)
+{
+    guarded(panels, [] { ImGui::SetKeyboardFocusHere(); });
+}
+
 bool ui_field(ui *panels, const char *label, char *text, size_t text_bytes)
 {
     return guarded(panels, false, [=] {

@@ -35,6 +35,7 @@ struct ui {
     bool held_seen; /* in this frame */
     uint32_t focus; /* the field that keys go to; 0: none */
     bool focus_seen;
+    bool focus_next; /* the next field gets it */
     ui_place item; /* the last widget, for tooltips */
     char tooltip[UI_TEXT_LINE_BYTES];
 };

@@ -243,14 +243,20 @@ static bool edit(ui *panels, char *text, size_t text_bytes)
     return entered;
 }
 
+void ui_focus(ui *panels)
+{
+    panels->focus_next = true;
+}
+
 bool ui_field(ui *panels, const char *label, char *text, size_t text_bytes)
 {
     const ui_place place = ui_text_labeled(panels, label);
     const uint32_t id = ui_text_id(panels, label);
     const ui_text_use use = ui_text_widget(panels, id, place);
     bool entered = false;
-    if (use.began) {
+    if (use.began || panels->focus_next) {
         panels->focus = id;
+        panels->focus_next = false;
     }
     if (panels->focus == id) {
         panels->focus_seen = true;

@@ -12,12 +12,14 @@
 #include "view/camera.h"
 #include "view/canvas.h"
 #include "view/drawing.h"
+#include "view/history.h"
 #include "view/input.h"
 #include "view/marks.h"
 #include "view/memory.h"
 #include "view/overlay.h"
 #include "view/pick.h"
 #include "view/play.h"
+#include "view/question.h"
 #include "view/script.h"
 #include "view/settings.h"
 #include "view/window.h"
@@ -43,6 +45,8 @@ typedef struct viewer {
     bool is_fullscreen;
     unsigned lively_frames; /* to come without a wait: panels answer an event one frame later */
     input_mouse mouse;
+    bool held[3]; /* buttons, whoever they are for */
+    bool is_marked; /* the title has the mark of unsaved edits */
     script script;
     bool has_script;
     script_step step; /* of this frame */
@@ -107,7 +111,10 @@ static void end_frame(viewer *which, bool is_new)
 static int take_event(viewer *which, const view_event *event)
 {
     view_state *state = &which->state;
-    if (overlay_take(which->overlay, event)) {
+    if (event->kind == VIEW_EVENT_BUTTON && event->button >= 0 && event->button < 3) {
+        which->held[event->button] = event->is_down;
+    }
+    if (question_take(state, event) || overlay_take(which->overlay, event)) {
         return PROGRAM_DONE;
     }
     switch (input_take(&which->mouse, event, state)) {
@@ -198,6 +205,7 @@ static int update(viewer *which, bool *is_new)
         pixel_buffer_drop(&which->drawing.pixels); /* another scene may have another device */
     }
     int exit_code = subject_update(&which->subject, state);
+    history_look(state, which->held[0] || which->held[1] || which->held[2] || overlay_types(which->overlay));
     lap(which, VIEW_STAGE_TREE);
     /* Builds by OpenGL have contexts of their own. */
     if (exit_code == PROGRAM_DONE && !window_use(which->window, &which->why)) {
@@ -267,6 +275,17 @@ static int take_shot(viewer *which)
     return exit_code;
 }
 
+/* The window's title has a star while there is something to save. */
+static void write_title(viewer *which)
+{
+    char title[VIEW_PATH_BYTES + VIEW_LINE_BYTES];
+    if (which->is_marked != view_is_unsaved(&which->state)) {
+        which->is_marked = !which->is_marked;
+        (void)snprintf(title, sizeof title, "%s%s - svocl", which->is_marked ? "*" : "", which->state.input);
+        window_set_title(which->window, title);
+    }
+}
+
 static int run_frame(viewer *which)
 {
     bool is_new = false;
@@ -274,6 +293,7 @@ static int run_frame(viewer *which)
     int exit_code = take_events(which);
     camera_move(&which->state, (float)seconds);
     play_advance(&which->state, seconds);
+    write_title(which);
     lap(which, VIEW_STAGE_EVENTS);
     exit_code = exit_code == PROGRAM_DONE ? update(which, &is_new) : exit_code;
     exit_code = exit_code == PROGRAM_DONE ? draw(which, seconds, is_new) : exit_code;
@@ -350,10 +370,12 @@ static int show(viewer *which)
     progress_destroy(&which->running->progress);
     take_probe_options(which);
     take_picture_options(which);
+    history_begin(&which->state);
     which->drawing.pixels = (pixel_buffer){.running = which->running, .context = window_context(which->window)};
     exit_code = run_frames(which);
     marks_end(&which->marks);
     drawing_end(&which->drawing);
+    history_end(&which->state);
     subject_close(&which->subject);
     return exit_code;
 }

@@ -186,6 +186,11 @@ void window_size(const window *which, unsigned *width, unsigned *height)
     *height = rows > 0 ? (unsigned)rows : 1;
 }
 
+void window_set_title(window *which, const char *title)
+{
+    SDL_SetWindowTitle(which->handle, title);
+}
+
 void window_set_fullscreen(window *which, bool fullscreen)
 {
     SDL_SetWindowFullscreen(which->handle, fullscreen ? SDL_WINDOW_FULLSCREEN_DESKTOP : 0);

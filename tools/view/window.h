@@ -31,6 +31,7 @@ bool window_poll(window *which, view_event *event);
 /* Puts an event behind those that wait, as if a hand had made it. False where the queue is full. */
 bool window_push(window *which, const view_event *event);
 
+void window_set_title(window *which, const char *title);
 void window_set_fullscreen(window *which, bool fullscreen);
 /* Shows what was drawn and waits for it. False with a reason on failure: the context is lost. */
 bool window_show(window *which, svo_message *why);
