@@ -17,7 +17,7 @@ static float decode(svo_i_curve curve, float coded)
     case SVO_I_CURVE_ROOT:
         return coded * coded;
     case SVO_I_CURVE_SRGB: /* IEC 61966-2-1 */
-        return coded <= 0.04045F ? coded / 12.92F : powf((coded + 0.055F) / 1.055F, 2.4F);
+        return coded <= 0.04045F ? coded / 12.92F : (float)pow(((double)coded + 0.055) / 1.055, 2.4);
     default:
         return coded;
     }
