@@ -14,6 +14,10 @@ typedef struct program_picture {
 program_picture read_picture(const char *path);
 void free_picture(program_picture *picture);
 
+/* The same of linear floats: .hdr, or .exr where the program writes it. Pixels are red, green, blue, alpha; alpha is 1
+   where the file has none. Released by free(). */
+float *read_light(const char *path, int *width, int *height);
+
 /* The four bytes of a pixel. */
 const uint8_t *pixel_of(const program_picture *picture, int x, int y);
 

@@ -2,8 +2,9 @@
 /*
  * Pictures in buffers of the caller's: of trees, compact trees, scenes and lights. Their bytes are those of the
  * functions for host arrays; they wait for the caller's events and nothing waits for them; what cannot take a picture
- * is refused and stays as it is.
+ * is refused and stays as it is. And what of each pixel is written: bytes or floats, samples, backgrounds.
  */
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -297,6 +298,200 @@ static void bands_of_light_go_to_their_place(void **state)
     release_drawn(of);
 }
 
+/* ---- what of a pixel is written ---- */
+
+#define SKY   0 /* a corner of the picture, where nothing is met */
+#define SHARE (1.0 / 255.0)
+
+/* Of all pictures. */
+static void ask(drawn *of, const svo_picture_output *output)
+{
+    of->shaded.output = of->normals.output = of->placed.output = of->lit.output = *output;
+}
+
+/* The share of white that a byte of a picture stands for, and the light before the tone curve. */
+static double light_of_byte(size_t picture, uint8_t byte)
+{
+    const double coded = byte * SHARE;
+    const double share = picture == 1   ? 2 * coded - 1
+                         : picture == 4 ? (coded <= 0.04045 ? coded / 12.92 : pow((coded + 0.055) / 1.055, 2.4))
+                                        : coded * coded;
+    return picture == 1 || share <= 0.5 ? share : 0.5 - 0.5 * log(2 - 2 * share);
+}
+
+static void asking_for_the_default_changes_no_byte(void **state)
+{
+    static uint8_t expected[PICTURE_BYTES];
+    static uint8_t found[PICTURE_BYTES];
+    drawn *of = make_drawn(state);
+    for (size_t i = 0; i < PICTURES; ++i) {
+        const svo_picture_output same = {.samples = i == 1 ? 1 : 4};
+        const svo_picture_output none = {.samples = 0};
+        ask(of, &none);
+        succeed(of, pictures[i].function, pictures[i].draw(of, expected));
+        ask(of, &same);
+        succeed(of, pictures[i].function, pictures[i].draw(of, found));
+        assert_memory_equal(found, expected, PICTURE_BYTES);
+    }
+    release_drawn(of);
+}
+
+/* What is met looks the same, whatever is behind it; edges of a transparent picture are partly covered. */
+static void backgrounds_are_behind_everything(void **state)
+{
+    static uint8_t own[PICTURE_BYTES];
+    static uint8_t colored[PICTURE_BYTES];
+    static uint8_t clear[PICTURE_BYTES];
+    static const uint8_t color[4] = {200, 7, 90, 255};
+    static const uint8_t nothing[4] = {0, 0, 0, 0};
+    const svo_picture_output behind[3] = {
+        {.samples = 9},
+        {.samples = 9, .background = SVO_BACKGROUND_COLOR, .background_color = {200 / 255.0F, 7 / 255.0F, 90 / 255.0F}},
+        {.samples = 9, .background = SVO_BACKGROUND_TRANSPARENT}};
+    uint8_t *const shown[3] = {own, colored, clear};
+    drawn *of = make_drawn(state);
+    for (size_t i = 0; i < PICTURES; ++i) {
+        size_t edges = 0;
+        for (int k = 0; k < 3; ++k) {
+            ask(of, &behind[k]);
+            succeed(of, pictures[i].function, pictures[i].draw(of, shown[k]));
+        }
+        assert_memory_equal(colored + SKY, color, 4);
+        assert_memory_equal(clear + SKY, nothing, 4);
+        for (size_t at = 0; at < PICTURE_BYTES; at += 4) {
+            assert_int_equal(own[at + 3], 255);
+            edges += clear[at + 3] > 0 && clear[at + 3] < 255;
+            if (clear[at + 3] == 255) {
+                assert_memory_equal(colored + at, own + at, 4);
+                assert_memory_equal(clear + at, own + at, 4);
+            }
+        }
+        assert_true(edges > WIDTH);
+    }
+    release_drawn(of);
+}
+
+/* Floats are what the bytes are made of, with one sample; alpha is the share of the samples that met something. */
+static void floats_are_the_light_of_bytes(void **state)
+{
+    static uint8_t bytes[PICTURE_BYTES];
+    static float floats[PICTURE_BYTES];
+    const svo_picture_output asked[2] = {
+        {.samples = 1, .background = SVO_BACKGROUND_TRANSPARENT},
+        {.samples = 1, .background = SVO_BACKGROUND_TRANSPARENT, .format = SVO_PIXELS_LINEAR}};
+    drawn *of = make_drawn(state);
+    for (size_t i = 0; i < PICTURES; ++i) {
+        ask(of, &asked[0]);
+        succeed(of, pictures[i].function, pictures[i].draw(of, bytes));
+        ask(of, &asked[1]);
+        succeed(of, pictures[i].function, pictures[i].draw(of, (uint8_t *)floats));
+        for (size_t at = 0; at < PICTURE_BYTES; ++at) {
+            const double low = light_of_byte(i, (uint8_t)(bytes[at] > 0 ? bytes[at] - 1 : 0));
+            const double high = light_of_byte(i, (uint8_t)(bytes[at] < 254 ? bytes[at] + 1 : 254));
+            const double value = (double)floats[at];
+            if (at % 4 == 3 || bytes[at | 3] == 0) {
+                assert_true(fabs(value - bytes[at] * SHARE) <= 1e-6);
+            } else if (bytes[at] < 254 && !(value >= low - 1e-6 && value <= high + 1e-6)) {
+                fail_msg("%s: channel %zu is %g, not within %g .. %g of byte %u", pictures[i].function, at, value, low,
+                         high, bytes[at]);
+            }
+        }
+    }
+    release_drawn(of);
+}
+
+/* Many samples converge, and any number of them is allowed. */
+static void more_samples_come_closer(void **state)
+{
+    static float truth[PICTURE_BYTES];
+    static float found[PICTURE_BYTES];
+    drawn *of = make_drawn(state);
+    for (size_t i = 0; i < PICTURES; ++i) {
+        double before = HUGE_VAL;
+        svo_picture_output asked = {
+            .samples = 121, .background = SVO_BACKGROUND_TRANSPARENT, .format = SVO_PIXELS_LINEAR};
+        ask(of, &asked);
+        succeed(of, pictures[i].function, pictures[i].draw(of, (uint8_t *)truth));
+        for (uint32_t samples = 1; samples <= 49; samples *= 7) {
+            double sum = 0;
+            asked.samples = samples;
+            ask(of, &asked);
+            succeed(of, pictures[i].function, pictures[i].draw(of, (uint8_t *)found));
+            for (size_t at = 3; at < PICTURE_BYTES; at += 4) {
+                sum += fabs((double)found[at] - (double)truth[at]);
+            }
+            if (!(sum < 0.6 * before)) {
+                fail_msg("%s: %u samples are %g off, fewer %g", pictures[i].function, samples, sum, before);
+            }
+            before = sum;
+        }
+    }
+    release_drawn(of);
+}
+
+/* The number that a view shows: how far away what it meets is, in world units. */
+static void depths_are_distances(void **state)
+{
+    static float depths[PICTURE_BYTES];
+    static float normals[PICTURE_BYTES];
+    drawn *of = make_drawn(state);
+    const svo_picture_output linear = {.format = SVO_PIXELS_LINEAR};
+    const svo_camera *camera = &of->normals.camera;
+    double nearest = HUGE_VAL;
+    double away = 0;
+    ask(of, &linear);
+    succeed(of, "svo_tree_render", draw_normals(of, (uint8_t *)normals));
+    of->normals.view = SVO_VIEW_DEPTH;
+    succeed(of, "svo_tree_render", draw_normals(of, (uint8_t *)depths));
+    for (int axis = 0; axis < 3; ++axis) {
+        away = hypot(away, (double)camera->eye[axis] - (double)camera->target[axis]);
+    }
+    for (size_t at = 0; at < PICTURE_BYTES; at += 4) {
+        assert_float_equal(depths[at + 3], normals[at + 3], 0);
+        if (depths[at + 3] > 0) {
+            const double length = hypot(hypot((double)normals[at], (double)normals[at + 1]), (double)normals[at + 2]);
+            assert_float_equal(length, 1, 1e-5);
+            nearest = fmin(nearest, (double)depths[at]);
+        } else {
+            assert_true(depths[at] == 0);
+        }
+    }
+    if (!(nearest > 0.3 * away && nearest < away)) {
+        fail_msg("the nearest hit is at %g, the target at %g", nearest, away);
+    }
+    release_drawn(of);
+}
+
+static void wrong_outputs_are_refused(void **state)
+{
+    static uint8_t rgba[4 * PICTURE_BYTES];
+    static const struct {
+        svo_picture_output output;
+        const char *words;
+    } wrong[] = {{{.format = (svo_pixel_format)2}, "output.format 2 is not in 0 .. 1"},
+                 {{.background = (svo_background)3}, "output.background 3 is not in 0 .. 2"},
+                 {{.background_color = {0, 1.5F, 0}}, "output.background_color[1] 1.5 is not in 0 .. 1"},
+                 {{.background_color = {0, 0, -1}}, "output.background_color[2] -1 is not in 0 .. 1"},
+                 {{.background_color = {(float)NAN, 0, 0}}, "output.background_color[0]"},
+                 {{.samples = 4097}, "output.samples 4097 is above 4096"}};
+    drawn *of = make_drawn(state);
+    const svo_picture_output floats = {.format = SVO_PIXELS_LINEAR};
+    cl_mem small = make_pixels(of, CL_MEM_WRITE_ONLY, 4 * PICTURE_BYTES - 1);
+    const target to = {.pixels = small, .queue = of->opened.queue};
+    for (size_t i = 0; i < PICTURES; ++i) {
+        for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; ++k) {
+            ask(of, &wrong[k].output);
+            assert_int_equal(pictures[i].draw(of, rgba), SVO_INVALID_ARGUMENT);
+            assert_non_null(strstr(svo_device_message(of->opened.device), wrong[k].words));
+        }
+        ask(of, &floats);
+        assert_int_equal(pictures[i].enqueue(of, &to), SVO_INVALID_ARGUMENT);
+        assert_non_null(strstr(svo_device_message(of->opened.device), "pixels"));
+    }
+    clReleaseMemObject(small);
+    release_drawn(of);
+}
+
 /* ---- events ---- */
 
 /* The call returns while its picture cannot begin; pictures that are enqueued one after the other need no host. */
@@ -432,6 +627,12 @@ int main(void)
         cmocka_unit_test(buffers_have_the_bytes_of_host_pictures),
         cmocka_unit_test(sub_buffers_put_pictures_elsewhere),
         cmocka_unit_test(bands_of_light_go_to_their_place),
+        cmocka_unit_test(asking_for_the_default_changes_no_byte),
+        cmocka_unit_test(backgrounds_are_behind_everything),
+        cmocka_unit_test(floats_are_the_light_of_bytes),
+        cmocka_unit_test(more_samples_come_closer),
+        cmocka_unit_test(depths_are_distances),
+        cmocka_unit_test(wrong_outputs_are_refused),
         cmocka_unit_test(pictures_wait_for_events_and_not_the_host),
         cmocka_unit_test(what_cannot_take_a_picture_is_refused),
         cmocka_unit_test(wrong_options_are_refused_by_name),

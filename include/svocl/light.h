@@ -356,6 +356,7 @@ typedef struct svo_light_picture {
     uint32_t reserved; /**< zero */
     uint32_t first_row; /**< of a band of the picture: a multiple of SVO_LIGHT_BAND_ROWS below height */
     uint32_t row_count; /**< of the band, cut at the picture's end: a multiple as well; 0: all rows from first_row on */
+    svo_picture_output output; /**< what of each pixel is written; all zero: bytes */
     /** A plane in world coordinates: where clip[0] x + clip[1] y + clip[2] z + clip[3] is below 0 the picture shows
      *  nothing; light is that of the whole scene. Finite; all zero: nothing is cut away */
     float clip[4];
@@ -388,7 +389,8 @@ typedef struct svo_light_picture {
  * \param light not NULL
  * \param picture size, camera, view
  * \param queue on the context of its device; NULL: the device's own
- * \param rgba receives the rows of the band, width * 4 bytes each, top to bottom: the same as in the whole picture
+ * \param rgba receives the rows of the band, width * 4 bytes each, of SVO_PIXELS_LINEAR width * 4 floats, top to
+ *        bottom: the same as in the whole picture
  * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED, SVO_COMPILE_FAILED, SVO_CL_ERROR or SVO_OUT_OF_DEVICE_MEMORY on
  *          failure. */
 SVO_API svo_status svo_light_render(svo_light *light, const svo_light_picture *picture, cl_command_queue queue,

@@ -227,6 +227,7 @@ typedef struct svo_scene_render_options {
      *  mean width */
     float occlusion_range;
     uint32_t reserved2; /**< zero */
+    svo_picture_output output; /**< what of each pixel is written; all zero: bytes */
     /** A plane in world coordinates: where clip[0] x + clip[1] y + clip[2] z + clip[3] is below 0 the picture shows
      *  nothing, and lights shine through. Finite; all zero: nothing is cut away */
     float clip[4];
@@ -241,7 +242,7 @@ typedef struct svo_scene_render_options {
  * \param scene with SVO_NEED_COLOR and SVO_NEED_NORMAL if the picture is to show them
  * \param options size, camera, lights
  * \param queue on the device's context; NULL: the device's own
- * \param rgba receives height rows of width * 4 bytes, top to bottom
+ * \param rgba receives height rows of width * 4 bytes, top to bottom; of SVO_PIXELS_LINEAR width * 4 floats
  * \returns SVO_INVALID_ARGUMENT, SVO_COMPILE_FAILED, SVO_CL_ERROR or SVO_OUT_OF_DEVICE_MEMORY on failure. */
 SVO_API svo_status svo_scene_render(svo_scene *scene, const svo_scene_render_options *options, cl_command_queue queue,
                                     uint8_t *rgba);

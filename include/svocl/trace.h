@@ -61,6 +61,39 @@ typedef enum svo_render_view {
     SVO_VIEW_TRIANGLES = 5 /**< a color for each triangle; needs SVO_NEED_RAYS, coverage half-open or closed */
 } svo_render_view;
 
+/** What a picture has of each pixel. */
+typedef enum svo_pixel_format {
+    /** Bytes: red, green, blue and alpha as a screen shows them; colors are not multiplied by alpha. */
+    SVO_PIXELS_BYTES = 0,
+    /** Floats: red, green, blue and alpha. Light is linear, as it is before the tone curve, and multiplied by alpha.
+     *  Views that are no light have numbers, which are not: SVO_VIEW_NORMAL x, y and z; SVO_VIEW_DEPTH the distance
+     *  from the eye, world units; SVO_VIEW_STEPS cells; SVO_VIEW_LEVEL levels; SVO_VIEW_TRIANGLES positions in the
+     *  mesh, which floats hold up to 2^24. They are means of the rays that met something, 0 without one, and alpha is
+     *  the share of those. */
+    SVO_PIXELS_LINEAR = 1
+} svo_pixel_format;
+
+/** What is behind everything in a picture. */
+typedef enum svo_background {
+    /** The picture's own: of shaded pictures a gray gradient, of lit ones the sky, of views white. */
+    SVO_BACKGROUND_OWN = 0,
+    SVO_BACKGROUND_COLOR = 1, /**< svo_picture_output.background_color */
+    SVO_BACKGROUND_TRANSPARENT = 2 /**< nothing: alpha is the share of a pixel's rays that met something */
+} svo_background;
+
+#define SVO_PICTURE_SAMPLES_MAX 4096u /**< most rays of a pixel */
+
+/** How the pixels of a picture are sampled and written. All zero: bytes, an own background, the picture's own number of
+ *  rays. */
+typedef struct svo_picture_output {
+    svo_pixel_format format; /**< bytes or floats; a pixel takes 4 or 16 bytes. Floats are aligned as float is */
+    svo_background background; /**< numbers of SVO_PIXELS_LINEAR have none */
+    float background_color[3]; /**< red, green, blue from 0 to 1, which are 0 to 255 in bytes; floats get the light */
+    /** Rays of a pixel, 1 .. SVO_PICTURE_SAMPLES_MAX, in the middles of cells of equal area: rows divide the pixel, and
+     *  columns the rows. What they see is averaged as linear light. 0: 4, and 1 in views that are no light */
+    uint32_t samples;
+} svo_picture_output;
+
 /** Options of a picture. */
 typedef struct svo_render_options {
     size_t struct_size; /**< sizeof(svo_render_options) */
@@ -69,14 +102,10 @@ typedef struct svo_render_options {
     svo_camera camera; /**< the view */
     svo_render_view view; /**< what to show */
     uint32_t reserved; /**< zero */
+    svo_picture_output output; /**< what of each pixel is written; all zero: bytes */
     /** A plane in world coordinates: where clip[0] x + clip[1] y + clip[2] z + clip[3] is below 0 the picture shows
      *  nothing, and the sun shines through. Finite; all zero: nothing is cut away */
     float clip[4];
-    /** Range of SVO_VIEW_DEPTH, distances from the eye in widths of a leaf, or of SVO_VIEW_STEPS, steps; at least 0.
-     *  range_low is black, range_high white, and what lies nowhere is white with alpha 0. Both equal: the view's own
-     *  colors, as SVO_VIEW_DEPTH and SVO_VIEW_STEPS say */
-    float range_low;
-    float range_high; /**< at least range_low, finite */
 } svo_render_options;
 
 /** Everything zero; width, height and camera have to be set. */
@@ -84,16 +113,16 @@ typedef struct svo_render_options {
 
 /** Draws a picture of the tree and waits for it. SVO_VIEW_SHADED shades voxels by normal (their own, else that of the
  *  face where the ray entered) and color (their own, else clay of albedo 0.6), with the shadows of a sun behind the
- *  camera and a sky that neighbors darken, by four rays for each pixel. Up to a half, 0.85 times the light is the share
- *  of white that a pixel shows; above, highlights roll off as 1 - exp(1 - 2 light) / 2. Bytes are square roots of
- *  shares. The picture is the same on every run.
+ *  camera and a sky that neighbors darken, by four rays for each pixel or as many as options ask for. Up to a half,
+ *  0.85 times the light is the share of white that a pixel shows; above, highlights roll off as
+ *  1 - exp(1 - 2 light) / 2. Bytes are square roots of shares. The picture is the same on every run.
  *
  * \param device the tree's
  * \param tree on a device, its colors and normals, if any, on all levels. All views but SVO_VIEW_SHADED make its BVH if
  *        it has triangles to trace, see the head of this file
  * \param options size, camera and view
  * \param queue on the device's context; NULL: the device's own
- * \param rgba receives height rows of width * 4 bytes, top to bottom
+ * \param rgba receives height rows of width * 4 bytes, top to bottom; of SVO_PIXELS_LINEAR width * 4 floats
  * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the grid is beyond the range of floats), SVO_COMPILE_FAILED,
  *          SVO_CL_ERROR or SVO_OUT_OF_DEVICE_MEMORY on failure. */
 SVO_API svo_status svo_tree_render(svo_device *device, svo_tree *tree, const svo_render_options *options,
@@ -107,8 +136,8 @@ SVO_API svo_status svo_tree_render(svo_device *device, svo_tree *tree, const svo
  * \param tree see svo_tree_render; stays as it is until the event
  * \param options see svo_tree_render; not used after the call
  * \param pixels buffer of the device's context that kernels may write, not CL_MEM_READ_ONLY, of at least
- *        height * width * 4 bytes: it receives what rgba of svo_tree_render does. A sub-buffer puts the picture
- *        somewhere else in a larger buffer
+ *        height * width * 4 bytes, or 16 of SVO_PIXELS_LINEAR: it receives what rgba of svo_tree_render does. A
+ *        sub-buffer puts the picture somewhere else in a larger buffer
  * \param queue of the context and the device of the handle, in-order or out-of-order
  * \param num_wait number of events in wait
  * \param wait events of that context to wait for; NULL when num_wait is 0

@@ -3,18 +3,16 @@
  * Pictures of a lit tree: first hits and shadows by exact rays (surface.clh, direct.clh), openness, indirect and
  * specular light by cones (shading.clh).
  *
- * A pixel has SVO_PICTURE_SAMPLES^2 camera rays. Those of 2 x 2 pixels that meet one plane within a leaf's edge share
+ * A pixel has params.samples camera rays. Those of 2 x 2 pixels that meet one plane within a leaf's edge share
  * what cones gather there, which is nearly all of a picture's time. Light is linear; svo_shade_tone (rays/shade.clh)
  * makes it the share of white that a screen shows, which is then coded by the sRGB curve (IEC 61966-2-1).
  *
  * Launch: one work-item per 2 x 2 pixels, tiles of 16 x 16 pixels per group, one dimension, as many tiles as the host
- * likes. Reads tree, light and sources; writes one RGBA8 word per pixel. No atomics, no local memory.
+ * likes. Reads tree, light and sources; writes one RGBA8 word or four floats per pixel. No atomics, no local memory.
  */
 #include "light/shading.clh"
 #include "rays/part.clh"
 #include "rays/shade.clh"
-
-#define SVO_PICTURE_SAMPLES 2u /* along each side of a pixel */
 
 /* Samples share what cones gather within this many leaf edges. */
 #define SVO_PICTURE_NEAR 1.0f
@@ -23,32 +21,36 @@
 
 static float3 svo_picture_shown(const svo_lit_picture *picture, float3 radiance)
 {
-    return svo_shade_tone(picture->params.exposure * radiance);
+    return svo_shade_shown(picture->params.pixel_flags, picture->params.exposure * radiance);
 }
 
 static float3 svo_picture_background(const svo_lit_picture *picture)
 {
-    return picture->params.view == SVO_LIT_VIEW_AO ? (float3)(1.0f)
-                                                   : svo_picture_shown(picture, vload3(0, picture->params.sky));
+    const float3 own = picture->params.view == SVO_LIT_VIEW_AO
+                           ? (float3)(1.0f)
+                           : svo_picture_shown(picture, vload3(0, picture->params.sky));
+    return svo_pixel_background(picture->params.pixel_flags, vload3(0, picture->params.background), own);
 }
 
-static uint svo_picture_encode(float3 shown)
+static void svo_picture_store(const svo_lit_picture *picture, float4 pixel, __global uint *pixels, size_t place)
 {
-    const float3 share = clamp(shown, (float3)(0.0f), (float3)(1.0f));
+    if ((picture->params.pixel_flags & SVO_PIXEL_LINEAR) != 0u) {
+        svo_pixel_store_linear(pixels, place, pixel);
+        return;
+    }
+    const float3 share = clamp(pixel.xyz, (float3)(0.0f), (float3)(1.0f));
     const float3 curved = 1.055f * powr(share, (float3)(1.0f / 2.4f)) - 0.055f;
     const float3 coded = select(curved, 12.92f * share, share <= 0.0031308f);
-    const uint3 bytes = convert_uint3(clamp(coded, (float3)(0.0f), (float3)(1.0f)) * 255.0f + 0.5f);
-    return bytes.x | bytes.y << 8 | bytes.z << 16 | 0xff000000u;
+    pixels[place] = svo_pixel_bytes(coded, pixel.w);
 }
 
 /* ---- pixels ---- */
 
 static svo_ray svo_picture_ray(const svo_lit_picture *picture, uint x, uint y, uint sample)
 {
-    const float column = (float)x + ((float)(sample % SVO_PICTURE_SAMPLES) + 0.5f) / (float)SVO_PICTURE_SAMPLES;
-    const float row = (float)y + ((float)(sample / SVO_PICTURE_SAMPLES) + 0.5f) / (float)SVO_PICTURE_SAMPLES;
-    const float3 direction = normalize(vload3(0, picture->params.corner) + column * vload3(0, picture->params.across) +
-                                       row * vload3(0, picture->params.down));
+    const float2 place = (float2)((float)x, (float)y) + svo_pixel_place(sample, picture->params.samples);
+    const float3 direction = normalize(vload3(0, picture->params.corner) + place.x * vload3(0, picture->params.across) +
+                                       place.y * vload3(0, picture->params.down));
     const float3 eye = vload3(0, picture->params.eye);
     const float2 part = svo_ray_part(vload4(0, picture->params.clip), eye, direction);
     svo_ray ray = svo_lit_ray(eye, direction, part.y);
@@ -56,11 +58,12 @@ static svo_ray svo_picture_ray(const svo_lit_picture *picture, uint x, uint y, u
     return ray;
 }
 
-/* The share of white that a pixel shows. */
-SVO_INLINED float3 svo_picture_pixel(const svo_lit_picture *picture, uint x, uint y, svo_lit_cache *cache)
+/* The shares of white that a pixel shows, or its light. */
+SVO_INLINED float4 svo_picture_pixel(const svo_lit_picture *picture, uint x, uint y, svo_lit_cache *cache)
 {
-    const uint samples = SVO_PICTURE_SAMPLES * SVO_PICTURE_SAMPLES;
+    const uint samples = picture->params.samples;
     float3 sum = (float3)(0.0f);
+    uint met = 0u;
     for (uint sample = 0; sample < samples; ++sample) {
         const svo_ray ray = svo_picture_ray(picture, x, y, sample);
         float3 radiance;
@@ -68,9 +71,10 @@ SVO_INLINED float3 svo_picture_pixel(const svo_lit_picture *picture, uint x, uin
             sum += svo_picture_background(picture);
         } else {
             sum += picture->params.view == SVO_LIT_VIEW_AO ? radiance : svo_picture_shown(picture, radiance);
+            ++met;
         }
     }
-    return sum / (float)samples;
+    return svo_pixel_mean(picture->params.pixel_flags, sum, met, samples);
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void svo_k_light_picture(SVO_LIT_PARAMETERS,
@@ -88,8 +92,8 @@ __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void svo_k
         const uint column = x + (pixel & 1u);
         const uint row = y + (pixel >> 1);
         if (column < params.width && row < params.height) {
-            pixels[(size_t)row * params.width + column] =
-                svo_picture_encode(svo_picture_pixel(&picture, column, row, &cache));
+            svo_picture_store(&picture, svo_picture_pixel(&picture, column, row, &cache), pixels,
+                              (size_t)row * params.width + column);
         }
     }
 }

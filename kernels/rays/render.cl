@@ -7,7 +7,7 @@
  *
  * Launch: one group per 8 x 8 pixels, one dimension, of SVO_GROUP_ITEMS or, with tiles, one work-item; as many tiles as
  * the host likes, from first_tile on. Reads the nodes and, with -DSVO_COLOR and -DSVO_NORMAL, the payload; writes one
- * RGBA8 word per pixel. No atomics, no local memory.
+ * RGBA8 word or four floats per pixel. No atomics, no local memory.
  */
 #include "shared/layout.h"
 
@@ -46,26 +46,29 @@ static bool svo_cast_is_sunlit(const svo_cast_picture *picture, const svo_cast_s
     return dot(surface->normal, ray.direction) > 0.0f && !svo_cast(&picture->tree, &ray, &blocker);
 }
 
-static uint svo_cast_pixel(const svo_cast_picture *picture, uint x, uint y)
+static float4 svo_cast_pixel(const svo_cast_picture *picture, uint x, uint y)
 {
-    const uint samples = SVO_CAST_SAMPLES * SVO_CAST_SAMPLES;
+    const uint samples = picture->params->samples;
     svo_cast_surface lit; /* where light is known */
     float3 light = (float3)(0.0f);
     float3 sum = (float3)(0.0f);
     svo_cast_ray ray;
     svo_cast_hit hit;
     bool is_lit = false;
+    uint met = 0u;
     const float3 eye = svo_params_vector(picture->params->eye);
-    ray.footprint = picture->params->footprint / (float)SVO_CAST_SAMPLES;
+    ray.footprint = picture->params->footprint;
     for (uint sample = 0u; sample < samples; ++sample) {
         ray.direction = svo_cast_direction(picture->params, x, y, sample);
         const float2 part = svo_cast_part(picture->params, eye, ray.direction);
         ray.origin = eye + part.x * ray.direction;
         ray.range = fmin(part.y - part.x, SVO_CAST_FAR);
+        is_lit = is_lit && sample % SVO_CAST_SAMPLES != 0u;
         if (!svo_cast(&picture->tree, &ray, &hit)) {
-            sum += svo_shade_background((float)y / (float)picture->params->height);
+            sum += svo_cast_background(picture, y);
             continue;
         }
+        ++met;
         svo_cast_return(picture->params, part.x, &hit);
         const svo_cast_surface surface = svo_cast_surface_of(picture, &hit, ray.direction);
         if (!is_lit || !svo_cast_shares_light(&surface, &lit)) {
@@ -74,9 +77,9 @@ static uint svo_cast_pixel(const svo_cast_picture *picture, uint x, uint y)
             lit = surface;
             is_lit = true;
         }
-        sum += svo_shade_tone(SVO_SHADE_EXPOSURE * svo_cast_albedo(picture, hit.place) * light);
+        sum += svo_cast_shown(picture, hit.place, light);
     }
-    return svo_shade_encode(sum / (float)samples);
+    return svo_pixel_mean(picture->params->pixel_flags, sum, met, samples);
 }
 
 #endif
@@ -110,7 +113,7 @@ svo_k_cast(SVO_NODES_PARAMETERS, __global const uchar *colors, __global const sh
     svo_tile_draw(&picture, x, y, pixels);
 #else
     if (x < params->width && y < params->height) {
-        pixels[(size_t)y * params->width + x] = svo_cast_pixel(&picture, x, y);
+        svo_shade_store(params->pixel_flags, svo_cast_pixel(&picture, x, y), pixels, (size_t)y * params->width + x);
     }
 #endif
 }

@@ -5,7 +5,7 @@
  *
  * Launch: one work-item per pixel, tiles of 8 x 8 pixels per group, one dimension, as many tiles as the host likes,
  * from first_tile on. Reads the scene, its colors and normals as far as its trees have them, and the lights; writes one
- * RGBA8 word per pixel. No atomics, no local memory.
+ * RGBA8 word or four floats per pixel. No atomics, no local memory.
  */
 #include "shared/layout.h"
 
@@ -155,8 +155,8 @@ static float3 svo_scene_shade(const svo_scene_view *view, const svo_scene_surfac
     return surface->color * lit->light;
 }
 
-/* One ray of a pixel. */
-static float3 svo_scene_sample(const svo_scene_view *view, float column, float row, svo_scene_lit *lit)
+/* One ray of a pixel. *met: counts those that met something. */
+static float3 svo_scene_sample(const svo_scene_view *view, float column, float row, svo_scene_lit *lit, uint *met)
 {
     __constant const svo_scene_picture *picture = view->picture;
     const float3 origin = svo_scene_constant(picture->eye);
@@ -165,11 +165,13 @@ static float3 svo_scene_sample(const svo_scene_view *view, float column, float r
                   row * svo_scene_constant(picture->down));
     const svo_ray ray = svo_scene_clip(view, origin, direction);
     svo_scene_search search;
-    if (!svo_scene_search_ray(&view->scene, &ray, picture->footprint / (float)picture->samples, 0u, &search)) {
-        return svo_shade_background(row / (float)picture->height);
+    if (!svo_scene_search_ray(&view->scene, &ray, picture->footprint, 0u, &search)) {
+        return svo_pixel_background(picture->pixel_flags, svo_scene_constant(picture->background),
+                                    svo_shade_background(row / (float)picture->height));
     }
+    ++*met;
     const svo_scene_surface surface = svo_scene_surface_of(view, &search, origin, direction);
-    return svo_shade_tone(SVO_SHADE_EXPOSURE * svo_scene_shade(view, &surface, lit));
+    return svo_shade_shown(picture->pixel_flags, SVO_SHADE_EXPOSURE * svo_scene_shade(view, &surface, lit));
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
@@ -198,10 +200,11 @@ svo_k_scene_render(SVO_SCENE_PARAMETERS, __global const uchar *colors, __global 
     lit.normal = (float3)(0.0f);
     lit.light = (float3)(0.0f);
     float3 sum = (float3)(0.0f);
-    for (uint sample = 0u; sample < picture->samples * picture->samples; ++sample) {
-        const float column = (float)x + ((float)(sample % picture->samples) + 0.5f) / (float)picture->samples;
-        const float row = (float)y + ((float)(sample / picture->samples) + 0.5f) / (float)picture->samples;
-        sum += svo_scene_sample(&view, column, row, &lit);
+    uint met = 0u;
+    for (uint sample = 0u; sample < picture->samples; ++sample) {
+        const float2 place = (float2)((float)x, (float)y) + svo_pixel_place(sample, picture->samples);
+        sum += svo_scene_sample(&view, place.x, place.y, &lit, &met);
     }
-    pixels[(size_t)y * picture->width + x] = svo_shade_encode(sum / (float)(picture->samples * picture->samples));
+    svo_shade_store(picture->pixel_flags, svo_pixel_mean(picture->pixel_flags, sum, met, picture->samples), pixels,
+                    (size_t)y * picture->width + x);
 }

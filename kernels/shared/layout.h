@@ -319,7 +319,7 @@ SVO_RECORD(svo_material_record)
 };
 
 /* Arguments of the ray caster. Positions and lengths in voxels, from the grid's minimum corner; directions in the
-   grid's axes. 112 bytes. */
+   grid's axes. 128 bytes. */
 SVO_RECORD(svo_cast_params)
 {
     SVO_F32 eye[3]; /* 0 */
@@ -331,13 +331,23 @@ SVO_RECORD(svo_cast_params)
     SVO_F32 down[3]; /* 48: from a pixel to the one below, at that distance */
     SVO_U32 depth; /* 60 */
     SVO_F32 sun[3]; /* 64: unit, towards the light */
-    SVO_U32 reserved; /* 76: zero */
+    SVO_U32 samples; /* 76: camera rays of a pixel */
     SVO_F32 up[3]; /* 80: unit, towards the sky */
     SVO_F32 occlusion_range; /* 92: range of the ambient occlusion */
-    SVO_F32 clip[4]; /* 96: a plane; what is below it is not there (kernels/rays/part.clh). Zeros: none */
+    SVO_F32 background[3]; /* 96: what is behind everything, with SVO_PIXEL_COLOR */
+    SVO_U32 pixel_flags; /* 108: SVO_PIXEL_* */
+    SVO_F32 clip[4]; /* 112: a plane; what is below it is not there (kernels/rays/part.clh). Zeros: none */
 };
 
-#define SVO_CAST_SAMPLES 2u /* camera rays of a shaded picture along each side of a pixel */
+/* Camera rays of a pixel: where shaded pictures are not asked for another number, those of a group that share light,
+   and at most. */
+#define SVO_CAST_SAMPLES      4u
+#define SVO_PIXEL_SAMPLES_MAX 4096u
+
+/* What is written of a pixel: svo_picture_output of trace.h. */
+#define SVO_PIXEL_LINEAR      1u /* four floats, else four bytes */
+#define SVO_PIXEL_COLOR       2u /* a color behind everything */
+#define SVO_PIXEL_TRANSPARENT 4u /* nothing behind everything */
 
 /* What kernels/rays/view.cl shows: svo_render_view of trace.h. */
 #define SVO_VIEW_KIND_NORMAL    1u
@@ -378,7 +388,7 @@ SVO_ASSERT_BYTES(svo_filter_params, 80);
 SVO_ASSERT_BYTES(svo_compact_params, 32);
 SVO_ASSERT_BYTES(svo_minimize_params, 48);
 SVO_ASSERT_BYTES(svo_material_record, 32);
-SVO_ASSERT_BYTES(svo_cast_params, 112);
+SVO_ASSERT_BYTES(svo_cast_params, 128);
 SVO_ASSERT_BYTES(svo_ray_params, 68);
 #endif
 

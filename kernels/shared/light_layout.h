@@ -218,7 +218,7 @@ SVO_RECORD(svo_exchange_params)
 /* And for maps, which are looked at from elsewhere: full without specular light. */
 #define SVO_LIT_VIEW_MATTE 5u
 
-/* Arguments of pictures of lights, world coordinates. 96 bytes. */
+/* Arguments of pictures of lights, world coordinates. 128 bytes. */
 SVO_RECORD(svo_lit_picture_params)
 {
     SVO_F32 eye[3]; /* 0 */
@@ -233,8 +233,11 @@ SVO_RECORD(svo_lit_picture_params)
     SVO_U32 source_count; /* 76 */
     SVO_U32 finish_count; /* 80 */
     SVO_U32 first_tile; /* 84: of the launch */
-    SVO_U32 reserved[2]; /* 88 */
-    SVO_F32 clip[4]; /* 96: a plane; what is below it is not seen (kernels/rays/part.clh). Zeros: none */
+    SVO_U32 samples; /* 88: camera rays of a pixel */
+    SVO_U32 pixel_flags; /* 92: SVO_PIXEL_* */
+    SVO_F32 background[3]; /* 96: what is behind everything, with SVO_PIXEL_COLOR */
+    SVO_U32 reserved; /* 108 */
+    SVO_F32 clip[4]; /* 112: a plane; what is below it is not seen (kernels/rays/part.clh). Zeros: none */
 };
 
 #if !defined(GL_core_profile)
@@ -249,7 +252,7 @@ SVO_ASSERT_BYTES(svo_crossing_params, 32);
 SVO_ASSERT_BYTES(svo_unmet_params, 48);
 SVO_ASSERT_BYTES(svo_finish_record, 32);
 SVO_ASSERT_BYTES(svo_exchange_params, 32);
-SVO_ASSERT_BYTES(svo_lit_picture_params, 112);
+SVO_ASSERT_BYTES(svo_lit_picture_params, 128);
 #endif
 
 #endif

@@ -64,7 +64,7 @@ SVO_RECORD(svo_scene_params)
     SVO_U32 reserved; /* 36 */
 };
 
-/* A picture of a scene. World coordinates. 112 bytes. */
+/* A picture of a scene. World coordinates. 128 bytes. */
 SVO_RECORD(svo_scene_picture)
 {
     SVO_F32 eye[3]; /* 0 */
@@ -74,12 +74,14 @@ SVO_RECORD(svo_scene_picture)
     SVO_F32 across[3]; /* 32: from a pixel to its right neighbor, at that distance */
     SVO_U32 height; /* 44: pixels */
     SVO_F32 down[3]; /* 48: from a pixel to the one below, at that distance */
-    SVO_U32 samples; /* 60: rays per pixel along each of its sides */
+    SVO_U32 samples; /* 60: rays of a pixel */
     SVO_F32 up[3]; /* 64: unit, towards the sky */
     SVO_F32 occlusion_range; /* 76: range of the ambient occlusion */
     SVO_U32 light_count; /* 80 */
-    SVO_U32 reserved[3]; /* 84 */
-    SVO_F32 clip[4]; /* 96: a plane; what is below it is not there (kernels/rays/part.clh). Zeros: none */
+    SVO_U32 pixel_flags; /* 84: SVO_PIXEL_* */
+    SVO_F32 background[3]; /* 88: what is behind everything, with SVO_PIXEL_COLOR */
+    SVO_U32 reserved[3]; /* 100 */
+    SVO_F32 clip[4]; /* 112: a plane; what is below it is not there (kernels/rays/part.clh). Zeros: none */
 };
 
 #if !defined(GL_core_profile)
@@ -87,7 +89,7 @@ SVO_ASSERT_BYTES(svo_scene_tree, 32);
 SVO_ASSERT_BYTES(svo_scene_instance, 152);
 SVO_ASSERT_BYTES(svo_scene_node, 64);
 SVO_ASSERT_BYTES(svo_scene_params, 40);
-SVO_ASSERT_BYTES(svo_scene_picture, 112);
+SVO_ASSERT_BYTES(svo_scene_picture, 128);
 #endif
 
 #endif

@@ -16,6 +16,8 @@ _Static_assert((uint32_t)SVO_LIGHT_VIEW_FULL == SVO_LIT_VIEW_FULL && (uint32_t)S
                "svo_light_view and kernels/light/picture.cl number the views alike");
 
 #define TILE_EDGE SVO_LIGHT_BAND_ROWS
+/* Camera rays of a pixel. */
+#define SAMPLES 4u
 /* Tiles of a launch, so that none takes long enough for a driver to end it. */
 #define BAND_TILES 256u
 
@@ -50,9 +52,11 @@ static svo_status check_picture(const svo_light *light, const char *function, co
 }
 
 static svo_status fill_params(const svo_light *light, const char *function, const svo_light_picture *picture,
-                              svo_lit_picture_params *params)
+                              svo_lit_picture_params *params, svo_i_pixel_output *output)
 {
     svo_i_pinhole hole;
+    SVO_I_TRY(
+        svo_i_pixel_output_of(light->device, function, "picture", &picture->output, SAMPLES, SVO_I_CURVE_SRGB, output));
     SVO_I_TRY(
         svo_i_pinhole_from_camera(light->device, function, &picture->camera, picture->width, picture->height, &hole));
     *params = svo_i_light_shader_params(light, picture->view);
@@ -60,11 +64,14 @@ static svo_status fill_params(const svo_light *light, const char *function, cons
     params->width = picture->width;
     params->height = picture->height;
     params->exposure = picture->exposure > 0.0F ? picture->exposure : 1.0F;
+    params->samples = output->samples;
+    params->pixel_flags = output->flags;
     for (int axis = 0; axis < 3; ++axis) {
         params->eye[axis] = picture->camera.eye[axis];
         params->corner[axis] = hole.corner[axis];
         params->across[axis] = hole.across[axis];
         params->down[axis] = hole.down[axis];
+        params->background[axis] = output->background[axis];
     }
     return SVO_OK;
 }
@@ -96,6 +103,7 @@ typedef struct drawing {
     svo_light_picture asked;
     svo_lit_picture_params params;
     svo_gather_params gather;
+    svo_i_pixel_output output;
 } drawing;
 
 static svo_status launch(const drawing *drawn, const svo_i_light_shader *shader, cl_mem pixels)
@@ -141,7 +149,7 @@ static svo_status begin(const svo_light *light, const char *function, const svo_
                                 SVO_I_STRUCT_SIZES(svo_light_picture, exposure)));
     SVO_I_TRY(svo_i_tree_check(light->tree, function));
     SVO_I_TRY(check_picture(light, function, &out->asked));
-    SVO_I_TRY(fill_params(light, function, &out->asked, &out->params));
+    SVO_I_TRY(fill_params(light, function, &out->asked, &out->params, &out->output));
     return fill_gather(light, function, &out->asked, &out->gather);
 }
 
@@ -154,7 +162,8 @@ svo_status svo_light_render_enqueue(svo_light *light, const svo_light_picture *p
         return SVO_INVALID_ARGUMENT;
     }
     SVO_I_TRY(begin(light, "svo_light_render_enqueue", picture, &drawn));
-    SVO_I_TRY(svo_i_pixels_check(light->device, drawn.function, drawn.asked.width, drawn.asked.height, &to));
+    SVO_I_TRY(svo_i_pixels_check(light->device, drawn.function, drawn.asked.width, drawn.asked.height,
+                                 drawn.output.pixel_bytes, &to));
     return enqueue(&drawn, &to);
 }
 
@@ -171,7 +180,8 @@ svo_status svo_light_render(svo_light *light, const svo_light_picture *picture, 
         return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: rgba is NULL", function);
     }
     SVO_I_TRY(begin(light, function, picture, &drawn));
-    SVO_I_TRY(svo_i_own_pixels_begin(light->device, function, drawn.asked.width, drawn.asked.height, queue, &own));
+    SVO_I_TRY(svo_i_own_pixels_begin(light->device, function, drawn.asked.width, drawn.asked.height,
+                                     drawn.output.pixel_bytes, queue, &own));
     SVO_I_TRY_CLEANUP(enqueue(&drawn, &own.to));
     SVO_I_TRY_CLEANUP(svo_i_own_pixels_read(&own, drawn.asked.first_row, rows_of_band(&drawn.asked), rgba));
 

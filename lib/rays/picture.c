@@ -2,7 +2,7 @@
 /* Pictures of voxels, whatever holds them: the host side of kernels/rays/render.cl and view.cl. */
 #include "rays/picture.h"
 
-#include <float.h>
+#include <math.h>
 #include <stdio.h>
 
 #include "core/device.h"
@@ -26,10 +26,6 @@ svo_status svo_i_picture_options(svo_device *device, const char *function, const
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.view %d is not in 0 .. %d", function,
                                  (int)out->view, (int)SVO_VIEW_TRIANGLES);
     }
-    if (!(out->range_low >= 0.0F && out->range_high >= out->range_low && out->range_high <= FLT_MAX)) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.range_low %g, range_high %g is no range",
-                                 function, (double)out->range_low, (double)out->range_high);
-    }
     return SVO_OK;
 }
 
@@ -46,6 +42,15 @@ static svo_status check_payload(const svo_i_picture_source *source)
                              source->function, source->payload_level);
 }
 
+/* What is written of each pixel. */
+static svo_status describe_output(const svo_i_picture_source *source, const svo_render_options *options,
+                                  svo_i_pixel_output *out)
+{
+    const bool shaded = options->view == SVO_VIEW_SHADED;
+    return svo_i_pixel_output_of(source->device, source->function, "options", &options->output,
+                                 shaded ? SVO_CAST_SAMPLES : 1u, shaded ? SVO_I_CURVE_ROOT : SVO_I_CURVE_NONE, out);
+}
+
 /* A plane of the world in voxels: its normal is as long as it was, and so is what it has above it, times voxels. */
 static void fill_clip(const svo_i_picture_source *source, const float world[4], double voxels_per_unit,
                       svo_cast_params *params)
@@ -59,7 +64,7 @@ static void fill_clip(const svo_i_picture_source *source, const float world[4], 
 }
 
 static svo_status fill_params(const svo_i_picture_source *source, const svo_render_options *options,
-                              svo_cast_params *params)
+                              const svo_i_pixel_output *output, svo_cast_params *params)
 {
     svo_i_pinhole hole;
     SVO_I_TRY(svo_i_pinhole_from_camera(source->device, source->function, &options->camera, options->width,
@@ -75,9 +80,12 @@ static svo_status fill_params(const svo_i_picture_source *source, const svo_rend
         params->down[axis] = hole.down[axis];
         params->sun[axis] = (float)sun[axis];
         params->up[axis] = (float)hole.up[axis];
+        params->background[axis] = output->background[axis];
     }
     fill_clip(source, options->clip, voxels_per_unit, params);
-    params->footprint = (float)hole.pixel;
+    params->samples = output->samples;
+    params->pixel_flags = output->flags;
+    params->footprint = (float)(hole.pixel / sqrt((double)output->samples));
     params->width = options->width;
     params->height = options->height;
     params->depth = source->grid.depth;
@@ -118,16 +126,14 @@ static svo_status prepare_view(const svo_i_picture_source *source, const svo_ren
 {
     const cl_float4 eye = {{options->camera.eye[0], options->camera.eye[1], options->camera.eye[2], 0}};
     const cl_uint shown = options->view;
-    const cl_float2 range = {{options->range_low, options->range_high}};
-    const svo_i_argument arguments[] = {
-        SVO_I_ARGUMENT(source->normals), SVO_I_ARGUMENT(drawn->params), SVO_I_ARGUMENT(eye),
-        SVO_I_ARGUMENT(shown),           SVO_I_ARGUMENT(range),         SVO_I_ARGUMENT(drawn->pixels)};
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(source->normals), SVO_I_ARGUMENT(drawn->params),
+                                        SVO_I_ARGUMENT(eye), SVO_I_ARGUMENT(shown), SVO_I_ARGUMENT(drawn->pixels)};
     SVO_I_TRY(make_kernel(source, SVO_I_PROGRAM_VIEW, "", "svo_k_view", &drawn->tiles.kernel));
     drawn->tiles.items = SVO_GROUP_ITEMS;
-    drawn->tiles.first_tile = source->tree.arguments + 6;
+    drawn->tiles.first_tile = source->tree.arguments + 5;
     SVO_I_TRY(source->tree.set(source->tree.of, source->function, drawn->tiles.kernel, 0));
     return svo_i_kernel_set_from(source->device, source->function, drawn->tiles.kernel, source->tree.arguments,
-                                 arguments, 6);
+                                 arguments, 5);
 }
 
 /* The kernel of a shaded picture, with all arguments set but the first tile. */
@@ -149,12 +155,13 @@ static svo_status prepare_shaded(const svo_i_picture_source *source, picture *dr
                                  arguments, 4);
 }
 
-static svo_status enqueue(const svo_i_picture_source *source, const svo_render_options *options, const svo_i_pixels *to)
+static svo_status enqueue(const svo_i_picture_source *source, const svo_render_options *options,
+                          const svo_i_pixel_output *output, const svo_i_pixels *to)
 {
     svo_cast_params params = {.depth = 0};
     picture drawn = {.tiles = {.width = options->width, .height = options->height}, .pixels = to->buffer};
     svo_status status = SVO_OK;
-    SVO_I_TRY(fill_params(source, options, &params));
+    SVO_I_TRY(fill_params(source, options, output, &params));
     SVO_I_TRY_CLEANUP(
         svo_i_device_constants(source->device, source->function, "camera", &params, sizeof params, &drawn.params));
     SVO_I_TRY_CLEANUP(options->view == SVO_VIEW_SHADED ? prepare_shaded(source, &drawn)
@@ -174,19 +181,25 @@ cleanup:
 svo_status svo_i_picture_enqueue(const svo_i_picture_source *source, const svo_render_options *options,
                                  const svo_i_pixels *to)
 {
+    svo_i_pixel_output output;
     SVO_I_TRY(check_payload(source));
-    SVO_I_TRY(svo_i_pixels_check(source->device, source->function, options->width, options->height, to));
-    return enqueue(source, options, to);
+    SVO_I_TRY(describe_output(source, options, &output));
+    SVO_I_TRY(
+        svo_i_pixels_check(source->device, source->function, options->width, options->height, output.pixel_bytes, to));
+    return enqueue(source, options, &output, to);
 }
 
 svo_status svo_i_picture_draw(const svo_i_picture_source *source, const svo_render_options *options,
                               cl_command_queue queue, uint8_t *rgba)
 {
+    svo_i_pixel_output output;
     svo_i_own_pixels own;
     svo_status status = SVO_OK;
     SVO_I_TRY(check_payload(source));
-    SVO_I_TRY(svo_i_own_pixels_begin(source->device, source->function, options->width, options->height, queue, &own));
-    SVO_I_TRY_CLEANUP(enqueue(source, options, &own.to));
+    SVO_I_TRY(describe_output(source, options, &output));
+    SVO_I_TRY(svo_i_own_pixels_begin(source->device, source->function, options->width, options->height,
+                                     output.pixel_bytes, queue, &own));
+    SVO_I_TRY_CLEANUP(enqueue(source, options, &output, &own.to));
     SVO_I_TRY_CLEANUP(svo_i_own_pixels_read(&own, 0, options->height, rgba));
 
 cleanup:

@@ -23,7 +23,7 @@ typedef struct svo_i_picture_source {
 
 SVO_I_SHARED_BEGIN
 
-/* The options of a picture, checked. */
+/* The options of a picture, checked, but for its output. */
 svo_status svo_i_picture_options(svo_device *device, const char *function, const svo_render_options *options,
                                  svo_render_options *out);
 /* Draws a picture and waits for it. */

@@ -8,8 +8,8 @@
 #include "rays/pixels.h"
 #include "scene/state.h"
 
-/* Rays along each side of a pixel. */
-#define SAMPLES 2u
+/* Rays of a pixel. */
+#define SAMPLES 4u
 /* The range of the ambient occlusion, of an instance's mean width. */
 #define OCCLUSION_SHARE 0.25
 
@@ -83,9 +83,12 @@ static float default_range(const svo_scene *scene)
 }
 
 static svo_status fill_picture(const svo_scene *scene, const char *function, const svo_scene_render_options *options,
-                               svo_scene_picture *picture, svo_scene_light lights[SVO_SCENE_LIGHTS_MAX])
+                               svo_scene_picture *picture, svo_scene_light lights[SVO_SCENE_LIGHTS_MAX],
+                               svo_i_pixel_output *output)
 {
     svo_i_pinhole hole;
+    SVO_I_TRY(
+        svo_i_pixel_output_of(scene->device, function, "options", &options->output, SAMPLES, SVO_I_CURVE_ROOT, output));
     SVO_I_TRY(
         svo_i_pinhole_from_camera(scene->device, function, &options->camera, options->width, options->height, &hole));
     for (int axis = 0; axis < 3; ++axis) {
@@ -94,12 +97,14 @@ static svo_status fill_picture(const svo_scene *scene, const char *function, con
         picture->across[axis] = hole.across[axis];
         picture->down[axis] = hole.down[axis];
         picture->up[axis] = (float)hole.up[axis];
+        picture->background[axis] = output->background[axis];
     }
     memcpy(picture->clip, options->clip, sizeof picture->clip);
-    picture->footprint = (float)hole.pixel;
+    picture->footprint = (float)(hole.pixel / sqrt((double)output->samples));
     picture->width = options->width;
     picture->height = options->height;
-    picture->samples = SAMPLES;
+    picture->samples = output->samples;
+    picture->pixel_flags = output->flags;
     picture->occlusion_range = options->occlusion_range > 0.0F ? options->occlusion_range : default_range(scene);
     picture->light_count = options->light_count;
     if (options->light_count == 0) {
@@ -117,6 +122,7 @@ typedef struct drawing {
     const char *function; /* for messages */
     svo_scene_picture picture;
     svo_scene_light lights[SVO_SCENE_LIGHTS_MAX];
+    svo_i_pixel_output output;
     /* Owned, until the picture is enqueued. */
     cl_kernel kernel;
     cl_mem picture_buffer, lights_buffer;
@@ -184,7 +190,7 @@ static svo_status begin(const svo_scene *scene, const char *function, const svo_
                                 SVO_I_STRUCT_SIZES(svo_scene_render_options, reserved2)));
     SVO_I_TRY(svo_i_scene_check(scene, function));
     SVO_I_TRY(check_options(scene, function, &asked));
-    return fill_picture(scene, function, &asked, &out->picture, out->lights);
+    return fill_picture(scene, function, &asked, &out->picture, out->lights, &out->output);
 }
 
 svo_status svo_scene_render_enqueue(svo_scene *scene, const svo_scene_render_options *options, cl_mem pixels,
@@ -196,7 +202,8 @@ svo_status svo_scene_render_enqueue(svo_scene *scene, const svo_scene_render_opt
         return SVO_INVALID_ARGUMENT;
     }
     SVO_I_TRY(begin(scene, "svo_scene_render_enqueue", options, &drawn));
-    SVO_I_TRY(svo_i_pixels_check(scene->device, drawn.function, drawn.picture.width, drawn.picture.height, &to));
+    SVO_I_TRY(svo_i_pixels_check(scene->device, drawn.function, drawn.picture.width, drawn.picture.height,
+                                 drawn.output.pixel_bytes, &to));
     return enqueue(&drawn, &to);
 }
 
@@ -214,7 +221,8 @@ svo_status svo_scene_render(svo_scene *scene, const svo_scene_render_options *op
         return svo_i_device_fail(scene->device, SVO_INVALID_ARGUMENT, "%s: rgba is NULL", function);
     }
     SVO_I_TRY(begin(scene, function, options, &drawn));
-    SVO_I_TRY(svo_i_own_pixels_begin(scene->device, function, drawn.picture.width, drawn.picture.height, queue, &own));
+    SVO_I_TRY(svo_i_own_pixels_begin(scene->device, function, drawn.picture.width, drawn.picture.height,
+                                     drawn.output.pixel_bytes, queue, &own));
     SVO_I_TRY_CLEANUP(enqueue(&drawn, &own.to));
     SVO_I_TRY_CLEANUP(svo_i_own_pixels_read(&own, 0, drawn.picture.height, rgba));
 

@@ -377,7 +377,7 @@ static int make_frame(const light_bench *bench, frame_points *frame)
     ray_table cast = {0};
     const uint32_t scale = bench->all->quick ? 8 : 1;
     svo_camera_frame(bench->tree, (float)FRAME_WIDTH / FRAME_HEIGHT, &camera);
-    int exit_code = ray_table_from_camera(state, &camera, FRAME_WIDTH / scale, FRAME_HEIGHT / scale, &cast);
+    int exit_code = ray_table_from_camera(state, &camera, FRAME_WIDTH / scale, FRAME_HEIGHT / scale, NULL, &cast);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }

@@ -295,7 +295,8 @@ svo_tree *animation_tree(const animation *film)
 
 int animation_camera(const animation *film, const scene_file *file, float aspect, svo_camera *camera)
 {
-    if (!file->has_camera && svo_tree_download(animation_tree(film), film->queue) != SVO_OK) {
+    const bool framed = !file->has_camera || film->state->options.from_side > 0;
+    if (framed && svo_tree_download(animation_tree(film), film->queue) != SVO_OK) {
         return fail_library(film);
     }
     const viewpoint_subject shown = {

@@ -45,7 +45,7 @@ enum option_group {
     OPTION_LEVELS = 134217728, /* how much of a .svo file is read */
     OPTION_PARTS_COMMAND = 268435456, /* an argument before INPUT, which part */
     OPTION_PAGED = 536870912, /* how much of a file is held */
-    OPTION_ANIMATION = 1073741824 /* frames of what moves */
+    OPTION_PICTURE_FILE = 1073741824 /* what a picture's file holds, and its frames */
 };
 
 /* How large voxel files and trees may become. An enumerator could not hold the last bit. */
@@ -64,6 +64,18 @@ enum option_frontend {
 /* Next to the values of svo_render_view: this plus those of svo_light_view. */
 #define OPTION_VIEW_LIGHT 100
 
+/* Formats of pictures: their places in the table of support/picture_files.c are their values less 1. */
+enum option_format {
+    OPTION_FORMAT_BY_NAME = 0, /* by the suffix of -o */
+    OPTION_FORMAT_PNG,
+    OPTION_FORMAT_EXR,
+    OPTION_FORMAT_HDR,
+    OPTION_FORMAT_PPM,
+    OPTION_FORMAT_Y4M
+};
+
+enum option_background { OPTION_BACKGROUND_OWN = 0, OPTION_BACKGROUND_COLOR, OPTION_BACKGROUND_TRANSPARENT };
+
 /* Next to 1 + the values of svo_form. */
 #define OPTION_FORM_ALL (-1)
 
@@ -74,6 +86,7 @@ enum option_frontend {
 #define OPTION_DEFAULT_DEPTH 8
 #define OPTION_DEFAULT_PAGE  ((uint64_t)32 << 20) /* bytes */
 #define OPTION_CONTEXT_AUTO  (-1)
+#define OPTION_DEFAULT_FPS   30u
 #define OPTION_SAMPLES_MAX   262144
 #define OPTION_RULES_MAX     128
 
@@ -129,6 +142,7 @@ typedef struct options {
     int view; /* svo_render_view, or from OPTION_VIEW_LIGHT on */
     option_vector eye, look_at, up; /* render: the camera, world units */
     double fov; /* render: degrees; 0: not given */
+    int from_side; /* render: 0: not given, else 1 + the place in the table of sides of support/viewpoint.c */
     uint64_t count; /* stress: amount of work */
     int versus; /* bench: 0 nothing, or OPTION_VERSUS_* */
     uint64_t ray_count; /* bench: rays per set */
@@ -167,6 +181,12 @@ typedef struct options {
     uint64_t animate, verify_frames; /* render: flags */
     uint64_t frames; /* render: of an animation */
     uint64_t paged; /* render: bytes of buffers for a file that is paged; 0: not given */
+    int format; /* render: option_format */
+    int background; /* render: option_background */
+    uint8_t background_bytes[3]; /* of OPTION_BACKGROUND_COLOR: red, green, blue */
+    uint64_t pixel_samples; /* render: rays of a pixel; 0: the picture's own number */
+    uint64_t turntable; /* render: frames round the up axis; 0: not given */
+    uint64_t frame_rate; /* render: of a film, frames a second; 0: not given */
 } options;
 
 enum option_output {

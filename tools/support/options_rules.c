@@ -60,6 +60,11 @@ static const choice views[] = {{"shaded", SVO_VIEW_SHADED},
                                {"specular", OPTION_VIEW_LIGHT + (int)SVO_LIGHT_VIEW_SPECULAR},
                                {"full", OPTION_VIEW_LIGHT + (int)SVO_LIGHT_VIEW_FULL},
                                {NULL, 0}};
+static const choice picture_formats[] = {{"png", OPTION_FORMAT_PNG}, {"exr", OPTION_FORMAT_EXR},
+                                         {"hdr", OPTION_FORMAT_HDR}, {"ppm", OPTION_FORMAT_PPM},
+                                         {"y4m", OPTION_FORMAT_Y4M}, {NULL, 0}};
+static const choice sides[] = {{"front", 1}, {"left", 2},   {"right", 3}, {"back", 4},
+                               {"top", 5},   {"bottom", 6}, {"iso", 7},   {NULL, 0}};
 static const choice light_forms[] = {
     {"faces", SVO_LIGHT_FACES}, {"bricks", SVO_LIGHT_BRICKS}, {"voxels", SVO_LIGHT_VOXELS}, {NULL, 0}};
 static const choice opacities[] = {{"area", SVO_OPACITY_AREA}, {"full", SVO_OPACITY_FULL}, {NULL, 0}};
@@ -369,6 +374,26 @@ static bool parse_counts(const rule *option, const char *value, char between, si
     return true;
 }
 
+/* "transparent", or a color in bytes. */
+static int read_background(program *state, const rule *option, const char *value)
+{
+    uint32_t color[3];
+    options *given = &state->options;
+    if (strcmp(value, "transparent") == 0) {
+        given->background = OPTION_BACKGROUND_TRANSPARENT;
+        return PROGRAM_DONE;
+    }
+    if (!parse_counts(option, value, ',', 3, color)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s '%s' is neither transparent nor R,G,B, each 0 to 255",
+                            option->name, value);
+    }
+    given->background = OPTION_BACKGROUND_COLOR;
+    for (int channel = 0; channel < 3; ++channel) {
+        given->background_bytes[channel] = (uint8_t)color[channel];
+    }
+    return PROGRAM_DONE;
+}
+
 static int read_probe_counts(program *state, const rule *option, const char *value)
 {
     return parse_counts(option, value, ',', 3, field(state, option))
@@ -446,11 +471,21 @@ static const rule rules[] = {
      "occlusion at a distance t counts 1 / (1 + L t) (0)"},
     {"view", '\0', OPTION_RENDER_COMMAND, "NAME", read_choice, FIELD(view), 0, 0, views,
      "shaded, normal, depth, steps, level, triangles; by cones: ao, direct, gi, specular, full (shaded)"},
-    {"animate", '\0', OPTION_ANIMATION, NULL, read_flag, FIELD(animate), 0, 0, NULL,
-     "the motions of a .json scene in one tree, a picture for each frame: -o film.png, film_000.png and so on"},
-    {"frames", '\0', OPTION_ANIMATION | OPTION_VIEW_COMMAND, "N", read_count, FIELD(frames), 1, 100000, NULL,
+    {"format", '\0', OPTION_PICTURE_FILE, "NAME", read_choice, FIELD(format), 0, 0, picture_formats,
+     "format of -o: png, exr, hdr, ppm, y4m (its suffix; standard output: png)"},
+    {"background", '\0', OPTION_PICTURE_FILE, "R,G,B", read_background, FIELD(background), 0, 255, NULL,
+     "what is behind everything: 0 to 255 each, or transparent (a gradient; with light the sky; views: white)"},
+    {"samples", '\0', OPTION_PICTURE_FILE, "N", read_count, FIELD(pixel_samples), 1, SVO_PICTURE_SAMPLES_MAX, NULL,
+     "rays of a pixel, in cells of equal area, averaged as linear light (4; views without light: 1)"},
+    {"turntable", '\0', OPTION_PICTURE_FILE, "N", read_count, FIELD(turntable), 1, 9999, NULL,
+     "N frames of a turn round the up axis: -o a.png writes a-0001.png and so on, -o a.y4m a film (one picture)"},
+    {"fps", '\0', OPTION_PICTURE_FILE, "N", read_count, FIELD(frame_rate), 1, 1000, NULL,
+     "frames of a film a second (30)"},
+    {"animate", '\0', OPTION_PICTURE_FILE, NULL, read_flag, FIELD(animate), 0, 0, NULL,
+     "the motions of a .json scene in one tree, a frame each: -o a.png writes a_000.png and so on, -o a.y4m a film"},
+    {"frames", '\0', OPTION_PICTURE_FILE | OPTION_VIEW_COMMAND, "N", read_count, FIELD(frames), 1, 100000, NULL,
      "frames of an animation, from the first to the last time of its motions (60)"},
-    {"verify", '\0', OPTION_ANIMATION, NULL, read_flag, FIELD(verify_frames), 0, 0, NULL,
+    {"verify", '\0', OPTION_PICTURE_FILE, NULL, read_flag, FIELD(verify_frames), 0, 0, NULL,
      "build each frame of an animation anew and compare the hashes"},
     {"through", '\0', OPTION_RENDER_COMMAND, "NAME", read_choice, FIELD(through), 0, 0, ways_through,
      "what camera rays pass: tree; probes, where green is a miss and red unknown (tree)"},
@@ -480,6 +515,8 @@ static const rule rules[] = {
      "also path-trace each point by N paths, rounded down to 16 squares (none)"},
     {"eye", '\0', OPTION_RENDER_COMMAND, "X,Y,Z", read_vector, FIELD(eye), 0, 0, NULL,
      "where the camera stands, world units (where all of INPUT is in view)"},
+    {"from", '\0', OPTION_RENDER_COMMAND, "SIDE", read_choice, FIELD(from_side), 0, 0, sides,
+     "side from which all of INPUT is framed: front, left, right, back, top, bottom, iso (a little right and above)"},
     {"at", '\0', OPTION_RENDER_COMMAND, "X,Y,Z", read_vector, FIELD(look_at), 0, 0, NULL,
      "the point that the camera looks at (the middle of INPUT)"},
     {"up", '\0', OPTION_RENDER_COMMAND, "X,Y,Z", read_vector, FIELD(up), 0, 0, NULL,

@@ -11,48 +11,68 @@ static uint8_t byte_of(double share)
     return (uint8_t)(255.0 * fmin(fmax(share, 0.0), 1.0) + 0.5);
 }
 
-/* Linear light as the share of white that a screen shows, coded by the sRGB curve (IEC 61966-2-1). */
-static double shown_of(double light)
+/* Linear light as the share of white that a screen shows. */
+static double tone(double light)
 {
-    const double share = light > 0.5 ? 1.0 - 0.5 * exp(1.0 - 2.0 * light) : fmax(light, 0.0);
-    return share <= 0.0031308 ? 12.92 * share : 1.055 * pow(share, 1.0 / 2.4) - 0.055;
+    return light > 0.5 ? 1.0 - 0.5 * exp(1.0 - 2.0 * light) : fmax(light, 0.0);
 }
 
 /* From dark blue over green and yellow to red. */
-static void set_heat(double heat, uint8_t rgba[4])
+static void set_heat(double heat, double seen[3])
 {
     static const double peaks[3] = {0.90, 0.55, 0.15};
     static const double widths[3] = {0.55, 0.45, 0.35};
     static const double least[3] = {0.05, 0.03, 0.20};
     for (int channel = 0; channel < 3; ++channel) {
         const double away = (fmin(heat, 1.0) - peaks[channel]) / widths[channel];
-        rgba[channel] = byte_of(fmax(1.0 - away * away, least[channel]));
+        seen[channel] = fmax(1.0 - away * away, least[channel]);
     }
 }
 
-static void set_hit(const probe_colors *shown, const svo_probe_hit *hit, uint8_t rgba[4])
+static void set_hit(const probe_colors *shown, const svo_probe_hit *hit, double seen[3])
 {
     float normal[3];
     svo_probe_normal(hit->normal, normal);
     const double far = ((double)hit->t - shown->nearest) / (shown->farthest - shown->nearest);
     for (int channel = 0; channel < 3; ++channel) {
-        const double value = shown->view == SVO_VIEW_NORMAL ? 0.5 + 0.5 * (double)normal[channel]
-                             : shown->view == SVO_VIEW_DEPTH
-                                 ? 1.0 - 0.9 * far
-                                 : shown_of(shown->exposure * (double)hit->radiance[channel]);
-        rgba[channel] = byte_of(value);
+        const double light = shown->exposure * (double)hit->radiance[channel];
+        const double axis = (double)normal[channel];
+        seen[channel] = shown->view == SVO_VIEW_NORMAL  ? (shown->is_linear ? axis : 0.5 + 0.5 * axis)
+                        : shown->view == SVO_VIEW_DEPTH ? (shown->is_linear ? (double)hit->t : 1.0 - 0.9 * far)
+                        : shown->is_linear              ? light
+                                                        : tone(light);
+    }
+}
+
+void probe_colors_see(const probe_colors *shown, const svo_probe_hit *hit, double seen[3])
+{
+    seen[0] = hit->state == SVO_PROBE_UNKNOWN ? 1 : 0;
+    seen[1] = hit->state == SVO_PROBE_MISS ? 1 : 0;
+    seen[2] = 0;
+    if (shown->view == SVO_VIEW_STEPS && shown->is_linear) {
+        seen[0] = seen[1] = seen[2] = (double)hit->visited;
+    } else if (shown->view == SVO_VIEW_STEPS) {
+        set_heat((double)hit->visited / STEPS_HOT, seen);
+    } else if (hit->state == SVO_PROBE_HIT) {
+        set_hit(shown, hit, seen);
+    }
+}
+
+void probe_colors_encode(const probe_colors *shown, const double seen[3], uint8_t rgb[3])
+{
+    for (int channel = 0; channel < 3; ++channel) {
+        const double share = seen[channel];
+        /* The sRGB curve, IEC 61966-2-1. */
+        rgb[channel] = byte_of(shown->view != SVO_VIEW_SHADED ? share
+                               : share <= 0.0031308           ? 12.92 * share
+                                                              : 1.055 * pow(share, 1.0 / 2.4) - 0.055);
     }
 }
 
 void probe_colors_pixel(const probe_colors *shown, const svo_probe_hit *hit, uint8_t rgba[4])
 {
-    rgba[0] = hit->state == SVO_PROBE_UNKNOWN ? 255 : 0;
-    rgba[1] = hit->state == SVO_PROBE_MISS ? 255 : 0;
-    rgba[2] = 0;
+    double seen[3];
+    probe_colors_see(shown, hit, seen);
+    probe_colors_encode(shown, seen, rgba);
     rgba[3] = 255;
-    if (shown->view == SVO_VIEW_STEPS) {
-        set_heat((double)hit->visited / STEPS_HOT, rgba);
-    } else if (hit->state == SVO_PROBE_HIT) {
-        set_hit(shown, hit, rgba);
-    }
 }

@@ -16,6 +16,7 @@ typedef struct probe_picture {
     svo_render_view view;
     svo_probe_choice choice;
     double exposure; /* shaded: radiance is multiplied by it */
+    svo_picture_output output; /* one ray a pixel where samples is 0 */
 } probe_picture;
 
 /* What the rays of a picture found. */
@@ -27,8 +28,9 @@ typedef struct probe_found {
 /* Percent of the rays that had an outcome; 0 without rays. */
 double probe_found_percent(const probe_found *found, unsigned outcome);
 
-/* Draws rows from top to bottom. Misses are green and unknown rays red. Returns the exit code. */
+/* Draws rows from top to bottom, of bytes or floats as the output says. Misses are the background that is asked for, or
+   else green, and unknown rays are red. Returns the exit code. */
 int probe_picture_draw(program *state, const probe_picture *asked, svo_probes *probes, svo_device *device,
-                       cl_command_queue queue, uint8_t *rgba, probe_found *found);
+                       cl_command_queue queue, uint8_t *pixels, probe_found *found);
 
 #endif

@@ -93,8 +93,11 @@ camera_axes ray_table_axes(const svo_camera *camera)
     return axes;
 }
 
-int ray_table_from_camera(program *state, const svo_camera *camera, uint32_t width, uint32_t height, ray_table *out)
+int ray_table_from_camera(program *state, const svo_camera *camera, uint32_t width, uint32_t height,
+                          const double place[2], ray_table *out)
 {
+    const double column = place != NULL ? place[0] : 0.5;
+    const double row = place != NULL ? place[1] : 0.5;
     const double tangent = tan(0.5 * (double)camera->vertical_fov);
     const camera_axes axes = ray_table_axes(camera);
     *out = (ray_table){.count = (size_t)width * height};
@@ -103,8 +106,8 @@ int ray_table_from_camera(program *state, const svo_camera *camera, uint32_t wid
         return program_fail(state, PROGRAM_FAILED, "out of memory for %ux%u rays", width, height);
     }
     for (size_t i = 0; i < out->count; ++i) {
-        const double across = (2.0 * ((double)(i % width) + 0.5) / width - 1.0) * tangent * width / height;
-        const double upwards = (1.0 - 2.0 * ((double)(i / width) + 0.5) / height) * tangent; /* NOLINT: a row */
+        const double across = (2.0 * ((double)(i % width) + column) / width - 1.0) * tangent * width / height;
+        const double upwards = (1.0 - 2.0 * ((double)(i / width) + row) / height) * tangent; /* NOLINT: a row */
         out->rays[i] = (svo_ray){.t_min = 0, .t_max = INFINITY};
         for (int axis = 0; axis < 3; ++axis) {
             out->rays[i].origin[axis] = camera->eye[axis];

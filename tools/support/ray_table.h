@@ -21,8 +21,10 @@ typedef struct camera_axes {
 } camera_axes;
 camera_axes ray_table_axes(const svo_camera *camera);
 
-/* One ray through the center of each pixel, row by row from the upper left corner. Returns the exit code. */
-int ray_table_from_camera(program *state, const svo_camera *camera, uint32_t width, uint32_t height, ray_table *out);
+/* One ray through each pixel, row by row from the upper left corner. place: where in the pixel, 0 .. 1; NULL: the
+   center. Returns the exit code. */
+int ray_table_from_camera(program *state, const svo_camera *camera, uint32_t width, uint32_t height,
+                          const double place[2], ray_table *out);
 
 /* "auto", or EX,EY,EZ,TX,TY,TZ[,UX,UY,UZ[,DEGREES]]: eye, target, up (0,1,0), vertical field of view (32). framed:
    the camera for "auto". Returns false if the text is neither. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Finds the range by pictures of wider ones, colors the numbers and draws the bar. The text is that of stb_easy_font,
- * whose letters are rectangles of pixels.
+ * Finds the range, colors the numbers and draws the bar. The text is that of stb_easy_font, whose letters are rectangles
+ * of pixels.
  */
 #include "support/value_scale.h"
 
@@ -9,11 +9,6 @@
 #include <stb/stb_easy_font.h>
 #include <stdio.h>
 #include <string.h>
-
-/* More steps are shown as so many. */
-#define STEPS_MAX 4080.0F
-/* Each picture but the last one makes the range at most so many times as wide as what is in view is. */
-#define NARROWING_PASSES 2
 
 /* Of the bar, in pixels of text of size 1. */
 #define BAR_WIDTH   120
@@ -32,39 +27,20 @@ bool value_scale_suits(svo_render_view view)
 
 /* ---- the range ---- */
 
-/* Widths of a leaf from the eye to beyond the grid. */
-static float farthest(const svo_tree_info *info, const svo_camera *camera, double leaf_edge)
+/* Of the pixels that show something. Steps are counted from 0. */
+static value_scale find_range(const svo_render_options *asked, const float *numbers)
 {
-    double square = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        const double away = info->origin[axis] + 0.5 * info->edge - (double)camera->eye[axis];
-        square += away * away;
-    }
-    return (float)((sqrt(square) + 0.9 * info->edge) / leaf_edge);
-}
-
-/* Narrows the range to the values of a picture; false if it has none. Steps are counted from 0. */
-static bool narrow(svo_render_options *asked, const uint8_t *rgba)
-{
-    int least = 255;
-    int most = -1;
+    const bool is_depth = asked->view == SVO_VIEW_DEPTH;
+    value_scale found = {.low = HUGE_VAL, .high = -HUGE_VAL, .unit = is_depth ? "world units" : "steps"};
     for (size_t i = 0; i < (size_t)asked->width * asked->height; ++i) {
-        const int value = rgba[4 * i];
-        if (rgba[4 * i + 3] != 0) {
-            least = value < least ? value : least;
-            most = value > most ? value : most;
+        if (numbers[4 * i + 3] > 0) {
+            found.low = fmin(found.low, (double)numbers[4 * i]);
+            found.high = fmax(found.high, (double)numbers[4 * i]);
         }
     }
-    if (most < 0) {
-        return false;
-    }
-    const float low = asked->range_low;
-    const float step = (asked->range_high - low) / 255.0F;
-    asked->range_high = low + ((float)most + 0.5F) * step;
-    if (asked->view == SVO_VIEW_DEPTH) {
-        asked->range_low = low + fmaxf((float)least - 0.5F, 0.0F) * step;
-    }
-    return true;
+    found.is_shown = found.low <= found.high;
+    found.low = is_depth ? found.low : 0;
+    return found;
 }
 
 /* ---- colors ---- */
@@ -87,13 +63,25 @@ static void color_value(svo_render_view view, float value, uint8_t rgb[3])
     }
 }
 
-static void color_all(const svo_render_options *asked, uint8_t *rgba)
+/* What is behind a pixel that shows only a share of itself. */
+static void put_behind(const svo_picture_output *output, float share, uint8_t rgba[4])
 {
+    const bool has_color = output->background == SVO_BACKGROUND_COLOR;
+    for (int channel = 0; channel < 3 && output->background != SVO_BACKGROUND_TRANSPARENT; ++channel) {
+        const float behind = has_color ? output->background_color[channel] : 1.0F;
+        rgba[channel] = byte_of(share * (float)rgba[channel] / 255.0F + (1.0F - share) * behind);
+    }
+    rgba[3] = output->background == SVO_BACKGROUND_TRANSPARENT ? byte_of(share) : 255;
+}
+
+static void color_all(const svo_render_options *asked, const svo_picture_output *output, const float *numbers,
+                      const value_scale *scale, uint8_t *rgba)
+{
+    const double width = scale->high > scale->low ? scale->high - scale->low : 1;
     for (size_t i = 0; i < (size_t)asked->width * asked->height; ++i) {
-        if (rgba[4 * i + 3] != 0) {
-            color_value(asked->view, (float)rgba[4 * i] / 255.0F, rgba + 4 * i);
-        }
-        rgba[4 * i + 3] = 255;
+        const double value = ((double)numbers[4 * i] - scale->low) / width;
+        color_value(asked->view, (float)fmin(fmax(value, 0), 1), rgba + 4 * i);
+        put_behind(output, numbers[4 * i + 3], rgba + 4 * i);
     }
 }
 
@@ -110,7 +98,9 @@ static void fill(const canvas *to, int x, int y, int width, int height, const ui
     for (int row = y; row < y + height; ++row) {
         for (int column = x; column < x + width; ++column) {
             if (row >= 0 && row < to->height && column >= 0 && column < to->width) {
-                memcpy(to->rgba + 4 * ((size_t)row * (size_t)to->width + (size_t)column), rgb, 3);
+                uint8_t *pixel = to->rgba + 4 * ((size_t)row * (size_t)to->width + (size_t)column);
+                memcpy(pixel, rgb, 3);
+                pixel[3] = 255;
             }
         }
     }
@@ -163,30 +153,16 @@ static void draw_bar(const svo_render_options *asked, const value_scale *scale, 
 
 /* ---- the picture ---- */
 
-svo_status value_scale_render(svo_device *device, svo_tree *tree, const svo_render_options *asked,
-                              cl_command_queue queue, uint8_t *rgba, value_scale *out)
+void value_scale_color(const svo_render_options *asked, const svo_picture_output *output, const float *numbers,
+                       uint8_t *rgba, value_scale *scale)
 {
-    svo_render_options drawn = *asked;
-    svo_tree_info info = SVO_TREE_INFO_INIT;
-    (void)svo_tree_get_info(tree, &info);
-    const bool is_depth = drawn.view == SVO_VIEW_DEPTH;
-    const double leaf_edge = info.edge / (double)(1u << info.depth);
-    drawn.range_high = is_depth ? farthest(&info, &drawn.camera, leaf_edge) : STEPS_MAX;
-    *out = (value_scale){.is_shown = true, .unit = is_depth ? "world units" : "steps"};
-    for (int pass = 0; pass <= NARROWING_PASSES; ++pass) {
-        const svo_status status = svo_tree_render(device, tree, &drawn, queue, rgba);
-        if (status != SVO_OK) {
-            return status;
-        }
-        out->is_shown = out->is_shown && (pass == NARROWING_PASSES || narrow(&drawn, rgba));
+    if (!scale->is_shown) {
+        *scale = find_range(asked, numbers);
     }
-    out->low = (double)drawn.range_low * (is_depth ? leaf_edge : 1);
-    out->high = is_depth ? (double)drawn.range_high * leaf_edge : floor((double)drawn.range_high);
-    color_all(&drawn, rgba);
-    if (out->is_shown) {
-        draw_bar(&drawn, out, rgba);
+    color_all(asked, output, numbers, scale, rgba);
+    if (scale->is_shown) {
+        draw_bar(asked, scale, rgba);
     }
-    return SVO_OK;
 }
 
 void value_scale_report(cJSON *document, const value_scale *scale)

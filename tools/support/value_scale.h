@@ -8,7 +8,7 @@
 
 /* What the ends of the bar stand for: world units or steps. */
 typedef struct value_scale {
-    bool is_shown; /* the picture has numbers, and something is in view */
+    bool is_shown; /* a picture has numbers, and something was in view */
     double low, high;
     const char *unit;
 } value_scale;
@@ -16,9 +16,12 @@ typedef struct value_scale {
 /* Whether a picture of that view has numbers. */
 bool value_scale_suits(svo_render_view view);
 
-/* svo_tree_render in the range of what is in view, with the bar where it has room. asked: with its camera. */
-svo_status value_scale_render(svo_device *device, svo_tree *tree, const svo_render_options *asked,
-                              cl_command_queue queue, uint8_t *rgba, value_scale *out);
+/*
+ * Turns the numbers of a picture, floats as SVO_PIXELS_LINEAR has them, into bytes: RGBA as output says, in the range of
+ * what is in view, with a bar where it has room. scale: of the frames of a film the first one's range holds for all.
+ */
+void value_scale_color(const svo_render_options *asked, const svo_picture_output *output, const float *numbers,
+                       uint8_t *rgba, value_scale *scale);
 
 /* Adds "range" and "range_unit" where the picture has numbers. */
 void value_scale_report(cJSON *document, const value_scale *scale);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The camera of a picture, as --eye, --at, --up and --fov place it. */
+/* The camera of a picture, as --eye, --at, --up, --fov and --from place it. */
 #ifndef SVOCL_TOOLS_SUPPORT_VIEWPOINT_H
 #define SVOCL_TOOLS_SUPPORT_VIEWPOINT_H
 
@@ -14,10 +14,15 @@ typedef struct viewpoint_subject {
     float aspect; /* of the picture */
 } viewpoint_subject;
 
-/* Places a camera: what the options leave open is that of the file, or frames the subject. Returns the exit code. */
+/* Places a camera: what the options leave open is that of the file, or frames the subject, with --turntable from all
+   sides. Returns the exit code. */
 int viewpoint_place(program *state, const viewpoint_subject *of, svo_camera *camera);
 
 /* Of the picture that the options ask for. */
 float viewpoint_aspect(const program *state);
+
+/* A camera on its way round its target, about its up axis: frame 0 is where it stands, and frame_count would be there
+   again. */
+void viewpoint_turn(const svo_camera *start, unsigned frame, unsigned frame_count, svo_camera *out);
 
 #endif

@@ -2,6 +2,7 @@
 /* svocl render: renders a tree or a scene of trees, framed or as a camera sees it. */
 #include <stdlib.h>
 
+#include "support/animation.h"
 #include "support/job.h"
 #include "support/options_parse.h"
 #include "support/output.h"
@@ -31,50 +32,76 @@ static int report_picture(program *state, const session *opened, const svo_camer
         return PROGRAM_DONE;
     }
     progress_hide(state->progress);
-    table_line("%s: %ux%u pixels of %s in %s", output_name(given->output_path), given->width, given->height,
-               given->input, figure_ms(render_ms).text);
+    table_line("%s of %s in %s", picture_describe(given).text, given->input, figure_ms(render_ms).text);
     return PROGRAM_DONE;
 }
 
-/* tree: on the device, with its arrays on the host. */
+/* A tree on the device, with its arrays on the host. */
+typedef struct tree_render {
+    program *state;
+    const session *opened;
+    svo_tree *tree;
+    float *numbers; /* owned: of a picture that has a scale */
+    value_scale scale;
+} tree_render;
+
+static int draw_tree(const tree_render *work, const svo_render_options *asked, void *pixels)
+{
+    return svo_tree_render(work->opened->device, work->tree, asked, work->opened->queue, pixels) == SVO_OK
+               ? PROGRAM_DONE
+               : program_fail_library(work->state, svo_device_message(work->opened->device));
+}
+
+/* A picture of numbers as colors, with their scale. */
+static int draw_scaled(tree_render *work, const svo_render_options *asked, uint8_t *pixels)
+{
+    svo_render_options linear = *asked;
+    linear.output = (svo_picture_output){.format = SVO_PIXELS_LINEAR, .samples = asked->output.samples};
+    if (work->numbers == NULL) {
+        work->numbers = malloc((size_t)asked->width * asked->height * 4 * sizeof *work->numbers);
+    }
+    if (work->numbers == NULL) {
+        return program_fail(work->state, PROGRAM_FAILED, "out of memory for the numbers of %ux%u pixels", asked->width,
+                            asked->height);
+    }
+    const int exit_code = draw_tree(work, &linear, work->numbers);
+    if (exit_code == PROGRAM_DONE) {
+        value_scale_color(asked, &asked->output, work->numbers, pixels, &work->scale);
+    }
+    return exit_code;
+}
+
+static int draw(void *user, const svo_camera *camera, const svo_picture_output *output, uint8_t *pixels)
+{
+    tree_render *work = user;
+    const options *given = &work->state->options;
+    const svo_render_options asked = {.struct_size = sizeof asked,
+                                      .width = given->width,
+                                      .height = given->height,
+                                      .camera = *camera,
+                                      .view = (svo_render_view)given->view,
+                                      .output = *output};
+    const bool has_scale = output->format == SVO_PIXELS_BYTES && value_scale_suits(asked.view);
+    return has_scale ? draw_scaled(work, &asked, pixels) : draw_tree(work, &asked, pixels);
+}
+
 static int render(program *state, const session *opened, svo_tree *tree)
 {
-    const options *given = &state->options;
-    svo_render_options render_options = {.struct_size = sizeof render_options,
-                                         .width = given->width,
-                                         .height = given->height,
-                                         .view = (svo_render_view)given->view};
+    tree_render work = {.state = state, .opened = opened, .tree = tree};
     const viewpoint_subject shown = {.tree = tree, .aspect = viewpoint_aspect(state)};
-    int exit_code = viewpoint_place(state, &shown, &render_options.camera);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
-    }
-    uint8_t *rgba = malloc((size_t)given->width * given->height * 4);
-    if (rgba == NULL) {
-        return program_fail(state, PROGRAM_FAILED, "out of memory for %ux%u pixels", given->width, given->height);
-    }
-    progress_step(state->progress, "casting rays");
-    const double started_ms = input_now_ms();
-    value_scale scale = {.is_shown = false};
-    const svo_status status =
-        value_scale_suits(render_options.view)
-            ? value_scale_render(opened->device, tree, &render_options, opened->queue, rgba, &scale)
-            : svo_tree_render(opened->device, tree, &render_options, opened->queue, rgba);
-    if (status != SVO_OK) {
-        exit_code = program_fail_library(state, svo_device_message(opened->device));
-    }
-    const double render_ms = input_now_ms() - started_ms;
+    svo_camera camera;
+    double render_ms = 0;
+    int exit_code = viewpoint_place(state, &shown, &camera);
     if (exit_code == PROGRAM_DONE) {
-        exit_code = picture_write(state, rgba);
+        exit_code = picture_draw(state, "casting rays", &camera, draw, &work, &render_ms);
     }
-    free(rgba);
-    return exit_code == PROGRAM_DONE ? report_picture(state, opened, &render_options.camera, &scale, render_ms)
-                                     : exit_code;
+    free(work.numbers);
+    return exit_code == PROGRAM_DONE ? report_picture(state, opened, &camera, &work.scale, render_ms) : exit_code;
 }
 
 static int build_tree(program *state, job *done)
 {
-    const int exit_code = job_open(state, state->options.need, 2, done);
+    const int exit_code = job_open(state, state->options.need, 1 + picture_frames(&state->options), done);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
@@ -131,11 +158,15 @@ int command_render(program *state)
         return PROGRAM_WRONG_USAGE;
     }
     int exit_code = render_animation_check(state);
-    if (exit_code == PROGRAM_DONE && state->options.animate != 0) {
-        return render_animation(state);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = picture_check(state);
     }
     if (exit_code == PROGRAM_DONE) {
-        exit_code = output_check(state, state->options.output_path);
+        exit_code = picture_check_files(state, state->options.animate != 0 ? animation_frame_count(state)
+                                                                           : picture_frames(&state->options));
+    }
+    if (exit_code == PROGRAM_DONE && state->options.animate != 0) {
+        return render_animation(state);
     }
     if (exit_code == PROGRAM_DONE && state->options.paged > 0) {
         return render_paged(state);
@@ -150,7 +181,8 @@ int command_render(program *state)
         return render_scene(state);
     }
     if (exit_code == PROGRAM_DONE) {
-        exit_code = input_is_tree(state) ? job_load(state, 2, &done) : build_tree(state, &done);
+        exit_code = input_is_tree(state) ? job_load(state, 1 + picture_frames(&state->options), &done)
+                                         : build_tree(state, &done);
     }
     if (exit_code == PROGRAM_DONE) {
         exit_code = render(state, &done.opened, done.result.tree);

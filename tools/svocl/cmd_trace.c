@@ -64,7 +64,7 @@ static int make_rays(program *state, const svo_tree *tree, ray_table *out)
         return program_fail(state, PROGRAM_WRONG_USAGE, "--camera '%s' is neither auto nor 6, 9 or 10 numbers",
                             given->camera);
     }
-    return ray_table_from_camera(state, &camera, given->width, given->height, out);
+    return ray_table_from_camera(state, &camera, given->width, given->height, NULL, out);
 }
 
 /* tree: on the device, with its arrays on the host. */

@@ -2,20 +2,14 @@
 /* Renders the frames of a scene that moves, as support/animation.h makes them. */
 #include "svocl/render_animation.h"
 
-#include <stddef.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "support/animation.h"
-#include "support/output.h"
+#include "support/options_parse.h"
 #include "support/picture.h"
 #include "support/scene_file.h"
 #include "support/session.h"
 #include "support/table.h"
-
-#define DIGITS     3
-#define PATH_BYTES 4200
 
 typedef struct animated_render {
     program *state;
@@ -23,6 +17,7 @@ typedef struct animated_render {
     session session;
     animation film;
     svo_camera camera;
+    picture_stream shown;
     cJSON *frames; /* for --json */
     double update_ms, build_ms; /* of all frames but the first */
 } animated_render;
@@ -72,16 +67,6 @@ static int verify(animated_render *work, uint64_t frame, const char *hash)
                               (unsigned long long)frame, hash, expected);
 }
 
-/* "film.png" becomes "film_007.png". */
-static void name_frame(const char *path, uint64_t frame, char out[PATH_BYTES])
-{
-    const char *slash = strrchr(path, '/');
-    const char *dot = strrchr(slash != NULL ? slash : path, '.');
-    const int stem = (int)(dot != NULL ? dot - path : (ptrdiff_t)strlen(path));
-    (void)snprintf(out, PATH_BYTES, "%.*s_%0*llu%s", stem, path, DIGITS, (unsigned long long)frame,
-                   dot != NULL ? dot : "");
-}
-
 static int draw(animated_render *work, const char *path)
 {
     const options *given = &work->state->options;
@@ -89,20 +74,12 @@ static int draw(animated_render *work, const char *path)
                                      .width = given->width,
                                      .height = given->height,
                                      .camera = work->camera,
-                                     .view = (svo_render_view)given->view};
-    uint8_t *rgba = malloc((size_t)given->width * given->height * 4);
-    if (rgba == NULL) {
-        return program_fail(work->state, PROGRAM_FAILED, "out of memory for %ux%u pixels", given->width, given->height);
-    }
-    int exit_code =
-        svo_tree_render(work->session.device, animation_tree(&work->film), &view, work->session.queue, rgba) == SVO_OK
-            ? PROGRAM_DONE
-            : fail_library(work);
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = picture_write_as(work->state, path, given->width, given->height, rgba);
-    }
-    free(rgba);
-    return exit_code;
+                                     .view = (svo_render_view)given->view,
+                                     .output = picture_output(given)};
+    return svo_tree_render(work->session.device, animation_tree(&work->film), &view, work->session.queue,
+                           work->shown.pixels) == SVO_OK
+               ? picture_add(&work->shown, path)
+               : fail_library(work);
 }
 
 static void report_frame(animated_render *work, const char *path, const char *hash, const svo_moving_report *report)
@@ -118,7 +95,7 @@ static void report_frame(animated_render *work, const char *path, const char *ha
 
 static int show_frame(animated_render *work, uint64_t frame)
 {
-    char path[PATH_BYTES];
+    char path[PICTURE_PATH_BYTES];
     char hash[SVO_HASH_TEXT_BYTES] = "";
     svo_moving_report report = SVO_MOVING_REPORT_INIT;
     const options *given = &work->state->options;
@@ -135,14 +112,25 @@ static int show_frame(animated_render *work, uint64_t frame)
             animation_camera(&work->film, &work->file, (float)given->width / (float)given->height, &work->camera);
     }
     if (exit_code == PROGRAM_DONE) {
-        name_frame(given->output_path, frame, path);
+        picture_frame_path(given, frame, path);
         exit_code = draw(work, path);
     }
     if (exit_code == PROGRAM_DONE) {
         report_frame(work, path, hash, &report);
-        progress_step(work->state->progress, "frames");
     }
     return exit_code;
+}
+
+static int show_frames(animated_render *work)
+{
+    int exit_code = picture_open(work->state, &work->shown);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    for (uint64_t frame = 0; frame < work->film.frame_count && exit_code == PROGRAM_DONE; ++frame) {
+        exit_code = show_frame(work, frame);
+    }
+    return picture_close(&work->shown, exit_code);
 }
 
 /* ---- all of it ---- */
@@ -205,15 +193,12 @@ int render_animation_check(program *state)
 {
     const options *given = &state->options;
     if (given->animate == 0) {
-        return (given->given_groups & (unsigned)OPTION_ANIMATION) == 0
+        return !options_is_given(given, "frames") && given->verify_frames == 0
                    ? PROGRAM_DONE
                    : program_fail(state, PROGRAM_WRONG_USAGE, "--frames and --verify require --animate");
     }
     if (!scene_file_is_input(state)) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--animate takes a scene, a .json file");
-    }
-    if (strcmp(given->output_path, "-") == 0) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "--animate writes several files, not to standard output");
     }
     return given->through == 0 && given->view < OPTION_VIEW_LIGHT &&
                    (given->given_groups & (unsigned)(OPTION_LIGHT | OPTION_PAGED)) == 0
@@ -221,29 +206,12 @@ int render_animation_check(program *state)
                : program_fail(state, PROGRAM_WRONG_USAGE, "--animate takes no lights, cones, probes or pages");
 }
 
-/* All files, before any work. */
-static int check_frames(program *state)
-{
-    char path[PATH_BYTES];
-    int exit_code = PROGRAM_DONE;
-    const uint64_t count = animation_frame_count(state);
-    for (uint64_t frame = 0; frame < count && exit_code == PROGRAM_DONE; ++frame) {
-        name_frame(state->options.output_path, frame, path);
-        exit_code = output_check(state, path);
-    }
-    return exit_code;
-}
-
 int render_animation(program *state)
 {
-    animated_render work = {.state = state, .frames = NULL};
-    int exit_code = check_frames(state);
+    animated_render work = {.state = state, .frames = cJSON_CreateArray()};
+    int exit_code = open_film(&work);
     if (exit_code == PROGRAM_DONE) {
-        work.frames = cJSON_CreateArray();
-        exit_code = open_film(&work);
-    }
-    for (uint64_t frame = 0; frame < work.film.frame_count && exit_code == PROGRAM_DONE; ++frame) {
-        exit_code = show_frame(&work, frame);
+        exit_code = show_frames(&work);
     }
     if (exit_code == PROGRAM_DONE) {
         exit_code = report_film(&work);

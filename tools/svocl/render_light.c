@@ -2,10 +2,7 @@
 /* svocl render --view ao, direct, gi, specular, full: exact rays for first hits and shadows, cones for the rest. */
 #include "svocl/render_light.h"
 
-#include <stdlib.h>
-
 #include "support/lighting.h"
-#include "support/output.h"
 #include "support/picture.h"
 #include "support/table.h"
 
@@ -24,33 +21,21 @@ bool render_light_is_asked(const options *given)
 
 /* ---- the picture ---- */
 
-static int draw(light_render *work)
+static int draw(void *user, const svo_camera *camera, const svo_picture_output *output, uint8_t *pixels)
 {
-    program *state = work->state;
-    const options *given = &state->options;
+    const light_render *work = user;
+    const options *given = &work->state->options;
     const svo_light_picture asked = {.struct_size = sizeof asked,
                                      .width = given->width,
                                      .height = given->height,
-                                     .camera = work->camera,
+                                     .camera = *camera,
                                      .view = (svo_light_view)(given->view - OPTION_VIEW_LIGHT),
                                      .gather = lighting_gather(given),
-                                     .exposure = (float)given->exposure};
-    uint8_t *rgba = malloc((size_t)given->width * given->height * 4);
-    if (rgba == NULL) {
-        return program_fail(state, PROGRAM_FAILED, "out of memory for %ux%u pixels", given->width, given->height);
-    }
-    progress_step(state->progress, "tracing cones");
-    const double started_ms = input_now_ms();
-    int exit_code = PROGRAM_DONE;
-    if (svo_light_render(work->lit.light, &asked, work->done.opened.queue, rgba) != SVO_OK) {
-        exit_code = program_fail_library(state, svo_device_message(work->done.opened.device));
-    }
-    work->render_ms = input_now_ms() - started_ms;
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = picture_write(state, rgba);
-    }
-    free(rgba);
-    return exit_code;
+                                     .exposure = (float)given->exposure,
+                                     .output = *output};
+    return svo_light_render(work->lit.light, &asked, work->done.opened.queue, pixels) == SVO_OK
+               ? PROGRAM_DONE
+               : program_fail_library(work->state, svo_device_message(work->done.opened.device));
 }
 
 static int report(const light_render *work)
@@ -64,8 +49,8 @@ static int report(const light_render *work)
     }
     if (!given->quiet) {
         progress_hide(work->state->progress);
-        table_line("%s: %ux%u pixels of %s in %s; light in %s", output_name(given->output_path), given->width,
-                   given->height, given->input, figure_ms(work->render_ms).text, figure_ms(work->lit.light_ms).text);
+        table_line("%s of %s in %s; light in %s", picture_describe(given).text, given->input,
+                   figure_ms(work->render_ms).text, figure_ms(work->lit.light_ms).text);
         lighting_report_scene(&work->lit, &work->done);
     }
     return PROGRAM_DONE;
@@ -78,7 +63,7 @@ static int render(light_render *work)
         exit_code = lighting_make_for_picture(work->state, &work->done, &work->camera, &work->lit);
     }
     if (exit_code == PROGRAM_DONE) {
-        exit_code = draw(work);
+        exit_code = picture_draw(work->state, "tracing cones", &work->camera, draw, work, &work->render_ms);
     }
     return exit_code == PROGRAM_DONE ? report(work) : exit_code;
 }
@@ -90,7 +75,7 @@ int render_light(program *state)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    exit_code = lighting_tree(state, 3, &work.lit, &work.done);
+    exit_code = lighting_tree(state, 2 + picture_frames(&state->options), &work.lit, &work.done);
     if (exit_code == PROGRAM_DONE) {
         exit_code = render(&work);
         svo_light_destroy(&work.lit.light);

@@ -3,11 +3,9 @@
 #include "svocl/render_paged.h"
 
 #include <inttypes.h>
-#include <stdlib.h>
 
 #include "support/input.h"
 #include "support/json.h"
-#include "support/output.h"
 #include "support/picture.h"
 #include "support/session.h"
 #include "support/table.h"
@@ -67,16 +65,18 @@ static bool may_improve(const paged_render *work)
     return work->counts.missed_pages > 0 && (work->counts.pictures < 2 || work->counts.read_pages > 0);
 }
 
-static int draw(paged_render *work, uint8_t *rgba)
+static int draw(void *user, const svo_camera *camera, const svo_picture_output *output, uint8_t *pixels)
 {
-    const double started_ms = input_now_ms();
+    paged_render *work = user;
+    svo_render_options asked = work->asked;
+    asked.camera = *camera;
+    asked.output = *output;
     do {
-        if (svo_paged_update(work->paged) != SVO_OK || svo_paged_render(work->paged, &work->asked, rgba) != SVO_OK) {
+        if (svo_paged_update(work->paged) != SVO_OK || svo_paged_render(work->paged, &asked, pixels) != SVO_OK) {
             return fail_library(work);
         }
         (void)svo_paged_get_counts(work->paged, &work->counts);
     } while (may_improve(work));
-    work->render_ms = input_now_ms() - started_ms;
     return PROGRAM_DONE;
 }
 
@@ -98,9 +98,8 @@ static int report(const paged_render *work)
     }
     if (!given->quiet) {
         progress_hide(work->state->progress);
-        table_line("%s: %ux%u pixels of %s in %s, %s pictures; %s of %s pages in %s of buffers",
-                   output_name(given->output_path), given->width, given->height, given->input,
-                   figure_ms(work->render_ms).text, figure_count(counts->pictures).text,
+        table_line("%s of %s in %s, %s pictures; %s of %s pages in %s of buffers", picture_describe(given).text,
+                   given->input, figure_ms(work->render_ms).text, figure_count(counts->pictures).text,
                    figure_count(counts->held_pages).text, figure_count(work->info.page_count).text,
                    figure_bytes(work->info.device_bytes).text);
         if (counts->missed_pages > 0) {
@@ -113,7 +112,6 @@ static int report(const paged_render *work)
 static int render(paged_render *work)
 {
     const options *given = &work->state->options;
-    uint8_t *rgba = NULL;
     if (svo_paged_open(work->opened.device, given->input, given->paged, NULL, &work->paged) != SVO_OK) {
         return fail_library(work);
     }
@@ -122,17 +120,7 @@ static int render(paged_render *work)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    rgba = malloc((size_t)given->width * given->height * 4);
-    if (rgba == NULL) {
-        return program_fail(work->state, PROGRAM_FAILED, "out of memory for %ux%u pixels", given->width, given->height);
-    }
-    progress_step(work->state->progress, "casting rays");
-    exit_code = draw(work, rgba);
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = picture_write(work->state, rgba);
-    }
-    free(rgba);
-    return exit_code;
+    return picture_draw(work->state, "casting rays", &work->asked.camera, draw, work, &work->render_ms);
 }
 
 int render_paged(program *state)
@@ -147,7 +135,7 @@ int render_paged(program *state)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    program_begin_progress(state, 3);
+    program_begin_progress(state, 2 + picture_frames(given));
     progress_step(state->progress, "reading the tree");
     exit_code = session_open_device(state, &work.opened);
     if (exit_code != PROGRAM_DONE) {

@@ -2,11 +2,9 @@
 /* svocl render --through probes: camera rays meet no triangle and no voxel, only what probes have stored of them. */
 #include "svocl/render_probes.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "support/lighting.h"
-#include "support/output.h"
 #include "support/picture.h"
 #include "support/probe_picture.h"
 #include "support/table.h"
@@ -55,27 +53,24 @@ static int make_probes(probe_render *work)
     return svo_probes_get_info(work->probes, &work->info) == SVO_OK ? PROGRAM_DONE : fail_device(work);
 }
 
-static int draw(probe_render *work)
+static int draw(void *user, const svo_camera *camera, const svo_picture_output *output, uint8_t *pixels)
 {
+    probe_render *work = user;
     const options *given = &work->state->options;
-    const size_t pixels = (size_t)given->width * given->height;
-    const probe_picture asked = {.camera = work->camera,
+    const probe_picture asked = {.camera = *camera,
                                  .width = given->width,
                                  .height = given->height,
                                  .view = (svo_render_view)given->view,
                                  .choice = (svo_probe_choice)given->probe_choice,
-                                 .exposure = given->exposure > 0 ? given->exposure : 1};
-    uint8_t *rgba = malloc(4 * pixels);
-    if (rgba == NULL) {
-        return program_fail(work->state, PROGRAM_FAILED, "out of memory for %zu pixels", pixels);
+                                 .exposure = given->exposure > 0 ? given->exposure : 1,
+                                 .output = *output};
+    probe_found found;
+    const int exit_code =
+        probe_picture_draw(work->state, &asked, work->probes, work->device, work->queue, pixels, &found);
+    for (unsigned i = 0; i <= SVO_PROBE_UNKNOWN; ++i) {
+        work->found.rays[i] += found.rays[i];
     }
-    progress_step(work->state->progress, "tracing probes");
-    int exit_code =
-        probe_picture_draw(work->state, &asked, work->probes, work->device, work->queue, rgba, &work->found);
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = picture_write(work->state, rgba);
-    }
-    free(rgba);
+    work->found.trace_ms += found.trace_ms;
     return exit_code;
 }
 
@@ -106,8 +101,7 @@ static void report_text(const probe_render *work)
 {
     const options *given = &work->state->options;
     progress_hide(work->state->progress);
-    table_line("%s: %ux%u pixels of %s in %s", output_name(given->output_path), given->width, given->height,
-               given->input, figure_ms(work->found.trace_ms).text);
+    table_line("%s of %s in %s", picture_describe(given).text, given->input, figure_ms(work->found.trace_ms).text);
     table_line("probes: %u x %u x %u of %u x %u texels, %s, in %s; %s moved, %s off", work->info.counts[0],
                work->info.counts[1], work->info.counts[2], work->info.resolution, work->info.resolution,
                figure_bytes(work->info.total_bytes).text, figure_ms(work->probes_ms).text,
@@ -129,9 +123,10 @@ static int report(const probe_render *work)
 
 static int render(probe_render *work)
 {
+    double draw_ms = 0;
     int exit_code = make_probes(work);
     if (exit_code == PROGRAM_DONE) {
-        exit_code = draw(work);
+        exit_code = picture_draw(work->state, "tracing probes", &work->camera, draw, work, &draw_ms);
     }
     svo_probes_destroy(&work->probes);
     return exit_code == PROGRAM_DONE ? report(work) : exit_code;
@@ -156,7 +151,8 @@ static int render_tree(probe_render *work)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    exit_code = lighting_tree(state, state->options.view == SVO_VIEW_SHADED ? 4 : 3, &work->lit, &work->done);
+    exit_code = lighting_tree(state, (state->options.view == SVO_VIEW_SHADED ? 3 : 2) + picture_frames(&state->options),
+                              &work->lit, &work->done);
     if (exit_code == PROGRAM_DONE) {
         exit_code = light_tree(work);
         exit_code = exit_code == PROGRAM_DONE ? render(work) : exit_code;
@@ -170,7 +166,7 @@ static int render_tree(probe_render *work)
 /* Light is of trees, so what shows none is of the scene as it is placed. */
 static int render_placed(probe_render *work)
 {
-    int exit_code = placed_scene_open(work->state, 3, &work->placed);
+    int exit_code = placed_scene_open(work->state, 2 + picture_frames(&work->state->options), &work->placed);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
