@@ -178,14 +178,15 @@ vec3 irradianceBy(int source, vec3 point, vec3 normal, float nodeWidth)
     return facing * share * sourceValue[source].rgb;
 }
 
-/* All irradiance of a lit page. What is too near and too small for the nodes of baked light, short rays find: it holds
-   the light back, and reflects about half of it. */
-vec3 irradianceAt(vec3 point, vec3 normal, int level)
+/* All irradiance of a lit page. inside: a point of the node, so that a node of baked light holds it; point: off it.
+   What is too near and too small for the nodes of baked light, short rays find: it holds the light back, and reflects about
+   half of it. */
+vec3 irradianceAt(vec3 inside, vec3 point, vec3 normal, int level)
 {
     int bakedLevel = min(level, lightLevel);
     float nodeWidth = float(1 << (depth - level));
     float range = max(float(1 << (depth - bakedLevel)), 6.0 * nodeWidth);
-    vec3 sum = bakedAt(point, normal, bakedLevel) * mix(0.5, 1.0, openness(point, normal, range));
+    vec3 sum = bakedAt(inside, normal, bakedLevel) * mix(0.5, 1.0, openness(point, normal, range));
     for (int source = 0; source < sourceCount; ++source) {
         sum += irradianceBy(source, point, normal, nodeWidth);
     }
@@ -213,7 +214,9 @@ vec3 shade(Ray ray, Hit hit, bool isLit, inout Lit lit)
     vec3 point = ray.origin + ray.direction * (hit.distance - 0.5 * nodeWidth) + normal * (1.75 * nodeWidth);
     vec3 moved = point - lit.point;
     if (dot(normal, lit.normal) < 0.9 || dot(moved, moved) > 6.0 * nodeWidth * nodeWidth) {
-        lit = Lit(point, normal, isLit ? irradianceAt(point, normal, hit.level) : lightAt(point, normal, nodeWidth));
+        vec3 inside = ray.origin + ray.direction * (hit.distance + 0.1 * nodeWidth);
+        lit = Lit(point, normal, isLit ? irradianceAt(inside, point, normal, hit.level)
+                                       : lightAt(point, normal, nodeWidth));
     }
     return isLit ? toneOf(exposure / PI * reflectanceOf(hit) * lit.light) : toneOf(0.85 * albedoOf(hit) * lit.light);
 }

@@ -24,7 +24,7 @@ typedef struct web_payload {
 } web_payload;
 
 /* Irradiance from six directions, for the nodes of the upper levels: red, green and blue, and an exponent that they
-   share (Ward, "Real Pixels", 1991): value / 255 * 2^(exponent - 128). Exponent 0: nothing in the node faces that way. */
+   share (Ward, "Real Pixels", 1991): value / 255 * 2^(exponent - 128). Exponent 0: nothing in the node faces there. */
 typedef struct web_light {
     uint32_t level; /* the last that has it */
     uint64_t node_count;

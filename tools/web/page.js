@@ -10,6 +10,7 @@ const turnPerHeight = 3.2; /* radians, for a drag over the picture's height */
 const keyTurn = 0.09; /* radians */
 const keyMove = 0.05; /* of the picture's height */
 const pixelsMost = 1 << 24; /* of a picture: beyond, fewer than the screen has */
+const patience = 10; /* seconds without data */
 const pickWords = "Click the picture to see where a ray ends.";
 
 const get = id => document.getElementById(id);
@@ -310,15 +311,29 @@ class Viewer {
   }
 }
 
-/* Says how much has come until all has, and what is missing if the file ended before. */
-function sayComing(arrival, viewer) {
-  const {level, tree} = viewer;
-  const isWhole = level === tree.level;
-  get("coming").hidden = isWhole;
-  if (arrival.cut && !isWhole) {
-    get("coming").textContent = `The file of this page was cut off: level ${level} of ${tree.level} is the last here.`;
-  } else {
-    get("coming").textContent = `Level ${level} of ${tree.level}, ${Math.floor(100 * arrival.share())} % has come`;
+/* Says how much has come until all has, and what is missing if the file ended before. A browser does not tell a page
+   that its connection broke: so the page says when nothing comes. */
+class Announcer {
+  constructor(arrival, viewer) {
+    this.arrival = arrival;
+    this.viewer = viewer;
+    this.timer = null;
+  }
+
+  say() {
+    const {level, tree} = this.viewer;
+    const words = `Level ${level} of ${tree.level}, ${Math.floor(100 * this.arrival.share())} % has come`;
+    clearTimeout(this.timer);
+    get("coming").hidden = level === tree.level;
+    if (this.arrival.cut && level < tree.level) {
+      get("coming").textContent =
+        `The file of this page was cut off: level ${level} of ${tree.level} is the last here.`;
+      return;
+    }
+    get("coming").textContent = words;
+    this.timer = setTimeout(() => {
+      get("coming").textContent = `${words}, and nothing more for ${patience} seconds. Was the page cut off?`;
+    }, 1000 * patience);
   }
 }
 
@@ -335,22 +350,23 @@ async function begin() {
   canvas.addEventListener("webglcontextlost", () => say("The graphics device was lost. Load the page again to go on."));
   arrival = new Arrival(tree);
   const viewer = new Viewer(tree, new Drawing(canvas, tree));
+  const announcer = new Announcer(arrival, viewer);
   take = () => {
     const block = document.currentScript.previousElementSibling;
     arrival.take(block.textContent);
     block.remove();
-    sayComing(arrival, viewer);
+    announcer.say();
   };
   document.addEventListener("DOMContentLoaded", () => arrival.end());
   await arrival.read((level, arrays, first) => {
     say("");
     viewer.addLevel(level, arrays, first);
-    sayComing(arrival, viewer);
+    announcer.say();
   });
   if (viewer.level === 0) {
     throw new Refusal("The file of this page was cut off before its first level. Load it again.");
   }
-  sayComing(arrival, viewer);
+  announcer.say();
   return viewer;
 }
 
