@@ -179,8 +179,8 @@ vec3 irradianceBy(int source, vec3 point, vec3 normal, float nodeWidth)
 }
 
 /* All irradiance of a lit page. inside: a point of the node, so that a node of baked light holds it; point: off it.
-   What is too near and too small for the nodes of baked light, short rays find: it holds the light back, and reflects about
-   half of it. */
+   What is too near and too small for the nodes of baked light, short rays find: it holds the light back, and reflects
+   about half of it. */
 vec3 irradianceAt(vec3 inside, vec3 point, vec3 normal, int level)
 {
     int bakedLevel = min(level, lightLevel);
