@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """Pages of svocl export-web in a browser that is driven from outside: what a page shows while it arrives and when it
-was cut off, where it begins, fly mode by keys and mouse, its light beside that of svocl render, and pixels of screens.
+was cut off, where it begins, fly mode by keys and mouse, and its light beside that of svocl render.
 
 The browser is spoken to by Chromium's DevTools protocol, over a pipe.
 
@@ -369,27 +369,12 @@ def light_is_that_of_render(browser, folder):
     expect("openness is that of svocl render", far["ao"] < 25, far)
 
 
-def pixels_are_those_of_the_screen(browser, folder):
-    path = folder / "dense.html"
-    export(path, "scene:knot", "-d", "5")
-    browser.open_whole(path.as_uri())
-    wide = browser.run("canvas.clientWidth")
-    for density in (2, 1.5, 1):
-        browser.call(
-            "Emulation.setDeviceMetricsOverride", width=640, height=620, deviceScaleFactor=density, mobile=False
-        )
-        browser.wait(f"Math.abs(canvas.width - {density} * canvas.clientWidth) <= 1")
-        expect("the page is as wide", browser.run("canvas.clientWidth") == wide)
-    browser.call("Emulation.clearDeviceMetricsOverride")
-
-
 TESTS = [
     levels_come_coarse_first,
     cut_off_pages_say_so,
     keys_and_mouse_fly,
     what_is_up_is_framed,
     light_is_that_of_render,
-    pixels_are_those_of_the_screen,
 ]
 
 

@@ -279,6 +279,14 @@ class Viewer {
     return true;
   }
 
+  /* Pixels of the screen change with the zoom, and from screen to screen, where the page keeps its size. */
+  watchPixels() {
+    matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener("change", () => {
+      this.resize();
+      this.watchPixels();
+    }, {once: true});
+  }
+
   listen() {
     canvas.addEventListener("pointerdown", event => this.hold(event));
     canvas.addEventListener("pointermove", event => this.drag(event));
@@ -301,13 +309,8 @@ class Viewer {
     get("fly").addEventListener("click", () => this.flight.turn(!this.flight.on));
     get("sun").addEventListener("click", () => this.moveSun());
     dark.addEventListener("change", () => this.draw());
-    /* Pixels of the screen change with the zoom, too, and from screen to screen. */
-    const observer = new ResizeObserver(() => this.resize());
-    try {
-      observer.observe(canvas, {box: "device-pixel-content-box"});
-    } catch {
-      observer.observe(canvas);
-    }
+    new ResizeObserver(() => this.resize()).observe(canvas);
+    this.watchPixels();
   }
 }
 
