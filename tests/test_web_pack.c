@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The data of pages (tools/web/pack.h): a cut at any level is the front part of each array, what is packed unpacks to
- * it, normals keep their direction, and the bounds are those of the cells.
+ * what each level adds to it, levels are complete where the data say so, normals keep their direction, and the bounds are
+ * those of the cells.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,6 +14,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#define ZLIB_CONST /* what is read is const */
 #include <zlib.h>
 
 #include "fixture.h"
@@ -21,6 +23,8 @@
 #include "web/pack.h"
 
 #define DEPTH 7u
+
+enum { WINDOW_BITS = 15, AS_GZIP = 16 };
 
 /* A tree, the compact tree of it that pages have, and what a page reads. */
 typedef struct packable {
@@ -62,7 +66,6 @@ static void release(packable *made)
 /* The stream of a cut, unpacked; by malloc. */
 static unsigned char *unpack(const unsigned char *packed, size_t packed_count, uint64_t byte_count)
 {
-    enum { WINDOW_BITS = 15, AS_GZIP = 16 };
     z_stream stream = {0};
     unsigned char *bytes = malloc((size_t)byte_count + 1);
     unsigned char *copy = malloc(packed_count);
@@ -81,47 +84,92 @@ static unsigned char *unpack(const unsigned char *packed, size_t packed_count, u
     return bytes;
 }
 
+/* What a cut has more than another of an array: compares it, and moves on. */
+static void check_part(const unsigned char **at, const void *array, size_t each, uint64_t first, uint64_t last)
+{
+    if (last > first) {
+        assert_memory_equal(*at, (const unsigned char *)array + each * first, each * (last - first));
+        *at += each * (last - first);
+    }
+}
+
+static const unsigned char *check_level(const web_tree *tree, const web_cut *above, const web_cut *cut,
+                                        uint64_t mask_count, const unsigned char *at)
+{
+    const uint64_t end = 16 * cut->directory_count;
+    check_part(&at, tree->arrays.nodes, 1, 16 * above->directory_count, end < mask_count ? end : mask_count);
+    for (uint64_t i = 16 * above->directory_count > mask_count ? end : mask_count; i < end; ++i) {
+        assert_int_equal(*at++, 0);
+    }
+    check_part(&at, tree->arrays.links, 4, above->directory_count, cut->directory_count);
+    check_part(&at, tree->arrays.colors, 4, above->colors.count, cut->colors.count);
+    for (uint64_t i = above->normals.count; i < cut->normals.count; ++i) {
+        unsigned char normal[2];
+        web_pack_normal(tree->arrays.normals + 3 * i, normal);
+        assert_memory_equal(at, normal, 2);
+        at += 2;
+    }
+    check_part(&at, tree->light != NULL ? tree->light->texels : NULL, 24, above->light.count, cut->light.count);
+    return at;
+}
+
 static void check_bytes(const web_tree *tree, const web_cut *cut, const unsigned char *bytes)
 {
     const unsigned char *at = bytes;
-    assert_memory_equal(at, tree->arrays.nodes, cut->mask_count);
-    for (uint64_t i = cut->mask_count; i < 16 * cut->directory_count; ++i) {
-        assert_int_equal(at[i], 0);
+    web_cut above = {0};
+    for (uint32_t level = 1; level <= cut->level; ++level) {
+        const web_cut here = web_cut_at(tree, level);
+        at = check_level(tree, &above, &here, cut->mask_count, at);
+        assert_int_equal(at - bytes, here.byte_count);
+        above = here;
     }
-    at += 16 * cut->directory_count;
-    assert_memory_equal(at, tree->arrays.links, 4 * cut->directory_count);
-    at += 4 * cut->directory_count;
-    if (cut->colors.count > 0) {
-        assert_memory_equal(at, tree->arrays.colors, 4 * cut->colors.count);
+    assert_int_equal(at - bytes, cut->byte_count);
+}
+
+/* What is in front of each end unpacks to whole levels, more each time. */
+static void check_ends(const web_tree *tree, const web_cut *cut, const web_packed *packed)
+{
+    uint32_t level = 0;
+    assert_true(packed->end_count >= 1 && packed->end_count <= cut->level);
+    assert_int_equal(packed->ends[packed->end_count - 1], packed->count);
+    for (unsigned i = 0; i < packed->end_count; ++i) {
+        z_stream stream = {0};
+        unsigned char *bytes = malloc((size_t)cut->byte_count + 1);
+        assert_non_null(bytes);
+        assert_int_equal(inflateInit2(&stream, WINDOW_BITS | AS_GZIP), Z_OK);
+        stream.next_in = packed->bytes;
+        stream.avail_in = (uInt)packed->ends[i];
+        stream.next_out = bytes;
+        stream.avail_out = (uInt)cut->byte_count + 1;
+        assert_int_equal(inflate(&stream, Z_SYNC_FLUSH), i + 1 == packed->end_count ? Z_STREAM_END : Z_OK);
+        do {
+            assert_true(++level <= cut->level);
+        } while (web_cut_at(tree, level).byte_count < stream.total_out);
+        assert_int_equal(web_cut_at(tree, level).byte_count, stream.total_out);
+        assert_int_equal(inflateEnd(&stream), Z_OK);
+        free(bytes);
     }
-    at += 4 * cut->colors.count;
-    for (uint64_t i = 0; i < cut->normals.count; ++i) {
-        unsigned char normal[2];
-        web_pack_normal(tree->arrays.normals + 3 * i, normal);
-        assert_memory_equal(at + 2 * i, normal, 2);
-    }
-    assert_int_equal(at + 2 * cut->normals.count - bytes, cut->byte_count);
+    assert_int_equal(web_cut_at(tree, level).byte_count, cut->byte_count);
 }
 
 /* Packs a cut into just its length, and not into a byte less. */
 static void check_packed(const web_tree *tree, const web_cut *cut)
 {
-    unsigned char *packed = NULL;
-    unsigned char *again = NULL;
-    size_t packed_count = 0;
-    size_t again_count = 0;
-    assert_int_equal(web_pack(tree, cut, SIZE_MAX / 4, &packed, &packed_count), WEB_PACK_DONE);
-    assert_int_equal(web_pack(tree, cut, packed_count - 1, &again, &again_count), WEB_PACK_TOO_LARGE);
-    assert_int_equal(web_pack(tree, cut, 0, &again, &again_count), WEB_PACK_TOO_LARGE);
-    assert_null(again);
-    assert_int_equal(web_pack(tree, cut, packed_count, &again, &again_count), WEB_PACK_DONE);
-    assert_int_equal(again_count, packed_count);
-    assert_memory_equal(again, packed, packed_count);
-    unsigned char *bytes = unpack(packed, packed_count, cut->byte_count);
+    web_packed packed;
+    web_packed again;
+    assert_int_equal(web_pack(tree, cut, SIZE_MAX / 4, &packed), WEB_PACK_DONE);
+    assert_int_equal(web_pack(tree, cut, packed.count - 1, &again), WEB_PACK_TOO_LARGE);
+    assert_int_equal(web_pack(tree, cut, 0, &again), WEB_PACK_TOO_LARGE);
+    assert_null(again.bytes);
+    assert_int_equal(web_pack(tree, cut, packed.count, &again), WEB_PACK_DONE);
+    assert_int_equal(again.count, packed.count);
+    assert_memory_equal(again.bytes, packed.bytes, packed.count);
+    unsigned char *bytes = unpack(packed.bytes, packed.count, cut->byte_count);
     check_bytes(tree, cut, bytes);
+    check_ends(tree, cut, &packed);
     free(bytes);
-    free(packed);
-    free(again);
+    free(packed.bytes);
+    free(again.bytes);
 }
 
 static void cuts_are_front_parts(void **state)
@@ -190,6 +238,50 @@ static void constant_payload_is_one_element(void **state)
     release(&made);
 }
 
+static void light_ends_with_its_level(void **state)
+{
+    packable made = {0};
+    make(state, "knot:5000", NULL, 0, &made);
+    web_light light = {.level = 4, .node_count = made.made.info.level_begin[5]};
+    light.texels = malloc((size_t)light.node_count * sizeof *light.texels);
+    assert_non_null(light.texels);
+    for (uint64_t i = 0; i < light.node_count * sizeof *light.texels; ++i) {
+        ((unsigned char *)light.texels)[i] = (unsigned char)(i * 7u + (i >> 8));
+    }
+    made.tree.light = &light;
+    for (uint32_t level = 1; level <= DEPTH; ++level) {
+        const web_cut cut = web_cut_at(&made.tree, level);
+        assert_int_equal(cut.light.count, made.made.info.level_begin[(level < 4 ? level : 4) + 1]);
+        check_packed(&made.tree, &cut);
+    }
+    free(light.texels);
+    release(&made);
+}
+
+/* ---- bounds ---- */
+
+static void bounds_are_those_of_the_cells(void **state)
+{
+    packable made = {0};
+    make(state, "knot:5000", NULL, 0, &made);
+    uint32_t low[3] = {UINT32_MAX, UINT32_MAX, UINT32_MAX};
+    uint32_t high[3] = {0, 0, 0};
+    for (uint32_t i = made.made.info.level_begin[6]; i < made.made.info.level_begin[7]; ++i) {
+        svo_node node;
+        assert_int_equal(svo_tree_find_node(made.made.tree, i, &node), SVO_OK);
+        for (int axis = 0; axis < 3; ++axis) {
+            low[axis] = 2 * node.cell[axis] < low[axis] ? 2 * node.cell[axis] : low[axis];
+            high[axis] = 2 * node.cell[axis] + 2 > high[axis] ? 2 * node.cell[axis] + 2 : high[axis];
+        }
+    }
+    uint32_t found_low[3];
+    uint32_t found_high[3];
+    assert_true(web_tree_bounds(&made.tree, found_low, found_high));
+    assert_memory_equal(found_low, low, sizeof low);
+    assert_memory_equal(found_high, high, sizeof high);
+    release(&made);
+}
+
 /* ---- normals ---- */
 
 /* The direction that a page reads (tools/web/nodes.glsl). */
@@ -250,6 +342,8 @@ int main(void)
         cmocka_unit_test(merged_leaves_stay),
         cmocka_unit_test(payload_may_begin_below_the_root),
         cmocka_unit_test(constant_payload_is_one_element),
+        cmocka_unit_test(light_ends_with_its_level),
+        cmocka_unit_test(bounds_are_those_of_the_cells),
         cmocka_unit_test(normals_keep_their_direction),
     };
     return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);

@@ -50,6 +50,12 @@ async function readPicture(source) {
   return flat.getImageData(0, 0, image.width, image.height).data;
 }
 
+/* The mean difference of a component, of 255. */
+function distance(one, other) {
+  const sum = one.reduce((total, value, i) => total + Math.abs(value - other[i]), 0);
+  return one.length === other.length ? (sum / one.length).toFixed(2) : "another size";
+}
+
 /* The share of pixels that differ by more than 8 of 255 in a component, in percent. */
 function compare(one, other) {
   let different = 0;
@@ -126,12 +132,14 @@ async function inspect(shown) {
   shown.resize();
   const seen = [];
   for (let view = 0; view < 5; ++view) {
-    document.querySelectorAll("#views input")[view].click();
+    document.querySelector(`#views input[value="${view}"]`).click();
     await finish(shown);
     seen.push(readCanvas(shown));
   }
   for (const [view, source] of pictures.entries()) {
-    leave(`differs-${view}`, compare(seen[view], await readPicture(source)));
+    const picture = await readPicture(source);
+    leave(`differs-${view}`, compare(seen[view], picture));
+    leave(`distance-${view}`, distance(seen[view], picture));
   }
   shown.approach(0.6); /* so near that nodes of several levels are as large as a pixel */
   leave("probes-pixel", describeProbes(shown));

@@ -194,17 +194,25 @@ svo_light_source lighting_sun(const svo_camera *camera)
     return sun;
 }
 
-int lighting_make_for_picture(program *state, const job *done, const svo_camera *camera, lighting *work)
+svo_light_setup lighting_setup_for_picture(const program *state, const lighting *work, const input *source,
+                                           const svo_camera *camera, svo_light_source *sun)
 {
-    svo_light_setup setup = lighting_setup(work, &done->source);
-    const svo_light_source sun = lighting_sun(camera);
+    svo_light_setup setup = lighting_setup(work, source);
     if (state->options.lights_path == NULL) {
-        setup.sources = setup.source_count > 0 ? setup.sources : &sun;
+        *sun = lighting_sun(camera);
+        setup.sources = setup.source_count > 0 ? setup.sources : sun;
         setup.source_count = setup.source_count > 0 ? setup.source_count : 1;
         for (int channel = 0; channel < 3; ++channel) {
             setup.sky[channel] = lighting_sky[channel];
         }
     }
+    return setup;
+}
+
+int lighting_make_for_picture(program *state, const job *done, const svo_camera *camera, lighting *work)
+{
+    svo_light_source sun;
+    const svo_light_setup setup = lighting_setup_for_picture(state, work, &done->source, camera, &sun);
     return lighting_make(state, done, &setup, work);
 }
 

@@ -45,6 +45,11 @@ int lighting_make(program *state, const job *done, const svo_light_setup *setup,
    Returns the exit code. */
 int lighting_place_camera(program *state, const lighting *work, const svo_tree *tree, svo_camera *camera);
 
+/* The same for a picture: without --lights and a scene's lights by a sun behind the camera and a sky. sun: receives the
+   sun, which the setup borrows. */
+svo_light_setup lighting_setup_for_picture(const program *state, const lighting *work, const input *source,
+                                           const svo_camera *camera, svo_light_source *sun);
+
 /* lighting_make for a picture: by --lights, or else by a sun behind the camera and a sky. */
 int lighting_make_for_picture(program *state, const job *done, const svo_camera *camera, lighting *work);
 

@@ -38,7 +38,7 @@ enum option_group {
     OPTION_REFERENCE_COMMAND = 1048576, /* points, samples, range, lambda */
     OPTION_LIGHT = 2097152, /* lights, and the cones that gather them */
     OPTION_GATHER_COMMAND = 4194304, /* points, reference */
-    OPTION_WEB_COMMAND = 8388608, /* max-bytes */
+    OPTION_WEB_COMMAND = 8388608, /* max-bytes; of render: view, exposure, camera */
     OPTION_PROBES = 16777216, /* probes, and how rays choose them */
     OPTION_VIEW_COMMAND = 33554432, /* the window, script */
     OPTION_DEVICES_COMMAND = 67108864, /* path, of all devices */

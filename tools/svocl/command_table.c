@@ -114,13 +114,15 @@ static const command commands[] = {
 #endif
     {.name = "export-web",
      .run = command_export_web,
-     .groups = BUILDS | OPTION_VOXELS | OPTION_OUTPUT | OPTION_WEB_COMMAND | OPTION_LEVELS | OPTION_UNFOLDED,
+     .groups = BUILDS | OPTION_VOXELS | OPTION_OUTPUT | OPTION_WEB_COMMAND | OPTION_LIGHT | OPTION_LEVELS |
+               OPTION_UNFOLDED,
      .input_name = "INPUT",
      .needs_input = true,
      .suffixes = ".html .htm",
      .summary = "Writes the octree of a mesh or voxels, or of a .svo file, as a web page.",
      .reads_file = true,
      .examples = EXAMPLES("export-web model.obj -d 9 -o model.html", "export-web model.svo -o model.html",
+                          "export-web hall.obj --eye 2,1.7,0 --at 9,2,0 --view full --lights sun.json -o hall.html",
                           "export-web scene:atrium -d 11 --max-bytes 8000000 -o atrium.html")},
     {.name = "trace",
      .run = command_trace,

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* A camera that turns around a target. Lengths are in cells of the grid; y is up. */
+/* A camera that turns around a target, or looks around. Lengths are in cells of the grid. Its frame is three axes, of
+   which the second is up. */
 "use strict";
 
-const halfFov = 0.28; /* radians; as svo_camera_frame has it, like the direction below and the margin */
+const homeHalfFov = 0.28; /* radians; as svo_camera_frame has it, like the direction below and the margin */
 const homeDirection = [0.406, 0.375, 0.833];
 const frameMargin = 1.04;
 const frameLevel = 7; /* SVO_FRAME_LEVEL_MAX */
@@ -15,11 +16,25 @@ const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a
 const normalize = a => scale(a, 1 / Math.hypot(...a));
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
 
-function axesOf(camera) {
-  const level = Math.cos(camera.pitch);
-  const back = [level * Math.sin(camera.yaw), Math.sin(camera.pitch), level * Math.cos(camera.yaw)];
-  const forward = scale(back, -1);
-  const right = normalize(cross(forward, [0, 1, 0]));
+/* The axes of cameras for which a direction is up; x stays across where it can. */
+function frameOf(direction) {
+  const up = normalize(direction);
+  const back = normalize(cross(Math.abs(up[0]) < 0.9 ? [1, 0, 0] : [0, 0, -1], up));
+  return [cross(up, back), up, back];
+}
+
+const homeLens = {halfFov: homeHalfFov, frame: frameOf([0, 1, 0])};
+
+/* How the page's camera sees: its angle of view, and what is up. */
+function lensOf(tree) {
+  return {halfFov: tree.camera.fov > 0 ? tree.camera.fov / 2 : homeHalfFov, frame: frameOf(tree.camera.up)};
+}
+
+function axesOf({yaw, pitch, frame}) {
+  const blend = parts => parts.map((part, axis) => scale(frame[axis], part)).reduce(add);
+  const level = Math.cos(pitch);
+  const forward = blend([-level * Math.sin(yaw), -Math.sin(pitch), -level * Math.cos(yaw)]);
+  const right = blend([Math.cos(yaw), 0, -Math.sin(yaw)]);
   return {forward, right, up: cross(right, forward)};
 }
 
@@ -35,11 +50,17 @@ function countBitsBelow(words, begin, index) {
   return count;
 }
 
-/* How far the occupied cells of frameLevel reach along a direction, in cells of the page's level. Nodes that may reach
-   farther than what was found are opened, the one ahead first. */
-function reachOf({level, masks, directory}, along) {
+/* The angles of the direction back from the target to the eye. */
+function anglesOf(back, frame) {
+  const [right, up, behind] = frame.map(axis => dot(axis, normalize(back)));
+  return {yaw: Math.atan2(right, behind), pitch: Math.asin(clamp(up, -1, 1))};
+}
+
+/* How far the occupied cells of frameLevel, or of the last level that is known, reach along a direction, in cells of the
+   page's level. Nodes that may reach farther than what was found are opened, the one ahead first. */
+function reachOf({level, known, masks, directory}, along) {
   const ahead = along.reduce((octant, value, axis) => value > 0 ? octant | 1 << axis : octant, 0);
-  const deepest = Math.min(level, frameLevel);
+  const deepest = Math.min(known, frameLevel);
   let farthest = -Infinity;
   const visit = (node, depth, cell) => {
     const width = 2 ** (level - depth);
@@ -65,11 +86,11 @@ function reachOf({level, masks, directory}, along) {
 
 /* Frames the occupied cells of a tree as svo_camera_frame does: the farthest points along four directions place the
    eye. */
-function frameTree(tree, aspect) {
-  const direction = normalize(homeDirection);
-  const camera = {yaw: Math.atan2(direction[0], direction[2]), pitch: Math.asin(direction[1])};
+function frameTree(tree, aspect, lens = homeLens) {
+  const camera = {...lens, ...anglesOf(homeDirection.map((part, axis) => scale(lens.frame[axis], part)).reduce(add),
+    lens.frame)};
   const axes = axesOf(camera);
-  const tangentUp = Math.tan(halfFov) / frameMargin;
+  const tangentUp = Math.tan(lens.halfFov) / frameMargin;
   const back = scale(axes.forward, -1);
   const fit = (side, tangent) => {
     const [first, second] = [1, -1].map(sign => reachOf(tree, add(scale(side, sign), scale(back, tangent))));
@@ -83,13 +104,29 @@ function frameTree(tree, aspect) {
   return {...camera, target: add(across, scale(axes.forward, middle)), distance};
 }
 
+/* The camera that the page was made with; null: none. */
+function startOf(tree) {
+  if (tree.camera.eye === undefined) {
+    return null;
+  }
+  const lens = lensOf(tree);
+  const cells = point => point.map((value, axis) => (value - tree.origin[axis]) / tree.edge);
+  const [eye, target] = [cells(tree.camera.eye), cells(tree.camera.at)];
+  const back = add(eye, scale(target, -1));
+  return {...lens, ...anglesOf(back, lens.frame), target, distance: Math.hypot(...back)};
+}
+
+function eyeOf(camera) {
+  return add(camera.target, scale(axesOf(camera).forward, -camera.distance));
+}
+
 /* The directions of pixels, and the width of a pixel's cone per unit of distance. */
 function raysOf(camera, width, height) {
   const axes = axesOf(camera);
-  const tangent = Math.tan(halfFov);
+  const tangent = Math.tan(camera.halfFov);
   const pixel = 2 * tangent / height;
   return {
-    eye: add(camera.target, scale(axes.forward, -camera.distance)),
+    eye: eyeOf(camera),
     corner: add(add(axes.forward, scale(axes.up, tangent)), scale(axes.right, -0.5 * pixel * width)),
     across: scale(axes.right, pixel),
     down: scale(axes.up, -pixel),
@@ -100,7 +137,7 @@ function raysOf(camera, width, height) {
 /* The sun of a picture: above, to the right, and behind the camera. */
 function sunOf(camera) {
   const axes = axesOf(camera);
-  return normalize(add([0, 0.85, 0], add(scale(axes.right, 0.5), scale(axes.forward, -0.38))));
+  return normalize(add(scale(camera.frame[1], 0.85), add(scale(axes.right, 0.5), scale(axes.forward, -0.38))));
 }
 
 /* right, up: radians. */
@@ -111,10 +148,23 @@ function turn(camera, right, up) {
 /* right, up: parts of the picture's height. */
 function move(camera, right, up) {
   const axes = axesOf(camera);
-  const height = 2 * Math.tan(halfFov) * camera.distance;
+  const height = 2 * Math.tan(camera.halfFov) * camera.distance;
   return {...camera, target: add(camera.target, add(scale(axes.right, right * height), scale(axes.up, up * height)))};
 }
 
 function approach(camera, factor, cells) {
   return {...camera, distance: clamp(camera.distance * factor, 0.5, 16 * cells)};
+}
+
+/* Turns around the eye. right, up: radians. */
+function lookAround(camera, right, up) {
+  const looking = turn(camera, right, up);
+  return {...looking, target: add(eyeOf(camera), scale(axesOf(looking).forward, camera.distance))};
+}
+
+/* way: to the right, up and forward. */
+function fly(camera, way) {
+  const axes = axesOf(camera);
+  const moved = [axes.right, camera.frame[1], axes.forward].map((axis, i) => scale(axis, way[i])).reduce(add);
+  return {...camera, target: add(camera.target, moved)};
 }

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The data of the page: base64 and gzip to the arrays that shaders read. tools/web/pack.h has their layout. */
+/* The data of the page: base64 and gzip to the arrays that shaders read, level by level, while they arrive.
+   tools/web/pack.h has their layout. */
 "use strict";
-
-const lettersAtOnce = 1 << 20; /* of base64; a multiple of 4 */
 
 /* What the reader of the page is told, in words. */
 class Refusal extends Error {}
@@ -16,29 +15,6 @@ function decodeLetters(letters) {
   return bytes;
 }
 
-async function feed(letters, writable) {
-  const writer = writable.getWriter();
-  for (let at = 0; at < letters.length; at += lettersAtOnce) {
-    await writer.write(decodeLetters(letters.slice(at, at + lettersAtOnce)));
-  }
-  await writer.close();
-}
-
-async function drain(readable, bytes) {
-  const reader = readable.getReader();
-  let used = 0;
-  for (let part = await reader.read(); !part.done; part = await reader.read()) {
-    if (part.value.length > bytes.length - used) {
-      throw new Refusal("The data of this page are damaged: they are too long.");
-    }
-    bytes.set(part.value, used);
-    used += part.value.length;
-  }
-  if (used < bytes.length) {
-    throw new Refusal("The data of this page are damaged: they are too short. Was it saved whole?");
-  }
-}
-
 function allocate(byteCount) {
   try {
     return new Uint8Array(byteCount);
@@ -47,35 +23,127 @@ function allocate(byteCount) {
   }
 }
 
-/* letters: base64 of a gzip stream. */
-async function unpackData(tree, letters) {
-  if (typeof DecompressionStream === "undefined") {
-    throw new Refusal("This browser has no DecompressionStream, which unpacks the nodes. Newer ones have it.");
-  }
-  const bytes = allocate(tree.bytes);
-  const stream = new DecompressionStream("gzip");
-  try {
-    await Promise.all([feed(letters, stream.writable), drain(stream.readable, bytes)]);
-  } catch (error) {
-    throw error instanceof Refusal ? error : new Refusal(`The data of this page are damaged (${error.message}).`);
-  }
-  return bytes;
+/* ---- levels ---- */
+
+/* The texels of each texture that the nodes down to a level take; -1: none. */
+function countTexels(tree, level) {
+  const nodes = tree.nodes[level] ?? 0;
+  const payload = range => {
+    if (range === null || level < 1) {
+      return 0;
+    }
+    return range.stride === 0 ? 1 : Math.max(Math.min(nodes, range.first + range.count) - range.first, 0);
+  };
+  const directory = Math.ceil((tree.nodes[level - 1] ?? 0) / 16);
+  return {
+    masks: directory,
+    directory,
+    colors: payload(tree.colors),
+    normals: payload(tree.normals),
+    light: 6 * payload(tree.light)
+  };
 }
 
-/* The arrays that follow each other in the data; null where the tree has none. */
-function splitData(tree, bytes) {
+const texelBytes = {masks: 16, directory: 4, colors: 4, normals: 2, light: 4};
+
+/* The bytes of a level as arrays, in their order in the data. */
+function splitLevel(tree, level, bytes) {
+  const before = countTexels(tree, level - 1);
+  const after = countTexels(tree, level);
   let at = 0;
-  const next = (Kind, count) => {
-    const array = count > 0 ? new Kind(bytes.buffer, at, count) : null;
-    at += count * Kind.BYTES_PER_ELEMENT;
-    return array;
-  };
-  return {
-    masks: next(Uint32Array, 4 * tree.directory),
-    directory: next(Uint32Array, tree.directory),
-    colors: next(Uint8Array, 4 * (tree.colors?.count ?? 0)),
-    normals: next(Uint8Array, 2 * (tree.normals?.count ?? 0))
-  };
+  return Object.fromEntries(Object.entries(texelBytes).map(([name, each]) => {
+    const from = at;
+    at += each * (after[name] - before[name]);
+    const part = bytes.slice(from, at);
+    return [name, name === "masks" || name === "directory" ? new Uint32Array(part.buffer) : part];
+  }));
+}
+
+function levelBytes(tree, level) {
+  const before = countTexels(tree, level - 1);
+  const after = countTexels(tree, level);
+  return Object.entries(texelBytes).reduce((sum, [name, each]) => sum + each * (after[name] - before[name]), 0);
+}
+
+/* ---- arrival ---- */
+
+/*
+ * Takes blocks of the data as the parser of the page reaches them, and hands levels over as they are complete. The
+ * blocks are one gzip stream, so they are decoded one after the other.
+ */
+class Arrival {
+  constructor(tree) {
+    if (typeof DecompressionStream === "undefined") {
+      throw new Refusal("This browser has no DecompressionStream, which unpacks the nodes. Newer ones have it.");
+    }
+    const stream = new DecompressionStream("gzip");
+    this.tree = tree;
+    this.writer = stream.writable.getWriter();
+    this.reader = stream.readable.getReader();
+    this.part = new Uint8Array(0); /* what was unpacked and not taken yet */
+    this.packed = 0; /* bytes that have come */
+    this.cut = false; /* whether the file ended before the data */
+    this.written = Promise.resolve();
+  }
+
+  /* How much has come: 0 to 1. */
+  share() {
+    return Math.min(this.packed / this.tree.packed, 1);
+  }
+
+  write(bytes) {
+    this.written = this.written.then(() => this.writer.write(bytes()));
+    this.written.catch(error => this.writer.abort(error)).catch(() => undefined); /* so the reader fails, too */
+  }
+
+  /* letters: base64 of a block. */
+  take(letters) {
+    this.packed += letters.length / 4 * 3 - (letters.endsWith("==") ? 2 : letters.endsWith("=") ? 1 : 0);
+    this.write(() => decodeLetters(letters));
+  }
+
+  /* No block will follow. An empty one is written when all before it have been read, which an error would discard. */
+  end() {
+    this.cut = this.packed < this.tree.packed;
+    this.write(() => new Uint8Array(0));
+    this.written.then(() => this.writer.close()).catch(() => undefined);
+  }
+
+  /* Fills bytes with what comes next. */
+  async readInto(bytes) {
+    for (let used = 0; used < bytes.length;) {
+      if (this.part.length === 0) {
+        const {done, value} = await this.reader.read();
+        if (done) {
+          throw new Refusal("The data of this page are damaged: they are too short.");
+        }
+        this.part = value;
+      }
+      const fitting = this.part.subarray(0, bytes.length - used);
+      bytes.set(fitting, used);
+      used += fitting.length;
+      this.part = this.part.subarray(fitting.length);
+    }
+  }
+
+  /* show(level, arrays, first) gets each level when it is complete. Returns when all are, or the file is cut off. */
+  async read(show) {
+    const {tree} = this;
+    try {
+      for (let level = 1; level <= tree.level; ++level) {
+        const bytes = allocate(levelBytes(tree, level));
+        await this.readInto(bytes);
+        show(level, splitLevel(tree, level, bytes), countTexels(tree, level - 1));
+      }
+      if (this.part.length > 0 || !(await this.reader.read()).done) {
+        throw new Refusal("The data of this page are damaged: they are too long.");
+      }
+    } catch (error) {
+      if (!this.cut) {
+        throw error instanceof Refusal ? error : new Refusal(`The data of this page are damaged (${error.message}).`);
+      }
+    }
+  }
 }
 
 /* ---- figures ---- */

@@ -10,7 +10,8 @@ const layouts = {
   masks: {internal: "RGBA32UI", format: "RGBA_INTEGER", type: "UNSIGNED_INT", parts: 4},
   directory: {internal: "R32UI", format: "RED_INTEGER", type: "UNSIGNED_INT", parts: 1},
   colors: {internal: "RGBA8", format: "RGBA", type: "UNSIGNED_BYTE", parts: 4},
-  normals: {internal: "RG8", format: "RG", type: "UNSIGNED_BYTE", parts: 2}
+  normals: {internal: "RG8", format: "RG", type: "UNSIGNED_BYTE", parts: 2},
+  light: {internal: "RGBA8", format: "RGBA", type: "UNSIGNED_BYTE", parts: 4}
 };
 
 const screenShader = `#version 300 es
@@ -28,28 +29,24 @@ function makeContext(canvas) {
 
 /* ---- textures ---- */
 
-function uploadRows(gl, layout, array, texels) {
-  const rows = Math.ceil(texels / textureEdge);
-  for (let row = 0; row < rows; row += rowsAtOnce) {
-    const y = row % textureEdge;
-    const layer = Math.floor(row / textureEdge);
-    const first = row * textureEdge;
-    const here = Math.min(texels - first, rowsAtOnce * textureEdge);
-    const whole = Math.floor(here / textureEdge);
-    const upload = (at, width, height, from) => gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, at, layer, width, height, 1,
-      gl[layout.format], gl[layout.type], array, from * layout.parts);
-    if (whole > 0) {
-      upload(y, textureEdge, whole, first);
-    }
-    if (here % textureEdge > 0) {
-      upload(y + whole, here % textureEdge, 1, first + whole * textureEdge);
-    }
+/* Fills texels of the bound texture, from the texel first on: a part of a row, rows, a part of a row. */
+function fillTexture(gl, layout, array, first) {
+  const texels = array.length / layout.parts;
+  for (let done = 0; done < texels;) {
+    const x = (first + done) % textureEdge;
+    const row = Math.floor((first + done) / textureEdge);
+    const left = texels - done;
+    const whole = x === 0 && left >= textureEdge;
+    const rows = whole ? Math.min(Math.floor(left / textureEdge), rowsAtOnce, textureEdge - row % textureEdge) : 1;
+    const columns = whole ? textureEdge : Math.min(left, textureEdge - x);
+    gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, x, row % textureEdge, Math.floor(row / textureEdge), columns, rows, 1,
+      gl[layout.format], gl[layout.type], array, done * layout.parts);
+    done += rows * columns;
   }
 }
 
-function makeTexture(gl, unit, layout, array) {
-  const texels = array !== null ? array.length / layout.parts : 1;
-  const rows = Math.ceil(texels / textureEdge);
+function makeTexture(gl, unit, layout, texels) {
+  const rows = Math.max(1, Math.ceil(texels / textureEdge));
   const layers = Math.ceil(rows / textureEdge);
   if (layers > gl.getParameter(gl.MAX_ARRAY_TEXTURE_LAYERS)) {
     throw new Refusal("The tree has more nodes than textures of this graphics device hold.");
@@ -59,11 +56,8 @@ function makeTexture(gl, unit, layout, array) {
   gl.texParameteri(gl.TEXTURE_2D_ARRAY, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
   gl.texParameteri(gl.TEXTURE_2D_ARRAY, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
   gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, gl[layout.internal], textureEdge, Math.min(rows, textureEdge), layers);
-  if (array !== null && !gl.isContextLost()) {
-    uploadRows(gl, layout, array, texels);
-  }
   if (gl.getError() !== gl.NO_ERROR) {
-    throw new Refusal(`The graphics device has no room for ${formatBytes(array?.byteLength ?? 0)} of the tree.`);
+    throw new Refusal("The graphics device has no room for the nodes of the tree.");
   }
 }
 
@@ -93,7 +87,7 @@ function makeProgram(gl, parts) {
   const uniforms = new Map();
   for (let i = 0; i < gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); ++i) {
     const {name, type} = gl.getActiveUniform(program, i);
-    uniforms.set(name, {type, location: gl.getUniformLocation(program, name)});
+    uniforms.set(name.replace("[0]", ""), {type, location: gl.getUniformLocation(program, name)});
   }
   return {program, uniforms};
 }
@@ -108,6 +102,7 @@ function setUniforms(gl, {program, uniforms}, values) {
       case gl.FLOAT: gl.uniform1f(uniform.location, value); break;
       case gl.FLOAT_VEC2: gl.uniform2fv(uniform.location, value); break;
       case gl.FLOAT_VEC3: gl.uniform3fv(uniform.location, value); break;
+      case gl.FLOAT_VEC4: gl.uniform4fv(uniform.location, value); break; /* an array of them */
       case gl.UNSIGNED_INT_VEC2: gl.uniform2uiv(uniform.location, value); break;
       default: gl.uniform1i(uniform.location, value); /* numbers, and units of textures */
     }
@@ -117,6 +112,25 @@ function setUniforms(gl, {program, uniforms}, values) {
 /* The elements of a payload: those before the first have none. */
 function rangeOf(payload) {
   return payload !== null ? [payload.first, payload.stride] : [0xffffffff, 0];
+}
+
+/* The sources of a lit page, for lengths in cells. */
+function sourceUniforms(tree) {
+  const cells = point => [0, 1, 2].map(axis => (point[axis] - tree.origin[axis]) / tree.edge);
+  const isFar = ({kind}) => kind === 0;
+  const pack = row => (tree.sources ?? []).flatMap(row);
+  const unlimited = [-2, -1.5]; /* cosines, of points, which no angle ends */
+  return tree.light === null ? {} : {
+    lightLevel: tree.lightLevel,
+    exposure: tree.exposure,
+    sky: tree.sky,
+    sourceCount: tree.sources.length,
+    sourcePlace: pack(source => [...cells(source.position), source.kind]),
+    sourceDirection: pack(source => [...(isFar(source) || source.kind === 2 ? normalize(source.direction) : [0, 0, 0]),
+      source.kind === 2 ? Math.cos(source.outer) : unlimited[0]]),
+    sourceValue: pack(source => [...scale(source.value, isFar(source) ? 1 : 1 / tree.edge ** 2),
+      source.kind === 2 ? Math.cos(source.inner) : unlimited[1]])
+  };
 }
 
 /* ---- targets ---- */
@@ -154,20 +168,23 @@ const blocks = [1, 2, 3, 4, 6, 8, 12, 16];
  * complete.
  */
 class Drawing {
-  constructor(canvas, tree, arrays) {
+  /* A tree of no levels yet. */
+  constructor(canvas, tree) {
     const gl = makeContext(canvas);
     this.gl = gl;
     this.canvas = canvas;
     const names = Object.keys(layouts);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-    names.forEach((name, unit) => makeTexture(gl, unit, layouts[name], arrays[name]));
+    const texels = countTexels(tree, tree.level);
+    names.forEach((name, unit) => makeTexture(gl, unit, layouts[name], texels[name]));
     const common = {
       ...Object.fromEntries(names.map((name, unit) => [name, unit])),
       depth: tree.level,
       colorRange: rangeOf(tree.colors),
       normalRange: rangeOf(tree.normals),
       occlusionRange: 2 ** tree.level / 14 + 2,
-      up: [0, 1, 0]
+      up: normalize(tree.camera.up),
+      ...sourceUniforms(tree)
     };
     this.picture = makeProgram(gl, ["nodes", "walk", "light", "picture-shader"]);
     this.prober = makeProgram(gl, ["nodes", "walk", "probe"]);
@@ -180,6 +197,20 @@ class Drawing {
     this.pass = null;
     this.fence = null;
     this.stripRays = stripRaysLeast;
+  }
+
+  /* Takes the arrays that a level adds to those of the levels above it; first: the texels that these have. */
+  fill(arrays, first) {
+    const {gl} = this;
+    Object.entries(layouts).forEach(([name, layout], unit) => {
+      if (arrays[name].length > 0 && !gl.isContextLost()) {
+        gl.activeTexture(gl.TEXTURE0 + unit);
+        fillTexture(gl, layout, arrays[name], first[name]);
+      }
+    });
+    if (gl.getError() === gl.OUT_OF_MEMORY) {
+      throw new Refusal("The graphics device has no room for the nodes of the tree.");
+    }
   }
 
   /* Asks for a picture of the canvas's present size. */
@@ -272,7 +303,7 @@ class Drawing {
 
   /* Views of single rays keep the values of one: a mean of levels is none. */
   nextPass(pass) {
-    const finer = pass.block === 1 && pass.samples === 1 && this.look.view === 0;
+    const finer = pass.block === 1 && pass.samples === 1 && [0, 5, 6].includes(this.look.view);
     return pass.block > 1 ? this.makePass(1, 1, false) : finer ? this.makePass(1, 2, false) : null;
   }
 

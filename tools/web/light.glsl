@@ -1,9 +1,26 @@
 /* SPDX-License-Identifier: MIT */
-/* Light of a shaded picture, as in kernels/rays/shade.clh: a sun with shadows, and a sky that short rays look for. */
+/*
+ * Light. Of shaded pictures, as in kernels/rays/shade.clh: a sun with shadows, and a sky that short rays look for. Of
+ * pages with light, as in kernels/light/shading.clh: sources with shadows, and what cones gathered when the page was
+ * made (tools/web/bake.c), without specular light.
+ */
+
+#define SOURCES_MAX 16
+#define SOURCE_FAR  0.0 /* kind: all its light comes from one direction */
+#define PI          3.14159265
 
 uniform vec3 sun; /* towards it; unit */
 uniform vec3 up;
 uniform float occlusionRange; /* of the short rays, in cells */
+uniform float pagePixel; /* the width of the cone of a pixel of the page, which several of a screen may share */
+
+uniform int lightLevel; /* the last with baked light */
+uniform float exposure;
+uniform vec3 sky; /* radiance from outside */
+uniform int sourceCount;
+uniform vec4 sourcePlace[SOURCES_MAX]; /* in cells; w: the kind */
+uniform vec4 sourceDirection[SOURCES_MAX]; /* where the light goes, unit; w: the cosine where a spot ends */
+uniform vec4 sourceValue[SOURCES_MAX]; /* for lengths in cells; w: the cosine up to which a spot is full */
 
 /* How open the hemisphere above a point is, nearer voxels counting more: 0 .. 1. */
 float openness(vec3 point, vec3 normal, float range)
@@ -29,20 +46,57 @@ vec3 faceNormal(Hit hit, vec3 direction)
     return normal;
 }
 
-/* The node's normal, else the face's; never pointing away from the eye. Sheets have two sides, so a normal that points
-   clearly away is negated. One that points slightly away belongs to a silhouette; it is made perpendicular to the
-   ray. */
-vec3 shadingNormal(Hit hit, vec3 direction)
+/*
+ * The normal of the surface that voxels without normals stand for: of the plane through what eight rays beside this one
+ * meet, three voxels away from it, by least squares. What they meet much nearer or farther belongs to another surface.
+ * Faces alone would show the steps of the grid, whose patterns flicker where they are about as small as pixels.
+ */
+vec3 fittedNormal(Ray ray, Hit hit, float nodeWidth)
+{
+    vec3 helper = abs(ray.direction.y) < 0.7 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0);
+    vec3 side = normalize(cross(ray.direction, helper));
+    vec3 other = cross(ray.direction, side);
+    float reach = 3.0 * nodeWidth;
+    float before = 4.0 * reach;
+    vec3 begin = ray.origin + (hit.distance - before) * ray.direction;
+    mat3 squares = mat3(1.0, 0.0, 0.0, 0.0, 0.01, 0.0, 0.0, 0.0, 0.01); /* of the ray; no slope without others */
+    vec3 products = vec3(0.0);
+    for (int k = 0; k < 8; ++k) {
+        float angle = 0.25 * PI * float(k);
+        vec3 place = vec3(1.0, cos(angle), sin(angle));
+        Hit beside;
+        Ray parallel = Ray(begin + reach * (place.y * side + place.z * other), ray.direction, 0.0, 2.0 * before);
+        if (castRay(parallel, beside) && abs(beside.distance - before) < 0.9 * before) {
+            squares += outerProduct(place, place);
+            products += (beside.distance - before) / reach * place;
+        }
+    }
+    vec3 plane = inverse(squares) * products;
+    return normalize(plane.y * side + plane.z * other - ray.direction);
+}
+
+/* The normal of voxels without one: the face's where they are so large that they are seen, in pixels of the page. */
+vec3 voxelNormal(Ray ray, Hit hit, float nodeWidth)
+{
+    float seen = smoothstep(2.0, 4.0, nodeWidth / (pagePixel * max(hit.distance, 1.0)));
+    vec3 face = faceNormal(hit, ray.direction);
+    return seen >= 1.0 ? face : normalize(mix(fittedNormal(ray, hit, nodeWidth), face, seen));
+}
+
+/* The node's normal, else that of voxels; never pointing away from the eye. Sheets have two sides, so a normal that
+   points clearly away is negated. One that points slightly away belongs to a silhouette; it is made perpendicular to
+   the ray. */
+vec3 shadingNormal(Ray ray, Hit hit, float nodeWidth)
 {
     vec3 normal;
     if (!readNormal(hit.node, normal)) {
-        normal = faceNormal(hit, direction);
+        normal = voxelNormal(ray, hit, nodeWidth);
     }
-    float away = dot(normal, direction);
+    float away = dot(normal, ray.direction);
     if (away > 0.7) {
         return -normal;
     }
-    return away > 0.0 ? normalize(normal - away * direction) : normal;
+    return away > 0.0 ? normalize(normal - away * ray.direction) : normal;
 }
 
 /* Stored colors are squared to linear light; without them the surface is of clay. */
@@ -66,6 +120,79 @@ vec3 lightAt(vec3 point, vec3 normal, float nodeWidth)
     return ambient + direct * vec3(1.05, 0.98, 0.86);
 }
 
+/* Linear reflectance, from colors by the sRGB curve. */
+vec3 reflectanceOf(Hit hit)
+{
+    vec3 color;
+    if (!readColor(hit.node, color)) {
+        return vec3(0.6);
+    }
+    return mix(pow((color + 0.055) / 1.055, vec3(2.4)), color / 12.92, lessThanEqual(color, vec3(0.04045)));
+}
+
+/* Baked irradiance, between the eight nodes around a point. A surface has a share of the three directions that it
+   faces; nodes that nothing of which faces a direction say nothing about it. */
+vec3 bakedAt(vec3 point, vec3 normal, int level)
+{
+    float width = float(1 << (depth - level));
+    vec3 place = point / width - 0.5;
+    vec3 inside = fract(place);
+    ivec3 faces = ivec3(0, 2, 4) + ivec3(lessThan(normal, vec3(0.0)));
+    mat3 sums = mat3(0.0);
+    vec3 weights = vec3(0.0);
+    for (int k = 0; k < 8; ++k) {
+        ivec3 corner = ivec3(k & 1, k >> 1 & 1, k >> 2);
+        vec3 near = mix(1.0 - inside, inside, vec3(corner)) + 0.01;
+        uint node;
+        if (!findNode(ivec3(floor(place)) + corner, level, node)) {
+            continue;
+        }
+        for (int axis = 0; axis < 3; ++axis) {
+            vec3 irradiance;
+            if (readLight(node, faces[axis], irradiance)) {
+                sums[axis] += near.x * near.y * near.z * irradiance;
+                weights[axis] += near.x * near.y * near.z;
+            }
+        }
+    }
+    vec3 shares = normal * normal * vec3(greaterThan(weights, vec3(0.0)));
+    return sums * (shares / max(weights, 1e-9)) / max(shares.x + shares.y + shares.z, 1e-9);
+}
+
+/* Irradiance by a source, as kernels/light/direct.clh has it. */
+vec3 irradianceBy(int source, vec3 point, vec3 normal, float nodeWidth)
+{
+    vec4 place = sourcePlace[source];
+    vec4 direction = sourceDirection[source];
+    vec3 to = place.w == SOURCE_FAR ? -direction.xyz : place.xyz - point;
+    float squared = max(dot(to, to), 1e-20);
+    float away = sqrt(squared);
+    float facing = dot(normal, to) / away;
+    float share = place.w == SOURCE_FAR ? 1.0
+        : smoothstep(direction.w, sourceValue[source].w, -dot(direction.xyz, to) / away) / squared;
+    Hit blocker;
+    float range = place.w == SOURCE_FAR ? FAR : away - 2.0 * nodeWidth; /* the lamp's own voxels are not in its way */
+    if (facing * share <= 0.0 || castRay(Ray(point, to / away, 0.0, range), blocker)) {
+        return vec3(0.0);
+    }
+    return facing * share * sourceValue[source].rgb;
+}
+
+/* All irradiance of a lit page. inside: a point of the node, so that a node of baked light holds it; point: off it.
+   What is too near and too small for the nodes of baked light, short rays find: it holds the light back, and reflects
+   about half of it. */
+vec3 irradianceAt(vec3 inside, vec3 point, vec3 normal, int level)
+{
+    int bakedLevel = min(level, lightLevel);
+    float nodeWidth = float(1 << (depth - level));
+    float range = max(float(1 << (depth - bakedLevel)), 6.0 * nodeWidth);
+    vec3 sum = bakedAt(inside, normal, bakedLevel) * mix(0.5, 1.0, openness(point, normal, range));
+    for (int source = 0; source < sourceCount; ++source) {
+        sum += irradianceBy(source, point, normal, nodeWidth);
+    }
+    return sum;
+}
+
 /* From light to the share of white that a screen shows: up to a half as it is, above it rolls off towards 1. */
 vec3 toneOf(vec3 light)
 {
@@ -79,21 +206,51 @@ struct Lit {
     vec3 light;
 };
 
-vec3 shade(Ray ray, Hit hit, inout Lit lit)
+vec3 shade(Ray ray, Hit hit, bool isLit, inout Lit lit)
 {
-    vec3 normal = shadingNormal(hit, ray.direction);
     float nodeWidth = float(1 << (depth - hit.level));
+    vec3 normal = shadingNormal(ray, hit, nodeWidth);
     /* Offset from the voxels' steps, so that a surface does not occlude itself. */
     vec3 point = ray.origin + ray.direction * (hit.distance - 0.5 * nodeWidth) + normal * (1.75 * nodeWidth);
     vec3 moved = point - lit.point;
     if (dot(normal, lit.normal) < 0.9 || dot(moved, moved) > 6.0 * nodeWidth * nodeWidth) {
-        lit = Lit(point, normal, lightAt(point, normal, nodeWidth));
+        vec3 inside = ray.origin + ray.direction * (hit.distance + 0.1 * nodeWidth);
+        lit = Lit(point, normal, isLit ? irradianceAt(inside, point, normal, hit.level)
+                                       : lightAt(point, normal, nodeWidth));
     }
-    return toneOf(0.85 * albedoOf(hit) * lit.light);
+    return isLit ? toneOf(exposure / PI * reflectanceOf(hit) * lit.light) : toneOf(0.85 * albedoOf(hit) * lit.light);
 }
 
-/* The square root inverts the squares of albedoOf. */
-vec3 encode(vec3 shown)
+/* How open a surface is: 16 rays, as many in each direction as light comes from there. */
+vec3 showOpenness(Ray ray, Hit hit)
+{
+    float nodeWidth = float(1 << (depth - hit.level));
+    vec3 normal = shadingNormal(ray, hit, nodeWidth);
+    vec3 point = ray.origin + ray.direction * (hit.distance - 0.5 * nodeWidth) + normal * (1.75 * nodeWidth);
+    vec3 helper = abs(normal.y) < 0.7 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0);
+    vec3 side = normalize(cross(normal, helper));
+    vec3 other = cross(normal, side);
+    float range = max(3.0 * occlusionRange, 6.0 * nodeWidth);
+    float open = 0.0;
+    for (int k = 0; k < 16; ++k) {
+        float share = (float(k) + 0.5) / 16.0;
+        float angle = 2.39996 * float(k);
+        vec3 direction = sqrt(share) * (cos(angle) * side + sin(angle) * other) + sqrt(1.0 - share) * normal;
+        Hit blocker;
+        open += castRay(Ray(point, direction, 0.12, range), blocker) ? blocker.distance / range : 1.0;
+    }
+    return vec3(open / 16.0);
+}
+
+/* Shaded pictures: the square root inverts the squares of albedoOf. */
+vec3 encodeSquares(vec3 shown)
 {
     return sqrt(clamp(shown, 0.0, 1.0));
+}
+
+/* The sRGB curve (IEC 61966-2-1). */
+vec3 encodeLight(vec3 shown)
+{
+    vec3 share = clamp(shown, 0.0, 1.0);
+    return mix(1.055 * pow(share, vec3(1.0 / 2.4)) - 0.055, 12.92 * share, lessThanEqual(share, vec3(0.0031308)));
 }

@@ -18,6 +18,7 @@ uniform usampler2DArray masks; /* RGBA32UI */
 uniform usampler2DArray directory; /* R32UI: the first child of every 16th node */
 uniform sampler2DArray colors; /* RGBA8 */
 uniform sampler2DArray normals; /* RG8 */
+uniform sampler2DArray light; /* RGBA8: six texels a node, +x, -x, +y, -y, +z, -z; alpha is an exponent, 0: none */
 /* The element of a node is at (node - x) * y; nodes before x have none. */
 uniform uvec2 colorRange;
 uniform uvec2 normalRange;
@@ -92,4 +93,31 @@ bool readNormal(uint node, out vec3 normal)
     }
     normal = normalize(normal);
     return true;
+}
+
+/* The node of a cell of a level, or the leaf above it; false: the cell is empty. */
+bool findNode(ivec3 cell, int level, out uint node)
+{
+    node = 0u;
+    if (any(lessThan(cell, ivec3(0))) || any(greaterThanEqual(cell, ivec3(1 << level)))) {
+        return false;
+    }
+    for (int shift = level - 1; shift >= 0; --shift) {
+        ivec3 bits = cell >> shift & 1;
+        uint child;
+        int kind = openNode(node, uint(bits.x | bits.y << 1 | bits.z << 2), child);
+        if (kind != CHILD_NODE) {
+            return kind == CHILD_SELF;
+        }
+        node = child;
+    }
+    return true;
+}
+
+/* Baked irradiance of a node from one of six directions; false where it has none. */
+bool readLight(uint node, int face, out vec3 irradiance)
+{
+    vec4 stored = texelFetch(light, placeTexel(6u * node + uint(face)), 0);
+    irradiance = stored.rgb * exp2(round(255.0 * stored.a) - 128.0);
+    return stored.a > 0.0;
 }

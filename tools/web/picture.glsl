@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* The color of a pixel: shaded as kernels/rays/render.cl does it, or what kernels/rays/view.cl shows of a ray. */
+/* The color of a pixel: shaded as kernels/rays/render.cl does it, lit as kernels/light/picture.cl does, or what
+   kernels/rays/view.cl shows of a ray. */
 
 #define VIEW_SHADED 0
 #define VIEW_NORMAL 1
 #define VIEW_DEPTH  2
 #define VIEW_STEPS  3
 #define VIEW_LEVEL  4
+#define VIEW_OPEN   5
+#define VIEW_FULL   6
 
 /* The step count that the last color stands for. */
 #define STEPS_HOT 64.0
@@ -63,8 +66,12 @@ vec3 lookAlong(Ray ray, float row, inout Lit lit)
     if (view == VIEW_STEPS) {
         return heat(float(hit.steps) / STEPS_HOT);
     }
-    if (view == VIEW_SHADED) {
-        return met ? shade(ray, hit, lit) : mix(skyAbove, skyBelow, row / pictureHeight);
+    if (view == VIEW_SHADED || view == VIEW_FULL) {
+        vec3 behind = view == VIEW_FULL ? toneOf(exposure * sky) : mix(skyAbove, skyBelow, row / pictureHeight);
+        return met ? shade(ray, hit, view == VIEW_FULL, lit) : behind;
+    }
+    if (view == VIEW_OPEN) {
+        return met ? showOpenness(ray, hit) : vec3(1.0);
     }
     if (!met) {
         return blank;
@@ -90,5 +97,5 @@ void main()
         sum += lookAlong(Ray(eye, direction, footprint / float(samples), FAR), place.y, lit);
     }
     sum /= float(samples * samples);
-    color = vec4(view == VIEW_SHADED ? encode(sum) : sum, 1.0);
+    color = vec4(view == VIEW_SHADED ? encodeSquares(sum) : view >= VIEW_OPEN ? encodeLight(sum) : sum, 1.0);
 }
