@@ -318,8 +318,8 @@ static void children_run_on_the_same_device(void **state)
     expect_files(kept, 1);
 }
 
-/* Whether a column of figures that are the same on every run must be equal in both documents. Bytes of the device depend
-   on the driver. */
+/* Whether a column of figures that are the same on every run must be equal in both documents. Bytes of the device
+   depend on the driver. */
 static bool is_pinned(const char *column, bool same_driver)
 {
     static const char *const counts[] = {"triangles", "depth", "fragments", "nodes", "leaves"};

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The data of pages (tools/web/pack.h): a cut at any level is the front part of each array, what is packed unpacks to
- * what each level adds to it, levels are complete where the data say so, normals keep their direction, and the bounds are
- * those of the cells.
+ * what each level adds to it, levels are complete where the data say so, normals keep their direction, and the bounds
+ * are those of the cells.
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -300,8 +300,8 @@ SVO_API svo_status svo_gather(svo_light *light, const svo_gather_point *points, 
 /** Number of kernel arguments that SVO_LIGHT_PARAMETERS declares. */
 #define SVO_LIGHT_ARGUMENTS 9u
 
-/** Cones in a kernel of the caller's own: OpenCL C 1.2 to put before the kernel's source, as svo_tree_kernel_source. One
- *  program may have both texts, in any order.
+/** Cones in a kernel of the caller's own: OpenCL C 1.2 to put before the kernel's source, as svo_tree_kernel_source.
+ *  One program may have both texts, in any order.
  *
  * It declares
  *

@@ -20,8 +20,8 @@ void svo_i_file_close(file_bytes *file);
 /* That name as a path, released by free; NULL: no memory. */
 char *svo_i_file_beside(const char *path, const char *name);
 
-/* Tells the parent at the other end of stream that such a file is read. Returns -1 when memory runs out or the parent is
-   gone. */
+/* Tells the parent at the other end of stream that such a file is read. Returns -1 when memory runs out or the parent
+   is gone. */
 int svo_i_file_tell_beside(int stream, const char *path, const char *name);
 
 /* How assimp opens files, so that the parent is told of each but path, the mesh file. files: filled in, and valid as

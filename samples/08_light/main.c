@@ -16,8 +16,8 @@
 
 #define OWN_ARGUMENTS (SVO_TREE_ARGUMENTS + SVO_LIGHT_ARGUMENTS) /* the first of the kernel's own */
 
-/* The program's kernel: a ray looks down. Where it meets the ring: 8. Else what passes a cone from the ground to a sun 10
-   degrees wide, from 0, nothing, to 7. */
+/* The program's kernel: a ray looks down. Where it meets the ring: 8. Else what passes a cone from the ground to a sun
+   10 degrees wide, from 0, nothing, to 7. */
 static const char kernel_source[] =
     "__kernel void shade(SVO_TREE_PARAMETERS, SVO_LIGHT_PARAMETERS, __global uchar *picture, uint width, uint height)\n"
     "{\n"

@@ -121,7 +121,7 @@ function moveCamera(shown) {
   expect("wheel", () => canvas.dispatchEvent(new WheelEvent("wheel", {deltaY: -120, cancelable: true})),
     (before, after) => after.distance < before.distance);
   expect("Home", () => get("home").click(), (before, after) =>
-    isSame(after.target, frameTree(shown.tree, canvas.width / canvas.height).target));
+    isSame(after.target, frameTree(shown.nodes, canvas.width / canvas.height).target));
   return wrong.join(", ");
 }
 

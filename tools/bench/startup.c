@@ -170,9 +170,8 @@ static void add_needs(result_table *table, const input *source, unsigned depth, 
 /* The trees of other needs in one process, with empty and with filled caches. */
 static int run_needs(suite *all, const input *source, unsigned depth, const char *depth_text)
 {
-    const char *const always[] = {"bench",    "leaving-out", "--scenes", source->name,
-                                  "--depths", depth_text,    "--repeat", "1",
-                                  "--json"};
+    const char *const always[] = {"bench",    "leaving-out", "--scenes", source->name, "--depths",
+                                  depth_text, "--repeat",    "1",        "--json"};
     child_arguments arguments = {.count = 0};
     child_cache cache = {""};
     cJSON *cold = NULL;

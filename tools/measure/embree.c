@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The only file that uses Embree. It opens the library when it is first asked for, so that a program that was built with
- * its headers needs it for nothing else. Without it the functions say so and fail.
+ * The only file that uses Embree. It opens the library when it is first asked for, so that a program that was built
+ * with its headers needs it for nothing else. Without it the functions say so and fail.
  */
 #include "measure/embree.h"
 

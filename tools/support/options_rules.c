@@ -135,8 +135,8 @@ static int read_count(program *state, const rule *option, const char *value)
     return PROGRAM_DONE;
 }
 
-/* Bytes in a unit: K, M, G, T and KiB, MiB, ... are powers of 1024; KB, MB, ... of 1000; B and nothing are 1. 0: none of
-   them. */
+/* Bytes in a unit: K, M, G, T and KiB, MiB, ... are powers of 1024; KB, MB, ... of 1000; B and nothing are 1. 0: none
+   of them. */
 static uint64_t unit_bytes(const char *unit)
 {
     static const char letters[] = "KMGT";

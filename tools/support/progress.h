@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * A progress bar on standard error: steps, how far the current one is where it says so, and a running clock, in one
- * line, however narrow the terminal. It is drawn only on a terminal, and only after half a second of work. A separate thread keeps the clock running during long
- * calls.
+ * line, however narrow the terminal. It is drawn only on a terminal, and only after half a second of work. A separate
+ * thread keeps the clock running during long calls.
  *
  * Every function accepts NULL, the bar of a program without a terminal, and then does nothing.
  */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Finds the range, colors the numbers and draws the bar. The text is that of stb_easy_font, whose letters are rectangles
- * of pixels.
+ * Finds the range, colors the numbers and draws the bar. The text is that of stb_easy_font, whose letters are
+ * rectangles of pixels.
  */
 #include "support/value_scale.h"
 

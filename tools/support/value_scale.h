@@ -17,8 +17,8 @@ typedef struct value_scale {
 bool value_scale_suits(svo_render_view view);
 
 /*
- * Turns the numbers of a picture, floats as SVO_PIXELS_LINEAR has them, into bytes: RGBA as output says, in the range of
- * what is in view, with a bar where it has room. scale: of the frames of a film the first one's range holds for all.
+ * Turns the numbers of a picture, floats as SVO_PIXELS_LINEAR has them, into bytes: RGBA as output says, in the range
+ * of what is in view, with a bar where it has room. scale: of the frames of a film the first one's range holds for all.
  */
 void value_scale_color(const svo_render_options *asked, const svo_picture_output *output, const float *numbers,
                        uint8_t *rgba, value_scale *scale);

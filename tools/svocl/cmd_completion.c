@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl completion: functions of bash, zsh and fish that complete command lines, from the tables of commands and options. */
+/* svocl completion: functions of bash, zsh and fish that complete command lines, from the tables of commands and
+   options. */
 #include <stdio.h>
 #include <string.h>
 

@@ -114,8 +114,8 @@ static const command commands[] = {
 #endif
     {.name = "export-web",
      .run = command_export_web,
-     .groups = BUILDS | OPTION_VOXELS | OPTION_OUTPUT | OPTION_WEB_COMMAND | OPTION_LIGHT | OPTION_LEVELS |
-               OPTION_UNFOLDED,
+     .groups =
+         BUILDS | OPTION_VOXELS | OPTION_OUTPUT | OPTION_WEB_COMMAND | OPTION_LIGHT | OPTION_LEVELS | OPTION_UNFOLDED,
      .input_name = "INPUT",
      .needs_input = true,
      .suffixes = ".html .htm",

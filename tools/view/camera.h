@@ -31,8 +31,8 @@ void camera_go_home(view_state *state);
 /* Where a point of the world is in the window, pixels. False behind the eye. */
 bool camera_project(const view_state *state, const float point[3], float pixel[2]);
 
-/* The ray through a place of the window, as far as a clipping plane leaves it: t in world units. Where it leaves nothing
-   t_min is above t_max. */
+/* The ray through a place of the window, as far as a clipping plane leaves it: t in world units. Where it leaves
+   nothing t_min is above t_max. */
 void camera_pick_ray(const view_state *state, float x, float y, svo_ray *ray);
 
 /* Cuts a ray from the eye so. */

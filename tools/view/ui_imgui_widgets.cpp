@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
-#include <string>
 #include <cstring>
+#include <string>
 
 #include "view/ui_imgui.h"
 #include "view/ui_theme.h"

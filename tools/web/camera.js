@@ -56,8 +56,8 @@ function anglesOf(back, frame) {
   return {yaw: Math.atan2(right, behind), pitch: Math.asin(clamp(up, -1, 1))};
 }
 
-/* How far the occupied cells of frameLevel, or of the last level that is known, reach along a direction, in cells of the
-   page's level. Nodes that may reach farther than what was found are opened, the one ahead first. */
+/* How far the occupied cells of frameLevel, or of the last level that is known, reach along a direction, in cells of
+   the page's level. Nodes that may reach farther than what was found are opened, the one ahead first. */
 function reachOf({level, known, masks, directory}, along) {
   const ahead = along.reduce((octant, value, axis) => value > 0 ? octant | 1 << axis : octant, 0);
   const deepest = Math.min(known, frameLevel);

@@ -49,8 +49,8 @@ class Flight {
 
   describe() {
     const speed = (this.speed * this.viewer.tree.edge).toPrecision(3);
-    return `Flying, ${speed} units a second (wheel). W A S D, Q and E move. Drag to look around, or click and use the ` +
-      "mouse.";
+    return `Flying, ${speed} units a second (wheel). W A S D, Q and E move. Drag to look around, or click and use ` +
+      "the mouse.";
   }
 
   /* The mouse looks around without a button until Escape; where a browser does not allow that, dragging still does. */
