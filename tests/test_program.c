@@ -77,7 +77,7 @@ static void options_without_effect_are_refused(void **state)
         {"bench rays --workers 2", "--workers does not apply to bench rays"},
         {"bench rays --need color", "--need does not apply to bench rays"},
         {"bench e1 --depths 5", "--depths does not apply to bench e1"},
-        {"bench thesis-2016 --depths 4", "--depths does not apply to bench thesis-2016"},
+        {"bench parts-large --depths 4", "--depths does not apply to bench parts-large"},
         {"bench parts --ray-count 9", "--ray-count does not apply to bench parts"},
         {"bench memory --coverage half-open", "--coverage does not apply to bench memory"},
     };

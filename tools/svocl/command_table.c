@@ -89,7 +89,7 @@ static const command commands[] = {
      .input_name = "INPUT",
      .needs_input = true,
      .suffixes = ".png .exr .hdr .ppm .y4m",
-     .summary = "Renders the octree of a mesh or voxels, a .svo file or a .json scene as a picture.",
+     .summary = "Renders a mesh, voxels, a .svo file or a .json scene as a picture.",
      .reads_file = true,
      .examples =
          EXAMPLES("render model.svo -o model.png --size 1920x1080", "render model.svo --view steps -o heat.png",
