@@ -36,7 +36,7 @@ static bool find_file(const char *path, int stream, struct stat *entry)
 
 static int fail_clash(program *state, const char *output, const char *input)
 {
-    return input == file_register_no_memory
+    return input == file_register_no_memory || output == file_register_no_memory
                ? program_fail(state, PROGRAM_FAILED, "out of memory")
                : program_fail(state, PROGRAM_WRONG_USAGE, "output %s would replace %s, which this run reads", output,
                               input);
