@@ -77,12 +77,14 @@ def test_enumerations_are_complete():
         "svo_solid_rule": (_enums.SolidRule, "SVO_SOLID_"),
         "svo_scene_flags": (_enums.SceneTrace, "SVO_SCENE_"),
         "svo_light_form": (_enums.LightForm, "SVO_LIGHT_"),
+        "svo_probes_buffer": (_enums.ProbeBuffer, "SVO_PROBES_"),
+        "svo_probe_choice": (_enums.ProbeChoice, "SVO_PROBE_CHOICE_"),
         "svo_opacity": (_enums.Opacity, "SVO_OPACITY_"),
         "svo_light_buffer": (_enums.LightBuffer, "SVO_LIGHT_"),
         "svo_march": (_enums.March, "SVO_MARCH_"),
         "svo_light_view": (_enums.LightView, "SVO_LIGHT_VIEW_"),
     }
-    counts = {"svo_form": "COUNT", "svo_light_form": "FORM_COUNT"}
+    counts = {"svo_form": "COUNT", "svo_light_form": "FORM_COUNT", "svo_probe_choice": "COUNT"}
     for name, (kind, prefix) in enumerations.items():
         expected = {text[len(prefix) :]: value for text, value in ffi.typeof(name).relements.items()}
         expected.pop(counts.get(name, "BUFFER_COUNT"), None)
@@ -113,6 +115,7 @@ def test_structs_are_complete():
         "svo_moving_bvh_report": (_structs.MovingBvhReport, {"reserved"}),
         "svo_moving_info": (_structs.MovingInfo, {"reserved"}),
         "svo_moving_object": (_structs.MovingObject, set()),
+        "svo_probe_info": (_structs.ProbeInfo, set()),
         "svo_paged_info": (_structs.PagedInfo, set()),
         "svo_paged_counts": (_structs.PagedCounts, set()),
         "svo_scene_light": (svocl.SceneLight, {"reserved"}),
@@ -137,6 +140,8 @@ def test_records_have_the_layout_of_the_headers():
         "svo_voxel": svocl.voxel_dtype,
         "svo_gather_point": svocl.gather_point_dtype,
         "svo_gather_result": svocl.gather_result_dtype,
+        "svo_probe_hit": svocl.probe_hit_dtype,
+        "svo_probe_irradiance": svocl.probe_irradiance_dtype,
     }.items():
         offsets = {field: description.offset for field, description in ffi.typeof(name).fields}
         assert {field: dtype.fields[field][1] for field in dtype.names} == offsets

@@ -15,7 +15,7 @@ from ._device import Device
 from ._enums import BvhQuality, Coverage, Need, Weights
 from ._errors import error
 from ._handle import Handle, Native
-from ._mesh import Mesh, read_struct
+from ._mesh import Mesh, mesh_of, read_struct
 from ._native import ffi, lib
 from ._tree import Tree, address
 
@@ -171,7 +171,7 @@ class Moving(Handle):
         self._take(lib.svo_moving_update, cl_queue, out)
         return _structs.read(out, _structs.MovingReport) if report else None
 
-    def update_enqueue(self, queue: Any, *, wait_for: Iterable[Any] = ()) -> int:
+    def update_enqueue(self, queue: Any, *, wait_for: Iterable[Any] = ()) -> _opencl.Event:
         """Moving.update, but does not wait. Until Moving.finish the tree is the one before, and calls that change the
         scene are refused.
 
@@ -180,12 +180,12 @@ class Moving(Handle):
             wait_for: pyopencl.Events to wait for, or their int_ptrs.
 
         Returns:
-            The cl_event of the update, which is the caller's to release: pyopencl.Event.from_int_ptr(event, False).
+            The event of the update, which releases itself.
         """
         cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
         event = ffi.new("cl_event *")
         self._call(lib.svo_moving_update_enqueue, cl_queue, *_opencl.events(wait_for), event)
-        return int(ffi.cast("uintptr_t", event[0]))
+        return _opencl.Event(event[0])
 
     def finish(self) -> _structs.MovingReport:
         """Waits for the update in flight, and takes its tree. After a failure the tree before stays.
@@ -286,10 +286,8 @@ class Moving(Handle):
         return f"<svocl.Moving: {info.object_count} objects, {info.fragments} fragments>"
 
 
-def _struct_of(mesh: Mesh) -> tuple[Any, list[Any]]:
-    if not isinstance(mesh, Mesh):
-        raise TypeError(f"mesh: {type(mesh).__name__}, expected svocl.Mesh")
-    return mesh._struct()
+def _struct_of(mesh: Any) -> tuple[Any, list[Any]]:
+    return mesh_of(mesh)._struct()
 
 
 def _matrix(transform: npt.ArrayLike) -> Any:
