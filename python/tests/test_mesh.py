@@ -139,8 +139,16 @@ def test_objects_with_vertices_and_faces(device):
     class Open3D:
         vertices, triangles = list(map(tuple, positions)), indices.tolist()
 
+    class Both(Trimesh):
+        @property
+        def triangles(self):
+            raise AssertionError("not needed")
+
     assert device.build(Trimesh(), 4).hash() == expected
     assert device.build(Open3D(), 4).hash() == expected
+    assert device.build(Both(), 4).hash() == expected
+    with svocl.Moving(device, Trimesh(), 4, origin=(-2, -2, -2), edge=4, need=svocl.Need.RAYS) as moving:
+        assert moving.add(Open3D()) == 0
     with pytest.raises(TypeError, match="mesh: object, expected svocl.Mesh or an object with vertices and faces"):
         device.build(object(), 4)
     with pytest.raises(ValueError, match="indices: 8589934599 is not in 0 .. 4294967295"):

@@ -153,6 +153,9 @@ def test_meshes_in_device_buffers(context, queue, shared, random):
         __cl_mem__ = kept.base_data.int_ptr
 
     assert shared.build(svocl.DeviceMesh(Strided(), on_device[1]), 5, need=svocl.Need.RAYS).hash() == expected
+    with pytest.raises(TypeError, match="wait_for: str"):  # those of an array are waited for
+        Strided.events = ["event"]
+        shared.build(svocl.DeviceMesh(Strided()), 5)
     short = arrays.to_device(queue, indices.astype(np.uint16))
     assert shared.build(svocl.DeviceMesh(on_device[0], short), 5, need=svocl.Need.RAYS).hash() == expected
     for wrong, message in [

@@ -6,6 +6,8 @@ import importlib.metadata
 import os
 import subprocess
 import sys
+import tarfile
+from pathlib import Path
 
 import pytest
 
@@ -27,6 +29,36 @@ def test_the_wheel_carries_the_library_and_no_loader():
     assert "libOpenCL.so.1" in needed and "libsvocl" not in needed
     if svocl.has_io:
         assert os.access(os.path.join(os.path.dirname(_native.__file__), "svocl-import"), os.X_OK)
+
+
+def test_the_source_distribution_is_whole(tmp_path):
+    """It has the library's sources and the wheel's metadata, it is the same bytes in each run and of its own unpacked
+    copy, and nothing is left beside what it was made of."""
+    pytest.importorskip("scikit_build_core")
+    python = Path(__file__).parents[1]
+    if not (python / "native").is_dir():
+        pytest.skip("the tests of an installed package")
+    before = sorted(python.rglob("*"))
+    code = "import sys, svocl_build; print(svocl_build.build_sdist(sys.argv[1], {'build-dir': 'build'}))"
+    environment = {**os.environ, "PYTHONPATH": "native", "PYTHONDONTWRITEBYTECODE": "1"}
+
+    def make(source, target):
+        command = [sys.executable, "-c", code, str(target)]
+        done = subprocess.run(command, cwd=source, env=environment, check=True, stdout=subprocess.PIPE, text=True)
+        return target / done.stdout.split()[-1]
+
+    archive = make(python, tmp_path / "first")
+    assert make(python, tmp_path / "second").read_bytes() == archive.read_bytes()
+    with tarfile.open(archive) as tar:
+        tar.extractall(tmp_path)
+    unpacked = tmp_path / archive.name[: -len(".tar.gz")]
+    assert make(unpacked, tmp_path / "third").read_bytes() == archive.read_bytes()
+    assert sorted(python.rglob("*")) == before
+    for name in ("CMakeLists.txt", "LICENSE", "lib/build/build.c", "include/svocl/version.h", "kernels/stages/scan.cl"):
+        assert (unpacked / "source" / name).is_file(), name
+    assert not [path for path in unpacked.rglob("*") if path.name == "__pycache__" or path.name.startswith(".")]
+    metadata = importlib.metadata.distribution("svocl").read_text("METADATA")
+    assert (unpacked / "PKG-INFO").read_text(encoding="utf-8") == metadata
 
 
 def test_without_an_opencl_loader():

@@ -106,8 +106,8 @@ class Device(Handle):
         """Plans the build of a mesh: what it will do, and the size of every buffer. Allocates nothing on the device.
 
         Args:
-            mesh: a Mesh; a DeviceMesh; or an object with vertices and faces (or triangles), such as a mesh of trimesh or
-                Open3D, whose geometry is taken. Read now, and not needed afterwards.
+            mesh: a Mesh; a DeviceMesh; or an object with vertices and faces (or triangles), such as a mesh of trimesh
+                or Open3D, whose geometry is taken. Read now, and not needed afterwards.
             depth: 1 .. 16: the grid has 2**depth voxels per axis.
             queue: of a DeviceMesh: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's
                 own.
@@ -147,7 +147,7 @@ class Device(Handle):
         create = lib.svo_plan_create
         if isinstance(given, DeviceMesh):
             create = lib.svo_plan_create_from_buffers
-            arguments += [_opencl.pointer("cl_command_queue", queue, "queue"), *_opencl.events(given.wait_for)]
+            arguments += [_opencl.pointer("cl_command_queue", queue, "queue"), *_opencl.events(given._events())]
         with _progress.opened(progress) as function:
             if function is not None:
                 user = ffi.new_handle(function)

@@ -174,7 +174,8 @@ class DeviceMesh:
         uvs: (vertex_count, 2) float32.
         triangle_materials: (triangle_count,) uint16.
         materials, textures: see Mesh; on the host.
-        wait_for: pyopencl.Events that the buffers are ready after, or their int_ptrs.
+        wait_for: pyopencl.Events that the buffers are ready after, or their int_ptrs. The events that an array has, as
+            pyopencl's arrays do, are waited for too.
     """
 
     def __init__(
@@ -210,6 +211,10 @@ class DeviceMesh:
         self.wait_for = tuple(wait_for)
         # What is on the host is a mesh without vertices.
         self._host = Mesh(np.zeros((0, 3), np.float32), materials=materials, textures=textures)
+
+    def _events(self) -> list[Any]:
+        """What the buffers are ready after."""
+        return [*self.wait_for, *(event for array in self._kept for event in getattr(array, "events", None) or ())]
 
     def __repr__(self) -> str:
         return f"<svocl.DeviceMesh: {self.vertex_count} vertices, {self.triangle_count} triangles>"
@@ -263,13 +268,15 @@ def _device_array(
     return _opencl.pointer("cl_mem", memory, name), int(getattr(array, "offset", 0)), int(strides[0])
 
 
-def mesh_of(value: Any) -> "Mesh":
-    """A Mesh, or what has vertices and faces, or vertices and triangles: trimesh's and Open3D's meshes, for example.
-    Their geometry is taken; for colors and the like make a Mesh."""
+def mesh_of(value: Any) -> Mesh:
+    """The Mesh of an argument: a Mesh, or what has vertices and faces, or vertices and triangles, such as meshes of
+    trimesh and Open3D. Their geometry is taken."""
     if isinstance(value, Mesh):
         return value
     vertices = getattr(value, "vertices", None)
-    faces = getattr(value, "faces", getattr(value, "triangles", None))
+    faces = getattr(value, "faces", None)
+    if faces is None:  # trimesh has triangles too, of coordinates, which it makes when asked
+        faces = getattr(value, "triangles", None)
     if vertices is None or faces is None:
         raise TypeError(f"mesh: {type(value).__name__}, expected svocl.Mesh or an object with vertices and faces")
     positions = np.asarray(vertices)

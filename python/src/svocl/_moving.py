@@ -29,7 +29,8 @@ class Moving(Handle):
 
     Args:
         device: of the tree.
-        mesh: the static mesh. Objects have the arrays of vertices that it has, and its materials and textures.
+        mesh: the static mesh, see Device.plan. Objects have the arrays of vertices that it has, and its materials and
+            textures.
         depth: 1 .. 16: the grid has 2**depth voxels per axis.
         origin: minimum corner of the grid. What leaves the grid occupies nothing and is counted.
         edge: width of the grid, above 0.
@@ -51,7 +52,7 @@ class Moving(Handle):
     def __init__(
         self,
         device: Device,
-        mesh: Mesh,
+        mesh: Any,
         depth: int,
         *,
         origin: Sequence[float],
@@ -65,7 +66,7 @@ class Moving(Handle):
         weight_log2: int = 0,
         queue: Any = None,
     ) -> None:
-        struct, kept = _struct_of(mesh)
+        struct, kept = mesh_of(mesh)._struct()
         options = _structs.new("svo_moving_options")
         options.origin, options.edge = _arrays.three("origin", origin), edge
         options.need = _arrays.integer("need", need)
@@ -88,7 +89,7 @@ class Moving(Handle):
 
     # --- objects ----------------------------------------------------------------------------------------------------
 
-    def add(self, mesh: Mesh, transform: Optional[npt.ArrayLike] = None) -> int:
+    def add(self, mesh: Any, transform: Optional[npt.ArrayLike] = None) -> int:
         """Adds an object, which is visible. The tree changes with the next update.
 
         Args:
@@ -103,7 +104,7 @@ class Moving(Handle):
             InvalidArgumentError: a matrix that is not finite or flat, or a mesh with other arrays.
             OutOfDeviceMemoryError, OutOfHostMemoryError
         """
-        struct, kept = _struct_of(mesh)
+        struct, kept = mesh_of(mesh)._struct()
         matrix = ffi.NULL if transform is None else _matrix(transform)
         number = ffi.new("uint32_t *")
         self._call(lib.svo_moving_add, struct, matrix, number)
@@ -122,14 +123,14 @@ class Moving(Handle):
         """
         self._call(lib.svo_moving_set_transform, _arrays.integer("number", number), _matrix(transform))
 
-    def set_vertices(self, number: int, mesh: Mesh) -> None:
+    def set_vertices(self, number: int, mesh: Any) -> None:
         """Replaces an object's vertices, to which its transform applies. The tree changes with the next update.
 
         Args:
             number: of the object.
             mesh: positions and normals as the object's mesh has them, and its counts; other arrays are not read.
         """
-        struct, kept = _struct_of(mesh)
+        struct, kept = mesh_of(mesh)._struct()
         self._call(lib.svo_moving_set_vertices, _arrays.integer("number", number), struct)
         del kept
 
@@ -284,10 +285,6 @@ class Moving(Handle):
             return "<svocl.Moving: closed>"
         info = self.info
         return f"<svocl.Moving: {info.object_count} objects, {info.fragments} fragments>"
-
-
-def _struct_of(mesh: Any) -> tuple[Any, list[Any]]:
-    return mesh_of(mesh)._struct()
 
 
 def _matrix(transform: npt.ArrayLike) -> Any:

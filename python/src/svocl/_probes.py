@@ -23,7 +23,8 @@ class Probes(Handle):
     Args:
         subject: a tree on a device, or a scene where its instances are now.
         counts: (3,) probes along x, y and z; all 0: 4, 4, 4.
-        resolution: texels along a side of a probe's map, 64 .. 1024, a multiple of 16; 0: 256, or what max_bytes allows.
+        resolution: texels along a side of a probe's map, 64 .. 1024, a multiple of 16; 0: 256, or what max_bytes
+            allows.
         start: (3,) of the first probe, world coordinates; read on axes with a step.
         step: (3,) between probes, world units; 0: the probes are at the centers of equal cells of the tree's grid.
         max_bytes: of the texels of all probes; 0: 1 GiB.
