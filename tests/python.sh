@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# The Python package's tests: makes a virtual environment in FOLDER, builds the wheel of ROOT/python there, installs it
-# and runs pytest on it. The environment stays for the next run. Where it cannot be made (no venv module, no headers of
-# Python, no package registry), the test is skipped and says so; a wheel that does not build or a failed test is a
-# failure.
+# The Python package's tests: makes a virtual environment in FOLDER, makes the source distribution of ROOT/python there,
+# builds the wheel from that, installs it and runs pytest on it. The environment stays for the next run. Where it cannot
+# be made (no venv module, no headers of Python, no package registry), the test is skipped and says so; a wheel that
+# does not build or a failed test is a failure.
 #
 # usage: python.sh ROOT FOLDER [C_COMPILER [PYTEST_ARGUMENT ...]]
 set -euo pipefail
@@ -55,9 +55,22 @@ if [[ $(cat "$venv/requirements" 2>/dev/null) != "$requirements" || ! -x $venv/b
 fi
 
 # Without isolation, since its environment has what pyproject.toml wants; so no network is needed from here on.
-rm -rf "$folder/wheel"
+rm -rf "$folder/wheel" "$folder/unpacked"
+mkdir "$folder/unpacked"
+(cd "$root/python" && PYTHONPATH=native "$venv/bin/python" -c '
+import sys, svocl_build
+svocl_build.build_sdist(sys.argv[1])' "$folder/unpacked") >"$log" 2>&1 || fail "there is no source distribution"
+tar -x -m -f "$folder"/unpacked/svocl-*.tar.gz -C "$folder/unpacked" --strip-components=1
+# Files that are as they were keep their times, so that the build folder stays of use.
+mkdir -p "$folder/source"
+while IFS= read -r -d '' file; do
+    ! cmp -s "$folder/source/$file" "$folder/unpacked/$file" ||
+        touch -r "$folder/source/$file" "$folder/unpacked/$file"
+done < <(cd "$folder/unpacked" && find . -type f -print0)
+rm -rf "$folder/source"
+mv "$folder/unpacked" "$folder/source"
 CC=$compiler "$venv/bin/pip" wheel --no-build-isolation --no-deps --no-index -w "$folder/wheel" \
-    --config-settings=build-dir="$folder/build" "$root/python" >"$log" 2>&1 || fail "the wheel does not build"
+    --config-settings=build-dir="$folder/build" "$folder/source" >"$log" 2>&1 || fail "the wheel does not build"
 "$venv/bin/pip" install --force-reinstall --no-deps --no-index "$folder"/wheel/svocl-*.whl >"$log" 2>&1 ||
     fail "the wheel cannot be installed"
 cd "$folder"

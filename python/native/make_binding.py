@@ -23,6 +23,12 @@ typedef uint32_t cl_uint;
     for name in ("context", "device_id", "command_queue", "mem", "event", "kernel")
 )
 
+# Of OpenCL: events that svocl returns are waited for and released.
+CL_FUNCTIONS = """
+cl_int clWaitForEvents(cl_uint count, const cl_event *events);
+cl_int clReleaseEvent(cl_event event);
+"""
+
 # Called by the library on the thread that called it; src/svocl/_callbacks.py has the Python side.
 CALLBACKS = """
 extern "Python" void svocl_python_log(void *user, svo_log_level level, const char *text);
@@ -65,7 +71,7 @@ def main() -> None:
     if arguments.io:
         includes += "".join(f'#include "svocl/{name}.h"\n' for name in ("io", "paged", "parts"))
     builder = cffi.FFI()
-    builder.cdef(declarations(arguments.compiler, arguments.include, includes) + CALLBACKS)
+    builder.cdef(declarations(arguments.compiler, arguments.include, includes) + CL_FUNCTIONS + CALLBACKS)
     builder.set_source("svocl._native", includes)
     builder.emit_c_code(arguments.output)
 

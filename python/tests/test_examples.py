@@ -81,7 +81,9 @@ def test_readme(tmp_path, monkeypatch, capsys):
     names["hits_buffer"] = cl.Buffer(context, cl.mem_flags.READ_WRITE, hits.nbytes)
     names["count"] = 1
     exec(blocks[1], names)
-    cl.enqueue_copy(names["queue"], hits, names["hits_buffer"], wait_for=[names["event"]])
+    cl.enqueue_copy(
+        names["queue"], hits, names["hits_buffer"], wait_for=[cl.Event.from_int_ptr(names["event"].int_ptr)]
+    )
     assert np.array_equal(hits, names["hits"])
     assert names["buffer"].size >= names["tree"].info.inner_count
     capsys.readouterr()

@@ -126,3 +126,30 @@ def test_every_array_reaches_the_tree(device):
     assert np.all(arrays.colors[leaves][~left] == [0, 128, 0, 255])
     assert np.array_equal(arrays.materials[leaves], np.where(left, 0, 1))
     assert np.all(arrays.normals[leaves] == [0, 32767, 0])
+
+
+def test_objects_with_vertices_and_faces(device):
+    """What trimesh and Open3D have: vertices and faces, or triangles, as arrays or as what makes arrays."""
+    positions, indices = np.asarray(CUBE_POSITIONS, np.float64), np.asarray(CUBE_INDICES, np.int64)
+    expected = device.build(svocl.Mesh(positions, indices), 4).hash()
+
+    class Trimesh:
+        vertices, faces = positions, indices
+
+    class Open3D:
+        vertices, triangles = list(map(tuple, positions)), indices.tolist()
+
+    class Both(Trimesh):
+        @property
+        def triangles(self):
+            raise AssertionError("not needed")
+
+    assert device.build(Trimesh(), 4).hash() == expected
+    assert device.build(Open3D(), 4).hash() == expected
+    assert device.build(Both(), 4).hash() == expected
+    with svocl.Moving(device, Trimesh(), 4, origin=(-2, -2, -2), edge=4, need=svocl.Need.RAYS) as moving:
+        assert moving.add(Open3D()) == 0
+    with pytest.raises(TypeError, match="mesh: object, expected svocl.Mesh or an object with vertices and faces"):
+        device.build(object(), 4)
+    with pytest.raises(ValueError, match="indices: 8589934599 is not in 0 .. 4294967295"):
+        svocl.Mesh(positions, indices + 2**33)

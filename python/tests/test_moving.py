@@ -108,7 +108,7 @@ def test_enqueued_updates(device, moving, box):
     before, tree = moving.tree.hash(), moving.tree
     moving.set_transform(number, placed(0.3, 0.2, 0.1))
     ready = cl.UserEvent(context)
-    event = cl.Event.from_int_ptr(moving.update_enqueue(queue, wait_for=[ready]), False)
+    event = cl.Event.from_int_ptr(moving.update_enqueue(queue, wait_for=[ready]).int_ptr)
     assert event.command_execution_status != cl.command_execution_status.COMPLETE
     with pytest.raises(svocl.InvalidArgumentError, match="an update is in flight"):
         moving.show(number)

@@ -84,8 +84,8 @@ def test_rays_in_device_buffers(context, queue, torus_there, random):
     target = cl.Buffer(context, cl.mem_flags.READ_WRITE, 100 * svocl.hit_dtype.itemsize)
     hits = np.empty(100, svocl.hit_dtype)
     ready = cl.UserEvent(context)
-    address = torus_there.trace_enqueue(source, target, 100, queue, wait_for=[ready])
-    event = cl.Event.from_int_ptr(address, False)
+    own = torus_there.trace_enqueue(source, target, 100, queue, wait_for=[ready])
+    event = cl.Event.from_int_ptr(own.int_ptr)
     assert event.command_execution_status != cl.command_execution_status.COMPLETE
     ready.set_status(cl.command_execution_status.COMPLETE)
     cl.enqueue_copy(queue, hits, target, wait_for=[event])
@@ -94,7 +94,7 @@ def test_rays_in_device_buffers(context, queue, torus_there, random):
     points = np.zeros(100, svocl.query_dtype)
     points["position"], points["max_distance"] = rays["origin"], np.inf
     source = cl.Buffer(context, cl.mem_flags.COPY_HOST_PTR, hostbuf=points)
-    event = cl.Event.from_int_ptr(torus_there.nearest_enqueue(source, target, 100, queue), False)
+    event = cl.Event.from_int_ptr(torus_there.nearest_enqueue(source, target, 100, queue).int_ptr)
     found = np.empty(100, svocl.nearest_dtype)
     cl.enqueue_copy(queue, found, target, wait_for=[event])
     assert np.array_equal(found, torus_there.nearest(points))
@@ -131,3 +131,55 @@ def test_wrong_objects(context, queue, shared, torus, tree):
         other = cl.CommandQueue(cl.Context([context.devices[0]]))
         with pytest.raises(svocl.InvalidArgumentError, match="svo_build: .*context"):
             plan.build(queue=other)
+
+
+def test_meshes_in_device_buffers(context, queue, shared, random):
+    """Arrays of pyopencl, also strided ones, give the tree of the same arrays on the host."""
+    arrays = pytest.importorskip("pyopencl.array")
+    positions = random.random((300, 3), np.float32)
+    indices = random.integers(0, 300, (500, 3), dtype=np.uint32)
+    expected = shared.build(svocl.Mesh(positions, indices), 5, need=svocl.Need.RAYS).hash()
+    on_device = arrays.to_device(queue, positions), arrays.to_device(queue, indices)
+    mesh = svocl.DeviceMesh(*on_device)
+    assert (mesh.vertex_count, mesh.triangle_count) == (300, 500)
+    assert shared.build(mesh, 5, need=svocl.Need.RAYS, queue=queue).hash() == expected
+
+    wide = np.zeros((300, 5), np.float32)
+    wide[:, 1:4] = positions
+
+    class Strided:
+        shape, dtype, strides, offset = (300, 3), np.float32, (20, 4), 4
+        kept = arrays.to_device(queue, wide)
+        __cl_mem__ = kept.base_data.int_ptr
+
+    assert shared.build(svocl.DeviceMesh(Strided(), on_device[1]), 5, need=svocl.Need.RAYS).hash() == expected
+    with pytest.raises(TypeError, match="wait_for: str"):  # those of an array are waited for
+        Strided.events = ["event"]
+        shared.build(svocl.DeviceMesh(Strided()), 5)
+    short = arrays.to_device(queue, indices.astype(np.uint16))
+    assert shared.build(svocl.DeviceMesh(on_device[0], short), 5, need=svocl.Need.RAYS).hash() == expected
+    for wrong, message in [
+        ((positions, None), "positions: ndarray has neither __cl_mem__ nor base_data"),
+        ((on_device[0], arrays.to_device(queue, indices.astype(np.int64))), "indices: dtype int64, expected uint32"),
+        ((arrays.to_device(queue, positions.astype(np.float64)), None), "positions: dtype float64, expected float32"),
+        ((None, None), "positions: NoneType, expected an array in a device buffer"),
+    ]:
+        with pytest.raises(TypeError, match=message):
+            svocl.DeviceMesh(*wrong)
+    with pytest.raises(ValueError, match=r"colors: shape \(300, 3\), expected \(300, 4\)"):
+        svocl.DeviceMesh(*on_device, colors=on_device[0])
+
+
+def test_events_release_themselves(context, queue, torus_there):
+    rays = svocl.make_rays([-3, 0, 0], [[1, 0, 0]])
+    source = cl.Buffer(context, cl.mem_flags.COPY_HOST_PTR, hostbuf=rays)
+    target = cl.Buffer(context, cl.mem_flags.READ_WRITE, svocl.hit_dtype.itemsize)
+    event = torus_there.trace_enqueue(source, target, 1, queue)
+    kept = cl.Event.from_int_ptr(event.int_ptr)
+    event.wait()
+    assert kept.reference_count >= 2
+    before = kept.reference_count
+    later = torus_there.trace_enqueue(source, target, 1, queue, wait_for=[event])
+    later.wait()
+    del event, later
+    assert kept.reference_count < before

@@ -6,6 +6,8 @@ import importlib.metadata
 import os
 import subprocess
 import sys
+import tarfile
+from pathlib import Path
 
 import pytest
 
@@ -27,6 +29,36 @@ def test_the_wheel_carries_the_library_and_no_loader():
     assert "libOpenCL.so.1" in needed and "libsvocl" not in needed
     if svocl.has_io:
         assert os.access(os.path.join(os.path.dirname(_native.__file__), "svocl-import"), os.X_OK)
+
+
+def test_the_source_distribution_is_whole(tmp_path):
+    """It has the library's sources and the wheel's metadata, it is the same bytes in each run and of its own unpacked
+    copy, and nothing is left beside what it was made of."""
+    pytest.importorskip("scikit_build_core")
+    python = Path(__file__).parents[1]
+    if not (python / "native").is_dir():
+        pytest.skip("the tests of an installed package")
+    before = sorted(python.rglob("*"))
+    code = "import sys, svocl_build; print(svocl_build.build_sdist(sys.argv[1], {'build-dir': 'build'}))"
+    environment = {**os.environ, "PYTHONPATH": "native", "PYTHONDONTWRITEBYTECODE": "1"}
+
+    def make(source, target):
+        command = [sys.executable, "-c", code, str(target)]
+        done = subprocess.run(command, cwd=source, env=environment, check=True, stdout=subprocess.PIPE, text=True)
+        return target / done.stdout.split()[-1]
+
+    archive = make(python, tmp_path / "first")
+    assert make(python, tmp_path / "second").read_bytes() == archive.read_bytes()
+    with tarfile.open(archive) as tar:
+        tar.extractall(tmp_path)
+    unpacked = tmp_path / archive.name[: -len(".tar.gz")]
+    assert make(unpacked, tmp_path / "third").read_bytes() == archive.read_bytes()
+    assert sorted(python.rglob("*")) == before
+    for name in ("CMakeLists.txt", "LICENSE", "lib/build/build.c", "include/svocl/version.h", "kernels/stages/scan.cl"):
+        assert (unpacked / "source" / name).is_file(), name
+    assert not [path for path in unpacked.rglob("*") if path.name == "__pycache__" or path.name.startswith(".")]
+    metadata = importlib.metadata.distribution("svocl").read_text("METADATA")
+    assert (unpacked / "PKG-INFO").read_text(encoding="utf-8") == metadata
 
 
 def test_without_an_opencl_loader():
@@ -78,12 +110,14 @@ def test_enumerations_are_complete():
         "svo_solid_rule": (_enums.SolidRule, "SVO_SOLID_"),
         "svo_scene_flags": (_enums.SceneTrace, "SVO_SCENE_"),
         "svo_light_form": (_enums.LightForm, "SVO_LIGHT_"),
+        "svo_probes_buffer": (_enums.ProbeBuffer, "SVO_PROBES_"),
+        "svo_probe_choice": (_enums.ProbeChoice, "SVO_PROBE_CHOICE_"),
         "svo_opacity": (_enums.Opacity, "SVO_OPACITY_"),
         "svo_light_buffer": (_enums.LightBuffer, "SVO_LIGHT_"),
         "svo_march": (_enums.March, "SVO_MARCH_"),
         "svo_light_view": (_enums.LightView, "SVO_LIGHT_VIEW_"),
     }
-    counts = {"svo_form": "COUNT", "svo_light_form": "FORM_COUNT"}
+    counts = {"svo_form": "COUNT", "svo_light_form": "FORM_COUNT", "svo_probe_choice": "COUNT"}
     for name, (kind, prefix) in enumerations.items():
         expected = {text[len(prefix) :]: value for text, value in ffi.typeof(name).relements.items()}
         expected.pop(counts.get(name, "BUFFER_COUNT"), None)
@@ -114,6 +148,7 @@ def test_structs_are_complete():
         "svo_moving_bvh_report": (_structs.MovingBvhReport, {"reserved"}),
         "svo_moving_info": (_structs.MovingInfo, {"reserved"}),
         "svo_moving_object": (_structs.MovingObject, set()),
+        "svo_probe_info": (_structs.ProbeInfo, set()),
         "svo_paged_info": (_structs.PagedInfo, set()),
         "svo_paged_counts": (_structs.PagedCounts, set()),
         "svo_scene_light": (svocl.SceneLight, {"reserved"}),
@@ -138,6 +173,8 @@ def test_records_have_the_layout_of_the_headers():
         "svo_voxel": svocl.voxel_dtype,
         "svo_gather_point": svocl.gather_point_dtype,
         "svo_gather_result": svocl.gather_result_dtype,
+        "svo_probe_hit": svocl.probe_hit_dtype,
+        "svo_probe_irradiance": svocl.probe_irradiance_dtype,
     }.items():
         offsets = {field: description.offset for field, description in ffi.typeof(name).fields}
         assert {field: dtype.fields[field][1] for field in dtype.names} == offsets

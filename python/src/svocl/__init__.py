@@ -29,6 +29,8 @@ from ._arrays import (
     hit_dtype,
     instance_dtype,
     nearest_dtype,
+    probe_hit_dtype,
+    probe_irradiance_dtype,
     query_dtype,
     ray_dtype,
     scene_hit_dtype,
@@ -54,6 +56,8 @@ from ._enums import (
     Opacity,
     Place,
     Positions,
+    ProbeBuffer,
+    ProbeChoice,
     SceneTrace,
     SolidRule,
     SourceKind,
@@ -84,11 +88,13 @@ from ._errors import (
     text as _text,
 )
 from ._light import LIGHT_ARGUMENTS, Light, LightSource, light_kernel_source, make_gather_points
-from ._mesh import Finish, Material, Mesh, Texture, has_io, read_mesh
+from ._mesh import DeviceMesh, Finish, Material, Mesh, Texture, has_io, read_mesh
 from ._moving import Moving
+from ._opencl import Event
 from ._paged import Paged
 from ._parts import Parts, PartEntry
 from ._plan import Plan
+from ._probes import Probes
 from ._scene import Scene, SceneLight, make_instances
 from ._structs import (
     BuildReport,
@@ -105,6 +111,7 @@ from ._structs import (
     PagedInfo,
     PlanBuffer,
     PlanInfo,
+    ProbeInfo,
     SceneInfo,
     SolidInfo,
     StageTime,
@@ -141,7 +148,9 @@ __all__ = [
     "CompileError",
     "Coverage",
     "Device",
+    "DeviceMesh",
     "Error",
+    "Event",
     "FileDamagedError",
     "FileError",
     "Finish",
@@ -183,6 +192,10 @@ __all__ = [
     "PlanBuffer",
     "PlanInfo",
     "Positions",
+    "ProbeBuffer",
+    "ProbeChoice",
+    "ProbeInfo",
+    "Probes",
     "Scene",
     "SceneLight",
     "SceneInfo",
@@ -220,6 +233,8 @@ __all__ = [
     "make_rays",
     "make_voxels",
     "nearest_dtype",
+    "probe_hit_dtype",
+    "probe_irradiance_dtype",
     "query_dtype",
     "ray_dtype",
     "read_mesh",

@@ -67,6 +67,21 @@ gather_result_dtype = np.dtype(
 )
 """svo_gather_result, 32 bytes: ambient occlusion, 1 is open; linear red, green, blue; the steps of all cones."""
 
+probe_hit_dtype = np.dtype(
+    [
+        ("t", "<f4"),
+        ("state", "<u4"),
+        ("texel", "<u4"),
+        ("normal", "<u4"),
+        ("radiance", "<f4", (3,)),
+        ("visited", "<u4"),
+    ]
+)
+"""svo_probe_hit, 32 bytes: state is 0 of a miss, 1 of a hit, 2 where no probe saw; normal as in a texel's word."""
+
+probe_irradiance_dtype = np.dtype([("irradiance", "<f4", (3,)), ("weight", "<f4")])
+"""svo_probe_irradiance, 16 bytes: linear red, green, blue; weight 0: no probe sees the point."""
+
 voxel_dtype = np.dtype(
     [("x", "<i4"), ("y", "<i4"), ("z", "<i4"), ("rgba", "u1", (4,)), ("material", "<u2"), ("reserved", "<u2")]
 )

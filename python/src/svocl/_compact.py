@@ -253,7 +253,7 @@ class Compact(Resident):
         *,
         footprint: float = 0.0,
         wait_for: Iterable[Any] = (),
-    ) -> int:
+    ) -> _opencl.Event:
         """Compact.trace for device buffers; does not wait.
 
         Args:

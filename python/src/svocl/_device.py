@@ -9,7 +9,7 @@ from ._callbacks import call
 from ._enums import Builder, Coverage, Need, Weights
 from ._errors import error, text
 from ._handle import Guard, Handle, Native
-from ._mesh import Mesh
+from ._mesh import DeviceMesh, mesh_of
 from ._native import ffi, lib
 from ._plan import Plan
 from ._tree import Tree
@@ -86,9 +86,10 @@ class Device(Handle):
 
     def plan(
         self,
-        mesh: Mesh,
+        mesh: Any,
         depth: int,
         *,
+        queue: Any = None,
         need: Need = Need.DEFAULT,
         coverage: Coverage = Coverage.HALF_OPEN,
         weights: Weights = Weights.AREA,
@@ -105,8 +106,11 @@ class Device(Handle):
         """Plans the build of a mesh: what it will do, and the size of every buffer. Allocates nothing on the device.
 
         Args:
-            mesh: read now, and not needed afterwards.
+            mesh: a Mesh; a DeviceMesh; or an object with vertices and faces (or triangles), such as a mesh of trimesh
+                or Open3D, whose geometry is taken. Read now, and not needed afterwards.
             depth: 1 .. 16: the grid has 2**depth voxels per axis.
+            queue: of a DeviceMesh: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's
+                own.
             need: what the tree holds besides its occupancy.
             coverage: which voxels a triangle occupies.
             weights: of the payload. Need.FILL requires Weights.AREA.
@@ -131,28 +135,31 @@ class Device(Handle):
             ImportError: progress is True, and tqdm is not installed.
             OutOfDeviceMemoryError, OutOfHostMemoryError
         """
-        if not isinstance(mesh, Mesh):
-            raise TypeError(f"mesh: {type(mesh).__name__}, expected svocl.Mesh")
+        given = mesh if isinstance(mesh, DeviceMesh) else mesh_of(mesh)
         options = plan_options(need, coverage, weights, builder, payload_level, origin, edge)
         options.fragment_capacity = _arrays.integer("fragment_capacity", fragment_capacity, 64)
         options.worst_case_nodes = bool(worst_case_nodes)
         options.chunk_bytes = _arrays.integer("chunk_bytes", chunk_bytes, 64)
         options.weight_log2 = _arrays.integer("weight_log2", weight_log2)
-        struct, kept = mesh._struct()
+        struct, kept = given._struct()
         out = ffi.new("svo_plan **")
-        arguments = (struct, _arrays.integer("depth", depth), options, out)
+        arguments: list[Any] = [struct, _arrays.integer("depth", depth), options]
+        create = lib.svo_plan_create
+        if isinstance(given, DeviceMesh):
+            create = lib.svo_plan_create_from_buffers
+            arguments += [_opencl.pointer("cl_command_queue", queue, "queue"), *_opencl.events(given._events())]
         with _progress.opened(progress) as function:
             if function is not None:
                 user = ffi.new_handle(function)
                 options.progress, options.progress_user = lib.svocl_python_progress, user
-            with self._called(lib.svo_plan_create, *arguments, undo=lambda: lib.svo_plan_destroy(out)):
+            with self._called(create, *arguments, out, undo=lambda: lib.svo_plan_destroy(out)):
                 del kept
                 lib.svo_plan_set_progress(out[0], ffi.NULL, ffi.NULL)
                 return Plan(out[0], self._native, progress)
 
     def build(
         self,
-        mesh: Mesh,
+        mesh: Any,
         depth: int,
         *,
         queue: Any = None,
@@ -167,7 +174,8 @@ class Device(Handle):
             progress: see Device.plan. The plan is the first tenth of the call, whatever its time.
         """
         with _progress.opened(progress) as function:
-            with self.plan(mesh, depth, progress=_progress.part(function, 0, _PLAN_PART), **options) as plan:
+            part = _progress.part(function, 0, _PLAN_PART)
+            with self.plan(mesh, depth, queue=queue, progress=part, **options) as plan:
                 return plan.build(queue=queue, progress=_progress.part(function, _PLAN_PART, 1))
 
     def __repr__(self) -> str:

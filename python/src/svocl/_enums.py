@@ -273,3 +273,29 @@ class LightView(IntEnum):
     """What cones bring, on the surfaces' colors."""
     SPECULAR = lib.SVO_LIGHT_VIEW_SPECULAR
     """Specular cones."""
+
+
+class ProbeBuffer(IntEnum):
+    """Device buffers of Probes. The index of a probe is x + counts[0] * (y + counts[1] * z)."""
+
+    PLACES = lib.SVO_PROBES_PLACES
+    """A record of four floats each: position and state."""
+    TEXELS = lib.SVO_PROBES_TEXELS
+    """Two words each: distance and normal, radiance."""
+    LEAST = lib.SVO_PROBES_LEAST
+    """The least distances of 16 x 16 texels."""
+    FIELD = lib.SVO_PROBES_FIELD
+    """Which probes see a cell, four each."""
+    IRRADIANCE = lib.SVO_PROBES_IRRADIANCE
+    """With diffuse."""
+    MOMENTS = lib.SVO_PROBES_MOMENTS
+    """Mean distance and its square; with diffuse."""
+
+
+class ProbeChoice(IntEnum):
+    """How rays choose their probes."""
+
+    FIELD = lib.SVO_PROBE_CHOICE_FIELD
+    """Those that see the cell where the ray is."""
+    EIGHT = lib.SVO_PROBE_CHOICE_EIGHT
+    """Those around the ray's origin, as published."""

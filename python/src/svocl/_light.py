@@ -247,7 +247,7 @@ class Light(Handle):
         falloff: float = 0.0,
         with_light: bool = True,
         wait_for: Iterable[Any] = (),
-    ) -> int:
+    ) -> _opencl.Event:
         """Light.gather for device buffers; does not wait.
 
         Args:

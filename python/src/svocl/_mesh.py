@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, Optional, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _structs
+from . import _arrays, _opencl, _structs
 from ._callbacks import call
 from ._enums import Axes, Status, Wrap
 from ._errors import UnsupportedError, error, text
@@ -157,6 +157,130 @@ class Mesh:
                 struct.height, struct.width = texture.rgba.shape[:2]
                 struct.wrap_u, struct.wrap_v = int(texture.wrap_u), int(texture.wrap_v)
         return mesh, kept
+
+
+class DeviceMesh:
+    """A triangle mesh in OpenCL buffers, which stays on the device: Device.plan reads it there.
+
+    Each array is a pyopencl.array.Array, or any object with shape, dtype and either base_data or __cl_mem__ (a cl_mem's
+    address, or a function that returns it); offset (bytes) and strides are optional. Elements of a row are packed; rows
+    may be apart, but for those of indices.
+
+    Args:
+        positions: (vertex_count, 3) float32.
+        indices: (triangle_count, 3) uint32 or uint16; None: three consecutive vertices each are a triangle.
+        normals: (vertex_count, 3) float32.
+        colors: (vertex_count, 4) uint8.
+        uvs: (vertex_count, 2) float32.
+        triangle_materials: (triangle_count,) uint16.
+        materials, textures: see Mesh; on the host.
+        wait_for: pyopencl.Events that the buffers are ready after, or their int_ptrs. The events that an array has, as
+            pyopencl's arrays do, are waited for too.
+    """
+
+    def __init__(
+        self,
+        positions: Any,
+        indices: Any = None,
+        *,
+        normals: Any = None,
+        colors: Any = None,
+        uvs: Any = None,
+        triangle_materials: Any = None,
+        materials: Sequence[Material] = (),
+        textures: Sequence[Texture] = (),
+        wait_for: Sequence[Any] = (),
+    ) -> None:
+        self.vertex_count = _rows("positions", positions)
+        if indices is None and self.vertex_count % 3 != 0:
+            raise ValueError(f"positions: shape ({self.vertex_count}, 3), expected (3 * triangle_count, 3)")
+        self.triangle_count = self.vertex_count // 3 if indices is None else _rows("indices", indices)
+        vertices, triangles = self.vertex_count, self.triangle_count
+        self._arrays = {
+            "positions": _device_array("positions", positions, (vertices, 3), (np.float32,)),
+            "indices": _device_array("indices", indices, (triangles, 3), (np.uint32, np.uint16)),
+            "normals": _device_array("normals", normals, (vertices, 3), (np.float32,)),
+            "colors": _device_array("colors", colors, (vertices, 4), (np.uint8,)),
+            "uvs": _device_array("uvs", uvs, (vertices, 2), (np.float32,)),
+            "triangle_materials": _device_array("triangle_materials", triangle_materials, (triangles,), (np.uint16,)),
+        }
+        if self._arrays["indices"] is not None and self._arrays["indices"][2] != 3 * np.dtype(indices.dtype).itemsize:
+            raise ValueError(f"indices: strides {tuple(indices.strides)}, expected a packed array")
+        self._kept = [positions, indices, normals, colors, uvs, triangle_materials]
+        self._index_bytes = 4 if indices is None else np.dtype(indices.dtype).itemsize
+        self.wait_for = tuple(wait_for)
+        # What is on the host is a mesh without vertices.
+        self._host = Mesh(np.zeros((0, 3), np.float32), materials=materials, textures=textures)
+
+    def _events(self) -> list[Any]:
+        """What the buffers are ready after."""
+        return [*self.wait_for, *(event for array in self._kept for event in getattr(array, "events", None) or ())]
+
+    def __repr__(self) -> str:
+        return f"<svocl.DeviceMesh: {self.vertex_count} vertices, {self.triangle_count} triangles>"
+
+    def _struct(self) -> tuple[Any, list[Any]]:
+        """The svo_mesh_buffers, and what has to live as long as it does."""
+        host, kept = self._host._struct()
+        buffers = _structs.new("svo_mesh_buffers")
+        buffers.vertex_count, buffers.triangle_count = self.vertex_count, self.triangle_count
+        buffers.index_bytes = self._index_bytes
+        for name, place in self._arrays.items():
+            if place is not None:
+                target = getattr(buffers, name)
+                target.memory, target.offset_bytes, target.stride_bytes = place
+        buffers.indices.stride_bytes = 0  # of one index to the next, in C
+        buffers.materials, buffers.material_count = host.materials, host.material_count
+        buffers.textures, buffers.texture_count = host.textures, host.texture_count
+        return buffers, [buffers, self._kept, *kept]
+
+
+def _rows(name: str, array: Any) -> int:
+    shape = getattr(array, "shape", None)
+    if not isinstance(shape, tuple) or len(shape) == 0:
+        raise TypeError(f"{name}: {type(array).__name__}, expected an array in a device buffer, with a shape")
+    return int(shape[0])
+
+
+def _device_array(
+    name: str, array: Any, shape: tuple[int, ...], kinds: tuple[Any, ...]
+) -> Optional[tuple[Any, int, int]]:
+    """The cl_mem, the offset and the stride of an array in a device buffer; None for None or an empty one."""
+    if array is None or shape[0] == 0:
+        return None
+    expected = " or ".join(np.dtype(kind).name for kind in kinds)
+    if not hasattr(array, "shape") or not hasattr(array, "dtype"):
+        raise TypeError(f"{name}: {type(array).__name__}, expected an array in a device buffer, of {expected}")
+    if tuple(array.shape) != shape:
+        raise ValueError(f"{name}: shape {tuple(array.shape)}, expected {shape}")
+    dtype = np.dtype(array.dtype)
+    if dtype not in [np.dtype(kind) for kind in kinds]:
+        raise TypeError(f"{name}: dtype {dtype}, expected {expected}")
+    memory = getattr(array, "__cl_mem__", None)
+    memory = memory() if callable(memory) else memory
+    memory = getattr(array, "base_data", None) if memory is None else memory
+    if memory is None:
+        raise TypeError(f"{name}: {type(array).__name__} has neither __cl_mem__ nor base_data, a cl_mem")
+    packed = dtype.itemsize * (shape[1] if len(shape) > 1 else 1)
+    strides = getattr(array, "strides", None) or (packed, dtype.itemsize)[: len(shape)]
+    if strides[0] < packed or (len(shape) > 1 and strides[1] != dtype.itemsize):
+        raise ValueError(f"{name}: strides {tuple(strides)}, expected packed rows ({packed} bytes) in order")
+    return _opencl.pointer("cl_mem", memory, name), int(getattr(array, "offset", 0)), int(strides[0])
+
+
+def mesh_of(value: Any) -> Mesh:
+    """The Mesh of an argument: a Mesh, or what has vertices and faces, or vertices and triangles, such as meshes of
+    trimesh and Open3D. Their geometry is taken."""
+    if isinstance(value, Mesh):
+        return value
+    vertices = getattr(value, "vertices", None)
+    faces = getattr(value, "faces", None)
+    if faces is None:  # trimesh has triangles too, of coordinates, which it makes when asked
+        faces = getattr(value, "triangles", None)
+    if vertices is None or faces is None:
+        raise TypeError(f"mesh: {type(value).__name__}, expected svocl.Mesh or an object with vertices and faces")
+    positions = np.asarray(vertices)
+    return Mesh(positions.astype(np.float64) if positions.dtype.kind in "iu" else positions, np.asarray(faces))
 
 
 def _texture(name: str, texture: Texture) -> Texture:

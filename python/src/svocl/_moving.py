@@ -15,7 +15,7 @@ from ._device import Device
 from ._enums import BvhQuality, Coverage, Need, Weights
 from ._errors import error
 from ._handle import Handle, Native
-from ._mesh import Mesh, read_struct
+from ._mesh import Mesh, mesh_of, read_struct
 from ._native import ffi, lib
 from ._tree import Tree, address
 
@@ -29,7 +29,8 @@ class Moving(Handle):
 
     Args:
         device: of the tree.
-        mesh: the static mesh. Objects have the arrays of vertices that it has, and its materials and textures.
+        mesh: the static mesh, see Device.plan. Objects have the arrays of vertices that it has, and its materials and
+            textures.
         depth: 1 .. 16: the grid has 2**depth voxels per axis.
         origin: minimum corner of the grid. What leaves the grid occupies nothing and is counted.
         edge: width of the grid, above 0.
@@ -51,7 +52,7 @@ class Moving(Handle):
     def __init__(
         self,
         device: Device,
-        mesh: Mesh,
+        mesh: Any,
         depth: int,
         *,
         origin: Sequence[float],
@@ -65,7 +66,7 @@ class Moving(Handle):
         weight_log2: int = 0,
         queue: Any = None,
     ) -> None:
-        struct, kept = _struct_of(mesh)
+        struct, kept = mesh_of(mesh)._struct()
         options = _structs.new("svo_moving_options")
         options.origin, options.edge = _arrays.three("origin", origin), edge
         options.need = _arrays.integer("need", need)
@@ -88,7 +89,7 @@ class Moving(Handle):
 
     # --- objects ----------------------------------------------------------------------------------------------------
 
-    def add(self, mesh: Mesh, transform: Optional[npt.ArrayLike] = None) -> int:
+    def add(self, mesh: Any, transform: Optional[npt.ArrayLike] = None) -> int:
         """Adds an object, which is visible. The tree changes with the next update.
 
         Args:
@@ -103,7 +104,7 @@ class Moving(Handle):
             InvalidArgumentError: a matrix that is not finite or flat, or a mesh with other arrays.
             OutOfDeviceMemoryError, OutOfHostMemoryError
         """
-        struct, kept = _struct_of(mesh)
+        struct, kept = mesh_of(mesh)._struct()
         matrix = ffi.NULL if transform is None else _matrix(transform)
         number = ffi.new("uint32_t *")
         self._call(lib.svo_moving_add, struct, matrix, number)
@@ -122,14 +123,14 @@ class Moving(Handle):
         """
         self._call(lib.svo_moving_set_transform, _arrays.integer("number", number), _matrix(transform))
 
-    def set_vertices(self, number: int, mesh: Mesh) -> None:
+    def set_vertices(self, number: int, mesh: Any) -> None:
         """Replaces an object's vertices, to which its transform applies. The tree changes with the next update.
 
         Args:
             number: of the object.
             mesh: positions and normals as the object's mesh has them, and its counts; other arrays are not read.
         """
-        struct, kept = _struct_of(mesh)
+        struct, kept = mesh_of(mesh)._struct()
         self._call(lib.svo_moving_set_vertices, _arrays.integer("number", number), struct)
         del kept
 
@@ -171,7 +172,7 @@ class Moving(Handle):
         self._take(lib.svo_moving_update, cl_queue, out)
         return _structs.read(out, _structs.MovingReport) if report else None
 
-    def update_enqueue(self, queue: Any, *, wait_for: Iterable[Any] = ()) -> int:
+    def update_enqueue(self, queue: Any, *, wait_for: Iterable[Any] = ()) -> _opencl.Event:
         """Moving.update, but does not wait. Until Moving.finish the tree is the one before, and calls that change the
         scene are refused.
 
@@ -180,12 +181,12 @@ class Moving(Handle):
             wait_for: pyopencl.Events to wait for, or their int_ptrs.
 
         Returns:
-            The cl_event of the update, which is the caller's to release: pyopencl.Event.from_int_ptr(event, False).
+            The event of the update, which releases itself.
         """
         cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
         event = ffi.new("cl_event *")
         self._call(lib.svo_moving_update_enqueue, cl_queue, *_opencl.events(wait_for), event)
-        return int(ffi.cast("uintptr_t", event[0]))
+        return _opencl.Event(event[0])
 
     def finish(self) -> _structs.MovingReport:
         """Waits for the update in flight, and takes its tree. After a failure the tree before stays.
@@ -284,12 +285,6 @@ class Moving(Handle):
             return "<svocl.Moving: closed>"
         info = self.info
         return f"<svocl.Moving: {info.object_count} objects, {info.fragments} fragments>"
-
-
-def _struct_of(mesh: Mesh) -> tuple[Any, list[Any]]:
-    if not isinstance(mesh, Mesh):
-        raise TypeError(f"mesh: {type(mesh).__name__}, expected svocl.Mesh")
-    return mesh._struct()
 
 
 def _matrix(transform: npt.ArrayLike) -> Any:

@@ -5,11 +5,14 @@ pyopencl is not imported. Its wheels carry an OpenCL loader of their own, svocl 
 with the other, since OpenCL's calls go to the driver through the object itself.
 """
 
+import contextlib
 from collections.abc import Iterable
 from typing import Any, Callable
 
 from . import _arrays
-from ._native import ffi
+from ._enums import Status
+from ._errors import CLError
+from ._native import ffi, lib
 
 # By C type: the class of pyopencl, or a base of it.
 _CLASSES = {
@@ -43,20 +46,48 @@ def pointer(kind: str, value: Any, name: str) -> Any:
     return ffi.cast(kind, address)
 
 
+class Event:
+    """The event of an enqueued call. It releases itself: keep it, or what pyopencl.Event.from_int_ptr(event.int_ptr)
+    makes of it, as long as something waits for it. It can stand in wait_for."""
+
+    def __init__(self, event: Any) -> None:
+        self._event = event
+
+    @property
+    def int_ptr(self) -> int:
+        """The cl_event, which stays this object's: pyopencl.Event.from_int_ptr(event.int_ptr) retains it."""
+        return int(ffi.cast("uintptr_t", self._event))
+
+    def wait(self) -> None:
+        """Waits until the call's work has ended.
+
+        Raises:
+            CLError: it has failed.
+        """
+        status = int(lib.clWaitForEvents(1, ffi.new("cl_event *", self._event)))
+        if status != 0:
+            raise CLError(f"Event.wait: clWaitForEvents returns {status}", Status.CL_ERROR)
+
+    def __del__(self) -> None:
+        # At the interpreter's end, the loader may be gone, and the process frees the rest.
+        with contextlib.suppress(Exception):
+            lib.clReleaseEvent(self._event)
+
+
 def enqueue(
     run: Callable[..., None], buffers: Iterable[Any], count: int, flags: Iterable[Any], queue: Any, wait_for: Any
-) -> int:
+) -> Event:
     """Calls run(buffers..., count, flags..., queue, number of events, events, event) for a batch in device buffers.
 
     Returns:
-        The cl_event of the batch, which is the caller's to release.
+        The event of the batch.
     """
     memory = [pointer("cl_mem", buffer, "buffer") for buffer in buffers]
     number = _arrays.integer("count", count, 64)
     cl_queue = pointer("cl_command_queue", queue, "queue")
     event = ffi.new("cl_event *")
     run(*memory, number, *flags, cl_queue, *events(wait_for), event)
-    return int(ffi.cast("uintptr_t", event[0]))
+    return Event(event[0])
 
 
 def events(wait_for: Iterable[Any]) -> tuple[int, Any]:

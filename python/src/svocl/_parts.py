@@ -12,7 +12,7 @@ from ._device import Device, plan_options
 from ._enums import Builder, Coverage, Need, Weights
 from ._errors import error, text
 from ._handle import Guard, Handle, Native
-from ._mesh import Mesh, Path, encode, need_io
+from ._mesh import Path, encode, mesh_of, need_io
 from ._native import ffi, lib
 
 
@@ -62,7 +62,7 @@ class Parts(Handle):
     def create(
         cls,
         device: Device,
-        mesh: Mesh,
+        mesh: Any,
         depth: int,
         folder: Path,
         *,
@@ -78,7 +78,7 @@ class Parts(Handle):
 
         Args:
             device: whose memory the parts are planned for.
-            mesh: the whole mesh.
+            mesh: the whole mesh, a Mesh or an object with vertices and faces, see Device.plan.
             depth: of the whole tree.
             folder: is made where it is not there.
             max_bytes: for the buffers and the host's memory of one part's build; 0: a sixteenth of the whole's, and
@@ -91,7 +91,7 @@ class Parts(Handle):
         """
         need_io("Parts.create")
         options = plan_options(need, coverage, weights, Builder.CL, payload_level, origin, edge)
-        struct, kept = mesh._struct()
+        struct, kept = mesh_of(mesh)._struct()
         bytes_max = _arrays.integer("max_bytes", max_bytes, 64)
         message = ffi.new("svo_message *")
         arguments = (struct, _arrays.integer("depth", depth), options, bytes_max, encode(folder), message)

@@ -111,6 +111,6 @@ class Resident(Handle):
 
     def _enqueue(
         self, what: str, function: Any, buffers: Any, count: int, flags: Any, queue: Any, wait_for: Iterable[Any]
-    ) -> int:
+    ) -> _opencl.Event:
         run = functools.partial(self._device_call, what, function)
         return _opencl.enqueue(run, buffers, count, flags, queue, wait_for)

@@ -189,7 +189,7 @@ class Scene(Handle):
         footprint: float = 0.0,
         mode: SceneTrace = SceneTrace.CLOSEST,
         wait_for: Iterable[Any] = (),
-    ) -> int:
+    ) -> _opencl.Event:
         """Scene.trace for device buffers; does not wait.
 
         Args:

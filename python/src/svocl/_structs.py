@@ -369,6 +369,46 @@ class SceneInfo(NamedTuple):
     """Its greatest corner."""
 
 
+class ProbeInfo(NamedTuple):
+    """What probes are."""
+
+    counts: tuple[int, int, int]
+    """Along x, y and z."""
+    resolution: int
+    """Texels along a side of a probe's map."""
+    start: tuple[float, float, float]
+    """Of the first probe, world coordinates, before it was moved."""
+    step: tuple[float, float, float]
+    """Between probes, world units."""
+    low: tuple[float, float, float]
+    """Least corner of what the field spans."""
+    high: tuple[float, float, float]
+    """Its greatest corner."""
+    leaf_edge: float
+    """World units; of a scene, the smallest of its instances."""
+    farthest: float
+    """That a probe sees, world units."""
+    probe_count: int
+    moved: int
+    """Of those."""
+    off: int
+    """Of those, switched off."""
+    field_size: int
+    """Cells of the field along an axis."""
+    rays: int
+    """Of texels."""
+    place_rays: int
+    """Of the search for places."""
+    bytes: tuple[int, ...]
+    """Of each buffer, in the order of ProbeBuffer; 0: not held."""
+    total_bytes: int
+    """Of all buffers."""
+    scratch_bytes: int
+    """What making them took besides; it is released."""
+    stage_ms: dict[str, float]
+    """Wall-clock milliseconds of the last run of each stage, by name, in order; 0: it did not run."""
+
+
 class PagedInfo(NamedTuple):
     """What Paged opened."""
 
@@ -550,6 +590,11 @@ def read_light_info(struct: Any) -> LightInfo:
         "stage_ms": stages,
     }
     return LightInfo(**{**values, **own})
+
+
+def read_probe_info(struct: Any) -> ProbeInfo:
+    stages = {text(lib.svo_probes_stage_name(i)): float(ms) for i, ms in enumerate(struct.stage_ms)}
+    return read(struct, ProbeInfo)._replace(stage_ms=stages)
 
 
 def read_file_info(struct: Any, kind: type[_T]) -> _T:

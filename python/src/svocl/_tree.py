@@ -384,7 +384,7 @@ class Tree(Resident):
         *,
         mode: TraceMode = TraceMode.CLOSEST,
         wait_for: Iterable[Any] = (),
-    ) -> int:
+    ) -> _opencl.Event:
         """Tree.trace for device buffers; does not wait. Allocates nothing on the device after the first call.
 
         Args:
@@ -396,7 +396,7 @@ class Tree(Resident):
             wait_for: pyopencl.Events to wait for, or their int_ptrs.
 
         Returns:
-            The cl_event of the batch, which is the caller's to release: pyopencl.Event.from_int_ptr(event, False).
+            The event of the batch, which releases itself.
         """
         return self._enqueue(
             "trace_enqueue", lib.svo_tree_trace_enqueue, (rays, hits), ray_count, [TraceMode(mode)], queue, wait_for
@@ -404,7 +404,7 @@ class Tree(Resident):
 
     def nearest_enqueue(
         self, points: Any, results: Any, point_count: int, queue: Any, *, wait_for: Iterable[Any] = ()
-    ) -> int:
+    ) -> _opencl.Event:
         """Tree.nearest for device buffers; does not wait.
 
         Args:
