@@ -251,7 +251,7 @@ static void sizes_above_the_device_limit_are_refused_before_allocation(void **st
         skip();
     }
     char need[32];
-    (void)snprintf(need, sizeof need, "%llu bytes", (unsigned long long)svo_plan_peak_bytes(plan));
+    (void)snprintf(need, sizeof need, "needs about %.1f GiB at depth 16", (double)svo_plan_peak_bytes(plan) / 0x1p30);
     assert_build_refused(opened, plan, need);
     /* The failed build did not change the plan: the next one fails with the same message. */
     assert_build_refused(opened, plan, need);
