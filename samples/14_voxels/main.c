@@ -136,12 +136,14 @@ static bool write_picture(svo_device *device, svo_tree *tree)
 /* The list to a file, the file to a list, and that to a tree, which must be the same. */
 static bool there_and_back(svo_device *device, const svo_voxels *list, const char *hash, svo_message *message)
 {
+    /* z is up in the castle as in .vox files, so nothing is turned. */
+    const svo_voxels_load_options as_it_is = {.struct_size = sizeof as_it_is, .axes = SVO_AXES_KEEP};
     svo_voxels_save_info saved = SVO_VOXELS_SAVE_INFO_INIT;
     char again[SVO_HASH_TEXT_BYTES];
     svo_voxels *loaded = NULL;
     svo_tree *tree = NULL;
     const bool done = svo_voxels_save(list, FILE_OUT, SVO_VOXEL_FORMAT_AUTO, &saved, message) == SVO_OK &&
-                      svo_voxels_load(FILE_OUT, NULL, &loaded, NULL, message) == SVO_OK &&
+                      svo_voxels_load(FILE_OUT, &as_it_is, &loaded, NULL, message) == SVO_OK &&
                       build(device, loaded, &tree, again);
     const bool same = done && strcmp(hash, again) == 0;
     if (done)
@@ -159,7 +161,8 @@ static bool run(svo_device *device, const castle *made, svo_message *message)
     char hash[SVO_HASH_TEXT_BYTES];
     svo_voxels *list = NULL;
     svo_tree *tree = NULL;
-    bool done = svo_voxels_create(&source, &list, message) == SVO_OK && build(device, list, &tree, hash) &&
+    bool done = svo_voxels_create(&source, &list, message) == SVO_OK &&
+                svo_voxels_set_axes(list, SVO_AXES_KEEP) == SVO_OK && build(device, list, &tree, hash) &&
                 svo_tree_get_info(tree, &info) == SVO_OK && write_picture(device, tree);
     if (done)
         printf("castle: %" PRIu64 " voxels, a tree of depth %u with %" PRIu64 " nodes: %s\n", info.leaf_count,
