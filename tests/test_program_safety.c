@@ -79,7 +79,7 @@ static void no_output_replaces_a_file_of_an_option(void **state)
     expect_refused("render scene:cube -d 3 --view full --lights sun.json -o sun.png", "would replace sun.json");
 }
 
-static void no_output_replaces_what_a_scene_or_glTF_refers_to(void **state)
+static void no_output_replaces_what_a_scene_or_gltf_refers_to(void **state)
 {
     (void)state;
     need_builds();
@@ -229,7 +229,8 @@ static void write_full_svo(const char *path, unsigned depth)
     uint64_t offset = head_bytes;
     uint32_t begin = 0;
     memset(bytes, 0, sizeof bytes);
-    memcpy(bytes, "\x89SVO\r\n\x1a\n", 8);
+    static const unsigned char signature[8] = {0x89, 'S', 'V', 'O', '\r', '\n', 0x1a, '\n'};
+    memcpy(bytes, signature, sizeof signature);
     memcpy(bytes + 8, &version, 4);
     memcpy(bytes + 12, &head_bytes, 4);
     memcpy(bytes + 32, &chunk_count, 4);
@@ -365,7 +366,7 @@ static void wrong_numbers_are_wrong_usage(void **state)
     assert_true(strstr(last.errors, "iB at depth 16") != NULL || strstr(last.errors, "fragments at depth 16") != NULL);
 }
 
-static void JSON_that_is_not_says_where(void **state)
+static void json_that_is_not_says_where(void **state)
 {
     (void)state;
     need_builds();
@@ -420,7 +421,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         IN_FOLDER(no_output_replaces_an_input),
         IN_FOLDER(no_output_replaces_a_file_of_an_option),
-        IN_FOLDER(no_output_replaces_what_a_scene_or_glTF_refers_to),
+        IN_FOLDER(no_output_replaces_what_a_scene_or_gltf_refers_to),
         IN_FOLDER(a_conversion_in_place_is_refused),
         IN_FOLDER(outputs_of_one_run_are_different_files),
         IN_FOLDER(a_report_reads_its_results_and_spares_them),
@@ -431,7 +432,7 @@ int main(void)
         IN_FOLDER(files_that_unfold_beyond_memory_are_refused),
         IN_FOLDER(sizes_have_units),
         IN_FOLDER(wrong_numbers_are_wrong_usage),
-        IN_FOLDER(JSON_that_is_not_says_where),
+        IN_FOLDER(json_that_is_not_says_where),
         IN_FOLDER(the_bar_stays_in_one_line),
     };
     return cmocka_run_group_tests_name("program safety", tests, NULL, NULL);

@@ -207,7 +207,8 @@ static bool complete_camera(svo_camera *camera, svo_i_view *out)
         camera->up[1] = 1;
         up[1] = 1;
     }
-    if (memcmp(camera->eye, camera->target, sizeof camera->eye) == 0) {
+    if (camera->eye[0] == camera->target[0] && camera->eye[1] == camera->target[1] &&
+        camera->eye[2] == camera->target[2]) {
         double side[3];
         if (!svo_i_normalize(up, up)) {
             return false;

@@ -50,7 +50,7 @@ static void add_row(result_table *table, const char *name, unsigned depth, const
 
 static int measure_scene(error_run *run, result_table *table, const error_scene *given, unsigned last_depth)
 {
-    suite_input made;
+    suite_input made = {.text = ""};
     int exit_code = suite_open(run->state, given->spec, &made);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;

@@ -154,7 +154,7 @@ static int measure_scenes(error_run *run, ray_subject *subject)
     int exit_code = PROGRAM_DONE;
     error_scene given = errors_scene_at(run, own, 0);
     for (size_t i = 1; given.spec != NULL && exit_code == PROGRAM_DONE; given = errors_scene_at(run, own, i++)) {
-        suite_input made;
+        suite_input made = {.text = ""};
         exit_code = suite_open(run->state, given.spec, &made);
         if (exit_code != PROGRAM_DONE) {
             return exit_code;

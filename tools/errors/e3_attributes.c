@@ -76,7 +76,7 @@ static int measure_mesh(error_run *run, result_table *table, const svo_mesh *mes
 
 static int measure_scene(error_run *run, result_table *table, const error_scene *given)
 {
-    suite_input made;
+    suite_input made = {.text = ""};
     int exit_code = suite_open(run->state, given->spec, &made);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;

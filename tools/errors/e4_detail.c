@@ -97,7 +97,7 @@ static int add_depth(error_run *run, result_table *table, const char *name, cons
 static int measure_scene(error_run *run, result_table *table, const error_scene *given, unsigned last_depth)
 {
     detail_reference reference;
-    suite_input made;
+    suite_input made = {.text = ""};
     int exit_code = suite_open(run->state, given->spec, &made);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;

@@ -113,7 +113,7 @@ cleanup:
 /* Rays against a mesh that becomes ill-conditioned in each way. */
 static int measure_scene(error_run *run, result_table *table, const error_scene *given, size_t ray_count)
 {
-    suite_input made;
+    suite_input made = {.text = ""};
     int exit_code = suite_open(run->state, given->spec, &made);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;

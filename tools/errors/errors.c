@@ -44,7 +44,8 @@ int errors_fail(error_run *run)
 
 error_scene errors_scene_at(const error_run *run, const error_scene *own, size_t index)
 {
-    return run->scenes[0] != NULL ? (error_scene){.spec = run->scenes[index]} : own[index];
+    const error_scene asked = {.spec = run->scenes[index]};
+    return run->scenes[0] != NULL ? asked : own[index];
 }
 
 const char *errors_scene_name(const error_scene *given, const input *source)

@@ -150,7 +150,7 @@ int suite_open(program *state, const char *name, suite_input *out)
 /* One scene at every depth. */
 static int run_scene(suite *all, const suite_subject *subject, const char *name, const unsigned *depths)
 {
-    suite_input opened;
+    suite_input opened = {.text = ""};
     int exit_code = suite_open(all->state, name, &opened);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;

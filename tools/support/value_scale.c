@@ -18,7 +18,7 @@
 
 #define TEXT_BYTES 48
 /* Of rectangles of a text: 64 bytes for each, at most 12 for a letter. */
-#define QUADS_BYTES (TEXT_BYTES * 12 * 64)
+#define QUADS_BYTES ((size_t)TEXT_BYTES * 12 * 64)
 
 bool value_scale_suits(svo_render_view view)
 {
@@ -120,13 +120,12 @@ static void write_text(const canvas *to, int x, int y, char *text)
     }
 }
 
-static void draw_bar(const svo_render_options *asked, const value_scale *scale, uint8_t *rgba)
+static void draw_bar(const svo_render_options *asked, const value_scale *scale, canvas to)
 {
     static const uint8_t paper[3] = {255, 255, 255};
     char title[TEXT_BYTES];
     char low[TEXT_BYTES];
     char high[TEXT_BYTES];
-    canvas to = {.rgba = rgba, .width = (int)asked->width, .height = (int)asked->height};
     to.size = to.height / 480 > 1 ? to.height / 480 : 1;
     const int width = BAR_WIDTH * to.size;
     const int height = (BAR_HEIGHT + 2 * TEXT_HEIGHT) * to.size;
@@ -161,7 +160,7 @@ void value_scale_color(const svo_render_options *asked, const svo_picture_output
     }
     color_all(asked, output, numbers, scale, rgba);
     if (scale->is_shown) {
-        draw_bar(asked, scale, rgba);
+        draw_bar(asked, scale, (canvas){.rgba = rgba, .width = (int)asked->width, .height = (int)asked->height});
     }
 }
 

@@ -95,13 +95,20 @@ static bool make_room(ground *which)
         return true;
     }
     const size_t wanted = which->capacity > 0 ? 2 * which->capacity : 1024;
+    which->failed = true;
     view_piece *pieces = realloc(which->pieces, wanted * sizeof *pieces);
-    which->pieces = pieces != NULL ? pieces : which->pieces;
-    svo_ray *rays = pieces != NULL ? realloc(which->rays, wanted * sizeof *rays) : NULL;
-    which->rays = rays != NULL ? rays : which->rays;
-    which->capacity = rays != NULL ? wanted : which->capacity;
-    which->failed = rays == NULL;
-    return rays != NULL;
+    if (pieces == NULL) {
+        return false;
+    }
+    which->pieces = pieces;
+    svo_ray *rays = realloc(which->rays, wanted * sizeof *rays);
+    if (rays == NULL) {
+        return false;
+    }
+    which->rays = rays;
+    which->capacity = wanted;
+    which->failed = false;
+    return true;
 }
 
 /* Lines fade towards the grid's rim. The lines of the world's axes have their colors. */
@@ -151,8 +158,8 @@ typedef struct line {
 
 static void add_line(ground *which, const view_state *state, const line *cut, int halvings)
 {
-    float from[3];
-    float to[3];
+    float from[3] = {0};
+    float to[3] = {0};
     float a[2];
     float b[2];
     const double ends[2] = {cut->begin, cut->end};
@@ -228,7 +235,8 @@ static svo_status trace(const ground *which, subject *shown, const view_state *s
                                                     pixel, SVO_SCENE_ANY, subject_queue(shown))
                                   : svo_tree_trace_voxels(subject_tree(shown, state), which->rays, tree_hits,
                                                           which->count, pixel, subject_queue(shown));
-    for (size_t i = 0; i < which->count && status == SVO_OK; ++i) {
+    const size_t known = status == SVO_OK ? which->count : 0;
+    for (size_t i = 0; i < known; ++i) {
         is_hidden[i] = state->is_scene ? scene_hits[i].node != SVO_NO_NODE : tree_hits[i].node != SVO_NO_NODE;
     }
     free(hits);
@@ -243,7 +251,8 @@ static svo_status hide(ground *which, subject *shown, const view_state *state)
     if (status == SVO_OK && which->count > 0) {
         status = trace(which, shown, state, is_hidden);
     }
-    for (size_t i = 0; i < which->count && status == SVO_OK; ++i) {
+    const size_t known = status == SVO_OK ? which->count : 0;
+    for (size_t i = 0; i < known; ++i) {
         if (!is_hidden[i]) {
             which->pieces[kept++] = which->pieces[i];
         }

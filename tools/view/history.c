@@ -72,7 +72,8 @@ static bool is_same(part which, const unsigned char *a, const unsigned char *b, 
     if (which != PART_MOVERS) {
         return memcmp(a, b, bytes) == 0;
     }
-    return memcmp(a, b, sizeof(size_t)) == 0 && memcmp(a + motion, b + motion, sizeof(const scene_motion *)) == 0 &&
+    const size_t pointer_bytes = sizeof(void *);
+    return memcmp(a, b, sizeof(size_t)) == 0 && memcmp(a + motion, b + motion, pointer_bytes) == 0 &&
            memcmp(a + place, b + place, sizeof(scene_place)) == 0;
 }
 
@@ -101,9 +102,13 @@ static bool resize(view_state *state, part which, size_t count)
             return false;
         }
         *capacities[which] = count;
-        state->sources = which == PART_SOURCES ? larger : state->sources;
-        state->instances = which == PART_INSTANCES ? larger : state->instances;
-        state->movers = which == PART_MOVERS ? larger : state->movers;
+        if (which == PART_SOURCES) {
+            state->sources = larger;
+        } else if (which == PART_INSTANCES) {
+            state->instances = larger;
+        } else {
+            state->movers = larger;
+        }
     }
     *counts[which] = count;
     return true;
@@ -167,7 +172,9 @@ static bool copy_list(list *to, const list *from)
     if (bytes > 0) {
         memcpy(copy, from->elements, bytes);
     }
-    *to = (list){copy, from->count, from->element_bytes};
+    to->elements = copy;
+    to->count = from->count;
+    to->element_bytes = from->element_bytes;
     return true;
 }
 

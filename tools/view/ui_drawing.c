@@ -3,6 +3,7 @@
 #include "view/ui.h"
 
 #include <stdlib.h>
+#include <stdio.h>
 #include <string.h>
 
 void ui_drawing_clear(ui_drawing *drawing)
@@ -126,8 +127,7 @@ bool ui_fit(const ui *toolkit, const char *text, float width, char *out, size_t 
         while (length > 0 && is_rest_of_character(text[length])) {
             --length;
         }
-        memcpy(out, text, length);
-        memcpy(out + length, dots, sizeof dots);
+        (void)snprintf(out, out_bytes, "%.*s%s", (int)length, text, dots);
     } while (length > 0 && ui_text_width(toolkit, out) > width);
     return false;
 }

@@ -67,7 +67,7 @@ web_cut web_cut_at(const web_tree *tree, uint32_t level)
     cut.normals = cut_payload(tree, tree->arrays.normals != NULL, SVO_NEED_NORMAL, cut.node_count);
     cut.light = cut_light(tree->light, cut.node_count);
     cut.byte_count = (MASKS_PER_ENTRY + 4) * cut.directory_count + 4 * cut.colors.count + 2 * cut.normals.count +
-                     4 * WEB_LIGHT_FACES * cut.light.count;
+                     (uint64_t)4 * WEB_LIGHT_FACES * cut.light.count;
     return cut;
 }
 
