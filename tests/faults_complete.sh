@@ -12,9 +12,10 @@ shift 2
 plain="__errno_location __isoc99_sscanf __popcountdi2 __tls_get_addr _GLOBAL_OFFSET_TABLE_ bcmp bsearch clock_gettime
 dlerror environ feof ftell getenv getpid getrlimit memchr memcmp memcpy memmove memset nanosleep
 posix_spawn_file_actions_destroy posix_spawnattr_destroy pthread_sigmask qsort sigaddset sigemptyset sigfillset
-sigismember sigpending sigtimedwait sin sincos snprintf strcasecmp strchr strcmp strcspn strerror strlen strncasecmp strncmp strpbrk strrchr
-strncat strspn strstr strtok_r strtol strtoll strtoul strtoull sysconf ungetc vsnprintf acosf cbrt ceil cos exp2 floor
-fma fmax fmaxf fmin fminf frexp ilogbf ldexp ldexpf log2 nextafter nextafterf pow rint sqrt sqrtf tan"
+sigismember sigpending sigtimedwait sin sincos snprintf strcasecmp strchr strcmp strcspn strerror strlen strncasecmp
+strncmp strpbrk strrchr strncat strspn strstr strtok_r strtol strtoll strtoul strtoull sysconf ungetc vsnprintf acosf
+cbrt ceil cos exp2 floor fma fmax fmaxf fmin fminf frexp ilogbf ldexp ldexpf log2 nextafter nextafterf pow rint sqrt
+sqrtf tan"
 plain=$(printf '%s' "$plain" | tr '\n' ' ')
 # Libraries that allocate for themselves, and what compilers and sanitizers add.
 families='^(svo_|ai[A-Z]|cJSON_|ZSTD_|XXH|zip_|XML_|__(asan|ubsan|tsan|sanitizer|gcov|stack_chk|llvm)_|llvm_'

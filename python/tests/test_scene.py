@@ -56,7 +56,9 @@ def test_instances_move(tree):
 @pytest.mark.parametrize("form", list(svocl.Form))
 def test_compact_trees_are_placed_as_built_ones(device, tree, cube, rays, form):
     transforms = moved((0, 0, 0), (0.5, 1, 0))
-    with device.build(cube, 3) as box, svocl.Compact(tree, form) as a, svocl.Compact(box, form) as b:
+    with device.build(cube, 3, need=svocl.Need.NONE) as box, svocl.Compact(tree, form) as a, svocl.Compact(
+        box, form
+    ) as b:
         instances = svocl.make_instances([0, 1], transforms)
         built, compact = svocl.Scene([tree, box], instances), svocl.Scene([a, b], instances)
     for field in ("t", "level", "face", "normal", "instance"):  # the scenes outlive their trees

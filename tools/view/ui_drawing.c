@@ -2,8 +2,8 @@
 /* Lists of triangles that grow. After memory ran out a list stays as it is, and says so. */
 #include "view/ui.h"
 
-#include <stdlib.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 void ui_drawing_clear(ui_drawing *drawing)
