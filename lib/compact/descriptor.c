@@ -6,6 +6,7 @@
 #include "compact/descriptor.h"
 
 #include "compact/payload.h"
+#include "compact/programs.h"
 #include "shared/descriptor.h"
 #include "shared/layout.h"
 
@@ -89,7 +90,7 @@ svo_status svo_i_descriptor_make(svo_i_device_work *work, const svo_i_compact_so
     words w = {.work = work, .source = source};
     cl_mem targets = NULL;
     cl_uint below_root = 0;
-    SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_COMPACT, " -DSVO_SORT"));
+    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_compact, " -DSVO_SORT"));
     SVO_I_TRY(svo_i_work_alloc(work, "word_sizes", inner_count * 4, &w.sizes));
     SVO_I_TRY(svo_i_work_alloc(work, "word_far", inner_count, &w.far));
     SVO_I_TRY(svo_i_work_alloc(work, "word_places", inner_count * 4, &w.places));

@@ -3,6 +3,7 @@
 #include "compact/implied.h"
 
 #include "compact/payload.h"
+#include "compact/programs.h"
 #include "shared/layout.h"
 
 /* The masks' bits and their exclusive sums, in scratch buffers. */
@@ -79,7 +80,7 @@ svo_status svo_i_implied_make(svo_i_device_work *work, const svo_i_compact_sourc
 {
     cl_mem sums = NULL;
     cl_mem targets = NULL;
-    SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_COMPACT, " -DSVO_SORT"));
+    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_compact, " -DSVO_SORT"));
     svo_i_implied_count(&compact->info);
     svo_i_compact_count(&compact->info);
     SVO_I_TRY(count_children(work, source->valid, svo_i_source_level_begin(&source->info, source->info.depth), &sums));

@@ -6,6 +6,7 @@
 #include "compact/shared.h"
 #include "compact/dag.h"
 #include "compact/payload.h"
+#include "compact/programs.h"
 #include "core/device.h"
 #include "shared/dag.clh"
 
@@ -106,7 +107,7 @@ static svo_status put_payload(const sharing *s)
 static svo_status share(sharing *s)
 {
     svo_i_compact_count(&s->compact->info);
-    SVO_I_TRY(svo_i_work_use(s->work, SVO_I_PROGRAM_COMPACT, " -DSVO_SORT"));
+    SVO_I_TRY(svo_i_work_use(s->work, &svo_i_program_compact, " -DSVO_SORT"));
     SVO_I_TRY(read_nodes(s));
     SVO_I_TRY(encode(s));
     SVO_I_TRY(put_records(s));

@@ -4,6 +4,7 @@
 
 #include "core/struct_size.h"
 #include "light/gather.h"
+#include "light/programs.h"
 #include "rays/batch.h"
 
 #define CONES_DEFAULT   16u
@@ -106,7 +107,7 @@ static svo_i_batch batch_of(svo_light *light, const char *function, size_t point
     return (svo_i_batch){.device = light->device,
                          .function = function,
                          .target = {light, SVO_LIGHT_ARGUMENTS, check_target, set_target},
-                         .program = SVO_I_PROGRAM_GATHER,
+                         .program = &svo_i_program_gather,
                          .kernel_name = "svo_k_gather",
                          .defines = svo_i_gather_defines(light),
                          .input_name = "points",

@@ -2,6 +2,7 @@
 /* What is kept of photons: its buffers, and what they receive while photons are shot (photons.c, again.c). */
 #include "light/kept_photons.h"
 
+#include "light/programs.h"
 #include "rays/rays.h"
 
 bool svo_i_kept_is_possible(const svo_light *light, const svo_light_setup *setup)
@@ -145,7 +146,7 @@ svo_status svo_i_kept_grow(svo_i_kept_photons *kept, svo_i_device_work *work, ui
 
 svo_status svo_i_kept_use(const svo_i_kept_photons *kept, svo_i_device_work *work)
 {
-    return svo_i_work_use(work, SVO_I_PROGRAM_KEPT_PHOTONS,
+    return svo_i_work_use(work, &svo_i_program_kept_photons,
                           kept->has_directions ? " -DSVO_SORT -DSVO_LIGHT_FACES" : " -DSVO_SORT");
 }
 

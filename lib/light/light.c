@@ -16,6 +16,7 @@
 #include "light/kept_photons.h"
 #include "light/opacity.h"
 #include "light/plan.h"
+#include "light/programs.h"
 #include "light/setup.h"
 #include "svocl/plan.h"
 
@@ -47,7 +48,7 @@ const char *svo_light_stage_name(svo_light_stage stage)
 
 static svo_status make_opacity(svo_i_device_work *work, svo_light *light)
 {
-    SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_LIGHT, svo_i_light_defines(light)));
+    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_light, svo_i_light_defines(light)));
     switch (light->info.form) {
     case SVO_LIGHT_BRICKS:
         return svo_i_light_bricks(work, light);
@@ -65,7 +66,7 @@ static svo_status make(svo_light *light, const char *function, cl_command_queue 
     SVO_I_TRY(svo_i_work_begin(light->device, function, queue, &work));
     if (light->before != NULL && light->before->light->setup.asked.updatable != 0) {
         SVO_I_TRY_CLEANUP(svo_i_kept_nodes_begin(&work, light));
-        SVO_I_TRY_CLEANUP(svo_i_work_use(&work, SVO_I_PROGRAM_LIGHT, svo_i_light_defines(light)));
+        SVO_I_TRY_CLEANUP(svo_i_work_use(&work, &svo_i_program_light, svo_i_light_defines(light)));
         SVO_I_TRY_CLEANUP(svo_i_find_origins(&work, light));
     }
     SVO_I_TRY_CLEANUP(make_opacity(&work, light));

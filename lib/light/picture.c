@@ -5,6 +5,7 @@
 
 #include "core/struct_size.h"
 #include "light/gather.h"
+#include "light/programs.h"
 #include "light/shader.h"
 #include "rays/camera.h"
 #include "rays/pixels.h"
@@ -129,7 +130,7 @@ static svo_status enqueue(const drawing *drawn, const svo_i_pixels *to)
     svo_status status = SVO_OK;
     SVO_I_TRY(svo_i_work_begin_after(drawn->light->device, drawn->function, to->queue, to->num_wait, to->wait, &work));
     SVO_I_TRY_CLEANUP(
-        svo_i_light_shader_begin(&work, drawn->light, SVO_I_PROGRAM_LIGHT_PICTURE, "svo_k_light_picture", &shader));
+        svo_i_light_shader_begin(&work, drawn->light, &svo_i_program_light_picture, "svo_k_light_picture", &shader));
     SVO_I_TRY_CLEANUP(launch(drawn, &shader, to->buffer));
 
 cleanup:

@@ -3,6 +3,7 @@
 #include "light/shade.h"
 
 #include "light/gather.h"
+#include "light/programs.h"
 
 /* Rays of a work-item: SVO_SHADE_RAYS of the kernel. */
 #define ITEM_RAYS 64u
@@ -24,7 +25,7 @@ svo_status svo_i_light_shade_begin(svo_i_device_work *work, const svo_light *lig
 {
     *out = (svo_i_light_shade){.shader = {.light = light}};
     SVO_I_TRY(gather_params(light, work->function, cones, &out->gather));
-    return svo_i_light_shader_begin(work, light, SVO_I_PROGRAM_LIGHT_SHADE, "svo_k_light_shade", &out->shader);
+    return svo_i_light_shader_begin(work, light, &svo_i_program_light_shade, "svo_k_light_shade", &out->shader);
 }
 
 svo_status svo_i_light_shade_rays(const svo_i_light_shade *shade, cl_mem rays, cl_mem radiance, uint32_t ray_count)

@@ -20,7 +20,7 @@ static void add_define(const svo_tree *tree, svo_tree_buffer buffer, const char 
     }
 }
 
-static svo_status make_kernel(svo_i_light_shader *shader, svo_i_program_kind kind, const char *kernel_name)
+static svo_status make_kernel(svo_i_light_shader *shader, const svo_i_program *program, const char *kernel_name)
 {
     const svo_light *light = shader->light;
     const svo_tree *tree = light->tree;
@@ -32,7 +32,7 @@ static svo_status make_kernel(svo_i_light_shader *shader, svo_i_program_kind kin
     if (light->setup.finish_count > 0) {
         add_define(tree, SVO_TREE_MATERIALS, " -DSVO_FINISHES", " -DSVO_ONE_MATERIAL", defines, sizeof defines);
     }
-    SVO_I_TRY(svo_i_work_use(shader->work, kind, defines));
+    SVO_I_TRY(svo_i_work_use(shader->work, program, defines));
     return svo_i_kernel_create(light->device, shader->work->function, shader->work->program, kernel_name,
                                &shader->kernel);
 }
@@ -61,14 +61,14 @@ static svo_status upload(svo_i_device_work *work, const char *name, const void *
     return svo_i_work_constants(work, name, list, bytes, out);
 }
 
-svo_status svo_i_light_shader_begin(svo_i_device_work *work, const svo_light *light, svo_i_program_kind kind,
+svo_status svo_i_light_shader_begin(svo_i_device_work *work, const svo_light *light, const svo_i_program *program,
                                     const char *kernel_name, svo_i_light_shader *out)
 {
     const svo_i_light_setup *setup = &light->setup;
     *out = (svo_i_light_shader){.light = light, .work = work};
     SVO_I_TRY(upload(work, "sources", setup->sources, source_bytes(setup), &out->sources));
     SVO_I_TRY(upload(work, "finishes", setup->finishes, finish_bytes(setup), &out->finishes));
-    return make_kernel(out, kind, kernel_name);
+    return make_kernel(out, program, kernel_name);
 }
 
 static svo_status set_arguments(const svo_i_light_shader *shader, const svo_gather_params *gather,

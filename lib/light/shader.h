@@ -18,7 +18,7 @@ typedef struct svo_i_light_shader {
 uint64_t svo_i_light_shader_bytes(const svo_light *light);
 
 /* Makes the kernel and uploads what lights the tree. The work stays in use until svo_i_light_shader_end. */
-svo_status svo_i_light_shader_begin(svo_i_device_work *work, const svo_light *light, svo_i_program_kind kind,
+svo_status svo_i_light_shader_begin(svo_i_device_work *work, const svo_light *light, const svo_i_program *program,
                                     const char *kernel_name, svo_i_light_shader *out);
 /* Launches so many whole groups. own: the kernel's own arguments, own_count. */
 svo_status svo_i_light_shader_launch(const svo_i_light_shader *shader, const svo_gather_params *gather,

@@ -5,15 +5,17 @@
 #include <stdio.h>
 
 #include "commands/timing.h"
+#include "moving/programs.h"
 #include "plan/configuration.h"
+#include "stages/programs.h"
 
 svo_status svo_i_moving_program(const svo_moving *moving, const char *function, cl_program *out)
 {
     char of_filter[SVO_I_DEFINES_BYTES] = "";
     char defines[SVO_I_DEFINES_BYTES + 16];
-    svo_i_plan_defines(&moving->whole, SVO_I_PROGRAM_FILTER, of_filter, sizeof of_filter);
+    svo_i_plan_defines(&moving->whole, &svo_i_program_filter, of_filter, sizeof of_filter);
     (void)snprintf(defines, sizeof defines, " -DSVO_SORT%s", of_filter);
-    return svo_i_program_get(moving->device, function, SVO_I_PROGRAM_MOVING, defines, out, NULL);
+    return svo_i_program_get(moving->device, function, &svo_i_program_moving, defines, out, NULL);
 }
 
 svo_status svo_i_chain_begin(svo_i_chain *chain, const svo_moving *moving, svo_i_device_work *work)

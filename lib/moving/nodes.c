@@ -3,6 +3,7 @@
 #include "moving/nodes.h"
 
 #include "shared/moving_layout.h"
+#include "stages/programs.h"
 #include "stages/scan.h"
 
 _Static_assert(SVO_NODE_LEVELS == SVO_LEVELS_MAX, "kernels have all levels of a tree");
@@ -25,7 +26,7 @@ static svo_status count_begins(maker *m)
                                         SVO_I_ARGUMENT(m->counts), SVO_I_ARGUMENT(m->params)};
     SVO_I_TRY(
         svo_i_commands_run(commands, m->program, "svo_k_moving_begins", SVO_I_ARGUMENTS(arguments), m->params.strips));
-    return svo_i_scan_lists(m->build, SVO_I_PROGRAM_SORT, m->counts, m->before, NULL,
+    return svo_i_scan_lists(m->build, &svo_i_program_sort, m->counts, m->before, NULL,
                             (svo_filter_params){.leaf_count = (cl_uint)cells});
 }
 

@@ -10,9 +10,9 @@
 #include "moving/chain.h"
 #include "plan/buffers.h"
 #include "plan/chunking.h"
-#include "plan/configuration.h"
 #include "plan/estimate.h"
 #include "stages/payload_params.h"
+#include "stages/programs.h"
 #include "stages/sort.h"
 
 /* ---- lists ---- */
@@ -143,11 +143,8 @@ svo_status svo_i_moving_voxelize(svo_moving *moving, uint32_t index, svo_i_chain
     svo_status status = SVO_OK;
     svo_build_report report = {0};
     svo_i_build build = {.commands = svo_i_chain_begin_commands(chain, plan, &report), .frontend = moving->frontend};
-    char defines[SVO_I_DEFINES_BYTES];
     svo_i_plan_buffers_reset(plan);
-    svo_i_plan_defines(plan, SVO_I_PROGRAM_SORT, defines, sizeof defines);
-    SVO_I_TRY_CLEANUP(svo_i_program_get(moving->device, SVO_I_BUILD, SVO_I_PROGRAM_SORT, defines,
-                                        &build.programs[SVO_I_PROGRAM_SORT], NULL));
+    SVO_I_TRY_CLEANUP(svo_i_build_get_program(&build, SVO_I_BUILD, &svo_i_program_sort, NULL));
     SVO_I_TRY_CLEANUP(chain->waits ? draw(moving, index, &build) : draw_later(moving, &build, later, out));
     SVO_I_TRY_CLEANUP(svo_i_sort(&build));
     SVO_I_TRY_CLEANUP(svo_i_commands_wait(&build.commands));

@@ -10,6 +10,7 @@
 #include "plan/host_copy.h"
 #include "plan/part.h"
 #include "plan/positions.h"
+#include "plan/programs.h"
 #include "plan/update_create.h"
 
 const char *svo_place_name(svo_place place)
@@ -40,7 +41,8 @@ static bool prefers_kernels(svo_device *device, const char *function, uint64_t t
         return false;
     }
     device->planned_triangles += triangles;
-    return (svo_i_program_known(device, SVO_I_PROGRAM_PLAN, "") || device->planned_triangles >= SVO_I_LOAD_TRIANGLES) &&
+    return (svo_i_program_known(device, &svo_i_program_plan, "") ||
+            device->planned_triangles >= SVO_I_LOAD_TRIANGLES) &&
            find_doubles(device, function, &has_doubles) == SVO_OK && has_doubles;
 }
 
@@ -56,7 +58,7 @@ static svo_status take_on_host(svo_plan *plan, const svo_i_plan_input *input)
 static svo_status run_kernels(svo_plan *plan, svo_i_device_work *work, const svo_i_plan_input *input,
                               svo_i_device_mesh *mesh)
 {
-    SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_PLAN, ""));
+    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_plan, ""));
     SVO_I_TRY(svo_i_device_mesh_geometry(work, input, mesh));
     SVO_I_TRY(svo_i_device_grid(plan, work, input, mesh));
     return svo_i_device_attributes(plan, work, input, mesh);

@@ -11,6 +11,7 @@
 #include "core/mesh.h"
 #include "core/struct_size.h"
 #include "plan/attributes.h"
+#include "plan/programs.h"
 
 /* ---- launches ---- */
 
@@ -225,7 +226,7 @@ static svo_status copy_vertices(const svo_plan *plan, svo_i_device_work *work, c
 
 static svo_status enqueue(svo_plan *plan, svo_i_device_work *work, const vertices *from)
 {
-    SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_PLAN, ""));
+    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_plan, ""));
     SVO_I_TRY(wait_first(plan, work));
     SVO_I_TRY(copy_vertices(plan, work, from));
     SVO_I_TRY(svo_i_update_run(plan, work));

@@ -12,6 +12,7 @@
 #include "plan/estimate.h"
 #include "plan/grid.h"
 #include "plan/host_copy.h"
+#include "plan/programs.h"
 
 /* Items of all classes are numbered in 32 bits. */
 #define TRIANGLES_MAX (1u << 29)
@@ -265,7 +266,7 @@ svo_status svo_i_update_create(svo_plan *plan, svo_i_device_work *work, const sv
 {
     const bool is_double = input->mesh.positions_double != NULL;
     SVO_I_TRY(begin(plan, &input->mesh));
-    SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_PLAN, ""));
+    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_plan, ""));
     const svo_mesh_buffers *b = input->buffers;
     svo_i_plan_resolve_need(plan, &input->mesh, b != NULL ? b->colors.memory != NULL : input->mesh.colors != NULL);
     SVO_I_TRY(svo_i_device_mesh_geometry(work, input, mesh));

@@ -3,6 +3,7 @@
 #include "probes/bands.h"
 
 #include "probes/encoding.h"
+#include "probes/programs.h"
 
 uint64_t svo_i_probe_texels(const svo_probes *probes)
 {
@@ -55,6 +56,6 @@ svo_status svo_i_probe_bands_aim(const svo_i_probe_bands *bands, svo_probe_step 
     step->hit_words = bands->hit_words;
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(probes->buffers[SVO_PROBES_PLACES]), SVO_I_ARGUMENT(bands->rays),
                                         SVO_I_ARGUMENT(probes->params), SVO_I_ARGUMENT(*step)};
-    SVO_I_TRY(svo_i_work_use(bands->work, SVO_I_PROGRAM_PROBES, ""));
+    SVO_I_TRY(svo_i_work_use(bands->work, &svo_i_program_probes, ""));
     return svo_i_work_launch(bands->work, "svo_k_probe_rays", SVO_I_ARGUMENTS(arguments), step->count);
 }

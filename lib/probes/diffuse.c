@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Diffuse light of probes for batches of points; rays/batch.c launches kernels/probes/gather.cl. */
+#include "probes/programs.h"
 #include "probes/source.h"
 
 static svo_status check(const svo_probes *probes, const char *function)
@@ -15,7 +16,7 @@ static svo_i_batch batch_of(svo_probes *probes, const char *function, size_t poi
     return (svo_i_batch){.device = probes->device,
                          .function = function,
                          .target = svo_i_probes_target(probes),
-                         .program = SVO_I_PROGRAM_PROBE_GATHER,
+                         .program = &svo_i_program_probe_gather,
                          .kernel_name = "svo_k_probe_gather",
                          .defines = "",
                          .input_name = "points",

@@ -2,6 +2,8 @@
 /* The host side of kernels/probes/field.cl. */
 #include "probes/field.h"
 
+#include "probes/programs.h"
+
 #include <math.h>
 
 /* Pairs of a cell and a probe that a launch looks at, so that none takes long enough for a driver to end it. */
@@ -24,7 +26,7 @@ svo_status svo_i_probes_field(const svo_i_probe_bands *bands)
     for (int axis = 0; axis < 3; ++axis) {
         step.half_cell[axis] = (float)(((double)info->high[axis] - (double)info->low[axis]) / (2.0 * info->field_size));
     }
-    SVO_I_TRY(svo_i_work_use(bands->work, SVO_I_PROGRAM_PROBES, ""));
+    SVO_I_TRY(svo_i_work_use(bands->work, &svo_i_program_probes, ""));
     for (uint64_t first = 0; first < cells; first += most) {
         step.first = (uint32_t)first;
         step.count = cells - first < most ? (uint32_t)(cells - first) : most;

@@ -3,6 +3,7 @@
 #include "probes/filter.h"
 
 #include "probes/encoding.h"
+#include "probes/programs.h"
 
 /* Moments of a launch. */
 #define BAND_MOMENTS (UINT32_C(1) << 16)
@@ -43,7 +44,7 @@ svo_status svo_i_probes_irradiance_maps(const svo_i_probe_bands *bands)
     const uint32_t across = info->resolution / step.cell_edge;
     const uint32_t cells = across * across;
     const uint32_t most = bands->most_rays / cells;
-    SVO_I_TRY(svo_i_work_use(bands->work, SVO_I_PROGRAM_PROBE_FILTER, ""));
+    SVO_I_TRY(svo_i_work_use(bands->work, &svo_i_program_probe_filter, ""));
     for (uint32_t first = 0; first < info->probe_count; first += most) {
         const uint32_t left = info->probe_count - first;
         step.first = first;
@@ -74,7 +75,7 @@ svo_status svo_i_probes_moments(const svo_i_probe_bands *bands)
     const uint64_t moments = (uint64_t)probes->info.probe_count * SVO_PROBES_MOMENT_TEXELS * SVO_PROBES_MOMENT_TEXELS;
     cl_mem lengths = NULL;
     SVO_I_TRY(make_lengths(bands, &lengths));
-    SVO_I_TRY(svo_i_work_use(bands->work, SVO_I_PROGRAM_PROBE_FILTER, ""));
+    SVO_I_TRY(svo_i_work_use(bands->work, &svo_i_program_probe_filter, ""));
     for (uint64_t first = 0; first < moments; first += BAND_MOMENTS) {
         const uint64_t left = moments - first;
         const svo_probe_step step = {.first = (uint32_t)first,

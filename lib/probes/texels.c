@@ -2,6 +2,8 @@
 /* The host side of kernels/probes/texels.cl and least.cl. */
 #include "probes/texels.h"
 
+#include "probes/programs.h"
+
 /* Blocks of a launch. */
 #define BAND_BLOCKS (UINT32_C(1) << 20)
 
@@ -30,7 +32,7 @@ svo_status svo_i_probes_least(const svo_i_probe_bands *bands)
 {
     const svo_probes *probes = bands->probes;
     const uint64_t blocks = svo_i_probe_texels(probes) / SVO_PROBE_BLOCK / SVO_PROBE_BLOCK;
-    SVO_I_TRY(svo_i_work_use(bands->work, SVO_I_PROGRAM_PROBES, ""));
+    SVO_I_TRY(svo_i_work_use(bands->work, &svo_i_program_probes, ""));
     for (uint64_t first = 0; first < blocks; first += BAND_BLOCKS) {
         const uint64_t left = blocks - first;
         const svo_probe_step step = {.first = (uint32_t)first,

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "core/struct_size.h"
+#include "probes/programs.h"
 #include "probes/source.h"
 
 const char *svo_probe_choice_name(svo_probe_choice choice)
@@ -39,7 +40,7 @@ static svo_i_batch batch_of(svo_probes *probes, const char *function, size_t ray
     return (svo_i_batch){.device = probes->device,
                          .function = function,
                          .target = svo_i_probes_target(probes),
-                         .program = SVO_I_PROGRAM_PROBE_TRACE,
+                         .program = &svo_i_program_probe_trace,
                          .kernel_name = "svo_k_probe_trace",
                          .defines = "",
                          .input_name = "rays",

@@ -6,6 +6,7 @@
  */
 #include "rays/bvh_fit.h"
 
+#include "rays/programs.h"
 #include "stages/sort.h"
 
 /* ---- tiles ---- */
@@ -185,7 +186,7 @@ static svo_status refit(svo_i_device_work *work, const svo_i_bvh_mesh *mesh, con
 {
     cl_event event = NULL;
     const cl_mem extents = bvh->tables.extents;
-    SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_BVH, svo_i_sort_defines(work->device)));
+    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_bvh, svo_i_sort_defines(work->device)));
     SVO_I_TRY(svo_i_bvh_fit(work, mesh, bvh, &bvh->tables));
     const cl_int error =
         clEnqueueReadBuffer(work->queue, extents, CL_FALSE, 0, sizeof *extent, extent, 1, &work->last, &event);

@@ -8,6 +8,7 @@
 
 #include <math.h>
 
+#include "rays/programs.h"
 #include "shared/layout.h"
 #include "stages/sort.h"
 
@@ -46,7 +47,7 @@ static svo_status make_on_device(const svo_tree *tree, svo_i_device_work *work, 
                                         SVO_I_ARGUMENT(grid),
                                         SVO_I_ARGUMENT(positions),
                                         SVO_I_ARGUMENT(count)};
-    SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_BVH, svo_i_sort_defines(work->device)));
+    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_bvh, svo_i_sort_defines(work->device)));
     SVO_I_TRY(svo_i_work_launch(work, "svo_k_bvh_corners", SVO_I_ARGUMENTS(arguments), count));
     return svo_i_work_wait(work);
 }

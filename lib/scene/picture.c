@@ -6,6 +6,7 @@
 #include "core/struct_size.h"
 #include "rays/camera.h"
 #include "rays/pixels.h"
+#include "scene/programs.h"
 #include "scene/state.h"
 
 /* Rays of a pixel. */
@@ -138,7 +139,7 @@ static svo_status prepare(drawing *drawn, cl_mem pixels)
                                      &drawn->picture_buffer));
     SVO_I_TRY(
         svo_i_device_constants(device, function, "lights", drawn->lights, sizeof drawn->lights, &drawn->lights_buffer));
-    SVO_I_TRY(svo_i_program_get(device, function, SVO_I_PROGRAM_SCENE_CAST, scene->form, &program, NULL));
+    SVO_I_TRY(svo_i_program_get(device, function, &svo_i_program_scene_cast, scene->form, &program, NULL));
     SVO_I_TRY(svo_i_kernel_create(device, function, program, "svo_k_scene_render", &drawn->kernel));
     const svo_i_argument others[] = {
         SVO_I_ARGUMENT(scene->buffers[SVO_I_SCENE_COLORS]), SVO_I_ARGUMENT(scene->buffers[SVO_I_SCENE_NORMALS]),

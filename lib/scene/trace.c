@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "rays/batch.h"
+#include "scene/programs.h"
 #include "scene/state.h"
 #include "svocl/plan.h"
 
@@ -57,7 +58,7 @@ static svo_i_batch describe(const svo_scene *scene, const char *function, size_t
     return (svo_i_batch){.device = scene->device,
                          .function = function,
                          .target = {of, svo_i_scene_arguments(scene), check_target, set_target},
-                         .program = SVO_I_PROGRAM_SCENE_TRACE,
+                         .program = &svo_i_program_scene_trace,
                          .kernel_name = "svo_k_scene_trace",
                          .defines = of->defines,
                          .input_name = "rays",

@@ -8,6 +8,7 @@
 
 #include "core/program.h"
 #include "shared/solid_layout.h"
+#include "solid/programs.h"
 
 /* Nodes of a launch, so that its counts fit 32 bits. */
 #define PART_NODES (UINT32_C(1) << 28)
@@ -214,7 +215,7 @@ svo_status svo_i_solid_classify(svo_i_device_work *work, const svo_tree *tree, s
                                   .leaf_count = (cl_uint)tree->info.leaf_count,
                                   .parity = rule == SVO_SOLID_PARITY};
     info->surface_voxels = tree->info.leaf_count;
-    SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_SOLID, ""));
+    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_solid, ""));
     SVO_I_TRY(allocate(&c));
     SVO_I_TRY(check_triangles(&c));
     SVO_I_TRY(place(&c));

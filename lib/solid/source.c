@@ -7,7 +7,9 @@
 
 #include <string.h>
 
+#include "compact/programs.h"
 #include "shared/solid_layout.h"
+#include "solid/programs.h"
 
 /* The most bytes of a payload element. */
 #define ELEMENT_BYTES_MAX 6
@@ -44,12 +46,12 @@ static svo_status make_masks(svo_i_device_work *work, const svo_tree *tree, cons
                                         SVO_I_ARGUMENT(counts),
                                         SVO_I_ARGUMENT(params)};
     SVO_I_TRY(svo_i_work_launch(work, "svo_k_solid_masks", SVO_I_ARGUMENTS(arguments), count));
-    SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_COMPACT, " -DSVO_SORT"));
+    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_compact, " -DSVO_SORT"));
     SVO_I_TRY(svo_i_work_scan(work, counts, sums, count + 1));
     SVO_I_TRY(svo_i_work_copy(work, sums, sizeof(cl_uint), out->first_payload, 0, count * sizeof(cl_uint)));
     svo_i_work_free(work, &counts);
     svo_i_work_free(work, &sums);
-    return svo_i_work_use(work, SVO_I_PROGRAM_SOLID, "");
+    return svo_i_work_use(work, &svo_i_program_solid, "");
 }
 
 /* Whether the tree's payload is the same in every node and that of the interior leaves too. */

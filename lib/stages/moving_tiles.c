@@ -2,6 +2,8 @@
 /* Launches kernels/plan/tiles.cl, for each draw of an updatable plan. */
 #include "stages/moving_tiles.h"
 
+#include "plan/programs.h"
+
 svo_status svo_i_moving_tiles_make(svo_i_commands *commands, const svo_i_moving_tiles *buffers,
                                    const svo_voxelize_params *params)
 {
@@ -14,7 +16,7 @@ svo_status svo_i_moving_tiles_make(svo_i_commands *commands, const svo_i_moving_
                                         SVO_I_ARGUMENT(buffers->count),
                                         SVO_I_ARGUMENT(buffers->counters),
                                         SVO_I_ARGUMENT(*params)};
-    SVO_I_TRY(svo_i_program_get(commands->device, SVO_I_BUILD, SVO_I_PROGRAM_PLAN, "", &program, NULL));
+    SVO_I_TRY(svo_i_program_get(commands->device, SVO_I_BUILD, &svo_i_program_plan, "", &program, NULL));
     SVO_I_TRY(svo_i_commands_fill(commands, buffers->tiles, &unused, sizeof unused,
                                   (uint64_t)params->tile_count * sizeof unused));
     SVO_I_TRY(svo_i_commands_fill_zero(commands, buffers->count, sizeof(cl_uint)));

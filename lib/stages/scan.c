@@ -17,11 +17,11 @@ uint32_t svo_i_scan_groups(const svo_device *device, uint64_t numbers)
     return (uint32_t)(tiles < 1 ? 1 : tiles > device->scan_groups ? device->scan_groups : tiles);
 }
 
-svo_status svo_i_scan_lists(svo_i_build *build, svo_i_program_kind program, cl_mem numbers, cl_mem sums, cl_mem state,
+svo_status svo_i_scan_lists(svo_i_build *build, const svo_i_program *program, cl_mem numbers, cl_mem sums, cl_mem state,
                             svo_filter_params params)
 {
     svo_i_commands *commands = &build->commands;
-    cl_program kernels = build->programs[program];
+    cl_program kernels = svo_i_build_program(build, program);
     params.scan_groups = svo_i_scan_groups(commands->device, params.leaf_count);
     const uint64_t items = (uint64_t)params.scan_groups * SVO_GROUP_ITEMS;
     const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));

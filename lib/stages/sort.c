@@ -3,6 +3,7 @@
 #include "stages/sort.h"
 
 #include "plan/estimate.h"
+#include "stages/programs.h"
 #include "stages/scan.h"
 
 typedef struct sorter {
@@ -28,7 +29,7 @@ static uint64_t sort_cells(const sorter *s, uint32_t bits)
 
 static svo_status launch(sorter *s, const char *name, const svo_i_argument *arguments, cl_uint argument_count)
 {
-    return svo_i_commands_run(&s->build->commands, s->build->programs[SVO_I_PROGRAM_SORT], name, arguments,
+    return svo_i_commands_run(&s->build->commands, svo_i_build_program(s->build, &svo_i_program_sort), name, arguments,
                               argument_count, sort_items(s));
 }
 
@@ -44,7 +45,7 @@ static svo_status sort_pass(sorter *s, svo_sort_params params)
     const svo_i_argument scatter[] = {SVO_I_ARGUMENT(*list), SVO_I_ARGUMENT(s->spare), SVO_I_ARGUMENT(s->before),
                                       SVO_I_ARGUMENT(params), digits};
     SVO_I_TRY(launch(s, "svo_k_sort_count", SVO_I_ARGUMENTS(count)));
-    SVO_I_TRY(svo_i_scan_lists(s->build, SVO_I_PROGRAM_SORT, s->counts, s->before, NULL, cells));
+    SVO_I_TRY(svo_i_scan_lists(s->build, &svo_i_program_sort, s->counts, s->before, NULL, cells));
     SVO_I_TRY(launch(s, "svo_k_sort_scatter", SVO_I_ARGUMENTS(scatter)));
     cl_mem sorted = s->spare;
     s->spare = *list;

@@ -10,6 +10,7 @@
 #include "plan/tiles.h"
 #include "plan/update.h"
 #include "stages/moving_tiles.h"
+#include "stages/programs.h"
 #include "stages/snapped_mesh.h"
 
 /* Local memory of a work-group: for sums, and for notes and fragments. */
@@ -47,7 +48,7 @@ static svo_status get_program(svo_plan *plan, svo_i_test test, cl_program *out, 
 {
     char defines[SVO_I_DEFINES_BYTES];
     svo_i_plan_test_defines(plan, test, defines, sizeof defines);
-    return svo_i_program_get(plan->device, SVO_I_BUILD, SVO_I_PROGRAM_VOXELIZE, defines, out, fresh);
+    return svo_i_program_get(plan->device, SVO_I_BUILD, &svo_i_program_voxelize, defines, out, fresh);
 }
 
 static svo_status prepare(void *self, svo_plan *plan, svo_i_warm_up *warm_up)
