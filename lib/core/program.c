@@ -18,8 +18,10 @@ typedef struct compiled_program {
     bool is_fresh; /* loaded, and not used yet */
 } compiled_program;
 
-/* Made by cmake/embed.cmake. */
-extern const char svo_i_source_builtins[];
+extern const svo_i_kernel_text svo_i_text_shared_builtins_clh;
+
+/* The first line of a program's text; the files come without their comments. */
+#define LICENSE "/* SPDX-License-Identifier: MIT */\n"
 
 static void release_program(svo_i_attachment *attachment)
 {
@@ -33,9 +35,17 @@ void svo_i_program_options(const char *defines, char options[SVO_I_PROGRAM_OPTIO
     (void)snprintf(options, SVO_I_PROGRAM_OPTIONS_BYTES, "-cl-std=CL1.2%s", defines);
 }
 
+/* The hash of a program's text, which is not put together for it. */
 static void hash_source(const svo_i_program *program, char text[SVO_I_HASH_BYTES])
 {
-    const XXH128_hash_t hash = XXH3_128bits(program->source, strlen(program->source));
+    svo_i_kernel_texts texts;
+    XXH3_state_t state;
+    svo_i_kernel_texts_list(program->files, &texts);
+    XXH3_128bits_reset(&state);
+    for (size_t i = 0; i < texts.count; ++i) {
+        XXH3_128bits_update(&state, texts.files[i]->text, strlen(texts.files[i]->text));
+    }
+    const XXH128_hash_t hash = XXH3_128bits_digest(&state);
     (void)snprintf(text, SVO_I_HASH_BYTES, "%016llx%016llx", (unsigned long long)hash.high64,
                    (unsigned long long)hash.low64);
 }
@@ -64,6 +74,47 @@ static compiled_program *find_program(const svo_device *device, const svo_i_prog
     return NULL;
 }
 
+/* Puts a program's text together. The caller frees it. */
+static svo_status assemble(svo_device *device, const char *function, const svo_i_program *program, char **out)
+{
+    svo_i_kernel_texts texts;
+    size_t bytes = sizeof LICENSE;
+    svo_i_kernel_texts_list(program->files, &texts);
+    if (texts.is_cut) {
+        return svo_i_device_fail(device, SVO_INTERNAL, "%s: program %s has more than %d files", function,
+                                 program->name, SVO_I_KERNEL_TEXTS_MAX);
+    }
+    for (size_t i = 0; i < texts.count; ++i) {
+        bytes += strlen(texts.files[i]->text);
+    }
+    *out = svo_i_alloc(&device->memory, bytes);
+    if (*out == NULL) {
+        return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the text of program %s", function,
+                                 program->name);
+    }
+    memcpy(*out, LICENSE, sizeof LICENSE);
+    size_t used = sizeof LICENSE - 1;
+    for (size_t i = 0; i < texts.count; ++i) {
+        const size_t length = strlen(texts.files[i]->text);
+        memcpy(*out + used, texts.files[i]->text, length + 1);
+        used += length;
+    }
+    return SVO_OK;
+}
+
+/* The first line of a log that has an error, which names the file and the line; its end where none has. */
+static const char *first_error(const char *log)
+{
+    const char *error = strstr(log, "error");
+    if (error == NULL) {
+        return log + strlen(log);
+    }
+    while (error > log && error[-1] != '\n') {
+        --error;
+    }
+    return error;
+}
+
 /* Reports a failed build: one line in the message, all of the log to the callback. */
 static svo_status fail_build(svo_device *device, const char *function, cl_program program, const char *options)
 {
@@ -74,10 +125,9 @@ static svo_status fail_build(svo_device *device, const char *function, cl_progra
         clGetProgramBuildInfo(program, device->device, CL_PROGRAM_BUILD_LOG, bytes, log, NULL);
         svo_i_device_log(device, SVO_LOG_ERROR, log);
     }
-    const char *error = log != NULL ? strstr(log, "error") : NULL;
-    const int length = error != NULL ? (int)strcspn(error, "\n") : 0;
+    const char *error = log != NULL ? first_error(log) : "";
     svo_i_device_fail(device, SVO_COMPILE_FAILED, "%s: kernels do not compile on %s with %s: %.*s", function,
-                      device->name, options, length, error != NULL ? error : "");
+                      device->name, options, (int)strcspn(error, "\n"), error);
     svo_i_free(log);
     return SVO_COMPILE_FAILED;
 }
@@ -117,7 +167,7 @@ static cl_int build_texts(const svo_device *device, cl_uint count, const char **
    driver's header then serves. */
 static bool build_short(const svo_device *device, const char *source, const char *options, cl_program *out)
 {
-    const char *texts[] = {svo_i_source_builtins, source};
+    const char *texts[] = {svo_i_text_shared_builtins_clh.text, source};
     const char *call = NULL;
     char with_guard[SVO_I_PROGRAM_OPTIONS_BYTES + sizeof GUARD];
     if (!includes_opencl_c_h(device)) {
@@ -131,10 +181,9 @@ static bool build_short(const svo_device *device, const char *source, const char
     return error == CL_SUCCESS;
 }
 
-static svo_status compile(svo_device *device, const char *function, const svo_i_program *asked, const char *defines,
-                          cl_program *out)
+static svo_status compile_text(svo_device *device, const char *function, const char *source, const char *defines,
+                               cl_program *out)
 {
-    const char *source = asked->source;
     const char *call = NULL;
     char options[SVO_I_PROGRAM_OPTIONS_BYTES];
     svo_i_program_options(defines, options);
@@ -152,6 +201,16 @@ static svo_status compile(svo_device *device, const char *function, const svo_i_
     if (program != NULL) {
         clReleaseProgram(program);
     }
+    return status;
+}
+
+static svo_status compile(svo_device *device, const char *function, const svo_i_program *program, const char *defines,
+                          cl_program *out)
+{
+    char *source = NULL;
+    SVO_I_TRY(assemble(device, function, program, &source));
+    const svo_status status = compile_text(device, function, source, defines, out);
+    svo_i_free(source);
     return status;
 }
 

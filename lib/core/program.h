@@ -7,11 +7,14 @@
 #define SVO_LIB_CORE_PROGRAM_H
 
 #include "core/device.h"
+#include "core/kernel_text.h"
+
+#define SVO_I_PROGRAM_FILES_MAX 11
 
 /* A program: kernels that are compiled together. Its room defines svo_i_program_NAME in programs.c. */
 typedef struct svo_i_program {
     const char *name; /* in plans, and in the keys of saved kernels */
-    const char *source;
+    const svo_i_kernel_text *files[SVO_I_PROGRAM_FILES_MAX + 1]; /* those with its kernels; the rest is NULL */
 } svo_i_program;
 
 /*

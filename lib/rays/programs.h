@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The programs of kernels/rays. */
+/* The programs of kernels/bvh and kernels/rays. */
 #ifndef SVO_LIB_RAYS_PROGRAMS_H
 #define SVO_LIB_RAYS_PROGRAMS_H
 

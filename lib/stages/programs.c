@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-/* The programs of kernels/stages. */
+/* The programs of kernels/stages: the files with their kernels. What these include comes with them. */
 #include "stages/programs.h"
 
-/* Made by cmake/embed.cmake. */
-extern const char svo_i_source_subdivide[];
-extern const char svo_i_source_sort[];
-extern const char svo_i_source_pack[];
-extern const char svo_i_source_filter[];
-extern const char svo_i_source_voxelize[];
+extern const svo_i_kernel_text svo_i_text_stages_bottom_up_cl, svo_i_text_stages_filter_cl, svo_i_text_stages_link_cl,
+    svo_i_text_stages_material_cl, svo_i_text_stages_pack_cl, svo_i_text_stages_pairs_cl, svo_i_text_stages_scan_cl,
+    svo_i_text_stages_sort_cl, svo_i_text_stages_subdivide_cl, svo_i_text_stages_voxelize_cl;
 
-const svo_i_program svo_i_program_subdivide = {.name = "subdivide", .source = svo_i_source_subdivide};
-const svo_i_program svo_i_program_sort = {.name = "sort", .source = svo_i_source_sort};
-const svo_i_program svo_i_program_pack = {.name = "pack", .source = svo_i_source_pack};
-const svo_i_program svo_i_program_filter = {.name = "filter", .source = svo_i_source_filter};
-const svo_i_program svo_i_program_voxelize = {.name = "voxelize", .source = svo_i_source_voxelize};
+const svo_i_program svo_i_program_subdivide = {.name = "subdivide", .files = {&svo_i_text_stages_subdivide_cl}};
+const svo_i_program svo_i_program_sort = {
+    .name = "sort", .files = {&svo_i_text_stages_scan_cl, &svo_i_text_stages_sort_cl, &svo_i_text_stages_bottom_up_cl}};
+const svo_i_program svo_i_program_pack = {.name = "pack",
+                                          .files = {&svo_i_text_stages_scan_cl, &svo_i_text_stages_pack_cl}};
+const svo_i_program svo_i_program_filter = {.name = "filter",
+                                            .files = {&svo_i_text_stages_link_cl, &svo_i_text_stages_material_cl,
+                                                      &svo_i_text_stages_filter_cl, &svo_i_text_stages_pairs_cl}};
+const svo_i_program svo_i_program_voxelize = {.name = "voxelize", .files = {&svo_i_text_stages_voxelize_cl}};
