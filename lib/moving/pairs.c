@@ -5,9 +5,9 @@
  */
 #include "moving/pairs.h"
 
-#include "build/list.h"
-#include "build/order.h"
 #include "moving/chain.h"
+#include "pipeline/list.h"
+#include "pipeline/order.h"
 #include "plan/buffers.h"
 #include "plan/chunking.h"
 #include "plan/configuration.h"

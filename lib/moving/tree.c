@@ -7,9 +7,9 @@
 
 #include <string.h>
 
-#include "build/order.h"
 #include "moving/nodes.h"
 #include "moving/pairs.h"
+#include "pipeline/order.h"
 #include "plan/buffers.h"
 #include "plan/configuration.h"
 #include "plan/update.h"

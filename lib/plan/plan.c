@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Creates plans: checks the request, runs the host's steps (grid.c, attributes.c) and configures the build. A measuring
- * build predicts the sizes later (build/measure.c). All later steps of the pipeline follow the plan.
+ * build predicts the sizes later (pipeline/measure.c). All later steps of the pipeline follow the plan.
  */
 #include "plan/plan.h"
 #include "core/mesh.h"

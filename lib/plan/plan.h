@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Creates a plan without the prediction of its sizes, which needs the stages (build/measure.c). */
+/* Creates a plan without the prediction of its sizes, which needs the stages (pipeline/measure.c). */
 #ifndef SVO_LIB_PLAN_PLAN_H
 #define SVO_LIB_PLAN_PLAN_H
 

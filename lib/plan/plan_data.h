@@ -196,7 +196,7 @@ struct svo_plan {
     svo_i_plan_part part;
     bool has_grid; /* info has it before the mesh is taken: survey.c */
     svo_i_work work; /* what a build does */
-    const svo_i_stage *stages; /* the table of stages, in build/stage_table.c */
+    const svo_i_stage *stages; /* the table of stages, in pipeline/stage_table.c */
     size_t stage_count;
     uint32_t voxel_log2; /* edge of a voxel in grid units */
 

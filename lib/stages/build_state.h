@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A build in progress: the data that its stages share. build/build.c and build/enqueue.c create one and run the table
+ * A build in progress: the data that its stages share. pipeline/build.c and pipeline/enqueue.c create one and run the table
  * of stages on it.
  */
 #ifndef SVO_LIB_STAGES_BUILD_STATE_H

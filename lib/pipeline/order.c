@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Compiles and runs the stages that the plan needs. */
-#include "build/order.h"
+#include "pipeline/order.h"
 
 #include "plan/configuration.h"
 #include "stages/surface.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Writing build reports, and reading their stage times. */
-#include "build/report.h"
+#include "pipeline/report.h"
 
 #include "core/struct_size.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The fragment list of a blocking build. */
-#ifndef SVO_LIB_BUILD_LIST_H
-#define SVO_LIB_BUILD_LIST_H
+#ifndef SVO_LIB_PIPELINE_LIST_H
+#define SVO_LIB_PIPELINE_LIST_H
 
 #include "stages/build_state.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Writing build reports to the caller's struct, which may be of an earlier version. */
-#ifndef SVO_LIB_BUILD_REPORT_H
-#define SVO_LIB_BUILD_REPORT_H
+#ifndef SVO_LIB_PIPELINE_REPORT_H
+#define SVO_LIB_PIPELINE_REPORT_H
 
 #include "core/device.h"
 #include "svocl/build.h"

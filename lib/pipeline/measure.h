@@ -3,8 +3,8 @@
  * Measuring builds: the stages run with the plan's capacities instead of counts and record what they would allocate.
  * Plans predict their sizes, workspaces size their memory and builds warm up their kernels with them.
  */
-#ifndef SVO_LIB_BUILD_MEASURE_H
-#define SVO_LIB_BUILD_MEASURE_H
+#ifndef SVO_LIB_PIPELINE_MEASURE_H
+#define SVO_LIB_PIPELINE_MEASURE_H
 
 #include "stages/build_state.h"
 

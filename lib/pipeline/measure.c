@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Measuring builds: see measure.h. */
-#include "build/measure.h"
+#include "pipeline/measure.h"
 
 #include <string.h>
 
-#include "build/order.h"
+#include "pipeline/order.h"
 #include "plan/buffers.h"
 #include "plan/chunking.h"
 #include "plan/estimate.h"

@@ -3,12 +3,12 @@
  * The fragment list of a blocking build, and svo_plan_count. The front end draws the list into chunks. If chunks were
  * too small, it draws again with larger ones.
  */
-#include "build/list.h"
+#include "pipeline/list.h"
 
 #include <string.h>
 
-#include "build/default_frontend.h"
-#include "build/measure.h"
+#include "pipeline/default_frontend.h"
+#include "pipeline/measure.h"
 #include "plan/buffers.h"
 #include "plan/chunking.h"
 #include "plan/estimate.h"

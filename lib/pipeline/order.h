@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Compiles and runs the stages in the order of their table, in every mode. */
-#ifndef SVO_LIB_BUILD_ORDER_H
-#define SVO_LIB_BUILD_ORDER_H
+#ifndef SVO_LIB_PIPELINE_ORDER_H
+#define SVO_LIB_PIPELINE_ORDER_H
 
 #include "stages/build_state.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The front end of a build whose caller passes NULL. */
-#ifndef SVO_LIB_BUILD_DEFAULT_FRONTEND_H
-#define SVO_LIB_BUILD_DEFAULT_FRONTEND_H
+#ifndef SVO_LIB_PIPELINE_DEFAULT_FRONTEND_H
+#define SVO_LIB_PIPELINE_DEFAULT_FRONTEND_H
 
 #include "commands/frontend.h"
 

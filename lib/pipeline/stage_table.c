@@ -3,7 +3,7 @@
  * The table of stages, in the order in which they run. A plan takes from it which stages run, which kernels are
  * compiled and what the size of each buffer depends on. A build runs it from top to bottom.
  */
-#include "build/stage_table.h"
+#include "pipeline/stage_table.h"
 
 #include <stdio.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The end of enqueued builds: finished, failed, or with their tree destroyed. */
-#include "build/pending.h"
+#include "pipeline/pending.h"
 
 void svo_i_pending_release(svo_i_pending *pending)
 {

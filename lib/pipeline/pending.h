@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Enqueued builds that are not finished, and the workspace that they run in. */
-#ifndef SVO_LIB_BUILD_PENDING_H
-#define SVO_LIB_BUILD_PENDING_H
+#ifndef SVO_LIB_PIPELINE_PENDING_H
+#define SVO_LIB_PIPELINE_PENDING_H
 
 #include "plan/tiles.h"
 #include "plan/update.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* svo_device_warm: compiles what builds of a plan need, before the first of them. */
-#include "build/default_frontend.h"
-#include "build/measure.h"
+#include "pipeline/default_frontend.h"
+#include "pipeline/measure.h"
 #include "plan/progress.h"
 
 svo_status svo_device_warm(svo_device *device, svo_plan *plan)

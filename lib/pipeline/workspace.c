@@ -5,9 +5,9 @@
  */
 #include <string.h>
 
-#include "build/measure.h"
-#include "build/pending.h"
 #include "core/struct_size.h"
+#include "pipeline/measure.h"
+#include "pipeline/pending.h"
 #include "plan/buffers.h"
 #include "plan/chunking.h"
 #include "plan/estimate.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* svo_plan_create and its twin for buffers: create a plan and predict what its build allocates. */
-#include "build/measure.h"
-#include "build/stage_table.h"
 #include "core/struct_size.h"
+#include "pipeline/measure.h"
+#include "pipeline/stage_table.h"
 #include "plan/plan.h"
 #include "plan/progress.h"
 

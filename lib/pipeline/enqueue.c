@@ -5,9 +5,9 @@
  */
 #include <string.h>
 
-#include "build/order.h"
-#include "build/pending.h"
-#include "build/report.h"
+#include "pipeline/order.h"
+#include "pipeline/pending.h"
+#include "pipeline/report.h"
 #include "plan/estimate.h"
 
 static void move_buffer(cl_mem *from, cl_mem *to)

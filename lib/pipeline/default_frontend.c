@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The front end of a build whose caller passes NULL: one "cl" per device handle. */
-#include "build/default_frontend.h"
+#include "pipeline/default_frontend.h"
 
 /* Attaches the front end to its device. */
 typedef struct own_frontend {

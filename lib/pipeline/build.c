@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* svo_build, the blocking build: makes the fragment list, runs the stages and returns the tree. */
-#include "build/default_frontend.h"
-#include "build/list.h"
-#include "build/measure.h"
-#include "build/order.h"
-#include "build/report.h"
 #include "core/host_memory.h"
+#include "pipeline/default_frontend.h"
+#include "pipeline/list.h"
+#include "pipeline/measure.h"
+#include "pipeline/order.h"
+#include "pipeline/report.h"
 #include "plan/buffers.h"
 #include "plan/part.h"
 #include "plan/progress.h"
