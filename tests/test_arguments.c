@@ -13,9 +13,9 @@
 
 #include <cmocka.h>
 
-#include "core/cl_error.h"
 #include "core/device.h"
 #include "core/message.h"
+#include "core/opencl.h"
 #include "fixture.h"
 #include "plan/frontend_choice.h"
 #include "scenes.h"

@@ -3,7 +3,7 @@
 #ifndef SVO_GLINTEROP_SHARE_BUFFER_H
 #define SVO_GLINTEROP_SHARE_BUFFER_H
 
-#include "core/in_flight.h"
+#include "core/work.h"
 #include "share/probe.h"
 #include "share/share.h"
 

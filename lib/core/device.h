@@ -1,16 +1,31 @@
 /* SPDX-License-Identifier: MIT */
-/* The device handle's fields, its messages and its buffers. */
+/* The device handle's fields, its messages, its buffers and their budget. */
 #ifndef SVO_LIB_CORE_DEVICE_H
 #define SVO_LIB_CORE_DEVICE_H
 
 #include <stdbool.h>
+#include <stdint.h>
 
-#include "core/attachment.h"
-#include "core/budget.h"
-#include "core/cl_error.h"
 #include "core/memory.h"
 #include "core/message.h"
+#include "core/opencl.h"
 #include "svocl/device.h"
+
+/*
+ * The budget of a device handle: how many bytes the OpenCL buffers may have that live at the same time. A buffer counts
+ * until the driver destroys it, whoever holds it last. Handles without a budget count nothing.
+ */
+
+/* Shared by a device handle and its buffers, some of which may live longer. */
+typedef struct svo_i_budget svo_i_budget;
+
+/* The most bytes; UINT64_MAX without a budget. */
+uint64_t svo_i_budget_max(const svo_i_budget *budget);
+/* The bytes of the buffers that live. */
+uint64_t svo_i_budget_held(const svo_i_budget *budget);
+/* Whether so many more bytes fit. A driver may destroy a released buffer a moment after the last command that used it,
+   so this waits up to a tenth of a second before it says no. */
+bool svo_i_budget_fits(const svo_i_budget *budget, uint64_t bytes);
 
 struct svo_device {
     cl_context context;
@@ -30,7 +45,7 @@ struct svo_device {
     svo_i_budget *budget; /* NULL: none */
     svo_i_attachment *attachments; /* compiled programs, and what else is kept until the handle is destroyed */
     double compile_ms;
-    uint64_t planned_triangles; /* of the plans until now, see plan/place.h */
+    uint64_t planned_triangles; /* of the plans until now, see plan/plan.h */
     svo_message message;
 };
 

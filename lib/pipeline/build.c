@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* svo_build, the blocking build: makes the fragment list, runs the stages and returns the tree. */
-#include "core/host_memory.h"
+#include "core/memory.h"
 #include "pipeline/default_frontend.h"
 #include "pipeline/list.h"
 #include "pipeline/measure.h"

@@ -4,7 +4,7 @@
 
 #include "plan/buffers.h"
 
-#include "core/host_memory.h"
+#include "core/memory.h"
 
 void svo_i_plan_buffers_reset(svo_plan *plan)
 {

@@ -2,7 +2,7 @@
 /* Chooses where a plan is made. Loading the kernels takes tens of milliseconds, so small meshes stay on the host. */
 #include "plan/place.h"
 
-#include "core/device_info.h"
+#include "core/opencl.h"
 #include "plan/attributes.h"
 #include "plan/device_attributes.h"
 #include "plan/device_grid.h"

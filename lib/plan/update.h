@@ -6,7 +6,7 @@
 #ifndef SVO_LIB_PLAN_UPDATE_H
 #define SVO_LIB_PLAN_UPDATE_H
 
-#include "core/in_flight.h"
+#include "core/work.h"
 #include "plan/device_attributes.h"
 #include "plan/device_grid.h"
 

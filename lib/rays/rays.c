@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-#include "core/foreign.h"
+#include "core/opencl.h"
 #include "rays/bvh_device.h"
 #include "rays/bvh_fit.h"
 #include "rays/corners.h"

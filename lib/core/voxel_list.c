@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A stable radix sort of voxels, least significant digit first (Knuth, "The Art of Computer Programming", volume 3,
- * 5.2.5). Keys are computed anew in each pass, which costs less than the memory to keep them.
+ * The order of lists of voxels: a stable radix sort, least significant digit first (Knuth, "The Art of Computer
+ * Programming", volume 3, 5.2.5). Keys are computed anew in each pass, which costs less than the memory to keep them.
  */
-#include "core/voxel_sort.h"
+#include "core/voxel_list.h"
 
 #include <string.h>
 
