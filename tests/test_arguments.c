@@ -17,7 +17,7 @@
 #include "core/message.h"
 #include "core/opencl.h"
 #include "fixture.h"
-#include "plan/frontend_choice.h"
+#include "plan/configuration.h"
 #include "scenes.h"
 #ifdef HAVE_IO
 #include "svocl/io.h"

@@ -14,8 +14,8 @@
 #include "compute/subdivide.h"
 #include "compute/surface.h"
 #include "core/message.h"
+#include "plan/accounts.h"
 #include "plan/estimate.h"
-#include "plan/progress.h"
 #include "stages/geometry.h"
 #include "stages/material.h"
 

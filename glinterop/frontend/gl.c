@@ -6,7 +6,7 @@
 #include "core/message.h"
 #include "core/struct_size.h"
 #include "frontend/choice.h"
-#include "plan/frontend_choice.h"
+#include "plan/configuration.h"
 #include "raster/rasterize.h"
 #include "share/share.h"
 

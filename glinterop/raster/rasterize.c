@@ -7,8 +7,8 @@
 
 #include "commands/timing.h"
 #include "core/message.h"
+#include "plan/accounts.h"
 #include "plan/estimate.h"
-#include "plan/progress.h"
 #include "share/share.h"
 
 /* Creates a chunk's buffer and gives it to OpenGL. */

@@ -2,8 +2,7 @@
 /* Buffers, copies and launches, in each of the three modes. */
 #include "commands/commands.h"
 
-#include "plan/buffers.h"
-#include "plan/progress.h"
+#include "plan/accounts.h"
 
 svo_i_commands svo_i_commands_begin(svo_plan *plan, cl_command_queue queue, svo_build_report *report)
 {

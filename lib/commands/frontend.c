@@ -2,7 +2,7 @@
 /* The public functions that all front ends share. */
 #include "commands/frontend.h"
 
-#include "plan/host_copy.h"
+#include "plan/arrays.h"
 
 void svo_frontend_destroy(svo_frontend **frontend)
 {

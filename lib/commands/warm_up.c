@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "plan/progress.h"
+#include "plan/accounts.h"
 #include "shared/layout.h"
 
 /* PoCL compiles kernels separately for launches of at most 65535 work-items and for larger ones. */

@@ -8,7 +8,7 @@
 #include "moving/chain.h"
 #include "pipeline/list.h"
 #include "pipeline/order.h"
-#include "plan/buffers.h"
+#include "plan/accounts.h"
 #include "plan/chunking.h"
 #include "plan/configuration.h"
 #include "plan/estimate.h"

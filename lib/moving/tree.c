@@ -10,7 +10,7 @@
 #include "moving/nodes.h"
 #include "moving/pairs.h"
 #include "pipeline/order.h"
-#include "plan/buffers.h"
+#include "plan/accounts.h"
 #include "plan/configuration.h"
 #include "plan/update.h"
 #include "stages/filter.h"

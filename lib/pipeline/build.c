@@ -6,9 +6,8 @@
 #include "pipeline/measure.h"
 #include "pipeline/order.h"
 #include "pipeline/report.h"
-#include "plan/buffers.h"
+#include "plan/accounts.h"
 #include "plan/part.h"
-#include "plan/progress.h"
 #include "plan/update.h"
 #include "stages/constants.h"
 

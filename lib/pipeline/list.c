@@ -9,10 +9,9 @@
 
 #include "pipeline/default_frontend.h"
 #include "pipeline/measure.h"
-#include "plan/buffers.h"
+#include "plan/accounts.h"
 #include "plan/chunking.h"
 #include "plan/estimate.h"
-#include "plan/progress.h"
 #include "stages/snapped_mesh.h"
 
 /* A bound on halving chunks, far above what a list can need. */

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "pipeline/order.h"
-#include "plan/buffers.h"
+#include "plan/accounts.h"
 #include "plan/chunking.h"
 #include "plan/estimate.h"
 #include "stages/voxelize.h"

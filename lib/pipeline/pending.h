@@ -3,7 +3,7 @@
 #ifndef SVO_LIB_PIPELINE_PENDING_H
 #define SVO_LIB_PIPELINE_PENDING_H
 
-#include "plan/tiles.h"
+#include "plan/chunking.h"
 #include "plan/update.h"
 #include "stages/build_state.h"
 

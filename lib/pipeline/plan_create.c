@@ -3,8 +3,8 @@
 #include "core/struct_size.h"
 #include "pipeline/measure.h"
 #include "pipeline/stage_table.h"
+#include "plan/accounts.h"
 #include "plan/plan.h"
-#include "plan/progress.h"
 
 static svo_status check_arguments(svo_device *device, const char *function, const char *mesh_name, const void *mesh,
                                   svo_plan *const *out)

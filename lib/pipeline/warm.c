@@ -2,7 +2,7 @@
 /* svo_device_warm: compiles what builds of a plan need, before the first of them. */
 #include "pipeline/default_frontend.h"
 #include "pipeline/measure.h"
-#include "plan/progress.h"
+#include "plan/accounts.h"
 
 svo_status svo_device_warm(svo_device *device, svo_plan *plan)
 {

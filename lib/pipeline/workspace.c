@@ -8,11 +8,10 @@
 #include "core/struct_size.h"
 #include "pipeline/measure.h"
 #include "pipeline/pending.h"
-#include "plan/buffers.h"
+#include "plan/accounts.h"
 #include "plan/chunking.h"
 #include "plan/estimate.h"
 #include "plan/part.h"
-#include "plan/progress.h"
 #include "plan/update.h"
 
 #define SVO_I_WORKSPACE "svo_workspace_create"

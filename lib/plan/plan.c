@@ -1,22 +1,175 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Creates plans: checks the request, runs the host's steps (grid.c, attributes.c) and configures the build. A measuring
- * build predicts the sizes later (pipeline/measure.c). All later steps of the pipeline follow the plan.
+ * Creates plans: checks the request, has its mesh taken in by the host (grid.c, attributes.c) or by kernels
+ * (device_plan.c), with the same bytes, and configures the build. A measuring build predicts the sizes later
+ * (pipeline/run.c). All later steps of the pipeline follow the plan.
  */
 #include "plan/plan.h"
-#include "core/mesh.h"
-#include "core/struct_size.h"
-#include "plan/configuration.h"
-#include "plan/estimate.h"
-#include "plan/host_copy.h"
-#include "plan/part.h"
-#include "plan/place.h"
-#include "plan/progress.h"
-#include "plan/update.h"
-#include "svocl/nodes.h"
 
 #include <math.h>
 #include <string.h>
+
+#include "core/mesh.h"
+#include "core/opencl.h"
+#include "core/struct_size.h"
+#include "plan/accounts.h"
+#include "plan/arrays.h"
+#include "plan/attributes.h"
+#include "plan/configuration.h"
+#include "plan/device_plan.h"
+#include "plan/estimate.h"
+#include "plan/grid.h"
+#include "plan/part.h"
+#include "plan/update.h"
+#include "svocl/nodes.h"
+
+/* ---- positions for rays ---- */
+
+/*
+ * Keeps the mesh's own vertices beside the snapped ones. Voxels are those of the snapped mesh; rays need no integers
+ * and meet the mesh as it was given.
+ */
+
+/* Copies the elements of a vertex for each corner; vertices without a triangle stay 0, since they may not be finite. */
+static void copy_used(const svo_plan *plan, const void *from, void *to, size_t vertex_bytes)
+{
+    for (size_t i = 0; i < (size_t)plan->triangle_count * 3; ++i) {
+        const size_t at = plan->indices[i] * vertex_bytes;
+        memcpy((char *)to + at, (const char *)from + at, vertex_bytes);
+    }
+}
+
+/* Copies the positions of the vertices that kept triangles use, as floats or doubles like the mesh's, if rays are
+   asked for that meet triangles. */
+static svo_status keep_positions(svo_plan *plan, const svo_mesh *mesh)
+{
+    if ((plan->info.need & SVO_NEED_RAYS) == 0 || plan->info.coverage == SVO_COVERAGE_THIN) {
+        return SVO_OK;
+    }
+    const bool is_double = mesh->positions_double != NULL;
+    const size_t vertex_bytes = is_double ? 3 * sizeof(double) : 3 * sizeof(float);
+    void *copy = svo_i_alloc_zeroed(&plan->device->memory, (size_t)plan->vertex_count + 1, vertex_bytes);
+    if (copy == NULL) {
+        return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY,
+                                 "svo_plan_create: no memory for the positions of %u vertices", plan->vertex_count);
+    }
+    if (is_double) {
+        plan->positions_double = copy;
+        copy_used(plan, mesh->positions_double, copy, vertex_bytes);
+    } else {
+        plan->positions = copy;
+        copy_used(plan, mesh->positions, copy, vertex_bytes);
+    }
+    return SVO_OK;
+}
+
+/* ---- where a plan is made ---- */
+
+const char *svo_place_name(svo_place place)
+{
+    static const char *const names[] = {"default", "host", "device"};
+    return (unsigned)place <= SVO_PLACE_DEVICE ? names[place] : "unknown place";
+}
+
+/* Whether the device's doubles are those of the host: with denormals, rounded to nearest; floats with denormals. */
+static svo_status find_doubles(svo_device *device, const char *function, bool *has_doubles)
+{
+    const cl_device_fp_config needed = CL_FP_DENORM | CL_FP_INF_NAN | CL_FP_ROUND_TO_NEAREST;
+    cl_device_fp_config doubles = 0;
+    cl_device_fp_config floats = 0;
+    SVO_I_TRY(svo_i_device_property(device->device, CL_DEVICE_DOUBLE_FP_CONFIG, sizeof doubles, &doubles, function,
+                                    &device->message));
+    SVO_I_TRY(svo_i_device_property(device->device, CL_DEVICE_SINGLE_FP_CONFIG, sizeof floats, &floats, function,
+                                    &device->message));
+    *has_doubles = (doubles & needed) == needed && (floats & needed) == needed;
+    return SVO_OK;
+}
+
+/* Whether kernels are likely quicker. A handle with a budget has its memory for builds. */
+static bool prefers_kernels(svo_device *device, const char *function, uint64_t triangles)
+{
+    bool has_doubles = false;
+    if (device->budget != NULL || triangles < SVO_I_KERNEL_TRIANGLES_MIN) {
+        return false;
+    }
+    device->planned_triangles += triangles;
+    return (svo_i_program_known(device, SVO_I_PROGRAM_PLAN, "") || device->planned_triangles >= SVO_I_LOAD_TRIANGLES) &&
+           find_doubles(device, function, &has_doubles) == SVO_OK && has_doubles;
+}
+
+/* Names the kept triangles of a part by their positions among those of the whole. */
+static void name_triangles(svo_plan *plan)
+{
+    if (svo_i_plan_is_part(plan)) {
+        svo_i_free(plan->triangle_ids);
+        plan->triangle_ids = plan->part.positions;
+        plan->part.positions = NULL;
+    }
+}
+
+static svo_status take_on_host(svo_plan *plan, const svo_i_plan_input *input)
+{
+    plan->info.place = SVO_PLACE_HOST;
+    SVO_I_TRY(svo_i_plan_grid(plan, &input->mesh));
+    SVO_I_TRY(svo_i_plan_attributes(plan, &input->mesh));
+    name_triangles(plan);
+    return keep_positions(plan, &input->mesh);
+}
+
+static svo_status take_on_device(svo_plan *plan, const svo_i_plan_input *input)
+{
+    svo_i_device_work work;
+    svo_i_device_mesh mesh = {0};
+    bool has_doubles = false;
+    plan->info.place = SVO_PLACE_DEVICE;
+    SVO_I_TRY(find_doubles(plan->device, plan->progress.function, &has_doubles));
+    if (!has_doubles) {
+        return svo_i_device_fail(plan->device, SVO_UNSUPPORTED,
+                                 "%s: %s has no doubles with denormals, which a plan's kernels need",
+                                 plan->progress.function, plan->device->name);
+    }
+    SVO_I_TRY(svo_i_work_begin(plan->device, plan->progress.function, input->queue, &work));
+    work.wait_count = input->wait_count;
+    work.wait = input->wait;
+    const svo_status status = plan->options.updatable != 0 ? svo_i_update_create(plan, &work, input, &mesh)
+                                                           : svo_i_device_take_mesh(plan, &work, input, &mesh);
+    svo_i_work_end(&work);
+    svo_i_device_mesh_free(&mesh);
+    return status;
+}
+
+/* Frees what an attempt has left, and restores the plan from before it. */
+static void start_over(svo_plan *plan, const svo_plan *before)
+{
+    const svo_i_progress progress = plan->progress;
+    svo_i_plan_memory_free(&plan->memory);
+    svo_i_free(plan->large);
+    svo_i_free(plan->materials);
+    svo_i_free(plan->texels);
+    *plan = *before;
+    plan->progress = progress;
+}
+
+/* Takes the mesh into a plan: the grid, the draw items, the payload inputs. The bytes are the same in both places. */
+static svo_status take_mesh(svo_plan *plan, const svo_i_plan_input *input)
+{
+    const svo_plan before = *plan;
+    if (plan->options.place == SVO_PLACE_DEVICE || plan->options.updatable != 0 || input->buffers != NULL) {
+        return take_on_device(plan, input);
+    }
+    if (plan->options.place == SVO_PLACE_HOST || svo_i_plan_is_part(plan) ||
+        !prefers_kernels(plan->device, plan->progress.function, input->mesh.triangle_count)) {
+        return take_on_host(plan, input);
+    }
+    const svo_status status = take_on_device(plan, input);
+    if (status != SVO_OUT_OF_DEVICE_MEMORY && status != SVO_COMPILE_FAILED) {
+        return status;
+    }
+    start_over(plan, &before);
+    return take_on_host(plan, input);
+}
+
+/* ---- the handle ---- */
 
 /* Far above the fragments of one column of one triangle, which a chunk must hold. */
 #define CHUNK_BYTES_MIN 16384
@@ -209,7 +362,7 @@ static svo_status make_plan(svo_plan *plan, const char *function, const svo_i_pl
     plan->progress.expected_ns[SVO_STAGE_GRID] = SVO_I_SNAP_NS * (double)mesh->vertex_count +
                                                  (SVO_I_KEEP_NS + SVO_I_ATTRIBUTES_NS) * (double)mesh->triangle_count;
     SVO_I_TRY(svo_i_progress_begin(plan, function, SVO_I_STAGE_BIT(SVO_STAGE_GRID)));
-    SVO_I_TRY(svo_i_plan_take_mesh(plan, input));
+    SVO_I_TRY(take_mesh(plan, input));
     plan->info.expected_fragments = svo_i_plan_expected(plan, depth);
     plan->info.area = plan->estimate[2] / (plan->info.scale * plan->info.scale * sqrt(3.0));
     SVO_I_TRY(svo_i_plan_configure(plan));

@@ -90,7 +90,7 @@ typedef struct svo_i_chunk {
     uint64_t capacity; /* fragments */
 } svo_i_chunk;
 
-struct svo_i_tile_cache; /* tiles.h */
+struct svo_i_tile_cache; /* chunking.h */
 
 /* The cut of the list into chunks of limited size. */
 typedef struct svo_i_chunking {
@@ -151,7 +151,7 @@ typedef struct svo_i_stage {
     svo_i_buffer_kind buffers[SVO_I_STAGE_BUFFERS_MAX];
 } svo_i_stage;
 
-/* The progress of the call that is running on a plan; plan/progress.h has the functions. */
+/* The progress of the call that is running on a plan; plan/accounts.h has the functions. */
 typedef struct svo_i_progress {
     svo_progress_callback callback; /* NULL: nobody asks */
     void *user;
@@ -194,13 +194,13 @@ struct svo_plan {
     svo_plan_info info;
     svo_plan_options options;
     svo_i_plan_part part;
-    bool has_grid; /* info has it before the mesh is taken: survey.c */
+    bool has_grid; /* info has it before the mesh is taken: part.c */
     svo_i_work work; /* what a build does */
     const svo_i_stage *stages; /* the table of stages, in pipeline/stage_table.c */
     size_t stage_count;
     uint32_t voxel_log2; /* edge of a voxel in grid units */
 
-    svo_i_plan_memory memory; /* plan/host_copy.h brings it to the host */
+    svo_i_plan_memory memory; /* plan/arrays.h brings it to the host */
     /* The snapped mesh. Vertices that no kept triangle uses are 0. */
     int32_t *vertices; /* vertex_count * 3 */
     uint32_t vertex_count;
@@ -244,5 +244,11 @@ struct svo_plan {
     bool counted; /* the capacity of the list is the exact number of fragments */
     bool built; /* buffers are those of a build, not a prediction */
 };
+
+/* Whether a plan is that of a part of a larger tree. */
+static inline bool svo_i_plan_is_part(const svo_plan *plan)
+{
+    return plan->part.header.depth != 0;
+}
 
 #endif

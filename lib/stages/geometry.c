@@ -2,7 +2,7 @@
 /* Uploads the snapped mesh, and the vertices that rays meet, to the tree's buffers. */
 #include "stages/geometry.h"
 
-#include "plan/host_copy.h"
+#include "plan/arrays.h"
 #include "stages/snapped_mesh.h"
 
 static svo_status upload_positions(svo_i_build *build)

@@ -5,7 +5,7 @@
  */
 #include "stages/surface.h"
 
-#include "plan/host_copy.h"
+#include "plan/arrays.h"
 #include "stages/snapped_mesh.h"
 
 /* Uploads an array if the plan has it, on the host or on the device. */

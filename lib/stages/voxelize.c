@@ -5,9 +5,9 @@
  */
 #include "stages/voxelize.h"
 
+#include "plan/chunking.h"
 #include "plan/configuration.h"
 #include "plan/estimate.h"
-#include "plan/tiles.h"
 #include "plan/update.h"
 #include "stages/moving_tiles.h"
 #include "stages/snapped_mesh.h"

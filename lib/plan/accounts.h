@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: MIT */
+/* What a running call on a plan accounts for: its progress and its buffers. */
+#ifndef SVO_LIB_PLAN_ACCOUNTS_H
+#define SVO_LIB_PLAN_ACCOUNTS_H
+
+#include "plan/plan_data.h"
+
 /*
  * The progress of calls on a plan. A measuring build predicts what the launches of each stage cost; a build adds up
  * what it has done of that, and tells the caller's callback, which may stop it.
  *
  * The costs are nanoseconds of two CPU cores. Only their ratios count.
  */
-#ifndef SVO_LIB_PLAN_PROGRESS_H
-#define SVO_LIB_PLAN_PROGRESS_H
-
-#include "plan/plan_data.h"
 
 /* The bit of a stage, for svo_i_progress_begin. */
 #define SVO_I_STAGE_BIT(stage) (1u << (stage))
@@ -41,5 +43,17 @@ SVO_I_SHARED_END
 
 /* The call has succeeded. Tells 1. */
 svo_status svo_i_progress_end(svo_plan *plan, svo_stage last_stage);
+
+/* The plan's list of buffers, and the peak of the bytes that are allocated at one time. */
+
+/* Empties the list. */
+void svo_i_plan_buffers_reset(svo_plan *plan);
+/* Adds an allocation to the entry of its name. name: a static string. Fails where the list is full. */
+svo_status svo_i_plan_buffer_add(svo_plan *plan, const char *name, uint64_t bytes);
+/* Counts a release. The entry remains in the list. */
+void svo_i_plan_buffer_remove(svo_plan *plan, uint64_t bytes);
+
+/* Refuses a plan that needs more bytes than the device's budget has left. function: for the message. */
+svo_status svo_i_plan_check_budget(const svo_plan *plan, const char *function, uint64_t bytes);
 
 #endif

@@ -1,10 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* The mesh that a plan is made from, as buffers of the device. */
-#ifndef SVO_LIB_PLAN_DEVICE_MESH_H
-#define SVO_LIB_PLAN_DEVICE_MESH_H
+/*
+ * Arrays between the host and the device: those of the mesh that a plan is made from, and those of a plan that kernels
+ * made.
+ */
+#ifndef SVO_LIB_PLAN_ARRAYS_H
+#define SVO_LIB_PLAN_ARRAYS_H
 
 #include "core/work.h"
 #include "plan/plan_data.h"
+
+/* The mesh that a plan is made from, as buffers of the device. */
 
 /* Packed arrays; NULL where the mesh has none. */
 typedef struct svo_i_device_mesh {
@@ -31,5 +36,20 @@ svo_status svo_i_device_mesh_attributes(svo_i_device_work *work, const svo_i_pla
 svo_status svo_i_plan_copy_view(svo_i_device_work *work, const svo_mesh_view *view, uint64_t count,
                                 uint32_t element_bytes, cl_mem to);
 void svo_i_device_mesh_free(svo_i_device_mesh *mesh);
+
+/* The arrays of plans that kernels made, for those who need them on the host. */
+
+/* Whether a plan has an array, on the host or on the device. */
+bool svo_i_plan_has(const void *host, cl_mem memory);
+/* Reads an array of the plan's memory; the caller frees *out. */
+svo_status svo_i_plan_read(const svo_plan *plan, cl_mem memory, uint64_t bytes, void **out);
+void svo_i_plan_memory_free(svo_i_plan_memory *memory);
+
+SVO_I_SHARED_BEGIN
+
+/* Brings all arrays to the host, for front ends and builders of OpenGL and for files. Does nothing where they are. */
+svo_status svo_i_plan_copy_to_host(svo_plan *plan);
+
+SVO_I_SHARED_END
 
 #endif
