@@ -6,7 +6,7 @@
 #include "compute/area.h"
 
 #include "compute/buffer.h"
-#include "stages/payload_params.h"
+#include "stages/inputs.h"
 
 /* Adds the areas of all fragments to the leaves' sums. */
 static svo_status add_fragments(svo_i_gl_build *gl_build, const svo_i_gl_surface *surface, svo_filter_params params,

@@ -5,7 +5,7 @@
  */
 #include "compute/build.h"
 
-#include "commands/timing.h"
+#include "commands/commands.h"
 #include "compute/area.h"
 #include "compute/buffer.h"
 #include "compute/filter.h"
@@ -16,7 +16,7 @@
 #include "core/message.h"
 #include "plan/accounts.h"
 #include "plan/estimate.h"
-#include "stages/geometry.h"
+#include "stages/inputs.h"
 #include "stages/material.h"
 
 static svo_status check_array(svo_i_compute *compute, const char *name, double bytes)

@@ -9,10 +9,10 @@
  */
 #include "compute/filter.h"
 
-#include "commands/timing.h"
+#include "commands/commands.h"
 #include "compute/buffer.h"
 #include "core/message.h"
-#include "stages/payload_params.h"
+#include "stages/inputs.h"
 
 typedef struct filterer {
     svo_i_gl_build *gl_build;

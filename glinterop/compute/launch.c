@@ -2,7 +2,7 @@
 /* Launches compute shaders and times the stages. */
 #include "compute/launch.h"
 
-#include "commands/timing.h"
+#include "commands/commands.h"
 #include "compute/buffer.h"
 #include "core/message.h"
 

@@ -4,7 +4,7 @@
 
 #include "compute/buffer.h"
 #include "core/message.h"
-#include "stages/payload_params.h"
+#include "stages/inputs.h"
 
 /* The entries of a level's nodes, and where those of each node begin. */
 typedef struct level_entries {

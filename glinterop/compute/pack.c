@@ -7,7 +7,7 @@
 
 #include "compute/buffer.h"
 #include "core/message.h"
-#include "stages/payload_params.h"
+#include "stages/inputs.h"
 
 typedef struct packer {
     svo_i_gl_build *gl_build;

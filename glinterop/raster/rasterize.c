@@ -5,7 +5,7 @@
  */
 #include "raster/rasterize.h"
 
-#include "commands/timing.h"
+#include "commands/commands.h"
 #include "core/message.h"
 #include "plan/accounts.h"
 #include "plan/estimate.h"

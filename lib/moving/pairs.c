@@ -12,7 +12,7 @@
 #include "plan/chunking.h"
 #include "plan/configuration.h"
 #include "plan/estimate.h"
-#include "stages/payload_params.h"
+#include "stages/inputs.h"
 #include "stages/sort.h"
 
 /* ---- lists ---- */

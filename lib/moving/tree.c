@@ -15,7 +15,7 @@
 #include "plan/update.h"
 #include "stages/filter.h"
 #include "stages/material.h"
-#include "stages/scan.h"
+#include "stages/sort.h"
 
 typedef struct maker {
     svo_moving *moving;

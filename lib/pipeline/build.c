@@ -9,7 +9,7 @@
 #include "plan/accounts.h"
 #include "plan/part.h"
 #include "plan/update.h"
-#include "stages/constants.h"
+#include "stages/inputs.h"
 
 /* Refuses a scene that, by the fragment estimate, exceeds the caller's budget. Nothing is compiled yet. A front end
    that makes the tree has all but the tree in memory of its own. */

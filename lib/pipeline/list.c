@@ -12,7 +12,7 @@
 #include "plan/accounts.h"
 #include "plan/chunking.h"
 #include "plan/estimate.h"
-#include "stages/snapped_mesh.h"
+#include "stages/inputs.h"
 
 /* A bound on halving chunks, far above what a list can need. */
 #define RERUNS_MAX 32u

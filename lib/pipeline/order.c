@@ -3,7 +3,7 @@
 #include "pipeline/order.h"
 
 #include "plan/configuration.h"
-#include "stages/surface.h"
+#include "stages/inputs.h"
 
 svo_status svo_i_order_get_programs(svo_i_build *build, svo_i_warm_up *warm_up)
 {

@@ -8,14 +8,12 @@
 #include <stdio.h>
 
 #include "stages/bottom_up.h"
-#include "stages/constants.h"
 #include "stages/filter.h"
-#include "stages/geometry.h"
+#include "stages/inputs.h"
 #include "stages/material.h"
 #include "stages/pack.h"
 #include "stages/sort.h"
 #include "stages/subdivide.h"
-#include "stages/surface.h"
 
 /* Whether kernels compute this payload for each node. */
 static bool computes(const svo_plan *plan, svo_need bit)

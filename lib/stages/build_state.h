@@ -8,7 +8,6 @@
 
 #include "commands/commands.h"
 #include "commands/frontend.h"
-#include "commands/timing.h"
 #include "core/tree.h"
 
 /* The mesh's attributes on the device. Buffers that the plan does not need are NULL. */

@@ -9,8 +9,7 @@
 #include "plan/configuration.h"
 #include "plan/estimate.h"
 #include "plan/update.h"
-#include "stages/moving_tiles.h"
-#include "stages/snapped_mesh.h"
+#include "stages/inputs.h"
 
 /* Local memory of a work-group: for sums, and for notes and fragments. */
 #define SCRATCH_BYTES (sizeof(cl_uint) * SVO_GROUP_ITEMS)
@@ -235,8 +234,35 @@ static svo_status launch_draws(run *r, uint32_t chunk_index, const size_t *tile_
     return svo_i_stage_end(r->commands, SVO_STAGE_VOXELIZE);
 }
 
+/* Buffers for the tiles of large triangles of plans whose mesh the host does not see. */
+typedef struct moving_tiles {
+    cl_mem vertices, indices, items, counters;
+    cl_mem tiles; /* has room for svo_i_update_tiles_max */
+    cl_mem count;
+} moving_tiles;
+
+/* Lists the tiles of a draw in place of those before (kernels/plan/tiles.cl). params: of the draw; tile_count is the
+   room. */
+static svo_status list_tiles(svo_i_commands *commands, const moving_tiles *buffers, const svo_voxelize_params *params)
+{
+    cl_program program = NULL;
+    const svo_tile_item unused = {commands->plan->class_begin[SVO_I_CLASS_COUNT], 0};
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(buffers->vertices),
+                                        SVO_I_ARGUMENT(buffers->indices),
+                                        SVO_I_ARGUMENT(buffers->items),
+                                        SVO_I_ARGUMENT(buffers->tiles),
+                                        SVO_I_ARGUMENT(buffers->count),
+                                        SVO_I_ARGUMENT(buffers->counters),
+                                        SVO_I_ARGUMENT(*params)};
+    SVO_I_TRY(svo_i_program_get(commands->device, SVO_I_BUILD, SVO_I_PROGRAM_PLAN, "", &program, NULL));
+    SVO_I_TRY(svo_i_commands_fill(commands, buffers->tiles, &unused, sizeof unused,
+                                  (uint64_t)params->tile_count * sizeof unused));
+    SVO_I_TRY(svo_i_commands_fill_zero(commands, buffers->count, sizeof(cl_uint)));
+    return svo_i_commands_run(commands, program, "svo_k_plan_tiles", SVO_I_ARGUMENTS(arguments), params->item_count);
+}
+
 /* Launches the draws of an updatable plan, each after its tiles. Triangles inside one voxel are never large. */
-static svo_status launch_moving_draws(run *r, uint32_t chunk_index, uint64_t room, svo_i_moving_tiles *tiles,
+static svo_status launch_moving_draws(run *r, uint32_t chunk_index, uint64_t room, moving_tiles *tiles,
                                       cl_mem fragments)
 {
     const svo_i_chunk *chunk = &r->chunking->chunks[chunk_index];
@@ -249,7 +275,7 @@ static svo_status launch_moving_draws(run *r, uint32_t chunk_index, uint64_t roo
                                       .counter = chunk_index};
         describe(r->commands->plan, draw, &params);
         if (params.tile_count > 0) {
-            SVO_I_TRY(svo_i_moving_tiles_make(r->commands, tiles, &params));
+            SVO_I_TRY(list_tiles(r->commands, tiles, &params));
         }
         SVO_I_TRY(launch(r, draw, params, tiles->tiles, fragments));
     }
@@ -260,8 +286,7 @@ static svo_status draw_moving_chunk(run *r, uint32_t chunk_index, svo_i_fragment
 {
     svo_status status = SVO_OK;
     const uint64_t room = svo_i_update_tiles_max(r->chunking->chunks[chunk_index].capacity);
-    svo_i_moving_tiles tiles = {
-        .vertices = r->vertices, .indices = r->indices, .items = r->items, .counters = r->counters};
+    moving_tiles tiles = {.vertices = r->vertices, .indices = r->indices, .items = r->items, .counters = r->counters};
     SVO_I_TRY_CLEANUP(svo_i_commands_alloc(r->commands, "mesh_tiles", room * sizeof(svo_tile_item), &tiles.tiles));
     SVO_I_TRY_CLEANUP(svo_i_commands_alloc(r->commands, "tile_count", sizeof(cl_uint), &tiles.count));
     SVO_I_TRY_CLEANUP(launch_moving_draws(r, chunk_index, room, &tiles, out->buffer));
