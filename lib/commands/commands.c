@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Buffers, copies and launches, in each of the three modes; the records of a build's allocations; the times of stages. */
+/*
+ * Buffers, copies and launches, in each of the three modes; the records of a build's allocations; the times of stages.
+ */
 #include "commands/commands.h"
 
 #include "plan/accounts.h"

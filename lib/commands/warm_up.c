@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Warm-up launches. The measuring build in pipeline/measure.c passes every launch of a build with its size. */
+/* Warm-up launches. The measuring build in pipeline/run.c passes every launch of a build with its size. */
 #include "commands/warm_up.h"
 
 #include <string.h>

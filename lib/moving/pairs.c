@@ -6,8 +6,8 @@
 #include "moving/pairs.h"
 
 #include "moving/chain.h"
-#include "pipeline/list.h"
-#include "pipeline/order.h"
+#include "pipeline/build.h"
+#include "pipeline/run.h"
 #include "plan/accounts.h"
 #include "plan/chunking.h"
 #include "plan/configuration.h"

@@ -9,7 +9,7 @@
 
 #include "moving/nodes.h"
 #include "moving/pairs.h"
-#include "pipeline/order.h"
+#include "pipeline/run.h"
 #include "plan/accounts.h"
 #include "plan/configuration.h"
 #include "plan/update.h"

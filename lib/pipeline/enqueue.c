@@ -5,9 +5,8 @@
  */
 #include <string.h>
 
-#include "pipeline/order.h"
-#include "pipeline/pending.h"
-#include "pipeline/report.h"
+#include "pipeline/run.h"
+#include "pipeline/workspace.h"
 #include "plan/estimate.h"
 
 static void move_buffer(cl_mem *from, cl_mem *to)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Brings the mesh that a plan is made from to the device. Arrays of the host are uploaded, or used in place by a CPU.
- * Arrays in a caller's buffers are used in place; those with gaps, at odd offsets or of 16-bit indices are packed. Reads
- * the arrays of plans that kernels made; builds by OpenCL need none of that.
+ * Arrays in a caller's buffers are used in place; those with gaps, at odd offsets or of 16-bit indices are packed.
+ * Reads the arrays of plans that kernels made; builds by OpenCL need none of that.
  */
 #include "plan/arrays.h"
 

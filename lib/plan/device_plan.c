@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Plans by kernels (kernels/plan): accepts triangles, fits the grid, snaps vertices, makes the draw items and the payload
- * inputs. The host reads rows of totals (bounds, the snap error, counts and sums), the large triangles, a byte per
- * material, and the first triangle's record and attributes; materials and textures are the host's.
+ * Plans by kernels (kernels/plan): accepts triangles, fits the grid, snaps vertices, makes the draw items and the
+ * payload inputs. The host reads rows of totals (bounds, the snap error, counts and sums), the large triangles, a byte
+ * per material, and the first triangle's record and attributes; materials and textures are the host's.
  */
 #include "plan/device_plan.h"
 

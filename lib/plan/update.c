@@ -3,8 +3,8 @@
  * Updates of plans: new positions of the same topology, by launches alone. Commands that read or write a plan's arrays,
  * updates and builds, form a chain of events, so that any queues will do.
  *
- * A new plan gets buffers with room for every triangle of every class, the arrays that do not move, and then its mesh by
- * the launches of an update, so that a new plan and an updated one are the same.
+ * A new plan gets buffers with room for every triangle of every class, the arrays that do not move, and then its mesh
+ * by the launches of an update, so that a new plan and an updated one are the same.
  */
 #include "plan/update.h"
 

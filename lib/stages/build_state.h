@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A build in progress: the data that its stages share. pipeline/build.c and pipeline/enqueue.c create one and run the table
- * of stages on it.
+ * A build in progress: the data that its stages share. pipeline/build.c and pipeline/enqueue.c create one and run the
+ * table of stages on it.
  */
 #ifndef SVO_LIB_STAGES_BUILD_STATE_H
 #define SVO_LIB_STAGES_BUILD_STATE_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Scans of list counts and of digit counts; those of child masks are in subdivide.c. The radix sort of the fragment list,
- * least significant digit first, between two buffers of the list's size.
+ * Scans of list counts and of digit counts; those of child masks are in subdivide.c. The radix sort of the fragment
+ * list, least significant digit first, between two buffers of the list's size.
  */
 #include "stages/sort.h"
 

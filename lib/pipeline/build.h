@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* The fragment list of a blocking build. */
-#ifndef SVO_LIB_PIPELINE_LIST_H
-#define SVO_LIB_PIPELINE_LIST_H
+#ifndef SVO_LIB_PIPELINE_BUILD_H
+#define SVO_LIB_PIPELINE_BUILD_H
 
+#include "commands/frontend.h"
 #include "stages/build_state.h"
 
 /* Has the front end draw the list, again with larger chunks until all fragments fit. Sets build->list and

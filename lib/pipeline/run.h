@@ -1,12 +1,28 @@
 /* SPDX-License-Identifier: MIT */
+/* The stages of a plan: compiled, measured and run, in every mode; the reports of builds. */
+#ifndef SVO_LIB_PIPELINE_RUN_H
+#define SVO_LIB_PIPELINE_RUN_H
+
+#include "core/device.h"
+#include "stages/build_state.h"
+#include "svocl/build.h"
+
+/* Writing build reports to the caller's struct, which may be of an earlier version. */
+
+/* Checks struct_size of a report; NULL is allowed. */
+svo_status svo_i_report_check(svo_device *device, const char *function, const svo_build_report *report);
+/* Copies the fields that the caller's report has; NULL is allowed. */
+void svo_i_report_write(const svo_build_report *made, svo_build_report *report);
+
+/* Runs all stages that follow the fragment list. */
+svo_status svo_i_order_run(svo_i_build *build);
+/* Releases everything but the tree. No command may use it any more. */
+void svo_i_order_release_scratch(svo_i_build *build);
+
 /*
  * Measuring builds: the stages run with the plan's capacities instead of counts and record what they would allocate.
  * Plans predict their sizes, workspaces size their memory and builds warm up their kernels with them.
  */
-#ifndef SVO_LIB_PIPELINE_MEASURE_H
-#define SVO_LIB_PIPELINE_MEASURE_H
-
-#include "stages/build_state.h"
 
 /* Records what a build of the plan allocates, in the plan's list of buffers. allocations: also receives the allocations
    of an enqueued build; NULL measures a blocking build. frontend: NULL for "cl". */

@@ -1,14 +1,104 @@
 /* SPDX-License-Identifier: MIT */
-/* Measuring builds: see measure.h. */
-#include "pipeline/measure.h"
+/*
+ * Compiles, measures and runs the stages that a plan needs, in the order of their table; svo_plan_create and its twin
+ * for buffers, which predict what a build allocates; build reports.
+ */
+#include "pipeline/run.h"
 
 #include <string.h>
 
-#include "pipeline/order.h"
+#include "core/struct_size.h"
+#include "pipeline/stage_table.h"
 #include "plan/accounts.h"
 #include "plan/chunking.h"
+#include "plan/configuration.h"
 #include "plan/estimate.h"
+#include "plan/plan.h"
+#include "stages/inputs.h"
 #include "stages/voxelize.h"
+
+/* ---- reports ---- */
+
+_Static_assert(SVO_STAGE_COUNT <= SVO_STAGE_CAPACITY, "a report has room for every stage");
+
+const char *svo_stage_name(svo_stage stage)
+{
+    static const char *const names[SVO_STAGE_COUNT] = {"grid",      "compile", "voxelize", "transfer",
+                                                       "subdivide", "pack",    "link",     "filter"};
+    return stage < SVO_STAGE_COUNT ? names[stage] : "unknown stage";
+}
+
+svo_status svo_i_report_check(svo_device *device, const char *function, const svo_build_report *report)
+{
+    return report == NULL ? SVO_OK
+                          : svo_i_struct_check(&device->message, function, "report", report,
+                                               SVO_I_STRUCT_SIZES(svo_build_report, renderer));
+}
+
+void svo_i_report_write(const svo_build_report *made, svo_build_report *report)
+{
+    if (report != NULL) {
+        (void)svo_i_struct_write(NULL, "", "report", made, report, SVO_I_STRUCT_SIZES(svo_build_report, renderer));
+    }
+}
+
+size_t svo_build_report_stage(const svo_build_report *report, size_t index, svo_stage_time *time)
+{
+    const size_t end_bytes = offsetof(svo_build_report, stage_times) + (index + 1) * sizeof report->stage_times[0];
+    const bool known = index < SVO_STAGE_COUNT && end_bytes <= report->struct_size;
+    if (time != NULL) {
+        *time = known ? report->stage_times[index] : (svo_stage_time){.clock = NULL};
+    }
+    return SVO_STAGE_COUNT;
+}
+
+/* ---- the stages ---- */
+
+/* Fills build->programs with those of the plan's stages. Adds newly compiled programs to warm_up. */
+static svo_status get_programs(svo_i_build *build, svo_i_warm_up *warm_up)
+{
+    const svo_plan *plan = build->commands.plan;
+    for (svo_i_program_kind kind = 0; kind < SVO_I_PROGRAM_STAGE_KINDS; ++kind) {
+        char defines[SVO_I_DEFINES_BYTES];
+        bool fresh = false;
+        if (svo_i_plan_needs_program(plan, kind)) {
+            svo_i_plan_defines(plan, kind, defines, sizeof defines);
+            SVO_I_TRY(svo_i_program_get(plan->device, SVO_I_BUILD, kind, defines, &build->programs[kind], &fresh));
+        }
+        if (fresh) {
+            SVO_I_TRY(svo_i_warm_up_add_program(warm_up, build->programs[kind]));
+        }
+    }
+    return SVO_OK;
+}
+
+svo_status svo_i_order_run(svo_i_build *build)
+{
+    const svo_plan *plan = build->commands.plan;
+    for (size_t i = 0; i < plan->stage_count; ++i) {
+        const svo_i_stage *stage = &plan->stages[i];
+        if (stage->run != NULL && stage->runs(plan)) {
+            svo_i_commands_stage(&build->commands, stage->stage, stage->item_ns);
+            SVO_I_TRY(stage->run(build));
+        }
+    }
+    return SVO_OK;
+}
+
+void svo_i_order_release_scratch(svo_i_build *build)
+{
+    for (uint32_t i = 0; build->cursors != NULL && i < build->list.chunk_count; ++i) {
+        svo_i_commands_free(&build->commands, &build->cursors[i]);
+    }
+    svo_i_free(build->cursors);
+    svo_i_surface_free(build);
+    svo_i_commands_free(&build->commands, &build->order);
+    svo_i_commands_free(&build->commands, &build->state);
+    svo_i_commands_free(&build->commands, &build->partials);
+    svo_i_build_release_list(build);
+}
+
+/* ---- measuring builds ---- */
 
 /* Lists of more chunks are measured with this many. */
 #define CHUNKS_MAX 32
@@ -167,7 +257,7 @@ static svo_status compile(svo_i_build *build, build_extent extent)
     commands->plan->progress.expected_ns[SVO_STAGE_COMPILE] = 0.0;
     svo_i_warm_up warm_up = svo_i_warm_up_begin(commands->plan, commands->queue);
     if (extent == ALL_STAGES && frontend->make_tree == NULL) {
-        SVO_I_TRY_CLEANUP(svo_i_order_get_programs(build, &warm_up));
+        SVO_I_TRY_CLEANUP(get_programs(build, &warm_up));
     }
     SVO_I_TRY_CLEANUP(frontend->prepare(frontend->self, commands->plan, &warm_up));
     if (warm_up.program_count > 0) {
@@ -189,4 +279,68 @@ svo_status svo_i_compile(svo_i_build *build)
 svo_status svo_i_compile_frontend(svo_i_build *build)
 {
     return compile(build, LIST_ALONE);
+}
+
+/* ---- plans ---- */
+
+static svo_status check_arguments(svo_device *device, const char *function, const char *mesh_name, const void *mesh,
+                                  svo_plan *const *out)
+{
+    return device != NULL && mesh != NULL && out != NULL
+               ? SVO_OK
+               : svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
+                                   device == NULL ? "device"
+                                   : mesh == NULL ? mesh_name
+                                                  : "out");
+}
+
+static svo_status create(svo_device *device, const char *function, const svo_i_plan_input *input, unsigned depth,
+                         const svo_plan_options *options, svo_plan **out)
+{
+    svo_i_stage_list stages = {0};
+    svo_plan *plan = NULL;
+    svo_status status = SVO_OK;
+    stages.rows = svo_i_stage_table(&stages.count);
+    SVO_I_TRY(svo_i_plan_new(device, function, input, depth, options, &stages, &plan));
+    SVO_I_TRY_CLEANUP(svo_i_progress_reach(plan, SVO_STAGE_GRID, 1.0));
+    SVO_I_TRY_CLEANUP(svo_i_predict(plan));
+    SVO_I_TRY_CLEANUP(svo_i_progress_end(plan, SVO_STAGE_GRID));
+    *out = plan;
+    return SVO_OK;
+cleanup:
+    svo_plan_destroy(&plan);
+    return status;
+}
+
+svo_status svo_plan_create(svo_device *device, const svo_mesh *mesh, unsigned depth, const svo_plan_options *options,
+                           svo_plan **out)
+{
+    static const char function[] = "svo_plan_create";
+    svo_i_plan_input input = {0};
+    SVO_I_TRY(check_arguments(device, function, "mesh", mesh, out));
+    SVO_I_TRY(svo_i_struct_read(&device->message, function, "mesh", mesh, &input.mesh,
+                                SVO_I_STRUCT_SIZES(svo_mesh, triangle_count)));
+    return create(device, function, &input, depth, options, out);
+}
+
+svo_status svo_plan_create_from_buffers(svo_device *device, const svo_mesh_buffers *buffers, unsigned depth,
+                                        const svo_plan_options *options, cl_command_queue queue, cl_uint num_wait,
+                                        const cl_event *wait, svo_plan **out)
+{
+    static const char function[] = "svo_plan_create_from_buffers";
+    svo_mesh_buffers given;
+    SVO_I_TRY(check_arguments(device, function, "buffers", buffers, out));
+    SVO_I_TRY(svo_i_struct_read(&device->message, function, "buffers", buffers, &given,
+                                SVO_I_STRUCT_SIZES(svo_mesh_buffers, indices)));
+    const svo_i_plan_input input = {.mesh = {.vertex_count = given.vertex_count,
+                                             .triangle_count = given.triangle_count,
+                                             .materials = given.materials,
+                                             .material_count = given.material_count,
+                                             .textures = given.textures,
+                                             .texture_count = given.texture_count},
+                                    .buffers = &given,
+                                    .queue = queue,
+                                    .wait_count = num_wait,
+                                    .wait = wait};
+    return create(device, function, &input, depth, options, out);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Enqueued builds that are not finished, and the workspace that they run in. */
-#ifndef SVO_LIB_PIPELINE_PENDING_H
-#define SVO_LIB_PIPELINE_PENDING_H
+#ifndef SVO_LIB_PIPELINE_WORKSPACE_H
+#define SVO_LIB_PIPELINE_WORKSPACE_H
 
 #include "plan/chunking.h"
 #include "plan/update.h"
@@ -43,8 +43,5 @@ void svo_i_pending_give_up(svo_workspace *workspace, svo_i_pending *pending);
 void svo_i_pending_release_given_up(svo_workspace *workspace, bool all);
 /* Waits for the tree's pending build, if there is one, and removes the tree from its workspace. */
 void svo_i_pending_leave_workspace(svo_tree *tree);
-/* Takes the workspace away from its trees. Those with a pending build, which the caller has waited for, are
-   abandoned. */
-void svo_i_pending_end_workspace(svo_workspace *workspace);
 
 #endif
