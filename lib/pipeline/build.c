@@ -12,7 +12,6 @@
 #include "plan/accounts.h"
 #include "plan/chunking.h"
 #include "plan/estimate.h"
-#include "plan/part.h"
 #include "plan/update.h"
 #include "stages/inputs.h"
 

@@ -21,13 +21,6 @@
 
 _Static_assert(SVO_STAGE_COUNT <= SVO_STAGE_CAPACITY, "a report has room for every stage");
 
-const char *svo_stage_name(svo_stage stage)
-{
-    static const char *const names[SVO_STAGE_COUNT] = {"grid",      "compile", "voxelize", "transfer",
-                                                       "subdivide", "pack",    "link",     "filter"};
-    return stage < SVO_STAGE_COUNT ? names[stage] : "unknown stage";
-}
-
 svo_status svo_i_report_check(svo_device *device, const char *function, const svo_build_report *report)
 {
     return report == NULL ? SVO_OK

@@ -14,6 +14,13 @@
 /* The callback is told after this much predicted time. */
 #define TOLD_EVERY_NS 5e6
 
+const char *svo_stage_name(svo_stage stage)
+{
+    static const char *const names[SVO_STAGE_COUNT] = {"grid",      "compile", "voxelize", "transfer",
+                                                       "subdivide", "pack",    "link",     "filter"};
+    return stage < SVO_STAGE_COUNT ? names[stage] : "unknown stage";
+}
+
 void svo_plan_set_progress(svo_plan *plan, svo_progress_callback progress, void *user)
 {
     plan->progress.callback = progress;

@@ -15,86 +15,8 @@
 #include "plan/arrays.h"
 #include "plan/attributes.h"
 #include "plan/estimate.h"
-#include "svocl/nodes.h"
 
-/* ---- plans of parts ---- */
-
-/* Limits on the unit of weights in a header; those of attributes.c lie inside. */
-#define WEIGHT_LOG2_MAX 48u
-
-/* Why a header cannot be that of a tree of that depth, or NULL. */
-static const char *wrong_header(const svo_part_header *header, uint32_t depth)
-{
-    if (header->depth != depth) {
-        return "is of a tree of another depth";
-    }
-    if (header->snap_bits != svo_i_snap_bits(depth) || header->coverage > SVO_COVERAGE_THIN ||
-        header->weights > SVO_WEIGHTS_CENTER || header->payload_level > depth ||
-        (header->need & ~(uint32_t)SVO_NEED_ALL) != 0 || (header->constant & ~header->need) != 0 ||
-        header->weight_log2 > WEIGHT_LOG2_MAX) {
-        return "has values that no plan has";
-    }
-    const bool has_grid = isfinite(header->origin[0]) && isfinite(header->origin[1]) && isfinite(header->origin[2]) &&
-                          isfinite(header->edge) && isfinite(header->scale) && header->scale > 0.0;
-    return has_grid ? NULL : "has a grid that is not finite";
-}
-
-static svo_status check_place(svo_device *device, const char *function, uint32_t depth, const svo_plan_options *options)
-{
-    if (options->part_level >= depth) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.part_level %u is not below depth %u",
-                                 function, options->part_level, depth);
-    }
-    if (options->part_code >> (3 * options->part_level) != 0) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.part_code %llu is not below 8^%u", function,
-                                 (unsigned long long)options->part_code, options->part_level);
-    }
-    return options->place != SVO_PLACE_DEVICE
-               ? SVO_OK
-               : svo_i_device_fail(device, SVO_UNSUPPORTED,
-                                   "%s: options.place is device; parts are planned on the host", function);
-}
-
-/* The whole's request, as far as it concerns the part. */
-static void take_request(const svo_part_header *header, svo_plan_options *options)
-{
-    const uint32_t level = options->part_level;
-    options->need = header->need != 0 ? header->need : (uint32_t)SVO_NEED_NONE;
-    options->coverage = (svo_coverage)header->coverage;
-    options->weights = (svo_weights)header->weights;
-    options->payload_level = header->payload_level > level ? header->payload_level - level : 0;
-    options->edge = 0.0;
-    memset(options->origin, 0, sizeof options->origin);
-}
-
-svo_status svo_i_part_read(svo_device *device, const char *function, uint32_t depth, svo_plan_options *options,
-                           svo_i_plan_part *part)
-{
-    svo_part_header header;
-    if (options->part_header == NULL) {
-        return SVO_OK;
-    }
-    SVO_I_TRY(svo_i_struct_read(&device->message, function, "options.part_header", options->part_header, &header,
-                                SVO_I_STRUCT_SIZES(svo_part_header, expected_nodes)));
-    const char *wrong = wrong_header(&header, depth);
-    if (wrong != NULL) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.part_header %s", function, wrong);
-    }
-    SVO_I_TRY(check_place(device, function, depth, options));
-    take_request(&header, options);
-    *part = (svo_i_plan_part){.header = header, .level = options->part_level, .code = options->part_code};
-    uint32_t cell[3];
-    svo_code_to_cell(part->code, cell);
-    for (unsigned axis = 0; axis < 3; ++axis) {
-        part->corner[axis] = (int32_t)(cell[axis] << (header.snap_bits - part->level));
-    }
-    return SVO_OK;
-}
-
-bool svo_i_part_sums_root(const svo_plan *plan)
-{
-    return svo_i_plan_is_part(plan) && plan->part.header.payload_level < plan->part.level;
-}
+/* ---- headers ---- */
 
 /* Nodes that the mesh's area accounts for: on a level no more than its fragments of whole surfaces, or its cells. */
 static double expected_nodes(const svo_plan *plan)

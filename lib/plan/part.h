@@ -1,26 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Parts of a tree: their plans, what they take from the header of the whole, and surveys, which make that header. */
+/* The header of all parts of a tree, from a plan of the whole or by a survey of a mesh that is not in memory. */
 #ifndef SVO_LIB_PLAN_PART_H
 #define SVO_LIB_PLAN_PART_H
 
 #include "plan/attributes.h"
 #include "plan/grid.h"
-#include "plan/plan_data.h"
-
-/* Grid units per axis of a tree of that depth, as a power of two: the same for all depths up to 12, so that their trees
-   nest. Above, a voxel has 2^8 units. */
-static inline uint32_t svo_i_snap_bits(uint32_t depth)
-{
-    return depth <= 12 ? 20 : depth + 8;
-}
-
-/* Checks the options of a part and replaces those that the header decides. Leaves *part as it is where there is no
-   header. */
-svo_status svo_i_part_read(svo_device *device, const char *function, uint32_t depth, svo_plan_options *options,
-                           svo_i_plan_part *part);
-
-/* Whether a level above the part sums up its root's payload. */
-bool svo_i_part_sums_root(const svo_plan *plan);
 
 /*
  * What all parts of a mesh share, found from triangles that come in blocks: so the mesh need not be in memory. All

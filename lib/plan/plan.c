@@ -19,7 +19,6 @@
 #include "plan/device_plan.h"
 #include "plan/estimate.h"
 #include "plan/grid.h"
-#include "plan/part.h"
 #include "plan/update.h"
 #include "svocl/nodes.h"
 
@@ -169,6 +168,93 @@ static svo_status take_mesh(svo_plan *plan, const svo_i_plan_input *input)
     return take_on_host(plan, input);
 }
 
+/* ---- parts: what the header of the whole decides ---- */
+
+/* The same units for all depths up to 12, so that their trees nest. Above, a voxel has 2^8 units. */
+#define SNAP_BITS           20u
+#define SNAP_BITS_DEPTH_MAX 12u
+#define DEEP_VOXEL_LOG2     8u
+
+/* Limits on the unit of weights in a header; those of attributes.c lie inside. */
+#define WEIGHT_LOG2_MAX 48u
+
+/* Grid units per axis of a tree of that depth, as a power of two. */
+static uint32_t snap_bits(uint32_t depth)
+{
+    return depth <= SNAP_BITS_DEPTH_MAX ? SNAP_BITS : depth + DEEP_VOXEL_LOG2;
+}
+
+/* Why a header cannot be that of a tree of that depth, or NULL. */
+static const char *wrong_header(const svo_part_header *header, uint32_t depth)
+{
+    if (header->depth != depth) {
+        return "is of a tree of another depth";
+    }
+    if (header->snap_bits != snap_bits(depth) || header->coverage > SVO_COVERAGE_THIN ||
+        header->weights > SVO_WEIGHTS_CENTER || header->payload_level > depth ||
+        (header->need & ~(uint32_t)SVO_NEED_ALL) != 0 || (header->constant & ~header->need) != 0 ||
+        header->weight_log2 > WEIGHT_LOG2_MAX) {
+        return "has values that no plan has";
+    }
+    const bool has_grid = isfinite(header->origin[0]) && isfinite(header->origin[1]) && isfinite(header->origin[2]) &&
+                          isfinite(header->edge) && isfinite(header->scale) && header->scale > 0.0;
+    return has_grid ? NULL : "has a grid that is not finite";
+}
+
+static svo_status check_place(svo_device *device, const char *function, uint32_t depth, const svo_plan_options *options)
+{
+    if (options->part_level >= depth) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.part_level %u is not below depth %u",
+                                 function, options->part_level, depth);
+    }
+    if (options->part_code >> (3 * options->part_level) != 0) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.part_code %llu is not below 8^%u", function,
+                                 (unsigned long long)options->part_code, options->part_level);
+    }
+    return options->place != SVO_PLACE_DEVICE
+               ? SVO_OK
+               : svo_i_device_fail(device, SVO_UNSUPPORTED,
+                                   "%s: options.place is device; parts are planned on the host", function);
+}
+
+/* The whole's request, as far as it concerns the part. */
+static void take_request(const svo_part_header *header, svo_plan_options *options)
+{
+    const uint32_t level = options->part_level;
+    options->need = header->need != 0 ? header->need : (uint32_t)SVO_NEED_NONE;
+    options->coverage = (svo_coverage)header->coverage;
+    options->weights = (svo_weights)header->weights;
+    options->payload_level = header->payload_level > level ? header->payload_level - level : 0;
+    options->edge = 0.0;
+    memset(options->origin, 0, sizeof options->origin);
+}
+
+/* Checks the options of a part and replaces those that the header decides. Leaves *part as it is where there is no
+   header. */
+static svo_status read_part(svo_device *device, const char *function, uint32_t depth, svo_plan_options *options,
+                            svo_i_plan_part *part)
+{
+    svo_part_header header;
+    if (options->part_header == NULL) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(svo_i_struct_read(&device->message, function, "options.part_header", options->part_header, &header,
+                                SVO_I_STRUCT_SIZES(svo_part_header, expected_nodes)));
+    const char *wrong = wrong_header(&header, depth);
+    if (wrong != NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.part_header %s", function, wrong);
+    }
+    SVO_I_TRY(check_place(device, function, depth, options));
+    take_request(&header, options);
+    *part = (svo_i_plan_part){.header = header, .level = options->part_level, .code = options->part_code};
+    uint32_t cell[3];
+    svo_code_to_cell(part->code, cell);
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        part->corner[axis] = (int32_t)(cell[axis] << (header.snap_bits - part->level));
+    }
+    return SVO_OK;
+}
+
 /* ---- the handle ---- */
 
 /* Far above the fragments of one column of one triangle, which a chunk must hold. */
@@ -178,26 +264,6 @@ const char *svo_coverage_name(svo_coverage coverage)
 {
     static const char *const names[] = {"half-open", "closed", "thin"};
     return (unsigned)coverage <= SVO_COVERAGE_THIN ? names[coverage] : "unknown coverage";
-}
-
-const char *svo_need_name(svo_need bit)
-{
-    switch (bit) {
-    case SVO_NEED_COLOR:
-        return "color";
-    case SVO_NEED_NORMAL:
-        return "normal";
-    case SVO_NEED_RAYS:
-        return "rays";
-    case SVO_NEED_MATERIAL:
-        return "material";
-    case SVO_NEED_FILL:
-        return "fill";
-    case SVO_NEED_PROJECTED_AREA:
-        return "projected-area";
-    default:
-        return "none";
-    }
 }
 
 const char *svo_weights_name(svo_weights weights)
@@ -356,7 +422,7 @@ static svo_status make_plan(svo_plan *plan, const char *function, const svo_i_pl
     const double start_ms = svo_i_now_ms();
     const double compiled_ms = plan->device->compile_ms;
     const uint32_t depth = plan->info.depth;
-    plan->info.snap_bits = svo_i_snap_bits(depth + plan->part.level) - plan->part.level;
+    plan->info.snap_bits = snap_bits(depth + plan->part.level) - plan->part.level;
     plan->info.coverage = plan->options.coverage;
     plan->voxel_log2 = plan->info.snap_bits - depth;
     plan->progress.expected_ns[SVO_STAGE_GRID] = SVO_I_SNAP_NS * (double)mesh->vertex_count +
@@ -381,7 +447,7 @@ svo_status svo_i_plan_new(svo_device *device, const char *function, const svo_i_
     SVO_I_TRY(svo_i_struct_read(&device->message, function, "options", options, &asked,
                                 SVO_I_STRUCT_SIZES(svo_plan_options, coverage)));
     svo_i_plan_part part = {.level = 0};
-    SVO_I_TRY(svo_i_part_read(device, function, depth, &asked, &part));
+    SVO_I_TRY(read_part(device, function, depth, &asked, &part));
     SVO_I_TRY(check_input(device, function, input, &asked));
     depth -= part.level;
     if (asked.payload_level > depth) {

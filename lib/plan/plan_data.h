@@ -251,4 +251,10 @@ static inline bool svo_i_plan_is_part(const svo_plan *plan)
     return plan->part.header.depth != 0;
 }
 
+/* Whether a level above the part sums up its root's payload. */
+static inline bool svo_i_part_sums_root(const svo_plan *plan)
+{
+    return svo_i_plan_is_part(plan) && plan->part.header.payload_level < plan->part.level;
+}
+
 #endif

@@ -12,7 +12,6 @@
 
 #include <string.h>
 
-#include "plan/part.h"
 #include "shared/moving_layout.h"
 #include "stages/inputs.h"
 

@@ -5,7 +5,6 @@
  */
 #include "stages/material.h"
 
-#include "plan/part.h"
 #include "shared/moving_layout.h"
 #include "stages/inputs.h"
 
