@@ -1,13 +1,64 @@
 /* SPDX-License-Identifier: MIT */
-/* The context that suits an OpenCL device best: on the same GPU, where OpenCL or the GPU's name says so. */
+/*
+ * svo_gl_context_create_for: the context that suits an OpenCL device best. Contexts are tried in an order, until a
+ * better one can no longer come.
+ */
+#include "share/candidates.h"
+
 #include <stdio.h>
 #include <string.h>
 
-#include "context/candidates.h"
 #include "context/context.h"
 #include "core/device.h"
 #include "core/message.h"
 #include "share/interop.h"
+
+/* ---- candidates ---- */
+
+static size_t add(svo_i_candidate *out, size_t count, svo_gl_context_kind kind, uint32_t device_index, bool is_software)
+{
+    out[count] = (svo_i_candidate){.kind = kind, .device_index = device_index, .is_software = is_software};
+    return count + 1;
+}
+
+static size_t add_egl_devices(svo_i_candidate *out, size_t count, const bool *software, uint32_t egl_device_count,
+                              bool wanted)
+{
+    for (uint32_t i = 0; i < egl_device_count; ++i) {
+        if (software[i] == wanted) {
+            count = add(out, count, SVO_GL_EGL_DEVICE, i, wanted);
+        }
+    }
+    return count;
+}
+
+size_t svo_i_candidates_list(const bool *software, uint32_t egl_device_count, svo_i_candidate *out)
+{
+    const uint32_t looked_at = egl_device_count < SVO_I_EGL_DEVICES_MAX ? egl_device_count : SVO_I_EGL_DEVICES_MAX;
+    size_t count = add_egl_devices(out, 0, software, looked_at, false);
+    /* Where each device is software, so is the platform that chooses among them. */
+    count = add(out, count, SVO_GL_SURFACELESS, 0, looked_at > 0 && count == 0);
+    count = add_egl_devices(out, count, software, looked_at, true);
+    return add(out, count, SVO_GL_OSMESA, 0, true);
+}
+
+size_t svo_i_candidates_choose(const svo_i_candidate *candidates, size_t count, svo_i_fit most,
+                               svo_i_fit (*fit)(void *user, size_t index), void *user)
+{
+    size_t best = count;
+    svo_i_fit best_fit = SVO_I_FIT_NONE;
+    for (size_t i = 0; i < count; ++i) {
+        const svo_i_fit limit = candidates[i].is_software ? SVO_I_FIT_SOFTWARE : most;
+        const svo_i_fit found = limit > best_fit ? fit(user, i) : SVO_I_FIT_NONE;
+        if (found > best_fit) {
+            best = i;
+            best_fit = found;
+        }
+    }
+    return best;
+}
+
+/* ---- the context for a device ---- */
 
 #define FUNCTION "svo_gl_context_create_for"
 

@@ -3,13 +3,14 @@
  * The order in which contexts are tried for an OpenCL device, and when a better one can no longer come. Knows facts
  * alone, no OpenGL.
  */
-#ifndef SVO_GLINTEROP_CONTEXT_CANDIDATES_H
-#define SVO_GLINTEROP_CONTEXT_CANDIDATES_H
+#ifndef SVO_GLINTEROP_SHARE_CANDIDATES_H
+#define SVO_GLINTEROP_SHARE_CANDIDATES_H
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
+#include "context/egl.h"
 #include "svocl/gl.h"
 
 /* Where a context may come from. */
@@ -28,13 +29,7 @@ typedef enum svo_i_fit {
     SVO_I_FIT_SHARING /* the GPU that clGetGLContextInfoKHR says is the device */
 } svo_i_fit;
 
-/* The EGL devices of one machine: more are not looked at. */
-#define SVO_I_EGL_DEVICES_MAX 32u
-#define SVO_I_CANDIDATES_MAX  (SVO_I_EGL_DEVICES_MAX + 2u)
-
-/* What the extensions of an EGL device say without a context: a CPU draws; a GPU must draw. NULL: EGL cannot say. */
-bool svo_i_egl_device_is_software(const char *extensions);
-bool svo_i_egl_device_is_gpu(const char *extensions);
+#define SVO_I_CANDIDATES_MAX (SVO_I_EGL_DEVICES_MAX + 2u)
 
 /*
  * Lists the candidates in the order to try them. GPUs that EGL lists come first, then Mesa's surfaceless platform,
