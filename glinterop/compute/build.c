@@ -14,7 +14,6 @@
 #include "plan/accounts.h"
 #include "plan/estimate.h"
 #include "stages/inputs.h"
-#include "stages/material.h"
 
 /* ---- nodes ---- */
 
@@ -370,43 +369,14 @@ static svo_status make_nodes(svo_i_gl_build *gl_build)
     return SVO_OK;
 }
 
-/* The materials of the nodes. Frees ranges of entries that nothing else needs. */
-static svo_status make_materials(svo_i_gl_build *gl_build, const svo_i_gl_surface *surface)
-{
-    svo_i_build *build = gl_build->build;
-    const svo_i_work *work = &build->commands.plan->work;
-    const bool has_leaves = build->tree->info.leaf_count > 0;
-    const bool own_ranges = has_leaves && work->ranges && !work->lists;
-    if (own_ranges) {
-        SVO_I_TRY(pack(gl_build, false));
-    }
-    if ((work->made & SVO_NEED_MATERIAL) != 0) {
-        /* A root without leaves needs no shader: OpenCL fills its payload. */
-        SVO_I_TRY(has_leaves ? svo_i_gl_material(gl_build, surface) : svo_i_material(build));
-    }
-    if (own_ranges) {
-        svo_i_compute_free(gl_build->compute, &gl_build->arrays[SVO_TREE_LIST_BEGIN]);
-    }
-    return SVO_OK;
-}
-
-/* The payload, from the mesh's attributes. */
+/* The payload. Where materials alone need the ranges of entries, it frees them. */
 static svo_status make_payload(svo_i_gl_build *gl_build)
 {
-    const uint32_t made = gl_build->build->commands.plan->work.made;
-    svo_status status = SVO_OK;
-    svo_i_gl_surface surface = {0};
-    SVO_I_TRY_CLEANUP(svo_i_gl_surface_upload(gl_build, &surface));
-    SVO_I_TRY_CLEANUP(make_materials(gl_build, &surface));
-    if ((made & SVO_I_NEED_FILTER) != 0) {
-        SVO_I_TRY_CLEANUP(svo_i_gl_filter(gl_build, &surface));
+    const svo_i_work *work = &gl_build->build->commands.plan->work;
+    if (gl_build->build->tree->info.leaf_count > 0 && work->ranges && !work->lists) {
+        SVO_I_TRY(pack(gl_build, false));
     }
-    if ((made & SVO_NEED_PROJECTED_AREA) != 0) {
-        SVO_I_TRY_CLEANUP(svo_i_gl_areas(gl_build, &surface));
-    }
-cleanup:
-    svo_i_gl_surface_free(gl_build, &surface);
-    return status;
+    return svo_i_gl_payload(gl_build);
 }
 
 /* Shaders create payload for all levels, also for those above the plan's payload_level. */

@@ -9,6 +9,7 @@
 #include "compute/compute.h"
 #include "core/message.h"
 #include "stages/inputs.h"
+#include "stages/material.h"
 
 /* ---- the surface ---- */
 
@@ -17,6 +18,11 @@
  * shaders/attribute.glsl reads them. Uploads only what the plan has. All vertex attributes share one block, since a
  * shader may have few.
  */
+
+/* The mesh's attributes in storage blocks. 0 for an attribute that the plan does not have. */
+typedef struct gl_surface {
+    GLuint vertices, indices, records, attributes, materials, texels;
+} gl_surface;
 
 /* Uploads an array if the plan has it. data: NULL allowed. */
 static svo_status upload(svo_i_gl_build *gl_build, const char *name, const void *data, uint64_t bytes, GLuint *out)
@@ -55,7 +61,7 @@ static svo_status upload_attributes(svo_i_gl_build *gl_build, GLuint *out)
 }
 
 /* The arrays that locate a triangle in a voxel. Uniform weights alone do not need vertices. */
-static svo_status upload_triangles(svo_i_gl_build *gl_build, svo_i_gl_surface *out)
+static svo_status upload_triangles(svo_i_gl_build *gl_build, gl_surface *out)
 {
     const svo_plan *plan = gl_build->build->commands.plan;
     const uint64_t triangles = plan->triangle_count;
@@ -67,7 +73,8 @@ static svo_status upload_triangles(svo_i_gl_build *gl_build, svo_i_gl_surface *o
     return upload(gl_build, "records", plan->records, triangles * sizeof(svo_triangle_record), &out->records);
 }
 
-svo_status svo_i_gl_surface_upload(svo_i_gl_build *gl_build, svo_i_gl_surface *out)
+/* Call free_surface after a failure too. */
+static svo_status upload_surface(svo_i_gl_build *gl_build, gl_surface *out)
 {
     const svo_plan *plan = gl_build->build->commands.plan;
     svo_i_compute_stage_begin(gl_build->compute);
@@ -79,7 +86,7 @@ svo_status svo_i_gl_surface_upload(svo_i_gl_build *gl_build, svo_i_gl_surface *o
     return svo_i_compute_stage_end(gl_build->compute, gl_build->build, SVO_STAGE_TRANSFER);
 }
 
-void svo_i_gl_surface_free(svo_i_gl_build *gl_build, svo_i_gl_surface *surface)
+static void free_surface(svo_i_gl_build *gl_build, gl_surface *surface)
 {
     GLuint *buffers[] = {&surface->vertices,   &surface->indices,   &surface->records,
                          &surface->attributes, &surface->materials, &surface->texels};
@@ -97,7 +104,7 @@ typedef struct level_entries {
 
 typedef struct sorter {
     svo_i_gl_build *gl_build;
-    const svo_i_gl_surface *surface;
+    const gl_surface *surface;
     GLuint list_begin, materials;
     level_entries levels[2]; /* of levels at an even and at an odd distance from the leaves */
     svo_filter_params params;
@@ -136,7 +143,7 @@ static void release(sorter *s)
 static svo_status scatter(sorter *s)
 {
     svo_i_gl_build *gl_build = s->gl_build;
-    const svo_i_gl_surface *surface = s->surface;
+    const gl_surface *surface = s->surface;
     svo_i_compute_fill_zero(gl_build->compute, s->levels[0].counts);
     svo_i_compute_fill_zero(gl_build->compute, s->materials);
     for (uint32_t i = 0; i < gl_build->build->list.chunk_count; ++i) {
@@ -214,7 +221,8 @@ static svo_status sort_materials(sorter *s)
     return SVO_OK;
 }
 
-svo_status svo_i_gl_material(svo_i_gl_build *gl_build, const svo_i_gl_surface *surface)
+/* Needs list_begin, at least one leaf, and materials that are not constant. */
+static svo_status make_materials(svo_i_gl_build *gl_build, const gl_surface *surface)
 {
     sorter s = {.gl_build = gl_build,
                 .surface = surface,
@@ -238,7 +246,7 @@ cleanup:
  */
 
 /* Adds the areas of all fragments to the leaves' sums. */
-static svo_status add_fragments(svo_i_gl_build *gl_build, const svo_i_gl_surface *surface, svo_filter_params params,
+static svo_status add_fragments(svo_i_gl_build *gl_build, const gl_surface *surface, svo_filter_params params,
                                 GLuint sums)
 {
     const svo_i_fragment_list *list = &gl_build->build->list;
@@ -258,7 +266,7 @@ static svo_status add_fragments(svo_i_gl_build *gl_build, const svo_i_gl_surface
     return SVO_OK;
 }
 
-static svo_status sum_areas(svo_i_gl_build *gl_build, const svo_i_gl_surface *surface, GLuint *sums)
+static svo_status sum_areas(svo_i_gl_build *gl_build, const gl_surface *surface, GLuint *sums)
 {
     svo_i_compute *compute = gl_build->compute;
     GLuint *areas = &gl_build->arrays[SVO_TREE_AREAS];
@@ -274,7 +282,7 @@ static svo_status sum_areas(svo_i_gl_build *gl_build, const svo_i_gl_surface *su
     return svo_i_compute_stage_end(compute, gl_build->build, SVO_STAGE_FILTER);
 }
 
-svo_status svo_i_gl_areas(svo_i_gl_build *gl_build, const svo_i_gl_surface *surface)
+static svo_status make_areas(svo_i_gl_build *gl_build, const gl_surface *surface)
 {
     GLuint sums = 0;
     const svo_status status = sum_areas(gl_build, surface, &sums);
@@ -295,7 +303,7 @@ svo_status svo_i_gl_areas(svo_i_gl_build *gl_build, const svo_i_gl_surface *surf
 
 typedef struct filterer {
     svo_i_gl_build *gl_build;
-    const svo_i_gl_surface *surface;
+    const gl_surface *surface;
     GLuint heads, links;
     GLuint sums[2]; /* of levels at an even and at an odd distance from the leaves */
     uint64_t node_bytes; /* bytes of a node's sums */
@@ -353,7 +361,7 @@ static svo_status link_leaves(filterer *f)
 static svo_status gather(filterer *f, svo_i_entry entry, uint32_t chunk, GLuint links, GLuint sums, uint64_t items)
 {
     svo_i_gl_build *gl_build = f->gl_build;
-    const svo_i_gl_surface *surface = f->surface;
+    const gl_surface *surface = f->surface;
     const GLuint *arrays = gl_build->arrays;
     const svo_i_launch launch = {.entry = entry,
                                  .buffers = {svo_i_gl_chunk(gl_build, chunk), links, surface->vertices,
@@ -474,7 +482,7 @@ static svo_status sum_colors(filterer *f)
     return run_levels(f);
 }
 
-svo_status svo_i_gl_filter(svo_i_gl_build *gl_build, const svo_i_gl_surface *surface)
+static svo_status make_colors(svo_i_gl_build *gl_build, const gl_surface *surface)
 {
     filterer f = {.gl_build = gl_build, .surface = surface, .params = svo_i_payload_params(gl_build->build)};
     f.node_bytes = UINT64_C(8) * (1u + (needs(&f, SVO_NEED_COLOR) ? 4u : 0u) + (needs(&f, SVO_NEED_NORMAL) ? 3u : 0u));
@@ -483,5 +491,40 @@ svo_status svo_i_gl_filter(svo_i_gl_build *gl_build, const svo_i_gl_surface *sur
     svo_i_compute_free(gl_build->compute, &f.links);
     svo_i_compute_free(gl_build->compute, &f.sums[0]);
     svo_i_compute_free(gl_build->compute, &f.sums[1]);
+    return status;
+}
+
+/* ---- all of it ---- */
+
+/* The materials of the nodes. Frees ranges of entries that nothing else needs. */
+static svo_status fill_materials(svo_i_gl_build *gl_build, const gl_surface *surface)
+{
+    svo_i_build *build = gl_build->build;
+    const svo_i_work *work = &build->commands.plan->work;
+    if ((work->made & SVO_NEED_MATERIAL) != 0) {
+        /* A root without leaves needs no shader: OpenCL fills its payload. */
+        SVO_I_TRY(build->tree->info.leaf_count > 0 ? make_materials(gl_build, surface) : svo_i_material(build));
+    }
+    if (!work->lists) {
+        svo_i_compute_free(gl_build->compute, &gl_build->arrays[SVO_TREE_LIST_BEGIN]);
+    }
+    return SVO_OK;
+}
+
+svo_status svo_i_gl_payload(svo_i_gl_build *gl_build)
+{
+    const uint32_t made = gl_build->build->commands.plan->work.made;
+    svo_status status = SVO_OK;
+    gl_surface surface = {0};
+    SVO_I_TRY_CLEANUP(upload_surface(gl_build, &surface));
+    SVO_I_TRY_CLEANUP(fill_materials(gl_build, &surface));
+    if ((made & SVO_I_NEED_FILTER) != 0) {
+        SVO_I_TRY_CLEANUP(make_colors(gl_build, &surface));
+    }
+    if ((made & SVO_NEED_PROJECTED_AREA) != 0) {
+        SVO_I_TRY_CLEANUP(make_areas(gl_build, &surface));
+    }
+cleanup:
+    free_surface(gl_build, &surface);
     return status;
 }

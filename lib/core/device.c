@@ -55,31 +55,28 @@ static void budget_release(svo_i_budget *budget)
     }
 }
 
-uint64_t svo_i_budget_max(const svo_i_budget *budget)
-{
-    return budget != NULL ? budget->max_bytes : UINT64_MAX;
-}
-
-uint64_t svo_i_budget_held(const svo_i_budget *budget)
+static uint64_t held_bytes(const svo_i_budget *budget)
 {
     return budget != NULL ? atomic_load(&budget->held_bytes) : 0;
 }
 
 static bool fits_now(const svo_i_budget *budget, uint64_t bytes)
 {
-    const uint64_t held = svo_i_budget_held(budget);
+    const uint64_t held = held_bytes(budget);
     return budget == NULL || (held <= budget->max_bytes && bytes <= budget->max_bytes - held);
 }
 
-bool svo_i_budget_fits(const svo_i_budget *budget, uint64_t bytes)
+svo_i_budget_answer svo_i_device_budget(const svo_device *device, uint64_t bytes)
 {
     const struct timespec millisecond = {.tv_nsec = 1000000};
+    const svo_i_budget *budget = device->budget;
+    const uint64_t max_bytes = budget != NULL ? budget->max_bytes : UINT64_MAX;
     bool fits = fits_now(budget, bytes);
-    for (unsigned i = 0; !fits && i < DESTROY_WAITS && bytes <= svo_i_budget_max(budget); ++i) {
+    for (unsigned i = 0; !fits && i < DESTROY_WAITS && bytes <= max_bytes; ++i) {
         nanosleep(&millisecond, NULL);
         fits = fits_now(budget, bytes);
     }
-    return fits;
+    return (svo_i_budget_answer){fits, held_bytes(budget), max_bytes};
 }
 
 static void CL_CALLBACK forget(cl_mem buffer, void *user)
@@ -146,11 +143,12 @@ static svo_status make_buffer(svo_device *device, const char *function, const ch
                                  svo_i_bytes(bytes).text, svo_i_bytes(device->max_allocation_bytes).text);
     }
     const size_t made_bytes = bytes > 0 ? bytes : 1;
-    if (!svo_i_budget_fits(device->budget, made_bytes)) {
+    const svo_i_budget_answer room = svo_i_device_budget(device, made_bytes);
+    if (!room.fits) {
         return svo_i_device_fail(device, SVO_OUT_OF_DEVICE_MEMORY,
                                  "%s: buffer %s needs %s beside the %s in use, above max_device_bytes, %s", function,
-                                 name, svo_i_bytes(bytes).text, svo_i_bytes(svo_i_budget_held(device->budget)).text,
-                                 svo_i_bytes(svo_i_budget_max(device->budget)).text);
+                                 name, svo_i_bytes(bytes).text, svo_i_bytes(room.held_bytes).text,
+                                 svo_i_bytes(room.max_bytes).text);
     }
     cl_int error = CL_SUCCESS;
     cl_mem buffer = clCreateBuffer(device->context, flags, made_bytes, content, &error);

@@ -13,19 +13,17 @@
 
 /*
  * The budget of a device handle: how many bytes the OpenCL buffers may have that live at the same time. A buffer counts
- * until the driver destroys it, whoever holds it last. Handles without a budget count nothing.
+ * until the driver destroys it, whoever holds it last. Handles without a budget count nothing. It is shared by the
+ * handle and its buffers, some of which may live longer.
  */
-
-/* Shared by a device handle and its buffers, some of which may live longer. */
 typedef struct svo_i_budget svo_i_budget;
 
-/* The most bytes; UINT64_MAX without a budget. */
-uint64_t svo_i_budget_max(const svo_i_budget *budget);
-/* The bytes of the buffers that live. */
-uint64_t svo_i_budget_held(const svo_i_budget *budget);
-/* Whether so many more bytes fit. A driver may destroy a released buffer a moment after the last command that used it,
-   so this waits up to a tenth of a second before it says no. */
-bool svo_i_budget_fits(const svo_i_budget *budget, uint64_t bytes);
+/* Whether so many more bytes fit a budget. */
+typedef struct svo_i_budget_answer {
+    bool fits;
+    uint64_t held_bytes; /* of the buffers that live */
+    uint64_t max_bytes; /* UINT64_MAX without a budget */
+} svo_i_budget_answer;
 
 struct svo_device {
     cl_context context;
@@ -80,6 +78,10 @@ void svo_i_device_log(const svo_device *device, svo_log_level level, const char 
 svo_status svo_i_device_check_wait(svo_device *device, const char *function, cl_uint num_wait, const cl_event *wait);
 
 SVO_I_SHARED_END
+
+/* A driver may destroy a released buffer a moment after the last command that used it, so this waits up to a tenth of a
+   second before it says no. */
+svo_i_budget_answer svo_i_device_budget(const svo_device *device, uint64_t bytes);
 
 /* svo_i_device_buffer for what kernels only read, with its content. No command is enqueued, so nothing waits. */
 svo_status svo_i_device_constants(svo_device *device, const char *function, const char *name, const void *content,

@@ -169,13 +169,11 @@ void svo_i_plan_buffer_remove(svo_plan *plan, uint64_t bytes)
 
 svo_status svo_i_plan_check_budget(const svo_plan *plan, const char *function, uint64_t bytes)
 {
-    const svo_i_budget *budget = plan->device->budget;
-    return svo_i_budget_fits(budget, bytes)
-               ? SVO_OK
-               : svo_i_device_fail(plan->device, SVO_OUT_OF_DEVICE_MEMORY,
-                                   "%s: the scene needs about %s at depth %u beside the %s in use, above "
-                                   "max_device_bytes, %s",
-                                   function, svo_i_bytes(bytes).text, plan->info.depth,
-                                   svo_i_bytes(svo_i_budget_held(budget)).text,
-                                   svo_i_bytes(svo_i_budget_max(budget)).text);
+    const svo_i_budget_answer room = svo_i_device_budget(plan->device, bytes);
+    return room.fits ? SVO_OK
+                     : svo_i_device_fail(plan->device, SVO_OUT_OF_DEVICE_MEMORY,
+                                         "%s: the scene needs about %s at depth %u beside the %s in use, above "
+                                         "max_device_bytes, %s",
+                                         function, svo_i_bytes(bytes).text, plan->info.depth,
+                                         svo_i_bytes(room.held_bytes).text, svo_i_bytes(room.max_bytes).text);
 }

@@ -60,7 +60,7 @@ static svo_status take(svo_i_commands *commands, const char *name, const void *h
     return *taken != NULL ? SVO_OK : svo_i_commands_take(commands, name, host, memory, count * 12, taken);
 }
 
-svo_status svo_i_snapped_vertices(svo_i_commands *commands, cl_mem *out)
+static svo_status get_vertices(svo_i_commands *commands, cl_mem *out)
 {
     const svo_plan *plan = commands->plan;
     SVO_I_TRY(take(commands, keeps_vertices(plan) ? "vertices" : "mesh_vertices", plan->vertices, plan->memory.vertices,
@@ -69,13 +69,19 @@ svo_status svo_i_snapped_vertices(svo_i_commands *commands, cl_mem *out)
     return SVO_OK;
 }
 
-svo_status svo_i_snapped_indices(svo_i_commands *commands, cl_mem *out)
+static svo_status get_indices(svo_i_commands *commands, cl_mem *out)
 {
     const svo_plan *plan = commands->plan;
     SVO_I_TRY(take(commands, keeps_indices(plan) ? "indices" : "mesh_indices", plan->indices, plan->memory.indices,
                    plan->triangle_count, &commands->mesh.indices));
     *out = commands->mesh.indices;
     return SVO_OK;
+}
+
+svo_status svo_i_snapped_mesh_get(svo_i_commands *commands, svo_i_snapped_mesh *out)
+{
+    SVO_I_TRY(get_vertices(commands, &out->vertices));
+    return get_indices(commands, &out->indices);
 }
 
 void svo_i_snapped_mesh_listed(svo_i_commands *commands)
@@ -120,10 +126,10 @@ static svo_status take_mesh(svo_i_build *build)
 {
     svo_i_snapped_mesh *mesh = &build->commands.mesh;
     if (build->tree->buffers[SVO_TREE_VERTICES] == NULL) { /* else a front end has them there */
-        SVO_I_TRY(svo_i_snapped_vertices(&build->commands, &build->tree->buffers[SVO_TREE_VERTICES]));
+        SVO_I_TRY(get_vertices(&build->commands, &build->tree->buffers[SVO_TREE_VERTICES]));
         mesh->vertices = NULL;
     }
-    SVO_I_TRY(svo_i_snapped_indices(&build->commands, &build->tree->buffers[SVO_TREE_INDICES]));
+    SVO_I_TRY(get_indices(&build->commands, &build->tree->buffers[SVO_TREE_INDICES]));
     mesh->indices = NULL;
     return SVO_OK;
 }
@@ -159,8 +165,8 @@ static svo_status get_geometry(svo_i_build *build, svo_i_surface *out)
         out->indices = build->tree->buffers[SVO_TREE_INDICES];
         return SVO_OK;
     }
-    SVO_I_TRY(build->commands.plan->work.positions ? svo_i_snapped_vertices(&build->commands, &out->vertices) : SVO_OK);
-    return svo_i_snapped_indices(&build->commands, &out->indices);
+    SVO_I_TRY(build->commands.plan->work.positions ? get_vertices(&build->commands, &out->vertices) : SVO_OK);
+    return get_indices(&build->commands, &out->indices);
 }
 
 svo_status svo_i_surface_upload(svo_i_build *build)

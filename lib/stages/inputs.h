@@ -25,8 +25,7 @@ SVO_I_SHARED_END
  */
 
 /* Gets the buffers, which stay commands->mesh's. */
-svo_status svo_i_snapped_vertices(svo_i_commands *commands, cl_mem *out);
-svo_status svo_i_snapped_indices(svo_i_commands *commands, cl_mem *out);
+svo_status svo_i_snapped_mesh_get(svo_i_commands *commands, svo_i_snapped_mesh *out);
 /* Releases what no stage after the voxelizer reads. */
 void svo_i_snapped_mesh_listed(svo_i_commands *commands);
 void svo_i_snapped_mesh_free(svo_i_commands *commands);

@@ -23,7 +23,7 @@ static size_t words_bytes(const svo_device *device)
 typedef struct run {
     svo_i_commands *commands;
     const svo_i_chunking *chunking;
-    cl_mem vertices, indices; /* of commands->mesh */
+    svo_i_snapped_mesh mesh; /* whose buffers stay those of commands->mesh */
     cl_mem items, counters;
     cl_kernel kernels[SVO_I_TEST_COUNT];
 } run;
@@ -88,8 +88,7 @@ static svo_status upload(run *r)
     const uint64_t items = plan->class_begin[SVO_I_CLASS_COUNT] + (plan->update != NULL ? UINT64_C(1) : 0);
     const uint64_t counter_bytes = (r->chunking->chunk_count + 1u) * 8ull;
     svo_i_stage_begin(r->commands);
-    SVO_I_TRY(svo_i_snapped_vertices(r->commands, &r->vertices));
-    SVO_I_TRY(svo_i_snapped_indices(r->commands, &r->indices));
+    SVO_I_TRY(svo_i_snapped_mesh_get(r->commands, &r->mesh));
     SVO_I_TRY(svo_i_commands_take(r->commands, "mesh_items", plan->items, plan->memory.items,
                                   items * sizeof(svo_draw_item), &r->items));
     SVO_I_TRY(svo_i_commands_alloc(r->commands, "counters", counter_bytes, &r->counters));
@@ -143,10 +142,15 @@ static svo_status launch(run *r, const svo_i_draw *draw, svo_voxelize_params par
         const uint64_t end = part + 1 < parts ? begin + SVO_I_PART_ITEMS : ids;
         svo_voxelize_params cut = params;
         cut_launch(&cut, begin, end);
-        const svo_i_argument arguments[] = {
-            SVO_I_ARGUMENT(r->vertices), SVO_I_ARGUMENT(r->indices),  SVO_I_ARGUMENT(r->items),
-            SVO_I_ARGUMENT(tiles),       SVO_I_ARGUMENT(r->counters), SVO_I_ARGUMENT(fragments),
-            SVO_I_ARGUMENT(cut),         SVO_I_LOCAL(local_bytes),    SVO_I_LOCAL(SCRATCH_BYTES)};
+        const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->mesh.vertices),
+                                            SVO_I_ARGUMENT(r->mesh.indices),
+                                            SVO_I_ARGUMENT(r->items),
+                                            SVO_I_ARGUMENT(tiles),
+                                            SVO_I_ARGUMENT(r->counters),
+                                            SVO_I_ARGUMENT(fragments),
+                                            SVO_I_ARGUMENT(cut),
+                                            SVO_I_LOCAL(local_bytes),
+                                            SVO_I_LOCAL(SCRATCH_BYTES)};
         SVO_I_TRY(svo_i_commands_launch(r->commands, r->kernels[test_of(plan, draw->class_id)],
                                         SVO_I_ARGUMENTS(arguments), end - begin));
     }
@@ -286,7 +290,8 @@ static svo_status draw_moving_chunk(run *r, uint32_t chunk_index, svo_i_fragment
 {
     svo_status status = SVO_OK;
     const uint64_t room = svo_i_update_tiles_max(r->chunking->chunks[chunk_index].capacity);
-    moving_tiles tiles = {.vertices = r->vertices, .indices = r->indices, .items = r->items, .counters = r->counters};
+    moving_tiles tiles = {
+        .vertices = r->mesh.vertices, .indices = r->mesh.indices, .items = r->items, .counters = r->counters};
     SVO_I_TRY_CLEANUP(svo_i_commands_alloc(r->commands, "mesh_tiles", room * sizeof(svo_tile_item), &tiles.tiles));
     SVO_I_TRY_CLEANUP(svo_i_commands_alloc(r->commands, "tile_count", sizeof(cl_uint), &tiles.count));
     SVO_I_TRY_CLEANUP(launch_moving_draws(r, chunk_index, room, &tiles, out->buffer));
