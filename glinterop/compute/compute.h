@@ -2,6 +2,12 @@
 /*
  * The builder's compute shaders in one context: storage blocks, programs, launches, and what the stages share; build.h
  * and payload.h make a tree with them.
+ *
+ * The files of this room:
+ *
+ *   compute  storage blocks, programs and launches
+ *   build    nodes and lists of leaves, and the whole build
+ *   payload  materials, areas, colors, normals and fills
  */
 #ifndef SVO_GLINTEROP_COMPUTE_COMPUTE_H
 #define SVO_GLINTEROP_COMPUTE_COMPUTE_H

@@ -2,6 +2,16 @@
 /*
  * The insides of svo_gl_context: an OpenGL context, how it is made current, and its function table. platform.h hides
  * what differs between EGL, OSMesa and wrapped contexts.
+ *
+ * The files of this room:
+ *
+ *   context    contexts of all kinds: svocl's, the caller's, those of a name
+ *   platform   what kinds of contexts do differently
+ *   egl        contexts by EGL
+ *   osmesa     contexts by OSMesa
+ *   library    libraries that are loaded at run time
+ *   functions  OpenGL's functions, and shaders
+ *   state      the state that calls change, saved and restored
  */
 #ifndef SVO_GLINTEROP_CONTEXT_CONTEXT_H
 #define SVO_GLINTEROP_CONTEXT_CONTEXT_H

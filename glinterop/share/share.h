@@ -9,6 +9,14 @@
  *
  * `interop` is one buffer for both APIs by cl_khr_gl_sharing, where probe.c has shown that it works. With `host`,
  * OpenCL uses the memory of a persistently mapped OpenGL buffer in place. `copy` keeps one buffer per API.
+ *
+ * The files of this room:
+ *
+ *   share       buffers of both APIs, by three paths
+ *   probe       which of the paths work
+ *   interop     cl_khr_gl_sharing, and device handles that have it
+ *   candidates  the context that suits a device
+ *   buffer      callers' buffers: meshes in them, sharing, updates of plans
  */
 #ifndef SVO_GLINTEROP_SHARE_SHARE_H
 #define SVO_GLINTEROP_SHARE_SHARE_H

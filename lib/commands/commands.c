@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Buffers, copies and launches, in each of the three modes; the records of a build's allocations; the times of stages.
+ * Buffers, copies and launches, in each of the three modes; the records of a build's allocations; the times of stages;
+ * the public functions that all front ends share.
  */
 #include "commands/commands.h"
 
+#include "commands/frontend.h"
 #include "plan/accounts.h"
+#include "plan/arrays.h"
 
 /* ---- allocations ---- */
 
@@ -483,4 +486,36 @@ svo_status svo_i_stage_end(svo_i_commands *commands, svo_stage stage)
     }
     keep_span(commands, stage);
     return SVO_OK;
+}
+
+/* ---- front ends ---- */
+
+void svo_frontend_destroy(svo_frontend **frontend)
+{
+    if (frontend == NULL || *frontend == NULL) {
+        return;
+    }
+    if ((*frontend)->destroy != NULL) {
+        (*frontend)->destroy((*frontend)->self);
+    }
+    *frontend = NULL;
+}
+
+const char *svo_frontend_name(const svo_frontend *frontend)
+{
+    return frontend->name;
+}
+
+const char *svo_frontend_share(const svo_frontend *frontend)
+{
+    return frontend->share;
+}
+
+svo_status svo_i_frontend_voxelize(svo_frontend *frontend, svo_i_commands *commands, const svo_i_chunking *chunking,
+                                   svo_i_fragment_list *list)
+{
+    if (!frontend->on_device) {
+        SVO_I_TRY(svo_i_plan_copy_to_host(commands->plan));
+    }
+    return frontend->voxelize(frontend->self, commands, chunking, list);
 }

@@ -2,6 +2,12 @@
 /*
  * Buffers, copies and launches for the stages. Each command waits for the previous one by an event, so the caller's
  * queue may be out-of-order.
+ *
+ * The files of this room:
+ *
+ *   commands  buffers, copies and launches in three modes; allocations; the times of stages
+ *   warm_up   launches of newly compiled kernels
+ *   frontend  the interface of front ends
  */
 #ifndef SVO_LIB_COMMANDS_COMMANDS_H
 #define SVO_LIB_COMMANDS_COMMANDS_H

@@ -1,5 +1,24 @@
 /* SPDX-License-Identifier: MIT */
-/* The device handle's fields, its messages, its buffers and their budget. */
+/*
+ * The device handle's fields, its messages, its buffers and their budget.
+ *
+ * The files of this room:
+ *
+ *   message        messages, the two ways to pass a failure on, checked sizes, the clock
+ *   struct_size    public structs that may grow
+ *   memory         host memory, its limits, and lists of what handles own
+ *   opencl         errors, properties and objects of OpenCL
+ *   device         the handle, its buffers and their budget
+ *   device_search  svo_device_create_default
+ *   program        programs, and launches of their kernels
+ *   kernel_files   compiled programs in files
+ *   work           scratch buffers, copies and launches outside builds; chains of commands on any queues
+ *   mesh           meshes in buffers, read to the host
+ *   tree           the tree, its arrays and its hash
+ *   compact        the handle of compact trees
+ *   nodes          from places to nodes and back
+ *   voxel_list     lists of voxels, and their order
+ */
 #ifndef SVO_LIB_CORE_DEVICE_H
 #define SVO_LIB_CORE_DEVICE_H
 

@@ -2,6 +2,21 @@
 /*
  * The data of a plan: the snapped mesh, the draws, the configuration of a build, its buffers. plan.c and the other
  * files of this folder fill it; front ends and stages read it.
+ *
+ * The files of this room:
+ *
+ *   plan           svo_plan: checks a request, and takes the mesh on the host or by kernels
+ *   grid           on the host: accepts triangles, fits the grid, snaps, classifies
+ *   closed         whether a mesh is closed
+ *   attributes     payload inputs, and payload that is the same in every node
+ *   device_plan    grid and attributes by kernels
+ *   arrays         the mesh's and the plan's arrays, between host and device
+ *   estimate       how many fragments and nodes a plan has to expect
+ *   chunking       the cut of the fragment list into chunks, and of large triangles into tiles
+ *   configuration  what a build does, leaves out and compiles; the choice of a front end
+ *   accounts       what a running call tells its callback, and the bytes that it holds
+ *   update         plans whose mesh moves
+ *   part           the header of all parts of a tree
  */
 #ifndef SVO_LIB_PLAN_PLAN_DATA_H
 #define SVO_LIB_PLAN_PLAN_DATA_H

@@ -1,5 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* What rays meet: the BVH that a tree keeps beside its public arrays, and the arguments of the ray kernels. */
+/*
+ * What rays meet: the BVH that a tree keeps beside its public arrays, and the arguments of the ray kernels.
+ *
+ * The files of this room:
+ *
+ *   rays        the BVH of a tree, and arguments of ray kernels
+ *   bvh_device  makes BVHs
+ *   bvh_fit     what BVHs are; their leaves and boxes, the corners of leaves
+ *   batch       rays and points in batches
+ *   picture     pictures, and buffers for them
+ *   camera      cameras and their frames
+ */
 #ifndef SVO_LIB_RAYS_RAYS_H
 #define SVO_LIB_RAYS_RAYS_H
 
