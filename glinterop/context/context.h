@@ -16,8 +16,6 @@
 #ifndef SVO_GLINTEROP_CONTEXT_CONTEXT_H
 #define SVO_GLINTEROP_CONTEXT_CONTEXT_H
 
-#include <CL/cl.h>
-
 #include "context/egl.h"
 #include "context/functions.h"
 #include "context/osmesa.h"
