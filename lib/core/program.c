@@ -8,7 +8,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "core/device_info.h"
+#include "core/opencl.h"
 
 /* A program that was compiled or loaded, attached to its device. */
 typedef struct compiled_program {
@@ -81,8 +81,8 @@ static svo_status assemble(svo_device *device, const char *function, const svo_i
     size_t bytes = sizeof LICENSE;
     svo_i_kernel_texts_list(program->files, &texts);
     if (texts.is_cut) {
-        return svo_i_device_fail(device, SVO_INTERNAL, "%s: program %s has more than %d files", function,
-                                 program->name, SVO_I_KERNEL_TEXTS_MAX);
+        return svo_i_device_fail(device, SVO_INTERNAL, "%s: program %s has more than %d files", function, program->name,
+                                 SVO_I_KERNEL_TEXTS_MAX);
     }
     for (size_t i = 0; i < texts.count; ++i) {
         bytes += strlen(texts.files[i]->text);

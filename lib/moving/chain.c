@@ -4,7 +4,7 @@
 
 #include <stdio.h>
 
-#include "commands/timing.h"
+#include "commands/commands.h"
 #include "moving/programs.h"
 #include "plan/configuration.h"
 #include "stages/programs.h"

@@ -4,7 +4,7 @@
 
 #include "shared/moving_layout.h"
 #include "stages/programs.h"
-#include "stages/scan.h"
+#include "stages/sort.h"
 
 _Static_assert(SVO_NODE_LEVELS == SVO_LEVELS_MAX, "kernels have all levels of a tree");
 

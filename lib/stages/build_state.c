@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "plan/buffers.h"
+#include "plan/accounts.h"
 #include "plan/configuration.h"
 #include "plan/estimate.h"
 

@@ -7,7 +7,7 @@
 
 #include "plan/estimate.h"
 #include "stages/programs.h"
-#include "stages/scan.h"
+#include "stages/sort.h"
 
 #define BLOCK_BYTES 64u
 #define RANK_BYTES  32u /* of a block */
