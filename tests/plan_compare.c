@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "plan/host_copy.h"
+#include "plan/arrays.h"
 
 static void same_bytes(const char *name, const void *host, const void *device, size_t bytes)
 {

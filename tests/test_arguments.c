@@ -13,11 +13,11 @@
 
 #include <cmocka.h>
 
-#include "core/cl_error.h"
 #include "core/device.h"
 #include "core/message.h"
+#include "core/opencl.h"
 #include "fixture.h"
-#include "plan/frontend_choice.h"
+#include "plan/configuration.h"
 #include "scenes.h"
 #ifdef HAVE_IO
 #include "svocl/io.h"

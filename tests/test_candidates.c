@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "context/candidates.h"
+#include "share/candidates.h"
 
 enum { DEVICES_MAX = 4, TRIED_BYTES = 64 };
 

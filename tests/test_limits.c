@@ -13,7 +13,7 @@
 #include <cmocka.h>
 
 #include "attributed_mesh.h"
-#include "core/host_memory.h"
+#include "core/memory.h"
 #include "counting.h"
 #include "fixture.h"
 #include "meshes.h"

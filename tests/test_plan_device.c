@@ -17,9 +17,9 @@
 
 #include "attributed_mesh.h"
 #include "fixture.h"
-#include "plan/host_copy.h"
+#include "plan/arrays.h"
+#include "plan/chunking.h"
 #include "plan/plan_data.h"
-#include "plan/tiles.h"
 #include "plan_compare.h"
 #include "scenes.h"
 

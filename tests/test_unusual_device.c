@@ -17,7 +17,7 @@
 #include <string.h>
 
 #include "core/device.h"
-#include "core/device_info.h"
+#include "core/opencl.h"
 #include "fixture.h"
 #include "scenes.h"
 #include "shared/layout.h"

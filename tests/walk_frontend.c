@@ -4,7 +4,7 @@
 
 #include <stdlib.h>
 
-#include "commands/timing.h"
+#include "commands/commands.h"
 #include "meshes.h"
 #include "oracle.h"
 #include "plan/estimate.h"

@@ -12,7 +12,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 # The rooms of each tree in their order. A room in parentheses stands beside the one before it: neither includes the
 # other.
-lib_rooms='output core plan commands stages build (io (voxels (rays '
+lib_rooms='output core plan commands stages pipeline (io (voxels (rays '
 lib_rooms+='compact (moving (parts (paged solid (scene (light probes'
 readonly lib_rooms
 readonly glinterop_rooms='context share raster compute frontend'

@@ -72,7 +72,7 @@ payload_defines()
     done
 }
 
-# As compute/program.c puts them together, by its table of entry points. Defines that an entry point does not ask for
+# As compute/compute.c puts them together, by its table of entry points. Defines that an entry point does not ask for
 # are left out, so that each shader comes once.
 put_compute_shaders()
 {
@@ -96,8 +96,8 @@ put_compute_shaders()
             printf '#version 430 core\n%s#define %s\n%s\n' "$head" "$entry" "$text" >"$folder/$entry.${#known[@]}.comp"
         done < <(if [[ $has_64_bits == true ]]; then payload_defines; else printf '\nCODE48\n'; fi)
     done < <(sed -nE 's/^ *\{"(SVO_K_[A-Z_]+)", ([A-Z]+), BASE_([A-Z]+), (true|false),.*/\1 \2 \3 \4/p' \
-        glinterop/compute/program.c)
-    ((${#known[@]} > 0)) || fail "no entry points were found in glinterop/compute/program.c"
+        glinterop/compute/compute.c)
+    ((${#known[@]} > 0)) || fail "no entry points were found in glinterop/compute/compute.c"
 }
 
 check_shaders()

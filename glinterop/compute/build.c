@@ -5,19 +5,288 @@
  */
 #include "compute/build.h"
 
-#include "commands/timing.h"
-#include "compute/area.h"
-#include "compute/buffer.h"
-#include "compute/filter.h"
-#include "compute/material.h"
-#include "compute/pack.h"
-#include "compute/subdivide.h"
-#include "compute/surface.h"
+#include <string.h>
+
+#include "commands/commands.h"
+#include "compute/compute.h"
+#include "compute/payload.h"
 #include "core/message.h"
+#include "plan/accounts.h"
 #include "plan/estimate.h"
-#include "plan/progress.h"
-#include "stages/geometry.h"
-#include "stages/material.h"
+#include "stages/inputs.h"
+
+/* ---- nodes ---- */
+
+/*
+ * Runs shaders/subdivide.comp and the mask scans of shaders/scan.comp for all levels, without reading anything back
+ * between them. Only the device knows the size of a level, so the scans are launched indirectly. The host reads the
+ * counts once, at the end.
+ */
+
+typedef struct subdivider {
+    svo_i_gl_build *gl_build;
+    GLuint masks, first_child;
+    GLuint launches; /* groups of each level's scans, three words per level */
+} subdivider;
+
+/* Starts with a root without children: only the root's scans have work. */
+static svo_status begin(subdivider *s)
+{
+    svo_i_gl_build *gl_build = s->gl_build;
+    svo_build_state state;
+    uint32_t launches[3 * SVO_LEVELS_MAX];
+    memset(&state, 0, sizeof state);
+    state.triangle_count = gl_build->build->commands.plan->triangle_count;
+    for (unsigned level = 0; level < SVO_LEVELS_MAX; ++level) {
+        state.level_begin[level] = level > 0 ? 1 : 0;
+        launches[(size_t)3 * level] = level > 0 ? 0 : 1;
+        launches[(size_t)3 * level + 1] = 1;
+        launches[(size_t)3 * level + 2] = 1;
+    }
+    svo_i_compute_free(gl_build->compute, &gl_build->state);
+    svo_i_compute *compute = gl_build->compute;
+    SVO_I_TRY(svo_i_compute_upload(compute, "state", &state, sizeof state, &gl_build->state));
+    SVO_I_TRY(svo_i_compute_upload(compute, "launches", launches, sizeof launches, &s->launches));
+    if (gl_build->partials == 0) {
+        const uint64_t bytes = SVO_SCAN_GROUPS * sizeof(GLuint);
+        SVO_I_TRY(svo_i_compute_alloc(compute, "partials", bytes, &gl_build->partials));
+    }
+    svo_i_compute_fill_zero(compute, s->masks);
+    return SVO_OK;
+}
+
+static svo_status mark_root(subdivider *s, svo_subdivide_params params)
+{
+    svo_i_gl_build *gl_build = s->gl_build;
+    for (uint32_t i = 0; i < gl_build->build->list.chunk_count; ++i) {
+        params.fragment_count = (cl_uint)gl_build->build->list.chunks[i].needed;
+        const svo_i_launch launch = {.entry = SVO_I_ENTRY_MARK,
+                                     .buffers = {svo_i_gl_chunk(gl_build, i), s->masks, gl_build->state},
+                                     .params = &params,
+                                     .items = params.fragment_count};
+        SVO_I_TRY(svo_i_compute_launch(gl_build->compute, &launch));
+    }
+    return SVO_OK;
+}
+
+/* Computes first_child of the level's nodes, and where the level after the next begins. */
+static svo_status scan_level(subdivider *s, svo_subdivide_params params)
+{
+    svo_i_compute *compute = s->gl_build->compute;
+    const GLuint partials = s->gl_build->partials;
+    const GLuint state = s->gl_build->state;
+    const svo_i_launch launches[] = {{.entry = SVO_I_ENTRY_SCAN_MASKS_REDUCE,
+                                      .buffers = {s->masks, partials, state},
+                                      .params = &params,
+                                      .indirect = s->launches,
+                                      .indirect_word = 3 * params.level},
+                                     {.entry = SVO_I_ENTRY_SCAN_MASKS_PARTIALS,
+                                      .buffers = {partials, state, s->launches},
+                                      .params = &params,
+                                      .items = SVO_GROUP_ITEMS},
+                                     {.entry = SVO_I_ENTRY_SCAN_MASKS_ADD,
+                                      .buffers = {s->masks, partials, s->first_child, state},
+                                      .params = &params,
+                                      .indirect = s->launches,
+                                      .indirect_word = 3 * params.level}};
+    for (unsigned i = 0; i < 3; ++i) {
+        SVO_I_TRY(svo_i_compute_launch(compute, &launches[i]));
+    }
+    return SVO_OK;
+}
+
+static svo_status descend(subdivider *s, svo_subdivide_params params)
+{
+    svo_i_gl_build *gl_build = s->gl_build;
+    for (uint32_t i = 0; i < gl_build->build->list.chunk_count; ++i) {
+        params.fragment_count = (cl_uint)gl_build->build->list.chunks[i].needed;
+        const svo_i_launch launch = {
+            .entry = SVO_I_ENTRY_DESCEND,
+            .buffers = {svo_i_gl_chunk(gl_build, i), gl_build->cursors[i], s->masks, s->first_child, gl_build->state},
+            .params = &params,
+            .items = params.fragment_count};
+        SVO_I_TRY(svo_i_compute_launch(gl_build->compute, &launch));
+    }
+    return SVO_OK;
+}
+
+static svo_status run_levels(subdivider *s)
+{
+    const svo_i_build *build = s->gl_build->build;
+    svo_subdivide_params params = {.depth = build->commands.plan->info.depth,
+                                   .inner_capacity = (cl_uint)build->inner_capacity};
+    SVO_I_TRY(mark_root(s, params));
+    for (params.level = 0; params.level < params.depth; ++params.level) {
+        SVO_I_TRY(scan_level(s, params));
+        SVO_I_TRY(descend(s, params));
+    }
+    return SVO_OK;
+}
+
+/* Creates masks, first children and level counts, and moves the cursors to the leaves. *fits is false when the inner
+   nodes exceed the build's inner_capacity. */
+static svo_status subdivide(svo_i_gl_build *gl_build, bool *fits)
+{
+    subdivider s = {.gl_build = gl_build,
+                    .masks = gl_build->arrays[SVO_TREE_CHILD_MASK],
+                    .first_child = gl_build->arrays[SVO_TREE_FIRST_CHILD]};
+    svo_build_state state;
+    svo_status status = SVO_OK;
+    svo_i_compute_stage_begin(gl_build->compute);
+    SVO_I_TRY_CLEANUP(begin(&s));
+    SVO_I_TRY_CLEANUP(run_levels(&s));
+    SVO_I_TRY_CLEANUP(svo_i_compute_stage_end(gl_build->compute, gl_build->build, SVO_STAGE_SUBDIVIDE));
+    SVO_I_TRY_CLEANUP(svo_i_compute_read(gl_build->compute, gl_build->state, &state, sizeof state));
+    SVO_I_TRY_CLEANUP(svo_i_build_take_state(gl_build->build, &state, fits));
+cleanup:
+    svo_i_compute_free(gl_build->compute, &s.launches);
+    return status;
+}
+
+/* ---- lists of leaves ---- */
+
+/*
+ * Runs shaders/pack.comp and the list scans of shaders/scan.comp: computes where each leaf's range of entries begins
+ * and, for requests that read them, the sorted lists of the leaves.
+ */
+
+typedef struct packer {
+    svo_i_gl_build *gl_build;
+    GLuint counts, spare, long_leaves;
+    GLuint launches; /* groups that sort long lists */
+    svo_filter_params params;
+} packer;
+
+static svo_status allocate_lists(packer *p)
+{
+    static const uint32_t no_groups[3] = {0, 1, 1};
+    svo_i_gl_build *gl_build = p->gl_build;
+    const uint64_t fragments = gl_build->build->fragment_count;
+    gl_build->build->tree->info.list_count = fragments;
+    const uint64_t long_leaves = fragments / (SVO_SHORT_LIST_MAX + 1) + 1;
+    svo_i_compute *compute = gl_build->compute;
+    SVO_I_TRY(svo_i_compute_alloc(compute, "list", fragments * 4, &gl_build->arrays[SVO_TREE_LIST]));
+    SVO_I_TRY(svo_i_compute_alloc(compute, "list_spare", fragments * 4, &p->spare));
+    SVO_I_TRY(svo_i_compute_alloc(compute, "long_leaves", long_leaves * 4, &p->long_leaves));
+    return svo_i_compute_upload(compute, "launches", no_groups, sizeof no_groups, &p->launches);
+}
+
+static svo_status count_lists(packer *p)
+{
+    svo_i_gl_build *gl_build = p->gl_build;
+    const uint64_t bytes = p->params.leaf_count * UINT64_C(4);
+    SVO_I_TRY(svo_i_compute_alloc_zero(gl_build->compute, "list_counts", bytes, &p->counts));
+    for (uint32_t i = 0; i < gl_build->build->list.chunk_count; ++i) {
+        p->params.fragment_count = (cl_uint)gl_build->build->list.chunks[i].needed;
+        const svo_i_launch launch = {.entry = SVO_I_ENTRY_COUNT,
+                                     .buffers = {gl_build->cursors[i], p->counts},
+                                     .params = &p->params,
+                                     .items = p->params.fragment_count};
+        SVO_I_TRY(svo_i_compute_launch(gl_build->compute, &launch));
+    }
+    return SVO_OK;
+}
+
+static svo_status scan_lists(packer *p)
+{
+    const uint64_t items = (uint64_t)SVO_SCAN_GROUPS * SVO_GROUP_ITEMS;
+    const GLuint partials = p->gl_build->partials;
+    const GLuint list_begin = p->gl_build->arrays[SVO_TREE_LIST_BEGIN];
+    const svo_i_launch launches[] = {{.entry = SVO_I_ENTRY_SCAN_LISTS_REDUCE,
+                                      .buffers = {p->counts, partials},
+                                      .params = &p->params,
+                                      .items = items},
+                                     {.entry = SVO_I_ENTRY_SCAN_LISTS_PARTIALS,
+                                      .buffers = {partials, list_begin},
+                                      .params = &p->params,
+                                      .items = SVO_GROUP_ITEMS},
+                                     {.entry = SVO_I_ENTRY_SCAN_LISTS_ADD,
+                                      .buffers = {p->counts, partials, list_begin},
+                                      .params = &p->params,
+                                      .items = items}};
+    for (unsigned i = 0; i < 3; ++i) {
+        SVO_I_TRY(svo_i_compute_launch(p->gl_build->compute, &launches[i]));
+    }
+    return SVO_OK;
+}
+
+static svo_status scatter(packer *p)
+{
+    svo_i_gl_build *gl_build = p->gl_build;
+    for (uint32_t i = 0; i < gl_build->build->list.chunk_count; ++i) {
+        p->params.fragment_count = (cl_uint)gl_build->build->list.chunks[i].needed;
+        const svo_i_launch launch = {.entry = SVO_I_ENTRY_SCATTER,
+                                     .buffers = {svo_i_gl_chunk(gl_build, i), gl_build->cursors[i], p->counts,
+                                                 gl_build->arrays[SVO_TREE_LIST_BEGIN],
+                                                 gl_build->arrays[SVO_TREE_LIST]},
+                                     .params = &p->params,
+                                     .items = p->params.fragment_count};
+        SVO_I_TRY(svo_i_compute_launch(gl_build->compute, &launch));
+    }
+    return SVO_OK;
+}
+
+static svo_status sort_lists(packer *p)
+{
+    svo_i_gl_build *gl_build = p->gl_build;
+    const GLuint list_begin = gl_build->arrays[SVO_TREE_LIST_BEGIN];
+    const GLuint list = gl_build->arrays[SVO_TREE_LIST];
+    const svo_i_launch sort_short = {.entry = SVO_I_ENTRY_SORT_SHORT,
+                                     .buffers = {list_begin, list, p->long_leaves, gl_build->state, p->launches},
+                                     .params = &p->params,
+                                     .items = p->params.leaf_count};
+    SVO_I_TRY(svo_i_compute_launch(gl_build->compute, &sort_short));
+    svo_filter_params pass = p->params; /* level: which digit */
+    const svo_i_launch sort_long = {.entry = SVO_I_ENTRY_SORT_LONG,
+                                    .buffers = {list_begin, list, p->spare, p->long_leaves, gl_build->state},
+                                    .params = &pass,
+                                    .indirect = p->launches};
+    for (pass.level = 0; pass.level < pass.digit_passes; ++pass.level) {
+        SVO_I_TRY(svo_i_compute_launch(gl_build->compute, &sort_long));
+    }
+    return SVO_OK;
+}
+
+static svo_status make_ranges(packer *p)
+{
+    const uint64_t bytes = (p->params.leaf_count + UINT64_C(1)) * 4;
+    GLuint *list_begin = &p->gl_build->arrays[SVO_TREE_LIST_BEGIN];
+    SVO_I_TRY(svo_i_compute_alloc(p->gl_build->compute, "list_begin", bytes, list_begin));
+    SVO_I_TRY(count_lists(p));
+    return scan_lists(p);
+}
+
+static svo_status make_lists(packer *p)
+{
+    SVO_I_TRY(allocate_lists(p));
+    SVO_I_TRY(scatter(p));
+    return sort_lists(p);
+}
+
+/* Creates list_begin, and list if with_lists. */
+static svo_status pack(svo_i_gl_build *gl_build, bool with_lists)
+{
+    packer p = {.gl_build = gl_build, .params = svo_i_payload_params(gl_build->build)};
+    p.params.digit_passes = svo_i_digit_passes(gl_build->build->commands.plan->triangle_count);
+    GLuint *scratch[] = {&p.counts, &p.spare, &p.long_leaves, &p.launches};
+    svo_status status = SVO_OK;
+    svo_i_compute_stage_begin(gl_build->compute);
+    SVO_I_TRY_CLEANUP(make_ranges(&p));
+    if (with_lists) {
+        SVO_I_TRY_CLEANUP(make_lists(&p));
+    }
+    SVO_I_TRY_CLEANUP(svo_i_compute_stage_end(gl_build->compute, gl_build->build, SVO_STAGE_PACK));
+    if (with_lists) {
+        SVO_I_TRY_CLEANUP(svo_i_gl_check_loops(gl_build, "sorting them"));
+    }
+cleanup:
+    for (unsigned i = 0; i < sizeof scratch / sizeof scratch[0]; ++i) {
+        svo_i_compute_free(gl_build->compute, scratch[i]);
+    }
+    return status;
+}
+
+/* ---- the build ---- */
 
 static svo_status check_array(svo_i_compute *compute, const char *name, double bytes)
 {
@@ -70,7 +339,7 @@ static svo_status try_nodes(svo_i_gl_build *gl_build, uint64_t inner_capacity, b
     svo_i_compute_free(compute, first_child);
     SVO_I_TRY(svo_i_compute_alloc(compute, "child_mask_pool", inner_capacity, masks));
     SVO_I_TRY(svo_i_compute_alloc(compute, "first_child_pool", inner_capacity * 4, first_child));
-    return svo_i_gl_subdivide(gl_build, fits);
+    return subdivide(gl_build, fits);
 }
 
 /* Creates masks and first children. Reruns once with room for the worst case when the estimate was too low. */
@@ -100,43 +369,14 @@ static svo_status make_nodes(svo_i_gl_build *gl_build)
     return SVO_OK;
 }
 
-/* The materials of the nodes. Frees ranges of entries that nothing else needs. */
-static svo_status make_materials(svo_i_gl_build *gl_build, const svo_i_gl_surface *surface)
-{
-    svo_i_build *build = gl_build->build;
-    const svo_i_work *work = &build->commands.plan->work;
-    const bool has_leaves = build->tree->info.leaf_count > 0;
-    const bool own_ranges = has_leaves && work->ranges && !work->lists;
-    if (own_ranges) {
-        SVO_I_TRY(svo_i_gl_pack(gl_build, false));
-    }
-    if ((work->made & SVO_NEED_MATERIAL) != 0) {
-        /* A root without leaves needs no shader: OpenCL fills its payload. */
-        SVO_I_TRY(has_leaves ? svo_i_gl_material(gl_build, surface) : svo_i_material(build));
-    }
-    if (own_ranges) {
-        svo_i_compute_free(gl_build->compute, &gl_build->arrays[SVO_TREE_LIST_BEGIN]);
-    }
-    return SVO_OK;
-}
-
-/* The payload, from the mesh's attributes. */
+/* The payload. Where materials alone need the ranges of entries, it frees them. */
 static svo_status make_payload(svo_i_gl_build *gl_build)
 {
-    const uint32_t made = gl_build->build->commands.plan->work.made;
-    svo_status status = SVO_OK;
-    svo_i_gl_surface surface = {0};
-    SVO_I_TRY_CLEANUP(svo_i_gl_surface_upload(gl_build, &surface));
-    SVO_I_TRY_CLEANUP(make_materials(gl_build, &surface));
-    if ((made & SVO_I_NEED_FILTER) != 0) {
-        SVO_I_TRY_CLEANUP(svo_i_gl_filter(gl_build, &surface));
+    const svo_i_work *work = &gl_build->build->commands.plan->work;
+    if (gl_build->build->tree->info.leaf_count > 0 && work->ranges && !work->lists) {
+        SVO_I_TRY(pack(gl_build, false));
     }
-    if ((made & SVO_NEED_PROJECTED_AREA) != 0) {
-        SVO_I_TRY_CLEANUP(svo_i_gl_areas(gl_build, &surface));
-    }
-cleanup:
-    svo_i_gl_surface_free(gl_build, &surface);
-    return status;
+    return svo_i_gl_payload(gl_build);
 }
 
 /* Shaders create payload for all levels, also for those above the plan's payload_level. */
@@ -180,7 +420,7 @@ static svo_status run_stages(svo_i_gl_build *gl_build)
     SVO_I_TRY(svo_i_progress_reach(build->commands.plan, SVO_STAGE_SUBDIVIDE, 1.0));
     if (work->lists) {
         SVO_I_TRY(svo_i_geometry_upload(build));
-        SVO_I_TRY(svo_i_gl_pack(gl_build, true));
+        SVO_I_TRY(pack(gl_build, true));
         SVO_I_TRY(svo_i_progress_reach(build->commands.plan, SVO_STAGE_PACK, 1.0));
     }
     if (work->surface) {

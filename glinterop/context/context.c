@@ -1,10 +1,117 @@
 /* SPDX-License-Identifier: MIT */
-/* OpenGL contexts: what all kinds share, and how a context is made current and released. */
+/*
+ * OpenGL contexts: what all kinds share, how a context is made current and released, contexts that the caller created,
+ * and contexts on the EGL device of a name.
+ */
+#define _POSIX_C_SOURCE 200809L
 #include "context/context.h"
 
-#include "context/wrap.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "context/egl.h"
 #include "core/message.h"
 #include "core/struct_size.h"
+
+/* The calls of the installed OpenCL loader. */
+const svo_i_opencl svo_i_opencl_installed = {
+    .GetDeviceInfo = clGetDeviceInfo,
+    .GetContextInfo = clGetContextInfo,
+    .CreateContext = clCreateContext,
+    .GetExtensionFunctionAddressForPlatform = clGetExtensionFunctionAddressForPlatform,
+};
+
+/* ---- contexts of the caller ---- */
+
+/*
+ * Contexts that the caller created. svocl neither makes them current nor destroys them. It records which context is
+ * current when it is wrapped, to check later that it still is, and to name it to OpenCL.
+ */
+
+/* Has the functions of GLX where there is no SVO_I_GLX_LIBRARY. */
+#define OLDER_GLX_LIBRARY "libGL.so.1"
+
+static void *ask_glx(const char *function_name)
+{
+    void *answer = svo_i_library_ask(SVO_I_GLX_LIBRARY, function_name);
+    return answer != NULL ? answer : svo_i_library_ask(OLDER_GLX_LIBRARY, function_name);
+}
+
+/* The context that is current on this thread according to EGL, GLX and OSMesa. */
+static svo_i_gl_handles find_current(void)
+{
+    void *context = svo_i_library_ask(SVO_I_EGL_LIBRARY, "eglGetCurrentContext");
+    if (context != NULL) {
+        return (svo_i_gl_handles){SVO_I_GL_SYSTEM_EGL, context,
+                                  svo_i_library_ask(SVO_I_EGL_LIBRARY, "eglGetCurrentDisplay")};
+    }
+    context = ask_glx("glXGetCurrentContext");
+    if (context != NULL) {
+        return (svo_i_gl_handles){SVO_I_GL_SYSTEM_GLX, context, ask_glx("glXGetCurrentDisplay")};
+    }
+    return (svo_i_gl_handles){SVO_I_GL_SYSTEM_OTHER, svo_i_library_ask(SVO_I_OSMESA_LIBRARY, "OSMesaGetCurrentContext"),
+                              NULL};
+}
+
+static svo_status wrap_create(svo_gl_context_kind kind, uint32_t device_index, const svo_i_memory *memory, void **out,
+                              svo_message *message)
+{
+    (void)kind;
+    (void)device_index;
+    svo_i_gl_handles *native = svo_i_alloc(memory, sizeof *native);
+    if (native == NULL) {
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_wrap: no %zu bytes", sizeof *native);
+    }
+    *native = find_current();
+    *out = native;
+    return SVO_OK;
+}
+
+static void wrap_destroy(void *native)
+{
+    svo_i_free(native);
+}
+
+/* A context that no library knew counts as current whenever no library has a current context. */
+static bool wrap_is_current(void *pointer)
+{
+    const svo_i_gl_handles *native = pointer;
+    const svo_i_gl_handles current = find_current();
+    return current.system == native->system && current.context == native->context;
+}
+
+static svo_status wrap_make_current(void *native, svo_message *message)
+{
+    (void)native;
+    return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_wrap: the caller's context is not current on this thread");
+}
+
+static svo_i_function wrap_get_proc_address(void *native, const char *name)
+{
+    (void)native;
+    (void)name;
+    return NULL; /* the caller's own function is used, and only while the context is wrapped */
+}
+
+static svo_i_gl_handles wrap_handles(void *pointer)
+{
+    const svo_i_gl_handles *native = pointer;
+    return *native;
+}
+
+/* is_current compares with the context that was current when create was called; make_current always fails. */
+static const svo_i_gl_platform wrap_platform = {
+    .create = wrap_create,
+    .destroy = wrap_destroy,
+    .is_current = wrap_is_current,
+    .make_current = wrap_make_current,
+    .get_proc_address = wrap_get_proc_address,
+    .handles = wrap_handles,
+};
+
+/* ---- contexts ---- */
 
 const char *svo_gl_context_kind_name(svo_gl_context_kind kind)
 {
@@ -198,7 +305,7 @@ svo_status svo_gl_context_wrap_with(svo_gl_get_proc_address get_proc_address, vo
     svo_status status = SVO_OK;
     context->opencl = &svo_i_opencl_installed;
     context->kind = SVO_GL_WRAPPED;
-    context->platform = &svo_i_wrap_platform;
+    context->platform = &wrap_platform;
     SVO_I_TRY_CLEANUP(context->platform->create(SVO_GL_WRAPPED, 0, &memory, &context->native, message));
     SVO_I_TRY_CLEANUP(svo_i_gl_load(&context->functions, get_proc_address, user, &memory, message));
     *out = context;
@@ -233,4 +340,97 @@ svo_status svo_gl_context_get_info(const svo_gl_context *context, svo_gl_context
                                        .is_software = svo_i_gl_is_software(&context->functions)};
     return svo_i_struct_write(NULL, "svo_gl_context_get_info", "info", &found, info,
                               SVO_I_STRUCT_SIZES(svo_gl_context_info, device_index));
+}
+
+/* ---- contexts by name ---- */
+
+/*
+ * Chooses an EGL device by name. EGL names a device by its driver, if at all; only a context knows the renderer. So
+ * this creates a context on each device and compares its renderer.
+ */
+
+#define GPU "gpu"
+
+static bool matches(const svo_gl_context *context, const char *device_name)
+{
+    if (strcasecmp(device_name, GPU) == 0) {
+        return !svo_i_gl_is_software(&context->functions);
+    }
+    return svo_i_text_contains(context->functions.renderer, device_name);
+}
+
+/* Whether the name is an index, and which. */
+static bool is_index(const char *device_name, uint32_t *index)
+{
+    unsigned value = 0;
+    char rest = '\0';
+    const bool found = strspn(device_name, "0123456789") == strlen(device_name) && strlen(device_name) <= 9 &&
+                       sscanf(device_name, "%u%c", &value, &rest) == 1;
+    *index = value;
+    return found;
+}
+
+/* Appends "; 1: words" to a list, cut when it is full. */
+static void add_line(svo_message *list, uint32_t index, const char *words)
+{
+    const size_t used = strlen(list->text);
+    (void)snprintf(list->text + used, sizeof list->text - used, "%s%u: %s", used > 0 ? "; " : "", index, words);
+}
+
+/* *out: the device's context if it matches. Otherwise NULL, and a line of the list names its renderer or the failure.
+   Fails where a next device would fail too; the list has the reason then. */
+static svo_status try_device(uint32_t index, const char *device_name, const svo_gl_context_options *options,
+                             svo_gl_context **out, svo_message *list)
+{
+    svo_message reason = {""};
+    svo_gl_context *context = NULL;
+    const svo_status status = svo_gl_context_create_with(SVO_GL_EGL_DEVICE, index, options, &context, &reason);
+    if (status == SVO_OUT_OF_HOST_MEMORY || status == SVO_INVALID_ARGUMENT) {
+        *list = reason;
+        return status;
+    }
+    if (status != SVO_OK) {
+        const char *words = strstr(reason.text, ": ");
+        add_line(list, index, words != NULL ? words + 2 : reason.text);
+    } else if (!matches(context, device_name)) {
+        add_line(list, index, context->functions.renderer);
+        svo_gl_context_destroy(&context);
+    }
+    *out = context;
+    return SVO_OK;
+}
+
+svo_status svo_gl_context_create_named(const char *device_name, svo_gl_context **out, svo_message *message)
+{
+    return svo_gl_context_create_named_with(device_name, NULL, out, message);
+}
+
+svo_status svo_gl_context_create_named_with(const char *device_name, const svo_gl_context_options *options,
+                                            svo_gl_context **out, svo_message *message)
+{
+    if (device_name == NULL || device_name[0] == '\0' || out == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_gl_context_create_named: %s",
+                          out == NULL ? "out is NULL" : "device_name is NULL or empty");
+    }
+    uint32_t index = 0;
+    if (is_index(device_name, &index)) {
+        return svo_gl_context_create_with(SVO_GL_EGL_DEVICE, index, options, out, message);
+    }
+    svo_message list = {""};
+    uint32_t count = 0;
+    SVO_I_TRY(svo_i_egl_count_devices(&count, message));
+    for (index = 0; index < count; ++index) {
+        svo_gl_context *context = NULL;
+        const svo_status status = try_device(index, device_name, options, &context, &list);
+        if (status != SVO_OK) {
+            return svo_i_fail(message, status, "%s", list.text);
+        }
+        if (context != NULL) {
+            *out = context;
+            return SVO_OK;
+        }
+    }
+    return svo_i_fail(message, SVO_NO_GL,
+                      "svo_gl_context_create_named: no EGL device matches \"%.200s\"; found: %.700s", device_name,
+                      count > 0 ? list.text : "none");
 }

@@ -2,16 +2,40 @@
 /*
  * The insides of svo_gl_context: an OpenGL context, how it is made current, and its function table. platform.h hides
  * what differs between EGL, OSMesa and wrapped contexts.
+ *
+ * The files of this room:
+ *
+ *   context    contexts of all kinds: svocl's, the caller's, those of a name
+ *   platform   what kinds of contexts do differently
+ *   egl        contexts by EGL
+ *   osmesa     contexts by OSMesa
+ *   library    libraries that are loaded at run time
+ *   functions  OpenGL's functions, and shaders
+ *   state      the state that calls change, saved and restored
  */
 #ifndef SVO_GLINTEROP_CONTEXT_CONTEXT_H
 #define SVO_GLINTEROP_CONTEXT_CONTEXT_H
 
 #include "context/egl.h"
 #include "context/functions.h"
-#include "context/opencl.h"
 #include "context/osmesa.h"
+#include "context/platform.h"
 #include "context/state.h"
 #include "svocl/gl.h"
+
+/* The OpenCL calls by which cl_khr_gl_sharing is found: a table per OpenGL context, so that a test can replace them. */
+typedef struct svo_i_opencl {
+    cl_int(CL_API_CALL *GetDeviceInfo)(cl_device_id device, cl_device_info what, size_t bytes, void *value,
+                                       size_t *value_bytes);
+    cl_int(CL_API_CALL *GetContextInfo)(cl_context context, cl_context_info what, size_t bytes, void *value,
+                                        size_t *value_bytes);
+    cl_context(CL_API_CALL *CreateContext)(const cl_context_properties *properties, cl_uint device_count,
+                                           const cl_device_id *devices,
+                                           void(CL_CALLBACK *notify)(const char *, const void *, size_t, void *),
+                                           void *user, cl_int *error);
+    void *(CL_API_CALL *GetExtensionFunctionAddressForPlatform)(cl_platform_id platform, const char *name);
+} svo_i_opencl;
+extern const svo_i_opencl svo_i_opencl_installed;
 
 /* The deepest nesting of svo_i_gl_context_make_current on one context. */
 #define SVO_I_GL_NESTING_LIMIT 16

@@ -14,7 +14,6 @@
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 
-#include "context/candidates.h"
 #include "core/message.h"
 
 /* X(member, type): the functions of libEGL that svocl uses, looked up as "egl" + member. */
@@ -187,6 +186,18 @@ static const char *device_extensions(const egl_library *egl, EGLDeviceEXT device
     PFNEGLQUERYDEVICESTRINGEXTPROC query_string =
         (PFNEGLQUERYDEVICESTRINGEXTPROC)egl->GetProcAddress("eglQueryDeviceStringEXT");
     return query_string != NULL ? query_string(device, EGL_EXTENSIONS) : NULL;
+}
+
+bool svo_i_egl_device_is_software(const char *extensions)
+{
+    return svo_i_list_has_token(extensions, "EGL_MESA_device_software");
+}
+
+/* A device with a kernel driver is a GPU. Mesa's software device has none and lists an extension that says so. */
+bool svo_i_egl_device_is_gpu(const char *extensions)
+{
+    return !svo_i_egl_device_is_software(extensions) && (svo_i_list_has_token(extensions, "EGL_EXT_device_drm") ||
+                                                         svo_i_list_has_token(extensions, "EGL_NV_device_cuda"));
 }
 
 svo_status svo_i_egl_find_software(bool *software, uint32_t room, uint32_t *count, svo_message *message)

@@ -16,6 +16,7 @@
 #include <stdbool.h>
 
 #include "context/library.h"
+#include "core/device.h"
 #include "core/memory.h"
 #include "svocl/status.h"
 
@@ -148,5 +149,23 @@ svo_status svo_i_gl_check(const svo_i_gl_functions *gl, const char *function, co
 /* The same after queries, of which the context need not know all names: GL_INVALID_ENUM is no failure. */
 svo_status svo_i_gl_check_query(const svo_i_gl_functions *gl, const char *function, const char *step,
                                 svo_message *message);
+
+/* Compiles and links shaders, for rasterization (raster.c) and for the builder (compute/compute.c). */
+
+/* For whom a shader is compiled, and its names in messages. */
+typedef struct svo_i_shader_maker {
+    svo_device *device;
+    const svo_i_gl_functions *gl; /* the current context's */
+    const char *function; /* the public function that was called */
+    const char *name; /* of the shader or program */
+} svo_i_shader_maker;
+
+/* Compiles the concatenated texts as a shader of that stage. The caller deletes it. SVO_COMPILE_FAILED with the first
+   line of the driver's log; the whole log goes to the device's log callback. */
+svo_status svo_i_shader_compile(const svo_i_shader_maker *maker, GLenum stage, const char *const *texts,
+                                GLsizei text_count, GLuint *out);
+/* Links the shaders, which the caller keeps, to a program. SVO_COMPILE_FAILED likewise. */
+svo_status svo_i_shader_link(const svo_i_shader_maker *maker, const GLuint *shaders, unsigned shader_count,
+                             GLuint *out);
 
 #endif

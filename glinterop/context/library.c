@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Libraries loaded at run time and extension lists, below egl.c, osmesa.c and wrap.c. */
+/* Libraries loaded at run time and extension lists, below egl.c, osmesa.c and context.c. */
 #define _POSIX_C_SOURCE 200809L
 #include "context/library.h"
 

@@ -1,30 +1,101 @@
 /* SPDX-License-Identifier: MIT */
-/* svo_gl: one OpenCL device and one OpenGL context as a front end for svo_build. */
-#include "frontend/handle.h"
+/*
+ * svo_gl: one OpenCL device and one OpenGL context as a front end for svo_build, as a builder of trees, and for the
+ * views of light.
+ */
+#include <stdio.h>
 
-#include "compute/builder.h"
+#include "commands/frontend.h"
+#include "compute/build.h"
+#include "compute/compute.h"
 #include "core/message.h"
 #include "core/struct_size.h"
-#include "frontend/choice.h"
-#include "plan/frontend_choice.h"
+#include "light/state.h"
+#include "plan/configuration.h"
+#include "raster/light_view.h"
+#include "raster/raster.h"
 #include "raster/rasterize.h"
+#include "raster/selftest.h"
+#include "share/probe.h"
 #include "share/share.h"
+
+#define REASON_BYTES SVO_MESSAGE_BYTES /* reasons are messages, with names of drivers in them */
+#define RASTERS      3
+
+struct svo_gl {
+    svo_device *device;
+    svo_gl_context *context;
+    bool no_int64;
+    svo_gl_raster raster_choice;
+    svo_gl_share share_choice;
+    /* "" for a method or path that works. */
+    char raster_reasons[RASTERS][REASON_BYTES];
+    svo_i_share_reasons share_reasons;
+    svo_i_raster *raster;
+    svo_frontend frontend;
+
+    /* svo_gl_build. */
+    char build_reason[REASON_BYTES]; /* the last answer of svo_gl_build_reason */
+    svo_i_compute *compute; /* NULL until the first build */
+    svo_frontend build_frontend; /* its list stays in OpenGL */
+
+    svo_i_light_raster *light_raster; /* NULL until the first svo_gl_light_set_sources */
+};
+
+/* ---- the choice of a rasterization ---- */
+
+/* Hardware-conservative rasterization where the extension exists and the self-test passes; else NULL and a reason. */
+static svo_i_raster *try_hardware(svo_gl *gl)
+{
+    char *reason = gl->raster_reasons[SVO_GL_RASTER_HW];
+    const char *missing = "";
+    const svo_i_conservative method = svo_i_raster_hardware(svo_i_gl_context_functions(gl->context), &missing);
+    if (method == SVO_I_CONSERVATIVE_EXPAND) {
+        (void)snprintf(reason, REASON_BYTES, "%s", missing);
+        return NULL;
+    }
+    svo_i_raster *raster = NULL;
+    if (svo_i_raster_create(gl->device, gl->context, method, gl->no_int64, &raster) != SVO_OK) {
+        (void)snprintf(reason, REASON_BYTES, "%.*s", REASON_BYTES - 1, gl->device->message.text);
+        return NULL;
+    }
+    svo_i_raster_selftest(gl->device, gl->context, raster, reason, REASON_BYTES);
+    if (reason[0] != '\0') {
+        svo_i_raster_destroy(&raster);
+    }
+    return raster;
+}
+
+/* Fills the reasons of every method, sets the choice and creates gl->raster. Returns SVO_UNSUPPORTED, with the reason
+   in the device's message, when a forced choice does not work, and the statuses of svo_i_raster_create. */
+static svo_status choose_raster(svo_gl *gl, svo_gl_raster asked)
+{
+    svo_i_raster *hardware = try_hardware(gl);
+    if (asked == SVO_GL_RASTER_HW && hardware == NULL) {
+        return svo_i_device_fail(gl->device, SVO_UNSUPPORTED, "svo_gl_create: gl-hw does not work: %s",
+                                 gl->raster_reasons[SVO_GL_RASTER_HW]);
+    }
+    if (hardware != NULL && asked != SVO_GL_RASTER_EXPAND) {
+        gl->raster = hardware;
+        gl->raster_choice = SVO_GL_RASTER_HW;
+        return SVO_OK;
+    }
+    svo_i_raster_destroy(&hardware);
+    gl->raster_choice = SVO_GL_RASTER_EXPAND;
+    return svo_i_raster_create(gl->device, gl->context, SVO_I_CONSERVATIVE_EXPAND, gl->no_int64, &gl->raster);
+}
+
+/* ---- the front end ---- */
 
 const char *svo_gl_raster_name(svo_gl_raster raster)
 {
-    static const char *const names[SVO_I_GL_RASTERS] = {"auto", "gl-expand", "gl-hw"};
-    return raster < SVO_I_GL_RASTERS ? names[raster] : "unknown";
-}
-
-const char *svo_gl_share_name(svo_gl_share share)
-{
-    static const char *const names[SVO_I_SHARES] = {"auto", "interop", "host", "copy"};
-    return share < SVO_I_SHARES ? names[share] : "unknown";
+    static const char *const names[RASTERS] = {"auto", "gl-expand", "gl-hw"};
+    return raster < RASTERS ? names[raster] : "unknown";
 }
 
 const char *svo_gl_raster_reason(const svo_gl *gl, svo_gl_raster raster)
 {
-    return raster < SVO_I_GL_RASTERS ? gl->raster_reasons[raster] : "unknown";
+    return raster < RASTERS ? gl->raster_reasons[raster] : "unknown";
 }
 
 const char *svo_gl_share_reason(const svo_gl *gl, svo_gl_share share)
@@ -82,11 +153,11 @@ static void release(void *self, svo_i_fragment_list *list)
 
 static svo_status check_options(svo_device *device, const svo_gl_options *options)
 {
-    if ((unsigned)options->raster >= SVO_I_GL_RASTERS || (unsigned)options->share >= SVO_I_SHARES) {
+    if ((unsigned)options->raster >= RASTERS || (unsigned)options->share >= SVO_I_SHARES) {
         return svo_i_device_fail(
             device, SVO_INVALID_ARGUMENT,
             "svo_gl_create: options.raster %d is not in 0 .. %d or options.share %d not in 0 .. %d",
-            (int)options->raster, SVO_I_GL_RASTERS - 1, (int)options->share, SVO_I_SHARES - 1);
+            (int)options->raster, RASTERS - 1, (int)options->share, SVO_I_SHARES - 1);
     }
     return SVO_OK;
 }
@@ -126,7 +197,7 @@ svo_status svo_gl_create(svo_device *device, svo_gl_context *context, const svo_
     gl->no_int64 = asked.no_int64 != 0;
     SVO_I_TRY_CLEANUP(
         svo_i_share_choose(device, context, "svo_gl_create", asked.share, &gl->share_reasons, &gl->share_choice));
-    SVO_I_TRY_CLEANUP(svo_i_gl_choose_raster(gl, asked.raster));
+    SVO_I_TRY_CLEANUP(choose_raster(gl, asked.raster));
     fill_frontend(gl);
     *out = gl;
     gl = NULL;
@@ -145,4 +216,134 @@ void svo_gl_destroy(svo_gl **gl)
     svo_i_light_raster_destroy(&(*gl)->light_raster);
     svo_i_free(*gl);
     *gl = NULL;
+}
+
+/* ---- svo_gl_build ---- */
+
+/*
+ * svo_gl_build: svo_build with a front end that keeps the list in OpenGL and builds the tree there (compute/build.c).
+ */
+
+/* Refuses a plan that the context cannot build, before anything is compiled. */
+static svo_status check_limits(svo_gl *gl, const svo_plan *plan)
+{
+    char reason[REASON_BYTES];
+    svo_i_compute_reason(gl->context, gl->no_int64, plan->work.made, reason, sizeof reason);
+    if (reason[0] != '\0') {
+        return svo_i_device_fail(plan->device, SVO_UNSUPPORTED, SVO_I_GL_BUILD ": %s", reason);
+    }
+    return svo_i_gl_check_size(gl->compute, plan);
+}
+
+static svo_status prepare_build(void *self, svo_plan *plan, svo_i_warm_up *warm_up)
+{
+    svo_gl *gl = self;
+    SVO_I_TRY(gl->frontend.prepare(self, plan, warm_up));
+    return svo_i_compute_prepare(gl->compute, plan);
+}
+
+static svo_status voxelize_build(void *self, svo_i_commands *commands, const svo_i_chunking *chunking,
+                                 svo_i_fragment_list *list)
+{
+    const svo_gl *gl = self;
+    const svo_i_rasterizer rasterizer = {gl->device, gl->context, gl->raster, SVO_GL_SHARE_AUTO};
+    return svo_i_rasterize_list(&rasterizer, commands, chunking, list);
+}
+
+static svo_status make_tree(void *self, svo_i_build *build)
+{
+    svo_gl *gl = self;
+    return svo_i_gl_make_tree(gl->compute, build);
+}
+
+static svo_status create_builder(svo_gl *gl)
+{
+    SVO_I_TRY(svo_i_compute_create(gl->device, gl->context, &gl->compute));
+    gl->build_frontend = gl->frontend;
+    gl->build_frontend.share = "none";
+    gl->build_frontend.builder = "gl-compute";
+    gl->build_frontend.prepare = prepare_build;
+    gl->build_frontend.voxelize = voxelize_build;
+    gl->build_frontend.make_tree = make_tree;
+    return SVO_OK;
+}
+
+const char *svo_gl_build_reason(svo_gl *gl, uint32_t need)
+{
+    svo_i_compute_reason(gl->context, gl->no_int64, need, gl->build_reason, sizeof gl->build_reason);
+    return gl->build_reason;
+}
+
+static svo_status build_current(svo_gl *gl, svo_plan *plan, cl_command_queue queue, svo_tree **out,
+                                svo_build_report *report)
+{
+    SVO_I_TRY(svo_i_gl_context_make_current(gl->context, &plan->device->message));
+    const svo_status status = svo_build(plan, &gl->build_frontend, queue, out, report);
+    svo_i_gl_context_release_current(gl->context);
+    return status;
+}
+
+svo_status svo_gl_build(svo_gl *gl, svo_plan *plan, cl_command_queue queue, svo_tree **out, svo_build_report *report)
+{
+    if (gl == NULL || plan == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    if (plan->options.builder != SVO_BUILDER_CL) {
+        return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, SVO_I_GL_BUILD ": the plan asks for builder %s",
+                                 svo_builder_name(plan->options.builder));
+    }
+    if (gl->compute == NULL) {
+        SVO_I_TRY(create_builder(gl));
+    }
+    SVO_I_TRY(check_limits(gl, plan));
+    const svo_status status = build_current(gl, plan, queue, out, report);
+    if (status != SVO_OK) {
+        svo_i_message_rename(&plan->device->message, SVO_I_GL_BUILD);
+    }
+    return status;
+}
+
+/* ---- svo_gl_light_set_sources ---- */
+
+#define SET_SOURCES "svo_gl_light_set_sources"
+
+static svo_status check_light(const svo_gl *gl, const svo_light *light)
+{
+    const svo_tree_info *info = &light->tree->info;
+    if (light->device != gl->device) {
+        return svo_i_device_fail(gl->device, SVO_INVALID_ARGUMENT, SET_SOURCES ": the light is of another device");
+    }
+    if ((info->need & SVO_NEED_RAYS) == 0 || info->coverage == SVO_COVERAGE_THIN) {
+        return svo_i_device_fail(gl->device, SVO_UNSUPPORTED,
+                                 SET_SOURCES
+                                 ": the tree has no triangles to draw: it is thin or without SVO_NEED_RAYS");
+    }
+    return SVO_OK;
+}
+
+static svo_status shine(svo_gl *gl, svo_light *light, const svo_light_setup *setup, cl_command_queue queue)
+{
+    SVO_I_TRY(svo_i_gl_context_make_current(gl->context, &gl->device->message));
+    const svo_i_light_viewer viewer = svo_i_light_raster_begin(gl->light_raster, light->tree);
+    const svo_status status = svo_i_light_set_sources_by(&viewer, light, setup, queue);
+    svo_i_light_raster_end(gl->light_raster);
+    svo_i_gl_context_release_current(gl->context);
+    return status;
+}
+
+svo_status svo_gl_light_set_sources(svo_gl *gl, svo_light *light, const svo_light_setup *setup, cl_command_queue queue)
+{
+    if (gl == NULL || light == NULL) {
+        return svo_i_device_fail(gl != NULL ? gl->device : NULL, SVO_INVALID_ARGUMENT, SET_SOURCES ": %s is NULL",
+                                 gl == NULL ? "gl" : "light");
+    }
+    SVO_I_TRY(check_light(gl, light));
+    if (gl->light_raster == NULL) {
+        SVO_I_TRY(svo_i_light_raster_create(gl->device, gl->context, gl->share_choice, &gl->light_raster));
+    }
+    const svo_status status = shine(gl, light, setup, queue);
+    if (status != SVO_OK) {
+        svo_i_message_rename(&gl->device->message, SET_SOURCES);
+    }
+    return status;
 }

@@ -2,7 +2,7 @@
 /* Draws a source's view, in place of the rays of lib/light/photons.c: shaders/light_view.vert and .frag. */
 #include "raster/light_view.h"
 
-#include "context/shader.h"
+#include "context/functions.h"
 #include "context/state.h"
 #include "core/message.h"
 #include "svocl/nodes.h"

@@ -5,7 +5,7 @@
  */
 #include "raster/raster.h"
 
-#include "context/shader.h"
+#include "context/functions.h"
 #include "context/state.h"
 #include "core/message.h"
 

@@ -2,6 +2,13 @@
 /*
  * The rasterizer: the shaders and objects of one context, which draw a plan's triangles into chunks of fragments.
  * rasterize.c makes the fragment list with it; selftest.c compares it with a walk over the voxels.
+ *
+ * The files of this room:
+ *
+ *   raster      programs that rasterize conservatively
+ *   rasterize   the fragment list, by them
+ *   selftest    whether hardware rasterizes as it promises
+ *   light_view  views of light by rasterization
  */
 #ifndef SVO_GLINTEROP_RASTER_RASTER_H
 #define SVO_GLINTEROP_RASTER_RASTER_H

@@ -5,10 +5,10 @@
  */
 #include "raster/rasterize.h"
 
-#include "commands/timing.h"
+#include "commands/commands.h"
 #include "core/message.h"
+#include "plan/accounts.h"
 #include "plan/estimate.h"
-#include "plan/progress.h"
 #include "share/share.h"
 
 /* Creates a chunk's buffer and gives it to OpenGL. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * cl_khr_gl_sharing: whether a device and a context support it, and its functions. share_interop.c creates buffers with
+ * cl_khr_gl_sharing: whether a device and a context support it, and its functions. share.c creates buffers with
  * it; probe.c runs a self-test of it.
  *
  * Specification: The OpenCL Extension Specification, version 1.2, sections 9.7 (cl_khr_gl_sharing) and 9.8

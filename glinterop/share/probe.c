@@ -16,6 +16,12 @@
 
 enum { TEST_WORDS = 16 * 1024 + 3, TEST_BYTES = TEST_WORDS * 4, TEST_SPLIT_WORDS = 5003, TEST_ROUNDS = 2 };
 
+const char *svo_gl_share_name(svo_gl_share share)
+{
+    static const char *const names[SVO_I_SHARES] = {"auto", "interop", "host", "copy"};
+    return share < SVO_I_SHARES ? names[share] : "unknown";
+}
+
 /* Two regions with two values, so that a stale buffer or a wrong offset fails. */
 static cl_uint test_word(unsigned round, unsigned word)
 {

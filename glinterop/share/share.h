@@ -9,11 +9,48 @@
  *
  * `interop` is one buffer for both APIs by cl_khr_gl_sharing, where probe.c has shown that it works. With `host`,
  * OpenCL uses the memory of a persistently mapped OpenGL buffer in place. `copy` keeps one buffer per API.
+ *
+ * The files of this room:
+ *
+ *   share       buffers of both APIs, by three paths
+ *   probe       which of the paths work
+ *   interop     cl_khr_gl_sharing, and device handles that have it
+ *   candidates  the context that suits a device
+ *   buffer      callers' buffers: meshes in them, sharing, updates of plans
  */
 #ifndef SVO_GLINTEROP_SHARE_SHARE_H
 #define SVO_GLINTEROP_SHARE_SHARE_H
 
-#include "share/shared_buffer.h"
+#include <stddef.h>
+
+#include "core/device.h"
+#include "share/interop.h"
+
+typedef struct svo_i_share_buffer {
+    svo_device *device;
+    svo_gl_context *context;
+    svo_gl_share share;
+    size_t bytes;
+    GLuint name; /* the OpenGL buffer */
+    size_t offset_bytes; /* where the shared bytes begin in it: OpenCL may require a coarser alignment */
+    cl_mem memory; /* the OpenCL buffer; its byte 0 is the OpenGL buffer's byte offset_bytes */
+
+    /* host */
+    unsigned char *pointer; /* the mapped shared bytes; NULL for other paths */
+    cl_command_queue mapping_queue; /* not NULL while OpenCL has memory mapped: OpenGL may write */
+
+    /* interop */
+    svo_i_interop interop; /* the extension's functions */
+    cl_command_queue acquiring_queue; /* not NULL while OpenCL has acquired memory: OpenGL must not write */
+} svo_i_share_buffer;
+
+/* The share path `host`, and what all paths need of OpenGL. Failures are in the device's message. */
+
+/* svocl draws nothing from this binding point, and state.c restores it, so its use disturbs no state. */
+#define SVO_I_SHARE_WORK_TARGET GL_COPY_READ_BUFFER
+
+/* Gives the buffer to OpenGL, and waits. access: what OpenGL does with it, as clEnqueueMapBuffer has it. */
+svo_status svo_i_share_host_map(svo_i_share_buffer *buffer, cl_map_flags access, cl_command_queue queue);
 
 /* The largest shared buffer: the smaller of OpenGL's storage block limit and OpenCL's allocation limit. */
 size_t svo_i_share_limit_bytes(const svo_device *device, const svo_gl_context *context);

@@ -91,10 +91,7 @@ static void svo_weigh(__global const uint *fragments, svo_surface surface, svo_w
 #endif
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_moving_weigh(__global const uint *fragments, __global const int *vertices, __global const uint *indices,
-                   __global const svo_triangle_record *records, __global const uint *vertex_colors,
-                   __global const short *vertex_normals, __global const int *uvs,
-                   __global const svo_material_record *materials, __global const uint *texels, __global uint4 *values,
+svo_k_moving_weigh(__global const uint *fragments, SVO_SURFACE_PARAMETERS, __global uint4 *values,
                    __global uint *pair_materials, __global const uint *counted, svo_filter_params filter,
                    svo_moving_params params SVO_AND_AREAS(uint4, areas))
 {
@@ -104,7 +101,7 @@ svo_k_moving_weigh(__global const uint *fragments, __global const int *vertices,
         return;
     }
     const uint end = (uint)min(begin + SVO_WEIGH_PAIRS, (ulong)pairs);
-    const svo_surface surface = {vertices, indices, records, vertex_colors, vertex_normals, uvs, materials, texels};
+    const svo_surface surface = SVO_SURFACE;
     svo_weighed to = {values, 0};
 #ifdef SVO_AREAS
     to.areas = areas;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The tiles of large triangles of an updatable plan, whose mesh the host does not see. lib/plan/tiles.c has the same
+ * The tiles of large triangles of an updatable plan, whose mesh the host does not see. lib/plan/chunking.c has the same
  * steps for the host. Each tile that the projection of a triangle can meet is listed once; the order differs from run
  * to run. Tiles beyond the room are counted as a full list of fragments and the most that they can hold, so that the
  * build reports a list that is too short.

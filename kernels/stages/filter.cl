@@ -41,16 +41,13 @@
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void
 svo_k_gather(__global const uint *fragments, __global const uint *links, __global const uint *heads,
-             __global const int *vertices, __global const uint *indices, __global const svo_triangle_record *records,
-             __global const uint *vertex_colors, __global const short *vertex_normals, __global const int *uvs,
-             __global const svo_material_record *materials, __global const uint *texels, __global ulong *weights,
-             __global ulong *color_sums, __global long *normal_sums, __global const svo_build_state *state,
-             svo_filter_params params SVO_AND_AREAS(ulong, area_sums))
+             SVO_SURFACE_PARAMETERS, __global ulong *weights, __global ulong *color_sums, __global long *normal_sums,
+             __global const svo_build_state *state, svo_filter_params params SVO_AND_AREAS(ulong, area_sums))
 {
     svo_make_current(&params, state);
     const uint begin = params.first_index + (uint)get_global_id(0) * SVO_ITEM_NODES;
     const uint end = min(begin + SVO_ITEM_NODES, params.leaf_count);
-    const svo_surface surface = {vertices, indices, records, vertex_colors, vertex_normals, uvs, materials, texels};
+    const svo_surface surface = SVO_SURFACE;
     svo_lists lists;
     svo_lists_open(&lists, surface, fragments, links, heads, begin, end);
     for (uint leaf = begin; leaf < end; ++leaf) {
@@ -103,14 +100,12 @@ SVO_CALLED void svo_gather_nodes(svo_lists *lists, const svo_gathered *to, uint 
     }
 }
 
-__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void svo_k_gather_level(
-    __global const uint *fragments, __global const uint *links, __global const uint *heads,
-    __global const int *vertices, __global const uint *indices, __global const svo_triangle_record *records,
-    __global const uint *vertex_colors, __global const short *vertex_normals, __global const int *uvs,
-    __global const svo_material_record *materials, __global const uint *texels, __global ulong *weights,
-    __global ulong *color_sums, __global long *normal_sums, __global const uchar *masks,
-    __global const uint *first_child, __global uint *colors, __global short *normals, __global ushort *fills,
-    __global const svo_build_state *state, svo_filter_params params SVO_AND_AREAS(ushort, areas))
+__kernel __attribute__((reqd_work_group_size(1, 1, 1))) void
+svo_k_gather_level(__global const uint *fragments, __global const uint *links, __global const uint *heads,
+                   SVO_SURFACE_PARAMETERS, __global ulong *weights, __global ulong *color_sums,
+                   __global long *normal_sums, __global const uchar *masks, __global const uint *first_child,
+                   __global uint *colors, __global short *normals, __global ushort *fills,
+                   __global const svo_build_state *state, svo_filter_params params SVO_AND_AREAS(ushort, areas))
 {
     svo_make_current(&params, state);
     const uint begin = params.first_index + (uint)get_global_id(0) * SVO_ITEM_NODES;
@@ -121,7 +116,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void svo_k_gather_level(
     const uint last = params.level_begin + end - 1u;
     const uint leaf = first_child[params.level_begin + begin];
     const uint last_leaf = first_child[last] + popcount((uint)masks[last]);
-    const svo_surface surface = {vertices, indices, records, vertex_colors, vertex_normals, uvs, materials, texels};
+    const svo_surface surface = SVO_SURFACE;
     svo_lists lists;
     svo_lists_open(&lists, surface, fragments, links, heads, leaf - params.leaf_begin, last_leaf - params.leaf_begin);
     svo_gathered to = {masks, first_child, {colors, normals, fills}, weights, color_sums, normal_sums, 0};

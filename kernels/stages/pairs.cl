@@ -106,13 +106,11 @@ static uint svo_leaf_at(uint slot, __global const uint *order, __global const ui
 }
 
 /* order: NULL: that of the list. */
-__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void svo_k_gather_pairs(
-    __global const uint *fragments, __global const uint *cursors, __global const uint *order,
-    __global const int *vertices, __global const uint *indices, __global const svo_triangle_record *records,
-    __global const uint *vertex_colors, __global const short *vertex_normals, __global const int *uvs,
-    __global const svo_material_record *materials, __global const uint *texels, __global ulong *weights,
-    __global ulong *color_sums, __global ulong *normal_sums, __global ulong *area_sums,
-    __global const svo_build_state *state, svo_filter_params params, __local ulong *sums, __local uint *leaves)
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_gather_pairs(__global const uint *fragments, __global const uint *cursors, __global const uint *order,
+                   SVO_SURFACE_PARAMETERS, __global ulong *weights, __global ulong *color_sums,
+                   __global ulong *normal_sums, __global ulong *area_sums, __global const svo_build_state *state,
+                   svo_filter_params params, __local ulong *sums, __local uint *leaves)
 {
     svo_make_current(&params, state);
     const uint slot = params.first_index + (uint)get_global_id(0);
@@ -120,7 +118,7 @@ __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void svo_k
     const uint leaf = svo_leaf_at(slot, order, cursors, params);
     leaves[item] = leaf;
     if (leaf != SVO_NO_LEAF) {
-        const svo_surface surface = {vertices, indices, records, vertex_colors, vertex_normals, uvs, materials, texels};
+        const svo_surface surface = SVO_SURFACE;
         const uint fragment = order != 0 ? order[slot] : slot;
         svo_put_pair(sums + item, surface, svo_fragment_triangle(fragments, fragment),
                      svo_fragment_code(fragments, fragment), params);

@@ -1,9 +1,101 @@
 /* SPDX-License-Identifier: MIT */
-/* Buffers, copies and launches, in each of the three modes. */
+/*
+ * Buffers, copies and launches, in each of the three modes; the records of a build's allocations; the times of stages;
+ * the public functions that all front ends share.
+ */
 #include "commands/commands.h"
 
-#include "plan/buffers.h"
-#include "plan/progress.h"
+#include "commands/frontend.h"
+#include "plan/accounts.h"
+#include "plan/arrays.h"
+
+/* ---- allocations ---- */
+
+/*
+ * Records allocations and places scratch buffers with known lifetimes in one block of memory. In order, each buffer
+ * gets the lowest offset that overlaps no buffer with an overlapping lifetime (first fit: Knuth, "The Art of Computer
+ * Programming", volume 1, section 2.5).
+ */
+
+/* Records an allocation; *index identifies it. Returns false when out of memory. */
+static bool add_allocation(const svo_i_memory *memory, svo_i_allocations *list, const char *name, uint64_t bytes,
+                           size_t *index)
+{
+    if (list->count == list->capacity) {
+        const size_t capacity = list->capacity * 2 + 32;
+        svo_i_allocation *grown = svo_i_grow(memory, list->entries, capacity * sizeof *grown);
+        if (grown == NULL) {
+            return false;
+        }
+        list->entries = grown;
+        list->capacity = capacity;
+    }
+    list->entries[list->count] =
+        (svo_i_allocation){.name = name, .bytes = bytes > 0 ? bytes : 1, .born = list->clock++, .died = UINT64_MAX};
+    *index = list->count++;
+    return true;
+}
+
+/* Records the release of an allocation. */
+static void release_allocation(svo_i_allocations *list, size_t index)
+{
+    list->entries[index].died = list->clock++;
+}
+
+static bool overlap_in_time(const svo_i_allocation *a, const svo_i_allocation *b)
+{
+    return a->born < b->died && b->born < a->died;
+}
+
+static uint64_t aligned(uint64_t bytes, uint64_t alignment)
+{
+    return (bytes + alignment - 1) / alignment * alignment;
+}
+
+/* The end of an earlier entry that overlaps this one in time and, at the given offset, in memory; 0 without one. */
+static uint64_t blocked_until(const svo_i_allocations *list, size_t index, uint64_t offset)
+{
+    const svo_i_allocation *entry = &list->entries[index];
+    for (size_t i = 0; i < index; ++i) {
+        const svo_i_allocation *other = &list->entries[i];
+        if (!other->persistent && overlap_in_time(entry, other) && offset < other->offset_bytes + other->bytes &&
+            other->offset_bytes < offset + entry->bytes) {
+            return other->offset_bytes + other->bytes;
+        }
+    }
+    return 0;
+}
+
+void svo_i_allocations_place(svo_i_allocations *list, uint64_t alignment)
+{
+    list->scratch_bytes = 0;
+    for (size_t i = 0; i < list->count; ++i) {
+        svo_i_allocation *entry = &list->entries[i];
+        if (entry->persistent) {
+            continue;
+        }
+        uint64_t offset = 0;
+        for (uint64_t end = blocked_until(list, i, 0); end != 0; end = blocked_until(list, i, offset)) {
+            offset = aligned(end, alignment);
+        }
+        entry->offset_bytes = offset;
+        const uint64_t end = offset + entry->bytes;
+        list->scratch_bytes = end > list->scratch_bytes ? end : list->scratch_bytes;
+    }
+}
+
+void svo_i_allocations_free(svo_i_allocations *list)
+{
+    for (size_t i = 0; i < list->count; ++i) {
+        if (list->entries[i].memory != NULL) {
+            clReleaseMemObject(list->entries[i].memory);
+        }
+    }
+    svo_i_free(list->entries);
+    *list = (svo_i_allocations){0};
+}
+
+/* ---- commands ---- */
 
 svo_i_commands svo_i_commands_begin(svo_plan *plan, cl_command_queue queue, svo_build_report *report)
 {
@@ -38,7 +130,7 @@ static cl_mem handle_of(size_t index)
 static svo_status measure(svo_i_commands *commands, const char *name, uint64_t bytes, cl_mem *out)
 {
     size_t index = 0;
-    if (!svo_i_allocations_add(&commands->device->memory, commands->allocations, name, bytes, &index)) {
+    if (!add_allocation(&commands->device->memory, commands->allocations, name, bytes, &index)) {
         return svo_i_device_fail(commands->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the list of buffers",
                                  SVO_I_BUILD);
     }
@@ -151,7 +243,7 @@ void svo_i_commands_free(svo_i_commands *commands, cl_mem *buffer)
     if (commands->mode == SVO_I_MODE_MEASURE) {
         const size_t index = (size_t)(uintptr_t)*buffer - 1;
         svo_i_plan_buffer_remove(commands->plan, commands->allocations->entries[index].bytes);
-        svo_i_allocations_release(commands->allocations, index);
+        release_allocation(commands->allocations, index);
         *buffer = NULL;
         return;
     }
@@ -218,7 +310,8 @@ void svo_i_commands_stage(svo_i_commands *commands, svo_stage stage, double item
     commands->item_ns = item_ns;
 }
 
-svo_status svo_i_commands_tell(svo_i_commands *commands)
+/* In SVO_I_MODE_RUN, tells the plan's callback what has been done; the caller has waited. */
+static svo_status tell_progress(svo_i_commands *commands)
 {
     return commands->mode == SVO_I_MODE_RUN ? svo_i_progress_tell(commands->plan, commands->stage) : SVO_OK;
 }
@@ -245,7 +338,7 @@ static svo_status advance(svo_i_commands *commands, uint64_t items)
         return SVO_OK;
     }
     SVO_I_TRY(svo_i_commands_wait(commands));
-    return svo_i_commands_tell(commands);
+    return tell_progress(commands);
 }
 
 bool svo_i_commands_launch_kernels(const svo_i_commands *commands)
@@ -297,4 +390,132 @@ svo_status svo_i_commands_launch_groups(svo_i_commands *commands, cl_kernel kern
                                                 wait_count(commands), wait_list(commands), &event);
     SVO_I_TRY(follow(commands, "clEnqueueNDRangeKernel", error, event));
     return advance(commands, items);
+}
+
+/* ---- the times of stages ---- */
+
+/*
+ * Times of stages. Where the queue takes them, their events are kept, and svo_i_stage_collect reads them after the
+ * build. A blocking build on another queue waits at the end of each stage, if someone asks for its time, and any
+ * blocking build does so that has a callback to tell.
+ */
+
+void svo_i_report_add(svo_build_report *report, svo_stage stage, double ms, const char *clock)
+{
+    report->stage_times[stage].ms += ms;
+    report->stage_times[stage].clock = clock;
+}
+
+void svo_i_stage_begin(svo_i_commands *commands)
+{
+    if (commands->stage_first != NULL) {
+        clReleaseEvent(commands->stage_first);
+        commands->stage_first = NULL;
+    }
+    commands->stage_start_ms = svo_i_now_ms();
+}
+
+/* Milliseconds from the start of the first to the end of the last command; negative if profiling has no figures. */
+static double event_span_ms(cl_event first, cl_event last)
+{
+    cl_ulong start = 0;
+    cl_ulong end = 0;
+    if (clGetEventProfilingInfo(first, CL_PROFILING_COMMAND_START, sizeof start, &start, NULL) != CL_SUCCESS ||
+        clGetEventProfilingInfo(last, CL_PROFILING_COMMAND_END, sizeof end, &end, NULL) != CL_SUCCESS || end < start) {
+        return -1.0;
+    }
+    return (double)(end - start) * 1e-6;
+}
+
+/* Keeps the current stage's events for svo_i_stage_collect. Where that cannot be, its time is not reported. */
+static void keep_span(svo_i_commands *commands, svo_stage stage)
+{
+    if (commands->span_count < SVO_I_SPANS_MAX && commands->profiling && !commands->untimed &&
+        clRetainEvent(commands->last) == CL_SUCCESS) {
+        commands->spans[commands->span_count++] = (svo_i_span){stage, commands->stage_first, commands->last};
+    } else {
+        clReleaseEvent(commands->stage_first);
+    }
+    commands->stage_first = NULL;
+}
+
+void svo_i_stage_collect(svo_i_commands *commands)
+{
+    for (size_t i = 0; i < commands->span_count; ++i) {
+        const svo_i_span *span = &commands->spans[i];
+        const double ms = event_span_ms(span->first, span->last);
+        if (ms >= 0.0) {
+            svo_i_report_add(commands->report, span->stage, ms, "cl-event");
+        }
+        clReleaseEvent(span->first);
+        clReleaseEvent(span->last);
+    }
+    commands->span_count = 0;
+}
+
+/* Takes the time of a stage that has ended now. */
+static svo_status end_and_wait(svo_i_commands *commands, svo_stage stage)
+{
+    SVO_I_TRY(svo_i_commands_wait(commands));
+    const double span = commands->profiling ? event_span_ms(commands->stage_first, commands->last) : -1.0;
+    if (span >= 0.0) {
+        svo_i_report_add(commands->report, stage, span, "cl-event");
+    } else {
+        svo_i_report_add(commands->report, stage, svo_i_now_ms() - commands->stage_start_ms, "wall");
+    }
+    clReleaseEvent(commands->stage_first);
+    commands->stage_first = NULL;
+    return tell_progress(commands);
+}
+
+svo_status svo_i_stage_end(svo_i_commands *commands, svo_stage stage)
+{
+    if (commands->stage_first == NULL) {
+        return SVO_OK;
+    }
+    if (commands->mode == SVO_I_MODE_ENQUEUE) {
+        keep_span(commands, stage);
+        return SVO_OK;
+    }
+    if (commands->plan->progress.callback != NULL || !(commands->profiling || commands->untimed)) {
+        return end_and_wait(commands, stage);
+    }
+    if (commands->span_count == SVO_I_SPANS_MAX) {
+        SVO_I_TRY(svo_i_commands_wait(commands));
+        svo_i_stage_collect(commands);
+    }
+    keep_span(commands, stage);
+    return SVO_OK;
+}
+
+/* ---- front ends ---- */
+
+void svo_frontend_destroy(svo_frontend **frontend)
+{
+    if (frontend == NULL || *frontend == NULL) {
+        return;
+    }
+    if ((*frontend)->destroy != NULL) {
+        (*frontend)->destroy((*frontend)->self);
+    }
+    *frontend = NULL;
+}
+
+const char *svo_frontend_name(const svo_frontend *frontend)
+{
+    return frontend->name;
+}
+
+const char *svo_frontend_share(const svo_frontend *frontend)
+{
+    return frontend->share;
+}
+
+svo_status svo_i_frontend_voxelize(svo_frontend *frontend, svo_i_commands *commands, const svo_i_chunking *chunking,
+                                   svo_i_fragment_list *list)
+{
+    if (!frontend->on_device) {
+        SVO_I_TRY(svo_i_plan_copy_to_host(commands->plan));
+    }
+    return frontend->voxelize(frontend->self, commands, chunking, list);
 }

@@ -2,14 +2,46 @@
 /*
  * Buffers, copies and launches for the stages. Each command waits for the previous one by an event, so the caller's
  * queue may be out-of-order.
+ *
+ * The files of this room:
+ *
+ *   commands  buffers, copies and launches in three modes; allocations; the times of stages
+ *   warm_up   launches of newly compiled kernels
+ *   frontend  the interface of front ends
  */
 #ifndef SVO_LIB_COMMANDS_COMMANDS_H
 #define SVO_LIB_COMMANDS_COMMANDS_H
 
-#include "commands/allocations.h"
 #include "commands/warm_up.h"
+#include "core/device.h"
 #include "core/program.h"
 #include "plan/plan_data.h"
+
+/*
+ * The allocations of a build, in order, with their lifetimes. A measuring build records them. Enqueued builds take them
+ * in the same order. Buffers with disjoint lifetimes share memory.
+ */
+
+typedef struct svo_i_allocation {
+    const char *name; /* static string */
+    uint64_t bytes;
+    uint64_t born, died; /* clock values of the allocation and the release; died UINT64_MAX: never released */
+    uint64_t offset_bytes; /* in the scratch memory */
+    bool persistent; /* part of the tree, not scratch */
+    cl_mem memory; /* owned; a sub-buffer of the scratch memory; NULL until there is one */
+} svo_i_allocation;
+
+typedef struct svo_i_allocations {
+    svo_i_allocation *entries;
+    size_t count, capacity;
+    uint64_t clock; /* counts allocations and releases */
+    uint64_t scratch_bytes; /* size of the scratch memory; set by svo_i_allocations_place */
+} svo_i_allocations;
+
+/* Assigns offsets to the scratch entries, in multiples of alignment bytes. */
+void svo_i_allocations_place(svo_i_allocations *list, uint64_t alignment);
+/* Frees the list and releases the memory of its entries. */
+void svo_i_allocations_free(svo_i_allocations *list);
 
 /* Stages issue the same commands in every mode; the mode selects what a command does. */
 typedef enum svo_i_mode {
@@ -41,7 +73,7 @@ typedef struct svo_i_commands {
     bool untimed; /* nobody asks for the times of stages */
     bool blocks; /* SVO_I_MODE_RUN: writes wait, since their sources end before the build does */
     uint64_t released_bytes; /* SVO_I_MODE_RUN: of buffers released since the last wait, which may still be in use */
-    svo_i_snapped_mesh mesh; /* what stages share of it; stages/snapped_mesh.h */
+    svo_i_snapped_mesh mesh; /* what stages share of it; stages/inputs.h */
     svo_build_report *report;
     svo_stage stage; /* that the progress reports */
     double item_ns; /* rough time of a work-item of the next launches, for the progress; stages may set it */
@@ -100,8 +132,6 @@ svo_status svo_i_commands_wait(svo_i_commands *commands);
 
 /* The launches that follow are a stage's: their progress is reported as that stage's. */
 void svo_i_commands_stage(svo_i_commands *commands, svo_stage stage, double item_ns);
-/* In SVO_I_MODE_RUN, tells the plan's callback what has been done; the caller has waited. */
-svo_status svo_i_commands_tell(svo_i_commands *commands);
 
 /* Work-items of a part of a large launch. A multiple of the group, and large enough for drivers that compile small
    launches separately. */
@@ -123,5 +153,20 @@ svo_status svo_i_commands_launch_groups(svo_i_commands *commands, cl_kernel kern
 /* Creates a kernel, launches it and releases it: for kernels that a build launches only a few times. */
 svo_status svo_i_commands_run(svo_i_commands *commands, cl_program program, const char *name,
                               const svo_i_argument *arguments, cl_uint argument_count, uint64_t items);
+
+/* The time of each stage, from its first to its last command: from OpenCL's events, or from the wall clock. */
+
+SVO_I_SHARED_BEGIN
+
+/* Adds to a stage's time. clock: a static string. */
+void svo_i_report_add(svo_build_report *report, svo_stage stage, double ms, const char *clock);
+
+SVO_I_SHARED_END
+
+/* Commands between begin and end are timed as the stage's. A stage may begin several times; its times add up. */
+void svo_i_stage_begin(svo_i_commands *commands);
+svo_status svo_i_stage_end(svo_i_commands *commands, svo_stage stage);
+/* Adds the times of a build that has ended to the report, and releases their events. */
+void svo_i_stage_collect(svo_i_commands *commands);
 
 #endif

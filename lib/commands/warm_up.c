@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Warm-up launches. The measuring build in build/measure.c passes every launch of a build with its size. */
+/* Warm-up launches. The measuring build in pipeline/run.c passes every launch of a build with its size. */
 #include "commands/warm_up.h"
 
 #include <string.h>
 
-#include "plan/progress.h"
+#include "plan/accounts.h"
 #include "shared/layout.h"
 
 /* PoCL compiles kernels separately for launches of at most 65535 work-items and for larger ones. */

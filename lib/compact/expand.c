@@ -4,7 +4,7 @@
 
 #include "compact/form.h"
 #include "core/device.h"
-#include "core/host_memory.h"
+#include "core/memory.h"
 #include "core/tree.h"
 #include "shared/layout.h"
 #include "svocl/plan.h"

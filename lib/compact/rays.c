@@ -3,7 +3,7 @@
 #include "rays/rays.h"
 #include "compact/form.h"
 #include "core/device.h"
-#include "core/foreign.h"
+#include "core/opencl.h"
 #include "rays/batch.h"
 #include "rays/picture.h"
 #include "svocl/plan.h"

@@ -1,16 +1,114 @@
 /* SPDX-License-Identifier: MIT */
-/* The device handle: what it asks of an OpenCL device, its limits, messages, buffers and own queue. */
+/*
+ * The device handle: what it asks of an OpenCL device, its limits, messages, buffers, their budget, and its own queue.
+ * Buffers count by their destructor callbacks, which a driver may call on any thread.
+ */
 #define _POSIX_C_SOURCE 200809L
 #include "core/device.h"
 
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
+#include <time.h>
 
-#include "core/device_info.h"
-#include "core/foreign.h"
-#include "core/host_memory.h"
+#include "core/memory.h"
+#include "core/opencl.h"
 #include "core/struct_size.h"
 #include "shared/layout.h"
+
+/* ---- the budget ---- */
+
+/* Waits for buffers that the driver is about to destroy, in milliseconds. */
+#define DESTROY_WAITS 100
+
+struct svo_i_budget {
+    svo_i_memory memory; /* of the counted buffers */
+    uint64_t max_bytes;
+    atomic_uint_least64_t held_bytes;
+    atomic_uint_least64_t users; /* the handle and the buffers */
+};
+
+/* A buffer that counts. */
+typedef struct counted_buffer {
+    svo_i_budget *budget;
+    uint64_t bytes;
+} counted_buffer;
+
+/* NULL when out of memory. */
+static svo_i_budget *budget_create(const svo_i_memory *memory, uint64_t max_bytes)
+{
+    svo_i_budget *budget = svo_i_alloc_zeroed(memory, 1, sizeof *budget);
+    if (budget != NULL) {
+        budget->memory = *memory;
+        budget->max_bytes = max_bytes;
+        atomic_init(&budget->held_bytes, 0);
+        atomic_init(&budget->users, 1);
+    }
+    return budget;
+}
+
+/* Gives up the handle's part; NULL allowed. */
+static void budget_release(svo_i_budget *budget)
+{
+    if (budget != NULL && atomic_fetch_sub(&budget->users, 1) == 1) {
+        svo_i_free(budget);
+    }
+}
+
+static uint64_t held_bytes(const svo_i_budget *budget)
+{
+    return budget != NULL ? atomic_load(&budget->held_bytes) : 0;
+}
+
+static bool fits_now(const svo_i_budget *budget, uint64_t bytes)
+{
+    const uint64_t held = held_bytes(budget);
+    return budget == NULL || (held <= budget->max_bytes && bytes <= budget->max_bytes - held);
+}
+
+svo_i_budget_answer svo_i_device_budget(const svo_device *device, uint64_t bytes)
+{
+    const struct timespec millisecond = {.tv_nsec = 1000000};
+    const svo_i_budget *budget = device->budget;
+    const uint64_t max_bytes = budget != NULL ? budget->max_bytes : UINT64_MAX;
+    bool fits = fits_now(budget, bytes);
+    for (unsigned i = 0; !fits && i < DESTROY_WAITS && bytes <= max_bytes; ++i) {
+        nanosleep(&millisecond, NULL);
+        fits = fits_now(budget, bytes);
+    }
+    return (svo_i_budget_answer){fits, held_bytes(budget), max_bytes};
+}
+
+static void CL_CALLBACK forget(cl_mem buffer, void *user)
+{
+    counted_buffer *counted = user;
+    (void)buffer;
+    atomic_fetch_sub(&counted->budget->held_bytes, counted->bytes);
+    budget_release(counted->budget);
+    svo_i_free(counted);
+}
+
+/* Counts a new buffer until it is destroyed. Returns an error of OpenCL, and then counts nothing. */
+static cl_int budget_count(svo_i_budget *budget, cl_mem buffer, uint64_t bytes)
+{
+    if (budget == NULL) {
+        return CL_SUCCESS;
+    }
+    counted_buffer *counted = svo_i_alloc(&budget->memory, sizeof *counted);
+    if (counted == NULL) {
+        return CL_OUT_OF_HOST_MEMORY;
+    }
+    *counted = (counted_buffer){budget, bytes};
+    atomic_fetch_add(&budget->held_bytes, bytes);
+    atomic_fetch_add(&budget->users, 1);
+    const cl_int error = clSetMemObjectDestructorCallback(buffer, forget, counted);
+    if (error != CL_SUCCESS) {
+        forget(buffer, counted);
+    }
+    return error;
+}
+
+/* ---- the handle ---- */
 
 #define SETTLE_ATTEMPTS 3
 /* A quarter of a million pixels. */
@@ -45,16 +143,17 @@ static svo_status make_buffer(svo_device *device, const char *function, const ch
                                  svo_i_bytes(bytes).text, svo_i_bytes(device->max_allocation_bytes).text);
     }
     const size_t made_bytes = bytes > 0 ? bytes : 1;
-    if (!svo_i_budget_fits(device->budget, made_bytes)) {
+    const svo_i_budget_answer room = svo_i_device_budget(device, made_bytes);
+    if (!room.fits) {
         return svo_i_device_fail(device, SVO_OUT_OF_DEVICE_MEMORY,
                                  "%s: buffer %s needs %s beside the %s in use, above max_device_bytes, %s", function,
-                                 name, svo_i_bytes(bytes).text, svo_i_bytes(svo_i_budget_held(device->budget)).text,
-                                 svo_i_bytes(svo_i_budget_max(device->budget)).text);
+                                 name, svo_i_bytes(bytes).text, svo_i_bytes(room.held_bytes).text,
+                                 svo_i_bytes(room.max_bytes).text);
     }
     cl_int error = CL_SUCCESS;
     cl_mem buffer = clCreateBuffer(device->context, flags, made_bytes, content, &error);
     if (error == CL_SUCCESS) {
-        error = svo_i_budget_count(device->budget, buffer, made_bytes);
+        error = budget_count(device->budget, buffer, made_bytes);
         if (error != CL_SUCCESS) {
             clReleaseMemObject(buffer);
         }
@@ -348,7 +447,7 @@ svo_status svo_device_create(cl_context context, cl_device_id device, const svo_
     svo_status status = SVO_OK;
     char *name = NULL;
     svo_device *handle = svo_i_alloc_zeroed(&memory, 1, sizeof *handle);
-    svo_i_budget *budget = asked.max_device_bytes != 0 ? svo_i_budget_create(&memory, asked.max_device_bytes) : NULL;
+    svo_i_budget *budget = asked.max_device_bytes != 0 ? budget_create(&memory, asked.max_device_bytes) : NULL;
     if (handle == NULL || (asked.max_device_bytes != 0 && budget == NULL)) {
         status = svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, CREATE ": no memory for the handle");
         goto cleanup;
@@ -372,7 +471,7 @@ svo_status svo_device_create(cl_context context, cl_device_id device, const svo_
     return SVO_OK;
 
 cleanup:
-    svo_i_budget_release(budget);
+    budget_release(budget);
     svo_i_free(handle);
     svo_i_free(name);
     return status;
@@ -386,7 +485,7 @@ void svo_device_destroy(svo_device **device)
     svo_i_attachments_clear(&(*device)->attachments);
     clReleaseContext((*device)->context);
     clReleaseDevice((*device)->device);
-    svo_i_budget_release((*device)->budget);
+    budget_release((*device)->budget);
     svo_i_free((*device)->name);
     svo_i_free(*device);
     *device = NULL;

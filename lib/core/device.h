@@ -1,16 +1,48 @@
 /* SPDX-License-Identifier: MIT */
-/* The device handle's fields, its messages and its buffers. */
+/*
+ * The device handle's fields, its messages, its buffers and their budget.
+ *
+ * The files of this room:
+ *
+ *   message        messages, the two ways to pass a failure on, checked sizes, the clock
+ *   struct_size    public structs that may grow
+ *   memory         host memory, its limits, and lists of what handles own
+ *   opencl         errors, properties and objects of OpenCL
+ *   device         the handle, its buffers and their budget
+ *   device_search  svo_device_create_default
+ *   program        programs, and launches of their kernels
+ *   kernel_files   compiled programs in files
+ *   work           scratch buffers, copies and launches outside builds; chains of commands on any queues
+ *   mesh           meshes in buffers, read to the host
+ *   tree           the tree, its arrays and its hash
+ *   compact        the handle of compact trees
+ *   nodes          from places to nodes and back
+ *   voxel_list     lists of voxels, and their order
+ */
 #ifndef SVO_LIB_CORE_DEVICE_H
 #define SVO_LIB_CORE_DEVICE_H
 
 #include <stdbool.h>
+#include <stdint.h>
 
-#include "core/attachment.h"
-#include "core/budget.h"
-#include "core/cl_error.h"
 #include "core/memory.h"
 #include "core/message.h"
+#include "core/opencl.h"
 #include "svocl/device.h"
+
+/*
+ * The budget of a device handle: how many bytes the OpenCL buffers may have that live at the same time. A buffer counts
+ * until the driver destroys it, whoever holds it last. Handles without a budget count nothing. It is shared by the
+ * handle and its buffers, some of which may live longer.
+ */
+typedef struct svo_i_budget svo_i_budget;
+
+/* Whether so many more bytes fit a budget. */
+typedef struct svo_i_budget_answer {
+    bool fits;
+    uint64_t held_bytes; /* of the buffers that live */
+    uint64_t max_bytes; /* UINT64_MAX without a budget */
+} svo_i_budget_answer;
 
 struct svo_device {
     cl_context context;
@@ -30,7 +62,7 @@ struct svo_device {
     svo_i_budget *budget; /* NULL: none */
     svo_i_attachment *attachments; /* compiled programs, and what else is kept until the handle is destroyed */
     double compile_ms;
-    uint64_t planned_triangles; /* of the plans until now, see plan/place.h */
+    uint64_t planned_triangles; /* of the plans until now, see plan/plan.h */
     svo_message message;
 };
 
@@ -65,6 +97,10 @@ void svo_i_device_log(const svo_device *device, svo_log_level level, const char 
 svo_status svo_i_device_check_wait(svo_device *device, const char *function, cl_uint num_wait, const cl_event *wait);
 
 SVO_I_SHARED_END
+
+/* A driver may destroy a released buffer a moment after the last command that used it, so this waits up to a tenth of a
+   second before it says no. */
+svo_i_budget_answer svo_i_device_budget(const svo_device *device, uint64_t bytes);
 
 /* svo_i_device_buffer for what kernels only read, with its content. No command is enqueued, so nothing waits. */
 svo_status svo_i_device_constants(svo_device *device, const char *function, const char *name, const void *content,

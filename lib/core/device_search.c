@@ -9,7 +9,7 @@
 #include <strings.h>
 
 #include "core/device.h"
-#include "core/device_info.h"
+#include "core/opencl.h"
 #include "core/struct_size.h"
 
 #define CREATE_DEFAULT "svo_device_create_default"

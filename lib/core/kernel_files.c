@@ -24,7 +24,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "core/device_info.h"
+#include "core/opencl.h"
 #include "core/program.h"
 
 #define SAVE "svo_device_save_kernels"

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The library's host memory. Each block begins with a header that holds its size and the functions it came from, so it
- * is released without a handle. Nothing else in the library calls malloc and its relatives; tools/dev check finds it.
- */
+/* The library's host memory, and what handles own in it. */
 #ifndef SVO_LIB_CORE_MEMORY_H
 #define SVO_LIB_CORE_MEMORY_H
 
@@ -10,6 +7,11 @@
 
 #include "core/message.h"
 #include "svocl/memory.h"
+
+/*
+ * The library's host memory. Each block begins with a header that holds its size and the functions it came from, so it
+ * is released without a handle. Nothing else in the library calls malloc and its relatives; tools/dev check finds it.
+ */
 
 /* Where memory comes from. All NULL: malloc and free. */
 typedef struct svo_i_memory {
@@ -41,5 +43,54 @@ char *svo_i_copy_text(const svo_i_memory *memory, const char *text);
 void svo_i_free(void *block);
 
 SVO_I_SHARED_END
+
+/* How much memory this process may have, so that a small file that unfolds to more is refused before it does. */
+
+/* A number of bytes for a message. */
+typedef struct svo_i_bytes_text {
+    char text[32];
+} svo_i_bytes_text;
+
+SVO_I_SHARED_BEGIN
+
+/* The least of the machine's memory, the process's limit of address space and the limit of its control group, bytes. */
+uint64_t svo_i_host_memory_bytes(void);
+
+/* "144.0 GiB", or "512 bytes" below a KiB. */
+svo_i_bytes_text svo_i_bytes(uint64_t bytes);
+
+SVO_I_SHARED_END
+
+/*
+ * What other rooms keep with a handle of the core: compiled programs with a device, a BVH with a tree. The handle owns
+ * these attachments and destroys them without knowing what they are, so that the core includes no other room.
+ */
+
+typedef struct svo_i_attachment svo_i_attachment;
+
+/* Releases what is attached, and the attachment itself. */
+typedef void (*svo_i_attachment_destroy)(svo_i_attachment *attachment);
+
+/* Tells what is attached that the handle's content changes. Returns 0 if it is of no use then. */
+typedef int (*svo_i_attachment_outdate)(svo_i_attachment *attachment);
+
+/* The first member of every struct that is attached. */
+struct svo_i_attachment {
+    svo_i_attachment *next; /* of the same handle */
+    svo_i_attachment_destroy destroy; /* not NULL; also says what is attached, see svo_i_attachment_find */
+    svo_i_attachment_outdate outdate; /* NULL: it is of no use when the content changes */
+};
+
+/* Adds an attachment to the list, which owns it from now on. */
+void svo_i_attachment_add(svo_i_attachment **list, svo_i_attachment *attachment);
+
+/* The newest attachment that destroy would release, or NULL. */
+svo_i_attachment *svo_i_attachment_find(svo_i_attachment *list, svo_i_attachment_destroy destroy);
+
+/* Destroys the attachments that are of no use when the handle's content changes. */
+void svo_i_attachments_outdate(svo_i_attachment **list);
+
+/* Destroys all attachments, the newest first, and sets *list to NULL. */
+void svo_i_attachments_clear(svo_i_attachment **list);
 
 #endif

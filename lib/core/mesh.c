@@ -8,8 +8,8 @@
 #include <string.h>
 
 #include "core/device.h"
-#include "core/foreign.h"
 #include "core/memory.h"
+#include "core/opencl.h"
 #include "core/struct_size.h"
 
 #define ARRAYS 6

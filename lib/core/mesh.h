@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Reading a mesh from buffers: shared by OpenCL (mesh.c) and OpenGL (glinterop/share/mesh_read.c). */
+/* Reading a mesh from buffers: shared by OpenCL (mesh.c) and OpenGL (glinterop/share/buffer.c). */
 #ifndef SVO_LIB_CORE_MESH_H
 #define SVO_LIB_CORE_MESH_H
 

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "core/device_info.h"
+#include "core/opencl.h"
 
 /* A program that was compiled, attached to its device. */
 typedef struct compiled_program {

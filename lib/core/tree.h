@@ -5,7 +5,6 @@
 
 #include <stdbool.h>
 
-#include "core/attachment.h"
 #include "core/memory.h"
 #include "core/message.h"
 #include "svocl/part_types.h"

@@ -15,7 +15,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "core/host_memory.h"
+#include "core/memory.h"
 #include "core/message.h"
 #include "core/struct_size.h"
 #include "core/tree.h"

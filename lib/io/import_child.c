@@ -14,7 +14,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "core/host_memory.h"
+#include "core/memory.h"
 #include "core/message.h"
 #include "io/import_file.h"
 #include "io/import_formats.h"

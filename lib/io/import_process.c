@@ -20,7 +20,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "core/host_memory.h"
+#include "core/memory.h"
 #include "core/message.h"
 #include "io/import_stream.h"
 

@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "core/host_memory.h"
+#include "core/memory.h"
 #include "core/struct_size.h"
 #include "io/voxels_formats.h"
 

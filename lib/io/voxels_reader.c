@@ -5,7 +5,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-#include "core/host_memory.h"
+#include "core/memory.h"
 
 static svo_status fail(const voxel_reader *reader, svo_status status, const char *format, va_list arguments)
 {

@@ -5,7 +5,7 @@
 
 #include "core/memory.h"
 #include "core/message.h"
-#include "core/voxel_sort.h"
+#include "core/voxel_list.h"
 #include "svocl/voxel_files.h"
 
 #define VOXEL_BUFFER_BYTES ((size_t)1 << 16)

@@ -8,7 +8,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "core/foreign.h"
+#include "core/opencl.h"
 #include "core/struct_size.h"
 #include "light/bricks.h"
 #include "light/faces.h"

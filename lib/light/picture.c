@@ -7,7 +7,7 @@
 #include "light/gather.h"
 #include "light/shader.h"
 #include "rays/camera.h"
-#include "rays/pixels.h"
+#include "rays/picture.h"
 
 _Static_assert((uint32_t)SVO_LIGHT_VIEW_FULL == SVO_LIT_VIEW_FULL && (uint32_t)SVO_LIGHT_VIEW_AO == SVO_LIT_VIEW_AO &&
                    (uint32_t)SVO_LIGHT_VIEW_DIRECT == SVO_LIT_VIEW_DIRECT &&

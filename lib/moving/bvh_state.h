@@ -7,7 +7,7 @@
 #define SVO_LIB_MOVING_BVH_STATE_H
 
 #include "moving/state.h"
-#include "rays/bvh_data.h"
+#include "rays/bvh_fit.h"
 
 /* Most levels of the common nodes: the root, and five below it, since 7 * 8^5 is above SVO_I_MOVING_OBJECTS. */
 #define SVO_I_MOVING_TOP_LEVELS 6

@@ -4,7 +4,7 @@
 
 #include <stdio.h>
 
-#include "commands/timing.h"
+#include "commands/commands.h"
 #include "plan/configuration.h"
 
 svo_status svo_i_moving_program(const svo_moving *moving, const char *function, cl_program *out)

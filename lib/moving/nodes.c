@@ -3,7 +3,7 @@
 #include "moving/nodes.h"
 
 #include "shared/moving_layout.h"
-#include "stages/scan.h"
+#include "stages/sort.h"
 
 _Static_assert(SVO_NODE_LEVELS == SVO_LEVELS_MAX, "kernels have all levels of a tree");
 

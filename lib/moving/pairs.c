@@ -5,14 +5,14 @@
  */
 #include "moving/pairs.h"
 
-#include "build/list.h"
-#include "build/order.h"
 #include "moving/chain.h"
-#include "plan/buffers.h"
+#include "pipeline/build.h"
+#include "pipeline/run.h"
+#include "plan/accounts.h"
 #include "plan/chunking.h"
 #include "plan/configuration.h"
 #include "plan/estimate.h"
-#include "stages/payload_params.h"
+#include "stages/inputs.h"
 #include "stages/sort.h"
 
 /* ---- lists ---- */

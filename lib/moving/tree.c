@@ -7,15 +7,15 @@
 
 #include <string.h>
 
-#include "build/order.h"
 #include "moving/nodes.h"
 #include "moving/pairs.h"
-#include "plan/buffers.h"
+#include "pipeline/run.h"
+#include "plan/accounts.h"
 #include "plan/configuration.h"
 #include "plan/update.h"
 #include "stages/filter.h"
 #include "stages/material.h"
-#include "stages/scan.h"
+#include "stages/sort.h"
 
 typedef struct maker {
     svo_moving *moving;

@@ -16,7 +16,7 @@
 #include "parts/format.h"
 #include "parts/job.h"
 #include "parts/split.h"
-#include "plan/host_copy.h"
+#include "plan/arrays.h"
 
 #define NODES_MAX 4294967294.0
 /* Without a limit, parts take at most this share of the whole, or so many bytes, which the least part needs. */

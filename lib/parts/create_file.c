@@ -9,7 +9,7 @@
 #include "io/blocks.h"
 #include "parts/create.h"
 #include "parts/triangles.h"
-#include "plan/survey.h"
+#include "plan/part.h"
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>

@@ -9,7 +9,7 @@
 #include "core/device.h"
 #include "output/output.h"
 #include "parts/format.h"
-#include "plan/host_copy.h"
+#include "plan/arrays.h"
 #include "svocl/parts.h"
 
 /* A file that is being put together. */

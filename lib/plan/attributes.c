@@ -3,12 +3,130 @@
  * The payload inputs: the mesh's colors, normals, texture coordinates and materials as integers, so that payload
  * kernels need no floats. Only attributes that the request reads and the mesh has are copied.
  */
+#include "plan/attributes.h"
+
 #include <math.h>
 #include <string.h>
 
-#include "plan/attributes.h"
+#include "plan/arrays.h"
 #include "plan/grid.h"
-#include "plan/part.h"
+
+/* ---- constant payload ---- */
+
+/*
+ * Payload that is the same in the whole scene. It is stored once instead of per node, and no kernel computes it. The
+ * mean of equal values, rounded half up, is that value, so every node would have had the stored one.
+ */
+
+/* a * b / 255 per channel, rounded half up, as in kernels/stages/attribute.clh. */
+static uint32_t modulate(uint32_t a, uint32_t b)
+{
+    uint32_t product = 0;
+    for (unsigned shift = 0; shift < 32; shift += 8) {
+        product |= (2u * (a >> shift & 255u) * (b >> shift & 255u) + 255u) / 510u << shift;
+    }
+    return product;
+}
+
+static void drop(void *host, cl_mem *memory)
+{
+    svo_i_free(host);
+    svo_i_buffer_release(memory);
+}
+
+static void fold_colors(svo_plan *plan, const svo_i_findings *found)
+{
+    if (!svo_i_plan_has(plan->colors, plan->memory.colors) || found->colors_vary) {
+        return;
+    }
+    for (uint32_t i = 0; i < plan->material_count && plan->triangle_count > 0; ++i) {
+        plan->materials[i].rgba = modulate(plan->materials[i].rgba, found->first_color);
+    }
+    drop(plan->colors, &plan->memory.colors);
+    plan->colors = NULL;
+}
+
+static void fold_normals(svo_plan *plan, const svo_i_findings *found)
+{
+    static const int16_t none[4] = {0};
+    if (!svo_i_plan_has(plan->normals, plan->memory.normals) || found->normals_vary) {
+        return;
+    }
+    if (plan->triangle_count > 0) {
+        /* zero normals stand for the triangle's own */
+        plan->one_normal = memcmp(found->first_normal, none, sizeof none) != 0;
+        memcpy(plan->work.constant_normal, found->first_normal, sizeof plan->work.constant_normal);
+    }
+    drop(plan->normals, &plan->memory.normals);
+    plan->normals = NULL;
+}
+
+static bool has_one_color(const svo_plan *plan, const svo_i_findings *found)
+{
+    if (svo_i_plan_has(plan->colors, plan->memory.colors) || plan->texels != NULL) {
+        return false;
+    }
+    const uint32_t color = plan->materials[found->first_record.material].rgba;
+    for (uint32_t i = 0; i < plan->material_count; ++i) {
+        if (found->material_used[i] != 0 && plan->materials[i].rgba != color) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Whether the mesh has no vertex normals and all triangles have the same normal. */
+static bool has_one_own_normal(const svo_plan *plan, const svo_i_findings *found)
+{
+    return !svo_i_plan_has(plan->normals, plan->memory.normals) && !found->own_normals_vary;
+}
+
+static void free_colors(svo_plan *plan)
+{
+    svo_i_free(plan->materials);
+    drop(plan->uvs, &plan->memory.uvs);
+    plan->materials = NULL;
+    plan->uvs = NULL;
+}
+
+static bool materials_vary(const svo_plan *plan, const svo_i_findings *found)
+{
+    uint32_t used = 0;
+    for (uint32_t i = 0; i < plan->material_count; ++i) {
+        used += found->material_used[i] != 0 ? 1u : 0u;
+    }
+    return used > 1;
+}
+
+/* Moves vertex colors that are all equal into the materials, and vertex normals into the plan's constant normal. Finds
+   the payload that is the same in every node. Frees the inputs that are not needed for it. */
+static void find_constants(svo_plan *plan, const svo_i_findings *found)
+{
+    svo_i_work *work = &plan->work;
+    const svo_triangle_record *first = &found->first_record; /* all zero without triangles, like the payload */
+    fold_colors(plan, found);
+    fold_normals(plan, found);
+    plan->materials_vary = materials_vary(plan, found);
+    if ((plan->info.need & SVO_NEED_COLOR) != 0 && has_one_color(plan, found)) {
+        work->constant |= SVO_NEED_COLOR;
+        work->constant_color = plan->triangle_count > 0 ? plan->materials[first->material].rgba : 0;
+        free_colors(plan);
+    }
+    if ((plan->info.need & SVO_NEED_NORMAL) != 0 && !plan->one_normal && has_one_own_normal(plan, found)) {
+        plan->one_normal = true;
+        work->constant_normal[0] = (int16_t)(first->normal_xy & 0xffffu);
+        work->constant_normal[1] = (int16_t)(first->normal_xy >> 16);
+        work->constant_normal[2] = (int16_t)(first->normal_z_flags & 0xffffu);
+    }
+    work->constant |= plan->one_normal ? (uint32_t)SVO_NEED_NORMAL : 0u;
+    if ((plan->info.need & SVO_NEED_MATERIAL) != 0 && !plan->materials_vary) {
+        work->constant |= SVO_NEED_MATERIAL;
+        work->constant_material = (uint16_t)first->material;
+    }
+    plan->info.constant = work->constant;
+}
+
+/* ---- inputs ---- */
 
 #define UV_ONE     65536.0
 #define UV_LIMIT   32767.0
@@ -245,11 +363,6 @@ static uint32_t half_word(int16_t value)
     return (uint16_t)value;
 }
 
-bool svo_i_same_own_normal(const svo_triangle_record *a, const svo_triangle_record *b)
-{
-    return a->normal_xy == b->normal_xy && (a->normal_z_flags & 0xffffu) == (b->normal_z_flags & 0xffffu);
-}
-
 static svo_status make_records(svo_plan *plan, const svo_mesh *mesh, svo_i_findings *found)
 {
     plan->records =
@@ -313,15 +426,28 @@ uint32_t svo_i_plan_choose_weight_log2(const svo_plan *plan, double largest_area
     return log2 > (int)SVO_I_WEIGHT_LOG2_MIN ? (uint32_t)log2 : SVO_I_WEIGHT_LOG2_MIN;
 }
 
+/* Takes constant payload and the unit of weights from the header of the whole. */
+static void take_constants(svo_plan *plan)
+{
+    const svo_part_header *header = &plan->part.header;
+    svo_i_work *work = &plan->work;
+    work->constant = header->constant;
+    memcpy(&work->constant_color, header->constant_color, sizeof work->constant_color);
+    memcpy(work->constant_normal, header->constant_normal, sizeof work->constant_normal);
+    work->constant_material = header->constant_material;
+    plan->info.constant = header->constant;
+    plan->weight_log2 = header->weight_log2;
+}
+
 svo_status svo_i_plan_conclude(svo_plan *plan, const svo_i_findings *found)
 {
     const uint32_t asked = plan->options.weight_log2;
     if (svo_i_plan_is_part(plan)) {
-        svo_i_plan_take_constants(plan);
+        take_constants(plan);
         plan->info.weight_log2 = plan->weight_log2;
         return SVO_OK;
     }
-    svo_i_plan_find_constants(plan, found);
+    find_constants(plan, found);
     /* The areas of three projections are no less than the area. */
     const uint32_t finest = svo_i_plan_choose_weight_log2(plan, found->largest_area, plan->estimate[2]);
     plan->weight_log2 = asked != 0 ? asked : finest;

@@ -1,9 +1,23 @@
 /* SPDX-License-Identifier: MIT */
-/* The payload inputs: colors, normals, texture coordinates and materials of the kept triangles. */
+/*
+ * The payload inputs: colors, normals, texture coordinates and materials of the kept triangles; payload that is the
+ * same in every node.
+ */
 #ifndef SVO_LIB_PLAN_ATTRIBUTES_H
 #define SVO_LIB_PLAN_ATTRIBUTES_H
 
-#include "plan/constant.h"
+#include "plan/plan_data.h"
+
+/* What the kept triangles tell of the payload; found by the host or by kernels. */
+typedef struct svo_i_findings {
+    double largest_area; /* of a triangle, square grid units */
+    bool colors_vary, normals_vary; /* the vertex attributes at the corners, where the plan has them */
+    bool own_normals_vary; /* the triangles' own normals */
+    uint32_t first_color; /* of the first corner, where the plan has vertex colors */
+    int16_t first_normal[4]; /* likewise */
+    svo_triangle_record first_record; /* all zero without triangles */
+    uint8_t *material_used; /* one byte per material */
+} svo_i_findings;
 
 /* Resolves SVO_NEED_DEFAULT, fills the payload inputs and finds constant payload, on the host. */
 svo_status svo_i_plan_attributes(svo_plan *plan, const svo_mesh *mesh);
@@ -11,7 +25,10 @@ svo_status svo_i_plan_attributes(svo_plan *plan, const svo_mesh *mesh);
 /* Fills the payload inputs alone. found: all zero but for material_used, which has a byte for each material. */
 svo_status svo_i_plan_find(svo_plan *plan, const svo_mesh *mesh, svo_i_findings *found);
 /* Whether two triangles have the same normal of their own. */
-bool svo_i_same_own_normal(const svo_triangle_record *a, const svo_triangle_record *b);
+static inline bool svo_i_same_own_normal(const svo_triangle_record *a, const svo_triangle_record *b)
+{
+    return a->normal_xy == b->normal_xy && (a->normal_z_flags & 0xffffu) == (b->normal_z_flags & 0xffffu);
+}
 
 /* Parts that do not depend on where the mesh is. has_colors, has_uvs: whether the mesh has them. */
 

@@ -1,9 +1,28 @@
 /* SPDX-License-Identifier: MIT */
-/* The configuration of a build: what it does, what it leaves out, and which kernels it compiles. */
+/*
+ * The configuration of a build: what it does, what it leaves out, which kernels it compiles, and which front end it
+ * should have.
+ */
 #ifndef SVO_LIB_PLAN_CONFIGURATION_H
 #define SVO_LIB_PLAN_CONFIGURATION_H
 
 #include "plan/plan_data.h"
+#include "svocl/build.h"
+
+/* The rules for choosing a front end. svocl::gl passes what it knows of the renderer. */
+
+typedef struct svo_i_renderer {
+    const char *name;
+    bool is_software; /* draws on the CPU */
+    bool in_place; /* OpenCL reads the list from OpenGL's memory */
+} svo_i_renderer;
+
+SVO_I_SHARED_BEGIN
+
+/* Whether OpenCL alone should be faster than OpenGL, and why. reason: NULL allowed. */
+bool svo_i_frontend_prefers_cl(const svo_device *device, const svo_i_renderer *renderer, svo_message *reason);
+
+SVO_I_SHARED_END
 
 /* Fills plan->work. Needs plan->stages, the snapped mesh and the payload inputs. Fails where work lacks room. */
 svo_status svo_i_plan_configure(svo_plan *plan);

@@ -9,11 +9,10 @@
 #include <math.h>
 #include <string.h>
 
+#include "plan/accounts.h"
 #include "plan/closed.h"
 #include "plan/estimate.h"
 #include "plan/grid.h"
-#include "plan/part.h"
-#include "plan/progress.h"
 
 #define VERTEX_FINITE 1u
 #define VERTEX_USED   2u
@@ -121,13 +120,24 @@ static void fit_grid(svo_plan *plan, const svo_i_bounds *bounds)
     plan->info.scale = divide_toward_zero((double)((1u << plan->info.snap_bits) - 1u), plan->info.edge);
 }
 
+/* Sets the grid of a part. */
+static void place_part(svo_plan *plan)
+{
+    const svo_part_header *header = &plan->part.header;
+    plan->info.scale = header->scale;
+    plan->info.edge = ldexp(1.0, (int)plan->info.snap_bits) / header->scale;
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        plan->info.origin[axis] = header->origin[axis] + (double)plan->part.corner[axis] / header->scale;
+    }
+}
+
 svo_status svo_i_plan_make_grid(svo_plan *plan, const svo_i_bounds *bounds)
 {
     if (plan->has_grid) {
         return SVO_OK;
     }
     if (svo_i_plan_is_part(plan)) {
-        svo_i_part_grid(plan);
+        place_part(plan);
     } else if (plan->options.edge > 0.0) {
         for (unsigned axis = 0; axis < 3; ++axis) {
             plan->info.origin[axis] = plan->options.origin[axis] + 0.0;
@@ -484,6 +494,32 @@ static svo_status list_large(svo_plan *plan)
     return SVO_OK;
 }
 
+/* Allocates part.positions, in plans of parts. */
+static svo_status alloc_positions(svo_plan *plan, size_t triangles)
+{
+    if (!svo_i_plan_is_part(plan)) {
+        return SVO_OK;
+    }
+    plan->part.positions = svo_i_alloc(&plan->device->memory, (triangles + 1) * sizeof(uint32_t));
+    return plan->part.positions != NULL
+               ? SVO_OK
+               : svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %zu triangles",
+                                   plan->progress.function, triangles);
+}
+
+/* Replaces what was counted over the triangles of a part by the counts of the whole. */
+static void take_counts(svo_plan *plan)
+{
+    const svo_part_header *header = &plan->part.header;
+    if (svo_i_plan_is_part(plan)) {
+        plan->info.triangles = header->triangles;
+        plan->info.refused_triangles = header->refused_triangles;
+        plan->info.outside_triangles = header->triangles - header->refused_triangles - header->kept_triangles;
+        plan->info.snap_error = header->snap_error;
+        plan->work.both_sides = (header->flags & SVO_PART_BOTH_SIDES) != 0;
+    }
+}
+
 svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh)
 {
     const size_t vertices = mesh->vertex_count;
@@ -503,7 +539,7 @@ svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh)
                               "svo_plan_create: no memory for %zu vertices and %zu triangles", vertices, triangles);
         goto cleanup;
     }
-    SVO_I_TRY_CLEANUP(svo_i_part_alloc(plan, triangles));
+    SVO_I_TRY_CLEANUP(alloc_positions(plan, triangles));
     plan->vertex_count = (uint32_t)vertices;
     plan->info.triangles = triangles;
     plan->info.refused_triangles = mark_vertices(mesh, flags);
@@ -521,7 +557,7 @@ svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh)
     clear_unused_vertices(plan, flags);
     SVO_I_TRY_CLEANUP(sort_items(plan, keys));
     svo_i_estimate_end(plan);
-    svo_i_part_counts(plan);
+    take_counts(plan);
     status = list_large(plan);
 cleanup:
     svo_i_free(flags);

@@ -5,161 +5,18 @@
  * samples compute relative to voxels, so moving by whole voxels changes none of them. What depends on the whole mesh
  * comes from the header: the grid, the unit of weights, constant payload, whether the mesh is closed.
  */
+#include "plan/part.h"
+
 #include <math.h>
 #include <string.h>
 
+#include "core/device.h"
 #include "core/struct_size.h"
+#include "plan/arrays.h"
+#include "plan/attributes.h"
 #include "plan/estimate.h"
-#include "plan/host_copy.h"
-#include "plan/part.h"
-#include "svocl/nodes.h"
 
-/* The same units for all depths up to 12, so that their trees nest. Above, a voxel has 2^8 units. */
-#define SNAP_BITS           20u
-#define SNAP_BITS_DEPTH_MAX 12u
-#define DEEP_VOXEL_LOG2     8u
-
-/* Limits on the unit of weights in a header; those of attributes.c lie inside. */
-#define WEIGHT_LOG2_MAX 48u
-
-uint32_t svo_i_snap_bits(uint32_t depth)
-{
-    return depth <= SNAP_BITS_DEPTH_MAX ? SNAP_BITS : depth + DEEP_VOXEL_LOG2;
-}
-
-bool svo_i_plan_is_part(const svo_plan *plan)
-{
-    return plan->part.header.depth != 0;
-}
-
-/* Why a header cannot be that of a tree of that depth, or NULL. */
-static const char *wrong_header(const svo_part_header *header, uint32_t depth)
-{
-    if (header->depth != depth) {
-        return "is of a tree of another depth";
-    }
-    if (header->snap_bits != svo_i_snap_bits(depth) || header->coverage > SVO_COVERAGE_THIN ||
-        header->weights > SVO_WEIGHTS_CENTER || header->payload_level > depth ||
-        (header->need & ~(uint32_t)SVO_NEED_ALL) != 0 || (header->constant & ~header->need) != 0 ||
-        header->weight_log2 > WEIGHT_LOG2_MAX) {
-        return "has values that no plan has";
-    }
-    const bool has_grid = isfinite(header->origin[0]) && isfinite(header->origin[1]) && isfinite(header->origin[2]) &&
-                          isfinite(header->edge) && isfinite(header->scale) && header->scale > 0.0;
-    return has_grid ? NULL : "has a grid that is not finite";
-}
-
-static svo_status check_place(svo_device *device, const char *function, uint32_t depth, const svo_plan_options *options)
-{
-    if (options->part_level >= depth) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.part_level %u is not below depth %u",
-                                 function, options->part_level, depth);
-    }
-    if (options->part_code >> (3 * options->part_level) != 0) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.part_code %llu is not below 8^%u", function,
-                                 (unsigned long long)options->part_code, options->part_level);
-    }
-    return options->place != SVO_PLACE_DEVICE
-               ? SVO_OK
-               : svo_i_device_fail(device, SVO_UNSUPPORTED,
-                                   "%s: options.place is device; parts are planned on the host", function);
-}
-
-/* The whole's request, as far as it concerns the part. */
-static void take_request(const svo_part_header *header, svo_plan_options *options)
-{
-    const uint32_t level = options->part_level;
-    options->need = header->need != 0 ? header->need : (uint32_t)SVO_NEED_NONE;
-    options->coverage = (svo_coverage)header->coverage;
-    options->weights = (svo_weights)header->weights;
-    options->payload_level = header->payload_level > level ? header->payload_level - level : 0;
-    options->edge = 0.0;
-    memset(options->origin, 0, sizeof options->origin);
-}
-
-svo_status svo_i_part_read(svo_device *device, const char *function, uint32_t depth, svo_plan_options *options,
-                           svo_i_plan_part *part)
-{
-    svo_part_header header;
-    if (options->part_header == NULL) {
-        return SVO_OK;
-    }
-    SVO_I_TRY(svo_i_struct_read(&device->message, function, "options.part_header", options->part_header, &header,
-                                SVO_I_STRUCT_SIZES(svo_part_header, expected_nodes)));
-    const char *wrong = wrong_header(&header, depth);
-    if (wrong != NULL) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.part_header %s", function, wrong);
-    }
-    SVO_I_TRY(check_place(device, function, depth, options));
-    take_request(&header, options);
-    *part = (svo_i_plan_part){.header = header, .level = options->part_level, .code = options->part_code};
-    uint32_t cell[3];
-    svo_code_to_cell(part->code, cell);
-    for (unsigned axis = 0; axis < 3; ++axis) {
-        part->corner[axis] = (int32_t)(cell[axis] << (header.snap_bits - part->level));
-    }
-    return SVO_OK;
-}
-
-void svo_i_part_grid(svo_plan *plan)
-{
-    const svo_part_header *header = &plan->part.header;
-    plan->info.scale = header->scale;
-    plan->info.edge = ldexp(1.0, (int)plan->info.snap_bits) / header->scale;
-    for (unsigned axis = 0; axis < 3; ++axis) {
-        plan->info.origin[axis] = header->origin[axis] + (double)plan->part.corner[axis] / header->scale;
-    }
-}
-
-svo_status svo_i_part_alloc(svo_plan *plan, size_t triangles)
-{
-    if (!svo_i_plan_is_part(plan)) {
-        return SVO_OK;
-    }
-    plan->part.positions = svo_i_alloc(&plan->device->memory, (triangles + 1) * sizeof(uint32_t));
-    return plan->part.positions != NULL
-               ? SVO_OK
-               : svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %zu triangles",
-                                   plan->progress.function, triangles);
-}
-
-void svo_i_part_counts(svo_plan *plan)
-{
-    const svo_part_header *header = &plan->part.header;
-    if (svo_i_plan_is_part(plan)) {
-        plan->info.triangles = header->triangles;
-        plan->info.refused_triangles = header->refused_triangles;
-        plan->info.outside_triangles = header->triangles - header->refused_triangles - header->kept_triangles;
-        plan->info.snap_error = header->snap_error;
-        plan->work.both_sides = (header->flags & SVO_PART_BOTH_SIDES) != 0;
-    }
-}
-
-void svo_i_plan_take_constants(svo_plan *plan)
-{
-    const svo_part_header *header = &plan->part.header;
-    svo_i_work *work = &plan->work;
-    work->constant = header->constant;
-    memcpy(&work->constant_color, header->constant_color, sizeof work->constant_color);
-    memcpy(work->constant_normal, header->constant_normal, sizeof work->constant_normal);
-    work->constant_material = header->constant_material;
-    plan->info.constant = header->constant;
-    plan->weight_log2 = header->weight_log2;
-}
-
-void svo_i_part_name_triangles(svo_plan *plan)
-{
-    if (svo_i_plan_is_part(plan)) {
-        svo_i_free(plan->triangle_ids);
-        plan->triangle_ids = plan->part.positions;
-        plan->part.positions = NULL;
-    }
-}
-
-bool svo_i_part_sums_root(const svo_plan *plan)
-{
-    return svo_i_plan_is_part(plan) && plan->part.header.payload_level < plan->part.level;
-}
+/* ---- headers ---- */
 
 /* Nodes that the mesh's area accounts for: on a level no more than its fragments of whole surfaces, or its cells. */
 static double expected_nodes(const svo_plan *plan)
@@ -223,4 +80,187 @@ svo_status svo_plan_get_part_header(const svo_plan *plan, svo_part_header *heade
     const svo_part_header made = header_of(plan);
     return svo_i_struct_write(&plan->device->message, function, "header", &made, header,
                               SVO_I_STRUCT_SIZES(svo_part_header, expected_nodes));
+}
+
+/* ---- surveys ---- */
+
+/* Each block is planned by itself on the grid of the whole; counts, sums and findings add up in the plan of the whole,
+   which has no arrays. */
+
+#define NAME "svo_parts_create_from_file"
+
+/* Whether a mesh must be whole for them: the vertices that rays meet, and whether it is closed. */
+#define WHOLE_NEEDS ((uint32_t)SVO_NEED_RAYS | (uint32_t)SVO_NEED_PROJECTED_AREA)
+
+svo_status svo_i_survey_begin(svo_plan *empty, svo_i_survey *survey)
+{
+    *survey = (svo_i_survey){.whole = empty,
+                             .bounds = {false, {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}}};
+    const uint32_t need = empty->options.need & WHOLE_NEEDS;
+    if (svo_i_plan_is_part(empty)) {
+        return svo_i_device_fail(empty->device, SVO_INVALID_ARGUMENT, NAME ": options.part_header is not NULL");
+    }
+    if (need != 0) {
+        return svo_i_device_fail(empty->device, SVO_UNSUPPORTED, "%s needs the whole mesh",
+                                 svo_need_name((need & SVO_NEED_RAYS) != 0 ? SVO_NEED_RAYS : SVO_NEED_PROJECTED_AREA));
+    }
+    empty->progress = (svo_i_progress){.function = NAME};
+    /* Without triangles all payload is constant. */
+    svo_i_free(empty->materials);
+    empty->materials = NULL;
+    empty->one_normal = false;
+    empty->work = (svo_i_work){.made = 0};
+    return SVO_OK;
+}
+
+static bool is_finite(const float *corners)
+{
+    bool finite = true;
+    for (unsigned i = 0; i < 9; ++i) {
+        finite = finite && isfinite(corners[i]);
+    }
+    return finite;
+}
+
+void svo_i_survey_bounds(svo_i_survey *survey, const svo_mesh *block)
+{
+    svo_i_bounds *bounds = &survey->bounds;
+    for (size_t t = 0; t < block->triangle_count; ++t) {
+        const float *corners = block->positions + t * 9;
+        if (!is_finite(corners)) {
+            continue;
+        }
+        bounds->any = true;
+        for (unsigned i = 0; i < 9; ++i) {
+            const double x = (double)corners[i];
+            const unsigned axis = i % 3;
+            bounds->low[axis] = x < bounds->low[axis] ? x : bounds->low[axis];
+            bounds->high[axis] = x > bounds->high[axis] ? x : bounds->high[axis];
+        }
+    }
+}
+
+svo_status svo_i_survey_fit(svo_i_survey *survey)
+{
+    return svo_i_plan_make_grid(survey->whole, &survey->bounds);
+}
+
+/* ---- blocks ---- */
+
+static svo_plan *new_block(const svo_plan *whole)
+{
+    svo_plan *block = svo_i_alloc_zeroed(&whole->device->memory, 1, sizeof *block);
+    if (block != NULL) {
+        block->device = whole->device;
+        block->options = whole->options;
+        block->info = whole->info;
+        block->info.outside_triangles = 0;
+        block->voxel_log2 = whole->voxel_log2;
+        block->progress.function = NAME;
+        block->has_grid = true;
+    }
+    return block;
+}
+
+static void add_counts(svo_i_survey *survey, const svo_plan *block)
+{
+    svo_plan *whole = survey->whole;
+    whole->info.triangles += block->info.triangles;
+    whole->info.refused_triangles += block->info.refused_triangles;
+    whole->info.outside_triangles += block->info.outside_triangles;
+    whole->info.snap_error = fmax(whole->info.snap_error, block->info.snap_error);
+    whole->sums.widths += block->sums.widths;
+    whole->sums.areas_high += block->sums.areas_high;
+    whole->sums.areas_low += block->sums.areas_low;
+    survey->kept += block->triangle_count;
+}
+
+/* Adds the findings of a block with triangles. */
+static void add_findings(svo_i_survey *survey, const svo_i_findings *block)
+{
+    svo_i_findings *found = &survey->found;
+    if (survey->kept == 0) {
+        *found = *block;
+        return;
+    }
+    found->largest_area = fmax(found->largest_area, block->largest_area);
+    found->colors_vary = found->colors_vary || block->colors_vary || block->first_color != found->first_color;
+    found->normals_vary = found->normals_vary || block->normals_vary ||
+                          memcmp(block->first_normal, found->first_normal, sizeof found->first_normal) != 0;
+    found->own_normals_vary = found->own_normals_vary || block->own_normals_vary ||
+                              !svo_i_same_own_normal(&block->first_record, &found->first_record);
+}
+
+static svo_status find(svo_i_survey *survey, svo_plan *block, const svo_mesh *mesh)
+{
+    svo_i_findings found = {.material_used = survey->material_used};
+    svo_i_plan_resolve_need(block, mesh, mesh->colors != NULL);
+    survey->whole->info.need = block->info.need;
+    survey->has_colors = mesh->colors != NULL;
+    survey->has_normals = mesh->normals != NULL;
+    if ((block->info.need & SVO_I_NEED_PAYLOAD) != 0 && block->triangle_count > 0) {
+        SVO_I_TRY(svo_i_plan_find(block, mesh, &found));
+        add_findings(survey, &found);
+    }
+    return SVO_OK;
+}
+
+svo_status svo_i_survey_add(svo_i_survey *survey, const svo_mesh *block, uint32_t *kept, uint32_t *kept_count)
+{
+    svo_device *device = survey->whole->device;
+    svo_status status = SVO_OK;
+    svo_plan *plan = new_block(survey->whole);
+    if (plan == NULL) {
+        return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, NAME ": no memory for a block");
+    }
+    SVO_I_TRY_CLEANUP(svo_i_plan_grid(plan, block));
+    SVO_I_TRY_CLEANUP(find(survey, plan, block));
+    add_counts(survey, plan);
+    if (survey->whole->info.triangles >= UINT32_MAX) {
+        status = svo_i_device_fail(device, SVO_INVALID_ARGUMENT, NAME ": the mesh has 2^32 - 1 triangles or more");
+        goto cleanup;
+    }
+    *kept_count = plan->triangle_count;
+    memcpy(kept, plan->triangle_ids, plan->triangle_count * sizeof *kept);
+cleanup:
+    svo_plan_destroy(&plan);
+    return status;
+}
+
+/* ---- the whole ---- */
+
+/* Stands for an attribute of all vertices, which the whole has but the survey has not. */
+static svo_status stand_in(svo_plan *whole, bool is_needed, size_t bytes, void **out)
+{
+    *out = is_needed ? svo_i_alloc_zeroed(&whole->device->memory, 1, bytes) : NULL;
+    return *out != NULL || !is_needed ? SVO_OK
+                                      : svo_i_device_fail(whole->device, SVO_OUT_OF_HOST_MEMORY, NAME ": no memory");
+}
+
+static svo_status conclude(svo_i_survey *survey)
+{
+    const svo_mesh none = {.struct_size = sizeof none};
+    svo_plan *whole = survey->whole;
+    void *array = NULL;
+    survey->found.material_used = survey->material_used;
+    SVO_I_TRY(stand_in(whole, (whole->info.need & SVO_NEED_NORMAL) != 0 && survey->has_normals, 8, &array));
+    whole->normals = array;
+    SVO_I_TRY(stand_in(whole, (whole->info.need & SVO_NEED_COLOR) != 0 && survey->has_colors, 4, &array));
+    whole->colors = array;
+    if ((whole->info.need & SVO_NEED_COLOR) != 0) {
+        SVO_I_TRY(svo_i_plan_copy_materials(whole, &none, false, survey->material_used));
+    }
+    return svo_i_plan_conclude(whole, &survey->found);
+}
+
+svo_status svo_i_survey_header(svo_i_survey *survey, svo_part_header *header)
+{
+    svo_plan *whole = survey->whole;
+    whole->triangle_count = (uint32_t)survey->kept;
+    svo_i_estimate_end(whole);
+    whole->info.expected_fragments = svo_i_plan_expected(whole, whole->info.depth);
+    if ((whole->info.need & SVO_I_NEED_PAYLOAD) != 0) {
+        SVO_I_TRY(conclude(survey));
+    }
+    return svo_plan_get_part_header(whole, header);
 }

@@ -1,22 +1,261 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Creates plans: checks the request, runs the host's steps (grid.c, attributes.c) and configures the build. A measuring
- * build predicts the sizes later (build/measure.c). All later steps of the pipeline follow the plan.
+ * Creates plans: checks the request, has its mesh taken in by the host (grid.c, attributes.c) or by kernels
+ * (device_plan.c), with the same bytes, and configures the build. A measuring build predicts the sizes later
+ * (pipeline/run.c). All later steps of the pipeline follow the plan.
  */
 #include "plan/plan.h"
-#include "core/mesh.h"
-#include "core/struct_size.h"
-#include "plan/configuration.h"
-#include "plan/estimate.h"
-#include "plan/host_copy.h"
-#include "plan/part.h"
-#include "plan/place.h"
-#include "plan/progress.h"
-#include "plan/update.h"
-#include "svocl/nodes.h"
 
 #include <math.h>
 #include <string.h>
+
+#include "core/mesh.h"
+#include "core/opencl.h"
+#include "core/struct_size.h"
+#include "plan/accounts.h"
+#include "plan/arrays.h"
+#include "plan/attributes.h"
+#include "plan/configuration.h"
+#include "plan/device_plan.h"
+#include "plan/estimate.h"
+#include "plan/grid.h"
+#include "plan/update.h"
+#include "svocl/nodes.h"
+
+/* ---- positions for rays ---- */
+
+/*
+ * Keeps the mesh's own vertices beside the snapped ones. Voxels are those of the snapped mesh; rays need no integers
+ * and meet the mesh as it was given.
+ */
+
+/* Copies the elements of a vertex for each corner; vertices without a triangle stay 0, since they may not be finite. */
+static void copy_used(const svo_plan *plan, const void *from, void *to, size_t vertex_bytes)
+{
+    for (size_t i = 0; i < (size_t)plan->triangle_count * 3; ++i) {
+        const size_t at = plan->indices[i] * vertex_bytes;
+        memcpy((char *)to + at, (const char *)from + at, vertex_bytes);
+    }
+}
+
+/* Copies the positions of the vertices that kept triangles use, as floats or doubles like the mesh's, if rays are
+   asked for that meet triangles. */
+static svo_status keep_positions(svo_plan *plan, const svo_mesh *mesh)
+{
+    if ((plan->info.need & SVO_NEED_RAYS) == 0 || plan->info.coverage == SVO_COVERAGE_THIN) {
+        return SVO_OK;
+    }
+    const bool is_double = mesh->positions_double != NULL;
+    const size_t vertex_bytes = is_double ? 3 * sizeof(double) : 3 * sizeof(float);
+    void *copy = svo_i_alloc_zeroed(&plan->device->memory, (size_t)plan->vertex_count + 1, vertex_bytes);
+    if (copy == NULL) {
+        return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY,
+                                 "svo_plan_create: no memory for the positions of %u vertices", plan->vertex_count);
+    }
+    if (is_double) {
+        plan->positions_double = copy;
+        copy_used(plan, mesh->positions_double, copy, vertex_bytes);
+    } else {
+        plan->positions = copy;
+        copy_used(plan, mesh->positions, copy, vertex_bytes);
+    }
+    return SVO_OK;
+}
+
+/* ---- where a plan is made ---- */
+
+const char *svo_place_name(svo_place place)
+{
+    static const char *const names[] = {"default", "host", "device"};
+    return (unsigned)place <= SVO_PLACE_DEVICE ? names[place] : "unknown place";
+}
+
+/* Whether the device's doubles are those of the host: with denormals, rounded to nearest; floats with denormals. */
+static svo_status find_doubles(svo_device *device, const char *function, bool *has_doubles)
+{
+    const cl_device_fp_config needed = CL_FP_DENORM | CL_FP_INF_NAN | CL_FP_ROUND_TO_NEAREST;
+    cl_device_fp_config doubles = 0;
+    cl_device_fp_config floats = 0;
+    SVO_I_TRY(svo_i_device_property(device->device, CL_DEVICE_DOUBLE_FP_CONFIG, sizeof doubles, &doubles, function,
+                                    &device->message));
+    SVO_I_TRY(svo_i_device_property(device->device, CL_DEVICE_SINGLE_FP_CONFIG, sizeof floats, &floats, function,
+                                    &device->message));
+    *has_doubles = (doubles & needed) == needed && (floats & needed) == needed;
+    return SVO_OK;
+}
+
+/* Whether kernels are likely quicker. A handle with a budget has its memory for builds. */
+static bool prefers_kernels(svo_device *device, const char *function, uint64_t triangles)
+{
+    bool has_doubles = false;
+    if (device->budget != NULL || triangles < SVO_I_KERNEL_TRIANGLES_MIN) {
+        return false;
+    }
+    device->planned_triangles += triangles;
+    return (svo_i_program_known(device, SVO_I_PROGRAM_PLAN, "") || device->planned_triangles >= SVO_I_LOAD_TRIANGLES) &&
+           find_doubles(device, function, &has_doubles) == SVO_OK && has_doubles;
+}
+
+/* Names the kept triangles of a part by their positions among those of the whole. */
+static void name_triangles(svo_plan *plan)
+{
+    if (svo_i_plan_is_part(plan)) {
+        svo_i_free(plan->triangle_ids);
+        plan->triangle_ids = plan->part.positions;
+        plan->part.positions = NULL;
+    }
+}
+
+static svo_status take_on_host(svo_plan *plan, const svo_i_plan_input *input)
+{
+    plan->info.place = SVO_PLACE_HOST;
+    SVO_I_TRY(svo_i_plan_grid(plan, &input->mesh));
+    SVO_I_TRY(svo_i_plan_attributes(plan, &input->mesh));
+    name_triangles(plan);
+    return keep_positions(plan, &input->mesh);
+}
+
+static svo_status take_on_device(svo_plan *plan, const svo_i_plan_input *input)
+{
+    svo_i_device_work work;
+    svo_i_device_mesh mesh = {0};
+    bool has_doubles = false;
+    plan->info.place = SVO_PLACE_DEVICE;
+    SVO_I_TRY(find_doubles(plan->device, plan->progress.function, &has_doubles));
+    if (!has_doubles) {
+        return svo_i_device_fail(plan->device, SVO_UNSUPPORTED,
+                                 "%s: %s has no doubles with denormals, which a plan's kernels need",
+                                 plan->progress.function, plan->device->name);
+    }
+    SVO_I_TRY(svo_i_work_begin(plan->device, plan->progress.function, input->queue, &work));
+    work.wait_count = input->wait_count;
+    work.wait = input->wait;
+    const svo_status status = plan->options.updatable != 0 ? svo_i_update_create(plan, &work, input, &mesh)
+                                                           : svo_i_device_take_mesh(plan, &work, input, &mesh);
+    svo_i_work_end(&work);
+    svo_i_device_mesh_free(&mesh);
+    return status;
+}
+
+/* Frees what an attempt has left, and restores the plan from before it. */
+static void start_over(svo_plan *plan, const svo_plan *before)
+{
+    const svo_i_progress progress = plan->progress;
+    svo_i_plan_memory_free(&plan->memory);
+    svo_i_free(plan->large);
+    svo_i_free(plan->materials);
+    svo_i_free(plan->texels);
+    *plan = *before;
+    plan->progress = progress;
+}
+
+/* Takes the mesh into a plan: the grid, the draw items, the payload inputs. The bytes are the same in both places. */
+static svo_status take_mesh(svo_plan *plan, const svo_i_plan_input *input)
+{
+    const svo_plan before = *plan;
+    if (plan->options.place == SVO_PLACE_DEVICE || plan->options.updatable != 0 || input->buffers != NULL) {
+        return take_on_device(plan, input);
+    }
+    if (plan->options.place == SVO_PLACE_HOST || svo_i_plan_is_part(plan) ||
+        !prefers_kernels(plan->device, plan->progress.function, input->mesh.triangle_count)) {
+        return take_on_host(plan, input);
+    }
+    const svo_status status = take_on_device(plan, input);
+    if (status != SVO_OUT_OF_DEVICE_MEMORY && status != SVO_COMPILE_FAILED) {
+        return status;
+    }
+    start_over(plan, &before);
+    return take_on_host(plan, input);
+}
+
+/* ---- parts: what the header of the whole decides ---- */
+
+/* The same units for all depths up to 12, so that their trees nest. Above, a voxel has 2^8 units. */
+#define SNAP_BITS           20u
+#define SNAP_BITS_DEPTH_MAX 12u
+#define DEEP_VOXEL_LOG2     8u
+
+/* Limits on the unit of weights in a header; those of attributes.c lie inside. */
+#define WEIGHT_LOG2_MAX 48u
+
+/* Grid units per axis of a tree of that depth, as a power of two. */
+static uint32_t snap_bits(uint32_t depth)
+{
+    return depth <= SNAP_BITS_DEPTH_MAX ? SNAP_BITS : depth + DEEP_VOXEL_LOG2;
+}
+
+/* Why a header cannot be that of a tree of that depth, or NULL. */
+static const char *wrong_header(const svo_part_header *header, uint32_t depth)
+{
+    if (header->depth != depth) {
+        return "is of a tree of another depth";
+    }
+    if (header->snap_bits != snap_bits(depth) || header->coverage > SVO_COVERAGE_THIN ||
+        header->weights > SVO_WEIGHTS_CENTER || header->payload_level > depth ||
+        (header->need & ~(uint32_t)SVO_NEED_ALL) != 0 || (header->constant & ~header->need) != 0 ||
+        header->weight_log2 > WEIGHT_LOG2_MAX) {
+        return "has values that no plan has";
+    }
+    const bool has_grid = isfinite(header->origin[0]) && isfinite(header->origin[1]) && isfinite(header->origin[2]) &&
+                          isfinite(header->edge) && isfinite(header->scale) && header->scale > 0.0;
+    return has_grid ? NULL : "has a grid that is not finite";
+}
+
+static svo_status check_place(svo_device *device, const char *function, uint32_t depth, const svo_plan_options *options)
+{
+    if (options->part_level >= depth) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.part_level %u is not below depth %u",
+                                 function, options->part_level, depth);
+    }
+    if (options->part_code >> (3 * options->part_level) != 0) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.part_code %llu is not below 8^%u", function,
+                                 (unsigned long long)options->part_code, options->part_level);
+    }
+    return options->place != SVO_PLACE_DEVICE
+               ? SVO_OK
+               : svo_i_device_fail(device, SVO_UNSUPPORTED,
+                                   "%s: options.place is device; parts are planned on the host", function);
+}
+
+/* The whole's request, as far as it concerns the part. */
+static void take_request(const svo_part_header *header, svo_plan_options *options)
+{
+    const uint32_t level = options->part_level;
+    options->need = header->need != 0 ? header->need : (uint32_t)SVO_NEED_NONE;
+    options->coverage = (svo_coverage)header->coverage;
+    options->weights = (svo_weights)header->weights;
+    options->payload_level = header->payload_level > level ? header->payload_level - level : 0;
+    options->edge = 0.0;
+    memset(options->origin, 0, sizeof options->origin);
+}
+
+/* Checks the options of a part and replaces those that the header decides. Leaves *part as it is where there is no
+   header. */
+static svo_status read_part(svo_device *device, const char *function, uint32_t depth, svo_plan_options *options,
+                            svo_i_plan_part *part)
+{
+    svo_part_header header;
+    if (options->part_header == NULL) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(svo_i_struct_read(&device->message, function, "options.part_header", options->part_header, &header,
+                                SVO_I_STRUCT_SIZES(svo_part_header, expected_nodes)));
+    const char *wrong = wrong_header(&header, depth);
+    if (wrong != NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.part_header %s", function, wrong);
+    }
+    SVO_I_TRY(check_place(device, function, depth, options));
+    take_request(&header, options);
+    *part = (svo_i_plan_part){.header = header, .level = options->part_level, .code = options->part_code};
+    uint32_t cell[3];
+    svo_code_to_cell(part->code, cell);
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        part->corner[axis] = (int32_t)(cell[axis] << (header.snap_bits - part->level));
+    }
+    return SVO_OK;
+}
+
+/* ---- the handle ---- */
 
 /* Far above the fragments of one column of one triangle, which a chunk must hold. */
 #define CHUNK_BYTES_MIN 16384
@@ -25,26 +264,6 @@ const char *svo_coverage_name(svo_coverage coverage)
 {
     static const char *const names[] = {"half-open", "closed", "thin"};
     return (unsigned)coverage <= SVO_COVERAGE_THIN ? names[coverage] : "unknown coverage";
-}
-
-const char *svo_need_name(svo_need bit)
-{
-    switch (bit) {
-    case SVO_NEED_COLOR:
-        return "color";
-    case SVO_NEED_NORMAL:
-        return "normal";
-    case SVO_NEED_RAYS:
-        return "rays";
-    case SVO_NEED_MATERIAL:
-        return "material";
-    case SVO_NEED_FILL:
-        return "fill";
-    case SVO_NEED_PROJECTED_AREA:
-        return "projected-area";
-    default:
-        return "none";
-    }
 }
 
 const char *svo_weights_name(svo_weights weights)
@@ -203,13 +422,13 @@ static svo_status make_plan(svo_plan *plan, const char *function, const svo_i_pl
     const double start_ms = svo_i_now_ms();
     const double compiled_ms = plan->device->compile_ms;
     const uint32_t depth = plan->info.depth;
-    plan->info.snap_bits = svo_i_snap_bits(depth + plan->part.level) - plan->part.level;
+    plan->info.snap_bits = snap_bits(depth + plan->part.level) - plan->part.level;
     plan->info.coverage = plan->options.coverage;
     plan->voxel_log2 = plan->info.snap_bits - depth;
     plan->progress.expected_ns[SVO_STAGE_GRID] = SVO_I_SNAP_NS * (double)mesh->vertex_count +
                                                  (SVO_I_KEEP_NS + SVO_I_ATTRIBUTES_NS) * (double)mesh->triangle_count;
     SVO_I_TRY(svo_i_progress_begin(plan, function, SVO_I_STAGE_BIT(SVO_STAGE_GRID)));
-    SVO_I_TRY(svo_i_plan_take_mesh(plan, input));
+    SVO_I_TRY(take_mesh(plan, input));
     plan->info.expected_fragments = svo_i_plan_expected(plan, depth);
     plan->info.area = plan->estimate[2] / (plan->info.scale * plan->info.scale * sqrt(3.0));
     SVO_I_TRY(svo_i_plan_configure(plan));
@@ -228,7 +447,7 @@ svo_status svo_i_plan_new(svo_device *device, const char *function, const svo_i_
     SVO_I_TRY(svo_i_struct_read(&device->message, function, "options", options, &asked,
                                 SVO_I_STRUCT_SIZES(svo_plan_options, coverage)));
     svo_i_plan_part part = {.level = 0};
-    SVO_I_TRY(svo_i_part_read(device, function, depth, &asked, &part));
+    SVO_I_TRY(read_part(device, function, depth, &asked, &part));
     SVO_I_TRY(check_input(device, function, input, &asked));
     depth -= part.level;
     if (asked.payload_level > depth) {

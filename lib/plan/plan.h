@@ -1,9 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* Creates a plan without the prediction of its sizes, which needs the stages (build/measure.c). */
+/* Creates a plan without the prediction of its sizes, which needs the stages (pipeline/run.c). */
 #ifndef SVO_LIB_PLAN_PLAN_H
 #define SVO_LIB_PLAN_PLAN_H
 
-#include "plan/device_mesh.h"
+#include "plan/arrays.h"
+#include "plan/plan_data.h"
+
+/* Plans of fewer triangles are made on the host: launches would take longer. */
+#define SVO_I_KERNEL_TRIANGLES_MIN 4096u
+/* A handle loads the plan's kernels when its plans had so many triangles in all: until then the host takes about as
+   long as loading. So neither one small mesh nor many of them pay much for nothing. */
+#define SVO_I_LOAD_TRIANGLES 131072u
 
 /* The table of stages, which must outlive plans. */
 typedef struct svo_i_stage_list {

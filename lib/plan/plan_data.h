@@ -2,6 +2,21 @@
 /*
  * The data of a plan: the snapped mesh, the draws, the configuration of a build, its buffers. plan.c and the other
  * files of this folder fill it; front ends and stages read it.
+ *
+ * The files of this room:
+ *
+ *   plan           svo_plan: checks a request, and takes the mesh on the host or by kernels
+ *   grid           on the host: accepts triangles, fits the grid, snaps, classifies
+ *   closed         whether a mesh is closed
+ *   attributes     payload inputs, and payload that is the same in every node
+ *   device_plan    grid and attributes by kernels
+ *   arrays         the mesh's and the plan's arrays, between host and device
+ *   estimate       how many fragments and nodes a plan has to expect
+ *   chunking       the cut of the fragment list into chunks, and of large triangles into tiles
+ *   configuration  what a build does, leaves out and compiles; the choice of a front end
+ *   accounts       what a running call tells its callback, and the bytes that it holds
+ *   update         plans whose mesh moves
+ *   part           the header of all parts of a tree
  */
 #ifndef SVO_LIB_PLAN_PLAN_DATA_H
 #define SVO_LIB_PLAN_PLAN_DATA_H
@@ -90,7 +105,7 @@ typedef struct svo_i_chunk {
     uint64_t capacity; /* fragments */
 } svo_i_chunk;
 
-struct svo_i_tile_cache; /* tiles.h */
+struct svo_i_tile_cache; /* chunking.h */
 
 /* The cut of the list into chunks of limited size. */
 typedef struct svo_i_chunking {
@@ -151,7 +166,7 @@ typedef struct svo_i_stage {
     svo_i_buffer_kind buffers[SVO_I_STAGE_BUFFERS_MAX];
 } svo_i_stage;
 
-/* The progress of the call that is running on a plan; plan/progress.h has the functions. */
+/* The progress of the call that is running on a plan; plan/accounts.h has the functions. */
 typedef struct svo_i_progress {
     svo_progress_callback callback; /* NULL: nobody asks */
     void *user;
@@ -194,13 +209,13 @@ struct svo_plan {
     svo_plan_info info;
     svo_plan_options options;
     svo_i_plan_part part;
-    bool has_grid; /* info has it before the mesh is taken: survey.c */
+    bool has_grid; /* info has it before the mesh is taken: part.c */
     svo_i_work work; /* what a build does */
-    const svo_i_stage *stages; /* the table of stages, in build/stage_table.c */
+    const svo_i_stage *stages; /* the table of stages, in pipeline/stage_table.c */
     size_t stage_count;
     uint32_t voxel_log2; /* edge of a voxel in grid units */
 
-    svo_i_plan_memory memory; /* plan/host_copy.h brings it to the host */
+    svo_i_plan_memory memory; /* plan/arrays.h brings it to the host */
     /* The snapped mesh. Vertices that no kept triangle uses are 0. */
     int32_t *vertices; /* vertex_count * 3 */
     uint32_t vertex_count;
@@ -244,5 +259,17 @@ struct svo_plan {
     bool counted; /* the capacity of the list is the exact number of fragments */
     bool built; /* buffers are those of a build, not a prediction */
 };
+
+/* Whether a plan is that of a part of a larger tree. */
+static inline bool svo_i_plan_is_part(const svo_plan *plan)
+{
+    return plan->part.header.depth != 0;
+}
+
+/* Whether a level above the part sums up its root's payload. */
+static inline bool svo_i_part_sums_root(const svo_plan *plan)
+{
+    return svo_i_plan_is_part(plan) && plan->part.header.payload_level < plan->part.level;
+}
 
 #endif

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Updatable plans: kernels make them from a mesh that moves (device_grid.c), and the host learns nothing of it. All
+ * Updatable plans: kernels make them from a mesh that moves (device_plan.c), and the host learns nothing of it. All
  * arrays have room for every triangle, so that counts are needed nowhere before a build has ended.
  */
 #ifndef SVO_LIB_PLAN_UPDATE_H
 #define SVO_LIB_PLAN_UPDATE_H
 
-#include "core/in_flight.h"
-#include "plan/device_attributes.h"
-#include "plan/device_grid.h"
+#include "core/work.h"
+#include "plan/device_plan.h"
 
 /* What kernels count of a mesh. */
 typedef struct svo_i_mesh_totals {
@@ -30,10 +29,6 @@ typedef struct svo_i_update {
     svo_i_edge_sums edge_sums;
 } svo_i_update;
 
-/* Launches what makes the plan's arrays from update->mesh. Reads nothing back. */
-svo_status svo_i_update_run(svo_plan *plan, svo_i_device_work *work);
-/* Reads what kernels have counted. */
-svo_status svo_i_update_read(const svo_plan *plan, svo_i_device_work *work, svo_i_mesh_totals *totals);
 /* Waits for the newest update and takes its totals. For calls that wait. */
 svo_status svo_i_update_settle(svo_plan *plan, const char *function, cl_command_queue queue);
 /* Takes what the host has read. SVO_CAPACITY_EXCEEDED: the mesh's area is too large for the plan's weights. */
@@ -48,6 +43,14 @@ void svo_i_update_destroy(svo_i_update *update);
 const char *svo_i_update_wrong(const svo_plan *plan, bool on_device);
 
 /* Room for the tiles of a chunk's large triangles. */
-uint64_t svo_i_update_tiles_max(uint64_t fragment_capacity);
+static inline uint64_t svo_i_update_tiles_max(uint64_t fragment_capacity)
+{
+    return fragment_capacity / 4 + 256;
+}
+
+/* Makes the plan's arrays and plan->update from the input, and waits. mesh receives the input's arrays; the caller
+   frees it. */
+svo_status svo_i_update_create(svo_plan *plan, svo_i_device_work *work, const svo_i_plan_input *input,
+                               svo_i_device_mesh *mesh);
 
 #endif

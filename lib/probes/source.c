@@ -2,7 +2,7 @@
 /* Probes in kernels: the library's own and the caller's. */
 #include "probes/source.h"
 
-#include "core/foreign.h"
+#include "core/opencl.h"
 
 /* Of kernels/probes: choose.clh, diffuse.clh. */
 extern const char svo_i_source_light_field[];

@@ -3,7 +3,7 @@
 #ifndef SVO_LIB_RAYS_BATCH_H
 #define SVO_LIB_RAYS_BATCH_H
 
-#include "rays/target.h"
+#include "rays/rays.h"
 #include "svocl/trace.h"
 
 typedef struct svo_i_batch {

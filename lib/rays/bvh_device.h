@@ -3,7 +3,7 @@
 #ifndef SVO_LIB_RAYS_BVH_DEVICE_H
 #define SVO_LIB_RAYS_BVH_DEVICE_H
 
-#include "rays/bvh_data.h"
+#include "rays/bvh_fit.h"
 
 typedef struct svo_i_bvh_options {
     svo_bvh_quality quality;

@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The host side of kernels/rays/rays.clh: builds the BVH on first use, and sets the arguments of svocl's and of the
- * caller's kernels. trace.c and render.c launch.
+ * caller's kernels. batch.c and picture.c launch.
  */
 #include "rays/rays.h"
 
 #include <math.h>
 
-#include "core/foreign.h"
+#include "core/opencl.h"
 #include "rays/bvh_device.h"
 #include "rays/bvh_fit.h"
-#include "rays/corners.h"
 #include "svocl/plan.h"
 #include "svocl/trace.h"
 

@@ -1,15 +1,35 @@
 /* SPDX-License-Identifier: MIT */
-/* The BVH that a tree keeps beside its public arrays, and the arguments of the ray kernels. */
+/*
+ * What rays meet: the BVH that a tree keeps beside its public arrays, and the arguments of the ray kernels.
+ *
+ * The files of this room:
+ *
+ *   rays        the BVH of a tree, and arguments of ray kernels
+ *   bvh_device  makes BVHs
+ *   bvh_fit     what BVHs are; their leaves and boxes, the corners of leaves
+ *   batch       rays and points in batches
+ *   picture     pictures, and buffers for them
+ *   camera      cameras and their frames
+ */
 #ifndef SVO_LIB_RAYS_RAYS_H
 #define SVO_LIB_RAYS_RAYS_H
 
 #include "core/program.h"
 #include "core/tree.h"
 #include "rays/bvh_device.h"
-#include "rays/corners.h"
-#include "rays/target.h"
+#include "rays/bvh_fit.h"
 #include "shared/layout.h"
 #include "svocl/nodes.h"
+
+/* What rays are traced against: a built tree's triangles or voxels, a compact tree. */
+typedef struct svo_i_ray_target {
+    void *of;
+    cl_uint arguments; /* that SVO_TREE_PARAMETERS declares */
+    /* Whether rays can be traced; function: for the message. */
+    svo_status (*check)(void *of, const char *function);
+    /* Sets those arguments, from first_index on. */
+    svo_status (*set)(void *of, const char *function, cl_kernel kernel, cl_uint first_index);
+} svo_i_ray_target;
 
 /* Whether a tree has triangles to meet; rays against others meet its voxels. */
 bool svo_i_rays_of_triangles(const svo_tree_info *info);
@@ -39,11 +59,15 @@ svo_i_ray_buffers svo_i_rays_buffers(const svo_tree *tree);
 svo_status svo_i_rays_tree_params(const svo_tree *tree, const char *function, svo_ray_params *params);
 /* Sets the arguments that SVO_TREE_PARAMETERS declares, from first_index on. Makes the BVH if the tree has one. */
 svo_status svo_i_rays_set_tree(svo_tree *tree, const char *function, cl_kernel kernel, cl_uint first_index);
+
 SVO_I_SHARED_BEGIN
+
 /* What the kernels know of a grid; edge: svo_tree_info.edge. */
 svo_status svo_i_rays_params(svo_device *device, const char *function, const svo_grid *grid, double edge,
                              svo_ray_params *params);
+
 SVO_I_SHARED_END
+
 /* A tree's triangles as the target of batches; and its voxels, for which it makes no BVH. */
 svo_i_ray_target svo_i_rays_target(svo_tree *tree);
 svo_i_ray_target svo_i_voxels_target(svo_tree *tree);

@@ -5,7 +5,7 @@
 
 #include "core/struct_size.h"
 #include "rays/camera.h"
-#include "rays/pixels.h"
+#include "rays/picture.h"
 #include "scene/state.h"
 
 /* Rays of a pixel. */

@@ -5,7 +5,7 @@
  */
 #include "stages/bottom_up.h"
 
-#include "stages/scan.h"
+#include "stages/sort.h"
 
 typedef struct level_maker {
     svo_i_build *build;

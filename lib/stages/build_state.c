@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "plan/buffers.h"
+#include "plan/accounts.h"
 #include "plan/estimate.h"
 
 _Static_assert(sizeof((svo_build_state *)NULL)->level_begin == SVO_LEVELS_MAX * sizeof(uint32_t),

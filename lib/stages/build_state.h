@@ -1,14 +1,25 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A build in progress: the data that its stages share. build/build.c and build/enqueue.c create one and run the table
- * of stages on it.
+ * A build in progress: the data that its stages share. pipeline/build.c and pipeline/enqueue.c create one and run the
+ * table of stages on it.
+ *
+ * The files of this room:
+ *
+ *   build_state  a build in progress
+ *   inputs       what stages get from the plan: parameters, mesh, attributes, constants
+ *   voxelize     the fragment list, by the front end "cl"
+ *   subdivide    nodes, from the top down
+ *   sort         the sorted list, and prefix sums
+ *   bottom_up    nodes from the sorted list
+ *   pack         lists and ranges of leaves
+ *   material     the material of each node
+ *   filter       colors, normals and fills of all nodes, projected areas of leaves
  */
 #ifndef SVO_LIB_STAGES_BUILD_STATE_H
 #define SVO_LIB_STAGES_BUILD_STATE_H
 
 #include "commands/commands.h"
 #include "commands/frontend.h"
-#include "commands/timing.h"
 #include "core/tree.h"
 
 /* The mesh's attributes on the device. Buffers that the plan does not need are NULL. */

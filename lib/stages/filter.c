@@ -12,10 +12,8 @@
 
 #include <string.h>
 
-#include "plan/part.h"
 #include "shared/moving_layout.h"
-#include "stages/link.h"
-#include "stages/payload_params.h"
+#include "stages/inputs.h"
 
 /* Rough times for the progress: of a fragment that is linked, one that is summed, and a node that is summed. */
 #define LINK_NS   12.0
@@ -318,6 +316,20 @@ static svo_status gather_kept(filterer *f)
     return svo_i_stage_end(&build->commands, SVO_STAGE_FILTER);
 }
 
+/* Links the fragments of each leaf of a chunk into a list, by atomic exchange (kernels/stages/link.cl). heads receives
+   the first fragment of each leaf; the cursors become the links. */
+static svo_status link_chunk(svo_i_build *build, cl_kernel kernel, uint32_t chunk, cl_mem heads,
+                             svo_filter_params params)
+{
+    svo_i_commands *commands = &build->commands;
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(build->cursors[chunk]), SVO_I_ARGUMENT(heads),
+                                        SVO_I_ARGUMENT(build->state), SVO_I_ARGUMENT(params)};
+    svo_i_stage_begin(commands);
+    SVO_I_TRY(svo_i_commands_fill_zero(commands, heads, params.leaf_count * UINT64_C(4)));
+    SVO_I_TRY(svo_i_commands_launch(commands, kernel, SVO_I_ARGUMENTS(arguments), params.fragment_count));
+    return svo_i_stage_end(commands, SVO_STAGE_LINK);
+}
+
 static svo_status gather_leaves(filterer *f)
 {
     if (f->build->kept != NULL) {
@@ -330,7 +342,7 @@ static svo_status gather_leaves(filterer *f)
         f->params.fragment_count = (cl_uint)f->build->list.chunks[i].needed;
         if (!f->pairs) {
             svo_i_commands_stage(&f->build->commands, SVO_STAGE_LINK, LINK_NS);
-            SVO_I_TRY(svo_i_link(f->build, f->link, i, f->heads, f->params));
+            SVO_I_TRY(link_chunk(f->build, f->link, i, f->heads, f->params));
         }
         SVO_I_TRY(gather_chunk(f, i));
         f->params.first_chunk = 0;

@@ -5,9 +5,8 @@
  */
 #include "stages/material.h"
 
-#include "plan/part.h"
 #include "shared/moving_layout.h"
-#include "stages/payload_params.h"
+#include "stages/inputs.h"
 
 /* The entries of a level's nodes: pairs of a material and a weight. */
 typedef struct level_entries {

@@ -6,8 +6,8 @@
  */
 #include "stages/pack.h"
 
-#include "stages/payload_params.h"
-#include "stages/scan.h"
+#include "stages/inputs.h"
+#include "stages/sort.h"
 
 typedef struct packer {
     svo_i_build *build;

@@ -6,7 +6,7 @@
 #include "stages/subdivide.h"
 
 #include "plan/estimate.h"
-#include "stages/scan.h"
+#include "stages/sort.h"
 
 #define BLOCK_BYTES 64u
 #define RANK_BYTES  32u /* of a block */

@@ -5,12 +5,11 @@
  */
 #include "stages/voxelize.h"
 
+#include "plan/chunking.h"
 #include "plan/configuration.h"
 #include "plan/estimate.h"
-#include "plan/tiles.h"
 #include "plan/update.h"
-#include "stages/moving_tiles.h"
-#include "stages/snapped_mesh.h"
+#include "stages/inputs.h"
 
 /* Local memory of a work-group: for sums, and for notes and fragments. */
 #define SCRATCH_BYTES (sizeof(cl_uint) * SVO_GROUP_ITEMS)
@@ -24,7 +23,7 @@ static size_t words_bytes(const svo_device *device)
 typedef struct run {
     svo_i_commands *commands;
     const svo_i_chunking *chunking;
-    cl_mem vertices, indices; /* of commands->mesh */
+    svo_i_snapped_mesh mesh; /* whose buffers stay those of commands->mesh */
     cl_mem items, counters;
     cl_kernel kernels[SVO_I_TEST_COUNT];
 } run;
@@ -89,8 +88,7 @@ static svo_status upload(run *r)
     const uint64_t items = plan->class_begin[SVO_I_CLASS_COUNT] + (plan->update != NULL ? UINT64_C(1) : 0);
     const uint64_t counter_bytes = (r->chunking->chunk_count + 1u) * 8ull;
     svo_i_stage_begin(r->commands);
-    SVO_I_TRY(svo_i_snapped_vertices(r->commands, &r->vertices));
-    SVO_I_TRY(svo_i_snapped_indices(r->commands, &r->indices));
+    SVO_I_TRY(svo_i_snapped_mesh_get(r->commands, &r->mesh));
     SVO_I_TRY(svo_i_commands_take(r->commands, "mesh_items", plan->items, plan->memory.items,
                                   items * sizeof(svo_draw_item), &r->items));
     SVO_I_TRY(svo_i_commands_alloc(r->commands, "counters", counter_bytes, &r->counters));
@@ -144,10 +142,15 @@ static svo_status launch(run *r, const svo_i_draw *draw, svo_voxelize_params par
         const uint64_t end = part + 1 < parts ? begin + SVO_I_PART_ITEMS : ids;
         svo_voxelize_params cut = params;
         cut_launch(&cut, begin, end);
-        const svo_i_argument arguments[] = {
-            SVO_I_ARGUMENT(r->vertices), SVO_I_ARGUMENT(r->indices),  SVO_I_ARGUMENT(r->items),
-            SVO_I_ARGUMENT(tiles),       SVO_I_ARGUMENT(r->counters), SVO_I_ARGUMENT(fragments),
-            SVO_I_ARGUMENT(cut),         SVO_I_LOCAL(local_bytes),    SVO_I_LOCAL(SCRATCH_BYTES)};
+        const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->mesh.vertices),
+                                            SVO_I_ARGUMENT(r->mesh.indices),
+                                            SVO_I_ARGUMENT(r->items),
+                                            SVO_I_ARGUMENT(tiles),
+                                            SVO_I_ARGUMENT(r->counters),
+                                            SVO_I_ARGUMENT(fragments),
+                                            SVO_I_ARGUMENT(cut),
+                                            SVO_I_LOCAL(local_bytes),
+                                            SVO_I_LOCAL(SCRATCH_BYTES)};
         SVO_I_TRY(svo_i_commands_launch(r->commands, r->kernels[test_of(plan, draw->class_id)],
                                         SVO_I_ARGUMENTS(arguments), end - begin));
     }
@@ -235,8 +238,35 @@ static svo_status launch_draws(run *r, uint32_t chunk_index, const size_t *tile_
     return svo_i_stage_end(r->commands, SVO_STAGE_VOXELIZE);
 }
 
+/* Buffers for the tiles of large triangles of plans whose mesh the host does not see. */
+typedef struct moving_tiles {
+    cl_mem vertices, indices, items, counters;
+    cl_mem tiles; /* has room for svo_i_update_tiles_max */
+    cl_mem count;
+} moving_tiles;
+
+/* Lists the tiles of a draw in place of those before (kernels/plan/tiles.cl). params: of the draw; tile_count is the
+   room. */
+static svo_status list_tiles(svo_i_commands *commands, const moving_tiles *buffers, const svo_voxelize_params *params)
+{
+    cl_program program = NULL;
+    const svo_tile_item unused = {commands->plan->class_begin[SVO_I_CLASS_COUNT], 0};
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(buffers->vertices),
+                                        SVO_I_ARGUMENT(buffers->indices),
+                                        SVO_I_ARGUMENT(buffers->items),
+                                        SVO_I_ARGUMENT(buffers->tiles),
+                                        SVO_I_ARGUMENT(buffers->count),
+                                        SVO_I_ARGUMENT(buffers->counters),
+                                        SVO_I_ARGUMENT(*params)};
+    SVO_I_TRY(svo_i_program_get(commands->device, SVO_I_BUILD, SVO_I_PROGRAM_PLAN, "", &program, NULL));
+    SVO_I_TRY(svo_i_commands_fill(commands, buffers->tiles, &unused, sizeof unused,
+                                  (uint64_t)params->tile_count * sizeof unused));
+    SVO_I_TRY(svo_i_commands_fill_zero(commands, buffers->count, sizeof(cl_uint)));
+    return svo_i_commands_run(commands, program, "svo_k_plan_tiles", SVO_I_ARGUMENTS(arguments), params->item_count);
+}
+
 /* Launches the draws of an updatable plan, each after its tiles. Triangles inside one voxel are never large. */
-static svo_status launch_moving_draws(run *r, uint32_t chunk_index, uint64_t room, svo_i_moving_tiles *tiles,
+static svo_status launch_moving_draws(run *r, uint32_t chunk_index, uint64_t room, moving_tiles *tiles,
                                       cl_mem fragments)
 {
     const svo_i_chunk *chunk = &r->chunking->chunks[chunk_index];
@@ -249,7 +279,7 @@ static svo_status launch_moving_draws(run *r, uint32_t chunk_index, uint64_t roo
                                       .counter = chunk_index};
         describe(r->commands->plan, draw, &params);
         if (params.tile_count > 0) {
-            SVO_I_TRY(svo_i_moving_tiles_make(r->commands, tiles, &params));
+            SVO_I_TRY(list_tiles(r->commands, tiles, &params));
         }
         SVO_I_TRY(launch(r, draw, params, tiles->tiles, fragments));
     }
@@ -260,8 +290,8 @@ static svo_status draw_moving_chunk(run *r, uint32_t chunk_index, svo_i_fragment
 {
     svo_status status = SVO_OK;
     const uint64_t room = svo_i_update_tiles_max(r->chunking->chunks[chunk_index].capacity);
-    svo_i_moving_tiles tiles = {
-        .vertices = r->vertices, .indices = r->indices, .items = r->items, .counters = r->counters};
+    moving_tiles tiles = {
+        .vertices = r->mesh.vertices, .indices = r->mesh.indices, .items = r->items, .counters = r->counters};
     SVO_I_TRY_CLEANUP(svo_i_commands_alloc(r->commands, "mesh_tiles", room * sizeof(svo_tile_item), &tiles.tiles));
     SVO_I_TRY_CLEANUP(svo_i_commands_alloc(r->commands, "tile_count", sizeof(cl_uint), &tiles.count));
     SVO_I_TRY_CLEANUP(launch_moving_draws(r, chunk_index, room, &tiles, out->buffer));

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "core/host_memory.h"
+#include "core/memory.h"
 #include "core/tree.h"
 #include "svocl/nodes.h"
 #include "voxels/voxels.h"

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "core/struct_size.h"
-#include "core/voxel_sort.h"
+#include "core/voxel_list.h"
 
 #define COORDINATE_MAX (1 << 30)
 #define MATERIAL_MAX   65534u

@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * svo_gl_context_create_for: the context that suits an OpenCL device best. Contexts are tried in an order, until a
+ * better one can no longer come.
+ */
+#include "share/candidates.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "context/context.h"
+#include "core/device.h"
+#include "core/message.h"
+#include "share/interop.h"
+
+/* ---- candidates ---- */
+
+static size_t add(svo_i_candidate *out, size_t count, svo_gl_context_kind kind, uint32_t device_index, bool is_software)
+{
+    out[count] = (svo_i_candidate){.kind = kind, .device_index = device_index, .is_software = is_software};
+    return count + 1;
+}
+
+static size_t add_egl_devices(svo_i_candidate *out, size_t count, const bool *software, uint32_t egl_device_count,
+                              bool wanted)
+{
+    for (uint32_t i = 0; i < egl_device_count; ++i) {
+        if (software[i] == wanted) {
+            count = add(out, count, SVO_GL_EGL_DEVICE, i, wanted);
+        }
+    }
+    return count;
+}
+
+size_t svo_i_candidates_list(const bool *software, uint32_t egl_device_count, svo_i_candidate *out)
+{
+    const uint32_t looked_at = egl_device_count < SVO_I_EGL_DEVICES_MAX ? egl_device_count : SVO_I_EGL_DEVICES_MAX;
+    size_t count = add_egl_devices(out, 0, software, looked_at, false);
+    /* Where each device is software, so is the platform that chooses among them. */
+    count = add(out, count, SVO_GL_SURFACELESS, 0, looked_at > 0 && count == 0);
+    count = add_egl_devices(out, count, software, looked_at, true);
+    return add(out, count, SVO_GL_OSMESA, 0, true);
+}
+
+size_t svo_i_candidates_choose(const svo_i_candidate *candidates, size_t count, svo_i_fit most,
+                               svo_i_fit (*fit)(void *user, size_t index), void *user)
+{
+    size_t best = count;
+    svo_i_fit best_fit = SVO_I_FIT_NONE;
+    for (size_t i = 0; i < count; ++i) {
+        const svo_i_fit limit = candidates[i].is_software ? SVO_I_FIT_SOFTWARE : most;
+        const svo_i_fit found = limit > best_fit ? fit(user, i) : SVO_I_FIT_NONE;
+        if (found > best_fit) {
+            best = i;
+            best_fit = found;
+        }
+    }
+    return best;
+}
+
+/* ---- the context for a device ---- */
+
+#define FUNCTION "svo_gl_context_create_for"
+
+typedef struct search {
+    const svo_device *device;
+    const svo_gl_context_options *options;
+    svo_i_candidate candidates[SVO_I_CANDIDATES_MAX];
+    svo_gl_context *contexts[SVO_I_CANDIDATES_MAX]; /* NULL: not tried, or none */
+    svo_status failed; /* the first failure that is no fault of the candidate */
+    svo_message failure; /* its words */
+    svo_message list; /* of all failures */
+} search;
+
+/* Appends "; osmesa: words" to the list, cut when it is full. */
+static void note_failure(search *s, const svo_i_candidate *tried, svo_status status, const svo_message *reason)
+{
+    const size_t used = strlen(s->list.text);
+    const char *words = strstr(reason->text, ": ");
+    (void)snprintf(s->list.text + used, sizeof s->list.text - used, "%s%s: %s", used > 0 ? "; " : "",
+                   svo_gl_context_kind_name(tried->kind), words != NULL ? words + 2 : reason->text);
+    if (status != SVO_NO_GL && s->failed == SVO_OK) {
+        s->failed = status;
+        s->failure = *reason;
+    }
+}
+
+/* The device's name without its platform's. */
+static const char *own_name(const svo_device *device)
+{
+    const char *after = strstr(device->name, ": ");
+    return after != NULL ? after + 2 : device->name;
+}
+
+static bool shares(const svo_device *device, svo_gl_context *context)
+{
+    svo_i_interop found;
+    if (svo_i_gl_context_make_current(context, NULL) != SVO_OK) {
+        return false;
+    }
+    const bool is_listed = svo_i_interop_find(device, context, &found, NULL) == SVO_OK;
+    svo_i_gl_context_release_current(context);
+    return is_listed;
+}
+
+static svo_i_fit fit_of(const svo_device *device, svo_gl_context *context)
+{
+    return svo_i_gl_is_software(&context->functions)                            ? SVO_I_FIT_SOFTWARE
+           : shares(device, context)                                            ? SVO_I_FIT_SHARING
+           : svo_i_text_contains(context->functions.renderer, own_name(device)) ? SVO_I_FIT_NAMED
+                                                                                : SVO_I_FIT_HARDWARE;
+}
+
+static svo_i_fit try_candidate(void *user, size_t index)
+{
+    search *s = user;
+    const svo_i_candidate *tried = &s->candidates[index];
+    svo_message reason = {""};
+    const svo_status status =
+        svo_gl_context_create_with(tried->kind, tried->device_index, s->options, &s->contexts[index], &reason);
+    if (status != SVO_OK) {
+        note_failure(s, tried, status, &reason);
+        return SVO_I_FIT_NONE;
+    }
+    return fit_of(s->device, s->contexts[index]);
+}
+
+/* The most that a context can suit the device: a CPU is no renderer's GPU. */
+static svo_i_fit most_of(const svo_device *device)
+{
+    return svo_gl_device_may_share(device) ? SVO_I_FIT_SHARING : device->is_cpu ? SVO_I_FIT_HARDWARE : SVO_I_FIT_NAMED;
+}
+
+svo_status svo_gl_context_create_for(const svo_device *device, const svo_gl_context_options *options,
+                                     svo_gl_context **out, svo_message *message)
+{
+    if (device == NULL || out == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, FUNCTION ": %s is NULL", device == NULL ? "device" : "out");
+    }
+    search s = {.device = device, .options = options};
+    bool software[SVO_I_EGL_DEVICES_MAX] = {false};
+    uint32_t egl_devices = 0;
+    (void)svo_i_egl_find_software(software, SVO_I_EGL_DEVICES_MAX, &egl_devices, NULL); /* else there are none */
+    const size_t count = svo_i_candidates_list(software, egl_devices, s.candidates);
+    const size_t best = svo_i_candidates_choose(s.candidates, count, most_of(device), try_candidate, &s);
+    for (size_t i = 0; i < count; ++i) {
+        if (i != best) {
+            svo_gl_context_destroy(&s.contexts[i]);
+        }
+    }
+    if (best < count) {
+        *out = s.contexts[best];
+        return SVO_OK;
+    }
+    return s.failed != SVO_OK ? svo_i_fail(message, s.failed, "%s", s.failure.text)
+                              : svo_i_fail(message, SVO_NO_GL, FUNCTION ": no OpenGL context: %.900s", s.list.text);
+}

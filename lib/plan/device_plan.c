@@ -1,0 +1,588 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Plans by kernels (kernels/plan): accepts triangles, fits the grid, snaps vertices, makes the draw items and the
+ * payload inputs. The host reads rows of totals (bounds, the snap error, counts and sums), the large triangles, a byte
+ * per material, and the first triangle's record and attributes; materials and textures are the host's.
+ */
+#include "plan/device_plan.h"
+
+#include <string.h>
+
+#include "plan/accounts.h"
+#include "plan/attributes.h"
+#include "plan/estimate.h"
+#include "plan/grid.h"
+
+/* ---- the grid ---- */
+
+#define RUN (SVO_SCAN_TILE / SVO_GROUP_ITEMS)
+
+/* Local memory of a work-group: one number of 64 bits per work-item. */
+#define SCRATCH_BYTES (sizeof(cl_ulong) * SVO_GROUP_ITEMS)
+
+/* Work-groups of a launch with a work-item per SVO_SCAN_TILE / SVO_GROUP_ITEMS elements, and its work-items. */
+static uint32_t run_groups(uint64_t elements)
+{
+    const uint32_t tile = SVO_SCAN_TILE;
+    return (uint32_t)((elements + tile - 1) / tile);
+}
+
+static uint64_t run_items(uint64_t elements)
+{
+    return (elements + RUN - 1) / RUN;
+}
+
+/* Reduces the columns that a launch over elements has left in its groups' partials, to totals. */
+static svo_status run_reduce(svo_i_device_work *work, cl_mem partials, uint64_t elements, uint32_t columns,
+                             bool largest, cl_mem totals)
+{
+    const svo_plan_total_params params = {run_groups(elements), columns, largest ? 1u : 0u, 0};
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(partials), SVO_I_ARGUMENT(totals), SVO_I_ARGUMENT(params),
+                                        SVO_I_LOCAL(SCRATCH_BYTES)};
+    return svo_i_work_launch(work, "svo_k_plan_totals", SVO_I_ARGUMENTS(arguments), SVO_GROUP_ITEMS);
+}
+
+/* The same, and reads them. */
+static svo_status run_totals(svo_i_device_work *work, cl_mem partials, uint64_t elements, uint32_t columns,
+                             bool largest, uint64_t *out)
+{
+    cl_mem totals = NULL;
+    memset(out, 0, columns * sizeof *out);
+    if (elements == 0) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(svo_i_work_result(work, "totals", columns * sizeof(cl_ulong), &totals));
+    svo_status status = run_reduce(work, partials, elements, columns, largest, totals);
+    if (status == SVO_OK) {
+        status = svo_i_work_read(work, totals, 0, out, columns * sizeof *out);
+    }
+    svo_i_buffer_release(&totals);
+    return status;
+}
+
+static void put_double(double x, cl_uint words[2])
+{
+    uint64_t bits = 0;
+    memcpy(&bits, &x, sizeof bits);
+    words[0] = (cl_uint)(bits & UINT32_MAX);
+    words[1] = (cl_uint)(bits >> 32);
+}
+
+static double double_of(uint64_t bits)
+{
+    double x = 0.0;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+/* The double of a key of kernels/plan/snap.cl. */
+static double double_of_key(uint64_t key)
+{
+    const uint64_t sign = UINT64_C(1) << 63;
+    return double_of((key & sign) != 0 ? key ^ sign : ~key);
+}
+
+svo_status svo_i_grid_alloc(svo_i_grid_run *r)
+{
+    const uint64_t vertices = r->params.vertex_count;
+    const uint64_t triangles = r->params.triangle_count;
+    const uint32_t groups = run_groups(vertices > triangles ? vertices : triangles);
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_used", vertices, &r->used));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_fates", triangles * sizeof(cl_ushort), &r->fates));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_fragments", triangles * 4, &r->fragments));
+    SVO_I_TRY(
+        svo_i_work_result(r->work, "plan_partials", (uint64_t)groups * SVO_PLAN_SUMS * sizeof(cl_ulong), &r->partials));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_vertices", vertices * 12, &r->plan->memory.vertices));
+    return (r->plan->options.need & SVO_NEED_PROJECTED_AREA) == 0
+               ? SVO_OK
+               : svo_i_work_result(r->work, "plan_edges", (uint64_t)run_groups(triangles) * sizeof(svo_i_edge_sums),
+                                   &r->edges);
+}
+
+static svo_status accept(svo_i_grid_run *r)
+{
+    SVO_I_TRY(svo_i_work_fill_zero(r->work, r->used, r->params.vertex_count));
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->mesh->positions), SVO_I_ARGUMENT(r->mesh->indices),
+                                        SVO_I_ARGUMENT(r->used), SVO_I_ARGUMENT(r->params)};
+    return svo_i_work_launch(r->work, "svo_k_plan_accept", SVO_I_ARGUMENTS(arguments),
+                             run_items(r->params.triangle_count));
+}
+
+/* Copies the grid that the plan has to params. */
+static void copy_place(svo_i_grid_run *r)
+{
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        put_double(r->plan->info.origin[axis], r->params.origin + (size_t)axis * 2);
+    }
+    put_double(r->plan->info.scale, r->params.scale);
+}
+
+/* Finds the bounds of the used vertices, if the grid depends on them, and makes the grid. */
+static svo_status fit(svo_i_grid_run *r)
+{
+    uint64_t keys[6] = {0};
+    svo_i_bounds bounds = {.any = false};
+    if (!(r->plan->options.edge > 0.0)) {
+        const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->mesh->positions), SVO_I_ARGUMENT(r->used),
+                                            SVO_I_ARGUMENT(r->partials), SVO_I_ARGUMENT(r->params),
+                                            SVO_I_LOCAL(SCRATCH_BYTES)};
+        SVO_I_TRY(svo_i_work_launch(r->work, "svo_k_plan_bounds", SVO_I_ARGUMENTS(arguments),
+                                    run_items(r->params.vertex_count)));
+        SVO_I_TRY(run_totals(r->work, r->partials, r->params.vertex_count, 6, true, keys));
+    }
+    bounds.any = keys[0] != 0;
+    for (unsigned axis = 0; axis < 3 && bounds.any; ++axis) {
+        bounds.low[axis] = -double_of_key(keys[axis]);
+        bounds.high[axis] = double_of_key(keys[axis + 3]);
+    }
+    SVO_I_TRY(svo_i_plan_make_grid(r->plan, &bounds));
+    copy_place(r);
+    return SVO_OK;
+}
+
+static svo_status launch_snap(svo_i_grid_run *r)
+{
+    const svo_i_argument arguments[] = {
+        SVO_I_ARGUMENT(r->mesh->positions), SVO_I_ARGUMENT(r->used),   SVO_I_ARGUMENT(r->plan->memory.vertices),
+        SVO_I_ARGUMENT(r->partials),        SVO_I_ARGUMENT(r->params), SVO_I_LOCAL(SCRATCH_BYTES)};
+    return svo_i_work_launch(r->work, "svo_k_plan_snap", SVO_I_ARGUMENTS(arguments), run_items(r->params.vertex_count));
+}
+
+static svo_status snap(svo_i_grid_run *r)
+{
+    uint64_t largest = 0;
+    SVO_I_TRY(launch_snap(r));
+    SVO_I_TRY(run_totals(r->work, r->partials, r->params.vertex_count, 1, true, &largest));
+    r->plan->info.snap_error = double_of(largest);
+    return SVO_OK;
+}
+
+/* Takes the counts and sums of all triangles into the plan. */
+static void take_totals(svo_i_grid_run *r)
+{
+    svo_plan *plan = r->plan;
+    const uint64_t *totals = r->totals;
+    for (unsigned c = 0; c < SVO_I_CLASS_COUNT; ++c) {
+        r->params.class_begin[c] = plan->class_begin[c];
+        plan->class_begin[c + 1] = plan->class_begin[c] + (uint32_t)totals[c];
+    }
+    plan->triangle_count = plan->class_begin[SVO_I_CLASS_COUNT];
+    plan->info.refused_triangles = totals[SVO_FATE_REFUSED] + totals[SVO_FATE_FAR];
+    plan->info.outside_triangles = totals[SVO_FATE_OUTSIDE];
+    plan->sums =
+        (svo_i_sums){totals[SVO_PLAN_SUM_WIDTHS], totals[SVO_PLAN_SUM_AREAS_LOW], totals[SVO_PLAN_SUM_AREAS_HIGH]};
+    plan->large_count = (uint32_t)totals[SVO_PLAN_SUM_LARGE];
+    svo_i_estimate_end(plan);
+    r->params.flags |= plan->triangle_count < r->params.triangle_count ? SVO_PLAN_SOME : 0u;
+}
+
+static svo_status launch_classify(svo_i_grid_run *r)
+{
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->plan->memory.vertices),
+                                        SVO_I_ARGUMENT(r->mesh->indices),
+                                        SVO_I_ARGUMENT(r->used),
+                                        SVO_I_ARGUMENT(r->fates),
+                                        SVO_I_ARGUMENT(r->fragments),
+                                        SVO_I_ARGUMENT(r->partials),
+                                        SVO_I_ARGUMENT(r->params),
+                                        SVO_I_LOCAL(SCRATCH_BYTES)};
+    return svo_i_work_launch(r->work, "svo_k_plan_classify", SVO_I_ARGUMENTS(arguments),
+                             run_items(r->params.triangle_count));
+}
+
+static svo_status classify(svo_i_grid_run *r)
+{
+    SVO_I_TRY(launch_classify(r));
+    SVO_I_TRY(run_totals(r->work, r->partials, r->params.triangle_count, SVO_PLAN_SUMS, false, r->totals));
+    take_totals(r);
+    return SVO_OK;
+}
+
+static svo_status sum_edges(svo_i_grid_run *r)
+{
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->plan->memory.vertices),
+                                        SVO_I_ARGUMENT(r->mesh->indices),
+                                        SVO_I_ARGUMENT(r->fates),
+                                        SVO_I_ARGUMENT(r->edges),
+                                        SVO_I_ARGUMENT(r->params),
+                                        SVO_I_LOCAL(SCRATCH_BYTES)};
+    return svo_i_work_launch(r->work, "svo_k_plan_closed", SVO_I_ARGUMENTS(arguments),
+                             run_items(r->params.triangle_count));
+}
+
+/* Whether the edges cancel. */
+static svo_status find_closed(svo_i_grid_run *r)
+{
+    svo_i_edge_sums sums = {{0}};
+    SVO_I_TRY(sum_edges(r));
+    SVO_I_TRY(run_totals(r->work, r->edges, r->params.triangle_count, 2, false, sums.words));
+    r->plan->work.both_sides = svo_i_edges_are_open(&sums);
+    return SVO_OK;
+}
+
+static svo_status alloc_kept(svo_i_grid_run *r)
+{
+    svo_i_plan_memory *memory = &r->plan->memory;
+    const uint64_t count = r->plan->triangle_count;
+    const cl_uint kept_bytes = (r->params.flags & SVO_PLAN_SOME) != 0 ? r->params.vertex_count : 0;
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_indices", count * 12, &memory->indices));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_triangle_ids", count * 4, &memory->triangle_ids));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_items", count * sizeof(svo_draw_item), &memory->items));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_item_fragments", count * 4, &memory->item_fragments));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_large", r->plan->large_count * sizeof(svo_large_item), &r->large));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_large_count", sizeof(cl_uint), &r->large_count));
+    SVO_I_TRY(svo_i_work_fill_zero(r->work, r->large_count, sizeof(cl_uint)));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_kept", kept_bytes, &r->kept));
+    return svo_i_work_fill_zero(r->work, r->kept, kept_bytes);
+}
+
+static svo_status keep(svo_i_grid_run *r)
+{
+    const svo_i_plan_memory *memory = &r->plan->memory;
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(memory->vertices),
+                                        SVO_I_ARGUMENT(r->mesh->indices),
+                                        SVO_I_ARGUMENT(r->fates),
+                                        SVO_I_ARGUMENT(r->fragments),
+                                        SVO_I_ARGUMENT(r->partials),
+                                        SVO_I_ARGUMENT(memory->indices),
+                                        SVO_I_ARGUMENT(memory->triangle_ids),
+                                        SVO_I_ARGUMENT(memory->items),
+                                        SVO_I_ARGUMENT(memory->item_fragments),
+                                        SVO_I_ARGUMENT(r->large),
+                                        SVO_I_ARGUMENT(r->large_count),
+                                        SVO_I_ARGUMENT(r->kept),
+                                        SVO_I_ARGUMENT(r->params),
+                                        SVO_I_LOCAL(SCRATCH_BYTES),
+                                        SVO_I_LOCAL(sizeof(cl_ushort) * SVO_SIZE_COUNT * SVO_SIZE_PITCH)};
+    SVO_I_TRY(
+        svo_i_work_launch(r->work, "svo_k_plan_keep", SVO_I_ARGUMENTS(arguments), run_items(r->params.triangle_count)));
+    if ((r->params.flags & SVO_PLAN_SOME) == 0) {
+        return SVO_OK;
+    }
+    const svo_i_argument clear[] = {SVO_I_ARGUMENT(r->kept), SVO_I_ARGUMENT(memory->vertices),
+                                    SVO_I_ARGUMENT(r->params)};
+    return svo_i_work_launch(r->work, "svo_k_plan_clear", SVO_I_ARGUMENTS(clear), r->params.vertex_count);
+}
+
+/* The mesh's own positions of the vertices that kept triangles use, for rays; plan.c has it for the host. */
+static svo_status keep_positions(svo_i_grid_run *r)
+{
+    const bool is_double = (r->params.flags & SVO_PLAN_DOUBLES) != 0;
+    svo_i_plan_memory *memory = &r->plan->memory;
+    cl_mem *positions = is_double ? &memory->positions_double : &memory->positions;
+    const cl_mem marks = (r->params.flags & SVO_PLAN_SOME) != 0 ? r->kept : r->used;
+    if ((r->plan->options.need & SVO_NEED_RAYS) == 0 || r->plan->info.coverage == SVO_COVERAGE_THIN) {
+        return SVO_OK;
+    }
+    if (*positions == NULL) {
+        SVO_I_TRY(svo_i_work_result(r->work, "plan_positions", (uint64_t)r->params.vertex_count * (is_double ? 24 : 12),
+                                    positions));
+    }
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->mesh->positions), SVO_I_ARGUMENT(marks),
+                                        SVO_I_ARGUMENT(*positions), SVO_I_ARGUMENT(r->params)};
+    return svo_i_work_launch(r->work, "svo_k_plan_positions", SVO_I_ARGUMENTS(arguments), r->params.vertex_count);
+}
+
+static int compare_items(const void *a, const void *b)
+{
+    const uint32_t x = ((const svo_large_item *)a)->item;
+    const uint32_t y = ((const svo_large_item *)b)->item;
+    return x < y ? -1 : x > y ? 1 : 0;
+}
+
+/* Reads the large triangles, whose order differs from run to run. */
+static svo_status read_large(svo_i_grid_run *r)
+{
+    svo_plan *plan = r->plan;
+    const size_t bytes = plan->large_count * sizeof *plan->large;
+    plan->large = svo_i_alloc(&plan->device->memory, bytes + sizeof *plan->large);
+    if (plan->large == NULL) {
+        return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u triangles",
+                                 r->work->function, plan->large_count);
+    }
+    SVO_I_TRY(svo_i_work_read(r->work, r->large, 0, plan->large, bytes));
+    qsort(plan->large, plan->large_count, sizeof *plan->large, compare_items);
+    return SVO_OK;
+}
+
+static svo_status run_grid(svo_i_grid_run *r)
+{
+    svo_plan *plan = r->plan;
+    SVO_I_TRY(svo_i_grid_alloc(r));
+    SVO_I_TRY(accept(r));
+    SVO_I_TRY(fit(r));
+    SVO_I_TRY(snap(r));
+    (void)svo_i_progress_add(plan, SVO_STAGE_GRID, SVO_I_SNAP_NS * (double)r->params.vertex_count);
+    SVO_I_TRY(svo_i_progress_tell(plan, SVO_STAGE_GRID));
+    SVO_I_TRY(classify(r));
+    SVO_I_TRY(r->edges != NULL ? find_closed(r) : SVO_OK);
+    SVO_I_TRY(alloc_kept(r));
+    SVO_I_TRY(keep(r));
+    SVO_I_TRY(keep_positions(r));
+    SVO_I_TRY(read_large(r));
+    (void)svo_i_progress_add(plan, SVO_STAGE_GRID, SVO_I_KEEP_NS * (double)r->params.triangle_count);
+    return svo_i_progress_tell(plan, SVO_STAGE_GRID);
+}
+
+void svo_i_grid_begin(svo_i_grid_run *r, uint64_t triangles, bool is_double)
+{
+    const svo_plan *plan = r->plan;
+    r->params = (svo_plan_params){.vertex_count = plan->vertex_count,
+                                  .triangle_count = (cl_uint)triangles,
+                                  .snap_bits = plan->info.snap_bits,
+                                  .voxel_log2 = plan->voxel_log2};
+    r->params.flags = (r->mesh->indices != NULL ? SVO_PLAN_INDEXED : 0u) | (is_double ? SVO_PLAN_DOUBLES : 0u) |
+                      (plan->info.coverage == SVO_COVERAGE_CLOSED ? SVO_PLAN_CLOSED : 0u) |
+                      (plan->info.coverage == SVO_COVERAGE_THIN ? SVO_PLAN_THIN : 0u);
+    copy_place(r);
+}
+
+void svo_i_grid_end(svo_i_grid_run *r)
+{
+    cl_mem *buffers[] = {&r->used,     &r->kept,  &r->fates,       &r->fragments,
+                         &r->partials, &r->large, &r->large_count, &r->edges};
+    for (unsigned i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
+        svo_i_buffer_release(buffers[i]);
+    }
+}
+
+static svo_status make_grid(svo_plan *plan, svo_i_device_work *work, const svo_i_plan_input *input,
+                            const svo_i_device_mesh *mesh)
+{
+    const svo_mesh *given = &input->mesh;
+    svo_i_grid_run r = {.plan = plan, .work = work, .mesh = mesh};
+    plan->vertex_count = (uint32_t)given->vertex_count;
+    plan->info.triangles = given->triangle_count;
+    svo_i_grid_begin(&r, given->triangle_count, given->positions_double != NULL);
+    const svo_status status = run_grid(&r);
+    svo_i_grid_end(&r);
+    return status;
+}
+
+/* ---- the payload inputs ---- */
+
+/* Columns of svo_k_plan_records. */
+#define COLUMNS 5
+
+typedef struct attributes_run {
+    svo_plan *plan;
+    svo_i_device_work *work;
+    const svo_i_plan_input *input;
+    const svo_i_device_mesh *mesh;
+    bool has_colors, has_normals, has_uvs; /* in the mesh */
+    svo_i_findings found;
+    uint8_t *is_textured; /* one byte per material */
+    svo_i_material_marks marks;
+    cl_mem partials;
+} attributes_run;
+
+static svo_status launch_normals(svo_i_device_work *work, cl_mem from, cl_mem to, cl_uint vertices)
+{
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(from), SVO_I_ARGUMENT(to), SVO_I_ARGUMENT(vertices)};
+    return svo_i_work_launch(work, "svo_k_plan_normals", SVO_I_ARGUMENTS(arguments), vertices);
+}
+
+svo_status svo_i_launch_uvs(svo_i_device_work *work, cl_mem from, cl_mem to, cl_ulong numbers)
+{
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(from), SVO_I_ARGUMENT(to), SVO_I_ARGUMENT(numbers)};
+    return svo_i_work_launch(work, "svo_k_plan_uvs", SVO_I_ARGUMENTS(arguments), numbers);
+}
+
+/* partials: receives COLUMNS columns. */
+static svo_status launch_records(svo_i_device_work *work, const svo_plan *plan, const svo_i_device_mesh *mesh,
+                                 const svo_i_material_marks *marks, cl_mem partials)
+{
+    const svo_i_plan_memory *memory = &plan->memory;
+    const svo_plan_params params = {.vertex_count = plan->vertex_count,
+                                    .triangle_count = plan->triangle_count,
+                                    .flags = SVO_PLAN_TEXTURED,
+                                    .material_count = plan->material_count};
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(memory->vertices),
+                                        SVO_I_ARGUMENT(memory->indices),
+                                        SVO_I_ARGUMENT(memory->triangle_ids),
+                                        SVO_I_ARGUMENT(mesh->triangle_materials),
+                                        SVO_I_ARGUMENT(memory->colors),
+                                        SVO_I_ARGUMENT(memory->normals),
+                                        SVO_I_ARGUMENT(marks->textured),
+                                        SVO_I_ARGUMENT(marks->used),
+                                        SVO_I_ARGUMENT(memory->records),
+                                        SVO_I_ARGUMENT(partials),
+                                        SVO_I_ARGUMENT(params),
+                                        SVO_I_LOCAL(SCRATCH_BYTES)};
+    return svo_i_work_launch(work, "svo_k_plan_records", SVO_I_ARGUMENTS(arguments), run_items(plan->triangle_count));
+}
+
+/* Vertex colors and normals, in buffers of the plan's own. */
+static svo_status fill_vertices(attributes_run *r)
+{
+    const cl_uint vertices = r->plan->vertex_count;
+    svo_i_plan_memory *memory = &r->plan->memory;
+    if (r->mesh->colors != NULL) {
+        SVO_I_TRY(svo_i_work_result(r->work, "plan_colors", (uint64_t)vertices * 4, &memory->colors));
+        SVO_I_TRY(svo_i_work_copy(r->work, r->mesh->colors, 0, memory->colors, 0, (uint64_t)vertices * 4));
+    }
+    if (r->mesh->normals == NULL) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_normals", (uint64_t)vertices * 8, &memory->normals));
+    return launch_normals(r->work, r->mesh->normals, memory->normals, vertices);
+}
+
+/* Which materials have a texture, for the kernel. */
+static svo_status mark_textured(attributes_run *r)
+{
+    const bool wanted = (r->plan->info.need & SVO_NEED_COLOR) != 0;
+    for (uint32_t i = 0; i < r->plan->material_count; ++i) {
+        r->is_textured[i] = wanted && svo_i_material_is_textured(&r->input->mesh, r->has_uvs, i) ? 1 : 0;
+    }
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_materials", r->plan->material_count, &r->marks.used));
+    SVO_I_TRY(svo_i_work_fill_zero(r->work, r->marks.used, r->plan->material_count));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_textured", r->plan->material_count, &r->marks.textured));
+    return svo_i_work_write(r->work, r->marks.textured, r->is_textured, r->plan->material_count);
+}
+
+static void take_findings(svo_i_findings *found, const uint64_t totals[COLUMNS])
+{
+    memcpy(&found->largest_area, &totals[0], sizeof found->largest_area);
+    found->colors_vary = totals[1] != 0;
+    found->normals_vary = totals[2] != 0;
+    found->own_normals_vary = totals[3] != ~totals[4]; /* the largest and the smallest */
+}
+
+static svo_status make_records(attributes_run *r)
+{
+    svo_plan *plan = r->plan;
+    svo_i_plan_memory *memory = &plan->memory;
+    uint64_t totals[COLUMNS] = {0};
+    SVO_I_TRY(mark_textured(r));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_records", plan->triangle_count * sizeof(svo_triangle_record),
+                                &memory->records));
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_partials",
+                                (uint64_t)run_groups(plan->triangle_count) * COLUMNS * sizeof(cl_ulong), &r->partials));
+    SVO_I_TRY(launch_records(r->work, plan, r->mesh, &r->marks, r->partials));
+    SVO_I_TRY(run_totals(r->work, r->partials, plan->triangle_count, COLUMNS, true, totals));
+    if (plan->triangle_count > 0) {
+        take_findings(&r->found, totals);
+    }
+    return svo_i_work_read(r->work, r->marks.used, 0, r->found.material_used, plan->material_count);
+}
+
+/* The first triangle's record, and the attributes of its first corner. */
+static svo_status read_first(attributes_run *r)
+{
+    const svo_i_plan_memory *memory = &r->plan->memory;
+    uint32_t vertex = 0;
+    if (r->plan->triangle_count == 0) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(svo_i_work_read(r->work, memory->records, 0, &r->found.first_record, sizeof r->found.first_record));
+    SVO_I_TRY(svo_i_work_read(r->work, memory->indices, 0, &vertex, sizeof vertex));
+    if (memory->colors != NULL) {
+        SVO_I_TRY(svo_i_work_read(r->work, memory->colors, (uint64_t)vertex * 4, &r->found.first_color, 4));
+    }
+    if (memory->normals != NULL) {
+        SVO_I_TRY(svo_i_work_read(r->work, memory->normals, (uint64_t)vertex * 8, r->found.first_normal, 8));
+    }
+    return SVO_OK;
+}
+
+static svo_status fill_colors(attributes_run *r)
+{
+    svo_plan *plan = r->plan;
+    const cl_ulong numbers = (cl_ulong)plan->vertex_count * 2;
+    SVO_I_TRY(svo_i_plan_copy_materials(plan, &r->input->mesh, r->has_uvs, r->found.material_used));
+    if (plan->textures_used == 0) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(svo_i_work_result(r->work, "plan_uvs", numbers * 4, &plan->memory.uvs));
+    return svo_i_launch_uvs(r->work, r->mesh->uvs, plan->memory.uvs, numbers);
+}
+
+static svo_status run_attributes(attributes_run *r, svo_i_device_mesh *mesh)
+{
+    svo_plan *plan = r->plan;
+    if (r->found.material_used == NULL || r->is_textured == NULL) {
+        return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u materials",
+                                 r->work->function, plan->material_count);
+    }
+    SVO_I_TRY(svo_i_device_mesh_attributes(r->work, r->input, plan->info.need, mesh));
+    SVO_I_TRY(fill_vertices(r));
+    SVO_I_TRY(make_records(r));
+    SVO_I_TRY(read_first(r));
+    if ((plan->info.need & SVO_NEED_COLOR) != 0) {
+        SVO_I_TRY(fill_colors(r));
+    }
+    return svo_i_plan_conclude(plan, &r->found);
+}
+
+static svo_status make_attributes(svo_plan *plan, svo_i_device_work *work, const svo_i_plan_input *input,
+                                  svo_i_device_mesh *mesh)
+{
+    const svo_mesh *given = &input->mesh;
+    const svo_mesh_buffers *b = input->buffers;
+    attributes_run r = {.plan = plan,
+                        .work = work,
+                        .input = input,
+                        .mesh = mesh,
+                        .has_colors = b != NULL ? b->colors.memory != NULL : given->colors != NULL,
+                        .has_normals = b != NULL ? b->normals.memory != NULL : given->normals != NULL,
+                        .has_uvs = b != NULL ? b->uvs.memory != NULL : given->uvs != NULL};
+    svo_i_plan_resolve_need(plan, given, r.has_colors);
+    if ((plan->info.need & SVO_I_NEED_PAYLOAD) == 0) {
+        return SVO_OK;
+    }
+    r.found.material_used = svo_i_alloc_zeroed(&plan->device->memory, plan->material_count, 1);
+    r.is_textured = svo_i_alloc_zeroed(&plan->device->memory, plan->material_count, 1);
+    const svo_status status = run_attributes(&r, mesh);
+    svo_i_buffer_release(&r.marks.textured);
+    svo_i_buffer_release(&r.marks.used);
+    svo_i_buffer_release(&r.partials);
+    svo_i_free(r.found.material_used);
+    svo_i_free(r.is_textured);
+    return status;
+}
+
+svo_status svo_i_device_take_mesh(svo_plan *plan, svo_i_device_work *work, const svo_i_plan_input *input,
+                                  svo_i_device_mesh *mesh)
+{
+    SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_PLAN, ""));
+    SVO_I_TRY(svo_i_device_mesh_geometry(work, input, mesh));
+    SVO_I_TRY(make_grid(plan, work, input, mesh));
+    return make_attributes(plan, work, input, mesh);
+}
+
+/* ---- plans that are updated ---- */
+
+/* Empties what keep does not write. */
+static svo_status clear(svo_i_grid_run *r)
+{
+    static const svo_draw_item nothing = {0, SVO_DRAW_NOTHING};
+    const svo_i_plan_memory *memory = &r->plan->memory;
+    const uint64_t items = r->plan->class_begin[SVO_I_CLASS_COUNT];
+    SVO_I_TRY(svo_i_work_fill_pattern(r->work, memory->items, &nothing, sizeof nothing, (items + 1) * sizeof nothing));
+    SVO_I_TRY(svo_i_work_fill_zero(r->work, memory->item_fragments, items * sizeof(cl_float)));
+    return svo_i_work_fill_zero(r->work, r->kept, r->params.vertex_count);
+}
+
+svo_status svo_i_device_launch(svo_i_grid_run *r, const svo_i_material_marks *marks, const svo_i_device_totals *totals)
+{
+    const svo_i_plan_memory *memory = &r->plan->memory;
+    const uint32_t vertices = r->params.vertex_count;
+    const uint32_t triangles = r->params.triangle_count;
+    SVO_I_TRY(accept(r));
+    SVO_I_TRY(launch_snap(r));
+    SVO_I_TRY(run_reduce(r->work, r->partials, vertices, 1, true, totals->error));
+    SVO_I_TRY(launch_classify(r));
+    SVO_I_TRY(run_reduce(r->work, r->partials, triangles, SVO_PLAN_SUMS, false, totals->sums));
+    if (totals->edges != NULL) {
+        SVO_I_TRY(sum_edges(r));
+        SVO_I_TRY(run_reduce(r->work, r->edges, triangles, 2, false, totals->edges));
+    }
+    SVO_I_TRY(clear(r));
+    SVO_I_TRY(keep(r));
+    SVO_I_TRY(keep_positions(r));
+    if (memory->normals != NULL) {
+        SVO_I_TRY(launch_normals(r->work, r->mesh->normals, memory->normals, vertices));
+    }
+    return memory->records != NULL ? launch_records(r->work, r->plan, r->mesh, marks, r->partials) : SVO_OK;
+}
