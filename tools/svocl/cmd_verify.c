@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl verify: compares a tree with the exact reference (tools/reference), voxel by voxel, pair by pair and vertex
+/* svocl verify: compares a tree with the exact reference (tools/lab/reference), voxel by voxel, pair by pair and vertex
    by vertex. */
 #include <inttypes.h>
 
