@@ -16,8 +16,8 @@ lib_rooms='output core plan commands stages build (io (voxels (rays '
 lib_rooms+='compact (moving (parts (paged solid (scene (light probes'
 readonly lib_rooms
 readonly glinterop_rooms='context share raster compute frontend'
-tools_rooms='lab/scenes (lab/reference support lab/measure lab/stress (lab/bench (lab/errors (lab/report (web (view '
-tools_rooms+='svocl (lab/snapshot'
+tools_rooms='lab/scenes (lab/reference lab/path support lab/measure lab/stress (lab/bench (lab/errors (lab/report '
+tools_rooms+='(web (view lab/program (lab/snapshot (svocl'
 readonly tools_rooms
 
 files()

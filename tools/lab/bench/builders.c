@@ -147,9 +147,7 @@ static int run(suite *all, const input *source, unsigned depth)
 }
 
 const suite_subject bench_builders = {
-    .name = "build",
-    .group = "all",
-    .summary = "builders stage by stage, and the interop paths",
+    .words = &subject_table[SUBJECT_BUILD],
     .full = {.scenes = {"statue", "atrium"}, .depths = {6, 7, 8, 9, 10}},
     .quick = {.scenes = {"knot:8000"}, .depths = {6, 7, 8}},
     .begin = begin,

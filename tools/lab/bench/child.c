@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Starts this program as a child process and reads its output. */
+/* Starts svocl as a child process and reads its output. */
 #define _XOPEN_SOURCE 700
 #include "bench/child.h"
 
@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "support/input.h"
+#include "support/sibling.h"
 #include "svocl/device.h"
 
 #define OUTPUT_BYTES_MAX ((size_t)1 << 20)
@@ -92,7 +93,7 @@ static void become(const char *const arguments[], int output, int errors)
         ready = ready && list[i + 1] != NULL;
     }
     if (ready && errors >= 0 && dup2(output, STDOUT_FILENO) >= 0 && dup2(errors, STDERR_FILENO) >= 0) {
-        execv("/proc/self/exe", list);
+        sibling_become("svocl", list);
     }
     _exit(127);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Runs this program as a child process with compiler caches in a folder of its own, and times it. */
+/* Runs svocl as a child process with compiler caches in a folder of its own, and times it. */
 #ifndef SVOCL_TOOLS_BENCH_CHILD_H
 #define SVOCL_TOOLS_BENCH_CHILD_H
 

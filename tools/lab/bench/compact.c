@@ -274,9 +274,7 @@ static int run(suite *all, const input *source, unsigned depth)
 }
 
 const suite_subject bench_compact = {
-    .name = "compact",
-    .group = "all",
-    .summary = "compact trees: bytes and rays beside the built tree",
+    .words = &subject_table[SUBJECT_COMPACT],
     .full = {.scenes = {"atrium", "statue"}, .depths = {8, 9, 10}},
     .quick = {.scenes = {"atrium:17000"}, .depths = {7}},
     .begin = begin,

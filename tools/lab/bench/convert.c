@@ -273,9 +273,7 @@ static int run_all(suite *all)
 }
 
 const suite_subject bench_convert = {
-    .name = "convert",
-    .group = "all",
-    .summary = "voxels to lists, trees, compact trees and files, for solid spheres of growing size",
+    .words = &subject_table[SUBJECT_CONVERT],
     .run_all = run_all,
     .step_count = 1,
 };

@@ -78,9 +78,7 @@ static int run(suite *all, const input *source, unsigned depth)
 }
 
 const suite_subject bench_filter = {
-    .name = "filter",
-    .group = "all",
-    .summary = "attributes: by weighting, and each by itself",
+    .words = &subject_table[SUBJECT_FILTER],
     .full = {.scenes = {"atrium", "statue"}, .depths = {7, 8, 9}},
     .quick = {.scenes = {"atrium:17000"}, .depths = {7}},
     .begin = begin,

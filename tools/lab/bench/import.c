@@ -161,9 +161,7 @@ static int run(suite *all, const input *source, unsigned depth)
 }
 
 const suite_subject bench_import = {
-    .name = "import",
-    .group = "all",
-    .summary = "reading mesh files, compared with assimp alone",
+    .words = &subject_table[SUBJECT_IMPORT],
     .full = {.scenes = {"terrain:1000000", "atrium:124000"}, .depths = {8}},
     .quick = {.scenes = {"terrain:20000"}, .depths = {8}},
     .begin = begin,

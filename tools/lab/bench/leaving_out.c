@@ -96,9 +96,7 @@ static int run(suite *all, const input *source, unsigned depth)
 }
 
 const suite_subject bench_leaving_out = {
-    .name = "leaving-out",
-    .group = "all",
-    .summary = "time and bytes of each need, weighting and builder",
+    .words = &subject_table[SUBJECT_LEAVING_OUT],
     .full = {.scenes = {"atrium"}, .depths = {9}},
     .quick = {.scenes = {"atrium:17000"}, .depths = {7}},
     .begin = begin,

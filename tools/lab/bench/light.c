@@ -476,9 +476,7 @@ static int run(suite *all, const input *source, unsigned depth)
 }
 
 const suite_subject bench_light = {
-    .name = "light",
-    .group = "all",
-    .summary = "light: stages, bytes and frames beside those of older systems",
+    .words = &subject_table[SUBJECT_LIGHT],
     .full = {.scenes = {"atrium"}, .depths = {7, 8, 9}},
     .quick = {.scenes = {"atrium:17000"}, .depths = {7}},
     .begin = begin,

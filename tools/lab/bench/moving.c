@@ -159,9 +159,7 @@ static int run(suite *all, const input *source, unsigned depth)
 }
 
 const suite_subject bench_moving = {
-    .name = "moving",
-    .group = "all",
-    .summary = "scenes that move: updates beside full builds",
+    .words = &subject_table[SUBJECT_MOVING],
     .full = {.scenes = {"atrium", "statue"}, .depths = {8, 9}},
     .quick = {.scenes = {"atrium:17000"}, .depths = {7}},
     .begin = begin,

@@ -304,9 +304,7 @@ static int run(suite *all, const input *source, unsigned depth)
 }
 
 const suite_subject bench_moving_light = {
-    .name = "moving-light",
-    .group = "all",
-    .summary = "light that follows what moves, beside light from nothing",
+    .words = &subject_table[SUBJECT_MOVING_LIGHT],
     .full = {.scenes = {"atrium"}, .depths = {8, 9}},
     .quick = {.scenes = {"atrium:17000"}, .depths = {7}},
     .begin = begin,

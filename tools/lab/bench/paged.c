@@ -271,9 +271,7 @@ static int run(suite *all, const input *source, unsigned depth)
 }
 
 const suite_subject bench_paged = {
-    .name = "paged",
-    .group = "all",
-    .summary = "misses and reads of paged trees along a camera path",
+    .words = &subject_table[SUBJECT_PAGED],
     .full = {.scenes = {"atrium", "terrain"}, .depths = {10}},
     .quick = {.scenes = {"atrium"}, .depths = {8}},
     .begin = begin,

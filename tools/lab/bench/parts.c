@@ -170,9 +170,7 @@ static int run(suite *all, const input *source, unsigned depth)
 }
 
 const suite_subject bench_parts = {
-    .name = "parts",
-    .group = "all",
-    .summary = "time and memory of builds in parts, and several workers side by side",
+    .words = &subject_table[SUBJECT_PARTS],
     .full = {.scenes = {"atrium", "terrain"}, .depths = {10}},
     .quick = {.scenes = {"atrium"}, .depths = {8}},
     .begin = begin,

@@ -181,9 +181,7 @@ static int run(suite *all, const input *source, unsigned depth)
 }
 
 const suite_subject bench_parts_large = {
-    .name = "parts-large",
-    .group = "all",
-    .summary = "trees of a hundred million leaves, built in little memory",
+    .words = &subject_table[SUBJECT_PARTS_LARGE],
     .full = {.scenes = {"atrium", "terrain", "needles"}, .depths = {12, 13, 16}},
     .quick = {.scenes = {"atrium"}, .depths = {8}},
     .fixed = true,

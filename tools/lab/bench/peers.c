@@ -298,9 +298,7 @@ static int run_with_openvdb(suite *all, const input *source, unsigned depth)
 }
 
 const suite_subject bench_peer_embree = {
-    .name = "peer-embree",
-    .group = "all",
-    .summary = "Embree's BVH of the same triangles, where Embree is installed",
+    .words = &subject_table[SUBJECT_PEER_EMBREE],
     .full = {.scenes = {"atrium", "statue", "terrain"}, .depths = {SUITE_DEPTH_FOR_RAYS}},
     .quick = {.scenes = {"knot:8000"}, .depths = {SUITE_DEPTH_FOR_RAYS}},
     .begin = begin_embree,
@@ -308,9 +306,7 @@ const suite_subject bench_peer_embree = {
 };
 
 const suite_subject bench_peer_openvdb = {
-    .name = "peer-openvdb",
-    .group = "all",
-    .summary = "OpenVDB grid of the same triangles, where OpenVDB is installed",
+    .words = &subject_table[SUBJECT_PEER_OPENVDB],
     .full = {.scenes = {"atrium", "statue", "terrain"}, .depths = {7, 8, 9}},
     .quick = {.scenes = {"knot:8000"}, .depths = {7}},
     .begin = begin_openvdb,

@@ -495,9 +495,7 @@ static int run(suite *all, const input *source, unsigned depth)
 }
 
 const suite_subject bench_rays = {
-    .name = "rays",
-    .group = "all",
-    .summary = "rays against triangles, compared with Embree",
+    .words = &subject_table[SUBJECT_RAYS],
     .full = {.scenes = {"statue:120000", "atrium", "terrain"}, .depths = {SUITE_DEPTH_FOR_RAYS}},
     .quick = {.scenes = {"knot:8000"}, .depths = {SUITE_DEPTH_FOR_RAYS}},
     .begin = begin,

@@ -354,9 +354,7 @@ static int run(suite *all, const input *source, unsigned depth)
 }
 
 const suite_subject bench_scene = {
-    .name = "scene",
-    .group = "all",
-    .summary = "instances of a tree beside one tree of all voxels and beside Embree",
+    .words = &subject_table[SUBJECT_SCENE],
     .full = {.scenes = {"knot:2000"}, .depths = {6}},
     .quick = {.scenes = {"knot:500"}, .depths = {5}},
     .begin = begin,

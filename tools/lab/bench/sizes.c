@@ -59,9 +59,7 @@ static int begin_sizes(suite *all)
 }
 
 const suite_subject bench_scene_sizes = {
-    .name = "sizes",
-    .group = "all",
-    .summary = "bytes and time from an empty mesh to a million triangles",
+    .words = &subject_table[SUBJECT_SIZES],
     .full = {.scenes = {"terrain:1", "terrain:10", "terrain:1000", "terrain:100000", "terrain:1000000"},
              .depths = {SIZES_DEPTH}},
     .quick = {.scenes = {"terrain:1", "terrain:10", "terrain:1000", "terrain:100000"}, .depths = {SIZES_DEPTH}},
@@ -134,9 +132,7 @@ static int run_memory(suite *all, const input *source, unsigned depth)
 }
 
 const suite_subject bench_memory = {
-    .name = "memory",
-    .group = "all",
-    .summary = "bytes per leaf, compared with a full octree and 36-byte fragments",
+    .words = &subject_table[SUBJECT_MEMORY],
     .full = {.scenes = {"statue", "atrium"}, .depths = {7, 8, 9, 10}},
     .quick = {.scenes = {"statue"}, .depths = {7, 9}},
     .begin = begin_memory,

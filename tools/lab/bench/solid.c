@@ -263,9 +263,7 @@ static int run(suite *all, const input *source, unsigned depth)
 }
 
 const suite_subject bench_solid = {
-    .name = "solid",
-    .group = "all",
-    .summary = "the inside of closed meshes, compared with OpenVDB",
+    .words = &subject_table[SUBJECT_SOLID],
     .full = {.scenes = {"statue", "knot"}, .depths = {7, 8, 9}},
     .quick = {.scenes = {"knot:8000"}, .depths = {6}},
     .begin = begin,

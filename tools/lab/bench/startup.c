@@ -225,9 +225,7 @@ static int run(suite *all, const input *source, unsigned depth)
 }
 
 const suite_subject bench_startup = {
-    .name = "startup",
-    .group = "all",
-    .summary = "process start to first tree, with cold and warm compiler caches",
+    .words = &subject_table[SUBJECT_STARTUP],
     .full = {.scenes = {"knot:8000"}, .depths = {8}},
     .quick = {.scenes = {"knot:8000"}, .depths = {7}},
     .begin = begin,

@@ -98,9 +98,7 @@ static int run_structure(suite *all, const input *source, unsigned depth)
 }
 
 const suite_subject bench_thesis_2020 = {
-    .name = "thesis-2020",
-    .group = "all",
-    .summary = "a thesis on octree building: scenes of 3,538, 2,243 and 26,220 triangles",
+    .words = &subject_table[SUBJECT_THESIS_2020],
     .full = {.scenes = {"terrain:3538", "terrain:2243", "terrain:26220"}, .depths = {2, 3, 4, 5}},
     .quick = {.scenes = {"terrain:3538", "terrain:2243", "terrain:26220"}, .depths = {2, 3, 4, 5}},
     .begin = begin_structure,
@@ -182,9 +180,7 @@ static int run_memory(suite *all, const input *source, unsigned depth)
 }
 
 const suite_subject bench_thesis_2016 = {
-    .name = "thesis-2016",
-    .group = "all",
-    .summary = "a thesis on voxel cone tracing: memory and times at 128³, 256³ and 512³",
+    .words = &subject_table[SUBJECT_THESIS_2016],
     .full = {.scenes = {"atrium"}, .depths = {7, 8, 9}},
     .quick = {.scenes = {"atrium"}, .depths = {7, 8, 9}},
     .begin = begin_memory,

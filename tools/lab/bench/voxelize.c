@@ -60,9 +60,7 @@ static int run(suite *all, const input *source, unsigned depth)
 }
 
 const suite_subject bench_voxelize = {
-    .name = "voxelize",
-    .group = "all",
-    .summary = "front ends: fragments per second",
+    .words = &subject_table[SUBJECT_VOXELIZE],
     .full = {.scenes = {"atrium", "statue", "knot", "terrain", "needles", "dust"}, .depths = {6, 7, 8, 9, 10}},
     .quick = {.scenes = {"knot:8000", "atrium:17000"}, .depths = {6, 8}},
     .begin = begin,

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "measure/threads.h"
+#include "path/threads.h"
 #include "support/input.h"
 
 #define LEAF_TRIANGLES    4u

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 #include "measure/spread.h"
-#include "measure/surface_points.h"
+#include "path/surface_points.h"
 
 #define SEED            1u
 #define TREE_DEPTH      6u /* rays do not depend on it */

@@ -4,7 +4,7 @@
 #define SVOCL_TOOLS_ERRORS_CONE_TRUTH_H
 
 #include "errors/errors.h"
-#include "measure/path.h"
+#include "path/path.h"
 
 typedef struct cone_truth {
     const char *name; /* of the scene */

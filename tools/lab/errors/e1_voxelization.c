@@ -89,9 +89,7 @@ static int run_all(suite *all)
 }
 
 const suite_subject errors_voxelization = {
-    .name = "e1",
-    .group = "errors",
-    .summary = "error and run time of voxelization: false negatives and positives of each method",
+    .words = &subject_table[SUBJECT_E1],
     .run_all = run_all,
     .takes_scenes = true,
     .step_count = 10,

@@ -194,9 +194,7 @@ static int run_all(suite *all)
 }
 
 const suite_subject errors_rays = {
-    .name = "e2",
-    .group = "errors",
-    .summary = "error and run time of ray tracing: missed and wrong rays of each ray-triangle test",
+    .words = &subject_table[SUBJECT_E2],
     .run_all = run_all,
     .takes_scenes = true,
     .step_count = 24,

@@ -115,9 +115,7 @@ static int run_all(suite *all)
 }
 
 const suite_subject errors_attributes = {
-    .name = "e3",
-    .group = "errors",
-    .summary = "error and run time of attributes: colors and normals of voxels, and their dependence on order",
+    .words = &subject_table[SUBJECT_E3],
     .run_all = run_all,
     .takes_scenes = true,
     .step_count = 2,

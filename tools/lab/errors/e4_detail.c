@@ -134,9 +134,7 @@ static int run_all(suite *all)
 }
 
 const suite_subject errors_detail = {
-    .name = "e4",
-    .group = "errors",
-    .summary = "error and run time of levels of detail",
+    .words = &subject_table[SUBJECT_E4],
     .run_all = run_all,
     .takes_scenes = true,
     .step_count = 2,

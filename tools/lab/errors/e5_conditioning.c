@@ -161,9 +161,7 @@ static int run_all(suite *all)
 }
 
 const suite_subject errors_conditioning = {
-    .name = "e5",
-    .group = "errors",
-    .summary = "where each method fails as meshes become ill-conditioned",
+    .words = &subject_table[SUBJECT_E5],
     .run_all = run_all,
     .takes_scenes = true,
     .step_count = 6,

@@ -483,9 +483,7 @@ static int run_all(suite *all)
 }
 
 const suite_subject errors_cones = {
-    .name = "e7",
-    .group = "errors",
-    .summary = "error and run time of cones: ambient occlusion and light beside exact rays",
+    .words = &subject_table[SUBJECT_E7],
     .run_all = run_all,
     .takes_scenes = true,
     .step_count = 2 * SCENES,

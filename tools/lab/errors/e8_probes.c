@@ -420,9 +420,7 @@ static int run_all(suite *all)
 }
 
 const suite_subject errors_probes = {
-    .name = "e8",
-    .group = "errors",
-    .summary = "error and run time of light field probes: rays through them beside exact rays, light beside paths",
+    .words = &subject_table[SUBJECT_E8],
     .run_all = run_all,
     .takes_scenes = true,
     .step_count = 2 * SCENES,

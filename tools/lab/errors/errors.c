@@ -4,7 +4,7 @@
 
 #include <stdio.h>
 
-#include "measure/threads.h"
+#include "path/threads.h"
 
 #define QUICK_ROUNDS 2u
 #define FULL_ROUNDS  11u

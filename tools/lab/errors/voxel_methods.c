@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "measure/interleave.h"
-#include "measure/threads.h"
+#include "path/threads.h"
 #include "support/input.h"
 #include "support/tree_check.h"
 

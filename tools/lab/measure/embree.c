@@ -18,7 +18,7 @@
 #include <xmmintrin.h>
 #endif
 
-#include "measure/threads.h"
+#include "path/threads.h"
 #include "support/input.h"
 
 #define RAYS_PER_CHUNK 4096u

@@ -156,7 +156,7 @@ static int run_scene(suite *all, const suite_subject *subject, const char *name,
         return exit_code;
     }
     for (size_t i = 0; depths[i] != 0 && exit_code == PROGRAM_DONE; ++i) {
-        progress_step(all->state->progress, subject->name);
+        progress_step(all->state->progress, subject->words->name);
         exit_code = subject->run(all, &opened.source, depths[i]);
     }
     input_close(&opened.source);
@@ -192,7 +192,7 @@ static unsigned count_steps(const suite *all, const suite_subject *subject)
 
 bool suite_is_wanted(const suite_subject *subject, const char *wanted)
 {
-    return strcmp(wanted, subject->group) == 0 || strcmp(wanted, subject->name) == 0;
+    return strcmp(wanted, subject->words->group) == 0 || strcmp(wanted, subject->words->name) == 0;
 }
 
 /* The steps of the subjects from the first one on. */
@@ -214,7 +214,7 @@ static void keep_failure(suite *all, const suite_subject *subject, size_t first_
         result_extend_note(results->tables[i], "Not measured to the end: %s.", all->state->last_failure);
     }
     if (results->table_count == first_table) {
-        result_table *table = result_add_table(results, subject->name, subject->summary, "Not measured.");
+        result_table *table = result_add_table(results, subject->words->name, subject->words->summary, "Not measured.");
         result_add_column(table, "reason", "");
         result_add_text(table, "%s", all->state->last_failure);
     }
@@ -232,7 +232,7 @@ static int run_wanted(suite *all, const suite_subject *const *subjects, const ch
     for (size_t i = 0; subjects[i] != NULL; ++i) {
         const size_t first_table = all->results->table_count;
         exit_code = suite_is_wanted(subjects[i], wanted) ? run_subject(all, subjects[i]) : PROGRAM_DONE;
-        if (exit_code != PROGRAM_DONE && strcmp(wanted, subjects[i]->name) == 0) {
+        if (exit_code != PROGRAM_DONE && strcmp(wanted, subjects[i]->words->name) == 0) {
             goto cleanup;
         }
         if (exit_code != PROGRAM_DONE) {

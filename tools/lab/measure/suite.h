@@ -10,6 +10,7 @@
 #include "measure/result.h"
 #include "support/input.h"
 #include "support/session.h"
+#include "support/subjects.h"
 
 #define SUITE_LIST_MAX 16
 /* In place of a depth: the one that svo_plan_ray_depth finds. */
@@ -35,10 +36,7 @@ typedef struct suite_work {
 
 /* Its functions return the exit code, its line printed. */
 typedef struct suite_subject {
-    const char *name;
-    const char *group; /* a name that asks for all subjects of the group */
-    const char *summary; /* one line, without a full stop */
-
+    const subject_words *words;
     suite_work full, quick;
     bool fixed; /* --scenes and --depths do not change them */
     bool takes_scenes; /* with run_all: it measures what --scenes says; --depths does not apply */

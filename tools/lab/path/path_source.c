@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Inverse squares, and the soft edge of spots. */
-#include "measure/path_source.h"
+#include "path/path_source.h"
 
 #include <math.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Host threads that share a range of items. */
-#ifndef SVOCL_TOOLS_MEASURE_THREADS_H
-#define SVOCL_TOOLS_MEASURE_THREADS_H
+#ifndef SVOCL_TOOLS_PATH_THREADS_H
+#define SVOCL_TOOLS_PATH_THREADS_H
 
 #include <stddef.h>
 

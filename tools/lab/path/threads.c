@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* An atomic counter hands out the chunks; the calling thread works too. */
-#include "measure/threads.h"
+#include "path/threads.h"
 
 #include <pthread.h>
 #include <stdatomic.h>

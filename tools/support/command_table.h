@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The table of commands. A new command is added here; help, manual pages and completion follow. */
-#ifndef SVOCL_TOOLS_SVOCL_COMMAND_TABLE_H
-#define SVOCL_TOOLS_SVOCL_COMMAND_TABLE_H
+#ifndef SVOCL_TOOLS_SUPPORT_COMMAND_TABLE_H
+#define SVOCL_TOOLS_SUPPORT_COMMAND_TABLE_H
 
 #include <stddef.h>
 

@@ -5,14 +5,14 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "measure/path.h"
+#include "path/path.h"
+#include "program/commands.h"
+#include "support/light_points.h"
 #include "support/lighting.h"
 #include "support/options_parse.h"
 #include "support/output.h"
 #include "support/point_table.h"
 #include "support/table.h"
-#include "svocl/commands.h"
-#include "svocl/light_points.h"
 
 _Static_assert(OPTION_SAMPLES_MAX == PATH_SAMPLES_MAX, "--samples takes what path_trace takes");
 

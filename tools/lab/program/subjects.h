@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The subjects of `svocl bench`. */
-#ifndef SVOCL_TOOLS_SVOCL_SUBJECTS_H
-#define SVOCL_TOOLS_SVOCL_SUBJECTS_H
+#ifndef SVOCL_TOOLS_PROGRAM_SUBJECTS_H
+#define SVOCL_TOOLS_PROGRAM_SUBJECTS_H
 
 #include "measure/suite.h"
 

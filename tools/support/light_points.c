@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Points from a file, or spread over a mesh. */
-#include "svocl/light_points.h"
+#include "support/light_points.h"
 
 #include <stdlib.h>
 
-#include "measure/surface_points.h"
+#include "path/surface_points.h"
 #include "support/piped.h"
 
 #define POINTS_MAX 10000000u

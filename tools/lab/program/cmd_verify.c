@@ -3,13 +3,13 @@
    by vertex. */
 #include <inttypes.h>
 
+#include "program/commands.h"
 #include "support/build_report.h"
 #include "support/form_check.h"
 #include "support/snap_check.h"
 #include "support/solid_verdict.h"
 #include "support/table.h"
 #include "support/tree_check.h"
-#include "svocl/commands.h"
 
 /* Differences, all of which must be 0, and how much was compared. */
 typedef struct verdict {

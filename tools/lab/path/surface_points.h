@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Points on the triangles of a mesh, spread evenly over their area. */
-#ifndef SVOCL_TOOLS_MEASURE_SURFACE_POINTS_H
-#define SVOCL_TOOLS_MEASURE_SURFACE_POINTS_H
+#ifndef SVOCL_TOOLS_PATH_SURFACE_POINTS_H
+#define SVOCL_TOOLS_PATH_SURFACE_POINTS_H
 
 #include <stdbool.h>
 

@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "program/commands.h"
 #include "stress/cases.h"
 #include "stress/stress.h"
 #include "support/json.h"
 #include "support/table.h"
-#include "svocl/commands.h"
 
 static size_t count_failed(const stress *run)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The points of commands that ask for light: --points. */
-#ifndef SVOCL_TOOLS_SVOCL_LIGHT_POINTS_H
-#define SVOCL_TOOLS_SVOCL_LIGHT_POINTS_H
+#ifndef SVOCL_TOOLS_SUPPORT_LIGHT_POINTS_H
+#define SVOCL_TOOLS_SUPPORT_LIGHT_POINTS_H
 
 #include "support/point_table.h"
 #include "svocl/mesh.h"

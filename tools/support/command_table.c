@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Each command: its name, what runs it, its options, its argument, and examples. */
-#include "svocl/command_table.h"
-
-#include "svocl/commands.h"
+/* Each command: its name, its options, its argument, and examples. */
+#include "support/command_table.h"
 
 #define BUILDS (OPTION_DEVICE | OPTION_BUILD | OPTION_JSON)
 #define EXAMPLES(...)     \
@@ -13,12 +11,10 @@
 
 static const command commands[] = {
     {.name = "devices",
-     .run = command_devices,
      .groups = OPTION_DEVICES_COMMAND | OPTION_JSON,
      .summary = "Lists OpenCL devices, OpenGL renderers, what works on each pair.",
      .examples = EXAMPLES("devices", "devices --json")},
     {.name = "scene",
-     .run = command_scene,
      .groups = OPTION_SCENE_COMMAND | OPTION_OUTPUT | OPTION_JSON,
      .input_name = "NAME",
      .suffixes = ".obj .ply",
@@ -26,7 +22,6 @@ static const command commands[] = {
      .summary = "Writes a procedural scene (.obj, .ply); without NAME, lists them.",
      .examples = EXAMPLES("scene", "scene knot --triangles 20000 -o knot.obj", "scene cube -o - | svocl hash -")},
     {.name = "build",
-     .run = command_build,
      .groups = BUILDS | OPTION_VOXELS | OPTION_OUTPUT | OPTION_BUILD_COMMAND | OPTION_SOLID | OPTION_UNFOLDED,
      .input_name = "INPUT",
      .needs_input = true,
@@ -38,7 +33,6 @@ static const command commands[] = {
                           "build scene:atrium --plan-only", "build scene:statue -d 9 --solid winding",
                           "build model.vox -o model.svo", "build model.ply -d 14 --max-memory 2G -o model.svo")},
     {.name = "parts",
-     .run = command_parts,
      .groups = BUILDS | OPTION_OUTPUT | OPTION_PARTS_COMMAND,
      .input_name = "ACTION INPUT",
      .suffixes = ".svo",
@@ -48,7 +42,6 @@ static const command commands[] = {
                           "parts status model.svo.parts --json", "parts build model.svo.parts --part 3",
                           "parts stitch model.svo.parts", "parts remove model.svo.parts")},
     {.name = "info",
-     .run = command_info,
      .groups = OPTION_JSON | OPTION_LEVELS | OPTION_UNFOLDED,
      .input_name = "FILE.svo",
      .needs_input = true,
@@ -56,7 +49,6 @@ static const command commands[] = {
      .reads_file = true,
      .examples = EXAMPLES("info model.svo", "info - --json <model.svo")},
     {.name = "hash",
-     .run = command_hash,
      .groups = BUILDS | OPTION_VOXELS | OPTION_HASH_COMMAND | OPTION_LEVELS | OPTION_UNFOLDED,
      .input_name = "INPUT",
      .needs_input = true,
@@ -64,7 +56,7 @@ static const command commands[] = {
      .reads_file = true,
      .examples = EXAMPLES("hash scene:cube -d 9", "hash model.svo --nodes")},
     {.name = "verify",
-     .run = command_verify,
+     .in_lab = true,
      .groups = BUILDS | OPTION_FORM | OPTION_SOLID | OPTION_UNFOLDED,
      .input_name = "INPUT",
      .needs_input = true,
@@ -72,7 +64,6 @@ static const command commands[] = {
      .reads_file = true,
      .examples = EXAMPLES("verify scene:knot:20000 -d 8", "verify scene:knot:20000 -d 8 --form all --solid winding")},
     {.name = "convert",
-     .run = command_convert,
      .groups = OPTION_DEVICE | OPTION_JSON | OPTION_VOXELS | OPTION_CONVERT_COMMAND | OPTION_LEVELS | OPTION_UNFOLDED,
      .input_name = "IN OUT",
      .needs_input = true,
@@ -83,7 +74,6 @@ static const command commands[] = {
      .examples = EXAMPLES("convert castle.vox castle.svo", "convert model.svo model.vox",
                           "convert castle.vox castle.ply --hidden", "convert walk.vox step.binvox --frame 3")},
     {.name = "render",
-     .run = command_render,
      .groups = BUILDS | OPTION_VOXELS | OPTION_OUTPUT | OPTION_PICTURE_SIZE | OPTION_RENDER_COMMAND | OPTION_LIGHT |
                OPTION_PROBES | OPTION_LEVELS | OPTION_PAGED | OPTION_PICTURE_FILE | OPTION_UNFOLDED,
      .input_name = "INPUT",
@@ -102,7 +92,6 @@ static const command commands[] = {
                   "render model.svo --turntable 120 --format y4m -o - | ffmpeg -i - -pix_fmt yuv420p turn.mp4")},
 #ifdef SVOCL_VIEW
     {.name = "view",
-     .run = command_view,
      .groups = OPTION_DEVICE | OPTION_BUILD | OPTION_VOXELS | OPTION_RENDER_COMMAND | OPTION_LIGHT | OPTION_PROBES |
                OPTION_VIEW_COMMAND | OPTION_UNFOLDED,
      .input_name = "INPUT",
@@ -113,7 +102,6 @@ static const command commands[] = {
                           "view scene.json --width 1920 --height 1080", "view moving.json --frames 60 -d 8")},
 #endif
     {.name = "export-web",
-     .run = command_export_web,
      .groups =
          BUILDS | OPTION_VOXELS | OPTION_OUTPUT | OPTION_WEB_COMMAND | OPTION_LIGHT | OPTION_LEVELS | OPTION_UNFOLDED,
      .input_name = "INPUT",
@@ -125,7 +113,6 @@ static const command commands[] = {
                           "export-web hall.obj --eye 2,1.7,0 --at 9,2,0 --view full --lights sun.json -o hall.html",
                           "export-web scene:atrium -d 11 --max-bytes 8000000 -o atrium.html")},
     {.name = "trace",
-     .run = command_trace,
      .groups = BUILDS | OPTION_OUTPUT | OPTION_PICTURE_SIZE | OPTION_TRACE_COMMAND | OPTION_UNFOLDED,
      .input_name = "INPUT",
      .needs_input = true,
@@ -136,7 +123,6 @@ static const command commands[] = {
      .examples = EXAMPLES("trace model.obj --rays rays.csv -o hits.csv",
                           "trace model.obj --camera auto --size 320x240 -o hits.csv")},
     {.name = "gather",
-     .run = command_gather,
      .groups = BUILDS | OPTION_VOXELS | OPTION_OUTPUT | OPTION_LIGHT | OPTION_GATHER_COMMAND | OPTION_UNFOLDED,
      .input_name = "INPUT",
      .needs_input = true,
@@ -147,7 +133,7 @@ static const command commands[] = {
      .examples = EXAMPLES("gather model.svo --points points.csv -o light.csv",
                           "gather scene:atrium -d 9 --points 1000 --lights sun.json --reference 4096 -o light.csv")},
     {.name = "reference",
-     .run = command_reference,
+     .in_lab = true,
      .groups = BUILDS | OPTION_OUTPUT | OPTION_REFERENCE_COMMAND,
      .input_name = "INPUT",
      .needs_input = true,
@@ -158,7 +144,6 @@ static const command commands[] = {
      .examples = EXAMPLES("reference scene:atrium --points 4096 -o light.csv",
                           "reference model.obj --points points.csv --lambda 0.5 -o light.csv")},
     {.name = "kernels",
-     .run = command_kernels,
      .groups = BUILDS | OPTION_VOXELS | OPTION_UNFOLDED,
      .input_name = "INPUT",
      .needs_input = true,
@@ -166,12 +151,12 @@ static const command commands[] = {
      .reads_file = true,
      .examples = EXAMPLES("kernels scene:cube -d 9", "kernels model.obj -d 9 --kernels kept")},
     {.name = "stress",
-     .run = command_stress,
+     .in_lab = true,
      .groups = OPTION_DEVICE | OPTION_METHODS | OPTION_STRESS_COMMAND | OPTION_JSON,
      .summary = "Tests device and driver with ill-conditioned and extreme inputs.",
      .examples = EXAMPLES("stress", "stress --count 0")},
     {.name = "bench",
-     .run = command_bench,
+     .in_lab = true,
      .groups = BUILDS | OPTION_BENCH_COMMAND | OPTION_MEASURE | OPTION_OUTPUT,
      .input_name = "SUBJECT [INPUT]",
      .suffixes = ".json",
@@ -181,14 +166,13 @@ static const command commands[] = {
      .examples = EXAMPLES("bench rays --vs embree", "bench all --quick -o bench.json",
                           "bench voxelize --scenes atrium,statue --depths 8,9")},
     {.name = "report",
-     .run = command_report,
+     .in_lab = true,
      .groups = OPTION_DEVICE | OPTION_MEASURE | OPTION_REPORT_COMMAND | OPTION_OUTPUT | OPTION_JSON,
      .summary = "Writes all measurements as a page with charts into folder -o DIR.",
      .output = OPTION_OUTPUT_FOLDER,
      .examples =
          EXAMPLES("report -o report", "report --quick -o report", "report --from report/results.json -o again")},
     {.name = "completion",
-     .run = command_completion,
      .groups = OPTION_OUTPUT,
      .input_name = "SHELL",
      .needs_input = true,
@@ -196,7 +180,6 @@ static const command commands[] = {
      .output = OPTION_OUTPUT_TEXT,
      .examples = EXAMPLES("completion bash >~/.local/share/bash-completion/completions/svocl")},
     {.name = "man",
-     .run = command_man,
      .groups = OPTION_OUTPUT,
      .input_name = "COMMAND",
      .summary = "Prints the manual page of svocl or COMMAND; -o DIR writes all.",

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What a mesh's triangles look like where a ray meets them. */
-#ifndef SVOCL_TOOLS_MEASURE_PATH_SURFACE_H
-#define SVOCL_TOOLS_MEASURE_PATH_SURFACE_H
+#ifndef SVOCL_TOOLS_PATH_SURFACE_H
+#define SVOCL_TOOLS_PATH_SURFACE_H
 
 #include "svocl/light.h"
 #include "svocl/mesh.h"

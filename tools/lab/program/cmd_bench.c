@@ -9,24 +9,24 @@
 #include "measure/instruction_set.h"
 #include "measure/result_json.h"
 #include "measure/result_text.h"
+#include "program/commands.h"
+#include "program/subjects.h"
 #include "support/json.h"
 #include "support/options_parse.h"
 #include "support/output.h"
 #include "support/suggest.h"
 #include "support/table.h"
-#include "svocl/commands.h"
-#include "svocl/subjects.h"
 
 static bool is_in(size_t index, const char *group)
 {
-    return subjects[index] != NULL && strcmp(subjects[index]->group, group) == 0;
+    return index < SUBJECT_COUNT && strcmp(subject_table[index].group, group) == 0;
 }
 
 static size_t add_subjects(table *rows, size_t index, const char *group)
 {
     for (; is_in(index, group); ++index) {
-        table_cell(rows, "%s", subjects[index]->name);
-        table_cell(rows, "%s", subjects[index]->summary);
+        table_cell(rows, "%s", subject_table[index].name);
+        table_cell(rows, "%s", subject_table[index].summary);
     }
     return index;
 }
@@ -52,7 +52,7 @@ static void list_subjects(char *text, size_t text_bytes)
 {
     size_t used = 0;
     for (size_t i = 0; is_in(i, "all") && used < text_bytes; ++i) {
-        used += (size_t)snprintf(text + used, text_bytes - used, "%s, ", subjects[i]->name);
+        used += (size_t)snprintf(text + used, text_bytes - used, "%s, ", subject_table[i].name);
     }
     if (used < text_bytes) {
         snprintf(text + used, text_bytes - used, "all, errors, e1 to e5, e7, e8, " BENCH_GPU_NAME);
@@ -74,8 +74,8 @@ static int check_subject(program *state)
     }
     if (!is_gpu(state) && !subjects_know(given->subject)) {
         suggestion near = suggestion_begin(given->subject, strlen(given->subject));
-        for (size_t i = 0; subjects[i] != NULL; ++i) {
-            suggestion_offer(&near, subjects[i]->name);
+        for (size_t i = 0; i < SUBJECT_COUNT; ++i) {
+            suggestion_offer(&near, subject_table[i].name);
         }
         suggestion_offer(&near, BENCH_GPU_NAME);
         return program_fail(state, PROGRAM_WRONG_USAGE, "SUBJECT '%s' is none of %s%s", given->subject, known,

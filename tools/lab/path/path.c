@@ -4,15 +4,15 @@
  * density in proportion to the cosine, so that means over rays are the integrals; what they meet; the sources' light
  * there, one batch of shadow rays for each source; means over the rays of each set.
  */
-#include "measure/path.h"
+#include "path/path.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "measure/path_source.h"
-#include "measure/path_surface.h"
-#include "measure/threads.h"
+#include "path/path_source.h"
+#include "path/path_surface.h"
+#include "path/threads.h"
 #include "scenes/maths.h"
 #include "svocl/nodes.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Colors as svo_material describes them, in double precision. */
-#include "measure/path_surface.h"
+#include "path/path_surface.h"
 
 #include <math.h>
 #include <stdbool.h>

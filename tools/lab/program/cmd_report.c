@@ -8,6 +8,8 @@
 
 #include "measure/result_json.h"
 #include "measure/result_text.h"
+#include "program/commands.h"
+#include "program/subjects.h"
 #include "report/docs_tables.h"
 #include "report/page.h"
 #include "report/summary.h"
@@ -16,8 +18,6 @@
 #include "support/options_parse.h"
 #include "support/output.h"
 #include "support/table.h"
-#include "svocl/commands.h"
-#include "svocl/subjects.h"
 
 #define PATH_BYTES     4096
 #define FILE_BYTES_MAX ((size_t)64 << 20) /* 64 MiB */

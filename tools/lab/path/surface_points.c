@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Systematic sampling of the summed area, then uniform inside the triangle (Turk, "Generating Random Points in
    Triangles", Graphics Gems, 1990). */
-#include "measure/surface_points.h"
+#include "path/surface_points.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A source of light as a place sees it, without what stands between. */
-#ifndef SVOCL_TOOLS_MEASURE_PATH_SOURCE_H
-#define SVOCL_TOOLS_MEASURE_PATH_SOURCE_H
+#ifndef SVOCL_TOOLS_PATH_SOURCE_H
+#define SVOCL_TOOLS_PATH_SOURCE_H
 
 #include <stdbool.h>
 

@@ -8,8 +8,8 @@
  *
  * Surfaces are opaque, reflect diffusely by their linear color, on the side that a ray meets, and emit on both sides.
  */
-#ifndef SVOCL_TOOLS_MEASURE_PATH_H
-#define SVOCL_TOOLS_MEASURE_PATH_H
+#ifndef SVOCL_TOOLS_PATH_H
+#define SVOCL_TOOLS_PATH_H
 
 #include <stdbool.h>
 
