@@ -16,8 +16,6 @@
 
 #include "fixture.h"
 #include "path/path.h"
-#include "path/path_source.h"
-#include "path/path_surface.h"
 #include "path/surface_points.h"
 
 #define PI      3.14159265358979323846

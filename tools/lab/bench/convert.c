@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Time against the number of voxels, for solid spheres: lists, trees, and files in memory. */
-#include "bench/convert.h"
+#include "bench/subjects.h"
 
 #include <stdio.h>
 #include <stdlib.h>

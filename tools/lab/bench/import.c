@@ -3,7 +3,7 @@
  * Reading mesh files. svocl: svo_import_file, with its child process, the joining of equal vertices and the way back
  * through the pipe. assimp: aiImportFile with triangulation in this process, up to its scene.
  */
-#include "bench/import.h"
+#include "bench/subjects.h"
 
 #include <assimp/cimport.h>
 #include <assimp/postprocess.h>

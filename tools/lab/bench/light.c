@@ -4,7 +4,7 @@
  * for grids of the same size (Radeon HD 5850); its bytes next to those of a dense pyramid of six directions, whose
  * passes run on the same device; and frames gathered by five cones.
  */
-#include "bench/light.h"
+#include "bench/subjects.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
  * The light of a scene through which a knot moves, by svo_light_update, beside the light of the same tree from nothing.
  * Knots of several sizes change several shares of the tree.
  */
-#include "bench/moving_light.h"
+#include "bench/subjects.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
  * Pages along a camera path. At each stop pictures follow each other until one misses nothing or nothing more finds
  * room. Counts are the same in every run; times are those of one flight.
  */
-#include "bench/paged.h"
+#include "bench/subjects.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,7 +3,7 @@
  * Trees that are larger than the memory that their builds take: `svocl build --max-memory` as a process of its own,
  * with the most memory that it had. parts.c compares smaller ones with builds in one piece.
  */
-#include "bench/parts_large.h"
+#include "bench/subjects.h"
 
 #include <inttypes.h>
 #include <stdio.h>

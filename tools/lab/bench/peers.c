@@ -3,7 +3,7 @@
  * Other libraries on the same triangles, where their Debian packages are installed: Embree builds its BVH, OpenVDB a
  * sparse volume of the same resolution. Each runs interleaved with svocl.
  */
-#include "bench/peers.h"
+#include "bench/subjects.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -11,7 +11,7 @@
 
 #include "bench/grid_rays.h"
 #include "measure/embree.h"
-#include "measure/ray_judge.h"
+#include "measure/ray_sets.h"
 #include "measure/spread.h"
 #include "support/job.h"
 

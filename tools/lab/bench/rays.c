@@ -13,7 +13,7 @@
 
 #include "bench/child.h"
 #include "bench/ray_run.h"
-#include "measure/instruction_set.h"
+#include "measure/host.h"
 #include "support/json.h"
 #include "support/options_parse.h"
 #include "support/table.h"

@@ -3,7 +3,7 @@
  * The inside of meshes: svo_solid_create, and OpenVDB's level set of the same snapped triangles, whose interior it
  * finds by filling from outside. Both are compared with the exact reference.
  */
-#include "bench/solid.h"
+#include "bench/subjects.h"
 
 #include <math.h>
 #include <stdlib.h>

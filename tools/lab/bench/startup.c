@@ -3,7 +3,7 @@
  * From the start of a process to its first tree, and to the first tree of other needs in a process that built already.
  * The program starts anew for each run, first with empty caches of compiled kernels and shaders, then with warm ones.
  */
-#include "bench/startup.h"
+#include "bench/subjects.h"
 
 #include <stdio.h>
 #include <string.h>

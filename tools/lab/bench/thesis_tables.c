@@ -4,7 +4,7 @@
  * one on voxel cone tracing (2016). Their scenes and hardware are not available, so the scenes here have the same
  * number of triangles or the same kind of content. The published values give the scale and name their hardware.
  */
-#include "bench/thesis_tables.h"
+#include "bench/subjects.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,15 +1,330 @@
 /* SPDX-License-Identifier: MIT */
-/* Times the methods interleaved, then runs each in several orders of the samples or, for svocl, of the triangles. */
+/*
+ * Times the methods interleaved, then runs each in several orders of the samples or, for svocl, of the triangles. The
+ * samples are those of a tree's (voxel, triangle) pairs, each interpolated in double; kernels of averages.cl average
+ * them as common methods do.
+ */
 #include "errors/attribute_methods.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "errors/averages.h"
-#include "measure/interleave.h"
 #include "measure/spread.h"
+#include "reference/oracle.h"
 #include "scenes/maths.h"
+#include "support/input.h"
+#include "support/session.h"
+#include "svocl/svocl.h"
+
+/* ---- samples ---- */
+
+typedef struct attribute_samples {
+    size_t count; /* pairs */
+    size_t leaf_count;
+    uint32_t *leaves; /* per pair */
+    float (*values)[4]; /* per pair, at the projection of the voxel's center: color 0 .. 255; normal -1 .. 1 */
+    double (*means)[3]; /* per leaf: weighted by area, at the centroids of the parts inside; normals of any length */
+    bool *judged; /* per leaf: it has an area, and its mean normal is not close to zero */
+} attribute_samples;
+
+#define LEAST_AREA   1e-6 /* of a voxel face: below it, a triangle only touches the voxel */
+#define LEAST_LENGTH 0.05 /* of a mean normal with a direction */
+
+typedef struct pair {
+    oracle_triangle triangle;
+    oracle_box box;
+    size_t corners[3]; /* vertices of the mesh */
+} pair;
+
+static void open_pair(const svo_mesh *mesh, const svo_tree_info *info, const svo_tree_arrays *arrays, uint64_t code,
+                      uint32_t entry, pair *out)
+{
+    const size_t id = arrays->triangle_ids[entry];
+    oracle_voxel_box(code, info->depth, info->snap_bits, &out->box);
+    for (size_t i = 0; i < 3; ++i) {
+        const size_t vertex = arrays->indices[(size_t)entry * 3 + i];
+        memcpy(out->triangle.vertex[i], arrays->vertices + vertex * 3, sizeof out->triangle.vertex[i]);
+        out->corners[i] = mesh->indices != NULL ? mesh->indices[id * 3 + i] : id * 3 + i;
+    }
+}
+
+static void interpolate(const svo_mesh *mesh, attribute kind, const pair *opened, const double weights[3],
+                        double value[3])
+{
+    for (size_t channel = 0; channel < 3; ++channel) {
+        value[channel] = 0.0;
+        for (size_t i = 0; i < 3; ++i) {
+            const size_t vertex = opened->corners[i];
+            value[channel] += weights[i] * (kind == ATTRIBUTE_COLOR ? (double)mesh->colors[vertex * 4 + channel]
+                                                                    : (double)mesh->normals[vertex * 3 + channel]);
+        }
+    }
+}
+
+/* Sets the sample and adds to the leaf's mean. Returns the weight. */
+static double add_pair(const svo_mesh *mesh, attribute kind, const pair *opened, float sample[4], double mean[3])
+{
+    const double half = (double)opened->box.width / 2.0;
+    const double center[3] = {half, half, half};
+    double centroid[3];
+    double weights[3];
+    double value[3];
+    oracle_corner_weights(&opened->triangle, &opened->box, center, weights);
+    interpolate(mesh, kind, opened, weights, value);
+    for (int channel = 0; channel < 3; ++channel) {
+        sample[channel] = (float)value[channel];
+    }
+    sample[3] = 1.0f;
+    const double area = oracle_part(&opened->triangle, &opened->box, centroid);
+    oracle_corner_weights(&opened->triangle, &opened->box, centroid, weights);
+    interpolate(mesh, kind, opened, weights, value);
+    for (int channel = 0; channel < 3; ++channel) {
+        mean[channel] += area * value[channel];
+    }
+    return area;
+}
+
+static void fill(const svo_mesh *mesh, attribute kind, const svo_tree_info *info, const svo_tree_arrays *arrays,
+                 const uint64_t *codes, attribute_samples *out)
+{
+    for (size_t leaf = 0; leaf < out->leaf_count; ++leaf) {
+        double *mean = out->means[leaf];
+        double area = 0.0;
+        for (size_t i = arrays->list_begin[leaf]; i < arrays->list_begin[leaf + 1]; ++i) {
+            pair opened;
+            open_pair(mesh, info, arrays, codes[leaf], arrays->list[i], &opened);
+            out->leaves[i] = (uint32_t)leaf;
+            area += add_pair(mesh, kind, &opened, out->values[i], mean);
+        }
+        for (int channel = 0; channel < 3 && area > 0.0; ++channel) {
+            mean[channel] /= area;
+        }
+        const double length = sqrt(mean[0] * mean[0] + mean[1] * mean[1] + mean[2] * mean[2]);
+        out->judged[leaf] = area > LEAST_AREA && (kind == ATTRIBUTE_COLOR || length > LEAST_LENGTH);
+    }
+}
+
+static void attribute_samples_free(attribute_samples *made)
+{
+    free(made->leaves);
+    free(made->values);
+    free(made->means);
+    free(made->judged);
+    *made = (attribute_samples){0};
+}
+
+/* mesh: with colors and normals per vertex, without materials. info, arrays: of its downloaded tree with lists. Returns
+   false, with nothing to release, when memory runs out or the tree is malformed. */
+static bool attribute_samples_create(const svo_mesh *mesh, attribute kind, const svo_tree_info *info,
+                                     const svo_tree_arrays *arrays, attribute_samples *out)
+{
+    const size_t count = (size_t)info->list_count;
+    const size_t leaf_count = (size_t)info->leaf_count;
+    uint64_t *codes = calloc(leaf_count + 1, sizeof *codes);
+    *out = (attribute_samples){.count = count,
+                               .leaf_count = leaf_count,
+                               .leaves = calloc(count + 1, sizeof *out->leaves),
+                               .values = calloc(count + 1, sizeof *out->values),
+                               .means = calloc(leaf_count + 1, sizeof *out->means),
+                               .judged = calloc(leaf_count + 1, sizeof *out->judged)};
+    const bool good = codes != NULL && out->leaves != NULL && out->values != NULL && out->means != NULL &&
+                      out->judged != NULL && mesh->colors != NULL && mesh->normals != NULL &&
+                      oracle_leaf_codes(arrays->child_mask, info->inner_count, info->depth, info->leaf_count, codes);
+    if (good) {
+        fill(mesh, kind, info, arrays, codes, out);
+    } else {
+        attribute_samples_free(out);
+    }
+    free(codes);
+    return good;
+}
+
+/* Shuffles the pairs. */
+static void attribute_samples_shuffle(attribute_samples *made, uint64_t seed)
+{
+    random_stream random = {seed};
+    for (size_t i = made->count; i-- > 1;) {
+        const size_t other = random_index(&random, (uint32_t)i + 1);
+        float kept[4];
+        const uint32_t leaf = made->leaves[i];
+        memcpy(kept, made->values[i], sizeof kept);
+        memcpy(made->values[i], made->values[other], sizeof kept);
+        memcpy(made->values[other], kept, sizeof kept);
+        made->leaves[i] = made->leaves[other];
+        made->leaves[other] = leaf;
+    }
+}
+
+/* ---- averages by kernels ---- */
+
+typedef enum average_method { AVERAGE_RGBA8 = 0, AVERAGE_FLOAT, AVERAGE_METHOD_COUNT } average_method;
+typedef struct averages averages;
+
+#define GROUP_ITEMS 64u
+
+extern const char averages_source[];
+
+struct averages {
+    const session *opened;
+    cl_program program;
+    cl_kernel kernels[AVERAGE_METHOD_COUNT];
+    cl_mem cells, samples, results;
+    size_t count, leaf_count;
+    double scale, offset;
+};
+
+static const char *const kernel_names[AVERAGE_METHOD_COUNT] = {"average_rgba8", "add_float"};
+static const size_t words_per_leaf[AVERAGE_METHOD_COUNT] = {1, 4};
+
+static bool compile(averages *made)
+{
+    const char *source = averages_source;
+    const cl_device_id device = svo_device_cl_device(made->opened->device);
+    made->program = clCreateProgramWithSource(svo_device_cl_context(made->opened->device), 1, &source, NULL, NULL);
+    bool worked = made->program != NULL && clBuildProgram(made->program, 1, &device, NULL, NULL, NULL) == CL_SUCCESS;
+    for (int method = 0; method < AVERAGE_METHOD_COUNT && worked; ++method) {
+        made->kernels[method] = clCreateKernel(made->program, kernel_names[method], NULL);
+        worked = made->kernels[method] != NULL;
+    }
+    return worked;
+}
+
+static bool make_buffers(averages *made)
+{
+    cl_context context = svo_device_cl_context(made->opened->device);
+    made->cells = clCreateBuffer(context, CL_MEM_READ_ONLY, made->count * sizeof(cl_uint), NULL, NULL);
+    made->samples = clCreateBuffer(context, CL_MEM_READ_ONLY, made->count * sizeof(cl_float4), NULL, NULL);
+    made->results = clCreateBuffer(context, CL_MEM_READ_WRITE, made->leaf_count * 4 * sizeof(cl_uint), NULL, NULL);
+    return made->cells != NULL && made->samples != NULL && made->results != NULL;
+}
+
+static bool set_arguments(averages *made)
+{
+    const cl_uint count = (cl_uint)made->count;
+    bool worked = true;
+    for (int method = 0; method < AVERAGE_METHOD_COUNT && worked; ++method) {
+        cl_kernel kernel = made->kernels[method];
+        worked = clSetKernelArg(kernel, 0, sizeof(cl_mem), (const void *)&made->cells) == CL_SUCCESS &&
+                 clSetKernelArg(kernel, 1, sizeof(cl_mem), (const void *)&made->samples) == CL_SUCCESS &&
+                 clSetKernelArg(kernel, 2, sizeof(cl_mem), (const void *)&made->results) == CL_SUCCESS &&
+                 clSetKernelArg(kernel, 3, sizeof count, &count) == CL_SUCCESS;
+    }
+    return worked;
+}
+
+static void averages_destroy(averages **made)
+{
+    averages *old = *made;
+    if (old == NULL) {
+        return;
+    }
+    cl_mem buffers[3] = {old->cells, old->samples, old->results};
+    for (int i = 0; i < 3; ++i) {
+        if (buffers[i] != NULL) {
+            clReleaseMemObject(buffers[i]);
+        }
+    }
+    for (int method = 0; method < AVERAGE_METHOD_COUNT; ++method) {
+        if (old->kernels[method] != NULL) {
+            clReleaseKernel(old->kernels[method]);
+        }
+    }
+    if (old->program != NULL) {
+        clReleaseProgram(old->program);
+    }
+    free(old);
+    *made = NULL;
+}
+
+/* NULL on failure. */
+static averages *averages_create(const session *opened, const attribute_samples *samples)
+{
+    averages *made = calloc(1, sizeof *made);
+    if (made == NULL) {
+        return NULL;
+    }
+    made->opened = opened;
+    made->count = samples->count;
+    made->leaf_count = samples->leaf_count;
+    if (!compile(made) || !make_buffers(made) || !set_arguments(made)) {
+        averages_destroy(&made);
+    }
+    return made;
+}
+
+/* Uploads the samples in their current order, as 8-bit values of value * scale + offset. */
+static bool averages_upload(averages *made, const attribute_samples *samples, double scale, double offset)
+{
+    cl_command_queue queue = made->opened->queue;
+    float(*scaled)[4] = calloc(made->count + 1, sizeof *scaled);
+    made->scale = scale;
+    made->offset = offset;
+    for (size_t i = 0; i < made->count && scaled != NULL; ++i) {
+        for (int channel = 0; channel < 3; ++channel) {
+            scaled[i][channel] = (float)((double)samples->values[i][channel] * scale + offset);
+        }
+    }
+    const bool worked = scaled != NULL &&
+                        clEnqueueWriteBuffer(queue, made->samples, CL_TRUE, 0, made->count * sizeof *scaled, scaled, 0,
+                                             NULL, NULL) == CL_SUCCESS &&
+                        clEnqueueWriteBuffer(queue, made->cells, CL_TRUE, 0, made->count * sizeof(cl_uint),
+                                             samples->leaves, 0, NULL, NULL) == CL_SUCCESS;
+    free(scaled);
+    return worked;
+}
+
+/* Clears the means and runs the method. Returns the milliseconds of the kernel, below 0 on failure. */
+static double averages_run(averages *made, average_method method)
+{
+    cl_command_queue queue = made->opened->queue;
+    const cl_uint zero = 0;
+    const size_t group = GROUP_ITEMS;
+    const size_t size = (made->count + group - 1) / group * group;
+    if (clEnqueueFillBuffer(queue, made->results, &zero, sizeof zero, 0, made->leaf_count * 4 * sizeof zero, 0, NULL,
+                            NULL) != CL_SUCCESS ||
+        clFinish(queue) != CL_SUCCESS) {
+        return -1.0;
+    }
+    const double started_ms = input_now_ms();
+    const bool worked =
+        clEnqueueNDRangeKernel(queue, made->kernels[method], 1, NULL, &size, &group, 0, NULL, NULL) == CL_SUCCESS &&
+        clFinish(queue) == CL_SUCCESS;
+    return worked ? input_now_ms() - started_ms : -1.0;
+}
+
+static void unpack(const averages *made, average_method method, const cl_uint *words, double mean[3])
+{
+    union {
+        cl_uint bits;
+        float number;
+    } sums[4];
+    for (size_t i = 0; i < 4 && method == AVERAGE_FLOAT; ++i) {
+        sums[i].bits = words[i];
+    }
+    for (unsigned channel = 0; channel < 3; ++channel) {
+        const double octets = method == AVERAGE_FLOAT ? (double)sums[channel].number / fmax((double)sums[3].number, 1.0)
+                                                      : (double)(words[0] >> 8 * channel & 255u);
+        mean[channel] = (octets - made->offset) / made->scale;
+    }
+}
+
+/* The means of the last run of that method, in the units of the samples. */
+static bool averages_read(averages *made, average_method method, double (*means)[3])
+{
+    const size_t bytes = made->leaf_count * words_per_leaf[method] * sizeof(cl_uint);
+    cl_uint *words = malloc(bytes + 1);
+    const bool worked = words != NULL && clEnqueueReadBuffer(made->opened->queue, made->results, CL_TRUE, 0, bytes,
+                                                             words, 0, NULL, NULL) == CL_SUCCESS;
+    for (size_t leaf = 0; leaf < made->leaf_count && worked; ++leaf) {
+        unpack(made, method, words + leaf * words_per_leaf[method], means[leaf]);
+    }
+    free(words);
+    return worked;
+}
+
+/* ---- methods ---- */
 
 #define QUICK_ORDERS 3u
 #define FULL_ORDERS  5u

@@ -3,10 +3,11 @@
 #ifndef SVOCL_TOOLS_ERRORS_ATTRIBUTE_METHODS_H
 #define SVOCL_TOOLS_ERRORS_ATTRIBUTE_METHODS_H
 
-#include "errors/attribute_samples.h"
 #include "errors/errors.h"
 
 #define ATTRIBUTE_METHODS_MAX 5u
+
+typedef enum attribute { ATTRIBUTE_COLOR = 0, ATTRIBUTE_NORMAL, ATTRIBUTE_COUNT } attribute;
 
 /* Errors of colors: of the worst channel, in 1/255. Of normals: the angle to the mean's direction, in degrees. */
 typedef struct attribute_method_result {

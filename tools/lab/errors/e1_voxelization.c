@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* E1: false negatives and false positives of every voxelization method, at 64^3 to 1024^3. */
-#include "errors/e1_voxelization.h"
+#include "errors/subjects.h"
 
 #include <stdio.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* E2: missed rays, wrong triangles and errors of t, for random and adversarial rays. */
-#include "errors/e2_rays.h"
+#include "errors/subjects.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* E3: errors of voxels' mean colors and normals, and their dependence on the order of samples. */
-#include "errors/e3_attributes.h"
+#include "errors/subjects.h"
 
 #include "errors/attribute_methods.h"
 #include "measure/vertex_attributes.h"

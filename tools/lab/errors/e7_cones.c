@@ -3,17 +3,16 @@
  * E7: errors and times of ambient occlusion and light gathered by cones, against paths through the triangles; and
  * ambient occlusion by exact rays, which is what cones are an alternative to.
  */
-#include "errors/e7_cones.h"
+#include "errors/subjects.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "errors/cone_methods.h"
-#include "errors/few_paths.h"
-#include "errors/occlusion_rays.h"
-#include "measure/interleave.h"
+#include "errors/cone_peers.h"
+#include "errors/cones.h"
+#include "measure/spread.h"
 
 #define DEEPEST       9u
 #define DEEPEST_QUICK 7u

@@ -3,7 +3,7 @@
 #ifndef SVOCL_TOOLS_ERRORS_E8_LIGHT_H
 #define SVOCL_TOOLS_ERRORS_E8_LIGHT_H
 
-#include "errors/cone_methods.h"
+#include "errors/cones.h"
 
 /* Adds the table with its columns. */
 void e8_light_begin(const error_run *run);

@@ -3,16 +3,16 @@
  * E8: what rays through light field probes find, beside exact rays in the same rounds, by the number of probes, their
  * resolution, the field and the choice of probes; and light by probes (e8_light.c).
  */
-#include "errors/e8_probes.h"
+#include "errors/subjects.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "errors/cone_methods.h"
+#include "errors/cones.h"
 #include "errors/e8_light.h"
 #include "errors/probe_rays.h"
-#include "measure/interleave.h"
+#include "measure/spread.h"
 #include "support/input.h"
 
 #define DEPTH         8u

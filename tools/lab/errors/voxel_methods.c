@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "measure/interleave.h"
+#include "measure/spread.h"
 #include "path/threads.h"
 #include "support/input.h"
 #include "support/tree_check.h"

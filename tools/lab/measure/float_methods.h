@@ -7,8 +7,24 @@
 #ifndef SVOCL_TOOLS_MEASURE_FLOAT_METHODS_H
 #define SVOCL_TOOLS_MEASURE_FLOAT_METHODS_H
 
-#include "measure/float_list.h"
+#include "reference/oracle.h"
 #include "svocl/tree.h"
+
+typedef enum float_method {
+    FLOAT_PLANES = 0, /* Schwarz and Seidel, planes and projected edges in world coordinates */
+    FLOAT_CENTERED, /* Akenine-Moller, separating axes around the box's center */
+    FLOAT_PIXELS, /* rasterization, one sample per pixel */
+    FLOAT_SAMPLES, /* rasterization, four samples per pixel */
+    FLOAT_EXPANDED, /* rasterization of the expanded triangle, every voxel of the depth range */
+    FLOAT_METHOD_COUNT
+} float_method;
+
+/* A list of pairs that grows. */
+typedef struct float_list {
+    oracle_pair *pairs;
+    size_t count, capacity;
+    bool failed; /* out of memory */
+} float_list;
 
 const char *float_method_name(float_method method); /* static string */
 /* The coverage that the method targets: separating axes test closed boxes, pixels own half of their border. */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Asks Linux for the processor and the memory. What it does not say is left out. */
+#define _XOPEN_SOURCE 700
 #include "measure/host.h"
 
 #include <stdio.h>
@@ -7,7 +8,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "measure/instruction_set.h"
 #include "svocl/version.h"
 
 /* The value of "key : value", NULL if the line has another key. */
@@ -52,4 +52,55 @@ void host_describe(const options *given, result_machine *machine)
     machine->cpu_threads = given->threads != 0 ? (unsigned)given->threads : online > 0 ? (unsigned)online : 1;
     snprintf(machine->instruction_set, sizeof machine->instruction_set, "%s", instruction_set_name(given->isa));
     snprintf(machine->svocl, sizeof machine->svocl, "%s", svo_version_string());
+}
+
+/* ---- the instruction set ---- */
+
+#define SET_COUNT 3
+
+/* The widest one first. */
+static const struct {
+    const char *asked, *name;
+} sets[SET_COUNT] = {{"avx512", "AVX-512"}, {"avx2", "AVX2"}, {"sse2", "SSE2"}};
+
+static bool processor_has(size_t index)
+{
+#if defined(__x86_64__)
+    return index == 0   ? __builtin_cpu_supports("avx512f") != 0
+           : index == 1 ? __builtin_cpu_supports("avx2") != 0
+                        : __builtin_cpu_supports("sse2") != 0;
+#else
+    (void)index;
+    return false;
+#endif
+}
+
+const char *instruction_set_name(const char *asked)
+{
+    for (size_t i = 0; i < SET_COUNT; ++i) {
+        if (asked != NULL ? strcmp(asked, sets[i].asked) == 0 : processor_has(i)) {
+            return sets[i].name;
+        }
+    }
+#if defined(__aarch64__)
+    return "NEON";
+#else
+    return "";
+#endif
+}
+
+bool instruction_set_is_there(const char *asked)
+{
+    for (size_t i = 0; i < SET_COUNT; ++i) {
+        if (strcmp(asked, sets[i].asked) == 0) {
+            return processor_has(i);
+        }
+    }
+    return false;
+}
+
+/* PoCL's names are the same. */
+bool instruction_set_choose(const char *asked, const char *cache_path)
+{
+    return setenv("POCL_KERNELLIB_NAME", asked, 1) == 0 && setenv("POCL_CACHE_DIR", cache_path, 1) == 0;
 }

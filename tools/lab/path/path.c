@@ -2,19 +2,171 @@
 /*
  * Points are traced in groups whose rays fit a batch. Of each group: rays into the hemisphere above each point, with a
  * density in proportion to the cosine, so that means over rays are the integrals; what they meet; the sources' light
- * there, one batch of shadow rays for each source; means over the rays of each set.
+ * there, one batch of shadow rays for each source; means over the rays of each set. Light falls off with the inverse
+ * square, and spots have a soft edge. Colors are as svo_material describes them, in double precision.
  */
 #include "path/path.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "path/path_source.h"
-#include "path/path_surface.h"
 #include "path/threads.h"
 #include "scenes/maths.h"
 #include "svocl/nodes.h"
+
+/* ---- a source ---- */
+
+static vector3 vector_of(const float numbers[3])
+{
+    return vector((double)numbers[0], (double)numbers[1], (double)numbers[2]);
+}
+
+/* 1 inside the inner angle, 0 outside the outer one; between them smooth in the cosine. */
+static double spot_share(const svo_light_source *source, vector3 towards)
+{
+    const vector3 axis = vector_normalize(vector_of(source->direction));
+    return smooth_ramp(cos((double)source->outer_angle), cos((double)source->inner_angle), -vector_dot(axis, towards));
+}
+
+bool path_source_view(const svo_light_source *source, vector3 place, source_view *view)
+{
+    if (source->kind == SVO_SOURCE_DIRECTIONAL) {
+        const vector3 axis = vector_normalize(vector_of(source->direction));
+        *view = (source_view){.direction = vector_scale(axis, -1), .distance = INFINITY, .strength = 1};
+        return true;
+    }
+    const vector3 towards = vector_subtract(vector_of(source->position), place);
+    view->distance = vector_length(towards);
+    if (!(view->distance > 0)) {
+        return false;
+    }
+    view->direction = vector_scale(towards, 1 / view->distance);
+    view->strength = 1 / vector_dot(towards, towards);
+    if (source->kind == SVO_SOURCE_SPOT) {
+        view->strength *= spot_share(source, view->direction);
+    }
+    return view->strength > 0;
+}
+
+/* IEC 61966-2-1. */
+static double decode_srgb(double value)
+{
+    return value <= 0.04045 ? value / 12.92 : pow((value + 0.055) / 1.055, 2.4);
+}
+
+static uint32_t corner_of(const svo_mesh *mesh, uint32_t triangle, size_t corner)
+{
+    const size_t place = (size_t)triangle * 3 + corner;
+    return mesh->indices != NULL ? mesh->indices[place] : (uint32_t)place;
+}
+
+static const svo_material *material_of(const svo_mesh *mesh, uint32_t triangle, size_t *index)
+{
+    const size_t named = mesh->triangle_materials != NULL ? mesh->triangle_materials[triangle] : 0;
+    *index = named < mesh->material_count ? named : 0;
+    return mesh->material_count > 0 ? &mesh->materials[*index] : NULL;
+}
+
+/* ---- textures ---- */
+
+static uint32_t wrapped(int64_t texel, uint32_t count, svo_wrap wrap)
+{
+    const int64_t period = wrap == SVO_WRAP_MIRROR ? 2 * (int64_t)count : (int64_t)count;
+    if (wrap == SVO_WRAP_CLAMP) {
+        return texel < 0 ? 0 : texel >= (int64_t)count ? count - 1 : (uint32_t)texel;
+    }
+    const int64_t inside = (texel % period + period) % period;
+    return (uint32_t)(inside < (int64_t)count ? inside : period - 1 - inside);
+}
+
+/* Bilinear: texel i covers i .. i + 1 and has its value in the middle. */
+static void sample_texture(const svo_texture *image, const double uv[2], double color[3])
+{
+    const double x = uv[0] * image->width - 0.5;
+    const double y = uv[1] * image->height - 0.5;
+    const double share[2] = {x - floor(x), y - floor(y)};
+    memset(color, 0, 3 * sizeof *color);
+    for (int k = 0; k < 4; ++k) {
+        const uint32_t column = wrapped((int64_t)floor(x) + (k & 1), image->width, image->wrap_u);
+        const uint32_t row = wrapped((int64_t)floor(y) + (k >> 1), image->height, image->wrap_v);
+        const double weight = ((k & 1) != 0 ? share[0] : 1 - share[0]) * ((k >> 1) != 0 ? share[1] : 1 - share[1]);
+        const uint8_t *texel = image->rgba + 4 * ((size_t)row * image->width + column);
+        for (int channel = 0; channel < 3; ++channel) {
+            color[channel] += weight * texel[channel] / 255;
+        }
+    }
+}
+
+/* As svo_mesh.uvs says. */
+static double clamped_uv(float value)
+{
+    return isfinite(value) ? fmin(fmax((double)value, -32767.0), 32767.0) : 0.0;
+}
+
+static void multiply_texel(const svo_mesh *mesh, const svo_material *material, uint32_t triangle,
+                           const double weights[3], double color[3])
+{
+    double uv[2] = {0, 0};
+    double texel[3];
+    if (material->texture_index >= mesh->texture_count || mesh->uvs == NULL) {
+        return;
+    }
+    for (size_t corner = 0; corner < 3; ++corner) {
+        const float *own = mesh->uvs + 2 * (size_t)corner_of(mesh, triangle, corner);
+        uv[0] += weights[corner] * clamped_uv(own[0]);
+        uv[1] += weights[corner] * clamped_uv(own[1]);
+    }
+    sample_texture(&mesh->textures[material->texture_index], uv, texel);
+    for (int channel = 0; channel < 3; ++channel) {
+        color[channel] *= texel[channel];
+    }
+}
+
+/* ---- materials ---- */
+
+static void multiply_vertex_colors(const svo_mesh *mesh, uint32_t triangle, const double weights[3], double color[3])
+{
+    for (int channel = 0; channel < 3 && mesh->colors != NULL; ++channel) {
+        double own = 0;
+        for (size_t corner = 0; corner < 3; ++corner) {
+            own += weights[corner] * mesh->colors[4 * (size_t)corner_of(mesh, triangle, corner) + (size_t)channel];
+        }
+        color[channel] *= own / 255;
+    }
+}
+
+void path_albedo(const svo_mesh *mesh, uint32_t triangle, double u, double v, double albedo[3])
+{
+    const double weights[3] = {1 - u - v, u, v};
+    size_t index = 0;
+    const svo_material *material = material_of(mesh, triangle, &index);
+    if (material == NULL && mesh->colors == NULL) {
+        albedo[0] = albedo[1] = albedo[2] = PATH_CLAY;
+        return;
+    }
+    for (int channel = 0; channel < 3; ++channel) {
+        albedo[channel] = material != NULL ? material->rgba[channel] / 255.0 : 1;
+    }
+    multiply_vertex_colors(mesh, triangle, weights, albedo);
+    if (material != NULL) {
+        multiply_texel(mesh, material, triangle, weights, albedo);
+    }
+    for (int channel = 0; channel < 3; ++channel) {
+        albedo[channel] = decode_srgb(albedo[channel]);
+    }
+}
+
+void path_emission(const svo_mesh *mesh, const svo_light_setup *setup, uint32_t triangle, double emission[3])
+{
+    size_t index = 0;
+    (void)material_of(mesh, triangle, &index);
+    const bool emits = index < setup->finish_count;
+    for (int channel = 0; channel < 3; ++channel) {
+        emission[channel] = emits ? (double)setup->finishes[index].emission[channel] : 0;
+    }
+}
 
 #define BATCH_RAYS     524288u /* a group is at least one point */
 #define RAYS_PER_CHUNK 1024u
@@ -77,11 +229,6 @@ static vector3 turn_to(vector3 normal, vector3 local)
     const vector3 other = vector_cross(normal, side);
     return vector_add(vector_scale(normal, local.z),
                       vector_add(vector_scale(side, local.x), vector_scale(other, local.y)));
-}
-
-static vector3 vector_of(const float numbers[3])
-{
-    return vector((double)numbers[0], (double)numbers[1], (double)numbers[2]);
 }
 
 static const svo_ray no_ray = {.direction = {0, 0, 1}, .t_min = 0, .t_max = -1};

@@ -13,7 +13,9 @@
 
 #include <stdbool.h>
 
+#include "scenes/maths.h"
 #include "svocl/light.h"
+#include "svocl/light_types.h"
 #include "svocl/mesh.h"
 
 #define PATH_SETS        16u
@@ -46,5 +48,26 @@ unsigned path_sample_count(unsigned samples);
    SVO_OUT_OF_HOST_MEMORY. */
 svo_status path_trace(const path_scene *scene, const svo_gather_point *points, size_t point_count, unsigned samples,
                       uint32_t seed, path_result *results);
+
+/* ---- parts of it ---- */
+
+/* A source of light as a place sees it, without what stands between. */
+typedef struct source_view {
+    vector3 direction; /* unit, towards the source */
+    double distance; /* world units; infinite for directional light */
+    double strength; /* irradiance of a surface that faces the source, for a value of 1 */
+} source_view;
+
+/* False where the source sends no light to the place. */
+bool path_source_view(const svo_light_source *source, vector3 place, source_view *view);
+
+#define PATH_CLAY 0.6 /* albedo of meshes without colors */
+
+/* Linear red, green and blue of the triangle at barycentric weights u and v: vertex color, base color and texel, each
+   decoded from sRGB after they are multiplied. */
+void path_albedo(const svo_mesh *mesh, uint32_t triangle, double u, double v, double albedo[3]);
+
+/* Radiance that the triangle emits. */
+void path_emission(const svo_mesh *mesh, const svo_light_setup *setup, uint32_t triangle, double emission[3]);
 
 #endif

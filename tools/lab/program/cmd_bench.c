@@ -6,7 +6,7 @@
 #include "bench/gpu.h"
 #include "bench/openvdb.h"
 #include "bench/rays.h"
-#include "measure/instruction_set.h"
+#include "measure/host.h"
 #include "measure/result_json.h"
 #include "measure/result_text.h"
 #include "program/commands.h"

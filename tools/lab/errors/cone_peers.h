@@ -1,13 +1,30 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Ambient occlusion by exact rays: so many rays a point, which is what cones are an alternative to; and sets of exact
- * cones, whose error is that of their directions alone.
+ * What cones are an alternative to. Light by few paths a point: what users of a tree's rays would do in place of cones.
+ * Ambient occlusion by exact rays, so many a point. And sets of exact cones, whose error is that of their directions
+ * alone.
  */
-#ifndef SVOCL_TOOLS_ERRORS_OCCLUSION_RAYS_H
-#define SVOCL_TOOLS_ERRORS_OCCLUSION_RAYS_H
+#ifndef SVOCL_TOOLS_ERRORS_CONE_PEERS_H
+#define SVOCL_TOOLS_ERRORS_CONE_PEERS_H
 
-#include "errors/cone_truth.h"
+#include "errors/cones.h"
 #include "measure/embree.h"
+
+typedef struct few_paths {
+    const error_run *run;
+    const cone_truth *truth;
+    unsigned per_point;
+    path_result *results;
+} few_paths;
+
+/* per_point: as path_sample_count makes it. False when memory runs out. */
+bool few_paths_make(const error_run *run, const cone_truth *truth, unsigned per_point, few_paths *out);
+void few_paths_free(few_paths *work);
+
+/* Traces the paths and the shadow rays where they end: an interleaved_method's work. */
+double few_paths_trace(void *user);
+/* Of the last run. */
+truth_error few_paths_error(const few_paths *work);
 
 /* A square number of rays for each point of a truth. */
 typedef struct occlusion_rays {
