@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Runs tools/reference on a caller's mesh and compares a built tree with its result. */
+/* Runs tools/lab/reference on a caller's mesh and compares a built tree with its result. */
 #include "compare_tree.h"
 
 #include <setjmp.h>

@@ -25,6 +25,10 @@ for command in "${commands[@]}"; do
         grep -q -F -e "\\-\\-${option//-/\\-}\\fR" "$page" || complain "svocl-$command.1 lacks --$option"
     done < <("$program" "$command" --help | grep -o -e '^ .*--[a-z-]*' | sed 's/.*--//')
 done
+[[ -s $work/pages/svocl-lab.1 ]] || complain "no page of svocl-lab"
+for command in bench reference report stress verify; do
+    grep -q -F "svocl\\-$command\\fR" "$work/pages/svocl-lab.1" || complain "svocl-lab.1 lacks $command"
+done
 if command -v mandoc >/dev/null; then
     # STYLE is advice for manuals of BSD; the date is left out, so that pages are the same every day.
     mandoc -T lint -W warning "$work"/pages/*.1 | grep -v 'missing date' >"$work/lint" || true
@@ -155,7 +159,7 @@ fi
 # --- installed ---
 
 "$cmake" --install "$build" --prefix "$work/prefix" >"$work/log" || complain "$(cat "$work/log")"
-for file in man/man1/svocl.1 man/man1/svocl-build.1 bash-completion/completions/svocl zsh/site-functions/_svocl \
+for file in man/man1/svocl.1 man/man1/svocl-build.1 man/man1/svocl-lab.1 man/man1/svocl-bench.1 bash-completion/completions/svocl zsh/site-functions/_svocl \
     fish/vendor_completions.d/svocl.fish; do
     [[ -s $work/prefix/share/$file ]] || complain "share/$file is not installed"
 done

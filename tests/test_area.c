@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Projected areas of leaves: against closed forms, and leaf by leaf against tools/reference in double precision. What
- * makes a mesh open. All builders, weights and cuts of the list give the same bytes. (test_payload and test_kernels
- * compare the areas of more meshes with a reference in integers.)
+ * Projected areas of leaves: against closed forms, and leaf by leaf against tools/lab/reference in double precision.
+ * What makes a mesh open. All builders, weights and cuts of the list give the same bytes. (test_payload and
+ * test_kernels compare the areas of more meshes with a reference in integers.)
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Tests the exact references (tools/reference). Both give the golden counts, the same pairs and the counts known in
+ * Tests the exact references (tools/lab/reference). Both give the golden counts, the same pairs and the counts known in
  * closed form. The octree walk agrees with brute force over all voxels. test_oracle_tree.c tests sorting, comparing and
  * trees, test_oracle_random.c single pairs.
  */

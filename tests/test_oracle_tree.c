@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Tests the lists of tools/reference: Morton codes, the sort, the comparison of two lists, and the canonical tree of a
- * list against one written by hand, against a walk from its root, and against the trees of other depths.
+ * Tests the lists of tools/lab/reference: Morton codes, the sort, the comparison of two lists, and the canonical tree
+ * of a list against one written by hand, against a walk from its root, and against the trees of other depths.
  */
 #include <setjmp.h>
 #include <stdarg.h>

@@ -15,10 +15,8 @@
 #include <string.h>
 
 #include "fixture.h"
-#include "measure/path.h"
-#include "measure/path_source.h"
-#include "measure/path_surface.h"
-#include "measure/surface_points.h"
+#include "path/path.h"
+#include "path/surface_points.h"
 
 #define PI      3.14159265358979323846
 #define SAMPLES 4096u

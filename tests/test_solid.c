@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Solids against closed forms and against the exact reference (tools/reference/oracle_solid.h): every voxel, the level
- * of its leaf, every count. Meshes whose corners and edges lie on the columns' center lines, open meshes, and the same
- * bytes for every queue.
+ * Solids against closed forms and against the exact reference (tools/lab/reference/oracle_solid.h): every voxel, the
+ * level of its leaf, every count. Meshes whose corners and edges lie on the columns' center lines, open meshes, and the
+ * same bytes for every queue.
  */
 #include <setjmp.h>
 #include <stdarg.h>

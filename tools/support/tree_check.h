@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Compares a tree that has leaf lists with the exact reference of tools/reference, which voxelizes its snapped
+/* Compares a tree that has leaf lists with the exact reference of tools/lab/reference, which voxelizes its snapped
    triangles again. */
 #ifndef SVOCL_TOOLS_SUPPORT_TREE_CHECK_H
 #define SVOCL_TOOLS_SUPPORT_TREE_CHECK_H
