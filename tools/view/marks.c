@@ -8,7 +8,7 @@
 
 #include "view/camera.h"
 #include "view/probe_spheres.h"
-#include "view/ui_theme.h"
+#include "view/ui.h"
 
 /* Half of a line's width, pixels. */
 #define THIN  0.75F

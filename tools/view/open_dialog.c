@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 
 #include "view/panels_figures.h"
-#include "view/ui_theme.h"
+#include "view/ui.h"
 
 #define NAMES_MAX   4096 /* of a folder */
 #define NAMES_SHOWN 9

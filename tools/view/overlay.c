@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "view/ui_events.h"
+#include "view/ui.h"
 #include "view/ui_paint.h"
 
 struct overlay {

@@ -11,7 +11,7 @@
 #include "view/panels_figures.h"
 #include "view/panels_pages.h"
 #include "view/question.h"
-#include "view/ui_theme.h"
+#include "view/ui.h"
 
 #define MARGIN 6.0F /* between the window's edge and panels */
 

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "view/ui_theme.h"
+#include "view/ui.h"
 
 #define MEAN_MS 500.0F
 

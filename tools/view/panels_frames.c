@@ -6,7 +6,7 @@
 #include "support/table.h"
 #include "view/panels_figures.h"
 #include "view/panels_pages.h"
-#include "view/ui_theme.h"
+#include "view/ui.h"
 
 /* Its height, in rows of text, in low and in high windows. */
 #define GRAPH_ROWS_LOW  2.5F

@@ -5,7 +5,7 @@
 
 #include "view/camera.h"
 #include "view/panels_pages.h"
-#include "view/ui_theme.h"
+#include "view/ui.h"
 
 #define AXES_EDGE    76.0F
 #define LEGEND_WIDTH 300.0F

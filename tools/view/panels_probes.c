@@ -5,7 +5,7 @@
 
 #include "support/table.h"
 #include "view/panels_pages.h"
-#include "view/ui_theme.h"
+#include "view/ui.h"
 
 #define CHOICES 6 /* of numbers */
 

@@ -5,7 +5,7 @@
 
 #include "svocl/status.h"
 #include "view/gl.h"
-#include "view/ui_drawing.h"
+#include "view/ui.h"
 
 typedef struct ui_paint ui_paint;
 
