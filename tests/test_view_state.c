@@ -14,9 +14,9 @@
 #include <unistd.h>
 
 #include "view/camera.h"
+#include "view/dialogs.h"
 #include "view/input.h"
-#include "view/open_dialog.h"
-#include "view/panels_figures.h"
+#include "view/panels.h"
 #include "view/play.h"
 #include "view/probe_spheres.h"
 #include "view/settings.h"

@@ -8,12 +8,12 @@
 #include "support/input.h"
 #include "support/scene_file.h"
 #include "view/camera.h"
+#include "view/dialogs.h"
 #include "view/history.h"
 #include "view/memory.h"
 #include "view/opening.h"
 #include "view/pick.h"
 #include "view/play.h"
-#include "view/question.h"
 #include "view/shots.h"
 #include "view/work.h"
 
