@@ -19,10 +19,9 @@
 #include "support/scene_place.h"
 #include "view/camera.h"
 #include "view/dialogs.h"
+#include "view/edit.h"
 #include "view/history.h"
 #include "view/input.h"
-#include "view/light_edit.h"
-#include "view/scene_edit.h"
 #include "view/scene_save.h"
 #include "work_folder.h"
 

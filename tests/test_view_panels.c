@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-#include "view/light_edit.h"
+#include "view/edit.h"
 #include "view/panels.h"
 
 /* ---- memory that runs out ---- */

@@ -15,9 +15,9 @@
 
 #include "view/camera.h"
 #include "view/dialogs.h"
+#include "view/edit.h"
 #include "view/input.h"
 #include "view/panels.h"
-#include "view/play.h"
 #include "view/probe_spheres.h"
 #include "view/settings.h"
 #include "view/worker.h"

@@ -305,6 +305,13 @@ void camera_ray(const view_state *state, float x, float y, float direction[3])
     }
 }
 
+float camera_distance(const view_state *state)
+{
+    const float *eye = state->camera.at.eye;
+    const float *target = state->camera.at.target;
+    return hypotf(hypotf(target[0] - eye[0], target[1] - eye[1]), target[2] - eye[2]);
+}
+
 void camera_axes(const view_state *state, float right[3], float above[3], float sight[3])
 {
     const frame at = frame_of(&state->camera.at);

@@ -49,6 +49,9 @@ void camera_up(const view_state *state, double up[3]);
    above. */
 void camera_look_along(view_state *state, int axis);
 
+/* From the eye to the target. */
+float camera_distance(const view_state *state);
+
 /* The camera's directions, unit: to the right and up in the picture, and of the line of sight. */
 void camera_axes(const view_state *state, float right[3], float above[3], float sight[3]);
 

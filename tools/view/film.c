@@ -4,7 +4,7 @@
 
 #include <stdlib.h>
 
-#include "view/play.h"
+#include "view/edit.h"
 
 /* ---- motions ---- */
 

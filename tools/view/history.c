@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "view/edit.h"
+
 typedef enum part { PART_SOURCES = 0, PART_SKY, PART_INSTANCES, PART_MOVERS, PART_SCENE_LIGHTS, PARTS } part;
 
 static const char *const part_names[PARTS] = {"lights", "the sky", "instances", "motions", "lights"};

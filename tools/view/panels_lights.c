@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "support/table.h"
-#include "view/light_edit.h"
+#include "view/edit.h"
 
 /* ---- sources ---- */
 

@@ -2,13 +2,12 @@
 /* What was picked, the instances of a scene, and their motions: what plays, its time, and how fast. */
 #include "view/panels.h"
 
-#include <math.h>
 #include <stdio.h>
 
 #include "support/table.h"
+#include "view/camera.h"
 #include "view/dialogs.h"
-#include "view/play.h"
-#include "view/scene_edit.h"
+#include "view/edit.h"
 
 #define LIST_SHOWN      8
 #define INSTANCES_SHOWN 6
@@ -135,10 +134,7 @@ static void edit_place(ui *toolkit, view_state *state)
 {
     scene_place place;
     const bool is_place = scene_edit_place(state, state->instance, &place);
-    const float *eye = state->camera.at.eye;
-    const float *target = state->camera.at.target;
-    const float away = hypotf(hypotf(eye[0] - target[0], eye[1] - target[1]), eye[2] - target[2]);
-    const bool moved = ui_numbers(toolkit, "Move", place.translate, 3, 0.002F * away, "%.2f");
+    const bool moved = ui_numbers(toolkit, "Move", place.translate, 3, 0.002F * camera_distance(state), "%.2f");
     ui_tooltip(toolkit, "Drag to move the instance along x, y and z.");
     if (!is_place) {
         ui_note(toolkit, "Its matrix shears: it can be moved alone.");

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "support/animation.h"
+#include "view/edit.h"
 
 struct placed {
     program *running;

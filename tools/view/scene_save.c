@@ -12,6 +12,7 @@
 
 #include "output/output.h"
 #include "support/scene_place.h"
+#include "view/edit.h"
 
 #define PI 3.14159265358979323846
 

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "support/viewpoint.h"
+#include "view/edit.h"
 #include "view/history.h"
 
 /* ---- opening ---- */

@@ -9,11 +9,11 @@
 #include "support/scene_file.h"
 #include "view/camera.h"
 #include "view/dialogs.h"
+#include "view/edit.h"
 #include "view/history.h"
 #include "view/memory.h"
 #include "view/opening.h"
 #include "view/pick.h"
-#include "view/play.h"
 #include "view/shots.h"
 #include "view/work.h"
 
