@@ -1,5 +1,5 @@
-# What `svocl view` needs: svocl::gl, SDL2, Dear ImGui with a C++ compiler for its two files, and a font, which the program
-# embeds. SVOCL_VIEW_MISSING says what of it there is not; the program without a viewer says it too.
+# What `svocl view` needs: svocl::gl, SDL2, Dear ImGui with a C++ compiler, and a font, which the program embeds.
+# SVOCL_VIEW_MISSING says what of it there is not; the program without a viewer says it too.
 set(SVOCL_VIEW_FOUND OFF)
 set(SVOCL_VIEW_MISSING "SVOCL_VIEW")
 if(SVOCL_VIEW)

@@ -20,9 +20,9 @@
 #include "view/camera.h"
 #include "view/dialogs.h"
 #include "view/edit.h"
+#include "view/files.h"
 #include "view/history.h"
 #include "view/input.h"
-#include "view/scene_save.h"
 #include "work_folder.h"
 
 /* ---- placements ---- */

@@ -16,10 +16,9 @@
 #include "view/camera.h"
 #include "view/dialogs.h"
 #include "view/edit.h"
+#include "view/files.h"
 #include "view/input.h"
 #include "view/panels.h"
-#include "view/probe_spheres.h"
-#include "view/settings.h"
 #include "view/worker.h"
 #include "work_folder.h"
 

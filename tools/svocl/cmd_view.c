@@ -11,7 +11,7 @@ int command_view(program *state)
 
 #else
 
-#include "view/view.h"
+#include "view/viewer.h"
 
 int command_view(program *state)
 {

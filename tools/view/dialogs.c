@@ -12,8 +12,8 @@
 #include <sys/stat.h>
 
 #include "support/file_register.h"
+#include "view/files.h"
 #include "view/history.h"
-#include "view/scene_save.h"
 #include "view/ui.h"
 
 #define WIDTH_MAX   460.0F /* of a box */

@@ -4,7 +4,6 @@
 #ifndef SVOCL_TOOLS_VIEW_DIALOGS_H
 #define SVOCL_TOOLS_VIEW_DIALOGS_H
 
-#include "view/events.h"
 #include "view/state.h"
 #include "view/ui.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Changes of what is edited: lists that grow and shrink; lights by the mouse and as angles; placements of instances; and
- * motions, frames by seconds.
+ * Changes of what is edited: lists that grow and shrink; lights by the mouse and as angles; placements of instances;
+ * and motions, frames by seconds.
  */
 #include "view/edit.h"
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Where panels stand, the line at the bottom, the box of work; and the sections that tell: keys, frames, memory, log. */
+/* Where panels stand, the line at the bottom, the box of work; and the sections that tell: frames, memory, what was
+   picked, keys, the log. */
 #include "view/panels.h"
 
 #include <math.h>
@@ -238,6 +239,73 @@ static void describe_memory(ui *toolkit, view_state *state)
     draw_buffer(toolkit, &total, 0);
 }
 
+/* ---- what was picked ---- */
+
+#define LIST_SHOWN 8
+
+static void describe_payload(ui *toolkit, const view_selection *selection)
+{
+    if (selection->has_color) {
+        const uint8_t *color = selection->color;
+        ui_value(toolkit, "Color", "%u %u %u, %u", color[0], color[1], color[2], color[3]);
+        ui_tooltip(toolkit, "Red, green, blue and alpha of the node, 0 to 255.");
+    }
+    if (selection->has_normal) {
+        const float *normal = selection->normal;
+        ui_value(toolkit, "Normal", "%.2f %.2f %.2f", (double)normal[0], (double)normal[1], (double)normal[2]);
+    }
+    if (selection->has_material) {
+        ui_value(toolkit, "Material", "%u", selection->material);
+    }
+    if (selection->has_fill) {
+        ui_value(toolkit, "Fill", "%u", selection->fill);
+        ui_tooltip(toolkit, "How much surface the node holds.");
+    }
+}
+
+static void describe_list(ui *toolkit, const view_selection *selection)
+{
+    ui_value(toolkit, "In the leaf", "%s", figure_count(selection->list_count).text);
+    ui_tooltip(toolkit, "Triangles that touch the leaf; the picture shows them.");
+    const size_t shown = selection->list_kept < LIST_SHOWN ? selection->list_kept : LIST_SHOWN;
+    char text[16 * LIST_SHOWN] = "";
+    size_t used = 0;
+    for (size_t i = 0; i < shown; ++i) {
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s%u", i > 0 ? ", " : "", selection->list[i]);
+    }
+    if (shown > 0) {
+        ui_note(toolkit, "%s%s", text, selection->list_count > shown ? " ..." : "");
+    }
+}
+
+static void describe_selection(ui *toolkit, view_state *state)
+{
+    const view_selection *selection = &state->selection;
+    if (!selection->is_hit) {
+        ui_note(toolkit, "Click on the picture.");
+        return;
+    }
+    const float *point = selection->point;
+    if (selection->triangle != SVO_NO_TRIANGLE) {
+        ui_value(toolkit, "Triangle", "%u", selection->triangle);
+        ui_tooltip(toolkit, "Its position in the mesh.");
+    }
+    ui_value(toolkit, "t", "%.5g", (double)selection->t);
+    ui_tooltip(toolkit, "World units from the eye.");
+    ui_value(toolkit, "At", "%.4g %.4g %.4g", (double)point[0], (double)point[1], (double)point[2]);
+    if (selection->instance != SVO_NO_INSTANCE) {
+        ui_value(toolkit, "Instance", "%u", selection->instance);
+    }
+    if (selection->node != SVO_NO_NODE) {
+        ui_value(toolkit, selection->level == state->shown.level ? "Leaf" : "Node", "%u", selection->node);
+        ui_value(toolkit, "Level", "%u", selection->level);
+        describe_payload(toolkit, selection);
+    }
+    if (selection->list_count > 0) {
+        describe_list(toolkit, selection);
+    }
+}
+
 /* ---- help ---- */
 
 static void describe_help(ui *toolkit, view_state *state)
@@ -276,8 +344,8 @@ typedef struct section {
 } section;
 
 static const section left_sections[] = {
-    {VIEW_PANEL_HELP, "Keys", "F1", describe_help},     {VIEW_PANEL_FRAMES, "Frames", "F2", describe_frames},
-    {VIEW_PANEL_MEMORY, "Memory", "F3", describe_memory}, {VIEW_PANEL_SELECTION, "Picked", "F7", panels_selection},
+    {VIEW_PANEL_HELP, "Keys", "F1", describe_help},       {VIEW_PANEL_FRAMES, "Frames", "F2", describe_frames},
+    {VIEW_PANEL_MEMORY, "Memory", "F3", describe_memory}, {VIEW_PANEL_SELECTION, "Picked", "F7", describe_selection},
     {VIEW_PANEL_LOG, "Log", "F10", describe_log},
 };
 static const section right_sections[] = {

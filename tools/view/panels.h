@@ -38,13 +38,12 @@ panels_text panels_time(const view_state *state);
 
 /* ---- sections ---- */
 
-/* Those of panels_look.c, panels_lights.c and panels_scene.c. */
+/* Those of panels_look.c and panels_scene.c. */
 typedef void panels_page(ui *toolkit, view_state *state);
 
 panels_page panels_picture; /* what is shown */
 panels_page panels_camera;
 panels_page panels_lights;
-panels_page panels_selection; /* what a click found */
 panels_page panels_instances;
 panels_page panels_motion; /* playing what moves */
 panels_page panels_probes;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The loop: events, the tree and its light, the picture, marks, panels, the window. */
-#include "view/view.h"
+#include "view/viewer.h"
 
 #include <stdlib.h>
 
@@ -11,10 +11,6 @@
 #include "view/dialogs.h"
 #include "view/edit.h"
 #include "view/history.h"
-#include "view/memory.h"
-#include "view/opening.h"
-#include "view/pick.h"
-#include "view/shots.h"
 #include "view/work.h"
 
 /* While nothing changes, frames come this often: panels may still change, and so may what the driver has to say. */
@@ -194,7 +190,7 @@ static int list_memory(viewer *which)
         return PROGRAM_DONE;
     }
     which->listed = changes;
-    return memory_list(shown, &which->state);
+    return subject_list_memory(shown, &which->state);
 }
 
 static int update_job(void *user)
