@@ -15,6 +15,8 @@
 
 /* What a step of the wheel multiplies a light's distance by. */
 #define PUSH_STEP 1.1F
+/* Notches that follow each other within this time are one edit. */
+#define WHEEL_SECONDS 0.5
 
 /* Of scales, without sign: a scene refuses what is flat. */
 #define SCALE_MIN 1e-6F
@@ -287,6 +289,7 @@ void light_edit_push(view_state *state, float steps)
     for (int i = 0; i < 3; ++i) {
         position[i] = eye[i] + factor * (position[i] - eye[i]);
     }
+    state->wheel_rests = state->seconds + WHEEL_SECONDS;
     view_lights_changed(state);
 }
 

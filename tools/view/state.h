@@ -354,6 +354,7 @@ typedef struct view_state {
     bool unsaved[VIEW_DOCUMENTS]; /* edits that no file has */
     view_question question;
     view_history *history; /* NULL: nothing is open */
+    double wheel_rests; /* in the clock's seconds: until then the wheel may go on moving a light */
     view_revisions looked; /* those that unsaved tells of */
 
     view_selection selection;

@@ -77,6 +77,9 @@ static int take_event(viewer *which, const view_event *event)
     if (event->kind == VIEW_EVENT_BUTTON && event->button >= 0 && event->button < 3) {
         which->held[event->button] = event->is_down;
     }
+    if (event->is_down) {
+        history_settle(state);
+    }
     if (question_take(state, event) || (overlay_take(which->overlay, event) && !closes_box)) {
         return PROGRAM_DONE;
     }
