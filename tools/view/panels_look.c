@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "support/view_colors.h"
 #include "view/camera.h"
 
 #define PI 3.14159265F
@@ -386,16 +387,11 @@ static uint32_t pack(const float rgb[3])
 /* The colors of kernels/rays/view.cl and kernels/light/picture.cl at a share of the bar. */
 static uint32_t color_at(view_picture picture, float share)
 {
-    static const float peaks[3] = {0.90F, 0.55F, 0.15F};
-    static const float widths[3] = {0.55F, 0.45F, 0.35F};
-    static const float least[3] = {0.05F, 0.03F, 0.20F};
-    float rgb[3];
-    for (int i = 0; i < 3; ++i) {
-        const float away = (share - peaks[i]) / widths[i];
-        const float coded = share <= 0.0031308F ? 12.92F * share : 1.055F * powf(share, 1 / 2.4F) - 0.055F;
-        rgb[i] = picture == VIEW_STEPS   ? fmaxf(1 - away * away, least[i])
-                 : picture == VIEW_DEPTH ? 1 - 0.9F * share
-                                         : coded;
+    const float coded = share <= 0.0031308F ? 12.92F * share : 1.055F * powf(share, 1 / 2.4F) - 0.055F;
+    const float gray = picture == VIEW_DEPTH ? 1 - 0.9F * share : coded;
+    float rgb[3] = {gray, gray, gray};
+    if (picture == VIEW_STEPS) {
+        view_colors_steps(share, rgb);
     }
     return pack(rgb);
 }
@@ -471,7 +467,7 @@ static void describe_legend(ui *toolkit, const view_state *state, ui_place place
         break;
     case VIEW_STEPS:
         ui_note(toolkit, "Cells that the ray visited");
-        describe_bar(toolkit, state, 0, 64, "%.0f");
+        describe_bar(toolkit, state, 0, VIEW_COLORS_STEPS_HOT, "%.0f");
         break;
     case VIEW_AO:
         ui_note(toolkit, "Openness: share of the hemisphere");
