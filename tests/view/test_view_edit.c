@@ -19,12 +19,11 @@
 #include "support/scene_place.h"
 #include "support/work_folder.h"
 #include "view/camera.h"
+#include "view/dialogs.h"
+#include "view/edit.h"
+#include "view/files.h"
 #include "view/history.h"
 #include "view/input.h"
-#include "view/light_edit.h"
-#include "view/question.h"
-#include "view/scene_edit.h"
-#include "view/scene_save.h"
 
 /* ---- placements ---- */
 
@@ -618,6 +617,56 @@ static void test_a_drag_is_one_step(void **unused)
     free(state);
 }
 
+static void turn_wheel(view_state *state, int notches)
+{
+    input_mouse mouse = {.x = 0};
+    const view_event notch = {.kind = VIEW_EVENT_WHEEL, .control = true, .steps = 1};
+    for (int i = 0; i < notches; ++i) {
+        (void)input_take(&mouse, &notch, state);
+        state->seconds += 0.1;
+        history_look(state, false);
+    }
+}
+
+/* Notches of the wheel that move a light are one step, until it rests or another edit begins. */
+static void test_a_turn_of_the_wheel_is_one_step(void **unused)
+{
+    (void)unused;
+    view_state *state = malloc(sizeof *state);
+    view_state_begin(state);
+    state->width = 640;
+    state->height = 400;
+    state->camera.at = (svo_camera){.eye = {1, 2, 10}, .up = {0, 1, 0}, .vertical_fov = 0.6F};
+    assert_true(light_edit_add(state, SVO_SOURCE_POINT));
+    history_begin(state);
+    const float first = state->sources[0].position[2];
+    turn_wheel(state, 7);
+    const float second = state->sources[0].position[2];
+    assert_true(view_is_unsaved(state));
+    state->seconds += 1;
+    history_look(state, false);
+    turn_wheel(state, 5);
+    const float third = state->sources[0].position[2];
+    history_settle(state);
+    assert_true(light_edit_add(state, SVO_SOURCE_SPOT));
+    history_look(state, false);
+    history_undo(state);
+    assert_int_equal(state->source_count, 1);
+    assert_float_equal(state->sources[0].position[2], third, 0);
+    history_undo(state);
+    assert_float_equal(state->sources[0].position[2], second, 0);
+    history_undo(state);
+    assert_float_equal(state->sources[0].position[2], first, 0);
+    assert_false(view_is_unsaved(state));
+    /* What is undone while the wheel turns is all of its turn. */
+    turn_wheel(state, 3);
+    history_undo(state);
+    assert_float_equal(state->sources[0].position[2], first, 0);
+    history_end(state);
+    view_state_end(state);
+    free(state);
+}
+
 /* Lists of many instances: old steps go, and what is left still leads back to where the first of them began. */
 static void test_steps_are_bounded(void **unused)
 {
@@ -817,6 +866,7 @@ int main(void)
         cmocka_unit_test(test_dragged_light_follows_the_mouse),
         cmocka_unit_test(test_undo_of_all_edits_gives_the_first_bytes),
         cmocka_unit_test(test_a_drag_is_one_step),
+        cmocka_unit_test(test_a_turn_of_the_wheel_is_one_step),
         cmocka_unit_test(test_steps_are_bounded),
         cmocka_unit_test(test_closing_asks_about_unsaved_edits),
         cmocka_unit_test(test_saving_replaces_no_other_file_unasked),

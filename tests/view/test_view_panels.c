@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Panels of svocl view, by either toolkit: widgets answer the mouse and keys, the same inputs give the same triangles,
+ * Panels of svocl view: widgets answer the mouse and keys, the same inputs give the same triangles,
  * the picture's center stays free, and memory that runs out is a failure in words.
  */
 #include <setjmp.h>
@@ -13,10 +13,8 @@
 
 #include <cmocka.h>
 
-#include "view/light_edit.h"
+#include "view/edit.h"
 #include "view/panels.h"
-#include "view/ui_events.h"
-#include "view/ui_theme.h"
 
 /* ---- memory that runs out ---- */
 

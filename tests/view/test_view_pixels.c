@@ -16,7 +16,7 @@
 #include "support/fixture.h"
 #include "support/gl_interop_shim.h"
 #include "support/own_context.h"
-#include "view/pixel_buffer.h"
+#include "view/canvas.h"
 
 #define SMALL_BYTES 4096
 #define LARGE_BYTES 12345

@@ -15,12 +15,11 @@
 
 #include "support/work_folder.h"
 #include "view/camera.h"
+#include "view/dialogs.h"
+#include "view/edit.h"
+#include "view/files.h"
 #include "view/input.h"
-#include "view/open_dialog.h"
-#include "view/panels_figures.h"
-#include "view/play.h"
-#include "view/probe_spheres.h"
-#include "view/settings.h"
+#include "view/panels.h"
 #include "view/worker.h"
 
 #define PI 3.14159265358979323846

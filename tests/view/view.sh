@@ -4,10 +4,10 @@
 # svocl view by scripts: a tour of everything that is the same, byte for byte, when it is taken again; pictures that
 # are those of svocl render; what is missing, in one line.
 #
-# usage: view.sh PROGRAM SCRIPT HAS_IMGUI
+# usage: view.sh PROGRAM SCRIPT
 set -euo pipefail
 
-readonly program=$1 tour=$2 has_imgui=$3
+readonly program=$1 tour=$2
 # shellcheck source=tests/support/complain.sh
 source "${BASH_SOURCE[0]%/*}/../support/complain.sh"
 cd "$work"
@@ -138,12 +138,9 @@ cmp -s one.png notice.png && complain "no box about a file that is missing"
 cmp -s two.png finest.png || complain "a file that was dropped does not look as on the command line"
 [[ $(cat knot-001.png) == taken ]] || complain "a picture has overwritten a file"
 cmp -s knot-002.png two.png || complain "Ctrl+P does not save the picture"
-# Dear ImGui alone has the field's keys.
-if ((has_imgui)); then
-    printf 'key tab\nrefine\nshot cube.png\n' >cube.txt
-    "$program" view scene:cube:12 -d 4 "${small[@]}" --script cube.txt || complain "a cube is not shown"
-    cmp -s three.png cube.png || complain "the box that asks for a file does not open it"
-fi
+printf 'key tab\nrefine\nshot cube.png\n' >cube.txt
+"$program" view scene:cube:12 -d 4 "${small[@]}" --script cube.txt || complain "a cube is not shown"
+cmp -s three.png cube.png || complain "the box that asks for a file does not open it"
 printf 'loading wait 1\nrefine\nloading wait 1\n' >late.txt
 expect_failure 1 'late.txt:3: nothing is being loaded' "$program" view scene:cube -d 2 --script late.txt
 

@@ -90,7 +90,6 @@ static const command commands[] = {
                   "render model.svo -o cut.png --background transparent --samples 16",
                   "render model.svo --view full -o light.exr",
                   "render model.svo --turntable 120 --format y4m -o - | ffmpeg -i - -pix_fmt yuv420p turn.mp4")},
-#ifdef SVOCL_VIEW
     {.name = "view",
      .groups = OPTION_DEVICE | OPTION_BUILD | OPTION_VOXELS | OPTION_RENDER_COMMAND | OPTION_LIGHT | OPTION_PROBES |
                OPTION_VIEW_COMMAND | OPTION_UNFOLDED,
@@ -100,7 +99,6 @@ static const command commands[] = {
      .reads_file = true,
      .examples = EXAMPLES("view scene:atrium", "view model.obj -d 10 --lights sun.json --view full",
                           "view scene.json --width 1920 --height 1080", "view moving.json --frames 60 -d 8")},
-#endif
     {.name = "export-web",
      .groups =
          BUILDS | OPTION_VOXELS | OPTION_OUTPUT | OPTION_WEB_COMMAND | OPTION_LIGHT | OPTION_LEVELS | OPTION_UNFOLDED,

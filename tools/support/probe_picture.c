@@ -8,10 +8,9 @@
 
 #include "support/input.h"
 #include "support/query_table.h"
+#include "support/view_colors.h"
 
 /* ---- colors, by the curves of svocl's other pictures: kernels/rays/view.cl, kernels/light/picture.cl ---- */
-
-#define STEPS_HOT 64.0 /* the number of texels that the last color stands for */
 
 static uint8_t byte_of(double share)
 {
@@ -24,15 +23,13 @@ static double tone(double light)
     return light > 0.5 ? 1.0 - 0.5 * exp(1.0 - 2.0 * light) : fmax(light, 0.0);
 }
 
-/* From dark blue over green and yellow to red. */
-static void set_heat(double heat, double seen[3])
+/* Of the texels that a ray visited. */
+static void set_steps(uint32_t visited, double seen[3])
 {
-    static const double peaks[3] = {0.90, 0.55, 0.15};
-    static const double widths[3] = {0.55, 0.45, 0.35};
-    static const double least[3] = {0.05, 0.03, 0.20};
+    float rgb[3];
+    view_colors_steps(fminf((float)visited / VIEW_COLORS_STEPS_HOT, 1.0F), rgb);
     for (int channel = 0; channel < 3; ++channel) {
-        const double away = (fmin(heat, 1.0) - peaks[channel]) / widths[channel];
-        seen[channel] = fmax(1.0 - away * away, least[channel]);
+        seen[channel] = (double)rgb[channel];
     }
 }
 
@@ -61,7 +58,7 @@ static void probe_colors_see(const probe_colors *shown, const svo_probe_hit *hit
     if (shown->view == SVO_VIEW_STEPS && shown->is_linear) {
         seen[0] = seen[1] = seen[2] = (double)hit->visited;
     } else if (shown->view == SVO_VIEW_STEPS) {
-        set_heat((double)hit->visited / STEPS_HOT, seen);
+        set_steps(hit->visited, seen);
     } else if (hit->state == SVO_PROBE_HIT) {
         set_hit(shown, hit, seen);
     }

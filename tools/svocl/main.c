@@ -51,9 +51,7 @@ int main(int argument_count, char **arguments)
         {"hash", command_hash},
         {"convert", command_convert},
         {"render", command_render},
-#ifdef SVOCL_VIEW
         {"view", command_view},
-#endif
         {"export-web", command_export_web},
         {"trace", command_trace},
         {"gather", command_gather},

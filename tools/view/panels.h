@@ -29,4 +29,28 @@ void panels_describe_work(ui *toolkit, const panels_work *work, float width, flo
 /* Whether text is large, by the settings and the window. */
 bool panels_text_is_large(const view_state *state);
 
+/* What the last frame that drew took to make, "idle" before it while nothing is drawn. */
+typedef struct panels_text {
+    char text[64];
+} panels_text;
+
+panels_text panels_time(const view_state *state);
+
+/* ---- sections ---- */
+
+/* Those of panels_look.c and panels_scene.c. */
+typedef void panels_page(ui *toolkit, view_state *state);
+
+panels_page panels_picture; /* what is shown */
+panels_page panels_camera;
+panels_page panels_lights;
+panels_page panels_instances;
+panels_page panels_motion; /* playing what moves */
+panels_page panels_probes;
+panels_page panels_settings;
+
+/* The axes in the corner of the picture, and what the colors of a view of numbers mean, above the line at the bottom.
+   free: the picture between the columns, as far as that line. */
+void panels_guides(ui *toolkit, view_state *state, ui_place free);
+
 #endif

@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Settings from one run to the next, in $XDG_CONFIG_HOME/svocl/view.json or ~/.config/svocl/view.json. */
-#ifndef SVOCL_TOOLS_VIEW_SETTINGS_H
-#define SVOCL_TOOLS_VIEW_SETTINGS_H
+/* Files of the viewer: settings from one run to the next, in $XDG_CONFIG_HOME/svocl/view.json or
+   ~/.config/svocl/view.json; scenes and lights, which svocl render and svocl view read (docs/scenes.md). */
+#ifndef SVOCL_TOOLS_VIEW_FILES_H
+#define SVOCL_TOOLS_VIEW_FILES_H
 
 #include "view/state.h"
+
+/* ---- settings ---- */
 
 #define SETTINGS_PATH_BYTES 4096
 
@@ -21,5 +24,14 @@ bool settings_load(const settings_file *file, view_state *state);
 /* Writes the file whole or not at all, and its folders where they are missing. False on failure, with the last line of
    the log. */
 bool settings_save(const settings_file *file, view_state *state);
+
+/* ---- scenes and lights ---- */
+
+/* Writes trees, instances, camera, lights and the range of occlusion, whole or not at all. Read again, instances
+   and motions are the same bit for bit. Returns 0 or an errno. */
+int scene_save(const view_state *state, const char *path);
+
+/* The same for the lights of a tree alone, its sky and the camera, as --lights reads them (docs/light.md). */
+int lights_save(const view_state *state, const char *path);
 
 #endif
