@@ -179,7 +179,7 @@ cleanup:
 }
 
 svo_status svo_i_picture_enqueue(const svo_i_picture_source *source, const svo_render_options *options,
-                                 const svo_i_pixels *to)
+                                 svo_i_pixels *to)
 {
     svo_i_pixel_output output;
     SVO_I_TRY(check_payload(source));

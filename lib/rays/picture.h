@@ -32,8 +32,8 @@ svo_status svo_i_picture_draw(const svo_i_picture_source *source, const svo_rend
 
 SVO_I_SHARED_END
 
-/* Enqueues what draws a picture. */
+/* Enqueues what draws a picture. to: a queue of NULL becomes the device's own. */
 svo_status svo_i_picture_enqueue(const svo_i_picture_source *source, const svo_render_options *options,
-                                 const svo_i_pixels *to);
+                                 svo_i_pixels *to);
 
 #endif

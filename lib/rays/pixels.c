@@ -65,12 +65,12 @@ svo_status svo_i_pixel_output_of(svo_device *device, const char *function, const
 }
 
 svo_status svo_i_pixels_check(svo_device *device, const char *function, uint32_t width, uint32_t height,
-                              uint32_t pixel_bytes, const svo_i_pixels *given)
+                              uint32_t pixel_bytes, svo_i_pixels *given)
 {
     if (given->buffer == NULL) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: pixels is NULL", function);
     }
-    SVO_I_TRY(svo_i_device_check_queue(device, function, given->queue));
+    SVO_I_TRY(svo_i_device_queue(device, function, given->queue, &given->queue));
     SVO_I_TRY(svo_i_device_check_wait(device, function, given->num_wait, given->wait));
     return svo_i_device_check_output(device, function, "pixels", given->buffer, (size_t)width * height * pixel_bytes);
 }

@@ -11,7 +11,7 @@ static svo_status check_tree(svo_device *device, const svo_tree *tree, const cha
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: the tree is on another device", function);
     }
     if (tree->buffers[SVO_TREE_CHILD_MASK] == NULL || tree->buffers[SVO_TREE_FIRST_CHILD] == NULL) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+        return svo_i_device_fail(device, SVO_NOT_ON_DEVICE,
                                  "%s: the tree is not on a device; call svo_tree_upload first", function);
     }
     return SVO_OK;
@@ -53,7 +53,7 @@ static svo_status begin(svo_device *device, svo_tree *tree, const char *function
 svo_status svo_tree_render_enqueue(svo_device *device, svo_tree *tree, const svo_render_options *options, cl_mem pixels,
                                    cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
 {
-    const svo_i_pixels to = {pixels, queue, num_wait, wait, event};
+    svo_i_pixels to = {pixels, queue, num_wait, wait, event};
     svo_render_options asked;
     svo_i_picture_source source;
     if (device == NULL) {
