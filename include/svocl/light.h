@@ -272,10 +272,11 @@ typedef struct svo_gather_options {
  * \param light not NULL
  * \param points buffer of its device's context with point_count records of svo_gather_point; NULL allowed when that
  *        is 0
- * \param results such a buffer, which receives point_count records of svo_gather_result, in the order of the points
+ * \param results such a buffer, not CL_MEM_READ_ONLY, which receives point_count records of svo_gather_result, in the
+ *        order of the points
  * \param point_count at most SVO_TRACE_RAYS_MAX
  * \param options NULL means all defaults
- * \param queue of the context and the device of the tree's handle
+ * \param queue of the context and the device of the tree's handle; NULL: the device's own
  * \param num_wait number of events in wait
  * \param wait events of that context to wait for; NULL when num_wait is 0
  * \param event receives an event of the batch; NULL allowed
@@ -402,7 +403,7 @@ SVO_API svo_status svo_light_render(svo_light *light, const svo_light_picture *p
  * \param picture see svo_light_render; not used after the call
  * \param pixels see svo_tree_render_enqueue: room for the whole picture. A band goes to its place there, and rows
  *        outside the band stay as they are
- * \param queue of the context and the device of the light's handle
+ * \param queue of the context and the device of the light's handle; NULL: the device's own
  * \param num_wait number of events in wait
  * \param wait events of that context to wait for; NULL when num_wait is 0
  * \param event receives an event of the picture; NULL allowed

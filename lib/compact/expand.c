@@ -203,7 +203,7 @@ static svo_status check(const svo_compact *compact, const svo_tree *const *out)
 {
     static const char function[] = "svo_compact_expand";
     if (compact->device == NULL) {
-        return SVO_INVALID_ARGUMENT;
+        return SVO_NOT_ON_DEVICE;
     }
     return out != NULL ? SVO_OK : svo_i_device_fail(compact->device, SVO_INVALID_ARGUMENT, "%s: out is NULL", function);
 }

@@ -58,7 +58,7 @@ static uint64_t nodes_before(const svo_tree_info *info, uint32_t level, uint32_t
     return info->level_begin[level] - info->level_begin[first_level];
 }
 
-/* Whether the array is in pieces, so that a entry is one level of it. */
+/* Whether the array is in pieces, so that an entry is one level of it. */
 static bool is_divided(const svo_tree_info *info, uint32_t version, svo_tree_buffer buffer, uint32_t *first)
 {
     uint32_t last = 0;

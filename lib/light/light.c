@@ -93,8 +93,7 @@ svo_status svo_i_light_create(svo_tree *tree, const char *function, const svo_li
     svo_light_info info;
     SVO_I_TRY(svo_i_light_plan(tree, function, options, &asked, &info));
     if (tree->device == NULL) {
-        return svo_i_device_fail(NULL, SVO_INVALID_ARGUMENT,
-                                 "%s: the tree is not on a device; call svo_tree_upload first", function);
+        return SVO_NOT_ON_DEVICE;
     }
     svo_light *light = svo_i_alloc_zeroed(&tree->device->memory, 1, sizeof *light);
     if (light == NULL) {

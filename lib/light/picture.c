@@ -156,7 +156,7 @@ static svo_status begin(const svo_light *light, const char *function, const svo_
 svo_status svo_light_render_enqueue(svo_light *light, const svo_light_picture *picture, cl_mem pixels,
                                     cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
 {
-    const svo_i_pixels to = {pixels, queue, num_wait, wait, event};
+    svo_i_pixels to = {pixels, queue, num_wait, wait, event};
     drawing drawn;
     if (light == NULL) {
         return SVO_INVALID_ARGUMENT;

@@ -169,7 +169,7 @@ svo_status svo_moving_update_enqueue(svo_moving *moving, cl_command_queue queue,
     if (moving == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    SVO_I_TRY(svo_i_device_check_queue(moving->device, enqueue_name, queue));
+    SVO_I_TRY(svo_i_device_queue(moving->device, enqueue_name, queue, &queue));
     SVO_I_TRY(svo_i_device_check_wait(moving->device, enqueue_name, num_wait, wait));
     SVO_I_TRY(svo_i_moving_check_still(moving, enqueue_name));
     svo_i_flight *flight = svo_i_alloc_zeroed(&moving->device->memory, 1, sizeof *flight);

@@ -127,8 +127,7 @@ static svo_status create(const svo_probes *of, const char *function, const svo_p
     svo_probe_info info;
     SVO_I_TRY(svo_i_probes_plan(&sight, function, options, &asked, &info));
     if (of->device == NULL) {
-        return svo_i_device_fail(NULL, SVO_INVALID_ARGUMENT,
-                                 "%s: the tree is not on a device; call svo_tree_upload first", function);
+        return SVO_NOT_ON_DEVICE;
     }
     svo_probes *probes = svo_i_alloc_zeroed(&of->device->memory, 1, sizeof *probes);
     if (probes == NULL) {

@@ -196,7 +196,7 @@ static svo_status begin(const svo_scene *scene, const char *function, const svo_
 svo_status svo_scene_render_enqueue(svo_scene *scene, const svo_scene_render_options *options, cl_mem pixels,
                                     cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
 {
-    const svo_i_pixels to = {pixels, queue, num_wait, wait, event};
+    svo_i_pixels to = {pixels, queue, num_wait, wait, event};
     drawing drawn;
     if (scene == NULL) {
         return SVO_INVALID_ARGUMENT;

@@ -59,9 +59,6 @@ static const char *find_lack(const svo_tree *tree)
     if ((tree->info.need & SVO_NEED_RAYS) == 0) {
         return "the tree holds no leaf lists; build it with SVO_NEED_RAYS";
     }
-    if (tree->device == NULL) {
-        return "the tree is not on a device; call svo_tree_upload first";
-    }
     if (tree->info.payload_level > 0 && (tree->info.need & SVO_I_PAYLOAD_NEEDS) != 0) {
         return "the tree's payload does not begin at level 0, and interior leaves may lie on any level";
     }
@@ -80,6 +77,9 @@ static svo_status check_tree(const svo_tree *tree)
 {
     const svo_tree_info *info = &tree->info;
     SVO_I_TRY(svo_i_tree_check(tree, function));
+    if (tree->device == NULL) {
+        return SVO_NOT_ON_DEVICE;
+    }
     const char *lack = find_lack(tree);
     if (lack != NULL) {
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: %s", function, lack);

@@ -574,7 +574,6 @@ static void what_cannot_take_a_picture_is_refused(void **state)
         expect_refused(of, shown, &(target){small, queue, 0, NULL, &done}, "pixels holds 6067 bytes, below 6068");
         expect_refused(of, shown, &(target){fixed, queue, 0, NULL, &done},
                        "pixels is of CL_MEM_READ_ONLY, and kernels write it");
-        expect_refused(of, shown, &(target){pixels, NULL, 0, NULL, &done}, "queue is NULL");
         expect_refused(of, shown, &(target){pixels, queue, 1, NULL, &done}, "num_wait and wait disagree");
         if (image != NULL) {
             expect_refused(of, shown, &(target){image, queue, 0, NULL, &done}, "pixels is no buffer");

@@ -207,7 +207,7 @@ static void trees_from_files_are_filled(void **state)
         fail_msg("%s", message.text);
     }
     (void)remove(path);
-    assert_int_equal(svo_solid_create(loaded, NULL, NULL, &solids[1], NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_solid_create(loaded, NULL, NULL, &solids[1], NULL), SVO_NOT_ON_DEVICE);
     succeed(&opened, svo_tree_upload(loaded, opened.device, opened.queue));
     succeed(&opened, svo_solid_create(tree.tree, NULL, opened.queue, &solids[0], NULL));
     succeed(&opened, svo_solid_create(loaded, NULL, opened.queue, &solids[1], NULL));

@@ -25,6 +25,7 @@ class Status(IntEnum):
     IMPORT_FAILED = lib.SVO_IMPORT_FAILED
     INTERNAL = lib.SVO_INTERNAL
     CANCELED = lib.SVO_CANCELED
+    NOT_ON_DEVICE = lib.SVO_NOT_ON_DEVICE
 
 
 class Need(IntFlag):

@@ -87,6 +87,10 @@ class CanceledError(Error):
     """The progress callback stopped the call. What a callback raises comes out itself."""
 
 
+class NotOnDeviceError(InvalidArgumentError):
+    """The tree is not on a device; upload it first."""
+
+
 _CLASSES: dict[Status, type[Error]] = {
     Status.INVALID_ARGUMENT: InvalidArgumentError,
     Status.OUT_OF_HOST_MEMORY: OutOfHostMemoryError,
@@ -103,6 +107,7 @@ _CLASSES: dict[Status, type[Error]] = {
     Status.IMPORT_FAILED: ImportFailedError,
     Status.INTERNAL: InternalError,
     Status.CANCELED: CanceledError,
+    Status.NOT_ON_DEVICE: NotOnDeviceError,
 }
 
 
