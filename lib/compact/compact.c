@@ -1,16 +1,186 @@
 /* SPDX-License-Identifier: MIT */
-/* svo_compact_expand: a compact tree becomes a built one again, by kernels/compact/expand.cl. */
+/*
+ * svo_compact_plan and svo_compact_create: options, checks, and the way from a tree to its compact form; and
+ * svo_compact_expand: a compact tree becomes a built one again, by kernels/compact/expand.cl.
+ */
 #include <stdio.h>
 
 #include "compact/form.h"
 #include "core/device.h"
 #include "core/host_memory.h"
+#include "core/struct_size.h"
 #include "core/tree.h"
 #include "shared/layout.h"
 #include "svocl/plan.h"
 
+/* The default of directory_step_log2, below 0.40 bytes a leaf on measured scenes. */
+#define DIRECTORY_LOG2 5u
+
+/* With twice as many words every index of a word fits 32 bits. */
+#define INNER_MAX 0x7fffffffu
+
+/* The largest tolerances, with which any values are near enough. */
+#define COLOR_TOLERANCE_MAX  255u
+#define NORMAL_TOLERANCE_MAX 65534u
+#define FILL_TOLERANCE_MAX   65535u
+
 /* Node indices and their counts have 32 bits, and SVO_NO_NODE is none. */
 #define NODES_MAX 0xfffffffeu
+
+/* ---- plan ---- */
+
+static svo_status check_tolerance(svo_device *device, const char *function, const char *name, uint32_t tolerance,
+                                  uint32_t most)
+{
+    return tolerance <= most ? SVO_OK
+                             : svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.%s %u is above %u",
+                                                 function, name, tolerance, most);
+}
+
+static svo_status check_tolerances(svo_device *device, const char *function, const svo_compact_options *options)
+{
+    for (int channel = 0; channel < 4; ++channel) {
+        SVO_I_TRY(check_tolerance(device, function, "color_tolerance", options->color_tolerance[channel],
+                                  COLOR_TOLERANCE_MAX));
+    }
+    SVO_I_TRY(check_tolerance(device, function, "normal_tolerance", options->normal_tolerance, NORMAL_TOLERANCE_MAX));
+    return check_tolerance(device, function, "fill_tolerance", options->fill_tolerance, FILL_TOLERANCE_MAX);
+}
+
+/* The options with defaults filled in, or what is wrong with them. */
+static svo_status read_options(svo_device *device, const char *function, const svo_compact_options *options,
+                               svo_compact_options *out)
+{
+    SVO_I_TRY(svo_i_struct_read(svo_i_device_message(device), function, "options", options, out,
+                                SVO_I_STRUCT_SIZES(svo_compact_options, fill_tolerance)));
+    if ((unsigned)out->form >= SVO_FORM_COUNT) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.form %d is not in 0 .. %d", function,
+                                 (int)out->form, (int)SVO_FORM_COUNT - 1);
+    }
+    if (out->directory_step_log2 == 0) {
+        out->directory_step_log2 = DIRECTORY_LOG2;
+    }
+    if (out->directory_step_log2 < SVO_I_DIRECTORY_LOG2_MIN || out->directory_step_log2 > SVO_I_DIRECTORY_LOG2_MAX) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "%s: options.directory_step_log2 %u is not 0 and not in %u .. %u", function,
+                                 out->directory_step_log2, SVO_I_DIRECTORY_LOG2_MIN, SVO_I_DIRECTORY_LOG2_MAX);
+    }
+    SVO_I_TRY(check_tolerances(device, function, out));
+    if ((out->leave_out & ~(uint32_t)SVO_NEED_ALL) != 0) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.leave_out 0x%x has bits outside 0x%x",
+                                 function, out->leave_out, (unsigned)SVO_NEED_ALL);
+    }
+    return SVO_OK;
+}
+
+static svo_status check_counts(svo_device *device, const char *function, const svo_tree *tree)
+{
+    return tree->info.inner_count <= INNER_MAX
+               ? SVO_OK
+               : svo_i_device_fail(device, SVO_UNSUPPORTED, "%s: %llu inner nodes are above %u", function,
+                                   (unsigned long long)tree->info.inner_count, INNER_MAX);
+}
+
+/* The arrays whose size is not known before the nodes are looked at. */
+static uint32_t find_bounds(const svo_compact_options *options, const svo_compact_info *planned)
+{
+    uint32_t bounds = 0;
+    for (int i = 0; i < SVO_COMPACT_BUFFER_COUNT; ++i) {
+        const bool has_nodes = i == SVO_COMPACT_NODES;
+        const bool beside_words = i == SVO_COMPACT_BASES && planned->form == SVO_FORM_DESCRIPTOR;
+        const bool by_words = (has_nodes || beside_words) && planned->far_count > 0;
+        const bool by_subtrees = has_nodes && planned->form == SVO_FORM_SHARED;
+        const bool by_leaves = options->minimize != 0 && !svo_i_compact_is_constant(planned, (svo_compact_buffer)i);
+        bounds |= planned->bytes[i] > 0 && (by_words || by_subtrees || by_leaves) ? 1u << i : 0;
+    }
+    return bounds;
+}
+
+svo_status svo_compact_plan(const svo_tree *tree, const svo_compact_options *options, svo_compact_info *info)
+{
+    static const char function[] = "svo_compact_plan";
+    svo_compact_options asked;
+    svo_compact_info planned;
+    SVO_I_TRY(svo_i_tree_check(tree, function));
+    SVO_I_TRY(read_options(tree->device, function, options, &asked));
+    SVO_I_TRY(check_counts(tree->device, function, tree));
+    svo_i_source_describe(&tree->info, &asked, &planned);
+    svo_i_form_count(&planned);
+    planned.bounds = find_bounds(&asked, &planned);
+    return svo_i_struct_write(svo_i_device_message(tree->device), function, "info", &planned, info,
+                              SVO_I_STRUCT_SIZES(svo_compact_info, bounds));
+}
+
+/* ---- creation ---- */
+
+/* Refuses a tree that is on another device or nowhere. */
+static svo_status check_place(svo_device *device, const svo_tree *tree, const char *function)
+{
+    if (tree->device != NULL && tree->device != device) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: the tree is on another device", function);
+    }
+    if (tree->buffers[SVO_TREE_CHILD_MASK] == NULL && tree->host[SVO_TREE_CHILD_MASK] == NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: the tree is neither on the device nor on the host",
+                                 function);
+    }
+    return SVO_OK;
+}
+
+static svo_status make_compact(svo_device *device, const svo_tree *tree, const svo_compact_options *asked,
+                               cl_command_queue queue, svo_compact *compact)
+{
+    svo_i_compact_source source;
+    svo_i_device_work work;
+    svo_status status = SVO_OK;
+    SVO_I_TRY(svo_i_work_begin(device, "svo_compact_create", queue, &work));
+    SVO_I_TRY_CLEANUP(svo_i_source_of_tree(&work, tree, asked, &source));
+    if (asked->minimize != 0) {
+        SVO_I_TRY_CLEANUP(svo_i_minimize(&work, asked, &source));
+    }
+    compact->info = source.info;
+    compact->device = device;
+    SVO_I_TRY_CLEANUP(svo_i_form_make(&work, &source, compact));
+    SVO_I_TRY_CLEANUP(svo_i_work_wait(&work));
+
+cleanup:
+    svo_i_work_end(&work);
+    return status;
+}
+
+svo_status svo_compact_create(svo_device *device, const svo_tree *tree, const svo_compact_options *options,
+                              cl_command_queue queue, svo_compact **out)
+{
+    static const char function[] = "svo_compact_create";
+    svo_compact_options asked;
+    svo_compact *compact = NULL;
+    if (device == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    if (tree == NULL || out == NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
+                                 tree == NULL ? "tree" : "out");
+    }
+    SVO_I_TRY(read_options(device, function, options, &asked));
+    const char *undefined = svo_i_tree_undefined(tree);
+    if (undefined != NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s", function, undefined);
+    }
+    SVO_I_TRY(check_place(device, tree, function));
+    SVO_I_TRY(check_counts(device, function, tree));
+    compact = svo_i_compact_new(&device->memory);
+    if (compact == NULL) {
+        return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a compact tree", function);
+    }
+    const svo_status status = make_compact(device, tree, &asked, queue, compact);
+    if (status != SVO_OK) {
+        svo_compact_destroy(&compact);
+        return status;
+    }
+    *out = compact;
+    return SVO_OK;
+}
+
+/* ---- expansion ---- */
 
 typedef struct expansion {
     svo_i_device_work work;
@@ -21,7 +191,12 @@ typedef struct expansion {
     cl_mem below; /* those of the next level */
 } expansion;
 
-/* ---- counts ---- */
+/* Bytes of svo_expanded in kernels/compact/expand.cl. */
+static size_t expanded_bytes(svo_form form)
+{
+    const size_t node_words = form == SVO_FORM_SHARED ? 3 : 1;
+    return (node_words + 2) * sizeof(cl_uint);
+}
 
 /* Nodes on a level: those that are stored, and those inside the leaves above. False above NODES_MAX. */
 static bool count_level(const svo_compact_info *info, uint32_t level, uint64_t *out)
@@ -90,8 +265,6 @@ static svo_status check_memory(svo_device *device, const svo_tree_info *info)
                                    svo_i_bytes(there_bytes).text);
 }
 
-/* ---- levels ---- */
-
 static bool has_places_on(const svo_compact_info *info, uint32_t level)
 {
     return level >= info->payload_level && svo_i_compact_has_places(info);
@@ -112,8 +285,7 @@ static svo_status expand_nodes(expansion *e)
     cl_mem sums = NULL;
     SVO_I_TRY(svo_i_work_alloc(&e->work, "child_counts", count * UINT64_C(4), &counts));
     SVO_I_TRY(svo_i_work_alloc(&e->work, "child_sums", (count + UINT64_C(1)) * 4, &sums));
-    SVO_I_TRY(
-        svo_i_work_alloc(&e->work, "expanded", below * svo_i_form_expanded_bytes(e->compact->info.form), &e->below));
+    SVO_I_TRY(svo_i_work_alloc(&e->work, "expanded", below * expanded_bytes(e->compact->info.form), &e->below));
     const svo_i_argument masks[] = {SVO_I_ARGUMENT(from[SVO_COMPACT_NODES]),
                                     SVO_I_ARGUMENT(from[SVO_COMPACT_LINKS]),
                                     SVO_I_ARGUMENT(from[SVO_COMPACT_BASES]),
@@ -158,8 +330,6 @@ static svo_status expand_payload(expansion *e)
     return SVO_OK;
 }
 
-/* ---- the tree ---- */
-
 /* All buffers; payload that is constant is copied. */
 static svo_status make_buffers(expansion *e)
 {
@@ -183,7 +353,7 @@ static svo_status make_buffers(expansion *e)
 static svo_status expand(expansion *e)
 {
     char defines[128];
-    const size_t node_bytes = svo_i_form_expanded_bytes(e->compact->info.form);
+    const size_t node_bytes = expanded_bytes(e->compact->info.form);
     (void)snprintf(defines, sizeof defines, " -DSVO_SORT%s", svo_i_form_defines(&e->compact->info));
     SVO_I_TRY(svo_i_work_use(&e->work, SVO_I_PROGRAM_EXPAND, defines));
     SVO_I_TRY(make_buffers(e));
