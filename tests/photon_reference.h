@@ -10,7 +10,7 @@
 #include <stdbool.h>
 
 #include "fixture.h"
-#include "light/light_view.h"
+#include "light/source_views.h"
 
 /* Sums as the library has them: units of flux, and of 2^-24 of it for directions. */
 typedef struct photon_sums {

@@ -18,7 +18,7 @@
 #include <cmocka.h>
 
 #include "fixture.h"
-#include "light/filter.h"
+#include "light/radiance_filter.h"
 #include "meshes.h"
 #include "rays/rays.h"
 #include "shared/bvh_layout.h"

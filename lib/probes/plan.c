@@ -6,7 +6,7 @@
 
 #include "core/device.h"
 #include "core/struct_size.h"
-#include "light/shade.h"
+#include "light/cones.h"
 #include "probes/encoding.h"
 
 #define COUNT_DEFAULT      4u
@@ -182,7 +182,7 @@ static uint64_t find_scratch(const svo_i_sight *sight, const svo_probe_options *
                              (asked->light != NULL ? 3 * sizeof(cl_float) : 0);
     const uint64_t per_code = sizeof(cl_ulong) + (asked->diffuse != 0 ? sizeof(cl_uint) : 0);
     return svo_i_probes_band_rays(info) * per_ray + SVO_I_PROBE_CODES * per_code +
-           (asked->light != NULL ? svo_i_light_shader_bytes(asked->light) : 0);
+           (asked->light != NULL ? svo_i_light_shade_bytes(asked->light) : 0);
 }
 
 static void find_bytes(const svo_probe_options *asked, svo_probe_info *info)

@@ -9,7 +9,7 @@
 #include <xxhash.h>
 
 #include "core/struct_size.h"
-#include "light/state.h"
+#include "light/handle.h"
 #include "probes/field.h"
 #include "probes/filter.h"
 #include "probes/place.h"

@@ -2,7 +2,7 @@
 /* Shades the rays of texels by the room light, and stores what they bring. */
 #include "probes/radiance.h"
 
-#include "light/shade.h"
+#include "light/cones.h"
 
 static svo_status shade_band(const svo_i_probe_bands *bands, const svo_i_light_shade *shade, cl_mem radiance,
                              svo_probe_step *step)

@@ -1,16 +1,22 @@
 /* SPDX-License-Identifier: MIT */
-/* The light's fields, and what the files of this room share. */
-#ifndef SVO_LIB_LIGHT_STATE_H
-#define SVO_LIB_LIGHT_STATE_H
+/*
+ * The light's fields, and what the files of this room share: buffers and levels.
+ *
+ * The room, each file after those that it uses:
+ *   source_views      what a light source sees, as pixels
+ *   photons           photons of a view into the sums of leaves, and what is kept of them
+ *   handle            this: fields, names, description, hash
+ *   opacity           the opacity of all nodes, in three forms; what a changed tree keeps of it
+ *   radiance_filter   from the radiance of lit leaves to that of all nodes that see them
+ *   exchange          from the sums of photons to the radiance of lit leaves
+ *   shoot             all photons of a setup, or those that a change concerns
+ *   light             plan, create, set sources, update, destroy
+ *   cones             what cones gather: batches of points, radiance along rays, pictures
+ */
+#ifndef SVO_LIB_LIGHT_HANDLE_H
+#define SVO_LIB_LIGHT_HANDLE_H
 
-#include "core/tree.h"
-#include "core/work.h"
-#include "shared/light_layout.h"
-#include "svocl/light.h"
-
-struct svo_i_light_viewer;
-struct svo_i_kept_photons;
-struct svo_i_kept_nodes;
+#include "light/photons.h"
 
 /* What lights the tree: copies of what svo_light_set_sources got. */
 typedef struct svo_i_light_setup {
@@ -28,6 +34,14 @@ typedef struct svo_i_light_changes {
     size_t count;
 } svo_i_light_changes;
 
+/* What is kept of the nodes of a tree, so that the light of a changed one copies what stays: kernels/light/origins.cl.
+   The light before has the rest. */
+typedef struct svo_i_kept_nodes {
+    svo_i_kept_tree tree;
+    cl_mem masks, children; /* of inner nodes: the tree's */
+    cl_mem opacities; /* of inner nodes of SVO_LIGHT_FACES, whose extinctions say too little: six u16 each; else NULL */
+} svo_i_kept_nodes;
+
 /* What svo_light_update begins with. */
 typedef struct svo_i_light_before {
     const struct svo_light *light; /* of the tree before, which may be gone */
@@ -44,10 +58,9 @@ struct svo_light {
     svo_light_options options; /* as asked */
     cl_mem buffers[SVO_LIGHT_BUFFER_COUNT]; /* owned; NULL where not held */
     svo_i_light_setup setup; /* owned */
-    struct svo_i_kept_photons *kept; /* owned; NULL: no photons are kept */
-    struct svo_i_kept_nodes *nodes; /* owned; NULL: no nodes are kept */
+    svo_i_kept_photons *kept; /* owned; NULL: no photons are kept */
+    svo_i_kept_nodes *nodes; /* owned; NULL: no nodes are kept */
     svo_i_light_before *before; /* during svo_light_update, which then has given it kept; else NULL */
-    const struct svo_i_light_viewer *viewer; /* during svo_i_light_set_sources_by; else NULL: rays */
 };
 
 /* The defines of the kernels that make and filter a light: its form, and whether they read areas. Static string. */
@@ -61,11 +74,11 @@ svo_status svo_i_light_buffer(svo_i_device_work *work, svo_light *light, svo_lig
 /* Releases one, and says in info that it is not held. */
 void svo_i_light_release(svo_light *light, svo_light_buffer buffer);
 
+/* Releases the radiance. */
+void svo_i_light_darken(svo_light *light);
+
 /* Arguments for kernels of one level; those of the leaves for level depth. */
 svo_light_step svo_i_light_step(const svo_light *light, uint32_t level);
-
-/* Sets the arguments that SVO_LIGHT_PARAMETERS of kernels/light/field.clh declares, from first_index on. */
-svo_status svo_i_light_set_args(const svo_light *light, const char *function, cl_kernel kernel, cl_uint first_index);
 
 /* Waits, and takes the time since start_ms (svo_i_now_ms) as the stage's. */
 svo_status svo_i_light_took(svo_i_device_work *work, svo_light *light, svo_light_stage stage, double start_ms);

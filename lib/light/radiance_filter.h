@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* From the radiance of the lit leaves to that of all nodes that see them. */
-#ifndef SVO_LIB_LIGHT_FILTER_H
-#define SVO_LIB_LIGHT_FILTER_H
+#ifndef SVO_LIB_LIGHT_RADIANCE_FILTER_H
+#define SVO_LIB_LIGHT_RADIANCE_FILTER_H
 
-#include "light/state.h"
+#include "light/handle.h"
 
 /* The leaves with light, and how much leaves them. */
 typedef struct svo_i_lit_leaves {
@@ -19,8 +19,5 @@ typedef struct svo_i_lit_leaves {
 /* Replaces the light's radiance (SVO_LIGHT_LIT, SVO_LIGHT_RADIANCE) and sets lit_nodes, the unit and the time of the
    stage. The light is dark after a failure. */
 svo_status svo_i_light_filter(svo_i_device_work *work, svo_light *light, const svo_i_lit_leaves *lit);
-
-/* Releases the radiance. */
-void svo_i_light_darken(svo_light *light);
 
 #endif

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The host side of kernels/light/filter.cl and brick_light.cl. */
-#include "light/filter.h"
+#include "light/radiance_filter.h"
 
-#include "light/bricks.h"
-#include "light/kept_nodes.h"
+#include "light/opacity.h"
 
 /* The words of a node or a brick. */
 static uint64_t words_of(svo_light_form form)
@@ -294,15 +293,6 @@ static svo_status filter_all_bricks(filter *f)
 }
 
 /* ---- all forms ---- */
-
-void svo_i_light_darken(svo_light *light)
-{
-    svo_i_light_release(light, SVO_LIGHT_LIT);
-    svo_i_light_release(light, SVO_LIGHT_RADIANCE);
-    light->params.flags &= ~(cl_uint)SVO_LIGHT_FLAG_LIT;
-    light->params.unit = 0;
-    light->info.lit_nodes = 0;
-}
 
 static svo_status make_light(svo_i_device_work *work, svo_light *light, const svo_i_lit_leaves *lit)
 {
