@@ -1,7 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* The scene's fields, for the files of this room. */
-#ifndef SVO_LIB_SCENE_STATE_H
-#define SVO_LIB_SCENE_STATE_H
+/*
+ * The scene's fields, for the files of this room.
+ *
+ * The room, each file after those that it uses:
+ *   handle      this: the fields
+ *   trees       the trees of a scene in common buffers, and the boxes of what they occupy
+ *   hierarchy   the hierarchy over the instances' boxes
+ *   scene       plan, creation, instances and their changes
+ *   rays        rays through a scene, and pictures
+ */
+#ifndef SVO_LIB_SCENE_HANDLE_H
+#define SVO_LIB_SCENE_HANDLE_H
 
 #include "core/program.h"
 #include "shared/scene_layout.h"
@@ -61,14 +70,11 @@ struct svo_scene {
 };
 
 /* Refuses a scene whose content is lost. */
-svo_status svo_i_scene_check(const svo_scene *scene, const char *function);
-
-/* The smallest edge of a leaf among the instances, world units. */
-double svo_i_scene_leaf_edge(const svo_scene *scene);
-
-/* How many arguments SVO_SCENE_PARAMETERS declares for the scene; and sets them. */
-cl_uint svo_i_scene_arguments(const svo_scene *scene);
-svo_status svo_i_scene_set_args(const svo_scene *scene, const char *function, cl_kernel kernel, cl_uint first_index,
-                                const svo_scene_params *params);
+static inline svo_status svo_i_scene_check(const svo_scene *scene, const char *function)
+{
+    return scene->lost ? svo_i_device_fail(scene->device, SVO_INVALID_ARGUMENT,
+                                           "%s: an earlier change of the scene failed halfway", function)
+                       : SVO_OK;
+}
 
 #endif

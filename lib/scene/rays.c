@@ -1,19 +1,154 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures of scenes: the host side of kernels/scene/render.cl. */
+/* Rays in batches against the voxels or the triangles of a scene (kernels/scene/trace.cl), and its pictures
+   (render.cl). */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "core/struct_size.h"
+#include "rays/batch.h"
 #include "rays/camera.h"
 #include "rays/pixels.h"
-#include "scene/state.h"
+#include "scene/handle.h"
+#include "svocl/plan.h"
+
+#define FLAGS_MAX ((uint32_t)SVO_SCENE_ANY | (uint32_t)SVO_SCENE_EVERY_INSTANCE)
+_Static_assert((uint32_t)SVO_SCENE_ANY == 1 && (uint32_t)SVO_SCENE_EVERY_INSTANCE == 2,
+               "svo_scene_flags and kernels/scene/scene.clh number the flags alike");
 
 /* Rays of a pixel. */
 #define SAMPLES 4u
 /* The range of the ambient occlusion, of an instance's mean width. */
 #define OCCLUSION_SHARE 0.25
 
-/* ---- checks ---- */
+/* ---- arguments of kernels ---- */
+
+/* How many arguments SVO_SCENE_PARAMETERS declares for the scene; and sets them. */
+static cl_uint count_arguments(const svo_scene *scene)
+{
+    return scene->node_buffers + (SVO_I_SCENE_ARGUMENT_BUFFERS - SVO_I_SCENE_NODE_BUFFERS) + 1;
+}
+
+static svo_status set_scene(const svo_scene *scene, const char *function, cl_kernel kernel, cl_uint first_index,
+                            const svo_scene_params *params)
+{
+    svo_i_argument arguments[SVO_I_SCENE_ARGUMENT_BUFFERS + 1];
+    cl_uint count = 0;
+    for (cl_uint i = 0; i < SVO_I_SCENE_ARGUMENT_BUFFERS; ++i) {
+        if (i < scene->node_buffers || i >= SVO_I_SCENE_NODE_BUFFERS) {
+            arguments[count++] = SVO_I_ARGUMENT(scene->buffers[i]);
+        }
+    }
+    arguments[count++] = (svo_i_argument){sizeof *params, params, false};
+    return svo_i_kernel_set_from(scene->device, function, kernel, first_index, arguments, count);
+}
+
+/* ---- batches ---- */
+
+/* What a batch is traced against. */
+typedef struct scene_target {
+    const svo_scene *scene;
+    svo_scene_params params;
+    bool triangles;
+    char defines[SVO_I_PROGRAM_DEFINES_BYTES];
+} scene_target;
+
+static svo_status check_target(void *of, const char *function)
+{
+    const scene_target *target = of;
+    svo_device *device = target->scene->device;
+    SVO_I_TRY(svo_i_scene_check(target->scene, function));
+    if (target->triangles && (target->scene->info.need & SVO_NEED_RAYS) == 0) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "%s: the scene holds no triangles; create it with SVO_NEED_RAYS", function);
+    }
+    if (target->params.flags > FLAGS_MAX) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: flags %u is not in 0 .. %u", function,
+                                 target->params.flags, FLAGS_MAX);
+    }
+    if (!(target->params.footprint >= 0.0F) || !isfinite(target->params.footprint)) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: footprint %g is negative or not finite", function,
+                                 (double)target->params.footprint);
+    }
+    return SVO_OK;
+}
+
+static svo_status set_target(void *of, const char *function, cl_kernel kernel, cl_uint first_index)
+{
+    const scene_target *target = of;
+    return set_scene(target->scene, function, kernel, first_index, &target->params);
+}
+
+/* *of lives as long as the batch. */
+static svo_i_batch describe(const svo_scene *scene, const char *function, size_t ray_count, float footprint,
+                            uint32_t flags, scene_target *of)
+{
+    of->scene = scene;
+    of->params = scene->params;
+    of->params.footprint = footprint;
+    of->params.flags = flags;
+    (void)snprintf(of->defines, sizeof of->defines, "%s%s", scene->form, of->triangles ? " -DSVO_SCENE_TRIANGLES" : "");
+    return (svo_i_batch){.device = scene->device,
+                         .function = function,
+                         .target = {of, count_arguments(scene), check_target, set_target},
+                         .program = SVO_I_PROGRAM_SCENE_TRACE,
+                         .kernel_name = "svo_k_scene_trace",
+                         .defines = of->defines,
+                         .input_name = "rays",
+                         .output_name = "hits",
+                         .input_bytes = sizeof(svo_ray),
+                         .output_bytes = of->triangles ? sizeof(svo_scene_triangle_hit) : sizeof(svo_scene_hit),
+                         .count = ray_count,
+                         .per_item = 1};
+}
+
+svo_status svo_scene_trace_enqueue(svo_scene *scene, cl_mem rays, cl_mem hits, size_t ray_count, float footprint,
+                                   uint32_t flags, cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
+                                   cl_event *event)
+{
+    scene_target of = {.triangles = false};
+    if (scene == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    const svo_i_batch asked = describe(scene, "svo_scene_trace_enqueue", ray_count, footprint, flags, &of);
+    return svo_i_batch_enqueue(&asked, rays, hits, queue, num_wait, wait, event);
+}
+
+svo_status svo_scene_trace(svo_scene *scene, const svo_ray *rays, svo_scene_hit *hits, size_t ray_count,
+                           float footprint, uint32_t flags, cl_command_queue queue)
+{
+    scene_target of = {.triangles = false};
+    if (scene == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    const svo_i_batch asked = describe(scene, "svo_scene_trace", ray_count, footprint, flags, &of);
+    return svo_i_batch_run(&asked, rays, hits, queue);
+}
+
+svo_status svo_scene_trace_triangles_enqueue(svo_scene *scene, cl_mem rays, cl_mem hits, size_t ray_count,
+                                             uint32_t flags, cl_command_queue queue, cl_uint num_wait,
+                                             const cl_event *wait, cl_event *event)
+{
+    scene_target of = {.triangles = true};
+    if (scene == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    const svo_i_batch asked = describe(scene, "svo_scene_trace_triangles_enqueue", ray_count, 0.0F, flags, &of);
+    return svo_i_batch_enqueue(&asked, rays, hits, queue, num_wait, wait, event);
+}
+
+svo_status svo_scene_trace_triangles(svo_scene *scene, const svo_ray *rays, svo_scene_triangle_hit *hits,
+                                     size_t ray_count, uint32_t flags, cl_command_queue queue)
+{
+    scene_target of = {.triangles = true};
+    if (scene == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    const svo_i_batch asked = describe(scene, "svo_scene_trace_triangles", ray_count, 0.0F, flags, &of);
+    return svo_i_batch_run(&asked, rays, hits, queue);
+}
+
+/* ---- pictures ---- */
 
 static svo_status check_options(const svo_scene *scene, const char *function, const svo_scene_render_options *options)
 {
@@ -31,8 +166,6 @@ static svo_status check_options(const svo_scene *scene, const char *function, co
     }
     return SVO_OK;
 }
-
-/* ---- parameters ---- */
 
 /* The caller's lights with unit directions. */
 static svo_status fill_lights(const svo_scene *scene, const char *function, const svo_scene_render_options *options,
@@ -114,8 +247,6 @@ static svo_status fill_picture(const svo_scene *scene, const char *function, con
     return fill_lights(scene, function, options, lights);
 }
 
-/* ---- drawing ---- */
-
 /* A picture that is about to be drawn. */
 typedef struct drawing {
     const svo_scene *scene;
@@ -143,9 +274,8 @@ static svo_status prepare(drawing *drawn, cl_mem pixels)
     const svo_i_argument others[] = {
         SVO_I_ARGUMENT(scene->buffers[SVO_I_SCENE_COLORS]), SVO_I_ARGUMENT(scene->buffers[SVO_I_SCENE_NORMALS]),
         SVO_I_ARGUMENT(drawn->picture_buffer), SVO_I_ARGUMENT(drawn->lights_buffer), SVO_I_ARGUMENT(pixels)};
-    SVO_I_TRY(svo_i_scene_set_args(scene, function, drawn->kernel, 0, &scene->params));
-    return svo_i_kernel_set_from(device, function, drawn->kernel, svo_i_scene_arguments(scene),
-                                 SVO_I_ARGUMENTS(others));
+    SVO_I_TRY(set_scene(scene, function, drawn->kernel, 0, &scene->params));
+    return svo_i_kernel_set_from(device, function, drawn->kernel, count_arguments(scene), SVO_I_ARGUMENTS(others));
 }
 
 static void release(drawing *drawn)
@@ -166,7 +296,7 @@ static svo_status enqueue(drawing *drawn, const svo_i_pixels *to)
     svo_status status = SVO_OK;
     SVO_I_TRY_CLEANUP(prepare(drawn, to->buffer));
     const svo_i_tiles tiles = {.kernel = drawn->kernel,
-                               .first_tile = svo_i_scene_arguments(drawn->scene) + 5,
+                               .first_tile = count_arguments(drawn->scene) + 5,
                                .items = SVO_GROUP_ITEMS,
                                .width = drawn->picture.width,
                                .height = drawn->picture.height};
