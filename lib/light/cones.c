@@ -254,8 +254,12 @@ static svo_status set_arguments(const svo_i_light_shader *shader, const svo_gath
     const svo_light *light = shader->light;
     const char *function = shader->work->function;
     svo_tree *tree = light->tree;
-    const cl_uint first = SVO_TREE_ARGUMENTS + SVO_LIGHT_ARGUMENTS;
-    const svo_i_argument shared[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_COLORS]),
+    const svo_i_argument shared[] = {SVO_I_ARGUMENT(light->buffers[SVO_LIGHT_OPACITY]),
+                                     SVO_I_ARGUMENT(light->buffers[SVO_LIGHT_COVER]),
+                                     SVO_I_ARGUMENT(light->buffers[SVO_LIGHT_LIT]),
+                                     SVO_I_ARGUMENT(light->buffers[SVO_LIGHT_RADIANCE]),
+                                     SVO_I_ARGUMENT(light->params),
+                                     SVO_I_ARGUMENT(tree->buffers[SVO_TREE_COLORS]),
                                      SVO_I_ARGUMENT(tree->buffers[SVO_TREE_NORMALS]),
                                      SVO_I_ARGUMENT(tree->buffers[SVO_TREE_MATERIALS]),
                                      SVO_I_ARGUMENT(shader->finishes),
@@ -264,9 +268,9 @@ static svo_status set_arguments(const svo_i_light_shader *shader, const svo_gath
                                      {sizeof *params, params, false}};
     const cl_uint shared_count = sizeof shared / sizeof shared[0];
     SVO_I_TRY(svo_i_rays_set_tree(tree, function, shader->kernel, 0));
-    SVO_I_TRY(set_light(light, function, shader->kernel, SVO_TREE_ARGUMENTS));
-    SVO_I_TRY(svo_i_kernel_set_from(light->device, function, shader->kernel, first, shared, shared_count));
-    return svo_i_kernel_set_from(light->device, function, shader->kernel, first + shared_count, own, own_count);
+    SVO_I_TRY(svo_i_kernel_set_from(light->device, function, shader->kernel, SVO_TREE_ARGUMENTS, shared, shared_count));
+    return svo_i_kernel_set_from(light->device, function, shader->kernel, SVO_TREE_ARGUMENTS + shared_count, own,
+                                 own_count);
 }
 
 /* Launches so many whole groups. own: the kernel's own arguments, own_count. */

@@ -79,14 +79,13 @@ static svo_status find_level_origins(svo_i_device_work *work, const svo_light *l
 {
     const svo_i_light_before *before = light->before;
     const svo_i_kept_nodes *old = before->light->nodes;
-    const svo_light_step params = svo_i_light_step(light, level);
-    const cl_uint box_count = (cl_uint)before->changes.count;
+    svo_light_step params = svo_i_light_step(light, level);
+    params.box_count = (cl_uint)before->changes.count;
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(light->tree->buffers[SVO_TREE_CHILD_MASK]),
                                         SVO_I_ARGUMENT(light->tree->buffers[SVO_TREE_FIRST_CHILD]),
                                         SVO_I_ARGUMENT(old->masks),
                                         SVO_I_ARGUMENT(old->children),
                                         SVO_I_ARGUMENT(boxes),
-                                        SVO_I_ARGUMENT(box_count),
                                         SVO_I_ARGUMENT(codes),
                                         SVO_I_ARGUMENT(before->origins),
                                         SVO_I_ARGUMENT(params)};
@@ -130,8 +129,9 @@ static svo_status keep_nodes(svo_i_device_work *work, const svo_light *light, cl
         return SVO_OK;
     }
     params.count = (cl_uint)light->tree->info.inner_count;
+    params.elements = elements;
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(origins), SVO_I_ARGUMENT(from), SVO_I_ARGUMENT(to),
-                                        SVO_I_ARGUMENT(elements), SVO_I_ARGUMENT(params)};
+                                        SVO_I_ARGUMENT(params)};
     return svo_i_work_launch(work, "svo_k_light_keep", SVO_I_ARGUMENTS(arguments), params.count);
 }
 

@@ -170,12 +170,12 @@ svo_status svo_i_kept_use(const svo_i_kept_photons *kept, svo_i_device_work *wor
                           kept->has_directions ? " -DSVO_SORT -DSVO_LIGHT_FACES" : " -DSVO_SORT");
 }
 
-/* The photons that are shot next are those of the next view, whose params are known now. Returns its first photon. */
-static uint32_t next_view(svo_i_kept_photons *kept, const svo_light_view_params *params)
+/* The photons that are shot next are those of the next view, whose params are known now but for kept_first. */
+static void next_view(svo_i_kept_photons *kept, svo_light_view_params *params)
 {
     svo_i_kept_view *view = &kept->views[kept->shot_views++];
+    params->kept_first = view->first;
     view->params = *params;
-    return view->first;
 }
 
 /* ---- buffers ---- */
@@ -385,10 +385,10 @@ static svo_status keep_band(const svo_i_photons *photons, const svo_light_view_p
 {
     const svo_i_kept_photons *kept = photons->kept;
     const svo_i_argument arguments[] = {
-        SVO_I_ARGUMENT(photons->weights),    SVO_I_ARGUMENT(photons->met),    SVO_I_ARGUMENT(photons->spreads),
-        SVO_I_ARGUMENT(photons->slots),      SVO_I_ARGUMENT(kept->weights),   SVO_I_ARGUMENT(kept->ends),
-        SVO_I_ARGUMENT(kept->spreads),       SVO_I_ARGUMENT(kept->users),     SVO_I_ARGUMENT(kept->bits),
-        SVO_I_ARGUMENT(photons->kept_first), SVO_I_ARGUMENT(photons->groups), SVO_I_ARGUMENT(*params)};
+        SVO_I_ARGUMENT(photons->weights), SVO_I_ARGUMENT(photons->met),  SVO_I_ARGUMENT(photons->spreads),
+        SVO_I_ARGUMENT(photons->slots),   SVO_I_ARGUMENT(kept->weights), SVO_I_ARGUMENT(kept->ends),
+        SVO_I_ARGUMENT(kept->spreads),    SVO_I_ARGUMENT(kept->users),   SVO_I_ARGUMENT(kept->bits),
+        SVO_I_ARGUMENT(photons->groups),  SVO_I_ARGUMENT(*params)};
     SVO_I_TRY(svo_i_kept_use(kept, photons->work));
     SVO_I_TRY(svo_i_work_launch(photons->work, "svo_k_photon_keep", SVO_I_ARGUMENTS(arguments),
                                 params->count / SVO_ITEM_PHOTONS));
@@ -451,7 +451,7 @@ svo_status svo_i_photons_shoot(svo_i_photons *photons, const svo_i_light_view *v
         params.flux[2 * channel + 1] = (cl_uint)(flux >> 32);
     }
     if (photons->kept != NULL) {
-        photons->kept_first = next_view(photons->kept, &params);
+        next_view(photons->kept, &params);
     }
     if (photons->map == NULL) {
         return shoot_bands(photons, view, &params);

@@ -94,7 +94,6 @@ typedef struct svo_i_photons {
     uint64_t hits; /* of rays of this call: 64 bits of what the counter has 32 of */
     uint64_t hits_before; /* of photons that are not shot again */
     svo_i_kept_photons *kept; /* owns the sums, and receives what is shot; NULL: nothing is kept */
-    cl_uint kept_first; /* the view's first photon among the kept ones */
     cl_mem weights, rays, met, leaves; /* of a band */
     cl_mem groups; /* of the photons that are shot; NULL: all of a view */
     svo_photon_weight *host_weights; /* of a band, owned */

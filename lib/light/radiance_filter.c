@@ -181,8 +181,8 @@ static svo_status store_leaves(const filter *f)
 static svo_status store_leaves_again(const filter *f)
 {
     const cl_mem *buffers = f->light->buffers;
-    const cl_uint words = (cl_uint)words_of(f->light->info.form);
-    const svo_light_step params = svo_i_light_step(f->light, f->light->params.depth - 1);
+    svo_light_step params = svo_i_light_step(f->light, f->light->params.depth - 1);
+    params.elements = (cl_uint)words_of(f->light->info.form);
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(f->masks),
                                         SVO_I_ARGUMENT(f->children),
                                         SVO_I_ARGUMENT(f->light->before->light->nodes->children),
@@ -192,7 +192,6 @@ static svo_status store_leaves_again(const filter *f)
                                         SVO_I_ARGUMENT(buffers[SVO_LIGHT_LIT]),
                                         KEPT_LIGHT_ARGUMENTS(f),
                                         SVO_I_ARGUMENT(buffers[SVO_LIGHT_RADIANCE]),
-                                        SVO_I_ARGUMENT(words),
                                         SVO_I_ARGUMENT(params)};
     return svo_i_work_launch(f->work, "svo_k_light_leaves_again", SVO_I_ARGUMENTS(arguments), params.count);
 }

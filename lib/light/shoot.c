@@ -160,8 +160,7 @@ static svo_status list_groups(reshoot *a, size_t index, uint32_t box_count)
     const svo_i_kept_view *view = &a->kept->views[index];
     const double cells = 1 / svo_grid_cell_edge(&a->kept->tree.grid, a->kept->tree.grid.depth);
     /* A photon's point lies in a cell that what changed may touch, or it takes the leaf of a cell beside its own. */
-    const svo_crossing_params params = {.kept_first = view->first,
-                                        .group_count = view->photon_count / SVO_ITEM_PHOTONS,
+    const svo_crossing_params params = {.group_count = view->photon_count / SVO_ITEM_PHOTONS,
                                         .view = (cl_uint)index,
                                         .box_count = box_count,
                                         .cells = (cl_float)cells,
@@ -181,11 +180,10 @@ static svo_status take_back(reshoot *a, size_t index)
     svo_i_photons *photons = a->photons;
     params.first = view->first;
     params.count = a->view_counts[index] * SVO_ITEM_PHOTONS;
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(a->kept->weights),  SVO_I_ARGUMENT(a->kept->ends),
-                                        SVO_I_ARGUMENT(a->kept->spreads),  SVO_I_ARGUMENT(a->kept->sums),
-                                        SVO_I_ARGUMENT(a->kept->users),    SVO_I_ARGUMENT(a->kept->bits),
-                                        SVO_I_ARGUMENT(photons->counters), SVO_I_ARGUMENT(view->first),
-                                        SVO_I_ARGUMENT(a->groups),         SVO_I_ARGUMENT(params)};
+    const svo_i_argument arguments[] = {
+        SVO_I_ARGUMENT(a->kept->weights),  SVO_I_ARGUMENT(a->kept->ends),  SVO_I_ARGUMENT(a->kept->spreads),
+        SVO_I_ARGUMENT(a->kept->sums),     SVO_I_ARGUMENT(a->kept->users), SVO_I_ARGUMENT(a->kept->bits),
+        SVO_I_ARGUMENT(photons->counters), SVO_I_ARGUMENT(a->groups),      SVO_I_ARGUMENT(params)};
     return svo_i_work_launch(a->work, "svo_k_photon_take", SVO_I_ARGUMENTS(arguments), a->view_counts[index]);
 }
 
@@ -227,8 +225,7 @@ static svo_status shoot_groups(reshoot *a, const svo_light_view_params *params)
 {
     svo_i_photons *photons = a->photons;
     const svo_i_argument weigh[] = {SVO_I_ARGUMENT(a->kept->weights), SVO_I_ARGUMENT(photons->weights),
-                                    SVO_I_ARGUMENT(photons->kept_first), SVO_I_ARGUMENT(photons->groups),
-                                    SVO_I_ARGUMENT(*params)};
+                                    SVO_I_ARGUMENT(photons->groups), SVO_I_ARGUMENT(*params)};
     SVO_I_TRY(svo_i_kept_use(photons->kept, photons->work));
     SVO_I_TRY(svo_i_work_launch(a->work, "svo_k_photon_weigh", SVO_I_ARGUMENTS(weigh), params->count));
     SVO_I_TRY(svo_i_photons_use(photons));
@@ -241,7 +238,6 @@ static svo_status shoot_groups_of_view(reshoot *a, size_t index)
     const uint32_t photons = a->view_counts[index] * SVO_ITEM_PHOTONS;
     svo_light_view_params params = view->params;
     a->photons->groups = a->groups;
-    a->photons->kept_first = view->first;
     a->photons->traced += photons;
     for (uint32_t done = 0; done < photons; done += params.count) {
         params.first = view->first + done;
