@@ -17,7 +17,7 @@
 
 #include <cmocka.h>
 
-#include "light/filter.h"
+#include "light/radiance_filter.h"
 #include "rays/rays.h"
 #include "shared/bvh_layout.h"
 #include "shared/light_layout.h"

@@ -9,7 +9,7 @@
 
 #include <stdbool.h>
 
-#include "light/light_view.h"
+#include "light/source_views.h"
 #include "support/fixture.h"
 
 /* Sums as the library has them: units of flux, and of 2^-24 of it for directions. */

@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "light/node_map.h"
+#include "light/source_views.h"
 #include "light_fixture.h"
 #include "support/meshes.h"
 #include "wall_mesh.h"

@@ -16,7 +16,7 @@
 #include <string.h>
 
 #include "light/extinction.clh"
-#include "light/filter.h"
+#include "light/radiance_filter.h"
 #include "light_scene.h"
 #include "support/meshes.h"
 

@@ -14,7 +14,7 @@
 
 #include <cmocka.h>
 
-#include "light/light_view.h"
+#include "light/source_views.h"
 #include "light_fixture.h"
 #include "photon_reference.h"
 #include "raster/light_view.h"
@@ -64,7 +64,7 @@ static void compare_hits(const svo_hit *traced, const svo_hit *drawn, uint32_t c
 }
 
 /* A band of a view, by rays and drawn. */
-static void compare_band(const fixture *opened, const built *made, const svo_i_light_viewer *viewer,
+static void compare_band(const fixture *opened, const built *made, const svo_i_photon_caster *caster,
                          const svo_i_light_view *view, uint32_t first, tally *out)
 {
     static svo_photon_weight weights[BAND];
@@ -83,7 +83,7 @@ static void compare_band(const fixture *opened, const built *made, const svo_i_l
     assert_int_equal(svo_tree_trace(made->tree, rays, traced, params.count, SVO_TRACE_CLOSEST, opened->queue), SVO_OK);
     cl_mem hits = clCreateBuffer(context, CL_MEM_READ_WRITE, sizeof drawn, NULL, &error);
     assert_int_equal(error, CL_SUCCESS);
-    light_succeed(opened, viewer->draw(viewer->self, &params, weights, opened->queue, hits));
+    light_succeed(opened, caster->cast(caster->self, &params, weights, opened->queue, hits));
     assert_int_equal(
         clEnqueueReadBuffer(opened->queue, hits, CL_TRUE, 0, params.count * sizeof drawn[0], drawn, 0, NULL, NULL),
         CL_SUCCESS);
@@ -112,13 +112,13 @@ static void compare_views(const fixture *opened, const built *made, tally *out)
     light_succeed(opened,
                   svo_i_light_raster_create(opened->device, opened->context, svo_gl_chosen_share(opened->gl), &raster));
     light_succeed(opened, svo_i_gl_context_make_current(opened->context, NULL));
-    const svo_i_light_viewer viewer = svo_i_light_raster_begin(raster, made->tree);
+    const svo_i_photon_caster caster = svo_i_light_raster_begin(raster, made->tree);
     for (size_t i = 0; i < SOURCES; ++i) {
         svo_i_light_view views[SVO_I_VIEWS_OF_ONE_MAX];
         const uint32_t count = svo_i_light_views(&sources[i], &box, RESOLUTION, views);
         for (uint32_t k = 0; k < count; ++k) {
             for (uint32_t first = 0; first < views[k].photon_count; first += BAND) {
-                compare_band(opened, made, &viewer, &views[k], first, out);
+                compare_band(opened, made, &caster, &views[k], first, out);
             }
         }
     }

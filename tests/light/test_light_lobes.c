@@ -14,7 +14,7 @@
 #include <cmocka.h>
 
 #include "core/work.h"
-#include "light/sources.h"
+#include "light/shoot.h"
 #include "light_fixture.h"
 #include "support/meshes.h"
 
@@ -50,7 +50,7 @@ static void shine(const fixture *opened, const built *made, const svo_light_sour
     setup.view_resolution = 200;
     svo_light *light = light_of(opened, made->tree, SVO_LIGHT_FACES);
     light_succeed(opened, svo_i_work_begin(opened->device, "shine", opened->queue, &work));
-    light_succeed(opened, svo_i_light_shine(&work, light, &setup, &lit));
+    light_succeed(opened, svo_i_light_shine(&work, light, &setup, NULL, &lit));
     light_succeed(opened, svo_i_work_wait(&work));
     *out = (lit_faces){.count = lit.lit_count};
     out->leaves = read_all(opened, lit.leaves, lit.lit_count * sizeof *out->leaves);

@@ -15,7 +15,7 @@
 #include <cmocka.h>
 
 #include "core/work.h"
-#include "light/sources.h"
+#include "light/shoot.h"
 #include "light_fixture.h"
 #include "photon_reference.h"
 #include "scenes.h"
@@ -54,7 +54,7 @@ static void shine(const fixture *opened, svo_light *light, const svo_light_setup
     svo_i_lit_leaves lit;
     light_succeed(opened, svo_light_set_sources(light, NULL, opened->queue)); /* dark */
     light_succeed(opened, svo_i_work_begin(opened->device, "shine", opened->queue, &work));
-    light_succeed(opened, svo_i_light_shine(&work, light, setup, &lit));
+    light_succeed(opened, svo_i_light_shine(&work, light, setup, NULL, &lit));
     light_succeed(opened, svo_i_work_wait(&work));
     *out = (lit_leaves){.count = lit.lit_count, .unit = (double)lit.unit, .info = light_info_of(light)};
     out->values = light->info.form == SVO_LIGHT_FACES ? 18 : 3;

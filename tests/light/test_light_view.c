@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What sources see, as pixels (lib/light/light_view.c): the flux of all photons of a source is its closed form, every
+ * What sources see, as pixels (lib/light/source_views.c): the flux of all photons of a source is its closed form, every
  * point of the tree's box has a pixel of exactly one view, and four pixels fall on a leaf that faces the light.
  */
 #include <math.h>
@@ -14,7 +14,7 @@
 
 #include <cmocka.h>
 
-#include "light/light_view.h"
+#include "light/source_views.h"
 #include "support/meshes.h"
 
 #define PI      3.14159265358979323846

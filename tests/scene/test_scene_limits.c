@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "scene/state.h"
+#include "scene/handle.h"
 #include "scene_check.h"
 
 /* ---- pictures ---- */
