@@ -10,7 +10,7 @@
 #define SVO_LIB_PAGED_PAGED_H
 
 #include "core/device.h"
-#include "io/tree_load.h"
+#include "io/file_format.h"
 #include "paged/runs.h"
 #include "shared/layout.h"
 #include "svocl/paged.h"

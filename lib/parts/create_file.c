@@ -6,7 +6,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "core/device.h"
 #include "core/memory.h"
-#include "io/blocks.h"
+#include "parts/blocks.h"
 #include "parts/create.h"
 #include "parts/triangles.h"
 #include "plan/survey.h"

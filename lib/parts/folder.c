@@ -16,7 +16,7 @@
 #include <xxhash.h>
 
 #include "core/struct_size.h"
-#include "io/read_at.h"
+#include "io/file_format.h"
 #include "output/output.h"
 #include "parts/format.h"
 #include "parts/part_read.h"

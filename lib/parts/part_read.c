@@ -14,7 +14,7 @@
 #include <xxhash.h>
 
 #include "core/struct_size.h"
-#include "io/read_at.h"
+#include "io/file_format.h"
 #include "svocl/parts.h"
 
 /* Of a segment that is read at a time: each piece costs two calls of the system where parts are stitched. */

@@ -13,7 +13,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "io/read_at.h"
+#include "io/file_format.h"
 #include "output/output.h"
 #include "parts/triangles.h"
 

@@ -6,8 +6,8 @@
  *
  * Files are not trusted: every count is compared with the file's length before it is used.
  */
-#ifndef SVO_LIB_IO_BLOCKS_H
-#define SVO_LIB_IO_BLOCKS_H
+#ifndef SVO_LIB_PARTS_BLOCKS_H
+#define SVO_LIB_PARTS_BLOCKS_H
 
 #include "svocl/io.h"
 

@@ -3,7 +3,7 @@
  * The library's one C++ file: fast_float is a header of templates. It is compiled without exceptions and run-time types
  * and needs nothing of the C++ library when it is linked.
  */
-#include "io/import_number.h"
+#include "io/import_text.h"
 
 #include <fast_float/fast_float.h>
 

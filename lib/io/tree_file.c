@@ -1,19 +1,184 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Trees from .svo files of every version: whole, or their upper levels alone. file_load.c reads the header and the
- * chunks, file_tree.c says which chunks there must be, and file_check.c verifies the structure of the finished arrays.
+ * Built trees to .svo files, and from those of every version: whole, or their upper levels alone. file_chunks.c writes
+ * and reads the header and the chunks, and file_check.c verifies the structure of the finished arrays.
  */
-#include "io/tree_load.h"
-
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "core/compact.h"
 #include "core/message.h"
-#include "io/file_check.h"
+#include "core/struct_size.h"
+#include "core/tree.h"
+#include "io/file_format.h"
 #include "shared/nodes.clh"
 #include "svocl/plan.h"
+
+/*
+ * ---- chunks ----
+ *
+ * An array each up to version 2; since version 3 an array of one level, the levels in order.
+ */
+
+/* The levels that an array has elements of. A constant has one element, and it stands with its first level. */
+static void find_levels(const svo_tree_info *info, svo_tree_buffer buffer, uint32_t *first, uint32_t *last)
+{
+    switch (buffer) {
+    case SVO_TREE_CHILD_MASK:
+        *first = 0;
+        *last = info->depth - 1;
+        break;
+    case SVO_TREE_COLORS:
+    case SVO_TREE_NORMALS:
+    case SVO_TREE_MATERIALS:
+    case SVO_TREE_FILLS:
+        *first = info->payload_level;
+        *last = svo_i_tree_is_constant(info, buffer) ? info->payload_level : info->depth;
+        break;
+    default:
+        *first = *last = info->depth;
+        break;
+    }
+}
+
+static bool is_in_file(const svo_tree_info *info, uint32_t version, svo_tree_buffer buffer)
+{
+    return svo_i_tree_holds(info, buffer) && (buffer != SVO_TREE_FIRST_CHILD || version < FILE_BY_LEVELS);
+}
+
+uint32_t svo_i_file_list_entries(const svo_tree_info *info, uint32_t version, file_entry entries[FILE_CHUNKS_MAX])
+{
+    const uint32_t last_level = version < FILE_BY_LEVELS ? 0 : info->depth;
+    uint32_t count = 0;
+    for (uint32_t level = 0; level <= last_level; ++level) {
+        for (uint32_t i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+            const svo_tree_buffer buffer = (svo_tree_buffer)i;
+            uint32_t first = 0, last = 0;
+            if (version >= FILE_BY_LEVELS) {
+                find_levels(info, buffer, &first, &last);
+            }
+            if (is_in_file(info, version, buffer) && level >= first && level <= last) {
+                entries[count++] = (file_entry){buffer, level};
+            }
+        }
+    }
+    return count;
+}
+
+/* Nodes before a level, in an array whose first element is the first node of another level. */
+static uint64_t nodes_before(const svo_tree_info *info, uint32_t level, uint32_t first_level)
+{
+    return info->level_begin[level] - info->level_begin[first_level];
+}
+
+/* Whether the array is in pieces, so that an entry is one level of it. */
+static bool is_divided(const svo_tree_info *info, uint32_t version, svo_tree_buffer buffer, uint32_t *first)
+{
+    uint32_t last = 0;
+    find_levels(info, buffer, first, &last);
+    return version >= FILE_BY_LEVELS && last > *first;
+}
+
+/* The first of an entry's elements in the tree's array. */
+static uint64_t entry_begin(const svo_tree_info *info, uint32_t version, const file_entry *entry)
+{
+    uint32_t first = 0;
+    return is_divided(info, version, entry->buffer, &first) ? nodes_before(info, entry->level, first) : 0;
+}
+
+uint64_t svo_i_file_entry_count(const svo_tree_info *info, uint32_t version, const file_entry *entry)
+{
+    uint32_t first = 0;
+    return is_divided(info, version, entry->buffer, &first) ? nodes_before(info, entry->level + 1, entry->level)
+                                                            : svo_i_tree_element_count(info, entry->buffer);
+}
+
+/* ---- saving ---- */
+
+void svo_i_file_fill_header(file_header *header, const svo_tree_info *info)
+{
+    memcpy(header->magic, FILE_MAGIC, FILE_MAGIC_BYTES);
+    header->version = FILE_VERSION;
+    header->depth = info->depth;
+    header->snap_bits = info->snap_bits;
+    header->coverage = info->coverage;
+    header->need = (uint16_t)info->need;
+    header->constant = (uint16_t)info->constant;
+    header->weights = (uint16_t)info->weights;
+    header->payload_level = (uint16_t)info->payload_level;
+    memcpy(header->origin, info->origin, sizeof header->origin);
+    header->edge = info->edge;
+    header->scale = info->scale;
+    header->snap_error = info->snap_error;
+    header->triangles = info->triangles;
+    header->refused_triangles = info->refused_triangles;
+    header->fragments = info->fragments;
+    memcpy(header->level_begin, info->level_begin, (info->depth + 2) * sizeof header->level_begin[0]);
+}
+
+/* Checks what svo_tree_save and svo_tree_write have in common. */
+static svo_status start(const char *function, const svo_tree *tree, const svo_save_options *options,
+                        svo_message *message, svo_i_file_save *state)
+{
+    svo_save_options asked;
+    SVO_I_TRY(svo_i_struct_read(message, function, "options", options, &asked,
+                                SVO_I_STRUCT_SIZES(svo_save_options, struct_size)));
+    const char *undefined = svo_i_tree_undefined(tree);
+    if (undefined != NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %s", function, undefined);
+    }
+    if (!tree->downloaded) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT,
+                          "%s: the tree has no host arrays; call svo_tree_download first", function);
+    }
+    if (tree->part.header.depth != 0) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: the tree is a part of another; call svo_part_save",
+                          function);
+    }
+    *state = (svo_i_file_save){
+        .name = function, .message = message, .memory = &tree->memory, .compress = asked.compress != 0};
+    svo_i_file_fill_header(&state->head.header, &tree->info);
+    file_entry entries[FILE_CHUNKS_MAX];
+    state->array_count = svo_i_file_list_entries(&tree->info, FILE_VERSION, entries);
+    for (uint32_t i = 0; i < state->array_count; ++i) {
+        const file_entry *entry = &entries[i];
+        const size_t element_bytes = svo_i_tree_element_bytes(entry->buffer);
+        const uint8_t *array = tree->host[entry->buffer];
+        const uint64_t begin = entry_begin(&tree->info, FILE_VERSION, entry);
+        state->arrays[i] =
+            (svo_i_file_array){.kind = file_entry_kind(entry),
+                               .name = svo_tree_buffer_name(entry->buffer),
+                               .plain = array != NULL ? array + begin * element_bytes : NULL,
+                               .bytes = svo_i_file_entry_count(&tree->info, FILE_VERSION, entry) * element_bytes};
+    }
+    return SVO_OK;
+}
+
+svo_status svo_tree_write(const svo_tree *tree, svo_write_callback write, void *user, const svo_save_options *options,
+                          svo_message *message)
+{
+    if (tree == NULL || write == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_write: %s is NULL", tree == NULL ? "tree" : "write");
+    }
+    svo_i_file_save state = {.name = "svo_tree_write"};
+    SVO_I_TRY(start("svo_tree_write", tree, options, message, &state));
+    state.write = write;
+    state.user = user;
+    return svo_i_file_write(&state);
+}
+
+svo_status svo_tree_save(const svo_tree *tree, const char *path, const svo_save_options *options, svo_message *message)
+{
+    if (tree == NULL || path == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_save: %s is NULL", tree == NULL ? "tree" : "path");
+    }
+    svo_i_file_save state = {.name = path};
+    SVO_I_TRY(start("svo_tree_save", tree, options, message, &state));
+    return svo_i_file_save_to(&state, path);
+}
+
+/* ---- reading ---- */
 
 static void fill_info(svo_tree_info *info, const file_header *header)
 {
@@ -91,7 +256,7 @@ static svo_status check_entry(svo_i_tree_file *file, uint32_t chunk_index, uint6
         return svo_i_file_damaged(load, "chunk %s is missing", name.text);
     }
     const file_chunk *chunk = &load->head.chunks[chunk_index];
-    const uint32_t kind = svo_i_file_entry_kind(entry);
+    const uint32_t kind = file_entry_kind(entry);
     if (chunk->kind != kind) {
         return svo_i_file_damaged(load, "chunk %" PRIu32 ": kind is 0x%" PRIx32 ", 0x%" PRIx32 " (%s) expected",
                                   chunk_index, chunk->kind, kind, name.text);
@@ -136,7 +301,7 @@ static svo_status read_entry(const svo_i_tree_file *file, uint32_t chunk_index, 
             return svo_i_file_no_memory(load, name.text, array_bytes);
         }
     }
-    const uint64_t begin = svo_i_file_entry_begin(&tree->info, load->head.header.version, entry);
+    const uint64_t begin = entry_begin(&tree->info, load->head.header.version, entry);
     uint8_t *plain = *array != NULL ? (uint8_t *)*array + begin * element_bytes : NULL;
     return svo_i_file_read_chunk(load, &load->head.chunks[chunk_index], name.text, plain);
 }

@@ -5,17 +5,15 @@
  * KHR_texture_transform, KHR_materials_emissive_strength, KHR_materials_pbrSpecularGlossiness. Meshes with bones and
  * morph targets are as they are without these.
  */
-#include "io/import_gltf.h"
-
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "core/message.h"
-#include "io/import_gltf_file.h"
-#include "io/import_gltf_material.h"
-#include "io/import_transform.h"
+#include "io/import_formats.h"
+#include "io/import_gather.h"
+#include "io/import_gltf.h"
 
 #define NODE_DEPTH_MAX 1000 /* bounds the recursion; deeper files are damaged */
 #define MATERIALS_MAX  UINT16_MAX

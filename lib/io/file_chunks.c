@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Headers and chunks of .svo and .svc files. Files are not trusted: lengths are checked against the file before
- * anything is allocated, and a checksum covers every byte. tree_load.c and compact_file.c make trees of them.
+ * Headers and chunks of .svo and .svc files: read and written. tree_file.c and compact_file.c make trees of them.
+ *
+ * Files are not trusted: lengths are checked against the file before anything is allocated, and a checksum covers every
+ * byte. The header has the chunks' lengths and checksums, and a pipe cannot go back to it. So the chunks are measured,
+ * and compressed into memory if asked for, before anything is written. output/output.c makes the file.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <errno.h>
@@ -14,15 +17,16 @@
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
+#define ZSTD_STATIC_LINKING_ONLY /* ZSTD_customMem */
+#include <zstd.h>
+#include <zstd_errors.h>
 
 #include "core/host_memory.h"
 #include "core/message.h"
 #include "core/struct_size.h"
 #include "core/tree.h"
-#include "io/file_check.h"
-#include "io/file_load.h"
-#include "io/file_zstd.h"
-#include "io/read_at.h"
+#include "io/file_format.h"
+#include "output/output.h"
 #include "svocl/plan.h"
 
 /* A zstd block takes at least 4 bytes and holds at most 128 KiB, so no valid chunk expands further. */
@@ -32,6 +36,45 @@
 /* Grids of builds are 2^20 to 2^24 units wide (lib/plan/plan.c). Rays depend on at least 2^16. */
 #define SNAP_BITS_MIN 20
 #define SNAP_BITS_MAX 24
+
+#define COMPRESSION_LEVEL 3
+
+/* ---- zstd in the memory of a tree ---- */
+
+static void *zstd_allocate(void *memory, size_t bytes)
+{
+    return svo_i_alloc(memory, bytes);
+}
+
+static void zstd_release(void *memory, void *block)
+{
+    (void)memory;
+    svo_i_free(block);
+}
+
+/* For ZSTD_createCCtx_advanced and ZSTD_createDCtx_advanced. memory: to outlive the context. */
+static ZSTD_customMem zstd_memory(const svo_i_memory *memory)
+{
+    return (ZSTD_customMem){zstd_allocate, zstd_release, (void *)(uintptr_t)memory};
+}
+
+/* ---- reading ---- */
+
+/* The one loop around pread of trees, parts and meshes in blocks, which may be interrupted or give less. */
+int svo_i_read_at(int file, uint64_t offset, void *out, size_t byte_count, size_t *got)
+{
+    char *to = out;
+    ssize_t count = 1;
+    *got = 0;
+    while (*got < byte_count && count != 0) {
+        count = pread(file, to + *got, byte_count - *got, (off_t)(offset + *got));
+        if (count < 0 && errno != EINTR) {
+            return errno;
+        }
+        *got += count > 0 ? (size_t)count : 0;
+    }
+    return 0;
+}
 
 svo_status svo_i_file_damaged(const svo_i_file_load *state, const char *format, ...)
 {
@@ -245,7 +288,7 @@ static svo_status unpack_chunk(const svo_i_file_load *state, const file_chunk *c
     if (packed == NULL) {
         return svo_i_file_no_memory(state, array, chunk->stored_bytes);
     }
-    context = ZSTD_createDCtx_advanced(file_zstd_memory(&state->host_memory));
+    context = ZSTD_createDCtx_advanced(zstd_memory(&state->host_memory));
     if (context == NULL) {
         status = svo_i_file_no_memory(state, array, chunk->plain_bytes);
         goto cleanup;
@@ -279,17 +322,6 @@ svo_status svo_i_file_read_chunk(const svo_i_file_load *state, const file_chunk 
                ? SVO_OK
                : svo_i_file_damaged(state, "chunk %s: checksum is %016" PRIx64 ", file says %016" PRIx64, array, hash,
                                     chunk->hash);
-}
-
-svo_status svo_i_file_load_chunk(const svo_i_file_load *state, const file_chunk *chunk, const char *array, void **out)
-{
-    if (chunk->plain_bytes > 0 && chunk->plain_bytes <= SIZE_MAX) {
-        *out = svo_i_alloc(&state->host_memory, (size_t)chunk->plain_bytes);
-        if (*out == NULL) {
-            return svo_i_file_no_memory(state, array, chunk->plain_bytes);
-        }
-    }
-    return svo_i_file_read_chunk(state, chunk, array, *out);
 }
 
 svo_status svo_i_file_check_end(const svo_i_file_load *state, uint32_t chunk_index, uint64_t offset)
@@ -340,4 +372,154 @@ void svo_i_file_load_close(svo_i_file_load *state)
 {
     close(state->file);
     state->file = -1;
+}
+
+/* ---- writing ---- */
+
+/* ZSTD_compress in the tree's memory. */
+static size_t compress_array(const svo_i_file_save *state, void *to, size_t to_bytes, const void *plain,
+                             size_t plain_bytes)
+{
+    ZSTD_CCtx *context = ZSTD_createCCtx_advanced(zstd_memory(state->memory));
+    if (context == NULL) {
+        return (size_t)0 - (size_t)ZSTD_error_memory_allocation;
+    }
+    const size_t byte_count = ZSTD_compressCCtx(context, to, to_bytes, plain, plain_bytes, COMPRESSION_LEVEL);
+    (void)ZSTD_freeCCtx(context);
+    return byte_count;
+}
+
+/* Compresses an array if that makes it smaller; *packed stays NULL if not. The caller frees it. */
+static svo_status pack(const svo_i_file_save *state, const void *plain, size_t plain_bytes, void **packed,
+                       uint64_t *packed_bytes)
+{
+    const size_t bound_bytes = ZSTD_compressBound(plain_bytes);
+    void *bytes = svo_i_alloc(state->memory, bound_bytes);
+    if (bytes == NULL) {
+        return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: compressing needs %zu bytes", state->name,
+                          bound_bytes);
+    }
+    const size_t byte_count = compress_array(state, bytes, bound_bytes, plain, plain_bytes);
+    if (ZSTD_isError(byte_count)) {
+        svo_i_free(bytes);
+        return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: zstd: %s", state->name,
+                          ZSTD_getErrorName(byte_count));
+    }
+    if (byte_count >= plain_bytes) {
+        svo_i_free(bytes);
+        return SVO_OK;
+    }
+    void *shrunk = svo_i_grow(state->memory, bytes, byte_count);
+    *packed = shrunk != NULL ? shrunk : bytes;
+    *packed_bytes = byte_count;
+    return SVO_OK;
+}
+
+static svo_status measure_chunk(const svo_i_file_save *state, const svo_i_file_array *array, file_chunk *chunk,
+                                void **packed)
+{
+    const size_t plain_bytes = (size_t)array->bytes;
+    if (array->bytes > SIZE_MAX || (plain_bytes > 0 && array->plain == NULL)) {
+        return svo_i_fail(state->message, SVO_INVALID_ARGUMENT, "%s: the tree's array %s is missing", state->name,
+                          array->name);
+    }
+    chunk->plain_bytes = plain_bytes;
+    chunk->hash = XXH3_64bits(plain_bytes > 0 ? array->plain : "", plain_bytes);
+    chunk->codec = FILE_CODEC_STORED;
+    chunk->stored_bytes = plain_bytes;
+    if (state->compress && plain_bytes > 0) {
+        SVO_I_TRY(pack(state, array->plain, plain_bytes, packed, &chunk->stored_bytes));
+        chunk->codec = *packed != NULL ? FILE_CODEC_ZSTD : FILE_CODEC_STORED;
+    }
+    return SVO_OK;
+}
+
+/* Fills the chunk table and the rest of the header, and compresses the chunks. */
+static svo_status measure(svo_i_file_save *state)
+{
+    file_header *header = &state->head.header;
+    header->chunk_count = state->array_count;
+    header->header_bytes = (uint32_t)(sizeof *header + header->chunk_count * sizeof(file_chunk));
+    uint64_t offset = header->header_bytes;
+    for (uint32_t i = 0; i < state->array_count; ++i) {
+        file_chunk *chunk = &state->head.chunks[i];
+        *chunk = (file_chunk){.kind = state->arrays[i].kind, .offset = offset};
+        SVO_I_TRY(measure_chunk(state, &state->arrays[i], chunk, &state->packed[i]));
+        offset += chunk->stored_bytes;
+    }
+    header->file_bytes = offset;
+    header->header_hash =
+        XXH3_64bits((const uint8_t *)&state->head + FILE_HASH_BEGIN, header->header_bytes - FILE_HASH_BEGIN);
+    return SVO_OK;
+}
+
+static svo_status put(const svo_i_file_save *state, uint64_t offset, const void *bytes, size_t byte_count)
+{
+    if (byte_count > 0 && state->write(state->user, bytes, byte_count) != 0) {
+        return svo_i_fail(state->message, SVO_FILE_ERROR, "%s: %zu bytes at %" PRIu64 " could not be written",
+                          state->name, byte_count, offset);
+    }
+    return SVO_OK;
+}
+
+static svo_status write_all(const svo_i_file_save *state)
+{
+    const file_header *header = &state->head.header;
+    SVO_I_TRY(put(state, 0, &state->head, header->header_bytes));
+    for (uint32_t i = 0; i < header->chunk_count; ++i) {
+        const file_chunk *chunk = &state->head.chunks[i];
+        const void *bytes = state->packed[i] != NULL ? state->packed[i] : state->arrays[i].plain;
+        SVO_I_TRY(put(state, chunk->offset, bytes, (size_t)chunk->stored_bytes));
+    }
+    return SVO_OK;
+}
+
+svo_status svo_i_file_write(svo_i_file_save *state)
+{
+    svo_status status = SVO_OK;
+    SVO_I_TRY_CLEANUP(measure(state));
+    SVO_I_TRY_CLEANUP(write_all(state));
+cleanup:
+    for (size_t i = 0; i < FILE_CHUNKS_MAX; ++i) {
+        svo_i_free(state->packed[i]);
+    }
+    return status;
+}
+
+/* An output and the first error of writing to it. */
+typedef struct sink {
+    svo_i_output output;
+    int error;
+} sink;
+
+static int write_to_sink(void *user, const void *bytes, size_t byte_count)
+{
+    sink *to = user;
+    to->error = svo_i_output_write(&to->output, bytes, byte_count);
+    return to->error;
+}
+
+static svo_status fail_errno(svo_message *message, const char *path, int error)
+{
+    return svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be written: %s", path, strerror(error));
+}
+
+svo_status svo_i_file_save_to(svo_i_file_save *state, const char *path)
+{
+    sink to = {.output = {.descriptor = -1}};
+    state->name = path;
+    state->write = write_to_sink;
+    state->user = &to;
+    to.error = svo_i_output_open(path, NULL, &to.output);
+    if (to.error != 0) {
+        state->user = NULL;
+        return fail_errno(state->message, path, to.error);
+    }
+    svo_status status = svo_i_file_write(state);
+    state->user = NULL;
+    if (status == SVO_OK) {
+        to.error = svo_i_output_commit(&to.output);
+    }
+    svo_i_output_abandon(&to.output);
+    return to.error != 0 ? fail_errno(state->message, path, to.error) : status;
 }

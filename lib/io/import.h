@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Running an import child: its command line and environment, and the parent's side of its run. */
-#ifndef SVO_LIB_IO_IMPORT_PROCESS_H
-#define SVO_LIB_IO_IMPORT_PROCESS_H
+#ifndef SVO_LIB_IO_IMPORT_H
+#define SVO_LIB_IO_IMPORT_H
 
 #include <stdbool.h>
 

@@ -1,17 +1,28 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Binary PLY in blocks. Faces come one after the other; their vertices are read from where the file has them, through a
- * cache of pages, so that faces which are near each other in the file cost little.
+ * Mesh files read in blocks of triangles, for trees in parts: a window moves over the file, and a reader fills the
+ * block. Of binary STL, whether any facet has a color of its own shows in the first pass. Of binary PLY, faces come one
+ * after the other; their vertices are read from where the file has them, through a cache of pages, so that faces which
+ * are near each other in the file cost little.
  */
+#define _POSIX_C_SOURCE 200809L
+#include "parts/blocks.h"
+
+#include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "core/memory.h"
 #include "core/message.h"
-#include "io/blocks_file.h"
-#include "io/import_ply_vertex.h"
-#include "io/import_polygon.h"
+#include "io/file_format.h"
+#include "io/import_faces.h"
+#include "io/import_formats.h"
+#include "io/import_gather.h"
+#include "io/import_ply_file.h"
 
 #define PAGE_VERTICES 256
 #define CACHE_BYTES   ((size_t)8 << 20)
@@ -22,6 +33,130 @@
 #define FACE_CORNERS_MAX 1024
 
 #define NO_PAGE UINT64_MAX
+
+#define WINDOW_BYTES ((size_t)256 << 10)
+
+typedef struct blocks_ply blocks_ply;
+
+struct svo_i_blocks {
+    const char *path; /* a copy */
+    svo_message *message;
+    int file;
+    uint64_t file_bytes;
+    char *window;
+    uint64_t window_begin; /* its place in the file */
+    size_t window_count, window_at; /* bytes in it, and those that have been read */
+
+    float *positions, *normals; /* of the block */
+    uint8_t *colors;
+    size_t filled; /* triangles */
+    bool has_normals, has_colors;
+
+    blocks_ply *ply; /* NULL: STL */
+    stl_begin stl;
+    uint64_t facets_read;
+    bool any_color;
+};
+
+/* Fails with the path and words. */
+static svo_status fail(const svo_i_blocks *blocks, svo_status status, const char *words)
+{
+    return svo_i_fail(blocks->message, status, "%s: %s", blocks->path, words);
+}
+
+static svo_status no_memory(const svo_i_blocks *blocks)
+{
+    return fail(blocks, SVO_OUT_OF_HOST_MEMORY, "no memory for a block of triangles");
+}
+
+/* ---- the window ---- */
+
+/* Reads bytes of any place. */
+static svo_status read_at(const svo_i_blocks *blocks, uint64_t offset, void *out, size_t byte_count)
+{
+    size_t got = 0;
+    const int error = svo_i_read_at(blocks->file, offset, out, byte_count, &got);
+    return got == byte_count ? SVO_OK
+                             : svo_i_fail(blocks->message, SVO_FILE_ERROR, "%s: cannot be read: %s", blocks->path,
+                                          error != 0 ? strerror(error) : "it has become shorter");
+}
+
+/* Moves the window on until it has so many bytes ahead, at most WINDOW_BYTES, or the rest of the file. */
+static svo_status need(svo_i_blocks *blocks, size_t byte_count)
+{
+    const size_t ahead = blocks->window_count - blocks->window_at;
+    const uint64_t behind = blocks->file_bytes - blocks->window_begin - blocks->window_count;
+    if (ahead >= byte_count || behind == 0) {
+        return SVO_OK;
+    }
+    memmove(blocks->window, blocks->window + blocks->window_at, ahead);
+    const size_t room = WINDOW_BYTES - ahead;
+    const size_t more = behind < room ? (size_t)behind : room;
+    blocks->window_begin += blocks->window_at;
+    blocks->window_at = 0;
+    blocks->window_count = ahead;
+    SVO_I_TRY(read_at(blocks, blocks->window_begin + ahead, blocks->window + ahead, more));
+    blocks->window_count = ahead + more;
+    return SVO_OK;
+}
+
+/* Sets where the window is. */
+static void seek(svo_i_blocks *blocks, uint64_t offset)
+{
+    blocks->window_begin = offset;
+    blocks->window_count = 0;
+    blocks->window_at = 0;
+}
+
+/* ---- the block ---- */
+
+/* Adds a corner to the block: the triangle filled, corner 0 .. 2. */
+static void put(svo_i_blocks *blocks, unsigned corner, const gather_vertex *vertex)
+{
+    const size_t at = blocks->filled * 3 + corner;
+    memcpy(blocks->positions + at * 3, vertex->position, sizeof vertex->position);
+    memcpy(blocks->normals + at * 3, vertex->normal, sizeof vertex->normal);
+    memcpy(blocks->colors + at * 4, vertex->color, sizeof vertex->color);
+}
+
+/* ---- STL ---- */
+
+static svo_status open_stl(svo_i_blocks *blocks)
+{
+    if (blocks->window_count < STL_BEGIN_BYTES ||
+        svo_i_stl_is_text(blocks->window, blocks->window_count, blocks->file_bytes)) {
+        return fail(blocks, SVO_UNSUPPORTED, "an STL file in text");
+    }
+    blocks->stl = svo_i_stl_read_begin(blocks->window);
+    const uint64_t needed_bytes = STL_BEGIN_BYTES + (uint64_t)blocks->stl.facet_count * STL_FACET_BYTES;
+    if (needed_bytes > blocks->file_bytes) {
+        return svo_i_fail(blocks->message, SVO_IMPORT_FAILED,
+                          "%s: byte 80: %" PRIu32 " facets need %" PRIu64 " bytes, and the file has %" PRIu64,
+                          blocks->path, blocks->stl.facet_count, needed_bytes, blocks->file_bytes);
+    }
+    blocks->has_normals = true;
+    return SVO_OK;
+}
+
+static svo_status fill_stl(svo_i_blocks *blocks)
+{
+    for (; blocks->filled < BLOCK_TRIANGLES && blocks->facets_read < blocks->stl.facet_count; ++blocks->facets_read) {
+        float facet[12];
+        gather_vertex vertex = {.uv = {0.0f, 0.0f}};
+        SVO_I_TRY(need(blocks, STL_FACET_BYTES));
+        blocks->any_color =
+            svo_i_stl_read_facet(blocks->window + blocks->window_at, &blocks->stl, facet, vertex.color) ||
+            blocks->any_color;
+        blocks->window_at += STL_FACET_BYTES;
+        memcpy(vertex.normal, facet, sizeof vertex.normal);
+        for (unsigned corner = 0; corner < 3; ++corner) {
+            memcpy(vertex.position, facet + 3 + (size_t)corner * 3, sizeof vertex.position);
+            put(blocks, corner, &vertex);
+        }
+        ++blocks->filled;
+    }
+    return SVO_OK;
+}
 
 struct blocks_ply {
     svo_message words; /* of the value readers, without the path */
@@ -45,7 +180,7 @@ struct blocks_ply {
     uint32_t triangle_count, triangles_given;
 };
 
-/* ---- the header ---- */
+/* ---- PLY: the header ---- */
 
 /* Bytes of an element's instance; 0: it has lists. */
 static size_t fixed_bytes(const ply_element *element)
@@ -107,15 +242,15 @@ static svo_status read_header(svo_i_blocks *blocks)
     show_window(blocks);
     const svo_status status = svo_i_ply_read_header(&ply->reader, &ply->source.cursor, &ply->header);
     if (status == SVO_IMPORT_FAILED && ply->source.later_bytes > 0) {
-        return svo_i_blocks_fail(blocks, SVO_UNSUPPORTED, "a PLY file with a long header");
+        return fail(blocks, SVO_UNSUPPORTED, "a PLY file with a long header");
     }
     if (status != SVO_OK) {
-        return svo_i_blocks_fail(blocks, status, ply->words.text);
+        return fail(blocks, status, ply->words.text);
     }
     const char *why = why_whole(ply);
     ply->source.format = ply->header.format;
     ply->vertex_begin = (uint64_t)(ply->source.cursor.at - blocks->window);
-    return why == NULL ? SVO_OK : svo_i_blocks_fail(blocks, SVO_UNSUPPORTED, why);
+    return why == NULL ? SVO_OK : fail(blocks, SVO_UNSUPPORTED, why);
 }
 
 /* Compares the counts with the length of the file; then no product of them overflows. */
@@ -126,11 +261,11 @@ static svo_status check_counts(svo_i_blocks *blocks)
     if (status == SVO_OK) {
         ply->vertex_bytes = fixed_bytes(ply->vertices);
         ply->face_begin = ply->vertex_begin + ply->vertices->count * ply->vertex_bytes;
-        svo_i_blocks_seek(blocks, ply->face_begin);
+        seek(blocks, ply->face_begin);
         show_window(blocks);
         status = svo_i_ply_check_fit(&ply->source, ply->faces);
     }
-    return status == SVO_OK ? SVO_OK : svo_i_blocks_fail(blocks, status, ply->words.text);
+    return status == SVO_OK ? SVO_OK : fail(blocks, status, ply->words.text);
 }
 
 static svo_status alloc_cache(svo_i_blocks *blocks)
@@ -143,15 +278,14 @@ static svo_status alloc_cache(svo_i_blocks *blocks)
     for (size_t i = 0; i < PAGES_MAX; ++i) {
         ply->pages[i] = NO_PAGE;
     }
-    return ply->cache != NULL && svo_i_polygon_reserve(&ply->shape, FACE_CORNERS_MAX) ? SVO_OK
-                                                                                      : svo_i_blocks_no_memory(blocks);
+    return ply->cache != NULL && svo_i_polygon_reserve(&ply->shape, FACE_CORNERS_MAX) ? SVO_OK : no_memory(blocks);
 }
 
-svo_status svo_i_blocks_open_ply(svo_i_blocks *blocks)
+static svo_status open_ply(svo_i_blocks *blocks)
 {
     blocks->ply = svo_i_alloc_zeroed(NULL, 1, sizeof *blocks->ply);
     if (blocks->ply == NULL) {
-        return svo_i_blocks_no_memory(blocks);
+        return no_memory(blocks);
     }
     blocks_ply *ply = blocks->ply;
     ply->reader.message = &ply->words;
@@ -164,7 +298,7 @@ svo_status svo_i_blocks_open_ply(svo_i_blocks *blocks)
     return alloc_cache(blocks);
 }
 
-void svo_i_blocks_close_ply(svo_i_blocks *blocks)
+static void close_ply(svo_i_blocks *blocks)
 {
     if (blocks->ply != NULL) {
         svo_i_ply_header_free(&blocks->ply->header);
@@ -175,16 +309,16 @@ void svo_i_blocks_close_ply(svo_i_blocks *blocks)
     }
 }
 
-void svo_i_blocks_rewind_ply(svo_i_blocks *blocks)
+static void rewind_ply(svo_i_blocks *blocks)
 {
     blocks_ply *ply = blocks->ply;
-    svo_i_blocks_seek(blocks, ply->face_begin);
+    seek(blocks, ply->face_begin);
     ply->faces_read = 0;
     ply->triangle_count = 0;
     ply->triangles_given = 0;
 }
 
-/* ---- vertices ---- */
+/* ---- PLY: vertices ---- */
 
 /* Brings the page of a vertex into the cache; *record is the vertex in it. */
 static svo_status find_record(svo_i_blocks *blocks, uint64_t vertex, const char **record)
@@ -198,7 +332,7 @@ static svo_status find_record(svo_i_blocks *blocks, uint64_t vertex, const char 
         const uint64_t left = ply->vertices->count - page * PAGE_VERTICES;
         const size_t count = left < PAGE_VERTICES ? (size_t)left : PAGE_VERTICES;
         ply->pages[slot] = NO_PAGE;
-        SVO_I_TRY(svo_i_blocks_read_at(blocks, ply->vertex_begin + page * page_bytes, at, count * ply->vertex_bytes));
+        SVO_I_TRY(read_at(blocks, ply->vertex_begin + page * page_bytes, at, count * ply->vertex_bytes));
         ply->pages[slot] = page;
     }
     *record = at + (size_t)(vertex % PAGE_VERTICES) * ply->vertex_bytes;
@@ -225,7 +359,7 @@ static svo_status find_vertex(svo_i_blocks *blocks, uint32_t corner, gather_vert
     return svo_i_ply_read_vertex(&source, ply->vertices, ply->slots, vertex);
 }
 
-/* ---- faces ---- */
+/* ---- PLY: faces ---- */
 
 static svo_status read_corners(svo_i_blocks *blocks, const ply_property *property, uint64_t *count)
 {
@@ -255,7 +389,7 @@ static svo_status read_properties(svo_i_blocks *blocks, uint64_t *corner_count)
 static svo_status read_face(svo_i_blocks *blocks, uint64_t *corner_count)
 {
     blocks_ply *ply = blocks->ply;
-    SVO_I_TRY(svo_i_blocks_need(blocks, FACE_BYTES_MAX));
+    SVO_I_TRY(need(blocks, FACE_BYTES_MAX));
     show_window(blocks);
     ply->source.element = ply->faces;
     ply->source.instance = ply->faces_read;
@@ -265,7 +399,7 @@ static svo_status read_face(svo_i_blocks *blocks, uint64_t *corner_count)
                           blocks->path, ply->faces_read, FACE_CORNERS_MAX);
     }
     if (status != SVO_OK) {
-        return svo_i_blocks_fail(blocks, status, ply->words.text);
+        return fail(blocks, status, ply->words.text);
     }
     blocks->window_at = (size_t)(ply->source.cursor.at - blocks->window);
     ++ply->faces_read;
@@ -304,13 +438,13 @@ static svo_status give_triangle(svo_i_blocks *blocks)
     for (unsigned corner = 0; corner < 3; ++corner) {
         gather_vertex vertex;
         SVO_I_TRY(find_vertex(blocks, corners[corner], &vertex));
-        svo_i_blocks_put(blocks, corner, &vertex);
+        put(blocks, corner, &vertex);
     }
     ++blocks->filled;
     return SVO_OK;
 }
 
-svo_status svo_i_blocks_fill_ply(svo_i_blocks *blocks)
+static svo_status fill_ply(svo_i_blocks *blocks)
 {
     blocks_ply *ply = blocks->ply;
     while (blocks->filled < BLOCK_TRIANGLES) {
@@ -328,4 +462,114 @@ svo_status svo_i_blocks_fill_ply(svo_i_blocks *blocks)
         }
     }
     return SVO_OK;
+}
+
+/* ---- blocks ---- */
+
+svo_status svo_i_blocks_next(svo_i_blocks *blocks, svo_mesh *block)
+{
+    blocks->filled = 0;
+    SVO_I_TRY(blocks->ply != NULL ? fill_ply(blocks) : fill_stl(blocks));
+    *block = (svo_mesh){.struct_size = sizeof *block,
+                        .positions = blocks->positions,
+                        .normals = blocks->has_normals ? blocks->normals : NULL,
+                        .colors = blocks->has_colors ? blocks->colors : NULL,
+                        .vertex_count = 3 * blocks->filled,
+                        .triangle_count = blocks->filled};
+    return SVO_OK;
+}
+
+void svo_i_blocks_rewind(svo_i_blocks *blocks)
+{
+    if (blocks->ply != NULL) {
+        rewind_ply(blocks);
+        return;
+    }
+    blocks->has_colors = blocks->stl.is_magics || blocks->any_color;
+    blocks->facets_read = 0;
+    seek(blocks, STL_BEGIN_BYTES);
+}
+
+/* ---- opening ---- */
+
+static svo_status open_file(svo_i_blocks *blocks)
+{
+    struct stat found;
+    blocks->file = open(blocks->path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (blocks->file < 0 || fstat(blocks->file, &found) != 0) {
+        return svo_i_fail(blocks->message, SVO_FILE_ERROR, "%s: cannot be read: %s", blocks->path, strerror(errno));
+    }
+    if (!S_ISREG(found.st_mode)) {
+        return fail(blocks, SVO_FILE_ERROR, "cannot be read: not a regular file");
+    }
+    blocks->file_bytes = (uint64_t)found.st_size;
+    return SVO_OK;
+}
+
+static bool alloc_block(svo_i_blocks *blocks)
+{
+    const size_t corners = (size_t)BLOCK_TRIANGLES * 3;
+    blocks->window = svo_i_alloc(NULL, WINDOW_BYTES);
+    blocks->positions = svo_i_alloc(NULL, corners * 3 * sizeof *blocks->positions);
+    blocks->normals = svo_i_alloc(NULL, corners * 3 * sizeof *blocks->normals);
+    blocks->colors = svo_i_alloc(NULL, corners * 4);
+    return blocks->window != NULL && blocks->positions != NULL && blocks->normals != NULL && blocks->colors != NULL;
+}
+
+static svo_status open_format(svo_i_blocks *blocks)
+{
+    SVO_I_TRY(open_file(blocks));
+    if (!alloc_block(blocks)) {
+        return no_memory(blocks);
+    }
+    SVO_I_TRY(need(blocks, WINDOW_BYTES));
+    switch (svo_i_mesh_format(blocks->path, blocks->window, blocks->window_count)) {
+    case MESH_FORMAT_PLY:
+        return open_ply(blocks);
+    case MESH_FORMAT_STL:
+        return open_stl(blocks);
+    default:
+        return fail(blocks, SVO_UNSUPPORTED, "neither binary PLY nor binary STL");
+    }
+}
+
+svo_status svo_i_blocks_open(const char *path, svo_i_blocks **out, svo_message *message)
+{
+    svo_i_blocks *blocks = svo_i_alloc_zeroed(NULL, 1, sizeof *blocks);
+    char *copy = svo_i_copy_text(NULL, path);
+    if (blocks == NULL || copy == NULL) {
+        svo_i_free(blocks);
+        svo_i_free(copy);
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory to read it", path);
+    }
+    blocks->path = copy;
+    blocks->message = message;
+    blocks->file = -1;
+    const svo_status status = open_format(blocks);
+    if (status != SVO_OK) {
+        svo_i_blocks_close(&blocks);
+        return status;
+    }
+    svo_i_blocks_rewind(blocks);
+    *out = blocks;
+    return SVO_OK;
+}
+
+void svo_i_blocks_close(svo_i_blocks **blocks)
+{
+    svo_i_blocks *b = *blocks;
+    if (b == NULL) {
+        return;
+    }
+    if (b->file >= 0) {
+        (void)close(b->file);
+    }
+    close_ply(b);
+    svo_i_free(b->window);
+    svo_i_free(b->positions);
+    svo_i_free(b->normals);
+    svo_i_free(b->colors);
+    svo_i_free((void *)b->path);
+    svo_i_free(b);
+    *blocks = NULL;
 }
