@@ -7,9 +7,6 @@
  * usage: compare_readers FILE...; prints a line per file: what came out, a tab, the file, a tab, figures.
  */
 #define _XOPEN_SOURCE 700
-#include <assimp/cimport.h>
-#include <assimp/config.h>
-#include <assimp/postprocess.h>
 #include <fcntl.h>
 #include <float.h>
 #include <inttypes.h>
@@ -24,9 +21,7 @@
 #include "sanitizer.h"
 
 #include "core/message.h"
-#include "io/import_file.h"
 #include "io/import_formats.h"
-#include "io/import_scene.h"
 
 #define SECONDS         60
 #define ULPS_MAX        1
@@ -67,13 +62,9 @@ static int read_own(const char *path, gather *mesh, int stream, char words[WORDS
 
 static int read_assimp(const char *path, gather *mesh, int stream)
 {
-    struct aiPropertyStore *properties = aiCreatePropertyStore();
-    aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_NO_SKELETON_MESHES, 1);
-    const struct aiScene *scene = aiImportFileExWithProperties(path, aiProcess_Triangulate, NULL, properties);
-    const int done = scene != NULL && svo_i_import_gather_scene(scene, path, stream, mesh) == NULL;
-    aiReleaseImport(scene);
-    aiReleasePropertyStore(properties);
-    return done;
+    svo_message message;
+    const mesh_reader reader = {.path = path, .stream = stream, .mesh = mesh, .message = &message};
+    return svo_i_read_scene(&reader) == SVO_OK;
 }
 
 /* Floats in their order, as whole numbers; both zeros are 0. */

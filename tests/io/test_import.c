@@ -28,7 +28,7 @@
 #include "sanitizer.h"
 #include "support/work_folder.h"
 
-#include "io/import_process.h"
+#include "io/import.h"
 #include "io/import_stream.h"
 #include "svocl/io.h"
 

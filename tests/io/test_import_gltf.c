@@ -21,7 +21,7 @@
 #include "support/import_check.h"
 #include "support/work_folder.h"
 
-#include "io/import_gltf_material.h"
+#include "io/import_gltf.h"
 #include "io/import_stream.h"
 
 /* Defined in the library, but not declared in its header. The result is released by free. */

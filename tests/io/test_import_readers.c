@@ -23,7 +23,7 @@
 #include "support/import_check.h"
 #include "support/work_folder.h"
 
-#include "io/import_number.h"
+#include "io/import_text.h"
 #include "svocl/io.h"
 
 #define FLOAT_COUNT 29997 /* a multiple of 9 */
