@@ -1,21 +1,10 @@
 # Writes OUTPUT, a C file with the text of FILES as the NUL-terminated array NAME, and OUTPUT.d, which lists the files
 # that were read. A file named in #include "..." comes once, before the first file that includes it, regardless of #if
 # around that line. It is searched for in the folder of the file that includes it, then in FOLDERS. The #include "..."
-# lines are removed; #include <...> lines are kept.
+# lines are removed; #include <...> lines are kept. KERNELS: the texts are kernels that a caller puts before its own;
+# they come as the library's own do, and the lines of what follows them count from 1.
 cmake_minimum_required(VERSION 3.22)
-
-# find_included(name file variable): sets variable to the path that `#include "name"` in file refers to.
-function(find_included name file variable)
-  cmake_path(GET file PARENT_PATH own_folder)
-  foreach(folder IN LISTS own_folder FOLDERS)
-    if(EXISTS ${folder}/${name})
-      file(REAL_PATH ${folder}/${name} path)
-      set(${variable} ${path} PARENT_SCOPE)
-      return()
-    endif()
-  endforeach()
-  message(FATAL_ERROR "${file}: \"${name}\" is not in ${own_folder};${FOLDERS}")
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/embedded_text.cmake)
 
 # append_file(path): appends the files that the file includes, then the file, to the global property EMBEDDED_TEXT.
 function(append_file path)
@@ -25,15 +14,15 @@ function(append_file path)
   endif()
   set_property(GLOBAL APPEND PROPERTY EMBEDDED_PATHS ${path})
   file(READ ${path} text)
-  set(text "\n${text}")
-  string(REGEX MATCHALL "\n#include \"[^\"\n]*" includes "${text}")
-  foreach(include IN LISTS includes)
-    string(REGEX REPLACE ".*\"" "" name "${include}")
-    find_included(${name} ${path} included)
-    append_file(${included})
+  svocl_take_includes(text ${path} included)
+  foreach(file IN LISTS included)
+    append_file(${file})
   endforeach()
-  string(REGEX REPLACE "\n#include \"[^\n]*" "\n" text "${text}")
-  set_property(GLOBAL APPEND_STRING PROPERTY EMBEDDED_TEXT "${text}")
+  if(KERNELS)
+    svocl_kernel_name(${path} name)
+    svocl_shorten_kernel(text ${name})
+  endif()
+  set_property(GLOBAL APPEND_STRING PROPERTY EMBEDDED_TEXT "\n${text}")
 endfunction()
 
 foreach(file IN LISTS FILES)
@@ -42,12 +31,10 @@ foreach(file IN LISTS FILES)
 endforeach()
 
 get_property(text GLOBAL PROPERTY EMBEDDED_TEXT)
-string(HEX "${text}" hex)
-string(REGEX REPLACE "(..)" "0x\\1," bytes "${hex}")
-string(REPEAT "." 100 line)
-string(REGEX REPLACE "(${line})" "\\1\n" bytes "${bytes}")
-# As numbers, bytes above 127 do not fit a signed char.
-string(REGEX REPLACE "0x([89a-f].)," "'\\\\x\\1'," bytes "${bytes}")
+if(KERNELS)
+  set(text "/* SPDX-License-Identifier: MIT */${text}#line 1 \"caller\"\n")
+endif()
+svocl_bytes_of_text("${text}" bytes)
 file(WRITE ${OUTPUT}.tmp "extern const char ${NAME}[];\nconst char ${NAME}[] = {\n${bytes}0};\n")
 file(RENAME ${OUTPUT}.tmp ${OUTPUT})
 

@@ -16,6 +16,7 @@
 #include "core/message.h"
 #include "plan/configuration.h"
 #include "share/share.h"
+#include "stages/programs.h"
 
 /* ---- storage blocks ---- */
 
@@ -364,7 +365,7 @@ svo_status svo_i_compute_prepare(svo_i_compute *compute, const svo_plan *plan)
 {
     const uint32_t need = plan->work.made | (plan->work.lists ? (uint32_t)SVO_NEED_RAYS : 0u);
     svo_i_gl_clear_errors(compute->gl);
-    svo_i_plan_defines(plan, SVO_I_PROGRAM_FILTER, compute->defines, sizeof compute->defines);
+    svo_i_plan_defines(plan, &svo_i_program_filter, compute->defines, sizeof compute->defines);
     for (svo_i_entry entry = 0; entry < SVO_I_ENTRIES; ++entry) {
         svo_i_compute_program *program = NULL;
         if (!shapes[entry].is_rare && (shapes[entry].need == 0 || (shapes[entry].need & need) != 0)) {

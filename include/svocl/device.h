@@ -162,7 +162,8 @@ SVO_API svo_status svo_device_save_kernels(svo_device *device, const char *folde
  *
  * \param device not NULL
  * \param folder may be shared by several devices and versions
- * \param loaded receives the number of programs that were loaded; NULL allowed
+ * \param loaded receives the number of programs that were loaded; NULL allowed. Those of another version count, but no
+ *        build uses them
  * \returns SVO_INVALID_ARGUMENT, SVO_FILE_ERROR (the folder cannot be read), SVO_CL_ERROR or SVO_OUT_OF_HOST_MEMORY on
  *          failure. */
 SVO_API svo_status svo_device_load_kernels(svo_device *device, const char *folder, size_t *loaded);

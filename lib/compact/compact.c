@@ -6,6 +6,7 @@
 #include <stdio.h>
 
 #include "compact/form.h"
+#include "compact/programs.h"
 #include "core/device.h"
 #include "core/memory.h"
 #include "core/struct_size.h"
@@ -355,7 +356,7 @@ static svo_status expand(expansion *e)
     char defines[128];
     const size_t node_bytes = expanded_bytes(e->compact->info.form);
     (void)snprintf(defines, sizeof defines, " -DSVO_SORT%s", svo_i_form_defines(&e->compact->info));
-    SVO_I_TRY(svo_i_work_use(&e->work, SVO_I_PROGRAM_EXPAND, defines));
+    SVO_I_TRY(svo_i_work_use(&e->work, &svo_i_program_expand, defines));
     SVO_I_TRY(make_buffers(e));
     SVO_I_TRY(svo_i_work_alloc(&e->work, "expanded", node_bytes, &e->nodes));
     SVO_I_TRY(svo_i_work_fill_zero(&e->work, e->nodes, node_bytes));

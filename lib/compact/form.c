@@ -3,6 +3,7 @@
 #include "compact/form.h"
 
 #include "compact/dag.h"
+#include "compact/programs.h"
 #include "core/device.h"
 #include "shared/dag.clh"
 #include "shared/descriptor.h"
@@ -217,7 +218,7 @@ static svo_status make_descriptor(svo_i_device_work *work, const svo_i_compact_s
     words w = {.work = work, .source = source};
     cl_mem targets = NULL;
     cl_uint below_root = 0;
-    SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_COMPACT, " -DSVO_SORT"));
+    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_compact, " -DSVO_SORT"));
     SVO_I_TRY(svo_i_work_alloc(work, "word_sizes", inner_count * 4, &w.sizes));
     SVO_I_TRY(svo_i_work_alloc(work, "word_far", inner_count, &w.far));
     SVO_I_TRY(svo_i_work_alloc(work, "word_places", inner_count * 4, &w.places));
@@ -315,7 +316,7 @@ static svo_status make_implied(svo_i_device_work *work, const svo_i_compact_sour
 {
     cl_mem sums = NULL;
     cl_mem targets = NULL;
-    SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_COMPACT, " -DSVO_SORT"));
+    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_compact, " -DSVO_SORT"));
     count_implied(&compact->info);
     svo_i_compact_count(&compact->info);
     SVO_I_TRY(count_children(work, source->valid, svo_i_source_level_begin(&source->info, source->info.depth), &sums));
@@ -428,7 +429,7 @@ static svo_status put_payload(const sharing *s)
 static svo_status share(sharing *s)
 {
     svo_i_compact_count(&s->compact->info);
-    SVO_I_TRY(svo_i_work_use(s->work, SVO_I_PROGRAM_COMPACT, " -DSVO_SORT"));
+    SVO_I_TRY(svo_i_work_use(s->work, &svo_i_program_compact, " -DSVO_SORT"));
     SVO_I_TRY(read_nodes(s));
     SVO_I_TRY(encode(s));
     SVO_I_TRY(put_records(s));

@@ -6,6 +6,7 @@
 #include "core/opencl.h"
 #include "rays/batch.h"
 #include "rays/picture.h"
+#include "rays/programs.h"
 #include "svocl/plan.h"
 
 /* ---- the target ---- */
@@ -51,7 +52,7 @@ static svo_status make_batch(svo_compact *compact, const char *function, size_t 
     *out = (svo_i_batch){.device = compact->device,
                          .function = function,
                          .target = target_of(compact),
-                         .program = SVO_I_PROGRAM_TRACE_VOXELS,
+                         .program = &svo_i_program_trace_voxels,
                          .defines = svo_i_form_defines(&compact->info)};
     return svo_i_batch_of_voxels(out, ray_count, footprint);
 }

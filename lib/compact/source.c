@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "compact/programs.h"
 #include "core/device.h"
 #include "core/tree.h"
 #include "shared/layout.h"
@@ -143,7 +144,7 @@ static svo_status prepare_payload(minimizer *m)
         m->compared[FILLS] = copy;
         source->payload[SVO_COMPACT_FILLS - SVO_I_PAYLOAD_FIRST] = copy;
     }
-    return svo_i_work_use(m->work, SVO_I_PROGRAM_MINIMIZE, defines);
+    return svo_i_work_use(m->work, &svo_i_program_minimize, defines);
 }
 
 static svo_status allocate(minimizer *m)

@@ -61,9 +61,10 @@ static svo_status no_memory(svo_device *device, const char *function)
     return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a program's binary", function);
 }
 
-static void hash_text(XXH128_hash_t hash, char text[33])
+static void hash_text(XXH128_hash_t hash, char text[SVO_I_HASH_BYTES])
 {
-    (void)snprintf(text, 33, "%016llx%016llx", (unsigned long long)hash.high64, (unsigned long long)hash.low64);
+    (void)snprintf(text, SVO_I_HASH_BYTES, "%016llx%016llx", (unsigned long long)hash.high64,
+                   (unsigned long long)hash.low64);
 }
 
 /* Adds "name value" as a line. */
@@ -76,7 +77,7 @@ static void add_line(program_key *key, const char *name, const char *value)
 /* The same for a text of any length, which a driver or the environment has. */
 static void add_text(program_key *key, const char *name, const char *text)
 {
-    char hash[33];
+    char hash[SVO_I_HASH_BYTES];
     hash_text(XXH3_128bits(text, strlen(text)), hash);
     add_line(key, name, strlen(text) < VALUE_BYTES ? text : hash);
 }
@@ -132,19 +133,16 @@ static svo_status add_driver(program_key *key, const char *function, svo_device 
     return SVO_OK;
 }
 
-static svo_status make_key(svo_device *device, const char *function, svo_i_program_kind kind, const char *defines,
-                           program_key *key)
+static svo_status make_key(svo_device *device, const char *function, const svo_i_program_entry *entry, program_key *key)
 {
-    const char *source = svo_i_program_source(kind);
     char options[SVO_I_PROGRAM_OPTIONS_BYTES];
-    char hash[33];
+    char hash[SVO_I_HASH_BYTES];
     key->text[0] = '\0';
     SVO_I_TRY(add_driver(key, function, device));
     add_environment(key);
-    hash_text(XXH3_128bits(source, strlen(source)), hash);
-    add_line(key, "source", hash);
-    add_line(key, "program", svo_i_program_kind_name(kind));
-    svo_i_program_options(defines, options);
+    add_line(key, "source", entry->source);
+    add_line(key, "program", entry->name);
+    svo_i_program_options(entry->defines, options);
     add_line(key, "options", options);
     hash_text(XXH3_128bits(key->text, strlen(key->text)), hash);
     (void)snprintf(key->name, sizeof key->name, "%.24s" SUFFIX, hash);
@@ -340,7 +338,7 @@ static svo_status save_program(svo_device *device, const char *folder, const svo
     svo_status status = SVO_OK;
     program_key key;
     kernel_file file = {0};
-    SVO_I_TRY(make_key(device, SAVE, entry->kind, entry->defines, &key));
+    SVO_I_TRY(make_key(device, SAVE, entry, &key));
     char *path = path_of(device, folder, key.name);
     if (path == NULL) {
         return no_memory(device, SAVE);
@@ -362,7 +360,6 @@ cleanup:
 svo_status svo_device_save_kernels(svo_device *device, const char *folder, size_t *saved)
 {
     size_t count = 0;
-    svo_i_program_entry entry;
     if (device == NULL || folder == NULL || folder[0] == '\0') {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, SAVE ": %s",
                                  device == NULL ? "device is NULL" : "folder is NULL or empty");
@@ -370,8 +367,8 @@ svo_status svo_device_save_kernels(svo_device *device, const char *folder, size_
     if (mkdir(folder, 0755) != 0 && errno != EEXIST) {
         return fail_errno(device, SAVE, folder, "cannot be made");
     }
-    for (size_t i = 0; svo_i_program_at(device, i, &entry); ++i) {
-        SVO_I_TRY(save_program(device, folder, &entry, &count));
+    for (size_t i = 0; svo_i_program_at(device, i) != NULL; ++i) {
+        SVO_I_TRY(save_program(device, folder, svo_i_program_at(device, i), &count));
     }
     if (saved != NULL) {
         *saved = count;
@@ -404,24 +401,22 @@ static bool find_line(const kernel_file *file, const char *name, char *value, si
     return false;
 }
 
-/* The kind and the defines that the key names; false when no program of this library is meant. */
-static bool find_program(const kernel_file *file, svo_i_program_kind *kind, char defines[SVO_I_PROGRAM_DEFINES_BYTES])
+/* The program that the key names, without its binary; false where its options are not the library's. */
+static bool read_entry(const kernel_file *file, svo_i_program_entry *entry)
 {
-    char name[64];
     char options[SVO_I_PROGRAM_OPTIONS_BYTES];
     char plain[SVO_I_PROGRAM_OPTIONS_BYTES];
+    *entry = (svo_i_program_entry){.program = NULL};
     svo_i_program_options("", plain);
-    if (!find_line(file, "program", name, sizeof name) || !find_line(file, "options", options, sizeof options) ||
-        strncmp(options, plain, strlen(plain)) != 0 || strlen(options + strlen(plain)) >= SVO_I_PROGRAM_DEFINES_BYTES) {
+    if (!find_line(file, "program", entry->name, sizeof entry->name) ||
+        !find_line(file, "source", entry->source, sizeof entry->source) ||
+        !find_line(file, "options", options, sizeof options) || strncmp(options, plain, strlen(plain)) != 0 ||
+        strlen(options + strlen(plain)) >= sizeof entry->defines) {
         return false;
     }
-    (void)snprintf(defines, SVO_I_PROGRAM_DEFINES_BYTES, "%.*s", SVO_I_PROGRAM_DEFINES_BYTES - 1,
+    (void)snprintf(entry->defines, sizeof entry->defines, "%.*s", SVO_I_PROGRAM_DEFINES_BYTES - 1,
                    options + strlen(plain));
-    *kind = 0;
-    while (*kind < SVO_I_PROGRAM_KINDS && strcmp(svo_i_program_kind_name(*kind), name) != 0) {
-        ++*kind;
-    }
-    return *kind < SVO_I_PROGRAM_KINDS;
+    return true;
 }
 
 static void warn(const svo_device *device, const char *path, const char *why)
@@ -450,20 +445,33 @@ static cl_program program_of(const svo_device *device, const kernel_file *file, 
     return program;
 }
 
-/* Loads a file that is whole, unless it is of another device, driver or version, or the handle has its program. */
+static bool has_program(const svo_device *device, const svo_i_program_entry *entry)
+{
+    const svo_i_program_entry *at = svo_i_program_at(device, 0);
+    for (size_t i = 1; at != NULL; ++i) {
+        if (strcmp(at->name, entry->name) == 0 && strcmp(at->source, entry->source) == 0 &&
+            strcmp(at->defines, entry->defines) == 0) {
+            return true;
+        }
+        at = svo_i_program_at(device, i);
+    }
+    return false;
+}
+
+/* Loads a file that is whole, unless it is of another device or driver, or the handle has its program. The key has the
+   hash of the source; whether it is that of this library shows when a room asks for the program. */
 static svo_status load_program(svo_device *device, const char *path, const kernel_file *file, size_t *loaded)
 {
     program_key key;
-    char defines[SVO_I_PROGRAM_DEFINES_BYTES];
-    svo_i_program_entry entry = {.defines = defines};
-    if (!find_program(file, &entry.kind, defines)) {
+    svo_i_program_entry entry;
+    if (!read_entry(file, &entry)) {
         return SVO_OK;
     }
-    SVO_I_TRY(make_key(device, LOAD, entry.kind, defines, &key));
-    if (!has_key(file, &key) || svo_i_program_known(device, entry.kind, defines)) {
+    SVO_I_TRY(make_key(device, LOAD, &entry, &key));
+    if (!has_key(file, &key) || has_program(device, &entry)) {
         return SVO_OK;
     }
-    entry.program = program_of(device, file, defines);
+    entry.program = program_of(device, file, entry.defines);
     if (entry.program == NULL) {
         warn(device, path, "is refused by the driver");
         return SVO_OK;

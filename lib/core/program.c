@@ -5,125 +5,29 @@
 #include <stdio.h>
 #include <string.h>
 
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
 #include "core/opencl.h"
 
-/* A program that was compiled, attached to its device. */
+/* A program that was compiled or loaded, attached to its device. */
 typedef struct compiled_program {
     svo_i_attachment attachment;
-    svo_i_program_kind kind;
-    char defines[SVO_I_PROGRAM_DEFINES_BYTES];
-    cl_program program;
+    const svo_i_program *program; /* NULL: no room has asked for it since it was loaded */
+    svo_i_program_entry entry;
     bool is_fresh; /* loaded, and not used yet */
 } compiled_program;
 
-/* Made by cmake/embed.cmake. */
-extern const char svo_i_source_builtins[];
-extern const char svo_i_source_subdivide[];
-extern const char svo_i_source_sort[];
-extern const char svo_i_source_pack[];
-extern const char svo_i_source_filter[];
-extern const char svo_i_source_voxelize[];
-extern const char svo_i_source_plan[];
-extern const char svo_i_source_cast[];
-extern const char svo_i_source_bvh[];
-extern const char svo_i_source_trace[];
-extern const char svo_i_source_view[];
-extern const char svo_i_source_trace_voxels[];
-extern const char svo_i_source_minimize[];
-extern const char svo_i_source_compact[];
-extern const char svo_i_source_expand[];
-extern const char svo_i_source_scene_build[];
-extern const char svo_i_source_scene_bounds[];
-extern const char svo_i_source_scene_trace[];
-extern const char svo_i_source_scene_cast[];
-extern const char svo_i_source_solid[];
-extern const char svo_i_source_gather[];
-extern const char svo_i_source_kept_photons[];
-extern const char svo_i_source_photons[];
-extern const char svo_i_source_light_picture[];
-extern const char svo_i_source_light_shade[];
-extern const char svo_i_source_probes[];
-extern const char svo_i_source_probe_filter[];
-extern const char svo_i_source_probe_trace[];
-extern const char svo_i_source_probe_gather[];
-extern const char svo_i_source_light[];
-extern const char svo_i_source_moving[];
+extern const svo_i_kernel_text svo_i_text_shared_builtins_clh;
+
+/* The first line of a program's text; the files come without their comments. */
+#define LICENSE "/* SPDX-License-Identifier: MIT */\n"
 
 static void release_program(svo_i_attachment *attachment)
 {
-    compiled_program *entry = (compiled_program *)attachment;
-    clReleaseProgram(entry->program);
-    svo_i_free(entry);
-}
-
-const char *svo_i_program_kind_name(svo_i_program_kind kind)
-{
-    static const char *const names[SVO_I_PROGRAM_KINDS] = {[SVO_I_PROGRAM_SUBDIVIDE] = "subdivide",
-                                                           [SVO_I_PROGRAM_SORT] = "sort",
-                                                           [SVO_I_PROGRAM_PACK] = "pack",
-                                                           [SVO_I_PROGRAM_FILTER] = "filter",
-                                                           [SVO_I_PROGRAM_VOXELIZE] = "voxelize",
-                                                           [SVO_I_PROGRAM_PLAN] = "plan",
-                                                           [SVO_I_PROGRAM_CAST] = "cast",
-                                                           [SVO_I_PROGRAM_BVH] = "bvh",
-                                                           [SVO_I_PROGRAM_TRACE] = "trace",
-                                                           [SVO_I_PROGRAM_VIEW] = "view",
-                                                           [SVO_I_PROGRAM_TRACE_VOXELS] = "trace_voxels",
-                                                           [SVO_I_PROGRAM_COMPACT] = "compact",
-                                                           [SVO_I_PROGRAM_EXPAND] = "expand",
-                                                           [SVO_I_PROGRAM_SCENE_BUILD] = "scene_build",
-                                                           [SVO_I_PROGRAM_SCENE_BOUNDS] = "scene_bounds",
-                                                           [SVO_I_PROGRAM_SCENE_TRACE] = "scene_trace",
-                                                           [SVO_I_PROGRAM_SCENE_CAST] = "scene_cast",
-                                                           [SVO_I_PROGRAM_MINIMIZE] = "minimize",
-                                                           [SVO_I_PROGRAM_SOLID] = "solid",
-                                                           [SVO_I_PROGRAM_GATHER] = "gather",
-                                                           [SVO_I_PROGRAM_KEPT_PHOTONS] = "kept_photons",
-                                                           [SVO_I_PROGRAM_PHOTONS] = "photons",
-                                                           [SVO_I_PROGRAM_LIGHT_PICTURE] = "light_picture",
-                                                           [SVO_I_PROGRAM_LIGHT_SHADE] = "light_shade",
-                                                           [SVO_I_PROGRAM_PROBES] = "probes",
-                                                           [SVO_I_PROGRAM_PROBE_FILTER] = "probe_filter",
-                                                           [SVO_I_PROGRAM_PROBE_TRACE] = "probe_trace",
-                                                           [SVO_I_PROGRAM_PROBE_GATHER] = "probe_gather",
-                                                           [SVO_I_PROGRAM_LIGHT] = "light",
-                                                           [SVO_I_PROGRAM_MOVING] = "moving"};
-    return names[kind];
-}
-
-const char *svo_i_program_source(svo_i_program_kind kind)
-{
-    const char *const sources[SVO_I_PROGRAM_KINDS] = {[SVO_I_PROGRAM_SUBDIVIDE] = svo_i_source_subdivide,
-                                                      [SVO_I_PROGRAM_SORT] = svo_i_source_sort,
-                                                      [SVO_I_PROGRAM_PACK] = svo_i_source_pack,
-                                                      [SVO_I_PROGRAM_FILTER] = svo_i_source_filter,
-                                                      [SVO_I_PROGRAM_VOXELIZE] = svo_i_source_voxelize,
-                                                      [SVO_I_PROGRAM_PLAN] = svo_i_source_plan,
-                                                      [SVO_I_PROGRAM_CAST] = svo_i_source_cast,
-                                                      [SVO_I_PROGRAM_BVH] = svo_i_source_bvh,
-                                                      [SVO_I_PROGRAM_TRACE] = svo_i_source_trace,
-                                                      [SVO_I_PROGRAM_VIEW] = svo_i_source_view,
-                                                      [SVO_I_PROGRAM_TRACE_VOXELS] = svo_i_source_trace_voxels,
-                                                      [SVO_I_PROGRAM_COMPACT] = svo_i_source_compact,
-                                                      [SVO_I_PROGRAM_EXPAND] = svo_i_source_expand,
-                                                      [SVO_I_PROGRAM_SCENE_BUILD] = svo_i_source_scene_build,
-                                                      [SVO_I_PROGRAM_SCENE_BOUNDS] = svo_i_source_scene_bounds,
-                                                      [SVO_I_PROGRAM_SCENE_TRACE] = svo_i_source_scene_trace,
-                                                      [SVO_I_PROGRAM_SCENE_CAST] = svo_i_source_scene_cast,
-                                                      [SVO_I_PROGRAM_MINIMIZE] = svo_i_source_minimize,
-                                                      [SVO_I_PROGRAM_SOLID] = svo_i_source_solid,
-                                                      [SVO_I_PROGRAM_GATHER] = svo_i_source_gather,
-                                                      [SVO_I_PROGRAM_KEPT_PHOTONS] = svo_i_source_kept_photons,
-                                                      [SVO_I_PROGRAM_PHOTONS] = svo_i_source_photons,
-                                                      [SVO_I_PROGRAM_LIGHT_PICTURE] = svo_i_source_light_picture,
-                                                      [SVO_I_PROGRAM_LIGHT_SHADE] = svo_i_source_light_shade,
-                                                      [SVO_I_PROGRAM_PROBES] = svo_i_source_probes,
-                                                      [SVO_I_PROGRAM_PROBE_FILTER] = svo_i_source_probe_filter,
-                                                      [SVO_I_PROGRAM_PROBE_TRACE] = svo_i_source_probe_trace,
-                                                      [SVO_I_PROGRAM_PROBE_GATHER] = svo_i_source_probe_gather,
-                                                      [SVO_I_PROGRAM_LIGHT] = svo_i_source_light,
-                                                      [SVO_I_PROGRAM_MOVING] = svo_i_source_moving};
-    return sources[kind];
+    compiled_program *compiled = (compiled_program *)attachment;
+    clReleaseProgram(compiled->entry.program);
+    svo_i_free(compiled);
 }
 
 void svo_i_program_options(const char *defines, char options[SVO_I_PROGRAM_OPTIONS_BYTES])
@@ -131,17 +35,84 @@ void svo_i_program_options(const char *defines, char options[SVO_I_PROGRAM_OPTIO
     (void)snprintf(options, SVO_I_PROGRAM_OPTIONS_BYTES, "-cl-std=CL1.2%s", defines);
 }
 
-static compiled_program *find_program(const svo_device *device, svo_i_program_kind kind, const char *defines)
+/* The hash of a program's text, which is not put together for it. */
+static void hash_source(const svo_i_program *program, char text[SVO_I_HASH_BYTES])
+{
+    svo_i_kernel_texts texts;
+    XXH3_state_t state;
+    svo_i_kernel_texts_list(program->files, &texts);
+    XXH3_128bits_reset(&state);
+    for (size_t i = 0; i < texts.count; ++i) {
+        XXH3_128bits_update(&state, texts.files[i]->text, strlen(texts.files[i]->text));
+    }
+    const XXH128_hash_t hash = XXH3_128bits_digest(&state);
+    (void)snprintf(text, SVO_I_HASH_BYTES, "%016llx%016llx", (unsigned long long)hash.high64,
+                   (unsigned long long)hash.low64);
+}
+
+/* Whether it is the program of a room. A loaded one is, if it was compiled from the same source. */
+static bool is_of(compiled_program *compiled, const svo_i_program *program)
+{
+    if (compiled->program == NULL && strcmp(compiled->entry.name, program->name) == 0) {
+        char source[SVO_I_HASH_BYTES];
+        hash_source(program, source);
+        compiled->program = strcmp(compiled->entry.source, source) == 0 ? program : NULL;
+    }
+    return compiled->program == program;
+}
+
+static compiled_program *find_program(const svo_device *device, const svo_i_program *program, const char *defines)
 {
     svo_i_attachment *at = svo_i_attachment_find(device->attachments, release_program);
     while (at != NULL) {
-        compiled_program *entry = (compiled_program *)at;
-        if (entry->kind == kind && strcmp(entry->defines, defines) == 0) {
-            return entry;
+        compiled_program *compiled = (compiled_program *)at;
+        if (strcmp(compiled->entry.defines, defines) == 0 && is_of(compiled, program)) {
+            return compiled;
         }
         at = svo_i_attachment_find(at->next, release_program);
     }
     return NULL;
+}
+
+/* Puts a program's text together. The caller frees it. */
+static svo_status assemble(svo_device *device, const char *function, const svo_i_program *program, char **out)
+{
+    svo_i_kernel_texts texts;
+    size_t bytes = sizeof LICENSE;
+    svo_i_kernel_texts_list(program->files, &texts);
+    if (texts.is_cut) {
+        return svo_i_device_fail(device, SVO_INTERNAL, "%s: program %s has more than %d files", function, program->name,
+                                 SVO_I_KERNEL_TEXTS_MAX);
+    }
+    for (size_t i = 0; i < texts.count; ++i) {
+        bytes += strlen(texts.files[i]->text);
+    }
+    *out = svo_i_alloc(&device->memory, bytes);
+    if (*out == NULL) {
+        return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the text of program %s", function,
+                                 program->name);
+    }
+    memcpy(*out, LICENSE, sizeof LICENSE);
+    size_t used = sizeof LICENSE - 1;
+    for (size_t i = 0; i < texts.count; ++i) {
+        const size_t length = strlen(texts.files[i]->text);
+        memcpy(*out + used, texts.files[i]->text, length + 1);
+        used += length;
+    }
+    return SVO_OK;
+}
+
+/* The first line of a log that has an error, which names the file and the line; its end where none has. */
+static const char *first_error(const char *log)
+{
+    const char *error = strstr(log, "error");
+    if (error == NULL) {
+        return log + strlen(log);
+    }
+    while (error > log && error[-1] != '\n') {
+        --error;
+    }
+    return error;
 }
 
 /* Reports a failed build: one line in the message, all of the log to the callback. */
@@ -154,10 +125,9 @@ static svo_status fail_build(svo_device *device, const char *function, cl_progra
         clGetProgramBuildInfo(program, device->device, CL_PROGRAM_BUILD_LOG, bytes, log, NULL);
         svo_i_device_log(device, SVO_LOG_ERROR, log);
     }
-    const char *error = log != NULL ? strstr(log, "error") : NULL;
-    const int length = error != NULL ? (int)strcspn(error, "\n") : 0;
+    const char *error = log != NULL ? first_error(log) : "";
     svo_i_device_fail(device, SVO_COMPILE_FAILED, "%s: kernels do not compile on %s with %s: %.*s", function,
-                      device->name, options, length, error != NULL ? error : "");
+                      device->name, options, (int)strcspn(error, "\n"), error);
     svo_i_free(log);
     return SVO_COMPILE_FAILED;
 }
@@ -197,7 +167,7 @@ static cl_int build_texts(const svo_device *device, cl_uint count, const char **
    driver's header then serves. */
 static bool build_short(const svo_device *device, const char *source, const char *options, cl_program *out)
 {
-    const char *texts[] = {svo_i_source_builtins, source};
+    const char *texts[] = {svo_i_text_shared_builtins_clh.text, source};
     const char *call = NULL;
     char with_guard[SVO_I_PROGRAM_OPTIONS_BYTES + sizeof GUARD];
     if (!includes_opencl_c_h(device)) {
@@ -211,10 +181,9 @@ static bool build_short(const svo_device *device, const char *source, const char
     return error == CL_SUCCESS;
 }
 
-static svo_status compile(svo_device *device, const char *function, svo_i_program_kind kind, const char *defines,
-                          cl_program *out)
+static svo_status compile_text(svo_device *device, const char *function, const char *source, const char *defines,
+                               cl_program *out)
 {
-    const char *source = svo_i_program_source(kind);
     const char *call = NULL;
     char options[SVO_I_PROGRAM_OPTIONS_BYTES];
     svo_i_program_options(defines, options);
@@ -235,41 +204,60 @@ static svo_status compile(svo_device *device, const char *function, svo_i_progra
     return status;
 }
 
-/* Attaches a program to its device, which owns it from then on; after a failure the caller still does. */
-static svo_status attach(svo_device *device, const char *function, const svo_i_program_entry *made, bool is_fresh)
+static svo_status compile(svo_device *device, const char *function, const svo_i_program *program, const char *defines,
+                          cl_program *out)
 {
-    compiled_program *entry = svo_i_alloc_zeroed(&device->memory, 1, sizeof *entry);
-    if (entry == NULL) {
+    char *source = NULL;
+    SVO_I_TRY(assemble(device, function, program, &source));
+    const svo_status status = compile_text(device, function, source, defines, out);
+    svo_i_free(source);
+    return status;
+}
+
+/* Attaches a program to its device, which owns it from then on; after a failure the caller still does. program: NULL
+   for one that was loaded. */
+static svo_status attach(svo_device *device, const char *function, const svo_i_program *program,
+                         const svo_i_program_entry *entry)
+{
+    compiled_program *compiled = svo_i_alloc_zeroed(&device->memory, 1, sizeof *compiled);
+    if (compiled == NULL) {
         return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a program", function);
     }
-    memcpy(entry->defines, made->defines, strlen(made->defines) + 1);
-    entry->kind = made->kind;
-    entry->program = made->program;
-    entry->is_fresh = is_fresh;
-    entry->attachment.destroy = release_program;
-    svo_i_attachment_add(&device->attachments, &entry->attachment);
+    compiled->program = program;
+    compiled->entry = *entry;
+    compiled->is_fresh = program == NULL;
+    compiled->attachment.destroy = release_program;
+    svo_i_attachment_add(&device->attachments, &compiled->attachment);
     return SVO_OK;
 }
 
-static svo_status check_defines(svo_device *device, const char *function, const char *defines)
+/* Describes a program that is not compiled yet. */
+static svo_status describe(svo_device *device, const char *function, const svo_i_program *program, const char *defines,
+                           svo_i_program_entry *out)
 {
-    return strlen(defines) < SVO_I_PROGRAM_DEFINES_BYTES
-               ? SVO_OK
-               : svo_i_device_fail(device, SVO_INTERNAL, "%s: defines take %zu bytes, above %d", function,
-                                   strlen(defines), SVO_I_PROGRAM_DEFINES_BYTES - 1);
+    if (strlen(defines) >= sizeof out->defines || strlen(program->name) >= sizeof out->name) {
+        return svo_i_device_fail(device, SVO_INTERNAL,
+                                 "%s: program %s has a longer name or longer defines than %d bytes", function,
+                                 program->name, SVO_I_PROGRAM_DEFINES_BYTES - 1);
+    }
+    *out = (svo_i_program_entry){.program = NULL};
+    memcpy(out->name, program->name, strlen(program->name) + 1);
+    memcpy(out->defines, defines, strlen(defines) + 1);
+    hash_source(program, out->source);
+    return SVO_OK;
 }
 
 /* Compiles a program and attaches it. */
-static svo_status make_program(svo_device *device, const char *function, svo_i_program_kind kind, const char *defines,
-                               cl_program *out)
+static svo_status make_program(svo_device *device, const char *function, const svo_i_program *program,
+                               const char *defines, cl_program *out)
 {
-    svo_i_program_entry made = {.kind = kind, .defines = defines};
-    SVO_I_TRY(check_defines(device, function, defines));
+    svo_i_program_entry made;
+    SVO_I_TRY(describe(device, function, program, defines, &made));
     const double start_ms = svo_i_now_ms();
-    svo_status status = compile(device, function, kind, defines, &made.program);
+    svo_status status = compile(device, function, program, defines, &made.program);
     device->compile_ms += svo_i_now_ms() - start_ms;
     SVO_I_TRY(status);
-    status = attach(device, function, &made, false);
+    status = attach(device, function, program, &made);
     if (status != SVO_OK) {
         clReleaseProgram(made.program);
         return status;
@@ -278,18 +266,18 @@ static svo_status make_program(svo_device *device, const char *function, svo_i_p
     return SVO_OK;
 }
 
-svo_status svo_i_program_get(svo_device *device, const char *function, svo_i_program_kind kind, const char *defines,
-                             cl_program *out, bool *fresh)
+svo_status svo_i_program_get(svo_device *device, const char *function, const svo_i_program *program,
+                             const char *defines, cl_program *out, bool *fresh)
 {
-    compiled_program *known = find_program(device, kind, defines);
+    compiled_program *known = find_program(device, program, defines);
     if (known == NULL) {
-        SVO_I_TRY(make_program(device, function, kind, defines, out));
+        SVO_I_TRY(make_program(device, function, program, defines, out));
         if (fresh != NULL) {
             *fresh = true;
         }
         return SVO_OK;
     }
-    *out = known->program;
+    *out = known->entry.program;
     if (fresh != NULL) {
         *fresh = known->is_fresh;
         known->is_fresh = false;
@@ -297,28 +285,23 @@ svo_status svo_i_program_get(svo_device *device, const char *function, svo_i_pro
     return SVO_OK;
 }
 
-bool svo_i_program_at(const svo_device *device, size_t index, svo_i_program_entry *entry)
+bool svo_i_program_known(const svo_device *device, const svo_i_program *program, const char *defines)
+{
+    return find_program(device, program, defines) != NULL;
+}
+
+const svo_i_program_entry *svo_i_program_at(const svo_device *device, size_t index)
 {
     svo_i_attachment *at = svo_i_attachment_find(device->attachments, release_program);
     for (; at != NULL && index > 0; --index) {
         at = svo_i_attachment_find(at->next, release_program);
     }
-    const compiled_program *found = (const compiled_program *)at;
-    if (found != NULL) {
-        *entry = (svo_i_program_entry){found->kind, found->defines, found->program};
-    }
-    return found != NULL;
-}
-
-bool svo_i_program_known(const svo_device *device, svo_i_program_kind kind, const char *defines)
-{
-    return find_program(device, kind, defines) != NULL;
+    return at != NULL ? &((compiled_program *)at)->entry : NULL;
 }
 
 svo_status svo_i_program_add(svo_device *device, const char *function, const svo_i_program_entry *loaded)
 {
-    SVO_I_TRY(check_defines(device, function, loaded->defines));
-    return attach(device, function, loaded, true);
+    return attach(device, function, NULL, loaded);
 }
 
 svo_status svo_i_kernel_create(svo_device *device, const char *function, cl_program program, const char *name,

@@ -1,50 +1,21 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Compiled kernels of a device. Sources are embedded in the library. A program is compiled once per device handle and
- * set of -D options; even a program in the driver's cache takes time to load.
+ * Compiled kernels of a device. The rooms own the programs: each exports those of its kernels. A program is compiled
+ * once per device handle and set of -D options; even a program in the driver's cache takes time to load.
  */
 #ifndef SVO_LIB_CORE_PROGRAM_H
 #define SVO_LIB_CORE_PROGRAM_H
 
 #include "core/device.h"
+#include "core/kernel_text.h"
 
-typedef enum svo_i_program_kind {
-    /* Those of the builder's stages. A program holds what depends on the same defines, so that a plan with other needs
-       compiles little anew. */
-    SVO_I_PROGRAM_SUBDIVIDE, /* subdivide */
-    SVO_I_PROGRAM_SORT, /* scan, sort, bottom_up */
-    SVO_I_PROGRAM_PACK, /* scan, pack */
-    SVO_I_PROGRAM_FILTER, /* link, material, filter */
-    SVO_I_PROGRAM_STAGE_KINDS,
+#define SVO_I_PROGRAM_FILES_MAX 11
 
-    SVO_I_PROGRAM_VOXELIZE = SVO_I_PROGRAM_STAGE_KINDS, /* voxelize */
-    SVO_I_PROGRAM_PLAN, /* those of kernels/plan */
-    SVO_I_PROGRAM_CAST, /* render */
-    SVO_I_PROGRAM_BVH, /* scan, and those of kernels/bvh */
-    SVO_I_PROGRAM_TRACE, /* trace, nearest */
-    SVO_I_PROGRAM_VIEW, /* view */
-    SVO_I_PROGRAM_TRACE_VOXELS, /* trace_voxels */
-    SVO_I_PROGRAM_MINIMIZE, /* scan, minimize, gather */
-    SVO_I_PROGRAM_COMPACT, /* scan, and those of kernels/compact that make compact trees */
-    SVO_I_PROGRAM_EXPAND, /* scan, expand */
-    SVO_I_PROGRAM_SCENE_BUILD, /* scan, sort; codes, link, refit of scenes */
-    SVO_I_PROGRAM_SCENE_BOUNDS, /* bounds of the trees of scenes */
-    SVO_I_PROGRAM_SCENE_TRACE, /* trace of scenes */
-    SVO_I_PROGRAM_SCENE_CAST, /* render of scenes */
-    SVO_I_PROGRAM_SOLID, /* those of kernels/solid */
-    SVO_I_PROGRAM_GATHER, /* gather of light */
-    SVO_I_PROGRAM_KEPT_PHOTONS, /* kept_photons of light */
-    SVO_I_PROGRAM_PHOTONS, /* scan; light_view, photons, exchange of kernels/light */
-    SVO_I_PROGRAM_LIGHT_PICTURE, /* picture of light */
-    SVO_I_PROGRAM_LIGHT_SHADE, /* shade of light */
-    SVO_I_PROGRAM_PROBES, /* texels, least, field of probes */
-    SVO_I_PROGRAM_PROBE_FILTER, /* filter of probes */
-    SVO_I_PROGRAM_PROBE_TRACE, /* trace of probes */
-    SVO_I_PROGRAM_PROBE_GATHER, /* gather of probes */
-    SVO_I_PROGRAM_LIGHT, /* scan, and those of kernels/light that make and filter light */
-    SVO_I_PROGRAM_MOVING, /* scan, and those of kernels/moving */
-    SVO_I_PROGRAM_KINDS
-} svo_i_program_kind;
+/* A program: kernels that are compiled together. Its room defines svo_i_program_NAME in programs.c. */
+typedef struct svo_i_program {
+    const char *name; /* in plans, and in the keys of saved kernels */
+    const svo_i_kernel_text *files[SVO_I_PROGRAM_FILES_MAX + 1]; /* those with its kernels; the rest is NULL */
+} svo_i_program;
 
 /*
  * The program with these defines, compiled on first use and owned by the device.
@@ -54,33 +25,32 @@ typedef enum svo_i_program_kind {
  * Returns SVO_COMPILE_FAILED with device, options and the first error in the message; the log callback receives the
  * whole build log.
  */
-svo_status svo_i_program_get(svo_device *device, const char *function, svo_i_program_kind kind, const char *defines,
-                             cl_program *out, bool *fresh);
-
-/* Names a kind: "subdivide", "filter", ...; static string. */
-const char *svo_i_program_kind_name(svo_i_program_kind kind);
-
-/* What a program is compiled from. */
-const char *svo_i_program_source(svo_i_program_kind kind);
+svo_status svo_i_program_get(svo_device *device, const char *function, const svo_i_program *program,
+                             const char *defines, cl_program *out, bool *fresh);
+/* Whether the device has the program. */
+bool svo_i_program_known(const svo_device *device, const svo_i_program *program, const char *defines);
 
 /* The options that a program is compiled with. */
 #define SVO_I_PROGRAM_DEFINES_BYTES 512
 #define SVO_I_PROGRAM_OPTIONS_BYTES (SVO_I_PROGRAM_DEFINES_BYTES + 32)
 void svo_i_program_options(const char *defines, char options[SVO_I_PROGRAM_OPTIONS_BYTES]);
 
-/* A program that a device has. */
+/* Most bytes of a program's name, and those of a hash as text. */
+#define SVO_I_PROGRAM_NAME_BYTES 64
+#define SVO_I_HASH_BYTES         33
+
+/* A program that a device has, or that was saved: it is known by its name and the hash of its source. */
 typedef struct svo_i_program_entry {
-    svo_i_program_kind kind;
-    const char *defines;
+    char name[SVO_I_PROGRAM_NAME_BYTES];
+    char source[SVO_I_HASH_BYTES];
+    char defines[SVO_I_PROGRAM_DEFINES_BYTES];
     cl_program program; /* owned by the device */
 } svo_i_program_entry;
 
-/* The device's programs by their index; false beyond the last. */
-bool svo_i_program_at(const svo_device *device, size_t index, svo_i_program_entry *entry);
-/* Whether the device has the program. */
-bool svo_i_program_known(const svo_device *device, svo_i_program_kind kind, const char *defines);
-/* Gives a device a program that was loaded, which it owns from then on. svo_i_program_get says once that it is fresh,
-   since its kernels were not launched yet. */
+/* The device's programs by their index; NULL beyond the last. */
+const svo_i_program_entry *svo_i_program_at(const svo_device *device, size_t index);
+/* Gives a device a program that was loaded, which it owns from then on. svo_i_program_get finds it if the source is
+   that of this library, and says once that it is fresh, since its kernels were not launched yet. */
 svo_status svo_i_program_add(svo_device *device, const char *function, const svo_i_program_entry *loaded);
 
 /* A new kernel, which the caller releases. */

@@ -138,9 +138,9 @@ svo_status svo_i_work_wait(svo_i_device_work *work)
     return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(work->device, work->function, "clWaitForEvents", error);
 }
 
-svo_status svo_i_work_use(svo_i_device_work *work, svo_i_program_kind kind, const char *defines)
+svo_status svo_i_work_use(svo_i_device_work *work, const svo_i_program *program, const char *defines)
 {
-    return svo_i_program_get(work->device, work->function, kind, defines, &work->program, NULL);
+    return svo_i_program_get(work->device, work->function, program, defines, &work->program, NULL);
 }
 
 /* ---- buffers ---- */

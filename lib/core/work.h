@@ -70,7 +70,7 @@ void svo_i_work_leave(svo_i_device_work *work, cl_event *event);
 svo_status svo_i_work_wait(svo_i_device_work *work);
 
 /* Selects the program of the launches that follow. */
-svo_status svo_i_work_use(svo_i_device_work *work, svo_i_program_kind kind, const char *defines);
+svo_status svo_i_work_use(svo_i_device_work *work, const svo_i_program *program, const char *defines);
 
 /* A scratch buffer, which the work owns. */
 svo_status svo_i_work_alloc(svo_i_device_work *work, const char *name, uint64_t bytes, cl_mem *out);

@@ -11,6 +11,7 @@
 
 #include "core/opencl.h"
 #include "core/struct_size.h"
+#include "light/programs.h"
 #include "rays/batch.h"
 #include "rays/camera.h"
 #include "rays/picture.h"
@@ -155,7 +156,7 @@ static svo_i_batch batch_of(svo_light *light, const char *function, size_t point
     return (svo_i_batch){.device = light->device,
                          .function = function,
                          .target = {light, SVO_LIGHT_ARGUMENTS, check_target, set_target},
-                         .program = SVO_I_PROGRAM_GATHER,
+                         .program = &svo_i_program_gather,
                          .kernel_name = "svo_k_gather",
                          .defines = form_defines(light),
                          .input_name = "points",
@@ -211,7 +212,7 @@ static void add_define(const svo_tree *tree, svo_tree_buffer buffer, const char 
     }
 }
 
-static svo_status make_kernel(svo_i_light_shader *shader, svo_i_program_kind kind, const char *kernel_name)
+static svo_status make_kernel(svo_i_light_shader *shader, const svo_i_program *program, const char *kernel_name)
 {
     const svo_light *light = shader->light;
     const svo_tree *tree = light->tree;
@@ -223,7 +224,7 @@ static svo_status make_kernel(svo_i_light_shader *shader, svo_i_program_kind kin
     if (light->setup.finish_count > 0) {
         add_define(tree, SVO_TREE_MATERIALS, " -DSVO_FINISHES", " -DSVO_ONE_MATERIAL", defines, sizeof defines);
     }
-    SVO_I_TRY(svo_i_work_use(shader->work, kind, defines));
+    SVO_I_TRY(svo_i_work_use(shader->work, program, defines));
     return svo_i_kernel_create(light->device, shader->work->function, shader->work->program, kernel_name,
                                &shader->kernel);
 }
@@ -238,14 +239,14 @@ static svo_status upload(svo_i_device_work *work, const char *name, const void *
 }
 
 /* Makes the kernel and uploads what lights the tree. The work stays in use until end_shader. */
-static svo_status begin_shader(svo_i_device_work *work, const svo_light *light, svo_i_program_kind kind,
+static svo_status begin_shader(svo_i_device_work *work, const svo_light *light, const svo_i_program *program,
                                const char *kernel_name, svo_i_light_shader *out)
 {
     const svo_i_light_setup *setup = &light->setup;
     *out = (svo_i_light_shader){.light = light, .work = work};
     SVO_I_TRY(upload(work, "sources", setup->sources, setup->source_count * sizeof *setup->sources, &out->sources));
     SVO_I_TRY(upload(work, "finishes", setup->finishes, setup->finish_count * sizeof *setup->finishes, &out->finishes));
-    return make_kernel(out, kind, kernel_name);
+    return make_kernel(out, program, kernel_name);
 }
 
 static svo_status set_arguments(const svo_i_light_shader *shader, const svo_gather_params *gather,
@@ -334,7 +335,7 @@ svo_status svo_i_light_shade_begin(svo_i_device_work *work, const svo_light *lig
 {
     *out = (svo_i_light_shade){.shader = {.light = light}};
     SVO_I_TRY(read_cones(light, work->function, cones, &out->gather));
-    return begin_shader(work, light, SVO_I_PROGRAM_LIGHT_SHADE, "svo_k_light_shade", &out->shader);
+    return begin_shader(work, light, &svo_i_program_light_shade, "svo_k_light_shade", &out->shader);
 }
 
 svo_status svo_i_light_shade_rays(const svo_i_light_shade *shade, cl_mem rays, cl_mem radiance, uint32_t ray_count)
@@ -457,7 +458,7 @@ static svo_status enqueue(const drawing *drawn, const svo_i_pixels *to)
     svo_i_light_shader shader = {.kernel = NULL};
     svo_status status = SVO_OK;
     SVO_I_TRY(svo_i_work_begin_after(drawn->light->device, drawn->function, to->queue, to->num_wait, to->wait, &work));
-    SVO_I_TRY_CLEANUP(begin_shader(&work, drawn->light, SVO_I_PROGRAM_LIGHT_PICTURE, "svo_k_light_picture", &shader));
+    SVO_I_TRY_CLEANUP(begin_shader(&work, drawn->light, &svo_i_program_light_picture, "svo_k_light_picture", &shader));
     SVO_I_TRY_CLEANUP(launch(drawn, &shader, to->buffer));
 
 cleanup:

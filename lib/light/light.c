@@ -18,6 +18,7 @@
 #include "core/opencl.h"
 #include "core/struct_size.h"
 #include "light/opacity.h"
+#include "light/programs.h"
 #include "light/shoot.h"
 #include "svocl/plan.h"
 

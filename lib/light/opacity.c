@@ -5,6 +5,7 @@
  * them. For an update what stays of the tree before is copied.
  */
 #include "light/opacity.h"
+#include "light/programs.h"
 
 #include <math.h>
 
@@ -373,10 +374,10 @@ svo_status svo_i_light_opacity(svo_i_device_work *work, svo_light *light)
 {
     if (light->before != NULL && light->before->light->setup.asked.updatable != 0) {
         SVO_I_TRY(begin_nodes(work, light));
-        SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_LIGHT, svo_i_light_defines(light)));
+        SVO_I_TRY(svo_i_work_use(work, &svo_i_program_light, svo_i_light_defines(light)));
         SVO_I_TRY(find_origins(work, light));
     }
-    SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_LIGHT, svo_i_light_defines(light)));
+    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_light, svo_i_light_defines(light)));
     switch (light->info.form) {
     case SVO_LIGHT_BRICKS:
         return make_bricks(work, light);

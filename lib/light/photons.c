@@ -9,6 +9,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "light/programs.h"
 #include "rays/rays.h"
 #include "svocl/trace.h"
 
@@ -166,7 +167,7 @@ static svo_status grow_kept(svo_i_kept_photons *kept, svo_i_device_work *work, u
 
 svo_status svo_i_kept_use(const svo_i_kept_photons *kept, svo_i_device_work *work)
 {
-    return svo_i_work_use(work, SVO_I_PROGRAM_KEPT_PHOTONS,
+    return svo_i_work_use(work, &svo_i_program_kept_photons,
                           kept->has_directions ? " -DSVO_SORT -DSVO_LIGHT_FACES" : " -DSVO_SORT");
 }
 
@@ -196,7 +197,7 @@ svo_status svo_i_photons_use(const svo_i_photons *photons)
     static const char *const defines[2][2] = {
         {" -DSVO_SORT", " -DSVO_SORT -DSVO_LIGHT_LOBES"},
         {" -DSVO_SORT -DSVO_LIGHT_FACES", " -DSVO_SORT -DSVO_LIGHT_FACES -DSVO_LIGHT_LOBES"}};
-    return svo_i_work_use(photons->work, SVO_I_PROGRAM_PHOTONS, defines[photons->has_directions][photons->has_lobes]);
+    return svo_i_work_use(photons->work, &svo_i_program_photons, defines[photons->has_directions][photons->has_lobes]);
 }
 
 /* Makes room for slots, or more of it. */

@@ -3,6 +3,7 @@
 #include "light/radiance_filter.h"
 
 #include "light/opacity.h"
+#include "light/programs.h"
 
 /* The words of a node or a brick. */
 static uint64_t words_of(svo_light_form form)
@@ -304,7 +305,7 @@ static svo_status make_light(svo_i_device_work *work, svo_light *light, const sv
                 .masks = tree->buffers[SVO_TREE_CHILD_MASK],
                 .children = tree->buffers[SVO_TREE_FIRST_CHILD],
                 .lit_bearers = bricks ? tree->info.inner_count : tree->info.node_count};
-    SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_LIGHT, svo_i_light_defines(light)));
+    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_light, svo_i_light_defines(light)));
     SVO_I_TRY(bricks ? filter_all_bricks(&f) : filter_all_nodes(&f));
     light->params.unit = lit->unit;
     light->params.flags |= SVO_LIGHT_FLAG_LIT;

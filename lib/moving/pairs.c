@@ -7,13 +7,14 @@
 #include "moving/pairs.h"
 
 #include "commands/commands.h"
+#include "moving/programs.h"
 #include "pipeline/build.h"
 #include "pipeline/run.h"
 #include "plan/accounts.h"
 #include "plan/chunking.h"
-#include "plan/configuration.h"
 #include "plan/estimate.h"
 #include "stages/inputs.h"
+#include "stages/programs.h"
 #include "stages/sort.h"
 #include <stdio.h>
 
@@ -26,9 +27,9 @@ svo_status svo_i_moving_program(const svo_moving *moving, const char *function, 
 {
     char of_filter[SVO_I_DEFINES_BYTES] = "";
     char defines[SVO_I_DEFINES_BYTES + 16];
-    svo_i_plan_defines(&moving->whole, SVO_I_PROGRAM_FILTER, of_filter, sizeof of_filter);
+    svo_i_plan_defines(&moving->whole, &svo_i_program_filter, of_filter, sizeof of_filter);
     (void)snprintf(defines, sizeof defines, " -DSVO_SORT%s", of_filter);
-    return svo_i_program_get(moving->device, function, SVO_I_PROGRAM_MOVING, defines, out, NULL);
+    return svo_i_program_get(moving->device, function, &svo_i_program_moving, defines, out, NULL);
 }
 
 /* Begins a piece of work with the program of kernels/moving. */
@@ -218,11 +219,8 @@ svo_status svo_i_moving_voxelize(svo_moving *moving, uint32_t index, svo_i_chain
     svo_status status = SVO_OK;
     svo_build_report report = {0};
     svo_i_build build = {.commands = svo_i_chain_begin_commands(chain, plan, &report), .frontend = moving->frontend};
-    char defines[SVO_I_DEFINES_BYTES];
     svo_i_plan_buffers_reset(plan);
-    svo_i_plan_defines(plan, SVO_I_PROGRAM_SORT, defines, sizeof defines);
-    SVO_I_TRY_CLEANUP(svo_i_program_get(moving->device, SVO_I_BUILD, SVO_I_PROGRAM_SORT, defines,
-                                        &build.programs[SVO_I_PROGRAM_SORT], NULL));
+    SVO_I_TRY_CLEANUP(svo_i_build_get_program(&build, SVO_I_BUILD, &svo_i_program_sort, NULL));
     SVO_I_TRY_CLEANUP(chain->waits ? draw(moving, index, &build) : draw_later(moving, &build, later, out));
     SVO_I_TRY_CLEANUP(svo_i_sort(&build));
     SVO_I_TRY_CLEANUP(svo_i_commands_wait(&build.commands));

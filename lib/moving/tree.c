@@ -15,6 +15,7 @@
 #include "stages/build_state.h"
 #include "stages/filter.h"
 #include "stages/material.h"
+#include "stages/programs.h"
 #include "stages/sort.h"
 
 _Static_assert(SVO_NODE_LEVELS == SVO_LEVELS_MAX, "kernels have all levels of a tree");
@@ -39,7 +40,7 @@ static svo_status count_begins(node_maker *m)
                                         SVO_I_ARGUMENT(m->counts), SVO_I_ARGUMENT(m->params)};
     SVO_I_TRY(
         svo_i_commands_run(commands, m->program, "svo_k_moving_begins", SVO_I_ARGUMENTS(arguments), m->params.strips));
-    return svo_i_scan_lists(m->build, SVO_I_PROGRAM_SORT, m->counts, m->before, NULL,
+    return svo_i_scan_lists(m->build, &svo_i_program_sort, m->counts, m->before, NULL,
                             (svo_filter_params){.leaf_count = (cl_uint)cells});
 }
 
@@ -315,7 +316,7 @@ static svo_status make_firsts(maker *m)
     SVO_I_TRY_CLEANUP(count_moved(m, listed));
     SVO_I_TRY_CLEANUP(
         svo_i_commands_alloc(commands, "object_firsts", (objects + UINT64_C(1)) * sizeof(cl_uint), &m->firsts));
-    SVO_I_TRY_CLEANUP(svo_i_scan_lists(&m->build, SVO_I_PROGRAM_SORT, listed, m->firsts, NULL,
+    SVO_I_TRY_CLEANUP(svo_i_scan_lists(&m->build, &svo_i_program_sort, listed, m->firsts, NULL,
                                        (svo_filter_params){.leaf_count = objects}));
 cleanup:
     svo_i_commands_free(commands, &listed);
@@ -386,14 +387,10 @@ cleanup:
 
 static svo_status get_programs(maker *m)
 {
-    static const svo_i_program_kind kinds[] = {SVO_I_PROGRAM_SORT, SVO_I_PROGRAM_FILTER};
-    const svo_plan *plan = &m->moving->whole;
-    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; ++i) {
-        char defines[SVO_I_DEFINES_BYTES];
-        if (svo_i_plan_needs_program(plan, kinds[i])) {
-            svo_i_plan_defines(plan, kinds[i], defines, sizeof defines);
-            SVO_I_TRY(svo_i_program_get(plan->device, m->chain->function, kinds[i], defines,
-                                        &m->build.programs[kinds[i]], NULL));
+    static const svo_i_program *const programs[] = {&svo_i_program_sort, &svo_i_program_filter};
+    for (size_t i = 0; i < sizeof programs / sizeof programs[0]; ++i) {
+        if (svo_i_plan_needs_program(&m->moving->whole, programs[i])) {
+            SVO_I_TRY(svo_i_build_get_program(&m->build, m->chain->function, programs[i], NULL));
         }
     }
     return svo_i_moving_program(m->moving, m->chain->function, &m->kept.program);

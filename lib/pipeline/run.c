@@ -51,15 +51,14 @@ size_t svo_build_report_stage(const svo_build_report *report, size_t index, svo_
 static svo_status get_programs(svo_i_build *build, svo_i_warm_up *warm_up)
 {
     const svo_plan *plan = build->commands.plan;
-    for (svo_i_program_kind kind = 0; kind < SVO_I_PROGRAM_STAGE_KINDS; ++kind) {
-        char defines[SVO_I_DEFINES_BYTES];
+    for (size_t i = 0; i < plan->stage_count; ++i) {
+        const svo_i_program *program = svo_i_plan_new_program(plan, i);
         bool fresh = false;
-        if (svo_i_plan_needs_program(plan, kind)) {
-            svo_i_plan_defines(plan, kind, defines, sizeof defines);
-            SVO_I_TRY(svo_i_program_get(plan->device, SVO_I_BUILD, kind, defines, &build->programs[kind], &fresh));
+        if (program != NULL) {
+            SVO_I_TRY(svo_i_build_get_program(build, SVO_I_BUILD, program, &fresh));
         }
         if (fresh) {
-            SVO_I_TRY(svo_i_warm_up_add_program(warm_up, build->programs[kind]));
+            SVO_I_TRY(svo_i_warm_up_add_program(warm_up, svo_i_build_program(build, program)));
         }
     }
     return SVO_OK;

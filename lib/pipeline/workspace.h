@@ -28,7 +28,7 @@ struct svo_workspace {
     svo_i_allocations allocations;
     svo_workspace_info info;
     cl_mem scratch; /* owned, or the caller's retained */
-    cl_program programs[SVO_I_PROGRAM_STAGE_KINDS]; /* owned by the device */
+    svo_i_made_program programs[SVO_I_STAGE_PROGRAMS_MAX]; /* of its builds */
     svo_i_in_flight builds; /* the last command of each */
     svo_i_pending *given_up; /* builds that failed after some of their commands were enqueued */
     svo_tree *trees; /* trees of the workspace that were neither trimmed nor destroyed */

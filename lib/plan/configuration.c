@@ -275,37 +275,67 @@ static void configure_opengl(svo_plan *plan)
     }
 }
 
-bool svo_i_plan_needs_program(const svo_plan *plan, svo_i_program_kind program)
+/* Whether a stage among the first rows of the table runs and has kernels in the program. */
+static bool needs_program(const svo_plan *plan, size_t rows, const svo_i_program *program)
 {
-    for (size_t i = 0; i < plan->stage_count; ++i) {
-        const svo_i_stage *stage = &plan->stages[i];
-        if (stage->program == program && stage->kernels[0] != NULL && stage->runs(plan)) {
+    for (size_t i = 0; i < rows; ++i) {
+        if (plan->stages[i].program == program && plan->stages[i].runs(plan)) {
             return true;
         }
     }
     return false;
 }
 
-/* Adds a program; returns the array for its defines. */
+bool svo_i_plan_needs_program(const svo_plan *plan, const svo_i_program *program)
+{
+    return needs_program(plan, plan->stage_count, program);
+}
+
+/* The voxelizer is one program for each test, which the front end compiles. */
+static bool is_of_frontend(const svo_i_stage *stage)
+{
+    return stage->stage == SVO_STAGE_VOXELIZE;
+}
+
+const svo_i_program *svo_i_plan_new_program(const svo_plan *plan, size_t row)
+{
+    const svo_i_stage *stage = &plan->stages[row];
+    return stage->runs(plan) && !is_of_frontend(stage) && !needs_program(plan, row, stage->program) ? stage->program
+                                                                                                    : NULL;
+}
+
+/* Adds a program; returns the array for its defines. Those beyond SVO_I_KERNELS_MAX are only counted;
+   check_capacities fails then. */
 static char *add_kernels(svo_i_work *work, const char *name)
 {
-    work->kernels[work->kernels_count].name = name;
-    return work->kernels[work->kernels_count++].defines;
+    const size_t index = work->kernels_count++;
+    const size_t place = index < SVO_I_KERNELS_MAX ? index : SVO_I_KERNELS_MAX - 1;
+    work->kernels[place].name = name;
+    return work->kernels[place].defines;
+}
+
+/* Lists the voxelizer of a front end, once per test. */
+static void list_voxelizers(svo_plan *plan, const char *name)
+{
+    for (svo_i_test test = 0; test < SVO_I_TEST_COUNT; ++test) {
+        if (plan->work.tests[test]) {
+            svo_i_plan_test_defines(plan, test, add_kernels(&plan->work, name), SVO_I_DEFINES_BYTES);
+        }
+    }
 }
 
 static void list_kernels(svo_plan *plan)
 {
-    svo_i_work *work = &plan->work;
-    for (svo_i_program_kind kind = 0; kind < SVO_I_PROGRAM_STAGE_KINDS; ++kind) {
-        if (svo_i_plan_needs_program(plan, kind)) {
-            svo_i_plan_defines(plan, kind, add_kernels(work, svo_i_program_kind_name(kind)), SVO_I_DEFINES_BYTES);
+    const svo_i_stage *voxelize = NULL;
+    for (size_t i = 0; i < plan->stage_count; ++i) {
+        const svo_i_program *program = svo_i_plan_new_program(plan, i);
+        if (program != NULL) {
+            svo_i_plan_defines(plan, program, add_kernels(&plan->work, program->name), SVO_I_DEFINES_BYTES);
         }
+        voxelize = is_of_frontend(&plan->stages[i]) ? &plan->stages[i] : voxelize;
     }
-    for (svo_i_test test = 0; test < SVO_I_TEST_COUNT; ++test) {
-        if (work->tests[test]) {
-            svo_i_plan_test_defines(plan, test, add_kernels(work, svo_i_program_kind_name(SVO_I_PROGRAM_VOXELIZE)),
-                                    SVO_I_DEFINES_BYTES);
-        }
+    if (voxelize != NULL) {
+        list_voxelizers(plan, voxelize->program->name);
     }
 }
 
@@ -316,6 +346,10 @@ static svo_status check_capacities(const svo_plan *plan)
     if (work->left_out_count > SVO_I_LEFT_OUT_MAX) {
         return svo_i_device_fail(plan->device, SVO_INTERNAL, "svo_plan_create: %zu things are left out, above %d",
                                  work->left_out_count, SVO_I_LEFT_OUT_MAX);
+    }
+    if (work->kernels_count > SVO_I_KERNELS_MAX) {
+        return svo_i_device_fail(plan->device, SVO_INTERNAL, "svo_plan_create: %zu programs, above %d",
+                                 work->kernels_count, SVO_I_KERNELS_MAX);
     }
     for (size_t i = 0; i < work->kernels_count; ++i) {
         if (strlen(work->kernels[i].defines) + 1 == SVO_I_DEFINES_BYTES) { /* full, so they may have been cut */
@@ -348,7 +382,7 @@ void svo_i_plan_test_defines(const svo_plan *plan, svo_i_test test, char *define
 }
 
 /* Every option begins with a space, because some compilers fail on options that end in one. */
-void svo_i_plan_defines(const svo_plan *plan, svo_i_program_kind program, char *defines, size_t bytes)
+void svo_i_plan_defines(const svo_plan *plan, const svo_i_program *program, char *defines, size_t bytes)
 {
     (void)snprintf(defines, bytes, "%s", plan->work.long_codes ? " -DSVO_CODE48" : "");
     for (size_t i = 0; i < plan->stage_count; ++i) {

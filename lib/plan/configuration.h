@@ -27,13 +27,16 @@ SVO_I_SHARED_END
 /* Fills plan->work. Needs plan->stages, the snapped mesh and the payload inputs. Fails where work lacks room. */
 svo_status svo_i_plan_configure(svo_plan *plan);
 /* Whether a stage that runs has kernels in the program. */
-bool svo_i_plan_needs_program(const svo_plan *plan, svo_i_program_kind program);
+bool svo_i_plan_needs_program(const svo_plan *plan, const svo_i_program *program);
+/* The program that builds compile for a row of the table of stages; NULL where an earlier row has the same, where the
+   stage does not run or has none, and for that of the front end. */
+const svo_i_program *svo_i_plan_new_program(const svo_plan *plan, size_t row);
 
 SVO_I_SHARED_BEGIN
 
 /* The -D options of a program that stages use, a space before each. bytes: SVO_I_DEFINES_BYTES suffice for a program of
    the plan, as svo_i_plan_configure has checked. */
-void svo_i_plan_defines(const svo_plan *plan, svo_i_program_kind program, char *defines, size_t bytes);
+void svo_i_plan_defines(const svo_plan *plan, const svo_i_program *program, char *defines, size_t bytes);
 
 SVO_I_SHARED_END
 

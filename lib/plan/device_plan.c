@@ -12,6 +12,7 @@
 #include "plan/attributes.h"
 #include "plan/estimate.h"
 #include "plan/grid.h"
+#include "plan/programs.h"
 
 /* ---- the grid ---- */
 
@@ -545,7 +546,7 @@ static svo_status make_attributes(svo_plan *plan, svo_i_device_work *work, const
 svo_status svo_i_device_take_mesh(svo_plan *plan, svo_i_device_work *work, const svo_i_plan_input *input,
                                   svo_i_device_mesh *mesh)
 {
-    SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_PLAN, ""));
+    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_plan, ""));
     SVO_I_TRY(svo_i_device_mesh_geometry(work, input, mesh));
     SVO_I_TRY(make_grid(plan, work, input, mesh));
     return make_attributes(plan, work, input, mesh);

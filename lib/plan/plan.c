@@ -19,6 +19,7 @@
 #include "plan/device_plan.h"
 #include "plan/estimate.h"
 #include "plan/grid.h"
+#include "plan/programs.h"
 #include "plan/update.h"
 #include "svocl/nodes.h"
 
@@ -92,7 +93,8 @@ static bool prefers_kernels(svo_device *device, const char *function, uint64_t t
         return false;
     }
     device->planned_triangles += triangles;
-    return (svo_i_program_known(device, SVO_I_PROGRAM_PLAN, "") || device->planned_triangles >= SVO_I_LOAD_TRIANGLES) &&
+    return (svo_i_program_known(device, &svo_i_program_plan, "") ||
+            device->planned_triangles >= SVO_I_LOAD_TRIANGLES) &&
            find_doubles(device, function, &has_doubles) == SVO_OK && has_doubles;
 }
 

@@ -39,8 +39,9 @@ typedef enum svo_i_test {
 
 #define SVO_I_LEFT_OUT_MAX  24
 #define SVO_I_DEFINES_BYTES 256
-/* The programs of the stages, and one voxelizer per test. */
-#define SVO_I_KERNELS_MAX (SVO_I_PROGRAM_STAGE_KINDS + SVO_I_TEST_COUNT)
+/* Most programs of the stages of one plan, besides those of front ends; a voxelizer adds one per test. */
+#define SVO_I_STAGE_PROGRAMS_MAX 8
+#define SVO_I_KERNELS_MAX        (SVO_I_STAGE_PROGRAMS_MAX + SVO_I_TEST_COUNT)
 
 typedef struct svo_i_left_out {
     const char *what; /* static string */
@@ -157,7 +158,7 @@ typedef struct svo_i_stage {
     /* What the plan lists as left out when the stage does not run, and why. NULL: nothing. */
     const char *left_out;
     const char *(*reason)(const svo_plan *plan); /* returns a static string */
-    svo_i_program_kind program; /* that its kernels are part of */
+    const svo_i_program *program; /* that its kernels are part of */
     /* Writes the defines that select its kernels, a space before each. NULL: none. */
     void (*defines)(const svo_plan *plan, char *text, size_t bytes);
     const char *kernels[SVO_I_STAGE_KERNELS_MAX];

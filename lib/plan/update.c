@@ -17,6 +17,7 @@
 #include "plan/attributes.h"
 #include "plan/estimate.h"
 #include "plan/grid.h"
+#include "plan/programs.h"
 
 /* Launches what makes the plan's arrays from update->mesh. Reads nothing back. */
 static svo_status run_kernels(svo_plan *plan, svo_i_device_work *work)
@@ -194,7 +195,7 @@ static svo_status copy_vertices(const svo_plan *plan, svo_i_device_work *work, c
 
 static svo_status enqueue(svo_plan *plan, svo_i_device_work *work, const new_vertices *from)
 {
-    SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_PLAN, ""));
+    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_plan, ""));
     SVO_I_TRY(wait_first(plan, work));
     SVO_I_TRY(copy_vertices(plan, work, from));
     SVO_I_TRY(run_kernels(plan, work));
@@ -534,7 +535,7 @@ svo_status svo_i_update_create(svo_plan *plan, svo_i_device_work *work, const sv
 {
     const bool is_double = input->mesh.positions_double != NULL;
     SVO_I_TRY(begin(plan, &input->mesh));
-    SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_PLAN, ""));
+    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_plan, ""));
     const svo_mesh_buffers *b = input->buffers;
     svo_i_plan_resolve_need(plan, &input->mesh, b != NULL ? b->colors.memory != NULL : input->mesh.colors != NULL);
     SVO_I_TRY(svo_i_device_mesh_geometry(work, input, mesh));

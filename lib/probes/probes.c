@@ -14,6 +14,7 @@
 #include "probes/encoding.h"
 #include "probes/place.h"
 #include "probes/plan.h"
+#include "probes/programs.h"
 #include "scene/handle.h"
 
 /* Blocks of a launch. */
@@ -100,7 +101,7 @@ static svo_status aim_band(const svo_i_probe_bands *bands, svo_probe_step *step)
     step->hit_words = bands->hit_words;
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(probes->buffers[SVO_PROBES_PLACES]), SVO_I_ARGUMENT(bands->rays),
                                         SVO_I_ARGUMENT(probes->params), SVO_I_ARGUMENT(*step)};
-    SVO_I_TRY(svo_i_work_use(bands->work, SVO_I_PROGRAM_PROBES, ""));
+    SVO_I_TRY(svo_i_work_use(bands->work, &svo_i_program_probes, ""));
     return svo_i_work_launch(bands->work, "svo_k_probe_rays", SVO_I_ARGUMENTS(arguments), step->count);
 }
 
@@ -133,7 +134,7 @@ static svo_status make_least(const svo_i_probe_bands *bands)
 {
     const svo_probes *probes = bands->probes;
     const uint64_t blocks = count_texels(probes) / SVO_PROBE_BLOCK / SVO_PROBE_BLOCK;
-    SVO_I_TRY(svo_i_work_use(bands->work, SVO_I_PROGRAM_PROBES, ""));
+    SVO_I_TRY(svo_i_work_use(bands->work, &svo_i_program_probes, ""));
     for (uint64_t first = 0; first < blocks; first += BAND_BLOCKS) {
         const uint64_t left = blocks - first;
         const svo_probe_step step = {.first = (uint32_t)first,
@@ -198,7 +199,7 @@ static svo_status make_field(const svo_i_probe_bands *bands)
     for (int axis = 0; axis < 3; ++axis) {
         step.half_cell[axis] = (float)(((double)info->high[axis] - (double)info->low[axis]) / (2.0 * info->field_size));
     }
-    SVO_I_TRY(svo_i_work_use(bands->work, SVO_I_PROGRAM_PROBES, ""));
+    SVO_I_TRY(svo_i_work_use(bands->work, &svo_i_program_probes, ""));
     for (uint64_t first = 0; first < cells; first += most) {
         step.first = (uint32_t)first;
         step.count = cells - first < most ? (uint32_t)(cells - first) : most;
@@ -248,7 +249,7 @@ static svo_status make_irradiance(const svo_i_probe_bands *bands)
     const uint32_t across = info->resolution / step.cell_edge;
     const uint32_t cells = across * across;
     const uint32_t most = bands->most_rays / cells;
-    SVO_I_TRY(svo_i_work_use(bands->work, SVO_I_PROGRAM_PROBE_FILTER, ""));
+    SVO_I_TRY(svo_i_work_use(bands->work, &svo_i_program_probe_filter, ""));
     for (uint32_t first = 0; first < info->probe_count; first += most) {
         const uint32_t left = info->probe_count - first;
         step.first = first;
@@ -278,7 +279,7 @@ static svo_status make_moments(const svo_i_probe_bands *bands)
     const uint64_t moments = (uint64_t)probes->info.probe_count * SVO_PROBES_MOMENT_TEXELS * SVO_PROBES_MOMENT_TEXELS;
     cl_mem lengths = NULL;
     SVO_I_TRY(make_lengths(bands, &lengths));
-    SVO_I_TRY(svo_i_work_use(bands->work, SVO_I_PROGRAM_PROBE_FILTER, ""));
+    SVO_I_TRY(svo_i_work_use(bands->work, &svo_i_program_probe_filter, ""));
     for (uint64_t first = 0; first < moments; first += BAND_MOMENTS) {
         const uint64_t left = moments - first;
         const svo_probe_step step = {.first = (uint32_t)first,

@@ -6,6 +6,7 @@
 #include "core/opencl.h"
 #include "core/struct_size.h"
 #include "probes/handle.h"
+#include "probes/programs.h"
 #include "rays/batch.h"
 
 /* Of kernels/probes: choose.clh, diffuse.clh. */
@@ -76,7 +77,7 @@ static svo_i_batch rays_batch(svo_probes *probes, const char *function, size_t r
     return (svo_i_batch){.device = probes->device,
                          .function = function,
                          .target = target_of(probes),
-                         .program = SVO_I_PROGRAM_PROBE_TRACE,
+                         .program = &svo_i_program_probe_trace,
                          .kernel_name = "svo_k_probe_trace",
                          .defines = "",
                          .input_name = "rays",
@@ -134,7 +135,7 @@ static svo_i_batch points_batch(svo_probes *probes, const char *function, size_t
     return (svo_i_batch){.device = probes->device,
                          .function = function,
                          .target = target_of(probes),
-                         .program = SVO_I_PROGRAM_PROBE_GATHER,
+                         .program = &svo_i_program_probe_gather,
                          .kernel_name = "svo_k_probe_gather",
                          .defines = "",
                          .input_name = "points",

@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "core/device.h"
+#include "rays/programs.h"
 #include "rays/rays.h"
 #include "shared/layout.h"
 #include "svocl/trace.h"
@@ -178,7 +179,7 @@ static svo_status ray_batch(svo_tree *tree, const char *function, size_t ray_cou
     *out = (svo_i_batch){.device = tree->device,
                          .function = function,
                          .target = svo_i_rays_target(tree),
-                         .program = SVO_I_PROGRAM_TRACE,
+                         .program = &svo_i_program_trace,
                          .kernel_name = "svo_k_trace",
                          .defines = flags == SVO_TRACE_COUNT ? " -DSVO_COUNT_HITS"
                                     : streams                ? " -DSVO_RAY_STREAMS"
@@ -227,7 +228,7 @@ static svo_i_batch point_batch(svo_tree *tree, const char *function, size_t poin
     return (svo_i_batch){.device = tree->device,
                          .function = function,
                          .target = svo_i_rays_target(tree),
-                         .program = SVO_I_PROGRAM_TRACE,
+                         .program = &svo_i_program_trace,
                          .kernel_name = "svo_k_nearest",
                          .defines = "",
                          .input_name = "points",
@@ -267,7 +268,7 @@ static svo_status voxel_batch(svo_tree *tree, const char *function, size_t ray_c
     *out = (svo_i_batch){.device = tree->device,
                          .function = function,
                          .target = svo_i_voxels_target(tree),
-                         .program = SVO_I_PROGRAM_TRACE_VOXELS,
+                         .program = &svo_i_program_trace_voxels,
                          .defines = ""};
     return svo_i_batch_of_voxels(out, ray_count, footprint);
 }

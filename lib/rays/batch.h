@@ -10,7 +10,7 @@ typedef struct svo_i_batch {
     svo_device *device;
     const char *function; /* for messages */
     svo_i_ray_target target;
-    svo_i_program_kind program;
+    const svo_i_program *program;
     const char *kernel_name, *defines; /* of the program */
     const char *input_name, *output_name; /* of the arguments */
     size_t input_bytes, output_bytes; /* of a record */

@@ -7,6 +7,7 @@
 
 #include "core/work.h"
 #include "rays/bvh_fit.h"
+#include "rays/programs.h"
 #include "stages/sort.h"
 
 /* Work-items that look through the vertices. */
@@ -441,7 +442,7 @@ static svo_status begin(maker *m, svo_device *device, const char *function, cl_c
     m->params.snap_bits = mesh->snap_bits;
     m->serial_group = device->cpu_path ? 1 : SVO_GROUP_ITEMS;
     SVO_I_TRY(svo_i_work_begin(device, function, queue, &m->work));
-    return svo_i_work_use(&m->work, SVO_I_PROGRAM_BVH, svo_i_sort_defines(m->work.device));
+    return svo_i_work_use(&m->work, &svo_i_program_bvh, svo_i_sort_defines(m->work.device));
 }
 
 /* Waits for all commands and releases what the maker holds. */

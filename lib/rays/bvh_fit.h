@@ -87,7 +87,7 @@ svo_status svo_i_bvh_tables_make(svo_device *device, const char *function, const
                                  uint32_t count, svo_i_bvh_tables *out);
 void svo_i_bvh_tables_free(svo_i_bvh_tables *tables);
 /* Enqueues the fit of BVHs to their triangles of a mesh, all in one set of launches of a work that uses the program
-   SVO_I_PROGRAM_BVH. They have their records in the same buffers, and their shapes too: those of any of them. */
+   svo_i_program_bvh. They have their records in the same buffers, and their shapes too: those of any of them. */
 svo_status svo_i_bvh_fit(svo_i_device_work *work, const svo_i_bvh_mesh *mesh, const svo_i_device_bvh *any,
                          const svo_i_bvh_tables *tables);
 /* Enqueues the fit of a BVH, made with can_refit, to vertices that have moved inside the grid: its nodes keep their

@@ -12,6 +12,7 @@
 #include "core/struct_size.h"
 #include "core/tree.h"
 #include "rays/camera.h"
+#include "rays/programs.h"
 #include "rays/rays.h"
 #include "shared/layout.h"
 
@@ -268,13 +269,13 @@ static const char *color_defines(const svo_i_picture_source *source)
 }
 
 /* Makes a kernel of a program. first: defines besides those of normals and form. */
-static svo_status make_kernel(const svo_i_picture_source *source, svo_i_program_kind kind, const char *first,
+static svo_status make_kernel(const svo_i_picture_source *source, const svo_i_program *which, const char *first,
                               const char *name, cl_kernel *out)
 {
     char defines[SVO_I_PROGRAM_DEFINES_BYTES];
     cl_program program = NULL;
     (void)snprintf(defines, sizeof defines, "%s%s%s", first, normal_defines(source), source->form_defines);
-    SVO_I_TRY(svo_i_program_get(source->device, source->function, kind, defines, &program, NULL));
+    SVO_I_TRY(svo_i_program_get(source->device, source->function, which, defines, &program, NULL));
     return svo_i_kernel_create(source->device, source->function, program, name, out);
 }
 
@@ -285,7 +286,7 @@ static svo_status prepare_view(const svo_i_picture_source *source, const svo_ren
     const cl_uint shown = options->view;
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(source->normals), SVO_I_ARGUMENT(drawn->params),
                                         SVO_I_ARGUMENT(eye), SVO_I_ARGUMENT(shown), SVO_I_ARGUMENT(drawn->pixels)};
-    SVO_I_TRY(make_kernel(source, SVO_I_PROGRAM_VIEW, "", "svo_k_view", &drawn->tiles.kernel));
+    SVO_I_TRY(make_kernel(source, &svo_i_program_view, "", "svo_k_view", &drawn->tiles.kernel));
     drawn->tiles.items = SVO_GROUP_ITEMS;
     drawn->tiles.first_tile = source->tree.arguments + 5;
     SVO_I_TRY(source->tree.set(source->tree.of, source->function, drawn->tiles.kernel, 0));
@@ -301,7 +302,7 @@ static svo_status prepare_shaded(const svo_i_picture_source *source, picture *dr
     const bool tiles = source->device->cpu_path;
     char defines[64];
     (void)snprintf(defines, sizeof defines, "%s%s", tiles ? " -DSVO_CAST_TILES" : "", color_defines(source));
-    SVO_I_TRY(make_kernel(source, SVO_I_PROGRAM_CAST, defines, "svo_k_cast", &drawn->tiles.kernel));
+    SVO_I_TRY(make_kernel(source, &svo_i_program_cast, defines, "svo_k_cast", &drawn->tiles.kernel));
     drawn->tiles.items = tiles ? 1 : SVO_GROUP_ITEMS;
     drawn->tiles.first_tile = source->node_arguments + 4;
     for (cl_uint i = 0; i < source->node_arguments; ++i) {

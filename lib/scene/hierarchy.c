@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "scene/programs.h"
 #include "stages/sort.h"
 
 #define CODE_BITS (3 * SVO_SCENE_CODE_BITS)
@@ -81,7 +82,7 @@ static svo_status begin(svo_scene *scene, const char *function, cl_command_queue
     *out = (chain){.scene = scene, .function = function, .queue = queue};
     /* Fragments of three words. */
     (void)snprintf(defines, sizeof defines, " -DSVO_CODE48%s", svo_i_sort_defines(scene->device));
-    return svo_i_program_get(scene->device, function, SVO_I_PROGRAM_SCENE_BUILD, defines, &out->program, NULL);
+    return svo_i_program_get(scene->device, function, &svo_i_program_scene_build, defines, &out->program, NULL);
 }
 
 /* Waits for all commands, also after a failure: buffers may be released next. */

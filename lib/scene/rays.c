@@ -10,6 +10,7 @@
 #include "rays/camera.h"
 #include "rays/picture.h"
 #include "scene/handle.h"
+#include "scene/programs.h"
 #include "svocl/plan.h"
 
 #define FLAGS_MAX ((uint32_t)SVO_SCENE_ANY | (uint32_t)SVO_SCENE_EVERY_INSTANCE)
@@ -91,7 +92,7 @@ static svo_i_batch describe(const svo_scene *scene, const char *function, size_t
     return (svo_i_batch){.device = scene->device,
                          .function = function,
                          .target = {of, count_arguments(scene), check_target, set_target},
-                         .program = SVO_I_PROGRAM_SCENE_TRACE,
+                         .program = &svo_i_program_scene_trace,
                          .kernel_name = "svo_k_scene_trace",
                          .defines = of->defines,
                          .input_name = "rays",
@@ -269,7 +270,7 @@ static svo_status prepare(drawing *drawn, cl_mem pixels)
                                      &drawn->picture_buffer));
     SVO_I_TRY(
         svo_i_device_constants(device, function, "lights", drawn->lights, sizeof drawn->lights, &drawn->lights_buffer));
-    SVO_I_TRY(svo_i_program_get(device, function, SVO_I_PROGRAM_SCENE_CAST, scene->form, &program, NULL));
+    SVO_I_TRY(svo_i_program_get(device, function, &svo_i_program_scene_cast, scene->form, &program, NULL));
     SVO_I_TRY(svo_i_kernel_create(device, function, program, "svo_k_scene_render", &drawn->kernel));
     const svo_i_argument others[] = {
         SVO_I_ARGUMENT(scene->buffers[SVO_I_SCENE_COLORS]), SVO_I_ARGUMENT(scene->buffers[SVO_I_SCENE_NORMALS]),

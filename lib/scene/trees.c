@@ -12,6 +12,7 @@
 #include "core/compact.h"
 #include "core/tree.h"
 #include "rays/rays.h"
+#include "scene/programs.h"
 #include "shared/bvh_layout.h"
 #include "svocl/plan.h"
 
@@ -303,7 +304,7 @@ static svo_status launch_all(const svo_scene *scene, const char *function, cl_co
 {
     cl_program program = NULL;
     cl_kernel kernel = NULL;
-    SVO_I_TRY(svo_i_program_get(scene->device, function, SVO_I_PROGRAM_SCENE_BOUNDS, scene->form, &program, NULL));
+    SVO_I_TRY(svo_i_program_get(scene->device, function, &svo_i_program_scene_bounds, scene->form, &program, NULL));
     SVO_I_TRY(svo_i_kernel_create(scene->device, function, program, "svo_k_scene_bounds", &kernel));
     const svo_status status = launch_each(scene, function, queue, kernel, sources);
     clReleaseKernel(kernel);

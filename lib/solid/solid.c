@@ -12,10 +12,12 @@
 #include <string.h>
 
 #include "compact/form.h"
+#include "compact/programs.h"
 #include "core/program.h"
 #include "core/struct_size.h"
 #include "core/tree.h"
 #include "shared/solid_layout.h"
+#include "solid/programs.h"
 #include "svocl/plan.h"
 
 static const char function[] = "svo_solid_create";
@@ -317,7 +319,7 @@ static svo_status classify(svo_i_device_work *work, const svo_tree *tree, svo_so
                                   .leaf_count = (cl_uint)tree->info.leaf_count,
                                   .parity = rule == SVO_SOLID_PARITY};
     info->surface_voxels = tree->info.leaf_count;
-    SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_SOLID, ""));
+    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_solid, ""));
     SVO_I_TRY(allocate(&c));
     SVO_I_TRY(check_triangles(&c));
     SVO_I_TRY(place(&c));
@@ -369,12 +371,12 @@ static svo_status make_masks(svo_i_device_work *work, const svo_tree *tree, cons
                                         SVO_I_ARGUMENT(counts),
                                         SVO_I_ARGUMENT(params)};
     SVO_I_TRY(svo_i_work_launch(work, "svo_k_solid_masks", SVO_I_ARGUMENTS(arguments), count));
-    SVO_I_TRY(svo_i_work_use(work, SVO_I_PROGRAM_COMPACT, " -DSVO_SORT"));
+    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_compact, " -DSVO_SORT"));
     SVO_I_TRY(svo_i_work_scan(work, counts, sums, count + 1));
     SVO_I_TRY(svo_i_work_copy(work, sums, sizeof(cl_uint), out->first_payload, 0, count * sizeof(cl_uint)));
     svo_i_work_free(work, &counts);
     svo_i_work_free(work, &sums);
-    return svo_i_work_use(work, SVO_I_PROGRAM_SOLID, "");
+    return svo_i_work_use(work, &svo_i_program_solid, "");
 }
 
 /* Whether the tree's payload is the same in every node and that of the interior leaves too. */

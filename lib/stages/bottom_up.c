@@ -5,6 +5,7 @@
  */
 #include "stages/bottom_up.h"
 
+#include "stages/programs.h"
 #include "stages/sort.h"
 
 typedef struct level_maker {
@@ -17,7 +18,7 @@ typedef struct level_maker {
 static svo_status launch(level_maker *m, const char *name, const svo_i_argument *arguments, cl_uint argument_count,
                          uint64_t items)
 {
-    return svo_i_commands_run(&m->build->commands, m->build->programs[SVO_I_PROGRAM_SORT], name, arguments,
+    return svo_i_commands_run(&m->build->commands, svo_i_build_program(m->build, &svo_i_program_sort), name, arguments,
                               argument_count, items);
 }
 
@@ -92,7 +93,7 @@ static svo_status number_nodes(level_maker *m, cl_mem codes, svo_bottom_up_param
 {
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(codes), SVO_I_ARGUMENT(m->flags), SVO_I_ARGUMENT(params)};
     SVO_I_TRY(launch(m, "svo_k_bottom_up_flags", SVO_I_ARGUMENTS(arguments), params.count));
-    return svo_i_scan_lists(m->build, SVO_I_PROGRAM_SORT, m->flags, m->indices, NULL,
+    return svo_i_scan_lists(m->build, &svo_i_program_sort, m->flags, m->indices, NULL,
                             (svo_filter_params){.leaf_count = params.count});
 }
 

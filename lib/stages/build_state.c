@@ -5,10 +5,43 @@
 #include <string.h>
 
 #include "plan/accounts.h"
+#include "plan/configuration.h"
 #include "plan/estimate.h"
 
 _Static_assert(sizeof((svo_build_state *)NULL)->level_begin == SVO_LEVELS_MAX * sizeof(uint32_t),
                "the state has every level of a tree");
+
+/* The place of a program among those of the build: where it is, else the first that is free. */
+static size_t find_program(const svo_i_build *build, const svo_i_program *program)
+{
+    size_t i = 0;
+    while (i < SVO_I_STAGE_PROGRAMS_MAX && build->programs[i].program != program && build->programs[i].made != NULL) {
+        ++i;
+    }
+    return i;
+}
+
+svo_status svo_i_build_get_program(svo_i_build *build, const char *function, const svo_i_program *program, bool *fresh)
+{
+    char defines[SVO_I_DEFINES_BYTES];
+    svo_i_made_program made = {.program = program};
+    const svo_plan *plan = build->commands.plan;
+    const size_t place = find_program(build, program);
+    if (place == SVO_I_STAGE_PROGRAMS_MAX) {
+        return svo_i_device_fail(plan->device, SVO_INTERNAL, "%s: a build has more than %d programs", function,
+                                 SVO_I_STAGE_PROGRAMS_MAX);
+    }
+    svo_i_plan_defines(plan, program, defines, sizeof defines);
+    SVO_I_TRY(svo_i_program_get(plan->device, function, program, defines, &made.made, fresh));
+    build->programs[place] = made;
+    return SVO_OK;
+}
+
+cl_program svo_i_build_program(const svo_i_build *build, const svo_i_program *program)
+{
+    const size_t place = find_program(build, program);
+    return place < SVO_I_STAGE_PROGRAMS_MAX ? build->programs[place].made : NULL;
+}
 
 svo_status svo_i_build_fail_damaged(svo_i_build *build)
 {

@@ -35,9 +35,15 @@ typedef struct svo_i_kept {
     cl_mem edges; /* the sums of the mesh's edges; NULL without areas */
 } svo_i_kept;
 
+/* A program of a stage, compiled for the plan. */
+typedef struct svo_i_made_program {
+    const svo_i_program *program;
+    cl_program made; /* owned by the device */
+} svo_i_made_program;
+
 typedef struct svo_i_build {
     svo_i_commands commands;
-    cl_program programs[SVO_I_PROGRAM_STAGE_KINDS]; /* owned by the device; NULL where the plan does not need them */
+    svo_i_made_program programs[SVO_I_STAGE_PROGRAMS_MAX]; /* those of the plan's stages, then zeros */
     svo_frontend *frontend; /* NULL where a plan is measured before a front end is known */
 
     svo_i_fragment_list list;
@@ -66,6 +72,10 @@ svo_status svo_i_build_take_state(svo_i_build *build, const svo_build_state *sta
 
 SVO_I_SHARED_END
 
+/* Compiles a program for the build's plan, unless the device has it. fresh: see svo_i_program_get. */
+svo_status svo_i_build_get_program(svo_i_build *build, const char *function, const svo_i_program *program, bool *fresh);
+/* What svo_i_build_get_program made; NULL where it was not called, as for programs that the plan does not need. */
+cl_program svo_i_build_program(const svo_i_build *build, const svo_i_program *program);
 /* Writes level_begin to build->state, which is allocated on first use. */
 svo_status svo_i_build_put_state(svo_i_build *build, const uint32_t level_begin[SVO_LEVELS_MAX]);
 /* Allocates the tree's own copy of the state, for the caller's kernels. The first allocation of an enqueued build. */

@@ -14,6 +14,7 @@
 
 #include "shared/moving_layout.h"
 #include "stages/inputs.h"
+#include "stages/programs.h"
 
 /* Rough times for the progress: of a fragment that is linked, one that is summed, and a node that is summed. */
 #define LINK_NS   12.0
@@ -110,7 +111,7 @@ static svo_status allocate(filterer *f)
 static svo_status create_kernels(filterer *f)
 {
     svo_i_commands *commands = &f->build->commands;
-    cl_program program = f->build->programs[SVO_I_PROGRAM_FILTER];
+    cl_program program = svo_i_build_program(f->build, &svo_i_program_filter);
     const char *gather = f->pairs ? "svo_k_gather_pairs" : f->leaf_sums ? "svo_k_gather" : "svo_k_gather_level";
     if (f->build->kept == NULL) {
         SVO_I_TRY(f->pairs ? SVO_OK : svo_i_commands_kernel(commands, program, "svo_k_link", &f->link));
@@ -359,7 +360,7 @@ static svo_status round_areas(filterer *f)
                                         SVO_I_ARGUMENT(f->build->state), SVO_I_ARGUMENT(f->params)};
     svo_i_stage_begin(commands);
     svo_i_commands_stage(commands, SVO_STAGE_FILTER, NODE_NS);
-    SVO_I_TRY(svo_i_commands_run(commands, f->build->programs[SVO_I_PROGRAM_FILTER], "svo_k_round_areas",
+    SVO_I_TRY(svo_i_commands_run(commands, svo_i_build_program(f->build, &svo_i_program_filter), "svo_k_round_areas",
                                  SVO_I_ARGUMENTS(arguments), f->params.leaf_count));
     return svo_i_stage_end(commands, SVO_STAGE_FILTER);
 }
@@ -381,7 +382,7 @@ static svo_status filter_level(filterer *f, const level_sums *children, const le
                                         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FILLS]),
                                         SVO_I_ARGUMENT(f->build->state),
                                         SVO_I_ARGUMENT(f->params)};
-    return is_top ? svo_i_commands_run(&f->build->commands, f->build->programs[SVO_I_PROGRAM_FILTER],
+    return is_top ? svo_i_commands_run(&f->build->commands, svo_i_build_program(f->build, &svo_i_program_filter),
                                        "svo_k_filter_top", SVO_I_ARGUMENTS(arguments), SVO_GROUP_ITEMS)
                   : launch_parts(f, f->filter, SVO_I_ARGUMENTS(arguments), f->params.level_count, 1);
 }

@@ -7,6 +7,7 @@
 
 #include "shared/moving_layout.h"
 #include "stages/inputs.h"
+#include "stages/programs.h"
 
 /* The entries of a level's nodes: pairs of a material and a weight. */
 typedef struct level_entries {
@@ -93,8 +94,8 @@ static svo_status scatter(sorter *s)
                                             SVO_I_ARGUMENT(s->levels[0].entries),
                                             SVO_I_ARGUMENT(build->state),
                                             SVO_I_ARGUMENT(s->params)};
-        SVO_I_TRY(svo_i_commands_run(&build->commands, build->programs[SVO_I_PROGRAM_FILTER], "svo_k_material_scatter",
-                                     SVO_I_ARGUMENTS(arguments), s->params.fragment_count));
+        SVO_I_TRY(svo_i_commands_run(&build->commands, svo_i_build_program(build, &svo_i_program_filter),
+                                     "svo_k_material_scatter", SVO_I_ARGUMENTS(arguments), s->params.fragment_count));
     }
     return SVO_OK;
 }
@@ -102,7 +103,7 @@ static svo_status scatter(sorter *s)
 static svo_status sort_leaves(sorter *s)
 {
     svo_i_commands *commands = &s->build->commands;
-    cl_program program = s->build->programs[SVO_I_PROGRAM_FILTER];
+    cl_program program = svo_i_build_program(s->build, &svo_i_program_filter);
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(s->list_begin),
                                         SVO_I_ARGUMENT(s->levels[0].counts),
                                         SVO_I_ARGUMENT(s->levels[0].entries),
@@ -148,8 +149,8 @@ static svo_status merge_level(sorter *s, uint32_t level, bool is_top)
                                         SVO_I_ARGUMENT(s->build->state),
                                         SVO_I_ARGUMENT(s->params)};
     svo_i_commands *commands = &s->build->commands;
-    return is_top ? svo_i_commands_run(commands, s->build->programs[SVO_I_PROGRAM_FILTER], "svo_k_material_top",
-                                       SVO_I_ARGUMENTS(arguments), SVO_GROUP_ITEMS)
+    return is_top ? svo_i_commands_run(commands, svo_i_build_program(s->build, &svo_i_program_filter),
+                                       "svo_k_material_top", SVO_I_ARGUMENTS(arguments), SVO_GROUP_ITEMS)
                   : svo_i_commands_launch(commands, s->merge, SVO_I_ARGUMENTS(arguments), s->params.level_count);
 }
 
@@ -187,7 +188,7 @@ static svo_status keep_root(sorter *s)
 static svo_status run(sorter *s)
 {
     SVO_I_TRY(allocate(s));
-    SVO_I_TRY(svo_i_commands_kernel(&s->build->commands, s->build->programs[SVO_I_PROGRAM_FILTER],
+    SVO_I_TRY(svo_i_commands_kernel(&s->build->commands, svo_i_build_program(s->build, &svo_i_program_filter),
                                     "svo_k_material_merge", &s->merge));
     SVO_I_TRY(scatter(s));
     SVO_I_TRY(sort_leaves(s));

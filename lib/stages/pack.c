@@ -7,6 +7,7 @@
 #include "stages/pack.h"
 
 #include "stages/inputs.h"
+#include "stages/programs.h"
 #include "stages/sort.h"
 
 typedef struct packer {
@@ -64,8 +65,8 @@ static svo_status count_lists(packer *p)
         p->params.fragment_count = (cl_uint)build->list.chunks[i].needed;
         const svo_i_argument arguments[] = {SVO_I_ARGUMENT(build->cursors[i]), SVO_I_ARGUMENT(p->counts),
                                             SVO_I_ARGUMENT(build->state), SVO_I_ARGUMENT(p->params)};
-        SVO_I_TRY(svo_i_commands_run(&p->build->commands, p->build->programs[SVO_I_PROGRAM_PACK], "svo_k_count",
-                                     SVO_I_ARGUMENTS(arguments), p->params.fragment_count));
+        SVO_I_TRY(svo_i_commands_run(&p->build->commands, svo_i_build_program(p->build, &svo_i_program_pack),
+                                     "svo_k_count", SVO_I_ARGUMENTS(arguments), p->params.fragment_count));
     }
     return SVO_OK;
 }
@@ -83,8 +84,8 @@ static svo_status scatter(packer *p)
                                             SVO_I_ARGUMENT(build->order),
                                             SVO_I_ARGUMENT(build->state),
                                             SVO_I_ARGUMENT(p->params)};
-        SVO_I_TRY(svo_i_commands_run(&p->build->commands, p->build->programs[SVO_I_PROGRAM_PACK], "svo_k_scatter",
-                                     SVO_I_ARGUMENTS(arguments), p->params.fragment_count));
+        SVO_I_TRY(svo_i_commands_run(&p->build->commands, svo_i_build_program(p->build, &svo_i_program_pack),
+                                     "svo_k_scatter", SVO_I_ARGUMENTS(arguments), p->params.fragment_count));
     }
     return SVO_OK;
 }
@@ -95,8 +96,8 @@ static svo_status sort_lists(packer *p)
     const svo_i_argument short_lists[] = {SVO_I_ARGUMENT(p->list_begin), SVO_I_ARGUMENT(p->list),
                                           SVO_I_ARGUMENT(p->long_leaves), SVO_I_ARGUMENT(build->state),
                                           SVO_I_ARGUMENT(p->params)};
-    SVO_I_TRY(svo_i_commands_run(&p->build->commands, p->build->programs[SVO_I_PROGRAM_PACK], "svo_k_sort_short",
-                                 SVO_I_ARGUMENTS(short_lists), p->params.leaf_count));
+    SVO_I_TRY(svo_i_commands_run(&p->build->commands, svo_i_build_program(p->build, &svo_i_program_pack),
+                                 "svo_k_sort_short", SVO_I_ARGUMENTS(short_lists), p->params.leaf_count));
     const svo_i_argument long_lists[] = {SVO_I_ARGUMENT(p->list_begin),
                                          SVO_I_ARGUMENT(p->list),
                                          SVO_I_ARGUMENT(p->spare),
@@ -107,15 +108,15 @@ static svo_status sort_lists(packer *p)
                                          SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint))};
     const uint64_t most = most_long_leaves(build);
     const uint64_t groups = most < build->commands.device->scan_groups ? most : build->commands.device->scan_groups;
-    return svo_i_commands_run(&p->build->commands, p->build->programs[SVO_I_PROGRAM_PACK], "svo_k_sort_long",
-                              SVO_I_ARGUMENTS(long_lists), groups * SVO_GROUP_ITEMS);
+    return svo_i_commands_run(&p->build->commands, svo_i_build_program(p->build, &svo_i_program_pack),
+                              "svo_k_sort_long", SVO_I_ARGUMENTS(long_lists), groups * SVO_GROUP_ITEMS);
 }
 
 static svo_status run(packer *p)
 {
     SVO_I_TRY(allocate_ranges(p));
     SVO_I_TRY(count_lists(p));
-    SVO_I_TRY(svo_i_scan_lists(p->build, SVO_I_PROGRAM_PACK, p->counts, p->list_begin, p->build->state, p->params));
+    SVO_I_TRY(svo_i_scan_lists(p->build, &svo_i_program_pack, p->counts, p->list_begin, p->build->state, p->params));
     SVO_I_TRY(allocate_slots(p));
     SVO_I_TRY(p->list != NULL || p->build->order != NULL ? scatter(p) : SVO_OK);
     SVO_I_TRY(p->list != NULL ? sort_lists(p) : SVO_OK);

@@ -6,6 +6,7 @@
 #include "stages/sort.h"
 
 #include "plan/estimate.h"
+#include "stages/programs.h"
 
 /* ---- scans ---- */
 
@@ -24,11 +25,11 @@ uint32_t svo_i_scan_groups(const svo_device *device, uint64_t numbers)
     return (uint32_t)(tiles < 1 ? 1 : tiles > device->scan_groups ? device->scan_groups : tiles);
 }
 
-svo_status svo_i_scan_lists(svo_i_build *build, svo_i_program_kind program, cl_mem numbers, cl_mem sums, cl_mem state,
+svo_status svo_i_scan_lists(svo_i_build *build, const svo_i_program *program, cl_mem numbers, cl_mem sums, cl_mem state,
                             svo_filter_params params)
 {
     svo_i_commands *commands = &build->commands;
-    cl_program kernels = build->programs[program];
+    cl_program kernels = svo_i_build_program(build, program);
     params.scan_groups = svo_i_scan_groups(commands->device, params.leaf_count);
     const uint64_t items = (uint64_t)params.scan_groups * SVO_GROUP_ITEMS;
     const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
@@ -69,7 +70,7 @@ static uint64_t sort_cells(const sorter *s, uint32_t bits)
 
 static svo_status launch(sorter *s, const char *name, const svo_i_argument *arguments, cl_uint argument_count)
 {
-    return svo_i_commands_run(&s->build->commands, s->build->programs[SVO_I_PROGRAM_SORT], name, arguments,
+    return svo_i_commands_run(&s->build->commands, svo_i_build_program(s->build, &svo_i_program_sort), name, arguments,
                               argument_count, sort_items(s));
 }
 
@@ -85,7 +86,7 @@ static svo_status sort_pass(sorter *s, svo_sort_params params)
     const svo_i_argument scatter[] = {SVO_I_ARGUMENT(*list), SVO_I_ARGUMENT(s->spare), SVO_I_ARGUMENT(s->before),
                                       SVO_I_ARGUMENT(params), digits};
     SVO_I_TRY(launch(s, "svo_k_sort_count", SVO_I_ARGUMENTS(count)));
-    SVO_I_TRY(svo_i_scan_lists(s->build, SVO_I_PROGRAM_SORT, s->counts, s->before, NULL, cells));
+    SVO_I_TRY(svo_i_scan_lists(s->build, &svo_i_program_sort, s->counts, s->before, NULL, cells));
     SVO_I_TRY(launch(s, "svo_k_sort_scatter", SVO_I_ARGUMENTS(scatter)));
     cl_mem sorted = s->spare;
     s->spare = *list;

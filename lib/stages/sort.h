@@ -19,7 +19,7 @@ svo_status svo_i_scan_alloc(svo_i_build *build);
 uint32_t svo_i_scan_groups(const svo_device *device, uint64_t numbers);
 /* sums[i] = numbers[0] + ... + numbers[i - 1] for i in 0 .. params.leaf_count. state: takes the count from the build's
    state on the device; NULL: params.leaf_count is the count. */
-svo_status svo_i_scan_lists(svo_i_build *build, svo_i_program_kind program, cl_mem numbers, cl_mem sums, cl_mem state,
+svo_status svo_i_scan_lists(svo_i_build *build, const svo_i_program *program, cl_mem numbers, cl_mem sums, cl_mem state,
                             svo_filter_params params);
 
 /*

@@ -6,6 +6,7 @@
 #include "stages/subdivide.h"
 
 #include "plan/estimate.h"
+#include "stages/programs.h"
 #include "stages/sort.h"
 
 #define BLOCK_BYTES 64u
@@ -30,7 +31,7 @@ typedef struct subdivider {
 
 static svo_status create_kernels(subdivider *s)
 {
-    cl_program program = s->build->programs[SVO_I_PROGRAM_SUBDIVIDE];
+    cl_program program = svo_i_build_program(s->build, &svo_i_program_subdivide);
     const struct {
         const char *name;
         cl_kernel *kernel;
@@ -59,8 +60,8 @@ static void release_kernels(subdivider *s)
 static svo_status run_once(subdivider *s, const char *name, const svo_i_argument *arguments, cl_uint argument_count,
                            uint64_t items)
 {
-    return svo_i_commands_run(&s->build->commands, s->build->programs[SVO_I_PROGRAM_SUBDIVIDE], name, arguments,
-                              argument_count, items);
+    return svo_i_commands_run(&s->build->commands, svo_i_build_program(s->build, &svo_i_program_subdivide), name,
+                              arguments, argument_count, items);
 }
 
 /* Whether something reads the leaf of each fragment. */

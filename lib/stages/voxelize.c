@@ -8,8 +8,10 @@
 #include "plan/chunking.h"
 #include "plan/configuration.h"
 #include "plan/estimate.h"
+#include "plan/programs.h"
 #include "plan/update.h"
 #include "stages/inputs.h"
+#include "stages/programs.h"
 
 /* Local memory of a work-group: for sums, and for notes and fragments. */
 #define SCRATCH_BYTES (sizeof(cl_uint) * SVO_GROUP_ITEMS)
@@ -46,7 +48,7 @@ static svo_status get_program(svo_plan *plan, svo_i_test test, cl_program *out, 
 {
     char defines[SVO_I_DEFINES_BYTES];
     svo_i_plan_test_defines(plan, test, defines, sizeof defines);
-    return svo_i_program_get(plan->device, SVO_I_BUILD, SVO_I_PROGRAM_VOXELIZE, defines, out, fresh);
+    return svo_i_program_get(plan->device, SVO_I_BUILD, &svo_i_program_voxelize, defines, out, fresh);
 }
 
 static svo_status prepare(void *self, svo_plan *plan, svo_i_warm_up *warm_up)
@@ -258,7 +260,7 @@ static svo_status list_tiles(svo_i_commands *commands, const moving_tiles *buffe
                                         SVO_I_ARGUMENT(buffers->count),
                                         SVO_I_ARGUMENT(buffers->counters),
                                         SVO_I_ARGUMENT(*params)};
-    SVO_I_TRY(svo_i_program_get(commands->device, SVO_I_BUILD, SVO_I_PROGRAM_PLAN, "", &program, NULL));
+    SVO_I_TRY(svo_i_program_get(commands->device, SVO_I_BUILD, &svo_i_program_plan, "", &program, NULL));
     SVO_I_TRY(svo_i_commands_fill(commands, buffers->tiles, &unused, sizeof unused,
                                   (uint64_t)params->tile_count * sizeof unused));
     SVO_I_TRY(svo_i_commands_fill_zero(commands, buffers->count, sizeof(cl_uint)));

@@ -331,6 +331,30 @@ static void files_of_another_environment_are_passed_over(void **state)
     end(&kept);
 }
 
+/* The source in the key is not that of this library: the file is loaded, and its program is compiled all the same. */
+static void files_of_another_version_are_not_used(void **state)
+{
+    saved kept;
+    size_t loaded = 0;
+    begin(state, &kept);
+    unsigned char *bytes = NULL;
+    read_bytes(kept.files[0], &bytes);
+    const char *at = strstr((const char *)bytes + 40, "\nsource ");
+    assert_non_null(at);
+    char from[42] = "", to[42] = "";
+    memcpy(from, at, 40);
+    memcpy(to, at, 40);
+    to[39] = to[39] == '0' ? '1' : '0';
+    rewrite_key(kept.files[0], from, to);
+    free(bytes);
+    svo_device *device = new_device(&kept);
+    succeed(device, svo_device_load_kernels(device, kept.folder, &loaded));
+    assert_int_equal(loaded, kept.count);
+    assert_int_equal(build(&kept, device), 1);
+    svo_device_destroy(&device);
+    end(&kept);
+}
+
 static void binaries_that_the_driver_refuses_are_compiled(void **state)
 {
     saved kept;
@@ -390,6 +414,7 @@ int main(void)
         cmocka_unit_test(damaged_files_are_passed_over_and_replaced),
         cmocka_unit_test(files_of_others_are_passed_over),
         cmocka_unit_test(files_of_another_environment_are_passed_over),
+        cmocka_unit_test(files_of_another_version_are_not_used),
         cmocka_unit_test(binaries_that_the_driver_refuses_are_compiled),
         cmocka_unit_test(folders_that_do_not_work_are_named),
         cmocka_unit_test(plans_of_another_device_do_not_warm),

@@ -423,9 +423,9 @@ static void a_device_that_fuses_is_refused(void **state)
     const fixture opened = fixture_cl_of_group(state);
     for (int i = 0; i < (opened.device->has_fp64 ? 2 : 1); ++i) {
         char text[128], fused[128];
-        (void)snprintf(text, sizeof text, "(%s a, %s b, %s c, %s d)\n{\n    return a * b - c * d;", kinds[i], kinds[i],
+        (void)snprintf(text, sizeof text, "(%s a, %s b, %s c, %s d)\n{\n\treturn a * b - c * d;", kinds[i], kinds[i],
                        kinds[i], kinds[i]);
-        (void)snprintf(fused, sizeof fused, "(%s a, %s b, %s c, %s d)\n{\n    return fma(a, b, -(c * d));", kinds[i],
+        (void)snprintf(fused, sizeof fused, "(%s a, %s b, %s c, %s d)\n{\n\treturn fma(a, b, -(c * d));", kinds[i],
                        kinds[i], kinds[i], kinds[i]);
         svo_device *device = open_or_fail(&opened, NULL);
         svo_tree *tree = build_wall(device);

@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The programs of kernels/stages. A program holds what depends on the same defines, so that a plan with other needs
+ * compiles little anew.
+ */
+#ifndef SVO_LIB_STAGES_PROGRAMS_H
+#define SVO_LIB_STAGES_PROGRAMS_H
+
+#include "core/program.h"
+
+extern const svo_i_program svo_i_program_subdivide;
+extern const svo_i_program svo_i_program_sort;
+extern const svo_i_program svo_i_program_pack;
+SVO_I_SHARED_BEGIN
+extern const svo_i_program svo_i_program_filter;
+SVO_I_SHARED_END
+extern const svo_i_program svo_i_program_voxelize;
+
+#endif
