@@ -6,17 +6,19 @@
  */
 #include "moving/pairs.h"
 
+#include <stdio.h>
+
 #include "commands/commands.h"
 #include "moving/programs.h"
 #include "pipeline/build.h"
 #include "pipeline/run.h"
 #include "plan/accounts.h"
 #include "plan/chunking.h"
+#include "plan/configuration.h"
 #include "plan/estimate.h"
 #include "stages/inputs.h"
 #include "stages/programs.h"
 #include "stages/sort.h"
-#include <stdio.h>
 
 /* A bit for each object whose pairs in the scene's list are left out. */
 #define DROPPED_BYTES (SVO_I_MOVING_OBJECTS / 8)
