@@ -15,7 +15,7 @@
 
 #include "bench/child.h"
 #include "measure/spread.h"
-#include "support/mesh_output.h"
+#include "support/output.h"
 
 #define PATH_BYTES 512
 

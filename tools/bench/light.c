@@ -11,7 +11,7 @@
 
 #include "bench/dense_faces.h"
 #include "measure/spread.h"
-#include "support/ray_table.h"
+#include "support/query_table.h"
 #include "svocl/light.h"
 
 #define ROUNDS_MAX      3u /* views of millions of photons take seconds on a processor */

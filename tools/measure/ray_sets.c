@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#include "support/ray_table.h"
+#include "support/query_table.h"
 
 #define SHADOW_OFFSET 1e-4 /* of the distance from the camera */
 

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "support/utf8.h"
+#include "support/text.h"
 
 void result_set_fact(result_set *set, char **fact, const char *text)
 {

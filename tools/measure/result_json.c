@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "support/json_text.h"
+#include "support/text.h"
 
 /* ---- writing ---- */
 

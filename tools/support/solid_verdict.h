@@ -3,8 +3,8 @@
 #ifndef SVOCL_TOOLS_SUPPORT_SOLID_VERDICT_H
 #define SVOCL_TOOLS_SUPPORT_SOLID_VERDICT_H
 
+#include "support/build_report.h"
 #include "support/solid_check.h"
-#include "support/solid_report.h"
 
 typedef struct solid_verdict {
     solid_result made; /* none without --solid */

@@ -9,7 +9,7 @@
 #include "support/lighting.h"
 #include "support/options_parse.h"
 #include "support/output.h"
-#include "support/point_table.h"
+#include "support/query_table.h"
 #include "support/table.h"
 #include "svocl/commands.h"
 #include "svocl/light_points.h"

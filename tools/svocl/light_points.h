@@ -3,7 +3,7 @@
 #ifndef SVOCL_TOOLS_SVOCL_LIGHT_POINTS_H
 #define SVOCL_TOOLS_SVOCL_LIGHT_POINTS_H
 
-#include "support/point_table.h"
+#include "support/query_table.h"
 #include "svocl/mesh.h"
 
 /* --points is missing, or reads standard input as INPUT does. Returns the exit code. */

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "support/probe_colors.h"
+#include "support/probe_picture.h"
 
 void probe_map_free(probe_map *map)
 {

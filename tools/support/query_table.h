@@ -1,10 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* Rays from a CSV file or a camera, and hits into a CSV file. */
-#ifndef SVOCL_TOOLS_SUPPORT_RAY_TABLE_H
-#define SVOCL_TOOLS_SUPPORT_RAY_TABLE_H
+/* Rays and points from CSV files or a camera, and hits into a CSV file. */
+#ifndef SVOCL_TOOLS_SUPPORT_QUERY_TABLE_H
+#define SVOCL_TOOLS_SUPPORT_QUERY_TABLE_H
+
+#include <stddef.h>
 
 #include "support/output.h"
+#include "support/program.h"
+#include "svocl/light_types.h"
 #include "svocl/svocl.h"
+
+/* ---- rays and hits ---- */
 
 typedef struct ray_table {
     svo_ray *rays; /* by malloc */
@@ -34,5 +40,16 @@ void ray_table_free(ray_table *list);
 
 /* ray,t,triangle,u,v with a heading; a miss has triangle -1 and t inf. */
 void ray_table_write_hits(output_file *file, const svo_hit *hits, size_t count);
+
+/* ---- points ---- */
+
+typedef struct point_table {
+    svo_gather_point *points; /* by malloc */
+    size_t count; /* at least 1 */
+} point_table;
+
+/* Lines x,y,z,nx,ny,nz; see number_table_read. Returns the exit code. */
+int point_table_read(program *state, const char *path, point_table *out);
+void point_table_free(point_table *list);
 
 #endif
