@@ -62,6 +62,7 @@ if(SVOCL_PYTHON)
   set(svocl_python_dir lib/python3/dist-packages) # where Debian's Python looks, for all its versions
   svocl_run_in_place(svocl_python ${svocl_python_dir}/svocl)
   install(TARGETS svocl_python LIBRARY DESTINATION ${svocl_python_dir}/svocl COMPONENT svocl_python)
+  install(FILES ${svocl_python_types} DESTINATION ${svocl_python_dir}/svocl COMPONENT svocl_python)
   install(
     DIRECTORY python/src/svocl
     DESTINATION ${svocl_python_dir}

@@ -6,8 +6,8 @@ from typing import Any, Optional
 
 from . import _arrays, _opencl, _progress, _structs
 from ._callbacks import call
-from ._enums import Builder, Coverage, Need, Weights
 from ._errors import error, text
+from ._generated import Builder, Coverage, Need, Weights
 from ._handle import DeviceHandle, Guard, Native
 from ._mesh import DeviceMesh, mesh_of
 from ._native import ffi, lib

@@ -9,10 +9,10 @@ from typing import Any, NamedTuple, Optional
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _opencl, _structs
+from . import _arrays, _generated, _opencl, _structs
 from ._callbacks import call
-from ._enums import LightBuffer, LightForm, LightView, March, Opacity, SourceKind, Status
-from ._errors import InvalidArgumentError, error, text
+from ._errors import error, text
+from ._generated import InvalidArgumentError, LightBuffer, LightForm, LightView, March, Opacity, SourceKind, Status
 from ._handle import Handle, Native
 from ._mesh import Finish, finish_record
 from ._native import ffi, lib
@@ -104,7 +104,7 @@ class Light(Handle):
             self._open(Native(out[0], _destroy, tree._native.guard, tree._native))
 
     @property
-    def info(self) -> _structs.LightInfo:
+    def info(self) -> _generated.LightInfo:
         """What it holds, and what its last stages did."""
         struct = _structs.new("svo_light_info")
         with super()._use() as pointer:  # whatever became of the tree

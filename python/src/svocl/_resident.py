@@ -8,8 +8,8 @@ from typing import Any
 
 from . import _opencl, _structs
 from ._callbacks import call
-from ._enums import Status
-from ._errors import InvalidArgumentError, error, text
+from ._errors import error, text
+from ._generated import InvalidArgumentError, Status
 from ._handle import DeviceHandle, Handle, Native
 from ._mesh import Path, encode, need_io
 from ._native import ffi, lib
