@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * golden_pins [--write] [ROOM...]: compares what rooms make with their tables, or writes the tables. Without rooms: all
- * of them.
+ * golden_pins [--write | --first] [ROOM...]: compares what rooms make with their tables, or writes the tables. Without
+ * rooms: all of them. --first: ends a room with its first difference, without making the rest.
  */
 #define _POSIX_C_SOURCE 200809L
 #include "pins.h"
@@ -40,9 +40,82 @@ static room rooms[] = {
 
 /* Of the whole run. */
 static pins shared;
-static bool is_writing;
+static bool is_writing, is_hasty;
+
+/* ---- tables ---- */
+
+static const char *table_path(const char *name)
+{
+    static char path[PATH_BYTES];
+    const int length = snprintf(path, sizeof path, "%s/%s.tsv", SVOCL_GOLDEN_FOLDER, name);
+    assert_true(length > 0 && (size_t)length < sizeof path);
+    return path;
+}
+
+/* Whether a line of a table is a value that is compared here. */
+static bool is_compared(const pins *all, const char *line)
+{
+    return line[0] != '#' && (all->is_pocl || strncmp(line, "PoCL", 4) != 0);
+}
+
+/* Cuts a line at its tab, and returns the value. */
+static char *cut_line(char *line)
+{
+    char *value = strchr(line, '\t');
+    if (value == NULL) {
+        fail_msg("a line without a value: %s", line);
+        return line;
+    }
+    *value++ = '\0';
+    value[strcspn(value, "\n")] = '\0';
+    return value;
+}
+
+static void tell(const char *name, const char *pinned, const char *made)
+{
+    print_error("%s\n  pinned  %s\n  made    %s\n", name, pinned, made);
+}
+
+static FILE *open_table(const char *name)
+{
+    FILE *file = fopen(table_path(name), "r");
+    if (file == NULL) {
+        fail_msg("%s cannot be read", table_path(name));
+    }
+    return file;
+}
+
+/* The pins so far, of which the newest is compared with the table at once. */
+static void compare_newest(const pins *all)
+{
+    char line[PIN_LINE_BYTES];
+    const pin *made = &all->list[all->count - 1];
+    FILE *file = open_table(all->room);
+    bool is_same = false;
+    while (!is_same && fgets(line, sizeof line, file) != NULL) {
+        const char *value = line[0] != '#' ? cut_line(line) : "";
+        if (strcmp(line, made->name) == 0) {
+            is_same = strcmp(value, made->value) == 0;
+            if (!is_same) {
+                tell(line, value, made->value);
+                break;
+            }
+        }
+    }
+    (void)fclose(file);
+    if (!is_same) {
+        fail_msg("%s differs from tests/golden/%s.tsv", made->name, all->room);
+    }
+}
 
 /* ---- values ---- */
+
+static void settle(const pins *all)
+{
+    if (is_hasty) {
+        compare_newest(all);
+    }
+}
 
 void pin_begin(pins *all, const char *format, ...)
 {
@@ -83,6 +156,7 @@ void pin_text(pins *all, const char *name, const char *format, ...)
     if (length < 0 || (size_t)length >= sizeof made->value || strpbrk(made->value, "\t\n") != NULL) {
         fail_msg("%s: '%s' does not fit a line", made->name, made->value);
     }
+    settle(all);
 }
 
 static void set_hash(pin *made, XXH128_hash_t hash)
@@ -94,6 +168,7 @@ static void set_hash(pin *made, XXH128_hash_t hash)
 void pin_digest(pins *all, const char *name, const void *bytes, size_t byte_count)
 {
     set_hash(add(all, name), XXH3_128bits(bytes, byte_count));
+    settle(all);
 }
 
 void pin_file(pins *all, const char *name, const char *path)
@@ -218,15 +293,7 @@ static void release_scenes(pins *all)
     attributed_mesh_destroy(&all->scenes[2].random);
 }
 
-/* ---- tables ---- */
-
-static const char *table_path(const char *name)
-{
-    static char path[PATH_BYTES];
-    const int length = snprintf(path, sizeof path, "%s/%s.tsv", SVOCL_GOLDEN_FOLDER, name);
-    assert_true(length > 0 && (size_t)length < sizeof path);
-    return path;
-}
+/* ---- whole tables ---- */
 
 static void write_table(const pins *all, const char *name)
 {
@@ -257,53 +324,32 @@ static const pin *find(const pins *all, const char *name)
     return NULL;
 }
 
-/* Compares one line. Returns how many differences it told of. */
-static size_t compare_line(const pins *all, char *line)
-{
-    char *value = strchr(line, '\t');
-    if (line[0] == '#') {
-        return 0;
-    }
-    if (value == NULL) {
-        print_error("a line without a value: %s\n", line);
-        return 1;
-    }
-    *value++ = '\0';
-    value[strcspn(value, "\n")] = '\0';
-    if (strncmp(line, "PoCL", 4) == 0 && !all->is_pocl) {
-        return 0;
-    }
-    const pin *made = find(all, line);
-    if (made != NULL && strcmp(made->value, value) == 0) {
-        return 0;
-    }
-    print_error("%s\n  pinned  %s\n  made    %s\n", line, value, made != NULL ? made->value : "nothing");
-    return 1;
-}
-
 static void compare_table(const pins *all, const char *name)
 {
-    char line[PIN_NAME_BYTES + PIN_VALUE_BYTES + 2];
-    size_t lines = 0;
+    char line[PIN_LINE_BYTES];
+    size_t compared = 0;
     size_t differences = 0;
     size_t skipped = 0;
-    FILE *file = fopen(table_path(name), "r");
-    if (file == NULL) {
-        fail_msg("%s cannot be read", table_path(name));
-        return;
-    }
+    FILE *file = open_table(name);
     while (fgets(line, sizeof line, file) != NULL) {
-        const bool is_value = line[0] != '#';
-        skipped += is_value && strncmp(line, "PoCL", 4) == 0 && !all->is_pocl ? 1 : 0;
-        lines += is_value ? 1 : 0;
-        differences += compare_line(all, line);
+        if (!is_compared(all, line)) {
+            skipped += line[0] != '#' ? 1 : 0;
+            continue;
+        }
+        const char *value = cut_line(line);
+        const pin *made = find(all, line);
+        ++compared;
+        if (made == NULL || strcmp(made->value, value) != 0) {
+            tell(line, value, made != NULL ? made->value : "nothing");
+            ++differences;
+        }
     }
     (void)fclose(file);
     if (skipped > 0) {
         print_message("skipped: %zu values of %s, which are pinned for PoCL alone\n", skipped, name);
     }
-    if (lines - skipped != all->count) {
-        print_error("%s: %zu values are pinned, %zu are made\n", table_path(name), lines - skipped, all->count);
+    if (compared != all->count) {
+        print_error("%s: %zu values are pinned, %zu are made\n", table_path(name), compared, all->count);
         ++differences;
     }
     if (differences > 0) {
@@ -317,6 +363,7 @@ static void check_room(void **state)
 {
     const room *asked = *state;
     shared.count = 0;
+    shared.room = asked->name;
     shared.prefix[0] = '\0';
     if (shared.opened.device == NULL) {
         fixture_open_cl(&(fixture_options){.path = SVO_PATH_AUTO}, &shared.opened);
@@ -350,7 +397,8 @@ int main(int argc, char **argv)
     size_t test_count = 0;
     int first = 1;
     is_writing = argc > 1 && strcmp(argv[1], "--write") == 0;
-    first += is_writing ? 1 : 0;
+    is_hasty = argc > 1 && strcmp(argv[1], "--first") == 0;
+    first += is_writing || is_hasty ? 1 : 0;
     for (size_t r = 0; r < ROOM_COUNT; ++r) {
         bool is_asked = argc == first;
         for (int i = first; i < argc; ++i) {

@@ -22,6 +22,7 @@
 
 #define PIN_NAME_BYTES  128
 #define PIN_VALUE_BYTES 480
+#define PIN_LINE_BYTES  (PIN_NAME_BYTES + PIN_VALUE_BYTES + 2)
 #define PIN_SCENES      3
 
 typedef struct pin {
@@ -40,7 +41,8 @@ typedef struct pinned_scene {
 /* The results of one room. */
 typedef struct pins {
     fixture opened;
-    bool is_pocl;
+    bool is_pocl; /* values of one device are made and compared */
+    const char *room; /* that is made now */
     pinned_scene scenes[PIN_SCENES];
     pin *list;
     size_t count, capacity;

@@ -16,6 +16,9 @@
      (uint32_t)SVO_NEED_FILL | (uint32_t)SVO_NEED_PROJECTED_AREA)
 #define NO_FILL (ALL_NEEDS & ~(uint32_t)SVO_NEED_FILL)
 
+/* For deep trees: a grid in which the meshes are small. */
+#define WIDE_GRID .origin = {-210, -190, -200}, .edge = 400
+
 /* ---- plan ---- */
 
 static void pin_plan_info(pins *all, const svo_plan *plan)
@@ -66,7 +69,7 @@ static const struct {
     {"default", 6, {.need = SVO_NEED_DEFAULT}},
     {"all", 5, {.need = ALL_NEEDS}},
     {"across", 11, {.need = ALL_NEEDS, .origin = {0.1, 0.2, -0.5}, .edge = 0.75, .coverage = SVO_COVERAGE_CLOSED}},
-    {"deep", 14, {.need = SVO_NEED_RAYS, .coverage = SVO_COVERAGE_THIN, .payload_level = 3}},
+    {"deep", 14, {.need = SVO_NEED_RAYS, WIDE_GRID, .coverage = SVO_COVERAGE_THIN}},
     {"in doubt", 7, {.need = SVO_NEED_COLOR, .worst_case_nodes = 1, .fragment_capacity = 123456}},
     {"by kernels", 6, {.need = ALL_NEEDS, .place = SVO_PLACE_DEVICE, .origin = {-4, -4, -4}, .edge = 9}},
 };
@@ -124,7 +127,7 @@ static const struct {
     {"sorted", 5, {.need = ALL_NEEDS, .builder = SVO_BUILDER_SORTED}},
     {"in chunks", 6, {.need = ALL_NEEDS, .chunk_bytes = 16384}},
     {"across", 5, {.need = ALL_NEEDS, .origin = {0, 0.1, -0.5}, .edge = 1}},
-    {"deep", 13, {.need = SVO_NEED_DEFAULT, .origin = {0.2, 0.2, 0.2}, .edge = 0.002}},
+    {"deep", 13, {.need = SVO_NEED_DEFAULT, WIDE_GRID}},
 };
 
 void pin_stages(pins *all)
