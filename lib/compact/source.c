@@ -213,11 +213,27 @@ static svo_status merge_levels(minimizer *m)
 static svo_status read_counts(minimizer *m)
 {
     const svo_compact_info *info = &m->source->info;
+    const svo_compact_params params = {.node_count = info->depth + 1};
+    cl_uint before[SVO_LEVELS_MAX];
+    cl_uint2 after[SVO_LEVELS_MAX];
+    cl_mem level_begin = NULL;
+    cl_mem levels = NULL;
     for (uint32_t level = 0; level <= info->depth; ++level) {
-        const uint64_t offset = svo_i_source_level_begin(info, level) * UINT64_C(4);
-        SVO_I_TRY(svo_i_work_read(m->work, m->inner_sums, offset, &m->inner_begin[level], sizeof(cl_uint)));
-        SVO_I_TRY(svo_i_work_read(m->work, m->child_sums, offset, &m->child_begin[level], sizeof(cl_uint)));
+        before[level] = svo_i_source_level_begin(info, level);
     }
+    SVO_I_TRY(svo_i_work_constants(m->work, "minimize_level_begin", before, params.node_count * sizeof before[0],
+                                   &level_begin));
+    SVO_I_TRY(svo_i_work_alloc(m->work, "minimize_levels", params.node_count * sizeof after[0], &levels));
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(level_begin), SVO_I_ARGUMENT(m->inner_sums),
+                                        SVO_I_ARGUMENT(m->child_sums), SVO_I_ARGUMENT(levels), SVO_I_ARGUMENT(params)};
+    SVO_I_TRY(svo_i_work_launch(m->work, "svo_k_minimize_levels", SVO_I_ARGUMENTS(arguments), params.node_count));
+    SVO_I_TRY(svo_i_work_read(m->work, levels, 0, after, params.node_count * sizeof after[0]));
+    for (uint32_t level = 0; level <= info->depth; ++level) {
+        m->inner_begin[level] = after[level].s[0];
+        m->child_begin[level] = after[level].s[1];
+    }
+    svo_i_work_free(m->work, &level_begin);
+    svo_i_work_free(m->work, &levels);
     return SVO_OK;
 }
 

@@ -8,13 +8,13 @@
 #include <string.h>
 
 #include "core/struct_size.h"
-#include "pipeline/stage_table.h"
 #include "plan/accounts.h"
 #include "plan/chunking.h"
 #include "plan/configuration.h"
 #include "plan/estimate.h"
 #include "plan/plan.h"
 #include "stages/inputs.h"
+#include "stages/stage_table.h"
 #include "stages/voxelize.h"
 
 /* ---- reports ---- */

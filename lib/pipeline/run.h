@@ -4,11 +4,10 @@
  *
  * The files of this room:
  *
- *   stage_table  the table of stages
- *   run          compiles, measures and runs the stages; svo_plan_create, reports
- *   build        svo_build, which waits; the fragment list; svo_plan_count, svo_device_warm
- *   workspace    the memory of enqueued builds, and those that are not finished
- *   enqueue      svo_build_enqueue and svo_tree_finish
+ *   run        compiles, measures and runs the stages; svo_plan_create, reports
+ *   build      svo_build, which waits; the fragment list; svo_plan_count, svo_device_warm
+ *   workspace  the memory of enqueued builds, and those that are not finished
+ *   enqueue    svo_build_enqueue and svo_tree_finish
  */
 #ifndef SVO_LIB_PIPELINE_RUN_H
 #define SVO_LIB_PIPELINE_RUN_H

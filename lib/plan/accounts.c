@@ -114,7 +114,7 @@ static const svo_i_buffer_kind *kind_of(const svo_plan *plan, const char *name)
     const svo_i_buffer_kind *found = NULL;
     for (size_t i = 0; i < plan->stage_count; ++i) {
         const svo_i_buffer_kind *kinds = plan->stages[i].buffers;
-        for (size_t k = 0; k < SVO_I_STAGE_BUFFERS_MAX && kinds[k].name != NULL; ++k) {
+        for (size_t k = 0; kinds[k].name != NULL; ++k) {
             if (strcmp(kinds[k].name, name) == 0) {
                 found = &kinds[k];
                 if (plan->stages[i].runs(plan)) {

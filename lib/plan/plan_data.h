@@ -145,9 +145,6 @@ typedef struct svo_i_buffer_kind {
     bool persistent; /* part of the tree */
 } svo_i_buffer_kind;
 
-#define SVO_I_STAGE_KERNELS_MAX 8
-#define SVO_I_STAGE_BUFFERS_MAX 14
-
 /* A row of the table of stages: all that plans and builds know of a stage. */
 typedef struct svo_i_stage {
     const char *name;
@@ -161,10 +158,9 @@ typedef struct svo_i_stage {
     const svo_i_program *program; /* that its kernels are part of */
     /* Writes the defines that select its kernels, a space before each. NULL: none. */
     void (*defines)(const svo_plan *plan, char *text, size_t bytes);
-    const char *kernels[SVO_I_STAGE_KERNELS_MAX];
     double item_ns; /* rough time of a work-item in nanoseconds, for the progress; stages may set a better one */
     /* All buffers that the stage may allocate. */
-    svo_i_buffer_kind buffers[SVO_I_STAGE_BUFFERS_MAX];
+    const svo_i_buffer_kind *buffers; /* the last has no name */
 } svo_i_stage;
 
 /* The progress of the call that is running on a plan; plan/accounts.h has the functions. */
@@ -212,7 +208,7 @@ struct svo_plan {
     svo_i_plan_part part;
     bool has_grid; /* info has it before the mesh is taken: part.c */
     svo_i_work work; /* what a build does */
-    const svo_i_stage *stages; /* the table of stages, in pipeline/stage_table.c */
+    const svo_i_stage *stages; /* the table of stages, in stages/stage_table.c */
     size_t stage_count;
     uint32_t voxel_log2; /* edge of a voxel in grid units */
 

@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "support/counting.h"
 #include "support/fixture.h"
 #include "support/meshes.h"
 #include "voxel_mesh.h"
@@ -460,6 +461,29 @@ static void tolerances_out_of_range_are_refused(void **state)
     free(list.voxels);
 }
 
+/* The counts of all levels come to the host at once. */
+static void waits_do_not_grow_with_the_depth(void **state)
+{
+    static const unsigned depths[2] = {2, 6};
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_compact_options options = {.struct_size = sizeof options, .form = SVO_FORM_DESCRIPTOR, .minimize = 1};
+    uint64_t waits[2];
+    for (int i = 0; i < 2; ++i) {
+        const voxel_list list = full_grid(depths[i], NULL, NULL);
+        svo_compact *compact = NULL;
+        built tree;
+        build_list(&opened, &list, SVO_NEED_COLOR, 0, &tree);
+        counting_begin();
+        assert_int_equal(svo_compact_create(opened.device, tree.tree, &options, opened.queue, &compact), SVO_OK);
+        waits[i] = counting_read().waits;
+        svo_compact_destroy(&compact);
+        built_destroy(&tree);
+        free(list.voxels);
+    }
+    assert_in_range(waits[0], 1, UINT64_MAX);
+    assert_int_equal(waits[0], waits[1]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -470,6 +494,7 @@ int main(void)
         cmocka_unit_test(nodes_without_payload_do_not_merge),
         cmocka_unit_test(materials_never_mix),
         cmocka_unit_test(tolerances_out_of_range_are_refused),
+        cmocka_unit_test(waits_do_not_grow_with_the_depth),
     };
     return cmocka_run_group_tests_name("minimize", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -22,9 +22,9 @@ grep -q '^svo_i_text_stages_' <<<"$symbols" || fail 'has no kernel of a build'
 found=$(grep -E "$others" <<<"$symbols" || true)
 [[ -z $found ]] || fail "contains $found"
 
-# A kernel that the program has the text of, and one that it can ask the driver for, which is a string of its own.
+# Kernels that the program has the text of, and those that it can ask the driver for, whose name ends a string.
 defined=$(strings -n 7 "$program" | grep -oE 'svo_k_[a-z0-9_]+\(' | tr -d '(' | sort -u || true)
-named=$(strings -n 7 "$program" | grep -xE 'svo_k_[a-z0-9_]+' | sort -u || true)
+named=$(strings -n 7 "$program" | grep -oE 'svo_k_[a-z0-9_]+$' | sort -u || true)
 [[ -n $defined ]] || fail 'has no text of a kernel'
 unused=$(comm -23 <(printf '%s\n' "$defined") <(printf '%s\n' "$named"))
 [[ -z $unused ]] || fail "contains kernels that it cannot launch: $unused"

@@ -68,40 +68,14 @@ static size_t bytes_of_type(const char *type)
     static const struct {
         const char *name;
         size_t bytes;
-    } types[] = {{"uint", sizeof(cl_uint)},
-                 {"ulong", sizeof(cl_ulong)},
-                 {"svo_plan_params", sizeof(svo_plan_params)},
-                 {"svo_plan_total_params", sizeof(svo_plan_total_params)},
-                 {"svo_plan_view", sizeof(svo_plan_view)},
-                 {"float4", sizeof(cl_float4)},
-                 {"double4", sizeof(cl_double4)},
-                 {"svo_bvh_params", sizeof(svo_bvh_params)},
-                 {"svo_blocks_params", sizeof(svo_blocks_params)},
-                 {"svo_filter_params", sizeof(svo_filter_params)},
-                 {"svo_moving_params", sizeof(svo_moving_params)},
-                 {"svo_node_params", sizeof(svo_node_params)},
-                 {"svo_sort_params", sizeof(svo_sort_params)},
-                 {"svo_bottom_up_params", sizeof(svo_bottom_up_params)},
-                 {"float", sizeof(cl_float)},
-                 {"svo_compact_params", sizeof(svo_compact_params)},
-                 {"svo_minimize_params", sizeof(svo_minimize_params)},
-                 {"svo_voxelize_params", sizeof(svo_voxelize_params)},
-                 {"svo_ray_params", sizeof(svo_ray_params)},
-                 {"svo_scene_params", sizeof(svo_scene_params)},
-                 {"svo_solid_params", sizeof(svo_solid_params)},
-                 {"svo_light_params", sizeof(svo_light_params)},
-                 {"svo_light_step", sizeof(svo_light_step)},
-                 {"svo_gather_params", sizeof(svo_gather_params)},
-                 {"svo_lit_picture_params", sizeof(svo_lit_picture_params)},
-                 {"svo_light_source", sizeof(svo_light_source)},
-                 {"svo_light_view_params", sizeof(svo_light_view_params)},
-                 {"svo_photon_params", sizeof(svo_photon_params)},
-                 {"svo_crossing_params", sizeof(svo_crossing_params)},
-                 {"svo_unmet_params", sizeof(svo_unmet_params)},
-                 {"svo_exchange_params", sizeof(svo_exchange_params)},
-                 {"svo_probes_params", sizeof(svo_probes_params)},
-                 {"svo_probe_step", sizeof(svo_probe_step)},
-                 {"svo_probe_trace_params", sizeof(svo_probe_trace_params)}};
+    } types[] = {
+        {"uint", sizeof(cl_uint)},     {"ulong", sizeof(cl_ulong)},     {"float", sizeof(cl_float)},
+        {"float4", sizeof(cl_float4)}, {"double4", sizeof(cl_double4)},
+#define RECORD(record, items, first) {#record, sizeof(record)},
+#define SCALAR(record, items, field)
+#define ARRAY(record, items, field)
+#include "layout_fields.h"
+    };
     for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i) {
         if (strcmp(types[i].name, type) == 0) {
             return types[i].bytes;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The table of stages, in the order in which they run. A new stage is a row of it; CONTRIBUTING.md has the recipe. */
-#ifndef SVO_LIB_PIPELINE_STAGE_TABLE_H
-#define SVO_LIB_PIPELINE_STAGE_TABLE_H
+#ifndef SVO_LIB_STAGES_STAGE_TABLE_H
+#define SVO_LIB_STAGES_STAGE_TABLE_H
 
 #include "plan/plan_data.h"
 
