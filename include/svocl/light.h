@@ -242,18 +242,10 @@ SVO_API svo_status svo_light_update(svo_light *light, svo_tree *tree, const svo_
 
 /* ---- cones ---- */
 
-/** How cones march. */
-typedef enum svo_march {
-    SVO_MARCH_STEPS = 0, /**< steps in proportion to the cone's width, blended between two levels */
-    SVO_MARCH_PUBLISHED =
-        1 /**< node to node, as published by Crassin et al. 2011, for comparison; needs SVO_LIGHT_BRICKS */
-} svo_march;
-
 /** Options of gathering. */
 typedef struct svo_gather_options {
     size_t struct_size; /**< sizeof(svo_gather_options) */
-    uint32_t cones; /**< 1, 5, 6, 16 or 64; 0 means 16. SVO_MARCH_PUBLISHED: 5 */
-    svo_march march; /**< how they march */
+    uint32_t cones; /**< 1, 5, 6, 16 or 64; 0 means 16 */
     float step; /**< of a cone, in its widths: 0.25 .. 1; 0 means 0.5 */
     float range; /**< world units that cones reach, above 0; 0: to the end of the grid */
     float falloff; /**< lambda of the occlusion's weight 1 / (1 + lambda t), per world unit, not negative */

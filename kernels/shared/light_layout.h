@@ -36,12 +36,11 @@ SVO_RECORD(svo_light_params)
 SVO_RECORD(svo_gather_params)
 {
     SVO_U32 cones; /* 0: 1, 5, 6, 16 or 64 */
-    SVO_U32 published; /* 4: not 0: SVO_MARCH_PUBLISHED */
-    SVO_F32 step; /* 8: widths of the cone */
-    SVO_F32 range; /* 12: world units; 0: to the end of the grid */
-    SVO_F32 falloff; /* 16: lambda, per world unit */
-    SVO_U32 with_light; /* 20: 0: occlusion alone */
-    SVO_U32 reserved[2]; /* 24 */
+    SVO_F32 step; /* 4: widths of the cone */
+    SVO_F32 range; /* 8: world units; 0: to the end of the grid */
+    SVO_F32 falloff; /* 12: lambda, per world unit */
+    SVO_U32 with_light; /* 16: 0: occlusion alone */
+    SVO_U32 reserved[3]; /* 20 */
 };
 
 /* Arguments of the kernels that make and filter light. 32 bytes. */

@@ -21,11 +21,10 @@
 /* Made by cmake/embed.cmake. */
 extern const char svo_i_source_cones[];
 
-#define CONES_DEFAULT   16u
-#define CONES_PUBLISHED 5u
-#define STEP_DEFAULT    0.5F
-#define STEP_MIN        0.25F
-#define STEP_MAX        1.0F
+#define CONES_DEFAULT 16u
+#define STEP_DEFAULT  0.5F
+#define STEP_MIN      0.25F
+#define STEP_MAX      1.0F
 
 /* Rays of a work-item: SVO_SHADE_RAYS of the kernel. */
 #define ITEM_RAYS 64u
@@ -49,22 +48,9 @@ static bool is_set_of_cones(uint32_t cones)
     return cones == 1 || cones == 5 || cones == 6 || cones == 16 || cones == 64;
 }
 
-static svo_status check_march(const svo_light *light, const char *function, const svo_gather_options *options)
+static svo_status check_cones(const svo_light *light, const char *function, const svo_gather_options *options)
 {
-    if ((unsigned)options->march > SVO_MARCH_PUBLISHED) {
-        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: options.march %d is not in 0 .. %d",
-                                 function, (int)options->march, (int)SVO_MARCH_PUBLISHED);
-    }
-    if (options->march == SVO_MARCH_PUBLISHED && light->info.form != SVO_LIGHT_BRICKS) {
-        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
-                                 "%s: options.march 1 (published) needs the form bricks, and the light has %s",
-                                 function, svo_light_form_name(light->info.form));
-    }
-    if (options->march == SVO_MARCH_PUBLISHED && options->cones != CONES_PUBLISHED && options->cones != 0) {
-        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
-                                 "%s: options.cones %u is not %u, which options.march 1 (published) takes", function,
-                                 options->cones, CONES_PUBLISHED);
-    }
+
     return options->cones == 0 || is_set_of_cones(options->cones)
                ? SVO_OK
                : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: options.cones %u is not 1, 5, 6, 16 or 64",
@@ -96,13 +82,9 @@ static svo_status read_gather(const svo_light *light, const char *function, cons
     svo_gather_options asked;
     SVO_I_TRY(svo_i_struct_read(svo_i_device_message(light->device), function, "options", options, &asked,
                                 SVO_I_STRUCT_SIZES(svo_gather_options, no_light)));
-    SVO_I_TRY(check_march(light, function, &asked));
+    SVO_I_TRY(check_cones(light, function, &asked));
     SVO_I_TRY(check_lengths(light, function, &asked));
-    const bool published = asked.march == SVO_MARCH_PUBLISHED;
-    *params = (svo_gather_params){.cones = published          ? CONES_PUBLISHED
-                                           : asked.cones != 0 ? asked.cones
-                                                              : CONES_DEFAULT,
-                                  .published = published,
+    *params = (svo_gather_params){.cones = asked.cones != 0 ? asked.cones : CONES_DEFAULT,
                                   .step = asked.step > 0.0F ? asked.step : STEP_DEFAULT,
                                   .range = asked.range,
                                   .falloff = asked.falloff,

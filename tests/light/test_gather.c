@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Gathering as callers use it: sets of cones, single cones in a kernel of the caller's own, sealed boxes, points that
- * have no light, options, refusals, the march as published.
+ * have no light, options, refusals; and the march as published, of tools/lab.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,6 +16,7 @@
 #include <string.h>
 
 #include "cone_scene.h"
+#include "errors/published_march.h"
 #include "support/meshes.h"
 
 #define DEPTH 7u
@@ -395,9 +396,9 @@ static void the_published_march_leaks(void **state)
     cone_scene *scene;
     svo_tree *tree = open_room(&opened, &scene);
     svo_light *light = light_of(&opened, tree, SVO_LIGHT_BRICKS);
-    svo_gather_options options = SVO_GATHER_OPTIONS_INIT;
-    options.march = SVO_MARCH_PUBLISHED;
-    cone_scene_gather(&opened, scene, light, &options);
+    published_march made;
+    assert_true(published_march_make(opened.device, light, scene->point_count, opened.queue, &made));
+    assert_true(published_march_gather(&made, scene->points, scene->results, 0, true));
     double mean = 0;
     for (int i = 0; i < 130; ++i) {
         assert_true(scene->results[i].openness >= 0 && scene->results[i].openness <= 1);
@@ -406,6 +407,7 @@ static void the_published_march_leaks(void **state)
     }
     print_message("published march in a closed room: openness %.3f\n", mean);
     assert_true(mean > 0.1);
+    published_march_free(&made);
     svo_light_destroy(&light);
     svo_tree_destroy(&tree);
     cone_scene_free(scene);
@@ -428,9 +430,6 @@ static void wrong_options_are_refused(void **state)
         const char *text;
     } rows[] = {
         {{.cones = 7}, "svo_gather: options.cones 7 is not 1, 5, 6, 16 or 64"},
-        {{.march = (svo_march)2}, "svo_gather: options.march 2 is not in 0 .. 1"},
-        {{.march = SVO_MARCH_PUBLISHED},
-         "svo_gather: options.march 1 (published) needs the form bricks, and the light has faces"},
         {{.step = 0.125F}, "svo_gather: options.step 0.125 is not in 0.25 .. 1"},
         {{.step = 2}, "svo_gather: options.step 2 is not in 0.25 .. 1"},
         {{.range = -1}, "svo_gather: options.range -1 is negative or not finite"},
@@ -441,17 +440,11 @@ static void wrong_options_are_refused(void **state)
     cone_scene *scene;
     svo_tree *tree = open_room(&opened, &scene);
     svo_light *light = light_of(&opened, tree, SVO_LIGHT_FACES);
-    svo_light *bricks = light_of(&opened, tree, SVO_LIGHT_BRICKS);
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
         svo_gather_options options = rows[i].options;
         options.struct_size = sizeof options;
         expect_refusal(&opened, light, &options, rows[i].text);
     }
-    svo_gather_options options = SVO_GATHER_OPTIONS_INIT;
-    options.march = SVO_MARCH_PUBLISHED;
-    options.cones = 16;
-    expect_refusal(&opened, bricks, &options,
-                   "svo_gather: options.cones 16 is not 5, which options.march 1 (published) takes");
     assert_int_equal(svo_gather(NULL, NULL, NULL, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_gather_enqueue(NULL, NULL, NULL, 0, NULL, NULL, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_gather(light, NULL, NULL, 1, NULL, opened.queue), SVO_INVALID_ARGUMENT);
@@ -461,7 +454,6 @@ static void wrong_options_are_refused(void **state)
     light_succeed(&opened, svo_gather_enqueue(light, NULL, NULL, 0, NULL, opened.queue, 0, NULL, &event));
     assert_int_equal(clWaitForEvents(1, &event), CL_SUCCESS);
     clReleaseEvent(event);
-    svo_light_destroy(&bricks);
     svo_light_destroy(&light);
     svo_tree_destroy(&tree);
     cone_scene_free(scene);

@@ -249,19 +249,27 @@ void cone_lights_free(cone_lights *lights)
 
 /* ---- gathering ---- */
 
-static double gather(const cone_gather *work, bool with_light)
+static bool gather_by_cones(cone_gather *work, float range, bool with_light)
 {
     const cone_truth *truth = work->lights->truth;
     const svo_gather_options asked = {.struct_size = sizeof asked,
                                       .cones = work->way.cones,
-                                      .march = work->way.march,
                                       .step = work->way.step,
-                                      .range = with_light ? 0 : (float)truth->range,
+                                      .range = range,
                                       .no_light = !with_light};
+    return svo_gather(work->light, truth->points, work->results, truth->count, &asked,
+                      work->lights->run->opened.queue) == SVO_OK;
+}
+
+static double gather(cone_gather *work, bool with_light)
+{
+    const cone_truth *truth = work->lights->truth;
+    const float range = with_light ? 0 : (float)truth->range;
     const double started_ms = input_now_ms();
-    const svo_status status =
-        svo_gather(work->light, truth->points, work->results, truth->count, &asked, work->lights->run->opened.queue);
-    return status == SVO_OK ? input_now_ms() - started_ms : -1.0;
+    const bool worked = work->way.as_published
+                            ? published_march_gather(&work->published, truth->points, work->results, range, with_light)
+                            : gather_by_cones(work, range, with_light);
+    return worked ? input_now_ms() - started_ms : -1.0;
 }
 
 double cone_gather_occlusion(void *user)
@@ -279,11 +287,16 @@ bool cone_gather_make(cone_lights *lights, const cone_way *way, cone_gather *out
     *out = (cone_gather){.lights = lights, .way = *way, .info = SVO_LIGHT_INFO_INIT};
     out->light = find_light(lights, way);
     out->results = calloc(lights->truth->count, sizeof *out->results);
-    return out->light != NULL && out->results != NULL && svo_light_get_info(out->light, &out->info) == SVO_OK;
+    if (out->light == NULL || out->results == NULL || svo_light_get_info(out->light, &out->info) != SVO_OK) {
+        return false;
+    }
+    return !way->as_published || published_march_make(lights->run->opened.device, out->light, lights->truth->count,
+                                                      lights->run->opened.queue, &out->published);
 }
 
 void cone_gather_free(cone_gather *work)
 {
+    published_march_free(&work->published);
     free(work->results);
     work->results = NULL;
 }

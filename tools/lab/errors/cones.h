@@ -4,6 +4,7 @@
 #define SVOCL_TOOLS_ERRORS_CONES_H
 
 #include "errors/errors.h"
+#include "errors/published_march.h"
 #include "path/path.h"
 
 typedef struct cone_truth {
@@ -54,7 +55,7 @@ typedef struct cone_way {
     svo_coverage coverage;
     svo_light_form form;
     svo_opacity opacity;
-    svo_march march;
+    bool as_published; /* node to node, by five cones through bricks (published_march.h) */
     unsigned cones;
     float step;
 } cone_way;
@@ -82,6 +83,7 @@ typedef struct cone_gather {
     svo_light *light; /* of lights */
     svo_light_info info;
     svo_gather_result *results;
+    published_march published; /* of a way as published */
 } cone_gather;
 
 /* Finds or makes the tree of a depth and a coverage, with all that light needs. NULL on failure, with the reason in the

@@ -144,7 +144,6 @@ static cone_way usual_way(const error_run *run, const char *method)
                       .coverage = SVO_COVERAGE_HALF_OPEN,
                       .form = SVO_LIGHT_FACES,
                       .opacity = SVO_OPACITY_AREA,
-                      .march = SVO_MARCH_STEPS,
                       .cones = 16,
                       .step = 0.5F};
 }
@@ -176,7 +175,7 @@ static size_t list_ways(const error_run *run, cone_way ways[WAYS])
     ways[count++].form = SVO_LIGHT_VOXELS;
     ways[count] = usual_way(run, "published march");
     ways[count].form = SVO_LIGHT_BRICKS;
-    ways[count].march = SVO_MARCH_PUBLISHED;
+    ways[count].as_published = true;
     ways[count++].cones = 5;
     return count;
 }
@@ -280,7 +279,7 @@ static bool measure_cones(cone_run *work, size_t i, measured *out)
     *out = (measured){.method = one->way.method,
                       .number = one->way.cones,
                       .depth = one->way.depth,
-                      .step = one->way.march == SVO_MARCH_PUBLISHED ? NAN : (double)one->way.step,
+                      .step = one->way.as_published ? NAN : (double)one->way.step,
                       .bytes = (double)one->info.total_bytes,
                       .ms = work->methods[2 * i].median_ms,
                       .light_ms = work->methods[2 * i + 1].median_ms};
