@@ -9,8 +9,8 @@
 #include <stdlib.h>
 
 #include "bench/openvdb.h"
+#include "measure/solid_check.h"
 #include "measure/spread.h"
-#include "support/solid_check.h"
 
 static const char table_id[] = "solid";
 

@@ -6,9 +6,9 @@
 #include <string.h>
 
 #include "measure/spread.h"
+#include "measure/tree_check.h"
 #include "path/threads.h"
 #include "support/input.h"
-#include "support/tree_check.h"
 
 #define TRIANGLES_PER_CHUNK 256u
 

@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "measure/tree_check.h"
 #include "stress/cases.h"
 #include "stress/stress.h"
-#include "support/tree_check.h"
 
 static void expect_voxels(stress_case *one, uint64_t expected, uint64_t found, unsigned depth)
 {

@@ -8,9 +8,8 @@
 #include <string.h>
 
 #include "measure/float_methods.h"
+#include "measure/tree_check.h"
 #include "support/input.h"
-#include "support/snap_check.h"
-#include "support/tree_check.h"
 
 size_t stress_amount(const stress *run, size_t per_count, size_t least)
 {

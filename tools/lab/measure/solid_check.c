@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The reference's solid beside the library's. */
-#include "support/solid_check.h"
+#include "measure/solid_check.h"
 
 #include <stdlib.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Compares a solid with the exact reference, voxel by voxel. */
-#ifndef SVOCL_TOOLS_SUPPORT_SOLID_CHECK_H
-#define SVOCL_TOOLS_SUPPORT_SOLID_CHECK_H
+#ifndef SVOCL_TOOLS_MEASURE_SOLID_CHECK_H
+#define SVOCL_TOOLS_MEASURE_SOLID_CHECK_H
 
 #include "reference/oracle_solid.h"
 #include "svocl/solid.h"
