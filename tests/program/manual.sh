@@ -159,8 +159,8 @@ fi
 # --- installed ---
 
 "$cmake" --install "$build" --prefix "$work/prefix" >"$work/log" || complain "$(cat "$work/log")"
-for file in man/man1/svocl.1 man/man1/svocl-build.1 man/man1/svocl-lab.1 man/man1/svocl-bench.1 bash-completion/completions/svocl zsh/site-functions/_svocl \
-    fish/vendor_completions.d/svocl.fish; do
+for file in man/man1/svocl.1 man/man1/svocl-build.1 man/man1/svocl-lab.1 man/man1/svocl-bench.1 \
+    bash-completion/completions/svocl zsh/site-functions/_svocl fish/vendor_completions.d/svocl.fish; do
     [[ -s $work/prefix/share/$file ]] || complain "share/$file is not installed"
 done
 cmp -s "$work/pages/svocl-build.1" "$work/prefix/share/man/man1/svocl-build.1" || complain "another page is installed"

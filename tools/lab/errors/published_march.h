@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Light gathered at points as older systems do, by five cones that march from node to node: the kernel of published.cl. */
+/* Light gathered at points as older systems do, by five cones that march from node to node: the kernel of
+   published.cl. */
 #ifndef SVOCL_TOOLS_ERRORS_PUBLISHED_MARCH_H
 #define SVOCL_TOOLS_ERRORS_PUBLISHED_MARCH_H
 
@@ -18,8 +19,8 @@ typedef struct published_march {
     cl_mem points, results;
 } published_march;
 
-/* light: of the form bricks, with its sources, on the device; queue: on its context. False on failure; what was made then
-   is still released by published_march_free. */
+/* light: of the form bricks, with its sources, on the device; queue: on its context. False on failure; what was made
+   then is still released by published_march_free. */
 bool published_march_make(svo_device *device, svo_light *light, size_t count, cl_command_queue queue,
                           published_march *out);
 void published_march_free(published_march *made);
