@@ -11,7 +11,7 @@ int command_view(program *state)
 
 #else
 
-#include "view/viewer.h"
+#include "view/view.h"
 
 int command_view(program *state)
 {

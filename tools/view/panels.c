@@ -10,6 +10,7 @@
 #include "support/table.h"
 #include "view/dialogs.h"
 #include "view/input.h"
+#include "view/panels_pages.h"
 
 /* ---- figures of the last frames ---- */
 

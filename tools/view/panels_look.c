@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What the picture shows: the sections View, Camera and Settings; and what helps to read it, the axes of the world and
    the legend of a view of numbers. */
-#include "view/panels.h"
+#include "view/panels_pages.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What stands in the scene: the sections Instances, Motion, Lights, of a tree or of a scene, and Probes. */
-#include "view/panels.h"
+#include "view/panels_pages.h"
 
 #include <math.h>
 #include <stdio.h>

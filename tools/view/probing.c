@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "support/probe_picture.h"
-#include "support/probe_picture.h"
 
 /* ---- the map of a probe ---- */
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The loop: events, the tree and its light, the picture, marks, panels, the window. */
-#include "view/viewer.h"
+#include "view/view.h"
 
 #include <stdlib.h>
 

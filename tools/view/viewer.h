@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl view, and what the files of its loop share: the window, what is looked at, and what is under way. */
+/* What the files of the viewer's loop share: the window, what is looked at, and what is under way. */
 #ifndef SVOCL_TOOLS_VIEW_VIEWER_H
 #define SVOCL_TOOLS_VIEW_VIEWER_H
 
@@ -13,9 +13,6 @@
 #include "view/script.h"
 #include "view/window.h"
 #include "view/worker.h"
-
-/* Shows INPUT by the options until the window closes or the script ends. Returns the exit code. */
-int view_run(program *running);
 
 /* After an event, so many frames come at once. */
 #define LIVELY_FRAMES 3u
