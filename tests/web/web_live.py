@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """Pages of svocl export-web in a browser that is driven from outside: what a page shows while it arrives and when it
-was cut off, where it begins, fly mode by keys and mouse, and its light beside that of svocl render.
+was cut off, where it begins, fly mode by keys and mouse, the density of pixels, and its light beside that of svocl
+render.
 
 The browser is spoken to by Chromium's DevTools protocol, over a pipe.
 
@@ -309,6 +310,26 @@ def keys_and_mouse_fly(browser, folder):
     expect("Whole tree", not browser.run("page.flight.on") and not browser.run("page.touched"))
 
 
+def pixels_of_the_screen_are_followed(browser, folder):
+    path = folder / "pixels.html"
+    export(path, "scene:cube", "-d", "4")
+    browser.open_whole(path.as_uri())
+    # The canvas keeps its size, so that the density alone changes. Chromium's emulation looks at it anew where the
+    # window has another size.
+    browser.run("canvas.style.width = '160px', canvas.style.height = '120px'")
+    for i, density in enumerate((2, 1.25, 3, 1.25, 1)):
+        browser.call(
+            "Emulation.setDeviceMetricsOverride", width=600 + i, height=620, deviceScaleFactor=density, mobile=False
+        )
+        wanted = f"devicePixelRatio === {density} && canvas.width === {160 * density}"
+        deadline = time.monotonic() + 20
+        while not browser.run(wanted) and time.monotonic() < deadline:
+            time.sleep(0.05)
+        seen = browser.run("[devicePixelRatio, canvas.width, canvas.clientWidth]")
+        expect(f"{density} pixels of the screen for one of the page", browser.run(wanted), seen)
+    browser.call("Emulation.clearDeviceMetricsOverride")
+
+
 def what_is_up_is_framed(browser, folder):
     path = folder / "up.html"
     export(path, "scene:statue", "-d", "6", "--up", "0,0,1", "--view", "normal")
@@ -372,6 +393,7 @@ TESTS = [
     levels_come_coarse_first,
     cut_off_pages_say_so,
     keys_and_mouse_fly,
+    pixels_of_the_screen_are_followed,
     what_is_up_is_framed,
     light_is_that_of_render,
 ]
