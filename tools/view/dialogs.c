@@ -358,7 +358,8 @@ static void read_folder(view_open *open, const char *folder, const char *begin)
     }
 }
 
-void open_dialog_list(view_state *state)
+/* Lists the names again where the path has changed. */
+static void list_folder(view_state *state)
 {
     view_open *open = &state->open;
     char folder[VIEW_PATH_BYTES];
@@ -385,7 +386,7 @@ void open_dialog_show(view_state *state)
     forget_names(open);
     open->is_shown = open->takes_focus = true;
     (void)snprintf(open->path, sizeof open->path, "%.*s", length < sizeof open->path ? (int)length : 0, input);
-    open_dialog_list(state);
+    list_folder(state);
 }
 
 void open_dialog_hide(view_state *state)
@@ -406,7 +407,7 @@ static void take_name(view_open *open, const char *name, size_t length)
 void open_dialog_complete(view_state *state)
 {
     view_open *open = &state->open;
-    open_dialog_list(state);
+    list_folder(state);
     if (open->name_count == 0) {
         return;
     }
@@ -421,13 +422,13 @@ void open_dialog_complete(view_state *state)
     if (common >= strlen(open->path + last_part(open->path))) {
         take_name(open, open->names[0], common);
     }
-    open_dialog_list(state);
+    list_folder(state);
 }
 
 void open_dialog_choose(view_state *state, int step)
 {
     view_open *open = &state->open;
-    open_dialog_list(state);
+    list_folder(state);
     const size_t places = open->name_count + 1; /* one of them for none */
     open->chosen = (open->chosen + places + (size_t)(step > 0 ? 1 : places - 1)) % places;
 }
@@ -521,7 +522,7 @@ static void describe_open(ui *toolkit, view_state *state, float width, float hei
         return;
     }
     const ui_path_keys keys = {edit_path, state};
-    open_dialog_list(state);
+    list_folder(state);
     begin_box(toolkit, "#open", WIDTH_MAX, width, height);
     ui_heading(toolkit, "Open a mesh, a voxel file, a tree or a scene");
     const bool takes_focus = open->takes_focus;

@@ -29,8 +29,6 @@ void question_answer(view_state *state, int button);
 void open_dialog_show(view_state *state);
 void open_dialog_hide(view_state *state);
 
-/* Lists the names again where the path has changed. */
-void open_dialog_list(view_state *state);
 /* Goes on with what all names have in common. */
 void open_dialog_complete(view_state *state);
 /* Chooses the next name, or the one before. */
