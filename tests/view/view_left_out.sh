@@ -10,5 +10,5 @@ readonly program=$1 missing=$2
 # shellcheck source=tests/support/complain.sh
 source "${BASH_SOURCE[0]%/*}/../support/complain.sh"
 cd "$work"
-expect_failure 1 "svocl view: this svocl has no viewer: it was built without $missing" "$program" view scene:cube -d 2
+expect_failure 1 "svocl: view: this svocl has no viewer: it was built without $missing" "$program" view scene:cube -d 2
 exit "$failed"

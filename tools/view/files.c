@@ -485,17 +485,15 @@ static void put_instance(writer *to, const view_state *state, size_t index)
 
 /* ---- cameras, lights, whole scenes ---- */
 
-static void put_camera(writer *to, const svo_camera *camera)
+/* A camera up to its angle. target: what the file calls that. */
+static void put_camera(writer *to, const svo_camera *camera, const char *target)
 {
     put(to, "  \"camera\": {");
     put_floats(to, "eye", camera->eye, 3);
     put(to, ", ");
-    put_floats(to, "target", camera->target, 3);
+    put_floats(to, target, camera->target, 3);
     put(to, ", ");
     put_floats(to, "up", camera->up, 3);
-    put(to, ", \"fov\": ");
-    put_float(to, (float)((double)camera->vertical_fov * 180 / PI));
-    put(to, "}");
 }
 
 static void put_lights(writer *to, const view_state *state)
@@ -527,7 +525,10 @@ static int put_scene(writer *to, const view_state *state, const char *path)
         put_instance(to, state, i);
     }
     put(to, "\n  ],\n");
-    put_camera(to, &state->camera.at);
+    put_camera(to, &state->camera.at, "target");
+    put(to, ", \"fov\": ");
+    put_float(to, (float)((double)state->camera.at.vertical_fov * 180 / PI));
+    put(to, "}");
     if (state->scene_light_count > 0) {
         put_lights(to, state);
     }
@@ -574,7 +575,6 @@ static void put_source(writer *to, const svo_light_source *source)
 
 static int put_sources(writer *to, const view_state *state, const char *path)
 {
-    const svo_camera *camera = &state->camera.at;
     (void)path;
     put(to, "{\n  \"lights\": [");
     for (size_t i = 0; i < state->source_count; ++i) {
@@ -583,13 +583,9 @@ static int put_sources(writer *to, const view_state *state, const char *path)
     }
     put(to, "\n  ],\n  ");
     put_floats(to, "sky", state->sky, 3);
-    put(to, ",\n  \"camera\": {");
-    put_floats(to, "eye", camera->eye, 3);
-    put(to, ", ");
-    put_floats(to, "at", camera->target, 3);
-    put(to, ", ");
-    put_floats(to, "up", camera->up, 3);
-    put_angle(to, "fov", camera->vertical_fov);
+    put(to, ",\n");
+    put_camera(to, &state->camera.at, "at");
+    put_angle(to, "fov", state->camera.at.vertical_fov);
     put(to, "}\n}\n");
     flush(to);
     return to->error;
