@@ -19,6 +19,7 @@
 #include "scenes.h"
 #include "support/fixture.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 #define PAYLOAD \
     ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_MATERIAL | (uint32_t)SVO_NEED_FILL)
@@ -494,7 +495,7 @@ static void wrong_arguments_are_refused(void **state)
     svo_tree_destroy(&tree);
 }
 
-int main(void)
+TEST_GROUP(compact)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(full_trees_have_the_documented_bytes),
                                        cmocka_unit_test(half_trees_with_colors_have_the_documented_bytes),
@@ -509,5 +510,5 @@ int main(void)
                                        cmocka_unit_test(host_and_device_give_the_same_bytes),
                                        cmocka_unit_test(wrong_options_are_refused),
                                        cmocka_unit_test(wrong_arguments_are_refused)};
-    return cmocka_run_group_tests_name("compact trees", tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("compact", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -22,6 +22,7 @@
 #include "io/file_format.h"
 #include "support/fixture_folder.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 #include "svocl/io.h"
 
 #define PAYLOAD \
@@ -258,8 +259,6 @@ static void wrong_arguments_are_refused(void **state)
 
 /* ---- seeds of the fuzz target ---- */
 
-static const char *seed_folder; /* NULL: run the tests */
-
 static void write_seeds(void **state)
 {
     static const struct {
@@ -273,6 +272,8 @@ static void write_seeds(void **state)
                  {"bare_records.svc", 6, 0, SVO_FORM_SHARED, false},
                  {"bare_words.svc", 5, 0, SVO_FORM_DESCRIPTOR, false},
                  {"packed.svc", 4, SVO_NEED_COLOR, SVO_FORM_IMPLIED, true}};
+    const char *seed_folder = getenv("SVOCL_SEED_FOLDER");
+    assert_non_null(seed_folder);
     const fixture opened = fixture_cl_of_group(state);
     for (size_t i = 0; i < sizeof seeds / sizeof seeds[0]; ++i) {
         const svo_save_options options = {.struct_size = sizeof options, .compress = seeds[i].compress};
@@ -284,15 +285,16 @@ static void write_seeds(void **state)
     }
 }
 
-int main(int argc, char **argv)
+TEST_GROUP(compact_seeds)
 {
     const struct CMUnitTest writing[] = {cmocka_unit_test(write_seeds)};
+    return cmocka_run_group_tests_name("compact_seeds", writing, fixture_folder_setup, fixture_folder_teardown);
+}
+
+TEST_GROUP(compact_file)
+{
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_saved_is_loaded), cmocka_unit_test(every_cut_and_every_flipped_bit_is_noticed),
         cmocka_unit_test(damaged_structure_is_noticed), cmocka_unit_test(wrong_arguments_are_refused)};
-    seed_folder = argc == 2 ? argv[1] : NULL;
-    if (seed_folder != NULL) {
-        return cmocka_run_group_tests_name("seeds", writing, fixture_folder_setup, fixture_folder_teardown);
-    }
-    return cmocka_run_group_tests_name("files of compact trees", tests, fixture_folder_setup, fixture_folder_teardown);
+    return cmocka_run_group_tests_name("compact_file", tests, fixture_folder_setup, fixture_folder_teardown);
 }

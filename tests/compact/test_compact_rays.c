@@ -19,6 +19,7 @@
 #include "scenes.h"
 #include "support/fixture.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 #define RAY_COUNT 100000u
 
@@ -413,11 +414,11 @@ static void wrong_arguments_are_refused(void **state)
     scene_destroy(&cube);
 }
 
-int main(void)
+TEST_GROUP(compact_rays)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(every_form_gives_the_hits_of_the_built_tree),
                                        cmocka_unit_test(merged_leaves_are_met_at_the_same_distance),
                                        cmocka_unit_test(every_form_draws_the_picture_of_the_built_tree),
                                        cmocka_unit_test(wrong_arguments_are_refused)};
-    return cmocka_run_group_tests_name("rays of compact trees", tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("compact_rays", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -17,6 +17,7 @@
 #include "scenes.h"
 #include "support/fixture.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 #include "voxel_mesh.h"
 
 static void succeed(const fixture *opened, svo_status status)
@@ -465,7 +466,7 @@ static void a_plan_bounds_what_is_made(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(compact_shared)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(random_trees_are_shared_and_expanded),

@@ -16,6 +16,7 @@
 #include "support/counting.h"
 #include "support/fixture.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 #include "voxel_mesh.h"
 
 static void succeed(const fixture *opened, svo_status status)
@@ -484,7 +485,7 @@ static void waits_do_not_grow_with_the_depth(void **state)
     assert_int_equal(waits[0], waits[1]);
 }
 
-int main(void)
+TEST_GROUP(minimize)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_full_tree_is_eight_leaves),

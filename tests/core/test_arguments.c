@@ -20,6 +20,7 @@
 #include "scenes.h"
 #include "support/fixture.h"
 #ifdef HAVE_IO
+#include "support/suite.h"
 #include "svocl/io.h"
 #endif
 
@@ -401,7 +402,7 @@ static void opengl_front_ends(void **state)
 }
 #endif
 
-int main(void)
+TEST_GROUP(arguments)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(names_of_enumerators_and_of_none),

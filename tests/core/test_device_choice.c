@@ -12,6 +12,7 @@
 
 #include <cmocka.h>
 
+#include "support/suite.h"
 #include "svocl/svocl.h"
 
 enum { DEVICES_MAX = 4, PLATFORMS_MAX = 2 };
@@ -190,8 +191,8 @@ static void the_best_device_is_taken(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(device_choice)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(the_best_device_is_taken)};
-    return cmocka_run_group_tests_name("device choice", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("device_choice", tests, NULL, NULL);
 }

@@ -19,6 +19,7 @@
 #include "core/tree.h"
 #include "scenes.h"
 #include "support/fixture.h"
+#include "support/suite.h"
 #include "svocl/light.h"
 #include "svocl/moving.h"
 #include "svocl/probes.h"
@@ -430,7 +431,7 @@ static void what_is_on_no_device_is_refused_with_words(void **state)
     release_subjects(&of);
 }
 
-int main(void)
+TEST_GROUP(enqueue)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(batches_without_a_queue_take_the_devices_own),
@@ -441,5 +442,5 @@ int main(void)
         cmocka_unit_test(updates_without_a_queue_take_the_devices_own),
         cmocka_unit_test(what_is_on_no_device_is_refused_with_words),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("enqueue", tests, fixture_group_setup, fixture_group_teardown);
 }

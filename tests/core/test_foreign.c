@@ -15,6 +15,7 @@
 #include "core/tree.h"
 #include "scenes.h"
 #include "support/fixture.h"
+#include "support/suite.h"
 
 #define DEPTH 4
 
@@ -358,7 +359,7 @@ static void queues_of_another_device_are_refused(void **state)
     clReleaseContext(context);
 }
 
-int main(void)
+TEST_GROUP(foreign)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(queues_of_another_context_are_refused),
@@ -368,5 +369,5 @@ int main(void)
         cmocka_unit_test(meshes_of_another_context_are_refused),
         cmocka_unit_test(queues_of_another_device_are_refused),
     };
-    return cmocka_run_group_tests_name("foreign objects", tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("foreign", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -17,6 +17,7 @@
 #include "support/counting.h"
 #include "support/fixture.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 enum { DEPTH = 7 };
 
@@ -276,7 +277,7 @@ static void a_callers_device_takes_no_limit_of_threads(void **state)
     assert_non_null(strstr(message.text, "max_threads 1"));
 }
 
-int main(void)
+TEST_GROUP(limits)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_plan_above_the_budget_is_refused_beforehand),
@@ -287,5 +288,5 @@ int main(void)
         cmocka_unit_test(a_part_of_a_device_outlives_its_handles),
         cmocka_unit_test(a_callers_device_takes_no_limit_of_threads),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("limits", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -26,6 +26,7 @@
 #include "svocl/io.h"
 #include "svocl/svocl.h"
 #ifdef HAVE_GL
+#include "support/suite.h"
 #include "svocl/gl.h"
 #endif
 
@@ -787,7 +788,7 @@ static int tear_down(void **state)
     return work_folder_remove(state);
 }
 
-int main(void)
+TEST_GROUP(memory)
 {
     enum { SCENARIOS = sizeof scenarios / sizeof scenarios[0] };
     const struct CMUnitTest others[] = {
@@ -801,5 +802,5 @@ int main(void)
             .name = scenarios[i].name, .test_func = check_scenario, .initial_state = (void *)(uintptr_t)&scenarios[i]};
     }
     memcpy(tests + SCENARIOS, others, sizeof others);
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests_name("memory", tests, set_up, tear_down);
 }

@@ -17,6 +17,7 @@
 #include "scenes.h"
 #include "support/fixture.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 static void succeed(const fixture *opened, svo_status status)
 {
@@ -462,7 +463,7 @@ static void kernels_agree_with_the_host(void **state)
     scene_destroy(&knot);
 }
 
-int main(void)
+TEST_GROUP(nodes)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(codes_and_cells_round_trip),

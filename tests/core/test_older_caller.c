@@ -18,6 +18,7 @@
 #ifdef HAVE_IO
 #include "svocl/io.h"
 #endif
+#include "support/suite.h"
 #include "svocl/svocl.h"
 
 #define CANARY       0xa5
@@ -427,7 +428,7 @@ static int tear_down(void **state)
     return 0;
 }
 
-int main(void)
+TEST_GROUP(older_caller)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(outputs_fill_only_the_fields_the_caller_knows),
@@ -435,5 +436,5 @@ int main(void)
         cmocka_unit_test(older_inputs_are_accepted_and_newer_ones_refused),
         cmocka_unit_test(stages_are_read_by_index),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests_name("older_caller", tests, set_up, tear_down);
 }

@@ -25,6 +25,7 @@
 #include <unistd.h>
 
 #include "output/output.h"
+#include "support/suite.h"
 
 #define TEXT_BYTES 256
 
@@ -359,7 +360,7 @@ static void temporary_names_are_told(void **state)
     assert_int_equal(count_entries(), 1);
 }
 
-int main(void)
+TEST_GROUP(output)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(files_are_made_and_replaced, empty_folder),

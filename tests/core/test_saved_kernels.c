@@ -24,6 +24,7 @@
 #include "support/attributed_mesh.h"
 #include "support/counting.h"
 #include "support/fixture.h"
+#include "support/suite.h"
 
 enum { DEPTH = 5, FILES_MAX = 8, PATH_BYTES = 512 };
 
@@ -407,7 +408,7 @@ static void plans_of_another_device_do_not_warm(void **state)
     end(&kept);
 }
 
-int main(void)
+TEST_GROUP(saved_kernels)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(saved_kernels_replace_compiling),
@@ -419,5 +420,5 @@ int main(void)
         cmocka_unit_test(folders_that_do_not_work_are_named),
         cmocka_unit_test(plans_of_another_device_do_not_warm),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("saved_kernels", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -21,6 +21,7 @@
 #include "scenes.h"
 #include "shared/layout.h"
 #include "support/fixture.h"
+#include "support/suite.h"
 
 #define BUILD_LOG "1 error generated.\nprogram.cl:7: error: no such thing\nand more"
 
@@ -480,7 +481,7 @@ static void hits_at_the_border_count_without_doubles(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(unusual_device)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_teardown(devices_that_are_refused, forget_answers),
@@ -496,5 +497,5 @@ int main(void)
         cmocka_unit_test_teardown(a_device_that_fuses_is_refused, forget_answers),
         cmocka_unit_test_teardown(hits_at_the_border_count_without_doubles, forget_answers),
     };
-    return cmocka_run_group_tests_name("unusual device", tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("unusual_device", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -20,6 +20,7 @@
 #include "support/fixture.h"
 #include "support/machine.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 enum { TRIANGLES = 60, DEPTH = 6, POINTS_MAX = 1000 };
 
@@ -547,7 +548,7 @@ static void strings_that_are_null_are_a_status(void **state)
     svo_gl_context_destroy(&context);
 }
 
-int main(void)
+TEST_GROUP(bad_driver)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lost_context_is_a_status_everywhere),
@@ -562,5 +563,5 @@ int main(void)
         cmocka_unit_test(logs_of_compilers_are_whole),
         cmocka_unit_test(strings_that_are_null_are_a_status),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests_name("bad_driver", tests, NULL, NULL);
 }

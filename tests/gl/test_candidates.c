@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "share/candidates.h"
+#include "support/suite.h"
 
 enum { DEVICES_MAX = 4, TRIED_BYTES = 64 };
 
@@ -140,7 +141,7 @@ static void extensions_tell_gpus_from_software(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(candidates)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_best_context_is_taken),

@@ -19,6 +19,7 @@
 #include "share/probe.h"
 #include "share/share.h"
 #include "support/machine.h"
+#include "support/suite.h"
 
 enum { BUFFER_WORDS = 1000, THREAD_ROUNDS = 50, SHARE_WORDS = 100003, SHARE_ROUNDS = 3 };
 
@@ -758,7 +759,7 @@ static void shared_buffer_is_handed_over_in_turns(void **state)
     pair_release(&on);
 }
 
-int main(void)
+TEST_GROUP(context)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(surfaceless_context_is_created),
@@ -788,5 +789,5 @@ int main(void)
         cmocka_unit_test(shared_buffer_above_a_limit_is_refused),
         cmocka_unit_test(shared_buffer_is_handed_over_in_turns),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests_name("context", tests, NULL, NULL);
 }

@@ -20,6 +20,7 @@
 #include "support/machine.h"
 #include "support/nondefault_state.h"
 #include "support/own_context.h"
+#include "support/suite.h"
 
 #define DEPTH         5
 #define WIDTH         52
@@ -336,7 +337,7 @@ static void the_callers_state_stays(void **state)
     close_application(&of);
 }
 
-int main(void)
+TEST_GROUP(gl_buffer)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pictures_are_copied),          cmocka_unit_test(pictures_stay_in_mapped_memory),
@@ -344,5 +345,5 @@ int main(void)
         cmocka_unit_test(stale_pictures_are_found_out), cmocka_unit_test(a_failing_call_is_a_status_and_the_next_works),
         cmocka_unit_test(wrong_arguments_are_refused),  cmocka_unit_test(the_callers_state_stays),
     };
-    return cmocka_run_group_tests_name("OpenGL buffers", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("gl_buffer", tests, NULL, NULL);
 }

@@ -19,6 +19,7 @@
 #include "scenes.h"
 #include "support/attributed_mesh.h"
 #include "support/fixture.h"
+#include "support/suite.h"
 
 #define NEED_PAYLOAD \
     ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_MATERIAL | (uint32_t)SVO_NEED_FILL)
@@ -366,7 +367,7 @@ static void stages_are_timed_where_timers_work(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(gl_build)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_scene_gives_the_same_tree),
@@ -386,5 +387,5 @@ int main(void)
         cmocka_unit_test(what_does_not_fit_a_storage_block_is_refused),
         cmocka_unit_test(wrong_arguments_are_refused),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("gl_build", tests, fixture_group_setup, fixture_group_teardown);
 }

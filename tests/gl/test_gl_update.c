@@ -15,6 +15,7 @@
 #include "support/fixture.h"
 #include "support/gl_interop_shim.h"
 #include "support/machine.h"
+#include "support/suite.h"
 
 enum { DEPTH = 5, TRIANGLES = 200, VERTICES = TRIANGLES * 3, NUMBERS = VERTICES * 3, BYTES = NUMBERS * 4, MOVES = 3 };
 
@@ -434,7 +435,7 @@ static void wrong_arguments_are_refused(void **state)
 #undef NAME
 }
 
-int main(void)
+TEST_GROUP(gl_update)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(shared_vertices_move_the_mesh),
@@ -446,5 +447,5 @@ int main(void)
         cmocka_unit_test(buffers_that_cannot_be_mapped_stay_with_opencl),
         cmocka_unit_test(wrong_arguments_are_refused),
     };
-    return cmocka_run_group_tests_name("moved by OpenGL", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("gl_update", tests, NULL, NULL);
 }

@@ -14,11 +14,13 @@
 
 #include <cmocka.h>
 
-#include "share/interop.h"
 #include "support/fixture.h"
 #include "support/gl_interop_shim.h"
 #include "support/machine.h"
 #include "support/meshes.h"
+#include "support/suite.h"
+
+#include "share/interop.h" /* after svocl's headers, which choose OpenCL's version */
 
 enum { DEPTH = 7, TRIANGLES = 300, REASON_BYTES = SVO_MESSAGE_BYTES };
 
@@ -340,7 +342,7 @@ static void osmesa_cannot_be_named_to_opencl(void **state)
     svo_device_destroy(&device);
 }
 
-int main(void)
+TEST_GROUP(interop)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(shared_buffers_give_the_same_tree),
@@ -353,5 +355,5 @@ int main(void)
         cmocka_unit_test(contexts_of_glx_are_shared),
         cmocka_unit_test(osmesa_cannot_be_named_to_opencl),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests_name("interop", tests, NULL, NULL);
 }

@@ -20,6 +20,7 @@
 #include "support/machine.h"
 #include "support/nondefault_state.h"
 #include "support/own_context.h"
+#include "support/suite.h"
 
 enum { CUBE_VERTICES = 8, CUBE_TRIANGLES = 12, DEPTH = 6, DELAY_MS = 30, INDEX_OFFSET = 6, VERTEX_OFFSET = 20 };
 
@@ -396,7 +397,7 @@ static void retained_buffers_outlive_the_tree(void **state)
     free(actual);
 }
 
-int main(void)
+TEST_GROUP(mesh_read)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(interleaved_arrays_are_read_from_opencl),
@@ -407,5 +408,5 @@ int main(void)
         cmocka_unit_test(failed_events_are_a_status),
         cmocka_unit_test(retained_buffers_outlive_the_tree),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("mesh_read", tests, fixture_group_setup, fixture_group_teardown);
 }

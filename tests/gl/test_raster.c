@@ -23,6 +23,7 @@
 #include "support/fixture.h"
 #include "support/machine.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 #define NV          "GL_NV_conservative_raster"
 #define NV_PRE_SNAP "GL_NV_conservative_raster_pre_snap_triangles"
@@ -617,7 +618,7 @@ static void kind_of_integers_leaves_no_trace(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(raster)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(hardware_method_follows_from_extensions),
@@ -636,5 +637,5 @@ int main(void)
         cmocka_unit_test(lists_are_in_the_gpus_memory),
         cmocka_unit_test(kind_of_integers_leaves_no_trace),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests_name("raster", tests, NULL, NULL);
 }

@@ -20,6 +20,7 @@
 #include "support/meshes.h"
 #include "support/nondefault_state.h"
 #include "support/own_context.h"
+#include "support/suite.h"
 
 enum { TRIANGLES = 150 };
 
@@ -245,7 +246,7 @@ static void wrapped_context_shares_with_opencl(void **state)
     owned_mesh_free(&made);
 }
 
-int main(void)
+TEST_GROUP(wrap)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(state_of_a_core_context_stays_and_spoils_nothing),
@@ -255,5 +256,5 @@ int main(void)
         cmocka_unit_test(context_must_be_current),
         cmocka_unit_test(wrapped_context_shares_with_opencl),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests_name("wrap", tests, NULL, NULL);
 }

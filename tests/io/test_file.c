@@ -29,6 +29,7 @@
 #include "core/tree.h"
 #include "io/file_format.h"
 #include "small_tree.h"
+#include "support/suite.h"
 #include "svocl/io.h"
 #include "svocl/plan.h"
 
@@ -743,7 +744,7 @@ static int remove_directory(void **unused)
     return rmdir(directory);
 }
 
-int main(void)
+TEST_GROUP(file)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_round_trips),
@@ -770,5 +771,5 @@ int main(void)
         cmocka_unit_test(test_a_function_receives_the_bytes_of_the_file),
         cmocka_unit_test(test_a_process_that_ends_while_saving_leaves_nothing),
     };
-    return cmocka_run_group_tests(tests, make_directory, remove_directory);
+    return cmocka_run_group_tests_name("file", tests, make_directory, remove_directory);
 }

@@ -19,6 +19,7 @@
 #include "io/file_format.h"
 #include "small_tree.h"
 #include "support/older_file.h"
+#include "support/suite.h"
 #include "svocl/io.h"
 #include "svocl/plan.h"
 
@@ -284,7 +285,7 @@ static int remove_path(void **unused)
     return unlink(path);
 }
 
-int main(void)
+TEST_GROUP(file_levels)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_upper_levels_are_those_of_the_tree),
@@ -294,5 +295,5 @@ int main(void)
         cmocka_unit_test(test_older_files_give_the_same_trees),
         cmocka_unit_test(test_older_links_are_checked),
     };
-    return cmocka_run_group_tests(tests, make_path, remove_path);
+    return cmocka_run_group_tests_name("file_levels", tests, make_path, remove_path);
 }

@@ -30,6 +30,7 @@
 
 #include "io/import.h"
 #include "io/import_stream.h"
+#include "support/suite.h"
 #include "svocl/io.h"
 
 /* Defined in the library, but not declared in its header. The result is released by free. */
@@ -589,16 +590,8 @@ static int misbehave(const char *kind, const char *path, const char *seconds)
     return 3;
 }
 
-int main(int argc, char **argv)
+TEST_GROUP(import)
 {
-    const char *misbehavior = getenv(MISBEHAVIOR);
-    if (misbehavior != NULL && argc == IMPORT_CHILD_ARGUMENT_COUNT) {
-        return misbehave(misbehavior, argv[2], argv[4]);
-    }
-    int exit_code = 0;
-    if (svo_import_child_main(argc, argv, &exit_code)) {
-        return exit_code;
-    }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_obj_with_material_and_texture),
         cmocka_unit_test(test_a_missing_texture_is_a_warning),
@@ -621,5 +614,19 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_ignored_child_signals),
         cmocka_unit_test(test_damaged_answers),
     };
-    return cmocka_run_group_tests(tests, work_folder_make, work_folder_remove);
+    return cmocka_run_group_tests_name("import", tests, work_folder_make, work_folder_remove);
+}
+
+/* The program is its own child that reads. */
+int main(int argc, char **argv)
+{
+    const char *misbehavior = getenv(MISBEHAVIOR);
+    if (misbehavior != NULL && argc == IMPORT_CHILD_ARGUMENT_COUNT) {
+        return misbehave(misbehavior, argv[2], argv[4]);
+    }
+    int exit_code = 0;
+    if (svo_import_child_main(argc, argv, &exit_code)) {
+        return exit_code;
+    }
+    return suite_run(argc, argv);
 }

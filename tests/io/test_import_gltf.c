@@ -23,6 +23,7 @@
 
 #include "io/import_gltf.h"
 #include "io/import_stream.h"
+#include "support/suite.h"
 
 /* Defined in the library, but not declared in its header. The result is released by free. */
 unsigned char *stbi_write_png_to_mem(const unsigned char *pixels, int stride_bytes, int x, int y, int n, int *out_len);
@@ -762,7 +763,7 @@ static void test_arrays_that_do_not_fit(void **unused)
     expect_refused("stride.gltf", NULL, "accessor 2: byteStride 8 is below the 12 bytes of an element");
 }
 
-int main(void)
+TEST_GROUP(import_gltf)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_gltf_attributes),
@@ -785,5 +786,5 @@ int main(void)
         cmocka_unit_test(test_damaged_files),
         cmocka_unit_test(test_arrays_that_do_not_fit),
     };
-    return cmocka_run_group_tests(tests, work_folder_make, work_folder_remove);
+    return cmocka_run_group_tests_name("import_gltf", tests, work_folder_make, work_folder_remove);
 }

@@ -24,6 +24,7 @@
 #include "support/work_folder.h"
 
 #include "io/import_text.h"
+#include "support/suite.h"
 #include "svocl/io.h"
 
 #define FLOAT_COUNT 29997 /* a multiple of 9 */
@@ -730,7 +731,7 @@ static void test_a_damaged_header_of_60_bytes(void **unused)
     expect_refused("header.ply", &options, "line 5: 'prope' where");
 }
 
-int main(void)
+TEST_GROUP(import_readers)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_text_of_any_float_comes_back_bit_for_bit),
@@ -751,5 +752,5 @@ int main(void)
         cmocka_unit_test(test_damaged_binaries),
         cmocka_unit_test(test_a_damaged_header_of_60_bytes),
     };
-    return cmocka_run_group_tests(tests, work_folder_make, work_folder_remove);
+    return cmocka_run_group_tests_name("import_readers", tests, work_folder_make, work_folder_remove);
 }

@@ -18,6 +18,7 @@
 #include <unistd.h>
 
 #include "support/import_check.h"
+#include "support/suite.h"
 #include "support/work_folder.h"
 
 #define PLY_ASCII_BEGIN "ply\nformat ascii 1.0\n"
@@ -413,7 +414,7 @@ static void test_limits_of_a_ply_header(void **unused)
     expect_refused("properties.ply", NULL, "line 132: element vertex has more than 128 properties");
 }
 
-int main(void)
+TEST_GROUP(import_unusual)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_ply_signed_colors),
@@ -433,5 +434,5 @@ int main(void)
         cmocka_unit_test(test_a_skipped_list_that_ends_early),
         cmocka_unit_test(test_limits_of_a_ply_header),
     };
-    return cmocka_run_group_tests_name("unusual imports", tests, work_folder_make, work_folder_remove);
+    return cmocka_run_group_tests_name("import_unusual", tests, work_folder_make, work_folder_remove);
 }

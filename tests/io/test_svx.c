@@ -9,6 +9,7 @@
 
 #include <cmocka.h>
 
+#include "support/suite.h"
 #include "svocl/voxel_files.h"
 #include "vox_bytes.h"
 
@@ -188,7 +189,7 @@ static void test_manifests(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(svx)
 {
     svo_voxels *voxels = NULL;
     svo_message message = {""};
@@ -201,5 +202,5 @@ int main(void)
         cmocka_unit_test(test_images_that_unpack_to_too_much),
         cmocka_unit_test(test_manifests),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests_name("svx", tests, NULL, NULL);
 }

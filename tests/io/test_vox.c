@@ -15,6 +15,7 @@
 
 #include <cmocka.h>
 
+#include "support/suite.h"
 #include "svocl/voxel_files.h"
 #include "vox_bytes.h"
 
@@ -807,7 +808,7 @@ static void test_counts_of_real_files(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(vox)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_all_48_rotations_of_odd_and_even_sizes),
@@ -832,5 +833,5 @@ int main(void)
         cmocka_unit_test(test_chunks_that_are_damaged),
         cmocka_unit_test(test_counts_of_real_files),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests_name("vox", tests, NULL, NULL);
 }

@@ -16,6 +16,7 @@
 
 #include <cmocka.h>
 
+#include "support/suite.h"
 #include "svocl/voxel_files.h"
 #include "vox_bytes.h"
 
@@ -738,7 +739,7 @@ static void test_arguments(void **state)
     svo_voxels_destroy(&some);
 }
 
-int main(void)
+TEST_GROUP(voxel_files)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_round_trips),
@@ -760,5 +761,5 @@ int main(void)
         cmocka_unit_test(test_save_and_load_by_path),
         cmocka_unit_test(test_arguments),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests_name("voxel_files", tests, NULL, NULL);
 }

@@ -29,6 +29,7 @@
 #include "support/fixture.h"
 #include "support/meshes.h"
 #include "support/solid_meshes.h"
+#include "support/suite.h"
 
 #define KERNELS_MAX   192
 #define HANDLES_MAX   256 /* cl_kernel handles, live or released */
@@ -647,8 +648,8 @@ static void every_launch_matches_its_kernel(void **state)
     fixture_close(&opened);
 }
 
-int main(void)
+TEST_GROUP(kernel_signatures)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(every_launch_matches_its_kernel)};
-    return cmocka_run_group_tests_name("kernel signatures", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("kernel_signatures", tests, NULL, NULL);
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "program/run_program.h"
+#include "support/suite.h"
 
 static int row_count_of(const cJSON *table)
 {
@@ -551,7 +552,7 @@ static void unknown_scenes_are_named(void **state)
     expect_files(NULL, 0);
 }
 
-int main(void)
+TEST_GROUP(bench)
 {
     const struct CMUnitTest tests[] = {
         IN_FOLDER(front_ends_are_measured),

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "program/run_program.h"
+#include "support/suite.h"
 
 /* The table of one experiment; the document is released by cJSON_Delete. */
 static cJSON *measure(const char *subject, const char *id, const cJSON **table)
@@ -255,7 +256,7 @@ static void probes_are_compared_with_exact_rays(void **state)
     cJSON_Delete(document);
 }
 
-int main(void)
+TEST_GROUP(errors)
 {
     const struct CMUnitTest tests[] = {
         IN_FOLDER(voxels_are_exact_in_integers_alone),

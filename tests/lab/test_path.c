@@ -17,6 +17,7 @@
 #include "path/path.h"
 #include "path/surface_points.h"
 #include "support/fixture.h"
+#include "support/suite.h"
 
 #define PI      3.14159265358979323846
 #define SAMPLES 4096u
@@ -485,7 +486,7 @@ static void points_are_spread_by_area(void **state)
     assert_false(surface_points(&mesh, 400, SEED, points));
 }
 
-int main(void)
+TEST_GROUP(path)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(walls_occlude_by_their_closed_form),

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* `svocl reference` as a user runs it: points from a file, from standard input and spread by area; refusals. */
 #include "program/run_program.h"
+#include "support/suite.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -91,7 +92,7 @@ static void what_is_wrong_is_named(void **state)
     run_well("rm a.svo bad.csv");
 }
 
-int main(void)
+TEST_GROUP(reference)
 {
     const struct CMUnitTest tests[] = {
         IN_FOLDER(points_of_a_file_get_their_light),

@@ -16,6 +16,7 @@
 #include "measure/result_json.h"
 #include "measure/result_text.h"
 #include "measure/spread.h"
+#include "support/suite.h"
 
 /* Two tables: one with every kind of cell, one without rows. */
 static result_set *make_set(void)
@@ -198,7 +199,7 @@ static void test_invalid_results_are_refused(void **state)
     result_destroy(&set);
 }
 
-int main(void)
+TEST_GROUP(result)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_round_trip),
@@ -208,5 +209,5 @@ int main(void)
         cmocka_unit_test(test_invalid_results_are_refused),
         cmocka_unit_test(test_quartiles_by_hand),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests_name("result", tests, NULL, NULL);
 }

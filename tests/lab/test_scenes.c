@@ -23,6 +23,7 @@
 #include <xxhash.h>
 
 #include "scenes.h"
+#include "support/suite.h"
 
 #define ANY_COUNT 0u
 
@@ -558,7 +559,7 @@ static void ply_bakes_in_base_colors_or_reports_why_not(void **unused)
     assert_int_equal(empty_folder(), 1);
 }
 
-int main(void)
+TEST_GROUP(scenes)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_scene_is_well_formed_and_pinned),
@@ -573,5 +574,5 @@ int main(void)
         cmocka_unit_test(ply_files_hold_the_mesh),
         cmocka_unit_test(ply_bakes_in_base_colors_or_reports_why_not),
     };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return cmocka_run_group_tests_name("scenes", tests, make_folder, remove_folder);
 }

@@ -14,6 +14,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "support/suite.h"
 #include "support/table.h"
 
 #define TEXT_BYTES 4096
@@ -152,7 +153,7 @@ static void figures_are_readable(void **state)
     assert_string_equal(figure_needs(0).text, "none");
 }
 
-int main(void)
+TEST_GROUP(table)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(columns_are_aligned_by_characters),
@@ -161,5 +162,5 @@ int main(void)
         cmocka_unit_test(files_get_one_line_per_row),
         cmocka_unit_test(figures_are_readable),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests_name("table", tests, NULL, NULL);
 }

@@ -18,6 +18,7 @@
 #include "cone_scene.h"
 #include "errors/published_march.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 #define DEPTH 7u
 #define WIDTH ((size_t)1 << DEPTH)
@@ -459,7 +460,7 @@ static void wrong_options_are_refused(void **state)
     cone_scene_free(scene);
 }
 
-int main(void)
+TEST_GROUP(gather)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(weights_hold_the_cosine),
@@ -472,5 +473,5 @@ int main(void)
         cmocka_unit_test(the_published_march_leaks),
         cmocka_unit_test(wrong_options_are_refused),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("gather", tests, fixture_group_setup, fixture_group_teardown);
 }

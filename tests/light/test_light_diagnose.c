@@ -15,6 +15,7 @@
 #include "light/source_views.h"
 #include "light_fixture.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 #include "wall_mesh.h"
 
 /* ---- node maps ---- */
@@ -143,11 +144,11 @@ static void test_leaves_without_photons_are_counted(void **state)
     built_destroy(&made);
 }
 
-int main(void)
+TEST_GROUP(light_diagnose)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_node_maps_follow_their_rule),
         cmocka_unit_test(test_leaves_without_photons_are_counted),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("light_diagnose", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -19,6 +19,7 @@
 #include "light/radiance_filter.h"
 #include "light_scene.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 /* ---- the logarithm ---- */
 
@@ -309,7 +310,7 @@ static void no_lit_leaf_is_dark(void **state)
     light_scene_close(&scene);
 }
 
-int main(void)
+TEST_GROUP(light_filter)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(extinctions_are_logarithms),
@@ -319,5 +320,5 @@ int main(void)
         cmocka_unit_test(field_keeps_a_radiance_that_is_everywhere),
         cmocka_unit_test(no_lit_leaf_is_dark),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("light_filter", tests, fixture_group_setup, fixture_group_teardown);
 }

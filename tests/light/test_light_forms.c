@@ -18,6 +18,7 @@
 #include "light_fixture.h"
 #include "light_scene.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 #define DEPTH LIGHT_SCENE_DEPTH
 #define WIDTH LIGHT_SCENE_WIDTH
@@ -317,7 +318,7 @@ static void fields_are_those_of_dense_grids(void **state)
     free(samples);
 }
 
-int main(void)
+TEST_GROUP(light_forms)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_node_has_the_opacity_of_a_dense_grid),
@@ -327,5 +328,5 @@ int main(void)
         cmocka_unit_test(bricks_agree_and_keep_the_sum),
         cmocka_unit_test(fields_are_those_of_dense_grids),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("light_forms", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -20,6 +20,7 @@
 #include "raster/light_view.h"
 #include "scenes.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 #define RESOLUTION 120
 #define BAND       4096 /* photons: several bands a view */
@@ -232,7 +233,7 @@ static void failures_name_the_function(void **state)
     scene_destroy(&cornell);
 }
 
-int main(void)
+TEST_GROUP(light_gl)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pixels_name_the_same_triangles),
@@ -240,5 +241,5 @@ int main(void)
         cmocka_unit_test(trees_without_triangles_are_refused),
         cmocka_unit_test(failures_name_the_function),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("light_gl", tests, fixture_group_setup, fixture_group_teardown);
 }

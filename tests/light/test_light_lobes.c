@@ -17,6 +17,7 @@
 #include "light/shoot.h"
 #include "light_fixture.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 #define PI    3.14159265358979323846
 #define DEPTH 4
@@ -172,11 +173,11 @@ static void test_lobes_point_where_light_is_mirrored(void **state)
     built_destroy(&made);
 }
 
-int main(void)
+TEST_GROUP(light_lobes)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_lobes_keep_their_energy),
         cmocka_unit_test(test_lobes_point_where_light_is_mirrored),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("light_lobes", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -20,6 +20,7 @@
 #include "photon_reference.h"
 #include "scenes.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 #include "wall_mesh.h"
 
 #define PI 3.14159265358979323846
@@ -528,7 +529,7 @@ static void test_trees_without_triangles_are_lit(void **state)
     built_destroy(&made);
 }
 
-int main(void)
+TEST_GROUP(light_photons)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sums_are_those_of_the_reference),
@@ -541,5 +542,5 @@ int main(void)
         cmocka_unit_test(test_premultiplied_emission_is_rounded),
         cmocka_unit_test(test_trees_without_triangles_are_lit),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("light_photons", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -15,6 +15,7 @@
 #include <cmocka.h>
 
 #include "light_fixture.h"
+#include "support/suite.h"
 
 #define PI    3.14159265358979323846
 #define DEPTH 5
@@ -407,7 +408,7 @@ static void wrong_pictures_are_refused(void **state)
     close_floor(&scene);
 }
 
-int main(void)
+TEST_GROUP(light_picture)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sources_light_directly),        cmocka_unit_test(shadows_are_those_of_triangles),
@@ -415,5 +416,5 @@ int main(void)
         cmocka_unit_test(finishes_emit_and_reflect),     cmocka_unit_test(trees_without_triangles_are_drawn),
         cmocka_unit_test(bands_are_rows_of_the_picture), cmocka_unit_test(a_plane_cuts_the_floor_away),
         cmocka_unit_test(wrong_pictures_are_refused)};
-    return cmocka_run_group_tests_name("pictures of light", tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("light_picture", tests, fixture_group_setup, fixture_group_teardown);
 }

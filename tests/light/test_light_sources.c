@@ -19,6 +19,7 @@
 #include "light_fixture.h"
 #include "support/counting.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 #define DEPTH 6
 /* The descriptor that a child writes hashes to; cmocka has the standard output. */
@@ -123,7 +124,7 @@ static void hash_with_threads(const char *threads, char *text, size_t bytes)
     if (child == 0) {
         dup2(ends[1], HASHES);
         setenv("POCL_MAX_PTHREAD_COUNT", threads, 1);
-        execl("/proc/self/exe", "test_light_sources", "hashes", (char *)NULL);
+        execl("/proc/self/exe", "test_light", "light_source_hashes", (char *)NULL);
         _exit(127);
     }
     close(ends[1]);
@@ -293,9 +294,15 @@ static void print_hashes(void **state)
     assert_int_equal(write(HASHES, text, strlen(text)), strlen(text));
 }
 
-int main(int argc, char **argv)
+/* For the same program with another number of threads. */
+TEST_GROUP(light_source_hashes)
 {
-    (void)argv;
+    const struct CMUnitTest hashes[] = {cmocka_unit_test(print_hashes)};
+    return cmocka_run_group_tests_name("light_source_hashes", hashes, fixture_group_setup, fixture_group_teardown);
+}
+
+TEST_GROUP(light_sources)
+{
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_repeated_runs_have_the_same_hash),
         cmocka_unit_test(test_threads_do_not_matter),
@@ -303,7 +310,5 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_bad_setups_are_refused),
         cmocka_unit_test(test_no_light_is_no_error),
     };
-    const struct CMUnitTest hashes[] = {cmocka_unit_test(print_hashes)};
-    return argc > 1 ? cmocka_run_group_tests(hashes, fixture_group_setup, fixture_group_teardown)
-                    : cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("light_sources", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -16,6 +16,7 @@
 
 #include "cone_scene.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 #define DEPTH 7u
 
@@ -539,7 +540,7 @@ static void a_moving_light_does_not_flicker(void **state)
     close_room(&room);
 }
 
-int main(void)
+TEST_GROUP(light_truths)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(occlusion_of_simple_shapes),
@@ -551,5 +552,5 @@ int main(void)
         cmocka_unit_test(one_bounce_is_the_same_at_each_depth),
         cmocka_unit_test(a_moving_light_does_not_flicker),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("light_truths", tests, fixture_group_setup, fixture_group_teardown);
 }

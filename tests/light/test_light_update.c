@@ -19,6 +19,7 @@
 #include "support/enqueued.h"
 #include "support/fixture.h"
 #include "support/memory_ledger.h"
+#include "support/suite.h"
 
 enum { OBJECTS = 5, DEPTH = 6, BOXES = 64 };
 
@@ -552,7 +553,7 @@ static void memory_is_flat(void **state)
     fixture_close(&opened);
 }
 
-int main(void)
+TEST_GROUP(light_update)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(random_moves_equal_lights_from_nothing),
@@ -567,5 +568,5 @@ int main(void)
         cmocka_unit_test(missing_boxes_are_told),
         cmocka_unit_test(memory_is_flat),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("light_update", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -21,6 +21,7 @@
 #include "light_fixture.h"
 #include "support/attributed_mesh.h"
 #include "support/counting.h"
+#include "support/suite.h"
 
 #define NEEDS (SVO_NEED_COLOR | (unsigned)SVO_NEED_NORMAL | (unsigned)SVO_NEED_PROJECTED_AREA)
 
@@ -149,7 +150,8 @@ static size_t hashes_by_threads(unsigned threads, char lines[4][64])
     char line[256];
     size_t count = 0;
     assert_true(readlink("/proc/self/exe", path, sizeof path - 1) > 0);
-    (void)snprintf(command, sizeof command, "POCL_MAX_PTHREAD_COUNT=%u '%s' hashes 2>/dev/null", threads, path);
+    (void)snprintf(command, sizeof command, "POCL_MAX_PTHREAD_COUNT=%u '%s' light_use_hashes 2>/dev/null", threads,
+                   path);
     FILE *output = popen(command, "r");
     assert_non_null(output);
     while (fgets(line, sizeof line, output) != NULL) {
@@ -308,9 +310,15 @@ static void names_are_those_of_the_header(void **state)
     assert_string_equal(svo_light_stage_name(SVO_LIGHT_STAGE_COUNT), "unknown stage");
 }
 
-int main(int argc, char **argv)
+/* For the same program with another number of threads. */
+TEST_GROUP(light_use_hashes)
 {
     const struct CMUnitTest printing[] = {cmocka_unit_test(print_hashes)};
+    return cmocka_run_group_tests_name("light_use_hashes", printing, fixture_group_setup, fixture_group_teardown);
+}
+
+TEST_GROUP(light_use)
+{
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_light_allocates_what_is_planned),
         cmocka_unit_test(a_light_compiles_its_form_alone),
@@ -322,8 +330,5 @@ int main(int argc, char **argv)
         cmocka_unit_test(wrong_arguments_are_refused),
         cmocka_unit_test(names_are_those_of_the_header),
     };
-    if (argc == 2 && strcmp(argv[1], "hashes") == 0) {
-        return cmocka_run_group_tests(printing, fixture_group_setup, fixture_group_teardown);
-    }
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("light_use", tests, fixture_group_setup, fixture_group_teardown);
 }

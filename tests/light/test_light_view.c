@@ -16,6 +16,7 @@
 
 #include "light/source_views.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 #define PI      3.14159265358979323846
 #define PHOTONS 4096 /* of a band */
@@ -210,7 +211,7 @@ static void test_bands_do_not_matter(void **state)
     free(parts);
 }
 
-int main(void)
+TEST_GROUP(light_view)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_cosine_is_the_library_s),
@@ -220,5 +221,5 @@ int main(void)
         cmocka_unit_test(test_each_point_of_the_box_has_a_pixel),
         cmocka_unit_test(test_bands_do_not_matter),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests_name("light_view", tests, NULL, NULL);
 }

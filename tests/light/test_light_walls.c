@@ -16,6 +16,7 @@
 #include <string.h>
 
 #include "light_fixture.h"
+#include "support/suite.h"
 
 #define DEPTH 6u
 #define WIDTH ((size_t)1 << DEPTH)
@@ -160,11 +161,11 @@ static void a_sealed_box_is_opaque(void **state)
     svo_tree_destroy(&tree);
 }
 
-int main(void)
+TEST_GROUP(light_walls)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_wall_is_as_opaque_at_every_shift),
         cmocka_unit_test(a_sealed_box_is_opaque),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("light_walls", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -18,6 +18,7 @@
 #include "moving_scene.h"
 #include "support/enqueued.h"
 #include "support/fixture.h"
+#include "support/suite.h"
 
 static const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
@@ -379,7 +380,7 @@ static void memory_is_flat(void **state)
     check_memory_is_flat(getenv("SVOCL_LONG_TESTS") != NULL ? 10000 : 3000, update_moving, nothing_else);
 }
 
-int main(void)
+TEST_GROUP(moving)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_hundred_moves_equal_full_builds),
@@ -394,5 +395,5 @@ int main(void)
         cmocka_unit_test(what_does_not_fit_leaves_the_tree),
         cmocka_unit_test(memory_is_flat),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("moving", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -16,6 +16,7 @@
 #include "moving_scene.h"
 #include "support/enqueued.h"
 #include "support/solid_meshes.h"
+#include "support/suite.h"
 
 #define DEPTH 5
 #define EDGE  16.0
@@ -342,7 +343,7 @@ static void areas_are_left_out(void **state)
     solids_destroy(&made);
 }
 
-int main(void)
+TEST_GROUP(moving_area)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(areas_follow_what_closes_and_opens),
@@ -353,5 +354,5 @@ int main(void)
         cmocka_unit_test(light_follows_areas),
         cmocka_unit_test(areas_are_left_out),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("moving_area", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -18,6 +18,7 @@
 #include "moving_scene.h"
 #include "support/counting.h"
 #include "support/enqueued.h"
+#include "support/suite.h"
 
 static const uint32_t everything = SVO_NEED_ALL;
 static const double small[12] = {0.01, 0, 0, 0.5, 0, 0.01, 0, 0.5, 0, 0, 0.01, 0.5};
@@ -386,7 +387,7 @@ static void memory_is_flat(void **state)
     check_memory_is_flat(2000, update_and_finish, buffers_of);
 }
 
-int main(void)
+TEST_GROUP(moving_enqueue)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(enqueued_moves_equal_full_builds),  cmocka_unit_test(every_kind_of_request_can_be_enqueued),
@@ -395,5 +396,5 @@ int main(void)
         cmocka_unit_test(what_does_not_fit_leaves_the_tree), cmocka_unit_test(a_scene_in_flight_is_left_alone),
         cmocka_unit_test(a_failure_leaves_the_tree),         cmocka_unit_test(memory_is_flat),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("moving_enqueue", tests, fixture_group_setup, fixture_group_teardown);
 }

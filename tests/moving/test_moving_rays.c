@@ -17,6 +17,7 @@
 
 #include "moving_scene.h"
 #include "support/enqueued.h"
+#include "support/suite.h"
 
 enum { RAYS = 1500, POINTS = 100, DEPTH = 6 };
 
@@ -518,7 +519,7 @@ static void memory_is_flat(void **state)
     check_memory_is_flat(1000, update_with_bvh, ray_bytes_of);
 }
 
-int main(void)
+TEST_GROUP(moving_rays)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(hits_are_those_of_the_whole_bvh),
@@ -533,5 +534,5 @@ int main(void)
         cmocka_unit_test(wrong_calls_are_refused),
         cmocka_unit_test(memory_is_flat),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("moving_rays", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -16,6 +16,7 @@
 #include "core/work.h"
 #include "io/file_format.h"
 #include "light/light_fixture.h"
+#include "support/suite.h"
 #include "svocl/compact.h"
 #include "svocl/voxels.h"
 
@@ -177,7 +178,7 @@ static void cones_start_at_a_distance_in_the_world(void **state)
     free(voxels);
 }
 
-int main(void)
+TEST_GROUP(survivors)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(peak_scratch_bytes_are_those_at_one_time),
@@ -185,5 +186,5 @@ int main(void)
         cmocka_unit_test(levels_end_where_the_masks_above_say),
         cmocka_unit_test(cones_start_at_a_distance_in_the_world),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("survivors", tests, fixture_group_setup, fixture_group_teardown);
 }

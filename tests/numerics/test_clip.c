@@ -22,6 +22,7 @@
 #include "support/machine.h"
 #include "support/meshes.h"
 #include "support/payload_pair.h"
+#include "support/suite.h"
 
 extern const char clip_probe_source_cl[];
 extern const char clip_probe_source_gl[];
@@ -313,12 +314,12 @@ static void t2_areas_of_the_clipped_pieces_sum_to_the_mesh(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(clip)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(opencl_agrees_with_c),        cmocka_unit_test(glsl_agrees_with_c),
         cmocka_unit_test(eight_lanes_agree_with_c),    cmocka_unit_test(area_and_centroid_match_the_clipped_triangle),
         cmocka_unit_test(weights_are_stretched_areas), cmocka_unit_test(t2_areas_of_the_clipped_pieces_sum_to_the_mesh),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests_name("clip", tests, NULL, NULL);
 }

@@ -17,6 +17,7 @@
 #include "numerics/agree/sample.h"
 #include "support/compare_tree.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 /* A compiled variant of the shared test. */
 typedef struct pair_class {
@@ -114,11 +115,11 @@ static void t7_ill_conditioned_scene_is_exact(void **state)
     check_ill_conditioned(fixture_of_group(state), 11, 1, 1);
 }
 
-int main(void)
+TEST_GROUP(numerics_ill_conditioned)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(t4_a_million_pairs_are_decided_exactly),
         cmocka_unit_test(t7_ill_conditioned_scene_is_exact),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("numerics_ill_conditioned", tests, fixture_group_setup, fixture_group_teardown);
 }

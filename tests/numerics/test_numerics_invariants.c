@@ -17,6 +17,7 @@
 
 #include "support/compare_tree.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 #define EDGE 0x1p20
 
@@ -525,7 +526,7 @@ static void t16_sums_of_every_level_equal_those_of_the_leaves(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(numerics_invariants)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(t5_mean_count_matches_the_estimate),
@@ -537,5 +538,5 @@ int main(void)
         cmocka_unit_test(coverages_are_nested),
         cmocka_unit_test(t16_sums_of_every_level_equal_those_of_the_leaves),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("numerics_invariants", tests, fixture_group_setup, fixture_group_teardown);
 }

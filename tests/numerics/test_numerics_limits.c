@@ -16,6 +16,7 @@
 
 #include "support/compare_tree.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 #define NEED_ALL (SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS)
 
@@ -300,7 +301,7 @@ static void lists_are_split_at_the_largest_allocation(void **state)
     owned_mesh_free(&made);
 }
 
-int main(void)
+TEST_GROUP(numerics_limits)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(t10_any_capacity_gives_the_whole_tree),
@@ -310,5 +311,5 @@ int main(void)
         cmocka_unit_test(capacities_of_2_to_the_31_are_refused_where_they_do_not_fit),
         cmocka_unit_test(lists_are_split_at_the_largest_allocation),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("numerics_limits", tests, fixture_group_setup, fixture_group_teardown);
 }

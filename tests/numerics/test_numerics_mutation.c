@@ -19,6 +19,7 @@
 #include "raster/raster.h"
 #include "support/golden.h"
 #include "support/machine.h"
+#include "support/suite.h"
 
 typedef struct mutant {
     const char *name;
@@ -256,11 +257,11 @@ static void t17_rasterizing_without_a_margin_is_found(void **state)
     golden_free(table);
 }
 
-int main(void)
+TEST_GROUP(numerics_mutation)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(t17_mutants_of_the_shared_test_are_found),
         cmocka_unit_test(t17_rasterizing_without_a_margin_is_found),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests_name("numerics_mutation", tests, NULL, NULL);
 }

@@ -16,6 +16,7 @@
 
 #include "support/meshes.h"
 #include "support/ray_check.h"
+#include "support/suite.h"
 
 /* ---- T11: watertight ---- */
 
@@ -339,7 +340,7 @@ static void t13_bad_rays_meet_nothing_and_cost_nothing(void **state)
     scene_destroy(&made);
 }
 
-int main(void)
+TEST_GROUP(numerics_rays)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(t11_closed_surfaces_have_no_gaps),
@@ -349,5 +350,5 @@ int main(void)
         cmocka_unit_test(t12_rays_from_far_away_at_edges),
         cmocka_unit_test(t13_bad_rays_meet_nothing_and_cost_nothing),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("numerics_rays", tests, fixture_group_setup, fixture_group_teardown);
 }

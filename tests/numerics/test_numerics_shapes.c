@@ -15,6 +15,7 @@
 
 #include "support/compare_tree.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 /* Builds, compares, and checks that both references agree. */
 static void build_and_compare(const fixture *opened, const svo_mesh *mesh, unsigned depth,
@@ -390,7 +391,7 @@ static void t9_depths_0_and_17_are_refused(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(numerics_shapes)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(t2_cube_hull_has_its_closed_form),
@@ -405,5 +406,5 @@ int main(void)
         cmocka_unit_test(t9_every_depth_is_exact),
         cmocka_unit_test(t9_depths_0_and_17_are_refused),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("numerics_shapes", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -16,6 +16,7 @@
 
 #include "oracle.h"
 #include "support/golden.h"
+#include "support/suite.h"
 
 #define SNAP_BITS  20
 #define COORDINATE ((1 << SNAP_BITS) - 1) /* the largest coordinate of the default grid */
@@ -300,7 +301,7 @@ static void walk_agrees_with_brute_force(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(oracle)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(golden_counts_are_reproduced),  cmocka_unit_test(golden_pairs_agree),
@@ -309,5 +310,5 @@ int main(void)
         cmocka_unit_test(walk_agrees_with_brute_force),
     };
 
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests_name("oracle", tests, NULL, NULL);
 }

@@ -17,6 +17,7 @@
 #include <string.h>
 
 #include "oracle.h"
+#include "support/suite.h"
 
 #define PAIRS_PER_CLASS 1000000
 #define COORDINATE_END  (1 << 30) /* the references' limit, twice the library's */
@@ -350,7 +351,7 @@ static void references_agree_at_the_ends_of_the_range(void **state)
     assert_in_range(touch_count, 1000, 199000);
 }
 
-int main(void)
+TEST_GROUP(oracle_random)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(references_agree_tiny),         cmocka_unit_test(references_agree_lattice),
@@ -363,5 +364,5 @@ int main(void)
 
     random_state = seed ? strtoull(seed, NULL, 10) : 20240321;
     print_message("seed %llu\n", (unsigned long long)random_state);
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests_name("oracle_random", tests, NULL, NULL);
 }

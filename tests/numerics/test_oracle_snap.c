@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "oracle.h"
+#include "support/suite.h"
 
 #define SNAP_BITS 20
 
@@ -214,7 +215,7 @@ static void one_point_has_edge_one(void **state)
     assert_int_equal(snapped[0] | snapped[1] | snapped[2], 0);
 }
 
-int main(void)
+TEST_GROUP(oracle_snap)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(snap_equals_the_definition_in_doubles),
@@ -227,5 +228,5 @@ int main(void)
         cmocka_unit_test(one_point_has_edge_one),
     };
 
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests_name("oracle_snap", tests, NULL, NULL);
 }

@@ -14,6 +14,7 @@
 #include <string.h>
 
 #include "oracle.h"
+#include "support/suite.h"
 
 static uint64_t next_random(uint64_t *state)
 {
@@ -264,7 +265,7 @@ static void requests_out_of_range_are_refused(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(oracle_tree)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(codes_and_boxes_fit),
@@ -278,5 +279,5 @@ int main(void)
         cmocka_unit_test(requests_out_of_range_are_refused),
     };
 
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests_name("oracle_tree", tests, NULL, NULL);
 }

@@ -23,6 +23,7 @@
 #include "numerics/agree/sample.h"
 #include "predicate.h"
 #include "support/machine.h"
+#include "support/suite.h"
 
 enum { RECORDS = 16384, TEXT_BYTES = 400 };
 
@@ -474,7 +475,7 @@ static void integers_in_glsl_with_two_words(void **state)
         cmocka_unit_test_prestate(glsl_with_int64_agrees_with_c, &variants[i]),         \
         cmocka_unit_test_prestate(glsl_with_two_words_agrees_with_c, &variants[i])
 
-int main(void)
+TEST_GROUP(overlap)
 {
     const struct CMUnitTest tests[] = {
         VARIANT_TESTS(0),
@@ -488,5 +489,5 @@ int main(void)
         cmocka_unit_test(integers_in_glsl_with_int64),
         cmocka_unit_test(integers_in_glsl_with_two_words),
     };
-    return cmocka_run_group_tests(tests, make_variants, free_variants);
+    return cmocka_run_group_tests_name("overlap", tests, make_variants, free_variants);
 }

@@ -18,6 +18,7 @@
 #include "shared/page.h"
 #include "support/fixture_folder.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 #include "svocl/io.h"
 
 #define DEPTH     7u
@@ -474,7 +475,7 @@ static void test_arguments(void **state)
     paged_scene_destroy(&scene);
 }
 
-int main(void)
+TEST_GROUP(paged)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_runs),
@@ -490,5 +491,5 @@ int main(void)
         cmocka_unit_test(test_marks_that_cannot_be_read),
         cmocka_unit_test(test_arguments),
     };
-    return cmocka_run_group_tests(tests, fixture_folder_setup, fixture_folder_teardown);
+    return cmocka_run_group_tests_name("paged", tests, fixture_folder_setup, fixture_folder_teardown);
 }

@@ -23,6 +23,7 @@
 #include "support/fixture_folder.h"
 #include "support/meshes.h"
 #include "support/older_file.h"
+#include "support/suite.h"
 #include "svocl/io.h"
 
 #define DEPTH       6u
@@ -252,7 +253,7 @@ static void test_a_file_that_is_replaced(void **state)
     paged_scene_destroy(&shown);
 }
 
-int main(void)
+TEST_GROUP(paged_file)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_flipped_bits),
@@ -262,5 +263,5 @@ int main(void)
         cmocka_unit_test(test_files_that_change),
         cmocka_unit_test(test_a_file_that_is_replaced),
     };
-    return cmocka_run_group_tests(tests, fixture_folder_setup, fixture_folder_teardown);
+    return cmocka_run_group_tests_name("paged_file", tests, fixture_folder_setup, fixture_folder_teardown);
 }

@@ -17,6 +17,7 @@
 
 #include "paged_walk.h"
 #include "support/fixture_folder.h"
+#include "support/suite.h"
 
 enum { THREADS = 2, VIEWS = 8, DEPTH = 7, PAGE_LEVELS = 2 };
 
@@ -100,10 +101,10 @@ static void two_threads_page_one_file_at_once(void **state)
     paged_scene_destroy(&scene);
 }
 
-int main(void)
+TEST_GROUP(paged_threads)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(two_threads_page_one_file_at_once),
     };
-    return cmocka_run_group_tests(tests, fixture_folder_setup, fixture_folder_teardown);
+    return cmocka_run_group_tests_name("paged_threads", tests, fixture_folder_setup, fixture_folder_teardown);
 }

@@ -23,6 +23,7 @@
 
 #include "support/attributed_mesh.h"
 #include "support/fixture.h"
+#include "support/suite.h"
 #include "svocl/io.h"
 #include "svocl/parts.h"
 
@@ -1046,7 +1047,7 @@ static int teardown(void **state)
     return fixture_group_teardown(state);
 }
 
-int main(void)
+TEST_GROUP(parts)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_cut),
@@ -1070,5 +1071,5 @@ int main(void)
         cmocka_unit_test(test_damaged_folders),
         cmocka_unit_test(test_triangles_of_another_plan),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests_name("parts", tests, setup, teardown);
 }

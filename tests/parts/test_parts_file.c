@@ -19,6 +19,7 @@
 
 #include "support/fixture_folder.h"
 #include "support/import_check.h"
+#include "support/suite.h"
 #include "svocl/io.h"
 #include "svocl/parts.h"
 
@@ -484,7 +485,7 @@ static void test_bad_requests(void **state)
     assert_non_null(strstr(message.text, "depth 17"));
 }
 
-int main(void)
+TEST_GROUP(parts_file)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_stl),
@@ -496,5 +497,5 @@ int main(void)
         cmocka_unit_test(test_counts_above_the_file),
         cmocka_unit_test(test_bad_requests),
     };
-    return cmocka_run_group_tests(tests, fixture_folder_setup, fixture_folder_teardown);
+    return cmocka_run_group_tests_name("parts_file", tests, fixture_folder_setup, fixture_folder_teardown);
 }

@@ -17,6 +17,7 @@
 #include "scenes.h"
 #include "support/compare_tree.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 static const svo_plan_options with_lists = {.need = SVO_NEED_RAYS};
 
@@ -396,7 +397,7 @@ static void lists_of_all_lengths_are_sorted(void **state)
     scene_destroy(&made);
 }
 
-int main(void)
+TEST_GROUP(build)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(scenes_are_exact),
@@ -414,5 +415,5 @@ int main(void)
         cmocka_unit_test(one_leaf_holds_very_many_triangles),
         cmocka_unit_test(lists_of_all_lengths_are_sorted),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("build", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -17,6 +17,7 @@
 #include "scenes.h"
 #include "support/compare_tree.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 #define NEED_ALL (SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS)
 
@@ -366,7 +367,7 @@ static void forms_of_the_same_mesh_give_the_same_tree(void **state)
     scene_destroy(&made);
 }
 
-int main(void)
+TEST_GROUP(build_variants)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(host_share_gives_the_same_tree),
@@ -388,5 +389,5 @@ int main(void)
         cmocka_unit_test(permuted_triangles_give_the_same_nodes_and_payload),
         cmocka_unit_test(forms_of_the_same_mesh_give_the_same_tree),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("build_variants", tests, fixture_group_setup, fixture_group_teardown);
 }

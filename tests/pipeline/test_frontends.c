@@ -11,6 +11,7 @@
 
 #include "scenes.h"
 #include "support/fixture.h"
+#include "support/suite.h"
 
 #define NEED_ALL (SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS)
 
@@ -109,7 +110,7 @@ static void svo_frontend_destroy_keeps_the_opengl_front_end(void **state)
                         svo_gl_raster_name(svo_gl_chosen_raster(opened->gl)));
 }
 
-int main(void)
+TEST_GROUP(frontends)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(t15_all_front_ends_give_one_hash_on_all_scenes),
@@ -117,5 +118,5 @@ int main(void)
         cmocka_unit_test(the_choice_gives_a_reason),
         cmocka_unit_test(svo_frontend_destroy_keeps_the_opengl_front_end),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("frontends", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -16,6 +16,7 @@
 #include "support/compare_tree.h"
 #include "support/fixture.h"
 #include "support/golden.h"
+#include "support/suite.h"
 
 /* Returns whether there was something to compare. */
 typedef bool check_function(const fixture *opened, const svo_mesh *mesh, const char *name, const golden_count *count);
@@ -134,7 +135,7 @@ static void t1_thin_counts_match_the_references_by_opengl(void **state)
     check_table(fixture_of_group(state), check_thin);
 }
 
-int main(void)
+TEST_GROUP(golden)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(t1_golden_counts_are_reproduced_by_opencl),
@@ -142,5 +143,5 @@ int main(void)
         cmocka_unit_test(t1_thin_counts_match_the_references_by_opencl),
         cmocka_unit_test(t1_thin_counts_match_the_references_by_opengl),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("golden", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -17,6 +17,7 @@
 #include "core/device.h"
 #include "support/attributed_mesh.h"
 #include "support/ray_check.h"
+#include "support/suite.h"
 
 #define RAYS         1024
 #define PICTURE_SIDE 61 /* no multiple of a tile */
@@ -181,12 +182,12 @@ static void hits_and_pictures_are_the_same(void **state)
     attributed_mesh_destroy(&made);
 }
 
-int main(void)
+TEST_GROUP(paths)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_path_has_its_kernels),
         cmocka_unit_test(trees_are_the_same),
         cmocka_unit_test(hits_and_pictures_are_the_same),
     };
-    return cmocka_run_group_tests(tests, open_both, close_both);
+    return cmocka_run_group_tests_name("paths", tests, open_both, close_both);
 }

@@ -14,6 +14,7 @@
 
 #include "support/attributed_mesh.h"
 #include "support/measured.h"
+#include "support/suite.h"
 
 static const svo_builder builders[] = {SVO_BUILDER_CL, SVO_BUILDER_SORTED};
 enum { BUILDERS = sizeof builders / sizeof builders[0] };
@@ -162,7 +163,7 @@ static void tiny_scenes_need_little_memory(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(planned_memory)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_request_allocates_the_planned_buffers),
@@ -170,5 +171,5 @@ int main(void)
         cmocka_unit_test(the_mesh_is_uploaded_once),
         cmocka_unit_test(tiny_scenes_need_little_memory),
     };
-    return cmocka_run_group_tests_name("planned memory", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("planned_memory", tests, NULL, NULL);
 }

@@ -16,6 +16,7 @@
 #include "support/attributed_mesh.h"
 #include "support/counting.h"
 #include "support/fixture.h"
+#include "support/suite.h"
 
 /* What a callback has seen, and when it stops the call. */
 typedef struct watcher {
@@ -272,7 +273,7 @@ static void workspaces_stop_while_they_compile(void **state)
     fixture_close(&opened);
 }
 
-int main(void)
+TEST_GROUP(progress)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(builds_report_and_stop),
@@ -284,5 +285,5 @@ int main(void)
         cmocka_unit_test(counts_stop_and_leave_the_plan),
         cmocka_unit_test(workspaces_stop_while_they_compile),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("progress", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -16,6 +16,7 @@
 
 #include "support/fixture.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 enum { THREADS = 2, ROUNDS = 6, MESHES = 3, TRIANGLES = 80, DEPTH = 6 };
 
@@ -118,11 +119,11 @@ static void two_threads_build_at_once_through_copies(void **state)
     check_threads(state, SVO_GL_SHARE_COPY);
 }
 
-int main(void)
+TEST_GROUP(threads)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(two_threads_build_at_once),
         cmocka_unit_test(two_threads_build_at_once_through_copies),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("threads", tests, fixture_group_setup, fixture_group_teardown);
 }

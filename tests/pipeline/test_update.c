@@ -19,6 +19,7 @@
 #include "support/enqueued.h"
 #include "support/fixture.h"
 #include "support/memory_ledger.h"
+#include "support/suite.h"
 
 enum { MOVES = 3 };
 
@@ -815,7 +816,7 @@ static void refits_are_refused_for_one_reason(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(update)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(updated_plans_equal_new_ones),
@@ -837,5 +838,5 @@ int main(void)
         cmocka_unit_test(nothing_waits_for_a_failed_update),
         cmocka_unit_test(nothing_waits_for_a_failed_build),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("update", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -15,6 +15,7 @@
 
 #include "scenes.h"
 #include "support/fixture.h"
+#include "support/suite.h"
 
 #define ARRAYS_MAX 16
 
@@ -168,7 +169,7 @@ static void arrays_are_uploaded_once(void **state)
     fixture_close(&opened);
 }
 
-int main(void)
+TEST_GROUP(waits)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(builds_wait_only_where_they_must),
                                        cmocka_unit_test(arrays_are_uploaded_once)};

@@ -17,6 +17,7 @@
 #include "support/counting.h"
 #include "support/enqueued.h"
 #include "support/fixture.h"
+#include "support/suite.h"
 
 static const uint32_t needs[] = {
     SVO_NEED_NONE, SVO_NEED_DEFAULT, SVO_NEED_RAYS, SVO_NEED_MATERIAL, SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_FILL,
@@ -823,7 +824,7 @@ static void kernels_read_the_outcome_of_a_build_drawn_by_opengl(void **state)
     scene_destroy(&made);
 }
 
-int main(void)
+TEST_GROUP(workspace)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(enqueued_builds_make_the_same_trees),
@@ -844,5 +845,5 @@ int main(void)
         cmocka_unit_test(kernels_read_the_outcome_of_a_build),
         cmocka_unit_test(kernels_read_the_outcome_of_a_build_drawn_by_opengl),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("workspace", tests, fixture_group_setup, fixture_group_teardown);
 }

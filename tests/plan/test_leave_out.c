@@ -19,6 +19,7 @@
 #include "sheet_mesh.h"
 #include "support/measured.h"
 #include "support/payload_reference.h"
+#include "support/suite.h"
 #include "svocl/io.h"
 
 #define DEPTH 8
@@ -759,7 +760,7 @@ static void kernels_and_launches_that_a_build_does_not_need(void **state)
     scene_destroy(&made);
 }
 
-int main(void)
+TEST_GROUP(leave_out)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(kernels_and_launches_that_a_build_does_not_need),
@@ -785,5 +786,5 @@ int main(void)
         cmocka_unit_test(levels_without_payload_in_files),
         cmocka_unit_test(nothing_that_is_needed),
     };
-    return cmocka_run_group_tests_name("leave out", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("leave_out", tests, NULL, NULL);
 }

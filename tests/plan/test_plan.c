@@ -17,6 +17,7 @@
 #include "scenes.h"
 #include "support/compare_tree.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 static svo_plan_info plan_info(const fixture *opened, const svo_mesh *mesh, unsigned depth, svo_plan_options options)
 {
@@ -553,7 +554,7 @@ static void arguments_of_a_build_are_checked(void **state)
     svo_device_destroy(&other);
 }
 
-int main(void)
+TEST_GROUP(plan)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_estimate_predicts_the_fragments),
@@ -570,5 +571,5 @@ int main(void)
         cmocka_unit_test(null_arguments_of_a_plan_are_refused),
         cmocka_unit_test(arguments_of_a_build_are_checked),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("plan", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -17,6 +17,7 @@
 #include "support/attributed_mesh.h"
 #include "support/counting.h"
 #include "support/fixture.h"
+#include "support/suite.h"
 
 enum { TRIANGLES = 3000, DEPTH = 6 };
 
@@ -247,7 +248,7 @@ static void wrong_buffers_are_refused(void **state)
     close_subject(&of);
 }
 
-int main(void)
+TEST_GROUP(plan_buffers)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(buffers_give_the_plan_of_the_host),
@@ -255,5 +256,5 @@ int main(void)
         cmocka_unit_test(plans_wait_for_the_events_given),
         cmocka_unit_test(wrong_buffers_are_refused),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("plan_buffers", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -22,6 +22,7 @@
 #include "scenes.h"
 #include "support/attributed_mesh.h"
 #include "support/fixture.h"
+#include "support/suite.h"
 
 /* A plan, or the failure to make it. */
 typedef struct attempt {
@@ -399,7 +400,7 @@ static void neighbors_visit_about_as_many_columns(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(plan_device)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(neighbors_visit_about_as_many_columns),
@@ -414,5 +415,5 @@ int main(void)
         cmocka_unit_test(both_plans_build_the_same_tree),
         cmocka_unit_test(plans_move_to_the_device_after_enough_triangles),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("plan_device", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -19,6 +19,7 @@
 #include "shared/probe_layout.h"
 #include "support/fixture.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 extern const char probe_codes_source[];
 
@@ -520,7 +521,7 @@ static void codes_of_radiance_come_back(void **state)
     check_radiance(&opened, radiance, CODES);
 }
 
-int main(void)
+TEST_GROUP(probe_codes)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(directions_come_back),
@@ -532,5 +533,5 @@ int main(void)
         cmocka_unit_test(radiance_is_rounded_to_the_nearest),
         cmocka_unit_test(codes_of_radiance_come_back),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("probe_codes", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -19,6 +19,7 @@
 #include "light/light_fixture.h"
 #include "probe_reference.h"
 #include "support/solid_meshes.h"
+#include "support/suite.h"
 
 #define PI        3.14159265358979323846
 #define RAY_COUNT 4096u
@@ -544,7 +545,7 @@ static void wrong_arguments_are_refused(void **state)
     close_scene(&of);
 }
 
-int main(void)
+TEST_GROUP(probe_trace)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_walk_is_that_of_the_reference),
@@ -556,5 +557,5 @@ int main(void)
         cmocka_unit_test(diffuse_light_of_a_glowing_room),
         cmocka_unit_test(wrong_arguments_are_refused),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("probe_trace", tests, fixture_group_setup, fixture_group_teardown);
 }

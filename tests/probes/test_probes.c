@@ -23,6 +23,7 @@
 #include "support/counting.h"
 #include "support/meshes.h"
 #include "support/solid_meshes.h"
+#include "support/suite.h"
 
 #define PI         3.14159265358979323846
 #define RESOLUTION 64u
@@ -797,7 +798,7 @@ static void hash_by_threads(unsigned threads, char text[SVO_HASH_TEXT_BYTES])
     char line[256];
     bool found = false;
     assert_true(readlink("/proc/self/exe", path, sizeof path - 1) > 0);
-    (void)snprintf(command, sizeof command, "POCL_MAX_PTHREAD_COUNT=%u '%s' hash 2>/dev/null", threads, path);
+    (void)snprintf(command, sizeof command, "POCL_MAX_PTHREAD_COUNT=%u '%s' probe_hash 2>/dev/null", threads, path);
     FILE *output = popen(command, "r");
     assert_non_null(output);
     while (fgets(line, sizeof line, output) != NULL) {
@@ -1056,9 +1057,15 @@ static void names_are_those_of_the_header(void **state)
     assert_string_equal(svo_probes_stage_name(SVO_PROBES_STAGE_COUNT), "unknown stage");
 }
 
-int main(int argc, char **argv)
+/* For the same program with another number of threads. */
+TEST_GROUP(probe_hash)
 {
     const struct CMUnitTest printing[] = {cmocka_unit_test(print_hash)};
+    return cmocka_run_group_tests_name("probe_hash", printing, fixture_group_setup, fixture_group_teardown);
+}
+
+TEST_GROUP(probes)
+{
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(texels_are_what_exact_rays_meet),
         cmocka_unit_test(voxels_are_seen_without_triangles),
@@ -1083,8 +1090,5 @@ int main(int argc, char **argv)
         cmocka_unit_test(wrong_handles_are_refused),
         cmocka_unit_test(names_are_those_of_the_header),
     };
-    if (argc == 2 && strcmp(argv[1], "hash") == 0) {
-        return cmocka_run_group_tests(printing, fixture_group_setup, fixture_group_teardown);
-    }
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("probes", tests, fixture_group_setup, fixture_group_teardown);
 }

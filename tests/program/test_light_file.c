@@ -5,6 +5,7 @@
  */
 #include "program_picture.h"
 #include "run_program.h"
+#include "support/suite.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -231,7 +232,7 @@ static void the_truth_stands_beside(void **state)
     run_well("rm a.csv a.svo lights.json");
 }
 
-int main(void)
+TEST_GROUP(light_file)
 {
     const struct CMUnitTest tests[] = {IN_FOLDER(a_wrong_file_is_one_line_with_its_place),
                                        IN_FOLDER(views_show_their_light),
@@ -240,5 +241,5 @@ int main(void)
                                        IN_FOLDER(points_are_gathered),
                                        IN_FOLDER(leaves_are_as_opaque_as_asked),
                                        IN_FOLDER(the_truth_stands_beside)};
-    return cmocka_run_group_tests_name("light", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("light_file", tests, NULL, NULL);
 }

@@ -16,6 +16,7 @@
 
 #include "invented_gpus.h"
 #include "support/session.h"
+#include "support/suite.h"
 
 /* How the builds of a command get their front end. */
 typedef enum choice { BY_OPTIONS, FOR_SMALL_PLAN, FOR_LARGE_PLAN, OPENGL_IF_ANY, WITH_BOTH } choice;
@@ -286,7 +287,7 @@ static void the_program_opens_what_it_needs_in_order(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(opening)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(the_program_opens_what_it_needs_in_order)};
     return cmocka_run_group_tests_name("opening", tests, NULL, NULL);

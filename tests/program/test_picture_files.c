@@ -2,6 +2,7 @@
 /* The files that `svocl render` writes: formats, backgrounds, samples, turntables and films, sides to look from. */
 #include "program_picture.h"
 #include "run_program.h"
+#include "support/suite.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -342,11 +343,11 @@ static void films_have_the_frames_of_pictures(void **state)
 #undef MOVE
 }
 
-int main(void)
+TEST_GROUP(picture_files)
 {
     const struct CMUnitTest tests[] = {
         IN_FOLDER(formats_hold_one_picture), IN_FOLDER(a_wrong_file_is_one_line),
         IN_FOLDER(every_picture_has_them),   IN_FOLDER(sides_are_those_of_what_is_up),
         IN_FOLDER(turntables_go_round),      IN_FOLDER(films_have_the_frames_of_pictures)};
-    return cmocka_run_group_tests_name("files of pictures", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("picture_files", tests, NULL, NULL);
 }

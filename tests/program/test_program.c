@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "run_program.h"
+#include "support/suite.h"
 
 static void usage_errors_exit_with_code_2(void **state)
 {
@@ -1237,7 +1238,7 @@ static void two_processes_save_into_one_folder(void **state)
     run_well("test -z \"$(ls both | grep -v 'kernels$')\" && rm -r both");
 }
 
-int main(void)
+TEST_GROUP(program)
 {
     const struct CMUnitTest tests[] = {IN_FOLDER(usage_errors_exit_with_code_2),
                                        IN_FOLDER(options_without_effect_are_refused),

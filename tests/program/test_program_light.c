@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* `svocl hash --light` as a user runs it: the same opacity however the tree was made, another one for each form. */
 #include "run_program.h"
+#include "support/suite.h"
 
 #include <string.h>
 
@@ -33,11 +34,11 @@ static void wrong_forms_are_refused(void **state)
     run_badly("$SVOCL info scene:cube --light faces", 2, "--light");
 }
 
-int main(void)
+TEST_GROUP(program_light)
 {
     const struct CMUnitTest tests[] = {
         IN_FOLDER(the_hash_is_that_of_the_opacity),
         IN_FOLDER(wrong_forms_are_refused),
     };
-    return cmocka_run_group_tests_name("program light", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("program_light", tests, NULL, NULL);
 }

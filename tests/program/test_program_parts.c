@@ -4,6 +4,7 @@
  * parts, runs that were ended, full disks; the steps by several processes.
  */
 #include "run_program.h"
+#include "support/suite.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -270,7 +271,7 @@ static void wrong_usage_is_refused(void **state)
     run_well("test ! -e a.svo.parts");
 }
 
-int main(void)
+TEST_GROUP(program_parts)
 {
     const struct CMUnitTest tests[] = {
         IN_FOLDER(parts_that_fit_make_the_same_file),
@@ -287,5 +288,5 @@ int main(void)
         IN_FOLDER(a_folder_that_stays_is_named),
         IN_FOLDER(wrong_usage_is_refused),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests_name("program_parts", tests, NULL, NULL);
 }

@@ -3,6 +3,7 @@
    `svocl hash --probes`. */
 #include "program_picture.h"
 #include "run_program.h"
+#include "support/suite.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -250,7 +251,7 @@ static void what_does_not_apply_is_refused(void **state)
     expect_files(NULL, 0);
 }
 
-int main(void)
+TEST_GROUP(program_probes)
 {
     const struct CMUnitTest tests[] = {
         IN_FOLDER(colors_are_counted),
@@ -262,5 +263,5 @@ int main(void)
         IN_FOLDER(the_hash_is_that_of_what_probes_store),
         IN_FOLDER(what_does_not_apply_is_refused),
     };
-    return cmocka_run_group_tests_name("program probes", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("program_probes", tests, NULL, NULL);
 }

@@ -2,6 +2,7 @@
 /* `svocl render` as a user runs it: cameras that stand somewhere, of trees, compact trees, meshes and scenes; clay. */
 #include "program_picture.h"
 #include "run_program.h"
+#include "support/suite.h"
 
 #include <dirent.h>
 #include <stdio.h>
@@ -275,7 +276,7 @@ static void a_file_in_pages(void **state)
     run_well("rm a.svo c.svo whole.png paged.png");
 }
 
-int main(void)
+TEST_GROUP(program_render)
 {
     const struct CMUnitTest tests[] = {IN_FOLDER(a_file_in_pages),
                                        IN_FOLDER(a_camera_inside_sees_the_walls),
@@ -285,5 +286,5 @@ int main(void)
                                        IN_FOLDER(models_of_other_people_fill_the_picture),
                                        IN_FOLDER(a_wrong_camera_is_one_line),
                                        IN_FOLDER(meshes_without_colors_are_clay)};
-    return cmocka_run_group_tests_name("render", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("program_render", tests, NULL, NULL);
 }

@@ -9,6 +9,7 @@
 #include <xxhash.h>
 
 #include "run_program.h"
+#include "support/suite.h"
 #include "svocl/tree.h"
 
 /* ---- outputs and inputs ---- */
@@ -416,7 +417,7 @@ static void the_bar_stays_in_one_line(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(program_safety)
 {
     const struct CMUnitTest tests[] = {
         IN_FOLDER(no_output_replaces_an_input),
@@ -435,5 +436,5 @@ int main(void)
         IN_FOLDER(json_that_is_not_says_where),
         IN_FOLDER(the_bar_stays_in_one_line),
     };
-    return cmocka_run_group_tests_name("program safety", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("program_safety", tests, NULL, NULL);
 }

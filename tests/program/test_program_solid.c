@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* `svocl build --solid` and `svocl verify --solid` as a user runs them: counts, open surfaces, refusals. */
 #include "run_program.h"
+#include "support/suite.h"
 
 #include <string.h>
 
@@ -87,7 +88,7 @@ static void what_does_not_apply_is_refused(void **state)
     run_well("rm a.svo");
 }
 
-int main(void)
+TEST_GROUP(program_solid)
 {
     const struct CMUnitTest tests[] = {
         IN_FOLDER(build_reports_surface_and_inside_apart),
@@ -95,5 +96,5 @@ int main(void)
         IN_FOLDER(verify_compares_every_voxel),
         IN_FOLDER(what_does_not_apply_is_refused),
     };
-    return cmocka_run_group_tests_name("program solid", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("program_solid", tests, NULL, NULL);
 }

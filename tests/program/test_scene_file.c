@@ -2,6 +2,7 @@
 /* Scenes as files: svocl render SCENE.json. What is placed is seen, and whatever is wrong is one line with its place.
    */
 #include "run_program.h"
+#include "support/suite.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -212,11 +213,11 @@ static void what_the_library_refuses_names_the_place(void **state)
     expect_files(written, 1);
 }
 
-int main(void)
+TEST_GROUP(scene_file)
 {
     const struct CMUnitTest tests[] = {
         IN_FOLDER(scenes_are_rendered), IN_FOLDER(trees_are_held_in_the_form_that_is_asked_for),
         IN_FOLDER(paths_may_be_compact_files), IN_FOLDER(a_wrong_file_is_one_line_with_its_place),
         IN_FOLDER(what_the_library_refuses_names_the_place)};
-    return cmocka_run_group_tests_name("scene files", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("scene_file", tests, NULL, NULL);
 }

@@ -2,6 +2,7 @@
 /* Scenes lit by cones: svocl render SCENE.json --view full and svocl gather: all that is placed becomes one tree. */
 #include "program_picture.h"
 #include "run_program.h"
+#include "support/suite.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -204,11 +205,11 @@ static void what_cannot_be_lit_is_one_line(void **state)
     expect_files(written, 4);
 }
 
-int main(void)
+TEST_GROUP(scene_lit)
 {
     const struct CMUnitTest tests[] = {
         IN_FOLDER(what_does_not_move_looks_the_same), IN_FOLDER(instances_are_where_they_are_placed),
         IN_FOLDER(finished_trees_show_their_voxels),  IN_FOLDER(scenes_have_lights_and_cameras),
         IN_FOLDER(parts_without_colors_are_clay),     IN_FOLDER(what_cannot_be_lit_is_one_line)};
-    return cmocka_run_group_tests_name("scene lit", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("scene_lit", tests, NULL, NULL);
 }

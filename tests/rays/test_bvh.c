@@ -19,18 +19,19 @@
 #include "rays/bvh_device.h"
 #include "rays/bvh_fit.h"
 #include "scenes.h"
+#include "support/fixture.h"
+#include "support/suite.h"
 #include "svocl/svocl.h"
 
 #define SNAP_BITS 20
 #define WIDTH     (1 << SNAP_BITS)
 
 static svo_device *device;
-static svo_path path;
 
 static int open_device(void **state)
 {
     svo_message message;
-    const svo_device_options options = {.struct_size = sizeof options, .path = path};
+    const svo_device_options options = {.struct_size = sizeof options, .path = fixture_path()};
     (void)state;
     return svo_device_create_default(&options, &device, &message) == SVO_OK ? 0 : -1;
 }
@@ -608,9 +609,8 @@ static void a_refit_follows_the_vertices(void **state)
 }
 
 /* small: only what is repeated with another number of threads. */
-int main(int argc, char **argv)
+TEST_GROUP(bvh)
 {
-    const struct CMUnitTest small[] = {cmocka_unit_test(bytes_are_the_same_on_every_device)};
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_best_bvh_is_that_of_the_reference),
         cmocka_unit_test(hard_meshes_are_split_as_by_the_reference),
@@ -621,9 +621,5 @@ int main(int argc, char **argv)
         cmocka_unit_test(bytes_are_the_same_on_every_device),
         cmocka_unit_test(a_refit_follows_the_vertices),
     };
-    path = argc > 1 && strcmp(argv[1], "gpu") == 0 ? SVO_PATH_GPU : SVO_PATH_AUTO;
-    if (argc > 1 && strcmp(argv[1], "small") == 0) {
-        return cmocka_run_group_tests_name("bvh", small, open_device, close_device);
-    }
     return cmocka_run_group_tests_name("bvh", tests, open_device, close_device);
 }

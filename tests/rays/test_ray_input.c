@@ -19,6 +19,7 @@
 #include "support/meshes.h"
 #include "support/older_file.h"
 #include "support/ray_check.h"
+#include "support/suite.h"
 #include "svocl/io.h"
 
 enum { TRIANGLES = 400, RAYS = 6000, POINTS = 3000 };
@@ -319,11 +320,11 @@ static void rays_of_version_1_meet_the_snapped_mesh(void **state)
     free_input(&made);
 }
 
-int main(void)
+TEST_GROUP(ray_input)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(hits_are_those_of_the_input), cmocka_unit_test(doubles_stay_doubles),
         cmocka_unit_test(nearest_points_are_those_of_the_input), cmocka_unit_test(abutting_grids_lose_no_hit),
         cmocka_unit_test(rays_of_version_1_meet_the_snapped_mesh)};
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("ray_input", tests, fixture_group_setup, fixture_group_teardown);
 }

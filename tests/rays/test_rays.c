@@ -19,6 +19,7 @@
 #include "rays/rays.h"
 #include "support/meshes.h"
 #include "support/ray_check.h"
+#include "support/suite.h"
 
 /* ---- any hit, counts, depths ---- */
 
@@ -777,7 +778,7 @@ static void events_order_an_out_of_order_queue(void **state)
     built_destroy(&tree);
 }
 
-int main(void)
+TEST_GROUP(rays)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(hits_report_the_point_on_the_triangle),
@@ -799,5 +800,5 @@ int main(void)
         cmocka_unit_test(invalid_calls_are_refused),
         cmocka_unit_test(events_order_an_out_of_order_queue),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("rays", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -17,6 +17,7 @@
 
 #include "light/light_fixture.h"
 #include "scenes.h"
+#include "support/suite.h"
 
 #define DEPTH 5
 /* No multiples of a tile's edge. */
@@ -620,7 +621,7 @@ static void wrong_options_are_refused_by_name(void **state)
     release_drawn(of);
 }
 
-int main(void)
+TEST_GROUP(render_buffers)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(buffers_have_the_bytes_of_host_pictures),
@@ -636,5 +637,5 @@ int main(void)
         cmocka_unit_test(what_cannot_take_a_picture_is_refused),
         cmocka_unit_test(wrong_options_are_refused_by_name),
     };
-    return cmocka_run_group_tests_name("pictures in buffers", tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("render_buffers", tests, fixture_group_setup, fixture_group_teardown);
 }

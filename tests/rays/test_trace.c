@@ -19,6 +19,7 @@
 
 #include "core/device.h"
 #include "core/tree.h"
+#include "support/suite.h"
 #include "svocl/svocl.h"
 
 #define TEST_DEPTH_MAX 5u
@@ -744,7 +745,7 @@ static int open_device_for_pixels(void **state)
     return open_device(state);
 }
 
-int main(void)
+TEST_GROUP(trace)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_empty_tree_is_background),

@@ -16,6 +16,7 @@
 
 #include "scene/handle.h"
 #include "scene_check.h"
+#include "support/suite.h"
 
 /* ---- a tree without a scene ---- */
 
@@ -571,7 +572,7 @@ static void a_thousand_moves_are_a_new_scene(void **state)
     svo_scene_destroy(&scene);
 }
 
-int main(void)
+TEST_GROUP(scene)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_identity_is_the_tree_itself),
@@ -586,5 +587,5 @@ int main(void)
         cmocka_unit_test(the_hierarchy_holds_each_instance_once),
         cmocka_unit_test(a_thousand_moves_are_a_new_scene),
     };
-    return cmocka_run_group_tests_name("scenes", tests, scene_group_open, scene_group_close);
+    return cmocka_run_group_tests_name("scene", tests, scene_group_open, scene_group_close);
 }

@@ -14,6 +14,7 @@
 
 #include "scene/handle.h"
 #include "scene_check.h"
+#include "support/suite.h"
 
 /* ---- pictures ---- */
 
@@ -372,7 +373,7 @@ static void a_plan_lists_what_is_allocated(void **state)
     }
 }
 
-int main(void)
+TEST_GROUP(scene_limits)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_placed_tree_is_drawn_as_the_tree),
@@ -385,5 +386,5 @@ int main(void)
         cmocka_unit_test(a_plan_lists_what_is_allocated),
         cmocka_unit_test(rays_in_edges_of_boxes_have_one_answer),
     };
-    return cmocka_run_group_tests_name("limits of scenes", tests, scene_group_open, scene_group_close);
+    return cmocka_run_group_tests_name("scene_limits", tests, scene_group_open, scene_group_close);
 }

@@ -20,6 +20,7 @@
 #include "support/fixture.h"
 #include "support/meshes.h"
 #include "support/solid_meshes.h"
+#include "support/suite.h"
 
 /* A solid, compared with the reference. */
 typedef struct solved {
@@ -404,7 +405,7 @@ static void same_bytes_on_any_queue(void **state)
     parts_free(&made);
 }
 
-int main(void)
+TEST_GROUP(solid)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cube_has_r_cubed_voxels_either_way_around),

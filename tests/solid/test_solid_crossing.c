@@ -15,6 +15,7 @@
 #include "oracle_solid.h"
 #include "solid/crossing/crossing_probe.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 __extension__ typedef __int128 wide;
 
@@ -156,12 +157,12 @@ static void signs_of_dot_products_are_exact(void **unused)
     }
 }
 
-int main(void)
+TEST_GROUP(solid_crossing)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(crossings_are_those_of_the_reference),
         cmocka_unit_test(planted_mistakes_are_found),
         cmocka_unit_test(signs_of_dot_products_are_exact),
     };
-    return cmocka_run_group_tests_name("solid crossings", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("solid_crossing", tests, NULL, NULL);
 }

@@ -18,6 +18,7 @@
 #include "support/fixture.h"
 #include "support/meshes.h"
 #include "support/solid_meshes.h"
+#include "support/suite.h"
 #include "svocl/io.h"
 
 static void succeed(const fixture *opened, svo_status status)
@@ -307,7 +308,7 @@ static void wrong_arguments_are_refused(void **state)
     built_destroy(&tree);
 }
 
-int main(void)
+TEST_GROUP(solid_use)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(interior_has_the_stated_color_and_material),
@@ -317,5 +318,5 @@ int main(void)
         cmocka_unit_test(trees_that_do_not_say_what_is_inside_are_refused),
         cmocka_unit_test(wrong_arguments_are_refused),
     };
-    return cmocka_run_group_tests_name("solid use", tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("solid_use", tests, fixture_group_setup, fixture_group_teardown);
 }

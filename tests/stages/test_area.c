@@ -21,6 +21,7 @@
 #include "support/payload_pair.h"
 #include "support/payload_reference.h"
 #include "support/solid_meshes.h"
+#include "support/suite.h"
 
 #define FACE 4096
 
@@ -480,7 +481,7 @@ static int setup_for_single_pairs(void **state)
     return failed;
 }
 
-int main(void)
+TEST_GROUP(area)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(faces_of_a_cube),

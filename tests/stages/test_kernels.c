@@ -4,7 +4,7 @@
  * the OpenCL front end; trees and payload are compared with the references. Nothing may depend on the order of the
  * fragments, on the chunking of the list, or on earlier contents of buffers (dirty_buffers.c).
  *
- * With the argument "small", inputs are small enough for oclgrind, an OpenCL interpreter that checks every memory
+ * In the group small_kernels, inputs are small enough for oclgrind, an OpenCL interpreter that checks every memory
  * access, to finish in seconds. A second argument names the one test to run.
  */
 #include <setjmp.h>
@@ -20,6 +20,7 @@
 #include "support/compare_tree.h"
 #include "support/meshes.h"
 #include "support/payload_reference.h"
+#include "support/suite.h"
 #include "walk_frontend.h"
 
 #define PAYLOAD  (SVO_NEED_ALL & ~(uint32_t)SVO_NEED_RAYS)
@@ -482,16 +483,9 @@ static void a_scene_that_defies_the_estimate_is_built_again(void **state)
     owned_mesh_free(&made);
 }
 
-int main(int argc, char **argv)
+static int run_group(const char *name, bool small)
 {
-    bench.small = argc > 1 && strcmp(argv[1], "small") == 0;
-    if (argc > 3 || (argc > 1 && !bench.small)) {
-        print_error("usage: test_kernels [small [TEST]]\n");
-        return 2;
-    }
-    if (argc == 3) {
-        cmocka_set_test_filter(argv[2]);
-    }
+    bench.small = small;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(trees_are_exact),
         cmocka_unit_test(random_meshes_are_exact),
@@ -502,5 +496,15 @@ int main(int argc, char **argv)
         cmocka_unit_test(lists_of_all_lengths_are_sorted),
         cmocka_unit_test(a_scene_that_defies_the_estimate_is_built_again),
     };
-    return cmocka_run_group_tests(tests, open_bench, close_bench);
+    return _cmocka_run_group_tests(name, tests, sizeof tests / sizeof tests[0], open_bench, close_bench);
+}
+
+TEST_GROUP(kernels)
+{
+    return run_group("kernels", false);
+}
+
+TEST_GROUP(small_kernels)
+{
+    return run_group("small_kernels", true);
 }

@@ -21,6 +21,7 @@
 #include "support/enqueued.h"
 #include "support/fixture.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 #define TRIANGLES 200000u
 #define MATERIALS 1000u
@@ -318,10 +319,10 @@ static void nor_does_one_of_a_scene_that_moves(void **state)
     crowd_destroy(&made);
 }
 
-int main(void)
+TEST_GROUP(long_leaves)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(no_work_item_goes_through_a_long_leaf),
                                        cmocka_unit_test(small_trees_are_gathered_by_groups),
                                        cmocka_unit_test(nor_does_one_of_a_scene_that_moves)};
-    return cmocka_run_group_tests_name("long leaves", tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("long_leaves", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -19,6 +19,7 @@
 #include "scenes.h"
 #include "support/attributed_mesh.h"
 #include "support/payload_reference.h"
+#include "support/suite.h"
 
 #define NEED_MEANS ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL)
 /* Payload of every kind. */
@@ -458,7 +459,7 @@ static int setup_for_single_pairs(void **state)
     return failed;
 }
 
-int main(void)
+TEST_GROUP(payload)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(payload_of_every_attribute_is_exact),

@@ -17,6 +17,7 @@
 #include "shared/layout.h"
 #include "support/compare_tree.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 #define NEED_ALL (SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS)
 
@@ -246,7 +247,7 @@ static int setup_for_gpus(void **state)
     return failed;
 }
 
-int main(void)
+TEST_GROUP(voxelize)
 {
     const struct CMUnitTest on_gpus[] = {
         cmocka_unit_test(random_meshes_are_exact),
@@ -266,6 +267,6 @@ int main(void)
         cmocka_unit_test(arguments_are_checked),
         cmocka_unit_test(small_plans_need_no_opengl),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown) +
+    return cmocka_run_group_tests_name("voxelize", tests, fixture_group_setup, fixture_group_teardown) +
            cmocka_run_group_tests_name("the path of GPUs", on_gpus, setup_for_gpus, fixture_group_teardown);
 }

@@ -12,6 +12,7 @@
 #include "scenes.h"
 #include "shared/layout.h"
 #include "support/fixture.h"
+#include "support/suite.h"
 
 /* Of groups, and of the sort's digits, which are wider on CPUs. */
 static void trees_do_not_depend_on_the_widths(void **state)
@@ -45,7 +46,7 @@ static void trees_do_not_depend_on_the_widths(void **state)
     scene_destroy(&knot);
 }
 
-int main(void)
+TEST_GROUP(widths)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(trees_do_not_depend_on_the_widths)};
     return cmocka_run_group_tests_name("widths", tests, fixture_group_setup, fixture_group_teardown);

@@ -20,11 +20,11 @@ void fixture_skip(fixture *opened, const char *reason)
 }
 
 /* Tests of stages with two paths run a second time for the other one. */
-static svo_path path_of(const fixture_options *options)
+svo_path fixture_path(void)
 {
     const char *name = getenv("SVOCL_TEST_PATH");
-    if (options->path != SVO_PATH_AUTO || name == NULL) {
-        return options->path;
+    if (name == NULL) {
+        return SVO_PATH_AUTO;
     }
     const bool for_gpu = strcmp(name, svo_path_name(SVO_PATH_GPU)) == 0;
     if (!for_gpu && strcmp(name, svo_path_name(SVO_PATH_CPU)) != 0) {
@@ -36,7 +36,8 @@ static svo_path path_of(const fixture_options *options)
 static void open_device(const fixture_options *options, fixture *out)
 {
     svo_message message = {""};
-    const svo_device_options device_options = {.struct_size = sizeof device_options, .path = path_of(options)};
+    const svo_device_options device_options = {.struct_size = sizeof device_options,
+                                               .path = options->path != SVO_PATH_AUTO ? options->path : fixture_path()};
     const svo_status status = svo_device_create_default(&device_options, &out->device, &message);
     if (status == SVO_NO_DEVICE) {
         fixture_skip(out, message.text);

@@ -28,6 +28,9 @@ typedef struct fixture {
     svo_frontend *frontend; /* used by fixture_build */
 } fixture;
 
+/* SVO_PATH_AUTO, or the path that SVOCL_TEST_PATH names. */
+svo_path fixture_path(void);
+
 /* With OpenGL; builds use its front end. */
 void fixture_open(const fixture_options *options, fixture *out);
 /* Without OpenGL; builds use the OpenCL front end. */

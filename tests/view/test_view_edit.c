@@ -17,6 +17,7 @@
 
 #include "support/file_register.h"
 #include "support/scene_place.h"
+#include "support/suite.h"
 #include "support/work_folder.h"
 #include "view/camera.h"
 #include "view/dialogs.h"
@@ -849,7 +850,7 @@ static void test_saved_lights_are_read_again(void **unused)
     free(state);
 }
 
-int main(void)
+TEST_GROUP(view_edit)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_found_placements_give_the_matrix),
@@ -872,5 +873,5 @@ int main(void)
         cmocka_unit_test(test_saving_replaces_no_other_file_unasked),
         cmocka_unit_test(test_saved_lights_are_read_again),
     };
-    return cmocka_run_group_tests(tests, work_folder_make, work_folder_remove);
+    return cmocka_run_group_tests_name("view_edit", tests, work_folder_make, work_folder_remove);
 }

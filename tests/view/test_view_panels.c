@@ -13,6 +13,7 @@
 
 #include <cmocka.h>
 
+#include "support/suite.h"
 #include "view/edit.h"
 #include "view/panels.h"
 
@@ -587,7 +588,7 @@ static void test_each_allocation_fails(void **unused)
     free(state);
 }
 
-int main(void)
+TEST_GROUP(view_panels)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_clicks),
@@ -603,5 +604,5 @@ int main(void)
         cmocka_unit_test(test_work_has_a_bar),
         cmocka_unit_test(test_each_allocation_fails),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests_name("view_panels", tests, NULL, NULL);
 }

@@ -16,6 +16,7 @@
 #include "support/fixture.h"
 #include "support/gl_interop_shim.h"
 #include "support/own_context.h"
+#include "support/suite.h"
 #include "view/canvas.h"
 
 #define SMALL_BYTES 4096
@@ -137,12 +138,12 @@ static void failures_have_words(void **unused)
     close_pair(&pair);
 }
 
-int main(void)
+TEST_GROUP(view_pixels)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pictures_are_shared),
         cmocka_unit_test(another_way_has_its_reason),
         cmocka_unit_test(failures_have_words),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests_name("view_pixels", tests, NULL, NULL);
 }

@@ -13,6 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "support/suite.h"
 #include "support/work_folder.h"
 #include "view/camera.h"
 #include "view/dialogs.h"
@@ -754,7 +755,7 @@ static void clicks_respect_the_clip_plane(void **unused)
     free_state(state);
 }
 
-int main(void)
+TEST_GROUP(view_state)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(orbit_turns_the_eye_around_the_target),
                                        cmocka_unit_test(flying_turns_the_line_of_sight),
@@ -780,5 +781,5 @@ int main(void)
                                        cmocka_unit_test(steps_pause_and_end),
                                        cmocka_unit_test(motions_say_what_is_not_possible),
                                        cmocka_unit_test(settings_have_the_place_of_the_standard)};
-    return cmocka_run_group_tests(tests, work_folder_make, work_folder_remove);
+    return cmocka_run_group_tests_name("view_state", tests, work_folder_make, work_folder_remove);
 }

@@ -18,6 +18,7 @@
 #include "scenes.h"
 #include "support/fixture.h"
 #include "support/meshes.h"
+#include "support/suite.h"
 
 enum { COUNT = 3000 };
 
@@ -541,7 +542,7 @@ static void arguments_are_checked(void **state)
     svo_voxels_destroy(&too_wide);
 }
 
-int main(void)
+TEST_GROUP(voxels)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lists_keep_the_last_voxel_of_each_place),
@@ -556,5 +557,5 @@ int main(void)
         cmocka_unit_test(pictures_work_and_rays_on_triangles_do_not),
         cmocka_unit_test(arguments_are_checked),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("voxels", tests, fixture_group_setup, fixture_group_teardown);
 }

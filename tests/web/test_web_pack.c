@@ -19,6 +19,7 @@
 
 #include "scenes.h"
 #include "support/fixture.h"
+#include "support/suite.h"
 #include "svocl/compact.h"
 #include "web/pack.h"
 
@@ -335,7 +336,7 @@ static void normals_keep_their_direction(void **state)
     assert_true(worst < 1.0);
 }
 
-int main(void)
+TEST_GROUP(web_pack)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cuts_are_front_parts),
@@ -346,5 +347,5 @@ int main(void)
         cmocka_unit_test(bounds_are_those_of_the_cells),
         cmocka_unit_test(normals_keep_their_direction),
     };
-    return cmocka_run_group_tests(tests, fixture_group_setup, fixture_group_teardown);
+    return cmocka_run_group_tests_name("web_pack", tests, fixture_group_setup, fixture_group_teardown);
 }
