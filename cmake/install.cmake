@@ -1,6 +1,7 @@
-# Installs the libraries, their headers, a CMake package, pkg-config files and the program, and makes the target
+# Installs the libraries, their headers, a CMake package, pkg-config files and the programs, and makes the target
 # `uninstall`. Each library has its own export, so that users of svocl::svocl need OpenCL only, not the dependencies of
-# svocl::gl and svocl::io. The components svocl_library, svocl_development, svocl_tools and svocl_python become packages.
+# svocl::gl and svocl::io. The components svocl_library, svocl_development, svocl_tools, svocl_lab and svocl_python
+# become packages.
 include(CMakePackageConfigHelpers)
 set(svocl_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/svocl)
 set(svocl_pkgconfig_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
@@ -53,12 +54,15 @@ if(SVOCL_IO)
 endif()
 if(SVOCL_TOOLS)
   svocl_run_in_place(svocl_program ${CMAKE_INSTALL_BINDIR})
+  svocl_run_in_place(svocl_lab ${CMAKE_INSTALL_BINDIR})
   install(TARGETS svocl_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT svocl_tools)
+  install(TARGETS svocl_lab RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT svocl_lab)
 endif()
 if(SVOCL_PYTHON)
   set(svocl_python_dir lib/python3/dist-packages) # where Debian's Python looks, for all its versions
   svocl_run_in_place(svocl_python ${svocl_python_dir}/svocl)
   install(TARGETS svocl_python LIBRARY DESTINATION ${svocl_python_dir}/svocl COMPONENT svocl_python)
+  install(FILES ${svocl_python_types} DESTINATION ${svocl_python_dir}/svocl COMPONENT svocl_python)
   install(
     DIRECTORY python/src/svocl
     DESTINATION ${svocl_python_dir}

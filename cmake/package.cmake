@@ -1,5 +1,6 @@
 # Debian packages by CPack, from the components of cmake/install.cmake: libsvocl0.1, libsvocl-dev, svocl, the program,
-# and python3-svocl. `tools/dev deb` configures, builds and tests them. Of a static build there is no libsvocl0.1.
+# svocl-lab, what checks and measures, and python3-svocl. `tools/dev deb` configures, builds and tests them. Of a static
+# build there is no libsvocl0.1.
 set(CPACK_PACKAGE_NAME svocl)
 set(CPACK_PACKAGE_VENDOR "The svocl authors")
 # Who makes packages is responsible for them. The address of the default is one that no mail can reach (RFC 2606).
@@ -83,9 +84,14 @@ if(SVOCL_TOOLS)
   list(APPEND CPACK_COMPONENTS_ALL svocl_tools)
   svocl_package(svocl_tools svocl graphics "its program")
   set(CPACK_DEBIAN_SVOCL_TOOLS_PACKAGE_RECOMMENDS "${svocl_opencl_package}")
-  set(CPACK_DEBIAN_SVOCL_TOOLS_PACKAGE_SUGGESTS "libembree3-3") # `svocl bench rays --vs embree` opens it
+  set(CPACK_DEBIAN_SVOCL_TOOLS_PACKAGE_SUGGESTS "svocl-lab") # `svocl bench`, `report`, `stress`, `verify`, `reference`
+  list(APPEND CPACK_COMPONENTS_ALL svocl_lab)
+  svocl_package(svocl_lab svocl-lab graphics "what its program runs to check and to measure")
+  set(CPACK_DEBIAN_SVOCL_LAB_PACKAGE_RECOMMENDS "libembree3-3") # `svocl bench rays --vs embree` opens it
+  set(CPACK_COMPONENT_SVOCL_LAB_DEPENDS svocl_tools)
   if(NOT svocl_static)
     set(CPACK_COMPONENT_SVOCL_TOOLS_DEPENDS svocl_library)
+    list(APPEND CPACK_COMPONENT_SVOCL_LAB_DEPENDS svocl_library)
   endif()
 endif()
 if(SVOCL_PYTHON)

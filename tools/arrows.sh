@@ -16,7 +16,9 @@ lib_rooms='output core plan commands stages pipeline (io (voxels (rays '
 lib_rooms+='compact (moving (parts (paged solid (scene (light probes'
 readonly lib_rooms
 readonly glinterop_rooms='context share raster compute frontend'
-readonly tools_rooms='scenes (reference support measure stress (bench (errors (report (web (view svocl (snapshot'
+tools_rooms='lab/scenes (lab/reference lab/path support lab/measure lab/stress (lab/bench (lab/errors (lab/report '
+tools_rooms+='(web (view lab/program (lab/snapshot (svocl'
+readonly tools_rooms
 
 files()
 {
@@ -28,7 +30,7 @@ includes()
 {
     files | xargs grep -H -o '^#include "[^"]*"' | sed 's/:#include "\(.*\)"$/ \1/' | while read -r file name; do
         local folder=${file%/*} tree=${file%%/*} found
-        for found in "$folder/$name" "$tree/$name" "lib/$name" "tests/$name"; do
+        for found in "$folder/$name" "$tree/$name" "$tree/lab/$name" "lib/$name" "tests/$name"; do
             if [[ -e $found ]]; then
                 printf '%s %s\n' "$file" "$found"
                 break
@@ -49,7 +51,10 @@ against_the_order()
                 ranks[tree "/" name] = rank
             }
         }
-        function room_of(path,    parts) { split(path, parts, "/"); return parts[1] "/" parts[2] }
+        function room_of(path,    parts) {
+            split(path, parts, "/")
+            return parts[1] "/" parts[2] (parts[2] == "lab" ? "/" parts[3] : "")
+        }
         function tree_of(path,    parts) { split(path, parts, "/"); return parts[1] }
         BEGIN { read_rooms("lib", lib); read_rooms("glinterop", glinterop); read_rooms("tools", tools) }
         {

@@ -10,7 +10,7 @@
 #include "compute/compute.h"
 #include "core/message.h"
 #include "core/struct_size.h"
-#include "light/state.h"
+#include "light/light.h"
 #include "plan/configuration.h"
 #include "raster/light_view.h"
 #include "raster/raster.h"
@@ -324,8 +324,8 @@ static svo_status check_light(const svo_gl *gl, const svo_light *light)
 static svo_status shine(svo_gl *gl, svo_light *light, const svo_light_setup *setup, cl_command_queue queue)
 {
     SVO_I_TRY(svo_i_gl_context_make_current(gl->context, &gl->device->message));
-    const svo_i_light_viewer viewer = svo_i_light_raster_begin(gl->light_raster, light->tree);
-    const svo_status status = svo_i_light_set_sources_by(&viewer, light, setup, queue);
+    const svo_i_photon_caster caster = svo_i_light_raster_begin(gl->light_raster, light->tree);
+    const svo_status status = svo_i_light_set_sources_by(&caster, light, setup, queue);
     svo_i_light_raster_end(gl->light_raster);
     svo_i_gl_context_release_current(gl->context);
     return status;

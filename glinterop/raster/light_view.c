@@ -360,11 +360,11 @@ static svo_status draw(void *self, const svo_light_view_params *view, const svo_
     return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(raster->device, FUNCTION, "clEnqueueCopyBuffer", error);
 }
 
-svo_i_light_viewer svo_i_light_raster_begin(svo_i_light_raster *raster, const svo_tree *tree)
+svo_i_photon_caster svo_i_light_raster_begin(svo_i_light_raster *raster, const svo_tree *tree)
 {
     raster->tree = tree;
     (void)svo_tree_get_grid(tree, &raster->grid);
-    return (svo_i_light_viewer){.self = raster, .draw = draw};
+    return (svo_i_photon_caster){.self = raster, .cast = draw};
 }
 
 void svo_i_light_raster_end(svo_i_light_raster *raster)

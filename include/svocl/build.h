@@ -177,7 +177,8 @@ SVO_API svo_status svo_workspace_measure(svo_plan *plan, svo_frontend *frontend,
  * \param plan with SVO_BUILDER_CL; must outlive the workspace
  * \param frontend not NULL; must outlive the workspace. With a front end of OpenGL, svo_build_enqueue waits on the host
  *        for its wait list and for OpenGL, whose list is in memory of its own
- * \param queue not NULL; for launches that make the driver compile, and empty again when the function returns
+ * \param queue for launches that make the driver compile, and empty again when the function returns; NULL: the
+ *        device's own
  * \param options NULL means all defaults
  * \param out receives the workspace
  * \returns SVO_UNSUPPORTED (another builder, or a list that does not fit one chunk), SVO_INVALID_ARGUMENT (scratch too
@@ -216,7 +217,7 @@ SVO_API svo_status svo_workspace_make_tree(svo_workspace *workspace, svo_tree **
  * \param tree of this workspace, not trimmed. It has no content until svo_tree_finish, see tree.h; its buffers and its
  *        build state (svo_tree_get_build_state) may be given to kernels that wait for event. Commands that read its old
  *        content come first, by wait or by an in-order queue
- * \param queue of the device handle's context and device, in-order or out-of-order
+ * \param queue of the device handle's context and device, in-order or out-of-order; NULL: the device's own
  * \param num_wait number of events in wait
  * \param wait events of that context to wait for; NULL when num_wait is 0
  * \param event receives an event of the whole build; NULL allowed
@@ -227,7 +228,7 @@ SVO_API svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, c
 /** Waits for the build of a tree and reads its counts.
  *
  * \param tree with a build in flight, of a workspace that still exists
- * \param queue on the device's context; for the copies of a trim
+ * \param queue on the device's context; for the copies of a trim. NULL: the device's own
  * \param trim not 0: buffers are replaced by copies of the tree's exact size, and no more builds go into the tree
  * \param report receives what the build did; NULL allowed. Stage times need a queue with CL_QUEUE_PROFILING_ENABLE in
  *        svo_build_enqueue

@@ -262,10 +262,11 @@ SVO_API svo_status svo_compact_hash(const svo_compact *compact, char text[SVO_HA
  *
  * \param compact on a device
  * \param rays buffer of that device's context with ray_count records of svo_ray; NULL allowed when that is 0
- * \param hits such a buffer, which receives ray_count records of svo_voxel_hit, in the order of the rays
+ * \param hits such a buffer, not CL_MEM_READ_ONLY, which receives ray_count records of svo_voxel_hit, in the order of
+ *        the rays
  * \param ray_count at most SVO_TRACE_RAYS_MAX
  * \param footprint width of a pixel's cone per unit of distance, finite and not negative; 0: leaves alone
- * \param queue of the context and the device of the compact tree's handle
+ * \param queue of the context and the device of the compact tree's handle; NULL: the device's own
  * \param num_wait number of events in wait
  * \param wait events of that context to wait for; NULL when num_wait is 0
  * \param event receives an event of the batch; NULL allowed
@@ -302,7 +303,7 @@ SVO_API svo_status svo_compact_render(svo_compact *compact, const svo_render_opt
  * \param compact see svo_compact_render; stays as it is until the event
  * \param options see svo_compact_render; not used after the call
  * \param pixels see svo_tree_render_enqueue
- * \param queue of the context and the device of the compact tree's handle
+ * \param queue of the context and the device of the compact tree's handle; NULL: the device's own
  * \param num_wait number of events in wait
  * \param wait events of that context to wait for; NULL when num_wait is 0
  * \param event receives an event of the picture; NULL allowed

@@ -242,18 +242,10 @@ SVO_API svo_status svo_light_update(svo_light *light, svo_tree *tree, const svo_
 
 /* ---- cones ---- */
 
-/** How cones march. */
-typedef enum svo_march {
-    SVO_MARCH_STEPS = 0, /**< steps in proportion to the cone's width, blended between two levels */
-    SVO_MARCH_PUBLISHED =
-        1 /**< node to node, as published by Crassin et al. 2011, for comparison; needs SVO_LIGHT_BRICKS */
-} svo_march;
-
 /** Options of gathering. */
 typedef struct svo_gather_options {
     size_t struct_size; /**< sizeof(svo_gather_options) */
-    uint32_t cones; /**< 1, 5, 6, 16 or 64; 0 means 16. SVO_MARCH_PUBLISHED: 5 */
-    svo_march march; /**< how they march */
+    uint32_t cones; /**< 1, 5, 6, 16 or 64; 0 means 16 */
     float step; /**< of a cone, in its widths: 0.25 .. 1; 0 means 0.5 */
     float range; /**< world units that cones reach, above 0; 0: to the end of the grid */
     float falloff; /**< lambda of the occlusion's weight 1 / (1 + lambda t), per world unit, not negative */
@@ -272,10 +264,11 @@ typedef struct svo_gather_options {
  * \param light not NULL
  * \param points buffer of its device's context with point_count records of svo_gather_point; NULL allowed when that
  *        is 0
- * \param results such a buffer, which receives point_count records of svo_gather_result, in the order of the points
+ * \param results such a buffer, not CL_MEM_READ_ONLY, which receives point_count records of svo_gather_result, in the
+ *        order of the points
  * \param point_count at most SVO_TRACE_RAYS_MAX
  * \param options NULL means all defaults
- * \param queue of the context and the device of the tree's handle
+ * \param queue of the context and the device of the tree's handle; NULL: the device's own
  * \param num_wait number of events in wait
  * \param wait events of that context to wait for; NULL when num_wait is 0
  * \param event receives an event of the batch; NULL allowed
@@ -402,7 +395,7 @@ SVO_API svo_status svo_light_render(svo_light *light, const svo_light_picture *p
  * \param picture see svo_light_render; not used after the call
  * \param pixels see svo_tree_render_enqueue: room for the whole picture. A band goes to its place there, and rows
  *        outside the band stay as they are
- * \param queue of the context and the device of the light's handle
+ * \param queue of the context and the device of the light's handle; NULL: the device's own
  * \param num_wait number of events in wait
  * \param wait events of that context to wait for; NULL when num_wait is 0
  * \param event receives an event of the picture; NULL allowed

@@ -195,7 +195,7 @@ SVO_API svo_status svo_moving_update(svo_moving *moving, cl_command_queue queue,
  * Device memory is allocated for all of the room at once; OpenCL releases what is scratch when its commands are done.
  *
  * \param moving not NULL, without an update in flight
- * \param queue of the device, in-order or out-of-order
+ * \param queue of the device, in-order or out-of-order; NULL: the device's own
  * \param num_wait number of events in wait
  * \param wait events of the device's context to wait for; NULL when num_wait is 0
  * \param event receives an event of the whole update; NULL allowed

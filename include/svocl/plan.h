@@ -342,7 +342,7 @@ SVO_API svo_status svo_plan_create_from_buffers(svo_device *device, const svo_me
  * \param plan with options.updatable
  * \param mesh positions, in floats or doubles as at first, and normals where the plan reads them; vertex_count and
  *        triangle_count are the plan's. Other arrays are not read. The arrays must stay as they are until the event
- * \param queue of the plan's device, in-order or out-of-order
+ * \param queue of the plan's device, in-order or out-of-order; NULL: the device's own
  * \param num_wait number of events in wait
  * \param wait events to wait for first; NULL when num_wait is 0
  * \param event receives an event of the update; NULL allowed

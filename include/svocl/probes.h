@@ -282,10 +282,11 @@ typedef struct svo_probe_trace_options {
  *
  * \param probes not NULL
  * \param rays buffer of their device's context with ray_count records of svo_ray; NULL allowed when that is 0
- * \param hits such a buffer, which receives ray_count records of svo_probe_hit, in the order of the rays
+ * \param hits such a buffer, not CL_MEM_READ_ONLY, which receives ray_count records of svo_probe_hit, in the order of
+ *        the rays
  * \param ray_count at most SVO_TRACE_RAYS_MAX
  * \param options NULL means all defaults
- * \param queue of the context and the device of their handle
+ * \param queue of the context and the device of their handle; NULL: the device's own
  * \param num_wait number of events in wait
  * \param wait events of that context to wait for; NULL when num_wait is 0
  * \param event receives an event of the batch; NULL allowed
@@ -311,9 +312,10 @@ SVO_API svo_status svo_probes_trace(svo_probes *probes, const svo_ray *rays, svo
  * \param probes with svo_probe_options.diffuse
  * \param points buffer of their device's context with point_count records of svo_gather_point, of which position and
  *        normal count; NULL allowed when that is 0
- * \param results such a buffer, which receives point_count records of svo_probe_irradiance, in the order of the points
+ * \param results such a buffer, not CL_MEM_READ_ONLY, which receives point_count records of svo_probe_irradiance, in
+ *        the order of the points
  * \param point_count at most SVO_TRACE_RAYS_MAX
- * \param queue of the context and the device of their handle
+ * \param queue of the context and the device of their handle; NULL: the device's own
  * \param num_wait number of events in wait
  * \param wait events of that context to wait for; NULL when num_wait is 0
  * \param event receives an event of the batch; NULL allowed

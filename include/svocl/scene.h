@@ -145,11 +145,12 @@ typedef enum svo_scene_flags {
  *
  * \param scene not NULL
  * \param rays buffer of that device's context with ray_count records of svo_ray; NULL allowed when that is 0
- * \param hits such a buffer, which receives ray_count records of svo_scene_hit, in the order of the rays
+ * \param hits such a buffer, not CL_MEM_READ_ONLY, which receives ray_count records of svo_scene_hit, in the order of
+ *        the rays
  * \param ray_count at most SVO_TRACE_RAYS_MAX
  * \param footprint the width of a pixel's cone per unit of distance; 0: leaves alone
  * \param flags a sum of svo_scene_flags
- * \param queue of the context and the device of the scene's handle
+ * \param queue of the context and the device of the scene's handle; NULL: the device's own
  * \param num_wait number of events in wait
  * \param wait events of that context to wait for; NULL when num_wait is 0
  * \param event receives an event of the batch; NULL allowed
@@ -175,10 +176,11 @@ SVO_API svo_status svo_scene_trace(svo_scene *scene, const svo_ray *rays, svo_sc
  *
  * \param scene with SVO_NEED_RAYS
  * \param rays buffer of that device's context with ray_count records of svo_ray; NULL allowed when that is 0
- * \param hits such a buffer, which receives ray_count records of svo_scene_triangle_hit, in the order of the rays
+ * \param hits such a buffer, not CL_MEM_READ_ONLY, which receives ray_count records of svo_scene_triangle_hit, in the
+ *        order of the rays
  * \param ray_count at most SVO_TRACE_RAYS_MAX
  * \param flags a sum of svo_scene_flags
- * \param queue of the context and the device of the scene's handle
+ * \param queue of the context and the device of the scene's handle; NULL: the device's own
  * \param num_wait number of events in wait
  * \param wait events of that context to wait for; NULL when num_wait is 0
  * \param event receives an event of the batch; NULL allowed
@@ -252,7 +254,7 @@ SVO_API svo_status svo_scene_render(svo_scene *scene, const svo_scene_render_opt
  * \param scene see svo_scene_render; stays as it is until the event
  * \param options see svo_scene_render; not used after the call
  * \param pixels see svo_tree_render_enqueue
- * \param queue of the context and the device of the scene's handle
+ * \param queue of the context and the device of the scene's handle; NULL: the device's own
  * \param num_wait number of events in wait
  * \param wait events of that context to wait for; NULL when num_wait is 0
  * \param event receives an event of the picture; NULL allowed

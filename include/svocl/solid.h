@@ -84,10 +84,10 @@ typedef struct svo_solid_info {
  * \param queue on the context of the tree's device, in-order or out-of-order; NULL: the device's own
  * \param out receives the solid, in the form SVO_FORM_DESCRIPTOR
  * \param info receives the counts; NULL allowed
- * \returns SVO_INVALID_ARGUMENT (a tree without lists, with coverage thin, not on a device, or with payload from a
- *          payload_level above 0; triangles outside its grid; options),
- *          SVO_UNSUPPORTED (more than 2^31 - 1 inner nodes, or 2^32 - 2 nodes with the interior leaves),
- *          SVO_COMPILE_FAILED, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY or SVO_CL_ERROR on failure. */
+ * \returns SVO_INVALID_ARGUMENT (a tree without lists, with coverage thin, or with payload from a payload_level above
+ *          0; triangles outside its grid; options), SVO_UNSUPPORTED (more than 2^31 - 1 inner nodes, or
+ *          2^32 - 2 nodes with the interior leaves), SVO_NOT_ON_DEVICE, SVO_COMPILE_FAILED, SVO_OUT_OF_HOST_MEMORY,
+ *          SVO_OUT_OF_DEVICE_MEMORY or SVO_CL_ERROR on failure. */
 SVO_API svo_status svo_solid_create(const svo_tree *tree, const svo_solid_options *options, cl_command_queue queue,
                                     svo_compact **out, svo_solid_info *info);
 

@@ -138,7 +138,7 @@ SVO_API svo_status svo_tree_render(svo_device *device, svo_tree *tree, const svo
  * \param pixels buffer of the device's context that kernels may write, not CL_MEM_READ_ONLY, of at least
  *        height * width * 4 bytes, or 16 of SVO_PIXELS_LINEAR: it receives what rgba of svo_tree_render does. A
  *        sub-buffer puts the picture somewhere else in a larger buffer
- * \param queue of the context and the device of the handle, in-order or out-of-order
+ * \param queue of the context and the device of the handle, in-order or out-of-order; NULL: the device's own
  * \param num_wait number of events in wait
  * \param wait events of that context to wait for; NULL when num_wait is 0
  * \param event receives an event of the picture; NULL allowed
@@ -185,7 +185,7 @@ SVO_API svo_status svo_tree_make_bvh(svo_tree *tree, svo_bvh_quality quality, cl
  *
  * \param tree of a workspace of an updatable plan with positions in floats, not trimmed, with a BVH that was made while
  *        all its triangles were inside the grid. Rays of its old content come first, by wait or by an in-order queue
- * \param queue of the context and the device of the tree's handle
+ * \param queue of the context and the device of the tree's handle; NULL: the device's own
  * \param num_wait number of events in wait
  * \param wait events of that context to wait for; NULL when num_wait is 0
  * \param event receives an event of the refit; NULL allowed
@@ -226,10 +226,11 @@ typedef enum svo_trace_flags {
  *
  * \param tree with SVO_NEED_RAYS, coverage half-open or closed, on a device
  * \param rays buffer of that device's context with ray_count records of svo_ray; NULL allowed when that is 0
- * \param hits such a buffer, which receives ray_count records of svo_hit, in the order of the rays
+ * \param hits such a buffer, not CL_MEM_READ_ONLY, which receives ray_count records of svo_hit, in the order of the
+ *        rays
  * \param ray_count at most SVO_TRACE_RAYS_MAX
  * \param flags one of svo_trace_flags
- * \param queue of the context and the device of the tree's handle
+ * \param queue of the context and the device of the tree's handle; NULL: the device's own
  * \param num_wait number of events in wait
  * \param wait events of that context to wait for; NULL when num_wait is 0
  * \param event receives an event of the batch; NULL allowed
@@ -256,10 +257,11 @@ SVO_API svo_status svo_tree_trace(svo_tree *tree, const svo_ray *rays, svo_hit *
  *
  * \param tree on a device; its needs and coverage do not matter
  * \param rays see svo_tree_trace_enqueue
- * \param hits such a buffer, which receives ray_count records of svo_voxel_hit, in the order of the rays
+ * \param hits such a buffer, not CL_MEM_READ_ONLY, which receives ray_count records of svo_voxel_hit, in the order of
+ *        the rays
  * \param ray_count at most SVO_TRACE_RAYS_MAX
  * \param footprint width of a pixel's cone per unit of distance, finite and not negative; 0: leaves alone
- * \param queue of the context and the device of the tree's handle
+ * \param queue of the context and the device of the tree's handle; NULL: the device's own
  * \param num_wait number of events in wait
  * \param wait events of that context to wait for; NULL when num_wait is 0
  * \param event receives an event of the batch; NULL allowed
@@ -289,9 +291,10 @@ SVO_API svo_status svo_tree_trace_voxels(svo_tree *tree, const svo_ray *rays, sv
  * \param tree see svo_tree_trace_enqueue
  * \param points buffer of that device's context with point_count records of svo_query_point; NULL allowed when that
  *        is 0
- * \param results such a buffer, which receives point_count records of svo_nearest, in the order of the points
+ * \param results such a buffer, not CL_MEM_READ_ONLY, which receives point_count records of svo_nearest, in the order
+ *        of the points
  * \param point_count at most SVO_TRACE_RAYS_MAX
- * \param queue of the context and the device of the tree's handle
+ * \param queue of the context and the device of the tree's handle; NULL: the device's own
  * \param num_wait number of events in wait
  * \param wait events of that context to wait for; NULL when num_wait is 0
  * \param event receives an event of the batch; NULL allowed

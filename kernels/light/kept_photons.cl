@@ -31,21 +31,20 @@
 
 /* ---- what is kept ---- */
 
-/* users: of each slot, groups. kept_first: the view's first photon among the kept ones, a multiple of a group's. ends:
-   normals, and distances where there is a hit, else INFINITY. */
+/* users: of each slot, groups. ends: normals, and distances where there is a hit, else INFINITY. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_photon_keep(__global const svo_photon_weight *weights, __global const svo_hit *hits,
                   __global const svo_photon_spread *spreads, __global const uint *slots,
                   __global svo_photon_weight *kept_weights, __global float4 *kept_ends,
                   __global svo_photon_spread *kept_spreads, volatile __global uint *users, __global uint *bits,
-                  uint kept_first, __global const uint *groups, svo_light_view_params view)
+                  __global const uint *groups, svo_light_view_params view)
 {
     const uint item = (uint)get_global_id(0);
     const uint first = item * SVO_ITEM_PHOTONS;
     if (first >= view.count) {
         return;
     }
-    const size_t kept = (size_t)kept_first + svo_photon_number(&view, groups, first);
+    const size_t kept = (size_t)view.kept_first + svo_photon_number(&view, groups, first);
     __global svo_photon_spread *to = kept_spreads + kept / SVO_ITEM_PHOTONS;
     for (uint k = 0; k < SVO_ITEM_PHOTONS; ++k) {
         __global const svo_hit *hit = hits + first + k;
@@ -154,11 +153,11 @@ svo_k_photon_cross(__global const svo_photon_weight *kept_weights, __global cons
     bool concerned = false;
     for (uint k = 0; k < SVO_ITEM_PHOTONS && !concerned; ++k) {
         const uint photon = group * SVO_ITEM_PHOTONS + k;
-        const size_t kept = (size_t)params.kept_first + photon;
+        const size_t kept = (size_t)view.kept_first + photon;
         concerned = kept_weights[kept].flux != 0u && svo_is_concerned(&view, photon, kept_ends[kept], boxes, &params);
     }
     if (concerned) {
-        groups[params.kept_first / SVO_ITEM_PHOTONS + atomic_inc(counts + params.view)] = group;
+        groups[view.kept_first / SVO_ITEM_PHOTONS + atomic_inc(counts + params.view)] = group;
     }
 }
 
@@ -214,7 +213,7 @@ static void svo_take_hits(const svo_light_view_params *view, __global const svo_
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_photon_take(__global const svo_photon_weight *kept_weights, __global const float4 *kept_ends,
                   __global const svo_photon_spread *kept_spreads, volatile __global uint *sums,
-                  volatile __global uint *users, __global uint *bits, volatile __global uint *counters, uint kept_first,
+                  volatile __global uint *users, __global uint *bits, volatile __global uint *counters,
                   __global const uint *groups, svo_light_view_params view)
 {
     const uint item = (uint)get_global_id(0);
@@ -222,7 +221,7 @@ svo_k_photon_take(__global const svo_photon_weight *kept_weights, __global const
         return;
     }
     const uint first = svo_photon_number(&view, groups, item * SVO_ITEM_PHOTONS);
-    const size_t kept = (size_t)kept_first + first;
+    const size_t kept = (size_t)view.kept_first + first;
     __global const svo_photon_spread *spread = kept_spreads + kept / SVO_ITEM_PHOTONS;
     uint given[SVO_ITEM_PHOTONS] = {0u, 0u, 0u, 0u};
     for (uint place = 0; place < SVO_SPREAD_CELLS; ++place) {
@@ -243,12 +242,12 @@ svo_k_photon_take(__global const svo_photon_weight *kept_weights, __global const
 /* ---- shooting again ---- */
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_photon_weigh(__global const svo_photon_weight *kept_weights, __global svo_photon_weight *weights, uint kept_first,
+svo_k_photon_weigh(__global const svo_photon_weight *kept_weights, __global svo_photon_weight *weights,
                    __global const uint *groups, svo_light_view_params view)
 {
     const uint item = (uint)get_global_id(0);
     if (item < view.count) {
-        weights[item] = kept_weights[(size_t)kept_first + svo_photon_number(&view, groups, item)];
+        weights[item] = kept_weights[(size_t)view.kept_first + svo_photon_number(&view, groups, item)];
     }
 }
 

@@ -45,7 +45,7 @@ static uint svo_find_origin(__global const uchar *old_mask, __global const uint 
 /* old_mask, old_child: of the tree before. codes: Morton codes of nodes without an origin and of their children. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_light_origins(__global const uchar *child_mask, __global const uint *first_child, __global const uchar *old_mask,
-                    __global const uint *old_child, __global const int *boxes, uint box_count, __global ulong *codes,
+                    __global const uint *old_child, __global const int *boxes, __global ulong *codes,
                     __global uint *origins, svo_light_step params)
 {
     const uint item = (uint)get_global_id(0);
@@ -55,8 +55,8 @@ svo_k_light_origins(__global const uchar *child_mask, __global const uint *first
     const uint node = params.first + item;
     const uint mask = child_mask[node];
     const ulong code = node == 0u ? 0ul : codes[node];
-    uint origin =
-        node == 0u ? svo_find_origin(old_mask, old_child, 0ul, 0u, boxes, box_count, params.depth) : origins[node];
+    uint origin = node == 0u ? svo_find_origin(old_mask, old_child, 0ul, 0u, boxes, params.box_count, params.depth)
+                             : origins[node];
     /* Trees that differ outside the boxes are the caller's mistake; no index may leave the tree before. */
     origin = origin != SVO_NO_NODE && old_mask[origin] == mask ? origin : SVO_NO_NODE;
     origins[node] = origin;
@@ -74,20 +74,18 @@ svo_k_light_origins(__global const uchar *child_mask, __global const uint *first
         } else {
             codes[child] = code << 3 | octant;
             origins[child] = svo_find_origin(old_mask, old_child, code << 3 | octant, params.level + 1u, boxes,
-                                             box_count, params.depth);
+                                             params.box_count, params.depth);
         }
         ++child;
     }
 }
 
-/* elements: of a node. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_light_keep(__global const uint *origins, __global const ushort *from, __global ushort *to, uint elements,
-                 svo_light_step params)
+svo_k_light_keep(__global const uint *origins, __global const ushort *from, __global ushort *to, svo_light_step params)
 {
     const uint node = (uint)get_global_id(0);
     const uint origin = node < params.count ? origins[node] : SVO_NO_NODE;
-    for (uint k = 0; k < elements && origin != SVO_NO_NODE; ++k) {
-        to[elements * (size_t)node + k] = from[elements * (size_t)origin + k];
+    for (uint k = 0; k < params.elements && origin != SVO_NO_NODE; ++k) {
+        to[params.elements * (size_t)node + k] = from[params.elements * (size_t)origin + k];
     }
 }

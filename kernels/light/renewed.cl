@@ -100,7 +100,7 @@ __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_light_leaves_again(__global const uchar *child_mask, __global const uint *first_child,
                          __global const uint *old_child, __global const uint *slots, __global const uint *values,
                          __global const ushort *opacities, __global const uint *lit, SVO_KEPT_LIGHT_PARAMETERS,
-                         __global uint *radiance, uint words, svo_light_step params)
+                         __global uint *radiance, svo_light_step params)
 {
     const uint item = (uint)get_global_id(0);
     if (item >= params.count) {
@@ -116,10 +116,10 @@ svo_k_light_leaves_again(__global const uchar *child_mask, __global const uint *
             continue;
         }
         if (stays) {
-            svo_copy_radiance(old_radiance, old_lit[old_begin + (leaf - begin)], radiance, lit[leaf], words);
+            svo_copy_radiance(old_radiance, old_lit[old_begin + (leaf - begin)], radiance, lit[leaf], params.elements);
         } else {
             svo_store_leaf(values, slots[leaf - params.leaf_begin], opacities, leaf,
-                           radiance + words * (size_t)lit[leaf]);
+                           radiance + params.elements * (size_t)lit[leaf]);
         }
     }
 }

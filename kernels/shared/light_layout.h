@@ -36,12 +36,11 @@ SVO_RECORD(svo_light_params)
 SVO_RECORD(svo_gather_params)
 {
     SVO_U32 cones; /* 0: 1, 5, 6, 16 or 64 */
-    SVO_U32 published; /* 4: not 0: SVO_MARCH_PUBLISHED */
-    SVO_F32 step; /* 8: widths of the cone */
-    SVO_F32 range; /* 12: world units; 0: to the end of the grid */
-    SVO_F32 falloff; /* 16: lambda, per world unit */
-    SVO_U32 with_light; /* 20: 0: occlusion alone */
-    SVO_U32 reserved[2]; /* 24 */
+    SVO_F32 step; /* 4: widths of the cone */
+    SVO_F32 range; /* 8: world units; 0: to the end of the grid */
+    SVO_F32 falloff; /* 12: lambda, per world unit */
+    SVO_U32 with_light; /* 16: 0: occlusion alone */
+    SVO_U32 reserved[3]; /* 20 */
 };
 
 /* Arguments of the kernels that make and filter light. 32 bytes. */
@@ -53,7 +52,8 @@ SVO_RECORD(svo_light_step)
     SVO_U32 count; /* 12: nodes of the launch */
     SVO_U32 level; /* 16: of those nodes */
     SVO_U32 flags; /* 20: SVO_LIGHT_FLAG_* */
-    SVO_U32 reserved[2]; /* 24 */
+    SVO_U32 elements; /* 24: of what is copied, in a node; else 0 */
+    SVO_U32 box_count; /* 28: that a tree has changed in; else 0 */
 };
 
 /* A photon's leaf: it met nothing; it met a triangle of which no leaf is near. */
@@ -112,7 +112,7 @@ SVO_RECORD(svo_photon_spread)
 };
 
 /* The pixels that a source sees, and photons of them. Pixel i, j is at x = (2 i + 1 - columns) half_x and
-   y = (2 j + 1 - rows) half_y. 104 bytes. */
+   y = (2 j + 1 - rows) half_y. 108 bytes. */
 SVO_RECORD(svo_light_view_params)
 {
     SVO_F32 base[3]; /* 0: world: a point source's position; of parallel light, the middle of its plane */
@@ -128,6 +128,7 @@ SVO_RECORD(svo_light_view_params)
     SVO_U32 first; /* 72: of the launch's photons, a multiple of a tile's */
     SVO_U32 count; /* 76: photons of the launch */
     SVO_U32 flux[6]; /* 80: of a photon of weight 1: red, green, blue, 64 bits each */
+    SVO_U32 kept_first; /* 104: of kept photons: the view's first, a multiple of a group's; else 0 */
 };
 
 /* Arguments of the kernels that bring photons to leaves. 32 bytes. */
@@ -146,13 +147,12 @@ SVO_RECORD(svo_photon_params)
 /* Arguments of the kernel that finds photons whose rays meet what changed. 32 bytes. */
 SVO_RECORD(svo_crossing_params)
 {
-    SVO_U32 kept_first; /* 0: the view's first photon among the kept ones */
-    SVO_U32 group_count; /* 4: of the view */
-    SVO_U32 view; /* 8: its number */
-    SVO_U32 box_count; /* 12 */
-    SVO_F32 cells; /* 16: leaves along a world unit */
-    SVO_F32 beside; /* 20: so many leaves from a hit to a box matter, besides the photon's footprint */
-    SVO_U32 reserved[2]; /* 24 */
+    SVO_U32 group_count; /* 0: of the view */
+    SVO_U32 view; /* 4: its number */
+    SVO_U32 box_count; /* 8 */
+    SVO_F32 cells; /* 12: leaves along a world unit */
+    SVO_F32 beside; /* 16: so many leaves from a hit to a box matter, besides the photon's footprint */
+    SVO_U32 reserved[3]; /* 20 */
 };
 
 /* Arguments of the kernel that looks for leaves that should have met a photon. 48 bytes. */
@@ -246,7 +246,7 @@ SVO_ASSERT_BYTES(svo_gather_params, 32);
 SVO_ASSERT_BYTES(svo_light_step, 32);
 SVO_ASSERT_BYTES(svo_photon_weight, 8);
 SVO_ASSERT_BYTES(svo_photon_spread, 48);
-SVO_ASSERT_BYTES(svo_light_view_params, 104);
+SVO_ASSERT_BYTES(svo_light_view_params, 108);
 SVO_ASSERT_BYTES(svo_photon_params, 32);
 SVO_ASSERT_BYTES(svo_crossing_params, 32);
 SVO_ASSERT_BYTES(svo_unmet_params, 48);

@@ -14,10 +14,8 @@
 static svo_status check_target(void *of, const char *function)
 {
     const svo_compact *compact = of;
-    return compact->device != NULL
-               ? SVO_OK
-               : svo_i_device_fail(NULL, SVO_INVALID_ARGUMENT,
-                                   "%s: the compact tree is not on a device; call svo_compact_upload first", function);
+    (void)function;
+    return compact->device != NULL ? SVO_OK : SVO_NOT_ON_DEVICE;
 }
 
 static svo_grid grid_of(const svo_compact_info *info)
@@ -119,11 +117,12 @@ svo_status svo_compact_render_enqueue(svo_compact *compact, const svo_render_opt
                                       cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
 {
     static const char function[] = "svo_compact_render_enqueue";
-    const svo_i_pixels to = {pixels, queue, num_wait, wait, event};
+    svo_i_pixels to = {pixels, queue, num_wait, wait, event};
     svo_render_options asked;
-    if (compact == NULL || compact->device == NULL) {
+    if (compact == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
+    SVO_I_TRY(check_target(compact, function));
     SVO_I_TRY(check_picture(compact, function, options, &asked));
     const svo_i_picture_source source = describe(compact, function);
     return svo_i_picture_enqueue(&source, &asked, &to);
@@ -134,9 +133,10 @@ svo_status svo_compact_render(svo_compact *compact, const svo_render_options *op
 {
     static const char function[] = "svo_compact_render";
     svo_render_options asked;
-    if (compact == NULL || compact->device == NULL) {
+    if (compact == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
+    SVO_I_TRY(check_target(compact, function));
     if (rgba == NULL) {
         return svo_i_device_fail(compact->device, SVO_INVALID_ARGUMENT, "%s: rgba is NULL", function);
     }

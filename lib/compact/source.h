@@ -24,9 +24,14 @@ typedef struct svo_i_compact_source {
 } svo_i_compact_source;
 
 /* The first inner node of a level. level: up to depth, where it is the number of inner nodes. */
-uint32_t svo_i_source_level_begin(const svo_compact_info *info, uint32_t level);
-/* The first inner node whose children have payload. */
-uint32_t svo_i_source_payload_parents(const svo_compact_info *info);
+static inline uint32_t svo_i_source_level_begin(const svo_compact_info *info, uint32_t level)
+{
+    uint32_t begin = 0;
+    for (uint32_t above = 0; above < level; ++above) {
+        begin += info->level_inner[above];
+    }
+    return begin;
+}
 
 /* Describes a tree and fills in its arrays, which must outlive the work; of one on the host there are copies that the
    work owns. */
@@ -34,5 +39,13 @@ svo_status svo_i_source_of_tree(svo_i_device_work *work, const svo_tree *tree, c
                                 svo_i_compact_source *source);
 /* The description alone: what svo_tree_info has, the levels' counts, form and directory_step_log2. */
 void svo_i_source_describe(const svo_tree_info *tree, const svo_compact_options *options, svo_compact_info *out);
+
+/*
+ * Merges full leaves, before nodes are encoded in any form: makes eight full leaves with the same payload, or within
+ * the tolerances, one leaf, on all levels but the root's and, where payload is not constant, those above payload_level,
+ * which have no place for it. Makes new arrays of the source, which the work owns; what it had before stays as it is.
+ * Sets source->info.minimized and the levels' counts. options: with tolerances in their ranges.
+ */
+svo_status svo_i_minimize(svo_i_device_work *work, const svo_compact_options *options, svo_i_compact_source *source);
 
 #endif

@@ -189,12 +189,6 @@ void svo_i_buffer_release(cl_mem *buffer)
     }
 }
 
-svo_status svo_i_device_check_queue(svo_device *device, const char *function, cl_command_queue queue)
-{
-    const char *wrong = svo_i_wrong_queue(device->context, device->device, queue);
-    return wrong == NULL ? SVO_OK : svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s", function, wrong);
-}
-
 svo_status svo_i_device_check_wait(svo_device *device, const char *function, cl_uint num_wait, const cl_event *wait)
 {
     const char *wrong = svo_i_wrong_wait(device->context, num_wait, wait);
@@ -242,7 +236,10 @@ svo_status svo_i_device_queue(svo_device *device, const char *function, cl_comma
 {
     const svo_i_attachment *known = svo_i_attachment_find(device->attachments, release_queue);
     if (given != NULL) {
-        SVO_I_TRY(svo_i_device_check_queue(device, function, given));
+        const char *wrong = svo_i_wrong_queue(device->context, device->device, given);
+        if (wrong != NULL) {
+            return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s", function, wrong);
+        }
         *out = given;
         return SVO_OK;
     }

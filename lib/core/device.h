@@ -83,8 +83,8 @@ void svo_i_buffer_release(cl_mem *buffer);
 /* The device's message; NULL without a device (a tree from a file has none). */
 svo_message *svo_i_device_message(svo_device *device);
 
-/* The queue that is given, after svo_i_device_check_queue, or for NULL the device's own in-order queue, made on first
-   use and owned by the device. */
+/* The queue that is given, or for NULL the device's own in-order queue, made on first use and owned by the device.
+   Refuses a queue of another context or device. */
 svo_status svo_i_device_queue(svo_device *device, const char *function, cl_command_queue given, cl_command_queue *out);
 
 /* Waits for an event whose command uses memory that is about to be released, also where clWaitForEvents fails without
@@ -106,9 +106,8 @@ svo_i_budget_answer svo_i_device_budget(const svo_device *device, uint64_t bytes
 svo_status svo_i_device_constants(svo_device *device, const char *function, const char *name, const void *content,
                                   size_t bytes, cl_mem *out);
 
-/* Refuse a caller's objects that are of another context, or NULL; name: of the argument, for the message. A queue must
-   also be of this device, and memory a buffer of at least so many bytes. */
-svo_status svo_i_device_check_queue(svo_device *device, const char *function, cl_command_queue queue);
+/* Refuses a caller's memory that is of another context, or no buffer of at least so many bytes; name: of the argument,
+   for the message. */
 svo_status svo_i_device_check_memory(svo_device *device, const char *function, const char *name, cl_mem memory,
                                      size_t bytes);
 /* The same for memory that kernels write: CL_MEM_READ_ONLY is refused too. */

@@ -169,9 +169,7 @@ const char *svo_i_wrong_queue(cl_context context, cl_device_id device, cl_comman
 {
     cl_context own_context = NULL;
     cl_device_id own_device = NULL;
-    if (queue == NULL) {
-        return "queue is NULL";
-    }
+
     if (clGetCommandQueueInfo(queue, CL_QUEUE_CONTEXT, sizeof(cl_context), &own_context, NULL) != CL_SUCCESS ||
         clGetCommandQueueInfo(queue, CL_QUEUE_DEVICE, sizeof(cl_device_id), &own_device, NULL) != CL_SUCCESS) {
         return "queue is no command queue: clGetCommandQueueInfo failed";

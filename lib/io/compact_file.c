@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Compact trees to files and back: what file_save.c and file_load.c do not know of them. io.h has the format. */
+/* Compact trees to files and back: what file_chunks.c does not know of them. io.h has the format. */
 #include <inttypes.h>
 #include <string.h>
 
 #include "core/compact.h"
 #include "core/message.h"
 #include "core/struct_size.h"
-#include "io/compact_check.h"
-#include "io/file_load.h"
-#include "io/file_save.h"
+#include "io/file_format.h"
 
 /* ---- saving ---- */
 
@@ -100,6 +98,19 @@ svo_status svo_compact_save(const svo_compact *compact, const char *path, const 
 }
 
 /* ---- loading ---- */
+
+/* Reads a chunk whose place was checked into new memory. *out, in host_memory, is set as soon as there is memory, also
+   on failure. */
+static svo_status load_chunk(const svo_i_file_load *state, const file_chunk *chunk, const char *array, void **out)
+{
+    if (chunk->plain_bytes > 0 && chunk->plain_bytes <= SIZE_MAX) {
+        *out = svo_i_alloc(&state->host_memory, (size_t)chunk->plain_bytes);
+        if (*out == NULL) {
+            return svo_i_file_no_memory(state, array, chunk->plain_bytes);
+        }
+    }
+    return svo_i_file_read_chunk(state, chunk, array, *out);
+}
 
 static void fill_info(const file_header *header, const file_counts *counts, svo_compact_info *info)
 {
@@ -200,7 +211,7 @@ static svo_status load_counts(const svo_i_file_load *state, file_counts *counts,
         return svo_i_file_damaged(state, "header: need 0x%" PRIx16 " is not of payload alone", header->need);
     }
     SVO_I_TRY(svo_i_file_check_place(state, chunk, "counts", header->header_bytes));
-    SVO_I_TRY_CLEANUP(svo_i_file_load_chunk(state, chunk, "counts", &plain));
+    SVO_I_TRY_CLEANUP(load_chunk(state, chunk, "counts", &plain));
     memcpy(counts, plain, sizeof *counts);
     *offset = header->header_bytes + chunk->stored_bytes;
 
@@ -226,7 +237,7 @@ static svo_status load_arrays(const svo_i_file_load *state, uint64_t offset, svo
             return svo_i_file_damaged(state, "chunk %s: %" PRIu64 " bytes, %" PRIu64 " expected", name,
                                       chunk->plain_bytes, compact->info.bytes[i]);
         }
-        SVO_I_TRY(svo_i_file_load_chunk(state, chunk, name, &compact->host[i]));
+        SVO_I_TRY(load_chunk(state, chunk, name, &compact->host[i]));
         offset += chunk->stored_bytes;
         ++chunk_index;
     }

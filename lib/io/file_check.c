@@ -1,29 +1,38 @@
 /* SPDX-License-Identifier: MIT */
-/* The last step of loading a .svo file: node links, lists and indices must be such as a build makes them. */
-#include "io/file_check.h"
-
+/*
+ * The last step of loading a file: whether its arrays make a tree or a compact tree, such as a build makes them. Then
+ * kernels that follow their links stay inside the arrays.
+ */
 #include <inttypes.h>
 #include <math.h>
+#include <stdbool.h>
+#include <string.h>
 
+#include "core/compact.h"
 #include "core/message.h"
 #include "core/tree.h"
+#include "io/file_format.h"
+#include "shared/dag.clh"
+#include "shared/descriptor.h"
 #include "shared/nodes.clh"
 #include "svocl/plan.h"
 
+/* ---- built trees ---- */
+
 #define SNAPPED_MAX (1 << 29) /* coordinates of accepted triangles lie below this (lib/plan/grid.c) */
 
-typedef struct check {
+typedef struct tree_check {
     const svo_tree_info *info;
     svo_tree_arrays arrays;
     const char *name;
     svo_message *message;
-} check;
+} tree_check;
 
 /*
  * Nodes are in breadth-first order without gaps: a node's children begin where those of the node before it end. So
  * first_child is a running sum over the whole tree, and at the end of a level it equals the header's level_begin.
  */
-static svo_status check_nodes(const check *job)
+static svo_status check_nodes(const tree_check *job)
 {
     const svo_tree_info *info = job->info;
     const bool empty = info->leaf_count == 0;
@@ -51,7 +60,7 @@ static svo_status check_nodes(const check *job)
     return SVO_OK;
 }
 
-static svo_status check_leaf(const check *job, uint64_t leaf)
+static svo_status check_leaf(const tree_check *job, uint64_t leaf)
 {
     const uint32_t begin = job->arrays.list_begin[leaf];
     const uint32_t end = job->arrays.list_begin[leaf + 1];
@@ -72,7 +81,7 @@ static svo_status check_leaf(const check *job, uint64_t leaf)
     return SVO_OK;
 }
 
-static svo_status check_lists(const check *job)
+static svo_status check_lists(const tree_check *job)
 {
     const uint32_t *list_begin = job->arrays.list_begin;
     const uint64_t leaf_count = job->info->leaf_count;
@@ -88,7 +97,7 @@ static svo_status check_lists(const check *job)
 }
 
 /* The mesh's own coordinate must be one that the build snapped to that of the vertex. at: in both arrays. */
-static svo_status check_position(const check *job, uint64_t at)
+static svo_status check_position(const tree_check *job, uint64_t at)
 {
     const svo_tree_info *info = job->info;
     const int32_t snapped = job->arrays.vertices[at];
@@ -102,7 +111,7 @@ static svo_status check_position(const check *job, uint64_t at)
 }
 
 /* Only vertices that a triangle uses must be in range; no hit depends on the others. */
-static svo_status check_corner(const check *job, uint64_t corner)
+static svo_status check_corner(const tree_check *job, uint64_t corner)
 {
     const uint32_t vertex = job->arrays.indices[corner];
     if (vertex >= job->info->vertex_count) {
@@ -124,7 +133,7 @@ static svo_status check_corner(const check *job, uint64_t corner)
     return SVO_OK;
 }
 
-static svo_status check_geometry(const check *job)
+static svo_status check_geometry(const tree_check *job)
 {
     const svo_tree_info *info = job->info;
     for (uint64_t corner = 0; corner < 3 * info->list_triangle_count; ++corner) {
@@ -143,7 +152,7 @@ static svo_status check_geometry(const check *job)
 
 svo_status svo_i_file_check_structure(const svo_tree *tree, const char *name, svo_message *message)
 {
-    check job = {.info = &tree->info, .name = name, .message = message};
+    tree_check job = {.info = &tree->info, .name = name, .message = message};
     job.arrays = (svo_tree_arrays)SVO_TREE_ARRAYS_INIT;
     (void)svo_tree_get_arrays(tree, &job.arrays);
     SVO_I_TRY(check_nodes(&job));
@@ -152,4 +161,461 @@ svo_status svo_i_file_check_structure(const svo_tree *tree, const char *name, sv
     }
     SVO_I_TRY(check_lists(&job));
     return check_geometry(&job);
+}
+
+/* ---- records of SVO_FORM_SHARED (kernels/shared/dag.clh) ---- */
+
+/* Records as they lie in a file. */
+typedef struct dag_records {
+    const char *name; /* of the file, for messages */
+    const svo_i_memory *memory; /* for what checking needs */
+    const uint32_t *words;
+    size_t word_count;
+    uint32_t depth;
+    uint32_t payload_level;
+    bool places; /* numbers for the places of payload are stored */
+} dag_records;
+
+/* What records unfold to. */
+typedef struct dag_counts {
+    uint64_t inner[SVO_LEVELS_MAX]; /* inner nodes on each level */
+    uint64_t leaf[SVO_LEVELS_MAX]; /* leaves on each level */
+    uint64_t records;
+    uint64_t places; /* 0 without places */
+} dag_counts;
+
+/* Each record is looked at once, whatever the number of its nodes, which are counted along: a small file that would
+   unfold to 2^48 nodes is refused in no time. */
+typedef struct dag_check {
+    const dag_records *dag;
+    svo_message *message;
+    uint64_t *node_counts; /* at a record's first word: how many nodes have it; 0 for words that begin none */
+    uint64_t *place_counts; /* at a record's first word: the places of its subtree */
+    size_t level_words[SVO_LEVELS_MAX]; /* where each level's records begin */
+    dag_counts *counts;
+} dag_check;
+
+/* Whether all bits of a record's words that mean nothing are 0. */
+static bool is_filled_with_zeros(const dag_check *job, size_t at, uint32_t levels, uint32_t words)
+{
+    const uint32_t *record = job->dag->words + at;
+    const uint32_t masks = record[0] & 0xffff;
+    const uint32_t inner = svo_count_bits(masks & 0xff & ~(masks >> 8));
+    if (levels <= 2) {
+        const uint32_t used = (2 + inner) & 3; /* bytes of the last word; 0: all */
+        return used == 0 || record[words - 1] >> 8 * used == 0;
+    }
+    const uint32_t numbers = svo_shared_number_count(masks, job->dag->places);
+    const bool is_odd = (numbers & 1) == 0; /* half words, with that of the masks */
+    return levels > SVO_SHARED_SHORT_LEVELS ? record[0] >> 16 == 0 : !is_odd || record[numbers >> 1] >> 16 == 0;
+}
+
+static svo_status fail_record(const dag_check *job, size_t at, const char *what)
+{
+    return svo_i_fail(job->message, SVO_FILE_DAMAGED, "%s: shared record at word %zu: %s", job->dag->name, at, what);
+}
+
+/* The words of the record at a word, whose masks must be sound. */
+static svo_status measure_record(const dag_check *job, size_t at, uint32_t levels, uint32_t *words)
+{
+    const uint32_t first = job->dag->words[at];
+    const uint32_t masks = first & 0xffff;
+    if ((masks & 0xff) == 0 && at > 0) {
+        return fail_record(job, at, "it has no children");
+    }
+    if ((masks >> 8 & ~masks) != 0 || (levels == 1 && masks >> 8 != (masks & 0xff))) {
+        return fail_record(job, at, "its leaves are not among its children, or miss some");
+    }
+    *words = svo_shared_record_words(masks, levels, job->dag->places);
+    if (at + *words > job->dag->word_count) {
+        return fail_record(job, at, "it ends behind the last word");
+    }
+    return is_filled_with_zeros(job, at, levels, *words) ? SVO_OK : fail_record(job, at, "an unused bit is not 0");
+}
+
+/* Adds nodes to those of a level. */
+static svo_status count_nodes(dag_check *job, size_t at, uint32_t level, uint64_t inner, uint64_t leaves)
+{
+    job->counts->inner[level] += inner;
+    job->counts->leaf[level] += leaves;
+    return job->counts->inner[level] > UINT32_MAX || job->counts->leaf[level] > UINT32_MAX
+               ? fail_record(job, at, "its children's level unfolds to 2^32 nodes or more")
+               : SVO_OK;
+}
+
+/* Counts the children of a record on the level below. next: where that level's next new record must be. */
+static svo_status count_children(dag_check *job, size_t at, uint32_t levels, uint32_t words, size_t *next)
+{
+    const uint32_t masks = job->dag->words[at] & 0xffff;
+    const uint32_t level = job->dag->depth - levels;
+    const uint32_t inner = svo_count_bits(masks & 0xff & ~(masks >> 8));
+    const uint64_t nodes = job->node_counts[at];
+    SVO_I_TRY(count_nodes(job, at, level + 1, nodes * inner, nodes * svo_count_bits(masks >> 8)));
+    for (uint32_t rank = 0; rank < inner && levels == 2; ++rank) {
+        const uint32_t mask = job->dag->words[at + ((rank + 2) >> 2)] >> 8 * ((rank + 2) & 3) & 0xff;
+        if (mask == 0) {
+            return fail_record(job, at, "a child of it has no children");
+        }
+        SVO_I_TRY(count_nodes(job, at, level + 2, 0, nodes * svo_count_bits(mask)));
+    }
+    const uint32_t numbers = svo_shared_number_count(masks, job->dag->places);
+    for (size_t i = at + svo_shared_children_begin(levels, numbers); i < at + words && levels > 2; ++i) {
+        const size_t child = job->dag->words[i];
+        uint32_t child_words = 0;
+        if (child == *next && child < job->dag->word_count) {
+            SVO_I_TRY(measure_record(job, child, levels - 1, &child_words));
+            *next += child_words;
+        } else if (child > *next || child < job->level_words[level + 1] || job->node_counts[child] == 0) {
+            return fail_record(job, at, "a child of it is no record of the next level");
+        }
+        job->node_counts[child] += nodes;
+    }
+    return SVO_OK;
+}
+
+/* Looks at the records of a level, which must be in the order of their first nodes. */
+static svo_status check_level(dag_check *job, uint32_t level)
+{
+    const uint32_t levels = job->dag->depth - level;
+    const size_t end = job->level_words[level + 1];
+    size_t next = end;
+    for (size_t at = job->level_words[level]; at < end;) {
+        uint32_t words = 0;
+        SVO_I_TRY(measure_record(job, at, levels, &words));
+        SVO_I_TRY(count_children(job, at, levels, words, &next));
+        ++job->counts->records;
+        at += words;
+    }
+    job->level_words[level + 2] = next;
+    return SVO_OK;
+}
+
+/* Counts the places of a record's subtree and compares those that it stores. */
+static svo_status check_places(dag_check *job, size_t at, uint32_t levels, uint32_t words)
+{
+    const dag_records *dag = job->dag;
+    const uint32_t payload_levels = dag->depth - dag->payload_level;
+    const uint32_t masks = dag->words[at] & 0xffff;
+    const uint32_t numbers = svo_shared_number_count(masks, dag->places);
+    const uint32_t inner = svo_count_bits(masks & 0xff & ~(masks >> 8));
+    const uint32_t *record = dag->words + at;
+    uint64_t before = levels == 2 ? svo_shared_places_before(record, 2, payload_levels, 0, inner) : 0;
+    for (uint32_t rank = 0; rank < inner && levels > 2; ++rank) {
+        if (rank > 0 && svo_shared_places_before(record, levels, payload_levels, 0, rank) != before) {
+            return fail_record(job, at, "its numbers are not those of its children");
+        }
+        before += job->place_counts[record[words - inner + rank]];
+    }
+    if (levels > 2 && numbers > 0 && numbers == inner &&
+        svo_shared_places_before(record, levels, payload_levels, 0, inner) != before) {
+        return fail_record(job, at, "its last number is not that of its children");
+    }
+    job->place_counts[at] =
+        before + (levels <= payload_levels ? 1 : 0) + (levels <= payload_levels + 1 ? svo_count_bits(masks >> 8) : 0);
+    return SVO_OK;
+}
+
+static svo_status check_records(dag_check *job)
+{
+    const dag_records *dag = job->dag;
+    const uint32_t level_count = dag->depth > 1 ? dag->depth - 1 : 1;
+    uint32_t words = 0;
+    if (dag->word_count == 0) {
+        return fail_record(job, 0, "there is none");
+    }
+    SVO_I_TRY(measure_record(job, 0, dag->depth, &words));
+    job->level_words[1] = words;
+    job->node_counts[0] = 1;
+    job->counts->inner[0] = 1;
+    for (uint32_t level = 0; level < level_count; ++level) {
+        SVO_I_TRY(check_level(job, level));
+    }
+    if (job->level_words[level_count] != dag->word_count) {
+        return fail_record(job, job->level_words[level_count], "it is the child of none");
+    }
+    for (uint32_t level = level_count; level-- > 0 && dag->places;) {
+        for (size_t at = job->level_words[level]; at < job->level_words[level + 1]; at += words) {
+            SVO_I_TRY(measure_record(job, at, dag->depth - level, &words));
+            SVO_I_TRY(check_places(job, at, dag->depth - level, words));
+        }
+    }
+    job->counts->places = job->place_counts[0];
+    return SVO_OK;
+}
+
+/* Checks that each record lies within the words, on the level where its parents look for it, after those of earlier
+   nodes, with the numbers that its subtrees have; and counts. */
+static svo_status check_dag(const dag_records *records, dag_counts *counts, svo_message *message)
+{
+    dag_check job = {.dag = records, .message = message, .counts = counts};
+    *counts = (dag_counts){.records = 0};
+    job.node_counts = svo_i_alloc_zeroed(records->memory, records->word_count + 1, sizeof *job.node_counts);
+    job.place_counts = svo_i_alloc_zeroed(records->memory, records->word_count + 1, sizeof *job.place_counts);
+    const svo_status status =
+        job.node_counts != NULL && job.place_counts != NULL
+            ? check_records(&job)
+            : svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: %zu words need %zu bytes to check", records->name,
+                         records->word_count, 2 * records->word_count * sizeof *job.node_counts);
+    svo_i_free(job.node_counts);
+    svo_i_free(job.place_counts);
+    return status;
+}
+
+/* ---- compact trees ---- */
+
+/* Nodes are read in their order, and each must be where the order has it. */
+typedef struct compact_check {
+    const svo_compact_info *info;
+    const char *name;
+    svo_message *message;
+    const uint32_t *words;
+    const uint32_t *bases; /* NULL: none */
+    uint8_t *levels; /* of a word's node, plus 1; 0: a far word. NULL without bases */
+    uint64_t next; /* the next word whose place is not taken */
+    uint64_t far_count;
+    uint64_t inner[SVO_LEVELS_MAX], leaf[SVO_LEVELS_MAX]; /* counted */
+} compact_check;
+
+static svo_status damaged(const compact_check *c, uint64_t at, const char *what)
+{
+    return svo_i_fail(c->message, SVO_FILE_DAMAGED, "%s: node %" PRIu64 ": %s", c->name, at, what);
+}
+
+/* The counted levels are those of the header. */
+static svo_status check_levels(const compact_check *c)
+{
+    for (uint32_t level = 0; level <= c->info->depth; ++level) {
+        if (c->inner[level] != c->info->level_inner[level] || c->leaf[level] != c->info->level_leaf[level]) {
+            return svo_i_fail(c->message, SVO_FILE_DAMAGED,
+                              "%s: level %" PRIu32 " has %" PRIu64 " inner nodes and %" PRIu64 " leaves, %" PRIu32
+                              " and %" PRIu32 " expected",
+                              c->name, level, c->inner[level], c->leaf[level], c->info->level_inner[level],
+                              c->info->level_leaf[level]);
+        }
+    }
+    return SVO_OK;
+}
+
+/* ---- compact trees: descriptors ---- */
+
+/* The masks of a word. *inner: its inner children. */
+static svo_status check_masks(compact_check *c, uint64_t place, uint32_t level, uint32_t *inner)
+{
+    const uint32_t valid = c->words[place] & 255;
+    const uint32_t leaf = c->words[place] >> SVO_WORD_LEAF_SHIFT & 255;
+    if (valid == 0 && (level > 0 || c->info->leaf_count > 0)) {
+        return damaged(c, place, "it has no child");
+    }
+    if ((leaf & ~valid) != 0) {
+        return damaged(c, place, "a leaf is not among its children");
+    }
+    if (level + 1 == c->info->depth && leaf != valid) {
+        return damaged(c, place, "a child below the deepest level is not a leaf");
+    }
+    c->leaf[level + 1] += svo_count_bits(leaf);
+    *inner = svo_count_bits(valid & ~leaf);
+    return SVO_OK;
+}
+
+/* Takes the next words. */
+static svo_status take(compact_check *c, uint64_t place, uint32_t count)
+{
+    if (count > c->info->stored_count - c->next) {
+        return damaged(c, place, "its children or a far word lie beyond the end");
+    }
+    c->next += count;
+    return SVO_OK;
+}
+
+/* The far words of a group, in the order of its members. */
+static svo_status check_far_words(compact_check *c, uint64_t group, uint32_t count)
+{
+    for (uint64_t place = group; place < group + count; ++place) {
+        if ((c->words[place] & SVO_WORD_FAR) != 0) {
+            if (place + (c->words[place] >> SVO_WORD_DISTANCE_SHIFT) != c->next) {
+                return damaged(c, place, "its far word is not behind its group");
+            }
+            ++c->far_count;
+            SVO_I_TRY(take(c, place, 1));
+        }
+    }
+    return SVO_OK;
+}
+
+/* The distance of a node whose children begin at c->next. */
+static svo_status check_distance(const compact_check *c, uint64_t place)
+{
+    const uint32_t field = c->words[place] >> SVO_WORD_DISTANCE_SHIFT;
+    const bool far = (c->words[place] & SVO_WORD_FAR) != 0;
+    const uint64_t distance = far ? c->words[place + field] : field;
+    if (place + distance != c->next) {
+        return damaged(c, place, "its distance does not lead to its children");
+    }
+    return far == (distance > SVO_WORD_DISTANCE_MAX) ? SVO_OK
+                                                     : damaged(c, place, "it has a far word that it does not need");
+}
+
+/* A node and all below it; no deeper than the tree. */
+static svo_status check_node(compact_check *c, uint64_t place, uint32_t level)
+{
+    uint32_t count = 0;
+    SVO_I_TRY(check_masks(c, place, level, &count));
+    ++c->inner[level];
+    if (c->levels != NULL) {
+        c->levels[place] = (uint8_t)(level + 1);
+    }
+    if (count == 0) {
+        return c->words[place] >> 16 == 0 ? SVO_OK : damaged(c, place, "it has a distance but no inner child");
+    }
+    SVO_I_TRY(check_distance(c, place));
+    const uint64_t group = c->next;
+    SVO_I_TRY(take(c, place, count));
+    SVO_I_TRY(check_far_words(c, group, count));
+    for (uint64_t member = group; member < group + count; ++member) {
+        SVO_I_TRY(check_node(c, member, level + 1));
+    }
+    return SVO_OK;
+}
+
+static svo_status check_bases(const compact_check *c)
+{
+    uint64_t next = c->info->payload_level == 0 ? 1 : 0;
+    for (uint64_t place = 0; place < c->info->stored_count; ++place) {
+        const uint32_t level = c->levels[place];
+        const bool has_payload = level > 0 && level >= c->info->payload_level;
+        const uint64_t expected = level == 0 ? 0 : has_payload ? next : SVO_NO_NODE;
+        if (c->bases[place] != expected) {
+            return svo_i_fail(c->message, SVO_FILE_DAMAGED,
+                              "%s: node %" PRIu64 ": its base is %" PRIu32 ", %" PRIu64 " expected", c->name, place,
+                              c->bases[place], expected);
+        }
+        next += has_payload ? svo_count_bits(c->words[place] & 255) : 0;
+    }
+    return SVO_OK;
+}
+
+static svo_status check_words(compact_check *c)
+{
+    if ((c->words[0] & SVO_WORD_FAR) != 0) {
+        return damaged(c, 0, "the root has a far word");
+    }
+    c->next = 1;
+    SVO_I_TRY(check_node(c, 0, 0));
+    if (c->next != c->info->stored_count || c->far_count != c->info->far_count) {
+        return svo_i_fail(c->message, SVO_FILE_DAMAGED,
+                          "%s: %" PRIu64 " words, %" PRIu64 " of them far, %" PRIu64 " and %" PRIu64 " expected",
+                          c->name, c->next, c->far_count, c->info->stored_count, c->info->far_count);
+    }
+    SVO_I_TRY(check_levels(c));
+    return c->bases != NULL ? check_bases(c) : SVO_OK;
+}
+
+static svo_status check_descriptor(compact_check *c, const svo_compact *compact)
+{
+    c->words = compact->host[SVO_COMPACT_NODES];
+    c->bases = compact->host[SVO_COMPACT_BASES];
+    if (c->bases != NULL) {
+        c->levels = svo_i_alloc_zeroed(&compact->memory, (size_t)c->info->stored_count, 1);
+        if (c->levels == NULL) {
+            return svo_i_fail(c->message, SVO_OUT_OF_HOST_MEMORY, "%s: checking needs %" PRIu64 " bytes", c->name,
+                              c->info->stored_count);
+        }
+    }
+    const svo_status status = check_words(c);
+    svo_i_free(c->levels);
+    return status;
+}
+
+/* ---- compact trees: implied ---- */
+
+/* Masks, breadth-first, and the directory; *end: the node after the last. */
+static svo_status check_implied_nodes(compact_check *c, const uint8_t *masks, const uint32_t *directory, uint64_t *end)
+{
+    const uint64_t step_mask = (UINT64_C(1) << c->info->directory_step_log2) - 1;
+    uint64_t level_end = 1;
+    uint32_t level = 0;
+    *end = 1;
+    for (uint64_t node = 0; node < c->info->stored_count; ++node) {
+        if (node == level_end) {
+            ++level;
+            level_end = *end;
+        }
+        if (level == c->info->depth || node == level_end) {
+            return damaged(c, node, "it is below the deepest level, or its level is empty");
+        }
+        if ((node & step_mask) == 0 && directory[node >> c->info->directory_step_log2] != *end) {
+            return damaged(c, node, "its first child is not as the directory says");
+        }
+        const bool is_leaf = masks[node] == 0 && node > 0;
+        c->leaf[level] += is_leaf ? 1 : 0;
+        c->inner[level] += is_leaf ? 0 : 1;
+        *end += svo_count_bits(masks[node]);
+    }
+    /* What is below the last level that has masks are voxels. */
+    c->leaf[c->info->depth] = *end - c->info->stored_count;
+    return level + 1 == c->info->depth || *end == c->info->stored_count
+               ? SVO_OK
+               : damaged(c, c->info->stored_count, "its mask is missing");
+}
+
+static svo_status check_implied(compact_check *c, const svo_compact *compact)
+{
+    const uint8_t *masks = compact->host[SVO_COMPACT_NODES];
+    const uint32_t *bases = compact->host[SVO_COMPACT_BASES];
+    uint64_t end = 0;
+    uint64_t begin = 0;
+    if (masks[0] == 0 && c->info->leaf_count > 0) {
+        return damaged(c, 0, "it has no child");
+    }
+    SVO_I_TRY(check_implied_nodes(c, masks, compact->host[SVO_COMPACT_LINKS], &end));
+    SVO_I_TRY(check_levels(c));
+    for (uint64_t i = c->info->stored_count; i < c->info->bytes[SVO_COMPACT_NODES]; ++i) {
+        if (masks[i] != 0) {
+            return damaged(c, i, "a byte after the last node is not 0");
+        }
+    }
+    for (uint32_t level = 0; level < c->info->payload_level; ++level) {
+        begin += (uint64_t)c->info->level_inner[level] + c->info->level_leaf[level];
+    }
+    return bases == NULL || bases[0] == begin ? SVO_OK : damaged(c, bases[0], "payload does not begin at this node");
+}
+
+/* ---- compact trees: shared ---- */
+
+static svo_status check_shared(compact_check *c, const svo_compact *compact)
+{
+    const uint32_t *links = compact->host[SVO_COMPACT_LINKS];
+    const dag_records records = {.name = c->name,
+                                 .memory = &compact->memory,
+                                 .words = compact->host[SVO_COMPACT_NODES],
+                                 .word_count = (size_t)c->info->stored_count,
+                                 .depth = c->info->depth,
+                                 .payload_level = c->info->payload_level,
+                                 .places = svo_i_compact_has_places(c->info)};
+    dag_counts counts;
+    if (links[0] != records.depth || links[1] != records.depth - records.payload_level) {
+        return svo_i_fail(c->message, SVO_FILE_DAMAGED, "%s: links are %" PRIu32 " and %" PRIu32, c->name, links[0],
+                          links[1]);
+    }
+    SVO_I_TRY(check_dag(&records, &counts, c->message));
+    if (counts.records != c->info->shared_count) {
+        return svo_i_fail(c->message, SVO_FILE_DAMAGED, "%s: %" PRIu64 " records, %" PRIu64 " expected", c->name,
+                          counts.records, c->info->shared_count);
+    }
+    memcpy(c->inner, counts.inner, sizeof c->inner);
+    memcpy(c->leaf, counts.leaf, sizeof c->leaf);
+    return check_levels(c);
+}
+
+svo_status svo_i_compact_check(const svo_compact *compact, const char *name, svo_message *message)
+{
+    compact_check c = {.info = &compact->info, .name = name, .message = message};
+    switch (compact->info.form) {
+    case SVO_FORM_IMPLIED:
+        return check_implied(&c, compact);
+    case SVO_FORM_SHARED:
+        return check_shared(&c, compact);
+    default:
+        return check_descriptor(&c, compact);
+    }
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The .svo format as structs, for file_save.c, file_load.c and tree_load.c. io.h documents it byte by byte; the
+ * The .svo format as structs, and the functions that read and write it. io.h documents the format byte by byte; the
  * assertions below keep the two equal. Hosts and files are little-endian, so a struct in memory is its bytes in the
  * file.
  */
@@ -8,10 +8,15 @@
 #define SVO_LIB_IO_FILE_FORMAT_H
 
 #include <assert.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
+#include "core/compact.h"
+#include "core/memory.h"
+#include "core/tree.h"
 #include "svocl/io.h"
+#include "svocl/tree.h"
 
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
 #error "svocl reads and writes .svo files in memory order and needs a little-endian host"
@@ -97,5 +102,140 @@ static_assert(offsetof(file_header, level_begin) == 128, "io.h: level_begin");
 static_assert(sizeof(file_header) == 200, "io.h: header");
 static_assert(sizeof(file_chunk) == 40, "io.h: chunk entry");
 static_assert(offsetof(file_head, chunks) == 200, "io.h: chunk table");
+
+/* ---- reading a header and chunks: of a built tree, or of a compact one ---- */
+
+/* Reads bytes from a place on; *got: how many, fewer where the file ends before. Returns 0 or an errno. */
+int svo_i_read_at(int file, uint64_t offset, void *out, size_t byte_count, size_t *got);
+
+/* A file that is read, from a descriptor or from memory. */
+typedef struct svo_i_file_load {
+    const char *name; /* begins messages */
+    svo_message *message;
+    svo_i_memory host_memory;
+    uint64_t voxels_max; /* 0: by memory */
+    const uint8_t *memory; /* the whole file, or NULL: read from file */
+    int file;
+    uint64_t file_bytes;
+    file_head head;
+} svo_i_file_load;
+
+/* What tells a format's files from others. */
+typedef struct svo_i_file_kind {
+    const char *name; /* ".svo" */
+    const char *magic; /* FILE_MAGIC_BYTES */
+    uint32_t oldest_version, version; /* that are read */
+    uint32_t chunks_max; /* at most FILE_CHUNKS_MAX */
+} svo_i_file_kind;
+
+/* Takes the caller's options. function: for the message. */
+svo_status svo_i_file_read_options(const svo_load_options *options, const char *function, svo_i_file_load *state);
+/* Opens the file whose path is state->name; closed by svo_i_file_load_close. */
+svo_status svo_i_file_load_open(svo_i_file_load *state);
+void svo_i_file_load_close(svo_i_file_load *state);
+
+/* Reads header and chunk table into state->head and checks the header's values, levels included. */
+svo_status svo_i_file_read_head(svo_i_file_load *state, const svo_i_file_kind *kind);
+/* Checks a chunk's place, which must be offset, its codec, and that its bytes can hold what it says. array: its name.
+   */
+svo_status svo_i_file_check_place(const svo_i_file_load *state, const file_chunk *chunk, const char *array,
+                                  uint64_t offset);
+/* Checks that there are no further chunks or bytes. */
+svo_status svo_i_file_check_end(const svo_i_file_load *state, uint32_t chunk_index, uint64_t offset);
+/* Reads bytes that were checked to lie inside the file. */
+svo_status svo_i_file_read_at(const svo_i_file_load *state, uint64_t offset, void *out, size_t byte_count);
+/* Reads a chunk whose place was checked into memory for chunk->plain_bytes, and checks its checksum. */
+svo_status svo_i_file_read_chunk(const svo_i_file_load *state, const file_chunk *chunk, const char *array, void *plain);
+
+/* Fails where so many voxels, or the bytes of their arrays, are above the limit. */
+svo_status svo_i_file_limit(const svo_i_file_load *state, uint64_t voxel_count, uint64_t byte_count);
+
+/* SVO_FILE_DAMAGED, with the file's name before the words. */
+svo_status svo_i_file_damaged(const svo_i_file_load *state, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/* SVO_OUT_OF_HOST_MEMORY, with the file's name and the array's. */
+svo_status svo_i_file_no_memory(const svo_i_file_load *state, const char *array, uint64_t byte_count);
+
+/* ---- writing them ---- */
+
+/* An array of the file. */
+typedef struct svo_i_file_array {
+    uint32_t kind; /* of its chunk */
+    const char *name; /* for messages */
+    const void *plain; /* the caller's */
+    uint64_t bytes;
+} svo_i_file_array;
+
+typedef struct svo_i_file_save {
+    const char *name; /* begins messages: the path or the function */
+    svo_message *message;
+    const svo_i_memory *memory; /* for compressed chunks; NULL: malloc and free */
+    svo_write_callback write;
+    void *user;
+    bool compress;
+    file_head head; /* the caller fills the header, but for lengths, counts and checksums */
+    svo_i_file_array arrays[FILE_CHUNKS_MAX]; /* in the order of their chunks */
+    uint32_t array_count;
+    void *packed[FILE_CHUNKS_MAX]; /* compressed chunks, in the order of head.chunks; NULL: written as they are */
+} svo_i_file_save;
+
+/* Fills the header of a built tree's file, but for lengths, counts and checksums. */
+void svo_i_file_fill_header(file_header *header, const svo_tree_info *info);
+/* Writes the file through state->write. */
+svo_status svo_i_file_write(svo_i_file_save *state);
+/* Writes the file to a path, whole or not at all; sets name, write and user. */
+svo_status svo_i_file_save_to(svo_i_file_save *state, const char *path);
+
+/*
+ * ---- files of built trees ----
+ *
+ * Which chunks the file has, in which order, and which elements of the tree's arrays each of them holds. Saving,
+ * loading and stitching go through the same list.
+ */
+
+typedef struct file_entry {
+    svo_tree_buffer buffer;
+    uint32_t level; /* whose nodes or leaves the elements belong to; 0 in files before version 3 */
+} file_entry;
+
+/* Lists the chunks of a tree's file. Returns their count. */
+uint32_t svo_i_file_list_entries(const svo_tree_info *info, uint32_t version, file_entry entries[FILE_CHUNKS_MAX]);
+
+/* The kind of an entry's chunk. */
+static inline uint32_t file_entry_kind(const file_entry *entry)
+{
+    return (uint32_t)entry->buffer | entry->level << FILE_KIND_BITS;
+}
+
+/* How many elements an entry has. */
+uint64_t svo_i_file_entry_count(const svo_tree_info *info, uint32_t version, const file_entry *entry);
+
+typedef struct svo_i_tree_file {
+    svo_i_file_load *load;
+    svo_tree_info info; /* of the whole tree */
+    file_entry entries[FILE_CHUNKS_MAX]; /* in the order of the chunks */
+} svo_i_tree_file;
+
+/* Names an entry in messages: the array, and its level if it has several. */
+typedef struct svo_i_entry_name {
+    char text[48];
+} svo_i_entry_name;
+svo_i_entry_name svo_i_tree_file_name(const svo_i_tree_file *file, uint32_t chunk_index);
+
+/* Reads the header and checks it and the whole table of chunks. load: set, and open. */
+svo_status svo_i_tree_file_read_head(svo_i_tree_file *file);
+
+/* ---- what files hold ---- */
+
+/*
+ * Checks the arrays of a tree whose counts already agree with its header: node links, lists and geometry.
+ * name: the file's, for the message. Returns SVO_FILE_DAMAGED with what is wrong and where.
+ */
+svo_status svo_i_file_check_structure(const svo_tree *tree, const char *name, svo_message *message);
+
+/* Checks the arrays of a compact tree whose lengths already agree with its info: every word, mask and place is such as
+   svo_compact_create makes it. name: the file's. Returns SVO_FILE_DAMAGED with what is wrong and where. */
+svo_status svo_i_compact_check(const svo_compact *compact, const char *name, svo_message *message);
 
 #endif

@@ -1,24 +1,402 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Mesh files, in the calling process: checks the arguments and the file, has a child process read it
- * (import_process.c) and parses the child's answer (import_stream.c). import_child.c runs in the child.
+ * Mesh files, in the calling process: checks the arguments and the file, has a child process read it and parses the
+ * child's answer (import_stream.c). import_child.c runs in the child.
+ *
+ * The child is started with one pipe, which is read until it closes or the time limit passes. Then the child is waited
+ * for or killed. A crash, a hang or endless output becomes a status.
  */
-#define _POSIX_C_SOURCE 200809L
+#define _GNU_SOURCE /* dladdr; pipe2: no other thread's child can inherit the pipe */
+#include "io/import.h"
+
+#include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
+#include <limits.h>
+#include <math.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
+#include "core/memory.h"
 #include "core/message.h"
 #include "core/struct_size.h"
-#include "io/import_process.h"
 #include "io/import_stream.h"
 
 #define HELPER_PATH_BYTES    4096
 #define DEFAULT_MEMORY_BYTES ((uint64_t)8 << 30)
 #define DEFAULT_TIME_SECONDS 5
+#define FIRST_READ_BYTES     ((size_t)1 << 20)
+#define PIPE_BYTES           (1 << 20) /* of the answer on its way: the default is 64 KiB */
+#define PROGRESS_MS          100 /* between calls of the progress callback */
+#define NOT_STARTED_CODE     127 /* posix_spawn's exit code where exec fails in the child */
+
+/* FROM_LIBRARY and FROM_PROGRAM, the helper's folder from that of libraries and that of programs, and INSTALLED, its
+   absolute path, come from the build. */
+#define HELPER_NAME "/svocl-import"
+
+/*
+ * ---- the helper program ----
+ *
+ * The installation may have been moved, so the file that holds this code is asked for first: the shared library, or the
+ * program that it is linked into.
+ */
+
+/* Whether a program is there; its path without links and dots goes to path. */
+static bool take_program(const char *candidate, char *path, size_t path_bytes)
+{
+    char real[PATH_MAX];
+    const bool is_there = access(candidate, X_OK) == 0 && realpath(candidate, real) != NULL;
+    const int length = is_there ? snprintf(path, path_bytes, "%s", real) : -1;
+    return length > 0 && (size_t)length < path_bytes;
+}
+
+/* The program at a path relative to the folder of a file. */
+static bool take_beside(const char *file, const char *relative, char *path, size_t path_bytes)
+{
+    char candidate[PATH_MAX];
+    char *slash = realpath(file, candidate) != NULL ? strrchr(candidate, '/') : NULL;
+    if (slash == NULL) {
+        return false;
+    }
+    const size_t left_bytes = sizeof candidate - (size_t)(slash - candidate);
+    const int length = snprintf(slash, left_bytes, "/%s", relative);
+    return length > 0 && (size_t)length < left_bytes && take_program(candidate, path, path_bytes);
+}
+
+svo_status svo_import_helper(char *path, size_t path_bytes, svo_message *message)
+{
+    static const char own_address = 0;
+    Dl_info info = {0};
+    if (path == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_import_helper: path is NULL");
+    }
+    const bool is_known = dladdr(&own_address, &info) != 0 && info.dli_fname != NULL;
+    if ((is_known && take_beside(info.dli_fname, FROM_LIBRARY HELPER_NAME, path, path_bytes)) ||
+        take_beside("/proc/self/exe", FROM_PROGRAM HELPER_NAME, path, path_bytes) ||
+        take_program(INSTALLED HELPER_NAME, path, path_bytes)) {
+        return SVO_OK;
+    }
+    return svo_i_fail(
+        message, SVO_FILE_ERROR,
+        "svo_import_helper: no program svocl-import in %s of the library's folder, %s of the program's, or %s",
+        FROM_LIBRARY, FROM_PROGRAM, INSTALLED);
+}
+
+/*
+ * ---- the child ----
+ *
+ * The default time limit grows with what the child says that it reads besides the mesh file.
+ */
+
+typedef struct import_child {
+    const char *path;
+    const svo_import_options *options;
+    const svo_i_memory *memory;
+    svo_message *message;
+    bool time_grows;
+    double start_ms, limit_ms;
+    size_t next_frame; /* offset of the first frame of the answer that has not been looked at */
+    pid_t process;
+    int stream;
+} import_child;
+
+/* The parent's environment and IMPORT_CHILD_ENVIRONMENT; the caller frees the array, not the strings. */
+static char **child_environment(const svo_i_memory *memory)
+{
+    static char mark[] = IMPORT_CHILD_ENVIRONMENT "=1";
+    size_t count = 0;
+    while (environ != NULL && environ[count] != NULL) {
+        ++count;
+    }
+    char **environment = svo_i_alloc(memory, (count + 2) * sizeof *environment);
+    if (environment == NULL) {
+        return NULL;
+    }
+    environment[0] = mark;
+    for (size_t i = 0; i < count; ++i) {
+        environment[i + 1] = environ[i];
+    }
+    environment[count + 1] = NULL;
+    return environment;
+}
+
+/* The child starts with default signal handlers and none blocked, whatever the calling program has set. */
+static int fill_attributes(posix_spawnattr_t *attributes)
+{
+    sigset_t none, all;
+    sigemptyset(&none);
+    sigfillset(&all);
+    int error = posix_spawnattr_setsigmask(attributes, &none);
+    if (error == 0) {
+        error = posix_spawnattr_setsigdefault(attributes, &all);
+    }
+    if (error == 0) {
+        error = posix_spawnattr_setflags(attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+    }
+    return error;
+}
+
+static int fill_actions(posix_spawn_file_actions_t *actions, int stream)
+{
+    int error = posix_spawn_file_actions_adddup2(actions, stream, IMPORT_CHILD_STREAM);
+    for (int descriptor = 0; descriptor < 3 && error == 0; ++descriptor) {
+        error = posix_spawn_file_actions_addopen(actions, descriptor, "/dev/null", O_RDWR, 0);
+    }
+    return error;
+}
+
+static int spawn(import_child *child, char *const *arguments, char *const *environment, int stream)
+{
+    posix_spawnattr_t attributes;
+    posix_spawn_file_actions_t actions;
+    int error = posix_spawnattr_init(&attributes);
+    if (error != 0) {
+        return error;
+    }
+    error = posix_spawn_file_actions_init(&actions);
+    if (error == 0) {
+        error = fill_attributes(&attributes);
+        if (error == 0) {
+            error = fill_actions(&actions, stream);
+        }
+        if (error == 0) {
+            error = posix_spawn(&child->process, arguments[0], &actions, &attributes, arguments, environment);
+        }
+        posix_spawn_file_actions_destroy(&actions);
+    }
+    posix_spawnattr_destroy(&attributes);
+    return error;
+}
+
+static svo_status start(import_child *child)
+{
+    char memory[24], seconds[16], word[] = IMPORT_CHILD_WORD, grows[8];
+    (void)snprintf(memory, sizeof memory, "%" PRIu64, child->options->memory_limit_bytes);
+    (void)snprintf(seconds, sizeof seconds, "%" PRIu32, child->options->time_limit_seconds);
+    (void)snprintf(grows, sizeof grows, "%s", child->time_grows ? IMPORT_CHILD_GROWS : IMPORT_CHILD_FIXED);
+    char *program = svo_i_copy_text(child->memory, child->options->child_program);
+    char *path = svo_i_copy_text(child->memory, child->path);
+    char **environment = child_environment(child->memory);
+    int ends[2] = {-1, -1};
+    svo_status status = SVO_OK;
+    if (program == NULL || path == NULL || environment == NULL) {
+        status = svo_i_fail(child->message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory to start the reader", child->path);
+    } else if (pipe2(ends, O_CLOEXEC) != 0) {
+        status = svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: no pipe to the reader: %s", child->path,
+                            strerror(errno));
+    } else {
+        char *const arguments[IMPORT_CHILD_ARGUMENT_COUNT + 1] = {program, word, path, memory, seconds, grows, NULL};
+        (void)fcntl(ends[0], F_SETPIPE_SZ, PIPE_BYTES); /* refused: more turns of both processes */
+        const int error = spawn(child, arguments, environment, ends[1]);
+        close(ends[1]);
+        if (error == 0) {
+            child->stream = ends[0];
+        } else {
+            close(ends[0]);
+            status = svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: the reader %s cannot be started: %s",
+                                child->path, program, strerror(error));
+        }
+    }
+    svo_i_free(program);
+    svo_i_free(path);
+    svo_i_free(environment);
+    return status;
+}
+
+static svo_status too_slow(const import_child *child)
+{
+    return svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: reading took longer than %.0f s", child->path,
+                      floor(child->limit_ms * 1e-3));
+}
+
+/* Milliseconds until the deadline, rounded up; 0: over. */
+static int remaining_ms(const import_child *child)
+{
+    const double left_ms = child->start_ms + child->limit_ms - svo_i_now_ms();
+    if (left_ms <= 0) {
+        return 0;
+    }
+    return left_ms < 1e6 ? (int)left_ms + 1 : 1000000;
+}
+
+/* Milliseconds until something has to be looked at again, above 0. */
+static int pause_ms(const import_child *child)
+{
+    const int left_ms = remaining_ms(child);
+    return child->options->progress != NULL && left_ms > PROGRESS_MS ? PROGRESS_MS : left_ms;
+}
+
+static svo_status ask_progress(const import_child *child, const svo_import *import)
+{
+    const svo_import_options *options = child->options;
+    return options->progress == NULL || options->progress(options->progress_user, import->byte_count) == 0
+               ? SVO_OK
+               : svo_i_fail(child->message, SVO_CANCELED, "%s: the progress callback stopped the import", child->path);
+}
+
+/* Room for at least one more byte, up to the child's memory limit. */
+static svo_status make_room(const import_child *child, svo_import *import, size_t *capacity)
+{
+    if (import->byte_count < *capacity) {
+        return SVO_OK;
+    }
+    if (*capacity >= child->options->memory_limit_bytes) {
+        return svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: the mesh needs more than %s", child->path,
+                          svo_i_bytes(child->options->memory_limit_bytes).text);
+    }
+    const size_t larger = *capacity == 0 ? FIRST_READ_BYTES : 2 * *capacity;
+    uint8_t *bytes = larger > *capacity ? svo_i_grow(child->memory, import->bytes, larger) : NULL;
+    if (bytes == NULL) {
+        return svo_i_fail(child->message, SVO_OUT_OF_HOST_MEMORY, "%s: the mesh needs more than %s", child->path,
+                          svo_i_bytes(*capacity).text);
+    }
+    import->bytes = bytes;
+    *capacity = larger;
+    return SVO_OK;
+}
+
+/* Gives the child time for the work that it has announced so far. Frames are judged when the answer is complete. */
+static void take_work(import_child *child, const svo_import *import)
+{
+    stream_frame frame;
+    uint64_t work_bytes = 0;
+    while (child->next_frame < import->byte_count &&
+           import->byte_count - child->next_frame >= sizeof frame + sizeof work_bytes) {
+        memcpy(&frame, import->bytes + child->next_frame, sizeof frame);
+        if (frame.kind == STREAM_WORK) {
+            memcpy(&work_bytes, import->bytes + child->next_frame + sizeof frame, sizeof work_bytes);
+            child->limit_ms += 1e3 * (double)work_bytes / STREAM_BYTES_A_SECOND;
+        }
+        const uint64_t most_bytes = SIZE_MAX - child->next_frame - sizeof frame - STREAM_PAYLOAD_ALIGN;
+        const uint64_t payload_bytes = frame.payload_bytes < most_bytes ? frame.payload_bytes : most_bytes;
+        child->next_frame += sizeof frame + (size_t)payload_bytes + (size_t)(-payload_bytes % STREAM_PAYLOAD_ALIGN);
+    }
+}
+
+/* Reads until the child closes the pipe, which it does at the latest by ending. */
+static svo_status collect(import_child *child, svo_import *import)
+{
+    size_t capacity = 0;
+    for (;;) {
+        struct pollfd wait_for = {.fd = child->stream, .events = POLLIN};
+        if (remaining_ms(child) == 0) {
+            return too_slow(child);
+        }
+        SVO_I_TRY(ask_progress(child, import));
+        if (poll(&wait_for, 1, pause_ms(child)) <= 0) {
+            continue; /* interrupted, a pause, or the deadline, which is checked above */
+        }
+        SVO_I_TRY(make_room(child, import, &capacity));
+        const ssize_t got = read(child->stream, import->bytes + import->byte_count, capacity - import->byte_count);
+        if (got == 0) {
+            return SVO_OK;
+        }
+        if (got > 0) {
+            import->byte_count += (size_t)got;
+            if (child->time_grows) {
+                take_work(child, import);
+            }
+        } else if (errno != EINTR) {
+            return svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: the reader's pipe cannot be read: %s",
+                              child->path, strerror(errno));
+        }
+    }
+}
+
+/* Waits for a child that has closed its pipe to end. *known is false where the calling program reaps its children
+   itself, so that the exit code is lost. */
+static svo_status wait_for_end(const import_child *child, const svo_import *import, int *exit_state, bool *known)
+{
+    for (;;) {
+        const pid_t ended = waitpid(child->process, exit_state, WNOHANG);
+        if (ended == child->process) {
+            *known = true;
+            return SVO_OK;
+        }
+        if (ended < 0 && errno != EINTR) {
+            *known = false;
+            return SVO_OK;
+        }
+        if (remaining_ms(child) == 0) {
+            return too_slow(child);
+        }
+        SVO_I_TRY(ask_progress(child, import));
+        const struct timespec moment = {.tv_nsec = 200000};
+        nanosleep(&moment, NULL);
+    }
+}
+
+static svo_status check_exit(const import_child *child, int exit_state, const svo_import *import)
+{
+    if (WIFSIGNALED(exit_state)) {
+        const int signal_number = WTERMSIG(exit_state);
+        if (signal_number == SIGXCPU) {
+            return too_slow(child);
+        }
+        return svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: the reader %s (signal %d)", child->path,
+                          signal_number == SIGKILL ? "was killed" : "crashed", signal_number);
+    }
+    if (import->byte_count > 0) {
+        return SVO_OK; /* a failure is in its answer */
+    }
+    if (WEXITSTATUS(exit_state) == NOT_STARTED_CODE) {
+        return svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: the reader %s cannot be started", child->path,
+                          child->options->child_program);
+    }
+    return svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: the reader ended without an answer, exit code %d",
+                      child->path, WEXITSTATUS(exit_state));
+}
+
+static void kill_and_reap(const import_child *child)
+{
+    (void)kill(child->process, SIGKILL);
+    while (waitpid(child->process, NULL, 0) < 0 && errno == EINTR) {
+    }
+}
+
+svo_status svo_i_import_run_child(const char *path, const svo_import_options *options, bool time_grows,
+                                  svo_import *import, svo_message *message)
+{
+    import_child child = {.path = path,
+                          .options = options,
+                          .memory = &import->memory,
+                          .message = message,
+                          .time_grows = time_grows,
+                          .start_ms = svo_i_now_ms(),
+                          .limit_ms = 1e3 * options->time_limit_seconds,
+                          .next_frame = STREAM_GREETING_BYTES,
+                          .process = -1,
+                          .stream = -1};
+    svo_status status = SVO_OK;
+    int exit_state = 0;
+    bool known = false;
+    bool ended = false;
+    SVO_I_TRY(start(&child));
+    SVO_I_TRY_CLEANUP(collect(&child, import));
+    SVO_I_TRY_CLEANUP(wait_for_end(&child, import, &exit_state, &known));
+    ended = true;
+    if (known) {
+        status = check_exit(&child, exit_state, import);
+    }
+cleanup:
+    close(child.stream);
+    if (!ended) {
+        kill_and_reap(&child);
+    }
+    return status;
+}
+
+/* ---- import ---- */
 
 /* Errors for which the system has a better message than a reader: missing, a directory, no permission. */
 static svo_status check_file(const char *path, uint64_t *byte_count, svo_message *message)
@@ -42,7 +420,7 @@ static svo_status check_file(const char *path, uint64_t *byte_count, svo_message
 }
 
 /* Options without zeros. helper: room for the path of the helper program. The time for other files than the mesh file
-   is added when the child announces them (import_process.c). */
+   is added when the child announces them. */
 static svo_status fill_options(svo_import_options *options, uint64_t byte_count, char *helper, size_t helper_bytes,
                                svo_message *message)
 {

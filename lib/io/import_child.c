@@ -1,26 +1,21 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The import child: sets its own resource limits, reads the file and writes the mesh to its parent. OBJ, PLY, STL,
- * OFF and glTF have readers of their own (import_formats.h), assimp reads the others. On some broken files assimp
- * 5.2.5 crashes, hangs or allocates without end; here that ends this process alone.
+ * The import child: sets its own resource limits, finds the reader for the file and writes the mesh to its parent. OBJ,
+ * PLY, STL, OFF and glTF have readers of their own, assimp reads the others. On some broken files assimp 5.2.5 crashes,
+ * hangs or allocates without end; here that ends this process alone.
  */
 #define _POSIX_C_SOURCE 200809L
-#include <assimp/cimport.h>
-#include <assimp/config.h>
-#include <assimp/postprocess.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include "core/memory.h"
 #include "core/message.h"
-#include "io/import_file.h"
+#include "io/import.h"
 #include "io/import_formats.h"
-#include "io/import_gather.h"
-#include "io/import_process.h"
-#include "io/import_scene.h"
 #include "io/import_stream.h"
 
 /* The address sanitizer reserves terabytes of address space, so that space cannot be limited beside it. */
@@ -34,6 +29,60 @@
 #ifndef LIMIT_ADDRESS_SPACE
 #define LIMIT_ADDRESS_SPACE 1
 #endif
+
+/* ---- formats ---- */
+
+mesh_format svo_i_mesh_format(const char *path, const char *bytes, size_t byte_count)
+{
+    static const struct {
+        const char *suffix;
+        mesh_format format;
+    } known[] = {{".obj", MESH_FORMAT_OBJ}, {".ply", MESH_FORMAT_PLY},  {".stl", MESH_FORMAT_STL},
+                 {".off", MESH_FORMAT_OFF}, {".glb", MESH_FORMAT_GLTF}, {".gltf", MESH_FORMAT_GLTF}};
+    const size_t length = strlen(path);
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; ++i) {
+        const size_t suffix_length = strlen(known[i].suffix);
+        if (length > suffix_length && strcasecmp(path + length - suffix_length, known[i].suffix) == 0) {
+            return known[i].format;
+        }
+    }
+    if (text_begins_with(bytes, byte_count, "ply\n") || text_begins_with(bytes, byte_count, "ply\r")) {
+        return MESH_FORMAT_PLY;
+    }
+    if (text_begins_with(bytes, byte_count, "glTF")) {
+        return MESH_FORMAT_GLTF;
+    }
+    return text_begins_with(bytes, byte_count, "OFF\n") || text_begins_with(bytes, byte_count, "OFF\r")
+               ? MESH_FORMAT_OFF
+               : MESH_FORMAT_OTHER;
+}
+
+svo_status svo_i_read_mesh(mesh_reader *reader, mesh_format format)
+{
+    static const stream_reader names[] = {STREAM_READER_ASSIMP, STREAM_READER_OBJ, STREAM_READER_PLY,
+                                          STREAM_READER_STL,    STREAM_READER_OFF, STREAM_READER_GLTF};
+    *reader->counts = (stream_counts){.reader = names[format]};
+    switch (format) {
+    case MESH_FORMAT_OBJ:
+        SVO_I_TRY(svo_i_read_obj(reader));
+        break;
+    case MESH_FORMAT_PLY:
+        SVO_I_TRY(svo_i_read_ply(reader));
+        break;
+    case MESH_FORMAT_STL:
+        SVO_I_TRY(svo_i_read_stl(reader));
+        break;
+    case MESH_FORMAT_GLTF:
+        SVO_I_TRY(svo_i_read_gltf(reader));
+        break;
+    default:
+        SVO_I_TRY(svo_i_read_off(reader));
+        break;
+    }
+    return reader->mesh->triangle_count > 0 ? SVO_OK : svo_i_fail(reader->message, SVO_IMPORT_FAILED, "no triangles");
+}
+
+/* ---- the child ---- */
 
 /* A limit that cannot be set is no error: the parent's timeout still holds. */
 static void set_limits(uint64_t memory_bytes, uint64_t seconds, bool time_grows)
@@ -49,20 +98,6 @@ static void set_limits(uint64_t memory_bytes, uint64_t seconds, bool time_grows)
     }
 }
 
-/* No post-processing that moves, joins or removes geometry: the file's triangles are voxelized as they are. */
-static const struct aiScene *read_scene(const char *path, scene_files *files)
-{
-    struct aiPropertyStore *properties = aiCreatePropertyStore();
-    if (properties == NULL) {
-        return NULL;
-    }
-    aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_NO_SKELETON_MESHES, 1);
-    svo_i_scene_files(IMPORT_CHILD_STREAM, path, files);
-    const struct aiScene *scene = aiImportFileExWithProperties(path, aiProcess_Triangulate, &files->io, properties);
-    aiReleasePropertyStore(properties);
-    return scene;
-}
-
 static int report_failure(const char *words, uint64_t memory_bytes)
 {
     if (strcmp(words, "out of memory") == 0 || strstr(words, "bad_alloc") != NULL) {
@@ -76,24 +111,6 @@ static int report_failure(const char *words, uint64_t memory_bytes)
     return 1;
 }
 
-/* Reads with assimp. Returns 0, or the exit code after reporting a failure. */
-static int read_with_assimp(const char *path, uint64_t memory_bytes, gather *mesh)
-{
-    scene_files files = {.trouble = NULL};
-    const struct aiScene *scene = read_scene(path, &files);
-    if (scene == NULL && files.trouble != NULL) {
-        (void)svo_i_stream_text(IMPORT_CHILD_STREAM, STREAM_FAILURE, "cannot be read: %s", files.trouble);
-        return 1;
-    }
-    if (scene == NULL) {
-        const char *words = aiGetErrorString();
-        return report_failure(words != NULL && words[0] != '\0' ? words : "not understood", memory_bytes);
-    }
-    const char *failure = svo_i_import_gather_scene(scene, path, IMPORT_CHILD_STREAM, mesh);
-    aiReleaseImport(scene);
-    return failure != NULL ? report_failure(failure, memory_bytes) : -files.result;
-}
-
 /* Reads with one of the library's readers, or with assimp. Returns 0, or the exit code after reporting a failure. */
 static int read_file(const char *path, uint64_t memory_bytes, gather *mesh, stream_counts *counts)
 {
@@ -103,21 +120,21 @@ static int read_file(const char *path, uint64_t memory_bytes, gather *mesh, stre
     if (trouble != NULL) {
         return report_failure(trouble, memory_bytes);
     }
+    mesh_reader reader = {.path = path,
+                          .bytes = file.bytes,
+                          .byte_count = file.byte_count,
+                          .stream = IMPORT_CHILD_STREAM,
+                          .mesh = mesh,
+                          .counts = counts,
+                          .message = &message};
     const mesh_format format = svo_i_mesh_format(path, file.bytes, file.byte_count);
-    svo_status status = SVO_OK;
-    if (format != MESH_FORMAT_OTHER) {
-        mesh_reader reader = {.path = path,
-                              .bytes = file.bytes,
-                              .byte_count = file.byte_count,
-                              .stream = IMPORT_CHILD_STREAM,
-                              .mesh = mesh,
-                              .counts = counts,
-                              .message = &message};
-        status = svo_i_read_mesh(&reader, format);
-    }
+    svo_status status = format != MESH_FORMAT_OTHER ? svo_i_read_mesh(&reader, format) : SVO_OK;
     svo_i_file_close(&file);
     if (format == MESH_FORMAT_OTHER || counts->reader == STREAM_READER_ASSIMP) {
-        return read_with_assimp(path, memory_bytes, mesh);
+        status = svo_i_read_scene(&reader);
+    }
+    if (status == SVO_FILE_ERROR) {
+        return 1; /* the parent is gone */
     }
     return status != SVO_OK ? report_failure(message.text, memory_bytes) : 0;
 }

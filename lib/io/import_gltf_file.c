@@ -3,14 +3,13 @@
  * The container of glTF 2.0 (Khronos, "glTF 2.0 Specification", 3.6 and 4): JSON by cJSON; buffers beside the file, in
  * it as base64, or in the binary chunk; accessors with strides, normalized integers and sparse values.
  */
-#include "io/import_gltf_file.h"
-
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "core/message.h"
+#include "io/import_gltf.h"
 
 #define CHUNK_JSON   0x4e4f534au
 #define CHUNK_BINARY 0x004e4942u

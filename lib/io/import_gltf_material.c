@@ -4,15 +4,13 @@
  * in the file and sRGB in svo_material, as texels are in both, so that a build's products of bytes are close to
  * products of light. Metal, roughness and what else changes highlights alone is not read.
  */
-#include "io/import_gltf_material.h"
-
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "core/message.h"
-#include "io/import_material.h"
+#include "io/import_gltf.h"
 
 #define GLOSS_EXPONENT 1000.0 /* of full glossiness */
 #define SRGB_LINEAR    0.0031308 /* below, the curve is a line */

@@ -4,17 +4,15 @@
  * may follow positions, as many programs write them. Free-form curves and surfaces are left out with a warning.
  */
 #define _POSIX_C_SOURCE 200809L
-#include "io/import_obj.h"
-
 #include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 
 #include "core/message.h"
-#include "io/import_file.h"
-#include "io/import_material.h"
+#include "io/import_formats.h"
 #include "io/import_obj_mesh.h"
+#include "io/import_reader.h"
 
 #define VERTEX_NUMBERS_MAX 7
 

@@ -3,14 +3,12 @@
  * OFF in the import child, as Geomview's manual describes it: [ST][C][N][4]OFF, in text. Normals and colors of vertices
  * are read; texture coordinates are not, since the format names no texture, nor are colors of faces.
  */
-#include "io/import_off.h"
-
 #include <inttypes.h>
 
 #include "core/message.h"
 #include "io/import_faces.h"
-#include "io/import_material.h"
-#include "io/import_number.h"
+#include "io/import_formats.h"
+#include "io/import_text.h"
 
 #define VERTEX_BYTES_MIN 6 /* three digits and what is between them */
 #define FACE_BYTES_MIN   2 /* a count and a line break */

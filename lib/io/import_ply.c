@@ -4,14 +4,12 @@
  * material's diffuse color, and a texture named in a comment. Other elements are skipped with a warning; other
  * properties without one.
  */
-#include "io/import_ply.h"
-
 #include <inttypes.h>
 
 #include "core/message.h"
 #include "io/import_faces.h"
-#include "io/import_material.h"
-#include "io/import_ply_vertex.h"
+#include "io/import_formats.h"
+#include "io/import_ply_file.h"
 
 typedef struct ply_reader {
     mesh_reader *reader;

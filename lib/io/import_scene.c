@@ -1,20 +1,267 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Traverses assimp's scene: applies node transforms, fills in attributes that only some meshes have, and gathers every
- * triangle. Degenerate triangles are kept, since they touch voxels as well.
+ * What assimp reads, in the import child: how it opens files, its materials, and its scene. The scene is traversed:
+ * node transforms are applied, attributes that only some meshes have are filled in, and every triangle is gathered.
+ * Degenerate triangles are kept, since they touch voxels as well.
  */
-#include "io/import_scene.h"
-
+#define _POSIX_C_SOURCE 200809L
+#include <assimp/cfileio.h>
+#include <assimp/cimport.h>
+#include <assimp/config.h>
+#include <assimp/material.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <float.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
-#include "io/import_material.h"
-#include "io/import_stream.h"
-#include "io/import_transform.h"
+#include "core/message.h"
+#include "io/import_formats.h"
 
+#define DEFAULT_GRAY   0.6f /* of assimp's default material */
 #define NODE_DEPTH_MAX 1000 /* bounds the recursion; deeper files are damaged */
 #define MATERIALS_MAX  UINT16_MAX
 
 static const char out_of_memory[] = "out of memory";
+
+/* ---- files of assimp ---- */
+
+/* How assimp opens files, so that the parent is told of each but path, the mesh file. */
+typedef struct scene_files {
+    struct aiFileIO io;
+    int stream;
+    const char *path;
+    int result; /* -1: the parent is gone */
+    const char *trouble; /* why path itself could not be opened; NULL: it could */
+} scene_files;
+
+typedef struct scene_file {
+    struct aiFile file; /* its UserData is this */
+    file_bytes content;
+    size_t at;
+} scene_file;
+
+static scene_file *scene_file_of(struct aiFile *file)
+{
+    return (scene_file *)(void *)file->UserData;
+}
+
+static size_t read_items(struct aiFile *file, char *out, size_t item_bytes, size_t item_count)
+{
+    scene_file *one = scene_file_of(file);
+    const size_t left = item_bytes > 0 ? (one->content.byte_count - one->at) / item_bytes : 0;
+    const size_t count = item_count < left ? item_count : left;
+    memcpy(out, one->content.bytes + one->at, count * item_bytes);
+    one->at += count * item_bytes;
+    return count;
+}
+
+static size_t write_nothing(struct aiFile *file, const char *bytes, size_t item_bytes, size_t item_count)
+{
+    (void)file;
+    (void)bytes;
+    (void)item_bytes;
+    (void)item_count;
+    return 0;
+}
+
+static size_t tell(struct aiFile *file)
+{
+    return scene_file_of(file)->at;
+}
+
+static size_t measure(struct aiFile *file)
+{
+    return scene_file_of(file)->content.byte_count;
+}
+
+static enum aiReturn seek(struct aiFile *file, size_t offset, enum aiOrigin origin)
+{
+    scene_file *one = scene_file_of(file);
+    const size_t from = origin == aiOrigin_SET ? 0 : origin == aiOrigin_CUR ? one->at : one->content.byte_count;
+    const size_t at = from + offset; /* which may stand for a step back */
+    if (at > one->content.byte_count) {
+        return aiReturn_FAILURE;
+    }
+    one->at = at;
+    return aiReturn_SUCCESS;
+}
+
+static void flush_nothing(struct aiFile *file)
+{
+    (void)file;
+}
+
+static struct aiFile *open_scene_file(struct aiFileIO *io, const char *path, const char *mode)
+{
+    scene_files *files = (scene_files *)(void *)io->UserData;
+    const bool is_mesh = strcmp(path, files->path) == 0;
+    scene_file *one = mode[0] == 'r' ? malloc(sizeof *one) : NULL;
+    const char *trouble = one != NULL ? svo_i_file_open(path, &one->content) : "out of memory";
+    if (trouble != NULL) {
+        files->trouble = is_mesh ? trouble : files->trouble;
+        free(one);
+        return NULL;
+    }
+    if (!is_mesh) {
+        files->result = svo_i_stream_file(files->stream, path) != 0 ? -1 : files->result;
+    }
+    one->at = 0;
+    one->file = (struct aiFile){.ReadProc = read_items,
+                                .WriteProc = write_nothing,
+                                .TellProc = tell,
+                                .FileSizeProc = measure,
+                                .SeekProc = seek,
+                                .FlushProc = flush_nothing,
+                                .UserData = (aiUserData)(void *)one};
+    return &one->file;
+}
+
+static void close_scene_file(struct aiFileIO *io, struct aiFile *file)
+{
+    (void)io;
+    scene_file *one = scene_file_of(file);
+    svo_i_file_close(&one->content);
+    free(one);
+}
+
+/* files: filled in, and valid as long as path. */
+static void watch_files(int stream, const char *path, scene_files *files)
+{
+    *files = (scene_files){
+        .io = {.OpenProc = open_scene_file, .CloseProc = close_scene_file, .UserData = (aiUserData)(void *)files},
+        .stream = stream,
+        .path = path};
+}
+
+/*
+ * ---- materials ----
+ *
+ * The diffuse or base color, that color's texture, emission and the specular lobe. Other properties are ignored.
+ */
+
+/* A texture's coordinates: a channel of the mesh, transformed to channel * scale + offset in assimp's orientation,
+   where v = 0 is the last row. */
+typedef struct texture_use {
+    unsigned uv_channel;
+    float scale[2], offset[2];
+} texture_use;
+
+static svo_wrap wrap_of(enum aiTextureMapMode mode)
+{
+    switch (mode) {
+    case aiTextureMapMode_Clamp:
+    case aiTextureMapMode_Decal:
+        return SVO_WRAP_CLAMP;
+    case aiTextureMapMode_Mirror:
+        return SVO_WRAP_MIRROR;
+    default:
+        return SVO_WRAP_REPEAT;
+    }
+}
+
+/* Scale and offset from the file. assimp 5.2.5 has a step that applies them, but that step scales about the center. */
+static bool read_uv_transform(const texture_list *textures, const struct aiMaterial *source, enum aiTextureType type,
+                              texture_use *use)
+{
+    struct aiUVTransform turned;
+    if (aiGetMaterialUVTransform(source, AI_MATKEY_UVTRANSFORM(type, 0), &turned) != aiReturn_SUCCESS) {
+        return true;
+    }
+    use->scale[0] = turned.mScaling.x;
+    use->scale[1] = turned.mScaling.y;
+    use->offset[0] = turned.mTranslation.x;
+    use->offset[1] = turned.mTranslation.y;
+    return turned.mRotation == 0 || svo_i_stream_text(textures->stream, STREAM_WARNING,
+                                                      "a material rotates its texture; the rotation is ignored") == 0;
+}
+
+static bool add_texture(texture_list *textures, const struct aiMaterial *source, svo_material *material,
+                        texture_use *use)
+{
+    struct aiString path;
+    enum aiTextureMapMode modes[3] = {aiTextureMapMode_Wrap, aiTextureMapMode_Wrap, aiTextureMapMode_Wrap};
+    static const enum aiTextureType types[] = {aiTextureType_DIFFUSE, aiTextureType_BASE_COLOR};
+    for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i) {
+        if (aiGetMaterialTextureCount(source, types[i]) > 0 &&
+            aiGetMaterialTexture(source, types[i], 0, &path, NULL, &use->uv_channel, NULL, NULL, modes, NULL) ==
+                aiReturn_SUCCESS &&
+            path.length > 0) {
+            const texture_source image = {.name = path.data,
+                                          .wrap_u = wrap_of(modes[0]),
+                                          .wrap_v = wrap_of(modes[1]),
+                                          .alpha_from = TEXTURE_KEEP_ALPHA};
+            return read_uv_transform(textures, source, types[i], use) &&
+                   svo_i_import_texture(textures, &image, &material->texture_index);
+        }
+    }
+    return true;
+}
+
+/* assimp adds a gray material where the file has none; it is no color of the mesh. */
+static bool is_assimp_default(const struct aiMaterial *source, const struct aiColor4D *color)
+{
+    struct aiString name = {0};
+    (void)aiGetMaterialString(source, AI_MATKEY_NAME, &name);
+    return (name.length == 0 || strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) == 0) && color->r == DEFAULT_GRAY &&
+           color->g == DEFAULT_GRAY && color->b == DEFAULT_GRAY;
+}
+
+static struct aiColor4D base_color(const struct aiMaterial *source)
+{
+    const struct aiColor4D white = {1, 1, 1, 1};
+    struct aiColor4D base = white, color = white;
+    const bool has_base = aiGetMaterialColor(source, AI_MATKEY_BASE_COLOR, &base) == aiReturn_SUCCESS;
+    if (aiGetMaterialColor(source, AI_MATKEY_COLOR_DIFFUSE, &color) != aiReturn_SUCCESS) {
+        color = base;
+    }
+    if (is_assimp_default(source, &color)) {
+        return white;
+    }
+    /* Where there is a base color (glTF), its alpha is the opacity already. */
+    ai_real opacity = 1;
+    if (!has_base && aiGetMaterialFloatArray(source, AI_MATKEY_OPACITY, &opacity, NULL) == aiReturn_SUCCESS) {
+        color.a *= opacity;
+    }
+    return color;
+}
+
+/*
+ * The base color and color texture of a material. with_texture: false leaves the texture out, for meshes without
+ * texture coordinates. Sends a new texture, or a warning when it cannot be read.
+ * Returns false when memory runs out or the parent has closed the pipe.
+ */
+static bool take_material(texture_list *textures, const struct aiMaterial *source, bool with_texture,
+                          svo_material *material, texture_use *use)
+{
+    const struct aiColor4D color = base_color(source);
+    *material = (svo_material){.rgba = {svo_i_import_color_byte(color.r), svo_i_import_color_byte(color.g),
+                                        svo_i_import_color_byte(color.b), svo_i_import_color_byte(color.a)},
+                               .texture_index = SVO_NO_TEXTURE};
+    *use = (texture_use){.scale = {1, 1}};
+    return !with_texture || add_texture(textures, source, material, use);
+}
+
+/* What a material does besides its color: emission, specular color and its exponent. */
+static void take_finish(const struct aiMaterial *source, svo_finish *finish)
+{
+    const struct aiColor4D black = {0, 0, 0, 1};
+    struct aiColor4D emission = black, specular = black;
+    ai_real exponent = 0;
+    /* Where there is none, the values stay. */
+    (void)aiGetMaterialColor(source, AI_MATKEY_COLOR_EMISSIVE, &emission);
+    (void)aiGetMaterialColor(source, AI_MATKEY_COLOR_SPECULAR, &specular);
+    (void)aiGetMaterialFloatArray(source, AI_MATKEY_SHININESS, &exponent, NULL);
+    *finish = (svo_finish){.emission = {emission.r, emission.g, emission.b},
+                           .specular = {specular.r, specular.g, specular.b},
+                           .exponent = exponent};
+    svo_i_import_tame_finish(finish);
+}
+
+/* ---- the scene ---- */
 
 /* What is known of a mesh of the scene before its triangles are read. */
 typedef struct mesh_plan {
@@ -180,8 +427,8 @@ static bool add_material(scene_reader *reader, texture_list *textures, material_
         reader->failure = "it has more than 65535 materials";
         return false;
     }
-    svo_i_import_finish(source, &finish);
-    if (!svo_i_import_material(textures, source, textured, &material, &use) ||
+    take_finish(source, &finish);
+    if (!take_material(textures, source, textured, &material, &use) ||
         !svo_i_gather_material(reader->mesh, &material, &finish)) {
         return false;
     }
@@ -235,7 +482,9 @@ static bool plan_meshes(scene_reader *reader, texture_list *textures)
     return done;
 }
 
-const char *svo_i_import_gather_scene(const struct aiScene *scene, const char *path, int stream, gather *mesh)
+/* Gathers every triangle of the scene in node order, textures and warnings going to the stream on the way. Returns
+   NULL, or why there is no mesh: a static string. */
+static const char *gather_scene(const struct aiScene *scene, const char *path, int stream, gather *mesh)
 {
     if (scene->mRootNode == NULL) {
         return "no triangles";
@@ -261,4 +510,40 @@ const char *svo_i_import_gather_scene(const struct aiScene *scene, const char *p
     svo_i_texture_list_free(&textures);
     free(reader.plans);
     return reader.failure;
+}
+
+/* ---- reading ---- */
+
+/* No post-processing that moves, joins or removes geometry: the file's triangles are voxelized as they are. */
+static const struct aiScene *read_scene(const char *path, scene_files *files)
+{
+    struct aiPropertyStore *properties = aiCreatePropertyStore();
+    if (properties == NULL) {
+        return NULL;
+    }
+    aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_NO_SKELETON_MESHES, 1);
+    const struct aiScene *scene = aiImportFileExWithProperties(path, aiProcess_Triangulate, &files->io, properties);
+    aiReleasePropertyStore(properties);
+    return scene;
+}
+
+svo_status svo_i_read_scene(const mesh_reader *reader)
+{
+    scene_files files;
+    watch_files(reader->stream, reader->path, &files);
+    const struct aiScene *scene = read_scene(reader->path, &files);
+    if (scene == NULL && files.trouble != NULL) {
+        return svo_i_fail(reader->message, SVO_IMPORT_FAILED, "cannot be read: %s", files.trouble);
+    }
+    if (scene == NULL) {
+        const char *words = aiGetErrorString();
+        return svo_i_fail(reader->message, SVO_IMPORT_FAILED, "%s",
+                          words != NULL && words[0] != '\0' ? words : "not understood");
+    }
+    const char *failure = gather_scene(scene, reader->path, reader->stream, reader->mesh);
+    aiReleaseImport(scene);
+    if (failure != NULL) {
+        return svo_i_fail(reader->message, SVO_IMPORT_FAILED, "%s", failure);
+    }
+    return files.result == 0 ? SVO_OK : SVO_FILE_ERROR;
 }

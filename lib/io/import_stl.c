@@ -4,13 +4,11 @@
  * binary facet hold a color by two conventions: VisCAM's, and Magics's, whose header has "COLOR=" and the color of the
  * facets without one.
  */
-#include "io/import_stl.h"
-
 #include <inttypes.h>
 
 #include "core/message.h"
-#include "io/import_material.h"
-#include "io/import_polygon.h"
+#include "io/import_faces.h"
+#include "io/import_formats.h"
 
 #define HEADER_BYTES 80
 #define PROBE_BYTES  500 /* of a text file, which must be free of bytes that no text has */
@@ -31,7 +29,8 @@ static void read_floats(const char *bytes, float *out, size_t count)
     }
 }
 
-bool svo_i_stl_header_color(const char *bytes, uint8_t rgba[4])
+/* The header's color, or white; whether the file follows Magics. */
+static bool read_color(const char *bytes, uint8_t rgba[4])
 {
     static const char mark[] = "COLOR=";
     const size_t mark_bytes = sizeof mark - 1;
@@ -51,30 +50,32 @@ static bool has_color(const char *facet, bool is_magics)
     return (((uint8_t)facet[STL_FACET_BYTES - 1] & 0x80u) == 0) == is_magics;
 }
 
-static void facet_color(const char *facet, bool is_magics, const uint8_t none[4], uint8_t rgba[4])
+static void facet_color(const char *facet, const stl_begin *begin, uint8_t rgba[4])
 {
     const uint32_t attribute = (uint8_t)facet[48] | (uint32_t)(uint8_t)facet[49] << 8;
-    if (!has_color(facet, is_magics)) {
-        memcpy(rgba, none, 4);
+    if (!has_color(facet, begin->is_magics)) {
+        memcpy(rgba, begin->color, 4);
         return;
     }
     for (unsigned i = 0; i < 3; ++i) {
-        const uint32_t channel = attribute >> (5 * (is_magics ? i : 2 - i)) & 31u;
+        const uint32_t channel = attribute >> (5 * (begin->is_magics ? i : 2 - i)) & 31u;
         rgba[i] = svo_i_import_color_byte((float)channel * (1.0f / 31.0f));
     }
     rgba[3] = 255;
 }
 
-bool svo_i_stl_read_facet(const char *facet, bool is_magics, const uint8_t none[4], float values[12], uint8_t rgba[4])
+bool svo_i_stl_read_facet(const char *facet, const stl_begin *begin, float values[12], uint8_t rgba[4])
 {
     read_floats(facet, values, 12);
-    facet_color(facet, is_magics, none, rgba);
-    return has_color(facet, is_magics);
+    facet_color(facet, begin, rgba);
+    return has_color(facet, begin->is_magics);
 }
 
-uint32_t svo_i_stl_facet_count(const char *bytes)
+stl_begin svo_i_stl_read_begin(const char *bytes)
 {
-    return read_u32(bytes + HEADER_BYTES);
+    stl_begin begin = {.facet_count = read_u32(bytes + HEADER_BYTES)};
+    begin.is_magics = read_color(bytes, begin.color);
+    return begin;
 }
 
 static bool gather_facet(gather *mesh, const float facet[12], const uint8_t rgba[4])
@@ -104,8 +105,8 @@ static bool any_color(const char *facets, uint32_t count)
 
 static svo_status read_binary(const mesh_reader *reader)
 {
-    uint8_t none[4];
-    const uint32_t count = svo_i_stl_facet_count(reader->bytes);
+    const stl_begin begin = svo_i_stl_read_begin(reader->bytes);
+    const uint32_t count = begin.facet_count;
     const uint64_t needed_bytes = STL_BEGIN_BYTES + (uint64_t)count * STL_FACET_BYTES;
     if (needed_bytes > reader->byte_count) {
         return svo_i_fail(reader->message, SVO_IMPORT_FAILED,
@@ -113,9 +114,8 @@ static svo_status read_binary(const mesh_reader *reader)
                           count, needed_bytes, reader->byte_count);
     }
     const char *facets = reader->bytes + STL_BEGIN_BYTES;
-    const bool is_magics = svo_i_stl_header_color(reader->bytes, none);
     reader->mesh->has_normals = true;
-    reader->mesh->has_colors = is_magics || any_color(facets, count);
+    reader->mesh->has_colors = begin.is_magics || any_color(facets, count);
     /* Closed surfaces have half as many vertices as triangles. */
     if (!svo_i_gather_reserve(reader->mesh, count / 2, count, true)) {
         return svo_i_read_out_of_memory(reader);
@@ -123,7 +123,7 @@ static svo_status read_binary(const mesh_reader *reader)
     for (uint32_t i = 0; i < count; ++i, facets += STL_FACET_BYTES) {
         float facet[12];
         uint8_t rgba[4];
-        (void)svo_i_stl_read_facet(facets, is_magics, none, facet, rgba);
+        (void)svo_i_stl_read_facet(facets, &begin, facet, rgba);
         if (!gather_facet(reader->mesh, facet, rgba)) {
             return svo_i_read_out_of_memory(reader);
         }
@@ -303,10 +303,10 @@ cleanup:
     return status;
 }
 
-bool svo_i_stl_is_text(const char *bytes, size_t byte_count, uint64_t file_bytes)
+bool svo_i_stl_is_text(const char *bytes, size_t byte_count, uint64_t whole_bytes)
 {
     if (byte_count >= STL_BEGIN_BYTES &&
-        STL_BEGIN_BYTES + (uint64_t)svo_i_stl_facet_count(bytes) * STL_FACET_BYTES == file_bytes) {
+        STL_BEGIN_BYTES + (uint64_t)read_u32(bytes + HEADER_BYTES) * STL_FACET_BYTES == whole_bytes) {
         return false;
     }
     text_cursor cursor = {.at = bytes, .end = bytes + byte_count, .line = 1};

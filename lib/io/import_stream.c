@@ -201,7 +201,7 @@ static svo_status take_frame(parse_state *state, stream_kind kind, const uint8_t
     case STREAM_TEXTURE:
         return take_texture(state, payload, payload_bytes);
     case STREAM_WORK:
-        return SVO_OK; /* import_process.c has read it */
+        return SVO_OK; /* import.c has read it */
     case STREAM_FILE:
         return take_file(state, payload, payload_bytes);
     default:

@@ -9,7 +9,6 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -27,17 +26,9 @@ typedef struct text_word {
     char text[TEXT_WORD_BYTES];
 } text_word;
 
-/* A copy up to a zero or the given length, for free. Unlike strndup it looks at no byte beyond, as sanitizers may. */
-static inline char *text_copy(const char *text, size_t length)
+static inline bool text_begins_with(const char *bytes, size_t byte_count, const char *text)
 {
-    const char *zero = length > 0 ? memchr(text, '\0', length) : NULL;
-    const size_t kept = zero != NULL ? (size_t)(zero - text) : length;
-    char *copy = malloc(kept + 1);
-    if (copy != NULL) {
-        memcpy(copy, text, kept);
-        copy[kept] = '\0';
-    }
-    return copy;
+    return byte_count >= strlen(text) && memcmp(bytes, text, strlen(text)) == 0;
 }
 
 static inline bool text_is_blank(char c)
@@ -166,5 +157,23 @@ static inline bool text_take_integer(text_cursor *cursor, int64_t *value)
     cursor->at = at;
     return true;
 }
+
+/* ---- numbers ---- */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/*
+ * Reads a number that begins at text: an optional sign, digits with or without a decimal point, an optional exponent,
+ * or nan, inf, infinity in any case. What is too large becomes infinite, what is too small zero.
+ * Returns the first character behind it, at most end; NULL, with *value untouched, where no number begins.
+ */
+const char *svo_i_number_float(const char *text, const char *end, float *value);
+const char *svo_i_number_double(const char *text, const char *end, double *value);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -3,24 +3,27 @@
 #ifndef SVO_LIB_IO_VOXELS_FORMATS_H
 #define SVO_LIB_IO_VOXELS_FORMATS_H
 
-#include <stdbool.h>
-
-#include "io/voxels_reader.h"
-#include "io/voxels_writer.h"
-
-/* Whether z is up in a file of that format. */
-bool svo_i_voxels_are_turned(svo_axes axes, svo_voxel_format format);
+#include "io/voxels_files.h"
 
 /* Reads a file of one format into the reader's voxels and properties. */
 svo_status svo_i_voxels_read_vox(voxel_reader *reader);
-svo_status svo_i_voxels_read_binvox(voxel_reader *reader);
 svo_status svo_i_voxels_read_svx(voxel_reader *reader);
 
 /* Write a file of one format. */
 svo_status svo_i_voxels_write_vox(voxel_writer *writer);
 svo_status svo_i_voxels_write_svx(voxel_writer *writer);
-svo_status svo_i_voxels_write_binvox(voxel_writer *writer);
-svo_status svo_i_voxels_write_ply(voxel_writer *writer);
-svo_status svo_i_voxels_write_obj(voxel_writer *writer);
+
+/* ---- .svx, as its reader and its writer share it ---- */
+
+#define SVX_MANIFEST   "manifest.xml"
+#define SVX_CELLS_MAX  ((uint64_t)1 << 31) /* most cells of a grid */
+#define SVX_SIDE_MAX   16384 /* most pixels along a side of a slice */
+#define SVX_PIXELS_MAX ((uint64_t)1 << 27) /* most pixels of a slice */
+
+/* What channels are for. */
+typedef enum svx_kind { SVX_DENSITY, SVX_COLOR, SVX_MATERIAL, SVX_KINDS } svx_kind;
+
+/* Why there is neither where the library is built without what they need. */
+#define VOXELS_NO_SVX ".svx needs libzip and expat, which svocl was built without"
 
 #endif

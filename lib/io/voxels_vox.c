@@ -1,215 +1,300 @@
 /* SPDX-License-Identifier: MIT */
-/* The .vox reader: chunks, models and the palette. voxels_vox_nodes.c reads the scene, voxels_vox_scene.c places it. */
+/*
+ * The .vox reader: places the models of a file, which voxels_vox_file.c reads, as the scene says, or one of them where
+ * there is no scene. The scene is walked twice: once to count instances and voxels against their limits, once to place
+ * them. Transforms compose as R = Rp Rc, T = Rp Tc + Tp for parent p and child c: a child's translation turns with its
+ * parent.
+ */
 #include <inttypes.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "io/voxels_formats.h"
-#include "io/voxels_vox_nodes.h"
-#include "io/voxels_vox_scene.h"
+#include "io/voxels_vox_file.h"
 
-#define CHUNK_HEAD_BYTES 12u
-#define FILE_HEAD_BYTES  8u
-#define PALETTE_BYTES    1024u
-#define ORDER_BYTES      256u /* of an IMAP chunk */
+/* Groups may share children, so that a small file could be walked for ever. */
+#define VISITS_MAX      (UINT64_C(4) * SVO_VOXEL_INSTANCES_MAX)
+#define TRANSLATION_MAX (INT64_C(1) << 30)
 
-/* The palette that files without RGBA mean: a cube of colors, whose sides fall in steps of 51 from white on without
-   black, then ramps of red, green, blue and gray without the steps that the cube has. */
-static void default_palette(uint8_t palette[256][4])
+/* A node on the way from the root. */
+typedef struct step {
+    vox_node *node;
+    vox_transform transform; /* of what is in the node */
+    bool hidden;
+    uint32_t next_child;
+} step;
+
+typedef struct walk {
+    vox_file *file;
+    bool counts; /* else it places */
+    step *path; /* VOX_DEPTH_MAX of them */
+    size_t depth;
+    uint64_t visits;
+    uint64_t voxels;
+} walk;
+
+static const vox_transform identity = {.column = {0, 1, 2}, .sign = {1, 1, 1}};
+
+static svo_status node_damaged(const walk *w, const vox_node *node, const char *what, int32_t value)
 {
-    size_t index = 1;
-    memset(palette[0], 0, 4);
-    for (unsigned i = 0; i < 215; ++i, ++index) {
-        const uint8_t color[4] = {(uint8_t)(255 - i / 36 * 51), (uint8_t)(255 - i / 6 % 6 * 51),
-                                  (uint8_t)(255 - i % 6 * 51), 255};
-        memcpy(palette[index], color, 4);
-    }
-    for (unsigned ramp = 0; ramp < 4; ++ramp) {
-        for (unsigned step = 14; step > 0; --step) {
-            if (step % 3 == 0) {
-                continue;
-            }
-            for (unsigned channel = 0; channel < 3; ++channel) {
-                palette[index][channel] = (uint8_t)(ramp == channel || ramp == 3 ? step * 17 : 0);
-            }
-            palette[index++][3] = 255;
+    static const char *const names[] = {"nTRN", "nGRP", "nSHP"};
+    return svo_i_voxels_damaged(w->file->reader, "chunk %s at byte %zu: node %" PRId32 " %s %" PRId32,
+                                names[node->kind], node->offset, node->id, what, value);
+}
+
+static int compare_nodes(const void *a, const void *b)
+{
+    const vox_node *left = a;
+    const vox_node *right = b;
+    return (left->id > right->id) - (left->id < right->id);
+}
+
+static vox_node *find_node(const vox_file *file, int32_t id)
+{
+    const vox_node key = {.id = id};
+    return bsearch(&key, file->nodes, file->node_count, sizeof key, compare_nodes);
+}
+
+static int compare_layers(const void *a, const void *b)
+{
+    const vox_layer *left = a;
+    const vox_layer *right = b;
+    return left->id != right->id ? (left->id > right->id) - (left->id < right->id)
+                                 : (left->offset > right->offset) - (left->offset < right->offset);
+}
+
+/* Whether a layer is hidden; the last chunk of an id counts. */
+static bool is_hidden_layer(const vox_file *file, int32_t id)
+{
+    size_t begin = 0; /* layers before it have at most this id */
+    size_t end = file->layer_count;
+    while (begin < end) {
+        const size_t middle = begin + (end - begin) / 2;
+        if (file->layers[middle].id <= id) {
+            begin = middle + 1;
+        } else {
+            end = middle;
         }
     }
+    return begin > 0 && file->layers[begin - 1].id == id && file->layers[begin - 1].hidden;
 }
 
-static svo_status read_pack(vox_file *file, vox_cursor *cursor)
+static vox_transform compose(const vox_transform *parent, const vox_transform *child)
 {
-    int32_t count = 0;
-    SVO_I_TRY(svo_i_vox_read_i32(cursor, "the number of models", &count));
-    if (count < 0) {
-        return svo_i_vox_damaged(cursor, "%" PRId32 " models", count);
+    vox_transform made = identity;
+    for (int row = 0; row < 3; ++row) {
+        const uint8_t through = parent->column[row];
+        made.column[row] = child->column[through];
+        made.sign[row] = (int8_t)(parent->sign[row] * child->sign[through]);
+        made.translation[row] = parent->sign[row] * child->translation[through] + parent->translation[row];
     }
-    file->packed = count;
-    return SVO_OK;
+    return made;
 }
 
-static svo_status read_size(vox_file *file, vox_cursor *cursor)
+static bool is_rotated(const vox_transform *transform)
 {
-    if (file->has_size) {
-        return svo_i_vox_damaged(cursor, "the size before it has no XYZI");
+    return memcmp(transform->column, identity.column, sizeof identity.column) != 0 ||
+           memcmp(transform->sign, identity.sign, sizeof identity.sign) != 0;
+}
+
+/* n / 2 rounded down. */
+static int32_t half(int32_t n)
+{
+    return n >= 0 ? n / 2 : -((1 - n) / 2);
+}
+
+/* Voxel p of a model of size s goes to floor(R (2 p + 1 - 2 floor(s / 2)) / 2) + T: the model turns about the corner of
+   its middle voxel. */
+static void place_model(walk *w, const vox_model *model, const vox_transform *transform)
+{
+    voxel_reader *reader = w->file->reader;
+    for (uint32_t i = 0; i < model->count; ++i) {
+        const uint8_t *entry = model->voxels + 4 * (size_t)i;
+        int32_t doubled[3];
+        int32_t place[3];
+        if (entry[3] == 0) {
+            continue;
+        }
+        for (int axis = 0; axis < 3; ++axis) {
+            doubled[axis] = 2 * entry[axis] + 1 - model->size[axis] / 2 * 2;
+        }
+        for (int row = 0; row < 3; ++row) {
+            place[row] =
+                half(transform->sign[row] * doubled[transform->column[row]]) + (int32_t)transform->translation[row];
+        }
+        svo_voxel voxel = {.x = place[0], .y = place[1], .z = place[2], .material = entry[3]};
+        memcpy(voxel.rgba, w->file->palette[entry[3]], 4);
+        svo_i_voxels_add(reader, voxel);
+    }
+}
+
+/* Counts or places the model of a shape. */
+static svo_status visit_shape(walk *w, const step *at)
+{
+    vox_file *file = w->file;
+    svo_voxel_file_info *info = &file->reader->info;
+    if ((size_t)at->node->child >= file->model_count) {
+        return node_damaged(w, at->node, "names a model that the file does not have:", at->node->child);
+    }
+    const vox_model *model = &file->models[at->node->child];
+    if (at->hidden && file->reader->options.hidden == 0) {
+        info->hidden_instances += w->counts ? 1 : 0;
+        return SVO_OK;
+    }
+    if (!w->counts) {
+        place_model(w, model, &at->transform);
+        return SVO_OK;
     }
     for (int axis = 0; axis < 3; ++axis) {
-        SVO_I_TRY(svo_i_vox_read_i32(cursor, "a size", &file->size[axis]));
-        if (file->size[axis] < 1 || file->size[axis] > VOX_SIDE_MAX) {
-            return svo_i_vox_damaged(cursor, "size %c %" PRId32 " is not in 1 .. %d", "xyz"[axis], file -> size[axis],
-                                     VOX_SIDE_MAX);
+        const int64_t t = at->transform.translation[axis];
+        if (t < -TRANSLATION_MAX || t > TRANSLATION_MAX) {
+            return node_damaged(w, at->node, "is moved beyond 2^30 along axis", axis);
         }
     }
-    file->has_size = true;
+    if (info->instances == SVO_VOXEL_INSTANCES_MAX) {
+        return node_damaged(w, at->node, "is beyond the limit of instances,", SVO_VOXEL_INSTANCES_MAX);
+    }
+    ++info->instances;
+    info->rotated_instances += is_rotated(&at->transform) ? 1 : 0;
+    w->voxels += model->filled;
     return SVO_OK;
 }
 
-static svo_status read_voxels(vox_file *file, vox_cursor *cursor)
+/* Goes to a node below the one that the walk is at. */
+static svo_status enter(walk *w, const vox_node *from, int32_t id)
 {
-    int32_t count = 0;
-    if (!file->has_size) {
-        return svo_i_vox_damaged(cursor, "no SIZE before it");
+    vox_node *node = find_node(w->file, id);
+    if (node == NULL) {
+        return node_damaged(w, from, "has a child that is not there:", id);
     }
-    SVO_I_TRY(svo_i_vox_read_i32(cursor, "the number of voxels", &count));
-    if (count < 0 || (uint64_t)count * 4 != (uint64_t)(cursor->end - cursor->at)) {
-        return svo_i_vox_damaged(cursor, "%" PRId32 " voxels in %td bytes", count, cursor->end - cursor->at);
+    if (node->on_path) {
+        return node_damaged(w, node, "contains itself, by its child", from->id);
     }
-    vox_model model = {.voxels = cursor->at, .count = (uint32_t)count};
-    memcpy(model.size, file->size, sizeof model.size);
-    for (; cursor->at < cursor->end; cursor->at += 4) {
-        for (int axis = 0; axis < 3; ++axis) {
-            if (cursor->at[axis] >= model.size[axis]) {
-                return svo_i_vox_damaged(cursor, "voxel %td: %c %d is not below %" PRId32,
-                                         (cursor->at - model.voxels) / 4, "xyz"[axis], cursor -> at[axis],
-                                         model.size[axis]);
-            }
+    if (w->depth == VOX_DEPTH_MAX) {
+        return node_damaged(w, node, "lies deeper than", VOX_DEPTH_MAX);
+    }
+    if (++w->visits > VISITS_MAX) {
+        return node_damaged(w, node, "is visited too often: the limit of all visits is", (int32_t)VISITS_MAX);
+    }
+    const step *parent = w->depth > 0 ? &w->path[w->depth - 1] : NULL;
+    step *entered = &w->path[w->depth];
+    *entered = (step){.node = node,
+                      .transform = parent != NULL ? parent->transform : identity,
+                      .hidden = (parent != NULL && parent->hidden) || node->hidden};
+    if (node->kind == VOX_NODE_TRANSFORM) {
+        entered->transform = compose(&entered->transform, &node->transform);
+        entered->hidden = entered->hidden || is_hidden_layer(w->file, node->layer);
+    }
+    node->on_path = true;
+    ++w->depth;
+    return SVO_OK;
+}
+
+/* Enters the next child of the node that the walk is at, or leaves the node. */
+static svo_status advance(walk *w)
+{
+    step *at = &w->path[w->depth - 1];
+    vox_node *node = at->node;
+    const uint32_t children =
+        node->kind == VOX_NODE_GROUP ? node->child_count : (node->kind == VOX_NODE_TRANSFORM ? 1 : 0);
+    if (at->next_child < children) {
+        int32_t id = node->child;
+        if (node->kind == VOX_NODE_GROUP) {
+            memcpy(&id, node->children + (size_t)at->next_child * VOX_NODE_BYTES, sizeof id);
         }
-        model.filled += cursor->at[3] != 0 ? 1 : 0;
+        ++at->next_child;
+        return enter(w, node, id);
     }
-    SVO_I_TRY(svo_i_vox_grow(file->reader, (void **)&file->models, file->model_count, &file->model_capacity,
-                             sizeof *file->models));
-    file->models[file->model_count++] = model;
-    file->has_size = false;
+    const svo_status status = node->kind == VOX_NODE_SHAPE ? visit_shape(w, at) : SVO_OK;
+    node->on_path = false;
+    --w->depth;
+    return status;
+}
+
+static svo_status walk_scene(walk *w)
+{
+    w->visits = 0;
+    SVO_I_TRY(enter(w, &w->file->nodes[0], 0));
+    while (w->depth > 0) {
+        SVO_I_TRY(advance(w));
+    }
     return SVO_OK;
 }
 
-static svo_status read_palette(vox_file *file, vox_cursor *cursor)
+/* Sorts the layers and the nodes by id; each node's id may occur once, and node 0 is the root. */
+static svo_status sort_scene(const walk *w)
 {
-    if (cursor->end - cursor->at != PALETTE_BYTES) {
-        return svo_i_vox_damaged(cursor, "%td bytes of colors, not %u", cursor->end - cursor->at, PALETTE_BYTES);
+    vox_file *file = w->file;
+    if (file->layer_count > 0) {
+        qsort(file->layers, file->layer_count, sizeof *file->layers, compare_layers);
     }
-    memcpy(file->palette[1], cursor->at, PALETTE_BYTES - 4); /* the last entry is no voxel's */
-    return SVO_OK;
-}
-
-/* The order in which an editor shows the palette; it changes no color. */
-static svo_status check_order(vox_file *file, vox_cursor *cursor)
-{
-    (void)file;
-    return cursor->end - cursor->at == ORDER_BYTES
-               ? SVO_OK
-               : svo_i_vox_damaged(cursor, "%td bytes of indices, not %u", cursor->end - cursor->at, ORDER_BYTES);
-}
-
-static svo_status read_content(vox_file *file, vox_cursor *cursor)
-{
-    static const struct {
-        const char *id;
-        svo_status (*read)(vox_file *file, vox_cursor *cursor);
-    } chunks[] = {{"PACK", read_pack},
-                  {"SIZE", read_size},
-                  {"XYZI", read_voxels},
-                  {"RGBA", read_palette},
-                  {"IMAP", check_order},
-                  {"MATT", svo_i_vox_read_matt},
-                  {"MATL", svo_i_vox_read_matl},
-                  {"LAYR", svo_i_vox_read_layer},
-                  {"nTRN", svo_i_vox_read_transform},
-                  {"nGRP", svo_i_vox_read_group},
-                  {"nSHP", svo_i_vox_read_shape}};
-    for (size_t i = 0; i < sizeof chunks / sizeof chunks[0]; ++i) {
-        if (strcmp(cursor->id, chunks[i].id) == 0) {
-            return chunks[i].read(file, cursor);
+    qsort(file->nodes, file->node_count, sizeof *file->nodes, compare_nodes);
+    for (size_t i = 1; i < file->node_count; ++i) {
+        if (file->nodes[i - 1].id == file->nodes[i].id) {
+            return node_damaged(w, &file->nodes[i], "has the id of another node:", file->nodes[i].id);
         }
     }
-    return SVO_OK; /* not known: skipped */
+    return find_node(file, 0) != NULL ? SVO_OK
+                                      : node_damaged(w, &file->nodes[0], "has the least id; there is no root,", 0);
 }
 
-/* Reads the head of a chunk; the cursor is then its content. *next: where its children end. */
-static svo_status open_chunk(const vox_file *file, size_t offset, size_t end, vox_cursor *cursor, size_t *next)
+static svo_status place_scene(vox_file *file)
 {
-    const uint8_t *bytes = file->reader->bytes;
-    *cursor = (vox_cursor){.reader = file->reader, .id = "?", .offset = offset, .at = bytes + offset};
-    if (end - offset < CHUNK_HEAD_BYTES) {
-        return svo_i_vox_damaged(cursor, "truncated: its head has %u bytes, %zu are there", CHUNK_HEAD_BYTES,
-                                 end - offset);
+    svo_status status = SVO_OK;
+    step *path = svo_i_alloc_zeroed(&file->reader->memory, VOX_DEPTH_MAX, sizeof *path);
+    walk w = {.file = file, .counts = true, .path = path};
+    if (path == NULL) {
+        return svo_i_voxels_fail(file->reader, SVO_OUT_OF_HOST_MEMORY, "no memory for the scene");
     }
-    for (size_t i = 0; i < 4; ++i) {
-        const uint8_t letter = bytes[offset + i];
-        cursor->id[i] = (char)(letter > ' ' && letter < 127 ? letter : '?');
-    }
-    const int32_t content_bytes = svo_i_vox_i32_at(bytes + offset + 4);
-    const int32_t children_bytes = svo_i_vox_i32_at(bytes + offset + 8);
-    const size_t left = end - offset - CHUNK_HEAD_BYTES;
-    if (content_bytes < 0 || children_bytes < 0 || (uint64_t)content_bytes + (uint64_t)children_bytes > left) {
-        return svo_i_vox_damaged(cursor, "truncated: %" PRId32 " and %" PRId32 " bytes expected, %zu there",
-                                 content_bytes, children_bytes, left);
-    }
-    cursor->at += CHUNK_HEAD_BYTES;
-    cursor->end = cursor->at + content_bytes;
-    *next = offset + CHUNK_HEAD_BYTES + (size_t)content_bytes + (size_t)children_bytes;
-    return SVO_OK;
+    SVO_I_TRY_CLEANUP(sort_scene(&w));
+    SVO_I_TRY_CLEANUP(walk_scene(&w));
+    file->reader->info.instance_voxels = w.voxels;
+    SVO_I_TRY_CLEANUP(svo_i_voxels_reserve(file->reader, w.voxels));
+    w.counts = false;
+    SVO_I_TRY_CLEANUP(walk_scene(&w));
+cleanup:
+    svo_i_free(path);
+    return status;
 }
 
-static svo_status read_chunks(vox_file *file, size_t offset, size_t end)
-{
-    while (offset < end) {
-        vox_cursor cursor;
-        size_t next = 0;
-        SVO_I_TRY(open_chunk(file, offset, end, &cursor, &next));
-        SVO_I_TRY(read_content(file, &cursor));
-        offset = next;
-    }
-    return SVO_OK;
-}
-
-static svo_status read_file(vox_file *file)
+/* Without a scene the frame is the number of a model, whose voxels stay where they are. */
+static svo_status place_frame(vox_file *file)
 {
     voxel_reader *reader = file->reader;
-    vox_cursor main_chunk;
-    size_t end = 0;
-    if (reader->byte_count < FILE_HEAD_BYTES) {
-        return svo_i_voxels_damaged(reader, "truncated: %u bytes expected at least, %zu there", FILE_HEAD_BYTES,
-                                    reader->byte_count);
+    const uint32_t frame = reader->options.frame;
+    if (file->model_count == 0) {
+        return svo_i_voxels_damaged(reader, "chunk MAIN at byte 8: no model in it");
     }
-    const int32_t version = svo_i_vox_i32_at(reader->bytes + 4);
-    if (version != 150 && version != 200) {
-        return svo_i_voxels_damaged(reader, "byte 4: version %" PRId32 " is not known, only 150 and 200", version);
+    if (frame >= file->model_count) {
+        return svo_i_voxels_fail(reader, SVO_INVALID_ARGUMENT, "frame %" PRIu32 " is not below its %zu models", frame,
+                                 file->model_count);
     }
-    reader->info.version = (uint32_t)version;
-    SVO_I_TRY(open_chunk(file, FILE_HEAD_BYTES, reader->byte_count, &main_chunk, &end));
-    if (strcmp(main_chunk.id, "MAIN") != 0) {
-        return svo_i_vox_damaged(&main_chunk, "not MAIN");
+    const vox_model *model = &file->models[frame];
+    walk w = {.file = file};
+    vox_transform where_it_is = identity;
+    for (int axis = 0; axis < 3; ++axis) {
+        where_it_is.translation[axis] = model->size[axis] / 2;
     }
-    if (end != reader->byte_count) {
-        return svo_i_vox_damaged(&main_chunk, "it ends at byte %zu, the file at %zu", end, reader->byte_count);
-    }
-    SVO_I_TRY(read_chunks(file, (size_t)(main_chunk.end - reader->bytes), end));
-    if (file->has_size) {
-        return svo_i_voxels_damaged(reader, "byte %zu: the last SIZE has no XYZI", end);
-    }
-    if (file->packed >= 0 && (uint64_t)file->packed != file->model_count) {
-        return svo_i_voxels_damaged(reader, "byte %zu: %zu models, PACK says %" PRId64, end, file->model_count,
-                                    file->packed);
-    }
-    reader->info.models = file->model_count;
-    return svo_i_vox_place(file);
+    reader->info.instances = 1;
+    reader->info.instance_voxels = model->filled;
+    SVO_I_TRY(svo_i_voxels_reserve(reader, model->filled));
+    place_model(&w, model, &where_it_is);
+    return SVO_OK;
+}
+
+static svo_status place(vox_file *file)
+{
+    file->reader->info.instances = 0;
+    return file->node_count > 0 ? place_scene(file) : place_frame(file);
 }
 
 svo_status svo_i_voxels_read_vox(voxel_reader *reader)
 {
     vox_file file = {.reader = reader, .packed = -1};
-    default_palette(file.palette);
-    const svo_status status = read_file(&file);
+    svo_status status = SVO_OK;
+    SVO_I_TRY_CLEANUP(svo_i_vox_read_file(&file));
+    SVO_I_TRY_CLEANUP(place(&file));
+cleanup:
     svo_i_free(file.models);
     svo_i_free(file.nodes);
     svo_i_free(file.layers);

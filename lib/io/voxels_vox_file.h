@@ -6,7 +6,7 @@
 #ifndef SVO_LIB_IO_VOXELS_VOX_FILE_H
 #define SVO_LIB_IO_VOXELS_VOX_FILE_H
 
-#include "io/voxels_reader.h"
+#include "io/voxels_files.h"
 
 #define VOX_SIDE_MAX   256 /* voxels along an axis of a model */
 #define VOX_DEPTH_MAX  1024 /* nodes from the root of the scene on */
@@ -72,17 +72,8 @@ typedef struct vox_cursor {
     const uint8_t *at, *end;
 } vox_cursor;
 
-/* "NAME: chunk XYZI at byte 68: ", what the format says, and the byte that the cursor is at. */
-svo_status svo_i_vox_damaged(const vox_cursor *cursor, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
-/* Grows a list to room for one more element, by doubling. */
-svo_status svo_i_vox_grow(const voxel_reader *reader, void **list, size_t count, size_t *capacity,
-                          size_t element_bytes);
-
-/* A number at an address in the file. */
-int32_t svo_i_vox_i32_at(const uint8_t *bytes);
-
-/* Reads a number. what: for the message. */
-svo_status svo_i_vox_read_i32(vox_cursor *cursor, const char *what, int32_t *out);
+/* Reads all of a file. file: with its reader, packed -1 and the rest 0; the caller frees the lists, after a failure
+   too. */
+svo_status svo_i_vox_read_file(vox_file *file);
 
 #endif

@@ -3,9 +3,7 @@
 #ifndef SVO_LIB_LIGHT_EXCHANGE_H
 #define SVO_LIB_LIGHT_EXCHANGE_H
 
-#include "light/filter.h"
-#include "light/photons.h"
-#include "light/state.h"
+#include "light/radiance_filter.h"
 
 /* Gives slots to the leaves of materials that emit, and makes the radiance of all lit leaves. Makes the light's flux
    buffer. finishes: by material; lit->leaves and lit->radiance belong to the work. */

@@ -1,77 +1,220 @@
 /* SPDX-License-Identifier: MIT */
-/* The handle of a light: creation, description, hash, and its side of kernels. */
+/*
+ * Lights: plan, creation, sources, update, destruction.
+ *
+ * svo_light_update makes the light of a changed tree beside the old one, which it replaces when all has succeeded.
+ * Photons are many, and most of them meet what they met: shoot.c shoots the others. Of the nodes, those that boxes do
+ * not touch are copied: opacity.c finds them.
+ */
 #include "light/light.h"
 
 #include <math.h>
-#include <stdio.h>
+#include <string.h>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "core/compact.h"
 #include "core/opencl.h"
 #include "core/struct_size.h"
-#include "light/bricks.h"
-#include "light/faces.h"
-#include "light/kept_nodes.h"
-#include "light/kept_photons.h"
 #include "light/opacity.h"
-#include "light/plan.h"
 #include "light/programs.h"
-#include "light/setup.h"
+#include "light/shoot.h"
 #include "svocl/plan.h"
 
-/* Made by cmake/embed.cmake. */
-extern const char svo_i_source_cones[];
+#define SOURCES_MAX  1024u
+#define FINISHES_MAX 65535u
+#define HALF_PI      1.5707963267948966
 
-/* ---- names ---- */
+static const char set_sources[] = "svo_light_set_sources";
+static const char update[] = "svo_light_update";
 
-const char *svo_light_form_name(svo_light_form form)
+/* ---- plan ---- */
+
+static svo_status read_options(const svo_tree *tree, const char *function, const svo_light_options *options,
+                               svo_light_options *out)
 {
-    static const char *const names[SVO_LIGHT_FORM_COUNT] = {"faces", "bricks", "voxels"};
-    return (unsigned)form < SVO_LIGHT_FORM_COUNT ? names[form] : "unknown form";
+    SVO_I_TRY(svo_i_struct_read(svo_i_device_message(tree->device), function, "options", options, out,
+                                SVO_I_STRUCT_SIZES(svo_light_options, opacity)));
+    if ((unsigned)out->form >= SVO_LIGHT_FORM_COUNT) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: options.form %d is not in 0 .. %d", function,
+                                 (int)out->form, (int)SVO_LIGHT_FORM_COUNT - 1);
+    }
+    if ((unsigned)out->opacity > SVO_OPACITY_FULL) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: options.opacity %d is not in 0 .. %d",
+                                 function, (int)out->opacity, (int)SVO_OPACITY_FULL);
+    }
+    return SVO_OK;
 }
 
-const char *svo_light_buffer_name(svo_light_buffer buffer)
+/* Cones read the normals of all levels. */
+static svo_status check_tree(const svo_tree *tree, const char *function)
 {
-    static const char *const names[SVO_LIGHT_BUFFER_COUNT] = {"opacity", "cover", "lit", "radiance", "flux"};
-    return (unsigned)buffer < SVO_LIGHT_BUFFER_COUNT ? names[buffer] : "unknown buffer";
+    SVO_I_TRY(svo_i_tree_check(tree, function));
+    return tree->info.payload_level == 0 || (tree->info.need & SVO_I_PAYLOAD_NEEDS) == 0
+               ? SVO_OK
+               : svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
+                                   "%s: the tree's payload begins at level %u; light needs it from level 0 on",
+                                   function, tree->info.payload_level);
 }
 
-const char *svo_light_stage_name(svo_light_stage stage)
+static uint64_t opacity_bytes(const svo_tree_info *tree, svo_light_form form)
 {
-    static const char *const names[SVO_LIGHT_STAGE_COUNT] = {"opacity", "opacity filter", "light view",
-                                                             "photons", "exchange",       "radiance filter"};
-    return (unsigned)stage < SVO_LIGHT_STAGE_COUNT ? names[stage] : "unknown stage";
+    switch (form) {
+    case SVO_LIGHT_BRICKS:
+        return tree->inner_count * SVO_BRICK_SAMPLES * sizeof(uint16_t);
+    case SVO_LIGHT_VOXELS:
+        return tree->node_count * sizeof(uint16_t);
+    default:
+        return tree->node_count * 6 * sizeof(uint16_t);
+    }
+}
+
+/* Bricks: a Morton code for each inner node, and the opacities of the leaves. */
+static uint64_t scratch_bytes(const svo_tree_info *tree, svo_light_form form)
+{
+    return form == SVO_LIGHT_BRICKS ? tree->inner_count * sizeof(uint64_t) + tree->leaf_count * sizeof(uint16_t) : 0;
+}
+
+/* Checks tree and options, and fills in what the light will be: form, opacity and bytes. asked: receives the options,
+   with what the caller's struct leaves out. */
+static svo_status plan(const svo_tree *tree, const char *function, const svo_light_options *options,
+                       svo_light_options *asked, svo_light_info *info)
+{
+    SVO_I_TRY(check_tree(tree, function));
+    SVO_I_TRY(read_options(tree, function, options, asked));
+    const bool has_areas = (tree->info.need & SVO_NEED_PROJECTED_AREA) != 0;
+    *info = (svo_light_info){.form = asked->form, .opacity = has_areas ? asked->opacity : SVO_OPACITY_FULL};
+    info->bytes[SVO_LIGHT_OPACITY] = opacity_bytes(&tree->info, asked->form);
+    if (asked->form == SVO_LIGHT_FACES) {
+        info->bytes[SVO_LIGHT_COVER] = info->bytes[SVO_LIGHT_OPACITY];
+    }
+    info->total_bytes = info->bytes[SVO_LIGHT_OPACITY] + info->bytes[SVO_LIGHT_COVER];
+    info->scratch_bytes = scratch_bytes(&tree->info, asked->form);
+    return SVO_OK;
+}
+
+svo_status svo_light_plan(const svo_tree *tree, const svo_light_options *options, svo_light_info *info)
+{
+    static const char function[] = "svo_light_plan";
+    svo_light_options asked;
+    svo_light_info planned;
+    if (tree == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    SVO_I_TRY(plan(tree, function, options, &asked, &planned));
+    return svo_i_struct_write(svo_i_device_message(tree->device), function, "info", &planned, info,
+                              SVO_I_STRUCT_SIZES(svo_light_info, kept_bytes));
+}
+
+/* ---- what is kept ---- */
+
+/* The direction in unit length, however long it is. */
+static void make_unit(float direction[3])
+{
+    const double x = (double)direction[0];
+    const double y = (double)direction[1];
+    const double z = (double)direction[2];
+    const double length = sqrt(x * x + y * y + z * z);
+    if (length > 0) {
+        direction[0] = (float)(x / length);
+        direction[1] = (float)(y / length);
+        direction[2] = (float)(z / length);
+    }
+}
+
+static void *copy(const svo_light *light, const void *from, size_t count, size_t element_bytes)
+{
+    void *to = svo_i_alloc_zeroed(&light->device->memory, count, element_bytes);
+    if (to != NULL) {
+        memcpy(to, from, count * element_bytes);
+    }
+    return to;
+}
+
+static void forget_setup(svo_light *light)
+{
+    svo_i_free(light->setup.given);
+    svo_i_free(light->setup.sources);
+    svo_i_free(light->setup.finishes);
+    light->setup = (svo_i_light_setup){.sources = NULL};
+}
+
+/* Keeps what lights the tree, for pictures and updates: copies sources and finishes of a setup that has been checked.
+   The light has none yet. */
+static svo_status keep_setup(svo_light *light, const char *function, const svo_light_setup *setup)
+{
+    svo_i_light_setup *kept = &light->setup;
+    kept->asked = *setup;
+    kept->asked.sources = kept->given = NULL;
+    kept->source_count = setup->source_count;
+    kept->finish_count = setup->finish_count;
+    if (setup->source_count > 0) {
+        kept->given = copy(light, setup->sources, setup->source_count, sizeof *kept->given);
+        kept->sources = copy(light, setup->sources, setup->source_count, sizeof *kept->sources);
+    }
+    if (setup->finish_count > 0) {
+        kept->finishes = copy(light, setup->finishes, setup->finish_count, sizeof *kept->finishes);
+    }
+    if ((setup->source_count > 0 && (kept->given == NULL || kept->sources == NULL)) ||
+        (setup->finish_count > 0 && kept->finishes == NULL)) {
+        forget_setup(light);
+        return svo_i_device_fail(light->device, SVO_OUT_OF_HOST_MEMORY,
+                                 "%s: no memory for %zu sources and %zu finishes", function, setup->source_count,
+                                 setup->finish_count);
+    }
+    kept->asked.sources = kept->given;
+    kept->asked.finishes = kept->finishes;
+    for (size_t i = 0; i < kept->source_count; ++i) {
+        make_unit(kept->sources[i].direction);
+    }
+    return SVO_OK;
+}
+
+static void destroy_nodes(svo_i_kept_nodes **nodes)
+{
+    if (*nodes != NULL) {
+        svo_i_buffer_release(&(*nodes)->masks);
+        svo_i_buffer_release(&(*nodes)->children);
+        svo_i_buffer_release(&(*nodes)->opacities);
+        svo_i_free(*nodes);
+        *nodes = NULL;
+    }
+}
+
+/* Bytes of a buffer that is kept; NULL has none. */
+static uint64_t kept_buffer_bytes(cl_mem buffer)
+{
+    size_t bytes = 0;
+    if (buffer != NULL) {
+        clGetMemObjectInfo(buffer, CL_MEM_SIZE, sizeof bytes, &bytes, NULL);
+    }
+    return bytes;
+}
+
+/* Bytes of the photons and nodes that a light keeps. */
+static uint64_t count_kept_bytes(const svo_light *light)
+{
+    const svo_i_kept_photons none = {.whole = false};
+    const svo_i_kept_nodes no_nodes = {.masks = NULL};
+    const svo_i_kept_photons *kept = light->kept != NULL ? light->kept : &none;
+    const svo_i_kept_nodes *nodes = light->nodes != NULL ? light->nodes : &no_nodes;
+    const cl_mem buffers[] = {kept->weights,  kept->ends, kept->spreads, kept->sums,      kept->users,     kept->codes,
+                              kept->radiance, kept->bits, nodes->masks,  nodes->children, nodes->opacities};
+    uint64_t bytes = 0;
+    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
+        bytes += kept_buffer_bytes(buffers[i]);
+    }
+    return bytes;
 }
 
 /* ---- creation ---- */
 
-static svo_status make_opacity(svo_i_device_work *work, svo_light *light)
-{
-    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_light, svo_i_light_defines(light)));
-    switch (light->info.form) {
-    case SVO_LIGHT_BRICKS:
-        return svo_i_light_bricks(work, light);
-    case SVO_LIGHT_VOXELS:
-        return svo_i_light_voxels(work, light);
-    default:
-        return svo_i_light_faces(work, light);
-    }
-}
-
-static svo_status make(svo_light *light, const char *function, cl_command_queue queue)
+static svo_status make_opacity(svo_light *light, const char *function, cl_command_queue queue)
 {
     svo_i_device_work work;
-    svo_status status = SVO_OK;
     SVO_I_TRY(svo_i_work_begin(light->device, function, queue, &work));
-    if (light->before != NULL && light->before->light->setup.asked.updatable != 0) {
-        SVO_I_TRY_CLEANUP(svo_i_kept_nodes_begin(&work, light));
-        SVO_I_TRY_CLEANUP(svo_i_work_use(&work, &svo_i_program_light, svo_i_light_defines(light)));
-        SVO_I_TRY_CLEANUP(svo_i_find_origins(&work, light));
-    }
-    SVO_I_TRY_CLEANUP(make_opacity(&work, light));
-
-cleanup:
+    const svo_status status = svo_i_light_opacity(&work, light);
     svo_i_work_end(&work);
     return status;
 }
@@ -87,15 +230,15 @@ static uint32_t find_flags(const svo_tree_info *tree)
            (svo_i_tree_is_constant(tree, SVO_TREE_COLORS) ? SVO_LIGHT_FLAG_ONE_COLOR : 0);
 }
 
-svo_status svo_i_light_create(svo_tree *tree, const char *function, const svo_light_options *options,
-                              svo_i_light_before *before, cl_command_queue queue, svo_light **out)
+/* Makes a light of a tree with its opacity. before: NULL: from nothing. */
+static svo_status create(svo_tree *tree, const char *function, const svo_light_options *options,
+                         svo_i_light_before *before, cl_command_queue queue, svo_light **out)
 {
     svo_light_options asked;
     svo_light_info info;
-    SVO_I_TRY(svo_i_light_plan(tree, function, options, &asked, &info));
+    SVO_I_TRY(plan(tree, function, options, &asked, &info));
     if (tree->device == NULL) {
-        return svo_i_device_fail(NULL, SVO_INVALID_ARGUMENT,
-                                 "%s: the tree is not on a device; call svo_tree_upload first", function);
+        return SVO_NOT_ON_DEVICE;
     }
     svo_light *light = svo_i_alloc_zeroed(&tree->device->memory, 1, sizeof *light);
     if (light == NULL) {
@@ -111,7 +254,7 @@ svo_status svo_i_light_create(svo_tree *tree, const char *function, const svo_li
         .depth = tree->info.depth,
         .flags = find_flags(&tree->info),
         .voxel_edge = (float)ldexp(1.0 / tree->info.scale, (int)(tree->info.snap_bits - tree->info.depth))};
-    const svo_status status = make(light, function, queue);
+    const svo_status status = make_opacity(light, function, queue);
     if (status != SVO_OK) {
         svo_light_destroy(&light);
         return status;
@@ -123,7 +266,7 @@ svo_status svo_i_light_create(svo_tree *tree, const char *function, const svo_li
 svo_status svo_light_create(svo_tree *tree, const svo_light_options *options, cl_command_queue queue, svo_light **out)
 {
     static const char function[] = "svo_light_create";
-    return tree != NULL && out != NULL ? svo_i_light_create(tree, function, options, NULL, queue, out)
+    return tree != NULL && out != NULL ? create(tree, function, options, NULL, queue, out)
                                        : svo_i_device_fail(tree != NULL ? tree->device : NULL, SVO_INVALID_ARGUMENT,
                                                            "%s: %s is NULL", function, tree == NULL ? "tree" : "out");
 }
@@ -136,102 +279,289 @@ void svo_light_destroy(svo_light **light)
     for (svo_light_buffer i = 0; i < SVO_LIGHT_BUFFER_COUNT; ++i) {
         svo_i_light_release(*light, i);
     }
-    svo_i_light_forget_setup(*light);
+    forget_setup(*light);
     svo_i_kept_destroy(&(*light)->kept);
-    svo_i_kept_nodes_destroy(&(*light)->nodes);
+    destroy_nodes(&(*light)->nodes);
     svo_i_free(*light);
     *light = NULL;
 }
 
-/* ---- description ---- */
+/* ---- checks of sources ---- */
 
-svo_status svo_light_get_info(const svo_light *light, svo_light_info *info)
+/* Refuses a number of a list's entry. what: "sources", ...; field: of the entry. */
+static svo_status refuse(const svo_light *light, const char *what, size_t index, const char *field, double value,
+                         const char *why)
 {
-    if (light == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    return svo_i_struct_write(svo_i_device_message(light->device), "svo_light_get_info", "info", &light->info, info,
-                              SVO_I_STRUCT_SIZES(svo_light_info, kept_bytes));
+    return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: setup.%s[%zu].%s %g %s", set_sources, what,
+                             index, field, value, why);
 }
 
-cl_mem svo_light_get_buffer(const svo_light *light, svo_light_buffer buffer)
+/* Numbers that must be finite, and not negative where least is 0. */
+static svo_status check_values(const svo_light *light, const char *what, size_t index, const char *field,
+                               const float *values, size_t count, bool may_be_negative)
 {
-    return light != NULL && (unsigned)buffer < SVO_LIGHT_BUFFER_COUNT ? light->buffers[buffer] : NULL;
-}
-
-/* ---- hash ---- */
-
-/* Adds a buffer's length and bytes to a hash. */
-static svo_status hash_buffer(const svo_light *light, const char *function, cl_command_queue queue,
-                              svo_light_buffer buffer, XXH3_state_t *state)
-{
-    const uint64_t bytes = light->info.bytes[buffer];
-    XXH3_128bits_update(state, &bytes, sizeof bytes);
-    if (bytes == 0) {
-        return SVO_OK;
+    for (size_t i = 0; i < count; ++i) {
+        if (!isfinite(values[i])) {
+            return refuse(light, what, index, field, (double)values[i], "is not finite");
+        }
+        if (values[i] < 0.0F && !may_be_negative) {
+            return refuse(light, what, index, field, (double)values[i], "is negative");
+        }
     }
-    void *copy = svo_i_alloc(&light->device->memory, (size_t)bytes);
-    if (copy == NULL) {
-        return svo_i_device_fail(light->device, SVO_OUT_OF_HOST_MEMORY, "%s: %s needs %llu bytes", function,
-                                 svo_light_buffer_name(buffer), (unsigned long long)bytes);
-    }
-    const cl_int error =
-        clEnqueueReadBuffer(queue, light->buffers[buffer], CL_TRUE, 0, (size_t)bytes, copy, 0, NULL, NULL);
-    if (error == CL_SUCCESS) {
-        XXH3_128bits_update(state, copy, (size_t)bytes);
-    }
-    svo_i_free(copy);
-    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(light->device, function, "clEnqueueReadBuffer", error);
-}
-
-svo_status svo_light_hash(const svo_light *light, cl_command_queue queue, char text[SVO_HASH_TEXT_BYTES])
-{
-    static const char function[] = "svo_light_hash";
-    XXH3_state_t stack;
-    XXH3_state_t *state = &stack;
-    if (light == NULL || text == NULL) {
-        return svo_i_device_fail(light != NULL ? light->device : NULL, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
-                                 light == NULL ? "light" : "text");
-    }
-    SVO_I_TRY(svo_i_device_queue(light->device, function, queue, &queue));
-    XXH3_INITSTATE(state);
-    XXH3_128bits_reset(state);
-    const uint32_t words[3] = {(uint32_t)light->info.form, (uint32_t)light->info.opacity, light->params.depth};
-    XXH3_128bits_update(state, words, sizeof words);
-    XXH3_128bits_update(state, &light->params.unit, sizeof light->params.unit);
-    for (svo_light_buffer i = 0; i < SVO_LIGHT_BUFFER_COUNT; ++i) {
-        SVO_I_TRY(hash_buffer(light, function, queue, i, state));
-    }
-    const XXH128_hash_t hash = XXH3_128bits_digest(state);
-    (void)snprintf(text, SVO_HASH_TEXT_BYTES, "%016llx%016llx", (unsigned long long)hash.high64,
-                   (unsigned long long)hash.low64);
     return SVO_OK;
 }
 
-/* ---- kernels ---- */
-
-const char *svo_light_kernel_source(void)
+static svo_status check_angles(const svo_light *light, size_t index, const svo_light_source *source)
 {
-    return svo_i_source_cones;
+    SVO_I_TRY(check_values(light, "sources", index, "inner_angle", &source->inner_angle, 1, false));
+    SVO_I_TRY(check_values(light, "sources", index, "outer_angle", &source->outer_angle, 1, false));
+    if (source->outer_angle <= source->inner_angle) {
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
+                                 "%s: setup.sources[%zu].outer_angle %g is not above inner_angle %g", set_sources,
+                                 index, (double)source->outer_angle, (double)source->inner_angle);
+    }
+    return (double)source->outer_angle < HALF_PI
+               ? SVO_OK
+               : refuse(light, "sources", index, "outer_angle", (double)source->outer_angle, "is not below pi / 2");
 }
 
-const char *svo_light_kernel_options(const svo_light *light)
+static svo_status check_source(const svo_light *light, size_t index, const svo_light_source *source)
 {
-    static const char *const options[SVO_LIGHT_FORM_COUNT] = {
-        "-cl-std=CL1.2 -DSVO_LIGHT_FACES", "-cl-std=CL1.2 -DSVO_LIGHT_BRICKS", "-cl-std=CL1.2 -DSVO_LIGHT_VOXELS"};
-    return light != NULL ? options[light->info.form] : "";
+    const bool has_position = source->kind != SVO_SOURCE_DIRECTIONAL;
+    const bool has_direction = source->kind != SVO_SOURCE_POINT;
+    if (source->kind > SVO_SOURCE_SPOT) {
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
+                                 "%s: setup.sources[%zu].kind %u is not in 0 .. %u", set_sources, index, source->kind,
+                                 SVO_SOURCE_SPOT);
+    }
+    SVO_I_TRY(check_values(light, "sources", index, "value", source->value, 3, false));
+    SVO_I_TRY(check_values(light, "sources", index, "position", source->position, has_position ? 3 : 0, true));
+    SVO_I_TRY(check_values(light, "sources", index, "direction", source->direction, has_direction ? 3 : 0, true));
+    if (has_direction && source->direction[0] == 0.0F && source->direction[1] == 0.0F && source->direction[2] == 0.0F) {
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: setup.sources[%zu].direction is zero",
+                                 set_sources, index);
+    }
+    return source->kind == SVO_SOURCE_SPOT ? check_angles(light, index, source) : SVO_OK;
 }
 
-svo_status svo_light_set_args(svo_light *light, cl_kernel kernel, cl_uint first_index)
+static svo_status check_finish(const svo_light *light, size_t index, const svo_finish *finish)
 {
-    static const char function[] = "svo_light_set_args";
-    if (light == NULL || kernel == NULL) {
-        return svo_i_device_fail(light != NULL ? light->device : NULL, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
-                                 light == NULL ? "light" : "kernel");
+    SVO_I_TRY(check_values(light, "finishes", index, "emission", finish->emission, 3, false));
+    SVO_I_TRY(check_values(light, "finishes", index, "specular", finish->specular, 3, false));
+    SVO_I_TRY(check_values(light, "finishes", index, "exponent", &finish->exponent, 1, false));
+    for (int channel = 0; channel < 3; ++channel) {
+        if (finish->specular[channel] > 1.0F) {
+            return refuse(light, "finishes", index, "specular", (double)finish->specular[channel], "is above 1");
+        }
     }
-    const char *wrong = svo_i_wrong_kernel(light->device->context, kernel);
-    if (wrong != NULL) {
-        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: kernel %s", function, wrong);
+    return SVO_OK;
+}
+
+/* Refuses a list that is missing or too long. */
+static svo_status check_list(const svo_light *light, const char *what, const void *list, size_t count, size_t most)
+{
+    if (count > most) {
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: %zu %s are above %zu", set_sources, count,
+                                 what, most);
     }
-    return svo_i_light_set_args(light, function, kernel, first_index);
+    return count == 0 || list != NULL
+               ? SVO_OK
+               : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: setup.%s is NULL", set_sources, what);
+}
+
+static svo_status check_setup(const svo_light *light, const svo_light_setup *setup)
+{
+    SVO_I_TRY(check_list(light, "sources", setup->sources, setup->source_count, SOURCES_MAX));
+    SVO_I_TRY(check_list(light, "finishes", setup->finishes, setup->finish_count, FINISHES_MAX));
+    /* Lists are not NULL here; the conditions say so to static analysis. */
+    for (size_t i = 0; setup->sources != NULL && i < setup->source_count; ++i) {
+        SVO_I_TRY(check_source(light, i, &setup->sources[i]));
+    }
+    for (size_t i = 0; setup->finishes != NULL && i < setup->finish_count; ++i) {
+        SVO_I_TRY(check_finish(light, i, &setup->finishes[i]));
+    }
+    for (int channel = 0; channel < 3; ++channel) {
+        if (!isfinite(setup->sky[channel]) || setup->sky[channel] < 0.0F) {
+            return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
+                                     "%s: setup.sky[%d] %g is negative or not finite", set_sources, channel,
+                                     (double)setup->sky[channel]);
+        }
+    }
+    return setup->view_resolution <= SVO_I_VIEW_PIXELS_MAX
+               ? SVO_OK
+               : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: setup.view_resolution %u is above %u",
+                                   set_sources, setup->view_resolution, SVO_I_VIEW_PIXELS_MAX);
+}
+
+/* ---- sources ---- */
+
+/* Takes away what earlier sources have left. */
+static void darken(svo_light *light)
+{
+    svo_light_info *info = &light->info;
+    svo_i_light_darken(light);
+    forget_setup(light);
+    svo_i_kept_destroy(&light->kept);
+    destroy_nodes(&light->nodes);
+    svo_i_light_release(light, SVO_LIGHT_FLUX);
+    for (int i = SVO_LIGHT_STAGE_VIEW; i < SVO_LIGHT_STAGE_COUNT; ++i) {
+        info->stage_ms[i] = 0;
+    }
+    info->photons = info->photon_hits = info->lit_leaves = info->missed_leaves = info->node_map_items = 0;
+    info->traced_photons = info->kept_bytes = 0;
+    info->flux[0] = info->flux[1] = info->flux[2] = info->lost_flux = 0;
+    light->params.sky[0] = light->params.sky[1] = light->params.sky[2] = 0.0F;
+}
+
+static svo_status shine(svo_light *light, const char *name, const svo_light_setup *setup,
+                        const svo_i_photon_caster *caster, cl_command_queue queue)
+{
+    svo_i_device_work work;
+    svo_i_lit_leaves lit;
+    svo_status status = SVO_OK;
+    SVO_I_TRY(svo_i_work_begin(light->device, name, queue, &work));
+    SVO_I_TRY_CLEANUP(svo_i_light_shine(&work, light, setup, caster, &lit));
+    SVO_I_TRY_CLEANUP(svo_i_light_filter(&work, light, &lit));
+    light->info.kept_bytes = light->tree->info.leaf_count > 0 ? count_kept_bytes(light) : 0;
+    if (work.peak_bytes > light->info.scratch_bytes) {
+        light->info.scratch_bytes = work.peak_bytes;
+    }
+
+cleanup:
+    svo_i_work_end(&work);
+    return status;
+}
+
+/* Lights a dark light by a setup that has been checked, and keeps the setup. name: of the public function. The light is
+   dark after a failure. */
+static svo_status set(svo_light *light, const char *name, const svo_light_setup *setup,
+                      const svo_i_photon_caster *caster, cl_command_queue queue)
+{
+    svo_light_setup shining = *setup;
+    shining.source_count = setup->no_photons != 0 ? 0 : setup->source_count;
+    svo_status status = shine(light, name, &shining, caster, queue);
+    if (status == SVO_OK) {
+        status = keep_setup(light, name, setup);
+    }
+    if (status != SVO_OK) {
+        darken(light);
+        return status;
+    }
+    for (int channel = 0; channel < 3; ++channel) {
+        light->params.sky[channel] = setup->sky[channel];
+    }
+    return SVO_OK;
+}
+
+svo_status svo_i_light_set_sources_by(const svo_i_photon_caster *caster, svo_light *light, const svo_light_setup *setup,
+                                      cl_command_queue queue)
+{
+    svo_light_setup asked;
+    if (light == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    darken(light);
+    SVO_I_TRY(svo_i_struct_read(svo_i_device_message(light->device), set_sources, "setup", setup, &asked,
+                                SVO_I_STRUCT_SIZES(svo_light_setup, updatable)));
+    SVO_I_TRY(check_setup(light, &asked));
+    SVO_I_TRY(svo_i_tree_check(light->tree, set_sources));
+    return set(light, set_sources, &asked, caster, queue);
+}
+
+svo_status svo_light_set_sources(svo_light *light, const svo_light_setup *setup, cl_command_queue queue)
+{
+    return svo_i_light_set_sources_by(NULL, light, setup, queue);
+}
+
+/* ---- update ---- */
+
+static svo_status check_box(const svo_light *light, size_t index, const svo_box *box)
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!isfinite(box->low[axis]) || !isfinite(box->high[axis])) {
+            return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: changed[%zu] is not finite", update,
+                                     index);
+        }
+        if (box->low[axis] > box->high[axis]) {
+            return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
+                                     "%s: changed[%zu].low[%d] %g is above high %g", update, index, axis,
+                                     box->low[axis], box->high[axis]);
+        }
+    }
+    return SVO_OK;
+}
+
+static svo_status check_changes(const svo_light *light, const svo_box *changed, size_t count)
+{
+    if (count > SVO_LIGHT_BOXES_MAX) {
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: %zu boxes are above %u", update, count,
+                                 SVO_LIGHT_BOXES_MAX);
+    }
+    if (count > 0 && changed == NULL) {
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: changed is NULL", update);
+    }
+    for (size_t i = 0; changed != NULL && i < count; ++i) {
+        SVO_I_TRY(check_box(light, i, &changed[i]));
+    }
+    return SVO_OK;
+}
+
+static svo_status check_changed_tree(const svo_light *light, const svo_tree *tree)
+{
+    if (tree == NULL) {
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: tree is NULL", update);
+    }
+    return tree->device == light->device ? SVO_OK
+                                         : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
+                                                             "%s: the tree is not on the light's device", update);
+}
+
+/* Lights a new light as the old one is, with its photons. */
+static svo_status light_up(svo_light *made, svo_light *light, cl_command_queue queue)
+{
+    if (light->setup.asked.struct_size == 0) {
+        return SVO_OK;
+    }
+    made->kept = light->kept;
+    light->kept = NULL;
+    return set(made, update, &light->setup.asked, NULL, queue);
+}
+
+/* Makes the light of another tree. After a failure light keeps nothing: the next boxes are those of later changes. */
+static svo_status make_after(svo_light *light, svo_tree *tree, svo_i_light_before *before, cl_command_queue queue,
+                             svo_light **made)
+{
+    svo_status status = create(tree, update, &light->options, before, queue, made);
+    if (status == SVO_OK) {
+        status = light_up(*made, light, queue);
+        (*made)->before = NULL;
+    }
+    svo_i_buffer_release(&before->origins);
+    svo_i_buffer_release(&before->renewed);
+    destroy_nodes(&light->nodes);
+    if (status != SVO_OK) {
+        svo_i_kept_destroy(&light->kept);
+        light->info.kept_bytes = 0;
+    }
+    return status;
+}
+
+svo_status svo_light_update(svo_light *light, svo_tree *tree, const svo_box *changed, size_t change_count,
+                            cl_command_queue queue)
+{
+    svo_i_light_before before = {.light = light, .changes = {.boxes = changed, .count = change_count}};
+    svo_light *made = NULL;
+    if (light == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    SVO_I_TRY(check_changed_tree(light, tree));
+    SVO_I_TRY(check_changes(light, changed, change_count));
+    const svo_status status = make_after(light, tree, &before, queue, &made);
+    if (status == SVO_OK) {
+        const svo_light old = *light;
+        *light = *made;
+        *made = old;
+    }
+    svo_light_destroy(&made);
+    return status;
 }

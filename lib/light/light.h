@@ -1,12 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-/* Lights that are made in place of earlier ones. */
+/* Lights whose photons are cast by others. */
 #ifndef SVO_LIB_LIGHT_LIGHT_H
 #define SVO_LIB_LIGHT_LIGHT_H
 
-#include "light/state.h"
+#include "core/memory.h"
+#include "light/handle.h"
 
-/* Makes a light of a tree with its opacity. before: NULL: from nothing. */
-svo_status svo_i_light_create(svo_tree *tree, const char *function, const svo_light_options *options,
-                              svo_i_light_before *before, cl_command_queue queue, svo_light **out);
+SVO_I_SHARED_BEGIN
+
+/* svo_light_set_sources with a caster. The light's tree must have triangles that rays meet. */
+svo_status svo_i_light_set_sources_by(const svo_i_photon_caster *caster, svo_light *light, const svo_light_setup *setup,
+                                      cl_command_queue queue);
+
+SVO_I_SHARED_END
 
 #endif

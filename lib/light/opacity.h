@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* One opacity for each node, without direction. */
+/* The opacity of all nodes of a tree, in the light's form. */
 #ifndef SVO_LIB_LIGHT_OPACITY_H
 #define SVO_LIB_LIGHT_OPACITY_H
 
-#include "light/state.h"
+#include "light/handle.h"
 
-/* The opacities of the leaves, u16 each, into a buffer from element first on. */
-svo_status svo_i_light_leaves(svo_i_device_work *work, const svo_light *light, cl_mem opacities, cl_uint first);
+/* Makes SVO_LIGHT_OPACITY and, for SVO_LIGHT_FACES, SVO_LIGHT_COVER. Where light->before keeps nodes, what stays is
+   copied from there: makes light->nodes and light->before->origins. */
+svo_status svo_i_light_opacity(svo_i_device_work *work, svo_light *light);
 
-/* SVO_LIGHT_VOXELS: the opacities of all nodes. */
-svo_status svo_i_light_voxels(svo_i_device_work *work, svo_light *light);
+/* Morton codes of the inner nodes, ulong each, by which kernels find the nodes around. */
+svo_status svo_i_light_place(svo_i_device_work *work, const svo_light *light, cl_mem codes);
 
 #endif

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Photons into leaves, in bands of a view: weights from the host, rays, hits by the batches of lib/rays, the leaf of
- * each hit, and sums. Which leaves get light is not known before, so they claim slots among the sums, which grow.
+ * each hit, and sums. Which leaves get light is not known before, so they claim slots among the sums, which grow. What
+ * is kept of photons receives a copy of each band; shoot.c shoots again from it.
  */
 #include "light/photons.h"
 
@@ -15,21 +16,180 @@
 /* The first room for slots. */
 #define FIRST_SLOTS (UINT32_C(1) << 16)
 
+/* ---- what is kept ---- */
+
+svo_status svo_i_kept_tree_read(svo_i_device_work *work, const svo_tree *tree, svo_i_kept_tree *out)
+{
+    static const svo_tree_buffer buffers[3] = {SVO_TREE_COLORS, SVO_TREE_NORMALS, SVO_TREE_MATERIALS};
+    const svo_tree_info *info = &tree->info;
+    *out = (svo_i_kept_tree){.need = info->need, .constant = info->constant, .weights = info->weights};
+    SVO_I_TRY(svo_tree_get_grid(tree, &out->grid));
+    for (size_t i = 0; i < 3; ++i) {
+        if (svo_i_tree_is_constant(info, buffers[i])) {
+            SVO_I_TRY(svo_i_work_read(work, tree->buffers[buffers[i]], 0, &out->constants[i],
+                                      svo_i_tree_element_bytes(buffers[i])));
+        }
+    }
+    return SVO_OK;
+}
+
+bool svo_i_kept_tree_is_same(const svo_i_kept_tree *a, const svo_i_kept_tree *b)
+{
+    bool same = a->grid.depth == b->grid.depth && a->grid.snap_bits == b->grid.snap_bits &&
+                a->grid.scale == b->grid.scale && a->need == b->need && a->constant == b->constant &&
+                a->weights == b->weights;
+    for (int i = 0; i < 3; ++i) {
+        same = same && a->grid.origin[i] == b->grid.origin[i] && a->constants[i] == b->constants[i];
+    }
+    return same;
+}
+
+static bool is_same_box(const svo_i_lit_box *a, const svo_i_lit_box *b)
+{
+    bool same = a->leaf_edge == b->leaf_edge;
+    for (int axis = 0; axis < 3; ++axis) {
+        same = same && a->low[axis] == b->low[axis] && a->high[axis] == b->high[axis];
+    }
+    return same;
+}
+
+svo_status svo_i_kept_fits(const svo_i_kept_photons *kept, svo_i_device_work *work, const svo_tree *tree,
+                           const svo_i_lit_box *box, bool *fits)
+{
+    svo_i_kept_tree now;
+    SVO_I_TRY(svo_i_kept_tree_read(work, tree, &now));
+    *fits = kept->whole && is_same_box(box, &kept->box) && svo_i_kept_tree_is_same(&now, &kept->tree);
+    return SVO_OK;
+}
+
+static void release_buffers(svo_i_kept_photons *kept)
+{
+    cl_mem *const buffers[] = {&kept->weights, &kept->ends,  &kept->spreads,  &kept->sums,
+                               &kept->users,   &kept->codes, &kept->radiance, &kept->bits};
+    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
+        svo_i_buffer_release(buffers[i]);
+    }
+    svo_i_free(kept->views);
+}
+
+void svo_i_kept_destroy(svo_i_kept_photons **kept)
+{
+    if (*kept != NULL) {
+        release_buffers(*kept);
+        svo_i_free(*kept);
+        *kept = NULL;
+    }
+}
+
+/* Lists the views of a setup as svo_i_light_shine shoots them. kept->views: room for them; NULL: they are counted. */
+static svo_status list_views(svo_i_kept_photons *kept, svo_i_device_work *work, const svo_light_setup *setup)
+{
+    svo_i_light_view views[SVO_I_VIEWS_OF_ONE_MAX];
+    uint64_t photons = 0;
+    kept->view_count = 0;
+    for (size_t i = 0; i < setup->source_count; ++i) {
+        const svo_light_source *source = &setup->sources[i];
+        const uint32_t count =
+            svo_i_source_is_dark(source) ? 0 : svo_i_light_views(source, &kept->box, setup->view_resolution, views);
+        for (uint32_t k = 0; k < count; ++k) {
+            if (kept->views != NULL) {
+                kept->views[kept->view_count] =
+                    (svo_i_kept_view){.photon_count = views[k].photon_count, .first = (uint32_t)photons};
+            }
+            photons += views[k].photon_count;
+            ++kept->view_count;
+        }
+    }
+    kept->photon_count = (uint32_t)photons;
+    return photons <= UINT32_MAX
+               ? SVO_OK
+               : svo_i_device_fail(kept->device, SVO_UNSUPPORTED, "%s: setup.updatable: %llu photons are above %u",
+                                   work->function, (unsigned long long)photons, UINT32_MAX);
+}
+
+static svo_status make_views(svo_i_kept_photons *kept, svo_i_device_work *work, const svo_light_setup *setup)
+{
+    SVO_I_TRY(list_views(kept, work, setup));
+    kept->views = svo_i_alloc_zeroed(&kept->device->memory, kept->view_count + 1, sizeof *kept->views);
+    if (kept->views == NULL) {
+        return svo_i_device_fail(kept->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %zu views", work->function,
+                                 kept->view_count);
+    }
+    return list_views(kept, work, setup);
+}
+
+svo_status svo_i_kept_begin(svo_i_kept_photons *kept, svo_i_device_work *work, const svo_tree *tree,
+                            const svo_light_setup *setup, const svo_i_lit_box *box, bool has_directions)
+{
+    release_buffers(kept);
+    *kept = (svo_i_kept_photons){.device = tree->device, .has_directions = has_directions, .box = *box};
+    SVO_I_TRY(svo_i_kept_tree_read(work, tree, &kept->tree));
+    SVO_I_TRY(make_views(kept, work, setup));
+    const uint64_t photons = kept->photon_count;
+    SVO_I_TRY(svo_i_work_result(work, "kept_weights", photons * sizeof(svo_photon_weight), &kept->weights));
+    SVO_I_TRY(svo_i_work_result(work, "kept_ends", photons * sizeof(cl_float4), &kept->ends));
+    return svo_i_work_result(work, "kept_spreads", photons / SVO_ITEM_PHOTONS * sizeof(svo_photon_spread),
+                             &kept->spreads);
+}
+
+/* Replaces a buffer by a larger one, whose new part is filled with a word. */
+static svo_status grow(svo_i_device_work *work, const char *name, uint64_t old_bytes, uint64_t bytes, cl_uint word,
+                       cl_mem *buffer)
+{
+    cl_mem larger = NULL;
+    svo_status status = SVO_OK;
+    SVO_I_TRY(svo_i_work_result(work, name, bytes, &larger));
+    SVO_I_TRY_CLEANUP(svo_i_work_fill(work, larger, word, bytes));
+    SVO_I_TRY_CLEANUP(svo_i_work_copy(work, *buffer, 0, larger, 0, old_bytes));
+    SVO_I_TRY_CLEANUP(svo_i_work_wait(work));
+    svo_i_buffer_release(buffer);
+    *buffer = larger;
+    return SVO_OK;
+cleanup:
+    (void)svo_i_work_wait(work);
+    svo_i_buffer_release(&larger);
+    return status;
+}
+
+/* Gives slots more room. slot_bytes, radiance_bytes: of one. */
+static svo_status grow_kept(svo_i_kept_photons *kept, svo_i_device_work *work, uint64_t room, uint64_t slot_bytes,
+                            uint64_t radiance_bytes)
+{
+    const uint64_t old = kept->slot_room;
+    SVO_I_TRY(grow(work, "kept_sums", old * slot_bytes, room * slot_bytes, 0, &kept->sums));
+    SVO_I_TRY(grow(work, "kept_users", old * sizeof(cl_uint), room * sizeof(cl_uint), 0, &kept->users));
+    SVO_I_TRY(grow(work, "kept_codes", old * sizeof(cl_ulong), room * sizeof(cl_ulong), SVO_SLOT_NONE, &kept->codes));
+    SVO_I_TRY(grow(work, "kept_radiance", old * radiance_bytes, room * radiance_bytes, 0, &kept->radiance));
+    SVO_I_TRY(grow(work, "kept_bits", old * sizeof(cl_uint), room * sizeof(cl_uint), SVO_SLOT_STALE, &kept->bits));
+    kept->slot_room = room;
+    return SVO_OK;
+}
+
+svo_status svo_i_kept_use(const svo_i_kept_photons *kept, svo_i_device_work *work)
+{
+    return svo_i_work_use(work, &svo_i_program_kept_photons,
+                          kept->has_directions ? " -DSVO_SORT -DSVO_LIGHT_FACES" : " -DSVO_SORT");
+}
+
+/* The photons that are shot next are those of the next view, whose params are known now but for kept_first. */
+static void next_view(svo_i_kept_photons *kept, svo_light_view_params *params)
+{
+    svo_i_kept_view *view = &kept->views[kept->shot_views++];
+    params->kept_first = view->first;
+    view->params = *params;
+}
+
 /* ---- buffers ---- */
 
-uint64_t svo_i_photons_sums_of_slot(const svo_i_photons *photons)
+/* 64-bit numbers of one slot. */
+static uint64_t sums_of_slot(const svo_i_photons *photons)
 {
     return photons->has_directions ? SVO_FLUX_SUMS + SVO_FACE_SUMS : SVO_FLUX_SUMS;
 }
 
-uint64_t svo_i_photons_values_of_leaf(const svo_i_photons *photons)
-{
-    return photons->has_directions ? SVO_FACE_SUMS : 3;
-}
-
 static uint64_t sum_bytes(const svo_i_photons *photons, uint64_t slots)
 {
-    return slots * svo_i_photons_sums_of_slot(photons) * sizeof(cl_ulong);
+    return slots * sums_of_slot(photons) * sizeof(cl_ulong);
 }
 
 svo_status svo_i_photons_use(const svo_i_photons *photons)
@@ -46,8 +206,8 @@ static svo_status make_sums(svo_i_photons *photons, uint64_t room)
     svo_i_kept_photons *kept = photons->kept;
     cl_mem larger = NULL;
     if (kept != NULL) {
-        SVO_I_TRY(svo_i_kept_grow(kept, photons->work, room, sum_bytes(photons, 1),
-                                  svo_i_photons_values_of_leaf(photons) * sizeof(cl_uint)));
+        SVO_I_TRY(grow_kept(kept, photons->work, room, sum_bytes(photons, 1),
+                            svo_i_photons_values_of_leaf(photons) * sizeof(cl_uint)));
         photons->sums = kept->sums;
     } else {
         SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_sums", sum_bytes(photons, room), &larger));
@@ -149,7 +309,8 @@ svo_status svo_i_photons_make_room(svo_i_photons *photons)
 
 /* ---- a band ---- */
 
-svo_status svo_i_photons_trace(svo_i_photons *photons, uint32_t count)
+/* What a band's rays meet. */
+static svo_status trace_band(svo_i_photons *photons, uint32_t count)
 {
     svo_i_device_work *work = photons->work;
     cl_event done = NULL;
@@ -166,7 +327,9 @@ svo_status svo_i_photons_trace(svo_i_photons *photons, uint32_t count)
     return SVO_OK;
 }
 
-svo_status svo_i_photons_find(svo_i_photons *photons, const svo_light_view_params *view, uint32_t count)
+/* The leaves of that. view: whose photons they are: then they spread, the leaves get slots, and hits are counted; NULL:
+   of none. */
+static svo_status find_leaves(svo_i_photons *photons, const svo_light_view_params *view, uint32_t count)
 {
     static const svo_light_view_params no_view = {.count = 0};
     const svo_tree *tree = photons->tree;
@@ -210,24 +373,26 @@ static svo_status see_band(svo_i_photons *photons, const svo_light_view_params *
     svo_i_device_work *work = photons->work;
     const svo_i_argument rays[] = {SVO_I_ARGUMENT(photons->weights), SVO_I_ARGUMENT(photons->rays),
                                    SVO_I_ARGUMENT(photons->groups), SVO_I_ARGUMENT(*params)};
-    if (photons->viewer != NULL) {
+    if (photons->caster != NULL) {
         SVO_I_TRY(svo_i_work_wait(work));
-        return photons->viewer->draw(photons->viewer->self, params, photons->host_weights, work->queue, photons->met);
+        return photons->caster->cast(photons->caster->self, params, photons->host_weights, work->queue, photons->met);
     }
     SVO_I_TRY(svo_i_work_launch(work, "svo_k_light_rays", SVO_I_ARGUMENTS(rays), params->count));
-    SVO_I_TRY(svo_i_photons_trace(photons, params->count));
+    SVO_I_TRY(trace_band(photons, params->count));
     return svo_i_work_wait(work);
 }
 
-static svo_status keep_band(svo_i_photons *photons, const svo_light_view_params *params)
+static svo_status keep_band(const svo_i_photons *photons, const svo_light_view_params *params)
 {
-    const svo_i_shot_photons shot = {.weights = photons->weights,
-                                     .met = photons->met,
-                                     .spreads = photons->spreads,
-                                     .slots = photons->slots,
-                                     .groups = photons->groups,
-                                     .first = photons->kept_first};
-    SVO_I_TRY(svo_i_kept_take(photons->kept, photons->work, &shot, params));
+    const svo_i_kept_photons *kept = photons->kept;
+    const svo_i_argument arguments[] = {
+        SVO_I_ARGUMENT(photons->weights), SVO_I_ARGUMENT(photons->met),  SVO_I_ARGUMENT(photons->spreads),
+        SVO_I_ARGUMENT(photons->slots),   SVO_I_ARGUMENT(kept->weights), SVO_I_ARGUMENT(kept->ends),
+        SVO_I_ARGUMENT(kept->spreads),    SVO_I_ARGUMENT(kept->users),   SVO_I_ARGUMENT(kept->bits),
+        SVO_I_ARGUMENT(photons->groups),  SVO_I_ARGUMENT(*params)};
+    SVO_I_TRY(svo_i_kept_use(kept, photons->work));
+    SVO_I_TRY(svo_i_work_launch(photons->work, "svo_k_photon_keep", SVO_I_ARGUMENTS(arguments),
+                                params->count / SVO_ITEM_PHOTONS));
     return svo_i_photons_use(photons);
 }
 
@@ -241,7 +406,7 @@ svo_status svo_i_photons_shoot_weighed(svo_i_photons *photons, const svo_light_v
         SVO_I_ARGUMENT(photons->counters), SVO_I_ARGUMENT(photons->groups), SVO_I_ARGUMENT(*params)};
     SVO_I_TRY(see_band(photons, params));
     const double seen = svo_i_now_ms();
-    SVO_I_TRY(svo_i_photons_find(photons, params, params->count));
+    SVO_I_TRY(find_leaves(photons, params, params->count));
     SVO_I_TRY(svo_i_photons_make_room(photons));
     SVO_I_TRY(svo_i_work_launch(work, "svo_k_photon_add", SVO_I_ARGUMENTS(add),
                                 (params->count + SVO_ITEM_PHOTONS - 1) / SVO_ITEM_PHOTONS));
@@ -287,7 +452,7 @@ svo_status svo_i_photons_shoot(svo_i_photons *photons, const svo_i_light_view *v
         params.flux[2 * channel + 1] = (cl_uint)(flux >> 32);
     }
     if (photons->kept != NULL) {
-        photons->kept_first = svo_i_kept_next_view(photons->kept, &params);
+        next_view(photons->kept, &params);
     }
     if (photons->map == NULL) {
         return shoot_bands(photons, view, &params);
@@ -315,5 +480,64 @@ svo_status svo_i_photons_total(svo_i_photons *photons, svo_i_flux_totals *totals
         totals->in_leaves[channel] = (uint64_t)in_leaves[1] << 32 | in_leaves[0];
         totals->lost[channel] = (uint64_t)lost[1] << 32 | lost[0];
     }
+    return SVO_OK;
+}
+
+/* ---- leaves that no photon met ---- */
+
+static svo_status look_at_band(svo_i_photons *photons, const svo_light_source *source, cl_mem unmet,
+                               const svo_unmet_params *params)
+{
+    const cl_mem *tree = photons->tree->buffers;
+    const svo_i_argument rays[] = {SVO_I_ARGUMENT(tree[SVO_TREE_CHILD_MASK]),
+                                   SVO_I_ARGUMENT(tree[SVO_TREE_FIRST_CHILD]),
+                                   SVO_I_ARGUMENT(photons->slots),
+                                   SVO_I_ARGUMENT(photons->rays),
+                                   SVO_I_ARGUMENT(*source),
+                                   SVO_I_ARGUMENT(*params)};
+    const svo_i_argument count[] = {SVO_I_ARGUMENT(photons->leaves), SVO_I_ARGUMENT(unmet),
+                                    SVO_I_ARGUMENT(photons->counters), SVO_I_ARGUMENT(params->first),
+                                    SVO_I_ARGUMENT(params->count)};
+    SVO_I_TRY(svo_i_work_launch(photons->work, "svo_k_unmet_rays", SVO_I_ARGUMENTS(rays), params->count));
+    SVO_I_TRY(trace_band(photons, params->count));
+    SVO_I_TRY(find_leaves(photons, NULL, params->count));
+    return svo_i_work_launch(photons->work, "svo_k_unmet_count", SVO_I_ARGUMENTS(count), params->count);
+}
+
+static svo_status look_at_leaves(svo_i_photons *photons, const svo_light_source *source, cl_mem unmet)
+{
+    const uint32_t leaf_count = (uint32_t)photons->tree->info.leaf_count;
+    svo_grid grid = {.depth = 0};
+    SVO_I_TRY(svo_tree_get_grid(photons->tree, &grid));
+    svo_unmet_params params = {
+        .origin = {(float)grid.origin[0], (float)grid.origin[1], (float)grid.origin[2]},
+        .edge = (float)svo_grid_cell_edge(&grid, grid.depth),
+        .inner_count = (cl_uint)photons->tree->info.inner_count,
+        .reach = (float)(2 * svo_grid_cell_edge(&grid, 0)), /* the grid's diagonal is shorter */
+        .outer_cosine = source->kind == SVO_SOURCE_SPOT ? (float)svo_i_plain_cosine(source->outer_angle) : 0};
+    for (; params.first < leaf_count; params.first += params.count) {
+        params.count = leaf_count - params.first < SVO_I_BAND_PHOTONS ? leaf_count - params.first : SVO_I_BAND_PHOTONS;
+        SVO_I_TRY(look_at_band(photons, source, unmet, &params));
+    }
+    return SVO_OK;
+}
+
+svo_status svo_i_photons_count_unmet(svo_i_photons *photons, const svo_light_setup *setup, uint64_t *count)
+{
+    const uint64_t bytes = photons->tree->info.leaf_count * sizeof(cl_uint);
+    cl_uint found = 0;
+    cl_mem unmet = NULL;
+    SVO_I_TRY(svo_i_photons_make_bands(photons));
+    SVO_I_TRY(svo_i_photons_use(photons));
+    SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_unmet", bytes, &unmet));
+    SVO_I_TRY(svo_i_work_fill_zero(photons->work, unmet, bytes));
+    for (size_t i = 0; i < setup->source_count; ++i) {
+        if (!svo_i_source_is_dark(&setup->sources[i])) {
+            SVO_I_TRY(look_at_leaves(photons, &setup->sources[i], unmet));
+        }
+    }
+    SVO_I_TRY(svo_i_work_read(photons->work, photons->counters, SVO_PHOTON_UNMET * sizeof found, &found, sizeof found));
+    svo_i_work_free(photons->work, &unmet);
+    *count = found;
     return SVO_OK;
 }

@@ -3,10 +3,9 @@
 #ifndef SVO_LIB_MOVING_BVH_H
 #define SVO_LIB_MOVING_BVH_H
 
-#include "moving/state.h"
+#include "moving/handle.h"
 
-/* Notes what of each object is in the newest tree. */
-void svo_i_moving_note_parts(svo_moving *moving);
+/* Releases the BVHs, if there are any. */
 void svo_i_moving_free_bvhs(svo_moving *moving);
 
 #endif

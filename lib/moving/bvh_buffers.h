@@ -3,7 +3,7 @@
 #ifndef SVO_LIB_MOVING_BVH_BUFFERS_H
 #define SVO_LIB_MOVING_BVH_BUFFERS_H
 
-#include "moving/bvh_state.h"
+#include "moving/handle.h"
 
 /* Finds places for all objects of the newest tree whose BVHs have none, in larger buffers if need be; the records of
    some may have to be written again then. Waits. */

@@ -1,242 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Scenes that move. An update makes new pairs of what changed, a new list and a new tree beside the old ones, and takes
- * them only when all has succeeded.
- */
-#include "moving/moving.h"
-
-#include <math.h>
+/* Scenes that move: creation, destruction, and what is known of them. Objects and updates are in files of their own. */
 #include <string.h>
 
 #include "core/struct_size.h"
-#include "core/work.h"
 #include "moving/bvh.h"
-#include "moving/changes.h"
-#include "moving/merge.h"
-#include "moving/mesh.h"
 #include "moving/objects.h"
 #include "moving/pairs.h"
-#include "moving/tree.h"
-#include "plan/update.h"
 
-/* ---- an update ---- */
-
-static const char update_name[] = "svo_moving_update";
-
-typedef svo_i_moving_update update;
-
-/* The time since the last call goes to a stage. */
-static void tell(update *u, double *stage_ms)
-{
-    const double now = svo_i_now_ms();
-    *stage_ms += now - u->start_ms;
-    u->start_ms = now;
-}
-
-bool svo_i_moving_is_new(const svo_i_moving_object *object)
-{
-    return svo_i_moving_shows(object) && !svo_i_moving_stays(object);
-}
-
-bool svo_i_moving_is_due(const svo_moving *moving)
-{
-    bool due = moving->tree == NULL;
-    for (uint32_t i = 0; i < moving->object_count; ++i) {
-        const svo_i_moving_object *object = &moving->objects[i];
-        due = due || (object->listed && !svo_i_moving_stays(object)) || svo_i_moving_is_new(object);
-    }
-    return due;
-}
-
-/* Brings new vertices to the plans of the objects. */
-static svo_status move_objects(update *u)
-{
-    svo_moving *moving = u->moving;
-    double area = 0.0;
-    for (uint32_t i = 0; i < moving->object_count; ++i) {
-        svo_i_moving_object *object = &moving->objects[i];
-        if (!svo_i_moving_shows(object)) {
-            continue;
-        }
-        if (object->moved) {
-            SVO_I_TRY(svo_plan_update_enqueue(object->plan, &object->mesh, u->chain.queue, 0, NULL, NULL));
-            SVO_I_TRY(svo_i_update_settle(object->plan, update_name, u->chain.queue));
-            object->moved = false;
-        }
-        area += object->plan->info.area;
-    }
-    SVO_I_TRY(svo_i_update_check_area(&moving->whole, update_name, area));
-    tell(u, &u->report.move_ms);
-    return SVO_OK;
-}
-
-svo_status svo_i_moving_alloc_changed(update *u)
-{
-    const svo_i_memory *memory = &u->moving->device->memory;
-    u->changed = svo_i_alloc_zeroed(memory, u->moving->object_count, sizeof *u->changed);
-    u->members = svo_i_alloc_zeroed(memory, u->moving->object_count, sizeof *u->members);
-    return u->changed != NULL && u->members != NULL
-               ? SVO_OK
-               : svo_i_device_fail(u->moving->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u objects",
-                                   u->chain.function, u->moving->object_count);
-}
-
-/* Makes the pairs of the objects that changed. */
-static svo_status make_pairs(update *u)
-{
-    svo_moving *moving = u->moving;
-    SVO_I_TRY(svo_i_moving_alloc_changed(u));
-    for (uint32_t i = 0; i < moving->object_count; ++i) {
-        if (svo_i_moving_is_new(&moving->objects[i])) {
-            svo_i_kept_list *list = &u->changed[u->changed_count];
-            u->members[u->changed_count++] = i;
-            SVO_I_TRY(svo_i_moving_voxelize(moving, i, &u->chain, NULL, list));
-            tell(u, &u->report.voxelize_ms);
-            SVO_I_TRY(svo_i_moving_weigh(moving, i, &u->chain, list));
-            tell(u, &u->report.weigh_ms);
-        }
-    }
-    return SVO_OK;
-}
-
-/* Counts the pairs of the scene and those that changed. staying: receives those of the old list that stay. */
-static svo_status count_pairs(update *u, uint64_t *staying)
-{
-    const svo_moving *moving = u->moving;
-    *staying = 0;
-    for (uint32_t i = 0; i < moving->object_count; ++i) {
-        const svo_i_moving_object *object = &moving->objects[i];
-        const bool stays = svo_i_moving_stays(object);
-        *staying += stays ? object->fragments : 0;
-        u->report.changed_fragments += object->listed && !stays ? object->fragments : 0;
-        u->report.changed_objects += !stays && (object->listed || svo_i_moving_shows(object)) ? 1 : 0;
-    }
-    u->report.fragments = *staying;
-    for (uint32_t i = 0; i < u->changed_count; ++i) {
-        u->report.fragments += u->changed[i].count;
-        u->report.changed_fragments += u->changed[i].count;
-    }
-    return u->report.fragments <= u->fragment_limit
-               ? SVO_OK
-               : svo_i_device_fail(moving->device, SVO_CAPACITY_EXCEEDED,
-                                   "%s: the scene has %llu fragments, and room for %llu; see options.fragment_capacity",
-                                   u->chain.function, (unsigned long long)u->report.fragments,
-                                   (unsigned long long)u->fragment_limit);
-}
-
-svo_status svo_i_moving_merge_changed(update *u)
-{
-    svo_moving *moving = u->moving;
-    uint64_t staying = 0;
-    static const svo_i_kept_list none = {.count = 0};
-    SVO_I_TRY(count_pairs(u, &staying));
-    SVO_I_TRY(svo_i_moving_merge_all(moving, &u->chain, u->changed, u->changed_count));
-    if (staying == 0 && u->changed_count > 0) { /* nothing to merge */
-        u->list = u->changed[0];
-        u->changed[0] = none;
-    } else {
-        u->list = moving->spare;
-        moving->spare = none;
-        SVO_I_TRY(svo_i_moving_merge(moving, &u->chain, u->changed_count > 0 ? &u->changed[0] : &none,
-                                     u->report.fragments, &u->list));
-    }
-    tell(u, &u->report.merge_ms);
-    return SVO_OK;
-}
-
-/* The old list's buffers serve the next update. */
-void svo_i_moving_commit(update *u, const uint64_t *counts)
-{
-    svo_moving *moving = u->moving;
-    svo_i_moving_note_changes(moving);
-    moving->area = 0.0;
-    for (uint32_t i = 0; i < moving->object_count; ++i) {
-        svo_i_moving_object *object = &moving->objects[i];
-        object->fragments = svo_i_moving_stays(object) ? object->fragments : 0;
-        object->listed = svo_i_moving_shows(object);
-        object->stale = object->listed ? false : object->stale;
-        moving->area += object->listed ? object->plan->info.area : 0.0;
-    }
-    for (uint32_t i = 0; i < u->changed_count; ++i) {
-        moving->objects[u->members[i]].fragments = counts[i];
-        moving->objects[u->members[i]].version = ++moving->serial;
-    }
-    svo_i_kept_list_free(&moving->spare);
-    moving->spare = moving->list;
-    moving->list = u->list;
-    u->list = (svo_i_kept_list){.count = 0};
-    svo_i_moving_note_parts(moving);
-    svo_tree_destroy(&moving->tree);
-    moving->tree = u->tree;
-    u->tree = NULL;
-}
-
-static svo_status run_stages(update *u)
-{
-    svo_status status = SVO_OK;
-    uint64_t *counts = NULL;
-    SVO_I_TRY_CLEANUP(move_objects(u));
-    SVO_I_TRY_CLEANUP(make_pairs(u));
-    counts = svo_i_alloc_zeroed(&u->moving->device->memory, u->changed_count + 1u, sizeof *counts);
-    if (counts == NULL) {
-        status = svo_i_device_fail(u->moving->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u objects",
-                                   update_name, u->changed_count);
-        goto cleanup;
-    }
-    for (uint32_t i = 0; i < u->changed_count; ++i) {
-        counts[i] = u->changed[i].count;
-    }
-    SVO_I_TRY_CLEANUP(svo_i_moving_merge_changed(u));
-    SVO_I_TRY_CLEANUP(svo_i_moving_tree(u->moving, &u->chain, &u->list, u->timed ? &u->report : NULL, &u->tree));
-    svo_i_moving_commit(u, counts);
-cleanup:
-    svo_i_free(counts);
-    return status;
-}
-
-void svo_i_moving_release_update(update *u)
-{
-    for (uint32_t i = 0; u->changed != NULL && i < u->changed_count; ++i) {
-        svo_i_kept_list_free(&u->changed[i]);
-    }
-    svo_i_kept_list_free(&u->list);
-    svo_i_free(u->changed);
-    svo_i_free(u->members);
-}
-
-#define SIZES_OF_REPORT SVO_I_STRUCT_SIZES(svo_moving_report, total_ms)
-
-svo_status svo_moving_update(svo_moving *moving, cl_command_queue queue, svo_moving_report *report)
-{
-    if (moving == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    const double start_ms = svo_i_now_ms();
-    update u = {.moving = moving,
-                .chain = {.function = update_name, .waits = true},
-                .fragment_limit = moving->fragment_limit,
-                .timed = report != NULL,
-                .start_ms = start_ms};
-    SVO_I_TRY(svo_i_moving_check_still(moving, update_name));
-    SVO_I_TRY(report != NULL
-                  ? svo_i_struct_check(&moving->device->message, update_name, "report", report, SIZES_OF_REPORT)
-                  : SVO_OK);
-    SVO_I_TRY(svo_i_device_queue(moving->device, update_name, queue, &u.chain.queue));
-    u.report.fragments = moving->list.count;
-    const bool due = svo_i_moving_is_due(moving);
-    const svo_status status = due ? run_stages(&u) : SVO_OK;
-    if (!due) {
-        svo_i_moving_forget_changes(moving);
-    }
-    svo_i_moving_release_update(&u);
-    u.report.total_ms = svo_i_now_ms() - start_ms;
-    if (report != NULL) {
-        (void)svo_i_struct_write(NULL, update_name, "report", &u.report, report, SIZES_OF_REPORT);
-    }
-    return status;
-}
-
-/* ---- the scene ---- */
+/* ---- creation ---- */
 
 /* Reads what describes the scene, and makes the options of the plans. */
 static svo_status read_options(svo_moving *moving, const svo_moving_options *given)
@@ -369,6 +140,8 @@ void svo_moving_destroy(svo_moving **moving)
     *moving = NULL;
 }
 
+/* ---- what is known ---- */
+
 svo_tree *svo_moving_tree(const svo_moving *moving)
 {
     return moving->tree;
@@ -401,4 +174,116 @@ svo_status svo_moving_get_info(const svo_moving *moving, svo_moving_info *info)
     }
     return svo_i_struct_write(&moving->device->message, "svo_moving_get_info", "info", &made, info,
                               SVO_I_STRUCT_SIZES(svo_moving_info, area));
+}
+
+/* ---- the scene's mesh ---- */
+
+/* An array of the scene's mesh: those of the objects, one after the other. */
+typedef struct joined {
+    const svo_moving *moving;
+    size_t offset; /* of the array's pointer in svo_mesh */
+    size_t element_bytes;
+    bool of_triangles;
+} joined;
+
+static const void *array_of(const svo_mesh *mesh, size_t offset)
+{
+    const void *array = NULL;
+    memcpy(&array, (const char *)mesh + offset, sizeof array);
+    return array;
+}
+
+static size_t elements_of(const svo_mesh *mesh, const joined *j)
+{
+    return j->of_triangles ? mesh->triangle_count : mesh->vertex_count;
+}
+
+/* Makes an array of the scene's mesh; elements of objects without one are 0. */
+static bool join(const joined *j, bool wanted, svo_mesh *to)
+{
+    unsigned char *bytes = NULL;
+    size_t at = 0;
+    if (!wanted) {
+        return true;
+    }
+    bytes = svo_i_alloc_zeroed(&j->moving->device->memory, elements_of(to, j), j->element_bytes);
+    memcpy((char *)to + j->offset, &bytes, sizeof bytes);
+    for (uint32_t i = 0; i < j->moving->object_count && bytes != NULL; ++i) {
+        const svo_i_moving_object *object = &j->moving->objects[i];
+        const void *from = array_of(&object->mesh, j->offset);
+        const size_t part = svo_i_moving_shows(object) ? elements_of(&object->mesh, j) * j->element_bytes : 0;
+        if (part > 0 && from != NULL) {
+            memcpy(bytes + at, from, part);
+        }
+        at += part;
+    }
+    return bytes != NULL;
+}
+
+/* The indices of all objects; those out of range become such in the scene's mesh. */
+static bool join_indices(const svo_moving *moving, svo_mesh *to)
+{
+    uint32_t *indices = svo_i_alloc_zeroed(&moving->device->memory, to->triangle_count, 3 * sizeof *indices);
+    uint32_t *at = indices;
+    size_t vertex = 0;
+    to->indices = indices;
+    for (uint32_t i = 0; i < moving->object_count && indices != NULL; ++i) {
+        const svo_mesh *mesh = &moving->objects[i].mesh;
+        const size_t corners = svo_i_moving_shows(&moving->objects[i]) ? mesh->triangle_count * 3 : 0;
+        for (size_t k = 0; k < corners; ++k) {
+            const size_t index = mesh->indices != NULL ? mesh->indices[k] : k;
+            *at++ = index < mesh->vertex_count ? (uint32_t)(vertex + index) : UINT32_MAX;
+        }
+        vertex += corners > 0 ? mesh->vertex_count : 0;
+    }
+    return indices != NULL;
+}
+
+static bool join_all(const svo_moving *moving, svo_mesh *to)
+{
+    const svo_mesh *first = &moving->objects[0].mesh;
+    bool materials = false;
+    for (uint32_t i = 0; i < moving->object_count; ++i) {
+        const svo_i_moving_object *object = &moving->objects[i];
+        if (svo_i_moving_shows(object)) {
+            to->vertex_count += object->mesh.vertex_count;
+            to->triangle_count += object->mesh.triangle_count;
+            materials = materials || object->mesh.triangle_materials != NULL;
+        }
+    }
+    const struct {
+        joined array;
+        bool wanted;
+    } all[] = {{{moving, offsetof(svo_mesh, positions), 12, false}, first->positions != NULL},
+               {{moving, offsetof(svo_mesh, positions_double), 24, false}, first->positions_double != NULL},
+               {{moving, offsetof(svo_mesh, normals), 12, false}, first->normals != NULL},
+               {{moving, offsetof(svo_mesh, colors), 4, false}, first->colors != NULL},
+               {{moving, offsetof(svo_mesh, uvs), 8, false}, first->uvs != NULL},
+               {{moving, offsetof(svo_mesh, triangle_materials), 2, true}, materials}};
+    bool fits = join_indices(moving, to);
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i) {
+        fits = fits && join(&all[i].array, all[i].wanted, to);
+    }
+    return fits;
+}
+
+svo_status svo_moving_get_mesh(svo_moving *moving, svo_mesh *mesh)
+{
+    if (moving == NULL || mesh == NULL) {
+        return svo_i_device_fail(moving != NULL ? moving->device : NULL, SVO_INVALID_ARGUMENT,
+                                 "svo_moving_get_mesh: %s is NULL", moving == NULL ? "moving" : "mesh");
+    }
+    const svo_mesh *first = &moving->objects[0].mesh;
+    if (moving->mesh.vertex_count == 0 && !join_all(moving, &moving->mesh)) {
+        svo_i_moving_forget_mesh(moving);
+        return svo_i_device_fail(moving->device, SVO_OUT_OF_HOST_MEMORY, "svo_moving_get_mesh: no memory for the mesh");
+    }
+    *mesh = moving->mesh;
+    mesh->struct_size = sizeof *mesh;
+    mesh->materials = first->materials;
+    mesh->material_count = first->material_count;
+    mesh->textures = first->textures;
+    mesh->texture_count = first->texture_count;
+    mesh->finishes = first->finishes;
+    return SVO_OK;
 }

@@ -1,13 +1,163 @@
 /* SPDX-License-Identifier: MIT */
-/* Paged trees from the opening of the file to its closing. */
-#include "svocl/paged.h"
-
+/*
+ * Paged trees from the opening of the file to its closing: options, how many bytes go to what, reading, making; and
+ * pictures of what is there, with the pages that they used and missed. Bands are counted from the leaves up, so the top
+ * level is above the leaves by a multiple of the levels of a page.
+ */
 #include <inttypes.h>
 
 #include "core/struct_size.h"
-#include "paged/layout.h"
-#include "paged/pool.h"
+#include "paged/paged.h"
+#include "rays/picture.h"
 #include "rays/rays.h"
+#include "shared/page.h"
+#include "svocl/paged.h"
+
+/* ---- the layout: the top level and the room for pages ---- */
+
+/* The share of the bytes that the top levels may take, unless there are no fewer of them. */
+#define TOP_SHARE 4u
+
+/* Of an inner node beside its payload: mask and link. */
+#define INNER_BYTES 5u
+
+static uint64_t node_bytes(const paged_layout *layout, uint64_t inner_count, uint64_t leaf_count)
+{
+    return inner_count * (INNER_BYTES + layout->payload_bytes) + leaf_count * layout->payload_bytes;
+}
+
+static uint64_t count_nodes(const svo_tree_info *info, uint32_t level)
+{
+    return info->level_begin[level + 1] - info->level_begin[level];
+}
+
+/* Sets what follows from the top level. */
+static void set_top(const svo_tree_info *info, uint32_t top_level, paged_layout *layout)
+{
+    const bool is_whole = top_level == info->depth;
+    layout->top_level = top_level;
+    layout->band_count = 0;
+    layout->page_count = 0;
+    layout->top_inner_count = info->level_begin[is_whole ? info->depth : top_level + 1];
+    layout->inner_count = info->level_begin[info->depth] - layout->top_inner_count;
+    layout->leaf_count = is_whole ? 0 : info->leaf_count;
+    for (uint32_t level = top_level; level < info->depth; level += layout->page_levels) {
+        ++layout->band_count;
+        layout->page_count += (uint32_t)count_nodes(info, level);
+    }
+}
+
+/* Bytes of what is always there: top levels, the table of pages, payload that all nodes share. */
+static uint64_t fixed_bytes(const svo_tree_info *info, const paged_layout *layout)
+{
+    uint64_t bytes = (uint64_t)layout->page_count * SVO_PAGE_WORDS * sizeof(uint32_t) +
+                     node_bytes(layout, layout->top_inner_count, info->leaf_count - layout->leaf_count);
+    for (int i = 0; i < PAGED_ARRAYS; ++i) {
+        bytes += svo_i_tree_is_constant(info, svo_i_paged_buffer((paged_array)i))
+                     ? svo_i_paged_element_bytes((paged_array)i)
+                     : 0;
+    }
+    return bytes;
+}
+
+/* No page has more bytes than one with every child. */
+static uint64_t full_page_bytes(const paged_layout *layout)
+{
+    uint64_t count = 0;
+    for (uint32_t level = 1; level <= layout->page_levels; ++level) {
+        count = 8 * count + 8;
+    }
+    return node_bytes(layout, count, 0);
+}
+
+static void choose_top(svo_paged *paged, uint32_t page_levels, uint64_t budget_bytes)
+{
+    const svo_tree_info *info = &paged->file.info;
+    paged_layout *layout = &paged->layout;
+    layout->page_levels = page_levels;
+    layout->payload_bytes = 0;
+    for (int i = 0; i < PAGED_ARRAYS; ++i) {
+        const svo_tree_buffer buffer = svo_i_paged_buffer((paged_array)i);
+        layout->by_node[i] = svo_i_tree_holds(info, buffer) && !svo_i_tree_is_constant(info, buffer);
+        layout->payload_bytes +=
+            layout->by_node[i] && i != PAGED_MASKS ? (uint32_t)svo_i_paged_element_bytes((paged_array)i) : 0;
+    }
+    for (uint32_t level = info->depth;; level -= page_levels) {
+        set_top(info, level, layout);
+        const uint64_t fixed = fixed_bytes(info, layout);
+        const bool fits = fixed <= budget_bytes / TOP_SHARE && full_page_bytes(layout) <= budget_bytes - fixed;
+        if (level <= page_levels || (level == info->depth && fixed <= budget_bytes / TOP_SHARE) || fits) {
+            break;
+        }
+    }
+}
+
+/* count * part / whole, rounded down or one less, without overflow. part is at most whole. */
+static uint64_t take_share(uint64_t count, uint64_t part, uint64_t whole)
+{
+    if (part == whole) {
+        return count;
+    }
+    while (whole >= (uint64_t)1 << 31) {
+        whole = (whole >> 1) + 1;
+        part >>= 1;
+    }
+    return count * part / whole;
+}
+
+/* Elements for inner nodes and leaves beyond those of the largest page, within a number of bytes. Bands are read from
+   the top down, so inner nodes of all but the last come first, with half of the bytes at most; what is left is shared
+   as the last band's nodes are. */
+static void share_room(const svo_paged *paged, uint64_t bytes, uint64_t *inner, uint64_t *leaves)
+{
+    const paged_layout *layout = &paged->layout;
+    const svo_tree_info *info = &paged->file.info;
+    const uint64_t more_inner = layout->inner_count - paged->largest_inner;
+    const uint64_t more_leaves = layout->leaf_count - paged->largest_leaves;
+    const uint32_t last_root_level = info->depth - layout->page_levels;
+    const uint64_t above = info->level_begin[last_root_level + 1] - layout->top_inner_count;
+    const uint64_t afforded = bytes / 2 / node_bytes(layout, 1, 0);
+    uint64_t first = above < afforded ? above : afforded;
+    first = first < more_inner ? first : more_inner;
+    const uint64_t rest = node_bytes(layout, more_inner - first, more_leaves);
+    const uint64_t left = bytes - node_bytes(layout, first, 0);
+    const uint64_t part = left < rest ? left : rest;
+    *inner = first + take_share(more_inner - first, part, rest);
+    *leaves = take_share(more_leaves, part, rest);
+}
+
+static svo_status fit(svo_paged *paged, uint64_t budget_bytes)
+{
+    const svo_tree_info *info = &paged->file.info;
+    paged_layout *layout = &paged->layout;
+    const uint64_t fixed = fixed_bytes(info, layout);
+    const uint64_t top_leaves = info->leaf_count - layout->leaf_count;
+    uint64_t inner = 0, leaves = 0;
+    layout->least_bytes = fixed + node_bytes(layout, paged->largest_inner, paged->largest_leaves);
+    layout->whole_bytes = fixed + node_bytes(layout, layout->inner_count, layout->leaf_count);
+    if (budget_bytes < layout->least_bytes) {
+        return svo_i_device_fail(paged->device, SVO_CAPACITY_EXCEEDED,
+                                 "svo_paged_open: budget_bytes %" PRIu64 " is below %" PRIu64 ", the least for %s",
+                                 budget_bytes, layout->least_bytes, paged->path);
+    }
+    if (layout->page_count > 0) {
+        share_room(paged, budget_bytes - layout->least_bytes, &inner, &leaves);
+    }
+    inner += layout->top_inner_count + paged->largest_inner;
+    leaves += top_leaves + paged->largest_leaves;
+    if (inner + leaves >= SVO_PAGE_ROOT) {
+        return svo_i_device_fail(paged->device, SVO_UNSUPPORTED,
+                                 "svo_paged_open: budget_bytes %" PRIu64 " is room for %" PRIu64
+                                 " nodes, and there may be %u",
+                                 budget_bytes, inner + leaves, SVO_PAGE_ROOT - 1);
+    }
+    layout->inner_capacity = (uint32_t)inner;
+    layout->leaf_capacity = (uint32_t)leaves;
+    layout->device_bytes = fixed + node_bytes(layout, inner - layout->top_inner_count, leaves - top_leaves);
+    return SVO_OK;
+}
+
+/* ---- opening ---- */
 
 static svo_status read_options(svo_device *device, const svo_paged_options *given, svo_paged_options *asked,
                                svo_i_memory *memory)
@@ -60,9 +210,9 @@ static svo_status fill(svo_paged *paged, const svo_paged_options *asked, uint64_
     SVO_I_TRY(svo_i_tree_file_read_head(&paged->file));
     SVO_I_TRY(check_file(paged));
     SVO_I_TRY(find_params(paged));
-    svo_i_paged_choose(paged, asked->page_levels, budget_bytes);
+    choose_top(paged, asked->page_levels, budget_bytes);
     SVO_I_TRY_CLEANUP(svo_i_paged_scan(paged, &top));
-    SVO_I_TRY_CLEANUP(svo_i_paged_fit(paged, budget_bytes));
+    SVO_I_TRY_CLEANUP(fit(paged, budget_bytes));
     SVO_I_TRY_CLEANUP(svo_i_paged_make_pool(paged, &top));
 
 cleanup:
@@ -169,4 +319,108 @@ svo_status svo_paged_get_counts(const svo_paged *paged, svo_paged_counts *counts
     }
     return svo_i_struct_write(svo_i_device_message(paged->device), "svo_paged_get_counts", "counts", &paged->counts,
                               counts, SVO_I_STRUCT_SIZES(svo_paged_counts, all_evicted_pages));
+}
+
+/* ---- pictures ---- */
+
+/* Those of SVO_TREE_PARAMETERS: the nodes' three and the grid. */
+#define VIEW_ARGUMENTS 4u
+
+static svo_status check_target(void *of, const char *function)
+{
+    (void)of;
+    (void)function;
+    return SVO_OK;
+}
+
+static svo_status set_target(void *of, const char *function, cl_kernel kernel, cl_uint first_index)
+{
+    const svo_paged *paged = of;
+    const svo_i_argument arguments[VIEW_ARGUMENTS] = {SVO_I_ARGUMENT(paged->arrays[PAGED_MASKS]),
+                                                      SVO_I_ARGUMENT(paged->links), SVO_I_ARGUMENT(paged->device_table),
+                                                      SVO_I_ARGUMENT(paged->params)};
+    return svo_i_kernel_set_from(paged->device, function, kernel, first_index, arguments, VIEW_ARGUMENTS);
+}
+
+static svo_i_picture_source describe(svo_paged *paged, const char *function)
+{
+    const svo_tree_info *info = &paged->file.info;
+    return (svo_i_picture_source){.device = paged->device,
+                                  .function = function,
+                                  .grid = {.depth = info->depth,
+                                           .snap_bits = info->snap_bits,
+                                           .origin = {info->origin[0], info->origin[1], info->origin[2]},
+                                           .scale = info->scale},
+                                  .form_defines = " -DSVO_READ_PAGED",
+                                  .nodes = {paged->arrays[PAGED_MASKS], paged->links, paged->device_table},
+                                  .node_arguments = 3,
+                                  .tree = {paged, VIEW_ARGUMENTS, check_target, set_target},
+                                  .colors = paged->arrays[PAGED_COLORS],
+                                  .normals = paged->arrays[PAGED_NORMALS],
+                                  .one_color = !paged->layout.by_node[PAGED_COLORS],
+                                  .one_normal = !paged->layout.by_node[PAGED_NORMALS]};
+}
+
+static svo_status check_picture(const svo_paged *paged, const char *function, const svo_render_options *options,
+                                const uint8_t *rgba, svo_render_options *asked)
+{
+    if (options == NULL || rgba == NULL) {
+        return svo_i_device_fail(paged->device, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
+                                 options == NULL ? "options" : "rgba");
+    }
+    SVO_I_TRY(svo_i_picture_options(paged->device, function, options, asked));
+    return asked->view != SVO_VIEW_TRIANGLES ? SVO_OK
+                                             : svo_i_device_fail(paged->device, SVO_INVALID_ARGUMENT,
+                                                                 "%s: a paged tree has no triangles to show", function);
+}
+
+/* Before a picture no page is marked. */
+static void clear_marks(svo_paged *paged)
+{
+    for (uint32_t page = 0; page < paged->layout.page_count; ++page) {
+        paged->table[SVO_PAGE_WORDS * (size_t)page + SVO_PAGE_MARK] = 0;
+    }
+    paged->counts.used_pages = paged->counts.missed_pages = 0;
+}
+
+/* After it, the marks of pages that are there say when they were used, and are taken away; the others were missed. */
+static void count_marks(svo_paged *paged)
+{
+    svo_paged_counts *counts = &paged->counts;
+    ++counts->pictures;
+    for (uint32_t page = 0; page < paged->layout.page_count; ++page) {
+        uint32_t *words = &paged->table[SVO_PAGE_WORDS * (size_t)page];
+        if (words[SVO_PAGE_MARK] == 0) {
+            continue;
+        }
+        if (words[SVO_PAGE_BEGIN] == SVO_PAGE_ABSENT) {
+            ++counts->missed_pages;
+        } else {
+            ++counts->used_pages;
+            paged->pages[page].used = (uint32_t)counts->pictures;
+            words[SVO_PAGE_MARK] = 0;
+        }
+    }
+    counts->all_missed_pages += counts->missed_pages;
+}
+
+svo_status svo_paged_render(svo_paged *paged, const svo_render_options *options, uint8_t *rgba)
+{
+    static const char function[] = "svo_paged_render";
+    svo_render_options asked;
+    if (paged == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    SVO_I_TRY(check_picture(paged, function, options, rgba, &asked));
+    const svo_i_picture_source source = describe(paged, function);
+    clear_marks(paged);
+    SVO_I_TRY(svo_i_paged_write_table(paged));
+    SVO_I_TRY(svo_i_picture_draw(&source, &asked, NULL, rgba));
+    const svo_status status = svo_i_paged_read_table(paged);
+    if (status != SVO_OK) {
+        clear_marks(paged); /* a read that fails may have brought some */
+        return status;
+    }
+    count_marks(paged);
+    return SVO_OK;
 }

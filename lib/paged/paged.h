@@ -9,11 +9,42 @@
 #ifndef SVO_LIB_PAGED_PAGED_H
 #define SVO_LIB_PAGED_PAGED_H
 
+#include <stdbool.h>
+#include <stdint.h>
+
 #include "core/device.h"
-#include "io/tree_load.h"
-#include "paged/runs.h"
+#include "core/memory.h"
+#include "io/file_format.h"
 #include "shared/layout.h"
 #include "svocl/paged.h"
+
+/*
+ * ---- runs of free elements (pool.c) ----
+ *
+ * The first one that is long enough is taken, so the same calls give the same places.
+ */
+
+typedef struct svo_i_run {
+    uint32_t begin, count;
+} svo_i_run;
+
+typedef struct svo_i_runs {
+    svo_i_run *spans; /* ascending, none beside another; owned */
+    uint32_t free_count, free_capacity;
+    uint32_t taken_count;
+} svo_i_runs;
+
+/* All of count elements from begin on are free. Returns false when out of memory. */
+bool svo_i_runs_begin(svo_i_runs *runs, const svo_i_memory *memory, uint32_t begin, uint32_t count);
+void svo_i_runs_end(svo_i_runs *runs);
+
+/* Makes sure that one more run can be taken and given back. Returns false when out of memory. */
+bool svo_i_runs_reserve(svo_i_runs *runs);
+/* Takes count elements, above 0, after svo_i_runs_reserve. Returns false where no run is long enough. */
+bool svo_i_runs_take(svo_i_runs *runs, uint32_t count, uint32_t *begin);
+void svo_i_runs_give_back(svo_i_runs *runs, uint32_t begin, uint32_t count);
+
+/* ---- a paged tree ---- */
 
 #define PAGED_LEVELS_MIN     2 /* so that the children of a root are inner nodes */
 #define PAGED_LEVELS_MAX     5
@@ -80,6 +111,8 @@ struct svo_paged {
     svo_paged_counts counts;
 };
 
+/* ---- pages in the file (scan.c) ---- */
+
 /* The array's name among those of trees, and the bytes of an element. */
 svo_tree_buffer svo_i_paged_buffer(paged_array array);
 size_t svo_i_paged_element_bytes(paged_array array);
@@ -94,5 +127,26 @@ void svo_i_paged_size(const svo_paged *paged, uint32_t page, uint32_t *inner_cou
 
 /* The chunk of an array's level; NULL where the file has none. index: receives its number. */
 const file_chunk *svo_i_paged_chunk(const svo_paged *paged, paged_array array, uint32_t level, uint32_t *index);
+
+/* The arrays of the top levels; NULL where there is none. */
+typedef struct paged_top {
+    uint8_t *arrays[PAGED_ARRAYS]; /* owned. An element for every node, or one for all */
+} paged_top;
+
+/* Reads the top levels into top, and of all pages which nodes they have and a checksum. Checks nodes and checksums. */
+svo_status svo_i_paged_scan(svo_paged *paged, paged_top *top);
+
+/* The checksum of a page after further bytes of it, which begins with 0. */
+uint64_t svo_i_paged_hash(uint64_t hash, const void *bytes, size_t byte_count);
+
+/* ---- nodes on the device (pool.c) ---- */
+
+/* Makes the buffers with the top levels, and everything else whose size the layout says. */
+svo_status svo_i_paged_make_pool(svo_paged *paged, const paged_top *top);
+void svo_i_paged_release_pool(svo_paged *paged);
+
+/* The table of pages to the device and, with marks, back. */
+svo_status svo_i_paged_write_table(svo_paged *paged);
+svo_status svo_i_paged_read_table(svo_paged *paged);
 
 #endif

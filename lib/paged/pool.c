@@ -1,14 +1,102 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Buffers, and what is written to them. Rays reach nothing of a page before the table says where it is, and that is
- * written last; so a failure on the way leaves what was there.
+ * The nodes on the device: runs of free elements, buffers, what is written to them, and which pages come and go. Rays
+ * reach nothing of a page before the table says where it is, and that is written last; so a failure on the way leaves
+ * what was there.
  */
-#include "paged/pool.h"
-
+#include <stdlib.h>
 #include <string.h>
 
+#include "paged/paged.h"
 #include "shared/nodes.clh"
 #include "shared/page.h"
+
+/*
+ * ---- runs of free elements ----
+ *
+ * First fit in a sorted list. Between two free runs something is taken, so there is one more of them at most.
+ */
+
+#define FREE_CAPACITY_BEGIN 64u
+
+bool svo_i_runs_begin(svo_i_runs *runs, const svo_i_memory *memory, uint32_t begin, uint32_t count)
+{
+    svo_i_run *spans = svo_i_alloc(memory, FREE_CAPACITY_BEGIN * sizeof *spans);
+    if (spans == NULL) {
+        return false;
+    }
+    spans[0] = (svo_i_run){begin, count};
+    *runs = (svo_i_runs){spans, count > 0, FREE_CAPACITY_BEGIN, 0};
+    return true;
+}
+
+void svo_i_runs_end(svo_i_runs *runs)
+{
+    svo_i_free(runs->spans);
+    *runs = (svo_i_runs){NULL, 0, 0, 0};
+}
+
+bool svo_i_runs_reserve(svo_i_runs *runs)
+{
+    const uint32_t needed = runs->taken_count + 2;
+    if (needed <= runs->free_capacity) {
+        return true;
+    }
+    const uint32_t capacity = needed + needed / 2;
+    svo_i_run *spans = svo_i_grow(NULL, runs->spans, capacity * sizeof *spans);
+    if (spans == NULL) {
+        return false;
+    }
+    runs->spans = spans;
+    runs->free_capacity = capacity;
+    return true;
+}
+
+static void remove_run(svo_i_runs *runs, uint32_t at)
+{
+    --runs->free_count;
+    memmove(runs->spans + at, runs->spans + at + 1, (runs->free_count - at) * sizeof *runs->spans);
+}
+
+bool svo_i_runs_take(svo_i_runs *runs, uint32_t count, uint32_t *begin)
+{
+    uint32_t at = 0;
+    while (at < runs->free_count && runs->spans[at].count < count) {
+        ++at;
+    }
+    if (at == runs->free_count) {
+        return false;
+    }
+    svo_i_run *run = &runs->spans[at];
+    *begin = run->begin;
+    run->begin += count;
+    run->count -= count;
+    if (run->count == 0) {
+        remove_run(runs, at);
+    }
+    ++runs->taken_count;
+    return true;
+}
+
+void svo_i_runs_give_back(svo_i_runs *runs, uint32_t begin, uint32_t count)
+{
+    uint32_t at = 0;
+    while (at < runs->free_count && runs->spans[at].begin < begin) {
+        ++at;
+    }
+    memmove(runs->spans + at + 1, runs->spans + at, (runs->free_count - at) * sizeof *runs->spans);
+    ++runs->free_count;
+    --runs->taken_count;
+    runs->spans[at] = (svo_i_run){begin, count};
+    if (at + 1 < runs->free_count && begin + count == runs->spans[at + 1].begin) {
+        runs->spans[at].count += runs->spans[at + 1].count;
+        remove_run(runs, at + 1);
+    }
+    if (at > 0 && runs->spans[at - 1].begin + runs->spans[at - 1].count == begin) {
+        runs->spans[at - 1].count += runs->spans[at].count;
+        remove_run(runs, at);
+    }
+}
 
 /* Nodes of a stage, unless a page has more: enough for writes to be long. */
 #define STAGE_NODES 16384u
@@ -214,7 +302,8 @@ void svo_i_paged_release_pool(svo_paged *paged)
 
 /* ---- pages ---- */
 
-svo_status svo_i_paged_flush(svo_paged *paged)
+/* Writes what is in the stage to the device. */
+static svo_status flush_stage(svo_paged *paged)
 {
     static const char function[] = "svo_paged_update";
     paged_stage *stage = &paged->stage;
@@ -284,7 +373,9 @@ static svo_status read_page(svo_paged *paged, const paged_band *band, uint32_t i
                                     band->root_level);
 }
 
-svo_status svo_i_paged_stage_page(svo_paged *paged, uint32_t page)
+/* Reads a page, whose place is set, from the file to the stage, which goes to the device before if the page's nodes do
+   not follow those of the stage. SVO_FILE_DAMAGED: they are not those of svo_i_paged_scan. */
+static svo_status stage_page(svo_paged *paged, uint32_t page)
 {
     paged_stage *stage = &paged->stage;
     const paged_page *place = &paged->pages[page];
@@ -292,7 +383,7 @@ svo_status svo_i_paged_stage_page(svo_paged *paged, uint32_t page)
     const paged_band *band = svo_i_paged_band(paged, page, &index);
     svo_i_paged_size(paged, page, &inner_count, &leaf_count);
     if (!follows(stage, place, inner_count, leaf_count)) {
-        SVO_I_TRY(svo_i_paged_flush(paged));
+        SVO_I_TRY(flush_stage(paged));
     }
     SVO_I_TRY(read_page(paged, band, index));
     link_page(paged, band, index);
@@ -301,4 +392,194 @@ svo_status svo_i_paged_stage_page(svo_paged *paged, uint32_t page)
     stage->inner_count += inner_count;
     stage->leaf_count += leaf_count;
     return SVO_OK;
+}
+
+/*
+ * ---- updates ----
+ *
+ * After a picture, pages that were missed are read, and those that were not used for longest make room for them.
+ */
+
+/*
+ * Between pictures the table on the host has marks of missed pages alone: how often rays missed them. A page that is
+ * there and has a mark was read by the update in progress.
+ */
+
+/* What may go, in the order in which it goes. */
+typedef struct victims {
+    uint64_t *keys; /* owned; NULL: not listed yet */
+    uint32_t count, next;
+} victims;
+
+static uint32_t *word_of(const svo_paged *paged, uint32_t page, uint32_t word)
+{
+    return &paged->table[SVO_PAGE_WORDS * (size_t)page + word];
+}
+
+/* ---- updates: eviction ---- */
+
+/* By the picture that used it last; of the same picture the last page first, so that no page goes before those under
+   it. */
+static uint64_t key_of(const svo_paged *paged, uint32_t page)
+{
+    return (uint64_t)paged->pages[page].used << 32 | ~page;
+}
+
+static int compare_keys(const void *left, const void *right)
+{
+    const uint64_t a = *(const uint64_t *)left;
+    const uint64_t b = *(const uint64_t *)right;
+    return (a > b) - (a < b);
+}
+
+static svo_status list_victims(const svo_paged *paged, victims *list)
+{
+    const uint32_t now = (uint32_t)paged->counts.pictures;
+    list->keys = svo_i_alloc(&paged->memory, ((size_t)paged->counts.held_pages + 1) * sizeof *list->keys);
+    if (list->keys == NULL) {
+        return svo_i_device_fail(paged->device, SVO_OUT_OF_HOST_MEMORY, "svo_paged_update: no memory to order pages");
+    }
+    for (uint32_t page = 0; page < paged->layout.page_count; ++page) {
+        if (paged->pages[page].inner_at != SVO_PAGE_ABSENT && paged->pages[page].used != now) {
+            list->keys[list->count++] = key_of(paged, page);
+        }
+    }
+    qsort(list->keys, list->count, sizeof *list->keys, compare_keys);
+    return SVO_OK;
+}
+
+static void drop_page(svo_paged *paged, uint32_t page)
+{
+    paged_page *place = &paged->pages[page];
+    uint32_t inner_count = 0, leaf_count = 0;
+    svo_i_paged_size(paged, page, &inner_count, &leaf_count);
+    svo_i_runs_give_back(&paged->inner_runs, place->inner_at, inner_count);
+    if (leaf_count > 0) {
+        svo_i_runs_give_back(&paged->leaf_runs, place->leaf_at, leaf_count);
+    }
+    place->inner_at = SVO_PAGE_ABSENT;
+    *word_of(paged, page, SVO_PAGE_BEGIN) = SVO_PAGE_ABSENT;
+    --paged->counts.held_pages;
+}
+
+/* ---- updates: room ---- */
+
+static bool take_room(svo_paged *paged, uint32_t page)
+{
+    paged_page *place = &paged->pages[page];
+    uint32_t inner_count = 0, leaf_count = 0, inner_at = 0;
+    svo_i_paged_size(paged, page, &inner_count, &leaf_count);
+    if (!svo_i_runs_take(&paged->inner_runs, inner_count, &inner_at)) {
+        return false;
+    }
+    if (leaf_count > 0 && !svo_i_runs_take(&paged->leaf_runs, leaf_count, &place->leaf_at)) {
+        svo_i_runs_give_back(&paged->inner_runs, inner_at, inner_count);
+        return false;
+    }
+    place->inner_at = inner_at;
+    place->used = (uint32_t)paged->counts.pictures;
+    ++paged->counts.held_pages;
+    return true;
+}
+
+/* Finds a place for a page, and drops others as long as there is none. *found: whether there is one now. */
+static svo_status find_room(svo_paged *paged, uint32_t page, victims *list, bool *found)
+{
+    if (!svo_i_runs_reserve(&paged->inner_runs) || !svo_i_runs_reserve(&paged->leaf_runs)) {
+        return svo_i_device_fail(paged->device, SVO_OUT_OF_HOST_MEMORY, "svo_paged_update: no memory for places");
+    }
+    *found = take_room(paged, page);
+    if (!*found && list->keys == NULL) {
+        SVO_I_TRY(list_victims(paged, list));
+    }
+    while (!*found && list->next < list->count) {
+        drop_page(paged, ~(uint32_t)list->keys[list->next++]);
+        ++paged->counts.evicted_pages;
+        *found = take_room(paged, page);
+    }
+    return SVO_OK;
+}
+
+/* ---- updates: all together ---- */
+
+/* The pages of a band that were missed, most often first, of equal ones the first. Returns their number. */
+static uint32_t list_missed(const svo_paged *paged, const paged_band *band, uint64_t *keys)
+{
+    uint32_t count = 0;
+    for (uint32_t page = band->first_page; page < band->first_page + band->page_count; ++page) {
+        const uint32_t mark = *word_of(paged, page, SVO_PAGE_MARK);
+        if (mark != 0) {
+            keys[count++] = (uint64_t)~mark << 32 | page;
+        }
+    }
+    qsort(keys, count, sizeof *keys, compare_keys);
+    return count;
+}
+
+static svo_status bring_page(svo_paged *paged, uint32_t page, victims *list)
+{
+    const uint64_t limit = paged->update_bytes > 0 ? paged->update_bytes : UINT64_MAX;
+    bool found = false;
+    if (paged->counts.read_bytes < limit) {
+        SVO_I_TRY(find_room(paged, page, list, &found));
+    }
+    if (!found) {
+        ++paged->counts.waiting_pages;
+        return SVO_OK;
+    }
+    SVO_I_TRY(stage_page(paged, page));
+    *word_of(paged, page, SVO_PAGE_BEGIN) = paged->pages[page].inner_at;
+    ++paged->counts.read_pages;
+    return SVO_OK;
+}
+
+/* Reads band after band. keys: room for all that were missed. */
+static svo_status read_missed(svo_paged *paged, uint64_t *keys, victims *list)
+{
+    for (uint32_t i = 0; i < paged->layout.band_count; ++i) {
+        const uint32_t count = list_missed(paged, &paged->bands[i], keys);
+        for (uint32_t k = 0; k < count; ++k) {
+            SVO_I_TRY(bring_page(paged, (uint32_t)keys[k], list));
+        }
+    }
+    return flush_stage(paged);
+}
+
+/* Ends an update: what it read is there, or after a failure it is missed as before. */
+static void settle(svo_paged *paged, bool done)
+{
+    for (uint32_t page = 0; page < paged->layout.page_count; ++page) {
+        uint32_t *mark = word_of(paged, page, SVO_PAGE_MARK);
+        if (*mark != 0 && paged->pages[page].inner_at != SVO_PAGE_ABSENT) {
+            if (done) {
+                *mark = 0;
+            } else {
+                drop_page(paged, page);
+            }
+        }
+    }
+    paged->stage.inner_count = paged->stage.leaf_count = 0;
+    paged->counts.read_pages = done ? paged->counts.read_pages : 0;
+}
+
+svo_status svo_paged_update(svo_paged *paged)
+{
+    victims list = {.keys = NULL};
+    if (paged == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    svo_paged_counts *counts = &paged->counts;
+    counts->read_pages = counts->read_bytes = counts->evicted_pages = counts->waiting_pages = 0;
+    uint64_t *missed = svo_i_alloc(&paged->memory, ((size_t)counts->missed_pages + 1) * sizeof *missed);
+    if (missed == NULL) {
+        return svo_i_device_fail(paged->device, SVO_OUT_OF_HOST_MEMORY, "svo_paged_update: no memory to order pages");
+    }
+    const svo_status status = read_missed(paged, missed, &list);
+    settle(paged, status == SVO_OK);
+    svo_i_free(missed);
+    svo_i_free(list.keys);
+    counts->all_read_pages += counts->read_pages;
+    counts->all_read_bytes += counts->read_bytes;
+    counts->all_evicted_pages += counts->evicted_pages;
+    return status;
 }

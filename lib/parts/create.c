@@ -2,21 +2,26 @@
 /*
  * Fills a folder of parts: the header from one plan of the whole mesh, the triangles of each part, and the list of
  * parts, which are split until they fit.
+ *
+ * A mesh file is read in blocks, twice: the first pass finds the grid, the second what else all parts share, and writes
+ * the triangles. The mesh is never in memory as a whole.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <string.h>
-#include <unistd.h>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
 #include "core/device.h"
+#include "core/memory.h"
 #include "core/struct_size.h"
-#include "parts/create.h"
-#include "parts/format.h"
+#include "parts/blocks.h"
+#include "parts/folder.h"
 #include "parts/job.h"
-#include "parts/split.h"
+#include "parts/part_file.h"
+#include "parts/triangles.h"
 #include "plan/arrays.h"
+#include "plan/part.h"
 
 #define NODES_MAX 4294967294.0
 /* Without a limit, parts take at most this share of the whole, or so many bytes, which the least part needs. */
@@ -103,76 +108,9 @@ static svo_status save_mesh(const svo_parts *parts, svo_plan *plan, svo_message 
     return status;
 }
 
-/* ---- splitting ---- */
-
-/* The least that the buffers of a build take per triangle: its corners, indices, draw item and one fragment. */
-#define BUFFER_BYTES (36u + 12u + 8u + 8u)
-
-typedef struct planner {
-    svo_parts *parts;
-    svo_device *device;
-    svo_message *message;
-} planner;
-
-/* Whether a part of so many triangles fits, and what it is expected to take. */
-static svo_status fits(const planner *p, uint32_t level, uint64_t code, uint64_t triangles, bool *fit, uint64_t *bytes)
-{
-    svo_plan *plan = NULL;
-    *bytes = svo_i_part_host_bytes(p->parts, triangles) + triangles * BUFFER_BYTES;
-    *fit = *bytes <= p->parts->max_bytes;
-    if (!*fit) {
-        return SVO_OK; /* too large by its triangles alone, so it is not planned */
-    }
-    const svo_status status = svo_i_part_plan(p->parts, p->device, level, code, &plan, bytes, p->message);
-    svo_plan_destroy(&plan);
-    *fit = *bytes <= p->parts->max_bytes;
-    return status;
-}
-
-static svo_status plan_part(const planner *p, uint32_t level, uint64_t code, uint64_t triangles);
-
-static svo_status plan_children(const planner *p, uint32_t level, uint64_t code)
-{
-    uint64_t counts[8];
-    if (level + 1 >= p->parts->header.depth) {
-        return svo_i_fail(p->message, SVO_CAPACITY_EXCEEDED,
-                          "svo_parts_create: max_bytes %llu is too small for the least part",
-                          (unsigned long long)p->parts->max_bytes);
-    }
-    SVO_I_TRY(svo_i_part_divide(p->parts, level, code, counts, p->message));
-    char *path = svo_i_part_path(p->parts, level, code, "tri");
-    if (path == NULL) {
-        return svo_i_folder_no_memory(p->parts, p->message);
-    }
-    (void)unlink(path); /* its children have its triangles */
-    svo_i_free(path);
-    for (uint64_t octant = 0; octant < 8; ++octant) {
-        SVO_I_TRY(plan_part(p, level + 1, code << 3 | octant, counts[octant]));
-    }
-    return SVO_OK;
-}
-
-static svo_status plan_part(const planner *p, uint32_t level, uint64_t code, uint64_t triangles)
-{
-    bool fit = false;
-    svo_i_part_entry entry = {.level = level, .code = code, .triangles = triangles};
-    if (triangles == 0) {
-        return SVO_OK;
-    }
-    SVO_I_TRY(fits(p, level, code, triangles, &fit, &entry.expected_bytes));
-    return fit ? svo_i_folder_add(p->parts, &entry, p->message) : plan_children(p, level, code);
-}
-
-svo_status svo_i_parts_divide(svo_parts *parts, svo_device *device, svo_message *message)
-{
-    const planner p = {parts, device, message};
-    SVO_I_TRY(plan_part(&p, 0, 0, parts->header.kept_triangles));
-    return svo_i_folder_save(parts, message);
-}
-
 /* ---- all together ---- */
 
-svo_status svo_i_parts_check_nodes(const svo_parts *parts, svo_message *message)
+static svo_status check_nodes(const svo_parts *parts, svo_message *message)
 {
     const svo_part_header *header = &parts->header;
     return header->expected_nodes <= NODES_MAX
@@ -194,7 +132,7 @@ static svo_status plan_whole(svo_parts *parts, svo_device *device, const svo_mes
     if (svo_plan_get_part_header(*plan, &parts->header) != SVO_OK) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_parts_create: options.part_header is not NULL");
     }
-    SVO_I_TRY(svo_i_parts_check_nodes(parts, message));
+    SVO_I_TRY(check_nodes(parts, message));
     if (parts->max_bytes == 0) {
         const uint64_t share = svo_plan_peak_bytes(*plan) / PARTS_LEAST;
         parts->max_bytes = share > PART_BYTES_LEAST ? share : PART_BYTES_LEAST;
@@ -237,5 +175,138 @@ svo_status svo_parts_create(svo_device *device, const svo_mesh *mesh, unsigned d
                                   ? fill_folder(parts, device, &given, depth, options, message)
                                   : svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: out of memory", function);
     svo_parts_close(&parts);
+    return status;
+}
+
+/* ---- from a file ---- */
+
+/* A file on its way to a folder. */
+typedef struct passing {
+    svo_parts *parts;
+    svo_device *device;
+    svo_message *message;
+    svo_i_blocks *blocks;
+    svo_i_survey survey;
+    svo_i_triangle_file file;
+    XXH3_state_t hash;
+    uint32_t *kept; /* BLOCK_TRIANGLES */
+} passing;
+
+static svo_status fail_device(const passing *p, svo_status status)
+{
+    return svo_i_fail(p->message, status, "%s", svo_device_message(p->device));
+}
+
+/* The first pass. */
+static svo_status find_grid(passing *p)
+{
+    uint64_t triangles = 0;
+    svo_mesh block;
+    do {
+        SVO_I_TRY(svo_i_blocks_next(p->blocks, &block));
+        svo_i_survey_bounds(&p->survey, &block);
+        triangles += block.triangle_count;
+    } while (block.triangle_count > 0);
+    if (triangles == 0) {
+        return svo_i_fail(p->message, SVO_IMPORT_FAILED, "svo_parts_create_from_file: the file has no triangles");
+    }
+    const svo_status status = svo_i_survey_fit(&p->survey);
+    return status == SVO_OK ? SVO_OK : fail_device(p, status);
+}
+
+/* The second pass: writes the triangles that the tree keeps. */
+static svo_status write_triangles(passing *p, const char *path)
+{
+    svo_mesh block;
+    uint64_t hash = 0;
+    bool begun = false;
+    svo_i_blocks_rewind(p->blocks);
+    do {
+        uint32_t kept_count = 0;
+        SVO_I_TRY(svo_i_blocks_next(p->blocks, &block));
+        if (!begun) {
+            p->parts->fields = svo_i_triangle_fields(&block);
+            SVO_I_TRY(svo_i_triangles_begin(&p->file, &p->hash, path, p->parts->fields, p->message));
+            begun = true;
+        }
+        const svo_status status = svo_i_survey_add(&p->survey, &block, p->kept, &kept_count);
+        if (status != SVO_OK) {
+            return fail_device(p, status);
+        }
+        SVO_I_TRY(svo_i_triangles_append(&p->file, &block, p->kept, kept_count));
+    } while (block.triangle_count > 0);
+    SVO_I_TRY(svo_i_triangles_hash(&p->file, &hash));
+    p->parts->header = (svo_part_header)SVO_PART_HEADER_INIT;
+    const svo_status status = svo_i_survey_header(&p->survey, &p->parts->header);
+    if (status != SVO_OK) {
+        return fail_device(p, status);
+    }
+    p->parts->header.input_hash = hash;
+    const svo_i_triangles_of of = svo_i_folder_triangles(p->parts, 0, 0);
+    SVO_I_TRY(svo_i_triangles_finish(&p->file, &of));
+    return check_nodes(p->parts, p->message);
+}
+
+static svo_status run_passes(passing *p, svo_plan *empty)
+{
+    svo_status status = svo_i_survey_begin(empty, &p->survey);
+    if (status != SVO_OK) {
+        return fail_device(p, status);
+    }
+    SVO_I_TRY(find_grid(p));
+    SVO_I_TRY(svo_i_folder_make(p->parts->folder, p->message));
+    char *path = svo_i_part_path(p->parts, 0, 0, "tri");
+    p->kept = svo_i_alloc(NULL, BLOCK_TRIANGLES * sizeof *p->kept);
+    status = path != NULL && p->kept != NULL ? write_triangles(p, path) : svo_i_folder_no_memory(p->parts, p->message);
+    svo_i_triangles_end(&p->file);
+    svo_i_free(p->kept);
+    svo_i_free(path);
+    return status;
+}
+
+/* Reads the file. */
+static svo_status take_file(passing *p, const char *path, unsigned depth, const svo_plan_options *options)
+{
+    const svo_mesh none = {.struct_size = sizeof none};
+    svo_plan *empty = NULL;
+    svo_status status = SVO_OK;
+    SVO_I_TRY_CLEANUP(svo_i_blocks_open(path, &p->blocks, p->message));
+    status = svo_plan_create(p->device, &none, depth, options, &empty);
+    if (status != SVO_OK) {
+        status = fail_device(p, status);
+        goto cleanup;
+    }
+    status = run_passes(p, empty);
+cleanup:
+    svo_plan_destroy(&empty);
+    svo_i_blocks_close(&p->blocks);
+    return status;
+}
+
+static svo_status fill_from_file(passing *p, const char *path, unsigned depth, const svo_plan_options *options)
+{
+    SVO_I_TRY(take_file(p, path, depth, options));
+    return svo_i_parts_divide(p->parts, p->device, p->message);
+}
+
+svo_status svo_parts_create_from_file(svo_device *device, const char *path, unsigned depth,
+                                      const svo_plan_options *options, uint64_t max_bytes, const char *folder,
+                                      svo_message *message)
+{
+    static const char function[] = "svo_parts_create_from_file";
+    if (device == NULL || path == NULL || folder == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
+                          device == NULL ? "device"
+                          : path == NULL ? "path"
+                                         : "folder");
+    }
+    if (max_bytes == 0) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: max_bytes is 0", function);
+    }
+    passing p = {.parts = svo_i_folder_new(folder, max_bytes), .device = device, .message = message};
+    const svo_status status = p.parts != NULL
+                                  ? fill_from_file(&p, path, depth, options)
+                                  : svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: out of memory", function);
+    svo_parts_close(&p.parts);
     return status;
 }

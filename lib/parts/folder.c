@@ -16,10 +16,9 @@
 #include <xxhash.h>
 
 #include "core/struct_size.h"
-#include "io/read_at.h"
+#include "io/file_format.h"
 #include "output/output.h"
-#include "parts/format.h"
-#include "parts/part_read.h"
+#include "parts/part_file.h"
 
 #define PLAN_NAME    "plan"
 #define PLAN_MAGIC   "\x89SVL\r\n\x1a\n"

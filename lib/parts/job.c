@@ -1,23 +1,139 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Builds the parts of a folder. What is done shows in the folder alone, so any process can go on: a part has a .part
- * file, or a .split file and then its children are built in its place, those that have triangles.
+ * Builds the parts of a folder, and divides those that are too large. What is done shows in the folder alone, so any
+ * process can go on: a part has a .part file, or a .split file and then its children are built in its place, those that
+ * have triangles.
  */
 #define _POSIX_C_SOURCE 200809L
 #include "parts/job.h"
 
+#include <errno.h>
+#include <fcntl.h>
+#include <stddef.h>
 #include <string.h>
+#include <unistd.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
 
 #include "core/device.h"
 #include "core/struct_size.h"
-#include "parts/part_read.h"
-#include "parts/split.h"
+#include "io/file_format.h"
+#include "output/output.h"
+#include "parts/part_file.h"
+#include "parts/triangles.h"
+
+/*
+ * ---- dividing ----
+ *
+ * A .split file has the numbers of triangles of the eight children, what the part is of, and the checksum of both.
+ */
+
+typedef struct split_file {
+    uint64_t counts[8];
+    svo_i_triangles_of of;
+    uint64_t hash;
+} split_file;
+
+/* Divides a part's triangles among files of its children. counts: receives how many each child has. */
+static svo_status divide_part(const svo_parts *parts, uint32_t level, uint64_t code, uint64_t counts[8],
+                              svo_message *message)
+{
+    char *paths[8] = {NULL};
+    char *path = svo_i_part_path(parts, level, code, "tri");
+    const svo_i_triangles_of of = svo_i_folder_triangles(parts, level, code);
+    bool whole = path != NULL;
+    svo_status status = SVO_OK;
+    for (unsigned octant = 0; octant < 8; ++octant) {
+        paths[octant] = svo_i_part_path(parts, level + 1, code << 3 | octant, "tri");
+        whole = whole && paths[octant] != NULL;
+    }
+    status = whole ? svo_i_triangles_split(&parts->header, &of, path, paths, counts, message)
+                   : svo_i_folder_no_memory(parts, message);
+    for (unsigned octant = 0; octant < 8; ++octant) {
+        svo_i_free(paths[octant]);
+    }
+    svo_i_free(path);
+    return status;
+}
+
+static uint64_t hash_of(const split_file *content)
+{
+    return XXH3_64bits(content, offsetof(split_file, hash));
+}
+
+/* Notes in a .split file that the children of a part stand for it. */
+static svo_status save_split(const svo_parts *parts, uint32_t level, uint64_t code, const uint64_t counts[8],
+                             svo_message *message)
+{
+    split_file content = {.of = svo_i_folder_triangles(parts, level, code)};
+    memcpy(content.counts, counts, sizeof content.counts);
+    content.hash = hash_of(&content);
+    char *path = svo_i_part_path(parts, level, code, "split");
+    if (path == NULL) {
+        return svo_i_folder_no_memory(parts, message);
+    }
+    svo_i_output output = {.descriptor = -1};
+    int error = svo_i_output_open(path, NULL, &output);
+    if (error == 0) {
+        error = svo_i_output_write(&output, &content, sizeof content);
+    }
+    if (error == 0) {
+        error = svo_i_output_commit_unflushed(&output);
+    }
+    svo_i_output_abandon(&output);
+    const svo_status status =
+        error == 0 ? SVO_OK : svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be written: %s", path, strerror(error));
+    svo_i_free(path);
+    return status;
+}
+
+/* Reads the file; its bytes may be fewer. Returns an errno. */
+static int read_split(const char *path, split_file *content, size_t *byte_count)
+{
+    const int file = open(path, O_RDONLY | O_CLOEXEC);
+    if (file < 0) {
+        return errno;
+    }
+    const int error = svo_i_read_at(file, 0, content, sizeof *content, byte_count);
+    (void)close(file);
+    return error;
+}
+
+/* Whether there is such a file. A damaged one, or one of another plan or part, counts as none, since the part can be
+   divided again. */
+static svo_status find_split(const svo_parts *parts, uint32_t level, uint64_t code, bool *is_split, uint64_t counts[8],
+                             svo_message *message)
+{
+    const svo_i_triangles_of of = svo_i_folder_triangles(parts, level, code);
+    split_file content;
+    size_t byte_count = 0;
+    char *path = svo_i_part_path(parts, level, code, "split");
+    if (path == NULL) {
+        return svo_i_folder_no_memory(parts, message);
+    }
+    const int error = read_split(path, &content, &byte_count);
+    *is_split = error == 0 && byte_count == sizeof content && content.hash == hash_of(&content) &&
+                memcmp(&content.of, &of, sizeof of) == 0;
+    if (*is_split) {
+        memcpy(counts, content.counts, sizeof content.counts);
+    }
+    const svo_status status =
+        error == 0 || error == ENOENT
+            ? SVO_OK
+            : svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path, strerror(error));
+    svo_i_free(path);
+    return status;
+}
+
+/* ---- building ---- */
 
 /* Host bytes of a plan per triangle with corners of its own: snapped vertices, indices, names twice, draw items, the
    estimate, classes, flags, records, and a sorted copy of the items. */
 #define PLAN_BYTES (36u + 12u + 8u + 8u + 4u + 4u + 16u + 12u)
 
-uint64_t svo_i_part_host_bytes(const svo_parts *parts, uint64_t triangles)
+/* Host memory of a part's build while it is planned: its triangles and what the plan makes of them. */
+static uint64_t host_bytes(const svo_parts *parts, uint64_t triangles)
 {
     return triangles * (svo_i_triangle_bytes(parts->fields) + PLAN_BYTES);
 }
@@ -45,8 +161,9 @@ static svo_status plan_soup(const svo_parts *parts, svo_device *device, uint32_t
     return svo_plan_create(device, &soup->mesh, parts->header.depth, &options, plan);
 }
 
-svo_status svo_i_part_plan(const svo_parts *parts, svo_device *device, uint32_t level, uint64_t code, svo_plan **plan,
-                           uint64_t *expected_bytes, svo_message *message)
+/* Plans a part from its triangles. *expected_bytes: of the buffers and the host's memory of its build. */
+static svo_status plan_of_part(const svo_parts *parts, svo_device *device, uint32_t level, uint64_t code,
+                               svo_plan **plan, uint64_t *expected_bytes, svo_message *message)
 {
     svo_i_soup soup = {.names = NULL};
     svo_status status = SVO_OK;
@@ -61,11 +178,78 @@ svo_status svo_i_part_plan(const svo_parts *parts, svo_device *device, uint32_t 
         status = fail_device(device, status, message);
         goto cleanup;
     }
-    *expected_bytes = svo_plan_peak_bytes(*plan) + svo_i_part_host_bytes(parts, soup.mesh.triangle_count);
+    *expected_bytes = svo_plan_peak_bytes(*plan) + host_bytes(parts, soup.mesh.triangle_count);
 cleanup:
     svo_i_soup_free(&soup);
     svo_i_free(path);
     return status;
+}
+
+/* ---- dividing until parts fit ---- */
+
+/* The least that the buffers of a build take per triangle: its corners, indices, draw item and one fragment. */
+#define BUFFER_BYTES (36u + 12u + 8u + 8u)
+
+typedef struct planner {
+    svo_parts *parts;
+    svo_device *device;
+    svo_message *message;
+} planner;
+
+/* Whether a part of so many triangles fits, and what it is expected to take. */
+static svo_status fits(const planner *p, uint32_t level, uint64_t code, uint64_t triangles, bool *fit, uint64_t *bytes)
+{
+    svo_plan *plan = NULL;
+    *bytes = host_bytes(p->parts, triangles) + triangles * BUFFER_BYTES;
+    *fit = *bytes <= p->parts->max_bytes;
+    if (!*fit) {
+        return SVO_OK; /* too large by its triangles alone, so it is not planned */
+    }
+    const svo_status status = plan_of_part(p->parts, p->device, level, code, &plan, bytes, p->message);
+    svo_plan_destroy(&plan);
+    *fit = *bytes <= p->parts->max_bytes;
+    return status;
+}
+
+static svo_status plan_part(const planner *p, uint32_t level, uint64_t code, uint64_t triangles);
+
+static svo_status plan_children(const planner *p, uint32_t level, uint64_t code)
+{
+    uint64_t counts[8];
+    if (level + 1 >= p->parts->header.depth) {
+        return svo_i_fail(p->message, SVO_CAPACITY_EXCEEDED,
+                          "svo_parts_create: max_bytes %llu is too small for the least part",
+                          (unsigned long long)p->parts->max_bytes);
+    }
+    SVO_I_TRY(divide_part(p->parts, level, code, counts, p->message));
+    char *path = svo_i_part_path(p->parts, level, code, "tri");
+    if (path == NULL) {
+        return svo_i_folder_no_memory(p->parts, p->message);
+    }
+    (void)unlink(path); /* its children have its triangles */
+    svo_i_free(path);
+    for (uint64_t octant = 0; octant < 8; ++octant) {
+        SVO_I_TRY(plan_part(p, level + 1, code << 3 | octant, counts[octant]));
+    }
+    return SVO_OK;
+}
+
+static svo_status plan_part(const planner *p, uint32_t level, uint64_t code, uint64_t triangles)
+{
+    bool fit = false;
+    svo_i_part_entry entry = {.level = level, .code = code, .triangles = triangles};
+    if (triangles == 0) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(fits(p, level, code, triangles, &fit, &entry.expected_bytes));
+    return fit ? svo_i_folder_add(p->parts, &entry, p->message) : plan_children(p, level, code);
+}
+
+svo_status svo_i_parts_divide(svo_parts *parts, svo_device *device, svo_message *message)
+{
+    const planner p = {parts, device, message};
+    SVO_I_TRY(plan_part(&p, 0, 0, parts->header.kept_triangles));
+    return svo_i_folder_save(parts, message);
 }
 
 /* ---- what is there ---- */
@@ -121,7 +305,7 @@ static svo_status find_standing(const tour *t, uint32_t level, uint64_t code, st
         *found = is_whole ? PART_WHOLE : PART_WRONG;
         return SVO_OK;
     }
-    SVO_I_TRY(svo_i_split_find(t->parts, level, code, &is_there, counts, t->message));
+    SVO_I_TRY(find_split(t->parts, level, code, &is_there, counts, t->message));
     *found = is_there ? PART_SPLIT : PART_MISSING;
     return SVO_OK;
 }
@@ -222,7 +406,7 @@ static svo_status restore_triangles(const builder *b, uint32_t level, uint64_t c
 {
     uint64_t counts[8];
     for (uint32_t above = level - b->listed_level; above > 0; --above) {
-        SVO_I_TRY(svo_i_part_divide(b->parts, level - above, code >> 3 * above, counts, b->message));
+        SVO_I_TRY(divide_part(b->parts, level - above, code >> 3 * above, counts, b->message));
     }
     return SVO_OK;
 }
@@ -230,13 +414,13 @@ static svo_status restore_triangles(const builder *b, uint32_t level, uint64_t c
 /* Plans one part. A worker without the folder sends parts alone, so a part that it split may have no triangles here. */
 static svo_status plan_one(const builder *b, uint32_t level, uint64_t code, svo_plan **plan, uint64_t *expected_bytes)
 {
-    const svo_status status = svo_i_part_plan(b->parts, b->device, level, code, plan, expected_bytes, b->message);
+    const svo_status status = plan_of_part(b->parts, b->device, level, code, plan, expected_bytes, b->message);
     const bool lacks_triangles = status == SVO_FILE_ERROR || status == SVO_FILE_DAMAGED;
     if (!lacks_triangles || level == b->listed_level) {
         return status;
     }
     SVO_I_TRY(restore_triangles(b, level, code));
-    return svo_i_part_plan(b->parts, b->device, level, code, plan, expected_bytes, b->message);
+    return plan_of_part(b->parts, b->device, level, code, plan, expected_bytes, b->message);
 }
 
 /* Builds one part in one piece. *too_large: it is expected to take, or took, more memory than there is. */
@@ -291,8 +475,8 @@ static svo_status build_visited(void *user, uint32_t level, uint64_t code, stand
                                              (unsigned long long)b->parts->max_bytes);
     }
     uint64_t counts[8];
-    SVO_I_TRY(svo_i_part_divide(b->parts, level, code, counts, b->message));
-    SVO_I_TRY(svo_i_split_save(b->parts, level, code, counts, b->message));
+    SVO_I_TRY(divide_part(b->parts, level, code, counts, b->message));
+    SVO_I_TRY(save_split(b->parts, level, code, counts, b->message));
     return build_at(b, level, code);
 }
 

@@ -3,8 +3,23 @@
 #ifndef SVO_LIB_PARTS_PIECES_H
 #define SVO_LIB_PARTS_PIECES_H
 
-#include "parts/part_read.h"
-#include "parts/sums.h"
+#include "core/tree.h"
+#include "parts/part_file.h"
+
+/* The sums of a node, and its materials with their weights, ascending. */
+typedef struct svo_i_part_root {
+    svo_i_node_sums sums;
+    uint64_t *runs; /* owned */
+    uint32_t run_count;
+} svo_i_part_root;
+
+/* The payload of a node, as it lies in the arrays of trees. */
+typedef struct svo_i_part_payload {
+    uint8_t color[4];
+    int16_t normal[3];
+    uint16_t material;
+    uint16_t fill;
+} svo_i_part_payload;
 
 /* A part with nodes, as its file's head describes it. */
 typedef struct svo_i_piece {

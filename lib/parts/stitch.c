@@ -10,8 +10,7 @@
 #include <xxhash.h>
 
 #include "core/memory.h"
-#include "io/file_save.h"
-#include "io/file_tree.h"
+#include "io/file_format.h"
 #include "output/output.h"
 #include "parts/pieces.h"
 #include "shared/nodes.clh"
@@ -255,7 +254,7 @@ static uint64_t place_chunks(stitcher *s, const file_entry *entries)
         to->next = 0;
         XXH3_INITSTATE(&to->hash);
         XXH3_64bits_reset(&to->hash);
-        *to->chunk = (file_chunk){.kind = svo_i_file_entry_kind(&entries[i]),
+        *to->chunk = (file_chunk){.kind = file_entry_kind(&entries[i]),
                                   .codec = FILE_CODEC_STORED,
                                   .offset = offset,
                                   .stored_bytes = svo_i_file_entry_count(&s->info, FILE_VERSION, &entries[i]) *

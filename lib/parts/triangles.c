@@ -16,7 +16,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "io/read_at.h"
+#include "io/file_format.h"
 #include "svocl/nodes.h"
 #include "svocl/plan.h"
 

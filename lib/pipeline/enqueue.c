@@ -207,7 +207,7 @@ svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, cl_comman
     if (wrong != NULL) {
         return svo_i_device_fail(workspace->device, SVO_INVALID_ARGUMENT, "svo_build_enqueue: %s", wrong);
     }
-    SVO_I_TRY(svo_i_device_check_queue(workspace->device, "svo_build_enqueue", queue));
+    SVO_I_TRY(svo_i_device_queue(workspace->device, "svo_build_enqueue", queue, &queue));
     SVO_I_TRY(svo_i_device_check_wait(workspace->device, "svo_build_enqueue", num_wait, wait));
     svo_i_pending_release_given_up(workspace, false);
     svo_i_pending *pending = svo_i_alloc_zeroed(&workspace->device->memory, 1, sizeof *pending);
@@ -356,7 +356,7 @@ svo_status svo_tree_finish(svo_tree *tree, cl_command_queue queue, int trim, svo
         const char *why = tree->content == SVO_I_TREE_ABANDONED ? svo_i_tree_undefined(tree) : "no build is in flight";
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "svo_tree_finish: %s", why);
     }
-    SVO_I_TRY(svo_i_device_check_queue(tree->device, "svo_tree_finish", queue));
+    SVO_I_TRY(svo_i_device_queue(tree->device, "svo_tree_finish", queue, &queue));
     SVO_I_TRY(svo_i_report_check(tree->device, "svo_tree_finish", report));
     svo_status status = SVO_OK;
     svo_i_pending *pending = tree->pending;

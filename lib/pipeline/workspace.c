@@ -285,7 +285,7 @@ svo_status svo_workspace_create(svo_plan *plan, svo_frontend *frontend, cl_comma
     }
     SVO_I_TRY(svo_i_struct_read(&plan->device->message, SVO_I_WORKSPACE, "options", options, &asked,
                                 SVO_I_STRUCT_SIZES(svo_workspace_options, scratch)));
-    SVO_I_TRY(svo_i_device_check_queue(plan->device, SVO_I_WORKSPACE, queue));
+    SVO_I_TRY(svo_i_device_queue(plan->device, SVO_I_WORKSPACE, queue, &queue));
     if (out == NULL) {
         return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, SVO_I_WORKSPACE ": out is NULL");
     }

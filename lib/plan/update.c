@@ -238,11 +238,11 @@ svo_status svo_plan_update_enqueue(svo_plan *plan, const svo_mesh *mesh, cl_comm
 {
     static const char function[] = "svo_plan_update_enqueue";
     new_vertices from = {.buffers = NULL};
-    svo_i_device_work work = {.function = function, .queue = queue, .wait_count = num_wait, .wait = wait};
+    svo_i_device_work work = {.function = function, .wait_count = num_wait, .wait = wait};
     SVO_I_TRY(check_plan(plan, function, "mesh", mesh));
     SVO_I_TRY(svo_i_struct_read(&plan->device->message, function, "mesh", mesh, &from.mesh,
                                 SVO_I_STRUCT_SIZES(svo_mesh, triangle_count)));
-    SVO_I_TRY(svo_i_device_check_queue(plan->device, function, queue));
+    SVO_I_TRY(svo_i_device_queue(plan->device, function, queue, &work.queue));
     return update_plan(plan, &work, &from, event);
 }
 
@@ -252,11 +252,11 @@ svo_status svo_plan_update_from_buffers_enqueue(svo_plan *plan, const svo_mesh_b
     static const char function[] = "svo_plan_update_from_buffers_enqueue";
     svo_mesh_buffers given;
     new_vertices from = {.buffers = &given};
-    svo_i_device_work work = {.function = function, .queue = queue, .wait_count = num_wait, .wait = wait};
+    svo_i_device_work work = {.function = function, .wait_count = num_wait, .wait = wait};
     SVO_I_TRY(check_plan(plan, function, "buffers", buffers));
     SVO_I_TRY(svo_i_struct_read(&plan->device->message, function, "buffers", buffers, &given,
                                 SVO_I_STRUCT_SIZES(svo_mesh_buffers, indices)));
-    SVO_I_TRY(svo_i_device_check_queue(plan->device, function, queue));
+    SVO_I_TRY(svo_i_device_queue(plan->device, function, queue, &work.queue));
     SVO_I_TRY(svo_i_mesh_check(function, plan->device->context, &given, &plan->device->message));
     from.mesh.vertex_count = given.vertex_count;
     from.mesh.triangle_count = given.triangle_count;

@@ -52,11 +52,6 @@ static double power(const powers *of, double exponent)
     return product;
 }
 
-double svo_i_probe_growth(float farthest, float leaf_edge)
-{
-    return (double)farthest / (double)leaf_edge + 1;
-}
-
 void svo_i_probe_thresholds(float farthest, float leaf_edge, uint64_t thresholds[SVO_I_PROBE_CODES])
 {
     const powers grown = powers_of(svo_i_probe_growth(farthest, leaf_edge));

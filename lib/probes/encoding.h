@@ -17,6 +17,9 @@ void svo_i_probe_lengths(float farthest, float leaf_edge, uint32_t lengths[SVO_I
 void svo_i_probe_texel_vector(uint32_t resolution, uint32_t column, uint32_t row, int32_t vector[3]);
 
 /* C F + 1, of whose powers the tables are made. */
-double svo_i_probe_growth(float farthest, float leaf_edge);
+static inline double svo_i_probe_growth(float farthest, float leaf_edge)
+{
+    return (double)farthest / (double)leaf_edge + 1;
+}
 
 #endif

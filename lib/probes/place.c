@@ -16,6 +16,7 @@
 
 #include "core/device.h"
 #include "probes/encoding.h"
+#include "probes/plan.h"
 
 /* Rays that go to the device and back at once. */
 #define TRIP_RAYS ((size_t)1 << 16)

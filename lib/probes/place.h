@@ -3,7 +3,7 @@
 #ifndef SVO_LIB_PROBES_PLACE_H
 #define SVO_LIB_PROBES_PLACE_H
 
-#include "probes/bands.h"
+#include "probes/handle.h"
 
 /* Finds a place for each probe, writes SVO_PROBES_PLACES, and counts moved ones, those switched off and rays in info.
    keep: all stay where the grid has them. */

@@ -1,19 +1,128 @@
 /* SPDX-License-Identifier: MIT */
-/* svo_probes_plan: options and checks, where probes are, and how many bytes and rays they take. */
+/* What probes look at, by the public batches of rays, one for each kind; options and checks, where probes are, and how
+   many bytes and rays they take. */
 #include "probes/plan.h"
 
 #include <math.h>
 
 #include "core/device.h"
 #include "core/struct_size.h"
-#include "light/shade.h"
+#include "light/cones.h"
 #include "probes/encoding.h"
+#include "rays/rays.h"
+#include "scene/handle.h"
+#include "svocl/plan.h"
+#include "svocl/trace.h"
 
 #define COUNT_DEFAULT      4u
 #define RESOLUTION_DEFAULT 256u
 #define FIELD_DEFAULT      64u
 #define MAX_BYTES_DEFAULT  (UINT64_C(1) << 30)
 #define TEXEL_BYTES        8u
+
+/* ---- what probes look at ---- */
+
+static bool has_triangles(const svo_i_sight *sight)
+{
+    return sight->tree != NULL ? svo_i_rays_of_triangles(&sight->tree->info)
+                               : (sight->scene->info.need & SVO_NEED_RAYS) != 0;
+}
+
+/* NULL: not on a device. */
+static svo_device *device_of(const svo_i_sight *sight)
+{
+    return sight->tree != NULL ? sight->tree->device : sight->scene->device;
+}
+
+/* Refuses what rays cannot be traced against. */
+static svo_status check_sight(const svo_i_sight *sight, const char *function)
+{
+    svo_ray_params unused;
+    if (sight->scene != NULL) {
+        return svo_i_scene_check(sight->scene, function);
+    }
+    SVO_I_TRY(svo_i_tree_check(sight->tree, function));
+    return svo_i_rays_tree_params(sight->tree, function, &unused);
+}
+
+/* Where it lies. */
+typedef struct sight_box {
+    double low[3], high[3], leaf_edge;
+} sight_box;
+
+/* The smallest edge of a leaf among the instances, world units. */
+static double leaf_edge_of(const svo_scene *scene)
+{
+    double least = (double)scene->boxes[0].leaf_edge;
+    for (uint32_t i = 1; i < scene->info.instance_count; ++i) {
+        const double edge = (double)scene->boxes[i].leaf_edge;
+        least = edge < least ? edge : least;
+    }
+    return least;
+}
+
+static void get_box(const svo_i_sight *sight, sight_box *box)
+{
+    if (sight->scene != NULL) {
+        box->leaf_edge = leaf_edge_of(sight->scene);
+        for (int axis = 0; axis < 3; ++axis) {
+            box->low[axis] = sight->scene->info.low[axis];
+            box->high[axis] = sight->scene->info.high[axis];
+        }
+        return;
+    }
+    const svo_tree_info *tree = &sight->tree->info;
+    const double width = ldexp(1.0 / tree->scale, (int)tree->snap_bits);
+    box->leaf_edge = ldexp(width, -(int)tree->depth);
+    for (int axis = 0; axis < 3; ++axis) {
+        box->low[axis] = tree->origin[axis];
+        box->high[axis] = tree->origin[axis] + width;
+    }
+}
+
+uint32_t svo_i_sight_hit_words(const svo_i_sight *sight)
+{
+    const size_t bytes = sight->tree != NULL    ? sizeof(svo_hit)
+                         : has_triangles(sight) ? sizeof(svo_scene_triangle_hit)
+                                                : sizeof(svo_scene_hit);
+    return (uint32_t)(bytes / sizeof(cl_uint));
+}
+
+_Static_assert(sizeof(svo_hit) == sizeof(svo_voxel_hit) && offsetof(svo_hit, normal) == 4 * sizeof(cl_uint) &&
+                   offsetof(svo_voxel_hit, normal) == 4 * sizeof(cl_uint) &&
+                   offsetof(svo_scene_hit, normal) == 4 * sizeof(cl_uint) &&
+                   offsetof(svo_scene_triangle_hit, normal) == 4 * sizeof(cl_uint),
+               "hits have their normals in words 4 .. 6");
+
+static svo_status trace_any(svo_probes *probes, cl_command_queue queue, cl_mem rays, cl_mem hits, size_t ray_count,
+                            const cl_event *last, cl_event *done)
+{
+    const svo_i_sight sight = {probes->tree, probes->scene};
+    const cl_uint num_wait = *last != NULL ? 1 : 0;
+    const cl_event *wait = *last != NULL ? last : NULL;
+    if (probes->tree != NULL) {
+        return has_triangles(&sight) ? svo_tree_trace_enqueue(probes->tree, rays, hits, ray_count, SVO_TRACE_CLOSEST,
+                                                              queue, num_wait, wait, done)
+                                     : svo_tree_trace_voxels_enqueue(probes->tree, rays, hits, ray_count, 0.0F, queue,
+                                                                     num_wait, wait, done);
+    }
+    return has_triangles(&sight) ? svo_scene_trace_triangles_enqueue(probes->scene, rays, hits, ray_count,
+                                                                     SVO_SCENE_CLOSEST, queue, num_wait, wait, done)
+                                 : svo_scene_trace_enqueue(probes->scene, rays, hits, ray_count, 0.0F,
+                                                           SVO_SCENE_CLOSEST, queue, num_wait, wait, done);
+}
+
+svo_status svo_i_sight_trace(svo_probes *probes, svo_i_device_work *work, cl_mem rays, cl_mem hits, size_t ray_count)
+{
+    cl_event done = NULL;
+    const svo_status status = trace_any(probes, work->queue, rays, hits, ray_count, &work->last, &done);
+    if (status != SVO_OK) {
+        svo_i_message_rename(svo_i_device_message(work->device), work->function);
+        return status;
+    }
+    svo_i_work_follow(work, done);
+    return SVO_OK;
+}
 
 /* ---- checks ---- */
 
@@ -71,7 +180,7 @@ static svo_status check_sizes(svo_device *device, const char *function, svo_prob
 
 static svo_status check_light(const svo_i_sight *sight, const char *function, const svo_probe_options *asked)
 {
-    svo_device *device = svo_i_sight_device(sight);
+    svo_device *device = device_of(sight);
     if (asked->light == NULL) {
         return asked->diffuse == 0 ? SVO_OK
                                    : svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
@@ -105,8 +214,8 @@ static float find_farthest(const svo_probe_info *info)
     return (float)sqrt(fmax(inside, outside));
 }
 
-static svo_status place(svo_device *device, const char *function, const svo_i_sight_box *box,
-                        const svo_probe_options *asked, svo_probe_info *info)
+static svo_status place(svo_device *device, const char *function, const sight_box *box, const svo_probe_options *asked,
+                        svo_probe_info *info)
 {
     for (int axis = 0; axis < 3; ++axis) {
         const double width = box->high[axis] - box->low[axis];
@@ -169,12 +278,6 @@ static svo_status resolve(svo_device *device, const char *function, const svo_pr
                                    (unsigned long long)asked->max_bytes);
 }
 
-uint32_t svo_i_probes_band_rays(const svo_probe_info *info)
-{
-    const uint64_t texels = (uint64_t)info->probe_count * info->resolution * info->resolution;
-    return texels < SVO_I_PROBE_BAND_RAYS ? (uint32_t)texels : SVO_I_PROBE_BAND_RAYS;
-}
-
 /* Rays and hits of a launch, tables, and what radiance takes. */
 static uint64_t find_scratch(const svo_i_sight *sight, const svo_probe_options *asked, const svo_probe_info *info)
 {
@@ -182,7 +285,7 @@ static uint64_t find_scratch(const svo_i_sight *sight, const svo_probe_options *
                              (asked->light != NULL ? 3 * sizeof(cl_float) : 0);
     const uint64_t per_code = sizeof(cl_ulong) + (asked->diffuse != 0 ? sizeof(cl_uint) : 0);
     return svo_i_probes_band_rays(info) * per_ray + SVO_I_PROBE_CODES * per_code +
-           (asked->light != NULL ? svo_i_light_shader_bytes(asked->light) : 0);
+           (asked->light != NULL ? svo_i_light_shade_bytes(asked->light) : 0);
 }
 
 static void find_bytes(const svo_probe_options *asked, svo_probe_info *info)
@@ -242,9 +345,9 @@ static uint64_t most_place_rays(const svo_probe_info *info)
 svo_status svo_i_probes_plan(const svo_i_sight *sight, const char *function, const svo_probe_options *options,
                              svo_probe_options *asked, svo_probe_info *info)
 {
-    svo_device *device = svo_i_sight_device(sight);
-    svo_i_sight_box box;
-    SVO_I_TRY(svo_i_sight_check(sight, function));
+    svo_device *device = device_of(sight);
+    sight_box box;
+    SVO_I_TRY(check_sight(sight, function));
     SVO_I_TRY(svo_i_struct_read(svo_i_device_message(device), function, "options", options, asked,
                                 SVO_I_STRUCT_SIZES(svo_probe_options, light)));
     SVO_I_TRY(check_counts(device, function, asked));
@@ -254,7 +357,7 @@ svo_status svo_i_probes_plan(const svo_i_sight *sight, const char *function, con
     *info = (svo_probe_info){.counts = {asked->counts[0], asked->counts[1], asked->counts[2]},
                              .probe_count = asked->counts[0] * asked->counts[1] * asked->counts[2],
                              .field_size = asked->field_size};
-    svo_i_sight_get_box(sight, &box);
+    get_box(sight, &box);
     SVO_I_TRY(place(device, function, &box, asked, info));
     SVO_I_TRY(resolve(device, function, asked, info));
     find_bytes(asked, info);
@@ -263,32 +366,13 @@ svo_status svo_i_probes_plan(const svo_i_sight *sight, const char *function, con
     return SVO_OK;
 }
 
-svo_probes_params svo_i_probes_params(const svo_probe_info *info)
-{
-    svo_probes_params params = {.resolution = info->resolution,
-                                .probe_count = info->probe_count,
-                                .field_size = info->field_size,
-                                .leaf_edge = info->leaf_edge,
-                                .code_scale = 1.0F / info->leaf_edge,
-                                .farthest = info->farthest};
-    params.code_log2 = (float)log2(svo_i_probe_growth(info->farthest, info->leaf_edge));
-    for (int axis = 0; axis < 3; ++axis) {
-        params.start[axis] = info->start[axis];
-        params.step[axis] = info->step[axis];
-        params.counts[axis] = info->counts[axis];
-        params.low[axis] = info->low[axis];
-        params.field_scale[axis] = (float)(info->field_size / ((double)info->high[axis] - (double)info->low[axis]));
-    }
-    return params;
-}
-
 static svo_status plan(const svo_i_sight *sight, const char *function, const svo_probe_options *options,
                        svo_probe_info *info)
 {
     svo_probe_options asked;
     svo_probe_info planned;
     SVO_I_TRY(svo_i_probes_plan(sight, function, options, &asked, &planned));
-    return svo_i_struct_write(svo_i_device_message(svo_i_sight_device(sight)), function, "info", &planned, info,
+    return svo_i_struct_write(svo_i_device_message(device_of(sight)), function, "info", &planned, info,
                               SVO_I_STRUCT_SIZES(svo_probe_info, stage_ms));
 }
 

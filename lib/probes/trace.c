@@ -1,10 +1,47 @@
 /* SPDX-License-Identifier: MIT */
-/* Rays through probes: options and checks, then rays/batch.c launches kernels/probes/trace.cl. */
+/* Probes in kernels: rays through them and their diffuse light, in batches that rays/batch.c launches
+   (kernels/probes/trace.cl, gather.cl), and the caller's kernels. */
 #include <math.h>
 
+#include "core/opencl.h"
 #include "core/struct_size.h"
+#include "probes/handle.h"
 #include "probes/programs.h"
-#include "probes/source.h"
+#include "rays/batch.h"
+
+/* Of kernels/probes: choose.clh, diffuse.clh. */
+extern const char svo_i_source_light_field[];
+
+/* ---- the target ---- */
+
+/* Batches read the probes alone, which were made whole. */
+static svo_status check_target(void *of, const char *function)
+{
+    (void)of;
+    (void)function;
+    return SVO_OK;
+}
+
+static svo_status set_target(void *of, const char *function, cl_kernel kernel, cl_uint first_index)
+{
+    const svo_probes *probes = of;
+    const svo_i_argument arguments[SVO_PROBES_ARGUMENTS] = {SVO_I_ARGUMENT(probes->buffers[SVO_PROBES_PLACES]),
+                                                            SVO_I_ARGUMENT(probes->buffers[SVO_PROBES_TEXELS]),
+                                                            SVO_I_ARGUMENT(probes->buffers[SVO_PROBES_LEAST]),
+                                                            SVO_I_ARGUMENT(probes->buffers[SVO_PROBES_FIELD]),
+                                                            SVO_I_ARGUMENT(probes->buffers[SVO_PROBES_IRRADIANCE]),
+                                                            SVO_I_ARGUMENT(probes->buffers[SVO_PROBES_MOMENTS]),
+                                                            SVO_I_ARGUMENT(probes->params)};
+    return svo_i_kernel_set_from(probes->device, function, kernel, first_index, arguments, SVO_PROBES_ARGUMENTS);
+}
+
+/* Probes as the target of batches. */
+static svo_i_ray_target target_of(svo_probes *probes)
+{
+    return (svo_i_ray_target){probes, SVO_PROBES_ARGUMENTS, check_target, set_target};
+}
+
+/* ---- rays ---- */
 
 const char *svo_probe_choice_name(svo_probe_choice choice)
 {
@@ -34,12 +71,12 @@ static svo_status read_options(const svo_probes *probes, const char *function, c
 }
 
 /* params: lives as long as the batch. */
-static svo_i_batch batch_of(svo_probes *probes, const char *function, size_t ray_count,
-                            const svo_probe_trace_params *params)
+static svo_i_batch rays_batch(svo_probes *probes, const char *function, size_t ray_count,
+                              const svo_probe_trace_params *params)
 {
     return (svo_i_batch){.device = probes->device,
                          .function = function,
-                         .target = svo_i_probes_target(probes),
+                         .target = target_of(probes),
                          .program = &svo_i_program_probe_trace,
                          .kernel_name = "svo_k_probe_trace",
                          .defines = "",
@@ -60,7 +97,7 @@ static svo_status prepare(svo_probes *probes, const char *function, size_t ray_c
         return SVO_INVALID_ARGUMENT;
     }
     SVO_I_TRY(read_options(probes, function, options, params));
-    *out = batch_of(probes, function, ray_count, params);
+    *out = rays_batch(probes, function, ray_count, params);
     return SVO_OK;
 }
 
@@ -81,4 +118,81 @@ svo_status svo_probes_trace(svo_probes *probes, const svo_ray *rays, svo_probe_h
     svo_i_batch asked;
     SVO_I_TRY(prepare(probes, "svo_probes_trace", ray_count, options, &params, &asked));
     return svo_i_batch_run(&asked, rays, hits, queue);
+}
+
+/* ---- diffuse light ---- */
+
+static svo_status check_diffuse(const svo_probes *probes, const char *function)
+{
+    return (probes->params.flags & SVO_PROBES_FLAG_DIFFUSE) != 0
+               ? SVO_OK
+               : svo_i_device_fail(probes->device, SVO_INVALID_ARGUMENT,
+                                   "%s: the probes were made without diffuse maps", function);
+}
+
+static svo_i_batch points_batch(svo_probes *probes, const char *function, size_t point_count)
+{
+    return (svo_i_batch){.device = probes->device,
+                         .function = function,
+                         .target = target_of(probes),
+                         .program = &svo_i_program_probe_gather,
+                         .kernel_name = "svo_k_probe_gather",
+                         .defines = "",
+                         .input_name = "points",
+                         .output_name = "results",
+                         .input_bytes = sizeof(svo_gather_point),
+                         .output_bytes = sizeof(svo_probe_irradiance),
+                         .count = point_count,
+                         .per_item = 1};
+}
+
+svo_status svo_probes_irradiance_enqueue(svo_probes *probes, cl_mem points, cl_mem results, size_t point_count,
+                                         cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
+                                         cl_event *event)
+{
+    static const char function[] = "svo_probes_irradiance_enqueue";
+    if (probes == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    SVO_I_TRY(check_diffuse(probes, function));
+    const svo_i_batch asked = points_batch(probes, function, point_count);
+    return svo_i_batch_enqueue(&asked, points, results, queue, num_wait, wait, event);
+}
+
+svo_status svo_probes_irradiance(svo_probes *probes, const svo_gather_point *points, svo_probe_irradiance *results,
+                                 size_t point_count, cl_command_queue queue)
+{
+    static const char function[] = "svo_probes_irradiance";
+    if (probes == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    SVO_I_TRY(check_diffuse(probes, function));
+    const svo_i_batch asked = points_batch(probes, function, point_count);
+    return svo_i_batch_run(&asked, points, results, queue);
+}
+
+/* ---- the caller's kernels ---- */
+
+const char *svo_probes_kernel_source(void)
+{
+    return svo_i_source_light_field;
+}
+
+const char *svo_probes_kernel_options(const svo_probes *probes)
+{
+    return probes != NULL ? "-cl-std=CL1.2" : "";
+}
+
+svo_status svo_probes_set_args(svo_probes *probes, cl_kernel kernel, cl_uint first_index)
+{
+    static const char function[] = "svo_probes_set_args";
+    if (probes == NULL || kernel == NULL) {
+        return svo_i_device_fail(probes != NULL ? probes->device : NULL, SVO_INVALID_ARGUMENT, "%s: %s is NULL",
+                                 function, probes == NULL ? "probes" : "kernel");
+    }
+    const char *wrong = svo_i_wrong_kernel(probes->device->context, kernel);
+    if (wrong != NULL) {
+        return svo_i_device_fail(probes->device, SVO_INVALID_ARGUMENT, "%s: kernel %s", function, wrong);
+    }
+    return set_target(probes, function, kernel, first_index);
 }

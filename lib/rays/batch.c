@@ -25,12 +25,18 @@ static svo_status check_batch(const svo_i_batch *asked, const void *input, const
     return asked->target.check(asked->target.of, asked->function);
 }
 
-/* Whether a caller's buffer holds all records. An empty batch needs none. */
-static svo_status check_buffer(const svo_i_batch *asked, const char *name, cl_mem buffer, size_t bytes)
+/* Whether a caller's buffers hold all records, and kernels may write the output. An empty batch needs none. */
+static svo_status check_buffers(const svo_i_batch *asked, cl_mem input, cl_mem output)
 {
-    return asked->count > 0 || buffer != NULL
-               ? svo_i_device_check_memory(asked->device, asked->function, name, buffer, bytes)
-               : SVO_OK;
+    const size_t input_bytes = asked->count * asked->input_bytes;
+    const size_t output_bytes = asked->count * asked->output_bytes;
+    if (asked->count > 0 || input != NULL) {
+        SVO_I_TRY(svo_i_device_check_memory(asked->device, asked->function, asked->input_name, input, input_bytes));
+    }
+    if (asked->count > 0 || output != NULL) {
+        SVO_I_TRY(svo_i_device_check_output(asked->device, asked->function, asked->output_name, output, output_bytes));
+    }
+    return SVO_OK;
 }
 
 /* ---- launches ---- */
@@ -49,26 +55,16 @@ static svo_status make_kernel(const svo_i_batch *asked, cl_mem input, cl_mem out
                                  asked->last_argument.value != NULL ? 4 : 3);
 }
 
-svo_status svo_i_batch_enqueue(const svo_i_batch *asked, cl_mem input, cl_mem output, cl_command_queue queue,
-                               cl_uint num_wait, const cl_event *wait, cl_event *event)
+static svo_status launch(const svo_i_batch *asked, cl_mem input, cl_mem output, cl_command_queue queue,
+                         cl_uint num_wait, const cl_event *wait, cl_event *event)
 {
     const size_t items = (asked->count + asked->per_item - 1) / asked->per_item;
     const size_t local = asked->per_item == 1 ? SVO_GROUP_ITEMS : 1;
     const size_t global = (items + local - 1) / local * local;
     cl_kernel kernel = NULL;
     svo_status status = SVO_OK;
-    SVO_I_TRY(check_batch(asked, input, output));
-    SVO_I_TRY(svo_i_device_check_queue(asked->device, asked->function, queue));
-    SVO_I_TRY(svo_i_device_check_wait(asked->device, asked->function, num_wait, wait));
-    SVO_I_TRY(check_buffer(asked, asked->input_name, input, asked->count * asked->input_bytes));
-    SVO_I_TRY(check_buffer(asked, asked->output_name, output, asked->count * asked->output_bytes));
-    if (asked->count > 0) {
-        SVO_I_TRY_CLEANUP(make_kernel(asked, input, output, &kernel));
-    }
-    /* An empty batch signals its event all the same. */
-    const cl_int error = asked->count > 0
-                             ? clEnqueueNDRangeKernel(queue, kernel, 1, NULL, &global, &local, num_wait, wait, event)
-                             : clEnqueueMarkerWithWaitList(queue, num_wait, wait, event);
+    SVO_I_TRY_CLEANUP(make_kernel(asked, input, output, &kernel));
+    const cl_int error = clEnqueueNDRangeKernel(queue, kernel, 1, NULL, &global, &local, num_wait, wait, event);
     if (error != CL_SUCCESS) {
         status = svo_i_device_fail_cl(asked->device, asked->function, "clEnqueueNDRangeKernel", error);
     }
@@ -78,6 +74,23 @@ cleanup:
         clReleaseKernel(kernel);
     }
     return status;
+}
+
+svo_status svo_i_batch_enqueue(const svo_i_batch *asked, cl_mem input, cl_mem output, cl_command_queue queue,
+                               cl_uint num_wait, const cl_event *wait, cl_event *event)
+{
+    SVO_I_TRY(check_batch(asked, input, output));
+    SVO_I_TRY(svo_i_device_queue(asked->device, asked->function, queue, &queue));
+    SVO_I_TRY(svo_i_device_check_wait(asked->device, asked->function, num_wait, wait));
+    SVO_I_TRY(check_buffers(asked, input, output));
+    if (asked->count > 0) {
+        return launch(asked, input, output, queue, num_wait, wait, event);
+    }
+    /* An empty batch signals its event all the same. */
+    const cl_int error = clEnqueueMarkerWithWaitList(queue, num_wait, wait, event);
+    return error == CL_SUCCESS
+               ? SVO_OK
+               : svo_i_device_fail_cl(asked->device, asked->function, "clEnqueueMarkerWithWaitList", error);
 }
 
 static svo_status write_input(const svo_i_batch *asked, cl_command_queue queue, cl_mem to, const void *input)

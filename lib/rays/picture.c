@@ -77,12 +77,12 @@ svo_status svo_i_pixel_output_of(svo_device *device, const char *function, const
 }
 
 svo_status svo_i_pixels_check(svo_device *device, const char *function, uint32_t width, uint32_t height,
-                              uint32_t pixel_bytes, const svo_i_pixels *given)
+                              uint32_t pixel_bytes, svo_i_pixels *given)
 {
     if (given->buffer == NULL) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: pixels is NULL", function);
     }
-    SVO_I_TRY(svo_i_device_check_queue(device, function, given->queue));
+    SVO_I_TRY(svo_i_device_queue(device, function, given->queue, &given->queue));
     SVO_I_TRY(svo_i_device_check_wait(device, function, given->num_wait, given->wait));
     return svo_i_device_check_output(device, function, "pixels", given->buffer, (size_t)width * height * pixel_bytes);
 }
@@ -337,7 +337,7 @@ cleanup:
 }
 
 svo_status svo_i_picture_enqueue(const svo_i_picture_source *source, const svo_render_options *options,
-                                 const svo_i_pixels *to)
+                                 svo_i_pixels *to)
 {
     svo_i_pixel_output output;
     SVO_I_TRY(check_payload(source));
@@ -373,7 +373,7 @@ static svo_status check_tree(svo_device *device, const svo_tree *tree, const cha
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: the tree is on another device", function);
     }
     if (tree->buffers[SVO_TREE_CHILD_MASK] == NULL || tree->buffers[SVO_TREE_FIRST_CHILD] == NULL) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+        return svo_i_device_fail(device, SVO_NOT_ON_DEVICE,
                                  "%s: the tree is not on a device; call svo_tree_upload first", function);
     }
     return SVO_OK;
@@ -415,7 +415,7 @@ static svo_status begin(svo_device *device, svo_tree *tree, const char *function
 svo_status svo_tree_render_enqueue(svo_device *device, svo_tree *tree, const svo_render_options *options, cl_mem pixels,
                                    cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
 {
-    const svo_i_pixels to = {pixels, queue, num_wait, wait, event};
+    svo_i_pixels to = {pixels, queue, num_wait, wait, event};
     svo_render_options asked;
     svo_i_picture_source source;
     if (device == NULL) {

@@ -39,9 +39,9 @@ typedef struct svo_i_pixels {
     cl_event *event; /* receives that of the last command; NULL: nobody asks for it */
 } svo_i_pixels;
 
-/* Refuses what a caller gave, unless a picture of this size can go there. */
+/* Refuses what a caller gave, unless a picture of this size can go there. A queue of NULL becomes the device's own. */
 svo_status svo_i_pixels_check(svo_device *device, const char *function, uint32_t width, uint32_t height,
-                              uint32_t pixel_bytes, const svo_i_pixels *given);
+                              uint32_t pixel_bytes, svo_i_pixels *given);
 
 /* A kernel that draws tiles of 8 x 8 pixels, a group each. */
 typedef struct svo_i_tiles {
@@ -95,8 +95,8 @@ svo_status svo_i_picture_draw(const svo_i_picture_source *source, const svo_rend
 
 SVO_I_SHARED_END
 
-/* Enqueues what draws a picture. */
+/* Enqueues what draws a picture. to: a queue of NULL becomes the device's own. */
 svo_status svo_i_picture_enqueue(const svo_i_picture_source *source, const svo_render_options *options,
-                                 const svo_i_pixels *to);
+                                 svo_i_pixels *to);
 
 #endif

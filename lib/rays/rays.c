@@ -237,15 +237,18 @@ svo_status svo_tree_refit_bvh_enqueue(svo_tree *tree, cl_command_queue queue, cl
 {
     static const char function[] = "svo_tree_refit_bvh_enqueue";
     cl_event waited = NULL;
-    if (tree == NULL || tree->device == NULL) {
+    if (tree == NULL) {
         return SVO_INVALID_ARGUMENT;
+    }
+    if (tree->device == NULL) {
+        return SVO_NOT_ON_DEVICE;
     }
     const char *wrong = wrong_refit(tree);
     if (wrong != NULL) {
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: %s", function, wrong);
     }
     SVO_I_TRY(check_bvh(tree, function));
-    SVO_I_TRY(svo_i_device_check_queue(tree->device, function, queue));
+    SVO_I_TRY(svo_i_device_queue(tree->device, function, queue, &queue));
     SVO_I_TRY(svo_i_device_check_wait(tree->device, function, num_wait, wait));
     SVO_I_TRY(enqueue_wait(tree, function, queue, num_wait, wait, &waited));
     const svo_status status = svo_i_rays_refit(tree, function, queue, waited, event);
@@ -373,8 +376,7 @@ svo_status svo_i_rays_check(const svo_tree *tree, const char *function)
                                  "%s: the tree is a part of another, which rays need whole", function);
     }
     if (tree->device == NULL) {
-        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
-                                 "%s: the tree is not on a device; call svo_tree_upload first", function);
+        return SVO_NOT_ON_DEVICE;
     }
     return SVO_OK;
 }
@@ -415,10 +417,7 @@ static svo_status check_voxels(void *of, const char *function)
 {
     const svo_tree *tree = of;
     SVO_I_TRY(svo_i_tree_check(tree, function));
-    return tree->device != NULL
-               ? SVO_OK
-               : svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
-                                   "%s: the tree is not on a device; call svo_tree_upload first", function);
+    return tree->device != NULL ? SVO_OK : SVO_NOT_ON_DEVICE;
 }
 
 /* The arguments of a tree, without triangles. */
@@ -448,7 +447,7 @@ svo_status svo_tree_set_args(svo_tree *tree, cl_kernel kernel, cl_uint first_ind
     }
     SVO_I_TRY(svo_i_tree_check(tree, function));
     if (tree->device == NULL) {
-        return SVO_INVALID_ARGUMENT;
+        return SVO_NOT_ON_DEVICE;
     }
     const char *wrong = svo_i_wrong_kernel(tree->device->context, kernel);
     if (wrong != NULL) {

@@ -3,7 +3,7 @@
 #ifndef SVO_LIB_SCENE_HIERARCHY_H
 #define SVO_LIB_SCENE_HIERARCHY_H
 
-#include "scene/state.h"
+#include "scene/handle.h"
 
 /* Adds the bytes of the hierarchy's and of the sort's buffers for so many instances. */
 void svo_i_hierarchy_plan(uint32_t instance_count, uint64_t bytes[SVO_I_SCENE_BUFFERS]);

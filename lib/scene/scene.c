@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Scenes: their checks, buffers, instances. arena.c holds the trees, hierarchy.c the boxes; trace.c and picture.c
-   launch rays. */
+/*
+ * Scenes: their checks, buffers, instances. trees.c holds the trees, hierarchy.c the boxes; rays.c launches rays.
+ *
+ * What follows from an instance's matrix is computed in double, add, subtract, multiply, divide and square root alone,
+ * so the records are the same bytes on every machine.
+ */
 #include "svocl/scene.h"
 
 #include <math.h>
@@ -8,15 +12,16 @@
 
 #include "core/struct_size.h"
 #include "rays/camera.h"
-#include "scene/arena.h"
 #include "scene/hierarchy.h"
-#include "scene/place.h"
-#include "scene/state.h"
+#include "scene/trees.h"
 #include "svocl/plan.h"
 
-/* ---- plans ---- */
-
 #define KNOWN_NEEDS ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_RAYS)
+
+/* Coordinates and entries of inverses are below this, so that the kernels' floats do not overflow. */
+#define LARGEST 0x1p100
+
+/* ---- plans ---- */
 
 static svo_status check_options(svo_device *device, const char *function, const svo_scene_options *options)
 {
@@ -97,6 +102,118 @@ cleanup:
     return status;
 }
 
+/* ---- matrices ---- */
+
+typedef struct linear {
+    double m[3][3]; /* rows */
+} linear;
+
+static bool is_finite(const float matrix[12])
+{
+    bool finite = true;
+    for (int i = 0; i < 12; ++i) {
+        finite = finite && isfinite(matrix[i]);
+    }
+    return finite;
+}
+
+/* The transpose of the matrix of cofactors: the inverse times the determinant. */
+static linear adjugate(const linear *a)
+{
+    linear out;
+    for (int i = 0; i < 3; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            const int i1 = (i + 1) % 3;
+            const int i2 = (i + 2) % 3;
+            const int k1 = (k + 1) % 3;
+            const int k2 = (k + 2) % 3;
+            out.m[k][i] = a->m[i1][k1] * a->m[i2][k2] - a->m[i1][k2] * a->m[i2][k1];
+        }
+    }
+    return out;
+}
+
+static double column_length(const linear *a, int k)
+{
+    return sqrt(a->m[0][k] * a->m[0][k] + a->m[1][k] * a->m[1][k] + a->m[2][k] * a->m[2][k]);
+}
+
+/* Stores the inverse in two floats per entry, and the images of the faces' normals, which are its rows. */
+static bool store_inverse(const linear *inverse, svo_scene_instance *out)
+{
+    bool fits = true;
+    for (int row = 0; row < 3; ++row) {
+        const double *entries = inverse->m[row];
+        const double length = sqrt(entries[0] * entries[0] + entries[1] * entries[1] + entries[2] * entries[2]);
+        for (int k = 0; k < 3; ++k) {
+            fits = fits && fabs(entries[k]) < LARGEST;
+            out->inverse[3 * row + k] = (float)entries[k];
+            out->inverse_rest[3 * row + k] = (float)(entries[k] - (double)out->inverse[3 * row + k]);
+            out->normals[3 * row + k] = (float)(entries[k] / length) + 0.0F; /* never -0 */
+        }
+    }
+    return fits;
+}
+
+/* The box of the image of a box, rounded outwards. */
+static bool store_box(const linear *a, const float matrix[12], const svo_i_scene_box *box, svo_scene_instance *out)
+{
+    bool fits = true;
+    for (int row = 0; row < 3; ++row) {
+        double middle = (double)matrix[4 * row + 3];
+        double half = 0;
+        double size = fabs(middle);
+        for (int k = 0; k < 3; ++k) {
+            middle += a->m[row][k] * (0.5 * (box->low[k] + box->high[k]));
+            half += fabs(a->m[row][k]) * (0.5 * (box->high[k] - box->low[k]));
+            size += fabs(a->m[row][k]) * fmax(fabs(box->low[k]), fabs(box->high[k]));
+        }
+        half += size * 0x1p-48; /* what these sums may round */
+        fits = fits && middle - half > -LARGEST && middle + half < LARGEST;
+        out->low[row] = nextafterf((float)(middle - half), -INFINITY);
+        out->high[row] = nextafterf((float)(middle + half), INFINITY);
+        out->translation[row] = matrix[4 * row + 3];
+    }
+    return fits;
+}
+
+/* What the kernels know of an instance: inverts the matrix, in double, and finds the world's box of an instance of a
+   tree. Refuses a matrix that is not finite, flat, or too large, and names the instance. */
+static svo_status place(svo_device *device, const char *function, uint32_t instance, const float matrix[12],
+                        const svo_i_scene_box *tree_box, svo_scene_instance *out)
+{
+    linear a;
+    if (!is_finite(matrix)) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: the matrix of instance %u is not finite", function,
+                                 instance);
+    }
+    for (int i = 0; i < 12; ++i) {
+        if (i % 4 < 3) {
+            a.m[i / 4][i % 4] = (double)matrix[i];
+        }
+    }
+    const linear scaled = adjugate(&a);
+    const double determinant = a.m[0][0] * scaled.m[0][0] + a.m[0][1] * scaled.m[1][0] + a.m[0][2] * scaled.m[2][0];
+    const double lengths[3] = {column_length(&a, 0), column_length(&a, 1), column_length(&a, 2)};
+    const double least = SVO_SCENE_DETERMINANT_MIN * lengths[0] * lengths[1] * lengths[2];
+    if (!(fabs(determinant) > least)) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "%s: the matrix of instance %u is flat: determinant %g, its size is not above %g",
+                                 function, instance, determinant, least);
+    }
+    linear inverse;
+    for (int i = 0; i < 9; ++i) {
+        inverse.m[i / 3][i % 3] = scaled.m[i / 3][i % 3] / determinant;
+    }
+    const bool inverse_fits = store_inverse(&inverse, out);
+    if (!store_box(&a, matrix, tree_box, out) || !inverse_fits) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "%s: the matrix of instance %u or its inverse leads beyond 2^100", function, instance);
+    }
+    out->widest = (float)fmax(lengths[0], fmax(lengths[1], lengths[2]));
+    return SVO_OK;
+}
+
 /* ---- creation ---- */
 
 static svo_status allocate(svo_scene *scene, const char *function, const uint64_t bytes[SVO_I_SCENE_BUFFERS])
@@ -155,8 +272,7 @@ static svo_status make_records(const svo_scene *scene, const char *function, uin
     for (uint32_t i = 0; i < count; ++i) {
         const uint32_t tree = scene->tree_of[first + i];
         (*out)[i].tree = tree;
-        SVO_I_TRY(svo_i_scene_place(scene->device, function, first + i, matrix + i * stride, &scene->tree_boxes[tree],
-                                    &(*out)[i]));
+        SVO_I_TRY(place(scene->device, function, first + i, matrix + i * stride, &scene->tree_boxes[tree], &(*out)[i]));
     }
     return SVO_OK;
 }

@@ -9,8 +9,8 @@
 
 #include "core/device.h"
 #include "core/struct_size.h"
+#include "core/voxel_list.h"
 #include "plan/plan_data.h"
-#include "voxels/voxels.h"
 
 static const char function[] = "svo_voxels_plan";
 

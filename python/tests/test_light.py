@@ -97,8 +97,6 @@ def test_wrong_arguments(floor, points):
             light.gather(points, cones=7)
         with pytest.raises(TypeError, match=r"points: dtype float64, expected svocl\.gather_point_dtype"):
             light.gather(np.zeros((3, 12)))
-        with pytest.raises(svocl.InvalidArgumentError):
-            light.gather(points, cones=5, march=svocl.March.PUBLISHED)
         with pytest.raises(ValueError, match="positions: shape"):
             svocl.make_gather_points([0, 0], (0, 1, 0))
 

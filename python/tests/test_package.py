@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import svocl
-from svocl import _enums, _native, _structs
+from svocl import _generated, _native
 from svocl._native import ffi, lib
 
 
@@ -90,32 +90,31 @@ def test_the_module_exports_nothing_of_the_library():
 
 
 def test_enumerations_are_complete():
-    """Each enumerator of the headers is in Python, under its name without the prefix."""
+    """Each enumerator that cffi finds in the headers is in Python, under its name without the prefix."""
     enumerations = {
-        "svo_status": (_enums.Status, "SVO_"),
-        "svo_need": (_enums.Need, "SVO_NEED_"),
-        "svo_axes": (_enums.Axes, "SVO_AXES_"),
-        "svo_coverage": (_enums.Coverage, "SVO_COVERAGE_"),
-        "svo_place": (_enums.Place, "SVO_PLACE_"),
-        "svo_weights": (_enums.Weights, "SVO_WEIGHTS_"),
-        "svo_builder": (_enums.Builder, "SVO_BUILDER_"),
-        "svo_certainty": (_enums.Certainty, "SVO_BYTES_"),
-        "svo_trace_flags": (_enums.TraceMode, "SVO_TRACE_"),
-        "svo_render_view": (_enums.View, "SVO_VIEW_"),
-        "svo_wrap": (_enums.Wrap, "SVO_WRAP_"),
-        "svo_positions": (_enums.Positions, "SVO_POSITIONS_"),
-        "svo_tree_buffer": (_enums.TreeBuffer, "SVO_TREE_"),
-        "svo_form": (_enums.Form, "SVO_FORM_"),
-        "svo_compact_buffer": (_enums.CompactBuffer, "SVO_COMPACT_"),
-        "svo_solid_rule": (_enums.SolidRule, "SVO_SOLID_"),
-        "svo_scene_flags": (_enums.SceneTrace, "SVO_SCENE_"),
-        "svo_light_form": (_enums.LightForm, "SVO_LIGHT_"),
-        "svo_probes_buffer": (_enums.ProbeBuffer, "SVO_PROBES_"),
-        "svo_probe_choice": (_enums.ProbeChoice, "SVO_PROBE_CHOICE_"),
-        "svo_opacity": (_enums.Opacity, "SVO_OPACITY_"),
-        "svo_light_buffer": (_enums.LightBuffer, "SVO_LIGHT_"),
-        "svo_march": (_enums.March, "SVO_MARCH_"),
-        "svo_light_view": (_enums.LightView, "SVO_LIGHT_VIEW_"),
+        "svo_status": (_generated.Status, "SVO_"),
+        "svo_need": (_generated.Need, "SVO_NEED_"),
+        "svo_axes": (_generated.Axes, "SVO_AXES_"),
+        "svo_coverage": (_generated.Coverage, "SVO_COVERAGE_"),
+        "svo_place": (_generated.Place, "SVO_PLACE_"),
+        "svo_weights": (_generated.Weights, "SVO_WEIGHTS_"),
+        "svo_builder": (_generated.Builder, "SVO_BUILDER_"),
+        "svo_certainty": (_generated.Certainty, "SVO_BYTES_"),
+        "svo_trace_flags": (_generated.TraceMode, "SVO_TRACE_"),
+        "svo_render_view": (_generated.View, "SVO_VIEW_"),
+        "svo_wrap": (_generated.Wrap, "SVO_WRAP_"),
+        "svo_positions": (_generated.Positions, "SVO_POSITIONS_"),
+        "svo_tree_buffer": (_generated.TreeBuffer, "SVO_TREE_"),
+        "svo_form": (_generated.Form, "SVO_FORM_"),
+        "svo_compact_buffer": (_generated.CompactBuffer, "SVO_COMPACT_"),
+        "svo_solid_rule": (_generated.SolidRule, "SVO_SOLID_"),
+        "svo_scene_flags": (_generated.SceneTrace, "SVO_SCENE_"),
+        "svo_light_form": (_generated.LightForm, "SVO_LIGHT_"),
+        "svo_probes_buffer": (_generated.ProbeBuffer, "SVO_PROBES_"),
+        "svo_probe_choice": (_generated.ProbeChoice, "SVO_PROBE_CHOICE_"),
+        "svo_opacity": (_generated.Opacity, "SVO_OPACITY_"),
+        "svo_light_buffer": (_generated.LightBuffer, "SVO_LIGHT_"),
+        "svo_light_view": (_generated.LightView, "SVO_LIGHT_VIEW_"),
     }
     counts = {"svo_form": "COUNT", "svo_light_form": "FORM_COUNT", "svo_probe_choice": "COUNT"}
     for name, (kind, prefix) in enumerations.items():
@@ -125,35 +124,35 @@ def test_enumerations_are_complete():
 
 
 def test_structs_are_complete():
-    """Each field of the headers' results is in Python, but for those named here."""
+    """Each field that cffi finds in the headers' results is in Python, but for those named here."""
     structs = {
-        "svo_plan_info": (_structs.PlanInfo, set()),
-        "svo_import_info": (_structs.ImportInfo, set()),
-        "svo_buffer_info": (_structs.PlanBuffer, set()),
-        "svo_left_out": (_structs.LeftOut, set()),
-        "svo_kernels_info": (_structs.Kernels, set()),
-        "svo_tree_info": (_structs.TreeInfo, set()),
+        "svo_plan_info": (_generated.PlanInfo, set()),
+        "svo_import_info": (_generated.ImportInfo, set()),
+        "svo_buffer_info": (_generated.PlanBuffer, set()),
+        "svo_left_out": (_generated.LeftOut, set()),
+        "svo_kernels_info": (_generated.Kernels, set()),
+        "svo_tree_info": (_generated.TreeInfo, set()),
         "svo_tree_arrays": (svocl.TreeArrays, set()),
         "svo_camera": (svocl.Camera, set()),
-        "svo_compact_info": (_structs.CompactInfo, set()),
+        "svo_compact_info": (_generated.CompactInfo, set()),
         "svo_compact_arrays": (svocl.CompactArrays, set()),
-        "svo_solid_info": (_structs.SolidInfo, set()),
-        "svo_voxels_info": (_structs.VoxelsInfo, set()),
-        "svo_voxel_file_info": (_structs.VoxelFileInfo, set()),
-        "svo_voxels_save_info": (_structs.VoxelsSaveInfo, set()),
-        "svo_scene_info": (_structs.SceneInfo, {"reserved"}),
-        "svo_light_info": (_structs.LightInfo, set()),
+        "svo_solid_info": (_generated.SolidInfo, set()),
+        "svo_voxels_info": (_generated.VoxelsInfo, set()),
+        "svo_voxel_file_info": (_generated.VoxelFileInfo, set()),
+        "svo_voxels_save_info": (_generated.VoxelsSaveInfo, set()),
+        "svo_scene_info": (_generated.SceneInfo, {"reserved"}),
+        "svo_light_info": (_generated.LightInfo, set()),
         "svo_light_source": (svocl.LightSource, {"reserved"}),
-        "svo_moving_report": (_structs.MovingReport, set()),
-        "svo_moving_bvh_report": (_structs.MovingBvhReport, {"reserved"}),
-        "svo_moving_info": (_structs.MovingInfo, {"reserved"}),
-        "svo_moving_object": (_structs.MovingObject, set()),
-        "svo_probe_info": (_structs.ProbeInfo, set()),
-        "svo_paged_info": (_structs.PagedInfo, set()),
-        "svo_paged_counts": (_structs.PagedCounts, set()),
+        "svo_moving_report": (_generated.MovingReport, set()),
+        "svo_moving_bvh_report": (_generated.MovingBvhReport, {"reserved"}),
+        "svo_moving_info": (_generated.MovingInfo, {"reserved"}),
+        "svo_moving_object": (_generated.MovingObject, set()),
+        "svo_probe_info": (_generated.ProbeInfo, set()),
+        "svo_paged_info": (_generated.PagedInfo, set()),
+        "svo_paged_counts": (_generated.PagedCounts, set()),
         "svo_scene_light": (svocl.SceneLight, {"reserved"}),
         # OpenGL's, and those of enqueued builds; stage_times are stages.
-        "svo_build_report": (_structs.BuildReport, {"inner_nodes", "renderer", "stage_times"}),
+        "svo_build_report": (_generated.BuildReport, {"inner_nodes", "renderer", "stage_times"}),
     }
     for name, (kind, left_out) in structs.items():
         fields = {field for field, _ in ffi.typeof(name).fields} - {"struct_size"} - left_out

@@ -11,8 +11,8 @@
 #include <unistd.h>
 
 #include "fuzz.h"
-#include "io/blocks.h"
 #include "io/import_formats.h"
+#include "parts/blocks.h"
 
 #define PATH_BYTES 64
 

@@ -10,7 +10,7 @@
 #include "core/message.h"
 #include "fuzz.h"
 #include "io/import_formats.h"
-#include "io/import_mtl.h"
+#include "io/import_obj_mesh.h"
 
 static void check_mesh(const gather *mesh)
 {

@@ -8,7 +8,7 @@
 
 #include "fuzz.h"
 #include "part_header.h"
-#include "parts/format.h"
+#include "parts/part_file.h"
 
 /* Levels of a part under a node of level 1: a root, two nodes, three leaves. */
 static const uint8_t root_mask = 0x81;

@@ -7,7 +7,7 @@
 
 #include "fuzz.h"
 #include "part_header.h"
-#include "parts/format.h"
+#include "parts/part_file.h"
 
 /* Places the segments back to back, the last with all that is left, and recomputes the checksums. */
 static void repair(uint8_t *data, size_t byte_count)

@@ -3,8 +3,8 @@
 #
 # debian_root.sh PACKAGES PROGRAM FOLDER [MIRROR]: whether the .deb files in the folder PACKAGES install and run in a
 # clean Debian 12, which debootstrap makes in FOLDER: the program and Python build an octree with the same hash as
-# PROGRAM does here, a CMake project and a pkg-config command use the libraries, and nothing is left after a purge. Then
-# the wheel in PACKAGES does the same as the Python package did. Needs a mirror, debootstrap, and root or sudo; without
+# PROGRAM does here, svocl-lab checks one, a CMake project and a pkg-config command use the libraries, and nothing is
+# left after a purge. Then the wheel in PACKAGES does the same as the Python package did. Needs a mirror, debootstrap, and root or sudo; without
 # the last two it is skipped (77). FOLDER keeps the downloads and the log.
 set -euo pipefail
 readonly packages=$1 program=$2 scene='scene:cube -d 6'
@@ -51,7 +51,12 @@ expect "$hash"
 step 'what it loads' visitor 'ldd /usr/bin/svocl && ! readelf -d /usr/bin/svocl 2>/dev/null | grep -i runpath'
 expect 'libsvocl\.so[.0-9]* => /(usr/)?lib/'
 
-# Embree is measured beside, and opened when it is asked for.
+# The laboratory, and Embree, which it recommends: it is measured beside, and opened when it is asked for.
+step 'no laboratory' visitor 'svocl verify scene:cube -d 4 2>&1 | grep "svocl-lab"'
+expect 'svocl: verify: svocl-lab is not installed .apt install svocl-lab.'
+step 'the laboratory alone' root 'apt-get -y -q install --no-install-recommends /packages/svocl-lab_*.deb'
+step 'a check' visitor 'svocl verify scene:cube -d 4'
+expect 'exact: 0 missed, 0 surplus'
 step 'no Embree' visitor 'svocl bench rays --vs embree --quick 2>&1 | grep "libembree3-3"'
 expect 'svocl: bench: --vs embree: libembree3.so.3 cannot be opened .apt install libembree3-3.'
 step 'where zsh and fish look' root 'ls /usr/share/zsh/vendor-completions/_svocl \
@@ -76,7 +81,7 @@ expect "^[0-9.]+ /usr/lib/python3/dist-packages/svocl $hash\$"
 readonly modules='find . -type f ! -path "*/__pycache__/*" ! -name svocl-import | sort'
 step 'its files' visitor "cd /usr/lib/python3/dist-packages/svocl && $modules >~/files"
 
-step 'removing it' root "apt-get -y -q purge 'libsvocl*' svocl python3-svocl"
+step 'removing it' root "apt-get -y -q purge 'libsvocl*' 'svocl*' python3-svocl"
 step 'what is left' root "find / -xdev -iname '*svocl*' -not -path '/packages/*' -not -path '/home/*'"
 [[ ! -s $folder/output ]] || fail 'the purge left files'
 

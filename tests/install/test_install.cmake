@@ -28,12 +28,20 @@ if(NOT out MATCHES "^96776 leaves, 128073 nodes, hash ")
   message(FATAL_ERROR "the program built with find_package printed \"${out}\"")
 endif()
 
-# What the program only measures is opened when it is asked for.
+# Its laboratory, which it finds beside itself.
+run(${prefix}/bin/svocl verify scene:cube -d 4)
+expect_match("svocl verify" "${out}" "exact: 0 missed, 0 surplus")
+
+# What is only measured: Embree is opened when it is asked for, and svocl has no part of OpenVDB.
 find_program(readelf readelf)
 if(readelf)
-  run(${readelf} -d ${prefix}/bin/svocl)
+  run(${readelf} -d ${prefix}/bin/svocl ${prefix}/bin/svocl-lab)
   if(out MATCHES "NEEDED[^\n]*embree")
-    message(FATAL_ERROR "the program loads Embree: ${out}")
+    message(FATAL_ERROR "a program loads Embree: ${out}")
+  endif()
+  run(${readelf} -d ${prefix}/bin/svocl)
+  if(out MATCHES "NEEDED[^\n]*(openvdb|tbb)")
+    message(FATAL_ERROR "svocl loads OpenVDB: ${out}")
   endif()
 endif()
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* INPUT of a command: a mesh file, a generated scene, a voxel file, or a .svo file. */
+/* INPUT of a command: a mesh file, a generated scene, a voxel file, or the file of a tree. */
 #ifndef SVOCL_TOOLS_SUPPORT_INPUT_H
 #define SVOCL_TOOLS_SUPPORT_INPUT_H
 
@@ -10,6 +10,17 @@
 #include "support/voxel_input.h"
 #include "svocl/compact.h"
 #include "svocl/io.h"
+
+/* ---- compact trees ---- */
+
+/* Whether a name, or the suffix that the bytes of a pipe are given, is that of a compact tree. */
+bool compact_input_is_name(const char *name);
+
+/* Loads the compact tree of a file, or of the bytes that came through a pipe; bytes: NULL for a file. *out has host
+   arrays and is on no device. Returns the exit code. */
+int compact_input_load(program *state, const char *name, const void *bytes, size_t byte_count, svo_compact **out);
+
+/* ---- inputs ---- */
 
 /* Triangles that the library refuses, and why. */
 typedef struct refused_triangles {

@@ -1,9 +1,65 @@
 /* SPDX-License-Identifier: MIT */
-/* From INPUT to a tree in memory, measured: shared by build, hash, verify and render. */
+/*
+ * From INPUT to a tree in memory, measured: shared by build, hash, verify and render. Calls of OpenCL are counted where
+ * the program with its static libraries calls the loader.
+ */
 #include "support/job.h"
 
+#include <CL/cl.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "support/wrapped.h"
+
+/* ---- calls of OpenCL ---- */
+
+#ifdef SVOCL_COUNTS_CL_CALLS
+
+static cl_calls counted;
+
+/* The calls since the start. Returns false, and zeros, with shared libraries, whose calls are not seen. */
+static bool cl_calls_count(cl_calls *counts)
+{
+    *counts = counted;
+    return true;
+}
+
+/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): names of the linker */
+WRAPPED(cl_int, clEnqueueNDRangeKernel,
+        (cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t *offset, const size_t *global,
+         const size_t *local, EVENTS),
+        (queue, kernel, dimensions, offset, global, local, EVENTS_GIVEN), ++counted.launches)
+
+WRAPPED(cl_int, clEnqueueWriteBuffer,
+        (cl_command_queue queue, cl_mem buffer, cl_bool blocks, size_t offset, size_t bytes, const void *from, EVENTS),
+        (queue, buffer, blocks, offset, bytes, from, EVENTS_GIVEN),
+        (++counted.uploads, counted.waits += blocks != CL_FALSE))
+
+WRAPPED(cl_int, clEnqueueReadBuffer,
+        (cl_command_queue queue, cl_mem buffer, cl_bool blocks, size_t offset, size_t bytes, void *to, EVENTS),
+        (queue, buffer, blocks, offset, bytes, to, EVENTS_GIVEN), counted.waits += blocks != CL_FALSE)
+
+WRAPPED(void *, clEnqueueMapBuffer,
+        (cl_command_queue queue, cl_mem buffer, cl_bool blocks, cl_map_flags flags, size_t offset, size_t bytes, EVENTS,
+         cl_int *error),
+        (queue, buffer, blocks, flags, offset, bytes, EVENTS_GIVEN, error), counted.waits += blocks != CL_FALSE)
+
+WRAPPED(cl_mem, clCreateBuffer, (cl_context context, cl_mem_flags flags, size_t bytes, void *host, cl_int *error),
+        (context, flags, bytes, host, error), counted.uploads += (flags & CL_MEM_COPY_HOST_PTR) != 0)
+
+WRAPPED(cl_int, clWaitForEvents, (cl_uint count, const cl_event *events), (count, events), ++counted.waits)
+WRAPPED(cl_int, clFinish, (cl_command_queue queue), (queue), ++counted.waits)
+/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
+
+#else
+
+bool cl_calls_count(cl_calls *counts)
+{
+    *counts = (cl_calls){0};
+    return false;
+}
+
+#endif
 
 static void keep_buffers(const svo_plan *plan, build_result *result)
 {

@@ -1,12 +1,22 @@
 /* SPDX-License-Identifier: MIT */
-/* From INPUT to a tree in memory, measured: shared by build, hash, verify and render. */
+/* One job of the program: its device, input, plan and tree; the calls of OpenCL that it makes. */
 #ifndef SVOCL_TOOLS_SUPPORT_JOB_H
 #define SVOCL_TOOLS_SUPPORT_JOB_H
 
-#include "support/cl_calls.h"
+#include <stdbool.h>
+#include <stdint.h>
+
 #include "support/input.h"
 #include "support/json.h"
 #include "support/session.h"
+
+/* ---- calls of OpenCL ---- */
+
+typedef struct cl_calls {
+    uint64_t launches; /* of kernels */
+    uint64_t uploads; /* writes of buffers, and buffers that are made with content */
+    uint64_t waits; /* calls that return when the device has finished something: waits, blocking reads and writes */
+} cl_calls;
 
 typedef struct build_result {
     svo_tree *tree; /* on the device and downloaded */

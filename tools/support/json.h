@@ -6,8 +6,8 @@
 #include <cjson/cJSON.h>
 #include <stdint.h>
 
-#include "support/json_text.h"
 #include "support/program.h"
+#include "support/text.h"
 
 void json_add_count(cJSON *object, const char *name, uint64_t count);
 void json_add_vector(cJSON *object, const char *name, const double vector[3]);

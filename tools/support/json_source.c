@@ -13,8 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "support/json_text.h"
 #include "support/suggest.h"
+#include "support/text.h"
 
 #define TEXT_BYTES_MAX ((size_t)256 << 20)
 

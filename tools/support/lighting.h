@@ -1,12 +1,29 @@
 /* SPDX-License-Identifier: MIT */
-/* The light of commands that gather it: from --lights and --form to a lit tree. */
+/* Light that pictures and commands use: lights from files and options, and what is made of them. */
 #ifndef SVOCL_TOOLS_SUPPORT_LIGHTING_H
 #define SVOCL_TOOLS_SUPPORT_LIGHTING_H
 
 #include "support/job.h"
-#include "support/light_file.h"
+#include "support/program.h"
 #include "support/scene_input.h"
 #include "svocl/light.h"
+#include "svocl/light_types.h"
+#include "svocl/trace.h"
+
+/* ---- files of lights ---- */
+
+/* Most lights of a file. */
+#define LIGHT_FILE_SOURCES_MAX 1024
+
+typedef struct light_file {
+    svo_light_source *sources; /* NULL: none */
+    size_t source_count;
+    float sky[3]; /* radiance; zero: not given */
+    svo_camera camera;
+    bool has_camera;
+} light_file;
+
+/* ---- lit trees ---- */
 
 typedef struct lighting {
     light_file file; /* of --lights; without, what a scene says of lights; its camera where --lights has none */

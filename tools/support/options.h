@@ -197,7 +197,7 @@ enum option_output {
 
 typedef struct command {
     const char *name;
-    int (*run)(struct program *state); /* returns the exit code after printing its line */
+    bool in_lab; /* svocl-lab runs it */
     unsigned groups;
     const char *input_name; /* "INPUT"; NULL: takes none */
     bool needs_input;

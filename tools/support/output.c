@@ -1,14 +1,18 @@
 /* SPDX-License-Identifier: MIT */
-/* Output files as streams, their messages, and standard output as a file. */
+/* Output files as streams, their messages, and standard output as a file; trees and meshes as files. */
 #include "support/output.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "scenes/scenes.h"
+#include "svocl/io.h"
 
 static bool is_standard_output(const char *path)
 {
@@ -238,4 +242,119 @@ void output_abandon(output_file *file)
     svo_i_output_abandon(&file->target);
     cleanup_remove(&file->temporary);
     *file = (output_file){.target = {.descriptor = -1}};
+}
+
+/* ---- trees ---- */
+
+static int write_bytes(void *user, const void *bytes, size_t byte_count)
+{
+    output_file *file = user;
+    output_write(file, bytes, byte_count);
+    return file->error;
+}
+
+static svo_status write_all(const svo_tree *tree, const svo_compact *compact, output_file *file,
+                            const svo_save_options *save_options, svo_message *message)
+{
+    return compact != NULL ? svo_compact_write(compact, write_bytes, file, save_options, message)
+                           : svo_tree_write(tree, write_bytes, file, save_options, message);
+}
+
+int tree_output_write(program *state, const svo_tree *tree, const svo_compact *compact, const char *path)
+{
+    output_file file;
+    svo_message message = {""};
+    const svo_save_options save_options = {.struct_size = sizeof save_options,
+                                           .compress = (uint32_t)state->options.compress};
+    progress_step(state->progress, "writing the tree");
+    const int exit_code = output_open(state, path, &file);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    /* A write that failed is reported by output_commit. */
+    if (write_all(tree, compact, &file, &save_options, &message) != SVO_OK && file.error == 0) {
+        output_abandon(&file);
+        return program_fail_library(state, message.text);
+    }
+    return output_commit(state, &file);
+}
+
+/* ---- meshes ---- */
+
+static bool has_suffix(const char *path, const char *suffix)
+{
+    const size_t path_bytes = strlen(path);
+    const size_t suffix_bytes = strlen(suffix);
+    return path_bytes > suffix_bytes && strcasecmp(path + path_bytes - suffix_bytes, suffix) == 0;
+}
+
+/* Passes a failure of a writer on; the file is abandoned. */
+static int fail(program *state, output_file *file, svo_status status, const char *words)
+{
+    output_abandon(file);
+    return program_fail_scene(state, status, words);
+}
+
+static int write_ply(program *state, const svo_mesh *mesh, const char *path)
+{
+    output_file file;
+    svo_message message = {""};
+    const int exit_code = output_open(state, path, &file);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    const svo_status status = scene_write_ply(mesh, file.stream, &message);
+    return status == SVO_OK ? output_commit(state, &file) : fail(state, &file, status, message.text);
+}
+
+static int write_library(program *state, const svo_mesh *mesh, const char *path)
+{
+    output_file file;
+    const int exit_code = output_open(state, path, &file);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    scene_write_mtl(mesh, file.stream);
+    return output_commit(state, &file);
+}
+
+/* The library gets its name first: an object without its library would be half a result. */
+static int write_obj(program *state, const svo_mesh *mesh, const char *path, const char *library_path)
+{
+    output_file file;
+    svo_message message = {""};
+    int exit_code = output_open(state, path, &file);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    const char *slash = strrchr(library_path, '/');
+    const svo_status status = scene_write_obj(mesh, slash != NULL ? slash + 1 : library_path, file.stream, &message);
+    if (status != SVO_OK) {
+        return fail(state, &file, status, message.text);
+    }
+    /* If the object failed already, its failure is what output_commit reports, and there is no library. */
+    if (output_flush(&file) && mesh->material_count > 0) {
+        exit_code = write_library(state, mesh, library_path);
+    }
+    if (exit_code != PROGRAM_DONE) {
+        output_abandon(&file);
+        return exit_code;
+    }
+    return output_commit(state, &file);
+}
+
+int mesh_output_write(program *state, const svo_mesh *mesh, const char *path)
+{
+    if (!has_suffix(path, ".obj")) {
+        return write_ply(state, mesh, path);
+    }
+    const size_t path_bytes = strlen(path) + 1;
+    char *library_path = malloc(path_bytes);
+    if (library_path == NULL) {
+        return program_fail(state, PROGRAM_FAILED, "out of memory");
+    }
+    snprintf(library_path, path_bytes, "%.*s.mtl", (int)(strlen(path) - strlen(".obj")), path);
+    const int exit_code = write_obj(state, mesh, path, library_path);
+    free(library_path);
+    return exit_code;
 }

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Output files, written whole or not at all by lib/output: after a failure or a signal nothing is left behind and an
- * old file is unchanged. Symbolic links stay. "-" and what is no file are written straight.
- */
+/* Files that the program writes: whole or not at all. */
 #ifndef SVOCL_TOOLS_SUPPORT_OUTPUT_H
 #define SVOCL_TOOLS_SUPPORT_OUTPUT_H
 
@@ -11,6 +8,9 @@
 
 #include "support/cleanup.h"
 #include "support/program.h"
+#include "svocl/compact.h"
+#include "svocl/mesh.h"
+#include "svocl/tree.h"
 
 /* Stays where it is while it is open. */
 typedef struct output_file {
@@ -46,5 +46,17 @@ bool output_flush(output_file *file);
 /* Flushes, closes and gives the file its name; on failure nothing is left. */
 int output_commit(program *state, output_file *file);
 void output_abandon(output_file *file);
+
+/* ---- trees ---- */
+
+/* Writes compact, or tree where that is NULL, by --compress; both have host arrays. One step of the progress bar.
+   Returns the exit code. */
+int tree_output_write(program *state, const svo_tree *tree, const svo_compact *compact, const char *path);
+
+/* ---- meshes ---- */
+
+/* Writes a mesh as scenes.h describes, by the suffix in any case: .obj or PLY. An .obj file of a mesh with materials
+   gets an .mtl file of the same name beside it. Returns the exit code; after a failure there is no new file. */
+int mesh_output_write(program *state, const svo_mesh *mesh, const char *path);
 
 #endif

@@ -1,11 +1,28 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures of what light field probes know: a ray a pixel, which meets no triangle and no voxel. */
+/* Pictures through probes, and the colors of what probes hold. */
 #ifndef SVOCL_TOOLS_SUPPORT_PROBE_PICTURE_H
 #define SVOCL_TOOLS_SUPPORT_PROBE_PICTURE_H
+
+#include <stdbool.h>
 
 #include "support/program.h"
 #include "svocl/probes.h"
 #include "svocl/trace.h"
+
+/* ---- colors ---- */
+
+/* What distances and radiances are shown by. */
+typedef struct probe_colors {
+    svo_render_view view; /* shaded, normal, depth or steps */
+    double nearest, farthest; /* depth: distances shown as white and as nearly black */
+    double exposure; /* shaded: radiance is multiplied by it */
+    bool is_linear; /* radiance, or numbers, in place of what a screen shows */
+} probe_colors;
+
+/* Both, of an opaque pixel. */
+void probe_colors_pixel(const probe_colors *shown, const svo_probe_hit *hit, uint8_t rgba[4]);
+
+/* ---- pictures ---- */
 
 /* Whether rays through probes have such a view: shaded, normal, depth and steps. */
 bool probe_picture_has_view(int view);

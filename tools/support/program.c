@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "support/utf8.h"
+#include "support/text.h"
 
 /* A message stays on one line and is UTF-8, whatever file names or drivers put into it. */
 static void print_line(const program *state, const char *kind, const char *text)

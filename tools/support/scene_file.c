@@ -9,8 +9,8 @@
 #include <strings.h>
 
 #include "support/output.h"
+#include "support/scene_motion.h"
 #include "support/scene_place.h"
-#include "support/scene_place_read.h"
 #include "support/suggest.h"
 
 #define PI 3.14159265358979323846

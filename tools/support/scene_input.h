@@ -1,11 +1,30 @@
 /* SPDX-License-Identifier: MIT */
-/* The surfaces of a scene's file in its world, as the mesh of one tree. */
+/*
+ * The surfaces of a scene's file in its world, as the mesh of one tree: meshes that are placed, and faces of voxels.
+ */
 #ifndef SVOCL_TOOLS_SUPPORT_SCENE_INPUT_H
 #define SVOCL_TOOLS_SUPPORT_SCENE_INPUT_H
 
 #include "support/input.h"
-#include "support/placed_mesh.h"
+#include "support/program.h"
 #include "support/scene_file.h"
+#include "svocl/mesh.h"
+#include "svocl/scene.h"
+#include "svocl/tree.h"
+
+/* A mesh with arrays of its own, but for texels. */
+typedef struct placed_mesh {
+    svo_mesh mesh; /* all zero: none */
+    double *positions;
+    uint32_t *indices;
+    float *normals;
+    uint8_t *colors;
+    float *uvs;
+    uint16_t *triangle_materials;
+    svo_material *materials;
+    svo_texture *textures;
+    svo_finish *finishes;
+} placed_mesh;
 
 /* Surfaces that are placed, and what they borrow. */
 typedef struct scene_input {

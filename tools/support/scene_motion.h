@@ -1,9 +1,19 @@
 /* SPDX-License-Identifier: MIT */
-/* How an instance of a scene's file moves: placements at times, and between them what lies in between. */
+/*
+ * Placements in a scene's file, and how its instances move: placements at times, and between them what lies in
+ * between.
+ */
 #ifndef SVOCL_TOOLS_SUPPORT_SCENE_MOTION_H
 #define SVOCL_TOOLS_SUPPORT_SCENE_MOTION_H
 
-#include "support/scene_place_read.h"
+#include "support/json_source.h"
+#include "support/scene_place.h"
+
+/* The member of that name, three numbers; out stays what it is without one. Returns the exit code. */
+int scene_place_read_vector(const json_source *source, const cJSON *object, const char *name, float out[3]);
+
+/* The members translate, rotate and scale, which may be missing. Returns the exit code. */
+int scene_place_read(const json_source *source, const cJSON *object, scene_place *out);
 
 typedef struct scene_key {
     float time;

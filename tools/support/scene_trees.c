@@ -4,9 +4,10 @@
 
 #include <stdlib.h>
 
-#include "support/compact_input.h"
+#include "support/input.h"
 #include "support/job.h"
 #include "support/picture.h"
+#include "support/viewpoint.h"
 
 /* The directory of compact trees in SVO_FORM_IMPLIED, which must be the same in all of a scene. */
 #define DIRECTORY_STEP_LOG2 5u
@@ -175,4 +176,48 @@ svo_scene_options scene_trees_place(const scene_trees *which, const svo_instance
                                .instances = instances,
                                .tree_count = (uint32_t)which->file->tree_count,
                                .instance_count = (uint32_t)instance_count};
+}
+
+/* ---- the scene ---- */
+
+static int place_trees(program *state, device_scene *which)
+{
+    const svo_scene_options asked = scene_trees_place(&which->trees, which->file.instances, which->file.instance_count);
+    progress_step(state->progress, "placing the trees");
+    return svo_scene_create(which->trees.opened.device, &asked, which->trees.opened.queue, &which->scene) == SVO_OK
+               ? PROGRAM_DONE
+               : scene_file_fail_library(&which->file, svo_device_message(which->trees.opened.device));
+}
+
+int device_scene_open(program *state, unsigned further_steps, device_scene *out)
+{
+    *out = (device_scene){.scene = NULL};
+    int exit_code = scene_file_open(state, state->options.input, &out->file);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    program_begin_progress(state, SCENE_TREES_STEPS * (unsigned)out->file.tree_count + 1 + further_steps);
+    exit_code = scene_trees_open(state, &out->file, &out->trees);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = place_trees(state, out);
+    }
+    if (exit_code != PROGRAM_DONE) {
+        device_scene_close(out);
+    }
+    return exit_code;
+}
+
+void device_scene_close(device_scene *which)
+{
+    svo_scene_destroy(&which->scene);
+    scene_trees_close(&which->trees);
+    scene_file_close(&which->file);
+}
+
+int device_scene_camera(program *state, const device_scene *which, svo_camera *camera)
+{
+    const viewpoint_subject shown = {.camera = which->file.has_camera ? &which->file.camera : NULL,
+                                     .scene = which->scene,
+                                     .aspect = viewpoint_aspect(state)};
+    return viewpoint_place(state, &shown, camera);
 }

@@ -11,7 +11,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include "support/utf8.h"
+#include "support/text.h"
 #include "svocl/plan.h"
 
 struct table {

@@ -10,6 +10,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "support/view_colors.h"
+
 /* Of the bar, in pixels of text of size 1. */
 #define BAR_WIDTH   120
 #define BAR_HEIGHT  8
@@ -50,16 +52,13 @@ static uint8_t byte_of(float share)
     return (uint8_t)(fminf(fmaxf(share, 0.0F), 1.0F) * 255.0F + 0.5F);
 }
 
-/* Near is bright; steps go from dark blue over green and yellow to red, as kernels/rays/view.cl colors them. */
+/* Near is bright, but no distance is as white as the background. */
 static void color_value(svo_render_view view, float value, uint8_t rgb[3])
 {
-    static const float peaks[3] = {0.90F, 0.55F, 0.15F};
-    static const float widths[3] = {0.55F, 0.45F, 0.35F};
-    static const float least[3] = {0.05F, 0.03F, 0.20F};
+    float steps[3];
+    view_colors_steps(value, steps);
     for (int channel = 0; channel < 3; ++channel) {
-        const float away = (value - peaks[channel]) / widths[channel];
-        rgb[channel] =
-            byte_of(view == SVO_VIEW_STEPS ? fmaxf(1.0F - away * away, least[channel]) : 0.93F - 0.85F * value);
+        rgb[channel] = byte_of(view == SVO_VIEW_STEPS ? steps[channel] : 0.93F - 0.85F * value);
     }
 }
 

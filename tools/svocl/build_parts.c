@@ -4,10 +4,10 @@
 
 #include <stdlib.h>
 
+#include "support/build_report.h"
 #include "support/json.h"
 #include "support/output.h"
 #include "support/parts_job.h"
-#include "support/peak_memory.h"
 #include "support/table.h"
 
 /* A build in parts and what it took. */

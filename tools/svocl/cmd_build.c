@@ -4,10 +4,7 @@
 #include "support/options_parse.h"
 #include "support/output.h"
 #include "support/picture.h"
-#include "support/plan_report.h"
-#include "support/solid_report.h"
 #include "support/table.h"
-#include "support/tree_output.h"
 #include "svocl/build_parts.h"
 #include "svocl/commands.h"
 

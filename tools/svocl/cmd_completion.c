@@ -7,8 +7,8 @@
 #include "scenes/scenes.h"
 #include "support/options_rules.h"
 #include "support/output.h"
+#include "support/subjects.h"
 #include "svocl/commands.h"
-#include "svocl/subjects.h"
 
 #define SHELLS "bash zsh fish"
 
@@ -36,8 +36,8 @@ static void put_scenes(FILE *script)
 
 static void put_subjects(FILE *script)
 {
-    for (size_t i = 0; subjects[i] != NULL; ++i) {
-        fprintf(script, "%s ", subjects[i]->name);
+    for (size_t i = 0; i < SUBJECT_COUNT; ++i) {
+        fprintf(script, "%s ", subject_table[i].name);
     }
     fputs("all errors", script);
 }

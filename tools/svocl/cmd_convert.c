@@ -9,7 +9,6 @@
 #include "support/output.h"
 #include "support/session.h"
 #include "support/table.h"
-#include "support/tree_output.h"
 #include "svocl/commands.h"
 
 /* What was read and written. */

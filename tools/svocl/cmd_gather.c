@@ -5,13 +5,13 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "measure/path.h"
+#include "path/path.h"
+#include "support/light_points.h"
 #include "support/lighting.h"
 #include "support/options_parse.h"
 #include "support/output.h"
 #include "support/table.h"
 #include "svocl/commands.h"
-#include "svocl/light_points.h"
 
 /* The exponent of the specular cones: points have no material. */
 #define SPECULAR_EXPONENT 64.0F

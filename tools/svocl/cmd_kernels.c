@@ -5,8 +5,8 @@
 
 #include "support/job.h"
 #include "support/json.h"
-#include "support/kernel_folder.h"
 #include "support/options_parse.h"
+#include "support/session.h"
 #include "support/table.h"
 #include "svocl/commands.h"
 

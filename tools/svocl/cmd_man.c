@@ -10,8 +10,8 @@
 #include "support/options_parse.h"
 #include "support/options_rules.h"
 #include "support/output.h"
+#include "support/subjects.h"
 #include "svocl/commands.h"
-#include "svocl/subjects.h"
 #include "svocl/version.h"
 
 #define PATH_BYTES 4096
@@ -55,7 +55,7 @@ static void put_paragraph(FILE *page, const char *text)
     fputc('\n', page);
 }
 
-/* name: of a command, or "" for the whole program. */
+/* name: of a command, "lab", or "" for the whole program. */
 static void put_head(FILE *page, const char *name, const char *summary)
 {
     fputs(".TH SVOCL", page);
@@ -134,10 +134,10 @@ static void put_output(FILE *page)
 static void put_subjects(FILE *page)
 {
     put_section(page, "SUBJECTS");
-    for (size_t i = 0; subjects[i] != NULL; ++i) {
+    for (size_t i = 0; i < SUBJECT_COUNT; ++i) {
         fputs(".TP\n.B ", page);
-        put_paragraph(page, subjects[i]->name);
-        put_paragraph(page, subjects[i]->summary);
+        put_paragraph(page, subject_table[i].name);
+        put_paragraph(page, subject_table[i].summary);
     }
     fputs(".TP\n.BR all \", \" errors\nAll of a group: the measurements of times and bytes; e1 to e5, e7 and e8.\n",
           page);
@@ -149,6 +149,36 @@ static void put_exit_status(FILE *page)
     fputs(".TP\n.B 0\nDone.\n.TP\n.B 1\nFailed; one line on standard error says why.\n.TP\n.B 2\nWrong usage.\n", page);
 }
 
+/* of_lab: only those that svocl-lab runs. */
+static void put_commands(FILE *page, const program *state, bool of_lab)
+{
+    put_section(page, "COMMANDS");
+    for (size_t i = 0; i < state->command_count; ++i) {
+        if (!of_lab || state->commands[i].in_lab) {
+            fputs(".TP\n", page);
+            fputs("\\fBsvocl\\-", page);
+            put_text(page, state->commands[i].name);
+            fputs("\\fR(1)\n", page);
+            put_paragraph(page, state->commands[i].summary);
+        }
+    }
+}
+
+static void put_lab(FILE *page, const program *state)
+{
+    put_head(page, "lab", "checks and measurements of svocl");
+    put_section(page, "SYNOPSIS");
+    fputs("\\fBsvocl\\-lab\\fR \\fICOMMAND\\fR [\\fIoptions\\fR]\n", page);
+    put_section(page, "DESCRIPTION");
+    put_paragraph(page,
+                  "What svocl runs for the commands that check and measure, with the same arguments. It looks for "
+                  "svocl-lab in its own folder, then along PATH.");
+    put_commands(page, state, true);
+    put_exit_status(page);
+    put_section(page, "SEE ALSO");
+    fputs(".BR svocl (1)\n", page);
+}
+
 static void put_program(FILE *page, const program *state)
 {
     put_head(page, "", "exact sparse voxel octrees of triangle meshes");
@@ -157,14 +187,7 @@ static void put_program(FILE *page, const program *state)
     put_section(page, "DESCRIPTION");
     put_paragraph(page,
                   "Builds sparse voxel octrees of triangle meshes with OpenCL, checks, renders and measures them.");
-    put_section(page, "COMMANDS");
-    for (size_t i = 0; i < state->command_count; ++i) {
-        fputs(".TP\n", page);
-        fputs("\\fBsvocl\\-", page);
-        put_text(page, state->commands[i].name);
-        fputs("\\fR(1)\n", page);
-        put_paragraph(page, state->commands[i].summary);
-    }
+    put_commands(page, state, false);
     put_section(page, "INPUT");
     put_input(page);
     put_section(page, "OUTPUT");
@@ -202,7 +225,7 @@ static void put_command(FILE *page, const command *which)
         fputs(".PP\n", page);
         put_output(page);
     }
-    if (which->run == command_bench) {
+    if ((which->groups & (unsigned)OPTION_BENCH_COMMAND) != 0) {
         put_subjects(page);
     }
     put_options(page, which);
@@ -215,13 +238,32 @@ static void put_command(FILE *page, const command *which)
 
 /* ---- the command ---- */
 
-/* which: NULL for the page of the whole program. */
-static int write_page(program *state, const char *folder, const command *which)
+/* name: of a command, "lab", or NULL for the whole program. False: no command has it. */
+static bool put_page(FILE *page, const program *state, const char *name)
+{
+    if (name == NULL) {
+        put_program(page, state);
+        return true;
+    }
+    if (strcmp(name, "lab") == 0) {
+        put_lab(page, state);
+        return true;
+    }
+    for (size_t i = 0; i < state->command_count; ++i) {
+        if (strcmp(state->commands[i].name, name) == 0) {
+            put_command(page, &state->commands[i]);
+            return true;
+        }
+    }
+    return false;
+}
+
+static int write_page(program *state, const char *folder, const char *name)
 {
     char path[PATH_BYTES];
     output_file file;
-    const int length = snprintf(path, sizeof path, "%s/svocl%s%s.1", folder, which != NULL ? "-" : "",
-                                which != NULL ? which->name : "");
+    const int length =
+        snprintf(path, sizeof path, "%s/svocl%s%s.1", folder, name != NULL ? "-" : "", name != NULL ? name : "");
     if (length < 0 || (size_t)length >= sizeof path) {
         return program_fail(state, PROGRAM_FAILED, "%s: the path is too long", folder);
     }
@@ -229,11 +271,7 @@ static int write_page(program *state, const char *folder, const command *which)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    if (which != NULL) {
-        put_command(file.stream, which);
-    } else {
-        put_program(file.stream, state);
-    }
+    (void)put_page(file.stream, state, name);
     return output_commit(state, &file);
 }
 
@@ -243,8 +281,11 @@ static int write_all(program *state, const char *folder)
         return program_fail(state, PROGRAM_FAILED, "%s: %s", folder, strerror(errno));
     }
     int exit_code = write_page(state, folder, NULL);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = write_page(state, folder, "lab");
+    }
     for (size_t i = 0; i < state->command_count && exit_code == PROGRAM_DONE; ++i) {
-        exit_code = write_page(state, folder, &state->commands[i]);
+        exit_code = write_page(state, folder, state->commands[i].name);
     }
     return exit_code;
 }
@@ -257,15 +298,7 @@ int command_man(program *state)
                    ? write_all(state, given->output_path)
                    : program_fail(state, PROGRAM_WRONG_USAGE, "-o DIR gets all pages, without COMMAND");
     }
-    if (given->input == NULL) {
-        put_program(stdout, state);
-        return PROGRAM_DONE;
-    }
-    for (size_t i = 0; i < state->command_count; ++i) {
-        if (strcmp(state->commands[i].name, given->input) == 0) {
-            put_command(stdout, &state->commands[i]);
-            return PROGRAM_DONE;
-        }
-    }
-    return program_fail(state, PROGRAM_WRONG_USAGE, "unknown command '%s', see svocl --help", given->input);
+    return put_page(stdout, state, given->input)
+               ? PROGRAM_DONE
+               : program_fail(state, PROGRAM_WRONG_USAGE, "unknown command '%s', see svocl --help", given->input);
 }

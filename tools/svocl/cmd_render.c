@@ -13,11 +13,7 @@
 #include "support/value_scale.h"
 #include "support/viewpoint.h"
 #include "svocl/commands.h"
-#include "svocl/render_animation.h"
-#include "svocl/render_light.h"
-#include "svocl/render_paged.h"
-#include "svocl/render_probes.h"
-#include "svocl/render_scene.h"
+#include "svocl/render.h"
 
 static int report_picture(program *state, const session *opened, const svo_camera *camera, const value_scale *scale,
                           double render_ms)

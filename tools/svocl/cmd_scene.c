@@ -6,7 +6,6 @@
 
 #include "scenes/scenes.h"
 #include "support/json.h"
-#include "support/mesh_output.h"
 #include "support/options_parse.h"
 #include "support/output.h"
 #include "support/table.h"

@@ -5,7 +5,7 @@
 #include "support/job.h"
 #include "support/options_parse.h"
 #include "support/output.h"
-#include "support/ray_table.h"
+#include "support/query_table.h"
 #include "support/table.h"
 #include "svocl/commands.h"
 

@@ -12,19 +12,13 @@ int command_info(program *state);
 int command_kernels(program *state);
 int command_hash(program *state);
 int command_convert(program *state);
-int command_verify(program *state);
 int command_render(program *state);
 int command_export_web(program *state);
 int command_view(program *state);
 int command_trace(program *state);
 int command_gather(program *state);
 int command_parts(program *state);
-int command_reference(program *state);
-int command_stress(program *state);
-int command_bench(program *state);
-int command_report(program *state);
 int command_completion(program *state);
 int command_man(program *state);
-void command_bench_print_subjects(void);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Renders the frames of a scene that moves, as support/animation.h makes them. */
-#include "svocl/render_animation.h"
+#include "svocl/render.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* svocl render --view ao, direct, gi, specular, full: exact rays for first hits and shadows, cones for the rest. */
-#include "svocl/render_light.h"
+#include "svocl/render.h"
 
 #include "support/lighting.h"
 #include "support/picture.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Renders a .svo file in pages: pictures follow each other until one misses nothing, or nothing more finds room. */
-#include "svocl/render_paged.h"
+#include "svocl/render.h"
 
 #include <inttypes.h>
 

@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: MIT */
 /* svocl render --through probes: camera rays meet no triangle and no voxel, only what probes have stored of them. */
-#include "svocl/render_probes.h"
+#include "svocl/render.h"
 
 #include <string.h>
 
 #include "support/lighting.h"
 #include "support/picture.h"
 #include "support/probe_picture.h"
+#include "support/scene_trees.h"
 #include "support/table.h"
-#include "svocl/placed_scene.h"
 
 typedef struct probe_render {
     program *state;
     job done; /* the tree; a scene's where it is lit */
     lighting lit; /* its light: for shaded pictures alone */
-    placed_scene placed; /* in place of a tree */
+    device_scene placed; /* in place of a tree */
     svo_device *device;
     cl_command_queue queue;
     svo_camera camera;
@@ -166,15 +166,15 @@ static int render_tree(probe_render *work)
 /* Light is of trees, so what shows none is of the scene as it is placed. */
 static int render_placed(probe_render *work)
 {
-    int exit_code = placed_scene_open(work->state, 2 + picture_frames(&work->state->options), &work->placed);
+    int exit_code = device_scene_open(work->state, 2 + picture_frames(&work->state->options), &work->placed);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
     work->device = work->placed.trees.opened.device;
     work->queue = work->placed.trees.opened.queue;
-    exit_code = placed_scene_camera(work->state, &work->placed, &work->camera);
+    exit_code = device_scene_camera(work->state, &work->placed, &work->camera);
     exit_code = exit_code == PROGRAM_DONE ? render(work) : exit_code;
-    placed_scene_close(&work->placed);
+    device_scene_close(&work->placed);
     return exit_code;
 }
 

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* Renders a scene of many placed trees, which it holds as they were built or in a compact form. */
-#include "svocl/render_scene.h"
+#include "svocl/render.h"
 
 #include "support/picture.h"
+#include "support/scene_trees.h"
 #include "support/table.h"
-#include "svocl/placed_scene.h"
 
 typedef struct scene_render {
     program *state;
-    placed_scene placed;
+    device_scene placed;
     svo_camera camera;
     double render_ms;
 } scene_render;
@@ -62,17 +62,17 @@ int render_scene(program *state)
     if (state->options.view != (int)SVO_VIEW_SHADED) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "option --view does not apply to a scene");
     }
-    int exit_code = placed_scene_open(state, 1 + picture_frames(&state->options), &work.placed);
+    int exit_code = device_scene_open(state, 1 + picture_frames(&state->options), &work.placed);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    exit_code = placed_scene_camera(state, &work.placed, &work.camera);
+    exit_code = device_scene_camera(state, &work.placed, &work.camera);
     if (exit_code == PROGRAM_DONE) {
         exit_code = picture_draw(state, "casting rays", &work.camera, draw, &work, &work.render_ms);
     }
     if (exit_code == PROGRAM_DONE) {
         exit_code = report(&work);
     }
-    placed_scene_close(&work.placed);
+    device_scene_close(&work.placed);
     return exit_code;
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Turning, moving and projecting, in double: a camera is turned many thousand times. */
+/* Turning, moving and projecting, in double: a camera is turned many thousand times. Probes are seen as spheres, whose
+   size follows the grid: neighbors never touch. */
 #include "view/camera.h"
 
 #include <math.h>
@@ -305,6 +306,13 @@ void camera_ray(const view_state *state, float x, float y, float direction[3])
     }
 }
 
+float camera_distance(const view_state *state)
+{
+    const float *eye = state->camera.at.eye;
+    const float *target = state->camera.at.target;
+    return hypotf(hypotf(target[0] - eye[0], target[1] - eye[1]), target[2] - eye[2]);
+}
+
 void camera_axes(const view_state *state, float right[3], float above[3], float sight[3])
 {
     const frame at = frame_of(&state->camera.at);
@@ -340,4 +348,54 @@ void camera_pick_ray(const view_state *state, float x, float y, svo_ray *ray)
     memcpy(ray->origin, state->camera.at.eye, sizeof ray->origin);
     camera_ray(state, x, y, ray->direction);
     camera_clip_ray(state, ray);
+}
+
+/* ---- probes as spheres ---- */
+
+#define RADIUS_OF_MEAN  0.06F /* of the mean of the steps between probes along the axes */
+#define RADIUS_OF_LEAST 0.25F /* of the least step, at most */
+#define RADIUS_PIXELS   2.5F /* at least */
+
+static float distance_along_sight(const svo_camera *camera, const float point[3])
+{
+    float along = 0;
+    float squared = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const float sight = camera->target[axis] - camera->eye[axis];
+        along += sight * (point[axis] - camera->eye[axis]);
+        squared += sight * sight;
+    }
+    return along / sqrtf(squared);
+}
+
+bool probe_sphere_project(const view_state *state, uint32_t index, probe_sphere *out)
+{
+    const svo_probe *probe = &state->probes.places[index];
+    const float *step = state->probes.made.step;
+    const float radius = fminf(RADIUS_OF_MEAN * (step[0] + step[1] + step[2]) / 3,
+                               RADIUS_OF_LEAST * fminf(fminf(step[0], step[1]), step[2]));
+    out->index = index;
+    if (!camera_project(state, probe->position, out->pixel)) {
+        return false;
+    }
+    out->away = distance_along_sight(&state->camera.at, probe->position);
+    const float scale = (float)state->height / (2 * tanf(state->camera.at.vertical_fov / 2) * out->away);
+    out->radius = fmaxf(radius * scale, RADIUS_PIXELS);
+    return true;
+}
+
+bool probe_sphere_at(const view_state *state, float x, float y, uint32_t *index)
+{
+    const bool are_shown = state->probes.has_spheres && state->probes.places != NULL;
+    const uint32_t count = are_shown ? state->probes.made.probe_count : 0;
+    float nearest = INFINITY;
+    for (uint32_t i = 0; i < count; ++i) {
+        probe_sphere sphere;
+        if (probe_sphere_project(state, i, &sphere) && sphere.away < nearest &&
+            hypotf(x - sphere.pixel[0], y - sphere.pixel[1]) <= sphere.radius) {
+            nearest = sphere.away;
+            *index = i;
+        }
+    }
+    return nearest < INFINITY;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The camera: around a point, or flying. */
+/* The camera: around a point, or flying; and where it sees points of the world, rays and probes. */
 #ifndef SVOCL_TOOLS_VIEW_CAMERA_H
 #define SVOCL_TOOLS_VIEW_CAMERA_H
 
@@ -49,10 +49,28 @@ void camera_up(const view_state *state, double up[3]);
    above. */
 void camera_look_along(view_state *state, int axis);
 
+/* From the eye to the target. */
+float camera_distance(const view_state *state);
+
 /* The camera's directions, unit: to the right and up in the picture, and of the line of sight. */
 void camera_axes(const view_state *state, float right[3], float above[3], float sight[3]);
 
 /* The direction of the ray through a place of the window, of length 1. */
 void camera_ray(const view_state *state, float x, float y, float direction[3]);
+
+/* ---- probes as spheres ---- */
+
+typedef struct probe_sphere {
+    uint32_t index; /* of the probe */
+    float pixel[2]; /* of its center */
+    float radius; /* pixels */
+    float away; /* along the line of sight, world units */
+} probe_sphere;
+
+/* False where the probe is behind the eye. */
+bool probe_sphere_project(const view_state *state, uint32_t index, probe_sphere *out);
+
+/* The nearest sphere at a place of the window. False where none is, or none is shown. */
+bool probe_sphere_at(const view_state *state, float x, float y, uint32_t *index);
 
 #endif

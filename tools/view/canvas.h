@@ -1,13 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-/* What the window shows below the panels: a picture in a texture, and lines and areas over it. */
+/* What the window shows below the panels: a picture in a texture, which comes from OpenCL by a buffer that both share,
+   and lines and areas over it. */
 #ifndef SVOCL_TOOLS_VIEW_CANVAS_H
 #define SVOCL_TOOLS_VIEW_CANVAS_H
 
 #include <stddef.h>
 #include <stdint.h>
 
+#include "support/program.h"
+#include "svocl/gl.h"
 #include "svocl/status.h"
 #include "view/gl.h"
+#include "view/state.h"
 
 /* A corner of a triangle over the picture. */
 typedef struct canvas_vertex {
@@ -53,5 +57,27 @@ bool canvas_show(canvas *which, svo_message *why);
 
 /* Reads what was drawn, before it is shown, rows from top to bottom, as opaque pixels. False on failure. */
 bool canvas_read(canvas *which, unsigned width, unsigned height, uint8_t *rgba, svo_message *why);
+
+/* ---- pixels from OpenCL ---- */
+
+/* The memory that pictures are drawn to by OpenCL and read from by OpenGL. */
+typedef struct pixel_buffer {
+    program *running;
+    svo_gl_context *context; /* the window's, current in all calls */
+    svo_gl_buffer *buffer; /* NULL: not made yet */
+    svo_gl_buffer_info info; /* of it */
+    svo_device *device; /* whose it is */
+    cl_command_queue queue; /* of the picture that is being drawn */
+} pixel_buffer;
+
+/* Gives the memory to OpenCL, with room for so many bytes. What it is and why goes to the state and its log when it is
+   made. Returns the exit code. */
+int pixel_buffer_begin(pixel_buffer *which, svo_device *device, cl_command_queue queue, size_t bytes,
+                       view_state *state);
+/* Waits for the picture, which takes the event, and gives its first bytes to OpenGL. Returns the exit code. */
+int pixel_buffer_finish(pixel_buffer *which, size_t used_bytes, cl_event drawn);
+
+/* Before its device goes. */
+void pixel_buffer_drop(pixel_buffer *which);
 
 #endif

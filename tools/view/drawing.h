@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* When what is drawn: coarse pictures while something moves, then finer ones until the full picture is there. Rows go
-   to the pixel buffer; the picture that they are part of is the canvas's. */
+/*
+ * When what is drawn: coarse pictures while something moves, then finer ones until the full picture is there. Rows go
+ * to the pixel buffer; the picture that they are part of is the canvas's. And what a click finds: by exact rays against
+ * triangles, and by rays against voxels.
+ */
 #ifndef SVOCL_TOOLS_VIEW_DRAWING_H
 #define SVOCL_TOOLS_VIEW_DRAWING_H
 
-#include "view/pixel_buffer.h"
+#include "view/canvas.h"
 #include "view/subject.h"
 
 /* What measures pictures: milliseconds. */
@@ -36,5 +39,10 @@ void drawing_end(drawing *which);
    light get finer band by band, since each takes long: so what happens meanwhile is seen soon. is_new: whether there is
    a picture or a band. Returns the exit code. */
 int drawing_next(drawing *which, subject *shown, view_state *state, const drawing_clock *clock, bool *is_new);
+
+/* ---- clicks ---- */
+
+/* Fills the selection with what is at a place of the window. Returns the exit code. */
+int pick_at(subject *which, view_state *state, int x, int y);
 
 #endif

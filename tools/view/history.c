@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "view/edit.h"
+
 typedef enum part { PART_SOURCES = 0, PART_SKY, PART_INSTANCES, PART_MOVERS, PART_SCENE_LIGHTS, PARTS } part;
 
 static const char *const part_names[PARTS] = {"lights", "the sky", "instances", "motions", "lights"};
@@ -231,15 +233,6 @@ void history_begin(view_state *state)
     }
 }
 
-void history_saved(view_state *state, view_document document)
-{
-    if (state->history != NULL) {
-        history_look(state, false);
-        state->history->saved[document] = versions_of(state->history)[document];
-        tell_unsaved(state);
-    }
-}
-
 /* ---- steps ---- */
 
 /* Leaves out what two lists have alike at their begins and ends. */
@@ -338,6 +331,7 @@ static void look(view_state *state)
 void history_look(view_state *state, bool is_held)
 {
     view_history *which = state->history;
+    const bool is_at_work = is_held || state->seconds < state->wheel_rests;
     if (which == NULL) {
         return;
     }
@@ -346,11 +340,34 @@ void history_look(view_state *state, bool is_held)
     if (is_changed && which->failed) {
         which->first[VIEW_SCENE] = which->first[VIEW_LIGHTS] = ++which->last;
         which->seen = state->revisions;
-    } else if (is_changed && !is_held) {
+    } else if (is_changed && !is_at_work) {
         look(state);
     }
-    which->is_scene = is_changed && is_held ? which->is_scene : state->is_scene;
+    which->is_scene = is_changed && is_at_work ? which->is_scene : state->is_scene;
     tell_unsaved(state);
+}
+
+/* Whatever is at work. */
+static void look_now(view_state *state)
+{
+    state->wheel_rests = 0;
+    history_look(state, false);
+}
+
+void history_settle(view_state *state)
+{
+    if (state->seconds < state->wheel_rests) {
+        look_now(state);
+    }
+}
+
+void history_saved(view_state *state, view_document document)
+{
+    if (state->history != NULL) {
+        look_now(state);
+        state->history->saved[document] = versions_of(state->history)[document];
+        tell_unsaved(state);
+    }
 }
 
 /* ---- back and on ---- */
@@ -437,7 +454,7 @@ static void go(view_state *state, const step *made, bool is_back)
 void history_undo(view_state *state)
 {
     view_history *which = state->history;
-    history_look(state, false);
+    look_now(state);
     if (which == NULL || which->done == 0) {
         view_log(state, "nothing to undo");
     } else {
@@ -448,7 +465,7 @@ void history_undo(view_state *state)
 void history_redo(view_state *state)
 {
     view_history *which = state->history;
-    history_look(state, false);
+    look_now(state);
     if (which == NULL || which->done == which->count) {
         view_log(state, "nothing to redo");
     } else {

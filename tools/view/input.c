@@ -6,12 +6,9 @@
 #include <stdlib.h>
 
 #include "view/camera.h"
+#include "view/dialogs.h"
+#include "view/edit.h"
 #include "view/history.h"
-#include "view/light_edit.h"
-#include "view/open_dialog.h"
-#include "view/play.h"
-#include "view/question.h"
-#include "view/scene_edit.h"
 
 /* Pixels of a plain display that the mouse may move in a click. */
 #define CLICK_PIXELS 3.0F

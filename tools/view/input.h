@@ -3,8 +3,8 @@
 #ifndef SVOCL_TOOLS_VIEW_INPUT_H
 #define SVOCL_TOOLS_VIEW_INPUT_H
 
-#include "view/events.h"
 #include "view/state.h"
+#include "view/ui.h"
 
 /* The mouse, from one event to the next. */
 typedef struct input_mouse {

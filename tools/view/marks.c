@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Lines as thin rectangles, areas as triangles, in pixels. */
+/* Lines as thin rectangles, areas as triangles, in pixels. Lines of the ground are cut into pieces of few pixels, and a
+   ray to the middle of each tells whether something hides it. */
 #include "view/marks.h"
 
 #include <math.h>
@@ -7,8 +8,314 @@
 #include <string.h>
 
 #include "view/camera.h"
-#include "view/probe_spheres.h"
-#include "view/ui_theme.h"
+#include "view/ui.h"
+
+/* Pixels of a piece: at rest, and while something moves. */
+#define PIECE_FINE   5.0F
+#define PIECE_COARSE 12.0F
+/* How often a line is halved. */
+#define HALVINGS_MAX 11
+/* Lines across the grid, about. */
+#define LINES 20.0
+/* The grid's radius, in widths of what stands on it. */
+#define RADIUS 1.1
+/* Rays end before the ground: it touches what stands on it. */
+#define NEAR_SHARE 0.998F
+
+/* The plane: two directions on it, a point of it, and the round distance between lines. */
+typedef struct plane {
+    double along[2][3], up[3];
+    double middle[2], height; /* coordinates of the grid's center */
+    double radius, spacing;
+} plane;
+
+/* ---- the plane ---- */
+
+/* 1, 2 or 5 times a power of ten, not below the number. */
+static double round_up(double number)
+{
+    const double power = pow(10, floor(log10(number)));
+    const double share = number / power;
+    return power * (share <= 1 ? 1 : share <= 2 ? 2 : share <= 5 ? 5 : 10);
+}
+
+/* Where up is an axis, the directions are the others. */
+static void find_directions(plane *out)
+{
+    int first = 0;
+    for (int axis = 1; axis < 3; ++axis) {
+        first = fabs(out->up[axis]) < fabs(out->up[first]) - 1e-9 ? axis : first;
+    }
+    const double share = out->up[first];
+    double length = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        out->along[0][axis] = (axis == first ? 1 : 0) - share * out->up[axis];
+        length += out->along[0][axis] * out->along[0][axis];
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        out->along[0][axis] /= sqrt(length);
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        const int next = (axis + 1) % 3;
+        const int last = (axis + 2) % 3;
+        out->along[1][axis] = out->along[0][next] * out->up[last] - out->along[0][last] * out->up[next];
+    }
+}
+
+static bool find_plane(const view_state *state, plane *out)
+{
+    double width = 0;
+    camera_up(state, out->up);
+    find_directions(out);
+    out->height = 0;
+    out->middle[0] = out->middle[1] = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double low = (double)state->low[axis];
+        const double high = (double)state->high[axis];
+        out->height += fmin(out->up[axis] * low, out->up[axis] * high);
+        out->middle[0] += out->along[0][axis] * 0.5 * (low + high);
+        out->middle[1] += out->along[1][axis] * 0.5 * (low + high);
+        width = fmax(width, high - low);
+    }
+    out->radius = RADIUS * width;
+    out->spacing = width > 0 ? round_up(2 * out->radius / LINES) : 0;
+    return width > 0 && isfinite(width);
+}
+
+static void place(const plane *on, double first, double second, float out[3])
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        out[axis] = (float)(first * on->along[0][axis] + second * on->along[1][axis] + on->height * on->up[axis]);
+    }
+}
+
+/* ---- pieces ---- */
+
+static bool make_room(ground *which)
+{
+    if (which->count < which->capacity) {
+        return true;
+    }
+    const size_t wanted = which->capacity > 0 ? 2 * which->capacity : 1024;
+    which->failed = true;
+    view_piece *pieces = realloc(which->pieces, wanted * sizeof *pieces);
+    if (pieces == NULL) {
+        return false;
+    }
+    which->pieces = pieces;
+    svo_ray *rays = realloc(which->rays, wanted * sizeof *rays);
+    if (rays == NULL) {
+        return false;
+    }
+    which->rays = rays;
+    which->capacity = wanted;
+    which->failed = false;
+    return true;
+}
+
+/* Lines fade towards the grid's rim. The lines of the world's axes have their colors. */
+static void add_piece(ground *which, const view_state *state, const float from[3], const float to[3], int axis,
+                      float fade)
+{
+    static const float colors[4][3] = {
+        {0.80F, 0.12F, 0.16F}, {0.12F, 0.56F, 0.16F}, {0.12F, 0.28F, 0.85F}, {0.16F, 0.18F, 0.22F}};
+    if (!make_room(which)) {
+        return;
+    }
+    view_piece *piece = &which->pieces[which->count];
+    svo_ray *ray = &which->rays[which->count++];
+    float length = 0;
+    memcpy(piece->from, from, sizeof piece->from);
+    memcpy(piece->to, to, sizeof piece->to);
+    memcpy(piece->color, colors[axis], sizeof colors[0]);
+    piece->color[3] = (axis < 3 ? 0.9F : 0.5F) * fade;
+    *ray = (svo_ray){.t_max = INFINITY};
+    for (int i = 0; i < 3; ++i) {
+        ray->origin[i] = state->camera.at.eye[i];
+        ray->direction[i] = 0.5F * (from[i] + to[i]) - ray->origin[i];
+        length += ray->direction[i] * ray->direction[i];
+    }
+    for (int i = 0; i < 3 && length > 0; ++i) {
+        ray->direction[i] /= sqrtf(length);
+    }
+    camera_clip_ray(state, ray);
+    ray->t_max = fminf(ray->t_max, NEAR_SHARE * sqrtf(length));
+}
+
+static bool is_beside(const view_state *state, const float a[2], const float b[2])
+{
+    return (a[0] < 0 && b[0] < 0) || (a[1] < 0 && b[1] < 0) ||
+           (a[0] > (float)state->width && b[0] > (float)state->width) ||
+           (a[1] > (float)state->height && b[1] > (float)state->height);
+}
+
+/* A line from begin to end, in the plane's coordinates of one direction; across: that of the other. */
+typedef struct line {
+    const plane *on;
+    int direction;
+    int axis; /* of its color */
+    double across, begin, end;
+    float piece_pixels;
+} line;
+
+static void add_grid_line(ground *which, const view_state *state, const line *cut, int halvings)
+{
+    float from[3] = {0};
+    float to[3] = {0};
+    float a[2];
+    float b[2];
+    const double ends[2] = {cut->begin, cut->end};
+    for (int i = 0; i < 2; ++i) {
+        place(cut->on, cut->direction == 0 ? ends[i] : cut->across, cut->direction == 0 ? cut->across : ends[i],
+              i == 0 ? from : to);
+    }
+    const bool sees_from = camera_project(state, from, a);
+    const bool sees_to = camera_project(state, to, b);
+    if ((!sees_from && !sees_to) || (sees_from && sees_to && is_beside(state, a, b)) || which->failed) {
+        return;
+    }
+    const double middle = 0.5 * (cut->begin + cut->end);
+    if (sees_from && sees_to && hypotf(b[0] - a[0], b[1] - a[1]) <= cut->piece_pixels) {
+        const double first = middle - cut->on->middle[cut->direction];
+        const double second = cut->across - cut->on->middle[1 - cut->direction];
+        const double share = (first * first + second * second) / (cut->on->radius * cut->on->radius);
+        add_piece(which, state, from, to, cut->axis, (float)fmax(1 - share, 0));
+    } else if (halvings > 0) {
+        line half = *cut;
+        half.end = middle;
+        add_grid_line(which, state, &half, halvings - 1);
+        half.begin = middle;
+        half.end = cut->end;
+        add_grid_line(which, state, &half, halvings - 1);
+    }
+}
+
+/* The color of the axis that a line is part of; 3: of none. */
+static int axis_of(const plane *on, int direction, double across)
+{
+    for (int axis = 0; axis < 3 && across == 0; ++axis) {
+        if (fabs(on->along[direction][axis]) > 1 - 1e-9) {
+            return axis;
+        }
+    }
+    return 3;
+}
+
+/* Lines of one direction within the grid's disc. */
+static void add_lines(ground *which, const view_state *state, const plane *on, int direction)
+{
+    const double middle = on->middle[1 - direction];
+    const double first = ceil((middle - on->radius) / on->spacing);
+    for (double k = first; k * on->spacing <= middle + on->radius; ++k) {
+        const double away = k * on->spacing - middle;
+        const double half = sqrt(fmax(on->radius * on->radius - away * away, 0));
+        const line whole = {.on = on,
+                            .direction = direction,
+                            .axis = axis_of(on, direction, k),
+                            .across = k * on->spacing,
+                            .begin = on->middle[direction] - half,
+                            .end = on->middle[direction] + half,
+                            .piece_pixels = state->is_refined ? PIECE_FINE : PIECE_COARSE};
+        add_grid_line(which, state, &whole, HALVINGS_MAX);
+    }
+}
+
+/* ---- what is hidden ---- */
+
+static svo_status trace(const ground *which, subject *shown, const view_state *state, bool *is_hidden)
+{
+    const float pixel = 2 * tanf(state->camera.at.vertical_fov / 2) / (float)state->height;
+    const size_t bytes = state->is_scene ? sizeof(svo_scene_hit) : sizeof(svo_voxel_hit);
+    void *hits = malloc(which->count * bytes);
+    svo_scene_hit *scene_hits = hits;
+    svo_voxel_hit *tree_hits = hits;
+    if (hits == NULL) {
+        return SVO_OUT_OF_HOST_MEMORY;
+    }
+    const svo_status status = state->is_scene
+                                  ? svo_scene_trace(placed_scene(shown->placed), which->rays, scene_hits, which->count,
+                                                    pixel, SVO_SCENE_ANY, subject_queue(shown))
+                                  : svo_tree_trace_voxels(subject_tree(shown, state), which->rays, tree_hits,
+                                                          which->count, pixel, subject_queue(shown));
+    const size_t known = status == SVO_OK ? which->count : 0;
+    for (size_t i = 0; i < known; ++i) {
+        is_hidden[i] = state->is_scene ? scene_hits[i].node != SVO_NO_NODE : tree_hits[i].node != SVO_NO_NODE;
+    }
+    free(hits);
+    return status;
+}
+
+static svo_status hide(ground *which, subject *shown, const view_state *state)
+{
+    size_t kept = 0;
+    bool *is_hidden = malloc(which->count + 1);
+    svo_status status = is_hidden != NULL && !which->failed ? SVO_OK : SVO_OUT_OF_HOST_MEMORY;
+    if (status == SVO_OK && which->count > 0) {
+        status = trace(which, shown, state, is_hidden);
+    }
+    const size_t known = status == SVO_OK ? which->count : 0;
+    for (size_t i = 0; i < known; ++i) {
+        if (!is_hidden[i]) {
+            which->pieces[kept++] = which->pieces[i];
+        }
+    }
+    which->count = kept;
+    free(is_hidden);
+    return status;
+}
+
+/* ---- all of it ---- */
+
+static ground_key key_of(const view_state *state)
+{
+    ground_key key;
+    memset(&key, 0, sizeof key);
+    key.camera = state->camera.at;
+    key.clip = state->shown.clip;
+    key.revisions = state->revisions;
+    memcpy(key.low, state->low, sizeof key.low);
+    memcpy(key.high, state->high, sizeof key.high);
+    key.width = state->width;
+    key.height = state->height;
+    key.level = state->shown.level;
+    key.is_scene = state->is_scene;
+    key.is_refined = state->is_refined;
+    return key;
+}
+
+int ground_update(ground *which, subject *shown, view_state *state)
+{
+    plane on;
+    const ground_key key = key_of(state);
+    const bool is_shown = state->settings.grid && find_plane(state, &on);
+    state->ground_count = is_shown ? which->count : 0;
+    state->ground_spacing = is_shown ? (float)on.spacing : 0;
+    if (!is_shown || memcmp((const void *)&key, (const void *)&which->made, sizeof key) == 0) {
+        return PROGRAM_DONE;
+    }
+    which->made = key;
+    which->count = 0;
+    which->failed = false;
+    add_lines(which, state, &on, 0);
+    add_lines(which, state, &on, 1);
+    const svo_status status = hide(which, shown, state);
+    state->ground = which->pieces;
+    state->ground_count = which->count;
+    if (status == SVO_OUT_OF_HOST_MEMORY) {
+        return program_fail(shown->running, PROGRAM_FAILED, "out of memory for the ground grid");
+    }
+    return status == SVO_OK ? PROGRAM_DONE
+                            : program_fail_library(shown->running, svo_device_message(subject_device(shown)));
+}
+
+void ground_end(ground *which)
+{
+    free(which->pieces);
+    free(which->rays);
+    *which = (ground){.count = 0};
+}
+
+/* ---- pixels ---- */
 
 /* Half of a line's width, pixels. */
 #define THIN  0.75F

@@ -4,10 +4,10 @@
 #define SVOCL_TOOLS_VIEW_OVERLAY_H
 
 #include "svocl/status.h"
-#include "view/events.h"
 #include "view/gl.h"
 #include "view/panels.h"
 #include "view/state.h"
+#include "view/ui.h"
 
 typedef struct overlay overlay;
 

@@ -29,4 +29,11 @@ void panels_describe_work(ui *toolkit, const panels_work *work, float width, flo
 /* Whether text is large, by the settings and the window. */
 bool panels_text_is_large(const view_state *state);
 
+/* What the last frame that drew took to make, "idle" before it while nothing is drawn. */
+typedef struct panels_text {
+    char text[64];
+} panels_text;
+
+panels_text panels_time(const view_state *state);
+
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What stands in each section of the panels; the files panels_*.c have them. */
+/* The sections of the panels that panels_look.c and panels_scene.c have. */
 #ifndef SVOCL_TOOLS_VIEW_PANELS_PAGES_H
 #define SVOCL_TOOLS_VIEW_PANELS_PAGES_H
 
@@ -8,12 +8,9 @@
 
 typedef void panels_page(ui *toolkit, view_state *state);
 
-panels_page panels_frames; /* times as a graph, rays a second */
-panels_page panels_memory; /* by buffer, beside the plan */
 panels_page panels_picture; /* what is shown */
 panels_page panels_camera;
 panels_page panels_lights;
-panels_page panels_selection; /* what a click found */
 panels_page panels_instances;
 panels_page panels_motion; /* playing what moves */
 panels_page panels_probes;

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Placed trees: a scene's file, or the one tree that is looked at, and its instances as they are edited. */
+/* Placed trees: a scene's file, or the one tree that is looked at, and its instances as they are edited; and the tree
+   of what moves in it, at the frame that the state asks for, which svocl render --animate draws. */
 #ifndef SVOCL_TOOLS_VIEW_PLACED_H
 #define SVOCL_TOOLS_VIEW_PLACED_H
 
+#include "support/animation.h"
 #include "support/scene_trees.h"
 #include "view/state.h"
 
@@ -46,5 +48,26 @@ const svo_tree *placed_tree(const placed *which, uint32_t index);
 const scene_file *placed_file(const placed *which);
 svo_device *placed_device(const placed *which);
 cl_command_queue placed_queue(const placed *which);
+
+/* ---- what moves ---- */
+
+typedef struct film {
+    program *running;
+    animation moving;
+    bool is_open;
+    scene_motion *motions; /* of the animation, as they were edited; motion_count */
+    size_t motion_count;
+    unsigned revision; /* of the state's instances */
+    uint64_t frame; /* of the tree */
+} film;
+
+/* Makes the tree of a scene's file with the state's instances and motions, anew after they were edited, and moves it
+   to the state's frame. Where that fails the log says so: the frame before is shown, or without one the instances.
+   Returns the exit code. */
+int film_update(film *which, const placed *from, view_state *state);
+void film_close(film *which);
+
+/* NULL: there is none. */
+svo_tree *film_tree(const film *which);
 
 #endif

@@ -4,8 +4,19 @@
 #define SVOCL_TOOLS_VIEW_PROBING_H
 
 #include "support/program.h"
-#include "view/probe_map.h"
 #include "view/state.h"
+
+/* The map of a probe as it is shown. */
+typedef struct probe_map {
+    uint32_t *texels; /* two words each */
+    uint8_t *rgba;
+    unsigned edge; /* texels along a side; 0: there is none */
+    uint32_t probe;
+    view_map kind;
+    float exposure;
+    unsigned version; /* of the probes */
+    bool is_new; /* its pixels are others than before the last update */
+} probe_map;
 
 /* What probes are made of. */
 typedef struct probing_source {

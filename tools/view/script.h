@@ -8,8 +8,8 @@
 #define SVOCL_TOOLS_VIEW_SCRIPT_H
 
 #include "support/program.h"
-#include "view/events.h"
 #include "view/state.h"
+#include "view/ui.h"
 
 #define SCRIPT_FRAME_SECONDS (1.0 / 60.0)
 

@@ -354,6 +354,7 @@ typedef struct view_state {
     bool unsaved[VIEW_DOCUMENTS]; /* edits that no file has */
     view_question question;
     view_history *history; /* NULL: nothing is open */
+    double wheel_rests; /* in the clock's seconds: until then the wheel may go on moving a light */
     view_revisions looked; /* those that unsaved tells of */
 
     view_selection selection;
@@ -418,6 +419,8 @@ void view_choose_gi(view_state *state, bool is_on);
 void view_choose_photons(view_state *state, bool is_on);
 void view_choose_exposure(view_state *state, float exposure);
 void view_toggle_panel(view_state *state, view_panel panel);
+/* Whether the tree of what moves is shown. */
+bool view_shows_film(const view_state *state);
 
 /* Clips by a plane through the middle of what is shown, across the axis that the camera looks along most; or clips no
    more. */
@@ -441,30 +444,5 @@ bool view_shows_probes(const view_state *state);
 void view_hide_probes(view_state *state);
 /* The same, and says that what moves has none. */
 void view_refuse_probes(view_state *state);
-
-/* Lights. After a change of a source or the sky by hand, view_lights_changed. Adding one fails without memory. */
-void view_lights_changed(view_state *state);
-bool view_add_source(view_state *state, const svo_light_source *source);
-void view_remove_source(view_state *state, size_t index);
-
-/* Instances. After a change of a matrix by hand, view_instances_changed. Adding one fails without memory. */
-void view_instances_changed(view_state *state);
-bool view_add_instance(view_state *state, const svo_instance *instance);
-void view_remove_instance(view_state *state, size_t index);
-/* The motion of an instance; NULL: it has none. */
-view_mover *view_mover_of(const view_state *state, size_t instance);
-/* A key of it: as the file has it, but moved, turned and scaled as its first key is. */
-scene_place view_mover_key(const view_mover *mover, size_t key);
-/* Of an instance above those that move. Fails without memory. */
-bool view_add_mover(view_state *state, const view_mover *mover);
-
-/* Shows the tree as the first instance of a scene, or alone again. A scene from a file has no tree alone, but if it has
-   motions the tree of what moves. */
-void view_choose_scene(view_state *state, bool is_scene);
-/* Whether the tree of what moves is shown. */
-bool view_shows_film(const view_state *state);
-/* Lights of a scene, at most SVO_SCENE_LIGHTS_MAX. */
-void view_add_scene_light(view_state *state);
-void view_remove_scene_light(view_state *state, size_t index);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Trees and lights of the viewer, by the functions of svocl render. */
+/* Trees and lights of the viewer, by the functions of svocl render; and the bytes of their buffers. */
 #include "view/subject.h"
 
 #include <math.h>
@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "support/viewpoint.h"
+#include "view/edit.h"
 #include "view/history.h"
 
 /* ---- opening ---- */
@@ -407,71 +408,7 @@ int subject_update(subject *which, view_state *state)
     return exit_code == PROGRAM_DONE && !view_shows_film(state) ? update_probes(which, state) : exit_code;
 }
 
-/* ---- pictures ---- */
-
-static svo_light_view light_view(view_picture picture)
-{
-    static const svo_light_view views[] = {SVO_LIGHT_VIEW_AO, SVO_LIGHT_VIEW_DIRECT, SVO_LIGHT_VIEW_INDIRECT,
-                                           SVO_LIGHT_VIEW_FULL, SVO_LIGHT_VIEW_SPECULAR};
-    return views[picture - VIEW_AO];
-}
-
-/* The last band ends with the picture; the library cuts it there. */
-static unsigned round_rows(unsigned rows)
-{
-    return (rows + SVO_LIGHT_BAND_ROWS - 1) / SVO_LIGHT_BAND_ROWS * SVO_LIGHT_BAND_ROWS;
-}
-
-static svo_status draw_light(subject *which, const view_state *state, const picture_part *part, cl_mem pixels,
-                             cl_event *drawn)
-{
-    const view_shown *shown = &state->shown;
-    svo_light_picture asked = {.struct_size = sizeof asked,
-                               .width = part->width,
-                               .height = part->height,
-                               .camera = state->camera.at,
-                               .view = light_view(shown->picture),
-                               .gather = {.struct_size = sizeof asked.gather,
-                                          .cones = shown->cones,
-                                          .range = shown->range,
-                                          .falloff = shown->falloff,
-                                          .no_light = !shown->gi},
-                               .exposure = shown->exposure,
-                               .first_row = part->first_row,
-                               .row_count = round_rows(part->row_count)};
-    view_clip_plane(state, asked.clip);
-    return svo_light_render_enqueue(which->lit.light, &asked, pixels, which->done.opened.queue, 0, NULL, drawn);
-}
-
-static svo_status draw_tree(subject *which, const view_state *state, const picture_part *part, cl_mem pixels,
-                            cl_event *drawn)
-{
-    static const svo_render_view views[] = {SVO_VIEW_SHADED, SVO_VIEW_NORMAL, SVO_VIEW_DEPTH,
-                                            SVO_VIEW_STEPS,  SVO_VIEW_LEVEL,  SVO_VIEW_TRIANGLES};
-    svo_render_options asked = {.struct_size = sizeof asked,
-                                .width = part->width,
-                                .height = part->height,
-                                .camera = state->camera.at,
-                                .view = views[state->shown.picture]};
-    view_clip_plane(state, asked.clip);
-    return svo_tree_render_enqueue(subject_device(which), subject_tree(which, state), &asked, pixels,
-                                   subject_queue(which), 0, NULL, drawn);
-}
-
-int subject_draw(subject *which, view_state *state, const picture_part *part, cl_mem pixels, cl_event *drawn)
-{
-    if (state->shown.through) {
-        return probing_draw(&which->probes, state, part->width, part->height, pixels, drawn);
-    }
-    if (state->is_scene) {
-        return placed_draw(which->placed, state, part->width, part->height, pixels, drawn);
-    }
-    const svo_status status = subject_picture_is_lit(state->shown.picture)
-                                  ? draw_light(which, state, part, pixels, drawn)
-                                  : draw_tree(which, state, part, pixels, drawn);
-    return status == SVO_OK ? PROGRAM_DONE
-                            : program_fail_library(which->running, svo_device_message(subject_device(which)));
-}
+/* ---- what it is made of ---- */
 
 svo_tree *subject_tree(const subject *which, const view_state *state)
 {
@@ -486,4 +423,134 @@ svo_device *subject_device(const subject *which)
 cl_command_queue subject_queue(const subject *which)
 {
     return placed_queue(which->placed);
+}
+
+/* ---- bytes on the device, by OpenCL, beside plans by the library ---- */
+
+/* prefix: "" or what the buffer is part of, with a space. */
+static void add_memory(view_state *state, const char *prefix, const char *name, uint64_t planned_bytes, uint64_t bytes)
+{
+    if (state->memory_count < VIEW_MEMORY_MAX && (bytes > 0 || planned_bytes > 0)) {
+        view_memory *added = &state->memory[state->memory_count++];
+        *added = (view_memory){.planned_bytes = planned_bytes, .bytes = bytes};
+        (void)snprintf(added->name, sizeof added->name, "%s%s", prefix, name);
+    }
+}
+
+static uint64_t bytes_of(cl_mem buffer)
+{
+    size_t bytes = 0;
+    return buffer != NULL && clGetMemObjectInfo(buffer, CL_MEM_SIZE, sizeof bytes, &bytes, NULL) == CL_SUCCESS ? bytes
+                                                                                                               : 0;
+}
+
+/* ---- bytes of a tree ---- */
+
+/* plan: NULL: the tree was loaded. */
+static uint64_t planned_bytes(const svo_plan *plan, const char *name)
+{
+    const size_t count = plan != NULL ? svo_plan_buffer_count(plan) : 0;
+    for (size_t i = 0; i < count; ++i) {
+        svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
+        if (svo_plan_get_buffer(plan, i, &buffer) == SVO_OK && strcmp(buffer.name, name) == 0) {
+            return buffer.bytes;
+        }
+    }
+    return 0;
+}
+
+static void list_arrays(const svo_tree *tree, const char *prefix, const svo_plan *plan, view_state *state)
+{
+    for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
+        const char *name = svo_tree_buffer_name((svo_tree_buffer)i);
+        const uint64_t bytes = bytes_of(svo_tree_get_buffer(tree, (svo_tree_buffer)i));
+        add_memory(state, prefix, name, bytes > 0 ? planned_bytes(plan, name) : 0, bytes);
+    }
+}
+
+static int list_tree(const subject *which, view_state *state)
+{
+    const job *done = &which->done;
+    svo_plan *plan = NULL;
+    if (done->source.mesh != NULL) {
+        const uint32_t need = lighting_need(&which->running->options, &done->source);
+        const int exit_code = job_plan(which->running, done->opened.device, &done->source, need, &plan);
+        if (exit_code != PROGRAM_DONE) {
+            return exit_code;
+        }
+    }
+    list_arrays(done->result.tree, "", plan, state);
+    add_memory(state, "", "BVH", 0, svo_tree_ray_bytes(done->result.tree));
+    svo_plan_destroy(&plan);
+    return PROGRAM_DONE;
+}
+
+/* ---- bytes of light ---- */
+
+static void list_light(const subject *which, view_state *state)
+{
+    const svo_light_options asked = {.struct_size = sizeof asked, .form = which->form};
+    svo_light_info planned = SVO_LIGHT_INFO_INIT;
+    svo_light_info held = SVO_LIGHT_INFO_INIT;
+    if (svo_light_plan(which->done.result.tree, &asked, &planned) != SVO_OK ||
+        svo_light_get_info(which->lit.light, &held) != SVO_OK) {
+        return;
+    }
+    for (int i = 0; i < SVO_LIGHT_BUFFER_COUNT; ++i) {
+        add_memory(state, "light ", svo_light_buffer_name((svo_light_buffer)i), planned.bytes[i], held.bytes[i]);
+    }
+}
+
+/* ---- bytes of a scene ---- */
+
+static void list_scene(const subject *which, view_state *state)
+{
+    svo_scene_info held = SVO_SCENE_INFO_INIT;
+    svo_scene_info planned = SVO_SCENE_INFO_INIT;
+    if (svo_scene_get_info(placed_scene(which->placed), &held) == SVO_OK &&
+        placed_plan(which->placed, state, &planned) == SVO_OK) {
+        add_memory(state, "scene ", "trees", planned.tree_bytes, held.tree_bytes);
+        add_memory(state, "scene ", "instances", planned.instance_bytes, held.instance_bytes);
+        add_memory(state, "scene ", "hierarchy", planned.hierarchy_bytes, held.hierarchy_bytes);
+        add_memory(state, "scene ", "sort", planned.sort_bytes, held.sort_bytes);
+    }
+}
+
+/* ---- bytes of what moves ---- */
+
+static void list_film(const subject *which, view_state *state)
+{
+    svo_moving_info info = SVO_MOVING_INFO_INIT;
+    if (svo_moving_get_info(which->film.moving.moving, &info) == SVO_OK) {
+        list_arrays(film_tree(&which->film), "moving ", NULL, state);
+        add_memory(state, "moving ", "lists", 0, info.list_bytes);
+    }
+}
+
+/* ---- bytes of probes, and of all ---- */
+
+static void list_probes(const subject *which, view_state *state)
+{
+    const svo_probe_info *planned = &which->probes.plan;
+    const svo_probe_info *made = &state->probes.made;
+    for (int i = 0; i < SVO_PROBES_BUFFER_COUNT && made->probe_count > 0; ++i) {
+        add_memory(state, "probes ", svo_probes_buffer_name((svo_probes_buffer)i), planned->bytes[i], made->bytes[i]);
+    }
+}
+
+int subject_list_memory(const subject *which, view_state *state)
+{
+    state->memory_count = 0;
+    const int exit_code = which->has_tree ? list_tree(which, state) : PROGRAM_DONE;
+    if (which->has_tree && which->is_lit) {
+        list_light(which, state);
+    }
+    if (placed_scene(which->placed) != NULL) {
+        list_scene(which, state);
+    }
+    if (film_tree(&which->film) != NULL) {
+        list_film(which, state);
+    }
+    list_probes(which, state);
+    return exit_code;
 }

@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* What is looked at: the tree on the device and its light, a scene of placed trees, or the tree of what moves in it;
-   and what the library draws of them. */
+/* What is looked at: the tree on the device and its light, a scene of placed trees, or the tree of what moves in it. */
 #ifndef SVOCL_TOOLS_VIEW_SUBJECT_H
 #define SVOCL_TOOLS_VIEW_SUBJECT_H
 
 #include "support/job.h"
 #include "support/lighting.h"
-#include "view/film.h"
 #include "view/placed.h"
 #include "view/probing.h"
 #include "view/state.h"
@@ -40,15 +38,6 @@ int subject_update(subject *which, view_state *state);
 /* Tells the state the box of what is shown: the occupied part of a tree, or that of all instances. */
 void subject_box(subject *which, view_state *state);
 
-/* Rows of a picture. All but pictures that cones light are drawn whole. */
-typedef struct picture_part {
-    unsigned width, height; /* of the picture, pixels */
-    unsigned first_row, row_count; /* multiples of SVO_LIGHT_BAND_ROWS, but at the end */
-} picture_part;
-
-/* Draws rows of what the state shows, those of what svocl render writes, at their place in pixels, a buffer of the
-   whole picture. drawn: receives an event of them. Returns the exit code. */
-int subject_draw(subject *which, view_state *state, const picture_part *part, cl_mem pixels, cl_event *drawn);
 /* The tree that is looked at alone: what moves, or INPUT's. NULL: there is none. */
 svo_tree *subject_tree(const subject *which, const view_state *state);
 /* Where it draws. */
@@ -57,5 +46,9 @@ cl_command_queue subject_queue(const subject *which);
 
 /* Whether a picture shows light that cones gather. */
 bool subject_picture_is_lit(view_picture picture);
+
+/* Lists the buffers of tree, light and scene in the state, beside what plans said of them. What no plan lists has no
+   planned bytes. Returns the exit code. */
+int subject_list_memory(const subject *which, view_state *state);
 
 #endif

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Panels in immediate mode: in each frame the caller describes them anew, and a widget says at once whether it was
- * used. There are two implementations, and a build has one of them: ui_imgui*.cpp by Dear ImGui, and ui_text*.c with
- * plain widgets of its own around text by stb_truetype. Both look alike: labels at the left, what they label at the
+ * used. Dear ImGui makes them (ui_imgui*.cpp), behind functions for C: labels stand at the left, what they label at the
  * right.
  *
- * Neither knows a window or OpenGL. What the user did comes in as ui_input, what is seen goes out as ui_drawing. So
- * the same inputs give the same triangles.
+ * None of this knows a window or OpenGL. What the user did comes in as ui_input, which ui_events gathers of a window's
+ * events; what is seen goes out as ui_drawing. So the same inputs give the same triangles.
  *
  * After memory ran out, widgets do nothing, and ui_end says so.
  */
@@ -17,13 +16,134 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "view/ui_drawing.h"
-
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-typedef struct ui ui;
+/* ---- drawings ---- */
+
+/* A color as bytes red, green, blue, alpha in this order, not premultiplied. */
+#define UI_RGBA(r, g, b, a) ((uint32_t)(r) | (uint32_t)(g) << 8 | (uint32_t)(b) << 16 | (uint32_t)(a) << 24)
+
+#define UI_TEXTURE_GLYPHS 0u /* ui_batch.texture: the toolkit's glyphs, whose coverage multiplies alpha */
+
+typedef struct ui_vertex {
+    float x, y; /* pixels */
+    float u, v; /* in the texture, 0 .. 1 from the top left */
+    uint32_t color; /* UI_RGBA; multiplies the texture */
+} ui_vertex;
+
+/* Consecutive triangles of one texture within one rectangle. */
+typedef struct ui_batch {
+    uint32_t index_begin, index_count;
+    uint32_t texture; /* UI_TEXTURE_GLYPHS, or the name of a picture that the caller gave to ui_fill_image */
+    int clip[4]; /* left, top, right, bottom; nothing is drawn outside */
+} ui_batch;
+
+typedef struct ui_drawing {
+    ui_vertex *vertices;
+    uint32_t *indices; /* three a triangle */
+    ui_batch *batches;
+    size_t vertex_count, vertex_capacity;
+    size_t index_count, index_capacity;
+    size_t batch_count, batch_capacity;
+    bool failed; /* out of memory: the list is not complete */
+} ui_drawing;
+
+void ui_drawing_clear(ui_drawing *drawing);
+void ui_drawing_free(ui_drawing *drawing);
+
+/* Further triangles have this texture and clip. */
+void ui_drawing_batch(ui_drawing *drawing, uint32_t texture, const int clip[4]);
+
+/* Appends vertices; returns the index of the first. */
+uint32_t ui_drawing_vertices(ui_drawing *drawing, const ui_vertex *vertices, size_t count);
+/* Appends triangles to the current batch; their indices count from the vertex first. */
+void ui_drawing_triangles(ui_drawing *drawing, uint32_t first, const uint16_t *indices, size_t count);
+
+/* ---- colors and distances ---- */
+
+#define UI_COLOR_PANEL   UI_RGBA(22, 25, 31, 226)
+#define UI_COLOR_EDGE    UI_RGBA(255, 255, 255, 24)
+#define UI_COLOR_TEXT    UI_RGBA(226, 230, 236, 255)
+#define UI_COLOR_DIM     UI_RGBA(150, 158, 170, 255)
+#define UI_COLOR_ACCENT  UI_RGBA(94, 176, 239, 255)
+#define UI_COLOR_CHOSEN  UI_RGBA(42, 98, 148, 255)
+#define UI_COLOR_FIELD   UI_RGBA(54, 61, 74, 255)
+#define UI_COLOR_HOVER   UI_RGBA(68, 78, 95, 255)
+#define UI_COLOR_PRESSED UI_RGBA(84, 97, 118, 255)
+#define UI_COLOR_WARNING UI_RGBA(242, 178, 92, 255)
+
+/* Probes by their state. */
+#define UI_COLOR_PROBE_OFF      UI_RGBA(235, 87, 130, 255)
+#define UI_COLOR_PROBE_IN_PLACE UI_RGBA(94, 176, 239, 255)
+#define UI_COLOR_PROBE_MOVED    UI_RGBA(248, 186, 84, 255)
+
+/* Axes of the world. */
+#define UI_COLOR_AXIS_X UI_RGBA(240, 96, 104, 255)
+#define UI_COLOR_AXIS_Y UI_RGBA(108, 205, 108, 255)
+#define UI_COLOR_AXIS_Z UI_RGBA(104, 156, 255, 255)
+
+/* Pixel sizes of text. */
+#define UI_TEXT_SMALL 13.0F
+#define UI_TEXT_LARGE 16.0F
+
+#define UI_PADDING      8.0F /* between a panel's edge and what it holds */
+#define UI_GAP          4.0F /* between rows, and between widgets of a row */
+#define UI_INSET_X      5.0F /* between a widget's edge and its text */
+#define UI_INSET_Y      2.0F
+#define UI_LABEL_SHARE  0.36F /* of a panel's width: labels */
+#define UI_ROUNDING     3.0F
+#define UI_SCROLL_WIDTH 6.0F
+
+/* ---- events of the window, whether a hand or a script made them ---- */
+
+typedef enum view_event_kind {
+    VIEW_EVENT_KEY, /* key went down or up */
+    VIEW_EVENT_TEXT, /* text was typed */
+    VIEW_EVENT_MOVE, /* the mouse is at x, y */
+    VIEW_EVENT_BUTTON, /* of the mouse, at x, y */
+    VIEW_EVENT_WHEEL, /* by steps, at x, y */
+    VIEW_EVENT_RESIZE, /* the window has x times y pixels */
+    VIEW_EVENT_DROP, /* a file was dropped on the window: path */
+    VIEW_EVENT_QUIT
+} view_event_kind;
+
+enum { VIEW_BUTTON_LEFT = 0, VIEW_BUTTON_RIGHT, VIEW_BUTTON_MIDDLE };
+
+/* Keys are their lowercase letter or digit, or one of these. */
+enum {
+    VIEW_KEY_NONE = 0,
+    VIEW_KEY_BACKSPACE = 8,
+    VIEW_KEY_TAB = 9,
+    VIEW_KEY_ENTER = 13,
+    VIEW_KEY_ESCAPE = 27,
+    VIEW_KEY_SPACE = 32,
+    VIEW_KEY_DELETE = 127,
+    VIEW_KEY_LEFT = 256,
+    VIEW_KEY_RIGHT,
+    VIEW_KEY_UP,
+    VIEW_KEY_DOWN,
+    VIEW_KEY_HOME,
+    VIEW_KEY_END,
+    VIEW_KEY_F1, /* F2 to F12 follow */
+    VIEW_KEY_F12 = VIEW_KEY_F1 + 11,
+    VIEW_KEYS
+};
+
+typedef struct view_event {
+    view_event_kind kind;
+    int key;
+    int button;
+    bool is_down;
+    bool shift, control; /* held */
+    int x, y; /* pixels from the window's left upper corner */
+    float steps; /* of the wheel, away from the user is positive */
+    char text[32]; /* UTF-8 */
+    char path[1024]; /* "": it was longer */
+} view_event;
+
+/* ---- what the user did since the last frame ---- */
 
 /* Keys that fields of text understand. */
 typedef enum ui_key {
@@ -64,6 +184,25 @@ typedef struct ui_input {
 typedef struct ui_place {
     float x, y, width, height;
 } ui_place;
+
+/* What is held, and what was pressed since the last frame even if it is held no more. */
+typedef struct ui_events {
+    ui_input next; /* without size and time; its buttons and keys are those that went down */
+    bool buttons[3]; /* held */
+    bool keys[UI_KEY_COUNT];
+} ui_events;
+
+/* No mouse, nothing held. */
+void ui_events_begin(ui_events *events);
+
+void ui_events_take(ui_events *events, const view_event *event);
+
+/* The input of the next frame; forgets what is over. */
+ui_input ui_events_frame(ui_events *events, unsigned width, unsigned height, float seconds);
+
+/* ---- the toolkit ---- */
+
+typedef struct ui ui;
 
 /* The toolkit's name and version, for people. */
 const char *ui_toolkit(void);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Panels by Dear ImGui, compiled where libimgui-dev is installed. Of ImGui it uses the core alone: the window gives it
- * input and draws its triangles (ui.h), so no backend and no loader of OpenGL come with it.
+ * Panels by Dear ImGui. Of ImGui it uses the core alone: the window gives it input and draws its triangles (ui.h), so
+ * no backend and no loader of OpenGL come with it.
  *
  * ImGui has no answer to a failed allocation. Its blocks are therefore kept in a list, a failed one throws through
  * ImGui to the function of ui.h that called it, and the blocks are released together: nothing runs in ImGui afterwards.
@@ -13,8 +13,11 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "view/ui_font.h"
-#include "view/ui_theme.h"
+/* DejaVu Sans, which the build embeds: a TrueType file. */
+extern "C" {
+extern const unsigned char ui_font_bytes[];
+extern const unsigned ui_font_byte_count;
+}
 
 using ui_imgui::block;
 using ui_imgui::color;

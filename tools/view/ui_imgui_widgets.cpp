@@ -8,7 +8,6 @@
 #include <string>
 
 #include "view/ui_imgui.h"
-#include "view/ui_theme.h"
 
 using ui_imgui::color;
 using ui_imgui::corner;

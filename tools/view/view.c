@@ -8,13 +8,9 @@
 #include "support/input.h"
 #include "support/scene_file.h"
 #include "view/camera.h"
+#include "view/dialogs.h"
+#include "view/edit.h"
 #include "view/history.h"
-#include "view/memory.h"
-#include "view/opening.h"
-#include "view/pick.h"
-#include "view/play.h"
-#include "view/question.h"
-#include "view/shots.h"
 #include "view/work.h"
 
 /* While nothing changes, frames come this often: panels may still change, and so may what the driver has to say. */
@@ -80,6 +76,9 @@ static int take_event(viewer *which, const view_event *event)
                             (state->open.is_shown || state->notice[0] != '\0');
     if (event->kind == VIEW_EVENT_BUTTON && event->button >= 0 && event->button < 3) {
         which->held[event->button] = event->is_down;
+    }
+    if (event->is_down) {
+        history_settle(state);
     }
     if (question_take(state, event) || (overlay_take(which->overlay, event) && !closes_box)) {
         return PROGRAM_DONE;
@@ -194,7 +193,7 @@ static int list_memory(viewer *which)
         return PROGRAM_DONE;
     }
     which->listed = changes;
-    return memory_list(shown, &which->state);
+    return subject_list_memory(shown, &which->state);
 }
 
 static int update_job(void *user)

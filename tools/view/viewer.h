@@ -6,12 +6,11 @@
 #include "support/program.h"
 #include "view/canvas.h"
 #include "view/drawing.h"
-#include "view/ground.h"
+#include "view/files.h"
 #include "view/input.h"
 #include "view/marks.h"
 #include "view/overlay.h"
 #include "view/script.h"
-#include "view/settings.h"
 #include "view/window.h"
 #include "view/worker.h"
 

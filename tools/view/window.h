@@ -4,8 +4,8 @@
 #define SVOCL_TOOLS_VIEW_WINDOW_H
 
 #include "svocl/gl.h"
-#include "view/events.h"
 #include "view/gl.h"
+#include "view/ui.h"
 
 typedef struct window window;
 

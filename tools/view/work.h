@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What takes long is done by a thread, while the window answers and says how far it is. */
+/* What takes long is done by a thread, while the window answers and says how far it is: files that are opened among it.
+   Pictures of the window as PNG files. */
 #ifndef SVOCL_TOOLS_VIEW_WORK_H
 #define SVOCL_TOOLS_VIEW_WORK_H
 
@@ -15,5 +16,24 @@ void work_end(viewer *which);
 int work_run(viewer *which, const char *name, bool is_opening, int (*made)(void *user), void *user);
 /* Prints why work failed, unless that is printed already. Returns the exit code. */
 int work_fail(viewer *which, int exit_code);
+
+/* ---- what is opened ---- */
+
+/* Opens INPUT of the command line. Where that is canceled, the state says that the program is done. Returns the exit
+   code. */
+int opening_input(viewer *which);
+/* Opens the file that the state asks for, if it does, in place of what is shown. Where that fails or is canceled,
+   everything stays, and a box says why. Returns the exit code. */
+int opening_take(viewer *which);
+/* Closes what is shown. */
+void opening_close(viewer *which);
+
+/* ---- pictures ---- */
+
+/* Writes what was drawn of the frame. Returns the exit code. */
+int shots_take(viewer *which, const char *path, unsigned width, unsigned height);
+/* The same under a name that no file has, if the state asks for this kind and the picture is there in full; a box says
+   why it failed. */
+void shots_save(viewer *which, view_shot shot);
 
 #endif

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _opencl, _structs
+from . import _arrays, _generated, _opencl, _structs
 from ._callbacks import call
-from ._enums import CompactBuffer, Form, Need, SolidRule, Status, View
-from ._errors import InvalidArgumentError, error, text
+from ._errors import error, text
+from ._generated import CompactBuffer, Form, InvalidArgumentError, Need, SolidRule, Status, View
 from ._handle import Guard, Handle, Native, view
 from ._mesh import Path, encode, need_io
 from ._native import ffi, lib
@@ -131,7 +131,7 @@ class Compact(Resident):
     # --- what it holds ----------------------------------------------------------------------------------------------
 
     @property
-    def info(self) -> _structs.CompactInfo:
+    def info(self) -> _generated.CompactInfo:
         """What describes it besides its arrays."""
         struct = _structs.new("svo_compact_info")
         self._call(lib.svo_compact_get_info, struct)
@@ -323,7 +323,7 @@ class Solid(Compact):
         OutOfDeviceMemoryError, OutOfHostMemoryError, CompileError, CLError
     """
 
-    solid_info: _structs.SolidInfo
+    solid_info: _generated.SolidInfo
 
     def __init__(
         self,
@@ -346,7 +346,7 @@ class Solid(Compact):
             if status != lib.SVO_OK:
                 raise error(status, native.device_message())
             self._adopt(out[0], native)
-        self.solid_info = _structs.read(info, _structs.SolidInfo)
+        self.solid_info = _structs.read(info, _generated.SolidInfo)
 
 
 @contextlib.contextmanager

@@ -6,9 +6,9 @@ from typing import Any, Optional
 
 from . import _arrays, _opencl, _progress, _structs
 from ._callbacks import call
-from ._enums import Builder, Coverage, Need, Weights
 from ._errors import error, text
-from ._handle import Guard, Handle, Native
+from ._generated import Builder, Coverage, Need, Weights
+from ._handle import DeviceHandle, Guard, Native
 from ._mesh import DeviceMesh, mesh_of
 from ._native import ffi, lib
 from ._plan import Plan
@@ -18,7 +18,7 @@ _PLAN_PART = 0.1
 """Of Device.build, in its progress."""
 
 
-class Device(Handle):
+class Device(DeviceHandle):
     """An OpenCL device as svocl uses it, with the kernels compiled for it.
 
     Calls that use one device, or what was made from it, run one after the other, whatever the threads; the GIL is

@@ -212,6 +212,10 @@ class Handle:
             yield
 
 
+class DeviceHandle(Handle):
+    """Base of Device alone, for modules that Device itself needs."""
+
+
 class View:
     """An array in native memory, for numpy.asarray: keeps that memory alive as long as numpy looks into it."""
 

@@ -9,10 +9,10 @@ from typing import Any, NamedTuple, Optional
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _opencl, _structs
+from . import _arrays, _generated, _opencl, _structs
 from ._callbacks import call
-from ._enums import LightBuffer, LightForm, LightView, March, Opacity, SourceKind, Status
-from ._errors import InvalidArgumentError, error, text
+from ._errors import error, text
+from ._generated import InvalidArgumentError, LightBuffer, LightForm, LightView, Opacity, SourceKind, Status
 from ._handle import Handle, Native
 from ._mesh import Finish, finish_record
 from ._native import ffi, lib
@@ -104,7 +104,7 @@ class Light(Handle):
             self._open(Native(out[0], _destroy, tree._native.guard, tree._native))
 
     @property
-    def info(self) -> _structs.LightInfo:
+    def info(self) -> _generated.LightInfo:
         """What it holds, and what its last stages did."""
         struct = _structs.new("svo_light_info")
         with super()._use() as pointer:  # whatever became of the tree
@@ -199,7 +199,6 @@ class Light(Handle):
         points: _arrays.Array,
         *,
         cones: int = 16,
-        march: March = March.STEPS,
         step: float = 0.5,
         max_distance: float = np.inf,
         falloff: float = 0.0,
@@ -214,7 +213,6 @@ class Light(Handle):
             points: (...) records of gather_point_dtype, as make_gather_points makes them. Used without a copy if
                 C-contiguous.
             cones: 1, 5, 6, 16 or 64.
-            march: how they march.
             step: of a cone, in its widths: 0.25 .. 1.
             max_distance: that cones reach, above 0, world units.
             falloff: occlusion at a distance t counts 1 / (1 + falloff * t); per world unit, not negative.
@@ -227,7 +225,7 @@ class Light(Handle):
         """
         records = _arrays.records("points", points, _arrays.gather_point_dtype)
         results = _arrays.output("out", out, _arrays.gather_result_dtype, records.shape)
-        options = _gather_options(cones, march, step, max_distance, falloff, with_light)
+        options = _gather_options(cones, step, max_distance, falloff, with_light)
         cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
         source, result = address("svo_gather_point *", records), address("svo_gather_result *", results)
         self._call(lib.svo_gather, source, result, records.size, options, cl_queue)
@@ -241,7 +239,6 @@ class Light(Handle):
         queue: Any,
         *,
         cones: int = 16,
-        march: March = March.STEPS,
         step: float = 0.5,
         max_distance: float = np.inf,
         falloff: float = 0.0,
@@ -254,12 +251,12 @@ class Light(Handle):
             points: a pyopencl.Buffer of point_count records of gather_point_dtype, or its int_ptr.
             results: a pyopencl.Buffer that receives point_count records of gather_result_dtype, or its int_ptr.
             point_count, queue, wait_for: see Tree.trace_enqueue.
-            cones, march, step, max_distance, falloff, with_light: see Light.gather.
+            cones, step, max_distance, falloff, with_light: see Light.gather.
 
         Returns:
             As Tree.trace_enqueue.
         """
-        options = _gather_options(cones, march, step, max_distance, falloff, with_light)
+        options = _gather_options(cones, step, max_distance, falloff, with_light)
         run = functools.partial(self._call, lib.svo_gather_enqueue)
         return _opencl.enqueue(run, (points, results), point_count, [options], queue, wait_for)
 
@@ -274,7 +271,6 @@ class Light(Handle):
         view: LightView = LightView.FULL,
         exposure: float = 1.0,
         cones: int = 16,
-        march: March = March.STEPS,
         step: float = 0.5,
         max_distance: float = np.inf,
         falloff: float = 0.0,
@@ -288,7 +284,7 @@ class Light(Handle):
             camera: None: Tree.frame of the tree.
             view: what to show.
             exposure: radiance is multiplied by it before the tone curve, above 0.
-            cones, march, step, max_distance, falloff, with_light: see Light.gather.
+            cones, step, max_distance, falloff, with_light: see Light.gather.
             queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
 
         Returns:
@@ -298,7 +294,7 @@ class Light(Handle):
         picture.width, picture.height = _arrays.integer("width", width), _arrays.integer("height", height)
         write_camera(picture.camera, self._frame(width / max(height, 1)) if camera is None else camera)
         picture.view = LightView(view)
-        picture.gather = _gather_options(cones, march, step, max_distance, falloff, with_light)[0]
+        picture.gather = _gather_options(cones, step, max_distance, falloff, with_light)[0]
         picture.exposure = exposure
         pixels = new_picture(width, height)
         cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
@@ -372,12 +368,9 @@ def _source(source: LightSource) -> dict[str, Any]:
     }
 
 
-def _gather_options(
-    cones: int, march: March, step: float, max_distance: float, falloff: float, with_light: bool
-) -> Any:
+def _gather_options(cones: int, step: float, max_distance: float, falloff: float, with_light: bool) -> Any:
     options = _structs.new("svo_gather_options")
     options.cones = _arrays.integer("cones", cones)
-    options.march = March(march)
     options.step = step
     options.range = 0 if max_distance == np.inf else max_distance
     options.falloff = falloff

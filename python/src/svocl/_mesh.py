@@ -8,10 +8,10 @@ from typing import Any, NamedTuple, Optional, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _opencl, _structs
+from . import _arrays, _generated, _opencl, _structs
 from ._callbacks import call
-from ._enums import Axes, Status, Wrap
-from ._errors import UnsupportedError, error, text
+from ._errors import error, text
+from ._generated import Axes, Status, UnsupportedError, Wrap
 from ._handle import Guard, Native, view
 from ._native import ffi, lib
 
@@ -78,7 +78,7 @@ class Mesh:
     materials: tuple[Material, ...]
     textures: tuple[Texture, ...]
     finishes: tuple[Finish, ...]
-    import_info: Optional[_structs.ImportInfo] = None
+    import_info: Optional[_generated.ImportInfo] = None
 
     def __init__(
         self,
@@ -371,7 +371,7 @@ def _imported(native: Native) -> Mesh:
             mesh = read_struct(native, lib.svo_import_mesh(pointer))
             info = _structs.new("svo_import_info")
             lib.svo_import_get_info(pointer, info)
-            mesh.import_info = _structs.read(info, _structs.ImportInfo)
+            mesh.import_info = _structs.read(info, _generated.ImportInfo)
             return mesh
     finally:
         native.drop(hold)

@@ -9,11 +9,11 @@ from typing import Any, Optional
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _opencl, _structs
+from . import _arrays, _generated, _opencl, _structs
 from ._callbacks import call
 from ._device import Device
-from ._enums import BvhQuality, Coverage, Need, Weights
 from ._errors import error
+from ._generated import BvhQuality, Coverage, Need, Weights
 from ._handle import Handle, Native
 from ._mesh import Mesh, mesh_of, read_struct
 from ._native import ffi, lib
@@ -153,7 +153,7 @@ class Moving(Handle):
 
     # --- updates ----------------------------------------------------------------------------------------------------
 
-    def update(self, *, queue: Any = None, report: bool = False) -> Optional[_structs.MovingReport]:
+    def update(self, *, queue: Any = None, report: bool = False) -> Optional[_generated.MovingReport]:
         """Makes the tree of the scene as it is now, and waits. After a failure the tree before stays.
 
         Args:
@@ -170,7 +170,7 @@ class Moving(Handle):
         cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
         out = _structs.new("svo_moving_report") if report else ffi.NULL
         self._take(lib.svo_moving_update, cl_queue, out)
-        return _structs.read(out, _structs.MovingReport) if report else None
+        return _structs.read(out, _generated.MovingReport) if report else None
 
     def update_enqueue(self, queue: Any, *, wait_for: Iterable[Any] = ()) -> _opencl.Event:
         """Moving.update, but does not wait. Until Moving.finish the tree is the one before, and calls that change the
@@ -188,7 +188,7 @@ class Moving(Handle):
         self._call(lib.svo_moving_update_enqueue, cl_queue, *_opencl.events(wait_for), event)
         return _opencl.Event(event[0])
 
-    def finish(self) -> _structs.MovingReport:
+    def finish(self) -> _generated.MovingReport:
         """Waits for the update in flight, and takes its tree. After a failure the tree before stays.
 
         Returns:
@@ -202,11 +202,11 @@ class Moving(Handle):
         """
         out = _structs.new("svo_moving_report")
         self._take(lib.svo_moving_finish, out)
-        return _structs.read(out, _structs.MovingReport)
+        return _structs.read(out, _generated.MovingReport)
 
     def make_bvh(
         self, *, quality: BvhQuality = BvhQuality.BEST, cost_ratio: float = 0.0, queue: Any = None
-    ) -> _structs.MovingBvhReport:
+    ) -> _generated.MovingBvhReport:
         """Makes the BVH of the newest tree from those of its objects, which are kept, refit or made anew, and waits.
         Call it after an update, before rays; without it the first rays make a BVH of the whole mesh. Hits are the same.
 
@@ -223,7 +223,7 @@ class Moving(Handle):
         report = _structs.new("svo_moving_bvh_report")
         cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
         self._call(lib.svo_moving_make_bvh, BvhQuality(quality), cost_ratio, cl_queue, report)
-        return _structs.read(report, _structs.MovingBvhReport)
+        return _structs.read(report, _generated.MovingBvhReport)
 
     # --- what there is ----------------------------------------------------------------------------------------------
 
@@ -255,13 +255,13 @@ class Moving(Handle):
             return read_struct(self._native, struct)
 
     @property
-    def info(self) -> _structs.MovingInfo:
+    def info(self) -> _generated.MovingInfo:
         """The scene after its newest update."""
         struct = _structs.new("svo_moving_info")
         self._call(lib.svo_moving_get_info, struct)
-        return _structs.read(struct, _structs.MovingInfo)
+        return _structs.read(struct, _generated.MovingInfo)
 
-    def object_info(self, number: int) -> _structs.MovingObject:
+    def object_info(self, number: int) -> _generated.MovingObject:
         """An object after the newest update.
 
         Args:
@@ -269,7 +269,7 @@ class Moving(Handle):
         """
         struct = _structs.new("svo_moving_object")
         self._call(lib.svo_moving_get_object, _arrays.integer("number", number), struct)
-        return _structs.read(struct, _structs.MovingObject)
+        return _structs.read(struct, _generated.MovingObject)
 
     # --- shared -----------------------------------------------------------------------------------------------------
 

@@ -10,8 +10,7 @@ from collections.abc import Iterable
 from typing import Any, Callable
 
 from . import _arrays
-from ._enums import Status
-from ._errors import CLError
+from ._generated import CLError, Status
 from ._native import ffi, lib
 
 # By C type: the class of pyopencl, or a base of it.

@@ -7,11 +7,11 @@ from typing import Any, Optional
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _structs
+from . import _arrays, _generated, _structs
 from ._callbacks import call
 from ._device import Device
-from ._enums import View
 from ._errors import error
+from ._generated import View
 from ._handle import Handle, Native
 from ._mesh import Path, encode, need_io
 from ._native import ffi, lib
@@ -55,18 +55,18 @@ class Paged(Handle):
             self._open(Native(out[0], _close, device._native.guard, device._native))
 
     @property
-    def info(self) -> _structs.PagedInfo:
+    def info(self) -> _generated.PagedInfo:
         """What was opened."""
         struct = _structs.new("svo_paged_info")
         self._call(lib.svo_paged_get_info, struct)
-        return _structs.read(struct, _structs.PagedInfo)
+        return _structs.read(struct, _generated.PagedInfo)
 
     @property
-    def counts(self) -> _structs.PagedCounts:
+    def counts(self) -> _generated.PagedCounts:
         """What the last picture, the last update and all of them did."""
         struct = _structs.new("svo_paged_counts")
         self._call(lib.svo_paged_get_counts, struct)
-        return _structs.read(struct, _structs.PagedCounts)
+        return _structs.read(struct, _generated.PagedCounts)
 
     def frame(self, aspect: float = 1.0, camera: Optional[Camera] = None) -> Camera:
         """A camera that frames the occupied part of the tree, as Tree.frame, from its upper levels. Reads them from
@@ -97,7 +97,7 @@ class Paged(Handle):
         self._call(lib.svo_paged_render, options, ffi.from_buffer("uint8_t[]", picture))
         return picture
 
-    def update(self) -> _structs.PagedCounts:
+    def update(self) -> _generated.PagedCounts:
         """Reads the pages that the last picture missed, upper ones first, and drops those that were not used for
         longest as far as room is short.
 

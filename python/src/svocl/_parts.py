@@ -9,8 +9,8 @@ from typing import Any, NamedTuple, Optional
 from . import _arrays, _structs
 from ._callbacks import call
 from ._device import Device, plan_options
-from ._enums import Builder, Coverage, Need, Weights
 from ._errors import error, text
+from ._generated import Builder, Coverage, Need, Weights
 from ._handle import Guard, Handle, Native
 from ._mesh import Path, encode, mesh_of, need_io
 from ._native import ffi, lib

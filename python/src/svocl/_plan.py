@@ -3,7 +3,7 @@
 
 from typing import Any, Optional, TypeVar
 
-from . import _opencl, _progress, _structs
+from . import _generated, _opencl, _progress, _structs
 from ._errors import error
 from ._handle import Handle, Native
 from ._native import ffi, lib
@@ -20,26 +20,26 @@ class Plan(Handle):
         self._open(Native(pointer, _destroy_plan, device.guard, device))
 
     @property
-    def info(self) -> _structs.PlanInfo:
+    def info(self) -> _generated.PlanInfo:
         """What the plan found out."""
         struct = _structs.new("svo_plan_info")
         self._call(lib.svo_plan_get_info, struct)
-        return _structs.read(struct, _structs.PlanInfo)
+        return _structs.read(struct, _generated.PlanInfo)
 
     @property
-    def buffers(self) -> tuple[_structs.PlanBuffer, ...]:
+    def buffers(self) -> tuple[_generated.PlanBuffer, ...]:
         """The buffers that a build allocates, in order. After a build: exactly those that it allocated."""
-        return self._entries("buffer_count", "get_buffer", "svo_buffer_info", _structs.PlanBuffer)
+        return self._entries("buffer_count", "get_buffer", "svo_buffer_info", _generated.PlanBuffer)
 
     @property
-    def kernels(self) -> tuple[_structs.Kernels, ...]:
+    def kernels(self) -> tuple[_generated.Kernels, ...]:
         """The programs of kernels that a build compiles."""
-        return self._entries("kernels_count", "get_kernels", "svo_kernels_info", _structs.Kernels)
+        return self._entries("kernels_count", "get_kernels", "svo_kernels_info", _generated.Kernels)
 
     @property
-    def left_out(self) -> tuple[_structs.LeftOut, ...]:
+    def left_out(self) -> tuple[_generated.LeftOut, ...]:
         """What a build does without, and why. The result is the same, bit for bit, as if nothing were left out."""
-        return self._entries("left_out_count", "get_left_out", "svo_left_out", _structs.LeftOut)
+        return self._entries("left_out_count", "get_left_out", "svo_left_out", _generated.LeftOut)
 
     @property
     def peak_bytes(self) -> int:

@@ -5,10 +5,10 @@ import functools
 from collections.abc import Iterable, Sequence
 from typing import Any, Optional, Union
 
-from . import _arrays, _opencl, _structs
+from . import _arrays, _generated, _opencl, _structs
 from ._callbacks import call
-from ._enums import ProbeBuffer, ProbeChoice, Status
-from ._errors import InvalidArgumentError, error, text
+from ._errors import error, text
+from ._generated import InvalidArgumentError, ProbeBuffer, ProbeChoice, Status
 from ._handle import Handle, Native
 from ._light import Light
 from ._native import ffi, lib
@@ -90,7 +90,7 @@ class Probes(Handle):
             self._open(Native(out[0], _destroy, parent.guard, parent))
 
     @property
-    def info(self) -> _structs.ProbeInfo:
+    def info(self) -> _generated.ProbeInfo:
         """What they are, and what making them took."""
         struct = _structs.new("svo_probe_info")
         self._call(lib.svo_probes_get_info, struct)

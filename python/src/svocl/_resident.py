@@ -4,18 +4,15 @@
 import contextlib
 import functools
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from . import _opencl, _structs
 from ._callbacks import call
-from ._enums import Status
-from ._errors import InvalidArgumentError, error, text
-from ._handle import Handle, Native
+from ._errors import error, text
+from ._generated import InvalidArgumentError, Status
+from ._handle import DeviceHandle, Handle, Native
 from ._mesh import Path, encode, need_io
 from ._native import ffi, lib
-
-if TYPE_CHECKING:
-    from ._device import Device
 
 
 class Resident(Handle):
@@ -31,7 +28,7 @@ class Resident(Handle):
         """Whether it is on a device."""
         return self._native.parent is not None
 
-    def upload(self, device: "Device", *, queue: Any = None) -> None:
+    def upload(self, device: DeviceHandle, *, queue: Any = None) -> None:
         """Copies what is from a file to a device, for rays and pictures, and waits. On that device already: does
         nothing.
 
@@ -40,7 +37,7 @@ class Resident(Handle):
             OutOfDeviceMemoryError
         """
         cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
-        if not isinstance(device, Handle):
+        if not isinstance(device, DeviceHandle):
             raise TypeError(f"device: {type(device).__name__}, expected svocl.Device")
         with device._use() as at:
             if not self.on_device:

@@ -8,11 +8,11 @@ from typing import Any, NamedTuple, Optional, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _opencl, _structs
+from . import _arrays, _generated, _opencl, _structs
 from ._callbacks import call
 from ._compact import Compact
-from ._enums import Need, SceneTrace, Status
-from ._errors import InvalidArgumentError, error
+from ._errors import error
+from ._generated import InvalidArgumentError, Need, SceneTrace, Status
 from ._handle import Handle, Native
 from ._native import ffi, lib
 from ._resident import Resident
@@ -102,11 +102,11 @@ class Scene(Handle):
             self._open(Native(out[0], _destroy, device.guard, device))
 
     @property
-    def info(self) -> _structs.SceneInfo:
+    def info(self) -> _generated.SceneInfo:
         """The scene in numbers."""
         struct = _structs.new("svo_scene_info")
         self._call(lib.svo_scene_get_info, struct)
-        return _structs.read(struct, _structs.SceneInfo)
+        return _structs.read(struct, _generated.SceneInfo)
 
     # --- moving -----------------------------------------------------------------------------------------------------
 

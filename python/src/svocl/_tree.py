@@ -7,10 +7,10 @@ from typing import Any, NamedTuple, Optional, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _opencl, _structs
+from . import _arrays, _generated, _opencl, _structs
 from ._callbacks import call
-from ._enums import BvhQuality, TraceMode, TreeBuffer, View
 from ._errors import error, text
+from ._generated import BvhQuality, TraceMode, TreeBuffer, View
 from ._handle import Guard, Native, view
 from ._mesh import Path, encode, need_io
 from ._native import ffi, lib
@@ -100,10 +100,10 @@ class Tree(Resident):
     _prefix = "svo_tree"
     _noun = "tree"
 
-    report: Optional[_structs.BuildReport]
+    report: Optional[_generated.BuildReport]
     """What the build did; None for a tree from a file or of Moving."""
 
-    def __init__(self, pointer: Any, device: Optional[Native], report: Optional[_structs.BuildReport]) -> None:
+    def __init__(self, pointer: Any, device: Optional[Native], report: Optional[_generated.BuildReport]) -> None:
         guard = Guard() if device is None else device.guard
         self._open(Native(pointer, _destroy_tree, guard, device))
         self.report = report
@@ -152,7 +152,7 @@ class Tree(Resident):
     # --- what it holds ----------------------------------------------------------------------------------------------
 
     @property
-    def info(self) -> _structs.TreeInfo:
+    def info(self) -> _generated.TreeInfo:
         """What describes the tree besides its arrays."""
         struct = _structs.new("svo_tree_info")
         self._call(lib.svo_tree_get_info, struct)

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any, Optional, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _progress, _structs
+from . import _arrays, _generated, _progress, _structs
 from ._callbacks import call
-from ._enums import Axes, Builder, Need
 from ._errors import error, text
+from ._generated import Axes, Builder, Need
 from ._handle import Guard, Handle, Native, view
 from ._mesh import Path, encode, need_io
 from ._native import ffi, lib
@@ -68,7 +68,7 @@ class Voxels(Handle):
         OutOfHostMemoryError
     """
 
-    file_info: Optional[_structs.VoxelFileInfo] = None
+    file_info: Optional[_generated.VoxelFileInfo] = None
 
     def __init__(
         self,
@@ -155,7 +155,7 @@ class Voxels(Handle):
         with self._use() as pointer:
             call(lib.svo_voxels_set_axes, pointer, Axes(axes))
 
-    def save(self, path: Path) -> _structs.VoxelsSaveInfo:
+    def save(self, path: Path) -> _generated.VoxelsSaveInfo:
         """Writes a file, whole or not at all; its suffix says the format: .vox, .svx, .binvox, .ply (points) or .obj
         (the outer faces of cubes).
 
@@ -177,7 +177,7 @@ class Voxels(Handle):
             status = call(lib.svo_voxels_save, pointer, encode(path), lib.SVO_VOXEL_FORMAT_AUTO, info, message)
             if status != lib.SVO_OK:
                 raise error(status, text(message.text))
-        return _structs.read_file_info(info, _structs.VoxelsSaveInfo)
+        return _structs.read_file_info(info, _generated.VoxelsSaveInfo)
 
     # --- trees ------------------------------------------------------------------------------------------------------
 
@@ -254,11 +254,11 @@ class Voxels(Handle):
     # --- what it holds ----------------------------------------------------------------------------------------------
 
     @property
-    def info(self) -> _structs.VoxelsInfo:
+    def info(self) -> _generated.VoxelsInfo:
         """What the list holds."""
         struct = _structs.new("svo_voxels_info")
         self._call(lib.svo_voxels_get_info, struct)
-        return _structs.read(struct, _structs.VoxelsInfo)
+        return _structs.read(struct, _generated.VoxelsInfo)
 
     @property
     def records(self) -> _arrays.Array:
@@ -293,7 +293,7 @@ class Voxels(Handle):
         info = _structs.new("svo_voxel_file_info")
         made = cls.__new__(cls)
         made._create(load, *source, options, info=info)
-        made.file_info = _structs.read_file_info(info, _structs.VoxelFileInfo)
+        made.file_info = _structs.read_file_info(info, _generated.VoxelFileInfo)
         return made
 
     def _create(self, function: Any, *arguments: Any, info: Any = None) -> None:

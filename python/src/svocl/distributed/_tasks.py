@@ -10,7 +10,7 @@ import time
 from typing import Any, NamedTuple, Optional
 
 from .._device import Device
-from .._errors import (
+from .._generated import (
     CLError,
     CompileError,
     Error,

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: MIT */
+/* Running an import child: its command line and environment, and the parent's side of its run. */
+#ifndef SVO_LIB_IO_IMPORT_H
+#define SVO_LIB_IO_IMPORT_H
+
+#include <stdbool.h>
+
+#include "svocl/io.h"
+
+/* The child's arguments: itself, this word, the file, bytes of address space, seconds, and whether these grow with
+   the work that the child announces. */
+#define IMPORT_CHILD_WORD           "--svocl-import-child"
+#define IMPORT_CHILD_ARGUMENT_COUNT 6
+#define IMPORT_CHILD_GROWS          "grows"
+#define IMPORT_CHILD_FIXED          "fixed"
+/* Set for the child, so that a program that never calls svo_import_child_main does not start itself recursively. */
+#define IMPORT_CHILD_ENVIRONMENT "SVOCL_IMPORT_CHILD"
+#define IMPORT_CHILD_STREAM      3 /* the file descriptor of its answer */
+
+/*
+ * Runs the child for one file and collects its answer in import->bytes. options: complete, without zeros. time_grows:
+ * each STREAM_BYTES_A_SECOND of announced work (STREAM_WORK) is one more second.
+ * Returns SVO_OK when the child ended by itself with an answer; that answer may report a failure.
+ */
+svo_status svo_i_import_run_child(const char *path, const svo_import_options *options, bool time_grows,
+                                  svo_import *import, svo_message *message);
+
+#endif

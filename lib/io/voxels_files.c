@@ -1,0 +1,250 @@
+/* SPDX-License-Identifier: MIT */
+/* What the readers and the writers of voxel files share: messages, growing lists, the buffer before the callback. */
+#include "io/voxels_files.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "core/memory.h"
+
+bool svo_i_voxels_are_turned(svo_axes axes, svo_voxel_format format)
+{
+    return axes == SVO_AXES_Z_UP || (axes == SVO_AXES_AUTO && format == SVO_VOXEL_FORMAT_VOX);
+}
+
+/* ---- numbers ---- */
+
+const char *svo_i_voxel_number(char text[VOXEL_NUMBER_BYTES], double value, int digits)
+{
+    char local[VOXEL_NUMBER_BYTES];
+    size_t used = 0;
+    (void)snprintf(local, sizeof local, "%.*g", digits, value);
+    for (size_t i = 0; local[i] != '\0'; ++i) {
+        if (strchr("0123456789+-e", local[i]) != NULL) {
+            text[used++] = local[i];
+        } else if (used == 0 || text[used - 1] != '.') { /* the locale's decimal point may have several bytes */
+            text[used++] = '.';
+        }
+    }
+    text[used] = '\0';
+    return text;
+}
+
+/* ---- reading ---- */
+
+static svo_status fail(const voxel_reader *reader, svo_status status, const char *format, va_list arguments)
+{
+    svo_message detail;
+    svo_i_fail_v(&detail, status, format, arguments);
+    return svo_i_fail(reader->message, status, "%s: %s", reader->name, detail.text);
+}
+
+svo_status svo_i_voxels_damaged(const voxel_reader *reader, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    fail(reader, SVO_FILE_DAMAGED, format, arguments);
+    va_end(arguments);
+    return SVO_FILE_DAMAGED;
+}
+
+svo_status svo_i_voxels_fail(const voxel_reader *reader, svo_status status, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    fail(reader, status, format, arguments);
+    va_end(arguments);
+    return status;
+}
+
+void svo_i_voxels_warn(voxel_reader *reader, const char *format, ...)
+{
+    ++reader->info.warnings;
+    if (reader->options.log == NULL) {
+        return;
+    }
+    svo_message detail;
+    svo_message line;
+    va_list arguments;
+    va_start(arguments, format);
+    svo_i_fail_v(&detail, SVO_OK, format, arguments);
+    va_end(arguments);
+    svo_i_message_set(&line, "%s: %s", reader->name, detail.text);
+    reader->options.log(reader->options.log_user, SVO_LOG_WARNING, line.text);
+}
+
+svo_status svo_i_voxels_limit(const voxel_reader *reader, uint64_t voxel_count)
+{
+    const uint64_t limit = reader->options.voxels_max;
+    if (voxel_count <= limit) {
+        return SVO_OK;
+    }
+    return reader->limit_is_default && limit < SVO_VOXELS_MAX
+               ? svo_i_voxels_fail(reader, SVO_OUT_OF_HOST_MEMORY,
+                                   "%" PRIu64 " voxels need %s of memory, and %s are there for %" PRIu64
+                                   " (voxels_max)",
+                                   voxel_count, svo_i_bytes(voxel_count * BUILT_VOXEL_BYTES).text,
+                                   svo_i_bytes(svo_i_host_memory_bytes()).text, limit)
+               : svo_i_voxels_fail(reader, SVO_INVALID_ARGUMENT,
+                                   "%" PRIu64 " voxels are above the limit of %" PRIu64 " (voxels_max)", voxel_count,
+                                   limit);
+}
+
+svo_status svo_i_voxels_reserve(voxel_reader *reader, uint64_t voxel_count)
+{
+    SVO_I_TRY(svo_i_voxels_limit(reader, voxel_count));
+    if (voxel_count <= reader->voxel_capacity) {
+        return SVO_OK;
+    }
+    size_t bytes = 0;
+    svo_voxel *grown = svo_i_mul_size((size_t)voxel_count, sizeof *grown, &bytes)
+                           ? svo_i_grow(&reader->memory, reader->voxels, bytes)
+                           : NULL;
+    if (grown == NULL) {
+        return svo_i_voxels_fail(reader, SVO_OUT_OF_HOST_MEMORY, "no memory for %" PRIu64 " voxels", voxel_count);
+    }
+    reader->voxels = grown;
+    reader->voxel_capacity = voxel_count;
+    return SVO_OK;
+}
+
+void svo_i_voxels_add(voxel_reader *reader, svo_voxel voxel)
+{
+    reader->voxels[reader->voxel_count++] = voxel;
+}
+
+svo_status svo_i_voxels_append(voxel_reader *reader, svo_voxel voxel)
+{
+    if (reader->voxel_count == reader->voxel_capacity) {
+        const uint64_t limit = reader->options.voxels_max;
+        uint64_t capacity = reader->voxel_capacity < 512 ? 1024 : 2 * reader->voxel_capacity;
+        capacity = capacity > limit ? limit : capacity;
+        capacity = reader->voxel_count < capacity ? capacity : limit + 1; /* which is refused */
+        SVO_I_TRY(svo_i_voxels_reserve(reader, capacity));
+    }
+    svo_i_voxels_add(reader, voxel);
+    return SVO_OK;
+}
+
+/* Appends a text and a terminator. Returns its offset in *offset. */
+static bool put_text(voxel_reader *reader, const char *text, size_t bytes, size_t *offset)
+{
+    size_t needed = 0;
+    if (!svo_i_add_size(reader->text_bytes + 1, bytes, &needed)) {
+        return false;
+    }
+    if (needed > reader->text_capacity) {
+        const size_t capacity = needed > SIZE_MAX / 2 ? needed : 2 * needed + 256;
+        char *grown = svo_i_grow(&reader->memory, reader->texts, capacity);
+        if (grown == NULL) {
+            return false;
+        }
+        reader->texts = grown;
+        reader->text_capacity = capacity;
+    }
+    *offset = reader->text_bytes;
+    if (bytes > 0) {
+        memcpy(reader->texts + *offset, text, bytes);
+    }
+    reader->texts[*offset + bytes] = '\0';
+    reader->text_bytes = needed;
+    return true;
+}
+
+svo_status svo_i_voxels_add_property(voxel_reader *reader, uint32_t material, const char *key, size_t key_bytes,
+                                     const char *value, size_t value_bytes)
+{
+    voxel_property added = {.material = material};
+    if (reader->property_count == reader->property_capacity) {
+        const size_t capacity = 2 * reader->property_capacity + 64;
+        voxel_property *grown = svo_i_grow(&reader->memory, reader->properties, capacity * sizeof *grown);
+        if (grown == NULL) {
+            return svo_i_voxels_fail(reader, SVO_OUT_OF_HOST_MEMORY, "no memory for %zu properties", capacity);
+        }
+        reader->properties = grown;
+        reader->property_capacity = capacity;
+    }
+    if (!put_text(reader, key, key_bytes, &added.key) || !put_text(reader, value, value_bytes, &added.value)) {
+        return svo_i_voxels_fail(reader, SVO_OUT_OF_HOST_MEMORY, "no memory for the texts of %zu properties",
+                                 reader->property_count + 1);
+    }
+    reader->properties[reader->property_count++] = added;
+    return SVO_OK;
+}
+
+/* ---- writing ---- */
+
+svo_status svo_i_voxels_write_fail(const voxel_writer *writer, svo_status status, const char *format, ...)
+{
+    svo_message detail;
+    va_list arguments;
+    va_start(arguments, format);
+    svo_i_fail_v(&detail, status, format, arguments);
+    va_end(arguments);
+    return svo_i_fail(writer->message, status, "%s: %s", writer->name, detail.text);
+}
+
+svo_status svo_i_voxels_flush(voxel_writer *writer)
+{
+    const size_t byte_count = writer->used;
+    writer->used = 0;
+    if (byte_count > 0 && writer->write(writer->user, writer->buffer, byte_count) != 0) {
+        return svo_i_voxels_write_fail(writer, SVO_FILE_ERROR, "%zu bytes before byte %llu could not be written",
+                                       byte_count, (unsigned long long)writer->info.bytes);
+    }
+    return SVO_OK;
+}
+
+svo_status svo_i_voxels_put(voxel_writer *writer, const void *bytes, size_t byte_count)
+{
+    const uint8_t *from = bytes;
+    writer->info.bytes += byte_count;
+    while (byte_count > 0) {
+        const size_t room = VOXEL_BUFFER_BYTES - writer->used;
+        const size_t part = byte_count < room ? byte_count : room;
+        memcpy(writer->buffer + writer->used, from, part);
+        writer->used += part;
+        from += part;
+        byte_count -= part;
+        if (writer->used == VOXEL_BUFFER_BYTES) {
+            SVO_I_TRY(svo_i_voxels_flush(writer));
+        }
+    }
+    return SVO_OK;
+}
+
+svo_status svo_i_voxels_print(voxel_writer *writer, const char *format, ...)
+{
+    svo_message line;
+    va_list arguments;
+    va_start(arguments, format);
+    const int length = vsnprintf(line.text, sizeof line.text, format, arguments);
+    va_end(arguments);
+    return svo_i_voxels_put(writer, line.text, (size_t)length);
+}
+
+svo_status svo_i_voxels_sorted(const voxel_writer *writer, svo_i_voxel_order order, svo_voxel **out)
+{
+    const size_t count = (size_t)writer->list.voxel_count;
+    svo_voxel *sorted = svo_i_alloc(writer->memory, count * sizeof *sorted + 1);
+    svo_voxel *spare = svo_i_alloc(writer->memory, count * sizeof *spare + 1);
+    if (sorted == NULL || spare == NULL) {
+        svo_i_free(sorted);
+        svo_i_free(spare);
+        return svo_i_voxels_write_fail(writer, SVO_OUT_OF_HOST_MEMORY, "no memory to sort %zu voxels", count);
+    }
+    if (count > 0) {
+        memcpy(sorted, writer->voxels, count * sizeof *sorted);
+        svo_i_voxel_sort(sorted, spare, count, writer->list.low, svo_i_voxel_bits(writer->list.low, writer->list.high),
+                         order);
+    }
+    svo_i_free(spare);
+    *out = sorted;
+    return SVO_OK;
+}
+
+double svo_i_voxels_world(const voxel_writer *writer, int axis, double place)
+{
+    return writer->list.origin[axis] + place * writer->list.voxel_edge;
+}

@@ -1,0 +1,530 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Cones: options and checks; batches of points, which rays/batch.c launches; and the kernels that shade surfaces of a
+ * lit tree (kernels/light/surface.clh), along rays and in pictures.
+ */
+#include "light/cones.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "core/opencl.h"
+#include "core/struct_size.h"
+#include "light/programs.h"
+#include "rays/batch.h"
+#include "rays/camera.h"
+#include "rays/picture.h"
+#include "rays/rays.h"
+#include "svocl/plan.h"
+
+/* Made by cmake/embed.cmake. */
+extern const char svo_i_source_cones[];
+
+#define CONES_DEFAULT 16u
+#define STEP_DEFAULT  0.5F
+#define STEP_MIN      0.25F
+#define STEP_MAX      1.0F
+
+/* Rays of a work-item: SVO_SHADE_RAYS of the kernel. */
+#define ITEM_RAYS 64u
+
+_Static_assert((uint32_t)SVO_LIGHT_VIEW_FULL == SVO_LIT_VIEW_FULL && (uint32_t)SVO_LIGHT_VIEW_AO == SVO_LIT_VIEW_AO &&
+                   (uint32_t)SVO_LIGHT_VIEW_DIRECT == SVO_LIT_VIEW_DIRECT &&
+                   (uint32_t)SVO_LIGHT_VIEW_INDIRECT == SVO_LIT_VIEW_INDIRECT &&
+                   (uint32_t)SVO_LIGHT_VIEW_SPECULAR == SVO_LIT_VIEW_SPECULAR,
+               "svo_light_view and kernels/light/picture.cl number the views alike");
+
+#define TILE_EDGE SVO_LIGHT_BAND_ROWS
+/* Camera rays of a pixel. */
+#define SAMPLES 4u
+/* Tiles of a launch, so that none takes long enough for a driver to end it. */
+#define BAND_TILES 256u
+
+/* ---- options ---- */
+
+static bool is_set_of_cones(uint32_t cones)
+{
+    return cones == 1 || cones == 5 || cones == 6 || cones == 16 || cones == 64;
+}
+
+static svo_status check_cones(const svo_light *light, const char *function, const svo_gather_options *options)
+{
+
+    return options->cones == 0 || is_set_of_cones(options->cones)
+               ? SVO_OK
+               : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: options.cones %u is not 1, 5, 6, 16 or 64",
+                                   function, options->cones);
+}
+
+static svo_status check_lengths(const svo_light *light, const char *function, const svo_gather_options *options)
+{
+    const bool step = options->step >= STEP_MIN && options->step <= STEP_MAX;
+    if (!step && options->step != 0.0F) {
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: options.step %g is not in %g .. %g",
+                                 function, (double)options->step, (double)STEP_MIN, (double)STEP_MAX);
+    }
+    if (!(options->range >= 0.0F) || !isfinite(options->range)) {
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: options.range %g is negative or not finite",
+                                 function, (double)options->range);
+    }
+    return options->falloff >= 0.0F && isfinite(options->falloff)
+               ? SVO_OK
+               : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
+                                   "%s: options.falloff %g is negative or not finite", function,
+                                   (double)options->falloff);
+}
+
+/* The options, checked, with the defaults for 0. */
+static svo_status read_gather(const svo_light *light, const char *function, const svo_gather_options *options,
+                              svo_gather_params *params)
+{
+    svo_gather_options asked;
+    SVO_I_TRY(svo_i_struct_read(svo_i_device_message(light->device), function, "options", options, &asked,
+                                SVO_I_STRUCT_SIZES(svo_gather_options, no_light)));
+    SVO_I_TRY(check_cones(light, function, &asked));
+    SVO_I_TRY(check_lengths(light, function, &asked));
+    *params = (svo_gather_params){.cones = asked.cones != 0 ? asked.cones : CONES_DEFAULT,
+                                  .step = asked.step > 0.0F ? asked.step : STEP_DEFAULT,
+                                  .range = asked.range,
+                                  .falloff = asked.falloff,
+                                  .with_light = asked.no_light == 0};
+    return SVO_OK;
+}
+
+/* The define of the kernels that read the light's form. Static string. */
+static const char *form_defines(const svo_light *light)
+{
+    static const char *const defines[SVO_LIGHT_FORM_COUNT] = {" -DSVO_LIGHT_FACES", " -DSVO_LIGHT_BRICKS",
+                                                              " -DSVO_LIGHT_VOXELS"};
+    return defines[light->info.form];
+}
+
+/* Sets the arguments that SVO_LIGHT_PARAMETERS of kernels/light/field.clh declares, from first_index on. */
+static svo_status set_light(const svo_light *light, const char *function, cl_kernel kernel, cl_uint first_index)
+{
+    const svo_tree *tree = light->tree;
+    svo_ray_params grid = {.depth = 0};
+    SVO_I_TRY(svo_i_rays_tree_params(tree, function, &grid));
+    const svo_i_argument arguments[SVO_LIGHT_ARGUMENTS] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
+                                                           SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
+                                                           SVO_I_ARGUMENT(tree->buffers[SVO_TREE_NORMALS]),
+                                                           SVO_I_ARGUMENT(light->buffers[SVO_LIGHT_OPACITY]),
+                                                           SVO_I_ARGUMENT(light->buffers[SVO_LIGHT_COVER]),
+                                                           SVO_I_ARGUMENT(light->buffers[SVO_LIGHT_LIT]),
+                                                           SVO_I_ARGUMENT(light->buffers[SVO_LIGHT_RADIANCE]),
+                                                           SVO_I_ARGUMENT(grid),
+                                                           SVO_I_ARGUMENT(light->params)};
+    return svo_i_kernel_set_from(light->device, function, kernel, first_index, arguments, SVO_LIGHT_ARGUMENTS);
+}
+
+/* ---- batches of points: kernels/light/gather.cl ---- */
+
+/* The checks of a batch need no more than a light. */
+static svo_status check_target(void *of, const char *function)
+{
+    const svo_light *light = of;
+    return svo_i_tree_check(light->tree, function);
+}
+
+static svo_status set_target(void *of, const char *function, cl_kernel kernel, cl_uint first_index)
+{
+    return set_light(of, function, kernel, first_index);
+}
+
+/* params: lives as long as the batch. */
+static svo_i_batch batch_of(svo_light *light, const char *function, size_t point_count, const svo_gather_params *params)
+{
+    return (svo_i_batch){.device = light->device,
+                         .function = function,
+                         .target = {light, SVO_LIGHT_ARGUMENTS, check_target, set_target},
+                         .program = &svo_i_program_gather,
+                         .kernel_name = "svo_k_gather",
+                         .defines = form_defines(light),
+                         .input_name = "points",
+                         .output_name = "results",
+                         .input_bytes = sizeof(svo_gather_point),
+                         .output_bytes = sizeof(svo_gather_result),
+                         .count = point_count,
+                         .per_item = 1,
+                         .last_argument = {sizeof *params, params, false}};
+}
+
+/* Checks the options and fills the batch, which refers to params. */
+static svo_status prepare(svo_light *light, const char *function, size_t point_count, const svo_gather_options *options,
+                          svo_gather_params *params, svo_i_batch *out)
+{
+    if (light == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    SVO_I_TRY(read_gather(light, function, options, params));
+    *out = batch_of(light, function, point_count, params);
+    return SVO_OK;
+}
+
+svo_status svo_gather_enqueue(svo_light *light, cl_mem points, cl_mem results, size_t point_count,
+                              const svo_gather_options *options, cl_command_queue queue, cl_uint num_wait,
+                              const cl_event *wait, cl_event *event)
+{
+    svo_gather_params params;
+    svo_i_batch asked;
+    SVO_I_TRY(prepare(light, "svo_gather_enqueue", point_count, options, &params, &asked));
+    return svo_i_batch_enqueue(&asked, points, results, queue, num_wait, wait, event);
+}
+
+svo_status svo_gather(svo_light *light, const svo_gather_point *points, svo_gather_result *results, size_t point_count,
+                      const svo_gather_options *options, cl_command_queue queue)
+{
+    svo_gather_params params;
+    svo_i_batch asked;
+    SVO_I_TRY(prepare(light, "svo_gather", point_count, options, &params, &asked));
+    return svo_i_batch_run(&asked, points, results, queue);
+}
+
+/* ---- kernels that shade ---- */
+
+/* " -DSVO_x -DSVO_ONE_x" as far as the tree has that payload. */
+static void add_define(const svo_tree *tree, svo_tree_buffer buffer, const char *held, const char *constant,
+                       char *defines, size_t defines_bytes)
+{
+    if (tree->buffers[buffer] != NULL) {
+        const size_t used = strlen(defines);
+        (void)snprintf(defines + used, defines_bytes - used, "%s%s", held,
+                       svo_i_tree_is_constant(&tree->info, buffer) ? constant : "");
+    }
+}
+
+static svo_status make_kernel(svo_i_light_shader *shader, const svo_i_program *program, const char *kernel_name)
+{
+    const svo_light *light = shader->light;
+    const svo_tree *tree = light->tree;
+    char defines[SVO_I_PROGRAM_DEFINES_BYTES];
+    (void)snprintf(defines, sizeof defines, "%s%s", form_defines(light),
+                   svo_i_rays_of_triangles(&tree->info) ? " -DSVO_PICTURE_TRIANGLES" : "");
+    add_define(tree, SVO_TREE_COLORS, " -DSVO_COLOR", " -DSVO_ONE_COLOR", defines, sizeof defines);
+    add_define(tree, SVO_TREE_NORMALS, " -DSVO_NORMAL", " -DSVO_ONE_NORMAL", defines, sizeof defines);
+    if (light->setup.finish_count > 0) {
+        add_define(tree, SVO_TREE_MATERIALS, " -DSVO_FINISHES", " -DSVO_ONE_MATERIAL", defines, sizeof defines);
+    }
+    SVO_I_TRY(svo_i_work_use(shader->work, program, defines));
+    return svo_i_kernel_create(light->device, shader->work->function, shader->work->program, kernel_name,
+                               &shader->kernel);
+}
+
+/* A buffer with a list of the setup; none for an empty list. */
+static svo_status upload(svo_i_device_work *work, const char *name, const void *list, uint64_t bytes, cl_mem *out)
+{
+    if (bytes == 0) {
+        return SVO_OK;
+    }
+    return svo_i_work_constants(work, name, list, bytes, out);
+}
+
+/* Makes the kernel and uploads what lights the tree. The work stays in use until end_shader. */
+static svo_status begin_shader(svo_i_device_work *work, const svo_light *light, const svo_i_program *program,
+                               const char *kernel_name, svo_i_light_shader *out)
+{
+    const svo_i_light_setup *setup = &light->setup;
+    *out = (svo_i_light_shader){.light = light, .work = work};
+    SVO_I_TRY(upload(work, "sources", setup->sources, setup->source_count * sizeof *setup->sources, &out->sources));
+    SVO_I_TRY(upload(work, "finishes", setup->finishes, setup->finish_count * sizeof *setup->finishes, &out->finishes));
+    return make_kernel(out, program, kernel_name);
+}
+
+static svo_status set_arguments(const svo_i_light_shader *shader, const svo_gather_params *gather,
+                                const svo_lit_picture_params *params, const svo_i_argument *own, cl_uint own_count)
+{
+    const svo_light *light = shader->light;
+    const char *function = shader->work->function;
+    svo_tree *tree = light->tree;
+    const svo_i_argument shared[] = {SVO_I_ARGUMENT(light->buffers[SVO_LIGHT_OPACITY]),
+                                     SVO_I_ARGUMENT(light->buffers[SVO_LIGHT_COVER]),
+                                     SVO_I_ARGUMENT(light->buffers[SVO_LIGHT_LIT]),
+                                     SVO_I_ARGUMENT(light->buffers[SVO_LIGHT_RADIANCE]),
+                                     SVO_I_ARGUMENT(light->params),
+                                     SVO_I_ARGUMENT(tree->buffers[SVO_TREE_COLORS]),
+                                     SVO_I_ARGUMENT(tree->buffers[SVO_TREE_NORMALS]),
+                                     SVO_I_ARGUMENT(tree->buffers[SVO_TREE_MATERIALS]),
+                                     SVO_I_ARGUMENT(shader->finishes),
+                                     SVO_I_ARGUMENT(shader->sources),
+                                     {sizeof *gather, gather, false},
+                                     {sizeof *params, params, false}};
+    const cl_uint shared_count = sizeof shared / sizeof shared[0];
+    SVO_I_TRY(svo_i_rays_set_tree(tree, function, shader->kernel, 0));
+    SVO_I_TRY(svo_i_kernel_set_from(light->device, function, shader->kernel, SVO_TREE_ARGUMENTS, shared, shared_count));
+    return svo_i_kernel_set_from(light->device, function, shader->kernel, SVO_TREE_ARGUMENTS + shared_count, own,
+                                 own_count);
+}
+
+/* Launches so many whole groups. own: the kernel's own arguments, own_count. */
+static svo_status launch_shader(const svo_i_light_shader *shader, const svo_gather_params *gather,
+                                const svo_lit_picture_params *params, const svo_i_argument *own, cl_uint own_count,
+                                uint64_t groups)
+{
+    const size_t local = SVO_GROUP_ITEMS;
+    const size_t global = (size_t)groups * local;
+    svo_i_device_work *work = shader->work;
+    cl_event event = NULL;
+    SVO_I_TRY(set_arguments(shader, gather, params, own, own_count));
+    const cl_int error =
+        clEnqueueNDRangeKernel(work->queue, shader->kernel, 1, NULL, &global, &local, work->last != NULL ? 1 : 0,
+                               work->last != NULL ? &work->last : NULL, &event);
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(work->device, work->function, "clEnqueueNDRangeKernel", error);
+    }
+    svo_i_work_follow(work, event);
+    return SVO_OK;
+}
+
+/* Releases the kernel, but not what the work owns. */
+static void end_shader(svo_i_light_shader *shader)
+{
+    if (shader->kernel != NULL) {
+        clReleaseKernel(shader->kernel);
+        shader->kernel = NULL;
+    }
+}
+
+/* What params have of a light: sky, numbers of sources and finishes. */
+static svo_lit_picture_params shader_params(const svo_light *light, uint32_t view)
+{
+    svo_lit_picture_params params = {.view = view,
+                                     .exposure = 1.0F,
+                                     .source_count = (uint32_t)light->setup.source_count,
+                                     .finish_count = (uint32_t)light->setup.finish_count};
+    for (int channel = 0; channel < 3; ++channel) {
+        params.sky[channel] = light->params.sky[channel];
+    }
+    return params;
+}
+
+/* ---- radiance along rays: kernels/light/shade.cl ---- */
+
+static svo_status read_cones(const svo_light *light, const char *function, uint32_t cones, svo_gather_params *out)
+{
+    const svo_gather_options options = {.struct_size = sizeof options, .cones = cones};
+    return read_gather(light, function, &options, out);
+}
+
+svo_status svo_i_light_check_cones(const svo_light *light, const char *function, uint32_t cones)
+{
+    svo_gather_params unused;
+    return read_cones(light, function, cones, &unused);
+}
+
+svo_status svo_i_light_shade_begin(svo_i_device_work *work, const svo_light *light, uint32_t cones,
+                                   svo_i_light_shade *out)
+{
+    *out = (svo_i_light_shade){.shader = {.light = light}};
+    SVO_I_TRY(read_cones(light, work->function, cones, &out->gather));
+    return begin_shader(work, light, &svo_i_program_light_shade, "svo_k_light_shade", &out->shader);
+}
+
+svo_status svo_i_light_shade_rays(const svo_i_light_shade *shade, cl_mem rays, cl_mem radiance, uint32_t ray_count)
+{
+    svo_lit_picture_params params = shader_params(shade->shader.light, SVO_LIT_VIEW_MATTE);
+    const svo_i_argument own[] = {SVO_I_ARGUMENT(rays), SVO_I_ARGUMENT(radiance)};
+    const uint32_t group_rays = ITEM_RAYS * SVO_GROUP_ITEMS;
+    params.width = ray_count;
+    return launch_shader(&shade->shader, &shade->gather, &params, SVO_I_ARGUMENTS(own),
+                         ((uint64_t)ray_count + group_rays - 1) / group_rays);
+}
+
+void svo_i_light_shade_end(svo_i_light_shade *shade)
+{
+    end_shader(&shade->shader);
+}
+
+/* ---- pictures: kernels/light/picture.cl ---- */
+
+static svo_status check_band(const svo_light *light, const char *function, const svo_light_picture *picture)
+{
+    if (picture->first_row >= picture->height || picture->first_row % TILE_EDGE != 0) {
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
+                                 "%s: picture.first_row %u is not a multiple of %u below height %u", function,
+                                 picture->first_row, TILE_EDGE, picture->height);
+    }
+    return picture->row_count % TILE_EDGE == 0 ? SVO_OK
+                                               : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
+                                                                   "%s: picture.row_count %u is not a multiple of %u",
+                                                                   function, picture->row_count, TILE_EDGE);
+}
+
+static svo_status check_picture(const svo_light *light, const char *function, const svo_light_picture *picture)
+{
+    SVO_I_TRY(svo_i_camera_check(light->device, function, &picture->camera, picture->width, picture->height));
+    SVO_I_TRY(svo_i_clip_check(light->device, function, picture->clip));
+    if ((unsigned)picture->view > SVO_LIGHT_VIEW_SPECULAR) {
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: picture.view %d is not in 0 .. %d", function,
+                                 (int)picture->view, (int)SVO_LIGHT_VIEW_SPECULAR);
+    }
+    return picture->exposure >= 0.0F && isfinite(picture->exposure)
+               ? check_band(light, function, picture)
+               : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
+                                   "%s: picture.exposure %g is negative or not finite", function,
+                                   (double)picture->exposure);
+}
+
+static svo_status fill_params(const svo_light *light, const char *function, const svo_light_picture *picture,
+                              svo_lit_picture_params *params, svo_i_pixel_output *output)
+{
+    svo_i_pinhole hole;
+    SVO_I_TRY(
+        svo_i_pixel_output_of(light->device, function, "picture", &picture->output, SAMPLES, SVO_I_CURVE_SRGB, output));
+    SVO_I_TRY(
+        svo_i_pinhole_from_camera(light->device, function, &picture->camera, picture->width, picture->height, &hole));
+    *params = shader_params(light, picture->view);
+    memcpy(params->clip, picture->clip, sizeof params->clip);
+    params->width = picture->width;
+    params->height = picture->height;
+    params->exposure = picture->exposure > 0.0F ? picture->exposure : 1.0F;
+    params->samples = output->samples;
+    params->pixel_flags = output->flags;
+    for (int axis = 0; axis < 3; ++axis) {
+        params->eye[axis] = picture->camera.eye[axis];
+        params->corner[axis] = hole.corner[axis];
+        params->across[axis] = hole.across[axis];
+        params->down[axis] = hole.down[axis];
+        params->background[axis] = output->background[axis];
+    }
+    return SVO_OK;
+}
+
+/* The caller's options for what the view shows of them. */
+static svo_status fill_gather(const svo_light *light, const char *function, const svo_light_picture *picture,
+                              svo_gather_params *gather)
+{
+    SVO_I_TRY(read_gather(light, function, &picture->gather, gather));
+    if (picture->view == SVO_LIGHT_VIEW_AO) {
+        gather->with_light = 0;
+    }
+    return SVO_OK;
+}
+
+/* Rows of the picture's band. */
+static uint32_t rows_of_band(const svo_light_picture *picture)
+{
+    const uint32_t below = picture->height - picture->first_row;
+    return picture->row_count == 0 || picture->row_count > below ? below : picture->row_count;
+}
+
+/* A picture that is about to be drawn. */
+typedef struct drawing {
+    const svo_light *light;
+    const char *function; /* for messages */
+    svo_light_picture asked;
+    svo_lit_picture_params params;
+    svo_gather_params gather;
+    svo_i_pixel_output output;
+} drawing;
+
+static svo_status launch(const drawing *drawn, const svo_i_light_shader *shader, cl_mem pixels)
+{
+    const svo_light_picture *picture = &drawn->asked;
+    const svo_i_argument own[] = {SVO_I_ARGUMENT(pixels)};
+    const uint64_t across = (picture->width + TILE_EDGE - 1) / TILE_EDGE;
+    const uint64_t begin = across * (picture->first_row / TILE_EDGE);
+    const uint64_t end = begin + across * ((rows_of_band(picture) + TILE_EDGE - 1) / TILE_EDGE);
+    svo_lit_picture_params params = drawn->params;
+    for (uint64_t first = begin; first < end; first += BAND_TILES) {
+        params.first_tile = (uint32_t)first;
+        SVO_I_TRY(launch_shader(shader, &drawn->gather, &params, SVO_I_ARGUMENTS(own),
+                                end - first < BAND_TILES ? end - first : BAND_TILES));
+    }
+    return SVO_OK;
+}
+
+static svo_status enqueue(const drawing *drawn, const svo_i_pixels *to)
+{
+    svo_i_device_work work;
+    svo_i_light_shader shader = {.kernel = NULL};
+    svo_status status = SVO_OK;
+    SVO_I_TRY(svo_i_work_begin_after(drawn->light->device, drawn->function, to->queue, to->num_wait, to->wait, &work));
+    SVO_I_TRY_CLEANUP(begin_shader(&work, drawn->light, &svo_i_program_light_picture, "svo_k_light_picture", &shader));
+    SVO_I_TRY_CLEANUP(launch(drawn, &shader, to->buffer));
+
+cleanup:
+    end_shader(&shader);
+    svo_i_work_leave(&work, status == SVO_OK ? to->event : NULL);
+    return status;
+}
+
+/* Checks what is asked for. */
+static svo_status begin(const svo_light *light, const char *function, const svo_light_picture *picture, drawing *out)
+{
+    *out = (drawing){.light = light, .function = function};
+    if (picture == NULL) {
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: picture is NULL", function);
+    }
+    SVO_I_TRY(svo_i_struct_read(svo_i_device_message(light->device), function, "picture", picture, &out->asked,
+                                SVO_I_STRUCT_SIZES(svo_light_picture, exposure)));
+    SVO_I_TRY(svo_i_tree_check(light->tree, function));
+    SVO_I_TRY(check_picture(light, function, &out->asked));
+    SVO_I_TRY(fill_params(light, function, &out->asked, &out->params, &out->output));
+    return fill_gather(light, function, &out->asked, &out->gather);
+}
+
+svo_status svo_light_render_enqueue(svo_light *light, const svo_light_picture *picture, cl_mem pixels,
+                                    cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
+{
+    svo_i_pixels to = {pixels, queue, num_wait, wait, event};
+    drawing drawn;
+    if (light == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    SVO_I_TRY(begin(light, "svo_light_render_enqueue", picture, &drawn));
+    SVO_I_TRY(svo_i_pixels_check(light->device, drawn.function, drawn.asked.width, drawn.asked.height,
+                                 drawn.output.pixel_bytes, &to));
+    return enqueue(&drawn, &to);
+}
+
+svo_status svo_light_render(svo_light *light, const svo_light_picture *picture, cl_command_queue queue, uint8_t *rgba)
+{
+    static const char function[] = "svo_light_render";
+    svo_i_own_pixels own;
+    drawing drawn;
+    svo_status status = SVO_OK;
+    if (light == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    if (rgba == NULL) {
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: rgba is NULL", function);
+    }
+    SVO_I_TRY(begin(light, function, picture, &drawn));
+    SVO_I_TRY(svo_i_own_pixels_begin(light->device, function, drawn.asked.width, drawn.asked.height,
+                                     drawn.output.pixel_bytes, queue, &own));
+    SVO_I_TRY_CLEANUP(enqueue(&drawn, &own.to));
+    SVO_I_TRY_CLEANUP(svo_i_own_pixels_read(&own, drawn.asked.first_row, rows_of_band(&drawn.asked), rgba));
+
+cleanup:
+    svo_i_own_pixels_end(&own);
+    return status;
+}
+
+/* ---- the caller's kernels ---- */
+
+const char *svo_light_kernel_source(void)
+{
+    return svo_i_source_cones;
+}
+
+const char *svo_light_kernel_options(const svo_light *light)
+{
+    static const char *const options[SVO_LIGHT_FORM_COUNT] = {
+        "-cl-std=CL1.2 -DSVO_LIGHT_FACES", "-cl-std=CL1.2 -DSVO_LIGHT_BRICKS", "-cl-std=CL1.2 -DSVO_LIGHT_VOXELS"};
+    return light != NULL ? options[light->info.form] : "";
+}
+
+svo_status svo_light_set_args(svo_light *light, cl_kernel kernel, cl_uint first_index)
+{
+    static const char function[] = "svo_light_set_args";
+    if (light == NULL || kernel == NULL) {
+        return svo_i_device_fail(light != NULL ? light->device : NULL, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
+                                 light == NULL ? "light" : "kernel");
+    }
+    const char *wrong = svo_i_wrong_kernel(light->device->context, kernel);
+    if (wrong != NULL) {
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: kernel %s", function, wrong);
+    }
+    return set_light(light, function, kernel, first_index);
+}

@@ -1,0 +1,363 @@
+/* SPDX-License-Identifier: MIT */
+/* Rays in batches against the voxels or the triangles of a scene (kernels/scene/trace.cl), and its pictures
+   (render.cl). */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "core/struct_size.h"
+#include "rays/batch.h"
+#include "rays/camera.h"
+#include "rays/picture.h"
+#include "scene/handle.h"
+#include "scene/programs.h"
+#include "svocl/plan.h"
+
+#define FLAGS_MAX ((uint32_t)SVO_SCENE_ANY | (uint32_t)SVO_SCENE_EVERY_INSTANCE)
+_Static_assert((uint32_t)SVO_SCENE_ANY == 1 && (uint32_t)SVO_SCENE_EVERY_INSTANCE == 2,
+               "svo_scene_flags and kernels/scene/scene.clh number the flags alike");
+
+/* Rays of a pixel. */
+#define SAMPLES 4u
+/* The range of the ambient occlusion, of an instance's mean width. */
+#define OCCLUSION_SHARE 0.25
+
+/* ---- arguments of kernels ---- */
+
+/* How many arguments SVO_SCENE_PARAMETERS declares for the scene; and sets them. */
+static cl_uint count_arguments(const svo_scene *scene)
+{
+    return scene->node_buffers + (SVO_I_SCENE_ARGUMENT_BUFFERS - SVO_I_SCENE_NODE_BUFFERS) + 1;
+}
+
+static svo_status set_scene(const svo_scene *scene, const char *function, cl_kernel kernel, cl_uint first_index,
+                            const svo_scene_params *params)
+{
+    svo_i_argument arguments[SVO_I_SCENE_ARGUMENT_BUFFERS + 1];
+    cl_uint count = 0;
+    for (cl_uint i = 0; i < SVO_I_SCENE_ARGUMENT_BUFFERS; ++i) {
+        if (i < scene->node_buffers || i >= SVO_I_SCENE_NODE_BUFFERS) {
+            arguments[count++] = SVO_I_ARGUMENT(scene->buffers[i]);
+        }
+    }
+    arguments[count++] = (svo_i_argument){sizeof *params, params, false};
+    return svo_i_kernel_set_from(scene->device, function, kernel, first_index, arguments, count);
+}
+
+/* ---- batches ---- */
+
+/* What a batch is traced against. */
+typedef struct scene_target {
+    const svo_scene *scene;
+    svo_scene_params params;
+    bool triangles;
+    char defines[SVO_I_PROGRAM_DEFINES_BYTES];
+} scene_target;
+
+static svo_status check_target(void *of, const char *function)
+{
+    const scene_target *target = of;
+    svo_device *device = target->scene->device;
+    SVO_I_TRY(svo_i_scene_check(target->scene, function));
+    if (target->triangles && (target->scene->info.need & SVO_NEED_RAYS) == 0) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "%s: the scene holds no triangles; create it with SVO_NEED_RAYS", function);
+    }
+    if (target->params.flags > FLAGS_MAX) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: flags %u is not in 0 .. %u", function,
+                                 target->params.flags, FLAGS_MAX);
+    }
+    if (!(target->params.footprint >= 0.0F) || !isfinite(target->params.footprint)) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: footprint %g is negative or not finite", function,
+                                 (double)target->params.footprint);
+    }
+    return SVO_OK;
+}
+
+static svo_status set_target(void *of, const char *function, cl_kernel kernel, cl_uint first_index)
+{
+    const scene_target *target = of;
+    return set_scene(target->scene, function, kernel, first_index, &target->params);
+}
+
+/* *of lives as long as the batch. */
+static svo_i_batch describe(const svo_scene *scene, const char *function, size_t ray_count, float footprint,
+                            uint32_t flags, scene_target *of)
+{
+    of->scene = scene;
+    of->params = scene->params;
+    of->params.footprint = footprint;
+    of->params.flags = flags;
+    (void)snprintf(of->defines, sizeof of->defines, "%s%s", scene->form, of->triangles ? " -DSVO_SCENE_TRIANGLES" : "");
+    return (svo_i_batch){.device = scene->device,
+                         .function = function,
+                         .target = {of, count_arguments(scene), check_target, set_target},
+                         .program = &svo_i_program_scene_trace,
+                         .kernel_name = "svo_k_scene_trace",
+                         .defines = of->defines,
+                         .input_name = "rays",
+                         .output_name = "hits",
+                         .input_bytes = sizeof(svo_ray),
+                         .output_bytes = of->triangles ? sizeof(svo_scene_triangle_hit) : sizeof(svo_scene_hit),
+                         .count = ray_count,
+                         .per_item = 1};
+}
+
+svo_status svo_scene_trace_enqueue(svo_scene *scene, cl_mem rays, cl_mem hits, size_t ray_count, float footprint,
+                                   uint32_t flags, cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
+                                   cl_event *event)
+{
+    scene_target of = {.triangles = false};
+    if (scene == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    const svo_i_batch asked = describe(scene, "svo_scene_trace_enqueue", ray_count, footprint, flags, &of);
+    return svo_i_batch_enqueue(&asked, rays, hits, queue, num_wait, wait, event);
+}
+
+svo_status svo_scene_trace(svo_scene *scene, const svo_ray *rays, svo_scene_hit *hits, size_t ray_count,
+                           float footprint, uint32_t flags, cl_command_queue queue)
+{
+    scene_target of = {.triangles = false};
+    if (scene == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    const svo_i_batch asked = describe(scene, "svo_scene_trace", ray_count, footprint, flags, &of);
+    return svo_i_batch_run(&asked, rays, hits, queue);
+}
+
+svo_status svo_scene_trace_triangles_enqueue(svo_scene *scene, cl_mem rays, cl_mem hits, size_t ray_count,
+                                             uint32_t flags, cl_command_queue queue, cl_uint num_wait,
+                                             const cl_event *wait, cl_event *event)
+{
+    scene_target of = {.triangles = true};
+    if (scene == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    const svo_i_batch asked = describe(scene, "svo_scene_trace_triangles_enqueue", ray_count, 0.0F, flags, &of);
+    return svo_i_batch_enqueue(&asked, rays, hits, queue, num_wait, wait, event);
+}
+
+svo_status svo_scene_trace_triangles(svo_scene *scene, const svo_ray *rays, svo_scene_triangle_hit *hits,
+                                     size_t ray_count, uint32_t flags, cl_command_queue queue)
+{
+    scene_target of = {.triangles = true};
+    if (scene == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    const svo_i_batch asked = describe(scene, "svo_scene_trace_triangles", ray_count, 0.0F, flags, &of);
+    return svo_i_batch_run(&asked, rays, hits, queue);
+}
+
+/* ---- pictures ---- */
+
+static svo_status check_options(const svo_scene *scene, const char *function, const svo_scene_render_options *options)
+{
+    SVO_I_TRY(svo_i_camera_check(scene->device, function, &options->camera, options->width, options->height));
+    SVO_I_TRY(svo_i_clip_check(scene->device, function, options->clip));
+    if (options->light_count > SVO_SCENE_LIGHTS_MAX || (options->light_count > 0 && options->lights == NULL)) {
+        return svo_i_device_fail(scene->device, SVO_INVALID_ARGUMENT,
+                                 "%s: options.light_count %u is above %u, or options.lights is NULL", function,
+                                 options->light_count, SVO_SCENE_LIGHTS_MAX);
+    }
+    if (!(options->occlusion_range >= 0.0F) || !isfinite(options->occlusion_range)) {
+        return svo_i_device_fail(scene->device, SVO_INVALID_ARGUMENT,
+                                 "%s: options.occlusion_range %g is not finite, or below 0", function,
+                                 (double)options->occlusion_range);
+    }
+    return SVO_OK;
+}
+
+/* The caller's lights with unit directions. */
+static svo_status fill_lights(const svo_scene *scene, const char *function, const svo_scene_render_options *options,
+                              svo_scene_light lights[SVO_SCENE_LIGHTS_MAX])
+{
+    for (uint32_t i = 0; i < options->light_count; ++i) {
+        lights[i] = options->lights[i];
+        bool valid = lights[i].shadows <= 1;
+        const double given[3] = {(double)lights[i].direction[0], (double)lights[i].direction[1],
+                                 (double)lights[i].direction[2]};
+        double direction[3] = {0, 0, 0};
+        valid = svo_i_normalize(given, direction) && valid;
+        for (int axis = 0; axis < 3; ++axis) {
+            lights[i].direction[axis] = (float)direction[axis];
+            valid = valid && lights[i].color[axis] >= 0.0F && isfinite(lights[i].color[axis]);
+        }
+        if (!valid) {
+            return svo_i_device_fail(scene->device, SVO_INVALID_ARGUMENT,
+                                     "%s: options.lights[%u] has no direction, a color that is not finite or below 0, "
+                                     "or shadows above 1",
+                                     function, i);
+        }
+    }
+    return SVO_OK;
+}
+
+/* The light of svo_tree_render. */
+static svo_scene_light default_light(const svo_i_view *looking, const double up[3])
+{
+    double sun[3];
+    svo_i_place_sun(looking, up, sun);
+    return (svo_scene_light){
+        .direction = {(float)sun[0], (float)sun[1], (float)sun[2]}, .shadows = 1, .color = {1.05F, 0.98F, 0.86F}};
+}
+
+/* A share of the mean width of an instance's box. */
+static float default_range(const svo_scene *scene)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < scene->info.instance_count; ++i) {
+        double width = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            width = fmax(width, (double)scene->boxes[i].high[axis] - (double)scene->boxes[i].low[axis]);
+        }
+        sum += width;
+    }
+    return (float)(OCCLUSION_SHARE * sum / scene->info.instance_count);
+}
+
+static svo_status fill_picture(const svo_scene *scene, const char *function, const svo_scene_render_options *options,
+                               svo_scene_picture *picture, svo_scene_light lights[SVO_SCENE_LIGHTS_MAX],
+                               svo_i_pixel_output *output)
+{
+    svo_i_pinhole hole;
+    SVO_I_TRY(
+        svo_i_pixel_output_of(scene->device, function, "options", &options->output, SAMPLES, SVO_I_CURVE_ROOT, output));
+    SVO_I_TRY(
+        svo_i_pinhole_from_camera(scene->device, function, &options->camera, options->width, options->height, &hole));
+    for (int axis = 0; axis < 3; ++axis) {
+        picture->eye[axis] = options->camera.eye[axis];
+        picture->corner[axis] = hole.corner[axis];
+        picture->across[axis] = hole.across[axis];
+        picture->down[axis] = hole.down[axis];
+        picture->up[axis] = (float)hole.up[axis];
+        picture->background[axis] = output->background[axis];
+    }
+    memcpy(picture->clip, options->clip, sizeof picture->clip);
+    picture->footprint = (float)(hole.pixel / sqrt((double)output->samples));
+    picture->width = options->width;
+    picture->height = options->height;
+    picture->samples = output->samples;
+    picture->pixel_flags = output->flags;
+    picture->occlusion_range = options->occlusion_range > 0.0F ? options->occlusion_range : default_range(scene);
+    picture->light_count = options->light_count;
+    if (options->light_count == 0) {
+        lights[0] = default_light(&hole.view, hole.up);
+        picture->light_count = 1;
+    }
+    return fill_lights(scene, function, options, lights);
+}
+
+/* A picture that is about to be drawn. */
+typedef struct drawing {
+    const svo_scene *scene;
+    const char *function; /* for messages */
+    svo_scene_picture picture;
+    svo_scene_light lights[SVO_SCENE_LIGHTS_MAX];
+    svo_i_pixel_output output;
+    /* Owned, until the picture is enqueued. */
+    cl_kernel kernel;
+    cl_mem picture_buffer, lights_buffer;
+} drawing;
+
+static svo_status prepare(drawing *drawn, cl_mem pixels)
+{
+    const svo_scene *scene = drawn->scene;
+    svo_device *device = scene->device;
+    const char *function = drawn->function;
+    cl_program program = NULL;
+    SVO_I_TRY(svo_i_device_constants(device, function, "camera", &drawn->picture, sizeof drawn->picture,
+                                     &drawn->picture_buffer));
+    SVO_I_TRY(
+        svo_i_device_constants(device, function, "lights", drawn->lights, sizeof drawn->lights, &drawn->lights_buffer));
+    SVO_I_TRY(svo_i_program_get(device, function, &svo_i_program_scene_cast, scene->form, &program, NULL));
+    SVO_I_TRY(svo_i_kernel_create(device, function, program, "svo_k_scene_render", &drawn->kernel));
+    const svo_i_argument others[] = {
+        SVO_I_ARGUMENT(scene->buffers[SVO_I_SCENE_COLORS]), SVO_I_ARGUMENT(scene->buffers[SVO_I_SCENE_NORMALS]),
+        SVO_I_ARGUMENT(drawn->picture_buffer), SVO_I_ARGUMENT(drawn->lights_buffer), SVO_I_ARGUMENT(pixels)};
+    SVO_I_TRY(set_scene(scene, function, drawn->kernel, 0, &scene->params));
+    return svo_i_kernel_set_from(device, function, drawn->kernel, count_arguments(scene), SVO_I_ARGUMENTS(others));
+}
+
+static void release(drawing *drawn)
+{
+    if (drawn->picture_buffer != NULL) {
+        clReleaseMemObject(drawn->picture_buffer);
+    }
+    if (drawn->lights_buffer != NULL) {
+        clReleaseMemObject(drawn->lights_buffer);
+    }
+    if (drawn->kernel != NULL) {
+        clReleaseKernel(drawn->kernel);
+    }
+}
+
+static svo_status enqueue(drawing *drawn, const svo_i_pixels *to)
+{
+    svo_status status = SVO_OK;
+    SVO_I_TRY_CLEANUP(prepare(drawn, to->buffer));
+    const svo_i_tiles tiles = {.kernel = drawn->kernel,
+                               .first_tile = count_arguments(drawn->scene) + 5,
+                               .items = SVO_GROUP_ITEMS,
+                               .width = drawn->picture.width,
+                               .height = drawn->picture.height};
+    SVO_I_TRY_CLEANUP(svo_i_pixels_draw(drawn->scene->device, drawn->function, &tiles, to));
+
+cleanup:
+    release(drawn);
+    return status;
+}
+
+/* Checks what is asked for. */
+static svo_status begin(const svo_scene *scene, const char *function, const svo_scene_render_options *options,
+                        drawing *out)
+{
+    svo_scene_render_options asked = {.width = 0};
+    *out = (drawing){.scene = scene, .function = function};
+    if (options == NULL) {
+        return svo_i_device_fail(scene->device, SVO_INVALID_ARGUMENT, "%s: options is NULL", function);
+    }
+    SVO_I_TRY(svo_i_struct_read(&scene->device->message, function, "options", options, &asked,
+                                SVO_I_STRUCT_SIZES(svo_scene_render_options, reserved2)));
+    SVO_I_TRY(svo_i_scene_check(scene, function));
+    SVO_I_TRY(check_options(scene, function, &asked));
+    return fill_picture(scene, function, &asked, &out->picture, out->lights, &out->output);
+}
+
+svo_status svo_scene_render_enqueue(svo_scene *scene, const svo_scene_render_options *options, cl_mem pixels,
+                                    cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
+{
+    svo_i_pixels to = {pixels, queue, num_wait, wait, event};
+    drawing drawn;
+    if (scene == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    SVO_I_TRY(begin(scene, "svo_scene_render_enqueue", options, &drawn));
+    SVO_I_TRY(svo_i_pixels_check(scene->device, drawn.function, drawn.picture.width, drawn.picture.height,
+                                 drawn.output.pixel_bytes, &to));
+    return enqueue(&drawn, &to);
+}
+
+svo_status svo_scene_render(svo_scene *scene, const svo_scene_render_options *options, cl_command_queue queue,
+                            uint8_t *rgba)
+{
+    static const char function[] = "svo_scene_render";
+    svo_i_own_pixels own;
+    drawing drawn;
+    svo_status status = SVO_OK;
+    if (scene == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    if (rgba == NULL) {
+        return svo_i_device_fail(scene->device, SVO_INVALID_ARGUMENT, "%s: rgba is NULL", function);
+    }
+    SVO_I_TRY(begin(scene, function, options, &drawn));
+    SVO_I_TRY(svo_i_own_pixels_begin(scene->device, function, drawn.picture.width, drawn.picture.height,
+                                     drawn.output.pixel_bytes, queue, &own));
+    SVO_I_TRY_CLEANUP(enqueue(&drawn, &own.to));
+    SVO_I_TRY_CLEANUP(svo_i_own_pixels_read(&own, 0, drawn.picture.height, rgba));
+
+cleanup:
+    svo_i_own_pixels_end(&own);
+    return status;
+}

@@ -1,0 +1,300 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Files of compact trees: what is loaded is what was saved, and whatever is wrong with a file is told in one line, also
+ * when its checksums agree.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "compact_reference.h"
+#include "core/compact.h"
+#include "io/file_format.h"
+#include "support/fixture_folder.h"
+#include "support/meshes.h"
+#include "support/suite.h"
+#include "svocl/io.h"
+
+#define PAYLOAD \
+    ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_MATERIAL | (uint32_t)SVO_NEED_FILL)
+
+static uint8_t random_mask(void *user, uint32_t level, uint64_t code)
+{
+    const uint64_t half = random_below(user, 256);
+    const uint8_t mask = (uint8_t)(half & random_below(user, 256)); /* a quarter of the bits */
+    (void)level;
+    (void)code;
+    return mask != 0 ? mask : 16;
+}
+
+static svo_compact *make(const fixture *opened, uint32_t depth, uint32_t need, svo_form form)
+{
+    uint64_t seed = 3 + depth;
+    svo_tree *tree = hand_tree(depth, random_mask, &seed, need, depth / 2);
+    const svo_compact_options options = {.struct_size = sizeof options, .form = form};
+    svo_compact *made = NULL;
+    if (svo_compact_create(opened->device, tree, &options, opened->queue, &made) != SVO_OK ||
+        svo_compact_download(made, opened->queue) != SVO_OK) {
+        fail_msg("%s", svo_device_message(opened->device));
+    }
+    svo_tree_destroy(&tree);
+    return made;
+}
+
+/* A file in memory. */
+typedef struct bytes {
+    uint8_t *data;
+    size_t count;
+} bytes;
+
+static int append(void *user, const void *data, size_t byte_count)
+{
+    bytes *to = user;
+    to->data = realloc(to->data, to->count + byte_count);
+    assert_non_null(to->data);
+    memcpy(to->data + to->count, data, byte_count);
+    to->count += byte_count;
+    return 0;
+}
+
+static int refuse(void *user, const void *data, size_t byte_count)
+{
+    (void)user;
+    (void)data;
+    (void)byte_count;
+    return 1;
+}
+
+static bytes bytes_of(const svo_compact *compact, bool compress)
+{
+    const svo_save_options options = {.struct_size = sizeof options, .compress = compress};
+    bytes made = {NULL, 0};
+    svo_message message = {""};
+    if (svo_compact_write(compact, append, &made, &options, &message) != SVO_OK) {
+        fail_msg("%s", message.text);
+    }
+    return made;
+}
+
+static void assert_same(const svo_compact *a, const svo_compact *b)
+{
+    assert_memory_equal(&a->info, &b->info, sizeof a->info);
+    for (int i = 0; i < SVO_COMPACT_BUFFER_COUNT; ++i) {
+        assert_int_equal(a->host[i] == NULL, b->host[i] == NULL);
+        if (a->host[i] != NULL) {
+            assert_memory_equal(a->host[i], b->host[i], a->info.bytes[i]);
+        }
+    }
+}
+
+static void assert_damaged(const bytes *file, const char *what, size_t at)
+{
+    svo_compact *loaded = NULL;
+    svo_message message = {""};
+    const svo_status status = svo_compact_load_memory(file->data, file->count, "cut", NULL, &loaded, &message);
+    if (status != SVO_FILE_DAMAGED || strncmp(message.text, "cut: ", 5) != 0 || strchr(message.text, '\n') != NULL ||
+        loaded != NULL) {
+        fail_msg("%s %zu: %s, \"%s\"", what, at, svo_status_name(status), message.text);
+    }
+}
+
+/* zstd does not read every bit of a frame: what is unpacked may be the same. */
+static void assert_damaged_or_same(const bytes *file, const svo_compact *packed, size_t bit)
+{
+    svo_compact *loaded = NULL;
+    if (packed != NULL && svo_compact_load_memory(file->data, file->count, "cut", NULL, &loaded, NULL) == SVO_OK) {
+        assert_same(packed, loaded);
+        svo_compact_destroy(&loaded);
+        return;
+    }
+    assert_damaged(file, "flipped bit", bit);
+}
+
+/* Computes all checksums again. Chunks are not compressed. */
+static void repair(bytes *file)
+{
+    file_head head;
+    memset(&head, 0, sizeof head);
+    memcpy(&head, file->data, sizeof head < file->count ? sizeof head : file->count);
+    for (uint32_t i = 0; i < head.header.chunk_count; ++i) {
+        head.chunks[i].hash = XXH3_64bits(file->data + head.chunks[i].offset, (size_t)head.chunks[i].plain_bytes);
+    }
+    head.header.header_hash =
+        XXH3_64bits((const uint8_t *)&head + FILE_HASH_BEGIN, head.header.header_bytes - FILE_HASH_BEGIN);
+    memcpy(file->data, &head, head.header.header_bytes);
+}
+
+/* ---- whole files ---- */
+
+static void what_is_saved_is_loaded(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    work_folder_remember("a.svc");
+    for (int turn = 0; turn < 12; ++turn) {
+        svo_compact *made = make(&opened, 1 + (uint32_t)turn % 6, turn % 4 == 0 ? 0 : PAYLOAD, (svo_form)(turn % 3));
+        svo_compact *loaded = NULL;
+        svo_message message = {""};
+        char hashes[2][SVO_HASH_TEXT_BYTES];
+        svo_tree *trees[2] = {NULL, NULL};
+        const svo_save_options options = {.struct_size = sizeof options, .compress = turn % 4 < 2};
+        if (svo_compact_save(made, path_of("a.svc"), &options, &message) != SVO_OK ||
+            svo_compact_load(path_of("a.svc"), NULL, &loaded, &message) != SVO_OK) {
+            fail_msg("%s", message.text);
+            return;
+        }
+        assert_same(made, loaded);
+        assert_int_equal(svo_compact_upload(loaded, opened.device, opened.queue), SVO_OK);
+        assert_int_equal(svo_compact_expand(made, opened.queue, &trees[0]), SVO_OK);
+        assert_int_equal(svo_compact_expand(loaded, opened.queue, &trees[1]), SVO_OK);
+        for (int i = 0; i < 2; ++i) {
+            assert_int_equal(svo_tree_download(trees[i], opened.queue), SVO_OK);
+            assert_int_equal(svo_tree_hash(trees[i], SVO_HASH_ALL, hashes[i]), SVO_OK);
+            svo_tree_destroy(&trees[i]);
+        }
+        assert_string_equal(hashes[0], hashes[1]);
+        svo_compact_destroy(&loaded);
+        svo_compact_destroy(&made);
+    }
+}
+
+/* ---- damage ---- */
+
+static void every_cut_and_every_flipped_bit_is_noticed(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    for (int turn = 0; turn < 6; ++turn) {
+        svo_compact *made = make(&opened, 3, PAYLOAD, (svo_form)(turn % 3));
+        bytes file = bytes_of(made, turn >= 3);
+        const size_t whole = file.count;
+        for (file.count = 0; file.count < whole; ++file.count) {
+            assert_damaged(&file, "cut at", file.count);
+        }
+        for (size_t bit = 0; bit < whole * 8; bit += 3) {
+            file.data[bit / 8] ^= (uint8_t)(1u << bit % 8);
+            assert_damaged_or_same(&file, turn >= 3 ? made : NULL, bit);
+            file.data[bit / 8] ^= (uint8_t)(1u << bit % 8);
+        }
+        free(file.data);
+        svo_compact_destroy(&made);
+    }
+}
+
+/* Every bit of the nodes and of what leads to them matters, whatever the checksums say. */
+static void damaged_structure_is_noticed(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    for (int form = 0; form < SVO_FORM_COUNT; ++form) {
+        svo_compact *made = make(&opened, 5, SVO_NEED_COLOR, (svo_form)form);
+        bytes file = bytes_of(made, false);
+        file_head head;
+        memcpy(&head, file.data, sizeof head);
+        for (uint32_t i = 0; i < head.header.chunk_count; ++i) {
+            const bool counts = head.chunks[i].kind == FILE_COUNTS;
+            const size_t end = (size_t)head.chunks[i].plain_bytes * 8;
+            for (size_t bit = 0; bit < end && (counts || head.chunks[i].kind < SVO_COMPACT_COLORS); ++bit) {
+                uint8_t *at = file.data + head.chunks[i].offset + bit / 8;
+                if (counts && bit == 32) {
+                    continue; /* minimized: leaves may lie above, but need not */
+                }
+                *at ^= (uint8_t)(1u << bit % 8);
+                repair(&file);
+                assert_damaged(&file, head.chunks[i].kind == SVO_COMPACT_NODES ? "nodes, bit" : "chunk, bit", bit);
+                *at ^= (uint8_t)(1u << bit % 8);
+            }
+        }
+        repair(&file);
+        svo_compact *loaded = NULL;
+        assert_int_equal(svo_compact_load_memory(file.data, file.count, "whole", NULL, &loaded, NULL), SVO_OK);
+        svo_compact_destroy(&loaded);
+        free(file.data);
+        svo_compact_destroy(&made);
+    }
+}
+
+/* ---- wrong calls ---- */
+
+static void wrong_arguments_are_refused(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    svo_compact *made = make(&opened, 2, 0, SVO_FORM_DESCRIPTOR);
+    svo_compact *nowhere = svo_i_compact_new(NULL);
+    svo_compact *loaded = NULL;
+    svo_message message = {""};
+    bytes nothing = {NULL, 0};
+    const svo_save_options small = {.struct_size = 4};
+    assert_int_equal(svo_compact_save(NULL, "a", NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_string_equal(message.text, "svo_compact_save: compact is NULL");
+    assert_int_equal(svo_compact_save(made, NULL, NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_string_equal(message.text, "svo_compact_save: path is NULL");
+    assert_int_equal(svo_compact_save(made, "a", &small, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_compact_save(nowhere, "a", NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_string_equal(message.text, "svo_compact_save: there are no host arrays; call svo_compact_download first");
+    assert_int_equal(svo_compact_save(made, path_of("no/such"), NULL, &message), SVO_FILE_ERROR);
+    assert_int_equal(svo_compact_write(NULL, append, &nothing, NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_compact_write(made, NULL, &nothing, NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_string_equal(message.text, "svo_compact_write: write is NULL");
+    assert_int_equal(svo_compact_write(made, refuse, NULL, NULL, &message), SVO_FILE_ERROR);
+    assert_int_equal(svo_compact_load(NULL, NULL, &loaded, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_compact_load(path_of("none.svc"), NULL, &loaded, &message), SVO_FILE_ERROR);
+    assert_int_equal(svo_compact_load(path_of("none.svc"), NULL, NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_compact_load_memory(NULL, 0, "a", NULL, &loaded, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_compact_load_memory("a", 1, NULL, NULL, &loaded, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_compact_load_memory("a", 1, "a", NULL, NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_compact_load_memory("a", 1, "a", NULL, &loaded, &message), SVO_FILE_DAMAGED);
+    assert_string_equal(message.text, "a: not a compact tree's file");
+    assert_null(loaded);
+    svo_compact_destroy(&nowhere);
+    svo_compact_destroy(&made);
+}
+
+/* ---- seeds of the fuzz target ---- */
+
+static void write_seeds(void **state)
+{
+    static const struct {
+        const char *name;
+        uint32_t depth, need;
+        svo_form form;
+        bool compress;
+    } seeds[] = {{"words.svc", 4, PAYLOAD, SVO_FORM_DESCRIPTOR, false},
+                 {"masks.svc", 4, PAYLOAD, SVO_FORM_IMPLIED, false},
+                 {"records.svc", 5, PAYLOAD, SVO_FORM_SHARED, false},
+                 {"bare_records.svc", 6, 0, SVO_FORM_SHARED, false},
+                 {"bare_words.svc", 5, 0, SVO_FORM_DESCRIPTOR, false},
+                 {"packed.svc", 4, SVO_NEED_COLOR, SVO_FORM_IMPLIED, true}};
+    const char *seed_folder = getenv("SVOCL_SEED_FOLDER");
+    assert_non_null(seed_folder);
+    const fixture opened = fixture_cl_of_group(state);
+    for (size_t i = 0; i < sizeof seeds / sizeof seeds[0]; ++i) {
+        const svo_save_options options = {.struct_size = sizeof options, .compress = seeds[i].compress};
+        char path[512];
+        svo_compact *made = make(&opened, seeds[i].depth, seeds[i].need, seeds[i].form);
+        (void)snprintf(path, sizeof path, "%s/%s", seed_folder, seeds[i].name);
+        assert_int_equal(svo_compact_save(made, path, &options, NULL), SVO_OK);
+        svo_compact_destroy(&made);
+    }
+}
+
+TEST_GROUP(compact_seeds)
+{
+    const struct CMUnitTest writing[] = {cmocka_unit_test(write_seeds)};
+    return cmocka_run_group_tests_name("compact_seeds", writing, fixture_folder_setup, fixture_folder_teardown);
+}
+
+TEST_GROUP(compact_file)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_saved_is_loaded), cmocka_unit_test(every_cut_and_every_flipped_bit_is_noticed),
+        cmocka_unit_test(damaged_structure_is_noticed), cmocka_unit_test(wrong_arguments_are_refused)};
+    return cmocka_run_group_tests_name("compact_file", tests, fixture_folder_setup, fixture_folder_teardown);
+}

@@ -1,0 +1,446 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What functions that enqueue have in common: NULL for the queue is the device's own, as for those that wait; memory
+ * that kernels write must not be CL_MEM_READ_ONLY; a call of OpenCL that fails is named; a tree that is on no device is
+ * refused by a status with words.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <stdio.h>
+#include <string.h>
+
+#include "core/compact.h"
+#include "core/tree.h"
+#include "scenes.h"
+#include "support/fixture.h"
+#include "support/suite.h"
+#include "svocl/light.h"
+#include "svocl/moving.h"
+#include "svocl/probes.h"
+#include "svocl/scene.h"
+#include "svocl/solid.h"
+
+#define DEPTH        3
+#define COUNT        8 /* records of a batch */
+#define RECORD_BYTES 64 /* at least as many as any record has */
+#define WIDTH        8
+#define PIXELS_BYTES ((size_t)WIDTH * WIDTH * 4)
+#define NEEDS        ((uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_RAYS)
+
+/* Everything that batches and pictures can be asked of. */
+typedef struct subjects {
+    fixture opened;
+    svo_tree *tree;
+    svo_compact *compact;
+    svo_scene *scene;
+    svo_light *light;
+    svo_probes *probes; /* with diffuse light */
+} subjects;
+
+static void succeed(const subjects *of, svo_status status)
+{
+    if (status != SVO_OK) {
+        fail_msg("%s: %s", svo_status_name(status), svo_device_message(of->opened.device));
+    }
+}
+
+static subjects make_subjects(void **state)
+{
+    subjects of = {.opened = fixture_cl_of_group(state)};
+    svo_device *device = of.opened.device;
+    const cl_command_queue queue = of.opened.queue;
+    struct scene *cube = fixture_scene("cube");
+    const svo_plan_options options = {.struct_size = sizeof options, .need = NEEDS};
+    const svo_compact_options descriptor = {.struct_size = sizeof descriptor};
+    const svo_instance instance = {.transform = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+    svo_probe_options probes = SVO_PROBE_OPTIONS_INIT;
+    built made;
+    fixture_build(&of.opened, scene_mesh(cube), DEPTH, &options, &made);
+    scene_destroy(&cube);
+    of.tree = made.tree;
+    succeed(&of, svo_compact_create(device, of.tree, &descriptor, queue, &of.compact));
+    const svo_scene_options placed = {.struct_size = sizeof placed,
+                                      .trees = &of.tree,
+                                      .instances = &instance,
+                                      .tree_count = 1,
+                                      .instance_count = 1,
+                                      .need = NEEDS};
+    succeed(&of, svo_scene_create(device, &placed, queue, &of.scene));
+    succeed(&of, svo_light_create(of.tree, NULL, queue, &of.light));
+    probes.counts[0] = probes.counts[1] = probes.counts[2] = 1;
+    probes.resolution = SVO_PROBES_RESOLUTION_MIN;
+    probes.field_size = 4;
+    probes.keep_places = 1;
+    probes.cones = 1;
+    probes.diffuse = 1;
+    probes.light = of.light;
+    succeed(&of, svo_probes_create(of.tree, &probes, queue, &of.probes));
+    return of;
+}
+
+static void release_subjects(subjects *of)
+{
+    svo_probes_destroy(&of->probes);
+    svo_light_destroy(&of->light);
+    svo_scene_destroy(&of->scene);
+    svo_compact_destroy(&of->compact);
+    svo_tree_destroy(&of->tree);
+}
+
+/* ---- batches ---- */
+
+/* The tail of every call. */
+#define TAIL queue, 0, NULL, event
+
+typedef svo_status enqueue_batch(subjects *of, cl_mem input, cl_mem output, size_t count, cl_command_queue queue,
+                                 cl_event *event);
+
+static svo_status trace(subjects *of, cl_mem input, cl_mem output, size_t count, cl_command_queue queue,
+                        cl_event *event)
+{
+    return svo_tree_trace_enqueue(of->tree, input, output, count, SVO_TRACE_CLOSEST, TAIL);
+}
+
+static svo_status nearest(subjects *of, cl_mem input, cl_mem output, size_t count, cl_command_queue queue,
+                          cl_event *event)
+{
+    return svo_tree_nearest_enqueue(of->tree, input, output, count, TAIL);
+}
+
+static svo_status trace_voxels(subjects *of, cl_mem input, cl_mem output, size_t count, cl_command_queue queue,
+                               cl_event *event)
+{
+    return svo_tree_trace_voxels_enqueue(of->tree, input, output, count, 0, TAIL);
+}
+
+static svo_status trace_compact(subjects *of, cl_mem input, cl_mem output, size_t count, cl_command_queue queue,
+                                cl_event *event)
+{
+    return svo_compact_trace_enqueue(of->compact, input, output, count, 0, TAIL);
+}
+
+static svo_status trace_scene(subjects *of, cl_mem input, cl_mem output, size_t count, cl_command_queue queue,
+                              cl_event *event)
+{
+    return svo_scene_trace_enqueue(of->scene, input, output, count, 0, SVO_SCENE_CLOSEST, TAIL);
+}
+
+static svo_status trace_triangles(subjects *of, cl_mem input, cl_mem output, size_t count, cl_command_queue queue,
+                                  cl_event *event)
+{
+    return svo_scene_trace_triangles_enqueue(of->scene, input, output, count, SVO_SCENE_CLOSEST, TAIL);
+}
+
+static svo_status gather(subjects *of, cl_mem input, cl_mem output, size_t count, cl_command_queue queue,
+                         cl_event *event)
+{
+    return svo_gather_enqueue(of->light, input, output, count, NULL, TAIL);
+}
+
+static svo_status trace_probes(subjects *of, cl_mem input, cl_mem output, size_t count, cl_command_queue queue,
+                               cl_event *event)
+{
+    return svo_probes_trace_enqueue(of->probes, input, output, count, NULL, TAIL);
+}
+
+static svo_status irradiance(subjects *of, cl_mem input, cl_mem output, size_t count, cl_command_queue queue,
+                             cl_event *event)
+{
+    return svo_probes_irradiance_enqueue(of->probes, input, output, count, TAIL);
+}
+
+static const struct {
+    const char *function, *output;
+    enqueue_batch *call;
+} batches[] = {
+    {"svo_tree_trace_enqueue", "hits", trace},
+    {"svo_tree_nearest_enqueue", "results", nearest},
+    {"svo_tree_trace_voxels_enqueue", "hits", trace_voxels},
+    {"svo_compact_trace_enqueue", "hits", trace_compact},
+    {"svo_scene_trace_enqueue", "hits", trace_scene},
+    {"svo_scene_trace_triangles_enqueue", "hits", trace_triangles},
+    {"svo_gather_enqueue", "results", gather},
+    {"svo_probes_trace_enqueue", "hits", trace_probes},
+    {"svo_probes_irradiance_enqueue", "results", irradiance},
+};
+#define BATCH_COUNT (sizeof batches / sizeof batches[0])
+
+static cl_mem make_memory(const subjects *of, cl_mem_flags flags, int byte)
+{
+    unsigned char bytes[COUNT * RECORD_BYTES];
+    memset(bytes, byte, sizeof bytes);
+    cl_mem made = clCreateBuffer(svo_device_cl_context(of->opened.device), flags | CL_MEM_COPY_HOST_PTR, sizeof bytes,
+                                 bytes, NULL);
+    assert_non_null(made);
+    return made;
+}
+
+/* Runs a batch of records of zeros and reads what it wrote. */
+static void run_batch(subjects *of, size_t batch, cl_command_queue queue, unsigned char bytes[COUNT * RECORD_BYTES])
+{
+    cl_mem input = make_memory(of, CL_MEM_READ_ONLY, 0);
+    cl_mem output = make_memory(of, CL_MEM_WRITE_ONLY, 0x5a);
+    cl_event event = NULL;
+    succeed(of, batches[batch].call(of, input, output, COUNT, queue, &event));
+    assert_non_null(event);
+    assert_int_equal(
+        clEnqueueReadBuffer(of->opened.queue, output, CL_TRUE, 0, COUNT * RECORD_BYTES, bytes, 1, &event, NULL),
+        CL_SUCCESS);
+    clReleaseEvent(event);
+    clReleaseMemObject(output);
+    clReleaseMemObject(input);
+}
+
+static void batches_without_a_queue_take_the_devices_own(void **state)
+{
+    subjects of = make_subjects(state);
+    for (size_t i = 0; i < BATCH_COUNT; ++i) {
+        unsigned char expected[COUNT * RECORD_BYTES], actual[COUNT * RECORD_BYTES];
+        run_batch(&of, i, of.opened.queue, expected);
+        run_batch(&of, i, NULL, actual);
+        if (memcmp(expected, actual, sizeof expected) != 0) {
+            fail_msg("%s: other results on the device's own queue", batches[i].function);
+        }
+    }
+    release_subjects(&of);
+}
+
+static void batches_refuse_memory_that_kernels_must_not_write(void **state)
+{
+    subjects of = make_subjects(state);
+    cl_mem input = make_memory(&of, CL_MEM_READ_ONLY, 0);
+    cl_mem output = make_memory(&of, CL_MEM_READ_ONLY, 0);
+    for (size_t i = 0; i < BATCH_COUNT; ++i) {
+        char expected[160];
+        cl_event event = NULL;
+        (void)snprintf(expected, sizeof expected, "%s: %s is of CL_MEM_READ_ONLY, and kernels write it",
+                       batches[i].function, batches[i].output);
+        assert_int_equal(batches[i].call(&of, input, output, COUNT, of.opened.queue, &event), SVO_INVALID_ARGUMENT);
+        assert_string_equal(svo_device_message(of.opened.device), expected);
+        assert_null(event);
+    }
+    clReleaseMemObject(output);
+    clReleaseMemObject(input);
+    release_subjects(&of);
+}
+
+/* ---- a marker that fails ---- */
+
+static bool marker_fails;
+
+cl_int __real_clEnqueueMarkerWithWaitList(cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
+                                          cl_event *event);
+cl_int __wrap_clEnqueueMarkerWithWaitList(cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
+                                          cl_event *event);
+cl_int __wrap_clEnqueueMarkerWithWaitList(cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
+                                          cl_event *event)
+{
+    return marker_fails ? CL_INVALID_OPERATION : __real_clEnqueueMarkerWithWaitList(queue, num_wait, wait, event);
+}
+
+static void a_marker_that_fails_is_named(void **state)
+{
+    subjects of = make_subjects(state);
+    for (size_t i = 0; i < BATCH_COUNT; ++i) {
+        char expected[160];
+        cl_event event = NULL;
+        (void)snprintf(expected, sizeof expected, "%s: clEnqueueMarkerWithWaitList", batches[i].function);
+        marker_fails = true;
+        const svo_status status = batches[i].call(&of, NULL, NULL, 0, of.opened.queue, &event);
+        marker_fails = false;
+        assert_int_equal(status, SVO_CL_ERROR);
+        if (strncmp(svo_device_message(of.opened.device), expected, strlen(expected)) != 0) {
+            fail_msg("'%s' does not begin with '%s'", svo_device_message(of.opened.device), expected);
+        }
+    }
+    release_subjects(&of);
+}
+
+/* ---- pictures ---- */
+
+typedef svo_status enqueue_picture(subjects *of, cl_mem pixels, cl_command_queue queue, cl_event *event);
+
+static svo_render_options tree_view(const subjects *of)
+{
+    svo_render_options options = {.struct_size = sizeof options, .width = WIDTH, .height = WIDTH};
+    svo_camera_frame(of->tree, 1, &options.camera);
+    return options;
+}
+
+static svo_status draw_tree(subjects *of, cl_mem pixels, cl_command_queue queue, cl_event *event)
+{
+    const svo_render_options options = tree_view(of);
+    return svo_tree_render_enqueue(of->opened.device, of->tree, &options, pixels, TAIL);
+}
+
+static svo_status draw_compact(subjects *of, cl_mem pixels, cl_command_queue queue, cl_event *event)
+{
+    const svo_render_options options = tree_view(of);
+    return svo_compact_render_enqueue(of->compact, &options, pixels, TAIL);
+}
+
+static svo_status draw_scene(subjects *of, cl_mem pixels, cl_command_queue queue, cl_event *event)
+{
+    svo_scene_render_options options = {.struct_size = sizeof options, .width = WIDTH, .height = WIDTH};
+    svo_scene_camera_frame(of->scene, 1, &options.camera);
+    return svo_scene_render_enqueue(of->scene, &options, pixels, TAIL);
+}
+
+static svo_status draw_light(subjects *of, cl_mem pixels, cl_command_queue queue, cl_event *event)
+{
+    svo_light_picture picture = SVO_LIGHT_PICTURE_INIT;
+    picture.width = picture.height = WIDTH;
+    picture.gather.cones = 1;
+    svo_camera_frame(of->tree, 1, &picture.camera);
+    return svo_light_render_enqueue(of->light, &picture, pixels, TAIL);
+}
+
+static void draw(subjects *of, enqueue_picture *call, cl_command_queue queue, uint8_t rgba[PIXELS_BYTES])
+{
+    cl_mem pixels =
+        clCreateBuffer(svo_device_cl_context(of->opened.device), CL_MEM_READ_WRITE, PIXELS_BYTES, NULL, NULL);
+    cl_event event = NULL;
+    assert_non_null(pixels);
+    succeed(of, call(of, pixels, queue, &event));
+    assert_int_equal(clEnqueueReadBuffer(of->opened.queue, pixels, CL_TRUE, 0, PIXELS_BYTES, rgba, 1, &event, NULL),
+                     CL_SUCCESS);
+    clReleaseEvent(event);
+    clReleaseMemObject(pixels);
+}
+
+static void pictures_without_a_queue_take_the_devices_own(void **state)
+{
+    enqueue_picture *const pictures[] = {draw_tree, draw_compact, draw_scene, draw_light};
+    subjects of = make_subjects(state);
+    for (size_t i = 0; i < sizeof pictures / sizeof pictures[0]; ++i) {
+        uint8_t expected[PIXELS_BYTES], actual[PIXELS_BYTES];
+        draw(&of, pictures[i], of.opened.queue, expected);
+        draw(&of, pictures[i], NULL, actual);
+        assert_memory_equal(expected, actual, sizeof expected);
+    }
+    release_subjects(&of);
+}
+
+/* ---- builds and updates ---- */
+
+static void wait_for(cl_event *event)
+{
+    assert_non_null(*event);
+    assert_int_equal(clWaitForEvents(1, event), CL_SUCCESS);
+    clReleaseEvent(*event);
+    *event = NULL;
+}
+
+/* A workspace of an updatable plan: built, updated, refit, without a queue anywhere. */
+static void builds_without_a_queue_take_the_devices_own(void **state)
+{
+    subjects of = {.opened = fixture_cl_of_group(state)};
+    struct scene *cube = fixture_scene("cube");
+    const svo_plan_options options = {
+        .struct_size = sizeof options, .need = NEEDS, .origin = {-4, -4, -4}, .edge = 8, .updatable = 1};
+    svo_plan *plan = NULL;
+    svo_workspace *workspace = NULL;
+    svo_tree *tree = NULL;
+    cl_event event = NULL;
+    char expected[SVO_HASH_TEXT_BYTES], actual[SVO_HASH_TEXT_BYTES];
+    succeed(&of, svo_plan_create(of.opened.device, scene_mesh(cube), DEPTH, &options, &plan));
+    succeed(&of, svo_build(plan, NULL, NULL, &tree, NULL));
+    succeed(&of, svo_tree_download(tree, NULL));
+    succeed(&of, svo_tree_hash(tree, SVO_HASH_ALL, expected));
+    svo_tree_destroy(&tree);
+    succeed(&of, svo_workspace_create(plan, of.opened.cl, NULL, NULL, &workspace));
+    succeed(&of, svo_workspace_make_tree(workspace, &tree));
+    succeed(&of, svo_build_enqueue(workspace, tree, NULL, 0, NULL, &event));
+    wait_for(&event);
+    succeed(&of, svo_tree_finish(tree, NULL, 0, NULL));
+    succeed(&of, svo_tree_make_bvh(tree, SVO_BVH_FAST, NULL));
+    succeed(&of, svo_plan_update_enqueue(plan, scene_mesh(cube), NULL, 0, NULL, &event));
+    wait_for(&event);
+    succeed(&of, svo_build_enqueue(workspace, tree, NULL, 0, NULL, NULL));
+    succeed(&of, svo_tree_refit_bvh_enqueue(tree, NULL, 0, NULL, &event));
+    wait_for(&event);
+    succeed(&of, svo_tree_finish(tree, NULL, 1, NULL));
+    succeed(&of, svo_tree_download(tree, NULL));
+    succeed(&of, svo_tree_hash(tree, SVO_HASH_ALL, actual));
+    assert_string_equal(actual, expected);
+    svo_tree_destroy(&tree);
+    svo_workspace_destroy(&workspace);
+    svo_plan_destroy(&plan);
+    scene_destroy(&cube);
+}
+
+static void updates_without_a_queue_take_the_devices_own(void **state)
+{
+    subjects of = {.opened = fixture_cl_of_group(state)};
+    struct scene *cube = fixture_scene("cube");
+    const svo_moving_options options = {
+        .struct_size = sizeof options, .need = NEEDS, .origin = {-4, -4, -4}, .edge = 8, .max_area = 100};
+    const double aside[12] = {1, 0, 0, 2, 0, 1, 0, 0, 0, 0, 1, 0};
+    svo_moving *moving = NULL;
+    svo_moving_report report = SVO_MOVING_REPORT_INIT;
+    cl_event event = NULL;
+    uint32_t object = 0;
+    succeed(&of, svo_moving_create(of.opened.device, scene_mesh(cube), DEPTH, &options, NULL, &moving));
+    succeed(&of, svo_moving_add(moving, scene_mesh(cube), aside, &object));
+    succeed(&of, svo_moving_update_enqueue(moving, NULL, 0, NULL, &event));
+    wait_for(&event);
+    succeed(&of, svo_moving_finish(moving, &report));
+    assert_true(report.changed_objects == 1 && report.changed_fragments > 0);
+    svo_moving_destroy(&moving);
+    scene_destroy(&cube);
+}
+
+/* ---- trees on no device ---- */
+
+static void what_is_on_no_device_is_refused_with_words(void **state)
+{
+    subjects of = make_subjects(state);
+    const svo_render_options view = tree_view(&of);
+    const svo_ray ray = {.direction = {0, 0, 1}, .t_max = 1};
+    const svo_query_point point = {.max_distance = 1};
+    svo_hit hit;
+    svo_voxel_hit voxel;
+    svo_nearest near_point;
+    uint8_t rgba[PIXELS_BYTES];
+    svo_light *light = NULL;
+    svo_probes *probes = NULL;
+    svo_compact *solid = NULL;
+    svo_tree *expanded = NULL;
+    svo_device *const device = of.tree->device;
+    of.tree->device = NULL; /* as a tree from a file has it */
+    of.compact->device = NULL;
+    assert_int_equal(svo_tree_trace(of.tree, &ray, &hit, 1, SVO_TRACE_CLOSEST, NULL), SVO_NOT_ON_DEVICE);
+    assert_int_equal(svo_tree_trace_voxels(of.tree, &ray, &voxel, 1, 0, NULL), SVO_NOT_ON_DEVICE);
+    assert_int_equal(svo_tree_nearest(of.tree, &point, &near_point, 1, NULL), SVO_NOT_ON_DEVICE);
+    assert_int_equal(svo_light_create(of.tree, NULL, NULL, &light), SVO_NOT_ON_DEVICE);
+    assert_int_equal(svo_probes_create(of.tree, NULL, NULL, &probes), SVO_NOT_ON_DEVICE);
+    assert_int_equal(svo_solid_create(of.tree, NULL, NULL, &solid, NULL), SVO_NOT_ON_DEVICE);
+    assert_int_equal(svo_tree_refit_bvh_enqueue(of.tree, NULL, 0, NULL, NULL), SVO_NOT_ON_DEVICE);
+    assert_int_equal(svo_compact_trace(of.compact, &ray, &voxel, 1, 0, NULL), SVO_NOT_ON_DEVICE);
+    assert_int_equal(svo_compact_render(of.compact, &view, NULL, rgba), SVO_NOT_ON_DEVICE);
+    assert_int_equal(svo_compact_render_enqueue(of.compact, &view, NULL, NULL, 0, NULL, NULL), SVO_NOT_ON_DEVICE);
+    assert_int_equal(svo_compact_expand(of.compact, NULL, &expanded), SVO_NOT_ON_DEVICE);
+    assert_string_equal(svo_status_text(SVO_NOT_ON_DEVICE), "the tree is not on a device; upload it first");
+    of.tree->device = of.compact->device = device;
+    release_subjects(&of);
+}
+
+TEST_GROUP(enqueue)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(batches_without_a_queue_take_the_devices_own),
+        cmocka_unit_test(batches_refuse_memory_that_kernels_must_not_write),
+        cmocka_unit_test(a_marker_that_fails_is_named),
+        cmocka_unit_test(pictures_without_a_queue_take_the_devices_own),
+        cmocka_unit_test(builds_without_a_queue_take_the_devices_own),
+        cmocka_unit_test(updates_without_a_queue_take_the_devices_own),
+        cmocka_unit_test(what_is_on_no_device_is_refused_with_words),
+    };
+    return cmocka_run_group_tests_name("enqueue", tests, fixture_group_setup, fixture_group_teardown);
+}

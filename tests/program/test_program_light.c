@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: MIT */
+/* `svocl hash --light` as a user runs it: the same opacity however the tree was made, another one for each form. */
+#include "run_program.h"
+#include "support/suite.h"
+
+#include <string.h>
+
+#define TREE "scene:knot:200 -d 5 --need color,normal,projected-area"
+
+static void the_hash_is_that_of_the_opacity(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("$SVOCL build " TREE " -o a.svo --quiet");
+    run_well("test $($SVOCL hash " TREE " --light faces) = $($SVOCL hash a.svo --light faces)");
+    run_well("test $($SVOCL hash " TREE " --light bricks) = $($SVOCL hash " TREE " --light bricks --builder sorted)");
+    run_well("test $($SVOCL hash a.svo --light faces) != $($SVOCL hash a.svo --light voxels)");
+    /* Without areas leaves are opaque from every side. */
+    run_well("test $($SVOCL hash a.svo --light faces) != "
+             "$($SVOCL hash scene:knot:200 -d 5 --need color,normal --light faces)");
+    cJSON *document = run_json("$SVOCL hash a.svo --light bricks --json");
+    assert_string_equal(text_of(document, "light"), "bricks");
+    assert_int_equal(strlen(text_of(document, "hash")), 32);
+    cJSON_Delete(document);
+    run_well("rm a.svo");
+}
+
+static void wrong_forms_are_refused(void **state)
+{
+    (void)state;
+    need_builds();
+    run_badly("$SVOCL hash scene:cube --light cones", 2, "--light 'cones' is none of faces, bricks, voxels");
+    run_badly("$SVOCL hash scene:cube --light faces --nodes", 2, "--light and --nodes exclude each other");
+    run_badly("$SVOCL info scene:cube --light faces", 2, "--light");
+}
+
+TEST_GROUP(program_light)
+{
+    const struct CMUnitTest tests[] = {
+        IN_FOLDER(the_hash_is_that_of_the_opacity),
+        IN_FOLDER(wrong_forms_are_refused),
+    };
+    return cmocka_run_group_tests_name("program_light", tests, NULL, NULL);
+}

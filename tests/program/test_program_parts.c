@@ -1,0 +1,292 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * `svocl build --max-memory` and `svocl parts` as a user runs them: the file in one piece, byte for byte; damaged
+ * parts, runs that were ended, full disks; the steps by several processes.
+ */
+#include "run_program.h"
+#include "support/suite.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SCENE "scene:statue:20000 -d 7 --need color,normal,rays,material,fill,projected-area"
+
+/* a.svo in one piece. */
+static void build_whole(void)
+{
+    need_builds();
+    run_well("$SVOCL build " SCENE " -q -o a.svo");
+}
+
+static void parts_that_fit_make_the_same_file(void **state)
+{
+    (void)state;
+    build_whole();
+    cJSON *document = run_json("$SVOCL build " SCENE " --max-memory 2M -o b.svo --json");
+    assert_true(number_of(document, "parts") > 8);
+    assert_true(number_of(document, "peak_resident_bytes") > 1e6);
+    cJSON_Delete(document);
+    run_well("cmp a.svo b.svo && test ! -e b.svo.parts");
+    run_well("$SVOCL build " SCENE " --max-memory 1G -o b.svo");
+    assert_non_null(strstr(last.output, "peak resident"));
+    run_well("cmp a.svo b.svo");
+    run_well("rm a.svo b.svo");
+}
+
+/* Whatever makes them, with whatever number of threads. */
+static void every_way_makes_the_same_file(void **state)
+{
+    (void)state;
+    static const char *const ways[] = {"--frontend cl --threads 1", "--frontend cl --threads 2 --path gpu",
+                                       "--frontend gl-expand --threads 2"};
+    build_whole();
+    const size_t count = sizeof ways / sizeof ways[0] - (gl_works() ? 0 : 1);
+    for (size_t i = 0; i < count; ++i) {
+        char line[512];
+        (void)snprintf(line, sizeof line, "$SVOCL build " SCENE " --max-memory 6M -q -o b.svo %s && cmp a.svo b.svo",
+                       ways[i]);
+        run_well(line);
+    }
+    run_well("rm a.svo b.svo");
+}
+
+/* Each file of a folder that is truncated, and each with a flipped byte, is named and built again; others stay. */
+static void damaged_parts_are_built_again(void **state)
+{
+    (void)state;
+    build_whole();
+    run_well("$SVOCL parts plan " SCENE " --max-memory 6M -o b.svo -q && $SVOCL parts build b.svo.parts");
+    run_well("$SVOCL parts status b.svo.parts");
+    run_well("cd b.svo.parts && for f in *.part; do"
+             "  size=$(stat -c %s $f) && cp $f ../whole && stat -c '%n %i' *.part >../before &&"
+             "  for at in 0 20 40 100 $((size / 2)) $((size - 1)); do"
+             "    cp ../whole $f && truncate -s $at $f &&"
+             "    (cd .. && $SVOCL parts status b.svo.parts | grep -q \"^b.svo.parts/$f: \") || exit 1;"
+             "    cp ../whole $f && byte=$(od -An -tu1 -j $at -N 1 $f) &&"
+             "    printf \"\\\\$(printf %o $((byte ^ 4)))\" | dd of=$f bs=1 seek=$at conv=notrunc status=none &&"
+             "    (cd .. && $SVOCL parts status b.svo.parts | grep -q \"^b.svo.parts/$f: \") || exit 1;"
+             "  done; done");
+    run_badly("$SVOCL parts stitch b.svo.parts", 1, "b.svo.parts/");
+    run_well("test ! -e b.svo");
+    run_well("$SVOCL build " SCENE " --max-memory 6M --resume -q -o b.svo && cmp a.svo b.svo");
+    run_well("rm a.svo b.svo whole before");
+}
+
+/* A part that is there and whole is not written again. */
+static void steps_are_idempotent(void **state)
+{
+    (void)state;
+    build_whole();
+    run_well("$SVOCL parts plan " SCENE " --max-memory 6M -o b.svo -q");
+    run_badly("$SVOCL parts stitch b.svo.parts", 1, "is missing");
+    run_well("seq 0 $(($($SVOCL parts status b.svo.parts --json | grep -c '\"index\"') - 1)) >indices");
+    run_well("xargs -a indices -P 3 -I {} $SVOCL parts build b.svo.parts --part {}"
+             " && stat -c '%n %i' b.svo.parts/*.part >before");
+    run_well("$SVOCL parts build b.svo.parts & $SVOCL parts build b.svo.parts && wait $!"
+             " && stat -c '%n %i' b.svo.parts/*.part | cmp - before");
+    run_well("$SVOCL parts stitch b.svo.parts && cmp a.svo b.svo");
+    run_well("$SVOCL parts stitch b.svo.parts -o c.svo && cmp a.svo c.svo");
+    run_well("$SVOCL parts remove b.svo.parts && test ! -e b.svo.parts");
+    run_well("rm a.svo b.svo c.svo indices before");
+}
+
+/* What fails for now and what fails for good. */
+static void exit_codes_tell_whether_to_try_again(void **state)
+{
+    (void)state;
+    need_builds();
+    run_badly("OCL_ICD_VENDORS=/nonexistent $SVOCL parts plan scene:cube -d 4 -o b.svo", 75, "OpenCL");
+    run_badly("$SVOCL parts plan nothing.obj -d 4 -o b.svo", 1, "nothing.obj");
+    run_well("$SVOCL parts plan scene:cube -d 4 --max-memory 1M -o b.svo -q");
+    run_badly("OCL_ICD_VENDORS=/nonexistent $SVOCL parts build b.svo.parts", 75, "OpenCL");
+    run_badly("$SVOCL parts build b.svo.parts --device none-such", 75, "none-such");
+    run_badly("$SVOCL parts build b.svo.parts --part 1000", 2, "1000");
+    run_well("truncate -s -1 b.svo.parts/plan");
+    run_badly("$SVOCL parts build b.svo.parts", 1, "b.svo.parts/plan");
+    run_well("$SVOCL parts remove b.svo.parts");
+}
+
+/* Whatever write fails, the old file stays, and the next run goes on. */
+static void failed_writes_leave_the_old_file(void **state)
+{
+    (void)state;
+    static const char *const limits[] = {"0", "8", "64", "512", "1500"}; /* of 512 or 1024 bytes */
+    build_whole();
+    for (size_t i = 0; i < sizeof limits / sizeof limits[0]; ++i) {
+        char line[512];
+        run_well("echo old >b.svo");
+        (void)snprintf(line, sizeof line,
+                       "(ulimit -f %s; $SVOCL build " SCENE " --max-memory 6M --resume -q -o b.svo; echo $?) 2>&1"
+                       " | tail -1 | grep -q 1 && test $(cat b.svo) = old",
+                       limits[i]);
+        run_well(line);
+    }
+    run_well("$SVOCL build " SCENE " --max-memory 6M --resume -q -o b.svo && cmp a.svo b.svo");
+    run_well("rm a.svo b.svo");
+}
+
+/* A full disk: a small tmpfs, where one can be mounted. */
+static void full_disks_leave_the_old_file(void **state)
+{
+    (void)state;
+    build_whole();
+    run_well("mkdir disk; unshare -m true 2>/dev/null && unshare -m mount -t tmpfs tmpfs disk 2>/dev/null && touch can"
+             "; true");
+    run("test -e can");
+    if (last.exit_code != 0) {
+        run_well("rm -r a.svo disk");
+        print_message("no tmpfs can be mounted here\n");
+        skip();
+    }
+    run_well("for size in 64k 1m 3m 4m 5m; do unshare -m sh -c \"mount -t tmpfs -o size=$size tmpfs disk &&"
+             " echo old >disk/b.svo && ! $SVOCL build " SCENE " --max-memory 6M -q -o disk/b.svo 2>/dev/null &&"
+             " grep -q old disk/b.svo\" || exit 1; done");
+    run_well("rm -r a.svo disk can");
+}
+
+/* Ended at any time, a run leaves what the next one goes on from. */
+static void ended_runs_are_resumed(void **state)
+{
+    (void)state;
+    build_whole();
+    for (unsigned tenths = 1; tenths <= 4; ++tenths) {
+        char line[512];
+        (void)snprintf(line, sizeof line,
+                       "echo old >b.svo; timeout -s KILL 0.%u $SVOCL build " SCENE
+                       " --max-memory 3M --resume -q -o b.svo; test $(head -c 3 b.svo) = old || cmp a.svo b.svo",
+                       2 * tenths);
+        run_well(line);
+    }
+    run_well("$SVOCL build " SCENE " --max-memory 3M --resume -q -o b.svo && cmp a.svo b.svo");
+    run_well("rm a.svo b.svo");
+}
+
+/* Names of files that killed processes were writing, on file systems without O_TMPFILE, go with the folder. */
+static void what_killed_processes_left_is_removed(void **state)
+{
+    (void)state;
+    build_whole();
+    run_well("$SVOCL parts plan " SCENE " --max-memory 6M -o b.svo -q && touch b.svo.parts/.svocl-1234-0.tmp");
+    run_well("$SVOCL build " SCENE " --max-memory 6M --resume -q -o b.svo && cmp a.svo b.svo && test ! -e b.svo.parts");
+    run_well("$SVOCL parts plan " SCENE " --max-memory 6M -o b.svo -q && touch b.svo.parts/.svocl-mine");
+    run_well("$SVOCL parts remove b.svo.parts && test $(ls -A b.svo.parts) = .svocl-mine");
+    run_well("rm -r a.svo b.svo b.svo.parts");
+}
+
+/* A folder of another input or of another plan is not mixed in. */
+static void parts_of_other_trees_are_replaced(void **state)
+{
+    (void)state;
+    build_whole();
+    run_well("$SVOCL parts plan scene:statue:20000:2 -d 7 --max-memory 6M -o b.svo -q"
+             " && $SVOCL parts build b.svo.parts");
+    run_badly("$SVOCL build " SCENE " --max-memory 6M -q -o b.svo", 1, "--resume");
+    run_well("$SVOCL build " SCENE " --max-memory 6M --resume -q -o b.svo && cmp a.svo b.svo");
+    run_well("rm a.svo b.svo");
+}
+
+/* A binary STL file of facets along a spiral, each with a normal of its own. */
+static void write_facets(const char *name, uint32_t count)
+{
+    const char header[80] = "facets";
+    FILE *file = fopen(name, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(header, 1, sizeof header, file), sizeof header);
+    assert_int_equal(fwrite(&count, sizeof count, 1, file), 1);
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t row = i / 1000;
+        const float x = (float)(i % 1000);
+        const float y = (float)row;
+        const float z = (float)(i % 7919) * 0.05f;
+        const float facet[12] = {x, y, 1, x, y, z, x + 1, y, z, x, y + 1, z};
+        const uint16_t attribute = 0;
+        assert_int_equal(fwrite(facet, sizeof facet, 1, file), 1);
+        assert_int_equal(fwrite(&attribute, sizeof attribute, 1, file), 1);
+    }
+    assert_int_equal(fclose(file), 0);
+}
+
+/* A mesh in blocks takes no memory of its own: 50 MB of facets are 100 MB in memory and as many in a plan. The first
+   builds fill the caches of kernels, since compilers take memory. */
+static void mesh_files_are_read_in_blocks(void **state)
+{
+    (void)state;
+    need_builds();
+    write_facets("facets.stl", 1000000);
+    run_well("$SVOCL build scene:cube -d 4 -o c.svo -q && $SVOCL build facets.stl -d 7 --max-memory 16M -o a.svo -q");
+    cJSON *small = run_json("$SVOCL build scene:cube -d 4 -o c.svo --json");
+    cJSON *large = run_json("$SVOCL build facets.stl -d 7 --max-memory 16M -o a.svo --json");
+    assert_true(cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(large, "mesh_in_blocks")));
+    const double most = number_of(small, "peak_resident_bytes") + 80.0 * 1048576.0;
+    if (number_of(large, "peak_resident_bytes") > most) {
+        fail_msg("%.0f bytes were resident, above %.0f", number_of(large, "peak_resident_bytes"), most);
+    }
+    cJSON_Delete(small);
+    cJSON_Delete(large);
+    run_well("$SVOCL build facets.stl -d 7 -q -o b.svo && cmp a.svo b.svo");
+    run_well("$SVOCL build facets.stl -d 7 --need rays --max-memory 64M -o b.svo");
+    assert_non_null(strstr(last.output, "rays needs the whole mesh"));
+    run_well("truncate -s 49999999 facets.stl");
+    run_badly("$SVOCL build facets.stl -d 7 --max-memory 16M -o b.svo", 1, "facets.stl: byte 80");
+    run_well("rm -r a.svo b.svo c.svo facets.stl");
+}
+
+/* A mesh without a valid triangle leaves no folder; where one cannot be removed, that is said too. */
+static void a_folder_that_stays_is_named(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("(head -c 80 /dev/zero; printf '\\1\\0\\0\\0'; for i in $(seq 12); do printf '\\0\\0\\300\\177'; done;"
+             " printf '\\0\\0') >nan.stl");
+    run_badly("$SVOCL parts plan nan.stl -d 4 --max-memory 1M -o b.svo", 1, "nan.stl: no valid triangle in it");
+    assert_null(strstr(last.errors, "b.svo.parts"));
+    run_well("test ! -e b.svo.parts && mkdir -p b.svo.parts/1-0.part"); /* what unlink does not take */
+    run_badly("$SVOCL parts plan nan.stl -d 4 --max-memory 1M -o b.svo", 1,
+              "all 1 are refused; b.svo.parts: cannot be emptied: Is a directory");
+    run_well("rm -r b.svo.parts nan.stl");
+}
+
+static void wrong_usage_is_refused(void **state)
+{
+    (void)state;
+    run_badly("$SVOCL build scene:cube --max-memory 1M", 2, "-o FILE");
+    run_badly("$SVOCL build scene:cube --max-memory 1X -o a.svo", 2, "512M");
+    run_badly("$SVOCL build scene:cube --max-memory 0 -o a.svo", 2, "below 1");
+    run_badly("$SVOCL build scene:cube --resume -o a.svo", 2, "--max-memory");
+    run_badly("$SVOCL build scene:cube --max-memory 1M --compress -o a.svo", 2, "--compress");
+    run_badly("$SVOCL build scene:cube --max-memory 1M --builder gl-compute -o a.svo", 2, "gl-compute");
+    run_badly("$SVOCL build scene:cube --max-memory 1M --builder sorted -o a.svo", 2, "sorted");
+    run_badly("$SVOCL parts", 2, "ACTION");
+    run_badly("$SVOCL parts grow a.svo.parts", 2, "none of plan");
+    run_badly("$SVOCL parts status a.svo.parts", 1, "a.svo.parts/plan");
+    run_badly("$SVOCL parts plan scene:cube", 2, "-o FILE");
+    need_builds();
+    run_badly("$SVOCL build scene:knot -d 9 --max-memory 1K -q -o a.svo", 2, "--max-memory 1024 is too small");
+    run_well("test ! -e a.svo && test ! -e a.svo.parts");
+    run_badly("$SVOCL build scene:knot -d 16 --max-memory 1G -q -o a.svo", 1,
+              "nodes are expected at depth 16, above 2^32 - 2");
+    run_well("test ! -e a.svo.parts");
+    run_badly("$SVOCL parts plan scene:knot -d 16 --max-memory 1G -q -o a.svo", 1, "nodes are expected");
+    run_well("test ! -e a.svo.parts");
+}
+
+TEST_GROUP(program_parts)
+{
+    const struct CMUnitTest tests[] = {
+        IN_FOLDER(parts_that_fit_make_the_same_file),
+        IN_FOLDER(every_way_makes_the_same_file),
+        IN_FOLDER(damaged_parts_are_built_again),
+        IN_FOLDER(steps_are_idempotent),
+        IN_FOLDER(exit_codes_tell_whether_to_try_again),
+        IN_FOLDER(failed_writes_leave_the_old_file),
+        IN_FOLDER(full_disks_leave_the_old_file),
+        IN_FOLDER(ended_runs_are_resumed),
+        IN_FOLDER(what_killed_processes_left_is_removed),
+        IN_FOLDER(parts_of_other_trees_are_replaced),
+        IN_FOLDER(mesh_files_are_read_in_blocks),
+        IN_FOLDER(a_folder_that_stays_is_named),
+        IN_FOLDER(wrong_usage_is_refused),
+    };
+    return cmocka_run_group_tests_name("program_parts", tests, NULL, NULL);
+}

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: MIT */
+/* Scans and sorts divide their work among as many groups as the device is wide. Trees do not depend on how many. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "core/device.h"
+#include "scenes.h"
+#include "shared/layout.h"
+#include "support/fixture.h"
+#include "support/suite.h"
+
+/* Of groups, and of the sort's digits, which are wider on CPUs. */
+static void trees_do_not_depend_on_the_widths(void **state)
+{
+    static const struct {
+        uint32_t scan_groups, sort_groups;
+    } widths[] = {{1, 1}, {3, 2}, {65, 16}, {2048, 512}};
+    static const svo_builder builders[] = {SVO_BUILDER_CL, SVO_BUILDER_SORTED};
+    const fixture opened = fixture_cl_of_group(state);
+    scene *knot = fixture_scene("knot:3000");
+    for (size_t b = 0; b < sizeof builders / sizeof builders[0]; ++b) {
+        const svo_plan_options options = {.need = SVO_NEED_ALL, .builder = builders[b]};
+        built usual;
+        fixture_build(&opened, scene_mesh(knot), 8, &options, &usual);
+        assert_in_range(usual.info.fragments, SVO_SORT_LONG_LIST, UINT64_MAX);
+        for (size_t i = 0; i < sizeof widths / sizeof widths[0]; ++i) {
+            const svo_device before = *opened.device;
+            built forced;
+            opened.device->cpu_path = false;
+            opened.device->scan_groups = widths[i].scan_groups;
+            opened.device->sort_groups = widths[i].sort_groups;
+            fixture_build(&opened, scene_mesh(knot), 8, &options, &forced);
+            assert_string_equal(forced.hash, usual.hash);
+            built_destroy(&forced);
+            opened.device->cpu_path = before.cpu_path;
+            opened.device->scan_groups = before.scan_groups;
+            opened.device->sort_groups = before.sort_groups;
+        }
+        built_destroy(&usual);
+    }
+    scene_destroy(&knot);
+}
+
+TEST_GROUP(widths)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(trees_do_not_depend_on_the_widths)};
+    return cmocka_run_group_tests_name("widths", tests, fixture_group_setup, fixture_group_teardown);
+}

@@ -1,0 +1,528 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Points are traced in groups whose rays fit a batch. Of each group: rays into the hemisphere above each point, with a
+ * density in proportion to the cosine, so that means over rays are the integrals; what they meet; the sources' light
+ * there, one batch of shadow rays for each source; means over the rays of each set. Light falls off with the inverse
+ * square, and spots have a soft edge. Colors are as svo_material describes them, in double precision.
+ */
+#include "path/path.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "path/threads.h"
+#include "scenes/maths.h"
+#include "svocl/nodes.h"
+
+/* ---- a source ---- */
+
+static vector3 vector_of(const float numbers[3])
+{
+    return vector((double)numbers[0], (double)numbers[1], (double)numbers[2]);
+}
+
+/* 1 inside the inner angle, 0 outside the outer one; between them smooth in the cosine. */
+static double spot_share(const svo_light_source *source, vector3 towards)
+{
+    const vector3 axis = vector_normalize(vector_of(source->direction));
+    return smooth_ramp(cos((double)source->outer_angle), cos((double)source->inner_angle), -vector_dot(axis, towards));
+}
+
+bool path_source_view(const svo_light_source *source, vector3 place, source_view *view)
+{
+    if (source->kind == SVO_SOURCE_DIRECTIONAL) {
+        const vector3 axis = vector_normalize(vector_of(source->direction));
+        *view = (source_view){.direction = vector_scale(axis, -1), .distance = INFINITY, .strength = 1};
+        return true;
+    }
+    const vector3 towards = vector_subtract(vector_of(source->position), place);
+    view->distance = vector_length(towards);
+    if (!(view->distance > 0)) {
+        return false;
+    }
+    view->direction = vector_scale(towards, 1 / view->distance);
+    view->strength = 1 / vector_dot(towards, towards);
+    if (source->kind == SVO_SOURCE_SPOT) {
+        view->strength *= spot_share(source, view->direction);
+    }
+    return view->strength > 0;
+}
+
+/* IEC 61966-2-1. */
+static double decode_srgb(double value)
+{
+    return value <= 0.04045 ? value / 12.92 : pow((value + 0.055) / 1.055, 2.4);
+}
+
+static uint32_t corner_of(const svo_mesh *mesh, uint32_t triangle, size_t corner)
+{
+    const size_t place = (size_t)triangle * 3 + corner;
+    return mesh->indices != NULL ? mesh->indices[place] : (uint32_t)place;
+}
+
+static const svo_material *material_of(const svo_mesh *mesh, uint32_t triangle, size_t *index)
+{
+    const size_t named = mesh->triangle_materials != NULL ? mesh->triangle_materials[triangle] : 0;
+    *index = named < mesh->material_count ? named : 0;
+    return mesh->material_count > 0 ? &mesh->materials[*index] : NULL;
+}
+
+/* ---- textures ---- */
+
+static uint32_t wrapped(int64_t texel, uint32_t count, svo_wrap wrap)
+{
+    const int64_t period = wrap == SVO_WRAP_MIRROR ? 2 * (int64_t)count : (int64_t)count;
+    if (wrap == SVO_WRAP_CLAMP) {
+        return texel < 0 ? 0 : texel >= (int64_t)count ? count - 1 : (uint32_t)texel;
+    }
+    const int64_t inside = (texel % period + period) % period;
+    return (uint32_t)(inside < (int64_t)count ? inside : period - 1 - inside);
+}
+
+/* Bilinear: texel i covers i .. i + 1 and has its value in the middle. */
+static void sample_texture(const svo_texture *image, const double uv[2], double color[3])
+{
+    const double x = uv[0] * image->width - 0.5;
+    const double y = uv[1] * image->height - 0.5;
+    const double share[2] = {x - floor(x), y - floor(y)};
+    memset(color, 0, 3 * sizeof *color);
+    for (int k = 0; k < 4; ++k) {
+        const uint32_t column = wrapped((int64_t)floor(x) + (k & 1), image->width, image->wrap_u);
+        const uint32_t row = wrapped((int64_t)floor(y) + (k >> 1), image->height, image->wrap_v);
+        const double weight = ((k & 1) != 0 ? share[0] : 1 - share[0]) * ((k >> 1) != 0 ? share[1] : 1 - share[1]);
+        const uint8_t *texel = image->rgba + 4 * ((size_t)row * image->width + column);
+        for (int channel = 0; channel < 3; ++channel) {
+            color[channel] += weight * texel[channel] / 255;
+        }
+    }
+}
+
+/* As svo_mesh.uvs says. */
+static double clamped_uv(float value)
+{
+    return isfinite(value) ? fmin(fmax((double)value, -32767.0), 32767.0) : 0.0;
+}
+
+static void multiply_texel(const svo_mesh *mesh, const svo_material *material, uint32_t triangle,
+                           const double weights[3], double color[3])
+{
+    double uv[2] = {0, 0};
+    double texel[3];
+    if (material->texture_index >= mesh->texture_count || mesh->uvs == NULL) {
+        return;
+    }
+    for (size_t corner = 0; corner < 3; ++corner) {
+        const float *own = mesh->uvs + 2 * (size_t)corner_of(mesh, triangle, corner);
+        uv[0] += weights[corner] * clamped_uv(own[0]);
+        uv[1] += weights[corner] * clamped_uv(own[1]);
+    }
+    sample_texture(&mesh->textures[material->texture_index], uv, texel);
+    for (int channel = 0; channel < 3; ++channel) {
+        color[channel] *= texel[channel];
+    }
+}
+
+/* ---- materials ---- */
+
+static void multiply_vertex_colors(const svo_mesh *mesh, uint32_t triangle, const double weights[3], double color[3])
+{
+    for (int channel = 0; channel < 3 && mesh->colors != NULL; ++channel) {
+        double own = 0;
+        for (size_t corner = 0; corner < 3; ++corner) {
+            own += weights[corner] * mesh->colors[4 * (size_t)corner_of(mesh, triangle, corner) + (size_t)channel];
+        }
+        color[channel] *= own / 255;
+    }
+}
+
+void path_albedo(const svo_mesh *mesh, uint32_t triangle, double u, double v, double albedo[3])
+{
+    const double weights[3] = {1 - u - v, u, v};
+    size_t index = 0;
+    const svo_material *material = material_of(mesh, triangle, &index);
+    if (material == NULL && mesh->colors == NULL) {
+        albedo[0] = albedo[1] = albedo[2] = PATH_CLAY;
+        return;
+    }
+    for (int channel = 0; channel < 3; ++channel) {
+        albedo[channel] = material != NULL ? material->rgba[channel] / 255.0 : 1;
+    }
+    multiply_vertex_colors(mesh, triangle, weights, albedo);
+    if (material != NULL) {
+        multiply_texel(mesh, material, triangle, weights, albedo);
+    }
+    for (int channel = 0; channel < 3; ++channel) {
+        albedo[channel] = decode_srgb(albedo[channel]);
+    }
+}
+
+void path_emission(const svo_mesh *mesh, const svo_light_setup *setup, uint32_t triangle, double emission[3])
+{
+    size_t index = 0;
+    (void)material_of(mesh, triangle, &index);
+    const bool emits = index < setup->finish_count;
+    for (int channel = 0; channel < 3; ++channel) {
+        emission[channel] = emits ? (double)setup->finishes[index].emission[channel] : 0;
+    }
+}
+
+#define BATCH_RAYS     524288u /* a group is at least one point */
+#define RAYS_PER_CHUNK 1024u
+#define PI             3.14159265358979323846
+/* Rays begin so far above a surface, in widths of the grid: 4 units of snapping. */
+#define LIFT 0x1p-18
+
+/* A place that light falls on: a point, or what a ray met. */
+typedef struct lit_place {
+    vector3 position;
+    vector3 normal; /* unit, on the side that is looked at; zero: nothing is there */
+    double weight[3]; /* radiance that an irradiance of 1 adds; 1 for points, where irradiance itself is wanted */
+} lit_place;
+
+typedef struct path_work {
+    const path_scene *scene;
+    const svo_gather_point *points; /* of the group */
+    path_result *results;
+    uint32_t first_point, seed;
+    unsigned strata, per_point; /* along a side of a set's square; 16 of these */
+    double lift; /* world units */
+    svo_grid grid;
+    svo_ray *rays;
+    svo_hit *hits;
+    lit_place *places;
+    double *radiance; /* three to a place */
+    const svo_light_source *source; /* of the running batch of shadow rays */
+} path_work;
+
+/* ---- samples ---- */
+
+/* Two numbers in [0, 1) for a sample: a function of seed, point and sample alone. */
+static void random_pair(const path_work *work, uint32_t point, uint32_t sample, double out[2])
+{
+    random_stream of_point = {.state = (uint64_t)work->seed << 32 | point};
+    random_stream of_sample = {.state = random_bits(&of_point) + sample};
+    out[0] = random_between(&of_sample, 0, 1);
+    out[1] = random_between(&of_sample, 0, 1);
+}
+
+/* Cosine-weighted, around +z: the projection of a uniform disk. */
+static vector3 sample_hemisphere(const path_work *work, uint32_t point, uint32_t sample)
+{
+    const unsigned stratum = sample % (work->strata * work->strata);
+    double jitter[2];
+    random_pair(work, point, sample, jitter);
+    const double squared = (stratum / work->strata + jitter[0]) / work->strata; /* NOLINT: a row */
+    const double angle = 2 * PI * (stratum % work->strata + jitter[1]) / work->strata;
+    return vector(sqrt(squared) * cos(angle), sqrt(squared) * sin(angle), sqrt(1 - squared));
+}
+
+/* From around +z to around the normal. */
+static vector3 turn_to(vector3 normal, vector3 local)
+{
+    const vector3 size = vector(fabs(normal.x), fabs(normal.y), fabs(normal.z));
+    const vector3 axis = size.x <= size.y && size.x <= size.z ? vector(1, 0, 0)
+                         : size.y <= size.z                   ? vector(0, 1, 0)
+                                                              : vector(0, 0, 1);
+    const vector3 side = vector_normalize(vector_cross(normal, axis));
+    const vector3 other = vector_cross(normal, side);
+    return vector_add(vector_scale(normal, local.z),
+                      vector_add(vector_scale(side, local.x), vector_scale(other, local.y)));
+}
+
+static const svo_ray no_ray = {.direction = {0, 0, 1}, .t_min = 0, .t_max = -1};
+
+/* From above a place. direction: unit. */
+static svo_ray ray_from(const path_work *work, const lit_place *place, vector3 direction, double length)
+{
+    const vector3 origin = vector_add(place->position, vector_scale(place->normal, work->lift));
+    return (svo_ray){.origin = {(float)origin.x, (float)origin.y, (float)origin.z},
+                     .direction = {(float)direction.x, (float)direction.y, (float)direction.z},
+                     .t_min = 0,
+                     .t_max = (float)length};
+}
+
+/* ---- the group's places ---- */
+
+/* Points without a normal or outside the grid become places without one. */
+static lit_place place_of_point(const path_work *work, const svo_gather_point *point)
+{
+    const lit_place place = {
+        .position = vector_of(point->position), .normal = vector_of(point->normal), .weight = {1, 1, 1}};
+    const double position[3] = {place.position.x, place.position.y, place.position.z};
+    const double length = vector_length(place.normal);
+    uint32_t cell[3];
+    if (!(length > 0) || !isfinite(length) ||
+        svo_grid_cell_of_point(&work->grid, work->grid.depth, position, cell) == 0) {
+        return (lit_place){.weight = {0}};
+    }
+    return (lit_place){
+        .position = place.position, .normal = vector_scale(place.normal, 1 / length), .weight = {1, 1, 1}};
+}
+
+static bool is_there(const lit_place *place)
+{
+    return vector_dot(place->normal, place->normal) > 0;
+}
+
+static void make_rays(void *user, unsigned thread_index, size_t begin, size_t end)
+{
+    const path_work *work = user;
+    (void)thread_index;
+    for (size_t i = begin; i < end; ++i) {
+        const size_t point = i / work->per_point;
+        const lit_place place = place_of_point(work, &work->points[point]);
+        work->rays[i] = no_ray;
+        if (is_there(&place)) {
+            const vector3 local =
+                sample_hemisphere(work, work->first_point + (uint32_t)point, (uint32_t)(i % work->per_point));
+            work->rays[i] = ray_from(work, &place, turn_to(place.normal, local), INFINITY);
+        }
+    }
+}
+
+/* What a ray met, and the radiance that comes from there without the sources: emission, or the sky's. */
+static void find_place(const path_work *work, size_t i)
+{
+    const svo_light_setup *setup = work->scene->setup;
+    const svo_ray *ray = &work->rays[i];
+    const svo_hit *hit = &work->hits[i];
+    lit_place *place = &work->places[i];
+    double *radiance = work->radiance + 3 * i;
+    *place = (lit_place){.weight = {0}};
+    if (hit->triangle == SVO_NO_TRIANGLE) {
+        for (int channel = 0; channel < 3; ++channel) {
+            radiance[channel] = ray->t_max > 0 ? (double)setup->sky[channel] : 0;
+        }
+        return;
+    }
+    path_emission(work->scene->mesh, setup, hit->triangle, radiance);
+    path_albedo(work->scene->mesh, hit->triangle, (double)hit->u, (double)hit->v, place->weight);
+    const vector3 direction = vector_of(ray->direction);
+    const vector3 normal = vector_of(hit->normal);
+    place->position = vector_add(vector_of(ray->origin), vector_scale(direction, (double)hit->t));
+    place->normal = vector_scale(normal, vector_dot(normal, direction) > 0 ? -1 : 1);
+    for (int channel = 0; channel < 3; ++channel) {
+        place->weight[channel] /= PI;
+    }
+}
+
+static void find_places(void *user, unsigned thread_index, size_t begin, size_t end)
+{
+    (void)thread_index;
+    for (size_t i = begin; i < end; ++i) {
+        find_place(user, i);
+    }
+}
+
+static void take_points(path_work *work, size_t point_count)
+{
+    for (size_t i = 0; i < point_count; ++i) {
+        work->places[i] = place_of_point(work, &work->points[i]);
+    }
+    memset(work->radiance, 0, 3 * point_count * sizeof *work->radiance);
+}
+
+/* ---- light of the sources ---- */
+
+static void make_shadow_rays(void *user, unsigned thread_index, size_t begin, size_t end)
+{
+    const path_work *work = user;
+    (void)thread_index;
+    for (size_t i = begin; i < end; ++i) {
+        const lit_place *place = &work->places[i];
+        source_view view;
+        work->rays[i] = no_ray;
+        if (is_there(place) && path_source_view(work->source, place->position, &view) &&
+            vector_dot(view.direction, place->normal) > 0) {
+            work->rays[i] = ray_from(work, place, view.direction, view.distance);
+        }
+    }
+}
+
+static void add_light(void *user, unsigned thread_index, size_t begin, size_t end)
+{
+    const path_work *work = user;
+    (void)thread_index;
+    for (size_t i = begin; i < end; ++i) {
+        const lit_place *place = &work->places[i];
+        source_view view;
+        if (work->rays[i].t_max > 0 && work->hits[i].triangle == SVO_NO_TRIANGLE &&
+            path_source_view(work->source, place->position, &view)) {
+            const double irradiance = view.strength * vector_dot(view.direction, place->normal);
+            for (int channel = 0; channel < 3; ++channel) {
+                work->radiance[3 * i + (size_t)channel] +=
+                    place->weight[channel] * irradiance * (double)work->source->value[channel];
+            }
+        }
+    }
+}
+
+/* Adds what each source brings to the first places. */
+static svo_status add_sources(path_work *work, size_t place_count)
+{
+    const path_scene *scene = work->scene;
+    for (size_t i = 0; i < scene->setup->source_count; ++i) {
+        work->source = &scene->setup->sources[i];
+        threads_run(scene->threads, place_count, RAYS_PER_CHUNK, make_shadow_rays, work);
+        const svo_status status =
+            svo_tree_trace(scene->tree, work->rays, work->hits, place_count, SVO_TRACE_ANY, scene->queue);
+        if (status != SVO_OK) {
+            return status;
+        }
+        threads_run(scene->threads, place_count, RAYS_PER_CHUNK, add_light, work);
+    }
+    return SVO_OK;
+}
+
+/* ---- means ---- */
+
+/* The mean of the sets' means, and its standard error. */
+static void average_sets(const double means[PATH_SETS], double *mean, double *error)
+{
+    double sum = 0;
+    double squares = 0;
+    for (unsigned set = 0; set < PATH_SETS; ++set) {
+        sum += means[set] / PATH_SETS;
+    }
+    for (unsigned set = 0; set < PATH_SETS; ++set) {
+        squares += (means[set] - sum) * (means[set] - sum);
+    }
+    *mean = sum;
+    *error = sqrt(squares / (PATH_SETS - 1) / PATH_SETS);
+}
+
+static void sum_openness(void *user, unsigned thread_index, size_t begin, size_t end)
+{
+    const path_work *work = user;
+    const unsigned per_set = work->per_point / PATH_SETS;
+    const double range = work->scene->range > 0 ? work->scene->range : INFINITY;
+    (void)thread_index;
+    for (size_t point = begin; point < end; ++point) {
+        double means[PATH_SETS] = {0};
+        for (size_t i = 0; i < work->per_point; ++i) {
+            const double t = (double)work->hits[point * work->per_point + i].t;
+            const bool occludes = isfinite(t) && t < range;
+            means[i / per_set] += (occludes ? 1 - 1 / (1 + work->scene->falloff * t) : 1) / per_set;
+        }
+        average_sets(means, &work->results[point].openness, &work->results[point].openness_error);
+    }
+}
+
+static void sum_irradiance(void *user, unsigned thread_index, size_t begin, size_t end)
+{
+    const path_work *work = user;
+    const unsigned per_set = work->per_point / PATH_SETS;
+    (void)thread_index;
+    for (size_t point = begin; point < end; ++point) {
+        path_result *result = &work->results[point];
+        for (size_t channel = 0; channel < 3; ++channel) {
+            double means[PATH_SETS] = {0};
+            for (size_t i = 0; i < work->per_point; ++i) {
+                means[i / per_set] += PI * work->radiance[3 * (point * work->per_point + i) + channel] / per_set;
+            }
+            average_sets(means, &result->irradiance[channel], &result->irradiance_error[channel]);
+        }
+    }
+}
+
+static void take_direct(const path_work *work, size_t point_count)
+{
+    for (size_t i = 0; i < point_count; ++i) {
+        work->results[i].is_gathered = is_there(&work->places[i]);
+        memcpy(work->results[i].direct, work->radiance + 3 * i, sizeof work->results[i].direct);
+    }
+}
+
+/* ---- groups ---- */
+
+static svo_status trace_points(path_work *work, size_t point_count)
+{
+    take_points(work, point_count);
+    const svo_status status = add_sources(work, point_count);
+    take_direct(work, point_count);
+    return status;
+}
+
+static svo_status trace_paths(path_work *work, size_t point_count)
+{
+    const path_scene *scene = work->scene;
+    const size_t ray_count = point_count * work->per_point;
+    threads_run(scene->threads, ray_count, RAYS_PER_CHUNK, make_rays, work);
+    svo_status status = svo_tree_trace(scene->tree, work->rays, work->hits, ray_count, SVO_TRACE_CLOSEST, scene->queue);
+    if (status != SVO_OK) {
+        return status;
+    }
+    threads_run(scene->threads, point_count, 1, sum_openness, work);
+    threads_run(scene->threads, ray_count, RAYS_PER_CHUNK, find_places, work);
+    status = add_sources(work, ray_count);
+    threads_run(scene->threads, point_count, 1, sum_irradiance, work);
+    return status;
+}
+
+/* Points first to first + count - 1 of the caller's. */
+static svo_status trace_group(path_work *work, const svo_gather_point *points, size_t first, size_t count,
+                              path_result *results)
+{
+    work->first_point = (uint32_t)first;
+    work->points = points + first;
+    work->results = results + first;
+    const svo_status status = trace_points(work, count);
+    if (status != SVO_OK) {
+        return status;
+    }
+    return trace_paths(work, count);
+}
+
+static bool allocate(path_work *work, size_t ray_count)
+{
+    work->rays = calloc(ray_count, sizeof *work->rays);
+    work->hits = calloc(ray_count, sizeof *work->hits);
+    work->places = calloc(ray_count, sizeof *work->places);
+    work->radiance = calloc(3 * ray_count, sizeof *work->radiance);
+    return work->rays != NULL && work->hits != NULL && work->places != NULL && work->radiance != NULL;
+}
+
+static void release(path_work *work)
+{
+    free(work->rays);
+    free(work->hits);
+    free(work->places);
+    free(work->radiance);
+}
+
+static unsigned strata_of(unsigned samples)
+{
+    const unsigned strata = (unsigned)sqrt((double)samples / PATH_SETS);
+    return strata > 0 ? strata : 1;
+}
+
+unsigned path_sample_count(unsigned samples)
+{
+    return PATH_SETS * strata_of(samples) * strata_of(samples);
+}
+
+svo_status path_trace(const path_scene *scene, const svo_gather_point *points, size_t point_count, unsigned samples,
+                      uint32_t seed, path_result *results)
+{
+    path_work work = {
+        .scene = scene, .seed = seed, .strata = strata_of(samples), .per_point = path_sample_count(samples)};
+    const size_t in_batch = work.per_point < BATCH_RAYS ? BATCH_RAYS / work.per_point : 1;
+    const size_t group = point_count < in_batch ? point_count : in_batch;
+    svo_status status = svo_tree_get_grid(scene->tree, &work.grid);
+    if (status != SVO_OK || point_count == 0) {
+        return status;
+    }
+    work.lift = LIFT * svo_grid_cell_edge(&work.grid, 0);
+    status = allocate(&work, group * work.per_point) ? SVO_OK : SVO_OUT_OF_HOST_MEMORY;
+    size_t done = 0;
+    while (status == SVO_OK && done < point_count) {
+        const size_t left = point_count - done;
+        const size_t count = left < group ? left : group;
+        status = trace_group(&work, points, done, count, results);
+        done += count;
+    }
+    release(&work);
+    return status;
+}

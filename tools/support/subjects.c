@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT */
+/* The names of the subjects. A new subject is added here, and its measurement to tools/lab/program/subjects.c. */
+#include "support/subjects.h"
+
+const subject_words subject_table[SUBJECT_COUNT] = {
+    [SUBJECT_VOXELIZE] = {"voxelize", "all", "front ends: fragments per second"},
+    [SUBJECT_BUILD] = {"build", "all", "builders stage by stage, and the interop paths"},
+    [SUBJECT_FILTER] = {"filter", "all", "attributes: by weighting, and each by itself"},
+    [SUBJECT_STARTUP] = {"startup", "all", "process start to first tree, with cold and warm compiler caches"},
+    [SUBJECT_IMPORT] = {"import", "all", "reading mesh files, compared with assimp alone"},
+    [SUBJECT_CONVERT] = {"convert", "all",
+                         "voxels to lists, trees, compact trees and files, for solid spheres of growing size"},
+    [SUBJECT_RAYS] = {"rays", "all", "rays against triangles, compared with Embree"},
+    [SUBJECT_COMPACT] = {"compact", "all", "compact trees: bytes and rays beside the built tree"},
+    [SUBJECT_SOLID] = {"solid", "all", "the inside of closed meshes, compared with OpenVDB"},
+    [SUBJECT_SCENE] = {"scene", "all", "instances of a tree beside one tree of all voxels and beside Embree"},
+    [SUBJECT_LIGHT] = {"light", "all", "light: stages, bytes and frames beside those of older systems"},
+    [SUBJECT_LEAVING_OUT] = {"leaving-out", "all", "time and bytes of each need, weighting and builder"},
+    [SUBJECT_SIZES] = {"sizes", "all", "bytes and time from an empty mesh to a million triangles"},
+    [SUBJECT_MEMORY] = {"memory", "all", "bytes per leaf, compared with a full octree and 36-byte fragments"},
+    [SUBJECT_PARTS] = {"parts", "all", "time and memory of builds in parts, and several workers side by side"},
+    [SUBJECT_PARTS_LARGE] = {"parts-large", "all", "trees of a hundred million leaves, built in little memory"},
+    [SUBJECT_PAGED] = {"paged", "all", "misses and reads of paged trees along a camera path"},
+    [SUBJECT_MOVING] = {"moving", "all", "scenes that move: updates beside full builds"},
+    [SUBJECT_MOVING_LIGHT] = {"moving-light", "all", "light that follows what moves, beside light from nothing"},
+    [SUBJECT_THESIS_2020] = {"thesis-2020", "all",
+                             "a thesis on octree building: scenes of 3,538, 2,243 and 26,220 triangles"},
+    [SUBJECT_THESIS_2016] = {"thesis-2016", "all",
+                             "a thesis on voxel cone tracing: memory and times at 128³, 256³ and 512³"},
+    [SUBJECT_PEER_EMBREE] = {"peer-embree", "all", "Embree's BVH of the same triangles, where Embree is installed"},
+    [SUBJECT_PEER_OPENVDB] = {"peer-openvdb", "all", "OpenVDB grid of the same triangles, where OpenVDB is installed"},
+    [SUBJECT_E1] = {"e1", "errors", "error and run time of voxelization: false negatives and positives of each method"},
+    [SUBJECT_E2] = {"e2", "errors",
+                    "error and run time of ray tracing: missed and wrong rays of each ray-triangle test"},
+    [SUBJECT_E3] = {"e3", "errors",
+                    "error and run time of attributes: colors and normals of voxels, and their dependence on order"},
+    [SUBJECT_E4] = {"e4", "errors", "error and run time of levels of detail"},
+    [SUBJECT_E5] = {"e5", "errors", "where each method fails as meshes become ill-conditioned"},
+    [SUBJECT_E7] = {"e7", "errors", "error and run time of cones: ambient occlusion and light beside exact rays"},
+    [SUBJECT_E8] =
+        {"e8", "errors",
+         "error and run time of light field probes: rays through them beside exact rays, light beside paths"},
+};
