@@ -236,11 +236,9 @@ static svo_status describe(svo_device *device, const char *function, const svo_i
                            svo_i_program_entry *out)
 {
     if (strlen(defines) >= sizeof out->defines || strlen(program->name) >= sizeof out->name) {
-        return svo_i_device_fail(device, SVO_INTERNAL,
-                                 "%s: program %s has a longer name or longer defines than %d bytes", function,
-                                 program->name, SVO_I_PROGRAM_DEFINES_BYTES - 1);
+        return svo_i_device_fail(device, SVO_INTERNAL, "%s: the name or the defines of program %s are too long",
+                                 function, program->name);
     }
-    *out = (svo_i_program_entry){.program = NULL};
     memcpy(out->name, program->name, strlen(program->name) + 1);
     memcpy(out->defines, defines, strlen(defines) + 1);
     hash_source(program, out->source);
@@ -251,7 +249,7 @@ static svo_status describe(svo_device *device, const char *function, const svo_i
 static svo_status make_program(svo_device *device, const char *function, const svo_i_program *program,
                                const char *defines, cl_program *out)
 {
-    svo_i_program_entry made;
+    svo_i_program_entry made = {.program = NULL};
     SVO_I_TRY(describe(device, function, program, defines, &made));
     const double start_ms = svo_i_now_ms();
     svo_status status = compile(device, function, program, defines, &made.program);
