@@ -28,8 +28,9 @@
 /* Static: a program that links the library may have its own stb_image. */
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
-#define STBI_MAX_DIMENSIONS                   STREAM_TEXTURE_SIDE_MAX
-#define stbi_set_unpremultiply_on_load_thread stbi__unpremultiply_on_load_thread /* its name where 2.27 defines it */
+#define STBI_MAX_DIMENSIONS STREAM_TEXTURE_SIDE_MAX
+/* The name by which 2.27 defines what it declares by the other. NOLINTNEXTLINE(readability-identifier-naming) */
+#define stbi_set_unpremultiply_on_load_thread stbi__unpremultiply_on_load_thread
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 #include <stb/stb_image.h>

@@ -214,16 +214,6 @@ svo_status svo_i_voxels_put(voxel_writer *writer, const void *bytes, size_t byte
     return SVO_OK;
 }
 
-svo_status svo_i_voxels_print(voxel_writer *writer, const char *format, ...)
-{
-    svo_message line;
-    va_list arguments;
-    va_start(arguments, format);
-    const int length = vsnprintf(line.text, sizeof line.text, format, arguments);
-    va_end(arguments);
-    return svo_i_voxels_put(writer, line.text, (size_t)length);
-}
-
 svo_status svo_i_voxels_sorted(const voxel_writer *writer, svo_i_voxel_order order, svo_voxel **out)
 {
     const size_t count = (size_t)writer->list.voxel_count;

@@ -102,9 +102,8 @@ typedef struct voxel_writer {
 svo_status svo_i_voxels_write_fail(const voxel_writer *writer, svo_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* Puts bytes, or a line of text that is shorter than SVO_MESSAGE_BYTES, behind those before. */
+/* Puts bytes behind those before. */
 svo_status svo_i_voxels_put(voxel_writer *writer, const void *bytes, size_t byte_count);
-svo_status svo_i_voxels_print(voxel_writer *writer, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* Gives what is in the buffer to the callback. */
 svo_status svo_i_voxels_flush(voxel_writer *writer);
 

@@ -5,6 +5,7 @@
  */
 #define _POSIX_C_SOURCE 200809L
 #include <inttypes.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "core/struct_size.h"
@@ -16,6 +17,18 @@
 #define BITS_MAX        12u /* longer edges would make gigabytes of empty runs */
 #define RUN_MAX         255u
 #define POSITION_DIGITS 9 /* give every float back */
+
+/* Puts a line of text that is shorter than SVO_MESSAGE_BYTES. */
+static svo_status print(voxel_writer *writer, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static svo_status print(voxel_writer *writer, const char *format, ...)
+{
+    svo_message line;
+    va_list arguments;
+    va_start(arguments, format);
+    const int length = vsnprintf(line.text, sizeof line.text, format, arguments);
+    va_end(arguments);
+    return svo_i_voxels_put(writer, line.text, (size_t)length);
+}
 
 /*
  * ---- .binvox ----
@@ -30,8 +43,8 @@ static svo_status put_header(voxel_writer *writer, uint32_t side)
         (void)svo_i_voxel_number(text[axis], svo_i_voxels_world(writer, axis, (double)writer->list.low[axis]), 17);
     }
     (void)svo_i_voxel_number(text[3], writer->list.voxel_edge * (double)side, 17);
-    return svo_i_voxels_print(writer, "#binvox 1\ndim %u %u %u\ntranslate %s %s %s\nscale %s\ndata\n", side, side, side,
-                              text[0], text[1], text[2], text[3]);
+    return print(writer, "#binvox 1\ndim %u %u %u\ntranslate %s %s %s\nscale %s\ndata\n", side, side, side, text[0],
+                 text[1], text[2], text[3]);
 }
 
 static svo_status put_run(voxel_writer *writer, uint8_t value, uint64_t count)
@@ -103,12 +116,12 @@ static bool has_materials(const voxel_writer *writer)
 static svo_status write_ply(voxel_writer *writer)
 {
     const bool with_materials = has_materials(writer);
-    SVO_I_TRY(svo_i_voxels_print(writer,
-                                 "ply\nformat binary_little_endian 1.0\nelement vertex %" PRIu64
-                                 "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n"
-                                 "property uchar green\nproperty uchar blue\nproperty uchar alpha\n"
-                                 "%send_header\n",
-                                 writer->list.voxel_count, with_materials ? "property ushort material\n" : ""));
+    SVO_I_TRY(print(writer,
+                    "ply\nformat binary_little_endian 1.0\nelement vertex %" PRIu64
+                    "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n"
+                    "property uchar green\nproperty uchar blue\nproperty uchar alpha\n"
+                    "%send_header\n",
+                    writer->list.voxel_count, with_materials ? "property ushort material\n" : ""));
     for (uint64_t i = 0; i < writer->list.voxel_count; ++i) {
         const svo_voxel *voxel = &writer->voxels[i];
         const float center[3] = {(float)svo_i_voxels_world(writer, 0, (double)voxel->x + 0.5),
@@ -174,7 +187,7 @@ static svo_status put_corner(voxel_writer *writer, const svo_voxel *voxel, unsig
         (void)svo_i_voxel_number(text[axis], svo_i_voxels_world(writer, axis, at), POSITION_DIGITS);
         (void)svo_i_voxel_number(text[3 + axis], voxel->rgba[axis] / 255.0, POSITION_DIGITS);
     }
-    return svo_i_voxels_print(writer, "v %s %s %s %s %s %s\n", text[0], text[1], text[2], text[3], text[4], text[5]);
+    return print(writer, "v %s %s %s %s %s %s\n", text[0], text[1], text[2], text[3], text[4], text[5]);
 }
 
 /* Writes the outer faces of a cube and their corners. *corners: how many the file has. */
@@ -196,8 +209,8 @@ static svo_status put_cube(voxel_writer *writer, const svo_voxel *voxel, uint64_
         const uint8_t *c = face_corners[face];
         if ((faces >> face & 1u) != 0) {
             ++writer->info.faces;
-            SVO_I_TRY(svo_i_voxels_print(writer, "f %" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu64 "\n", index[c[0]],
-                                         index[c[1]], index[c[2]], index[c[3]]));
+            SVO_I_TRY(print(writer, "f %" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu64 "\n", index[c[0]], index[c[1]],
+                            index[c[2]], index[c[3]]));
         }
     }
     return SVO_OK;
@@ -206,7 +219,7 @@ static svo_status put_cube(voxel_writer *writer, const svo_voxel *voxel, uint64_
 static svo_status write_obj(voxel_writer *writer)
 {
     uint64_t corners = 0;
-    SVO_I_TRY(svo_i_voxels_print(writer, "# %" PRIu64 " voxels; v x y z red green blue\n", writer->list.voxel_count));
+    SVO_I_TRY(print(writer, "# %" PRIu64 " voxels; v x y z red green blue\n", writer->list.voxel_count));
     for (uint64_t i = 0; i < writer->list.voxel_count; ++i) {
         SVO_I_TRY(put_cube(writer, &writer->voxels[i], &corners));
     }

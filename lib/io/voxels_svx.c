@@ -28,8 +28,9 @@
 #define STBI_ONLY_PNG
 #define STBI_NO_GIF /* ONLY_PNG still declares its function */
 #define STBI_NO_STDIO
-#define STBI_MAX_DIMENSIONS                   SVX_SIDE_MAX
-#define stbi_set_unpremultiply_on_load_thread stbi__unpremultiply_on_load_thread /* its name where 2.27 defines it */
+#define STBI_MAX_DIMENSIONS SVX_SIDE_MAX
+/* The name by which 2.27 defines what it declares by the other. NOLINTNEXTLINE(readability-identifier-naming) */
+#define stbi_set_unpremultiply_on_load_thread stbi__unpremultiply_on_load_thread
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 #pragma GCC diagnostic ignored "-Wconversion"

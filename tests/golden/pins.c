@@ -206,8 +206,11 @@ void pin_tree(pins *all, const char *name, svo_tree *tree)
     pin_succeed(all, svo_tree_download(tree, all->opened.queue));
     pin_succeed(all, svo_tree_hash(tree, SVO_HASH_ALL, hash));
     pin_succeed(all, svo_tree_get_info(tree, &info));
-    pin_text(all, name, "%s nodes %" PRIu64 " leaves %" PRIu64 " lists %" PRIu64 " fragments %" PRIu64, hash,
-             info.node_count, info.leaf_count, info.list_count, info.fragments);
+    pin_text(all, name,
+             "%s need %x constant %x weights %u nodes %" PRIu64 " leaves %" PRIu64 " lists %" PRIu64
+             " fragments %" PRIu64,
+             hash, (unsigned)info.need, (unsigned)info.constant, (unsigned)info.weights, info.node_count,
+             info.leaf_count, info.list_count, info.fragments);
 }
 
 void pin_buffer(pins *all, const char *name, cl_mem buffer)

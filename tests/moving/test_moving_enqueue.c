@@ -308,7 +308,6 @@ static void a_scene_in_flight_is_left_alone(void **state)
     actors_create(3, 60, true, &made);
     svo_moving *moving = make_stage(&opened, &made, 5, options);
     assert_fails(&opened, svo_moving_finish(moving, NULL), SVO_INVALID_ARGUMENT, "no update is in flight");
-    assert_int_equal(svo_moving_update_enqueue(moving, NULL, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_moving_update_enqueue(moving, opened.queue, 1, NULL, NULL), SVO_INVALID_ARGUMENT);
     enqueue(&opened, moving, opened.queue);
     assert_fails(&opened, svo_moving_set_transform(moving, 0, small), SVO_INVALID_ARGUMENT, words);

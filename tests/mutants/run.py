@@ -22,6 +22,7 @@ outlives the code that it is about.
 """
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -100,8 +101,15 @@ def read_room(path: Path) -> list[Mutant]:
     return mutants
 
 
+def known_programs() -> set[str]:
+    """The programs of tests, as their CMakeLists.txt name them."""
+    texts = [path.read_text(encoding="utf-8") for path in (ROOT / "tests").rglob("CMakeLists.txt")]
+    return {name for text in texts for name in re.findall(r"svocl_test\((\w+)", text)}
+
+
 def read_records() -> list[Mutant]:
-    """All records, each with its text in the sources."""
+    """All records, each with its text in the sources and with tests that there are."""
+    programs = known_programs()
     mutants = []
     wrong = []
     for path in sorted(HERE.glob("rooms/*.txt")):
@@ -114,6 +122,9 @@ def read_records() -> list[Mutant]:
             if not mutant.old or not mutant.tests or mutant.old == mutant.new:
                 raise mutant.fail("a record has a line of text, another one in its place, and a test")
             mutant.find(ROOT)
+            for test in mutant.tests:
+                if test[0] not in programs:
+                    raise mutant.fail(f"there is no test {test[0]}")
         except WrongRecord as why:
             wrong.append(str(why))
     if wrong:

@@ -475,14 +475,12 @@ static void wrong_arguments_are_refused(void **state)
     const svo_workspace_options wrong_size = {.struct_size = 1};
     assert_int_equal(svo_workspace_create(NULL, opened.frontend, opened.queue, NULL, &unmade), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_workspace_create(plan, NULL, opened.queue, NULL, &unmade), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_workspace_create(plan, opened.frontend, NULL, NULL, &unmade), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_workspace_create(plan, opened.frontend, opened.queue, &wrong_size, &unmade),
                      SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_workspace_create(sorted, opened.frontend, opened.queue, NULL, &unmade), SVO_UNSUPPORTED);
     assert_null(unmade);
     assert_int_equal(svo_tree_finish(tree, opened.queue, 0, NULL), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_build_enqueue(workspace, NULL, opened.queue, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_build_enqueue(workspace, tree, NULL, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_build_enqueue(workspace, tree, opened.queue, 1, NULL, NULL), SVO_INVALID_ARGUMENT);
     succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
     assert_int_equal(svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL), SVO_INVALID_ARGUMENT);

@@ -296,8 +296,6 @@ static void wrong_arguments_are_refused(void **state)
     expect_words(svo_scene_trace(scene, &ray, &hit, 1, 0, 4, NULL), SVO_INVALID_ARGUMENT, "flags 4 is not in 0 .. 3");
     expect_words(svo_scene_trace_triangles(scene, &ray, &triangle, 1, 0, NULL), SVO_INVALID_ARGUMENT,
                  "holds no triangles");
-    expect_words(svo_scene_trace_enqueue(scene, NULL, NULL, 0, 0, 0, NULL, 0, NULL, NULL), SVO_INVALID_ARGUMENT,
-                 "queue");
     assert_int_equal(svo_scene_trace(scene, NULL, NULL, 0, 0, 0, NULL), SVO_OK);
     assert_int_equal(svo_scene_trace(NULL, &ray, &hit, 1, 0, 0, NULL), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_scene_trace_triangles(NULL, &ray, &triangle, 1, 0, NULL), SVO_INVALID_ARGUMENT);
