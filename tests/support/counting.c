@@ -13,7 +13,7 @@
 #include "svocl/device.h"
 
 #define BUFFERS_MAX       1024
-#define BUILDS_MAX        32
+#define BUILDS_MAX        32 /* of which names and options are kept */
 #define OPTIONS_BYTES     512
 #define KERNEL_LIST_BYTES 4096
 
@@ -90,13 +90,13 @@ counted counting_read(void)
 
 const char *counting_options(size_t index)
 {
-    assert_true(index < notes.figures.builds);
+    assert_true(index < notes.figures.builds && index < BUILDS_MAX);
     return notes.builds[index].options;
 }
 
 const char *counting_kernels(size_t index)
 {
-    assert_true(index < notes.figures.builds);
+    assert_true(index < notes.figures.builds && index < BUILDS_MAX);
     return notes.builds[index].kernels;
 }
 
@@ -200,9 +200,10 @@ cl_int __wrap_clBuildProgram(cl_program program, cl_uint count, const cl_device_
     if (error != CL_SUCCESS) {
         return error;
     }
-    assert_true(notes.figures.builds < BUILDS_MAX);
-    noted_build *build = &notes.builds[notes.figures.builds++];
+    noted_build other;
+    noted_build *build = notes.figures.builds < BUILDS_MAX ? &notes.builds[notes.figures.builds] : &other;
     size_t kernel_count = 0;
+    ++notes.figures.builds;
     snprintf(build->options, sizeof build->options, "%s", options != NULL ? options : "");
     assert_int_equal(clGetProgramInfo(program, CL_PROGRAM_NUM_KERNELS, sizeof kernel_count, &kernel_count, NULL),
                      CL_SUCCESS);

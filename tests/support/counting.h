@@ -44,7 +44,7 @@ counted counting_read(void);
 void counting_fail_launch(size_t index);
 
 /* The options and the kernels ("one;another") of the index-th program built since counting_begin. index is below
-   counting_read().builds. Both strings live until the next counting_begin. */
+   counting_read().builds and below 32. Both strings live until the next counting_begin. */
 const char *counting_options(size_t index);
 const char *counting_kernels(size_t index);
 
