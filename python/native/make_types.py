@@ -120,23 +120,23 @@ NAMES = {
     "SVO_DEPTH_MAX": "16",
 }
 
-# The class of a status, and what it is besides an Error.
+# The class of a status, and what it derives from.
 ERRORS = {
-    "INVALID_ARGUMENT": ("InvalidArgumentError", "ValueError"),
-    "OUT_OF_HOST_MEMORY": ("OutOfHostMemoryError", "MemoryError"),
-    "OUT_OF_DEVICE_MEMORY": ("OutOfDeviceMemoryError", "MemoryError"),
-    "NO_DEVICE": ("NoDeviceError", ""),
-    "NO_GL": ("NoGLError", ""),
-    "UNSUPPORTED": ("UnsupportedError", ""),
-    "COMPILE_FAILED": ("CompileError", ""),
-    "CL_ERROR": ("CLError", ""),
-    "GL_ERROR": ("GLError", ""),
-    "CAPACITY_EXCEEDED": ("CapacityExceededError", ""),
-    "FILE_ERROR": ("FileError", "OSError"),
-    "FILE_DAMAGED": ("FileDamagedError", "ValueError"),
-    "IMPORT_FAILED": ("ImportFailedError", ""),
-    "INTERNAL": ("InternalError", ""),
-    "CANCELED": ("CanceledError", ""),
+    "INVALID_ARGUMENT": ("InvalidArgumentError", "Error, ValueError"),
+    "OUT_OF_HOST_MEMORY": ("OutOfHostMemoryError", "Error, MemoryError"),
+    "OUT_OF_DEVICE_MEMORY": ("OutOfDeviceMemoryError", "Error, MemoryError"),
+    "NO_DEVICE": ("NoDeviceError", "Error"),
+    "NO_GL": ("NoGLError", "Error"),
+    "UNSUPPORTED": ("UnsupportedError", "Error"),
+    "COMPILE_FAILED": ("CompileError", "Error"),
+    "CL_ERROR": ("CLError", "Error"),
+    "GL_ERROR": ("GLError", "Error"),
+    "CAPACITY_EXCEEDED": ("CapacityExceededError", "Error"),
+    "FILE_ERROR": ("FileError", "Error, OSError"),
+    "FILE_DAMAGED": ("FileDamagedError", "Error, ValueError"),
+    "IMPORT_FAILED": ("ImportFailedError", "Error"),
+    "INTERNAL": ("InternalError", "Error"),
+    "CANCELED": ("CanceledError", "Error"),
     "NOT_ON_DEVICE": ("NotOnDeviceError", "InvalidArgumentError"),
 }
 
@@ -294,9 +294,7 @@ def write_errors(headers: Headers) -> str:
     for item in headers.enumerators("svo_status"):
         status = item.name[len("SVO_") :]
         if status != "OK":
-            name, base = ERRORS[status]
-            # What is a kind of another error is an Error by that.
-            bases = base if base.endswith("ArgumentError") else ", ".join(filter(None, ("Error", base)))
+            name, bases = ERRORS[status]
             code += f"\n\nclass {name}({bases}):\n"
             code += docstring(headers.words(WORDS.get(name, item.words)), "    ")
     code += "\n\nERRORS: dict[Status, type[Error]] = {\n"
