@@ -474,7 +474,7 @@ static void compact_trees_have_none(void **state)
 /* As on GPUs: the areas of pairs are added one by one. */
 static int setup_for_single_pairs(void **state)
 {
-    const int failed = fixture_group_setup(state);
+    const int failed = fixture_group_setup_unoptimized(state);
     if (failed == 0 && *state != NULL) {
         fixture_of_group(state)->device->cpu_path = false;
     }
@@ -497,5 +497,6 @@ TEST_GROUP(area)
         cmocka_unit_test(compact_trees_have_none),
     };
     return cmocka_run_group_tests_name("eight pairs", tests, fixture_group_setup, fixture_group_teardown) +
-           cmocka_run_group_tests_name("single pairs", tests, setup_for_single_pairs, fixture_group_teardown);
+           cmocka_run_group_tests_name("single pairs", tests, setup_for_single_pairs,
+                                       fixture_group_teardown_unoptimized);
 }

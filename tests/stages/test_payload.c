@@ -452,7 +452,7 @@ static void payload_does_not_depend_on_the_chunks(void **state)
 /* As on GPUs: pair by pair, not eight pairs at a time. */
 static int setup_for_single_pairs(void **state)
 {
-    const int failed = fixture_group_setup(state);
+    const int failed = fixture_group_setup_unoptimized(state);
     if (failed == 0 && *state != NULL) {
         fixture_of_group(state)->device->cpu_path = false;
     }
@@ -477,5 +477,6 @@ TEST_GROUP(payload)
         cmocka_unit_test(payload_does_not_depend_on_the_chunks),
     };
     return cmocka_run_group_tests_name("eight pairs", tests, fixture_group_setup, fixture_group_teardown) +
-           cmocka_run_group_tests_name("single pairs", tests, setup_for_single_pairs, fixture_group_teardown);
+           cmocka_run_group_tests_name("single pairs", tests, setup_for_single_pairs,
+                                       fixture_group_teardown_unoptimized);
 }

@@ -239,7 +239,7 @@ static void small_plans_need_no_opengl(void **state)
 
 static int setup_for_gpus(void **state)
 {
-    const int failed = fixture_group_setup(state);
+    const int failed = fixture_group_setup_unoptimized(state);
     if (failed == 0) {
         fixture_open_cl(&(fixture_options){.queue_properties = CL_QUEUE_PROFILING_ENABLE, .path = SVO_PATH_GPU},
                         *state);
@@ -268,5 +268,5 @@ TEST_GROUP(voxelize)
         cmocka_unit_test(small_plans_need_no_opengl),
     };
     return cmocka_run_group_tests_name("voxelize", tests, fixture_group_setup, fixture_group_teardown) +
-           cmocka_run_group_tests_name("the path of GPUs", on_gpus, setup_for_gpus, fixture_group_teardown);
+           cmocka_run_group_tests_name("the path of GPUs", on_gpus, setup_for_gpus, fixture_group_teardown_unoptimized);
 }

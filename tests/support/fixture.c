@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Opens a device and front ends, and builds with them. */
+#define _POSIX_C_SOURCE 200809L
 #include "fixture.h"
 
 #include <setjmp.h>
@@ -86,6 +87,18 @@ int fixture_group_teardown(void **state)
     fixture_close(*state);
     free(*state);
     return 0;
+}
+
+int fixture_group_setup_unoptimized(void **state)
+{
+    const int failed = setenv("POCL_EXTRA_BUILD_FLAGS", "-cl-opt-disable", 1);
+    return failed != 0 ? failed : fixture_group_setup(state);
+}
+
+int fixture_group_teardown_unoptimized(void **state)
+{
+    const int failed = fixture_group_teardown(state);
+    return unsetenv("POCL_EXTRA_BUILD_FLAGS") != 0 ? -1 : failed;
 }
 
 fixture *fixture_of_group(void **state)

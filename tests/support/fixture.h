@@ -44,6 +44,10 @@ fixture *fixture_of_group(void **state);
 /* The same for builds with OpenCL alone; opens no OpenGL. A view that must not be closed. */
 fixture fixture_cl_of_group(void **state);
 
+/* For groups that use the kernels of GPUs: PoCL compiles without its optimizer, for no GPU runs what that makes. */
+int fixture_group_setup_unoptimized(void **state);
+int fixture_group_teardown_unoptimized(void **state);
+
 /* Closes the fixture and ends the running test as skipped. */
 void fixture_skip(fixture *opened, const char *reason);
 void fixture_close_gl(fixture *opened); /* for fixture_close */
