@@ -19,8 +19,8 @@ svo_status svo_i_light_raster_create(svo_device *device, svo_gl_context *context
                                      svo_i_light_raster **out);
 void svo_i_light_raster_destroy(svo_i_light_raster **raster);
 
-/* Makes a caster of photons into a tree on the device, with triangles; valid until the end. Expects the context current until then;
-   the first view that is drawn uploads the triangles. */
+/* Makes a caster of photons into a tree on the device, with triangles; valid until the end. Expects the context current
+   until then; the first view that is drawn uploads the triangles. */
 svo_i_photon_caster svo_i_light_raster_begin(svo_i_light_raster *raster, const svo_tree *tree);
 /* Releases the memory of triangles and hits. */
 void svo_i_light_raster_end(svo_i_light_raster *raster);

@@ -54,7 +54,13 @@ def test_the_source_distribution_is_whole(tmp_path):
     unpacked = tmp_path / archive.name[: -len(".tar.gz")]
     assert make(unpacked, tmp_path / "third").read_bytes() == archive.read_bytes()
     assert sorted(python.rglob("*")) == before
-    for name in ("CMakeLists.txt", "LICENSE", "lib/pipeline/build.c", "include/svocl/version.h", "kernels/stages/scan.cl"):
+    for name in (
+        "CMakeLists.txt",
+        "LICENSE",
+        "lib/pipeline/build.c",
+        "include/svocl/version.h",
+        "kernels/stages/scan.cl",
+    ):
         assert (unpacked / "source" / name).is_file(), name
     assert not [path for path in unpacked.rglob("*") if path.name == "__pycache__" or path.name.startswith(".")]
     metadata = importlib.metadata.distribution("svocl").read_text("METADATA")

@@ -261,8 +261,9 @@ static const char obj_text[] = "mtllib mesh.mtl\n"
                                "vt 0 0\nvt 1 0\nvt 1 1\nvn 0 0 1\nvn 0 1 0\n"
                                "usemtl red\nf 1/1/1 2/2/1 3/3/1 4/1/1\n"
                                "usemtl glow\nf -5//2 -3//2 -2//2\nf 1 2 4 3\n";
-static const char mtl_text[] = "newmtl red\nKd 0.8 0.1 0.05\nd 0.25\nnewmtl glow\nKd 0.2 0.4 0.6\nKe 2 1 0\nKs 0 0.5 0\n"
-                               "Ns 30\n";
+static const char mtl_text[] =
+    "newmtl red\nKd 0.8 0.1 0.05\nd 0.25\nnewmtl glow\nKd 0.2 0.4 0.6\nKe 2 1 0\nKs 0 0.5 0\n"
+    "Ns 30\n";
 static const char ply_text[] = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
                                "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
                                "element face 2\nproperty list uchar int vertex_indices\nend_header\n"

@@ -4,8 +4,8 @@
 # debian_root.sh PACKAGES PROGRAM FOLDER [MIRROR]: whether the .deb files in the folder PACKAGES install and run in a
 # clean Debian 12, which debootstrap makes in FOLDER: the program and Python build an octree with the same hash as
 # PROGRAM does here, svocl-lab checks one, a CMake project and a pkg-config command use the libraries, and nothing is
-# left after a purge. Then the wheel in PACKAGES does the same as the Python package did. Needs a mirror, debootstrap, and root or sudo; without
-# the last two it is skipped (77). FOLDER keeps the downloads and the log.
+# left after a purge. Then the wheel in PACKAGES does the same as the Python package did. Needs a mirror, debootstrap,
+# and root or sudo; without the last two it is skipped (77). FOLDER keeps the downloads and the log.
 set -euo pipefail
 readonly packages=$1 program=$2 scene='scene:cube -d 6'
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)

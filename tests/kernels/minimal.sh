@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# minimal.sh PROGRAM: whether a program that only builds trees, linked with the static library, contains what it asks for
-# alone: no kernel that it cannot launch, nothing of rooms beside the build, and at most 0.9 MB.
+# minimal.sh PROGRAM: whether a program that only builds trees, linked with the static library, contains what it asks
+# for alone: no kernel that it cannot launch, nothing of rooms beside the build, and at most 0.9 MB.
 set -euo pipefail
 export LC_ALL=C
 readonly program=$1 bytes_max=900000

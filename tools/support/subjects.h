@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What `svocl bench` measures, by name: for its help, the manual pages and the completion of shells, which programs make
-   that measure nothing. tools/lab has the measurements. */
+/* What `svocl bench` measures, by name: for its help, the manual pages and the completion of shells, which are made by
+   programs that measure nothing. tools/lab has the measurements. */
 #ifndef SVOCL_TOOLS_SUPPORT_SUBJECTS_H
 #define SVOCL_TOOLS_SUPPORT_SUBJECTS_H
 

@@ -11,8 +11,8 @@
 
 #include "bench/subjects.h"
 #include "measure/embree.h"
-#include "measure/spread.h"
 #include "measure/ray_sets.h"
+#include "measure/spread.h"
 #include "measure/suite.h"
 
 /* ---- peers: one tree of the same voxels, and Embree's instances of the voxels as boxes ---- */
