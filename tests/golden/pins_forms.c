@@ -27,8 +27,10 @@ static void pin_compact_bytes(pins *all, const char *name, const svo_compact_inf
         used += (size_t)snprintf(text + used, sizeof text - used, "%s %" PRIu64 ", ",
                                  svo_compact_buffer_name((svo_compact_buffer)i), info->bytes[i]);
     }
-    pin_text(all, name, "%sstored %" PRIu64 " far %" PRIu64 " shared %" PRIu64 " voxels %" PRIu64 " bounds %x", text,
-             info->stored_count, info->far_count, info->shared_count, info->voxel_count, (unsigned)info->bounds);
+    pin_text(all, name,
+             "%sstored %" PRIu64 " far %" PRIu64 " shared %" PRIu64 " voxels %" PRIu64 " merged %u bounds %x", text,
+             info->stored_count, info->far_count, info->shared_count, info->voxel_count, (unsigned)info->minimized,
+             (unsigned)info->bounds);
 }
 
 /* Hash and sizes of a compact tree, the tree that it unfolds to, and its rays. */
