@@ -392,7 +392,7 @@ static svo_status copy_array(svo_i_gl_build *gl_build, svo_tree_buffer array)
     const svo_tree_info *info = &build->tree->info;
     const uint64_t element_bytes = svo_i_tree_element_bytes(array);
     const uint64_t skipped = is_payload(array) ? info->level_begin[info->payload_level] : 0;
-    return svo_i_compute_to_cl(gl_build->compute, build, gl_build->arrays[array], svo_tree_buffer_name(array),
+    return svo_i_compute_to_cl(gl_build->compute, build, gl_build->arrays[array], svo_name(SVO_NAME_TREE_BUFFER, array),
                                skipped * element_bytes, svo_i_tree_element_count(info, array) * element_bytes,
                                &build->tree->buffers[array]);
 }

@@ -443,7 +443,7 @@ svo_status svo_i_compute_stage_end(svo_i_compute *compute, svo_i_build *build, s
     if (!compute->has_timer) {
         gl->Finish();
         svo_i_report_add(build->commands.report, stage, svo_i_now_ms() - compute->stage_start_ms, "wall");
-        return check(compute, svo_stage_name(stage));
+        return check(compute, svo_name(SVO_NAME_STAGE, stage));
     }
     GLuint64 begin_ns = 0;
     GLuint64 end_ns = 0;
@@ -451,7 +451,7 @@ svo_status svo_i_compute_stage_end(svo_i_compute *compute, svo_i_build *build, s
     gl->GetQueryObjectui64v(compute->queries[0], GL_QUERY_RESULT, &begin_ns);
     gl->GetQueryObjectui64v(compute->queries[1], GL_QUERY_RESULT, &end_ns);
     svo_i_report_add(build->commands.report, stage, (double)(end_ns - begin_ns) * 1e-6, "gl-timer");
-    return check(compute, svo_stage_name(stage));
+    return check(compute, svo_name(SVO_NAME_STAGE, stage));
 }
 
 /* ---- stages ---- */

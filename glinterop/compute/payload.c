@@ -323,7 +323,7 @@ static svo_status allocate_payload(filterer *f)
     const uint64_t nodes = f->gl_build->build->tree->info.node_count;
     for (unsigned i = 0; i < 3; ++i) {
         if (needs(f, bits[i])) {
-            SVO_I_TRY(svo_i_compute_alloc_zero(f->gl_build->compute, svo_tree_buffer_name(arrays[i]),
+            SVO_I_TRY(svo_i_compute_alloc_zero(f->gl_build->compute, svo_name(SVO_NAME_TREE_BUFFER, arrays[i]),
                                                nodes * node_bytes[i], &f->gl_build->arrays[arrays[i]]));
         }
     }

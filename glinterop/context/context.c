@@ -113,23 +113,6 @@ static const svo_i_gl_platform wrap_platform = {
 
 /* ---- contexts ---- */
 
-const char *svo_gl_context_kind_name(svo_gl_context_kind kind)
-{
-    switch (kind) {
-    case SVO_GL_SURFACELESS:
-        return "surfaceless";
-    case SVO_GL_EGL_DEVICE:
-        return "egl-device";
-    case SVO_GL_OSMESA:
-        return "osmesa";
-    case SVO_GL_WRAPPED:
-        return "wrapped";
-    case SVO_GL_CONTEXT_KINDS:
-        break;
-    }
-    return "unknown context kind";
-}
-
 /* EGL and OSMesa know nothing of each other: each believes that its context stays current when the other binds one.
    Mesa's drivers share one current context below both, and OSMesa would take EGL's for its own, so EGL is unbound
    first. */

@@ -87,12 +87,6 @@ static svo_status choose_raster(svo_gl *gl, svo_gl_raster asked)
 
 /* ---- the front end ---- */
 
-const char *svo_gl_raster_name(svo_gl_raster raster)
-{
-    static const char *const names[RASTERS] = {"auto", "gl-expand", "gl-hw"};
-    return raster < RASTERS ? names[raster] : "unknown";
-}
-
 const char *svo_gl_raster_reason(const svo_gl *gl, svo_gl_raster raster)
 {
     return raster < RASTERS ? gl->raster_reasons[raster] : "unknown";
@@ -164,8 +158,8 @@ static svo_status check_options(svo_device *device, const svo_gl_options *option
 
 static void fill_frontend(svo_gl *gl)
 {
-    gl->frontend = (svo_frontend){.name = svo_gl_raster_name(gl->raster_choice),
-                                  .share = svo_gl_share_name(gl->share_choice),
+    gl->frontend = (svo_frontend){.name = svo_name(SVO_NAME_GL_RASTER, gl->raster_choice),
+                                  .share = svo_name(SVO_NAME_GL_SHARE, gl->share_choice),
                                   .renderer = svo_i_gl_context_functions(gl->context)->renderer,
                                   .self = gl,
                                   .device = gl->device,
@@ -290,7 +284,7 @@ svo_status svo_gl_build(svo_gl *gl, svo_plan *plan, cl_command_queue queue, svo_
     }
     if (plan->options.builder != SVO_BUILDER_CL) {
         return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, SVO_I_GL_BUILD ": the plan asks for builder %s",
-                                 svo_builder_name(plan->options.builder));
+                                 svo_name(SVO_NAME_BUILDER, plan->options.builder));
     }
     if (gl->compute == NULL) {
         SVO_I_TRY(create_builder(gl));

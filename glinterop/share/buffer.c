@@ -261,7 +261,8 @@ static svo_status check_buffer(const update *u, const char *name, const svo_gl_b
     }
     if (buffer->shared.share != u->from[0]->shared.share) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, UPDATE ": %s is shared by %s, positions by %s", name,
-                                 svo_gl_share_name(buffer->shared.share), svo_gl_share_name(u->from[0]->shared.share));
+                                 svo_name(SVO_NAME_GL_SHARE, buffer->shared.share),
+                                 svo_name(SVO_NAME_GL_SHARE, u->from[0]->shared.share));
     }
     if (buffer->is_in_cl) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, UPDATE ": %s is OpenCL's; see svo_gl_buffer_to_gl",

@@ -78,7 +78,7 @@ static void note_failure(search *s, const svo_i_candidate *tried, svo_status sta
     const size_t used = strlen(s->list.text);
     const char *words = strstr(reason->text, ": ");
     (void)snprintf(s->list.text + used, sizeof s->list.text - used, "%s%s: %s", used > 0 ? "; " : "",
-                   svo_gl_context_kind_name(tried->kind), words != NULL ? words + 2 : reason->text);
+                   svo_name(SVO_NAME_GL_CONTEXT_KIND, tried->kind), words != NULL ? words + 2 : reason->text);
     if (status != SVO_NO_GL && s->failed == SVO_OK) {
         s->failed = status;
         s->failure = *reason;

@@ -16,12 +16,6 @@
 
 enum { TEST_WORDS = 16 * 1024 + 3, TEST_BYTES = TEST_WORDS * 4, TEST_SPLIT_WORDS = 5003, TEST_ROUNDS = 2 };
 
-const char *svo_gl_share_name(svo_gl_share share)
-{
-    static const char *const names[SVO_I_SHARES] = {"auto", "interop", "host", "copy"};
-    return share < SVO_I_SHARES ? names[share] : "unknown";
-}
-
 /* Two regions with two values, so that a stale buffer or a wrong offset fails. */
 static cl_uint test_word(unsigned round, unsigned word)
 {
@@ -247,7 +241,7 @@ svo_status svo_i_share_choose(svo_device *device, svo_gl_context *context, const
         const bool works = reasons->text[share][0] == '\0';
         if (asked == share && !works) {
             return svo_i_device_fail(device, SVO_UNSUPPORTED, "%s: share %s does not work: %s", function,
-                                     svo_gl_share_name(share), reasons->text[share]);
+                                     svo_name(SVO_NAME_GL_SHARE, share), reasons->text[share]);
         }
         if (works && (asked == share || asked == SVO_GL_SHARE_AUTO)) {
             *choice = share;

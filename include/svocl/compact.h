@@ -72,12 +72,6 @@ typedef enum svo_form {
     SVO_FORM_COUNT /**< number of forms */
 } svo_form;
 
-/** Name of a form.
- *
- * \param form any value
- * \returns "descriptor", "implied", "shared"; else "unknown form". Static string. */
-SVO_API const char *svo_form_name(svo_form form);
-
 /** The arrays of a compact tree. */
 typedef enum svo_compact_buffer {
     SVO_COMPACT_NODES = 0, /**< "nodes": as the form has them */
@@ -89,12 +83,6 @@ typedef enum svo_compact_buffer {
     SVO_COMPACT_FILLS, /**< "fills": u16 each */
     SVO_COMPACT_BUFFER_COUNT /**< number of arrays */
 } svo_compact_buffer;
-
-/** Name of an array.
- *
- * \param buffer any value
- * \returns "nodes", ...; else "unknown buffer". Static string. */
-SVO_API const char *svo_compact_buffer_name(svo_compact_buffer buffer);
 
 /** Options of a compact tree. */
 typedef struct svo_compact_options {

@@ -39,12 +39,6 @@ typedef enum svo_path {
     SVO_PATH_GPU = 2 /**< "gpu": work-items do equal parts */
 } svo_path;
 
-/** Name of a path.
- *
- * \param path any value
- * \returns "auto", "cpu", "gpu" or "unknown path"; static. */
-SVO_API const char *svo_path_name(svo_path path);
-
 /** Options of a device handle. */
 typedef struct svo_device_options {
     size_t struct_size; /**< sizeof(svo_device_options) */

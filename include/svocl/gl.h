@@ -35,12 +35,6 @@ typedef enum svo_gl_context_kind {
     SVO_GL_WRAPPED = 100 /**< "wrapped": the caller's, by svo_gl_context_wrap; a number that new kinds do not move */
 } svo_gl_context_kind;
 
-/** Name of a kind of context.
- *
- * \param kind any value
- * \returns "surfaceless", "egl-device", "osmesa", "wrapped"; else "unknown context kind". Static string. */
-SVO_API const char *svo_gl_context_kind_name(svo_gl_context_kind kind);
-
 /** An OpenGL context. */
 typedef struct svo_gl_context svo_gl_context;
 
@@ -438,18 +432,6 @@ SVO_API svo_gl_raster svo_gl_chosen_raster(const svo_gl *gl);
  * \param gl not NULL
  * \returns never AUTO. */
 SVO_API svo_gl_share svo_gl_chosen_share(const svo_gl *gl);
-
-/** Name of a kind of rasterization.
- *
- * \param raster any value
- * \returns "auto", "gl-expand", "gl-hw"; else "unknown". Static string. */
-SVO_API const char *svo_gl_raster_name(svo_gl_raster raster);
-
-/** Name of a share path.
- *
- * \param share any value
- * \returns "auto", "interop", "host", "copy"; else "unknown". Static string. */
-SVO_API const char *svo_gl_share_name(svo_gl_share share);
 
 #ifdef __cplusplus
 }

@@ -44,12 +44,6 @@ typedef enum svo_light_form {
     SVO_LIGHT_FORM_COUNT /**< number of forms */
 } svo_light_form;
 
-/** Name of a form.
- *
- * \param form any value
- * \returns "faces", "bricks", "voxels"; else "unknown form". Static string. */
-SVO_API const char *svo_light_form_name(svo_light_form form);
-
 /** How opaque a leaf is. */
 typedef enum svo_opacity {
     SVO_OPACITY_AREA = 0, /**< alpha times min(1, projected area), by direction; full for trees without areas */
@@ -76,12 +70,6 @@ typedef enum svo_light_buffer {
     SVO_LIGHT_BUFFER_COUNT /**< number of buffers */
 } svo_light_buffer;
 
-/** Name of a buffer.
- *
- * \param buffer any value
- * \returns "opacity", ...; else "unknown buffer". Static string. */
-SVO_API const char *svo_light_buffer_name(svo_light_buffer buffer);
-
 /** The stages of a light, for times. */
 typedef enum svo_light_stage {
     SVO_LIGHT_STAGE_OPACITY = 0, /**< "opacity": of the leaves and up to the deepest filtered level */
@@ -92,12 +80,6 @@ typedef enum svo_light_stage {
     SVO_LIGHT_STAGE_FILTER, /**< "radiance filter": the levels above */
     SVO_LIGHT_STAGE_COUNT /**< number of stages */
 } svo_light_stage;
-
-/** Name of a stage.
- *
- * \param stage any value
- * \returns "opacity", ...; else "unknown stage". Static string. */
-SVO_API const char *svo_light_stage_name(svo_light_stage stage);
 
 /** What a light holds. */
 typedef struct svo_light_info {

@@ -49,12 +49,6 @@ typedef enum svo_need {
 
 #define SVO_NEED_ALL 0x3f /**< everything */
 
-/** Name of one svo_need bit.
- *
- * \param bit one bit
- * \returns "color", "normal", "rays", "material", "fill", "projected-area"; else "none". Static string. */
-SVO_API const char *svo_need_name(svo_need bit);
-
 /** Which voxels a triangle occupies. The triangle is closed; a voxel is w grid units wide. */
 typedef enum svo_coverage {
     SVO_COVERAGE_HALF_OPEN = 0, /**< voxels [x, x + 1)^3: each surface point lies in one voxel. 6-separating */
@@ -64,12 +58,6 @@ typedef enum svo_coverage {
      *  ancestors of the leaves. */
     SVO_COVERAGE_THIN = 2
 } svo_coverage;
-
-/** Name of a coverage.
- *
- * \param coverage any value
- * \returns "half-open", "closed", "thin"; else "unknown coverage". Static string. */
-SVO_API const char *svo_coverage_name(svo_coverage coverage);
 
 /** The weight of a (voxel, triangle) pair in the means of its voxel and of all nodes above, and the point of the
  *  triangle at which attributes are sampled. Computed in integers, with the same result everywhere. */
@@ -83,12 +71,6 @@ typedef enum svo_weights {
     SVO_WEIGHTS_CENTER = 2
 } svo_weights;
 
-/** Name of a kind of weights.
- *
- * \param weights any value
- * \returns "area", "uniform", "center"; else "unknown weights". Static string. */
-SVO_API const char *svo_weights_name(svo_weights weights);
-
 /** How nodes are made from the fragment list. The tree is the same, bit for bit. */
 typedef enum svo_builder {
     SVO_BUILDER_CL = 0, /**< "cl": top-down, level by level; the list stays in chunks and in any order */
@@ -96,12 +78,6 @@ typedef enum svo_builder {
      *  sort it. */
     SVO_BUILDER_SORTED = 1
 } svo_builder;
-
-/** Name of a builder.
- *
- * \param builder any value
- * \returns "cl", "sorted"; else "unknown builder". Static string. */
-SVO_API const char *svo_builder_name(svo_builder builder);
 
 /** Where svo_plan_create works. The plan is the same, bit for bit. */
 typedef enum svo_place {
@@ -115,12 +91,6 @@ typedef enum svo_place {
     SVO_PLACE_DEVICE = 2
 } svo_place;
 
-/** Name of a place.
- *
- * \param place any value
- * \returns "default", "host", "device"; else "unknown place". Static string. */
-SVO_API const char *svo_place_name(svo_place place);
-
 /** The stages of plans and builds. Later versions may append some. */
 typedef enum svo_stage {
     SVO_STAGE_GRID = 0, /**< "grid": validate, snap, classify (svo_plan_create) */
@@ -133,12 +103,6 @@ typedef enum svo_stage {
     SVO_STAGE_FILTER, /**< "filter": payload of the leaves, then of each level above */
     SVO_STAGE_COUNT /**< number of stages that the headers know */
 } svo_stage;
-
-/** Name of a stage.
- *
- * \param stage any value
- * \returns "grid", "compile", ...; else "unknown stage". Static string. */
-SVO_API const char *svo_stage_name(svo_stage stage);
 
 /** Receives the progress of a call that may take long, and may stop it.
  *
@@ -245,12 +209,6 @@ typedef enum svo_certainty {
     SVO_BYTES_BOUND = 1, /**< at most these */
     SVO_BYTES_ESTIMATE = 2 /**< the fragment estimate plus an eighth: rarely more, usually less */
 } svo_certainty;
-
-/** Name of a certainty.
- *
- * \param certainty any value
- * \returns "exact", "bound", "estimate"; else "unknown certainty". Static string. */
-SVO_API const char *svo_certainty_name(svo_certainty certainty);
 
 /** A buffer that a build allocates. */
 typedef struct svo_buffer_info {

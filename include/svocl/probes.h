@@ -87,12 +87,6 @@ typedef enum svo_probes_buffer {
     SVO_PROBES_BUFFER_COUNT /**< number of buffers */
 } svo_probes_buffer;
 
-/** Name of a buffer.
- *
- * \param buffer any value
- * \returns "places", ...; else "unknown buffer". Static string. */
-SVO_API const char *svo_probes_buffer_name(svo_probes_buffer buffer);
-
 /** The stages of probes, for times. */
 typedef enum svo_probes_stage {
     SVO_PROBES_STAGE_PLACE = 0, /**< "placing": moving and switching off */
@@ -103,12 +97,6 @@ typedef enum svo_probes_stage {
     SVO_PROBES_STAGE_FILTER, /**< "prefilter": irradiance and moments */
     SVO_PROBES_STAGE_COUNT /**< number of stages */
 } svo_probes_stage;
-
-/** Name of a stage.
- *
- * \param stage any value
- * \returns "placing", ...; else "unknown stage". Static string. */
-SVO_API const char *svo_probes_stage_name(svo_probes_stage stage);
 
 /** What probes are. */
 typedef struct svo_probe_info {
@@ -260,12 +248,6 @@ typedef enum svo_probe_choice {
     SVO_PROBE_CHOICE_EIGHT = 1, /**< "eight": those around the ray's origin, as published, for comparison */
     SVO_PROBE_CHOICE_COUNT /**< number of choices */
 } svo_probe_choice;
-
-/** Name of a choice.
- *
- * \param choice any value
- * \returns "field", "eight"; else "unknown choice". Static string. */
-SVO_API const char *svo_probe_choice_name(svo_probe_choice choice);
 
 /** Options of rays through probes. */
 typedef struct svo_probe_trace_options {

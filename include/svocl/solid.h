@@ -37,12 +37,6 @@ typedef enum svo_solid_rule {
     SVO_SOLID_PARITY = 1 /**< "parity": odd. Where two closed parts overlap it is hollow */
 } svo_solid_rule;
 
-/** Name of a rule.
- *
- * \param rule any value
- * \returns "winding", "parity"; else "unknown rule". Static string. */
-SVO_API const char *svo_solid_rule_name(svo_solid_rule rule);
-
 /** Options of a solid. */
 typedef struct svo_solid_options {
     size_t struct_size; /**< sizeof(svo_solid_options) */

@@ -6,7 +6,7 @@
  * excepted), and one line says what was wrong: function, argument, value and limit, as in "svo_plan_create: depth 17 is
  * not in 1 .. 16". The handle that was used keeps the line (svo_device_message); functions without a handle write it to
  * an svo_message. A tree from a file, or a compact one, belongs to no device handle before it is uploaded; what needs
- * it on a device returns SVO_NOT_ON_DEVICE, whose text (svo_status_text) is the message. Any function may return
+ * it on a device returns SVO_NOT_ON_DEVICE, whose text (SVO_NAME_STATUS_TEXT) is the message. Any function may return
  * SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY, and one that can return SVO_CL_ERROR or SVO_GL_ERROR also
  * SVO_OUT_OF_DEVICE_MEMORY. The library never prints, exits or aborts.
  *
@@ -22,6 +22,7 @@
 #include <stddef.h>
 
 #include "svocl/export.h"
+#include "svocl/names.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -70,18 +71,6 @@ typedef enum svo_status {
 #undef SVO_STATUS_ENUM
 } svo_status;
 /** \endcond */
-
-/** Name of a status.
- *
- * \param status any value
- * \returns "SVO_OK", ...; "unknown status" for other values. Static string. */
-SVO_API const char *svo_status_name(svo_status status);
-
-/** Meaning of a status.
- *
- * \param status any value
- * \returns the text in SVO_STATUS_LIST; "unknown status" for other values. Static string. */
-SVO_API const char *svo_status_text(svo_status status);
 
 #define SVO_MESSAGE_BYTES 1024 /**< longest message, its terminator included */
 

@@ -28,6 +28,7 @@
 #include "svocl/memory.h"
 #include "svocl/mesh.h"
 #include "svocl/moving.h"
+#include "svocl/names.h"
 #include "svocl/nodes.h"
 #include "svocl/plan.h"
 #include "svocl/probes.h"

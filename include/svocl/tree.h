@@ -120,12 +120,6 @@ typedef enum svo_tree_buffer {
     SVO_TREE_BUFFER_COUNT /**< number of arrays */
 } svo_tree_buffer;
 
-/** Name of an array.
- *
- * \param buffer any value
- * \returns "child_mask", ...; else "unknown buffer". Static string. */
-SVO_API const char *svo_tree_buffer_name(svo_tree_buffer buffer);
-
 /** Destroys a tree. A build that is filling it is waited for.
  *
  * \param tree set to NULL; NULL and a pointer to NULL are allowed */

@@ -39,12 +39,6 @@ typedef enum svo_voxel_format {
     SVO_VOXEL_FORMAT_OBJ /**< "obj": is only written */
 } svo_voxel_format;
 
-/** Name of a format.
- *
- * \param format any value
- * \returns "auto", "vox", ...; else "unknown format". Static string. */
-SVO_API const char *svo_voxel_format_name(svo_voxel_format format);
-
 /** The format that a file is written in by its suffix, in upper or lower case.
  *
  * \param path of the file

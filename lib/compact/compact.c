@@ -338,7 +338,7 @@ static svo_status make_buffers(expansion *e)
     for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
         const uint64_t bytes = svo_i_tree_element_count(&tree->info, i) * svo_i_tree_element_bytes(i);
         if (svo_i_tree_holds(&tree->info, i)) {
-            SVO_I_TRY(svo_i_work_result(&e->work, svo_tree_buffer_name(i), bytes, &tree->buffers[i]));
+            SVO_I_TRY(svo_i_work_result(&e->work, svo_name(SVO_NAME_TREE_BUFFER, i), bytes, &tree->buffers[i]));
         }
     }
     for (int i = SVO_I_PAYLOAD_FIRST; i < SVO_COMPACT_BUFFER_COUNT; ++i) {

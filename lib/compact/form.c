@@ -75,7 +75,7 @@ static svo_status make_payload_array(svo_i_device_work *work, const svo_i_compac
     if (bytes == 0) {
         return SVO_OK;
     }
-    SVO_I_TRY(svo_i_work_result(work, svo_compact_buffer_name(buffer), bytes, to));
+    SVO_I_TRY(svo_i_work_result(work, svo_name(SVO_NAME_COMPACT_BUFFER, buffer), bytes, to));
     if (svo_i_compact_is_constant(&compact->info, buffer)) {
         return svo_i_work_copy(work, from, 0, *to, 0, bytes);
     }

@@ -51,7 +51,7 @@ static svo_status find_array(svo_i_device_work *work, const svo_tree *tree, svo_
     if (*out != NULL) {
         return SVO_OK;
     }
-    SVO_I_TRY(svo_i_work_alloc(work, svo_tree_buffer_name(buffer), bytes, out));
+    SVO_I_TRY(svo_i_work_alloc(work, svo_name(SVO_NAME_TREE_BUFFER, buffer), bytes, out));
     return svo_i_work_write(work, *out, tree->host[buffer], bytes);
 }
 

@@ -13,19 +13,6 @@
 #include "core/tree.h"
 #include "svocl/plan.h"
 
-const char *svo_form_name(svo_form form)
-{
-    static const char *const names[SVO_FORM_COUNT] = {"descriptor", "implied", "shared"};
-    return (unsigned)form < SVO_FORM_COUNT ? names[form] : "unknown form";
-}
-
-const char *svo_compact_buffer_name(svo_compact_buffer buffer)
-{
-    static const char *const names[SVO_COMPACT_BUFFER_COUNT] = {"nodes",   "links",     "bases", "colors",
-                                                                "normals", "materials", "fills"};
-    return (unsigned)buffer < SVO_COMPACT_BUFFER_COUNT ? names[buffer] : "unknown buffer";
-}
-
 svo_compact *svo_i_compact_new(const svo_i_memory *memory)
 {
     svo_compact *compact = svo_i_alloc_zeroed(memory, 1, sizeof *compact);
@@ -217,7 +204,7 @@ static svo_status download_array(const svo_compact *compact, cl_command_queue qu
     *out = svo_i_alloc(&compact->memory, bytes);
     if (*out == NULL) {
         return svo_i_device_fail(compact->device, SVO_OUT_OF_HOST_MEMORY, "%s: %s needs %zu bytes", function,
-                                 svo_compact_buffer_name(buffer), bytes);
+                                 svo_name(SVO_NAME_COMPACT_BUFFER, buffer), bytes);
     }
     const cl_int error = clEnqueueReadBuffer(queue, compact->buffers[buffer], CL_TRUE, 0, bytes, *out, 0, NULL, NULL);
     return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(compact->device, function, "clEnqueueReadBuffer", error);
@@ -257,7 +244,8 @@ static svo_status upload_array(const svo_compact *compact, svo_device *device, c
     if (bytes == 0) {
         return SVO_OK;
     }
-    SVO_I_TRY(svo_i_device_buffer(device, function, svo_compact_buffer_name(buffer), CL_MEM_READ_ONLY, bytes, out));
+    SVO_I_TRY(
+        svo_i_device_buffer(device, function, svo_name(SVO_NAME_COMPACT_BUFFER, buffer), CL_MEM_READ_ONLY, bytes, out));
     const cl_int error = clEnqueueWriteBuffer(queue, *out, CL_TRUE, 0, bytes, compact->host[buffer], 0, NULL, NULL);
     return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(device, function, "clEnqueueWriteBuffer", error);
 }

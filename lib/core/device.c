@@ -365,12 +365,6 @@ static svo_status find_extension(const svo_device *handle, cl_device_id device, 
     return SVO_OK;
 }
 
-const char *svo_path_name(svo_path path)
-{
-    static const char *const names[] = {"auto", "cpu", "gpu"};
-    return (unsigned)path <= SVO_PATH_GPU ? names[path] : "unknown path";
-}
-
 static svo_status choose_path(svo_device *handle, svo_path path, svo_message *message)
 {
     if ((unsigned)path > SVO_PATH_GPU) {

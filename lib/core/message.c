@@ -75,30 +75,6 @@ double svo_i_now_ms(void)
     return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
 }
 
-const char *svo_status_name(svo_status status)
-{
-    switch (status) {
-#define SVO_STATUS_CASE(name, value, text) \
-    case name:                             \
-        return #name;
-        SVO_STATUS_LIST(SVO_STATUS_CASE)
-#undef SVO_STATUS_CASE
-    }
-    return "unknown status";
-}
-
-const char *svo_status_text(svo_status status)
-{
-    switch (status) {
-#define SVO_STATUS_CASE(name, value, text) \
-    case name:                             \
-        return text;
-        SVO_STATUS_LIST(SVO_STATUS_CASE)
-#undef SVO_STATUS_CASE
-    }
-    return "unknown status";
-}
-
 const char *svo_version_string(void)
 {
     return SVO_VERSION_STRING;

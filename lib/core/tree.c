@@ -90,18 +90,10 @@ svo_status svo_tree_get_info(const svo_tree *tree, svo_tree_info *info)
                               SVO_I_STRUCT_SIZES(svo_tree_info, level_begin));
 }
 
-const char *svo_tree_buffer_name(svo_tree_buffer buffer)
-{
-    static const char *const names[SVO_TREE_BUFFER_COUNT] = {
-        "child_mask", "first_child",  "colors",    "normals", "list_begin", "list",      "vertices",
-        "indices",    "triangle_ids", "materials", "fills",   "areas",      "positions", "positions_double"};
-    return buffer < SVO_TREE_BUFFER_COUNT ? names[buffer] : "unknown buffer";
-}
-
 cl_mem *svo_i_tree_slot(svo_tree *tree, const char *name)
 {
     for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
-        if (strcmp(svo_tree_buffer_name(i), name) == 0) {
+        if (strcmp(svo_name(SVO_NAME_TREE_BUFFER, i), name) == 0) {
             return &tree->buffers[i];
         }
     }
@@ -282,7 +274,7 @@ static svo_status download_array(const svo_tree *tree, cl_command_queue queue, s
     *out = svo_i_alloc(&tree->memory, bytes);
     if (*out == NULL) {
         return svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "%s: %s needs %zu bytes", function,
-                                 svo_tree_buffer_name(buffer), bytes);
+                                 svo_name(SVO_NAME_TREE_BUFFER, buffer), bytes);
     }
     const cl_int error = clEnqueueReadBuffer(queue, tree->buffers[buffer], CL_TRUE, 0, bytes, *out, 0, NULL, NULL);
     if (error != CL_SUCCESS) {
@@ -291,7 +283,7 @@ static svo_status download_array(const svo_tree *tree, cl_command_queue queue, s
     return svo_i_tree_repeat(tree, buffer, out)
                ? SVO_OK
                : svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "%s: %s needs %zu bytes", function,
-                                   svo_tree_buffer_name(buffer), host_bytes(tree, buffer));
+                                   svo_name(SVO_NAME_TREE_BUFFER, buffer), host_bytes(tree, buffer));
 }
 
 svo_status svo_tree_download(svo_tree *tree, cl_command_queue queue)
@@ -326,7 +318,8 @@ static svo_status upload_array(const svo_tree *tree, svo_device *device, cl_comm
     if (!svo_i_tree_holds(&tree->info, buffer)) {
         return SVO_OK;
     }
-    SVO_I_TRY(svo_i_device_buffer(device, function, svo_tree_buffer_name(buffer), CL_MEM_READ_ONLY, bytes, out));
+    SVO_I_TRY(
+        svo_i_device_buffer(device, function, svo_name(SVO_NAME_TREE_BUFFER, buffer), CL_MEM_READ_ONLY, bytes, out));
     const cl_int error = bytes > 0
                              ? clEnqueueWriteBuffer(queue, *out, CL_TRUE, 0, bytes, tree->host[buffer], 0, NULL, NULL)
                              : CL_SUCCESS;

@@ -62,8 +62,8 @@ static svo_status start(const char *function, const svo_compact *compact, const 
     out->arrays[out->array_count++] = (svo_i_file_array){FILE_COUNTS, "counts", counts, sizeof *counts};
     for (uint32_t i = 0; i < SVO_COMPACT_BUFFER_COUNT; ++i) {
         if (compact->info.bytes[i] > 0) {
-            out->arrays[out->array_count++] = (svo_i_file_array){i, svo_compact_buffer_name((svo_compact_buffer)i),
-                                                                 compact->host[i], compact->info.bytes[i]};
+            out->arrays[out->array_count++] = (svo_i_file_array){
+                i, svo_name(SVO_NAME_COMPACT_BUFFER, (svo_compact_buffer)i), compact->host[i], compact->info.bytes[i]};
         }
     }
     return SVO_OK;
@@ -224,7 +224,7 @@ static svo_status load_arrays(const svo_i_file_load *state, uint64_t offset, svo
 {
     uint32_t chunk_index = 1;
     for (uint32_t i = 0; i < SVO_COMPACT_BUFFER_COUNT; ++i) {
-        const char *name = svo_compact_buffer_name((svo_compact_buffer)i);
+        const char *name = svo_name(SVO_NAME_COMPACT_BUFFER, (svo_compact_buffer)i);
         const file_chunk *chunk = &state->head.chunks[chunk_index];
         if (compact->info.bytes[i] == 0) {
             continue;

@@ -148,7 +148,7 @@ static svo_status start(const char *function, const svo_tree *tree, const svo_sa
         const uint64_t begin = entry_begin(&tree->info, FILE_VERSION, entry);
         state->arrays[i] =
             (svo_i_file_array){.kind = file_entry_kind(entry),
-                               .name = svo_tree_buffer_name(entry->buffer),
+                               .name = svo_name(SVO_NAME_TREE_BUFFER, entry->buffer),
                                .plain = array != NULL ? array + begin * element_bytes : NULL,
                                .bytes = svo_i_file_entry_count(&tree->info, FILE_VERSION, entry) * element_bytes};
     }
@@ -238,7 +238,7 @@ svo_i_entry_name svo_i_tree_file_name(const svo_i_tree_file *file, uint32_t chun
 {
     const file_entry *entry = &file->entries[chunk_index];
     svo_i_entry_name name;
-    const char *array = svo_tree_buffer_name(entry->buffer);
+    const char *array = svo_name(SVO_NAME_TREE_BUFFER, entry->buffer);
     if (file->load->head.header.version < FILE_BY_LEVELS) {
         (void)snprintf(name.text, sizeof name.text, "%s", array);
     } else {
@@ -313,7 +313,7 @@ static svo_status number_children(const svo_i_file_load *load, svo_tree *tree)
     const uint64_t bytes = tree->info.inner_count * sizeof(uint32_t);
     uint32_t *first_child = bytes <= SIZE_MAX ? svo_i_alloc(&load->host_memory, (size_t)bytes) : NULL;
     if (first_child == NULL) {
-        return svo_i_file_no_memory(load, svo_tree_buffer_name(SVO_TREE_FIRST_CHILD), bytes);
+        return svo_i_file_no_memory(load, svo_name(SVO_NAME_TREE_BUFFER, SVO_TREE_FIRST_CHILD), bytes);
     }
     uint32_t next_child = 1;
     for (uint64_t node = 0; node < tree->info.inner_count; ++node) {
@@ -344,7 +344,7 @@ static svo_status repeat_constants(const svo_i_file_load *load, svo_tree *tree)
     for (uint32_t i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
         const svo_tree_buffer buffer = (svo_tree_buffer)i;
         if (tree->host[i] != NULL && !svo_i_tree_repeat(tree, buffer, &tree->host[i])) {
-            return svo_i_file_no_memory(load, svo_tree_buffer_name(buffer),
+            return svo_i_file_no_memory(load, svo_name(SVO_NAME_TREE_BUFFER, buffer),
                                         tree->info.node_count * svo_i_tree_element_bytes(buffer));
         }
     }

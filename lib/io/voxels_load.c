@@ -240,18 +240,11 @@ svo_status svo_i_voxels_read_svx(voxel_reader *reader)
 
 /* ---- loading ---- */
 
-static const char *const names[] = {"auto", "vox", "svx", "binvox", "ply", "obj"};
-
-const char *svo_voxel_format_name(svo_voxel_format format)
-{
-    return (unsigned)format <= SVO_VOXEL_FORMAT_OBJ ? names[format] : "unknown format";
-}
-
 svo_voxel_format svo_voxel_format_of_path(const char *path)
 {
     const char *dot = path != NULL ? strrchr(path, '.') : NULL;
-    for (int format = SVO_VOXEL_FORMAT_VOX; format <= SVO_VOXEL_FORMAT_OBJ && dot != NULL; ++format) {
-        if (strcasecmp(dot + 1, names[format]) == 0) {
+    for (uint32_t format = SVO_VOXEL_FORMAT_VOX; format <= SVO_VOXEL_FORMAT_OBJ && dot != NULL; ++format) {
+        if (strcasecmp(dot + 1, svo_name(SVO_NAME_VOXEL_FORMAT, format)) == 0) {
             return (svo_voxel_format)format;
         }
     }

@@ -11,25 +11,6 @@
 
 /* ---- names ---- */
 
-const char *svo_light_form_name(svo_light_form form)
-{
-    static const char *const names[SVO_LIGHT_FORM_COUNT] = {"faces", "bricks", "voxels"};
-    return (unsigned)form < SVO_LIGHT_FORM_COUNT ? names[form] : "unknown form";
-}
-
-const char *svo_light_buffer_name(svo_light_buffer buffer)
-{
-    static const char *const names[SVO_LIGHT_BUFFER_COUNT] = {"opacity", "cover", "lit", "radiance", "flux"};
-    return (unsigned)buffer < SVO_LIGHT_BUFFER_COUNT ? names[buffer] : "unknown buffer";
-}
-
-const char *svo_light_stage_name(svo_light_stage stage)
-{
-    static const char *const names[SVO_LIGHT_STAGE_COUNT] = {"opacity", "opacity filter", "light view",
-                                                             "photons", "exchange",       "radiance filter"};
-    return (unsigned)stage < SVO_LIGHT_STAGE_COUNT ? names[stage] : "unknown stage";
-}
-
 /* ---- buffers and levels ---- */
 
 const char *svo_i_light_defines(const svo_light *light)
@@ -53,7 +34,8 @@ svo_status svo_i_light_buffer(svo_i_device_work *work, svo_light *light, svo_lig
     for (svo_light_buffer i = 0; i < SVO_LIGHT_BUFFER_COUNT; ++i) {
         light->info.total_bytes += light->info.bytes[i];
     }
-    return svo_i_work_result(work, svo_light_buffer_name(buffer), light->info.bytes[buffer], &light->buffers[buffer]);
+    return svo_i_work_result(work, svo_name(SVO_NAME_LIGHT_BUFFER, buffer), light->info.bytes[buffer],
+                             &light->buffers[buffer]);
 }
 
 void svo_i_light_release(svo_light *light, svo_light_buffer buffer)
@@ -120,7 +102,7 @@ static svo_status hash_buffer(const svo_light *light, const char *function, cl_c
     void *copy = svo_i_alloc(&light->device->memory, (size_t)bytes);
     if (copy == NULL) {
         return svo_i_device_fail(light->device, SVO_OUT_OF_HOST_MEMORY, "%s: %s needs %llu bytes", function,
-                                 svo_light_buffer_name(buffer), (unsigned long long)bytes);
+                                 svo_name(SVO_NAME_LIGHT_BUFFER, buffer), (unsigned long long)bytes);
     }
     const cl_int error =
         clEnqueueReadBuffer(queue, light->buffers[buffer], CL_TRUE, 0, (size_t)bytes, copy, 0, NULL, NULL);

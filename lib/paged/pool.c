@@ -210,7 +210,7 @@ static svo_status make_array(svo_paged *paged, paged_array array, const uint8_t 
         count = (size_t)layout->inner_capacity + (is_masks ? 0 : layout->leaf_capacity);
         top_count = is_masks ? layout->top_inner_count : info->level_begin[layout->top_level + 1];
     }
-    SVO_I_TRY(svo_i_device_buffer(paged->device, function, svo_tree_buffer_name(svo_i_paged_buffer(array)),
+    SVO_I_TRY(svo_i_device_buffer(paged->device, function, svo_name(SVO_NAME_TREE_BUFFER, svo_i_paged_buffer(array)),
                                   CL_MEM_READ_ONLY, count * element_bytes, &paged->arrays[array]));
     return write_buffer(paged, function, paged->arrays[array], 0, top, top_count * element_bytes);
 }

@@ -128,7 +128,7 @@ static svo_status put_upper(stitcher *s, filling *to, const svo_i_upper_node *up
         return put(s, to, &upper->payload.fill, sizeof upper->payload.fill);
     default:
         return svo_i_fail(s->message, SVO_INTERNAL, "svo_parts_stitch: %s has no elements above the leaves",
-                          svo_tree_buffer_name(to->entry.buffer));
+                          svo_name(SVO_NAME_TREE_BUFFER, to->entry.buffer));
     }
 }
 
@@ -287,7 +287,7 @@ static svo_status finish_chunks(stitcher *s)
         if (to->chunk->plain_bytes != to->chunk->stored_bytes ||
             (to->entry.buffer == SVO_TREE_CHILD_MASK && to->next != level_begin[level + 2] - level_begin[level + 1])) {
             return svo_i_fail(s->message, SVO_FILE_DAMAGED, "%s: the parts' %s do not add up to their nodes", s->path,
-                              svo_tree_buffer_name(to->entry.buffer));
+                              svo_name(SVO_NAME_TREE_BUFFER, to->entry.buffer));
         }
         to->chunk->hash = XXH3_64bits_digest(&to->hash);
     }

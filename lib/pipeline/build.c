@@ -290,7 +290,8 @@ static const char *wrong_argument(const svo_plan *plan, const svo_frontend *fron
 
 static void begin_report(svo_build_report *report, const svo_plan *plan, const svo_frontend *frontend)
 {
-    const char *builder = frontend->make_tree != NULL ? frontend->builder : svo_builder_name(plan->options.builder);
+    const char *builder =
+        frontend->make_tree != NULL ? frontend->builder : svo_name(SVO_NAME_BUILDER, plan->options.builder);
     *report = (svo_build_report){.frontend = frontend->name,
                                  .share = frontend->share,
                                  .builder = builder,

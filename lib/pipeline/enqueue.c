@@ -307,8 +307,8 @@ static svo_status trim_buffer(svo_tree *tree, svo_tree_buffer which, cl_command_
     }
     cl_mem exact = NULL;
     cl_event copied = NULL;
-    SVO_I_TRY(svo_i_device_buffer(tree->device, "svo_tree_finish", svo_tree_buffer_name(which), CL_MEM_READ_WRITE,
-                                  bytes, &exact));
+    SVO_I_TRY(svo_i_device_buffer(tree->device, "svo_tree_finish", svo_name(SVO_NAME_TREE_BUFFER, which),
+                                  CL_MEM_READ_WRITE, bytes, &exact));
     cl_int error = CL_SUCCESS;
     if (bytes > 0) {
         error = clEnqueueCopyBuffer(queue, tree->buffers[which], exact, 0, 0, bytes, 0, NULL, &copied);
@@ -341,7 +341,7 @@ static void fill_report(const svo_tree *tree, const svo_i_pending *pending, svo_
     svo_build_report made = pending->report;
     made.list_chunks = pending->build.list.chunk_count;
     made.frontend = frontend->name;
-    made.builder = svo_builder_name(SVO_BUILDER_CL);
+    made.builder = svo_name(SVO_NAME_BUILDER, SVO_BUILDER_CL);
     made.share = frontend->share;
     made.renderer = frontend->renderer != NULL ? frontend->renderer : "";
     svo_i_report_write(&made, report);

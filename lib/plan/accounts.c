@@ -14,13 +14,6 @@
 /* The callback is told after this much predicted time. */
 #define TOLD_EVERY_NS 5e6
 
-const char *svo_stage_name(svo_stage stage)
-{
-    static const char *const names[SVO_STAGE_COUNT] = {"grid",      "compile", "voxelize", "transfer",
-                                                       "subdivide", "pack",    "link",     "filter"};
-    return stage < SVO_STAGE_COUNT ? names[stage] : "unknown stage";
-}
-
 void svo_plan_set_progress(svo_plan *plan, svo_progress_callback progress, void *user)
 {
     plan->progress.callback = progress;
@@ -54,7 +47,7 @@ static svo_status tell(svo_plan *plan, svo_stage stage, double fraction)
     }
     return svo_i_device_fail(plan->device, SVO_CANCELED,
                              "%s: the progress callback stopped the call in stage %s at %.0f %%", progress->function,
-                             svo_stage_name(stage), progress->fraction * 100.0);
+                             svo_name(SVO_NAME_STAGE, stage), progress->fraction * 100.0);
 }
 
 svo_status svo_i_progress_begin(svo_plan *plan, const char *function, uint32_t stages)

@@ -55,26 +55,6 @@ bool svo_i_frontend_prefers_cl(const svo_device *device, const svo_i_renderer *r
 
 /* ---- what a build does ---- */
 
-const char *svo_need_name(svo_need bit)
-{
-    switch (bit) {
-    case SVO_NEED_COLOR:
-        return "color";
-    case SVO_NEED_NORMAL:
-        return "normal";
-    case SVO_NEED_RAYS:
-        return "rays";
-    case SVO_NEED_MATERIAL:
-        return "material";
-    case SVO_NEED_FILL:
-        return "fill";
-    case SVO_NEED_PROJECTED_AREA:
-        return "projected-area";
-    default:
-        return "none";
-    }
-}
-
 static void leave_out(svo_i_work *work, const char *what, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 

@@ -101,8 +101,9 @@ svo_status svo_i_survey_begin(svo_plan *empty, svo_i_survey *survey)
         return svo_i_device_fail(empty->device, SVO_INVALID_ARGUMENT, NAME ": options.part_header is not NULL");
     }
     if (need != 0) {
-        return svo_i_device_fail(empty->device, SVO_UNSUPPORTED, "%s needs the whole mesh",
-                                 svo_need_name((need & SVO_NEED_RAYS) != 0 ? SVO_NEED_RAYS : SVO_NEED_PROJECTED_AREA));
+        return svo_i_device_fail(
+            empty->device, SVO_UNSUPPORTED, "%s needs the whole mesh",
+            svo_name(SVO_NAME_NEED, (need & SVO_NEED_RAYS) != 0 ? SVO_NEED_RAYS : SVO_NEED_PROJECTED_AREA));
     }
     empty->progress = (svo_i_progress){.function = NAME};
     /* Without triangles all payload is constant. */

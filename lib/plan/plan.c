@@ -65,12 +65,6 @@ static svo_status keep_positions(svo_plan *plan, const svo_mesh *mesh)
 
 /* ---- where a plan is made ---- */
 
-const char *svo_place_name(svo_place place)
-{
-    static const char *const names[] = {"default", "host", "device"};
-    return (unsigned)place <= SVO_PLACE_DEVICE ? names[place] : "unknown place";
-}
-
 /* Whether the device's doubles are those of the host: with denormals, rounded to nearest; floats with denormals. */
 static svo_status find_doubles(svo_device *device, const char *function, bool *has_doubles)
 {
@@ -262,30 +256,6 @@ static svo_status read_part(svo_device *device, const char *function, uint32_t d
 /* Far above the fragments of one column of one triangle, which a chunk must hold. */
 #define CHUNK_BYTES_MIN 16384
 
-const char *svo_coverage_name(svo_coverage coverage)
-{
-    static const char *const names[] = {"half-open", "closed", "thin"};
-    return (unsigned)coverage <= SVO_COVERAGE_THIN ? names[coverage] : "unknown coverage";
-}
-
-const char *svo_weights_name(svo_weights weights)
-{
-    static const char *const names[] = {"area", "uniform", "center"};
-    return (unsigned)weights <= SVO_WEIGHTS_CENTER ? names[weights] : "unknown weights";
-}
-
-const char *svo_builder_name(svo_builder builder)
-{
-    static const char *const names[] = {"cl", "sorted"};
-    return (unsigned)builder <= SVO_BUILDER_SORTED ? names[builder] : "unknown builder";
-}
-
-const char *svo_certainty_name(svo_certainty certainty)
-{
-    static const char *const names[] = {"exact", "bound", "estimate"};
-    return (unsigned)certainty <= SVO_BYTES_ESTIMATE ? names[certainty] : "unknown certainty";
-}
-
 /* The fields of plans whose mesh moves. */
 static svo_status check_updatable(svo_device *device, const char *function, const svo_plan_options *options)
 {
@@ -336,7 +306,7 @@ static svo_status check_options(svo_device *device, const char *function, const 
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
                                  "%s: options.need has fill, which requires weights area, and "
                                  "options.weights is %s",
-                                 function, svo_weights_name(options->weights));
+                                 function, svo_name(SVO_NAME_WEIGHTS, options->weights));
     }
     if (!isfinite(options->edge) || options->edge < 0.0) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.edge %g is not finite and at least 0",

@@ -30,20 +30,6 @@ _Static_assert(sizeof(svo_ray) >= sizeof(cl_float4), "cells fit into the buffer 
 
 /* ---- names ---- */
 
-const char *svo_probes_buffer_name(svo_probes_buffer buffer)
-{
-    static const char *const names[SVO_PROBES_BUFFER_COUNT] = {"places", "texels",     "least",
-                                                               "field",  "irradiance", "moments"};
-    return (unsigned)buffer < SVO_PROBES_BUFFER_COUNT ? names[buffer] : "unknown buffer";
-}
-
-const char *svo_probes_stage_name(svo_probes_stage stage)
-{
-    static const char *const names[SVO_PROBES_STAGE_COUNT] = {"placing", "texels", "radiance",
-                                                              "least",   "field",  "prefilter"};
-    return (unsigned)stage < SVO_PROBES_STAGE_COUNT ? names[stage] : "unknown stage";
-}
-
 /* ---- bands of rays ---- */
 
 /* Texel rays of all probes. */
@@ -340,7 +326,8 @@ static svo_status make_buffers(svo_probes *probes, svo_i_device_work *work)
 {
     for (svo_probes_buffer i = 0; i < SVO_PROBES_BUFFER_COUNT; ++i) {
         if (probes->info.bytes[i] > 0) {
-            SVO_I_TRY(svo_i_work_result(work, svo_probes_buffer_name(i), probes->info.bytes[i], &probes->buffers[i]));
+            SVO_I_TRY(svo_i_work_result(work, svo_name(SVO_NAME_PROBES_BUFFER, i), probes->info.bytes[i],
+                                        &probes->buffers[i]));
         }
     }
     return SVO_OK;

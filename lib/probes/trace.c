@@ -43,12 +43,6 @@ static svo_i_ray_target target_of(svo_probes *probes)
 
 /* ---- rays ---- */
 
-const char *svo_probe_choice_name(svo_probe_choice choice)
-{
-    static const char *const names[SVO_PROBE_CHOICE_COUNT] = {"field", "eight"};
-    return (unsigned)choice < SVO_PROBE_CHOICE_COUNT ? names[choice] : "unknown choice";
-}
-
 /* The options, checked, with the defaults for 0. */
 static svo_status read_options(const svo_probes *probes, const char *function, const svo_probe_trace_options *options,
                                svo_probe_trace_params *params)

@@ -32,18 +32,6 @@ static const char function[] = "svo_solid_create";
 /* Nodes of a launch, so that its counts fit 32 bits. */
 #define PART_NODES (UINT32_C(1) << 28)
 
-const char *svo_solid_rule_name(svo_solid_rule rule)
-{
-    switch (rule) {
-    case SVO_SOLID_WINDING:
-        return "winding";
-    case SVO_SOLID_PARITY:
-        return "parity";
-    default:
-        return "unknown rule";
-    }
-}
-
 /* ---- checks ---- */
 
 static svo_status read_options(const svo_tree *tree, const svo_solid_options *options, svo_solid_options *out)
@@ -416,7 +404,7 @@ static svo_status make_payload(svo_i_device_work *work, const svo_tree *tree, co
                                .repeats = svo_i_tree_is_constant(&tree->info, of_tree)};
     memcpy(params.value, element, sizeof params.value);
     out->info.constant &= ~svo_i_compact_need(buffer);
-    SVO_I_TRY(svo_i_work_alloc(work, svo_compact_buffer_name(buffer), nodes * bytes, to));
+    SVO_I_TRY(svo_i_work_alloc(work, svo_name(SVO_NAME_COMPACT_BUFFER, buffer), nodes * bytes, to));
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
                                         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
                                         SVO_I_ARGUMENT(inside->mask),

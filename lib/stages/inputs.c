@@ -218,7 +218,7 @@ svo_status svo_i_constants_store(svo_i_build *build)
     for (unsigned i = 0; i < sizeof constants / sizeof constants[0]; ++i) {
         const svo_tree_buffer array = constants[i].array;
         if ((work->constant & (uint32_t)constants[i].bit) != 0) {
-            SVO_I_TRY(svo_i_commands_upload(&build->commands, svo_tree_buffer_name(array),
+            SVO_I_TRY(svo_i_commands_upload(&build->commands, svo_name(SVO_NAME_TREE_BUFFER, array),
                                             build->tree->info.leaf_count > 0 ? constants[i].value : none,
                                             svo_i_tree_element_bytes(array), &build->tree->buffers[array]));
         }

@@ -300,7 +300,7 @@ static svo_status trim(svo_i_build *build, svo_tree_buffer which, uint64_t bytes
     svo_status status = SVO_OK;
     cl_mem *buffer = &build->tree->buffers[which];
     cl_mem exact = NULL;
-    SVO_I_TRY_CLEANUP(svo_i_commands_alloc(&build->commands, svo_tree_buffer_name(which), bytes, &exact));
+    SVO_I_TRY_CLEANUP(svo_i_commands_alloc(&build->commands, svo_name(SVO_NAME_TREE_BUFFER, which), bytes, &exact));
     SVO_I_TRY_CLEANUP(svo_i_commands_copy(&build->commands, *buffer, exact, 0, bytes));
     svo_i_commands_free(&build->commands, buffer);
     *buffer = exact;
@@ -326,8 +326,8 @@ static svo_status subdivide_in_place(subdivider *s)
     svo_i_build *build = s->build;
     s->worst_case = build->commands.plan->options.worst_case_nodes != 0;
     build->inner_capacity = build->tree->info.inner_count;
-    SVO_I_TRY(
-        alloc_nodes(build, svo_tree_buffer_name(SVO_TREE_CHILD_MASK), svo_tree_buffer_name(SVO_TREE_FIRST_CHILD)));
+    SVO_I_TRY(alloc_nodes(build, svo_name(SVO_NAME_TREE_BUFFER, SVO_TREE_CHILD_MASK),
+                          svo_name(SVO_NAME_TREE_BUFFER, SVO_TREE_FIRST_CHILD)));
     return run(s, &fits);
 }
 

@@ -15,7 +15,7 @@ import svocl
 from svocl import _plan
 from svocl._native import ffi, lib
 
-STAGES = [ffi.string(lib.svo_stage_name(stage)).decode() for stage in range(lib.SVO_STAGE_COUNT)]
+STAGES = [ffi.string(lib.svo_name(lib.SVO_NAME_STAGE, stage)).decode() for stage in range(lib.SVO_STAGE_COUNT)]
 
 
 class Watch:

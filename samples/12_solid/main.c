@@ -25,7 +25,7 @@ static bool measure(const svo_tree *tree, svo_solid_rule rule)
     const double voxel = edge * edge * edge;
     printf("%s: %" PRIu64 " voxels inside in %" PRIu64 " leaves, %" PRIu64
            " on the surface: a volume of %.2f to %.2f\n",
-           svo_solid_rule_name(rule), info.inside_voxels, info.inside_leaves, info.surface_voxels,
+           svo_name(SVO_NAME_SOLID_RULE, rule), info.inside_voxels, info.inside_leaves, info.surface_voxels,
            (double)info.inside_voxels * voxel, (double)(info.inside_voxels + info.surface_voxels) * voxel);
     if (info.open_columns[0] + info.open_columns[1] + info.open_columns[2] > 0)
         printf("the surface is not closed\n");

@@ -194,7 +194,7 @@ static bool show_form(work *state, svo_form form, bool minimize)
     const svo_compact_options options = {.struct_size = sizeof options, .form = form, .minimize = minimize};
     char name[32];
     svo_compact *compact = NULL;
-    snprintf(name, sizeof name, "%s%s", svo_form_name(form), minimize ? ", merged" : "");
+    snprintf(name, sizeof name, "%s%s", svo_name(SVO_NAME_FORM, form), minimize ? ", merged" : "");
     const bool done = svo_compact_create(state->device, state->tree, &options, state->queue, &compact) == SVO_OK &&
                       show(state, compact, name);
     svo_compact_destroy(&compact);

@@ -486,8 +486,8 @@ static void wrong_arguments_are_refused(void **state)
     assert_int_equal(svo_compact_get_info(made, &info), SVO_INVALID_ARGUMENT);
     assert_null(svo_compact_get_buffer(made, SVO_COMPACT_BUFFER_COUNT));
     assert_non_null(svo_compact_get_buffer(made, SVO_COMPACT_NODES));
-    assert_string_equal(svo_form_name(SVO_FORM_COUNT), "unknown form");
-    assert_string_equal(svo_compact_buffer_name(SVO_COMPACT_BUFFER_COUNT), "unknown buffer");
+    assert_string_equal(svo_name(SVO_NAME_FORM, SVO_FORM_COUNT), "unknown form");
+    assert_string_equal(svo_name(SVO_NAME_COMPACT_BUFFER, SVO_COMPACT_BUFFER_COUNT), "unknown buffer");
     svo_compact_destroy(&made);
     svo_compact_destroy(&made);
     svo_compact_destroy(NULL);

@@ -104,7 +104,7 @@ static void assert_damaged(const bytes *file, const char *what, size_t at)
     const svo_status status = svo_compact_load_memory(file->data, file->count, "cut", NULL, &loaded, &message);
     if (status != SVO_FILE_DAMAGED || strncmp(message.text, "cut: ", 5) != 0 || strchr(message.text, '\n') != NULL ||
         loaded != NULL) {
-        fail_msg("%s %zu: %s, \"%s\"", what, at, svo_status_name(status), message.text);
+        fail_msg("%s %zu: %s, \"%s\"", what, at, svo_name(SVO_NAME_STATUS, status), message.text);
     }
 }
 

@@ -30,14 +30,15 @@ static void expect(const fixture *opened, svo_status got, svo_status expected, c
 {
     const char *message = svo_device_message(opened->device);
     if (got != expected || strstr(message, text) == NULL) {
-        fail_msg("%s \"%s\", expected %s \"%s\"", svo_status_name(got), message, svo_status_name(expected), text);
+        fail_msg("%s \"%s\", expected %s \"%s\"", svo_name(SVO_NAME_STATUS, got), message,
+                 svo_name(SVO_NAME_STATUS, expected), text);
     }
 }
 
 static void succeed(const fixture *opened, svo_status status)
 {
     if (status != SVO_OK) {
-        fail_msg("%s: %s", svo_status_name(status), svo_device_message(opened->device));
+        fail_msg("%s: %s", svo_name(SVO_NAME_STATUS, status), svo_device_message(opened->device));
     }
 }
 
@@ -76,13 +77,13 @@ static svo_device *open_other(const fixture *opened)
 static void names_of_enumerators_and_of_none(void **state)
 {
     (void)state;
-    assert_string_equal(svo_status_name(SVO_CANCELED), "SVO_CANCELED");
-    assert_string_equal(svo_status_text(SVO_NO_DEVICE), "no OpenCL platform or device fits");
-    assert_string_equal(svo_status_name((svo_status)99), "unknown status");
-    assert_string_equal(svo_status_text((svo_status)99), "unknown status");
-    assert_string_equal(svo_need_name(SVO_NEED_FILL), "fill");
-    assert_string_equal(svo_need_name(SVO_NEED_PROJECTED_AREA), "projected-area");
-    assert_string_equal(svo_need_name(SVO_NEED_NONE), "none");
+    assert_string_equal(svo_name(SVO_NAME_STATUS, SVO_CANCELED), "SVO_CANCELED");
+    assert_string_equal(svo_name(SVO_NAME_STATUS_TEXT, SVO_NO_DEVICE), "no OpenCL platform or device fits");
+    assert_string_equal(svo_name(SVO_NAME_STATUS, (svo_status)99), "unknown status");
+    assert_string_equal(svo_name(SVO_NAME_STATUS_TEXT, (svo_status)99), "unknown status");
+    assert_string_equal(svo_name(SVO_NAME_NEED, SVO_NEED_FILL), "fill");
+    assert_string_equal(svo_name(SVO_NAME_NEED, SVO_NEED_PROJECTED_AREA), "projected-area");
+    assert_string_equal(svo_name(SVO_NAME_NEED, SVO_NEED_NONE), "none");
     assert_string_equal(svo_i_cl_error_name(CL_INVALID_VALUE), "CL_INVALID_VALUE");
     assert_string_equal(svo_i_cl_error_name(-9999), "error");
 }
@@ -366,9 +367,9 @@ static void files(void **state)
 static void names_of_opengl(void **state)
 {
     (void)state;
-    assert_string_equal(svo_gl_context_kind_name(SVO_GL_WRAPPED), "wrapped");
-    assert_string_equal(svo_gl_context_kind_name(SVO_GL_CONTEXT_KINDS), "unknown context kind");
-    assert_string_equal(svo_gl_context_kind_name((svo_gl_context_kind)77), "unknown context kind");
+    assert_string_equal(svo_name(SVO_NAME_GL_CONTEXT_KIND, SVO_GL_WRAPPED), "wrapped");
+    assert_string_equal(svo_name(SVO_NAME_GL_CONTEXT_KIND, SVO_GL_CONTEXT_KINDS), "unknown context kind");
+    assert_string_equal(svo_name(SVO_NAME_GL_CONTEXT_KIND, (svo_gl_context_kind)77), "unknown context kind");
 }
 
 static void opengl_front_ends(void **state)

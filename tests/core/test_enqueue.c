@@ -46,7 +46,7 @@ typedef struct subjects {
 static void succeed(const subjects *of, svo_status status)
 {
     if (status != SVO_OK) {
-        fail_msg("%s: %s", svo_status_name(status), svo_device_message(of->opened.device));
+        fail_msg("%s: %s", svo_name(SVO_NAME_STATUS, status), svo_device_message(of->opened.device));
     }
 }
 
@@ -426,7 +426,8 @@ static void what_is_on_no_device_is_refused_with_words(void **state)
     assert_int_equal(svo_compact_render(of.compact, &view, NULL, rgba), SVO_NOT_ON_DEVICE);
     assert_int_equal(svo_compact_render_enqueue(of.compact, &view, NULL, NULL, 0, NULL, NULL), SVO_NOT_ON_DEVICE);
     assert_int_equal(svo_compact_expand(of.compact, NULL, &expanded), SVO_NOT_ON_DEVICE);
-    assert_string_equal(svo_status_text(SVO_NOT_ON_DEVICE), "the tree is not on a device; upload it first");
+    assert_string_equal(svo_name(SVO_NAME_STATUS_TEXT, SVO_NOT_ON_DEVICE),
+                        "the tree is not on a device; upload it first");
     of.tree->device = of.compact->device = device;
     release_subjects(&of);
 }

@@ -84,7 +84,7 @@ static void release_foreigner(foreigner *made)
 static void succeed(const native *own, svo_status status)
 {
     if (status != SVO_OK) {
-        fail_msg("%s: %s", svo_status_name(status), svo_device_message(own->opened->device));
+        fail_msg("%s: %s", svo_name(SVO_NAME_STATUS, status), svo_device_message(own->opened->device));
     }
 }
 
@@ -124,7 +124,7 @@ static void expect_words(svo_status status, const char *message, const char *fun
     (void)snprintf(begin, sizeof begin, "%s: %s", function, argument);
     if (status != SVO_INVALID_ARGUMENT || strncmp(message, begin, strlen(begin)) != 0 ||
         strstr(message, words) == NULL) {
-        fail_msg("%s, %s: %s, '%s'", function, argument, svo_status_name(status), message);
+        fail_msg("%s, %s: %s, '%s'", function, argument, svo_name(SVO_NAME_STATUS, status), message);
     }
 }
 

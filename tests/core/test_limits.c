@@ -37,7 +37,7 @@ static svo_device *limited_device(const fixture *opened, uint64_t max_bytes)
 static void succeed(const svo_device *device, svo_status status)
 {
     if (status != SVO_OK) {
-        fail_msg("%s: %s", svo_status_name(status), svo_device_message(device));
+        fail_msg("%s: %s", svo_name(SVO_NAME_STATUS, status), svo_device_message(device));
     }
 }
 
@@ -46,7 +46,7 @@ static void assert_refused(const svo_device *device, svo_status status, const ch
 {
     const char *message = svo_device_message(device);
     if (status != SVO_OUT_OF_DEVICE_MEMORY) {
-        fail_msg("%s instead of SVO_OUT_OF_DEVICE_MEMORY: %s", svo_status_name(status), message);
+        fail_msg("%s instead of SVO_OUT_OF_DEVICE_MEMORY: %s", svo_name(SVO_NAME_STATUS, status), message);
     }
     if (strstr(message, words) == NULL || strstr(message, "max_device_bytes") == NULL) {
         fail_msg("\"%s\" names neither \"%s\" nor the limit", message, words);

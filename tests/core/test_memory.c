@@ -424,7 +424,7 @@ static ledger_counts play(const scenario *of, uint64_t fail_at)
     if (status != (counts.failed && !went_on ? SVO_OUT_OF_HOST_MEMORY : SVO_OK) ||
         (status != SVO_OK && strchr(s.message.text, ':') == NULL)) {
         fail_msg("%s, allocation %" PRIu64 "%s: %s, '%s'", of->name, fail_at, counts.failed ? " fails" : "",
-                 svo_status_name(status), s.message.text);
+                 svo_name(SVO_NAME_STATUS, status), s.message.text);
     }
     release_all(&s);
     const uint64_t live = ledger_settle(0);

@@ -74,7 +74,7 @@ typedef struct saved {
 static void succeed(const svo_device *device, svo_status status)
 {
     if (status != SVO_OK) {
-        fail_msg("%s: %s", svo_status_name(status), svo_device_message(device));
+        fail_msg("%s: %s", svo_name(SVO_NAME_STATUS, status), svo_device_message(device));
     }
 }
 

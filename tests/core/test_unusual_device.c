@@ -150,8 +150,8 @@ static svo_device *open_or_fail(const fixture *opened, const svo_device_options 
 static void expect(const svo_device *device, svo_status got, svo_status expected, const char *text)
 {
     if (got != expected || strstr(svo_device_message(device), text) == NULL) {
-        fail_msg("%s \"%s\", expected %s \"%s\"", svo_status_name(got), svo_device_message(device),
-                 svo_status_name(expected), text);
+        fail_msg("%s \"%s\", expected %s \"%s\"", svo_name(SVO_NAME_STATUS, got), svo_device_message(device),
+                 svo_name(SVO_NAME_STATUS, expected), text);
     }
 }
 
@@ -204,8 +204,8 @@ static void paths_of_devices(void **state)
         device_answer = (answer){CL_DEVICE_TYPE, &rows[i].type, sizeof rows[i].type};
         svo_device *device = open_or_fail(&opened, &options);
         if (svo_device_path(device) != rows[i].path) {
-            fail_msg("row %zu: path %s, expected %s", i, svo_path_name(svo_device_path(device)),
-                     svo_path_name(rows[i].path));
+            fail_msg("row %zu: path %s, expected %s", i, svo_name(SVO_NAME_PATH, svo_device_path(device)),
+                     svo_name(SVO_NAME_PATH, rows[i].path));
         }
         svo_device_destroy(&device);
     }
@@ -220,8 +220,8 @@ static void a_path_that_is_none_is_refused(void **state)
     assert_int_equal(open_device(&opened, &options, &device, &message), SVO_INVALID_ARGUMENT);
     assert_string_equal(message.text, "svo_device_create: options.path 3 is not in 0 .. 2");
     assert_null(device);
-    assert_string_equal(svo_path_name(SVO_PATH_AUTO), "auto");
-    assert_string_equal(svo_path_name(options.path), "unknown path");
+    assert_string_equal(svo_name(SVO_NAME_PATH, SVO_PATH_AUTO), "auto");
+    assert_string_equal(svo_name(SVO_NAME_PATH, options.path), "unknown path");
 }
 
 /* On the path of GPUs scans and sorts are as wide as the device has compute units, within bounds. */

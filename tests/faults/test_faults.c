@@ -165,8 +165,8 @@ static bool play(const scenario *played, uint64_t index, XXH64_hash_t expected)
     const faults_call failed = disarm(played);
     alarm(0);
     if (failed.name != NULL && getenv("SVOCL_FAULTS_TRACE") != NULL) {
-        print_message("%s, call %" PRIu64 ", %s: %s %s\n", played->name, index, failed.name, svo_status_name(status),
-                      of.message.text);
+        print_message("%s, call %" PRIu64 ", %s: %s %s\n", played->name, index, failed.name,
+                      svo_name(SVO_NAME_STATUS, status), of.message.text);
     }
     if (in_run) {
         if (status == SVO_OK) {
@@ -176,13 +176,14 @@ static bool play(const scenario *played, uint64_t index, XXH64_hash_t expected)
                 violation(played, index, failed, "SVO_OK with a wrong result, warning \"%s\"", of.warning);
             }
         } else if (!names_caller(of.message.text) || !says(of.message.text, failed)) {
-            violation(played, index, failed, "%s without words on it: \"%s\"", svo_status_name(status),
+            violation(played, index, failed, "%s without words on it: \"%s\"", svo_name(SVO_NAME_STATUS, status),
                       of.message.text);
         }
         status = run_once(played, &of);
         look(played, &of);
         if (status != SVO_OK || of.digest != expected) {
-            violation(played, index, failed, "the next run: %s \"%s\"", svo_status_name(status), of.message.text);
+            violation(played, index, failed, "the next run: %s \"%s\"", svo_name(SVO_NAME_STATUS, status),
+                      of.message.text);
         }
         played->cleanup(&of);
     }
@@ -263,7 +264,7 @@ static void play_all(const scenario *played)
     const svo_status status = run_once(played, &of);
     look(played, &of);
     if (status != SVO_OK) {
-        fail_msg("%s: %s", svo_status_name(status), of.message.text);
+        fail_msg("%s: %s", svo_name(SVO_NAME_STATUS, status), of.message.text);
     }
     const XXH64_hash_t expected = of.digest;
     played->cleanup(&of);

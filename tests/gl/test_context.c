@@ -68,7 +68,7 @@ static void check_kind(svo_gl_context_kind kind)
     assert_true(strlen(info.vendor) > 0);
     assert_true(strlen(info.renderer) > 0);
     assert_true(strlen(info.version) > 0);
-    print_message("%s: %s, OpenGL %s\n", svo_gl_context_kind_name(kind), info.renderer, info.version);
+    print_message("%s: %s, OpenGL %s\n", svo_name(SVO_NAME_GL_CONTEXT_KIND, kind), info.renderer, info.version);
     assert_int_equal(info.is_software != 0,
                      strstr(info.renderer, "llvmpipe") != NULL || strstr(info.renderer, "softpipe") != NULL);
 

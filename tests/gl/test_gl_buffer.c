@@ -105,7 +105,7 @@ static void close_application(application *of)
 static void succeed(const application *of, svo_status status)
 {
     if (status != SVO_OK) {
-        fail_msg("%s: %s", svo_status_name(status), svo_device_message(of->opened.device));
+        fail_msg("%s: %s", svo_name(SVO_NAME_STATUS, status), svo_device_message(of->opened.device));
     }
 }
 

@@ -116,7 +116,7 @@ typedef struct moved_pair {
 static void succeed(const moved_pair *pair, svo_status status)
 {
     if (status != SVO_OK) {
-        fail_msg("%s: %s", svo_status_name(status), svo_device_message(pair->opened.device));
+        fail_msg("%s: %s", svo_name(SVO_NAME_STATUS, status), svo_device_message(pair->opened.device));
     }
 }
 

@@ -183,7 +183,7 @@ static void check_step(const failing_step *step)
                      strstr(step->reason, "does not list cl_khr_gl_sharing") == NULL);
     const svo_gl_share chosen = svo_gl_chosen_share(pair.opened.gl);
     assert_int_not_equal(chosen, SVO_GL_SHARE_INTEROP);
-    assert_same_hash(&pair, &everything, svo_gl_share_name(chosen));
+    assert_same_hash(&pair, &everything, svo_name(SVO_NAME_GL_SHARE, chosen));
     shim_get_counts(&counts);
     assert_true(counts.created <= 2 * step->creations); /* open_pair's and this function's probe */
 
@@ -265,7 +265,7 @@ static void plain_opencl_context_is_told_apart(void **state)
     take_device(&pair.opened, machine_device_or_skip(), 0);
     assert_int_equal(create_gl(&pair.opened, SVO_GL_SHARE_AUTO), SVO_OK);
     assert_non_null(strstr(svo_gl_share_reason(pair.opened.gl, SVO_GL_SHARE_INTEROP), "svo_gl_device_create"));
-    assert_same_hash(&pair, &everything, svo_gl_share_name(svo_gl_chosen_share(pair.opened.gl)));
+    assert_same_hash(&pair, &everything, svo_name(SVO_NAME_GL_SHARE, svo_gl_chosen_share(pair.opened.gl)));
     assert_int_equal(create_gl(&pair.opened, SVO_GL_SHARE_INTEROP), SVO_UNSUPPORTED);
     close_pair(&pair);
 }

@@ -98,7 +98,8 @@ static void expansion_passes_the_selftest_everywhere(void **state)
             char reason[REASON_BYTES] = "not run";
             selftest_reason(device, context, SVO_I_CONSERVATIVE_EXPAND, no_int64 != 0, reason);
             if (reason[0] != '\0') {
-                fail_msg("%s, no_int64 %d: %s", svo_gl_context_kind_name((svo_gl_context_kind)kind), no_int64, reason);
+                fail_msg("%s, no_int64 %d: %s", svo_name(SVO_NAME_GL_CONTEXT_KIND, (svo_gl_context_kind)kind), no_int64,
+                         reason);
             }
         }
         svo_gl_context_destroy(&context);

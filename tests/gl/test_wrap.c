@@ -131,7 +131,7 @@ static void info_says_that_it_is_wrapped(void **state)
     svo_gl_context *context = wrap();
     svo_gl_context_get_info(context, &info);
     assert_int_equal(info.kind, SVO_GL_WRAPPED);
-    assert_string_equal(svo_gl_context_kind_name(info.kind), "wrapped");
+    assert_string_equal(svo_name(SVO_NAME_GL_CONTEXT_KIND, info.kind), "wrapped");
     assert_true(strlen(info.renderer) > 0);
     svo_gl_context_destroy(&context);
     assert_null(context);

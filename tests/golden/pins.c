@@ -234,7 +234,7 @@ void pin_buffer(pins *all, const char *name, cl_mem buffer)
 void pin_succeed(const pins *all, svo_status status)
 {
     if (status != SVO_OK) {
-        fail_msg("%s%s%s: %s", all->prefix, all->prefix[0] != '\0' ? ": " : "", svo_status_name(status),
+        fail_msg("%s%s%s: %s", all->prefix, all->prefix[0] != '\0' ? ": " : "", svo_name(SVO_NAME_STATUS, status),
                  svo_device_message(all->opened.device));
     }
 }

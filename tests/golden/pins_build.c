@@ -44,8 +44,8 @@ static void pin_stages_of_plan(pins *all, const char *kernels, const svo_plan *p
     size_t used = 0;
     for (svo_stage stage = SVO_STAGE_GRID; stage < SVO_STAGE_COUNT; ++stage) {
         if (svo_plan_has_stage(plan, stage)) {
-            used +=
-                (size_t)snprintf(text + used, sizeof text - used, "%s%s", used > 0 ? ", " : "", svo_stage_name(stage));
+            used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", used > 0 ? ", " : "",
+                                     svo_name(SVO_NAME_STAGE, stage));
         }
     }
     (void)snprintf(name, sizeof name, "stages by kernels for %s", kernels);
@@ -101,7 +101,7 @@ void pin_plan(pins *all)
             for (int path = 0; path < 2 && options.place != SVO_PLACE_DEVICE; ++path) {
                 assert_int_equal(svo_plan_create(devices[path], all->scenes[s].mesh, plans[i].depth, &options, &plan),
                                  SVO_OK);
-                pin_stages_of_plan(all, svo_path_name(svo_device_path(devices[path])), plan);
+                pin_stages_of_plan(all, svo_name(SVO_NAME_PATH, svo_device_path(devices[path])), plan);
                 svo_plan_destroy(&plan);
             }
         }

@@ -30,7 +30,7 @@
 static void told(svo_status status, const svo_message *message)
 {
     if (status != SVO_OK) {
-        fail_msg("%s: %s", svo_status_name(status), message->text);
+        fail_msg("%s: %s", svo_name(SVO_NAME_STATUS, status), message->text);
     }
 }
 
@@ -216,11 +216,11 @@ static void pin_compact_file(pins *all, const svo_tree *tree, svo_form form)
     pin_succeed(all, svo_compact_download(compact, all->opened.queue));
     told(svo_compact_save(compact, path, NULL, &message), &message);
     svo_compact_destroy(&compact);
-    (void)snprintf(name, sizeof name, "%s.svo", svo_form_name(form));
+    (void)snprintf(name, sizeof name, "%s.svo", svo_name(SVO_NAME_FORM, form));
     pin_file(all, name, path);
     told(svo_compact_load(path, NULL, &compact, &message), &message);
     told(svo_compact_hash(compact, hash), &(svo_message){"no hash"});
-    (void)snprintf(name, sizeof name, "%s, loaded", svo_form_name(form));
+    (void)snprintf(name, sizeof name, "%s, loaded", svo_name(SVO_NAME_FORM, form));
     pin_text(all, name, "%s", hash);
     svo_compact_destroy(&compact);
 }
@@ -233,7 +233,7 @@ static void pin_voxel_files(pins *all, const svo_voxels *list)
     static const svo_voxel_format formats[] = {SVO_VOXEL_FORMAT_VOX, SVO_VOXEL_FORMAT_BINVOX, SVO_VOXEL_FORMAT_PLY,
                                                SVO_VOXEL_FORMAT_OBJ};
     for (size_t i = 0; i < sizeof formats / sizeof formats[0]; ++i) {
-        const char *suffix = svo_voxel_format_name(formats[i]);
+        const char *suffix = svo_name(SVO_NAME_VOXEL_FORMAT, formats[i]);
         char path[PATH_BYTES], name[64];
         svo_voxels_save_info saved = SVO_VOXELS_SAVE_INFO_INIT;
         svo_voxels *loaded = NULL;

@@ -25,7 +25,7 @@ static void pin_compact_bytes(pins *all, const char *name, const svo_compact_inf
     size_t used = 0;
     for (int i = 0; i < SVO_COMPACT_BUFFER_COUNT; ++i) {
         used += (size_t)snprintf(text + used, sizeof text - used, "%s %" PRIu64 ", ",
-                                 svo_compact_buffer_name((svo_compact_buffer)i), info->bytes[i]);
+                                 svo_name(SVO_NAME_COMPACT_BUFFER, (svo_compact_buffer)i), info->bytes[i]);
     }
     pin_text(all, name,
              "%sstored %" PRIu64 " far %" PRIu64 " shared %" PRIu64 " voxels %" PRIu64 " merged %u bounds %x", text,

@@ -175,16 +175,16 @@ static void pin_light_of(pins *all, const pinned_scene *scene, svo_tree *tree, s
     const char *how = opacity == SVO_OPACITY_AREA ? "by areas" : "full";
     options.form = form;
     options.opacity = opacity;
-    pin_begin(all, "%s %s %s", scene->name, svo_light_form_name(form), how);
+    pin_begin(all, "%s %s %s", scene->name, svo_name(SVO_NAME_LIGHT_FORM, form), how);
     pin_succeed(all, svo_light_create(tree, &options, all->opened.queue, &light));
     pin_light_hash(all, "dark", light);
     shine(all, tree, light, true);
     pin_light_hash(all, "emitting", light);
     if (opacity == SVO_OPACITY_AREA) {
-        pin_begin(all, "PoCL %s %s %s", scene->name, svo_light_form_name(form), how);
+        pin_begin(all, "PoCL %s %s %s", scene->name, svo_name(SVO_NAME_LIGHT_FORM, form), how);
         pin_gathered(all, tree, light);
         pin_pictures(all, tree, light);
-        pin_begin(all, "%s %s %s", scene->name, svo_light_form_name(form), how);
+        pin_begin(all, "%s %s %s", scene->name, svo_name(SVO_NAME_LIGHT_FORM, form), how);
     }
     shine(all, tree, light, false);
     pin_light_hash(all, "lit", light);
@@ -236,9 +236,9 @@ static void pin_probe_rays(pins *all, const svo_tree *tree, svo_probes *probes, 
         states[hits[i].state < 3 ? hits[i].state : 2] += 1;
         hits[i].radiance[0] = hits[i].radiance[1] = hits[i].radiance[2] = 0;
     }
-    (void)snprintf(name, sizeof name, "rays by %s", svo_probe_choice_name(choice));
+    (void)snprintf(name, sizeof name, "rays by %s", svo_name(SVO_NAME_PROBE_CHOICE, choice));
     pin_text(all, name, "%zu miss, %zu hit, %zu unknown", states[0], states[1], states[2]);
-    (void)snprintf(name, sizeof name, "hits by %s", svo_probe_choice_name(choice));
+    (void)snprintf(name, sizeof name, "hits by %s", svo_name(SVO_NAME_PROBE_CHOICE, choice));
     pin_digest(all, name, hits, sizeof hits);
 }
 
@@ -298,7 +298,7 @@ void pin_probes(pins *all)
         pin_text(all, "hash", "%s", hash);
         pin_probe_info(all, probes);
         for (int i = 0; i <= (int)SVO_PROBES_FIELD; ++i) {
-            pin_buffer(all, svo_probes_buffer_name((svo_probes_buffer)i),
+            pin_buffer(all, svo_name(SVO_NAME_PROBES_BUFFER, (svo_probes_buffer)i),
                        svo_probes_get_buffer(probes, (svo_probes_buffer)i));
         }
         pin_begin(all, "PoCL %s", all->scenes[s].name);

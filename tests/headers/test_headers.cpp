@@ -28,16 +28,16 @@ static void expect_text(const char *what, const char *actual, const char *expect
 int main()
 {
     expect_text("svo_version_string", svo_version_string(), SVO_VERSION_STRING);
-    expect_text("svo_status_name", svo_status_name(SVO_CAPACITY_EXCEEDED), "SVO_CAPACITY_EXCEEDED");
-    expect_text("svo_stage_name", svo_stage_name(SVO_STAGE_GRID), "grid");
+    expect_text("svo_name", svo_name(SVO_NAME_STATUS, SVO_CAPACITY_EXCEEDED), "SVO_CAPACITY_EXCEEDED");
+    expect_text("svo_name", svo_name(SVO_NAME_STAGE, SVO_STAGE_GRID), "grid");
 #ifdef HAVE_GL
-    expect_text("svo_gl_context_kind_name", svo_gl_context_kind_name(SVO_GL_OSMESA), "osmesa");
+    expect_text("svo_name", svo_name(SVO_NAME_GL_CONTEXT_KIND, SVO_GL_OSMESA), "osmesa");
 #endif
 #ifdef HAVE_IO
     svo_tree *tree = nullptr;
     svo_message message = {};
     const svo_status status = svo_tree_load_memory("", 0, "nothing", &tree, &message);
-    expect_text("svo_tree_load_memory of no bytes", svo_status_name(status), "SVO_FILE_DAMAGED");
+    expect_text("svo_tree_load_memory of no bytes", svo_name(SVO_NAME_STATUS, status), "SVO_FILE_DAMAGED");
 #endif
     return failures == 0 ? 0 : 1;
 }

@@ -18,7 +18,7 @@ static int import(const char *path, const char *helper)
         return 1;
     }
     const svo_status status = svo_import_file(path, NULL, NULL, NULL, &import, &message);
-    printf("%s %s\n", svo_status_name(status), message.text);
+    printf("%s %s\n", svo_name(SVO_NAME_STATUS, status), message.text);
     svo_import_destroy(&import);
     return status == SVO_OK ? 0 : 1;
 }
@@ -31,6 +31,6 @@ int main(int argc, char **argv)
     svo_tree *tree = NULL;
     svo_message message = {""};
     const svo_status status = svo_tree_load("no such file.svo", &tree, &message);
-    printf("%s\n", svo_status_name(status));
+    printf("%s\n", svo_name(SVO_NAME_STATUS, status));
     return status == SVO_FILE_ERROR ? 0 : 1;
 }

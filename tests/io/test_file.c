@@ -99,7 +99,7 @@ static void assert_damaged(const uint8_t *bytes, size_t byte_count, const char *
     svo_message message = {""};
     const svo_status status = svo_tree_load_memory(bytes, byte_count, "name", &tree, &message);
     if (status != SVO_FILE_DAMAGED || strstr(message.text, text) == NULL || strncmp(message.text, "name: ", 6) != 0) {
-        fail_msg("status %s, message \"%s\", expected SVO_FILE_DAMAGED and \"%s\"", svo_status_name(status),
+        fail_msg("status %s, message \"%s\", expected SVO_FILE_DAMAGED and \"%s\"", svo_name(SVO_NAME_STATUS, status),
                  message.text, text);
     }
     assert_null(tree);
@@ -176,7 +176,7 @@ static file_chunk *find_chunk(uint8_t *bytes, svo_tree_buffer buffer)
             return &head->chunks[i];
         }
     }
-    fail_msg("the file has no %s", svo_tree_buffer_name(buffer));
+    fail_msg("the file has no %s", svo_name(SVO_NAME_TREE_BUFFER, buffer));
     return NULL;
 }
 
@@ -485,7 +485,7 @@ static void test_damaged_chunks_are_named(void **unused)
         char expected[64];
         const uint32_t kind = head->chunks[i].kind;
         (void)snprintf(expected, sizeof expected, "chunk %s of level %u: checksum is ",
-                       svo_tree_buffer_name((svo_tree_buffer)(kind & 0xffff)), kind >> 16);
+                       svo_name(SVO_NAME_TREE_BUFFER, (svo_tree_buffer)(kind & 0xffff)), kind >> 16);
         bytes[head->chunks[i].offset] ^= 1;
         assert_damaged(bytes, byte_count, expected);
         bytes[head->chunks[i].offset] ^= 1;

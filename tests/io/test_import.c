@@ -75,8 +75,8 @@ static void expect_failure(const char *path, const svo_import_options *options, 
     svo_message message = {""};
     const svo_status status = svo_import_file(path, options, NULL, NULL, &import, &message);
     if (status != expected || strstr(message.text, text) == NULL || strstr(message.text, path) != message.text) {
-        fail_msg("%s \"%s\", expected %s and \"%s: ... %s\"", svo_status_name(status), message.text,
-                 svo_status_name(expected), path, text);
+        fail_msg("%s \"%s\", expected %s and \"%s: ... %s\"", svo_name(SVO_NAME_STATUS, status), message.text,
+                 svo_name(SVO_NAME_STATUS, expected), path, text);
     }
     assert_null(import);
 }
@@ -440,8 +440,8 @@ static void test_the_time_limit_grows_with_announced_work(void **unused)
         assert_int_equal(unsetenv(MISBEHAVIOR), 0);
         svo_i_free(import.bytes);
         if (status != cases[i].expected || strstr(message.text, cases[i].text) == NULL) {
-            fail_msg("%s: %s \"%s\", expected %s \"%s\"", cases[i].kind, svo_status_name(status), message.text,
-                     svo_status_name(cases[i].expected), cases[i].text);
+            fail_msg("%s: %s \"%s\", expected %s \"%s\"", cases[i].kind, svo_name(SVO_NAME_STATUS, status),
+                     message.text, svo_name(SVO_NAME_STATUS, cases[i].expected), cases[i].text);
         }
     }
 }

@@ -136,7 +136,7 @@ static void refuse(const char *manifest, byte_list image, const char *words)
     svo_message message = {""};
     const svo_status status = load(manifest, image, &voxel_count, &message);
     if (status != SVO_FILE_DAMAGED || strstr(message.text, words) == NULL) {
-        fail_msg("%s '%s', expected '%s'", svo_status_name(status), message.text, words);
+        fail_msg("%s '%s', expected '%s'", svo_name(SVO_NAME_STATUS, status), message.text, words);
     }
 }
 

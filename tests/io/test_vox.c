@@ -40,7 +40,7 @@ static svo_voxels *load(byte_list file, const svo_voxels_load_options *options, 
     const svo_voxels_load_options kept = keep_axes(options);
     const svo_status status = svo_voxels_load_memory(file.bytes, file.count, NAME, &kept, &voxels, info, &message);
     if (status != SVO_OK) {
-        fail_msg("%s: %s", svo_status_name(status), message.text);
+        fail_msg("%s: %s", svo_name(SVO_NAME_STATUS, status), message.text);
     }
     bytes_free(&file);
     return voxels;
@@ -54,7 +54,8 @@ static void refuse(byte_list file, const svo_voxels_load_options *options, svo_s
     const svo_voxels_load_options kept = keep_axes(options);
     const svo_status status = svo_voxels_load_memory(file.bytes, file.count, NAME, &kept, &voxels, NULL, &message);
     if (status != expected || strstr(message.text, words) == NULL || strncmp(message.text, NAME ": ", 10) != 0) {
-        fail_msg("%s '%s', expected %s '%s'", svo_status_name(status), message.text, svo_status_name(expected), words);
+        fail_msg("%s '%s', expected %s '%s'", svo_name(SVO_NAME_STATUS, status), message.text,
+                 svo_name(SVO_NAME_STATUS, expected), words);
     }
     assert_null(voxels);
     bytes_free(&file);

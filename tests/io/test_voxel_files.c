@@ -45,7 +45,7 @@ static byte_list write_as(const svo_voxels *voxels, svo_voxel_format format, svo
     byte_list file = {0};
     svo_message message = {""};
     if (svo_voxels_write(voxels, format, append, &file, info, &message) != SVO_OK) {
-        fail_msg("%s: %s", svo_voxel_format_name(format), message.text);
+        fail_msg("%s: %s", svo_name(SVO_NAME_VOXEL_FORMAT, format), message.text);
     }
     return file;
 }
@@ -406,7 +406,8 @@ static void test_binvox_damage(void **state)
         const svo_status status =
             load_text(cases[i].header, (const uint8_t *)cases[i].data, strlen(cases[i].data), &voxels, &message);
         if (status != SVO_FILE_DAMAGED || strstr(message.text, cases[i].words) == NULL || voxels != NULL) {
-            fail_msg("case %zu: %s '%s', expected '%s'", i, svo_status_name(status), message.text, cases[i].words);
+            fail_msg("case %zu: %s '%s', expected '%s'", i, svo_name(SVO_NAME_STATUS, status), message.text,
+                     cases[i].words);
         }
     }
 }
@@ -607,7 +608,7 @@ static void read_damaged(const byte_list *file, size_t count, const char *what, 
     const bool place = status != SVO_FILE_DAMAGED || strstr(message.text, "byte") != NULL;
     if ((status != SVO_FILE_DAMAGED && status != SVO_INVALID_ARGUMENT) || voxels != NULL || !place ||
         strncmp(message.text, NAME ": ", strlen(NAME) + 2) != 0 || strchr(message.text, '\n') != NULL) {
-        fail_msg("%s %zu: %s '%s'", what, at, svo_status_name(status), message.text);
+        fail_msg("%s %zu: %s '%s'", what, at, svo_name(SVO_NAME_STATUS, status), message.text);
     }
 }
 
@@ -734,8 +735,8 @@ static void test_arguments(void **state)
     assert_int_equal(svo_voxel_format_of_path("a.b/c.BinVox"), SVO_VOXEL_FORMAT_BINVOX);
     assert_int_equal(svo_voxel_format_of_path("vox"), SVO_VOXEL_FORMAT_AUTO);
     assert_int_equal(svo_voxel_format_of_path(NULL), SVO_VOXEL_FORMAT_AUTO);
-    assert_string_equal(svo_voxel_format_name(SVO_VOXEL_FORMAT_SVX), "svx");
-    assert_string_equal(svo_voxel_format_name((svo_voxel_format)99), "unknown format");
+    assert_string_equal(svo_name(SVO_NAME_VOXEL_FORMAT, SVO_VOXEL_FORMAT_SVX), "svx");
+    assert_string_equal(svo_name(SVO_NAME_VOXEL_FORMAT, (svo_voxel_format)99), "unknown format");
     svo_voxels_destroy(&some);
 }
 

@@ -206,7 +206,7 @@ static double leak_of_boxes(const fixture *opened, svo_light_form form, double d
         svo_light_destroy(&light);
         svo_tree_destroy(&tree);
     }
-    print_message("sealed boxes, %s, half-angle %g degrees: %.4f\n", svo_light_form_name(form), degrees, sum);
+    print_message("sealed boxes, %s, half-angle %g degrees: %.4f\n", svo_name(SVO_NAME_LIGHT_FORM, form), degrees, sum);
     return sum;
 }
 

@@ -278,7 +278,7 @@ static void field_keeps_a_radiance_that_is_everywhere(void **state)
                 /* An extinction is rounded by 2^-13 octaves. */
                 const float found = samples[i].radiance[channel] - samples[i].opacity;
                 if (!(fabsf(found) < 0.004f * samples[i].opacity + 1e-4f)) {
-                    fail_msg("%s, level %u at %g %g %g: %g of opacity %g is not 1", svo_light_form_name(form),
+                    fail_msg("%s, level %u at %g %g %g: %g of opacity %g is not 1", svo_name(SVO_NAME_LIGHT_FORM, form),
                              probes[i].level, probes[i].position[0], probes[i].position[1], probes[i].position[2],
                              samples[i].radiance[channel], samples[i].opacity);
                 }

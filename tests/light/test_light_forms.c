@@ -300,7 +300,7 @@ static void fields_are_those_of_dense_grids(void **state)
         for (size_t i = 0; i < PROBES; ++i) {
             const double expected = expected_extinction(&scene.levels, &probes[i]);
             if (fabs(samples[i].extinction - expected) > 2e-4 + 1e-4 * expected) {
-                fail_msg("%s, level %u at %g %g %g: extinction %g instead of %g", svo_light_form_name(form),
+                fail_msg("%s, level %u at %g %g %g: extinction %g instead of %g", svo_name(SVO_NAME_LIGHT_FORM, form),
                          probes[i].level, probes[i].position[0], probes[i].position[1], probes[i].position[2],
                          samples[i].extinction, expected);
             }

@@ -249,8 +249,8 @@ static void a_room_that_emits_is_even(void **state)
                 options.cones = sets[k % 5];
                 options.step = steps[k / 5];
                 cone_scene_gather(&opened, scene, light, &options);
-                print_message("depth %u, %s, %u cones, step %g: ", depth, svo_light_form_name((svo_light_form)form),
-                              options.cones, (double)options.step);
+                print_message("depth %u, %s, %u cones, step %g: ", depth,
+                              svo_name(SVO_NAME_LIGHT_FORM, (svo_light_form)form), options.cones, (double)options.step);
                 check_furnace(scene, "worst error");
             }
             svo_light_destroy(&light);

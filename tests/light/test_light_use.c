@@ -302,12 +302,12 @@ static void wrong_arguments_are_refused(void **state)
 static void names_are_those_of_the_header(void **state)
 {
     (void)state;
-    assert_string_equal(svo_light_form_name(SVO_LIGHT_FACES), "faces");
-    assert_string_equal(svo_light_form_name(SVO_LIGHT_FORM_COUNT), "unknown form");
-    assert_string_equal(svo_light_buffer_name(SVO_LIGHT_RADIANCE), "radiance");
-    assert_string_equal(svo_light_buffer_name(SVO_LIGHT_BUFFER_COUNT), "unknown buffer");
-    assert_string_equal(svo_light_stage_name(SVO_LIGHT_STAGE_FILTER), "radiance filter");
-    assert_string_equal(svo_light_stage_name(SVO_LIGHT_STAGE_COUNT), "unknown stage");
+    assert_string_equal(svo_name(SVO_NAME_LIGHT_FORM, SVO_LIGHT_FACES), "faces");
+    assert_string_equal(svo_name(SVO_NAME_LIGHT_FORM, SVO_LIGHT_FORM_COUNT), "unknown form");
+    assert_string_equal(svo_name(SVO_NAME_LIGHT_BUFFER, SVO_LIGHT_RADIANCE), "radiance");
+    assert_string_equal(svo_name(SVO_NAME_LIGHT_BUFFER, SVO_LIGHT_BUFFER_COUNT), "unknown buffer");
+    assert_string_equal(svo_name(SVO_NAME_LIGHT_STAGE, SVO_LIGHT_STAGE_FILTER), "radiance filter");
+    assert_string_equal(svo_name(SVO_NAME_LIGHT_STAGE, SVO_LIGHT_STAGE_COUNT), "unknown stage");
 }
 
 /* For the same program with another number of threads. */

@@ -90,7 +90,7 @@ static void a_wall_is_as_opaque_at_every_shift(void **state)
                 const crossed sums = cross(&opened, light, axis, level);
                 /* Interpolation moves opacity, but keeps its sum: that of a voxel. Rounding takes 1/131070 a sample. */
                 if (form != SVO_LIGHT_FACES && fabs(sums.opacity - 1) > 1e-3) {
-                    fail_msg("%s, level %u, shift %zu: %g voxels", svo_light_form_name(form), level, shift,
+                    fail_msg("%s, level %u, shift %zu: %g voxels", svo_name(SVO_NAME_LIGHT_FORM, form), level, shift,
                              sums.opacity);
                 }
                 widen(&extinctions[form][level], sums.extinction);

@@ -143,8 +143,8 @@ static void t15_permuted_triangles_and_share_paths_give_the_same_tree(void **sta
     static const svo_gl_share shares[] = {SVO_GL_SHARE_AUTO, SVO_GL_SHARE_COPY};
     for (unsigned i = 0; i < COVERAGES * 2u; ++i) {
         const uint64_t seed = 60 + i;
-        print_message("seed %llu, %s, share path %s\n", (unsigned long long)seed, svo_coverage_name(coverages[i / 2]),
-                      svo_gl_share_name(shares[i % 2]));
+        print_message("seed %llu, %s, share path %s\n", (unsigned long long)seed,
+                      svo_name(SVO_NAME_COVERAGE, coverages[i / 2]), svo_name(SVO_NAME_GL_SHARE, shares[i % 2]));
         const svo_plan_options options = {.need = NEED_ALL, .coverage = coverages[i / 2]};
         fixture other;
         owned_mesh made;

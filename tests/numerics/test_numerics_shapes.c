@@ -75,7 +75,7 @@ static void assert_leaves(const fixture *opened, const svo_mesh *mesh, unsigned 
     built actual;
     fixture_build(opened, mesh, depth, &options, &actual);
     if (actual.info.leaf_count != expected) {
-        fail_msg("%s at depth %u: %llu voxels, not %llu", svo_coverage_name(coverage), depth,
+        fail_msg("%s at depth %u: %llu voxels, not %llu", svo_name(SVO_NAME_COVERAGE, coverage), depth,
                  (unsigned long long)actual.info.leaf_count, (unsigned long long)expected);
     }
     built_destroy(&actual);

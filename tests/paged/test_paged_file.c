@@ -102,7 +102,7 @@ static void test_flipped_bits(void **state)
         write_bytes("flipped.svo", file.bytes, file.count);
         const svo_status status = open_file(&shown, "flipped.svo", &paged);
         if (refuses && status != SVO_FILE_DAMAGED) {
-            fail_msg("byte %zu: %s", at, svo_status_name(status));
+            fail_msg("byte %zu: %s", at, svo_name(SVO_NAME_STATUS, status));
         }
         if (!refuses) {
             assert_int_equal(status, SVO_OK);

@@ -61,7 +61,7 @@ static void path_of(const char *name, char path[PATH_BYTES])
 static void check(const job *j, svo_status status, const svo_message *message)
 {
     if (status != SVO_OK) {
-        fail_msg("%s: %s", svo_status_name(status),
+        fail_msg("%s: %s", svo_name(SVO_NAME_STATUS, status),
                  message != NULL ? message->text : svo_device_message(j->opened.device));
     }
 }

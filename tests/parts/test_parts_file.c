@@ -219,7 +219,7 @@ static void name_of(const char *name, char path[PATH_BYTES])
 static void check(svo_status status, const char *text)
 {
     if (status != SVO_OK) {
-        fail_msg("%s: %s", svo_status_name(status), text);
+        fail_msg("%s: %s", svo_name(SVO_NAME_STATUS, status), text);
     }
 }
 
@@ -381,8 +381,8 @@ static void expect(const fixture *opened, const char *name, svo_status expected,
     svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
     const svo_status status = create(opened, name, &options, &message);
     if (status != expected || strstr(message.text, words) == NULL) {
-        fail_msg("%s: %s, \"%s\"; expected %s with \"%s\"", name, svo_status_name(status), message.text,
-                 svo_status_name(expected), words);
+        fail_msg("%s: %s, \"%s\"; expected %s with \"%s\"", name, svo_name(SVO_NAME_STATUS, status), message.text,
+                 svo_name(SVO_NAME_STATUS, expected), words);
     }
 }
 
@@ -434,7 +434,8 @@ static void test_truncated_files(void **state)
             write_bytes(names[i], files[i].at, count);
             const svo_status status = create(&opened, names[i], NULL, &message);
             if ((status != SVO_IMPORT_FAILED && status != SVO_UNSUPPORTED) || strstr(message.text, names[i]) == NULL) {
-                fail_msg("%s of %zu bytes: %s, \"%s\"", names[i], count, svo_status_name(status), message.text);
+                fail_msg("%s of %zu bytes: %s, \"%s\"", names[i], count, svo_name(SVO_NAME_STATUS, status),
+                         message.text);
             }
         }
         free(files[i].at);

@@ -70,7 +70,7 @@ static void check_share(void **state, svo_gl_share share)
 {
     svo_build_report report;
     assert_same_with(state, &(fixture_options){.share = share}, &report);
-    assert_string_equal(report.share, svo_gl_share_name(share));
+    assert_string_equal(report.share, svo_name(SVO_NAME_GL_SHARE, share));
 }
 
 static void host_share_gives_the_same_tree(void **state)

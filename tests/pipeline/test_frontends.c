@@ -24,7 +24,7 @@ static void assert_one_hash(const fixture *by_gl, const fixture *by_cl, const ch
     built actual;
     fixture_build(by_gl, scene_mesh(made), depth, &options, &expected);
     fixture_build(by_cl, scene_mesh(made), depth, &options, &actual);
-    print_message("%s at depth %u, %s: %s %s, %s %s\n", spec, depth, svo_coverage_name(coverage),
+    print_message("%s at depth %u, %s: %s %s, %s %s\n", spec, depth, svo_name(SVO_NAME_COVERAGE, coverage),
                   expected.report.frontend, expected.hash, actual.report.frontend, actual.hash);
     assert_string_not_equal(actual.report.frontend, expected.report.frontend);
     assert_string_equal(actual.hash, expected.hash);
@@ -107,7 +107,7 @@ static void svo_frontend_destroy_keeps_the_opengl_front_end(void **state)
     svo_frontend_destroy(&frontend);
     assert_null(frontend);
     assert_string_equal(svo_frontend_name(svo_gl_frontend(opened->gl)),
-                        svo_gl_raster_name(svo_gl_chosen_raster(opened->gl)));
+                        svo_name(SVO_NAME_GL_RASTER, svo_gl_chosen_raster(opened->gl)));
 }
 
 TEST_GROUP(frontends)

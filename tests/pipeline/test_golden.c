@@ -35,9 +35,9 @@ static bool check_count(const fixture *opened, const svo_mesh *mesh, const char 
     fixture_build(opened, mesh, count->depth, &options, &actual);
     if (actual.info.leaf_count != count->voxels || actual.info.fragments != count->pairs) {
         fail_msg("%s, %s at depth %u: %llu voxels and %llu pairs, not %llu and %llu", name,
-                 svo_coverage_name(options.coverage), count->depth, (unsigned long long)actual.info.leaf_count,
-                 (unsigned long long)actual.info.fragments, (unsigned long long)count->voxels,
-                 (unsigned long long)count->pairs);
+                 svo_name(SVO_NAME_COVERAGE, options.coverage), count->depth,
+                 (unsigned long long)actual.info.leaf_count, (unsigned long long)actual.info.fragments,
+                 (unsigned long long)count->voxels, (unsigned long long)count->pairs);
     }
     built_destroy(&actual);
     return true;

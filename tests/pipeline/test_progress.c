@@ -49,7 +49,7 @@ static void assert_whole(const watcher *seen)
 static void succeed(const fixture *opened, svo_status status)
 {
     if (status != SVO_OK) {
-        fail_msg("%s: %s", svo_status_name(status), svo_device_message(opened->device));
+        fail_msg("%s: %s", svo_name(SVO_NAME_STATUS, status), svo_device_message(opened->device));
     }
 }
 
@@ -57,7 +57,7 @@ static void assert_canceled(const fixture *opened, svo_status status, const char
 {
     const char *message = svo_device_message(opened->device);
     if (status != SVO_CANCELED) {
-        fail_msg("%s instead of SVO_CANCELED: %s", svo_status_name(status), message);
+        fail_msg("%s instead of SVO_CANCELED: %s", svo_name(SVO_NAME_STATUS, status), message);
     }
     assert_memory_equal(message, function, strlen(function));
     assert_non_null(strstr(message, ": the progress callback stopped the call in stage "));

@@ -529,7 +529,7 @@ static void expect_refusal(const fixture *opened, svo_status status, const char 
     const char *message = svo_device_message(opened->device);
     if (status != SVO_INVALID_ARGUMENT || strncmp(message, function, strlen(function)) != 0 ||
         strstr(message, words) == NULL) {
-        fail_msg("%s: %s, '%s' instead of '%s'", function, svo_status_name(status), message, words);
+        fail_msg("%s: %s, '%s' instead of '%s'", function, svo_name(SVO_NAME_STATUS, status), message, words);
     }
 }
 

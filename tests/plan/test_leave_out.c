@@ -83,7 +83,8 @@ static void assert_stages_are_planned(const svo_mesh *mesh, uint32_t need)
     for (svo_stage stage = SVO_STAGE_GRID; stage < SVO_STAGE_COUNT; ++stage) {
         const int ran = made.result.report.stage_times[stage].clock != NULL;
         if ((svo_plan_has_stage(plan, stage) != 0) != ran) {
-            fail_msg("need %u: stage %s %s", need, svo_stage_name(stage), ran ? "ran unplanned" : "did not run");
+            fail_msg("need %u: stage %s %s", need, svo_name(SVO_NAME_STAGE, stage),
+                     ran ? "ran unplanned" : "did not run");
         }
     }
     svo_plan_destroy(&plan);
@@ -301,7 +302,7 @@ static void assert_stored_once(const sheet_mesh *less_sheet, const sheet_mesh *f
     char what[32];
     build_sheet(less_sheet, (uint32_t)bit, &less);
     build_sheet(full_sheet, (uint32_t)bit, &full);
-    snprintf(what, sizeof what, "%s per node", svo_need_name(bit));
+    snprintf(what, sizeof what, "%s per node", svo_name(SVO_NAME_NEED, bit));
     assert_int_equal(less.result.info.constant, bit);
     assert_int_equal(less.result.plan.constant, bit);
     assert_int_equal(full.result.info.constant, 0);

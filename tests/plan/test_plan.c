@@ -254,8 +254,8 @@ static void assert_tree_has_what_is_needed(const built *actual, uint32_t need)
             clGetMemObjectInfo(buffer, CL_MEM_SIZE, sizeof held_bytes, &held_bytes, NULL);
         }
         if (held_bytes != bytes[i] || (arrays[i] != NULL) != (bytes[i] > 0)) {
-            fail_msg("need %u: %s has %zu bytes, not %llu", need, svo_tree_buffer_name((svo_tree_buffer)i), held_bytes,
-                     (unsigned long long)bytes[i]);
+            fail_msg("need %u: %s has %zu bytes, not %llu", need, svo_name(SVO_NAME_TREE_BUFFER, (svo_tree_buffer)i),
+                     held_bytes, (unsigned long long)bytes[i]);
         }
     }
 }

@@ -391,7 +391,8 @@ static void neighbors_visit_about_as_many_columns(void **state)
             for (svo_i_class c = SVO_I_CLASS_NARROW; c < SVO_I_CLASS_COUNT; ++c) {
                 add_class(planned.plan, c, &busy);
             }
-            print_message("%s, %s: %.3f\n", scenes[i], svo_place_name(place), (double)busy.own / (double)busy.busiest);
+            print_message("%s, %s: %.3f\n", scenes[i], svo_name(SVO_NAME_PLACE, place),
+                          (double)busy.own / (double)busy.busiest);
             assert_true(busy.own > 0);
             assert_in_range(busy.own * 10, busy.busiest * 9, busy.busiest * 10);
             svo_plan_destroy(&planned.plan);

@@ -224,7 +224,7 @@ static void a_closed_room_has_no_way_out(void **state)
             }
         }
         print_message("%s: %u of %u rays hit, at most %.3f leaf edges off\n",
-                      svo_probe_choice_name((svo_probe_choice)choice), known, RAY_COUNT, worst);
+                      svo_name(SVO_NAME_PROBE_CHOICE, (svo_probe_choice)choice), known, RAY_COUNT, worst);
         assert_true(known >= RAY_COUNT * 999 / 1000);
         assert_true(worst < 1.5);
     }
@@ -441,8 +441,8 @@ static void hits_are_near_those_of_exact_rays(void **state)
             unknown[choice] += hits[i].state == SVO_PROBE_UNKNOWN ? 1 : 0;
             wrong += hits[i].state == SVO_PROBE_MISS || (hits[i].state == SVO_PROBE_HIT && error > 2) ? 1 : 0;
         }
-        print_message("%s: of %u rays %u unknown, %u wrong\n", svo_probe_choice_name((svo_probe_choice)choice),
-                      RAY_COUNT, unknown[choice], wrong);
+        print_message("%s: of %u rays %u unknown, %u wrong\n",
+                      svo_name(SVO_NAME_PROBE_CHOICE, (svo_probe_choice)choice), RAY_COUNT, unknown[choice], wrong);
         assert_true(wrong <= RAY_COUNT / 50);
     }
     assert_true(unknown[SVO_PROBE_CHOICE_FIELD] * 3 <= unknown[SVO_PROBE_CHOICE_EIGHT]);
@@ -541,7 +541,7 @@ static void wrong_arguments_are_refused(void **state)
     expect_refusal(&opened, svo_probes_irradiance(of.probes, &point, &light, 1, NULL),
                    "svo_probes_irradiance: the probes were made without diffuse maps");
     expect_refusal(&opened, svo_probes_set_args(of.probes, NULL, 0), "svo_probes_set_args: kernel is NULL");
-    assert_string_equal(svo_probe_choice_name((svo_probe_choice)2), "unknown choice");
+    assert_string_equal(svo_name(SVO_NAME_PROBE_CHOICE, (svo_probe_choice)2), "unknown choice");
     close_scene(&of);
 }
 

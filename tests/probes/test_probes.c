@@ -1049,12 +1049,12 @@ static void wrong_handles_are_refused(void **state)
 static void names_are_those_of_the_header(void **state)
 {
     (void)state;
-    assert_string_equal(svo_probes_buffer_name(SVO_PROBES_PLACES), "places");
-    assert_string_equal(svo_probes_buffer_name(SVO_PROBES_MOMENTS), "moments");
-    assert_string_equal(svo_probes_buffer_name(SVO_PROBES_BUFFER_COUNT), "unknown buffer");
-    assert_string_equal(svo_probes_stage_name(SVO_PROBES_STAGE_PLACE), "placing");
-    assert_string_equal(svo_probes_stage_name(SVO_PROBES_STAGE_FILTER), "prefilter");
-    assert_string_equal(svo_probes_stage_name(SVO_PROBES_STAGE_COUNT), "unknown stage");
+    assert_string_equal(svo_name(SVO_NAME_PROBES_BUFFER, SVO_PROBES_PLACES), "places");
+    assert_string_equal(svo_name(SVO_NAME_PROBES_BUFFER, SVO_PROBES_MOMENTS), "moments");
+    assert_string_equal(svo_name(SVO_NAME_PROBES_BUFFER, SVO_PROBES_BUFFER_COUNT), "unknown buffer");
+    assert_string_equal(svo_name(SVO_NAME_PROBES_STAGE, SVO_PROBES_STAGE_PLACE), "placing");
+    assert_string_equal(svo_name(SVO_NAME_PROBES_STAGE, SVO_PROBES_STAGE_FILTER), "prefilter");
+    assert_string_equal(svo_name(SVO_NAME_PROBES_STAGE, SVO_PROBES_STAGE_COUNT), "unknown stage");
 }
 
 /* For the same program with another number of threads. */

@@ -210,7 +210,7 @@ static void assert_untouched(const char *what, const uint8_t *bytes, size_t coun
 static void succeed(const drawn *of, const char *function, svo_status status)
 {
     if (status != SVO_OK) {
-        fail_msg("%s: %s: %s", function, svo_status_name(status), svo_device_message(of->opened.device));
+        fail_msg("%s: %s: %s", function, svo_name(SVO_NAME_STATUS, status), svo_device_message(of->opened.device));
     }
 }
 

@@ -287,8 +287,8 @@ int scene_group_close(void **state)
 void expect_words(svo_status status, svo_status expected, const char *words)
 {
     if (status != expected || strstr(svo_device_message(opened.device), words) == NULL) {
-        fail_msg("%s with '%s', not %s with '%s'", svo_status_name(status), svo_device_message(opened.device),
-                 svo_status_name(expected), words);
+        fail_msg("%s with '%s', not %s with '%s'", svo_name(SVO_NAME_STATUS, status), svo_device_message(opened.device),
+                 svo_name(SVO_NAME_STATUS, expected), words);
     }
 }
 

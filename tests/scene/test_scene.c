@@ -396,7 +396,7 @@ static void compact_trees_are_placed_as_built_ones(void **state)
             for (size_t i = 0; i < RAYS; ++i) {
                 hits[i].node = expected[i].node;
             }
-            assert_same_hits(svo_form_name((svo_form)form), 90, hits, expected, sizeof hits[0]);
+            assert_same_hits(svo_name(SVO_NAME_FORM, (svo_form)form), 90, hits, expected, sizeof hits[0]);
         }
         svo_scene_destroy(&scene);
         scene = place_compacts(compacts, &identity, 1);

@@ -24,7 +24,7 @@
 static void succeed(const fixture *opened, svo_status status)
 {
     if (status != SVO_OK) {
-        fail_msg("%s: %s", svo_status_name(status), svo_device_message(opened->device));
+        fail_msg("%s: %s", svo_name(SVO_NAME_STATUS, status), svo_device_message(opened->device));
     }
 }
 
@@ -302,9 +302,9 @@ static void wrong_arguments_are_refused(void **state)
     assert_non_null(strstr(svo_device_message(opened.device), "2147483648 inner nodes are above 2147483647"));
     assert_null(solid);
     tree.tree->info.inner_count = inner_count;
-    assert_string_equal(svo_solid_rule_name(SVO_SOLID_WINDING), "winding");
-    assert_string_equal(svo_solid_rule_name(SVO_SOLID_PARITY), "parity");
-    assert_string_equal(svo_solid_rule_name((svo_solid_rule)7), "unknown rule");
+    assert_string_equal(svo_name(SVO_NAME_SOLID_RULE, SVO_SOLID_WINDING), "winding");
+    assert_string_equal(svo_name(SVO_NAME_SOLID_RULE, SVO_SOLID_PARITY), "parity");
+    assert_string_equal(svo_name(SVO_NAME_SOLID_RULE, (svo_solid_rule)7), "unknown rule");
     built_destroy(&tree);
 }
 

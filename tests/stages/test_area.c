@@ -426,7 +426,7 @@ static void check_methods(const fixture *opened, const svo_mesh *mesh, uint32_t 
         assert_true(methods[i].chunk_bytes == 0 || tree.report.list_chunks > 1);
         assert_int_equal(tree.info.leaf_count, first->info.leaf_count);
         if (memcmp(tree.arrays.areas, first->arrays.areas, tree.info.leaf_count * 12) != 0) {
-            fail_msg("need %u, weights %s, method %zu: other areas", need, svo_weights_name(weights), i);
+            fail_msg("need %u, weights %s, method %zu: other areas", need, svo_name(SVO_NAME_WEIGHTS, weights), i);
         }
         built_destroy(&tree);
     }

@@ -120,7 +120,7 @@ static void build(const request *asked, const method *by, built *out)
         status = svo_tree_hash(out->tree, SVO_HASH_ALL, out->hash);
     }
     if (status != SVO_OK) {
-        fail_msg("%s: %s", svo_status_name(status), svo_device_message(bench.device));
+        fail_msg("%s: %s", svo_name(SVO_NAME_STATUS, status), svo_device_message(bench.device));
     }
     out->weight_log2 = plan->weight_log2;
     svo_frontend_destroy(&cl);

@@ -161,8 +161,8 @@ static void colors_agree_with_doubles(void **state)
         made.mesh.texture_count = 0;
         for (int weights = SVO_WEIGHTS_AREA; weights <= SVO_WEIGHTS_CENTER; ++weights) {
             const double error = largest_color_error(opened, &made.mesh, 6, (svo_weights)weights);
-            print_message("colors and materials, %s, seed %llu: %.3f units\n", svo_weights_name((svo_weights)weights),
-                          (unsigned long long)seed, error);
+            print_message("colors and materials, %s, seed %llu: %.3f units\n",
+                          svo_name(SVO_NAME_WEIGHTS, (svo_weights)weights), (unsigned long long)seed, error);
             assert_true(error <= 1.5);
         }
         attributed_mesh_destroy(&made);

@@ -27,8 +27,8 @@ svo_path fixture_path(void)
     if (name == NULL) {
         return SVO_PATH_AUTO;
     }
-    const bool for_gpu = strcmp(name, svo_path_name(SVO_PATH_GPU)) == 0;
-    if (!for_gpu && strcmp(name, svo_path_name(SVO_PATH_CPU)) != 0) {
+    const bool for_gpu = strcmp(name, svo_name(SVO_NAME_PATH, SVO_PATH_GPU)) == 0;
+    if (!for_gpu && strcmp(name, svo_name(SVO_NAME_PATH, SVO_PATH_CPU)) != 0) {
         fail_msg("SVOCL_TEST_PATH is '%s', neither cpu nor gpu", name);
     }
     return for_gpu ? SVO_PATH_GPU : SVO_PATH_CPU;
@@ -164,7 +164,7 @@ void fixture_build_by(const fixture *opened, const svo_mesh *mesh, unsigned dept
         status = svo_tree_hash(out->tree, SVO_HASH_NODES, out->nodes_hash);
     }
     if (status != SVO_OK) {
-        fail_msg("%s: %s", svo_status_name(status), svo_device_message(opened->device));
+        fail_msg("%s: %s", svo_name(SVO_NAME_STATUS, status), svo_device_message(opened->device));
     }
     out->plan = (svo_plan_info)SVO_PLAN_INFO_INIT;
     svo_plan_get_info(plan, &out->plan);

@@ -60,7 +60,7 @@ void expect_refused(const char *name, const svo_import_options *options, const c
     svo_message message = {""};
     const svo_status status = svo_import_file(path_of(name), options, NULL, NULL, &import, &message);
     if (status != SVO_IMPORT_FAILED || strstr(message.text, text) == NULL) {
-        fail_msg("%s: %s \"%s\", expected \"%s\"", name, svo_status_name(status), message.text, text);
+        fail_msg("%s: %s \"%s\", expected \"%s\"", name, svo_name(SVO_NAME_STATUS, status), message.text, text);
     }
     assert_null(import);
 }

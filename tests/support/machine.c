@@ -42,7 +42,7 @@ svo_gl_context *machine_context_or_null(svo_gl_context_kind kind)
         return NULL;
     }
     if (status != SVO_OK) {
-        fail_msg("%s: %s", svo_gl_context_kind_name(kind), message.text);
+        fail_msg("%s: %s", svo_name(SVO_NAME_GL_CONTEXT_KIND, kind), message.text);
     }
     return context;
 }

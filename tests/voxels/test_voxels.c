@@ -25,7 +25,7 @@ enum { COUNT = 3000 };
 static void succeed(const fixture *opened, svo_status status)
 {
     if (status != SVO_OK) {
-        fail_msg("%s: %s", svo_status_name(status), svo_device_message(opened->device));
+        fail_msg("%s: %s", svo_name(SVO_NAME_STATUS, status), svo_device_message(opened->device));
     }
 }
 
@@ -135,7 +135,7 @@ static void expect_refused(const svo_voxels_source *source, const char *words)
     const svo_status status = svo_voxels_create(source, &made, &message);
     if (status != SVO_INVALID_ARGUMENT || strstr(message.text, words) == NULL ||
         strncmp(message.text, "svo_voxels_create: ", 19) != 0) {
-        fail_msg("%s '%s', expected '%s'", svo_status_name(status), message.text, words);
+        fail_msg("%s '%s', expected '%s'", svo_name(SVO_NAME_STATUS, status), message.text, words);
     }
     assert_null(made);
 }

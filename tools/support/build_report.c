@@ -33,7 +33,7 @@ static svo_message stages_of(const svo_plan *plan)
         const size_t used = strlen(names.text);
         if (svo_plan_has_stage(plan, stage)) {
             (void)snprintf(names.text + used, sizeof names.text - used, "%s%s", used > 0 ? ", " : "",
-                           svo_stage_name(stage));
+                           svo_name(SVO_NAME_STAGE, stage));
         }
     }
     return names;
@@ -47,7 +47,7 @@ static void print_request(const svo_plan *plan, const char *name)
     table *rows = table_create("ll");
     table_cell(rows, "grid");
     table_cell(rows, "depth %u, %lu voxels per axis, %s", info.depth, 1UL << info.depth,
-               svo_coverage_name((svo_coverage)info.coverage));
+               svo_name(SVO_NAME_COVERAGE, (svo_coverage)info.coverage));
     table_cell(rows, "triangles");
     table_cell(rows, "%s, of which %s refused", figure_count(info.triangles).text,
                figure_count(info.refused_triangles).text);
@@ -92,7 +92,7 @@ static void print_planned_buffers(const svo_plan *plan)
         svo_plan_get_buffer(plan, i, &buffer);
         table_cell(rows, "%s", buffer.name);
         table_cell(rows, "%s", figure_bytes(buffer.bytes).text);
-        table_cell(rows, "%s", svo_certainty_name(buffer.certainty));
+        table_cell(rows, "%s", svo_name(SVO_NAME_CERTAINTY, buffer.certainty));
         table_cell(rows, "%s", buffer.persistent != 0 ? "tree" : "scratch");
     }
     table_cell(rows, "peak");
@@ -160,7 +160,7 @@ static void add_planned_buffers(cJSON *document, const svo_plan *plan)
         svo_plan_get_buffer(plan, i, &buffer);
         json_add_text(entry, "name", buffer.name);
         json_add_count(entry, "bytes", buffer.bytes);
-        json_add_text(entry, "certainty", svo_certainty_name(buffer.certainty));
+        json_add_text(entry, "certainty", svo_name(SVO_NAME_CERTAINTY, buffer.certainty));
         cJSON_AddBoolToObject(entry, "persistent", buffer.persistent != 0);
         cJSON_AddItemToArray(array, entry);
     }
@@ -183,7 +183,7 @@ static void add_planned_stages(cJSON *document, const svo_plan *plan)
     cJSON *array = cJSON_AddArrayToObject(document, "stages");
     for (svo_stage stage = SVO_STAGE_GRID; stage < SVO_STAGE_COUNT; ++stage) {
         if (svo_plan_has_stage(plan, stage)) {
-            cJSON_AddItemToArray(array, cJSON_CreateString(svo_stage_name(stage)));
+            cJSON_AddItemToArray(array, cJSON_CreateString(svo_name(SVO_NAME_STAGE, stage)));
         }
     }
 }
@@ -193,7 +193,7 @@ void plan_add_json(cJSON *document, const svo_plan *plan, bool with_opengl)
     svo_plan_info info = SVO_PLAN_INFO_INIT;
     svo_plan_get_info(plan, &info);
     json_add_count(document, "depth", info.depth);
-    json_add_text(document, "coverage", svo_coverage_name((svo_coverage)info.coverage));
+    json_add_text(document, "coverage", svo_name(SVO_NAME_COVERAGE, (svo_coverage)info.coverage));
     json_add_count(document, "triangles", info.triangles);
     json_add_count(document, "refused_triangles", info.refused_triangles);
     cJSON_AddNumberToObject(document, "expected_fragments", info.expected_fragments);
@@ -267,7 +267,7 @@ void solid_print(const program *state, const solid_result *made)
         return;
     }
     table_gap();
-    table_heading("solid by %s, %s, and %s of compiling", svo_solid_rule_name(solid_rule(state)),
+    table_heading("solid by %s, %s, and %s of compiling", svo_name(SVO_NAME_SOLID_RULE, solid_rule(state)),
                   figure_ms(made->ms).text, figure_ms(made->compile_ms).text);
     table *rows = table_create("lrr");
     table_cell(rows, "%s", "");
@@ -294,7 +294,7 @@ cJSON *solid_add_json(cJSON *document, const program *state, const solid_result 
         return NULL;
     }
     cJSON *object = cJSON_AddObjectToObject(document, "solid");
-    json_add_text(object, "rule", svo_solid_rule_name(solid_rule(state)));
+    json_add_text(object, "rule", svo_name(SVO_NAME_SOLID_RULE, solid_rule(state)));
     json_add_count(object, "surface_voxels", info->surface_voxels);
     json_add_count(object, "inside_voxels", info->inside_voxels);
     json_add_count(object, "inside_leaves", info->inside_leaves);
@@ -330,7 +330,7 @@ static void list_stages(const job *done, stage_row rows[STAGE_ROWS])
                                                      SVO_STAGE_TRANSFER, SVO_STAGE_COMPILE};
     rows[0] = (stage_row){"import", {done->source.import_ms, "wall"}};
     for (size_t i = 0; i < SVO_STAGE_COUNT; ++i) {
-        rows[i + 1] = (stage_row){svo_stage_name(order[i]), done->result.report.stage_times[order[i]]};
+        rows[i + 1] = (stage_row){svo_name(SVO_NAME_STAGE, order[i]), done->result.report.stage_times[order[i]]};
     }
 }
 
@@ -366,7 +366,7 @@ static void print_what_ran(const job *done)
     }
     table_cell(rows, "grid");
     table_cell(rows, "depth %u, %lu voxels per axis, %s, snap error %.3g", result->info.depth, width,
-               svo_coverage_name((svo_coverage)result->info.coverage), result->info.snap_error);
+               svo_name(SVO_NAME_COVERAGE, (svo_coverage)result->info.coverage), result->info.snap_error);
     table_cell(rows, "opencl");
     table_cell(rows, "%s", svo_device_name(done->opened.device));
     table_cell(rows, "opengl");

@@ -98,7 +98,7 @@ static svo_status make_plan(const program *state, svo_device *device, const inpu
 /* An svo_progress_callback whose user is the program's bar. */
 static int show_progress(void *user, svo_stage stage, double fraction)
 {
-    progress_part(user, svo_stage_name(stage), fraction);
+    progress_part(user, svo_name(SVO_NAME_STAGE, stage), fraction);
     return progress_stops(user) ? 1 : 0;
 }
 
@@ -298,8 +298,8 @@ void job_add_what_ran(cJSON *document, const job *done)
     json_add_text(document, "frontend_reason", done->opened.reason.text);
     json_add_text(document, "share", done->result.report.share);
     json_add_text(document, "builder", done->result.report.builder);
-    json_add_text(document, "coverage", svo_coverage_name((svo_coverage)done->result.info.coverage));
-    json_add_text(document, "weights", svo_weights_name((svo_weights)done->result.info.weights));
+    json_add_text(document, "coverage", svo_name(SVO_NAME_COVERAGE, (svo_coverage)done->result.info.coverage));
+    json_add_text(document, "weights", svo_name(SVO_NAME_WEIGHTS, (svo_weights)done->result.info.weights));
     json_add_text(document, "context", session_context(&done->opened));
     json_add_text(document, "device", svo_device_name(done->opened.device));
     json_add_text(document, "renderer", session_renderer(&done->opened));

@@ -48,7 +48,7 @@ void json_add_needs(cJSON *object, const char *name, uint32_t bits)
     cJSON *array = cJSON_AddArrayToObject(object, name);
     for (uint32_t bit = 1; bit <= (uint32_t)SVO_NEED_ALL; bit <<= 1) {
         if ((bits & bit) != 0) {
-            cJSON_AddItemToArray(array, cJSON_CreateString(svo_need_name((svo_need)bit)));
+            cJSON_AddItemToArray(array, cJSON_CreateString(svo_name(SVO_NAME_NEED, (svo_need)bit)));
         }
     }
 }

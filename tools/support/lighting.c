@@ -503,7 +503,7 @@ void lighting_report_scene_json(cJSON *document, const lighting *work, const job
 void lighting_report_json(cJSON *document, const lighting *work)
 {
     cJSON *stages = cJSON_CreateObject();
-    json_add_text(document, "form", svo_light_form_name(work->info.form));
+    json_add_text(document, "form", svo_name(SVO_NAME_LIGHT_FORM, work->info.form));
     json_add_text(document, "opacity", work->info.opacity == SVO_OPACITY_AREA ? "area" : "full");
     json_add_count(document, "light_bytes", work->info.total_bytes);
     json_add_count(document, "photons", work->info.photons);
@@ -515,7 +515,7 @@ void lighting_report_json(cJSON *document, const lighting *work)
     cJSON_AddNumberToObject(document, "lost_flux", work->info.lost_flux);
     cJSON_AddNumberToObject(document, "light_ms", work->light_ms);
     for (int i = 0; i < (int)SVO_LIGHT_STAGE_COUNT; ++i) {
-        cJSON_AddNumberToObject(stages, svo_light_stage_name((svo_light_stage)i), work->info.stage_ms[i]);
+        cJSON_AddNumberToObject(stages, svo_name(SVO_NAME_LIGHT_STAGE, (svo_light_stage)i), work->info.stage_ms[i]);
     }
     cJSON_AddItemToObject(document, "light_stages", stages);
 }

@@ -41,8 +41,8 @@ static bool open_context(const options *given, const svo_device *device, opengl 
     if (create_context(given, device, &out->context, &message) != SVO_OK) {
         const bool forced = given->context != OPTION_CONTEXT_AUTO;
         snprintf(reason->text, sizeof reason->text, "%s%s%s%.900s", forced ? "--context " : "",
-                 forced ? svo_gl_context_kind_name((svo_gl_context_kind)given->context) : "", forced ? ": " : "",
-                 program_words(message.text));
+                 forced ? svo_name(SVO_NAME_GL_CONTEXT_KIND, (svo_gl_context_kind)given->context) : "",
+                 forced ? ": " : "", program_words(message.text));
         return false;
     }
     out->info = (svo_gl_context_info)SVO_GL_CONTEXT_INFO_INIT;
@@ -150,7 +150,7 @@ void opengl_close(opengl **opened)
 
 const char *opengl_context_name(const opengl *opened)
 {
-    return svo_gl_context_kind_name(opened->info.kind);
+    return svo_name(SVO_NAME_GL_CONTEXT_KIND, opened->info.kind);
 }
 
 const char *opengl_renderer(const opengl *opened)

@@ -29,7 +29,7 @@ static void gather_renderer(cJSON *renderers, svo_gl_context_kind kind, uint32_t
         snprintf(message.text, sizeof message.text, "not probed: more than %d renderers", RENDERERS_MAX);
     }
     cJSON *object = cJSON_CreateObject();
-    json_add_text(object, "context", svo_gl_context_kind_name(kind));
+    json_add_text(object, "context", svo_name(SVO_NAME_GL_CONTEXT_KIND, kind));
     json_add_count(object, "device_index", device_index);
     cJSON_AddBoolToObject(object, "works", context != NULL);
     json_add_text(object, "reason", program_words(message.text));
@@ -61,7 +61,7 @@ static cJSON *gather_pair(svo_device *alone, svo_gl_context *renderer)
     cJSON *pair = cJSON_CreateObject();
     json_add_text(pair, "device", svo_device_name(device));
     json_add_text(pair, "renderer", info.renderer);
-    json_add_text(pair, "context", svo_gl_context_kind_name(info.kind));
+    json_add_text(pair, "context", svo_name(SVO_NAME_GL_CONTEXT_KIND, info.kind));
     json_add_count(pair, "device_index", info.device_index);
     cJSON *frontends = cJSON_AddArrayToObject(pair, "frontends");
     cJSON *shares = cJSON_AddArrayToObject(pair, "shares");
@@ -72,11 +72,11 @@ static cJSON *gather_pair(svo_device *alone, svo_gl_context *renderer)
         failure = program_words(svo_device_message(device));
     }
     for (svo_gl_raster raster = SVO_GL_RASTER_EXPAND; raster <= SVO_GL_RASTER_HW; ++raster) {
-        devices_add_method(frontends, svo_gl_raster_name(raster),
+        devices_add_method(frontends, svo_name(SVO_NAME_GL_RASTER, raster),
                            failure != NULL ? failure : svo_gl_raster_reason(gl, raster));
     }
     for (svo_gl_share share = SVO_GL_SHARE_INTEROP; share <= SVO_GL_SHARE_COPY; ++share) {
-        devices_add_method(shares, svo_gl_share_name(share),
+        devices_add_method(shares, svo_name(SVO_NAME_GL_SHARE, share),
                            failure != NULL ? failure : svo_gl_share_reason(gl, share));
     }
     cJSON *builders = cJSON_AddArrayToObject(pair, "builders");

@@ -56,7 +56,7 @@ int parts_check_builder(program *state)
                ? PROGRAM_DONE
                : program_fail(state, PROGRAM_WRONG_USAGE, "--builder %s makes no parts of trees",
                               builder == OPTION_BUILDER_GL_COMPUTE ? "gl-compute"
-                                                                   : svo_builder_name((svo_builder)builder));
+                                                                   : svo_name(SVO_NAME_BUILDER, (svo_builder)builder));
 }
 
 /* Bytes of a mesh's arrays. */

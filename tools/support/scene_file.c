@@ -515,7 +515,7 @@ void scene_file_close(scene_file *file)
 
 const char *scene_file_form_name(const scene_file *file)
 {
-    return file->form == SCENE_FILE_BUILT ? "built" : svo_form_name((svo_form)file->form);
+    return file->form == SCENE_FILE_BUILT ? "built" : svo_name(SVO_NAME_FORM, (svo_form)file->form);
 }
 
 int scene_file_fail_library(const scene_file *file, const char *message)

@@ -275,7 +275,7 @@ figure figure_needs(uint32_t bits)
         const size_t used = strlen(result.text);
         if ((bits & bit) != 0) {
             snprintf(result.text + used, sizeof result.text - used, "%s%s", used > 0 ? ", " : "",
-                     svo_need_name((svo_need)bit));
+                     svo_name(SVO_NAME_NEED, (svo_need)bit));
         }
     }
     if (result.text[0] == '\0') {

@@ -114,7 +114,7 @@ void voxel_input_add_json(cJSON *document, const voxel_input *opened)
     voxel_count counts[VOXEL_COUNTS];
     cJSON *object = cJSON_AddObjectToObject(document, "voxels");
     list_counts(opened, counts);
-    json_add_text(object, "format", svo_voxel_format_name((svo_voxel_format)opened->file.format));
+    json_add_text(object, "format", svo_name(SVO_NAME_VOXEL_FORMAT, (svo_voxel_format)opened->file.format));
     json_add_count(object, "version", opened->file.version);
     for (int i = 0; i < VOXEL_COUNTS; ++i) {
         json_add_count(object, counts[i].name, counts[i].count);

@@ -179,7 +179,7 @@ static void add_counts(cJSON *object, const conversion *done)
         json_add_count(object, "nodes", done->tree.node_count);
         return;
     }
-    json_add_text(object, "format", svo_voxel_format_name((svo_voxel_format)written->format));
+    json_add_text(object, "format", svo_name(SVO_NAME_VOXEL_FORMAT, (svo_voxel_format)written->format));
     json_add_count(object, "bytes", written->bytes);
     json_add_count(object, "models", written->models);
     json_add_count(object, "colors", written->colors);

@@ -74,7 +74,7 @@ static void open_device(program *state, cJSON *object, cl_device_id device, open
     cJSON_AddBoolToObject(object, "works", handle != NULL);
     json_add_text(object, "reason", program_words(message.text));
     if (handle != NULL) {
-        json_add_text(object, "path", svo_path_name(svo_device_path(handle)));
+        json_add_text(object, "path", svo_name(SVO_NAME_PATH, svo_device_path(handle)));
         add_frontends(object, handle);
         opened->devices[opened->device_count] = handle;
         opened->contexts[opened->device_count++] = context;

@@ -93,7 +93,7 @@ static int print_light_hash(program *state, const job *done)
     if (status != SVO_OK) {
         return program_fail_library(state, svo_device_message(done->opened.device));
     }
-    return print_hash_of(state, text, "light", svo_light_form_name(form));
+    return print_hash_of(state, text, "light", svo_name(SVO_NAME_LIGHT_FORM, form));
 }
 
 /* ---- probes ---- */

@@ -34,11 +34,11 @@ static cJSON *to_json(const program *state, const file_facts *facts)
     cJSON_AddBoolToObject(document, "checksum_ok", 1);
     json_add_count(document, "depth", info->depth);
     json_add_count(document, "snap_bits", info->snap_bits);
-    json_add_text(document, "coverage", svo_coverage_name((svo_coverage)info->coverage));
+    json_add_text(document, "coverage", svo_name(SVO_NAME_COVERAGE, (svo_coverage)info->coverage));
     json_add_needs(document, "need", info->need);
     json_add_needs(document, "constant", info->constant);
     json_add_text(document, "rays_meet", mesh_of_rays(info));
-    json_add_text(document, "weights", svo_weights_name((svo_weights)info->weights));
+    json_add_text(document, "weights", svo_name(SVO_NAME_WEIGHTS, (svo_weights)info->weights));
     json_add_vector(document, "origin", info->origin);
     cJSON_AddNumberToObject(document, "edge", info->edge);
     cJSON_AddNumberToObject(document, "scale", info->scale);
@@ -68,7 +68,7 @@ static void print_header(const program *state, const file_facts *facts)
     table_cell(rows, "%s, checksums good", figure_bytes(facts->file_bytes).text);
     table_cell(rows, "grid");
     table_cell(rows, "depth %u, %lu voxels per axis, %s", info->depth, 1UL << info->depth,
-               svo_coverage_name((svo_coverage)info->coverage));
+               svo_name(SVO_NAME_COVERAGE, (svo_coverage)info->coverage));
     table_cell(rows, "origin");
     table_cell(rows, "%.9g, %.9g, %.9g", info->origin[0], info->origin[1], info->origin[2]);
     table_cell(rows, "edge");
@@ -90,7 +90,7 @@ static void print_header(const program *state, const file_facts *facts)
     }
     if ((info->need & ~(uint32_t)SVO_NEED_RAYS) != 0) {
         table_cell(rows, "weights");
-        table_cell(rows, "%s", svo_weights_name((svo_weights)info->weights));
+        table_cell(rows, "%s", svo_name(SVO_NAME_WEIGHTS, (svo_weights)info->weights));
     }
     table_cell(rows, "triangles");
     table_cell(rows, "%s, %s refused", figure_count(info->triangles).text, figure_count(info->refused_triangles).text);

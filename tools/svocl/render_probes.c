@@ -88,7 +88,7 @@ static int report_json(const probe_render *work)
     json_add_count(document, "resolution", work->info.resolution);
     json_add_count(document, "moved", work->info.moved);
     json_add_count(document, "off", work->info.off);
-    json_add_text(document, "choice", svo_probe_choice_name((svo_probe_choice)given->probe_choice));
+    json_add_text(document, "choice", svo_name(SVO_NAME_PROBE_CHOICE, (svo_probe_choice)given->probe_choice));
     json_add_count(document, "probe_bytes", work->info.total_bytes);
     json_add_count(document, "hits", work->found.rays[SVO_PROBE_HIT]);
     json_add_count(document, "misses", work->found.rays[SVO_PROBE_MISS]);

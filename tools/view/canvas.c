@@ -19,7 +19,7 @@ static void describe(const pixel_buffer *which, view_state *state)
     static const char *const ways[] = {"", "shared by both", "OpenCL draws into OpenGL's memory", "copied"};
     const svo_gl_share share = which->info.share;
     const char *reason = svo_gl_buffer_share_reason(which->buffer, SVO_GL_SHARE_INTEROP);
-    state->share = svo_gl_share_name(share);
+    state->share = svo_name(SVO_NAME_GL_SHARE, share);
     view_set_text(&state->share_reason, "%s%s%s", ways[share], reason[0] != '\0' ? "; " : "", reason);
     view_log(state, "pictures: %s, %s%s%s", state->share, ways[share], reason[0] != '\0' ? "; " : "", reason);
 }

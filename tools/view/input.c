@@ -90,7 +90,7 @@ static void change_up(view_state *state)
 static void change_form(view_state *state)
 {
     view_choose_form(state, (svo_light_form)(((int)state->shown.form + 1) % ((int)SVO_LIGHT_VOXELS + 1)));
-    view_log(state, "light is stored as %s", svo_light_form_name(state->shown.form));
+    view_log(state, "light is stored as %s", svo_name(SVO_NAME_LIGHT_FORM, state->shown.form));
 }
 
 static void edit_instances(view_state *state, bool is_added)
@@ -108,7 +108,7 @@ static void change_choice(view_state *state)
 {
     const bool was_field = state->shown.choice == SVO_PROBE_CHOICE_FIELD;
     view_choose_probe_choice(state, was_field ? SVO_PROBE_CHOICE_EIGHT : SVO_PROBE_CHOICE_FIELD);
-    view_log(state, "rays choose probes by: %s", svo_probe_choice_name(state->shown.choice));
+    view_log(state, "rays choose probes by: %s", svo_name(SVO_NAME_PROBE_CHOICE, state->shown.choice));
 }
 
 /* Keys of probes; false: it is none of them. */

@@ -396,7 +396,8 @@ static void describe_line(ui *toolkit, const view_state *state, ui_place place)
     }
     if (state->shown.through) {
         (void)snprintf(through, sizeof through, " through probes (%s), %.2f %% unknown",
-                       svo_probe_choice_name(state->shown.choice), (double)state->probes.found[SVO_PROBE_UNKNOWN]);
+                       svo_name(SVO_NAME_PROBE_CHOICE, state->shown.choice),
+                       (double)state->probes.found[SVO_PROBE_UNKNOWN]);
     }
     if (view_shows_film(state)) {
         (void)snprintf(moving, sizeof moving, "   frame %llu of %llu", (unsigned long long)state->film.frame,

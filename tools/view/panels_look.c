@@ -40,7 +40,7 @@ static void choose_form(ui *toolkit, view_state *state)
     const char *names[3];
     int chosen = 0;
     for (int i = 0; i < 3; ++i) {
-        names[i] = svo_light_form_name(forms[i]);
+        names[i] = svo_name(SVO_NAME_LIGHT_FORM, forms[i]);
         chosen = forms[i] == state->shown.form ? i : chosen;
     }
     if (ui_choice(toolkit, "Light in", names, 3, &chosen)) {

@@ -360,8 +360,8 @@ void panels_lights(ui *toolkit, view_state *state)
 
 static void choose_choice(ui *toolkit, view_state *state)
 {
-    const char *const names[] = {svo_probe_choice_name(SVO_PROBE_CHOICE_FIELD),
-                                 svo_probe_choice_name(SVO_PROBE_CHOICE_EIGHT)};
+    const char *const names[] = {svo_name(SVO_NAME_PROBE_CHOICE, SVO_PROBE_CHOICE_FIELD),
+                                 svo_name(SVO_NAME_PROBE_CHOICE, SVO_PROBE_CHOICE_EIGHT)};
     int chosen = (int)state->shown.choice;
     if (ui_choice(toolkit, "Choice", names, 2, &chosen)) {
         view_choose_probe_choice(state, (svo_probe_choice)chosen);

@@ -301,7 +301,7 @@ typedef struct view_state {
     const char *input; /* INPUT, for titles */
     const char *device; /* name of the OpenCL device */
     const char *renderer; /* name of OpenGL's */
-    const char *share; /* how pictures get from the one to the other, as svo_gl_share_name has it; NULL: none did */
+    const char *share; /* how pictures get from the one to the other, as svo_name has it; NULL: none did */
     char *share_reason; /* what that is, and why not shared; NULL: nothing to say */
     unsigned width, height; /* of the window, pixels */
     float scale; /* pixels for each pixel of a plain display: of panels and of what a hand does */

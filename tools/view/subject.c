@@ -462,7 +462,7 @@ static uint64_t planned_bytes(const svo_plan *plan, const char *name)
 static void list_arrays(const svo_tree *tree, const char *prefix, const svo_plan *plan, view_state *state)
 {
     for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
-        const char *name = svo_tree_buffer_name((svo_tree_buffer)i);
+        const char *name = svo_name(SVO_NAME_TREE_BUFFER, (svo_tree_buffer)i);
         const uint64_t bytes = bytes_of(svo_tree_get_buffer(tree, (svo_tree_buffer)i));
         add_memory(state, prefix, name, bytes > 0 ? planned_bytes(plan, name) : 0, bytes);
     }
@@ -497,7 +497,8 @@ static void list_light(const subject *which, view_state *state)
         return;
     }
     for (int i = 0; i < SVO_LIGHT_BUFFER_COUNT; ++i) {
-        add_memory(state, "light ", svo_light_buffer_name((svo_light_buffer)i), planned.bytes[i], held.bytes[i]);
+        add_memory(state, "light ", svo_name(SVO_NAME_LIGHT_BUFFER, (svo_light_buffer)i), planned.bytes[i],
+                   held.bytes[i]);
     }
 }
 
@@ -534,7 +535,8 @@ static void list_probes(const subject *which, view_state *state)
     const svo_probe_info *planned = &which->probes.plan;
     const svo_probe_info *made = &state->probes.made;
     for (int i = 0; i < SVO_PROBES_BUFFER_COUNT && made->probe_count > 0; ++i) {
-        add_memory(state, "probes ", svo_probes_buffer_name((svo_probes_buffer)i), planned->bytes[i], made->bytes[i]);
+        add_memory(state, "probes ", svo_name(SVO_NAME_PROBES_BUFFER, (svo_probes_buffer)i), planned->bytes[i],
+                   made->bytes[i]);
     }
 }
 

@@ -58,7 +58,7 @@ def svocl_python_log(_user: Any, level: int, message: Any) -> None:
 
 @_callback(after_exception=1)
 def svocl_python_progress(user: Any, stage: int, fraction: float) -> int:
-    stop = ffi.from_handle(user)(text(lib.svo_stage_name(stage)), fraction)
+    stop = ffi.from_handle(user)(text(lib.svo_name(lib.SVO_NAME_STAGE, stage)), fraction)
     if stop is not None and not isinstance(stop, (bool, np.bool_)):
         raise TypeError(f"progress: the callable returned {type(stop).__name__}, expected None or bool")
     return int(stop is not None and bool(stop))

@@ -10,7 +10,7 @@ from ._native import ffi, lib
 def error(status: int, message: str = "") -> Error:
     """The exception of a status that is not Status.OK; without a message, with the meaning of the status."""
     known = Status(status)
-    return ERRORS[known](message or text(lib.svo_status_text(status)), known)
+    return ERRORS[known](message or text(lib.svo_name(lib.SVO_NAME_STATUS_TEXT, status)), known)
 
 
 def text(chars: Any) -> str:

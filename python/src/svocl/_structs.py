@@ -48,19 +48,19 @@ def read_compact_info(struct: Any) -> CompactInfo:
 
 
 def read_light_info(struct: Any) -> LightInfo:
-    stages = {text(lib.svo_light_stage_name(i)): float(ms) for i, ms in enumerate(struct.stage_ms)}
+    stages = {text(lib.svo_name(lib.SVO_NAME_LIGHT_STAGE, i)): float(ms) for i, ms in enumerate(struct.stage_ms)}
     return read(struct, LightInfo)._replace(stage_ms=stages)
 
 
 def read_probe_info(struct: Any) -> ProbeInfo:
-    stages = {text(lib.svo_probes_stage_name(i)): float(ms) for i, ms in enumerate(struct.stage_ms)}
+    stages = {text(lib.svo_name(lib.SVO_NAME_PROBES_STAGE, i)): float(ms) for i, ms in enumerate(struct.stage_ms)}
     return read(struct, ProbeInfo)._replace(stage_ms=stages)
 
 
 def read_file_info(struct: Any, kind: type[_T]) -> _T:
     """VoxelFileInfo or VoxelsSaveInfo, with the format's name in place of its number."""
     info: Any = read(struct, kind)
-    return info._replace(format=text(lib.svo_voxel_format_name(info.format)))  # type: ignore[no-any-return]
+    return info._replace(format=text(lib.svo_name(lib.SVO_NAME_VOXEL_FORMAT, info.format)))  # type: ignore[no-any-return]
 
 
 def read_report(struct: Any) -> BuildReport:
@@ -69,7 +69,7 @@ def read_report(struct: Any) -> BuildReport:
     for index in range(lib.svo_build_report_stage(struct, 0, ffi.NULL)):
         lib.svo_build_report_stage(struct, index, time)
         if time.clock != ffi.NULL:
-            stages[text(lib.svo_stage_name(index))] = StageTime(time.ms, text(time.clock))
+            stages[text(lib.svo_name(lib.SVO_NAME_STAGE, index))] = StageTime(time.ms, text(time.clock))
     names = BuildReport._fields[:-1]
     values: dict[str, Optional[Any]] = {name: getattr(struct, name) for name in names}
     words = {name: text(value) for name, value in values.items() if isinstance(value, ffi.CData)}

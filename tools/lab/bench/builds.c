@@ -278,7 +278,7 @@ static void add_filter(result_table *table, const input *source, unsigned depth,
     result_add_number(table, depth);
     result_add_number(table, (double)method->info.node_count);
     result_add_text(table, "%s", method->name);
-    result_add_text(table, "%s", svo_weights_name(method->plan.weights));
+    result_add_text(table, "%s", svo_name(SVO_NAME_WEIGHTS, method->plan.weights));
     result_add_text(table, "%s", series_clock(method, SVO_STAGE_FILTER));
     spread_add(table, series_ms(method, SERIES_BIT(SVO_STAGE_FILTER)));
     spread_add(table, series_ms(method, SERIES_TREE));

@@ -62,7 +62,7 @@ void child_add_device(child_arguments *arguments, const options *given, bool in_
         add_option(arguments, "--device", given->device_name);
     }
     if (given->path != SVO_PATH_AUTO) {
-        add_option(arguments, "--path", svo_path_name((svo_path)given->path));
+        add_option(arguments, "--path", svo_name(SVO_NAME_PATH, (svo_path)given->path));
     }
     if (in_gl && given->gl_device != NULL) {
         add_option(arguments, "--gl-device", given->gl_device);

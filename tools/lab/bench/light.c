@@ -255,7 +255,7 @@ static void add_stage(const light_bench *bench, const published_stage *given)
     const double published = fewer ? NAN : published_at(given->ms, bench->depth);
     result_add_text(table, "%s", suite_scene_name(bench->source));
     result_add_number(table, bench->depth);
-    result_add_text(table, "%s", svo_light_form_name(bench->lit.form));
+    result_add_text(table, "%s", svo_name(SVO_NAME_LIGHT_FORM, bench->lit.form));
     result_add_text(table, "%s", given->name);
     result_add_number(table, shoots(given->stage) ? (double)bench->lit.photons : NAN);
     spread_add(table, ms);
@@ -285,7 +285,7 @@ static void add_bytes(const light_bench *bench, double dense_ms)
     result_add_text(table, "%s", suite_scene_name(bench->source));
     result_add_number(table, bench->depth);
     result_add_number(table, (double)bench->info.node_count);
-    result_add_text(table, "%s", svo_light_form_name(bench->lit.form));
+    result_add_text(table, "%s", svo_name(SVO_NAME_LIGHT_FORM, bench->lit.form));
     result_add_number(table, (double)bench->counted.lit_leaves);
     result_add_number(table, (double)bench->counted.lit_nodes);
     result_add_number(table, (double)bench->counted.node_map_items);
@@ -413,7 +413,7 @@ static int add_frame(const light_bench *bench, const frame_points *frame)
     }
     result_add_text(table, "%s", suite_scene_name(bench->source));
     result_add_number(table, bench->depth);
-    result_add_text(table, "%s", svo_light_form_name(bench->lit.form));
+    result_add_text(table, "%s", svo_name(SVO_NAME_LIGHT_FORM, bench->lit.form));
     result_add_number(table, (double)frame->pixels);
     result_add_number(table, (double)frame->count);
     result_add_number(table, frame->first_hit_ms);

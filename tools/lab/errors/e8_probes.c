@@ -234,7 +234,7 @@ static void add_method(result_table *table, const probe_grid *grid, size_t choic
 {
     static const char *const powers[] = {[2] = "2³", [4] = "4³", [8] = "8³"};
     result_add_text(table, "%s%s, %s", grid->field == USUAL_FIELD ? "" : "other ",
-                    svo_probe_choice_name((svo_probe_choice)choice), powers[grid->count]);
+                    svo_name(SVO_NAME_PROBE_CHOICE, (svo_probe_choice)choice), powers[grid->count]);
 }
 
 static double per_ray_ns(const probe_run *work, double ms)

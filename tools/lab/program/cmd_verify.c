@@ -133,7 +133,7 @@ static void form_check_print(const form_checks *checks)
     table_cell(rows, "%s", "");
     for (size_t i = 0; i < checks->count; ++i) {
         const form_check *check = &checks->forms[i];
-        table_cell(rows, "%s", svo_form_name(check->info.form));
+        table_cell(rows, "%s", svo_name(SVO_NAME_FORM, check->info.form));
         table_cell(rows, "%s", figure_count(check->info.total_bytes).text);
         table_cell(rows, "%s", check->hash);
         table_cell(rows, "%s",
@@ -150,7 +150,7 @@ static void form_check_add_json(cJSON *document, const form_checks *checks)
     for (size_t i = 0; i < checks->count; ++i) {
         const form_check *check = &checks->forms[i];
         cJSON *one = cJSON_CreateObject();
-        json_add_text(one, "form", svo_form_name(check->info.form));
+        json_add_text(one, "form", svo_name(SVO_NAME_FORM, check->info.form));
         json_add_count(one, "bytes", check->info.total_bytes);
         json_add_text(one, "hash", check->hash);
         cJSON_AddBoolToObject(one, "same_nodes", check->same_nodes);

@@ -93,7 +93,7 @@ void describe_compact(const char *name, const opened *session, const svo_tree *t
                                                .normal_tolerance = merges[i].other,
                                                .fill_tolerance = merges[i].other};
             char title[64];
-            (void)snprintf(title, sizeof title, "%s%s", svo_form_name((svo_form)form), merges[i].name);
+            (void)snprintf(title, sizeof title, "%s%s", svo_name(SVO_NAME_FORM, (svo_form)form), merges[i].name);
             describe_one(name, session, tree, &asked, title, rays, ray_count);
         }
     }

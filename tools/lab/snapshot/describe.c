@@ -67,7 +67,7 @@ void describe_plan(const char *name, const svo_plan *plan)
     line_text buffers = {.used = 0};
     line_text stages = {.used = 0};
     for (svo_stage stage = SVO_STAGE_GRID; stage < SVO_STAGE_COUNT; ++stage) {
-        line_text_add(&stages, "%s", svo_plan_has_stage(plan, stage) ? svo_stage_name(stage) : "");
+        line_text_add(&stages, "%s", svo_plan_has_stage(plan, stage) ? svo_name(SVO_NAME_STAGE, stage) : "");
         line_text_add(&stages, " ");
     }
     list_buffers(plan, &buffers);

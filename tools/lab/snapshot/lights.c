@@ -70,14 +70,14 @@ static void describe_light(const char *name, const opened *session, svo_tree *tr
     if (status == SVO_OK) {
         status = svo_light_hash(light, session->queue, hash);
     }
-    (void)snprintf(part, sizeof part, "light %s %s", svo_light_form_name(form),
+    (void)snprintf(part, sizeof part, "light %s %s", svo_name(SVO_NAME_LIGHT_FORM, form),
                    opacity == SVO_OPACITY_FULL ? "full" : "area");
     if (status == SVO_OK) {
         svo_light_get_info(light, &info);
         line_text_add(&line, "%s %" PRIu64 " bytes, %" PRIu64 " of scratch", hash, info.total_bytes,
                       info.scratch_bytes);
         line_print(name, part, line.text);
-        (void)snprintf(part, sizeof part, "lit %s %s", svo_light_form_name(form),
+        (void)snprintf(part, sizeof part, "lit %s %s", svo_name(SVO_NAME_LIGHT_FORM, form),
                        opacity == SVO_OPACITY_FULL ? "full" : "area");
         describe_shining(name, part, session, tree, light);
         if (form == SVO_LIGHT_FACES && opacity == SVO_OPACITY_AREA) {

@@ -137,7 +137,7 @@ static void print_tree(const char *name, const char *part, const opened *session
 static void print_file(const char *name, const opened *session, const svo_voxels *list, svo_voxel_format format,
                        const char *folder)
 {
-    const char *suffix = svo_voxel_format_name(format);
+    const char *suffix = svo_name(SVO_NAME_VOXEL_FORMAT, format);
     char path[PATH_BYTES], part[LINE_NAME_BYTES];
     svo_voxels_save_info saved = SVO_VOXELS_SAVE_INFO_INIT;
     line_text line = {.used = 0};

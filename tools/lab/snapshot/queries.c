@@ -211,7 +211,7 @@ static void fill(const char *name, const opened *session, const svo_tree *tree, 
     if (status == SVO_OK) {
         status = svo_compact_hash(solid, hash);
     }
-    (void)snprintf(part, sizeof part, "solid %s", svo_solid_rule_name(rule));
+    (void)snprintf(part, sizeof part, "solid %s", svo_name(SVO_NAME_SOLID_RULE, rule));
     if (status == SVO_OK) {
         line_text_add(&line, "%s %" PRIu64 " inside in %" PRIu64 ", %" PRIu64 " ambiguous", hash, info.inside_voxels,
                       info.inside_leaves, info.ambiguous_voxels);

@@ -17,7 +17,7 @@ static const svo_plan_options own_grid = {.edge = TRIANGLE_SET_UNITS};
 
 static void scenes(stress *run, svo_coverage coverage)
 {
-    stress_case one = stress_begin("T1 scenes, %s", svo_coverage_name(coverage));
+    stress_case one = stress_begin("T1 scenes, %s", svo_name(SVO_NAME_COVERAGE, coverage));
     const svo_plan_options plan_options = {.coverage = coverage};
     for (size_t i = 0; scene_describe(i) != NULL; ++i) {
         char spec[64];

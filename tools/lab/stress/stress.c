@@ -129,7 +129,7 @@ void stress_compare(const svo_mesh *mesh, const svo_plan_options *given, const s
     one->figure += (double)found.expected_pairs;
     if (!tree_check_is_exact(&found)) {
         stress_fail(one, "depth %u, %s: not the exact tree", built->info.depth,
-                    svo_coverage_name((svo_coverage)built->info.coverage));
+                    svo_name(SVO_NAME_COVERAGE, (svo_coverage)built->info.coverage));
     }
     if (snap.grid_values != 0 || snap.triangles != 0) {
         stress_fail(one, "depth %u: snapped differently than the reference", built->info.depth);
