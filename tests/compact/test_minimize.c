@@ -462,6 +462,27 @@ static void tolerances_out_of_range_are_refused(void **state)
     free(list.voxels);
 }
 
+/* The root becomes no leaf, and has the fill of a node, not of the voxels in it. */
+static void the_root_keeps_its_fill(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_compact_options options = {
+        .struct_size = sizeof options, .form = SVO_FORM_IMPLIED, .minimize = 1, .fill_tolerance = 65535};
+    const voxel_list list = full_grid(1, NULL, NULL);
+    svo_compact_arrays arrays = SVO_COMPACT_ARRAYS_INIT;
+    svo_compact *compact = NULL;
+    built tree;
+    build_list(&opened, &list, ALL_PAYLOAD, 0, &tree);
+    succeed(&opened, svo_compact_create(opened.device, tree.tree, &options, opened.queue, &compact));
+    succeed(&opened, svo_compact_download(compact, opened.queue));
+    succeed(&opened, svo_compact_get_arrays(compact, &arrays));
+    assert_int_not_equal(tree.arrays.fills[0], tree.arrays.fills[1]);
+    assert_int_equal(arrays.fills[0], tree.arrays.fills[0]);
+    svo_compact_destroy(&compact);
+    built_destroy(&tree);
+    free(list.voxels);
+}
+
 /* The counts of all levels come to the host at once. */
 static void waits_do_not_grow_with_the_depth(void **state)
 {
@@ -495,6 +516,7 @@ TEST_GROUP(minimize)
         cmocka_unit_test(nodes_without_payload_do_not_merge),
         cmocka_unit_test(materials_never_mix),
         cmocka_unit_test(tolerances_out_of_range_are_refused),
+        cmocka_unit_test(the_root_keeps_its_fill),
         cmocka_unit_test(waits_do_not_grow_with_the_depth),
     };
     return cmocka_run_group_tests_name("minimize", tests, fixture_group_setup, fixture_group_teardown);

@@ -192,7 +192,8 @@ void pin_mean(pins *all, const char *name, const float *first, size_t count, siz
     double sum = 0;
     size_t odd = 0;
     for (size_t i = 0; i < count; ++i) {
-        const float number = *(const float *)((const char *)first + i * stride_bytes);
+        float number;
+        memcpy(&number, (const char *)first + i * stride_bytes, sizeof number);
         odd += isfinite(number) ? 0 : 1;
         sum += isfinite(number) ? (double)number : 0;
     }

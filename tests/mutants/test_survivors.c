@@ -17,7 +17,6 @@
 #include "io/file_format.h"
 #include "light/light_fixture.h"
 #include "support/suite.h"
-#include "svocl/compact.h"
 #include "svocl/voxels.h"
 
 /* ---- scratch ---- */
@@ -39,36 +38,6 @@ static void peak_scratch_bytes_are_those_at_one_time(void **state)
     assert_int_equal(work.live_bytes, 1200);
     assert_int_equal(work.peak_bytes, 1300);
     svo_i_work_end(&work);
-}
-
-/* ---- compact trees ---- */
-
-/* A block of 4 x 4 x 4 voxels of one color: the eight nodes below the root become leaves, and the root stays. */
-static void the_root_does_not_merge(void **state)
-{
-    const fixture opened = fixture_cl_of_group(state);
-    const svo_compact_options options = {.struct_size = sizeof options, .minimize = 1};
-    svo_voxel voxels[64];
-    svo_voxels_source source = SVO_VOXELS_SOURCE_INIT;
-    svo_voxels *list = NULL;
-    svo_tree *tree = NULL;
-    svo_compact *compact = NULL;
-    svo_compact_info info = SVO_COMPACT_INFO_INIT;
-    for (int k = 0; k < 64; ++k) {
-        voxels[k] = (svo_voxel){.x = k % 4, .y = k / 4 % 4, .z = k / 16, .rgba = {10, 20, 30, 255}};
-    }
-    source.voxels = voxels;
-    source.voxel_count = 64;
-    assert_int_equal(svo_voxels_create(&source, &list, NULL), SVO_OK);
-    light_succeed(&opened, svo_voxels_build(opened.device, list, 2, NULL, opened.queue, &tree, NULL));
-    light_succeed(&opened, svo_compact_create(opened.device, tree, &options, opened.queue, &compact));
-    assert_int_equal(svo_compact_get_info(compact, &info), SVO_OK);
-    assert_int_equal(info.inner_count, 1);
-    assert_int_equal(info.leaf_count, 8);
-    assert_int_equal(info.voxel_count, 64);
-    svo_compact_destroy(&compact);
-    svo_tree_destroy(&tree);
-    svo_voxels_destroy(&list);
 }
 
 /* ---- files ---- */
@@ -182,7 +151,6 @@ TEST_GROUP(survivors)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(peak_scratch_bytes_are_those_at_one_time),
-        cmocka_unit_test(the_root_does_not_merge),
         cmocka_unit_test(levels_end_where_the_masks_above_say),
         cmocka_unit_test(cones_start_at_a_distance_in_the_world),
     };

@@ -203,7 +203,7 @@ typedef struct camera_frame {
 
 static camera_frame frame_of(const view_state *state)
 {
-    camera_frame seen;
+    camera_frame seen = {{0}, {0}, {0}};
     camera_axes(state, seen.right, seen.up, seen.away);
     return seen;
 }
