@@ -22,13 +22,13 @@ typedef struct name_list {
     const char *unknown;
 } name_list;
 
-#define NAME_LIST(names, unknown)                                \
-    {                                                            \
-        names, (uint32_t)(sizeof names / sizeof *names), unknown \
+#define NAME_LIST(names, unknown)                                       \
+    {                                                                   \
+        (names), (uint32_t)(sizeof(names) / sizeof *(names)), (unknown) \
     }
 
 #define STATUS_NAME(name, value, text) [value] = #name,
-#define STATUS_TEXT(name, value, text) [value] = text,
+#define STATUS_TEXT(name, value, text) [value] = (text),
 static const char *const statuses[] = {SVO_STATUS_LIST(STATUS_NAME)};
 static const char *const status_texts[] = {SVO_STATUS_LIST(STATUS_TEXT)};
 

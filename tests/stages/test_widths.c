@@ -11,6 +11,7 @@
 #include "core/device.h"
 #include "scenes.h"
 #include "shared/layout.h"
+#include "stages/sort.h"
 #include "support/fixture.h"
 #include "support/suite.h"
 
@@ -46,8 +47,21 @@ static void trees_do_not_depend_on_the_widths(void **state)
     scene_destroy(&knot);
 }
 
+/* At least one, one for each tile, and no more than have a place for their sums. */
+static void scans_have_at_most_the_devices_groups(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const uint32_t most = opened.device->scan_groups;
+    assert_int_equal(svo_i_scan_groups(opened.device, 0), 1);
+    assert_int_equal(svo_i_scan_groups(opened.device, SVO_SCAN_TILE), 1);
+    assert_int_equal(svo_i_scan_groups(opened.device, (uint64_t)most * SVO_SCAN_TILE), most);
+    assert_int_equal(svo_i_scan_groups(opened.device, (uint64_t)most * SVO_SCAN_TILE + 1), most);
+    assert_int_equal(svo_i_scan_groups(opened.device, UINT32_MAX), most);
+}
+
 TEST_GROUP(widths)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(trees_do_not_depend_on_the_widths)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(trees_do_not_depend_on_the_widths),
+                                       cmocka_unit_test(scans_have_at_most_the_devices_groups)};
     return cmocka_run_group_tests_name("widths", tests, fixture_group_setup, fixture_group_teardown);
 }
