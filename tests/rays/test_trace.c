@@ -655,10 +655,10 @@ static void the_framing_camera_shows_the_tree_and_fills_the_picture(void **unuse
 
 /* ---- bad arguments ---- */
 
-static void expect_refusal(svo_tree *tree, const svo_render_options *options, const char *words)
+static void expect_refusal(svo_tree *tree, const svo_render_options *options, svo_status status, const char *words)
 {
     static uint8_t picture[WIDTH * HEIGHT * 4];
-    assert_int_equal(svo_tree_render(device, tree, options, queue, picture), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_render(device, tree, options, queue, picture), status);
     if (strstr(svo_device_message(device), words) == NULL) {
         fail_msg("'%s' lacks '%s'", svo_device_message(device), words);
     }
@@ -674,39 +674,39 @@ static void bad_arguments_are_refused(void **unused)
                                      .width = WIDTH,
                                      .height = HEIGHT,
                                      .camera = {{0, 0, 3}, {0, 0, 0}, {0, 1, 0}, 0.5f}};
-    expect_refusal(tree, NULL, "options is NULL");
+    expect_refusal(tree, NULL, SVO_INVALID_ARGUMENT, "options is NULL");
     svo_render_options bad = good;
     bad.struct_size = 1;
-    expect_refusal(tree, &bad, "struct_size is 1");
+    expect_refusal(tree, &bad, SVO_INVALID_ARGUMENT, "struct_size is 1");
     bad = good;
     bad.width = 0;
-    expect_refusal(tree, &bad, "0 x 64 pixels");
+    expect_refusal(tree, &bad, SVO_INVALID_ARGUMENT, "0 x 64 pixels");
     bad = good;
     bad.height = 16385;
-    expect_refusal(tree, &bad, "16384");
+    expect_refusal(tree, &bad, SVO_INVALID_ARGUMENT, "16384");
     bad = good;
     bad.camera.vertical_fov = 3.2f;
-    expect_refusal(tree, &bad, "vertical_fov 3.2");
+    expect_refusal(tree, &bad, SVO_INVALID_ARGUMENT, "vertical_fov 3.2");
     bad = good;
     bad.camera.vertical_fov = NAN;
-    expect_refusal(tree, &bad, "vertical_fov");
+    expect_refusal(tree, &bad, SVO_INVALID_ARGUMENT, "vertical_fov");
     bad = good;
     bad.clip[3] = INFINITY;
-    expect_refusal(tree, &bad, "clip 0, 0, 0, inf is not finite");
+    expect_refusal(tree, &bad, SVO_INVALID_ARGUMENT, "clip 0, 0, 0, inf is not finite");
     bad = good;
     bad.camera.eye[2] = 0; /* eye and target coincide */
-    expect_refusal(tree, &bad, "camera.eye");
+    expect_refusal(tree, &bad, SVO_INVALID_ARGUMENT, "camera.eye");
     bad = good;
     bad.camera.up[1] = 0;
     bad.camera.up[2] = 7; /* along the line of sight */
-    expect_refusal(tree, &bad, "up is along");
+    expect_refusal(tree, &bad, SVO_INVALID_ARGUMENT, "up is along");
     bad = good;
     bad.camera.target[0] = INFINITY;
-    expect_refusal(tree, &bad, "not finite");
+    expect_refusal(tree, &bad, SVO_INVALID_ARGUMENT, "not finite");
     svo_tree_destroy(&tree);
     svo_tree *absent = svo_i_tree_new(NULL);
     assert_non_null(absent);
-    expect_refusal(absent, &good, "svo_tree_upload");
+    expect_refusal(absent, &good, SVO_NOT_ON_DEVICE, "svo_tree_upload");
     svo_tree_destroy(&absent);
     free(voxels);
 }
