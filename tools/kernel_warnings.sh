@@ -4,19 +4,14 @@
 # The kernels compile without a warning for processors with narrow and with wide vectors. PoCL prints "10 warnings
 # generated." where the vectors of a kernel are wider than the processor's; code must be generated to see them.
 #
-# usage: kernel_warnings.sh SOURCE_DIR; exit code 77 (skipped) without clang or where it does not know x86-64.
+# usage: kernel_warnings.sh, in the repository's root
 set -euo pipefail
-cd "$1"
 
 compile()
 {
     clang -x cl -cl-std=CL1.2 -target x86_64-pc-linux-gnu -Xclang -finclude-default-header -Dcl_khr_fp64 -O0 -S \
         -emit-llvm -o /dev/null -Iinclude -Ikernels -Werror "$@"
 }
-if ! command -v clang >/dev/null || ! compile - <<<'' 2>/dev/null; then
-    echo "skipped: no clang for x86-64"
-    exit 77
-fi
 
 failed=0
 for processor in x86-64 haswell; do
