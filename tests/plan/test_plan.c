@@ -96,6 +96,24 @@ static void plan_figures_are_correct(void **state)
     }
 }
 
+/* Of about half of all extents the nearest quotient lies above the exact one. */
+static void scales_are_rounded_toward_zero(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    for (uint64_t seed = 1; seed <= 40; ++seed) {
+        owned_mesh made;
+        oracle_grid grid;
+        random_mesh(seed, 4, 0.0, &made);
+        const oracle_positions positions = {made.positions, made.mesh.vertex_count, made.indices, 4};
+        assert_true(oracle_grid_fit(&positions, 20, &grid));
+        const svo_plan_info info = plan_info(opened, &made.mesh, 3, (svo_plan_options){0});
+        if (info.scale != grid.scale || fma(info.scale, info.edge, -1048575.0) > 0.0) {
+            fail_msg("seed %u, edge %a: scale %a, expected %a", (unsigned)seed, info.edge, info.scale, grid.scale);
+        }
+        owned_mesh_free(&made);
+    }
+}
+
 static void integer_meshes_snap_without_error(void **state)
 {
     static const float positions[] = {0, 0, 0, 1048575, 12345, 77, 5, 1048575, 654321};
@@ -559,6 +577,7 @@ TEST_GROUP(plan)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_estimate_predicts_the_fragments),
         cmocka_unit_test(plan_figures_are_correct),
+        cmocka_unit_test(scales_are_rounded_toward_zero),
         cmocka_unit_test(integer_meshes_snap_without_error),
         cmocka_unit_test(refused_and_outside_triangles_are_counted),
         cmocka_unit_test(default_need_follows_the_mesh),
