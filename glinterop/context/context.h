@@ -5,7 +5,7 @@
  *
  * The files of this room:
  *
- *   context    contexts of all kinds: svocl's, the caller's, those of a name
+ *   context    contexts of all kinds: svocl's and the caller's
  *   platform   what kinds of contexts do differently
  *   egl        contexts by EGL
  *   osmesa     contexts by OSMesa

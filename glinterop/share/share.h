@@ -15,7 +15,7 @@
  *   share       buffers of both APIs, by three paths
  *   probe       which of the paths work
  *   interop     cl_khr_gl_sharing, and device handles that have it
- *   candidates  the context that suits a device
+ *   candidates  the context that suits a device, and the one of a name
  *   buffer      callers' buffers: meshes in them, sharing, updates of plans
  */
 #ifndef SVO_GLINTEROP_SHARE_SHARE_H
