@@ -12,7 +12,7 @@ readonly here
 # shellcheck source=tests/install/root.sh
 source "$here/root.sh"
 
-readonly may_skip='report_browser|web_browser|python'
+readonly may_skip='report_browser|web_browser|web_live|python'
 
 git -C "$here" rev-parse HEAD >/dev/null 2>&1 || skip 'this is no clone, or git is not installed'
 clean_root "$1" "${2:-http://deb.debian.org/debian}"

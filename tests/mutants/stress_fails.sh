@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# Runs svocl stress of a program with a planted mistake: it must exit with 1 and report the failed cases.
+# Runs svocl-lab stress with a planted mistake: it must exit with 1 and report the failed cases.
 #
 # usage: stress_fails.sh PROGRAM only|also CASE...
 #   only: exactly these cases fail. also: at least these cases fail.
