@@ -35,6 +35,7 @@
 #include "svocl/scene.h"
 #include "svocl/solid.h"
 #include "svocl/status.h"
+#include "svocl/submit.h"
 #include "svocl/trace.h"
 #include "svocl/tree.h"
 #include "svocl/version.h"

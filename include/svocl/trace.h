@@ -14,11 +14,27 @@
 #include <stdint.h>
 
 #include "svocl/ray_types.h"
+#include "svocl/submit.h"
 #include "svocl/tree.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/** What rays meet and pictures show: a handle together with what its room does with it. Its fields are the library's.
+ *  It lives as long as the handle. */
+typedef struct svo_target {
+    const struct svo_target_class *of_class; /**< of the kind of handle */
+    void *of; /**< the handle */
+} svo_target;
+
+/** A tree as a target: svo_render, svo_trace_triangles, svo_trace_voxels, svo_camera_fit and kernels of the caller's.
+ *  compact.h, scene.h, light.h and probes.h have those of other handles. A program that makes none holds no kernel of
+ *  rays.
+ *
+ * \param tree NULL: calls are refused, but svo_kernel_source and svo_kernel_options answer
+ * \returns the target. */
+SVO_API svo_target svo_tree_target(svo_tree *tree);
 
 /** A pinhole camera in world coordinates. */
 typedef struct svo_camera {
@@ -110,6 +126,27 @@ typedef struct svo_render_options {
 
 /** Everything zero; width, height and camera have to be set. */
 #define SVO_RENDER_OPTIONS_INIT SVO_STRUCT_INIT(svo_render_options)
+
+/** Draws a picture of a tree, a compact tree, a scene or a light.
+ *
+ * Of trees SVO_VIEW_SHADED shades voxels by normal (their own, else that of the face where the ray entered) and color
+ * (their own, else clay of albedo 0.6), with the shadows of a sun behind the camera and a sky that neighbors darken, by
+ * four rays for each pixel or as many as options ask for. Up to a half, 0.85 times the light is the share of white that
+ * a pixel shows; above, highlights roll off as 1 - exp(1 - 2 light) / 2. Bytes are square roots of shares. scene.h and
+ * light.h say what pictures of scenes and of light show. A picture is the same on every run.
+ *
+ * The first call of a device handle compiles the kernel, and views of a tree with triangles, all but SVO_VIEW_SHADED,
+ * make its BVH, see the head of this file; that is waited for.
+ *
+ * \param target on a device, its colors and normals, if any, on all levels; stays as it is until the picture is drawn
+ * \param options size, camera and view; not used after the call
+ * \param pixels receives height rows of width * 4 bytes, top to bottom; of SVO_PIXELS_LINEAR width * 4 floats
+ * \param submit NULL: the device's own queue, and the call waits
+ * \returns SVO_UNSUPPORTED (the target has no pictures, or its grid is beyond the range of floats), SVO_NOT_ON_DEVICE,
+ *          SVO_COMPILE_FAILED, SVO_CL_ERROR, SVO_OUT_OF_DEVICE_MEMORY or SVO_INVALID_ARGUMENT on failure. After
+ *          SVO_INVALID_ARGUMENT pixels are as before; after others they are undefined. */
+SVO_API svo_status svo_render(svo_target target, const svo_render_options *options, svo_array pixels,
+                              const svo_submit *submit);
 
 /** Draws a picture of the tree and waits for it. SVO_VIEW_SHADED shades voxels by normal (their own, else that of the
  *  face where the ray entered) and color (their own, else clay of albedo 0.6), with the shadows of a sun behind the
@@ -208,6 +245,50 @@ typedef enum svo_trace_flags {
 } svo_trace_flags;
 
 #define SVO_TRACE_RAYS_MAX 0x7fffffffu /**< most rays or points in a batch */
+
+/** Traces rays against the triangles of a tree or of a scene's trees: those of the mesh as it was given, as far as
+ *  they lie inside the grid; of a tree with SVO_POSITIONS_SNAPPED those of the snapped mesh. On a caller's grid the
+ *  hits of a triangle that has a voxel there may lie half a grid unit outside, since voxels are those of the snapped
+ *  mesh.
+ *
+ * Hit, t, u and v are computed in double precision and are the same on every device with cl_khr_fp64, whatever the
+ * tree's depth; elsewhere the same watertight test runs in single precision, on vertices rounded to floats in grid
+ * units, which are off by at most 2^-25 of the grid's width; and hits may lie outside the grid by 2^-19 more of the
+ * largest coordinate, from the grid's corner, of a vertex or the ray's origin. t is that of the exact hit, rounded to
+ * float, or next to it. Closed surfaces have no gaps: a ray through an edge or a corner hits one of the triangles
+ * there. A ray with a number that is not finite (t_max excepted), without a direction, or with t_min above t_max hits
+ * nothing.
+ *
+ * The first call of a device handle compiles the kernel; the first call for a tree makes its BVH. Later calls with
+ * buffers allocate nothing on the device.
+ *
+ * \param target a tree with SVO_NEED_RAYS, coverage half-open or closed, on a device; or a scene of such trees
+ * \param rays ray_count records of svo_ray; all zero allowed when that is 0
+ * \param hits receives a record for each ray, in their order: svo_hit, of a scene svo_scene_triangle_hit
+ * \param ray_count at most SVO_TRACE_RAYS_MAX
+ * \param flags one of svo_trace_flags; of a scene svo_scene_flags
+ * \param submit NULL: the device's own queue, and the call waits
+ * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the target has no triangles, or its grid is beyond the range of
+ *          floats), SVO_COMPILE_FAILED, SVO_CL_ERROR, SVO_OUT_OF_DEVICE_MEMORY, or what svo_tree_make_bvh returns, on
+ *          failure. */
+SVO_API svo_status svo_trace_triangles(svo_target target, svo_array rays, svo_array hits, size_t ray_count,
+                                       uint32_t flags, const svo_submit *submit);
+
+/** Traces rays against the voxels of a tree, a compact tree or a scene: the first leaf along each ray, or the first
+ *  larger node that a pixel of the footprint covers. Computed in single precision, by the traversal of svo_trace_voxel
+ *  (svo_kernel_source). compact.h and scene.h say what their hits are.
+ *
+ * \param target on a device; needs and coverage do not matter
+ * \param rays see svo_trace_triangles
+ * \param hits receives a record for each ray, in their order: svo_voxel_hit, of a scene svo_scene_hit
+ * \param ray_count at most SVO_TRACE_RAYS_MAX
+ * \param footprint width of a pixel's cone per unit of distance, finite and not negative; 0: leaves alone
+ * \param flags of a scene svo_scene_flags; else 0
+ * \param submit NULL: the device's own queue, and the call waits
+ * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the target has no voxels, or its grid is beyond the range of floats),
+ *          SVO_COMPILE_FAILED, SVO_CL_ERROR or SVO_OUT_OF_DEVICE_MEMORY on failure. */
+SVO_API svo_status svo_trace_voxels(svo_target target, svo_array rays, svo_array hits, size_t ray_count,
+                                    float footprint, uint32_t flags, const svo_submit *submit);
 
 /** Traces rays against the triangles of the mesh as it was given, as far as they lie inside the grid; of a tree with
  *  SVO_POSITIONS_SNAPPED against those of the snapped mesh. On a caller's grid the hits of a triangle that has a voxel
@@ -316,6 +397,34 @@ SVO_API svo_status svo_tree_nearest(svo_tree *tree, const svo_query_point *point
 
 /** Number of kernel arguments that SVO_TREE_PARAMETERS declares. */
 #define SVO_TREE_ARGUMENTS 5u
+
+/** OpenCL C 1.2 to put before the source of a kernel of the caller's, which then queries the target.
+ *
+ *     clCreateProgramWithSource(context, 2, (const char *[]){svo_kernel_source(target), mine}, NULL, &error)
+ *     clBuildProgram(program, 1, &device, svo_kernel_options(target), NULL, NULL)
+ *
+ * What it declares of a tree is said below; compact.h, light.h and probes.h say it of others.
+ *
+ * \param target its handle may be NULL
+ * \returns a static string; NULL of a target without one. */
+SVO_API const char *svo_kernel_source(svo_target target);
+
+/** Compiler options for svo_kernel_source.
+ *
+ * \param target the one whose arguments are set
+ * \returns a static string; NULL of a target without a source. */
+SVO_API const char *svo_kernel_options(svo_target target);
+
+/** Sets the kernel arguments that the source's macro of parameters declares: SVO_TREE_PARAMETERS,
+ *  SVO_LIGHT_PARAMETERS or SVO_PROBES_PARAMETERS.
+ *
+ * \param target on a device; must outlive the kernel's launches. The triangles of a tree need SVO_NEED_RAYS and
+ *        coverage half-open or closed; this call then makes the BVH
+ * \param kernel of the caller's, of the context of the target's device
+ * \param first_index of SVO_TREE_ARGUMENTS, SVO_LIGHT_ARGUMENTS or SVO_PROBES_ARGUMENTS consecutive arguments
+ * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED, SVO_NOT_ON_DEVICE, SVO_OUT_OF_HOST_MEMORY,
+ *          SVO_OUT_OF_DEVICE_MEMORY or SVO_CL_ERROR on failure. */
+SVO_API svo_status svo_kernel_set_arguments(svo_target target, cl_kernel kernel, cl_uint first_index);
 
 /** Rays in a kernel of the caller's own: OpenCL C 1.2 to put before the kernel's source.
  *
