@@ -387,6 +387,23 @@ static void expect(const fixture *opened, const char *name, svo_status expected,
 }
 
 /* Files that are imported whole, each with its reason. */
+/* A grid beside the mesh: each block has nothing to keep, and the tree is empty. */
+static void test_grid_elsewhere(void **state)
+{
+    fixture opened = fixture_cl_of_group(state);
+    svo_message message;
+    char folder[PATH_BYTES];
+    const svo_plan_options options = {.struct_size = sizeof options, .origin = {5, 5, 5}, .edge = 2};
+    bytes file = make_stl(SIDE, 0);
+    write_bytes("elsewhere.stl", file.at, file.count);
+    free(file.at);
+    name_of("folder", folder);
+    check(create(&opened, "elsewhere.stl", &options, &message), message.text);
+    (void)build_parts(&opened, folder);
+    build_whole(&opened, "elsewhere.stl", &options);
+    assert_same_files("elsewhere.stl");
+}
+
 static void test_files_that_are_imported(void **state)
 {
     static const ply_form strips = {.corners = 3, .before_faces = "element tristrips 1\nproperty list int int i\n"};
@@ -493,6 +510,7 @@ TEST_GROUP(parts_file)
         cmocka_unit_test(test_ply),
         cmocka_unit_test(test_options),
         cmocka_unit_test(test_blocks_that_differ),
+        cmocka_unit_test(test_grid_elsewhere),
         cmocka_unit_test(test_files_that_are_imported),
         cmocka_unit_test(test_truncated_files),
         cmocka_unit_test(test_counts_above_the_file),
