@@ -543,6 +543,7 @@ svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh)
     plan->vertex_count = (uint32_t)vertices;
     plan->info.triangles = triangles;
     plan->info.refused_triangles = mark_vertices(mesh, flags);
+    plan->info.outside_triangles = 0;
     const svo_i_bounds bounds = find_bounds(mesh, flags);
     SVO_I_TRY_CLEANUP(svo_i_plan_make_grid(plan, &bounds));
     snap_vertices(plan, mesh, flags);

@@ -155,7 +155,6 @@ static svo_plan *new_block(const svo_plan *whole)
         block->device = whole->device;
         block->options = whole->options;
         block->info = whole->info;
-        block->info.outside_triangles = 0;
         block->voxel_log2 = whole->voxel_log2;
         block->progress.function = NAME;
         block->has_grid = true;

@@ -27,8 +27,9 @@
 #define DEPTH      6
 #define LIMIT      600000
 
-/* Above the triangles of two blocks. */
-#define SIDE 140
+/* What lib/parts/blocks.c reads at a time, and a surface of more than two such blocks. */
+#define BLOCK 16384
+#define SIDE  140
 
 /* ---- files ---- */
 
@@ -365,7 +366,7 @@ static void test_blocks_that_differ(void **state)
     fixture opened = fixture_cl_of_group(state);
     bytes file = make_stl(SIDE, 1);
     for (size_t facet = 0; facet < (size_t)2 * SIDE * SIDE; ++facet) {
-        const bool later = facet >= (size_t)SIDE * SIDE;
+        const bool later = facet >= BLOCK;
         unsigned char *at = file.at + 84 + 50 * facet;
         const float normal[3] = {0.0f, later ? 1.0f : 0.0f, later ? 0.0f : 1.0f};
         memcpy(at, normal, sizeof normal);
@@ -373,6 +374,29 @@ static void test_blocks_that_differ(void **state)
         at[49] = 0x80;
     }
     compare(&opened, "surface.stl", file, NULL);
+}
+
+/* The first triangle is far larger than all others. The unit of weights follows from the largest area of a triangle in
+   a voxel: of a mesh of few voxels, where the whole area is no tighter bound. */
+static void test_one_large_triangle(void **state)
+{
+    static const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0.4F};
+    const svo_plan_options options = {.struct_size = sizeof options, .origin = {-4, -4, -4}, .edge = 16};
+    fixture opened = fixture_cl_of_group(state);
+    char path[PATH_BYTES];
+    char folder[PATH_BYTES];
+    svo_message message;
+    bytes file = make_stl(SIDE, 1);
+    memcpy(file.at + 84 + 12, corners, sizeof corners);
+    write_bytes("large.stl", file.at, file.count);
+    free(file.at);
+    name_of("large.stl", path);
+    name_of("folder", folder);
+    check(svo_parts_create_from_file(opened.device, path, DEPTH, &options, (size_t)20 * LIMIT, folder, &message),
+          message.text);
+    (void)build_parts(&opened, folder);
+    build_whole(&opened, "large.stl", &options);
+    assert_same_files("large.stl");
 }
 
 static void expect(const fixture *opened, const char *name, svo_status expected, const char *words)
@@ -384,6 +408,23 @@ static void expect(const fixture *opened, const char *name, svo_status expected,
         fail_msg("%s: %s, \"%s\"; expected %s with \"%s\"", name, svo_name(SVO_NAME_STATUS, status), message.text,
                  svo_name(SVO_NAME_STATUS, expected), words);
     }
+}
+
+/* A grid beside the mesh: each block has nothing to keep, and the tree is empty. */
+static void test_grid_elsewhere(void **state)
+{
+    fixture opened = fixture_cl_of_group(state);
+    svo_message message;
+    char folder[PATH_BYTES];
+    const svo_plan_options options = {.struct_size = sizeof options, .origin = {5, 5, 5}, .edge = 2};
+    bytes file = make_stl(SIDE, 0);
+    write_bytes("elsewhere.stl", file.at, file.count);
+    free(file.at);
+    name_of("folder", folder);
+    check(create(&opened, "elsewhere.stl", &options, &message), message.text);
+    (void)build_parts(&opened, folder);
+    build_whole(&opened, "elsewhere.stl", &options);
+    assert_same_files("elsewhere.stl");
 }
 
 /* Files that are imported whole, each with its reason. */
@@ -493,6 +534,8 @@ TEST_GROUP(parts_file)
         cmocka_unit_test(test_ply),
         cmocka_unit_test(test_options),
         cmocka_unit_test(test_blocks_that_differ),
+        cmocka_unit_test(test_one_large_triangle),
+        cmocka_unit_test(test_grid_elsewhere),
         cmocka_unit_test(test_files_that_are_imported),
         cmocka_unit_test(test_truncated_files),
         cmocka_unit_test(test_counts_above_the_file),

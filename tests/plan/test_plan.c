@@ -123,6 +123,19 @@ static void integer_meshes_snap_without_error(void **state)
     assert_true(info.snap_error == 0.0);
 }
 
+/* A triangle so small that it is in few leaves at any depth. */
+static void rays_have_a_deepest_depth(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    static const float corners[9] = {1, 1, 1, 1.0001F, 1, 1, 1, 1.0001F, 1};
+    const svo_mesh speck = {.struct_size = sizeof speck, .positions = corners, .vertex_count = 3, .triangle_count = 1};
+    const svo_plan_options options = {.struct_size = sizeof options, .origin = {0, 0, 0}, .edge = 4096};
+    svo_plan *plan = NULL;
+    assert_int_equal(svo_plan_create(opened->device, &speck, 5, &options, &plan), SVO_OK);
+    assert_int_equal(svo_plan_ray_depth(plan), 12);
+    svo_plan_destroy(&plan);
+}
+
 static void refused_and_outside_triangles_are_counted(void **state)
 {
     static const double positions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 9, 9, 9, 9, 8, 9, 8, 9, 9, NAN, 0, 0, 1e9, 0, 0};
@@ -579,6 +592,7 @@ TEST_GROUP(plan)
         cmocka_unit_test(plan_figures_are_correct),
         cmocka_unit_test(scales_are_rounded_toward_zero),
         cmocka_unit_test(integer_meshes_snap_without_error),
+        cmocka_unit_test(rays_have_a_deepest_depth),
         cmocka_unit_test(refused_and_outside_triangles_are_counted),
         cmocka_unit_test(default_need_follows_the_mesh),
         cmocka_unit_test(unrequested_data_is_absent),

@@ -15,10 +15,14 @@
 #define STB_IMAGE_IMPLEMENTATION
 #define STBI_ONLY_PNG
 #define STBI_ONLY_HDR
+#pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 #pragma GCC diagnostic ignored "-Wconversion"
+#ifndef __clang__
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized" /* gcc 14 */
+#endif
 #include <stb/stb_image.h>
-#pragma GCC diagnostic error "-Wconversion"
+#pragma GCC diagnostic pop
 
 program_picture read_picture(const char *path)
 {

@@ -366,6 +366,13 @@ static void backgrounds_are_behind_everything(void **state)
                 assert_memory_equal(colored + at, own + at, 4);
                 assert_memory_equal(clear + at, own + at, 4);
             }
+            /* A view of numbers is coded as it is: where a pixel is partly covered, what was met shows as itself, and
+               over a color it is that of the picture with this color. */
+            for (int channel = 0; channel < 3 && pictures[i].draw == draw_normals; ++channel) {
+                const double share = clear[at + 3] / 255.0;
+                const double over = clear[at + channel] * share + color[channel] * (1 - share);
+                assert_true(fabs(over - colored[at + channel]) <= 2);
+            }
         }
         assert_true(edges > WIDTH);
     }

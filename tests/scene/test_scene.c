@@ -519,6 +519,59 @@ static void the_hierarchy_holds_each_instance_once(void **state)
     }
 }
 
+/* Along each axis in turn an instance far away: the scene's box, the largest coordinate, and the Morton codes over the
+   widest axis follow it, wherever it is. */
+static void a_scene_knows_how_far_it_reaches(void **state)
+{
+    (void)state;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double away = axis == 1 ? -1000 : 1000;
+        svo_instance placed[2] = {identity, identity};
+        svo_scene_info info = SVO_SCENE_INFO_INIT;
+        placed[1].transform[4 * axis + 3] = (float)away;
+        svo_scene *scene = make_placed_scene(&shapes, placed, 2, SVO_NEED_NONE);
+        assert_int_equal(svo_scene_get_info(scene, &info), SVO_OK);
+        double farthest = 0;
+        for (int k = 0; k < 3; ++k) {
+            farthest = fmax(farthest, fmax(fabs(info.low[k]), fabs(info.high[k])));
+        }
+        assert_true(farthest > 990);
+        assert_true(fabs((double)scene->params.reach - farthest) <= farthest * 0x1p-23);
+        const double cells = (double)(1u << SVO_SCENE_CODE_BITS) / 1000;
+        assert_true(fabs((double)scene->params.code_scale - cells) <= cells * 0x1p-16);
+        svo_scene_destroy(&scene);
+    }
+}
+
+/* Without a leaf a tree is as large as its grid. */
+static void an_empty_tree_has_the_box_of_its_grid(void **state)
+{
+    (void)state;
+    const svo_mesh none = {.struct_size = sizeof none};
+    const svo_plan_options options = {
+        .struct_size = sizeof options, .need = SVO_NEED_NONE, .origin = {-3, 4, 5}, .edge = 16};
+    const svo_instance placed = identity;
+    svo_scene_info info = SVO_SCENE_INFO_INIT;
+    svo_scene *scene = NULL;
+    built made;
+    fixture_build(&opened, &none, 4, &options, &made);
+    assert_int_equal(made.info.leaf_count, 0);
+    const svo_scene_options asked = {.struct_size = sizeof asked,
+                                     .trees = &made.tree,
+                                     .tree_count = 1,
+                                     .instances = &placed,
+                                     .instance_count = 1,
+                                     .need = SVO_NEED_NONE};
+    expect_words(svo_scene_create(opened.device, &asked, opened.queue, &scene), SVO_OK, "");
+    assert_int_equal(svo_scene_get_info(scene, &info), SVO_OK);
+    for (int axis = 0; axis < 3; ++axis) {
+        assert_true(fabs(info.low[axis] - options.origin[axis]) < 1e-3);
+        assert_true(fabs(info.high[axis] - options.origin[axis] - options.edge) < 1e-3);
+    }
+    svo_scene_destroy(&scene);
+    built_destroy(&made);
+}
+
 /* ---- moving ---- */
 
 static void move_all(svo_instance *placed, uint32_t count, float *transforms, uint32_t step)
@@ -585,6 +638,8 @@ TEST_GROUP(scene)
         cmocka_unit_test(compact_trees_are_placed_as_built_ones),
         cmocka_unit_test(mixed_forms_are_refused),
         cmocka_unit_test(the_hierarchy_holds_each_instance_once),
+        cmocka_unit_test(a_scene_knows_how_far_it_reaches),
+        cmocka_unit_test(an_empty_tree_has_the_box_of_its_grid),
         cmocka_unit_test(a_thousand_moves_are_a_new_scene),
     };
     return cmocka_run_group_tests_name("scene", tests, scene_group_open, scene_group_close);

@@ -367,6 +367,11 @@ static void a_plan_lists_what_is_allocated(void **state)
         assert_int_equal(planned.tree_bytes + planned.instance_bytes + planned.hierarchy_bytes + planned.sort_bytes,
                          bytes);
         assert_int_equal(planned.tree_bytes, made.tree_bytes);
+        const uint32_t payload = (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL;
+        const uint32_t held = needs[k] == SVO_NEED_DEFAULT ? payload : needs[k] & ~(uint32_t)SVO_NEED_NONE;
+        assert_int_equal(made.need, held);
+        assert_int_equal(planned.need, held);
+        assert_int_equal(scene->buffers[SVO_I_SCENE_NORMALS] != NULL, (held & (uint32_t)SVO_NEED_NORMAL) != 0);
         svo_scene_destroy(&scene);
     }
 }
