@@ -314,11 +314,13 @@ static svo_status trace_band(svo_i_photons *photons, uint32_t count)
 {
     svo_i_device_work *work = photons->work;
     cl_event done = NULL;
+    const svo_target target = svo_tree_target(photons->tree);
+    const svo_array rays = svo_in_buffer(photons->rays);
+    const svo_array met = svo_in_buffer(photons->met);
+    const svo_submit submit = {.queue = work->queue, .num_wait = 1, .wait = &work->last, .event = &done};
     const svo_status status = photons->of_triangles
-                                  ? svo_tree_trace_enqueue(photons->tree, photons->rays, photons->met, count,
-                                                           SVO_TRACE_CLOSEST, work->queue, 1, &work->last, &done)
-                                  : svo_tree_trace_voxels_enqueue(photons->tree, photons->rays, photons->met, count,
-                                                                  0.0F, work->queue, 1, &work->last, &done);
+                                  ? svo_trace_triangles(target, rays, met, count, SVO_TRACE_CLOSEST, &submit)
+                                  : svo_trace_voxels(target, rays, met, count, 0.0F, 0, &submit);
     if (status != SVO_OK) {
         svo_i_message_rename(svo_i_device_message(work->device), work->function);
         return status;

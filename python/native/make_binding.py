@@ -16,6 +16,7 @@ import cffi
 
 # What the headers use of others, for the parser alone.
 CL_TYPES = """
+#pragma once
 typedef int32_t cl_int;
 typedef uint32_t cl_uint;
 """ + "\n".join(
