@@ -286,8 +286,9 @@ SVO_API svo_status svo_plan_create_from_buffers(svo_device *device, const svo_me
                                                 const svo_plan_options *options, cl_command_queue queue,
                                                 cl_uint num_wait, const cl_event *wait, svo_plan **out);
 
-/** Replaces the vertices of an updatable plan by others, without allocating device memory or compiling. Builds that are
- * enqueued later (svo_build_enqueue) wait for the update, and the update for those enqueued before, whatever the queues.
+/** Replaces the vertices of an updatable plan by others, without allocating device memory or compiling. Builds that
+ * are enqueued later (svo_build_enqueue) wait for the update, and the update for those enqueued before, whatever the
+ * queues.
  *
  * The topology stays: indices, materials, vertex colors and texture coordinates are those that the plan was made from.
  * A triangle may become degenerate, leave the grid and come back. The tree equals, byte for byte, that of a new

@@ -86,6 +86,11 @@ def submit(run: Callable[..., None], arguments: Iterable[Any], queue: Any, wait_
     return Event(event[0])
 
 
+def _array(**fields: Any) -> Any:
+    """An svo_array. As an argument a dict would not do: cffi leaves the other fields undefined."""
+    return ffi.new("svo_array *", fields)[0]
+
+
 def enqueue(
     run: Callable[..., None], buffers: Iterable[Any], count: int, flags: Iterable[Any], queue: Any, wait_for: Any
 ) -> Event:
@@ -94,14 +99,14 @@ def enqueue(
     Returns:
         The event of the batch.
     """
-    arrays = [{"buffer": pointer("cl_mem", buffer, "buffer")} for buffer in buffers]
+    arrays = [_array(buffer=pointer("cl_mem", buffer, "buffer")) for buffer in buffers]
     return submit(run, (*arrays, _arrays.integer("count", count, 64), *flags), queue, wait_for)
 
 
 def wait(run: Callable[..., None], arrays: Sequence[_arrays.Array], flags: Iterable[Any], queue: Any) -> None:
     """Calls run(arrays..., count, flags..., submit) for a batch in host arrays, for which it waits."""
     cl_queue = pointer("cl_command_queue", queue, "queue")
-    hosts = [{"host": ffi.cast("void *", array.ctypes.data)} for array in arrays]
+    hosts = [_array(host=ffi.cast("void *", array.ctypes.data)) for array in arrays]
     run(*hosts, arrays[0].size, *flags, ffi.new("svo_submit *", {"queue": cl_queue}))
 
 
