@@ -9,6 +9,7 @@
 #include "core/struct_size.h"
 #include "light/cones.h"
 #include "probes/encoding.h"
+#include "rays/batch.h"
 #include "rays/rays.h"
 #include "scene/handle.h"
 #include "svocl/plan.h"
@@ -94,13 +95,20 @@ _Static_assert(sizeof(svo_hit) == sizeof(svo_voxel_hit) && offsetof(svo_hit, nor
                    offsetof(svo_scene_triangle_hit, normal) == 4 * sizeof(cl_uint),
                "hits have their normals in words 4 .. 6");
 
+/* Trees by their functions, not as targets, of which a program has the kernels of pictures too. */
 static svo_status trace_any(svo_probes *probes, cl_mem rays, cl_mem hits, size_t ray_count, const svo_submit *submit)
 {
     const svo_i_sight sight = {probes->tree, probes->scene};
-    const svo_target target = probes->tree != NULL ? svo_tree_target(probes->tree) : svo_scene_target(probes->scene);
-    return has_triangles(&sight)
-               ? svo_trace_triangles(target, svo_in_buffer(rays), svo_in_buffer(hits), ray_count, 0, submit)
-               : svo_trace_voxels(target, svo_in_buffer(rays), svo_in_buffer(hits), ray_count, 0.0F, 0, submit);
+    const svo_array from = svo_in_buffer(rays);
+    const svo_array to = svo_in_buffer(hits);
+    if (probes->tree != NULL) {
+        return has_triangles(&sight)
+                   ? svo_i_tree_trace_triangles(probes->tree, &from, &to, ray_count, SVO_TRACE_CLOSEST, submit)
+                   : svo_i_tree_trace_voxels(probes->tree, &from, &to, ray_count, 0.0F, 0, submit);
+    }
+    const svo_target target = svo_scene_target(probes->scene);
+    return has_triangles(&sight) ? svo_trace_triangles(target, from, to, ray_count, SVO_SCENE_CLOSEST, submit)
+                                 : svo_trace_voxels(target, from, to, ray_count, 0.0F, SVO_SCENE_CLOSEST, submit);
 }
 
 svo_status svo_i_sight_trace(svo_probes *probes, svo_i_device_work *work, cl_mem rays, cl_mem hits, size_t ray_count)
