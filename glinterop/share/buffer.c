@@ -8,6 +8,7 @@
 #include "core/mesh.h"
 #include "core/message.h"
 #include "core/struct_size.h"
+#include "core/submit.h"
 #include "core/work.h"
 #include "plan/plan_data.h"
 #include "share/probe.h"
@@ -237,7 +238,7 @@ svo_status svo_gl_buffer_to_gl(svo_gl_buffer *buffer, size_t used_bytes, cl_comm
  * OpenGL's again when the call returns.
  */
 
-#define UPDATE       "svo_gl_plan_update_enqueue"
+#define UPDATE       "svo_gl_plan_update"
 #define VERTEX_BYTES 12
 #define SOURCES_MAX  2
 
@@ -246,9 +247,7 @@ typedef struct update {
     svo_plan *plan;
     svo_gl_buffer *from[SOURCES_MAX]; /* positions, normals */
     unsigned count;
-    cl_command_queue queue;
-    cl_uint wait_count;
-    const cl_event *wait;
+    svo_i_call call;
     cl_event last; /* the newest command; NULL at first */
 } update;
 
@@ -290,12 +289,12 @@ static svo_status follow(update *u, const char *call, cl_int error, cl_event eve
 
 static cl_uint wait_count(const update *u)
 {
-    return u->last != NULL ? 1 : u->wait_count;
+    return u->last != NULL ? 1 : u->call.num_wait;
 }
 
 static const cl_event *wait_list(const update *u)
 {
-    return u->last != NULL ? &u->last : u->wait;
+    return u->last != NULL ? &u->last : u->call.wait;
 }
 
 static svo_status run(update *u)
@@ -306,7 +305,9 @@ static svo_status run(update *u)
                                     .triangle_count = u->plan->triangle_count,
                                     .positions = {.memory = u->from[0]->shared.memory},
                                     .normals = {.memory = u->count > 1 ? u->from[1]->shared.memory : NULL}};
-    SVO_I_TRY(svo_plan_update_from_buffers_enqueue(u->plan, &given, u->queue, wait_count(u), wait_list(u), &updated));
+    const svo_submit submit = {
+        .queue = u->call.queue, .num_wait = wait_count(u), .wait = wait_list(u), .event = &updated};
+    SVO_I_TRY(svo_plan_update_from_buffers(u->plan, &given, &submit));
     return follow(u, "", CL_SUCCESS, updated);
 }
 
@@ -329,12 +330,12 @@ static svo_status wait_first(update *u)
         return SVO_OK; /* the first acquire has the caller's list */
     }
     cl_event event = NULL;
-    if (u->wait_count > 0) {
-        const cl_int error = clEnqueueMarkerWithWaitList(u->queue, u->wait_count, u->wait, &event);
+    if (u->call.num_wait > 0) {
+        const cl_int error = clEnqueueMarkerWithWaitList(u->call.queue, u->call.num_wait, u->call.wait, &event);
         SVO_I_TRY(follow(u, "clEnqueueMarkerWithWaitList", error, event));
         all[count++] = u->last;
     }
-    const cl_int error = clEnqueueMarkerWithWaitList(u->queue, count, all, &event);
+    const cl_int error = clEnqueueMarkerWithWaitList(u->call.queue, count, all, &event);
     return follow(u, "clEnqueueMarkerWithWaitList", error, event);
 }
 
@@ -357,7 +358,7 @@ static svo_status pass(update *u, const char *call,
     for (unsigned i = 0; i < u->count; ++i) {
         objects[i] = u->from[i]->shared.memory;
     }
-    const cl_int error = enqueue(u->queue, u->count, objects, wait_count(u), wait_list(u), &event);
+    const cl_int error = enqueue(u->call.queue, u->count, objects, wait_count(u), wait_list(u), &event);
     return follow(u, call, error, event);
 }
 
@@ -384,7 +385,7 @@ static svo_status run_current(update *u)
     }
     const svo_status status = run_acquired(u);
     if (status == SVO_OK && shared->interop.has_gl_event) {
-        const cl_int error = clFlush(u->queue);
+        const cl_int error = clFlush(u->call.queue);
         return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(u->plan->device, UPDATE, "clFlush", error);
     }
     if (u->last != NULL) {
@@ -408,7 +409,7 @@ static svo_status bring(const update *u)
 {
     for (unsigned i = 0; i < u->count; ++i) {
         SVO_I_TRY(
-            svo_i_share_buffer_to_cl(&u->from[i]->shared, (size_t)u->plan->vertex_count * VERTEX_BYTES, u->queue));
+            svo_i_share_buffer_to_cl(&u->from[i]->shared, (size_t)u->plan->vertex_count * VERTEX_BYTES, u->call.queue));
     }
     return SVO_OK;
 }
@@ -420,7 +421,7 @@ static svo_status take_back(const update *u)
     for (unsigned i = 0; i < u->count; ++i) {
         svo_i_share_buffer *shared = &u->from[i]->shared;
         if (shared->share == SVO_GL_SHARE_HOST && shared->mapping_queue == NULL) {
-            const svo_status mapped = svo_i_share_host_map(shared, CL_MAP_READ | CL_MAP_WRITE, u->queue);
+            const svo_status mapped = svo_i_share_host_map(shared, CL_MAP_READ | CL_MAP_WRITE, u->call.queue);
             u->from[i]->is_in_cl = mapped != SVO_OK;
             status = status != SVO_OK ? status : mapped;
         }
@@ -447,8 +448,8 @@ static svo_status run_and_wait(update *u)
     return status != SVO_OK ? status : taken;
 }
 
-svo_status svo_gl_plan_update_enqueue(svo_plan *plan, svo_gl_buffer *positions, svo_gl_buffer *normals,
-                                      cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
+svo_status svo_gl_plan_update(svo_plan *plan, svo_gl_buffer *positions, svo_gl_buffer *normals,
+                              const svo_submit *submit)
 {
     if (plan == NULL) {
         return SVO_INVALID_ARGUMENT;
@@ -459,21 +460,15 @@ svo_status svo_gl_plan_update_enqueue(svo_plan *plan, svo_gl_buffer *positions, 
     if (normals == positions) {
         return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT, UPDATE ": normals is positions");
     }
-    update u = {.plan = plan,
-                .from = {positions, normals},
-                .count = normals != NULL ? 2 : 1,
-                .queue = queue,
-                .wait_count = num_wait,
-                .wait = wait};
+    update u = {.plan = plan, .from = {positions, normals}, .count = normals != NULL ? 2 : 1};
     SVO_I_TRY(check_buffer(&u, "positions", positions));
     SVO_I_TRY(normals != NULL ? check_buffer(&u, "normals", normals) : SVO_OK);
-    SVO_I_TRY(svo_i_device_queue(plan->device, UPDATE, queue, &u.queue));
-    SVO_I_TRY(svo_i_device_check_wait(plan->device, UPDATE, num_wait, wait));
+    SVO_I_TRY(svo_i_call_begin(plan->device, UPDATE, submit, &u.call));
     const svo_status status = positions->shared.share == SVO_GL_SHARE_INTEROP ? run_by_interop(&u) : run_and_wait(&u);
-    if (status == SVO_OK && event != NULL) {
-        *event = u.last;
+    if (status == SVO_OK && u.call.event != NULL) {
+        *u.call.event = u.last;
     } else if (u.last != NULL) {
         clReleaseEvent(u.last);
     }
-    return named(plan->device, UPDATE, status);
+    return named(plan->device, UPDATE, svo_i_call_end(&u.call, status));
 }

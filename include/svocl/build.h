@@ -215,15 +215,11 @@ SVO_API svo_status svo_workspace_make_tree(svo_workspace *workspace, svo_tree **
  *
  * \param workspace not NULL
  * \param tree of this workspace, not trimmed. It has no content until svo_tree_finish, see tree.h; its buffers and its
- *        build state (svo_tree_get_build_state) may be given to kernels that wait for event. Commands that read its old
- *        content come first, by wait or by an in-order queue
- * \param queue of the device handle's context and device, in-order or out-of-order; NULL: the device's own
- * \param num_wait number of events in wait
- * \param wait events of that context to wait for; NULL when num_wait is 0
- * \param event receives an event of the whole build; NULL allowed
+ *        build state (svo_tree_get_build_state) may be given to kernels that wait for the build's event. Commands that
+ *        read its old content come first, by wait or by an in-order queue
+ * \param submit NULL: the device's own queue, and the call waits for its commands
  * \returns SVO_INVALID_ARGUMENT, SVO_OUT_OF_DEVICE_MEMORY, SVO_CL_ERROR or SVO_OUT_OF_HOST_MEMORY on failure. */
-SVO_API svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, cl_command_queue queue, cl_uint num_wait,
-                                     const cl_event *wait, cl_event *event);
+SVO_API svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, const svo_submit *submit);
 
 /** Waits for the build of a tree and reads its counts.
  *

@@ -242,38 +242,14 @@ SVO_API svo_status svo_compact_get_arrays(const svo_compact *compact, svo_compac
  * \returns SVO_INVALID_ARGUMENT (no host arrays) on failure. */
 SVO_API svo_status svo_compact_hash(const svo_compact *compact, char text[SVO_HASH_TEXT_BYTES]);
 
-/** Traces rays against the voxels of a compact tree, as svo_tree_trace_voxels_enqueue does against those of a built
- *  tree: level, face, normal and t are the same, and so is the cell. svo_voxel_hit.node is the place of the node's
- *  payload. It is SVO_NO_NODE for a node above payload_level; t tells whether there is a hit. Where all payload is
- *  constant or not held it is the node's breadth-first index in SVO_FORM_IMPLIED, and 0 in other forms. Rays through a
- *  minimized tree may stop at a leaf above level depth.
+/** A compact tree as a target. Hits of svo_trace_voxels have the level, face, normal, t and cell of those against the
+ *  built tree. svo_voxel_hit.node is the place of the node's payload. It is SVO_NO_NODE for a node above payload_level;
+ *  t tells whether there is a hit. Where all payload is constant or not held it is the node's breadth-first index in
+ *  SVO_FORM_IMPLIED, and 0 in other forms. Rays through a minimized tree may stop at a leaf above level depth.
  *
- * \param compact on a device
- * \param rays buffer of that device's context with ray_count records of svo_ray; NULL allowed when that is 0
- * \param hits such a buffer, not CL_MEM_READ_ONLY, which receives ray_count records of svo_voxel_hit, in the order of
- *        the rays
- * \param ray_count at most SVO_TRACE_RAYS_MAX
- * \param footprint width of a pixel's cone per unit of distance, finite and not negative; 0: leaves alone
- * \param queue of the context and the device of the compact tree's handle; NULL: the device's own
- * \param num_wait number of events in wait
- * \param wait events of that context to wait for; NULL when num_wait is 0
- * \param event receives an event of the batch; NULL allowed
- * \returns what svo_tree_trace_voxels_enqueue returns. */
-SVO_API svo_status svo_compact_trace_enqueue(svo_compact *compact, cl_mem rays, cl_mem hits, size_t ray_count,
-                                             float footprint, cl_command_queue queue, cl_uint num_wait,
-                                             const cl_event *wait, cl_event *event);
-
-/** svo_compact_trace_enqueue for host arrays; waits for the result.
- *
- * \param compact on a device
- * \param rays ray_count records; NULL allowed when that is 0
- * \param hits receives ray_count records, in the order of the rays
- * \param ray_count at most SVO_TRACE_RAYS_MAX
- * \param footprint see svo_compact_trace_enqueue
- * \param queue on the context of the compact tree's device; NULL: the device's own
- * \returns SVO_OUT_OF_DEVICE_MEMORY, or what svo_compact_trace_enqueue returns, on failure. */
-SVO_API svo_status svo_compact_trace(svo_compact *compact, const svo_ray *rays, svo_voxel_hit *hits, size_t ray_count,
-                                     float footprint, cl_command_queue queue);
+ * \param compact NULL: calls are refused
+ * \returns the target. */
+SVO_API svo_target svo_compact_target(svo_compact *compact);
 
 /** Draws a picture of a compact tree and waits for it: the same bytes as svo_tree_render of the tree that it was made
  *  from.
@@ -305,7 +281,7 @@ SVO_API svo_status svo_compact_render_enqueue(svo_compact *compact, const svo_re
 
 /** Voxels in a kernel of the caller's own: the text of svo_tree_kernel_source, which declares the same for a compact
  *  tree when it is compiled with svo_compact_kernel_options, but for triangles and svo_find_node. svo_node.index is a
- *  place, as svo_voxel_hit.node is in svo_compact_trace; svo_find_cell and svo_find_point stop at leaves above the
+ *  place, as svo_voxel_hit.node is in svo_trace_voxels; svo_find_cell and svo_find_point stop at leaves above the
  *  level and return true there.
  *
  * \returns a static string. */

@@ -283,7 +283,7 @@ SVO_API const char *svo_gl_raster_reason(const svo_gl *gl, svo_gl_raster raster)
 SVO_API const char *svo_gl_share_reason(const svo_gl *gl, svo_gl_share share);
 
 /** A buffer that OpenCL writes and OpenGL reads: a picture of svo_tree_render_enqueue, hits, whatever kernels make. Or
- *  one that OpenGL writes and svo_gl_plan_update_enqueue reads.
+ *  one that OpenGL writes and svo_gl_plan_update reads.
  *
  *     svo_gl_buffer_to_cl(buffer, queue);
  *     svo_tree_render_enqueue(device, tree, &options, info.memory, queue, 0, NULL, &drawn);
@@ -357,27 +357,24 @@ SVO_API svo_status svo_gl_buffer_to_cl(svo_gl_buffer *buffer, cl_command_queue q
 SVO_API svo_status svo_gl_buffer_to_gl(svo_gl_buffer *buffer, size_t used_bytes, cl_command_queue queue,
                                        cl_uint num_wait, const cl_event *wait);
 
-/** svo_plan_update_enqueue for vertices that OpenGL has written: by a compute shader, transform feedback or an upload,
- *  in commands before the call. The buffers are OpenGL's before and after.
+/** svo_plan_update for vertices that OpenGL has written: by a compute shader, transform feedback or an upload, in
+ *  commands before the call. The buffers are OpenGL's before and after.
  *
- *     svo_gl_plan_update_enqueue(plan, positions, NULL, queue, 0, NULL, NULL);
- *     svo_build_enqueue(workspace, tree, queue, 0, NULL, NULL);
+ *     const svo_submit submit = {.queue = queue};
+ *     svo_gl_plan_update(plan, positions, NULL, &submit);
+ *     svo_build_enqueue(workspace, tree, &submit);
  *
- * With "interop" nothing is waited for where the device has cl_khr_gl_event: OpenGL's later commands on this thread
- * wait for the update. Elsewhere, and with "host" and "copy", the call waits for OpenGL and until the update has
+ * With submit and "interop" nothing is waited for where the device has cl_khr_gl_event: OpenGL's later commands on this
+ * thread wait for the update. Elsewhere, and with "host" and "copy", the call waits for OpenGL and until the update has
  * ended.
  *
  * \param plan with options.updatable, of floats; of the buffers' device
  * \param positions not NULL: 3 floats per vertex, packed, from the buffer's offset_bytes on
  * \param normals the same, where the plan reads normals; else NULL. Of the context and share of positions
- * \param queue of the plan's device, in-order or out-of-order; NULL: the device's own
- * \param num_wait number of events in wait
- * \param wait events to wait for first; NULL when num_wait is 0
- * \param event receives an event of the update; NULL allowed
- * \returns what svo_plan_update_enqueue returns, and SVO_NO_GL or SVO_GL_ERROR. */
-SVO_API svo_status svo_gl_plan_update_enqueue(svo_plan *plan, svo_gl_buffer *positions, svo_gl_buffer *normals,
-                                              cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
-                                              cl_event *event);
+ * \param submit NULL: the device's own queue, and the call waits
+ * \returns what svo_plan_update returns, and SVO_NO_GL or SVO_GL_ERROR. */
+SVO_API svo_status svo_gl_plan_update(svo_plan *plan, svo_gl_buffer *positions, svo_gl_buffer *normals,
+                                      const svo_submit *submit);
 
 /** svo_build by compute shaders. The list is drawn by gl's front end and stays in OpenGL, where nodes, lists and
  *  payload are made; only the finished arrays go to OpenCL. The tree is the same, bit for bit. It serves to compare the

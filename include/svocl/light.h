@@ -244,33 +244,15 @@ typedef struct svo_gather_options {
  * no light.
  *
  * \param light not NULL
- * \param points buffer of its device's context with point_count records of svo_gather_point; NULL allowed when that
- *        is 0
- * \param results such a buffer, not CL_MEM_READ_ONLY, which receives point_count records of svo_gather_result, in the
- *        order of the points
+ * \param points point_count records of svo_gather_point; all zero allowed when that is 0
+ * \param results receives a record of svo_gather_result for each point, in their order
  * \param point_count at most SVO_TRACE_RAYS_MAX
  * \param options NULL means all defaults
- * \param queue of the context and the device of the tree's handle; NULL: the device's own
- * \param num_wait number of events in wait
- * \param wait events of that context to wait for; NULL when num_wait is 0
- * \param event receives an event of the batch; NULL allowed
- * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the grid is beyond the range of floats), SVO_COMPILE_FAILED or
- *          SVO_CL_ERROR on failure. */
-SVO_API svo_status svo_gather_enqueue(svo_light *light, cl_mem points, cl_mem results, size_t point_count,
-                                      const svo_gather_options *options, cl_command_queue queue, cl_uint num_wait,
-                                      const cl_event *wait, cl_event *event);
-
-/** svo_gather_enqueue for host arrays; waits for the result.
- *
- * \param light not NULL
- * \param points point_count records; NULL allowed when that is 0
- * \param results receives point_count records, in the order of the points
- * \param point_count at most SVO_TRACE_RAYS_MAX
- * \param options NULL means all defaults
- * \param queue on the context of its device; NULL: the device's own
- * \returns SVO_OUT_OF_DEVICE_MEMORY, or what svo_gather_enqueue returns, on failure. */
-SVO_API svo_status svo_gather(svo_light *light, const svo_gather_point *points, svo_gather_result *results,
-                              size_t point_count, const svo_gather_options *options, cl_command_queue queue);
+ * \param submit NULL: the device's own queue, and the call waits
+ * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the grid is beyond the range of floats), SVO_COMPILE_FAILED,
+ *          SVO_CL_ERROR or SVO_OUT_OF_DEVICE_MEMORY on failure. */
+SVO_API svo_status svo_gather(svo_light *light, svo_array points, svo_array results, size_t point_count,
+                              const svo_gather_options *options, const svo_submit *submit);
 
 /** Number of kernel arguments that SVO_LIGHT_PARAMETERS declares. */
 #define SVO_LIGHT_ARGUMENTS 9u

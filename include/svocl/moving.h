@@ -173,20 +173,13 @@ SVO_API svo_status svo_moving_show(svo_moving *moving, uint32_t object, int visi
  * \returns SVO_INVALID_ARGUMENT. */
 SVO_API svo_status svo_moving_remove(svo_moving *moving, uint32_t object);
 
-/** Makes the tree of the scene as it is now, and waits for it. After a failure the tree before stays what it was, and
- *  another update may succeed, for example after objects have moved back.
+/** Makes the tree of the scene as it is now. After a failure the tree before stays what it was, and another update may
+ *  succeed, for example after objects have moved back.
  *
- * \param moving not NULL
- * \param queue of the device, in-order or out-of-order; NULL: the device's own
- * \param report receives what was done; NULL: not wanted, and nothing waits between the stages
- * \returns SVO_CAPACITY_EXCEEDED (more pairs than fragment_capacity, more area than max_area; the message has the
- *          figures), SVO_OUT_OF_DEVICE_MEMORY, SVO_OUT_OF_HOST_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR. */
-SVO_API svo_status svo_moving_update(svo_moving *moving, cl_command_queue queue, svo_moving_report *report);
-
-/** Enqueues the update that svo_moving_update makes, and does not wait for the device:
+ * With submit it does not wait for the device:
  *
  *     svo_moving_set_transform   what moves, each frame
- *     svo_moving_update_enqueue  waits for nothing; the tree stays the one before
+ *     svo_moving_update          waits for nothing; the tree stays the one before
  *     svo_moving_finish          waits for the update; now the tree is that of a full build, byte for byte
  *
  * Until svo_moving_finish, calls that change the scene are refused, and those that read it tell of the tree before,
@@ -195,26 +188,22 @@ SVO_API svo_status svo_moving_update(svo_moving *moving, cl_command_queue queue,
  * Device memory is allocated for all of the room at once; OpenCL releases what is scratch when its commands are done.
  *
  * \param moving not NULL, without an update in flight
- * \param queue of the device, in-order or out-of-order; NULL: the device's own
- * \param num_wait number of events in wait
- * \param wait events of the device's context to wait for; NULL when num_wait is 0
- * \param event receives an event of the whole update; NULL allowed
- * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the pairs of an object do not fit one buffer of the device),
- *          SVO_CAPACITY_EXCEEDED (room for more than 2^32 - 65537 pairs), SVO_OUT_OF_DEVICE_MEMORY,
+ * \param submit NULL: the device's own queue, and the call waits, also between its stages
+ * \returns SVO_CAPACITY_EXCEEDED (more pairs than fragment_capacity, more area than max_area; the message has the
+ *          figures; with submit: room for more than 2^32 - 65537 pairs), SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (with
+ *          submit: the pairs of an object do not fit one buffer of the device), SVO_OUT_OF_DEVICE_MEMORY,
  *          SVO_OUT_OF_HOST_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR. After a failure, which waits for what was
- *          enqueued until then, no update is in flight and the tree stays. */
-SVO_API svo_status svo_moving_update_enqueue(svo_moving *moving, cl_command_queue queue, cl_uint num_wait,
-                                             const cl_event *wait, cl_event *event);
+ *          enqueued until then, no update is in flight. */
+SVO_API svo_status svo_moving_update(svo_moving *moving, const svo_submit *submit);
 
-/** Waits for the update in flight and takes its tree.
+/** Waits for the update in flight and takes its tree; after one that has waited, only tells of it.
  *
- * \param moving not NULL, with an update in flight
- * \param report receives what was done, without the times of stages; total_ms is the time since the update was
- *        enqueued. NULL: not wanted
+ * \param moving not NULL
+ * \param report receives what the newest update has done. Of one in flight without the times of stages; total_ms is the
+ *        time since it was enqueued. NULL: not wanted
  * \returns SVO_CAPACITY_EXCEEDED (an object has more pairs than the update had room for: the message has the figures,
- *          and the next update has room; or as svo_moving_update), SVO_INVALID_ARGUMENT (no update is in flight),
- *          SVO_OUT_OF_DEVICE_MEMORY or SVO_CL_ERROR. After a failure the tree before stays what it was, and no update
- *          is in flight. */
+ *          and the next update has room; or as svo_moving_update), SVO_INVALID_ARGUMENT, SVO_OUT_OF_DEVICE_MEMORY or
+ *          SVO_CL_ERROR. After a failure the tree before stays what it was, and no update is in flight. */
 SVO_API svo_status svo_moving_finish(svo_moving *moving, svo_moving_report *report);
 
 /** What became of the objects' BVHs. The static mesh counts as an object. */

@@ -16,6 +16,7 @@
 #include "svocl/device.h"
 #include "svocl/mesh.h"
 #include "svocl/part_types.h"
+#include "svocl/submit.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -159,7 +160,7 @@ typedef struct svo_plan_options {
      *  decides the unit of weight, which stays, so that payload does not depend on how the mesh lies at first. 0: four
      *  times the area of the mesh that is given. */
     double max_area;
-    /** Not 0: the mesh may move, see svo_plan_update_enqueue. Requires edge, a mesh with vertices and triangles, and a
+    /** Not 0: the mesh may move, see svo_plan_update. Requires edge, a mesh with vertices and triangles, and a
      *  device with doubles and denormals, since kernels make the plan: SVO_PLACE_DEVICE. All kernels that some motion
      *  may need are compiled, all payload is made per node, and the list has the room of this mesh, a margin included,
      *  unless fragment_capacity says otherwise. Takes 55 bytes per triangle and up to 38 per vertex besides what
@@ -197,7 +198,7 @@ typedef struct svo_plan_info {
      *  of 3; square world units. At most their area. */
     double area;
     uint32_t weight_log2; /**< the weight of a voxel's face, as a power of two; 0 without payload */
-    uint32_t updatable; /**< not 0: see svo_plan_update_enqueue */
+    uint32_t updatable; /**< not 0: see svo_plan_update */
 } svo_plan_info;
 
 /** An empty output. */
@@ -285,9 +286,9 @@ SVO_API svo_status svo_plan_create_from_buffers(svo_device *device, const svo_me
                                                 const svo_plan_options *options, cl_command_queue queue,
                                                 cl_uint num_wait, const cl_event *wait, svo_plan **out);
 
-/** Replaces the vertices of an updatable plan by others, without allocating device memory, compiling or waiting. Builds
- * that are enqueued later (svo_build_enqueue) wait for the update, and the update for those enqueued before, whatever
- * the queues.
+/** Replaces the vertices of an updatable plan by others, without allocating device memory or compiling. Builds that
+ * are enqueued later (svo_build_enqueue) wait for the update, and the update for those enqueued before, whatever the
+ * queues.
  *
  * The topology stays: indices, materials, vertex colors and texture coordinates are those that the plan was made from.
  * A triangle may become degenerate, leave the grid and come back. The tree equals, byte for byte, that of a new
@@ -299,36 +300,22 @@ SVO_API svo_status svo_plan_create_from_buffers(svo_device *device, const svo_me
  *
  * \param plan with options.updatable
  * \param mesh positions, in floats or doubles as at first, and normals where the plan reads them; vertex_count and
- *        triangle_count are the plan's. Other arrays are not read. The arrays must stay as they are until the event
- * \param queue of the plan's device, in-order or out-of-order; NULL: the device's own
- * \param num_wait number of events in wait
- * \param wait events to wait for first; NULL when num_wait is 0
- * \param event receives an event of the update; NULL allowed
+ *        triangle_count are the plan's. Other arrays are not read. The arrays must stay as they are until the update
+ *        is done, and with submit the call does not wait for that
+ * \param submit NULL: the device's own queue, and the call waits
  * \returns SVO_INVALID_ARGUMENT (not updatable, other counts, a missing array), SVO_CL_ERROR or SVO_OUT_OF_HOST_MEMORY
  *          on failure. */
-SVO_API svo_status svo_plan_update_enqueue(svo_plan *plan, const svo_mesh *mesh, cl_command_queue queue,
-                                           cl_uint num_wait, const cl_event *wait, cl_event *event);
+SVO_API svo_status svo_plan_update(svo_plan *plan, const svo_mesh *mesh, const svo_submit *submit);
 
-/** svo_plan_update_enqueue for vertices in OpenCL buffers. gl.h has svo_gl_plan_update_enqueue for those of OpenGL.
+/** svo_plan_update for vertices in OpenCL buffers. gl.h has svo_gl_plan_update for those of OpenGL.
  *
  * \param plan with options.updatable, of floats
  * \param buffers views of positions, and of normals where the plan reads them, with the plan's vertex_count and
- *        triangle_count. Other views are not read. The buffers must stay as they are until the event
- * \param queue see svo_plan_update_enqueue
- * \param num_wait see svo_plan_update_enqueue
- * \param wait see svo_plan_update_enqueue
- * \param event see svo_plan_update_enqueue
- * \returns what svo_plan_update_enqueue returns. */
-SVO_API svo_status svo_plan_update_from_buffers_enqueue(svo_plan *plan, const svo_mesh_buffers *buffers,
-                                                        cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
-                                                        cl_event *event);
-
-/** svo_plan_update_enqueue on the device's own queue; waits, so that the arrays are not needed afterwards.
- *
- * \param plan see svo_plan_update_enqueue
- * \param mesh see svo_plan_update_enqueue
- * \returns what svo_plan_update_enqueue returns. */
-SVO_API svo_status svo_plan_update(svo_plan *plan, const svo_mesh *mesh);
+ *        triangle_count. Other views are not read. The buffers must stay as they are until the update is done
+ * \param submit NULL: the device's own queue, and the call waits
+ * \returns what svo_plan_update returns. */
+SVO_API svo_status svo_plan_update_from_buffers(svo_plan *plan, const svo_mesh_buffers *buffers,
+                                                const svo_submit *submit);
 
 /** Destroys a plan. Updates in flight are waited for.
  *
@@ -352,7 +339,7 @@ SVO_API svo_status svo_plan_get_info(const svo_plan *plan, svo_plan_info *info);
 
 /** The depth that suits rays against the mesh's triangles, whatever the plan's own depth: the largest at which the
  *  fragment estimate expects a triangle in at most 6 leaves, so that voxels are about as large as triangles and lists
- *  stay short. Neither the hits nor the speed of svo_tree_trace depend on the depth.
+ *  stay short. Neither the hits nor the speed of svo_trace_triangles depend on the depth.
  *
  * \param plan not NULL
  * \returns 1 .. 12. */

@@ -263,59 +263,26 @@ typedef struct svo_probe_trace_options {
  *  height: rays from a surface should begin between a fiftieth of a leaf's edge and half of one above it.
  *
  * \param probes not NULL
- * \param rays buffer of their device's context with ray_count records of svo_ray; NULL allowed when that is 0
- * \param hits such a buffer, not CL_MEM_READ_ONLY, which receives ray_count records of svo_probe_hit, in the order of
- *        the rays
+ * \param rays ray_count records of svo_ray; all zero allowed when that is 0
+ * \param hits receives a record of svo_probe_hit for each ray, in their order
  * \param ray_count at most SVO_TRACE_RAYS_MAX
  * \param options NULL means all defaults
- * \param queue of the context and the device of their handle; NULL: the device's own
- * \param num_wait number of events in wait
- * \param wait events of that context to wait for; NULL when num_wait is 0
- * \param event receives an event of the batch; NULL allowed
- * \returns SVO_INVALID_ARGUMENT, SVO_COMPILE_FAILED or SVO_CL_ERROR on failure. */
-SVO_API svo_status svo_probes_trace_enqueue(svo_probes *probes, cl_mem rays, cl_mem hits, size_t ray_count,
-                                            const svo_probe_trace_options *options, cl_command_queue queue,
-                                            cl_uint num_wait, const cl_event *wait, cl_event *event);
-
-/** svo_probes_trace_enqueue for host arrays; waits for the result.
- *
- * \param probes not NULL
- * \param rays ray_count records; NULL allowed when that is 0
- * \param hits receives ray_count records, in the order of the rays
- * \param ray_count at most SVO_TRACE_RAYS_MAX
- * \param options NULL means all defaults
- * \param queue on the context of their device; NULL: the device's own
- * \returns SVO_OUT_OF_DEVICE_MEMORY, or what svo_probes_trace_enqueue returns, on failure. */
-SVO_API svo_status svo_probes_trace(svo_probes *probes, const svo_ray *rays, svo_probe_hit *hits, size_t ray_count,
-                                    const svo_probe_trace_options *options, cl_command_queue queue);
+ * \param submit NULL: the device's own queue, and the call waits
+ * \returns SVO_INVALID_ARGUMENT, SVO_COMPILE_FAILED, SVO_CL_ERROR or SVO_OUT_OF_DEVICE_MEMORY on failure. */
+SVO_API svo_status svo_probes_trace(svo_probes *probes, svo_array rays, svo_array hits, size_t ray_count,
+                                    const svo_probe_trace_options *options, const svo_submit *submit);
 
 /** Diffuse light at points, from the prefiltered maps of the probes around them.
  *
  * \param probes with svo_probe_options.diffuse
- * \param points buffer of their device's context with point_count records of svo_gather_point, of which position and
- *        normal count; NULL allowed when that is 0
- * \param results such a buffer, not CL_MEM_READ_ONLY, which receives point_count records of svo_probe_irradiance, in
- *        the order of the points
+ * \param points point_count records of svo_gather_point, of which position and normal count; all zero allowed when
+ *        that is 0
+ * \param results receives a record of svo_probe_irradiance for each point, in their order
  * \param point_count at most SVO_TRACE_RAYS_MAX
- * \param queue of the context and the device of their handle; NULL: the device's own
- * \param num_wait number of events in wait
- * \param wait events of that context to wait for; NULL when num_wait is 0
- * \param event receives an event of the batch; NULL allowed
- * \returns SVO_INVALID_ARGUMENT, SVO_COMPILE_FAILED or SVO_CL_ERROR on failure. */
-SVO_API svo_status svo_probes_irradiance_enqueue(svo_probes *probes, cl_mem points, cl_mem results, size_t point_count,
-                                                 cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
-                                                 cl_event *event);
-
-/** svo_probes_irradiance_enqueue for host arrays; waits for the result.
- *
- * \param probes with svo_probe_options.diffuse
- * \param points point_count records; NULL allowed when that is 0
- * \param results receives point_count records, in the order of the points
- * \param point_count at most SVO_TRACE_RAYS_MAX
- * \param queue on the context of their device; NULL: the device's own
- * \returns SVO_OUT_OF_DEVICE_MEMORY, or what svo_probes_irradiance_enqueue returns, on failure. */
-SVO_API svo_status svo_probes_irradiance(svo_probes *probes, const svo_gather_point *points,
-                                         svo_probe_irradiance *results, size_t point_count, cl_command_queue queue);
+ * \param submit NULL: the device's own queue, and the call waits
+ * \returns what svo_probes_trace returns. */
+SVO_API svo_status svo_probes_irradiance(svo_probes *probes, svo_array points, svo_array results, size_t point_count,
+                                         const svo_submit *submit);
 
 /** Number of kernel arguments that SVO_PROBES_PARAMETERS declares. */
 #define SVO_PROBES_ARGUMENTS 7u

@@ -137,69 +137,13 @@ typedef enum svo_scene_flags {
         2 /**< asks every instance in turn, without the hierarchy: the same hits, to check them */
 } svo_scene_flags;
 
-/** Traces rays against the voxels of a scene.
+/** A scene as a target. Each instance's hit is that of svo_trace_voxels or svo_trace_triangles for the ray in the tree.
+ *  A footprint divides by the length of the matrix's longest column: nodes are drawn as leaves when the instance shows
+ *  them smaller than a pixel. Triangles need SVO_NEED_RAYS.
  *
- * Each instance's hit is that of svo_tree_trace_voxels or svo_compact_trace for the ray in the tree. A footprint
- * divides by the length of the matrix's longest column: nodes are drawn as leaves when the instance shows them smaller
- * than a pixel. The first call of a device handle compiles the kernel; later calls allocate nothing on the device.
- *
- * \param scene not NULL
- * \param rays buffer of that device's context with ray_count records of svo_ray; NULL allowed when that is 0
- * \param hits such a buffer, not CL_MEM_READ_ONLY, which receives ray_count records of svo_scene_hit, in the order of
- *        the rays
- * \param ray_count at most SVO_TRACE_RAYS_MAX
- * \param footprint the width of a pixel's cone per unit of distance; 0: leaves alone
- * \param flags a sum of svo_scene_flags
- * \param queue of the context and the device of the scene's handle; NULL: the device's own
- * \param num_wait number of events in wait
- * \param wait events of that context to wait for; NULL when num_wait is 0
- * \param event receives an event of the batch; NULL allowed
- * \returns SVO_INVALID_ARGUMENT, SVO_COMPILE_FAILED or SVO_CL_ERROR on failure. */
-SVO_API svo_status svo_scene_trace_enqueue(svo_scene *scene, cl_mem rays, cl_mem hits, size_t ray_count,
-                                           float footprint, uint32_t flags, cl_command_queue queue, cl_uint num_wait,
-                                           const cl_event *wait, cl_event *event);
-
-/** svo_scene_trace_enqueue for host arrays; waits for the result.
- *
- * \param scene see svo_scene_trace_enqueue
- * \param rays ray_count records; NULL allowed when that is 0
- * \param hits receives ray_count records, in the order of the rays
- * \param ray_count at most SVO_TRACE_RAYS_MAX
- * \param footprint see svo_scene_trace_enqueue
- * \param flags a sum of svo_scene_flags
- * \param queue on the context of the scene's device; NULL: the device's own
- * \returns SVO_OUT_OF_DEVICE_MEMORY, or what svo_scene_trace_enqueue returns, on failure. */
-SVO_API svo_status svo_scene_trace(svo_scene *scene, const svo_ray *rays, svo_scene_hit *hits, size_t ray_count,
-                                   float footprint, uint32_t flags, cl_command_queue queue);
-
-/** Traces rays against the triangles of a scene, as svo_tree_trace_enqueue does for a tree.
- *
- * \param scene with SVO_NEED_RAYS
- * \param rays buffer of that device's context with ray_count records of svo_ray; NULL allowed when that is 0
- * \param hits such a buffer, not CL_MEM_READ_ONLY, which receives ray_count records of svo_scene_triangle_hit, in the
- *        order of the rays
- * \param ray_count at most SVO_TRACE_RAYS_MAX
- * \param flags a sum of svo_scene_flags
- * \param queue of the context and the device of the scene's handle; NULL: the device's own
- * \param num_wait number of events in wait
- * \param wait events of that context to wait for; NULL when num_wait is 0
- * \param event receives an event of the batch; NULL allowed
- * \returns SVO_INVALID_ARGUMENT, SVO_COMPILE_FAILED or SVO_CL_ERROR on failure. */
-SVO_API svo_status svo_scene_trace_triangles_enqueue(svo_scene *scene, cl_mem rays, cl_mem hits, size_t ray_count,
-                                                     uint32_t flags, cl_command_queue queue, cl_uint num_wait,
-                                                     const cl_event *wait, cl_event *event);
-
-/** svo_scene_trace_triangles_enqueue for host arrays; waits for the result.
- *
- * \param scene with SVO_NEED_RAYS
- * \param rays ray_count records; NULL allowed when that is 0
- * \param hits receives ray_count records, in the order of the rays
- * \param ray_count at most SVO_TRACE_RAYS_MAX
- * \param flags a sum of svo_scene_flags
- * \param queue on the context of the scene's device; NULL: the device's own
- * \returns SVO_OUT_OF_DEVICE_MEMORY, or what svo_scene_trace_triangles_enqueue returns, on failure. */
-SVO_API svo_status svo_scene_trace_triangles(svo_scene *scene, const svo_ray *rays, svo_scene_triangle_hit *hits,
-                                             size_t ray_count, uint32_t flags, cl_command_queue queue);
+ * \param scene NULL: calls are refused
+ * \returns the target. */
+SVO_API svo_target svo_scene_target(svo_scene *scene);
 
 /** Frames all instances, from where svo_camera_frame looks.
  *

@@ -211,7 +211,7 @@ SVO_API svo_status svo_tree_prepare_rays(svo_tree *tree, cl_command_queue queue)
  * \returns what svo_tree_prepare_rays returns. */
 SVO_API svo_status svo_tree_make_bvh(svo_tree *tree, svo_bvh_quality quality, cl_command_queue queue);
 
-/** Fits the tree's BVH to a mesh that has moved (svo_plan_update_enqueue), after a build into the tree. Allocates no
+/** Fits the tree's BVH to a mesh that has moved (svo_plan_update), after a build into the tree. Allocates no
  * device memory, compiles nothing and waits for no build: enqueue it after svo_build_enqueue, with that call's event or
  * on the same in-order queue.
  *
@@ -222,13 +222,9 @@ SVO_API svo_status svo_tree_make_bvh(svo_tree *tree, svo_bvh_quality quality, cl
  *
  * \param tree of a workspace of an updatable plan with positions in floats, not trimmed, with a BVH that was made while
  *        all its triangles were inside the grid. Rays of its old content come first, by wait or by an in-order queue
- * \param queue of the context and the device of the tree's handle; NULL: the device's own
- * \param num_wait number of events in wait
- * \param wait events of that context to wait for; NULL when num_wait is 0
- * \param event receives an event of the refit; NULL allowed
+ * \param submit NULL: the device's own queue, and the call waits
  * \returns SVO_INVALID_ARGUMENT, SVO_CL_ERROR or SVO_OUT_OF_HOST_MEMORY on failure. */
-SVO_API svo_status svo_tree_refit_bvh_enqueue(svo_tree *tree, cl_command_queue queue, cl_uint num_wait,
-                                              const cl_event *wait, cl_event *event);
+SVO_API svo_status svo_tree_refit_bvh(svo_tree *tree, const svo_submit *submit);
 
 /** Device memory of the BVH.
  *
@@ -290,110 +286,19 @@ SVO_API svo_status svo_trace_triangles(svo_target target, svo_array rays, svo_ar
 SVO_API svo_status svo_trace_voxels(svo_target target, svo_array rays, svo_array hits, size_t ray_count,
                                     float footprint, uint32_t flags, const svo_submit *submit);
 
-/** Traces rays against the triangles of the mesh as it was given, as far as they lie inside the grid; of a tree with
- *  SVO_POSITIONS_SNAPPED against those of the snapped mesh. On a caller's grid the hits of a triangle that has a voxel
- *  there may lie half a grid unit outside, since voxels are those of the snapped mesh.
- *
- * Hit, t, u and v are computed in double precision and are the same on every device with cl_khr_fp64, whatever the
- * tree's depth; elsewhere the same watertight test runs in single precision, on vertices rounded to floats in grid
- * units, which are off by at most 2^-25 of the grid's width; and hits may lie outside the grid by 2^-19 more of the
- * largest coordinate, from the grid's corner, of a vertex or the ray's origin. t is that of the exact hit, rounded to
- * float, or next to it. Closed surfaces have no gaps: a ray through an edge or a corner hits one of the triangles
- * there. A ray with a number that is not finite (t_max excepted), without a direction, or with t_min above t_max hits
- * nothing.
- *
- * The first call of a device handle compiles the kernel; the first call for a tree makes its BVH. Later calls allocate
- * nothing on the device.
- *
- * \param tree with SVO_NEED_RAYS, coverage half-open or closed, on a device
- * \param rays buffer of that device's context with ray_count records of svo_ray; NULL allowed when that is 0
- * \param hits such a buffer, not CL_MEM_READ_ONLY, which receives ray_count records of svo_hit, in the order of the
- *        rays
- * \param ray_count at most SVO_TRACE_RAYS_MAX
- * \param flags one of svo_trace_flags
- * \param queue of the context and the device of the tree's handle; NULL: the device's own
- * \param num_wait number of events in wait
- * \param wait events of that context to wait for; NULL when num_wait is 0
- * \param event receives an event of the batch; NULL allowed
- * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the grid is beyond the range of floats), SVO_COMPILE_FAILED,
- *          SVO_CL_ERROR, or what svo_tree_prepare_rays returns, on failure. */
-SVO_API svo_status svo_tree_trace_enqueue(svo_tree *tree, cl_mem rays, cl_mem hits, size_t ray_count, uint32_t flags,
-                                          cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
-                                          cl_event *event);
-
-/** svo_tree_trace_enqueue for host arrays; waits for the result.
- *
- * \param tree see svo_tree_trace_enqueue
- * \param rays ray_count records; NULL allowed when that is 0
- * \param hits receives ray_count records, in the order of the rays
- * \param ray_count at most SVO_TRACE_RAYS_MAX
- * \param flags one of svo_trace_flags
- * \param queue on the context of the tree's device; NULL: the device's own
- * \returns SVO_OUT_OF_DEVICE_MEMORY, or what svo_tree_trace_enqueue returns, on failure. */
-SVO_API svo_status svo_tree_trace(svo_tree *tree, const svo_ray *rays, svo_hit *hits, size_t ray_count, uint32_t flags,
-                                  cl_command_queue queue);
-
-/** Traces rays against the voxels of a tree: the first leaf along each ray, or the first larger node that a pixel of
- *  the footprint covers. Computed in single precision, by the traversal of svo_trace_voxel (svo_tree_kernel_source).
- *
- * \param tree on a device; its needs and coverage do not matter
- * \param rays see svo_tree_trace_enqueue
- * \param hits such a buffer, not CL_MEM_READ_ONLY, which receives ray_count records of svo_voxel_hit, in the order of
- *        the rays
- * \param ray_count at most SVO_TRACE_RAYS_MAX
- * \param footprint width of a pixel's cone per unit of distance, finite and not negative; 0: leaves alone
- * \param queue of the context and the device of the tree's handle; NULL: the device's own
- * \param num_wait number of events in wait
- * \param wait events of that context to wait for; NULL when num_wait is 0
- * \param event receives an event of the batch; NULL allowed
- * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the grid is beyond the range of floats), SVO_COMPILE_FAILED or
- *          SVO_CL_ERROR on failure. */
-SVO_API svo_status svo_tree_trace_voxels_enqueue(svo_tree *tree, cl_mem rays, cl_mem hits, size_t ray_count,
-                                                 float footprint, cl_command_queue queue, cl_uint num_wait,
-                                                 const cl_event *wait, cl_event *event);
-
-/** svo_tree_trace_voxels_enqueue for host arrays; waits for the result.
- *
- * \param tree see svo_tree_trace_voxels_enqueue
- * \param rays ray_count records; NULL allowed when that is 0
- * \param hits receives ray_count records, in the order of the rays
- * \param ray_count at most SVO_TRACE_RAYS_MAX
- * \param footprint see svo_tree_trace_voxels_enqueue
- * \param queue on the context of the tree's device; NULL: the device's own
- * \returns SVO_OUT_OF_DEVICE_MEMORY, or what svo_tree_trace_voxels_enqueue returns, on failure. */
-SVO_API svo_status svo_tree_trace_voxels(svo_tree *tree, const svo_ray *rays, svo_voxel_hit *hits, size_t ray_count,
-                                         float footprint, cl_command_queue queue);
-
 /** Finds the nearest triangle to each point: least distance as reported, then least position in the mesh. The mesh is
  *  the one that rays meet. Distances are computed in double precision and rounded to float, on devices with
  *  cl_khr_fp64. Triangles must lie inside the grid, as all do on a fitted one. A point that is not finite, or without a
  *  triangle within its max_distance, has none.
  *
- * \param tree see svo_tree_trace_enqueue
- * \param points buffer of that device's context with point_count records of svo_query_point; NULL allowed when that
- *        is 0
- * \param results such a buffer, not CL_MEM_READ_ONLY, which receives point_count records of svo_nearest, in the order
- *        of the points
+ * \param tree with SVO_NEED_RAYS, coverage half-open or closed, on a device
+ * \param points point_count records of svo_query_point; all zero allowed when that is 0
+ * \param results receives a record of svo_nearest for each point, in their order
  * \param point_count at most SVO_TRACE_RAYS_MAX
- * \param queue of the context and the device of the tree's handle; NULL: the device's own
- * \param num_wait number of events in wait
- * \param wait events of that context to wait for; NULL when num_wait is 0
- * \param event receives an event of the batch; NULL allowed
- * \returns what svo_tree_trace_enqueue returns. */
-SVO_API svo_status svo_tree_nearest_enqueue(svo_tree *tree, cl_mem points, cl_mem results, size_t point_count,
-                                            cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
-                                            cl_event *event);
-
-/** svo_tree_nearest_enqueue for host arrays; waits for the result.
- *
- * \param tree see svo_tree_trace_enqueue
- * \param points point_count records; NULL allowed when that is 0
- * \param results receives point_count records, in the order of the points
- * \param point_count at most SVO_TRACE_RAYS_MAX
- * \param queue on the context of the tree's device; NULL: the device's own
- * \returns what svo_tree_trace returns. */
-SVO_API svo_status svo_tree_nearest(svo_tree *tree, const svo_query_point *points, svo_nearest *results,
-                                    size_t point_count, cl_command_queue queue);
+ * \param submit NULL: the device's own queue, and the call waits
+ * \returns what svo_trace_triangles returns. */
+SVO_API svo_status svo_tree_nearest(svo_tree *tree, svo_array points, svo_array results, size_t point_count,
+                                    const svo_submit *submit);
 
 /** Number of kernel arguments that SVO_TREE_PARAMETERS declares. */
 #define SVO_TREE_ARGUMENTS 5u
@@ -442,7 +347,7 @@ SVO_API svo_status svo_kernel_set_arguments(svo_target target, cl_kernel kernel,
  *     uint svo_trace_count(const svo_tree *, const svo_ray *, svo_hit *)      how many, and the first
  *     void svo_trace_rays(const svo_tree *, global const svo_ray *, global svo_hit *, uint ray_count, bool any)
  *         svo_trace_closest, or any: svo_trace_any, for an array of rays by one work-item. On CPUs the option
- *         -DSVO_RAY_STREAMS makes it trace them as svo_tree_trace does, in packets of coherent rays and streams of
+ *         -DSVO_RAY_STREAMS makes it trace them as svo_trace_triangles does, in packets of coherent rays and streams of
  *         others: best hundreds at once. The hits are the same. On GPUs leave the option out, and trace a ray by a
  *         work-item
  *     bool svo_trace_voxel(const svo_tree *, const svo_ray *, float footprint, svo_voxel_hit *)

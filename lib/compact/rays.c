@@ -7,6 +7,7 @@
 #include "rays/batch.h"
 #include "rays/picture.h"
 #include "rays/programs.h"
+#include "rays/target.h"
 #include "svocl/plan.h"
 
 /* ---- the target ---- */
@@ -45,38 +46,17 @@ static svo_i_ray_target target_of(svo_compact *compact)
 
 /* ---- batches ---- */
 
-/* footprint: lives as long as the batch. */
-static svo_status make_batch(svo_compact *compact, const char *function, size_t ray_count, const cl_float *footprint,
-                             svo_i_batch *out)
+static svo_status trace_voxels(void *of, const svo_array *rays, const svo_array *hits, size_t ray_count,
+                               float footprint, uint32_t flags, const svo_submit *submit)
 {
-    *out = (svo_i_batch){.device = compact->device,
-                         .function = function,
+    svo_compact *compact = of;
+    svo_i_batch asked = {.device = compact->device,
+                         .function = "svo_trace_voxels",
                          .target = target_of(compact),
                          .program = &svo_i_program_trace_voxels,
                          .defines = svo_i_form_defines(&compact->info)};
-    return svo_i_batch_of_voxels(out, ray_count, footprint);
-}
-
-svo_status svo_compact_trace_enqueue(svo_compact *compact, cl_mem rays, cl_mem hits, size_t ray_count, float footprint,
-                                     cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
-{
-    svo_i_batch asked;
-    if (compact == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    SVO_I_TRY(make_batch(compact, "svo_compact_trace_enqueue", ray_count, &footprint, &asked));
-    return svo_i_batch_enqueue(&asked, rays, hits, queue, num_wait, wait, event);
-}
-
-svo_status svo_compact_trace(svo_compact *compact, const svo_ray *rays, svo_voxel_hit *hits, size_t ray_count,
-                             float footprint, cl_command_queue queue)
-{
-    svo_i_batch asked;
-    if (compact == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    SVO_I_TRY(make_batch(compact, "svo_compact_trace", ray_count, &footprint, &asked));
-    return svo_i_batch_run(&asked, rays, hits, queue);
+    SVO_I_TRY(svo_i_batch_of_voxels(&asked, ray_count, &footprint, flags));
+    return svo_i_batch_run(&asked, rays, hits, submit);
 }
 
 /* ---- pictures ---- */
@@ -170,4 +150,19 @@ svo_status svo_compact_set_args(svo_compact *compact, cl_kernel kernel, cl_uint 
         return svo_i_device_fail(compact->device, SVO_INVALID_ARGUMENT, "%s: kernel %s", function, wrong);
     }
     return set_target(compact, function, kernel, first_index);
+}
+
+/* ---- the class ---- */
+
+static svo_device *device_of(const void *compact)
+{
+    return ((const svo_compact *)compact)->device;
+}
+
+static const struct svo_target_class compact_class = {
+    .name = "compact tree", .device = device_of, .trace_voxels = trace_voxels};
+
+svo_target svo_compact_target(svo_compact *compact)
+{
+    return (svo_target){&compact_class, compact};
 }

@@ -132,53 +132,29 @@ static svo_status set_target(void *of, const char *function, cl_kernel kernel, c
     return set_light(of, function, kernel, first_index);
 }
 
-/* params: lives as long as the batch. */
-static svo_i_batch batch_of(svo_light *light, const char *function, size_t point_count, const svo_gather_params *params)
+svo_status svo_gather(svo_light *light, svo_array points, svo_array results, size_t point_count,
+                      const svo_gather_options *options, const svo_submit *submit)
 {
-    return (svo_i_batch){.device = light->device,
-                         .function = function,
-                         .target = {light, SVO_LIGHT_ARGUMENTS, check_target, set_target},
-                         .program = &svo_i_program_gather,
-                         .kernel_name = "svo_k_gather",
-                         .defines = form_defines(light),
-                         .input_name = "points",
-                         .output_name = "results",
-                         .input_bytes = sizeof(svo_gather_point),
-                         .output_bytes = sizeof(svo_gather_result),
-                         .count = point_count,
-                         .per_item = 1,
-                         .last_argument = {sizeof *params, params, false}};
-}
-
-/* Checks the options and fills the batch, which refers to params. */
-static svo_status prepare(svo_light *light, const char *function, size_t point_count, const svo_gather_options *options,
-                          svo_gather_params *params, svo_i_batch *out)
-{
+    static const char function[] = "svo_gather";
+    svo_gather_params params;
     if (light == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    SVO_I_TRY(read_gather(light, function, options, params));
-    *out = batch_of(light, function, point_count, params);
-    return SVO_OK;
-}
-
-svo_status svo_gather_enqueue(svo_light *light, cl_mem points, cl_mem results, size_t point_count,
-                              const svo_gather_options *options, cl_command_queue queue, cl_uint num_wait,
-                              const cl_event *wait, cl_event *event)
-{
-    svo_gather_params params;
-    svo_i_batch asked;
-    SVO_I_TRY(prepare(light, "svo_gather_enqueue", point_count, options, &params, &asked));
-    return svo_i_batch_enqueue(&asked, points, results, queue, num_wait, wait, event);
-}
-
-svo_status svo_gather(svo_light *light, const svo_gather_point *points, svo_gather_result *results, size_t point_count,
-                      const svo_gather_options *options, cl_command_queue queue)
-{
-    svo_gather_params params;
-    svo_i_batch asked;
-    SVO_I_TRY(prepare(light, "svo_gather", point_count, options, &params, &asked));
-    return svo_i_batch_run(&asked, points, results, queue);
+    SVO_I_TRY(read_gather(light, function, options, &params));
+    const svo_i_batch asked = {.device = light->device,
+                               .function = function,
+                               .target = {light, SVO_LIGHT_ARGUMENTS, check_target, set_target},
+                               .program = &svo_i_program_gather,
+                               .kernel_name = "svo_k_gather",
+                               .defines = form_defines(light),
+                               .input_name = "points",
+                               .output_name = "results",
+                               .input_bytes = sizeof(svo_gather_point),
+                               .output_bytes = sizeof(svo_gather_result),
+                               .count = point_count,
+                               .per_item = 1,
+                               .last_argument = {sizeof params, &params, false}};
+    return svo_i_batch_run(&asked, &points, &results, submit);
 }
 
 /* ---- kernels that shade ---- */

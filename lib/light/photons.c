@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "light/programs.h"
+#include "rays/batch.h"
 #include "rays/rays.h"
 #include "svocl/trace.h"
 
@@ -314,11 +315,13 @@ static svo_status trace_band(svo_i_photons *photons, uint32_t count)
 {
     svo_i_device_work *work = photons->work;
     cl_event done = NULL;
-    const svo_status status = photons->of_triangles
-                                  ? svo_tree_trace_enqueue(photons->tree, photons->rays, photons->met, count,
-                                                           SVO_TRACE_CLOSEST, work->queue, 1, &work->last, &done)
-                                  : svo_tree_trace_voxels_enqueue(photons->tree, photons->rays, photons->met, count,
-                                                                  0.0F, work->queue, 1, &work->last, &done);
+    const svo_array rays = svo_in_buffer(photons->rays);
+    const svo_array met = svo_in_buffer(photons->met);
+    const svo_submit submit = {.queue = work->queue, .num_wait = 1, .wait = &work->last, .event = &done};
+    const svo_status status =
+        photons->of_triangles
+            ? svo_i_tree_trace_triangles(photons->tree, &rays, &met, count, SVO_TRACE_CLOSEST, &submit)
+            : svo_i_tree_trace_voxels(photons->tree, &rays, &met, count, 0.0F, 0, &submit);
     if (status != SVO_OK) {
         svo_i_message_rename(svo_i_device_message(work->device), work->function);
         return status;

@@ -7,7 +7,7 @@
  *   objects       objects: their meshes, transforms and bounds
  *   pairs         pairs of an object, and lists of pairs merged; the chain of an update's commands
  *   tree          the tree of a list of pairs
- *   update        updates, which wait or are enqueued
+ *   update        updates, which wait or do not
  *   bvh_buffers   the common buffers of the objects' BVHs
  *   bvh           the BVH of the scene from those of its objects
  *   moving        creation, destruction, and what is known of the scene
@@ -114,6 +114,7 @@ struct svo_moving {
     cl_mem materials, texels; /* of all objects; NULL where none are needed */
     svo_i_kept_list list, spare; /* of the newest tree; and the buffers that were its list before */
     svo_tree *tree;
+    svo_moving_report report; /* of the newest update, unless it is in flight */
     struct svo_i_flight *flight; /* an update that is enqueued and not finished; else NULL */
     double area; /* of the newest tree */
     bool is_open; /* the mesh of the newest tree is open; false where that is not known, without projected areas */

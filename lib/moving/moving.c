@@ -6,6 +6,7 @@
 #include "moving/bvh.h"
 #include "moving/objects.h"
 #include "moving/pairs.h"
+#include "moving/update.h"
 
 /* ---- creation ---- */
 
@@ -106,7 +107,8 @@ svo_status svo_moving_create(svo_device *device, const svo_mesh *mesh, unsigned 
     moving->device = device;
     moving->depth = depth;
     SVO_I_TRY_CLEANUP(create(moving, mesh, options));
-    SVO_I_TRY_CLEANUP(svo_moving_update(moving, queue, NULL));
+    SVO_I_TRY_CLEANUP(svo_i_device_queue(device, "svo_moving_create", queue, &queue));
+    SVO_I_TRY_CLEANUP(svo_i_moving_update(moving, queue));
     *out = moving;
     return SVO_OK;
 cleanup:

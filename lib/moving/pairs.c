@@ -170,12 +170,12 @@ static svo_status make_chunk(const svo_moving *moving, svo_i_build *build, svo_i
     SVO_I_TRY(svo_i_chunking_create(plan, svo_i_chunk_bytes_max(plan, build->frontend->chunk_bytes_max), chunking));
     if (chunking->chunk_count != 1) {
         return svo_i_device_fail(device, SVO_UNSUPPORTED,
-                                 "svo_moving_update_enqueue: the pairs of an object do not fit one buffer of the "
+                                 "svo_moving_update: the pairs of an object do not fit one buffer of the "
                                  "device");
     }
     build->list.chunks = svo_i_alloc_zeroed(&device->memory, 1, sizeof *build->list.chunks);
     if (build->list.chunks == NULL) {
-        return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "svo_moving_update_enqueue: no memory for a list");
+        return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "svo_moving_update: no memory for a list");
     }
     build->list.chunk_count = 1;
     build->fragment_count = chunking->chunks[0].capacity;
@@ -189,10 +189,10 @@ static svo_status draw_later(svo_moving *moving, svo_i_build *build, svo_i_pair_
     svo_i_commands *commands = &build->commands;
     svo_i_chunking chunking = {0};
     cl_program program = NULL;
-    SVO_I_TRY_CLEANUP(svo_i_moving_program(moving, "svo_moving_update_enqueue", &program));
+    SVO_I_TRY_CLEANUP(svo_i_moving_program(moving, "svo_moving_update", &program));
     SVO_I_TRY_CLEANUP(make_chunk(moving, build, &chunking));
     SVO_I_TRY_CLEANUP(svo_i_frontend_voxelize(build->frontend, commands, &chunking, &build->list));
-    SVO_I_TRY_CLEANUP(svo_i_device_buffer(moving->device, "svo_moving_update_enqueue", "pair_count", CL_MEM_READ_WRITE,
+    SVO_I_TRY_CLEANUP(svo_i_device_buffer(moving->device, "svo_moving_update", "pair_count", CL_MEM_READ_WRITE,
                                           sizeof(cl_uint), &out->counted));
     const svo_moving_params params = {.count = (cl_uint)build->fragment_count};
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(build->list.counters),

@@ -3,16 +3,17 @@
  * Updates of a scene that moves. An update makes new pairs of what changed, a new list and a new tree beside the old
  * ones, and takes them only when all has succeeded.
  *
- * Those that are enqueued do not wait: they have the room of lists in place of counts, which stay on the device until
+ * Those with an svo_submit do not wait: they have the room of lists in place of counts, which stay on the device until
  * the update is finished. Then the new list and tree are taken, or dropped where the room was too small.
  */
 #include "plan/update.h"
 #include "core/struct_size.h"
+#include "core/submit.h"
 #include "moving/objects.h"
 #include "moving/tree.h"
+#include "moving/update.h"
 
 static const char update_name[] = "svo_moving_update";
-static const char enqueue_name[] = "svo_moving_update_enqueue";
 static const char finish_name[] = "svo_moving_finish";
 
 #define SIZES_OF_REPORT SVO_I_STRUCT_SIZES(svo_moving_report, total_ms)
@@ -24,7 +25,6 @@ typedef struct update {
     svo_moving *moving;
     svo_i_chain chain;
     uint64_t fragment_limit; /* most pairs of the scene */
-    bool timed;
     svo_moving_report report;
     double start_ms; /* of the current stage */
     svo_i_kept_list *changed; /* lists of the objects in members */
@@ -181,7 +181,8 @@ static svo_status move_objects(update *u)
             continue;
         }
         if (object->moved) {
-            SVO_I_TRY(svo_plan_update_enqueue(object->plan, &object->mesh, u->chain.queue, 0, NULL, NULL));
+            const svo_submit submit = {.queue = u->chain.queue};
+            SVO_I_TRY(svo_plan_update(object->plan, &object->mesh, &submit));
             SVO_I_TRY(svo_i_update_settle(object->plan, update_name, u->chain.queue));
             object->moved = false;
         }
@@ -226,29 +227,20 @@ static svo_status run_stages(update *u)
         counts[i] = u->changed[i].count;
     }
     SVO_I_TRY_CLEANUP(merge_changed(u));
-    SVO_I_TRY_CLEANUP(svo_i_moving_tree(u->moving, &u->chain, &u->list, NULL, u->timed ? &u->report : NULL, &u->tree));
+    SVO_I_TRY_CLEANUP(svo_i_moving_tree(u->moving, &u->chain, &u->list, NULL, &u->report, &u->tree));
     commit(u, counts);
 cleanup:
     svo_i_free(counts);
     return status;
 }
 
-svo_status svo_moving_update(svo_moving *moving, cl_command_queue queue, svo_moving_report *report)
+svo_status svo_i_moving_update(svo_moving *moving, cl_command_queue queue)
 {
-    if (moving == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
     const double start_ms = svo_i_now_ms();
     update u = {.moving = moving,
-                .chain = {.function = update_name, .waits = true},
+                .chain = {.function = update_name, .queue = queue, .waits = true},
                 .fragment_limit = moving->fragment_limit,
-                .timed = report != NULL,
                 .start_ms = start_ms};
-    SVO_I_TRY(svo_i_moving_check_still(moving, update_name));
-    SVO_I_TRY(report != NULL
-                  ? svo_i_struct_check(&moving->device->message, update_name, "report", report, SIZES_OF_REPORT)
-                  : SVO_OK);
-    SVO_I_TRY(svo_i_device_queue(moving->device, update_name, queue, &u.chain.queue));
     u.report.fragments = moving->list.count;
     const bool due = is_due(moving);
     const svo_status status = due ? run_stages(&u) : SVO_OK;
@@ -257,13 +249,11 @@ svo_status svo_moving_update(svo_moving *moving, cl_command_queue queue, svo_mov
     }
     release_update(&u);
     u.report.total_ms = svo_i_now_ms() - start_ms;
-    if (report != NULL) {
-        (void)svo_i_struct_write(NULL, update_name, "report", &u.report, report, SIZES_OF_REPORT);
-    }
+    moving->report = u.report;
     return status;
 }
 
-/* ---- updates that are enqueued ---- */
+/* ---- updates that do not wait ---- */
 
 /* What the device tells of an object that is made anew. */
 typedef struct news_of_object {
@@ -309,7 +299,7 @@ static svo_status prepare(svo_i_flight *flight, svo_moving *moving, cl_command_q
     const svo_i_memory *memory = &moving->device->memory;
     flight->start_ms = svo_i_now_ms();
     flight->update = (update){.moving = moving,
-                              .chain = {.function = enqueue_name, .queue = queue},
+                              .chain = {.function = update_name, .queue = queue},
                               .fragment_limit = SVO_I_FRAGMENTS_MAX,
                               .start_ms = flight->start_ms};
     flight->news = svo_i_alloc_zeroed(memory, moving->object_count, sizeof *flight->news);
@@ -317,17 +307,17 @@ static svo_status prepare(svo_i_flight *flight, svo_moving *moving, cl_command_q
     flight->moved = svo_i_alloc_zeroed(memory, moving->object_count, sizeof *flight->moved);
     return flight->news != NULL && flight->counts != NULL && flight->moved != NULL
                ? SVO_OK
-               : svo_i_device_fail(moving->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u objects", enqueue_name,
+               : svo_i_device_fail(moving->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u objects", update_name,
                                    moving->object_count);
 }
 
-static svo_status wait_first(svo_i_flight *flight, cl_uint num_wait, const cl_event *wait)
+static svo_status wait_first(svo_i_flight *flight, const svo_i_call *call)
 {
     svo_i_chain *chain = &flight->update.chain;
-    const cl_int error = clEnqueueMarkerWithWaitList(chain->queue, num_wait, wait, &chain->last);
-    return error == CL_SUCCESS ? SVO_OK
-                               : svo_i_device_fail_cl(flight->update.moving->device, enqueue_name,
-                                                      "clEnqueueMarkerWithWaitList", error);
+    const cl_int error = clEnqueueMarkerWithWaitList(chain->queue, call->num_wait, call->wait, &chain->last);
+    return error == CL_SUCCESS
+               ? SVO_OK
+               : svo_i_device_fail_cl(flight->update.moving->device, update_name, "clEnqueueMarkerWithWaitList", error);
 }
 
 /* Brings new vertices to the object's plan, and their totals to the host. */
@@ -337,7 +327,8 @@ static svo_status move_object(svo_i_flight *flight, uint32_t index, news_of_obje
     svo_i_moving_object *object = &flight->update.moving->objects[index];
     svo_build_report discarded = {0};
     cl_event moved = NULL;
-    SVO_I_TRY(svo_plan_update_enqueue(object->plan, &object->mesh, chain->queue, 1, &chain->last, &moved));
+    const svo_submit submit = {.queue = chain->queue, .num_wait = 1, .wait = &chain->last, .event = &moved};
+    SVO_I_TRY(svo_plan_update(object->plan, &object->mesh, &submit));
     clReleaseEvent(chain->last);
     chain->last = moved;
     object->moved = false;
@@ -396,11 +387,11 @@ static svo_status hand_over(svo_i_flight *flight, cl_event *event)
     svo_device *device = flight->update.moving->device;
     cl_int error = clFlush(chain->queue);
     if (error != CL_SUCCESS) {
-        return svo_i_device_fail_cl(device, enqueue_name, "clFlush", error);
+        return svo_i_device_fail_cl(device, update_name, "clFlush", error);
     }
     error = event != NULL ? clRetainEvent(chain->last) : CL_SUCCESS;
     if (error != CL_SUCCESS) {
-        return svo_i_device_fail_cl(device, enqueue_name, "clRetainEvent", error);
+        return svo_i_device_fail_cl(device, update_name, "clRetainEvent", error);
     }
     if (event != NULL) {
         *event = chain->last;
@@ -410,32 +401,37 @@ static svo_status hand_over(svo_i_flight *flight, cl_event *event)
     return SVO_OK;
 }
 
-svo_status svo_moving_update_enqueue(svo_moving *moving, cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
-                                     cl_event *event)
+/* Enqueues an update, whose queue is checked, and which is in flight then. */
+static svo_status take_off(svo_moving *moving, const svo_i_call *call)
 {
     svo_status status = SVO_OK;
-    if (moving == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    SVO_I_TRY(svo_i_device_queue(moving->device, enqueue_name, queue, &queue));
-    SVO_I_TRY(svo_i_device_check_wait(moving->device, enqueue_name, num_wait, wait));
-    SVO_I_TRY(svo_i_moving_check_still(moving, enqueue_name));
     svo_i_flight *flight = svo_i_alloc_zeroed(&moving->device->memory, 1, sizeof *flight);
     if (flight == NULL) {
-        return svo_i_device_fail(moving->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for an update", enqueue_name);
+        return svo_i_device_fail(moving->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for an update", update_name);
     }
-    SVO_I_TRY_CLEANUP(prepare(flight, moving, queue));
-    SVO_I_TRY_CLEANUP(wait_first(flight, num_wait, wait));
+    SVO_I_TRY_CLEANUP(prepare(flight, moving, call->queue));
+    SVO_I_TRY_CLEANUP(wait_first(flight, call));
     SVO_I_TRY_CLEANUP(is_due(moving) ? enqueue_stages(flight) : SVO_OK);
-    SVO_I_TRY_CLEANUP(hand_over(flight, event));
+    SVO_I_TRY_CLEANUP(hand_over(flight, call->event));
     moving->flight = flight;
     return SVO_OK;
 cleanup:
-    (void)clFlush(queue);
+    (void)clFlush(call->queue);
     svo_i_chain_settle(&flight->update.chain); /* its commands write to the flight */
     forget_moves(flight);
     release_flight(flight);
     return status;
+}
+
+svo_status svo_moving_update(svo_moving *moving, const svo_submit *submit)
+{
+    svo_i_call call;
+    if (moving == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    SVO_I_TRY(svo_i_call_begin(moving->device, update_name, submit, &call));
+    SVO_I_TRY(svo_i_moving_check_still(moving, update_name));
+    return submit == NULL ? svo_i_moving_update(moving, call.queue) : take_off(moving, &call);
 }
 
 /* Takes what the device has counted of the objects. Each is told of, whatever became of the others. */
@@ -506,22 +502,23 @@ static svo_status finish(svo_i_flight *flight)
 
 svo_status svo_moving_finish(svo_moving *moving, svo_moving_report *report)
 {
+    svo_status status = SVO_OK;
     if (moving == NULL) {
         return SVO_INVALID_ARGUMENT;
-    }
-    svo_i_flight *flight = moving->flight;
-    if (flight == NULL) {
-        return svo_i_device_fail(moving->device, SVO_INVALID_ARGUMENT, "%s: no update is in flight", finish_name);
     }
     SVO_I_TRY(report != NULL
                   ? svo_i_struct_check(&moving->device->message, finish_name, "report", report, SIZES_OF_REPORT)
                   : SVO_OK);
-    moving->flight = NULL;
-    const svo_status status = finish(flight);
-    flight->update.report.total_ms = svo_i_now_ms() - flight->start_ms;
-    if (report != NULL) {
-        (void)svo_i_struct_write(NULL, finish_name, "report", &flight->update.report, report, SIZES_OF_REPORT);
+    svo_i_flight *flight = moving->flight;
+    if (flight != NULL) {
+        moving->flight = NULL;
+        status = finish(flight);
+        moving->report = flight->update.report;
+        moving->report.total_ms = svo_i_now_ms() - flight->start_ms;
+        release_flight(flight);
     }
-    release_flight(flight);
+    if (report != NULL) {
+        (void)svo_i_struct_write(NULL, finish_name, "report", &moving->report, report, SIZES_OF_REPORT);
+    }
     return status;
 }

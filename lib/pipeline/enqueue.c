@@ -5,6 +5,7 @@
  */
 #include <string.h>
 
+#include "core/submit.h"
 #include "pipeline/run.h"
 #include "pipeline/workspace.h"
 #include "plan/estimate.h"
@@ -38,7 +39,7 @@ static void return_buffers(svo_workspace *workspace, svo_tree *tree)
 }
 
 /* Enqueues a wait for the caller's events, for the workspace's previous build, and for a plan's newest update. */
-static svo_status wait_first(svo_workspace *workspace, svo_i_build *build, cl_uint num_wait, const cl_event *wait)
+static svo_status wait_first(svo_workspace *workspace, svo_i_build *build, const svo_i_call *call)
 {
     svo_i_update *update = workspace->plan->update;
     SVO_I_TRY(svo_i_in_flight_reserve(&workspace->builds, workspace->device, "svo_build_enqueue"));
@@ -46,14 +47,14 @@ static svo_status wait_first(svo_workspace *workspace, svo_i_build *build, cl_ui
                              : SVO_OK);
     const cl_event build_before = svo_i_in_flight_newest(&workspace->builds);
     const cl_event update_before = update != NULL ? svo_i_in_flight_newest(&update->commands) : NULL;
-    cl_event *all = svo_i_alloc_zeroed(&workspace->device->memory, (size_t)num_wait + 2, sizeof *all);
-    cl_uint count = num_wait;
+    cl_event *all = svo_i_alloc_zeroed(&workspace->device->memory, (size_t)call->num_wait + 2, sizeof *all);
+    cl_uint count = call->num_wait;
     if (all == NULL) {
         return svo_i_device_fail(workspace->device, SVO_OUT_OF_HOST_MEMORY,
-                                 "svo_build_enqueue: no memory for %u events to wait for", num_wait);
+                                 "svo_build_enqueue: no memory for %u events to wait for", call->num_wait);
     }
-    if (num_wait > 0) {
-        memcpy(all, wait, num_wait * sizeof *all);
+    if (call->num_wait > 0) {
+        memcpy(all, call->wait, call->num_wait * sizeof *all);
     }
     if (build_before != NULL) {
         all[count++] = build_before;
@@ -61,8 +62,7 @@ static svo_status wait_first(svo_workspace *workspace, svo_i_build *build, cl_ui
     if (update_before != NULL) {
         all[count++] = update_before;
     }
-    const cl_int error =
-        clEnqueueMarkerWithWaitList(build->commands.queue, count, count > 0 ? all : NULL, &build->commands.last);
+    const cl_int error = clEnqueueMarkerWithWaitList(call->queue, count, count > 0 ? all : NULL, &build->commands.last);
     svo_i_free(all);
     return error == CL_SUCCESS
                ? SVO_OK
@@ -180,26 +180,25 @@ static const char *wrong_enqueue(const svo_workspace *workspace, const svo_tree 
 }
 
 /* Sends the commands to the device and gives the caller the event. */
-static svo_status hand_over(svo_workspace *workspace, const svo_i_pending *pending, cl_command_queue queue,
-                            cl_event *event)
+static svo_status hand_over(svo_workspace *workspace, const svo_i_pending *pending, svo_i_call *call)
 {
-    cl_int error = clFlush(queue);
+    cl_int error = clFlush(call->queue);
     if (error != CL_SUCCESS) {
         return svo_i_device_fail_cl(workspace->device, "svo_build_enqueue", "clFlush", error);
     }
-    if (event != NULL) {
+    if (call->event != NULL) {
         error = clRetainEvent(pending->done);
         if (error != CL_SUCCESS) {
             return svo_i_device_fail_cl(workspace->device, "svo_build_enqueue", "clRetainEvent", error);
         }
-        *event = pending->done;
+        *call->event = pending->done;
     }
-    return SVO_OK;
+    return svo_i_call_end(call, SVO_OK);
 }
 
-svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, cl_command_queue queue, cl_uint num_wait,
-                             const cl_event *wait, cl_event *event)
+svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, const svo_submit *submit)
 {
+    svo_i_call call;
     if (workspace == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
@@ -207,26 +206,25 @@ svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, cl_comman
     if (wrong != NULL) {
         return svo_i_device_fail(workspace->device, SVO_INVALID_ARGUMENT, "svo_build_enqueue: %s", wrong);
     }
-    SVO_I_TRY(svo_i_device_queue(workspace->device, "svo_build_enqueue", queue, &queue));
-    SVO_I_TRY(svo_i_device_check_wait(workspace->device, "svo_build_enqueue", num_wait, wait));
+    SVO_I_TRY(svo_i_call_begin(workspace->device, "svo_build_enqueue", submit, &call));
     svo_i_pending_release_given_up(workspace, false);
     svo_i_pending *pending = svo_i_alloc_zeroed(&workspace->device->memory, 1, sizeof *pending);
     if (pending == NULL) {
         return svo_i_device_fail(workspace->device, SVO_OUT_OF_HOST_MEMORY, "svo_build_enqueue: no memory for a build");
     }
     svo_status status = SVO_OK;
-    begin_build(workspace, pending, tree, queue);
+    begin_build(workspace, pending, tree, call.queue);
     svo_i_tree_forget(tree);
     tree->content = SVO_I_TREE_FAILED; /* until all commands are enqueued */
     lend_buffers(workspace, tree);
-    SVO_I_TRY_CLEANUP(wait_first(workspace, &pending->build, num_wait, wait));
+    SVO_I_TRY_CLEANUP(wait_first(workspace, &pending->build, &call));
     SVO_I_TRY_CLEANUP(enqueue_stages(workspace, pending));
 cleanup:
     close_build(workspace, pending);
     if (status == SVO_OK) {
-        status = hand_over(workspace, pending, queue, event);
+        status = hand_over(workspace, pending, &call);
     } else {
-        (void)clFlush(queue);
+        (void)clFlush(call.queue);
     }
     if (status != SVO_OK) {
         svo_i_pending_give_up(workspace, pending);

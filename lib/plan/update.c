@@ -13,6 +13,7 @@
 
 #include "core/mesh.h"
 #include "core/struct_size.h"
+#include "core/submit.h"
 #include "plan/arrays.h"
 #include "plan/attributes.h"
 #include "plan/estimate.h"
@@ -204,19 +205,25 @@ static svo_status enqueue(svo_plan *plan, svo_i_device_work *work, const new_ver
     return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(plan->device, work->function, "clFlush", error);
 }
 
-static svo_status update_plan(svo_plan *plan, svo_i_device_work *work, const new_vertices *from, cl_event *event)
+static svo_status update_plan(svo_plan *plan, const char *function, const new_vertices *from, const svo_submit *submit)
 {
-    work->device = plan->device;
-    SVO_I_TRY(check_vertices(plan, work->function, from));
-    SVO_I_TRY(svo_i_device_check_wait(plan->device, work->function, work->wait_count, work->wait));
+    svo_i_call call;
+    SVO_I_TRY(check_vertices(plan, function, from));
+    SVO_I_TRY(svo_i_call_begin(plan->device, function, submit, &call));
+    svo_i_device_work work = {.device = plan->device,
+                              .function = function,
+                              .queue = call.queue,
+                              .wait_count = call.num_wait,
+                              .wait = call.wait};
     plan->update->has_mesh = false; /* until all commands are enqueued */
-    const svo_status status = enqueue(plan, work, from);
+    const svo_status status = enqueue(plan, &work, from);
     if (status != SVO_OK) {
-        svo_i_work_end(work); /* commands that were enqueued may read the caller's arrays */
+        svo_i_work_end(&work); /* commands that were enqueued may read the caller's arrays */
         return status;
     }
+    svo_i_work_leave(&work, call.event);
+    SVO_I_TRY(svo_i_call_end(&call, SVO_OK));
     plan->update->has_mesh = true;
-    svo_i_work_leave(work, event);
     return SVO_OK;
 }
 
@@ -233,54 +240,28 @@ static svo_status check_plan(svo_plan *plan, const char *function, const char *n
                                                     "%s: plan is not updatable; see svo_plan_options", function);
 }
 
-svo_status svo_plan_update_enqueue(svo_plan *plan, const svo_mesh *mesh, cl_command_queue queue, cl_uint num_wait,
-                                   const cl_event *wait, cl_event *event)
-{
-    static const char function[] = "svo_plan_update_enqueue";
-    new_vertices from = {.buffers = NULL};
-    svo_i_device_work work = {.function = function, .wait_count = num_wait, .wait = wait};
-    SVO_I_TRY(check_plan(plan, function, "mesh", mesh));
-    SVO_I_TRY(svo_i_struct_read(&plan->device->message, function, "mesh", mesh, &from.mesh,
-                                SVO_I_STRUCT_SIZES(svo_mesh, triangle_count)));
-    SVO_I_TRY(svo_i_device_queue(plan->device, function, queue, &work.queue));
-    return update_plan(plan, &work, &from, event);
-}
-
-svo_status svo_plan_update_from_buffers_enqueue(svo_plan *plan, const svo_mesh_buffers *buffers, cl_command_queue queue,
-                                                cl_uint num_wait, const cl_event *wait, cl_event *event)
-{
-    static const char function[] = "svo_plan_update_from_buffers_enqueue";
-    svo_mesh_buffers given;
-    new_vertices from = {.buffers = &given};
-    svo_i_device_work work = {.function = function, .wait_count = num_wait, .wait = wait};
-    SVO_I_TRY(check_plan(plan, function, "buffers", buffers));
-    SVO_I_TRY(svo_i_struct_read(&plan->device->message, function, "buffers", buffers, &given,
-                                SVO_I_STRUCT_SIZES(svo_mesh_buffers, indices)));
-    SVO_I_TRY(svo_i_device_queue(plan->device, function, queue, &work.queue));
-    SVO_I_TRY(svo_i_mesh_check(function, plan->device->context, &given, &plan->device->message));
-    from.mesh.vertex_count = given.vertex_count;
-    from.mesh.triangle_count = given.triangle_count;
-    return update_plan(plan, &work, &from, event);
-}
-
-svo_status svo_plan_update(svo_plan *plan, const svo_mesh *mesh)
+svo_status svo_plan_update(svo_plan *plan, const svo_mesh *mesh, const svo_submit *submit)
 {
     static const char function[] = "svo_plan_update";
     new_vertices from = {.buffers = NULL};
-    svo_i_device_work work = {.function = function};
-    cl_event done = NULL;
     SVO_I_TRY(check_plan(plan, function, "mesh", mesh));
     SVO_I_TRY(svo_i_struct_read(&plan->device->message, function, "mesh", mesh, &from.mesh,
                                 SVO_I_STRUCT_SIZES(svo_mesh, triangle_count)));
-    SVO_I_TRY(svo_i_device_queue(plan->device, function, NULL, &work.queue));
-    SVO_I_TRY(update_plan(plan, &work, &from, &done));
-    const cl_int error = clWaitForEvents(1, &done);
-    if (error != CL_SUCCESS) {
-        (void)svo_i_event_settle(done);
-        plan->update->has_mesh = false;
-    }
-    clReleaseEvent(done);
-    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(plan->device, function, "clWaitForEvents", error);
+    return update_plan(plan, function, &from, submit);
+}
+
+svo_status svo_plan_update_from_buffers(svo_plan *plan, const svo_mesh_buffers *buffers, const svo_submit *submit)
+{
+    static const char function[] = "svo_plan_update_from_buffers";
+    svo_mesh_buffers given;
+    new_vertices from = {.buffers = &given};
+    SVO_I_TRY(check_plan(plan, function, "buffers", buffers));
+    SVO_I_TRY(svo_i_struct_read(&plan->device->message, function, "buffers", buffers, &given,
+                                SVO_I_STRUCT_SIZES(svo_mesh_buffers, indices)));
+    SVO_I_TRY(svo_i_mesh_check(function, plan->device->context, &given, &plan->device->message));
+    from.mesh.vertex_count = given.vertex_count;
+    from.mesh.triangle_count = given.triangle_count;
+    return update_plan(plan, function, &from, submit);
 }
 
 /* ---- a new plan: checks and classes ---- */

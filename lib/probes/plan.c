@@ -9,6 +9,7 @@
 #include "core/struct_size.h"
 #include "light/cones.h"
 #include "probes/encoding.h"
+#include "rays/batch.h"
 #include "rays/rays.h"
 #include "scene/handle.h"
 #include "svocl/plan.h"
@@ -94,28 +95,30 @@ _Static_assert(sizeof(svo_hit) == sizeof(svo_voxel_hit) && offsetof(svo_hit, nor
                    offsetof(svo_scene_triangle_hit, normal) == 4 * sizeof(cl_uint),
                "hits have their normals in words 4 .. 6");
 
-static svo_status trace_any(svo_probes *probes, cl_command_queue queue, cl_mem rays, cl_mem hits, size_t ray_count,
-                            const cl_event *last, cl_event *done)
+/* Trees by their functions, not as targets, of which a program has the kernels of pictures too. */
+static svo_status trace_any(svo_probes *probes, cl_mem rays, cl_mem hits, size_t ray_count, const svo_submit *submit)
 {
     const svo_i_sight sight = {probes->tree, probes->scene};
-    const cl_uint num_wait = *last != NULL ? 1 : 0;
-    const cl_event *wait = *last != NULL ? last : NULL;
+    const svo_array from = svo_in_buffer(rays);
+    const svo_array to = svo_in_buffer(hits);
     if (probes->tree != NULL) {
-        return has_triangles(&sight) ? svo_tree_trace_enqueue(probes->tree, rays, hits, ray_count, SVO_TRACE_CLOSEST,
-                                                              queue, num_wait, wait, done)
-                                     : svo_tree_trace_voxels_enqueue(probes->tree, rays, hits, ray_count, 0.0F, queue,
-                                                                     num_wait, wait, done);
+        return has_triangles(&sight)
+                   ? svo_i_tree_trace_triangles(probes->tree, &from, &to, ray_count, SVO_TRACE_CLOSEST, submit)
+                   : svo_i_tree_trace_voxels(probes->tree, &from, &to, ray_count, 0.0F, 0, submit);
     }
-    return has_triangles(&sight) ? svo_scene_trace_triangles_enqueue(probes->scene, rays, hits, ray_count,
-                                                                     SVO_SCENE_CLOSEST, queue, num_wait, wait, done)
-                                 : svo_scene_trace_enqueue(probes->scene, rays, hits, ray_count, 0.0F,
-                                                           SVO_SCENE_CLOSEST, queue, num_wait, wait, done);
+    const svo_target target = svo_scene_target(probes->scene);
+    return has_triangles(&sight) ? svo_trace_triangles(target, from, to, ray_count, SVO_SCENE_CLOSEST, submit)
+                                 : svo_trace_voxels(target, from, to, ray_count, 0.0F, SVO_SCENE_CLOSEST, submit);
 }
 
 svo_status svo_i_sight_trace(svo_probes *probes, svo_i_device_work *work, cl_mem rays, cl_mem hits, size_t ray_count)
 {
     cl_event done = NULL;
-    const svo_status status = trace_any(probes, work->queue, rays, hits, ray_count, &work->last, &done);
+    const svo_submit submit = {.queue = work->queue,
+                               .num_wait = work->last != NULL ? 1 : 0,
+                               .wait = work->last != NULL ? &work->last : NULL,
+                               .event = &done};
+    const svo_status status = trace_any(probes, rays, hits, ray_count, &submit);
     if (status != SVO_OK) {
         svo_i_message_rename(svo_i_device_message(work->device), work->function);
         return status;

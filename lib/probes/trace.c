@@ -64,105 +64,57 @@ static svo_status read_options(const svo_probes *probes, const char *function, c
     return SVO_OK;
 }
 
-/* params: lives as long as the batch. */
-static svo_i_batch rays_batch(svo_probes *probes, const char *function, size_t ray_count,
-                              const svo_probe_trace_params *params)
+svo_status svo_probes_trace(svo_probes *probes, svo_array rays, svo_array hits, size_t ray_count,
+                            const svo_probe_trace_options *options, const svo_submit *submit)
 {
-    return (svo_i_batch){.device = probes->device,
-                         .function = function,
-                         .target = target_of(probes),
-                         .program = &svo_i_program_probe_trace,
-                         .kernel_name = "svo_k_probe_trace",
-                         .defines = "",
-                         .input_name = "rays",
-                         .output_name = "hits",
-                         .input_bytes = sizeof(svo_ray),
-                         .output_bytes = sizeof(svo_probe_hit),
-                         .count = ray_count,
-                         .per_item = 1,
-                         .last_argument = {sizeof *params, params, false}};
-}
-
-/* Checks the options and fills the batch, which refers to params. */
-static svo_status prepare(svo_probes *probes, const char *function, size_t ray_count,
-                          const svo_probe_trace_options *options, svo_probe_trace_params *params, svo_i_batch *out)
-{
+    static const char function[] = "svo_probes_trace";
+    svo_probe_trace_params params;
     if (probes == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    SVO_I_TRY(read_options(probes, function, options, params));
-    *out = rays_batch(probes, function, ray_count, params);
-    return SVO_OK;
-}
-
-svo_status svo_probes_trace_enqueue(svo_probes *probes, cl_mem rays, cl_mem hits, size_t ray_count,
-                                    const svo_probe_trace_options *options, cl_command_queue queue, cl_uint num_wait,
-                                    const cl_event *wait, cl_event *event)
-{
-    svo_probe_trace_params params;
-    svo_i_batch asked;
-    SVO_I_TRY(prepare(probes, "svo_probes_trace_enqueue", ray_count, options, &params, &asked));
-    return svo_i_batch_enqueue(&asked, rays, hits, queue, num_wait, wait, event);
-}
-
-svo_status svo_probes_trace(svo_probes *probes, const svo_ray *rays, svo_probe_hit *hits, size_t ray_count,
-                            const svo_probe_trace_options *options, cl_command_queue queue)
-{
-    svo_probe_trace_params params;
-    svo_i_batch asked;
-    SVO_I_TRY(prepare(probes, "svo_probes_trace", ray_count, options, &params, &asked));
-    return svo_i_batch_run(&asked, rays, hits, queue);
+    SVO_I_TRY(read_options(probes, function, options, &params));
+    const svo_i_batch asked = {.device = probes->device,
+                               .function = function,
+                               .target = target_of(probes),
+                               .program = &svo_i_program_probe_trace,
+                               .kernel_name = "svo_k_probe_trace",
+                               .defines = "",
+                               .input_name = "rays",
+                               .output_name = "hits",
+                               .input_bytes = sizeof(svo_ray),
+                               .output_bytes = sizeof(svo_probe_hit),
+                               .count = ray_count,
+                               .per_item = 1,
+                               .last_argument = {sizeof params, &params, false}};
+    return svo_i_batch_run(&asked, &rays, &hits, submit);
 }
 
 /* ---- diffuse light ---- */
 
-static svo_status check_diffuse(const svo_probes *probes, const char *function)
-{
-    return (probes->params.flags & SVO_PROBES_FLAG_DIFFUSE) != 0
-               ? SVO_OK
-               : svo_i_device_fail(probes->device, SVO_INVALID_ARGUMENT,
-                                   "%s: the probes were made without diffuse maps", function);
-}
-
-static svo_i_batch points_batch(svo_probes *probes, const char *function, size_t point_count)
-{
-    return (svo_i_batch){.device = probes->device,
-                         .function = function,
-                         .target = target_of(probes),
-                         .program = &svo_i_program_probe_gather,
-                         .kernel_name = "svo_k_probe_gather",
-                         .defines = "",
-                         .input_name = "points",
-                         .output_name = "results",
-                         .input_bytes = sizeof(svo_gather_point),
-                         .output_bytes = sizeof(svo_probe_irradiance),
-                         .count = point_count,
-                         .per_item = 1};
-}
-
-svo_status svo_probes_irradiance_enqueue(svo_probes *probes, cl_mem points, cl_mem results, size_t point_count,
-                                         cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
-                                         cl_event *event)
-{
-    static const char function[] = "svo_probes_irradiance_enqueue";
-    if (probes == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    SVO_I_TRY(check_diffuse(probes, function));
-    const svo_i_batch asked = points_batch(probes, function, point_count);
-    return svo_i_batch_enqueue(&asked, points, results, queue, num_wait, wait, event);
-}
-
-svo_status svo_probes_irradiance(svo_probes *probes, const svo_gather_point *points, svo_probe_irradiance *results,
-                                 size_t point_count, cl_command_queue queue)
+svo_status svo_probes_irradiance(svo_probes *probes, svo_array points, svo_array results, size_t point_count,
+                                 const svo_submit *submit)
 {
     static const char function[] = "svo_probes_irradiance";
     if (probes == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    SVO_I_TRY(check_diffuse(probes, function));
-    const svo_i_batch asked = points_batch(probes, function, point_count);
-    return svo_i_batch_run(&asked, points, results, queue);
+    if ((probes->params.flags & SVO_PROBES_FLAG_DIFFUSE) == 0) {
+        return svo_i_device_fail(probes->device, SVO_INVALID_ARGUMENT, "%s: the probes were made without diffuse maps",
+                                 function);
+    }
+    const svo_i_batch asked = {.device = probes->device,
+                               .function = function,
+                               .target = target_of(probes),
+                               .program = &svo_i_program_probe_gather,
+                               .kernel_name = "svo_k_probe_gather",
+                               .defines = "",
+                               .input_name = "points",
+                               .output_name = "results",
+                               .input_bytes = sizeof(svo_gather_point),
+                               .output_bytes = sizeof(svo_probe_irradiance),
+                               .count = point_count,
+                               .per_item = 1};
+    return svo_i_batch_run(&asked, &points, &results, submit);
 }
 
 /* ---- the caller's kernels ---- */

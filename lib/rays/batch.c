@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Launches batches, from buffers of the caller and from host arrays: of a tree, rays and points; see kernels/rays. */
+/* Launches batches: of a tree, rays and points; see kernels/rays. */
 #include "rays/batch.h"
 
 #include <math.h>
 
 #include "core/device.h"
+#include "core/submit.h"
 #include "rays/programs.h"
 #include "rays/rays.h"
 #include "shared/layout.h"
@@ -12,31 +13,13 @@
 
 /* ---- checks ---- */
 
-static svo_status check_batch(const svo_i_batch *asked, const void *input, const void *output)
+static svo_status check_batch(const svo_i_batch *asked)
 {
-    if (asked->count > 0 && (input == NULL || output == NULL)) {
-        return svo_i_device_fail(asked->device, SVO_INVALID_ARGUMENT, "%s: %s is NULL", asked->function,
-                                 input == NULL ? asked->input_name : asked->output_name);
-    }
     if (asked->count > SVO_TRACE_RAYS_MAX) {
         return svo_i_device_fail(asked->device, SVO_INVALID_ARGUMENT, "%s: %zu %s are above %u", asked->function,
                                  asked->count, asked->input_name, SVO_TRACE_RAYS_MAX);
     }
     return asked->target.check(asked->target.of, asked->function);
-}
-
-/* Whether a caller's buffers hold all records, and kernels may write the output. An empty batch needs none. */
-static svo_status check_buffers(const svo_i_batch *asked, cl_mem input, cl_mem output)
-{
-    const size_t input_bytes = asked->count * asked->input_bytes;
-    const size_t output_bytes = asked->count * asked->output_bytes;
-    if (asked->count > 0 || input != NULL) {
-        SVO_I_TRY(svo_i_device_check_memory(asked->device, asked->function, asked->input_name, input, input_bytes));
-    }
-    if (asked->count > 0 || output != NULL) {
-        SVO_I_TRY(svo_i_device_check_output(asked->device, asked->function, asked->output_name, output, output_bytes));
-    }
-    return SVO_OK;
 }
 
 /* ---- launches ---- */
@@ -55,8 +38,7 @@ static svo_status make_kernel(const svo_i_batch *asked, cl_mem input, cl_mem out
                                  asked->last_argument.value != NULL ? 4 : 3);
 }
 
-static svo_status launch(const svo_i_batch *asked, cl_mem input, cl_mem output, cl_command_queue queue,
-                         cl_uint num_wait, const cl_event *wait, cl_event *event)
+static svo_status launch(const svo_i_batch *asked, cl_mem input, cl_mem output, const svo_i_call *call)
 {
     const size_t items = (asked->count + asked->per_item - 1) / asked->per_item;
     const size_t local = asked->per_item == 1 ? SVO_GROUP_ITEMS : 1;
@@ -64,7 +46,8 @@ static svo_status launch(const svo_i_batch *asked, cl_mem input, cl_mem output, 
     cl_kernel kernel = NULL;
     svo_status status = SVO_OK;
     SVO_I_TRY_CLEANUP(make_kernel(asked, input, output, &kernel));
-    const cl_int error = clEnqueueNDRangeKernel(queue, kernel, 1, NULL, &global, &local, num_wait, wait, event);
+    const cl_int error =
+        clEnqueueNDRangeKernel(call->queue, kernel, 1, NULL, &global, &local, call->num_wait, call->wait, call->event);
     if (error != CL_SUCCESS) {
         status = svo_i_device_fail_cl(asked->device, asked->function, "clEnqueueNDRangeKernel", error);
     }
@@ -76,72 +59,26 @@ cleanup:
     return status;
 }
 
-svo_status svo_i_batch_enqueue(const svo_i_batch *asked, cl_mem input, cl_mem output, cl_command_queue queue,
-                               cl_uint num_wait, const cl_event *wait, cl_event *event)
+svo_status svo_i_batch_run(const svo_i_batch *asked, const svo_array *input, const svo_array *output,
+                           const svo_submit *submit)
 {
-    SVO_I_TRY(check_batch(asked, input, output));
-    SVO_I_TRY(svo_i_device_queue(asked->device, asked->function, queue, &queue));
-    SVO_I_TRY(svo_i_device_check_wait(asked->device, asked->function, num_wait, wait));
-    SVO_I_TRY(check_buffers(asked, input, output));
-    if (asked->count > 0) {
-        return launch(asked, input, output, queue, num_wait, wait, event);
-    }
-    /* An empty batch signals its event all the same. */
-    const cl_int error = clEnqueueMarkerWithWaitList(queue, num_wait, wait, event);
-    return error == CL_SUCCESS
-               ? SVO_OK
-               : svo_i_device_fail_cl(asked->device, asked->function, "clEnqueueMarkerWithWaitList", error);
-}
-
-static svo_status write_input(const svo_i_batch *asked, cl_command_queue queue, cl_mem to, const void *input)
-{
-    const size_t bytes = asked->count * asked->input_bytes;
-    const cl_int error = clEnqueueWriteBuffer(queue, to, CL_TRUE, 0, bytes, input, 0, NULL, NULL);
-    return error == CL_SUCCESS ? SVO_OK
-                               : svo_i_device_fail_cl(asked->device, asked->function, "clEnqueueWriteBuffer", error);
-}
-
-static svo_status read_output(const svo_i_batch *asked, cl_command_queue queue, cl_mem from, const cl_event *done,
-                              void *output)
-{
-    const size_t bytes = asked->count * asked->output_bytes;
-    const cl_int error = clEnqueueReadBuffer(queue, from, CL_TRUE, 0, bytes, output, 1, done, NULL);
-    return error == CL_SUCCESS ? SVO_OK
-                               : svo_i_device_fail_cl(asked->device, asked->function, "clEnqueueReadBuffer", error);
-}
-
-/* Host arrays through buffers that live for this call. */
-svo_status svo_i_batch_run(const svo_i_batch *asked, const void *input, void *output, cl_command_queue queue)
-{
-    cl_mem buffers[2] = {NULL, NULL};
-    cl_event done = NULL;
+    const size_t input_bytes = asked->count * asked->input_bytes;
+    const size_t output_bytes = asked->count * asked->output_bytes;
+    cl_mem from = NULL;
+    cl_mem to = NULL;
+    svo_i_call call;
     svo_status status = SVO_OK;
-    SVO_I_TRY(check_batch(asked, input, output));
-    if (asked->count == 0) {
-        return SVO_OK;
-    }
-    SVO_I_TRY(svo_i_device_queue(asked->device, asked->function, queue, &queue));
-    SVO_I_TRY_CLEANUP(svo_i_device_buffer(asked->device, asked->function, asked->input_name, CL_MEM_READ_ONLY,
-                                          asked->count * asked->input_bytes, &buffers[0]));
-    SVO_I_TRY_CLEANUP(svo_i_device_buffer(asked->device, asked->function, asked->output_name, CL_MEM_WRITE_ONLY,
-                                          asked->count * asked->output_bytes, &buffers[1]));
-    SVO_I_TRY_CLEANUP(write_input(asked, queue, buffers[0], input));
-    SVO_I_TRY_CLEANUP(svo_i_batch_enqueue(asked, buffers[0], buffers[1], queue, 0, NULL, &done));
-    SVO_I_TRY_CLEANUP(read_output(asked, queue, buffers[1], &done, output));
+    SVO_I_TRY(check_batch(asked));
+    SVO_I_TRY(svo_i_call_begin(asked->device, asked->function, submit, &call));
+    SVO_I_TRY_CLEANUP(svo_i_call_input(&call, asked->input_name, input, input_bytes, &from));
+    SVO_I_TRY_CLEANUP(svo_i_call_output(&call, asked->output_name, output, output_bytes, 0, output_bytes, &to));
+    status = asked->count > 0 ? launch(asked, from, to, &call) : svo_i_call_none(&call);
 
 cleanup:
-    if (done != NULL) {
-        clReleaseEvent(done);
-    }
-    for (int i = 0; i < 2; ++i) {
-        if (buffers[i] != NULL) {
-            clReleaseMemObject(buffers[i]);
-        }
-    }
-    return status;
+    return svo_i_call_end(&call, status);
 }
 
-svo_status svo_i_batch_of_voxels(svo_i_batch *batch, size_t ray_count, const cl_float *footprint)
+svo_status svo_i_batch_of_voxels(svo_i_batch *batch, size_t ray_count, const cl_float *footprint, uint32_t flags)
 {
     batch->kernel_name = "svo_k_trace_voxels";
     batch->input_name = "rays";
@@ -151,6 +88,10 @@ svo_status svo_i_batch_of_voxels(svo_i_batch *batch, size_t ray_count, const cl_
     batch->count = ray_count;
     batch->per_item = 1;
     batch->last_argument = (svo_i_argument){sizeof *footprint, footprint, false};
+    if (flags != 0) {
+        return svo_i_device_fail(batch->device, SVO_INVALID_ARGUMENT, "%s: flags %u is not 0, and not of a scene",
+                                 batch->function, flags);
+    }
     return *footprint >= 0.0F && isfinite(*footprint)
                ? SVO_OK
                : svo_i_device_fail(batch->device, SVO_INVALID_ARGUMENT, "%s: footprint %g is negative or not finite",
@@ -197,101 +138,48 @@ static svo_status ray_batch(svo_tree *tree, const char *function, size_t ray_cou
                                    flags, (unsigned)SVO_TRACE_COUNT);
 }
 
-svo_status svo_tree_trace_enqueue(svo_tree *tree, cl_mem rays, cl_mem hits, size_t ray_count, uint32_t flags,
-                                  cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
+svo_status svo_i_tree_trace_triangles(void *tree, const svo_array *rays, const svo_array *hits, size_t ray_count,
+                                      uint32_t flags, const svo_submit *submit)
 {
     cl_uint any = 0;
     svo_i_batch asked;
-    if (tree == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    SVO_I_TRY(ray_batch(tree, "svo_tree_trace_enqueue", ray_count, flags, &any, &asked));
-    return svo_i_batch_enqueue(&asked, rays, hits, queue, num_wait, wait, event);
-}
-
-svo_status svo_tree_trace(svo_tree *tree, const svo_ray *rays, svo_hit *hits, size_t ray_count, uint32_t flags,
-                          cl_command_queue queue)
-{
-    cl_uint any = 0;
-    svo_i_batch asked;
-    if (tree == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    SVO_I_TRY(ray_batch(tree, "svo_tree_trace", ray_count, flags, &any, &asked));
-    return svo_i_batch_run(&asked, rays, hits, queue);
+    SVO_I_TRY(ray_batch(tree, "svo_trace_triangles", ray_count, flags, &any, &asked));
+    return svo_i_batch_run(&asked, rays, hits, submit);
 }
 
 /* ---- points ---- */
 
-static svo_i_batch point_batch(svo_tree *tree, const char *function, size_t point_count)
-{
-    return (svo_i_batch){.device = tree->device,
-                         .function = function,
-                         .target = svo_i_rays_target(tree),
-                         .program = &svo_i_program_trace,
-                         .kernel_name = "svo_k_nearest",
-                         .defines = "",
-                         .input_name = "points",
-                         .output_name = "results",
-                         .input_bytes = sizeof(svo_query_point),
-                         .output_bytes = sizeof(svo_nearest),
-                         .count = point_count,
-                         .per_item = 1};
-}
-
-svo_status svo_tree_nearest_enqueue(svo_tree *tree, cl_mem points, cl_mem results, size_t point_count,
-                                    cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
+svo_status svo_tree_nearest(svo_tree *tree, svo_array points, svo_array results, size_t point_count,
+                            const svo_submit *submit)
 {
     if (tree == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    const svo_i_batch asked = point_batch(tree, "svo_tree_nearest_enqueue", point_count);
-    return svo_i_batch_enqueue(&asked, points, results, queue, num_wait, wait, event);
-}
-
-svo_status svo_tree_nearest(svo_tree *tree, const svo_query_point *points, svo_nearest *results, size_t point_count,
-                            cl_command_queue queue)
-{
-    if (tree == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    const svo_i_batch asked = point_batch(tree, "svo_tree_nearest", point_count);
-    return svo_i_batch_run(&asked, points, results, queue);
+    const svo_i_batch asked = {.device = tree->device,
+                               .function = "svo_tree_nearest",
+                               .target = svo_i_rays_target(tree),
+                               .program = &svo_i_program_trace,
+                               .kernel_name = "svo_k_nearest",
+                               .defines = "",
+                               .input_name = "points",
+                               .output_name = "results",
+                               .input_bytes = sizeof(svo_query_point),
+                               .output_bytes = sizeof(svo_nearest),
+                               .count = point_count,
+                               .per_item = 1};
+    return svo_i_batch_run(&asked, &points, &results, submit);
 }
 
 /* ---- voxels ---- */
 
-/* footprint: lives as long as the batch. */
-static svo_status voxel_batch(svo_tree *tree, const char *function, size_t ray_count, const cl_float *footprint,
-                              svo_i_batch *out)
+svo_status svo_i_tree_trace_voxels(void *tree, const svo_array *rays, const svo_array *hits, size_t ray_count,
+                                   float footprint, uint32_t flags, const svo_submit *submit)
 {
-    *out = (svo_i_batch){.device = tree->device,
-                         .function = function,
+    svo_i_batch asked = {.device = ((const svo_tree *)tree)->device,
+                         .function = "svo_trace_voxels",
                          .target = svo_i_voxels_target(tree),
                          .program = &svo_i_program_trace_voxels,
                          .defines = ""};
-    return svo_i_batch_of_voxels(out, ray_count, footprint);
-}
-
-svo_status svo_tree_trace_voxels_enqueue(svo_tree *tree, cl_mem rays, cl_mem hits, size_t ray_count, float footprint,
-                                         cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
-                                         cl_event *event)
-{
-    svo_i_batch asked;
-    if (tree == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    SVO_I_TRY(voxel_batch(tree, "svo_tree_trace_voxels_enqueue", ray_count, &footprint, &asked));
-    return svo_i_batch_enqueue(&asked, rays, hits, queue, num_wait, wait, event);
-}
-
-svo_status svo_tree_trace_voxels(svo_tree *tree, const svo_ray *rays, svo_voxel_hit *hits, size_t ray_count,
-                                 float footprint, cl_command_queue queue)
-{
-    svo_i_batch asked;
-    if (tree == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    SVO_I_TRY(voxel_batch(tree, "svo_tree_trace_voxels", ray_count, &footprint, &asked));
-    return svo_i_batch_run(&asked, rays, hits, queue);
+    SVO_I_TRY(svo_i_batch_of_voxels(&asked, ray_count, &footprint, flags));
+    return svo_i_batch_run(&asked, rays, hits, submit);
 }

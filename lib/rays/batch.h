@@ -20,12 +20,16 @@ typedef struct svo_i_batch {
 } svo_i_batch;
 
 /* Fills in what batches of rays against voxels have in common (kernels/rays/trace_voxels.cl), or says that the
-   footprint is out of range. footprint: lives as long as the batch. */
-svo_status svo_i_batch_of_voxels(svo_i_batch *batch, size_t ray_count, const cl_float *footprint);
-/* Launches a batch for buffers; see svo_tree_trace_enqueue. */
-svo_status svo_i_batch_enqueue(const svo_i_batch *asked, cl_mem input, cl_mem output, cl_command_queue queue,
-                               cl_uint num_wait, const cl_event *wait, cl_event *event);
-/* Launches a batch for host arrays and waits. */
-svo_status svo_i_batch_run(const svo_i_batch *asked, const void *input, void *output, cl_command_queue queue);
+   footprint is out of range, or that there are flags. footprint: lives as long as the batch. */
+svo_status svo_i_batch_of_voxels(svo_i_batch *batch, size_t ray_count, const cl_float *footprint, uint32_t flags);
+/* Launches a batch; see svo_trace_triangles. */
+svo_status svo_i_batch_run(const svo_i_batch *asked, const svo_array *input, const svo_array *output,
+                           const svo_submit *submit);
+
+/* Of the class of trees; see rays/target.h. */
+svo_status svo_i_tree_trace_triangles(void *tree, const svo_array *rays, const svo_array *hits, size_t ray_count,
+                                      uint32_t flags, const svo_submit *submit);
+svo_status svo_i_tree_trace_voxels(void *tree, const svo_array *rays, const svo_array *hits, size_t ray_count,
+                                   float footprint, uint32_t flags, const svo_submit *submit);
 
 #endif

@@ -8,6 +8,7 @@
 #include <math.h>
 
 #include "core/opencl.h"
+#include "core/submit.h"
 #include "rays/bvh_device.h"
 #include "rays/bvh_fit.h"
 #include "svocl/plan.h"
@@ -223,20 +224,25 @@ static svo_status check_bvh(const svo_tree *tree, const char *function)
                              clips ? ", some of which reach out of the grid" : "");
 }
 
-/* Enqueues a wait for the caller's events and for the refit before. The build came earlier on the caller's word. */
-static svo_status enqueue_wait(const svo_tree *tree, const char *function, cl_command_queue queue, cl_uint num_wait,
-                               const cl_event *wait, cl_event *event)
+/* Enqueues the refit after the caller's events. The build came earlier on the caller's word. */
+static svo_status refit(svo_tree *tree, const svo_i_call *call)
 {
-    const cl_int error = clEnqueueMarkerWithWaitList(queue, num_wait, num_wait > 0 ? wait : NULL, event);
-    return error == CL_SUCCESS ? SVO_OK
-                               : svo_i_device_fail_cl(tree->device, function, "clEnqueueMarkerWithWaitList", error);
+    cl_event waited = NULL;
+    cl_int error = clEnqueueMarkerWithWaitList(call->queue, call->num_wait, call->wait, &waited);
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(tree->device, call->function, "clEnqueueMarkerWithWaitList", error);
+    }
+    const svo_status status = svo_i_rays_refit(tree, call->function, call->queue, waited, call->event);
+    clReleaseEvent(waited);
+    SVO_I_TRY(status);
+    error = clFlush(call->queue);
+    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(tree->device, call->function, "clFlush", error);
 }
 
-svo_status svo_tree_refit_bvh_enqueue(svo_tree *tree, cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
-                                      cl_event *event)
+svo_status svo_tree_refit_bvh(svo_tree *tree, const svo_submit *submit)
 {
-    static const char function[] = "svo_tree_refit_bvh_enqueue";
-    cl_event waited = NULL;
+    static const char function[] = "svo_tree_refit_bvh";
+    svo_i_call call;
     if (tree == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
@@ -248,14 +254,8 @@ svo_status svo_tree_refit_bvh_enqueue(svo_tree *tree, cl_command_queue queue, cl
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: %s", function, wrong);
     }
     SVO_I_TRY(check_bvh(tree, function));
-    SVO_I_TRY(svo_i_device_queue(tree->device, function, queue, &queue));
-    SVO_I_TRY(svo_i_device_check_wait(tree->device, function, num_wait, wait));
-    SVO_I_TRY(enqueue_wait(tree, function, queue, num_wait, wait, &waited));
-    const svo_status status = svo_i_rays_refit(tree, function, queue, waited, event);
-    clReleaseEvent(waited);
-    SVO_I_TRY(status);
-    const cl_int error = clFlush(queue);
-    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(tree->device, function, "clFlush", error);
+    SVO_I_TRY(svo_i_call_begin(tree->device, function, submit, &call));
+    return svo_i_call_end(&call, refit(tree, &call));
 }
 
 svo_status svo_i_rays_prepare(svo_tree *tree, const char *function, cl_command_queue queue)

@@ -10,6 +10,8 @@
  *   batch       rays and points in batches
  *   picture     pictures, and buffers for them
  *   camera      cameras and their frames
+ *   target      the calls that take an svo_target, whatever it is of
+ *   tree_target trees as targets
  */
 #ifndef SVO_LIB_RAYS_RAYS_H
 #define SVO_LIB_RAYS_RAYS_H

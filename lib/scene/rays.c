@@ -9,6 +9,7 @@
 #include "rays/batch.h"
 #include "rays/camera.h"
 #include "rays/picture.h"
+#include "rays/target.h"
 #include "scene/handle.h"
 #include "scene/programs.h"
 #include "svocl/plan.h"
@@ -80,73 +81,41 @@ static svo_status set_target(void *of, const char *function, cl_kernel kernel, c
     return set_scene(target->scene, function, kernel, first_index, &target->params);
 }
 
-/* *of lives as long as the batch. */
-static svo_i_batch describe(const svo_scene *scene, const char *function, size_t ray_count, float footprint,
-                            uint32_t flags, scene_target *of)
+static svo_status trace(const svo_scene *scene, const char *function, scene_target *of, const svo_array *rays,
+                        const svo_array *hits, size_t ray_count, const svo_submit *submit)
 {
-    of->scene = scene;
-    of->params = scene->params;
-    of->params.footprint = footprint;
-    of->params.flags = flags;
     (void)snprintf(of->defines, sizeof of->defines, "%s%s", scene->form, of->triangles ? " -DSVO_SCENE_TRIANGLES" : "");
-    return (svo_i_batch){.device = scene->device,
-                         .function = function,
-                         .target = {of, count_arguments(scene), check_target, set_target},
-                         .program = &svo_i_program_scene_trace,
-                         .kernel_name = "svo_k_scene_trace",
-                         .defines = of->defines,
-                         .input_name = "rays",
-                         .output_name = "hits",
-                         .input_bytes = sizeof(svo_ray),
-                         .output_bytes = of->triangles ? sizeof(svo_scene_triangle_hit) : sizeof(svo_scene_hit),
-                         .count = ray_count,
-                         .per_item = 1};
+    const svo_i_batch asked = {.device = scene->device,
+                               .function = function,
+                               .target = {of, count_arguments(scene), check_target, set_target},
+                               .program = &svo_i_program_scene_trace,
+                               .kernel_name = "svo_k_scene_trace",
+                               .defines = of->defines,
+                               .input_name = "rays",
+                               .output_name = "hits",
+                               .input_bytes = sizeof(svo_ray),
+                               .output_bytes = of->triangles ? sizeof(svo_scene_triangle_hit) : sizeof(svo_scene_hit),
+                               .count = ray_count,
+                               .per_item = 1};
+    return svo_i_batch_run(&asked, rays, hits, submit);
 }
 
-svo_status svo_scene_trace_enqueue(svo_scene *scene, cl_mem rays, cl_mem hits, size_t ray_count, float footprint,
-                                   uint32_t flags, cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
-                                   cl_event *event)
+static svo_status trace_voxels(void *scene, const svo_array *rays, const svo_array *hits, size_t ray_count,
+                               float footprint, uint32_t flags, const svo_submit *submit)
 {
-    scene_target of = {.triangles = false};
-    if (scene == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    const svo_i_batch asked = describe(scene, "svo_scene_trace_enqueue", ray_count, footprint, flags, &of);
-    return svo_i_batch_enqueue(&asked, rays, hits, queue, num_wait, wait, event);
+    scene_target of = {.scene = scene, .params = ((const svo_scene *)scene)->params, .triangles = false};
+    of.params.footprint = footprint;
+    of.params.flags = flags;
+    return trace(scene, "svo_trace_voxels", &of, rays, hits, ray_count, submit);
 }
 
-svo_status svo_scene_trace(svo_scene *scene, const svo_ray *rays, svo_scene_hit *hits, size_t ray_count,
-                           float footprint, uint32_t flags, cl_command_queue queue)
+static svo_status trace_triangles(void *scene, const svo_array *rays, const svo_array *hits, size_t ray_count,
+                                  uint32_t flags, const svo_submit *submit)
 {
-    scene_target of = {.triangles = false};
-    if (scene == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    const svo_i_batch asked = describe(scene, "svo_scene_trace", ray_count, footprint, flags, &of);
-    return svo_i_batch_run(&asked, rays, hits, queue);
-}
-
-svo_status svo_scene_trace_triangles_enqueue(svo_scene *scene, cl_mem rays, cl_mem hits, size_t ray_count,
-                                             uint32_t flags, cl_command_queue queue, cl_uint num_wait,
-                                             const cl_event *wait, cl_event *event)
-{
-    scene_target of = {.triangles = true};
-    if (scene == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    const svo_i_batch asked = describe(scene, "svo_scene_trace_triangles_enqueue", ray_count, 0.0F, flags, &of);
-    return svo_i_batch_enqueue(&asked, rays, hits, queue, num_wait, wait, event);
-}
-
-svo_status svo_scene_trace_triangles(svo_scene *scene, const svo_ray *rays, svo_scene_triangle_hit *hits,
-                                     size_t ray_count, uint32_t flags, cl_command_queue queue)
-{
-    scene_target of = {.triangles = true};
-    if (scene == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    const svo_i_batch asked = describe(scene, "svo_scene_trace_triangles", ray_count, 0.0F, flags, &of);
-    return svo_i_batch_run(&asked, rays, hits, queue);
+    scene_target of = {.scene = scene, .params = ((const svo_scene *)scene)->params, .triangles = true};
+    of.params.footprint = 0.0F;
+    of.params.flags = flags;
+    return trace(scene, "svo_trace_triangles", &of, rays, hits, ray_count, submit);
 }
 
 /* ---- pictures ---- */
@@ -360,4 +329,19 @@ svo_status svo_scene_render(svo_scene *scene, const svo_scene_render_options *op
 cleanup:
     svo_i_own_pixels_end(&own);
     return status;
+}
+
+/* ---- the class ---- */
+
+static svo_device *device_of(const void *scene)
+{
+    return ((const svo_scene *)scene)->device;
+}
+
+static const struct svo_target_class scene_class = {
+    .name = "scene", .device = device_of, .trace_triangles = trace_triangles, .trace_voxels = trace_voxels};
+
+svo_target svo_scene_target(svo_scene *scene)
+{
+    return (svo_target){&scene_class, scene};
 }

@@ -114,7 +114,7 @@ def test_nearest_within_a_distance(tree):
 
 def test_rays_need_lists(device, cube):
     with device.build(cube, 3, need=svocl.Need.NONE) as tree:
-        with pytest.raises(svocl.InvalidArgumentError, match="svo_tree_trace: .*SVO_NEED_RAYS"):
+        with pytest.raises(svocl.InvalidArgumentError, match="svo_trace_triangles: .*SVO_NEED_RAYS"):
             tree.trace(svocl.make_rays([0, 0, 0], [0, 0, 1]))
 
 

@@ -89,7 +89,8 @@ static bool prepare(svo_device *device, svo_frontend *frontend, const svo_mesh *
 /* Enqueues the build and, after it, a read of the root's mask from the tree's buffer. Waits for nothing. */
 static bool start(cl_command_queue queue, build_job *job)
 {
-    return svo_build_enqueue(job->workspace, job->tree, queue, 0, NULL, &job->built) == SVO_OK &&
+    return svo_build_enqueue(job->workspace, job->tree, &(svo_submit){.queue = queue, .event = &job->built}) ==
+               SVO_OK &&
            clEnqueueReadBuffer(queue, svo_tree_get_buffer(job->tree, SVO_TREE_CHILD_MASK), CL_FALSE, 0, 1,
                                &job->root_mask, 1, &job->built, &job->read) == CL_SUCCESS &&
            clFlush(queue) == CL_SUCCESS;

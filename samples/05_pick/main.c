@@ -71,7 +71,8 @@ int main(int argument_count, char **arguments)
     /* A tool keeps the tree and traces one ray per click; no ray passes between adjacent triangles. */
     done = done && svo_plan_create(device, &mesh, 4, &options, &plan) == SVO_OK &&
            svo_build(plan, NULL, NULL, &tree, NULL) == SVO_OK &&
-           svo_tree_trace(tree, &ray, &hit, 1, SVO_TRACE_CLOSEST, NULL) == SVO_OK;
+           svo_trace_triangles(svo_tree_target(tree), svo_in_host(&ray), svo_in_host(&hit), 1, SVO_TRACE_CLOSEST,
+                               NULL) == SVO_OK;
     if (done)
         report(arguments[1], arguments[2], &ray, &hit);
     else

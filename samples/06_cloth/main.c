@@ -104,7 +104,7 @@ static bool prepare(cloth *c, svo_message *message)
            svo_plan_create(c->device, &mesh, DEPTH, &options, &c->plan) == SVO_OK &&
            svo_workspace_create(c->plan, c->frontend, c->queue, NULL, &c->workspace) == SVO_OK &&
            svo_workspace_make_tree(c->workspace, &c->tree) == SVO_OK &&
-           svo_build_enqueue(c->workspace, c->tree, c->queue, 0, NULL, NULL) == SVO_OK &&
+           svo_build_enqueue(c->workspace, c->tree, &(svo_submit){.queue = c->queue}) == SVO_OK &&
            svo_tree_finish(c->tree, c->queue, 0, NULL) == SVO_OK &&
            svo_tree_make_bvh(c->tree, SVO_BVH_BEST, c->queue) == SVO_OK;
 }
@@ -128,11 +128,12 @@ static bool show_frame(cloth *c, int frame)
     cl_event ends[STAGES] = {NULL};
     move_to(frame);
     const double start = now_ms();
-    const bool done = clEnqueueMarkerWithWaitList(c->queue, 0, NULL, &ends[BEGIN]) == CL_SUCCESS &&
-                      svo_plan_update_enqueue(c->plan, &mesh, c->queue, 0, NULL, &ends[UPDATE]) == SVO_OK &&
-                      svo_build_enqueue(c->workspace, c->tree, c->queue, 0, NULL, &ends[BUILD]) == SVO_OK &&
-                      svo_tree_refit_bvh_enqueue(c->tree, c->queue, 0, NULL, &ends[REFIT]) == SVO_OK &&
-                      svo_tree_finish(c->tree, c->queue, 0, NULL) == SVO_OK && clFinish(c->queue) == CL_SUCCESS;
+    const bool done =
+        clEnqueueMarkerWithWaitList(c->queue, 0, NULL, &ends[BEGIN]) == CL_SUCCESS &&
+        svo_plan_update(c->plan, &mesh, &(svo_submit){.queue = c->queue, .event = &ends[UPDATE]}) == SVO_OK &&
+        svo_build_enqueue(c->workspace, c->tree, &(svo_submit){.queue = c->queue, .event = &ends[BUILD]}) == SVO_OK &&
+        svo_tree_refit_bvh(c->tree, &(svo_submit){.queue = c->queue, .event = &ends[REFIT]}) == SVO_OK &&
+        svo_tree_finish(c->tree, c->queue, 0, NULL) == SVO_OK && clFinish(c->queue) == CL_SUCCESS;
     c->frames_ms += now_ms() - start;
     if (done)
         add_times(c, ends);
@@ -165,7 +166,9 @@ static bool plan_anew(cloth *c, char hash[SVO_HASH_TEXT_BYTES])
                 svo_build(plan, c->frontend, c->queue, &tree, NULL) == SVO_OK &&
                 svo_tree_make_bvh(tree, SVO_BVH_BEST, c->queue) == SVO_OK;
     c->anew_ms += now_ms() - start;
-    done = done && svo_tree_trace(tree, rays, hits[1], RAYS, SVO_TRACE_CLOSEST, c->queue) == SVO_OK &&
+    done = done &&
+           svo_trace_triangles(svo_tree_target(tree), svo_in_host(rays), svo_in_host(hits[1]), RAYS, SVO_TRACE_CLOSEST,
+                               &(svo_submit){.queue = c->queue}) == SVO_OK &&
            svo_tree_download(tree, c->queue) == SVO_OK && svo_tree_hash(tree, SVO_HASH_ALL, hash) == SVO_OK;
     svo_tree_destroy(&tree);
     svo_plan_destroy(&plan);
@@ -194,7 +197,8 @@ static bool run(cloth *c)
             ((frame + 1) % ANEW_EVERY == 0 && !plan_anew(c, hash[1])))
             return false;
     }
-    if (svo_tree_trace(c->tree, rays, hits[0], RAYS, SVO_TRACE_CLOSEST, c->queue) != SVO_OK ||
+    if (svo_trace_triangles(svo_tree_target(c->tree), svo_in_host(rays), svo_in_host(hits[0]), RAYS, SVO_TRACE_CLOSEST,
+                            &(svo_submit){.queue = c->queue}) != SVO_OK ||
         svo_tree_download(c->tree, c->queue) != SVO_OK || svo_tree_hash(c->tree, SVO_HASH_ALL, hash[0]) != SVO_OK ||
         svo_tree_get_info(c->tree, &info) != SVO_OK)
         return false;

@@ -191,7 +191,8 @@ static bool draw_frame(svo_scene *scene, uint32_t frame, uint32_t count, uint32_
     }
     if (svo_scene_set_transforms(scene, 0, count, transforms, NULL) != SVO_OK ||
         svo_scene_rebuild(scene, NULL) != SVO_OK || /* pays when instances move far; not needed for the result */
-        svo_scene_trace(scene, &ray, &hit, 1, 0, SVO_SCENE_CLOSEST, NULL) != SVO_OK ||
+        svo_trace_voxels(svo_scene_target(scene), svo_in_host(&ray), svo_in_host(&hit), 1, 0, SVO_SCENE_CLOSEST,
+                         NULL) != SVO_OK ||
         svo_scene_render(scene, &options, NULL, rgba) != SVO_OK) {
         return false;
     }

@@ -102,7 +102,8 @@ static bool make_rays(work *state)
     state->rays = clCreateBuffer(context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, RAYS * sizeof *rays, rays, NULL);
     state->hits = clCreateBuffer(context, CL_MEM_WRITE_ONLY, sizeof state->expected, NULL, NULL);
     const bool done = state->rays != NULL && state->hits != NULL &&
-                      svo_tree_trace_voxels(state->tree, rays, state->expected, RAYS, 0, state->queue) == SVO_OK;
+                      svo_trace_voxels(svo_tree_target(state->tree), svo_in_host(rays), svo_in_host(state->expected),
+                                       RAYS, 0, 0, &(svo_submit){.queue = state->queue}) == SVO_OK;
     free(rays);
     return done;
 }

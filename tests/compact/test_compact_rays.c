@@ -215,7 +215,9 @@ static void check_form(const fixture *opened, svo_tree *tree, svo_compact *compa
     svo_voxel_hit *batch = calloc(RAY_COUNT, sizeof *batch);
     uint32_t *shared = shared_places(compact, tree);
     assert_non_null(batch);
-    assert_int_equal(svo_compact_trace(compact, rays, batch, RAY_COUNT, footprint, opened->queue), SVO_OK);
+    assert_int_equal(svo_trace_voxels(svo_compact_target(compact), svo_in_host(rays), svo_in_host(batch), RAY_COUNT,
+                                      footprint, 0, &(svo_submit){.queue = opened->queue}),
+                     SVO_OK);
     for (size_t i = 0; i < RAY_COUNT; ++i) {
         assert_same_hit(i, &expected[i], &got[i]);
         assert_memory_equal(&batch[i], &got[i].hit, sizeof batch[i]);
@@ -246,7 +248,9 @@ static void check_scene(const fixture *opened, const char *spec, uint32_t depth,
     found *expected = follow(opened, tree.tree, NULL, buffer, footprint);
     svo_voxel_hit *batch = calloc(RAY_COUNT, sizeof *batch);
     assert_non_null(batch);
-    assert_int_equal(svo_tree_trace_voxels(tree.tree, rays, batch, RAY_COUNT, footprint, opened->queue), SVO_OK);
+    assert_int_equal(svo_trace_voxels(svo_tree_target(tree.tree), svo_in_host(rays), svo_in_host(batch), RAY_COUNT,
+                                      footprint, 0, &(svo_submit){.queue = opened->queue}),
+                     SVO_OK);
     for (size_t i = 0; i < RAY_COUNT; ++i) {
         svo_node node;
         assert_memory_equal(&batch[i], &expected[i].hit, sizeof batch[i]);
@@ -382,21 +386,49 @@ static void wrong_arguments_are_refused(void **state)
                   &tree);
     svo_compact *compact = compact_of(&opened, tree.tree, SVO_FORM_DESCRIPTOR, 0);
     const cl_command_queue queue = opened.queue;
-    assert_int_equal(svo_compact_trace(NULL, &ray, &hit, 1, 0, queue), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_compact_trace(nowhere, &ray, &hit, 1, 0, queue), SVO_NOT_ON_DEVICE);
-    assert_int_equal(svo_tree_trace_voxels(NULL, &ray, &hit, 1, 0, queue), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_tree_trace_voxels(host_tree, &ray, &hit, 1, 0, queue), SVO_NOT_ON_DEVICE);
-    assert_refused(&opened, svo_compact_trace(compact, NULL, &hit, 1, 0, queue), "svo_compact_trace: rays is NULL");
-    assert_refused(&opened, svo_compact_trace(compact, &ray, NULL, 1, 0, queue), "hits is NULL");
-    assert_refused(&opened, svo_compact_trace(compact, &ray, &hit, (size_t)SVO_TRACE_RAYS_MAX + 1, 0, queue),
+    assert_int_equal(svo_trace_voxels(svo_compact_target(NULL), svo_in_host(&ray), svo_in_host(&hit), 1, 0, 0,
+                                      &(svo_submit){.queue = queue}),
+                     SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_trace_voxels(svo_compact_target(nowhere), svo_in_host(&ray), svo_in_host(&hit), 1, 0, 0,
+                                      &(svo_submit){.queue = queue}),
+                     SVO_NOT_ON_DEVICE);
+    assert_int_equal(svo_trace_voxels(svo_tree_target(NULL), svo_in_host(&ray), svo_in_host(&hit), 1, 0, 0,
+                                      &(svo_submit){.queue = queue}),
+                     SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_trace_voxels(svo_tree_target(host_tree), svo_in_host(&ray), svo_in_host(&hit), 1, 0, 0,
+                                      &(svo_submit){.queue = queue}),
+                     SVO_NOT_ON_DEVICE);
+    assert_refused(&opened,
+                   svo_trace_voxels(svo_compact_target(compact), svo_in_host(NULL), svo_in_host(&hit), 1, 0, 0,
+                                    &(svo_submit){.queue = queue}),
+                   "svo_trace_voxels: rays is NULL");
+    assert_refused(&opened,
+                   svo_trace_voxels(svo_compact_target(compact), svo_in_host(&ray), svo_in_host(NULL), 1, 0, 0,
+                                    &(svo_submit){.queue = queue}),
+                   "hits is NULL");
+    assert_refused(&opened,
+                   svo_trace_voxels(svo_compact_target(compact), svo_in_host(&ray), svo_in_host(&hit),
+                                    (size_t)SVO_TRACE_RAYS_MAX + 1, 0, 0, &(svo_submit){.queue = queue}),
                    "2147483648 rays are above 2147483647");
-    assert_refused(&opened, svo_compact_trace(compact, &ray, &hit, 1, -1.0F, queue), "footprint -1 is negative");
-    assert_refused(&opened, svo_tree_trace_voxels(tree.tree, &ray, &hit, 1, NAN, queue), "is negative or not finite");
-    assert_refused(&opened, svo_compact_trace_enqueue(compact, NULL, NULL, 1, 0, queue, 0, NULL, NULL),
-                   "svo_compact_trace_enqueue: rays is NULL");
-    assert_refused(&opened, svo_tree_trace_voxels_enqueue(tree.tree, NULL, NULL, 1, 0, queue, 0, NULL, NULL),
-                   "svo_tree_trace_voxels_enqueue: rays is NULL");
-    assert_int_equal(svo_compact_trace(compact, NULL, NULL, 0, 0, queue), SVO_OK);
+    assert_refused(&opened,
+                   svo_trace_voxels(svo_compact_target(compact), svo_in_host(&ray), svo_in_host(&hit), 1, -1.0F, 0,
+                                    &(svo_submit){.queue = queue}),
+                   "footprint -1 is negative");
+    assert_refused(&opened,
+                   svo_trace_voxels(svo_tree_target(tree.tree), svo_in_host(&ray), svo_in_host(&hit), 1, NAN, 0,
+                                    &(svo_submit){.queue = queue}),
+                   "is negative or not finite");
+    assert_refused(&opened,
+                   svo_trace_voxels(svo_compact_target(compact), svo_in_buffer(NULL), svo_in_buffer(NULL), 1, 0, 0,
+                                    &(svo_submit){.queue = queue}),
+                   "svo_trace_voxels: rays is NULL");
+    assert_refused(&opened,
+                   svo_trace_voxels(svo_tree_target(tree.tree), svo_in_buffer(NULL), svo_in_buffer(NULL), 1, 0, 0,
+                                    &(svo_submit){.queue = queue}),
+                   "svo_trace_voxels: rays is NULL");
+    assert_int_equal(svo_trace_voxels(svo_compact_target(compact), svo_in_host(NULL), svo_in_host(NULL), 0, 0, 0,
+                                      &(svo_submit){.queue = queue}),
+                     SVO_OK);
     assert_int_equal(svo_compact_render(NULL, &options, queue, rgba), SVO_INVALID_ARGUMENT);
     assert_refused(&opened, svo_compact_render(compact, NULL, queue, rgba), "options is NULL");
     assert_refused(&opened, svo_compact_render(compact, &options, queue, NULL), "rgba is NULL");

@@ -273,12 +273,16 @@ static void rays_that_cannot_be_traced(void **state)
     svo_ray ray = {.t_max = 1};
     svo_hit hit;
     cl_event done = NULL;
-    expect(&opened, svo_tree_trace(tree, &ray, &hit, (size_t)UINT32_MAX + 1, SVO_TRACE_CLOSEST, opened.queue),
-           SVO_INVALID_ARGUMENT, "svo_tree_trace: 4294967296 rays are above ");
-    assert_int_equal(svo_tree_trace_enqueue(NULL, NULL, NULL, 0, SVO_TRACE_CLOSEST, opened.queue, 0, NULL, &done),
+    expect(&opened,
+           svo_trace_triangles(svo_tree_target(tree), svo_in_host(&ray), svo_in_host(&hit), (size_t)UINT32_MAX + 1,
+                               SVO_TRACE_CLOSEST, &(svo_submit){.queue = opened.queue}),
+           SVO_INVALID_ARGUMENT, "svo_trace_triangles: 4294967296 rays are above ");
+    assert_int_equal(svo_trace_triangles(svo_tree_target(NULL), svo_in_buffer(NULL), svo_in_buffer(NULL), 0,
+                                         SVO_TRACE_CLOSEST, &(svo_submit){.queue = opened.queue, .event = &done}),
                      SVO_INVALID_ARGUMENT);
     succeed(&opened,
-            svo_tree_trace_enqueue(tree, NULL, NULL, 0, SVO_TRACE_CLOSEST, opened.queue, 0, NULL, &done)); /* no rays */
+            svo_trace_triangles(svo_tree_target(tree), svo_in_buffer(NULL), svo_in_buffer(NULL), 0, SVO_TRACE_CLOSEST,
+                                &(svo_submit){.queue = opened.queue, .event = &done})); /* no rays */
     assert_int_equal(clWaitForEvents(1, &done), CL_SUCCESS);
     clReleaseEvent(done);
     expect(&opened, svo_tree_set_args(tree, NULL, 0), SVO_INVALID_ARGUMENT, "svo_tree_set_args: kernel is NULL");
@@ -302,8 +306,10 @@ static void grids_beyond_the_range_of_rays(void **state)
         svo_hit hit;
         succeed(&opened, svo_plan_create(opened.device, &mesh, DEPTH, &options, &plan));
         succeed(&opened, svo_build(plan, opened.cl, opened.queue, &tree, NULL));
-        expect(&opened, svo_tree_trace(tree, &ray, &hit, 1, SVO_TRACE_CLOSEST, opened.queue), SVO_UNSUPPORTED,
-               "is beyond the range of rays in floats");
+        expect(&opened,
+               svo_trace_triangles(svo_tree_target(tree), svo_in_host(&ray), svo_in_host(&hit), 1, SVO_TRACE_CLOSEST,
+                                   &(svo_submit){.queue = opened.queue}),
+               SVO_UNSUPPORTED, "is beyond the range of rays in floats");
         svo_tree_destroy(&tree);
         svo_plan_destroy(&plan);
     }

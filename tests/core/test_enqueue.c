@@ -98,76 +98,68 @@ static void release_subjects(subjects *of)
 /* The tail of every call. */
 #define TAIL queue, 0, NULL, event
 
-typedef svo_status enqueue_batch(subjects *of, cl_mem input, cl_mem output, size_t count, cl_command_queue queue,
-                                 cl_event *event);
+typedef svo_status enqueue_batch(subjects *of, svo_array input, svo_array output, size_t count,
+                                 const svo_submit *submit);
 
-static svo_status trace(subjects *of, cl_mem input, cl_mem output, size_t count, cl_command_queue queue,
-                        cl_event *event)
+static svo_status trace(subjects *of, svo_array input, svo_array output, size_t count, const svo_submit *submit)
 {
-    return svo_tree_trace_enqueue(of->tree, input, output, count, SVO_TRACE_CLOSEST, TAIL);
+    return svo_trace_triangles(svo_tree_target(of->tree), input, output, count, SVO_TRACE_CLOSEST, submit);
 }
 
-static svo_status nearest(subjects *of, cl_mem input, cl_mem output, size_t count, cl_command_queue queue,
-                          cl_event *event)
+static svo_status nearest(subjects *of, svo_array input, svo_array output, size_t count, const svo_submit *submit)
 {
-    return svo_tree_nearest_enqueue(of->tree, input, output, count, TAIL);
+    return svo_tree_nearest(of->tree, input, output, count, submit);
 }
 
-static svo_status trace_voxels(subjects *of, cl_mem input, cl_mem output, size_t count, cl_command_queue queue,
-                               cl_event *event)
+static svo_status trace_voxels(subjects *of, svo_array input, svo_array output, size_t count, const svo_submit *submit)
 {
-    return svo_tree_trace_voxels_enqueue(of->tree, input, output, count, 0, TAIL);
+    return svo_trace_voxels(svo_tree_target(of->tree), input, output, count, 0, 0, submit);
 }
 
-static svo_status trace_compact(subjects *of, cl_mem input, cl_mem output, size_t count, cl_command_queue queue,
-                                cl_event *event)
+static svo_status trace_compact(subjects *of, svo_array input, svo_array output, size_t count, const svo_submit *submit)
 {
-    return svo_compact_trace_enqueue(of->compact, input, output, count, 0, TAIL);
+    return svo_trace_voxels(svo_compact_target(of->compact), input, output, count, 0, 0, submit);
 }
 
-static svo_status trace_scene(subjects *of, cl_mem input, cl_mem output, size_t count, cl_command_queue queue,
-                              cl_event *event)
+static svo_status trace_scene(subjects *of, svo_array input, svo_array output, size_t count, const svo_submit *submit)
 {
-    return svo_scene_trace_enqueue(of->scene, input, output, count, 0, SVO_SCENE_CLOSEST, TAIL);
+    return svo_trace_voxels(svo_scene_target(of->scene), input, output, count, 0, SVO_SCENE_CLOSEST, submit);
 }
 
-static svo_status trace_triangles(subjects *of, cl_mem input, cl_mem output, size_t count, cl_command_queue queue,
-                                  cl_event *event)
+static svo_status trace_triangles(subjects *of, svo_array input, svo_array output, size_t count,
+                                  const svo_submit *submit)
 {
-    return svo_scene_trace_triangles_enqueue(of->scene, input, output, count, SVO_SCENE_CLOSEST, TAIL);
+    return svo_trace_triangles(svo_scene_target(of->scene), input, output, count, SVO_SCENE_CLOSEST, submit);
 }
 
-static svo_status gather(subjects *of, cl_mem input, cl_mem output, size_t count, cl_command_queue queue,
-                         cl_event *event)
+static svo_status gather(subjects *of, svo_array input, svo_array output, size_t count, const svo_submit *submit)
 {
-    return svo_gather_enqueue(of->light, input, output, count, NULL, TAIL);
+    return svo_gather(of->light, input, output, count, NULL, submit);
 }
 
-static svo_status trace_probes(subjects *of, cl_mem input, cl_mem output, size_t count, cl_command_queue queue,
-                               cl_event *event)
+static svo_status trace_probes(subjects *of, svo_array input, svo_array output, size_t count, const svo_submit *submit)
 {
-    return svo_probes_trace_enqueue(of->probes, input, output, count, NULL, TAIL);
+    return svo_probes_trace(of->probes, input, output, count, NULL, submit);
 }
 
-static svo_status irradiance(subjects *of, cl_mem input, cl_mem output, size_t count, cl_command_queue queue,
-                             cl_event *event)
+static svo_status irradiance(subjects *of, svo_array input, svo_array output, size_t count, const svo_submit *submit)
 {
-    return svo_probes_irradiance_enqueue(of->probes, input, output, count, TAIL);
+    return svo_probes_irradiance(of->probes, input, output, count, submit);
 }
 
 static const struct {
     const char *function, *output;
     enqueue_batch *call;
 } batches[] = {
-    {"svo_tree_trace_enqueue", "hits", trace},
-    {"svo_tree_nearest_enqueue", "results", nearest},
-    {"svo_tree_trace_voxels_enqueue", "hits", trace_voxels},
-    {"svo_compact_trace_enqueue", "hits", trace_compact},
-    {"svo_scene_trace_enqueue", "hits", trace_scene},
-    {"svo_scene_trace_triangles_enqueue", "hits", trace_triangles},
-    {"svo_gather_enqueue", "results", gather},
-    {"svo_probes_trace_enqueue", "hits", trace_probes},
-    {"svo_probes_irradiance_enqueue", "results", irradiance},
+    {"svo_trace_triangles", "hits", trace},
+    {"svo_tree_nearest", "results", nearest},
+    {"svo_trace_voxels", "hits", trace_voxels},
+    {"svo_trace_voxels", "hits", trace_compact},
+    {"svo_trace_voxels", "hits", trace_scene},
+    {"svo_trace_triangles", "hits", trace_triangles},
+    {"svo_gather", "results", gather},
+    {"svo_probes_trace", "hits", trace_probes},
+    {"svo_probes_irradiance", "results", irradiance},
 };
 #define BATCH_COUNT (sizeof batches / sizeof batches[0])
 
@@ -187,7 +179,8 @@ static void run_batch(subjects *of, size_t batch, cl_command_queue queue, unsign
     cl_mem input = make_memory(of, CL_MEM_READ_ONLY, 0);
     cl_mem output = make_memory(of, CL_MEM_WRITE_ONLY, 0x5a);
     cl_event event = NULL;
-    succeed(of, batches[batch].call(of, input, output, COUNT, queue, &event));
+    succeed(of, batches[batch].call(of, svo_in_buffer(input), svo_in_buffer(output), COUNT,
+                                    &(svo_submit){.queue = queue, .event = &event}));
     assert_non_null(event);
     assert_int_equal(
         clEnqueueReadBuffer(of->opened.queue, output, CL_TRUE, 0, COUNT * RECORD_BYTES, bytes, 1, &event, NULL),
@@ -211,6 +204,70 @@ static void batches_without_a_queue_take_the_devices_own(void **state)
     release_subjects(&of);
 }
 
+static void expect_complete(cl_event event)
+{
+    cl_int state = CL_QUEUED;
+    assert_non_null(event);
+    assert_int_equal(clGetEventInfo(event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof state, &state, NULL), CL_SUCCESS);
+    assert_int_equal(state, CL_COMPLETE);
+    clReleaseEvent(event);
+}
+
+/* Without an svo_submit, and with arrays in host memory, the commands are complete when the call returns. */
+static void batches_wait_where_they_say_so(void **state)
+{
+    subjects of = make_subjects(state);
+    const unsigned char zeros[COUNT * RECORD_BYTES] = {0};
+    for (size_t i = 0; i < BATCH_COUNT; ++i) {
+        unsigned char expected[COUNT * RECORD_BYTES], actual[COUNT * RECORD_BYTES];
+        cl_mem input = make_memory(&of, CL_MEM_READ_ONLY, 0);
+        cl_mem output = make_memory(&of, CL_MEM_WRITE_ONLY, 0x5a);
+        cl_event events[2] = {NULL, NULL};
+        run_batch(&of, i, of.opened.queue, expected);
+        succeed(&of, batches[i].call(&of, svo_in_buffer(input), svo_in_buffer(output), COUNT, NULL));
+        assert_int_equal(clEnqueueReadBuffer(of.opened.queue, output, CL_TRUE, 0, sizeof actual, actual, 0, NULL, NULL),
+                         CL_SUCCESS);
+        assert_memory_equal(actual, expected, sizeof expected);
+        memset(actual, 0x5a, sizeof actual);
+        succeed(&of, batches[i].call(&of, svo_in_host(zeros), svo_in_host(actual), COUNT,
+                                     &(svo_submit){.queue = of.opened.queue, .event = &events[0]}));
+        expect_complete(events[0]);
+        assert_memory_equal(actual, expected, sizeof expected);
+        memset(actual, 0x5a, sizeof actual);
+        succeed(&of, batches[i].call(&of, svo_in_buffer(input), svo_in_host(actual), COUNT,
+                                     &(svo_submit){.event = &events[1]}));
+        expect_complete(events[1]);
+        assert_memory_equal(actual, expected, sizeof expected);
+        clReleaseMemObject(output);
+        clReleaseMemObject(input);
+    }
+    release_subjects(&of);
+}
+
+/* What a handle cannot do is refused with words, and so is what is no target. */
+static void targets_refuse_what_they_have_not(void **state)
+{
+    subjects of = make_subjects(state);
+    const svo_target none = {.of = of.tree};
+    const svo_ray ray = {.direction = {0, 0, 1}, .t_max = 1};
+    const svo_array rays = svo_in_host(&ray);
+    svo_voxel_hit hit = {.node = 5};
+    const svo_array hits = svo_in_host(&hit);
+    assert_int_equal(svo_trace_triangles(none, rays, hits, 1, 0, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_trace_voxels(svo_scene_target(NULL), rays, hits, 1, 0, 0, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_trace_triangles(svo_compact_target(of.compact), rays, hits, 1, 0, NULL), SVO_UNSUPPORTED);
+    assert_string_equal(svo_device_message(of.opened.device), "svo_trace_triangles: not of a compact tree");
+    const svo_target without_flags[] = {svo_tree_target(of.tree), svo_compact_target(of.compact)};
+    for (size_t i = 0; i < 2; ++i) {
+        assert_int_equal(svo_trace_voxels(without_flags[i], rays, hits, 1, 0, SVO_SCENE_ANY, NULL),
+                         SVO_INVALID_ARGUMENT);
+        assert_string_equal(svo_device_message(of.opened.device),
+                            "svo_trace_voxels: flags 1 is not 0, and not of a scene");
+    }
+    assert_int_equal(hit.node, 5);
+    release_subjects(&of);
+}
+
 static void batches_refuse_memory_that_kernels_must_not_write(void **state)
 {
     subjects of = make_subjects(state);
@@ -221,7 +278,9 @@ static void batches_refuse_memory_that_kernels_must_not_write(void **state)
         cl_event event = NULL;
         (void)snprintf(expected, sizeof expected, "%s: %s is of CL_MEM_READ_ONLY, and kernels write it",
                        batches[i].function, batches[i].output);
-        assert_int_equal(batches[i].call(&of, input, output, COUNT, of.opened.queue, &event), SVO_INVALID_ARGUMENT);
+        const svo_submit submit = {.queue = of.opened.queue, .event = &event};
+        assert_int_equal(batches[i].call(&of, svo_in_buffer(input), svo_in_buffer(output), COUNT, &submit),
+                         SVO_INVALID_ARGUMENT);
         assert_string_equal(svo_device_message(of.opened.device), expected);
         assert_null(event);
     }
@@ -254,7 +313,8 @@ static void a_marker_that_fails_is_named(void **state)
         cl_event event = NULL;
         (void)snprintf(expected, sizeof expected, "%s: clEnqueueMarkerWithWaitList", batches[i].function);
         marker_fails = true;
-        const svo_status status = batches[i].call(&of, NULL, NULL, 0, of.opened.queue, &event);
+        const svo_submit submit = {.queue = of.opened.queue, .event = &event};
+        const svo_status status = batches[i].call(&of, svo_in_buffer(NULL), svo_in_buffer(NULL), 0, &submit);
         marker_fails = false;
         assert_int_equal(status, SVO_CL_ERROR);
         if (strncmp(svo_device_message(of.opened.device), expected, strlen(expected)) != 0) {
@@ -358,15 +418,20 @@ static void builds_without_a_queue_take_the_devices_own(void **state)
     svo_tree_destroy(&tree);
     succeed(&of, svo_workspace_create(plan, of.opened.cl, NULL, NULL, &workspace));
     succeed(&of, svo_workspace_make_tree(workspace, &tree));
-    succeed(&of, svo_build_enqueue(workspace, tree, NULL, 0, NULL, &event));
+    succeed(&of, svo_build_enqueue(workspace, tree, &(svo_submit){.event = &event}));
     wait_for(&event);
     succeed(&of, svo_tree_finish(tree, NULL, 0, NULL));
     succeed(&of, svo_tree_make_bvh(tree, SVO_BVH_FAST, NULL));
-    succeed(&of, svo_plan_update_enqueue(plan, scene_mesh(cube), NULL, 0, NULL, &event));
+    succeed(&of, svo_plan_update(plan, scene_mesh(cube), &(svo_submit){.event = &event}));
     wait_for(&event);
-    succeed(&of, svo_build_enqueue(workspace, tree, NULL, 0, NULL, NULL));
-    succeed(&of, svo_tree_refit_bvh_enqueue(tree, NULL, 0, NULL, &event));
+    succeed(&of, svo_build_enqueue(workspace, tree, &(svo_submit){.queue = NULL}));
+    succeed(&of, svo_tree_refit_bvh(tree, &(svo_submit){.event = &event}));
     wait_for(&event);
+    succeed(&of, svo_tree_finish(tree, NULL, 0, NULL));
+    /* The same, and each call waits. */
+    succeed(&of, svo_plan_update(plan, scene_mesh(cube), NULL));
+    succeed(&of, svo_build_enqueue(workspace, tree, NULL));
+    succeed(&of, svo_tree_refit_bvh(tree, NULL));
     succeed(&of, svo_tree_finish(tree, NULL, 1, NULL));
     succeed(&of, svo_tree_download(tree, NULL));
     succeed(&of, svo_tree_hash(tree, SVO_HASH_ALL, actual));
@@ -390,7 +455,7 @@ static void updates_without_a_queue_take_the_devices_own(void **state)
     uint32_t object = 0;
     succeed(&of, svo_moving_create(of.opened.device, scene_mesh(cube), DEPTH, &options, NULL, &moving));
     succeed(&of, svo_moving_add(moving, scene_mesh(cube), aside, &object));
-    succeed(&of, svo_moving_update_enqueue(moving, NULL, 0, NULL, &event));
+    succeed(&of, svo_moving_update(moving, &(svo_submit){.event = &event}));
     wait_for(&event);
     succeed(&of, svo_moving_finish(moving, &report));
     assert_true(report.changed_objects == 1 && report.changed_fragments > 0);
@@ -417,14 +482,20 @@ static void what_is_on_no_device_is_refused_with_words(void **state)
     svo_device *const device = of.tree->device;
     of.tree->device = NULL; /* as a tree from a file has it */
     of.compact->device = NULL;
-    assert_int_equal(svo_tree_trace(of.tree, &ray, &hit, 1, SVO_TRACE_CLOSEST, NULL), SVO_NOT_ON_DEVICE);
-    assert_int_equal(svo_tree_trace_voxels(of.tree, &ray, &voxel, 1, 0, NULL), SVO_NOT_ON_DEVICE);
-    assert_int_equal(svo_tree_nearest(of.tree, &point, &near_point, 1, NULL), SVO_NOT_ON_DEVICE);
+    assert_int_equal(
+        svo_trace_triangles(svo_tree_target(of.tree), svo_in_host(&ray), svo_in_host(&hit), 1, SVO_TRACE_CLOSEST, NULL),
+        SVO_NOT_ON_DEVICE);
+    assert_int_equal(svo_trace_voxels(svo_tree_target(of.tree), svo_in_host(&ray), svo_in_host(&voxel), 1, 0, 0, NULL),
+                     SVO_NOT_ON_DEVICE);
+    assert_int_equal(svo_tree_nearest(of.tree, svo_in_host(&point), svo_in_host(&near_point), 1, NULL),
+                     SVO_NOT_ON_DEVICE);
     assert_int_equal(svo_light_create(of.tree, NULL, NULL, &light), SVO_NOT_ON_DEVICE);
     assert_int_equal(svo_probes_create(of.tree, NULL, NULL, &probes), SVO_NOT_ON_DEVICE);
     assert_int_equal(svo_solid_create(of.tree, NULL, NULL, &solid, NULL), SVO_NOT_ON_DEVICE);
-    assert_int_equal(svo_tree_refit_bvh_enqueue(of.tree, NULL, 0, NULL, NULL), SVO_NOT_ON_DEVICE);
-    assert_int_equal(svo_compact_trace(of.compact, &ray, &voxel, 1, 0, NULL), SVO_NOT_ON_DEVICE);
+    assert_int_equal(svo_tree_refit_bvh(of.tree, &(svo_submit){.queue = NULL}), SVO_NOT_ON_DEVICE);
+    assert_int_equal(
+        svo_trace_voxels(svo_compact_target(of.compact), svo_in_host(&ray), svo_in_host(&voxel), 1, 0, 0, NULL),
+        SVO_NOT_ON_DEVICE);
     assert_int_equal(svo_compact_render(of.compact, &view, NULL, rgba), SVO_NOT_ON_DEVICE);
     assert_int_equal(svo_compact_render_enqueue(of.compact, &view, NULL, NULL, 0, NULL, NULL), SVO_NOT_ON_DEVICE);
     assert_int_equal(svo_compact_expand(of.compact, NULL, &expanded), SVO_NOT_ON_DEVICE);
@@ -438,6 +509,8 @@ TEST_GROUP(enqueue)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(batches_without_a_queue_take_the_devices_own),
+        cmocka_unit_test(batches_wait_where_they_say_so),
+        cmocka_unit_test(targets_refuse_what_they_have_not),
         cmocka_unit_test(batches_refuse_memory_that_kernels_must_not_write),
         cmocka_unit_test(a_marker_that_fails_is_named),
         cmocka_unit_test(pictures_without_a_queue_take_the_devices_own),

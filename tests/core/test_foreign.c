@@ -141,6 +141,9 @@ static void queues_of_another_context_are_refused(void **state)
     native own = make_native(&opened);
     foreigner other = make_foreigner(&opened);
     const cl_command_queue queue = other.queue;
+    const svo_submit submit = {.queue = queue};
+    const svo_target target = svo_tree_target(own.tree);
+    const svo_array memory = svo_in_buffer(own.memory);
     const svo_ray ray = {.direction = {0, 0, 1}, .t_max = 1};
     const svo_query_point point = {.max_distance = 1};
     svo_hit hit;
@@ -152,11 +155,11 @@ static void queues_of_another_context_are_refused(void **state)
     svo_camera_frame(own.tree, 1.0F, &options.camera);
     REFUSED(svo_tree_download, own.tree, queue);
     REFUSED(svo_tree_render, opened.device, own.tree, &options, queue, picture);
-    REFUSED(svo_tree_trace, own.tree, &ray, &hit, 1, SVO_TRACE_CLOSEST, queue);
-    REFUSED(svo_tree_trace_enqueue, own.tree, own.memory, own.memory, 1, SVO_TRACE_CLOSEST, queue, 0, NULL, NULL);
-    REFUSED(svo_tree_trace_enqueue, own.tree, NULL, NULL, 0, SVO_TRACE_CLOSEST, queue, 0, NULL, NULL);
-    REFUSED(svo_tree_nearest, own.tree, &point, &nearest, 1, queue);
-    REFUSED(svo_tree_nearest_enqueue, own.tree, own.memory, own.memory, 1, queue, 0, NULL, NULL);
+    REFUSED(svo_trace_triangles, target, svo_in_host(&ray), svo_in_host(&hit), 1, SVO_TRACE_CLOSEST, &submit);
+    REFUSED(svo_trace_triangles, target, memory, memory, 1, SVO_TRACE_CLOSEST, &submit);
+    REFUSED(svo_trace_triangles, target, svo_in_buffer(NULL), svo_in_buffer(NULL), 0, SVO_TRACE_CLOSEST, &submit);
+    REFUSED(svo_tree_nearest, own.tree, svo_in_host(&point), svo_in_host(&nearest), 1, &submit);
+    REFUSED(svo_tree_nearest, own.tree, memory, memory, 1, &submit);
     REFUSED(svo_build, own.plan, opened.frontend, queue, &unmade, NULL);
     REFUSED(svo_plan_count, own.plan, opened.frontend, queue);
     REFUSED(svo_workspace_create, own.plan, opened.frontend, queue, NULL, &workspace);
@@ -172,8 +175,8 @@ static void queues_of_another_context_are_refused(void **state)
     svo_tree_destroy(&unmade);
     succeed(&own, svo_workspace_create(own.plan, opened.frontend, opened.queue, NULL, &workspace));
     succeed(&own, svo_workspace_make_tree(workspace, &unmade));
-    REFUSED(svo_build_enqueue, workspace, unmade, queue, 0, NULL, NULL);
-    succeed(&own, svo_build_enqueue(workspace, unmade, opened.queue, 0, NULL, NULL));
+    REFUSED(svo_build_enqueue, workspace, unmade, &submit);
+    succeed(&own, svo_build_enqueue(workspace, unmade, &(svo_submit){.queue = opened.queue}));
     REFUSED(svo_tree_finish, unmade, queue, 1, NULL);
     succeed(&own, svo_tree_finish(unmade, opened.queue, 1, NULL)); /* the refusal has changed nothing */
     svo_tree_destroy(&unmade);
@@ -198,6 +201,7 @@ static void scenes_refuse_what_is_of_another_context(void **state)
     svo_scene_hit hit;
     uint8_t picture[8 * 8 * 4];
     svo_scene *placed = NULL;
+    const svo_submit submit = {.queue = other.queue};
     REFUSED(svo_scene_create, opened.device, &options, other.queue, &placed);
     assert_null(placed);
     succeed(&own, svo_scene_create(opened.device, &options, opened.queue, &placed));
@@ -205,14 +209,20 @@ static void scenes_refuse_what_is_of_another_context(void **state)
     REFUSED(svo_scene_set_transforms, placed, 0, 1, instance.transform, other.queue);
     REFUSED(svo_scene_rebuild, placed, other.queue);
     REFUSED(svo_scene_render, placed, &shown, other.queue, picture);
-    REFUSED(svo_scene_trace, placed, &ray, &hit, 1, 0.0F, 0, other.queue);
-    REFUSED(svo_scene_trace_enqueue, placed, own.memory, own.memory, 1, 0.0F, 0, other.queue, 0, NULL, NULL);
-    refused(&own, svo_scene_trace_enqueue(placed, other.memory, own.memory, 1, 0, 0, opened.queue, 0, NULL, NULL),
-            "svo_scene_trace_enqueue", "rays");
-    refused(&own, svo_scene_trace_enqueue(placed, own.memory, other.memory, 1, 0, 0, opened.queue, 0, NULL, NULL),
-            "svo_scene_trace_enqueue", "hits");
+    REFUSED(svo_trace_voxels, svo_scene_target(placed), svo_in_host(&ray), svo_in_host(&hit), 1, 0.0F, 0, &submit);
+    REFUSED(svo_trace_voxels, svo_scene_target(placed), svo_in_buffer(own.memory), svo_in_buffer(own.memory), 1, 0.0F,
+            0, &submit);
+    refused(&own,
+            svo_trace_voxels(svo_scene_target(placed), svo_in_buffer(other.memory), svo_in_buffer(own.memory), 1, 0, 0,
+                             &(svo_submit){.queue = opened.queue}),
+            "svo_trace_voxels", "rays");
+    refused(&own,
+            svo_trace_voxels(svo_scene_target(placed), svo_in_buffer(own.memory), svo_in_buffer(other.memory), 1, 0, 0,
+                             &(svo_submit){.queue = opened.queue}),
+            "svo_trace_voxels", "hits");
     /* Nothing was lost. */
-    succeed(&own, svo_scene_trace(placed, &ray, &hit, 1, 0.0F, 0, opened.queue));
+    succeed(&own, svo_trace_voxels(svo_scene_target(placed), svo_in_host(&ray), svo_in_host(&hit), 1, 0.0F, 0,
+                                   &(svo_submit){.queue = opened.queue}));
     svo_scene_destroy(&placed);
     release_native(&own);
     release_foreigner(&other);
@@ -226,15 +236,18 @@ static void buffers_and_kernels_of_another_context_are_refused(void **state)
     const cl_mem mine = own.memory;
     const cl_mem theirs = other.memory;
     const cl_command_queue queue = opened.queue;
-#define TRACE(rays, hits)     svo_tree_trace_enqueue(own.tree, rays, hits, 1, SVO_TRACE_CLOSEST, queue, 0, NULL, NULL)
-#define NEAREST(points, into) svo_tree_nearest_enqueue(own.tree, points, into, 1, queue, 0, NULL, NULL)
-    refused(&own, TRACE(theirs, mine), "svo_tree_trace_enqueue", "rays");
-    refused(&own, TRACE(mine, theirs), "svo_tree_trace_enqueue", "hits");
-    refused(&own, NEAREST(theirs, mine), "svo_tree_nearest_enqueue", "points");
-    refused(&own, NEAREST(mine, theirs), "svo_tree_nearest_enqueue", "results");
+#define TRACE(rays, hits)                                                                                          \
+    svo_trace_triangles(svo_tree_target(own.tree), svo_in_buffer(rays), svo_in_buffer(hits), 1, SVO_TRACE_CLOSEST, \
+                        &(svo_submit){.queue = queue})
+#define NEAREST(points, into) \
+    svo_tree_nearest(own.tree, svo_in_buffer(points), svo_in_buffer(into), 1, &(svo_submit){.queue = queue})
+    refused(&own, TRACE(theirs, mine), "svo_trace_triangles", "rays");
+    refused(&own, TRACE(mine, theirs), "svo_trace_triangles", "hits");
+    refused(&own, NEAREST(theirs, mine), "svo_tree_nearest", "points");
+    refused(&own, NEAREST(mine, theirs), "svo_tree_nearest", "results");
     refused(&own, svo_tree_set_args(own.tree, other.kernel, 0), "svo_tree_set_args", "kernel");
     if (own.image != NULL) {
-        expect_words(TRACE(own.image, mine), svo_device_message(opened.device), "svo_tree_trace_enqueue", "rays",
+        expect_words(TRACE(own.image, mine), svo_device_message(opened.device), "svo_trace_triangles", "rays",
                      "is no buffer");
     }
     succeed(&own, TRACE(mine, mine));
@@ -261,22 +274,33 @@ static void events_of_another_context_are_refused(void **state)
     clSetUserEventStatus(right, CL_COMPLETE);
     const cl_event waits[2] = {right, other.event};
     cl_event done = NULL;
-    refused(&own, svo_tree_trace_enqueue(own.tree, mine, mine, 1, 0, queue, 2, waits, &done), "svo_tree_trace_enqueue",
-            "wait");
-    refused(&own, svo_tree_trace_enqueue(own.tree, NULL, NULL, 0, 0, queue, 2, waits, &done), "svo_tree_trace_enqueue",
-            "wait");
-    refused(&own, svo_tree_nearest_enqueue(own.tree, mine, mine, 1, queue, 2, waits, &done), "svo_tree_nearest_enqueue",
-            "wait");
+    refused(&own,
+            svo_trace_triangles(svo_tree_target(own.tree), svo_in_buffer(mine), svo_in_buffer(mine), 1, 0,
+                                &(svo_submit){.queue = queue, .num_wait = 2, .wait = waits, .event = &done}),
+            "svo_trace_triangles", "wait");
+    refused(&own,
+            svo_trace_triangles(svo_tree_target(own.tree), svo_in_buffer(NULL), svo_in_buffer(NULL), 0, 0,
+                                &(svo_submit){.queue = queue, .num_wait = 2, .wait = waits, .event = &done}),
+            "svo_trace_triangles", "wait");
+    refused(&own,
+            svo_tree_nearest(own.tree, svo_in_buffer(mine), svo_in_buffer(mine), 1,
+                             &(svo_submit){.queue = queue, .num_wait = 2, .wait = waits, .event = &done}),
+            "svo_tree_nearest", "wait");
     svo_workspace *workspace = NULL;
     svo_tree *tree = NULL;
     succeed(&own, svo_workspace_create(own.plan, opened.frontend, queue, NULL, &workspace));
     succeed(&own, svo_workspace_make_tree(workspace, &tree));
-    refused(&own, svo_build_enqueue(workspace, tree, queue, 2, waits, &done), "svo_build_enqueue", "wait");
+    refused(
+        &own,
+        svo_build_enqueue(workspace, tree, &(svo_submit){.queue = queue, .num_wait = 2, .wait = waits, .event = &done}),
+        "svo_build_enqueue", "wait");
     assert_null(done);
-    expect_words(svo_tree_trace_enqueue(own.tree, mine, mine, 1, 0, queue, 1, NULL, NULL),
-                 svo_device_message(opened.device), "svo_tree_trace_enqueue", "num_wait", "disagree");
-    succeed(&own, svo_tree_trace_enqueue(own.tree, mine, mine, 1, 0, queue, 1, waits, NULL));
-    succeed(&own, svo_build_enqueue(workspace, tree, queue, 1, waits, NULL));
+    expect_words(svo_trace_triangles(svo_tree_target(own.tree), svo_in_buffer(mine), svo_in_buffer(mine), 1, 0,
+                                     &(svo_submit){.queue = queue, .num_wait = 1, .wait = NULL}),
+                 svo_device_message(opened.device), "svo_trace_triangles", "num_wait", "disagree");
+    succeed(&own, svo_trace_triangles(svo_tree_target(own.tree), svo_in_buffer(mine), svo_in_buffer(mine), 1, 0,
+                                      &(svo_submit){.queue = queue, .num_wait = 1, .wait = waits}));
+    succeed(&own, svo_build_enqueue(workspace, tree, &(svo_submit){.queue = queue, .num_wait = 1, .wait = waits}));
     succeed(&own, svo_tree_finish(tree, queue, 0, NULL));
     svo_tree_destroy(&tree);
     svo_workspace_destroy(&workspace);

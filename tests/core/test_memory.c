@@ -176,7 +176,7 @@ static svo_status run_workspace(subject *of)
     TRY_DEVICE(svo_frontend_create_cl(of->device, &of->frontend));
     TRY_DEVICE(svo_workspace_create(of->plan, of->frontend, of->queue, NULL, &of->workspace));
     TRY_DEVICE(svo_workspace_make_tree(of->workspace, &of->tree));
-    TRY_DEVICE(svo_build_enqueue(of->workspace, of->tree, of->queue, 0, NULL, NULL));
+    TRY_DEVICE(svo_build_enqueue(of->workspace, of->tree, &(svo_submit){.queue = of->queue}));
     TRY_DEVICE(svo_tree_finish(of->tree, of->queue, 1, NULL));
     return of_device(of, svo_tree_download(of->tree, of->queue));
 }
@@ -198,8 +198,9 @@ static svo_status run_rays(subject *of)
         rays[i] = (svo_ray){.origin = {-1.0F, 0.1F * (float)i, 0.5F}, .direction = {1.0F, 0.0F, 0.0F}, .t_max = 9.0F};
         points[i] = (svo_query_point){.position = {0.1F * (float)i, 0.5F, 0.5F}, .max_distance = 9.0F};
     }
-    TRY_DEVICE(svo_tree_trace(of->tree, rays, hits, RAYS, SVO_TRACE_CLOSEST, NULL));
-    return of_device(of, svo_tree_nearest(of->tree, points, nearest, RAYS, NULL));
+    TRY_DEVICE(svo_trace_triangles(svo_tree_target(of->tree), svo_in_host(rays), svo_in_host(hits), RAYS,
+                                   SVO_TRACE_CLOSEST, NULL));
+    return of_device(of, svo_tree_nearest(of->tree, svo_in_host(points), svo_in_host(nearest), RAYS, NULL));
 }
 
 static svo_status run_render(subject *of)

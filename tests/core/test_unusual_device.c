@@ -434,8 +434,10 @@ static void a_device_that_fuses_is_refused(void **state)
         svo_hit hit;
         replaced = text;
         replacement = fused;
-        expect(device, svo_tree_trace(tree, &ray, &hit, 1, SVO_TRACE_CLOSEST, NULL), SVO_UNSUPPORTED,
-               " fuses multiplications and additions although the kernels forbid it");
+        expect(device,
+               svo_trace_triangles(svo_tree_target(tree), svo_in_host(&ray), svo_in_host(&hit), 1, SVO_TRACE_CLOSEST,
+                                   NULL),
+               SVO_UNSUPPORTED, " fuses multiplications and additions although the kernels forbid it");
         assert_int_equal(replacements, 1);
         assert_int_equal(svo_tree_ray_bytes(tree), 0);
         assert_int_equal(forget_answers(NULL), 0);
@@ -464,7 +466,10 @@ static void hits_at_the_border_count_without_doubles(void **state)
         svo_tree *tree = build_wall(device);
         replaced = "#ifdef cl_khr_fp64";
         replacement = "#undef cl_khr_fp64\n#ifdef cl_khr_fp64";
-        expect(device, svo_tree_trace(tree, rays, hits, RAYS, SVO_TRACE_CLOSEST, NULL), SVO_OK, "");
+        expect(device,
+               svo_trace_triangles(svo_tree_target(tree), svo_in_host(rays), svo_in_host(hits), RAYS, SVO_TRACE_CLOSEST,
+                                   NULL),
+               SVO_OK, "");
         assert_true(replacements >= 2); /* the BVH's kernels and the rays' */
         for (int i = 0; i < RAYS; ++i) {
             if (hits[i].triangle != 0 || !(fabsf(hits[i].t - 40.3F) < 0x1p-15F)) {
@@ -473,7 +478,10 @@ static void hits_at_the_border_count_without_doubles(void **state)
             }
         }
         rays[0] = (svo_ray){.origin = {40.3F, 0.915F, 0.915F}, .direction = {-1, 0, 0}, .t_max = INFINITY};
-        expect(device, svo_tree_trace(tree, rays, hits, 1, SVO_TRACE_CLOSEST, NULL), SVO_OK, "");
+        expect(device,
+               svo_trace_triangles(svo_tree_target(tree), svo_in_host(rays), svo_in_host(hits), 1, SVO_TRACE_CLOSEST,
+                                   NULL),
+               SVO_OK, "");
         assert_int_equal(hits[0].triangle, SVO_NO_TRIANGLE); /* at x = -2 */
         assert_int_equal(forget_answers(NULL), 0);
         svo_tree_destroy(&tree);

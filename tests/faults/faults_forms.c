@@ -68,10 +68,13 @@ static svo_status run_compact_rays(subject *of)
     memset(picture, 0, sizeof picture);
     svo_camera_frame(of->tree, 1.0F, &options.camera);
     SVO_I_TRY_CLEANUP(make_compact(of, SVO_FORM_DESCRIPTOR, &compact));
-    SVO_I_TRY_CLEANUP(told(of, world.device, svo_compact_trace(compact, world.rays, hits, RAYS, 0.0F, world.queue)));
+    SVO_I_TRY_CLEANUP(told(of, world.device,
+                           svo_trace_voxels(svo_compact_target(compact), svo_in_host(world.rays), svo_in_host(hits),
+                                            RAYS, 0.0F, 0, &(svo_submit){.queue = world.queue})));
     digest(of, hits, sizeof hits);
-    SVO_I_TRY_CLEANUP(
-        told(of, world.device, svo_tree_trace_voxels(of->tree, world.rays, hits, RAYS, 0.0F, world.queue)));
+    SVO_I_TRY_CLEANUP(told(of, world.device,
+                           svo_trace_voxels(svo_tree_target(of->tree), svo_in_host(world.rays), svo_in_host(hits), RAYS,
+                                            0.0F, 0, &(svo_submit){.queue = world.queue})));
     digest(of, hits, sizeof hits);
     SVO_I_TRY_CLEANUP(told(of, world.device, svo_compact_render(compact, &options, world.queue, picture)));
     digest(of, picture, sizeof picture);
@@ -147,9 +150,11 @@ static svo_status use_scene(subject *of, svo_scene *scene)
     svo_scene_render_options options = {.struct_size = sizeof options, .width = PICTURE_SIDE, .height = PICTURE_SIDE};
     TRY_TOLD(svo_scene_set_transforms(scene, 1, 1, moved, world.queue));
     TRY_TOLD(svo_scene_rebuild(scene, world.queue));
-    TRY_TOLD(svo_scene_trace(scene, world.rays, hits, RAYS, 0.0F, SVO_SCENE_CLOSEST, world.queue));
+    TRY_TOLD(svo_trace_voxels(svo_scene_target(scene), svo_in_host(world.rays), svo_in_host(hits), RAYS, 0.0F,
+                              SVO_SCENE_CLOSEST, &(svo_submit){.queue = world.queue}));
     digest(of, hits, sizeof hits);
-    TRY_TOLD(svo_scene_trace_triangles(scene, world.rays, triangles, RAYS, SVO_SCENE_CLOSEST, world.queue));
+    TRY_TOLD(svo_trace_triangles(svo_scene_target(scene), svo_in_host(world.rays), svo_in_host(triangles), RAYS,
+                                 SVO_SCENE_CLOSEST, &(svo_submit){.queue = world.queue}));
     digest(of, triangles, sizeof triangles);
     (void)svo_scene_camera_fit(scene, 1.0F, &options.camera);
     TRY_TOLD(svo_scene_render(scene, &options, world.queue, picture));
@@ -220,7 +225,8 @@ static svo_status run_light(subject *of)
             status = svo_light_render(light, &drawn, world.queue, picture);
         }
         if (status == SVO_OK) {
-            status = svo_gather(light, &point, &gathered, 1, NULL, world.queue);
+            status = svo_gather(light, svo_in_host(&point), svo_in_host(&gathered), 1, NULL,
+                                &(svo_submit){.queue = world.queue});
         }
         svo_light_destroy(&light);
         TRY_TOLD(status);
@@ -279,9 +285,11 @@ static svo_status use_probes(subject *of, svo_probes *probes, bool diffuse)
     svo_probe_hit hit;
     char hash[SVO_HASH_TEXT_BYTES];
     SVO_I_TRY(svo_probes_hash(probes, world.queue, hash));
-    SVO_I_TRY(svo_probes_trace(probes, &ray, &hit, 1, NULL, world.queue));
+    SVO_I_TRY(
+        svo_probes_trace(probes, svo_in_host(&ray), svo_in_host(&hit), 1, NULL, &(svo_submit){.queue = world.queue}));
     if (diffuse) {
-        SVO_I_TRY(svo_probes_irradiance(probes, &point, &irradiance, 1, world.queue));
+        SVO_I_TRY(svo_probes_irradiance(probes, svo_in_host(&point), svo_in_host(&irradiance), 1,
+                                        &(svo_submit){.queue = world.queue}));
     }
     digest(of, hash, sizeof hash);
     digest(of, &hit, sizeof hit);

@@ -292,7 +292,7 @@ static void prepare_moving(subject *of)
 
 static svo_status run_update(subject *of)
 {
-    TRY_TOLD(svo_plan_update(of->plan, &world.mesh.mesh));
+    TRY_TOLD(svo_plan_update(of->plan, &world.mesh.mesh, NULL));
     return build_and_digest(of, world.cl);
 }
 
@@ -309,7 +309,7 @@ static svo_status enqueue_and_finish(subject *of, svo_workspace *workspace, svo_
 {
     cl_event done = NULL;
     svo_build_report report = SVO_BUILD_REPORT_INIT;
-    TRY_TOLD(svo_build_enqueue(workspace, tree, world.queue, 0, NULL, &done));
+    TRY_TOLD(svo_build_enqueue(workspace, tree, &(svo_submit){.queue = world.queue, .event = &done}));
     faults_spare(true);
     clReleaseEvent(done);
     faults_spare(false);
@@ -355,7 +355,8 @@ static svo_status trace_moving(subject *of, svo_moving *moving)
 {
     svo_hit hits[RAYS];
     TRY_TOLD(svo_moving_make_bvh(moving, SVO_BVH_BEST, 0.0F, world.queue, NULL));
-    TRY_TOLD(svo_tree_trace(svo_moving_tree(moving), world.rays, hits, RAYS, SVO_TRACE_COUNT, world.queue));
+    TRY_TOLD(svo_trace_triangles(svo_tree_target(svo_moving_tree(moving)), svo_in_host(world.rays), svo_in_host(hits),
+                                 RAYS, SVO_TRACE_COUNT, &(svo_submit){.queue = world.queue}));
     digest(of, hits, sizeof hits);
     return SVO_OK;
 }
@@ -367,16 +368,16 @@ static svo_status move_object(subject *of, svo_moving *moving)
     uint32_t object = 0;
     svo_mesh mesh;
     TRY_TOLD(svo_moving_add(moving, &world.mesh.mesh, NULL, &object));
-    TRY_TOLD(svo_moving_update(moving, world.queue, NULL));
+    TRY_TOLD(svo_moving_update(moving, NULL));
     TRY_TOLD(svo_moving_make_bvh(moving, SVO_BVH_BEST, 0.0F, world.queue, NULL));
     TRY_TOLD(svo_moving_set_transform(moving, object, transform));
-    TRY_TOLD(svo_moving_update_enqueue(moving, world.queue, 0, NULL, NULL));
+    TRY_TOLD(svo_moving_update(moving, &(svo_submit){.queue = world.queue}));
     TRY_TOLD(svo_moving_finish(moving, NULL));
     TRY_TOLD(svo_moving_get_mesh(moving, &mesh));
     TRY_TOLD(digest_tree(of, svo_moving_tree(moving)));
     TRY_TOLD(trace_moving(of, moving));
     TRY_TOLD(svo_moving_remove(moving, object));
-    TRY_TOLD(svo_moving_update(moving, world.queue, NULL));
+    TRY_TOLD(svo_moving_update(moving, NULL));
     return told(of, world.device, digest_tree(of, svo_moving_tree(moving)));
 }
 
@@ -408,12 +409,15 @@ svo_status run_rays(subject *of)
     svo_nearest nearest[RAYS];
     /* Hits say how many leaves of the BVH were visited. */
     TRY_TOLD(svo_tree_make_bvh(of->tree, SVO_BVH_BEST, world.queue));
-    TRY_TOLD(svo_tree_trace(of->tree, world.rays, hits, RAYS, SVO_TRACE_CLOSEST, world.queue));
+    TRY_TOLD(svo_trace_triangles(svo_tree_target(of->tree), svo_in_host(world.rays), svo_in_host(hits), RAYS,
+                                 SVO_TRACE_CLOSEST, &(svo_submit){.queue = world.queue}));
     digest(of, hits, sizeof hits);
     TRY_TOLD(svo_tree_make_bvh(of->tree, SVO_BVH_FAST, world.queue));
-    TRY_TOLD(svo_tree_trace(of->tree, world.rays, hits, RAYS, SVO_TRACE_COUNT, world.queue));
+    TRY_TOLD(svo_trace_triangles(svo_tree_target(of->tree), svo_in_host(world.rays), svo_in_host(hits), RAYS,
+                                 SVO_TRACE_COUNT, &(svo_submit){.queue = world.queue}));
     digest(of, hits, sizeof hits);
-    TRY_TOLD(svo_tree_nearest(of->tree, world.points, nearest, RAYS, world.queue));
+    TRY_TOLD(svo_tree_nearest(of->tree, svo_in_host(world.points), svo_in_host(nearest), RAYS,
+                              &(svo_submit){.queue = world.queue}));
     digest(of, nearest, sizeof nearest);
     return SVO_OK;
 }
@@ -466,10 +470,11 @@ static svo_status take_result(subject *of, cl_event *done)
 static svo_status run_rays_enqueue(subject *of)
 {
     cl_event done = NULL;
-    TRY_TOLD(svo_tree_trace_enqueue(of->tree, of->positions, of->indices, RAYS, SVO_TRACE_CLOSEST, world.queue, 0, NULL,
-                                    &done));
+    TRY_TOLD(svo_trace_triangles(svo_tree_target(of->tree), svo_in_buffer(of->positions), svo_in_buffer(of->indices),
+                                 RAYS, SVO_TRACE_CLOSEST, &(svo_submit){.queue = world.queue, .event = &done}));
     SVO_I_TRY(take_result(of, &done));
-    TRY_TOLD(svo_tree_nearest_enqueue(of->tree, of->positions, of->indices, RAYS, world.queue, 0, NULL, &done));
+    TRY_TOLD(svo_tree_nearest(of->tree, svo_in_buffer(of->positions), svo_in_buffer(of->indices), RAYS,
+                              &(svo_submit){.queue = world.queue, .event = &done}));
     return take_result(of, &done);
 }
 

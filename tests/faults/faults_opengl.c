@@ -208,7 +208,7 @@ static svo_status update_from(subject *of, svo_gl_share share)
     TRY_TOLD(svo_gl_buffer_create(world.device, world.context, GL_BUFFER_BYTES, share, &buffer));
     SVO_I_TRY_CLEANUP(pass_bytes(of, buffer, 1)); /* numbers beside 0 */
     SVO_I_TRY_CLEANUP(
-        told(of, world.device, svo_gl_plan_update_enqueue(of->plan, buffer, NULL, world.queue, 0, NULL, NULL)));
+        told(of, world.device, svo_gl_plan_update(of->plan, buffer, NULL, &(svo_submit){.queue = world.queue})));
     SVO_I_TRY_CLEANUP(build_and_digest(of, world.cl));
 
 cleanup:

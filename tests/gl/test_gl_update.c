@@ -199,8 +199,8 @@ static void write_buffer(const moved_pair *pair, const svo_gl_buffer *buffer, co
 
 static svo_status update(const moved_pair *pair, cl_event *event)
 {
-    return svo_gl_plan_update_enqueue(pair->from_gl, pair->positions, pair->normals, pair->opened.queue, 0, NULL,
-                                      event);
+    return svo_gl_plan_update(pair->from_gl, pair->positions, pair->normals,
+                              &(svo_submit){.queue = pair->opened.queue, .event = event});
 }
 
 static void hash_of(const moved_pair *pair, svo_plan *plan, char hash[SVO_HASH_TEXT_BYTES])
@@ -227,7 +227,7 @@ static void check_move(const moved_pair *pair, uint32_t seed)
     succeed(pair, update(pair, &updated));
     assert_int_equal(__real_clWaitForEvents(1, &updated), CL_SUCCESS);
     clReleaseEvent(updated);
-    succeed(pair, svo_plan_update(pair->from_host, &mesh));
+    succeed(pair, svo_plan_update(pair->from_host, &mesh, NULL));
     hash_of(pair, pair->from_gl, actual);
     hash_of(pair, pair->from_host, expected);
     assert_string_equal(actual, expected);
@@ -325,7 +325,7 @@ static void a_failing_call_is_a_status_and_the_next_works(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         shim_set_faults(&cases[i].faults);
         assert_int_equal(update(&pair, NULL), SVO_CL_ERROR);
-        assert_non_null(strstr(svo_device_message(pair.opened.device), "svo_gl_plan_update_enqueue: cl"));
+        assert_non_null(strstr(svo_device_message(pair.opened.device), "svo_gl_plan_update: cl"));
         assert_non_null(strstr(svo_device_message(pair.opened.device), cases[i].words));
         shim_set_faults(&(shim_faults){.extensions = NULL});
         check_move(&pair, (uint32_t)i + 1);
@@ -379,7 +379,7 @@ static void buffers_that_cannot_be_mapped_stay_with_opencl(void **state)
         assert_int_equal(update(&pair, NULL), SVO_CL_ERROR);
         assert_int_equal(map_failures, 0);
         assert_non_null(strstr(svo_device_message(pair.opened.device),
-                               "svo_gl_plan_update_enqueue: clEnqueueMapBuffer failed with CL_MAP_FAILURE"));
+                               "svo_gl_plan_update: clEnqueueMapBuffer failed with CL_MAP_FAILURE"));
         assert_int_equal(update(&pair, NULL), SVO_INVALID_ARGUMENT);
         assert_non_null(strstr(svo_device_message(pair.opened.device), "positions is OpenCL's"));
         succeed(&pair, svo_gl_buffer_to_gl(pair.positions, 0, pair.opened.queue, 0, NULL));
@@ -400,29 +400,31 @@ static void expect_refused(const moved_pair *pair, svo_status status, const char
 static void wrong_arguments_are_refused(void **state)
 {
     (void)state;
-#define NAME "svo_gl_plan_update_enqueue: "
+#define NAME "svo_gl_plan_update: "
     moved_pair pair;
     open_pair(&(shim_faults){.extensions = NULL}, 0, SVO_GL_SHARE_INTEROP, &pair);
     cl_command_queue queue = pair.opened.queue;
     svo_plan *fixed = make_plan(&pair, SVO_NEED_NONE, 0);
     svo_gl_buffer *small = make_buffer(&pair, BYTES - 1, SVO_GL_SHARE_INTEROP);
     svo_gl_buffer *other = make_buffer(&pair, BYTES, SVO_GL_SHARE_COPY);
-    assert_int_equal(svo_gl_plan_update_enqueue(NULL, pair.positions, NULL, queue, 0, NULL, NULL),
+    assert_int_equal(svo_gl_plan_update(NULL, pair.positions, NULL, &(svo_submit){.queue = queue}),
                      SVO_INVALID_ARGUMENT);
-    expect_refused(&pair, svo_gl_plan_update_enqueue(pair.from_gl, NULL, NULL, queue, 0, NULL, NULL),
+    expect_refused(&pair, svo_gl_plan_update(pair.from_gl, NULL, NULL, &(svo_submit){.queue = queue}),
                    NAME "positions is NULL");
     expect_refused(&pair,
-                   svo_gl_plan_update_enqueue(pair.from_gl, pair.positions, pair.positions, queue, 0, NULL, NULL),
+                   svo_gl_plan_update(pair.from_gl, pair.positions, pair.positions, &(svo_submit){.queue = queue}),
                    NAME "normals is positions");
-    expect_refused(&pair, svo_gl_plan_update_enqueue(pair.from_gl, small, NULL, queue, 0, NULL, NULL),
+    expect_refused(&pair, svo_gl_plan_update(pair.from_gl, small, NULL, &(svo_submit){.queue = queue}),
                    NAME "positions has 7199 bytes, the plan's vertices 7200");
-    expect_refused(&pair, svo_gl_plan_update_enqueue(pair.from_gl, pair.positions, other, queue, 0, NULL, NULL),
+    expect_refused(&pair, svo_gl_plan_update(pair.from_gl, pair.positions, other, &(svo_submit){.queue = queue}),
                    NAME "normals is shared by copy, positions by interop");
-    expect_refused(&pair, svo_gl_plan_update_enqueue(pair.from_gl, pair.positions, NULL, queue, 0, NULL, NULL),
+    expect_refused(&pair, svo_gl_plan_update(pair.from_gl, pair.positions, NULL, &(svo_submit){.queue = queue}),
                    NAME "the plan reads normals, mesh has none");
-    expect_refused(&pair, svo_gl_plan_update_enqueue(fixed, pair.positions, NULL, queue, 0, NULL, NULL),
+    expect_refused(&pair, svo_gl_plan_update(fixed, pair.positions, NULL, &(svo_submit){.queue = queue}),
                    NAME "plan is not updatable; see svo_plan_options");
-    expect_refused(&pair, svo_gl_plan_update_enqueue(pair.from_gl, pair.positions, NULL, queue, 1, NULL, NULL),
+    expect_refused(&pair,
+                   svo_gl_plan_update(pair.from_gl, pair.positions, NULL,
+                                      &(svo_submit){.queue = queue, .num_wait = 1, .wait = NULL}),
                    NAME "num_wait and wait disagree");
     succeed(&pair, svo_gl_buffer_to_cl(pair.positions, queue));
     expect_refused(&pair, update(&pair, NULL), NAME "positions is OpenCL's; see svo_gl_buffer_to_gl");

@@ -184,7 +184,7 @@ static void pin_enqueued(pins *all, const svo_mesh *mesh)
              room.fragment_capacity, room.inner_capacity);
     pin_succeed(all, svo_workspace_make_tree(workspace, &tree));
     for (int i = 0; i < 2; ++i) {
-        pin_succeed(all, svo_build_enqueue(workspace, tree, opened->queue, 0, NULL, NULL));
+        pin_succeed(all, svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened->queue}));
         pin_succeed(all, svo_tree_finish(tree, opened->queue, i, &report));
     }
     pin_tree(all, "enqueued", tree);
@@ -207,8 +207,8 @@ static void pin_updated(pins *all, const svo_mesh *mesh, const svo_mesh *moved)
     pin_succeed(all, svo_plan_create(opened->device, mesh, 5, &options, &plan));
     pin_succeed(all, svo_workspace_create(plan, opened->frontend, opened->queue, NULL, &workspace));
     pin_succeed(all, svo_workspace_make_tree(workspace, &tree));
-    pin_succeed(all, svo_plan_update(plan, moved));
-    pin_succeed(all, svo_build_enqueue(workspace, tree, opened->queue, 0, NULL, NULL));
+    pin_succeed(all, svo_plan_update(plan, moved, NULL));
+    pin_succeed(all, svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened->queue}));
     pin_succeed(all, svo_tree_finish(tree, opened->queue, 0, &report));
     pin_tree(all, "updated", tree);
     pin_report(all, "updated, report", &report);

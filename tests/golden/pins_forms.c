@@ -48,7 +48,8 @@ static void pin_made(pins *all, svo_compact *compact, const svo_ray *rays)
     pin_succeed(all, svo_compact_expand(compact, all->opened.queue, &tree));
     pin_tree(all, "expanded", tree);
     svo_tree_destroy(&tree);
-    pin_succeed(all, svo_compact_trace(compact, rays, hits, RAYS, 0.01F, all->opened.queue));
+    pin_succeed(all, svo_trace_voxels(svo_compact_target(compact), svo_in_host(rays), svo_in_host(hits), RAYS, 0.01F, 0,
+                                      &(svo_submit){.queue = all->opened.queue}));
     char prefix[PIN_NAME_BYTES];
     (void)snprintf(prefix, sizeof prefix, "%s", all->prefix);
     pin_begin(all, "PoCL %.100s", prefix);

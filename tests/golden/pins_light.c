@@ -93,7 +93,8 @@ static void pin_gathered(pins *all, const svo_tree *tree, svo_light *light)
         }
     }
     options.falloff = 0.5F;
-    pin_succeed(all, svo_gather(light, points, results, POINTS, &options, all->opened.queue));
+    pin_succeed(all, svo_gather(light, svo_in_host(points), svo_in_host(results), POINTS, &options,
+                                &(svo_submit){.queue = all->opened.queue}));
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         pin_mean(all, names[i], (const float *)&results[0] + i, POINTS, sizeof results[0]);
     }
@@ -231,7 +232,8 @@ static void pin_probe_rays(pins *all, const svo_tree *tree, svo_probes *probes, 
             rays[i].origin[axis] += 0.6F * rays[i].direction[axis];
         }
     }
-    pin_succeed(all, svo_probes_trace(probes, rays, hits, RAYS, &options, all->opened.queue));
+    pin_succeed(all, svo_probes_trace(probes, svo_in_host(rays), svo_in_host(hits), RAYS, &options,
+                                      &(svo_submit){.queue = all->opened.queue}));
     for (size_t i = 0; i < RAYS; ++i) {
         states[hits[i].state < 3 ? hits[i].state : 2] += 1;
         hits[i].radiance[0] = hits[i].radiance[1] = hits[i].radiance[2] = 0;
@@ -255,7 +257,8 @@ static void pin_irradiance(pins *all, const svo_tree *tree, svo_probes *probes)
             points[i].normal[axis] = -rays[i].direction[axis];
         }
     }
-    pin_succeed(all, svo_probes_irradiance(probes, points, results, POINTS, all->opened.queue));
+    pin_succeed(all, svo_probes_irradiance(probes, svo_in_host(points), svo_in_host(results), POINTS,
+                                           &(svo_submit){.queue = all->opened.queue}));
     pin_mean(all, "irradiance, red", &results[0].irradiance[0], POINTS, sizeof results[0]);
     pin_mean(all, "irradiance, blue", &results[0].irradiance[2], POINTS, sizeof results[0]);
     pin_mean(all, "weight", &results[0].weight, POINTS, sizeof results[0]);

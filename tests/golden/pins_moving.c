@@ -110,7 +110,8 @@ static void pin_traced(pins *all, const char *name, svo_moving *moving)
     svo_tree *tree = svo_moving_tree(moving);
     pin_succeed(all, svo_moving_make_bvh(moving, SVO_BVH_BEST, 4.0F, all->opened.queue, &report));
     pin_make_rays(tree, 55, rays, RAYS);
-    pin_succeed(all, svo_tree_trace(tree, rays, hits, RAYS, SVO_TRACE_CLOSEST, all->opened.queue));
+    pin_succeed(all, svo_trace_triangles(svo_tree_target(tree), svo_in_host(rays), svo_in_host(hits), RAYS,
+                                         SVO_TRACE_CLOSEST, &(svo_submit){.queue = all->opened.queue}));
     for (size_t i = 0; i < RAYS; ++i) {
         hits[i].count = 0;
     }
@@ -127,11 +128,11 @@ static void update(pins *all, const char *name, svo_moving *moving, size_t step)
     svo_moving_report report = SVO_MOVING_REPORT_INIT;
     char counts[PIN_NAME_BYTES];
     if (step % 2 == 0) {
-        pin_succeed(all, svo_moving_update(moving, all->opened.queue, &report));
+        pin_succeed(all, svo_moving_update(moving, NULL));
     } else {
-        pin_succeed(all, svo_moving_update_enqueue(moving, all->opened.queue, 0, NULL, NULL));
-        pin_succeed(all, svo_moving_finish(moving, &report));
+        pin_succeed(all, svo_moving_update(moving, &(svo_submit){.queue = all->opened.queue}));
     }
+    pin_succeed(all, svo_moving_finish(moving, &report));
     pin_tree(all, name, svo_moving_tree(moving));
     (void)snprintf(counts, sizeof counts, "%s, counts", name);
     pin_text(all, counts, "objects %" PRIu64 " changed %" PRIu64 " of %" PRIu64, report.changed_objects,

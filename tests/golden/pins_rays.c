@@ -32,7 +32,8 @@ static void pin_hits(pins *all, const char *name, svo_tree *tree, const svo_ray 
 {
     svo_hit *hits = calloc(RAYS, sizeof *hits);
     assert_non_null(hits);
-    pin_succeed(all, svo_tree_trace(tree, rays, hits, RAYS, flags, all->opened.queue));
+    pin_succeed(all, svo_trace_triangles(svo_tree_target(tree), svo_in_host(rays), svo_in_host(hits), RAYS, flags,
+                                         &(svo_submit){.queue = all->opened.queue}));
     for (size_t i = 0; i < RAYS; ++i) {
         const bool is_hit = hits[i].triangle != SVO_NO_TRIANGLE;
         const uint32_t count = hits[i].count;
@@ -55,7 +56,8 @@ static void pin_nearest(pins *all, svo_tree *tree, const svo_ray *rays)
         }
         points[i].max_distance = i % 4 == 3 ? 0.05F : INFINITY;
     }
-    pin_succeed(all, svo_tree_nearest(tree, points, found, POINTS, all->opened.queue));
+    pin_succeed(all, svo_tree_nearest(tree, svo_in_host(points), svo_in_host(found), POINTS,
+                                      &(svo_submit){.queue = all->opened.queue}));
     for (size_t i = 0; i < POINTS; ++i) {
         found[i].leaves = 0;
     }
@@ -66,7 +68,8 @@ static void pin_voxel_hits(pins *all, const char *name, svo_tree *tree, const sv
 {
     svo_voxel_hit *hits = calloc(RAYS, sizeof *hits);
     assert_non_null(hits);
-    pin_succeed(all, svo_tree_trace_voxels(tree, rays, hits, RAYS, footprint, all->opened.queue));
+    pin_succeed(all, svo_trace_voxels(svo_tree_target(tree), svo_in_host(rays), svo_in_host(hits), RAYS, footprint, 0,
+                                      &(svo_submit){.queue = all->opened.queue}));
     pin_digest(all, name, hits, RAYS * sizeof *hits);
     free(hits);
 }
@@ -155,11 +158,14 @@ static void pin_placed(pins *all, const char *when, svo_scene *scene, const svo_
     svo_scene_triangle_hit *triangles = calloc(RAYS, sizeof *triangles);
     assert_true(hits != NULL && triangles != NULL);
     pin_begin(all, "PoCL %s", when);
-    pin_succeed(all, svo_scene_trace(scene, rays, hits, RAYS, 0.01F, SVO_SCENE_CLOSEST, all->opened.queue));
+    pin_succeed(all, svo_trace_voxels(svo_scene_target(scene), svo_in_host(rays), svo_in_host(hits), RAYS, 0.01F,
+                                      SVO_SCENE_CLOSEST, &(svo_submit){.queue = all->opened.queue}));
     pin_digest(all, "voxels", hits, RAYS * sizeof *hits);
-    pin_succeed(all, svo_scene_trace_triangles(scene, rays, triangles, RAYS, SVO_SCENE_CLOSEST, all->opened.queue));
+    pin_succeed(all, svo_trace_triangles(svo_scene_target(scene), svo_in_host(rays), svo_in_host(triangles), RAYS,
+                                         SVO_SCENE_CLOSEST, &(svo_submit){.queue = all->opened.queue}));
     pin_digest(all, "triangles", triangles, RAYS * sizeof *triangles);
-    pin_succeed(all, svo_scene_trace_triangles(scene, rays, triangles, RAYS, SVO_SCENE_ANY, all->opened.queue));
+    pin_succeed(all, svo_trace_triangles(svo_scene_target(scene), svo_in_host(rays), svo_in_host(triangles), RAYS,
+                                         SVO_SCENE_ANY, &(svo_submit){.queue = all->opened.queue}));
     size_t met = 0;
     for (size_t i = 0; i < RAYS; ++i) {
         met += triangles[i].instance != SVO_NO_INSTANCE ? 1 : 0;

@@ -289,7 +289,7 @@ static void enqueue_build(const fixture *opened, const svo_mesh *mesh, const svo
     succeed(opened, svo_plan_create(opened->device, mesh, DEPTH, &with_size, &plan));
     succeed(opened, svo_workspace_create(plan, opened->frontend, opened->queue, NULL, &workspace));
     succeed(opened, svo_workspace_make_tree(workspace, &tree));
-    succeed(opened, svo_build_enqueue(workspace, tree, opened->queue, 0, NULL, NULL));
+    succeed(opened, svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened->queue}));
     succeed(opened, svo_tree_finish(tree, opened->queue, 0, NULL));
     svo_tree_destroy(&tree);
     svo_workspace_destroy(&workspace);
@@ -405,8 +405,10 @@ static void query_all(const fixture *opened, svo_tree *tree)
     succeed(opened, svo_tree_render(opened->device, tree, &options, opened->queue, picture));
     options.view = SVO_VIEW_DEPTH;
     succeed(opened, svo_tree_render(opened->device, tree, &options, opened->queue, picture));
-    succeed(opened, svo_tree_trace(tree, &ray, &hit, 1, SVO_TRACE_CLOSEST, opened->queue));
-    succeed(opened, svo_tree_nearest(tree, &point, &nearest, 1, opened->queue));
+    succeed(opened, svo_trace_triangles(svo_tree_target(tree), svo_in_host(&ray), svo_in_host(&hit), 1,
+                                        SVO_TRACE_CLOSEST, &(svo_submit){.queue = opened->queue}));
+    succeed(opened, svo_tree_nearest(tree, svo_in_host(&point), svo_in_host(&nearest), 1,
+                                     &(svo_submit){.queue = opened->queue}));
 }
 
 /* Two instances, so that there is a hierarchy. */
@@ -429,8 +431,10 @@ static void place_all(const fixture *opened, svo_tree *tree)
     svo_scene_render_options render = {.struct_size = sizeof render, .width = 8, .height = 8};
     succeed(opened, svo_scene_create(opened->device, &options, opened->queue, &scene));
     succeed(opened, svo_scene_set_transforms(scene, 0, 1, instances[0].transform, opened->queue));
-    succeed(opened, svo_scene_trace(scene, &ray, &hit, 1, 0.0F, SVO_SCENE_CLOSEST, opened->queue));
-    succeed(opened, svo_scene_trace_triangles(scene, &ray, &triangle, 1, SVO_SCENE_CLOSEST, opened->queue));
+    succeed(opened, svo_trace_voxels(svo_scene_target(scene), svo_in_host(&ray), svo_in_host(&hit), 1, 0.0F,
+                                     SVO_SCENE_CLOSEST, &(svo_submit){.queue = opened->queue}));
+    succeed(opened, svo_trace_triangles(svo_scene_target(scene), svo_in_host(&ray), svo_in_host(&triangle), 1,
+                                        SVO_SCENE_CLOSEST, &(svo_submit){.queue = opened->queue}));
     svo_scene_camera_frame(scene, 1.0F, &render.camera);
     succeed(opened, svo_scene_render(scene, &render, opened->queue, picture));
     svo_scene_destroy(&scene);
@@ -449,7 +453,8 @@ static void compact_all(const fixture *opened, svo_tree *tree)
         svo_camera_frame(tree, 1.0F, &shown.camera);
         succeed(opened, svo_compact_create(opened->device, tree, &options, opened->queue, &compact));
         succeed(opened, svo_compact_expand(compact, opened->queue, &expanded));
-        succeed(opened, svo_compact_trace(compact, &ray, &hit, 1, 0.0F, opened->queue));
+        succeed(opened, svo_trace_voxels(svo_compact_target(compact), svo_in_host(&ray), svo_in_host(&hit), 1, 0.0F, 0,
+                                         &(svo_submit){.queue = opened->queue}));
         succeed(opened, svo_compact_render(compact, &shown, opened->queue, picture));
         shown.view = SVO_VIEW_STEPS;
         succeed(opened, svo_compact_render(compact, &shown, opened->queue, picture));
@@ -507,7 +512,8 @@ static void light_all(const fixture *opened, svo_tree *tree)
         succeed(opened, svo_i_work_write(&work, lit.radiance, radiance, sizeof radiance));
         succeed(opened, svo_i_light_filter(&work, light, &lit));
         svo_i_work_end(&work);
-        succeed(opened, svo_gather(light, &point, &result, 1, NULL, opened->queue));
+        succeed(opened, svo_gather(light, svo_in_host(&point), svo_in_host(&result), 1, NULL,
+                                   &(svo_submit){.queue = opened->queue}));
         svo_light_destroy(&light);
     }
 }
@@ -528,8 +534,10 @@ static void probe_all(const fixture *opened, svo_tree *tree, svo_light *light)
     options.diffuse = 1;
     options.cones = 1;
     succeed(opened, svo_probes_create(tree, &options, opened->queue, &probes));
-    succeed(opened, svo_probes_trace(probes, &ray, &hit, 1, NULL, opened->queue));
-    succeed(opened, svo_probes_irradiance(probes, &point, &irradiance, 1, opened->queue));
+    succeed(opened, svo_probes_trace(probes, svo_in_host(&ray), svo_in_host(&hit), 1, NULL,
+                                     &(svo_submit){.queue = opened->queue}));
+    succeed(opened, svo_probes_irradiance(probes, svo_in_host(&point), svo_in_host(&irradiance), 1,
+                                          &(svo_submit){.queue = opened->queue}));
     svo_probes_destroy(&probes);
 }
 
@@ -578,9 +586,9 @@ static void move_all(const fixture *opened, const svo_mesh *mesh)
     succeed(opened, svo_moving_create(opened->device, mesh, DEPTH, &options, opened->queue, &moving));
     succeed(opened, svo_moving_add(moving, mesh, transform, &object));
     succeed(opened, svo_moving_add(moving, mesh, NULL, &object));
-    succeed(opened, svo_moving_update(moving, opened->queue, NULL));
+    succeed(opened, svo_moving_update(moving, NULL));
     succeed(opened, svo_moving_set_transform(moving, 0, transform));
-    succeed(opened, svo_moving_update_enqueue(moving, opened->queue, 0, NULL, NULL));
+    succeed(opened, svo_moving_update(moving, &(svo_submit){.queue = opened->queue}));
     succeed(opened, svo_moving_finish(moving, NULL));
     succeed(opened, svo_moving_make_bvh(moving, SVO_BVH_BEST, 0.0F, opened->queue, NULL));
     svo_moving_destroy(&moving);

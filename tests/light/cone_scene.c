@@ -200,7 +200,8 @@ svo_tree *cone_scene_build(const fixture *opened, const cone_scene *scene, uint3
 
 void cone_scene_gather(const fixture *opened, cone_scene *scene, svo_light *light, const svo_gather_options *options)
 {
-    light_succeed(opened, svo_gather(light, scene->points, scene->results, scene->point_count, options, opened->queue));
+    light_succeed(opened, svo_gather(light, svo_in_host(scene->points), svo_in_host(scene->results), scene->point_count,
+                                     options, &(svo_submit){.queue = opened->queue}));
 }
 
 void cone_scene_gather_form(const fixture *opened, cone_scene *scene, svo_light_form form,
@@ -252,7 +253,8 @@ void cone_scene_trace_openness(const fixture *opened, cone_scene *scene, uint32_
         make_rays(scene, &scene->points[i], side, rays + i * per_point);
     }
     svo_tree *tree = cone_scene_build(opened, scene, SVO_NEED_RAYS);
-    light_succeed(opened, svo_tree_trace(tree, rays, hits, count, SVO_TRACE_ANY, opened->queue));
+    light_succeed(opened, svo_trace_triangles(svo_tree_target(tree), svo_in_host(rays), svo_in_host(hits), count,
+                                              SVO_TRACE_ANY, &(svo_submit){.queue = opened->queue}));
     for (size_t i = 0; i < scene->point_count; ++i) {
         size_t open = 0;
         for (size_t k = 0; k < per_point; ++k) {

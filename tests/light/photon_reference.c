@@ -381,7 +381,9 @@ uint64_t reference_shoot(const fixture *opened, const built *made, const svo_i_l
     for (uint32_t i = 0; i < count; ++i) {
         rays[i] = reference_photon_ray(&view->params, i, weights[i].flux > 0);
     }
-    assert_int_equal(svo_tree_trace(made->tree, rays, hits, count, SVO_TRACE_CLOSEST, opened->queue), SVO_OK);
+    assert_int_equal(svo_trace_triangles(svo_tree_target(made->tree), svo_in_host(rays), svo_in_host(hits), count,
+                                         SVO_TRACE_CLOSEST, &(svo_submit){.queue = opened->queue}),
+                     SVO_OK);
     for (uint32_t first = 0; first < count; first += SVO_ITEM_PHOTONS) { /* whole tiles */
         hit_count += add_item(&s, first, leaves);
     }

@@ -420,7 +420,9 @@ static void expect_refusal(const fixture *opened, svo_light *light, const svo_ga
 {
     svo_gather_point point = {.normal = {0, 0, 1}};
     svo_gather_result result;
-    assert_int_equal(svo_gather(light, &point, &result, 1, options, opened->queue), SVO_INVALID_ARGUMENT);
+    assert_int_equal(
+        svo_gather(light, svo_in_host(&point), svo_in_host(&result), 1, options, &(svo_submit){.queue = opened->queue}),
+        SVO_INVALID_ARGUMENT);
     assert_string_equal(svo_device_message(opened->device), text);
 }
 
@@ -446,13 +448,18 @@ static void wrong_options_are_refused(void **state)
         options.struct_size = sizeof options;
         expect_refusal(&opened, light, &options, rows[i].text);
     }
-    assert_int_equal(svo_gather(NULL, NULL, NULL, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_gather_enqueue(NULL, NULL, NULL, 0, NULL, NULL, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_gather(light, NULL, NULL, 1, NULL, opened.queue), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_gather(NULL, svo_in_host(NULL), svo_in_host(NULL), 0, NULL, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_gather(NULL, svo_in_buffer(NULL), svo_in_buffer(NULL), 0, NULL, &(svo_submit){.queue = NULL}),
+                     SVO_INVALID_ARGUMENT);
+    assert_int_equal(
+        svo_gather(light, svo_in_host(NULL), svo_in_host(NULL), 1, NULL, &(svo_submit){.queue = opened.queue}),
+        SVO_INVALID_ARGUMENT);
     assert_string_equal(svo_device_message(opened.device), "svo_gather: points is NULL");
-    light_succeed(&opened, svo_gather(light, NULL, NULL, 0, NULL, opened.queue));
+    light_succeed(&opened, svo_gather(light, svo_in_host(NULL), svo_in_host(NULL), 0, NULL,
+                                      &(svo_submit){.queue = opened.queue}));
     cl_event event = NULL;
-    light_succeed(&opened, svo_gather_enqueue(light, NULL, NULL, 0, NULL, opened.queue, 0, NULL, &event));
+    light_succeed(&opened, svo_gather(light, svo_in_buffer(NULL), svo_in_buffer(NULL), 0, NULL,
+                                      &(svo_submit){.queue = opened.queue, .event = &event}));
     assert_int_equal(clWaitForEvents(1, &event), CL_SUCCESS);
     clReleaseEvent(event);
     svo_light_destroy(&light);

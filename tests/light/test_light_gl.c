@@ -81,7 +81,9 @@ static void compare_band(const fixture *opened, const built *made, const svo_i_p
     for (uint32_t i = 0; i < params.count; ++i) {
         rays[i] = reference_photon_ray(&params, first + i, weights[i].flux > 0);
     }
-    assert_int_equal(svo_tree_trace(made->tree, rays, traced, params.count, SVO_TRACE_CLOSEST, opened->queue), SVO_OK);
+    assert_int_equal(svo_trace_triangles(svo_tree_target(made->tree), svo_in_host(rays), svo_in_host(traced),
+                                         params.count, SVO_TRACE_CLOSEST, &(svo_submit){.queue = opened->queue}),
+                     SVO_OK);
     cl_mem hits = clCreateBuffer(context, CL_MEM_READ_WRITE, sizeof drawn, NULL, &error);
     assert_int_equal(error, CL_SUCCESS);
     light_succeed(opened, caster->cast(caster->self, &params, weights, opened->queue, hits));

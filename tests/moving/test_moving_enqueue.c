@@ -27,7 +27,7 @@ static const double large[12] = {0.9, 0, 0, 0, 0, 0.9, 0, 0, 0, 0, 0.9, 0};
 static void enqueue(const fixture *opened, svo_moving *moving, cl_command_queue queue)
 {
     counting_begin();
-    succeed(opened, svo_moving_update_enqueue(moving, queue, 0, NULL, NULL));
+    succeed(opened, svo_moving_update(moving, &(svo_submit){.queue = queue}));
     assert_int_equal(counting_read().waits, 0);
 }
 
@@ -202,7 +202,8 @@ static void an_update_waits_for_events(void **state)
         cl_event done = NULL;
         succeed(&opened, svo_moving_set_transform(moving, 1, i == 0 ? small : large));
         counting_begin();
-        succeed(&opened, svo_moving_update_enqueue(moving, unordered, 1, &gate, &done));
+        succeed(&opened, svo_moving_update(
+                             moving, &(svo_submit){.queue = unordered, .num_wait = 1, .wait = &gate, .event = &done}));
         assert_int_equal(counting_read().waits, 0);
         assert_true(status_of(done) > CL_COMPLETE);
         const outcome during = outcome_of(&opened, svo_moving_tree(moving));
@@ -303,20 +304,23 @@ static void a_scene_in_flight_is_left_alone(void **state)
     const fixture opened = fixture_cl_of_group(state);
     const svo_moving_options options = {.need = SVO_NEED_NORMAL, .edge = 1.0, .max_area = 40.0};
     static const char words[] = "an update is in flight";
+    svo_moving_report report = SVO_MOVING_REPORT_INIT;
     uint32_t object = 0;
     actors made;
     actors_create(3, 60, true, &made);
     svo_moving *moving = make_stage(&opened, &made, 5, options);
-    assert_fails(&opened, svo_moving_finish(moving, NULL), SVO_INVALID_ARGUMENT, "no update is in flight");
-    assert_int_equal(svo_moving_update_enqueue(moving, opened.queue, 1, NULL, NULL), SVO_INVALID_ARGUMENT);
+    succeed(&opened, svo_moving_finish(moving, &report)); /* of the update that made the scene */
+    assert_true(report.changed_objects == 1 && report.fragments > 0);
+    assert_int_equal(svo_moving_update(moving, &(svo_submit){.queue = opened.queue, .num_wait = 1, .wait = NULL}),
+                     SVO_INVALID_ARGUMENT);
     enqueue(&opened, moving, opened.queue);
     assert_fails(&opened, svo_moving_set_transform(moving, 0, small), SVO_INVALID_ARGUMENT, words);
     assert_fails(&opened, svo_moving_set_vertices(moving, 0, &made.objects[0].mesh), SVO_INVALID_ARGUMENT, words);
     assert_fails(&opened, svo_moving_show(moving, 0, 0), SVO_INVALID_ARGUMENT, words);
     assert_fails(&opened, svo_moving_remove(moving, 0), SVO_INVALID_ARGUMENT, words);
     assert_fails(&opened, svo_moving_add(moving, &made.objects[0].mesh, NULL, &object), SVO_INVALID_ARGUMENT, words);
-    assert_fails(&opened, svo_moving_update(moving, opened.queue, NULL), SVO_INVALID_ARGUMENT, words);
-    assert_fails(&opened, svo_moving_update_enqueue(moving, opened.queue, 0, NULL, NULL), SVO_INVALID_ARGUMENT, words);
+    assert_fails(&opened, svo_moving_update(moving, NULL), SVO_INVALID_ARGUMENT, words);
+    assert_fails(&opened, svo_moving_update(moving, &(svo_submit){.queue = opened.queue}), SVO_INVALID_ARGUMENT, words);
     succeed(&opened, svo_moving_finish(moving, NULL));
     compare_moving(&opened, moving, 5, &options);
     succeed(&opened, svo_moving_set_transform(moving, 0, small));
@@ -343,7 +347,7 @@ static void a_failure_leaves_the_tree(void **state)
         succeed(&opened, svo_moving_show(moving, 2, 0));
         counting_begin();
         counting_fail_launch(i);
-        const svo_status status = svo_moving_update_enqueue(moving, opened.queue, 0, NULL, NULL);
+        const svo_status status = svo_moving_update(moving, &(svo_submit){.queue = opened.queue});
         failed = counting_read().failed_launches;
         counting_begin();
         if (failed > 0) {
@@ -368,7 +372,7 @@ static void a_failure_leaves_the_tree(void **state)
 static void update_and_finish(const fixture *opened, svo_moving *moving)
 {
     cl_command_queue queue = make_unordered(opened);
-    succeed(opened, svo_moving_update_enqueue(moving, queue, 0, NULL, NULL));
+    succeed(opened, svo_moving_update(moving, &(svo_submit){.queue = queue}));
     succeed(opened, svo_moving_finish(moving, NULL));
     clReleaseCommandQueue(queue);
 }

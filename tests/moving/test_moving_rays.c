@@ -128,8 +128,10 @@ static void compare_rays(const fixture *opened, svo_tree *tree, svo_tree *whole,
     svo_hit expected[RAYS];
     random_rays(seed, rays);
     for (uint32_t flags = SVO_TRACE_CLOSEST; flags <= SVO_TRACE_COUNT; ++flags) {
-        succeed(opened, svo_tree_trace(tree, rays, actual, RAYS, flags, opened->queue));
-        succeed(opened, svo_tree_trace(whole, rays, expected, RAYS, flags, opened->queue));
+        succeed(opened, svo_trace_triangles(svo_tree_target(tree), svo_in_host(rays), svo_in_host(actual), RAYS, flags,
+                                            &(svo_submit){.queue = opened->queue}));
+        succeed(opened, svo_trace_triangles(svo_tree_target(whole), svo_in_host(rays), svo_in_host(expected), RAYS,
+                                            flags, &(svo_submit){.queue = opened->queue}));
         if (flags != SVO_TRACE_ANY) {
             const int met = compare_hits(actual, expected, flags == SVO_TRACE_COUNT);
             assert_in_range(met, RAYS / 10, RAYS);
@@ -152,8 +154,10 @@ static void compare_points(const fixture *opened, svo_tree *tree, svo_tree *whol
             points[i].position[axis] = (float)(2.0 * random_unit(&seed) - 0.5);
         }
     }
-    succeed(opened, svo_tree_nearest(tree, points, actual, POINTS, opened->queue));
-    succeed(opened, svo_tree_nearest(whole, points, expected, POINTS, opened->queue));
+    succeed(opened, svo_tree_nearest(tree, svo_in_host(points), svo_in_host(actual), POINTS,
+                                     &(svo_submit){.queue = opened->queue}));
+    succeed(opened, svo_tree_nearest(whole, svo_in_host(points), svo_in_host(expected), POINTS,
+                                     &(svo_submit){.queue = opened->queue}));
     for (int i = 0; i < POINTS; ++i) {
         assert_int_equal(actual[i].triangle, expected[i].triangle);
         assert_memory_equal(&actual[i], &expected[i], offsetof(svo_nearest, leaves));
@@ -211,7 +215,7 @@ static void update_somehow(const fixture *opened, const stage *s, bool is_enqueu
 {
     if (is_enqueued) {
         svo_tree *tree = svo_moving_tree(s->moving);
-        succeed(opened, svo_moving_update_enqueue(s->moving, opened->queue, 0, NULL, NULL));
+        succeed(opened, svo_moving_update(s->moving, &(svo_submit){.queue = opened->queue}));
         const svo_moving_bvh_report report = make_bvh(opened, s, SVO_BVH_BEST, 0.5F);
         assert_int_equal(report.refit + report.made, 0);
         compare_rays(opened, tree, tree, seed);
@@ -456,8 +460,10 @@ static void instances_have_the_same_hits(void **state)
     options.need = SVO_NEED_RAYS;
     random_rays(11, rays);
     succeed(&opened, svo_scene_create(opened.device, &options, opened.queue, &scene));
-    succeed(&opened, svo_scene_trace_triangles(scene, rays, actual, RAYS, SVO_SCENE_CLOSEST, opened.queue));
-    succeed(&opened, svo_tree_trace(tree, rays, expected, RAYS, SVO_TRACE_CLOSEST, opened.queue));
+    succeed(&opened, svo_trace_triangles(svo_scene_target(scene), svo_in_host(rays), svo_in_host(actual), RAYS,
+                                         SVO_SCENE_CLOSEST, &(svo_submit){.queue = opened.queue}));
+    succeed(&opened, svo_trace_triangles(svo_tree_target(tree), svo_in_host(rays), svo_in_host(expected), RAYS,
+                                         SVO_TRACE_CLOSEST, &(svo_submit){.queue = opened.queue}));
     for (int i = 0; i < RAYS; ++i) {
         assert_int_equal(actual[i].triangle, expected[i].triangle);
     }

@@ -263,7 +263,7 @@ static void workspaces_stop_while_they_compile(void **state)
     assert_whole(&seen);
     seen = (watcher){0};
     succeed(&opened, svo_workspace_make_tree(workspace, &tree));
-    succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
+    succeed(&opened, svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened.queue}));
     succeed(&opened, svo_tree_finish(tree, opened.queue, 0, NULL));
     assert_int_equal(seen.calls, 0);
     svo_tree_destroy(&tree);

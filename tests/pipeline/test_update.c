@@ -124,7 +124,7 @@ static outcome build_of_new_plan(const fixture *opened, const svo_mesh *mesh, un
 
 static outcome enqueue_and_finish(const fixture *opened, svo_workspace *workspace, svo_tree *tree)
 {
-    succeed(opened, svo_build_enqueue(workspace, tree, opened->queue, 0, NULL, NULL));
+    succeed(opened, svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened->queue}));
     succeed(opened, svo_tree_finish(tree, opened->queue, 0, NULL));
     return outcome_of(opened, tree);
 }
@@ -153,7 +153,7 @@ static void compare_moves(const fixture *opened, moving *m, unsigned depth, svo_
         svo_plan_options fixed = options;
         fixed.updatable = 0;
         move_to(m, i);
-        succeed(opened, svo_plan_update_enqueue(plan, &m->mesh, opened->queue, 0, NULL, NULL));
+        succeed(opened, svo_plan_update(plan, &m->mesh, &(svo_submit){.queue = opened->queue}));
         const outcome enqueued = enqueue_and_finish(opened, workspace, trees[i % 2]);
         const outcome blocking = build_now(opened, plan);
         const outcome renewed = build_of_new_plan(opened, &m->mesh, depth, options);
@@ -249,7 +249,8 @@ static void buffers_move_the_mesh(void **state)
         }
         assert_int_equal(clEnqueueWriteBuffer(opened.queue, memory, CL_FALSE, 0, bytes, packed, 0, NULL, &written),
                          CL_SUCCESS);
-        succeed(&opened, svo_plan_update_from_buffers_enqueue(plan, &buffers, opened.queue, 1, &written, NULL));
+        succeed(&opened, svo_plan_update_from_buffers(
+                             plan, &buffers, &(svo_submit){.queue = opened.queue, .num_wait = 1, .wait = &written}));
         const outcome actual = enqueue_and_finish(&opened, workspace, tree);
         const outcome expected = build_of_new_plan(&opened, &m.mesh, 6, options);
         assert_same(&actual, &expected);
@@ -285,9 +286,11 @@ static void updates_allocate_compile_and_wait_for_nothing(void **state)
     assert_int_equal(error, CL_SUCCESS);
     cl_event moved = NULL;
     counting_begin();
-    succeed(&opened, svo_plan_update_enqueue(plan, &m.mesh, opened.queue, 1, &go, &moved));
-    succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
-    succeed(&opened, svo_plan_update_enqueue(plan, &m.mesh, opened.queue, 0, NULL, NULL));
+    succeed(&opened,
+            svo_plan_update(plan, &m.mesh,
+                            &(svo_submit){.queue = opened.queue, .num_wait = 1, .wait = &go, .event = &moved}));
+    succeed(&opened, svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened.queue}));
+    succeed(&opened, svo_plan_update(plan, &m.mesh, &(svo_submit){.queue = opened.queue}));
     const counted figures = counting_read();
     assert_int_equal(clSetUserEventStatus(go, CL_COMPLETE), CL_SUCCESS);
     succeed(&opened, svo_tree_finish(tree, opened.queue, 0, NULL));
@@ -323,9 +326,9 @@ static void memory_is_flat(void **state)
     svo_tree *trees[2] = {make_tree(&opened, workspace), make_tree(&opened, workspace)};
     for (int i = 0; i < UPDATES; ++i) {
         positions[0] = 0.1F + (float)(i % 64) / 128.0F;
-        succeed(&opened, svo_plan_update_enqueue(plan, &mesh, opened.queue, 0, NULL, NULL));
+        succeed(&opened, svo_plan_update(plan, &mesh, &(svo_submit){.queue = opened.queue}));
         if (i % 50 == 0) { /* also waits, so that positions may change */
-            succeed(&opened, svo_build_enqueue(workspace, trees[i / 50 % 2], opened.queue, 0, NULL, NULL));
+            succeed(&opened, svo_build_enqueue(workspace, trees[i / 50 % 2], &(svo_submit){.queue = opened.queue}));
             succeed(&opened, svo_tree_finish(trees[i / 50 % 2], opened.queue, 0, NULL));
         }
         if (i == WARM) {
@@ -367,8 +370,9 @@ static void commands_are_ordered_whatever_the_queues(void **state)
     for (int i = 0; i < MOVES; ++i) {
         const svo_mesh mesh = one_triangle(positions[i]);
         trees[i] = make_tree(&opened, workspace);
-        succeed(&opened, svo_plan_update_enqueue(plan, &mesh, i % 2 == 0 ? other : opened.queue, 0, NULL, NULL));
-        succeed(&opened, svo_build_enqueue(workspace, trees[i], i % 2 == 0 ? opened.queue : other, 0, NULL, NULL));
+        succeed(&opened, svo_plan_update(plan, &mesh, &(svo_submit){.queue = i % 2 == 0 ? other : opened.queue}));
+        succeed(&opened,
+                svo_build_enqueue(workspace, trees[i], &(svo_submit){.queue = i % 2 == 0 ? opened.queue : other}));
     }
     for (int i = 0; i < MOVES; ++i) {
         const svo_mesh mesh = one_triangle(positions[i]);
@@ -400,8 +404,8 @@ static void check_capacity(const fixture *opened, bool large)
     svo_build_report report = {.struct_size = sizeof report};
     const outcome before = enqueue_and_finish(opened, workspace, trees[0]);
     positions[3] = positions[7] = far;
-    succeed(opened, svo_plan_update(plan, &mesh));
-    succeed(opened, svo_build_enqueue(workspace, trees[1], opened->queue, 0, NULL, NULL));
+    succeed(opened, svo_plan_update(plan, &mesh, NULL));
+    succeed(opened, svo_build_enqueue(workspace, trees[1], &(svo_submit){.queue = opened->queue}));
     assert_int_equal(svo_tree_finish(trees[1], opened->queue, 0, &report), SVO_CAPACITY_EXCEEDED);
     const outcome after = outcome_of(opened, trees[0]);
     assert_same(&after, &before);
@@ -442,7 +446,7 @@ static void a_mesh_may_outgrow_its_unit_of_weight(void **state)
     options.max_area = 0.04;
     svo_plan *plan = make_plan(&opened, &mesh, 12, options);
     positions[3] = positions[7] = 1.0F;
-    succeed(&opened, svo_plan_update(plan, &mesh));
+    succeed(&opened, svo_plan_update(plan, &mesh, NULL));
     assert_int_equal(svo_build(plan, opened.frontend, opened.queue, &tree, NULL), SVO_CAPACITY_EXCEEDED);
     assert_non_null(strstr(svo_device_message(opened.device), "max_area"));
     svo_plan_destroy(&plan);
@@ -501,16 +505,16 @@ static void wrong_updates_are_refused(void **state)
     wrong[2].positions_double = doubles;
     wrong[3].normals = NULL;
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
-        assert_int_equal(svo_plan_update(plan, &wrong[i]), SVO_INVALID_ARGUMENT);
+        assert_int_equal(svo_plan_update(plan, &wrong[i], NULL), SVO_INVALID_ARGUMENT);
     }
-    assert_int_equal(svo_plan_update(NULL, &mesh), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_plan_update(plan, NULL), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_plan_update(other, &mesh), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_plan_update(NULL, &mesh, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_plan_update(plan, NULL, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_plan_update(other, &mesh, NULL), SVO_INVALID_ARGUMENT);
     const svo_mesh_buffers none = {.struct_size = sizeof none, .vertex_count = 3, .triangle_count = 1};
-    assert_int_equal(svo_plan_update_from_buffers_enqueue(plan, &none, opened.queue, 0, NULL, NULL),
+    assert_int_equal(svo_plan_update_from_buffers(plan, &none, &(svo_submit){.queue = opened.queue}),
                      SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_plan_count(plan, opened.frontend, opened.queue), SVO_UNSUPPORTED);
-    succeed(&opened, svo_plan_update(plan, &mesh)); /* none of it has done harm */
+    succeed(&opened, svo_plan_update(plan, &mesh, NULL)); /* none of it has done harm */
     svo_plan_destroy(&plan);
     svo_plan_destroy(&other);
 }
@@ -528,12 +532,13 @@ static void a_failed_update_takes_the_mesh_away(void **state)
     for (size_t launch = 0; launch < 4; ++launch) {
         svo_tree *none = NULL;
         counting_fail_launch(launch);
-        assert_int_equal(svo_plan_update_enqueue(plan, &mesh, opened.queue, 0, NULL, NULL), SVO_CL_ERROR);
-        assert_int_equal(svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
+        assert_int_equal(svo_plan_update(plan, &mesh, &(svo_submit){.queue = opened.queue}), SVO_CL_ERROR);
+        assert_int_equal(svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened.queue}),
+                         SVO_INVALID_ARGUMENT);
         assert_int_equal(svo_build(plan, opened.frontend, opened.queue, &none, NULL), SVO_INVALID_ARGUMENT);
         assert_null(none);
     }
-    succeed(&opened, svo_plan_update_enqueue(plan, &mesh, opened.queue, 0, NULL, NULL));
+    succeed(&opened, svo_plan_update(plan, &mesh, &(svo_submit){.queue = opened.queue}));
     const outcome after = enqueue_and_finish(&opened, workspace, tree);
     assert_same(&after, &before);
     svo_tree_destroy(&tree);
@@ -595,14 +600,16 @@ static void nothing_waits_for_a_failed_update(void **state)
     const cl_event gate = clCreateUserEvent(svo_device_cl_context(opened.device), NULL);
     cl_event held = NULL;
     cl_event failed = NULL;
-    succeed(&opened, svo_plan_update_enqueue(plan, &mesh, opened.queue, 1, &gate, &held));
-    succeed(&opened, svo_plan_update_enqueue(plan, &mesh, opened.queue, 0, NULL, &failed));
+    succeed(&opened,
+            svo_plan_update(plan, &mesh,
+                            &(svo_submit){.queue = opened.queue, .num_wait = 1, .wait = &gate, .event = &held}));
+    succeed(&opened, svo_plan_update(plan, &mesh, &(svo_submit){.queue = opened.queue, .event = &failed}));
     assert_waited_for(held);
     watched.failed = failed;
-    succeed(&opened, svo_plan_update_enqueue(plan, &mesh, opened.queue, 0, NULL, NULL));
+    succeed(&opened, svo_plan_update(plan, &mesh, &(svo_submit){.queue = opened.queue}));
     assert_waited_for(held);
     assert_int_equal(clSetUserEventStatus(gate, CL_COMPLETE), CL_SUCCESS);
-    succeed(&opened, svo_plan_update_enqueue(plan, &mesh, opened.queue, 0, NULL, NULL));
+    succeed(&opened, svo_plan_update(plan, &mesh, &(svo_submit){.queue = opened.queue}));
     const outcome actual = enqueue_and_finish(&opened, workspace, tree);
     const outcome expected = build_of_new_plan(&opened, &mesh, 5, options);
     assert_same(&actual, &expected);
@@ -625,11 +632,11 @@ static void nothing_waits_for_a_failed_build(void **state)
     svo_workspace *workspace = make_workspace(&opened, plan);
     svo_tree *trees[2] = {make_tree(&opened, workspace), make_tree(&opened, workspace)};
     cl_event failed = NULL;
-    succeed(&opened, svo_build_enqueue(workspace, trees[0], opened.queue, 0, NULL, &failed));
+    succeed(&opened, svo_build_enqueue(workspace, trees[0], &(svo_submit){.queue = opened.queue, .event = &failed}));
     succeed(&opened, svo_tree_finish(trees[0], opened.queue, 0, NULL));
     watched.failed = failed;
     watched.waited_count = 0;
-    succeed(&opened, svo_build_enqueue(workspace, trees[1], opened.queue, 0, NULL, NULL));
+    succeed(&opened, svo_build_enqueue(workspace, trees[1], &(svo_submit){.queue = opened.queue}));
     for (cl_uint i = 0; i < watched.waited_count; ++i) {
         assert_ptr_not_equal(watched.waited[i], failed);
     }
@@ -669,8 +676,10 @@ static unsigned compare_hits(const fixture *opened, svo_tree *tree, const svo_me
     unsigned found = 0;
     make_rays(rays);
     succeed(opened, svo_build(plan, opened->frontend, opened->queue, &anew, NULL));
-    succeed(opened, svo_tree_trace(tree, rays, hits[0], RAY_COUNT, SVO_TRACE_CLOSEST, opened->queue));
-    succeed(opened, svo_tree_trace(anew, rays, hits[1], RAY_COUNT, SVO_TRACE_CLOSEST, opened->queue));
+    succeed(opened, svo_trace_triangles(svo_tree_target(tree), svo_in_host(rays), svo_in_host(hits[0]), RAY_COUNT,
+                                        SVO_TRACE_CLOSEST, &(svo_submit){.queue = opened->queue}));
+    succeed(opened, svo_trace_triangles(svo_tree_target(anew), svo_in_host(rays), svo_in_host(hits[1]), RAY_COUNT,
+                                        SVO_TRACE_CLOSEST, &(svo_submit){.queue = opened->queue}));
     for (int r = 0; r < RAY_COUNT; ++r) {
         hits[0][r].count = hits[1][r].count = 0; /* leaves visited depend on the BVH */
         assert_memory_equal(&hits[0][r], &hits[1][r], sizeof hits[0][r]);
@@ -687,9 +696,9 @@ static counted follow(const fixture *opened, moving *m, int move, svo_plan *plan
 {
     take_floats(m, m->at[move].base.positions);
     counting_begin();
-    succeed(opened, svo_plan_update_enqueue(plan, &m->mesh, opened->queue, 0, NULL, NULL));
-    succeed(opened, svo_build_enqueue(workspace, tree, opened->queue, 0, NULL, NULL));
-    succeed(opened, svo_tree_refit_bvh_enqueue(tree, opened->queue, 0, NULL, NULL));
+    succeed(opened, svo_plan_update(plan, &m->mesh, &(svo_submit){.queue = opened->queue}));
+    succeed(opened, svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened->queue}));
+    succeed(opened, svo_tree_refit_bvh(tree, &(svo_submit){.queue = opened->queue}));
     const counted figures = counting_read();
     succeed(opened, svo_tree_finish(tree, opened->queue, 0, NULL));
     return figures;
@@ -749,7 +758,7 @@ static void rays_never_meet_an_outdated_bvh(void **state)
     traced_create(&opened, &t);
     succeed(&opened, svo_tree_prepare_rays(t.tree, opened.queue));
     take_floats(&t.m, t.m.at[0].base.positions);
-    succeed(&opened, svo_plan_update(t.plan, &t.m.mesh));
+    succeed(&opened, svo_plan_update(t.plan, &t.m.mesh, NULL));
     (void)enqueue_and_finish(&opened, t.workspace, t.tree);
     (void)compare_hits(&opened, t.tree, &t.m.mesh, t.options);
     for (int k = 0; k < 9; ++k) {
@@ -760,9 +769,9 @@ static void rays_never_meet_an_outdated_bvh(void **state)
         (void)follow(&opened, &t.m, i, t.plan, t.workspace, t.tree);
         (void)compare_hits(&opened, t.tree, &t.m.mesh, t.options);
         if (i == 1) { /* the new BVH is of a mesh that was not all there */
-            assert_int_equal(svo_tree_refit_bvh_enqueue(t.tree, opened.queue, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
+            assert_int_equal(svo_tree_refit_bvh(t.tree, &(svo_submit){.queue = opened.queue}), SVO_INVALID_ARGUMENT);
             take_floats(&t.m, t.m.at[0].base.positions);
-            succeed(&opened, svo_plan_update(t.plan, &t.m.mesh));
+            succeed(&opened, svo_plan_update(t.plan, &t.m.mesh, NULL));
             (void)enqueue_and_finish(&opened, t.workspace, t.tree);
             succeed(&opened, svo_tree_make_bvh(t.tree, SVO_BVH_FAST, opened.queue));
         }
@@ -775,14 +784,14 @@ static void wrong_refits_are_refused(void **state)
     const fixture opened = fixture_cl_of_group(state);
     traced t;
     traced_create(&opened, &t);
-    assert_int_equal(svo_tree_refit_bvh_enqueue(NULL, opened.queue, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_tree_refit_bvh_enqueue(t.tree, opened.queue, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_refit_bvh(NULL, &(svo_submit){.queue = opened.queue}), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_refit_bvh(t.tree, &(svo_submit){.queue = opened.queue}), SVO_INVALID_ARGUMENT);
     assert_non_null(strstr(svo_device_message(opened.device), "no BVH"));
     succeed(&opened, svo_tree_prepare_rays(t.tree, opened.queue));
-    succeed(&opened, svo_tree_refit_bvh_enqueue(t.tree, opened.queue, 0, NULL, NULL));
-    succeed(&opened, svo_build_enqueue(t.workspace, t.tree, opened.queue, 0, NULL, NULL));
+    succeed(&opened, svo_tree_refit_bvh(t.tree, &(svo_submit){.queue = opened.queue}));
+    succeed(&opened, svo_build_enqueue(t.workspace, t.tree, &(svo_submit){.queue = opened.queue}));
     succeed(&opened, svo_tree_finish(t.tree, opened.queue, 1, NULL));
-    assert_int_equal(svo_tree_refit_bvh_enqueue(t.tree, opened.queue, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_refit_bvh(t.tree, &(svo_submit){.queue = opened.queue}), SVO_INVALID_ARGUMENT);
     traced_destroy(&t);
 }
 
@@ -806,7 +815,7 @@ static void refits_are_refused_for_one_reason(void **state)
         t.tree = make_tree(&opened, t.workspace);
         (void)enqueue_and_finish(&opened, t.workspace, t.tree);
         succeed(&opened, svo_tree_make_bvh(t.tree, SVO_BVH_FAST, opened.queue));
-        assert_int_equal(svo_tree_refit_bvh_enqueue(t.tree, opened.queue, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
+        assert_int_equal(svo_tree_refit_bvh(t.tree, &(svo_submit){.queue = opened.queue}), SVO_INVALID_ARGUMENT);
         if (strstr(svo_device_message(opened.device), words[i]) == NULL) {
             fail_msg("\"%s\", expected \"%s\"", svo_device_message(opened.device), words[i]);
         }

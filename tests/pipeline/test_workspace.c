@@ -35,7 +35,7 @@ static void enqueue_and_hash(const fixture *opened, svo_plan *plan, int trim, bu
 {
     svo_workspace *workspace = make_workspace(opened, plan);
     *out = (built){.tree = make_tree(opened, workspace), .report.struct_size = sizeof out->report};
-    succeed(opened, svo_build_enqueue(workspace, out->tree, opened->queue, 0, NULL, NULL));
+    succeed(opened, svo_build_enqueue(workspace, out->tree, &(svo_submit){.queue = opened->queue}));
     succeed(opened, svo_tree_finish(out->tree, opened->queue, trim, &out->report));
     svo_workspace_destroy(&workspace);
     out->info = (svo_tree_info)SVO_TREE_INFO_INIT;
@@ -125,7 +125,7 @@ static void opengl_can_produce_the_fragments(void **state)
     svo_workspace *workspace = make_workspace(opened, plan);
     svo_tree *tree = make_tree(opened, workspace);
     svo_build_report report = {.struct_size = sizeof report};
-    succeed(opened, svo_build_enqueue(workspace, tree, opened->queue, 0, NULL, NULL));
+    succeed(opened, svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened->queue}));
     assert_int_equal(svo_tree_finish(tree, opened->queue, 1, &report), SVO_CAPACITY_EXCEEDED);
     assert_in_range(report.fragments, 1000, UINT32_MAX);
     svo_tree_destroy(&tree);
@@ -167,7 +167,7 @@ static void enqueuing_allocates_nothing(void **state)
         assert_int_equal(counting_read().live_bytes, info.scratch_bytes + info.tree_bytes);
         const counted before = counting_read();
         for (int round = 0; round < 2; ++round) {
-            succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
+            succeed(&opened, svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened.queue}));
             succeed(&opened, svo_tree_finish(tree, opened.queue, 0, NULL));
         }
         const counted after = counting_read();
@@ -206,7 +206,9 @@ static void builds_of_a_workspace_are_ordered(void **state)
         cl_event done[2] = {NULL, NULL};
         cl_int first_status = CL_COMPLETE;
         for (int i = 0; i < 2; ++i) {
-            succeed(&opened, svo_build_enqueue(workspace, trees[i], queues[i], 1, &gate, &done[i]));
+            succeed(&opened, svo_build_enqueue(
+                                 workspace, trees[i],
+                                 &(svo_submit){.queue = queues[i], .num_wait = 1, .wait = &gate, .event = &done[i]}));
         }
         clGetEventInfo(done[0], CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof first_status, &first_status, NULL);
         assert_true(first_status > CL_COMPLETE);
@@ -227,7 +229,8 @@ static void builds_of_a_workspace_are_ordered(void **state)
     }
     svo_workspace_destroy(&workspace);
     for (int i = 0; i < 2; ++i) {
-        assert_int_equal(svo_build_enqueue(workspace, trees[i], queues[i], 0, NULL, NULL), SVO_INVALID_ARGUMENT);
+        assert_int_equal(svo_build_enqueue(workspace, trees[i], &(svo_submit){.queue = queues[i]}),
+                         SVO_INVALID_ARGUMENT);
         svo_tree_destroy(&trees[i]);
         clReleaseCommandQueue(queues[i]);
     }
@@ -254,13 +257,14 @@ static void a_failed_enqueue_does_not_block(void **state)
         cl_event gate = clCreateUserEvent(svo_device_cl_context(opened.device), NULL);
         counting_begin();
         counting_fail_launch(failed);
-        const svo_status status = svo_build_enqueue(workspace, tree, opened.queue, 1, &gate, NULL);
+        const svo_status status =
+            svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened.queue, .num_wait = 1, .wait = &gate});
         all = counting_read().failed_launches == 0;
         assert_int_equal(status, all != 0 ? SVO_OK : SVO_CL_ERROR);
         if (all == 0) {
             assert_non_null(strstr(svo_device_message(opened.device), "CL_INVALID_KERNEL_ARGS"));
             assert_int_equal(svo_tree_finish(tree, opened.queue, 0, NULL), SVO_INVALID_ARGUMENT);
-            succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
+            succeed(&opened, svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened.queue}));
             ++failed;
         }
         clSetUserEventStatus(gate, CL_COMPLETE);
@@ -273,7 +277,7 @@ static void a_failed_enqueue_does_not_block(void **state)
     assert_true(failed > 16); /* launches of a build */
     /* The last enqueue fails, and tree and workspace are destroyed right after it. */
     counting_fail_launch(failed / 2);
-    assert_int_equal(svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL), SVO_CL_ERROR);
+    assert_int_equal(svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened.queue}), SVO_CL_ERROR);
     svo_tree_destroy(&tree);
     svo_workspace_destroy(&workspace);
     svo_plan_destroy(&plan);
@@ -322,7 +326,7 @@ static void insufficient_capacity_reports_the_required_figures(void **state)
         svo_workspace *workspace = make_workspace(&opened, plan);
         svo_tree *tree = make_tree(&opened, workspace);
         svo_build_report report = {.struct_size = sizeof report};
-        succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
+        succeed(&opened, svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened.queue}));
         assert_int_equal(svo_tree_finish(tree, opened.queue, 1, &report), SVO_CAPACITY_EXCEEDED);
         assert_int_equal(report.fragments, exact);
         assert_in_range(report.inner_nodes, expected.info.inner_count, UINT32_MAX);
@@ -359,7 +363,7 @@ static void insufficient_node_capacity_is_reported(void **state)
     svo_workspace *workspace = make_workspace(&opened, plan);
     svo_tree *tree = make_tree(&opened, workspace);
     svo_build_report report = {.struct_size = sizeof report};
-    succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
+    succeed(&opened, svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened.queue}));
     assert_int_equal(svo_tree_finish(tree, opened.queue, 1, &report), SVO_CAPACITY_EXCEEDED);
     assert_in_range(report.fragments, 2 * COUNT, 8 * COUNT); /* the list was large enough */
     svo_build_state outcome;
@@ -397,7 +401,7 @@ static void the_caller_may_provide_scratch(void **state)
         svo_workspace *workspace = NULL;
         succeed(&opened, svo_workspace_create(plan, opened.frontend, opened.queue, &options, &workspace));
         svo_tree *tree = make_tree(&opened, workspace);
-        succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
+        succeed(&opened, svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened.queue}));
         succeed(&opened, svo_tree_finish(tree, opened.queue, 1, NULL));
         char hash[SVO_HASH_TEXT_BYTES];
         hash_of(&opened, tree, hash);
@@ -480,19 +484,21 @@ static void wrong_arguments_are_refused(void **state)
     assert_int_equal(svo_workspace_create(sorted, opened.frontend, opened.queue, NULL, &unmade), SVO_UNSUPPORTED);
     assert_null(unmade);
     assert_int_equal(svo_tree_finish(tree, opened.queue, 0, NULL), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_build_enqueue(workspace, NULL, opened.queue, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_build_enqueue(workspace, tree, opened.queue, 1, NULL, NULL), SVO_INVALID_ARGUMENT);
-    succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
-    assert_int_equal(svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_build_enqueue(workspace, NULL, &(svo_submit){.queue = opened.queue}), SVO_INVALID_ARGUMENT);
+    assert_int_equal(
+        svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened.queue, .num_wait = 1, .wait = NULL}),
+        SVO_INVALID_ARGUMENT);
+    succeed(&opened, svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened.queue}));
+    assert_int_equal(svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened.queue}), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_tree_download(tree, opened.queue), SVO_INVALID_ARGUMENT);
     succeed(&opened, svo_tree_finish(tree, opened.queue, 1, NULL));
-    assert_int_equal(svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened.queue}), SVO_INVALID_ARGUMENT);
     svo_tree_destroy(&tree);
     tree = make_tree(&opened, workspace); /* destroyed with its build in flight */
-    succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
+    succeed(&opened, svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened.queue}));
     svo_tree_destroy(&tree);
     tree = make_tree(&opened, workspace); /* its workspace is destroyed with its build in flight */
-    succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
+    succeed(&opened, svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened.queue}));
     svo_workspace_destroy(&workspace);
     assert_int_equal(svo_tree_finish(tree, opened.queue, 1, NULL), SVO_INVALID_ARGUMENT);
     svo_tree_destroy(&tree);
@@ -552,6 +558,7 @@ static void expect_all_to_refuse(const fixture *opened, svo_tree *tree, cl_kerne
     svo_nearest nearest;
     svo_grid grid;
     svo_node node;
+    const svo_submit submit = {.queue = opened->queue};
     svo_camera_frame(tree, 1.0F, &options.camera);
 #define EXPECT(function, ...) expect_refusal(opened, function(__VA_ARGS__), #function, words)
     EXPECT(svo_tree_get_info, tree, &info);
@@ -567,10 +574,12 @@ static void expect_all_to_refuse(const fixture *opened, svo_tree *tree, cl_kerne
     EXPECT(svo_tree_set_args, tree, kernel, 0);
     EXPECT(svo_tree_prepare_rays, tree, opened->queue);
     EXPECT(svo_tree_make_bvh, tree, SVO_BVH_FAST, opened->queue);
-    EXPECT(svo_tree_trace, tree, &ray, &hit, 1, SVO_TRACE_CLOSEST, opened->queue);
-    EXPECT(svo_tree_trace_enqueue, tree, memory, memory, 1, SVO_TRACE_CLOSEST, opened->queue, 0, NULL, NULL);
-    EXPECT(svo_tree_nearest, tree, &point, &nearest, 1, opened->queue);
-    EXPECT(svo_tree_nearest_enqueue, tree, memory, memory, 1, opened->queue, 0, NULL, NULL);
+    EXPECT(svo_trace_triangles, svo_tree_target(tree), svo_in_host(&ray), svo_in_host(&hit), 1, SVO_TRACE_CLOSEST,
+           &submit);
+    EXPECT(svo_trace_triangles, svo_tree_target(tree), svo_in_buffer(memory), svo_in_buffer(memory), 1,
+           SVO_TRACE_CLOSEST, &submit);
+    EXPECT(svo_tree_nearest, tree, svo_in_host(&point), svo_in_host(&nearest), 1, &submit);
+    EXPECT(svo_tree_nearest, tree, svo_in_buffer(memory), svo_in_buffer(memory), 1, &submit);
     for (svo_render_view view = SVO_VIEW_SHADED; view <= SVO_VIEW_TRIANGLES; ++view) {
         options.view = view;
         EXPECT(svo_tree_render, opened->device, tree, &options, opened->queue, picture);
@@ -593,7 +602,8 @@ static void trees_without_content_are_refused(void **state)
     cl_kernel kernel = make_plain_kernel(&opened);
     built expected;
     fixture_build(&opened, scene_mesh(made), 5, &options, &expected);
-    succeed(&opened, svo_tree_trace(expected.tree, &ray, &hits[0], 1, SVO_TRACE_COUNT, opened.queue));
+    succeed(&opened, svo_trace_triangles(svo_tree_target(expected.tree), svo_in_host(&ray), svo_in_host(&hits[0]), 1,
+                                         SVO_TRACE_COUNT, &(svo_submit){.queue = opened.queue}));
     svo_plan *plan = make_plan(&opened, scene_mesh(made), 5, options);
     svo_workspace *workspace = make_workspace(&opened, plan);
     svo_tree *tree = make_tree(&opened, workspace);
@@ -601,7 +611,8 @@ static void trees_without_content_are_refused(void **state)
 
     cl_event gate = clCreateUserEvent(svo_device_cl_context(opened.device), NULL);
     for (int round = 0; round < 2; ++round) { /* the second time over the content of the first */
-        succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 1, &gate, NULL));
+        succeed(&opened,
+                svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened.queue, .num_wait = 1, .wait = &gate}));
         expect_all_to_refuse(&opened, tree, kernel, "in flight; call svo_tree_finish");
         clSetUserEventStatus(gate, CL_COMPLETE);
         expect_all_to_refuse(&opened, tree, kernel, "in flight; call svo_tree_finish");
@@ -609,7 +620,8 @@ static void trees_without_content_are_refused(void **state)
         hash_of(&opened, tree, hash);
         assert_string_equal(hash, expected.hash);
         succeed(&opened, svo_tree_set_args(tree, kernel, 0));
-        succeed(&opened, svo_tree_trace(tree, &ray, &hits[1], 1, SVO_TRACE_COUNT, opened.queue));
+        succeed(&opened, svo_trace_triangles(svo_tree_target(tree), svo_in_host(&ray), svo_in_host(&hits[1]), 1,
+                                             SVO_TRACE_COUNT, &(svo_submit){.queue = opened.queue}));
         assert_memory_equal(&hits[1], &hits[0], sizeof hits[0]);
         clReleaseEvent(gate);
         gate = clCreateUserEvent(svo_device_cl_context(opened.device), NULL);
@@ -617,7 +629,7 @@ static void trees_without_content_are_refused(void **state)
     clReleaseEvent(gate);
     counting_begin();
     counting_fail_launch(3);
-    assert_int_equal(svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL), SVO_CL_ERROR);
+    assert_int_equal(svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened.queue}), SVO_CL_ERROR);
     expect_all_to_refuse(&opened, tree, kernel, "last build failed");
     svo_tree_destroy(&tree);
     svo_workspace_destroy(&workspace);
@@ -627,7 +639,7 @@ static void trees_without_content_are_refused(void **state)
     plan = make_plan(&opened, scene_mesh(made), 5, options);
     workspace = make_workspace(&opened, plan);
     tree = make_tree(&opened, workspace);
-    succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 0, NULL, NULL));
+    succeed(&opened, svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened.queue}));
     assert_int_equal(svo_tree_finish(tree, opened.queue, 1, NULL), SVO_CAPACITY_EXCEEDED);
     expect_all_to_refuse(&opened, tree, kernel, "last build failed");
     svo_tree_destroy(&tree);
@@ -655,7 +667,7 @@ static void finishing_after_the_workspace_is_a_status(void **state)
     succeed(&opened, svo_workspace_create(plan, frontend, opened.queue, NULL, &workspace));
     svo_tree *trees[3] = {make_tree(&opened, workspace), make_tree(&opened, workspace), make_tree(&opened, workspace)};
     for (int i = 0; i < 2; ++i) {
-        succeed(&opened, svo_build_enqueue(workspace, trees[i], opened.queue, 0, NULL, NULL));
+        succeed(&opened, svo_build_enqueue(workspace, trees[i], &(svo_submit){.queue = opened.queue}));
     }
     succeed(&opened, svo_tree_finish(trees[0], opened.queue, 0, NULL));
     svo_workspace_destroy(&workspace);
@@ -732,7 +744,9 @@ static svo_status look_at_build(const fixture *opened, svo_plan *plan, cl_kernel
     if (opened->frontend != opened->cl) { /* a front end of OpenGL waits for the gate on the host */
         clSetUserEventStatus(gate, CL_COMPLETE);
     }
-    succeed(opened, svo_build_enqueue(workspace, tree, opened->queue, 1, &gate, &done));
+    succeed(opened,
+            svo_build_enqueue(workspace, tree,
+                              &(svo_submit){.queue = opened->queue, .num_wait = 1, .wait = &gate, .event = &done}));
     assert_ptr_equal(svo_tree_get_build_state(tree), outcome);
     assert_int_equal(clEnqueueNDRangeKernel(opened->queue, kernel, 1, NULL, &one, &one, 1, &done, &looked), CL_SUCCESS);
     if (opened->frontend == opened->cl) {

@@ -118,7 +118,8 @@ static void trace(const fixture *opened, const scene *of, const svo_ray *rays, s
 {
     svo_probe_trace_options options = SVO_PROBE_TRACE_OPTIONS_INIT;
     options.choice = choice;
-    light_succeed(opened, svo_probes_trace(of->probes, rays, hits, RAY_COUNT, &options, opened->queue));
+    light_succeed(opened, svo_probes_trace(of->probes, svo_in_host(rays), svo_in_host(hits), RAY_COUNT, &options,
+                                           &(svo_submit){.queue = opened->queue}));
 }
 
 /* ---- the walk ---- */
@@ -212,7 +213,8 @@ static void a_closed_room_has_no_way_out(void **state)
     random_state = 18;
     open_scene(&opened, &room, &with_rays, &options, &of);
     random_rays(0.5, 7.5, rays);
-    light_succeed(&opened, svo_tree_trace(of.tree.tree, rays, exact, RAY_COUNT, SVO_TRACE_CLOSEST, opened.queue));
+    light_succeed(&opened, svo_trace_triangles(svo_tree_target(of.tree.tree), svo_in_host(rays), svo_in_host(exact),
+                                               RAY_COUNT, SVO_TRACE_CLOSEST, &(svo_submit){.queue = opened.queue}));
     for (int choice = 0; choice < SVO_PROBE_CHOICE_COUNT; ++choice) {
         uint32_t known = 0;
         trace(&opened, &of, rays, (svo_probe_choice)choice, hits);
@@ -317,7 +319,8 @@ static void rays_pass_through_a_probe(void **state)
         rays[i].t_min = 0.0F;
         rays[i].t_max = INFINITY;
     }
-    light_succeed(&opened, svo_tree_trace(of.tree.tree, rays, exact, RAY_COUNT, SVO_TRACE_CLOSEST, opened.queue));
+    light_succeed(&opened, svo_trace_triangles(svo_tree_target(of.tree.tree), svo_in_host(rays), svo_in_host(exact),
+                                               RAY_COUNT, SVO_TRACE_CLOSEST, &(svo_submit){.queue = opened.queue}));
     for (int choice = 0; choice < SVO_PROBE_CHOICE_COUNT; ++choice) {
         trace(&opened, &of, rays, (svo_probe_choice)choice, hits);
         for (uint32_t i = 0; i < RAY_COUNT; ++i) {
@@ -432,7 +435,8 @@ static void hits_are_near_those_of_exact_rays(void **state)
         rays[i].t_min = 0.0F;
         rays[i].t_max = INFINITY;
     }
-    light_succeed(&opened, svo_tree_trace(of.tree.tree, rays, exact, RAY_COUNT, SVO_TRACE_CLOSEST, opened.queue));
+    light_succeed(&opened, svo_trace_triangles(svo_tree_target(of.tree.tree), svo_in_host(rays), svo_in_host(exact),
+                                               RAY_COUNT, SVO_TRACE_CLOSEST, &(svo_submit){.queue = opened.queue}));
     for (int choice = 0; choice < SVO_PROBE_CHOICE_COUNT; ++choice) {
         uint32_t wrong = 0;
         trace(&opened, &of, rays, (svo_probe_choice)choice, hits);
@@ -490,7 +494,8 @@ static void diffuse_light_of_a_glowing_room(void **state)
     }
     memset(points[0].normal, 0, sizeof points[0].normal);
     points[1].position[0] = NAN;
-    light_succeed(&opened, svo_probes_irradiance(probes, points, results, 64, opened.queue));
+    light_succeed(&opened, svo_probes_irradiance(probes, svo_in_host(points), svo_in_host(results), 64,
+                                                 &(svo_submit){.queue = opened.queue}));
     for (int i = 0; i < 64; ++i) {
         for (int channel = 0; channel < 3; ++channel) {
             const double expected = i < 2 ? 0 : PI * (double)glow.emission[channel];
@@ -527,18 +532,21 @@ static void wrong_arguments_are_refused(void **state)
     parts room = room_of(false);
     scene of;
     open_scene(&opened, &room, &with_rays, &options, &of);
-    assert_int_equal(svo_probes_trace(NULL, &ray, &hit, 1, NULL, NULL), SVO_INVALID_ARGUMENT);
-    light_succeed(&opened, svo_probes_trace(of.probes, NULL, NULL, 0, NULL, opened.queue));
-    expect_refusal(&opened, svo_probes_trace(of.probes, NULL, &hit, 1, NULL, NULL), "svo_probes_trace: rays is NULL");
-    expect_refusal(&opened, svo_probes_trace(of.probes, &ray, NULL, 1, NULL, NULL), "svo_probes_trace: hits is NULL");
+    assert_int_equal(svo_probes_trace(NULL, svo_in_host(&ray), svo_in_host(&hit), 1, NULL, NULL), SVO_INVALID_ARGUMENT);
+    light_succeed(&opened, svo_probes_trace(of.probes, svo_in_host(NULL), svo_in_host(NULL), 0, NULL,
+                                            &(svo_submit){.queue = opened.queue}));
+    expect_refusal(&opened, svo_probes_trace(of.probes, svo_in_host(NULL), svo_in_host(&hit), 1, NULL, NULL),
+                   "svo_probes_trace: rays is NULL");
+    expect_refusal(&opened, svo_probes_trace(of.probes, svo_in_host(&ray), svo_in_host(NULL), 1, NULL, NULL),
+                   "svo_probes_trace: hits is NULL");
     asked.choice = (svo_probe_choice)2;
-    expect_refusal(&opened, svo_probes_trace(of.probes, &ray, &hit, 1, &asked, NULL),
+    expect_refusal(&opened, svo_probes_trace(of.probes, svo_in_host(&ray), svo_in_host(&hit), 1, &asked, NULL),
                    "svo_probes_trace: options.choice 2 is not in 0 .. 1");
     asked.choice = SVO_PROBE_CHOICE_EIGHT;
     asked.thickness = -1.0F;
-    expect_refusal(&opened, svo_probes_trace(of.probes, &ray, &hit, 1, &asked, NULL),
+    expect_refusal(&opened, svo_probes_trace(of.probes, svo_in_host(&ray), svo_in_host(&hit), 1, &asked, NULL),
                    "svo_probes_trace: options.thickness -1 is negative or not finite");
-    expect_refusal(&opened, svo_probes_irradiance(of.probes, &point, &light, 1, NULL),
+    expect_refusal(&opened, svo_probes_irradiance(of.probes, svo_in_host(&point), svo_in_host(&light), 1, NULL),
                    "svo_probes_irradiance: the probes were made without diffuse maps");
     expect_refusal(&opened, svo_probes_set_args(of.probes, NULL, 0), "svo_probes_set_args: kernel is NULL");
     assert_string_equal(svo_name(SVO_NAME_PROBE_CHOICE, (svo_probe_choice)2), "unknown choice");

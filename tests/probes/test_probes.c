@@ -183,7 +183,8 @@ static void texels_are_what_exact_rays_meet(void **state)
     size_t compared = 0;
     for (uint32_t probe = 0; probe < of.info.probe_count; ++probe) {
         aim(&of, probe, rays);
-        light_succeed(&opened, svo_tree_trace(tree.tree, rays, hits, RESOLUTION * RESOLUTION, SVO_TRACE_CLOSEST, NULL));
+        light_succeed(&opened, svo_trace_triangles(svo_tree_target(tree.tree), svo_in_host(rays), svo_in_host(hits),
+                                                   RESOLUTION * RESOLUTION, SVO_TRACE_CLOSEST, NULL));
         for (uint32_t i = 0; i < RESOLUTION * RESOLUTION; ++i) {
             if (!is_near_an_edge(&hits[i])) {
                 expect_texel(&of, texel_at(&of, probe, i % RESOLUTION, i / RESOLUTION), rays[i].direction, hits[i].t,
@@ -213,7 +214,8 @@ static void voxels_are_seen_without_triangles(void **state)
     uint32_t differing = 0;
     for (uint32_t probe = 0; probe < of.info.probe_count; ++probe) {
         aim(&of, probe, rays);
-        light_succeed(&opened, svo_tree_trace_voxels(tree.tree, rays, hits, RESOLUTION * RESOLUTION, 0.0F, NULL));
+        light_succeed(&opened, svo_trace_voxels(svo_tree_target(tree.tree), svo_in_host(rays), svo_in_host(hits),
+                                                RESOLUTION * RESOLUTION, 0.0F, 0, NULL));
         for (uint32_t i = 0; i < RESOLUTION * RESOLUTION; ++i) {
             const uint32_t code = texel_at(&of, probe, i % RESOLUTION, i / RESOLUTION)[0] & 0xffffu;
             const double distance = svo_probe_distance(&of.info, code);
@@ -375,7 +377,8 @@ static double share_behind(const fixture *opened, svo_tree *tree, const seen *of
     static svo_hit hits[RESOLUTION * RESOLUTION];
     uint32_t behind = 0;
     aim(of, probe, rays);
-    light_succeed(opened, svo_tree_trace(tree, rays, hits, RESOLUTION * RESOLUTION, SVO_TRACE_CLOSEST, NULL));
+    light_succeed(opened, svo_trace_triangles(svo_tree_target(tree), svo_in_host(rays), svo_in_host(hits),
+                                              RESOLUTION * RESOLUTION, SVO_TRACE_CLOSEST, NULL));
     *nearest = INFINITY;
     for (uint32_t i = 0; i < RESOLUTION * RESOLUTION; ++i) {
         double along = 0;

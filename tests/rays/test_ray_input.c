@@ -218,7 +218,9 @@ static void check_nearest(const fixture *opened, const input *made)
             points[i].position[axis] = (float)(made->low + made->width * away);
         }
     }
-    assert_int_equal(svo_tree_nearest(tree.tree, points, found, POINTS, opened->queue), SVO_OK);
+    assert_int_equal(svo_tree_nearest(tree.tree, svo_in_host(points), svo_in_host(found), POINTS,
+                                      &(svo_submit){.queue = opened->queue}),
+                     SVO_OK);
     for (size_t i = 0; i < POINTS; ++i) {
         const double at[3] = {(double)points[i].position[0], (double)points[i].position[1],
                               (double)points[i].position[2]};

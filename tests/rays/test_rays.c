@@ -454,7 +454,9 @@ static void check_nearest(const fixture *opened, const svo_mesh *mesh, unsigned 
         }
         points[i].max_distance = i % 5 == 0 ? (float)(tree.info.edge * 0.05) : INFINITY;
     }
-    assert_int_equal(svo_tree_nearest(tree.tree, points, results, POINTS, opened->queue), SVO_OK);
+    assert_int_equal(svo_tree_nearest(tree.tree, svo_in_host(points), svo_in_host(results), POINTS,
+                                      &(svo_submit){.queue = opened->queue}),
+                     SVO_OK);
     for (size_t i = 0; i < POINTS; ++i) {
         const double at[3] = {(double)points[i].position[0], (double)points[i].position[1],
                               (double)points[i].position[2]};
@@ -728,14 +730,27 @@ static void invalid_calls_are_refused(void **state)
     built tree;
     fixture_build(opened, scene_mesh(made), 3, &(svo_plan_options){.need = SVO_NEED_NONE}, &plain);
     build_for_rays(opened, scene_mesh(made), 3, NULL, 0, &tree);
-    assert_int_equal(svo_tree_trace(plain.tree, &ray, &hit, 1, 0, opened->queue), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_trace_triangles(svo_tree_target(plain.tree), svo_in_host(&ray), svo_in_host(&hit), 1, 0,
+                                         &(svo_submit){.queue = opened->queue}),
+                     SVO_INVALID_ARGUMENT);
     assert_non_null(strstr(svo_device_message(opened->device), "SVO_NEED_RAYS"));
-    assert_int_equal(svo_tree_trace(tree.tree, NULL, &hit, 1, 0, opened->queue), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_tree_trace(tree.tree, &ray, NULL, 1, 0, opened->queue), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_tree_trace(tree.tree, &ray, &hit, 1, 0, NULL), SVO_OK);
-    assert_int_equal(svo_tree_trace(tree.tree, &ray, &hit, 1, 7, opened->queue), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_tree_trace(NULL, &ray, &hit, 1, 0, opened->queue), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_tree_trace(tree.tree, &ray, &hit, 0, 0, opened->queue), SVO_OK);
+    assert_int_equal(svo_trace_triangles(svo_tree_target(tree.tree), svo_in_host(NULL), svo_in_host(&hit), 1, 0,
+                                         &(svo_submit){.queue = opened->queue}),
+                     SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_trace_triangles(svo_tree_target(tree.tree), svo_in_host(&ray), svo_in_host(NULL), 1, 0,
+                                         &(svo_submit){.queue = opened->queue}),
+                     SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_trace_triangles(svo_tree_target(tree.tree), svo_in_host(&ray), svo_in_host(&hit), 1, 0, NULL),
+                     SVO_OK);
+    assert_int_equal(svo_trace_triangles(svo_tree_target(tree.tree), svo_in_host(&ray), svo_in_host(&hit), 1, 7,
+                                         &(svo_submit){.queue = opened->queue}),
+                     SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_trace_triangles(svo_tree_target(NULL), svo_in_host(&ray), svo_in_host(&hit), 1, 0,
+                                         &(svo_submit){.queue = opened->queue}),
+                     SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_trace_triangles(svo_tree_target(tree.tree), svo_in_host(&ray), svo_in_host(&hit), 0, 0,
+                                         &(svo_submit){.queue = opened->queue}),
+                     SVO_OK);
     built_destroy(&tree);
     built_destroy(&plain);
     scene_destroy(&made);
@@ -764,11 +779,16 @@ static void events_order_an_out_of_order_queue(void **state)
     cl_mem hits = clCreateBuffer(context, CL_MEM_READ_WRITE, sizeof hit, NULL, &error);
     cl_event events[2] = {NULL, NULL};
     assert_int_equal(clEnqueueWriteBuffer(queue, rays, CL_FALSE, 0, sizeof ray, &ray, 0, NULL, &events[0]), CL_SUCCESS);
-    assert_int_equal(svo_tree_trace_enqueue(tree.tree, rays, hits, 1, 0, queue, 1, &events[0], &events[1]), SVO_OK);
+    assert_int_equal(
+        svo_trace_triangles(svo_tree_target(tree.tree), svo_in_buffer(rays), svo_in_buffer(hits), 1, 0,
+                            &(svo_submit){.queue = queue, .num_wait = 1, .wait = &events[0], .event = &events[1]}),
+        SVO_OK);
     assert_int_equal(clEnqueueReadBuffer(queue, hits, CL_TRUE, 0, sizeof hit, &hit, 1, &events[1], NULL), CL_SUCCESS);
     assert_int_not_equal(hit.triangle, SVO_NO_TRIANGLE);
     assert_true(fabsf(hit.t - 1.0f) < 1e-4f);
-    assert_int_equal(svo_tree_trace_enqueue(tree.tree, rays, hits, 2, 0, queue, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_trace_triangles(svo_tree_target(tree.tree), svo_in_buffer(rays), svo_in_buffer(hits), 2, 0,
+                                         &(svo_submit){.queue = queue}),
+                     SVO_INVALID_ARGUMENT);
     for (int i = 0; i < 2; ++i) {
         clReleaseEvent(events[i]);
     }

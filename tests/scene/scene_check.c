@@ -150,7 +150,8 @@ void trace_scene(svo_scene *traced, const svo_ray *rays, svo_scene_hit *hits, si
                  uint32_t flags)
 {
     memset(hits, 0x5a, count * sizeof *hits);
-    if (svo_scene_trace(traced, rays, hits, count, footprint, flags, opened.queue) != SVO_OK) {
+    if (svo_trace_voxels(svo_scene_target(traced), svo_in_host(rays), svo_in_host(hits), count, footprint, flags,
+                         &(svo_submit){.queue = opened.queue}) != SVO_OK) {
         fail_msg("%s", svo_device_message(opened.device));
     }
 }

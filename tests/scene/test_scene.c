@@ -22,7 +22,8 @@
 
 static void trace_tree(svo_tree *tree, const svo_ray *rays, float footprint, svo_voxel_hit *hits, size_t count)
 {
-    if (svo_tree_trace_voxels(tree, rays, hits, count, footprint, opened.queue) != SVO_OK) {
+    if (svo_trace_voxels(svo_tree_target(tree), svo_in_host(rays), svo_in_host(hits), count, footprint, 0,
+                         &(svo_submit){.queue = opened.queue}) != SVO_OK) {
         fail_msg("%s", svo_device_message(opened.device));
     }
 }
@@ -69,10 +70,13 @@ static void an_identity_is_the_tree_itself(void **state)
             }
             assert_in_range(met, RAYS / 8, RAYS);
         }
-        assert_int_equal(svo_scene_trace_triangles(scene, rays, triangles, RAYS, SVO_SCENE_CLOSEST, opened.queue),
+        assert_int_equal(svo_trace_triangles(svo_scene_target(scene), svo_in_host(rays), svo_in_host(triangles), RAYS,
+                                             SVO_SCENE_CLOSEST, &(svo_submit){.queue = opened.queue}),
                          SVO_OK);
-        assert_int_equal(
-            svo_tree_trace(shapes.handles[tree], rays, own_triangles, RAYS, SVO_TRACE_CLOSEST, opened.queue), SVO_OK);
+        assert_int_equal(svo_trace_triangles(svo_tree_target(shapes.handles[tree]), svo_in_host(rays),
+                                             svo_in_host(own_triangles), RAYS, SVO_TRACE_CLOSEST,
+                                             &(svo_submit){.queue = opened.queue}),
+                         SVO_OK);
         for (size_t i = 0; i < RAYS; ++i) {
             const bool met = own_triangles[i].triangle != SVO_NO_TRIANGLE;
             assert_memory_equal(&triangles[i], &own_triangles[i], offsetof(svo_hit, normal));
@@ -139,7 +143,9 @@ static void normals_are_right_when_mirrored_and_scaled(void **state)
     svo_scene *scene = make_placed_scene(&shapes, placed, 16, SVO_NEED_RAYS);
     random_scene_rays(&random, &shapes, placed, 16, rays, RAYS);
     trace_scene(scene, rays, hits, RAYS, 0, SVO_SCENE_CLOSEST);
-    assert_int_equal(svo_scene_trace_triangles(scene, rays, triangles, RAYS, SVO_SCENE_CLOSEST, opened.queue), SVO_OK);
+    assert_int_equal(svo_trace_triangles(svo_scene_target(scene), svo_in_host(rays), svo_in_host(triangles), RAYS,
+                                         SVO_SCENE_CLOSEST, &(svo_submit){.queue = opened.queue}),
+                     SVO_OK);
     for (size_t i = 0; i < RAYS; ++i) {
         if (hits[i].instance == SVO_NO_INSTANCE || hits[i].face == SVO_FACE_NONE) {
             continue;
@@ -194,9 +200,12 @@ static void compare_with_every_instance(svo_scene *scene, uint32_t count, const 
         assert_int_equal(hits[i].instance == SVO_NO_INSTANCE, every[i].instance == SVO_NO_INSTANCE);
     }
     memset(triangles, 0x5a, sizeof triangles);
-    assert_int_equal(svo_scene_trace_triangles(scene, rays, triangles, RAYS, SVO_SCENE_CLOSEST, opened.queue), SVO_OK);
-    assert_int_equal(
-        svo_scene_trace_triangles(scene, rays, every_triangle, RAYS, SVO_SCENE_EVERY_INSTANCE, opened.queue), SVO_OK);
+    assert_int_equal(svo_trace_triangles(svo_scene_target(scene), svo_in_host(rays), svo_in_host(triangles), RAYS,
+                                         SVO_SCENE_CLOSEST, &(svo_submit){.queue = opened.queue}),
+                     SVO_OK);
+    assert_int_equal(svo_trace_triangles(svo_scene_target(scene), svo_in_host(rays), svo_in_host(every_triangle), RAYS,
+                                         SVO_SCENE_EVERY_INSTANCE, &(svo_submit){.queue = opened.queue}),
+                     SVO_OK);
     assert_same_hits("triangles", count, triangles, every_triangle, sizeof triangles[0]);
 }
 
@@ -402,7 +411,9 @@ static void compact_trees_are_placed_as_built_ones(void **state)
         scene = place_compacts(compacts, &identity, 1);
         random_scene_rays(&random, &shapes, &identity, 1, rays, RAYS);
         trace_scene(scene, rays, hits, RAYS, 0.01F, SVO_SCENE_CLOSEST);
-        assert_int_equal(svo_compact_trace(compacts[0], rays, own, RAYS, 0.01F, opened.queue), SVO_OK);
+        assert_int_equal(svo_trace_voxels(svo_compact_target(compacts[0]), svo_in_host(rays), svo_in_host(own), RAYS,
+                                          0.01F, 0, &(svo_submit){.queue = opened.queue}),
+                         SVO_OK);
         for (size_t i = 0; i < RAYS; ++i) {
             assert_same_hit(i, &hits[i], &own[i]);
         }

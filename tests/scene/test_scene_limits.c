@@ -287,18 +287,27 @@ static void wrong_arguments_are_refused(void **state)
     assert_int_equal(svo_scene_set_transforms(scene, 1, 0, NULL, NULL), SVO_OK);
     assert_int_equal(svo_scene_set_transforms(NULL, 0, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_scene_rebuild(NULL, NULL), SVO_INVALID_ARGUMENT);
-    expect_words(svo_scene_trace(scene, NULL, &hit, 1, 0, 0, NULL), SVO_INVALID_ARGUMENT, "rays is NULL");
-    expect_words(svo_scene_trace(scene, &ray, NULL, 1, 0, 0, NULL), SVO_INVALID_ARGUMENT, "hits is NULL");
-    expect_words(svo_scene_trace(scene, &ray, &hit, (size_t)SVO_TRACE_RAYS_MAX + 1, 0, 0, NULL), SVO_INVALID_ARGUMENT,
-                 "are above");
-    expect_words(svo_scene_trace(scene, &ray, &hit, 1, -1, 0, NULL), SVO_INVALID_ARGUMENT, "footprint -1");
-    expect_words(svo_scene_trace(scene, &ray, &hit, 1, NAN, 0, NULL), SVO_INVALID_ARGUMENT, "footprint");
-    expect_words(svo_scene_trace(scene, &ray, &hit, 1, 0, 4, NULL), SVO_INVALID_ARGUMENT, "flags 4 is not in 0 .. 3");
-    expect_words(svo_scene_trace_triangles(scene, &ray, &triangle, 1, 0, NULL), SVO_INVALID_ARGUMENT,
-                 "holds no triangles");
-    assert_int_equal(svo_scene_trace(scene, NULL, NULL, 0, 0, 0, NULL), SVO_OK);
-    assert_int_equal(svo_scene_trace(NULL, &ray, &hit, 1, 0, 0, NULL), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_scene_trace_triangles(NULL, &ray, &triangle, 1, 0, NULL), SVO_INVALID_ARGUMENT);
+    expect_words(svo_trace_voxels(svo_scene_target(scene), svo_in_host(NULL), svo_in_host(&hit), 1, 0, 0, NULL),
+                 SVO_INVALID_ARGUMENT, "rays is NULL");
+    expect_words(svo_trace_voxels(svo_scene_target(scene), svo_in_host(&ray), svo_in_host(NULL), 1, 0, 0, NULL),
+                 SVO_INVALID_ARGUMENT, "hits is NULL");
+    expect_words(svo_trace_voxels(svo_scene_target(scene), svo_in_host(&ray), svo_in_host(&hit),
+                                  (size_t)SVO_TRACE_RAYS_MAX + 1, 0, 0, NULL),
+                 SVO_INVALID_ARGUMENT, "are above");
+    expect_words(svo_trace_voxels(svo_scene_target(scene), svo_in_host(&ray), svo_in_host(&hit), 1, -1, 0, NULL),
+                 SVO_INVALID_ARGUMENT, "footprint -1");
+    expect_words(svo_trace_voxels(svo_scene_target(scene), svo_in_host(&ray), svo_in_host(&hit), 1, NAN, 0, NULL),
+                 SVO_INVALID_ARGUMENT, "footprint");
+    expect_words(svo_trace_voxels(svo_scene_target(scene), svo_in_host(&ray), svo_in_host(&hit), 1, 0, 4, NULL),
+                 SVO_INVALID_ARGUMENT, "flags 4 is not in 0 .. 3");
+    expect_words(svo_trace_triangles(svo_scene_target(scene), svo_in_host(&ray), svo_in_host(&triangle), 1, 0, NULL),
+                 SVO_INVALID_ARGUMENT, "holds no triangles");
+    assert_int_equal(svo_trace_voxels(svo_scene_target(scene), svo_in_host(NULL), svo_in_host(NULL), 0, 0, 0, NULL),
+                     SVO_OK);
+    assert_int_equal(svo_trace_voxels(svo_scene_target(NULL), svo_in_host(&ray), svo_in_host(&hit), 1, 0, 0, NULL),
+                     SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_trace_triangles(svo_scene_target(NULL), svo_in_host(&ray), svo_in_host(&triangle), 1, 0, NULL),
+                     SVO_INVALID_ARGUMENT);
     expect_words(svo_scene_get_info(scene, &info), SVO_INVALID_ARGUMENT, "info.struct_size");
     assert_int_equal(svo_scene_get_info(NULL, &info), SVO_INVALID_ARGUMENT);
     svo_scene_destroy(&scene);

@@ -169,8 +169,10 @@ static void solids_are_traced_and_saved(void **state)
             rays[i].direction[axis] = (float)(random_unit(&seed) - 0.5);
         }
     }
-    succeed(&opened, svo_compact_trace(solid, rays, hits, RAYS, 0.0F, opened.queue));
-    succeed(&opened, svo_compact_trace(flat, rays, full_hits, RAYS, 0.0F, opened.queue));
+    succeed(&opened, svo_trace_voxels(svo_compact_target(solid), svo_in_host(rays), svo_in_host(hits), RAYS, 0.0F, 0,
+                                      &(svo_submit){.queue = opened.queue}));
+    succeed(&opened, svo_trace_voxels(svo_compact_target(flat), svo_in_host(rays), svo_in_host(full_hits), RAYS, 0.0F,
+                                      0, &(svo_submit){.queue = opened.queue}));
     for (int i = 0; i < RAYS; ++i) {
         assert_int_equal(hits[i].node == SVO_NO_NODE, full_hits[i].node == SVO_NO_NODE);
         assert_true(hits[i].node == SVO_NO_NODE || hits[i].t == full_hits[i].t);

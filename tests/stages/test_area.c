@@ -392,7 +392,7 @@ static svo_status enqueue(const fixture *opened, svo_plan *plan, svo_tree **out,
         status = svo_workspace_make_tree(workspace, out);
     }
     if (status == SVO_OK) {
-        status = svo_build_enqueue(workspace, *out, opened->queue, 0, NULL, NULL);
+        status = svo_build_enqueue(workspace, *out, &(svo_submit){.queue = opened->queue});
     }
     if (status == SVO_OK) {
         status = svo_tree_finish(*out, opened->queue, 0, report);

@@ -39,7 +39,8 @@ void trace_rays(const fixture *opened, const built *tree, const svo_ray *rays, s
                 svo_hit *hits)
 {
     memset(hits, 0x5a, ray_count * sizeof *hits);
-    if (svo_tree_trace(tree->tree, rays, hits, ray_count, flags, opened->queue) != SVO_OK) {
+    if (svo_trace_triangles(svo_tree_target(tree->tree), svo_in_host(rays), svo_in_host(hits), ray_count, flags,
+                            &(svo_submit){.queue = opened->queue}) != SVO_OK) {
         fail_msg("%s", svo_device_message(opened->device));
     }
 }

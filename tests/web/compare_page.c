@@ -83,8 +83,10 @@ static svo_ray world_ray(const svo_grid *grid, const page_ray *ray, double tilt_
 
 static svo_status trace(const subject *in, const svo_ray *list, svo_voxel_hit *found, size_t count, float footprint)
 {
-    return in->tree != NULL ? svo_tree_trace_voxels(in->tree, list, found, count, footprint, NULL)
-                            : svo_compact_trace(in->compact, list, found, count, footprint, NULL);
+    return in->tree != NULL ? svo_trace_voxels(svo_tree_target(in->tree), svo_in_host(list), svo_in_host(found), count,
+                                               footprint, 0, NULL)
+                            : svo_trace_voxels(svo_compact_target(in->compact), svo_in_host(list), svo_in_host(found),
+                                               count, footprint, 0, NULL);
 }
 
 static int is_equal(const page_ray *ray, const svo_voxel_hit *hit)

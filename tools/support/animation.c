@@ -285,7 +285,8 @@ svo_status animation_update(animation *film, uint64_t frame, svo_moving_report *
             return status;
         }
     }
-    return svo_moving_update(film->moving, film->queue, report);
+    const svo_status status = svo_moving_update(film->moving, NULL);
+    return status != SVO_OK ? status : svo_moving_finish(film->moving, report);
 }
 
 svo_tree *animation_tree(const animation *film)

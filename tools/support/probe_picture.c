@@ -223,7 +223,8 @@ static int trace_sample(const drawing *work, uint32_t sample)
         return exit_code;
     }
     const double started_ms = input_now_ms();
-    if (svo_probes_trace(work->probes, rays.rays, work->hits, rays.count, &how, work->queue) != SVO_OK) {
+    if (svo_probes_trace(work->probes, svo_in_host(rays.rays), svo_in_host(work->hits), rays.count, &how,
+                         &(svo_submit){.queue = work->queue}) != SVO_OK) {
         exit_code = program_fail_library(work->state, svo_device_message(work->device));
     }
     work->found->trace_ms += input_now_ms() - started_ms;

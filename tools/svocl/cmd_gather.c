@@ -77,8 +77,8 @@ static int gather(gathering *work)
     }
     progress_step(state->progress, "tracing cones");
     const double started_ms = input_now_ms();
-    if (svo_gather(work->lit.light, work->at.points, work->results, work->at.count, &asked, work->done.opened.queue) !=
-        SVO_OK) {
+    if (svo_gather(work->lit.light, svo_in_host(work->at.points), svo_in_host(work->results), work->at.count, &asked,
+                   &(svo_submit){.queue = work->done.opened.queue}) != SVO_OK) {
         return program_fail_library(state, svo_device_message(work->done.opened.device));
     }
     work->gather_ms = input_now_ms() - started_ms;

@@ -83,7 +83,8 @@ static int trace(program *state, const session *opened, svo_tree *tree)
         return exit_code;
     }
     const double started_ms = input_now_ms();
-    if (svo_tree_trace(tree, cast.rays, hits, cast.count, SVO_TRACE_CLOSEST, opened->queue) != SVO_OK) {
+    if (svo_trace_triangles(svo_tree_target(tree), svo_in_host(cast.rays), svo_in_host(hits), cast.count,
+                            SVO_TRACE_CLOSEST, &(svo_submit){.queue = opened->queue}) != SVO_OK) {
         exit_code = program_fail_library(state, svo_device_message(opened->device));
     }
     const double trace_ms = input_now_ms() - started_ms;

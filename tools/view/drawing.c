@@ -398,12 +398,15 @@ static svo_status trace(subject *which, const view_state *state, find *found)
     svo_tree *tree = subject_tree(which, state);
     cl_command_queue queue = subject_queue(which);
     if (state->has_triangles) {
-        const svo_status status = svo_tree_trace(tree, &found->ray, &found->hit, 1, SVO_TRACE_CLOSEST, queue);
+        const svo_status status =
+            svo_trace_triangles(svo_tree_target(tree), svo_in_host(&found->ray), svo_in_host(&found->hit), 1,
+                                SVO_TRACE_CLOSEST, &(svo_submit){.queue = queue});
         if (status != SVO_OK) {
             return status;
         }
     }
-    return svo_tree_trace_voxels(tree, &found->ray, &found->voxel, 1, 0, queue);
+    return svo_trace_voxels(svo_tree_target(tree), svo_in_host(&found->ray), svo_in_host(&found->voxel), 1, 0, 0,
+                            &(svo_submit){.queue = queue});
 }
 
 static void fill(const find *found, view_selection *out)
@@ -451,7 +454,8 @@ static int pick_in_scene(subject *which, view_state *state, find *found)
 {
     svo_scene_hit hit = {.node = SVO_NO_NODE};
     svo_scene *traced = placed_scene(which->placed);
-    if (svo_scene_trace(traced, &found->ray, &hit, 1, 0, SVO_SCENE_CLOSEST, placed_queue(which->placed)) != SVO_OK) {
+    if (svo_trace_voxels(svo_scene_target(traced), svo_in_host(&found->ray), svo_in_host(&hit), 1, 0, SVO_SCENE_CLOSEST,
+                         &(svo_submit){.queue = placed_queue(which->placed)}) != SVO_OK) {
         return program_fail_library(which->running, svo_device_message(placed_device(which->placed)));
     }
     if (hit.node == SVO_NO_NODE || hit.instance >= state->instance_count) {

@@ -233,10 +233,12 @@ static svo_status trace(const ground *which, subject *shown, const view_state *s
         return SVO_OUT_OF_HOST_MEMORY;
     }
     const svo_status status = state->is_scene
-                                  ? svo_scene_trace(placed_scene(shown->placed), which->rays, scene_hits, which->count,
-                                                    pixel, SVO_SCENE_ANY, subject_queue(shown))
-                                  : svo_tree_trace_voxels(subject_tree(shown, state), which->rays, tree_hits,
-                                                          which->count, pixel, subject_queue(shown));
+                                  ? svo_trace_voxels(svo_scene_target(placed_scene(shown->placed)),
+                                                     svo_in_host(which->rays), svo_in_host(scene_hits), which->count,
+                                                     pixel, SVO_SCENE_ANY, &(svo_submit){.queue = subject_queue(shown)})
+                                  : svo_trace_voxels(svo_tree_target(subject_tree(shown, state)),
+                                                     svo_in_host(which->rays), svo_in_host(tree_hits), which->count,
+                                                     pixel, 0, &(svo_submit){.queue = subject_queue(shown)});
     const size_t known = status == SVO_OK ? which->count : 0;
     for (size_t i = 0; i < known; ++i) {
         is_hidden[i] = state->is_scene ? scene_hits[i].node != SVO_NO_NODE : tree_hits[i].node != SVO_NO_NODE;

@@ -153,8 +153,9 @@ static int gather(program *state, const lighting *lit, const session *opened, ba
     const svo_gather_options cones = lighting_gather(&state->options);
     for (size_t at = 0; at < work->point_count; at += POINTS_AT_ONCE) {
         const size_t left = work->point_count - at;
-        if (svo_gather(lit->light, work->points + at, work->results + at, left < POINTS_AT_ONCE ? left : POINTS_AT_ONCE,
-                       &cones, opened->queue) != SVO_OK) {
+        if (svo_gather(lit->light, svo_in_host(work->points + at), svo_in_host(work->results + at),
+                       left < POINTS_AT_ONCE ? left : POINTS_AT_ONCE, &cones,
+                       &(svo_submit){.queue = opened->queue}) != SVO_OK) {
             return program_fail_library(state, svo_device_message(opened->device));
         }
     }

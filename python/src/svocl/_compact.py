@@ -265,9 +265,8 @@ class Compact(Resident):
         Returns:
             As Tree.trace_enqueue.
         """
-        return self._enqueue(
-            "trace_enqueue", lib.svo_compact_trace_enqueue, (rays, hits), ray_count, [footprint], queue, wait_for
-        )
+        function = self._traced(lib.svo_trace_voxels)
+        return self._enqueue("trace_enqueue", function, (rays, hits), ray_count, [footprint, 0], queue, wait_for)
 
     def render(
         self, width: int, height: int, camera: Camera, *, view: View = View.SHADED, queue: Any = None

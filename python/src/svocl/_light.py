@@ -226,9 +226,7 @@ class Light(Handle):
         records = _arrays.records("points", points, _arrays.gather_point_dtype)
         results = _arrays.output("out", out, _arrays.gather_result_dtype, records.shape)
         options = _gather_options(cones, step, max_distance, falloff, with_light)
-        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
-        source, result = address("svo_gather_point *", records), address("svo_gather_result *", results)
-        self._call(lib.svo_gather, source, result, records.size, options, cl_queue)
+        _opencl.wait(functools.partial(self._call, lib.svo_gather), (records, results), [options], queue)
         return results
 
     def gather_enqueue(
@@ -257,7 +255,7 @@ class Light(Handle):
             As Tree.trace_enqueue.
         """
         options = _gather_options(cones, step, max_distance, falloff, with_light)
-        run = functools.partial(self._call, lib.svo_gather_enqueue)
+        run = functools.partial(self._call, lib.svo_gather)
         return _opencl.enqueue(run, (points, results), point_count, [options], queue, wait_for)
 
     # --- pictures ---------------------------------------------------------------------------------------------------

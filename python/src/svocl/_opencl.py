@@ -6,7 +6,7 @@ with the other, since OpenCL's calls go to the driver through the object itself.
 """
 
 import contextlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any, Callable
 
 from . import _arrays
@@ -73,20 +73,46 @@ class Event:
             lib.clReleaseEvent(self._event)
 
 
+def submit(run: Callable[..., None], arguments: Iterable[Any], queue: Any, wait_for: Iterable[Any]) -> Event:
+    """Calls run(arguments..., submit), which does not wait.
+
+    Returns:
+        The event of its commands.
+    """
+    cl_queue = pointer("cl_command_queue", queue, "queue")
+    number, waits = events(wait_for)
+    event = ffi.new("cl_event *")
+    run(*arguments, ffi.new("svo_submit *", {"queue": cl_queue, "num_wait": number, "wait": waits, "event": event}))
+    return Event(event[0])
+
+
+def _array(**fields: Any) -> Any:
+    """An svo_array. As an argument a dict would not do: cffi leaves the other fields undefined."""
+    return ffi.new("svo_array *", fields)[0]
+
+
 def enqueue(
     run: Callable[..., None], buffers: Iterable[Any], count: int, flags: Iterable[Any], queue: Any, wait_for: Any
 ) -> Event:
-    """Calls run(buffers..., count, flags..., queue, number of events, events, event) for a batch in device buffers.
+    """Calls run(arrays..., count, flags..., submit) for a batch in device buffers.
 
     Returns:
         The event of the batch.
     """
-    memory = [pointer("cl_mem", buffer, "buffer") for buffer in buffers]
-    number = _arrays.integer("count", count, 64)
+    arrays = [_array(buffer=pointer("cl_mem", buffer, "buffer")) for buffer in buffers]
+    return submit(run, (*arrays, _arrays.integer("count", count, 64), *flags), queue, wait_for)
+
+
+def wait(run: Callable[..., None], arrays: Sequence[_arrays.Array], flags: Iterable[Any], queue: Any) -> None:
+    """Calls run(arrays..., count, flags..., submit) for a batch in host arrays, for which it waits."""
     cl_queue = pointer("cl_command_queue", queue, "queue")
-    event = ffi.new("cl_event *")
-    run(*memory, number, *flags, cl_queue, *events(wait_for), event)
-    return Event(event[0])
+    hosts = [_array(host=ffi.cast("void *", array.ctypes.data)) for array in arrays]
+    run(*hosts, arrays[0].size, *flags, ffi.new("svo_submit *", {"queue": cl_queue}))
+
+
+def of_target(target: Callable[..., Any], function: Callable[..., Any]) -> Callable[..., Any]:
+    """A function of an svo_target as one of the handle that target makes it of."""
+    return lambda handle, *arguments: function(target(handle), *arguments)
 
 
 def events(wait_for: Iterable[Any]) -> tuple[int, Any]:

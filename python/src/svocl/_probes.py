@@ -13,7 +13,7 @@ from ._handle import Handle, Native
 from ._light import Light
 from ._native import ffi, lib
 from ._scene import Scene
-from ._tree import Tree, address
+from ._tree import Tree
 
 
 class Probes(Handle):
@@ -138,9 +138,8 @@ class Probes(Handle):
         """
         records = _arrays.records("rays", rays, _arrays.ray_dtype)
         hits = _arrays.output("out", out, _arrays.probe_hit_dtype, records.shape)
-        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
-        source, result = address("svo_ray *", records), address("svo_probe_hit *", hits)
-        self._call(lib.svo_probes_trace, source, result, records.size, _trace_options(choice, thickness), cl_queue)
+        run = functools.partial(self._call, lib.svo_probes_trace)
+        _opencl.wait(run, (records, hits), [_trace_options(choice, thickness)], queue)
         return hits
 
     def trace_enqueue(
@@ -165,7 +164,7 @@ class Probes(Handle):
         Returns:
             As Tree.trace_enqueue.
         """
-        run = functools.partial(self._call, lib.svo_probes_trace_enqueue)
+        run = functools.partial(self._call, lib.svo_probes_trace)
         return _opencl.enqueue(run, (rays, hits), ray_count, [_trace_options(choice, thickness)], queue, wait_for)
 
     def irradiance(
@@ -184,9 +183,8 @@ class Probes(Handle):
         """
         records = _arrays.records("points", points, _arrays.gather_point_dtype)
         results = _arrays.output("out", out, _arrays.probe_irradiance_dtype, records.shape)
-        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
-        source, result = address("svo_gather_point *", records), address("svo_probe_irradiance *", results)
-        self._call(lib.svo_probes_irradiance, source, result, records.size, cl_queue)
+        run = functools.partial(self._call, lib.svo_probes_irradiance)
+        _opencl.wait(run, (records, results), [], queue)
         return results
 
     def __repr__(self) -> str:

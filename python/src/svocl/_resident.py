@@ -111,3 +111,11 @@ class Resident(Handle):
     ) -> _opencl.Event:
         run = functools.partial(self._device_call, what, function)
         return _opencl.enqueue(run, buffers, count, flags, queue, wait_for)
+
+    def _wait(self, what: str, function: Any, arrays: Any, flags: Any, queue: Any) -> None:
+        run = functools.partial(self._device_call, what, function)
+        _opencl.wait(run, arrays, flags, queue)
+
+    def _traced(self, function: Any) -> Any:
+        """A function of an svo_target as one of the handle."""
+        return _opencl.of_target(self._function("target"), function)

@@ -157,7 +157,7 @@ class Scene(Handle):
             (...) records of scene_hit_dtype, in the order of the rays.
         """
         flags = [footprint, SceneTrace(mode)]
-        return self._trace(lib.svo_scene_trace, "svo_scene_hit *", rays, out, _arrays.scene_hit_dtype, flags, queue)
+        return self._trace(lib.svo_trace_voxels, rays, out, _arrays.scene_hit_dtype, flags, queue)
 
     def trace_triangles(
         self,
@@ -176,8 +176,8 @@ class Scene(Handle):
         Returns:
             (...) records of scene_triangle_hit_dtype, in the order of the rays.
         """
-        kind, dtype = "svo_scene_triangle_hit *", _arrays.scene_triangle_hit_dtype
-        return self._trace(lib.svo_scene_trace_triangles, kind, rays, out, dtype, [SceneTrace(mode)], queue)
+        dtype = _arrays.scene_triangle_hit_dtype
+        return self._trace(lib.svo_trace_triangles, rays, out, dtype, [SceneTrace(mode)], queue)
 
     def trace_enqueue(
         self,
@@ -201,7 +201,7 @@ class Scene(Handle):
         Returns:
             As Tree.trace_enqueue.
         """
-        run = functools.partial(self._call, lib.svo_scene_trace_enqueue)
+        run = functools.partial(self._call, _opencl.of_target(lib.svo_scene_target, lib.svo_trace_voxels))
         flags = (footprint, SceneTrace(mode))
         return _opencl.enqueue(run, (rays, hits), ray_count, flags, queue, wait_for)
 
@@ -260,7 +260,6 @@ class Scene(Handle):
     def _trace(
         self,
         function: Any,
-        kind: str,
         rays: _arrays.Array,
         out: Optional[_arrays.Array],
         dtype: "np.dtype[Any]",
@@ -269,8 +268,8 @@ class Scene(Handle):
     ) -> _arrays.Array:
         records = _arrays.records("rays", rays, _arrays.ray_dtype)
         hits = _arrays.output("out", out, dtype, records.shape)
-        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
-        self._call(function, address("svo_ray *", records), address(kind, hits), records.size, *flags, cl_queue)
+        run = functools.partial(self._call, _opencl.of_target(lib.svo_scene_target, function))
+        _opencl.wait(run, (records, hits), flags, queue)
         return hits
 
     def __repr__(self) -> str:

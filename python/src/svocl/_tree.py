@@ -310,10 +310,8 @@ class Tree(Resident):
         """
         records = _arrays.records("rays", rays, _arrays.ray_dtype)
         hits = _arrays.output("out", out, _arrays.hit_dtype, records.shape)
-        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
-        asked = TraceMode(mode)
-        source, result = address("svo_ray *", records), address("svo_hit *", hits)
-        self._device_call("trace", lib.svo_tree_trace, source, result, records.size, asked, cl_queue)
+        function = self._traced(lib.svo_trace_triangles)
+        self._wait("trace", function, (records, hits), [TraceMode(mode)], queue)
         return hits
 
     def trace_voxels(
@@ -370,9 +368,7 @@ class Tree(Resident):
             records["position"] = array
             records["max_distance"] = max_distance
         found = _arrays.output("out", out, _arrays.nearest_dtype, records.shape)
-        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
-        source, result = address("svo_query_point *", records), address("svo_nearest *", found)
-        self._device_call("nearest", lib.svo_tree_nearest, source, result, records.size, cl_queue)
+        self._wait("nearest", lib.svo_tree_nearest, (records, found), [], queue)
         return found
 
     def trace_enqueue(
@@ -398,9 +394,8 @@ class Tree(Resident):
         Returns:
             The event of the batch, which releases itself.
         """
-        return self._enqueue(
-            "trace_enqueue", lib.svo_tree_trace_enqueue, (rays, hits), ray_count, [TraceMode(mode)], queue, wait_for
-        )
+        function = self._traced(lib.svo_trace_triangles)
+        return self._enqueue("trace_enqueue", function, (rays, hits), ray_count, [TraceMode(mode)], queue, wait_for)
 
     def nearest_enqueue(
         self, points: Any, results: Any, point_count: int, queue: Any, *, wait_for: Iterable[Any] = ()
@@ -415,9 +410,8 @@ class Tree(Resident):
         Returns:
             As Tree.trace_enqueue.
         """
-        return self._enqueue(
-            "nearest_enqueue", lib.svo_tree_nearest_enqueue, (points, results), point_count, [], queue, wait_for
-        )
+        buffers = (points, results)
+        return self._enqueue("nearest_enqueue", lib.svo_tree_nearest, buffers, point_count, [], queue, wait_for)
 
     # --- pictures ---------------------------------------------------------------------------------------------------
 
@@ -516,11 +510,8 @@ def trace_voxels(
     """Of trees and compact trees."""
     records = _arrays.records("rays", rays, _arrays.ray_dtype)
     hits = _arrays.output("out", out, _arrays.voxel_hit_dtype, records.shape)
-    cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
-    is_tree = isinstance(resident, Tree)
-    name = "trace_voxels" if is_tree else "trace"
-    source, result = address("svo_ray *", records), address("svo_voxel_hit *", hits)
-    resident._device_call(name, resident._function(name), source, result, records.size, footprint, cl_queue)
+    name = "trace_voxels" if isinstance(resident, Tree) else "trace"
+    resident._wait(name, resident._traced(lib.svo_trace_voxels), (records, hits), [footprint, 0], queue)
     return hits
 
 

@@ -222,11 +222,14 @@ static double trace(const compact_bench *bench, size_t form)
     cl_command_queue queue = bench->all->opened.queue;
     cl_event done = NULL;
     const double start_ms = input_now_ms();
-    const svo_status status = bench->made[form] == NULL
-                                  ? svo_tree_trace_voxels_enqueue(bench->tree, bench->device_rays, bench->device_hits,
-                                                                  bench->ray_count, 0.0f, queue, 0, NULL, &done)
-                                  : svo_compact_trace_enqueue(bench->made[form], bench->device_rays, bench->device_hits,
-                                                              bench->ray_count, 0.0f, queue, 0, NULL, &done);
+    const svo_status status =
+        bench->made[form] == NULL
+            ? svo_trace_voxels(svo_tree_target(bench->tree), svo_in_buffer(bench->device_rays),
+                               svo_in_buffer(bench->device_hits), bench->ray_count, 0.0f, 0,
+                               &(svo_submit){.queue = queue, .event = &done})
+            : svo_trace_voxels(svo_compact_target(bench->made[form]), svo_in_buffer(bench->device_rays),
+                               svo_in_buffer(bench->device_hits), bench->ray_count, 0.0f, 0,
+                               &(svo_submit){.queue = queue, .event = &done});
     if (status != SVO_OK) {
         return -1.0;
     }

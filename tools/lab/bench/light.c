@@ -355,8 +355,8 @@ static int fill_frame(const light_bench *bench, const ray_table *cast, svo_hit *
     program *state = bench->all->state;
     for (size_t round = 0; round <= bench->rounds; ++round) { /* the first makes what rays need */
         const double started_ms = input_now_ms();
-        if (svo_tree_trace(bench->tree, cast->rays, hits, cast->count, SVO_TRACE_CLOSEST, bench->all->opened.queue) !=
-            SVO_OK) {
+        if (svo_trace_triangles(svo_tree_target(bench->tree), svo_in_host(cast->rays), svo_in_host(hits), cast->count,
+                                SVO_TRACE_CLOSEST, &(svo_submit){.queue = bench->all->opened.queue}) != SVO_OK) {
             return program_fail_library(state, svo_device_message(bench->all->opened.device));
         }
         bench->scratch[round > 0 ? round - 1 : 0] = input_now_ms() - started_ms;
@@ -398,8 +398,8 @@ static double gather_frame(const light_bench *bench, const frame_points *frame, 
 {
     const svo_gather_options asked = {.struct_size = sizeof asked, .cones = FRAME_CONES};
     const double started_ms = input_now_ms();
-    const svo_status status =
-        svo_gather(bench->light, frame->points, frame->results, count, &asked, bench->all->opened.queue);
+    const svo_status status = svo_gather(bench->light, svo_in_host(frame->points), svo_in_host(frame->results), count,
+                                         &asked, &(svo_submit){.queue = bench->all->opened.queue});
     return status == SVO_OK ? input_now_ms() - started_ms : -1.0;
 }
 

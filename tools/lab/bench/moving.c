@@ -64,7 +64,9 @@ static int fail_rays(const rays_run *run)
 static double trace_ms(const rays_run *run, svo_tree *tree, const svo_ray *rays, svo_hit *hits)
 {
     const double start_ms = input_now_ms();
-    const svo_status status = svo_tree_trace(tree, rays, hits, RAY_COUNT, SVO_TRACE_CLOSEST, run->all->opened.queue);
+    const svo_status status =
+        svo_trace_triangles(svo_tree_target(tree), svo_in_host(rays), svo_in_host(hits), RAY_COUNT, SVO_TRACE_CLOSEST,
+                            &(svo_submit){.queue = run->all->opened.queue});
     return status == SVO_OK ? input_now_ms() - start_ms : -1.0;
 }
 
@@ -119,7 +121,7 @@ static int run_round(rays_run *run, size_t round, double *times)
     const session *opened = &run->all->opened;
     svo_moving_bvh_report report = SVO_MOVING_BVH_REPORT_INIT;
     svo_tree *whole = NULL;
-    if (!moving_scene_update(&run->scene, round, opened->queue, NULL) ||
+    if (!moving_scene_update(&run->scene, round, NULL) ||
         svo_moving_make_bvh(run->scene.moving, SVO_BVH_BEST, 0.0F, opened->queue, &report) != SVO_OK ||
         !moving_scene_build(&run->scene, opened->device, opened->cl, run->depth, opened->queue, &whole)) {
         return fail_rays(run);
@@ -269,7 +271,7 @@ static int fail(const moving_run *run)
 static int run_update(moving_run *run, size_t round, double *times)
 {
     svo_moving_report report = SVO_MOVING_REPORT_INIT;
-    if (!moving_scene_update(&run->scene, round, run->all->opened.queue, &report)) {
+    if (!moving_scene_update(&run->scene, round, &report)) {
         return fail(run);
     }
     run->pairs = (double)report.fragments;

@@ -121,12 +121,12 @@ bool moving_scene_open(svo_device *device, unsigned depth, cl_command_queue queu
            svo_moving_add(scene->moving, &scene->object, NULL, &object) == SVO_OK;
 }
 
-bool moving_scene_update(moving_scene *scene, size_t round, cl_command_queue queue, svo_moving_report *report)
+bool moving_scene_update(moving_scene *scene, size_t round, svo_moving_report *report)
 {
     const double shift = round % 2 != 0 ? scene->step : 0.0;
     const double transform[12] = {1, 0, 0, shift, 0, 1, 0, shift, 0, 0, 1, shift};
     return svo_moving_set_transform(scene->moving, 0, transform) == SVO_OK &&
-           svo_moving_update(scene->moving, queue, report) == SVO_OK;
+           svo_moving_update(scene->moving, NULL) == SVO_OK && svo_moving_finish(scene->moving, report) == SVO_OK;
 }
 
 bool moving_scene_build(const moving_scene *scene, svo_device *device, svo_frontend *frontend, unsigned depth,

@@ -22,7 +22,7 @@ typedef struct moving_scene {
 bool moving_scene_cut(const svo_mesh *mesh, double share, unsigned depth, moving_scene *scene);
 bool moving_scene_open(svo_device *device, unsigned depth, cl_command_queue queue, moving_scene *scene);
 /* Moves the object, there in odd rounds, back in even ones, and updates. report: NULL allowed. */
-bool moving_scene_update(moving_scene *scene, size_t round, cl_command_queue queue, svo_moving_report *report);
+bool moving_scene_update(moving_scene *scene, size_t round, svo_moving_report *report);
 /* A full build of the scene's mesh, with the update's grid, need and unit of weight. */
 bool moving_scene_build(const moving_scene *scene, svo_device *device, svo_frontend *frontend, unsigned depth,
                         cl_command_queue queue, svo_tree **tree);

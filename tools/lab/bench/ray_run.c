@@ -187,9 +187,10 @@ static double trace_ours(const ray_run *run, const ray_set *set)
     const session *opened = &run->work.opened;
     cl_event event = NULL;
     const double start_ms = input_now_ms();
-    if (svo_tree_trace_enqueue(run->work.result.tree, run->device_rays, run->device_hits, run->ray_count,
-                               set->any ? SVO_TRACE_ANY : SVO_TRACE_CLOSEST, opened->queue, 0, NULL,
-                               &event) != SVO_OK) {
+    if (svo_trace_triangles(svo_tree_target(run->work.result.tree), svo_in_buffer(run->device_rays),
+                            svo_in_buffer(run->device_hits), run->ray_count,
+                            set->any ? SVO_TRACE_ANY : SVO_TRACE_CLOSEST,
+                            &(svo_submit){.queue = opened->queue, .event = &event}) != SVO_OK) {
         return -1.0;
     }
     const cl_int error = clWaitForEvents(1, &event);

@@ -320,9 +320,9 @@ static double trace_scene(void *user)
     const scene_bench *bench = user;
     cl_event done = NULL;
     const double start_ms = input_now_ms();
-    const svo_status status =
-        svo_scene_trace_enqueue(bench->scene, bench->device_rays, bench->device_hits, bench->ray_count, 0.0F,
-                                SVO_SCENE_CLOSEST, bench->all->opened.queue, 0, NULL, &done);
+    const svo_status status = svo_trace_voxels(
+        svo_scene_target(bench->scene), svo_in_buffer(bench->device_rays), svo_in_buffer(bench->device_hits),
+        bench->ray_count, 0.0F, SVO_SCENE_CLOSEST, &(svo_submit){.queue = bench->all->opened.queue, .event = &done});
     return wait_ms(status, &done, start_ms);
 }
 
@@ -331,9 +331,9 @@ static double trace_merged(void *user)
     const scene_bench *bench = user;
     cl_event done = NULL;
     const double start_ms = input_now_ms();
-    const svo_status status =
-        svo_tree_trace_voxels_enqueue(bench->merged, bench->device_rays, bench->device_hits, bench->ray_count, 0.0F,
-                                      bench->all->opened.queue, 0, NULL, &done);
+    const svo_status status = svo_trace_voxels(svo_tree_target(bench->merged), svo_in_buffer(bench->device_rays),
+                                               svo_in_buffer(bench->device_hits), bench->ray_count, 0.0F, 0,
+                                               &(svo_submit){.queue = bench->all->opened.queue, .event = &done});
     return wait_ms(status, &done, start_ms);
 }
 
@@ -389,8 +389,10 @@ static bool compare_hits(scene_bench *bench)
     size_t same = 0;
     const bool worked =
         hits != NULL && merged != NULL &&
-        svo_scene_trace(bench->scene, bench->rays, hits, bench->ray_count, 0.0F, SVO_SCENE_CLOSEST, queue) == SVO_OK &&
-        svo_tree_trace_voxels(bench->merged, bench->rays, merged, bench->ray_count, 0.0F, queue) == SVO_OK;
+        svo_trace_voxels(svo_scene_target(bench->scene), svo_in_host(bench->rays), svo_in_host(hits), bench->ray_count,
+                         0.0F, SVO_SCENE_CLOSEST, &(svo_submit){.queue = queue}) == SVO_OK &&
+        svo_trace_voxels(svo_tree_target(bench->merged), svo_in_host(bench->rays), svo_in_host(merged),
+                         bench->ray_count, 0.0F, 0, &(svo_submit){.queue = queue}) == SVO_OK;
     for (size_t i = 0; i < bench->ray_count && worked; ++i) {
         const double apart = fabs((double)hits[i].t - (double)merged[i].t);
         same += hits[i].node == SVO_NO_NODE ? merged[i].node == SVO_NO_NODE : apart < 1e-5;

@@ -94,7 +94,8 @@ double occlusion_rays_trace(void *user)
     }
     const double started_ms = input_now_ms();
     const svo_status status =
-        svo_tree_trace(work->truth->tree, work->rays, work->hits, count, SVO_TRACE_ANY, work->run->opened.queue);
+        svo_trace_triangles(svo_tree_target(work->truth->tree), svo_in_host(work->rays), svo_in_host(work->hits), count,
+                            SVO_TRACE_ANY, &(svo_submit){.queue = work->run->opened.queue});
     return status == SVO_OK ? input_now_ms() - started_ms : -1.0;
 }
 
@@ -180,7 +181,9 @@ bool occlusion_exact_cones(const error_run *run, const cone_truth *truth, unsign
         const size_t left = truth->count - first;
         const size_t count = left < POINTS_OF_BATCH ? left : POINTS_OF_BATCH;
         make_cone_rays(truth, first, count, cones, rays);
-        worked = svo_tree_trace(truth->tree, rays, hits, count * per_point, SVO_TRACE_ANY, run->opened.queue) == SVO_OK;
+        worked =
+            svo_trace_triangles(svo_tree_target(truth->tree), svo_in_host(rays), svo_in_host(hits), count * per_point,
+                                SVO_TRACE_ANY, &(svo_submit){.queue = run->opened.queue}) == SVO_OK;
         sum_cones(hits, count, cones, openness + first);
     }
     free(rays);

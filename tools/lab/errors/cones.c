@@ -257,8 +257,8 @@ static bool gather_by_cones(cone_gather *work, float range, bool with_light)
                                       .step = work->way.step,
                                       .range = range,
                                       .no_light = !with_light};
-    return svo_gather(work->light, truth->points, work->results, truth->count, &asked,
-                      work->lights->run->opened.queue) == SVO_OK;
+    return svo_gather(work->light, svo_in_host(truth->points), svo_in_host(work->results), truth->count, &asked,
+                      &(svo_submit){.queue = work->lights->run->opened.queue}) == SVO_OK;
 }
 
 static double gather(cone_gather *work, bool with_light)

@@ -188,7 +188,8 @@ static bool measure_distance(const detail_reference *reference, const svo_tree_i
                 (float)(info->origin[k] + ((double)box.corner[k] + (double)box.width / 2.0) / info->scale);
         }
     }
-    worked = worked && svo_tree_nearest(reference->tree, points, nearest, count, queue) == SVO_OK;
+    worked = worked && svo_tree_nearest(reference->tree, svo_in_host(points), svo_in_host(nearest), count,
+                                        &(svo_submit){.queue = queue}) == SVO_OK;
     out->distance = 0.0;
     for (size_t leaf = 0; leaf < count && worked; ++leaf) {
         out->distance = fmax(out->distance, (double)nearest[leaf].distance);

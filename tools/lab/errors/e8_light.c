@@ -70,8 +70,10 @@ static double probe_gather_work(void *user)
     const double started_ms = input_now_ms();
     const svo_status status =
         work->per_point == 0
-            ? svo_probes_irradiance(work->probes, truth->points, work->results, truth->count, queue)
-            : svo_probes_trace(work->probes, work->rays, work->hits, truth->count * work->per_point, NULL, queue);
+            ? svo_probes_irradiance(work->probes, svo_in_host(truth->points), svo_in_host(work->results), truth->count,
+                                    &(svo_submit){.queue = queue})
+            : svo_probes_trace(work->probes, svo_in_host(work->rays), svo_in_host(work->hits),
+                               truth->count * work->per_point, NULL, &(svo_submit){.queue = queue});
     return status == SVO_OK ? input_now_ms() - started_ms : -1.0;
 }
 

@@ -97,7 +97,8 @@ static void begin_probes(const error_run *run, size_t ray_count)
         "surface. Random: from anywhere in the grid, in any direction. Field: the probes that see the cell where a "
         "ray is; eight: those around its origin, as published. Wrong hits: nothing is there, or it is more than two "
         "leaves' edges nearer or farther. Wrong misses: something is there. Shares are of all rays; quantiles of |t - "
-        "exact| of those that hit. Ratio: of the time to that of svo_tree_trace in the same rounds; above 1 probes "
+        "exact| of those that hit. Ratio: of the time to that of svo_trace_triangles in the same rounds; above 1 "
+        "probes "
         "lose. Size and making: all buffers of the probes, without light. %s; methods run interleaved.",
         ray_count, few_of(ray_count), run->quick ? DEPTH_QUICK : DEPTH, run->rounds_note);
     result_add_column(table, "scene", "");
@@ -165,9 +166,12 @@ static double trace_once(void *user)
     const svo_ray *rays = one->set->rays;
     const size_t count = one->set->count;
     const double started_ms = input_now_ms();
-    const svo_status status = one->probes == NULL
-                                  ? svo_tree_trace(work->tree, rays, work->exact, count, SVO_TRACE_CLOSEST, queue)
-                                  : svo_probes_trace(one->probes, rays, work->hits, count, &how, queue);
+    const svo_status status =
+        one->probes == NULL
+            ? svo_trace_triangles(svo_tree_target(work->tree), svo_in_host(rays), svo_in_host(work->exact), count,
+                                  SVO_TRACE_CLOSEST, &(svo_submit){.queue = queue})
+            : svo_probes_trace(one->probes, svo_in_host(rays), svo_in_host(work->hits), count, &how,
+                               &(svo_submit){.queue = queue});
     return status == SVO_OK ? input_now_ms() - started_ms : -1.0;
 }
 

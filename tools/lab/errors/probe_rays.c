@@ -25,7 +25,8 @@ const char *probe_rays_name(probe_ray_kind kind)
 
 static bool trace_exactly(const error_run *run, svo_tree *tree, probe_rays *set)
 {
-    return svo_tree_trace(tree, set->rays, set->exact, set->count, SVO_TRACE_CLOSEST, run->opened.queue) == SVO_OK;
+    return svo_trace_triangles(svo_tree_target(tree), svo_in_host(set->rays), svo_in_host(set->exact), set->count,
+                               SVO_TRACE_CLOSEST, &(svo_submit){.queue = run->opened.queue}) == SVO_OK;
 }
 
 /* Where a ray hit a triangle, with the normal of the side that it met. */

@@ -208,9 +208,10 @@ static double run_ours(void *user)
     const ray_bench *bench = method->bench;
     cl_command_queue queue = bench->run->opened.queue;
     const double started_ms = input_now_ms();
-    const bool worked = svo_tree_trace_enqueue(bench->tree, bench->rays, bench->hits, bench->given->ray_count,
-                                               SVO_TRACE_CLOSEST, queue, 0, NULL, NULL) == SVO_OK &&
-                        clFinish(queue) == CL_SUCCESS;
+    const bool worked =
+        svo_trace_triangles(svo_tree_target(bench->tree), svo_in_buffer(bench->rays), svo_in_buffer(bench->hits),
+                            bench->given->ray_count, SVO_TRACE_CLOSEST, &(svo_submit){.queue = queue}) == SVO_OK &&
+        clFinish(queue) == CL_SUCCESS;
     return worked ? input_now_ms() - started_ms : -1.0;
 }
 

@@ -367,7 +367,8 @@ static svo_status add_sources(path_work *work, size_t place_count)
         work->source = &scene->setup->sources[i];
         threads_run(scene->threads, place_count, RAYS_PER_CHUNK, make_shadow_rays, work);
         const svo_status status =
-            svo_tree_trace(scene->tree, work->rays, work->hits, place_count, SVO_TRACE_ANY, scene->queue);
+            svo_trace_triangles(svo_tree_target(scene->tree), svo_in_host(work->rays), svo_in_host(work->hits),
+                                place_count, SVO_TRACE_ANY, &(svo_submit){.queue = scene->queue});
         if (status != SVO_OK) {
             return status;
         }
@@ -450,7 +451,9 @@ static svo_status trace_paths(path_work *work, size_t point_count)
     const path_scene *scene = work->scene;
     const size_t ray_count = point_count * work->per_point;
     threads_run(scene->threads, ray_count, RAYS_PER_CHUNK, make_rays, work);
-    svo_status status = svo_tree_trace(scene->tree, work->rays, work->hits, ray_count, SVO_TRACE_CLOSEST, scene->queue);
+    svo_status status =
+        svo_trace_triangles(svo_tree_target(scene->tree), svo_in_host(work->rays), svo_in_host(work->hits), ray_count,
+                            SVO_TRACE_CLOSEST, &(svo_submit){.queue = scene->queue});
     if (status != SVO_OK) {
         return status;
     }

@@ -108,7 +108,7 @@ static svo_status run_enqueued(const opened *session, svo_frontend *frontend, me
         return status;
     }
     if (mode == MODE_TWICE) {
-        status = svo_build_enqueue(out->workspace, out->tree, session->queue, 0, NULL, NULL);
+        status = svo_build_enqueue(out->workspace, out->tree, &(svo_submit){.queue = session->queue});
         if (status != SVO_OK) {
             return status;
         }
@@ -117,7 +117,7 @@ static svo_status run_enqueued(const opened *session, svo_frontend *frontend, me
             return status;
         }
     }
-    status = svo_build_enqueue(out->workspace, out->tree, session->queue, 0, NULL, NULL);
+    status = svo_build_enqueue(out->workspace, out->tree, &(svo_submit){.queue = session->queue});
     if (status != SVO_OK) {
         return status;
     }

@@ -49,7 +49,8 @@ static void trace_compact(const char *name, const char *part, const opened *sess
     svo_voxel_hit *hits = calloc(ray_count, sizeof *hits);
     const svo_status status = hits == NULL
                                   ? SVO_OUT_OF_HOST_MEMORY
-                                  : svo_compact_trace(compact, rays, hits, ray_count, FOOTPRINT, session->queue);
+                                  : svo_trace_voxels(svo_compact_target(compact), svo_in_host(rays), svo_in_host(hits),
+                                                     ray_count, FOOTPRINT, 0, &(svo_submit){.queue = session->queue});
     if (status == SVO_OK) {
         line_print_digest(name, part, hits, ray_count * sizeof *hits);
     } else {

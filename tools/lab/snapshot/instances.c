@@ -87,10 +87,12 @@ static void trace(const char *name, const char *when, const opened *session, svo
     svo_scene_triangle_hit *triangles = calloc(SCENE_RAYS, sizeof *triangles);
     for (size_t i = 0; i < sizeof asked / sizeof asked[0] && hits != NULL && triangles != NULL; ++i) {
         const uint32_t flags = asked[i].flags;
-        svo_status status = svo_scene_trace(scene, rays, hits, SCENE_RAYS, 0.01f, flags, session->queue);
+        svo_status status = svo_trace_voxels(svo_scene_target(scene), svo_in_host(rays), svo_in_host(hits), SCENE_RAYS,
+                                             0.01f, flags, &(svo_submit){.queue = session->queue});
         (void)snprintf(part, sizeof part, "voxels %s, %s", asked[i].name, when);
         print_hits(name, part, status, hits, SCENE_RAYS * sizeof *hits);
-        status = svo_scene_trace_triangles(scene, rays, triangles, SCENE_RAYS, flags, session->queue);
+        status = svo_trace_triangles(svo_scene_target(scene), svo_in_host(rays), svo_in_host(triangles), SCENE_RAYS,
+                                     flags, &(svo_submit){.queue = session->queue});
         (void)snprintf(part, sizeof part, "triangles %s, %s", asked[i].name, when);
         print_hits(name, part, status, triangles, SCENE_RAYS * sizeof *triangles);
     }

@@ -100,7 +100,9 @@ static void trace(const char *name, const opened *session, svo_tree *tree, const
     svo_hit *hits = calloc(RAY_COUNT, sizeof *hits);
     for (size_t i = 0; i < sizeof traces / sizeof traces[0] && hits != NULL; ++i) {
         (void)snprintf(part, sizeof part, "rays %s", traces[i].name);
-        const svo_status status = svo_tree_trace(tree, rays, hits, RAY_COUNT, traces[i].flags, session->queue);
+        const svo_status status =
+            svo_trace_triangles(svo_tree_target(tree), svo_in_host(rays), svo_in_host(hits), RAY_COUNT, traces[i].flags,
+                                &(svo_submit){.queue = session->queue});
         if (status == SVO_OK) {
             line_print_digest(name, part, hits, RAY_COUNT * sizeof *hits);
         } else {
@@ -126,7 +128,8 @@ static void query_nearest(const char *name, const opened *session, svo_tree *tre
         }
         points[i].max_distance = i % 4 == 0 ? (float)info->edge * 0.05f : INFINITY;
     }
-    const svo_status status = svo_tree_nearest(tree, points, results, POINT_COUNT, session->queue);
+    const svo_status status = svo_tree_nearest(tree, svo_in_host(points), svo_in_host(results), POINT_COUNT,
+                                               &(svo_submit){.queue = session->queue});
     if (status == SVO_OK) {
         line_print_digest(name, "nearest", results, POINT_COUNT * sizeof *results);
     } else {
