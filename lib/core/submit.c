@@ -5,120 +5,124 @@
 
 /* ---- arrays ---- */
 
-static svo_status check_given(const svo_i_commands *commands, const char *name, const svo_array *array)
+static svo_status check_given(const svo_i_call *call, const char *name, const svo_array *array)
 {
-    if (array->host == NULL && array->buffer == NULL) {
-        return svo_i_device_fail(commands->device, SVO_INVALID_ARGUMENT, "%s: %s is NULL", commands->function, name);
-    }
-    return SVO_OK;
+    return array->host != NULL || array->buffer != NULL
+               ? SVO_OK
+               : svo_i_device_fail(call->device, SVO_INVALID_ARGUMENT, "%s: %s is NULL", call->function, name);
+}
+
+/* Whether there is nothing to check: an array of no bytes, unless it is a buffer. */
+static bool is_nothing(const svo_array *array, size_t bytes)
+{
+    return bytes == 0 && (array->host != NULL || array->buffer == NULL);
 }
 
 /* The call waits for what is in host memory. */
-static svo_status make_own(svo_i_commands *commands, const char *name, cl_mem_flags flags, size_t bytes, cl_mem *out)
+static svo_status make_own(svo_i_call *call, const char *name, cl_mem_flags flags, size_t bytes, cl_mem *out)
 {
-    SVO_I_TRY(svo_i_device_buffer(commands->device, commands->function, name, flags, bytes, out));
-    commands->own[commands->own_count++] = *out;
-    commands->waits = true;
-    commands->event = &commands->done;
+    SVO_I_TRY(svo_i_device_buffer(call->device, call->function, name, flags, bytes, out));
+    call->own[call->own_count++] = *out;
+    call->waits = true;
+    call->event = &call->done;
     return SVO_OK;
 }
 
-svo_status svo_i_commands_input(svo_i_commands *commands, const char *name, const svo_array *array, size_t bytes,
-                                cl_mem *out)
+svo_status svo_i_call_input(svo_i_call *call, const char *name, const svo_array *array, size_t bytes, cl_mem *out)
 {
-    *out = array->buffer;
-    if (bytes == 0 && array->buffer == NULL) {
+    *out = NULL;
+    if (is_nothing(array, bytes)) {
         return SVO_OK;
     }
-    SVO_I_TRY(check_given(commands, name, array));
+    SVO_I_TRY(check_given(call, name, array));
     if (array->host == NULL) {
-        return svo_i_device_check_memory(commands->device, commands->function, name, array->buffer, bytes);
+        *out = array->buffer;
+        return svo_i_device_check_memory(call->device, call->function, name, array->buffer, bytes);
     }
-    SVO_I_TRY(make_own(commands, name, CL_MEM_READ_ONLY, bytes, out));
-    const cl_int error = clEnqueueWriteBuffer(commands->queue, *out, CL_TRUE, 0, bytes, array->host, 0, NULL, NULL);
-    return error == CL_SUCCESS
-               ? SVO_OK
-               : svo_i_device_fail_cl(commands->device, commands->function, "clEnqueueWriteBuffer", error);
+    SVO_I_TRY(make_own(call, name, CL_MEM_READ_ONLY, bytes, out));
+    const cl_int error = clEnqueueWriteBuffer(call->queue, *out, CL_TRUE, 0, bytes, array->host, 0, NULL, NULL);
+    return error == CL_SUCCESS ? SVO_OK
+                               : svo_i_device_fail_cl(call->device, call->function, "clEnqueueWriteBuffer", error);
 }
 
-svo_status svo_i_commands_output(svo_i_commands *commands, const char *name, const svo_array *array, size_t bytes,
-                                 size_t first_byte, size_t read_bytes, cl_mem *out)
+svo_status svo_i_call_output(svo_i_call *call, const char *name, const svo_array *array, size_t bytes,
+                             size_t first_byte, size_t read_bytes, cl_mem *out)
 {
-    *out = array->buffer;
-    if (bytes == 0 && array->buffer == NULL) {
+    *out = NULL;
+    if (is_nothing(array, bytes)) {
         return SVO_OK;
     }
-    SVO_I_TRY(check_given(commands, name, array));
+    SVO_I_TRY(check_given(call, name, array));
     if (array->host == NULL) {
-        return svo_i_device_check_output(commands->device, commands->function, name, array->buffer, bytes);
+        *out = array->buffer;
+        return svo_i_device_check_output(call->device, call->function, name, array->buffer, bytes);
     }
-    SVO_I_TRY(make_own(commands, name, CL_MEM_WRITE_ONLY, bytes, out));
-    commands->from = *out;
-    commands->to = array->host;
-    commands->first_byte = first_byte;
-    commands->read_bytes = read_bytes;
+    SVO_I_TRY(make_own(call, name, CL_MEM_WRITE_ONLY, bytes, out));
+    call->from = *out;
+    call->to = array->host;
+    call->first_byte = first_byte;
+    call->read_bytes = read_bytes;
     return SVO_OK;
 }
 
 /* ---- commands ---- */
 
-svo_status svo_i_commands_begin(svo_device *device, const char *function, const svo_submit *submit, svo_i_commands *out)
+svo_status svo_i_call_begin(svo_device *device, const char *function, const svo_submit *submit, svo_i_call *out)
 {
     static const svo_submit own = {.queue = NULL};
     const svo_submit *asked = submit != NULL ? submit : &own;
-    *out = (svo_i_commands){.device = device,
-                            .function = function,
-                            .num_wait = asked->num_wait,
-                            .wait = asked->wait,
-                            .given = asked->event,
-                            .waits = submit == NULL};
+    *out = (svo_i_call){.device = device,
+                        .function = function,
+                        .num_wait = asked->num_wait,
+                        .wait = asked->wait,
+                        .given = asked->event,
+                        .waits = submit == NULL};
     out->event = out->waits ? &out->done : out->given;
     SVO_I_TRY(svo_i_device_queue(device, function, asked->queue, &out->queue));
     SVO_I_TRY(svo_i_device_check_wait(device, function, out->num_wait, out->wait));
     return SVO_OK;
 }
 
-svo_status svo_i_commands_none(svo_i_commands *commands)
+svo_status svo_i_call_none(svo_i_call *call)
 {
-    const cl_int error =
-        clEnqueueMarkerWithWaitList(commands->queue, commands->num_wait, commands->wait, commands->event);
+    const cl_int error = clEnqueueMarkerWithWaitList(call->queue, call->num_wait, call->wait, call->event);
     return error == CL_SUCCESS
                ? SVO_OK
-               : svo_i_device_fail_cl(commands->device, commands->function, "clEnqueueMarkerWithWaitList", error);
+               : svo_i_device_fail_cl(call->device, call->function, "clEnqueueMarkerWithWaitList", error);
 }
 
 /* Reads the result, or waits. */
-static svo_status finish(svo_i_commands *commands)
+static svo_status finish(svo_i_call *call)
 {
     cl_int error = CL_SUCCESS;
-    const char *call = "clWaitForEvents";
-    if (commands->to != NULL) {
-        call = "clEnqueueReadBuffer";
-        error = clEnqueueReadBuffer(commands->queue, commands->from, CL_TRUE, commands->first_byte,
-                                    commands->read_bytes, commands->to, 1, &commands->done, NULL);
+    const char *name = "clWaitForEvents";
+    if (call->to != NULL) {
+        name = "clEnqueueReadBuffer";
+        error = clEnqueueReadBuffer(call->queue, call->from, CL_TRUE, call->first_byte, call->read_bytes, call->to, 1,
+                                    &call->done, NULL);
     } else {
-        error = clWaitForEvents(1, &commands->done);
+        error = clWaitForEvents(1, &call->done);
     }
-    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(commands->device, commands->function, call, error);
+    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(call->device, call->function, name, error);
 }
 
-svo_status svo_i_commands_end(svo_i_commands *commands, svo_status status)
+svo_status svo_i_call_end(svo_i_call *call, svo_status status)
 {
-    if (status == SVO_OK && commands->waits) {
-        status = finish(commands);
+    if (status == SVO_OK && call->waits) {
+        status = finish(call);
     }
-    if (commands->done != NULL) {
-        (void)svo_i_event_settle(commands->done);
+    if (call->done != NULL) {
+        (void)svo_i_event_settle(call->done);
     }
-    if (status == SVO_OK && commands->waits && commands->given != NULL) {
-        *commands->given = commands->done;
-    } else if (commands->done != NULL) {
-        clReleaseEvent(commands->done);
+    if (status == SVO_OK && call->waits && call->given != NULL) {
+        *call->given = call->done;
+    } else if (call->done != NULL) {
+        clReleaseEvent(call->done);
     }
-    for (cl_uint i = 0; i < commands->own_count; ++i) {
-        clReleaseMemObject(commands->own[i]);
+    for (cl_uint i = 0; i < call->own_count; ++i) {
+        clReleaseMemObject(call->own[i]);
     }
-    commands->own_count = 0;
-    commands->done = NULL;
+    call->own_count = 0;
+    call->done = NULL;
     return status;
 }

@@ -11,7 +11,7 @@
 
 #define SVO_I_ARRAYS_MAX 2u /* of a call */
 
-typedef struct svo_i_commands {
+typedef struct svo_i_call {
     svo_device *device;
     const char *function; /* for messages */
     /* For the first command, and for the last one: its event, NULL for none. */
@@ -28,22 +28,20 @@ typedef struct svo_i_commands {
     cl_mem from; /* what is read */
     void *to; /* NULL: nothing is */
     size_t first_byte, read_bytes;
-} svo_i_commands;
+} svo_i_call;
 
-/* Finds the queue and checks the wait list. Nothing is owned yet. */
-svo_status svo_i_commands_begin(svo_device *device, const char *function, const svo_submit *submit,
-                                svo_i_commands *out);
+/* Finds the queue and checks the wait list. Nothing is owned yet. out: must not be copied. */
+svo_status svo_i_call_begin(svo_device *device, const char *function, const svo_submit *submit, svo_i_call *out);
 /* Waits where the call has to, reads what goes to host memory, gives the caller the event, and releases the rest.
    status: of what the call did until now. Returns it, or what failed here. */
-svo_status svo_i_commands_end(svo_i_commands *commands, svo_status status);
+svo_status svo_i_call_end(svo_i_call *call, svo_status status);
 
 /* The buffer of an array that kernels read, of so many bytes; of no bytes NULL is allowed. name: for messages. */
-svo_status svo_i_commands_input(svo_i_commands *commands, const char *name, const svo_array *array, size_t bytes,
-                                cl_mem *out);
+svo_status svo_i_call_input(svo_i_call *call, const char *name, const svo_array *array, size_t bytes, cl_mem *out);
 /* The same of the array that they write: a call has one. To host memory go read_bytes of them from first_byte on. */
-svo_status svo_i_commands_output(svo_i_commands *commands, const char *name, const svo_array *array, size_t bytes,
-                                 size_t first_byte, size_t read_bytes, cl_mem *out);
+svo_status svo_i_call_output(svo_i_call *call, const char *name, const svo_array *array, size_t bytes,
+                             size_t first_byte, size_t read_bytes, cl_mem *out);
 /* In place of a command for a call that has nothing to do: signals the event all the same. */
-svo_status svo_i_commands_none(svo_i_commands *commands);
+svo_status svo_i_call_none(svo_i_call *call);
 
 #endif

@@ -10,6 +10,8 @@
  *   batch       rays and points in batches
  *   picture     pictures, and buffers for them
  *   camera      cameras and their frames
+ *   target      calls of handles of any kind
+ *   tree_target the ones of trees
  */
 #ifndef SVO_LIB_RAYS_RAYS_H
 #define SVO_LIB_RAYS_RAYS_H
@@ -71,5 +73,9 @@ SVO_I_SHARED_END
 /* A tree's triangles as the target of batches; and its voxels, for which it makes no BVH. */
 svo_i_ray_target svo_i_rays_target(svo_tree *tree);
 svo_i_ray_target svo_i_voxels_target(svo_tree *tree);
+
+/* svo_kernel_source and svo_kernel_set_arguments of a tree. */
+const char *svo_i_tree_kernel_source(void);
+svo_status svo_i_tree_set_kernel_arguments(void *tree, const char *function, cl_kernel kernel, cl_uint first_index);
 
 #endif

@@ -401,16 +401,10 @@ static double scene_reach(const void *subject, const double along[3])
     return farthest;
 }
 
-svo_status svo_scene_camera_fit(const svo_scene *scene, float aspect, svo_camera *camera)
+svo_status svo_i_scene_fit_camera(const void *scene, float aspect, svo_camera *camera)
 {
     const svo_i_fitted fitted = {scene, scene_reach};
     return svo_i_camera_fit(&fitted, aspect, camera) ? SVO_OK : SVO_INVALID_ARGUMENT;
-}
-
-void svo_scene_camera_frame(const svo_scene *scene, float aspect, svo_camera *camera)
-{
-    *camera = (svo_camera){.vertical_fov = 0};
-    (void)svo_scene_camera_fit(scene, aspect, camera);
 }
 
 /* ---- changes ---- */

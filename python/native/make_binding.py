@@ -56,7 +56,7 @@ def declarations(compiler: str, include: str, text: str) -> str:
     macros = preprocess(compiler, include, text, ["-dM"])
     integers = re.findall(r"^#define (SVO_[A-Z0-9_]+) (?:0x[0-9a-fA-F]+|[0-9]+|UINT32_MAX)u?$", macros, re.MULTILINE)
     # Functions of the headers themselves are for C alone; cffi parses none.
-    code = re.sub(r"^static inline [^{;]*\{[^}]*\}$", "", code, flags=re.MULTILINE)
+    code = re.sub(r"^static inline [^{;]*\{.*?^\}$", "", code, flags=re.MULTILINE | re.DOTALL)
     # Lone semicolons are left where an assertion was.
     lines = [line for line in code.splitlines() if line.strip() != ";"]
     return "\n".join(lines + [f"#define {name} ..." for name in sorted(integers)])

@@ -149,9 +149,9 @@ static void queues_of_another_context_are_refused(void **state)
     svo_render_options options = {.struct_size = sizeof options, .width = 8, .height = 8};
     svo_tree *unmade = NULL;
     svo_workspace *workspace = NULL;
-    svo_camera_frame(own.tree, 1.0F, &options.camera);
+    (void)svo_camera_fit(svo_tree_target(own.tree), 1.0F, &options.camera);
     REFUSED(svo_tree_download, own.tree, queue);
-    REFUSED(svo_tree_render, opened.device, own.tree, &options, queue, picture);
+    REFUSED(svo_render, svo_tree_target(own.tree), &options, svo_in_host(picture), &(svo_submit){.queue = queue});
     REFUSED(svo_tree_trace, own.tree, &ray, &hit, 1, SVO_TRACE_CLOSEST, queue);
     REFUSED(svo_tree_trace_enqueue, own.tree, own.memory, own.memory, 1, SVO_TRACE_CLOSEST, queue, 0, NULL, NULL);
     REFUSED(svo_tree_trace_enqueue, own.tree, NULL, NULL, 0, SVO_TRACE_CLOSEST, queue, 0, NULL, NULL);
@@ -194,17 +194,17 @@ static void scenes_refuse_what_is_of_another_context(void **state)
                                        .instances = &instance,
                                        .tree_count = 1,
                                        .instance_count = 1};
-    svo_scene_render_options shown = {.struct_size = sizeof shown, .width = 8, .height = 8};
+    svo_render_options shown = {.struct_size = sizeof shown, .width = 8, .height = 8};
     svo_scene_hit hit;
     uint8_t picture[8 * 8 * 4];
     svo_scene *placed = NULL;
     REFUSED(svo_scene_create, opened.device, &options, other.queue, &placed);
     assert_null(placed);
     succeed(&own, svo_scene_create(opened.device, &options, opened.queue, &placed));
-    svo_scene_camera_frame(placed, 1.0F, &shown.camera);
+    (void)svo_camera_fit(svo_scene_target(placed), 1.0F, &shown.camera);
     REFUSED(svo_scene_set_transforms, placed, 0, 1, instance.transform, other.queue);
     REFUSED(svo_scene_rebuild, placed, other.queue);
-    REFUSED(svo_scene_render, placed, &shown, other.queue, picture);
+    REFUSED(svo_render, svo_scene_target(placed), &shown, svo_in_host(picture), &(svo_submit){.queue = other.queue});
     REFUSED(svo_scene_trace, placed, &ray, &hit, 1, 0.0F, 0, other.queue);
     REFUSED(svo_scene_trace_enqueue, placed, own.memory, own.memory, 1, 0.0F, 0, other.queue, 0, NULL, NULL);
     refused(&own, svo_scene_trace_enqueue(placed, other.memory, own.memory, 1, 0, 0, opened.queue, 0, NULL, NULL),
@@ -232,7 +232,8 @@ static void buffers_and_kernels_of_another_context_are_refused(void **state)
     refused(&own, TRACE(mine, theirs), "svo_tree_trace_enqueue", "hits");
     refused(&own, NEAREST(theirs, mine), "svo_tree_nearest_enqueue", "points");
     refused(&own, NEAREST(mine, theirs), "svo_tree_nearest_enqueue", "results");
-    refused(&own, svo_tree_set_args(own.tree, other.kernel, 0), "svo_tree_set_args", "kernel");
+    refused(&own, svo_kernel_set_arguments(svo_tree_target(own.tree), other.kernel, 0), "svo_kernel_set_arguments",
+            "kernel");
     if (own.image != NULL) {
         expect_words(TRACE(own.image, mine), svo_device_message(opened.device), "svo_tree_trace_enqueue", "rays",
                      "is no buffer");
