@@ -77,8 +77,8 @@ typedef struct svo_camera {
 /** Framing looks at no deeper level: what it takes for occupied are the cells of this one. */
 #define SVO_FRAME_LEVEL_MAX 7u
 
-/** Moves a camera to where what is framed fills its picture and all of it is in view, with a margin of two hundredths of
- *  the picture at least: of a tree, or of a light's, the occupied part; of a scene the boxes of all instances. The
+/** Moves a camera to where what is framed fills its picture and all of it is in view, with a margin of two hundredths
+ *  of the picture at least: of a tree, or of a light's, the occupied part; of a scene the boxes of all instances. The
  *  camera's direction of sight, its up and its angle stay. Its target becomes the point in the middle of the picture
  *  that is as far away as the middle of what is framed.
  *
@@ -174,8 +174,8 @@ typedef struct svo_render_options {
  * Of trees SVO_VIEW_SHADED shades voxels by normal (their own, else that of the face where the ray entered) and color
  * (their own, else clay of albedo 0.6), with the shadows of a sun behind the camera and a sky that neighbors darken, by
  * four rays for each pixel or as many as options ask for. Up to a half, 0.85 times the light is the share of white that
- * a pixel shows; above, highlights roll off as 1 - exp(1 - 2 light) / 2. Bytes are square roots of shares. svo_scene_target
- * and svo_light_target say what others' pictures show. A picture is the same on every run.
+ * a pixel shows; above, highlights roll off as 1 - exp(1 - 2 light) / 2. Bytes are square roots of shares.
+ * svo_scene_target and svo_light_target say what others' pictures show. A picture is the same on every run.
  *
  * The first call of a device handle compiles the kernel, and views of a tree with triangles, all but SVO_VIEW_SHADED,
  * make its BVH, see the head of this file; that is waited for.
@@ -185,9 +185,10 @@ typedef struct svo_render_options {
  * \param pixels receives height rows of width * 4 bytes, top to bottom; of SVO_PIXELS_LINEAR width * 4 floats. A
  *        sub-buffer puts the picture somewhere else in a larger buffer
  * \param submit NULL: the device's own queue, and the call waits
- * \returns SVO_UNSUPPORTED (the target has no pictures, or its grid is beyond the range of floats), SVO_NOT_ON_DEVICE,
- *          SVO_COMPILE_FAILED, SVO_CL_ERROR, SVO_OUT_OF_DEVICE_MEMORY or SVO_INVALID_ARGUMENT on failure. After
- *          SVO_INVALID_ARGUMENT pixels are as before; after others they are undefined. */
+ * \returns SVO_UNSUPPORTED (the target has no pictures, or its grid is beyond the range of floats), SVO_NOT_ON_DEVICE
+ *          (without words, since there is no device to have them), SVO_COMPILE_FAILED, SVO_CL_ERROR,
+ *          SVO_OUT_OF_DEVICE_MEMORY or SVO_INVALID_ARGUMENT on failure. After SVO_INVALID_ARGUMENT pixels are as
+ *          before; after others they are undefined. */
 SVO_API svo_status svo_render(svo_target target, const svo_render_options *options, svo_array pixels,
                               const svo_submit *submit);
 
@@ -418,8 +419,8 @@ SVO_API const char *svo_kernel_source(svo_target target);
 
 /** Compiler options for svo_kernel_source.
  *
- * \param target the one whose arguments are set: compact trees and lights of different forms have different options. Its
- *        handle may be NULL otherwise
+ * \param target the one whose arguments are set: compact trees and lights of different forms have different options.
+ *        Its handle may be NULL otherwise
  * \returns a static string; NULL of a target without a source, and where the handle is NULL but matters. */
 SVO_API const char *svo_kernel_options(svo_target target);
 

@@ -69,9 +69,6 @@ struct svo_scene {
     bool lost; /* a command failed halfway: nothing is defined any more */
 };
 
-/* svo_camera_fit of a scene. */
-svo_status svo_i_scene_fit_camera(const void *scene, float aspect, svo_camera *camera);
-
 /* Refuses a scene whose content is lost. */
 static inline svo_status svo_i_scene_check(const svo_scene *scene, const char *function)
 {

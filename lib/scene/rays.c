@@ -325,6 +325,30 @@ static svo_status render(void *of, const svo_render_options *options, const svo_
     return svo_i_call_end(&call, enqueue(&drawn, pixels, &call));
 }
 
+/* ---- cameras ---- */
+
+/* Of the instances' boxes. */
+static double scene_reach(const void *subject, const double along[3])
+{
+    const svo_scene *scene = subject;
+    double farthest = -HUGE_VAL;
+    for (uint32_t i = 0; i < scene->info.instance_count; ++i) {
+        const svo_i_instance_box *box = &scene->boxes[i];
+        double reach = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            reach += along[axis] * (double)(along[axis] > 0 ? box->high[axis] : box->low[axis]);
+        }
+        farthest = fmax(farthest, reach);
+    }
+    return farthest;
+}
+
+static svo_status fit_camera(const void *scene, float aspect, svo_camera *camera)
+{
+    const svo_i_fitted fitted = {scene, scene_reach};
+    return svo_i_camera_fit(&fitted, aspect, camera) ? SVO_OK : SVO_INVALID_ARGUMENT;
+}
+
 /* ---- the class ---- */
 
 static svo_device *device_of(const void *scene)
@@ -333,7 +357,7 @@ static svo_device *device_of(const void *scene)
 }
 
 static const struct svo_target_class scene_class = {
-    .name = "scene", .device = device_of, .render = render, .fit_camera = svo_i_scene_fit_camera};
+    .name = "scene", .device = device_of, .render = render, .fit_camera = fit_camera};
 
 svo_target svo_scene_target(svo_scene *scene)
 {
