@@ -620,6 +620,26 @@ static void targets_have_their_own_views(void **state)
     release_drawn(of);
 }
 
+/* What a room leaves out of its class. A light frames its tree. */
+static void what_a_target_does_not_have_is_refused(void **state)
+{
+    drawn *of = make_drawn(state);
+    svo_camera camera = {.vertical_fov = 0};
+    assert_int_equal(svo_camera_fit(of->targets[COMPACT], 1, &camera), SVO_UNSUPPORTED);
+    assert_string_equal(svo_device_message(of->opened.device), "svo_camera_fit: not of a compact tree");
+    assert_int_equal(svo_kernel_set_arguments(of->targets[SCENE], NULL, 0), SVO_UNSUPPORTED);
+    assert_string_equal(svo_device_message(of->opened.device), "svo_kernel_set_arguments: not of a scene");
+    assert_null(svo_kernel_source(of->targets[SCENE]));
+    assert_null(svo_kernel_options(of->targets[SCENE]));
+    assert_null(svo_kernel_options(svo_compact_target(NULL)));
+    assert_ptr_equal(svo_kernel_source(svo_compact_target(NULL)), svo_kernel_source(of->targets[SHADED]));
+    assert_int_equal(svo_camera_fit(svo_tree_target(NULL), 1, &camera), SVO_INVALID_ARGUMENT);
+    assert_float_equal(camera.vertical_fov, 0, 0);
+    assert_int_equal(svo_camera_fit(of->targets[LIGHT], (float)WIDTH / HEIGHT, &camera), SVO_OK);
+    assert_memory_equal(&camera, &of->asked[SHADED].camera, sizeof camera);
+    release_drawn(of);
+}
+
 TEST_GROUP(render_buffers)
 {
     const struct CMUnitTest tests[] = {
@@ -636,6 +656,7 @@ TEST_GROUP(render_buffers)
         cmocka_unit_test(what_cannot_take_a_picture_is_refused),
         cmocka_unit_test(wrong_options_are_refused),
         cmocka_unit_test(targets_have_their_own_views),
+        cmocka_unit_test(what_a_target_does_not_have_is_refused),
     };
     return cmocka_run_group_tests_name("render_buffers", tests, fixture_group_setup, fixture_group_teardown);
 }
