@@ -242,65 +242,24 @@ SVO_API svo_status svo_compact_get_arrays(const svo_compact *compact, svo_compac
  * \returns SVO_INVALID_ARGUMENT (no host arrays) on failure. */
 SVO_API svo_status svo_compact_hash(const svo_compact *compact, char text[SVO_HASH_TEXT_BYTES]);
 
-/** A compact tree as a target. Hits of svo_trace_voxels have the level, face, normal, t and cell of those against the
- *  built tree. svo_voxel_hit.node is the place of the node's payload. It is SVO_NO_NODE for a node above payload_level;
- *  t tells whether there is a hit. Where all payload is constant or not held it is the node's breadth-first index in
- *  SVO_FORM_IMPLIED, and 0 in other forms. Rays through a minimized tree may stop at a leaf above level depth.
- *
- * \param compact NULL: calls are refused
- * \returns the target. */
-SVO_API svo_target svo_compact_target(svo_compact *compact);
-
-/** Draws a picture of a compact tree and waits for it: the same bytes as svo_tree_render of the tree that it was made
- *  from.
- *
- * \param compact on a device, its colors and normals, if any, on all levels
- * \param options size, camera and view; all views but SVO_VIEW_TRIANGLES
- * \param queue on the device's context; NULL: the device's own
- * \param rgba receives height rows of width * 4 bytes, top to bottom
- * \returns what svo_tree_render returns. */
-SVO_API svo_status svo_compact_render(svo_compact *compact, const svo_render_options *options, cl_command_queue queue,
-                                      uint8_t *rgba);
-
-/** svo_compact_render into a buffer of the caller's, without waiting, as svo_tree_render_enqueue does it.
- *
- * \param compact see svo_compact_render; stays as it is until the event
- * \param options see svo_compact_render; not used after the call
- * \param pixels see svo_tree_render_enqueue
- * \param queue of the context and the device of the compact tree's handle; NULL: the device's own
- * \param num_wait number of events in wait
- * \param wait events of that context to wait for; NULL when num_wait is 0
- * \param event receives an event of the picture; NULL allowed
- * \returns what svo_compact_render returns; pixels as by svo_tree_render_enqueue. */
-SVO_API svo_status svo_compact_render_enqueue(svo_compact *compact, const svo_render_options *options, cl_mem pixels,
-                                              cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
-                                              cl_event *event);
-
-/** Number of kernel arguments that SVO_TREE_PARAMETERS declares with svo_compact_kernel_options. */
+/** Number of kernel arguments that SVO_TREE_PARAMETERS declares with the options of a compact tree. */
 #define SVO_COMPACT_ARGUMENTS 4u
 
-/** Voxels in a kernel of the caller's own: the text of svo_tree_kernel_source, which declares the same for a compact
- *  tree when it is compiled with svo_compact_kernel_options, but for triangles and svo_find_node. svo_node.index is a
- *  place, as svo_voxel_hit.node is in svo_trace_voxels; svo_find_cell and svo_find_point stop at leaves above the
- *  level and return true there.
+/** A compact tree as a target: svo_render, svo_trace_voxels and kernels of the caller's.
  *
- * \returns a static string. */
-SVO_API const char *svo_compact_kernel_source(void);
-
-/** Compiler options for svo_compact_kernel_source: they differ by form, directory step and whether there are places.
+ * Hits have the level, face, normal, t and cell of those against the built tree. svo_voxel_hit.node is the place of the
+ * node's payload. It is SVO_NO_NODE for a node above payload_level; t tells whether there is a hit. Where all payload
+ * is constant or not held it is the node's breadth-first index in SVO_FORM_IMPLIED, and 0 in other forms. Rays through
+ * a minimized tree may stop at a leaf above level depth.
  *
- * \param compact not NULL
- * \returns a static string. */
-SVO_API const char *svo_compact_kernel_options(const svo_compact *compact);
-
-/** Sets the kernel arguments that SVO_TREE_PARAMETERS declares.
+ * Its pictures are the same bytes as those of the tree that it was made from. svo_kernel_source is that of trees, which
+ * declares the same for a compact tree when it is compiled with its svo_kernel_options, but for triangles and
+ * svo_find_node. These differ by form, directory step and whether there are places. svo_node.index is a place, as
+ * svo_voxel_hit.node is in hits; svo_find_cell and svo_find_point stop at leaves above the level and return true there.
  *
- * \param compact on a device; must outlive the kernel's launches
- * \param kernel of the caller's, of the context of its device, compiled with its options
- * \param first_index of SVO_COMPACT_ARGUMENTS consecutive arguments
- * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the grid is beyond the range of floats) or SVO_CL_ERROR on
- *          failure. */
-SVO_API svo_status svo_compact_set_args(svo_compact *compact, cl_kernel kernel, cl_uint first_index);
+ * \param compact NULL: calls are refused, but svo_kernel_source answers
+ * \returns the target. */
+SVO_API svo_target svo_compact_target(svo_compact *compact);
 
 #ifdef __cplusplus
 }

@@ -282,11 +282,12 @@ SVO_API const char *svo_gl_raster_reason(const svo_gl *gl, svo_gl_raster raster)
  * \returns "" if it works. Static or owned by gl. */
 SVO_API const char *svo_gl_share_reason(const svo_gl *gl, svo_gl_share share);
 
-/** A buffer that OpenCL writes and OpenGL reads: a picture of svo_tree_render_enqueue, hits, whatever kernels make. Or
+/** A buffer that OpenCL writes and OpenGL reads: a picture of svo_render, hits, whatever kernels make. Or
  *  one that OpenGL writes and svo_gl_plan_update reads.
  *
  *     svo_gl_buffer_to_cl(buffer, queue);
- *     svo_tree_render_enqueue(device, tree, &options, info.memory, queue, 0, NULL, &drawn);
+ *     svo_submit submit = {.queue = queue, .event = &drawn};
+ *     svo_render(svo_tree_target(tree), &options, svo_in_buffer(info.memory), &submit);
  *     svo_gl_buffer_to_gl(buffer, width * height * 4, queue, 1, &drawn);
  *     glBindBuffer(GL_PIXEL_UNPACK_BUFFER, info.name);
  *     glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, (void *)info.offset_bytes);

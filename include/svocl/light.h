@@ -254,13 +254,23 @@ typedef struct svo_gather_options {
 SVO_API svo_status svo_gather(svo_light *light, svo_array points, svo_array results, size_t point_count,
                               const svo_gather_options *options, const svo_submit *submit);
 
+/* ---- pictures, and kernels of the caller's ---- */
+
+#define SVO_LIGHT_BAND_ROWS 16u /**< bands of a picture have multiples of so many rows */
+
 /** Number of kernel arguments that SVO_LIGHT_PARAMETERS declares. */
 #define SVO_LIGHT_ARGUMENTS 9u
 
-/** Cones in a kernel of the caller's own: OpenCL C 1.2 to put before the kernel's source, as svo_tree_kernel_source.
- *  One program may have both texts, in any order.
+/** A light as a target: svo_render, svo_camera_fit and kernels of the caller's.
  *
- * It declares
+ * Its pictures show a lit tree: first hits and shadows by exact rays, the rest by cones. Sources, finishes and sky are
+ * those of svo_light_set_sources. Trees without triangles show their voxels. SVO_VIEW_SHADED has direct, indirect and
+ * specular light and emission on the surfaces' colors.
+ *
+ * Light is linear. Up to a half, radiance times exposure is the share of white that a pixel shows; above, highlights
+ * roll off as 1 - exp(1 - 2 radiance) / 2. Openness is shown as it is. Shares are coded by the sRGB curve.
+ *
+ * svo_kernel_source, for cones, declares
  *
  *     SVO_LIGHT_PARAMETERS    among a kernel's parameters, SVO_LIGHT_ARGUMENTS of them
  *     SVO_LIGHT_MAKE(light)    an svo_light from these parameters
@@ -272,101 +282,12 @@ SVO_API svo_status svo_gather(svo_light *light, svo_array points, svo_array resu
  *     svo_gather_result svo_gather(const svo_light *, const svo_gather_point *, uint cones, float step, float range,
  *                                  float falloff)
  *
- * \returns a static string. */
-SVO_API const char *svo_light_kernel_source(void);
-
-/** Compiler options for svo_light_kernel_source: those of svo_tree_kernel_options, and one that selects the light's
- *  form.
+ * svo_kernel_options are those of a tree, and one that selects the light's form.
  *
- * \param light not NULL
- * \returns a string that lives as long as the light. */
-SVO_API const char *svo_light_kernel_options(const svo_light *light);
-
-/** Sets the kernel arguments that SVO_LIGHT_PARAMETERS declares. They hold until svo_light_set_sources.
- *
- * \param light must outlive the kernel's launches
- * \param kernel of the caller's, of the context of the light's device
- * \param first_index of SVO_LIGHT_ARGUMENTS consecutive arguments
- * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED or SVO_CL_ERROR on failure. */
-SVO_API svo_status svo_light_set_args(svo_light *light, cl_kernel kernel, cl_uint first_index);
-
-/* ---- pictures ---- */
-
-/** What a picture of a light shows. */
-typedef enum svo_light_view {
-    SVO_LIGHT_VIEW_FULL = 0, /**< direct, indirect and specular light and emission on the surfaces' colors */
-    SVO_LIGHT_VIEW_AO = 1, /**< ambient occlusion: open is white */
-    SVO_LIGHT_VIEW_DIRECT = 2, /**< the sources alone, with exact shadows */
-    SVO_LIGHT_VIEW_INDIRECT = 3, /**< what cones bring alone, on the surfaces' colors */
-    SVO_LIGHT_VIEW_SPECULAR = 4 /**< specular cones alone */
-} svo_light_view;
-
-/** Options of a picture. */
-typedef struct svo_light_picture {
-    size_t struct_size; /**< sizeof(svo_light_picture) */
-    uint32_t width; /**< pixels, 1 .. 16384 */
-    uint32_t height; /**< pixels, 1 .. 16384 */
-    svo_camera camera; /**< the view */
-    svo_light_view view; /**< what to show */
-    svo_gather_options gather; /**< its struct_size must be set */
-    float exposure; /**< radiance is multiplied by it before the tone curve, above 0; 0 means 1 */
-    uint32_t reserved; /**< zero */
-    uint32_t first_row; /**< of a band of the picture: a multiple of SVO_LIGHT_BAND_ROWS below height */
-    uint32_t row_count; /**< of the band, cut at the picture's end: a multiple as well; 0: all rows from first_row on */
-    svo_picture_output output; /**< what of each pixel is written; all zero: bytes */
-    /** A plane in world coordinates: where clip[0] x + clip[1] y + clip[2] z + clip[3] is below 0 the picture shows
-     *  nothing; light is that of the whole scene. Finite; all zero: nothing is cut away */
-    float clip[4];
-} svo_light_picture;
-
-#define SVO_LIGHT_BAND_ROWS 16u /**< bands of a picture have multiples of so many rows */
-
-/** Everything zero but the sizes; width, height and camera have to be set. */
-#if defined(__cplusplus)
-#define SVO_LIGHT_PICTURE_INIT                                              \
-    []() {                                                                  \
-        svo_light_picture svo_picture = SVO_STRUCT_INIT(svo_light_picture); \
-        svo_picture.gather = SVO_GATHER_OPTIONS_INIT;                       \
-        return svo_picture;                                                 \
-    }()
-#else
-#define SVO_LIGHT_PICTURE_INIT                                                      \
-    {                                                                               \
-        .struct_size = sizeof(svo_light_picture), .gather = SVO_GATHER_OPTIONS_INIT \
-    }
-#endif
-
-/** Draws a picture of a lit tree and waits for it: first hits and shadows by exact rays, the rest by cones. Sources,
- *  finishes and sky are those of svo_light_set_sources. Trees without triangles show their voxels.
- *
- *  Light is linear. Up to a half, radiance times exposure is the share of white that a pixel shows; above, highlights
- *  roll off as 1 - exp(1 - 2 radiance) / 2. Openness is shown as it is. Shares are coded by the sRGB curve. The picture
- *  is the same on every run.
- *
- * \param light not NULL
- * \param picture size, camera, view
- * \param queue on the context of its device; NULL: the device's own
- * \param rgba receives the rows of the band, width * 4 bytes each, of SVO_PIXELS_LINEAR width * 4 floats, top to
- *        bottom: the same as in the whole picture
- * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED, SVO_COMPILE_FAILED, SVO_CL_ERROR or SVO_OUT_OF_DEVICE_MEMORY on
- *          failure. */
-SVO_API svo_status svo_light_render(svo_light *light, const svo_light_picture *picture, cl_command_queue queue,
-                                    uint8_t *rgba);
-
-/** svo_light_render into a buffer of the caller's, without waiting, as svo_tree_render_enqueue does it.
- *
- * \param light see svo_light_render; stays as it is until the event, and its tree too
- * \param picture see svo_light_render; not used after the call
- * \param pixels see svo_tree_render_enqueue: room for the whole picture. A band goes to its place there, and rows
- *        outside the band stay as they are
- * \param queue of the context and the device of the light's handle; NULL: the device's own
- * \param num_wait number of events in wait
- * \param wait events of that context to wait for; NULL when num_wait is 0
- * \param event receives an event of the picture; NULL allowed
- * \returns what svo_light_render returns; pixels as by svo_tree_render_enqueue. */
-SVO_API svo_status svo_light_render_enqueue(svo_light *light, const svo_light_picture *picture, cl_mem pixels,
-                                            cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
-                                            cl_event *event);
+ * \param light NULL: calls are refused, but svo_kernel_source answers. The light and its tree stay as they are until
+ *        pictures are drawn
+ * \returns the target. */
+SVO_API svo_target svo_light_target(svo_light *light);
 
 #ifdef __cplusplus
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** \file
  * Nodes as places: sizes and corners of voxels, Morton codes, the leaf at a point, the box of a node. Kernels have the
- * same functions, see svo_tree_kernel_source.
+ * same functions, see svo_tree_target.
  *
  * The grid is a cube of 2^snap_bits units along each axis, from origin on; a unit is 1 / scale wide. Its cells on level
  * l are 2^(snap_bits - l) units wide, and there are 2^l along each axis. A voxel is a cell on level depth.

@@ -18,7 +18,7 @@
  * the same picture deeper ones first, on a level those with the greater Morton code. Pages that the last picture used
  * stay. Nothing depends on time or on the number of threads: the same calls give the same pictures, misses and reads.
  *
- * A picture that misses nothing is, byte for byte, that of the whole tree by svo_tree_render with the same options.
+ * A picture that misses nothing is, byte for byte, that of the whole tree by svo_render with the same options.
  *
  * The file is read once from end to end when it is opened, apart from lists and geometry, and its checksums are
  * compared. Each page has a checksum of its own, which is compared whenever it is read: a file whose bytes change
@@ -125,9 +125,9 @@ SVO_API svo_status svo_paged_get_info(const svo_paged *paged, svo_paged_info *in
 /** Draws a picture of what is there, on the device's own queue, and waits for it.
  *
  * \param paged not NULL
- * \param options as for svo_tree_render; every view but SVO_VIEW_TRIANGLES
+ * \param options as for svo_render; every view but SVO_VIEW_TRIANGLES
  * \param rgba receives height rows of width * 4 bytes, top to bottom
- * \returns what svo_tree_render returns. */
+ * \returns what svo_render returns. */
 SVO_API svo_status svo_paged_render(svo_paged *paged, const svo_render_options *options, uint8_t *rgba);
 
 /** Reads the pages that the last picture missed: those nearer to the root first, of equal levels those that rays missed

@@ -287,9 +287,7 @@ SVO_API svo_status svo_probes_irradiance(svo_probes *probes, svo_array points, s
 /** Number of kernel arguments that SVO_PROBES_PARAMETERS declares. */
 #define SVO_PROBES_ARGUMENTS 7u
 
-/** Probes in a kernel of the caller's own: OpenCL C 1.2 to put before the kernel's source, as svo_tree_kernel_source.
- *
- * It declares
+/** Probes as a target: kernels of the caller's. svo_kernel_source declares
  *
  *     SVO_PROBES_PARAMETERS    among a kernel's parameters, SVO_PROBES_ARGUMENTS of them
  *     SVO_PROBES_MAKE(probes)    an svo_probes from these parameters
@@ -298,22 +296,9 @@ SVO_API svo_status svo_probes_irradiance(svo_probes *probes, svo_array points, s
  *         the hit's state; choice: 0 field, 1 eight; thickness: a factor, 1 by default
  *     svo_probe_irradiance svo_gather_probes(const svo_probes *, float3 position, float3 normal)
  *
- * \returns a static string. */
-SVO_API const char *svo_probes_kernel_source(void);
-
-/** Compiler options for svo_probes_kernel_source.
- *
- * \param probes not NULL
- * \returns a string that lives as long as the probes. */
-SVO_API const char *svo_probes_kernel_options(const svo_probes *probes);
-
-/** Sets the kernel arguments that SVO_PROBES_PARAMETERS declares.
- *
- * \param probes must outlive the kernel's launches
- * \param kernel of the caller's, of the context of the probes' device
- * \param first_index of SVO_PROBES_ARGUMENTS consecutive arguments
- * \returns SVO_INVALID_ARGUMENT or SVO_CL_ERROR on failure. */
-SVO_API svo_status svo_probes_set_args(svo_probes *probes, cl_kernel kernel, cl_uint first_index);
+ * \param probes NULL: calls are refused, but svo_kernel_source and svo_kernel_options answer
+ * \returns the target. */
+SVO_API svo_target svo_probes_target(svo_probes *probes);
 
 #ifdef __cplusplus
 }

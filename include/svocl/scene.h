@@ -145,67 +145,14 @@ typedef enum svo_scene_flags {
  * \returns the target. */
 SVO_API svo_target svo_scene_target(svo_scene *scene);
 
-/** Frames all instances, from where svo_camera_frame looks.
+/** A scene as a target: svo_render, svo_trace_voxels, svo_trace_triangles and svo_camera_fit.
  *
- * \param scene not NULL
- * \param aspect width / height, above 0; anything else counts as 1
- * \param camera receives the camera */
-SVO_API void svo_scene_camera_frame(const svo_scene *scene, float aspect, svo_camera *camera);
-
-/** Moves a camera to where the boxes of all instances fill its picture and all of them are in view, as svo_camera_fit.
+ * Its pictures show voxels by normal and color as far as the scene holds them (SVO_NEED_NORMAL, SVO_NEED_COLOR), with
+ * Lambert shading by the lights, shadows, and the light of the sky.
  *
- * \param scene not NULL
- * \param aspect width / height, above 0; anything else counts as 1
- * \param camera see svo_camera_fit
- * \returns what svo_camera_fit returns. */
-SVO_API svo_status svo_scene_camera_fit(const svo_scene *scene, float aspect, svo_camera *camera);
-
-/** Options of a picture of a scene. */
-typedef struct svo_scene_render_options {
-    size_t struct_size; /**< sizeof(svo_scene_render_options) */
-    uint32_t width; /**< pixels, 1 .. 16384 */
-    uint32_t height; /**< pixels, 1 .. 16384 */
-    svo_camera camera; /**< the view */
-    uint32_t light_count; /**< 0: the light of svo_tree_render; at most SVO_SCENE_LIGHTS_MAX */
-    uint32_t reserved; /**< zero */
-    const svo_scene_light *lights; /**< light_count; NULL when that is 0 */
-    /** World: the range within which neighbors darken a surface (ambient occlusion). 0: a fraction of an instance's
-     *  mean width */
-    float occlusion_range;
-    uint32_t reserved2; /**< zero */
-    svo_picture_output output; /**< what of each pixel is written; all zero: bytes */
-    /** A plane in world coordinates: where clip[0] x + clip[1] y + clip[2] z + clip[3] is below 0 the picture shows
-     *  nothing, and lights shine through. Finite; all zero: nothing is cut away */
-    float clip[4];
-} svo_scene_render_options;
-
-/** Everything zero; width, height and camera have to be set. */
-#define SVO_SCENE_RENDER_OPTIONS_INIT SVO_STRUCT_INIT(svo_scene_render_options)
-
-/** Draws a picture of the scene and waits for it: voxels by normal and color as far as the scene holds them, Lambert
- *  shading by the lights, shadows, the light of the sky.
- *
- * \param scene with SVO_NEED_COLOR and SVO_NEED_NORMAL if the picture is to show them
- * \param options size, camera, lights
- * \param queue on the device's context; NULL: the device's own
- * \param rgba receives height rows of width * 4 bytes, top to bottom; of SVO_PIXELS_LINEAR width * 4 floats
- * \returns SVO_INVALID_ARGUMENT, SVO_COMPILE_FAILED, SVO_CL_ERROR or SVO_OUT_OF_DEVICE_MEMORY on failure. */
-SVO_API svo_status svo_scene_render(svo_scene *scene, const svo_scene_render_options *options, cl_command_queue queue,
-                                    uint8_t *rgba);
-
-/** svo_scene_render into a buffer of the caller's, without waiting, as svo_tree_render_enqueue does it.
- *
- * \param scene see svo_scene_render; stays as it is until the event
- * \param options see svo_scene_render; not used after the call
- * \param pixels see svo_tree_render_enqueue
- * \param queue of the context and the device of the scene's handle; NULL: the device's own
- * \param num_wait number of events in wait
- * \param wait events of that context to wait for; NULL when num_wait is 0
- * \param event receives an event of the picture; NULL allowed
- * \returns what svo_scene_render returns; pixels as by svo_tree_render_enqueue. */
-SVO_API svo_status svo_scene_render_enqueue(svo_scene *scene, const svo_scene_render_options *options, cl_mem pixels,
-                                            cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
-                                            cl_event *event);
+ * \param scene NULL: calls are refused
+ * \returns the target. */
+SVO_API svo_target svo_scene_target(svo_scene *scene);
 
 #ifdef __cplusplus
 }

@@ -32,6 +32,36 @@ typedef struct svo_target {
  *  compact.h, scene.h, light.h and probes.h have those of other handles. A program that makes none holds no kernel of
  *  rays.
  *
+ * svo_kernel_source declares of a tree
+ *
+ *     SVO_TREE_PARAMETERS    among a kernel's parameters, SVO_TREE_ARGUMENTS of them
+ *     SVO_TREE_MAKE(tree)    an svo_tree from these parameters
+ *     svo_ray, svo_hit, svo_voxel_hit    as in ray_types.h
+ *     svo_node, svo_build_state    as in tree_types.h
+ *     bool svo_trace_closest(const svo_tree *, const svo_ray *, svo_hit *)    the first triangle
+ *     bool svo_trace_any(const svo_tree *, const svo_ray *, svo_hit *)        any triangle: for shadows
+ *     uint svo_trace_count(const svo_tree *, const svo_ray *, svo_hit *)      how many, and the first
+ *     void svo_trace_rays(const svo_tree *, global const svo_ray *, global svo_hit *, uint ray_count, bool any)
+ *         svo_trace_closest, or any: svo_trace_any, for an array of rays by one work-item. On CPUs the option
+ *         -DSVO_RAY_STREAMS makes it trace them as svo_trace_triangles does, in packets of coherent rays and streams of
+ *         others: best hundreds at once. The hits are the same. On GPUs leave the option out, and trace a ray by a
+ *         work-item
+ *     bool svo_trace_voxel(const svo_tree *, const svo_ray *, float footprint, svo_voxel_hit *)
+ *         the first leaf, or the first larger node that a pixel of that footprint covers; works without lists too
+ *
+ * and, as nodes.h has them for the host, with coordinates in arrays of three and points as three floats
+ *
+ *     float svo_node_edge(const svo_tree *, uint level)
+ *     void svo_node_box(const svo_tree *, const svo_node *, float *low, float *high)
+ *     bool svo_cell_of_point(const svo_tree *, uint level, float x, float y, float z, uint *cell)
+ *     bool svo_find_cell(const svo_tree *, uint level, const uint *cell, svo_node *)    whether it is occupied
+ *     bool svo_find_point(const svo_tree *, float x, float y, float z, svo_node *)    whether there is a leaf
+ *     bool svo_find_node(const svo_tree *, uint index, svo_node *)    whether the tree has that node
+ *     ulong svo_cell_to_code(const uint *cell)
+ *     void svo_code_to_cell(ulong code, uint *cell)
+ *
+ * Its other names begin with svo_ or SVO_.
+ *
  * \param tree NULL: calls are refused, but svo_kernel_source and svo_kernel_options answer
  * \returns the target. */
 SVO_API svo_target svo_tree_target(svo_tree *tree);
@@ -47,34 +77,33 @@ typedef struct svo_camera {
 /** Framing looks at no deeper level: what it takes for occupied are the cells of this one. */
 #define SVO_FRAME_LEVEL_MAX 7u
 
-/** Frames the occupied part of a tree from the front, a little from the right and from above; y is up.
+/** Moves a camera to where what is framed fills its picture and all of it is in view, with a margin of two hundredths
+ *  of the picture at least: of a tree, or of a light's, the occupied part; of a scene the boxes of all instances. The
+ *  camera's direction of sight, its up and its angle stay. Its target becomes the point in the middle of the picture
+ *  that is as far away as the middle of what is framed.
  *
- * \param tree not NULL; without host arrays the whole grid is framed
+ * \param target a tree, a light or a scene. Of a tree without host arrays the whole grid is framed; one that is on no
+ *        device will do
  * \param aspect width / height, above 0; anything else counts as 1
- * \param camera receives the camera */
-SVO_API void svo_camera_frame(const svo_tree *tree, float aspect, svo_camera *camera);
-
-/** Moves a camera to where the occupied part of a tree fills its picture and all of it is in view, with a margin of two
- *  hundredths of the picture at least. Its direction of sight, its up and its angle stay. Its target becomes the point
- *  in the middle of the picture that is as far away as the middle of what is framed.
- *
- * \param tree not NULL; without host arrays the whole grid is framed
- * \param aspect width / height, above 0; anything else counts as 1
- * \param camera is moved. Where eye and target are the same it looks from the direction of svo_camera_frame, turned
- *        with up; up zero: y; vertical_fov zero: that of svo_camera_frame. So a camera of zeros becomes that of
- *        svo_camera_frame
+ * \param camera is moved. Where eye and target are the same it looks from the front, a little from the right and from
+ *        above, turned with up; up zero: y; vertical_fov zero: 0.56. So all zero frames from the front, and succeeds
  * \returns SVO_INVALID_ARGUMENT, and leaves the camera, if a coordinate is not finite, up is along the line of sight,
- *          or vertical_fov is not below pi. */
-SVO_API svo_status svo_camera_fit(const svo_tree *tree, float aspect, svo_camera *camera);
+ *          or vertical_fov is not below pi; SVO_UNSUPPORTED if the target is of another kind. */
+SVO_API svo_status svo_camera_fit(svo_target target, float aspect, svo_camera *camera);
 
-/** What a picture shows. */
+/** What a picture shows. Trees have the first six; compact and paged trees those but SVO_VIEW_TRIANGLES; scenes the
+ *  first; lights the first and the last four. */
 typedef enum svo_render_view {
-    SVO_VIEW_SHADED = 0, /**< light, shadows, colors */
+    SVO_VIEW_SHADED = 0, /**< light, shadows, colors; of a light all that it brings, and emission */
     SVO_VIEW_NORMAL = 1, /**< x, y, z as red, green, blue: the voxel's normal, or without one its face's */
     SVO_VIEW_DEPTH = 2, /**< near is bright */
     SVO_VIEW_STEPS = 3, /**< cells that the ray visited, from blue to red at 64 */
     SVO_VIEW_LEVEL = 4, /**< a color for the level of the node that was hit */
-    SVO_VIEW_TRIANGLES = 5 /**< a color for each triangle; needs SVO_NEED_RAYS, coverage half-open or closed */
+    SVO_VIEW_TRIANGLES = 5, /**< a color for each triangle; needs SVO_NEED_RAYS, coverage half-open or closed */
+    SVO_VIEW_AO = 6, /**< ambient occlusion: open is white */
+    SVO_VIEW_DIRECT = 7, /**< the sources alone, with exact shadows */
+    SVO_VIEW_INDIRECT = 8, /**< what cones bring alone, on the surfaces' colors */
+    SVO_VIEW_SPECULAR = 9 /**< specular cones alone */
 } svo_render_view;
 
 /** What a picture has of each pixel. */
@@ -110,18 +139,31 @@ typedef struct svo_picture_output {
     uint32_t samples;
 } svo_picture_output;
 
-/** Options of a picture. */
+/** Options of a picture. What only scenes and only lights have is refused elsewhere, unless it is 0. Arrays and structs
+ *  are borrowed for the call. */
 typedef struct svo_render_options {
     size_t struct_size; /**< sizeof(svo_render_options) */
     uint32_t width; /**< pixels, 1 .. 16384 */
     uint32_t height; /**< pixels, 1 .. 16384 */
     svo_camera camera; /**< the view */
     svo_render_view view; /**< what to show */
-    uint32_t reserved; /**< zero */
+    uint32_t light_count; /**< of a scene, at most SVO_SCENE_LIGHTS_MAX; 0: the light of a tree's picture */
     svo_picture_output output; /**< what of each pixel is written; all zero: bytes */
     /** A plane in world coordinates: where clip[0] x + clip[1] y + clip[2] z + clip[3] is below 0 the picture shows
-     *  nothing, and the sun shines through. Finite; all zero: nothing is cut away */
+     *  nothing, and the sun and lights of scenes shine through; a light is that of the whole tree. Finite; all zero:
+     *  nothing is cut away */
     float clip[4];
+    const struct svo_scene_light *lights; /**< light_count; NULL when that is 0 */
+    const struct svo_gather_options *gather; /**< of a light: how cones gather; NULL: all defaults */
+    /** Of a scene, world: the range within which neighbors darken a surface (ambient occlusion). 0: a fraction of an
+     *  instance's mean width */
+    float occlusion_range;
+    float exposure; /**< of a light: radiance is multiplied by it before the tone curve, above 0; 0 means 1 */
+    /** Of a light, the first row of a band of the picture: a multiple of SVO_LIGHT_BAND_ROWS below height. The band's
+     *  rows are the same as in the whole picture. Host memory receives them alone; in a buffer they go to their places
+     *  in the whole picture, and other rows stay as they are */
+    uint32_t first_row;
+    uint32_t row_count; /**< of the band, cut at the picture's end: a multiple as well; 0: all rows from first_row on */
 } svo_render_options;
 
 /** Everything zero; width, height and camera have to be set. */
@@ -132,58 +174,23 @@ typedef struct svo_render_options {
  * Of trees SVO_VIEW_SHADED shades voxels by normal (their own, else that of the face where the ray entered) and color
  * (their own, else clay of albedo 0.6), with the shadows of a sun behind the camera and a sky that neighbors darken, by
  * four rays for each pixel or as many as options ask for. Up to a half, 0.85 times the light is the share of white that
- * a pixel shows; above, highlights roll off as 1 - exp(1 - 2 light) / 2. Bytes are square roots of shares. scene.h and
- * light.h say what pictures of scenes and of light show. A picture is the same on every run.
+ * a pixel shows; above, highlights roll off as 1 - exp(1 - 2 light) / 2. Bytes are square roots of shares.
+ * svo_scene_target and svo_light_target say what others' pictures show. A picture is the same on every run.
  *
  * The first call of a device handle compiles the kernel, and views of a tree with triangles, all but SVO_VIEW_SHADED,
  * make its BVH, see the head of this file; that is waited for.
  *
  * \param target on a device, its colors and normals, if any, on all levels; stays as it is until the picture is drawn
  * \param options size, camera and view; not used after the call
- * \param pixels receives height rows of width * 4 bytes, top to bottom; of SVO_PIXELS_LINEAR width * 4 floats
+ * \param pixels receives height rows of width * 4 bytes, top to bottom; of SVO_PIXELS_LINEAR width * 4 floats. A
+ *        sub-buffer puts the picture somewhere else in a larger buffer
  * \param submit NULL: the device's own queue, and the call waits
- * \returns SVO_UNSUPPORTED (the target has no pictures, or its grid is beyond the range of floats), SVO_NOT_ON_DEVICE,
- *          SVO_COMPILE_FAILED, SVO_CL_ERROR, SVO_OUT_OF_DEVICE_MEMORY or SVO_INVALID_ARGUMENT on failure. After
- *          SVO_INVALID_ARGUMENT pixels are as before; after others they are undefined. */
+ * \returns SVO_UNSUPPORTED (the target has no pictures, or its grid is beyond the range of floats), SVO_NOT_ON_DEVICE
+ *          (without words, since there is no device to have them), SVO_COMPILE_FAILED, SVO_CL_ERROR,
+ *          SVO_OUT_OF_DEVICE_MEMORY or SVO_INVALID_ARGUMENT on failure. After SVO_INVALID_ARGUMENT pixels are as
+ *          before; after others they are undefined. */
 SVO_API svo_status svo_render(svo_target target, const svo_render_options *options, svo_array pixels,
                               const svo_submit *submit);
-
-/** Draws a picture of the tree and waits for it. SVO_VIEW_SHADED shades voxels by normal (their own, else that of the
- *  face where the ray entered) and color (their own, else clay of albedo 0.6), with the shadows of a sun behind the
- *  camera and a sky that neighbors darken, by four rays for each pixel or as many as options ask for. Up to a half,
- *  0.85 times the light is the share of white that a pixel shows; above, highlights roll off as
- *  1 - exp(1 - 2 light) / 2. Bytes are square roots of shares. The picture is the same on every run.
- *
- * \param device the tree's
- * \param tree on a device, its colors and normals, if any, on all levels. All views but SVO_VIEW_SHADED make its BVH if
- *        it has triangles to trace, see the head of this file
- * \param options size, camera and view
- * \param queue on the device's context; NULL: the device's own
- * \param rgba receives height rows of width * 4 bytes, top to bottom; of SVO_PIXELS_LINEAR width * 4 floats
- * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the grid is beyond the range of floats), SVO_COMPILE_FAILED,
- *          SVO_CL_ERROR or SVO_OUT_OF_DEVICE_MEMORY on failure. */
-SVO_API svo_status svo_tree_render(svo_device *device, svo_tree *tree, const svo_render_options *options,
-                                   cl_command_queue queue, uint8_t *rgba);
-
-/** svo_tree_render into a buffer of the caller's, without waiting: the picture need not cross to the host. Its bytes
- *  are those of svo_tree_render. The first call of a device handle compiles the kernel, and views of a tree with
- *  triangles make its BVH, see the head of this file; that is waited for.
- *
- * \param device see svo_tree_render
- * \param tree see svo_tree_render; stays as it is until the event
- * \param options see svo_tree_render; not used after the call
- * \param pixels buffer of the device's context that kernels may write, not CL_MEM_READ_ONLY, of at least
- *        height * width * 4 bytes, or 16 of SVO_PIXELS_LINEAR: it receives what rgba of svo_tree_render does. A
- *        sub-buffer puts the picture somewhere else in a larger buffer
- * \param queue of the context and the device of the handle, in-order or out-of-order; NULL: the device's own
- * \param num_wait number of events in wait
- * \param wait events of that context to wait for; NULL when num_wait is 0
- * \param event receives an event of the picture; NULL allowed
- * \returns what svo_tree_render returns. SVO_INVALID_ARGUMENT leaves pixels as they are; after SVO_CL_ERROR they are
- *          undefined. */
-SVO_API svo_status svo_tree_render_enqueue(svo_device *device, svo_tree *tree, const svo_render_options *options,
-                                           cl_mem pixels, cl_command_queue queue, cl_uint num_wait,
-                                           const cl_event *wait, cl_event *event);
 
 /** How a BVH is made. Hits are the same. */
 typedef enum svo_bvh_quality {
@@ -272,7 +279,7 @@ SVO_API svo_status svo_trace_triangles(svo_target target, svo_array rays, svo_ar
 
 /** Traces rays against the voxels of a tree, a compact tree or a scene: the first leaf along each ray, or the first
  *  larger node that a pixel of the footprint covers. Computed in single precision, by the traversal of svo_trace_voxel
- *  (svo_kernel_source). compact.h and scene.h say what their hits are.
+ *  (svo_tree_target). compact.h and scene.h say what their hits are.
  *
  * \param target on a device; needs and coverage do not matter
  * \param rays see svo_trace_triangles
@@ -308,7 +315,8 @@ SVO_API svo_status svo_tree_nearest(svo_tree *tree, svo_array points, svo_array 
  *     clCreateProgramWithSource(context, 2, (const char *[]){svo_kernel_source(target), mine}, NULL, &error)
  *     clBuildProgram(program, 1, &device, svo_kernel_options(target), NULL, NULL)
  *
- * What it declares of a tree is said below; compact.h, light.h and probes.h say it of others.
+ * What it declares is said at svo_tree_target, svo_compact_target, svo_light_target and svo_probes_target. Its other
+ * names begin with svo_ or SVO_. One program may have the texts of a tree and a light, in any order.
  *
  * \param target its handle may be NULL
  * \returns a static string; NULL of a target without one. */
@@ -316,73 +324,22 @@ SVO_API const char *svo_kernel_source(svo_target target);
 
 /** Compiler options for svo_kernel_source.
  *
- * \param target the one whose arguments are set
- * \returns a static string; NULL of a target without a source. */
+ * \param target the one whose arguments are set: compact trees and lights of different forms have different options.
+ *        Its handle may be NULL otherwise
+ * \returns a static string; NULL of a target without a source, and where the handle is NULL but matters. */
 SVO_API const char *svo_kernel_options(svo_target target);
 
 /** Sets the kernel arguments that the source's macro of parameters declares: SVO_TREE_PARAMETERS,
- *  SVO_LIGHT_PARAMETERS or SVO_PROBES_PARAMETERS.
+ *  SVO_LIGHT_PARAMETERS or SVO_PROBES_PARAMETERS. Those of a light hold until svo_light_set_sources.
  *
  * \param target on a device; must outlive the kernel's launches. The triangles of a tree need SVO_NEED_RAYS and
  *        coverage half-open or closed; this call then makes the BVH
  * \param kernel of the caller's, of the context of the target's device
- * \param first_index of SVO_TREE_ARGUMENTS, SVO_LIGHT_ARGUMENTS or SVO_PROBES_ARGUMENTS consecutive arguments
+ * \param first_index of SVO_TREE_ARGUMENTS, SVO_COMPACT_ARGUMENTS, SVO_LIGHT_ARGUMENTS or SVO_PROBES_ARGUMENTS
+ *        consecutive arguments
  * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED, SVO_NOT_ON_DEVICE, SVO_OUT_OF_HOST_MEMORY,
  *          SVO_OUT_OF_DEVICE_MEMORY or SVO_CL_ERROR on failure. */
 SVO_API svo_status svo_kernel_set_arguments(svo_target target, cl_kernel kernel, cl_uint first_index);
-
-/** Rays in a kernel of the caller's own: OpenCL C 1.2 to put before the kernel's source.
- *
- *     clCreateProgramWithSource(context, 2, (const char *[]){svo_tree_kernel_source(), mine}, NULL, &error)
- *     clBuildProgram(program, 1, &device, svo_tree_kernel_options(), NULL, NULL)
- *
- * It declares
- *
- *     SVO_TREE_PARAMETERS    among a kernel's parameters, SVO_TREE_ARGUMENTS of them
- *     SVO_TREE_MAKE(tree)    an svo_tree from these parameters
- *     svo_ray, svo_hit, svo_voxel_hit    as in ray_types.h
- *     svo_node, svo_build_state    as in tree_types.h
- *     bool svo_trace_closest(const svo_tree *, const svo_ray *, svo_hit *)    the first triangle
- *     bool svo_trace_any(const svo_tree *, const svo_ray *, svo_hit *)        any triangle: for shadows
- *     uint svo_trace_count(const svo_tree *, const svo_ray *, svo_hit *)      how many, and the first
- *     void svo_trace_rays(const svo_tree *, global const svo_ray *, global svo_hit *, uint ray_count, bool any)
- *         svo_trace_closest, or any: svo_trace_any, for an array of rays by one work-item. On CPUs the option
- *         -DSVO_RAY_STREAMS makes it trace them as svo_trace_triangles does, in packets of coherent rays and streams of
- *         others: best hundreds at once. The hits are the same. On GPUs leave the option out, and trace a ray by a
- *         work-item
- *     bool svo_trace_voxel(const svo_tree *, const svo_ray *, float footprint, svo_voxel_hit *)
- *         the first leaf, or the first larger node that a pixel of that footprint covers; works without lists too
- *
- * and, as nodes.h has them for the host, with coordinates in arrays of three and points as three floats
- *
- *     float svo_node_edge(const svo_tree *, uint level)
- *     void svo_node_box(const svo_tree *, const svo_node *, float *low, float *high)
- *     bool svo_cell_of_point(const svo_tree *, uint level, float x, float y, float z, uint *cell)
- *     bool svo_find_cell(const svo_tree *, uint level, const uint *cell, svo_node *)    whether it is occupied
- *     bool svo_find_point(const svo_tree *, float x, float y, float z, svo_node *)    whether there is a leaf
- *     bool svo_find_node(const svo_tree *, uint index, svo_node *)    whether the tree has that node
- *     ulong svo_cell_to_code(const uint *cell)
- *     void svo_code_to_cell(ulong code, uint *cell)
- *
- * Its other names begin with svo_ or SVO_.
- *
- * \returns a static string. */
-SVO_API const char *svo_tree_kernel_source(void);
-
-/** Compiler options for svo_tree_kernel_source.
- *
- * \returns a static string. */
-SVO_API const char *svo_tree_kernel_options(void);
-
-/** Sets the kernel arguments that SVO_TREE_PARAMETERS declares.
- *
- * \param tree on a device; must outlive the kernel's launches. Triangles need SVO_NEED_RAYS and coverage half-open or
- *        closed; this call then makes the BVH
- * \param kernel of the caller's, of the context of the tree's device
- * \param first_index of SVO_TREE_ARGUMENTS consecutive arguments
- * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY or SVO_CL_ERROR on
- *          failure. */
-SVO_API svo_status svo_tree_set_args(svo_tree *tree, cl_kernel kernel, cl_uint first_index);
 
 #ifdef __cplusplus
 }

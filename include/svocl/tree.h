@@ -12,7 +12,7 @@
  * A tree of a workspace (build.h) has no content before its first build, while a build is in flight, and after one that
  * failed. Until svo_tree_finish has returned SVO_OK, every function that reads the tree or takes it for rays returns
  * SVO_INVALID_ARGUMENT with the reason. Exceptions: svo_tree_get_buffer and svo_tree_get_build_state, whose buffers are
- * for kernels that wait for the build's event, svo_tree_ray_bytes, svo_camera_frame, and svo_tree_destroy.
+ * for kernels that wait for the build's event, svo_tree_ray_bytes, svo_camera_fit, and svo_tree_destroy.
  *
  * Thread-safety: several threads may call functions that take a const tree. All others need exclusive use of the tree
  * and of its device handle.

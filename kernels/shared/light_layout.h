@@ -209,7 +209,7 @@ SVO_RECORD(svo_exchange_params)
     SVO_U32 kept; /* 28: SVO_RADIANCE_* */
 };
 
-/* What a picture of a light shows: svo_light_view of light.h. */
+/* What a picture of a light shows: in the order of svo_render_view. */
 #define SVO_LIT_VIEW_FULL     0u
 #define SVO_LIT_VIEW_AO       1u
 #define SVO_LIT_VIEW_DIRECT   2u

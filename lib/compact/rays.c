@@ -3,7 +3,6 @@
 #include "rays/rays.h"
 #include "compact/form.h"
 #include "core/device.h"
-#include "core/opencl.h"
 #include "rays/batch.h"
 #include "rays/picture.h"
 #include "rays/programs.h"
@@ -79,77 +78,17 @@ static svo_i_picture_source describe(svo_compact *compact, const char *function)
                                   .payload_level = info->payload_level};
 }
 
-/* Checks what is asked for. */
-static svo_status check_picture(const svo_compact *compact, const char *function, const svo_render_options *options,
-                                svo_render_options *asked)
+static svo_status render(void *of, const svo_render_options *options, const svo_array *pixels, const svo_submit *submit)
 {
-    if (options == NULL) {
-        return svo_i_device_fail(compact->device, SVO_INVALID_ARGUMENT, "%s: options is NULL", function);
-    }
-    SVO_I_TRY(svo_i_picture_options(compact->device, function, options, asked));
-    return asked->view != SVO_VIEW_TRIANGLES
-               ? SVO_OK
-               : svo_i_device_fail(compact->device, SVO_INVALID_ARGUMENT, "%s: a compact tree has no triangles to show",
-                                   function);
-}
-
-svo_status svo_compact_render_enqueue(svo_compact *compact, const svo_render_options *options, cl_mem pixels,
-                                      cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
-{
-    static const char function[] = "svo_compact_render_enqueue";
-    svo_i_pixels to = {pixels, queue, num_wait, wait, event};
+    static const char function[] = "svo_render";
+    static const svo_i_picture_kind kind = {
+        .name = "compact tree", .views = SVO_I_VOXEL_VIEWS, .view_names = SVO_I_VOXEL_VIEW_NAMES};
+    svo_compact *compact = of;
     svo_render_options asked;
-    if (compact == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
     SVO_I_TRY(check_target(compact, function));
-    SVO_I_TRY(check_picture(compact, function, options, &asked));
+    SVO_I_TRY(svo_i_picture_options(compact->device, function, &kind, options, &asked));
     const svo_i_picture_source source = describe(compact, function);
-    return svo_i_picture_enqueue(&source, &asked, &to);
-}
-
-svo_status svo_compact_render(svo_compact *compact, const svo_render_options *options, cl_command_queue queue,
-                              uint8_t *rgba)
-{
-    static const char function[] = "svo_compact_render";
-    svo_render_options asked;
-    if (compact == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    SVO_I_TRY(check_target(compact, function));
-    if (rgba == NULL) {
-        return svo_i_device_fail(compact->device, SVO_INVALID_ARGUMENT, "%s: rgba is NULL", function);
-    }
-    SVO_I_TRY(check_picture(compact, function, options, &asked));
-    const svo_i_picture_source source = describe(compact, function);
-    return svo_i_picture_draw(&source, &asked, queue, rgba);
-}
-
-/* ---- kernels of the caller's ---- */
-
-const char *svo_compact_kernel_source(void)
-{
-    return svo_tree_kernel_source();
-}
-
-const char *svo_compact_kernel_options(const svo_compact *compact)
-{
-    return svo_i_form_options(&compact->info);
-}
-
-svo_status svo_compact_set_args(svo_compact *compact, cl_kernel kernel, cl_uint first_index)
-{
-    static const char function[] = "svo_compact_set_args";
-    if (compact == NULL || kernel == NULL) {
-        return svo_i_device_fail(compact != NULL ? compact->device : NULL, SVO_INVALID_ARGUMENT, "%s: %s is NULL",
-                                 function, compact == NULL ? "compact" : "kernel");
-    }
-    SVO_I_TRY(check_target(compact, function));
-    const char *wrong = svo_i_wrong_kernel(compact->device->context, kernel);
-    if (wrong != NULL) {
-        return svo_i_device_fail(compact->device, SVO_INVALID_ARGUMENT, "%s: kernel %s", function, wrong);
-    }
-    return set_target(compact, function, kernel, first_index);
+    return svo_i_picture_draw(&source, &asked, pixels, submit);
 }
 
 /* ---- the class ---- */
@@ -159,8 +98,19 @@ static svo_device *device_of(const void *compact)
     return ((const svo_compact *)compact)->device;
 }
 
-static const struct svo_target_class compact_class = {
-    .name = "compact tree", .device = device_of, .trace_voxels = trace_voxels};
+static const char *kernel_options(const void *of)
+{
+    const svo_compact *compact = of;
+    return compact != NULL ? svo_i_form_options(&compact->info) : NULL;
+}
+
+static const struct svo_target_class compact_class = {.name = "compact tree",
+                                                      .device = device_of,
+                                                      .trace_voxels = trace_voxels,
+                                                      .render = render,
+                                                      .kernel_source = svo_i_tree_kernel_source,
+                                                      .kernel_options = kernel_options,
+                                                      .set_kernel_arguments = set_target};
 
 svo_target svo_compact_target(svo_compact *compact)
 {

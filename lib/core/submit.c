@@ -94,15 +94,16 @@ svo_status svo_i_call_none(svo_i_call *call)
 /* Reads the result, or waits. */
 static svo_status finish(svo_i_call *call)
 {
-    if (call->to == NULL) {
-        const cl_int error = clWaitForEvents(1, &call->done);
-        return error == CL_SUCCESS ? SVO_OK
-                                   : svo_i_device_fail_cl(call->device, call->function, "clWaitForEvents", error);
+    cl_int error = CL_SUCCESS;
+    const char *name = "clWaitForEvents";
+    if (call->to != NULL) {
+        name = "clEnqueueReadBuffer";
+        error = clEnqueueReadBuffer(call->queue, call->from, CL_TRUE, call->first_byte, call->read_bytes, call->to, 1,
+                                    &call->done, NULL);
+    } else {
+        error = clWaitForEvents(1, &call->done);
     }
-    const cl_int error = clEnqueueReadBuffer(call->queue, call->from, CL_TRUE, call->first_byte, call->read_bytes,
-                                             call->to, 1, &call->done, NULL);
-    return error == CL_SUCCESS ? SVO_OK
-                               : svo_i_device_fail_cl(call->device, call->function, "clEnqueueReadBuffer", error);
+    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(call->device, call->function, name, error);
 }
 
 svo_status svo_i_call_end(svo_i_call *call, svo_status status)

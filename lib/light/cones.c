@@ -9,13 +9,14 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "core/opencl.h"
 #include "core/struct_size.h"
+#include "core/submit.h"
 #include "light/programs.h"
 #include "rays/batch.h"
 #include "rays/camera.h"
 #include "rays/picture.h"
 #include "rays/rays.h"
+#include "rays/target.h"
 #include "svocl/plan.h"
 
 /* Made by cmake/embed.cmake. */
@@ -29,11 +30,12 @@ extern const char svo_i_source_cones[];
 /* Rays of a work-item: SVO_SHADE_RAYS of the kernel. */
 #define ITEM_RAYS 64u
 
-_Static_assert((uint32_t)SVO_LIGHT_VIEW_FULL == SVO_LIT_VIEW_FULL && (uint32_t)SVO_LIGHT_VIEW_AO == SVO_LIT_VIEW_AO &&
-                   (uint32_t)SVO_LIGHT_VIEW_DIRECT == SVO_LIT_VIEW_DIRECT &&
-                   (uint32_t)SVO_LIGHT_VIEW_INDIRECT == SVO_LIT_VIEW_INDIRECT &&
-                   (uint32_t)SVO_LIGHT_VIEW_SPECULAR == SVO_LIT_VIEW_SPECULAR,
-               "svo_light_view and kernels/light/picture.cl number the views alike");
+/* svo_render_view and kernels/light/picture.cl number the views of light in the same order. */
+#define AHEAD ((uint32_t)SVO_VIEW_AO - SVO_LIT_VIEW_AO)
+_Static_assert((uint32_t)SVO_VIEW_DIRECT == AHEAD + SVO_LIT_VIEW_DIRECT &&
+                   (uint32_t)SVO_VIEW_INDIRECT == AHEAD + SVO_LIT_VIEW_INDIRECT &&
+                   (uint32_t)SVO_VIEW_SPECULAR == AHEAD + SVO_LIT_VIEW_SPECULAR,
+               "views of light follow each other");
 
 #define TILE_EDGE SVO_LIGHT_BAND_ROWS
 /* Camera rays of a pixel. */
@@ -48,42 +50,42 @@ static bool is_set_of_cones(uint32_t cones)
     return cones == 1 || cones == 5 || cones == 6 || cones == 16 || cones == 64;
 }
 
-static svo_status check_cones(const svo_light *light, const char *function, const svo_gather_options *options)
+static svo_status check_cones(const svo_light *light, const char *function, const char *argument,
+                              const svo_gather_options *options)
 {
-
     return options->cones == 0 || is_set_of_cones(options->cones)
                ? SVO_OK
-               : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: options.cones %u is not 1, 5, 6, 16 or 64",
-                                   function, options->cones);
+               : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: %s.cones %u is not 1, 5, 6, 16 or 64",
+                                   function, argument, options->cones);
 }
 
-static svo_status check_lengths(const svo_light *light, const char *function, const svo_gather_options *options)
+static svo_status check_lengths(const svo_light *light, const char *function, const char *argument,
+                                const svo_gather_options *options)
 {
     const bool step = options->step >= STEP_MIN && options->step <= STEP_MAX;
     if (!step && options->step != 0.0F) {
-        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: options.step %g is not in %g .. %g",
-                                 function, (double)options->step, (double)STEP_MIN, (double)STEP_MAX);
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: %s.step %g is not in %g .. %g", function,
+                                 argument, (double)options->step, (double)STEP_MIN, (double)STEP_MAX);
     }
     if (!(options->range >= 0.0F) || !isfinite(options->range)) {
-        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: options.range %g is negative or not finite",
-                                 function, (double)options->range);
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: %s.range %g is negative or not finite",
+                                 function, argument, (double)options->range);
     }
     return options->falloff >= 0.0F && isfinite(options->falloff)
                ? SVO_OK
-               : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
-                                   "%s: options.falloff %g is negative or not finite", function,
-                                   (double)options->falloff);
+               : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: %s.falloff %g is negative or not finite",
+                                   function, argument, (double)options->falloff);
 }
 
 /* The options, checked, with the defaults for 0. */
-static svo_status read_gather(const svo_light *light, const char *function, const svo_gather_options *options,
-                              svo_gather_params *params)
+static svo_status read_gather(const svo_light *light, const char *function, const char *argument,
+                              const svo_gather_options *options, svo_gather_params *params)
 {
     svo_gather_options asked;
-    SVO_I_TRY(svo_i_struct_read(svo_i_device_message(light->device), function, "options", options, &asked,
+    SVO_I_TRY(svo_i_struct_read(svo_i_device_message(light->device), function, argument, options, &asked,
                                 SVO_I_STRUCT_SIZES(svo_gather_options, no_light)));
-    SVO_I_TRY(check_cones(light, function, &asked));
-    SVO_I_TRY(check_lengths(light, function, &asked));
+    SVO_I_TRY(check_cones(light, function, argument, &asked));
+    SVO_I_TRY(check_lengths(light, function, argument, &asked));
     *params = (svo_gather_params){.cones = asked.cones != 0 ? asked.cones : CONES_DEFAULT,
                                   .step = asked.step > 0.0F ? asked.step : STEP_DEFAULT,
                                   .range = asked.range,
@@ -140,7 +142,7 @@ svo_status svo_gather(svo_light *light, svo_array points, svo_array results, siz
     if (light == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    SVO_I_TRY(read_gather(light, function, options, &params));
+    SVO_I_TRY(read_gather(light, function, "options", options, &params));
     const svo_i_batch asked = {.device = light->device,
                                .function = function,
                                .target = {light, SVO_LIGHT_ARGUMENTS, check_target, set_target},
@@ -279,7 +281,7 @@ static svo_lit_picture_params shader_params(const svo_light *light, uint32_t vie
 static svo_status read_cones(const svo_light *light, const char *function, uint32_t cones, svo_gather_params *out)
 {
     const svo_gather_options options = {.struct_size = sizeof options, .cones = cones};
-    return read_gather(light, function, &options, out);
+    return read_gather(light, function, "options", &options, out);
 }
 
 svo_status svo_i_light_check_cones(const svo_light *light, const char *function, uint32_t cones)
@@ -313,51 +315,44 @@ void svo_i_light_shade_end(svo_i_light_shade *shade)
 
 /* ---- pictures: kernels/light/picture.cl ---- */
 
-static svo_status check_band(const svo_light *light, const char *function, const svo_light_picture *picture)
+static svo_status check_band(const svo_light *light, const char *function, const svo_render_options *options)
 {
-    if (picture->first_row >= picture->height || picture->first_row % TILE_EDGE != 0) {
+    if (options->first_row >= options->height || options->first_row % TILE_EDGE != 0) {
         return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
-                                 "%s: picture.first_row %u is not a multiple of %u below height %u", function,
-                                 picture->first_row, TILE_EDGE, picture->height);
+                                 "%s: options.first_row %u is not a multiple of %u below height %u", function,
+                                 options->first_row, TILE_EDGE, options->height);
     }
-    return picture->row_count % TILE_EDGE == 0 ? SVO_OK
+    return options->row_count % TILE_EDGE == 0 ? SVO_OK
                                                : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
-                                                                   "%s: picture.row_count %u is not a multiple of %u",
-                                                                   function, picture->row_count, TILE_EDGE);
+                                                                   "%s: options.row_count %u is not a multiple of %u",
+                                                                   function, options->row_count, TILE_EDGE);
 }
 
-static svo_status check_picture(const svo_light *light, const char *function, const svo_light_picture *picture)
+static svo_status check_exposure(const svo_light *light, const char *function, const svo_render_options *options)
 {
-    SVO_I_TRY(svo_i_camera_check(light->device, function, &picture->camera, picture->width, picture->height));
-    SVO_I_TRY(svo_i_clip_check(light->device, function, picture->clip));
-    if ((unsigned)picture->view > SVO_LIGHT_VIEW_SPECULAR) {
-        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: picture.view %d is not in 0 .. %d", function,
-                                 (int)picture->view, (int)SVO_LIGHT_VIEW_SPECULAR);
-    }
-    return picture->exposure >= 0.0F && isfinite(picture->exposure)
-               ? check_band(light, function, picture)
+    return options->exposure >= 0.0F && isfinite(options->exposure)
+               ? SVO_OK
                : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
-                                   "%s: picture.exposure %g is negative or not finite", function,
-                                   (double)picture->exposure);
+                                   "%s: options.exposure %g is negative or not finite", function,
+                                   (double)options->exposure);
 }
 
-static svo_status fill_params(const svo_light *light, const char *function, const svo_light_picture *picture,
+static svo_status fill_params(const svo_light *light, const char *function, const svo_render_options *options,
                               svo_lit_picture_params *params, svo_i_pixel_output *output)
 {
     svo_i_pinhole hole;
+    SVO_I_TRY(svo_i_pixel_output_of(light->device, function, &options->output, SAMPLES, SVO_I_CURVE_SRGB, output));
     SVO_I_TRY(
-        svo_i_pixel_output_of(light->device, function, "picture", &picture->output, SAMPLES, SVO_I_CURVE_SRGB, output));
-    SVO_I_TRY(
-        svo_i_pinhole_from_camera(light->device, function, &picture->camera, picture->width, picture->height, &hole));
-    *params = shader_params(light, picture->view);
-    memcpy(params->clip, picture->clip, sizeof params->clip);
-    params->width = picture->width;
-    params->height = picture->height;
-    params->exposure = picture->exposure > 0.0F ? picture->exposure : 1.0F;
+        svo_i_pinhole_from_camera(light->device, function, &options->camera, options->width, options->height, &hole));
+    *params = shader_params(light, options->view == SVO_VIEW_SHADED ? SVO_LIT_VIEW_FULL : options->view - AHEAD);
+    memcpy(params->clip, options->clip, sizeof params->clip);
+    params->width = options->width;
+    params->height = options->height;
+    params->exposure = options->exposure > 0.0F ? options->exposure : 1.0F;
     params->samples = output->samples;
     params->pixel_flags = output->flags;
     for (int axis = 0; axis < 3; ++axis) {
-        params->eye[axis] = picture->camera.eye[axis];
+        params->eye[axis] = options->camera.eye[axis];
         params->corner[axis] = hole.corner[axis];
         params->across[axis] = hole.across[axis];
         params->down[axis] = hole.down[axis];
@@ -367,28 +362,27 @@ static svo_status fill_params(const svo_light *light, const char *function, cons
 }
 
 /* The caller's options for what the view shows of them. */
-static svo_status fill_gather(const svo_light *light, const char *function, const svo_light_picture *picture,
+static svo_status fill_gather(const svo_light *light, const char *function, const svo_render_options *options,
                               svo_gather_params *gather)
 {
-    SVO_I_TRY(read_gather(light, function, &picture->gather, gather));
-    if (picture->view == SVO_LIGHT_VIEW_AO) {
+    SVO_I_TRY(read_gather(light, function, "options.gather", options->gather, gather));
+    if (options->view == SVO_VIEW_AO) {
         gather->with_light = 0;
     }
     return SVO_OK;
 }
 
 /* Rows of the picture's band. */
-static uint32_t rows_of_band(const svo_light_picture *picture)
+static uint32_t rows_of_band(const svo_render_options *options)
 {
-    const uint32_t below = picture->height - picture->first_row;
-    return picture->row_count == 0 || picture->row_count > below ? below : picture->row_count;
+    const uint32_t below = options->height - options->first_row;
+    return options->row_count == 0 || options->row_count > below ? below : options->row_count;
 }
 
 /* A picture that is about to be drawn. */
 typedef struct drawing {
     const svo_light *light;
-    const char *function; /* for messages */
-    svo_light_picture asked;
+    svo_render_options asked;
     svo_lit_picture_params params;
     svo_gather_params gather;
     svo_i_pixel_output output;
@@ -396,11 +390,11 @@ typedef struct drawing {
 
 static svo_status launch(const drawing *drawn, const svo_i_light_shader *shader, cl_mem pixels)
 {
-    const svo_light_picture *picture = &drawn->asked;
+    const svo_render_options *options = &drawn->asked;
     const svo_i_argument own[] = {SVO_I_ARGUMENT(pixels)};
-    const uint64_t across = (picture->width + TILE_EDGE - 1) / TILE_EDGE;
-    const uint64_t begin = across * (picture->first_row / TILE_EDGE);
-    const uint64_t end = begin + across * ((rows_of_band(picture) + TILE_EDGE - 1) / TILE_EDGE);
+    const uint64_t across = (options->width + TILE_EDGE - 1) / TILE_EDGE;
+    const uint64_t begin = across * (options->first_row / TILE_EDGE);
+    const uint64_t end = begin + across * ((rows_of_band(options) + TILE_EDGE - 1) / TILE_EDGE);
     svo_lit_picture_params params = drawn->params;
     for (uint64_t first = begin; first < end; first += BAND_TILES) {
         params.first_tile = (uint32_t)first;
@@ -410,97 +404,82 @@ static svo_status launch(const drawing *drawn, const svo_i_light_shader *shader,
     return SVO_OK;
 }
 
-static svo_status enqueue(const drawing *drawn, const svo_i_pixels *to)
+static svo_status enqueue(const drawing *drawn, const svo_array *to, svo_i_call *call)
 {
+    const svo_render_options *options = &drawn->asked;
+    const size_t row_bytes = (size_t)options->width * drawn->output.pixel_bytes;
     svo_i_device_work work;
     svo_i_light_shader shader = {.kernel = NULL};
+    cl_mem pixels = NULL;
     svo_status status = SVO_OK;
-    SVO_I_TRY(svo_i_work_begin_after(drawn->light->device, drawn->function, to->queue, to->num_wait, to->wait, &work));
+    SVO_I_TRY(svo_i_call_output(call, "pixels", to, row_bytes * options->height, row_bytes * options->first_row,
+                                row_bytes * rows_of_band(options), &pixels));
+    SVO_I_TRY(svo_i_work_begin_after(call->device, call->function, call->queue, call->num_wait, call->wait, &work));
     SVO_I_TRY_CLEANUP(begin_shader(&work, drawn->light, &svo_i_program_light_picture, "svo_k_light_picture", &shader));
-    SVO_I_TRY_CLEANUP(launch(drawn, &shader, to->buffer));
+    SVO_I_TRY_CLEANUP(launch(drawn, &shader, pixels));
 
 cleanup:
     end_shader(&shader);
-    svo_i_work_leave(&work, status == SVO_OK ? to->event : NULL);
+    svo_i_work_leave(&work, status == SVO_OK ? call->event : NULL);
     return status;
 }
 
-/* Checks what is asked for. */
-static svo_status begin(const svo_light *light, const char *function, const svo_light_picture *picture, drawing *out)
+static svo_status render(void *of, const svo_render_options *options, const svo_array *pixels, const svo_submit *submit)
 {
-    *out = (drawing){.light = light, .function = function};
-    if (picture == NULL) {
-        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: picture is NULL", function);
-    }
-    SVO_I_TRY(svo_i_struct_read(svo_i_device_message(light->device), function, "picture", picture, &out->asked,
-                                SVO_I_STRUCT_SIZES(svo_light_picture, exposure)));
+    static const char function[] = "svo_render";
+    static const svo_i_picture_kind kind = {.name = "light",
+                                            .views = 1u << SVO_VIEW_SHADED | 1u << SVO_VIEW_AO | 1u << SVO_VIEW_DIRECT |
+                                                     1u << SVO_VIEW_INDIRECT | 1u << SVO_VIEW_SPECULAR,
+                                            .view_names = "SVO_VIEW_SHADED, AO, DIRECT, INDIRECT and SPECULAR",
+                                            .gathers = true};
+    const svo_light *light = of;
+    drawing drawn = {.light = light};
+    svo_i_call call;
+    SVO_I_TRY(svo_i_picture_options(light->device, function, &kind, options, &drawn.asked));
     SVO_I_TRY(svo_i_tree_check(light->tree, function));
-    SVO_I_TRY(check_picture(light, function, &out->asked));
-    SVO_I_TRY(fill_params(light, function, &out->asked, &out->params, &out->output));
-    return fill_gather(light, function, &out->asked, &out->gather);
+    SVO_I_TRY(check_exposure(light, function, &drawn.asked));
+    SVO_I_TRY(check_band(light, function, &drawn.asked));
+    SVO_I_TRY(fill_params(light, function, &drawn.asked, &drawn.params, &drawn.output));
+    SVO_I_TRY(fill_gather(light, function, &drawn.asked, &drawn.gather));
+    SVO_I_TRY(svo_i_call_begin(light->device, function, submit, &call));
+    return svo_i_call_end(&call, enqueue(&drawn, pixels, &call));
 }
 
-svo_status svo_light_render_enqueue(svo_light *light, const svo_light_picture *picture, cl_mem pixels,
-                                    cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
+/* ---- the class ---- */
+
+static svo_device *device_of(const void *light)
 {
-    svo_i_pixels to = {pixels, queue, num_wait, wait, event};
-    drawing drawn;
-    if (light == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    SVO_I_TRY(begin(light, "svo_light_render_enqueue", picture, &drawn));
-    SVO_I_TRY(svo_i_pixels_check(light->device, drawn.function, drawn.asked.width, drawn.asked.height,
-                                 drawn.output.pixel_bytes, &to));
-    return enqueue(&drawn, &to);
+    return ((const svo_light *)light)->device;
 }
 
-svo_status svo_light_render(svo_light *light, const svo_light_picture *picture, cl_command_queue queue, uint8_t *rgba)
+static svo_status fit_camera(const void *light, float aspect, svo_camera *camera)
 {
-    static const char function[] = "svo_light_render";
-    svo_i_own_pixels own;
-    drawing drawn;
-    svo_status status = SVO_OK;
-    if (light == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    if (rgba == NULL) {
-        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: rgba is NULL", function);
-    }
-    SVO_I_TRY(begin(light, function, picture, &drawn));
-    SVO_I_TRY(svo_i_own_pixels_begin(light->device, function, drawn.asked.width, drawn.asked.height,
-                                     drawn.output.pixel_bytes, queue, &own));
-    SVO_I_TRY_CLEANUP(enqueue(&drawn, &own.to));
-    SVO_I_TRY_CLEANUP(svo_i_own_pixels_read(&own, drawn.asked.first_row, rows_of_band(&drawn.asked), rgba));
-
-cleanup:
-    svo_i_own_pixels_end(&own);
-    return status;
+    return svo_i_tree_fit_camera(((const svo_light *)light)->tree, aspect, camera);
 }
 
-/* ---- the caller's kernels ---- */
-
-const char *svo_light_kernel_source(void)
+static const char *kernel_source(void)
 {
     return svo_i_source_cones;
 }
 
-const char *svo_light_kernel_options(const svo_light *light)
+static const char *kernel_options(const void *of)
 {
-    static const char *const options[SVO_LIGHT_FORM_COUNT] = {
-        "-cl-std=CL1.2 -DSVO_LIGHT_FACES", "-cl-std=CL1.2 -DSVO_LIGHT_BRICKS", "-cl-std=CL1.2 -DSVO_LIGHT_VOXELS"};
-    return light != NULL ? options[light->info.form] : "";
+    static const char *const options[SVO_LIGHT_FORM_COUNT] = {SVO_I_KERNEL_OPTIONS " -DSVO_LIGHT_FACES",
+                                                              SVO_I_KERNEL_OPTIONS " -DSVO_LIGHT_BRICKS",
+                                                              SVO_I_KERNEL_OPTIONS " -DSVO_LIGHT_VOXELS"};
+    const svo_light *light = of;
+    return light != NULL ? options[light->info.form] : NULL;
 }
 
-svo_status svo_light_set_args(svo_light *light, cl_kernel kernel, cl_uint first_index)
+static const struct svo_target_class light_class = {.name = "light",
+                                                    .device = device_of,
+                                                    .render = render,
+                                                    .fit_camera = fit_camera,
+                                                    .kernel_source = kernel_source,
+                                                    .kernel_options = kernel_options,
+                                                    .set_kernel_arguments = set_target};
+
+svo_target svo_light_target(svo_light *light)
 {
-    static const char function[] = "svo_light_set_args";
-    if (light == NULL || kernel == NULL) {
-        return svo_i_device_fail(light != NULL ? light->device : NULL, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
-                                 light == NULL ? "light" : "kernel");
-    }
-    const char *wrong = svo_i_wrong_kernel(light->device->context, kernel);
-    if (wrong != NULL) {
-        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: kernel %s", function, wrong);
-    }
-    return set_light(light, function, kernel, first_index);
+    return (svo_target){&light_class, light};
 }

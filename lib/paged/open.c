@@ -361,19 +361,6 @@ static svo_i_picture_source describe(svo_paged *paged, const char *function)
                                   .one_normal = !paged->layout.by_node[PAGED_NORMALS]};
 }
 
-static svo_status check_picture(const svo_paged *paged, const char *function, const svo_render_options *options,
-                                const uint8_t *rgba, svo_render_options *asked)
-{
-    if (options == NULL || rgba == NULL) {
-        return svo_i_device_fail(paged->device, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
-                                 options == NULL ? "options" : "rgba");
-    }
-    SVO_I_TRY(svo_i_picture_options(paged->device, function, options, asked));
-    return asked->view != SVO_VIEW_TRIANGLES ? SVO_OK
-                                             : svo_i_device_fail(paged->device, SVO_INVALID_ARGUMENT,
-                                                                 "%s: a paged tree has no triangles to show", function);
-}
-
 /* Before a picture no page is marked. */
 static void clear_marks(svo_paged *paged)
 {
@@ -407,15 +394,21 @@ static void count_marks(svo_paged *paged)
 svo_status svo_paged_render(svo_paged *paged, const svo_render_options *options, uint8_t *rgba)
 {
     static const char function[] = "svo_paged_render";
+    static const svo_i_picture_kind kind = {
+        .name = "paged tree", .views = SVO_I_VOXEL_VIEWS, .view_names = SVO_I_VOXEL_VIEW_NAMES};
+    const svo_array pixels = svo_in_host(rgba);
     svo_render_options asked;
     if (paged == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    SVO_I_TRY(check_picture(paged, function, options, rgba, &asked));
+    if (rgba == NULL) {
+        return svo_i_device_fail(paged->device, SVO_INVALID_ARGUMENT, "%s: rgba is NULL", function);
+    }
+    SVO_I_TRY(svo_i_picture_options(paged->device, function, &kind, options, &asked));
     const svo_i_picture_source source = describe(paged, function);
     clear_marks(paged);
     SVO_I_TRY(svo_i_paged_write_table(paged));
-    SVO_I_TRY(svo_i_picture_draw(&source, &asked, NULL, rgba));
+    SVO_I_TRY(svo_i_picture_draw(&source, &asked, &pixels, NULL));
     const svo_status status = svo_i_paged_read_table(paged);
     if (status != SVO_OK) {
         clear_marks(paged); /* a read that fails may have brought some */

@@ -3,11 +3,11 @@
    (kernels/probes/trace.cl, gather.cl), and the caller's kernels. */
 #include <math.h>
 
-#include "core/opencl.h"
 #include "core/struct_size.h"
 #include "probes/handle.h"
 #include "probes/programs.h"
 #include "rays/batch.h"
+#include "rays/target.h"
 
 /* Of kernels/probes: choose.clh, diffuse.clh. */
 extern const char svo_i_source_light_field[];
@@ -117,28 +117,31 @@ svo_status svo_probes_irradiance(svo_probes *probes, svo_array points, svo_array
     return svo_i_batch_run(&asked, &points, &results, submit);
 }
 
-/* ---- the caller's kernels ---- */
+/* ---- the class: the caller's kernels ---- */
 
-const char *svo_probes_kernel_source(void)
+static svo_device *device_of(const void *probes)
+{
+    return ((const svo_probes *)probes)->device;
+}
+
+static const char *kernel_source(void)
 {
     return svo_i_source_light_field;
 }
 
-const char *svo_probes_kernel_options(const svo_probes *probes)
+static const char *kernel_options(const void *probes)
 {
-    return probes != NULL ? "-cl-std=CL1.2" : "";
+    (void)probes;
+    return SVO_I_KERNEL_OPTIONS;
 }
 
-svo_status svo_probes_set_args(svo_probes *probes, cl_kernel kernel, cl_uint first_index)
+static const struct svo_target_class probes_class = {.name = "light field",
+                                                     .device = device_of,
+                                                     .kernel_source = kernel_source,
+                                                     .kernel_options = kernel_options,
+                                                     .set_kernel_arguments = set_target};
+
+svo_target svo_probes_target(svo_probes *probes)
 {
-    static const char function[] = "svo_probes_set_args";
-    if (probes == NULL || kernel == NULL) {
-        return svo_i_device_fail(probes != NULL ? probes->device : NULL, SVO_INVALID_ARGUMENT, "%s: %s is NULL",
-                                 function, probes == NULL ? "probes" : "kernel");
-    }
-    const char *wrong = svo_i_wrong_kernel(probes->device->context, kernel);
-    if (wrong != NULL) {
-        return svo_i_device_fail(probes->device, SVO_INVALID_ARGUMENT, "%s: kernel %s", function, wrong);
-    }
-    return set_target(probes, function, kernel, first_index);
+    return (svo_target){&probes_class, probes};
 }

@@ -265,16 +265,10 @@ bool svo_i_camera_fit(const svo_i_fitted *of, float aspect, svo_camera *camera)
     return true;
 }
 
-svo_status svo_camera_fit(const svo_tree *tree, float aspect, svo_camera *camera)
+svo_status svo_i_tree_fit_camera(const void *tree, float aspect, svo_camera *camera)
 {
     const svo_i_fitted fitted = {tree, tree_reach};
     return svo_i_camera_fit(&fitted, aspect, camera) ? SVO_OK : SVO_INVALID_ARGUMENT;
-}
-
-void svo_camera_frame(const svo_tree *tree, float aspect, svo_camera *camera)
-{
-    *camera = (svo_camera){.vertical_fov = 0};
-    (void)svo_camera_fit(tree, aspect, camera);
 }
 
 /* ---- light ---- */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Pictures of voxels, whatever holds them, and buffers that pictures are drawn to: the host side of
- * kernels/rays/render.cl and view.cl.
+ * Pictures of voxels, whatever holds them, and what all pictures share: the host side of kernels/rays/render.cl and
+ * view.cl.
  */
 #include "rays/picture.h"
 
@@ -35,34 +35,31 @@ static float decode(svo_i_curve curve, float coded)
     }
 }
 
-static svo_status check_output(svo_device *device, const char *function, const char *argument,
-                               const svo_picture_output *asked)
+static svo_status check_output(svo_device *device, const char *function, const svo_picture_output *asked)
 {
     if ((unsigned)asked->format > SVO_PIXELS_LINEAR || (unsigned)asked->background > SVO_BACKGROUND_TRANSPARENT) {
         const bool format = (unsigned)asked->format > SVO_PIXELS_LINEAR;
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s.output.%s %d is not in 0 .. %d", function,
-                                 argument, format ? "format" : "background",
-                                 format ? (int)asked->format : (int)asked->background,
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.output.%s %d is not in 0 .. %d", function,
+                                 format ? "format" : "background", format ? (int)asked->format : (int)asked->background,
                                  format ? (int)SVO_PIXELS_LINEAR : (int)SVO_BACKGROUND_TRANSPARENT);
     }
     for (int channel = 0; channel < 3; ++channel) {
         if (!(asked->background_color[channel] >= 0.0F && asked->background_color[channel] <= 1.0F)) {
             return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
-                                     "%s: %s.output.background_color[%d] %g is not in 0 .. 1", function, argument,
-                                     channel, (double)asked->background_color[channel]);
+                                     "%s: options.output.background_color[%d] %g is not in 0 .. 1", function, channel,
+                                     (double)asked->background_color[channel]);
         }
     }
     return asked->samples <= SVO_PICTURE_SAMPLES_MAX
                ? SVO_OK
-               : svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s.output.samples %u is above %u", function,
-                                   argument, asked->samples, SVO_PICTURE_SAMPLES_MAX);
+               : svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.output.samples %u is above %u", function,
+                                   asked->samples, SVO_PICTURE_SAMPLES_MAX);
 }
 
-svo_status svo_i_pixel_output_of(svo_device *device, const char *function, const char *argument,
-                                 const svo_picture_output *asked, uint32_t samples, svo_i_curve curve,
-                                 svo_i_pixel_output *out)
+svo_status svo_i_pixel_output_of(svo_device *device, const char *function, const svo_picture_output *asked,
+                                 uint32_t samples, svo_i_curve curve, svo_i_pixel_output *out)
 {
-    SVO_I_TRY(check_output(device, function, argument, asked));
+    SVO_I_TRY(check_output(device, function, asked));
     const bool linear = asked->format == SVO_PIXELS_LINEAR;
     *out = (svo_i_pixel_output){.samples = asked->samples > 0 ? asked->samples : samples,
                                 .flags = (linear ? SVO_PIXEL_LINEAR : 0u) |
@@ -76,51 +73,39 @@ svo_status svo_i_pixel_output_of(svo_device *device, const char *function, const
     return SVO_OK;
 }
 
-svo_status svo_i_pixels_check(svo_device *device, const char *function, uint32_t width, uint32_t height,
-                              uint32_t pixel_bytes, svo_i_pixels *given)
-{
-    if (given->buffer == NULL) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: pixels is NULL", function);
-    }
-    SVO_I_TRY(svo_i_device_queue(device, function, given->queue, &given->queue));
-    SVO_I_TRY(svo_i_device_check_wait(device, function, given->num_wait, given->wait));
-    return svo_i_device_check_output(device, function, "pixels", given->buffer, (size_t)width * height * pixel_bytes);
-}
-
 static cl_uint count_tiles(const svo_i_tiles *tiles)
 {
     return ((tiles->width + TILE_EDGE - 1) / TILE_EDGE) * ((tiles->height + TILE_EDGE - 1) / TILE_EDGE);
 }
 
-/* Launches the band that begins with a tile. */
-static svo_status draw_band(svo_device *device, const char *function, const svo_i_tiles *tiles, cl_uint first,
-                            const svo_i_pixels *to)
+/* Launches the band that begins with a tile. previous: the band before; NULL for the first. */
+static svo_status draw_band(const svo_i_tiles *tiles, cl_uint first, const svo_i_call *call, const cl_event *previous,
+                            cl_event *event)
 {
     const cl_uint count = count_tiles(tiles);
-    const cl_uint band = count - first < device->band_tiles ? count - first : device->band_tiles;
-    const size_t global = band * tiles->items;
-    SVO_I_TRY(svo_i_kernel_set_from(device, function, tiles->kernel, tiles->first_tile, &SVO_I_ARGUMENT(first), 1));
-    const cl_int error = clEnqueueNDRangeKernel(to->queue, tiles->kernel, 1, NULL, &global, &tiles->items, to->num_wait,
-                                                to->wait, to->event);
-    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(device, function, "clEnqueueNDRangeKernel", error);
+    const cl_uint most = call->device->band_tiles;
+    const size_t global = (count - first < most ? count - first : most) * tiles->items;
+    SVO_I_TRY(svo_i_kernel_set_from(call->device, call->function, tiles->kernel, tiles->first_tile,
+                                    &SVO_I_ARGUMENT(first), 1));
+    /* Each band waits for the previous one, since the queue may be out-of-order. */
+    const cl_int error =
+        clEnqueueNDRangeKernel(call->queue, tiles->kernel, 1, NULL, &global, &tiles->items,
+                               previous != NULL ? 1 : call->num_wait, previous != NULL ? previous : call->wait, event);
+    return error == CL_SUCCESS ? SVO_OK
+                               : svo_i_device_fail_cl(call->device, call->function, "clEnqueueNDRangeKernel", error);
 }
 
-svo_status svo_i_pixels_draw(svo_device *device, const char *function, const svo_i_tiles *tiles, const svo_i_pixels *to)
+svo_status svo_i_tiles_draw(const svo_i_tiles *tiles, const svo_i_call *call)
 {
     const cl_uint count = count_tiles(tiles);
+    const cl_uint most = call->device->band_tiles;
     cl_event previous = NULL;
     svo_status status = SVO_OK;
-    for (cl_uint first = 0; first < count; first += device->band_tiles) {
-        const bool is_last = count - first <= device->band_tiles;
+    for (cl_uint first = 0; first < count; first += most) {
+        const bool is_last = count - first <= most;
         cl_event drawn = NULL;
-        svo_i_pixels band = *to;
-        band.event = is_last ? to->event : &drawn;
-        /* Each band waits for the previous one, since the queue may be out-of-order. */
-        if (previous != NULL) {
-            band.num_wait = 1;
-            band.wait = &previous;
-        }
-        SVO_I_TRY_CLEANUP(draw_band(device, function, tiles, first, &band));
+        SVO_I_TRY_CLEANUP(
+            draw_band(tiles, first, call, previous != NULL ? &previous : NULL, is_last ? call->event : &drawn));
         if (previous != NULL) {
             clReleaseEvent(previous);
         }
@@ -135,37 +120,6 @@ cleanup:
     return status;
 }
 
-svo_status svo_i_own_pixels_begin(svo_device *device, const char *function, uint32_t width, uint32_t height,
-                                  uint32_t pixel_bytes, cl_command_queue queue, svo_i_own_pixels *out)
-{
-    *out = (svo_i_own_pixels){.device = device, .function = function, .row_bytes = width * pixel_bytes};
-    out->to.event = &out->drawn;
-    SVO_I_TRY(svo_i_device_queue(device, function, queue, &out->to.queue));
-    return svo_i_device_buffer(device, function, "picture", CL_MEM_WRITE_ONLY, (size_t)width * height * pixel_bytes,
-                               &out->to.buffer);
-}
-
-svo_status svo_i_own_pixels_read(const svo_i_own_pixels *own, uint32_t first_row, uint32_t row_count, uint8_t *rgba)
-{
-    const size_t row_bytes = own->row_bytes;
-    const cl_int error = clEnqueueReadBuffer(own->to.queue, own->to.buffer, CL_TRUE, row_bytes * first_row,
-                                             row_bytes * row_count, rgba, 1, &own->drawn, NULL);
-    return error == CL_SUCCESS ? SVO_OK
-                               : svo_i_device_fail_cl(own->device, own->function, "clEnqueueReadBuffer", error);
-}
-
-void svo_i_own_pixels_end(svo_i_own_pixels *own)
-{
-    if (own->drawn != NULL) {
-        (void)svo_i_event_settle(own->drawn);
-        clReleaseEvent(own->drawn);
-    }
-    if (own->to.buffer != NULL) {
-        clReleaseMemObject(own->to.buffer);
-    }
-    *own = (svo_i_own_pixels){.device = NULL};
-}
-
 /* ---- pictures ---- */
 
 _Static_assert((uint32_t)SVO_VIEW_NORMAL == SVO_VIEW_KIND_NORMAL && (uint32_t)SVO_VIEW_DEPTH == SVO_VIEW_KIND_DEPTH &&
@@ -173,18 +127,46 @@ _Static_assert((uint32_t)SVO_VIEW_NORMAL == SVO_VIEW_KIND_NORMAL && (uint32_t)SV
                    (uint32_t)SVO_VIEW_TRIANGLES == SVO_VIEW_KIND_TRIANGLES,
                "svo_render_view and kernels/rays/view.cl number the views alike");
 
-svo_status svo_i_picture_options(svo_device *device, const char *function, const svo_render_options *options,
-                                 svo_render_options *out)
+/* The first field that is set and that the kind does not have; NULL: none. */
+static const char *foreign_field(const svo_i_picture_kind *kind, const svo_render_options *options)
 {
+    const struct {
+        const char *name;
+        bool is_set, is_known;
+    } fields[] = {{"light_count", options->light_count != 0, kind->lights},
+                  {"lights", options->lights != NULL, kind->lights},
+                  {"occlusion_range", options->occlusion_range != 0.0F, kind->lights},
+                  {"gather", options->gather != NULL, kind->gathers},
+                  {"exposure", options->exposure != 0.0F, kind->gathers},
+                  {"first_row", options->first_row != 0, kind->gathers},
+                  {"row_count", options->row_count != 0, kind->gathers}};
+    for (size_t i = 0; i < sizeof fields / sizeof fields[0]; ++i) {
+        if (fields[i].is_set && !fields[i].is_known) {
+            return fields[i].name;
+        }
+    }
+    return NULL;
+}
+
+svo_status svo_i_picture_options(svo_device *device, const char *function, const svo_i_picture_kind *kind,
+                                 const svo_render_options *options, svo_render_options *out)
+{
+    if (options == NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options is NULL", function);
+    }
     SVO_I_TRY(svo_i_struct_read(&device->message, function, "options", options, out,
                                 SVO_I_STRUCT_SIZES(svo_render_options, camera)));
     SVO_I_TRY(svo_i_camera_check(device, function, &out->camera, out->width, out->height));
     SVO_I_TRY(svo_i_clip_check(device, function, out->clip));
-    if ((unsigned)out->view > SVO_VIEW_TRIANGLES) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.view %d is not in 0 .. %d", function,
-                                 (int)out->view, (int)SVO_VIEW_TRIANGLES);
+    if ((unsigned)out->view > SVO_VIEW_SPECULAR || (kind->views >> out->view & 1u) == 0) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.view %d is none of a %s, which has %s",
+                                 function, (int)out->view, kind->name, kind->view_names);
     }
-    return SVO_OK;
+    const char *foreign = foreign_field(kind, out);
+    return foreign == NULL
+               ? SVO_OK
+               : svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.%s is not 0, and a %s has none", function,
+                                   foreign, kind->name);
 }
 
 /* Pictures show nodes of all levels. */
@@ -205,8 +187,8 @@ static svo_status describe_output(const svo_i_picture_source *source, const svo_
                                   svo_i_pixel_output *out)
 {
     const bool shaded = options->view == SVO_VIEW_SHADED;
-    return svo_i_pixel_output_of(source->device, source->function, "options", &options->output,
-                                 shaded ? SVO_CAST_SAMPLES : 1u, shaded ? SVO_I_CURVE_ROOT : SVO_I_CURVE_NONE, out);
+    return svo_i_pixel_output_of(source->device, source->function, &options->output, shaded ? SVO_CAST_SAMPLES : 1u,
+                                 shaded ? SVO_I_CURVE_ROOT : SVO_I_CURVE_NONE, out);
 }
 
 /* A plane of the world in voxels: its normal is as long as it was, and so is what it has above it, times voxels. */
@@ -314,17 +296,19 @@ static svo_status prepare_shaded(const svo_i_picture_source *source, picture *dr
 }
 
 static svo_status enqueue(const svo_i_picture_source *source, const svo_render_options *options,
-                          const svo_i_pixel_output *output, const svo_i_pixels *to)
+                          const svo_i_pixel_output *output, const svo_array *pixels, svo_i_call *call)
 {
     svo_cast_params params = {.depth = 0};
-    picture drawn = {.tiles = {.width = options->width, .height = options->height}, .pixels = to->buffer};
+    picture drawn = {.tiles = {.width = options->width, .height = options->height}};
+    const size_t bytes = (size_t)options->width * options->height * output->pixel_bytes;
     svo_status status = SVO_OK;
+    SVO_I_TRY(svo_i_call_output(call, "pixels", pixels, bytes, 0, bytes, &drawn.pixels));
     SVO_I_TRY(fill_params(source, options, output, &params));
     SVO_I_TRY_CLEANUP(
         svo_i_device_constants(source->device, source->function, "camera", &params, sizeof params, &drawn.params));
     SVO_I_TRY_CLEANUP(options->view == SVO_VIEW_SHADED ? prepare_shaded(source, &drawn)
                                                        : prepare_view(source, options, &drawn));
-    SVO_I_TRY_CLEANUP(svo_i_pixels_draw(source->device, source->function, &drawn.tiles, to));
+    SVO_I_TRY_CLEANUP(svo_i_tiles_draw(&drawn.tiles, call));
 
 cleanup:
     if (drawn.params != NULL) {
@@ -336,52 +320,22 @@ cleanup:
     return status;
 }
 
-svo_status svo_i_picture_enqueue(const svo_i_picture_source *source, const svo_render_options *options,
-                                 svo_i_pixels *to)
-{
-    svo_i_pixel_output output;
-    SVO_I_TRY(check_payload(source));
-    SVO_I_TRY(describe_output(source, options, &output));
-    SVO_I_TRY(
-        svo_i_pixels_check(source->device, source->function, options->width, options->height, output.pixel_bytes, to));
-    return enqueue(source, options, &output, to);
-}
-
 svo_status svo_i_picture_draw(const svo_i_picture_source *source, const svo_render_options *options,
-                              cl_command_queue queue, uint8_t *rgba)
+                              const svo_array *pixels, const svo_submit *submit)
 {
     svo_i_pixel_output output;
-    svo_i_own_pixels own;
-    svo_status status = SVO_OK;
+    svo_i_call call;
     SVO_I_TRY(check_payload(source));
     SVO_I_TRY(describe_output(source, options, &output));
-    SVO_I_TRY(svo_i_own_pixels_begin(source->device, source->function, options->width, options->height,
-                                     output.pixel_bytes, queue, &own));
-    SVO_I_TRY_CLEANUP(enqueue(source, options, &output, &own.to));
-    SVO_I_TRY_CLEANUP(svo_i_own_pixels_read(&own, 0, options->height, rgba));
-
-cleanup:
-    svo_i_own_pixels_end(&own);
-    return status;
+    SVO_I_TRY(svo_i_call_begin(source->device, source->function, submit, &call));
+    return svo_i_call_end(&call, enqueue(source, options, &output, pixels, &call));
 }
 
 /* ---- of trees ---- */
 
-static svo_status check_tree(svo_device *device, const svo_tree *tree, const char *function)
+static svo_status describe(svo_tree *tree, const char *function, svo_i_picture_source *out)
 {
-    if (tree->device != NULL && tree->device != device) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: the tree is on another device", function);
-    }
-    if (tree->buffers[SVO_TREE_CHILD_MASK] == NULL || tree->buffers[SVO_TREE_FIRST_CHILD] == NULL) {
-        return svo_i_device_fail(device, SVO_NOT_ON_DEVICE,
-                                 "%s: the tree is not on a device; call svo_tree_upload first", function);
-    }
-    return SVO_OK;
-}
-
-static svo_status describe(svo_device *device, svo_tree *tree, const char *function, svo_i_picture_source *out)
-{
-    *out = (svo_i_picture_source){.device = device,
+    *out = (svo_i_picture_source){.device = tree->device,
                                   .function = function,
                                   .form_defines = "",
                                   .nodes = {tree->buffers[SVO_TREE_CHILD_MASK], tree->buffers[SVO_TREE_FIRST_CHILD]},
@@ -395,48 +349,24 @@ static svo_status describe(svo_device *device, svo_tree *tree, const char *funct
     return svo_tree_get_grid(tree, &out->grid);
 }
 
-/* Checks what is asked for and describes what is drawn. */
-static svo_status begin(svo_device *device, svo_tree *tree, const char *function, const svo_render_options *options,
-                        svo_render_options *asked, svo_i_picture_source *source)
+svo_status svo_i_tree_render(void *of, const svo_render_options *options, const svo_array *pixels,
+                             const svo_submit *submit)
 {
-    if (tree == NULL || options == NULL) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
-                                 tree == NULL ? "tree" : "options");
+    static const char function[] = "svo_render";
+    static const svo_i_picture_kind kind = {.name = "tree",
+                                            .views = SVO_I_VOXEL_VIEWS | 1u << SVO_VIEW_TRIANGLES,
+                                            .view_names = "SVO_VIEW_SHADED, NORMAL, DEPTH, STEPS, LEVEL and TRIANGLES"};
+    svo_tree *tree = of;
+    svo_render_options asked;
+    svo_i_picture_source source;
+    if (tree->device == NULL) {
+        return SVO_NOT_ON_DEVICE;
     }
-    SVO_I_TRY(svo_i_picture_options(device, function, options, asked));
+    SVO_I_TRY(svo_i_picture_options(tree->device, function, &kind, options, &asked));
     SVO_I_TRY(svo_i_tree_check(tree, function));
-    SVO_I_TRY(check_tree(device, tree, function));
-    if (asked->view == SVO_VIEW_TRIANGLES) {
+    if (asked.view == SVO_VIEW_TRIANGLES) {
         SVO_I_TRY(svo_i_rays_check(tree, function));
     }
-    return describe(device, tree, function, source);
-}
-
-svo_status svo_tree_render_enqueue(svo_device *device, svo_tree *tree, const svo_render_options *options, cl_mem pixels,
-                                   cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
-{
-    svo_i_pixels to = {pixels, queue, num_wait, wait, event};
-    svo_render_options asked;
-    svo_i_picture_source source;
-    if (device == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    SVO_I_TRY(begin(device, tree, "svo_tree_render_enqueue", options, &asked, &source));
-    return svo_i_picture_enqueue(&source, &asked, &to);
-}
-
-svo_status svo_tree_render(svo_device *device, svo_tree *tree, const svo_render_options *options,
-                           cl_command_queue queue, uint8_t *rgba)
-{
-    static const char function[] = "svo_tree_render";
-    svo_render_options asked;
-    svo_i_picture_source source;
-    if (device == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    if (rgba == NULL) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: rgba is NULL", function);
-    }
-    SVO_I_TRY(begin(device, tree, function, options, &asked, &source));
-    return svo_i_picture_draw(&source, &asked, queue, rgba);
+    SVO_I_TRY(describe(tree, function, &source));
+    return svo_i_picture_draw(&source, &asked, pixels, submit);
 }

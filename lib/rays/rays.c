@@ -438,30 +438,14 @@ svo_i_ray_target svo_i_voxels_target(svo_tree *tree)
     return (svo_i_ray_target){tree, SVO_TREE_ARGUMENTS, check_voxels, set_voxels};
 }
 
-svo_status svo_tree_set_args(svo_tree *tree, cl_kernel kernel, cl_uint first_index)
+svo_status svo_i_tree_set_kernel_arguments(void *of, const char *function, cl_kernel kernel, cl_uint first_index)
 {
-    static const char function[] = "svo_tree_set_args";
-    if (tree == NULL || kernel == NULL) {
-        return svo_i_device_fail(tree != NULL ? tree->device : NULL, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
-                                 tree == NULL ? "tree" : "kernel");
-    }
+    svo_tree *tree = of;
     SVO_I_TRY(svo_i_tree_check(tree, function));
-    if (tree->device == NULL) {
-        return SVO_NOT_ON_DEVICE;
-    }
-    const char *wrong = svo_i_wrong_kernel(tree->device->context, kernel);
-    if (wrong != NULL) {
-        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: kernel %s", function, wrong);
-    }
     return svo_i_rays_set_tree(tree, function, kernel, first_index);
 }
 
-const char *svo_tree_kernel_source(void)
+const char *svo_i_tree_kernel_source(void)
 {
     return svo_i_source_rays;
-}
-
-const char *svo_tree_kernel_options(void)
-{
-    return "-cl-std=CL1.2";
 }

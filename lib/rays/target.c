@@ -3,6 +3,7 @@
 #include "rays/target.h"
 
 #include "core/device.h"
+#include "core/opencl.h"
 
 static svo_status refuse(svo_target target, const char *function)
 {
@@ -38,6 +39,12 @@ svo_status svo_trace_voxels(svo_target target, svo_array rays, svo_array hits, s
                : refuse(target, "svo_trace_voxels");
 }
 
+svo_status svo_camera_fit(svo_target target, float aspect, svo_camera *camera)
+{
+    return CAN(target, fit_camera) ? target.of_class->fit_camera(target.of, aspect, camera)
+                                   : refuse(target, "svo_camera_fit");
+}
+
 const char *svo_kernel_source(svo_target target)
 {
     return target.of_class != NULL && target.of_class->kernel_source != NULL ? target.of_class->kernel_source() : NULL;
@@ -52,6 +59,15 @@ const char *svo_kernel_options(svo_target target)
 
 svo_status svo_kernel_set_arguments(svo_target target, cl_kernel kernel, cl_uint first_index)
 {
-    return CAN(target, set_kernel_arguments) ? target.of_class->set_kernel_arguments(target.of, kernel, first_index)
-                                             : refuse(target, "svo_kernel_set_arguments");
+    static const char function[] = "svo_kernel_set_arguments";
+    if (!CAN(target, set_kernel_arguments)) {
+        return refuse(target, function);
+    }
+    svo_device *device = target.of_class->device(target.of);
+    if (device == NULL) {
+        return SVO_NOT_ON_DEVICE;
+    }
+    const char *wrong = kernel == NULL ? "is NULL" : svo_i_wrong_kernel(device->context, kernel);
+    return wrong == NULL ? target.of_class->set_kernel_arguments(target.of, function, kernel, first_index)
+                         : svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: kernel %s", function, wrong);
 }

@@ -19,8 +19,13 @@ struct svo_target_class {
                                float footprint, uint32_t flags, const svo_submit *submit);
     svo_status (*fit_camera)(const void *of, float aspect, svo_camera *camera);
     const char *(*kernel_source)(void);
+    /* of: NULL is possible here. */
     const char *(*kernel_options)(const void *of);
-    svo_status (*set_kernel_arguments)(void *of, cl_kernel kernel, cl_uint first_index);
+    /* The handle is on a device, and the kernel is of its context. */
+    svo_status (*set_kernel_arguments)(void *of, const char *function, cl_kernel kernel, cl_uint first_index);
 };
+
+/* svo_kernel_options where they do not depend on the handle. */
+#define SVO_I_KERNEL_OPTIONS "-cl-std=CL1.2"
 
 #endif

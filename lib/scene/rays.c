@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "core/struct_size.h"
+#include "core/submit.h"
 #include "rays/batch.h"
 #include "rays/camera.h"
 #include "rays/picture.h"
@@ -120,10 +120,8 @@ static svo_status trace_triangles(void *scene, const svo_array *rays, const svo_
 
 /* ---- pictures ---- */
 
-static svo_status check_options(const svo_scene *scene, const char *function, const svo_scene_render_options *options)
+static svo_status check_options(const svo_scene *scene, const char *function, const svo_render_options *options)
 {
-    SVO_I_TRY(svo_i_camera_check(scene->device, function, &options->camera, options->width, options->height));
-    SVO_I_TRY(svo_i_clip_check(scene->device, function, options->clip));
     if (options->light_count > SVO_SCENE_LIGHTS_MAX || (options->light_count > 0 && options->lights == NULL)) {
         return svo_i_device_fail(scene->device, SVO_INVALID_ARGUMENT,
                                  "%s: options.light_count %u is above %u, or options.lights is NULL", function,
@@ -138,7 +136,7 @@ static svo_status check_options(const svo_scene *scene, const char *function, co
 }
 
 /* The caller's lights with unit directions. */
-static svo_status fill_lights(const svo_scene *scene, const char *function, const svo_scene_render_options *options,
+static svo_status fill_lights(const svo_scene *scene, const char *function, const svo_render_options *options,
                               svo_scene_light lights[SVO_SCENE_LIGHTS_MAX])
 {
     for (uint32_t i = 0; i < options->light_count; ++i) {
@@ -162,7 +160,7 @@ static svo_status fill_lights(const svo_scene *scene, const char *function, cons
     return SVO_OK;
 }
 
-/* The light of svo_tree_render. */
+/* The light of a tree's picture. */
 static svo_scene_light default_light(const svo_i_view *looking, const double up[3])
 {
     double sun[3];
@@ -185,13 +183,12 @@ static float default_range(const svo_scene *scene)
     return (float)(OCCLUSION_SHARE * sum / scene->info.instance_count);
 }
 
-static svo_status fill_picture(const svo_scene *scene, const char *function, const svo_scene_render_options *options,
+static svo_status fill_picture(const svo_scene *scene, const char *function, const svo_render_options *options,
                                svo_scene_picture *picture, svo_scene_light lights[SVO_SCENE_LIGHTS_MAX],
                                svo_i_pixel_output *output)
 {
     svo_i_pinhole hole;
-    SVO_I_TRY(
-        svo_i_pixel_output_of(scene->device, function, "options", &options->output, SAMPLES, SVO_I_CURVE_ROOT, output));
+    SVO_I_TRY(svo_i_pixel_output_of(scene->device, function, &options->output, SAMPLES, SVO_I_CURVE_ROOT, output));
     SVO_I_TRY(
         svo_i_pinhole_from_camera(scene->device, function, &options->camera, options->width, options->height, &hole));
     for (int axis = 0; axis < 3; ++axis) {
@@ -261,74 +258,63 @@ static void release(drawing *drawn)
     }
 }
 
-static svo_status enqueue(drawing *drawn, const svo_i_pixels *to)
+static svo_status enqueue(drawing *drawn, const svo_array *to, svo_i_call *call)
 {
+    const size_t bytes = (size_t)drawn->picture.width * drawn->picture.height * drawn->output.pixel_bytes;
+    cl_mem pixels = NULL;
     svo_status status = SVO_OK;
-    SVO_I_TRY_CLEANUP(prepare(drawn, to->buffer));
+    SVO_I_TRY(svo_i_call_output(call, "pixels", to, bytes, 0, bytes, &pixels));
+    SVO_I_TRY_CLEANUP(prepare(drawn, pixels));
     const svo_i_tiles tiles = {.kernel = drawn->kernel,
                                .first_tile = count_arguments(drawn->scene) + 5,
                                .items = SVO_GROUP_ITEMS,
                                .width = drawn->picture.width,
                                .height = drawn->picture.height};
-    SVO_I_TRY_CLEANUP(svo_i_pixels_draw(drawn->scene->device, drawn->function, &tiles, to));
+    SVO_I_TRY_CLEANUP(svo_i_tiles_draw(&tiles, call));
 
 cleanup:
     release(drawn);
     return status;
 }
 
-/* Checks what is asked for. */
-static svo_status begin(const svo_scene *scene, const char *function, const svo_scene_render_options *options,
-                        drawing *out)
+static svo_status render(void *of, const svo_render_options *options, const svo_array *pixels, const svo_submit *submit)
 {
-    svo_scene_render_options asked = {.width = 0};
-    *out = (drawing){.scene = scene, .function = function};
-    if (options == NULL) {
-        return svo_i_device_fail(scene->device, SVO_INVALID_ARGUMENT, "%s: options is NULL", function);
-    }
-    SVO_I_TRY(svo_i_struct_read(&scene->device->message, function, "options", options, &asked,
-                                SVO_I_STRUCT_SIZES(svo_scene_render_options, reserved2)));
-    SVO_I_TRY(svo_i_scene_check(scene, function));
-    SVO_I_TRY(check_options(scene, function, &asked));
-    return fill_picture(scene, function, &asked, &out->picture, out->lights, &out->output);
+    static const svo_i_picture_kind kind = {
+        .name = "scene", .views = 1u << SVO_VIEW_SHADED, .view_names = "SVO_VIEW_SHADED", .lights = true};
+    const svo_scene *scene = of;
+    drawing drawn = {.scene = scene, .function = "svo_render"};
+    svo_render_options asked;
+    svo_i_call call;
+    SVO_I_TRY(svo_i_picture_options(scene->device, drawn.function, &kind, options, &asked));
+    SVO_I_TRY(svo_i_scene_check(scene, drawn.function));
+    SVO_I_TRY(check_options(scene, drawn.function, &asked));
+    SVO_I_TRY(fill_picture(scene, drawn.function, &asked, &drawn.picture, drawn.lights, &drawn.output));
+    SVO_I_TRY(svo_i_call_begin(scene->device, drawn.function, submit, &call));
+    return svo_i_call_end(&call, enqueue(&drawn, pixels, &call));
 }
 
-svo_status svo_scene_render_enqueue(svo_scene *scene, const svo_scene_render_options *options, cl_mem pixels,
-                                    cl_command_queue queue, cl_uint num_wait, const cl_event *wait, cl_event *event)
+/* ---- cameras ---- */
+
+/* Of the instances' boxes. */
+static double scene_reach(const void *subject, const double along[3])
 {
-    svo_i_pixels to = {pixels, queue, num_wait, wait, event};
-    drawing drawn;
-    if (scene == NULL) {
-        return SVO_INVALID_ARGUMENT;
+    const svo_scene *scene = subject;
+    double farthest = -HUGE_VAL;
+    for (uint32_t i = 0; i < scene->info.instance_count; ++i) {
+        const svo_i_instance_box *box = &scene->boxes[i];
+        double reach = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            reach += along[axis] * (double)(along[axis] > 0 ? box->high[axis] : box->low[axis]);
+        }
+        farthest = fmax(farthest, reach);
     }
-    SVO_I_TRY(begin(scene, "svo_scene_render_enqueue", options, &drawn));
-    SVO_I_TRY(svo_i_pixels_check(scene->device, drawn.function, drawn.picture.width, drawn.picture.height,
-                                 drawn.output.pixel_bytes, &to));
-    return enqueue(&drawn, &to);
+    return farthest;
 }
 
-svo_status svo_scene_render(svo_scene *scene, const svo_scene_render_options *options, cl_command_queue queue,
-                            uint8_t *rgba)
+static svo_status fit_camera(const void *scene, float aspect, svo_camera *camera)
 {
-    static const char function[] = "svo_scene_render";
-    svo_i_own_pixels own;
-    drawing drawn;
-    svo_status status = SVO_OK;
-    if (scene == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    if (rgba == NULL) {
-        return svo_i_device_fail(scene->device, SVO_INVALID_ARGUMENT, "%s: rgba is NULL", function);
-    }
-    SVO_I_TRY(begin(scene, function, options, &drawn));
-    SVO_I_TRY(svo_i_own_pixels_begin(scene->device, function, drawn.picture.width, drawn.picture.height,
-                                     drawn.output.pixel_bytes, queue, &own));
-    SVO_I_TRY_CLEANUP(enqueue(&drawn, &own.to));
-    SVO_I_TRY_CLEANUP(svo_i_own_pixels_read(&own, 0, drawn.picture.height, rgba));
-
-cleanup:
-    svo_i_own_pixels_end(&own);
-    return status;
+    const svo_i_fitted fitted = {scene, scene_reach};
+    return svo_i_camera_fit(&fitted, aspect, camera) ? SVO_OK : SVO_INVALID_ARGUMENT;
 }
 
 /* ---- the class ---- */
@@ -338,8 +324,12 @@ static svo_device *device_of(const void *scene)
     return ((const svo_scene *)scene)->device;
 }
 
-static const struct svo_target_class scene_class = {
-    .name = "scene", .device = device_of, .trace_triangles = trace_triangles, .trace_voxels = trace_voxels};
+static const struct svo_target_class scene_class = {.name = "scene",
+                                                    .device = device_of,
+                                                    .trace_triangles = trace_triangles,
+                                                    .trace_voxels = trace_voxels,
+                                                    .render = render,
+                                                    .fit_camera = fit_camera};
 
 svo_target svo_scene_target(svo_scene *scene)
 {

@@ -11,7 +11,6 @@
 #include <string.h>
 
 #include "core/struct_size.h"
-#include "rays/camera.h"
 #include "scene/hierarchy.h"
 #include "scene/trees.h"
 #include "svocl/plan.h"
@@ -383,34 +382,6 @@ void svo_scene_destroy(svo_scene **scene)
 svo_status svo_scene_get_info(const svo_scene *scene, svo_scene_info *info)
 {
     return scene != NULL ? write_info(scene->device, "svo_scene_get_info", &scene->info, info) : SVO_INVALID_ARGUMENT;
-}
-
-/* Of the instances' boxes. */
-static double scene_reach(const void *subject, const double along[3])
-{
-    const svo_scene *scene = subject;
-    double farthest = -HUGE_VAL;
-    for (uint32_t i = 0; i < scene->info.instance_count; ++i) {
-        const svo_i_instance_box *box = &scene->boxes[i];
-        double reach = 0;
-        for (int axis = 0; axis < 3; ++axis) {
-            reach += along[axis] * (double)(along[axis] > 0 ? box->high[axis] : box->low[axis]);
-        }
-        farthest = fmax(farthest, reach);
-    }
-    return farthest;
-}
-
-svo_status svo_scene_camera_fit(const svo_scene *scene, float aspect, svo_camera *camera)
-{
-    const svo_i_fitted fitted = {scene, scene_reach};
-    return svo_i_camera_fit(&fitted, aspect, camera) ? SVO_OK : SVO_INVALID_ARGUMENT;
-}
-
-void svo_scene_camera_frame(const svo_scene *scene, float aspect, svo_camera *camera)
-{
-    *camera = (svo_camera){.vertical_fov = 0};
-    (void)svo_scene_camera_fit(scene, aspect, camera);
 }
 
 /* ---- changes ---- */

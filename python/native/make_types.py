@@ -38,7 +38,6 @@ ENUMS = (
     ("svo_opacity", "Opacity", "SVO_OPACITY_", "IntEnum"),
     ("svo_light_buffer", "LightBuffer", "SVO_LIGHT_", "IntEnum"),
     ("svo_source_kind", "SourceKind", "SVO_SOURCE_", "IntEnum"),
-    ("svo_light_view", "LightView", "SVO_LIGHT_VIEW_", "IntEnum"),
     ("svo_probes_buffer", "ProbeBuffer", "SVO_PROBES_", "IntEnum"),
     ("svo_probe_choice", "ProbeChoice", "SVO_PROBE_CHOICE_", "IntEnum"),
 )

@@ -201,7 +201,7 @@ def test_a_picture(device, cube):
         away = camera._replace(target=tuple(2 * e - t for e, t in zip(camera.eye, camera.target)))
         assert np.all(tree.render(64, 48, camera=away)[:, :, 3] == background[3])
         assert not np.array_equal(tree.render(64, 48, camera=away)[24, 32], middle)
-        with pytest.raises(svocl.InvalidArgumentError, match="svo_tree_render: 0 x 48 pixels"):
+        with pytest.raises(svocl.InvalidArgumentError, match="svo_render: 0 x 48 pixels"):
             tree.render(0, 48)
-        with pytest.raises(svocl.InvalidArgumentError, match="svo_tree_render: 20000 x 20000 pixels"):
+        with pytest.raises(svocl.InvalidArgumentError, match="svo_render: 20000 x 20000 pixels"):
             tree.render(20000, 20000)

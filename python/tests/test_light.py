@@ -74,12 +74,12 @@ def test_sources_make_the_light_of_each_call(floor, points):
 def test_pictures(floor):
     with svocl.Light(floor) as light:
         light.set_sources([SUN])
-        open_floor = light.render(32, 24, view=svocl.LightView.AO, cones=5)
+        open_floor = light.render(32, 24, view=svocl.View.AO, cones=5)
         assert open_floor.shape == (24, 32, 4) and open_floor.dtype == np.uint8
-        direct = light.render(32, 24, view=svocl.LightView.DIRECT)
+        direct = light.render(32, 24, view=svocl.View.DIRECT)
         assert direct[12, 16, 0] > direct[12, 16, 2] > 0 and not direct[0, 0, :3].any()
         camera = svocl.Camera((0.5, 3, 0.5), (0.5, 0.5, 0.5), (0, 0, 1), 0.2)
-        above = light.render(8, 8, camera=camera, view=svocl.LightView.DIRECT, exposure=0.1)
+        above = light.render(8, 8, camera=camera, view=svocl.View.DIRECT, exposure=0.1)
         # 0.1 times albedo 0.6 / pi times the irradiance 4, by the sRGB curve
         share = 0.1 * 0.6 / np.pi * 4
         assert abs(int(above[4, 4, 0]) - 255 * (1.055 * share ** (1 / 2.4) - 0.055)) <= 2

@@ -120,7 +120,6 @@ def test_enumerations_are_complete():
         "svo_probe_choice": (_generated.ProbeChoice, "SVO_PROBE_CHOICE_"),
         "svo_opacity": (_generated.Opacity, "SVO_OPACITY_"),
         "svo_light_buffer": (_generated.LightBuffer, "SVO_LIGHT_"),
-        "svo_light_view": (_generated.LightView, "SVO_LIGHT_VIEW_"),
     }
     counts = {"svo_form": "COUNT", "svo_light_form": "FORM_COUNT", "svo_probe_choice": "COUNT"}
     for name, (kind, prefix) in enumerations.items():

@@ -64,16 +64,17 @@ static void make_ring(float *positions, uint32_t *indices)
 /* svocl's source comes before the program's, and the tree's arguments come before the kernel's own. */
 static cl_kernel make_kernel(const svo_device *device, svo_tree *tree, cl_mem picture)
 {
-    const char *sources[2] = {svo_tree_kernel_source(), kernel_source};
+    const char *sources[2] = {svo_kernel_source(svo_tree_target(tree)), kernel_source};
     const cl_device_id id = svo_device_cl_device(device);
     const cl_uint width = WIDTH;
     const cl_uint height = HEIGHT;
     cl_program program = clCreateProgramWithSource(svo_device_cl_context(device), 2, sources, NULL, NULL);
     cl_kernel kernel = NULL;
-    if (program != NULL && clBuildProgram(program, 1, &id, svo_tree_kernel_options(), NULL, NULL) == CL_SUCCESS)
+    if (program != NULL &&
+        clBuildProgram(program, 1, &id, svo_kernel_options(svo_tree_target(tree)), NULL, NULL) == CL_SUCCESS)
         kernel = clCreateKernel(program, "draw", NULL);
     if (kernel != NULL &&
-        (svo_tree_set_args(tree, kernel, 0) != SVO_OK ||
+        (svo_kernel_set_arguments(svo_tree_target(tree), kernel, 0) != SVO_OK ||
          clSetKernelArg(kernel, SVO_TREE_ARGUMENTS, sizeof picture, (const void *)&picture) != CL_SUCCESS ||
          clSetKernelArg(kernel, SVO_TREE_ARGUMENTS + 1, sizeof width, &width) != CL_SUCCESS ||
          clSetKernelArg(kernel, SVO_TREE_ARGUMENTS + 2, sizeof height, &height) != CL_SUCCESS)) {

@@ -182,7 +182,7 @@ static bool draw_frame(svo_scene *scene, uint32_t frame, uint32_t count, uint32_
                        uint8_t *rgba)
 {
     const svo_camera camera = {.eye = {0, 14, 46}, .target = {0, 0, 16}, .up = {0, 1, 0}, .vertical_fov = 0.6F};
-    const svo_scene_render_options options = {
+    const svo_render_options options = {
         .struct_size = sizeof options, .width = width, .height = width * 9 / 16, .camera = camera};
     const svo_ray ray = {.origin = {0, 14, 46}, .direction = {0, -14, -30}, .t_min = 0, .t_max = INFINITY};
     svo_scene_hit hit;
@@ -193,7 +193,7 @@ static bool draw_frame(svo_scene *scene, uint32_t frame, uint32_t count, uint32_
         svo_scene_rebuild(scene, NULL) != SVO_OK || /* pays when instances move far; not needed for the result */
         svo_trace_voxels(svo_scene_target(scene), svo_in_host(&ray), svo_in_host(&hit), 1, 0, SVO_SCENE_CLOSEST,
                          NULL) != SVO_OK ||
-        svo_scene_render(scene, &options, NULL, rgba) != SVO_OK) {
+        svo_render(svo_scene_target(scene), &options, svo_in_host(rgba), NULL) != SVO_OK) {
         return false;
     }
     if (hit.instance == SVO_NO_INSTANCE) {

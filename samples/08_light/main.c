@@ -63,17 +63,19 @@ static void make_ring(float *positions, uint32_t *indices)
 /* svocl's sources come before the program's. The arguments come in the order of the kernel's parameters. */
 static cl_kernel make_kernel(const svo_device *device, svo_tree *tree, svo_light *light, cl_mem picture)
 {
-    const char *sources[3] = {svo_tree_kernel_source(), svo_light_kernel_source(), kernel_source};
+    const char *sources[3] = {svo_kernel_source(svo_tree_target(tree)), svo_kernel_source(svo_light_target(light)),
+                              kernel_source};
     const cl_device_id id = svo_device_cl_device(device);
     const cl_uint width = WIDTH;
     const cl_uint height = HEIGHT;
     cl_program program = clCreateProgramWithSource(svo_device_cl_context(device), 3, sources, NULL, NULL);
     cl_kernel kernel = NULL;
-    if (program != NULL && clBuildProgram(program, 1, &id, svo_light_kernel_options(light), NULL, NULL) == CL_SUCCESS)
+    if (program != NULL &&
+        clBuildProgram(program, 1, &id, svo_kernel_options(svo_light_target(light)), NULL, NULL) == CL_SUCCESS)
         kernel = clCreateKernel(program, "shade", NULL);
     if (kernel != NULL &&
-        (svo_tree_set_args(tree, kernel, 0) != SVO_OK ||
-         svo_light_set_args(light, kernel, SVO_TREE_ARGUMENTS) != SVO_OK ||
+        (svo_kernel_set_arguments(svo_tree_target(tree), kernel, 0) != SVO_OK ||
+         svo_kernel_set_arguments(svo_light_target(light), kernel, SVO_TREE_ARGUMENTS) != SVO_OK ||
          clSetKernelArg(kernel, OWN_ARGUMENTS, sizeof picture, (const void *)&picture) != CL_SUCCESS ||
          clSetKernelArg(kernel, OWN_ARGUMENTS + 1, sizeof width, &width) != CL_SUCCESS ||
          clSetKernelArg(kernel, OWN_ARGUMENTS + 2, sizeof height, &height) != CL_SUCCESS)) {

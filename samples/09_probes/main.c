@@ -45,16 +45,17 @@ static void make_box(const float corners[2][3], bool inwards, float *positions, 
 /* svocl's source comes before the program's, and the probes' arguments come before the kernel's own. */
 static cl_kernel make_kernel(const svo_device *device, svo_probes *probes, cl_mem picture)
 {
-    const char *sources[2] = {svo_probes_kernel_source(), kernel_source};
+    const char *sources[2] = {svo_kernel_source(svo_probes_target(probes)), kernel_source};
     const cl_device_id id = svo_device_cl_device(device);
     const cl_uint width = WIDTH;
     const cl_uint height = HEIGHT;
     cl_program program = clCreateProgramWithSource(svo_device_cl_context(device), 2, sources, NULL, NULL);
     cl_kernel kernel = NULL;
-    if (program != NULL && clBuildProgram(program, 1, &id, svo_probes_kernel_options(probes), NULL, NULL) == CL_SUCCESS)
+    if (program != NULL &&
+        clBuildProgram(program, 1, &id, svo_kernel_options(svo_probes_target(probes)), NULL, NULL) == CL_SUCCESS)
         kernel = clCreateKernel(program, "look", NULL);
     if (kernel != NULL &&
-        (svo_probes_set_args(probes, kernel, 0) != SVO_OK ||
+        (svo_kernel_set_arguments(svo_probes_target(probes), kernel, 0) != SVO_OK ||
          clSetKernelArg(kernel, SVO_PROBES_ARGUMENTS, sizeof picture, (const void *)&picture) != CL_SUCCESS ||
          clSetKernelArg(kernel, SVO_PROBES_ARGUMENTS + 1, sizeof width, &width) != CL_SUCCESS ||
          clSetKernelArg(kernel, SVO_PROBES_ARGUMENTS + 2, sizeof height, &height) != CL_SUCCESS)) {

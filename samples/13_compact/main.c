@@ -111,17 +111,17 @@ static bool make_rays(work *state)
 /* svocl's source comes before the program's. Forms differ in the options, so each has its own program. */
 static cl_kernel make_kernel(const work *state, svo_compact *compact)
 {
-    const char *sources[2] = {svo_compact_kernel_source(), kernel_source};
+    const char *sources[2] = {svo_kernel_source(svo_compact_target(compact)), kernel_source};
     const cl_device_id id = svo_device_cl_device(state->device);
     cl_program program = clCreateProgramWithSource(svo_device_cl_context(state->device), 2, sources, NULL, NULL);
     cl_kernel kernel = NULL;
     if (program != NULL &&
-        clBuildProgram(program, 1, &id, svo_compact_kernel_options(compact), NULL, NULL) == CL_SUCCESS)
+        clBuildProgram(program, 1, &id, svo_kernel_options(svo_compact_target(compact)), NULL, NULL) == CL_SUCCESS)
         kernel = clCreateKernel(program, "look", NULL);
     if (program != NULL)
         clReleaseProgram(program);
     if (kernel != NULL &&
-        (svo_compact_set_args(compact, kernel, 0) != SVO_OK ||
+        (svo_kernel_set_arguments(svo_compact_target(compact), kernel, 0) != SVO_OK ||
          clSetKernelArg(kernel, SVO_COMPACT_ARGUMENTS, sizeof state->rays, &state->rays) != CL_SUCCESS ||
          clSetKernelArg(kernel, SVO_COMPACT_ARGUMENTS + 1, sizeof state->hits, &state->hits) != CL_SUCCESS)) {
         clReleaseKernel(kernel);

@@ -112,7 +112,7 @@ static bool build(svo_device *device, const svo_voxels *list, svo_tree **tree, c
            svo_tree_download(*tree, NULL) == SVO_OK && svo_tree_hash(*tree, SVO_HASH_ALL, hash) == SVO_OK;
 }
 
-static bool write_picture(svo_device *device, svo_tree *tree)
+static bool write_picture(svo_tree *tree)
 {
     static uint8_t rgba[WIDTH * HEIGHT * 4];
     const svo_camera camera = {.eye = {EDGE * 1.1F, -EDGE * 0.75F, EDGE * 0.85F},
@@ -121,7 +121,7 @@ static bool write_picture(svo_device *device, svo_tree *tree)
                                .vertical_fov = 0.6F};
     const svo_render_options options = {
         .struct_size = sizeof options, .width = WIDTH, .height = HEIGHT, .camera = camera};
-    if (svo_tree_render(device, tree, &options, NULL, rgba) != SVO_OK)
+    if (svo_render(svo_tree_target(tree), &options, svo_in_host(rgba), NULL) != SVO_OK)
         return false;
     FILE *file = fopen(PICTURE_OUT, "wb");
     if (file == NULL)
@@ -163,7 +163,7 @@ static bool run(svo_device *device, const castle *made, svo_message *message)
     svo_tree *tree = NULL;
     bool done = svo_voxels_create(&source, &list, message) == SVO_OK &&
                 svo_voxels_set_axes(list, SVO_AXES_KEEP) == SVO_OK && build(device, list, &tree, hash) &&
-                svo_tree_get_info(tree, &info) == SVO_OK && write_picture(device, tree);
+                svo_tree_get_info(tree, &info) == SVO_OK && write_picture(tree);
     if (done)
         printf("castle: %" PRIu64 " voxels, a tree of depth %u with %" PRIu64 " nodes: %s\n", info.leaf_count,
                info.depth, info.node_count, hash);

@@ -73,8 +73,11 @@ static svo_ray *make_rays(const svo_tree_info *info)
 static found *follow(const fixture *opened, svo_tree *tree, svo_compact *compact, cl_mem rays, float footprint)
 {
     const bool built_tree = compact == NULL;
-    const char *const sources[] = {built_tree ? svo_tree_kernel_source() : svo_compact_kernel_source(), own_kernel};
-    const char *options = built_tree ? svo_tree_kernel_options() : svo_compact_kernel_options(compact);
+    const char *const sources[] = {built_tree ? svo_kernel_source(svo_tree_target(NULL))
+                                              : svo_kernel_source(svo_compact_target(NULL)),
+                                   own_kernel};
+    const char *options =
+        built_tree ? svo_kernel_options(svo_tree_target(NULL)) : svo_kernel_options(svo_compact_target(compact));
     const cl_uint argument_count = built_tree ? SVO_TREE_ARGUMENTS : SVO_COMPACT_ARGUMENTS;
     const cl_context context = svo_device_cl_context(opened->device);
     const cl_device_id device = svo_device_cl_device(opened->device);
@@ -89,8 +92,8 @@ static found *follow(const fixture *opened, svo_tree *tree, svo_compact *compact
     assert_int_equal(error, CL_SUCCESS);
     cl_mem hits = clCreateBuffer(context, CL_MEM_READ_WRITE, RAY_COUNT * sizeof *out, NULL, &error);
     assert_int_equal(error, CL_SUCCESS);
-    const svo_status status =
-        built_tree ? svo_tree_set_args(tree, kernel, 0) : svo_compact_set_args(compact, kernel, 0);
+    const svo_status status = built_tree ? svo_kernel_set_arguments(svo_tree_target(tree), kernel, 0)
+                                         : svo_kernel_set_arguments(svo_compact_target(compact), kernel, 0);
     assert_int_equal(status, SVO_OK);
     assert_int_equal(clSetKernelArg(kernel, argument_count, sizeof rays, &rays), CL_SUCCESS);
     assert_int_equal(clSetKernelArg(kernel, argument_count + 1, sizeof hits, &hits), CL_SUCCESS);
@@ -340,7 +343,7 @@ static void every_form_draws_the_picture_of_the_built_tree(void **state)
     fixture_build(&opened, scene_mesh(knot), 6, &needs, &tree);
     options.width = 64;
     options.height = 48;
-    svo_camera_frame(tree.tree, 64.0F / 48.0F, &options.camera);
+    (void)svo_camera_fit(svo_tree_target(tree.tree), 64.0F / 48.0F, &options.camera);
     uint8_t *expected = malloc((size_t)64 * 48 * 4);
     uint8_t *got = malloc((size_t)64 * 48 * 4);
     assert_non_null(expected);
@@ -349,8 +352,12 @@ static void every_form_draws_the_picture_of_the_built_tree(void **state)
         svo_compact *compact = compact_of(&opened, tree.tree, (svo_form)form, 0);
         for (int view = SVO_VIEW_SHADED; view <= SVO_VIEW_LEVEL; ++view) {
             options.view = (svo_render_view)view;
-            assert_int_equal(svo_tree_render(opened.device, tree.tree, &options, opened.queue, expected), SVO_OK);
-            assert_int_equal(svo_compact_render(compact, &options, opened.queue, got), SVO_OK);
+            assert_int_equal(svo_render(svo_tree_target(tree.tree), &options, svo_in_host(expected),
+                                        &(svo_submit){.queue = opened.queue}),
+                             SVO_OK);
+            assert_int_equal(svo_render(svo_compact_target(compact), &options, svo_in_host(got),
+                                        &(svo_submit){.queue = opened.queue}),
+                             SVO_OK);
             assert_memory_equal(expected, got, (size_t)64 * 48 * 4);
         }
         svo_compact_destroy(&compact);
@@ -429,16 +436,27 @@ static void wrong_arguments_are_refused(void **state)
     assert_int_equal(svo_trace_voxels(svo_compact_target(compact), svo_in_host(NULL), svo_in_host(NULL), 0, 0, 0,
                                       &(svo_submit){.queue = queue}),
                      SVO_OK);
-    assert_int_equal(svo_compact_render(NULL, &options, queue, rgba), SVO_INVALID_ARGUMENT);
-    assert_refused(&opened, svo_compact_render(compact, NULL, queue, rgba), "options is NULL");
-    assert_refused(&opened, svo_compact_render(compact, &options, queue, NULL), "rgba is NULL");
-    assert_refused(&opened, svo_compact_render(compact, &options, queue, rgba), "svo_compact_render: camera.vertical");
-    svo_camera_frame(tree.tree, 1, &options.camera);
-    assert_refused(&opened, svo_compact_render(compact, &options, queue, rgba), "payload from level 3 on only");
+    assert_int_equal(svo_render(svo_compact_target(NULL), &options, svo_in_host(rgba), &(svo_submit){.queue = queue}),
+                     SVO_INVALID_ARGUMENT);
+    assert_refused(&opened,
+                   svo_render(svo_compact_target(compact), NULL, svo_in_host(rgba), &(svo_submit){.queue = queue}),
+                   "options is NULL");
+    assert_refused(&opened,
+                   svo_render(svo_compact_target(compact), &options, svo_in_host(NULL), &(svo_submit){.queue = queue}),
+                   "pixels is NULL");
+    assert_refused(&opened,
+                   svo_render(svo_compact_target(compact), &options, svo_in_host(rgba), &(svo_submit){.queue = queue}),
+                   "svo_render: camera.vertical");
+    (void)svo_camera_fit(svo_tree_target(tree.tree), 1, &options.camera);
+    assert_refused(&opened,
+                   svo_render(svo_compact_target(compact), &options, svo_in_host(rgba), &(svo_submit){.queue = queue}),
+                   "payload from level 3 on only");
     options.view = SVO_VIEW_TRIANGLES;
-    assert_refused(&opened, svo_compact_render(compact, &options, queue, rgba), "has no triangles to show");
-    assert_refused(&opened, svo_compact_set_args(compact, NULL, 0), "kernel is NULL");
-    assert_int_equal(svo_compact_set_args(NULL, NULL, 0), SVO_INVALID_ARGUMENT);
+    assert_refused(&opened,
+                   svo_render(svo_compact_target(compact), &options, svo_in_host(rgba), &(svo_submit){.queue = queue}),
+                   "options.view 5 is none of a compact tree, which has SVO_VIEW_SHADED, NORMAL,");
+    assert_refused(&opened, svo_kernel_set_arguments(svo_compact_target(compact), NULL, 0), "kernel is NULL");
+    assert_int_equal(svo_kernel_set_arguments(svo_compact_target(NULL), NULL, 0), SVO_INVALID_ARGUMENT);
     svo_compact_destroy(&compact);
     svo_compact_destroy(&nowhere);
     svo_tree_destroy(&host_tree);

@@ -244,24 +244,23 @@ static void trees_that_are_not_where_they_are_needed(void **state)
 static void pictures(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
-    uint8_t rgba[2][16 * 16 * 4];
+    uint8_t rgba[16 * 16 * 4];
     svo_tree *tree = build_cube(&opened, NULL);
-    svo_device *other = open_other(&opened);
     svo_render_options options = {.struct_size = sizeof options, .width = 16, .height = 16};
-    svo_camera_frame(tree, 1.0F, &options.camera);
-    assert_int_equal(svo_tree_render(NULL, tree, &options, NULL, rgba[0]), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_tree_render(other, tree, &options, NULL, rgba[0]), SVO_INVALID_ARGUMENT);
-    assert_string_equal(svo_device_message(other), "svo_tree_render: the tree is on another device");
-    options.view = (svo_render_view)6;
-    expect(&opened, svo_tree_render(opened.device, tree, &options, opened.queue, rgba[0]), SVO_INVALID_ARGUMENT,
-           "svo_tree_render: options.view 6 is not in 0 .. 5");
-    svo_device_destroy(&other);
+    (void)svo_camera_fit(svo_tree_target(tree), 1.0F, &options.camera);
+    options.view = (svo_render_view)10;
+    expect(&opened,
+           svo_render(svo_tree_target(tree), &options, svo_in_host(rgba), &(svo_submit){.queue = opened.queue}),
+           SVO_INVALID_ARGUMENT,
+           "svo_render: options.view 10 is none of a tree, which has SVO_VIEW_SHADED, NORMAL, DEPTH, STEPS, LEVEL and "
+           "TRIANGLES");
     svo_tree_destroy(&tree);
     const svo_plan_options coarse = {.struct_size = sizeof coarse, .need = SVO_NEED_COLOR, .payload_level = 2};
     tree = build_cube(&opened, &coarse);
     options.view = SVO_VIEW_SHADED;
-    expect(&opened, svo_tree_render(opened.device, tree, &options, opened.queue, rgba[0]), SVO_INVALID_ARGUMENT,
-           "svo_tree_render: the tree has payload from level 2 on only, and pictures need all levels");
+    expect(&opened,
+           svo_render(svo_tree_target(tree), &options, svo_in_host(rgba), &(svo_submit){.queue = opened.queue}),
+           SVO_INVALID_ARGUMENT, "svo_render: the tree has payload from level 2 on only, and pictures need all levels");
     svo_tree_destroy(&tree);
 }
 
@@ -285,7 +284,8 @@ static void rays_that_cannot_be_traced(void **state)
                                 &(svo_submit){.queue = opened.queue, .event = &done})); /* no rays */
     assert_int_equal(clWaitForEvents(1, &done), CL_SUCCESS);
     clReleaseEvent(done);
-    expect(&opened, svo_tree_set_args(tree, NULL, 0), SVO_INVALID_ARGUMENT, "svo_tree_set_args: kernel is NULL");
+    expect(&opened, svo_kernel_set_arguments(svo_tree_target(tree), NULL, 0), SVO_INVALID_ARGUMENT,
+           "svo_kernel_set_arguments: kernel is NULL");
     svo_tree_destroy(&tree);
 }
 

@@ -331,36 +331,37 @@ typedef svo_status enqueue_picture(subjects *of, cl_mem pixels, cl_command_queue
 static svo_render_options tree_view(const subjects *of)
 {
     svo_render_options options = {.struct_size = sizeof options, .width = WIDTH, .height = WIDTH};
-    svo_camera_frame(of->tree, 1, &options.camera);
+    (void)svo_camera_fit(svo_tree_target(of->tree), 1, &options.camera);
     return options;
 }
 
 static svo_status draw_tree(subjects *of, cl_mem pixels, cl_command_queue queue, cl_event *event)
 {
     const svo_render_options options = tree_view(of);
-    return svo_tree_render_enqueue(of->opened.device, of->tree, &options, pixels, TAIL);
+    return svo_render(svo_tree_target(of->tree), &options, svo_in_buffer(pixels), &(svo_submit){TAIL});
 }
 
 static svo_status draw_compact(subjects *of, cl_mem pixels, cl_command_queue queue, cl_event *event)
 {
     const svo_render_options options = tree_view(of);
-    return svo_compact_render_enqueue(of->compact, &options, pixels, TAIL);
+    return svo_render(svo_compact_target(of->compact), &options, svo_in_buffer(pixels), &(svo_submit){TAIL});
 }
 
 static svo_status draw_scene(subjects *of, cl_mem pixels, cl_command_queue queue, cl_event *event)
 {
-    svo_scene_render_options options = {.struct_size = sizeof options, .width = WIDTH, .height = WIDTH};
-    svo_scene_camera_frame(of->scene, 1, &options.camera);
-    return svo_scene_render_enqueue(of->scene, &options, pixels, TAIL);
+    svo_render_options options = {.struct_size = sizeof options, .width = WIDTH, .height = WIDTH};
+    (void)svo_camera_fit(svo_scene_target(of->scene), 1, &options.camera);
+    return svo_render(svo_scene_target(of->scene), &options, svo_in_buffer(pixels), &(svo_submit){TAIL});
 }
 
 static svo_status draw_light(subjects *of, cl_mem pixels, cl_command_queue queue, cl_event *event)
 {
-    svo_light_picture picture = SVO_LIGHT_PICTURE_INIT;
+    const svo_gather_options gather = {.struct_size = sizeof gather, .cones = 1};
+    svo_render_options picture = SVO_RENDER_OPTIONS_INIT;
     picture.width = picture.height = WIDTH;
-    picture.gather.cones = 1;
-    svo_camera_frame(of->tree, 1, &picture.camera);
-    return svo_light_render_enqueue(of->light, &picture, pixels, TAIL);
+    picture.gather = &gather;
+    (void)svo_camera_fit(svo_tree_target(of->tree), 1, &picture.camera);
+    return svo_render(svo_light_target(of->light), &picture, svo_in_buffer(pixels), &(svo_submit){TAIL});
 }
 
 static void draw(subjects *of, enqueue_picture *call, cl_command_queue queue, uint8_t rgba[PIXELS_BYTES])
@@ -496,8 +497,10 @@ static void what_is_on_no_device_is_refused_with_words(void **state)
     assert_int_equal(
         svo_trace_voxels(svo_compact_target(of.compact), svo_in_host(&ray), svo_in_host(&voxel), 1, 0, 0, NULL),
         SVO_NOT_ON_DEVICE);
-    assert_int_equal(svo_compact_render(of.compact, &view, NULL, rgba), SVO_NOT_ON_DEVICE);
-    assert_int_equal(svo_compact_render_enqueue(of.compact, &view, NULL, NULL, 0, NULL, NULL), SVO_NOT_ON_DEVICE);
+    assert_int_equal(svo_render(svo_compact_target(of.compact), &view, svo_in_host(rgba), NULL), SVO_NOT_ON_DEVICE);
+    assert_int_equal(
+        svo_render(svo_compact_target(of.compact), &view, svo_in_buffer(NULL), &(svo_submit){.queue = NULL}),
+        SVO_NOT_ON_DEVICE);
     assert_int_equal(svo_compact_expand(of.compact, NULL, &expanded), SVO_NOT_ON_DEVICE);
     assert_string_equal(svo_name(SVO_NAME_STATUS_TEXT, SVO_NOT_ON_DEVICE),
                         "the tree is not on a device; upload it first");

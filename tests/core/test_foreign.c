@@ -152,9 +152,9 @@ static void queues_of_another_context_are_refused(void **state)
     svo_render_options options = {.struct_size = sizeof options, .width = 8, .height = 8};
     svo_tree *unmade = NULL;
     svo_workspace *workspace = NULL;
-    svo_camera_frame(own.tree, 1.0F, &options.camera);
+    (void)svo_camera_fit(svo_tree_target(own.tree), 1.0F, &options.camera);
     REFUSED(svo_tree_download, own.tree, queue);
-    REFUSED(svo_tree_render, opened.device, own.tree, &options, queue, picture);
+    REFUSED(svo_render, target, &options, svo_in_host(picture), &submit);
     REFUSED(svo_trace_triangles, target, svo_in_host(&ray), svo_in_host(&hit), 1, SVO_TRACE_CLOSEST, &submit);
     REFUSED(svo_trace_triangles, target, memory, memory, 1, SVO_TRACE_CLOSEST, &submit);
     REFUSED(svo_trace_triangles, target, svo_in_buffer(NULL), svo_in_buffer(NULL), 0, SVO_TRACE_CLOSEST, &submit);
@@ -197,7 +197,7 @@ static void scenes_refuse_what_is_of_another_context(void **state)
                                        .instances = &instance,
                                        .tree_count = 1,
                                        .instance_count = 1};
-    svo_scene_render_options shown = {.struct_size = sizeof shown, .width = 8, .height = 8};
+    svo_render_options shown = {.struct_size = sizeof shown, .width = 8, .height = 8};
     svo_scene_hit hit;
     uint8_t picture[8 * 8 * 4];
     svo_scene *placed = NULL;
@@ -205,10 +205,10 @@ static void scenes_refuse_what_is_of_another_context(void **state)
     REFUSED(svo_scene_create, opened.device, &options, other.queue, &placed);
     assert_null(placed);
     succeed(&own, svo_scene_create(opened.device, &options, opened.queue, &placed));
-    svo_scene_camera_frame(placed, 1.0F, &shown.camera);
+    (void)svo_camera_fit(svo_scene_target(placed), 1.0F, &shown.camera);
     REFUSED(svo_scene_set_transforms, placed, 0, 1, instance.transform, other.queue);
     REFUSED(svo_scene_rebuild, placed, other.queue);
-    REFUSED(svo_scene_render, placed, &shown, other.queue, picture);
+    REFUSED(svo_render, svo_scene_target(placed), &shown, svo_in_host(picture), &submit);
     REFUSED(svo_trace_voxels, svo_scene_target(placed), svo_in_host(&ray), svo_in_host(&hit), 1, 0.0F, 0, &submit);
     REFUSED(svo_trace_voxels, svo_scene_target(placed), svo_in_buffer(own.memory), svo_in_buffer(own.memory), 1, 0.0F,
             0, &submit);
@@ -245,7 +245,8 @@ static void buffers_and_kernels_of_another_context_are_refused(void **state)
     refused(&own, TRACE(mine, theirs), "svo_trace_triangles", "hits");
     refused(&own, NEAREST(theirs, mine), "svo_tree_nearest", "points");
     refused(&own, NEAREST(mine, theirs), "svo_tree_nearest", "results");
-    refused(&own, svo_tree_set_args(own.tree, other.kernel, 0), "svo_tree_set_args", "kernel");
+    refused(&own, svo_kernel_set_arguments(svo_tree_target(own.tree), other.kernel, 0), "svo_kernel_set_arguments",
+            "kernel");
     if (own.image != NULL) {
         expect_words(TRACE(own.image, mine), svo_device_message(opened.device), "svo_trace_triangles", "rays",
                      "is no buffer");

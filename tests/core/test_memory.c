@@ -207,10 +207,10 @@ static svo_status run_render(subject *of)
 {
     uint8_t picture[SIDE * SIDE * 4];
     svo_render_options options = {.struct_size = sizeof options, .width = SIDE, .height = SIDE};
-    svo_camera_frame(of->tree, 1.0F, &options.camera);
-    TRY_DEVICE(svo_tree_render(of->device, of->tree, &options, NULL, picture));
+    (void)svo_camera_fit(svo_tree_target(of->tree), 1.0F, &options.camera);
+    TRY_DEVICE(svo_render(svo_tree_target(of->tree), &options, svo_in_host(picture), NULL));
     options.view = SVO_VIEW_TRIANGLES;
-    return of_device(of, svo_tree_render(of->device, of->tree, &options, NULL, picture));
+    return of_device(of, svo_render(svo_tree_target(of->tree), &options, svo_in_host(picture), NULL));
 }
 
 static svo_status run_save(subject *of)

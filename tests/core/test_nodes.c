@@ -344,10 +344,10 @@ static const char places_kernel[] =
 
 static cl_kernel make_places_kernel(const fixture *opened)
 {
-    const char *sources[2] = {svo_tree_kernel_source(), places_kernel};
+    const char *sources[2] = {svo_kernel_source(svo_tree_target(NULL)), places_kernel};
     const cl_device_id device = svo_device_cl_device(opened->device);
     cl_program program = clCreateProgramWithSource(svo_device_cl_context(opened->device), 2, sources, NULL, NULL);
-    if (clBuildProgram(program, 1, &device, svo_tree_kernel_options(), NULL, NULL) != CL_SUCCESS) {
+    if (clBuildProgram(program, 1, &device, svo_kernel_options(svo_tree_target(NULL)), NULL, NULL) != CL_SUCCESS) {
         static char log[4096];
         clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, sizeof log, log, NULL);
         fail_msg("%s", log);
@@ -370,7 +370,7 @@ static void run_places_kernel(const fixture *opened, cl_kernel kernel, const bui
     assert_int_equal(
         clEnqueueWriteBuffer(opened->queue, input, CL_TRUE, 0, count * 3 * sizeof *points, points, 0, NULL, NULL),
         CL_SUCCESS);
-    succeed(opened, svo_tree_set_args(tree->tree, kernel, 0));
+    succeed(opened, svo_kernel_set_arguments(svo_tree_target(tree->tree), kernel, 0));
     assert_int_equal(clSetKernelArg(kernel, SVO_TREE_ARGUMENTS, sizeof(cl_mem), &input), CL_SUCCESS);
     assert_int_equal(clSetKernelArg(kernel, SVO_TREE_ARGUMENTS + 1, sizeof(cl_mem), &output), CL_SUCCESS);
     assert_int_equal(clSetKernelArg(kernel, SVO_TREE_ARGUMENTS + 2, sizeof node_count, &node_count), CL_SUCCESS);

@@ -246,7 +246,8 @@ static svo_status use_workspace_options(const void *from, svo_message *message)
 static svo_status use_render_options(const void *from, svo_message *message)
 {
     uint8_t rgba[4];
-    return with_message(svo_tree_render(device, tree, from, queue, rgba), message);
+    return with_message(svo_render(svo_tree_target(tree), from, svo_in_host(rgba), &(svo_submit){.queue = queue}),
+                        message);
 }
 
 static svo_status use_mesh_buffers(const void *from, svo_message *message)

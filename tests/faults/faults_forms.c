@@ -66,7 +66,7 @@ static svo_status run_compact_rays(subject *of)
     svo_status status = SVO_OK;
     svo_compact *compact = NULL;
     memset(picture, 0, sizeof picture);
-    svo_camera_frame(of->tree, 1.0F, &options.camera);
+    (void)svo_camera_fit(svo_tree_target(of->tree), 1.0F, &options.camera);
     SVO_I_TRY_CLEANUP(make_compact(of, SVO_FORM_DESCRIPTOR, &compact));
     SVO_I_TRY_CLEANUP(told(of, world.device,
                            svo_trace_voxels(svo_compact_target(compact), svo_in_host(world.rays), svo_in_host(hits),
@@ -76,7 +76,9 @@ static svo_status run_compact_rays(subject *of)
                            svo_trace_voxels(svo_tree_target(of->tree), svo_in_host(world.rays), svo_in_host(hits), RAYS,
                                             0.0F, 0, &(svo_submit){.queue = world.queue})));
     digest(of, hits, sizeof hits);
-    SVO_I_TRY_CLEANUP(told(of, world.device, svo_compact_render(compact, &options, world.queue, picture)));
+    SVO_I_TRY_CLEANUP(told(
+        of, world.device,
+        svo_render(svo_compact_target(compact), &options, svo_in_host(picture), &(svo_submit){.queue = world.queue})));
     digest(of, picture, sizeof picture);
 
 cleanup:
@@ -147,7 +149,7 @@ static svo_status use_scene(subject *of, svo_scene *scene)
     svo_scene_hit hits[RAYS];
     svo_scene_triangle_hit triangles[RAYS];
     uint8_t picture[PICTURE_SIDE * PICTURE_SIDE * 4] = {0};
-    svo_scene_render_options options = {.struct_size = sizeof options, .width = PICTURE_SIDE, .height = PICTURE_SIDE};
+    svo_render_options options = {.struct_size = sizeof options, .width = PICTURE_SIDE, .height = PICTURE_SIDE};
     TRY_TOLD(svo_scene_set_transforms(scene, 1, 1, moved, world.queue));
     TRY_TOLD(svo_scene_rebuild(scene, world.queue));
     TRY_TOLD(svo_trace_voxels(svo_scene_target(scene), svo_in_host(world.rays), svo_in_host(hits), RAYS, 0.0F,
@@ -156,8 +158,8 @@ static svo_status use_scene(subject *of, svo_scene *scene)
     TRY_TOLD(svo_trace_triangles(svo_scene_target(scene), svo_in_host(world.rays), svo_in_host(triangles), RAYS,
                                  SVO_SCENE_CLOSEST, &(svo_submit){.queue = world.queue}));
     digest(of, triangles, sizeof triangles);
-    (void)svo_scene_camera_fit(scene, 1.0F, &options.camera);
-    TRY_TOLD(svo_scene_render(scene, &options, world.queue, picture));
+    (void)svo_camera_fit(svo_scene_target(scene), 1.0F, &options.camera);
+    TRY_TOLD(svo_render(svo_scene_target(scene), &options, svo_in_host(picture), &(svo_submit){.queue = world.queue}));
     digest(of, picture, sizeof picture);
     return SVO_OK;
 }
@@ -214,15 +216,16 @@ static svo_status run_light(subject *of)
         if (status == SVO_OK) {
             status = svo_light_set_sources(light, &setup, world.queue);
         }
-        svo_light_picture drawn = SVO_LIGHT_PICTURE_INIT;
+        svo_render_options drawn = SVO_RENDER_OPTIONS_INIT;
         uint8_t picture[PICTURE_SIDE * PICTURE_SIDE * 4];
         drawn.width = drawn.height = PICTURE_SIDE;
-        svo_camera_frame(of->tree, 1.0F, &drawn.camera);
+        (void)svo_camera_fit(svo_tree_target(of->tree), 1.0F, &drawn.camera);
         if (status == SVO_OK) {
             status = svo_light_hash(light, world.queue, hash);
         }
         if (status == SVO_OK) {
-            status = svo_light_render(light, &drawn, world.queue, picture);
+            status =
+                svo_render(svo_light_target(light), &drawn, svo_in_host(picture), &(svo_submit){.queue = world.queue});
         }
         if (status == SVO_OK) {
             status = svo_gather(light, svo_in_host(&point), svo_in_host(&gathered), 1, NULL,
@@ -241,13 +244,16 @@ static svo_status run_light(subject *of)
 static svo_status enqueue_pictures(subject *of, svo_light *light, cl_mem pixels, cl_event done[2])
 {
     svo_render_options options = {.struct_size = sizeof options, .width = PICTURE_SIDE, .height = PICTURE_SIDE};
-    svo_light_picture lit = SVO_LIGHT_PICTURE_INIT;
-    svo_camera_frame(of->tree, 1.0F, &options.camera);
+    svo_render_options lit = SVO_RENDER_OPTIONS_INIT;
+    (void)svo_camera_fit(svo_tree_target(of->tree), 1.0F, &options.camera);
     lit.width = lit.height = PICTURE_SIDE;
     lit.camera = options.camera;
     lit.row_count = SVO_LIGHT_BAND_ROWS;
-    TRY_TOLD(svo_tree_render_enqueue(world.device, of->tree, &options, pixels, world.queue, 0, NULL, &done[0]));
-    return told(of, world.device, svo_light_render_enqueue(light, &lit, pixels, world.queue, 1, done, &done[1]));
+    TRY_TOLD(svo_render(svo_tree_target(of->tree), &options, svo_in_buffer(pixels),
+                        &(svo_submit){.queue = world.queue, .event = &done[0]}));
+    return told(of, world.device,
+                svo_render(svo_light_target(light), &lit, svo_in_buffer(pixels),
+                           &(svo_submit){.queue = world.queue, .num_wait = 1, .wait = done, .event = &done[1]}));
 }
 
 static svo_status run_render_enqueue(subject *of)

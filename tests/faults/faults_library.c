@@ -427,10 +427,11 @@ static svo_status run_render(subject *of)
     uint8_t picture[PICTURE_SIDE * PICTURE_SIDE * 4];
     svo_render_options options = {
         .struct_size = sizeof options, .width = PICTURE_SIDE, .height = PICTURE_SIDE, .view = SVO_VIEW_SHADED};
-    TRY_TOLD(svo_camera_fit(of->tree, 1.0F, &options.camera));
+    TRY_TOLD(svo_camera_fit(svo_tree_target(of->tree), 1.0F, &options.camera));
     for (unsigned i = 0; i < 2; ++i) {
         memset(picture, 0, sizeof picture);
-        TRY_TOLD(svo_tree_render(world.device, of->tree, &options, world.queue, picture));
+        TRY_TOLD(
+            svo_render(svo_tree_target(of->tree), &options, svo_in_host(picture), &(svo_submit){.queue = world.queue}));
         digest(of, picture, sizeof picture);
         options.view = SVO_VIEW_TRIANGLES;
     }
@@ -478,9 +479,9 @@ static svo_status run_rays_enqueue(subject *of)
     return take_result(of, &done);
 }
 
-static svo_status run_set_args(subject *of)
+static svo_status run_set_arguments(subject *of)
 {
-    return told(of, world.device, svo_tree_set_args(of->tree, world.kernel, 0));
+    return told(of, world.device, svo_kernel_set_arguments(svo_tree_target(of->tree), world.kernel, 0));
 }
 
 static const scenario rows[] = {
@@ -502,7 +503,7 @@ static const scenario rows[] = {
     {"enqueue", false, false, prepare_workspace, run_enqueue, NULL, destroy_all},
     {"rays", false, false, prepare_tree, run_rays, NULL, destroy_all},
     {"rays_enqueue", false, false, prepare_ray_buffers, run_rays_enqueue, NULL, cleanup_ray_buffers},
-    {"set_args", false, false, prepare_tree, run_set_args, NULL, destroy_all},
+    {"set_arguments", false, false, prepare_tree, run_set_arguments, NULL, destroy_all},
     {"render", false, false, prepare_tree, run_render, NULL, destroy_all},
 };
 const scenario_list library_scenarios = {rows, sizeof rows / sizeof rows[0]};

@@ -383,9 +383,10 @@ static void write_binary_meshes(void)
 
 static void make_kernel(void)
 {
-    const char *sources[] = {svo_tree_kernel_source(), "kernel void empty(SVO_TREE_PARAMETERS) {}"};
+    const char *sources[] = {svo_kernel_source(svo_tree_target(NULL)), "kernel void empty(SVO_TREE_PARAMETERS) {}"};
     world.program = clCreateProgramWithSource(svo_device_cl_context(world.device), 2, sources, NULL, NULL);
-    assert_int_equal(clBuildProgram(world.program, 0, NULL, svo_tree_kernel_options(), NULL, NULL), CL_SUCCESS);
+    assert_int_equal(clBuildProgram(world.program, 0, NULL, svo_kernel_options(svo_tree_target(NULL)), NULL, NULL),
+                     CL_SUCCESS);
     world.kernel = clCreateKernel(world.program, "empty", NULL);
     assert_non_null(world.kernel);
 }
@@ -433,10 +434,10 @@ static void open_saver(void)
         svo_tree_load(world.tree_path, &tree, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
-    svo_camera_frame(tree, 1.0F, &options.camera);
+    (void)svo_camera_fit(svo_tree_target(tree), 1.0F, &options.camera);
     size_t saved = 0;
     if (svo_tree_upload(tree, world.saver, NULL) != SVO_OK ||
-        svo_tree_render(world.saver, tree, &options, NULL, picture) != SVO_OK ||
+        svo_render(svo_tree_target(tree), &options, svo_in_host(picture), NULL) != SVO_OK ||
         svo_device_save_kernels(world.saver, world.kernels_folder, &saved) != SVO_OK) {
         fail_msg("%s", svo_device_message(world.saver));
     }

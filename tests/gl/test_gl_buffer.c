@@ -87,7 +87,7 @@ static void open_application(const shim_faults *faults, application *out)
     out->opened.frontend = out->opened.cl;
     fixture_build(&out->opened, scene_mesh(knot), DEPTH, NULL, &out->made);
     out->options = (svo_render_options){.struct_size = sizeof out->options, .width = WIDTH, .height = HEIGHT};
-    svo_camera_frame(out->made.tree, (float)WIDTH / HEIGHT, &out->options.camera);
+    (void)svo_camera_fit(svo_tree_target(out->made.tree), (float)WIDTH / HEIGHT, &out->options.camera);
     scene_destroy(&knot);
 }
 
@@ -131,8 +131,8 @@ static void bring_picture(const application *of, svo_gl_buffer *buffer, GLuint t
     const void *offset = NULL; /* OpenGL takes an offset in the buffer for a pointer */
     cl_event drawn = NULL;
     succeed(of, svo_gl_buffer_to_cl(buffer, of->opened.queue));
-    succeed(of, svo_tree_render_enqueue(of->opened.device, of->made.tree, &of->options, info.memory, of->opened.queue,
-                                        0, NULL, &drawn));
+    succeed(of, svo_render(svo_tree_target(of->made.tree), &of->options, svo_in_buffer(info.memory),
+                           &(svo_submit){.queue = of->opened.queue, .event = &drawn}));
     succeed(of, svo_gl_buffer_to_gl(buffer, PICTURE_BYTES, of->opened.queue, 1, &drawn));
     clReleaseEvent(drawn);
     of->BindTexture(GL_TEXTURE_2D, texture);
@@ -158,7 +158,8 @@ static void compare_pictures(application *of, svo_gl_share asked, svo_gl_share e
     of->TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, WIDTH, HEIGHT, 0, GL_RGBA, GL_UNSIGNED_BYTE, NULL);
     for (size_t i = 0; i < sizeof views / sizeof views[0]; ++i) {
         of->options.view = views[i];
-        succeed(of, svo_tree_render(of->opened.device, of->made.tree, &of->options, of->opened.queue, drawn));
+        succeed(of, svo_render(svo_tree_target(of->made.tree), &of->options, svo_in_host(drawn),
+                               &(svo_submit){.queue = of->opened.queue}));
         bring_picture(of, buffer, texture);
         of->GetTexImage(GL_TEXTURE_2D, 0, GL_RGBA, GL_UNSIGNED_BYTE, shown);
         assert_memory_equal(shown, drawn, PICTURE_BYTES);

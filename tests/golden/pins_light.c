@@ -100,23 +100,32 @@ static void pin_gathered(pins *all, const svo_tree *tree, svo_light *light)
     }
 }
 
-static void pin_pictures(pins *all, const svo_tree *tree, svo_light *light)
+static void pin_pictures(pins *all, svo_light *light)
 {
-    static const char *const names[] = {"full", "ao", "direct", "indirect", "specular"};
+    static const struct {
+        svo_render_view view;
+        const char *name;
+    } views[] = {{SVO_VIEW_SHADED, "full"},
+                 {SVO_VIEW_AO, "ao"},
+                 {SVO_VIEW_DIRECT, "direct"},
+                 {SVO_VIEW_INDIRECT, "indirect"},
+                 {SVO_VIEW_SPECULAR, "specular"}};
     enum { WIDTH = 24, HEIGHT = 16 };
     static float pixels[WIDTH * HEIGHT * 4];
-    svo_light_picture picture = SVO_LIGHT_PICTURE_INIT;
+    const svo_gather_options gather = {.struct_size = sizeof gather, .cones = 5};
+    svo_render_options picture = SVO_RENDER_OPTIONS_INIT;
     picture.width = WIDTH;
     picture.height = HEIGHT;
     picture.output.format = SVO_PIXELS_LINEAR;
-    picture.gather.cones = 5;
-    svo_camera_frame(tree, (float)WIDTH / HEIGHT, &picture.camera);
-    for (int view = 0; view <= (int)SVO_LIGHT_VIEW_SPECULAR; ++view) {
+    picture.gather = &gather;
+    (void)svo_camera_fit(svo_light_target(light), (float)WIDTH / HEIGHT, &picture.camera);
+    for (size_t i = 0; i < sizeof views / sizeof views[0]; ++i) {
         char name[32];
-        picture.view = (svo_light_view)view;
-        pin_succeed(all, svo_light_render(light, &picture, all->opened.queue, (uint8_t *)pixels));
+        picture.view = views[i].view;
+        pin_succeed(all, svo_render(svo_light_target(light), &picture, svo_in_host(pixels),
+                                    &(svo_submit){.queue = all->opened.queue}));
         for (size_t channel = 0; channel < 3; channel += 2) {
-            (void)snprintf(name, sizeof name, "picture %s, %s", names[view], channel == 0 ? "red" : "blue");
+            (void)snprintf(name, sizeof name, "picture %s, %s", views[i].name, channel == 0 ? "red" : "blue");
             pin_mean(all, name, pixels + channel, (size_t)WIDTH * HEIGHT, 4 * sizeof *pixels);
         }
     }
@@ -184,7 +193,7 @@ static void pin_light_of(pins *all, const pinned_scene *scene, svo_tree *tree, s
     if (opacity == SVO_OPACITY_AREA) {
         pin_begin(all, "PoCL %s %s %s", scene->name, svo_name(SVO_NAME_LIGHT_FORM, form), how);
         pin_gathered(all, tree, light);
-        pin_pictures(all, tree, light);
+        pin_pictures(all, light);
         pin_begin(all, "%s %s %s", scene->name, svo_name(SVO_NAME_LIGHT_FORM, form), how);
     }
     shine(all, tree, light, false);

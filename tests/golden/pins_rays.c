@@ -79,10 +79,11 @@ static void pin_views(pins *all, svo_tree *tree)
     static const char *const names[] = {"shaded", "normal", "depth", "steps", "level", "triangles"};
     static uint8_t rgba[WIDTH * HEIGHT * 16];
     svo_render_options options = {.struct_size = sizeof options, .width = WIDTH, .height = HEIGHT};
-    svo_camera_frame(tree, (float)WIDTH / HEIGHT, &options.camera);
+    (void)svo_camera_fit(svo_tree_target(tree), (float)WIDTH / HEIGHT, &options.camera);
     for (int view = 0; view <= (int)SVO_VIEW_TRIANGLES; ++view) {
         options.view = (svo_render_view)view;
-        pin_succeed(all, svo_tree_render(all->opened.device, tree, &options, all->opened.queue, rgba));
+        pin_succeed(all, svo_render(svo_tree_target(tree), &options, svo_in_host(rgba),
+                                    &(svo_submit){.queue = all->opened.queue}));
         pin_digest(all, names[view], rgba, (size_t)WIDTH * HEIGHT * 4);
     }
     options.view = SVO_VIEW_SHADED;
@@ -90,7 +91,8 @@ static void pin_views(pins *all, svo_tree *tree)
     options.clip[0] = 1;
     options.clip[1] = -0.5F;
     options.clip[3] = 0.1F;
-    pin_succeed(all, svo_tree_render(all->opened.device, tree, &options, all->opened.queue, rgba));
+    pin_succeed(
+        all, svo_render(svo_tree_target(tree), &options, svo_in_host(rgba), &(svo_submit){.queue = all->opened.queue}));
     pin_digest(all, "linear, cut", rgba, (size_t)WIDTH * HEIGHT * 16);
 }
 
@@ -153,7 +155,7 @@ static void pin_placed(pins *all, const char *when, svo_scene *scene, const svo_
     static uint8_t rgba[WIDTH * HEIGHT * 4];
     const svo_scene_light lights[] = {{.direction = {1, 2, 0.5F}, .shadows = 1, .color = {0.9F, 0.8F, 0.7F}},
                                       {.direction = {-1, 0.5F, 2}, .color = {0.1F, 0.2F, 0.3F}}};
-    svo_scene_render_options options = {.struct_size = sizeof options, .width = WIDTH, .height = HEIGHT};
+    svo_render_options options = {.struct_size = sizeof options, .width = WIDTH, .height = HEIGHT};
     svo_scene_hit *hits = calloc(RAYS, sizeof *hits);
     svo_scene_triangle_hit *triangles = calloc(RAYS, sizeof *triangles);
     assert_true(hits != NULL && triangles != NULL);
@@ -171,13 +173,15 @@ static void pin_placed(pins *all, const char *when, svo_scene *scene, const svo_
         met += triangles[i].instance != SVO_NO_INSTANCE ? 1 : 0;
     }
     pin_text(all, "any triangle", "%zu of %d rays", met, RAYS);
-    svo_scene_camera_frame(scene, (float)WIDTH / HEIGHT, &options.camera);
-    pin_succeed(all, svo_scene_render(scene, &options, all->opened.queue, rgba));
+    (void)svo_camera_fit(svo_scene_target(scene), (float)WIDTH / HEIGHT, &options.camera);
+    pin_succeed(all, svo_render(svo_scene_target(scene), &options, svo_in_host(rgba),
+                                &(svo_submit){.queue = all->opened.queue}));
     pin_digest(all, "picture", rgba, sizeof rgba);
     options.lights = lights;
     options.light_count = 2;
     options.occlusion_range = 0.3F;
-    pin_succeed(all, svo_scene_render(scene, &options, all->opened.queue, rgba));
+    pin_succeed(all, svo_render(svo_scene_target(scene), &options, svo_in_host(rgba),
+                                &(svo_submit){.queue = all->opened.queue}));
     pin_digest(all, "picture by lights", rgba, sizeof rgba);
     free(triangles);
     free(hits);
@@ -302,14 +306,14 @@ void pin_paged(pins *all)
         const svo_plan_options options = {.need = (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_NORMAL};
         svo_tree *tree = pin_build(all, all->scenes[s].mesh, 7, &options);
         svo_message message = {""};
-        svo_camera camera;
+        svo_camera camera = {.vertical_fov = 0};
         char path[512];
         work_folder_remember("paged.svo");
         (void)snprintf(path, sizeof path, "%s", path_of("paged.svo"));
         if (svo_tree_save(tree, path, NULL, &message) != SVO_OK) {
             fail_msg("%s", message.text);
         }
-        svo_camera_frame(tree, (float)WIDTH / HEIGHT, &camera);
+        (void)svo_camera_fit(svo_tree_target(tree), (float)WIDTH / HEIGHT, &camera);
         pin_flight(all, all->scenes[s].name, path, &camera, 1.2, 3);
         pin_flight(all, all->scenes[s].name, path, &camera, 0.4, 3);
         pin_flight(all, all->scenes[s].name, path, &camera, 0.25, 2);

@@ -398,13 +398,15 @@ static void query_all(const fixture *opened, svo_tree *tree)
     svo_nearest nearest;
     uint8_t picture[8 * 8 * 4];
     svo_render_options options = {.struct_size = sizeof options, .width = 8, .height = 8};
-    svo_camera_frame(tree, 1.0F, &options.camera);
+    (void)svo_camera_fit(svo_tree_target(tree), 1.0F, &options.camera);
     /* Ranges above the size of a job are split by other kernels. */
     succeed(opened, svo_i_rays_make(tree, "test", opened->queue, &(svo_i_bvh_options){.subtree_items = 64}));
     succeed(opened, svo_tree_make_bvh(tree, SVO_BVH_FAST, opened->queue));
-    succeed(opened, svo_tree_render(opened->device, tree, &options, opened->queue, picture));
+    succeed(opened,
+            svo_render(svo_tree_target(tree), &options, svo_in_host(picture), &(svo_submit){.queue = opened->queue}));
     options.view = SVO_VIEW_DEPTH;
-    succeed(opened, svo_tree_render(opened->device, tree, &options, opened->queue, picture));
+    succeed(opened,
+            svo_render(svo_tree_target(tree), &options, svo_in_host(picture), &(svo_submit){.queue = opened->queue}));
     succeed(opened, svo_trace_triangles(svo_tree_target(tree), svo_in_host(&ray), svo_in_host(&hit), 1,
                                         SVO_TRACE_CLOSEST, &(svo_submit){.queue = opened->queue}));
     succeed(opened, svo_tree_nearest(tree, svo_in_host(&point), svo_in_host(&nearest), 1,
@@ -428,15 +430,16 @@ static void place_all(const fixture *opened, svo_tree *tree)
     svo_scene_hit hit;
     svo_scene_triangle_hit triangle;
     uint8_t picture[8 * 8 * 4];
-    svo_scene_render_options render = {.struct_size = sizeof render, .width = 8, .height = 8};
+    svo_render_options render = {.struct_size = sizeof render, .width = 8, .height = 8};
     succeed(opened, svo_scene_create(opened->device, &options, opened->queue, &scene));
     succeed(opened, svo_scene_set_transforms(scene, 0, 1, instances[0].transform, opened->queue));
     succeed(opened, svo_trace_voxels(svo_scene_target(scene), svo_in_host(&ray), svo_in_host(&hit), 1, 0.0F,
                                      SVO_SCENE_CLOSEST, &(svo_submit){.queue = opened->queue}));
     succeed(opened, svo_trace_triangles(svo_scene_target(scene), svo_in_host(&ray), svo_in_host(&triangle), 1,
                                         SVO_SCENE_CLOSEST, &(svo_submit){.queue = opened->queue}));
-    svo_scene_camera_frame(scene, 1.0F, &render.camera);
-    succeed(opened, svo_scene_render(scene, &render, opened->queue, picture));
+    (void)svo_camera_fit(svo_scene_target(scene), 1.0F, &render.camera);
+    succeed(opened,
+            svo_render(svo_scene_target(scene), &render, svo_in_host(picture), &(svo_submit){.queue = opened->queue}));
     svo_scene_destroy(&scene);
 }
 
@@ -450,14 +453,16 @@ static void compact_all(const fixture *opened, svo_tree *tree)
         svo_voxel_hit hit;
         svo_compact *compact = NULL;
         svo_tree *expanded = NULL;
-        svo_camera_frame(tree, 1.0F, &shown.camera);
+        (void)svo_camera_fit(svo_tree_target(tree), 1.0F, &shown.camera);
         succeed(opened, svo_compact_create(opened->device, tree, &options, opened->queue, &compact));
         succeed(opened, svo_compact_expand(compact, opened->queue, &expanded));
         succeed(opened, svo_trace_voxels(svo_compact_target(compact), svo_in_host(&ray), svo_in_host(&hit), 1, 0.0F, 0,
                                          &(svo_submit){.queue = opened->queue}));
-        succeed(opened, svo_compact_render(compact, &shown, opened->queue, picture));
+        succeed(opened, svo_render(svo_compact_target(compact), &shown, svo_in_host(picture),
+                                   &(svo_submit){.queue = opened->queue}));
         shown.view = SVO_VIEW_STEPS;
-        succeed(opened, svo_compact_render(compact, &shown, opened->queue, picture));
+        succeed(opened, svo_render(svo_compact_target(compact), &shown, svo_in_host(picture),
+                                   &(svo_submit){.queue = opened->queue}));
         svo_tree_destroy(&expanded);
         svo_compact_destroy(&compact);
     }
@@ -548,7 +553,7 @@ static void shine_all(const fixture *opened, const svo_mesh *mesh)
     const svo_light_source lamp = {.kind = SVO_SOURCE_POINT, .position = {0.5F, 0.5F, 0.5F}, .value = {1, 1, 1}};
     const uint32_t needs[2] = {PAYLOAD | (uint32_t)SVO_NEED_RAYS, PAYLOAD};
     svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
-    svo_light_picture picture = SVO_LIGHT_PICTURE_INIT;
+    svo_render_options picture = SVO_RENDER_OPTIONS_INIT;
     uint8_t pixels[8 * 8 * 4];
     picture.width = picture.height = 8;
     picture.camera = (svo_camera){{0.5F, 0.5F, 3}, {0.5F, 0.5F, 0.5F}, {0, 1, 0}, 0.5F};
@@ -566,7 +571,8 @@ static void shine_all(const fixture *opened, const svo_mesh *mesh)
         fixture_build(opened, mesh, DEPTH, &options, &made);
         succeed(opened, svo_light_create(made.tree, &faces, opened->queue, &light));
         succeed(opened, svo_light_set_sources(light, &setup, opened->queue));
-        succeed(opened, svo_light_render(light, &picture, opened->queue, pixels));
+        succeed(opened, svo_render(svo_light_target(light), &picture, svo_in_host(pixels),
+                                   &(svo_submit){.queue = opened->queue}));
         probe_all(opened, made.tree, light);
         svo_light_destroy(&light);
         built_destroy(&made);

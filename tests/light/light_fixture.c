@@ -102,12 +102,12 @@ static const char probe_kernel[] =
     "    vstore4((float4)(found.radiance, found.empty), 2 * i + 1, samples);\n"
     "}\n";
 
-static cl_kernel make_kernel(const fixture *opened, const svo_light *light)
+static cl_kernel make_kernel(const fixture *opened, svo_light *light)
 {
-    const char *sources[2] = {svo_light_kernel_source(), probe_kernel};
+    const char *sources[2] = {svo_kernel_source(svo_light_target(NULL)), probe_kernel};
     const cl_device_id device = svo_device_cl_device(opened->device);
     cl_program program = clCreateProgramWithSource(svo_device_cl_context(opened->device), 2, sources, NULL, NULL);
-    if (clBuildProgram(program, 1, &device, svo_light_kernel_options(light), NULL, NULL) != CL_SUCCESS) {
+    if (clBuildProgram(program, 1, &device, svo_kernel_options(svo_light_target(light)), NULL, NULL) != CL_SUCCESS) {
         static char log[4096];
         clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, sizeof log, log, NULL);
         fail_msg("%s", log);
@@ -131,7 +131,7 @@ void light_probe_field(const fixture *opened, svo_light *light, const light_prob
     assert_int_equal(
         clEnqueueWriteBuffer(opened->queue, input, CL_TRUE, 0, count * sizeof *probes, probes, 0, NULL, NULL),
         CL_SUCCESS);
-    light_succeed(opened, svo_light_set_args(light, kernel, 0));
+    light_succeed(opened, svo_kernel_set_arguments(svo_light_target(light), kernel, 0));
     assert_int_equal(clSetKernelArg(kernel, SVO_LIGHT_ARGUMENTS, sizeof input, &input), CL_SUCCESS);
     assert_int_equal(clSetKernelArg(kernel, SVO_LIGHT_ARGUMENTS + 1, sizeof output, &output), CL_SUCCESS);
     assert_int_equal(clEnqueueNDRangeKernel(opened->queue, kernel, 1, NULL, &count, &local, 0, NULL, NULL), CL_SUCCESS);

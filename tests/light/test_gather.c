@@ -26,12 +26,12 @@
 
 /* ---- kernels of the caller's own ---- */
 
-static cl_kernel compile(const fixture *opened, const svo_light *light, const char *source)
+static cl_kernel compile(const fixture *opened, svo_light *light, const char *source)
 {
-    const char *sources[2] = {svo_light_kernel_source(), source};
+    const char *sources[2] = {svo_kernel_source(svo_light_target(NULL)), source};
     const cl_device_id device = svo_device_cl_device(opened->device);
     cl_program program = clCreateProgramWithSource(svo_device_cl_context(opened->device), 2, sources, NULL, NULL);
-    if (clBuildProgram(program, 1, &device, svo_light_kernel_options(light), NULL, NULL) != CL_SUCCESS) {
+    if (clBuildProgram(program, 1, &device, svo_kernel_options(svo_light_target(light)), NULL, NULL) != CL_SUCCESS) {
         static char log[4096];
         clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, sizeof log, log, NULL);
         fail_msg("%s", log);
@@ -53,7 +53,7 @@ static void launch(const fixture *opened, svo_light *light, const char *source, 
     cl_mem to = clCreateBuffer(context, CL_MEM_WRITE_ONLY, count * output_bytes, NULL, NULL);
     assert_int_equal(clEnqueueWriteBuffer(opened->queue, from, CL_TRUE, 0, count * input_bytes, input, 0, NULL, NULL),
                      CL_SUCCESS);
-    light_succeed(opened, svo_light_set_args(light, kernel, 0));
+    light_succeed(opened, svo_kernel_set_arguments(svo_light_target(light), kernel, 0));
     assert_int_equal(clSetKernelArg(kernel, SVO_LIGHT_ARGUMENTS, sizeof from, &from), CL_SUCCESS);
     assert_int_equal(clSetKernelArg(kernel, SVO_LIGHT_ARGUMENTS + 1, sizeof to, &to), CL_SUCCESS);
     const size_t local = 1;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * svo_light_render against closed forms: direct light of each kind of source, shadows, openness, sky, emission and
+ * Pictures of lights against closed forms: direct light of each kind of source, shadows, openness, sky, emission and
  * specular light of finishes; trees without triangles; what is refused.
  */
 #include <math.h>
@@ -76,9 +76,9 @@ static void shine(const fixture *opened, svo_light *light, const svo_light_sourc
 /* ---- pictures ---- */
 
 /* Looks down at the floor's middle, from far away: a pixel is a seventieth of a unit wide. */
-static svo_light_picture picture_of(svo_light_view view)
+static svo_render_options picture_of(svo_render_view view)
 {
-    svo_light_picture picture = SVO_LIGHT_PICTURE_INIT;
+    svo_render_options picture = SVO_RENDER_OPTIONS_INIT;
     picture.width = WIDTH;
     picture.height = HEIGHT;
     picture.camera = (svo_camera){{0, 20, 0}, {0, 0, 0}, {0, 0, -1}, 0.015F};
@@ -106,10 +106,11 @@ static void expect_byte(const char *what, const uint8_t *pixel, double radiance,
     }
 }
 
-static void draw(const fixture *opened, svo_light *light, const svo_light_picture *picture, uint8_t *rgba)
+static void draw(const fixture *opened, svo_light *light, const svo_render_options *picture, uint8_t *rgba)
 {
     memset(rgba, 0x5a, (size_t)WIDTH * HEIGHT * 4);
-    light_succeed(opened, svo_light_render(light, picture, opened->queue, rgba));
+    light_succeed(
+        opened, svo_render(svo_light_target(light), picture, svo_in_host(rgba), &(svo_submit){.queue = opened->queue}));
 }
 
 /* ---- direct light ---- */
@@ -118,7 +119,7 @@ static void draw(const fixture *opened, svo_light *light, const svo_light_pictur
 static void sources_light_directly(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
-    const svo_light_picture picture = picture_of(SVO_LIGHT_VIEW_DIRECT);
+    const svo_render_options picture = picture_of(SVO_VIEW_DIRECT);
     static uint8_t rgba[WIDTH * HEIGHT * 4];
     lit_floor scene;
     open_floor(&opened, false, &scene);
@@ -152,7 +153,7 @@ static void shadows_are_those_of_triangles(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
     static uint8_t rgba[WIDTH * HEIGHT * 4];
-    svo_light_picture picture = picture_of(SVO_LIGHT_VIEW_DIRECT);
+    svo_render_options picture = picture_of(SVO_VIEW_DIRECT);
     const svo_light_source sun = {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {0, -1, 0}, .value = {1, 1, 1}};
     lit_floor scene;
     open_floor(&opened, true, &scene);
@@ -173,14 +174,14 @@ static void floors_are_open_to_the_sky(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
     static uint8_t rgba[WIDTH * HEIGHT * 4];
-    svo_light_picture picture = picture_of(SVO_LIGHT_VIEW_AO);
+    svo_render_options picture = picture_of(SVO_VIEW_AO);
     lit_floor scene;
     open_floor(&opened, false, &scene);
     shine(&opened, scene.light, NULL, 0.25F);
     draw(&opened, scene.light, &picture, rgba);
     const int open = pixel_at(rgba, WIDTH / 2, HEIGHT / 2)[0];
     assert_true(open >= 245);
-    picture.view = SVO_LIGHT_VIEW_INDIRECT;
+    picture.view = SVO_VIEW_INDIRECT;
     draw(&opened, scene.light, &picture, rgba);
     expect_byte("floor under the sky", pixel_at(rgba, WIDTH / 2, HEIGHT / 2), CLAY * 0.25, 5);
     picture.camera = (svo_camera){{0, 0.5F, 0}, {0, 5, 0}, {0, 0, -1}, 0.5F};
@@ -192,7 +193,7 @@ static void floors_are_open_to_the_sky(void **state)
     close_floor(&scene);
     open_floor(&opened, true, &scene);
     shine(&opened, scene.light, NULL, 0);
-    picture = picture_of(SVO_LIGHT_VIEW_AO);
+    picture = picture_of(SVO_VIEW_AO);
     picture.camera = (svo_camera){{0, 0.3F, 0.95F}, {0, 0, 0}, {0, 1, 0}, 0.05F};
     draw(&opened, scene.light, &picture, rgba);
     assert_true(pixel_at(rgba, WIDTH / 2, HEIGHT / 2)[0] < open - 20);
@@ -211,12 +212,12 @@ static void full_is_direct_and_indirect(void **state)
     const fixture opened = fixture_cl_of_group(state);
     static uint8_t rgba[3][WIDTH * HEIGHT * 4];
     const svo_light_source sun = {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {1, -1, 0}, .value = {1, 1, 1}};
-    static const svo_light_view views[3] = {SVO_LIGHT_VIEW_DIRECT, SVO_LIGHT_VIEW_INDIRECT, SVO_LIGHT_VIEW_FULL};
+    static const svo_render_view views[3] = {SVO_VIEW_DIRECT, SVO_VIEW_INDIRECT, SVO_VIEW_SHADED};
     lit_floor scene;
     open_floor(&opened, true, &scene);
     shine(&opened, scene.light, &sun, 0.2F);
     for (int i = 0; i < 3; ++i) {
-        svo_light_picture picture = picture_of(views[i]);
+        svo_render_options picture = picture_of(views[i]);
         picture.camera = (svo_camera){{0, 0.5F, 0.5F}, {0, 0, 0.1F}, {0, 1, 0}, 0.5F};
         draw(&opened, scene.light, &picture, rgba[i]);
     }
@@ -229,9 +230,10 @@ static void full_is_direct_and_indirect(void **state)
             return;
         }
     }
-    svo_light_picture without = picture_of(SVO_LIGHT_VIEW_FULL);
+    const svo_gather_options no_light = {.struct_size = sizeof no_light, .no_light = 1};
+    svo_render_options without = picture_of(SVO_VIEW_SHADED);
     without.camera = (svo_camera){{0, 0.5F, 0.5F}, {0, 0, 0.1F}, {0, 1, 0}, 0.5F};
-    without.gather.no_light = 1;
+    without.gather = &no_light;
     draw(&opened, scene.light, &without, rgba[2]);
     const size_t last = (size_t)WIDTH * HEIGHT - WIDTH / 2;
     assert_int_equal(rgba[2][4 * last], rgba[0][4 * last]);
@@ -241,7 +243,7 @@ static void full_is_direct_and_indirect(void **state)
     dark.no_photons = 1;
     light_succeed(&opened, svo_light_set_sources(scene.light, &dark, opened.queue));
     assert_int_equal(light_info_of(scene.light).photons, 0);
-    without.gather.no_light = 0;
+    without.gather = NULL;
     draw(&opened, scene.light, &without, rgba[2]);
     assert_int_equal(rgba[2][4 * last], rgba[0][4 * last]);
     close_floor(&scene);
@@ -259,10 +261,10 @@ static void finishes_emit_and_reflect(void **state)
     setup.finishes = finishes;
     setup.finish_count = 2;
     light_succeed(&opened, svo_light_set_sources(scene.light, &setup, opened.queue));
-    svo_light_picture picture = picture_of(SVO_LIGHT_VIEW_FULL);
+    svo_render_options picture = picture_of(SVO_VIEW_SHADED);
     draw(&opened, scene.light, &picture, rgba);
     expect_byte("roof", pixel_at(rgba, WIDTH / 2, HEIGHT / 2), 0.4, 12);
-    picture.view = SVO_LIGHT_VIEW_SPECULAR;
+    picture.view = SVO_VIEW_SPECULAR;
     draw(&opened, scene.light, &picture, rgba);
     expect_byte("roof without specular color", pixel_at(rgba, WIDTH / 2, HEIGHT / 2), 0, 0);
     picture.camera = (svo_camera){{0, 0.3F, 0.15F}, {0, 0, 0}, {0, 1, 0}, 0.05F};
@@ -292,7 +294,7 @@ static void trees_without_triangles_are_drawn(void **state)
     svo_light *light = light_of(&opened, tree, SVO_LIGHT_BRICKS);
     const svo_light_source sun = {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {0, -1, 0}, .value = {1, 1, 1}};
     shine(&opened, light, &sun, 0);
-    svo_light_picture picture = picture_of(SVO_LIGHT_VIEW_DIRECT);
+    svo_render_options picture = picture_of(SVO_VIEW_DIRECT);
     const float edge = (float)info.edge;
     const float middle[3] = {(float)info.origin[0] + 0.5F * edge, (float)info.origin[1],
                              (float)info.origin[2] + 0.5F * edge};
@@ -316,14 +318,16 @@ static void trees_without_triangles_are_drawn(void **state)
 /* A plane above the floor leaves the sky of it, or all of it, for each view. */
 static void a_plane_cuts_the_floor_away(void **state)
 {
+    static const svo_render_view views[] = {SVO_VIEW_SHADED, SVO_VIEW_AO, SVO_VIEW_DIRECT, SVO_VIEW_INDIRECT,
+                                            SVO_VIEW_SPECULAR};
     const fixture opened = fixture_cl_of_group(state);
     static uint8_t pictures[3][WIDTH * HEIGHT * 4];
     const svo_light_source sun = {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {1, -1, 0}, .value = {1, 1, 1}};
     lit_floor scene;
     open_floor(&opened, false, &scene);
     shine(&opened, scene.light, &sun, 0.2F);
-    for (int view = SVO_LIGHT_VIEW_FULL; view <= SVO_LIGHT_VIEW_SPECULAR; ++view) {
-        svo_light_picture picture = picture_of((svo_light_view)view);
+    for (size_t view = 0; view < sizeof views / sizeof views[0]; ++view) {
+        svo_render_options picture = picture_of(views[view]);
         draw(&opened, scene.light, &picture, pictures[0]);
         picture.clip[1] = -1; /* the eye is on the side that is cut away */
         picture.clip[3] = 5;
@@ -349,7 +353,7 @@ static void bands_are_rows_of_the_picture(void **state)
     static uint8_t bands[WIDTH * HEIGHT * 4];
     const svo_light_source sun = {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {1, -1, 0}, .value = {1, 1, 1}};
     const size_t above = (size_t)WIDTH * SVO_LIGHT_BAND_ROWS * 4;
-    svo_light_picture picture = picture_of(SVO_LIGHT_VIEW_FULL);
+    svo_render_options picture = picture_of(SVO_VIEW_SHADED);
     lit_floor scene;
     open_floor(&opened, true, &scene);
     shine(&opened, scene.light, &sun, 0.2F);
@@ -360,18 +364,23 @@ static void bands_are_rows_of_the_picture(void **state)
     assert_int_equal(bands[above], 0x5a);
     picture.first_row = SVO_LIGHT_BAND_ROWS;
     picture.row_count = 0;
-    light_succeed(&opened, svo_light_render(scene.light, &picture, opened.queue, bands + above));
+    light_succeed(&opened, svo_render(svo_light_target(scene.light), &picture, svo_in_host(bands + above),
+                                      &(svo_submit){.queue = opened.queue}));
     assert_memory_equal(bands, whole, sizeof whole);
     picture.row_count = 2 * SVO_LIGHT_BAND_ROWS;
-    light_succeed(&opened, svo_light_render(scene.light, &picture, opened.queue, bands + above));
+    light_succeed(&opened, svo_render(svo_light_target(scene.light), &picture, svo_in_host(bands + above),
+                                      &(svo_submit){.queue = opened.queue}));
     assert_memory_equal(bands, whole, sizeof whole);
     close_floor(&scene);
 }
 
-static void expect_refused(const fixture *opened, svo_light *light, const svo_light_picture *picture, const char *words)
+static void expect_refused(const fixture *opened, svo_light *light, const svo_render_options *picture,
+                           const char *words)
 {
     static uint8_t rgba[WIDTH * HEIGHT * 4];
-    assert_int_equal(svo_light_render(light, picture, opened->queue, rgba), SVO_INVALID_ARGUMENT);
+    assert_int_equal(
+        svo_render(svo_light_target(light), picture, svo_in_host(rgba), &(svo_submit){.queue = opened->queue}),
+        SVO_INVALID_ARGUMENT);
     if (strstr(svo_device_message(opened->device), words) == NULL) {
         fail_msg("'%s' is not in '%s'", words, svo_device_message(opened->device));
     }
@@ -380,31 +389,33 @@ static void expect_refused(const fixture *opened, svo_light *light, const svo_li
 static void wrong_pictures_are_refused(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
-    const svo_light_picture good = picture_of(SVO_LIGHT_VIEW_FULL);
+    const svo_render_options good = picture_of(SVO_VIEW_SHADED);
+    const svo_gather_options three = {.struct_size = sizeof three, .cones = 3};
     lit_floor scene;
     open_floor(&opened, false, &scene);
 #define REFUSED(change, words)                               \
     do {                                                     \
-        svo_light_picture wrong = good;                      \
+        svo_render_options wrong = good;                     \
         change;                                              \
         expect_refused(&opened, scene.light, &wrong, words); \
     } while (0)
-    REFUSED(wrong.width = 0, "svo_light_render: 0 x 21 pixels are not within 1 .. 16384");
-    REFUSED(wrong.camera.vertical_fov = 4, "svo_light_render: camera.vertical_fov 4 is not between 0 and pi");
-    REFUSED(wrong.camera.up[2] = NAN, "svo_light_render: camera.eye, target and up are not finite");
+    REFUSED(wrong.width = 0, "svo_render: 0 x 21 pixels are not within 1 .. 16384");
+    REFUSED(wrong.camera.vertical_fov = 4, "svo_render: camera.vertical_fov 4 is not between 0 and pi");
+    REFUSED(wrong.camera.up[2] = NAN, "svo_render: camera.eye, target and up are not finite");
     REFUSED(wrong.camera.target[1] = 20, "camera.eye, target and up are not finite, or up is along");
-    REFUSED(wrong.view = (svo_light_view)9, "svo_light_render: picture.view 9 is not in 0 .. 4");
-    REFUSED(wrong.first_row = 8, "svo_light_render: picture.first_row 8 is not a multiple of 16 below height");
+    REFUSED(wrong.view = (svo_render_view)10,
+            "svo_render: options.view 10 is none of a light, which has SVO_VIEW_SHADED, AO, DIRECT");
+    REFUSED(wrong.first_row = 8, "svo_render: options.first_row 8 is not a multiple of 16 below height");
     REFUSED(wrong.first_row = 16 * wrong.height, "is not a multiple of 16 below height");
-    REFUSED(wrong.row_count = 17, "svo_light_render: picture.row_count 17 is not a multiple of 16");
-    REFUSED(wrong.clip[0] = INFINITY, "svo_light_render: clip inf, 0, 0, 0 is not finite");
-    REFUSED(wrong.exposure = -1, "svo_light_render: picture.exposure -1 is negative or not finite");
-    REFUSED(wrong.gather.cones = 3, "options.cones 3 is not 1, 5, 6, 16 or 64");
+    REFUSED(wrong.row_count = 17, "svo_render: options.row_count 17 is not a multiple of 16");
+    REFUSED(wrong.clip[0] = INFINITY, "svo_render: clip inf, 0, 0, 0 is not finite");
+    REFUSED(wrong.exposure = -1, "svo_render: options.exposure -1 is negative or not finite");
+    REFUSED(wrong.gather = &three, "svo_render: options.gather.cones 3 is not 1, 5, 6, 16 or 64");
 #undef REFUSED
-    assert_int_equal(svo_light_render(NULL, &good, NULL, NULL), SVO_INVALID_ARGUMENT);
-    expect_refused(&opened, scene.light, NULL, "svo_light_render: picture is NULL");
-    assert_int_equal(svo_light_render(scene.light, &good, NULL, NULL), SVO_INVALID_ARGUMENT);
-    assert_string_equal(svo_device_message(opened.device), "svo_light_render: rgba is NULL");
+    assert_int_equal(svo_render(svo_light_target(NULL), &good, svo_in_host(NULL), NULL), SVO_INVALID_ARGUMENT);
+    expect_refused(&opened, scene.light, NULL, "svo_render: options is NULL");
+    assert_int_equal(svo_render(svo_light_target(scene.light), &good, svo_in_host(NULL), NULL), SVO_INVALID_ARGUMENT);
+    assert_string_equal(svo_device_message(opened.device), "svo_render: pixels is NULL");
     close_floor(&scene);
 }
 

@@ -286,12 +286,13 @@ static void wrong_arguments_are_refused(void **state)
     assert_int_equal(svo_light_get_info(light, NULL), SVO_INVALID_ARGUMENT);
     refuse(&opened, svo_light_hash(light, NULL, NULL), "svo_light_hash: text is NULL");
     assert_int_equal(svo_light_hash(NULL, NULL, text), SVO_INVALID_ARGUMENT);
-    refuse(&opened, svo_light_set_args(light, NULL, 0), "svo_light_set_args: kernel is NULL");
-    assert_int_equal(svo_light_set_args(NULL, NULL, 0), SVO_INVALID_ARGUMENT);
+    refuse(&opened, svo_kernel_set_arguments(svo_light_target(light), NULL, 0),
+           "svo_kernel_set_arguments: kernel is NULL");
+    assert_int_equal(svo_kernel_set_arguments(svo_light_target(NULL), NULL, 0), SVO_INVALID_ARGUMENT);
     assert_null(svo_light_get_buffer(NULL, SVO_LIGHT_OPACITY));
     assert_null(svo_light_get_buffer(light, SVO_LIGHT_BUFFER_COUNT));
     assert_null(svo_light_get_buffer(light, SVO_LIGHT_COVER));
-    assert_string_equal(svo_light_kernel_options(NULL), "");
+    assert_null(svo_kernel_options(svo_light_target(NULL)));
     svo_light_destroy(&light);
     svo_light_destroy(&light);
     svo_light_destroy(NULL);

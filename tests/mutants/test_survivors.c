@@ -82,12 +82,13 @@ static const char cone_kernel[] =
     "    passes[i] = svo_trace_cone(&light, &cone).pass;\n"
     "}\n";
 
-static cl_kernel compile(const fixture *opened, const svo_light *light)
+static cl_kernel compile(const fixture *opened, svo_light *light)
 {
-    const char *sources[2] = {svo_light_kernel_source(), cone_kernel};
+    const char *sources[2] = {svo_kernel_source(svo_light_target(NULL)), cone_kernel};
     const cl_device_id device = svo_device_cl_device(opened->device);
     cl_program program = clCreateProgramWithSource(svo_device_cl_context(opened->device), 2, sources, NULL, NULL);
-    assert_int_equal(clBuildProgram(program, 1, &device, svo_light_kernel_options(light), NULL, NULL), CL_SUCCESS);
+    assert_int_equal(clBuildProgram(program, 1, &device, svo_kernel_options(svo_light_target(light)), NULL, NULL),
+                     CL_SUCCESS);
     cl_kernel kernel = clCreateKernel(program, "probe", NULL);
     clReleaseProgram(program);
     assert_non_null(kernel);
@@ -103,7 +104,7 @@ static void trace_cones(const fixture *opened, svo_light *light, const float sta
     cl_mem to = clCreateBuffer(context, CL_MEM_READ_WRITE, bytes, NULL, NULL);
     assert_true(from != NULL && to != NULL);
     assert_int_equal(clEnqueueWriteBuffer(opened->queue, from, CL_TRUE, 0, bytes, starts, 0, NULL, NULL), CL_SUCCESS);
-    light_succeed(opened, svo_light_set_args(light, kernel, 0));
+    light_succeed(opened, svo_kernel_set_arguments(svo_light_target(light), kernel, 0));
     assert_int_equal(clSetKernelArg(kernel, SVO_LIGHT_ARGUMENTS, sizeof from, &from), CL_SUCCESS);
     assert_int_equal(clSetKernelArg(kernel, SVO_LIGHT_ARGUMENTS + 1, sizeof to, &to), CL_SUCCESS);
     assert_int_equal(clEnqueueNDRangeKernel(opened->queue, kernel, 1, NULL, &count, &local, 0, NULL, NULL), CL_SUCCESS);

@@ -87,7 +87,7 @@ svo_render_options paged_view(const paged_scene *of, svo_render_view view, unsig
     options.width = PAGED_WIDTH;
     options.height = PAGED_HEIGHT;
     options.view = view;
-    svo_camera_frame(of->whole.tree, (float)PAGED_WIDTH / (float)PAGED_HEIGHT, &options.camera);
+    (void)svo_camera_fit(svo_tree_target(of->whole.tree), (float)PAGED_WIDTH / (float)PAGED_HEIGHT, &options.camera);
     svo_camera *camera = &options.camera;
     const double along = count > 1 ? (double)k / (double)(count - 1) : 0.5;
     const double angle = 3.1 * along;
@@ -117,7 +117,8 @@ void paged_update(const paged_scene *of, svo_paged *paged)
 
 void paged_draw_tree(const paged_scene *of, svo_tree *tree, const svo_render_options *options)
 {
-    if (svo_tree_render(of->opened.device, tree, options, of->opened.queue, of->expected) != SVO_OK) {
+    if (svo_render(svo_tree_target(tree), options, svo_in_host(of->expected),
+                   &(svo_submit){.queue = of->opened.queue}) != SVO_OK) {
         fail_msg("%s", svo_device_message(of->opened.device));
     }
 }

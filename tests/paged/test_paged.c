@@ -140,7 +140,7 @@ static void test_the_empty_tree(void **state)
         assert_int_equal(svo_paged_open(opened.device, path_of("tree.svo"), budget, NULL, &paged), SVO_OK);
         svo_render_options options = {
             .struct_size = sizeof options, .width = PAGED_WIDTH, .height = PAGED_HEIGHT, .view = SVO_VIEW_LEVEL};
-        svo_camera_frame(empty.tree, 1.0F, &options.camera);
+        (void)svo_camera_fit(svo_tree_target(empty.tree), 1.0F, &options.camera);
         assert_int_equal(svo_paged_render(paged, &options, rgba), SVO_OK);
         for (size_t i = 0; i < PAGED_BYTES; ++i) {
             assert_int_equal(rgba[i], 255);
@@ -466,7 +466,10 @@ static void test_arguments(void **state)
     assert_int_equal(svo_paged_render(NULL, &view, scene.drawn), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_paged_render(paged, NULL, scene.drawn), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_paged_render(paged, &view, scene.drawn), SVO_INVALID_ARGUMENT);
-    assert_string_equal(svo_device_message(device), "svo_paged_render: a paged tree has no triangles to show");
+    assert_string_equal(
+        svo_device_message(device),
+        "svo_paged_render: options.view 5 is none of a paged tree, which has SVO_VIEW_SHADED, NORMAL, DEPTH, STEPS "
+        "and LEVEL");
     view.view = SVO_VIEW_NORMAL;
     assert_int_equal(svo_paged_render(paged, &view, NULL), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_paged_update(paged), SVO_OK); /* nothing was drawn, so nothing is missed */

@@ -122,8 +122,9 @@ static void draw(const fixture *opened, svo_tree *tree, svo_render_view view, ui
 {
     svo_render_options options = {
         .struct_size = sizeof options, .width = PICTURE_SIDE, .height = PICTURE_SIDE, .view = view};
-    svo_camera_frame(tree, 1.0F, &options.camera);
-    if (svo_tree_render(opened->device, tree, &options, opened->queue, rgba) != SVO_OK) {
+    (void)svo_camera_fit(svo_tree_target(tree), 1.0F, &options.camera);
+    if (svo_render(svo_tree_target(tree), &options, svo_in_host(rgba), &(svo_submit){.queue = opened->queue}) !=
+        SVO_OK) {
         fail_msg("%s", svo_device_message(opened->device));
     }
 }

@@ -511,7 +511,7 @@ static void wrong_arguments_are_refused(void **state)
 
 /* ---- trees without content ---- */
 
-/* A kernel with SVO_TREE_PARAMETERS, as far as svo_tree_set_args can tell. */
+/* A kernel with SVO_TREE_PARAMETERS, as far as svo_kernel_set_arguments can tell. */
 static cl_kernel make_plain_kernel(const fixture *opened)
 {
     const char *source =
@@ -559,7 +559,7 @@ static void expect_all_to_refuse(const fixture *opened, svo_tree *tree, cl_kerne
     svo_grid grid;
     svo_node node;
     const svo_submit submit = {.queue = opened->queue};
-    svo_camera_frame(tree, 1.0F, &options.camera);
+    (void)svo_camera_fit(svo_tree_target(tree), 1.0F, &options.camera);
 #define EXPECT(function, ...) expect_refusal(opened, function(__VA_ARGS__), #function, words)
     EXPECT(svo_tree_get_info, tree, &info);
     EXPECT(svo_tree_get_arrays, tree, &arrays);
@@ -571,7 +571,7 @@ static void expect_all_to_refuse(const fixture *opened, svo_tree *tree, cl_kerne
     EXPECT(svo_tree_find_point, tree, corner, &node);
     EXPECT(svo_tree_find_node, tree, 0, &node);
     EXPECT(svo_tree_node_box, tree, 0, box[0], box[1]);
-    EXPECT(svo_tree_set_args, tree, kernel, 0);
+    EXPECT(svo_kernel_set_arguments, svo_tree_target(tree), kernel, 0);
     EXPECT(svo_tree_prepare_rays, tree, opened->queue);
     EXPECT(svo_tree_make_bvh, tree, SVO_BVH_FAST, opened->queue);
     EXPECT(svo_trace_triangles, svo_tree_target(tree), svo_in_host(&ray), svo_in_host(&hit), 1, SVO_TRACE_CLOSEST,
@@ -582,7 +582,8 @@ static void expect_all_to_refuse(const fixture *opened, svo_tree *tree, cl_kerne
     EXPECT(svo_tree_nearest, tree, svo_in_buffer(memory), svo_in_buffer(memory), 1, &submit);
     for (svo_render_view view = SVO_VIEW_SHADED; view <= SVO_VIEW_TRIANGLES; ++view) {
         options.view = view;
-        EXPECT(svo_tree_render, opened->device, tree, &options, opened->queue, picture);
+        EXPECT(svo_render, svo_tree_target(tree), &options, svo_in_host(picture),
+               &(svo_submit){.queue = opened->queue});
     }
 #undef EXPECT
     assert_int_equal(svo_tree_ray_bytes(tree), 0);
@@ -619,7 +620,7 @@ static void trees_without_content_are_refused(void **state)
         succeed(&opened, svo_tree_finish(tree, opened.queue, 0, NULL));
         hash_of(&opened, tree, hash);
         assert_string_equal(hash, expected.hash);
-        succeed(&opened, svo_tree_set_args(tree, kernel, 0));
+        succeed(&opened, svo_kernel_set_arguments(svo_tree_target(tree), kernel, 0));
         succeed(&opened, svo_trace_triangles(svo_tree_target(tree), svo_in_host(&ray), svo_in_host(&hits[1]), 1,
                                              SVO_TRACE_COUNT, &(svo_submit){.queue = opened.queue}));
         assert_memory_equal(&hits[1], &hits[0], sizeof hits[0]);
@@ -712,10 +713,11 @@ static const char outcome_kernel[] = "__kernel void look(__global const svo_buil
 
 static cl_kernel make_outcome_kernel(const fixture *opened)
 {
-    const char *sources[2] = {svo_tree_kernel_source(), outcome_kernel};
+    const char *sources[2] = {svo_kernel_source(svo_tree_target(NULL)), outcome_kernel};
     const cl_device_id device = svo_device_cl_device(opened->device);
     cl_program program = clCreateProgramWithSource(svo_device_cl_context(opened->device), 2, sources, NULL, NULL);
-    assert_int_equal(clBuildProgram(program, 1, &device, svo_tree_kernel_options(), NULL, NULL), CL_SUCCESS);
+    assert_int_equal(clBuildProgram(program, 1, &device, svo_kernel_options(svo_tree_target(NULL)), NULL, NULL),
+                     CL_SUCCESS);
     cl_kernel kernel = clCreateKernel(program, "look", NULL);
     clReleaseProgram(program);
     assert_non_null(kernel);

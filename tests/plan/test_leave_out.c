@@ -724,7 +724,8 @@ static void levels_without_payload_in_files(void **state)
     uint8_t pixels[4];
     const svo_render_options picture = {
         .struct_size = sizeof picture, .width = 1, .height = 1, .camera = {.eye = {9, 9, 9}, .up = {0, 0, 1}}};
-    assert_int_equal(svo_tree_render(less.opened.device, less.result.tree, &picture, less.opened.queue, pixels),
+    assert_int_equal(svo_render(svo_tree_target(less.result.tree), &picture, svo_in_host(pixels),
+                                &(svo_submit){.queue = less.opened.queue}),
                      SVO_INVALID_ARGUMENT);
     svo_tree_destroy(&loaded);
     measured_destroy(&less);

@@ -548,7 +548,8 @@ static void wrong_arguments_are_refused(void **state)
                    "svo_probes_trace: options.thickness -1 is negative or not finite");
     expect_refusal(&opened, svo_probes_irradiance(of.probes, svo_in_host(&point), svo_in_host(&light), 1, NULL),
                    "svo_probes_irradiance: the probes were made without diffuse maps");
-    expect_refusal(&opened, svo_probes_set_args(of.probes, NULL, 0), "svo_probes_set_args: kernel is NULL");
+    expect_refusal(&opened, svo_kernel_set_arguments(svo_probes_target(of.probes), NULL, 0),
+                   "svo_kernel_set_arguments: kernel is NULL");
     assert_string_equal(svo_name(SVO_NAME_PROBE_CHOICE, (svo_probe_choice)2), "unknown choice");
     close_scene(&of);
 }

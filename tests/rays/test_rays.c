@@ -424,10 +424,12 @@ static void the_bvh_is_refused_for_trees_without_lists(void **state)
     assert_non_null(strstr(svo_device_message(opened->device), "SVO_NEED_RAYS"));
     assert_int_equal(svo_tree_prepare_rays(thin.tree, opened->queue), SVO_INVALID_ARGUMENT);
     assert_non_null(strstr(svo_device_message(opened->device), "thin"));
-    assert_int_equal(svo_tree_render(opened->device, plain.tree, &triangles, opened->queue, picture),
+    assert_int_equal(svo_render(svo_tree_target(plain.tree), &triangles, svo_in_host(picture),
+                                &(svo_submit){.queue = opened->queue}),
                      SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_tree_render(opened->device, thin.tree, &triangles, opened->queue, picture),
-                     SVO_INVALID_ARGUMENT);
+    assert_int_equal(
+        svo_render(svo_tree_target(thin.tree), &triangles, svo_in_host(picture), &(svo_submit){.queue = opened->queue}),
+        SVO_INVALID_ARGUMENT);
     assert_non_null(strstr(svo_device_message(opened->device), "thin"));
     assert_int_equal(svo_tree_ray_bytes(plain.tree), 0);
     built_destroy(&thin);
@@ -510,11 +512,12 @@ static const char voxel_kernel[] =
 
 static cl_kernel make_voxel_kernel(const fixture *opened)
 {
-    const char *sources[2] = {svo_tree_kernel_source(), voxel_kernel};
+    const char *sources[2] = {svo_kernel_source(svo_tree_target(NULL)), voxel_kernel};
     const cl_device_id device = svo_device_cl_device(opened->device);
     cl_int error = CL_SUCCESS;
     cl_program program = clCreateProgramWithSource(svo_device_cl_context(opened->device), 2, sources, NULL, &error);
-    assert_int_equal(clBuildProgram(program, 1, &device, svo_tree_kernel_options(), NULL, NULL), CL_SUCCESS);
+    assert_int_equal(clBuildProgram(program, 1, &device, svo_kernel_options(svo_tree_target(NULL)), NULL, NULL),
+                     CL_SUCCESS);
     cl_kernel kernel = clCreateKernel(program, "find", &error);
     assert_int_equal(error, CL_SUCCESS);
     clReleaseProgram(program);
@@ -529,7 +532,7 @@ static void run_voxel_kernel(const fixture *opened, const built *tree, const svo
     const size_t local = 50;
     cl_mem from = clCreateBuffer(context, CL_MEM_READ_WRITE, count * sizeof *rays, NULL, NULL);
     cl_mem to = clCreateBuffer(context, CL_MEM_READ_WRITE, count * sizeof *hits, NULL, NULL);
-    assert_int_equal(svo_tree_set_args(tree->tree, kernel, 0), SVO_OK);
+    assert_int_equal(svo_kernel_set_arguments(svo_tree_target(tree->tree), kernel, 0), SVO_OK);
     clSetKernelArg(kernel, SVO_TREE_ARGUMENTS, sizeof from, (const void *)&from);
     clSetKernelArg(kernel, SVO_TREE_ARGUMENTS + 1, sizeof to, (const void *)&to);
     clEnqueueWriteBuffer(opened->queue, from, CL_TRUE, 0, count * sizeof *rays, rays, 0, NULL, NULL);
@@ -555,7 +558,7 @@ static const char arrays_kernel[] =
 static void run_arrays_kernel(const fixture *opened, const built *tree, const char *options, cl_uint any,
                               const svo_ray *rays, svo_hit *hits, cl_uint count)
 {
-    const char *sources[2] = {svo_tree_kernel_source(), arrays_kernel};
+    const char *sources[2] = {svo_kernel_source(svo_tree_target(NULL)), arrays_kernel};
     const cl_device_id device = svo_device_cl_device(opened->device);
     cl_context context = svo_device_cl_context(opened->device);
     const size_t items = (count + RAYS_PER_ITEM - 1u) / RAYS_PER_ITEM;
@@ -566,7 +569,7 @@ static void run_arrays_kernel(const fixture *opened, const built *tree, const ch
     cl_kernel kernel = clCreateKernel(program, "find", &error);
     cl_mem from = clCreateBuffer(context, CL_MEM_COPY_HOST_PTR, count * sizeof *rays, (void *)rays, NULL);
     cl_mem to = clCreateBuffer(context, CL_MEM_READ_WRITE, count * sizeof *hits, NULL, NULL);
-    assert_int_equal(svo_tree_set_args(tree->tree, kernel, 0), SVO_OK);
+    assert_int_equal(svo_kernel_set_arguments(svo_tree_target(tree->tree), kernel, 0), SVO_OK);
     clSetKernelArg(kernel, SVO_TREE_ARGUMENTS, sizeof from, (const void *)&from);
     clSetKernelArg(kernel, SVO_TREE_ARGUMENTS + 1, sizeof to, (const void *)&to);
     clSetKernelArg(kernel, SVO_TREE_ARGUMENTS + 2, sizeof count, &count);
@@ -624,7 +627,7 @@ static void an_own_kernel_traces_arrays_of_rays(void **state)
         assert_in_range(met, RAYS / 20, RAYS / 2 - RAYS / 20);
         for (int streams = 0; streams < 2; ++streams) {
             char options[128];
-            snprintf(options, sizeof options, "%s%s", svo_tree_kernel_options(),
+            snprintf(options, sizeof options, "%s%s", svo_kernel_options(svo_tree_target(NULL)),
                      streams != 0 ? " -DSVO_RAY_STREAMS" : "");
             run_arrays_kernel(opened, &tree, options, any, rays, hits, RAYS);
             expect_hits(hits, expected, RAYS, any, options);
@@ -659,7 +662,7 @@ static void rays_of_a_packet_are_traced_in_groups(void **state)
             rays[i].direction[axis] = (float)(length * tree.info.edge * (pixel[axis] + 1e-3 * (double)(i % 8) - from));
         }
     }
-    run_arrays_kernel(opened, &tree, svo_tree_kernel_options(), 0, rays, expected, RAYS);
+    run_arrays_kernel(opened, &tree, svo_kernel_options(svo_tree_target(NULL)), 0, rays, expected, RAYS);
     for (cl_uint any = 0; any < 2; ++any) {
         trace_rays(opened, &tree, rays, RAYS, any != 0 ? SVO_TRACE_ANY : SVO_TRACE_CLOSEST, hits);
         for (size_t i = 0; i < RAYS; ++i) {

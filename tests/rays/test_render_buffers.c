@@ -31,92 +31,37 @@
 
 /* ---- what is drawn ---- */
 
+/* Pictures of different kinds of handles. */
+enum { SHADED, NORMALS, COMPACT, SCENE, LIGHT, PICTURES };
+static const char *const names[PICTURES] = {"shaded", "normals", "compact", "scene", "light"};
+
 typedef struct drawn {
     fixture opened;
     built made;
     svo_compact *compact;
     svo_scene *scene;
     svo_light *light;
-    svo_render_options shaded, normals;
-    svo_scene_render_options placed;
-    svo_light_picture lit;
+    svo_target targets[PICTURES];
+    svo_render_options asked[PICTURES];
+    svo_gather_options gather; /* of the light */
 } drawn;
 
 /* Where a picture goes, and when. */
-typedef struct target {
+typedef struct place {
     cl_mem pixels;
-    cl_command_queue queue;
-    cl_uint num_wait;
-    const cl_event *wait;
-    cl_event *event;
-} target;
+    svo_submit submit;
+} place;
 
-static svo_status enqueue_shaded(const drawn *of, const target *to)
+static svo_status enqueue(const drawn *of, size_t picture, const place *to)
 {
-    return svo_tree_render_enqueue(of->opened.device, of->made.tree, &of->shaded, to->pixels, to->queue, to->num_wait,
-                                   to->wait, to->event);
+    return svo_render(of->targets[picture], &of->asked[picture], svo_in_buffer(to->pixels), &to->submit);
 }
 
-static svo_status enqueue_normals(const drawn *of, const target *to)
+/* For the host. */
+static svo_status draw(const drawn *of, size_t picture, void *pixels)
 {
-    return svo_tree_render_enqueue(of->opened.device, of->made.tree, &of->normals, to->pixels, to->queue, to->num_wait,
-                                   to->wait, to->event);
+    return svo_render(of->targets[picture], &of->asked[picture], svo_in_host(pixels), NULL);
 }
-
-static svo_status enqueue_compact(const drawn *of, const target *to)
-{
-    return svo_compact_render_enqueue(of->compact, &of->shaded, to->pixels, to->queue, to->num_wait, to->wait,
-                                      to->event);
-}
-
-static svo_status enqueue_scene(const drawn *of, const target *to)
-{
-    return svo_scene_render_enqueue(of->scene, &of->placed, to->pixels, to->queue, to->num_wait, to->wait, to->event);
-}
-
-static svo_status enqueue_light(const drawn *of, const target *to)
-{
-    return svo_light_render_enqueue(of->light, &of->lit, to->pixels, to->queue, to->num_wait, to->wait, to->event);
-}
-
-static svo_status draw_shaded(const drawn *of, uint8_t *rgba)
-{
-    return svo_tree_render(of->opened.device, of->made.tree, &of->shaded, NULL, rgba);
-}
-
-static svo_status draw_normals(const drawn *of, uint8_t *rgba)
-{
-    return svo_tree_render(of->opened.device, of->made.tree, &of->normals, NULL, rgba);
-}
-
-static svo_status draw_compact(const drawn *of, uint8_t *rgba)
-{
-    return svo_compact_render(of->compact, &of->shaded, NULL, rgba);
-}
-
-static svo_status draw_scene(const drawn *of, uint8_t *rgba)
-{
-    return svo_scene_render(of->scene, &of->placed, NULL, rgba);
-}
-
-static svo_status draw_light(const drawn *of, uint8_t *rgba)
-{
-    return svo_light_render(of->light, &of->lit, NULL, rgba);
-}
-
-static const struct picture {
-    const char *function; /* as messages begin */
-    svo_status (*enqueue)(const drawn *of, const target *to);
-    svo_status (*draw)(const drawn *of, uint8_t *rgba); /* for the host */
-} pictures[] = {
-    {"svo_tree_render_enqueue", enqueue_shaded, draw_shaded},
-    {"svo_tree_render_enqueue", enqueue_normals, draw_normals},
-    {"svo_compact_render_enqueue", enqueue_compact, draw_compact},
-    {"svo_scene_render_enqueue", enqueue_scene, draw_scene},
-    {"svo_light_render_enqueue", enqueue_light, draw_light},
-};
-
-#define PICTURES (sizeof pictures / sizeof pictures[0])
 
 static void make_light(drawn *of)
 {
@@ -127,11 +72,8 @@ static void make_light(drawn *of)
     setup.sky[0] = setup.sky[1] = setup.sky[2] = 0.5F;
     of->light = light_of(&of->opened, of->made.tree, SVO_LIGHT_VOXELS);
     light_succeed(&of->opened, svo_light_set_sources(of->light, &setup, of->opened.queue));
-    of->lit = (svo_light_picture)SVO_LIGHT_PICTURE_INIT;
-    of->lit.width = WIDTH;
-    of->lit.height = HEIGHT;
-    of->lit.camera = of->shaded.camera;
-    of->lit.gather.cones = 5;
+    of->gather = (svo_gather_options){.struct_size = sizeof of->gather, .cones = 5};
+    of->asked[LIGHT].gather = &of->gather;
 }
 
 static drawn *make_drawn(void **state)
@@ -152,13 +94,17 @@ static drawn *make_drawn(void **state)
     light_succeed(&of->opened,
                   svo_compact_create(of->opened.device, of->made.tree, &masks, of->opened.queue, &of->compact));
     light_succeed(&of->opened, svo_scene_create(of->opened.device, &options, of->opened.queue, &of->scene));
-    of->shaded = (svo_render_options){.struct_size = sizeof of->shaded, .width = WIDTH, .height = HEIGHT};
-    svo_camera_frame(of->made.tree, (float)WIDTH / HEIGHT, &of->shaded.camera);
-    of->normals = of->shaded;
-    of->normals.view = SVO_VIEW_NORMAL;
-    of->placed = (svo_scene_render_options){.struct_size = sizeof of->placed, .width = WIDTH, .height = HEIGHT};
-    of->placed.camera = of->shaded.camera;
+    svo_render_options asked = {.struct_size = sizeof asked, .width = WIDTH, .height = HEIGHT};
+    (void)svo_camera_fit(svo_tree_target(of->made.tree), (float)WIDTH / HEIGHT, &asked.camera);
+    for (size_t i = 0; i < PICTURES; ++i) {
+        of->asked[i] = asked;
+    }
+    of->asked[NORMALS].view = SVO_VIEW_NORMAL;
     make_light(of);
+    of->targets[SHADED] = of->targets[NORMALS] = svo_tree_target(of->made.tree);
+    of->targets[COMPACT] = svo_compact_target(of->compact);
+    of->targets[SCENE] = svo_scene_target(of->scene);
+    of->targets[LIGHT] = svo_light_target(of->light);
     scene_destroy(&knot);
     return of;
 }
@@ -216,22 +162,22 @@ static void succeed(const drawn *of, const char *function, svo_status status)
 
 /* ---- bytes ---- */
 
-static void compare_with_host(const drawn *of, const struct picture *shown, cl_command_queue queue)
+static void compare_with_host(const drawn *of, size_t picture, cl_command_queue queue)
 {
     static uint8_t expected[PICTURE_BYTES];
     static uint8_t found[BYTES];
     cl_event done = NULL;
     cl_mem pixels = make_pixels(of, CL_MEM_WRITE_ONLY, BYTES);
-    const target to = {.pixels = pixels, .queue = queue, .event = &done};
+    const place to = {.pixels = pixels, .submit = {.queue = queue, .event = &done}};
     memset(expected, UNTOUCHED, sizeof expected);
-    succeed(of, shown->function, shown->draw(of, expected));
-    succeed(of, shown->function, shown->enqueue(of, &to));
+    succeed(of, names[picture], draw(of, picture, expected));
+    succeed(of, names[picture], enqueue(of, picture, &to));
     assert_non_null(done);
     assert_int_equal(clWaitForEvents(1, &done), CL_SUCCESS);
     clReleaseEvent(done);
     read_pixels(of, pixels, BYTES, found);
     assert_memory_equal(found, expected, PICTURE_BYTES);
-    assert_untouched(shown->function, found + PICTURE_BYTES, GUARD_BYTES);
+    assert_untouched(names[picture], found + PICTURE_BYTES, GUARD_BYTES);
     clReleaseMemObject(pixels);
 }
 
@@ -242,9 +188,9 @@ static void buffers_have_the_bytes_of_host_pictures(void **state)
         clCreateCommandQueue(svo_device_cl_context(of->opened.device), svo_device_cl_device(of->opened.device),
                              CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE, NULL);
     for (size_t i = 0; i < PICTURES; ++i) {
-        compare_with_host(of, &pictures[i], of->opened.queue);
+        compare_with_host(of, i, of->opened.queue);
         if (any_order != NULL) {
-            compare_with_host(of, &pictures[i], any_order);
+            compare_with_host(of, i, any_order);
         }
     }
     if (any_order != NULL) {
@@ -265,14 +211,14 @@ static void sub_buffers_put_pictures_elsewhere(void **state)
         cl_mem pixels = make_pixels(of, CL_MEM_READ_WRITE, BYTES);
         cl_mem part = clCreateSubBuffer(pixels, 0, CL_BUFFER_CREATE_TYPE_REGION, &region, &error);
         assert_int_equal(error, CL_SUCCESS);
-        const target to = {.pixels = part, .queue = of->opened.queue};
-        succeed(of, pictures[i].function, pictures[i].draw(of, expected));
-        succeed(of, pictures[i].function, pictures[i].enqueue(of, &to));
+        const place to = {.pixels = part, .submit = {.queue = of->opened.queue}};
+        succeed(of, names[i], draw(of, i, expected));
+        succeed(of, names[i], enqueue(of, i, &to));
         assert_int_equal(clFinish(of->opened.queue), CL_SUCCESS);
         clReleaseMemObject(part);
         read_pixels(of, pixels, BYTES, found);
         assert_memory_equal(found + GUARD_BYTES, expected, PICTURE_BYTES);
-        assert_untouched(pictures[i].function, found, GUARD_BYTES);
+        assert_untouched(names[i], found, GUARD_BYTES);
         clReleaseMemObject(pixels);
     }
     release_drawn(of);
@@ -286,10 +232,10 @@ static void bands_of_light_go_to_their_place(void **state)
     const size_t begin = (size_t)WIDTH * SVO_LIGHT_BAND_ROWS * 4;
     drawn *of = make_drawn(state);
     cl_mem pixels = make_pixels(of, CL_MEM_READ_WRITE, BYTES);
-    const target to = {.pixels = pixels, .queue = of->opened.queue};
-    succeed(of, "svo_light_render", draw_light(of, expected));
-    of->lit.first_row = of->lit.row_count = SVO_LIGHT_BAND_ROWS;
-    succeed(of, "svo_light_render_enqueue", enqueue_light(of, &to));
+    const place to = {.pixels = pixels, .submit = {.queue = of->opened.queue}};
+    succeed(of, "light", draw(of, LIGHT, expected));
+    of->asked[LIGHT].first_row = of->asked[LIGHT].row_count = SVO_LIGHT_BAND_ROWS;
+    succeed(of, "band", enqueue(of, LIGHT, &to));
     assert_int_equal(clFinish(of->opened.queue), CL_SUCCESS);
     read_pixels(of, pixels, BYTES, found);
     assert_untouched("above the band", found, begin);
@@ -307,7 +253,9 @@ static void bands_of_light_go_to_their_place(void **state)
 /* Of all pictures. */
 static void ask(drawn *of, const svo_picture_output *output)
 {
-    of->shaded.output = of->normals.output = of->placed.output = of->lit.output = *output;
+    for (size_t i = 0; i < PICTURES; ++i) {
+        of->asked[i].output = *output;
+    }
 }
 
 /* The share of white that a byte of a picture stands for, and the light before the tone curve. */
@@ -329,9 +277,9 @@ static void asking_for_the_default_changes_no_byte(void **state)
         const svo_picture_output same = {.samples = i == 1 ? 1 : 4};
         const svo_picture_output none = {.samples = 0};
         ask(of, &none);
-        succeed(of, pictures[i].function, pictures[i].draw(of, expected));
+        succeed(of, names[i], draw(of, i, expected));
         ask(of, &same);
-        succeed(of, pictures[i].function, pictures[i].draw(of, found));
+        succeed(of, names[i], draw(of, i, found));
         assert_memory_equal(found, expected, PICTURE_BYTES);
     }
     release_drawn(of);
@@ -355,7 +303,7 @@ static void backgrounds_are_behind_everything(void **state)
         size_t edges = 0;
         for (int k = 0; k < 3; ++k) {
             ask(of, &behind[k]);
-            succeed(of, pictures[i].function, pictures[i].draw(of, shown[k]));
+            succeed(of, names[i], draw(of, i, shown[k]));
         }
         assert_memory_equal(colored + SKY, color, 4);
         assert_memory_equal(clear + SKY, nothing, 4);
@@ -368,7 +316,7 @@ static void backgrounds_are_behind_everything(void **state)
             }
             /* A view of numbers is coded as it is: where a pixel is partly covered, what was met shows as itself, and
                over a color it is that of the picture with this color. */
-            for (int channel = 0; channel < 3 && pictures[i].draw == draw_normals; ++channel) {
+            for (size_t channel = 0; channel < 3 && i == NORMALS; ++channel) {
                 const double share = clear[at + 3] / 255.0;
                 const double over = clear[at + channel] * share + color[channel] * (1 - share);
                 assert_true(fabs(over - colored[at + channel]) <= 2);
@@ -390,9 +338,9 @@ static void floats_are_the_light_of_bytes(void **state)
     drawn *of = make_drawn(state);
     for (size_t i = 0; i < PICTURES; ++i) {
         ask(of, &asked[0]);
-        succeed(of, pictures[i].function, pictures[i].draw(of, bytes));
+        succeed(of, names[i], draw(of, i, bytes));
         ask(of, &asked[1]);
-        succeed(of, pictures[i].function, pictures[i].draw(of, (uint8_t *)floats));
+        succeed(of, names[i], draw(of, i, floats));
         for (size_t at = 0; at < PICTURE_BYTES; ++at) {
             const double low = light_of_byte(i, (uint8_t)(bytes[at] > 0 ? bytes[at] - 1 : 0));
             const double high = light_of_byte(i, (uint8_t)(bytes[at] < 254 ? bytes[at] + 1 : 254));
@@ -400,8 +348,8 @@ static void floats_are_the_light_of_bytes(void **state)
             if (at % 4 == 3 || bytes[at | 3] == 0) {
                 assert_true(fabs(value - bytes[at] * SHARE) <= 1e-6);
             } else if (bytes[at] < 254 && !(value >= low - 1e-6 && value <= high + 1e-6)) {
-                fail_msg("%s: channel %zu is %g, not within %g .. %g of byte %u", pictures[i].function, at, value, low,
-                         high, bytes[at]);
+                fail_msg("%s: channel %zu is %g, not within %g .. %g of byte %u", names[i], at, value, low, high,
+                         bytes[at]);
             }
         }
     }
@@ -419,17 +367,17 @@ static void more_samples_come_closer(void **state)
         svo_picture_output asked = {
             .samples = 121, .background = SVO_BACKGROUND_TRANSPARENT, .format = SVO_PIXELS_LINEAR};
         ask(of, &asked);
-        succeed(of, pictures[i].function, pictures[i].draw(of, (uint8_t *)truth));
+        succeed(of, names[i], draw(of, i, truth));
         for (uint32_t samples = 1; samples <= 49; samples *= 7) {
             double sum = 0;
             asked.samples = samples;
             ask(of, &asked);
-            succeed(of, pictures[i].function, pictures[i].draw(of, (uint8_t *)found));
+            succeed(of, names[i], draw(of, i, found));
             for (size_t at = 3; at < PICTURE_BYTES; at += 4) {
                 sum += fabs((double)found[at] - (double)truth[at]);
             }
             if (!(sum < 0.6 * before)) {
-                fail_msg("%s: %u samples are %g off, fewer %g", pictures[i].function, samples, sum, before);
+                fail_msg("%s: %u samples are %g off, fewer %g", names[i], samples, sum, before);
             }
             before = sum;
         }
@@ -444,13 +392,13 @@ static void depths_are_distances(void **state)
     static float normals[PICTURE_BYTES];
     drawn *of = make_drawn(state);
     const svo_picture_output linear = {.format = SVO_PIXELS_LINEAR};
-    const svo_camera *camera = &of->normals.camera;
+    const svo_camera *camera = &of->asked[NORMALS].camera;
     double nearest = HUGE_VAL;
     double away = 0;
     ask(of, &linear);
-    succeed(of, "svo_tree_render", draw_normals(of, (uint8_t *)normals));
-    of->normals.view = SVO_VIEW_DEPTH;
-    succeed(of, "svo_tree_render", draw_normals(of, (uint8_t *)depths));
+    succeed(of, names[NORMALS], draw(of, NORMALS, normals));
+    of->asked[NORMALS].view = SVO_VIEW_DEPTH;
+    succeed(of, names[NORMALS], draw(of, NORMALS, depths));
     for (int axis = 0; axis < 3; ++axis) {
         away = hypot(away, (double)camera->eye[axis] - (double)camera->target[axis]);
     }
@@ -485,15 +433,15 @@ static void wrong_outputs_are_refused(void **state)
     drawn *of = make_drawn(state);
     const svo_picture_output floats = {.format = SVO_PIXELS_LINEAR};
     cl_mem small = make_pixels(of, CL_MEM_WRITE_ONLY, 4 * PICTURE_BYTES - 1);
-    const target to = {.pixels = small, .queue = of->opened.queue};
+    const place to = {.pixels = small, .submit = {.queue = of->opened.queue}};
     for (size_t i = 0; i < PICTURES; ++i) {
         for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; ++k) {
             ask(of, &wrong[k].output);
-            assert_int_equal(pictures[i].draw(of, rgba), SVO_INVALID_ARGUMENT);
+            assert_int_equal(draw(of, i, rgba), SVO_INVALID_ARGUMENT);
             assert_non_null(strstr(svo_device_message(of->opened.device), wrong[k].words));
         }
         ask(of, &floats);
-        assert_int_equal(pictures[i].enqueue(of, &to), SVO_INVALID_ARGUMENT);
+        assert_int_equal(enqueue(of, i, &to), SVO_INVALID_ARGUMENT);
         assert_non_null(strstr(svo_device_message(of->opened.device), "pixels"));
     }
     clReleaseMemObject(small);
@@ -512,13 +460,13 @@ static void pictures_wait_for_events_and_not_the_host(void **state)
         cl_event done[2] = {NULL, NULL};
         cl_event gate = clCreateUserEvent(svo_device_cl_context(of->opened.device), NULL);
         cl_mem pixels[2] = {make_pixels(of, CL_MEM_WRITE_ONLY, BYTES), make_pixels(of, CL_MEM_WRITE_ONLY, BYTES)};
-        const target first = {pixels[0], of->opened.queue, 1, &gate, &done[0]};
-        const target second = {pixels[1], of->opened.queue, 1, &done[0], &done[1]};
-        succeed(of, pictures[i].function, pictures[i].draw(of, expected));
-        succeed(of, pictures[i].function, pictures[i].enqueue(of, &first));
-        succeed(of, pictures[i].function, pictures[i].enqueue(of, &second));
+        const place first = {pixels[0], {of->opened.queue, 1, &gate, &done[0]}};
+        const place second = {pixels[1], {of->opened.queue, 1, &done[0], &done[1]}};
+        succeed(of, names[i], draw(of, i, expected));
+        succeed(of, names[i], enqueue(of, i, &first));
+        succeed(of, names[i], enqueue(of, i, &second));
         read_pixels(of, pixels[0], BYTES, found);
-        assert_untouched(pictures[i].function, found, BYTES);
+        assert_untouched(names[i], found, BYTES);
         assert_int_equal(clSetUserEventStatus(gate, CL_COMPLETE), CL_SUCCESS);
         assert_int_equal(clWaitForEvents(1, &done[1]), CL_SUCCESS);
         for (int k = 0; k < 2; ++k) {
@@ -534,16 +482,16 @@ static void pictures_wait_for_events_and_not_the_host(void **state)
 
 /* ---- refusals ---- */
 
-static void expect_refused(const drawn *of, const struct picture *shown, const target *to, const char *words)
+static void expect_refused(const drawn *of, size_t picture, const place *to, const char *words)
 {
     char expected[256];
-    (void)snprintf(expected, sizeof expected, "%s: %s", shown->function, words);
-    assert_int_equal(shown->enqueue(of, to), SVO_INVALID_ARGUMENT);
+    (void)snprintf(expected, sizeof expected, "svo_render: %s", words);
+    assert_int_equal(enqueue(of, picture, to), SVO_INVALID_ARGUMENT);
     assert_string_equal(svo_device_message(of->opened.device), expected);
 }
 
 /* The same device in another context. */
-static void refuse_foreign_objects(const drawn *of, const struct picture *shown, cl_mem pixels)
+static void refuse_foreign_objects(const drawn *of, size_t picture, cl_mem pixels)
 {
     const cl_device_id device = svo_device_cl_device(of->opened.device);
     cl_context context = clCreateContext(NULL, 1, &device, NULL, NULL, NULL);
@@ -552,9 +500,10 @@ static void refuse_foreign_objects(const drawn *of, const struct picture *shown,
     cl_event event = clCreateUserEvent(context, NULL);
     cl_event done = NULL;
     assert_true(context != NULL && queue != NULL && memory != NULL && event != NULL);
-    expect_refused(of, shown, &(target){memory, of->opened.queue, 0, NULL, &done}, "pixels is of another context");
-    expect_refused(of, shown, &(target){pixels, queue, 0, NULL, &done}, "queue is of another context than the device");
-    expect_refused(of, shown, &(target){pixels, of->opened.queue, 1, &event, &done},
+    expect_refused(of, picture, &(place){memory, {of->opened.queue, 0, NULL, &done}}, "pixels is of another context");
+    expect_refused(of, picture, &(place){pixels, {queue, 0, NULL, &done}},
+                   "queue is of another context than the device");
+    expect_refused(of, picture, &(place){pixels, {of->opened.queue, 1, &event, &done}},
                    "wait holds an event of another context");
     assert_null(done);
     clReleaseEvent(event);
@@ -576,18 +525,17 @@ static void what_cannot_take_a_picture_is_refused(void **state)
     cl_mem image = clCreateImage(svo_device_cl_context(of->opened.device), CL_MEM_READ_WRITE, &format, &shape, NULL,
                                  NULL); /* NULL without images */
     for (size_t i = 0; i < PICTURES; ++i) {
-        const struct picture *shown = &pictures[i];
         cl_event done = NULL;
-        expect_refused(of, shown, &(target){NULL, queue, 0, NULL, &done}, "pixels is NULL");
-        expect_refused(of, shown, &(target){small, queue, 0, NULL, &done}, "pixels holds 6067 bytes, below 6068");
-        expect_refused(of, shown, &(target){fixed, queue, 0, NULL, &done},
+        expect_refused(of, i, &(place){NULL, {queue, 0, NULL, &done}}, "pixels is NULL");
+        expect_refused(of, i, &(place){small, {queue, 0, NULL, &done}}, "pixels holds 6067 bytes, below 6068");
+        expect_refused(of, i, &(place){fixed, {queue, 0, NULL, &done}},
                        "pixels is of CL_MEM_READ_ONLY, and kernels write it");
-        expect_refused(of, shown, &(target){pixels, queue, 1, NULL, &done}, "num_wait and wait disagree");
+        expect_refused(of, i, &(place){pixels, {queue, 1, NULL, &done}}, "num_wait and wait disagree");
         if (image != NULL) {
-            expect_refused(of, shown, &(target){image, queue, 0, NULL, &done}, "pixels is no buffer");
+            expect_refused(of, i, &(place){image, {queue, 0, NULL, &done}}, "pixels is no buffer");
         }
         assert_null(done);
-        refuse_foreign_objects(of, shown, pixels);
+        refuse_foreign_objects(of, i, pixels);
     }
     assert_int_equal(clFinish(queue), CL_SUCCESS);
     read_pixels(of, pixels, BYTES, found);
@@ -601,30 +549,101 @@ static void what_cannot_take_a_picture_is_refused(void **state)
     release_drawn(of);
 }
 
-/* What the functions for host arrays refuse, under the name of the function that was called. */
-static void wrong_options_are_refused_by_name(void **state)
+/* Fields and views that others have, and what is missing. */
+static void wrong_options_are_refused(void **state)
 {
+    static const char *const kinds[PICTURES] = {"tree", "tree", "compact tree", "scene", "light"};
+    static const svo_scene_light lights[1] = {{.direction = {0, 0, 1}}};
     drawn *of = make_drawn(state);
     cl_mem pixels = make_pixels(of, CL_MEM_READ_WRITE, BYTES);
-    const target to = {.pixels = pixels, .queue = of->opened.queue};
-    of->shaded.width = of->normals.width = of->placed.width = of->lit.width = 0;
+    const place to = {.pixels = pixels, .submit = {.queue = of->opened.queue}};
     for (size_t i = 0; i < PICTURES; ++i) {
-        expect_refused(of, &pictures[i], &to, "0 x 41 pixels are not within 1 .. 16384");
+        const svo_render_options good = of->asked[i];
+        char words[160];
+#define REFUSED(field, value)                                                                            \
+    do {                                                                                                 \
+        of->asked[i].field = value;                                                                      \
+        (void)snprintf(words, sizeof words, "options." #field " is not 0, and a %s has none", kinds[i]); \
+        expect_refused(of, i, &to, words);                                                               \
+        of->asked[i] = good;                                                                             \
+    } while (0)
+        if (i != SCENE) {
+            REFUSED(light_count, 1);
+            REFUSED(lights, lights);
+            REFUSED(occlusion_range, 1);
+        }
+        if (i != LIGHT) {
+            REFUSED(gather, &of->gather);
+            REFUSED(exposure, 1);
+            REFUSED(first_row, SVO_LIGHT_BAND_ROWS);
+            REFUSED(row_count, SVO_LIGHT_BAND_ROWS);
+        }
+#undef REFUSED
+        of->asked[i].width = 0;
+        expect_refused(of, i, &to, "0 x 41 pixels are not within 1 .. 16384");
+        assert_int_equal(svo_render(of->targets[i], NULL, svo_in_buffer(pixels), NULL), SVO_INVALID_ARGUMENT);
+        assert_string_equal(svo_device_message(of->opened.device), "svo_render: options is NULL");
+        of->asked[i] = good;
+        assert_int_equal(draw(of, i, NULL), SVO_INVALID_ARGUMENT);
+        assert_string_equal(svo_device_message(of->opened.device), "svo_render: pixels is NULL");
+        of->targets[i].of = NULL;
+        assert_int_equal(enqueue(of, i, &to), SVO_INVALID_ARGUMENT);
     }
-    assert_int_equal(svo_tree_render_enqueue(of->opened.device, NULL, &of->shaded, pixels, to.queue, 0, NULL, NULL),
+    assert_int_equal(svo_render((svo_target){NULL, NULL}, &of->asked[0], svo_in_buffer(pixels), NULL),
                      SVO_INVALID_ARGUMENT);
-    assert_string_equal(svo_device_message(of->opened.device), "svo_tree_render_enqueue: tree is NULL");
-    assert_int_equal(svo_compact_render_enqueue(of->compact, NULL, pixels, to.queue, 0, NULL, NULL),
-                     SVO_INVALID_ARGUMENT);
-    assert_string_equal(svo_device_message(of->opened.device), "svo_compact_render_enqueue: options is NULL");
-    assert_int_equal(svo_tree_render_enqueue(NULL, of->made.tree, &of->shaded, pixels, to.queue, 0, NULL, NULL),
-                     SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_compact_render_enqueue(NULL, &of->shaded, pixels, to.queue, 0, NULL, NULL),
-                     SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_scene_render_enqueue(NULL, &of->placed, pixels, to.queue, 0, NULL, NULL),
-                     SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_light_render_enqueue(NULL, &of->lit, pixels, to.queue, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
     clReleaseMemObject(pixels);
+    release_drawn(of);
+}
+
+static void targets_have_their_own_views(void **state)
+{
+    static const struct {
+        int picture, least, most; /* views that there are, besides SVO_VIEW_SHADED */
+        const char *words;
+    } kinds[] = {
+        {SHADED, SVO_VIEW_NORMAL, SVO_VIEW_TRIANGLES,
+         "tree, which has SVO_VIEW_SHADED, NORMAL, DEPTH, STEPS, LEVEL and TRIANGLES"},
+        {COMPACT, SVO_VIEW_NORMAL, SVO_VIEW_LEVEL,
+         "compact tree, which has SVO_VIEW_SHADED, NORMAL, DEPTH, STEPS and LEVEL"},
+        {SCENE, SVO_VIEW_SHADED, SVO_VIEW_SHADED, "scene, which has SVO_VIEW_SHADED"},
+        {LIGHT, SVO_VIEW_AO, SVO_VIEW_SPECULAR, "light, which has SVO_VIEW_SHADED, AO, DIRECT, INDIRECT and SPECULAR"}};
+    static uint8_t rgba[PICTURE_BYTES];
+    drawn *of = make_drawn(state);
+    for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; ++k) {
+        for (int view = 0; view <= (int)SVO_VIEW_SPECULAR + 1; ++view) {
+            char expected[160];
+            (void)snprintf(expected, sizeof expected, "svo_render: options.view %d is none of a %s", view,
+                           kinds[k].words);
+            of->asked[kinds[k].picture].view = (svo_render_view)view;
+            const svo_status status = draw(of, (size_t)kinds[k].picture, rgba);
+            if (view == 0 || (view >= kinds[k].least && view <= kinds[k].most)) {
+                succeed(of, kinds[k].words, status);
+            } else {
+                assert_int_equal(status, SVO_INVALID_ARGUMENT);
+                assert_string_equal(svo_device_message(of->opened.device), expected);
+            }
+        }
+    }
+    release_drawn(of);
+}
+
+/* What a room leaves out of its class. A light frames its tree. */
+static void what_a_target_does_not_have_is_refused(void **state)
+{
+    drawn *of = make_drawn(state);
+    svo_camera camera = {.vertical_fov = 0};
+    assert_int_equal(svo_camera_fit(of->targets[COMPACT], 1, &camera), SVO_UNSUPPORTED);
+    assert_string_equal(svo_device_message(of->opened.device), "svo_camera_fit: not of a compact tree");
+    assert_int_equal(svo_kernel_set_arguments(of->targets[SCENE], NULL, 0), SVO_UNSUPPORTED);
+    assert_string_equal(svo_device_message(of->opened.device), "svo_kernel_set_arguments: not of a scene");
+    assert_null(svo_kernel_source(of->targets[SCENE]));
+    assert_null(svo_kernel_options(of->targets[SCENE]));
+    assert_null(svo_kernel_options(svo_compact_target(NULL)));
+    assert_ptr_equal(svo_kernel_source(svo_compact_target(NULL)), svo_kernel_source(of->targets[SHADED]));
+    assert_int_equal(svo_camera_fit(svo_tree_target(NULL), 1, &camera), SVO_INVALID_ARGUMENT);
+    assert_float_equal(camera.vertical_fov, 0, 0);
+    assert_int_equal(svo_camera_fit(of->targets[LIGHT], (float)WIDTH / HEIGHT, &camera), SVO_OK);
+    assert_memory_equal(&camera, &of->asked[SHADED].camera, sizeof camera);
     release_drawn(of);
 }
 
@@ -642,7 +661,9 @@ TEST_GROUP(render_buffers)
         cmocka_unit_test(wrong_outputs_are_refused),
         cmocka_unit_test(pictures_wait_for_events_and_not_the_host),
         cmocka_unit_test(what_cannot_take_a_picture_is_refused),
-        cmocka_unit_test(wrong_options_are_refused_by_name),
+        cmocka_unit_test(wrong_options_are_refused),
+        cmocka_unit_test(targets_have_their_own_views),
+        cmocka_unit_test(what_a_target_does_not_have_is_refused),
     };
     return cmocka_run_group_tests_name("render_buffers", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -239,7 +239,7 @@ static void render_clipped(svo_tree *tree, const svo_camera *camera, const float
         .struct_size = sizeof options, .width = WIDTH, .height = HEIGHT, .camera = *camera, .view = view};
     memcpy(options.clip, clip, sizeof options.clip);
     memset(rgba, 0x5a, (size_t)WIDTH * HEIGHT * 4);
-    if (svo_tree_render(device, tree, &options, queue, rgba) != SVO_OK) {
+    if (svo_render(svo_tree_target(tree), &options, svo_in_host(rgba), &(svo_submit){.queue = queue}) != SVO_OK) {
         fail_msg("%s", svo_device_message(device));
     }
 }
@@ -498,8 +498,8 @@ static void pictures_are_repeatable(void **unused)
     static uint8_t second[WIDTH * HEIGHT * 4];
     occupancy *voxels = make_ball(5);
     svo_tree *tree = make_tree(voxels, false);
-    svo_camera camera;
-    svo_camera_frame(tree, (float)WIDTH / HEIGHT, &camera);
+    svo_camera camera = {.vertical_fov = 0};
+    (void)svo_camera_fit(svo_tree_target(tree), (float)WIDTH / HEIGHT, &camera);
     render(tree, &camera, first);
     render(tree, &camera, second);
     assert_memory_equal(first, second, sizeof first);
@@ -516,15 +516,17 @@ static void bands_draw_the_same_picture(void **unused)
     occupancy *voxels = make_ball(5);
     svo_tree *tree = make_tree(voxels, false);
     svo_render_options options = {.struct_size = sizeof options, .width = WIDTH, .height = HEIGHT};
-    svo_camera_frame(tree, (float)WIDTH / HEIGHT, &options.camera);
+    (void)svo_camera_fit(svo_tree_target(tree), (float)WIDTH / HEIGHT, &options.camera);
     const cl_uint all = device->band_tiles;
     assert_true(all > (cl_uint)(WIDTH * HEIGHT / 64));
     for (int view = SVO_VIEW_SHADED; view < SVO_VIEW_TRIANGLES; ++view) {
         options.view = (svo_render_view)view;
-        assert_int_equal(svo_tree_render(device, tree, &options, queue, whole), SVO_OK);
+        assert_int_equal(svo_render(svo_tree_target(tree), &options, svo_in_host(whole), &(svo_submit){.queue = queue}),
+                         SVO_OK);
         memset(banded, 0, sizeof banded);
         device->band_tiles = 3;
-        assert_int_equal(svo_tree_render(device, tree, &options, queue, banded), SVO_OK);
+        assert_int_equal(
+            svo_render(svo_tree_target(tree), &options, svo_in_host(banded), &(svo_submit){.queue = queue}), SVO_OK);
         device->band_tiles = all;
         assert_memory_equal(whole, banded, sizeof whole);
     }
@@ -583,10 +585,10 @@ static double seen_extent(const svo_camera *camera, double aspect, const double 
     return extent;
 }
 
-static void expect_no_frame(const svo_tree *tree, svo_camera camera)
+static void expect_no_frame(svo_tree *tree, svo_camera camera)
 {
     const svo_camera before = camera;
-    assert_int_equal(svo_camera_fit(tree, 1.0f, &camera), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_camera_fit(svo_tree_target(tree), 1.0f, &camera), SVO_INVALID_ARGUMENT);
     assert_memory_equal(&camera, &before, sizeof camera);
 }
 
@@ -595,14 +597,14 @@ static void a_fitted_camera_keeps_its_direction(void **unused)
     (void)unused;
     occupancy *voxels = make_ball(5);
     svo_tree *tree = make_tree(voxels, false);
-    svo_camera framed;
-    svo_camera_frame(tree, 1.5f, &framed);
+    svo_camera framed = {.vertical_fov = 0};
+    (void)svo_camera_fit(svo_tree_target(tree), 1.5f, &framed);
     svo_camera zeros = {.vertical_fov = 0};
-    assert_int_equal(svo_camera_fit(tree, 1.5f, &zeros), SVO_OK);
+    assert_int_equal(svo_camera_fit(svo_tree_target(tree), 1.5f, &zeros), SVO_OK);
     assert_memory_equal(&zeros, &framed, sizeof framed);
     svo_camera camera = {.eye = {3, 9, 27}, .target = {2, 11, 30}, .up = {0.1f, 0.2f, 3}, .vertical_fov = 1.25f};
     const pinhole before = pinhole_of(&camera);
-    assert_int_equal(svo_camera_fit(tree, 1.5f, &camera), SVO_OK);
+    assert_int_equal(svo_camera_fit(svo_tree_target(tree), 1.5f, &camera), SVO_OK);
     const pinhole after = pinhole_of(&camera);
     for (int axis = 0; axis < 3; ++axis) {
         assert_float_equal(after.forward[axis], before.forward[axis], 1e-5);
@@ -641,8 +643,8 @@ static void the_framing_camera_shows_the_tree_and_fills_the_picture(void **unuse
         const double low[3] = {b[0] / 8.0, b[1] / 8.0, b[2] / 8.0};
         const double high[3] = {b[3] / 8.0, b[4] / 8.0, b[5] / 8.0};
         for (size_t k = 0; k < sizeof aspects / sizeof aspects[0]; ++k) {
-            svo_camera camera;
-            svo_camera_frame(tree, aspects[k], &camera);
+            svo_camera camera = {.vertical_fov = 0};
+            (void)svo_camera_fit(svo_tree_target(tree), aspects[k], &camera);
             const double extent = seen_extent(&camera, (double)aspects[k], low, high);
             if (!(extent > 0.85 && extent < 1)) {
                 fail_msg("box %zu, aspect %g: it extends to %g of the picture", box, (double)aspects[k], extent);
@@ -658,7 +660,8 @@ static void the_framing_camera_shows_the_tree_and_fills_the_picture(void **unuse
 static void expect_refusal(svo_tree *tree, const svo_render_options *options, svo_status status, const char *words)
 {
     static uint8_t picture[WIDTH * HEIGHT * 4];
-    assert_int_equal(svo_tree_render(device, tree, options, queue, picture), status);
+    assert_int_equal(svo_render(svo_tree_target(tree), options, svo_in_host(picture), &(svo_submit){.queue = queue}),
+                     status);
     if (strstr(svo_device_message(device), words) == NULL) {
         fail_msg("'%s' lacks '%s'", svo_device_message(device), words);
     }
@@ -706,7 +709,7 @@ static void bad_arguments_are_refused(void **unused)
     svo_tree_destroy(&tree);
     svo_tree *absent = svo_i_tree_new(NULL);
     assert_non_null(absent);
-    expect_refusal(absent, &good, SVO_NOT_ON_DEVICE, "svo_tree_upload");
+    expect_refusal(absent, &good, SVO_NOT_ON_DEVICE, ""); /* it has no device to say so */
     svo_tree_destroy(&absent);
     free(voxels);
 }

@@ -21,9 +21,10 @@
 #define WIDTH  64
 #define HEIGHT 48
 
-static void draw(svo_scene *scene, const svo_scene_render_options *options, uint8_t *rgba)
+static void draw(svo_scene *scene, const svo_render_options *options, uint8_t *rgba)
 {
-    if (svo_scene_render(scene, options, opened.queue, rgba) != SVO_OK) {
+    if (svo_render(svo_scene_target(scene), options, svo_in_host(rgba), &(svo_submit){.queue = opened.queue}) !=
+        SVO_OK) {
         fail_msg("%s", svo_device_message(opened.device));
     }
 }
@@ -53,13 +54,15 @@ static void a_placed_tree_is_drawn_as_the_tree(void **state)
     const double voxel = ldexp(1.0, (int)info->snap_bits) / info->scale / voxels;
     svo_render_options of_tree = {.struct_size = sizeof of_tree, .width = WIDTH, .height = HEIGHT};
     svo_scene *scene = make_placed_scene(&shapes, &identity, 1, SVO_NEED_DEFAULT);
-    svo_camera_frame(shapes.handles[0], (float)WIDTH / HEIGHT, &of_tree.camera);
-    const svo_scene_render_options of_scene = {.struct_size = sizeof of_scene,
-                                               .width = WIDTH,
-                                               .height = HEIGHT,
-                                               .camera = of_tree.camera,
-                                               .occlusion_range = (float)((voxels / 14 + 2) * voxel)};
-    assert_int_equal(svo_tree_render(opened.device, shapes.handles[0], &of_tree, opened.queue, alone), SVO_OK);
+    (void)svo_camera_fit(svo_tree_target(shapes.handles[0]), (float)WIDTH / HEIGHT, &of_tree.camera);
+    const svo_render_options of_scene = {.struct_size = sizeof of_scene,
+                                         .width = WIDTH,
+                                         .height = HEIGHT,
+                                         .camera = of_tree.camera,
+                                         .occlusion_range = (float)((voxels / 14 + 2) * voxel)};
+    assert_int_equal(svo_render(svo_tree_target(shapes.handles[0]), &of_tree, svo_in_host(alone),
+                                &(svo_submit){.queue = opened.queue}),
+                     SVO_OK);
     draw(scene, &of_scene, placed);
     const size_t different = count_different(alone, placed);
     if (different > (size_t)WIDTH * HEIGHT / 100) {
@@ -87,9 +90,9 @@ static void lights_light(void **state)
     svo_scene *scene = make_placed_scene(&shapes, placed, 30, SVO_NEED_NONE);
     for (int i = 0; i < 3; ++i) {
         const svo_scene_light light = {.direction = {0, 3, 1}, .shadows = i == 1, .color = {i > 0 ? 0.5F : 0, 0, 0}};
-        svo_scene_render_options options = {
+        svo_render_options options = {
             .struct_size = sizeof options, .width = WIDTH, .height = HEIGHT, .light_count = 1, .lights = &light};
-        svo_scene_camera_frame(scene, (float)WIDTH / HEIGHT, &options.camera);
+        (void)svo_camera_fit(svo_scene_target(scene), (float)WIDTH / HEIGHT, &options.camera);
         draw(scene, &options, pictures[i]);
     }
     size_t redder = 0;
@@ -114,10 +117,10 @@ static void a_plane_cuts_instances_away(void **state)
     svo_scene *both = make_placed_scene(&shapes, placed, 2, SVO_NEED_NONE);
     svo_scene *one = make_placed_scene(&shapes, placed, 1, SVO_NEED_NONE);
     const svo_scene_light light = {.direction = {1, 0.2F, 0}, .shadows = 1, .color = {1, 1, 1}};
-    svo_scene_render_options options = {
+    svo_render_options options = {
         .struct_size = sizeof options, .width = WIDTH, .height = HEIGHT, .light_count = 1, .lights = &light};
     for (int side = 0; side < 2; ++side) {
-        svo_scene_camera_frame(one, (float)WIDTH / HEIGHT, &options.camera);
+        (void)svo_camera_fit(svo_scene_target(one), (float)WIDTH / HEIGHT, &options.camera);
         if (side == 1) { /* through the one that is cut away */
             memcpy(options.camera.eye, options.camera.target, sizeof options.camera.eye);
             options.camera.eye[0] += 150;
@@ -319,15 +322,16 @@ static void wrong_pictures_are_refused(void **state)
     static uint8_t rgba[8 * 8 * 4];
     const svo_scene_light light = {.direction = {0, 1, 0}, .color = {1, 1, 1}};
     const svo_scene_light dark = {.direction = {0, 1, 0}, .color = {1, -1, 1}};
-    svo_scene_render_options good = {
-        .struct_size = sizeof good, .width = 8, .height = 8, .light_count = 1, .lights = &light};
+    svo_render_options good = {.struct_size = sizeof good, .width = 8, .height = 8, .light_count = 1, .lights = &light};
     svo_scene *scene = make_placed_scene(&shapes, &identity, 1, SVO_NEED_NONE);
-    svo_scene_camera_frame(scene, 1, &good.camera);
-#define REFUSED(field, value, words)                                                                      \
-    do {                                                                                                  \
-        svo_scene_render_options wrong = good;                                                            \
-        wrong.field = (value);                                                                            \
-        expect_words(svo_scene_render(scene, &wrong, opened.queue, rgba), SVO_INVALID_ARGUMENT, (words)); \
+    (void)svo_camera_fit(svo_scene_target(scene), 1, &good.camera);
+#define REFUSED(field, value, words)                                                                              \
+    do {                                                                                                          \
+        svo_render_options wrong = good;                                                                          \
+        wrong.field = (value);                                                                                    \
+        expect_words(                                                                                             \
+            svo_render(svo_scene_target(scene), &wrong, svo_in_host(rgba), &(svo_submit){.queue = opened.queue}), \
+            SVO_INVALID_ARGUMENT, (words));                                                                       \
     } while (0)
     REFUSED(struct_size, 16, "struct_size is 16");
     REFUSED(width, 0, "0 x 8 pixels");
@@ -340,9 +344,11 @@ static void wrong_pictures_are_refused(void **state)
     REFUSED(occlusion_range, -1, "occlusion_range -1");
     REFUSED(clip[1], NAN, "is not finite");
 #undef REFUSED
-    expect_words(svo_scene_render(scene, NULL, NULL, rgba), SVO_INVALID_ARGUMENT, "options is NULL");
-    expect_words(svo_scene_render(scene, &good, NULL, NULL), SVO_INVALID_ARGUMENT, "rgba is NULL");
-    assert_int_equal(svo_scene_render(NULL, &good, NULL, rgba), SVO_INVALID_ARGUMENT);
+    expect_words(svo_render(svo_scene_target(scene), NULL, svo_in_host(rgba), NULL), SVO_INVALID_ARGUMENT,
+                 "options is NULL");
+    expect_words(svo_render(svo_scene_target(scene), &good, svo_in_host(NULL), NULL), SVO_INVALID_ARGUMENT,
+                 "pixels is NULL");
+    assert_int_equal(svo_render(svo_scene_target(NULL), &good, svo_in_host(rgba), NULL), SVO_INVALID_ARGUMENT);
     svo_scene_destroy(&scene);
 }
 

@@ -459,8 +459,9 @@ static void pictures_work_and_rays_on_triangles_do_not(void **state)
     svo_render_options options = SVO_RENDER_OPTIONS_INIT;
     options.width = 32;
     options.height = 24;
-    svo_camera_frame(tree, 32.0f / 24.0f, &options.camera);
-    succeed(&opened, svo_tree_render(opened.device, tree, &options, opened.queue, pixels));
+    (void)svo_camera_fit(svo_tree_target(tree), 32.0f / 24.0f, &options.camera);
+    succeed(&opened,
+            svo_render(svo_tree_target(tree), &options, svo_in_host(pixels), &(svo_submit){.queue = opened.queue}));
     bool differs = false;
     for (size_t i = 4; i < sizeof pixels; ++i) {
         differs = differs || pixels[i] != pixels[i % 4];

@@ -300,7 +300,8 @@ int animation_camera(const animation *film, const scene_file *file, float aspect
     if (framed && svo_tree_download(animation_tree(film), film->queue) != SVO_OK) {
         return fail_library(film);
     }
-    const viewpoint_subject shown = {
-        .camera = file->has_camera ? &file->camera : NULL, .tree = animation_tree(film), .aspect = aspect};
+    const viewpoint_subject shown = {.camera = file->has_camera ? &file->camera : NULL,
+                                     .target = svo_tree_target(animation_tree(film)),
+                                     .aspect = aspect};
     return viewpoint_place(film->state, &shown, camera);
 }

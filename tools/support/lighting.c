@@ -411,10 +411,11 @@ int lighting_make(program *state, const job *done, const svo_light_setup *setup,
     return counts ? count_missed(state, done, &shining, work) : PROGRAM_DONE;
 }
 
-int lighting_place_camera(program *state, const lighting *work, const svo_tree *tree, svo_camera *camera)
+int lighting_place_camera(program *state, const lighting *work, svo_tree *tree, svo_camera *camera)
 {
-    const viewpoint_subject shown = {
-        .camera = work->file.has_camera ? &work->file.camera : NULL, .tree = tree, .aspect = viewpoint_aspect(state)};
+    const viewpoint_subject shown = {.camera = work->file.has_camera ? &work->file.camera : NULL,
+                                     .target = svo_tree_target(tree),
+                                     .aspect = viewpoint_aspect(state)};
     return viewpoint_place(state, &shown, camera);
 }
 

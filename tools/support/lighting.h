@@ -60,7 +60,7 @@ int lighting_make(program *state, const job *done, const svo_light_setup *setup,
 
 /* Where a picture of --size is taken from: the file's camera, or one that frames the tree, moved by the options.
    Returns the exit code. */
-int lighting_place_camera(program *state, const lighting *work, const svo_tree *tree, svo_camera *camera);
+int lighting_place_camera(program *state, const lighting *work, svo_tree *tree, svo_camera *camera);
 
 /* The same for a picture: without --lights and a scene's lights by a sun behind the camera and a sky. sun: receives the
    sun, which the setup borrows. */

@@ -61,8 +61,9 @@ enum option_frontend {
 /* Next to the values of svo_builder. */
 #define OPTION_BUILDER_GL_COMPUTE (-1)
 
-/* Next to the values of svo_render_view: this plus those of svo_light_view. */
-#define OPTION_VIEW_LIGHT 100
+/* The first value of svo_render_view that is of lights alone; and next to its values: SVO_VIEW_SHADED of a light. */
+#define OPTION_VIEW_LIGHT ((int)SVO_VIEW_AO)
+#define OPTION_VIEW_FULL  ((int)SVO_VIEW_SPECULAR + 1)
 
 /* Formats of pictures: their places in the table of support/picture_files.c are their values less 1. */
 enum option_format {
@@ -139,7 +140,7 @@ typedef struct options {
     uint64_t triangles; /* scene: 0: not given */
     uint64_t seed;
     uint32_t width, height; /* pixels */
-    int view; /* svo_render_view, or from OPTION_VIEW_LIGHT on */
+    int view; /* svo_render_view, or OPTION_VIEW_FULL */
     option_vector eye, look_at, up; /* render: the camera, world units */
     double fov; /* render: degrees; 0: not given */
     int from_side; /* render: 0: not given, else 1 + the place in the table of sides of support/viewpoint.c */

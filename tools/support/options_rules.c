@@ -48,18 +48,12 @@ static const choice contexts[] = {{"auto", OPTION_CONTEXT_AUTO},
                                   {"osmesa", SVO_GL_OSMESA},
                                   {NULL, 0}};
 
-static const choice views[] = {{"shaded", SVO_VIEW_SHADED},
-                               {"normal", SVO_VIEW_NORMAL},
-                               {"depth", SVO_VIEW_DEPTH},
-                               {"steps", SVO_VIEW_STEPS},
-                               {"level", SVO_VIEW_LEVEL},
-                               {"triangles", SVO_VIEW_TRIANGLES},
-                               {"ao", OPTION_VIEW_LIGHT + (int)SVO_LIGHT_VIEW_AO},
-                               {"direct", OPTION_VIEW_LIGHT + (int)SVO_LIGHT_VIEW_DIRECT},
-                               {"gi", OPTION_VIEW_LIGHT + (int)SVO_LIGHT_VIEW_INDIRECT},
-                               {"specular", OPTION_VIEW_LIGHT + (int)SVO_LIGHT_VIEW_SPECULAR},
-                               {"full", OPTION_VIEW_LIGHT + (int)SVO_LIGHT_VIEW_FULL},
-                               {NULL, 0}};
+static const choice views[] = {{"shaded", SVO_VIEW_SHADED}, {"normal", SVO_VIEW_NORMAL},
+                               {"depth", SVO_VIEW_DEPTH},   {"steps", SVO_VIEW_STEPS},
+                               {"level", SVO_VIEW_LEVEL},   {"triangles", SVO_VIEW_TRIANGLES},
+                               {"ao", SVO_VIEW_AO},         {"direct", SVO_VIEW_DIRECT},
+                               {"gi", SVO_VIEW_INDIRECT},   {"specular", SVO_VIEW_SPECULAR},
+                               {"full", OPTION_VIEW_FULL},  {NULL, 0}};
 static const choice picture_formats[] = {{"png", OPTION_FORMAT_PNG}, {"exr", OPTION_FORMAT_EXR},
                                          {"hdr", OPTION_FORMAT_HDR}, {"ppm", OPTION_FORMAT_PPM},
                                          {"y4m", OPTION_FORMAT_Y4M}, {NULL, 0}};

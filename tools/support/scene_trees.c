@@ -217,7 +217,7 @@ void device_scene_close(device_scene *which)
 int device_scene_camera(program *state, const device_scene *which, svo_camera *camera)
 {
     const viewpoint_subject shown = {.camera = which->file.has_camera ? &which->file.camera : NULL,
-                                     .scene = which->scene,
+                                     .target = svo_scene_target(which->scene),
                                      .aspect = viewpoint_aspect(state)};
     return viewpoint_place(state, &shown, camera);
 }

@@ -121,11 +121,7 @@ static void face_side(const program *state, svo_camera *camera)
 
 static void fit(const viewpoint_subject *of, svo_camera *camera)
 {
-    if (of->scene != NULL) {
-        (void)svo_scene_camera_fit(of->scene, of->aspect, camera);
-    } else {
-        (void)svo_camera_fit(of->tree, of->aspect, camera);
-    }
+    (void)svo_camera_fit(of->target, of->aspect, camera);
 }
 
 /* The least distance from a target from which all is in view that a fitted camera sees, in the same direction: its

@@ -8,9 +8,8 @@
 
 /* What a picture shows. */
 typedef struct viewpoint_subject {
-    const svo_camera *camera; /* of a file; NULL: it frames the scene, else the tree */
-    const svo_scene *scene; /* NULL: there is none */
-    const svo_tree *tree;
+    const svo_camera *camera; /* of a file; NULL: it frames the target */
+    svo_target target;
     float aspect; /* of the picture */
 } viewpoint_subject;
 

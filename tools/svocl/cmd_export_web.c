@@ -36,7 +36,7 @@ static int make_compact(program *state, uint32_t minimize, web_export *made)
                                         .leave_out = SVO_NEED_ALL & ~(SVO_NEED_COLOR | SVO_NEED_NORMAL),
                                         .directory_step_log2 = WEB_DIRECTORY_STEP_LOG2,
                                         .minimize = minimize};
-    const svo_tree *tree = made->done.result.tree;
+    svo_tree *tree = made->done.result.tree;
     progress_step(state->progress, "making the compact tree");
     if (svo_compact_create(opened->device, tree, &wanted, opened->queue, &made->compact) != SVO_OK ||
         svo_compact_download(made->compact, opened->queue) != SVO_OK) {
@@ -91,7 +91,7 @@ static int open_unlit(program *state, web_export *made)
 /* Light is baked where lights are given, or the view shows it. */
 static bool is_lit(const options *given)
 {
-    return given->lights_path != NULL || given->view == OPTION_VIEW_LIGHT + (int)SVO_LIGHT_VIEW_FULL;
+    return given->lights_path != NULL || given->view == OPTION_VIEW_FULL;
 }
 
 /* The page's view; false: it has no such view. */
@@ -99,13 +99,10 @@ static bool find_view(const options *given, int *view)
 {
     static const struct {
         int option, view;
-    } views[] = {{SVO_VIEW_SHADED, WEB_VIEW_SHADED},
-                 {SVO_VIEW_NORMAL, WEB_VIEW_NORMAL},
-                 {SVO_VIEW_DEPTH, WEB_VIEW_DEPTH},
-                 {SVO_VIEW_STEPS, WEB_VIEW_STEPS},
-                 {SVO_VIEW_LEVEL, WEB_VIEW_LEVEL},
-                 {OPTION_VIEW_LIGHT + (int)SVO_LIGHT_VIEW_AO, WEB_VIEW_OCCLUSION},
-                 {OPTION_VIEW_LIGHT + (int)SVO_LIGHT_VIEW_FULL, WEB_VIEW_FULL}};
+    } views[] = {{SVO_VIEW_SHADED, WEB_VIEW_SHADED}, {SVO_VIEW_NORMAL, WEB_VIEW_NORMAL},
+                 {SVO_VIEW_DEPTH, WEB_VIEW_DEPTH},   {SVO_VIEW_STEPS, WEB_VIEW_STEPS},
+                 {SVO_VIEW_LEVEL, WEB_VIEW_LEVEL},   {SVO_VIEW_AO, WEB_VIEW_OCCLUSION},
+                 {OPTION_VIEW_FULL, WEB_VIEW_FULL}};
     for (size_t i = 0; i < sizeof views / sizeof views[0]; ++i) {
         if (views[i].option == given->view) {
             *view = views[i].view;
@@ -153,7 +150,7 @@ static int place_camera(program *state, web_export *made)
 {
     const options *given = &state->options;
     web_start *start = &made->page.start;
-    const svo_tree *tree = made->done.result.tree;
+    svo_tree *tree = made->done.result.tree;
     start->has_place = made->lit.file.has_camera || given->eye.is_given || given->look_at.is_given;
     start->has_fov = start->has_place || given->fov > 0;
     if (tree != NULL) {

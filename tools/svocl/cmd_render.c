@@ -43,7 +43,8 @@ typedef struct tree_render {
 
 static int draw_tree(const tree_render *work, const svo_render_options *asked, void *pixels)
 {
-    return svo_tree_render(work->opened->device, work->tree, asked, work->opened->queue, pixels) == SVO_OK
+    return svo_render(svo_tree_target(work->tree), asked, svo_in_host(pixels),
+                      &(svo_submit){.queue = work->opened->queue}) == SVO_OK
                ? PROGRAM_DONE
                : program_fail_library(work->state, svo_device_message(work->opened->device));
 }
@@ -84,7 +85,7 @@ static int draw(void *user, const svo_camera *camera, const svo_picture_output *
 static int render(program *state, const session *opened, svo_tree *tree)
 {
     tree_render work = {.state = state, .opened = opened, .tree = tree};
-    const viewpoint_subject shown = {.tree = tree, .aspect = viewpoint_aspect(state)};
+    const viewpoint_subject shown = {.target = svo_tree_target(tree), .aspect = viewpoint_aspect(state)};
     svo_camera camera;
     double render_ms = 0;
     int exit_code = viewpoint_place(state, &shown, &camera);

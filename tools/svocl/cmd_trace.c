@@ -51,15 +51,15 @@ static int report(program *state, const session *opened, const svo_tree *tree, c
     return PROGRAM_DONE;
 }
 
-static int make_rays(program *state, const svo_tree *tree, ray_table *out)
+static int make_rays(program *state, svo_tree *tree, ray_table *out)
 {
     const options *given = &state->options;
     if (given->rays_path != NULL) {
         return ray_table_read(state, given->rays_path, out);
     }
-    svo_camera framed;
+    svo_camera framed = {.vertical_fov = 0};
     svo_camera camera;
-    svo_camera_frame(tree, (float)given->width / (float)given->height, &framed);
+    (void)svo_camera_fit(svo_tree_target(tree), (float)given->width / (float)given->height, &framed);
     if (!ray_table_parse_camera(given->camera, &framed, &camera)) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--camera '%s' is neither auto nor 6, 9 or 10 numbers",
                             given->camera);

@@ -76,8 +76,8 @@ static int draw(animated_render *work, const char *path)
                                      .camera = work->camera,
                                      .view = (svo_render_view)given->view,
                                      .output = picture_output(given)};
-    return svo_tree_render(work->session.device, animation_tree(&work->film), &view, work->session.queue,
-                           work->shown.pixels) == SVO_OK
+    return svo_render(svo_tree_target(animation_tree(&work->film)), &view, svo_in_host(work->shown.pixels),
+                      &(svo_submit){.queue = work->session.queue}) == SVO_OK
                ? picture_add(&work->shown, path)
                : fail_library(work);
 }

@@ -25,15 +25,18 @@ static int draw(void *user, const svo_camera *camera, const svo_picture_output *
 {
     const light_render *work = user;
     const options *given = &work->state->options;
-    const svo_light_picture asked = {.struct_size = sizeof asked,
-                                     .width = given->width,
-                                     .height = given->height,
-                                     .camera = *camera,
-                                     .view = (svo_light_view)(given->view - OPTION_VIEW_LIGHT),
-                                     .gather = lighting_gather(given),
-                                     .exposure = (float)given->exposure,
-                                     .output = *output};
-    return svo_light_render(work->lit.light, &asked, work->done.opened.queue, pixels) == SVO_OK
+    const svo_gather_options gather = lighting_gather(given);
+    const svo_render_options asked = {.struct_size = sizeof asked,
+                                      .width = given->width,
+                                      .height = given->height,
+                                      .camera = *camera,
+                                      .view = given->view == OPTION_VIEW_FULL ? SVO_VIEW_SHADED
+                                                                              : (svo_render_view)given->view,
+                                      .gather = &gather,
+                                      .exposure = (float)given->exposure,
+                                      .output = *output};
+    return svo_render(svo_light_target(work->lit.light), &asked, svo_in_host(pixels),
+                      &(svo_submit){.queue = work->done.opened.queue}) == SVO_OK
                ? PROGRAM_DONE
                : program_fail_library(work->state, svo_device_message(work->done.opened.device));
 }

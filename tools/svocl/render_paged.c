@@ -53,7 +53,7 @@ static int place_camera(paged_render *work)
     if (svo_tree_load_levels(path, level, NULL, &coarse, &message) != SVO_OK) {
         return program_fail_library(work->state, message.text);
     }
-    const viewpoint_subject shown = {.tree = coarse, .aspect = viewpoint_aspect(work->state)};
+    const viewpoint_subject shown = {.target = svo_tree_target(coarse), .aspect = viewpoint_aspect(work->state)};
     const int exit_code = viewpoint_place(work->state, &shown, &work->asked.camera);
     svo_tree_destroy(&coarse);
     return exit_code;

@@ -21,15 +21,16 @@ static int draw(void *user, const svo_camera *camera, const svo_picture_output *
     const options *given = &work->state->options;
     const scene_file *file = &work->placed.file;
     const session *opened = &work->placed.trees.opened;
-    const svo_scene_render_options asked = {.struct_size = sizeof asked,
-                                            .width = given->width,
-                                            .height = given->height,
-                                            .camera = *camera,
-                                            .lights = file->lights,
-                                            .light_count = (uint32_t)file->light_count,
-                                            .occlusion_range = file->occlusion_range,
-                                            .output = *output};
-    return svo_scene_render(work->placed.scene, &asked, opened->queue, pixels) == SVO_OK
+    const svo_render_options asked = {.struct_size = sizeof asked,
+                                      .width = given->width,
+                                      .height = given->height,
+                                      .camera = *camera,
+                                      .lights = file->lights,
+                                      .light_count = (uint32_t)file->light_count,
+                                      .occlusion_range = file->occlusion_range,
+                                      .output = *output};
+    return svo_render(svo_scene_target(work->placed.scene), &asked, svo_in_host(pixels),
+                      &(svo_submit){.queue = opened->queue}) == SVO_OK
                ? PROGRAM_DONE
                : scene_file_fail_library(file, svo_device_message(opened->device));
 }

@@ -16,10 +16,10 @@ typedef struct picture_part {
     unsigned first_row, row_count; /* multiples of SVO_LIGHT_BAND_ROWS, but at the end */
 } picture_part;
 
-static svo_light_view light_view(view_picture picture)
+static svo_render_view light_view(view_picture picture)
 {
-    static const svo_light_view views[] = {SVO_LIGHT_VIEW_AO, SVO_LIGHT_VIEW_DIRECT, SVO_LIGHT_VIEW_INDIRECT,
-                                           SVO_LIGHT_VIEW_FULL, SVO_LIGHT_VIEW_SPECULAR};
+    static const svo_render_view views[] = {SVO_VIEW_AO, SVO_VIEW_DIRECT, SVO_VIEW_INDIRECT, SVO_VIEW_SHADED,
+                                            SVO_VIEW_SPECULAR};
     return views[picture - VIEW_AO];
 }
 
@@ -33,21 +33,23 @@ static svo_status draw_light(subject *which, const view_state *state, const pict
                              cl_event *drawn)
 {
     const view_shown *shown = &state->shown;
-    svo_light_picture asked = {.struct_size = sizeof asked,
-                               .width = part->width,
-                               .height = part->height,
-                               .camera = state->camera.at,
-                               .view = light_view(shown->picture),
-                               .gather = {.struct_size = sizeof asked.gather,
-                                          .cones = shown->cones,
-                                          .range = shown->range,
-                                          .falloff = shown->falloff,
-                                          .no_light = !shown->gi},
-                               .exposure = shown->exposure,
-                               .first_row = part->first_row,
-                               .row_count = round_rows(part->row_count)};
+    const svo_gather_options gather = {.struct_size = sizeof gather,
+                                       .cones = shown->cones,
+                                       .range = shown->range,
+                                       .falloff = shown->falloff,
+                                       .no_light = !shown->gi};
+    svo_render_options asked = {.struct_size = sizeof asked,
+                                .width = part->width,
+                                .height = part->height,
+                                .camera = state->camera.at,
+                                .view = light_view(shown->picture),
+                                .gather = &gather,
+                                .exposure = shown->exposure,
+                                .first_row = part->first_row,
+                                .row_count = round_rows(part->row_count)};
     view_clip_plane(state, asked.clip);
-    return svo_light_render_enqueue(which->lit.light, &asked, pixels, which->done.opened.queue, 0, NULL, drawn);
+    return svo_render(svo_light_target(which->lit.light), &asked, svo_in_buffer(pixels),
+                      &(svo_submit){.queue = which->done.opened.queue, .event = drawn});
 }
 
 static svo_status draw_tree(subject *which, const view_state *state, const picture_part *part, cl_mem pixels,
@@ -61,8 +63,8 @@ static svo_status draw_tree(subject *which, const view_state *state, const pictu
                                 .camera = state->camera.at,
                                 .view = views[state->shown.picture]};
     view_clip_plane(state, asked.clip);
-    return svo_tree_render_enqueue(subject_device(which), subject_tree(which, state), &asked, pixels,
-                                   subject_queue(which), 0, NULL, drawn);
+    return svo_render(svo_tree_target(subject_tree(which, state)), &asked, svo_in_buffer(pixels),
+                      &(svo_submit){.queue = subject_queue(which), .event = drawn});
 }
 
 /* Draws rows of what the state shows, those of what svocl render writes, at their place in pixels, a buffer of the

@@ -357,15 +357,16 @@ int placed_update(placed *which, view_state *state)
 
 int placed_draw(placed *which, const view_state *state, unsigned width, unsigned height, cl_mem pixels, cl_event *drawn)
 {
-    svo_scene_render_options asked = {.struct_size = sizeof asked,
-                                      .width = width,
-                                      .height = height,
-                                      .camera = state->camera.at,
-                                      .lights = state->scene_light_count > 0 ? state->scene_lights : NULL,
-                                      .light_count = (uint32_t)state->scene_light_count,
-                                      .occlusion_range = state->occlusion_range};
+    svo_render_options asked = {.struct_size = sizeof asked,
+                                .width = width,
+                                .height = height,
+                                .camera = state->camera.at,
+                                .lights = state->scene_light_count > 0 ? state->scene_lights : NULL,
+                                .light_count = (uint32_t)state->scene_light_count,
+                                .occlusion_range = state->occlusion_range};
     view_clip_plane(state, asked.clip);
-    return svo_scene_render_enqueue(which->scene, &asked, pixels, which->queue, 0, NULL, drawn) == SVO_OK
+    return svo_render(svo_scene_target(which->scene), &asked, svo_in_buffer(pixels),
+                      &(svo_submit){.queue = which->queue, .event = drawn}) == SVO_OK
                ? PROGRAM_DONE
                : program_fail_library(which->running, svo_device_message(which->device));
 }

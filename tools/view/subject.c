@@ -24,10 +24,10 @@ static void begin_camera(view_state *state, double scene_width)
 static int place_camera(subject *which, view_state *state)
 {
     const viewpoint_subject shown = {.camera = which->lit.file.has_camera ? &which->lit.file.camera : NULL,
-                                     .tree = which->done.result.tree,
+                                     .target = svo_tree_target(which->done.result.tree),
                                      .aspect = (float)state->width / (float)state->height};
     svo_tree_info info = SVO_TREE_INFO_INIT;
-    (void)svo_tree_get_info(shown.tree, &info);
+    (void)svo_tree_get_info(which->done.result.tree, &info);
     const int exit_code = viewpoint_place(which->running, &shown, &state->camera.at);
     begin_camera(state, info.edge);
     return exit_code;
@@ -74,11 +74,12 @@ static int describe(subject *which, view_state *state)
 /* The camera of the file, or one that frames all instances. */
 static int place_scene_camera(subject *which, view_state *state, const scene_file *file)
 {
+    svo_scene *all = placed_scene(which->placed);
     const viewpoint_subject shown = {.camera = file->has_camera ? &file->camera : NULL,
-                                     .scene = placed_scene(which->placed),
+                                     .target = svo_scene_target(all),
                                      .aspect = (float)state->width / (float)state->height};
     svo_scene_info info = SVO_SCENE_INFO_INIT;
-    (void)svo_scene_get_info(shown.scene, &info);
+    (void)svo_scene_get_info(all, &info);
     const int exit_code = viewpoint_place(which->running, &shown, &state->camera.at);
     begin_camera(state, fmax(fmax(info.high[0] - info.low[0], info.high[1] - info.low[1]), info.high[2] - info.low[2]));
     return exit_code;

@@ -332,7 +332,7 @@ static int run_frame(viewer *which)
 
 static view_picture picture_of_option(int view)
 {
-    static const view_picture by_light[] = {VIEW_FULL, VIEW_AO, VIEW_DIRECT, VIEW_GI, VIEW_SPECULAR};
+    static const view_picture by_light[] = {VIEW_AO, VIEW_DIRECT, VIEW_GI, VIEW_SPECULAR, VIEW_FULL};
     return view >= OPTION_VIEW_LIGHT ? by_light[view - OPTION_VIEW_LIGHT] : (view_picture)view;
 }
 

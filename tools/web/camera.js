@@ -3,7 +3,7 @@
    which the second is up. */
 "use strict";
 
-const homeHalfFov = 0.28; /* radians; as svo_camera_frame has it, like the direction below and the margin */
+const homeHalfFov = 0.28; /* radians; as svo_camera_fit has it, like the direction below and the margin */
 const homeDirection = [0.406, 0.375, 0.833];
 const frameMargin = 1.04;
 const frameLevel = 7; /* SVO_FRAME_LEVEL_MAX */
@@ -84,7 +84,7 @@ function reachOf({level, known, masks, directory}, along) {
   return farthest;
 }
 
-/* Frames the occupied cells of a tree as svo_camera_frame does: the farthest points along four directions place the
+/* Frames the occupied cells of a tree as svo_camera_fit does: the farthest points along four directions place the
    eye. */
 function frameTree(tree, aspect, lens = homeLens) {
   const camera = {...lens, ...anglesOf(homeDirection.map((part, axis) => scale(lens.frame[axis], part)).reduce(add),

@@ -210,7 +210,7 @@ class Compact(Resident):
     def kernel_options(self) -> str:
         """Compiler options for svocl.kernel_source, by form: the same kernel then reads this in place of a tree."""
         with self._use() as pointer:
-            return text(lib.svo_compact_kernel_options(pointer))
+            return text(lib.svo_kernel_options(lib.svo_compact_target(pointer)))
 
     def set_kernel_args(self, kernel: Any, first_index: int) -> None:
         """Sets the arguments that SVO_TREE_PARAMETERS declares with kernel_options, as Tree.set_kernel_args.
@@ -221,7 +221,8 @@ class Compact(Resident):
         """
         cl_kernel = _opencl.pointer("cl_kernel", kernel, "kernel")
         index = _arrays.integer("first_index", first_index)
-        self._device_call("set_kernel_args", lib.svo_compact_set_args, cl_kernel, index)
+        function = _structs.of_target(lib.svo_kernel_set_arguments, lib.svo_compact_target)
+        self._device_call("set_kernel_args", function, cl_kernel, index)
 
     # --- rays and pictures ------------------------------------------------------------------------------------------
 
@@ -285,7 +286,8 @@ class Compact(Resident):
         cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
         options, picture = render_options(width, height, camera, view)
         rgba = ffi.from_buffer("uint8_t[]", picture)
-        self._device_call("render", lib.svo_compact_render, options, cl_queue, rgba)
+        function = _structs.of_target(lib.svo_render, lib.svo_compact_target)
+        self._device_call("render", function, options, _structs.in_host(rgba), _structs.submit(cl_queue))
         return picture
 
     # --- shared -----------------------------------------------------------------------------------------------------

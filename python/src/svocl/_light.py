@@ -12,11 +12,11 @@ import numpy.typing as npt
 from . import _arrays, _generated, _opencl, _structs
 from ._callbacks import call
 from ._errors import error, text
-from ._generated import InvalidArgumentError, LightBuffer, LightForm, LightView, Opacity, SourceKind, Status
+from ._generated import InvalidArgumentError, LightBuffer, LightForm, Opacity, SourceKind, Status, View
 from ._handle import Handle, Native
 from ._mesh import Finish, finish_record
 from ._native import ffi, lib
-from ._tree import Camera, Tree, address, framed, new_picture, write_camera
+from ._tree import Camera, Tree, address, framed, render_options
 
 
 class LightSource(NamedTuple):
@@ -266,7 +266,7 @@ class Light(Handle):
         height: int,
         *,
         camera: Optional[Camera] = None,
-        view: LightView = LightView.FULL,
+        view: View = View.SHADED,
         exposure: float = 1.0,
         cones: int = 16,
         step: float = 0.5,
@@ -280,7 +280,7 @@ class Light(Handle):
         Args:
             width, height: pixels, 1 .. 16384.
             camera: None: Tree.frame of the tree.
-            view: what to show.
+            view: what to show: View.SHADED, all that the light brings, or View.AO, DIRECT, INDIRECT or SPECULAR.
             exposure: radiance is multiplied by it before the tone curve, above 0.
             cones, step, max_distance, falloff, with_light: see Light.gather.
             queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
@@ -288,16 +288,15 @@ class Light(Handle):
         Returns:
             (height, width, 4) uint8: RGBA, top to bottom.
         """
-        picture = _structs.new("svo_light_picture")
-        picture.width, picture.height = _arrays.integer("width", width), _arrays.integer("height", height)
-        write_camera(picture.camera, self._frame(width / max(height, 1)) if camera is None else camera)
-        picture.view = LightView(view)
-        picture.gather = _gather_options(cones, step, max_distance, falloff, with_light)[0]
-        picture.exposure = exposure
-        pixels = new_picture(width, height)
+        used = self._frame(width / max(height, 1)) if camera is None else camera
+        options, picture = render_options(width, height, used, view)
+        gather = _gather_options(cones, step, max_distance, falloff, with_light)
+        options.gather, options.exposure = gather, exposure
         cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
-        self._call(lib.svo_light_render, picture, cl_queue, ffi.from_buffer("uint8_t[]", pixels))
-        return pixels
+        rgba = ffi.from_buffer("uint8_t[]", picture)
+        function = _structs.of_target(lib.svo_render, lib.svo_light_target)
+        self._call(function, options, _structs.in_host(rgba), _structs.submit(cl_queue))
+        return picture
 
     def _frame(self, aspect: float) -> Camera:
         """Tree.frame of the tree, which may be closed."""
@@ -308,7 +307,7 @@ class Light(Handle):
             status = call(lib.svo_tree_download, pointer, ffi.NULL)
             if status != lib.SVO_OK:
                 raise error(status, self._native.device_message())
-            return framed(lib.svo_camera_fit, pointer, aspect)
+            return framed(lib.svo_tree_target(pointer), aspect)
 
     # --- the device -------------------------------------------------------------------------------------------------
 
@@ -335,7 +334,7 @@ class Light(Handle):
     def kernel_options(self) -> str:
         """Compiler options for svocl.light_kernel_source: they select the form."""
         with self._use() as pointer:
-            return text(lib.svo_light_kernel_options(pointer))
+            return text(lib.svo_kernel_options(lib.svo_light_target(pointer)))
 
     def set_kernel_args(self, kernel: Any, first_index: int) -> None:
         """Sets the arguments that SVO_LIGHT_PARAMETERS declares (light_kernel_source) in a kernel of the caller's. They
@@ -346,7 +345,8 @@ class Light(Handle):
             first_index: of LIGHT_ARGUMENTS consecutive arguments.
         """
         cl_kernel = _opencl.pointer("cl_kernel", kernel, "kernel")
-        self._call(lib.svo_light_set_args, cl_kernel, _arrays.integer("first_index", first_index))
+        function = _structs.of_target(lib.svo_kernel_set_arguments, lib.svo_light_target)
+        self._call(function, cl_kernel, _arrays.integer("first_index", first_index))
 
     def __repr__(self) -> str:
         if self.closed:
@@ -386,4 +386,4 @@ LIGHT_ARGUMENTS: int = lib.SVO_LIGHT_ARGUMENTS
 
 def light_kernel_source() -> str:
     """OpenCL C to put before the source of a kernel that traces cones itself; light.h describes what it declares."""
-    return text(lib.svo_light_kernel_source())
+    return text(lib.svo_kernel_source(lib.svo_light_target(ffi.NULL)))

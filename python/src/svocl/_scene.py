@@ -12,11 +12,11 @@ from . import _arrays, _generated, _opencl, _structs
 from ._callbacks import call
 from ._compact import Compact
 from ._errors import error
-from ._generated import InvalidArgumentError, Need, SceneTrace, Status
+from ._generated import InvalidArgumentError, Need, SceneTrace, Status, View
 from ._handle import Handle, Native
 from ._native import ffi, lib
 from ._resident import Resident
-from ._tree import Camera, Tree, address, framed, new_picture, write_camera
+from ._tree import Camera, Tree, address, framed, render_options
 
 
 class SceneLight(NamedTuple):
@@ -218,7 +218,7 @@ class Scene(Handle):
             InvalidArgumentError: the camera has no frame: its up is along its line of sight.
         """
         with self._use() as pointer:
-            return framed(lib.svo_scene_camera_fit, pointer, aspect, camera)
+            return framed(lib.svo_scene_target(pointer), aspect, camera)
 
     def render(
         self,
@@ -244,15 +244,15 @@ class Scene(Handle):
         Returns:
             (height, width, 4) uint8: RGBA, top to bottom.
         """
-        options = _structs.new("svo_scene_render_options")
-        options.width, options.height = _arrays.integer("width", width), _arrays.integer("height", height)
-        write_camera(options.camera, self.frame(width / max(height, 1)) if camera is None else camera)
+        used = self.frame(width / max(height, 1)) if camera is None else camera
+        options, picture = render_options(width, height, used, View.SHADED)
         given = ffi.new("svo_scene_light[]", [_light(light) for light in lights])
         options.lights, options.light_count = given if lights else ffi.NULL, len(lights)
         options.occlusion_range = occlusion_range
-        picture = new_picture(width, height)
         cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
-        self._call(lib.svo_scene_render, options, cl_queue, ffi.from_buffer("uint8_t[]", picture))
+        rgba = ffi.from_buffer("uint8_t[]", picture)
+        function = _structs.of_target(lib.svo_render, lib.svo_scene_target)
+        self._call(function, options, _structs.in_host(rgba), _structs.submit(cl_queue))
         return picture
 
     # --- shared -----------------------------------------------------------------------------------------------------

@@ -270,9 +270,8 @@ class Tree(Resident):
             first_index: of TREE_ARGUMENTS consecutive arguments.
         """
         cl_kernel = _opencl.pointer("cl_kernel", kernel, "kernel")
-        self._device_call(
-            "set_kernel_args", lib.svo_tree_set_args, cl_kernel, _arrays.integer("first_index", first_index)
-        )
+        function = _structs.of_target(lib.svo_kernel_set_arguments, lib.svo_tree_target)
+        self._device_call("set_kernel_args", function, cl_kernel, _arrays.integer("first_index", first_index))
 
     # --- rays -------------------------------------------------------------------------------------------------------
 
@@ -427,7 +426,7 @@ class Tree(Resident):
             InvalidArgumentError: the camera has no frame: its up is along its line of sight.
         """
         with self._downloaded(None) as pointer:
-            return framed(lib.svo_camera_fit, pointer, aspect, camera)
+            return framed(lib.svo_tree_target(pointer), aspect, camera)
 
     def render(
         self,
@@ -452,12 +451,9 @@ class Tree(Resident):
         cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
         used = self.frame(width / max(height, 1)) if camera is None else camera
         options, picture = render_options(width, height, used, view)
-        with self._use() as pointer:
-            device = self._device_pointer("render")
-            rgba = ffi.from_buffer("uint8_t[]", picture)
-            status = call(lib.svo_tree_render, device, pointer, options, cl_queue, rgba)
-            if status != lib.SVO_OK:
-                raise error(status, self._native.device_message())
+        rgba = ffi.from_buffer("uint8_t[]", picture)
+        function = _structs.of_target(lib.svo_render, lib.svo_tree_target)
+        self._device_call("render", function, options, _structs.in_host(rgba), _structs.submit(cl_queue))
         return picture
 
     def __repr__(self) -> str:
@@ -467,12 +463,12 @@ class Tree(Resident):
         return f"<svocl.Tree: depth {info.depth}, {info.node_count} nodes, {info.leaf_count} leaves>"
 
 
-def framed(function: Any, pointer: Any, aspect: float, start: Optional[Camera] = None) -> Camera:
-    """The camera that one of the library's functions moves to where it frames, under the guard."""
+def framed(target: Any, aspect: float, start: Optional[Camera] = None) -> Camera:
+    """The camera that the library moves to where it frames a target, under the guard."""
     camera = ffi.new("svo_camera *")
     if start is not None:
         write_camera(camera, start)
-    status = call(function, pointer, aspect, camera)
+    status = call(lib.svo_camera_fit, target, aspect, camera)
     if status != lib.SVO_OK:
         raise error(status, f"{start} has no frame: its up is along its line of sight, or a number is not finite")
     return Camera(tuple(camera.eye), tuple(camera.target), tuple(camera.up), camera.vertical_fov)
@@ -534,9 +530,9 @@ TREE_ARGUMENTS: int = lib.SVO_TREE_ARGUMENTS
 
 def kernel_source() -> str:
     """OpenCL C to put before the source of a kernel that traces rays itself; trace.h describes what it declares."""
-    return text(lib.svo_tree_kernel_source())
+    return text(lib.svo_kernel_source(lib.svo_tree_target(ffi.NULL)))
 
 
 def kernel_options() -> str:
     """Compiler options for kernel_source."""
-    return text(lib.svo_tree_kernel_options())
+    return text(lib.svo_kernel_options(lib.svo_tree_target(ffi.NULL)))

@@ -204,8 +204,8 @@ static bool make_room(compact_bench *bench)
 static void make_rays(compact_bench *bench, size_t set)
 {
     if (set == 0) {
-        svo_camera camera;
-        svo_camera_frame(bench->tree, 1.0f, &camera);
+        svo_camera camera = {.vertical_fov = 0};
+        (void)svo_camera_fit(svo_tree_target(bench->tree), 1.0f, &camera);
         ray_set_primary(&camera, bench->ray_count, bench->rays);
         return;
     }

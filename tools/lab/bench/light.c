@@ -373,10 +373,10 @@ static int fill_frame(const light_bench *bench, const ray_table *cast, svo_hit *
 static int make_frame(const light_bench *bench, frame_points *frame)
 {
     program *state = bench->all->state;
-    svo_camera camera;
+    svo_camera camera = {.vertical_fov = 0};
     ray_table cast = {0};
     const uint32_t scale = bench->all->quick ? 8 : 1;
-    svo_camera_frame(bench->tree, (float)FRAME_WIDTH / FRAME_HEIGHT, &camera);
+    (void)svo_camera_fit(svo_tree_target(bench->tree), (float)FRAME_WIDTH / FRAME_HEIGHT, &camera);
     int exit_code = ray_table_from_camera(state, &camera, FRAME_WIDTH / scale, FRAME_HEIGHT / scale, NULL, &cast);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;

@@ -149,7 +149,7 @@ static int run_ray_rounds(rays_run *run)
 static int open_scene(rays_run *run)
 {
     const svo_moving_options *grid = &run->scene.options;
-    svo_camera camera;
+    svo_camera camera = {.vertical_fov = 0};
     double high[3];
     run->scene.options.need = SVO_NEED_RAYS;
     if (!moving_scene_open(run->all->opened.device, run->depth, run->all->opened.queue, &run->scene)) {
@@ -158,7 +158,7 @@ static int open_scene(rays_run *run)
     for (int axis = 0; axis < 3; ++axis) {
         high[axis] = grid->origin[axis] + grid->edge;
     }
-    svo_camera_frame(svo_moving_tree(run->scene.moving), 1.0F, &camera);
+    (void)svo_camera_fit(svo_tree_target(svo_moving_tree(run->scene.moving)), 1.0F, &camera);
     ray_set_primary(&camera, RAY_COUNT, run->primary);
     ray_set_incoherent(grid->origin, high, RAY_COUNT, run->incoherent);
     return PROGRAM_DONE;

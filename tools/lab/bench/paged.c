@@ -33,7 +33,7 @@ static const char note[] =
     "buffers, as a share of the file, which has colors and normals; too little for its upper levels is left out. At a "
     "stop pictures follow each other until one misses nothing (the stop is complete) or nothing more finds room. "
     "Pictures: per stop, on average and at most. Misses, reads, evictions: of the flight; reads also as a multiple of "
-    "the file. Picture, update: medians of wall clock. In core: svo_tree_render of the whole tree at the same stops.";
+    "the file. Picture, update: medians of wall clock. In core: svo_render of the whole tree at the same stops.";
 
 typedef struct flight {
     suite *all;
@@ -68,7 +68,7 @@ static svo_render_options view_at(const flight *of, unsigned stop)
     const double turn = 3.1 * along;
     const double nearer = 1.6 - 1.3 * along;
     double from[3];
-    svo_camera_frame(of->tree, (float)WIDTH / (float)HEIGHT, camera);
+    (void)svo_camera_fit(svo_tree_target(of->tree), (float)WIDTH / (float)HEIGHT, camera);
     for (int axis = 0; axis < 3; ++axis) {
         from[axis] = nearer * ((double)camera->eye[axis] - (double)camera->target[axis]);
     }
@@ -134,7 +134,8 @@ static int fly_in_core(flight *of)
     for (unsigned stop = 0; stop < of->stops; ++stop) {
         const svo_render_options asked = view_at(of, stop);
         const double started_ms = input_now_ms();
-        if (svo_tree_render(of->all->opened.device, of->tree, &asked, of->all->opened.queue, of->rgba) != SVO_OK) {
+        if (svo_render(svo_tree_target(of->tree), &asked, svo_in_host(of->rgba),
+                       &(svo_submit){.queue = of->all->opened.queue}) != SVO_OK) {
             return fail_library(of);
         }
         ms[stop] = input_now_ms() - started_ms;

@@ -110,11 +110,11 @@ static void find_bounds(const ray_run *run, double low[3], double high[3])
 /* The rays of a set; false where there are none. Shadow rays begin at the hits of the set before, the primary rays. */
 static bool fill_set(const ray_run *run, ray_set_kind kind, ray_set *set)
 {
-    svo_camera camera;
+    svo_camera camera = {.vertical_fov = 0};
     double low[3];
     double high[3];
     find_bounds(run, low, high);
-    svo_camera_frame(run->work.result.tree, 1.0f, &camera);
+    (void)svo_camera_fit(svo_tree_target(run->work.result.tree), 1.0f, &camera);
     switch (kind) {
     case RAY_SET_PRIMARY:
         ray_set_primary(&camera, run->ray_count, set->rays);

@@ -347,8 +347,8 @@ static double trace_embree(void *user)
 static void make_rays(scene_bench *bench, int set)
 {
     if (set == 0) {
-        svo_camera camera;
-        svo_scene_camera_frame(bench->scene, 1.0F, &camera);
+        svo_camera camera = {.vertical_fov = 0};
+        (void)svo_camera_fit(svo_scene_target(bench->scene), 1.0F, &camera);
         ray_set_primary(&camera, bench->ray_count, bench->rays);
     } else {
         ray_set_incoherent(bench->info.low, bench->info.high, bench->ray_count, bench->rays);

@@ -351,7 +351,7 @@ static bool prepare(probe_run *work)
     }
     svo_camera camera = work->scene->camera;
     if (!(camera.vertical_fov > 0)) {
-        svo_camera_frame(work->tree, 1, &camera);
+        (void)svo_camera_fit(svo_tree_target(work->tree), 1, &camera);
     }
     return probe_rays_make(work->run, work->tree, &camera, work->ray_count, work->all) &&
            probe_rays_make(work->run, work->tree, &camera, work->few_count, work->few);

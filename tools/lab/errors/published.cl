@@ -6,7 +6,7 @@
  * cone's radius; levels are not blended, and opacity is not corrected for the length of the step. A step ends a little
  * beyond its face, else the march would stall there.
  *
- * Behind svo_light_kernel_source, of which it takes more than integrators are promised: fields, frames, sets of cones.
+ * Behind the source of lights, of which it takes more than integrators are promised: fields, frames, sets of cones.
  * Launch: one work-item per point. Reads: the light, svo_gather_point. Writes: svo_gather_result. No local memory, no
  * atomics.
  */

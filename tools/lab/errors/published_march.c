@@ -6,11 +6,12 @@ extern const char published_source[];
 
 static bool compile(svo_device *device, published_march *made)
 {
-    const char *texts[] = {svo_light_kernel_source(), published_source};
+    const char *texts[] = {svo_kernel_source(svo_light_target(NULL)), published_source};
     const cl_device_id id = svo_device_cl_device(device);
     made->program = clCreateProgramWithSource(svo_device_cl_context(device), 2, texts, NULL, NULL);
     if (made->program == NULL ||
-        clBuildProgram(made->program, 1, &id, svo_light_kernel_options(made->light), NULL, NULL) != CL_SUCCESS) {
+        clBuildProgram(made->program, 1, &id, svo_kernel_options(svo_light_target(made->light)), NULL, NULL) !=
+            CL_SUCCESS) {
         return false;
     }
     made->kernel = clCreateKernel(made->program, "gather_as_published", NULL);
@@ -26,7 +27,7 @@ bool published_march_make(svo_device *device, svo_light *light, size_t count, cl
     out->points = clCreateBuffer(context, CL_MEM_READ_ONLY, count * sizeof(svo_gather_point), NULL, NULL);
     out->results = clCreateBuffer(context, CL_MEM_WRITE_ONLY, count * sizeof(svo_gather_result), NULL, NULL);
     return out->points != NULL && out->results != NULL && compile(device, out) &&
-           svo_light_set_args(light, out->kernel, 0) == SVO_OK &&
+           svo_kernel_set_arguments(svo_light_target(light), out->kernel, 0) == SVO_OK &&
            clSetKernelArg(out->kernel, SVO_LIGHT_ARGUMENTS, sizeof(cl_mem), (const void *)&out->points) == CL_SUCCESS &&
            clSetKernelArg(out->kernel, SVO_LIGHT_ARGUMENTS + 1, sizeof(cl_mem), (const void *)&out->results) ==
                CL_SUCCESS &&

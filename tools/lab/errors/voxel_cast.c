@@ -42,11 +42,11 @@ static bool build_tree(voxel_cast *made, const svo_mesh *mesh, unsigned depth, c
 
 static bool compile(voxel_cast *made)
 {
-    const char *sources[2] = {svo_tree_kernel_source(), kernel_source};
+    const char *sources[2] = {svo_kernel_source(svo_tree_target(NULL)), kernel_source};
     const cl_device_id device = svo_device_cl_device(made->opened->device);
     made->program = clCreateProgramWithSource(svo_device_cl_context(made->opened->device), 2, sources, NULL, NULL);
-    if (made->program == NULL ||
-        clBuildProgram(made->program, 1, &device, svo_tree_kernel_options(), NULL, NULL) != CL_SUCCESS) {
+    if (made->program == NULL || clBuildProgram(made->program, 1, &device, svo_kernel_options(svo_tree_target(NULL)),
+                                                NULL, NULL) != CL_SUCCESS) {
         return false;
     }
     made->kernel = clCreateKernel(made->program, "cast_voxels", NULL);
@@ -62,7 +62,7 @@ static bool set_arguments(voxel_cast *made, const svo_ray *rays)
     return made->rays != NULL && made->ts != NULL &&
            clEnqueueWriteBuffer(made->opened->queue, made->rays, CL_TRUE, 0, made->ray_count * sizeof *rays, rays, 0,
                                 NULL, NULL) == CL_SUCCESS &&
-           svo_tree_set_args(made->tree, made->kernel, 0) == SVO_OK &&
+           svo_kernel_set_arguments(svo_tree_target(made->tree), made->kernel, 0) == SVO_OK &&
            clSetKernelArg(made->kernel, SVO_TREE_ARGUMENTS, sizeof(cl_mem), (const void *)&made->rays) == CL_SUCCESS &&
            clSetKernelArg(made->kernel, SVO_TREE_ARGUMENTS + 1, sizeof(cl_mem), (const void *)&made->ts) ==
                CL_SUCCESS &&

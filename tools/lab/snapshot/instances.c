@@ -104,12 +104,12 @@ static void draw(const char *name, const char *when, const opened *session, svo_
 {
     char part[LINE_NAME_BYTES];
     const size_t bytes = (size_t)PICTURE_WIDTH * PICTURE_HEIGHT * 4;
-    svo_scene_render_options options = {
-        .struct_size = sizeof options, .width = PICTURE_WIDTH, .height = PICTURE_HEIGHT};
+    svo_render_options options = {.struct_size = sizeof options, .width = PICTURE_WIDTH, .height = PICTURE_HEIGHT};
     uint8_t *rgba = malloc(bytes);
-    svo_scene_camera_frame(scene, (float)PICTURE_WIDTH / PICTURE_HEIGHT, &options.camera);
-    const svo_status status =
-        rgba != NULL ? svo_scene_render(scene, &options, session->queue, rgba) : SVO_OUT_OF_HOST_MEMORY;
+    (void)svo_camera_fit(svo_scene_target(scene), (float)PICTURE_WIDTH / PICTURE_HEIGHT, &options.camera);
+    const svo_status status = rgba != NULL ? svo_render(svo_scene_target(scene), &options, svo_in_host(rgba),
+                                                        &(svo_submit){.queue = session->queue})
+                                           : SVO_OUT_OF_HOST_MEMORY;
     (void)snprintf(part, sizeof part, "picture, %s", when);
     print_hits(name, part, status, rgba, bytes);
     free(rgba);

@@ -118,7 +118,7 @@ static svo_status measure_file(const paged_case *of, uint64_t *file_bytes)
 static void fly_all(paged_case *of, svo_tree *tree, uint64_t file_bytes)
 {
     of->view = (svo_render_options){.struct_size = sizeof of->view, .width = PICTURE_WIDTH, .height = PICTURE_HEIGHT};
-    svo_camera_frame(tree, (float)PICTURE_WIDTH / PICTURE_HEIGHT, &of->view.camera);
+    (void)svo_camera_fit(svo_tree_target(tree), (float)PICTURE_WIDTH / PICTURE_HEIGHT, &of->view.camera);
     for (size_t way = 0; way < sizeof ways / sizeof ways[0]; ++way) {
         of->way = ways[way].name;
         fly_in(of, way, file_bytes);

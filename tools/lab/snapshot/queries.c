@@ -52,7 +52,8 @@ static void draw(const char *name, const opened *session, svo_tree *tree, const 
                                             .camera = *camera,
                                             .view = views[i].view};
         (void)snprintf(part, sizeof part, "picture %s %s", from, views[i].name);
-        const svo_status status = svo_tree_render(session->device, tree, &options, session->queue, rgba);
+        const svo_status status =
+            svo_render(svo_tree_target(tree), &options, svo_in_host(rgba), &(svo_submit){.queue = session->queue});
         if (status == SVO_OK) {
             line_print_digest(name, part, rgba, bytes);
         } else {
@@ -64,8 +65,8 @@ static void draw(const char *name, const opened *session, svo_tree *tree, const 
 
 static void draw_all(const char *name, const opened *session, svo_tree *tree, const svo_tree_info *info)
 {
-    svo_camera camera;
-    svo_camera_frame(tree, (float)PICTURE_WIDTH / PICTURE_HEIGHT, &camera);
+    svo_camera camera = {.vertical_fov = 0};
+    (void)svo_camera_fit(svo_tree_target(tree), (float)PICTURE_WIDTH / PICTURE_HEIGHT, &camera);
     line_print_digest(name, "camera", &camera, sizeof camera);
     draw(name, session, tree, "framed", &camera);
     for (int axis = 0; axis < 3; ++axis) {
@@ -142,11 +143,12 @@ cleanup:
 
 static cl_kernel make_voxel_kernel(const opened *session, cl_program *program)
 {
-    const char *texts[] = {svo_tree_kernel_source(), voxel_source};
+    const char *texts[] = {svo_kernel_source(svo_tree_target(NULL)), voxel_source};
     const cl_device_id device = svo_device_cl_device(session->device);
     cl_int error = CL_SUCCESS;
     *program = clCreateProgramWithSource(svo_device_cl_context(session->device), 2, texts, NULL, &error);
-    if (*program == NULL || clBuildProgram(*program, 1, &device, svo_tree_kernel_options(), NULL, NULL) != CL_SUCCESS) {
+    if (*program == NULL ||
+        clBuildProgram(*program, 1, &device, svo_kernel_options(svo_tree_target(NULL)), NULL, NULL) != CL_SUCCESS) {
         return NULL;
     }
     return clCreateKernel(*program, "trace_voxels", &error);
@@ -169,7 +171,7 @@ static void trace_voxels(const char *name, const opened *session, svo_tree *tree
     if (kernel == NULL || ray_memory == NULL || hit_memory == NULL || hits == NULL) {
         goto cleanup;
     }
-    if (svo_tree_set_args(tree, kernel, 0) != SVO_OK ||
+    if (svo_kernel_set_arguments(svo_tree_target(tree), kernel, 0) != SVO_OK ||
         clSetKernelArg(kernel, SVO_TREE_ARGUMENTS, sizeof ray_memory, &ray_memory) != CL_SUCCESS ||
         clSetKernelArg(kernel, SVO_TREE_ARGUMENTS + 1, sizeof hit_memory, &hit_memory) != CL_SUCCESS ||
         clSetKernelArg(kernel, SVO_TREE_ARGUMENTS + 2, sizeof footprint, &footprint) != CL_SUCCESS ||
