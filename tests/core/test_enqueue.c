@@ -19,6 +19,7 @@
 #include "core/tree.h"
 #include "scenes.h"
 #include "support/fixture.h"
+#include "support/info_of.h"
 #include "support/suite.h"
 #include "svocl/light.h"
 #include "svocl/moving.h"
@@ -175,7 +176,7 @@ static cl_mem make_memory(const subjects *of, cl_mem_flags flags, int byte)
 {
     unsigned char bytes[COUNT * RECORD_BYTES];
     memset(bytes, byte, sizeof bytes);
-    cl_mem made = clCreateBuffer(svo_device_cl_context(of->opened.device), flags | CL_MEM_COPY_HOST_PTR, sizeof bytes,
+    cl_mem made = clCreateBuffer(info_of_device(of->opened.device).context, flags | CL_MEM_COPY_HOST_PTR, sizeof bytes,
                                  bytes, NULL);
     assert_non_null(made);
     return made;
@@ -306,7 +307,7 @@ static svo_status draw_light(subjects *of, cl_mem pixels, cl_command_queue queue
 static void draw(subjects *of, enqueue_picture *call, cl_command_queue queue, uint8_t rgba[PIXELS_BYTES])
 {
     cl_mem pixels =
-        clCreateBuffer(svo_device_cl_context(of->opened.device), CL_MEM_READ_WRITE, PIXELS_BYTES, NULL, NULL);
+        clCreateBuffer(info_of_device(of->opened.device).context, CL_MEM_READ_WRITE, PIXELS_BYTES, NULL, NULL);
     cl_event event = NULL;
     assert_non_null(pixels);
     succeed(of, call(of, pixels, queue, &event));

@@ -16,6 +16,7 @@
 #include "support/attributed_mesh.h"
 #include "support/counting.h"
 #include "support/fixture.h"
+#include "support/info_of.h"
 #include "support/meshes.h"
 #include "support/suite.h"
 
@@ -27,7 +28,7 @@ static svo_device *limited_device(const fixture *opened, uint64_t max_bytes)
     const svo_device_options options = {.struct_size = sizeof options, .max_device_bytes = max_bytes};
     svo_device *device = NULL;
     svo_message message = {""};
-    if (svo_device_create(svo_device_cl_context(opened->device), svo_device_cl_device(opened->device), &options,
+    if (svo_device_create(info_of_device(opened->device).context, info_of_device(opened->device).device, &options,
                           &device, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
@@ -203,7 +204,7 @@ static void threads_are_limited(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
     cl_uint units = 0;
-    clGetDeviceInfo(svo_device_cl_device(opened.device), CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, NULL);
+    clGetDeviceInfo(info_of_device(opened.device).device, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, NULL);
     if (units < 2) {
         print_message("skipped: the device has one compute unit\n");
         skip();
@@ -228,7 +229,7 @@ static void threads_are_limited(void **state)
             fail_msg("%s", message.text);
         }
         cl_uint limited_units = 0;
-        clGetDeviceInfo(svo_device_cl_device(limited.device), CL_DEVICE_MAX_COMPUTE_UNITS, sizeof limited_units,
+        clGetDeviceInfo(info_of_device(limited.device).device, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof limited_units,
                         &limited_units, NULL);
         assert_int_equal(limited_units, threads < units ? threads : units);
         measure_build(&limited, &made.mesh, &bytes, &bytes, actual);
@@ -255,7 +256,7 @@ static void a_part_of_a_device_outlives_its_handles(void **state)
         if (status != SVO_OK) {
             fail_msg("%s", message.text);
         }
-        parts[i] = svo_device_cl_device(device);
+        parts[i] = info_of_device(device).device;
         svo_device_destroy(&device);
     }
     cl_uint units = 0;
@@ -270,7 +271,7 @@ static void a_callers_device_takes_no_limit_of_threads(void **state)
     const svo_device_options options = {.struct_size = sizeof options, .max_threads = 1};
     svo_device *device = NULL;
     svo_message message = {""};
-    assert_int_equal(svo_device_create(svo_device_cl_context(opened.device), svo_device_cl_device(opened.device),
+    assert_int_equal(svo_device_create(info_of_device(opened.device).context, info_of_device(opened.device).device,
                                        &options, &device, &message),
                      SVO_INVALID_ARGUMENT);
     assert_null(device);

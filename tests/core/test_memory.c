@@ -21,6 +21,7 @@
 #include "core/memory.h"
 #include "memory_voxels.h"
 #include "support/attributed_mesh.h"
+#include "support/info_of.h"
 #include "support/memory_ledger.h"
 #include "support/work_folder.h"
 #include "svocl/io.h"
@@ -146,7 +147,7 @@ static svo_status run_create(subject *of)
     const svo_device_options options = {.struct_size = sizeof options, .memory = &ledger_callbacks};
     SVO_I_TRY(make_device(of, UINT64_C(1) << 30));
     TRY_DEVICE(svo_frontend_create_cl(of->device, &of->frontend));
-    const svo_status status = svo_device_create(svo_device_cl_context(of->device), svo_device_cl_device(of->device),
+    const svo_status status = svo_device_create(info_of_device(of->device).context, info_of_device(of->device).device,
                                                 &options, &second, &of->message);
     svo_device_destroy(&second);
     return status;
@@ -184,7 +185,7 @@ static svo_status run_workspace(subject *of)
 static svo_status prepare_workspace(subject *of)
 {
     SVO_I_TRY(prepare_plan(of));
-    of->queue = clCreateCommandQueue(svo_device_cl_context(of->device), svo_device_cl_device(of->device), 0, NULL);
+    of->queue = clCreateCommandQueue(info_of_device(of->device).context, info_of_device(of->device).device, 0, NULL);
     return of->queue != NULL ? SVO_OK : SVO_CL_ERROR;
 }
 
@@ -258,7 +259,7 @@ static svo_status prepare_buffers(subject *of)
 {
     static const uint16_t corners[9] = {0, 1, 2, 0, 1, 2, 0, 1, 2};
     SVO_I_TRY(prepare_workspace(of));
-    of->positions = clCreateBuffer(svo_device_cl_context(of->device), CL_MEM_COPY_HOST_PTR, sizeof corners,
+    of->positions = clCreateBuffer(info_of_device(of->device).context, CL_MEM_COPY_HOST_PTR, sizeof corners,
                                    (void *)(uintptr_t)corners, NULL);
     return of->positions != NULL ? SVO_OK : SVO_CL_ERROR;
 }
@@ -519,7 +520,7 @@ static svo_status use_in_device(const svo_memory_callbacks *memory, svo_message 
     assert_int_equal(make_device(&s, 0), SVO_OK);
     svo_device *made = NULL;
     const svo_status status =
-        svo_device_create(svo_device_cl_context(s.device), svo_device_cl_device(s.device), &options, &made, message);
+        svo_device_create(info_of_device(s.device).context, info_of_device(s.device).device, &options, &made, message);
     svo_device_destroy(&made);
     release_all(&s);
     return status;

@@ -16,6 +16,7 @@
 
 #include "scenes.h"
 #include "support/fixture.h"
+#include "support/info_of.h"
 #include "support/meshes.h"
 #include "support/suite.h"
 
@@ -345,8 +346,8 @@ static const char places_kernel[] =
 static cl_kernel make_places_kernel(const fixture *opened)
 {
     const char *sources[2] = {svo_tree_kernel_source(), places_kernel};
-    const cl_device_id device = svo_device_cl_device(opened->device);
-    cl_program program = clCreateProgramWithSource(svo_device_cl_context(opened->device), 2, sources, NULL, NULL);
+    const cl_device_id device = info_of_device(opened->device).device;
+    cl_program program = clCreateProgramWithSource(info_of_device(opened->device).context, 2, sources, NULL, NULL);
     if (clBuildProgram(program, 1, &device, svo_tree_kernel_options(), NULL, NULL) != CL_SUCCESS) {
         static char log[4096];
         clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, sizeof log, log, NULL);
@@ -361,7 +362,7 @@ static cl_kernel make_places_kernel(const fixture *opened)
 static void run_places_kernel(const fixture *opened, cl_kernel kernel, const built *tree, const float *points,
                               found_places *found, size_t count)
 {
-    const cl_context context = svo_device_cl_context(opened->device);
+    const cl_context context = info_of_device(opened->device).context;
     const cl_uint node_count = (cl_uint)tree->info.node_count;
     cl_mem input = clCreateBuffer(context, CL_MEM_READ_WRITE, count * 3 * sizeof *points, NULL, NULL);
     cl_mem output = clCreateBuffer(context, CL_MEM_READ_WRITE, count * sizeof *found, NULL, NULL);
@@ -426,7 +427,7 @@ static void kernels_agree_with_the_host(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
     cl_device_fp_config doubles = 0;
-    clGetDeviceInfo(svo_device_cl_device(opened.device), CL_DEVICE_DOUBLE_FP_CONFIG, sizeof doubles, &doubles, NULL);
+    clGetDeviceInfo(info_of_device(opened.device).device, CL_DEVICE_DOUBLE_FP_CONFIG, sizeof doubles, &doubles, NULL);
     if (doubles == 0) {
         print_message("skipped: the device has no double precision\n");
         skip();

@@ -18,6 +18,7 @@
 #ifdef HAVE_IO
 #include "svocl/io.h"
 #endif
+#include "support/info_of.h"
 #include "support/suite.h"
 #include "svocl/svocl.h"
 
@@ -69,6 +70,11 @@ static void assert_canaries(const foreign *checked, size_t from)
 /* ---- outputs ---- */
 
 typedef svo_status (*get_output)(void *to);
+
+static svo_status get_device_info(void *to)
+{
+    return svo_device_get_info(device, to);
+}
 
 static svo_status get_plan_info(void *to)
 {
@@ -139,6 +145,7 @@ typedef struct output_case {
 #define STEADY(type, get, last) OUTPUT(type, get, last, sizeof(type))
 
 static const output_case outputs[] = {
+    STEADY(svo_device_info, get_device_info, compile_ms),
     STEADY(svo_plan_info, get_plan_info, edge),
     STEADY(svo_buffer_info, get_buffer_info, count),
     STEADY(svo_kernels_info, get_kernels_info, name),
@@ -211,7 +218,7 @@ static svo_status use_device_options(const void *from, svo_message *message)
 {
     svo_device *made = NULL;
     const svo_status status =
-        svo_device_create(svo_device_cl_context(device), svo_device_cl_device(device), from, &made, message);
+        svo_device_create(info_of_device(device).context, info_of_device(device).device, from, &made, message);
     svo_device_destroy(&made);
     return status;
 }
@@ -409,7 +416,7 @@ static int set_up(void **state)
         print_error("%s\n", message.text);
         return -1;
     }
-    queue = clCreateCommandQueue(svo_device_cl_context(device), svo_device_cl_device(device), 0, NULL);
+    queue = clCreateCommandQueue(info_of_device(device).context, info_of_device(device).device, 0, NULL);
     return svo_frontend_create_cl(device, &frontend) == SVO_OK &&
                    svo_plan_create(device, &triangle, 4, NULL, &plan) == SVO_OK &&
                    svo_build(plan, NULL, NULL, &tree, NULL) == SVO_OK && svo_tree_download(tree, NULL) == SVO_OK

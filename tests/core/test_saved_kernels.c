@@ -24,6 +24,7 @@
 #include "support/attributed_mesh.h"
 #include "support/counting.h"
 #include "support/fixture.h"
+#include "support/info_of.h"
 #include "support/suite.h"
 
 enum { DEPTH = 5, FILES_MAX = 8, PATH_BYTES = 512 };
@@ -90,7 +91,7 @@ static svo_device *new_device(saved *kept)
     const svo_device_options options = {.struct_size = sizeof options, .log = count_warning, .log_user = kept};
     svo_device *device = NULL;
     svo_message message = {""};
-    if (svo_device_create(svo_device_cl_context(kept->opened->device), svo_device_cl_device(kept->opened->device),
+    if (svo_device_create(info_of_device(kept->opened->device).context, info_of_device(kept->opened->device).device,
                           &options, &device, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }

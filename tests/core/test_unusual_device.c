@@ -21,6 +21,7 @@
 #include "scenes.h"
 #include "shared/layout.h"
 #include "support/fixture.h"
+#include "support/info_of.h"
 #include "support/suite.h"
 
 #define BUILD_LOG "1 error generated.\nprogram.cl:7: error: no such thing\nand more"
@@ -133,8 +134,8 @@ static int forget_answers(void **state)
 static svo_status open_device(const fixture *opened, const svo_device_options *options, svo_device **out,
                               svo_message *message)
 {
-    return svo_device_create(svo_device_cl_context(opened->device), svo_device_cl_device(opened->device), options, out,
-                             message);
+    return svo_device_create(info_of_device(opened->device).context, info_of_device(opened->device).device, options,
+                             out, message);
 }
 
 static svo_device *open_or_fail(const fixture *opened, const svo_device_options *options)
@@ -203,8 +204,8 @@ static void paths_of_devices(void **state)
         const svo_device_options options = {.struct_size = sizeof options, .path = rows[i].asked};
         device_answer = (answer){CL_DEVICE_TYPE, &rows[i].type, sizeof rows[i].type};
         svo_device *device = open_or_fail(&opened, &options);
-        if (svo_device_path(device) != rows[i].path) {
-            fail_msg("row %zu: path %s, expected %s", i, svo_name(SVO_NAME_PATH, svo_device_path(device)),
+        if (info_of_device(device).path != rows[i].path) {
+            fail_msg("row %zu: path %s, expected %s", i, svo_name(SVO_NAME_PATH, info_of_device(device).path),
                      svo_name(SVO_NAME_PATH, rows[i].path));
         }
         svo_device_destroy(&device);
@@ -357,9 +358,9 @@ static void drivers_declarations_serve_too(void **state)
     svo_plan *plan = NULL;
     expect(device, svo_plan_create(device, scene_mesh(cube), 4, NULL, &plan), SVO_OK, "");
     char *driver = NULL;
-    assert_int_equal(svo_i_device_text(svo_device_cl_device(device), CL_DRIVER_VERSION, "", NULL, &driver, NULL),
+    assert_int_equal(svo_i_device_text(info_of_device(device).device, CL_DRIVER_VERSION, "", NULL, &driver, NULL),
                      SVO_OK);
-    const bool is_pocl_3 = strstr(svo_device_name(device), "Portable Computing") != NULL && driver[0] == '3';
+    const bool is_pocl_3 = strstr(info_of_device(device).name, "Portable Computing") != NULL && driver[0] == '3';
     svo_i_free(driver);
     short_builds = 0;
     refuses_short = true;

@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "faults_scenario.h"
+#include "support/info_of.h"
 
 /*
  * Compact trees.
@@ -250,7 +251,7 @@ static svo_status run_render_enqueue(subject *of)
     cl_event done[2] = {NULL, NULL};
     svo_light *light = NULL;
     faults_spare(true);
-    cl_mem pixels = clCreateBuffer(svo_device_cl_context(world.device), CL_MEM_READ_WRITE, sizeof picture, NULL, NULL);
+    cl_mem pixels = clCreateBuffer(info_of_device(world.device).context, CL_MEM_READ_WRITE, sizeof picture, NULL, NULL);
     faults_spare(false);
     svo_status status = told(of, world.device, svo_light_create(of->tree, NULL, world.queue, &light));
     if (status == SVO_OK) {

@@ -12,6 +12,7 @@
 #include "faults_scenario.h"
 #include "raster/raster.h"
 #include "raster/selftest.h"
+#include "support/info_of.h"
 
 #define GL_BUFFER_BYTES 64
 
@@ -28,7 +29,7 @@ static svo_status run_context(subject *of)
         svo_gl_context_info info = SVO_GL_CONTEXT_INFO_INIT;
         svo_gl_context_get_info(context, &info);
         digest(of, info.renderer, strlen(info.renderer));
-        status = svo_gl_device_create(context, svo_device_cl_device(world.device), NULL, &device, &of->message);
+        status = svo_gl_device_create(context, info_of_device(world.device).device, NULL, &device, &of->message);
     }
     svo_device_destroy(&device);
     svo_gl_context_destroy(&context);

@@ -17,6 +17,7 @@
 
 #include "core/device.h"
 #include "support/fixture.h"
+#include "support/info_of.h"
 #include "support/machine.h"
 #include "support/nondefault_state.h"
 #include "support/own_context.h"
@@ -103,10 +104,10 @@ static void check_interleaved_copy(const svo_mesh_copy *copy)
 static cl_mem make_memory(const svo_device *device, const void *data, size_t bytes)
 {
     cl_int error = CL_SUCCESS;
-    cl_mem memory = clCreateBuffer(svo_device_cl_context(device), CL_MEM_READ_WRITE, bytes, NULL, &error);
+    cl_mem memory = clCreateBuffer(info_of_device(device).context, CL_MEM_READ_WRITE, bytes, NULL, &error);
     assert_int_equal(error, CL_SUCCESS);
     cl_command_queue queue =
-        clCreateCommandQueue(svo_device_cl_context(device), svo_device_cl_device(device), 0, &error);
+        clCreateCommandQueue(info_of_device(device).context, info_of_device(device).device, 0, &error);
     assert_int_equal(clEnqueueWriteBuffer(queue, memory, CL_TRUE, 0, bytes, data, 0, NULL, NULL), CL_SUCCESS);
     clReleaseCommandQueue(queue);
     return memory;
@@ -248,7 +249,7 @@ static void *release_later(void *pointer)
 static cl_event user_event(const svo_device *device)
 {
     cl_int error = CL_SUCCESS;
-    cl_event event = clCreateUserEvent(svo_device_cl_context(device), &error);
+    cl_event event = clCreateUserEvent(info_of_device(device).context, &error);
     assert_int_equal(error, CL_SUCCESS);
     return event;
 }

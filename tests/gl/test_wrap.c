@@ -16,6 +16,7 @@
 #include "core/device.h"
 #include "support/fixture.h"
 #include "support/gl_interop_shim.h"
+#include "support/info_of.h"
 #include "support/machine.h"
 #include "support/meshes.h"
 #include "support/nondefault_state.h"
@@ -58,7 +59,8 @@ static void open_wrapped(svo_gl_share share, fixture *out)
     *out = (fixture){0};
     cl_int error = CL_SUCCESS;
     out->device = machine_device_or_skip();
-    out->queue = clCreateCommandQueue(svo_device_cl_context(out->device), svo_device_cl_device(out->device), 0, &error);
+    out->queue =
+        clCreateCommandQueue(info_of_device(out->device).context, info_of_device(out->device).device, 0, &error);
     assert_int_equal(error, CL_SUCCESS);
     out->context = wrap();
     const svo_gl_options options = {.struct_size = sizeof options, .share = share};
@@ -228,7 +230,7 @@ static void wrapped_context_shares_with_opencl(void **state)
     shim_install(opened.context, &(shim_faults){0});
     assert_int_equal(svo_gl_device_create(opened.context, NULL, NULL, &opened.device, NULL), SVO_OK);
     opened.queue =
-        clCreateCommandQueue(svo_device_cl_context(opened.device), svo_device_cl_device(opened.device), 0, NULL);
+        clCreateCommandQueue(info_of_device(opened.device).context, info_of_device(opened.device).device, 0, NULL);
     const svo_gl_options options = {.struct_size = sizeof options, .share = SVO_GL_SHARE_INTEROP};
     if (svo_gl_create(opened.device, opened.context, &options, &opened.gl) != SVO_OK) {
         fail_msg("%s", svo_device_message(opened.device));

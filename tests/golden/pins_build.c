@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Pins of plans, stages and builds that are enqueued. */
 #include "pins.h"
+#include "support/info_of.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -101,7 +102,7 @@ void pin_plan(pins *all)
             for (int path = 0; path < 2 && options.place != SVO_PLACE_DEVICE; ++path) {
                 assert_int_equal(svo_plan_create(devices[path], all->scenes[s].mesh, plans[i].depth, &options, &plan),
                                  SVO_OK);
-                pin_stages_of_plan(all, svo_name(SVO_NAME_PATH, svo_device_path(devices[path])), plan);
+                pin_stages_of_plan(all, svo_name(SVO_NAME_PATH, info_of_device(devices[path]).path), plan);
                 svo_plan_destroy(&plan);
             }
         }

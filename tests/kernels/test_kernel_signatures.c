@@ -27,6 +27,7 @@
 #include "shared/scene_layout.h"
 #include "shared/solid_layout.h"
 #include "support/fixture.h"
+#include "support/info_of.h"
 #include "support/meshes.h"
 #include "support/solid_meshes.h"
 #include "support/suite.h"
@@ -299,7 +300,8 @@ static void enqueue_build(const fixture *opened, const svo_mesh *mesh, const svo
 static cl_mem buffer_of(const fixture *opened, const void *bytes, size_t count)
 {
     cl_int error = CL_SUCCESS;
-    const cl_mem buffer = clCreateBuffer(svo_device_cl_context(opened->device), CL_MEM_READ_WRITE, count, NULL, &error);
+    const cl_mem buffer =
+        clCreateBuffer(info_of_device(opened->device).context, CL_MEM_READ_WRITE, count, NULL, &error);
     assert_int_equal(error, CL_SUCCESS);
     assert_int_equal(clEnqueueWriteBuffer(opened->queue, buffer, CL_TRUE, 0, count, bytes, 0, NULL, NULL), CL_SUCCESS);
     return buffer;

@@ -19,6 +19,7 @@
 #include "photon_reference.h"
 #include "raster/light_view.h"
 #include "scenes.h"
+#include "support/info_of.h"
 #include "support/meshes.h"
 #include "support/suite.h"
 
@@ -73,7 +74,7 @@ static void compare_band(const fixture *opened, const built *made, const svo_i_p
     static svo_hit traced[BAND];
     static svo_hit drawn[BAND];
     svo_light_view_params params = view->params;
-    cl_context context = svo_device_cl_context(opened->device);
+    cl_context context = info_of_device(opened->device).context;
     cl_int error = CL_SUCCESS;
     params.first = first;
     params.count = view->photon_count - first < BAND ? view->photon_count - first : BAND;

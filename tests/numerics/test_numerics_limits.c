@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "support/compare_tree.h"
+#include "support/info_of.h"
 #include "support/meshes.h"
 #include "support/suite.h"
 
@@ -193,7 +194,7 @@ static void assert_build_refused(const fixture *opened, svo_plan *plan, const ch
 static uint64_t device_bytes(const fixture *opened)
 {
     cl_ulong bytes = 0;
-    clGetDeviceInfo(svo_device_cl_device(opened->device), CL_DEVICE_GLOBAL_MEM_SIZE, sizeof bytes, &bytes, NULL);
+    clGetDeviceInfo(info_of_device(opened->device).device, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof bytes, &bytes, NULL);
     return bytes;
 }
 

@@ -15,6 +15,7 @@
 #include <pthread.h>
 
 #include "support/fixture.h"
+#include "support/info_of.h"
 #include "support/meshes.h"
 #include "support/suite.h"
 
@@ -51,8 +52,8 @@ static void *work(void *pointer)
 {
     worker *self = pointer;
     const svo_gl_options options = {.struct_size = sizeof options, .share = self->share};
-    const cl_context context = svo_device_cl_context(self->shared->device);
-    const cl_device_id id = svo_device_cl_device(self->shared->device);
+    const cl_context context = info_of_device(self->shared->device).context;
+    const cl_device_id id = info_of_device(self->shared->device).device;
     for (unsigned round = 0; round < ROUNDS; ++round) {
         svo_device *device = NULL;
         svo_gl_context *gl_context = NULL;

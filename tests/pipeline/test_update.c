@@ -18,6 +18,7 @@
 #include "support/counting.h"
 #include "support/enqueued.h"
 #include "support/fixture.h"
+#include "support/info_of.h"
 #include "support/memory_ledger.h"
 #include "support/suite.h"
 
@@ -230,7 +231,7 @@ static void buffers_move_the_mesh(void **state)
     const size_t bytes = OFFSET + STRIDE * m.mesh.vertex_count;
     uint8_t *packed = calloc(1, bytes);
     assert_non_null(packed);
-    cl_mem memory = clCreateBuffer(svo_device_cl_context(opened.device), CL_MEM_READ_WRITE, bytes, NULL, NULL);
+    cl_mem memory = clCreateBuffer(info_of_device(opened.device).context, CL_MEM_READ_WRITE, bytes, NULL, NULL);
     assert_non_null(memory);
     svo_plan *plan = make_plan(&opened, &m.mesh, 6, options);
     svo_workspace *workspace = make_workspace(&opened, plan);
@@ -281,7 +282,7 @@ static void updates_allocate_compile_and_wait_for_nothing(void **state)
     svo_workspace *workspace = make_workspace(&opened, plan);
     svo_tree *tree = make_tree(&opened, workspace);
     move_to(&m, 0);
-    cl_event go = clCreateUserEvent(svo_device_cl_context(opened.device), &error);
+    cl_event go = clCreateUserEvent(info_of_device(opened.device).context, &error);
     assert_int_equal(error, CL_SUCCESS);
     cl_event moved = NULL;
     counting_begin();
@@ -317,7 +318,7 @@ static void memory_is_flat(void **state)
     assert_int_equal(svo_frontend_create_cl(opened.device, &opened.cl), SVO_OK);
     opened.frontend = opened.cl;
     opened.queue =
-        clCreateCommandQueue(svo_device_cl_context(opened.device), svo_device_cl_device(opened.device), 0, NULL);
+        clCreateCommandQueue(info_of_device(opened.device).context, info_of_device(opened.device).device, 0, NULL);
     svo_plan *plan = make_plan(&opened, &mesh, 3, updatable(SVO_NEED_RAYS));
     svo_workspace *workspace = make_workspace(&opened, plan);
     svo_tree *trees[2] = {make_tree(&opened, workspace), make_tree(&opened, workspace)};
@@ -354,7 +355,7 @@ static void commands_are_ordered_whatever_the_queues(void **state)
     const fixture opened = fixture_cl_of_group(state);
     const svo_plan_options options = updatable(SVO_NEED_RAYS);
     cl_command_queue other =
-        clCreateCommandQueue(svo_device_cl_context(opened.device), svo_device_cl_device(opened.device),
+        clCreateCommandQueue(info_of_device(opened.device).context, info_of_device(opened.device).device,
                              CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE, NULL);
     float positions[MOVES][9];
     svo_tree *trees[MOVES];
@@ -592,7 +593,7 @@ static void nothing_waits_for_a_failed_update(void **state)
     svo_plan *plan = make_plan(&opened, &mesh, 5, options);
     svo_workspace *workspace = make_workspace(&opened, plan);
     svo_tree *tree = make_tree(&opened, workspace);
-    const cl_event gate = clCreateUserEvent(svo_device_cl_context(opened.device), NULL);
+    const cl_event gate = clCreateUserEvent(info_of_device(opened.device).context, NULL);
     cl_event held = NULL;
     cl_event failed = NULL;
     succeed(&opened, svo_plan_update_enqueue(plan, &mesh, opened.queue, 1, &gate, &held));

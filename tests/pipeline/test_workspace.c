@@ -17,6 +17,7 @@
 #include "support/counting.h"
 #include "support/enqueued.h"
 #include "support/fixture.h"
+#include "support/info_of.h"
 #include "support/suite.h"
 
 static const uint32_t needs[] = {
@@ -189,10 +190,10 @@ static void builds_of_a_workspace_are_ordered(void **state)
     const fixture opened = fixture_cl_of_group(state);
     struct scene *made = fixture_scene("knot:2000");
     const svo_plan_options options = {.need = SVO_NEED_ALL};
-    const cl_context context = svo_device_cl_context(opened.device);
+    const cl_context context = info_of_device(opened.device).context;
     cl_command_queue queues[2];
     for (int i = 0; i < 2; ++i) {
-        queues[i] = clCreateCommandQueue(context, svo_device_cl_device(opened.device),
+        queues[i] = clCreateCommandQueue(context, info_of_device(opened.device).device,
                                          CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE | CL_QUEUE_PROFILING_ENABLE, NULL);
         assert_non_null(queues[i]);
     }
@@ -251,7 +252,7 @@ static void a_failed_enqueue_does_not_block(void **state)
     svo_workspace *workspace = make_workspace(&opened, plan);
     svo_tree *tree = make_tree(&opened, workspace);
     while (all == 0) {
-        cl_event gate = clCreateUserEvent(svo_device_cl_context(opened.device), NULL);
+        cl_event gate = clCreateUserEvent(info_of_device(opened.device).context, NULL);
         counting_begin();
         counting_fail_launch(failed);
         const svo_status status = svo_build_enqueue(workspace, tree, opened.queue, 1, &gate, NULL);
@@ -288,7 +289,7 @@ static void a_plan_is_unchanged_until_a_workspace_exists(void **state)
     struct scene *made = fixture_scene("knot:500");
     svo_plan *plan = make_plan(&opened, scene_mesh(made), 5, (svo_plan_options){.need = SVO_NEED_DEFAULT});
     const uint64_t peak = svo_plan_peak_bytes(plan);
-    const cl_mem small = clCreateBuffer(svo_device_cl_context(opened.device), CL_MEM_READ_WRITE, 16, NULL, NULL);
+    const cl_mem small = clCreateBuffer(info_of_device(opened.device).context, CL_MEM_READ_WRITE, 16, NULL, NULL);
     const svo_workspace_options given = {.struct_size = sizeof given, .scratch = small};
     svo_workspace *workspace = NULL;
     svo_workspace_info info = SVO_WORKSPACE_INFO_INIT;
@@ -388,7 +389,7 @@ static void the_caller_may_provide_scratch(void **state)
     succeed(&opened, svo_workspace_measure(plan, opened.frontend, &info));
     assert_in_range(info.scratch_bytes, 1, svo_plan_peak_bytes(plan));
     const uint64_t offset = 3 * info.scratch_alignment;
-    cl_mem scratch = clCreateBuffer(svo_device_cl_context(opened.device), CL_MEM_READ_WRITE,
+    cl_mem scratch = clCreateBuffer(info_of_device(opened.device).context, CL_MEM_READ_WRITE,
                                     (size_t)(offset + info.scratch_bytes), NULL, NULL);
     assert_non_null(scratch);
     svo_workspace_options options = {.struct_size = sizeof options, .scratch = scratch};
@@ -515,8 +516,8 @@ static cl_kernel make_plain_kernel(const fixture *opened)
         "{\n"
         "    b[0] = a[0] + c[0] + d[0].x + (uint)e.words[0];\n"
         "}\n";
-    const cl_device_id device = svo_device_cl_device(opened->device);
-    cl_program program = clCreateProgramWithSource(svo_device_cl_context(opened->device), 1, &source, NULL, NULL);
+    const cl_device_id device = info_of_device(opened->device).device;
+    cl_program program = clCreateProgramWithSource(info_of_device(opened->device).context, 1, &source, NULL, NULL);
     assert_int_equal(clBuildProgram(program, 1, &device, "-cl-std=CL1.2", NULL, NULL), CL_SUCCESS);
     cl_kernel kernel = clCreateKernel(program, "plain", NULL);
     clReleaseProgram(program);
@@ -541,7 +542,7 @@ static void expect_all_to_refuse(const fixture *opened, svo_tree *tree, cl_kerne
     const double corner[3] = {0, 0, 0};
     const uint32_t cell[3] = {0, 0, 0};
     cl_mem memory =
-        clCreateBuffer(svo_device_cl_context(opened->device), CL_MEM_READ_WRITE, sizeof(svo_hit), NULL, NULL);
+        clCreateBuffer(info_of_device(opened->device).context, CL_MEM_READ_WRITE, sizeof(svo_hit), NULL, NULL);
     svo_tree_info info = SVO_TREE_INFO_INIT;
     svo_tree_arrays arrays = SVO_TREE_ARRAYS_INIT;
     char hash[SVO_HASH_TEXT_BYTES];
@@ -599,7 +600,7 @@ static void trees_without_content_are_refused(void **state)
     svo_tree *tree = make_tree(&opened, workspace);
     expect_all_to_refuse(&opened, tree, kernel, "nothing was built");
 
-    cl_event gate = clCreateUserEvent(svo_device_cl_context(opened.device), NULL);
+    cl_event gate = clCreateUserEvent(info_of_device(opened.device).context, NULL);
     for (int round = 0; round < 2; ++round) { /* the second time over the content of the first */
         succeed(&opened, svo_build_enqueue(workspace, tree, opened.queue, 1, &gate, NULL));
         expect_all_to_refuse(&opened, tree, kernel, "in flight; call svo_tree_finish");
@@ -612,7 +613,7 @@ static void trees_without_content_are_refused(void **state)
         succeed(&opened, svo_tree_trace(tree, &ray, &hits[1], 1, SVO_TRACE_COUNT, opened.queue));
         assert_memory_equal(&hits[1], &hits[0], sizeof hits[0]);
         clReleaseEvent(gate);
-        gate = clCreateUserEvent(svo_device_cl_context(opened.device), NULL);
+        gate = clCreateUserEvent(info_of_device(opened.device).context, NULL);
     }
     clReleaseEvent(gate);
     counting_begin();
@@ -701,8 +702,8 @@ static const char outcome_kernel[] = "__kernel void look(__global const svo_buil
 static cl_kernel make_outcome_kernel(const fixture *opened)
 {
     const char *sources[2] = {svo_tree_kernel_source(), outcome_kernel};
-    const cl_device_id device = svo_device_cl_device(opened->device);
-    cl_program program = clCreateProgramWithSource(svo_device_cl_context(opened->device), 2, sources, NULL, NULL);
+    const cl_device_id device = info_of_device(opened->device).device;
+    cl_program program = clCreateProgramWithSource(info_of_device(opened->device).context, 2, sources, NULL, NULL);
     assert_int_equal(clBuildProgram(program, 1, &device, svo_tree_kernel_options(), NULL, NULL), CL_SUCCESS);
     cl_kernel kernel = clCreateKernel(program, "look", NULL);
     clReleaseProgram(program);
@@ -715,7 +716,7 @@ static cl_kernel make_outcome_kernel(const fixture *opened)
 static svo_status look_at_build(const fixture *opened, svo_plan *plan, cl_kernel kernel, unsigned depth,
                                 seen_outcome *seen, svo_tree_info *info, svo_build_report *report)
 {
-    const cl_context context = svo_device_cl_context(opened->device);
+    const cl_context context = info_of_device(opened->device).context;
     const cl_uint depth_argument = depth;
     const size_t one = 1;
     cl_event done = NULL;

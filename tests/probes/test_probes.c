@@ -21,6 +21,7 @@
 
 #include "light/light_fixture.h"
 #include "support/counting.h"
+#include "support/info_of.h"
 #include "support/meshes.h"
 #include "support/solid_meshes.h"
 #include "support/suite.h"
@@ -814,7 +815,7 @@ static void queues_and_threads_give_the_same_bytes(void **state)
     char hashes[4][SVO_HASH_TEXT_BYTES];
     cl_int error = CL_SUCCESS;
     cl_command_queue unordered =
-        clCreateCommandQueue(svo_device_cl_context(opened.device), svo_device_cl_device(opened.device),
+        clCreateCommandQueue(info_of_device(opened.device).context, info_of_device(opened.device).device,
                              CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE, &error);
     hash_room(&opened, opened.queue, hashes[0]);
     hash_room(&opened, error == CL_SUCCESS ? unordered : NULL, hashes[1]);

@@ -17,6 +17,7 @@
 #include <string.h>
 
 #include "rays/rays.h"
+#include "support/info_of.h"
 #include "support/meshes.h"
 #include "support/ray_check.h"
 #include "support/suite.h"
@@ -509,9 +510,9 @@ static const char voxel_kernel[] =
 static cl_kernel make_voxel_kernel(const fixture *opened)
 {
     const char *sources[2] = {svo_tree_kernel_source(), voxel_kernel};
-    const cl_device_id device = svo_device_cl_device(opened->device);
+    const cl_device_id device = info_of_device(opened->device).device;
     cl_int error = CL_SUCCESS;
-    cl_program program = clCreateProgramWithSource(svo_device_cl_context(opened->device), 2, sources, NULL, &error);
+    cl_program program = clCreateProgramWithSource(info_of_device(opened->device).context, 2, sources, NULL, &error);
     assert_int_equal(clBuildProgram(program, 1, &device, svo_tree_kernel_options(), NULL, NULL), CL_SUCCESS);
     cl_kernel kernel = clCreateKernel(program, "find", &error);
     assert_int_equal(error, CL_SUCCESS);
@@ -522,7 +523,7 @@ static cl_kernel make_voxel_kernel(const fixture *opened)
 static void run_voxel_kernel(const fixture *opened, const built *tree, const svo_ray *rays, svo_voxel_hit *hits,
                              size_t count)
 {
-    cl_context context = svo_device_cl_context(opened->device);
+    cl_context context = info_of_device(opened->device).context;
     cl_kernel kernel = make_voxel_kernel(opened);
     const size_t local = 50;
     cl_mem from = clCreateBuffer(context, CL_MEM_READ_WRITE, count * sizeof *rays, NULL, NULL);
@@ -554,8 +555,8 @@ static void run_arrays_kernel(const fixture *opened, const built *tree, const ch
                               const svo_ray *rays, svo_hit *hits, cl_uint count)
 {
     const char *sources[2] = {svo_tree_kernel_source(), arrays_kernel};
-    const cl_device_id device = svo_device_cl_device(opened->device);
-    cl_context context = svo_device_cl_context(opened->device);
+    const cl_device_id device = info_of_device(opened->device).device;
+    cl_context context = info_of_device(opened->device).context;
     const size_t items = (count + RAYS_PER_ITEM - 1u) / RAYS_PER_ITEM;
     const size_t local = 1;
     cl_int error = CL_SUCCESS;
@@ -748,11 +749,11 @@ static void events_order_an_out_of_order_queue(void **state)
     built tree;
     build_scene(opened, "cube", 4, &tree);
     cl_int error = CL_SUCCESS;
-    cl_context context = svo_device_cl_context(opened->device);
-    cl_command_queue queue = clCreateCommandQueue(context, svo_device_cl_device(opened->device),
+    cl_context context = info_of_device(opened->device).context;
+    cl_command_queue queue = clCreateCommandQueue(context, info_of_device(opened->device).device,
                                                   CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE, &error);
     if (error != CL_SUCCESS) {
-        queue = clCreateCommandQueue(context, svo_device_cl_device(opened->device), 0, &error);
+        queue = clCreateCommandQueue(context, info_of_device(opened->device).device, 0, &error);
     }
     const svo_ray ray = {{(float)(tree.info.origin[0] + tree.info.edge * 0.3),
                           (float)(tree.info.origin[1] + tree.info.edge * 0.4), (float)(tree.info.origin[2] - 1)},

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "support/info_of.h"
 #include "support/table.h"
 #include "svocl/build.h"
 
@@ -231,13 +232,13 @@ int solid_make(program *state, const svo_device *device, const svo_tree *tree, s
         return PROGRAM_DONE;
     }
     const svo_solid_options asked = {.struct_size = sizeof asked, .rule = solid_rule(state)};
-    const double compiled_ms = svo_device_compile_ms(device);
+    const double compiled_ms = info_of_device(device).compile_ms;
     progress_step(state->progress, "finding the inside");
     const double start_ms = input_now_ms();
     if (svo_solid_create(tree, &asked, NULL, &out->solid, &out->info) != SVO_OK) {
         return program_fail_library(state, svo_device_message(device));
     }
-    out->compile_ms = svo_device_compile_ms(device) - compiled_ms;
+    out->compile_ms = info_of_device(device).compile_ms - compiled_ms;
     out->ms = input_now_ms() - start_ms - out->compile_ms;
     (void)svo_compact_get_info(out->solid, &out->form);
     return PROGRAM_DONE;
@@ -368,7 +369,7 @@ static void print_what_ran(const job *done)
     table_cell(rows, "depth %u, %lu voxels per axis, %s, snap error %.3g", result->info.depth, width,
                svo_name(SVO_NAME_COVERAGE, (svo_coverage)result->info.coverage), result->info.snap_error);
     table_cell(rows, "opencl");
-    table_cell(rows, "%s", svo_device_name(done->opened.device));
+    table_cell(rows, "%s", info_of_device(done->opened.device).name);
     table_cell(rows, "opengl");
     if (done->opened.frontend == done->opened.cl) {
         table_cell(rows, "%s", "not used");

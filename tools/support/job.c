@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "support/info_of.h"
 #include "support/wrapped.h"
 
 /* ---- calls of OpenCL ---- */
@@ -301,7 +302,7 @@ void job_add_what_ran(cJSON *document, const job *done)
     json_add_text(document, "coverage", svo_name(SVO_NAME_COVERAGE, (svo_coverage)done->result.info.coverage));
     json_add_text(document, "weights", svo_name(SVO_NAME_WEIGHTS, (svo_weights)done->result.info.weights));
     json_add_text(document, "context", session_context(&done->opened));
-    json_add_text(document, "device", svo_device_name(done->opened.device));
+    json_add_text(document, "device", info_of_device(done->opened.device).name);
     json_add_text(document, "renderer", session_renderer(&done->opened));
     json_add_count(document, "depth", done->result.info.depth);
 }

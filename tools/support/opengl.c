@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "support/info_of.h"
 #include "svocl/gl.h"
 
 #define FURTHER_MAX 8
@@ -83,8 +84,8 @@ static bool is_joined(const svo_device *device)
     enum { PROPERTIES_MAX = 64 };
     cl_context_properties properties[PROPERTIES_MAX] = {0};
     size_t bytes = 0;
-    if (clGetContextInfo(svo_device_cl_context(device), CL_CONTEXT_PROPERTIES, sizeof properties, properties, &bytes) !=
-        CL_SUCCESS) {
+    if (clGetContextInfo(info_of_device(device).context, CL_CONTEXT_PROPERTIES, sizeof properties, properties,
+                         &bytes) != CL_SUCCESS) {
         return false;
     }
     bool found = false;
@@ -100,7 +101,7 @@ svo_device *opengl_join(const opengl *opened, const svo_device *device, const sv
     if (!opengl_may_share(device)) {
         return NULL;
     }
-    (void)svo_gl_device_create(opened->context, svo_device_cl_device(device), device_options, &joined, NULL);
+    (void)svo_gl_device_create(opened->context, info_of_device(device).device, device_options, &joined, NULL);
     if (joined != NULL && !is_joined(joined)) {
         svo_device_destroy(&joined); /* a second handle of what there is */
     }

@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "support/devices.h"
+#include "support/info_of.h"
 #include "svocl/gl.h"
 
 #define RENDERERS_MAX 32
@@ -54,12 +55,12 @@ static cJSON *gather_pair(svo_device *alone, svo_gl_context *renderer)
 {
     /* The same device on an OpenCL context that can share with the renderer; NULL if there is none. */
     svo_device *joined = NULL;
-    (void)svo_gl_device_create(renderer, svo_device_cl_device(alone), NULL, &joined, NULL);
+    (void)svo_gl_device_create(renderer, info_of_device(alone).device, NULL, &joined, NULL);
     svo_device *device = joined != NULL ? joined : alone;
     svo_gl_context_info info = SVO_GL_CONTEXT_INFO_INIT;
     svo_gl_context_get_info(renderer, &info);
     cJSON *pair = cJSON_CreateObject();
-    json_add_text(pair, "device", svo_device_name(device));
+    json_add_text(pair, "device", info_of_device(device).name);
     json_add_text(pair, "renderer", info.renderer);
     json_add_text(pair, "context", svo_name(SVO_NAME_GL_CONTEXT_KIND, info.kind));
     json_add_count(pair, "device_index", info.device_index);

@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <string.h>
 
+#include "support/info_of.h"
 #include "support/job.h"
 #include "support/json.h"
 #include "support/options_parse.h"
@@ -32,7 +33,7 @@ static int print(program *state, const input *source, const session *opened, con
     }
     if (document != NULL) {
         json_add_text(document, "input", source->name);
-        json_add_text(document, "device", svo_device_name(opened->device));
+        json_add_text(document, "device", info_of_device(opened->device).name);
         json_add_text(document, "folder", folder);
         json_add_count(document, "saved", saved);
         return json_print(state, document);

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "support/info_of.h"
 #include "support/viewpoint.h"
 #include "view/edit.h"
 #include "view/history.h"
@@ -61,7 +62,7 @@ static int describe(subject *which, view_state *state)
         return program_fail(which->running, PROGRAM_FAILED, "the tree has no content");
     }
     which->level = info.depth;
-    state->device = svo_device_name(which->done.opened.device);
+    state->device = info_of_device(which->done.opened.device).name;
     state->level_min = which->done.source.mesh != NULL ? 1 : info.depth;
     state->level_max = info.depth;
     state->shown.level = info.depth;

@@ -13,6 +13,7 @@
 #include "measure/ray_sets.h"
 #include "measure/spread.h"
 #include "reference/oracle_rays.h"
+#include "support/info_of.h"
 #include "support/input.h"
 
 /* ---- ray tests ---- */
@@ -341,7 +342,7 @@ static bool make_bvh(ray_bench *bench)
 
 static bool upload_rays(ray_bench *bench)
 {
-    cl_context context = svo_device_cl_context(bench->run->opened.device);
+    cl_context context = info_of_device(bench->run->opened.device).context;
     const size_t count = bench->given->ray_count;
     bench->rays = clCreateBuffer(context, CL_MEM_READ_ONLY, count * sizeof(svo_ray), NULL, NULL);
     bench->hits = clCreateBuffer(context, CL_MEM_WRITE_ONLY, count * sizeof(svo_hit), NULL, NULL);

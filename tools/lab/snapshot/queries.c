@@ -11,6 +11,7 @@
 #include "digest.h"
 #include "lights.h"
 #include "random.h"
+#include "support/info_of.h"
 
 #define PICTURE_WIDTH  160
 #define PICTURE_HEIGHT 120
@@ -140,9 +141,9 @@ cleanup:
 static cl_kernel make_voxel_kernel(const opened *session, cl_program *program)
 {
     const char *texts[] = {svo_tree_kernel_source(), voxel_source};
-    const cl_device_id device = svo_device_cl_device(session->device);
+    const cl_device_id device = info_of_device(session->device).device;
     cl_int error = CL_SUCCESS;
-    *program = clCreateProgramWithSource(svo_device_cl_context(session->device), 2, texts, NULL, &error);
+    *program = clCreateProgramWithSource(info_of_device(session->device).context, 2, texts, NULL, &error);
     if (*program == NULL || clBuildProgram(*program, 1, &device, svo_tree_kernel_options(), NULL, NULL) != CL_SUCCESS) {
         return NULL;
     }
@@ -152,7 +153,7 @@ static cl_kernel make_voxel_kernel(const opened *session, cl_program *program)
 /* Through a kernel of its own, as in an application. */
 static void trace_voxels(const char *name, const opened *session, svo_tree *tree, const svo_ray *rays)
 {
-    const cl_context context = svo_device_cl_context(session->device);
+    const cl_context context = info_of_device(session->device).context;
     const size_t count = RAY_COUNT;
     const size_t hit_bytes = count * sizeof(svo_voxel_hit);
     const float footprint = 0.01f;
