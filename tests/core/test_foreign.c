@@ -102,7 +102,7 @@ static native make_native(const fixture *opened)
     made.image = clCreateImage(context, CL_MEM_READ_WRITE, &format, &shape, NULL, NULL); /* NULL without images */
     succeed(&made, svo_plan_create(opened->device, scene_mesh(cube), DEPTH, &options, &made.plan));
     succeed(&made, svo_build(made.plan, opened->frontend, opened->queue, &made.tree, NULL));
-    succeed(&made, svo_tree_prepare_rays(made.tree, opened->queue));
+    succeed(&made, svo_tree_make_bvh(made.tree, SVO_BVH_BEST, opened->queue));
     scene_destroy(&cube);
     return made;
 }
@@ -164,7 +164,6 @@ static void queues_of_another_context_are_refused(void **state)
     assert_null(unmade);
     assert_null(workspace);
     succeed(&own, svo_build(own.plan, opened.frontend, opened.queue, &unmade, NULL));
-    REFUSED(svo_tree_prepare_rays, unmade, queue);
     REFUSED(svo_tree_make_bvh, unmade, SVO_BVH_FAST, queue);
     svo_tree_destroy(&unmade);
     unmade = svo_i_tree_new(NULL); /* like one from a file: on no device yet */

@@ -71,10 +71,10 @@ static void measure_build(const fixture *opened, const svo_mesh *mesh, uint64_t 
 {
     svo_tree *tree = NULL;
     svo_plan *plan = plan_of(opened->device, mesh, 0);
-    *peak_bytes = svo_plan_peak_bytes(plan);
+    *peak_bytes = info_of_plan(plan).peak_bytes;
     succeed(opened->device, svo_build(plan, NULL, NULL, &tree, NULL));
-    *peak_bytes = svo_plan_peak_bytes(plan) > *peak_bytes ? svo_plan_peak_bytes(plan) : *peak_bytes;
-    *tree_bytes = svo_plan_tree_bytes(plan);
+    *peak_bytes = info_of_plan(plan).peak_bytes > *peak_bytes ? info_of_plan(plan).peak_bytes : *peak_bytes;
+    *tree_bytes = info_of_plan(plan).tree_bytes;
     succeed(opened->device, svo_tree_download(tree, NULL));
     succeed(opened->device, svo_tree_hash(tree, SVO_HASH_ALL, hash));
     svo_tree_destroy(&tree);
@@ -87,7 +87,7 @@ static void a_plan_above_the_budget_is_refused_beforehand(void **state)
     attributed_mesh made;
     attributed_mesh_create(6, 300, 0.1, &made);
     svo_plan *plan = plan_of(opened.device, &made.mesh, 0);
-    const uint64_t predicted_bytes = svo_plan_peak_bytes(plan);
+    const uint64_t predicted_bytes = info_of_plan(plan).peak_bytes;
     svo_plan_destroy(&plan);
     char words[128];
     snprintf(words, sizeof words, "svo_build: the scene needs about %s at depth %d", svo_i_bytes(predicted_bytes).text,
@@ -145,11 +145,11 @@ static void a_list_does_not_grow_beyond_the_budget(void **state)
     svo_tree *tree = NULL;
     corner_mesh(24, &corners); /* many times the fragments of the estimate */
     svo_plan *plan = plan_of(opened.device, &corners.mesh, 100);
-    const uint64_t max_bytes = svo_plan_peak_bytes(plan);
+    const uint64_t max_bytes = info_of_plan(plan).peak_bytes;
     svo_build_report report = SVO_BUILD_REPORT_INIT;
     succeed(opened.device, svo_build(plan, NULL, NULL, &tree, &report));
     assert_true(report.reruns > 0);
-    assert_true(svo_plan_peak_bytes(plan) > max_bytes);
+    assert_true(info_of_plan(plan).peak_bytes > max_bytes);
     svo_tree_destroy(&tree);
     svo_plan_destroy(&plan);
     svo_device *device = limited_device(&opened, max_bytes);

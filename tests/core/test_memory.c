@@ -230,7 +230,7 @@ static svo_status run_load(subject *of)
     memset(&passing, 0, sizeof passing);
     SVO_I_TRY(status);
     TRY_DEVICE(svo_tree_upload(of->tree, of->device, NULL));
-    return of_device(of, svo_tree_prepare_rays(of->tree, NULL));
+    return of_device(of, svo_tree_make_bvh(of->tree, SVO_BVH_BEST, NULL));
 }
 
 /* From memory, into a tree that outlives everything else. */

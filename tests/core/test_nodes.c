@@ -182,13 +182,11 @@ static void boxes_of_a_callers_grid_have_closed_forms(void **state)
     scene *cube = fixture_scene("cube");
     const svo_plan_options options = {.struct_size = sizeof options, .origin = {-4, -4, -4}, .edge = 8};
     svo_plan *plan = NULL;
-    svo_grid grid;
     double low[3];
     double high[3];
     uint32_t cell[3] = {7, 7, 7};
     succeed(&opened, svo_plan_create(opened.device, scene_mesh(cube), 5, &options, &plan));
-    succeed(&opened, svo_plan_get_grid(plan, &grid));
-    assert_int_equal(svo_plan_get_grid(plan, NULL), SVO_INVALID_ARGUMENT);
+    const svo_grid grid = info_of_plan(plan).grid;
     assert_true(svo_grid_cell_edge(&grid, 0) == 8 && svo_grid_cell_edge(&grid, 5) == 0.25);
     svo_grid_cell_box(&grid, 5, (const uint32_t[3]){0, 16, 31}, low, high);
     assert_true(low[0] == -4 && low[1] == 0 && low[2] == 3.75 && high[0] == -3.75 && high[1] == 0.25 && high[2] == 4);
@@ -219,11 +217,10 @@ static void the_far_end_of_a_fitted_grid_is_in_the_last_voxel(void **state)
     for (unsigned depth = 1; depth <= 16; ++depth) {
         svo_plan *plan = NULL;
         svo_plan_info info = SVO_PLAN_INFO_INIT;
-        svo_grid grid;
         uint32_t cell[3];
         succeed(&opened, svo_plan_create(opened.device, &mesh, depth, NULL, &plan));
         succeed(&opened, svo_plan_get_info(plan, &info));
-        succeed(&opened, svo_plan_get_grid(plan, &grid));
+        const svo_grid grid = info.grid;
         const double units = ldexp(1.0, (int)info.snap_bits);
         assert_true(fabs(svo_grid_cell_edge(&grid, 0) / info.edge - units / (units - 1)) < 1e-14);
         for (int corner = 0; corner < 3; ++corner) {

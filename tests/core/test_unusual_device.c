@@ -306,7 +306,7 @@ static void lists_above_32_bits_are_cut(void **state)
     expect(device, svo_plan_create(device, &mesh, 16, &options, &plan), SVO_OK, "");
     expect(device, svo_plan_get_info(plan, &info), SVO_OK, "");
     assert_true(info.expected_fragments < 4294967295.0 && info.expected_fragments * 1.125 > 4294967295.0);
-    for (size_t i = 0; i < svo_plan_buffer_count(plan); ++i) {
+    for (size_t i = 0; i < info_of_plan(plan).buffer_count; ++i) {
         svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
         expect(device, svo_plan_get_buffer(plan, i, &buffer), SVO_OK, "");
         if (strcmp(buffer.name, "fragments") == 0) {
@@ -365,7 +365,7 @@ static void drivers_declarations_serve_too(void **state)
     short_builds = 0;
     refuses_short = true;
     expect(device, svo_device_warm(device, plan), SVO_OK, "");
-    assert_int_equal(short_builds, is_pocl_3 ? svo_plan_kernels_count(plan) : 0);
+    assert_int_equal(short_builds, is_pocl_3 ? info_of_plan(plan).kernels_count : 0);
     svo_plan_destroy(&plan);
     svo_device_destroy(&device);
     scene_destroy(&cube);
@@ -438,7 +438,7 @@ static void a_device_that_fuses_is_refused(void **state)
         expect(device, svo_tree_trace(tree, &ray, &hit, 1, SVO_TRACE_CLOSEST, NULL), SVO_UNSUPPORTED,
                " fuses multiplications and additions although the kernels forbid it");
         assert_int_equal(replacements, 1);
-        assert_int_equal(svo_tree_ray_bytes(tree), 0);
+        assert_int_equal(info_of_tree(tree).ray_bytes, 0);
         assert_int_equal(forget_answers(NULL), 0);
         svo_tree_destroy(&tree);
         svo_device_destroy(&device);

@@ -132,7 +132,7 @@ static svo_status plan_at(subject *of, svo_place place)
         svo_plan_get_info(plan, &info);
         info.grid_ms = 0.0;
         digest(of, &info, sizeof info);
-        const uint64_t bytes = svo_plan_peak_bytes(plan);
+        const uint64_t bytes = info_of_plan(plan).peak_bytes;
         digest(of, &bytes, sizeof bytes);
     }
     svo_plan_destroy(&plan);

@@ -329,7 +329,7 @@ static void build_all(const fixture *opened, const svo_mesh *mesh, built *out)
     built_destroy(&other);
     options.edge = 0.5; /* triangles leave the grid */
     fixture_build(opened, mesh, DEPTH, &options, &other);
-    succeed(opened, svo_tree_prepare_rays(other.tree, opened->queue));
+    succeed(opened, svo_tree_make_bvh(other.tree, SVO_BVH_BEST, opened->queue));
     built_destroy(&other);
     options.edge = 1.0;
     options.builder = SVO_BUILDER_CL;

@@ -730,14 +730,14 @@ static void a_refit_bvh_has_the_hits_of_a_new_one(void **state)
     traced t;
     traced_create(&opened, &t);
     succeed(&opened, svo_tree_make_bvh(t.tree, SVO_BVH_BEST, opened.queue));
-    const uint64_t bytes = svo_tree_ray_bytes(t.tree);
+    const uint64_t bytes = info_of_tree(t.tree).ray_bytes;
     for (int i = 0; i < MOVES; ++i) {
         const counted figures = follow(&opened, &t.m, i, t.plan, t.workspace, t.tree);
         assert_int_equal(figures.buffers, 0);
         assert_int_equal(figures.builds, 0);
         assert_int_equal(figures.waits, 0);
         assert_in_range(compare_hits(&opened, t.tree, &t.m.mesh, t.options), 50, RAY_COUNT);
-        assert_int_equal(svo_tree_ray_bytes(t.tree), bytes);
+        assert_int_equal(info_of_tree(t.tree).ray_bytes, bytes);
     }
     traced_destroy(&t);
 }
@@ -748,7 +748,7 @@ static void rays_never_meet_an_outdated_bvh(void **state)
     const fixture opened = fixture_cl_of_group(state);
     traced t;
     traced_create(&opened, &t);
-    succeed(&opened, svo_tree_prepare_rays(t.tree, opened.queue));
+    succeed(&opened, svo_tree_make_bvh(t.tree, SVO_BVH_BEST, opened.queue));
     take_floats(&t.m, t.m.at[0].base.positions);
     succeed(&opened, svo_plan_update(t.plan, &t.m.mesh));
     (void)enqueue_and_finish(&opened, t.workspace, t.tree);
@@ -779,7 +779,7 @@ static void wrong_refits_are_refused(void **state)
     assert_int_equal(svo_tree_refit_bvh_enqueue(NULL, opened.queue, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_tree_refit_bvh_enqueue(t.tree, opened.queue, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
     assert_non_null(strstr(svo_device_message(opened.device), "no BVH"));
-    succeed(&opened, svo_tree_prepare_rays(t.tree, opened.queue));
+    succeed(&opened, svo_tree_make_bvh(t.tree, SVO_BVH_BEST, opened.queue));
     succeed(&opened, svo_tree_refit_bvh_enqueue(t.tree, opened.queue, 0, NULL, NULL));
     succeed(&opened, svo_build_enqueue(t.workspace, t.tree, opened.queue, 0, NULL, NULL));
     succeed(&opened, svo_tree_finish(t.tree, opened.queue, 1, NULL));

@@ -13,6 +13,7 @@
 
 #include <cmocka.h>
 
+#include "core/tree.h"
 #include "scenes.h"
 #include "support/counting.h"
 #include "support/enqueued.h"
@@ -288,19 +289,19 @@ static void a_plan_is_unchanged_until_a_workspace_exists(void **state)
     const fixture opened = fixture_cl_of_group(state);
     struct scene *made = fixture_scene("knot:500");
     svo_plan *plan = make_plan(&opened, scene_mesh(made), 5, (svo_plan_options){.need = SVO_NEED_DEFAULT});
-    const uint64_t peak = svo_plan_peak_bytes(plan);
+    const uint64_t peak = info_of_plan(plan).peak_bytes;
     const cl_mem small = clCreateBuffer(info_of_device(opened.device).context, CL_MEM_READ_WRITE, 16, NULL, NULL);
     const svo_workspace_options given = {.struct_size = sizeof given, .scratch = small};
     svo_workspace *workspace = NULL;
     svo_workspace_info info = SVO_WORKSPACE_INFO_INIT;
     succeed(&opened, svo_workspace_measure(plan, opened.frontend, &info));
-    assert_int_equal(svo_plan_peak_bytes(plan), peak);
+    assert_int_equal(info_of_plan(plan).peak_bytes, peak);
     assert_int_equal(svo_workspace_measure(plan, NULL, &info), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_workspace_create(plan, opened.frontend, opened.queue, &given, &workspace),
                      SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_plan_peak_bytes(plan), peak);
+    assert_int_equal(info_of_plan(plan).peak_bytes, peak);
     workspace = make_workspace(&opened, plan);
-    assert_int_not_equal(svo_plan_peak_bytes(plan), peak);
+    assert_int_not_equal(info_of_plan(plan).peak_bytes, peak);
     svo_workspace_destroy(&workspace);
     clReleaseMemObject(small);
     svo_plan_destroy(&plan);
@@ -364,8 +365,8 @@ static void insufficient_node_capacity_is_reported(void **state)
     assert_int_equal(svo_tree_finish(tree, opened.queue, 1, &report), SVO_CAPACITY_EXCEEDED);
     assert_in_range(report.fragments, 2 * COUNT, 8 * COUNT); /* the list was large enough */
     svo_build_state outcome;
-    assert_int_equal(clEnqueueReadBuffer(opened.queue, svo_tree_get_build_state(tree), CL_TRUE, 0, sizeof outcome,
-                                         &outcome, 0, NULL, NULL),
+    assert_int_equal(clEnqueueReadBuffer(opened.queue, svo_tree_get_buffer(tree, SVO_TREE_BUILD_STATE), CL_TRUE, 0,
+                                         sizeof outcome, &outcome, 0, NULL, NULL),
                      CL_SUCCESS);
     assert_in_range(outcome.overflow, 1, 7); /* the level that did not fit */
     assert_int_equal(outcome.fragments_low, report.fragments);
@@ -387,7 +388,7 @@ static void the_caller_may_provide_scratch(void **state)
     svo_plan *plan = make_plan(&opened, scene_mesh(made), 6, (svo_plan_options){.need = SVO_NEED_ALL});
     svo_workspace_info info = SVO_WORKSPACE_INFO_INIT;
     succeed(&opened, svo_workspace_measure(plan, opened.frontend, &info));
-    assert_in_range(info.scratch_bytes, 1, svo_plan_peak_bytes(plan));
+    assert_in_range(info.scratch_bytes, 1, info_of_plan(plan).peak_bytes);
     const uint64_t offset = 3 * info.scratch_alignment;
     cl_mem scratch = clCreateBuffer(info_of_device(opened.device).context, CL_MEM_READ_WRITE,
                                     (size_t)(offset + info.scratch_bytes), NULL, NULL);
@@ -427,15 +428,15 @@ static void counting_first_makes_the_list_exact(void **state)
     built expected;
     fixture_build(&opened, scene_mesh(made), 7, &(svo_plan_options){.need = SVO_NEED_ALL}, &expected);
     svo_plan *plan = make_plan(&opened, scene_mesh(made), 7, (svo_plan_options){.need = SVO_NEED_ALL});
-    const uint64_t before = svo_plan_peak_bytes(plan);
+    const uint64_t before = info_of_plan(plan).peak_bytes;
     succeed(&opened, svo_plan_count(plan, opened.frontend, opened.queue));
     svo_plan_info info = SVO_PLAN_INFO_INIT;
     svo_plan_get_info(plan, &info);
     assert_int_equal(info.fragments, expected.info.fragments);
-    assert_true(svo_plan_peak_bytes(plan) < before);
+    assert_true(info_of_plan(plan).peak_bytes < before);
     unsigned exact = 0;
     unsigned bounds = 0;
-    for (size_t i = 0; i < svo_plan_buffer_count(plan); ++i) {
+    for (size_t i = 0; i < info_of_plan(plan).buffer_count; ++i) {
         svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
         svo_plan_get_buffer(plan, i, &buffer);
         for (size_t k = 0; k < expected.buffer_count; ++k) {
@@ -566,7 +567,6 @@ static void expect_all_to_refuse(const fixture *opened, svo_tree *tree, cl_kerne
     EXPECT(svo_tree_find_node, tree, 0, &node);
     EXPECT(svo_tree_node_box, tree, 0, box[0], box[1]);
     EXPECT(svo_tree_set_args, tree, kernel, 0);
-    EXPECT(svo_tree_prepare_rays, tree, opened->queue);
     EXPECT(svo_tree_make_bvh, tree, SVO_BVH_FAST, opened->queue);
     EXPECT(svo_tree_trace, tree, &ray, &hit, 1, SVO_TRACE_CLOSEST, opened->queue);
     EXPECT(svo_tree_trace_enqueue, tree, memory, memory, 1, SVO_TRACE_CLOSEST, opened->queue, 0, NULL, NULL);
@@ -577,7 +577,7 @@ static void expect_all_to_refuse(const fixture *opened, svo_tree *tree, cl_kerne
         EXPECT(svo_tree_render, opened->device, tree, &options, opened->queue, picture);
     }
 #undef EXPECT
-    assert_int_equal(svo_tree_ray_bytes(tree), 0);
+    assert_int_equal(tree->ray_bytes, 0);
     clReleaseMemObject(memory);
 }
 
@@ -723,7 +723,7 @@ static svo_status look_at_build(const fixture *opened, svo_plan *plan, cl_kernel
     cl_event looked = NULL;
     svo_workspace *workspace = make_workspace(opened, plan);
     svo_tree *tree = make_tree(opened, workspace);
-    const cl_mem outcome = svo_tree_get_build_state(tree);
+    const cl_mem outcome = svo_tree_get_buffer(tree, SVO_TREE_BUILD_STATE);
     cl_mem memory = clCreateBuffer(context, CL_MEM_READ_WRITE, sizeof *seen, NULL, NULL);
     assert_non_null(outcome);
     assert_int_equal(clSetKernelArg(kernel, 0, sizeof(cl_mem), &outcome), CL_SUCCESS);
@@ -734,7 +734,7 @@ static svo_status look_at_build(const fixture *opened, svo_plan *plan, cl_kernel
         clSetUserEventStatus(gate, CL_COMPLETE);
     }
     succeed(opened, svo_build_enqueue(workspace, tree, opened->queue, 1, &gate, &done));
-    assert_ptr_equal(svo_tree_get_build_state(tree), outcome);
+    assert_ptr_equal(svo_tree_get_buffer(tree, SVO_TREE_BUILD_STATE), outcome);
     assert_int_equal(clEnqueueNDRangeKernel(opened->queue, kernel, 1, NULL, &one, &one, 1, &done, &looked), CL_SUCCESS);
     if (opened->frontend == opened->cl) {
         clSetUserEventStatus(gate, CL_COMPLETE);
@@ -746,7 +746,7 @@ static svo_status look_at_build(const fixture *opened, svo_plan *plan, cl_kernel
     const svo_status status = svo_tree_finish(tree, opened->queue, 1, report);
     if (status == SVO_OK) {
         succeed(opened, svo_tree_get_info(tree, info));
-        assert_ptr_equal(svo_tree_get_build_state(tree), outcome);
+        assert_ptr_equal(svo_tree_get_buffer(tree, SVO_TREE_BUILD_STATE), outcome);
     }
     clReleaseEvent(gate);
     clReleaseEvent(done);
@@ -793,8 +793,7 @@ static void kernels_read_the_outcome_of_a_build(void **state)
     look_at_builds(&opened, scene_mesh(made), kernel);
     built blocking;
     fixture_build(&opened, scene_mesh(made), 4, NULL, &blocking);
-    assert_null(svo_tree_get_build_state(blocking.tree));
-    assert_null(svo_tree_get_build_state(NULL));
+    assert_null(svo_tree_get_buffer(blocking.tree, SVO_TREE_BUILD_STATE));
     built_destroy(&blocking);
 
     /* No triangle: a root without children. */

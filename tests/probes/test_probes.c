@@ -693,7 +693,7 @@ static void probes_allocate_what_is_planned(void **state)
     const float emission[3] = {1, 1, 1};
     lit room;
     open_glowing_room(&opened, emission, &room);
-    light_succeed(&opened, svo_tree_prepare_rays(room.tree.tree, opened.queue));
+    light_succeed(&opened, svo_tree_make_bvh(room.tree.tree, SVO_BVH_BEST, opened.queue));
     for (int k = 0; k < 3; ++k) {
         svo_probe_options options = small_options(3, 2, 2);
         svo_probe_info planned = SVO_PROBE_INFO_INIT;

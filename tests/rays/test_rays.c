@@ -296,13 +296,13 @@ static void the_bvh_is_built_on_request(void **state)
     built prepared;
     build_for_rays(opened, scene_mesh(made), 4, NULL, 0, &first_use);
     build_for_rays(opened, scene_mesh(made), 4, NULL, 0, &prepared);
-    assert_int_equal(svo_tree_ray_bytes(first_use.tree), 0);
+    assert_int_equal(info_of_tree(first_use.tree).ray_bytes, 0);
     trace_rays(opened, &first_use, &ray, 1, SVO_TRACE_CLOSEST, &hit);
-    assert_int_equal(svo_tree_ray_bytes(prepared.tree), 0);
-    assert_int_equal(svo_tree_prepare_rays(prepared.tree, NULL), SVO_OK); /* on the device's own queue */
-    const uint64_t bytes = svo_tree_ray_bytes(prepared.tree);
-    assert_int_equal(svo_tree_prepare_rays(prepared.tree, opened->queue), SVO_OK); /* once is enough */
-    assert_int_equal(svo_tree_ray_bytes(first_use.tree), bytes);
+    assert_int_equal(info_of_tree(prepared.tree).ray_bytes, 0);
+    assert_int_equal(svo_tree_make_bvh(prepared.tree, SVO_BVH_BEST, NULL), SVO_OK); /* on the device's own queue */
+    const uint64_t bytes = info_of_tree(prepared.tree).ray_bytes;
+    assert_int_equal(svo_tree_make_bvh(prepared.tree, SVO_BVH_BEST, opened->queue), SVO_OK); /* once is enough */
+    assert_int_equal(info_of_tree(first_use.tree).ray_bytes, bytes);
     assert_in_range(bytes, 1, 208 * prepared.info.list_triangle_count + 192);
     for (size_t i = 0; i < prepared.buffer_count; ++i) {
         assert_int_not_equal(strncmp(prepared.buffers[i].name, "ray_", 4), 0); /* no part of the build */
@@ -329,15 +329,14 @@ static void hits_do_not_depend_on_the_quality(void **state)
             rays[k] = random_ray_near(&tree, &random, 3.0);
         }
         trace_rays(opened, &tree, rays, RAYS, SVO_TRACE_CLOSEST, best);
-        const uint64_t bytes = svo_tree_ray_bytes(tree.tree);
+        const uint64_t bytes = info_of_tree(tree.tree).ray_bytes;
         assert_int_equal(svo_tree_make_bvh(tree.tree, SVO_BVH_FAST, opened->queue), SVO_OK);
-        assert_int_not_equal(svo_tree_ray_bytes(tree.tree), bytes); /* another one */
+        assert_int_not_equal(info_of_tree(tree.tree).ray_bytes, bytes); /* another one */
         trace_rays(opened, &tree, rays, RAYS, SVO_TRACE_CLOSEST, hits);
         assert_same_hits(hits, best, RAYS, 6);
-        assert_int_equal(svo_tree_prepare_rays(tree.tree, opened->queue), SVO_OK); /* there is one */
-        assert_int_not_equal(svo_tree_ray_bytes(tree.tree), bytes);
+        assert_int_not_equal(info_of_tree(tree.tree).ray_bytes, bytes); /* rays are content with one of any quality */
         assert_int_equal(svo_tree_make_bvh(tree.tree, SVO_BVH_BEST, opened->queue), SVO_OK);
-        assert_int_equal(svo_tree_ray_bytes(tree.tree), bytes);
+        assert_int_equal(info_of_tree(tree.tree).ray_bytes, bytes);
         built_destroy(&tree);
     }
 }
@@ -418,19 +417,17 @@ static void the_bvh_is_refused_for_trees_without_lists(void **state)
     fixture_build(opened, scene_mesh(made), 3, &(svo_plan_options){.need = SVO_NEED_NONE}, &plain);
     fixture_build(opened, scene_mesh(made), 3,
                   &(svo_plan_options){.need = SVO_NEED_RAYS, .coverage = SVO_COVERAGE_THIN}, &thin);
-    assert_int_equal(svo_tree_prepare_rays(NULL, opened->queue), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_tree_make_bvh(NULL, SVO_BVH_BEST, opened->queue), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_tree_make_bvh(plain.tree, SVO_BVH_BEST, opened->queue), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_tree_prepare_rays(plain.tree, opened->queue), SVO_INVALID_ARGUMENT);
     assert_non_null(strstr(svo_device_message(opened->device), "SVO_NEED_RAYS"));
-    assert_int_equal(svo_tree_prepare_rays(thin.tree, opened->queue), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_make_bvh(thin.tree, SVO_BVH_BEST, opened->queue), SVO_INVALID_ARGUMENT);
     assert_non_null(strstr(svo_device_message(opened->device), "thin"));
     assert_int_equal(svo_tree_render(opened->device, plain.tree, &triangles, opened->queue, picture),
                      SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_tree_render(opened->device, thin.tree, &triangles, opened->queue, picture),
                      SVO_INVALID_ARGUMENT);
     assert_non_null(strstr(svo_device_message(opened->device), "thin"));
-    assert_int_equal(svo_tree_ray_bytes(plain.tree), 0);
+    assert_int_equal(info_of_tree(plain.tree).ray_bytes, 0);
     built_destroy(&thin);
     built_destroy(&plain);
     scene_destroy(&made);

@@ -136,7 +136,7 @@ fixture fixture_cl_of_group(void **state)
 /* The plan's buffers in their current state. */
 static void list_buffers(const svo_plan *plan, built *out)
 {
-    out->buffer_count = svo_plan_buffer_count(plan);
+    out->buffer_count = info_of_plan(plan).buffer_count;
     assert_in_range(out->buffer_count, 1, FIXTURE_BUFFERS_MAX);
     for (size_t i = 0; i < out->buffer_count; ++i) {
         out->buffers[i] = (svo_buffer_info)SVO_BUFFER_INFO_INIT;

@@ -64,9 +64,9 @@ bool cl_calls_count(cl_calls *counts)
 
 static void keep_buffers(const svo_plan *plan, build_result *result)
 {
-    result->peak_bytes = svo_plan_peak_bytes(plan);
+    result->peak_bytes = info_of_plan(plan).peak_bytes;
     free(result->buffers);
-    const size_t count = svo_plan_buffer_count(plan);
+    const size_t count = info_of_plan(plan).buffer_count;
     result->buffers = calloc(count + 1, sizeof *result->buffers);
     result->buffer_count = result->buffers != NULL ? count : 0;
     for (size_t i = 0; i < result->buffer_count; ++i) {
@@ -88,7 +88,7 @@ static svo_status make_plan(const program *state, svo_device *device, const inpu
     if (status != SVO_OK || !given->depth_for_rays) {
         return status;
     }
-    const unsigned depth = svo_plan_ray_depth(*out);
+    const unsigned depth = info_of_plan(*out).ray_depth;
     if (depth != (unsigned)given->depth) {
         svo_plan_destroy(out);
         status = svo_plan_create(device, mesh, depth, plan_options, out);

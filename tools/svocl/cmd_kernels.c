@@ -18,7 +18,7 @@ static int print(program *state, const input *source, const session *opened, con
     cJSON *document = state->options.json ? json_document() : NULL;
     cJSON *array = document != NULL ? cJSON_AddArrayToObject(document, "kernels") : NULL;
     table *rows = document == NULL && !state->options.quiet ? table_create("ll") : NULL;
-    for (size_t i = 0; i < svo_plan_kernels_count(plan); ++i) {
+    for (size_t i = 0; i < info_of_plan(plan).kernels_count; ++i) {
         svo_kernels_info kernels = SVO_KERNELS_INFO_INIT;
         svo_plan_get_kernels(plan, i, &kernels);
         const char *defines = kernels.defines[0] == ' ' ? kernels.defines + 1 : kernels.defines;

@@ -299,7 +299,7 @@ static bool build_tree(ray_bench *bench)
     for_rays.need = SVO_NEED_RAYS;
     bool worked = svo_plan_create(opened->device, bench->given->mesh, 6, &for_rays, &plan) == SVO_OK;
     if (worked) {
-        const unsigned depth = svo_plan_ray_depth(plan);
+        const unsigned depth = info_of_plan(plan).ray_depth;
         svo_plan_destroy(&plan);
         worked = svo_plan_create(opened->device, bench->given->mesh, depth, &for_rays, &plan) == SVO_OK &&
                  svo_build(plan, opened->frontend, opened->queue, &bench->tree, NULL) == SVO_OK &&

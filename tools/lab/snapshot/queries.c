@@ -242,7 +242,7 @@ void describe_queries(const char *name, const opened *session, svo_tree *tree)
     fill(name, session, tree, SVO_SOLID_PARITY);
     describe_lights(name, session, tree);
     draw_all(name, session, tree, &info);
-    line_text_add(&line, "%" PRIu64, svo_tree_ray_bytes(tree));
+    line_text_add(&line, "%" PRIu64, info_of_tree(tree).ray_bytes);
     line_print(name, "bytes of the hierarchy for rays", line.text);
     free(rays);
 }
