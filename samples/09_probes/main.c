@@ -109,7 +109,7 @@ int main(void)
                            .indices = indices,
                            .triangle_count = 24};
     const svo_plan_options options = {.struct_size = sizeof options, .need = SVO_NEED_RAYS};
-    const svo_probe_options grid = {.struct_size = sizeof grid, .counts = {3, 3, 3}, .resolution = 256};
+    svo_probe_options grid = {.struct_size = sizeof grid, .counts = {3, 3, 3}, .resolution = 256};
     svo_message message = {"an OpenCL call of the program failed"};
     svo_device *device = NULL;
     svo_device_info on = SVO_DEVICE_INFO_INIT;
@@ -127,8 +127,9 @@ int main(void)
     if (done)
         queue = clCreateCommandQueue(on.context, on.device, 0, NULL);
     done = queue != NULL && svo_plan_create(device, &room, 6, &options, &plan) == SVO_OK &&
-           svo_build(plan, NULL, queue, &tree, NULL) == SVO_OK &&
-           svo_probes_create(tree, &grid, queue, &probes) == SVO_OK && draw(&on, probes, queue);
+           svo_build(plan, NULL, queue, &tree, NULL) == SVO_OK;
+    grid.tree = tree;
+    done = done && svo_probes_create(&grid, queue, &probes) == SVO_OK && draw(&on, probes, queue);
     if (!done)
         fprintf(stderr, "%s\n",
                 device != NULL && svo_device_message(device)[0] != '\0' ? svo_device_message(device) : message.text);

@@ -81,7 +81,8 @@ static subjects make_subjects(void **state)
     probes.cones = 1;
     probes.diffuse = 1;
     probes.light = of.light;
-    succeed(&of, svo_probes_create(of.tree, &probes, queue, &of.probes));
+    probes.tree = of.tree;
+    succeed(&of, svo_probes_create(&probes, queue, &of.probes));
     return of;
 }
 
@@ -422,7 +423,9 @@ static void what_is_on_no_device_is_refused_with_words(void **state)
     assert_int_equal(svo_tree_trace_voxels(of.tree, &ray, &voxel, 1, 0, NULL), SVO_NOT_ON_DEVICE);
     assert_int_equal(svo_tree_nearest(of.tree, &point, &near_point, 1, NULL), SVO_NOT_ON_DEVICE);
     assert_int_equal(svo_light_create(of.tree, NULL, NULL, &light), SVO_NOT_ON_DEVICE);
-    assert_int_equal(svo_probes_create(of.tree, NULL, NULL, &probes), SVO_NOT_ON_DEVICE);
+    assert_int_equal(svo_probes_create(&(svo_probe_options){.struct_size = sizeof(svo_probe_options), .tree = of.tree},
+                                       NULL, &probes),
+                     SVO_NOT_ON_DEVICE);
     assert_int_equal(svo_solid_create(of.tree, NULL, NULL, &solid, NULL), SVO_NOT_ON_DEVICE);
     assert_int_equal(svo_tree_refit_bvh_enqueue(of.tree, NULL, 0, NULL, NULL), SVO_NOT_ON_DEVICE);
     assert_int_equal(svo_compact_trace(of.compact, &ray, &voxel, 1, 0, NULL), SVO_NOT_ON_DEVICE);

@@ -526,10 +526,11 @@ static void probe_all(const fixture *opened, svo_tree *tree, svo_light *light)
     options.counts[0] = options.counts[1] = options.counts[2] = 1;
     options.resolution = 64;
     options.field_size = 2;
+    options.tree = tree;
     options.light = light;
     options.diffuse = 1;
     options.cones = 1;
-    succeed(opened, svo_probes_create(tree, &options, opened->queue, &probes));
+    succeed(opened, svo_probes_create(&options, opened->queue, &probes));
     succeed(opened, svo_probes_trace(probes, &ray, &hit, 1, NULL, opened->queue));
     succeed(opened, svo_probes_irradiance(probes, &point, &irradiance, 1, opened->queue));
     svo_probes_destroy(&probes);
