@@ -116,8 +116,10 @@ typedef struct builder {
 
 static bool build(builder *b, const svo_mesh_buffers *mesh)
 {
+    const svo_gl_context_options current = {
+        .struct_size = sizeof current, .kind = SVO_GL_WRAPPED, .get_proc_address = find_function};
     svo_device_info on = SVO_DEVICE_INFO_INIT;
-    bool done = svo_gl_context_wrap(find_function, NULL, &b->context, &b->message) == SVO_OK &&
+    bool done = svo_gl_context_create(&current, &b->context, &b->message) == SVO_OK &&
                 svo_gl_device_create(b->context, NULL, NULL, &b->device, &b->message) == SVO_OK &&
                 svo_gl_mesh_read(mesh, b->context, 0, NULL, &b->mesh, &b->message) == SVO_OK &&
                 svo_gl_create(b->device, b->context, NULL, &b->gl) == SVO_OK &&

@@ -21,6 +21,7 @@
 #include "core/memory.h"
 #include "memory_voxels.h"
 #include "support/attributed_mesh.h"
+#include "support/gl_contexts.h"
 #include "support/info_of.h"
 #include "support/memory_ledger.h"
 #include "support/work_folder.h"
@@ -348,13 +349,14 @@ static svo_status run_kernels(subject *of)
 static svo_status run_context(subject *of)
 {
     const svo_gl_context_options options = {.struct_size = sizeof options, .memory = &ledger_callbacks};
-    return svo_gl_context_create_with(SVO_GL_SURFACELESS, 0, &options, &of->context, &of->message);
+    return svo_gl_context_create(&options, &of->context, &of->message);
 }
 
 static svo_status run_named_context(subject *of)
 {
-    const svo_gl_context_options options = {.struct_size = sizeof options, .memory = &ledger_callbacks};
-    return svo_gl_context_create_named_with("llvmpipe", &options, &of->context, &of->message);
+    const svo_gl_context_options options = {
+        .struct_size = sizeof options, .memory = &ledger_callbacks, .device_name = "llvmpipe"};
+    return svo_gl_context_create(&options, &of->context, &of->message);
 }
 
 static svo_status prepare_gl(subject *of)
@@ -443,10 +445,9 @@ static bool can_run(const scenario *of)
 #ifdef HAVE_GL
     svo_gl_context *context = NULL;
     const bool needs_gl = of->run == run_context || of->run == run_named_context || of->run == run_gl;
-    const svo_status status = !needs_gl ? SVO_OK
-                              : of->run == run_named_context
-                                  ? svo_gl_context_create_named("llvmpipe", &context, NULL)
-                                  : svo_gl_context_create(SVO_GL_SURFACELESS, 0, &context, NULL);
+    const svo_status status = !needs_gl                      ? SVO_OK
+                              : of->run == run_named_context ? context_of_name("llvmpipe", &context, NULL)
+                                                             : context_of_kind(SVO_GL_SURFACELESS, 0, &context, NULL);
     svo_gl_context_destroy(&context);
     return status == SVO_OK;
 #else
@@ -602,16 +603,16 @@ static svo_status use_in_context(const svo_memory_callbacks *memory, svo_message
 {
     const svo_gl_context_options options = {.struct_size = sizeof options, .memory = memory};
     svo_gl_context *made = NULL;
-    const svo_status status = svo_gl_context_create_with(SVO_GL_SURFACELESS, 0, &options, &made, message);
+    const svo_status status = svo_gl_context_create(&options, &made, message);
     svo_gl_context_destroy(&made);
     return status == SVO_NO_GL ? SVO_OK : status;
 }
 
 static svo_status use_in_named_context(const svo_memory_callbacks *memory, svo_message *message)
 {
-    const svo_gl_context_options options = {.struct_size = sizeof options, .memory = memory};
+    const svo_gl_context_options options = {.struct_size = sizeof options, .memory = memory, .device_name = "0"};
     svo_gl_context *made = NULL;
-    const svo_status status = svo_gl_context_create_named_with("0", &options, &made, message);
+    const svo_status status = svo_gl_context_create(&options, &made, message);
     svo_gl_context_destroy(&made);
     return status == SVO_NO_GL ? SVO_OK : status;
 }
@@ -625,9 +626,10 @@ static svo_gl_function no_function(void *user, const char *name)
 
 static svo_status use_in_wrap(const svo_memory_callbacks *memory, svo_message *message)
 {
-    const svo_gl_context_options options = {.struct_size = sizeof options, .memory = memory};
+    const svo_gl_context_options options = {
+        .struct_size = sizeof options, .memory = memory, .kind = SVO_GL_WRAPPED, .get_proc_address = no_function};
     svo_gl_context *made = NULL;
-    const svo_status status = svo_gl_context_wrap_with(no_function, NULL, &options, &made, message);
+    const svo_status status = svo_gl_context_create(&options, &made, message);
     return status == SVO_NO_GL ? SVO_OK : status;
 }
 #endif
@@ -648,7 +650,7 @@ static const struct {
 #ifdef HAVE_GL
     {use_in_context, "svo_gl_context_create", "options.memory"},
     {use_in_named_context, "svo_gl_context_create", "options.memory"},
-    {use_in_wrap, "svo_gl_context_wrap", "options.memory"},
+    {use_in_wrap, "svo_gl_context_create", "options.memory"},
 #endif
 };
 

@@ -18,6 +18,7 @@
 #ifdef HAVE_IO
 #include "svocl/io.h"
 #endif
+#include "support/gl_contexts.h"
 #include "support/info_of.h"
 #include "support/suite.h"
 #include "svocl/svocl.h"
@@ -123,7 +124,7 @@ static svo_status get_report(void *to)
 static svo_status get_context_info(void *to)
 {
     svo_gl_context *context = NULL;
-    assert_int_equal(svo_gl_context_create(SVO_GL_SURFACELESS, 0, &context, NULL), SVO_OK);
+    assert_int_equal(context_of_kind(SVO_GL_SURFACELESS, 0, &context, NULL), SVO_OK);
     const svo_status status = svo_gl_context_get_info(context, to);
     svo_gl_context_destroy(&context);
     return status;
@@ -268,7 +269,7 @@ static svo_status use_mesh_buffers(const void *from, svo_message *message)
 static svo_status use_context_options(const void *from, svo_message *message)
 {
     svo_gl_context *made = NULL;
-    const svo_status status = svo_gl_context_create_with(SVO_GL_SURFACELESS, 0, from, &made, message);
+    const svo_status status = svo_gl_context_create(from, &made, message);
     svo_gl_context_destroy(&made);
     return status;
 }
@@ -277,7 +278,7 @@ static svo_status use_gl_options(const void *from, svo_message *message)
 {
     svo_gl_context *context = NULL;
     svo_gl *made = NULL;
-    assert_int_equal(svo_gl_context_create(SVO_GL_SURFACELESS, 0, &context, NULL), SVO_OK);
+    assert_int_equal(context_of_kind(SVO_GL_SURFACELESS, 0, &context, NULL), SVO_OK);
     const svo_status status = svo_gl_create(device, context, from, &made);
     svo_gl_destroy(&made);
     svo_gl_context_destroy(&context);

@@ -26,6 +26,7 @@
 
 #include "context/context.h"
 #include "faults_scenario.h"
+#include "support/gl_contexts.h"
 #include "support/info_of.h"
 
 enum { CALLS_MAX = 100000, HANG_SECONDS = 120, SCENARIOS_MAX = 100 };
@@ -405,7 +406,7 @@ static void make_gl_buffer(void)
 static void open_gl(void)
 {
     svo_message message = {""};
-    if (svo_gl_context_create(SVO_GL_SURFACELESS, 0, &world.context, &message) != SVO_OK) {
+    if (context_of_kind(SVO_GL_SURFACELESS, 0, &world.context, &message) != SVO_OK) {
         print_message("no OpenGL: %s\n", message.text);
         return;
     }

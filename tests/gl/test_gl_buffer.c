@@ -16,6 +16,7 @@
 
 #include "scenes.h"
 #include "support/fixture.h"
+#include "support/gl_contexts.h"
 #include "support/gl_interop_shim.h"
 #include "support/info_of.h"
 #include "support/machine.h"
@@ -73,7 +74,7 @@ static void open_application(const shim_faults *faults, application *out)
     *out = (application){.has_shim = faults != NULL};
     own_context_make_or_skip(false, &out->own);
     load(out);
-    if (svo_gl_context_wrap(own_context_function, NULL, &out->context, &message) != SVO_OK) {
+    if (context_wrap(own_context_function, &out->context, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
     if (faults != NULL) {

@@ -15,6 +15,7 @@
 #include <cmocka.h>
 
 #include "support/fixture.h"
+#include "support/gl_contexts.h"
 #include "support/gl_interop_shim.h"
 #include "support/info_of.h"
 #include "support/machine.h"
@@ -114,7 +115,7 @@ static void check_whole_path(const char *extensions, cl_command_queue_properties
     open_pair(&(shim_faults){.extensions = extensions}, properties, &pair);
     assert_int_equal(create_gl(&pair.opened, SVO_GL_SHARE_AUTO), SVO_OK);
     assert_string_equal(svo_gl_share_reason(pair.opened.gl, SVO_GL_SHARE_INTEROP), "");
-    assert_int_equal(svo_gl_chosen_share(pair.opened.gl), SVO_GL_SHARE_INTEROP);
+    assert_int_equal(chosen_share(pair.opened.gl), SVO_GL_SHARE_INTEROP);
     assert_same_hash(&pair, &everything, "interop");
     svo_plan_options in_chunks = everything;
     in_chunks.chunk_bytes = 65536;
@@ -182,7 +183,7 @@ static void check_step(const failing_step *step)
     /* The answer for programs that ask the device before they start OpenGL is the same. */
     assert_int_equal(svo_i_interop_is_listed(pair.opened.device, pair.opened.context->opencl),
                      strstr(step->reason, "does not list cl_khr_gl_sharing") == NULL);
-    const svo_gl_share chosen = svo_gl_chosen_share(pair.opened.gl);
+    const svo_gl_share chosen = chosen_share(pair.opened.gl);
     assert_int_not_equal(chosen, SVO_GL_SHARE_INTEROP);
     assert_same_hash(&pair, &everything, svo_name(SVO_NAME_GL_SHARE, chosen));
     shim_get_counts(&counts);
@@ -266,7 +267,7 @@ static void plain_opencl_context_is_told_apart(void **state)
     take_device(&pair.opened, machine_device_or_skip(), 0);
     assert_int_equal(create_gl(&pair.opened, SVO_GL_SHARE_AUTO), SVO_OK);
     assert_non_null(strstr(svo_gl_share_reason(pair.opened.gl, SVO_GL_SHARE_INTEROP), "svo_gl_device_create"));
-    assert_same_hash(&pair, &everything, svo_name(SVO_NAME_GL_SHARE, svo_gl_chosen_share(pair.opened.gl)));
+    assert_same_hash(&pair, &everything, svo_name(SVO_NAME_GL_SHARE, chosen_share(pair.opened.gl)));
     assert_int_equal(create_gl(&pair.opened, SVO_GL_SHARE_INTEROP), SVO_UNSUPPORTED);
     close_pair(&pair);
 }

@@ -17,6 +17,7 @@
 
 #include "core/device.h"
 #include "support/fixture.h"
+#include "support/gl_contexts.h"
 #include "support/info_of.h"
 #include "support/machine.h"
 #include "support/nondefault_state.h"
@@ -153,7 +154,7 @@ static void interleaved_arrays_are_read_from_opengl(void **state)
     svo_mesh_copy *copy = NULL;
     make_interleaved(&data);
     own_context_make_or_skip(false, &own);
-    assert_int_equal(svo_gl_context_wrap(own_context_function, NULL, &context, NULL), SVO_OK);
+    assert_int_equal(context_wrap(own_context_function, &context, NULL), SVO_OK);
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(context);
     const svo_mesh_view vertices = {.gl_buffer = make_gl_buffer(gl, data.vertices, sizeof data.vertices)};
     const svo_mesh_view narrow = {.gl_buffer = make_gl_buffer(gl, data.indices, sizeof data.indices)};

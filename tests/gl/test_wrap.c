@@ -15,6 +15,7 @@
 
 #include "core/device.h"
 #include "support/fixture.h"
+#include "support/gl_contexts.h"
 #include "support/gl_interop_shim.h"
 #include "support/info_of.h"
 #include "support/machine.h"
@@ -36,7 +37,7 @@ static svo_gl_context *wrap(void)
 {
     svo_message message = {""};
     svo_gl_context *context = NULL;
-    if (svo_gl_context_wrap(own_context_function, NULL, &context, &message) != SVO_OK) {
+    if (context_wrap(own_context_function, &context, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
     return context;
@@ -153,13 +154,13 @@ static void wrapping_nothing_is_refused(void **state)
     svo_message message = {""};
     svo_gl_context *context = NULL;
     own_context own;
-    assert_int_equal(svo_gl_context_wrap(NULL, NULL, &context, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(context_wrap(NULL, &context, &message), SVO_INVALID_ARGUMENT);
     own_context_make_or_skip(false, &own);
-    assert_int_equal(svo_gl_context_wrap(own_context_function, NULL, NULL, &message), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_gl_context_wrap(no_function, NULL, &context, &message), SVO_NO_GL);
-    assert_non_null(strstr(message.text, "svo_gl_context_wrap: the context has no function gl"));
+    assert_int_equal(context_wrap(own_context_function, NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(context_wrap(no_function, &context, &message), SVO_NO_GL);
+    assert_non_null(strstr(message.text, "svo_gl_context_create: the context has no function gl"));
     own_context_bind(&own, false);
-    assert_int_equal(svo_gl_context_wrap(own_context_function, NULL, &context, &message), SVO_NO_GL);
+    assert_int_equal(context_wrap(own_context_function, &context, &message), SVO_NO_GL);
     assert_non_null(strstr(message.text, "is it current on this thread?"));
     assert_null(context);
     own_context_destroy(&own);

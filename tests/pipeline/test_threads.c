@@ -15,6 +15,7 @@
 #include <pthread.h>
 
 #include "support/fixture.h"
+#include "support/gl_contexts.h"
 #include "support/info_of.h"
 #include "support/meshes.h"
 #include "support/suite.h"
@@ -60,7 +61,7 @@ static void *work(void *pointer)
         svo_gl *gl = NULL;
         cl_command_queue queue = clCreateCommandQueue(context, id, 0, NULL);
         if (svo_device_create(context, id, NULL, &device, &self->message) == SVO_OK &&
-            svo_gl_context_create(self->kind, 0, &gl_context, &self->message) == SVO_OK &&
+            context_of_kind(self->kind, 0, &gl_context, &self->message) == SVO_OK &&
             svo_gl_create(device, gl_context, &options, &gl) == SVO_OK) {
             self->equal_count += build_equals(self, device, gl, queue, round % MESHES);
             self->equal_count += build_equals(self, device, gl, queue, (round + 1) % MESHES);

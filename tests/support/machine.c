@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include "machine.h"
+#include "support/gl_contexts.h"
 #include "support/info_of.h"
 
 svo_device *machine_device_or_skip(void)
@@ -35,7 +36,7 @@ svo_gl_context *machine_context_or_null(svo_gl_context_kind kind)
         print_message("skipped: no EGL device\n");
         return NULL;
     }
-    const svo_status status = svo_gl_context_create(kind, 0, &context, &message);
+    const svo_status status = context_of_kind(kind, 0, &context, &message);
     const bool absent = strstr(message.text, "cannot open shared object file") != NULL ||
                         strstr(message.text, "EGL does not list") != NULL;
     if (status == SVO_NO_GL && absent) {

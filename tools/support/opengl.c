@@ -27,12 +27,13 @@ struct opengl {
 static svo_status create_context(const options *given, const svo_device *device, svo_gl_context **out,
                                  svo_message *message)
 {
-    if (given->gl_device != NULL) {
-        return svo_gl_context_create_named(given->gl_device, out, message);
+    svo_gl_context_options asked = {.struct_size = sizeof asked, .device_name = given->gl_device};
+    if (given->gl_device == NULL && given->context != OPTION_CONTEXT_AUTO) {
+        asked.kind = (svo_gl_context_kind)given->context;
+    } else if (given->gl_device == NULL) {
+        asked.device = device;
     }
-    return given->context != OPTION_CONTEXT_AUTO
-               ? svo_gl_context_create((svo_gl_context_kind)given->context, 0, out, message)
-               : svo_gl_context_create_for(device, NULL, out, message);
+    return svo_gl_context_create(&asked, out, message);
 }
 
 /* A forced kind that does not work is an error. */

@@ -21,8 +21,9 @@ static void gather_renderer(cJSON *renderers, svo_gl_context_kind kind, uint32_t
     svo_message message = {""};
     svo_gl_context *context = NULL;
     svo_gl_context_info info = SVO_GL_CONTEXT_INFO_INIT;
+    const svo_gl_context_options asked = {.struct_size = sizeof asked, .kind = kind, .device_index = device_index};
     if (opened->count < RENDERERS_MAX) {
-        if (svo_gl_context_create(kind, device_index, &context, &message) == SVO_OK) {
+        if (svo_gl_context_create(&asked, &context, &message) == SVO_OK) {
             svo_gl_context_get_info(context, &info);
             opened->contexts[opened->count++] = context;
         }

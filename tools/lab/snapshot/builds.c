@@ -10,7 +10,8 @@
 static void open_opengl(opened *out)
 {
     for (int kind = 0; kind < SVO_GL_CONTEXT_KINDS && out->context == NULL; ++kind) {
-        (void)svo_gl_context_create((svo_gl_context_kind)kind, 0, &out->context, NULL);
+        const svo_gl_context_options asked = {.struct_size = sizeof asked, .kind = (svo_gl_context_kind)kind};
+        (void)svo_gl_context_create(&asked, &out->context, NULL);
     }
     if (out->context == NULL) {
         return;
