@@ -60,7 +60,7 @@ static svo_status wrap_create(svo_gl_context_kind kind, uint32_t device_index, c
     (void)device_index;
     svo_i_gl_handles *native = svo_i_alloc(memory, sizeof *native);
     if (native == NULL) {
-        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_wrap: no %zu bytes", sizeof *native);
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_create: no %zu bytes", sizeof *native);
     }
     *native = find_current();
     *out = native;
@@ -83,7 +83,7 @@ static bool wrap_is_current(void *pointer)
 static svo_status wrap_make_current(void *native, svo_message *message)
 {
     (void)native;
-    return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_wrap: the caller's context is not current on this thread");
+    return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_create: the caller's context is not current on this thread");
 }
 
 static svo_i_function wrap_get_proc_address(void *native, const char *name)
@@ -142,7 +142,7 @@ static svo_status save_callers_state(svo_gl_context *context, svo_message *messa
 {
     svo_i_gl_clear_errors(&context->functions);
     svo_i_gl_state_save(&context->functions, &context->callers_state);
-    return svo_i_gl_check_query(&context->functions, "svo_gl_context_wrap", "reading the caller's state", message);
+    return svo_i_gl_check_query(&context->functions, "svo_gl_context_create", "reading the caller's state", message);
 }
 
 svo_status svo_i_gl_context_make_current(svo_gl_context *context, svo_message *message)
@@ -217,45 +217,20 @@ svo_status svo_i_gl_context_check_promise(const svo_gl_context *context, svo_mes
     return SVO_OK;
 }
 
-/* The memory that options ask for; NULL means malloc and free. */
-static svo_status read_options(const svo_gl_context_options *options, const char *function, svo_i_memory *memory,
-                               svo_message *message)
+svo_status svo_i_gl_context_open(svo_gl_context_kind kind, uint32_t device_index, const svo_i_memory *memory,
+                                 svo_gl_context **out, svo_message *message)
 {
-    svo_gl_context_options asked;
-    SVO_I_TRY(svo_i_struct_read(message, function, "options", options, &asked,
-                                SVO_I_STRUCT_SIZES(svo_gl_context_options, memory)));
-    return svo_i_memory_read(message, function, "options.memory", asked.memory, memory);
-}
-
-svo_status svo_gl_context_create(svo_gl_context_kind kind, uint32_t device_index, svo_gl_context **out,
-                                 svo_message *message)
-{
-    return svo_gl_context_create_with(kind, device_index, NULL, out, message);
-}
-
-svo_status svo_gl_context_create_with(svo_gl_context_kind kind, uint32_t device_index,
-                                      const svo_gl_context_options *options, svo_gl_context **out, svo_message *message)
-{
-    svo_i_memory memory;
-    if (out == NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_gl_context_create: out is NULL");
-    }
-    if ((unsigned)kind >= SVO_GL_CONTEXT_KINDS) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_gl_context_create: kind %d is not below %d", (int)kind,
-                          SVO_GL_CONTEXT_KINDS);
-    }
-    SVO_I_TRY(read_options(options, "svo_gl_context_create", &memory, message));
-    svo_gl_context *context = svo_i_alloc_zeroed(&memory, 1, sizeof *context);
+    svo_gl_context *context = svo_i_alloc_zeroed(memory, 1, sizeof *context);
     if (context == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_create: no %zu bytes", sizeof *context);
     }
     svo_status status = SVO_OK;
     context->opencl = &svo_i_opencl_installed;
     context->kind = kind;
-    context->device_index = kind == SVO_GL_EGL_DEVICE ? device_index : 0;
+    context->device_index = device_index;
     context->platform = kind == SVO_GL_OSMESA ? &svo_i_osmesa_platform : &svo_i_egl_platform;
-    SVO_I_TRY_CLEANUP(context->platform->create(kind, context->device_index, &memory, &context->native, message));
-    SVO_I_TRY_CLEANUP(load_functions(context, &memory, message));
+    SVO_I_TRY_CLEANUP(context->platform->create(kind, device_index, memory, &context->native, message));
+    SVO_I_TRY_CLEANUP(load_functions(context, memory, message));
     SVO_I_TRY_CLEANUP(svo_i_gl_context_check_promise(context, message));
     *out = context;
     context = NULL;
@@ -264,35 +239,22 @@ cleanup:
     return status;
 }
 
-svo_status svo_gl_context_wrap(svo_gl_get_proc_address get_proc_address, void *user, svo_gl_context **out,
-                               svo_message *message)
+svo_status svo_i_gl_context_wrap(svo_gl_get_proc_address get_proc_address, void *user, const svo_i_memory *memory,
+                                 svo_gl_context **out, svo_message *message)
 {
-    return svo_gl_context_wrap_with(get_proc_address, user, NULL, out, message);
-}
-
-svo_status svo_gl_context_wrap_with(svo_gl_get_proc_address get_proc_address, void *user,
-                                    const svo_gl_context_options *options, svo_gl_context **out, svo_message *message)
-{
-    svo_i_memory memory;
-    if (get_proc_address == NULL || out == NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_gl_context_wrap: %s is NULL",
-                          out == NULL ? "out" : "get_proc_address");
-    }
-    SVO_I_TRY(read_options(options, "svo_gl_context_wrap", &memory, message));
-    svo_gl_context *context = svo_i_alloc_zeroed(&memory, 1, sizeof *context);
+    svo_gl_context *context = svo_i_alloc_zeroed(memory, 1, sizeof *context);
     if (context == NULL) {
-        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_wrap: no %zu bytes", sizeof *context);
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_gl_context_create: no %zu bytes", sizeof *context);
     }
     svo_status status = SVO_OK;
     context->opencl = &svo_i_opencl_installed;
     context->kind = SVO_GL_WRAPPED;
     context->platform = &wrap_platform;
-    SVO_I_TRY_CLEANUP(context->platform->create(SVO_GL_WRAPPED, 0, &memory, &context->native, message));
-    SVO_I_TRY_CLEANUP(svo_i_gl_load(&context->functions, get_proc_address, user, &memory, message));
+    SVO_I_TRY_CLEANUP(context->platform->create(SVO_GL_WRAPPED, 0, memory, &context->native, message));
+    SVO_I_TRY_CLEANUP(svo_i_gl_load(&context->functions, get_proc_address, user, memory, message));
     *out = context;
-    return SVO_OK;
+    context = NULL;
 cleanup:
-    svo_i_message_rename(message, "svo_gl_context_wrap");
     svo_gl_context_destroy(&context);
     return status;
 }

@@ -59,6 +59,13 @@ struct svo_gl_context {
     svo_i_gl_state callers_state; /* SVO_GL_WRAPPED: saved by the outermost make_current */
 };
 
+/* An off-screen context of a kind below SVO_GL_CONTEXT_KINDS. device_index: 0 but for SVO_GL_EGL_DEVICE. */
+svo_status svo_i_gl_context_open(svo_gl_context_kind kind, uint32_t device_index, const svo_i_memory *memory,
+                                 svo_gl_context **out, svo_message *message);
+/* The caller's context, which is current. */
+svo_status svo_i_gl_context_wrap(svo_gl_get_proc_address get_proc_address, void *user, const svo_i_memory *memory,
+                                 svo_gl_context **out, svo_message *message);
+
 /*
  * Makes the context current on this thread and remembers what was current before. Cheap when it is already current.
  * Each successful call is undone by one svo_i_gl_context_release_current on the same thread, in reverse order. A

@@ -25,7 +25,7 @@ static const entry_point entry_points[] = {
 };
 enum { ENTRY_POINT_COUNT = sizeof entry_points / sizeof entry_points[0], EXTENSIONS_MAX = 4096 };
 
-/* The function that messages name; svo_gl_context_wrap replaces it by its own. */
+/* The function that messages name. */
 #define FUNCTION "svo_gl_context_create"
 
 static const char *gl_error_name(GLenum error)

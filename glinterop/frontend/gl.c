@@ -97,16 +97,6 @@ const char *svo_gl_share_reason(const svo_gl *gl, svo_gl_share share)
     return share < SVO_I_SHARES ? gl->share_reasons.text[share] : "unknown";
 }
 
-svo_gl_raster svo_gl_chosen_raster(const svo_gl *gl)
-{
-    return gl->raster_choice;
-}
-
-svo_gl_share svo_gl_chosen_share(const svo_gl *gl)
-{
-    return gl->share_choice;
-}
-
 svo_frontend *svo_gl_frontend(svo_gl *gl)
 {
     return &gl->frontend;

@@ -14,7 +14,10 @@
 #include "context/egl.h"
 #include "core/device.h"
 #include "core/message.h"
+#include "core/struct_size.h"
 #include "share/interop.h"
+
+#define FUNCTION "svo_gl_context_create"
 
 /* ---- candidates ---- */
 
@@ -63,11 +66,9 @@ size_t svo_i_candidates_choose(const svo_i_candidate *candidates, size_t count, 
 
 /* ---- the context for a device ---- */
 
-#define FUNCTION "svo_gl_context_create_for"
-
 typedef struct search {
     const svo_device *device;
-    const svo_gl_context_options *options;
+    const svo_i_memory *memory;
     svo_i_candidate candidates[SVO_I_CANDIDATES_MAX];
     svo_gl_context *contexts[SVO_I_CANDIDATES_MAX]; /* NULL: not tried, or none */
     svo_status failed; /* the first failure that is no fault of the candidate */
@@ -120,7 +121,7 @@ static svo_i_fit try_candidate(void *user, size_t index)
     const svo_i_candidate *tried = &s->candidates[index];
     svo_message reason = {""};
     const svo_status status =
-        svo_gl_context_create_with(tried->kind, tried->device_index, s->options, &s->contexts[index], &reason);
+        svo_i_gl_context_open(tried->kind, tried->device_index, s->memory, &s->contexts[index], &reason);
     if (status != SVO_OK) {
         note_failure(s, tried, status, &reason);
         return SVO_I_FIT_NONE;
@@ -134,13 +135,10 @@ static svo_i_fit most_of(const svo_device *device)
     return svo_gl_device_may_share(device) ? SVO_I_FIT_SHARING : device->is_cpu ? SVO_I_FIT_HARDWARE : SVO_I_FIT_NAMED;
 }
 
-svo_status svo_gl_context_create_for(const svo_device *device, const svo_gl_context_options *options,
-                                     svo_gl_context **out, svo_message *message)
+static svo_status open_for(const svo_device *device, const svo_i_memory *memory, svo_gl_context **out,
+                           svo_message *message)
 {
-    if (device == NULL || out == NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, FUNCTION ": %s is NULL", device == NULL ? "device" : "out");
-    }
-    search s = {.device = device, .options = options};
+    search s = {.device = device, .memory = memory};
     bool software[SVO_I_EGL_DEVICES_MAX] = {false};
     uint32_t egl_devices = 0;
     (void)svo_i_egl_find_software(software, SVO_I_EGL_DEVICES_MAX, &egl_devices, NULL); /* else there are none */
@@ -196,13 +194,13 @@ static void add_line(svo_message *list, uint32_t index, const char *words)
 
 /* *out: the device's context if it matches. Otherwise NULL, and a line of the list names its renderer or the failure.
    Fails where a next device would fail too; the list has the reason then. */
-static svo_status try_device(uint32_t index, const char *device_name, const svo_gl_context_options *options,
-                             svo_gl_context **out, svo_message *list)
+static svo_status try_device(uint32_t index, const char *device_name, const svo_i_memory *memory, svo_gl_context **out,
+                             svo_message *list)
 {
     svo_message reason = {""};
     svo_gl_context *context = NULL;
-    const svo_status status = svo_gl_context_create_with(SVO_GL_EGL_DEVICE, index, options, &context, &reason);
-    if (status == SVO_OUT_OF_HOST_MEMORY || status == SVO_INVALID_ARGUMENT) {
+    const svo_status status = svo_i_gl_context_open(SVO_GL_EGL_DEVICE, index, memory, &context, &reason);
+    if (status == SVO_OUT_OF_HOST_MEMORY) {
         *list = reason;
         return status;
     }
@@ -217,28 +215,19 @@ static svo_status try_device(uint32_t index, const char *device_name, const svo_
     return SVO_OK;
 }
 
-svo_status svo_gl_context_create_named(const char *device_name, svo_gl_context **out, svo_message *message)
+static svo_status open_named(const char *device_name, const svo_i_memory *memory, svo_gl_context **out,
+                             svo_message *message)
 {
-    return svo_gl_context_create_named_with(device_name, NULL, out, message);
-}
-
-svo_status svo_gl_context_create_named_with(const char *device_name, const svo_gl_context_options *options,
-                                            svo_gl_context **out, svo_message *message)
-{
-    if (device_name == NULL || device_name[0] == '\0' || out == NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_gl_context_create_named: %s",
-                          out == NULL ? "out is NULL" : "device_name is NULL or empty");
-    }
     uint32_t index = 0;
     if (is_index(device_name, &index)) {
-        return svo_gl_context_create_with(SVO_GL_EGL_DEVICE, index, options, out, message);
+        return svo_i_gl_context_open(SVO_GL_EGL_DEVICE, index, memory, out, message);
     }
     svo_message list = {""};
     uint32_t count = 0;
     SVO_I_TRY(svo_i_egl_count_devices(&count, message));
     for (index = 0; index < count; ++index) {
         svo_gl_context *context = NULL;
-        const svo_status status = try_device(index, device_name, options, &context, &list);
+        const svo_status status = try_device(index, device_name, memory, &context, &list);
         if (status != SVO_OK) {
             return svo_i_fail(message, status, "%s", list.text);
         }
@@ -247,7 +236,72 @@ svo_status svo_gl_context_create_named_with(const char *device_name, const svo_g
             return SVO_OK;
         }
     }
-    return svo_i_fail(message, SVO_NO_GL,
-                      "svo_gl_context_create_named: no EGL device matches \"%.200s\"; found: %.700s", device_name,
+    return svo_i_fail(message, SVO_NO_GL, FUNCTION ": no EGL device matches \"%.200s\"; found: %.700s", device_name,
                       count > 0 ? list.text : "none");
+}
+
+/* ---- contexts by options ---- */
+
+/* device_name and device choose by themselves. NULL: nothing contradicts, else the two fields that do. */
+static const char *find_contradiction(const svo_gl_context_options *asked)
+{
+    if (asked->device != NULL) {
+        return asked->device_name != NULL          ? "device and options.device_name"
+               : asked->device_index != 0          ? "device and options.device_index"
+               : asked->kind != SVO_GL_SURFACELESS ? "device and options.kind"
+                                                   : NULL;
+    }
+    if (asked->device_name != NULL) {
+        return asked->device_index != 0 ? "device_name and options.device_index"
+               : asked->kind != SVO_GL_SURFACELESS && asked->kind != SVO_GL_EGL_DEVICE ? "device_name and options.kind"
+                                                                                       : NULL;
+    }
+    return asked->device_index != 0 && asked->kind != SVO_GL_EGL_DEVICE ? "device_index and options.kind" : NULL;
+}
+
+static svo_status check_options(const svo_gl_context_options *asked, svo_message *message)
+{
+    const char *contradiction = find_contradiction(asked);
+    if ((unsigned)asked->kind >= SVO_GL_CONTEXT_KINDS && asked->kind != SVO_GL_WRAPPED) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, FUNCTION ": options.kind %d is not below %d, nor %d",
+                          (int)asked->kind, SVO_GL_CONTEXT_KINDS, SVO_GL_WRAPPED);
+    }
+    if (contradiction != NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT,
+                          FUNCTION
+                          ": options.%s contradict each other (kind \"%s\", device_index %u, device_name %.200s)",
+                          contradiction, svo_name(SVO_NAME_GL_CONTEXT_KIND, asked->kind), asked->device_index,
+                          asked->device_name != NULL ? asked->device_name : "NULL");
+    }
+    if (asked->device_name != NULL && asked->device_name[0] == '\0') {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, FUNCTION ": options.device_name is empty");
+    }
+    if ((asked->get_proc_address != NULL) != (asked->kind == SVO_GL_WRAPPED)) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, FUNCTION ": options.get_proc_address is %s with kind \"%s\"",
+                          asked->get_proc_address != NULL ? "given" : "NULL",
+                          svo_name(SVO_NAME_GL_CONTEXT_KIND, asked->kind));
+    }
+    return SVO_OK;
+}
+
+svo_status svo_gl_context_create(const svo_gl_context_options *options, svo_gl_context **out, svo_message *message)
+{
+    svo_gl_context_options asked;
+    svo_i_memory memory;
+    if (out == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, FUNCTION ": out is NULL");
+    }
+    SVO_I_TRY(svo_i_struct_read(message, FUNCTION, "options", options, &asked,
+                                SVO_I_STRUCT_SIZES(svo_gl_context_options, memory)));
+    SVO_I_TRY(svo_i_memory_read(message, FUNCTION, "options.memory", asked.memory, &memory));
+    SVO_I_TRY(check_options(&asked, message));
+    if (asked.device != NULL) {
+        return open_for(asked.device, &memory, out, message);
+    }
+    if (asked.device_name != NULL) {
+        return open_named(asked.device_name, &memory, out, message);
+    }
+    return asked.kind == SVO_GL_WRAPPED
+               ? svo_i_gl_context_wrap(asked.get_proc_address, asked.user, &memory, out, message)
+               : svo_i_gl_context_open(asked.kind, asked.device_index, &memory, out, message);
 }

@@ -215,7 +215,7 @@ SVO_API svo_status svo_workspace_make_tree(svo_workspace *workspace, svo_tree **
  *
  * \param workspace not NULL
  * \param tree of this workspace, not trimmed. It has no content until svo_tree_finish, see tree.h; its buffers and its
- *        build state (svo_tree_get_build_state) may be given to kernels that wait for the build's event. Commands that
+ *        build state (SVO_TREE_BUILD_STATE) may be given to kernels that wait for the build's event. Commands that
  *        read its old content come first, by wait or by an in-order queue
  * \param submit NULL: the device's own queue, and the call waits for its commands
  * \returns SVO_INVALID_ARGUMENT, SVO_OUT_OF_DEVICE_MEMORY, SVO_CL_ERROR or SVO_OUT_OF_HOST_MEMORY on failure. */

@@ -98,41 +98,31 @@ SVO_API svo_status svo_device_create_default(const svo_device_options *options, 
  * \param device set to NULL; NULL and a pointer to NULL are allowed */
 SVO_API void svo_device_destroy(svo_device **device);
 
-/** The OpenCL context.
- *
- * \param device not NULL
- * \returns the context, not retained for the caller. */
-SVO_API cl_context svo_device_cl_context(const svo_device *device);
+/** What a device handle is. */
+typedef struct svo_device_info {
+    size_t struct_size; /**< sizeof(svo_device_info) */
+    cl_context context; /**< not retained for the caller */
+    cl_device_id device; /**< not retained for the caller */
+    const char *name; /**< "platform: device"; lives as long as the handle */
+    svo_path path; /**< that kernels take: SVO_PATH_CPU or SVO_PATH_GPU */
+    double compile_ms; /**< spent on compiling kernels so far, or on loading them from the driver's cache; wall clock */
+} svo_device_info;
 
-/** The OpenCL device.
- *
- * \param device not NULL
- * \returns the device, not retained for the caller. */
-SVO_API cl_device_id svo_device_cl_device(const svo_device *device);
+/** An empty output. */
+#define SVO_DEVICE_INFO_INIT SVO_STRUCT_INIT(svo_device_info)
 
-/** The device's name.
+/** Describes a device handle.
  *
  * \param device not NULL
- * \returns "platform: device"; lives as long as the handle. */
-SVO_API const char *svo_device_name(const svo_device *device);
-
-/** The path that kernels take.
- *
- * \param device not NULL
- * \returns SVO_PATH_CPU or SVO_PATH_GPU, never SVO_PATH_AUTO. */
-SVO_API svo_path svo_device_path(const svo_device *device);
+ * \param info receives the description
+ * \returns SVO_INVALID_ARGUMENT when info is NULL or its struct_size is too small. */
+SVO_API svo_status svo_device_get_info(const svo_device *device, svo_device_info *info);
 
 /** The message of the last failure of this handle or of one made from it.
  *
  * \param device not NULL
  * \returns "" if nothing failed yet; valid until the next failure. */
 SVO_API const char *svo_device_message(const svo_device *device);
-
-/** Time spent on compiling kernels so far, or on loading them from the driver's cache.
- *
- * \param device not NULL
- * \returns milliseconds of wall clock. */
-SVO_API double svo_device_compile_ms(const svo_device *device);
 
 /** Saves the kernels that the handle has compiled, for svo_device_load_kernels: one file per program, keyed by
  *  platform, device, driver, source and options, with a checksum. Programs that the folder has are left as they are;

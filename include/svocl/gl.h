@@ -9,7 +9,7 @@
  *
  * Thread-safety: a handle belongs to one thread at a time, on which its context is or can be made current. Handles are
  * independent of each other. Calls make the contexts that svocl made current and restore what was current before. The
- * caller's contexts (svo_gl_context_wrap) are never made current by svocl.
+ * caller's contexts (SVO_GL_WRAPPED) are never made current by svocl.
  *
  * A lost context, exhausted memory and nonsense from a driver end in a status. A lost context cannot be used again.
  */
@@ -31,8 +31,8 @@ typedef enum svo_gl_context_kind {
     SVO_GL_SURFACELESS = 0, /**< "surfaceless": EGL_MESA_platform_surfaceless */
     SVO_GL_EGL_DEVICE, /**< "egl-device": EGL_EXT_platform_device */
     SVO_GL_OSMESA, /**< "osmesa": off-screen Mesa, loaded at run time */
-    SVO_GL_CONTEXT_KINDS, /**< number of kinds that svo_gl_context_create makes */
-    SVO_GL_WRAPPED = 100 /**< "wrapped": the caller's, by svo_gl_context_wrap; a number that new kinds do not move */
+    SVO_GL_CONTEXT_KINDS, /**< number of kinds that svocl makes */
+    SVO_GL_WRAPPED = 100 /**< "wrapped": the caller's; a number that new kinds do not move */
 } svo_gl_context_kind;
 
 /** An OpenGL context. */
@@ -52,10 +52,29 @@ typedef struct svo_gl_context_info {
 /** An empty output. */
 #define SVO_GL_CONTEXT_INFO_INIT SVO_STRUCT_INIT(svo_gl_context_info)
 
-/** Options of a context. */
+/** Any OpenGL function. */
+typedef void (*svo_gl_function)(void);
+
+/** A context's loader: returns the function of a name ("glClear"), or NULL if there is none. */
+typedef svo_gl_function (*svo_gl_get_proc_address)(void *user, const char *name);
+
+/** Options of a context: its kind, or what it should be on. */
 typedef struct svo_gl_context_options {
     size_t struct_size; /**< sizeof(svo_gl_context_options) */
     const svo_memory_callbacks *memory; /**< host memory of the handle; NULL: malloc and free. OpenGL has its own */
+    svo_gl_context_kind kind; /**< 0: SVO_GL_SURFACELESS, unless device_name or device choose */
+    uint32_t device_index; /**< which EGL device; with SVO_GL_EGL_DEVICE */
+    /** An EGL device by name: an index ("1"), "gpu" for the first device with a hardware renderer, or a part of the
+     *  renderer's name in letters of either case ("nvidia"). Contexts are tried on one device after the other. NULL: no
+     *  name. Not with device, device_index, or another kind. */
+    const char *device_name;
+    /** The OpenCL device that the context should suit best: on the GPU that clGetGLContextInfoKHR says is the device,
+     *  else on a GPU of its name, else on any GPU, else in software. EGL devices are tried first, then Mesa's
+     *  surfaceless platform, and OSMesa last. No further context is made when none can suit better. NULL: none. Not
+     *  with any of the others. The device need not outlive the context. */
+    const svo_device *device;
+    svo_gl_get_proc_address get_proc_address; /**< for SVO_GL_WRAPPED, during the call only; NULL for other kinds */
+    void *user; /**< passed to get_proc_address */
 } svo_gl_context_options;
 
 /** All defaults. */
@@ -72,96 +91,26 @@ SVO_API uint32_t svo_gl_egl_device_count(void);
  * \returns 1 if EGL lists devices and each draws on the CPU; 0 otherwise, and where EGL cannot say. */
 SVO_API int svo_gl_egl_is_software(void);
 
-/** Makes an off-screen context. An EGL device that is a GPU is never served by a software renderer; that is an error.
+/** Makes an off-screen context, or takes one of the caller's. An EGL device that is a GPU is never served by a software
+ *  renderer; that is an error.
  *
- * \param kind below SVO_GL_CONTEXT_KINDS
- * \param device_index which EGL device, for SVO_GL_EGL_DEVICE
- * \param out receives the context
- * \param message receives the step that failed; NULL allowed
- * \returns SVO_NO_GL, SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on failure. */
-SVO_API svo_status svo_gl_context_create(svo_gl_context_kind kind, uint32_t device_index, svo_gl_context **out,
-                                         svo_message *message);
-
-/** svo_gl_context_create with options.
+ * SVO_GL_WRAPPED is the caller's context, OpenGL 4.3 or later of either profile. It must be current on this thread now
+ * and whenever svocl uses it: in svo_gl_create, svo_build, svo_gl_build, svo_gl_light_set_sources, svo_gl_mesh_read,
+ * calls of buffers, and when what was made with it is destroyed. svo_gl_context_destroy releases the handle alone.
  *
- * \param kind below SVO_GL_CONTEXT_KINDS
- * \param device_index which EGL device, for SVO_GL_EGL_DEVICE
- * \param options NULL means all defaults
- * \param out receives the context
- * \param message receives the step that failed; NULL allowed
- * \returns what svo_gl_context_create returns. */
-SVO_API svo_status svo_gl_context_create_with(svo_gl_context_kind kind, uint32_t device_index,
-                                              const svo_gl_context_options *options, svo_gl_context **out,
-                                              svo_message *message);
-
-/** Makes an off-screen context on an EGL device by name. Contexts are tried on one device after the other.
- *
- * \param device_name an index ("1"), "gpu" for the first device with a hardware renderer, or a part of the renderer's
- *        name in letters of either case ("nvidia")
- * \param out receives the context
- * \param message receives the devices there are when none matches; NULL allowed
- * \returns SVO_NO_GL, SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on failure. */
-SVO_API svo_status svo_gl_context_create_named(const char *device_name, svo_gl_context **out, svo_message *message);
-
-/** svo_gl_context_create_named with options.
- *
- * \param device_name as for svo_gl_context_create_named
- * \param options NULL means all defaults
- * \param out receives the context
- * \param message receives the devices there are when none matches; NULL allowed
- * \returns what svo_gl_context_create_named returns. */
-SVO_API svo_status svo_gl_context_create_named_with(const char *device_name, const svo_gl_context_options *options,
-                                                    svo_gl_context **out, svo_message *message);
-
-/** Makes the off-screen context that suits an OpenCL device best: on the GPU that clGetGLContextInfoKHR says is the
- *  device, else on a GPU of its name, else on any GPU, else in software. EGL devices are tried first, then Mesa's
- *  surfaceless platform, and OSMesa last. No further context is made when none can suit better.
- *
- * \param device not NULL; it need not outlive the context
- * \param options NULL means all defaults
- * \param out receives the context
- * \param message receives what failed for each candidate; NULL allowed
- * \returns SVO_NO_GL, SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on failure. */
-SVO_API svo_status svo_gl_context_create_for(const svo_device *device, const svo_gl_context_options *options,
-                                             svo_gl_context **out, svo_message *message);
-
-/** Any OpenGL function. */
-typedef void (*svo_gl_function)(void);
-
-/** A context's loader: returns the function of a name ("glClear"), or NULL if there is none. */
-typedef svo_gl_function (*svo_gl_get_proc_address)(void *user, const char *name);
-
-/** Wraps a context of the caller's, OpenGL 4.3 or later of either profile.
- *
- * The context must be current on this thread now and whenever svocl uses it: in svo_gl_create, svo_build,
- * svo_gl_build, svo_gl_light_set_sources, svo_gl_mesh_read, calls of buffers, and when what was made with it is
- * destroyed.
- * svo_gl_context_destroy releases the handle alone.
- *
- * Each call restores the context's state: bindings of buffers, storage blocks, program, vertex array and framebuffers,
+ * Each call restores that context's state: bindings of buffers, storage blocks, program, vertex array and framebuffers,
  * viewport, scissor, capabilities, polygon mode, point size and clip control. The caller makes sure that no transform
  * feedback, query or conditional rendering is active, that the current program is not deleted, and that errors of
  * earlier OpenGL calls were read, since svocl discards those that it finds.
  *
- * \param get_proc_address called during this call only
- * \param user passed to get_proc_address
- * \param out receives the handle
- * \param message receives the missing function or version; NULL allowed
- * \returns SVO_NO_GL or SVO_OUT_OF_HOST_MEMORY on failure. */
-SVO_API svo_status svo_gl_context_wrap(svo_gl_get_proc_address get_proc_address, void *user, svo_gl_context **out,
-                                       svo_message *message);
-
-/** svo_gl_context_wrap with options.
- *
- * \param get_proc_address called during this call only
- * \param user passed to get_proc_address
  * \param options NULL means all defaults
- * \param out receives the handle
- * \param message receives the missing function or version; NULL allowed
- * \returns what svo_gl_context_wrap returns, and SVO_INVALID_ARGUMENT for options that are not valid. */
-SVO_API svo_status svo_gl_context_wrap_with(svo_gl_get_proc_address get_proc_address, void *user,
-                                            const svo_gl_context_options *options, svo_gl_context **out,
-                                            svo_message *message);
+ * \param out receives the context
+ * \param message receives the step that failed, the devices there are when no name matches, what failed for each
+ *        candidate, or the missing function or version; NULL allowed
+ * \returns SVO_NO_GL, SVO_INVALID_ARGUMENT (also for options that contradict each other) or SVO_OUT_OF_HOST_MEMORY on
+ *          failure. */
+SVO_API svo_status svo_gl_context_create(const svo_gl_context_options *options, svo_gl_context **out,
+                                         svo_message *message);
 
 /** Destroys a context that svocl made, or the handle of a wrapped one.
  *
@@ -253,7 +202,8 @@ SVO_API svo_status svo_gl_create(svo_device *device, svo_gl_context *context, co
  * \param gl set to NULL; NULL and a pointer to NULL are allowed */
 SVO_API void svo_gl_destroy(svo_gl **gl);
 
-/** The front end of a pair, for svo_build.
+/** The front end of a pair, for svo_build. svo_frontend_name is that of the svo_gl_raster that the pair has chosen, and
+ *  svo_frontend_share that of the svo_gl_share.
  *
  * \param gl not NULL
  * \returns the front end, owned by gl. */
@@ -418,18 +368,6 @@ SVO_API const char *svo_gl_build_reason(svo_gl *gl, uint32_t need);
  *          or a limit of the context is too low. */
 SVO_API svo_status svo_gl_light_set_sources(svo_gl *gl, svo_light *light, const svo_light_setup *setup,
                                             cl_command_queue queue);
-
-/** The kind of rasterization that was chosen.
- *
- * \param gl not NULL
- * \returns never AUTO. */
-SVO_API svo_gl_raster svo_gl_chosen_raster(const svo_gl *gl);
-
-/** The share path that was chosen.
- *
- * \param gl not NULL
- * \returns never AUTO. */
-SVO_API svo_gl_share svo_gl_chosen_share(const svo_gl *gl);
 
 #ifdef __cplusplus
 }

@@ -240,7 +240,7 @@ typedef struct svo_moving_bvh_report {
  *        made anew
  * \param queue of the device, in-order or out-of-order; NULL: the device's own
  * \param report receives what was done; NULL: not wanted
- * \returns SVO_INVALID_ARGUMENT or what svo_tree_prepare_rays returns. After a failure rays make a BVH of the whole
+ * \returns SVO_INVALID_ARGUMENT or what svo_tree_make_bvh returns. After a failure rays make a BVH of the whole
  *          mesh, and another call makes all objects' anew. */
 SVO_API svo_status svo_moving_make_bvh(svo_moving *moving, svo_bvh_quality quality, float cost_ratio,
                                        cl_command_queue queue, svo_moving_bvh_report *report);

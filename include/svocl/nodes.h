@@ -27,14 +27,6 @@
 extern "C" {
 #endif
 
-/** Where the cells of a grid are. This struct does not grow. */
-typedef struct svo_grid {
-    uint32_t depth; /**< the grid has 2^depth voxels per axis */
-    uint32_t snap_bits; /**< the grid is 2^snap_bits units wide */
-    double origin[3]; /**< minimum corner, world coordinates */
-    double scale; /**< grid units per world unit */
-} svo_grid;
-
 /** A box in world coordinates. This struct does not grow. */
 typedef struct svo_box {
     double low[3]; /**< least corner */
@@ -47,13 +39,6 @@ typedef struct svo_box {
  * \param grid receives the grid
  * \returns SVO_INVALID_ARGUMENT when grid is NULL or the tree has no content. */
 SVO_API svo_status svo_tree_get_grid(const svo_tree *tree, svo_grid *grid);
-
-/** The grid of the trees that a plan makes, before and while they are built.
- *
- * \param plan not NULL
- * \param grid receives the grid
- * \returns SVO_INVALID_ARGUMENT when grid is NULL. */
-SVO_API svo_status svo_plan_get_grid(const svo_plan *plan, svo_grid *grid);
 
 /** The width of a cell, which is that of a node.
  *

@@ -175,6 +175,14 @@ typedef struct svo_plan_options {
 /** All defaults. */
 #define SVO_PLAN_OPTIONS_INIT SVO_STRUCT_INIT(svo_plan_options)
 
+/** Where the cells of a grid are. This struct does not grow. */
+typedef struct svo_grid {
+    uint32_t depth; /**< the grid has 2^depth voxels per axis */
+    uint32_t snap_bits; /**< the grid is 2^snap_bits units wide */
+    double origin[3]; /**< minimum corner, world coordinates */
+    double scale; /**< grid units per world unit */
+} svo_grid;
+
 /** What a plan found out. */
 typedef struct svo_plan_info {
     size_t struct_size; /**< sizeof(svo_plan_info) */
@@ -199,6 +207,16 @@ typedef struct svo_plan_info {
     double area;
     uint32_t weight_log2; /**< the weight of a voxel's face, as a power of two; 0 without payload */
     uint32_t updatable; /**< not 0: see svo_plan_update */
+    /** The depth that suits rays against the mesh's triangles, whatever the plan's own depth, 1 .. 12: the largest at
+     *  which the fragment estimate expects a triangle in at most 6 leaves, so that voxels are about as large as
+     *  triangles and lists stay short. Neither the hits nor the speed of rays depend on the depth. */
+    uint32_t ray_depth;
+    uint32_t buffer_count; /**< the entries of svo_plan_get_buffer */
+    uint64_t peak_bytes; /**< the most device memory that a build allocates at one time */
+    uint64_t tree_bytes; /**< the device memory of the finished tree */
+    uint32_t kernels_count; /**< the entries of svo_plan_get_kernels */
+    uint32_t left_out_count; /**< the entries of svo_plan_get_left_out */
+    svo_grid grid; /**< depth, snap_bits, origin and scale, as the functions of nodes.h take them */
 } svo_plan_info;
 
 /** An empty output. */
@@ -337,20 +355,6 @@ SVO_API void svo_plan_set_progress(svo_plan *plan, svo_progress_callback progres
  * \returns SVO_INVALID_ARGUMENT when info is NULL or its struct_size is too small. */
 SVO_API svo_status svo_plan_get_info(const svo_plan *plan, svo_plan_info *info);
 
-/** The depth that suits rays against the mesh's triangles, whatever the plan's own depth: the largest at which the
- *  fragment estimate expects a triangle in at most 6 leaves, so that voxels are about as large as triangles and lists
- *  stay short. Neither the hits nor the speed of svo_trace_triangles depend on the depth.
- *
- * \param plan not NULL
- * \returns 1 .. 12. */
-SVO_API unsigned svo_plan_ray_depth(const svo_plan *plan);
-
-/** Number of OpenCL buffers that a build allocates.
- *
- * \param plan not NULL
- * \returns the entries of svo_plan_get_buffer. */
-SVO_API size_t svo_plan_buffer_count(const svo_plan *plan);
-
 /** An OpenCL buffer that a build allocates, in order of allocation.
  *
  * Before a build the list is predicted, with the front end of OpenCL alone. After a build it is exact, attempts that
@@ -361,48 +365,24 @@ SVO_API size_t svo_plan_buffer_count(const svo_plan *plan);
  * compiled, before the build allocates, are not listed.
  *
  * \param plan not NULL
- * \param index below svo_plan_buffer_count
+ * \param index below svo_plan_info.buffer_count
  * \param info receives the entry
  * \returns SVO_INVALID_ARGUMENT when index is too large, info is NULL or its struct_size is too small. */
 SVO_API svo_status svo_plan_get_buffer(const svo_plan *plan, size_t index, svo_buffer_info *info);
 
-/** The most device memory that is allocated at one time.
- *
- * \param plan not NULL
- * \returns bytes. */
-SVO_API uint64_t svo_plan_peak_bytes(const svo_plan *plan);
-
-/** The device memory of the finished tree.
- *
- * \param plan not NULL
- * \returns bytes. */
-SVO_API uint64_t svo_plan_tree_bytes(const svo_plan *plan);
-
-/** Number of programs that a build with the front end of OpenCL alone compiles.
- *
- * \param plan not NULL
- * \returns the entries of svo_plan_get_kernels. */
-SVO_API size_t svo_plan_kernels_count(const svo_plan *plan);
-
 /** A program that a build with the front end of OpenCL alone compiles.
  *
  * \param plan not NULL
- * \param index below svo_plan_kernels_count
+ * \param index below svo_plan_info.kernels_count
  * \param info receives the entry
  * \returns SVO_INVALID_ARGUMENT when index is too large, info is NULL or its struct_size is too small. */
 SVO_API svo_status svo_plan_get_kernels(const svo_plan *plan, size_t index, svo_kernels_info *info);
-
-/** Number of things that a build does without.
- *
- * \param plan not NULL
- * \returns the entries of svo_plan_get_left_out. */
-SVO_API size_t svo_plan_left_out_count(const svo_plan *plan);
 
 /** A stage, buffer or kernel variant that this mesh and this request do not use. The result is the same, bit for bit,
  *  as if nothing were left out.
  *
  * \param plan not NULL
- * \param index below svo_plan_left_out_count
+ * \param index below svo_plan_info.left_out_count
  * \param entry receives the entry
  * \returns SVO_INVALID_ARGUMENT when index is too large, entry is NULL or its struct_size is too small. */
 SVO_API svo_status svo_plan_get_left_out(const svo_plan *plan, size_t index, svo_left_out *entry);

@@ -67,9 +67,14 @@ typedef struct svo_probe_options {
     uint32_t diffuse; /**< not 0: maps of irradiance and distances for diffuse light too; needs a light */
     uint32_t cones; /**< of the light, for the radiance of texels: 1, 5, 6, 16 or 64; 0 means 16 */
     svo_light *light; /**< of the same tree; NULL: no radiance. Scenes have none */
+    /** What probes see, of which one is given: a complete tree on a device, or a scene, where its instances are now. It
+     *  must outlive the probes. With SVO_NEED_RAYS, coverage half-open or closed, they see its triangles, else its
+     *  voxels. */
+    svo_tree *tree;
+    svo_scene *scene; /**< in place of tree */
 } svo_probe_options;
 
-/** All defaults. */
+/** All defaults, but for tree or scene. */
 #define SVO_PROBE_OPTIONS_INIT SVO_STRUCT_INIT(svo_probe_options)
 
 /** The buffers of probes. The index of a probe is x + counts[0] * (y + counts[1] * z). */
@@ -128,42 +133,20 @@ typedef struct svo_probe_info {
 
 /** Says what svo_probes_create would make, before anything is compiled or allocated.
  *
- * \param tree complete
- * \param options NULL means all defaults
+ * \param options with a tree or a scene
  * \param info receives places, resolution, bytes and rays
- * \returns SVO_INVALID_ARGUMENT when an option is out of its range, or when the texels take more than max_bytes. */
-SVO_API svo_status svo_probes_plan(const svo_tree *tree, const svo_probe_options *options, svo_probe_info *info);
+ * \returns SVO_INVALID_ARGUMENT when an option is out of its range, when there is not one of tree and scene, or when
+ *          the texels take more than max_bytes. */
+SVO_API svo_status svo_probes_plan(const svo_probe_options *options, svo_probe_info *info);
 
-/** svo_probes_plan for a scene.
+/** Makes probes and waits for them.
  *
- * \param scene not NULL
- * \param options NULL means all defaults
- * \param info receives places, resolution, bytes and rays
- * \returns what svo_probes_plan returns. */
-SVO_API svo_status svo_probes_plan_scene(const svo_scene *scene, const svo_probe_options *options,
-                                         svo_probe_info *info);
-
-/** Makes the probes of a tree and waits for them.
- *
- * \param tree on a device; must outlive the probes. With SVO_NEED_RAYS, coverage half-open or closed, probes see its
- *        triangles, else its voxels
- * \param options NULL means all defaults
- * \param queue on the context of the tree's device; NULL: the device's own
+ * \param options with a tree or a scene
+ * \param queue on the context of the device of tree or scene; NULL: the device's own
  * \param out receives the probes
  * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the grid is beyond the range of floats), SVO_OUT_OF_HOST_MEMORY,
  *          SVO_OUT_OF_DEVICE_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR on failure. */
-SVO_API svo_status svo_probes_create(svo_tree *tree, const svo_probe_options *options, cl_command_queue queue,
-                                     svo_probes **out);
-
-/** svo_probes_create for a scene, where its instances are now.
- *
- * \param scene must outlive the probes. With SVO_NEED_RAYS probes see its triangles, else its voxels
- * \param options NULL means all defaults; light must be NULL
- * \param queue on the context of the scene's device; NULL: the device's own
- * \param out receives the probes
- * \returns what svo_probes_create returns. */
-SVO_API svo_status svo_probes_create_scene(svo_scene *scene, const svo_probe_options *options, cl_command_queue queue,
-                                           svo_probes **out);
+SVO_API svo_status svo_probes_create(const svo_probe_options *options, cl_command_queue queue, svo_probes **out);
 
 /** Makes radiance, and irradiance with svo_probe_options.diffuse, anew from the light as it is now. Places, distances,
  *  normals and the field stay. After a failed call the radiance is undefined.

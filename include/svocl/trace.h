@@ -5,8 +5,8 @@
  *
  * Rays traverse an 8-wide BVH that references each triangle once. The BVH is separate from the octree: it is no part of
  * a build nor of the plan's buffers. The first function that needs it makes it, on the device, and keeps it with the
- * tree. Such functions take a tree that is not const and need exclusive use of it. svo_tree_prepare_rays makes the BVH
- * at a time of the caller's choosing, svo_tree_make_bvh in a quality of the caller's choosing too.
+ * tree. Such functions take a tree that is not const and need exclusive use of it. svo_tree_make_bvh makes it
+ * at a time and in a quality of the caller's choosing.
  */
 #ifndef SVOCL_TRACE_H
 #define SVOCL_TRACE_H
@@ -198,24 +198,18 @@ typedef enum svo_bvh_quality {
     SVO_BVH_FAST = 1 /**< splits of triangles in Morton order: made in about half the time, for what changes often */
 } svo_bvh_quality;
 
-/** Makes the tree's BVH with SVO_BVH_BEST and waits for it, unless the tree has one. It takes two buffers, ray_nodes
- *  and ray_leaves: 51 to 55 bytes per triangle in measurements of 8,000 triangles and more, at most 208 bytes per
- *  triangle plus 192. Where svo_tree_info.positions is not SVO_POSITIONS_FLOAT, leaves hold doubles too: 80 bytes more
+/** Makes the tree's BVH and waits for it, unless the tree has one of that quality. One of the other quality is
+ *  replaced; on failure it stays. Without this call the first use makes one with SVO_BVH_BEST. It takes two buffers,
+ *  ray_nodes and ray_leaves: 51 to 55 bytes per triangle in measurements of 8,000 triangles and more, at most 208 bytes
+ *  per triangle plus 192. Where svo_tree_info.positions is not SVO_POSITIONS_FLOAT, leaves hold doubles too: 80 bytes more
  *  per triangle at most. While it is made, up to 140 bytes per triangle more are in use on the device.
  *
- * \param tree with SVO_NEED_RAYS, coverage half-open or closed, on a device
+ * \param tree with SVO_NEED_RAYS, coverage half-open or closed, on a device; no batch of its rays may be in progress
+ * \param quality a svo_bvh_quality
  * \param queue on the context of the tree's device; NULL: the device's own
  * \returns SVO_INVALID_ARGUMENT, SVO_COMPILE_FAILED, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY, SVO_CL_ERROR or
  *          SVO_UNSUPPORTED (the device fuses multiplications and additions although the kernels forbid it, so rays
  *          could pass between triangles) on failure. */
-SVO_API svo_status svo_tree_prepare_rays(svo_tree *tree, cl_command_queue queue);
-
-/** The same in a quality of the caller's choosing. A BVH of the other quality is replaced; on failure it stays.
- *
- * \param tree see svo_tree_prepare_rays; no batch of its rays may be in progress
- * \param quality a svo_bvh_quality
- * \param queue see svo_tree_prepare_rays
- * \returns what svo_tree_prepare_rays returns. */
 SVO_API svo_status svo_tree_make_bvh(svo_tree *tree, svo_bvh_quality quality, cl_command_queue queue);
 
 /** Fits the tree's BVH to a mesh that has moved (svo_plan_update), after a build into the tree. Allocates no
@@ -232,12 +226,6 @@ SVO_API svo_status svo_tree_make_bvh(svo_tree *tree, svo_bvh_quality quality, cl
  * \param submit NULL: the device's own queue, and the call waits
  * \returns SVO_INVALID_ARGUMENT, SVO_CL_ERROR or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_tree_refit_bvh(svo_tree *tree, const svo_submit *submit);
-
-/** Device memory of the BVH.
- *
- * \param tree NULL allowed
- * \returns bytes; 0 before it is made. */
-SVO_API uint64_t svo_tree_ray_bytes(const svo_tree *tree);
 
 /** What a batch of rays asks for. */
 typedef enum svo_trace_flags {

@@ -11,8 +11,8 @@
  *
  * A tree of a workspace (build.h) has no content before its first build, while a build is in flight, and after one that
  * failed. Until svo_tree_finish has returned SVO_OK, every function that reads the tree or takes it for rays returns
- * SVO_INVALID_ARGUMENT with the reason. Exceptions: svo_tree_get_buffer and svo_tree_get_build_state, whose buffers are
- * for kernels that wait for the build's event, svo_tree_ray_bytes, svo_camera_fit, and svo_tree_destroy.
+ * SVO_INVALID_ARGUMENT with the reason. Exceptions: svo_tree_get_buffer, whose buffers are for kernels that wait for
+ * the build's event, svo_camera_fit, and svo_tree_destroy.
  *
  * Thread-safety: several threads may call functions that take a const tree. All others need exclusive use of the tree
  * and of its device handle.
@@ -69,6 +69,7 @@ typedef struct svo_tree_info {
     uint64_t list_triangle_count; /**< accepted triangles kept for rays */
     uint32_t level_begin[SVO_LEVELS_MAX]; /**< level l has the nodes level_begin[l] .. level_begin[l + 1] - 1 */
     uint32_t positions; /**< svo_positions: which mesh rays meet */
+    uint64_t ray_bytes; /**< device memory of the BVH; 0 while there is none */
 } svo_tree_info;
 
 /** An empty output. */
@@ -117,7 +118,12 @@ typedef enum svo_tree_buffer {
     SVO_TREE_AREAS, /**< "areas" */
     SVO_TREE_POSITIONS, /**< "positions" */
     SVO_TREE_POSITIONS_DOUBLE, /**< "positions_double" */
-    SVO_TREE_BUFFER_COUNT /**< number of arrays */
+    SVO_TREE_BUFFER_COUNT, /**< number of arrays */
+    /** "build_state": no array, but one svo_build_state, the outcome of the last enqueued build, for kernels that begin
+     *  before the host knows it: whether the build succeeded, and the counts of nodes and fragments. Kernels wait for
+     *  the event of svo_build_enqueue, before which it is undefined; svo_tree_finish may come later. Trees of a
+     *  workspace (svo_workspace_make_tree) have it. A number that new arrays do not move. */
+    SVO_TREE_BUILD_STATE = 100
 } svo_tree_buffer;
 
 /** Destroys a tree. A build that is filling it is waited for.
@@ -140,15 +146,6 @@ SVO_API svo_status svo_tree_get_info(const svo_tree *tree, svo_tree_info *info);
  * \returns the buffer, which belongs to the tree; NULL where the tree does not hold it or is not on a device. Retain it
  *          (clRetainMemObject) to keep it longer than the tree and the device handle. */
 SVO_API cl_mem svo_tree_get_buffer(const svo_tree *tree, svo_tree_buffer buffer);
-
-/** The outcome of the tree's last enqueued build, for kernels that begin before the host knows it: whether the build
- *  succeeded, and the counts of nodes and fragments. Kernels wait for the event of svo_build_enqueue; svo_tree_finish
- *  may come later.
- *
- * \param tree of a workspace (svo_workspace_make_tree); NULL allowed
- * \returns a buffer with one svo_build_state, undefined before the first build's event. It belongs to the tree. NULL
- *          for other trees. */
-SVO_API cl_mem svo_tree_get_build_state(const svo_tree *tree);
 
 /** Copies the arrays to the host. The first call copies; later calls do nothing.
  *

@@ -21,7 +21,7 @@ SVO_RECORD(svo_node)
 #define SVO_DAMAGED_LIST 0xffffffffu /**< svo_build_state.overflow: a fragment outside the grid, or of no triangle */
 #define SVO_SHORT_LIST   0xfffffffeu /**< svo_build_state.overflow: the list had too little room */
 
-/** The outcome of an enqueued build on the device (svo_tree_get_build_state). D is the depth of the tree. 96 bytes. */
+/** The outcome of an enqueued build on the device (SVO_TREE_BUILD_STATE). D is the depth of the tree. 96 bytes. */
 SVO_RECORD(svo_build_state)
 {
     /** 0: level l has the nodes level_begin[l] .. level_begin[l + 1] - 1. So there are level_begin[D] inner nodes,

@@ -482,32 +482,18 @@ void svo_device_destroy(svo_device **device)
     *device = NULL;
 }
 
-cl_context svo_device_cl_context(const svo_device *device)
+svo_status svo_device_get_info(const svo_device *device, svo_device_info *info)
 {
-    return device->context;
-}
-
-cl_device_id svo_device_cl_device(const svo_device *device)
-{
-    return device->device;
-}
-
-const char *svo_device_name(const svo_device *device)
-{
-    return device->name;
-}
-
-svo_path svo_device_path(const svo_device *device)
-{
-    return device->cpu_path ? SVO_PATH_CPU : SVO_PATH_GPU;
+    const svo_device_info found = {.context = device->context,
+                                   .device = device->device,
+                                   .name = device->name,
+                                   .path = device->cpu_path ? SVO_PATH_CPU : SVO_PATH_GPU,
+                                   .compile_ms = device->compile_ms};
+    return svo_i_struct_write(NULL, "svo_device_get_info", "info", &found, info,
+                              SVO_I_STRUCT_SIZES(svo_device_info, compile_ms));
 }
 
 const char *svo_device_message(const svo_device *device)
 {
     return device->message.text;
-}
-
-double svo_device_compile_ms(const svo_device *device)
-{
-    return device->compile_ms;
 }

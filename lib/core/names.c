@@ -42,9 +42,10 @@ static const char *const stages[SVO_STAGE_COUNT] = {"grid",      "compile", "vox
                                                     "subdivide", "pack",    "link",     "filter"};
 static const char *const certainties[] = {"exact", "bound", "estimate"};
 static const char *const paths[] = {"auto", "cpu", "gpu"};
-static const char *const tree_buffers[SVO_TREE_BUFFER_COUNT] = {
-    "child_mask", "first_child",  "colors",    "normals", "list_begin", "list",      "vertices",
-    "indices",    "triangle_ids", "materials", "fills",   "areas",      "positions", "positions_double"};
+static const char *const tree_buffers[SVO_TREE_BUILD_STATE + 1] = {
+    "child_mask", "first_child", "colors",    "normals",          "list_begin",
+    "list",       "vertices",    "indices",   "triangle_ids",     "materials",
+    "fills",      "areas",       "positions", "positions_double", [SVO_TREE_BUILD_STATE] = "build_state"};
 static const char *const forms[SVO_FORM_COUNT] = {"descriptor", "implied", "shared"};
 static const char *const compact_buffers[SVO_COMPACT_BUFFER_COUNT] = {"nodes",   "links",     "bases", "colors",
                                                                       "normals", "materials", "fills"};

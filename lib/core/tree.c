@@ -86,7 +86,9 @@ svo_status svo_i_tree_check(const svo_tree *tree, const char *function)
 svo_status svo_tree_get_info(const svo_tree *tree, svo_tree_info *info)
 {
     SVO_I_TRY(svo_i_tree_check(tree, "svo_tree_get_info"));
-    return svo_i_struct_write(svo_i_device_message(tree->device), "svo_tree_get_info", "info", &tree->info, info,
+    svo_tree_info found = tree->info;
+    found.ray_bytes = tree->ray_bytes;
+    return svo_i_struct_write(svo_i_device_message(tree->device), "svo_tree_get_info", "info", &found, info,
                               SVO_I_STRUCT_SIZES(svo_tree_info, level_begin));
 }
 
@@ -194,12 +196,10 @@ size_t svo_i_tree_element_bytes(svo_tree_buffer buffer)
 
 cl_mem svo_tree_get_buffer(const svo_tree *tree, svo_tree_buffer buffer)
 {
+    if (buffer == SVO_TREE_BUILD_STATE) {
+        return tree->build_state;
+    }
     return buffer < SVO_TREE_BUFFER_COUNT ? tree->buffers[buffer] : NULL;
-}
-
-cl_mem svo_tree_get_build_state(const svo_tree *tree)
-{
-    return tree != NULL ? tree->build_state : NULL;
 }
 
 svo_status svo_tree_get_arrays(const svo_tree *tree, svo_tree_arrays *arrays)

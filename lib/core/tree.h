@@ -52,6 +52,7 @@ struct svo_tree {
     void *host[SVO_TREE_BUFFER_COUNT]; /* host copies by svo_i_alloc, owned; NULL where absent or not downloaded */
     svo_i_attachment *attachments; /* kept until the tree is destroyed */
     svo_i_attachment *derived; /* computed from the buffers, and outdated when they change */
+    uint64_t ray_bytes; /* of the BVH among them, which keeps the number; 0: there is none */
     struct svo_workspace *workspace; /* whose builds fill it; NULL: none, or no longer */
     svo_tree *next; /* of the workspace's trees */
     struct svo_i_pending *pending; /* the build that is filling it; NULL: none */

@@ -134,7 +134,9 @@ static svo_status plan_whole(svo_parts *parts, svo_device *device, const svo_mes
     }
     SVO_I_TRY(check_nodes(parts, message));
     if (parts->max_bytes == 0) {
-        const uint64_t share = svo_plan_peak_bytes(*plan) / PARTS_LEAST;
+        svo_plan_info info = SVO_PLAN_INFO_INIT;
+        (void)svo_plan_get_info(*plan, &info);
+        const uint64_t share = info.peak_bytes / PARTS_LEAST;
         parts->max_bytes = share > PART_BYTES_LEAST ? share : PART_BYTES_LEAST;
     }
     return SVO_OK;

@@ -166,6 +166,7 @@ static svo_status plan_of_part(const svo_parts *parts, svo_device *device, uint3
                                svo_plan **plan, uint64_t *expected_bytes, svo_message *message)
 {
     svo_i_soup soup = {.names = NULL};
+    svo_plan_info info = SVO_PLAN_INFO_INIT;
     svo_status status = SVO_OK;
     const svo_i_triangles_of of = svo_i_folder_triangles(parts, level, code);
     char *path = svo_i_part_path(parts, level, code, "tri");
@@ -178,7 +179,8 @@ static svo_status plan_of_part(const svo_parts *parts, svo_device *device, uint3
         status = fail_device(device, status, message);
         goto cleanup;
     }
-    *expected_bytes = svo_plan_peak_bytes(*plan) + host_bytes(parts, soup.mesh.triangle_count);
+    (void)svo_plan_get_info(*plan, &info);
+    *expected_bytes = info.peak_bytes + host_bytes(parts, soup.mesh.triangle_count);
 cleanup:
     svo_i_soup_free(&soup);
     svo_i_free(path);

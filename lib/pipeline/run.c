@@ -219,7 +219,7 @@ svo_status svo_i_predict(svo_plan *plan)
     const svo_status status = svo_i_measure(plan, NULL, &chunking, NULL);
     svo_i_chunking_destroy(&chunking);
     plan->predicted_bytes = plan->peak_bytes;
-    plan->predicted_tree_bytes = svo_plan_tree_bytes(plan);
+    plan->predicted_tree_bytes = svo_i_plan_tree_bytes(plan);
     return status;
 }
 

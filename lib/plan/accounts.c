@@ -160,6 +160,15 @@ void svo_i_plan_buffer_remove(svo_plan *plan, uint64_t bytes)
     plan->live_bytes -= bytes;
 }
 
+uint64_t svo_i_plan_tree_bytes(const svo_plan *plan)
+{
+    uint64_t bytes = 0;
+    for (size_t i = 0; i < plan->buffer_count; ++i) {
+        bytes += plan->buffers[i].persistent != 0 ? plan->buffers[i].bytes : 0;
+    }
+    return bytes;
+}
+
 svo_status svo_i_plan_check_budget(const svo_plan *plan, const char *function, uint64_t bytes)
 {
     const svo_i_budget_answer room = svo_i_device_budget(plan->device, bytes);

@@ -52,6 +52,8 @@ void svo_i_plan_buffers_reset(svo_plan *plan);
 svo_status svo_i_plan_buffer_add(svo_plan *plan, const char *name, uint64_t bytes);
 /* Counts a release. The entry remains in the list. */
 void svo_i_plan_buffer_remove(svo_plan *plan, uint64_t bytes);
+/* The bytes of those that are part of the tree. */
+uint64_t svo_i_plan_tree_bytes(const svo_plan *plan);
 
 /* Refuses a plan that needs more bytes than the device's budget has left. function: for the message. */
 svo_status svo_i_plan_check_budget(const svo_plan *plan, const char *function, uint64_t bytes);

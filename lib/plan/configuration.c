@@ -387,11 +387,6 @@ int svo_plan_has_stage(const svo_plan *plan, svo_stage stage)
     return 0;
 }
 
-size_t svo_plan_kernels_count(const svo_plan *plan)
-{
-    return plan->work.kernels_count;
-}
-
 svo_status svo_plan_get_kernels(const svo_plan *plan, size_t index, svo_kernels_info *info)
 {
     static const char function[] = "svo_plan_get_kernels";
@@ -403,11 +398,6 @@ svo_status svo_plan_get_kernels(const svo_plan *plan, size_t index, svo_kernels_
                                     .defines = plan->work.kernels[index].defines};
     return svo_i_struct_write(&plan->device->message, function, "info", &found, info,
                               SVO_I_STRUCT_SIZES(svo_kernels_info, name));
-}
-
-size_t svo_plan_left_out_count(const svo_plan *plan)
-{
-    return plan->work.left_out_count;
 }
 
 svo_status svo_plan_get_left_out(const svo_plan *plan, size_t index, svo_left_out *entry)

@@ -137,9 +137,9 @@ double svo_i_plan_expected(const svo_plan *plan, uint32_t level)
     return plan->estimate[0] + plan->estimate[1] / voxel + plan->estimate[2] / (voxel * voxel);
 }
 
-unsigned svo_plan_ray_depth(const svo_plan *plan)
+uint32_t svo_i_plan_ray_depth(const svo_plan *plan)
 {
-    unsigned depth = SVO_DEPTH_MIN;
+    uint32_t depth = SVO_DEPTH_MIN;
     while (depth < RAY_DEPTH_MAX &&
            svo_i_plan_expected(plan, depth + 1) <= RAY_PAIRS_PER_TRIANGLE * plan->estimate[0]) {
         ++depth;

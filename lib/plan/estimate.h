@@ -11,6 +11,8 @@ float svo_i_estimate_add(svo_plan *plan, const uint32_t corners[3]);
 void svo_i_estimate_end(svo_plan *plan);
 /* Expected number of fragments at a level. */
 double svo_i_plan_expected(const svo_plan *plan, uint32_t level);
+/* svo_plan_info.ray_depth */
+uint32_t svo_i_plan_ray_depth(const svo_plan *plan);
 /* The expected number with a margin. */
 uint64_t svo_i_with_slack(double expected);
 /* Nodes of an inner level, given the number of fragments: the estimate with its margin, or the worst case. */

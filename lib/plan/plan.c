@@ -21,7 +21,6 @@
 #include "plan/grid.h"
 #include "plan/programs.h"
 #include "plan/update.h"
-#include "svocl/nodes.h"
 
 /* ---- positions for rays ---- */
 
@@ -475,27 +474,17 @@ void svo_plan_destroy(svo_plan **plan)
 
 svo_status svo_plan_get_info(const svo_plan *plan, svo_plan_info *info)
 {
-    return svo_i_struct_write(&plan->device->message, "svo_plan_get_info", "info", &plan->info, info,
+    svo_plan_info found = plan->info;
+    found.ray_depth = svo_i_plan_ray_depth(plan);
+    found.buffer_count = (uint32_t)plan->buffer_count;
+    found.peak_bytes = plan->peak_bytes;
+    found.tree_bytes = svo_i_plan_tree_bytes(plan);
+    found.kernels_count = (uint32_t)plan->work.kernels_count;
+    found.left_out_count = (uint32_t)plan->work.left_out_count;
+    found.grid = (svo_grid){.depth = found.depth, .snap_bits = found.snap_bits, .scale = found.scale};
+    memcpy(found.grid.origin, found.origin, sizeof found.origin);
+    return svo_i_struct_write(&plan->device->message, "svo_plan_get_info", "info", &found, info,
                               SVO_I_STRUCT_SIZES(svo_plan_info, coverage));
-}
-
-svo_status svo_plan_get_grid(const svo_plan *plan, svo_grid *grid)
-{
-    if (plan == NULL || grid == NULL) {
-        return svo_i_device_fail(plan != NULL ? plan->device : NULL, SVO_INVALID_ARGUMENT,
-                                 "svo_plan_get_grid: %s is NULL", plan == NULL ? "plan" : "grid");
-    }
-    const svo_plan_info *info = &plan->info;
-    *grid = (svo_grid){.depth = info->depth,
-                       .snap_bits = info->snap_bits,
-                       .origin = {info->origin[0], info->origin[1], info->origin[2]},
-                       .scale = info->scale};
-    return SVO_OK;
-}
-
-size_t svo_plan_buffer_count(const svo_plan *plan)
-{
-    return plan->buffer_count;
 }
 
 svo_status svo_plan_get_buffer(const svo_plan *plan, size_t index, svo_buffer_info *info)
@@ -507,18 +496,4 @@ svo_status svo_plan_get_buffer(const svo_plan *plan, size_t index, svo_buffer_in
     }
     return svo_i_struct_write(&plan->device->message, function, "info", &plan->buffers[index], info,
                               SVO_I_STRUCT_SIZES(svo_buffer_info, count));
-}
-
-uint64_t svo_plan_peak_bytes(const svo_plan *plan)
-{
-    return plan->peak_bytes;
-}
-
-uint64_t svo_plan_tree_bytes(const svo_plan *plan)
-{
-    uint64_t bytes = 0;
-    for (size_t i = 0; i < plan->buffer_count; ++i) {
-        bytes += plan->buffers[i].persistent != 0 ? plan->buffers[i].bytes : 0;
-    }
-    return bytes;
 }

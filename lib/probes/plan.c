@@ -345,14 +345,27 @@ static uint64_t most_place_rays(const svo_probe_info *info)
 
 /* ---- plans ---- */
 
-svo_status svo_i_probes_plan(const svo_i_sight *sight, const char *function, const svo_probe_options *options,
-                             svo_probe_options *asked, svo_probe_info *info)
+/* Reads options, and which of tree and scene they have. Without either there is no device that keeps a message. */
+static svo_status read_options(const char *function, const svo_probe_options *options, svo_probe_options *asked)
 {
-    svo_device *device = device_of(sight);
+    SVO_I_TRY(
+        svo_i_struct_read(NULL, function, "options", options, asked, SVO_I_STRUCT_SIZES(svo_probe_options, scene)));
+    if (asked->tree != NULL && asked->scene != NULL) {
+        return svo_i_device_fail(asked->tree->device, SVO_INVALID_ARGUMENT,
+                                 "%s: options.tree and options.scene are both given", function);
+    }
+    return asked->tree != NULL || asked->scene != NULL ? SVO_OK : SVO_INVALID_ARGUMENT;
+}
+
+svo_status svo_i_probes_plan(const char *function, const svo_probe_options *options, svo_probe_options *asked,
+                             svo_probe_info *info)
+{
     sight_box box;
+    SVO_I_TRY(read_options(function, options, asked));
+    const svo_i_sight seen = {asked->tree, asked->scene};
+    const svo_i_sight *sight = &seen;
+    svo_device *device = device_of(sight);
     SVO_I_TRY(check_sight(sight, function));
-    SVO_I_TRY(svo_i_struct_read(svo_i_device_message(device), function, "options", options, asked,
-                                SVO_I_STRUCT_SIZES(svo_probe_options, light)));
     SVO_I_TRY(check_counts(device, function, asked));
     SVO_I_TRY(check_places(device, function, asked));
     SVO_I_TRY(check_sizes(device, function, asked));
@@ -369,24 +382,13 @@ svo_status svo_i_probes_plan(const svo_i_sight *sight, const char *function, con
     return SVO_OK;
 }
 
-static svo_status plan(const svo_i_sight *sight, const char *function, const svo_probe_options *options,
-                       svo_probe_info *info)
+svo_status svo_probes_plan(const svo_probe_options *options, svo_probe_info *info)
 {
+    static const char function[] = "svo_probes_plan";
     svo_probe_options asked;
     svo_probe_info planned;
-    SVO_I_TRY(svo_i_probes_plan(sight, function, options, &asked, &planned));
-    return svo_i_struct_write(svo_i_device_message(device_of(sight)), function, "info", &planned, info,
+    SVO_I_TRY(svo_i_probes_plan(function, options, &asked, &planned));
+    svo_device *device = asked.tree != NULL ? asked.tree->device : asked.scene->device;
+    return svo_i_struct_write(svo_i_device_message(device), function, "info", &planned, info,
                               SVO_I_STRUCT_SIZES(svo_probe_info, stage_ms));
-}
-
-svo_status svo_probes_plan(const svo_tree *tree, const svo_probe_options *options, svo_probe_info *info)
-{
-    const svo_i_sight sight = {tree, NULL};
-    return tree != NULL ? plan(&sight, "svo_probes_plan", options, info) : SVO_INVALID_ARGUMENT;
-}
-
-svo_status svo_probes_plan_scene(const svo_scene *scene, const svo_probe_options *options, svo_probe_info *info)
-{
-    const svo_i_sight sight = {NULL, scene};
-    return scene != NULL ? plan(&sight, "svo_probes_plan_scene", options, info) : SVO_INVALID_ARGUMENT;
 }

@@ -28,9 +28,9 @@ svo_status svo_i_sight_trace(svo_probes *probes, svo_i_device_work *work, cl_mem
 /* The most cells along a step among which a place is looked for. */
 #define SVO_I_PLACE_CELLS 16u
 
-/* Checks options, and fills in what the probes will be. */
-svo_status svo_i_probes_plan(const svo_i_sight *sight, const char *function, const svo_probe_options *options,
-                             svo_probe_options *asked, svo_probe_info *info);
+/* Checks options, which have one of tree and scene then, and fills in what the probes will be. */
+svo_status svo_i_probes_plan(const char *function, const svo_probe_options *options, svo_probe_options *asked,
+                             svo_probe_info *info);
 
 /* Rays of the largest launch. */
 static inline uint32_t svo_i_probes_band_rays(const svo_probe_info *info)

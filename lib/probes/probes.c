@@ -384,26 +384,30 @@ static svo_probes_params params_of(const svo_probe_info *info)
     return params;
 }
 
-/* probes: tree or scene, and device, are set. */
-static svo_status create(const svo_probes *of, const char *function, const svo_probe_options *options,
-                         cl_command_queue queue, svo_probes **out)
+svo_status svo_probes_create(const svo_probe_options *options, cl_command_queue queue, svo_probes **out)
 {
-    const svo_i_sight sight = {of->tree, of->scene};
+    static const char function[] = "svo_probes_create";
     svo_probe_options asked;
     svo_probe_info info;
-    SVO_I_TRY(svo_i_probes_plan(&sight, function, options, &asked, &info));
-    if (of->device == NULL) {
+    SVO_I_TRY(svo_i_probes_plan(function, options, &asked, &info));
+    svo_device *device = asked.tree != NULL ? asked.tree->device : asked.scene->device;
+    if (device == NULL) {
         return SVO_NOT_ON_DEVICE;
     }
-    svo_probes *probes = svo_i_alloc_zeroed(&of->device->memory, 1, sizeof *probes);
-    if (probes == NULL) {
-        return svo_i_device_fail(of->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for probes", function);
+    if (out == NULL) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: out is NULL", function);
     }
-    *probes = *of;
-    probes->light = asked.light;
-    probes->cones = asked.cones;
-    probes->info = info;
-    probes->params = params_of(&info);
+    svo_probes *probes = svo_i_alloc_zeroed(&device->memory, 1, sizeof *probes);
+    if (probes == NULL) {
+        return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for probes", function);
+    }
+    *probes = (svo_probes){.tree = asked.tree,
+                           .scene = asked.scene,
+                           .light = asked.light,
+                           .device = device,
+                           .info = info,
+                           .params = params_of(&info),
+                           .cones = asked.cones};
     probes->params.flags =
         (asked.light != NULL ? SVO_PROBES_FLAG_RADIANCE : 0) | (asked.diffuse != 0 ? SVO_PROBES_FLAG_DIFFUSE : 0);
     const svo_status status = run(probes, function, queue, asked.keep_places != 0);
@@ -413,29 +417,6 @@ static svo_status create(const svo_probes *of, const char *function, const svo_p
     }
     *out = probes;
     return SVO_OK;
-}
-
-svo_status svo_probes_create(svo_tree *tree, const svo_probe_options *options, cl_command_queue queue, svo_probes **out)
-{
-    static const char function[] = "svo_probes_create";
-    if (tree == NULL || out == NULL) {
-        return svo_i_device_fail(tree != NULL ? tree->device : NULL, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
-                                 tree == NULL ? "tree" : "out");
-    }
-    const svo_probes of = {.tree = tree, .device = tree->device};
-    return create(&of, function, options, queue, out);
-}
-
-svo_status svo_probes_create_scene(svo_scene *scene, const svo_probe_options *options, cl_command_queue queue,
-                                   svo_probes **out)
-{
-    static const char function[] = "svo_probes_create_scene";
-    if (scene == NULL || out == NULL) {
-        return svo_i_device_fail(scene != NULL ? scene->device : NULL, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
-                                 scene == NULL ? "scene" : "out");
-    }
-    const svo_probes of = {.scene = scene, .device = scene->device};
-    return create(&of, function, options, queue, out);
 }
 
 svo_status svo_probes_relight(svo_probes *probes, cl_command_queue queue)

@@ -22,6 +22,7 @@ extern const char svo_i_source_rays[];
 /* The BVH, derived from the tree's geometry. */
 typedef struct tree_bvh {
     svo_i_attachment attachment;
+    svo_tree *tree;
     svo_i_device_bvh bvh;
     uint32_t flags; /* SVO_RAY_FLAG_* */
     bool is_outdated; /* the geometry has changed since */
@@ -46,6 +47,7 @@ static void release_bvh(svo_i_attachment *attachment)
     }
     forget_refit(held);
     svo_i_bvh_release(&held->bvh);
+    held->tree->ray_bytes = 0;
     svo_i_free(held);
 }
 
@@ -111,6 +113,7 @@ static svo_status hold_bvh(svo_tree *tree, const char *function, tree_bvh **out)
         return svo_i_device_fail(tree->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the BVH", function);
     }
     (*out)->attachment = (svo_i_attachment){.destroy = release_bvh, .outdate = outdate_bvh};
+    (*out)->tree = tree;
     svo_i_attachment_add(&tree->derived, &(*out)->attachment);
     return SVO_OK;
 }
@@ -119,6 +122,7 @@ static void replace_bvh(tree_bvh *held, const svo_i_device_bvh *made, bool in_wo
 {
     svo_i_bvh_release(&held->bvh);
     held->bvh = *made;
+    held->tree->ray_bytes = made->node_bytes + made->leaf_bytes;
     held->is_outdated = false;
     held->flags = (in_world ? SVO_RAY_FLAG_WORLD : 0) | (made->clips ? SVO_RAY_FLAG_CLIP : 0);
 }
@@ -264,16 +268,6 @@ svo_status svo_i_rays_prepare(svo_tree *tree, const char *function, cl_command_q
     return svo_i_rays_buffers(tree).leaves != NULL ? SVO_OK : svo_i_rays_make(tree, function, queue, &options);
 }
 
-svo_status svo_tree_prepare_rays(svo_tree *tree, cl_command_queue queue)
-{
-    static const char function[] = "svo_tree_prepare_rays";
-    if (tree == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    SVO_I_TRY(svo_i_rays_check(tree, function));
-    return svo_i_rays_prepare(tree, function, queue);
-}
-
 svo_status svo_tree_make_bvh(svo_tree *tree, svo_bvh_quality quality, cl_command_queue queue)
 {
     static const char function[] = "svo_tree_make_bvh";
@@ -289,12 +283,6 @@ svo_status svo_tree_make_bvh(svo_tree *tree, svo_bvh_quality quality, cl_command
     const tree_bvh *held = find_bvh(tree);
     const bool is_made = held != NULL && held->bvh.leaves != NULL && held->bvh.quality == quality;
     return is_made ? SVO_OK : svo_i_rays_make(tree, function, queue, &options);
-}
-
-uint64_t svo_tree_ray_bytes(const svo_tree *tree)
-{
-    const svo_i_ray_buffers buffers = tree != NULL ? svo_i_rays_buffers(tree) : (svo_i_ray_buffers){.nodes = NULL};
-    return buffers.node_bytes + buffers.leaf_bytes;
 }
 
 svo_i_ray_buffers svo_i_rays_buffers(const svo_tree *tree)

@@ -78,7 +78,7 @@ def main():
     with svocl.Device() as device:
         print(device.name)
         with device.plan(mesh, 1) as probe:
-            depth = probe.ray_depth
+            depth = probe.info.ray_depth
         with device.build(mesh, depth, need=svocl.Need.RAYS) as tree:
             gray = sky(tree, mesh, arguments.rays)
     write_ply(arguments.output, mesh, gray)

@@ -77,8 +77,8 @@ STRUCTS = (
     ("svo_moving_object", "MovingObject"),
 )
 
-# OpenGL's, and those of enqueued builds; stage_times are stages.
-LEFT_OUT = {"struct_size", "reserved", "inner_nodes", "renderer", "stage_times"}
+# OpenGL's, and those of enqueued builds; stage_times are stages, and grid has what other fields have.
+LEFT_OUT = {"struct_size", "reserved", "inner_nodes", "renderer", "stage_times", "grid"}
 
 # Kinds that neither the type nor the words of a field name.
 KINDS = {
@@ -104,6 +104,9 @@ NAMES = {
     "svo_plan_create": "Device.plan",
     "svo_plan_options": "Device.plan",
     "svo_plan_count": "Plan.count",
+    "svo_plan_get_buffer": "Plan.buffers",
+    "svo_plan_get_kernels": "Plan.kernels",
+    "svo_plan_get_left_out": "Plan.left_out",
     "svo_tree_arrays": "TreeArrays",
     "svo_compact_plan": "of a plan",
     "svo_light_create": "making it",

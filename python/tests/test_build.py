@@ -40,7 +40,7 @@ def test_plan_lists_bytes_and_what_it_leaves_out(device, torus):
         reasons = {entry.what: entry.reason for entry in plan.left_out}
         assert reasons["normal"] == "it is not requested"
         assert {kernels.name for kernels in plan.kernels} >= {"voxelize", "subdivide"}
-        assert 1 <= plan.ray_depth <= 12
+        assert 1 <= plan.info.ray_depth <= 12
         text = str(plan)
         for buffer in plan.buffers:
             assert buffer.name in text and f"{buffer.bytes:,} bytes" in text
@@ -49,9 +49,9 @@ def test_plan_lists_bytes_and_what_it_leaves_out(device, torus):
         assert counted == plan.info.fragments > 0
         with plan.build() as tree:
             assert tree.info.fragments == tree.report.fragments == counted
-            assert sum(buffer.bytes for buffer in plan.buffers if buffer.persistent) == plan.tree_bytes
+            assert sum(buffer.bytes for buffer in plan.buffers if buffer.persistent) == plan.info.tree_bytes
             assert all(buffer.certainty == svocl.Certainty.EXACT for buffer in plan.buffers)
-            assert plan.peak_bytes >= plan.tree_bytes > 0
+            assert plan.info.peak_bytes >= plan.info.tree_bytes > 0
             assert {"grid", "compile", "voxelize", "subdivide"} <= set(tree.report.stages)
             assert all(stage.ms >= 0 and stage.clock in ("wall", "cl-event") for stage in tree.report.stages.values())
 

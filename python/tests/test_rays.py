@@ -120,6 +120,6 @@ def test_rays_need_lists(device, cube):
 
 def test_the_bvh_can_be_made_beforehand(device, torus):
     with device.build(torus, 4, need=svocl.Need.RAYS) as tree:
-        assert tree.ray_bytes == 0
+        assert tree.info.ray_bytes == 0
         tree.prepare_rays()
-        assert tree.ray_bytes > 0
+        assert tree.info.ray_bytes > 0

@@ -116,12 +116,16 @@ typedef struct builder {
 
 static bool build(builder *b, const svo_mesh_buffers *mesh)
 {
-    bool done = svo_gl_context_wrap(find_function, NULL, &b->context, &b->message) == SVO_OK &&
+    const svo_gl_context_options current = {
+        .struct_size = sizeof current, .kind = SVO_GL_WRAPPED, .get_proc_address = find_function};
+    svo_device_info on = SVO_DEVICE_INFO_INIT;
+    bool done = svo_gl_context_create(&current, &b->context, &b->message) == SVO_OK &&
                 svo_gl_device_create(b->context, NULL, NULL, &b->device, &b->message) == SVO_OK &&
                 svo_gl_mesh_read(mesh, b->context, 0, NULL, &b->mesh, &b->message) == SVO_OK &&
-                svo_gl_create(b->device, b->context, NULL, &b->gl) == SVO_OK;
+                svo_gl_create(b->device, b->context, NULL, &b->gl) == SVO_OK &&
+                svo_device_get_info(b->device, &on) == SVO_OK;
     if (done)
-        b->queue = clCreateCommandQueue(svo_device_cl_context(b->device), svo_device_cl_device(b->device), 0, NULL);
+        b->queue = clCreateCommandQueue(on.context, on.device, 0, NULL);
     svo_build_report report = SVO_BUILD_REPORT_INIT;
     svo_tree_info info = SVO_TREE_INFO_INIT;
     done = b->queue != NULL && svo_plan_create(b->device, svo_mesh_copy_get(b->mesh), 7, NULL, &b->plan) == SVO_OK &&

@@ -95,10 +95,10 @@ static void move_to(int frame)
 
 static bool prepare(cloth *c, svo_message *message)
 {
-    if (svo_device_create_default(NULL, &c->device, message) != SVO_OK)
+    svo_device_info on = SVO_DEVICE_INFO_INIT;
+    if (svo_device_create_default(NULL, &c->device, message) != SVO_OK || svo_device_get_info(c->device, &on) != SVO_OK)
         return false;
-    c->queue = clCreateCommandQueue(svo_device_cl_context(c->device), svo_device_cl_device(c->device),
-                                    CL_QUEUE_PROFILING_ENABLE, NULL);
+    c->queue = clCreateCommandQueue(on.context, on.device, CL_QUEUE_PROFILING_ENABLE, NULL);
     move_to(0);
     return c->queue != NULL && svo_frontend_create_cl(c->device, &c->frontend) == SVO_OK &&
            svo_plan_create(c->device, &mesh, DEPTH, &options, &c->plan) == SVO_OK &&

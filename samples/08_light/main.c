@@ -61,17 +61,16 @@ static void make_ring(float *positions, uint32_t *indices)
 }
 
 /* svocl's sources come before the program's. The arguments come in the order of the kernel's parameters. */
-static cl_kernel make_kernel(const svo_device *device, svo_tree *tree, svo_light *light, cl_mem picture)
+static cl_kernel make_kernel(const svo_device_info *on, svo_tree *tree, svo_light *light, cl_mem picture)
 {
     const char *sources[3] = {svo_kernel_source(svo_tree_target(tree)), svo_kernel_source(svo_light_target(light)),
                               kernel_source};
-    const cl_device_id id = svo_device_cl_device(device);
     const cl_uint width = WIDTH;
     const cl_uint height = HEIGHT;
-    cl_program program = clCreateProgramWithSource(svo_device_cl_context(device), 3, sources, NULL, NULL);
+    cl_program program = clCreateProgramWithSource(on->context, 3, sources, NULL, NULL);
     cl_kernel kernel = NULL;
     if (program != NULL &&
-        clBuildProgram(program, 1, &id, svo_kernel_options(svo_light_target(light)), NULL, NULL) == CL_SUCCESS)
+        clBuildProgram(program, 1, &on->device, svo_kernel_options(svo_light_target(light)), NULL, NULL) == CL_SUCCESS)
         kernel = clCreateKernel(program, "shade", NULL);
     if (kernel != NULL &&
         (svo_kernel_set_arguments(svo_tree_target(tree), kernel, 0) != SVO_OK ||
@@ -105,13 +104,13 @@ static void print_picture(const unsigned char *picture)
     printf("%u letters of the ring, %u in its shadow, %u in its soft edge\n", ring, shaded, half);
 }
 
-static bool draw(const svo_device *device, svo_tree *tree, svo_light *light, cl_command_queue queue)
+static bool draw(const svo_device_info *on, svo_tree *tree, svo_light *light, cl_command_queue queue)
 {
     unsigned char pixels[WIDTH * HEIGHT];
     const size_t size[2] = {WIDTH, HEIGHT};
     const size_t group[2] = {WIDTH, 1};
-    cl_mem picture = clCreateBuffer(svo_device_cl_context(device), CL_MEM_WRITE_ONLY, sizeof pixels, NULL, NULL);
-    cl_kernel kernel = picture != NULL ? make_kernel(device, tree, light, picture) : NULL;
+    cl_mem picture = clCreateBuffer(on->context, CL_MEM_WRITE_ONLY, sizeof pixels, NULL, NULL);
+    cl_kernel kernel = picture != NULL ? make_kernel(on, tree, light, picture) : NULL;
     const bool drawn =
         kernel != NULL && clEnqueueNDRangeKernel(queue, kernel, 2, NULL, size, group, 0, NULL, NULL) == CL_SUCCESS &&
         clEnqueueReadBuffer(queue, picture, CL_TRUE, 0, sizeof pixels, pixels, 0, NULL, NULL) == CL_SUCCESS;
@@ -137,18 +136,20 @@ int main(void)
                                       .need = SVO_NEED_NORMAL | SVO_NEED_RAYS | SVO_NEED_PROJECTED_AREA};
     svo_message message = {"an OpenCL call of the program failed"};
     svo_device *device = NULL;
+    svo_device_info on = SVO_DEVICE_INFO_INIT;
     cl_command_queue queue = NULL;
     svo_plan *plan = NULL;
     svo_tree *tree = NULL;
     svo_light *light = NULL;
 
     make_ring(positions, indices);
-    bool done = svo_device_create_default(NULL, &device, &message) == SVO_OK;
+    bool done =
+        svo_device_create_default(NULL, &device, &message) == SVO_OK && svo_device_get_info(device, &on) == SVO_OK;
     if (done)
-        queue = clCreateCommandQueue(svo_device_cl_context(device), svo_device_cl_device(device), 0, NULL);
+        queue = clCreateCommandQueue(on.context, on.device, 0, NULL);
     done = queue != NULL && svo_plan_create(device, &ring, 6, &options, &plan) == SVO_OK &&
            svo_build(plan, NULL, queue, &tree, NULL) == SVO_OK &&
-           svo_light_create(tree, NULL, queue, &light) == SVO_OK && draw(device, tree, light, queue);
+           svo_light_create(tree, NULL, queue, &light) == SVO_OK && draw(&on, tree, light, queue);
     if (!done)
         fprintf(stderr, "%s\n",
                 device != NULL && svo_device_message(device)[0] != '\0' ? svo_device_message(device) : message.text);

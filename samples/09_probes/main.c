@@ -43,16 +43,15 @@ static void make_box(const float corners[2][3], bool inwards, float *positions, 
 }
 
 /* svocl's source comes before the program's, and the probes' arguments come before the kernel's own. */
-static cl_kernel make_kernel(const svo_device *device, svo_probes *probes, cl_mem picture)
+static cl_kernel make_kernel(const svo_device_info *on, svo_probes *probes, cl_mem picture)
 {
     const char *sources[2] = {svo_kernel_source(svo_probes_target(probes)), kernel_source};
-    const cl_device_id id = svo_device_cl_device(device);
     const cl_uint width = WIDTH;
     const cl_uint height = HEIGHT;
-    cl_program program = clCreateProgramWithSource(svo_device_cl_context(device), 2, sources, NULL, NULL);
+    cl_program program = clCreateProgramWithSource(on->context, 2, sources, NULL, NULL);
     cl_kernel kernel = NULL;
-    if (program != NULL &&
-        clBuildProgram(program, 1, &id, svo_kernel_options(svo_probes_target(probes)), NULL, NULL) == CL_SUCCESS)
+    if (program != NULL && clBuildProgram(program, 1, &on->device, svo_kernel_options(svo_probes_target(probes)), NULL,
+                                          NULL) == CL_SUCCESS)
         kernel = clCreateKernel(program, "look", NULL);
     if (kernel != NULL &&
         (svo_kernel_set_arguments(svo_probes_target(probes), kernel, 0) != SVO_OK ||
@@ -81,13 +80,13 @@ static void print_picture(const unsigned char *picture)
     printf("%u letters in front, %u behind, %u unknown\n", counts[0], counts[1], counts[2]);
 }
 
-static bool draw(const svo_device *device, svo_probes *probes, cl_command_queue queue)
+static bool draw(const svo_device_info *on, svo_probes *probes, cl_command_queue queue)
 {
     unsigned char pixels[WIDTH * HEIGHT];
     const size_t size[2] = {WIDTH, HEIGHT};
     const size_t group[2] = {WIDTH, 1};
-    cl_mem picture = clCreateBuffer(svo_device_cl_context(device), CL_MEM_WRITE_ONLY, sizeof pixels, NULL, NULL);
-    cl_kernel kernel = picture != NULL ? make_kernel(device, probes, picture) : NULL;
+    cl_mem picture = clCreateBuffer(on->context, CL_MEM_WRITE_ONLY, sizeof pixels, NULL, NULL);
+    cl_kernel kernel = picture != NULL ? make_kernel(on, probes, picture) : NULL;
     const bool drawn =
         kernel != NULL && clEnqueueNDRangeKernel(queue, kernel, 2, NULL, size, group, 0, NULL, NULL) == CL_SUCCESS &&
         clEnqueueReadBuffer(queue, picture, CL_TRUE, 0, sizeof pixels, pixels, 0, NULL, NULL) == CL_SUCCESS;
@@ -110,9 +109,10 @@ int main(void)
                            .indices = indices,
                            .triangle_count = 24};
     const svo_plan_options options = {.struct_size = sizeof options, .need = SVO_NEED_RAYS};
-    const svo_probe_options grid = {.struct_size = sizeof grid, .counts = {3, 3, 3}, .resolution = 256};
+    svo_probe_options grid = {.struct_size = sizeof grid, .counts = {3, 3, 3}, .resolution = 256};
     svo_message message = {"an OpenCL call of the program failed"};
     svo_device *device = NULL;
+    svo_device_info on = SVO_DEVICE_INFO_INIT;
     cl_command_queue queue = NULL;
     svo_plan *plan = NULL;
     svo_tree *tree = NULL;
@@ -122,12 +122,14 @@ int main(void)
     make_box((const float[2][3]){{2.5F, 0, 4}, {5, 3.5F, 5.5F}}, false, positions + 24, indices + 36);
     for (int i = 36; i < 72; ++i) /* the block's corners stand behind the room's */
         indices[i] += 8;
-    bool done = svo_device_create_default(NULL, &device, &message) == SVO_OK;
+    bool done =
+        svo_device_create_default(NULL, &device, &message) == SVO_OK && svo_device_get_info(device, &on) == SVO_OK;
     if (done)
-        queue = clCreateCommandQueue(svo_device_cl_context(device), svo_device_cl_device(device), 0, NULL);
+        queue = clCreateCommandQueue(on.context, on.device, 0, NULL);
     done = queue != NULL && svo_plan_create(device, &room, 6, &options, &plan) == SVO_OK &&
-           svo_build(plan, NULL, queue, &tree, NULL) == SVO_OK &&
-           svo_probes_create(tree, &grid, queue, &probes) == SVO_OK && draw(device, probes, queue);
+           svo_build(plan, NULL, queue, &tree, NULL) == SVO_OK;
+    grid.tree = tree;
+    done = done && svo_probes_create(&grid, queue, &probes) == SVO_OK && draw(&on, probes, queue);
     if (!done)
         fprintf(stderr, "%s\n",
                 device != NULL && svo_device_message(device)[0] != '\0' ? svo_device_message(device) : message.text);

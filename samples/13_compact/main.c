@@ -31,6 +31,7 @@ static const char kernel_source[] =
 
 typedef struct work {
     svo_device *device;
+    svo_device_info on;
     cl_command_queue queue;
     svo_tree *tree;
     cl_mem rays, hits; /* buffers for the kernel */
@@ -89,7 +90,7 @@ static bool build_pyramid(work *state)
 /* Parallel rays from above, a little slanted; some pass beside the pyramid. */
 static bool make_rays(work *state)
 {
-    const cl_context context = svo_device_cl_context(state->device);
+    const cl_context context = state->on.context;
     svo_ray *rays = calloc(RAYS, sizeof *rays);
     if (rays == NULL)
         return false;
@@ -112,11 +113,10 @@ static bool make_rays(work *state)
 static cl_kernel make_kernel(const work *state, svo_compact *compact)
 {
     const char *sources[2] = {svo_kernel_source(svo_compact_target(compact)), kernel_source};
-    const cl_device_id id = svo_device_cl_device(state->device);
-    cl_program program = clCreateProgramWithSource(svo_device_cl_context(state->device), 2, sources, NULL, NULL);
+    cl_program program = clCreateProgramWithSource(state->on.context, 2, sources, NULL, NULL);
     cl_kernel kernel = NULL;
-    if (program != NULL &&
-        clBuildProgram(program, 1, &id, svo_kernel_options(svo_compact_target(compact)), NULL, NULL) == CL_SUCCESS)
+    if (program != NULL && clBuildProgram(program, 1, &state->on.device,
+                                          svo_kernel_options(svo_compact_target(compact)), NULL, NULL) == CL_SUCCESS)
         kernel = clCreateKernel(program, "look", NULL);
     if (program != NULL)
         clReleaseProgram(program);
@@ -223,8 +223,7 @@ static bool show_file(work *state)
 
 static bool run(work *state)
 {
-    state->queue =
-        clCreateCommandQueue(svo_device_cl_context(state->device), svo_device_cl_device(state->device), 0, NULL);
+    state->queue = clCreateCommandQueue(state->on.context, state->on.device, 0, NULL);
     bool done = state->queue != NULL && build_pyramid(state) && make_rays(state) && print_tree(state);
     for (int form = 0; form < SVO_FORM_COUNT && done; ++form) {
         done = show_form(state, (svo_form)form, false);
@@ -234,8 +233,9 @@ static bool run(work *state)
 
 int main(void)
 {
-    static work state;
-    const bool done = svo_device_create_default(NULL, &state.device, &state.message) == SVO_OK && run(&state);
+    static work state = {.on = SVO_DEVICE_INFO_INIT};
+    const bool done = svo_device_create_default(NULL, &state.device, &state.message) == SVO_OK &&
+                      svo_device_get_info(state.device, &state.on) == SVO_OK && run(&state);
     if (!done) {
         const char *text = state.message.text;
         if (text[0] == '\0' && state.device != NULL)

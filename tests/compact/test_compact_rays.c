@@ -18,6 +18,7 @@
 #include "core/tree.h"
 #include "scenes.h"
 #include "support/fixture.h"
+#include "support/info_of.h"
 #include "support/meshes.h"
 #include "support/suite.h"
 
@@ -79,8 +80,8 @@ static found *follow(const fixture *opened, svo_tree *tree, svo_compact *compact
     const char *options =
         built_tree ? svo_kernel_options(svo_tree_target(NULL)) : svo_kernel_options(svo_compact_target(compact));
     const cl_uint argument_count = built_tree ? SVO_TREE_ARGUMENTS : SVO_COMPACT_ARGUMENTS;
-    const cl_context context = svo_device_cl_context(opened->device);
-    const cl_device_id device = svo_device_cl_device(opened->device);
+    const cl_context context = info_of_device(opened->device).context;
+    const cl_device_id device = info_of_device(opened->device).device;
     const size_t items = RAY_COUNT;
     cl_int error = CL_SUCCESS;
     found *out = calloc(RAY_COUNT, sizeof *out);
@@ -245,7 +246,7 @@ static void check_scene(const fixture *opened, const char *spec, uint32_t depth,
     built tree;
     fixture_build(opened, scene_mesh(made), depth, options, &tree);
     svo_ray *rays = make_rays(&tree.info);
-    cl_mem buffer = clCreateBuffer(svo_device_cl_context(opened->device), CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR,
+    cl_mem buffer = clCreateBuffer(info_of_device(opened->device).context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR,
                                    RAY_COUNT * sizeof *rays, rays, &error);
     assert_int_equal(error, CL_SUCCESS);
     found *expected = follow(opened, tree.tree, NULL, buffer, footprint);
@@ -298,7 +299,7 @@ static void merged_leaves_are_met_at_the_same_distance(void **state)
     built tree;
     fixture_build(&opened, scene_mesh(made), 7, &(svo_plan_options){.need = SVO_NEED_NONE}, &tree);
     svo_ray *rays = make_rays(&tree.info);
-    cl_mem buffer = clCreateBuffer(svo_device_cl_context(opened.device), CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR,
+    cl_mem buffer = clCreateBuffer(info_of_device(opened.device).context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR,
                                    RAY_COUNT * sizeof *rays, rays, &error);
     assert_int_equal(error, CL_SUCCESS);
     found *expected = follow(&opened, tree.tree, NULL, buffer, 0.0F);

@@ -19,6 +19,7 @@
 #include "plan/configuration.h"
 #include "scenes.h"
 #include "support/fixture.h"
+#include "support/info_of.h"
 #ifdef HAVE_IO
 #include "support/suite.h"
 #include "svocl/io.h"
@@ -65,7 +66,7 @@ static svo_device *open_other(const fixture *opened)
 {
     svo_device *other = NULL;
     svo_message message = {""};
-    if (svo_device_create(svo_device_cl_context(opened->device), svo_device_cl_device(opened->device), NULL, &other,
+    if (svo_device_create(info_of_device(opened->device).context, info_of_device(opened->device).device, NULL, &other,
                           &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
@@ -110,16 +111,16 @@ static void devices_by_name_and_index(void **state)
     svo_message message = {""};
     svo_device_options options = {.struct_size = sizeof options, .device_name = "0.0"};
     assert_int_equal(svo_device_create_default(&options, &device, &message), SVO_OK);
-    char *name = svo_i_copy_text(NULL, svo_device_name(device));
+    char *name = svo_i_copy_text(NULL, info_of_device(device).name);
     assert_non_null(name);
-    assert_true(svo_device_compile_ms(device) == 0);
+    assert_true(info_of_device(device).compile_ms == 0);
     svo_device_destroy(&device);
     options.device_name = name + strlen(name) / 2; /* from within the name on */
     assert_int_equal(svo_device_create_default(&options, &device, &message), SVO_OK);
-    assert_string_equal(svo_device_name(device), name);
+    assert_string_equal(info_of_device(device).name, name);
     svo_device_destroy(&device);
     svo_i_free(name);
-    assert_int_equal(svo_device_create(NULL, svo_device_cl_device(opened.device), NULL, &device, &message),
+    assert_int_equal(svo_device_create(NULL, info_of_device(opened.device).device, NULL, &device, &message),
                      SVO_INVALID_ARGUMENT);
     assert_string_equal(message.text, "svo_device_create: context, device or out is NULL");
     assert_null(device);

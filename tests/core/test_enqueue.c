@@ -19,6 +19,7 @@
 #include "core/tree.h"
 #include "scenes.h"
 #include "support/fixture.h"
+#include "support/info_of.h"
 #include "support/suite.h"
 #include "svocl/light.h"
 #include "svocl/moving.h"
@@ -80,7 +81,8 @@ static subjects make_subjects(void **state)
     probes.cones = 1;
     probes.diffuse = 1;
     probes.light = of.light;
-    succeed(&of, svo_probes_create(of.tree, &probes, queue, &of.probes));
+    probes.tree = of.tree;
+    succeed(&of, svo_probes_create(&probes, queue, &of.probes));
     return of;
 }
 
@@ -167,7 +169,7 @@ static cl_mem make_memory(const subjects *of, cl_mem_flags flags, int byte)
 {
     unsigned char bytes[COUNT * RECORD_BYTES];
     memset(bytes, byte, sizeof bytes);
-    cl_mem made = clCreateBuffer(svo_device_cl_context(of->opened.device), flags | CL_MEM_COPY_HOST_PTR, sizeof bytes,
+    cl_mem made = clCreateBuffer(info_of_device(of->opened.device).context, flags | CL_MEM_COPY_HOST_PTR, sizeof bytes,
                                  bytes, NULL);
     assert_non_null(made);
     return made;
@@ -367,7 +369,7 @@ static svo_status draw_light(subjects *of, cl_mem pixels, cl_command_queue queue
 static void draw(subjects *of, enqueue_picture *call, cl_command_queue queue, uint8_t rgba[PIXELS_BYTES])
 {
     cl_mem pixels =
-        clCreateBuffer(svo_device_cl_context(of->opened.device), CL_MEM_READ_WRITE, PIXELS_BYTES, NULL, NULL);
+        clCreateBuffer(info_of_device(of->opened.device).context, CL_MEM_READ_WRITE, PIXELS_BYTES, NULL, NULL);
     cl_event event = NULL;
     assert_non_null(pixels);
     succeed(of, call(of, pixels, queue, &event));
@@ -491,7 +493,9 @@ static void what_is_on_no_device_is_refused_with_words(void **state)
     assert_int_equal(svo_tree_nearest(of.tree, svo_in_host(&point), svo_in_host(&near_point), 1, NULL),
                      SVO_NOT_ON_DEVICE);
     assert_int_equal(svo_light_create(of.tree, NULL, NULL, &light), SVO_NOT_ON_DEVICE);
-    assert_int_equal(svo_probes_create(of.tree, NULL, NULL, &probes), SVO_NOT_ON_DEVICE);
+    assert_int_equal(svo_probes_create(&(svo_probe_options){.struct_size = sizeof(svo_probe_options), .tree = of.tree},
+                                       NULL, &probes),
+                     SVO_NOT_ON_DEVICE);
     assert_int_equal(svo_solid_create(of.tree, NULL, NULL, &solid, NULL), SVO_NOT_ON_DEVICE);
     assert_int_equal(svo_tree_refit_bvh(of.tree, &(svo_submit){.queue = NULL}), SVO_NOT_ON_DEVICE);
     assert_int_equal(

@@ -15,6 +15,7 @@
 #include "core/tree.h"
 #include "scenes.h"
 #include "support/fixture.h"
+#include "support/info_of.h"
 #include "support/suite.h"
 
 #define DEPTH 4
@@ -58,7 +59,7 @@ static cl_kernel make_kernel(cl_context context, cl_device_id device)
 
 static foreigner make_foreigner(const fixture *opened)
 {
-    const cl_device_id device = svo_device_cl_device(opened->device);
+    const cl_device_id device = info_of_device(opened->device).device;
     foreigner made = {.context = clCreateContext(NULL, 1, &device, NULL, NULL, NULL)};
     assert_non_null(made.context);
     made.queue = clCreateCommandQueue(made.context, device, 0, NULL);
@@ -93,7 +94,7 @@ static native make_native(const fixture *opened)
     native made = {.opened = opened};
     const svo_plan_options options = {.struct_size = sizeof options, .need = SVO_NEED_ALL};
     struct scene *cube = fixture_scene("cube");
-    const cl_context context = svo_device_cl_context(opened->device);
+    const cl_context context = info_of_device(opened->device).context;
     made.memory = clCreateBuffer(context, CL_MEM_READ_WRITE, MEMORY_BYTES, NULL, NULL);
     assert_non_null(made.memory);
     const cl_image_format format = {CL_RGBA, CL_UNSIGNED_INT8};
@@ -101,7 +102,7 @@ static native make_native(const fixture *opened)
     made.image = clCreateImage(context, CL_MEM_READ_WRITE, &format, &shape, NULL, NULL); /* NULL without images */
     succeed(&made, svo_plan_create(opened->device, scene_mesh(cube), DEPTH, &options, &made.plan));
     succeed(&made, svo_build(made.plan, opened->frontend, opened->queue, &made.tree, NULL));
-    succeed(&made, svo_tree_prepare_rays(made.tree, opened->queue));
+    succeed(&made, svo_tree_make_bvh(made.tree, SVO_BVH_BEST, opened->queue));
     scene_destroy(&cube);
     return made;
 }
@@ -166,7 +167,6 @@ static void queues_of_another_context_are_refused(void **state)
     assert_null(unmade);
     assert_null(workspace);
     succeed(&own, svo_build(own.plan, opened.frontend, opened.queue, &unmade, NULL));
-    REFUSED(svo_tree_prepare_rays, unmade, queue);
     REFUSED(svo_tree_make_bvh, unmade, SVO_BVH_FAST, queue);
     svo_tree_destroy(&unmade);
     unmade = svo_i_tree_new(NULL); /* like one from a file: on no device yet */
@@ -271,7 +271,7 @@ static void events_of_another_context_are_refused(void **state)
     foreigner other = make_foreigner(&opened);
     const cl_command_queue queue = opened.queue;
     const cl_mem mine = own.memory;
-    cl_event right = clCreateUserEvent(svo_device_cl_context(opened.device), NULL);
+    cl_event right = clCreateUserEvent(info_of_device(opened.device).context, NULL);
     clSetUserEventStatus(right, CL_COMPLETE);
     const cl_event waits[2] = {right, other.event};
     cl_event done = NULL;
@@ -347,7 +347,7 @@ static void meshes_of_another_context_are_refused(void **state)
 static void queues_of_another_device_are_refused(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
-    const cl_device_id whole = svo_device_cl_device(opened.device);
+    const cl_device_id whole = info_of_device(opened.device).device;
     const cl_device_partition_property halves[] = {CL_DEVICE_PARTITION_BY_COUNTS, 1, 1,
                                                    CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
     cl_device_id parts[2] = {NULL, NULL};

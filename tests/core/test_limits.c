@@ -16,6 +16,7 @@
 #include "support/attributed_mesh.h"
 #include "support/counting.h"
 #include "support/fixture.h"
+#include "support/info_of.h"
 #include "support/meshes.h"
 #include "support/suite.h"
 
@@ -27,7 +28,7 @@ static svo_device *limited_device(const fixture *opened, uint64_t max_bytes)
     const svo_device_options options = {.struct_size = sizeof options, .max_device_bytes = max_bytes};
     svo_device *device = NULL;
     svo_message message = {""};
-    if (svo_device_create(svo_device_cl_context(opened->device), svo_device_cl_device(opened->device), &options,
+    if (svo_device_create(info_of_device(opened->device).context, info_of_device(opened->device).device, &options,
                           &device, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
@@ -70,10 +71,10 @@ static void measure_build(const fixture *opened, const svo_mesh *mesh, uint64_t 
 {
     svo_tree *tree = NULL;
     svo_plan *plan = plan_of(opened->device, mesh, 0);
-    *peak_bytes = svo_plan_peak_bytes(plan);
+    *peak_bytes = info_of_plan(plan).peak_bytes;
     succeed(opened->device, svo_build(plan, NULL, NULL, &tree, NULL));
-    *peak_bytes = svo_plan_peak_bytes(plan) > *peak_bytes ? svo_plan_peak_bytes(plan) : *peak_bytes;
-    *tree_bytes = svo_plan_tree_bytes(plan);
+    *peak_bytes = info_of_plan(plan).peak_bytes > *peak_bytes ? info_of_plan(plan).peak_bytes : *peak_bytes;
+    *tree_bytes = info_of_plan(plan).tree_bytes;
     succeed(opened->device, svo_tree_download(tree, NULL));
     succeed(opened->device, svo_tree_hash(tree, SVO_HASH_ALL, hash));
     svo_tree_destroy(&tree);
@@ -86,7 +87,7 @@ static void a_plan_above_the_budget_is_refused_beforehand(void **state)
     attributed_mesh made;
     attributed_mesh_create(6, 300, 0.1, &made);
     svo_plan *plan = plan_of(opened.device, &made.mesh, 0);
-    const uint64_t predicted_bytes = svo_plan_peak_bytes(plan);
+    const uint64_t predicted_bytes = info_of_plan(plan).peak_bytes;
     svo_plan_destroy(&plan);
     char words[128];
     snprintf(words, sizeof words, "svo_build: the scene needs about %s at depth %d", svo_i_bytes(predicted_bytes).text,
@@ -144,11 +145,11 @@ static void a_list_does_not_grow_beyond_the_budget(void **state)
     svo_tree *tree = NULL;
     corner_mesh(24, &corners); /* many times the fragments of the estimate */
     svo_plan *plan = plan_of(opened.device, &corners.mesh, 100);
-    const uint64_t max_bytes = svo_plan_peak_bytes(plan);
+    const uint64_t max_bytes = info_of_plan(plan).peak_bytes;
     svo_build_report report = SVO_BUILD_REPORT_INIT;
     succeed(opened.device, svo_build(plan, NULL, NULL, &tree, &report));
     assert_true(report.reruns > 0);
-    assert_true(svo_plan_peak_bytes(plan) > max_bytes);
+    assert_true(info_of_plan(plan).peak_bytes > max_bytes);
     svo_tree_destroy(&tree);
     svo_plan_destroy(&plan);
     svo_device *device = limited_device(&opened, max_bytes);
@@ -203,7 +204,7 @@ static void threads_are_limited(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
     cl_uint units = 0;
-    clGetDeviceInfo(svo_device_cl_device(opened.device), CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, NULL);
+    clGetDeviceInfo(info_of_device(opened.device).device, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, NULL);
     if (units < 2) {
         print_message("skipped: the device has one compute unit\n");
         skip();
@@ -228,7 +229,7 @@ static void threads_are_limited(void **state)
             fail_msg("%s", message.text);
         }
         cl_uint limited_units = 0;
-        clGetDeviceInfo(svo_device_cl_device(limited.device), CL_DEVICE_MAX_COMPUTE_UNITS, sizeof limited_units,
+        clGetDeviceInfo(info_of_device(limited.device).device, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof limited_units,
                         &limited_units, NULL);
         assert_int_equal(limited_units, threads < units ? threads : units);
         measure_build(&limited, &made.mesh, &bytes, &bytes, actual);
@@ -255,7 +256,7 @@ static void a_part_of_a_device_outlives_its_handles(void **state)
         if (status != SVO_OK) {
             fail_msg("%s", message.text);
         }
-        parts[i] = svo_device_cl_device(device);
+        parts[i] = info_of_device(device).device;
         svo_device_destroy(&device);
     }
     cl_uint units = 0;
@@ -270,7 +271,7 @@ static void a_callers_device_takes_no_limit_of_threads(void **state)
     const svo_device_options options = {.struct_size = sizeof options, .max_threads = 1};
     svo_device *device = NULL;
     svo_message message = {""};
-    assert_int_equal(svo_device_create(svo_device_cl_context(opened.device), svo_device_cl_device(opened.device),
+    assert_int_equal(svo_device_create(info_of_device(opened.device).context, info_of_device(opened.device).device,
                                        &options, &device, &message),
                      SVO_INVALID_ARGUMENT);
     assert_null(device);

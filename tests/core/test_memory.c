@@ -21,6 +21,8 @@
 #include "core/memory.h"
 #include "memory_voxels.h"
 #include "support/attributed_mesh.h"
+#include "support/gl_contexts.h"
+#include "support/info_of.h"
 #include "support/memory_ledger.h"
 #include "support/work_folder.h"
 #include "svocl/io.h"
@@ -146,7 +148,7 @@ static svo_status run_create(subject *of)
     const svo_device_options options = {.struct_size = sizeof options, .memory = &ledger_callbacks};
     SVO_I_TRY(make_device(of, UINT64_C(1) << 30));
     TRY_DEVICE(svo_frontend_create_cl(of->device, &of->frontend));
-    const svo_status status = svo_device_create(svo_device_cl_context(of->device), svo_device_cl_device(of->device),
+    const svo_status status = svo_device_create(info_of_device(of->device).context, info_of_device(of->device).device,
                                                 &options, &second, &of->message);
     svo_device_destroy(&second);
     return status;
@@ -184,7 +186,7 @@ static svo_status run_workspace(subject *of)
 static svo_status prepare_workspace(subject *of)
 {
     SVO_I_TRY(prepare_plan(of));
-    of->queue = clCreateCommandQueue(svo_device_cl_context(of->device), svo_device_cl_device(of->device), 0, NULL);
+    of->queue = clCreateCommandQueue(info_of_device(of->device).context, info_of_device(of->device).device, 0, NULL);
     return of->queue != NULL ? SVO_OK : SVO_CL_ERROR;
 }
 
@@ -230,7 +232,7 @@ static svo_status run_load(subject *of)
     memset(&passing, 0, sizeof passing);
     SVO_I_TRY(status);
     TRY_DEVICE(svo_tree_upload(of->tree, of->device, NULL));
-    return of_device(of, svo_tree_prepare_rays(of->tree, NULL));
+    return of_device(of, svo_tree_make_bvh(of->tree, SVO_BVH_BEST, NULL));
 }
 
 /* From memory, into a tree that outlives everything else. */
@@ -259,7 +261,7 @@ static svo_status prepare_buffers(subject *of)
 {
     static const uint16_t corners[9] = {0, 1, 2, 0, 1, 2, 0, 1, 2};
     SVO_I_TRY(prepare_workspace(of));
-    of->positions = clCreateBuffer(svo_device_cl_context(of->device), CL_MEM_COPY_HOST_PTR, sizeof corners,
+    of->positions = clCreateBuffer(info_of_device(of->device).context, CL_MEM_COPY_HOST_PTR, sizeof corners,
                                    (void *)(uintptr_t)corners, NULL);
     return of->positions != NULL ? SVO_OK : SVO_CL_ERROR;
 }
@@ -348,13 +350,14 @@ static svo_status run_kernels(subject *of)
 static svo_status run_context(subject *of)
 {
     const svo_gl_context_options options = {.struct_size = sizeof options, .memory = &ledger_callbacks};
-    return svo_gl_context_create_with(SVO_GL_SURFACELESS, 0, &options, &of->context, &of->message);
+    return svo_gl_context_create(&options, &of->context, &of->message);
 }
 
 static svo_status run_named_context(subject *of)
 {
-    const svo_gl_context_options options = {.struct_size = sizeof options, .memory = &ledger_callbacks};
-    return svo_gl_context_create_named_with("llvmpipe", &options, &of->context, &of->message);
+    const svo_gl_context_options options = {
+        .struct_size = sizeof options, .memory = &ledger_callbacks, .device_name = "llvmpipe"};
+    return svo_gl_context_create(&options, &of->context, &of->message);
 }
 
 static svo_status prepare_gl(subject *of)
@@ -443,10 +446,9 @@ static bool can_run(const scenario *of)
 #ifdef HAVE_GL
     svo_gl_context *context = NULL;
     const bool needs_gl = of->run == run_context || of->run == run_named_context || of->run == run_gl;
-    const svo_status status = !needs_gl ? SVO_OK
-                              : of->run == run_named_context
-                                  ? svo_gl_context_create_named("llvmpipe", &context, NULL)
-                                  : svo_gl_context_create(SVO_GL_SURFACELESS, 0, &context, NULL);
+    const svo_status status = !needs_gl                      ? SVO_OK
+                              : of->run == run_named_context ? context_of_name("llvmpipe", &context, NULL)
+                                                             : context_of_kind(SVO_GL_SURFACELESS, 0, &context, NULL);
     svo_gl_context_destroy(&context);
     return status == SVO_OK;
 #else
@@ -520,7 +522,7 @@ static svo_status use_in_device(const svo_memory_callbacks *memory, svo_message 
     assert_int_equal(make_device(&s, 0), SVO_OK);
     svo_device *made = NULL;
     const svo_status status =
-        svo_device_create(svo_device_cl_context(s.device), svo_device_cl_device(s.device), &options, &made, message);
+        svo_device_create(info_of_device(s.device).context, info_of_device(s.device).device, &options, &made, message);
     svo_device_destroy(&made);
     release_all(&s);
     return status;
@@ -602,16 +604,16 @@ static svo_status use_in_context(const svo_memory_callbacks *memory, svo_message
 {
     const svo_gl_context_options options = {.struct_size = sizeof options, .memory = memory};
     svo_gl_context *made = NULL;
-    const svo_status status = svo_gl_context_create_with(SVO_GL_SURFACELESS, 0, &options, &made, message);
+    const svo_status status = svo_gl_context_create(&options, &made, message);
     svo_gl_context_destroy(&made);
     return status == SVO_NO_GL ? SVO_OK : status;
 }
 
 static svo_status use_in_named_context(const svo_memory_callbacks *memory, svo_message *message)
 {
-    const svo_gl_context_options options = {.struct_size = sizeof options, .memory = memory};
+    const svo_gl_context_options options = {.struct_size = sizeof options, .memory = memory, .device_name = "0"};
     svo_gl_context *made = NULL;
-    const svo_status status = svo_gl_context_create_named_with("0", &options, &made, message);
+    const svo_status status = svo_gl_context_create(&options, &made, message);
     svo_gl_context_destroy(&made);
     return status == SVO_NO_GL ? SVO_OK : status;
 }
@@ -625,9 +627,10 @@ static svo_gl_function no_function(void *user, const char *name)
 
 static svo_status use_in_wrap(const svo_memory_callbacks *memory, svo_message *message)
 {
-    const svo_gl_context_options options = {.struct_size = sizeof options, .memory = memory};
+    const svo_gl_context_options options = {
+        .struct_size = sizeof options, .memory = memory, .kind = SVO_GL_WRAPPED, .get_proc_address = no_function};
     svo_gl_context *made = NULL;
-    const svo_status status = svo_gl_context_wrap_with(no_function, NULL, &options, &made, message);
+    const svo_status status = svo_gl_context_create(&options, &made, message);
     return status == SVO_NO_GL ? SVO_OK : status;
 }
 #endif
@@ -648,7 +651,7 @@ static const struct {
 #ifdef HAVE_GL
     {use_in_context, "svo_gl_context_create", "options.memory"},
     {use_in_named_context, "svo_gl_context_create", "options.memory"},
-    {use_in_wrap, "svo_gl_context_wrap", "options.memory"},
+    {use_in_wrap, "svo_gl_context_create", "options.memory"},
 #endif
 };
 

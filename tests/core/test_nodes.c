@@ -16,6 +16,7 @@
 
 #include "scenes.h"
 #include "support/fixture.h"
+#include "support/info_of.h"
 #include "support/meshes.h"
 #include "support/suite.h"
 
@@ -181,13 +182,11 @@ static void boxes_of_a_callers_grid_have_closed_forms(void **state)
     scene *cube = fixture_scene("cube");
     const svo_plan_options options = {.struct_size = sizeof options, .origin = {-4, -4, -4}, .edge = 8};
     svo_plan *plan = NULL;
-    svo_grid grid;
     double low[3];
     double high[3];
     uint32_t cell[3] = {7, 7, 7};
     succeed(&opened, svo_plan_create(opened.device, scene_mesh(cube), 5, &options, &plan));
-    succeed(&opened, svo_plan_get_grid(plan, &grid));
-    assert_int_equal(svo_plan_get_grid(plan, NULL), SVO_INVALID_ARGUMENT);
+    const svo_grid grid = info_of_plan(plan).grid;
     assert_true(svo_grid_cell_edge(&grid, 0) == 8 && svo_grid_cell_edge(&grid, 5) == 0.25);
     svo_grid_cell_box(&grid, 5, (const uint32_t[3]){0, 16, 31}, low, high);
     assert_true(low[0] == -4 && low[1] == 0 && low[2] == 3.75 && high[0] == -3.75 && high[1] == 0.25 && high[2] == 4);
@@ -218,11 +217,10 @@ static void the_far_end_of_a_fitted_grid_is_in_the_last_voxel(void **state)
     for (unsigned depth = 1; depth <= 16; ++depth) {
         svo_plan *plan = NULL;
         svo_plan_info info = SVO_PLAN_INFO_INIT;
-        svo_grid grid;
         uint32_t cell[3];
         succeed(&opened, svo_plan_create(opened.device, &mesh, depth, NULL, &plan));
         succeed(&opened, svo_plan_get_info(plan, &info));
-        succeed(&opened, svo_plan_get_grid(plan, &grid));
+        const svo_grid grid = info.grid;
         const double units = ldexp(1.0, (int)info.snap_bits);
         assert_true(fabs(svo_grid_cell_edge(&grid, 0) / info.edge - units / (units - 1)) < 1e-14);
         for (int corner = 0; corner < 3; ++corner) {
@@ -345,8 +343,8 @@ static const char places_kernel[] =
 static cl_kernel make_places_kernel(const fixture *opened)
 {
     const char *sources[2] = {svo_kernel_source(svo_tree_target(NULL)), places_kernel};
-    const cl_device_id device = svo_device_cl_device(opened->device);
-    cl_program program = clCreateProgramWithSource(svo_device_cl_context(opened->device), 2, sources, NULL, NULL);
+    const cl_device_id device = info_of_device(opened->device).device;
+    cl_program program = clCreateProgramWithSource(info_of_device(opened->device).context, 2, sources, NULL, NULL);
     if (clBuildProgram(program, 1, &device, svo_kernel_options(svo_tree_target(NULL)), NULL, NULL) != CL_SUCCESS) {
         static char log[4096];
         clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, sizeof log, log, NULL);
@@ -361,7 +359,7 @@ static cl_kernel make_places_kernel(const fixture *opened)
 static void run_places_kernel(const fixture *opened, cl_kernel kernel, const built *tree, const float *points,
                               found_places *found, size_t count)
 {
-    const cl_context context = svo_device_cl_context(opened->device);
+    const cl_context context = info_of_device(opened->device).context;
     const cl_uint node_count = (cl_uint)tree->info.node_count;
     cl_mem input = clCreateBuffer(context, CL_MEM_READ_WRITE, count * 3 * sizeof *points, NULL, NULL);
     cl_mem output = clCreateBuffer(context, CL_MEM_READ_WRITE, count * sizeof *found, NULL, NULL);
@@ -426,7 +424,7 @@ static void kernels_agree_with_the_host(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
     cl_device_fp_config doubles = 0;
-    clGetDeviceInfo(svo_device_cl_device(opened.device), CL_DEVICE_DOUBLE_FP_CONFIG, sizeof doubles, &doubles, NULL);
+    clGetDeviceInfo(info_of_device(opened.device).device, CL_DEVICE_DOUBLE_FP_CONFIG, sizeof doubles, &doubles, NULL);
     if (doubles == 0) {
         print_message("skipped: the device has no double precision\n");
         skip();

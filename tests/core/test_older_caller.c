@@ -18,6 +18,8 @@
 #ifdef HAVE_IO
 #include "svocl/io.h"
 #endif
+#include "support/gl_contexts.h"
+#include "support/info_of.h"
 #include "support/suite.h"
 #include "svocl/svocl.h"
 
@@ -70,6 +72,11 @@ static void assert_canaries(const foreign *checked, size_t from)
 
 typedef svo_status (*get_output)(void *to);
 
+static svo_status get_device_info(void *to)
+{
+    return svo_device_get_info(device, to);
+}
+
 static svo_status get_plan_info(void *to)
 {
     return svo_plan_get_info(plan, to);
@@ -117,7 +124,7 @@ static svo_status get_report(void *to)
 static svo_status get_context_info(void *to)
 {
     svo_gl_context *context = NULL;
-    assert_int_equal(svo_gl_context_create(SVO_GL_SURFACELESS, 0, &context, NULL), SVO_OK);
+    assert_int_equal(context_of_kind(SVO_GL_SURFACELESS, 0, &context, NULL), SVO_OK);
     const svo_status status = svo_gl_context_get_info(context, to);
     svo_gl_context_destroy(&context);
     return status;
@@ -139,6 +146,7 @@ typedef struct output_case {
 #define STEADY(type, get, last) OUTPUT(type, get, last, sizeof(type))
 
 static const output_case outputs[] = {
+    STEADY(svo_device_info, get_device_info, compile_ms),
     STEADY(svo_plan_info, get_plan_info, edge),
     STEADY(svo_buffer_info, get_buffer_info, count),
     STEADY(svo_kernels_info, get_kernels_info, name),
@@ -211,7 +219,7 @@ static svo_status use_device_options(const void *from, svo_message *message)
 {
     svo_device *made = NULL;
     const svo_status status =
-        svo_device_create(svo_device_cl_context(device), svo_device_cl_device(device), from, &made, message);
+        svo_device_create(info_of_device(device).context, info_of_device(device).device, from, &made, message);
     svo_device_destroy(&made);
     return status;
 }
@@ -262,7 +270,7 @@ static svo_status use_mesh_buffers(const void *from, svo_message *message)
 static svo_status use_context_options(const void *from, svo_message *message)
 {
     svo_gl_context *made = NULL;
-    const svo_status status = svo_gl_context_create_with(SVO_GL_SURFACELESS, 0, from, &made, message);
+    const svo_status status = svo_gl_context_create(from, &made, message);
     svo_gl_context_destroy(&made);
     return status;
 }
@@ -271,7 +279,7 @@ static svo_status use_gl_options(const void *from, svo_message *message)
 {
     svo_gl_context *context = NULL;
     svo_gl *made = NULL;
-    assert_int_equal(svo_gl_context_create(SVO_GL_SURFACELESS, 0, &context, NULL), SVO_OK);
+    assert_int_equal(context_of_kind(SVO_GL_SURFACELESS, 0, &context, NULL), SVO_OK);
     const svo_status status = svo_gl_create(device, context, from, &made);
     svo_gl_destroy(&made);
     svo_gl_context_destroy(&context);
@@ -410,7 +418,7 @@ static int set_up(void **state)
         print_error("%s\n", message.text);
         return -1;
     }
-    queue = clCreateCommandQueue(svo_device_cl_context(device), svo_device_cl_device(device), 0, NULL);
+    queue = clCreateCommandQueue(info_of_device(device).context, info_of_device(device).device, 0, NULL);
     return svo_frontend_create_cl(device, &frontend) == SVO_OK &&
                    svo_plan_create(device, &triangle, 4, NULL, &plan) == SVO_OK &&
                    svo_build(plan, NULL, NULL, &tree, NULL) == SVO_OK && svo_tree_download(tree, NULL) == SVO_OK

@@ -24,6 +24,7 @@
 #include "support/attributed_mesh.h"
 #include "support/counting.h"
 #include "support/fixture.h"
+#include "support/info_of.h"
 #include "support/suite.h"
 
 enum { DEPTH = 5, FILES_MAX = 8, PATH_BYTES = 512 };
@@ -90,7 +91,7 @@ static svo_device *new_device(saved *kept)
     const svo_device_options options = {.struct_size = sizeof options, .log = count_warning, .log_user = kept};
     svo_device *device = NULL;
     svo_message message = {""};
-    if (svo_device_create(svo_device_cl_context(kept->opened->device), svo_device_cl_device(kept->opened->device),
+    if (svo_device_create(info_of_device(kept->opened->device).context, info_of_device(kept->opened->device).device,
                           &options, &device, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
@@ -156,7 +157,7 @@ static void begin(void **state, saved *kept)
     assert_int_equal(build(kept, device), 0);
     succeed(device, svo_device_save_kernels(device, kept->folder, &written));
     list_files(kept);
-    assert_int_equal(written, svo_plan_kernels_count(plan));
+    assert_int_equal(written, info_of_plan(plan).kernels_count);
     assert_int_equal(written, kept->count);
     svo_plan_destroy(&plan);
     svo_device_destroy(&device);
@@ -182,7 +183,7 @@ static size_t load_and_build(saved *kept, unsigned warnings)
     assert_int_equal(kept->warnings, warnings);
     const uint64_t compiled = build(kept, device);
     svo_plan *plan = new_plan(kept, device);
-    assert_int_equal(loaded + compiled, svo_plan_kernels_count(plan));
+    assert_int_equal(loaded + compiled, info_of_plan(plan).kernels_count);
     svo_plan_destroy(&plan);
     svo_device_destroy(&device);
     return loaded;

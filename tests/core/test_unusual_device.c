@@ -21,6 +21,7 @@
 #include "scenes.h"
 #include "shared/layout.h"
 #include "support/fixture.h"
+#include "support/info_of.h"
 #include "support/suite.h"
 
 #define BUILD_LOG "1 error generated.\nprogram.cl:7: error: no such thing\nand more"
@@ -133,8 +134,8 @@ static int forget_answers(void **state)
 static svo_status open_device(const fixture *opened, const svo_device_options *options, svo_device **out,
                               svo_message *message)
 {
-    return svo_device_create(svo_device_cl_context(opened->device), svo_device_cl_device(opened->device), options, out,
-                             message);
+    return svo_device_create(info_of_device(opened->device).context, info_of_device(opened->device).device, options,
+                             out, message);
 }
 
 static svo_device *open_or_fail(const fixture *opened, const svo_device_options *options)
@@ -203,8 +204,8 @@ static void paths_of_devices(void **state)
         const svo_device_options options = {.struct_size = sizeof options, .path = rows[i].asked};
         device_answer = (answer){CL_DEVICE_TYPE, &rows[i].type, sizeof rows[i].type};
         svo_device *device = open_or_fail(&opened, &options);
-        if (svo_device_path(device) != rows[i].path) {
-            fail_msg("row %zu: path %s, expected %s", i, svo_name(SVO_NAME_PATH, svo_device_path(device)),
+        if (info_of_device(device).path != rows[i].path) {
+            fail_msg("row %zu: path %s, expected %s", i, svo_name(SVO_NAME_PATH, info_of_device(device).path),
                      svo_name(SVO_NAME_PATH, rows[i].path));
         }
         svo_device_destroy(&device);
@@ -305,7 +306,7 @@ static void lists_above_32_bits_are_cut(void **state)
     expect(device, svo_plan_create(device, &mesh, 16, &options, &plan), SVO_OK, "");
     expect(device, svo_plan_get_info(plan, &info), SVO_OK, "");
     assert_true(info.expected_fragments < 4294967295.0 && info.expected_fragments * 1.125 > 4294967295.0);
-    for (size_t i = 0; i < svo_plan_buffer_count(plan); ++i) {
+    for (size_t i = 0; i < info_of_plan(plan).buffer_count; ++i) {
         svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
         expect(device, svo_plan_get_buffer(plan, i, &buffer), SVO_OK, "");
         if (strcmp(buffer.name, "fragments") == 0) {
@@ -357,14 +358,14 @@ static void drivers_declarations_serve_too(void **state)
     svo_plan *plan = NULL;
     expect(device, svo_plan_create(device, scene_mesh(cube), 4, NULL, &plan), SVO_OK, "");
     char *driver = NULL;
-    assert_int_equal(svo_i_device_text(svo_device_cl_device(device), CL_DRIVER_VERSION, "", NULL, &driver, NULL),
+    assert_int_equal(svo_i_device_text(info_of_device(device).device, CL_DRIVER_VERSION, "", NULL, &driver, NULL),
                      SVO_OK);
-    const bool is_pocl_3 = strstr(svo_device_name(device), "Portable Computing") != NULL && driver[0] == '3';
+    const bool is_pocl_3 = strstr(info_of_device(device).name, "Portable Computing") != NULL && driver[0] == '3';
     svo_i_free(driver);
     short_builds = 0;
     refuses_short = true;
     expect(device, svo_device_warm(device, plan), SVO_OK, "");
-    assert_int_equal(short_builds, is_pocl_3 ? svo_plan_kernels_count(plan) : 0);
+    assert_int_equal(short_builds, is_pocl_3 ? info_of_plan(plan).kernels_count : 0);
     svo_plan_destroy(&plan);
     svo_device_destroy(&device);
     scene_destroy(&cube);
@@ -439,7 +440,7 @@ static void a_device_that_fuses_is_refused(void **state)
                                    NULL),
                SVO_UNSUPPORTED, " fuses multiplications and additions although the kernels forbid it");
         assert_int_equal(replacements, 1);
-        assert_int_equal(svo_tree_ray_bytes(tree), 0);
+        assert_int_equal(info_of_tree(tree).ray_bytes, 0);
         assert_int_equal(forget_answers(NULL), 0);
         svo_tree_destroy(&tree);
         svo_device_destroy(&device);

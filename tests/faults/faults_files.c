@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "faults_scenario.h"
+#include "support/info_of.h"
 #include "svocl/paged.h"
 #include "svocl/parts.h"
 
@@ -199,7 +200,7 @@ static svo_status run_load_kernels(subject *of)
     const svo_device_options options = {.struct_size = sizeof options, .log = keep_warning, .log_user = of};
     svo_device *device = NULL;
     size_t loaded = 0;
-    SVO_I_TRY(svo_device_create(svo_device_cl_context(world.device), svo_device_cl_device(world.device), &options,
+    SVO_I_TRY(svo_device_create(info_of_device(world.device).context, info_of_device(world.device).device, &options,
                                 &device, &of->message));
     const svo_status status = svo_device_load_kernels(device, world.kernels_folder, &loaded);
     digest(of, &loaded, sizeof loaded);

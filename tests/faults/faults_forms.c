@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "faults_scenario.h"
+#include "support/info_of.h"
 
 /*
  * Compact trees.
@@ -262,7 +263,7 @@ static svo_status run_render_enqueue(subject *of)
     cl_event done[2] = {NULL, NULL};
     svo_light *light = NULL;
     faults_spare(true);
-    cl_mem pixels = clCreateBuffer(svo_device_cl_context(world.device), CL_MEM_READ_WRITE, sizeof picture, NULL, NULL);
+    cl_mem pixels = clCreateBuffer(info_of_device(world.device).context, CL_MEM_READ_WRITE, sizeof picture, NULL, NULL);
     faults_spare(false);
     svo_status status = told(of, world.device, svo_light_create(of->tree, NULL, world.queue, &light));
     if (status == SVO_OK) {
@@ -309,7 +310,8 @@ static svo_status probe_tree(subject *of, svo_light *light, svo_probe_options *o
     svo_probes *probes = NULL;
     options->light = light;
     options->diffuse = 1;
-    SVO_I_TRY(svo_probes_create(of->tree, options, world.queue, &probes));
+    options->tree = of->tree;
+    SVO_I_TRY(svo_probes_create(options, world.queue, &probes));
     svo_status status = svo_probes_relight(probes, world.queue);
     if (status == SVO_OK) {
         status = use_probes(of, probes, true);
@@ -318,7 +320,7 @@ static svo_status probe_tree(subject *of, svo_light *light, svo_probe_options *o
     return status;
 }
 
-static svo_status probe_scene(subject *of, const svo_probe_options *options)
+static svo_status probe_scene(subject *of, svo_probe_options options)
 {
     const svo_instance instance = {0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
     const svo_scene_options placed = {.struct_size = sizeof placed,
@@ -330,7 +332,8 @@ static svo_status probe_scene(subject *of, const svo_probe_options *options)
     svo_scene *scene = NULL;
     svo_probes *probes = NULL;
     SVO_I_TRY(svo_scene_create(world.device, &placed, world.queue, &scene));
-    svo_status status = svo_probes_create_scene(scene, options, world.queue, &probes);
+    options.scene = scene;
+    svo_status status = svo_probes_create(&options, world.queue, &probes);
     if (status == SVO_OK) {
         status = use_probes(of, probes, false);
     }
@@ -345,7 +348,7 @@ static svo_status run_probes(subject *of)
     svo_probe_options options = {
         .struct_size = sizeof options, .counts = {2, 1, 1}, .resolution = 64, .field_size = 4, .cones = 1};
     svo_light *light = NULL;
-    TRY_TOLD(probe_scene(of, &options));
+    TRY_TOLD(probe_scene(of, options));
     TRY_TOLD(svo_light_create(of->tree, NULL, world.queue, &light));
     svo_status status = svo_light_set_sources(light, &setup, world.queue);
     if (status == SVO_OK) {

@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "faults_scenario.h"
+#include "support/info_of.h"
 
 faults_world world;
 
@@ -88,12 +89,12 @@ static svo_status run_device(subject *of)
     svo_frontend *frontend = NULL;
     svo_status status = svo_device_create_default(NULL, &device, &of->message);
     if (status == SVO_OK) {
-        digest(of, svo_device_name(device), strlen(svo_device_name(device)));
+        digest(of, info_of_device(device).name, strlen(info_of_device(device).name));
         status = told(of, device, svo_frontend_create_cl(device, &frontend));
     }
     if (status == SVO_OK) {
-        status =
-            svo_device_create(svo_device_cl_context(device), svo_device_cl_device(device), NULL, &second, &of->message);
+        status = svo_device_create(info_of_device(device).context, info_of_device(device).device, NULL, &second,
+                                   &of->message);
     }
     svo_frontend_destroy(&frontend);
     svo_device_destroy(&second);
@@ -131,7 +132,7 @@ static svo_status plan_at(subject *of, svo_place place)
         svo_plan_get_info(plan, &info);
         info.grid_ms = 0.0;
         digest(of, &info, sizeof info);
-        const uint64_t bytes = svo_plan_peak_bytes(plan);
+        const uint64_t bytes = info_of_plan(plan).peak_bytes;
         digest(of, &bytes, sizeof bytes);
     }
     svo_plan_destroy(&plan);
@@ -161,7 +162,7 @@ static svo_status run_count(subject *of)
 static void prepare_buffers(subject *of)
 {
     const svo_mesh *mesh = &world.mesh.mesh;
-    const cl_context context = svo_device_cl_context(world.device);
+    const cl_context context = info_of_device(world.device).context;
     float *positions = calloc(mesh->vertex_count * 3, sizeof *positions);
     assert_non_null(positions);
     for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
@@ -441,7 +442,7 @@ static svo_status run_render(subject *of)
 /* The caller's buffers and event. */
 static void prepare_ray_buffers(subject *of)
 {
-    const cl_context context = svo_device_cl_context(world.device);
+    const cl_context context = info_of_device(world.device).context;
     prepare_tree(of);
     of->positions = clCreateBuffer(context, CL_MEM_COPY_HOST_PTR, sizeof world.rays, world.rays, NULL);
     of->indices = clCreateBuffer(context, CL_MEM_READ_WRITE, RAYS * sizeof(svo_hit), NULL, NULL);

@@ -12,6 +12,8 @@
 #include "faults_scenario.h"
 #include "raster/raster.h"
 #include "raster/selftest.h"
+#include "support/gl_contexts.h"
+#include "support/info_of.h"
 
 #define GL_BUFFER_BYTES 64
 
@@ -23,12 +25,12 @@ static svo_status run_context(subject *of)
 {
     svo_gl_context *context = NULL;
     svo_device *device = NULL;
-    svo_status status = svo_gl_context_create(SVO_GL_SURFACELESS, 0, &context, &of->message);
+    svo_status status = context_of_kind(SVO_GL_SURFACELESS, 0, &context, &of->message);
     if (status == SVO_OK) {
         svo_gl_context_info info = SVO_GL_CONTEXT_INFO_INIT;
         svo_gl_context_get_info(context, &info);
         digest(of, info.renderer, strlen(info.renderer));
-        status = svo_gl_device_create(context, svo_device_cl_device(world.device), NULL, &device, &of->message);
+        status = svo_gl_device_create(context, info_of_device(world.device).device, NULL, &device, &of->message);
     }
     svo_device_destroy(&device);
     svo_gl_context_destroy(&context);
@@ -43,11 +45,11 @@ static svo_status run_other_contexts(subject *of)
     char name[5] = "";
     svo_gl_context_get_info(world.context, &info);
     (void)snprintf(name, sizeof name, "%.4s", info.renderer);
-    SVO_I_TRY(svo_gl_context_create_named(name, &context, &of->message));
+    SVO_I_TRY(context_of_name(name, &context, &of->message));
     svo_gl_context_destroy(&context);
-    SVO_I_TRY(svo_gl_context_create(SVO_GL_OSMESA, 0, &context, &of->message));
+    SVO_I_TRY(context_of_kind(SVO_GL_OSMESA, 0, &context, &of->message));
     svo_gl_context_destroy(&context);
-    const svo_status status = svo_gl_context_create_for(world.device, NULL, &context, &of->message);
+    const svo_status status = context_for_device(world.device, &context, &of->message);
     svo_gl_context_destroy(&context);
     return status;
 }
@@ -123,7 +125,7 @@ static svo_status run_wrapped(subject *of)
     svo_gl *gl = NULL;
     svo_gl_context *context = NULL;
     const svo_gl_options options = {.struct_size = sizeof options, .share = SVO_GL_SHARE_COPY};
-    svo_status status = svo_gl_context_wrap(find_function, NULL, &context, &of->message);
+    svo_status status = context_wrap(find_function, &context, &of->message);
     if (status == SVO_OK) {
         status = told(of, world.device, svo_gl_create(world.device, context, &options, &gl));
     }

@@ -26,6 +26,8 @@
 
 #include "context/context.h"
 #include "faults_scenario.h"
+#include "support/gl_contexts.h"
+#include "support/info_of.h"
 
 enum { CALLS_MAX = 100000, HANG_SECONDS = 120, SCENARIOS_MAX = 100 };
 
@@ -384,7 +386,7 @@ static void write_binary_meshes(void)
 static void make_kernel(void)
 {
     const char *sources[] = {svo_kernel_source(svo_tree_target(NULL)), "kernel void empty(SVO_TREE_PARAMETERS) {}"};
-    world.program = clCreateProgramWithSource(svo_device_cl_context(world.device), 2, sources, NULL, NULL);
+    world.program = clCreateProgramWithSource(info_of_device(world.device).context, 2, sources, NULL, NULL);
     assert_int_equal(clBuildProgram(world.program, 0, NULL, svo_kernel_options(svo_tree_target(NULL)), NULL, NULL),
                      CL_SUCCESS);
     world.kernel = clCreateKernel(world.program, "empty", NULL);
@@ -405,7 +407,7 @@ static void make_gl_buffer(void)
 static void open_gl(void)
 {
     svo_message message = {""};
-    if (svo_gl_context_create(SVO_GL_SURFACELESS, 0, &world.context, &message) != SVO_OK) {
+    if (context_of_kind(SVO_GL_SURFACELESS, 0, &world.context, &message) != SVO_OK) {
         print_message("no OpenGL: %s\n", message.text);
         return;
     }
@@ -429,7 +431,7 @@ static void open_saver(void)
     svo_tree *tree = NULL;
     uint8_t picture[4];
     svo_render_options options = {.struct_size = sizeof options, .width = 1, .height = 1};
-    if (svo_device_create(svo_device_cl_context(world.device), svo_device_cl_device(world.device), NULL, &world.saver,
+    if (svo_device_create(info_of_device(world.device).context, info_of_device(world.device).device, NULL, &world.saver,
                           &message) != SVO_OK ||
         svo_tree_load(world.tree_path, &tree, &message) != SVO_OK) {
         fail_msg("%s", message.text);
@@ -465,7 +467,7 @@ static int open_world(void **state)
     if (svo_device_create_default(NULL, &world.device, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
-    world.queue = clCreateCommandQueue(svo_device_cl_context(world.device), svo_device_cl_device(world.device),
+    world.queue = clCreateCommandQueue(info_of_device(world.device).context, info_of_device(world.device).device,
                                        CL_QUEUE_PROFILING_ENABLE, NULL);
     assert_non_null(world.queue);
     assert_int_equal(svo_frontend_create_cl(world.device, &world.cl), SVO_OK);

@@ -228,7 +228,9 @@ static void check_buffers(const svo_plan *plan)
         asked != 0 && asked < plan->device->max_allocation_bytes ? asked : plan->device->max_allocation_bytes;
     const uint64_t most = largest_chunk / svo_i_plan_fragment_bytes(plan); /* fragments of one chunk */
     uint64_t largest = 0;
-    const size_t count = svo_plan_buffer_count(plan);
+    svo_plan_info info = SVO_PLAN_INFO_INIT;
+    REQUIRE(svo_plan_get_info(plan, &info) == SVO_OK);
+    const size_t count = info.buffer_count;
     for (size_t i = 0; i < count; ++i) {
         svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
         REQUIRE(svo_plan_get_buffer(plan, i, &buffer) == SVO_OK && buffer.name != NULL && buffer.count > 0);
@@ -237,7 +239,7 @@ static void check_buffers(const svo_plan *plan)
         const uint64_t room = buffer.bytes / svo_i_plan_fragment_bytes(plan);
         REQUIRE(strcmp(buffer.name, "fragments") != 0 || buffer.count > 1 || room >= capacity || room >= most);
     }
-    REQUIRE(count > 0 && count < SVO_I_BUFFERS_MAX && svo_plan_peak_bytes(plan) >= largest);
+    REQUIRE(count > 0 && count < SVO_I_BUFFERS_MAX && info.peak_bytes >= largest);
     REQUIRE(svo_i_plan_inner_nodes(plan, UINT32_MAX, false) <= svo_i_plan_inner_nodes(plan, UINT32_MAX, true));
 }
 

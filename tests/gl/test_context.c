@@ -18,6 +18,7 @@
 #include "core/device.h"
 #include "share/probe.h"
 #include "share/share.h"
+#include "support/gl_contexts.h"
 #include "support/machine.h"
 #include "support/suite.h"
 
@@ -112,7 +113,7 @@ static void wrong_device_index_is_refused(void **state)
     (void)state;
     svo_message message = {""};
     svo_gl_context *context = NULL;
-    assert_int_equal(svo_gl_context_create(SVO_GL_EGL_DEVICE, 4000000000u, &context, &message), SVO_NO_GL);
+    assert_int_equal(context_of_kind(SVO_GL_EGL_DEVICE, 4000000000u, &context, &message), SVO_NO_GL);
     assert_null(context);
     if (svo_gl_egl_device_count() > 0) {
         assert_non_null(strstr(message.text, "4000000000"));
@@ -129,7 +130,7 @@ static void software_is_known_without_a_context(void **state)
     for (uint32_t i = 0; i < svo_gl_egl_device_count(); ++i) {
         svo_gl_context *context = NULL;
         svo_gl_context_info info = SVO_GL_CONTEXT_INFO_INIT;
-        if (svo_gl_context_create(SVO_GL_EGL_DEVICE, i, &context, NULL) == SVO_OK) {
+        if (context_of_kind(SVO_GL_EGL_DEVICE, i, &context, NULL) == SVO_OK) {
             svo_gl_context_get_info(context, &info);
             in_software += info.is_software;
             ++made;
@@ -168,7 +169,7 @@ static void egl_devices_are_found_by_name(void **state)
     static const char by_index[] = "0";
     const char *const names[] = {by_index, part};
     for (size_t i = 0; i < 2; ++i) {
-        if (svo_gl_context_create_named(names[i], &context, &message) != SVO_OK) {
+        if (context_of_name(names[i], &context, &message) != SVO_OK) {
             fail_msg("%s", message.text);
         }
         found = (svo_gl_context_info)SVO_GL_CONTEXT_INFO_INIT;
@@ -177,11 +178,11 @@ static void egl_devices_are_found_by_name(void **state)
         assert_int_equal(found.device_index, 0);
         svo_gl_context_destroy(&context);
     }
-    assert_int_equal(svo_gl_context_create_named("no such renderer", &context, &message), SVO_NO_GL);
+    assert_int_equal(context_of_name("no such renderer", &context, &message), SVO_NO_GL);
     assert_non_null(strstr(message.text, "no EGL device matches \"no such renderer\"; found: 0: "));
-    assert_int_equal(svo_gl_context_create_named("4000000", &context, &message), SVO_NO_GL);
-    assert_int_equal(svo_gl_context_create_named("", &context, &message), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_gl_context_create_named("gpu", NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(context_of_name("4000000", &context, &message), SVO_NO_GL);
+    assert_int_equal(context_of_name("", &context, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(context_of_name("gpu", NULL, &message), SVO_INVALID_ARGUMENT);
     assert_null(context);
 }
 
@@ -191,7 +192,7 @@ static void gpu_is_never_a_processor(void **state)
     (void)state;
     svo_message message = {""};
     svo_gl_context *context = NULL;
-    const svo_status status = svo_gl_context_create_named("GPU", &context, &message);
+    const svo_status status = context_of_name("GPU", &context, &message);
     if (status == SVO_OK) {
         svo_gl_context_info info = SVO_GL_CONTEXT_INFO_INIT;
         svo_gl_context_get_info(context, &info);
@@ -212,20 +213,18 @@ static void context_for_a_device_is_the_best(void **state)
     svo_gl_context *context = NULL;
     svo_gl_context_info info = SVO_GL_CONTEXT_INFO_INIT;
     svo_device *device = machine_device_or_skip();
-    const svo_status status = svo_gl_context_create_for(device, NULL, &context, &message);
+    const svo_status status = context_for_device(device, &context, &message);
     if (status == SVO_OK) {
         svo_gl_context *gpu = NULL;
         svo_gl_context_get_info(context, &info);
-        assert_int_equal(info.is_software, svo_gl_context_create_named("gpu", &gpu, NULL) != SVO_OK);
+        assert_int_equal(info.is_software, context_of_name("gpu", &gpu, NULL) != SVO_OK);
         svo_gl_context_destroy(&gpu);
     } else {
         assert_int_equal(status, SVO_NO_GL);
-        assert_non_null(strstr(message.text, "svo_gl_context_create_for: no OpenGL context: "));
+        assert_non_null(strstr(message.text, "svo_gl_context_create: no OpenGL context: "));
     }
     svo_gl_context_destroy(&context);
-    assert_int_equal(svo_gl_context_create_for(NULL, NULL, &context, &message), SVO_INVALID_ARGUMENT);
-    assert_string_equal(message.text, "svo_gl_context_create_for: device is NULL");
-    assert_int_equal(svo_gl_context_create_for(device, NULL, NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(context_for_device(device, NULL, &message), SVO_INVALID_ARGUMENT);
     svo_device_destroy(&device);
 }
 
@@ -258,14 +257,69 @@ static void software_in_place_of_a_gpu_is_refused(void **state)
     svo_gl_context_destroy(&context);
 }
 
+static svo_gl_function no_function(void *user, const char *name)
+{
+    (void)user;
+    (void)name;
+    return NULL;
+}
+
+/* Whatever device is, it is not looked at. */
+static void contradicting_options_are_refused(void **state)
+{
+    (void)state;
+    const svo_device *device = (const svo_device *)state;
+    const struct {
+        svo_gl_context_options options;
+        const char *words;
+    } rows[] = {
+        {{.device = device, .device_name = "gpu"}, "options.device and options.device_name"},
+        {{.device = device, .device_index = 1}, "options.device and options.device_index"},
+        {{.device = device, .kind = SVO_GL_OSMESA}, "options.device and options.kind"},
+        {{.device_name = "gpu", .device_index = 1}, "options.device_name and options.device_index"},
+        {{.device_name = "gpu", .kind = SVO_GL_OSMESA}, "options.device_name and options.kind"},
+        {{.device_index = 1}, "options.device_index and options.kind"},
+        {{.device_index = 1, .kind = SVO_GL_OSMESA}, "options.device_index and options.kind"},
+        {{.device_name = ""}, "options.device_name is empty"},
+        {{.kind = SVO_GL_WRAPPED}, "options.get_proc_address is NULL with kind \"wrapped\""},
+        {{.get_proc_address = no_function}, "options.get_proc_address is given with kind \"surfaceless\""},
+        {{.device_name = "gpu", .get_proc_address = no_function}, "options.get_proc_address is given"},
+        {{.device = device, .get_proc_address = no_function}, "options.get_proc_address is given"},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
+        svo_gl_context_options options = rows[i].options;
+        svo_gl_context *context = NULL;
+        svo_message message = {""};
+        options.struct_size = sizeof options;
+        assert_int_equal(svo_gl_context_create(&options, &context, &message), SVO_INVALID_ARGUMENT);
+        assert_null(context);
+        if (strstr(message.text, rows[i].words) == NULL) {
+            fail_msg("row %zu: %s", i, message.text);
+        }
+    }
+}
+
+/* Without options the context is surfaceless. */
+static void no_options_are_the_defaults(void **state)
+{
+    (void)state;
+    svo_gl_context *context = context_or_skip(SVO_GL_SURFACELESS);
+    svo_gl_context_info info = SVO_GL_CONTEXT_INFO_INIT;
+    svo_gl_context_destroy(&context);
+    assert_int_equal(svo_gl_context_create(NULL, &context, NULL), SVO_OK);
+    svo_gl_context_get_info(context, &info);
+    assert_int_equal(info.kind, SVO_GL_SURFACELESS);
+    svo_gl_context_destroy(&context);
+}
+
 static void wrong_arguments_are_refused(void **state)
 {
     (void)state;
     svo_message message = {""};
     svo_gl_context *context = NULL;
-    assert_int_equal(svo_gl_context_create(SVO_GL_CONTEXT_KINDS, 0, &context, &message), SVO_INVALID_ARGUMENT);
-    assert_non_null(strstr(message.text, "svo_gl_context_create: kind"));
-    assert_int_equal(svo_gl_context_create(SVO_GL_SURFACELESS, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(context_of_kind(SVO_GL_CONTEXT_KINDS, 0, &context, &message), SVO_INVALID_ARGUMENT);
+    assert_non_null(strstr(message.text, "svo_gl_context_create: options.kind"));
+    assert_int_equal(context_of_kind(SVO_GL_SURFACELESS, 0, NULL, NULL), SVO_INVALID_ARGUMENT);
     assert_null(context);
     svo_gl_context_destroy(&context);
     svo_gl_context_destroy(NULL);
@@ -384,7 +438,7 @@ static void *work(void *pointer)
     worker *self = pointer;
     for (int round = 0; round < THREAD_ROUNDS; ++round) {
         svo_gl_context *context = NULL;
-        if (svo_gl_context_create(self->kind, 0, &context, NULL) != SVO_OK) {
+        if (context_of_kind(self->kind, 0, &context, NULL) != SVO_OK) {
             break;
         }
         bool works = svo_i_gl_context_make_current(context, NULL) == SVO_OK;
@@ -771,6 +825,8 @@ TEST_GROUP(context)
         cmocka_unit_test(context_for_a_device_is_the_best),
         cmocka_unit_test(gpu_is_never_a_processor),
         cmocka_unit_test(software_in_place_of_a_gpu_is_refused),
+        cmocka_unit_test(contradicting_options_are_refused),
+        cmocka_unit_test(no_options_are_the_defaults),
         cmocka_unit_test(wrong_arguments_are_refused),
         cmocka_unit_test(contexts_outlive_each_other),
         cmocka_unit_test(release_restores_what_was_current),

@@ -16,7 +16,9 @@
 
 #include "scenes.h"
 #include "support/fixture.h"
+#include "support/gl_contexts.h"
 #include "support/gl_interop_shim.h"
+#include "support/info_of.h"
 #include "support/machine.h"
 #include "support/nondefault_state.h"
 #include "support/own_context.h"
@@ -72,7 +74,7 @@ static void open_application(const shim_faults *faults, application *out)
     *out = (application){.has_shim = faults != NULL};
     own_context_make_or_skip(false, &out->own);
     load(out);
-    if (svo_gl_context_wrap(own_context_function, NULL, &out->context, &message) != SVO_OK) {
+    if (context_wrap(own_context_function, &out->context, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
     if (faults != NULL) {
@@ -81,8 +83,8 @@ static void open_application(const shim_faults *faults, application *out)
     if (svo_gl_device_create(out->context, NULL, NULL, &out->opened.device, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
-    out->opened.queue = clCreateCommandQueue(svo_device_cl_context(out->opened.device),
-                                             svo_device_cl_device(out->opened.device), 0, NULL);
+    out->opened.queue = clCreateCommandQueue(info_of_device(out->opened.device).context,
+                                             info_of_device(out->opened.device).device, 0, NULL);
     assert_int_equal(svo_frontend_create_cl(out->opened.device, &out->opened.cl), SVO_OK);
     out->opened.frontend = out->opened.cl;
     fixture_build(&out->opened, scene_mesh(knot), DEPTH, NULL, &out->made);

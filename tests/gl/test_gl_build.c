@@ -19,6 +19,7 @@
 #include "scenes.h"
 #include "support/attributed_mesh.h"
 #include "support/fixture.h"
+#include "support/info_of.h"
 #include "support/suite.h"
 
 #define NEED_PAYLOAD \
@@ -300,7 +301,7 @@ static void wrong_arguments_are_refused(void **state)
     assert_int_equal(svo_gl_build(opened->gl, plan, opened->queue, NULL, NULL), SVO_INVALID_ARGUMENT);
     assert_string_equal(svo_device_message(opened->device), "svo_gl_build: out is NULL");
     assert_int_equal(svo_gl_build(opened->gl, plan, opened->queue, &tree, &report), SVO_INVALID_ARGUMENT);
-    const cl_device_id device = svo_device_cl_device(opened->device);
+    const cl_device_id device = info_of_device(opened->device).device;
     cl_context other = clCreateContext(NULL, 1, &device, NULL, NULL, NULL);
     cl_command_queue foreign = clCreateCommandQueue(other, device, 0, NULL);
     assert_int_equal(svo_gl_build(opened->gl, plan, foreign, &tree, NULL), SVO_INVALID_ARGUMENT);

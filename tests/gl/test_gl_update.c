@@ -14,6 +14,7 @@
 
 #include "support/fixture.h"
 #include "support/gl_interop_shim.h"
+#include "support/info_of.h"
 #include "support/machine.h"
 #include "support/suite.h"
 
@@ -154,8 +155,8 @@ static void open_pair(const shim_faults *faults, cl_command_queue_properties pro
     if (svo_gl_device_create(out->opened.context, NULL, NULL, &out->opened.device, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
-    out->opened.queue = clCreateCommandQueue(svo_device_cl_context(out->opened.device),
-                                             svo_device_cl_device(out->opened.device), properties, &error);
+    out->opened.queue = clCreateCommandQueue(info_of_device(out->opened.device).context,
+                                             info_of_device(out->opened.device).device, properties, &error);
     assert_int_equal(error, CL_SUCCESS);
     assert_int_equal(svo_frontend_create_cl(out->opened.device, &out->opened.cl), SVO_OK);
     out->opened.frontend = out->opened.cl;

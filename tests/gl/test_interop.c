@@ -15,7 +15,9 @@
 #include <cmocka.h>
 
 #include "support/fixture.h"
+#include "support/gl_contexts.h"
 #include "support/gl_interop_shim.h"
+#include "support/info_of.h"
 #include "support/machine.h"
 #include "support/meshes.h"
 #include "support/suite.h"
@@ -71,7 +73,7 @@ static void take_device(fixture *opened, svo_device *device, cl_command_queue_pr
     cl_int error = CL_SUCCESS;
     opened->device = device;
     opened->queue =
-        clCreateCommandQueue(svo_device_cl_context(device), svo_device_cl_device(device), properties, &error);
+        clCreateCommandQueue(info_of_device(device).context, info_of_device(device).device, properties, &error);
     assert_int_equal(error, CL_SUCCESS);
 }
 
@@ -113,7 +115,7 @@ static void check_whole_path(const char *extensions, cl_command_queue_properties
     open_pair(&(shim_faults){.extensions = extensions}, properties, &pair);
     assert_int_equal(create_gl(&pair.opened, SVO_GL_SHARE_AUTO), SVO_OK);
     assert_string_equal(svo_gl_share_reason(pair.opened.gl, SVO_GL_SHARE_INTEROP), "");
-    assert_int_equal(svo_gl_chosen_share(pair.opened.gl), SVO_GL_SHARE_INTEROP);
+    assert_int_equal(chosen_share(pair.opened.gl), SVO_GL_SHARE_INTEROP);
     assert_same_hash(&pair, &everything, "interop");
     svo_plan_options in_chunks = everything;
     in_chunks.chunk_bytes = 65536;
@@ -181,7 +183,7 @@ static void check_step(const failing_step *step)
     /* The answer for programs that ask the device before they start OpenGL is the same. */
     assert_int_equal(svo_i_interop_is_listed(pair.opened.device, pair.opened.context->opencl),
                      strstr(step->reason, "does not list cl_khr_gl_sharing") == NULL);
-    const svo_gl_share chosen = svo_gl_chosen_share(pair.opened.gl);
+    const svo_gl_share chosen = chosen_share(pair.opened.gl);
     assert_int_not_equal(chosen, SVO_GL_SHARE_INTEROP);
     assert_same_hash(&pair, &everything, svo_name(SVO_NAME_GL_SHARE, chosen));
     shim_get_counts(&counts);
@@ -240,9 +242,9 @@ static void chosen_device_is_joined(void **state)
     shared_pair pair;
     open_pair(&(shim_faults){0}, 0, &pair);
     svo_device *joined = NULL;
-    const cl_device_id chosen = svo_device_cl_device(pair.opened.device);
+    const cl_device_id chosen = info_of_device(pair.opened.device).device;
     assert_int_equal(svo_gl_device_create(pair.opened.context, chosen, NULL, &joined, NULL), SVO_OK);
-    assert_ptr_equal(svo_device_cl_device(joined), chosen);
+    assert_ptr_equal(info_of_device(joined).device, chosen);
     svo_gl *gl = NULL;
     const svo_gl_options forced = {.struct_size = sizeof forced, .share = SVO_GL_SHARE_INTEROP};
     assert_int_equal(svo_gl_create(joined, pair.opened.context, &forced, &gl), SVO_OK);
@@ -265,7 +267,7 @@ static void plain_opencl_context_is_told_apart(void **state)
     take_device(&pair.opened, machine_device_or_skip(), 0);
     assert_int_equal(create_gl(&pair.opened, SVO_GL_SHARE_AUTO), SVO_OK);
     assert_non_null(strstr(svo_gl_share_reason(pair.opened.gl, SVO_GL_SHARE_INTEROP), "svo_gl_device_create"));
-    assert_same_hash(&pair, &everything, svo_name(SVO_NAME_GL_SHARE, svo_gl_chosen_share(pair.opened.gl)));
+    assert_same_hash(&pair, &everything, svo_name(SVO_NAME_GL_SHARE, chosen_share(pair.opened.gl)));
     assert_int_equal(create_gl(&pair.opened, SVO_GL_SHARE_INTEROP), SVO_UNSUPPORTED);
     close_pair(&pair);
 }
@@ -278,7 +280,7 @@ static void integrators_opencl_context_is_shared(void **state)
     open_pair(&(shim_faults){0}, 0, &pair);
     const svo_gl_context *context = pair.opened.context;
     const svo_i_gl_handles handles = context->platform->handles(context->native);
-    const cl_device_id device = svo_device_cl_device(pair.opened.device);
+    const cl_device_id device = info_of_device(pair.opened.device).device;
     const cl_context_properties properties[] = {CL_GL_CONTEXT_KHR, (cl_context_properties)handles.context,
                                                 CL_EGL_DISPLAY_KHR, (cl_context_properties)handles.display, 0};
     cl_int error = CL_SUCCESS;
@@ -310,7 +312,7 @@ static void contexts_of_glx_are_shared(void **state)
     cl_context_properties properties[8] = {0};
     size_t bytes = 0;
     const svo_gl_context *context = pair.opened.context;
-    assert_int_equal(context->opencl->GetContextInfo(svo_device_cl_context(pair.opened.device), CL_CONTEXT_PROPERTIES,
+    assert_int_equal(context->opencl->GetContextInfo(info_of_device(pair.opened.device).context, CL_CONTEXT_PROPERTIES,
                                                      sizeof properties, properties, &bytes),
                      CL_SUCCESS);
     const svo_i_gl_handles handles = context->platform->handles(context->native);

@@ -17,6 +17,8 @@
 
 #include "core/device.h"
 #include "support/fixture.h"
+#include "support/gl_contexts.h"
+#include "support/info_of.h"
 #include "support/machine.h"
 #include "support/nondefault_state.h"
 #include "support/own_context.h"
@@ -103,10 +105,10 @@ static void check_interleaved_copy(const svo_mesh_copy *copy)
 static cl_mem make_memory(const svo_device *device, const void *data, size_t bytes)
 {
     cl_int error = CL_SUCCESS;
-    cl_mem memory = clCreateBuffer(svo_device_cl_context(device), CL_MEM_READ_WRITE, bytes, NULL, &error);
+    cl_mem memory = clCreateBuffer(info_of_device(device).context, CL_MEM_READ_WRITE, bytes, NULL, &error);
     assert_int_equal(error, CL_SUCCESS);
     cl_command_queue queue =
-        clCreateCommandQueue(svo_device_cl_context(device), svo_device_cl_device(device), 0, &error);
+        clCreateCommandQueue(info_of_device(device).context, info_of_device(device).device, 0, &error);
     assert_int_equal(clEnqueueWriteBuffer(queue, memory, CL_TRUE, 0, bytes, data, 0, NULL, NULL), CL_SUCCESS);
     clReleaseCommandQueue(queue);
     return memory;
@@ -152,7 +154,7 @@ static void interleaved_arrays_are_read_from_opengl(void **state)
     svo_mesh_copy *copy = NULL;
     make_interleaved(&data);
     own_context_make_or_skip(false, &own);
-    assert_int_equal(svo_gl_context_wrap(own_context_function, NULL, &context, NULL), SVO_OK);
+    assert_int_equal(context_wrap(own_context_function, &context, NULL), SVO_OK);
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(context);
     const svo_mesh_view vertices = {.gl_buffer = make_gl_buffer(gl, data.vertices, sizeof data.vertices)};
     const svo_mesh_view narrow = {.gl_buffer = make_gl_buffer(gl, data.indices, sizeof data.indices)};
@@ -248,7 +250,7 @@ static void *release_later(void *pointer)
 static cl_event user_event(const svo_device *device)
 {
     cl_int error = CL_SUCCESS;
-    cl_event event = clCreateUserEvent(svo_device_cl_context(device), &error);
+    cl_event event = clCreateUserEvent(info_of_device(device).context, &error);
     assert_int_equal(error, CL_SUCCESS);
     return event;
 }

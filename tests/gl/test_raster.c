@@ -21,6 +21,7 @@
 #include "raster/selftest.h"
 #include "support/compare_tree.h"
 #include "support/fixture.h"
+#include "support/gl_contexts.h"
 #include "support/machine.h"
 #include "support/meshes.h"
 #include "support/suite.h"
@@ -196,7 +197,7 @@ static void lying_driver_is_not_used(void **state)
     assert_non_null(strstr(svo_device_message(device), "svo_gl_create: gl-hw does not work: the self-test found"));
 
     assert_int_equal(svo_gl_create(device, context, NULL, &gl), SVO_OK);
-    assert_int_equal(svo_gl_chosen_raster(gl), SVO_GL_RASTER_EXPAND);
+    assert_int_equal(chosen_raster(gl), SVO_GL_RASTER_EXPAND);
     assert_non_null(strstr(svo_gl_raster_reason(gl, SVO_GL_RASTER_HW), "the self-test found"));
     assert_string_equal(svo_gl_raster_reason(gl, SVO_GL_RASTER_EXPAND), "");
     svo_gl_destroy(&gl);
@@ -292,7 +293,7 @@ static void selftest_passes_on_a_strict_driver(void **state)
     assert_false(strict.on);
     svo_gl *gl = NULL;
     assert_int_equal(svo_gl_create(device, context, NULL, &gl), SVO_OK);
-    assert_int_equal(svo_gl_chosen_raster(gl), SVO_GL_RASTER_HW);
+    assert_int_equal(chosen_raster(gl), SVO_GL_RASTER_HW);
     svo_gl_destroy(&gl);
     stop_lying(context);
     svo_gl_context_destroy(&context);
@@ -494,8 +495,8 @@ static void check_forced(svo_device *device, svo_gl_context *context, const svo_
         return;
     }
     assert_int_equal(status, SVO_OK);
-    assert_true(forced->raster == SVO_GL_RASTER_AUTO || svo_gl_chosen_raster(gl) == forced->raster);
-    assert_true(forced->share == SVO_GL_SHARE_AUTO || svo_gl_chosen_share(gl) == forced->share);
+    assert_true(forced->raster == SVO_GL_RASTER_AUTO || chosen_raster(gl) == forced->raster);
+    assert_true(forced->share == SVO_GL_SHARE_AUTO || chosen_share(gl) == forced->share);
     svo_gl_destroy(&gl);
 }
 

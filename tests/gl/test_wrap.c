@@ -15,7 +15,9 @@
 
 #include "core/device.h"
 #include "support/fixture.h"
+#include "support/gl_contexts.h"
 #include "support/gl_interop_shim.h"
+#include "support/info_of.h"
 #include "support/machine.h"
 #include "support/meshes.h"
 #include "support/nondefault_state.h"
@@ -35,7 +37,7 @@ static svo_gl_context *wrap(void)
 {
     svo_message message = {""};
     svo_gl_context *context = NULL;
-    if (svo_gl_context_wrap(own_context_function, NULL, &context, &message) != SVO_OK) {
+    if (context_wrap(own_context_function, &context, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
     return context;
@@ -58,7 +60,8 @@ static void open_wrapped(svo_gl_share share, fixture *out)
     *out = (fixture){0};
     cl_int error = CL_SUCCESS;
     out->device = machine_device_or_skip();
-    out->queue = clCreateCommandQueue(svo_device_cl_context(out->device), svo_device_cl_device(out->device), 0, &error);
+    out->queue =
+        clCreateCommandQueue(info_of_device(out->device).context, info_of_device(out->device).device, 0, &error);
     assert_int_equal(error, CL_SUCCESS);
     out->context = wrap();
     const svo_gl_options options = {.struct_size = sizeof options, .share = share};
@@ -151,13 +154,13 @@ static void wrapping_nothing_is_refused(void **state)
     svo_message message = {""};
     svo_gl_context *context = NULL;
     own_context own;
-    assert_int_equal(svo_gl_context_wrap(NULL, NULL, &context, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(context_wrap(NULL, &context, &message), SVO_INVALID_ARGUMENT);
     own_context_make_or_skip(false, &own);
-    assert_int_equal(svo_gl_context_wrap(own_context_function, NULL, NULL, &message), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_gl_context_wrap(no_function, NULL, &context, &message), SVO_NO_GL);
-    assert_non_null(strstr(message.text, "svo_gl_context_wrap: the context has no function gl"));
+    assert_int_equal(context_wrap(own_context_function, NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(context_wrap(no_function, &context, &message), SVO_NO_GL);
+    assert_non_null(strstr(message.text, "svo_gl_context_create: the context has no function gl"));
     own_context_bind(&own, false);
-    assert_int_equal(svo_gl_context_wrap(own_context_function, NULL, &context, &message), SVO_NO_GL);
+    assert_int_equal(context_wrap(own_context_function, &context, &message), SVO_NO_GL);
     assert_non_null(strstr(message.text, "is it current on this thread?"));
     assert_null(context);
     own_context_destroy(&own);
@@ -228,7 +231,7 @@ static void wrapped_context_shares_with_opencl(void **state)
     shim_install(opened.context, &(shim_faults){0});
     assert_int_equal(svo_gl_device_create(opened.context, NULL, NULL, &opened.device, NULL), SVO_OK);
     opened.queue =
-        clCreateCommandQueue(svo_device_cl_context(opened.device), svo_device_cl_device(opened.device), 0, NULL);
+        clCreateCommandQueue(info_of_device(opened.device).context, info_of_device(opened.device).device, 0, NULL);
     const svo_gl_options options = {.struct_size = sizeof options, .share = SVO_GL_SHARE_INTEROP};
     if (svo_gl_create(opened.device, opened.context, &options, &opened.gl) != SVO_OK) {
         fail_msg("%s", svo_device_message(opened.device));

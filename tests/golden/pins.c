@@ -21,6 +21,7 @@
 #include <xxhash.h>
 
 #include "scenes.h"
+#include "support/info_of.h"
 #include "support/work_folder.h"
 
 #define PATH_BYTES 512
@@ -372,7 +373,7 @@ static void check_room(void **state)
     if (shared.opened.device == NULL) {
         fixture_open_cl(&(fixture_options){.path = SVO_PATH_AUTO}, &shared.opened);
         char version[256] = "";
-        (void)clGetDeviceInfo(svo_device_cl_device(shared.opened.device), CL_DEVICE_VERSION, sizeof version, version,
+        (void)clGetDeviceInfo(info_of_device(shared.opened.device).device, CL_DEVICE_VERSION, sizeof version, version,
                               NULL);
         shared.is_pocl = strstr(version, "PoCL") != NULL || strstr(version, "pocl") != NULL;
         make_scenes(&shared);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Pins of plans, stages and builds that are enqueued. */
 #include "pins.h"
+#include "support/info_of.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -32,8 +33,7 @@ static void pin_plan_info(pins *all, const svo_plan *plan)
     pin_text(all, "grid", "origin %a %a %a edge %a scale %a snap_error %a", info.origin[0], info.origin[1],
              info.origin[2], info.edge, info.scale, info.snap_error);
     pin_text(all, "estimate", "fragments %a area %a weight_log2 %u ray depth %u tree bytes %" PRIu64,
-             info.expected_fragments, info.area, (unsigned)info.weight_log2, svo_plan_ray_depth(plan),
-             svo_plan_tree_bytes(plan));
+             info.expected_fragments, info.area, (unsigned)info.weight_log2, info.ray_depth, info.tree_bytes);
 }
 
 /* What a plan does and leaves out depends on the kernels. */
@@ -51,7 +51,7 @@ static void pin_stages_of_plan(pins *all, const char *kernels, const svo_plan *p
     (void)snprintf(name, sizeof name, "stages by kernels for %s", kernels);
     pin_text(all, name, "%s", text);
     used = 0;
-    for (size_t i = 0; i < svo_plan_left_out_count(plan); ++i) {
+    for (size_t i = 0; i < info_of_plan(plan).left_out_count; ++i) {
         svo_left_out entry = SVO_LEFT_OUT_INIT;
         svo_plan_get_left_out(plan, i, &entry);
         used += (size_t)snprintf(text + used, sizeof text - used, "%s: %s\n", entry.what, entry.reason);
@@ -101,7 +101,7 @@ void pin_plan(pins *all)
             for (int path = 0; path < 2 && options.place != SVO_PLACE_DEVICE; ++path) {
                 assert_int_equal(svo_plan_create(devices[path], all->scenes[s].mesh, plans[i].depth, &options, &plan),
                                  SVO_OK);
-                pin_stages_of_plan(all, svo_name(SVO_NAME_PATH, svo_device_path(devices[path])), plan);
+                pin_stages_of_plan(all, svo_name(SVO_NAME_PATH, info_of_device(devices[path]).path), plan);
                 svo_plan_destroy(&plan);
             }
         }

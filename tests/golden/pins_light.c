@@ -304,8 +304,9 @@ void pin_probes(pins *all)
         svo_probes *probes = NULL;
         char hash[SVO_HASH_TEXT_BYTES];
         options.field_size = 16;
+        options.tree = tree;
         pin_begin(all, "%s", all->scenes[s].name);
-        pin_succeed(all, svo_probes_create(tree, &options, all->opened.queue, &probes));
+        pin_succeed(all, svo_probes_create(&options, all->opened.queue, &probes));
         pin_succeed(all, svo_probes_hash(probes, all->opened.queue, hash));
         pin_text(all, "hash", "%s", hash);
         pin_probe_info(all, probes);
@@ -324,7 +325,7 @@ void pin_probes(pins *all)
         options.diffuse = 1;
         options.cones = 5;
         options.keep_places = 1;
-        pin_succeed(all, svo_probes_create(tree, &options, all->opened.queue, &probes));
+        pin_succeed(all, svo_probes_create(&options, all->opened.queue, &probes));
         pin_radiance(all, "radiance", probes, SVO_PROBES_TEXELS);
         pin_radiance(all, "irradiance", probes, SVO_PROBES_IRRADIANCE);
         pin_irradiance(all, tree, probes);

@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "support/info_of.h"
 #include "support/work_folder.h"
 #include "svocl/io.h"
 #include "svocl/paged.h"
@@ -107,7 +108,7 @@ void pin_rays(pins *all)
         for (int quality = 0; quality < 2; ++quality) {
             pin_begin(all, "%s %s", all->scenes[s].name, qualities[quality]);
             pin_succeed(all, svo_tree_make_bvh(tree, (svo_bvh_quality)quality, all->opened.queue));
-            pin_text(all, "BVH", "%" PRIu64 " bytes", svo_tree_ray_bytes(tree));
+            pin_text(all, "BVH", "%" PRIu64 " bytes", info_of_tree(tree).ray_bytes);
             pin_hits(all, "closest", tree, rays, SVO_TRACE_CLOSEST);
             pin_hits(all, "any", tree, rays, SVO_TRACE_ANY);
             pin_hits(all, "count", tree, rays, SVO_TRACE_COUNT);

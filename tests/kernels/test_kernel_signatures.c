@@ -27,6 +27,7 @@
 #include "shared/scene_layout.h"
 #include "shared/solid_layout.h"
 #include "support/fixture.h"
+#include "support/info_of.h"
 #include "support/meshes.h"
 #include "support/solid_meshes.h"
 #include "support/suite.h"
@@ -299,7 +300,8 @@ static void enqueue_build(const fixture *opened, const svo_mesh *mesh, const svo
 static cl_mem buffer_of(const fixture *opened, const void *bytes, size_t count)
 {
     cl_int error = CL_SUCCESS;
-    const cl_mem buffer = clCreateBuffer(svo_device_cl_context(opened->device), CL_MEM_READ_WRITE, count, NULL, &error);
+    const cl_mem buffer =
+        clCreateBuffer(info_of_device(opened->device).context, CL_MEM_READ_WRITE, count, NULL, &error);
     assert_int_equal(error, CL_SUCCESS);
     assert_int_equal(clEnqueueWriteBuffer(opened->queue, buffer, CL_TRUE, 0, count, bytes, 0, NULL, NULL), CL_SUCCESS);
     return buffer;
@@ -327,7 +329,7 @@ static void build_all(const fixture *opened, const svo_mesh *mesh, built *out)
     built_destroy(&other);
     options.edge = 0.5; /* triangles leave the grid */
     fixture_build(opened, mesh, DEPTH, &options, &other);
-    succeed(opened, svo_tree_prepare_rays(other.tree, opened->queue));
+    succeed(opened, svo_tree_make_bvh(other.tree, SVO_BVH_BEST, opened->queue));
     built_destroy(&other);
     options.edge = 1.0;
     options.builder = SVO_BUILDER_CL;
@@ -535,10 +537,11 @@ static void probe_all(const fixture *opened, svo_tree *tree, svo_light *light)
     options.counts[0] = options.counts[1] = options.counts[2] = 1;
     options.resolution = 64;
     options.field_size = 2;
+    options.tree = tree;
     options.light = light;
     options.diffuse = 1;
     options.cones = 1;
-    succeed(opened, svo_probes_create(tree, &options, opened->queue, &probes));
+    succeed(opened, svo_probes_create(&options, opened->queue, &probes));
     succeed(opened, svo_probes_trace(probes, svo_in_host(&ray), svo_in_host(&hit), 1, NULL,
                                      &(svo_submit){.queue = opened->queue}));
     succeed(opened, svo_probes_irradiance(probes, svo_in_host(&point), svo_in_host(&irradiance), 1,

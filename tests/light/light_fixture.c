@@ -9,6 +9,8 @@
 
 #include <cmocka.h>
 
+#include "support/info_of.h"
+
 void light_succeed(const fixture *opened, svo_status status)
 {
     if (status != SVO_OK) {
@@ -105,8 +107,8 @@ static const char probe_kernel[] =
 static cl_kernel make_kernel(const fixture *opened, svo_light *light)
 {
     const char *sources[2] = {svo_kernel_source(svo_light_target(NULL)), probe_kernel};
-    const cl_device_id device = svo_device_cl_device(opened->device);
-    cl_program program = clCreateProgramWithSource(svo_device_cl_context(opened->device), 2, sources, NULL, NULL);
+    const cl_device_id device = info_of_device(opened->device).device;
+    cl_program program = clCreateProgramWithSource(info_of_device(opened->device).context, 2, sources, NULL, NULL);
     if (clBuildProgram(program, 1, &device, svo_kernel_options(svo_light_target(light)), NULL, NULL) != CL_SUCCESS) {
         static char log[4096];
         clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, sizeof log, log, NULL);
@@ -121,7 +123,7 @@ static cl_kernel make_kernel(const fixture *opened, svo_light *light)
 void light_probe_field(const fixture *opened, svo_light *light, const light_probe *probes, light_sample *samples,
                        size_t count)
 {
-    const cl_context context = svo_device_cl_context(opened->device);
+    const cl_context context = info_of_device(opened->device).context;
     const size_t local = 1;
     cl_kernel kernel = make_kernel(opened, light);
     cl_mem input = clCreateBuffer(context, CL_MEM_READ_WRITE, count * sizeof *probes, NULL, NULL);

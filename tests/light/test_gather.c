@@ -17,6 +17,7 @@
 
 #include "cone_scene.h"
 #include "errors/published_march.h"
+#include "support/info_of.h"
 #include "support/meshes.h"
 #include "support/suite.h"
 
@@ -29,8 +30,8 @@
 static cl_kernel compile(const fixture *opened, svo_light *light, const char *source)
 {
     const char *sources[2] = {svo_kernel_source(svo_light_target(NULL)), source};
-    const cl_device_id device = svo_device_cl_device(opened->device);
-    cl_program program = clCreateProgramWithSource(svo_device_cl_context(opened->device), 2, sources, NULL, NULL);
+    const cl_device_id device = info_of_device(opened->device).device;
+    cl_program program = clCreateProgramWithSource(info_of_device(opened->device).context, 2, sources, NULL, NULL);
     if (clBuildProgram(program, 1, &device, svo_kernel_options(svo_light_target(light)), NULL, NULL) != CL_SUCCESS) {
         static char log[4096];
         clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, sizeof log, log, NULL);
@@ -47,7 +48,7 @@ static cl_kernel compile(const fixture *opened, svo_light *light, const char *so
 static void launch(const fixture *opened, svo_light *light, const char *source, const void *input, size_t input_bytes,
                    void *output, size_t output_bytes, size_t count)
 {
-    const cl_context context = svo_device_cl_context(opened->device);
+    const cl_context context = info_of_device(opened->device).context;
     cl_kernel kernel = compile(opened, light, source);
     cl_mem from = clCreateBuffer(context, CL_MEM_READ_ONLY, count * input_bytes, NULL, NULL);
     cl_mem to = clCreateBuffer(context, CL_MEM_WRITE_ONLY, count * output_bytes, NULL, NULL);

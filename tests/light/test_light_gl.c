@@ -19,6 +19,8 @@
 #include "photon_reference.h"
 #include "raster/light_view.h"
 #include "scenes.h"
+#include "support/gl_contexts.h"
+#include "support/info_of.h"
 #include "support/meshes.h"
 #include "support/suite.h"
 
@@ -73,7 +75,7 @@ static void compare_band(const fixture *opened, const built *made, const svo_i_p
     static svo_hit traced[BAND];
     static svo_hit drawn[BAND];
     svo_light_view_params params = view->params;
-    cl_context context = svo_device_cl_context(opened->device);
+    cl_context context = info_of_device(opened->device).context;
     cl_int error = CL_SUCCESS;
     params.first = first;
     params.count = view->photon_count - first < BAND ? view->photon_count - first : BAND;
@@ -113,7 +115,7 @@ static void compare_views(const fixture *opened, const built *made, tally *out)
     const svo_i_lit_box box = box_of(made);
     svo_i_light_raster *raster = NULL;
     light_succeed(opened,
-                  svo_i_light_raster_create(opened->device, opened->context, svo_gl_chosen_share(opened->gl), &raster));
+                  svo_i_light_raster_create(opened->device, opened->context, chosen_share(opened->gl), &raster));
     light_succeed(opened, svo_i_gl_context_make_current(opened->context, NULL));
     const svo_i_photon_caster caster = svo_i_light_raster_begin(raster, made->tree);
     for (size_t i = 0; i < SOURCES; ++i) {

@@ -21,6 +21,7 @@
 #include "light_fixture.h"
 #include "support/attributed_mesh.h"
 #include "support/counting.h"
+#include "support/info_of.h"
 #include "support/suite.h"
 
 #define NEEDS (SVO_NEED_COLOR | (unsigned)SVO_NEED_NORMAL | (unsigned)SVO_NEED_PROJECTED_AREA)
@@ -107,7 +108,7 @@ static void builders_and_queues_give_the_same_bytes(void **state)
     const fixture opened = fixture_cl_of_group(state);
     cl_int error = CL_SUCCESS;
     cl_command_queue unordered =
-        clCreateCommandQueue(svo_device_cl_context(opened.device), svo_device_cl_device(opened.device),
+        clCreateCommandQueue(info_of_device(opened.device).context, info_of_device(opened.device).device,
                              CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE, &error);
     built first;
     built second;

@@ -18,6 +18,7 @@
 #include "moving_scene.h"
 #include "support/counting.h"
 #include "support/enqueued.h"
+#include "support/info_of.h"
 #include "support/suite.h"
 
 static const uint32_t everything = SVO_NEED_ALL;
@@ -49,7 +50,7 @@ static cl_command_queue make_unordered(const fixture *opened)
 {
     cl_int error = CL_SUCCESS;
     cl_command_queue queue =
-        clCreateCommandQueue(svo_device_cl_context(opened->device), svo_device_cl_device(opened->device),
+        clCreateCommandQueue(info_of_device(opened->device).context, info_of_device(opened->device).device,
                              CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE, &error);
     assert_int_equal(error, CL_SUCCESS);
     return queue;
@@ -198,7 +199,7 @@ static void an_update_waits_for_events(void **state)
     update_moving(&opened, moving);
     const outcome before = outcome_of(&opened, svo_moving_tree(moving));
     for (int i = 0; i < 2; ++i) {
-        cl_event gate = clCreateUserEvent(svo_device_cl_context(opened.device), NULL);
+        cl_event gate = clCreateUserEvent(info_of_device(opened.device).context, NULL);
         cl_event done = NULL;
         succeed(&opened, svo_moving_set_transform(moving, 1, i == 0 ? small : large));
         counting_begin();

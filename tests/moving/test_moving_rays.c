@@ -17,6 +17,7 @@
 
 #include "moving_scene.h"
 #include "support/enqueued.h"
+#include "support/info_of.h"
 #include "support/suite.h"
 
 enum { RAYS = 1500, POINTS = 100, DEPTH = 6 };
@@ -175,12 +176,12 @@ static void compare(const fixture *opened, const stage *s, uint64_t seed)
 {
     svo_tree *whole = build_whole(opened, s->moving, DEPTH, &s->options);
     svo_tree *tree = svo_moving_tree(s->moving);
-    const uint64_t bytes = svo_tree_ray_bytes(tree);
+    const uint64_t bytes = info_of_tree(tree).ray_bytes;
     compare_rays(opened, tree, whole, seed);
     if (s->options.edge > 2.0) {
         compare_points(opened, tree, whole, seed);
     }
-    assert_int_equal(svo_tree_ray_bytes(tree), bytes); /* no other BVH was made */
+    assert_int_equal(info_of_tree(tree).ray_bytes, bytes); /* no other BVH was made */
     svo_tree_destroy(&whole);
 }
 
@@ -429,11 +430,11 @@ static void a_whole_bvh_can_be_replaced(void **state)
     stage s;
     open_stage(&opened, 7, true, 6.0, &s);
     succeed(&opened, svo_tree_make_bvh(svo_moving_tree(s.moving), SVO_BVH_FAST, opened.queue));
-    const uint64_t whole_bytes = svo_tree_ray_bytes(svo_moving_tree(s.moving));
+    const uint64_t whole_bytes = info_of_tree(svo_moving_tree(s.moving)).ray_bytes;
     assert_report(make_bvh(&opened, &s, SVO_BVH_BEST, 0.0F), 0, 0, 6);
-    assert_true(svo_tree_ray_bytes(svo_moving_tree(s.moving)) != whole_bytes);
+    assert_true(info_of_tree(svo_moving_tree(s.moving)).ray_bytes != whole_bytes);
     succeed(&opened, svo_tree_make_bvh(svo_moving_tree(s.moving), SVO_BVH_FAST, opened.queue));
-    assert_int_equal(svo_tree_ray_bytes(svo_moving_tree(s.moving)), whole_bytes);
+    assert_int_equal(info_of_tree(svo_moving_tree(s.moving)).ray_bytes, whole_bytes);
     assert_report(make_bvh(&opened, &s, SVO_BVH_BEST, 0.0F), 6, 0, 0);
     compare(&opened, &s, 1);
     close_stage(&s);
@@ -492,7 +493,7 @@ static void wrong_calls_are_refused(void **state)
     assert_fails(&opened, svo_moving_make_bvh(s.moving, SVO_BVH_BEST, -1.0F, opened.queue, NULL), "cost_ratio -1");
     assert_fails(&opened, svo_moving_make_bvh(s.moving, SVO_BVH_BEST, NAN, opened.queue, NULL), "cost_ratio");
     assert_fails(&opened, svo_moving_make_bvh(s.moving, SVO_BVH_BEST, 0.0F, opened.queue, &small), "struct_size");
-    assert_int_equal(svo_tree_ray_bytes(svo_moving_tree(s.moving)), 0);
+    assert_int_equal(info_of_tree(svo_moving_tree(s.moving)).ray_bytes, 0);
     svo_moving_options options = s.options;
     options.need = SVO_NEED_NONE;
     svo_moving *other = make_moving(&opened, &s.made.room.mesh, DEPTH, options);
@@ -516,7 +517,7 @@ static void update_with_bvh(const fixture *opened, svo_moving *moving)
 
 static uint64_t ray_bytes_of(const svo_moving *moving)
 {
-    return svo_tree_ray_bytes(svo_moving_tree(moving));
+    return info_of_tree(svo_moving_tree(moving)).ray_bytes;
 }
 
 static void memory_is_flat(void **state)

@@ -16,6 +16,7 @@
 #include "core/work.h"
 #include "io/file_format.h"
 #include "light/light_fixture.h"
+#include "support/info_of.h"
 #include "support/suite.h"
 #include "svocl/voxels.h"
 
@@ -85,8 +86,8 @@ static const char cone_kernel[] =
 static cl_kernel compile(const fixture *opened, svo_light *light)
 {
     const char *sources[2] = {svo_kernel_source(svo_light_target(NULL)), cone_kernel};
-    const cl_device_id device = svo_device_cl_device(opened->device);
-    cl_program program = clCreateProgramWithSource(svo_device_cl_context(opened->device), 2, sources, NULL, NULL);
+    const cl_device_id device = info_of_device(opened->device).device;
+    cl_program program = clCreateProgramWithSource(info_of_device(opened->device).context, 2, sources, NULL, NULL);
     assert_int_equal(clBuildProgram(program, 1, &device, svo_kernel_options(svo_light_target(light)), NULL, NULL),
                      CL_SUCCESS);
     cl_kernel kernel = clCreateKernel(program, "probe", NULL);
@@ -97,7 +98,7 @@ static cl_kernel compile(const fixture *opened, svo_light *light)
 
 static void trace_cones(const fixture *opened, svo_light *light, const float starts[CONES], float passes[CONES])
 {
-    const cl_context context = svo_device_cl_context(opened->device);
+    const cl_context context = info_of_device(opened->device).context;
     const size_t bytes = CONES * sizeof(float), count = CONES, local = 1;
     cl_kernel kernel = compile(opened, light);
     cl_mem from = clCreateBuffer(context, CL_MEM_READ_WRITE, bytes, NULL, NULL);

@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "support/compare_tree.h"
+#include "support/info_of.h"
 #include "support/meshes.h"
 #include "support/suite.h"
 
@@ -193,7 +194,7 @@ static void assert_build_refused(const fixture *opened, svo_plan *plan, const ch
 static uint64_t device_bytes(const fixture *opened)
 {
     cl_ulong bytes = 0;
-    clGetDeviceInfo(svo_device_cl_device(opened->device), CL_DEVICE_GLOBAL_MEM_SIZE, sizeof bytes, &bytes, NULL);
+    clGetDeviceInfo(info_of_device(opened->device).device, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof bytes, &bytes, NULL);
     return bytes;
 }
 
@@ -245,14 +246,15 @@ static void sizes_above_the_device_limit_are_refused_before_allocation(void **st
     make_squares(1, &made);
     made.mesh.triangle_count = 1;
     svo_plan *plan = plan_of(opened, &made.mesh, 16, NULL);
-    if (svo_plan_peak_bytes(plan) <= device_bytes(opened)) {
+    if (info_of_plan(plan).peak_bytes <= device_bytes(opened)) {
         svo_plan_destroy(&plan);
         owned_mesh_free(&made);
         print_message("skipped: the device has enough memory for it\n");
         skip();
     }
     char need[32];
-    (void)snprintf(need, sizeof need, "needs about %.1f GiB at depth 16", (double)svo_plan_peak_bytes(plan) / 0x1p30);
+    (void)snprintf(need, sizeof need, "needs about %.1f GiB at depth 16",
+                   (double)info_of_plan(plan).peak_bytes / 0x1p30);
     assert_build_refused(opened, plan, need);
     /* The failed build did not change the plan: the next one fails with the same message. */
     assert_build_refused(opened, plan, need);
@@ -269,7 +271,7 @@ static void capacities_of_2_to_the_31_are_refused_where_they_do_not_fit(void **s
         .struct_size = sizeof mesh, .positions_double = positions, .vertex_count = 3, .triangle_count = 1};
     const svo_plan_options options = {.struct_size = sizeof options, .fragment_capacity = UINT64_C(0xf0000000)};
     svo_plan *plan = plan_of(opened, &mesh, 11, &options);
-    if (svo_plan_peak_bytes(plan) <= device_bytes(opened)) {
+    if (info_of_plan(plan).peak_bytes <= device_bytes(opened)) {
         svo_plan_destroy(&plan);
         print_message("skipped: the device has enough memory for it\n");
         skip();

@@ -17,6 +17,7 @@
 
 #include "paged_walk.h"
 #include "support/fixture_folder.h"
+#include "support/info_of.h"
 #include "support/suite.h"
 
 enum { THREADS = 2, VIEWS = 8, DEPTH = 7, PAGE_LEVELS = 2 };
@@ -51,8 +52,8 @@ static void *run(void *pointer)
     svo_device *device = NULL;
     svo_paged *paged = NULL;
     self->counts = (svo_paged_counts)SVO_PAGED_COUNTS_INIT;
-    if (svo_device_create(svo_device_cl_context(self->of->opened.device), svo_device_cl_device(self->of->opened.device),
-                          NULL, &device, NULL) == SVO_OK &&
+    if (svo_device_create(info_of_device(self->of->opened.device).context,
+                          info_of_device(self->of->opened.device).device, NULL, &device, NULL) == SVO_OK &&
         svo_paged_open(device, self->path, self->budget, &options, &paged) == SVO_OK && !fly(self, paged)) {
         self->done = 0;
     }

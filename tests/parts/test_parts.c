@@ -627,7 +627,7 @@ static void test_trees_of_parts(void **state)
     check(&j, svo_tree_download(tree, NULL), NULL);
     path_of("part.svo", path);
     assert_int_equal(svo_tree_save(tree, path, NULL, &message), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_tree_prepare_rays(tree, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_make_bvh(tree, SVO_BVH_BEST, NULL), SVO_INVALID_ARGUMENT);
     svo_part_header header = SVO_PART_HEADER_INIT;
     assert_int_equal(svo_plan_get_part_header(plan, &header), SVO_INVALID_ARGUMENT);
     svo_tree_destroy(&tree);

@@ -16,6 +16,7 @@
 
 #include "scenes.h"
 #include "support/compare_tree.h"
+#include "support/info_of.h"
 #include "support/meshes.h"
 #include "support/suite.h"
 
@@ -195,8 +196,8 @@ static void a_plan_can_be_built_twice(void **state)
         assert_int_equal(svo_tree_hash(tree, SVO_HASH_ALL, hash), SVO_OK);
         assert_string_equal(hash, expected.hash);
         svo_tree_destroy(&tree);
-        assert_int_equal(svo_plan_peak_bytes(plan), run == 0 ? svo_plan_peak_bytes(plan) : peak_bytes);
-        peak_bytes = svo_plan_peak_bytes(plan);
+        assert_int_equal(info_of_plan(plan).peak_bytes, run == 0 ? info_of_plan(plan).peak_bytes : peak_bytes);
+        peak_bytes = info_of_plan(plan).peak_bytes;
     }
     svo_plan_destroy(&plan);
     scene_destroy(&expected.scene);

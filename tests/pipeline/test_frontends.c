@@ -11,6 +11,7 @@
 
 #include "scenes.h"
 #include "support/fixture.h"
+#include "support/gl_contexts.h"
 #include "support/suite.h"
 
 #define NEED_ALL (SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS)
@@ -107,7 +108,7 @@ static void svo_frontend_destroy_keeps_the_opengl_front_end(void **state)
     svo_frontend_destroy(&frontend);
     assert_null(frontend);
     assert_string_equal(svo_frontend_name(svo_gl_frontend(opened->gl)),
-                        svo_name(SVO_NAME_GL_RASTER, svo_gl_chosen_raster(opened->gl)));
+                        svo_name(SVO_NAME_GL_RASTER, chosen_raster(opened->gl)));
 }
 
 TEST_GROUP(frontends)

@@ -16,6 +16,7 @@
 
 #include "core/device.h"
 #include "support/attributed_mesh.h"
+#include "support/info_of.h"
 #include "support/ray_check.h"
 #include "support/suite.h"
 
@@ -52,7 +53,7 @@ static bool plan_defines(const fixture *opened, const svo_mesh *mesh, const char
     svo_plan *plan = NULL;
     const svo_plan_options options = {.struct_size = sizeof options, .need = SVO_NEED_COLOR};
     assert_int_equal(svo_plan_create(opened->device, mesh, 6, &options, &plan), SVO_OK);
-    for (size_t i = 0; i < svo_plan_kernels_count(plan); ++i) {
+    for (size_t i = 0; i < info_of_plan(plan).kernels_count; ++i) {
         svo_kernels_info info = SVO_KERNELS_INFO_INIT;
         assert_int_equal(svo_plan_get_kernels(plan, i, &info), SVO_OK);
         found = found || strstr(info.defines, define) != NULL;

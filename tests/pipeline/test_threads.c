@@ -15,6 +15,8 @@
 #include <pthread.h>
 
 #include "support/fixture.h"
+#include "support/gl_contexts.h"
+#include "support/info_of.h"
 #include "support/meshes.h"
 #include "support/suite.h"
 
@@ -51,15 +53,15 @@ static void *work(void *pointer)
 {
     worker *self = pointer;
     const svo_gl_options options = {.struct_size = sizeof options, .share = self->share};
-    const cl_context context = svo_device_cl_context(self->shared->device);
-    const cl_device_id id = svo_device_cl_device(self->shared->device);
+    const cl_context context = info_of_device(self->shared->device).context;
+    const cl_device_id id = info_of_device(self->shared->device).device;
     for (unsigned round = 0; round < ROUNDS; ++round) {
         svo_device *device = NULL;
         svo_gl_context *gl_context = NULL;
         svo_gl *gl = NULL;
         cl_command_queue queue = clCreateCommandQueue(context, id, 0, NULL);
         if (svo_device_create(context, id, NULL, &device, &self->message) == SVO_OK &&
-            svo_gl_context_create(self->kind, 0, &gl_context, &self->message) == SVO_OK &&
+            context_of_kind(self->kind, 0, &gl_context, &self->message) == SVO_OK &&
             svo_gl_create(device, gl_context, &options, &gl) == SVO_OK) {
             self->equal_count += build_equals(self, device, gl, queue, round % MESHES);
             self->equal_count += build_equals(self, device, gl, queue, (round + 1) % MESHES);

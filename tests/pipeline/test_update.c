@@ -18,6 +18,7 @@
 #include "support/counting.h"
 #include "support/enqueued.h"
 #include "support/fixture.h"
+#include "support/info_of.h"
 #include "support/memory_ledger.h"
 #include "support/suite.h"
 
@@ -230,7 +231,7 @@ static void buffers_move_the_mesh(void **state)
     const size_t bytes = OFFSET + STRIDE * m.mesh.vertex_count;
     uint8_t *packed = calloc(1, bytes);
     assert_non_null(packed);
-    cl_mem memory = clCreateBuffer(svo_device_cl_context(opened.device), CL_MEM_READ_WRITE, bytes, NULL, NULL);
+    cl_mem memory = clCreateBuffer(info_of_device(opened.device).context, CL_MEM_READ_WRITE, bytes, NULL, NULL);
     assert_non_null(memory);
     svo_plan *plan = make_plan(&opened, &m.mesh, 6, options);
     svo_workspace *workspace = make_workspace(&opened, plan);
@@ -282,7 +283,7 @@ static void updates_allocate_compile_and_wait_for_nothing(void **state)
     svo_workspace *workspace = make_workspace(&opened, plan);
     svo_tree *tree = make_tree(&opened, workspace);
     move_to(&m, 0);
-    cl_event go = clCreateUserEvent(svo_device_cl_context(opened.device), &error);
+    cl_event go = clCreateUserEvent(info_of_device(opened.device).context, &error);
     assert_int_equal(error, CL_SUCCESS);
     cl_event moved = NULL;
     counting_begin();
@@ -320,7 +321,7 @@ static void memory_is_flat(void **state)
     assert_int_equal(svo_frontend_create_cl(opened.device, &opened.cl), SVO_OK);
     opened.frontend = opened.cl;
     opened.queue =
-        clCreateCommandQueue(svo_device_cl_context(opened.device), svo_device_cl_device(opened.device), 0, NULL);
+        clCreateCommandQueue(info_of_device(opened.device).context, info_of_device(opened.device).device, 0, NULL);
     svo_plan *plan = make_plan(&opened, &mesh, 3, updatable(SVO_NEED_RAYS));
     svo_workspace *workspace = make_workspace(&opened, plan);
     svo_tree *trees[2] = {make_tree(&opened, workspace), make_tree(&opened, workspace)};
@@ -357,7 +358,7 @@ static void commands_are_ordered_whatever_the_queues(void **state)
     const fixture opened = fixture_cl_of_group(state);
     const svo_plan_options options = updatable(SVO_NEED_RAYS);
     cl_command_queue other =
-        clCreateCommandQueue(svo_device_cl_context(opened.device), svo_device_cl_device(opened.device),
+        clCreateCommandQueue(info_of_device(opened.device).context, info_of_device(opened.device).device,
                              CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE, NULL);
     float positions[MOVES][9];
     svo_tree *trees[MOVES];
@@ -597,7 +598,7 @@ static void nothing_waits_for_a_failed_update(void **state)
     svo_plan *plan = make_plan(&opened, &mesh, 5, options);
     svo_workspace *workspace = make_workspace(&opened, plan);
     svo_tree *tree = make_tree(&opened, workspace);
-    const cl_event gate = clCreateUserEvent(svo_device_cl_context(opened.device), NULL);
+    const cl_event gate = clCreateUserEvent(info_of_device(opened.device).context, NULL);
     cl_event held = NULL;
     cl_event failed = NULL;
     succeed(&opened,
@@ -738,14 +739,14 @@ static void a_refit_bvh_has_the_hits_of_a_new_one(void **state)
     traced t;
     traced_create(&opened, &t);
     succeed(&opened, svo_tree_make_bvh(t.tree, SVO_BVH_BEST, opened.queue));
-    const uint64_t bytes = svo_tree_ray_bytes(t.tree);
+    const uint64_t bytes = info_of_tree(t.tree).ray_bytes;
     for (int i = 0; i < MOVES; ++i) {
         const counted figures = follow(&opened, &t.m, i, t.plan, t.workspace, t.tree);
         assert_int_equal(figures.buffers, 0);
         assert_int_equal(figures.builds, 0);
         assert_int_equal(figures.waits, 0);
         assert_in_range(compare_hits(&opened, t.tree, &t.m.mesh, t.options), 50, RAY_COUNT);
-        assert_int_equal(svo_tree_ray_bytes(t.tree), bytes);
+        assert_int_equal(info_of_tree(t.tree).ray_bytes, bytes);
     }
     traced_destroy(&t);
 }
@@ -756,7 +757,7 @@ static void rays_never_meet_an_outdated_bvh(void **state)
     const fixture opened = fixture_cl_of_group(state);
     traced t;
     traced_create(&opened, &t);
-    succeed(&opened, svo_tree_prepare_rays(t.tree, opened.queue));
+    succeed(&opened, svo_tree_make_bvh(t.tree, SVO_BVH_BEST, opened.queue));
     take_floats(&t.m, t.m.at[0].base.positions);
     succeed(&opened, svo_plan_update(t.plan, &t.m.mesh, NULL));
     (void)enqueue_and_finish(&opened, t.workspace, t.tree);
@@ -787,7 +788,7 @@ static void wrong_refits_are_refused(void **state)
     assert_int_equal(svo_tree_refit_bvh(NULL, &(svo_submit){.queue = opened.queue}), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_tree_refit_bvh(t.tree, &(svo_submit){.queue = opened.queue}), SVO_INVALID_ARGUMENT);
     assert_non_null(strstr(svo_device_message(opened.device), "no BVH"));
-    succeed(&opened, svo_tree_prepare_rays(t.tree, opened.queue));
+    succeed(&opened, svo_tree_make_bvh(t.tree, SVO_BVH_BEST, opened.queue));
     succeed(&opened, svo_tree_refit_bvh(t.tree, &(svo_submit){.queue = opened.queue}));
     succeed(&opened, svo_build_enqueue(t.workspace, t.tree, &(svo_submit){.queue = opened.queue}));
     succeed(&opened, svo_tree_finish(t.tree, opened.queue, 1, NULL));

@@ -13,10 +13,12 @@
 
 #include <cmocka.h>
 
+#include "core/tree.h"
 #include "scenes.h"
 #include "support/counting.h"
 #include "support/enqueued.h"
 #include "support/fixture.h"
+#include "support/info_of.h"
 #include "support/suite.h"
 
 static const uint32_t needs[] = {
@@ -189,10 +191,10 @@ static void builds_of_a_workspace_are_ordered(void **state)
     const fixture opened = fixture_cl_of_group(state);
     struct scene *made = fixture_scene("knot:2000");
     const svo_plan_options options = {.need = SVO_NEED_ALL};
-    const cl_context context = svo_device_cl_context(opened.device);
+    const cl_context context = info_of_device(opened.device).context;
     cl_command_queue queues[2];
     for (int i = 0; i < 2; ++i) {
-        queues[i] = clCreateCommandQueue(context, svo_device_cl_device(opened.device),
+        queues[i] = clCreateCommandQueue(context, info_of_device(opened.device).device,
                                          CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE | CL_QUEUE_PROFILING_ENABLE, NULL);
         assert_non_null(queues[i]);
     }
@@ -254,7 +256,7 @@ static void a_failed_enqueue_does_not_block(void **state)
     svo_workspace *workspace = make_workspace(&opened, plan);
     svo_tree *tree = make_tree(&opened, workspace);
     while (all == 0) {
-        cl_event gate = clCreateUserEvent(svo_device_cl_context(opened.device), NULL);
+        cl_event gate = clCreateUserEvent(info_of_device(opened.device).context, NULL);
         counting_begin();
         counting_fail_launch(failed);
         const svo_status status =
@@ -291,19 +293,19 @@ static void a_plan_is_unchanged_until_a_workspace_exists(void **state)
     const fixture opened = fixture_cl_of_group(state);
     struct scene *made = fixture_scene("knot:500");
     svo_plan *plan = make_plan(&opened, scene_mesh(made), 5, (svo_plan_options){.need = SVO_NEED_DEFAULT});
-    const uint64_t peak = svo_plan_peak_bytes(plan);
-    const cl_mem small = clCreateBuffer(svo_device_cl_context(opened.device), CL_MEM_READ_WRITE, 16, NULL, NULL);
+    const uint64_t peak = info_of_plan(plan).peak_bytes;
+    const cl_mem small = clCreateBuffer(info_of_device(opened.device).context, CL_MEM_READ_WRITE, 16, NULL, NULL);
     const svo_workspace_options given = {.struct_size = sizeof given, .scratch = small};
     svo_workspace *workspace = NULL;
     svo_workspace_info info = SVO_WORKSPACE_INFO_INIT;
     succeed(&opened, svo_workspace_measure(plan, opened.frontend, &info));
-    assert_int_equal(svo_plan_peak_bytes(plan), peak);
+    assert_int_equal(info_of_plan(plan).peak_bytes, peak);
     assert_int_equal(svo_workspace_measure(plan, NULL, &info), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_workspace_create(plan, opened.frontend, opened.queue, &given, &workspace),
                      SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_plan_peak_bytes(plan), peak);
+    assert_int_equal(info_of_plan(plan).peak_bytes, peak);
     workspace = make_workspace(&opened, plan);
-    assert_int_not_equal(svo_plan_peak_bytes(plan), peak);
+    assert_int_not_equal(info_of_plan(plan).peak_bytes, peak);
     svo_workspace_destroy(&workspace);
     clReleaseMemObject(small);
     svo_plan_destroy(&plan);
@@ -367,8 +369,8 @@ static void insufficient_node_capacity_is_reported(void **state)
     assert_int_equal(svo_tree_finish(tree, opened.queue, 1, &report), SVO_CAPACITY_EXCEEDED);
     assert_in_range(report.fragments, 2 * COUNT, 8 * COUNT); /* the list was large enough */
     svo_build_state outcome;
-    assert_int_equal(clEnqueueReadBuffer(opened.queue, svo_tree_get_build_state(tree), CL_TRUE, 0, sizeof outcome,
-                                         &outcome, 0, NULL, NULL),
+    assert_int_equal(clEnqueueReadBuffer(opened.queue, svo_tree_get_buffer(tree, SVO_TREE_BUILD_STATE), CL_TRUE, 0,
+                                         sizeof outcome, &outcome, 0, NULL, NULL),
                      CL_SUCCESS);
     assert_in_range(outcome.overflow, 1, 7); /* the level that did not fit */
     assert_int_equal(outcome.fragments_low, report.fragments);
@@ -390,9 +392,9 @@ static void the_caller_may_provide_scratch(void **state)
     svo_plan *plan = make_plan(&opened, scene_mesh(made), 6, (svo_plan_options){.need = SVO_NEED_ALL});
     svo_workspace_info info = SVO_WORKSPACE_INFO_INIT;
     succeed(&opened, svo_workspace_measure(plan, opened.frontend, &info));
-    assert_in_range(info.scratch_bytes, 1, svo_plan_peak_bytes(plan));
+    assert_in_range(info.scratch_bytes, 1, info_of_plan(plan).peak_bytes);
     const uint64_t offset = 3 * info.scratch_alignment;
-    cl_mem scratch = clCreateBuffer(svo_device_cl_context(opened.device), CL_MEM_READ_WRITE,
+    cl_mem scratch = clCreateBuffer(info_of_device(opened.device).context, CL_MEM_READ_WRITE,
                                     (size_t)(offset + info.scratch_bytes), NULL, NULL);
     assert_non_null(scratch);
     svo_workspace_options options = {.struct_size = sizeof options, .scratch = scratch};
@@ -430,15 +432,15 @@ static void counting_first_makes_the_list_exact(void **state)
     built expected;
     fixture_build(&opened, scene_mesh(made), 7, &(svo_plan_options){.need = SVO_NEED_ALL}, &expected);
     svo_plan *plan = make_plan(&opened, scene_mesh(made), 7, (svo_plan_options){.need = SVO_NEED_ALL});
-    const uint64_t before = svo_plan_peak_bytes(plan);
+    const uint64_t before = info_of_plan(plan).peak_bytes;
     succeed(&opened, svo_plan_count(plan, opened.frontend, opened.queue));
     svo_plan_info info = SVO_PLAN_INFO_INIT;
     svo_plan_get_info(plan, &info);
     assert_int_equal(info.fragments, expected.info.fragments);
-    assert_true(svo_plan_peak_bytes(plan) < before);
+    assert_true(info_of_plan(plan).peak_bytes < before);
     unsigned exact = 0;
     unsigned bounds = 0;
-    for (size_t i = 0; i < svo_plan_buffer_count(plan); ++i) {
+    for (size_t i = 0; i < info_of_plan(plan).buffer_count; ++i) {
         svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
         svo_plan_get_buffer(plan, i, &buffer);
         for (size_t k = 0; k < expected.buffer_count; ++k) {
@@ -521,8 +523,8 @@ static cl_kernel make_plain_kernel(const fixture *opened)
         "{\n"
         "    b[0] = a[0] + c[0] + d[0].x + (uint)e.words[0];\n"
         "}\n";
-    const cl_device_id device = svo_device_cl_device(opened->device);
-    cl_program program = clCreateProgramWithSource(svo_device_cl_context(opened->device), 1, &source, NULL, NULL);
+    const cl_device_id device = info_of_device(opened->device).device;
+    cl_program program = clCreateProgramWithSource(info_of_device(opened->device).context, 1, &source, NULL, NULL);
     assert_int_equal(clBuildProgram(program, 1, &device, "-cl-std=CL1.2", NULL, NULL), CL_SUCCESS);
     cl_kernel kernel = clCreateKernel(program, "plain", NULL);
     clReleaseProgram(program);
@@ -547,7 +549,7 @@ static void expect_all_to_refuse(const fixture *opened, svo_tree *tree, cl_kerne
     const double corner[3] = {0, 0, 0};
     const uint32_t cell[3] = {0, 0, 0};
     cl_mem memory =
-        clCreateBuffer(svo_device_cl_context(opened->device), CL_MEM_READ_WRITE, sizeof(svo_hit), NULL, NULL);
+        clCreateBuffer(info_of_device(opened->device).context, CL_MEM_READ_WRITE, sizeof(svo_hit), NULL, NULL);
     svo_tree_info info = SVO_TREE_INFO_INIT;
     svo_tree_arrays arrays = SVO_TREE_ARRAYS_INIT;
     char hash[SVO_HASH_TEXT_BYTES];
@@ -572,7 +574,6 @@ static void expect_all_to_refuse(const fixture *opened, svo_tree *tree, cl_kerne
     EXPECT(svo_tree_find_node, tree, 0, &node);
     EXPECT(svo_tree_node_box, tree, 0, box[0], box[1]);
     EXPECT(svo_kernel_set_arguments, svo_tree_target(tree), kernel, 0);
-    EXPECT(svo_tree_prepare_rays, tree, opened->queue);
     EXPECT(svo_tree_make_bvh, tree, SVO_BVH_FAST, opened->queue);
     EXPECT(svo_trace_triangles, svo_tree_target(tree), svo_in_host(&ray), svo_in_host(&hit), 1, SVO_TRACE_CLOSEST,
            &submit);
@@ -586,7 +587,7 @@ static void expect_all_to_refuse(const fixture *opened, svo_tree *tree, cl_kerne
                &(svo_submit){.queue = opened->queue});
     }
 #undef EXPECT
-    assert_int_equal(svo_tree_ray_bytes(tree), 0);
+    assert_int_equal(tree->ray_bytes, 0);
     clReleaseMemObject(memory);
 }
 
@@ -610,7 +611,7 @@ static void trees_without_content_are_refused(void **state)
     svo_tree *tree = make_tree(&opened, workspace);
     expect_all_to_refuse(&opened, tree, kernel, "nothing was built");
 
-    cl_event gate = clCreateUserEvent(svo_device_cl_context(opened.device), NULL);
+    cl_event gate = clCreateUserEvent(info_of_device(opened.device).context, NULL);
     for (int round = 0; round < 2; ++round) { /* the second time over the content of the first */
         succeed(&opened,
                 svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened.queue, .num_wait = 1, .wait = &gate}));
@@ -625,7 +626,7 @@ static void trees_without_content_are_refused(void **state)
                                              SVO_TRACE_COUNT, &(svo_submit){.queue = opened.queue}));
         assert_memory_equal(&hits[1], &hits[0], sizeof hits[0]);
         clReleaseEvent(gate);
-        gate = clCreateUserEvent(svo_device_cl_context(opened.device), NULL);
+        gate = clCreateUserEvent(info_of_device(opened.device).context, NULL);
     }
     clReleaseEvent(gate);
     counting_begin();
@@ -714,8 +715,8 @@ static const char outcome_kernel[] = "__kernel void look(__global const svo_buil
 static cl_kernel make_outcome_kernel(const fixture *opened)
 {
     const char *sources[2] = {svo_kernel_source(svo_tree_target(NULL)), outcome_kernel};
-    const cl_device_id device = svo_device_cl_device(opened->device);
-    cl_program program = clCreateProgramWithSource(svo_device_cl_context(opened->device), 2, sources, NULL, NULL);
+    const cl_device_id device = info_of_device(opened->device).device;
+    cl_program program = clCreateProgramWithSource(info_of_device(opened->device).context, 2, sources, NULL, NULL);
     assert_int_equal(clBuildProgram(program, 1, &device, svo_kernel_options(svo_tree_target(NULL)), NULL, NULL),
                      CL_SUCCESS);
     cl_kernel kernel = clCreateKernel(program, "look", NULL);
@@ -729,14 +730,14 @@ static cl_kernel make_outcome_kernel(const fixture *opened)
 static svo_status look_at_build(const fixture *opened, svo_plan *plan, cl_kernel kernel, unsigned depth,
                                 seen_outcome *seen, svo_tree_info *info, svo_build_report *report)
 {
-    const cl_context context = svo_device_cl_context(opened->device);
+    const cl_context context = info_of_device(opened->device).context;
     const cl_uint depth_argument = depth;
     const size_t one = 1;
     cl_event done = NULL;
     cl_event looked = NULL;
     svo_workspace *workspace = make_workspace(opened, plan);
     svo_tree *tree = make_tree(opened, workspace);
-    const cl_mem outcome = svo_tree_get_build_state(tree);
+    const cl_mem outcome = svo_tree_get_buffer(tree, SVO_TREE_BUILD_STATE);
     cl_mem memory = clCreateBuffer(context, CL_MEM_READ_WRITE, sizeof *seen, NULL, NULL);
     assert_non_null(outcome);
     assert_int_equal(clSetKernelArg(kernel, 0, sizeof(cl_mem), &outcome), CL_SUCCESS);
@@ -749,7 +750,7 @@ static svo_status look_at_build(const fixture *opened, svo_plan *plan, cl_kernel
     succeed(opened,
             svo_build_enqueue(workspace, tree,
                               &(svo_submit){.queue = opened->queue, .num_wait = 1, .wait = &gate, .event = &done}));
-    assert_ptr_equal(svo_tree_get_build_state(tree), outcome);
+    assert_ptr_equal(svo_tree_get_buffer(tree, SVO_TREE_BUILD_STATE), outcome);
     assert_int_equal(clEnqueueNDRangeKernel(opened->queue, kernel, 1, NULL, &one, &one, 1, &done, &looked), CL_SUCCESS);
     if (opened->frontend == opened->cl) {
         clSetUserEventStatus(gate, CL_COMPLETE);
@@ -761,7 +762,7 @@ static svo_status look_at_build(const fixture *opened, svo_plan *plan, cl_kernel
     const svo_status status = svo_tree_finish(tree, opened->queue, 1, report);
     if (status == SVO_OK) {
         succeed(opened, svo_tree_get_info(tree, info));
-        assert_ptr_equal(svo_tree_get_build_state(tree), outcome);
+        assert_ptr_equal(svo_tree_get_buffer(tree, SVO_TREE_BUILD_STATE), outcome);
     }
     clReleaseEvent(gate);
     clReleaseEvent(done);
@@ -808,8 +809,7 @@ static void kernels_read_the_outcome_of_a_build(void **state)
     look_at_builds(&opened, scene_mesh(made), kernel);
     built blocking;
     fixture_build(&opened, scene_mesh(made), 4, NULL, &blocking);
-    assert_null(svo_tree_get_build_state(blocking.tree));
-    assert_null(svo_tree_get_build_state(NULL));
+    assert_null(svo_tree_get_buffer(blocking.tree, SVO_TREE_BUILD_STATE));
     built_destroy(&blocking);
 
     /* No triangle: a root without children. */

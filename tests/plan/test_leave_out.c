@@ -17,6 +17,7 @@
 
 #include "scenes.h"
 #include "sheet_mesh.h"
+#include "support/info_of.h"
 #include "support/measured.h"
 #include "support/payload_reference.h"
 #include "support/suite.h"
@@ -599,12 +600,12 @@ static planned plan_sheet(const sheet_mesh *sheet, unsigned depth, uint32_t need
     planned seen = {.left_out_count = 0};
     fixture_open_cl(&(fixture_options){0}, &opened);
     assert_int_equal(svo_plan_create(opened.device, &sheet->mesh, depth, &options, &plan), SVO_OK);
-    for (size_t i = 0; i < svo_plan_kernels_count(plan); ++i) {
+    for (size_t i = 0; i < info_of_plan(plan).kernels_count; ++i) {
         svo_kernels_info kernels = SVO_KERNELS_INFO_INIT;
         svo_plan_get_kernels(plan, i, &kernels);
         seen.is_wide = seen.is_wide || strstr(kernels.defines, "SVO_WIDE") != NULL;
     }
-    seen.left_out_count = svo_plan_left_out_count(plan);
+    seen.left_out_count = info_of_plan(plan).left_out_count;
     for (size_t i = 0; i < seen.left_out_count; ++i) {
         svo_left_out entry = SVO_LEFT_OUT_INIT;
         svo_plan_get_left_out(plan, i, &entry);

@@ -16,6 +16,7 @@
 
 #include "scenes.h"
 #include "support/compare_tree.h"
+#include "support/info_of.h"
 #include "support/meshes.h"
 #include "support/suite.h"
 
@@ -132,7 +133,7 @@ static void rays_have_a_deepest_depth(void **state)
     const svo_plan_options options = {.struct_size = sizeof options, .origin = {0, 0, 0}, .edge = 4096};
     svo_plan *plan = NULL;
     assert_int_equal(svo_plan_create(opened->device, &speck, 5, &options, &plan), SVO_OK);
-    assert_int_equal(svo_plan_ray_depth(plan), 12);
+    assert_int_equal(info_of_plan(plan).ray_depth, 12);
     svo_plan_destroy(&plan);
 }
 
@@ -298,7 +299,7 @@ static size_t predicted_buffers(const fixture *opened, const svo_mesh *mesh, con
     options.struct_size = sizeof options;
     svo_plan *plan = NULL;
     assert_int_equal(svo_plan_create(opened->device, mesh, 7, &options, &plan), SVO_OK);
-    const size_t count = svo_plan_buffer_count(plan);
+    const size_t count = info_of_plan(plan).buffer_count;
     assert_in_range(count, 1, FIXTURE_BUFFERS_MAX);
     uint64_t total_bytes = 0;
     for (size_t i = 0; i < count; ++i) {
@@ -307,7 +308,7 @@ static size_t predicted_buffers(const fixture *opened, const svo_mesh *mesh, con
         assert_in_range(buffers[i].count, 1, 2);
         total_bytes += buffers[i].bytes;
     }
-    assert_in_range(svo_plan_peak_bytes(plan), 1, total_bytes);
+    assert_in_range(info_of_plan(plan).peak_bytes, 1, total_bytes);
     svo_plan_destroy(&plan);
     return count;
 }

@@ -17,6 +17,7 @@
 #include "support/attributed_mesh.h"
 #include "support/counting.h"
 #include "support/fixture.h"
+#include "support/info_of.h"
 #include "support/suite.h"
 
 enum { TRIANGLES = 3000, DEPTH = 6 };
@@ -37,7 +38,7 @@ static cl_mem buffer_of(const fixture *opened, const void *bytes, size_t count)
 {
     cl_int error = CL_SUCCESS;
     const cl_mem buffer =
-        clCreateBuffer(svo_device_cl_context(opened->device), CL_MEM_READ_WRITE, count + 1, NULL, &error);
+        clCreateBuffer(info_of_device(opened->device).context, CL_MEM_READ_WRITE, count + 1, NULL, &error);
     assert_int_equal(error, CL_SUCCESS);
     if (count > 0) {
         error = clEnqueueWriteBuffer(opened->queue, buffer, CL_TRUE, 0, count, bytes, 0, NULL, NULL);
@@ -191,7 +192,7 @@ static void plans_wait_for_the_events_given(void **state)
                                          0, NULL, NULL),
                      CL_SUCCESS);
     cl_command_queue other =
-        clCreateCommandQueue(svo_device_cl_context(of.opened.device), svo_device_cl_device(of.opened.device),
+        clCreateCommandQueue(info_of_device(of.opened.device).context, info_of_device(of.opened.device).device,
                              CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE, &error);
     assert_int_equal(error, CL_SUCCESS);
     clFinish(of.opened.queue);

@@ -22,6 +22,7 @@
 #include "scenes.h"
 #include "support/attributed_mesh.h"
 #include "support/fixture.h"
+#include "support/info_of.h"
 #include "support/suite.h"
 
 /* A plan, or the failure to make it. */
@@ -268,8 +269,8 @@ static void plans_move_to_the_device_after_enough_triangles(void **state)
     scene *least = fixture_scene("terrain:4095");
     svo_device *device = NULL;
     svo_message message;
-    assert_int_equal(svo_device_create(svo_device_cl_context(opened.device), svo_device_cl_device(opened.device), NULL,
-                                       &device, &message),
+    assert_int_equal(svo_device_create(info_of_device(opened.device).context, info_of_device(opened.device).device,
+                                       NULL, &device, &message),
                      SVO_OK);
     const struct {
         const scene *made;

@@ -18,6 +18,7 @@
 #include "probes/encoding.h"
 #include "shared/probe_layout.h"
 #include "support/fixture.h"
+#include "support/info_of.h"
 #include "support/meshes.h"
 #include "support/suite.h"
 
@@ -41,8 +42,8 @@ typedef struct device_kernel {
 static device_kernel make_kernel(const fixture *opened, const char *name)
 {
     const char *source = probe_codes_source;
-    const cl_device_id device = svo_device_cl_device(opened->device);
-    cl_program program = clCreateProgramWithSource(svo_device_cl_context(opened->device), 1, &source, NULL, NULL);
+    const cl_device_id device = info_of_device(opened->device).device;
+    cl_program program = clCreateProgramWithSource(info_of_device(opened->device).context, 1, &source, NULL, NULL);
     if (clBuildProgram(program, 1, &device, "-cl-std=CL1.2", NULL, NULL) != CL_SUCCESS) {
         static char log[4096];
         clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, sizeof log, log, NULL);
@@ -62,7 +63,7 @@ static void add_value(device_kernel *of, const void *value, size_t bytes)
 /* data: NULL for an output. */
 static void add_buffer(device_kernel *of, const void *data, size_t bytes)
 {
-    cl_mem buffer = clCreateBuffer(svo_device_cl_context(of->opened->device), CL_MEM_READ_WRITE, bytes, NULL, NULL);
+    cl_mem buffer = clCreateBuffer(info_of_device(of->opened->device).context, CL_MEM_READ_WRITE, bytes, NULL, NULL);
     assert_non_null(buffer);
     of->buffers[of->buffer_count++] = buffer;
     if (data != NULL) {

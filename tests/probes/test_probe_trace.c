@@ -18,6 +18,7 @@
 
 #include "light/light_fixture.h"
 #include "probe_reference.h"
+#include "probes_of.h"
 #include "support/solid_meshes.h"
 #include "support/suite.h"
 
@@ -69,7 +70,7 @@ static void open_scene(const fixture *opened, parts *of, const svo_plan_options 
     const svo_mesh mesh = parts_mesh(of);
     *out = (scene){.info = SVO_PROBE_INFO_INIT};
     fixture_build(opened, &mesh, DEPTH, grid, &out->tree);
-    light_succeed(opened, svo_probes_create(out->tree.tree, options, opened->queue, &out->probes));
+    light_succeed(opened, probes_of_tree(out->tree.tree, options, opened->queue, &out->probes));
     assert_int_equal(svo_probes_get_info(out->probes, &out->info), SVO_OK);
     parts_free(of);
 }
@@ -261,7 +262,7 @@ static void a_sealed_room_is_dark(void **state)
     light_succeed(&opened, svo_light_set_sources(light, &setup, opened.queue));
     options.light = light;
     options.keep_places = 1;
-    light_succeed(&opened, svo_probes_create(tree.tree, &options, opened.queue, &of.probes));
+    light_succeed(&opened, probes_of_tree(tree.tree, &options, opened.queue, &of.probes));
     for (uint32_t i = 0; i < RAY_COUNT; ++i) {
         const uint32_t axis = i % 3;
         for (uint32_t k = 0; k < 3; ++k) {
@@ -484,7 +485,7 @@ static void diffuse_light_of_a_glowing_room(void **state)
     options.light = light;
     options.diffuse = 1;
     options.cones = 1;
-    light_succeed(&opened, svo_probes_create(tree.tree, &options, opened.queue, &probes));
+    light_succeed(&opened, probes_of_tree(tree.tree, &options, opened.queue, &probes));
     for (int i = 0; i < 64; ++i) {
         points[i] = (svo_gather_point){.exponent = 0};
         for (int axis = 0; axis < 3; ++axis) {

@@ -20,7 +20,9 @@
 #include <cmocka.h>
 
 #include "light/light_fixture.h"
+#include "probes_of.h"
 #include "support/counting.h"
+#include "support/info_of.h"
 #include "support/meshes.h"
 #include "support/solid_meshes.h"
 #include "support/suite.h"
@@ -100,7 +102,7 @@ static svo_probe_options small_options(uint32_t x, uint32_t y, uint32_t z)
 static seen make(const fixture *opened, svo_tree *tree, const svo_probe_options *options)
 {
     svo_probes *probes = NULL;
-    light_succeed(opened, svo_probes_create(tree, options, opened->queue, &probes));
+    light_succeed(opened, probes_of_tree(tree, options, opened->queue, &probes));
     return look(opened, probes);
 }
 
@@ -338,7 +340,7 @@ static void ties_go_to_the_smaller_index(void **state)
     options.field_size = 1;
     /* The center of a fitted grid is not a round number: its probes are put around it. */
     svo_probe_info planned = SVO_PROBE_INFO_INIT;
-    light_succeed(&opened, svo_probes_plan(tree.tree, &options, &planned));
+    light_succeed(&opened, plan_of_tree(tree.tree, &options, &planned));
     for (int axis = 0; axis < 3; ++axis) {
         const float half = (planned.high[axis] - planned.low[axis]) / 2;
         options.start[axis] = planned.low[axis] + half - 0.25F * half;
@@ -667,9 +669,15 @@ static void scenes_are_seen_as_their_trees(void **state)
         svo_scene *scene = NULL;
         svo_probes *probes = NULL;
         light_succeed(&opened, svo_scene_create(opened.device, &placed, opened.queue, &scene));
-        const svo_probe_options options = one_probe(2, 2, 2, 1);
+        svo_probe_options options = one_probe(2, 2, 2, 1);
         seen by_tree = make(&opened, tree.tree, &options);
-        light_succeed(&opened, svo_probes_create_scene(scene, &options, opened.queue, &probes));
+        options.scene = scene;
+        options.tree = tree.tree;
+        assert_int_equal(svo_probes_create(&options, opened.queue, &probes), SVO_INVALID_ARGUMENT);
+        assert_string_equal(svo_device_message(opened.device),
+                            "svo_probes_create: options.tree and options.scene are both given");
+        options.tree = NULL;
+        light_succeed(&opened, svo_probes_create(&options, opened.queue, &probes));
         seen by_scene = look(&opened, probes);
         assert_true(fabs((double)by_scene.info.leaf_edge / (double)by_tree.info.leaf_edge - 1) < 1e-6);
         uint32_t differing = 0;
@@ -695,7 +703,7 @@ static void probes_allocate_what_is_planned(void **state)
     const float emission[3] = {1, 1, 1};
     lit room;
     open_glowing_room(&opened, emission, &room);
-    light_succeed(&opened, svo_tree_prepare_rays(room.tree.tree, opened.queue));
+    light_succeed(&opened, svo_tree_make_bvh(room.tree.tree, SVO_BVH_BEST, opened.queue));
     for (int k = 0; k < 3; ++k) {
         svo_probe_options options = small_options(3, 2, 2);
         svo_probe_info planned = SVO_PROBE_INFO_INIT;
@@ -705,9 +713,9 @@ static void probes_allocate_what_is_planned(void **state)
         options.light = k > 0 ? room.light : NULL;
         options.diffuse = k == 2;
         options.cones = 1;
-        light_succeed(&opened, svo_probes_plan(room.tree.tree, &options, &planned));
+        light_succeed(&opened, plan_of_tree(room.tree.tree, &options, &planned));
         counting_begin();
-        light_succeed(&opened, svo_probes_create(room.tree.tree, &options, opened.queue, &probes));
+        light_succeed(&opened, probes_of_tree(room.tree.tree, &options, opened.queue, &probes));
         const counted taken = counting_read();
         light_succeed(&opened, svo_probes_get_info(probes, &made));
         assert_int_equal(taken.live_bytes, planned.total_bytes);
@@ -746,7 +754,7 @@ static void kernels_are_compiled_where_they_are_asked_for(void **state)
     }
     svo_probe_options options = small_options(1, 1, 1);
     svo_probe_info planned = SVO_PROBE_INFO_INIT;
-    light_succeed(&opened, svo_probes_plan(room.tree.tree, &options, &planned));
+    light_succeed(&opened, plan_of_tree(room.tree.tree, &options, &planned));
     const counted after_plan = counting_read();
     assert_memory_equal(&after_plan, &before, sizeof before);
     seen of = make(&opened, room.tree.tree, &options);
@@ -777,7 +785,7 @@ static void hash_room(const fixture *opened, cl_command_queue queue, char text[S
     svo_probes *probes = NULL;
     build(opened, &room, SVO_NEED_RAYS, &tree);
     const svo_probe_options options = small_options(3, 3, 3);
-    light_succeed(opened, svo_probes_create(tree.tree, &options, queue, &probes));
+    light_succeed(opened, probes_of_tree(tree.tree, &options, queue, &probes));
     light_succeed(opened, svo_probes_hash(probes, queue, text));
     svo_probes_destroy(&probes);
     built_destroy(&tree);
@@ -817,7 +825,7 @@ static void queues_and_threads_give_the_same_bytes(void **state)
     char hashes[4][SVO_HASH_TEXT_BYTES];
     cl_int error = CL_SUCCESS;
     cl_command_queue unordered =
-        clCreateCommandQueue(svo_device_cl_context(opened.device), svo_device_cl_device(opened.device),
+        clCreateCommandQueue(info_of_device(opened.device).context, info_of_device(opened.device).device,
                              CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE, &error);
     hash_room(&opened, opened.queue, hashes[0]);
     hash_room(&opened, error == CL_SUCCESS ? unordered : NULL, hashes[1]);
@@ -859,7 +867,7 @@ static void bytes_choose_the_resolution(void **state)
         svo_probe_info info = SVO_PROBE_INFO_INIT;
         options.resolution = 0;
         options.max_bytes = cases[k].max_bytes;
-        const svo_status status = svo_probes_plan(tree.tree, &options, &info);
+        const svo_status status = plan_of_tree(tree.tree, &options, &info);
         assert_int_equal(status, cases[k].resolution != 0 ? SVO_OK : SVO_INVALID_ARGUMENT);
         if (status == SVO_OK) {
             assert_int_equal(info.resolution, cases[k].resolution);
@@ -961,56 +969,56 @@ static void wrong_options_are_refused(void **state)
     open_glowing_room(&opened, emission, &room);
     build(&opened, &other, SVO_NEED_RAYS, &tree);
     svo_probe_options options = small_options(1, 0, 1);
-    refuse(&opened, svo_probes_plan(tree.tree, &options, &info),
+    refuse(&opened, plan_of_tree(tree.tree, &options, &info),
            "svo_probes_plan: options.counts[1] 0 is not in 1 .. 65534");
     options = small_options(300, 300, 1);
-    refuse(&opened, svo_probes_create(tree.tree, &options, NULL, &probes),
+    refuse(&opened, probes_of_tree(tree.tree, &options, NULL, &probes),
            "svo_probes_create: options.counts 300 x 300 x 1 are above 65534 probes");
     options = small_options(1, 1, 1);
     options.resolution = 100;
-    refuse(&opened, svo_probes_create(tree.tree, &options, NULL, &probes),
+    refuse(&opened, probes_of_tree(tree.tree, &options, NULL, &probes),
            "svo_probes_create: options.resolution 100 is not a multiple of 16 in 64 .. 1024");
     options.resolution = 1040;
-    refuse(&opened, svo_probes_create(tree.tree, &options, NULL, &probes),
+    refuse(&opened, probes_of_tree(tree.tree, &options, NULL, &probes),
            "svo_probes_create: options.resolution 1040 is not a multiple of 16 in 64 .. 1024");
     options.resolution = 1024;
     options.max_bytes = 1000;
-    refuse(&opened, svo_probes_create(tree.tree, &options, NULL, &probes),
+    refuse(&opened, probes_of_tree(tree.tree, &options, NULL, &probes),
            "svo_probes_create: 1 probes of options.resolution 1024 take 8388608 bytes, above options.max_bytes 1000");
     options = small_options(65534, 1, 1);
     options.resolution = 512;
     options.max_bytes = UINT64_MAX;
-    refuse(&opened, svo_probes_plan(tree.tree, &options, &info),
+    refuse(&opened, plan_of_tree(tree.tree, &options, &info),
            "svo_probes_plan: 65534 probes of options.resolution 512 have more than 4294967295 texels");
     options = small_options(1, 1, 1);
     options.field_size = 257;
-    refuse(&opened, svo_probes_create(tree.tree, &options, NULL, &probes),
+    refuse(&opened, probes_of_tree(tree.tree, &options, NULL, &probes),
            "svo_probes_create: options.field_size 257 is not in 1 .. 256");
     options = small_options(1, 1, 1);
     options.step[1] = -1;
-    refuse(&opened, svo_probes_create(tree.tree, &options, NULL, &probes),
+    refuse(&opened, probes_of_tree(tree.tree, &options, NULL, &probes),
            "svo_probes_create: options.step[1] -1 is negative or not finite");
     options.step[1] = 1;
     options.start[1] = INFINITY;
-    refuse(&opened, svo_probes_create(tree.tree, &options, NULL, &probes),
+    refuse(&opened, probes_of_tree(tree.tree, &options, NULL, &probes),
            "svo_probes_create: options.start[1] inf is not finite");
     options = one_probe(0, 0, 0, 1);
     options.counts[0] = 5;
     options.step[0] = 1e38F;
-    assert_int_equal(svo_probes_create(tree.tree, &options, NULL, &probes), SVO_UNSUPPORTED);
+    assert_int_equal(probes_of_tree(tree.tree, &options, NULL, &probes), SVO_UNSUPPORTED);
     assert_non_null(strstr(svo_device_message(opened.device), "beyond the range of floats"));
     options = small_options(1, 1, 1);
     options.diffuse = 1;
-    refuse(&opened, svo_probes_create(tree.tree, &options, NULL, &probes),
+    refuse(&opened, probes_of_tree(tree.tree, &options, NULL, &probes),
            "svo_probes_create: options.diffuse 1 needs options.light, which is NULL");
     options.light = room.light;
-    refuse(&opened, svo_probes_create(tree.tree, &options, NULL, &probes),
+    refuse(&opened, probes_of_tree(tree.tree, &options, NULL, &probes),
            "svo_probes_create: options.light is not of the tree");
     options.cones = 3;
-    refuse(&opened, svo_probes_create(room.tree.tree, &options, NULL, &probes),
+    refuse(&opened, probes_of_tree(room.tree.tree, &options, NULL, &probes),
            "svo_probes_create: options.cones 3 is not 1, 5, 6, 16 or 64");
     options.struct_size = 4;
-    assert_int_equal(svo_probes_create(tree.tree, &options, NULL, &probes), SVO_INVALID_ARGUMENT);
+    assert_int_equal(probes_of_tree(tree.tree, &options, NULL, &probes), SVO_INVALID_ARGUMENT);
     assert_null(probes);
     built_destroy(&tree);
     parts_free(&other);
@@ -1026,13 +1034,14 @@ static void wrong_handles_are_refused(void **state)
     built tree;
     build(&opened, &room, SVO_NEED_RAYS, &tree);
     svo_probes *probes = NULL;
-    assert_int_equal(svo_probes_plan(NULL, NULL, &info), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_probes_plan_scene(NULL, NULL, &info), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_probes_create(NULL, NULL, NULL, &probes), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_probes_create_scene(NULL, NULL, NULL, &probes), SVO_INVALID_ARGUMENT);
-    refuse(&opened, svo_probes_create(tree.tree, NULL, NULL, NULL), "svo_probes_create: out is NULL");
-    const svo_probe_options options = small_options(1, 1, 1);
-    light_succeed(&opened, svo_probes_create(tree.tree, &options, NULL, &probes));
+    svo_probe_options options = small_options(1, 1, 1);
+    assert_int_equal(svo_probes_plan(NULL, &info), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_probes_plan(&options, &info), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_probes_create(NULL, NULL, &probes), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_probes_create(&options, NULL, &probes), SVO_INVALID_ARGUMENT);
+    options.tree = tree.tree;
+    refuse(&opened, svo_probes_create(&options, NULL, NULL), "svo_probes_create: out is NULL");
+    light_succeed(&opened, svo_probes_create(&options, NULL, &probes));
     refuse(&opened, svo_probes_relight(probes, NULL), "svo_probes_relight: the probes were made without a light");
     refuse(&opened, svo_probes_hash(probes, NULL, NULL), "svo_probes_hash: text is NULL");
     assert_int_equal(svo_probes_relight(NULL, NULL), SVO_INVALID_ARGUMENT);

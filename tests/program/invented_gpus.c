@@ -92,11 +92,8 @@ void invented_check_closed(void)
 svo_status __wrap_svo_i_egl_find_software(bool *software, uint32_t room, uint32_t *count, svo_message *message);
 svo_status __wrap_svo_i_egl_count_devices(uint32_t *count, svo_message *message);
 int __wrap_svo_gl_egl_is_software(void);
-svo_status __wrap_svo_gl_context_create_with(svo_gl_context_kind kind, uint32_t device_index,
-                                             const svo_gl_context_options *options, svo_gl_context **out,
-                                             svo_message *message);
-svo_status __wrap_svo_gl_context_create(svo_gl_context_kind kind, uint32_t device_index, svo_gl_context **out,
-                                        svo_message *message);
+svo_status __wrap_svo_i_gl_context_open(svo_gl_context_kind kind, uint32_t device_index, const svo_i_memory *memory,
+                                        svo_gl_context **out, svo_message *message);
 void __wrap_svo_gl_context_destroy(svo_gl_context **context);
 svo_status __wrap_svo_i_gl_context_make_current(svo_gl_context *context, svo_message *message);
 void __wrap_svo_i_gl_context_release_current(svo_gl_context *context);
@@ -178,12 +175,11 @@ static place *place_of(svo_gl_context_kind kind, uint32_t device_index)
     return kind == SVO_GL_EGL_DEVICE ? &now.egl[device_index] : kind == SVO_GL_OSMESA ? &now.osmesa : &now.surfaceless;
 }
 
-svo_status __wrap_svo_gl_context_create_with(svo_gl_context_kind kind, uint32_t device_index,
-                                             const svo_gl_context_options *options, svo_gl_context **out,
-                                             svo_message *message)
+svo_status __wrap_svo_i_gl_context_open(svo_gl_context_kind kind, uint32_t device_index, const svo_i_memory *memory,
+                                        svo_gl_context **out, svo_message *message)
 {
     place *at = place_of(kind, device_index);
-    (void)options;
+    (void)memory;
     note("", at->word);
     if (at->renderer->name == NULL) {
         return svo_i_fail(message, SVO_NO_GL, "svo_gl_context_create: none here");
@@ -197,12 +193,6 @@ svo_status __wrap_svo_gl_context_create_with(svo_gl_context_kind kind, uint32_t 
     at->open = context;
     *out = context;
     return SVO_OK;
-}
-
-svo_status __wrap_svo_gl_context_create(svo_gl_context_kind kind, uint32_t device_index, svo_gl_context **out,
-                                        svo_message *message)
-{
-    return __wrap_svo_gl_context_create_with(kind, device_index, NULL, out, message);
 }
 
 void __wrap_svo_gl_context_destroy(svo_gl_context **context)

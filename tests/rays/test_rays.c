@@ -17,6 +17,7 @@
 #include <string.h>
 
 #include "rays/rays.h"
+#include "support/info_of.h"
 #include "support/meshes.h"
 #include "support/ray_check.h"
 #include "support/suite.h"
@@ -295,13 +296,13 @@ static void the_bvh_is_built_on_request(void **state)
     built prepared;
     build_for_rays(opened, scene_mesh(made), 4, NULL, 0, &first_use);
     build_for_rays(opened, scene_mesh(made), 4, NULL, 0, &prepared);
-    assert_int_equal(svo_tree_ray_bytes(first_use.tree), 0);
+    assert_int_equal(info_of_tree(first_use.tree).ray_bytes, 0);
     trace_rays(opened, &first_use, &ray, 1, SVO_TRACE_CLOSEST, &hit);
-    assert_int_equal(svo_tree_ray_bytes(prepared.tree), 0);
-    assert_int_equal(svo_tree_prepare_rays(prepared.tree, NULL), SVO_OK); /* on the device's own queue */
-    const uint64_t bytes = svo_tree_ray_bytes(prepared.tree);
-    assert_int_equal(svo_tree_prepare_rays(prepared.tree, opened->queue), SVO_OK); /* once is enough */
-    assert_int_equal(svo_tree_ray_bytes(first_use.tree), bytes);
+    assert_int_equal(info_of_tree(prepared.tree).ray_bytes, 0);
+    assert_int_equal(svo_tree_make_bvh(prepared.tree, SVO_BVH_BEST, NULL), SVO_OK); /* on the device's own queue */
+    const uint64_t bytes = info_of_tree(prepared.tree).ray_bytes;
+    assert_int_equal(svo_tree_make_bvh(prepared.tree, SVO_BVH_BEST, opened->queue), SVO_OK); /* once is enough */
+    assert_int_equal(info_of_tree(first_use.tree).ray_bytes, bytes);
     assert_in_range(bytes, 1, 208 * prepared.info.list_triangle_count + 192);
     for (size_t i = 0; i < prepared.buffer_count; ++i) {
         assert_int_not_equal(strncmp(prepared.buffers[i].name, "ray_", 4), 0); /* no part of the build */
@@ -328,15 +329,14 @@ static void hits_do_not_depend_on_the_quality(void **state)
             rays[k] = random_ray_near(&tree, &random, 3.0);
         }
         trace_rays(opened, &tree, rays, RAYS, SVO_TRACE_CLOSEST, best);
-        const uint64_t bytes = svo_tree_ray_bytes(tree.tree);
+        const uint64_t bytes = info_of_tree(tree.tree).ray_bytes;
         assert_int_equal(svo_tree_make_bvh(tree.tree, SVO_BVH_FAST, opened->queue), SVO_OK);
-        assert_int_not_equal(svo_tree_ray_bytes(tree.tree), bytes); /* another one */
+        assert_int_not_equal(info_of_tree(tree.tree).ray_bytes, bytes); /* another one */
         trace_rays(opened, &tree, rays, RAYS, SVO_TRACE_CLOSEST, hits);
         assert_same_hits(hits, best, RAYS, 6);
-        assert_int_equal(svo_tree_prepare_rays(tree.tree, opened->queue), SVO_OK); /* there is one */
-        assert_int_not_equal(svo_tree_ray_bytes(tree.tree), bytes);
+        assert_int_not_equal(info_of_tree(tree.tree).ray_bytes, bytes); /* rays are content with one of any quality */
         assert_int_equal(svo_tree_make_bvh(tree.tree, SVO_BVH_BEST, opened->queue), SVO_OK);
-        assert_int_equal(svo_tree_ray_bytes(tree.tree), bytes);
+        assert_int_equal(info_of_tree(tree.tree).ray_bytes, bytes);
         built_destroy(&tree);
     }
 }
@@ -417,12 +417,10 @@ static void the_bvh_is_refused_for_trees_without_lists(void **state)
     fixture_build(opened, scene_mesh(made), 3, &(svo_plan_options){.need = SVO_NEED_NONE}, &plain);
     fixture_build(opened, scene_mesh(made), 3,
                   &(svo_plan_options){.need = SVO_NEED_RAYS, .coverage = SVO_COVERAGE_THIN}, &thin);
-    assert_int_equal(svo_tree_prepare_rays(NULL, opened->queue), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_tree_make_bvh(NULL, SVO_BVH_BEST, opened->queue), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_tree_make_bvh(plain.tree, SVO_BVH_BEST, opened->queue), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_tree_prepare_rays(plain.tree, opened->queue), SVO_INVALID_ARGUMENT);
     assert_non_null(strstr(svo_device_message(opened->device), "SVO_NEED_RAYS"));
-    assert_int_equal(svo_tree_prepare_rays(thin.tree, opened->queue), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_make_bvh(thin.tree, SVO_BVH_BEST, opened->queue), SVO_INVALID_ARGUMENT);
     assert_non_null(strstr(svo_device_message(opened->device), "thin"));
     assert_int_equal(svo_render(svo_tree_target(plain.tree), &triangles, svo_in_host(picture),
                                 &(svo_submit){.queue = opened->queue}),
@@ -431,7 +429,7 @@ static void the_bvh_is_refused_for_trees_without_lists(void **state)
         svo_render(svo_tree_target(thin.tree), &triangles, svo_in_host(picture), &(svo_submit){.queue = opened->queue}),
         SVO_INVALID_ARGUMENT);
     assert_non_null(strstr(svo_device_message(opened->device), "thin"));
-    assert_int_equal(svo_tree_ray_bytes(plain.tree), 0);
+    assert_int_equal(info_of_tree(plain.tree).ray_bytes, 0);
     built_destroy(&thin);
     built_destroy(&plain);
     scene_destroy(&made);
@@ -513,9 +511,9 @@ static const char voxel_kernel[] =
 static cl_kernel make_voxel_kernel(const fixture *opened)
 {
     const char *sources[2] = {svo_kernel_source(svo_tree_target(NULL)), voxel_kernel};
-    const cl_device_id device = svo_device_cl_device(opened->device);
+    const cl_device_id device = info_of_device(opened->device).device;
     cl_int error = CL_SUCCESS;
-    cl_program program = clCreateProgramWithSource(svo_device_cl_context(opened->device), 2, sources, NULL, &error);
+    cl_program program = clCreateProgramWithSource(info_of_device(opened->device).context, 2, sources, NULL, &error);
     assert_int_equal(clBuildProgram(program, 1, &device, svo_kernel_options(svo_tree_target(NULL)), NULL, NULL),
                      CL_SUCCESS);
     cl_kernel kernel = clCreateKernel(program, "find", &error);
@@ -527,7 +525,7 @@ static cl_kernel make_voxel_kernel(const fixture *opened)
 static void run_voxel_kernel(const fixture *opened, const built *tree, const svo_ray *rays, svo_voxel_hit *hits,
                              size_t count)
 {
-    cl_context context = svo_device_cl_context(opened->device);
+    cl_context context = info_of_device(opened->device).context;
     cl_kernel kernel = make_voxel_kernel(opened);
     const size_t local = 50;
     cl_mem from = clCreateBuffer(context, CL_MEM_READ_WRITE, count * sizeof *rays, NULL, NULL);
@@ -559,8 +557,8 @@ static void run_arrays_kernel(const fixture *opened, const built *tree, const ch
                               const svo_ray *rays, svo_hit *hits, cl_uint count)
 {
     const char *sources[2] = {svo_kernel_source(svo_tree_target(NULL)), arrays_kernel};
-    const cl_device_id device = svo_device_cl_device(opened->device);
-    cl_context context = svo_device_cl_context(opened->device);
+    const cl_device_id device = info_of_device(opened->device).device;
+    cl_context context = info_of_device(opened->device).context;
     const size_t items = (count + RAYS_PER_ITEM - 1u) / RAYS_PER_ITEM;
     const size_t local = 1;
     cl_int error = CL_SUCCESS;
@@ -766,11 +764,11 @@ static void events_order_an_out_of_order_queue(void **state)
     built tree;
     build_scene(opened, "cube", 4, &tree);
     cl_int error = CL_SUCCESS;
-    cl_context context = svo_device_cl_context(opened->device);
-    cl_command_queue queue = clCreateCommandQueue(context, svo_device_cl_device(opened->device),
+    cl_context context = info_of_device(opened->device).context;
+    cl_command_queue queue = clCreateCommandQueue(context, info_of_device(opened->device).device,
                                                   CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE, &error);
     if (error != CL_SUCCESS) {
-        queue = clCreateCommandQueue(context, svo_device_cl_device(opened->device), 0, &error);
+        queue = clCreateCommandQueue(context, info_of_device(opened->device).device, 0, &error);
     }
     const svo_ray ray = {{(float)(tree.info.origin[0] + tree.info.edge * 0.3),
                           (float)(tree.info.origin[1] + tree.info.edge * 0.4), (float)(tree.info.origin[2] - 1)},

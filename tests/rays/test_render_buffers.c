@@ -17,6 +17,7 @@
 
 #include "light/light_fixture.h"
 #include "scenes.h"
+#include "support/info_of.h"
 #include "support/suite.h"
 
 #define DEPTH 5
@@ -127,7 +128,7 @@ static cl_mem make_pixels(const drawn *of, cl_mem_flags flags, size_t bytes)
     assert_non_null(content);
     memset(content, UNTOUCHED, bytes);
     cl_mem made =
-        clCreateBuffer(svo_device_cl_context(of->opened.device), flags | CL_MEM_COPY_HOST_PTR, bytes, content, &error);
+        clCreateBuffer(info_of_device(of->opened.device).context, flags | CL_MEM_COPY_HOST_PTR, bytes, content, &error);
     free(content);
     assert_int_equal(error, CL_SUCCESS);
     return made;
@@ -136,8 +137,8 @@ static cl_mem make_pixels(const drawn *of, cl_mem_flags flags, size_t bytes)
 /* By a queue that no picture is drawn on. */
 static void read_pixels(const drawn *of, cl_mem pixels, size_t bytes, uint8_t *out)
 {
-    cl_command_queue queue = clCreateCommandQueue(svo_device_cl_context(of->opened.device),
-                                                  svo_device_cl_device(of->opened.device), 0, NULL);
+    cl_command_queue queue = clCreateCommandQueue(info_of_device(of->opened.device).context,
+                                                  info_of_device(of->opened.device).device, 0, NULL);
     assert_non_null(queue);
     assert_int_equal(clEnqueueReadBuffer(queue, pixels, CL_TRUE, 0, bytes, out, 0, NULL, NULL), CL_SUCCESS);
     clReleaseCommandQueue(queue);
@@ -185,7 +186,7 @@ static void buffers_have_the_bytes_of_host_pictures(void **state)
 {
     drawn *of = make_drawn(state);
     cl_command_queue any_order =
-        clCreateCommandQueue(svo_device_cl_context(of->opened.device), svo_device_cl_device(of->opened.device),
+        clCreateCommandQueue(info_of_device(of->opened.device).context, info_of_device(of->opened.device).device,
                              CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE, NULL);
     for (size_t i = 0; i < PICTURES; ++i) {
         compare_with_host(of, i, of->opened.queue);
@@ -458,7 +459,7 @@ static void pictures_wait_for_events_and_not_the_host(void **state)
     drawn *of = make_drawn(state);
     for (size_t i = 0; i < PICTURES; ++i) {
         cl_event done[2] = {NULL, NULL};
-        cl_event gate = clCreateUserEvent(svo_device_cl_context(of->opened.device), NULL);
+        cl_event gate = clCreateUserEvent(info_of_device(of->opened.device).context, NULL);
         cl_mem pixels[2] = {make_pixels(of, CL_MEM_WRITE_ONLY, BYTES), make_pixels(of, CL_MEM_WRITE_ONLY, BYTES)};
         const place first = {pixels[0], {of->opened.queue, 1, &gate, &done[0]}};
         const place second = {pixels[1], {of->opened.queue, 1, &done[0], &done[1]}};
@@ -493,7 +494,7 @@ static void expect_refused(const drawn *of, size_t picture, const place *to, con
 /* The same device in another context. */
 static void refuse_foreign_objects(const drawn *of, size_t picture, cl_mem pixels)
 {
-    const cl_device_id device = svo_device_cl_device(of->opened.device);
+    const cl_device_id device = info_of_device(of->opened.device).device;
     cl_context context = clCreateContext(NULL, 1, &device, NULL, NULL, NULL);
     cl_command_queue queue = clCreateCommandQueue(context, device, 0, NULL);
     cl_mem memory = clCreateBuffer(context, CL_MEM_READ_WRITE, BYTES, NULL, NULL);
@@ -522,7 +523,7 @@ static void what_cannot_take_a_picture_is_refused(void **state)
     cl_mem pixels = make_pixels(of, CL_MEM_READ_WRITE, BYTES);
     cl_mem fixed = make_pixels(of, CL_MEM_READ_ONLY, BYTES);
     cl_mem small = make_pixels(of, CL_MEM_READ_WRITE, PICTURE_BYTES - 1);
-    cl_mem image = clCreateImage(svo_device_cl_context(of->opened.device), CL_MEM_READ_WRITE, &format, &shape, NULL,
+    cl_mem image = clCreateImage(info_of_device(of->opened.device).context, CL_MEM_READ_WRITE, &format, &shape, NULL,
                                  NULL); /* NULL without images */
     for (size_t i = 0; i < PICTURES; ++i) {
         cl_event done = NULL;

@@ -19,6 +19,7 @@
 
 #include "core/device.h"
 #include "core/tree.h"
+#include "support/info_of.h"
 #include "support/suite.h"
 #include "svocl/svocl.h"
 
@@ -725,10 +726,10 @@ static int open_device(void **unused)
     }
     /* Out of order: every dependency must be explicit. */
     cl_int error = CL_SUCCESS;
-    queue = clCreateCommandQueue(svo_device_cl_context(device), svo_device_cl_device(device),
+    queue = clCreateCommandQueue(info_of_device(device).context, info_of_device(device).device,
                                  CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE, &error);
     if (error != CL_SUCCESS) {
-        queue = clCreateCommandQueue(svo_device_cl_context(device), svo_device_cl_device(device), 0, &error);
+        queue = clCreateCommandQueue(info_of_device(device).context, info_of_device(device).device, 0, &error);
     }
     return error == CL_SUCCESS ? 0 : -1;
 }

@@ -18,6 +18,7 @@
 #include <string.h>
 
 #include "support/compare_tree.h"
+#include "support/info_of.h"
 #include "support/meshes.h"
 #include "support/payload_reference.h"
 #include "support/suite.h"
@@ -44,10 +45,10 @@ static int open_bench(void **state)
         print_message("%s\n", message.text);
         return status == SVO_NO_DEVICE ? 0 : -1;
     }
-    print_message("on %s\n", svo_device_name(bench.device));
+    print_message("on %s\n", info_of_device(bench.device).name);
     cl_int error = CL_SUCCESS;
     bench.queue =
-        clCreateCommandQueue(svo_device_cl_context(bench.device), svo_device_cl_device(bench.device), 0, &error);
+        clCreateCommandQueue(info_of_device(bench.device).context, info_of_device(bench.device).device, 0, &error);
     return error == CL_SUCCESS ? 0 : -1;
 }
 

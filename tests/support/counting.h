@@ -8,8 +8,8 @@
  *     counting_begin();
  *     ... svo_build(plan, frontend, queue, &tree, NULL) ...
  *     counted figures = counting_read();
- *     assert_int_equal(figures.peak_bytes, svo_plan_peak_bytes(plan));
- *     assert_int_equal(figures.live_bytes, svo_plan_tree_bytes(plan));
+ *     assert_int_equal(figures.peak_bytes, info_of_plan(plan).peak_bytes);
+ *     assert_int_equal(figures.live_bytes, info_of_plan(plan).tree_bytes);
  *
  * Works inside a running cmocka test, from one thread at a time.
  */

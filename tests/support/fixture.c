@@ -12,6 +12,7 @@
 
 #include "plan/plan_data.h"
 #include "scenes.h"
+#include "support/info_of.h"
 
 void fixture_skip(fixture *opened, const char *reason)
 {
@@ -47,7 +48,7 @@ static void open_device(const fixture_options *options, fixture *out)
         fail_msg("%s", message.text);
     }
     cl_int error = CL_SUCCESS;
-    out->queue = clCreateCommandQueue(svo_device_cl_context(out->device), svo_device_cl_device(out->device),
+    out->queue = clCreateCommandQueue(info_of_device(out->device).context, info_of_device(out->device).device,
                                       options->queue_properties, &error);
     if (error == CL_INVALID_QUEUE_PROPERTIES) {
         fixture_skip(out, "the device has no queues with these properties");
@@ -135,7 +136,7 @@ fixture fixture_cl_of_group(void **state)
 /* The plan's buffers in their current state. */
 static void list_buffers(const svo_plan *plan, built *out)
 {
-    out->buffer_count = svo_plan_buffer_count(plan);
+    out->buffer_count = info_of_plan(plan).buffer_count;
     assert_in_range(out->buffer_count, 1, FIXTURE_BUFFERS_MAX);
     for (size_t i = 0; i < out->buffer_count; ++i) {
         out->buffers[i] = (svo_buffer_info)SVO_BUFFER_INFO_INIT;

@@ -7,6 +7,7 @@
 #include <cmocka.h>
 
 #include "fixture.h"
+#include "support/gl_contexts.h"
 
 static void open_context(const fixture_options *options, fixture *out)
 {
@@ -14,7 +15,7 @@ static void open_context(const fixture_options *options, fixture *out)
     const unsigned first = options->context > 0 ? options->context - 1 : 0;
     const unsigned end = options->context > 0 ? options->context : SVO_GL_CONTEXT_KINDS;
     for (unsigned kind = first; kind < end; ++kind) {
-        if (svo_gl_context_create((svo_gl_context_kind)kind, 0, &out->context, &message) == SVO_OK) {
+        if (context_of_kind((svo_gl_context_kind)kind, 0, &out->context, &message) == SVO_OK) {
             return;
         }
     }

@@ -10,6 +10,8 @@
 #include <cmocka.h>
 
 #include "machine.h"
+#include "support/gl_contexts.h"
+#include "support/info_of.h"
 
 svo_device *machine_device_or_skip(void)
 {
@@ -34,7 +36,7 @@ svo_gl_context *machine_context_or_null(svo_gl_context_kind kind)
         print_message("skipped: no EGL device\n");
         return NULL;
     }
-    const svo_status status = svo_gl_context_create(kind, 0, &context, &message);
+    const svo_status status = context_of_kind(kind, 0, &context, &message);
     const bool absent = strstr(message.text, "cannot open shared object file") != NULL ||
                         strstr(message.text, "EGL does not list") != NULL;
     if (status == SVO_NO_GL && absent) {
@@ -66,9 +68,9 @@ static uint32_t group_count(const machine_job *job)
 
 static cl_program build_program(const svo_device *device, const char *source, const char *options)
 {
-    const cl_device_id id = svo_device_cl_device(device);
+    const cl_device_id id = info_of_device(device).device;
     cl_int error = CL_SUCCESS;
-    cl_program program = clCreateProgramWithSource(svo_device_cl_context(device), 1, &source, NULL, &error);
+    cl_program program = clCreateProgramWithSource(info_of_device(device).context, 1, &source, NULL, &error);
     assert_int_equal(error, CL_SUCCESS);
     if (clBuildProgram(program, 1, &id, options, NULL, NULL) != CL_SUCCESS) {
         char log[8192] = "";
@@ -81,7 +83,7 @@ static cl_program build_program(const svo_device *device, const char *source, co
 static cl_mem make_buffer(const svo_device *device, size_t bytes)
 {
     cl_int error = CL_SUCCESS;
-    cl_mem buffer = clCreateBuffer(svo_device_cl_context(device), CL_MEM_READ_WRITE, bytes, NULL, &error);
+    cl_mem buffer = clCreateBuffer(info_of_device(device).context, CL_MEM_READ_WRITE, bytes, NULL, &error);
     assert_int_equal(error, CL_SUCCESS);
     return buffer;
 }
@@ -108,7 +110,7 @@ void machine_run_kernel(const svo_device *device, const char *source, const char
     cl_kernel kernel = clCreateKernel(program, kernel_name, &error);
     assert_int_equal(error, CL_SUCCESS);
     cl_command_queue queue =
-        clCreateCommandQueue(svo_device_cl_context(device), svo_device_cl_device(device), 0, &error);
+        clCreateCommandQueue(info_of_device(device).context, info_of_device(device).device, 0, &error);
     assert_int_equal(error, CL_SUCCESS);
     cl_mem input = make_buffer(device, job->input_bytes);
     cl_mem output = make_buffer(device, job->output_bytes);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Builds once to record programs and a second time to record memory, and compares two such builds. */
 #include "measured.h"
+#include "support/info_of.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,9 +16,10 @@ static measured *current;
 /* Records the plan's figures before the build. */
 static void take_plan(const svo_plan *plan)
 {
-    current->planned_peak_bytes = svo_plan_peak_bytes(plan);
-    current->planned_tree_bytes = svo_plan_tree_bytes(plan);
-    current->left_out_count = svo_plan_left_out_count(plan);
+    const svo_plan_info info = info_of_plan(plan);
+    current->planned_peak_bytes = info.peak_bytes;
+    current->planned_tree_bytes = info.tree_bytes;
+    current->left_out_count = info.left_out_count;
     assert_in_range(current->left_out_count, 0, MEASURED_LEFT_OUT_MAX);
     for (size_t i = 0; i < current->left_out_count; ++i) {
         svo_left_out entry = SVO_LEFT_OUT_INIT;
@@ -34,7 +36,7 @@ static void take_plan(const svo_plan *plan)
 static bool plan_has_program(const svo_plan *plan, const char *options)
 {
     bool found = false;
-    for (size_t i = 0; i < svo_plan_kernels_count(plan); ++i) {
+    for (size_t i = 0; i < info_of_plan(plan).kernels_count; ++i) {
         svo_kernels_info kernels = SVO_KERNELS_INFO_INIT;
         char expected[512];
         svo_plan_get_kernels(plan, i, &kernels);
@@ -60,7 +62,7 @@ static void take_programs(const svo_plan *plan)
         snprintf(current->defines + defines_used, sizeof current->defines - defines_used, " %s ", counting_options(i));
         snprintf(current->kernels + kernels_used, sizeof current->kernels - kernels_used, ";%s;", counting_kernels(i));
     }
-    assert_int_equal(compiled.builds, svo_plan_kernels_count(plan));
+    assert_int_equal(compiled.builds, info_of_plan(plan).kernels_count);
     assert_int_equal(compiled.programs, compiled.builds);
     current->programs = compiled.programs;
     current->built_kernels = compiled.built_kernels;
@@ -72,7 +74,7 @@ static void take_memory(const svo_plan *plan)
     const counted allocated = counting_read();
     uint64_t bytes = 0;
     uint64_t count = 0;
-    for (size_t i = 0; i < svo_plan_buffer_count(plan); ++i) {
+    for (size_t i = 0; i < info_of_plan(plan).buffer_count; ++i) {
         svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
         svo_plan_get_buffer(plan, i, &buffer);
         assert_int_equal(buffer.certainty, SVO_BYTES_EXACT);
@@ -83,8 +85,8 @@ static void take_memory(const svo_plan *plan)
     assert_int_equal(allocated.sub_buffers, 0);
     assert_int_equal(allocated.buffers, count);
     assert_int_equal(allocated.total_bytes, bytes);
-    assert_int_equal(allocated.peak_bytes, svo_plan_peak_bytes(plan));
-    assert_int_equal(allocated.live_bytes, svo_plan_tree_bytes(plan));
+    assert_int_equal(allocated.peak_bytes, info_of_plan(plan).peak_bytes);
+    assert_int_equal(allocated.live_bytes, info_of_plan(plan).tree_bytes);
     current->peak_bytes = allocated.peak_bytes;
     current->tree_bytes = allocated.live_bytes;
 }

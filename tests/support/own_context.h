@@ -18,7 +18,7 @@ void own_context_make_or_skip(bool compatibility, own_context *out);
 void own_context_bind(const own_context *own, bool current);
 void own_context_destroy(own_context *own);
 
-/* The loader for svo_gl_context_wrap. user: not used. */
+/* The loader for SVO_GL_WRAPPED. user: not used. */
 svo_gl_function own_context_function(void *user, const char *name);
 
 #endif

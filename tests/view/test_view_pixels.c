@@ -14,7 +14,9 @@
 #include <cmocka.h>
 
 #include "support/fixture.h"
+#include "support/gl_contexts.h"
 #include "support/gl_interop_shim.h"
+#include "support/info_of.h"
 #include "support/own_context.h"
 #include "support/suite.h"
 #include "view/canvas.h"
@@ -46,10 +48,10 @@ static window_pair open_pair(const shim_faults *faults)
     window_pair made = {.state = calloc(1, sizeof *made.state)};
     assert_non_null(made.state);
     own_context_make_or_skip(false, &made.own);
-    assert_int_equal(svo_gl_context_wrap(own_context_function, NULL, &made.context, NULL), SVO_OK);
+    assert_int_equal(context_wrap(own_context_function, &made.context, NULL), SVO_OK);
     shim_install(made.context, faults);
     assert_int_equal(svo_gl_device_create(made.context, NULL, NULL, &made.device, NULL), SVO_OK);
-    made.queue = clCreateCommandQueue(svo_device_cl_context(made.device), svo_device_cl_device(made.device), 0, NULL);
+    made.queue = clCreateCommandQueue(info_of_device(made.device).context, info_of_device(made.device).device, 0, NULL);
     assert_non_null(made.queue);
     made.pixels.context = made.context;
     return made;

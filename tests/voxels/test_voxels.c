@@ -467,7 +467,7 @@ static void pictures_work_and_rays_on_triangles_do_not(void **state)
         differs = differs || pixels[i] != pixels[i % 4];
     }
     assert_true(differs);
-    assert_int_equal(svo_tree_prepare_rays(tree, opened.queue), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_make_bvh(tree, SVO_BVH_BEST, opened.queue), SVO_INVALID_ARGUMENT);
     svo_tree_destroy(&tree);
     svo_voxels_destroy(&voxels);
 }

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "support/info_of.h"
 #include "support/table.h"
 #include "svocl/build.h"
 
@@ -41,8 +42,7 @@ static svo_message stages_of(const svo_plan *plan)
 
 static void print_request(const svo_plan *plan, const char *name)
 {
-    svo_plan_info info = SVO_PLAN_INFO_INIT;
-    svo_plan_get_info(plan, &info);
+    const svo_plan_info info = info_of_plan(plan);
     table_heading("plan for %s", name);
     table *rows = table_create("ll");
     table_cell(rows, "grid");
@@ -71,7 +71,7 @@ static void print_kernels(const svo_plan *plan, bool with_opengl)
     table_gap();
     table_heading("kernels");
     table *rows = table_create("ll");
-    for (size_t i = 0; i < svo_plan_kernels_count(plan); ++i) {
+    for (size_t i = 0; i < info_of_plan(plan).kernels_count; ++i) {
         svo_kernels_info kernels = SVO_KERNELS_INFO_INIT;
         svo_plan_get_kernels(plan, i, &kernels);
         if (applies(kernels.name, with_opengl)) {
@@ -87,7 +87,7 @@ static void print_planned_buffers(const svo_plan *plan)
     table_gap();
     table_heading("device memory");
     table *rows = table_create("lrll");
-    for (size_t i = 0; i < svo_plan_buffer_count(plan); ++i) {
+    for (size_t i = 0; i < info_of_plan(plan).buffer_count; ++i) {
         svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
         svo_plan_get_buffer(plan, i, &buffer);
         table_cell(rows, "%s", buffer.name);
@@ -96,11 +96,11 @@ static void print_planned_buffers(const svo_plan *plan)
         table_cell(rows, "%s", buffer.persistent != 0 ? "tree" : "scratch");
     }
     table_cell(rows, "peak");
-    table_cell(rows, "%s", figure_bytes(svo_plan_peak_bytes(plan)).text);
+    table_cell(rows, "%s", figure_bytes(info_of_plan(plan).peak_bytes).text);
     table_cell(rows, "%s", "");
     table_cell(rows, "at any time");
     table_cell(rows, "tree");
-    table_cell(rows, "%s", figure_bytes(svo_plan_tree_bytes(plan)).text);
+    table_cell(rows, "%s", figure_bytes(info_of_plan(plan).tree_bytes).text);
     table_cell(rows, "%s", "");
     table_cell(rows, "persistent");
     table_print(rows);
@@ -111,7 +111,7 @@ static void print_left_out(const svo_plan *plan, bool with_opengl)
     table_gap();
     table_heading("left out");
     table *rows = table_create("ll");
-    for (size_t i = 0; i < svo_plan_left_out_count(plan); ++i) {
+    for (size_t i = 0; i < info_of_plan(plan).left_out_count; ++i) {
         svo_left_out entry = SVO_LEFT_OUT_INIT;
         svo_plan_get_left_out(plan, i, &entry);
         if (applies(entry.what, with_opengl)) {
@@ -142,7 +142,7 @@ static void add_pair(cJSON *array, const char *name, const char *text, const cha
 static void add_kernels(cJSON *document, const svo_plan *plan, bool with_opengl)
 {
     cJSON *array = cJSON_AddArrayToObject(document, "kernels");
-    for (size_t i = 0; i < svo_plan_kernels_count(plan); ++i) {
+    for (size_t i = 0; i < info_of_plan(plan).kernels_count; ++i) {
         svo_kernels_info kernels = SVO_KERNELS_INFO_INIT;
         svo_plan_get_kernels(plan, i, &kernels);
         if (applies(kernels.name, with_opengl)) {
@@ -154,7 +154,7 @@ static void add_kernels(cJSON *document, const svo_plan *plan, bool with_opengl)
 static void add_planned_buffers(cJSON *document, const svo_plan *plan)
 {
     cJSON *array = cJSON_AddArrayToObject(document, "buffers");
-    for (size_t i = 0; i < svo_plan_buffer_count(plan); ++i) {
+    for (size_t i = 0; i < info_of_plan(plan).buffer_count; ++i) {
         svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
         cJSON *entry = cJSON_CreateObject();
         svo_plan_get_buffer(plan, i, &buffer);
@@ -169,7 +169,7 @@ static void add_planned_buffers(cJSON *document, const svo_plan *plan)
 static void add_left_out(cJSON *document, const svo_plan *plan, bool with_opengl)
 {
     cJSON *array = cJSON_AddArrayToObject(document, "left_out");
-    for (size_t i = 0; i < svo_plan_left_out_count(plan); ++i) {
+    for (size_t i = 0; i < info_of_plan(plan).left_out_count; ++i) {
         svo_left_out left_out = SVO_LEFT_OUT_INIT;
         svo_plan_get_left_out(plan, i, &left_out);
         if (applies(left_out.what, with_opengl)) {
@@ -190,8 +190,7 @@ static void add_planned_stages(cJSON *document, const svo_plan *plan)
 
 void plan_add_json(cJSON *document, const svo_plan *plan, bool with_opengl)
 {
-    svo_plan_info info = SVO_PLAN_INFO_INIT;
-    svo_plan_get_info(plan, &info);
+    const svo_plan_info info = info_of_plan(plan);
     json_add_count(document, "depth", info.depth);
     json_add_text(document, "coverage", svo_name(SVO_NAME_COVERAGE, (svo_coverage)info.coverage));
     json_add_count(document, "triangles", info.triangles);
@@ -202,8 +201,8 @@ void plan_add_json(cJSON *document, const svo_plan *plan, bool with_opengl)
     add_planned_stages(document, plan);
     add_kernels(document, plan, with_opengl);
     add_planned_buffers(document, plan);
-    json_add_count(document, "peak_bytes", svo_plan_peak_bytes(plan));
-    json_add_count(document, "tree_bytes", svo_plan_tree_bytes(plan));
+    json_add_count(document, "peak_bytes", info.peak_bytes);
+    json_add_count(document, "tree_bytes", info.tree_bytes);
     add_left_out(document, plan, with_opengl);
 }
 
@@ -231,13 +230,13 @@ int solid_make(program *state, const svo_device *device, const svo_tree *tree, s
         return PROGRAM_DONE;
     }
     const svo_solid_options asked = {.struct_size = sizeof asked, .rule = solid_rule(state)};
-    const double compiled_ms = svo_device_compile_ms(device);
+    const double compiled_ms = info_of_device(device).compile_ms;
     progress_step(state->progress, "finding the inside");
     const double start_ms = input_now_ms();
     if (svo_solid_create(tree, &asked, NULL, &out->solid, &out->info) != SVO_OK) {
         return program_fail_library(state, svo_device_message(device));
     }
-    out->compile_ms = svo_device_compile_ms(device) - compiled_ms;
+    out->compile_ms = info_of_device(device).compile_ms - compiled_ms;
     out->ms = input_now_ms() - start_ms - out->compile_ms;
     (void)svo_compact_get_info(out->solid, &out->form);
     return PROGRAM_DONE;
@@ -368,7 +367,7 @@ static void print_what_ran(const job *done)
     table_cell(rows, "depth %u, %lu voxels per axis, %s, snap error %.3g", result->info.depth, width,
                svo_name(SVO_NAME_COVERAGE, (svo_coverage)result->info.coverage), result->info.snap_error);
     table_cell(rows, "opencl");
-    table_cell(rows, "%s", svo_device_name(done->opened.device));
+    table_cell(rows, "%s", info_of_device(done->opened.device).name);
     table_cell(rows, "opengl");
     if (done->opened.frontend == done->opened.cl) {
         table_cell(rows, "%s", "not used");

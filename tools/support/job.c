@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "support/info_of.h"
 #include "support/wrapped.h"
 
 /* ---- calls of OpenCL ---- */
@@ -63,9 +64,9 @@ bool cl_calls_count(cl_calls *counts)
 
 static void keep_buffers(const svo_plan *plan, build_result *result)
 {
-    result->peak_bytes = svo_plan_peak_bytes(plan);
+    result->peak_bytes = info_of_plan(plan).peak_bytes;
     free(result->buffers);
-    const size_t count = svo_plan_buffer_count(plan);
+    const size_t count = info_of_plan(plan).buffer_count;
     result->buffers = calloc(count + 1, sizeof *result->buffers);
     result->buffer_count = result->buffers != NULL ? count : 0;
     for (size_t i = 0; i < result->buffer_count; ++i) {
@@ -87,7 +88,7 @@ static svo_status make_plan(const program *state, svo_device *device, const inpu
     if (status != SVO_OK || !given->depth_for_rays) {
         return status;
     }
-    const unsigned depth = svo_plan_ray_depth(*out);
+    const unsigned depth = info_of_plan(*out).ray_depth;
     if (depth != (unsigned)given->depth) {
         svo_plan_destroy(out);
         status = svo_plan_create(device, mesh, depth, plan_options, out);
@@ -301,7 +302,7 @@ void job_add_what_ran(cJSON *document, const job *done)
     json_add_text(document, "coverage", svo_name(SVO_NAME_COVERAGE, (svo_coverage)done->result.info.coverage));
     json_add_text(document, "weights", svo_name(SVO_NAME_WEIGHTS, (svo_weights)done->result.info.weights));
     json_add_text(document, "context", session_context(&done->opened));
-    json_add_text(document, "device", svo_device_name(done->opened.device));
+    json_add_text(document, "device", info_of_device(done->opened.device).name);
     json_add_text(document, "renderer", session_renderer(&done->opened));
     json_add_count(document, "depth", done->result.info.depth);
 }

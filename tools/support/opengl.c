@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "support/info_of.h"
 #include "svocl/gl.h"
 
 #define FURTHER_MAX 8
@@ -26,12 +27,13 @@ struct opengl {
 static svo_status create_context(const options *given, const svo_device *device, svo_gl_context **out,
                                  svo_message *message)
 {
-    if (given->gl_device != NULL) {
-        return svo_gl_context_create_named(given->gl_device, out, message);
+    svo_gl_context_options asked = {.struct_size = sizeof asked, .device_name = given->gl_device};
+    if (given->gl_device == NULL && given->context != OPTION_CONTEXT_AUTO) {
+        asked.kind = (svo_gl_context_kind)given->context;
+    } else if (given->gl_device == NULL) {
+        asked.device = device;
     }
-    return given->context != OPTION_CONTEXT_AUTO
-               ? svo_gl_context_create((svo_gl_context_kind)given->context, 0, out, message)
-               : svo_gl_context_create_for(device, NULL, out, message);
+    return svo_gl_context_create(&asked, out, message);
 }
 
 /* A forced kind that does not work is an error. */
@@ -83,8 +85,8 @@ static bool is_joined(const svo_device *device)
     enum { PROPERTIES_MAX = 64 };
     cl_context_properties properties[PROPERTIES_MAX] = {0};
     size_t bytes = 0;
-    if (clGetContextInfo(svo_device_cl_context(device), CL_CONTEXT_PROPERTIES, sizeof properties, properties, &bytes) !=
-        CL_SUCCESS) {
+    if (clGetContextInfo(info_of_device(device).context, CL_CONTEXT_PROPERTIES, sizeof properties, properties,
+                         &bytes) != CL_SUCCESS) {
         return false;
     }
     bool found = false;
@@ -100,7 +102,7 @@ svo_device *opengl_join(const opengl *opened, const svo_device *device, const sv
     if (!opengl_may_share(device)) {
         return NULL;
     }
-    (void)svo_gl_device_create(opened->context, svo_device_cl_device(device), device_options, &joined, NULL);
+    (void)svo_gl_device_create(opened->context, info_of_device(device).device, device_options, &joined, NULL);
     if (joined != NULL && !is_joined(joined)) {
         svo_device_destroy(&joined); /* a second handle of what there is */
     }

@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "support/devices.h"
+#include "support/info_of.h"
 #include "svocl/gl.h"
 
 #define RENDERERS_MAX 32
@@ -20,8 +21,9 @@ static void gather_renderer(cJSON *renderers, svo_gl_context_kind kind, uint32_t
     svo_message message = {""};
     svo_gl_context *context = NULL;
     svo_gl_context_info info = SVO_GL_CONTEXT_INFO_INIT;
+    const svo_gl_context_options asked = {.struct_size = sizeof asked, .kind = kind, .device_index = device_index};
     if (opened->count < RENDERERS_MAX) {
-        if (svo_gl_context_create(kind, device_index, &context, &message) == SVO_OK) {
+        if (svo_gl_context_create(&asked, &context, &message) == SVO_OK) {
             svo_gl_context_get_info(context, &info);
             opened->contexts[opened->count++] = context;
         }
@@ -54,12 +56,12 @@ static cJSON *gather_pair(svo_device *alone, svo_gl_context *renderer)
 {
     /* The same device on an OpenCL context that can share with the renderer; NULL if there is none. */
     svo_device *joined = NULL;
-    (void)svo_gl_device_create(renderer, svo_device_cl_device(alone), NULL, &joined, NULL);
+    (void)svo_gl_device_create(renderer, info_of_device(alone).device, NULL, &joined, NULL);
     svo_device *device = joined != NULL ? joined : alone;
     svo_gl_context_info info = SVO_GL_CONTEXT_INFO_INIT;
     svo_gl_context_get_info(renderer, &info);
     cJSON *pair = cJSON_CreateObject();
-    json_add_text(pair, "device", svo_device_name(device));
+    json_add_text(pair, "device", info_of_device(device).name);
     json_add_text(pair, "renderer", info.renderer);
     json_add_text(pair, "context", svo_name(SVO_NAME_GL_CONTEXT_KIND, info.kind));
     json_add_count(pair, "device_index", info.device_index);

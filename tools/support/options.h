@@ -113,7 +113,7 @@ typedef struct options {
     int frontend; /* option_frontend */
     bool has_depth;
     bool has_builder;
-    bool depth_for_rays; /* set by commands: the depth that svo_plan_ray_depth finds, in place of depth */
+    bool depth_for_rays; /* set by commands: svo_plan_info.ray_depth in place of depth */
     int share; /* svo_gl_share */
     int builder; /* svo_builder or OPTION_BUILDER_GL_COMPUTE */
     int coverage; /* svo_coverage */

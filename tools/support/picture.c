@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "support/info_of.h"
 #include "support/viewpoint.h"
 
 uint32_t picture_need(const input *source, uint32_t asked)
@@ -269,7 +270,7 @@ int picture_print_document(program *state, cJSON *document, double render_ms, co
                            const svo_camera *camera)
 {
     cJSON_AddNumberToObject(document, "render_ms", render_ms);
-    json_add_text(document, "device", svo_device_name(device));
+    json_add_text(document, "device", info_of_device(device).name);
     cJSON_AddItemToObject(document, "eye", cJSON_CreateFloatArray(camera->eye, 3));
     cJSON_AddItemToObject(document, "target", cJSON_CreateFloatArray(camera->target, 3));
     return json_print(state, document);

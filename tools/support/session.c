@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "support/info_of.h"
 #include "support/options_parse.h"
 
 /* ---- the folder of saved kernels ---- */
@@ -83,11 +84,11 @@ static svo_device_options device_options_of(program *state)
 static int open_queue(program *state, session *opened)
 {
     cl_int error = CL_SUCCESS;
-    opened->queue = clCreateCommandQueue(svo_device_cl_context(opened->device), svo_device_cl_device(opened->device),
+    opened->queue = clCreateCommandQueue(info_of_device(opened->device).context, info_of_device(opened->device).device,
                                          CL_QUEUE_PROFILING_ENABLE, &error);
     if (error != CL_SUCCESS) {
         return program_fail(state, PROGRAM_FAILED, "%s: clCreateCommandQueue failed (%d)",
-                            svo_device_name(opened->device), error);
+                            info_of_device(opened->device).name, error);
     }
     return PROGRAM_DONE;
 }
@@ -268,7 +269,7 @@ void session_choose(program *state, session *opened, const svo_plan *plan)
     }
     if (opened->gl == NULL && opengl_is_software(&state->options)) {
         snprintf(opened->reason.text, sizeof opened->reason.text, "OpenGL draws in software, OpenCL on %s is faster",
-                 svo_device_name(opened->device));
+                 info_of_device(opened->device).name);
         return;
     }
     if (try_opengl(state, opened)) {

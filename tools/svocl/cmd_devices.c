@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "support/devices.h"
+#include "support/info_of.h"
 #include "support/opengl_devices.h"
 #include "support/table.h"
 #include "svocl/commands.h"
@@ -74,7 +75,7 @@ static void open_device(program *state, cJSON *object, cl_device_id device, open
     cJSON_AddBoolToObject(object, "works", handle != NULL);
     json_add_text(object, "reason", program_words(message.text));
     if (handle != NULL) {
-        json_add_text(object, "path", svo_name(SVO_NAME_PATH, svo_device_path(handle)));
+        json_add_text(object, "path", svo_name(SVO_NAME_PATH, info_of_device(handle).path));
         add_frontends(object, handle);
         opened->devices[opened->device_count] = handle;
         opened->contexts[opened->device_count++] = context;

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "path/path.h"
+#include "support/info_of.h"
 #include "support/light_points.h"
 #include "support/lighting.h"
 #include "support/options_parse.h"
@@ -211,7 +212,7 @@ static int report_json(const gathering *work)
     lighting_report_scene_json(document, &work->lit, &work->done);
     lighting_report_json(document, &work->lit);
     cJSON_AddNumberToObject(document, "gather_ms", work->gather_ms);
-    json_add_text(document, "device", svo_device_name(work->done.opened.device));
+    json_add_text(document, "device", info_of_device(work->done.opened.device).name);
     return json_print(work->state, document);
 }
 

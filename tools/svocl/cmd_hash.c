@@ -108,13 +108,14 @@ static int print_probes_hash(program *state, const job *done)
     const options *given = &state->options;
     svo_probe_options asked = {.struct_size = sizeof asked,
                                .resolution = (uint32_t)given->probe_resolution,
-                               .field_size = (uint32_t)given->probe_field};
+                               .field_size = (uint32_t)given->probe_field,
+                               .tree = done->result.tree};
     char text[SVO_HASH_TEXT_BYTES];
     char counts[64];
     svo_probes *probes = NULL;
     memcpy(asked.counts, given->probe_counts, sizeof asked.counts);
     progress_step(state->progress, "hashing");
-    svo_status status = svo_probes_create(done->result.tree, &asked, done->opened.queue, &probes);
+    svo_status status = svo_probes_create(&asked, done->opened.queue, &probes);
     if (status == SVO_OK) {
         status = svo_probes_hash(probes, done->opened.queue, text);
     }

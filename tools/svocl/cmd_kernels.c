@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <string.h>
 
+#include "support/info_of.h"
 #include "support/job.h"
 #include "support/json.h"
 #include "support/options_parse.h"
@@ -17,7 +18,7 @@ static int print(program *state, const input *source, const session *opened, con
     cJSON *document = state->options.json ? json_document() : NULL;
     cJSON *array = document != NULL ? cJSON_AddArrayToObject(document, "kernels") : NULL;
     table *rows = document == NULL && !state->options.quiet ? table_create("ll") : NULL;
-    for (size_t i = 0; i < svo_plan_kernels_count(plan); ++i) {
+    for (size_t i = 0; i < info_of_plan(plan).kernels_count; ++i) {
         svo_kernels_info kernels = SVO_KERNELS_INFO_INIT;
         svo_plan_get_kernels(plan, i, &kernels);
         const char *defines = kernels.defines[0] == ' ' ? kernels.defines + 1 : kernels.defines;
@@ -32,7 +33,7 @@ static int print(program *state, const input *source, const session *opened, con
     }
     if (document != NULL) {
         json_add_text(document, "input", source->name);
-        json_add_text(document, "device", svo_device_name(opened->device));
+        json_add_text(document, "device", info_of_device(opened->device).name);
         json_add_text(document, "folder", folder);
         json_add_count(document, "saved", saved);
         return json_print(state, document);

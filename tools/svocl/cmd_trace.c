@@ -2,6 +2,7 @@
 /* svocl trace: traces rays from a file or a camera against the triangles of a tree and writes the hits to a file. */
 #include <stdlib.h>
 
+#include "support/info_of.h"
 #include "support/job.h"
 #include "support/options_parse.h"
 #include "support/output.h"
@@ -38,7 +39,7 @@ static int report(program *state, const session *opened, const svo_tree *tree, c
         json_add_count(document, "hits", met);
         json_add_count(document, "depth", info.depth);
         cJSON_AddNumberToObject(document, "trace_ms", trace_ms);
-        json_add_text(document, "device", svo_device_name(opened->device));
+        json_add_text(document, "device", info_of_device(opened->device).name);
         return json_print(state, document);
     }
     if (state->options.quiet) {

@@ -38,14 +38,13 @@ static int make_probes(probe_render *work)
                                .resolution = (uint32_t)given->probe_resolution,
                                .field_size = (uint32_t)given->probe_field,
                                .cones = (uint32_t)given->cones,
-                               .light = work->lit.light};
+                               .light = work->lit.light,
+                               .tree = work->placed.scene == NULL ? work->done.result.tree : NULL,
+                               .scene = work->placed.scene};
     memcpy(asked.counts, given->probe_counts, sizeof asked.counts);
     progress_step(work->state->progress, "making probes");
     const double started_ms = input_now_ms();
-    const svo_status status = work->placed.scene != NULL
-                                  ? svo_probes_create_scene(work->placed.scene, &asked, work->queue, &work->probes)
-                                  : svo_probes_create(work->done.result.tree, &asked, work->queue, &work->probes);
-    if (status != SVO_OK) {
+    if (svo_probes_create(&asked, work->queue, &work->probes) != SVO_OK) {
         return fail_device(work);
     }
     work->probes_ms = input_now_ms() - started_ms;

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "support/animation.h"
+#include "support/info_of.h"
 #include "view/edit.h"
 
 struct placed {
@@ -226,7 +227,7 @@ bool placed_describe(placed *which, view_state *state)
     state->scene_light = 0;
     state->occlusion_range = file->occlusion_range;
     state->scene_form = scene_file_form_name(file);
-    state->device = svo_device_name(which->device);
+    state->device = info_of_device(which->device).name;
     state->film.frame_count = animation_frame_count(which->running);
     state->film.frame = 0;
     state->film.position = 0;

@@ -119,7 +119,9 @@ static svo_probe_options options_of(const view_probe_grid *grid, const probing_s
                                .field_size = grid->field_size,
                                .max_bytes = (uint64_t)grid->max_mib << MIB_LOG2,
                                .cones = cones,
-                               .light = source->light};
+                               .light = source->light,
+                               .tree = source->tree,
+                               .scene = source->tree == NULL ? source->scene : NULL};
     memcpy(asked.counts, grid->counts, sizeof asked.counts);
     return asked;
 }
@@ -132,8 +134,7 @@ static svo_status plan(const probing_source *source, const view_probe_grid *grid
     dark.light = NULL;
     const svo_probe_options asked = options_of(grid, &dark, 0);
     *info = (svo_probe_info)SVO_PROBE_INFO_INIT;
-    return source->tree != NULL ? svo_probes_plan(source->tree, &asked, info)
-                                : svo_probes_plan_scene(source->scene, &asked, info);
+    return svo_probes_plan(&asked, info);
 }
 
 /* What the grid that is asked for would take. */
@@ -214,10 +215,7 @@ static int make(probing *which, view_state *state)
     const svo_probe_options asked = options_of(grid, &which->source, state->shown.cones);
     probing_drop(which, state);
     program_begin_step(which->running, "making probes");
-    const probing_source *source = &which->source;
-    const svo_status status = source->tree != NULL
-                                  ? svo_probes_create(source->tree, &asked, source->queue, &which->probes)
-                                  : svo_probes_create_scene(source->scene, &asked, source->queue, &which->probes);
+    const svo_status status = svo_probes_create(&asked, which->source.queue, &which->probes);
     progress_destroy(&which->running->progress);
     if (status == SVO_CL_ERROR) {
         return fail_device(which);
@@ -228,7 +226,7 @@ static int make(probing *which, view_state *state)
     }
     which->grid = *grid;
     which->cones = state->shown.cones;
-    which->lightings = source->lightings;
+    which->lightings = which->source.lightings;
     ++which->version;
     return take_places(which, state);
 }

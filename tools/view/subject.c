@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "support/info_of.h"
 #include "support/viewpoint.h"
 #include "view/edit.h"
 #include "view/history.h"
@@ -61,7 +62,7 @@ static int describe(subject *which, view_state *state)
         return program_fail(which->running, PROGRAM_FAILED, "the tree has no content");
     }
     which->level = info.depth;
-    state->device = svo_device_name(which->done.opened.device);
+    state->device = info_of_device(which->done.opened.device).name;
     state->level_min = which->done.source.mesh != NULL ? 1 : info.depth;
     state->level_max = info.depth;
     state->shown.level = info.depth;
@@ -450,7 +451,7 @@ static uint64_t bytes_of(cl_mem buffer)
 /* plan: NULL: the tree was loaded. */
 static uint64_t planned_bytes(const svo_plan *plan, const char *name)
 {
-    const size_t count = plan != NULL ? svo_plan_buffer_count(plan) : 0;
+    const size_t count = plan != NULL ? info_of_plan(plan).buffer_count : 0;
     for (size_t i = 0; i < count; ++i) {
         svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
         if (svo_plan_get_buffer(plan, i, &buffer) == SVO_OK && strcmp(buffer.name, name) == 0) {
@@ -481,7 +482,7 @@ static int list_tree(const subject *which, view_state *state)
         }
     }
     list_arrays(done->result.tree, "", plan, state);
-    add_memory(state, "", "BVH", 0, svo_tree_ray_bytes(done->result.tree));
+    add_memory(state, "", "BVH", 0, info_of_tree(done->result.tree).ray_bytes);
     svo_plan_destroy(&plan);
     return PROGRAM_DONE;
 }

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "support/cleanup.h"
+#include "support/info_of.h"
 #include "support/input.h"
 #include "support/scene_file.h"
 #include "view/camera.h"
@@ -188,7 +189,7 @@ static int list_memory(viewer *which)
     const view_state *state = &which->state;
     const uint64_t frames = state->settings.open[VIEW_PANEL_MEMORY] ? state->revisions.film : 0;
     const uint64_t changes = 1 + shown->changes + placed_changes(shown->placed) +
-                             svo_tree_ray_bytes(shown->done.result.tree) + shown->probes.version + frames;
+                             info_of_tree(shown->done.result.tree).ray_bytes + shown->probes.version + frames;
     if (which->listed == changes) {
         return PROGRAM_DONE;
     }

@@ -49,7 +49,9 @@ static svo_gl_function find_for_library(void *user, const char *name)
 static bool wrap_context(window *made, svo_message *why)
 {
     svo_message reason = {""};
-    if (svo_gl_context_wrap(find_for_library, NULL, &made->wrapped, &reason) == SVO_OK) {
+    const svo_gl_context_options current = {
+        .struct_size = sizeof current, .kind = SVO_GL_WRAPPED, .get_proc_address = find_for_library};
+    if (svo_gl_context_create(&current, &made->wrapped, &reason) == SVO_OK) {
         return true;
     }
     (void)snprintf(why->text, sizeof why->text, "the window's OpenGL cannot take pictures: %.900s", reason.text);

@@ -63,26 +63,27 @@ class Device(DeviceHandle):
     @property
     def name(self) -> str:
         """ "platform: device"."""
-        with self._use() as pointer:
-            return text(lib.svo_device_name(pointer))
+        return text(self._info().name)
 
     @property
     def compile_ms(self) -> float:
         """Time spent on compiling kernels so far, or on loading them from the driver's cache, in milliseconds."""
-        with self._use() as pointer:
-            return float(lib.svo_device_compile_ms(pointer))
+        return float(self._info().compile_ms)
 
     @property
     def context_int_ptr(self) -> int:
         """The cl_context: pyopencl.Context.from_int_ptr(device.context_int_ptr) retains it."""
-        with self._use() as pointer:
-            return int(ffi.cast("uintptr_t", lib.svo_device_cl_context(pointer)))
+        return int(ffi.cast("uintptr_t", self._info().context))
 
     @property
     def device_int_ptr(self) -> int:
         """The cl_device_id: for pyopencl.Device.from_int_ptr."""
-        with self._use() as pointer:
-            return int(ffi.cast("uintptr_t", lib.svo_device_cl_device(pointer)))
+        return int(ffi.cast("uintptr_t", self._info().device))
+
+    def _info(self) -> Any:
+        struct = _structs.new("svo_device_info")
+        self._call(lib.svo_device_get_info, struct)
+        return struct
 
     def plan(
         self,

@@ -29,35 +29,17 @@ class Plan(Handle):
     @property
     def buffers(self) -> tuple[_generated.PlanBuffer, ...]:
         """The buffers that a build allocates, in order. After a build: exactly those that it allocated."""
-        return self._entries("buffer_count", "get_buffer", "svo_buffer_info", _generated.PlanBuffer)
+        return self._entries(self.info.buffer_count, "get_buffer", "svo_buffer_info", _generated.PlanBuffer)
 
     @property
     def kernels(self) -> tuple[_generated.Kernels, ...]:
         """The programs of kernels that a build compiles."""
-        return self._entries("kernels_count", "get_kernels", "svo_kernels_info", _generated.Kernels)
+        return self._entries(self.info.kernels_count, "get_kernels", "svo_kernels_info", _generated.Kernels)
 
     @property
     def left_out(self) -> tuple[_generated.LeftOut, ...]:
         """What a build does without, and why. The result is the same, bit for bit, as if nothing were left out."""
-        return self._entries("left_out_count", "get_left_out", "svo_left_out", _generated.LeftOut)
-
-    @property
-    def peak_bytes(self) -> int:
-        """The most device memory that is allocated at one time."""
-        with self._use() as pointer:
-            return int(lib.svo_plan_peak_bytes(pointer))
-
-    @property
-    def tree_bytes(self) -> int:
-        """The device memory of the finished tree."""
-        with self._use() as pointer:
-            return int(lib.svo_plan_tree_bytes(pointer))
-
-    @property
-    def ray_depth(self) -> int:
-        """The depth that suits rays against the mesh's triangles, 1 .. 12, whatever the plan's own depth."""
-        with self._use() as pointer:
-            return int(lib.svo_plan_ray_depth(pointer))
+        return self._entries(self.info.left_out_count, "get_left_out", "svo_left_out", _generated.LeftOut)
 
     def count(self, *, queue: Any = None, progress: Optional[_progress.Progress] = None) -> int:
         """Counts the fragments without keeping them; their number becomes the plan's capacity. Costs about a
@@ -100,11 +82,11 @@ class Plan(Handle):
             with self._called(build, *arguments, undo=lambda: lib.svo_tree_destroy(out)):
                 return Tree(out[0], self._native.parent, _structs.read_report(report))
 
-    def _entries(self, count: str, get: str, struct_name: str, kind: type[_T]) -> tuple[_T, ...]:
+    def _entries(self, count: int, get: str, struct_name: str, kind: type[_T]) -> tuple[_T, ...]:
         entries: list[_T] = []
         struct = _structs.new(struct_name)
         with self._use() as pointer:
-            for index in range(getattr(lib, f"svo_plan_{count}")(pointer)):
+            for index in range(count):
                 status = getattr(lib, f"svo_plan_{get}")(pointer, index, struct)
                 if status != lib.SVO_OK:
                     raise error(status, self._native.device_message())
@@ -114,7 +96,7 @@ class Plan(Handle):
     def __str__(self) -> str:
         if self.closed:
             return repr(self)
-        lines = [f"depth {self.info.depth}, {self.info.triangles:,} triangles, peak {self.peak_bytes:,} bytes"]
+        lines = [f"depth {self.info.depth}, {self.info.triangles:,} triangles, peak {self.info.peak_bytes:,} bytes"]
         for buffer in self.buffers:
             use = "tree" if buffer.persistent else "scratch"
             lines.append(f"  {buffer.name:<20} {buffer.bytes:>15,} bytes  {buffer.certainty.name.lower():<8}  {use}")

@@ -72,7 +72,6 @@ class Probes(Handle):
         options.cones = _arrays.integer("cones", cones)
         cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
         out = ffi.new("svo_probes **")
-        create = lib.svo_probes_create if isinstance(subject, Tree) else lib.svo_probes_create_scene
         with subject._use() as pointer:
             if isinstance(subject, Tree) and not subject.on_device:
                 problem = "Probes: the tree is on no device; call Tree.upload first"
@@ -82,7 +81,11 @@ class Probes(Handle):
                     problem = "Probes: the light is closed, or not on the tree's device"
                     raise InvalidArgumentError(problem, Status.INVALID_ARGUMENT)
                 options.light = light._native._pointer[0]
-            status = call(create, pointer, options, cl_queue, out, undo=lambda: lib.svo_probes_destroy(out))
+            if isinstance(subject, Tree):
+                options.tree = pointer
+            else:
+                options.scene = pointer
+            status = call(lib.svo_probes_create, options, cl_queue, out, undo=lambda: lib.svo_probes_destroy(out))
             if status != lib.SVO_OK:
                 raise error(status, subject._native.device_message())
             # The light keeps the tree alive.

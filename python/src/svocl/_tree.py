@@ -280,12 +280,6 @@ class Tree(Resident):
         cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
         self._device_call("prepare_rays", lib.svo_tree_make_bvh, BvhQuality(quality), cl_queue)
 
-    @property
-    def ray_bytes(self) -> int:
-        """Device memory of the BVH; 0 before it is made."""
-        with self._use() as pointer:
-            return int(lib.svo_tree_ray_bytes(pointer))
-
     def trace(
         self,
         rays: _arrays.Array,

@@ -10,6 +10,7 @@
 #include "measure/ray_sets.h"
 #include "measure/spread.h"
 #include "measure/suite.h"
+#include "support/info_of.h"
 
 /* ---- what SVO_FORM_SHARED stores once ---- */
 
@@ -190,7 +191,7 @@ static svo_status make_forms(compact_bench *bench)
 
 static bool make_room(compact_bench *bench)
 {
-    const cl_context context = svo_device_cl_context(bench->all->opened.device);
+    const cl_context context = info_of_device(bench->all->opened.device).context;
     cl_int errors[2] = {CL_SUCCESS, CL_SUCCESS};
     bench->rays = calloc(bench->ray_count, sizeof *bench->rays);
     bench->times = calloc(SET_COUNT * FORM_COUNT * bench->all->repeats, sizeof *bench->times);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "reference/oracle.h"
+#include "support/info_of.h"
 #include "support/input.h"
 
 #define GROUP_ITEMS 64u
@@ -36,8 +37,8 @@ uint64_t dense_faces_bytes(unsigned depth)
 static bool compile(dense_faces *made)
 {
     const char *source = dense_faces_source;
-    const cl_device_id device = svo_device_cl_device(made->opened->device);
-    made->program = clCreateProgramWithSource(svo_device_cl_context(made->opened->device), 1, &source, NULL, NULL);
+    const cl_device_id device = info_of_device(made->opened->device).device;
+    made->program = clCreateProgramWithSource(info_of_device(made->opened->device).context, 1, &source, NULL, NULL);
     if (made->program == NULL || clBuildProgram(made->program, 1, &device, NULL, NULL, NULL) != CL_SUCCESS) {
         return false;
     }
@@ -50,14 +51,14 @@ static bool allocate(dense_faces *made)
 {
     cl_ulong most = 0;
     const cl_uint zero = 0;
-    const cl_device_id device = svo_device_cl_device(made->opened->device);
+    const cl_device_id device = info_of_device(made->opened->device).device;
     bool worked = clGetDeviceInfo(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof most, &most, NULL) == CL_SUCCESS;
     for (unsigned level = 0; level <= made->depth && worked; ++level) {
         const size_t bytes = (size_t)level_bytes(level, made->depth);
         worked = bytes <= most;
         if (worked) {
             made->levels[level] =
-                clCreateBuffer(svo_device_cl_context(made->opened->device), CL_MEM_READ_WRITE, bytes, NULL, NULL);
+                clCreateBuffer(info_of_device(made->opened->device).context, CL_MEM_READ_WRITE, bytes, NULL, NULL);
             worked =
                 made->levels[level] != NULL && clEnqueueFillBuffer(made->opened->queue, made->levels[level], &zero,
                                                                    sizeof zero, 0, bytes, 0, NULL, NULL) == CL_SUCCESS;
@@ -89,7 +90,7 @@ static bool place(const dense_faces *made, cl_mem codes, cl_mem colors, cl_uint 
 static bool place_leaves(const dense_faces *made, const svo_tree_info *info, const svo_tree_arrays *arrays,
                          uint64_t *codes)
 {
-    const cl_context context = svo_device_cl_context(made->opened->device);
+    const cl_context context = info_of_device(made->opened->device).context;
     const cl_mem_flags copied = CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR;
     const size_t count = (size_t)info->leaf_count;
     if (!oracle_leaf_codes(arrays->child_mask, info->inner_count, info->depth, info->leaf_count, codes)) {

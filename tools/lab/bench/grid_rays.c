@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "reference/oracle.h"
+#include "support/info_of.h"
 #include "support/input.h"
 #include "svocl/nodes.h"
 
@@ -93,7 +94,7 @@ static bool make_levels(grid_rays *grid, const svo_tree_arrays *arrays, grid_lev
 
 static cl_mem upload(const grid_rays *grid, void *numbers, uint64_t bytes)
 {
-    return clCreateBuffer(svo_device_cl_context(grid->opened->device), CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR,
+    return clCreateBuffer(info_of_device(grid->opened->device).context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR,
                           (size_t)bytes, numbers, NULL);
 }
 
@@ -114,8 +115,8 @@ static bool make_buffers(grid_rays *grid, const svo_tree *tree)
 static bool compile(grid_rays *grid)
 {
     const char *source = grid_rays_source;
-    const cl_device_id device = svo_device_cl_device(grid->opened->device);
-    grid->program = clCreateProgramWithSource(svo_device_cl_context(grid->opened->device), 1, &source, NULL, NULL);
+    const cl_device_id device = info_of_device(grid->opened->device).device;
+    grid->program = clCreateProgramWithSource(info_of_device(grid->opened->device).context, 1, &source, NULL, NULL);
     if (grid->program == NULL || clBuildProgram(grid->program, 1, &device, NULL, NULL, NULL) != CL_SUCCESS) {
         return false;
     }

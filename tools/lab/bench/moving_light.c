@@ -161,7 +161,7 @@ static svo_status move(lit_run *run, const svo_mesh *object, size_t round, doubl
     }
     const double start_ms = input_now_ms();
     if (status == SVO_OK) {
-        status = svo_tree_prepare_rays(svo_moving_tree(run->moving), run->all->opened.queue);
+        status = svo_tree_make_bvh(svo_moving_tree(run->moving), SVO_BVH_BEST, run->all->opened.queue);
     }
     times[BVH] = input_now_ms() - start_ms;
     run->changed = 50.0 * (double)report.changed_fragments / (double)report.fragments;

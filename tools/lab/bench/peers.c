@@ -12,6 +12,7 @@
 #include "bench/series.h"
 #include "measure/embree.h"
 #include "measure/quantization.h"
+#include "support/info_of.h"
 
 static const char embree_id[] = "peer-embree";
 static const char openvdb_id[] = "peer-openvdb";
@@ -217,14 +218,14 @@ static void add_runs(result_table *table, peer_runs *runs)
     spread_add(table, spread_of(runs->ratios, runs->count));
 }
 
-/* The depth that svo_plan_ray_depth recommends. */
+/* The depth that svo_plan_info.ray_depth recommends. */
 static int find_ray_depth(suite *all, const svo_mesh *mesh, unsigned *depth)
 {
     svo_plan *plan = NULL;
     if (svo_plan_create(all->opened.device, mesh, OPTION_DEFAULT_DEPTH, NULL, &plan) != SVO_OK) {
         return program_fail_library(all->state, svo_device_message(all->opened.device));
     }
-    *depth = svo_plan_ray_depth(plan);
+    *depth = info_of_plan(plan).ray_depth;
     svo_plan_destroy(&plan);
     return PROGRAM_DONE;
 }

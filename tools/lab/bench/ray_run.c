@@ -8,6 +8,7 @@
 
 #include "measure/quantization.h"
 #include "measure/ray_sets.h"
+#include "support/info_of.h"
 
 /* Embree's builds; the first one's calls are measured one by one. */
 static const struct {
@@ -39,7 +40,7 @@ static int snap_mesh(ray_run *run)
 static cl_mem make_buffer(const ray_run *run, size_t bytes)
 {
     cl_int error = CL_SUCCESS;
-    return clCreateBuffer(svo_device_cl_context(run->work.opened.device), CL_MEM_READ_WRITE, bytes, NULL, &error);
+    return clCreateBuffer(info_of_device(run->work.opened.device).context, CL_MEM_READ_WRITE, bytes, NULL, &error);
 }
 
 /* Embree's BVHs of the triangles that the tree holds. */

@@ -14,6 +14,7 @@
 #include "bench/child.h"
 #include "bench/ray_run.h"
 #include "measure/host.h"
+#include "support/info_of.h"
 #include "support/json.h"
 #include "support/options_parse.h"
 #include "support/table.h"
@@ -107,7 +108,7 @@ static cJSON *to_json(const ray_run *run)
         list_native_widths(run->peers[0], native, sizeof native);
         json_add_text(document, "embree_native_widths", native);
     }
-    json_add_count(document, "ours_bytes", svo_tree_ray_bytes(run->work.result.tree));
+    json_add_count(document, "ours_bytes", info_of_tree(run->work.result.tree).ray_bytes);
     if (run->grid != NULL) {
         json_add_count(document, "grid_bytes", grid_rays_bytes(run->grid));
         json_add_count(document, "grid_cell_bytes", grid_rays_cell_bytes(run->grid));
@@ -192,7 +193,7 @@ static void print_tables(const ray_run *run)
                figure_count(run->ray_count).text, run->repeats, instruction_set_name(run->state->options.isa));
     if (run->grid != NULL) {
         table_line("svocl's BVH %s; grid %s, of which bricks and cells %s",
-                   figure_bytes(svo_tree_ray_bytes(run->work.result.tree)).text,
+                   figure_bytes(info_of_tree(run->work.result.tree).ray_bytes).text,
                    figure_bytes(grid_rays_bytes(run->grid)).text, figure_bytes(grid_rays_cell_bytes(run->grid)).text);
     }
     if (run->peers[0] != NULL) {

@@ -14,6 +14,7 @@
 #include "measure/ray_sets.h"
 #include "measure/spread.h"
 #include "measure/suite.h"
+#include "support/info_of.h"
 
 /* ---- peers: one tree of the same voxels, and Embree's instances of the voxels as boxes ---- */
 
@@ -441,7 +442,7 @@ static bool measure_count(scene_bench *bench)
 
 static bool make_room(scene_bench *bench, uint32_t most)
 {
-    const cl_context context = svo_device_cl_context(bench->all->opened.device);
+    const cl_context context = info_of_device(bench->all->opened.device).context;
     cl_int errors[2] = {CL_SUCCESS, CL_SUCCESS};
     bench->instances = calloc(most, sizeof *bench->instances);
     bench->matrices = calloc(most, sizeof *bench->matrices);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Interleaved builds, and medians and quartiles of their stages. */
 #include "bench/series.h"
+#include "support/info_of.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -60,10 +61,10 @@ static void keep_facts(const svo_plan *plan, const svo_tree *tree, series_method
 {
     method->info = (svo_tree_info)SVO_TREE_INFO_INIT;
     svo_tree_get_info(tree, &method->info);
-    method->peak_bytes = svo_plan_peak_bytes(plan);
+    method->peak_bytes = info_of_plan(plan).peak_bytes;
     method->tree_bytes = bytes_of_tree(tree);
     method->list_bytes = 0;
-    const size_t count = svo_plan_buffer_count(plan);
+    const size_t count = info_of_plan(plan).buffer_count;
     for (size_t i = 0; i < count; ++i) {
         svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
         svo_plan_get_buffer(plan, i, &buffer);
@@ -100,9 +101,9 @@ static svo_status build(suite *all, const svo_mesh *mesh, unsigned depth, series
     keep_facts(plan, tree, method);
     if (method->for_rays) {
         const double built_ms = input_now_ms();
-        status = svo_tree_prepare_rays(tree, queue);
+        status = svo_tree_make_bvh(tree, SVO_BVH_BEST, queue);
         times[SERIES_RAYS] = input_now_ms() - built_ms;
-        method->ray_bytes = svo_tree_ray_bytes(tree);
+        method->ray_bytes = info_of_tree(tree).ray_bytes;
     }
 cleanup:
     svo_tree_destroy(&tree);

@@ -27,7 +27,7 @@ typedef struct series_method {
 } series_method;
 
 /* Times of a build: the stages of the report, the wall clock around plan and build together, and the wall clock around
-   svo_tree_prepare_rays. */
+   svo_tree_make_bvh. */
 #define SERIES_WALL       SVO_STAGE_COUNT
 #define SERIES_RAYS       (SVO_STAGE_COUNT + 1)
 #define SERIES_CLOCKS     (SVO_STAGE_COUNT + 2)

@@ -14,6 +14,7 @@
 #include "measure/spread.h"
 #include "reference/oracle.h"
 #include "scenes/maths.h"
+#include "support/info_of.h"
 #include "support/input.h"
 #include "support/session.h"
 #include "svocl/svocl.h"
@@ -181,8 +182,8 @@ static const size_t words_per_leaf[AVERAGE_METHOD_COUNT] = {1, 4};
 static bool compile(averages *made)
 {
     const char *source = averages_source;
-    const cl_device_id device = svo_device_cl_device(made->opened->device);
-    made->program = clCreateProgramWithSource(svo_device_cl_context(made->opened->device), 1, &source, NULL, NULL);
+    const cl_device_id device = info_of_device(made->opened->device).device;
+    made->program = clCreateProgramWithSource(info_of_device(made->opened->device).context, 1, &source, NULL, NULL);
     bool worked = made->program != NULL && clBuildProgram(made->program, 1, &device, NULL, NULL, NULL) == CL_SUCCESS;
     for (int method = 0; method < AVERAGE_METHOD_COUNT && worked; ++method) {
         made->kernels[method] = clCreateKernel(made->program, kernel_names[method], NULL);
@@ -193,7 +194,7 @@ static bool compile(averages *made)
 
 static bool make_buffers(averages *made)
 {
-    cl_context context = svo_device_cl_context(made->opened->device);
+    cl_context context = info_of_device(made->opened->device).context;
     made->cells = clCreateBuffer(context, CL_MEM_READ_ONLY, made->count * sizeof(cl_uint), NULL, NULL);
     made->samples = clCreateBuffer(context, CL_MEM_READ_ONLY, made->count * sizeof(cl_float4), NULL, NULL);
     made->results = clCreateBuffer(context, CL_MEM_READ_WRITE, made->leaf_count * 4 * sizeof(cl_uint), NULL, NULL);

@@ -13,6 +13,7 @@
 #include "errors/subjects.h"
 #include "measure/spread.h"
 #include "reference/oracle.h"
+#include "support/info_of.h"
 #include "support/input.h"
 #include "support/session.h"
 
@@ -68,7 +69,7 @@ static bool detail_reference_create(const session *opened, const svo_mesh *mesh,
     *out = (detail_reference){0};
     bool worked = svo_plan_create(opened->device, mesh, 6, &for_rays, &plan) == SVO_OK;
     if (worked) {
-        const unsigned depth = svo_plan_ray_depth(plan);
+        const unsigned depth = info_of_plan(plan).ray_depth;
         svo_plan_destroy(&plan);
         worked = svo_plan_create(opened->device, mesh, depth, &for_rays, &plan) == SVO_OK &&
                  svo_build(plan, opened->frontend, opened->queue, &out->tree, NULL) == SVO_OK &&

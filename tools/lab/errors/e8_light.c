@@ -200,9 +200,10 @@ static bool warm_up(light_work *work)
                                      .resolution = SVO_PROBES_RESOLUTION_MIN,
                                      .diffuse = 1,
                                      .cones = 1,
-                                     .light = work->direct};
+                                     .light = work->direct,
+                                     .tree = tree};
     svo_probes *probes = NULL;
-    const bool worked = svo_probes_create(tree, &least, work->run->opened.queue, &probes) == SVO_OK;
+    const bool worked = svo_probes_create(&least, work->run->opened.queue, &probes) == SVO_OK;
     svo_probes_destroy(&probes);
     return worked;
 }
@@ -216,10 +217,11 @@ static bool make_grid(light_work *work, unsigned count)
                                      .resolution = work->run->quick ? RESOLUTION_QUICK : RESOLUTION,
                                      .diffuse = 1,
                                      .cones = 1, /* they have nothing to gather */
-                                     .light = work->direct};
+                                     .light = work->direct,
+                                     .tree = tree};
     const double started_ms = input_now_ms();
     made->info = (svo_probe_info)SVO_PROBE_INFO_INIT;
-    if (svo_probes_create(tree, &asked, work->run->opened.queue, &made->probes) != SVO_OK) {
+    if (svo_probes_create(&asked, work->run->opened.queue, &made->probes) != SVO_OK) {
         return false;
     }
     const double made_ms = input_now_ms();

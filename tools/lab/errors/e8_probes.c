@@ -219,11 +219,12 @@ static bool measure_grid(probe_run *work, const probe_rays *sets, const probe_gr
     const svo_probe_options asked = {.struct_size = sizeof asked,
                                      .counts = {grid->count, grid->count, grid->count},
                                      .resolution = grid->resolution,
-                                     .field_size = grid->field};
+                                     .field_size = grid->field,
+                                     .tree = work->tree};
     svo_probes *probes = NULL;
     *out = (grid_figures){.grid = grid, .info = SVO_PROBE_INFO_INIT};
     const double started_ms = input_now_ms();
-    bool worked = svo_probes_create(work->tree, &asked, work->run->opened.queue, &probes) == SVO_OK;
+    bool worked = svo_probes_create(&asked, work->run->opened.queue, &probes) == SVO_OK;
     out->making_ms = input_now_ms() - started_ms;
     worked = worked && svo_probes_get_info(probes, &out->info) == SVO_OK && judge_grid(work, sets, probes, out) &&
              time_grid(work, probes, out);

@@ -2,13 +2,15 @@
 /* The program is svocl's source for kernels of integrators, and published.cl behind it. */
 #include "errors/published_march.h"
 
+#include "support/info_of.h"
+
 extern const char published_source[];
 
 static bool compile(svo_device *device, published_march *made)
 {
     const char *texts[] = {svo_kernel_source(svo_light_target(NULL)), published_source};
-    const cl_device_id id = svo_device_cl_device(device);
-    made->program = clCreateProgramWithSource(svo_device_cl_context(device), 2, texts, NULL, NULL);
+    const cl_device_id id = info_of_device(device).device;
+    made->program = clCreateProgramWithSource(info_of_device(device).context, 2, texts, NULL, NULL);
     if (made->program == NULL ||
         clBuildProgram(made->program, 1, &id, svo_kernel_options(svo_light_target(made->light)), NULL, NULL) !=
             CL_SUCCESS) {
@@ -21,7 +23,7 @@ static bool compile(svo_device *device, published_march *made)
 bool published_march_make(svo_device *device, svo_light *light, size_t count, cl_command_queue queue,
                           published_march *out)
 {
-    cl_context context = svo_device_cl_context(device);
+    cl_context context = info_of_device(device).context;
     const cl_uint point_count = (cl_uint)count;
     *out = (published_march){.light = light, .queue = queue, .count = count};
     out->points = clCreateBuffer(context, CL_MEM_READ_ONLY, count * sizeof(svo_gather_point), NULL, NULL);

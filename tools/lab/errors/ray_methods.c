@@ -13,6 +13,7 @@
 #include "measure/ray_sets.h"
 #include "measure/spread.h"
 #include "reference/oracle_rays.h"
+#include "support/info_of.h"
 #include "support/input.h"
 
 /* ---- ray tests ---- */
@@ -299,7 +300,7 @@ static bool build_tree(ray_bench *bench)
     for_rays.need = SVO_NEED_RAYS;
     bool worked = svo_plan_create(opened->device, bench->given->mesh, 6, &for_rays, &plan) == SVO_OK;
     if (worked) {
-        const unsigned depth = svo_plan_ray_depth(plan);
+        const unsigned depth = info_of_plan(plan).ray_depth;
         svo_plan_destroy(&plan);
         worked = svo_plan_create(opened->device, bench->given->mesh, depth, &for_rays, &plan) == SVO_OK &&
                  svo_build(plan, opened->frontend, opened->queue, &bench->tree, NULL) == SVO_OK &&
@@ -342,7 +343,7 @@ static bool make_bvh(ray_bench *bench)
 
 static bool upload_rays(ray_bench *bench)
 {
-    cl_context context = svo_device_cl_context(bench->run->opened.device);
+    cl_context context = info_of_device(bench->run->opened.device).context;
     const size_t count = bench->given->ray_count;
     bench->rays = clCreateBuffer(context, CL_MEM_READ_ONLY, count * sizeof(svo_ray), NULL, NULL);
     bench->hits = clCreateBuffer(context, CL_MEM_WRITE_ONLY, count * sizeof(svo_hit), NULL, NULL);

@@ -4,6 +4,7 @@
 
 #include <stdlib.h>
 
+#include "support/info_of.h"
 #include "support/input.h"
 
 #define GROUP_ITEMS 64u
@@ -43,8 +44,8 @@ static bool build_tree(voxel_cast *made, const svo_mesh *mesh, unsigned depth, c
 static bool compile(voxel_cast *made)
 {
     const char *sources[2] = {svo_kernel_source(svo_tree_target(NULL)), kernel_source};
-    const cl_device_id device = svo_device_cl_device(made->opened->device);
-    made->program = clCreateProgramWithSource(svo_device_cl_context(made->opened->device), 2, sources, NULL, NULL);
+    const cl_device_id device = info_of_device(made->opened->device).device;
+    made->program = clCreateProgramWithSource(info_of_device(made->opened->device).context, 2, sources, NULL, NULL);
     if (made->program == NULL || clBuildProgram(made->program, 1, &device, svo_kernel_options(svo_tree_target(NULL)),
                                                 NULL, NULL) != CL_SUCCESS) {
         return false;
@@ -55,7 +56,7 @@ static bool compile(voxel_cast *made)
 
 static bool set_arguments(voxel_cast *made, const svo_ray *rays)
 {
-    cl_context context = svo_device_cl_context(made->opened->device);
+    cl_context context = info_of_device(made->opened->device).context;
     const cl_uint count = (cl_uint)made->ray_count;
     made->rays = clCreateBuffer(context, CL_MEM_READ_ONLY, made->ray_count * sizeof *rays, NULL, NULL);
     made->ts = clCreateBuffer(context, CL_MEM_WRITE_ONLY, made->ray_count * sizeof(float), NULL, NULL);

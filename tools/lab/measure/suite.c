@@ -10,6 +10,7 @@
 
 #include "measure/host.h"
 #include "support/devices.h"
+#include "support/info_of.h"
 
 #define REPEATS       11
 #define QUICK_REPEATS 3
@@ -115,7 +116,7 @@ result_table *suite_add_table(suite *all, const char *id, const char *title, con
 
 static void keep_device_fact(suite *all, cl_device_info which, char **fact)
 {
-    char *text = devices_text(svo_device_cl_device(all->opened.device), NULL, which);
+    char *text = devices_text(info_of_device(all->opened.device).device, NULL, which);
     result_set_fact(all->results, fact, text != NULL ? text : "");
     free(text);
 }
@@ -124,7 +125,7 @@ static void describe_machine(suite *all)
 {
     result_machine *machine = &all->results->machine;
     host_describe(&all->state->options, machine);
-    result_set_fact(all->results, &machine->device, svo_device_name(all->opened.device));
+    result_set_fact(all->results, &machine->device, info_of_device(all->opened.device).name);
     keep_device_fact(all, CL_DRIVER_VERSION, &machine->driver);
     keep_device_fact(all, CL_DEVICE_VERSION, &machine->platform);
     result_set_fact(all->results, &machine->renderer,

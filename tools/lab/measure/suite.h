@@ -13,7 +13,7 @@
 #include "support/subjects.h"
 
 #define SUITE_LIST_MAX 16
-/* In place of a depth: the one that svo_plan_ray_depth finds. */
+/* In place of a depth: that of svo_plan_info.ray_depth. */
 #define SUITE_DEPTH_FOR_RAYS 255u
 
 typedef struct suite {

@@ -8,6 +8,7 @@
 #include "program/commands.h"
 #include "stress/cases.h"
 #include "stress/stress.h"
+#include "support/info_of.h"
 #include "support/json.h"
 #include "support/table.h"
 
@@ -52,7 +53,7 @@ static void print_case(table *rows, const stress_case *one)
 static void print_cases(const stress *run)
 {
     table_heading("Ill-conditioned and extreme inputs on %s, frontend %s, renderer %s, seed %" PRIu64,
-                  svo_device_name(run->opened.device), svo_frontend_name(run->opened.frontend),
+                  info_of_device(run->opened.device).name, svo_frontend_name(run->opened.frontend),
                   session_renderer(&run->opened), run->seed);
     table *rows = table_create("llrrrlrl");
     static const char *const titles[] = {"case", "method", "missed", "surplus", "figure", "", "time", "verdict"};
@@ -77,7 +78,7 @@ static void print_cases(const stress *run)
 static cJSON *to_json(const stress *run)
 {
     cJSON *document = json_document();
-    json_add_text(document, "device", svo_device_name(run->opened.device));
+    json_add_text(document, "device", info_of_device(run->opened.device).name);
     json_add_text(document, "renderer", session_renderer(&run->opened));
     json_add_text(document, "frontend", svo_frontend_name(run->opened.frontend));
     json_add_text(document, "frontend_reason", run->opened.reason.text);

@@ -2,13 +2,16 @@
 /* Opens the devices of builds, and runs one build by one method. */
 #include "builds.h"
 
+#include "support/info_of.h"
+
 #define SCRATCH_OFFSET_UNITS 3 /* how far into its buffer the caller's scratch begins, in alignments */
 
 /* Any context renders the same. */
 static void open_opengl(opened *out)
 {
     for (int kind = 0; kind < SVO_GL_CONTEXT_KINDS && out->context == NULL; ++kind) {
-        (void)svo_gl_context_create((svo_gl_context_kind)kind, 0, &out->context, NULL);
+        const svo_gl_context_options asked = {.struct_size = sizeof asked, .kind = (svo_gl_context_kind)kind};
+        (void)svo_gl_context_create(&asked, &out->context, NULL);
     }
     if (out->context == NULL) {
         return;
@@ -28,7 +31,7 @@ svo_status opened_create(opened *out, svo_message *message)
         return status;
     }
     cl_int error = CL_SUCCESS;
-    out->queue = clCreateCommandQueue(svo_device_cl_context(out->device), svo_device_cl_device(out->device),
+    out->queue = clCreateCommandQueue(info_of_device(out->device).context, info_of_device(out->device).device,
                                       CL_QUEUE_PROFILING_ENABLE, &error);
     if (error != CL_SUCCESS) {
         status = SVO_CL_ERROR;
@@ -78,7 +81,7 @@ static svo_status make_scratch(const opened *session, svo_frontend *frontend, bu
     }
     cl_int error = CL_SUCCESS;
     options->offset_bytes = out->room.scratch_alignment * SCRATCH_OFFSET_UNITS;
-    out->scratch = clCreateBuffer(svo_device_cl_context(session->device), CL_MEM_READ_WRITE,
+    out->scratch = clCreateBuffer(info_of_device(session->device).context, CL_MEM_READ_WRITE,
                                   (size_t)(options->offset_bytes + out->room.scratch_bytes), NULL, &error);
     options->scratch = out->scratch;
     return error == CL_SUCCESS ? SVO_OK : SVO_OUT_OF_DEVICE_MEMORY;

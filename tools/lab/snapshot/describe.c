@@ -6,41 +6,42 @@
 #include <stdio.h>
 
 #include "digest.h"
+#include "support/info_of.h"
 #include "svocl/io.h"
 
 #define PATH_BYTES 512
 
 static void print_plan_info(const char *name, const svo_plan *plan)
 {
-    svo_plan_info info = SVO_PLAN_INFO_INIT;
+    const svo_plan_info info = info_of_plan(plan);
     line_text line = {.used = 0};
-    svo_plan_get_info(plan, &info);
     line_text_add(&line, "snap_bits %u need %x constant %x triangles %" PRIu64 " refused %" PRIu64 " outside %" PRIu64,
                   (unsigned)info.snap_bits, (unsigned)info.need, (unsigned)info.constant, info.triangles,
                   info.refused_triangles, info.outside_triangles);
     line_text_add(&line, " origin %a %a %a edge %a scale %a snap_error %a", info.origin[0], info.origin[1],
                   info.origin[2], info.edge, info.scale, info.snap_error);
     line_text_add(&line, " expected %a fragments %" PRIu64 " ray depth %u", info.expected_fragments, info.fragments,
-                  svo_plan_ray_depth(plan));
+                  info.ray_depth);
     line_print(name, "plan", line.text);
 }
 
 static void list_buffers(const svo_plan *plan, line_text *line)
 {
     static const char *const certainties[] = {"exact", "bound", "estimate"};
-    for (size_t i = 0; i < svo_plan_buffer_count(plan); ++i) {
+    const svo_plan_info info = info_of_plan(plan);
+    for (size_t i = 0; i < info.buffer_count; ++i) {
         svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
         svo_plan_get_buffer(plan, i, &buffer);
         line_text_add(line, "%s %" PRIu64 " in %" PRIu64 " %s%s, ", buffer.name, buffer.bytes, buffer.count,
                       certainties[buffer.certainty], buffer.persistent != 0 ? " persistent" : "");
     }
-    line_text_add(line, "peak %" PRIu64 ", tree %" PRIu64, svo_plan_peak_bytes(plan), svo_plan_tree_bytes(plan));
+    line_text_add(line, "peak %" PRIu64 ", tree %" PRIu64, info.peak_bytes, info.tree_bytes);
 }
 
 static void print_programs(const char *name, const svo_plan *plan)
 {
     line_text line = {.used = 0};
-    for (size_t i = 0; i < svo_plan_kernels_count(plan); ++i) {
+    for (size_t i = 0; i < info_of_plan(plan).kernels_count; ++i) {
         svo_kernels_info kernels = SVO_KERNELS_INFO_INIT;
         svo_plan_get_kernels(plan, i, &kernels);
         line_text_add(&line, "%s%s%s", i > 0 ? ", " : "", kernels.name, kernels.defines);
@@ -52,7 +53,7 @@ static void print_left_out(const char *name, const svo_plan *plan)
 {
     line_text what = {.used = 0};
     line_text reasons = {.used = 0};
-    for (size_t i = 0; i < svo_plan_left_out_count(plan); ++i) {
+    for (size_t i = 0; i < info_of_plan(plan).left_out_count; ++i) {
         svo_left_out entry = SVO_LEFT_OUT_INIT;
         svo_plan_get_left_out(plan, i, &entry);
         line_text_add(&what, "%s%s", i > 0 ? ", " : "", entry.what);

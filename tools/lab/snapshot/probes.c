@@ -6,14 +6,13 @@
 
 #include "digest.h"
 
-static void describe_grid(const char *name, const char *part, const opened *session, svo_tree *tree,
-                          const svo_probe_options *options)
+static void describe_grid(const char *name, const char *part, const opened *session, const svo_probe_options *options)
 {
     svo_probe_info info = SVO_PROBE_INFO_INIT;
     svo_probes *probes = NULL;
     char hash[SVO_HASH_TEXT_BYTES];
     line_text line = {.used = 0};
-    svo_status status = svo_probes_create(tree, options, session->queue, &probes);
+    svo_status status = svo_probes_create(options, session->queue, &probes);
     if (status == SVO_OK) {
         status = svo_probes_hash(probes, session->queue, hash);
     }
@@ -36,9 +35,10 @@ void describe_probes(const char *name, const opened *session, svo_tree *tree, sv
     options.counts[1] = options.counts[2] = 2;
     options.resolution = 64;
     options.field_size = 16;
-    describe_grid(name, "probes", session, tree, &options);
+    options.tree = tree;
+    describe_grid(name, "probes", session, &options);
     options.keep_places = 1;
     options.light = light;
     options.diffuse = 1;
-    describe_grid(name, "lit probes", session, tree, &options);
+    describe_grid(name, "lit probes", session, &options);
 }

@@ -11,6 +11,7 @@
 #include "digest.h"
 #include "lights.h"
 #include "random.h"
+#include "support/info_of.h"
 
 #define PICTURE_WIDTH  160
 #define PICTURE_HEIGHT 120
@@ -144,9 +145,9 @@ cleanup:
 static cl_kernel make_voxel_kernel(const opened *session, cl_program *program)
 {
     const char *texts[] = {svo_kernel_source(svo_tree_target(NULL)), voxel_source};
-    const cl_device_id device = svo_device_cl_device(session->device);
+    const cl_device_id device = info_of_device(session->device).device;
     cl_int error = CL_SUCCESS;
-    *program = clCreateProgramWithSource(svo_device_cl_context(session->device), 2, texts, NULL, &error);
+    *program = clCreateProgramWithSource(info_of_device(session->device).context, 2, texts, NULL, &error);
     if (*program == NULL ||
         clBuildProgram(*program, 1, &device, svo_kernel_options(svo_tree_target(NULL)), NULL, NULL) != CL_SUCCESS) {
         return NULL;
@@ -157,7 +158,7 @@ static cl_kernel make_voxel_kernel(const opened *session, cl_program *program)
 /* Through a kernel of its own, as in an application. */
 static void trace_voxels(const char *name, const opened *session, svo_tree *tree, const svo_ray *rays)
 {
-    const cl_context context = svo_device_cl_context(session->device);
+    const cl_context context = info_of_device(session->device).context;
     const size_t count = RAY_COUNT;
     const size_t hit_bytes = count * sizeof(svo_voxel_hit);
     const float footprint = 0.01f;
@@ -246,7 +247,7 @@ void describe_queries(const char *name, const opened *session, svo_tree *tree)
     fill(name, session, tree, SVO_SOLID_PARITY);
     describe_lights(name, session, tree);
     draw_all(name, session, tree, &info);
-    line_text_add(&line, "%" PRIu64, svo_tree_ray_bytes(tree));
+    line_text_add(&line, "%" PRIu64, info_of_tree(tree).ray_bytes);
     line_print(name, "bytes of the hierarchy for rays", line.text);
     free(rays);
 }
