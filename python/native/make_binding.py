@@ -40,7 +40,12 @@ def preprocess(compiler: str, include: str, text: str, options: list[str]) -> st
     """Runs the preprocessor over text; of all system headers only CL/cl.h has content."""
     with tempfile.TemporaryDirectory() as folder:
         os.mkdir(os.path.join(folder, "CL"))
-        contents: dict[str, str] = {"CL/cl.h": CL_TYPES, "stddef.h": "", "stdint.h": "", "input.c": text}
+        contents: dict[str, str] = {
+            "CL/cl.h": "#pragma once" + CL_TYPES,
+            "stddef.h": "",
+            "stdint.h": "",
+            "input.c": text,
+        }
         for name, content in contents.items():
             with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
                 file.write(content)
@@ -56,7 +61,7 @@ def declarations(compiler: str, include: str, text: str) -> str:
     macros = preprocess(compiler, include, text, ["-dM"])
     integers = re.findall(r"^#define (SVO_[A-Z0-9_]+) (?:0x[0-9a-fA-F]+|[0-9]+|UINT32_MAX)u?$", macros, re.MULTILINE)
     # Functions of the headers themselves are for C alone; cffi parses none.
-    code = re.sub(r"^static inline [^{;]*\{[^}]*\}$", "", code, flags=re.MULTILINE)
+    code = re.sub(r"^static inline .*?^\}$", "", code, flags=re.MULTILINE | re.DOTALL)
     # Lone semicolons are left where an assertion was.
     lines = [line for line in code.splitlines() if line.strip() != ";"]
     return "\n".join(lines + [f"#define {name} ..." for name in sorted(integers)])
