@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /** \file
  * Files (svocl::io): trees as .svo; meshes from OBJ, PLY, STL, OFF, glTF, and from what assimp knows. It includes
- * voxel_files.h, whose subject is voxels.
+ * files.h, which says where files are, and voxel_files.h, whose subject is voxels.
  *
  * The .svo format, version 3. All numbers are little-endian; offsets are bytes from the start of the file.
  *
@@ -80,6 +80,7 @@
 #include <stdint.h>
 
 #include "svocl/compact.h"
+#include "svocl/files.h"
 #include "svocl/mesh.h"
 #include "svocl/status.h"
 #include "svocl/tree.h"
@@ -98,64 +99,15 @@ typedef struct svo_save_options {
 /** All defaults. */
 #define SVO_SAVE_OPTIONS_INIT SVO_STRUCT_INIT(svo_save_options)
 
-/** Writes a .svo file, whole or not at all: on failure nothing is left behind and an existing file stays as it was.
- *
- * The bytes go to a file without a name in the folder of path (O_TMPFILE), which is flushed and then takes the place of
- * path. A process that ends meanwhile leaves nothing. On file systems without such files the bytes have a temporary
- * name, .svocl-PID-N.tmp, which a process that is killed leaves behind; write through svo_tree_write to handle that
- * yourself. A symbolic link stays, and what it leads to is written. Bytes for a device, a pipe or an open descriptor
- * (/dev/stdout) go straight there; a pipe that nobody reads is an error and no SIGPIPE, and opening a named pipe waits
- * for its reader.
- *
- * With compression, the compressed chunks are in memory until they are written.
+/** Writes a .svo file (see files.h). With compression, the compressed chunks are in memory until they are written.
  *
  * \param tree with host arrays (svo_tree_download)
- * \param path of the file
+ * \param sink receives the file
  * \param options NULL means all defaults: not compressed
  * \param message receives the reason for a failure; NULL allowed
  * \returns SVO_FILE_ERROR, SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on failure. */
-SVO_API svo_status svo_tree_save(const svo_tree *tree, const char *path, const svo_save_options *options,
+SVO_API svo_status svo_tree_save(const svo_tree *tree, svo_sink sink, const svo_save_options *options,
                                  svo_message *message);
-
-/** Receives the bytes of a file in their order.
- *
- * \param user as given
- * \param bytes valid during the call
- * \param byte_count above 0
- * \returns 0 when all of them were written; anything else ends the writing. */
-typedef int (*svo_write_callback)(void *user, const void *bytes, size_t byte_count);
-
-/** Writes the bytes of a .svo file through a function: into memory, an archive, a connection. They are those that
- *  svo_tree_save writes.
- *
- * \param tree with host arrays (svo_tree_download)
- * \param write receives the bytes, in a few large pieces
- * \param user passed to write
- * \param options NULL means all defaults: not compressed
- * \param message receives the reason for a failure; NULL allowed
- * \returns SVO_FILE_ERROR (write did not return 0), SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on failure. */
-SVO_API svo_status svo_tree_write(const svo_tree *tree, svo_write_callback write, void *user,
-                                  const svo_save_options *options, svo_message *message);
-
-/** Reads a .svo file into host arrays. Lengths, checksums and every index are checked: a tree that loads is well
- *  formed. Nothing larger than the file is allocated before the header is checked.
- *
- * \param path of the file
- * \param out receives the tree
- * \param message receives what is wrong and where; NULL allowed
- * \returns SVO_FILE_ERROR (cannot be read), SVO_FILE_DAMAGED or SVO_OUT_OF_HOST_MEMORY on failure. */
-SVO_API svo_status svo_tree_load(const char *path, svo_tree **out, svo_message *message);
-
-/** svo_tree_load from memory.
- *
- * \param bytes contents of a .svo file
- * \param byte_count their number
- * \param name stands for the path in messages
- * \param out receives the tree
- * \param message receives what is wrong and where; NULL allowed
- * \returns SVO_FILE_DAMAGED or SVO_OUT_OF_HOST_MEMORY on failure. */
-SVO_API svo_status svo_tree_load_memory(const void *bytes, size_t byte_count, const char *name, svo_tree **out,
-                                        svo_message *message);
 
 /** Options of a tree that is loaded. */
 typedef struct svo_load_options {
@@ -165,94 +117,53 @@ typedef struct svo_load_options {
      *  unfold to any size. 0: as many as take half the memory that the machine, the process's limit of address space
      *  and its control group allow. Of a compact tree its stored nodes count. */
     uint64_t voxels_max;
+    /** 1 .. the depth of the file: the upper levels alone, a tree of that depth; 0: all. Of files since version 3 the
+     *  levels below are not read; older ones are read whole and shortened. Compact trees are read whole.
+     *
+     *  The nodes of last_level are the tree's leaves. It has the file's colors, normals, materials and fills, unless
+     *  their payload_level is below last_level, and neither lists nor geometry nor areas, so rays meet its voxels
+     *  (svo_trace_voxel). Counts of triangles and fragments are the whole tree's. With the depth of the file it is the
+     *  whole tree, with all that it has. */
+    uint32_t last_level;
+    uint32_t reserved; /**< 0 */
 } svo_load_options;
 
 /** All defaults. */
 #define SVO_LOAD_OPTIONS_INIT SVO_STRUCT_INIT(svo_load_options)
 
-/** svo_tree_load with options.
+/** Reads a .svo file into host arrays. Lengths, checksums and every index are checked: a tree that loads is well
+ *  formed. Nothing larger than the file is allocated before the header is checked.
  *
- * \param path of the file
+ * \param source the file
  * \param options NULL means all defaults
  * \param out receives the tree
  * \param message receives what is wrong and where; NULL allowed
- * \returns what svo_tree_load returns, and SVO_INVALID_ARGUMENT for options that are not valid, or more voxels than
- *          options.voxels_max. */
-SVO_API svo_status svo_tree_load_with(const char *path, const svo_load_options *options, svo_tree **out,
-                                      svo_message *message);
-
-/** Reads the upper levels of a .svo file: a tree of that depth. Of files since version 3 the levels below are not read;
- *  older ones are read whole and shortened.
- *
- * The nodes of last_level are its leaves. It has the file's colors, normals, materials and fills, unless their
- * payload_level is below last_level, and neither lists nor geometry nor areas, so rays meet its voxels
- * (svo_trace_voxel). Counts of triangles and fragments are the whole tree's. With the depth of the file it is the whole
- * tree, with all that svo_tree_load gives.
- *
- * \param path of the file
- * \param last_level 1 .. the depth of the file
- * \param options NULL means all defaults
- * \param out receives the tree
- * \param message receives what is wrong and where; NULL allowed
- * \returns what svo_tree_load_with returns; SVO_INVALID_ARGUMENT also for a last_level that the file does not have. */
-SVO_API svo_status svo_tree_load_levels(const char *path, uint32_t last_level, const svo_load_options *options,
-                                        svo_tree **out, svo_message *message);
-
-/** svo_tree_load_memory with options.
- *
- * \param bytes contents of a .svo file
- * \param byte_count their number
- * \param name stands for the path in messages
- * \param options NULL means all defaults
- * \param out receives the tree
- * \param message receives what is wrong and where; NULL allowed
- * \returns what svo_tree_load_memory returns, and SVO_INVALID_ARGUMENT for options that are not valid. */
-SVO_API svo_status svo_tree_load_memory_with(const void *bytes, size_t byte_count, const char *name,
-                                             const svo_load_options *options, svo_tree **out, svo_message *message);
+ * \returns SVO_FILE_ERROR (cannot be read), SVO_FILE_DAMAGED, SVO_INVALID_ARGUMENT (also more voxels than voxels_max,
+ *          or a last_level that the file does not have) or SVO_OUT_OF_HOST_MEMORY on failure. */
+SVO_API svo_status svo_tree_load(svo_source source, const svo_load_options *options, svo_tree **out,
+                                 svo_message *message);
 
 /** Writes a file of a compact tree, as svo_tree_save writes one of a tree.
  *
  * \param compact with host arrays (svo_compact_download)
- * \param path of the file
+ * \param sink receives the file
  * \param options NULL means all defaults: not compressed
  * \param message receives the reason for a failure; NULL allowed
  * \returns SVO_FILE_ERROR, SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on failure. */
-SVO_API svo_status svo_compact_save(const svo_compact *compact, const char *path, const svo_save_options *options,
+SVO_API svo_status svo_compact_save(const svo_compact *compact, svo_sink sink, const svo_save_options *options,
                                     svo_message *message);
-
-/** Writes the bytes of such a file through a function, as svo_tree_write does.
- *
- * \param compact with host arrays (svo_compact_download)
- * \param write receives the bytes, in a few large pieces
- * \param user passed to write
- * \param options NULL means all defaults: not compressed
- * \param message receives the reason for a failure; NULL allowed
- * \returns SVO_FILE_ERROR (write did not return 0), SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on failure. */
-SVO_API svo_status svo_compact_write(const svo_compact *compact, svo_write_callback write, void *user,
-                                     const svo_save_options *options, svo_message *message);
 
 /** Reads such a file into host arrays. Lengths, checksums and every node are checked. Nothing larger than the file is
  *  allocated before the header is checked.
  *
- * \param path of the file
- * \param options NULL means all defaults
+ * \param source the file
+ * \param options NULL means all defaults; last_level is 0
  * \param out receives the compact tree
  * \param message receives what is wrong and where; NULL allowed
- * \returns SVO_FILE_ERROR (cannot be read), SVO_FILE_DAMAGED or SVO_OUT_OF_HOST_MEMORY on failure. */
-SVO_API svo_status svo_compact_load(const char *path, const svo_load_options *options, svo_compact **out,
+ * \returns SVO_FILE_ERROR (cannot be read), SVO_FILE_DAMAGED, SVO_INVALID_ARGUMENT (also more voxels than voxels_max)
+ *          or SVO_OUT_OF_HOST_MEMORY on failure. */
+SVO_API svo_status svo_compact_load(svo_source source, const svo_load_options *options, svo_compact **out,
                                     svo_message *message);
-
-/** svo_compact_load from memory.
- *
- * \param bytes contents of such a file
- * \param byte_count their number
- * \param name stands for the path in messages
- * \param options NULL means all defaults
- * \param out receives the compact tree
- * \param message receives what is wrong and where; NULL allowed
- * \returns SVO_FILE_DAMAGED or SVO_OUT_OF_HOST_MEMORY on failure. */
-SVO_API svo_status svo_compact_load_memory(const void *bytes, size_t byte_count, const char *name,
-                                           const svo_load_options *options, svo_compact **out, svo_message *message);
 
 /** Is asked while a mesh file is read, ten times a second or more often, on the thread that called the library.
  *

@@ -19,6 +19,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "svocl/files.h"
 #include "svocl/memory.h"
 #include "svocl/status.h"
 #include "svocl/voxels.h"
@@ -86,7 +87,7 @@ typedef struct svo_voxel_file_info {
 
 /** Reads a .vox, .svx or .binvox file; its bytes say which. docs/voxel_files.md says what becomes of each part.
  *
- * \param path of the file
+ * \param source the file
  * \param options NULL means all defaults
  * \param out receives the list
  * \param info receives what the file holds; NULL allowed
@@ -94,22 +95,8 @@ typedef struct svo_voxel_file_info {
  * \returns SVO_FILE_ERROR (cannot be read), SVO_FILE_DAMAGED, SVO_UNSUPPORTED (a .svx file, and the library was built
  *          without libzip or expat), SVO_INVALID_ARGUMENT (no such frame, too many voxels, memory is not valid) or
  *          SVO_OUT_OF_HOST_MEMORY on failure. */
-SVO_API svo_status svo_voxels_load(const char *path, const svo_voxels_load_options *options, svo_voxels **out,
+SVO_API svo_status svo_voxels_load(svo_source source, const svo_voxels_load_options *options, svo_voxels **out,
                                    svo_voxel_file_info *info, svo_message *message);
-
-/** svo_voxels_load from memory.
- *
- * \param bytes contents of a file
- * \param byte_count their number
- * \param name stands for the path in messages
- * \param options NULL means all defaults
- * \param out receives the list
- * \param info receives what the file holds; NULL allowed
- * \param message receives what is wrong and where; NULL allowed
- * \returns what svo_voxels_load returns. */
-SVO_API svo_status svo_voxels_load_memory(const void *bytes, size_t byte_count, const char *name,
-                                          const svo_voxels_load_options *options, svo_voxels **out,
-                                          svo_voxel_file_info *info, svo_message *message);
 
 /** What was written. */
 typedef struct svo_voxels_save_info {
@@ -127,15 +114,7 @@ typedef struct svo_voxels_save_info {
 /** All zero. */
 #define SVO_VOXELS_SAVE_INFO_INIT SVO_STRUCT_INIT(svo_voxels_save_info)
 
-/** Receives the bytes of a voxel file in their order.
- *
- * \param user as given
- * \param bytes valid during the call
- * \param byte_count above 0
- * \returns 0 when all of them were written; anything else ends the writing. */
-typedef int (*svo_voxels_write_callback)(void *user, const void *bytes, size_t byte_count);
-
-/** Writes a list as a file, whole or not at all, as svo_tree_save does.
+/** Writes a list as a file (see files.h).
  *
  *  .vox: models of up to 256^3 voxels in a scene that places them. Where materials are 1 .. 255 and each has one color,
  *  they become the indices of the palette; else colors do, and beyond 255 of them a voxel has the nearest of 255 that
@@ -145,26 +124,14 @@ typedef int (*svo_voxels_write_callback)(void *user, const void *bytes, size_t b
  *  axis is up in the file: z in .vox, unless it says otherwise.
  *
  * \param voxels not NULL
- * \param path of the file
- * \param format AUTO: by the suffix of path
+ * \param sink receives the file
+ * \param format AUTO: by the suffix of the sink's path; of a sink without one not AUTO
  * \param info receives what was written; NULL allowed
  * \param message receives the reason for a failure; NULL allowed
  * \returns SVO_FILE_ERROR, SVO_UNSUPPORTED, SVO_INVALID_ARGUMENT (no known suffix; more models, slices or bytes than
  *          the format can hold) or SVO_OUT_OF_HOST_MEMORY on failure. */
-SVO_API svo_status svo_voxels_save(const svo_voxels *voxels, const char *path, svo_voxel_format format,
+SVO_API svo_status svo_voxels_save(const svo_voxels *voxels, svo_sink sink, svo_voxel_format format,
                                    svo_voxels_save_info *info, svo_message *message);
-
-/** Writes the bytes of a file through a function. They are those that svo_voxels_save writes.
- *
- * \param voxels not NULL
- * \param format not AUTO
- * \param write receives the bytes
- * \param user passed to write
- * \param info receives what was written; NULL allowed
- * \param message receives the reason for a failure; NULL allowed
- * \returns what svo_voxels_save returns; SVO_FILE_ERROR when write did not return 0. */
-SVO_API svo_status svo_voxels_write(const svo_voxels *voxels, svo_voxel_format format, svo_voxels_write_callback write,
-                                    void *user, svo_voxels_save_info *info, svo_message *message);
 
 #ifdef __cplusplus
 }

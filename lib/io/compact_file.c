@@ -44,57 +44,32 @@ static void fill_counts(const svo_compact_info *info, file_counts *counts)
     memcpy(counts->level_leaf, info->level_leaf, sizeof counts->level_leaf);
 }
 
-/* counts: lives as long as the writing. */
-static svo_status start(const char *function, const svo_compact *compact, const svo_save_options *options,
-                        svo_message *message, file_counts *counts, svo_i_file_save *out)
+svo_status svo_compact_save(const svo_compact *compact, svo_sink sink, const svo_save_options *options,
+                            svo_message *message)
 {
+    static const char function[] = "svo_compact_save";
     svo_save_options asked;
+    file_counts counts;
+    if (compact == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: compact is NULL", function);
+    }
     SVO_I_TRY(svo_i_struct_read(message, function, "options", options, &asked,
                                 SVO_I_STRUCT_SIZES(svo_save_options, struct_size)));
     if (!compact->downloaded) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT,
                           "%s: there are no host arrays; call svo_compact_download first", function);
     }
-    *out = (svo_i_file_save){
-        .name = function, .message = message, .memory = &compact->memory, .compress = asked.compress != 0};
-    fill_header(&compact->info, &out->head.header);
-    fill_counts(&compact->info, counts);
-    out->arrays[out->array_count++] = (svo_i_file_array){FILE_COUNTS, "counts", counts, sizeof *counts};
+    svo_i_file_save state = {.memory = &compact->memory, .compress = asked.compress != 0};
+    fill_header(&compact->info, &state.head.header);
+    fill_counts(&compact->info, &counts);
+    state.arrays[state.array_count++] = (svo_i_file_array){FILE_COUNTS, "counts", &counts, sizeof counts};
     for (uint32_t i = 0; i < SVO_COMPACT_BUFFER_COUNT; ++i) {
         if (compact->info.bytes[i] > 0) {
-            out->arrays[out->array_count++] = (svo_i_file_array){
+            state.arrays[state.array_count++] = (svo_i_file_array){
                 i, svo_name(SVO_NAME_COMPACT_BUFFER, (svo_compact_buffer)i), compact->host[i], compact->info.bytes[i]};
         }
     }
-    return SVO_OK;
-}
-
-svo_status svo_compact_write(const svo_compact *compact, svo_write_callback write, void *user,
-                             const svo_save_options *options, svo_message *message)
-{
-    file_counts counts;
-    svo_i_file_save state;
-    if (compact == NULL || write == NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_compact_write: %s is NULL",
-                          compact == NULL ? "compact" : "write");
-    }
-    SVO_I_TRY(start("svo_compact_write", compact, options, message, &counts, &state));
-    state.write = write;
-    state.user = user;
-    return svo_i_file_write(&state);
-}
-
-svo_status svo_compact_save(const svo_compact *compact, const char *path, const svo_save_options *options,
-                            svo_message *message)
-{
-    file_counts counts;
-    svo_i_file_save state;
-    if (compact == NULL || path == NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_compact_save: %s is NULL",
-                          compact == NULL ? "compact" : "path");
-    }
-    SVO_I_TRY(start("svo_compact_save", compact, options, message, &counts, &state));
-    return svo_i_file_save_to(&state, path);
+    return svo_i_file_write(&state, function, sink, message);
 }
 
 /* ---- loading ---- */
@@ -260,18 +235,24 @@ static svo_status load(svo_i_file_load *state, svo_compact **out)
     file_counts counts = {.form = 0};
     uint64_t offset = 0;
     svo_status status = SVO_OK;
+    if (state->last_level != 0) {
+        return svo_i_fail(state->source.message, SVO_INVALID_ARGUMENT,
+                          "svo_compact_load: options.last_level is %" PRIu32 "; compact trees are read whole",
+                          state->last_level);
+    }
     SVO_I_TRY(svo_i_file_read_head(state, &kind));
     SVO_I_TRY(load_counts(state, &counts, &offset));
     SVO_I_TRY(check_counts(state, &counts));
     svo_compact *compact = svo_i_compact_new(&state->host_memory);
     if (compact == NULL) {
-        return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a compact tree", state->name);
+        return svo_i_fail(state->source.message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a compact tree",
+                          state->source.name);
     }
     fill_info(&state->head.header, &counts, &compact->info);
     svo_i_compact_count(&compact->info);
     SVO_I_TRY_CLEANUP(svo_i_file_limit(state, compact->info.stored_count, count_bytes(&compact->info)));
     SVO_I_TRY_CLEANUP(load_arrays(state, offset, compact));
-    SVO_I_TRY_CLEANUP(svo_i_compact_check(compact, state->name, state->message));
+    SVO_I_TRY_CLEANUP(svo_i_compact_check(compact, state->source.name, state->source.message));
     compact->downloaded = true;
     *out = compact;
     compact = NULL;
@@ -281,27 +262,14 @@ cleanup:
     return status;
 }
 
-svo_status svo_compact_load(const char *path, const svo_load_options *options, svo_compact **out, svo_message *message)
+svo_status svo_compact_load(svo_source source, const svo_load_options *options, svo_compact **out, svo_message *message)
 {
-    svo_i_file_load state = {.name = path, .message = message};
-    if (path == NULL || out == NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_compact_load: %s is NULL", path == NULL ? "path" : "out");
+    svo_i_file_load state = {.voxels_max = 0};
+    if (out == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_compact_load: out is NULL");
     }
-    SVO_I_TRY(svo_i_file_read_options(options, "svo_compact_load", &state));
-    SVO_I_TRY(svo_i_file_load_open(&state));
+    SVO_I_TRY(svo_i_file_load_open("svo_compact_load", source, options, message, &state));
     const svo_status status = load(&state, out);
-    svo_i_file_load_close(&state);
+    svo_i_source_close(&state.source);
     return status;
-}
-
-svo_status svo_compact_load_memory(const void *bytes, size_t byte_count, const char *name,
-                                   const svo_load_options *options, svo_compact **out, svo_message *message)
-{
-    if (bytes == NULL || name == NULL || out == NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_compact_load_memory: %s is NULL",
-                          bytes == NULL ? "bytes" : (name == NULL ? "name" : "out"));
-    }
-    svo_i_file_load state = {.name = name, .message = message, .memory = bytes, .file = -1, .file_bytes = byte_count};
-    SVO_I_TRY(svo_i_file_read_options(options, "svo_compact_load_memory", &state));
-    return load(&state, out);
 }

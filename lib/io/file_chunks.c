@@ -4,16 +4,11 @@
  *
  * Files are not trusted: lengths are checked against the file before anything is allocated, and a checksum covers every
  * byte. The header has the chunks' lengths and checksums, and a pipe cannot go back to it. So the chunks are measured,
- * and compressed into memory if asked for, before anything is written. output/output.c makes the file.
+ * and compressed into memory if asked for, before anything is written.
  */
-#define _POSIX_C_SOURCE 200809L
-#include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
@@ -26,7 +21,6 @@
 #include "core/struct_size.h"
 #include "core/tree.h"
 #include "io/file_format.h"
-#include "output/output.h"
 #include "svocl/plan.h"
 
 /* A zstd block takes at least 4 bytes and holds at most 128 KiB, so no valid chunk expands further. */
@@ -60,22 +54,6 @@ static ZSTD_customMem zstd_memory(const svo_i_memory *memory)
 
 /* ---- reading ---- */
 
-/* The one loop around pread of trees, parts and meshes in blocks, which may be interrupted or give less. */
-int svo_i_read_at(int file, uint64_t offset, void *out, size_t byte_count, size_t *got)
-{
-    char *to = out;
-    ssize_t count = 1;
-    *got = 0;
-    while (*got < byte_count && count != 0) {
-        count = pread(file, to + *got, byte_count - *got, (off_t)(offset + *got));
-        if (count < 0 && errno != EINTR) {
-            return errno;
-        }
-        *got += count > 0 ? (size_t)count : 0;
-    }
-    return 0;
-}
-
 svo_status svo_i_file_damaged(const svo_i_file_load *state, const char *format, ...)
 {
     svo_message detail;
@@ -83,50 +61,35 @@ svo_status svo_i_file_damaged(const svo_i_file_load *state, const char *format, 
     va_start(arguments, format);
     svo_i_fail_v(&detail, SVO_FILE_DAMAGED, format, arguments);
     va_end(arguments);
-    return svo_i_fail(state->message, SVO_FILE_DAMAGED, "%s: %s", state->name, detail.text);
-}
-
-svo_status svo_i_file_read_at(const svo_i_file_load *state, uint64_t offset, void *out, size_t byte_count)
-{
-    if (state->memory != NULL) {
-        memcpy(out, state->memory + offset, byte_count);
-        return SVO_OK;
-    }
-    size_t got = 0;
-    const int error = svo_i_read_at(state->file, offset, out, byte_count, &got);
-    if (error != 0) {
-        return svo_i_fail(state->message, SVO_FILE_ERROR, "%s: cannot be read: %s", state->name, strerror(error));
-    }
-    return got == byte_count
-               ? SVO_OK
-               : svo_i_file_damaged(state, "became shorter while it was read: byte %" PRIu64 " is gone", offset + got);
+    return svo_i_fail(state->source.message, SVO_FILE_DAMAGED, "%s: %s", state->source.name, detail.text);
 }
 
 /* Checks that this is a complete file of a known version. */
 static svo_status read_identity(svo_i_file_load *state, const svo_i_file_kind *kind)
 {
     file_header *header = &state->head.header;
-    const size_t there_bytes = state->file_bytes < sizeof *header ? (size_t)state->file_bytes : sizeof *header;
-    SVO_I_TRY(svo_i_file_read_at(state, 0, header, there_bytes));
+    const size_t there_bytes =
+        state->source.byte_count < sizeof *header ? (size_t)state->source.byte_count : sizeof *header;
+    SVO_I_TRY(svo_i_source_read(&state->source, 0, header, there_bytes));
     const size_t magic_bytes = there_bytes < FILE_MAGIC_BYTES ? there_bytes : FILE_MAGIC_BYTES;
     if (magic_bytes == 0 || memcmp(header->magic, kind->magic, magic_bytes) != 0) {
         return svo_i_file_damaged(state, "not a %s file", kind->name);
     }
     if (there_bytes < sizeof *header) {
         return svo_i_file_damaged(state, "truncated: %zu bytes expected at least, %" PRIu64 " there", sizeof *header,
-                                  state->file_bytes);
+                                  state->source.byte_count);
     }
     if (header->version < kind->oldest_version || header->version > kind->version) {
         return svo_i_file_damaged(state, "version %" PRIu32 " is not known, only %" PRIu32 " to %" PRIu32,
                                   header->version, kind->oldest_version, kind->version);
     }
-    if (header->file_bytes > state->file_bytes) {
+    if (header->file_bytes > state->source.byte_count) {
         return svo_i_file_damaged(state, "truncated: %" PRIu64 " bytes expected, %" PRIu64 " there", header->file_bytes,
-                                  state->file_bytes);
+                                  state->source.byte_count);
     }
-    if (header->file_bytes < state->file_bytes) {
+    if (header->file_bytes < state->source.byte_count) {
         return svo_i_file_damaged(state, "%" PRIu64 " bytes expected, %" PRIu64 " there", header->file_bytes,
-                                  state->file_bytes);
+                                  state->source.byte_count);
     }
     return SVO_OK;
 }
@@ -140,11 +103,11 @@ static svo_status read_chunk_table(svo_i_file_load *state, const svo_i_file_kind
     }
     const size_t table_bytes = header->chunk_count * sizeof(file_chunk);
     const size_t head_bytes = sizeof *header + table_bytes;
-    if (header->header_bytes != head_bytes || head_bytes > state->file_bytes) {
+    if (header->header_bytes != head_bytes || head_bytes > state->source.byte_count) {
         return svo_i_file_damaged(state, "header: its length is %" PRIu32 ", %zu expected", header->header_bytes,
                                   head_bytes);
     }
-    SVO_I_TRY(svo_i_file_read_at(state, sizeof *header, state->head.chunks, table_bytes));
+    SVO_I_TRY(svo_i_source_read(&state->source, sizeof *header, state->head.chunks, table_bytes));
     const uint64_t hash = XXH3_64bits((const uint8_t *)&state->head + FILE_HASH_BEGIN, head_bytes - FILE_HASH_BEGIN);
     if (hash != header->header_hash) {
         return svo_i_file_damaged(state, "header: checksum is %016" PRIx64 ", file says %016" PRIx64, hash,
@@ -239,10 +202,10 @@ svo_status svo_i_file_check_place(const svo_i_file_load *state, const file_chunk
     if (chunk->codec != FILE_CODEC_STORED && chunk->codec != FILE_CODEC_ZSTD) {
         return svo_i_file_damaged(state, "chunk %s: codec %" PRIu32 " is not known", array, chunk->codec);
     }
-    if (chunk->offset != offset || chunk->stored_bytes > state->file_bytes - offset) {
+    if (chunk->offset != offset || chunk->stored_bytes > state->source.byte_count - offset) {
         return svo_i_file_damaged(
             state, "chunk %s: %" PRIu64 " bytes at %" PRIu64 ", %" PRIu64 " bytes at %" PRIu64 " are free", array,
-            chunk->stored_bytes, chunk->offset, state->file_bytes - offset, offset);
+            chunk->stored_bytes, chunk->offset, state->source.byte_count - offset, offset);
     }
     const uint64_t plain_bytes_max =
         chunk->codec == FILE_CODEC_STORED
@@ -260,22 +223,22 @@ svo_status svo_i_file_limit(const svo_i_file_load *state, uint64_t voxel_count, 
 {
     const uint64_t there_bytes = svo_i_host_memory_bytes();
     if (state->voxels_max != 0 && voxel_count > state->voxels_max) {
-        return svo_i_fail(state->message, SVO_INVALID_ARGUMENT,
-                          "%s: %" PRIu64 " voxels are above the limit of %" PRIu64 " (voxels_max)", state->name,
+        return svo_i_fail(state->source.message, SVO_INVALID_ARGUMENT,
+                          "%s: %" PRIu64 " voxels are above the limit of %" PRIu64 " (voxels_max)", state->source.name,
                           voxel_count, state->voxels_max);
     }
     return state->voxels_max != 0 || byte_count <= there_bytes / 2
                ? SVO_OK
-               : svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY,
-                            "%s: %" PRIu64
-                            " voxels need %s of memory, above half of the %s that are there (voxels_max)",
-                            state->name, voxel_count, svo_i_bytes(byte_count).text, svo_i_bytes(there_bytes).text);
+               : svo_i_fail(
+                     state->source.message, SVO_OUT_OF_HOST_MEMORY,
+                     "%s: %" PRIu64 " voxels need %s of memory, above half of the %s that are there (voxels_max)",
+                     state->source.name, voxel_count, svo_i_bytes(byte_count).text, svo_i_bytes(there_bytes).text);
 }
 
 svo_status svo_i_file_no_memory(const svo_i_file_load *state, const char *array, uint64_t byte_count)
 {
-    return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: chunk %s needs %s of memory", state->name, array,
-                      svo_i_bytes(byte_count).text);
+    return svo_i_fail(state->source.message, SVO_OUT_OF_HOST_MEMORY, "%s: chunk %s needs %s of memory",
+                      state->source.name, array, svo_i_bytes(byte_count).text);
 }
 
 static svo_status unpack_chunk(const svo_i_file_load *state, const file_chunk *chunk, const char *array, void *plain)
@@ -293,7 +256,7 @@ static svo_status unpack_chunk(const svo_i_file_load *state, const file_chunk *c
         status = svo_i_file_no_memory(state, array, chunk->plain_bytes);
         goto cleanup;
     }
-    SVO_I_TRY_CLEANUP(svo_i_file_read_at(state, chunk->offset, packed, stored_bytes));
+    SVO_I_TRY_CLEANUP(svo_i_source_read(&state->source, chunk->offset, packed, stored_bytes));
     got = ZSTD_decompressDCtx(context, plain, (size_t)chunk->plain_bytes, packed, stored_bytes);
     if (ZSTD_isError(got)) {
         status = svo_i_file_damaged(state, "chunk %s: zstd: %s", array, ZSTD_getErrorName(got));
@@ -314,8 +277,9 @@ svo_status svo_i_file_read_chunk(const svo_i_file_load *state, const file_chunk 
     }
     const size_t plain_bytes = (size_t)chunk->plain_bytes;
     if (plain_bytes > 0) {
-        SVO_I_TRY(chunk->codec == FILE_CODEC_ZSTD ? unpack_chunk(state, chunk, array, plain)
-                                                  : svo_i_file_read_at(state, chunk->offset, plain, plain_bytes));
+        SVO_I_TRY(chunk->codec == FILE_CODEC_ZSTD
+                      ? unpack_chunk(state, chunk, array, plain)
+                      : svo_i_source_read(&state->source, chunk->offset, plain, plain_bytes));
     }
     const uint64_t hash = XXH3_64bits(plain_bytes > 0 ? plain : "", plain_bytes);
     return hash == chunk->hash
@@ -330,48 +294,23 @@ svo_status svo_i_file_check_end(const svo_i_file_load *state, uint32_t chunk_ind
         return svo_i_file_damaged(state, "chunk %" PRIu32 ": kind 0x%" PRIx32 " is not expected", chunk_index,
                                   state->head.chunks[chunk_index].kind);
     }
-    if (offset != state->file_bytes) {
+    if (offset != state->source.byte_count) {
         return svo_i_file_damaged(state, "the chunks end at byte %" PRIu64 ", the file at %" PRIu64, offset,
-                                  state->file_bytes);
+                                  state->source.byte_count);
     }
     return SVO_OK;
 }
 
-svo_status svo_i_file_read_options(const svo_load_options *options, const char *function, svo_i_file_load *state)
+svo_status svo_i_file_load_open(const char *function, svo_source source, const svo_load_options *options,
+                                svo_message *message, svo_i_file_load *state)
 {
     svo_load_options asked;
-    SVO_I_TRY(svo_i_struct_read(state->message, function, "options", options, &asked,
-                                SVO_I_STRUCT_SIZES(svo_load_options, memory)));
+    SVO_I_TRY(
+        svo_i_struct_read(message, function, "options", options, &asked, SVO_I_STRUCT_SIZES(svo_load_options, memory)));
+    SVO_I_TRY(svo_i_memory_read(message, function, "options.memory", asked.memory, &state->host_memory));
     state->voxels_max = asked.voxels_max;
-    return svo_i_memory_read(state->message, function, "options.memory", asked.memory, &state->host_memory);
-}
-
-svo_status svo_i_file_load_open(svo_i_file_load *state)
-{
-    struct stat entry;
-    /* Non-blocking: opening a named pipe must fail below, not wait for a writer. */
-    state->file = open(state->name, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (state->file < 0) {
-        return svo_i_fail(state->message, SVO_FILE_ERROR, "%s: cannot be read: %s", state->name, strerror(errno));
-    }
-    svo_status status = SVO_OK;
-    if (fstat(state->file, &entry) != 0) {
-        status = svo_i_fail(state->message, SVO_FILE_ERROR, "%s: cannot be read: %s", state->name, strerror(errno));
-    } else if (!S_ISREG(entry.st_mode)) {
-        status = svo_i_fail(state->message, SVO_FILE_ERROR, "%s: cannot be read: %s", state->name,
-                            S_ISDIR(entry.st_mode) ? strerror(EISDIR) : "not a regular file");
-    } else {
-        state->file_bytes = (uint64_t)entry.st_size;
-        return SVO_OK;
-    }
-    svo_i_file_load_close(state);
-    return status;
-}
-
-void svo_i_file_load_close(svo_i_file_load *state)
-{
-    close(state->file);
-    state->file = -1;
+    state->last_level = asked.last_level;
+    return svo_i_source_open(function, source, message, &state->source);
 }
 
 /* ---- writing ---- */
@@ -396,13 +335,13 @@ static svo_status pack(const svo_i_file_save *state, const void *plain, size_t p
     const size_t bound_bytes = ZSTD_compressBound(plain_bytes);
     void *bytes = svo_i_alloc(state->memory, bound_bytes);
     if (bytes == NULL) {
-        return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: compressing needs %zu bytes", state->name,
-                          bound_bytes);
+        return svo_i_fail(state->sink.message, SVO_OUT_OF_HOST_MEMORY, "%s: compressing needs %zu bytes",
+                          state->sink.name, bound_bytes);
     }
     const size_t byte_count = compress_array(state, bytes, bound_bytes, plain, plain_bytes);
     if (ZSTD_isError(byte_count)) {
         svo_i_free(bytes);
-        return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: zstd: %s", state->name,
+        return svo_i_fail(state->sink.message, SVO_OUT_OF_HOST_MEMORY, "%s: zstd: %s", state->sink.name,
                           ZSTD_getErrorName(byte_count));
     }
     if (byte_count >= plain_bytes) {
@@ -420,8 +359,8 @@ static svo_status measure_chunk(const svo_i_file_save *state, const svo_i_file_a
 {
     const size_t plain_bytes = (size_t)array->bytes;
     if (array->bytes > SIZE_MAX || (plain_bytes > 0 && array->plain == NULL)) {
-        return svo_i_fail(state->message, SVO_INVALID_ARGUMENT, "%s: the tree's array %s is missing", state->name,
-                          array->name);
+        return svo_i_fail(state->sink.message, SVO_INVALID_ARGUMENT, "%s: the tree's array %s is missing",
+                          state->sink.name, array->name);
     }
     chunk->plain_bytes = plain_bytes;
     chunk->hash = XXH3_64bits(plain_bytes > 0 ? array->plain : "", plain_bytes);
@@ -453,16 +392,16 @@ static svo_status measure(svo_i_file_save *state)
     return SVO_OK;
 }
 
-static svo_status put(const svo_i_file_save *state, uint64_t offset, const void *bytes, size_t byte_count)
+static svo_status put(svo_i_file_save *state, uint64_t offset, const void *bytes, size_t byte_count)
 {
-    if (byte_count > 0 && state->write(state->user, bytes, byte_count) != 0) {
-        return svo_i_fail(state->message, SVO_FILE_ERROR, "%s: %zu bytes at %" PRIu64 " could not be written",
-                          state->name, byte_count, offset);
+    if (byte_count > 0 && !svo_i_sink_write(&state->sink, bytes, byte_count)) {
+        return svo_i_fail(state->sink.message, SVO_FILE_ERROR, "%s: %zu bytes at %" PRIu64 " could not be written",
+                          state->sink.name, byte_count, offset);
     }
     return SVO_OK;
 }
 
-static svo_status write_all(const svo_i_file_save *state)
+static svo_status write_all(svo_i_file_save *state)
 {
     const file_header *header = &state->head.header;
     SVO_I_TRY(put(state, 0, &state->head, header->header_bytes));
@@ -474,52 +413,15 @@ static svo_status write_all(const svo_i_file_save *state)
     return SVO_OK;
 }
 
-svo_status svo_i_file_write(svo_i_file_save *state)
+svo_status svo_i_file_write(svo_i_file_save *state, const char *function, svo_sink sink, svo_message *message)
 {
     svo_status status = SVO_OK;
+    SVO_I_TRY(svo_i_sink_open(function, sink, message, &state->sink));
     SVO_I_TRY_CLEANUP(measure(state));
     SVO_I_TRY_CLEANUP(write_all(state));
 cleanup:
     for (size_t i = 0; i < FILE_CHUNKS_MAX; ++i) {
         svo_i_free(state->packed[i]);
     }
-    return status;
-}
-
-/* An output and the first error of writing to it. */
-typedef struct sink {
-    svo_i_output output;
-    int error;
-} sink;
-
-static int write_to_sink(void *user, const void *bytes, size_t byte_count)
-{
-    sink *to = user;
-    to->error = svo_i_output_write(&to->output, bytes, byte_count);
-    return to->error;
-}
-
-static svo_status fail_errno(svo_message *message, const char *path, int error)
-{
-    return svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be written: %s", path, strerror(error));
-}
-
-svo_status svo_i_file_save_to(svo_i_file_save *state, const char *path)
-{
-    sink to = {.output = {.descriptor = -1}};
-    state->name = path;
-    state->write = write_to_sink;
-    state->user = &to;
-    to.error = svo_i_output_open(path, NULL, &to.output);
-    if (to.error != 0) {
-        state->user = NULL;
-        return fail_errno(state->message, path, to.error);
-    }
-    svo_status status = svo_i_file_write(state);
-    state->user = NULL;
-    if (status == SVO_OK) {
-        to.error = svo_i_output_commit(&to.output);
-    }
-    svo_i_output_abandon(&to.output);
-    return to.error != 0 ? fail_errno(state->message, path, to.error) : status;
+    return svo_i_sink_close(&state->sink, status);
 }

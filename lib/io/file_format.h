@@ -15,6 +15,7 @@
 #include "core/compact.h"
 #include "core/memory.h"
 #include "core/tree.h"
+#include "io/files.h"
 #include "svocl/io.h"
 #include "svocl/tree.h"
 
@@ -105,18 +106,12 @@ static_assert(offsetof(file_head, chunks) == 200, "io.h: chunk table");
 
 /* ---- reading a header and chunks: of a built tree, or of a compact one ---- */
 
-/* Reads bytes from a place on; *got: how many, fewer where the file ends before. Returns 0 or an errno. */
-int svo_i_read_at(int file, uint64_t offset, void *out, size_t byte_count, size_t *got);
-
-/* A file that is read, from a descriptor or from memory. */
+/* A file that is read. */
 typedef struct svo_i_file_load {
-    const char *name; /* begins messages */
-    svo_message *message;
+    svo_i_source source;
     svo_i_memory host_memory;
     uint64_t voxels_max; /* 0: by memory */
-    const uint8_t *memory; /* the whole file, or NULL: read from file */
-    int file;
-    uint64_t file_bytes;
+    uint32_t last_level; /* 0: all */
     file_head head;
 } svo_i_file_load;
 
@@ -128,11 +123,9 @@ typedef struct svo_i_file_kind {
     uint32_t chunks_max; /* at most FILE_CHUNKS_MAX */
 } svo_i_file_kind;
 
-/* Takes the caller's options. function: for the message. */
-svo_status svo_i_file_read_options(const svo_load_options *options, const char *function, svo_i_file_load *state);
-/* Opens the file whose path is state->name; closed by svo_i_file_load_close. */
-svo_status svo_i_file_load_open(svo_i_file_load *state);
-void svo_i_file_load_close(svo_i_file_load *state);
+/* Takes the caller's options and opens the source, which the caller closes after success. function: for messages. */
+svo_status svo_i_file_load_open(const char *function, svo_source source, const svo_load_options *options,
+                                svo_message *message, svo_i_file_load *state);
 
 /* Reads header and chunk table into state->head and checks the header's values, levels included. */
 svo_status svo_i_file_read_head(svo_i_file_load *state, const svo_i_file_kind *kind);
@@ -142,8 +135,6 @@ svo_status svo_i_file_check_place(const svo_i_file_load *state, const file_chunk
                                   uint64_t offset);
 /* Checks that there are no further chunks or bytes. */
 svo_status svo_i_file_check_end(const svo_i_file_load *state, uint32_t chunk_index, uint64_t offset);
-/* Reads bytes that were checked to lie inside the file. */
-svo_status svo_i_file_read_at(const svo_i_file_load *state, uint64_t offset, void *out, size_t byte_count);
 /* Reads a chunk whose place was checked into memory for chunk->plain_bytes, and checks its checksum. */
 svo_status svo_i_file_read_chunk(const svo_i_file_load *state, const file_chunk *chunk, const char *array, void *plain);
 
@@ -168,11 +159,8 @@ typedef struct svo_i_file_array {
 } svo_i_file_array;
 
 typedef struct svo_i_file_save {
-    const char *name; /* begins messages: the path or the function */
-    svo_message *message;
+    svo_i_sink sink;
     const svo_i_memory *memory; /* for compressed chunks; NULL: malloc and free */
-    svo_write_callback write;
-    void *user;
     bool compress;
     file_head head; /* the caller fills the header, but for lengths, counts and checksums */
     svo_i_file_array arrays[FILE_CHUNKS_MAX]; /* in the order of their chunks */
@@ -182,10 +170,8 @@ typedef struct svo_i_file_save {
 
 /* Fills the header of a built tree's file, but for lengths, counts and checksums. */
 void svo_i_file_fill_header(file_header *header, const svo_tree_info *info);
-/* Writes the file through state->write. */
-svo_status svo_i_file_write(svo_i_file_save *state);
-/* Writes the file to a path, whole or not at all; sets name, write and user. */
-svo_status svo_i_file_save_to(svo_i_file_save *state, const char *path);
+/* Opens the sink, writes the file and closes it. function: for messages. */
+svo_status svo_i_file_write(svo_i_file_save *state, const char *function, svo_sink sink, svo_message *message);
 
 /*
  * ---- files of built trees ----

@@ -117,27 +117,10 @@ void svo_i_file_fill_header(file_header *header, const svo_tree_info *info)
     memcpy(header->level_begin, info->level_begin, (info->depth + 2) * sizeof header->level_begin[0]);
 }
 
-/* Checks what svo_tree_save and svo_tree_write have in common. */
-static svo_status start(const char *function, const svo_tree *tree, const svo_save_options *options,
-                        svo_message *message, svo_i_file_save *state)
+/* The header and the arrays of a tree. */
+static void fill(const svo_tree *tree, svo_i_file_save *state)
 {
-    svo_save_options asked;
-    SVO_I_TRY(svo_i_struct_read(message, function, "options", options, &asked,
-                                SVO_I_STRUCT_SIZES(svo_save_options, struct_size)));
-    const char *undefined = svo_i_tree_undefined(tree);
-    if (undefined != NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %s", function, undefined);
-    }
-    if (!tree->downloaded) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT,
-                          "%s: the tree has no host arrays; call svo_tree_download first", function);
-    }
-    if (tree->part.header.depth != 0) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: the tree is a part of another; call svo_part_save",
-                          function);
-    }
-    *state = (svo_i_file_save){
-        .name = function, .message = message, .memory = &tree->memory, .compress = asked.compress != 0};
+    state->memory = &tree->memory;
     svo_i_file_fill_header(&state->head.header, &tree->info);
     file_entry entries[FILE_CHUNKS_MAX];
     state->array_count = svo_i_file_list_entries(&tree->info, FILE_VERSION, entries);
@@ -152,30 +135,33 @@ static svo_status start(const char *function, const svo_tree *tree, const svo_sa
                                .plain = array != NULL ? array + begin * element_bytes : NULL,
                                .bytes = svo_i_file_entry_count(&tree->info, FILE_VERSION, entry) * element_bytes};
     }
-    return SVO_OK;
 }
 
-svo_status svo_tree_write(const svo_tree *tree, svo_write_callback write, void *user, const svo_save_options *options,
-                          svo_message *message)
+svo_status svo_tree_save(const svo_tree *tree, svo_sink sink, const svo_save_options *options, svo_message *message)
 {
-    if (tree == NULL || write == NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_write: %s is NULL", tree == NULL ? "tree" : "write");
+    static const char function[] = "svo_tree_save";
+    svo_save_options asked;
+    svo_i_file_save state = {.array_count = 0};
+    if (tree == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: tree is NULL", function);
     }
-    svo_i_file_save state = {.name = "svo_tree_write"};
-    SVO_I_TRY(start("svo_tree_write", tree, options, message, &state));
-    state.write = write;
-    state.user = user;
-    return svo_i_file_write(&state);
-}
-
-svo_status svo_tree_save(const svo_tree *tree, const char *path, const svo_save_options *options, svo_message *message)
-{
-    if (tree == NULL || path == NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_save: %s is NULL", tree == NULL ? "tree" : "path");
+    SVO_I_TRY(svo_i_struct_read(message, function, "options", options, &asked,
+                                SVO_I_STRUCT_SIZES(svo_save_options, struct_size)));
+    const char *undefined = svo_i_tree_undefined(tree);
+    if (undefined != NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %s", function, undefined);
     }
-    svo_i_file_save state = {.name = path};
-    SVO_I_TRY(start("svo_tree_save", tree, options, message, &state));
-    return svo_i_file_save_to(&state, path);
+    if (!tree->downloaded) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT,
+                          "%s: the tree has no host arrays; call svo_tree_download first", function);
+    }
+    if (tree->part.header.depth != 0) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: the tree is a part of another; call svo_part_save",
+                          function);
+    }
+    fill(tree, &state);
+    state.compress = asked.compress != 0;
+    return svo_i_file_write(&state, function, sink, message);
 }
 
 /* ---- reading ---- */
@@ -421,7 +407,7 @@ static svo_status load_tree(svo_i_tree_file *file, uint32_t last_level, svo_tree
     }
     SVO_I_TRY(repeat_constants(load, tree));
     tree->downloaded = true;
-    return svo_i_file_check_structure(tree, load->name, load->message);
+    return svo_i_file_check_structure(tree, load->source.name, load->source.message);
 }
 
 svo_status svo_i_tree_file_read_head(svo_i_tree_file *file)
@@ -433,22 +419,23 @@ svo_status svo_i_tree_file_read_head(svo_i_tree_file *file)
     return check_entries(file);
 }
 
-static svo_status load(svo_i_file_load *state, uint32_t last_level, svo_tree **out)
+static svo_status load(svo_i_file_load *state, svo_tree **out)
 {
     svo_i_tree_file file = {.load = state};
     svo_status status = SVO_OK;
     SVO_I_TRY(svo_i_tree_file_read_head(&file));
     const uint32_t depth = file.info.depth;
-    if (last_level > depth) {
-        return svo_i_fail(state->message, SVO_INVALID_ARGUMENT,
-                          "svo_tree_load_levels: last_level %" PRIu32 " is not in 1 .. %" PRIu32 ", the depth of %s",
-                          last_level, depth, state->name);
+    if (state->last_level > depth) {
+        return svo_i_fail(state->source.message, SVO_INVALID_ARGUMENT,
+                          "svo_tree_load: options.last_level %" PRIu32 " is not in 1 .. %" PRIu32 ", the depth of %s",
+                          state->last_level, depth, state->source.name);
     }
     svo_tree *tree = svo_i_tree_new(&state->host_memory);
     if (tree == NULL) {
-        return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the tree", state->name);
+        return svo_i_fail(state->source.message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the tree",
+                          state->source.name);
     }
-    SVO_I_TRY_CLEANUP(load_tree(&file, last_level == depth ? 0 : last_level, tree));
+    SVO_I_TRY_CLEANUP(load_tree(&file, state->last_level == depth ? 0 : state->last_level, tree));
     *out = tree;
     tree = NULL;
 cleanup:
@@ -456,54 +443,14 @@ cleanup:
     return status;
 }
 
-static svo_status load_path(const char *function, const char *path, uint32_t last_level,
-                            const svo_load_options *options, svo_tree **out, svo_message *message)
+svo_status svo_tree_load(svo_source source, const svo_load_options *options, svo_tree **out, svo_message *message)
 {
-    svo_i_file_load state = {.name = path, .message = message};
-    if (path == NULL || out == NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function, path == NULL ? "path" : "out");
+    svo_i_file_load state = {.voxels_max = 0};
+    if (out == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_load: out is NULL");
     }
-    SVO_I_TRY(svo_i_file_read_options(options, function, &state));
-    SVO_I_TRY(svo_i_file_load_open(&state));
-    const svo_status status = load(&state, last_level, out);
-    svo_i_file_load_close(&state);
+    SVO_I_TRY(svo_i_file_load_open("svo_tree_load", source, options, message, &state));
+    const svo_status status = load(&state, out);
+    svo_i_source_close(&state.source);
     return status;
-}
-
-svo_status svo_tree_load(const char *path, svo_tree **out, svo_message *message)
-{
-    return svo_tree_load_with(path, NULL, out, message);
-}
-
-svo_status svo_tree_load_with(const char *path, const svo_load_options *options, svo_tree **out, svo_message *message)
-{
-    return load_path("svo_tree_load", path, 0, options, out, message);
-}
-
-svo_status svo_tree_load_levels(const char *path, uint32_t last_level, const svo_load_options *options, svo_tree **out,
-                                svo_message *message)
-{
-    if (last_level < SVO_DEPTH_MIN) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_load_levels: last_level %" PRIu32 " is below %d",
-                          last_level, SVO_DEPTH_MIN);
-    }
-    return load_path("svo_tree_load_levels", path, last_level, options, out, message);
-}
-
-svo_status svo_tree_load_memory(const void *bytes, size_t byte_count, const char *name, svo_tree **out,
-                                svo_message *message)
-{
-    return svo_tree_load_memory_with(bytes, byte_count, name, NULL, out, message);
-}
-
-svo_status svo_tree_load_memory_with(const void *bytes, size_t byte_count, const char *name,
-                                     const svo_load_options *options, svo_tree **out, svo_message *message)
-{
-    if (bytes == NULL || name == NULL || out == NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_tree_load_memory: %s is NULL",
-                          bytes == NULL ? "bytes" : (name == NULL ? "name" : "out"));
-    }
-    svo_i_file_load state = {.name = name, .message = message, .memory = bytes, .file = -1, .file_bytes = byte_count};
-    SVO_I_TRY(svo_i_file_read_options(options, "svo_tree_load_memory", &state));
-    return load(&state, 0, out);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the readers and the writers of voxel files share: messages, growing lists, the buffer before the callback. */
+/* What the readers and the writers of voxel files share: messages, growing lists, the buffer before the sink. */
 #include "io/voxels_files.h"
 
 #include <inttypes.h>
@@ -182,14 +182,14 @@ svo_status svo_i_voxels_write_fail(const voxel_writer *writer, svo_status status
     va_start(arguments, format);
     svo_i_fail_v(&detail, status, format, arguments);
     va_end(arguments);
-    return svo_i_fail(writer->message, status, "%s: %s", writer->name, detail.text);
+    return svo_i_fail(writer->sink.message, status, "%s: %s", writer->sink.name, detail.text);
 }
 
 svo_status svo_i_voxels_flush(voxel_writer *writer)
 {
     const size_t byte_count = writer->used;
     writer->used = 0;
-    if (byte_count > 0 && writer->write(writer->user, writer->buffer, byte_count) != 0) {
+    if (byte_count > 0 && !svo_i_sink_write(&writer->sink, writer->buffer, byte_count)) {
         return svo_i_voxels_write_fail(writer, SVO_FILE_ERROR, "%zu bytes before byte %llu could not be written",
                                        byte_count, (unsigned long long)writer->info.bytes);
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * What the readers and the writers of voxel files share: the file in memory, messages with their place in it, and
- * growing lists; a buffer before the callback, and voxels in other orders; numbers as text.
+ * growing lists; a buffer before the sink, and voxels in other orders; numbers as text.
  */
 #ifndef SVO_LIB_IO_VOXELS_FILES_H
 #define SVO_LIB_IO_VOXELS_FILES_H
@@ -12,6 +12,7 @@
 #include "core/memory.h"
 #include "core/message.h"
 #include "core/voxel_list.h"
+#include "io/files.h"
 #include "svocl/voxel_files.h"
 
 /* Whether z is up in a file of that format. */
@@ -85,10 +86,7 @@ svo_status svo_i_voxels_add_property(voxel_reader *reader, uint32_t material, co
 
 /* A file that is being written. */
 typedef struct voxel_writer {
-    const char *name; /* of the file or of the function, for messages */
-    svo_message *message;
-    svo_voxels_write_callback write;
-    void *user;
+    svo_i_sink sink;
     const svo_i_memory *memory; /* of the list */
     const svo_voxel *voxels;
     svo_voxels_info list;
@@ -104,7 +102,7 @@ svo_status svo_i_voxels_write_fail(const voxel_writer *writer, svo_status status
 
 /* Puts bytes behind those before. */
 svo_status svo_i_voxels_put(voxel_writer *writer, const void *bytes, size_t byte_count);
-/* Gives what is in the buffer to the callback. */
+/* Gives what is in the buffer to the sink. */
 svo_status svo_i_voxels_flush(voxel_writer *writer);
 
 /* A copy of the voxels in another order, for svo_i_free. */

@@ -4,14 +4,10 @@
  * .binvox files is here; voxels_vox.c and voxels_svx.c have the others.
  */
 #define _POSIX_C_SOURCE 200809L
-#include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "core/memory.h"
 #include "core/struct_size.h"
@@ -339,15 +335,16 @@ cleanup:
     return status;
 }
 
-/* Checks what both functions take and prepares the reader. */
-static svo_status start(const char *function, const svo_voxels_load_options *options, const svo_voxel_file_info *info,
-                        voxel_reader *reader)
+static const char load_name[] = "svo_voxels_load";
+
+/* Checks what the function takes and prepares the reader. */
+static svo_status start(const svo_voxels_load_options *options, const svo_voxel_file_info *info, voxel_reader *reader)
 {
-    SVO_I_TRY(svo_i_struct_read(reader->message, function, "options", options, &reader->options,
+    SVO_I_TRY(svo_i_struct_read(reader->message, load_name, "options", options, &reader->options,
                                 SVO_I_STRUCT_SIZES(svo_voxels_load_options, log_user)));
-    SVO_I_TRY(svo_i_memory_read(reader->message, function, "options.memory", reader->options.memory, &reader->memory));
+    SVO_I_TRY(svo_i_memory_read(reader->message, load_name, "options.memory", reader->options.memory, &reader->memory));
     if (reader->options.axes > SVO_AXES_Z_UP) {
-        return svo_i_fail(reader->message, SVO_INVALID_ARGUMENT, "%s: options.axes %u is not in 0 .. %d", function,
+        return svo_i_fail(reader->message, SVO_INVALID_ARGUMENT, "%s: options.axes %u is not in 0 .. %d", load_name,
                           reader->options.axes, SVO_AXES_Z_UP);
     }
     const uint64_t most = SVO_VOXELS_MAX;
@@ -359,78 +356,42 @@ static svo_status start(const char *function, const svo_voxels_load_options *opt
         reader->options.voxels_max = most;
     }
     return info == NULL ? SVO_OK
-                        : svo_i_struct_check(reader->message, function, "info", info,
+                        : svo_i_struct_check(reader->message, load_name, "info", info,
                                              SVO_I_STRUCT_SIZES(svo_voxel_file_info, warnings));
 }
 
-svo_status svo_voxels_load_memory(const void *bytes, size_t byte_count, const char *name,
-                                  const svo_voxels_load_options *options, svo_voxels **out, svo_voxel_file_info *info,
-                                  svo_message *message)
+/* Reads the whole file; bytes of the caller's are used where they are. *owned: released by the caller. */
+static svo_status take_bytes(const svo_i_source *source, voxel_reader *reader, uint8_t **owned)
 {
-    if (bytes == NULL || name == NULL || out == NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_voxels_load_memory: %s is NULL",
-                          bytes == NULL ? "bytes" : (name == NULL ? "name" : "out"));
+    reader->bytes = source->bytes;
+    reader->byte_count = (size_t)source->byte_count;
+    if (reader->bytes != NULL) {
+        return SVO_OK;
     }
-    voxel_reader reader = {.name = name, .bytes = bytes, .byte_count = byte_count, .message = message};
-    SVO_I_TRY(start("svo_voxels_load_memory", options, info, &reader));
-    return load(&reader, out, info);
+    reader->bytes = *owned = svo_i_alloc(&reader->memory, reader->byte_count + 1);
+    if (*owned == NULL) {
+        return svo_i_voxels_fail(reader, SVO_OUT_OF_HOST_MEMORY, "no memory for its %zu bytes", reader->byte_count);
+    }
+    return svo_i_source_read(source, 0, *owned, reader->byte_count);
 }
 
-/* Reads a regular file, of the length that it had when it was opened. */
-static svo_status read_file(const voxel_reader *reader, int file, uint8_t **bytes, size_t *byte_count)
-{
-    const char *path = reader->name;
-    svo_message *message = reader->message;
-    struct stat entry;
-    if (fstat(file, &entry) != 0) {
-        return svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path, strerror(errno));
-    }
-    if (!S_ISREG(entry.st_mode)) {
-        return svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path,
-                          S_ISDIR(entry.st_mode) ? strerror(EISDIR) : "not a regular file");
-    }
-    const size_t whole = (size_t)entry.st_size;
-    *bytes = svo_i_alloc(&reader->memory, whole + 1);
-    if (*bytes == NULL) {
-        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for its %zu bytes", path, whole);
-    }
-    *byte_count = 0;
-    while (*byte_count < whole) {
-        const ssize_t got = read(file, *bytes + *byte_count, whole - *byte_count);
-        if (got < 0 && errno == EINTR) {
-            continue;
-        }
-        if (got < 0) {
-            return svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path, strerror(errno));
-        }
-        if (got == 0) {
-            return SVO_OK; /* it became shorter; the reader sees what is missing */
-        }
-        *byte_count += (size_t)got;
-    }
-    return SVO_OK;
-}
-
-svo_status svo_voxels_load(const char *path, const svo_voxels_load_options *options, svo_voxels **out,
+svo_status svo_voxels_load(svo_source source, const svo_voxels_load_options *options, svo_voxels **out,
                            svo_voxel_file_info *info, svo_message *message)
 {
-    if (path == NULL || out == NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_voxels_load: %s is NULL", path == NULL ? "path" : "out");
+    voxel_reader reader = {.message = message};
+    svo_i_source file;
+    uint8_t *owned = NULL;
+    svo_status status = SVO_OK;
+    if (out == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: out is NULL", load_name);
     }
-    voxel_reader reader = {.name = path, .message = message};
-    SVO_I_TRY(start("svo_voxels_load", options, info, &reader));
-    /* Non-blocking: opening a named pipe must fail below, not wait for a writer. */
-    const int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (file < 0) {
-        return svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path, strerror(errno));
-    }
-    uint8_t *bytes = NULL;
-    svo_status status = read_file(&reader, file, &bytes, &reader.byte_count);
-    close(file);
-    if (status == SVO_OK) {
-        reader.bytes = bytes;
-        status = load(&reader, out, info);
-    }
-    svo_i_free(bytes);
+    SVO_I_TRY(start(options, info, &reader));
+    SVO_I_TRY(svo_i_source_open(load_name, source, message, &file));
+    reader.name = file.name;
+    SVO_I_TRY_CLEANUP(take_bytes(&file, &reader, &owned));
+    SVO_I_TRY_CLEANUP(load(&reader, out, info));
+cleanup:
+    svo_i_source_close(&file);
+    svo_i_free(owned);
     return status;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Lists of voxels to files: through the caller's function, or whole or not at all through lib/output. The writers of
- * .binvox, .ply and .obj files are here; voxels_vox_write.c and voxels_svx_write.c are the others.
+ * Lists of voxels to files. The writers of .binvox, .ply and .obj files are here; voxels_vox_write.c and
+ * voxels_svx_write.c are the others.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <inttypes.h>
@@ -12,7 +12,6 @@
 #include "core/voxel_list.h"
 #include "io/voxels_files.h"
 #include "io/voxels_formats.h"
-#include "output/output.h"
 
 #define BITS_MAX        12u /* longer edges would make gigabytes of empty runs */
 #define RUN_MAX         255u
@@ -278,9 +277,9 @@ static svo_status turn(const voxel_writer *writer, svo_voxels **out)
         turned[i].z = writer->voxels[i].y;
     }
     source.voxels = turned;
-    const svo_status status = svo_voxels_create(&source, out, writer->message);
+    const svo_status status = svo_voxels_create(&source, out, writer->sink.message);
     if (status != SVO_OK) {
-        svo_i_message_rename(writer->message, writer->name);
+        svo_i_message_rename(writer->sink.message, writer->sink.name);
     }
     svo_i_free(turned);
     return status;
@@ -323,68 +322,28 @@ cleanup:
     return status;
 }
 
-static svo_status check_info(const char *function, const svo_voxels_save_info *info, svo_message *message)
-{
-    return info == NULL
-               ? SVO_OK
-               : svo_i_struct_check(message, function, "info", info, SVO_I_STRUCT_SIZES(svo_voxels_save_info, bytes));
-}
-
-svo_status svo_voxels_write(const svo_voxels *voxels, svo_voxel_format format, svo_voxels_write_callback write,
-                            void *user, svo_voxels_save_info *info, svo_message *message)
-{
-    static const char function[] = "svo_voxels_write";
-    if (voxels == NULL || write == NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
-                          voxels == NULL ? "voxels" : "write");
-    }
-    if ((unsigned)format < SVO_VOXEL_FORMAT_VOX || (unsigned)format > SVO_VOXEL_FORMAT_OBJ) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: format %d is not in %d .. %d", function, (int)format,
-                          SVO_VOXEL_FORMAT_VOX, SVO_VOXEL_FORMAT_OBJ);
-    }
-    SVO_I_TRY(check_info(function, info, message));
-    voxel_writer writer = {.name = function, .message = message, .write = write, .user = user};
-    return write_list(&writer, voxels, format, info);
-}
-
-/* An output and the first error of writing to it. */
-typedef struct sink {
-    svo_i_output output;
-    int error;
-} sink;
-
-static int write_to_sink(void *user, const void *bytes, size_t byte_count)
-{
-    sink *to = user;
-    to->error = svo_i_output_write(&to->output, bytes, byte_count);
-    return to->error;
-}
-
-svo_status svo_voxels_save(const svo_voxels *voxels, const char *path, svo_voxel_format format,
-                           svo_voxels_save_info *info, svo_message *message)
+svo_status svo_voxels_save(const svo_voxels *voxels, svo_sink sink, svo_voxel_format format, svo_voxels_save_info *info,
+                           svo_message *message)
 {
     static const char function[] = "svo_voxels_save";
-    if (voxels == NULL || path == NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function,
-                          voxels == NULL ? "voxels" : "path");
+    if (voxels == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: voxels is NULL", function);
     }
     if (format == SVO_VOXEL_FORMAT_AUTO) {
-        format = svo_voxel_format_of_path(path);
+        format = svo_voxel_format_of_path(sink.path);
     }
     if ((unsigned)format < SVO_VOXEL_FORMAT_VOX || (unsigned)format > SVO_VOXEL_FORMAT_OBJ) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT,
-                          "%s: the suffix of '%s' is not vox, svx, binvox, ply or obj, and format is %d", function,
-                          path, (int)format);
+        return sink.path != NULL
+                   ? svo_i_fail(message, SVO_INVALID_ARGUMENT,
+                                "%s: the suffix of '%s' is not vox, svx, binvox, ply or obj, and format is %d",
+                                function, sink.path, (int)format)
+                   : svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: format %d is not in %d .. %d", function,
+                                (int)format, SVO_VOXEL_FORMAT_VOX, SVO_VOXEL_FORMAT_OBJ);
     }
-    SVO_I_TRY(check_info(function, info, message));
-    sink to = {.output = {.descriptor = -1}};
-    voxel_writer writer = {.name = path, .message = message, .write = write_to_sink, .user = &to};
-    to.error = svo_i_output_open(path, NULL, &to.output);
-    svo_status status = to.error == 0 ? write_list(&writer, voxels, format, info) : SVO_FILE_ERROR;
-    if (status == SVO_OK) {
-        to.error = svo_i_output_commit(&to.output);
-    }
-    svo_i_output_abandon(&to.output);
-    return to.error != 0 ? svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be written: %s", path, strerror(to.error))
-                         : status;
+    SVO_I_TRY(info == NULL ? SVO_OK
+                           : svo_i_struct_check(message, function, "info", info,
+                                                SVO_I_STRUCT_SIZES(svo_voxels_save_info, bytes)));
+    voxel_writer writer = {.used = 0};
+    SVO_I_TRY(svo_i_sink_open(function, sink, message, &writer.sink));
+    return svo_i_sink_close(&writer.sink, write_list(&writer, voxels, format, info));
 }

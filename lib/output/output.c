@@ -8,6 +8,7 @@
 #define _GNU_SOURCE /* O_TMPFILE */
 #include "output/output.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -27,6 +28,8 @@
 
 #define TEMPORARY_PREFIX ".svocl-"
 #define TEMPORARY_SUFFIX ".tmp"
+
+static_assert(PATH_MAX <= SVO_I_OUTPUT_PATH_BYTES, "paths of outputs are text of at most PATH_MAX bytes");
 
 typedef enum place_kind {
     PLACE_FILE, /* a file to make or to replace */

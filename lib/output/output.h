@@ -17,7 +17,6 @@
 #ifndef SVO_LIB_OUTPUT_OUTPUT_H
 #define SVO_LIB_OUTPUT_OUTPUT_H
 
-#include <limits.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -33,11 +32,14 @@ typedef struct svo_i_output_watch {
     void *user;
 } svo_i_output_watch;
 
+/* At least PATH_MAX, which headers have only where POSIX was asked for before the first of them. */
+#define SVO_I_OUTPUT_PATH_BYTES 4096
+
 typedef struct svo_i_output {
     int descriptor; /* where the bytes go; -1: not open */
-    char target[PATH_MAX]; /* the file to make or to replace, with links followed; "": the bytes go straight to their
-                              place */
-    char temporary[PATH_MAX]; /* the name that the bytes have meanwhile; "": none */
+    /* The file to make or to replace, with links followed; "": the bytes go straight to their place. */
+    char target[SVO_I_OUTPUT_PATH_BYTES];
+    char temporary[SVO_I_OUTPUT_PATH_BYTES]; /* the name that the bytes have meanwhile; "": none */
     const svo_i_output_watch *watch; /* NULL allowed */
 } svo_i_output;
 

@@ -235,8 +235,7 @@ static svo_paged *make(svo_device *device, const char *path, const svo_i_memory 
         svo_i_free(paged);
         return NULL;
     }
-    paged->load = (svo_i_file_load){
-        .name = paged->path, .message = svo_i_device_message(device), .host_memory = *memory, .file = -1};
+    paged->load = (svo_i_file_load){.source = {.file = -1}, .host_memory = *memory};
     paged->file.load = &paged->load;
     return paged;
 }
@@ -260,7 +259,8 @@ svo_status svo_paged_open(svo_device *device, const char *path, uint64_t budget_
         return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "svo_paged_open: no memory for %s", path);
     }
     paged->update_bytes = asked.update_bytes;
-    SVO_I_TRY_CLEANUP(svo_i_file_load_open(&paged->load));
+    SVO_I_TRY_CLEANUP(svo_i_source_open("svo_paged_open", svo_from_path(paged->path), svo_i_device_message(device),
+                                        &paged->load.source));
     SVO_I_TRY_CLEANUP(fill(paged, &asked, budget_bytes));
     *out = paged;
     paged = NULL;
@@ -283,9 +283,7 @@ void svo_paged_close(svo_paged **paged)
         }
     }
     svo_i_free(closed->pages);
-    if (closed->load.file >= 0) {
-        svo_i_file_load_close(&closed->load);
-    }
+    svo_i_source_close(&closed->load.source);
     svo_i_free(closed->path);
     svo_i_free(closed);
     *paged = NULL;
@@ -303,7 +301,7 @@ svo_status svo_paged_get_info(const svo_paged *paged, svo_paged_info *info)
                                  .page_levels = layout->page_levels,
                                  .need = paged->file.info.need & shown,
                                  .page_count = layout->page_count,
-                                 .file_bytes = paged->load.file_bytes,
+                                 .file_bytes = paged->load.source.byte_count,
                                  .device_bytes = layout->device_bytes,
                                  .least_bytes = layout->least_bytes,
                                  .whole_bytes = layout->whole_bytes,

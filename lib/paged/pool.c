@@ -346,7 +346,7 @@ static svo_status read_piece(svo_paged *paged, const paged_band *band, uint32_t 
     uint32_t chunk_index = 0;
     const file_chunk *chunk = svo_i_paged_chunk(paged, array, level, &chunk_index);
     const uint64_t begin = band->first[level - band->root_level][index] * (uint64_t)element_bytes;
-    SVO_I_TRY(svo_i_file_read_at(&paged->load, chunk->offset + begin, to, bytes));
+    SVO_I_TRY(svo_i_source_read(&paged->load.source, chunk->offset + begin, to, bytes));
     *hash = svo_i_paged_hash(*hash, to, bytes);
     paged->counts.read_bytes += bytes;
     return SVO_OK;

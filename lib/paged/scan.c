@@ -124,7 +124,7 @@ static svo_status count_under_roots(child_count *count, const uint8_t *masks, ui
 
 static svo_status no_memory(const svo_paged *paged)
 {
-    return svo_i_fail(paged->load.message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for what is held of the file",
+    return svo_i_fail(paged->load.source.message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for what is held of the file",
                       paged->path);
 }
 
@@ -219,8 +219,8 @@ static svo_status scan_window(chunk_scan *scan, uint32_t begin, XXH3_state_t *st
         ++last;
     }
     const size_t bytes = (size_t)((first[last] - first[begin]) * element_bytes);
-    SVO_I_TRY(
-        svo_i_file_read_at(&paged->load, scan->chunk->offset + first[begin] * element_bytes, scan->window, bytes));
+    SVO_I_TRY(svo_i_source_read(&paged->load.source, scan->chunk->offset + first[begin] * element_bytes, scan->window,
+                                bytes));
     paged->open_read_bytes += bytes;
     XXH3_64bits_update(state, scan->window, bytes);
     const uint8_t *at = scan->window;
@@ -246,7 +246,7 @@ static svo_status scan_chunk(chunk_scan *scan, paged_array array, uint32_t level
     scan->children = (child_count){.paged = paged, .level = level};
     const svo_i_entry_name name = svo_i_tree_file_name(&paged->file, index);
     if (scan->chunk->codec != FILE_CODEC_STORED) {
-        return svo_i_fail(paged->load.message, SVO_UNSUPPORTED,
+        return svo_i_fail(paged->load.source.message, SVO_UNSUPPORTED,
                           "%s: chunk %s is compressed, and pages are read from chunks that are not", paged->path,
                           name.text);
     }

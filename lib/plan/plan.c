@@ -21,6 +21,7 @@
 #include "plan/grid.h"
 #include "plan/programs.h"
 #include "plan/update.h"
+#include "svocl/nodes.h"
 
 /* ---- positions for rays ---- */
 

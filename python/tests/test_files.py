@@ -40,6 +40,8 @@ def test_upper_levels_of_a_file(tree, tmp_path):
         assert upper.info.depth == 3 and upper.info.leaf_count == nodes - inner
         assert np.array_equal(upper.arrays.child_mask, tree.arrays.child_mask[:inner])
         assert upper.arrays.list is None
+        with svocl.Tree.load_bytes(path.read_bytes(), levels=3) as same:
+            assert same.hash() == upper.hash()
     with pytest.raises(svocl.InvalidArgumentError, match="last_level 17 is not in 1 .. "):
         svocl.Tree.load(path, levels=17)
 

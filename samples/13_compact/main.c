@@ -212,8 +212,8 @@ static bool show_file(work *state)
     svo_compact *loaded = NULL;
     bool done = svo_compact_create(state->device, state->tree, &options, state->queue, &compact) == SVO_OK &&
                 svo_compact_download(compact, state->queue) == SVO_OK && svo_compact_hash(compact, written) == SVO_OK &&
-                svo_compact_save(compact, FILE_OUT, NULL, &state->message) == SVO_OK;
-    done = done && svo_compact_load(FILE_OUT, NULL, &loaded, &state->message) == SVO_OK &&
+                svo_compact_save(compact, svo_to_path(FILE_OUT), NULL, &state->message) == SVO_OK;
+    done = done && svo_compact_load(svo_from_path(FILE_OUT), NULL, &loaded, &state->message) == SVO_OK &&
            svo_compact_hash(loaded, read) == SVO_OK && strcmp(written, read) == 0 &&
            svo_compact_upload(loaded, state->device, state->queue) == SVO_OK && show(state, loaded, FILE_OUT);
     svo_compact_destroy(&loaded);

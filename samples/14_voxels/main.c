@@ -142,8 +142,8 @@ static bool there_and_back(svo_device *device, const svo_voxels *list, const cha
     char again[SVO_HASH_TEXT_BYTES];
     svo_voxels *loaded = NULL;
     svo_tree *tree = NULL;
-    const bool done = svo_voxels_save(list, FILE_OUT, SVO_VOXEL_FORMAT_AUTO, &saved, message) == SVO_OK &&
-                      svo_voxels_load(FILE_OUT, &as_it_is, &loaded, NULL, message) == SVO_OK &&
+    const bool done = svo_voxels_save(list, svo_to_path(FILE_OUT), SVO_VOXEL_FORMAT_AUTO, &saved, message) == SVO_OK &&
+                      svo_voxels_load(svo_from_path(FILE_OUT), &as_it_is, &loaded, NULL, message) == SVO_OK &&
                       build(device, loaded, &tree, again);
     const bool same = done && strcmp(hash, again) == 0;
     if (done)

@@ -80,7 +80,7 @@ static bytes bytes_of(const svo_compact *compact, bool compress)
     const svo_save_options options = {.struct_size = sizeof options, .compress = compress};
     bytes made = {NULL, 0};
     svo_message message = {""};
-    if (svo_compact_write(compact, append, &made, &options, &message) != SVO_OK) {
+    if (svo_compact_save(compact, svo_to_callback(append, &made), &options, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
     return made;
@@ -101,7 +101,8 @@ static void assert_damaged(const bytes *file, const char *what, size_t at)
 {
     svo_compact *loaded = NULL;
     svo_message message = {""};
-    const svo_status status = svo_compact_load_memory(file->data, file->count, "cut", NULL, &loaded, &message);
+    const svo_status status =
+        svo_compact_load(svo_from_memory(file->data, file->count, "cut"), NULL, &loaded, &message);
     if (status != SVO_FILE_DAMAGED || strncmp(message.text, "cut: ", 5) != 0 || strchr(message.text, '\n') != NULL ||
         loaded != NULL) {
         fail_msg("%s %zu: %s, \"%s\"", what, at, svo_name(SVO_NAME_STATUS, status), message.text);
@@ -112,7 +113,8 @@ static void assert_damaged(const bytes *file, const char *what, size_t at)
 static void assert_damaged_or_same(const bytes *file, const svo_compact *packed, size_t bit)
 {
     svo_compact *loaded = NULL;
-    if (packed != NULL && svo_compact_load_memory(file->data, file->count, "cut", NULL, &loaded, NULL) == SVO_OK) {
+    if (packed != NULL &&
+        svo_compact_load(svo_from_memory(file->data, file->count, "cut"), NULL, &loaded, NULL) == SVO_OK) {
         assert_same(packed, loaded);
         svo_compact_destroy(&loaded);
         return;
@@ -147,8 +149,8 @@ static void what_is_saved_is_loaded(void **state)
         char hashes[2][SVO_HASH_TEXT_BYTES];
         svo_tree *trees[2] = {NULL, NULL};
         const svo_save_options options = {.struct_size = sizeof options, .compress = turn % 4 < 2};
-        if (svo_compact_save(made, path_of("a.svc"), &options, &message) != SVO_OK ||
-            svo_compact_load(path_of("a.svc"), NULL, &loaded, &message) != SVO_OK) {
+        if (svo_compact_save(made, svo_to_path(path_of("a.svc")), &options, &message) != SVO_OK ||
+            svo_compact_load(svo_from_path(path_of("a.svc")), NULL, &loaded, &message) != SVO_OK) {
             fail_msg("%s", message.text);
             return;
         }
@@ -214,7 +216,8 @@ static void damaged_structure_is_noticed(void **state)
         }
         repair(&file);
         svo_compact *loaded = NULL;
-        assert_int_equal(svo_compact_load_memory(file.data, file.count, "whole", NULL, &loaded, NULL), SVO_OK);
+        assert_int_equal(svo_compact_load(svo_from_memory(file.data, file.count, "whole"), NULL, &loaded, NULL),
+                         SVO_OK);
         svo_compact_destroy(&loaded);
         free(file.data);
         svo_compact_destroy(&made);
@@ -232,26 +235,29 @@ static void wrong_arguments_are_refused(void **state)
     svo_message message = {""};
     bytes nothing = {NULL, 0};
     const svo_save_options small = {.struct_size = 4};
-    assert_int_equal(svo_compact_save(NULL, "a", NULL, &message), SVO_INVALID_ARGUMENT);
+    const svo_load_options levels = {.struct_size = sizeof levels, .last_level = 2};
+    assert_int_equal(svo_compact_save(NULL, svo_to_path("a"), NULL, &message), SVO_INVALID_ARGUMENT);
     assert_string_equal(message.text, "svo_compact_save: compact is NULL");
-    assert_int_equal(svo_compact_save(made, NULL, NULL, &message), SVO_INVALID_ARGUMENT);
-    assert_string_equal(message.text, "svo_compact_save: path is NULL");
-    assert_int_equal(svo_compact_save(made, "a", &small, &message), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_compact_save(nowhere, "a", NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_compact_save(made, svo_to_path(NULL), NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_string_equal(message.text, "svo_compact_save: sink.path and sink.write are NULL");
+    assert_int_equal(svo_compact_save(made, svo_to_path("a"), &small, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_compact_save(nowhere, svo_to_path("a"), NULL, &message), SVO_INVALID_ARGUMENT);
     assert_string_equal(message.text, "svo_compact_save: there are no host arrays; call svo_compact_download first");
-    assert_int_equal(svo_compact_save(made, path_of("no/such"), NULL, &message), SVO_FILE_ERROR);
-    assert_int_equal(svo_compact_write(NULL, append, &nothing, NULL, &message), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_compact_write(made, NULL, &nothing, NULL, &message), SVO_INVALID_ARGUMENT);
-    assert_string_equal(message.text, "svo_compact_write: write is NULL");
-    assert_int_equal(svo_compact_write(made, refuse, NULL, NULL, &message), SVO_FILE_ERROR);
-    assert_int_equal(svo_compact_load(NULL, NULL, &loaded, &message), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_compact_load(path_of("none.svc"), NULL, &loaded, &message), SVO_FILE_ERROR);
-    assert_int_equal(svo_compact_load(path_of("none.svc"), NULL, NULL, &message), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_compact_load_memory(NULL, 0, "a", NULL, &loaded, &message), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_compact_load_memory("a", 1, NULL, NULL, &loaded, &message), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_compact_load_memory("a", 1, "a", NULL, NULL, &message), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_compact_load_memory("a", 1, "a", NULL, &loaded, &message), SVO_FILE_DAMAGED);
+    assert_int_equal(svo_compact_save(made, svo_to_path(path_of("no/such")), NULL, &message), SVO_FILE_ERROR);
+    assert_int_equal(svo_compact_save(NULL, svo_to_callback(append, &nothing), NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_compact_save(made, svo_to_callback(NULL, &nothing), NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_string_equal(message.text, "svo_compact_save: sink.path and sink.write are NULL");
+    assert_int_equal(svo_compact_save(made, svo_to_callback(refuse, NULL), NULL, &message), SVO_FILE_ERROR);
+    assert_int_equal(svo_compact_load(svo_from_path(NULL), NULL, &loaded, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_compact_load(svo_from_path(path_of("none.svc")), NULL, &loaded, &message), SVO_FILE_ERROR);
+    assert_int_equal(svo_compact_load(svo_from_path(path_of("none.svc")), NULL, NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_compact_load(svo_from_memory(NULL, 0, "a"), NULL, &loaded, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_compact_load(svo_from_memory("a", 1, NULL), NULL, &loaded, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_compact_load(svo_from_memory("a", 1, "a"), NULL, NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_compact_load(svo_from_memory("a", 1, "a"), NULL, &loaded, &message), SVO_FILE_DAMAGED);
     assert_string_equal(message.text, "a: not a compact tree's file");
+    assert_int_equal(svo_compact_load(svo_from_memory("a", 1, "a"), &levels, &loaded, &message), SVO_INVALID_ARGUMENT);
+    assert_string_equal(message.text, "svo_compact_load: options.last_level is 2; compact trees are read whole");
     assert_null(loaded);
     svo_compact_destroy(&nowhere);
     svo_compact_destroy(&made);
@@ -280,7 +286,7 @@ static void write_seeds(void **state)
         char path[512];
         svo_compact *made = make(&opened, seeds[i].depth, seeds[i].need, seeds[i].form);
         (void)snprintf(path, sizeof path, "%s/%s", seed_folder, seeds[i].name);
-        assert_int_equal(svo_compact_save(made, path, &options, NULL), SVO_OK);
+        assert_int_equal(svo_compact_save(made, svo_to_path(path), &options, NULL), SVO_OK);
         svo_compact_destroy(&made);
     }
 }

@@ -76,12 +76,12 @@ svo_status memory_voxels_write(const memory_voxels *of, const char *path, svo_me
     for (int format = SVO_VOXEL_FORMAT_VOX; format <= SVO_VOXEL_FORMAT_OBJ; ++format) {
         files[format].count = 0;
         const svo_status status =
-            svo_voxels_write(of->list, (svo_voxel_format)format, append, &files[format], NULL, message);
+            svo_voxels_save(of->list, svo_to_callback(append, &files[format]), (svo_voxel_format)format, NULL, message);
         if (status != SVO_OK && (format != SVO_VOXEL_FORMAT_SVX || status != SVO_UNSUPPORTED)) {
             return status;
         }
     }
-    return svo_voxels_save(of->list, path, SVO_VOXEL_FORMAT_VOX, NULL, message);
+    return svo_voxels_save(of->list, svo_to_path(path), SVO_VOXEL_FORMAT_VOX, NULL, message);
 }
 
 bool memory_voxels_have_svx(void)
@@ -105,7 +105,7 @@ svo_status memory_voxels_load_path(memory_voxels *of, const char *path, svo_mess
 {
     svo_memory_callbacks passing = ledger_callbacks;
     const svo_voxels_load_options options = {.struct_size = sizeof options, .memory = &passing};
-    const svo_status status = svo_voxels_load(path, &options, &of->again, NULL, message);
+    const svo_status status = svo_voxels_load(svo_from_path(path), &options, &of->again, NULL, message);
     memset(&passing, 0, sizeof passing);
     SVO_I_TRY(status);
     return check_box(of);
@@ -115,8 +115,8 @@ svo_status memory_voxels_load(memory_voxels *of, svo_voxel_format format, svo_me
 {
     svo_memory_callbacks passing = ledger_callbacks;
     const svo_voxels_load_options options = {.struct_size = sizeof options, .memory = &passing};
-    const svo_status status =
-        svo_voxels_load_memory(files[format].bytes, files[format].count, "a", &options, &of->again, NULL, message);
+    const svo_status status = svo_voxels_load(svo_from_memory(files[format].bytes, files[format].count, "a"), &options,
+                                              &of->again, NULL, message);
     memset(&passing, 0, sizeof passing);
     SVO_I_TRY(status);
     return check_box(of);

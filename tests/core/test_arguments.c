@@ -351,18 +351,18 @@ static void files(void **state)
     const fixture opened = fixture_cl_of_group(state);
     svo_message message = {""};
     svo_tree *tree = build_cube(&opened, NULL), *loaded = NULL;
-    assert_int_equal(svo_tree_save(NULL, "/tmp/x.svo", NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_save(NULL, svo_to_path("/tmp/x.svo"), NULL, &message), SVO_INVALID_ARGUMENT);
     assert_string_equal(message.text, "svo_tree_save: tree is NULL");
-    assert_int_equal(svo_tree_save(tree, NULL, NULL, &message), SVO_INVALID_ARGUMENT);
-    assert_string_equal(message.text, "svo_tree_save: path is NULL");
-    assert_int_equal(svo_tree_write(tree, refuse_bytes, NULL, NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_save(tree, svo_to_callback(refuse_bytes, NULL), NULL, &message), SVO_INVALID_ARGUMENT);
     assert_non_null(strstr(message.text, "call svo_tree_download first"));
     succeed(&opened, svo_tree_download(tree, opened.queue));
-    assert_int_equal(svo_tree_write(tree, refuse_bytes, NULL, NULL, &message), SVO_FILE_ERROR);
-    assert_int_equal(svo_tree_load_memory(NULL, 4, "bytes", &loaded, &message), SVO_INVALID_ARGUMENT);
-    assert_string_equal(message.text, "svo_tree_load_memory: bytes is NULL");
-    assert_int_equal(svo_tree_load_memory("x", 1, NULL, &loaded, &message), SVO_INVALID_ARGUMENT);
-    assert_string_equal(message.text, "svo_tree_load_memory: name is NULL");
+    assert_int_equal(svo_tree_save(tree, svo_to_path(NULL), NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_string_equal(message.text, "svo_tree_save: sink.path and sink.write are NULL");
+    assert_int_equal(svo_tree_save(tree, svo_to_callback(refuse_bytes, NULL), NULL, &message), SVO_FILE_ERROR);
+    assert_int_equal(svo_tree_load(svo_from_memory(NULL, 4, "bytes"), NULL, &loaded, &message), SVO_INVALID_ARGUMENT);
+    assert_string_equal(message.text, "svo_tree_load: source.path and source.bytes are NULL");
+    assert_int_equal(svo_tree_load(svo_from_memory("x", 1, NULL), NULL, &loaded, &message), SVO_INVALID_ARGUMENT);
+    assert_string_equal(message.text, "svo_tree_load: source.name is NULL");
     assert_null(loaded);
     svo_tree_destroy(&tree);
 }

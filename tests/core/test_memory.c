@@ -218,17 +218,17 @@ static svo_status run_render(subject *of)
 static svo_status run_save(subject *of)
 {
     const svo_save_options packed = {.struct_size = sizeof packed, .compress = 1};
-    SVO_I_TRY(svo_tree_save(of->tree, path_of("a.svo"), NULL, &of->message));
-    return svo_tree_save(of->tree, path_of("b.svo"), &packed, &of->message);
+    SVO_I_TRY(svo_tree_save(of->tree, svo_to_path(path_of("a.svo")), NULL, &of->message));
+    return svo_tree_save(of->tree, svo_to_path(path_of("b.svo")), &packed, &of->message);
 }
 
 static svo_status run_load(subject *of)
 {
     svo_memory_callbacks passing = ledger_callbacks;
     const svo_load_options options = {.struct_size = sizeof options, .memory = &passing};
-    SVO_I_TRY(svo_tree_load_with(path_of("a.svo"), &options, &of->tree, &of->message));
+    SVO_I_TRY(svo_tree_load(svo_from_path(path_of("a.svo")), &options, &of->tree, &of->message));
     svo_tree_destroy(&of->tree);
-    const svo_status status = svo_tree_load_with(path_of("b.svo"), &options, &of->tree, &of->message);
+    const svo_status status = svo_tree_load(svo_from_path(path_of("b.svo")), &options, &of->tree, &of->message);
     memset(&passing, 0, sizeof passing);
     SVO_I_TRY(status);
     TRY_DEVICE(svo_tree_upload(of->tree, of->device, NULL));
@@ -245,7 +245,7 @@ static svo_status run_load_memory(subject *of)
     const size_t byte_count = fread(bytes, 1, sizeof bytes, file);
     (void)fclose(file);
     assert_in_range(byte_count, 1, sizeof bytes - 1);
-    return svo_tree_load_memory_with(bytes, byte_count, "b", &options, &of->tree, &of->message);
+    return svo_tree_load(svo_from_memory(bytes, byte_count, "b"), &options, &of->tree, &of->message);
 }
 
 static svo_status run_import(subject *of)
@@ -541,7 +541,7 @@ static svo_status use_in_load(const svo_memory_callbacks *memory, svo_message *m
 {
     const svo_load_options options = {.struct_size = sizeof options, .memory = memory};
     svo_tree *made = NULL;
-    const svo_status status = svo_tree_load_with(path_of("a.svo"), &options, &made, message);
+    const svo_status status = svo_tree_load(svo_from_path(path_of("a.svo")), &options, &made, message);
     svo_tree_destroy(&made);
     return status;
 }
@@ -550,7 +550,7 @@ static svo_status use_in_load_memory(const svo_memory_callbacks *memory, svo_mes
 {
     const svo_load_options options = {.struct_size = sizeof options, .memory = memory};
     svo_tree *made = NULL;
-    const svo_status status = svo_tree_load_memory_with("", 1, "name", &options, &made, message);
+    const svo_status status = svo_tree_load(svo_from_memory("", 1, "name"), &options, &made, message);
     return status == SVO_FILE_DAMAGED ? SVO_OK : status; /* that comes after the options */
 }
 
@@ -576,7 +576,7 @@ static svo_status use_in_voxels_load(const svo_memory_callbacks *memory, svo_mes
 {
     const svo_voxels_load_options options = {.struct_size = sizeof options, .memory = memory};
     svo_voxels *made = NULL;
-    const svo_status status = svo_voxels_load(path_of("a.vox"), &options, &made, NULL, message);
+    const svo_status status = svo_voxels_load(svo_from_path(path_of("a.vox")), &options, &made, NULL, message);
     svo_voxels_destroy(&made);
     return status;
 }
@@ -585,7 +585,7 @@ static svo_status use_in_voxels_load_memory(const svo_memory_callbacks *memory, 
 {
     const svo_voxels_load_options options = {.struct_size = sizeof options, .memory = memory};
     svo_voxels *made = NULL;
-    const svo_status status = svo_voxels_load_memory("", 1, "name", &options, &made, NULL, message);
+    const svo_status status = svo_voxels_load(svo_from_memory("", 1, "name"), &options, &made, NULL, message);
     return status == SVO_FILE_DAMAGED ? SVO_OK : status; /* that comes after the options */
 }
 
@@ -642,11 +642,11 @@ static const struct {
     {use_in_device, "svo_device_create", "options.memory"},
     {use_in_default_device, "svo_device_create_default", "options.memory"},
     {use_in_load, "svo_tree_load", "options.memory"},
-    {use_in_load_memory, "svo_tree_load_memory", "options.memory"},
+    {use_in_load_memory, "svo_tree_load", "options.memory"},
     {use_in_import, "svo_import_file", "options.memory"},
     {use_in_voxels, "svo_voxels_create", "source.memory"},
     {use_in_voxels_load, "svo_voxels_load", "options.memory"},
-    {use_in_voxels_load_memory, "svo_voxels_load_memory", "options.memory"},
+    {use_in_voxels_load_memory, "svo_voxels_load", "options.memory"},
     {use_in_mesh_read, "svo_mesh_read", "buffers.memory"},
 #ifdef HAVE_GL
     {use_in_context, "svo_gl_context_create", "options.memory"},

@@ -290,7 +290,7 @@ static svo_status use_gl_options(const void *from, svo_message *message)
 #ifdef HAVE_IO
 static svo_status use_save_options(const void *from, svo_message *message)
 {
-    const svo_status status = svo_tree_save(tree, "older_caller.svo", from, message);
+    const svo_status status = svo_tree_save(tree, svo_to_path("older_caller.svo"), from, message);
     (void)remove("older_caller.svo");
     return status;
 }
@@ -299,7 +299,7 @@ static svo_status use_save_options(const void *from, svo_message *message)
 static svo_status use_load_options(const void *from, svo_message *message)
 {
     svo_tree *made = NULL;
-    const svo_status status = svo_tree_load_with("/nonexistent/tree.svo", from, &made, message);
+    const svo_status status = svo_tree_load(svo_from_path("/nonexistent/tree.svo"), from, &made, message);
     return status == SVO_FILE_ERROR ? SVO_OK : status;
 }
 

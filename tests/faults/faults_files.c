@@ -41,8 +41,8 @@ static void digest_file(subject *of, const char *path)
 svo_status run_save(subject *of)
 {
     const svo_save_options packed = {.struct_size = sizeof packed, .compress = 1};
-    SVO_I_TRY(svo_tree_save(of->tree, world.tree_path, NULL, &of->message));
-    return svo_tree_save(of->tree, world.packed_path, &packed, &of->message);
+    SVO_I_TRY(svo_tree_save(of->tree, svo_to_path(world.tree_path), NULL, &of->message));
+    return svo_tree_save(of->tree, svo_to_path(world.packed_path), &packed, &of->message);
 }
 
 /* After the run, when no call fails. */
@@ -58,7 +58,7 @@ static svo_status run_load(subject *of)
     for (size_t i = 0; i < 2; ++i) {
         svo_tree *tree = NULL;
         char hash[SVO_HASH_TEXT_BYTES] = "";
-        svo_status status = svo_tree_load(paths[i], &tree, &of->message);
+        svo_status status = svo_tree_load(svo_from_path(paths[i]), NULL, &tree, &of->message);
         if (status == SVO_OK) {
             status = svo_tree_hash(tree, SVO_HASH_ALL, hash);
         }
@@ -71,7 +71,7 @@ static svo_status run_load(subject *of)
 
 static void prepare_loaded(subject *of)
 {
-    if (svo_tree_load(world.tree_path, &of->tree, &of->message) != SVO_OK) {
+    if (svo_tree_load(svo_from_path(world.tree_path), NULL, &of->tree, &of->message) != SVO_OK) {
         fail_msg("%s", of->message.text);
     }
 }
@@ -105,8 +105,8 @@ static svo_status run_memory(subject *of)
     svo_tree *tree = NULL;
     char hash[SVO_HASH_TEXT_BYTES] = "";
     written.count = 0;
-    SVO_I_TRY(svo_tree_write(of->tree, append_bytes, &written, NULL, &of->message));
-    SVO_I_TRY(svo_tree_load_memory(written.bytes, written.count, world.tree_path, &tree, &of->message));
+    SVO_I_TRY(svo_tree_save(of->tree, svo_to_callback(append_bytes, &written), NULL, &of->message));
+    SVO_I_TRY(svo_tree_load(svo_from_memory(written.bytes, written.count, world.tree_path), NULL, &tree, &of->message));
     const svo_status status = svo_tree_hash(tree, SVO_HASH_ALL, hash);
     digest(of, hash, sizeof hash);
     svo_tree_destroy(&tree);
@@ -237,9 +237,10 @@ static svo_status write_and_read(subject *of, const svo_voxels *voxels, svo_voxe
     svo_voxels *again = NULL;
     svo_voxels_info info = SVO_VOXELS_INFO_INIT;
     file.count = 0;
-    SVO_I_TRY(svo_voxels_write(voxels, format, put_voxel_bytes, &file, NULL, &of->message));
+    SVO_I_TRY(svo_voxels_save(voxels, svo_to_callback(put_voxel_bytes, &file), format, NULL, &of->message));
     digest(of, file.bytes, file.count);
-    SVO_I_TRY(svo_voxels_load_memory(file.bytes, file.count, world.vox_path, NULL, &again, NULL, &of->message));
+    SVO_I_TRY(
+        svo_voxels_load(svo_from_memory(file.bytes, file.count, world.vox_path), NULL, &again, NULL, &of->message));
     (void)svo_voxels_get_info(again, &info);
     digest(of, svo_voxels_get(again), info.voxel_count * sizeof(svo_voxel));
     svo_voxels_destroy(&again);
@@ -255,8 +256,8 @@ static svo_status use_voxels(subject *of, const svo_voxels *voxels)
     if (status != SVO_OK && status != SVO_UNSUPPORTED) {
         return status;
     }
-    SVO_I_TRY(svo_voxels_save(voxels, world.vox_path, SVO_VOXEL_FORMAT_AUTO, NULL, &of->message));
-    SVO_I_TRY(svo_voxels_load(world.vox_path, NULL, &again, NULL, &of->message));
+    SVO_I_TRY(svo_voxels_save(voxels, svo_to_path(world.vox_path), SVO_VOXEL_FORMAT_AUTO, NULL, &of->message));
+    SVO_I_TRY(svo_voxels_load(svo_from_path(world.vox_path), NULL, &again, NULL, &of->message));
     svo_voxels_destroy(&again);
     return SVO_OK;
 }

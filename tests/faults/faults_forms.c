@@ -96,8 +96,8 @@ static svo_status save_and_load(subject *of, svo_form form, const svo_save_optio
     svo_compact *made = NULL;
     svo_compact *loaded = NULL;
     SVO_I_TRY_CLEANUP(make_compact(of, form, &made));
-    SVO_I_TRY_CLEANUP(svo_compact_save(made, world.compact_path, options, &of->message));
-    SVO_I_TRY_CLEANUP(svo_compact_load(world.compact_path, NULL, &loaded, &of->message));
+    SVO_I_TRY_CLEANUP(svo_compact_save(made, svo_to_path(world.compact_path), options, &of->message));
+    SVO_I_TRY_CLEANUP(svo_compact_load(svo_from_path(world.compact_path), NULL, &loaded, &of->message));
     SVO_I_TRY_CLEANUP(svo_compact_hash(loaded, hash));
     digest(of, hash, sizeof hash);
     SVO_I_TRY_CLEANUP(told(of, world.device, svo_compact_upload(loaded, world.device, world.queue)));

@@ -112,7 +112,7 @@ static svo_status run_limited_device(subject *of)
     SVO_I_TRY(svo_device_create_default(&part, &device, &of->message));
     svo_device_destroy(&device);
     SVO_I_TRY(svo_device_create_default(&budget, &device, &of->message));
-    svo_status status = svo_tree_load(world.tree_path, &tree, &of->message);
+    svo_status status = svo_tree_load(svo_from_path(world.tree_path), NULL, &tree, &of->message);
     if (status == SVO_OK) {
         status = told(of, device, svo_tree_upload(tree, device, NULL));
     }

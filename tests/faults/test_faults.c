@@ -433,7 +433,7 @@ static void open_saver(void)
     svo_render_options options = {.struct_size = sizeof options, .width = 1, .height = 1};
     if (svo_device_create(info_of_device(world.device).context, info_of_device(world.device).device, NULL, &world.saver,
                           &message) != SVO_OK ||
-        svo_tree_load(world.tree_path, &tree, &message) != SVO_OK) {
+        svo_tree_load(svo_from_path(world.tree_path), NULL, &tree, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
     (void)svo_camera_fit(svo_tree_target(tree), 1.0F, &options.camera);

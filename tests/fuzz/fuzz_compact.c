@@ -163,7 +163,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t byte_count)
     svo_compact *compact = NULL;
     svo_message message = {""};
     const svo_status status =
-        svo_compact_load_memory(data != NULL ? data : &nothing, byte_count, NAME, NULL, &compact, &message);
+        svo_compact_load(svo_from_memory(data != NULL ? data : &nothing, byte_count, NAME), NULL, &compact, &message);
     if (status != SVO_OK) {
         check_refusal(status, compact, &message);
         return 0;

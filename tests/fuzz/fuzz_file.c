@@ -102,7 +102,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t byte_count)
     static const uint8_t nothing;
     svo_tree *tree = NULL;
     svo_message message = {""};
-    const svo_status status = svo_tree_load_memory(data != NULL ? data : &nothing, byte_count, NAME, &tree, &message);
+    const svo_status status =
+        svo_tree_load(svo_from_memory(data != NULL ? data : &nothing, byte_count, NAME), NULL, &tree, &message);
     if (status != SVO_OK) {
         check_refusal(status, tree, &message);
         return 0;

@@ -43,7 +43,7 @@ static void stitch(const svo_part_header *header, const char *path)
     REQUIRE(status == SVO_OK || status == SVO_FILE_DAMAGED || status == SVO_CAPACITY_EXCEEDED);
     REQUIRE(status == SVO_OK || strchr(message.text, '\n') == NULL);
     if (status == SVO_OK) {
-        const svo_status loaded = svo_tree_load(out, &tree, &message);
+        const svo_status loaded = svo_tree_load(svo_from_path(out), NULL, &tree, &message);
         REQUIRE(loaded == SVO_OK || loaded == SVO_FILE_DAMAGED);
         svo_tree_destroy(&tree);
     }

@@ -71,9 +71,9 @@ static void check_written(const svo_voxels *voxels)
     svo_voxels *again = NULL;
     svo_voxels_info given = SVO_VOXELS_INFO_INIT;
     svo_voxels_info read = SVO_VOXELS_INFO_INIT;
-    const svo_status status = svo_voxels_write(voxels, SVO_VOXEL_FORMAT_VOX, append, &file, NULL, NULL);
+    const svo_status status = svo_voxels_save(voxels, svo_to_callback(append, &file), SVO_VOXEL_FORMAT_VOX, NULL, NULL);
     REQUIRE(status == SVO_OK);
-    REQUIRE(svo_voxels_load_memory(file.data, file.count, NAME, NULL, &again, NULL, NULL) == SVO_OK);
+    REQUIRE(svo_voxels_load(svo_from_memory(file.data, file.count, NAME), NULL, &again, NULL, NULL) == SVO_OK);
     REQUIRE(svo_voxels_get_info(voxels, &given) == SVO_OK && svo_voxels_get_info(again, &read) == SVO_OK);
     REQUIRE(given.voxel_count == read.voxel_count);
     for (uint64_t i = 0; i < given.voxel_count; ++i) {
@@ -92,8 +92,8 @@ static void run(const uint8_t *data, size_t byte_count)
                                              .voxels_max = VOXELS_MAX,
                                              .hidden = (uint32_t)(byte_count % 2),
                                              .frame = (uint32_t)(byte_count % 3)};
-    const svo_status status =
-        svo_voxels_load_memory(data != NULL ? data : &nothing, byte_count, NAME, &options, &voxels, NULL, &message);
+    const svo_status status = svo_voxels_load(svo_from_memory(data != NULL ? data : &nothing, byte_count, NAME),
+                                              &options, &voxels, NULL, &message);
     if (status != SVO_OK) {
         check_refusal(status, voxels, &message);
         return;

@@ -179,10 +179,11 @@ static void pin_loaded(pins *all, const char *path)
 {
     svo_tree *loaded = NULL;
     svo_message message = {""};
-    told(svo_tree_load(path, &loaded, &message), &message);
+    const svo_load_options levels = {.struct_size = sizeof levels, .last_level = 3};
+    told(svo_tree_load(svo_from_path(path), NULL, &loaded, &message), &message);
     pin_tree(all, "loaded", loaded);
     svo_tree_destroy(&loaded);
-    told(svo_tree_load_levels(path, 3, NULL, &loaded, &message), &message);
+    told(svo_tree_load(svo_from_path(path), &levels, &loaded, &message), &message);
     pin_tree(all, "loaded to level 3", loaded);
     svo_tree_destroy(&loaded);
 }
@@ -195,11 +196,11 @@ static void pin_tree_files(pins *all, const svo_tree *tree)
     svo_message message = {""};
     svo_tree *loaded = NULL;
     file_named("tree.svo", path);
-    told(svo_tree_save(tree, path, &compressed, &message), &message);
-    told(svo_tree_load(path, &loaded, &message), &message);
+    told(svo_tree_save(tree, svo_to_path(path), &compressed, &message), &message);
+    told(svo_tree_load(svo_from_path(path), NULL, &loaded, &message), &message);
     pin_tree(all, "loaded, compressed", loaded);
     svo_tree_destroy(&loaded);
-    told(svo_tree_save(tree, path, NULL, &message), &message);
+    told(svo_tree_save(tree, svo_to_path(path), NULL, &message), &message);
     pin_file(all, "tree.svo", path);
     pin_loaded(all, path);
 }
@@ -214,11 +215,11 @@ static void pin_compact_file(pins *all, const svo_tree *tree, svo_form form)
     file_named("compact.svo", path);
     pin_succeed(all, svo_compact_create(all->opened.device, tree, &options, all->opened.queue, &compact));
     pin_succeed(all, svo_compact_download(compact, all->opened.queue));
-    told(svo_compact_save(compact, path, NULL, &message), &message);
+    told(svo_compact_save(compact, svo_to_path(path), NULL, &message), &message);
     svo_compact_destroy(&compact);
     (void)snprintf(name, sizeof name, "%s.svo", svo_name(SVO_NAME_FORM, form));
     pin_file(all, name, path);
-    told(svo_compact_load(path, NULL, &compact, &message), &message);
+    told(svo_compact_load(svo_from_path(path), NULL, &compact, &message), &message);
     told(svo_compact_hash(compact, hash), &(svo_message){"no hash"});
     (void)snprintf(name, sizeof name, "%s, loaded", svo_name(SVO_NAME_FORM, form));
     pin_text(all, name, "%s", hash);
@@ -240,13 +241,13 @@ static void pin_voxel_files(pins *all, const svo_voxels *list)
         svo_message message = {""};
         (void)snprintf(name, sizeof name, "list.%s", suffix);
         file_named(name, path);
-        told(svo_voxels_save(list, path, formats[i], &saved, &message), &message);
+        told(svo_voxels_save(list, svo_to_path(path), formats[i], &saved, &message), &message);
         pin_file(all, name, path);
         (void)snprintf(name, sizeof name, "%s, saved", suffix);
         pin_text(all, name, "color error %u models %" PRIu64 " colors %" PRIu64 " faces %" PRIu64 " bytes %" PRIu64,
                  (unsigned)saved.color_error, saved.models, saved.colors, saved.faces, saved.bytes);
         if (formats[i] == SVO_VOXEL_FORMAT_VOX || formats[i] == SVO_VOXEL_FORMAT_BINVOX) {
-            told(svo_voxels_load(path, NULL, &loaded, NULL, &message), &message);
+            told(svo_voxels_load(svo_from_path(path), NULL, &loaded, NULL, &message), &message);
             (void)snprintf(name, sizeof name, "%s, loaded", suffix);
             pin_list(all, name, loaded);
             svo_voxels_destroy(&loaded);

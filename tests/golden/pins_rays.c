@@ -311,7 +311,7 @@ void pin_paged(pins *all)
         char path[512];
         work_folder_remember("paged.svo");
         (void)snprintf(path, sizeof path, "%s", path_of("paged.svo"));
-        if (svo_tree_save(tree, path, NULL, &message) != SVO_OK) {
+        if (svo_tree_save(tree, svo_to_path(path), NULL, &message) != SVO_OK) {
             fail_msg("%s", message.text);
         }
         (void)svo_camera_fit(svo_tree_target(tree), (float)WIDTH / HEIGHT, &camera);

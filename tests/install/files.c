@@ -30,7 +30,7 @@ int main(int argc, char **argv)
     }
     svo_tree *tree = NULL;
     svo_message message = {""};
-    const svo_status status = svo_tree_load("no such file.svo", &tree, &message);
+    const svo_status status = svo_tree_load(svo_from_path("no such file.svo"), NULL, &tree, &message);
     printf("%s\n", svo_name(SVO_NAME_STATUS, status));
     return status == SVO_FILE_ERROR ? 0 : 1;
 }

@@ -77,7 +77,7 @@ static uint8_t *save_to_memory(const svo_tree *tree, uint32_t compress, size_t *
 {
     const svo_save_options options = {.struct_size = sizeof options, .compress = compress};
     svo_message message = {""};
-    if (svo_tree_save(tree, path_of("memory.svo"), &options, &message) != SVO_OK) {
+    if (svo_tree_save(tree, svo_to_path(path_of("memory.svo")), &options, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
     return read_file(path_of("memory.svo"), byte_count);
@@ -97,7 +97,7 @@ static void assert_damaged(const uint8_t *bytes, size_t byte_count, const char *
 {
     svo_tree *tree = NULL;
     svo_message message = {""};
-    const svo_status status = svo_tree_load_memory(bytes, byte_count, "name", &tree, &message);
+    const svo_status status = svo_tree_load(svo_from_memory(bytes, byte_count, "name"), NULL, &tree, &message);
     if (status != SVO_FILE_DAMAGED || strstr(message.text, text) == NULL || strncmp(message.text, "name: ", 6) != 0) {
         fail_msg("status %s, message \"%s\", expected SVO_FILE_DAMAGED and \"%s\"", svo_name(SVO_NAME_STATUS, status),
                  message.text, text);
@@ -109,9 +109,9 @@ static void round_trip(const svo_tree *tree, uint32_t compress)
 {
     const svo_save_options options = {.struct_size = sizeof options, .compress = compress};
     svo_message message = {""};
-    assert_int_equal(svo_tree_save(tree, path_of("round.svo"), &options, &message), SVO_OK);
+    assert_int_equal(svo_tree_save(tree, svo_to_path(path_of("round.svo")), &options, &message), SVO_OK);
     svo_tree *loaded = NULL;
-    if (svo_tree_load(path_of("round.svo"), &loaded, &message) != SVO_OK) {
+    if (svo_tree_load(svo_from_path(path_of("round.svo")), NULL, &loaded, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
     assert_same_tree(tree, loaded);
@@ -274,7 +274,7 @@ static void test_flipped_bytes_of_compressed_chunks_do_no_harm(void **unused)
     for (size_t i = 0; i < byte_count; ++i) {
         bytes[i] ^= 0x10;
         svo_tree *loaded = NULL;
-        const svo_status status = svo_tree_load_memory(bytes, byte_count, "name", &loaded, NULL);
+        const svo_status status = svo_tree_load(svo_from_memory(bytes, byte_count, "name"), NULL, &loaded, NULL);
         if (status == SVO_OK) {
             assert_same_tree(tree, loaded);
         } else {
@@ -312,14 +312,16 @@ static void test_trees_have_a_limit_of_voxels(void **unused)
     svo_tree *tree = small_tree(NEED_ALL), *loaded = NULL;
     svo_message message = {""};
     svo_load_options options = {.struct_size = sizeof options, .voxels_max = tree->info.node_count};
-    assert_int_equal(svo_tree_save(tree, path_of("limit.svo"), NULL, NULL), SVO_OK);
-    assert_int_equal(svo_tree_load_with(path_of("limit.svo"), &options, &loaded, &message), SVO_OK);
+    assert_int_equal(svo_tree_save(tree, svo_to_path(path_of("limit.svo")), NULL, NULL), SVO_OK);
+    assert_int_equal(svo_tree_load(svo_from_path(path_of("limit.svo")), &options, &loaded, &message), SVO_OK);
     svo_tree_destroy(&loaded);
     --options.voxels_max;
-    assert_int_equal(svo_tree_load_with(path_of("limit.svo"), &options, &loaded, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_load(svo_from_path(path_of("limit.svo")), &options, &loaded, &message),
+                     SVO_INVALID_ARGUMENT);
     assert_non_null(strstr(message.text, "(voxels_max)"));
     options.voxels_max = tree->info.level_begin[2];
-    assert_int_equal(svo_tree_load_levels(path_of("limit.svo"), 1, &options, &loaded, &message), SVO_OK);
+    options.last_level = 1;
+    assert_int_equal(svo_tree_load(svo_from_path(path_of("limit.svo")), &options, &loaded, &message), SVO_OK);
     svo_tree_destroy(&loaded);
     svo_tree_destroy(&tree);
     assert_int_equal(unlink(path_of("limit.svo")), 0);
@@ -334,7 +336,7 @@ static void test_foreign_files_are_named(void **unused)
     write_file(path_of("empty.svo"), "", 0);
     svo_tree *tree = NULL;
     svo_message message = {""};
-    assert_int_equal(svo_tree_load(path_of("empty.svo"), &tree, &message), SVO_FILE_DAMAGED);
+    assert_int_equal(svo_tree_load(svo_from_path(path_of("empty.svo")), NULL, &tree, &message), SVO_FILE_DAMAGED);
     assert_non_null(strstr(message.text, "empty.svo: not a .svo file"));
 }
 
@@ -343,14 +345,14 @@ static void test_files_that_cannot_be_read(void **unused)
     (void)unused;
     svo_tree *tree = NULL;
     svo_message message = {""};
-    assert_int_equal(svo_tree_load(path_of("missing.svo"), &tree, &message), SVO_FILE_ERROR);
+    assert_int_equal(svo_tree_load(svo_from_path(path_of("missing.svo")), NULL, &tree, &message), SVO_FILE_ERROR);
     assert_non_null(strstr(message.text, "missing.svo: cannot be read: No such file or directory"));
-    assert_int_equal(svo_tree_load(directory, &tree, &message), SVO_FILE_ERROR);
+    assert_int_equal(svo_tree_load(svo_from_path(directory), NULL, &tree, &message), SVO_FILE_ERROR);
     assert_non_null(strstr(message.text, "Is a directory"));
     assert_int_equal(mkfifo(path_of("pipe.svo"), 0600), 0);
-    assert_int_equal(svo_tree_load(path_of("pipe.svo"), &tree, &message), SVO_FILE_ERROR);
+    assert_int_equal(svo_tree_load(svo_from_path(path_of("pipe.svo")), NULL, &tree, &message), SVO_FILE_ERROR);
     assert_non_null(strstr(message.text, "not a regular file"));
-    assert_int_equal(svo_tree_load(NULL, &tree, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_load(svo_from_path(NULL), NULL, &tree, &message), SVO_INVALID_ARGUMENT);
     assert_null(tree);
 }
 
@@ -529,7 +531,7 @@ static void test_broken_structure_is_named(void **unused)
 static void expect_save_fails(const svo_tree *tree, const char *path, const char *text)
 {
     svo_message message = {""};
-    assert_int_equal(svo_tree_save(tree, path, NULL, &message), SVO_FILE_ERROR);
+    assert_int_equal(svo_tree_save(tree, svo_to_path(path), NULL, &message), SVO_FILE_ERROR);
     if (strncmp(message.text, path, strlen(path)) != 0 || strstr(message.text, text) == NULL) {
         fail_msg("message \"%s\", expected \"%s\" and \"%s\"", message.text, path, text);
     }
@@ -546,7 +548,7 @@ static void test_save_fails_cleanly(void **unused)
     }
     const bool downloaded = tree->downloaded;
     tree->downloaded = false;
-    assert_int_equal(svo_tree_save(tree, path_of("none.svo"), NULL, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_save(tree, svo_to_path(path_of("none.svo")), NULL, NULL), SVO_INVALID_ARGUMENT);
     tree->downloaded = downloaded;
     assert_int_not_equal(access(path_of("none.svo"), F_OK), 0);
     svo_tree_destroy(&tree);
@@ -576,12 +578,12 @@ static void test_trees_in_flight_are_not_saved(void **unused)
     svo_message message = {""};
     svo_tree *tree = small_tree(NEED_ALL);
     tree->content = SVO_I_TREE_IN_FLIGHT;
-    assert_int_equal(svo_tree_save(tree, path_of("none.svo"), NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_save(tree, svo_to_path(path_of("none.svo")), NULL, &message), SVO_INVALID_ARGUMENT);
     assert_non_null(strstr(message.text, "in flight"));
     assert_int_not_equal(access(path_of("none.svo"), F_OK), 0);
     received got = {0};
-    assert_int_equal(svo_tree_write(tree, receive, &got, NULL, &message), SVO_INVALID_ARGUMENT);
-    assert_non_null(strstr(message.text, "svo_tree_write: "));
+    assert_int_equal(svo_tree_save(tree, svo_to_callback(receive, &got), NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_non_null(strstr(message.text, "svo_tree_save: "));
     assert_non_null(strstr(message.text, "in flight"));
     svo_tree_destroy(&tree);
 }
@@ -598,7 +600,7 @@ static void test_disk_full_keeps_the_old_file(void **unused)
     const struct rlimit tight = {.rlim_cur = 600, .rlim_max = before.rlim_max};
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &tight), 0);
     svo_message message = {""};
-    const svo_status status = svo_tree_save(tree, path_of("old.svo"), NULL, &message);
+    const svo_status status = svo_tree_save(tree, svo_to_path(path_of("old.svo")), NULL, &message);
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
     (void)signal(SIGXFSZ, handler);
     assert_int_equal(status, SVO_FILE_ERROR);
@@ -627,10 +629,10 @@ static void test_what_a_link_leads_to_is_written(void **unused)
         if (i == 1) {
             write_file(path_of("round.svo"), "old", 3);
         }
-        assert_int_equal(svo_tree_save(tree, link, NULL, NULL), SVO_OK);
+        assert_int_equal(svo_tree_save(tree, svo_to_path(link), NULL, NULL), SVO_OK);
         assert_int_equal(lstat(link, &entry), 0);
         assert_true(S_ISLNK(entry.st_mode));
-        assert_int_equal(svo_tree_load(path_of("round.svo"), &loaded, NULL), SVO_OK);
+        assert_int_equal(svo_tree_load(svo_from_path(path_of("round.svo")), NULL, &loaded, NULL), SVO_OK);
         assert_same_tree(tree, loaded);
         svo_tree_destroy(&loaded);
     }
@@ -649,7 +651,7 @@ static void test_a_pipe_gets_the_bytes_of_the_file(void **unused)
     assert_int_equal(mkfifo(path, 0600), 0);
     const int reading = open(path, O_RDONLY | O_NONBLOCK); /* the bytes fit into the pipe */
     assert_true(reading >= 0);
-    assert_int_equal(svo_tree_save(tree, path, NULL, NULL), SVO_OK);
+    assert_int_equal(svo_tree_save(tree, svo_to_path(path), NULL, NULL), SVO_OK);
     assert_int_equal(read(reading, through, 1 << 16), byte_count);
     assert_memory_equal(through, bytes, byte_count);
     assert_int_equal(close(reading), 0);
@@ -679,20 +681,20 @@ static void test_a_function_receives_the_bytes_of_the_file(void **unused)
         size_t byte_count = 0;
         uint8_t *bytes = save_to_memory(tree, compress, &byte_count);
         received got = {.bytes = allocate(byte_count), .limit = byte_count};
-        assert_int_equal(svo_tree_write(tree, receive, &got, &options, &message), SVO_OK);
+        assert_int_equal(svo_tree_save(tree, svo_to_callback(receive, &got), &options, &message), SVO_OK);
         assert_int_equal(got.byte_count, byte_count);
         assert_memory_equal(got.bytes, bytes, byte_count);
         got.byte_count = 0;
         got.limit = byte_count - 1;
-        assert_int_equal(svo_tree_write(tree, receive, &got, &options, &message), SVO_FILE_ERROR);
-        assert_non_null(strstr(message.text, "svo_tree_write: "));
+        assert_int_equal(svo_tree_save(tree, svo_to_callback(receive, &got), &options, &message), SVO_FILE_ERROR);
+        assert_non_null(strstr(message.text, "svo_tree_save: "));
         free(got.bytes);
         free(bytes);
     }
     svo_message message = {""};
-    assert_int_equal(svo_tree_write(tree, NULL, NULL, NULL, &message), SVO_INVALID_ARGUMENT);
-    assert_non_null(strstr(message.text, "write is NULL"));
-    assert_int_equal(svo_tree_write(NULL, receive, NULL, NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_save(tree, svo_to_callback(NULL, NULL), NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_non_null(strstr(message.text, "sink.path and sink.write are NULL"));
+    assert_int_equal(svo_tree_save(NULL, svo_to_callback(receive, NULL), NULL, &message), SVO_INVALID_ARGUMENT);
     svo_tree_destroy(&tree);
 }
 
@@ -715,7 +717,7 @@ static void test_a_process_that_ends_while_saving_leaves_nothing(void **unused)
         (void)setrlimit(RLIMIT_CORE, &core);
         (void)setrlimit(RLIMIT_FSIZE, &tight);
         (void)signal(SIGXFSZ, SIG_DFL);
-        (void)svo_tree_save(tree, path, NULL, NULL);
+        (void)svo_tree_save(tree, svo_to_path(path), NULL, NULL);
         _exit(0);
     }
     int ended = 0;

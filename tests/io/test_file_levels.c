@@ -56,7 +56,7 @@ static void write_tree(const svo_tree *tree, uint32_t compress)
     static received file;
     const svo_save_options options = {.struct_size = sizeof options, .compress = compress};
     file.byte_count = 0;
-    assert_int_equal(svo_tree_write(tree, receive, &file, &options, NULL), SVO_OK);
+    assert_int_equal(svo_tree_save(tree, svo_to_callback(receive, &file), &options, NULL), SVO_OK);
     write_file(file.bytes, file.byte_count);
 }
 
@@ -64,7 +64,8 @@ static svo_tree *load_levels(uint32_t last_level)
 {
     svo_tree *tree = NULL;
     svo_message message = {""};
-    if (svo_tree_load_levels(path, last_level, NULL, &tree, &message) != SVO_OK) {
+    const svo_load_options options = {.struct_size = sizeof options, .last_level = last_level};
+    if (svo_tree_load(svo_from_path(path), &options, &tree, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
     return tree;
@@ -190,7 +191,7 @@ static void test_lower_levels_are_not_read(void **unused)
     static received file;
     svo_tree *tree = small_tree(NEED_ALL);
     file.byte_count = 0;
-    assert_int_equal(svo_tree_write(tree, receive, &file, NULL, NULL), SVO_OK);
+    assert_int_equal(svo_tree_save(tree, svo_to_callback(receive, &file), NULL, NULL), SVO_OK);
     const file_head *head = (const file_head *)(const void *)file.bytes;
     size_t end = 0;
     for (uint32_t i = 0; i < head->header.chunk_count; ++i) {
@@ -203,7 +204,7 @@ static void test_lower_levels_are_not_read(void **unused)
     svo_tree *upper = load_levels(2);
     check_levels(tree, upper, 2);
     svo_tree_destroy(&upper);
-    assert_int_equal(svo_tree_load(path, &upper, NULL), SVO_FILE_DAMAGED);
+    assert_int_equal(svo_tree_load(svo_from_path(path), NULL, &upper, NULL), SVO_FILE_DAMAGED);
     svo_tree_destroy(&tree);
 }
 
@@ -214,12 +215,12 @@ static void test_levels_that_are_not_there_are_refused(void **unused)
     svo_tree *loaded = NULL;
     svo_message message = {""};
     write_tree(tree, 0);
-    assert_int_equal(svo_tree_load_levels(path, 0, NULL, &loaded, &message), SVO_INVALID_ARGUMENT);
-    assert_string_equal(message.text, "svo_tree_load_levels: last_level 0 is below 1");
-    assert_int_equal(svo_tree_load_levels(path, 4, NULL, &loaded, &message), SVO_INVALID_ARGUMENT);
-    assert_non_null(strstr(message.text, "svo_tree_load_levels: last_level 4 is not in 1 .. 3, the depth of "));
-    assert_int_equal(svo_tree_load_levels(NULL, 1, NULL, &loaded, &message), SVO_INVALID_ARGUMENT);
-    assert_string_equal(message.text, "svo_tree_load_levels: path is NULL");
+    const svo_load_options below = {.struct_size = sizeof below, .last_level = 4};
+    assert_int_equal(svo_tree_load(svo_from_path(path), &below, &loaded, &message), SVO_INVALID_ARGUMENT);
+    assert_non_null(strstr(message.text, "svo_tree_load: options.last_level 4 is not in 1 .. 3, the depth of "));
+    const svo_load_options upper = {.struct_size = sizeof upper, .last_level = 1};
+    assert_int_equal(svo_tree_load(svo_from_path(NULL), &upper, &loaded, &message), SVO_INVALID_ARGUMENT);
+    assert_string_equal(message.text, "svo_tree_load: source.path and source.bytes are NULL");
     assert_null(loaded);
     svo_tree_destroy(&tree);
 }
@@ -255,6 +256,33 @@ static void test_older_files_give_the_same_trees(void **unused)
     }
 }
 
+/* A file in memory has the same upper levels, whatever its version. */
+static void test_levels_of_a_file_in_memory(void **unused)
+{
+    (void)unused;
+    static received file;
+    svo_tree *tree = small_tree(NEED_ALL), *upper = NULL;
+    svo_message message = {""};
+    const svo_load_options options = {.struct_size = sizeof options, .last_level = 2};
+    size_t byte_count = 0;
+    uint8_t *older = older_file_make(tree, 2, &byte_count);
+    file.byte_count = 0;
+    assert_int_equal(svo_tree_save(tree, svo_to_callback(receive, &file), NULL, NULL), SVO_OK);
+    const svo_source sources[] = {svo_from_memory(file.bytes, file.byte_count, "file"),
+                                  svo_from_memory(older, byte_count, "older")};
+    for (size_t i = 0; i < 2; ++i) {
+        assert_int_equal(svo_tree_load(sources[i], &options, &upper, &message), SVO_OK);
+        check_levels(tree, upper, 2);
+        svo_tree_destroy(&upper);
+    }
+    const svo_load_options below = {.struct_size = sizeof below, .last_level = 4};
+    assert_int_equal(svo_tree_load(sources[0], &below, &upper, &message), SVO_INVALID_ARGUMENT);
+    assert_string_equal(message.text, "svo_tree_load: options.last_level 4 is not in 1 .. 3, the depth of file");
+    assert_null(upper);
+    free(older);
+    svo_tree_destroy(&tree);
+}
+
 /* A file of version 2 whose first_child contradicts its child masks. */
 static void test_older_links_are_checked(void **unused)
 {
@@ -265,7 +293,8 @@ static void test_older_links_are_checked(void **unused)
     size_t byte_count = 0;
     ((uint32_t *)tree->host[SVO_TREE_FIRST_CHILD])[0] = 2;
     uint8_t *bytes = older_file_make(tree, 2, &byte_count);
-    assert_int_equal(svo_tree_load_memory(bytes, byte_count, "old", &loaded, &message), SVO_FILE_DAMAGED);
+    assert_int_equal(svo_tree_load(svo_from_memory(bytes, byte_count, "old"), NULL, &loaded, &message),
+                     SVO_FILE_DAMAGED);
     assert_string_equal(message.text, "old: node 0: first_child is 2, 1 expected");
     free(bytes);
     svo_tree_destroy(&tree);
@@ -293,6 +322,7 @@ TEST_GROUP(file_levels)
         cmocka_unit_test(test_lower_levels_are_not_read),
         cmocka_unit_test(test_levels_that_are_not_there_are_refused),
         cmocka_unit_test(test_older_files_give_the_same_trees),
+        cmocka_unit_test(test_levels_of_a_file_in_memory),
         cmocka_unit_test(test_older_links_are_checked),
     };
     return cmocka_run_group_tests_name("file_levels", tests, make_path, remove_path);

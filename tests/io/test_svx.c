@@ -119,7 +119,7 @@ static svo_status load(const char *manifest, byte_list image, uint64_t *voxel_co
     svo_voxels_info info = SVO_VOXELS_INFO_INIT;
     byte_list archive = make_archive(manifest, &image);
     const svo_status status =
-        svo_voxels_load_memory(archive.bytes, archive.count, "file", NULL, &voxels, NULL, message);
+        svo_voxels_load(svo_from_memory(archive.bytes, archive.count, "file"), NULL, &voxels, NULL, message);
     if (status == SVO_OK) {
         assert_int_equal(svo_voxels_get_info(voxels, &info), SVO_OK);
         *voxel_count = info.voxel_count;
@@ -193,7 +193,7 @@ TEST_GROUP(svx)
 {
     svo_voxels *voxels = NULL;
     svo_message message = {""};
-    if (svo_voxels_load_memory("PK\3\4", 4, "file", NULL, &voxels, NULL, &message) == SVO_UNSUPPORTED) {
+    if (svo_voxels_load(svo_from_memory("PK\3\4", 4, "file"), NULL, &voxels, NULL, &message) == SVO_UNSUPPORTED) {
         print_message("skipped: svocl was built without libzip or expat\n");
         return 0;
     }

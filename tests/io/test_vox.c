@@ -38,7 +38,8 @@ static svo_voxels *load(byte_list file, const svo_voxels_load_options *options, 
     svo_voxels *voxels = NULL;
     svo_message message = {""};
     const svo_voxels_load_options kept = keep_axes(options);
-    const svo_status status = svo_voxels_load_memory(file.bytes, file.count, NAME, &kept, &voxels, info, &message);
+    const svo_status status =
+        svo_voxels_load(svo_from_memory(file.bytes, file.count, NAME), &kept, &voxels, info, &message);
     if (status != SVO_OK) {
         fail_msg("%s: %s", svo_name(SVO_NAME_STATUS, status), message.text);
     }
@@ -52,7 +53,8 @@ static void refuse(byte_list file, const svo_voxels_load_options *options, svo_s
     svo_voxels *voxels = NULL;
     svo_message message = {""};
     const svo_voxels_load_options kept = keep_axes(options);
-    const svo_status status = svo_voxels_load_memory(file.bytes, file.count, NAME, &kept, &voxels, NULL, &message);
+    const svo_status status =
+        svo_voxels_load(svo_from_memory(file.bytes, file.count, NAME), &kept, &voxels, NULL, &message);
     if (status != expected || strstr(message.text, words) == NULL || strncmp(message.text, NAME ": ", 10) != 0) {
         fail_msg("%s '%s', expected %s '%s'", svo_name(SVO_NAME_STATUS, status), message.text,
                  svo_name(SVO_NAME_STATUS, expected), words);
@@ -487,7 +489,8 @@ static void test_farthest_places(void **state)
         byte_list file = {0};
         assert_int_equal(svo_voxels_create(&source, &voxels, NULL), SVO_OK);
         assert_int_equal(svo_voxels_set_axes(voxels, SVO_AXES_KEEP), SVO_OK);
-        assert_int_equal(svo_voxels_write(voxels, SVO_VOXEL_FORMAT_VOX, append, &file, NULL, NULL), SVO_OK);
+        assert_int_equal(svo_voxels_save(voxels, svo_to_callback(append, &file), SVO_VOXEL_FORMAT_VOX, NULL, NULL),
+                         SVO_OK);
         svo_voxels *back = load(file, NULL, NULL);
         assert_int_equal(info_of(back).voxel_count, 2);
         assert_memory_equal(svo_voxels_get(back), svo_voxels_get(voxels), 2 * sizeof(svo_voxel));
@@ -508,12 +511,14 @@ static void test_up_is_turned_and_turned_back(void **state)
     byte_list files[3] = {{0}, {0}, {0}};
     assert_int_equal(svo_voxels_create(&source, &z_up, NULL), SVO_OK);
     assert_int_equal(svo_voxels_set_axes(z_up, SVO_AXES_KEEP), SVO_OK);
-    assert_int_equal(svo_voxels_write(z_up, SVO_VOXEL_FORMAT_VOX, append, &files[0], NULL, NULL), SVO_OK);
+    assert_int_equal(svo_voxels_save(z_up, svo_to_callback(append, &files[0]), SVO_VOXEL_FORMAT_VOX, NULL, NULL),
+                     SVO_OK);
     for (uint32_t axes = SVO_AXES_AUTO; axes <= SVO_AXES_Z_UP; axes += SVO_AXES_Z_UP) { /* the same for .vox */
         const svo_voxels_load_options options = {.struct_size = sizeof options, .axes = axes};
         svo_voxels *y_up = NULL;
-        assert_int_equal(svo_voxels_load_memory(files[0].bytes, files[0].count, NAME, &options, &y_up, NULL, NULL),
-                         SVO_OK);
+        assert_int_equal(
+            svo_voxels_load(svo_from_memory(files[0].bytes, files[0].count, NAME), &options, &y_up, NULL, NULL),
+            SVO_OK);
         assert_int_equal(info_of(y_up).voxel_count, 3);
         for (int i = 0; i < 3; ++i) {
             const int64_t place[3] = {given[i].x, given[i].z, -1 - given[i].y};
@@ -523,7 +528,8 @@ static void test_up_is_turned_and_turned_back(void **state)
             assert_int_equal(found->material, given[i].material);
         }
         byte_list *file = &files[1 + axes / 2];
-        assert_int_equal(svo_voxels_write(y_up, SVO_VOXEL_FORMAT_VOX, append, file, NULL, NULL), SVO_OK);
+        assert_int_equal(svo_voxels_save(y_up, svo_to_callback(append, file), SVO_VOXEL_FORMAT_VOX, NULL, NULL),
+                         SVO_OK);
         assert_int_equal(file->count, files[0].count);
         assert_memory_equal(file->bytes, files[0].bytes, file->count);
         svo_voxels_destroy(&y_up);
@@ -541,8 +547,9 @@ static void test_axes_that_do_not_exist_are_refused(void **state)
     const svo_voxels_source source = {.struct_size = sizeof source};
     svo_voxels *voxels = NULL;
     svo_message message = {""};
-    assert_int_equal(svo_voxels_load_memory("VOX ", 4, NAME, &options, &voxels, NULL, &message), SVO_INVALID_ARGUMENT);
-    assert_string_equal(message.text, "svo_voxels_load_memory: options.axes 3 is not in 0 .. 2");
+    assert_int_equal(svo_voxels_load(svo_from_memory("VOX ", 4, NAME), &options, &voxels, NULL, &message),
+                     SVO_INVALID_ARGUMENT);
+    assert_string_equal(message.text, "svo_voxels_load: options.axes 3 is not in 0 .. 2");
     assert_int_equal(svo_voxels_create(&source, &voxels, NULL), SVO_OK);
     assert_int_equal(svo_voxels_set_axes(voxels, (svo_axes)3), SVO_INVALID_ARGUMENT);
     svo_voxels_destroy(&voxels);
@@ -792,7 +799,7 @@ static void test_counts_of_real_files(void **state)
         svo_voxel_file_info info = SVO_VOXEL_FILE_INFO_INIT;
         (void)snprintf(path, sizeof path, "%s/vox/%s", SHARED_SCENES, files[i].name);
         const svo_voxels_load_options kept = keep_axes(NULL);
-        if (svo_voxels_load(path, &kept, &voxels, &info, &message) != SVO_OK) {
+        if (svo_voxels_load(svo_from_path(path), &kept, &voxels, &info, &message) != SVO_OK) {
             fail_msg("%s", message.text);
         }
         const svo_voxels_info list = info_of(voxels);

@@ -44,7 +44,7 @@ static byte_list write_as(const svo_voxels *voxels, svo_voxel_format format, svo
 {
     byte_list file = {0};
     svo_message message = {""};
-    if (svo_voxels_write(voxels, format, append, &file, info, &message) != SVO_OK) {
+    if (svo_voxels_save(voxels, svo_to_callback(append, &file), format, info, &message) != SVO_OK) {
         fail_msg("%s: %s", svo_name(SVO_NAME_VOXEL_FORMAT, format), message.text);
     }
     return file;
@@ -54,7 +54,7 @@ static svo_voxels *read_back(const byte_list *file, svo_voxel_file_info *info)
 {
     svo_voxels *voxels = NULL;
     svo_message message = {""};
-    if (svo_voxels_load_memory(file->bytes, file->count, NAME, NULL, &voxels, info, &message) != SVO_OK) {
+    if (svo_voxels_load(svo_from_memory(file->bytes, file->count, NAME), NULL, &voxels, info, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
     return voxels;
@@ -147,7 +147,7 @@ static bool has_svx(void)
     static const uint8_t zip[] = {'P', 'K', 3, 4};
     svo_voxels *voxels = NULL;
     svo_message message = {""};
-    return svo_voxels_load_memory(zip, sizeof zip, NAME, NULL, &voxels, NULL, &message) != SVO_UNSUPPORTED;
+    return svo_voxels_load(svo_from_memory(zip, sizeof zip, NAME), NULL, &voxels, NULL, &message) != SVO_UNSUPPORTED;
 }
 
 static void test_round_trips(void **state)
@@ -338,7 +338,8 @@ static svo_status load_text(const char *header, const uint8_t *data, size_t data
     byte_list file = {0};
     bytes_put_text(&file, header);
     bytes_put(&file, data, data_bytes);
-    const svo_status status = svo_voxels_load_memory(file.bytes, file.count, NAME, NULL, voxels, NULL, message);
+    const svo_status status =
+        svo_voxels_load(svo_from_memory(file.bytes, file.count, NAME), NULL, voxels, NULL, message);
     bytes_free(&file);
     return status;
 }
@@ -563,7 +564,7 @@ static int round_trip_folder(const char *folder)
             (format == SVO_VOXEL_FORMAT_SVX && !has_svx())) {
             continue;
         }
-        if (svo_voxels_load(path, NULL, &voxels, NULL, &message) != SVO_OK) {
+        if (svo_voxels_load(svo_from_path(path), NULL, &voxels, NULL, &message) != SVO_OK) {
             fail_msg("%s", message.text);
         }
         check_round_trip(voxels, format, true, true);
@@ -598,7 +599,7 @@ static void read_damaged(const byte_list *file, size_t count, const char *what, 
     uint8_t *exact = malloc(count > 0 ? count : 1); /* a sanitizer sees a read behind it */
     assert_non_null(exact);
     memcpy(exact, file->bytes, count);
-    const svo_status status = svo_voxels_load_memory(exact, count, NAME, &options, &voxels, NULL, &message);
+    const svo_status status = svo_voxels_load(svo_from_memory(exact, count, NAME), &options, &voxels, NULL, &message);
     free(exact);
     if (status == SVO_OK) {
         assert_non_null(voxels);
@@ -672,8 +673,9 @@ static void test_write_failures(void **state)
         if (format == SVO_VOXEL_FORMAT_SVX && !has_svx()) {
             continue;
         }
-        assert_int_equal(svo_voxels_write(voxels, (svo_voxel_format)format, fail_late, &left, NULL, &message),
-                         SVO_FILE_ERROR);
+        assert_int_equal(
+            svo_voxels_save(voxels, svo_to_callback(fail_late, &left), (svo_voxel_format)format, NULL, &message),
+            SVO_FILE_ERROR);
         assert_non_null(strstr(message.text, "could not be written"));
     }
     svo_voxels_destroy(&voxels);
@@ -688,19 +690,20 @@ static void test_save_and_load_by_path(void **state)
     svo_voxels *voxels = random_voxels(8, corner, small_box, 20);
     assert_non_null(mkdtemp(folder));
     (void)snprintf(path, sizeof path, "%s/a.VOX", folder);
-    assert_int_equal(svo_voxels_save(voxels, path, SVO_VOXEL_FORMAT_AUTO, NULL, &message), SVO_OK);
+    assert_int_equal(svo_voxels_save(voxels, svo_to_path(path), SVO_VOXEL_FORMAT_AUTO, NULL, &message), SVO_OK);
     svo_voxels *read = NULL;
-    assert_int_equal(svo_voxels_load(path, NULL, &read, NULL, &message), SVO_OK);
+    assert_int_equal(svo_voxels_load(svo_from_path(path), NULL, &read, NULL, &message), SVO_OK);
     expect_same(voxels, read, true, true);
     svo_voxels_destroy(&read);
     assert_int_equal(unlink(path), 0);
     (void)snprintf(path, sizeof path, "%s/no/a.vox", folder);
-    assert_int_equal(svo_voxels_save(voxels, path, SVO_VOXEL_FORMAT_AUTO, NULL, &message), SVO_FILE_ERROR);
-    assert_int_equal(svo_voxels_load(path, NULL, &read, NULL, &message), SVO_FILE_ERROR);
-    assert_int_equal(svo_voxels_load(folder, NULL, &read, NULL, &message), SVO_FILE_ERROR);
+    assert_int_equal(svo_voxels_save(voxels, svo_to_path(path), SVO_VOXEL_FORMAT_AUTO, NULL, &message), SVO_FILE_ERROR);
+    assert_int_equal(svo_voxels_load(svo_from_path(path), NULL, &read, NULL, &message), SVO_FILE_ERROR);
+    assert_int_equal(svo_voxels_load(svo_from_path(folder), NULL, &read, NULL, &message), SVO_FILE_ERROR);
     assert_non_null(strstr(message.text, "directory"));
     (void)snprintf(path, sizeof path, "%s/a.xyz", folder);
-    assert_int_equal(svo_voxels_save(voxels, path, SVO_VOXEL_FORMAT_AUTO, NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_voxels_save(voxels, svo_to_path(path), SVO_VOXEL_FORMAT_AUTO, NULL, &message),
+                     SVO_INVALID_ARGUMENT);
     assert_int_equal(rmdir(folder), 0);
     svo_voxels_destroy(&voxels);
 }
@@ -714,24 +717,35 @@ static void test_arguments(void **state)
     svo_voxel_file_info info = SVO_VOXEL_FILE_INFO_INIT;
     svo_voxels *some = random_voxels(9, corner, small_box, 20);
     int left = 99;
-    assert_int_equal(svo_voxels_load(NULL, NULL, &voxels, NULL, &message), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_voxels_load("x", NULL, NULL, NULL, &message), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_voxels_load_memory(NULL, 0, NAME, NULL, &voxels, NULL, NULL), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_voxels_load_memory("VOX ", 4, NULL, NULL, &voxels, NULL, NULL), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_voxels_load_memory("VOX ", 4, NAME, NULL, NULL, NULL, NULL), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_voxels_load_memory("VOX ", 4, NAME, NULL, &voxels, NULL, NULL), SVO_FILE_DAMAGED);
-    assert_int_equal(svo_voxels_load_memory("", 0, NAME, NULL, &voxels, NULL, NULL), SVO_FILE_DAMAGED);
+    assert_int_equal(svo_voxels_load(svo_from_path(NULL), NULL, &voxels, NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_voxels_load(svo_from_path("x"), NULL, NULL, NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_voxels_load(svo_from_memory(NULL, 0, NAME), NULL, &voxels, NULL, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_voxels_load(svo_from_memory("VOX ", 4, NULL), NULL, &voxels, NULL, NULL),
+                     SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_voxels_load(svo_from_memory("VOX ", 4, NAME), NULL, NULL, NULL, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_voxels_load(svo_from_memory("VOX ", 4, NAME), NULL, &voxels, NULL, NULL), SVO_FILE_DAMAGED);
+    assert_int_equal(svo_voxels_load(svo_from_memory("", 0, NAME), NULL, &voxels, NULL, NULL), SVO_FILE_DAMAGED);
     options.struct_size = 3;
-    assert_int_equal(svo_voxels_load_memory("VOX ", 4, NAME, &options, &voxels, NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_voxels_load(svo_from_memory("VOX ", 4, NAME), &options, &voxels, NULL, &message),
+                     SVO_INVALID_ARGUMENT);
     info.struct_size = 3;
-    assert_int_equal(svo_voxels_load_memory("VOX ", 4, NAME, NULL, &voxels, &info, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_voxels_load(svo_from_memory("VOX ", 4, NAME), NULL, &voxels, &info, &message),
+                     SVO_INVALID_ARGUMENT);
     assert_null(voxels);
-    assert_int_equal(svo_voxels_write(NULL, SVO_VOXEL_FORMAT_VOX, fail_late, &left, NULL, NULL), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_voxels_write(some, SVO_VOXEL_FORMAT_VOX, NULL, &left, NULL, NULL), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_voxels_write(some, SVO_VOXEL_FORMAT_AUTO, fail_late, &left, NULL, NULL), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_voxels_write(some, (svo_voxel_format)6, fail_late, &left, NULL, NULL), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_voxels_save(NULL, "x.vox", SVO_VOXEL_FORMAT_AUTO, NULL, NULL), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_voxels_save(some, NULL, SVO_VOXEL_FORMAT_VOX, NULL, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_voxels_save(NULL, svo_to_callback(fail_late, &left), SVO_VOXEL_FORMAT_VOX, NULL, NULL),
+                     SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_voxels_save(some, svo_to_callback(NULL, &left), SVO_VOXEL_FORMAT_VOX, NULL, NULL),
+                     SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_voxels_save(some, svo_to_callback(fail_late, &left), SVO_VOXEL_FORMAT_AUTO, NULL, &message),
+                     SVO_INVALID_ARGUMENT);
+    assert_string_equal(message.text, "svo_voxels_save: format 0 is not in 1 .. 5");
+    assert_int_equal(svo_voxels_save(some, svo_to_callback(fail_late, &left), (svo_voxel_format)6, NULL, NULL),
+                     SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_voxels_save(NULL, svo_to_path("x.vox"), SVO_VOXEL_FORMAT_AUTO, NULL, NULL),
+                     SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_voxels_save(some, svo_to_path(NULL), SVO_VOXEL_FORMAT_VOX, NULL, &message),
+                     SVO_INVALID_ARGUMENT);
+    assert_string_equal(message.text, "svo_voxels_save: sink.path and sink.write are NULL");
     assert_int_equal(svo_voxel_format_of_path("a.b/c.BinVox"), SVO_VOXEL_FORMAT_BINVOX);
     assert_int_equal(svo_voxel_format_of_path("vox"), SVO_VOXEL_FORMAT_AUTO);
     assert_int_equal(svo_voxel_format_of_path(NULL), SVO_VOXEL_FORMAT_AUTO);

@@ -27,7 +27,7 @@ void paged_scene_make(void **state, const char *spec, unsigned depth, uint32_t n
     fixture_build(&out->opened, scene_mesh(made), depth, &options, &out->whole);
     scene_destroy(&made);
     svo_message message = {""};
-    if (svo_tree_save(out->whole.tree, path_of(out->name), NULL, &message) != SVO_OK) {
+    if (svo_tree_save(out->whole.tree, svo_to_path(path_of(out->name)), NULL, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
     work_folder_remember(out->name);

@@ -134,7 +134,7 @@ static void test_the_empty_tree(void **state)
     built empty;
     svo_paged *paged = NULL;
     fixture_build(&opened, &mesh, DEPTH, NULL, &empty);
-    assert_int_equal(svo_tree_save(empty.tree, path_of("tree.svo"), NULL, NULL), SVO_OK);
+    assert_int_equal(svo_tree_save(empty.tree, svo_to_path(path_of("tree.svo")), NULL, NULL), SVO_OK);
     work_folder_remember("tree.svo");
     for (uint64_t budget = 4096; budget <= 4096 * 1024; budget *= 1024) {
         assert_int_equal(svo_paged_open(opened.device, path_of("tree.svo"), budget, NULL, &paged), SVO_OK);
@@ -179,8 +179,9 @@ static void check_flight(const paged_scene *scene, uint64_t budget, svo_render_v
     svo_paged *paged = paged_scene_open(scene, budget, 3);
     const uint32_t top_level = paged_info(paged).top_level;
     svo_tree *coarse = NULL;
+    const svo_load_options levels = {.struct_size = sizeof levels, .last_level = top_level};
     assert_true(paged_info(paged).device_bytes <= budget);
-    assert_int_equal(svo_tree_load_levels(path_of(scene->name), top_level, NULL, &coarse, NULL), SVO_OK);
+    assert_int_equal(svo_tree_load(svo_from_path(path_of(scene->name)), &levels, &coarse, NULL), SVO_OK);
     assert_int_equal(svo_tree_upload(coarse, scene->opened.device, NULL), SVO_OK);
     for (unsigned k = 0; k < 3 * VIEWS; ++k) {
         const svo_render_options options = paged_view(scene, view, k, 3 * VIEWS);

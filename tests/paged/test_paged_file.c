@@ -154,7 +154,7 @@ static void test_files_that_cannot_be_paged(void **state)
     write_bytes("older.svo", older, byte_count);
     expect_refused(&shown, "older.svo", SVO_UNSUPPORTED, "version 2 is not by levels");
     free(older);
-    assert_int_equal(svo_tree_save(shown.whole.tree, path_of("packed.svo"), &compressed, NULL), SVO_OK);
+    assert_int_equal(svo_tree_save(shown.whole.tree, svo_to_path(path_of("packed.svo")), &compressed, NULL), SVO_OK);
     work_folder_remember("packed.svo");
     expect_refused(&shown, "packed.svo", SVO_UNSUPPORTED, "is compressed, and pages are read from chunks that are not");
     expect_refused(&shown, "missing.svo", SVO_FILE_ERROR, "cannot be read");
@@ -173,7 +173,7 @@ static void test_payload_not_on_all_levels(void **state)
     scene *made = fixture_scene("statue:2000");
     built deep;
     fixture_build(&shown.opened, scene_mesh(made), DEPTH, &options, &deep);
-    assert_int_equal(svo_tree_save(deep.tree, path_of("deep.svo"), NULL, NULL), SVO_OK);
+    assert_int_equal(svo_tree_save(deep.tree, svo_to_path(path_of("deep.svo")), NULL, NULL), SVO_OK);
     work_folder_remember("deep.svo");
     expect_refused(&shown, "deep.svo", SVO_UNSUPPORTED, "payload from level 6 on only");
     scene_destroy(&made);

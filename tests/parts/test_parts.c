@@ -175,7 +175,7 @@ static void build_whole(job *j, unsigned depth, const svo_plan_options *options)
     check(j, svo_plan_get_part_header(plan, &j->header), NULL);
     check(j, svo_build(plan, j->opened.frontend, j->opened.queue, &tree, NULL), NULL);
     check(j, svo_tree_download(tree, j->opened.queue), NULL);
-    check(j, svo_tree_save(tree, path, NULL, &message), &message);
+    check(j, svo_tree_save(tree, svo_to_path(path), NULL, &message), &message);
     svo_tree_destroy(&tree);
     if ((j->header.need & SVO_NEED_RAYS) != 0) {
         path_of("mesh", path);
@@ -626,14 +626,14 @@ static void test_trees_of_parts(void **state)
     check(&j, svo_build(plan, NULL, NULL, &tree, NULL), NULL);
     check(&j, svo_tree_download(tree, NULL), NULL);
     path_of("part.svo", path);
-    assert_int_equal(svo_tree_save(tree, path, NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_tree_save(tree, svo_to_path(path), NULL, &message), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_tree_make_bvh(tree, SVO_BVH_BEST, NULL), SVO_INVALID_ARGUMENT);
     svo_part_header header = SVO_PART_HEADER_INIT;
     assert_int_equal(svo_plan_get_part_header(plan, &header), SVO_INVALID_ARGUMENT);
     svo_tree_destroy(&tree);
     svo_plan_destroy(&plan);
     path_of("whole.svo", path);
-    assert_int_equal(svo_tree_load(path, &tree, &message), SVO_OK);
+    assert_int_equal(svo_tree_load(svo_from_path(path), NULL, &tree, &message), SVO_OK);
     assert_int_equal(svo_part_save(tree, path, &message), SVO_INVALID_ARGUMENT);
     svo_tree_destroy(&tree);
     close_job(&j);

@@ -238,7 +238,7 @@ static void build_whole(const fixture *opened, const char *name, const svo_plan_
           svo_device_message(opened->device));
     check(svo_build(plan, opened->frontend, opened->queue, &tree, NULL), svo_device_message(opened->device));
     check(svo_tree_download(tree, opened->queue), svo_device_message(opened->device));
-    check(svo_tree_save(tree, path, NULL, &message), message.text);
+    check(svo_tree_save(tree, svo_to_path(path), NULL, &message), message.text);
     svo_tree_destroy(&tree);
     svo_plan_destroy(&plan);
     svo_import_destroy(&import);

@@ -259,7 +259,7 @@ static void projected_areas(void **state)
 static long file_bytes(const svo_tree *tree, const char *path)
 {
     svo_message message = {""};
-    if (svo_tree_save(tree, path, NULL, &message) != SVO_OK) {
+    if (svo_tree_save(tree, svo_to_path(path), NULL, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
     FILE *file = fopen(path, "rb");
@@ -285,7 +285,7 @@ static void assert_file_is_smaller(const measured *less, const measured *full, s
     const long bytes = file_bytes(less->result.tree, path);
     assert_int_equal(whole - bytes, (less->result.info.node_count - 1) * element_bytes +
                                         (size_t)less->result.info.depth * CHUNK_ENTRY_BYTES);
-    if (svo_tree_load(path, &loaded, &message) != SVO_OK) {
+    if (svo_tree_load(svo_from_path(path), NULL, &loaded, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
     assert_int_equal(svo_tree_hash(loaded, SVO_HASH_ALL, hash), SVO_OK);
@@ -713,8 +713,8 @@ static void levels_without_payload_in_files(void **state)
     options.edge = 0.0;
     options.payload_level = 5;
     measured_build(scene_mesh(made), DEPTH, &options, &less);
-    assert_int_equal(svo_tree_save(less.result.tree, path, NULL, &message), SVO_OK);
-    assert_int_equal(svo_tree_load(path, &loaded, &message), SVO_OK);
+    assert_int_equal(svo_tree_save(less.result.tree, svo_to_path(path), NULL, &message), SVO_OK);
+    assert_int_equal(svo_tree_load(svo_from_path(path), NULL, &loaded, &message), SVO_OK);
     (void)remove(path);
     char hash[SVO_HASH_TEXT_BYTES];
     svo_tree_info info = SVO_TREE_INFO_INIT;

@@ -719,7 +719,9 @@ static void upper_levels_of_a_file(void **state)
     run_badly("$SVOCL info whole.svo --levels 7", 1, "last_level 7 is not in 1 .. 6, the depth of whole.svo");
     run_badly("$SVOCL info whole.svo --levels 0", 2, "levels 0 is below 1");
     run_badly("$SVOCL hash scene:cube --levels 3", 2, "--levels applies to .svo files, not to scene:cube");
-    run_badly("$SVOCL info - --levels 3 <whole.svo", 2, "standard input is read whole");
+    info = run_json("$SVOCL info - --levels 3 --json <whole.svo");
+    assert_int_equal((int)number_of(info, "depth"), 3);
+    cJSON_Delete(info);
 }
 
 static void info_names_what_is_wrong_with_a_file(void **state)

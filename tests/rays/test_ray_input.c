@@ -300,7 +300,7 @@ static void rays_of_version_1_meet_the_snapped_mesh(void **state)
     uint8_t *file = older_file_make(tree.tree, 1, &byte_count);
     built old = {.tree = NULL};
     svo_message message = {""};
-    if (svo_tree_load_memory(file, byte_count, "version 1", &old.tree, &message) != SVO_OK) {
+    if (svo_tree_load(svo_from_memory(file, byte_count, "version 1"), NULL, &old.tree, &message) != SVO_OK) {
         fail_msg("%s", message.text);
         return;
     }

@@ -181,8 +181,8 @@ static void solids_are_traced_and_saved(void **state)
     assert_true(inside > 10);
     succeed(&opened, svo_compact_download(solid, opened.queue));
     succeed(&opened, svo_compact_hash(solid, hashes[0]));
-    if (svo_compact_save(solid, path, NULL, &message) != SVO_OK ||
-        svo_compact_load(path, NULL, &loaded, &message) != SVO_OK) {
+    if (svo_compact_save(solid, svo_to_path(path), NULL, &message) != SVO_OK ||
+        svo_compact_load(svo_from_path(path), NULL, &loaded, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
     (void)remove(path);
@@ -206,7 +206,8 @@ static void trees_from_files_are_filled(void **state)
     svo_tree *loaded = NULL;
     built tree;
     build_painted(&opened, SVO_NEED_COLOR, 0, &tree);
-    if (svo_tree_save(tree.tree, path, NULL, &message) != SVO_OK || svo_tree_load(path, &loaded, &message) != SVO_OK) {
+    if (svo_tree_save(tree.tree, svo_to_path(path), NULL, &message) != SVO_OK ||
+        svo_tree_load(svo_from_path(path), NULL, &loaded, &message) != SVO_OK) {
         fail_msg("%s", message.text);
     }
     (void)remove(path);

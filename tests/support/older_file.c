@@ -74,7 +74,7 @@ uint8_t *older_file_make(const svo_tree *tree, uint32_t version, size_t *byte_co
     uint8_t *header = NULL;
     uint32_t chunk_count = 0;
     uint64_t array_bytes = 0;
-    assert_int_equal(svo_tree_write(tree, keep_header, &header, NULL, NULL), SVO_OK);
+    assert_int_equal(svo_tree_save(tree, svo_to_callback(keep_header, &header), NULL, NULL), SVO_OK);
     for (uint32_t i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
         if (is_written(tree, version, (svo_tree_buffer)i)) {
             array_bytes += bytes_of(tree, (svo_tree_buffer)i);

@@ -151,7 +151,7 @@ static int has_suffix(const char *path, const char *suffix)
 static svo_status load_compact(const char *path, svo_device *device, subject *out, svo_message *message)
 {
     svo_compact_info info = SVO_COMPACT_INFO_INIT;
-    const svo_status status = svo_compact_load(path, NULL, &out->compact, message);
+    const svo_status status = svo_compact_load(svo_from_path(path), NULL, &out->compact, message);
     if (status != SVO_OK) {
         return status;
     }
@@ -163,7 +163,7 @@ static svo_status load_compact(const char *path, svo_device *device, subject *ou
 
 static svo_status load_tree(const char *path, svo_device *device, subject *out, svo_message *message)
 {
-    const svo_status status = svo_tree_load(path, &out->tree, message);
+    const svo_status status = svo_tree_load(svo_from_path(path), NULL, &out->tree, message);
     if (status != SVO_OK) {
         return status;
     }
@@ -183,7 +183,7 @@ static svo_status write_compact(const subject *in, svo_device *device, const cha
         status = svo_compact_download(compact, NULL);
     }
     if (status == SVO_OK) {
-        status = svo_compact_save(compact, path, NULL, message);
+        status = svo_compact_save(compact, svo_to_path(path), NULL, message);
     }
     svo_compact_destroy(&compact);
     return status;

@@ -110,21 +110,19 @@ static int expand(program *state, const session *opened, svo_compact *compact, b
         svo_compact_expand(compact, opened->queue, &tree) != SVO_OK ||
         svo_tree_download(tree, opened->queue) != SVO_OK) {
         exit_code = program_fail_library(state, svo_device_message(opened->device));
-    } else if (svo_tree_write(tree, append, list, NULL, &message) != SVO_OK) {
+    } else if (svo_tree_save(tree, svo_to_callback(append, list), NULL, &message) != SVO_OK) {
         exit_code = program_fail_library(state, message.text);
     }
     svo_tree_destroy(&tree);
     return exit_code;
 }
 
-int compact_input_load(program *state, const char *name, const void *bytes, size_t byte_count, svo_compact **out)
+int compact_input_load(program *state, svo_source source, svo_compact **out)
 {
     svo_message message = {""};
     const svo_load_options load_options = {.struct_size = sizeof load_options, .voxels_max = state->options.max_voxels};
-    const svo_status loaded = bytes != NULL
-                                  ? svo_compact_load_memory(bytes, byte_count, name, &load_options, out, &message)
-                                  : svo_compact_load(name, &load_options, out, &message);
-    return loaded == SVO_OK ? PROGRAM_DONE : program_fail_library(state, message.text);
+    return svo_compact_load(source, &load_options, out, &message) == SVO_OK ? PROGRAM_DONE
+                                                                            : program_fail_library(state, message.text);
 }
 
 /* The nodes of the expanded tree: those of a level, and those inside the leaves above it. */
@@ -158,7 +156,8 @@ static int compact_input_expand(program *state, const char *name, svo_compact **
     }
     svo_compact_destroy(compact);
     session_close(&opened);
-    if (exit_code == PROGRAM_DONE && svo_tree_load_memory(list.bytes, list.count, name, out, &message) != SVO_OK) {
+    if (exit_code == PROGRAM_DONE &&
+        svo_tree_load(svo_from_memory(list.bytes, list.count, name), NULL, out, &message) != SVO_OK) {
         exit_code = program_fail_library(state, message.text);
     }
     free(list.bytes);
@@ -461,39 +460,27 @@ void input_close(input *opened)
 
 int input_load_compact(program *state, svo_compact **out)
 {
-    const piped_input *piped = &state->piped;
-    return compact_input_load(state, state->options.input, is_piped(state) ? piped->bytes : NULL, piped->byte_count,
-                              out);
-}
-
-/* A .svo file, whole or its upper levels; what is piped is whole. */
-static svo_status load_svo(const program *state, svo_tree **out, svo_message *message)
-{
-    const piped_input *piped = &state->piped;
-    const svo_load_options load_options = {.struct_size = sizeof load_options, .voxels_max = state->options.max_voxels};
-    if (is_piped(state)) {
-        return svo_tree_load_memory_with(piped->bytes, piped->byte_count, piped->name, &load_options, out, message);
-    }
-    return state->options.last_level != 0
-               ? svo_tree_load_levels(state->options.input, (uint32_t)state->options.last_level, &load_options, out,
-                                      message)
-               : svo_tree_load_with(state->options.input, &load_options, out, message);
+    return compact_input_load(state, piped_source(&state->piped, state->options.input), out);
 }
 
 int input_load_tree(program *state, svo_tree **out)
 {
     svo_message message = {""};
+    const svo_load_options load_options = {.struct_size = sizeof load_options,
+                                           .voxels_max = state->options.max_voxels,
+                                           .last_level = (uint32_t)state->options.last_level};
     progress_step(state->progress, "reading the tree");
-    if (state->options.last_level != 0 && (is_piped(state) || input_is_compact(state))) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "--levels reads a .svo file; %s",
-                            is_piped(state) ? "standard input is read whole" : "compact trees are read whole");
-    }
     if (input_is_compact(state)) {
         svo_compact *compact = NULL;
+        if (load_options.last_level != 0) {
+            return program_fail(state, PROGRAM_WRONG_USAGE, "--levels reads a .svo file; compact trees are read whole");
+        }
         const int exit_code = input_load_compact(state, &compact);
         return exit_code == PROGRAM_DONE ? compact_input_expand(state, state->options.input, &compact, out) : exit_code;
     }
-    return load_svo(state, out, &message) == SVO_OK ? PROGRAM_DONE : program_fail_library(state, message.text);
+    return svo_tree_load(piped_source(&state->piped, state->options.input), &load_options, out, &message) == SVO_OK
+               ? PROGRAM_DONE
+               : program_fail_library(state, message.text);
 }
 
 int input_measure(program *state, uint64_t *byte_count)

@@ -16,9 +16,8 @@
 /* Whether a name, or the suffix that the bytes of a pipe are given, is that of a compact tree. */
 bool compact_input_is_name(const char *name);
 
-/* Loads the compact tree of a file, or of the bytes that came through a pipe; bytes: NULL for a file. *out has host
-   arrays and is on no device. Returns the exit code. */
-int compact_input_load(program *state, const char *name, const void *bytes, size_t byte_count, svo_compact **out);
+/* Loads the compact tree of a file. *out has host arrays and is on no device. Returns the exit code. */
+int compact_input_load(program *state, svo_source source, svo_compact **out);
 
 /* ---- inputs ---- */
 

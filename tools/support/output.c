@@ -244,8 +244,6 @@ void output_abandon(output_file *file)
     *file = (output_file){.target = {.descriptor = -1}};
 }
 
-/* ---- trees ---- */
-
 static int write_bytes(void *user, const void *bytes, size_t byte_count)
 {
     output_file *file = user;
@@ -253,12 +251,12 @@ static int write_bytes(void *user, const void *bytes, size_t byte_count)
     return file->error;
 }
 
-static svo_status write_all(const svo_tree *tree, const svo_compact *compact, output_file *file,
-                            const svo_save_options *save_options, svo_message *message)
+svo_sink output_sink(output_file *file)
 {
-    return compact != NULL ? svo_compact_write(compact, write_bytes, file, save_options, message)
-                           : svo_tree_write(tree, write_bytes, file, save_options, message);
+    return svo_to_callback(write_bytes, file);
 }
+
+/* ---- trees ---- */
 
 int tree_output_write(program *state, const svo_tree *tree, const svo_compact *compact, const char *path)
 {
@@ -272,7 +270,9 @@ int tree_output_write(program *state, const svo_tree *tree, const svo_compact *c
         return exit_code;
     }
     /* A write that failed is reported by output_commit. */
-    if (write_all(tree, compact, &file, &save_options, &message) != SVO_OK && file.error == 0) {
+    const svo_status status = compact != NULL ? svo_compact_save(compact, output_sink(&file), &save_options, &message)
+                                              : svo_tree_save(tree, output_sink(&file), &save_options, &message);
+    if (status != SVO_OK && file.error == 0) {
         output_abandon(&file);
         return program_fail_library(state, message.text);
     }

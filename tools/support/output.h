@@ -9,6 +9,7 @@
 #include "support/cleanup.h"
 #include "support/program.h"
 #include "svocl/compact.h"
+#include "svocl/files.h"
 #include "svocl/mesh.h"
 #include "svocl/tree.h"
 
@@ -41,6 +42,8 @@ int output_check(program *state, const char *path);
 int output_open(program *state, const char *path, output_file *file);
 /* A write that fails shows in output_commit. */
 void output_write(output_file *file, const void *bytes, size_t byte_count);
+/* For a file that the library writes. */
+svo_sink output_sink(output_file *file);
 /* Hands all bytes to the system; false after a write that failed. */
 bool output_flush(output_file *file);
 /* Flushes, closes and gives the file its name; on failure nothing is left. */

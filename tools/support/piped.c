@@ -180,6 +180,12 @@ int piped_read(const char *path, piped_input *piped)
     return error;
 }
 
+svo_source piped_source(const piped_input *piped, const char *path)
+{
+    return piped->name != NULL && path == piped->name ? svo_from_memory(piped->bytes, piped->byte_count, path)
+                                                      : svo_from_path(path);
+}
+
 void piped_release_bytes(piped_input *piped)
 {
     free(piped->bytes);

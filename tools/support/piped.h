@@ -9,6 +9,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "svocl/files.h"
+
 typedef struct piped_input {
     const char *name; /* "standard input", or the path of a named pipe; NULL: INPUT is no pipe */
     char *bytes; /* by malloc */
@@ -27,6 +29,9 @@ int piped_read(const char *path, piped_input *piped);
 
 /* Sets the suffix. Returns NULL, or why the bytes cannot be used. */
 const char *piped_judge(piped_input *piped);
+
+/* What to read for a path: the bytes, if it is piped.name, else the file. */
+svo_source piped_source(const piped_input *piped, const char *path);
 
 /* Frees the bytes alone, once they are elsewhere. */
 void piped_release_bytes(piped_input *piped);

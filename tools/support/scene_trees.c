@@ -64,7 +64,7 @@ static bool has_form(const scene_trees *work, const svo_compact *compact)
 static int load_compact(scene_trees *work, size_t index)
 {
     svo_compact **out = &work->compacts[index];
-    const int exit_code = compact_input_load(work->running, work->file->trees[index].path, NULL, 0, out);
+    const int exit_code = compact_input_load(work->running, svo_from_path(work->file->trees[index].path), out);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }

@@ -24,7 +24,6 @@ int voxel_input_open(program *state, voxel_input *opened)
 {
     svo_message message = {""};
     const options *given = &state->options;
-    const piped_input *piped = &state->piped;
     const svo_voxels_load_options load_options = {.struct_size = sizeof load_options,
                                                   .hidden = (uint32_t)given->hidden,
                                                   .frame = (uint32_t)given->frame,
@@ -33,11 +32,8 @@ int voxel_input_open(program *state, voxel_input *opened)
                                                   .log = program_log,
                                                   .log_user = state};
     *opened = (voxel_input){.file = SVO_VOXEL_FILE_INFO_INIT, .list = SVO_VOXELS_INFO_INIT};
-    const svo_status status =
-        is_piped(state) ? svo_voxels_load_memory(piped->bytes, piped->byte_count, piped->name, &load_options,
-                                                 &opened->voxels, &opened->file, &message)
-                        : svo_voxels_load(given->input, &load_options, &opened->voxels, &opened->file, &message);
-    if (status != SVO_OK) {
+    if (svo_voxels_load(piped_source(&state->piped, given->input), &load_options, &opened->voxels, &opened->file,
+                        &message) != SVO_OK) {
         return program_fail_library(state, message.text);
     }
     (void)svo_voxels_get_info(opened->voxels, &opened->list);

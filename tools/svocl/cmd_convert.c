@@ -106,13 +106,6 @@ static int write_tree(program *state, conversion *done)
     return exit_code;
 }
 
-static int write_bytes(void *user, const void *bytes, size_t byte_count)
-{
-    output_file *file = user;
-    output_write(file, bytes, byte_count);
-    return file->error;
-}
-
 static int write_file(program *state, conversion *done)
 {
     output_file file;
@@ -124,8 +117,8 @@ static int write_file(program *state, conversion *done)
         return exit_code;
     }
     /* A write that failed is reported by output_commit. */
-    if (svo_voxels_write(done->source.voxels, svo_voxel_format_of_path(path), write_bytes, &file, &done->written,
-                         &message) != SVO_OK &&
+    if (svo_voxels_save(done->source.voxels, output_sink(&file), svo_voxel_format_of_path(path), &done->written,
+                        &message) != SVO_OK &&
         file.error == 0) {
         output_abandon(&file);
         return program_fail(state, PROGRAM_FAILED, "%s: %s", path, program_words(message.text));

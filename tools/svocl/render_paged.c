@@ -47,10 +47,12 @@ static int check(program *state)
 static int place_camera(paged_render *work)
 {
     const char *path = work->state->options.input;
-    const uint32_t level = work->info.depth < SVO_FRAME_LEVEL_MAX ? work->info.depth : SVO_FRAME_LEVEL_MAX;
+    const svo_load_options load_options = {.struct_size = sizeof load_options,
+                                           .last_level = work->info.depth < SVO_FRAME_LEVEL_MAX ? work->info.depth
+                                                                                                : SVO_FRAME_LEVEL_MAX};
     svo_message message = {""};
     svo_tree *coarse = NULL;
-    if (svo_tree_load_levels(path, level, NULL, &coarse, &message) != SVO_OK) {
+    if (svo_tree_load(svo_from_path(path), &load_options, &coarse, &message) != SVO_OK) {
         return program_fail_library(work->state, message.text);
     }
     const viewpoint_subject shown = {.target = svo_tree_target(coarse), .aspect = viewpoint_aspect(work->state)};

@@ -114,7 +114,9 @@ class Compact(Resident):
             FileDamagedError: it is truncated, damaged or of another format.
         """
         need_io("Compact.load")
-        return _loaded(lib.svo_compact_load, encode(path))
+        name = ffi.new("char[]", encode(path))
+        source = ffi.new("svo_source *", {"path": name})
+        return _loaded(source[0])
 
     @staticmethod
     def load_bytes(content: Union[bytes, bytearray, memoryview], name: str = "bytes") -> "Compact":
@@ -126,7 +128,9 @@ class Compact(Resident):
         """
         need_io("Compact.load_bytes")
         memory = ffi.from_buffer(content)
-        return _loaded(lib.svo_compact_load_memory, memory, len(memory), name.encode())
+        chars = ffi.new("char[]", name.encode())
+        source = ffi.new("svo_source *", {"bytes": memory, "byte_count": len(memory), "name": chars})
+        return _loaded(source[0])
 
     # --- what it holds ----------------------------------------------------------------------------------------------
 
@@ -369,10 +373,10 @@ def _on(what: str, tree: Tree, device: Optional["Device"]) -> Iterator[tuple[Nat
         yield native, pointer
 
 
-def _loaded(load: Any, *arguments: Any) -> Compact:
+def _loaded(source: Any) -> Compact:
     out = ffi.new("svo_compact **")
     message = ffi.new("svo_message *")
-    status = call(load, *arguments, ffi.NULL, out, message, undo=lambda: _undo(out))
+    status = call(lib.svo_compact_load, source, ffi.NULL, out, message, undo=lambda: _undo(out))
     if status != lib.SVO_OK:
         raise error(status, text(message.text))
     made = Compact.__new__(Compact)

@@ -62,12 +62,13 @@ class Resident(Handle):
             FileError: the file cannot be written.
         """
         need_io(f"{type(self).__name__}.save")
-        name = encode(path)
+        name = ffi.new("char[]", encode(path))
+        sink = ffi.new("svo_sink *", {"path": name})
         options = _structs.new("svo_save_options")
         options.compress = bool(compress)
         message = ffi.new("svo_message *")
         with self._downloaded(None) as pointer:
-            status = call(self._function("save"), pointer, name, options, message)
+            status = call(self._function("save"), pointer, sink[0], options, message)
             if status != lib.SVO_OK:
                 raise error(status, text(message.text))
 

@@ -119,35 +119,36 @@ class Tree(Resident):
     # --- files ------------------------------------------------------------------------------------------------------
 
     @staticmethod
-    def load(path: Path, *, levels: Optional[int] = None) -> "Tree":
+    def load(path: Path, *, levels: int = 0) -> "Tree":
         """Reads a .svo file. Lengths, checksums and every index are checked. For rays and pictures, upload it then.
 
         Args:
             levels: 1 to the file's depth: levels 0 to this one alone, a tree of that depth with its payload and without
-                triangles. None: all.
+                triangles. 0: all.
 
         Raises:
             FileError: the file cannot be read.
             FileDamagedError: it is truncated, damaged or of another format.
         """
         need_io("Tree.load")
-        name = encode(path)
-        if levels is not None:
-            return _loaded(lib.svo_tree_load_levels, name, levels, ffi.NULL)
-        return _loaded(lib.svo_tree_load, name)
+        name = ffi.new("char[]", encode(path))
+        source = ffi.new("svo_source *", {"path": name})
+        return _loaded(source[0], levels)
 
     @staticmethod
-    def load_bytes(content: Union[bytes, bytearray, memoryview], name: str = "bytes") -> "Tree":
+    def load_bytes(content: Union[bytes, bytearray, memoryview], name: str = "bytes", *, levels: int = 0) -> "Tree":
         """Tree.load from memory.
 
         Args:
             content: of a .svo file.
             name: stands for the path in messages.
+            levels: see Tree.load.
         """
         need_io("Tree.load_bytes")
         memory = ffi.from_buffer(content)
-        chars = name.encode()
-        return _loaded(lib.svo_tree_load_memory, memory, len(memory), chars)
+        chars = ffi.new("char[]", name.encode())
+        source = ffi.new("svo_source *", {"bytes": memory, "byte_count": len(memory), "name": chars})
+        return _loaded(source[0], levels)
 
     # --- what it holds ----------------------------------------------------------------------------------------------
 
@@ -505,10 +506,12 @@ def trace_voxels(
     return hits
 
 
-def _loaded(load: Any, *arguments: Any) -> Tree:
+def _loaded(source: Any, levels: int) -> Tree:
+    options = _structs.new("svo_load_options")
+    options.last_level = _arrays.integer("levels", levels)
     out = ffi.new("svo_tree **")
     message = ffi.new("svo_message *")
-    status = call(load, *arguments, out, message, undo=lambda: lib.svo_tree_destroy(out))
+    status = call(lib.svo_tree_load, source, options, out, message, undo=lambda: lib.svo_tree_destroy(out))
     if status != lib.SVO_OK:
         raise error(status, text(message.text))
     return Tree(out[0], None, None)

@@ -120,7 +120,9 @@ class Voxels(Handle):
             UnsupportedError: .svx, and svocl was built without libzip or expat.
         """
         need_io("Voxels.load")
-        return cls._load(lib.svo_voxels_load, [encode(path)], hidden, frame, voxels_max, axes)
+        name = ffi.new("char[]", encode(path))
+        source = ffi.new("svo_source *", {"path": name})
+        return cls._load(source[0], hidden, frame, voxels_max, axes)
 
     @classmethod
     def load_bytes(
@@ -142,8 +144,9 @@ class Voxels(Handle):
         """
         need_io("Voxels.load_bytes")
         memory = ffi.from_buffer(content)
-        source = [memory, len(memory), name.encode()]
-        return cls._load(lib.svo_voxels_load_memory, source, hidden, frame, voxels_max, axes)
+        chars = ffi.new("char[]", name.encode())
+        source = ffi.new("svo_source *", {"bytes": memory, "byte_count": len(memory), "name": chars})
+        return cls._load(source[0], hidden, frame, voxels_max, axes)
 
     def set_axes(self, axes: Axes) -> None:
         """Says which axis is up in files that the list is written to: at first what Voxels.load was given, else
@@ -171,10 +174,12 @@ class Voxels(Handle):
             UnsupportedError: .svx, and svocl was built without libzip or expat.
         """
         need_io("Voxels.save")
+        name = ffi.new("char[]", encode(path))
+        sink = ffi.new("svo_sink *", {"path": name})
         info = _structs.new("svo_voxels_save_info")
         message = ffi.new("svo_message *")
         with self._use() as pointer:
-            status = call(lib.svo_voxels_save, pointer, encode(path), lib.SVO_VOXEL_FORMAT_AUTO, info, message)
+            status = call(lib.svo_voxels_save, pointer, sink[0], lib.SVO_VOXEL_FORMAT_AUTO, info, message)
             if status != lib.SVO_OK:
                 raise error(status, text(message.text))
         return _structs.read_file_info(info, _generated.VoxelsSaveInfo)
@@ -283,7 +288,7 @@ class Voxels(Handle):
     # --- shared -----------------------------------------------------------------------------------------------------
 
     @classmethod
-    def _load(cls, load: Any, source: list[Any], hidden: bool, frame: int, voxels_max: int, axes: Axes) -> "Voxels":
+    def _load(cls, source: Any, hidden: bool, frame: int, voxels_max: int, axes: Axes) -> "Voxels":
         options = _structs.new("svo_voxels_load_options")
         options.hidden = bool(hidden)
         options.frame = _arrays.integer("frame", frame)
@@ -292,7 +297,7 @@ class Voxels(Handle):
         options.log = lib.svocl_python_log
         info = _structs.new("svo_voxel_file_info")
         made = cls.__new__(cls)
-        made._create(load, *source, options, info=info)
+        made._create(lib.svo_voxels_load, source, options, info=info)
         made.file_info = _structs.read_file_info(info, _generated.VoxelFileInfo)
         return made
 

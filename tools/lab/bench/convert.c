@@ -119,7 +119,7 @@ static int keep_bytes(void *user, const void *bytes, size_t byte_count)
 static svo_status write_as(sphere *of, svo_voxel_format format, svo_message *message)
 {
     of->file_bytes = 0;
-    const svo_status status = svo_voxels_write(of->voxels, format, keep_bytes, of, NULL, message);
+    const svo_status status = svo_voxels_save(of->voxels, svo_to_callback(keep_bytes, of), format, NULL, message);
     of->bytes = of->file_bytes;
     return status;
 }
@@ -138,7 +138,8 @@ static svo_status read_file(sphere *of, svo_message *message)
 {
     svo_voxels *read = NULL;
     of->bytes = of->file_bytes;
-    const svo_status status = svo_voxels_load_memory(of->file, of->file_bytes, "sphere", NULL, &read, NULL, message);
+    const svo_status status =
+        svo_voxels_load(svo_from_memory(of->file, of->file_bytes, "sphere"), NULL, &read, NULL, message);
     svo_voxels_destroy(&read);
     return status;
 }

@@ -214,7 +214,7 @@ static int build_tree(flight *of, const input *source, unsigned depth)
     }
     of->info = (svo_tree_info)SVO_TREE_INFO_INIT;
     (void)svo_tree_get_info(of->tree, &of->info);
-    return svo_tree_save(of->tree, of->path, NULL, &message) == SVO_OK
+    return svo_tree_save(of->tree, svo_to_path(of->path), NULL, &message) == SVO_OK
                ? PROGRAM_DONE
                : program_fail_library(of->all->state, message.text);
 }

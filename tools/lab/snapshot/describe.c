@@ -113,7 +113,7 @@ static void print_tree_info(const char *name, const svo_tree *tree)
 static void print_file(const char *name, const char *part, const svo_tree *tree, const char *path, uint32_t compress)
 {
     const svo_save_options options = {.struct_size = sizeof options, .compress = compress};
-    const svo_status status = svo_tree_save(tree, path, &options, NULL);
+    const svo_status status = svo_tree_save(tree, svo_to_path(path), &options, NULL);
     if (status != SVO_OK) {
         line_print_status(name, part, status);
         return;
@@ -138,7 +138,7 @@ void describe_files(const char *name, svo_tree *tree, const char *folder)
     svo_tree *loaded = NULL;
     (void)snprintf(path, sizeof path, "%s/tree.svo", folder);
     print_file(name, "file compressed", tree, path, 1);
-    const svo_status status = svo_tree_load(path, &loaded, NULL);
+    const svo_status status = svo_tree_load(svo_from_path(path), NULL, &loaded, NULL);
     if (status == SVO_OK) {
         print_hash(name, "tree loaded", loaded);
         print_file(name, "file saved again", loaded, path, 0);

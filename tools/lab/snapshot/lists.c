@@ -143,7 +143,7 @@ static void print_file(const char *name, const opened *session, const svo_voxels
     line_text line = {.used = 0};
     (void)snprintf(path, sizeof path, "%s/list.%s", folder, suffix);
     (void)snprintf(part, sizeof part, "file .%s", suffix);
-    svo_status status = svo_voxels_save(list, path, format, &saved, NULL);
+    svo_status status = svo_voxels_save(list, svo_to_path(path), format, &saved, NULL);
     if (status != SVO_OK) {
         line_print_status(name, part, status);
         return;
@@ -156,7 +156,7 @@ static void print_file(const char *name, const opened *session, const svo_voxels
     if (format == SVO_VOXEL_FORMAT_VOX || format == SVO_VOXEL_FORMAT_BINVOX) {
         svo_voxels *loaded = NULL;
         (void)snprintf(part, sizeof part, "tree from .%s", suffix);
-        status = svo_voxels_load(path, NULL, &loaded, NULL, NULL);
+        status = svo_voxels_load(svo_from_path(path), NULL, &loaded, NULL, NULL);
         if (status == SVO_OK) {
             print_tree(name, part, session, loaded, false);
         } else {

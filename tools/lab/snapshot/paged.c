@@ -131,7 +131,7 @@ void describe_paged(const char *name, const opened *session, svo_tree *tree, con
     uint64_t file_bytes = 0;
     paged_case of = {.name = name, .session = session, .path = path, .rgba = malloc(PICTURE_BYTES)};
     (void)snprintf(path, sizeof path, "%s/paged.svo", folder);
-    svo_status status = of.rgba != NULL ? svo_tree_save(tree, path, NULL, NULL) : SVO_OUT_OF_HOST_MEMORY;
+    svo_status status = of.rgba != NULL ? svo_tree_save(tree, svo_to_path(path), NULL, NULL) : SVO_OUT_OF_HOST_MEMORY;
     if (status == SVO_OK) {
         status = measure_file(&of, &file_bytes);
     }
