@@ -137,15 +137,11 @@ typedef enum svo_scene_flags {
         2 /**< asks every instance in turn, without the hierarchy: the same hits, to check them */
 } svo_scene_flags;
 
-/** A scene as a target. Each instance's hit is that of svo_trace_voxels or svo_trace_triangles for the ray in the tree.
- *  A footprint divides by the length of the matrix's longest column: nodes are drawn as leaves when the instance shows
- *  them smaller than a pixel. Triangles need SVO_NEED_RAYS.
- *
- * \param scene NULL: calls are refused
- * \returns the target. */
-SVO_API svo_target svo_scene_target(svo_scene *scene);
-
 /** A scene as a target: svo_render, svo_trace_voxels, svo_trace_triangles and svo_camera_fit.
+ *
+ * Each instance's hit is that of svo_trace_voxels or svo_trace_triangles for the ray in the tree. A footprint divides
+ * by the length of the matrix's longest column: nodes are drawn as leaves when the instance shows them smaller than a
+ * pixel. Triangles need SVO_NEED_RAYS.
  *
  * Its pictures show voxels by normal and color as far as the scene holds them (SVO_NEED_NORMAL, SVO_NEED_COLOR), with
  * Lambert shading by the lights, shadows, and the light of the sky.

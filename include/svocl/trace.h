@@ -201,8 +201,8 @@ typedef enum svo_bvh_quality {
 /** Makes the tree's BVH and waits for it, unless the tree has one of that quality. One of the other quality is
  *  replaced; on failure it stays. Without this call the first use makes one with SVO_BVH_BEST. It takes two buffers,
  *  ray_nodes and ray_leaves: 51 to 55 bytes per triangle in measurements of 8,000 triangles and more, at most 208 bytes
- *  per triangle plus 192. Where svo_tree_info.positions is not SVO_POSITIONS_FLOAT, leaves hold doubles too: 80 bytes more
- *  per triangle at most. While it is made, up to 140 bytes per triangle more are in use on the device.
+ *  per triangle plus 192. Where svo_tree_info.positions is not SVO_POSITIONS_FLOAT, leaves hold doubles too: 80 bytes
+ *  more per triangle at most. While it is made, up to 140 bytes per triangle more are in use on the device.
  *
  * \param tree with SVO_NEED_RAYS, coverage half-open or closed, on a device; no batch of its rays may be in progress
  * \param quality a svo_bvh_quality
