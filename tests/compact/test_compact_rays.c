@@ -443,9 +443,6 @@ static void wrong_arguments_are_refused(void **state)
                    svo_render(svo_compact_target(compact), NULL, svo_in_host(rgba), &(svo_submit){.queue = queue}),
                    "options is NULL");
     assert_refused(&opened,
-                   svo_render(svo_compact_target(compact), &options, svo_in_host(NULL), &(svo_submit){.queue = queue}),
-                   "pixels is NULL");
-    assert_refused(&opened,
                    svo_render(svo_compact_target(compact), &options, svo_in_host(rgba), &(svo_submit){.queue = queue}),
                    "svo_render: camera.vertical");
     (void)svo_camera_fit(svo_tree_target(tree.tree), 1, &options.camera);
