@@ -70,10 +70,10 @@ static void pin_light_hash(pins *all, const char *name, const svo_light *light)
              info.kept_bytes, info.lit_nodes);
     (void)snprintf(counts, sizeof counts, "%s, photons", name);
     pin_text(all, counts,
-             "%" PRIu64 " hit %" PRIu64 " traced %" PRIu64 " leaves %" PRIu64 " missed %" PRIu64 " items %" PRIu64
+             "%" PRIu64 " hit %" PRIu64 " traced %" PRIu64 " leaves %" PRIu64 " missed %" PRIu64
              " flux %a %a %a lost %a",
-             info.photons, info.photon_hits, info.traced_photons, info.lit_leaves, info.missed_leaves,
-             info.node_map_items, info.flux[0], info.flux[1], info.flux[2], info.lost_flux);
+             info.photons, info.photon_hits, info.traced_photons, info.lit_leaves, info.missed_leaves, info.flux[0],
+             info.flux[1], info.flux[2], info.lost_flux);
 }
 
 static void pin_gathered(pins *all, const svo_tree *tree, svo_light *light)
