@@ -99,10 +99,6 @@ typedef struct svo_light_info {
     uint64_t scratch_bytes; /**< the most that svo_light_create and since then svo_light_set_sources, from the light
                                  views to the radiance filter, took besides at a time; it is released */
     double stage_ms[SVO_LIGHT_STAGE_COUNT]; /**< of the last run of each stage; 0: it did not run */
-    /** Items that a node map would start to filter what photons brought, on all levels together, where svocl starts one
-     *  for each lit node: a pyramid over the light views, of each pixel's leaf and above it of the common ancestor of
-     *  2 x 2 cells (Crassin et al., 2011). 0 without svo_light_setup.diagnose. */
-    uint64_t node_map_items;
     uint64_t traced_photons; /**< of photons, those whose rays were traced by the newest call */
     uint64_t kept_bytes; /**< held for svo_light_update, besides total_bytes */
 } svo_light_info;
@@ -170,7 +166,7 @@ typedef struct svo_light_setup {
     size_t finish_count; /**< at most 65535; materials beyond are diffuse and do not emit */
     float sky[3]; /**< radiance from outside: linear red, green, blue, not negative */
     uint32_t view_resolution; /**< photons along a side of each light's view, 1 .. 16384; 0: four per facing leaf */
-    uint32_t diagnose; /**< not 0: counts missed_leaves and node_map_items too, by one more ray a leaf and source */
+    uint32_t diagnose; /**< not 0: counts missed_leaves too, by one more ray a leaf and source */
     uint32_t no_photons; /**< not 0: sources light surfaces of pictures directly, but no photons leave them */
     uint32_t updatable; /**< not 0: photons are kept for svo_light_update, in about 36 bytes each, 280 a lit leaf and
                               17 an inner node */

@@ -225,17 +225,9 @@ SVO_API void svo_probe_radiance(uint32_t word, float radiance[3]);
 
 /* ---- rays through probes ---- */
 
-/** How a ray chooses its probes. */
-typedef enum svo_probe_choice {
-    SVO_PROBE_CHOICE_FIELD = 0, /**< "field": those that see the cell where the ray is */
-    SVO_PROBE_CHOICE_EIGHT = 1, /**< "eight": those around the ray's origin, as published, for comparison */
-    SVO_PROBE_CHOICE_COUNT /**< number of choices */
-} svo_probe_choice;
-
 /** Options of rays through probes. */
 typedef struct svo_probe_trace_options {
     size_t struct_size; /**< sizeof(svo_probe_trace_options) */
-    svo_probe_choice choice; /**< how they choose probes */
     float thickness; /**< factor to how far behind their points surfaces hold, above 0; 0 means 1 */
 } svo_probe_trace_options;
 
@@ -275,8 +267,8 @@ SVO_API svo_status svo_probes_irradiance(svo_probes *probes, svo_array points, s
  *     SVO_PROBES_PARAMETERS    among a kernel's parameters, SVO_PROBES_ARGUMENTS of them
  *     SVO_PROBES_MAKE(probes)    an svo_probes from these parameters
  *     svo_ray, svo_probe_hit, svo_probe_irradiance    as in ray_types.h and probe_types.h
- *     uint svo_trace_probes(const svo_probes *, const svo_ray *, uint choice, float thickness, svo_probe_hit *)
- *         the hit's state; choice: 0 field, 1 eight; thickness: a factor, 1 by default
+ *     uint svo_trace_probes(const svo_probes *, const svo_ray *, float thickness, svo_probe_hit *)
+ *         the hit's state; thickness: a factor, 1 by default
  *     svo_probe_irradiance svo_gather_probes(const svo_probes *, float3 position, float3 normal)
  *
  * \param probes NULL: calls are refused, but svo_kernel_source and svo_kernel_options answer

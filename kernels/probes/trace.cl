@@ -8,7 +8,7 @@
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_probe_trace(SVO_PROBES_PARAMETERS, __global const svo_ray *rays, __global svo_probe_hit *hits, uint ray_count,
-                  svo_probe_trace_params params)
+                  float thickness)
 {
     const uint i = (uint)get_global_id(0);
     if (i >= ray_count) {
@@ -17,6 +17,6 @@ svo_k_probe_trace(SVO_PROBES_PARAMETERS, __global const svo_ray *rays, __global 
     SVO_PROBES_MAKE(probes);
     const svo_ray ray = rays[i];
     svo_probe_hit hit;
-    svo_trace_probes(&probes, &ray, params.choice, params.thickness, &hit);
+    svo_trace_probes(&probes, &ray, thickness, &hit);
     hits[i] = hit;
 }

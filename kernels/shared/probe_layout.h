@@ -44,13 +44,6 @@ SVO_RECORD(svo_probes_params)
     SVO_U32 reserved[2]; /* 104 */
 };
 
-/* Arguments of rays through probes. 8 bytes. */
-SVO_RECORD(svo_probe_trace_params)
-{
-    SVO_U32 choice; /* 0: svo_probe_choice */
-    SVO_F32 thickness; /* 4: a factor */
-};
-
 /* A launch of the kernels that make probes. 32 bytes. */
 SVO_RECORD(svo_probe_step)
 {
@@ -64,7 +57,6 @@ SVO_RECORD(svo_probe_step)
 
 #if !defined(GL_core_profile)
 SVO_ASSERT_BYTES(svo_probes_params, 112);
-SVO_ASSERT_BYTES(svo_probe_trace_params, 8);
 SVO_ASSERT_BYTES(svo_probe_step, 32);
 #endif
 

@@ -58,7 +58,6 @@ static const char *const probes_buffers[SVO_PROBES_BUFFER_COUNT] = {"places", "t
                                                                     "field",  "irradiance", "moments"};
 static const char *const probes_stages[SVO_PROBES_STAGE_COUNT] = {"placing", "texels", "radiance",
                                                                   "least",   "field",  "prefilter"};
-static const char *const probe_choices[SVO_PROBE_CHOICE_COUNT] = {"field", "eight"};
 static const char *const voxel_formats[] = {"auto", "vox", "svx", "binvox", "ply", "obj"};
 static const char *const context_kinds[SVO_GL_WRAPPED + 1] = {[SVO_GL_SURFACELESS] = "surfaceless",
                                                               [SVO_GL_EGL_DEVICE] = "egl-device",
@@ -87,7 +86,6 @@ static const name_list lists[SVO_NAME_KINDS] = {
     [SVO_NAME_LIGHT_STAGE] = NAME_LIST(light_stages, "unknown stage"),
     [SVO_NAME_PROBES_BUFFER] = NAME_LIST(probes_buffers, "unknown buffer"),
     [SVO_NAME_PROBES_STAGE] = NAME_LIST(probes_stages, "unknown stage"),
-    [SVO_NAME_PROBE_CHOICE] = NAME_LIST(probe_choices, "unknown choice"),
     [SVO_NAME_VOXEL_FORMAT] = NAME_LIST(voxel_formats, "unknown format"),
     [SVO_NAME_GL_CONTEXT_KIND] = NAME_LIST(context_kinds, "unknown context kind"),
     [SVO_NAME_GL_RASTER] = NAME_LIST(rasters, "unknown"),

@@ -407,7 +407,7 @@ static void darken(svo_light *light)
     for (int i = SVO_LIGHT_STAGE_VIEW; i < SVO_LIGHT_STAGE_COUNT; ++i) {
         info->stage_ms[i] = 0;
     }
-    info->photons = info->photon_hits = info->lit_leaves = info->missed_leaves = info->node_map_items = 0;
+    info->photons = info->photon_hits = info->lit_leaves = info->missed_leaves = 0;
     info->traced_photons = info->kept_bytes = 0;
     info->flux[0] = info->flux[1] = info->flux[2] = info->lost_flux = 0;
     light->params.sky[0] = light->params.sky[1] = light->params.sky[2] = 0.0F;

@@ -417,7 +417,7 @@ svo_status svo_i_photons_shoot_weighed(svo_i_photons *photons, const svo_light_v
     SVO_I_TRY(svo_i_work_wait(work));
     photons->view_ms += seen - start;
     photons->sum_ms += svo_i_now_ms() - seen;
-    return photons->map != NULL ? svo_i_node_map_take(photons->map, work, photons->leaves, params) : SVO_OK;
+    return SVO_OK;
 }
 
 static svo_status shoot_band(svo_i_photons *photons, const svo_i_light_view *view, const svo_light_view_params *params)
@@ -457,13 +457,7 @@ svo_status svo_i_photons_shoot(svo_i_photons *photons, const svo_i_light_view *v
     if (photons->kept != NULL) {
         next_view(photons->kept, &params);
     }
-    if (photons->map == NULL) {
-        return shoot_bands(photons, view, &params);
-    }
-    SVO_I_TRY(svo_i_node_map_begin(photons->map, photons->work, &params));
-    const svo_status status = shoot_bands(photons, view, &params);
-    svo_i_node_map_end(photons->map, &params);
-    return status;
+    return shoot_bands(photons, view, &params);
 }
 
 /* ---- totals ---- */

@@ -99,7 +99,6 @@ typedef struct svo_i_photons {
     svo_photon_weight *host_weights; /* of a band, owned */
     cl_mem spreads; /* svo_photon_spread each SVO_ITEM_PHOTONS of them */
     const svo_i_photon_caster *caster; /* NULL: rays of the tree */
-    svo_i_node_map *map; /* that takes the leaves of all pixels; NULL: none */
     double view_ms, sum_ms; /* rays; leaves and sums */
 } svo_i_photons;
 

@@ -122,25 +122,6 @@ static svo_status shoot_all(svo_i_photons *photons, const svo_light_setup *setup
     return SVO_OK;
 }
 
-/* The same with the counts that setup.diagnose asks for. */
-static svo_status shoot_and_count(svo_i_photons *photons, const svo_light_setup *setup, const svo_i_lit_box *box,
-                                  svo_light_info *info)
-{
-    uint64_t *codes = NULL;
-    svo_status status = SVO_OK;
-    SVO_I_TRY(find_codes(photons->work, photons->tree, photons->tree->info.depth, &codes));
-    svo_i_node_map map = {.leaf_codes = codes, .depth = photons->tree->info.depth};
-    photons->map = &map;
-    SVO_I_TRY_CLEANUP(shoot_all(photons, setup, box));
-    SVO_I_TRY_CLEANUP(svo_i_photons_count_unmet(photons, setup, &info->missed_leaves));
-    info->node_map_items = map.items;
-
-cleanup:
-    photons->map = NULL;
-    svo_i_free(codes);
-    return status;
-}
-
 /* ---- photons that are shot again ---- */
 
 /* Photons of all views that are shot again. */
@@ -493,13 +474,9 @@ static bool has_lobes(const svo_light *light, const svo_light_setup *setup)
 static svo_status shoot(svo_i_photons *photons, svo_light *light, const svo_light_setup *setup,
                         const svo_i_lit_box *box, bool again)
 {
-    svo_status status = SVO_OK;
-    if (again) {
-        status = shoot_again(photons, light->before);
-    } else if (setup->diagnose != 0) {
-        status = shoot_and_count(photons, setup, box, &light->info);
-    } else {
-        status = shoot_all(photons, setup, box);
+    svo_status status = again ? shoot_again(photons, light->before) : shoot_all(photons, setup, box);
+    if (status == SVO_OK && !again && setup->diagnose != 0) {
+        status = svo_i_photons_count_unmet(photons, setup, &light->info.missed_leaves);
     }
     svo_i_photons_release_bands(photons);
     return status;

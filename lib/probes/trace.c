@@ -43,24 +43,19 @@ static svo_i_ray_target target_of(svo_probes *probes)
 
 /* ---- rays ---- */
 
-/* The options, checked, with the defaults for 0. */
+/* The options, checked; thickness: with the default for 0. */
 static svo_status read_options(const svo_probes *probes, const char *function, const svo_probe_trace_options *options,
-                               svo_probe_trace_params *params)
+                               cl_float *thickness)
 {
     svo_probe_trace_options asked;
     SVO_I_TRY(svo_i_struct_read(svo_i_device_message(probes->device), function, "options", options, &asked,
                                 SVO_I_STRUCT_SIZES(svo_probe_trace_options, thickness)));
-    if ((unsigned)asked.choice >= SVO_PROBE_CHOICE_COUNT) {
-        return svo_i_device_fail(probes->device, SVO_INVALID_ARGUMENT, "%s: options.choice %d is not in 0 .. %d",
-                                 function, (int)asked.choice, (int)SVO_PROBE_CHOICE_COUNT - 1);
-    }
     if (!(asked.thickness >= 0.0F) || !isfinite(asked.thickness)) {
         return svo_i_device_fail(probes->device, SVO_INVALID_ARGUMENT,
                                  "%s: options.thickness %g is negative or not finite", function,
                                  (double)asked.thickness);
     }
-    *params = (svo_probe_trace_params){.choice = (cl_uint)asked.choice,
-                                       .thickness = asked.thickness > 0.0F ? asked.thickness : 1.0F};
+    *thickness = asked.thickness > 0.0F ? asked.thickness : 1.0F;
     return SVO_OK;
 }
 
@@ -68,11 +63,11 @@ svo_status svo_probes_trace(svo_probes *probes, svo_array rays, svo_array hits, 
                             const svo_probe_trace_options *options, const svo_submit *submit)
 {
     static const char function[] = "svo_probes_trace";
-    svo_probe_trace_params params;
+    cl_float thickness = 0;
     if (probes == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    SVO_I_TRY(read_options(probes, function, options, &params));
+    SVO_I_TRY(read_options(probes, function, options, &thickness));
     const svo_i_batch asked = {.device = probes->device,
                                .function = function,
                                .target = target_of(probes),
@@ -85,7 +80,7 @@ svo_status svo_probes_trace(svo_probes *probes, svo_array rays, svo_array hits, 
                                .output_bytes = sizeof(svo_probe_hit),
                                .count = ray_count,
                                .per_item = 1,
-                               .last_argument = {sizeof params, &params, false}};
+                               .last_argument = {sizeof thickness, &thickness, false}};
     return svo_i_batch_run(&asked, &rays, &hits, submit);
 }
 

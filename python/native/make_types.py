@@ -39,7 +39,6 @@ ENUMS = (
     ("svo_light_buffer", "LightBuffer", "SVO_LIGHT_", "IntEnum"),
     ("svo_source_kind", "SourceKind", "SVO_SOURCE_", "IntEnum"),
     ("svo_probes_buffer", "ProbeBuffer", "SVO_PROBES_", "IntEnum"),
-    ("svo_probe_choice", "ProbeChoice", "SVO_PROBE_CHOICE_", "IntEnum"),
 )
 
 # What the headers have as a list and as macros: the pattern of an enumerator and its words, and the words of all.

@@ -117,11 +117,10 @@ def test_enumerations_are_complete():
         "svo_scene_flags": (_generated.SceneTrace, "SVO_SCENE_"),
         "svo_light_form": (_generated.LightForm, "SVO_LIGHT_"),
         "svo_probes_buffer": (_generated.ProbeBuffer, "SVO_PROBES_"),
-        "svo_probe_choice": (_generated.ProbeChoice, "SVO_PROBE_CHOICE_"),
         "svo_opacity": (_generated.Opacity, "SVO_OPACITY_"),
         "svo_light_buffer": (_generated.LightBuffer, "SVO_LIGHT_"),
     }
-    counts = {"svo_form": "COUNT", "svo_light_form": "FORM_COUNT", "svo_probe_choice": "COUNT"}
+    counts = {"svo_form": "COUNT", "svo_light_form": "FORM_COUNT"}
     for name, (kind, prefix) in enumerations.items():
         expected = {text[len(prefix) :]: value for text, value in ffi.typeof(name).relements.items()}
         expected.pop(counts.get(name, "BUFFER_COUNT"), None)

@@ -25,7 +25,7 @@ static const char kernel_source[] =
     "    ray.direction[2] = 1.0f;\n"
     "    ray.t_min = 0.0f;\n"
     "    ray.t_max = INFINITY;\n"
-    "    const uint state = svo_trace_probes(&probes, &ray, 0u, 1.0f, &hit);\n"
+    "    const uint state = svo_trace_probes(&probes, &ray, 1.0f, &hit);\n"
     "    picture[y * width + x] = state == SVO_PROBE_HIT ? (uchar)min(hit.t / 8.0f * 9.0f, 8.0f)\n"
     "                                                    : state == SVO_PROBE_MISS ? 9 : 10;\n"
     "}\n";

@@ -70,10 +70,10 @@ static void pin_light_hash(pins *all, const char *name, const svo_light *light)
              info.kept_bytes, info.lit_nodes);
     (void)snprintf(counts, sizeof counts, "%s, photons", name);
     pin_text(all, counts,
-             "%" PRIu64 " hit %" PRIu64 " traced %" PRIu64 " leaves %" PRIu64 " missed %" PRIu64 " items %" PRIu64
+             "%" PRIu64 " hit %" PRIu64 " traced %" PRIu64 " leaves %" PRIu64 " missed %" PRIu64
              " flux %a %a %a lost %a",
-             info.photons, info.photon_hits, info.traced_photons, info.lit_leaves, info.missed_leaves,
-             info.node_map_items, info.flux[0], info.flux[1], info.flux[2], info.lost_flux);
+             info.photons, info.photon_hits, info.traced_photons, info.lit_leaves, info.missed_leaves, info.flux[0],
+             info.flux[1], info.flux[2], info.lost_flux);
 }
 
 static void pin_gathered(pins *all, const svo_tree *tree, svo_light *light)
@@ -227,30 +227,25 @@ static void pin_probe_info(pins *all, const svo_probes *probes)
              (double)info.step[2], (double)info.leaf_edge, (double)info.farthest);
 }
 
-static void pin_probe_rays(pins *all, const svo_tree *tree, svo_probes *probes, svo_probe_choice choice)
+static void pin_probe_rays(pins *all, const svo_tree *tree, svo_probes *probes)
 {
     static svo_ray rays[RAYS];
     static svo_probe_hit hits[RAYS];
     size_t states[3] = {0};
-    char name[64];
-    svo_probe_trace_options options = SVO_PROBE_TRACE_OPTIONS_INIT;
-    options.choice = choice;
     pin_make_rays(tree, 33, rays, RAYS);
     for (size_t i = 0; i < RAYS; ++i) { /* from inside */
         for (int axis = 0; axis < 3; ++axis) {
             rays[i].origin[axis] += 0.6F * rays[i].direction[axis];
         }
     }
-    pin_succeed(all, svo_probes_trace(probes, svo_in_host(rays), svo_in_host(hits), RAYS, &options,
+    pin_succeed(all, svo_probes_trace(probes, svo_in_host(rays), svo_in_host(hits), RAYS, NULL,
                                       &(svo_submit){.queue = all->opened.queue}));
     for (size_t i = 0; i < RAYS; ++i) {
         states[hits[i].state < 3 ? hits[i].state : 2] += 1;
         hits[i].radiance[0] = hits[i].radiance[1] = hits[i].radiance[2] = 0;
     }
-    (void)snprintf(name, sizeof name, "rays by %s", svo_name(SVO_NAME_PROBE_CHOICE, choice));
-    pin_text(all, name, "%zu miss, %zu hit, %zu unknown", states[0], states[1], states[2]);
-    (void)snprintf(name, sizeof name, "hits by %s", svo_name(SVO_NAME_PROBE_CHOICE, choice));
-    pin_digest(all, name, hits, sizeof hits);
+    pin_text(all, "rays", "%zu miss, %zu hit, %zu unknown", states[0], states[1], states[2]);
+    pin_digest(all, "hits", hits, sizeof hits);
 }
 
 static void pin_irradiance(pins *all, const svo_tree *tree, svo_probes *probes)
@@ -315,9 +310,7 @@ void pin_probes(pins *all)
                        svo_probes_get_buffer(probes, (svo_probes_buffer)i));
         }
         pin_begin(all, "PoCL %s", all->scenes[s].name);
-        for (int choice = 0; choice < SVO_PROBE_CHOICE_COUNT; ++choice) {
-            pin_probe_rays(all, tree, probes, (svo_probe_choice)choice);
-        }
+        pin_probe_rays(all, tree, probes);
         svo_probes_destroy(&probes);
         pin_succeed(all, svo_light_create(tree, &lit, all->opened.queue, &light));
         shine(all, tree, light, true);

@@ -119,7 +119,6 @@ static void every_subject_adds_its_tables(void **state)
     assert_true(row_count_of(table_of(document, "light-stages")) > 3 * 5);
     expect_positive(table_of(document, "light-bytes"), "all");
     expect_positive(table_of(document, "light-bytes"), "lit nodes");
-    expect_positive(table_of(document, "light-bytes"), "node-map items");
     assert_true(column_of(table_of(document, "light-bytes"), "missed leaves") > 0); /* may be none */
     expect_positive(table_of(document, "light-frames"), "cones");
     expect_positive(table_of(document, "light-bytes"), "RGBA8 pyramid, passes");

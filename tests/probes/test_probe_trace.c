@@ -16,6 +16,7 @@
 
 #include <cmocka.h>
 
+#include "errors/published_probes.h"
 #include "light/light_fixture.h"
 #include "probe_reference.h"
 #include "probes_of.h"
@@ -114,13 +115,21 @@ static void random_rays(double low, double high, svo_ray *rays)
     }
 }
 
-static void trace(const fixture *opened, const scene *of, const svo_ray *rays, svo_probe_choice choice,
-                  svo_probe_hit *hits)
+/* How rays choose their probes: as svo_probes_trace, and as published. */
+enum { BY_FIELD, BY_EIGHT, CHOICES };
+static const char *const choice_names[CHOICES] = {"field", "eight"};
+
+static void trace(const fixture *opened, const scene *of, const svo_ray *rays, int choice, svo_probe_hit *hits)
 {
-    svo_probe_trace_options options = SVO_PROBE_TRACE_OPTIONS_INIT;
-    options.choice = choice;
-    light_succeed(opened, svo_probes_trace(of->probes, svo_in_host(rays), svo_in_host(hits), RAY_COUNT, &options,
-                                           &(svo_submit){.queue = opened->queue}));
+    if (choice == BY_FIELD) {
+        light_succeed(opened, svo_probes_trace(of->probes, svo_in_host(rays), svo_in_host(hits), RAY_COUNT, NULL,
+                                               &(svo_submit){.queue = opened->queue}));
+    } else {
+        published_probes made;
+        assert_true(published_probes_make(opened->device, of->probes, opened->queue, &made));
+        assert_true(published_probes_trace(&made, rays, hits, RAY_COUNT));
+        published_probes_free(&made);
+    }
 }
 
 /* ---- the walk ---- */
@@ -174,7 +183,7 @@ static void check_walk(const fixture *opened, uint32_t resolution)
             rays[i].t_max = fminf(rays[i].t_max, (wall - rays[i].origin[axis]) / rays[i].direction[axis]);
         }
     }
-    trace(opened, &of, rays, SVO_PROBE_CHOICE_EIGHT, hits);
+    trace(opened, &of, rays, BY_EIGHT, hits);
     for (uint32_t i = 0; i < RAY_COUNT; ++i) {
         const probe_answer expected = probe_reference_trace(&map, &rays[i]);
         if (!expected.close) {
@@ -216,9 +225,9 @@ static void a_closed_room_has_no_way_out(void **state)
     random_rays(0.5, 7.5, rays);
     light_succeed(&opened, svo_trace_triangles(svo_tree_target(of.tree.tree), svo_in_host(rays), svo_in_host(exact),
                                                RAY_COUNT, SVO_TRACE_CLOSEST, &(svo_submit){.queue = opened.queue}));
-    for (int choice = 0; choice < SVO_PROBE_CHOICE_COUNT; ++choice) {
+    for (int choice = 0; choice < CHOICES; ++choice) {
         uint32_t known = 0;
-        trace(&opened, &of, rays, (svo_probe_choice)choice, hits);
+        trace(&opened, &of, rays, choice, hits);
         for (uint32_t i = 0; i < RAY_COUNT; ++i) {
             assert_int_not_equal(hits[i].state, SVO_PROBE_MISS);
             if (hits[i].state == SVO_PROBE_HIT) {
@@ -226,8 +235,8 @@ static void a_closed_room_has_no_way_out(void **state)
                 ++known;
             }
         }
-        print_message("%s: %u of %u rays hit, at most %.3f leaf edges off\n",
-                      svo_name(SVO_NAME_PROBE_CHOICE, (svo_probe_choice)choice), known, RAY_COUNT, worst);
+        print_message("%s: %u of %u rays hit, at most %.3f leaf edges off\n", choice_names[choice], known, RAY_COUNT,
+                      worst);
         assert_true(known >= RAY_COUNT * 999 / 1000);
         assert_true(worst < 1.5);
     }
@@ -276,7 +285,7 @@ static void a_sealed_room_is_dark(void **state)
         rays[i].t_max = INFINITY;
     }
     uint32_t known = 0;
-    trace(&opened, &of, rays, SVO_PROBE_CHOICE_FIELD, hits);
+    trace(&opened, &of, rays, BY_FIELD, hits);
     for (uint32_t i = 0; i < RAY_COUNT; ++i) {
         if (hits[i].state == SVO_PROBE_MISS || hits[i].radiance[0] > 0.0F) {
             fail_msg("from (%.9g, %.9g, %.9g) along (%.9g, %.9g, %.9g): state %u, radiance %g",
@@ -322,8 +331,8 @@ static void rays_pass_through_a_probe(void **state)
     }
     light_succeed(&opened, svo_trace_triangles(svo_tree_target(of.tree.tree), svo_in_host(rays), svo_in_host(exact),
                                                RAY_COUNT, SVO_TRACE_CLOSEST, &(svo_submit){.queue = opened.queue}));
-    for (int choice = 0; choice < SVO_PROBE_CHOICE_COUNT; ++choice) {
-        trace(&opened, &of, rays, (svo_probe_choice)choice, hits);
+    for (int choice = 0; choice < CHOICES; ++choice) {
+        trace(&opened, &of, rays, choice, hits);
         for (uint32_t i = 0; i < RAY_COUNT; ++i) {
             const double error = fabs((double)hits[i].t - (double)exact[i].t) / (double)of.info.leaf_edge;
             if (hits[i].state != SVO_PROBE_HIT || !(error < 1)) {
@@ -371,12 +380,12 @@ static void any_ray_ends(void **state)
             rays[i].t_min = i % 4 == 0 ? odd_number() : 0.0F;
             rays[i].t_max = i % 4 == 1 ? odd_number() : INFINITY;
         }
-        for (int choice = 0; choice < SVO_PROBE_CHOICE_COUNT; ++choice) {
-            trace(&opened, &of, rays, (svo_probe_choice)choice, hits);
+        for (int choice = 0; choice < CHOICES; ++choice) {
+            trace(&opened, &of, rays, choice, hits);
             for (uint32_t i = 0; i < RAY_COUNT; ++i) {
                 const bool miss = hits[i].state == SVO_PROBE_MISS;
                 assert_in_range(hits[i].state, SVO_PROBE_MISS, SVO_PROBE_UNKNOWN);
-                assert_true(hits[i].visited <= walk_most * (choice == 0 ? probes_most : 8));
+                assert_true(hits[i].visited <= walk_most * (choice == BY_FIELD ? probes_most : 8));
                 assert_int_equal(hits[i].texel == SVO_NO_TEXEL, hits[i].state != SVO_PROBE_HIT);
                 if (miss ? !isinf(hits[i].t) : !isfinite(hits[i].t)) {
                     fail_msg("ray %u: state %u, t %g", i, hits[i].state, (double)hits[i].t);
@@ -421,7 +430,7 @@ static void hits_are_near_those_of_exact_rays(void **state)
     static svo_hit exact[RAY_COUNT];
     static svo_probe_hit hits[RAY_COUNT];
     const svo_probe_options options = options_of(4, 4, 4, 128);
-    uint32_t unknown[SVO_PROBE_CHOICE_COUNT] = {0};
+    uint32_t unknown[CHOICES] = {0};
     parts room = hall();
     scene of;
     random_state = 22;
@@ -438,19 +447,18 @@ static void hits_are_near_those_of_exact_rays(void **state)
     }
     light_succeed(&opened, svo_trace_triangles(svo_tree_target(of.tree.tree), svo_in_host(rays), svo_in_host(exact),
                                                RAY_COUNT, SVO_TRACE_CLOSEST, &(svo_submit){.queue = opened.queue}));
-    for (int choice = 0; choice < SVO_PROBE_CHOICE_COUNT; ++choice) {
+    for (int choice = 0; choice < CHOICES; ++choice) {
         uint32_t wrong = 0;
-        trace(&opened, &of, rays, (svo_probe_choice)choice, hits);
+        trace(&opened, &of, rays, choice, hits);
         for (uint32_t i = 0; i < RAY_COUNT; ++i) {
             const double error = fabs((double)hits[i].t - (double)exact[i].t) / (double)of.info.leaf_edge;
             unknown[choice] += hits[i].state == SVO_PROBE_UNKNOWN ? 1 : 0;
             wrong += hits[i].state == SVO_PROBE_MISS || (hits[i].state == SVO_PROBE_HIT && error > 2) ? 1 : 0;
         }
-        print_message("%s: of %u rays %u unknown, %u wrong\n",
-                      svo_name(SVO_NAME_PROBE_CHOICE, (svo_probe_choice)choice), RAY_COUNT, unknown[choice], wrong);
+        print_message("%s: of %u rays %u unknown, %u wrong\n", choice_names[choice], RAY_COUNT, unknown[choice], wrong);
         assert_true(wrong <= RAY_COUNT / 50);
     }
-    assert_true(unknown[SVO_PROBE_CHOICE_FIELD] * 3 <= unknown[SVO_PROBE_CHOICE_EIGHT]);
+    assert_true(unknown[BY_FIELD] * 3 <= unknown[BY_EIGHT]);
     close_scene(&of);
 }
 
@@ -540,10 +548,6 @@ static void wrong_arguments_are_refused(void **state)
                    "svo_probes_trace: rays is NULL");
     expect_refusal(&opened, svo_probes_trace(of.probes, svo_in_host(&ray), svo_in_host(NULL), 1, NULL, NULL),
                    "svo_probes_trace: hits is NULL");
-    asked.choice = (svo_probe_choice)2;
-    expect_refusal(&opened, svo_probes_trace(of.probes, svo_in_host(&ray), svo_in_host(&hit), 1, &asked, NULL),
-                   "svo_probes_trace: options.choice 2 is not in 0 .. 1");
-    asked.choice = SVO_PROBE_CHOICE_EIGHT;
     asked.thickness = -1.0F;
     expect_refusal(&opened, svo_probes_trace(of.probes, svo_in_host(&ray), svo_in_host(&hit), 1, &asked, NULL),
                    "svo_probes_trace: options.thickness -1 is negative or not finite");
@@ -551,7 +555,6 @@ static void wrong_arguments_are_refused(void **state)
                    "svo_probes_irradiance: the probes were made without diffuse maps");
     expect_refusal(&opened, svo_kernel_set_arguments(svo_probes_target(of.probes), NULL, 0),
                    "svo_kernel_set_arguments: kernel is NULL");
-    assert_string_equal(svo_name(SVO_NAME_PROBE_CHOICE, (svo_probe_choice)2), "unknown choice");
     close_scene(&of);
 }
 

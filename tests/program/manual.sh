@@ -68,7 +68,6 @@ expect_completion 'build bench' svocl b
 expect_completion '--frontend' svocl build --fro
 expect_completion '--max-bytes' svocl export-web --max-b
 expect_completion 'probes' svocl render --through p
-expect_completion 'eight' svocl render --choice e
 expect_completion 'model.obj' svocl convert mo
 expect_completion '--depth --device' svocl build --de
 expect_completion 'cl' svocl build scene : cube --frontend c

@@ -107,7 +107,6 @@ static void views_show_their_light(void **state)
     assert_string_equal(text_of(document, "form"), "faces");
     assert_true(number_of(document, "photons") > 0 && number_of(document, "lit_leaves") > 0);
     assert_true(number_of(document, "lit_nodes") > number_of(document, "lit_leaves"));
-    assert_true(number_of(document, "node_map_items") > number_of(document, "lit_nodes"));
     assert_true(number_of(document, "missed_leaves") > 0);
     assert_float_equal(cJSON_GetArrayItem(array_of(document, "eye"), 2)->valuedouble, 6, 1e-6);
     cJSON_Delete(document);

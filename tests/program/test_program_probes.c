@@ -35,25 +35,19 @@ static void colors_are_counted(void **state)
 #define RENDER                                                                                     \
     "$SVOCL render scene:cornell:2000 -d 6 --through probes --probes 3,2,4 --probe-resolution 64 " \
     "--eye 0,1,3.6 --at 0,1,0 --size 48x32 "
-    for (int choice = 0; choice < 2; ++choice) {
-        static const char *const names[] = {"field", "eight"};
-        char line[256];
-        snprintf(line, sizeof line, RENDER "--json -o a.png --choice %s", names[choice]);
-        cJSON *document = run_json(line);
-        const int hits = (int)number_of(document, "hits");
-        const int misses = (int)number_of(document, "misses");
-        const int unknown = (int)number_of(document, "unknown");
-        program_picture picture = read_picture("a.png");
-        assert_int_equal(hits + misses + unknown, PIXELS);
-        assert_int_equal(count_pixels(&picture, green), misses);
-        assert_int_equal(count_pixels(&picture, red), unknown);
-        assert_true(hits > PIXELS / 4 && misses > PIXELS / 16);
-        assert_string_equal(text_of(document, "choice"), names[choice]);
-        assert_int_equal((int)number_of(document, "resolution"), 64);
-        assert_int_equal(cJSON_GetArrayItem(array_of(document, "probes"), 2)->valueint, 4);
-        free_picture(&picture);
-        cJSON_Delete(document);
-    }
+    cJSON *document = run_json(RENDER "--json -o a.png");
+    const int hits = (int)number_of(document, "hits");
+    const int misses = (int)number_of(document, "misses");
+    const int unknown = (int)number_of(document, "unknown");
+    program_picture picture = read_picture("a.png");
+    assert_int_equal(hits + misses + unknown, PIXELS);
+    assert_int_equal(count_pixels(&picture, green), misses);
+    assert_int_equal(count_pixels(&picture, red), unknown);
+    assert_true(hits > PIXELS / 4 && misses > PIXELS / 16);
+    assert_int_equal((int)number_of(document, "resolution"), 64);
+    assert_int_equal(cJSON_GetArrayItem(array_of(document, "probes"), 2)->valueint, 4);
+    free_picture(&picture);
+    cJSON_Delete(document);
     run_well(RENDER "-o a.png");
     assert_non_null(strstr(last.output, "probes: 3 x 2 x 4 of 64 x 64 texels"));
     run_well(RENDER "-q -o b.png && cmp a.png b.png");
@@ -106,7 +100,6 @@ static void a_closed_room_has_no_holes(void **state)
         /* The wall's normal is -x, of bytes: within a degree. */
         expect_view("--view normal", 0, 0, 4);
         expect_view("--view normal", 1, 124, 132);
-        expect_view("--view normal --choice eight", 0, 0, 4);
         expect_view("--view depth", 2, 60, 250);
         expect_view("--view steps", 2, 51, 255);
     }
@@ -234,7 +227,7 @@ static void what_does_not_apply_is_refused(void **state)
     need_builds();
 #define RENDER "$SVOCL render scene:cube -d 3 -o a.png "
     run_badly(RENDER "--probes 2,2,2", 2, "options of probes require --through probes");
-    run_badly(RENDER "--choice eight", 2, "options of probes require --through probes");
+    run_badly(RENDER "--probe-field 8", 2, "options of probes require --through probes");
     run_badly(RENDER "--through walls", 2, "--through 'walls' is none of tree, probes");
     run_badly(RENDER "--through probes --probes 2,2", 2, "--probes '2,2' is not X,Y,Z, each 1 to 65534");
     run_badly(RENDER "--through probes --probes 0,2,2", 2, "--probes '0,2,2' is not X,Y,Z");
@@ -242,7 +235,6 @@ static void what_does_not_apply_is_refused(void **state)
     run_badly(RENDER "--through probes --probe-resolution 100", 1, "resolution 100");
     run_badly(RENDER "--through probes --probes 300,300,1", 1, "65534");
     run_badly(RENDER "--through probes --probes 8,8,8 --probe-resolution 1024", 1, "1073741824");
-    run_badly(RENDER "--through probes --choice nine", 2, "--choice 'nine' is none of field, eight");
     run_badly(RENDER "--through probes --view level", 2, "views shaded, normal, depth and steps alone");
     run_badly(RENDER "--through probes --view full", 2, "views shaded, normal, depth and steps alone");
     run_badly(RENDER "--through probes --view normal --lights a.json", 2, "options of lights and cones require");

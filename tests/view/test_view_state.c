@@ -236,8 +236,6 @@ static void keys_look_through_probes(void **unused)
     press(state, '3', false);
     press(state, '9', false); /* refused */
     assert_int_equal(state->shown.picture, VIEW_DEPTH);
-    press(state, 'e', false);
-    assert_int_equal(state->shown.choice, SVO_PROBE_CHOICE_EIGHT);
     press(state, 't', false);
     press(state, '9', false);
     assert_int_equal(state->shown.picture, VIEW_GI);

@@ -45,8 +45,7 @@ same view-8-direct --view direct
 same view-0-full --view full
 same toggle-no-gi --view full --gi off
 same toggle-no-photons --view full --photons off
-same probes-field --through probes "${probes[@]}"
-same probes-eight --through probes "${probes[@]}" --choice eight
+same probes-shaded --through probes "${probes[@]}"
 same probes-normal --through probes "${probes[@]}" --view normal
 same probes-depth --through probes "${probes[@]}" --view depth
 same probes-steps --through probes "${probes[@]}" --view steps

@@ -387,7 +387,6 @@ static int count_missed(program *state, const job *done, const svo_light_setup *
     }
     (void)svo_light_get_info(work->light, &counted);
     work->info.missed_leaves = counted.missed_leaves;
-    work->info.node_map_items = counted.node_map_items;
     return PROGRAM_DONE;
 }
 
@@ -511,7 +510,6 @@ void lighting_report_json(cJSON *document, const lighting *work)
     json_add_count(document, "photon_hits", work->info.photon_hits);
     json_add_count(document, "lit_leaves", work->info.lit_leaves);
     json_add_count(document, "lit_nodes", work->info.lit_nodes);
-    json_add_count(document, "node_map_items", work->info.node_map_items);
     json_add_count(document, "missed_leaves", work->info.missed_leaves);
     cJSON_AddNumberToObject(document, "lost_flux", work->info.lost_flux);
     cJSON_AddNumberToObject(document, "light_ms", work->light_ms);

@@ -39,7 +39,7 @@ enum option_group {
     OPTION_LIGHT = 2097152, /* lights, and the cones that gather them */
     OPTION_GATHER_COMMAND = 4194304, /* points, reference */
     OPTION_WEB_COMMAND = 8388608, /* max-bytes; of render: view, exposure, camera */
-    OPTION_PROBES = 16777216, /* probes, and how rays choose them */
+    OPTION_PROBES = 16777216, /* probes of a tree or a scene */
     OPTION_VIEW_COMMAND = 33554432, /* the window, script */
     OPTION_DEVICES_COMMAND = 67108864, /* path, of all devices */
     OPTION_LEVELS = 134217728, /* how much of a .svo file is read */
@@ -170,7 +170,6 @@ typedef struct options {
     int through; /* render: 0 the tree, 1 probes */
     uint32_t probe_counts[3]; /* probes along each axis */
     uint64_t probe_resolution, probe_field; /* texels along a map's side, field cells an axis; 0: not given */
-    int probe_choice; /* svo_probe_choice */
     uint64_t window_width, window_height; /* view: pixels; 0: not given */
     uint64_t fullscreen; /* view: a flag */
     double scale; /* view: of panels; 0: not given */

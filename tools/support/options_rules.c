@@ -64,7 +64,6 @@ static const choice light_forms[] = {
 static const choice opacities[] = {{"area", SVO_OPACITY_AREA}, {"full", SVO_OPACITY_FULL}, {NULL, 0}};
 static const choice cone_sets[] = {{"1", 1}, {"5", 5}, {"6", 6}, {"16", 16}, {"64", 64}, {NULL, 0}};
 static const choice ways_through[] = {{"tree", 0}, {"probes", 1}, {NULL, 0}};
-static const choice probe_choices[] = {{"field", SVO_PROBE_CHOICE_FIELD}, {"eight", SVO_PROBE_CHOICE_EIGHT}, {NULL, 0}};
 static const choice switches[] = {{"on", 1}, {"off", 0}, {NULL, 0}};
 static const choice rivals[] = {{"none", 0},
                                 {"embree", OPTION_VERSUS_EMBREE},
@@ -489,8 +488,6 @@ static const rule rules[] = {
      NULL, "texels along a side of a probe's map, a multiple of 16 (256, or what 1 GiB allows)"},
     {"probe-field", '\0', OPTION_PROBES | OPTION_HASH_COMMAND, "N", read_count, FIELD(probe_field), 1, 256, NULL,
      "cells along each axis of the field that rays choose probes from (64)"},
-    {"choice", '\0', OPTION_PROBES, "NAME", read_choice, FIELD(probe_choice), 0, 0, probe_choices,
-     "probes that a ray tries: field, those that see its cell; eight, those around its origin (field)"},
     {"lights", '\0', OPTION_LIGHT | OPTION_REFERENCE_COMMAND, "FILE", read_text, FIELD(lights_path), 0, 0, NULL,
      "JSON file with lights, sky and camera (a scene's own; else pictures: a sun behind the camera and a sky)"},
     {"cones", '\0', OPTION_LIGHT, "N", read_choice, FIELD(cones), 0, 0, cone_sets,

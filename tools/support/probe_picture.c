@@ -213,7 +213,6 @@ static void store_pixel(const drawing *work, size_t pixel, uint8_t *pixels)
 
 static int trace_sample(const drawing *work, uint32_t sample)
 {
-    const svo_probe_trace_options how = {.struct_size = sizeof how, .choice = work->asked->choice};
     double place[2];
     ray_table rays;
     place_sample(sample, work->samples, place);
@@ -223,7 +222,7 @@ static int trace_sample(const drawing *work, uint32_t sample)
         return exit_code;
     }
     const double started_ms = input_now_ms();
-    if (svo_probes_trace(work->probes, svo_in_host(rays.rays), svo_in_host(work->hits), rays.count, &how,
+    if (svo_probes_trace(work->probes, svo_in_host(rays.rays), svo_in_host(work->hits), rays.count, NULL,
                          &(svo_submit){.queue = work->queue}) != SVO_OK) {
         exit_code = program_fail_library(work->state, svo_device_message(work->device));
     }

@@ -31,7 +31,6 @@ typedef struct probe_picture {
     svo_camera camera;
     uint32_t width, height;
     svo_render_view view;
-    svo_probe_choice choice;
     double exposure; /* shaded: radiance is multiplied by it */
     svo_picture_output output; /* one ray a pixel where samples is 0 */
 } probe_picture;

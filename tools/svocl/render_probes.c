@@ -60,7 +60,6 @@ static int draw(void *user, const svo_camera *camera, const svo_picture_output *
                                  .width = given->width,
                                  .height = given->height,
                                  .view = (svo_render_view)given->view,
-                                 .choice = (svo_probe_choice)given->probe_choice,
                                  .exposure = given->exposure > 0 ? given->exposure : 1,
                                  .output = *output};
     probe_found found;
@@ -87,7 +86,6 @@ static int report_json(const probe_render *work)
     json_add_count(document, "resolution", work->info.resolution);
     json_add_count(document, "moved", work->info.moved);
     json_add_count(document, "off", work->info.off);
-    json_add_text(document, "choice", svo_name(SVO_NAME_PROBE_CHOICE, (svo_probe_choice)given->probe_choice));
     json_add_count(document, "probe_bytes", work->info.total_bytes);
     json_add_count(document, "hits", work->found.rays[SVO_PROBE_HIT]);
     json_add_count(document, "misses", work->found.rays[SVO_PROBE_MISS]);

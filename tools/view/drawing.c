@@ -113,7 +113,7 @@ static bool shown_differs(const view_shown *had, const view_shown *now)
            had->photons != now->photons || had->form != now->form || had->cones != now->cones ||
            differs(had->exposure, now->exposure) || differs(had->range, now->range) ||
            differs(had->falloff, now->falloff) || had->through != now->through ||
-           (now->through && (had->choice != now->choice || view_grid_differs(&had->probes, &now->probes)));
+           (now->through && view_grid_differs(&had->probes, &now->probes));
 }
 
 static bool clip_differs(const view_clip *had, const view_clip *now)

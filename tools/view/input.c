@@ -35,7 +35,6 @@ input_binding input_describe(size_t index)
                                              {"B", "faces, bricks, voxels"},
                                              {"+, -", "exposure"},
                                              {"T", "look through probes"},
-                                             {"E", "field or eight"},
                                              {"O, M", "spheres, a map"},
                                              {", and .", "another probe"},
                                              {"Space", "play, pause"},
@@ -104,22 +103,12 @@ static void edit_instances(view_state *state, bool is_added)
     }
 }
 
-static void change_choice(view_state *state)
-{
-    const bool was_field = state->shown.choice == SVO_PROBE_CHOICE_FIELD;
-    view_choose_probe_choice(state, was_field ? SVO_PROBE_CHOICE_EIGHT : SVO_PROBE_CHOICE_FIELD);
-    view_log(state, "rays choose probes by: %s", svo_name(SVO_NAME_PROBE_CHOICE, state->shown.choice));
-}
-
 /* Keys of probes; false: it is none of them. */
 static bool press_for_probes(int key, view_state *state)
 {
     switch (key) {
     case 't':
         view_choose_through(state, !state->shown.through);
-        return true;
-    case 'e':
-        change_choice(state);
         return true;
     case 'o':
         state->probes.has_spheres = !state->probes.has_spheres;

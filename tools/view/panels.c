@@ -395,8 +395,7 @@ static void describe_line(ui *toolkit, const view_state *state, ui_place place)
         (void)snprintf(level, sizeof level, "   level %u", state->shown.level);
     }
     if (state->shown.through) {
-        (void)snprintf(through, sizeof through, " through probes (%s), %.2f %% unknown",
-                       svo_name(SVO_NAME_PROBE_CHOICE, state->shown.choice),
+        (void)snprintf(through, sizeof through, " through probes, %.2f %% unknown",
                        (double)state->probes.found[SVO_PROBE_UNKNOWN]);
     }
     if (view_shows_film(state)) {

@@ -358,17 +358,6 @@ void panels_lights(ui *toolkit, view_state *state)
 
 #define CHOICES 6 /* of numbers */
 
-static void choose_choice(ui *toolkit, view_state *state)
-{
-    const char *const names[] = {svo_name(SVO_NAME_PROBE_CHOICE, SVO_PROBE_CHOICE_FIELD),
-                                 svo_name(SVO_NAME_PROBE_CHOICE, SVO_PROBE_CHOICE_EIGHT)};
-    int chosen = (int)state->shown.choice;
-    if (ui_choice(toolkit, "Choice", names, 2, &chosen)) {
-        view_choose_probe_choice(state, (svo_probe_choice)chosen);
-    }
-    ui_tooltip(toolkit, "Rays try the probes that see where they are, or the eight around where they begin. Key E.");
-}
-
 static void look_through(ui *toolkit, view_state *state)
 {
     const float *found = state->probes.found;
@@ -377,7 +366,6 @@ static void look_through(ui *toolkit, view_state *state)
         view_choose_through(state, through);
     }
     ui_tooltip(toolkit, "Camera rays meet what probes have stored: green is a miss, red unknown. Key T.");
-    choose_choice(toolkit, state);
     if (state->shown.through) {
         ui_value(toolkit, "Unknown", "%.2f %%", (double)found[SVO_PROBE_UNKNOWN]);
         ui_tooltip(toolkit, "Rays that went where no probe saw.");

@@ -277,7 +277,6 @@ static int color(const probing *which, view_state *state, unsigned width, unsign
                                  .width = width,
                                  .height = height,
                                  .view = views[state->shown.picture],
-                                 .choice = state->shown.choice,
                                  .exposure = (double)state->shown.exposure};
     probe_found found;
     const int exit_code = probe_picture_draw(which->running, &asked, which->probes, which->source.device,

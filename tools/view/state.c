@@ -325,11 +325,6 @@ void view_choose_through(view_state *state, bool is_on)
     }
 }
 
-void view_choose_probe_choice(view_state *state, svo_probe_choice choice)
-{
-    state->shown.choice = choice;
-}
-
 bool view_grid_differs(const view_probe_grid *a, const view_probe_grid *b)
 {
     return memcmp(a->counts, b->counts, sizeof a->counts) != 0 || a->resolution != b->resolution ||

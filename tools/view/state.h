@@ -75,7 +75,6 @@ typedef struct view_shown {
     float exposure;
     float range, falloff; /* of ambient occlusion; 0: unlimited, none */
     bool through; /* camera rays pass probes, not the tree */
-    svo_probe_choice choice; /* of the probes that a ray tries */
     view_probe_grid probes; /* where they are shown: view_shows_probes */
     view_clip clip;
 } view_shown;
@@ -432,7 +431,6 @@ void view_clip_plane(const view_state *state, float plane[4]);
 
 /* Looks through probes, in a view that they have, or at the tree again. */
 void view_choose_through(view_state *state, bool is_on);
-void view_choose_probe_choice(view_state *state, svo_probe_choice choice);
 bool view_grid_differs(const view_probe_grid *a, const view_probe_grid *b);
 /* Shows the grid that is asked for. */
 void view_make_probes(view_state *state);

@@ -404,7 +404,6 @@ static void take_probe_options(viewer *which)
     }
     grid->resolution = given->probe_resolution > 0 ? (uint32_t)given->probe_resolution : grid->resolution;
     grid->field_size = given->probe_field > 0 ? (uint32_t)given->probe_field : grid->field_size;
-    view_choose_probe_choice(&which->state, (svo_probe_choice)given->probe_choice);
     view_make_probes(&which->state);
 }
 

@@ -134,7 +134,7 @@ class Light(Handle):
             sky: radiance from outside: linear red, green, blue, not negative.
             view_resolution: photons along a side of each source's view, 1 .. 16384; 0: four per facing leaf.
             photons: False: sources light the surfaces of pictures, but these light no others.
-            diagnose: also count LightInfo.missed_leaves and LightInfo.node_map_items.
+            diagnose: also count LightInfo.missed_leaves.
             updatable: keep photons on the device, so that Light.update shoots few of them again.
             queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
 

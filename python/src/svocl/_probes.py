@@ -8,7 +8,7 @@ from typing import Any, Optional, Union
 from . import _arrays, _generated, _opencl, _structs
 from ._callbacks import call
 from ._errors import error, text
-from ._generated import InvalidArgumentError, ProbeBuffer, ProbeChoice, Status
+from ._generated import InvalidArgumentError, ProbeBuffer, Status
 from ._handle import Handle, Native
 from ._light import Light
 from ._native import ffi, lib
@@ -121,7 +121,6 @@ class Probes(Handle):
         self,
         rays: _arrays.Array,
         *,
-        choice: ProbeChoice = ProbeChoice.FIELD,
         thickness: float = 1.0,
         out: Optional[_arrays.Array] = None,
         queue: Any = None,
@@ -131,7 +130,6 @@ class Probes(Handle):
         Args:
             rays: (...) records of ray_dtype, as make_rays makes them. From a surface they should begin between a
                 fiftieth of a leaf's edge and half of one above it.
-            choice: how rays choose their probes.
             thickness: factor to how far behind their points surfaces hold, above 0.
             out: (...) records of probe_hit_dtype, C-contiguous; receives the result.
             queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
@@ -142,7 +140,7 @@ class Probes(Handle):
         records = _arrays.records("rays", rays, _arrays.ray_dtype)
         hits = _arrays.output("out", out, _arrays.probe_hit_dtype, records.shape)
         run = functools.partial(self._call, lib.svo_probes_trace)
-        _opencl.wait(run, (records, hits), [_trace_options(choice, thickness)], queue)
+        _opencl.wait(run, (records, hits), [_trace_options(thickness)], queue)
         return hits
 
     def trace_enqueue(
@@ -152,7 +150,6 @@ class Probes(Handle):
         ray_count: int,
         queue: Any,
         *,
-        choice: ProbeChoice = ProbeChoice.FIELD,
         thickness: float = 1.0,
         wait_for: Iterable[Any] = (),
     ) -> _opencl.Event:
@@ -162,13 +159,13 @@ class Probes(Handle):
             rays: a pyopencl.Buffer of ray_count records of ray_dtype, or its int_ptr.
             hits: a pyopencl.Buffer that receives ray_count records of probe_hit_dtype, or its int_ptr.
             ray_count, queue, wait_for: see Tree.trace_enqueue.
-            choice, thickness: see Probes.trace.
+            thickness: see Probes.trace.
 
         Returns:
             As Tree.trace_enqueue.
         """
         run = functools.partial(self._call, lib.svo_probes_trace)
-        return _opencl.enqueue(run, (rays, hits), ray_count, [_trace_options(choice, thickness)], queue, wait_for)
+        return _opencl.enqueue(run, (rays, hits), ray_count, [_trace_options(thickness)], queue, wait_for)
 
     def irradiance(
         self, points: _arrays.Array, *, out: Optional[_arrays.Array] = None, queue: Any = None
@@ -197,9 +194,8 @@ class Probes(Handle):
         return f"<svocl.Probes: {' x '.join(map(str, info.counts))}, {info.resolution} texels a side>"
 
 
-def _trace_options(choice: ProbeChoice, thickness: float) -> Any:
+def _trace_options(thickness: float) -> Any:
     options = _structs.new("svo_probe_trace_options")
-    options.choice = ProbeChoice(choice)
     if not thickness > 0:  # in C, 0 is the default
         raise ValueError(f"thickness: {thickness} is not above 0")
     options.thickness = thickness

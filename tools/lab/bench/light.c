@@ -79,7 +79,6 @@ static const table_column byte_columns[] = {{"scene", ""},
                                             {"form", ""},
                                             {"lit leaves", ""},
                                             {"lit nodes", ""},
-                                            {"node-map items", ""},
                                             {"missed leaves", ""},
                                             {"opacity", "B"},
                                             {"radiance", "B"},
@@ -125,8 +124,7 @@ static void begin_bytes(suite *all)
 {
     result_table *table = result_add_table(
         all->results, bytes_id, "Light: bytes",
-        "Lit leaves and nodes: those with radiance; bricks: inner nodes alone. Node-map items: that a pyramid over the "
-        "light view would start to filter the same photons (Crassin et al., 2011). Missed leaves: in the light without "
+        "Lit leaves and nodes: those with radiance; bricks: inner nodes alone. Missed leaves: in the light without "
         "a photon. Dense: every voxel of the grid and of all levels, with the same numbers a voxel as the light stores "
         "a node. RGBA8 pyramid: a dense one of six directions on all levels but the finest, as public engines hold it; "
         "its passes from level to level run on the same device. Share: of the dense bytes. Published: dense voxels, "
@@ -288,7 +286,6 @@ static void add_bytes(const light_bench *bench, double dense_ms)
     result_add_text(table, "%s", svo_name(SVO_NAME_LIGHT_FORM, bench->lit.form));
     result_add_number(table, (double)bench->counted.lit_leaves);
     result_add_number(table, (double)bench->counted.lit_nodes);
-    result_add_number(table, (double)bench->counted.node_map_items);
     result_add_number(table, (double)bench->counted.missed_leaves);
     result_add_number(table, (double)(bytes[SVO_LIGHT_OPACITY] + bytes[SVO_LIGHT_COVER]));
     result_add_number(table, (double)(bytes[SVO_LIGHT_LIT] + bytes[SVO_LIGHT_RADIANCE]));

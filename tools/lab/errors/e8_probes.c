@@ -12,6 +12,7 @@
 #include "errors/cones.h"
 #include "errors/e8_light.h"
 #include "errors/probe_rays.h"
+#include "errors/published_probes.h"
 #include "measure/spread.h"
 #include "support/input.h"
 
@@ -25,8 +26,12 @@
 #define FEW_RAYS      16384u /* a set: for times, and for all grids but the last */
 #define ROUNDS        3u /* where --repeat says nothing: there are a hundred methods */
 #define USUAL_FIELD   64u
-#define CHOICES       ((size_t)SVO_PROBE_CHOICE_COUNT)
-#define METHODS       ((size_t)PROBE_RAYS_COUNT * (1 + CHOICES)) /* exact rays, then each choice, of each set */
+
+/* How rays choose their probes: those that see the cell where the ray is; the eight around its origin, as published. */
+enum { BY_FIELD, BY_EIGHT, CHOICES };
+static const char *const choice_names[CHOICES] = {"field", "eight"};
+
+#define METHODS ((size_t)PROBE_RAYS_COUNT * (1 + CHOICES)) /* exact rays, then each choice, of each set */
 
 /* Probes along each axis, texels along a side, cells of the field along an axis. */
 typedef struct probe_grid {
@@ -76,8 +81,8 @@ typedef struct probe_run {
 typedef struct ray_method {
     probe_run *work;
     const probe_rays *set;
-    svo_probes *probes; /* NULL: exact rays */
-    svo_probe_choice choice;
+    svo_probes *probes; /* NULL: not by the field */
+    const published_probes *published; /* NULL: not by the eight; both: exact rays */
 } ray_method;
 
 /* ---- tables ---- */
@@ -154,7 +159,7 @@ typedef struct grid_figures {
     const probe_grid *grid;
     svo_probe_info info;
     double making_ms;
-    ray_figures rays[PROBE_RAYS_COUNT][SVO_PROBE_CHOICE_COUNT];
+    ray_figures rays[PROBE_RAYS_COUNT][CHOICES];
 } grid_figures;
 
 static double trace_once(void *user)
@@ -162,20 +167,20 @@ static double trace_once(void *user)
     const ray_method *one = user;
     const probe_run *work = one->work;
     cl_command_queue queue = work->run->opened.queue;
-    const svo_probe_trace_options how = {.struct_size = sizeof how, .choice = one->choice};
     const svo_ray *rays = one->set->rays;
     const size_t count = one->set->count;
     const double started_ms = input_now_ms();
-    const svo_status status =
-        one->probes == NULL
-            ? svo_trace_triangles(svo_tree_target(work->tree), svo_in_host(rays), svo_in_host(work->exact), count,
-                                  SVO_TRACE_CLOSEST, &(svo_submit){.queue = queue})
-            : svo_probes_trace(one->probes, svo_in_host(rays), svo_in_host(work->hits), count, &how,
-                               &(svo_submit){.queue = queue});
-    return status == SVO_OK ? input_now_ms() - started_ms : -1.0;
+    const bool worked =
+        one->published != NULL ? published_probes_trace(one->published, rays, work->hits, count)
+        : one->probes != NULL
+            ? svo_probes_trace(one->probes, svo_in_host(rays), svo_in_host(work->hits), count, NULL,
+                               &(svo_submit){.queue = queue}) == SVO_OK
+            : svo_trace_triangles(svo_tree_target(work->tree), svo_in_host(rays), svo_in_host(work->exact), count,
+                                  SVO_TRACE_CLOSEST, &(svo_submit){.queue = queue}) == SVO_OK;
+    return worked ? input_now_ms() - started_ms : -1.0;
 }
 
-static bool time_grid(probe_run *work, svo_probes *probes, grid_figures *out)
+static bool time_grid(probe_run *work, svo_probes *probes, const published_probes *published, grid_figures *out)
 {
     ray_method runs[METHODS];
     interleaved_method methods[METHODS];
@@ -183,8 +188,8 @@ static bool time_grid(probe_run *work, svo_probes *probes, grid_figures *out)
         const size_t choice = i % (1 + CHOICES);
         runs[i] = (ray_method){.work = work,
                                .set = &work->few[i / (1 + CHOICES)],
-                               .probes = choice > 0 ? probes : NULL,
-                               .choice = (svo_probe_choice)(choice > 0 ? choice - 1 : 0)};
+                               .probes = choice == 1 + BY_FIELD ? probes : NULL,
+                               .published = choice == 1 + BY_EIGHT ? published : NULL};
         methods[i] = (interleaved_method){.work_ms = trace_once, .user = &runs[i]};
     }
     if (!interleave_measure(methods, METHODS, work->run->rounds)) {
@@ -199,12 +204,15 @@ static bool time_grid(probe_run *work, svo_probes *probes, grid_figures *out)
     return true;
 }
 
-static bool judge_grid(probe_run *work, const probe_rays *sets, svo_probes *probes, grid_figures *out)
+static bool judge_grid(probe_run *work, const probe_rays *sets, svo_probes *probes, const published_probes *published,
+                       grid_figures *out)
 {
     for (size_t i = 0; i < (size_t)PROBE_RAYS_COUNT * CHOICES; ++i) {
         const size_t kind = i / CHOICES;
-        ray_method one = {
-            .work = work, .set = &sets[kind], .probes = probes, .choice = (svo_probe_choice)(i % CHOICES)};
+        ray_method one = {.work = work,
+                          .set = &sets[kind],
+                          .probes = probes,
+                          .published = i % CHOICES == BY_EIGHT ? published : NULL};
         if (trace_once(&one) < 0 || !probe_rays_judge(one.set, work->hits, (double)out->info.leaf_edge,
                                                       &out->rays[kind][i % CHOICES].verdict)) {
             return false;
@@ -222,12 +230,15 @@ static bool measure_grid(probe_run *work, const probe_rays *sets, const probe_gr
                                      .field_size = grid->field,
                                      .tree = work->tree};
     svo_probes *probes = NULL;
+    published_probes published = {.kernel = NULL};
     *out = (grid_figures){.grid = grid, .info = SVO_PROBE_INFO_INIT};
     const double started_ms = input_now_ms();
     bool worked = svo_probes_create(&asked, work->run->opened.queue, &probes) == SVO_OK;
     out->making_ms = input_now_ms() - started_ms;
-    worked = worked && svo_probes_get_info(probes, &out->info) == SVO_OK && judge_grid(work, sets, probes, out) &&
-             time_grid(work, probes, out);
+    worked = worked && svo_probes_get_info(probes, &out->info) == SVO_OK &&
+             published_probes_make(work->run->opened.device, probes, work->run->opened.queue, &published) &&
+             judge_grid(work, sets, probes, &published, out) && time_grid(work, probes, &published, out);
+    published_probes_free(&published);
     svo_probes_destroy(&probes);
     return worked;
 }
@@ -238,8 +249,8 @@ static bool measure_grid(probe_run *work, const probe_rays *sets, const probe_gr
 static void add_method(result_table *table, const probe_grid *grid, size_t choice)
 {
     static const char *const powers[] = {[2] = "2³", [4] = "4³", [8] = "8³"};
-    result_add_text(table, "%s%s, %s", grid->field == USUAL_FIELD ? "" : "other ",
-                    svo_name(SVO_NAME_PROBE_CHOICE, (svo_probe_choice)choice), powers[grid->count]);
+    result_add_text(table, "%s%s, %s", grid->field == USUAL_FIELD ? "" : "other ", choice_names[choice],
+                    powers[grid->count]);
 }
 
 static double per_ray_ns(const probe_run *work, double ms)
@@ -257,7 +268,7 @@ static void add_row(probe_run *work, const grid_figures *of, size_t kind, size_t
     add_method(table, of->grid, choice);
     result_add_number(table, of->info.probe_count);
     result_add_number(table, of->info.resolution);
-    result_add_number(table, choice == (size_t)SVO_PROBE_CHOICE_FIELD ? (double)of->info.field_size : (double)NAN);
+    result_add_number(table, choice == BY_FIELD ? (double)of->info.field_size : (double)NAN);
     result_add_number(table, (double)of->info.total_bytes);
     result_add_number(table, of->making_ms);
     const double figures[] = {verdict->hit,       verdict->miss,       verdict->unknown,
@@ -295,8 +306,8 @@ static void add_exact(const probe_run *work, const grid_figures *of, size_t kind
 static void add_choices(const probe_run *work, const grid_figures *of, size_t kind)
 {
     result_table *table = result_find(work->run->results, "e8-choices");
-    const ray_figures *field = &of->rays[kind][SVO_PROBE_CHOICE_FIELD];
-    const ray_figures *eight = &of->rays[kind][SVO_PROBE_CHOICE_EIGHT];
+    const ray_figures *field = &of->rays[kind][BY_FIELD];
+    const ray_figures *eight = &of->rays[kind][BY_EIGHT];
     result_add_text(table, "%s", work->truth.name);
     result_add_text(table, "%s", probe_rays_name((probe_ray_kind)kind));
     result_add_number(table, of->info.probe_count);

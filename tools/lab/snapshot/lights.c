@@ -49,9 +49,8 @@ static void describe_shining(const char *name, const char *part, const opened *s
     svo_light_get_info(light, &info);
     line_text_add(&line, "%s %" PRIu64 " photons, %" PRIu64 " hits, %" PRIu64 " leaves, %" PRIu64 " nodes", hash,
                   info.photons, info.photon_hits, info.lit_leaves, info.lit_nodes);
-    line_text_add(&line, ", %" PRIu64 " missed, %" PRIu64 " items, flux %a %a %a, lost %a, %" PRIu64 " of scratch",
-                  info.missed_leaves, info.node_map_items, info.flux[0], info.flux[1], info.flux[2], info.lost_flux,
-                  info.scratch_bytes);
+    line_text_add(&line, ", %" PRIu64 " missed, flux %a %a %a, lost %a, %" PRIu64 " of scratch", info.missed_leaves,
+                  info.flux[0], info.flux[1], info.flux[2], info.lost_flux, info.scratch_bytes);
     line_print(name, part, line.text);
 }
 
