@@ -76,7 +76,6 @@ static int draw(void *user, const svo_camera *camera, const svo_picture_output *
 
 static int report_json(const probe_render *work)
 {
-    const options *given = &work->state->options;
     cJSON *document = picture_document(work->state);
     cJSON *counts = cJSON_CreateArray();
     for (int axis = 0; axis < 3; ++axis) {
