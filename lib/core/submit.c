@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+/* The commands of one call, between a device handle and what the caller gave: an svo_submit and arrays. */
 #include "core/submit.h"
 
 #include "core/device.h"
