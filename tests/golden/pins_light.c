@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "errors/published_probes.h"
 #include "svocl/light.h"
 #include "svocl/probes.h"
 
@@ -227,7 +228,8 @@ static void pin_probe_info(pins *all, const svo_probes *probes)
              (double)info.step[2], (double)info.leaf_edge, (double)info.farthest);
 }
 
-static void pin_probe_rays(pins *all, const svo_tree *tree, svo_probes *probes)
+/* As svo_probes_trace chooses probes, or by the eight of the laboratory. */
+static void pin_probe_rays(pins *all, const svo_tree *tree, svo_probes *probes, bool by_eight)
 {
     static svo_ray rays[RAYS];
     static svo_probe_hit hits[RAYS];
@@ -238,14 +240,22 @@ static void pin_probe_rays(pins *all, const svo_tree *tree, svo_probes *probes)
             rays[i].origin[axis] += 0.6F * rays[i].direction[axis];
         }
     }
-    pin_succeed(all, svo_probes_trace(probes, svo_in_host(rays), svo_in_host(hits), RAYS, NULL,
-                                      &(svo_submit){.queue = all->opened.queue}));
+    if (by_eight) {
+        published_probes made;
+        assert_true(published_probes_make(all->opened.device, probes, all->opened.queue, &made));
+        assert_true(published_probes_trace(&made, rays, hits, RAYS));
+        published_probes_free(&made);
+    } else {
+        pin_succeed(all, svo_probes_trace(probes, svo_in_host(rays), svo_in_host(hits), RAYS, NULL,
+                                          &(svo_submit){.queue = all->opened.queue}));
+    }
     for (size_t i = 0; i < RAYS; ++i) {
         states[hits[i].state < 3 ? hits[i].state : 2] += 1;
         hits[i].radiance[0] = hits[i].radiance[1] = hits[i].radiance[2] = 0;
     }
-    pin_text(all, "rays", "%zu miss, %zu hit, %zu unknown", states[0], states[1], states[2]);
-    pin_digest(all, "hits", hits, sizeof hits);
+    pin_text(all, by_eight ? "rays by eight" : "rays by field", "%zu miss, %zu hit, %zu unknown", states[0], states[1],
+             states[2]);
+    pin_digest(all, by_eight ? "hits by eight" : "hits by field", hits, sizeof hits);
 }
 
 static void pin_irradiance(pins *all, const svo_tree *tree, svo_probes *probes)
@@ -310,7 +320,8 @@ void pin_probes(pins *all)
                        svo_probes_get_buffer(probes, (svo_probes_buffer)i));
         }
         pin_begin(all, "PoCL %s", all->scenes[s].name);
-        pin_probe_rays(all, tree, probes);
+        pin_probe_rays(all, tree, probes, false);
+        pin_probe_rays(all, tree, probes, true);
         svo_probes_destroy(&probes);
         pin_succeed(all, svo_light_create(tree, &lit, all->opened.queue, &light));
         shine(all, tree, light, true);
