@@ -77,7 +77,7 @@ svo_status svo_i_picture_draw(const svo_i_picture_source *source, const svo_rend
 SVO_I_SHARED_END
 
 /* svo_render of a tree. */
-svo_status svo_i_tree_render(void *tree, const svo_render_options *options, const svo_array *pixels,
+svo_status svo_i_tree_render(void *of, const svo_render_options *options, const svo_array *pixels,
                              const svo_submit *submit);
 
 #endif

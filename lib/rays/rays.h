@@ -76,6 +76,6 @@ svo_i_ray_target svo_i_voxels_target(svo_tree *tree);
 
 /* svo_kernel_source and svo_kernel_set_arguments of a tree. */
 const char *svo_i_tree_kernel_source(void);
-svo_status svo_i_tree_set_kernel_arguments(void *tree, const char *function, cl_kernel kernel, cl_uint first_index);
+svo_status svo_i_tree_set_kernel_arguments(void *of, const char *function, cl_kernel kernel, cl_uint first_index);
 
 #endif
