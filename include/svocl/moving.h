@@ -176,7 +176,7 @@ SVO_API svo_status svo_moving_remove(svo_moving *moving, uint32_t object);
 /** Makes the tree of the scene as it is now. After a failure the tree before stays what it was, and another update may
  *  succeed, for example after objects have moved back.
  *
- * With submit it does not wait for the device:
+ * With submit and without report it does not wait for the device:
  *
  *     svo_moving_set_transform   what moves, each frame
  *     svo_moving_update          waits for nothing; the tree stays the one before
@@ -188,22 +188,25 @@ SVO_API svo_status svo_moving_remove(svo_moving *moving, uint32_t object);
  * Device memory is allocated for all of the room at once; OpenCL releases what is scratch when its commands are done.
  *
  * \param moving not NULL, without an update in flight
- * \param submit NULL: the device's own queue, and the call waits, also between its stages
+ * \param submit NULL: the device's own queue, and the call waits
+ * \param report not NULL: the call waits, for the events of submit too, and receives what was done; it waits between the
+ *        stages, to take their times
  * \returns SVO_CAPACITY_EXCEEDED (more pairs than fragment_capacity, more area than max_area; the message has the
  *          figures; with submit: room for more than 2^32 - 65537 pairs), SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (with
  *          submit: the pairs of an object do not fit one buffer of the device), SVO_OUT_OF_DEVICE_MEMORY,
  *          SVO_OUT_OF_HOST_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR. After a failure, which waits for what was
  *          enqueued until then, no update is in flight. */
-SVO_API svo_status svo_moving_update(svo_moving *moving, const svo_submit *submit);
+SVO_API svo_status svo_moving_update(svo_moving *moving, const svo_submit *submit, svo_moving_report *report);
 
-/** Waits for the update in flight and takes its tree; after one that has waited, only tells of it.
+/** Waits for the update in flight and takes its tree.
  *
- * \param moving not NULL
- * \param report receives what the newest update has done. Of one in flight without the times of stages; total_ms is the
- *        time since it was enqueued. NULL: not wanted
+ * \param moving not NULL, with an update in flight
+ * \param report receives what was done, without the times of stages; total_ms is the time since the update was
+ *        enqueued. NULL: not wanted
  * \returns SVO_CAPACITY_EXCEEDED (an object has more pairs than the update had room for: the message has the figures,
- *          and the next update has room; or as svo_moving_update), SVO_INVALID_ARGUMENT, SVO_OUT_OF_DEVICE_MEMORY or
- *          SVO_CL_ERROR. After a failure the tree before stays what it was, and no update is in flight. */
+ *          and the next update has room; or as svo_moving_update), SVO_INVALID_ARGUMENT (no update is in flight),
+ *          SVO_OUT_OF_DEVICE_MEMORY or SVO_CL_ERROR. After a failure the tree before stays what it was, and no update
+ *          is in flight. */
 SVO_API svo_status svo_moving_finish(svo_moving *moving, svo_moving_report *report);
 
 /** What became of the objects' BVHs. The static mesh counts as an object. */

@@ -8,11 +8,7 @@
 
 #include <stdint.h>
 
-/** svocl uses OpenCL 1.2. Define a later version before this header to see more of the OpenCL headers. */
-#ifndef CL_TARGET_OPENCL_VERSION
-#define CL_TARGET_OPENCL_VERSION 120
-#endif
-#include <CL/cl.h>
+#include "svocl/device.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -114,7 +114,6 @@ struct svo_moving {
     cl_mem materials, texels; /* of all objects; NULL where none are needed */
     svo_i_kept_list list, spare; /* of the newest tree; and the buffers that were its list before */
     svo_tree *tree;
-    svo_moving_report report; /* of the newest update, unless it is in flight */
     struct svo_i_flight *flight; /* an update that is enqueued and not finished; else NULL */
     double area; /* of the newest tree */
     bool is_open; /* the mesh of the newest tree is open; false where that is not known, without projected areas */

@@ -6,7 +6,6 @@
 #include "moving/bvh.h"
 #include "moving/objects.h"
 #include "moving/pairs.h"
-#include "moving/update.h"
 
 /* ---- creation ---- */
 
@@ -100,6 +99,7 @@ svo_status svo_moving_create(svo_device *device, const svo_mesh *mesh, unsigned 
                                  device == NULL ? "device" : "out");
     }
     svo_status status = SVO_OK;
+    svo_moving_report report = SVO_MOVING_REPORT_INIT;
     svo_moving *moving = svo_i_alloc_zeroed(&device->memory, 1, sizeof *moving);
     if (moving == NULL) {
         return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "svo_moving_create: no memory for the handle");
@@ -107,8 +107,7 @@ svo_status svo_moving_create(svo_device *device, const svo_mesh *mesh, unsigned 
     moving->device = device;
     moving->depth = depth;
     SVO_I_TRY_CLEANUP(create(moving, mesh, options));
-    SVO_I_TRY_CLEANUP(svo_i_device_queue(device, "svo_moving_create", queue, &queue));
-    SVO_I_TRY_CLEANUP(svo_i_moving_update(moving, queue));
+    SVO_I_TRY_CLEANUP(svo_moving_update(moving, &(svo_submit){.queue = queue}, &report)); /* waits */
     *out = moving;
     return SVO_OK;
 cleanup:

@@ -11,7 +11,6 @@
 #include "core/submit.h"
 #include "moving/objects.h"
 #include "moving/tree.h"
-#include "moving/update.h"
 
 static const char update_name[] = "svo_moving_update";
 static const char finish_name[] = "svo_moving_finish";
@@ -25,6 +24,7 @@ typedef struct update {
     svo_moving *moving;
     svo_i_chain chain;
     uint64_t fragment_limit; /* most pairs of the scene */
+    bool timed;
     svo_moving_report report;
     double start_ms; /* of the current stage */
     svo_i_kept_list *changed; /* lists of the objects in members */
@@ -33,6 +33,12 @@ typedef struct update {
     svo_i_kept_list list; /* of the new tree */
     svo_tree *tree;
 } update;
+
+static svo_status check_report(svo_moving *moving, const char *function, const svo_moving_report *report)
+{
+    return report != NULL ? svo_i_struct_check(&moving->device->message, function, "report", report, SIZES_OF_REPORT)
+                          : SVO_OK;
+}
 
 /* The time since the last call goes to a stage. */
 static void tell(update *u, double *stage_ms)
@@ -227,18 +233,19 @@ static svo_status run_stages(update *u)
         counts[i] = u->changed[i].count;
     }
     SVO_I_TRY_CLEANUP(merge_changed(u));
-    SVO_I_TRY_CLEANUP(svo_i_moving_tree(u->moving, &u->chain, &u->list, NULL, &u->report, &u->tree));
+    SVO_I_TRY_CLEANUP(svo_i_moving_tree(u->moving, &u->chain, &u->list, NULL, u->timed ? &u->report : NULL, &u->tree));
     commit(u, counts);
 cleanup:
     svo_i_free(counts);
     return status;
 }
 
-svo_status svo_i_moving_update(svo_moving *moving, cl_command_queue queue)
+static svo_status run_now(svo_moving *moving, cl_command_queue queue, svo_moving_report *report)
 {
     const double start_ms = svo_i_now_ms();
     update u = {.moving = moving,
                 .chain = {.function = update_name, .queue = queue, .waits = true},
+                .timed = report != NULL,
                 .fragment_limit = moving->fragment_limit,
                 .start_ms = start_ms};
     u.report.fragments = moving->list.count;
@@ -249,7 +256,9 @@ svo_status svo_i_moving_update(svo_moving *moving, cl_command_queue queue)
     }
     release_update(&u);
     u.report.total_ms = svo_i_now_ms() - start_ms;
-    moving->report = u.report;
+    if (report != NULL) {
+        (void)svo_i_struct_write(NULL, update_name, "report", &u.report, report, SIZES_OF_REPORT);
+    }
     return status;
 }
 
@@ -423,7 +432,19 @@ cleanup:
     return status;
 }
 
-svo_status svo_moving_update(svo_moving *moving, const svo_submit *submit)
+/* An update that waits, between the caller's events. */
+static svo_status update_now(svo_moving *moving, svo_i_call *call, svo_moving_report *report)
+{
+    if (call->num_wait > 0) {
+        const cl_int error = clWaitForEvents(call->num_wait, call->wait);
+        SVO_I_TRY(error == CL_SUCCESS ? SVO_OK
+                                      : svo_i_device_fail_cl(moving->device, update_name, "clWaitForEvents", error));
+    }
+    SVO_I_TRY(run_now(moving, call->queue, report));
+    return call->given != NULL ? svo_i_call_none(call) : SVO_OK;
+}
+
+svo_status svo_moving_update(svo_moving *moving, const svo_submit *submit, svo_moving_report *report)
 {
     svo_i_call call;
     if (moving == NULL) {
@@ -431,7 +452,8 @@ svo_status svo_moving_update(svo_moving *moving, const svo_submit *submit)
     }
     SVO_I_TRY(svo_i_call_begin(moving->device, update_name, submit, &call));
     SVO_I_TRY(svo_i_moving_check_still(moving, update_name));
-    return submit == NULL ? svo_i_moving_update(moving, call.queue) : take_off(moving, &call);
+    SVO_I_TRY(check_report(moving, update_name, report));
+    return submit == NULL || report != NULL ? update_now(moving, &call, report) : take_off(moving, &call);
 }
 
 /* Takes what the device has counted of the objects. Each is told of, whatever became of the others. */
@@ -502,23 +524,20 @@ static svo_status finish(svo_i_flight *flight)
 
 svo_status svo_moving_finish(svo_moving *moving, svo_moving_report *report)
 {
-    svo_status status = SVO_OK;
     if (moving == NULL) {
         return SVO_INVALID_ARGUMENT;
     }
-    SVO_I_TRY(report != NULL
-                  ? svo_i_struct_check(&moving->device->message, finish_name, "report", report, SIZES_OF_REPORT)
-                  : SVO_OK);
+    SVO_I_TRY(check_report(moving, finish_name, report));
     svo_i_flight *flight = moving->flight;
-    if (flight != NULL) {
-        moving->flight = NULL;
-        status = finish(flight);
-        moving->report = flight->update.report;
-        moving->report.total_ms = svo_i_now_ms() - flight->start_ms;
-        release_flight(flight);
+    if (flight == NULL) {
+        return svo_i_device_fail(moving->device, SVO_INVALID_ARGUMENT, "%s: no update is in flight", finish_name);
     }
+    moving->flight = NULL;
+    const svo_status status = finish(flight);
+    flight->update.report.total_ms = svo_i_now_ms() - flight->start_ms;
     if (report != NULL) {
-        (void)svo_i_struct_write(NULL, finish_name, "report", &moving->report, report, SIZES_OF_REPORT);
+        (void)svo_i_struct_write(NULL, finish_name, "report", &flight->update.report, report, SIZES_OF_REPORT);
     }
+    release_flight(flight);
     return status;
 }

@@ -458,7 +458,7 @@ static void updates_without_a_queue_take_the_devices_own(void **state)
     uint32_t object = 0;
     succeed(&of, svo_moving_create(of.opened.device, scene_mesh(cube), DEPTH, &options, NULL, &moving));
     succeed(&of, svo_moving_add(moving, scene_mesh(cube), aside, &object));
-    succeed(&of, svo_moving_update(moving, &(svo_submit){.event = &event}));
+    succeed(&of, svo_moving_update(moving, &(svo_submit){.event = &event}, NULL));
     wait_for(&event);
     succeed(&of, svo_moving_finish(moving, &report));
     assert_true(report.changed_objects == 1 && report.changed_fragments > 0);

@@ -369,16 +369,16 @@ static svo_status move_object(subject *of, svo_moving *moving)
     uint32_t object = 0;
     svo_mesh mesh;
     TRY_TOLD(svo_moving_add(moving, &world.mesh.mesh, NULL, &object));
-    TRY_TOLD(svo_moving_update(moving, NULL));
+    TRY_TOLD(svo_moving_update(moving, NULL, NULL));
     TRY_TOLD(svo_moving_make_bvh(moving, SVO_BVH_BEST, 0.0F, world.queue, NULL));
     TRY_TOLD(svo_moving_set_transform(moving, object, transform));
-    TRY_TOLD(svo_moving_update(moving, &(svo_submit){.queue = world.queue}));
+    TRY_TOLD(svo_moving_update(moving, &(svo_submit){.queue = world.queue}, NULL));
     TRY_TOLD(svo_moving_finish(moving, NULL));
     TRY_TOLD(svo_moving_get_mesh(moving, &mesh));
     TRY_TOLD(digest_tree(of, svo_moving_tree(moving)));
     TRY_TOLD(trace_moving(of, moving));
     TRY_TOLD(svo_moving_remove(moving, object));
-    TRY_TOLD(svo_moving_update(moving, NULL));
+    TRY_TOLD(svo_moving_update(moving, NULL, NULL));
     return told(of, world.device, digest_tree(of, svo_moving_tree(moving)));
 }
 

@@ -127,12 +127,13 @@ static void update(pins *all, const char *name, svo_moving *moving, size_t step)
 {
     svo_moving_report report = SVO_MOVING_REPORT_INIT;
     char counts[PIN_NAME_BYTES];
+    const svo_submit submit = {.queue = all->opened.queue};
     if (step % 2 == 0) {
-        pin_succeed(all, svo_moving_update(moving, NULL));
+        pin_succeed(all, svo_moving_update(moving, &submit, &report));
     } else {
-        pin_succeed(all, svo_moving_update(moving, &(svo_submit){.queue = all->opened.queue}));
+        pin_succeed(all, svo_moving_update(moving, &submit, NULL));
+        pin_succeed(all, svo_moving_finish(moving, &report));
     }
-    pin_succeed(all, svo_moving_finish(moving, &report));
     pin_tree(all, name, svo_moving_tree(moving));
     (void)snprintf(counts, sizeof counts, "%s, counts", name);
     pin_text(all, counts, "objects %" PRIu64 " changed %" PRIu64 " of %" PRIu64, report.changed_objects,

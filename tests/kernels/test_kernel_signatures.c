@@ -595,9 +595,9 @@ static void move_all(const fixture *opened, const svo_mesh *mesh)
     succeed(opened, svo_moving_create(opened->device, mesh, DEPTH, &options, opened->queue, &moving));
     succeed(opened, svo_moving_add(moving, mesh, transform, &object));
     succeed(opened, svo_moving_add(moving, mesh, NULL, &object));
-    succeed(opened, svo_moving_update(moving, NULL));
+    succeed(opened, svo_moving_update(moving, NULL, NULL));
     succeed(opened, svo_moving_set_transform(moving, 0, transform));
-    succeed(opened, svo_moving_update(moving, &(svo_submit){.queue = opened->queue}));
+    succeed(opened, svo_moving_update(moving, &(svo_submit){.queue = opened->queue}, NULL));
     succeed(opened, svo_moving_finish(moving, NULL));
     succeed(opened, svo_moving_make_bvh(moving, SVO_BVH_BEST, 0.0F, opened->queue, NULL));
     svo_moving_destroy(&moving);

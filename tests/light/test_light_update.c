@@ -100,7 +100,7 @@ static void open_stage(const fixture *opened, uint64_t seed, stage *out)
         assert_int_equal(object, i);
         out->visible[i] = true;
     }
-    succeed(opened, svo_moving_update(out->moving, NULL));
+    succeed(opened, svo_moving_update(out->moving, NULL, NULL));
 }
 
 static void close_stage(stage *opened)
@@ -187,7 +187,7 @@ static void follow(const fixture *opened, const stage *of, svo_light *light)
 {
     svo_box boxes[BOXES];
     size_t count = 0;
-    succeed(opened, svo_moving_update(of->moving, NULL));
+    succeed(opened, svo_moving_update(of->moving, NULL, NULL));
     succeed(opened, svo_moving_get_changes(of->moving, boxes, BOXES, &count));
     assert_true(count <= BOXES);
     succeed(opened, svo_light_update(light, svo_moving_tree(of->moving), boxes, count, opened->queue));
@@ -319,7 +319,7 @@ static void a_lid_changes_all_areas(void **state)
     mesh.indices = lid;
     mesh.triangle_count = 2;
     succeed(&opened, svo_moving_add(of.moving, &mesh, NULL, &object));
-    succeed(&opened, svo_moving_update(of.moving, NULL));
+    succeed(&opened, svo_moving_update(of.moving, NULL, NULL));
     svo_light *light = make_light(&opened, svo_moving_tree(of.moving), SVO_LIGHT_FACES, &setup);
     for (int i = 0; i < 4; ++i) {
         svo_box boxes[2]; /* the grid and the lid */
@@ -469,7 +469,7 @@ static void updates_after_a_failure_begin_anew(void **state)
     svo_light *light = make_light(&opened, svo_moving_tree(of.moving), SVO_LIGHT_FACES, &setup);
     follow(&opened, &of, light);
     play(&opened, &of, &seed);
-    succeed(&opened, svo_moving_update(of.moving, NULL));
+    succeed(&opened, svo_moving_update(of.moving, NULL, NULL));
     assert_refused(&opened, svo_light_update(light, other.tree, NULL, 0, opened.queue), "payload begins at level 1");
     assert_int_equal(info_of(&opened, light).kept_bytes, 0);
     play(&opened, &of, &seed);
@@ -490,7 +490,7 @@ static void missing_boxes_are_told(void **state)
     open_stage(&opened, 21, &of);
     svo_light *light = make_light(&opened, svo_moving_tree(of.moving), SVO_LIGHT_FACES, &setup);
     succeed(&opened, svo_moving_show(of.moving, 0, 0));
-    succeed(&opened, svo_moving_update(of.moving, NULL));
+    succeed(&opened, svo_moving_update(of.moving, NULL, NULL));
     assert_refused(&opened, svo_light_update(light, svo_moving_tree(of.moving), NULL, 0, opened.queue),
                    "outside the boxes");
     assert_int_equal(info_of(&opened, light).kept_bytes, 0);
@@ -529,7 +529,7 @@ static void memory_is_flat(void **state)
     assert_int_equal(svo_device_create_default(&device_options, &opened.device, NULL), SVO_OK);
     succeed(&opened, svo_moving_create(opened.device, &room, 4, &options, NULL, &of.moving));
     succeed(&opened, svo_moving_add(of.moving, &tile, NULL, &object));
-    succeed(&opened, svo_moving_update(of.moving, NULL));
+    succeed(&opened, svo_moving_update(of.moving, NULL, NULL));
     svo_light *light = make_light(&opened, svo_moving_tree(of.moving), SVO_LIGHT_FACES, &setup);
     for (int i = 0; i < UPDATES; ++i) {
         const double shift = (double)(i % 16) / 64.0 - 0.1;

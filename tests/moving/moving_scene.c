@@ -87,7 +87,7 @@ svo_moving *make_stage(const fixture *opened, const actors *of, unsigned depth, 
 
 void update_moving(const fixture *opened, svo_moving *moving)
 {
-    succeed(opened, svo_moving_update(moving, NULL));
+    succeed(opened, svo_moving_update(moving, NULL, NULL));
 }
 
 /* ---- trees ---- */

@@ -178,8 +178,7 @@ static void reports_count_what_changed(void **state)
     svo_moving *moving = make_stage(&opened, &made, 6, options);
     update_moving(&opened, moving);
     const svo_tree *tree = svo_moving_tree(moving);
-    succeed(&opened, svo_moving_update(moving, NULL));
-    succeed(&opened, svo_moving_finish(moving, &report));
+    succeed(&opened, svo_moving_update(moving, &(svo_submit){.queue = opened.queue}, &report));
     assert_int_equal(report.changed_objects, 0);
     assert_ptr_equal(svo_moving_tree(moving), tree);
     succeed(&opened, svo_moving_get_object(moving, 0, &before));
@@ -187,8 +186,7 @@ static void reports_count_what_changed(void **state)
     succeed(&opened, svo_moving_show(moving, 4, 0));
     succeed(&opened, svo_moving_get_object(moving, 4, &after));
     const uint64_t hidden = after.fragments;
-    succeed(&opened, svo_moving_update(moving, NULL));
-    succeed(&opened, svo_moving_finish(moving, &report));
+    succeed(&opened, svo_moving_update(moving, &(svo_submit){.queue = opened.queue}, &report));
     succeed(&opened, svo_moving_get_object(moving, 0, &after));
     assert_int_equal(report.changed_objects, 2);
     assert_int_equal(report.changed_fragments, before.fragments + after.fragments + hidden);
@@ -353,7 +351,7 @@ static void what_does_not_fit_leaves_the_tree(void **state)
         for (uint32_t i = 0; i < 40; ++i) {
             succeed(&opened, svo_moving_set_transform(moving, i, large));
         }
-        assert_fails(&opened, svo_moving_update(moving, NULL), SVO_CAPACITY_EXCEEDED,
+        assert_fails(&opened, svo_moving_update(moving, NULL, NULL), SVO_CAPACITY_EXCEEDED,
                      by_area ? "max_area" : "fragment_capacity");
         const outcome after = outcome_of(&opened, svo_moving_tree(moving));
         assert_same(&after, &before);

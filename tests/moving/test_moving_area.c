@@ -128,10 +128,10 @@ static bool is_one_sided(const outcome *tree)
 /* Updates without waiting in between; where the room was too small, the next update has enough. */
 static void update_later(const fixture *opened, svo_moving *moving)
 {
-    succeed(opened, svo_moving_update(moving, &(svo_submit){.queue = opened->queue}));
+    succeed(opened, svo_moving_update(moving, &(svo_submit){.queue = opened->queue}, NULL));
     svo_status status = svo_moving_finish(moving, NULL);
     if (status == SVO_CAPACITY_EXCEEDED) {
-        succeed(opened, svo_moving_update(moving, &(svo_submit){.queue = opened->queue}));
+        succeed(opened, svo_moving_update(moving, &(svo_submit){.queue = opened->queue}, NULL));
         status = svo_moving_finish(moving, NULL);
     }
     succeed(opened, status);

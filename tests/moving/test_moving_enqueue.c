@@ -28,7 +28,7 @@ static const double large[12] = {0.9, 0, 0, 0, 0, 0.9, 0, 0, 0, 0, 0.9, 0};
 static void enqueue(const fixture *opened, svo_moving *moving, cl_command_queue queue)
 {
     counting_begin();
-    succeed(opened, svo_moving_update(moving, &(svo_submit){.queue = queue}));
+    succeed(opened, svo_moving_update(moving, &(svo_submit){.queue = queue}, NULL));
     assert_int_equal(counting_read().waits, 0);
 }
 
@@ -203,8 +203,9 @@ static void an_update_waits_for_events(void **state)
         cl_event done = NULL;
         succeed(&opened, svo_moving_set_transform(moving, 1, i == 0 ? small : large));
         counting_begin();
-        succeed(&opened, svo_moving_update(
-                             moving, &(svo_submit){.queue = unordered, .num_wait = 1, .wait = &gate, .event = &done}));
+        succeed(&opened,
+                svo_moving_update(
+                    moving, &(svo_submit){.queue = unordered, .num_wait = 1, .wait = &gate, .event = &done}, NULL));
         assert_int_equal(counting_read().waits, 0);
         assert_true(status_of(done) > CL_COMPLETE);
         const outcome during = outcome_of(&opened, svo_moving_tree(moving));
@@ -312,7 +313,7 @@ static void a_scene_in_flight_is_left_alone(void **state)
     svo_moving *moving = make_stage(&opened, &made, 5, options);
     succeed(&opened, svo_moving_finish(moving, &report)); /* of the update that made the scene */
     assert_true(report.changed_objects == 1 && report.fragments > 0);
-    assert_int_equal(svo_moving_update(moving, &(svo_submit){.queue = opened.queue, .num_wait = 1, .wait = NULL}),
+    assert_int_equal(svo_moving_update(moving, &(svo_submit){.queue = opened.queue, .num_wait = 1, .wait = NULL}, NULL),
                      SVO_INVALID_ARGUMENT);
     enqueue(&opened, moving, opened.queue);
     assert_fails(&opened, svo_moving_set_transform(moving, 0, small), SVO_INVALID_ARGUMENT, words);
@@ -320,8 +321,9 @@ static void a_scene_in_flight_is_left_alone(void **state)
     assert_fails(&opened, svo_moving_show(moving, 0, 0), SVO_INVALID_ARGUMENT, words);
     assert_fails(&opened, svo_moving_remove(moving, 0), SVO_INVALID_ARGUMENT, words);
     assert_fails(&opened, svo_moving_add(moving, &made.objects[0].mesh, NULL, &object), SVO_INVALID_ARGUMENT, words);
-    assert_fails(&opened, svo_moving_update(moving, NULL), SVO_INVALID_ARGUMENT, words);
-    assert_fails(&opened, svo_moving_update(moving, &(svo_submit){.queue = opened.queue}), SVO_INVALID_ARGUMENT, words);
+    assert_fails(&opened, svo_moving_update(moving, NULL, NULL), SVO_INVALID_ARGUMENT, words);
+    assert_fails(&opened, svo_moving_update(moving, &(svo_submit){.queue = opened.queue}, NULL), SVO_INVALID_ARGUMENT,
+                 words);
     succeed(&opened, svo_moving_finish(moving, NULL));
     compare_moving(&opened, moving, 5, &options);
     succeed(&opened, svo_moving_set_transform(moving, 0, small));
@@ -348,7 +350,7 @@ static void a_failure_leaves_the_tree(void **state)
         succeed(&opened, svo_moving_show(moving, 2, 0));
         counting_begin();
         counting_fail_launch(i);
-        const svo_status status = svo_moving_update(moving, &(svo_submit){.queue = opened.queue});
+        const svo_status status = svo_moving_update(moving, &(svo_submit){.queue = opened.queue}, NULL);
         failed = counting_read().failed_launches;
         counting_begin();
         if (failed > 0) {
@@ -373,7 +375,7 @@ static void a_failure_leaves_the_tree(void **state)
 static void update_and_finish(const fixture *opened, svo_moving *moving)
 {
     cl_command_queue queue = make_unordered(opened);
-    succeed(opened, svo_moving_update(moving, &(svo_submit){.queue = queue}));
+    succeed(opened, svo_moving_update(moving, &(svo_submit){.queue = queue}, NULL));
     succeed(opened, svo_moving_finish(moving, NULL));
     clReleaseCommandQueue(queue);
 }
@@ -394,11 +396,17 @@ static void memory_is_flat(void **state)
 TEST_GROUP(moving_enqueue)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(enqueued_moves_equal_full_builds),  cmocka_unit_test(every_kind_of_request_can_be_enqueued),
-        cmocka_unit_test(a_scene_may_become_empty),          cmocka_unit_test(reports_count_what_changed),
-        cmocka_unit_test(an_update_waits_for_events),        cmocka_unit_test(too_little_room_is_told_and_grows),
-        cmocka_unit_test(what_does_not_fit_leaves_the_tree), cmocka_unit_test(a_scene_in_flight_is_left_alone),
-        cmocka_unit_test(a_failure_leaves_the_tree),         cmocka_unit_test(memory_is_flat),
+        cmocka_unit_test(enqueued_moves_equal_full_builds),
+        cmocka_unit_test(every_kind_of_request_can_be_enqueued),
+        cmocka_unit_test(a_scene_may_become_empty),
+        cmocka_unit_test(reports_count_what_changed),
+        cmocka_unit_test(an_update_waits_for_events),
+        cmocka_unit_test(too_little_room_is_told_and_grows),
+        cmocka_unit_test(what_does_not_fit_leaves_the_tree),
+        cmocka_unit_test(an_update_with_a_report_waits),
+        cmocka_unit_test(a_scene_in_flight_is_left_alone),
+        cmocka_unit_test(a_failure_leaves_the_tree),
+        cmocka_unit_test(memory_is_flat),
     };
     return cmocka_run_group_tests_name("moving_enqueue", tests, fixture_group_setup, fixture_group_teardown);
 }

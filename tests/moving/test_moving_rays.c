@@ -216,7 +216,7 @@ static void update_somehow(const fixture *opened, const stage *s, bool is_enqueu
 {
     if (is_enqueued) {
         svo_tree *tree = svo_moving_tree(s->moving);
-        succeed(opened, svo_moving_update(s->moving, &(svo_submit){.queue = opened->queue}));
+        succeed(opened, svo_moving_update(s->moving, &(svo_submit){.queue = opened->queue}, NULL));
         const svo_moving_bvh_report report = make_bvh(opened, s, SVO_BVH_BEST, 0.5F);
         assert_int_equal(report.refit + report.made, 0);
         compare_rays(opened, tree, tree, seed);

@@ -294,10 +294,10 @@ static void update_on(const fixture *opened, bool cpu_path, const crowd *made, c
     opened->device->cpu_path = cpu_path;
     succeed(opened, svo_moving_create(opened->device, &made->base.mesh, 5, &options, opened->queue, &moving));
     succeed(opened, svo_moving_add(moving, &made->base.mesh, NULL, &object));
-    succeed(opened, svo_moving_update(moving, NULL));
+    succeed(opened, svo_moving_update(moving, NULL, NULL));
     succeed(opened, svo_moving_set_transform(moving, object, aside));
     notes.count = 0;
-    succeed(opened, svo_moving_update(moving, NULL));
+    succeed(opened, svo_moving_update(moving, NULL, NULL));
     succeed(opened, svo_tree_download(svo_moving_tree(moving), opened->queue));
     succeed(opened, svo_tree_hash(svo_moving_tree(moving), SVO_HASH_ALL, hash));
     svo_moving_destroy(&moving);

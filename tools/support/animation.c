@@ -285,8 +285,7 @@ svo_status animation_update(animation *film, uint64_t frame, svo_moving_report *
             return status;
         }
     }
-    const svo_status status = svo_moving_update(film->moving, NULL);
-    return status != SVO_OK ? status : svo_moving_finish(film->moving, report);
+    return svo_moving_update(film->moving, NULL, report);
 }
 
 svo_tree *animation_tree(const animation *film)

@@ -225,7 +225,7 @@ class Compact(Resident):
         """
         cl_kernel = _opencl.pointer("cl_kernel", kernel, "kernel")
         index = _arrays.integer("first_index", first_index)
-        function = _structs.of_target(lib.svo_kernel_set_arguments, lib.svo_compact_target)
+        function = self._of_target(lib.svo_kernel_set_arguments)
         self._device_call("set_kernel_args", function, cl_kernel, index)
 
     # --- rays and pictures ------------------------------------------------------------------------------------------
@@ -270,7 +270,7 @@ class Compact(Resident):
         Returns:
             As Tree.trace_enqueue.
         """
-        function = self._traced(lib.svo_trace_voxels)
+        function = self._of_target(lib.svo_trace_voxels)
         return self._enqueue("trace_enqueue", function, (rays, hits), ray_count, [footprint, 0], queue, wait_for)
 
     def render(
@@ -287,11 +287,11 @@ class Compact(Resident):
         Returns:
             (height, width, 4) uint8: RGBA, top to bottom.
         """
-        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
+        submit = _opencl.submit_to(queue)
         options, picture = render_options(width, height, camera, view)
         rgba = ffi.from_buffer("uint8_t[]", picture)
-        function = _structs.of_target(lib.svo_render, lib.svo_compact_target)
-        self._device_call("render", function, options, _structs.in_host(rgba), _structs.submit(cl_queue))
+        function = self._of_target(lib.svo_render)
+        self._device_call("render", function, options, _opencl.in_host(rgba), submit)
         return picture
 
     # --- shared -----------------------------------------------------------------------------------------------------

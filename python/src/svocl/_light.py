@@ -292,10 +292,10 @@ class Light(Handle):
         options, picture = render_options(width, height, used, view)
         gather = _gather_options(cones, step, max_distance, falloff, with_light)
         options.gather, options.exposure = gather, exposure
-        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
+        submit = _opencl.submit_to(queue)
         rgba = ffi.from_buffer("uint8_t[]", picture)
-        function = _structs.of_target(lib.svo_render, lib.svo_light_target)
-        self._call(function, options, _structs.in_host(rgba), _structs.submit(cl_queue))
+        function = _opencl.of_target(lib.svo_light_target, lib.svo_render)
+        self._call(function, options, _opencl.in_host(rgba), submit)
         return picture
 
     def _frame(self, aspect: float) -> Camera:
@@ -345,7 +345,7 @@ class Light(Handle):
             first_index: of LIGHT_ARGUMENTS consecutive arguments.
         """
         cl_kernel = _opencl.pointer("cl_kernel", kernel, "kernel")
-        function = _structs.of_target(lib.svo_kernel_set_arguments, lib.svo_light_target)
+        function = _opencl.of_target(lib.svo_light_target, lib.svo_kernel_set_arguments)
         self._call(function, cl_kernel, _arrays.integer("first_index", first_index))
 
     def __repr__(self) -> str:

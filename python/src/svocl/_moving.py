@@ -153,24 +153,25 @@ class Moving(Handle):
 
     # --- updates ----------------------------------------------------------------------------------------------------
 
-    def update(self) -> _generated.MovingReport:
+    def update(self, *, queue: Any = None, report: bool = False) -> Optional[_generated.MovingReport]:
         """Makes the tree of the scene as it is now, and waits. After a failure the tree before stays.
 
+        Args:
+            queue: a pyopencl.CommandQueue on the device's context, or its int_ptr, which is waited for between the
+                stages; None: the device's own.
+            report: measure the stages, which waits after each.
+
         Returns:
-            What was done, with the times of its stages.
+            What was done, with report; else None.
 
         Raises:
             CapacityExceededError: more pairs than fragment_capacity, or more area than max_area.
             OutOfDeviceMemoryError, OutOfHostMemoryError, CompileError, CLError
         """
-        out = _structs.new("svo_moving_report")
-
-        def update(pointer: Any) -> int:
-            status = lib.svo_moving_update(pointer, ffi.NULL)
-            return int(status if status != lib.SVO_OK else lib.svo_moving_finish(pointer, out))
-
-        self._take(update)
-        return _structs.read(out, _generated.MovingReport)
+        out = _structs.new("svo_moving_report") if report or queue is not None else ffi.NULL
+        submit = _opencl.submit_to(queue) if queue is not None else ffi.NULL
+        self._take(lib.svo_moving_update, submit, out)
+        return _structs.read(out, _generated.MovingReport) if report else None
 
     def update_enqueue(self, queue: Any, *, wait_for: Iterable[Any] = ()) -> _opencl.Event:
         """Moving.update, but does not wait. Until Moving.finish the tree is the one before, and calls that change the
@@ -183,18 +184,18 @@ class Moving(Handle):
         Returns:
             The event of the update, which releases itself.
         """
-        return _opencl.submit(functools.partial(self._call, lib.svo_moving_update), (), queue, wait_for)
+        return _opencl.submit(lambda submit: self._call(lib.svo_moving_update, submit, ffi.NULL), (), queue, wait_for)
 
     def finish(self) -> _generated.MovingReport:
-        """Waits for the update in flight, if there is one, and takes its tree. After a failure the tree before stays.
+        """Waits for the update in flight, and takes its tree. After a failure the tree before stays.
 
         Returns:
-            What the newest update has done: as Moving.update. Of one in flight without the times of stages; total_ms is
-            the time since Moving.update_enqueue.
+            As Moving.update with report, without the times of stages; total_ms is the time since Moving.update_enqueue.
 
         Raises:
             CapacityExceededError: an object has more pairs than there was room for; the next update has room. Or as
                 Moving.update.
+            InvalidArgumentError: no update is in flight.
             OutOfDeviceMemoryError, CLError
         """
         out = _structs.new("svo_moving_report")

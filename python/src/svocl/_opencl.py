@@ -73,6 +73,11 @@ class Event:
             lib.clReleaseEvent(self._event)
 
 
+def submit_to(queue: Any) -> Any:
+    """An svo_submit for a call that waits anyhow; queue: None is the device's own."""
+    return ffi.new("svo_submit *", {"queue": pointer("cl_command_queue", queue, "queue")})
+
+
 def submit(run: Callable[..., None], arguments: Iterable[Any], queue: Any, wait_for: Iterable[Any]) -> Event:
     """Calls run(arguments..., submit), which does not wait.
 
@@ -91,6 +96,11 @@ def _array(**fields: Any) -> Any:
     return ffi.new("svo_array *", fields)[0]
 
 
+def in_host(memory: Any) -> Any:
+    """The svo_array of host memory, which must stay alive."""
+    return _array(host=memory)
+
+
 def enqueue(
     run: Callable[..., None], buffers: Iterable[Any], count: int, flags: Iterable[Any], queue: Any, wait_for: Any
 ) -> Event:
@@ -105,9 +115,8 @@ def enqueue(
 
 def wait(run: Callable[..., None], arrays: Sequence[_arrays.Array], flags: Iterable[Any], queue: Any) -> None:
     """Calls run(arrays..., count, flags..., submit) for a batch in host arrays, for which it waits."""
-    cl_queue = pointer("cl_command_queue", queue, "queue")
-    hosts = [_array(host=ffi.cast("void *", array.ctypes.data)) for array in arrays]
-    run(*hosts, arrays[0].size, *flags, ffi.new("svo_submit *", {"queue": cl_queue}))
+    hosts = [in_host(ffi.cast("void *", array.ctypes.data)) for array in arrays]
+    run(*hosts, arrays[0].size, *flags, submit_to(queue))
 
 
 def of_target(target: Callable[..., Any], function: Callable[..., Any]) -> Callable[..., Any]:

@@ -117,6 +117,6 @@ class Resident(Handle):
         run = functools.partial(self._device_call, what, function)
         _opencl.wait(run, arrays, flags, queue)
 
-    def _traced(self, function: Any) -> Any:
+    def _of_target(self, function: Any) -> Any:
         """A function of an svo_target as one of the handle."""
         return _opencl.of_target(self._function("target"), function)

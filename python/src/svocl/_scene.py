@@ -249,10 +249,10 @@ class Scene(Handle):
         given = ffi.new("svo_scene_light[]", [_light(light) for light in lights])
         options.lights, options.light_count = given if lights else ffi.NULL, len(lights)
         options.occlusion_range = occlusion_range
-        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
+        submit = _opencl.submit_to(queue)
         rgba = ffi.from_buffer("uint8_t[]", picture)
-        function = _structs.of_target(lib.svo_render, lib.svo_scene_target)
-        self._call(function, options, _structs.in_host(rgba), _structs.submit(cl_queue))
+        function = _opencl.of_target(lib.svo_scene_target, lib.svo_render)
+        self._call(function, options, _opencl.in_host(rgba), submit)
         return picture
 
     # --- shared -----------------------------------------------------------------------------------------------------

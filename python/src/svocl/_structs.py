@@ -2,7 +2,7 @@
 """Structs of the library: made, and read as named tuples."""
 
 from enum import EnumMeta
-from typing import Any, Callable, Optional, TypeVar, get_type_hints
+from typing import Any, Optional, TypeVar, get_type_hints
 
 from ._errors import text
 from ._generated import BuildReport, CompactInfo, LightInfo, ProbeInfo, StageTime, TreeInfo
@@ -16,21 +16,6 @@ def new(kind: str) -> Any:
     struct = ffi.new(f"{kind} *")
     struct.struct_size = ffi.sizeof(kind)
     return struct
-
-
-def in_host(memory: Any) -> Any:
-    """The svo_array of host memory, which must stay alive."""
-    return ffi.new("svo_array *", {"host": memory})[0]
-
-
-def submit(cl_queue: Any) -> Any:
-    """The svo_submit of a queue; NULL: the device's own."""
-    return ffi.new("svo_submit *", {"queue": cl_queue})
-
-
-def of_target(function: Callable[..., Any], target: Callable[[Any], Any]) -> Callable[..., Any]:
-    """A function of the library that takes an svo_target, as one that takes the handle of it."""
-    return lambda pointer, *arguments: function(target(pointer), *arguments)
 
 
 def read(struct: Any, kind: type[_T]) -> _T:

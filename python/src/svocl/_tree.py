@@ -271,7 +271,7 @@ class Tree(Resident):
             first_index: of TREE_ARGUMENTS consecutive arguments.
         """
         cl_kernel = _opencl.pointer("cl_kernel", kernel, "kernel")
-        function = _structs.of_target(lib.svo_kernel_set_arguments, lib.svo_tree_target)
+        function = self._of_target(lib.svo_kernel_set_arguments)
         self._device_call("set_kernel_args", function, cl_kernel, _arrays.integer("first_index", first_index))
 
     # --- rays -------------------------------------------------------------------------------------------------------
@@ -304,7 +304,7 @@ class Tree(Resident):
         """
         records = _arrays.records("rays", rays, _arrays.ray_dtype)
         hits = _arrays.output("out", out, _arrays.hit_dtype, records.shape)
-        function = self._traced(lib.svo_trace_triangles)
+        function = self._of_target(lib.svo_trace_triangles)
         self._wait("trace", function, (records, hits), [TraceMode(mode)], queue)
         return hits
 
@@ -388,7 +388,7 @@ class Tree(Resident):
         Returns:
             The event of the batch, which releases itself.
         """
-        function = self._traced(lib.svo_trace_triangles)
+        function = self._of_target(lib.svo_trace_triangles)
         return self._enqueue("trace_enqueue", function, (rays, hits), ray_count, [TraceMode(mode)], queue, wait_for)
 
     def nearest_enqueue(
@@ -443,12 +443,12 @@ class Tree(Resident):
         Returns:
             (height, width, 4) uint8: RGBA, top to bottom.
         """
-        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
+        submit = _opencl.submit_to(queue)
         used = self.frame(width / max(height, 1)) if camera is None else camera
         options, picture = render_options(width, height, used, view)
         rgba = ffi.from_buffer("uint8_t[]", picture)
-        function = _structs.of_target(lib.svo_render, lib.svo_tree_target)
-        self._device_call("render", function, options, _structs.in_host(rgba), _structs.submit(cl_queue))
+        function = self._of_target(lib.svo_render)
+        self._device_call("render", function, options, _opencl.in_host(rgba), submit)
         return picture
 
     def __repr__(self) -> str:

@@ -154,10 +154,7 @@ static svo_status move(lit_run *run, const svo_mesh *object, size_t round, doubl
     place(run, object, round % 2 != 0 ? 1.0 : 0.0, transform);
     svo_status status = svo_moving_set_transform(run->moving, 0, transform);
     if (status == SVO_OK) {
-        status = svo_moving_update(run->moving, NULL);
-    }
-    if (status == SVO_OK) {
-        status = svo_moving_finish(run->moving, &report);
+        status = svo_moving_update(run->moving, NULL, &report);
     }
     const double start_ms = input_now_ms();
     if (status == SVO_OK) {
@@ -264,7 +261,7 @@ static int open_scene(lit_run *run, const svo_mesh *fixed, const svo_mesh *objec
     const bool opened =
         svo_moving_create(run->all->opened.device, &still, run->depth, &run->options, queue, &run->moving) == SVO_OK &&
         svo_moving_add(run->moving, object, transform, &number) == SVO_OK &&
-        svo_moving_update(run->moving, NULL) == SVO_OK && make_light(run, &run->light, 1) == SVO_OK;
+        svo_moving_update(run->moving, NULL, NULL) == SVO_OK && make_light(run, &run->light, 1) == SVO_OK;
     vertex_attributes_free(&made);
     return opened ? PROGRAM_DONE : fail(run);
 }

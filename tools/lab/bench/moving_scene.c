@@ -126,7 +126,7 @@ bool moving_scene_update(moving_scene *scene, size_t round, svo_moving_report *r
     const double shift = round % 2 != 0 ? scene->step : 0.0;
     const double transform[12] = {1, 0, 0, shift, 0, 1, 0, shift, 0, 0, 1, shift};
     return svo_moving_set_transform(scene->moving, 0, transform) == SVO_OK &&
-           svo_moving_update(scene->moving, NULL) == SVO_OK && svo_moving_finish(scene->moving, report) == SVO_OK;
+           svo_moving_update(scene->moving, NULL, report) == SVO_OK;
 }
 
 bool moving_scene_build(const moving_scene *scene, svo_device *device, svo_frontend *frontend, unsigned depth,

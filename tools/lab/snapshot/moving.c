@@ -57,10 +57,7 @@ static void print_tree(const char *name, const char *part, const opened *session
     char hash[SVO_HASH_TEXT_BYTES];
     svo_moving_report report = SVO_MOVING_REPORT_INIT;
     line_text line = {.used = 0};
-    svo_status status = svo_moving_update(moving, NULL);
-    if (status == SVO_OK) {
-        status = svo_moving_finish(moving, &report);
-    }
+    svo_status status = svo_moving_update(moving, &(svo_submit){.queue = session->queue}, &report);
     if (status == SVO_OK) {
         status = svo_tree_download(svo_moving_tree(moving), session->queue);
     }
