@@ -33,6 +33,14 @@ typedef struct svo_box {
     double high[3]; /**< greatest corner; not below low on any axis */
 } svo_box;
 
+/** Where the cells of a grid are: four fields of svo_plan_info before a build. This struct does not grow. */
+typedef struct svo_grid {
+    uint32_t depth; /**< the grid has 2^depth voxels per axis */
+    uint32_t snap_bits; /**< the grid is 2^snap_bits units wide */
+    double origin[3]; /**< minimum corner, world coordinates */
+    double scale; /**< grid units per world unit */
+} svo_grid;
+
 /** The grid of a tree.
  *
  * \param tree not NULL

@@ -175,14 +175,6 @@ typedef struct svo_plan_options {
 /** All defaults. */
 #define SVO_PLAN_OPTIONS_INIT SVO_STRUCT_INIT(svo_plan_options)
 
-/** Where the cells of a grid are. This struct does not grow. */
-typedef struct svo_grid {
-    uint32_t depth; /**< the grid has 2^depth voxels per axis */
-    uint32_t snap_bits; /**< the grid is 2^snap_bits units wide */
-    double origin[3]; /**< minimum corner, world coordinates */
-    double scale; /**< grid units per world unit */
-} svo_grid;
-
 /** What a plan found out. */
 typedef struct svo_plan_info {
     size_t struct_size; /**< sizeof(svo_plan_info) */
@@ -216,7 +208,6 @@ typedef struct svo_plan_info {
     uint64_t tree_bytes; /**< the device memory of the finished tree */
     uint32_t kernels_count; /**< the entries of svo_plan_get_kernels */
     uint32_t left_out_count; /**< the entries of svo_plan_get_left_out */
-    svo_grid grid; /**< depth, snap_bits, origin and scale, as the functions of nodes.h take them */
 } svo_plan_info;
 
 /** An empty output. */

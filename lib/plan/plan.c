@@ -482,8 +482,6 @@ svo_status svo_plan_get_info(const svo_plan *plan, svo_plan_info *info)
     found.tree_bytes = svo_i_plan_tree_bytes(plan);
     found.kernels_count = (uint32_t)plan->work.kernels_count;
     found.left_out_count = (uint32_t)plan->work.left_out_count;
-    found.grid = (svo_grid){.depth = found.depth, .snap_bits = found.snap_bits, .scale = found.scale};
-    memcpy(found.grid.origin, found.origin, sizeof found.origin);
     return svo_i_struct_write(&plan->device->message, "svo_plan_get_info", "info", &found, info,
                               SVO_I_STRUCT_SIZES(svo_plan_info, coverage));
 }

@@ -76,8 +76,8 @@ STRUCTS = (
     ("svo_moving_object", "MovingObject"),
 )
 
-# OpenGL's, and those of enqueued builds; stage_times are stages, and grid has what other fields have.
-LEFT_OUT = {"struct_size", "reserved", "inner_nodes", "renderer", "stage_times", "grid"}
+# OpenGL's, and those of enqueued builds; stage_times are stages.
+LEFT_OUT = {"struct_size", "reserved", "inner_nodes", "renderer", "stage_times"}
 
 # Kinds that neither the type nor the words of a field name.
 KINDS = {

@@ -130,7 +130,7 @@ def test_enumerations_are_complete():
 def test_structs_are_complete():
     """Each field that cffi finds in the headers' results is in Python, but for those named here."""
     structs = {
-        "svo_plan_info": (_generated.PlanInfo, {"grid"}),
+        "svo_plan_info": (_generated.PlanInfo, set()),
         "svo_import_info": (_generated.ImportInfo, set()),
         "svo_buffer_info": (_generated.PlanBuffer, set()),
         "svo_left_out": (_generated.LeftOut, set()),
@@ -155,7 +155,7 @@ def test_structs_are_complete():
         "svo_paged_info": (_generated.PagedInfo, set()),
         "svo_paged_counts": (_generated.PagedCounts, set()),
         "svo_scene_light": (svocl.SceneLight, {"reserved"}),
-        # OpenGL's, and those of enqueued builds; stage_times are stages, and a plan's grid has what other fields have.
+        # OpenGL's, and those of enqueued builds; stage_times are stages.
         "svo_build_report": (_generated.BuildReport, {"inner_nodes", "renderer", "stage_times"}),
     }
     for name, (kind, left_out) in structs.items():

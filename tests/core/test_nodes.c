@@ -173,6 +173,16 @@ static void every_node_is_found_from_its_place_and_back(void **state)
     scene_destroy(&knot);
 }
 
+/* Before a build. */
+static svo_grid grid_of_plan(const svo_plan *plan)
+{
+    const svo_plan_info info = info_of_plan(plan);
+    return (svo_grid){.depth = info.depth,
+                      .snap_bits = info.snap_bits,
+                      .origin = {info.origin[0], info.origin[1], info.origin[2]},
+                      .scale = info.scale};
+}
+
 /* ---- grids ---- */
 
 /* A grid of the caller's with powers of two: every figure is exact. */
@@ -186,7 +196,7 @@ static void boxes_of_a_callers_grid_have_closed_forms(void **state)
     double high[3];
     uint32_t cell[3] = {7, 7, 7};
     succeed(&opened, svo_plan_create(opened.device, scene_mesh(cube), 5, &options, &plan));
-    const svo_grid grid = info_of_plan(plan).grid;
+    const svo_grid grid = grid_of_plan(plan);
     assert_true(svo_grid_cell_edge(&grid, 0) == 8 && svo_grid_cell_edge(&grid, 5) == 0.25);
     svo_grid_cell_box(&grid, 5, (const uint32_t[3]){0, 16, 31}, low, high);
     assert_true(low[0] == -4 && low[1] == 0 && low[2] == 3.75 && high[0] == -3.75 && high[1] == 0.25 && high[2] == 4);
@@ -220,7 +230,7 @@ static void the_far_end_of_a_fitted_grid_is_in_the_last_voxel(void **state)
         uint32_t cell[3];
         succeed(&opened, svo_plan_create(opened.device, &mesh, depth, NULL, &plan));
         succeed(&opened, svo_plan_get_info(plan, &info));
-        const svo_grid grid = info.grid;
+        const svo_grid grid = grid_of_plan(plan);
         const double units = ldexp(1.0, (int)info.snap_bits);
         assert_true(fabs(svo_grid_cell_edge(&grid, 0) / info.edge - units / (units - 1)) < 1e-14);
         for (int corner = 0; corner < 3; ++corner) {
