@@ -111,4 +111,27 @@ svo_status svo_i_voxels_sorted(const voxel_writer *writer, svo_i_voxel_order ord
 /* The world position of a corner: of the voxel at that place, or between voxels. */
 double svo_i_voxels_world(const voxel_writer *writer, int axis, double place);
 
+/* ---- of each format ---- */
+
+/* Reads a file of one format into the reader's voxels and properties. */
+svo_status svo_i_voxels_read_vox(voxel_reader *reader);
+svo_status svo_i_voxels_read_svx(voxel_reader *reader);
+
+/* Write a file of one format. */
+svo_status svo_i_voxels_write_vox(voxel_writer *writer);
+svo_status svo_i_voxels_write_svx(voxel_writer *writer);
+
+/* ---- .svx, as its reader and its writer share it ---- */
+
+#define SVX_MANIFEST   "manifest.xml"
+#define SVX_CELLS_MAX  ((uint64_t)1 << 31) /* most cells of a grid */
+#define SVX_SIDE_MAX   16384 /* most pixels along a side of a slice */
+#define SVX_PIXELS_MAX ((uint64_t)1 << 27) /* most pixels of a slice */
+
+/* What channels are for. */
+typedef enum svx_kind { SVX_DENSITY, SVX_COLOR, SVX_MATERIAL, SVX_KINDS } svx_kind;
+
+/* Why there is neither where the library is built without what they need. */
+#define VOXELS_NO_SVX ".svx needs libzip and expat, which svocl was built without"
+
 #endif
