@@ -232,8 +232,8 @@ SVO_API const char *svo_gl_raster_reason(const svo_gl *gl, svo_gl_raster raster)
  * \returns "" if it works. Static or owned by gl. */
 SVO_API const char *svo_gl_share_reason(const svo_gl *gl, svo_gl_share share);
 
-/** A buffer that OpenCL writes and OpenGL reads: a picture of svo_render, hits, whatever kernels make. Or
- *  one that OpenGL writes and svo_gl_plan_update reads.
+/** A buffer that OpenCL writes and OpenGL reads: a picture of svo_render, hits, whatever kernels make. Or one that
+ *  OpenGL writes and svo_gl_plan_update reads.
  *
  *     svo_gl_buffer_to_cl(buffer, queue);
  *     svo_submit submit = {.queue = queue, .event = &drawn};

@@ -80,8 +80,7 @@ typedef struct svo_scene_info {
  * \param device the trees'
  * \param options see svo_scene_options; instances may be NULL
  * \param info receives the numbers
- * \returns SVO_INVALID_ARGUMENT or SVO_UNSUPPORTED on failure, or what svo_tree_make_bvh returns: with
- * SVO_NEED_RAYS
+ * \returns SVO_INVALID_ARGUMENT or SVO_UNSUPPORTED on failure, or what svo_tree_make_bvh returns: with SVO_NEED_RAYS
  *          the trees' BVHs are made, whose sizes are not known before. */
 SVO_API svo_status svo_scene_plan(svo_device *device, const svo_scene_options *options, svo_scene_info *info);
 

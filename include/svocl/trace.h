@@ -5,8 +5,8 @@
  *
  * Rays traverse an 8-wide BVH that references each triangle once. The BVH is separate from the octree: it is no part of
  * a build nor of the plan's buffers. The first function that needs it makes it, on the device, and keeps it with the
- * tree. Such functions take a tree that is not const and need exclusive use of it. svo_tree_make_bvh makes it
- * at a time and in a quality of the caller's choosing.
+ * tree. Such functions take a tree that is not const and need exclusive use of it. svo_tree_make_bvh makes it at a time
+ * and in a quality of the caller's choosing.
  */
 #ifndef SVOCL_TRACE_H
 #define SVOCL_TRACE_H
@@ -205,16 +205,16 @@ typedef enum svo_bvh_quality {
  *  more per triangle at most. While it is made, up to 140 bytes per triangle more are in use on the device.
  *
  * \param tree with SVO_NEED_RAYS, coverage half-open or closed, on a device; no batch of its rays may be in progress
- * \param quality a svo_bvh_quality
+ * \param quality an svo_bvh_quality
  * \param queue on the context of the tree's device; NULL: the device's own
  * \returns SVO_INVALID_ARGUMENT, SVO_COMPILE_FAILED, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY, SVO_CL_ERROR or
  *          SVO_UNSUPPORTED (the device fuses multiplications and additions although the kernels forbid it, so rays
  *          could pass between triangles) on failure. */
 SVO_API svo_status svo_tree_make_bvh(svo_tree *tree, svo_bvh_quality quality, cl_command_queue queue);
 
-/** Fits the tree's BVH to a mesh that has moved (svo_plan_update), after a build into the tree. Allocates no
- * device memory, compiles nothing and waits for no build: enqueue it after svo_build_enqueue, with that call's event or
- * on the same in-order queue.
+/** Fits the tree's BVH to a mesh that has moved (svo_plan_update), after a build into the tree. Allocates no device
+ * memory, compiles nothing and waits for no build: enqueue it after svo_build_enqueue, with that call's event or on the
+ * same in-order queue.
  *
  * The BVH keeps the triangles of each node, those of its first mesh, and gets new boxes and corners. Hits are those of
  * a new BVH; the further the mesh moves from the first, the more boxes overlap and the longer rays take. If a triangle
