@@ -502,7 +502,7 @@ def trace_voxels(
     records = _arrays.records("rays", rays, _arrays.ray_dtype)
     hits = _arrays.output("out", out, _arrays.voxel_hit_dtype, records.shape)
     name = "trace_voxels" if isinstance(resident, Tree) else "trace"
-    resident._wait(name, resident._traced(lib.svo_trace_voxels), (records, hits), [footprint, 0], queue)
+    resident._wait(name, resident._of_target(lib.svo_trace_voxels), (records, hits), [footprint, 0], queue)
     return hits
 
 
