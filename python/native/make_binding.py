@@ -41,12 +41,7 @@ def preprocess(compiler: str, include: str, text: str, options: list[str]) -> st
     """Runs the preprocessor over text; of all system headers only CL/cl.h has content."""
     with tempfile.TemporaryDirectory() as folder:
         os.mkdir(os.path.join(folder, "CL"))
-        contents: dict[str, str] = {
-            "CL/cl.h": "#pragma once\n" + CL_TYPES,
-            "stddef.h": "",
-            "stdint.h": "",
-            "input.c": text,
-        }
+        contents: dict[str, str] = {"CL/cl.h": CL_TYPES, "stddef.h": "", "stdint.h": "", "input.c": text}
         for name, content in contents.items():
             with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
                 file.write(content)

@@ -2,6 +2,7 @@
 """Compact trees: smaller forms of a built tree, and solids."""
 
 import contextlib
+import functools
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Union
 
@@ -13,10 +14,10 @@ from ._callbacks import call
 from ._errors import error, text
 from ._generated import CompactBuffer, Form, InvalidArgumentError, Need, SolidRule, Status, View
 from ._handle import Guard, Handle, Native, view
-from ._mesh import Path, encode, need_io
+from ._mesh import Path, from_bytes, from_path, need_io
 from ._native import ffi, lib
 from ._resident import Resident
-from ._tree import Camera, Tree, render_options, trace_voxels
+from ._tree import Camera, Tree, draw, render_options, trace_voxels
 
 if TYPE_CHECKING:
     from ._device import Device
@@ -114,9 +115,8 @@ class Compact(Resident):
             FileDamagedError: it is truncated, damaged or of another format.
         """
         need_io("Compact.load")
-        name = ffi.new("char[]", encode(path))
-        source = ffi.new("svo_source *", {"path": name})
-        return _loaded(source[0])
+        source, _kept = from_path(path)
+        return _loaded(source)
 
     @staticmethod
     def load_bytes(content: Union[bytes, bytearray, memoryview], name: str = "bytes") -> "Compact":
@@ -127,10 +127,8 @@ class Compact(Resident):
             name: stands for the path in messages.
         """
         need_io("Compact.load_bytes")
-        memory = ffi.from_buffer(content)
-        chars = ffi.new("char[]", name.encode())
-        source = ffi.new("svo_source *", {"bytes": memory, "byte_count": len(memory), "name": chars})
-        return _loaded(source[0])
+        source, _kept = from_bytes(content, name)
+        return _loaded(source)
 
     # --- what it holds ----------------------------------------------------------------------------------------------
 
@@ -281,18 +279,14 @@ class Compact(Resident):
         Args:
             width, height: pixels, 1 .. 16384.
             camera: for example Tree.frame's.
-            view: what to show; all views but View.TRIANGLES.
+            view: what to show: View.SHADED, NORMAL, DEPTH, STEPS or LEVEL.
             queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
 
         Returns:
             (height, width, 4) uint8: RGBA, top to bottom.
         """
-        submit = _opencl.submit_to(queue)
         options, picture = render_options(width, height, camera, view)
-        rgba = ffi.from_buffer("uint8_t[]", picture)
-        function = self._of_target(lib.svo_render)
-        self._device_call("render", function, options, _opencl.in_host(rgba), submit)
-        return picture
+        return draw(functools.partial(self._device_call, "render"), lib.svo_compact_target, options, picture, queue)
 
     # --- shared -----------------------------------------------------------------------------------------------------
 

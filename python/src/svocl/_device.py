@@ -2,7 +2,7 @@
 """Devices: an OpenCL context and device, the parent of plans and trees."""
 
 from collections.abc import Sequence
-from typing import Any, Optional
+from typing import Any, NamedTuple, Optional
 
 from . import _arrays, _opencl, _progress, _structs
 from ._callbacks import call
@@ -16,6 +16,15 @@ from ._tree import Tree
 
 _PLAN_PART = 0.1
 """Of Device.build, in its progress."""
+
+
+class _Info(NamedTuple):
+    """What svo_device_info tells, copied."""
+
+    name: str
+    compile_ms: float
+    context: int
+    device: int
 
 
 class Device(DeviceHandle):
@@ -63,27 +72,28 @@ class Device(DeviceHandle):
     @property
     def name(self) -> str:
         """ "platform: device"."""
-        return text(self._info().name)
+        return self._info().name
 
     @property
     def compile_ms(self) -> float:
         """Time spent on compiling kernels so far, or on loading them from the driver's cache, in milliseconds."""
-        return float(self._info().compile_ms)
+        return self._info().compile_ms
 
     @property
     def context_int_ptr(self) -> int:
         """The cl_context: pyopencl.Context.from_int_ptr(device.context_int_ptr) retains it."""
-        return int(ffi.cast("uintptr_t", self._info().context))
+        return self._info().context
 
     @property
     def device_int_ptr(self) -> int:
         """The cl_device_id: for pyopencl.Device.from_int_ptr."""
-        return int(ffi.cast("uintptr_t", self._info().device))
+        return self._info().device
 
-    def _info(self) -> Any:
+    def _info(self) -> _Info:
         struct = _structs.new("svo_device_info")
-        self._call(lib.svo_device_get_info, struct)
-        return struct
+        with self._called(lib.svo_device_get_info, struct):
+            context, device = (int(ffi.cast("uintptr_t", handle)) for handle in (struct.context, struct.device))
+            return _Info(text(struct.name), struct.compile_ms, context, device)
 
     def plan(
         self,

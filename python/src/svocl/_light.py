@@ -16,7 +16,7 @@ from ._generated import InvalidArgumentError, LightBuffer, LightForm, Opacity, S
 from ._handle import Handle, Native
 from ._mesh import Finish, finish_record
 from ._native import ffi, lib
-from ._tree import Camera, Tree, address, framed, render_options
+from ._tree import Camera, Tree, address, draw, framed, render_options
 
 
 class LightSource(NamedTuple):
@@ -292,11 +292,7 @@ class Light(Handle):
         options, picture = render_options(width, height, used, view)
         gather = _gather_options(cones, step, max_distance, falloff, with_light)
         options.gather, options.exposure = gather, exposure
-        submit = _opencl.submit_to(queue)
-        rgba = ffi.from_buffer("uint8_t[]", picture)
-        function = _opencl.of_target(lib.svo_light_target, lib.svo_render)
-        self._call(function, options, _opencl.in_host(rgba), submit)
-        return picture
+        return draw(self._call, lib.svo_light_target, options, picture, queue)
 
     def _frame(self, aspect: float) -> Camera:
         """Tree.frame of the tree, which may be closed."""

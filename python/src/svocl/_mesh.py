@@ -316,6 +316,29 @@ def encode(path: Path) -> bytes:
     return name
 
 
+def from_path(path: Path) -> tuple[Any, list[Any]]:
+    """The svo_source of a file, and what has to live as long as it does."""
+    return _at_path("svo_source *", path)
+
+
+def from_bytes(content: Union[bytes, bytearray, memoryview], name: str) -> tuple[Any, list[Any]]:
+    """The svo_source of a file's content, and what has to live as long as it does; name stands for the path."""
+    memory, chars = ffi.from_buffer(content), ffi.new("char[]", name.encode())
+    source = ffi.new("svo_source *", {"bytes": memory, "byte_count": len(memory), "name": chars})
+    return source[0], [source, memory, chars]
+
+
+def to_path(path: Path) -> tuple[Any, list[Any]]:
+    """The svo_sink of a file, and what has to live as long as it does."""
+    return _at_path("svo_sink *", path)
+
+
+def _at_path(kind: str, path: Path) -> tuple[Any, list[Any]]:
+    chars = ffi.new("char[]", encode(path))
+    struct = ffi.new(kind, {"path": chars})
+    return struct[0], [struct, chars]
+
+
 def read_mesh(
     path: Path,
     *,

@@ -87,7 +87,7 @@ class Paged(Handle):
         Args:
             width, height: pixels, 1 .. 16384.
             camera: None: Paged.frame.
-            view: what to show; not View.TRIANGLES.
+            view: what to show: View.SHADED, NORMAL, DEPTH, STEPS or LEVEL.
 
         Returns:
             (height, width, 4) uint8: RGBA, top to bottom.

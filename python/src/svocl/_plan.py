@@ -29,17 +29,17 @@ class Plan(Handle):
     @property
     def buffers(self) -> tuple[_generated.PlanBuffer, ...]:
         """The buffers that a build allocates, in order. After a build: exactly those that it allocated."""
-        return self._entries(self.info.buffer_count, "get_buffer", "svo_buffer_info", _generated.PlanBuffer)
+        return self._entries("buffer_count", "get_buffer", "svo_buffer_info", _generated.PlanBuffer)
 
     @property
     def kernels(self) -> tuple[_generated.Kernels, ...]:
         """The programs of kernels that a build compiles."""
-        return self._entries(self.info.kernels_count, "get_kernels", "svo_kernels_info", _generated.Kernels)
+        return self._entries("kernels_count", "get_kernels", "svo_kernels_info", _generated.Kernels)
 
     @property
     def left_out(self) -> tuple[_generated.LeftOut, ...]:
         """What a build does without, and why. The result is the same, bit for bit, as if nothing were left out."""
-        return self._entries(self.info.left_out_count, "get_left_out", "svo_left_out", _generated.LeftOut)
+        return self._entries("left_out_count", "get_left_out", "svo_left_out", _generated.LeftOut)
 
     def count(self, *, queue: Any = None, progress: Optional[_progress.Progress] = None) -> int:
         """Counts the fragments without keeping them; their number becomes the plan's capacity. Costs about a
@@ -82,12 +82,13 @@ class Plan(Handle):
             with self._called(build, *arguments, undo=lambda: lib.svo_tree_destroy(out)):
                 return Tree(out[0], self._native.parent, _structs.read_report(report))
 
-    def _entries(self, count: int, get: str, struct_name: str, kind: type[_T]) -> tuple[_T, ...]:
+    def _entries(self, count: str, get: str, struct_name: str, kind: type[_T]) -> tuple[_T, ...]:
+        """The entries of a list, which a build on another thread may change before and after, but not meanwhile."""
         entries: list[_T] = []
-        struct = _structs.new(struct_name)
-        with self._use() as pointer:
-            for index in range(count):
-                status = getattr(lib, f"svo_plan_{get}")(pointer, index, struct)
+        info, struct = _structs.new("svo_plan_info"), _structs.new(struct_name)
+        with self._called(lib.svo_plan_get_info, info):
+            for index in range(getattr(info, count)):
+                status = getattr(lib, f"svo_plan_{get}")(self._native._pointer[0], index, struct)
                 if status != lib.SVO_OK:
                     raise error(status, self._native.device_message())
                 entries.append(_structs.read(struct, kind))

@@ -11,7 +11,7 @@ from ._callbacks import call
 from ._errors import error, text
 from ._generated import InvalidArgumentError, Status
 from ._handle import DeviceHandle, Handle, Native
-from ._mesh import Path, encode, need_io
+from ._mesh import Path, need_io, to_path
 from ._native import ffi, lib
 
 
@@ -62,13 +62,12 @@ class Resident(Handle):
             FileError: the file cannot be written.
         """
         need_io(f"{type(self).__name__}.save")
-        name = ffi.new("char[]", encode(path))
-        sink = ffi.new("svo_sink *", {"path": name})
+        sink, _kept = to_path(path)
         options = _structs.new("svo_save_options")
         options.compress = bool(compress)
         message = ffi.new("svo_message *")
         with self._downloaded(None) as pointer:
-            status = call(self._function("save"), pointer, sink[0], options, message)
+            status = call(self._function("save"), pointer, sink, options, message)
             if status != lib.SVO_OK:
                 raise error(status, text(message.text))
 

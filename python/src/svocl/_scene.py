@@ -16,7 +16,7 @@ from ._generated import InvalidArgumentError, Need, SceneTrace, Status, View
 from ._handle import Handle, Native
 from ._native import ffi, lib
 from ._resident import Resident
-from ._tree import Camera, Tree, address, framed, render_options
+from ._tree import Camera, Tree, address, draw, framed, render_options
 
 
 class SceneLight(NamedTuple):
@@ -249,11 +249,7 @@ class Scene(Handle):
         given = ffi.new("svo_scene_light[]", [_light(light) for light in lights])
         options.lights, options.light_count = given if lights else ffi.NULL, len(lights)
         options.occlusion_range = occlusion_range
-        submit = _opencl.submit_to(queue)
-        rgba = ffi.from_buffer("uint8_t[]", picture)
-        function = _opencl.of_target(lib.svo_scene_target, lib.svo_render)
-        self._call(function, options, _opencl.in_host(rgba), submit)
-        return picture
+        return draw(self._call, lib.svo_scene_target, options, picture, queue)
 
     # --- shared -----------------------------------------------------------------------------------------------------
 

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Trees: the octree's arrays, its hash, files, pictures, rays and nearest points."""
 
+import functools
 from collections.abc import Iterable
-from typing import Any, NamedTuple, Optional, Union
+from typing import Any, Callable, NamedTuple, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +13,7 @@ from ._callbacks import call
 from ._errors import error, text
 from ._generated import BvhQuality, TraceMode, TreeBuffer, View
 from ._handle import Guard, Native, view
-from ._mesh import Path, encode, need_io
+from ._mesh import Path, from_bytes, from_path, need_io
 from ._native import ffi, lib
 from ._resident import Resident
 
@@ -131,9 +132,8 @@ class Tree(Resident):
             FileDamagedError: it is truncated, damaged or of another format.
         """
         need_io("Tree.load")
-        name = ffi.new("char[]", encode(path))
-        source = ffi.new("svo_source *", {"path": name})
-        return _loaded(source[0], levels)
+        source, _kept = from_path(path)
+        return _loaded(source, levels)
 
     @staticmethod
     def load_bytes(content: Union[bytes, bytearray, memoryview], name: str = "bytes", *, levels: int = 0) -> "Tree":
@@ -145,10 +145,8 @@ class Tree(Resident):
             levels: see Tree.load.
         """
         need_io("Tree.load_bytes")
-        memory = ffi.from_buffer(content)
-        chars = ffi.new("char[]", name.encode())
-        source = ffi.new("svo_source *", {"bytes": memory, "byte_count": len(memory), "name": chars})
-        return _loaded(source[0], levels)
+        source, _kept = from_bytes(content, name)
+        return _loaded(source, levels)
 
     # --- what it holds ----------------------------------------------------------------------------------------------
 
@@ -437,19 +435,15 @@ class Tree(Resident):
         Args:
             width, height: pixels, 1 .. 16384.
             camera: None: Tree.frame.
-            view: what to show. View.TRIANGLES needs Need.RAYS.
+            view: what to show: View.SHADED, NORMAL, DEPTH, STEPS, LEVEL or TRIANGLES, which needs Need.RAYS.
             queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
 
         Returns:
             (height, width, 4) uint8: RGBA, top to bottom.
         """
-        submit = _opencl.submit_to(queue)
         used = self.frame(width / max(height, 1)) if camera is None else camera
         options, picture = render_options(width, height, used, view)
-        rgba = ffi.from_buffer("uint8_t[]", picture)
-        function = self._of_target(lib.svo_render)
-        self._device_call("render", function, options, _opencl.in_host(rgba), submit)
-        return picture
+        return draw(functools.partial(self._device_call, "render"), lib.svo_tree_target, options, picture, queue)
 
     def __repr__(self) -> str:
         if self.closed:
@@ -490,6 +484,16 @@ def render_options(width: int, height: int, camera: Camera, view: View) -> tuple
     return options, new_picture(width, height)
 
 
+def draw(
+    run: Callable[..., None], target: Callable[..., Any], options: Any, picture: npt.NDArray[np.uint8], queue: Any
+) -> npt.NDArray[np.uint8]:
+    """Draws what render_options made by run(function, arguments...), which calls a function with a handle; target makes
+    an svo_target of that. Waits."""
+    function = _opencl.of_target(target, lib.svo_render)
+    run(function, options, _opencl.in_host(address("void *", picture)), _opencl.submit_to(queue))
+    return picture
+
+
 def address(kind: str, array: _arrays.Array) -> Any:
     """The address of an array's records, which cffi's from_buffer does not take; the array must stay alive."""
     return ffi.cast(kind, array.ctypes.data)
@@ -502,7 +506,7 @@ def trace_voxels(
     records = _arrays.records("rays", rays, _arrays.ray_dtype)
     hits = _arrays.output("out", out, _arrays.voxel_hit_dtype, records.shape)
     name = "trace_voxels" if isinstance(resident, Tree) else "trace"
-    resident._wait(name, resident._traced(lib.svo_trace_voxels), (records, hits), [footprint, 0], queue)
+    resident._wait(name, resident._of_target(lib.svo_trace_voxels), (records, hits), [footprint, 0], queue)
     return hits
 
 

@@ -12,7 +12,7 @@ from ._callbacks import call
 from ._errors import error, text
 from ._generated import Axes, Builder, Need
 from ._handle import Guard, Handle, Native, view
-from ._mesh import Path, encode, need_io
+from ._mesh import Path, from_bytes, from_path, need_io, to_path
 from ._native import ffi, lib
 from ._plan import Plan
 from ._tree import Tree
@@ -120,9 +120,8 @@ class Voxels(Handle):
             UnsupportedError: .svx, and svocl was built without libzip or expat.
         """
         need_io("Voxels.load")
-        name = ffi.new("char[]", encode(path))
-        source = ffi.new("svo_source *", {"path": name})
-        return cls._load(source[0], hidden, frame, voxels_max, axes)
+        source, _kept = from_path(path)
+        return cls._load(source, hidden, frame, voxels_max, axes)
 
     @classmethod
     def load_bytes(
@@ -143,10 +142,8 @@ class Voxels(Handle):
             hidden, frame, voxels_max, axes: see Voxels.load.
         """
         need_io("Voxels.load_bytes")
-        memory = ffi.from_buffer(content)
-        chars = ffi.new("char[]", name.encode())
-        source = ffi.new("svo_source *", {"bytes": memory, "byte_count": len(memory), "name": chars})
-        return cls._load(source[0], hidden, frame, voxels_max, axes)
+        source, _kept = from_bytes(content, name)
+        return cls._load(source, hidden, frame, voxels_max, axes)
 
     def set_axes(self, axes: Axes) -> None:
         """Says which axis is up in files that the list is written to: at first what Voxels.load was given, else
@@ -174,12 +171,11 @@ class Voxels(Handle):
             UnsupportedError: .svx, and svocl was built without libzip or expat.
         """
         need_io("Voxels.save")
-        name = ffi.new("char[]", encode(path))
-        sink = ffi.new("svo_sink *", {"path": name})
+        sink, _kept = to_path(path)
         info = _structs.new("svo_voxels_save_info")
         message = ffi.new("svo_message *")
         with self._use() as pointer:
-            status = call(lib.svo_voxels_save, pointer, sink[0], lib.SVO_VOXEL_FORMAT_AUTO, info, message)
+            status = call(lib.svo_voxels_save, pointer, sink, lib.SVO_VOXEL_FORMAT_AUTO, info, message)
             if status != lib.SVO_OK:
                 raise error(status, text(message.text))
         return _structs.read_file_info(info, _generated.VoxelsSaveInfo)
