@@ -144,8 +144,8 @@ static bool take_picture(cloth *c, int picture)
 {
     static uint8_t rgba[HEIGHT * WIDTH * 4];
     svo_render_options view = {.struct_size = sizeof view, .width = WIDTH, .height = HEIGHT};
-    (void)svo_camera_fit(svo_tree_target(c->tree), 1.0F, &view.camera);
-    if (svo_render(svo_tree_target(c->tree), &view, svo_in_host(rgba), &(svo_submit){.queue = c->queue}) != SVO_OK)
+    if (svo_camera_fit(svo_tree_target(c->tree), 1.0F, &view.camera) != SVO_OK ||
+        svo_render(svo_tree_target(c->tree), &view, svo_in_host(rgba), &(svo_submit){.queue = c->queue}) != SVO_OK)
         return false;
     for (size_t y = 0; y < HEIGHT; ++y)
         memcpy(film[y][picture], rgba + y * sizeof film[y][picture], sizeof film[y][picture]);

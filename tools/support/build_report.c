@@ -68,10 +68,11 @@ static bool applies(const char *name, bool with_opengl)
 
 static void print_kernels(const svo_plan *plan, bool with_opengl)
 {
+    const svo_plan_info info = info_of_plan(plan);
     table_gap();
     table_heading("kernels");
     table *rows = table_create("ll");
-    for (size_t i = 0; i < info_of_plan(plan).kernels_count; ++i) {
+    for (size_t i = 0; i < info.kernels_count; ++i) {
         svo_kernels_info kernels = SVO_KERNELS_INFO_INIT;
         svo_plan_get_kernels(plan, i, &kernels);
         if (applies(kernels.name, with_opengl)) {
@@ -84,10 +85,11 @@ static void print_kernels(const svo_plan *plan, bool with_opengl)
 
 static void print_planned_buffers(const svo_plan *plan)
 {
+    const svo_plan_info info = info_of_plan(plan);
     table_gap();
     table_heading("device memory");
     table *rows = table_create("lrll");
-    for (size_t i = 0; i < info_of_plan(plan).buffer_count; ++i) {
+    for (size_t i = 0; i < info.buffer_count; ++i) {
         svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
         svo_plan_get_buffer(plan, i, &buffer);
         table_cell(rows, "%s", buffer.name);
@@ -96,11 +98,11 @@ static void print_planned_buffers(const svo_plan *plan)
         table_cell(rows, "%s", buffer.persistent != 0 ? "tree" : "scratch");
     }
     table_cell(rows, "peak");
-    table_cell(rows, "%s", figure_bytes(info_of_plan(plan).peak_bytes).text);
+    table_cell(rows, "%s", figure_bytes(info.peak_bytes).text);
     table_cell(rows, "%s", "");
     table_cell(rows, "at any time");
     table_cell(rows, "tree");
-    table_cell(rows, "%s", figure_bytes(info_of_plan(plan).tree_bytes).text);
+    table_cell(rows, "%s", figure_bytes(info.tree_bytes).text);
     table_cell(rows, "%s", "");
     table_cell(rows, "persistent");
     table_print(rows);
@@ -108,10 +110,11 @@ static void print_planned_buffers(const svo_plan *plan)
 
 static void print_left_out(const svo_plan *plan, bool with_opengl)
 {
+    const svo_plan_info info = info_of_plan(plan);
     table_gap();
     table_heading("left out");
     table *rows = table_create("ll");
-    for (size_t i = 0; i < info_of_plan(plan).left_out_count; ++i) {
+    for (size_t i = 0; i < info.left_out_count; ++i) {
         svo_left_out entry = SVO_LEFT_OUT_INIT;
         svo_plan_get_left_out(plan, i, &entry);
         if (applies(entry.what, with_opengl)) {
@@ -141,8 +144,9 @@ static void add_pair(cJSON *array, const char *name, const char *text, const cha
 
 static void add_kernels(cJSON *document, const svo_plan *plan, bool with_opengl)
 {
+    const svo_plan_info info = info_of_plan(plan);
     cJSON *array = cJSON_AddArrayToObject(document, "kernels");
-    for (size_t i = 0; i < info_of_plan(plan).kernels_count; ++i) {
+    for (size_t i = 0; i < info.kernels_count; ++i) {
         svo_kernels_info kernels = SVO_KERNELS_INFO_INIT;
         svo_plan_get_kernels(plan, i, &kernels);
         if (applies(kernels.name, with_opengl)) {
@@ -153,8 +157,9 @@ static void add_kernels(cJSON *document, const svo_plan *plan, bool with_opengl)
 
 static void add_planned_buffers(cJSON *document, const svo_plan *plan)
 {
+    const svo_plan_info info = info_of_plan(plan);
     cJSON *array = cJSON_AddArrayToObject(document, "buffers");
-    for (size_t i = 0; i < info_of_plan(plan).buffer_count; ++i) {
+    for (size_t i = 0; i < info.buffer_count; ++i) {
         svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
         cJSON *entry = cJSON_CreateObject();
         svo_plan_get_buffer(plan, i, &buffer);
@@ -168,8 +173,9 @@ static void add_planned_buffers(cJSON *document, const svo_plan *plan)
 
 static void add_left_out(cJSON *document, const svo_plan *plan, bool with_opengl)
 {
+    const svo_plan_info info = info_of_plan(plan);
     cJSON *array = cJSON_AddArrayToObject(document, "left_out");
-    for (size_t i = 0; i < info_of_plan(plan).left_out_count; ++i) {
+    for (size_t i = 0; i < info.left_out_count; ++i) {
         svo_left_out left_out = SVO_LEFT_OUT_INIT;
         svo_plan_get_left_out(plan, i, &left_out);
         if (applies(left_out.what, with_opengl)) {

@@ -175,12 +175,6 @@ double input_now_ms(void)
     return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
 }
 
-/* Whether the running command's INPUT came through a pipe. */
-static bool is_piped(const program *state)
-{
-    return state->piped.name != NULL && state->options.input == state->piped.name;
-}
-
 int input_begin(program *state)
 {
     options *given = &state->options;
@@ -200,7 +194,7 @@ int input_begin(program *state)
 /* The name that tells the format. */
 static const char *name_of_format(const program *state)
 {
-    return is_piped(state) ? state->piped.suffix : state->options.input;
+    return piped_is(&state->piped, state->options.input) ? state->piped.suffix : state->options.input;
 }
 
 bool input_is_compact(const program *state)
@@ -218,8 +212,8 @@ bool input_is_tree(const program *state)
 
 bool input_is_mesh_file(const program *state)
 {
-    return !is_piped(state) && strncmp(state->options.input, "scene:", 6) != 0 && !input_is_tree(state) &&
-           !voxel_input_is_given(state);
+    return !piped_is(&state->piped, state->options.input) && strncmp(state->options.input, "scene:", 6) != 0 &&
+           !input_is_tree(state) && !voxel_input_is_given(state);
 }
 
 static int refuse_voxel_options(program *state)
@@ -367,7 +361,8 @@ static int import_piped(program *state, input *opened)
 
 static int open_file(program *state, input *opened)
 {
-    return is_piped(state) ? import_piped(state, opened) : import(state, opened->name, opened);
+    return piped_is(&state->piped, state->options.input) ? import_piped(state, opened)
+                                                         : import(state, opened->name, opened);
 }
 
 /* A mesh without a valid triangle is an input error, not an empty tree. */
@@ -486,7 +481,7 @@ int input_load_tree(program *state, svo_tree **out)
 int input_measure(program *state, uint64_t *byte_count)
 {
     struct stat status;
-    if (is_piped(state)) {
+    if (piped_is(&state->piped, state->options.input)) {
         *byte_count = state->piped.byte_count;
     } else if (stat(state->options.input, &status) != 0) {
         return program_fail(state, PROGRAM_FAILED, "%s: %s", state->options.input, strerror(errno));

@@ -64,11 +64,11 @@ bool cl_calls_count(cl_calls *counts)
 
 static void keep_buffers(const svo_plan *plan, build_result *result)
 {
-    result->peak_bytes = info_of_plan(plan).peak_bytes;
+    const svo_plan_info info = info_of_plan(plan);
+    result->peak_bytes = info.peak_bytes;
     free(result->buffers);
-    const size_t count = info_of_plan(plan).buffer_count;
-    result->buffers = calloc(count + 1, sizeof *result->buffers);
-    result->buffer_count = result->buffers != NULL ? count : 0;
+    result->buffers = calloc(info.buffer_count + 1, sizeof *result->buffers);
+    result->buffer_count = result->buffers != NULL ? info.buffer_count : 0;
     for (size_t i = 0; i < result->buffer_count; ++i) {
         result->buffers[i] = (svo_buffer_info)SVO_BUFFER_INFO_INIT;
         svo_plan_get_buffer(plan, i, &result->buffers[i]);

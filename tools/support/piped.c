@@ -180,10 +180,14 @@ int piped_read(const char *path, piped_input *piped)
     return error;
 }
 
+bool piped_is(const piped_input *piped, const char *path)
+{
+    return piped->name != NULL && path == piped->name;
+}
+
 svo_source piped_source(const piped_input *piped, const char *path)
 {
-    return piped->name != NULL && path == piped->name ? svo_from_memory(piped->bytes, piped->byte_count, path)
-                                                      : svo_from_path(path);
+    return piped_is(piped, path) ? svo_from_memory(piped->bytes, piped->byte_count, path) : svo_from_path(path);
 }
 
 void piped_release_bytes(piped_input *piped)

@@ -30,7 +30,10 @@ int piped_read(const char *path, piped_input *piped);
 /* Sets the suffix. Returns NULL, or why the bytes cannot be used. */
 const char *piped_judge(piped_input *piped);
 
-/* What to read for a path: the bytes, if it is piped.name, else the file. */
+/* Whether a path is piped.name, and the bytes are what to read for it. */
+bool piped_is(const piped_input *piped, const char *path);
+
+/* What to read for a path: the bytes, if piped_is, else the file. */
 svo_source piped_source(const piped_input *piped, const char *path);
 
 /* Frees the bytes alone, once they are elsewhere. */

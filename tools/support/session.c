@@ -83,12 +83,11 @@ static svo_device_options device_options_of(program *state)
 
 static int open_queue(program *state, session *opened)
 {
+    const svo_device_info on = info_of_device(opened->device);
     cl_int error = CL_SUCCESS;
-    opened->queue = clCreateCommandQueue(info_of_device(opened->device).context, info_of_device(opened->device).device,
-                                         CL_QUEUE_PROFILING_ENABLE, &error);
+    opened->queue = clCreateCommandQueue(on.context, on.device, CL_QUEUE_PROFILING_ENABLE, &error);
     if (error != CL_SUCCESS) {
-        return program_fail(state, PROGRAM_FAILED, "%s: clCreateCommandQueue failed (%d)",
-                            info_of_device(opened->device).name, error);
+        return program_fail(state, PROGRAM_FAILED, "%s: clCreateCommandQueue failed (%d)", on.name, error);
     }
     return PROGRAM_DONE;
 }

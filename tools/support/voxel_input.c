@@ -8,15 +8,10 @@
 #include "support/options_parse.h"
 #include "support/table.h"
 
-static bool is_piped(const program *state)
-{
-    return state->piped.name != NULL && state->options.input == state->piped.name;
-}
-
 bool voxel_input_is_given(const program *state)
 {
-    const svo_voxel_format format =
-        svo_voxel_format_of_path(is_piped(state) ? state->piped.suffix : state->options.input);
+    const svo_voxel_format format = svo_voxel_format_of_path(
+        piped_is(&state->piped, state->options.input) ? state->piped.suffix : state->options.input);
     return format == SVO_VOXEL_FORMAT_VOX || format == SVO_VOXEL_FORMAT_SVX || format == SVO_VOXEL_FORMAT_BINVOX;
 }
 

@@ -36,7 +36,7 @@ static int make_compact(program *state, uint32_t minimize, web_export *made)
                                         .leave_out = SVO_NEED_ALL & ~(SVO_NEED_COLOR | SVO_NEED_NORMAL),
                                         .directory_step_log2 = WEB_DIRECTORY_STEP_LOG2,
                                         .minimize = minimize};
-    svo_tree *tree = made->done.result.tree;
+    const svo_tree *tree = made->done.result.tree;
     progress_step(state->progress, "making the compact tree");
     if (svo_compact_create(opened->device, tree, &wanted, opened->queue, &made->compact) != SVO_OK ||
         svo_compact_download(made->compact, opened->queue) != SVO_OK) {

@@ -14,11 +14,12 @@
 static int print(program *state, const input *source, const session *opened, const svo_plan *plan, const char *folder,
                  size_t saved)
 {
+    const svo_plan_info info = info_of_plan(plan);
     progress_destroy(&state->progress);
     cJSON *document = state->options.json ? json_document() : NULL;
     cJSON *array = document != NULL ? cJSON_AddArrayToObject(document, "kernels") : NULL;
     table *rows = document == NULL && !state->options.quiet ? table_create("ll") : NULL;
-    for (size_t i = 0; i < info_of_plan(plan).kernels_count; ++i) {
+    for (size_t i = 0; i < info.kernels_count; ++i) {
         svo_kernels_info kernels = SVO_KERNELS_INFO_INIT;
         svo_plan_get_kernels(plan, i, &kernels);
         const char *defines = kernels.defines[0] == ' ' ? kernels.defines + 1 : kernels.defines;

@@ -11,7 +11,7 @@
 #include "svocl/nodes.h"
 
 #define MASKS_PER_ENTRY ((uint64_t)1 << WEB_DIRECTORY_STEP_LOG2)
-/* The deepest level that is searched for the bounds of the occupied part, as svo_camera_fit searches it. */
+/* The deepest level that is searched for the bounds of the occupied part. */
 #define BOUNDS_LEVEL_MAX 6u
 /* The length of a normal, squared, up to which pictures show the face's in its place. */
 #define SHORT_NORMAL 0.04f

@@ -37,9 +37,9 @@ uint64_t dense_faces_bytes(unsigned depth)
 static bool compile(dense_faces *made)
 {
     const char *source = dense_faces_source;
-    const cl_device_id device = info_of_device(made->opened->device).device;
-    made->program = clCreateProgramWithSource(info_of_device(made->opened->device).context, 1, &source, NULL, NULL);
-    if (made->program == NULL || clBuildProgram(made->program, 1, &device, NULL, NULL, NULL) != CL_SUCCESS) {
+    const svo_device_info on = info_of_device(made->opened->device);
+    made->program = clCreateProgramWithSource(on.context, 1, &source, NULL, NULL);
+    if (made->program == NULL || clBuildProgram(made->program, 1, &on.device, NULL, NULL, NULL) != CL_SUCCESS) {
         return false;
     }
     made->place = clCreateKernel(made->program, "place_leaves", NULL);
@@ -51,14 +51,13 @@ static bool allocate(dense_faces *made)
 {
     cl_ulong most = 0;
     const cl_uint zero = 0;
-    const cl_device_id device = info_of_device(made->opened->device).device;
-    bool worked = clGetDeviceInfo(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof most, &most, NULL) == CL_SUCCESS;
+    const svo_device_info on = info_of_device(made->opened->device);
+    bool worked = clGetDeviceInfo(on.device, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof most, &most, NULL) == CL_SUCCESS;
     for (unsigned level = 0; level <= made->depth && worked; ++level) {
         const size_t bytes = (size_t)level_bytes(level, made->depth);
         worked = bytes <= most;
         if (worked) {
-            made->levels[level] =
-                clCreateBuffer(info_of_device(made->opened->device).context, CL_MEM_READ_WRITE, bytes, NULL, NULL);
+            made->levels[level] = clCreateBuffer(on.context, CL_MEM_READ_WRITE, bytes, NULL, NULL);
             worked =
                 made->levels[level] != NULL && clEnqueueFillBuffer(made->opened->queue, made->levels[level], &zero,
                                                                    sizeof zero, 0, bytes, 0, NULL, NULL) == CL_SUCCESS;

@@ -115,9 +115,9 @@ static bool make_buffers(grid_rays *grid, const svo_tree *tree)
 static bool compile(grid_rays *grid)
 {
     const char *source = grid_rays_source;
-    const cl_device_id device = info_of_device(grid->opened->device).device;
-    grid->program = clCreateProgramWithSource(info_of_device(grid->opened->device).context, 1, &source, NULL, NULL);
-    if (grid->program == NULL || clBuildProgram(grid->program, 1, &device, NULL, NULL, NULL) != CL_SUCCESS) {
+    const svo_device_info on = info_of_device(grid->opened->device);
+    grid->program = clCreateProgramWithSource(on.context, 1, &source, NULL, NULL);
+    if (grid->program == NULL || clBuildProgram(grid->program, 1, &on.device, NULL, NULL, NULL) != CL_SUCCESS) {
         return false;
     }
     grid->kernel = clCreateKernel(grid->program, "trace_grid", NULL);

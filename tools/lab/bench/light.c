@@ -373,7 +373,9 @@ static int make_frame(const light_bench *bench, frame_points *frame)
     svo_camera camera = {.vertical_fov = 0};
     ray_table cast = {0};
     const uint32_t scale = bench->all->quick ? 8 : 1;
-    (void)svo_camera_fit(svo_tree_target(bench->tree), (float)FRAME_WIDTH / FRAME_HEIGHT, &camera);
+    if (svo_camera_fit(svo_tree_target(bench->tree), (float)FRAME_WIDTH / FRAME_HEIGHT, &camera) != SVO_OK) {
+        return program_fail_library(state, svo_device_message(bench->all->opened.device));
+    }
     int exit_code = ray_table_from_camera(state, &camera, FRAME_WIDTH / scale, FRAME_HEIGHT / scale, NULL, &cast);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;

@@ -158,7 +158,9 @@ static int open_scene(rays_run *run)
     for (int axis = 0; axis < 3; ++axis) {
         high[axis] = grid->origin[axis] + grid->edge;
     }
-    (void)svo_camera_fit(svo_tree_target(svo_moving_tree(run->scene.moving)), 1.0F, &camera);
+    if (svo_camera_fit(svo_tree_target(svo_moving_tree(run->scene.moving)), 1.0F, &camera) != SVO_OK) {
+        return fail_rays(run);
+    }
     ray_set_primary(&camera, RAY_COUNT, run->primary);
     ray_set_incoherent(grid->origin, high, RAY_COUNT, run->incoherent);
     return PROGRAM_DONE;

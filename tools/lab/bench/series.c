@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* Interleaved builds, and medians and quartiles of their stages. */
 #include "bench/series.h"
-#include "support/info_of.h"
 
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "support/info_of.h"
 
 /* ---- methods ---- */
 
@@ -59,13 +60,13 @@ static uint64_t bytes_of_tree(const svo_tree *tree)
 
 static void keep_facts(const svo_plan *plan, const svo_tree *tree, series_method *method)
 {
+    const svo_plan_info info = info_of_plan(plan);
     method->info = (svo_tree_info)SVO_TREE_INFO_INIT;
     svo_tree_get_info(tree, &method->info);
-    method->peak_bytes = info_of_plan(plan).peak_bytes;
+    method->peak_bytes = info.peak_bytes;
     method->tree_bytes = bytes_of_tree(tree);
     method->list_bytes = 0;
-    const size_t count = info_of_plan(plan).buffer_count;
-    for (size_t i = 0; i < count; ++i) {
+    for (size_t i = 0; i < info.buffer_count; ++i) {
         svo_buffer_info buffer = SVO_BUFFER_INFO_INIT;
         svo_plan_get_buffer(plan, i, &buffer);
         method->list_bytes += strcmp(buffer.name, "fragments") == 0 ? buffer.bytes : 0;

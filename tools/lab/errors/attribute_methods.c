@@ -182,9 +182,9 @@ static const size_t words_per_leaf[AVERAGE_METHOD_COUNT] = {1, 4};
 static bool compile(averages *made)
 {
     const char *source = averages_source;
-    const cl_device_id device = info_of_device(made->opened->device).device;
-    made->program = clCreateProgramWithSource(info_of_device(made->opened->device).context, 1, &source, NULL, NULL);
-    bool worked = made->program != NULL && clBuildProgram(made->program, 1, &device, NULL, NULL, NULL) == CL_SUCCESS;
+    const svo_device_info on = info_of_device(made->opened->device);
+    made->program = clCreateProgramWithSource(on.context, 1, &source, NULL, NULL);
+    bool worked = made->program != NULL && clBuildProgram(made->program, 1, &on.device, NULL, NULL, NULL) == CL_SUCCESS;
     for (int method = 0; method < AVERAGE_METHOD_COUNT && worked; ++method) {
         made->kernels[method] = clCreateKernel(made->program, kernel_names[method], NULL);
         worked = made->kernels[method] != NULL;

@@ -99,12 +99,11 @@ static void begin_probes(const error_run *run, size_t ray_count)
         table,
         "Rays against exact rays: %zu of each kind and scene through the most probes, %zu through others and for "
         "times. The tree has depth %u. Primary: of a camera. Cosine: from what it sees, a leaf's edge above the "
-        "surface. Random: from anywhere in the grid, in any direction. Field: the probes that see the cell where a "
-        "ray is; eight: those around its origin, as published. Wrong hits: nothing is there, or it is more than two "
+        "surface. Random: from anywhere in the grid, in any direction. Field: the probes that see the cell where a ray "
+        "is; eight: those around its origin, as published. Wrong hits: nothing is there, or it is more than two "
         "leaves' edges nearer or farther. Wrong misses: something is there. Shares are of all rays; quantiles of |t - "
         "exact| of those that hit. Ratio: of the time to that of svo_trace_triangles in the same rounds; above 1 "
-        "probes "
-        "lose. Size and making: all buffers of the probes, without light. %s; methods run interleaved.",
+        "probes lose. Size and making: all buffers of the probes, without light. %s; methods run interleaved.",
         ray_count, few_of(ray_count), run->quick ? DEPTH_QUICK : DEPTH, run->rounds_note);
     result_add_column(table, "scene", "");
     result_add_column(table, "rays", "");
@@ -211,7 +210,7 @@ static bool judge_grid(probe_run *work, const probe_rays *sets, svo_probes *prob
         const size_t kind = i / CHOICES;
         ray_method one = {.work = work,
                           .set = &sets[kind],
-                          .probes = probes,
+                          .probes = i % CHOICES == BY_FIELD ? probes : NULL,
                           .published = i % CHOICES == BY_EIGHT ? published : NULL};
         if (trace_once(&one) < 0 || !probe_rays_judge(one.set, work->hits, (double)out->info.leaf_edge,
                                                       &out->rays[kind][i % CHOICES].verdict)) {
@@ -362,10 +361,9 @@ static bool prepare(probe_run *work)
         return false;
     }
     svo_camera camera = work->scene->camera;
-    if (!(camera.vertical_fov > 0)) {
-        (void)svo_camera_fit(svo_tree_target(work->tree), 1, &camera);
-    }
-    return probe_rays_make(work->run, work->tree, &camera, work->ray_count, work->all) &&
+    const bool has_camera =
+        camera.vertical_fov > 0 || svo_camera_fit(svo_tree_target(work->tree), 1, &camera) == SVO_OK;
+    return has_camera && probe_rays_make(work->run, work->tree, &camera, work->ray_count, work->all) &&
            probe_rays_make(work->run, work->tree, &camera, work->few_count, work->few);
 }
 

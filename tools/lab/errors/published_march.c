@@ -9,10 +9,10 @@ extern const char published_source[];
 static bool compile(svo_device *device, published_march *made)
 {
     const char *texts[] = {svo_kernel_source(svo_light_target(NULL)), published_source};
-    const cl_device_id id = info_of_device(device).device;
-    made->program = clCreateProgramWithSource(info_of_device(device).context, 2, texts, NULL, NULL);
+    const svo_device_info on = info_of_device(device);
+    made->program = clCreateProgramWithSource(on.context, 2, texts, NULL, NULL);
     if (made->program == NULL ||
-        clBuildProgram(made->program, 1, &id, svo_kernel_options(svo_light_target(made->light)), NULL, NULL) !=
+        clBuildProgram(made->program, 1, &on.device, svo_kernel_options(svo_light_target(made->light)), NULL, NULL) !=
             CL_SUCCESS) {
         return false;
     }

@@ -2,8 +2,6 @@
 /* The program is svocl's source for kernels of rays through probes, and published_probes.cl behind it. */
 #include "errors/published_probes.h"
 
-#include "support/info_of.h"
-
 #define GROUP_ITEMS ((size_t)64)
 
 extern const char published_probes_source[];
@@ -11,11 +9,16 @@ extern const char published_probes_source[];
 bool published_probes_make(svo_device *device, svo_probes *probes, cl_command_queue queue, published_probes *out)
 {
     const char *texts[] = {svo_kernel_source(svo_probes_target(probes)), published_probes_source};
-    const cl_device_id id = info_of_device(device).device;
-    *out = (published_probes){.context = info_of_device(device).context, .queue = queue};
+    svo_device_info on = SVO_DEVICE_INFO_INIT;
+    *out = (published_probes){.queue = queue};
+    if (svo_device_get_info(device, &on) != SVO_OK) {
+        return false;
+    }
+    out->context = on.context;
     out->program = clCreateProgramWithSource(out->context, 2, texts, NULL, NULL);
     if (out->program == NULL ||
-        clBuildProgram(out->program, 1, &id, svo_kernel_options(svo_probes_target(probes)), NULL, NULL) != CL_SUCCESS) {
+        clBuildProgram(out->program, 1, &on.device, svo_kernel_options(svo_probes_target(probes)), NULL, NULL) !=
+            CL_SUCCESS) {
         return false;
     }
     out->kernel = clCreateKernel(out->program, "trace_as_published", NULL);

@@ -44,9 +44,9 @@ static bool build_tree(voxel_cast *made, const svo_mesh *mesh, unsigned depth, c
 static bool compile(voxel_cast *made)
 {
     const char *sources[2] = {svo_kernel_source(svo_tree_target(NULL)), kernel_source};
-    const cl_device_id device = info_of_device(made->opened->device).device;
-    made->program = clCreateProgramWithSource(info_of_device(made->opened->device).context, 2, sources, NULL, NULL);
-    if (made->program == NULL || clBuildProgram(made->program, 1, &device, svo_kernel_options(svo_tree_target(NULL)),
+    const svo_device_info on = info_of_device(made->opened->device);
+    made->program = clCreateProgramWithSource(on.context, 2, sources, NULL, NULL);
+    if (made->program == NULL || clBuildProgram(made->program, 1, &on.device, svo_kernel_options(svo_tree_target(NULL)),
                                                 NULL, NULL) != CL_SUCCESS) {
         return false;
     }

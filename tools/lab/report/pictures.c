@@ -108,12 +108,12 @@ static int draw(const studio *at, const view *wanted, picture *out)
     uint8_t *rgba = malloc((size_t)wanted->width * wanted->height * 4);
     char *png = NULL;
     FILE *stream = open_memstream(&png, &out->png_bytes);
-    (void)svo_camera_fit(svo_tree_target(at->tree), (float)wanted->width / (float)wanted->height,
-                         &render_options.camera);
+    bool worked = svo_camera_fit(svo_tree_target(at->tree), (float)wanted->width / (float)wanted->height,
+                                 &render_options.camera) == SVO_OK;
     approach(&render_options.camera, wanted->nearness);
-    bool worked = rgba != NULL && stream != NULL &&
-                  svo_render(svo_tree_target(at->tree), &render_options, svo_in_host(rgba),
-                             &(svo_submit){.queue = at->opened.queue}) == SVO_OK;
+    worked = worked && rgba != NULL && stream != NULL &&
+             svo_render(svo_tree_target(at->tree), &render_options, svo_in_host(rgba),
+                        &(svo_submit){.queue = at->opened.queue}) == SVO_OK;
     if (worked && (wanted->kind == SVO_VIEW_NORMAL || wanted->kind == SVO_VIEW_LEVEL)) {
         cut_out(rgba, (size_t)wanted->width * wanted->height);
     }

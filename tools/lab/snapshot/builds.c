@@ -30,9 +30,9 @@ svo_status opened_create(opened *out, svo_message *message)
     if (status != SVO_OK) {
         return status;
     }
+    const svo_device_info on = info_of_device(out->device);
     cl_int error = CL_SUCCESS;
-    out->queue = clCreateCommandQueue(info_of_device(out->device).context, info_of_device(out->device).device,
-                                      CL_QUEUE_PROFILING_ENABLE, &error);
+    out->queue = clCreateCommandQueue(on.context, on.device, CL_QUEUE_PROFILING_ENABLE, &error);
     if (error != CL_SUCCESS) {
         status = SVO_CL_ERROR;
         goto cleanup;

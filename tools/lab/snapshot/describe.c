@@ -40,8 +40,9 @@ static void list_buffers(const svo_plan *plan, line_text *line)
 
 static void print_programs(const char *name, const svo_plan *plan)
 {
+    const svo_plan_info info = info_of_plan(plan);
     line_text line = {.used = 0};
-    for (size_t i = 0; i < info_of_plan(plan).kernels_count; ++i) {
+    for (size_t i = 0; i < info.kernels_count; ++i) {
         svo_kernels_info kernels = SVO_KERNELS_INFO_INIT;
         svo_plan_get_kernels(plan, i, &kernels);
         line_text_add(&line, "%s%s%s", i > 0 ? ", " : "", kernels.name, kernels.defines);
@@ -51,9 +52,10 @@ static void print_programs(const char *name, const svo_plan *plan)
 
 static void print_left_out(const char *name, const svo_plan *plan)
 {
+    const svo_plan_info info = info_of_plan(plan);
     line_text what = {.used = 0};
     line_text reasons = {.used = 0};
-    for (size_t i = 0; i < info_of_plan(plan).left_out_count; ++i) {
+    for (size_t i = 0; i < info.left_out_count; ++i) {
         svo_left_out entry = SVO_LEFT_OUT_INIT;
         svo_plan_get_left_out(plan, i, &entry);
         line_text_add(&what, "%s%s", i > 0 ? ", " : "", entry.what);

@@ -145,11 +145,11 @@ cleanup:
 static cl_kernel make_voxel_kernel(const opened *session, cl_program *program)
 {
     const char *texts[] = {svo_kernel_source(svo_tree_target(NULL)), voxel_source};
-    const cl_device_id device = info_of_device(session->device).device;
+    const svo_device_info on = info_of_device(session->device);
     cl_int error = CL_SUCCESS;
-    *program = clCreateProgramWithSource(info_of_device(session->device).context, 2, texts, NULL, &error);
+    *program = clCreateProgramWithSource(on.context, 2, texts, NULL, &error);
     if (*program == NULL ||
-        clBuildProgram(*program, 1, &device, svo_kernel_options(svo_tree_target(NULL)), NULL, NULL) != CL_SUCCESS) {
+        clBuildProgram(*program, 1, &on.device, svo_kernel_options(svo_tree_target(NULL)), NULL, NULL) != CL_SUCCESS) {
         return NULL;
     }
     return clCreateKernel(*program, "trace_voxels", &error);
