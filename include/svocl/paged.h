@@ -125,7 +125,7 @@ SVO_API svo_status svo_paged_get_info(const svo_paged *paged, svo_paged_info *in
 /** Draws a picture of what is there, on the device's own queue, and waits for it.
  *
  * \param paged not NULL
- * \param options as for svo_render; every view but SVO_VIEW_TRIANGLES
+ * \param options as for svo_render of a tree; every view of it but SVO_VIEW_TRIANGLES
  * \param rgba receives height rows of width * 4 bytes, top to bottom
  * \returns what svo_render returns. */
 SVO_API svo_status svo_paged_render(svo_paged *paged, const svo_render_options *options, uint8_t *rgba);
