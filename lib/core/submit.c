@@ -19,13 +19,18 @@ static bool is_nothing(const svo_array *array, size_t bytes)
     return bytes == 0 && (array->host != NULL || array->buffer == NULL);
 }
 
+void svo_i_call_wait(svo_i_call *call)
+{
+    call->waits = true;
+    call->event = &call->done;
+}
+
 /* The call waits for what is in host memory. */
 static svo_status make_own(svo_i_call *call, const char *name, cl_mem_flags flags, size_t bytes, cl_mem *out)
 {
     SVO_I_TRY(svo_i_device_buffer(call->device, call->function, name, flags, bytes, out));
     call->own[call->own_count++] = *out;
-    call->waits = true;
-    call->event = &call->done;
+    svo_i_call_wait(call);
     return SVO_OK;
 }
 

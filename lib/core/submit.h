@@ -46,6 +46,8 @@ svo_status svo_i_call_input(svo_i_call *call, const char *name, const svo_array 
 /* The same of the array that they write: a call has one. To host memory go read_bytes of them from first_byte on. */
 svo_status svo_i_call_output(svo_i_call *call, const char *name, const svo_array *array, size_t bytes,
                              size_t first_byte, size_t read_bytes, cl_mem *out);
+/* The call waits for its last command, which is yet to come, whatever its svo_submit. */
+void svo_i_call_wait(svo_i_call *call);
 /* In place of a command for a call that has nothing to do: signals the event all the same. */
 svo_status svo_i_call_none(svo_i_call *call);
 

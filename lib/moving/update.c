@@ -441,7 +441,11 @@ static svo_status update_now(svo_moving *moving, svo_i_call *call, svo_moving_re
                                       : svo_i_device_fail_cl(moving->device, update_name, "clWaitForEvents", error));
     }
     SVO_I_TRY(run_now(moving, call->queue, report));
-    return call->given != NULL ? svo_i_call_none(call) : SVO_OK;
+    if (call->given == NULL) {
+        return SVO_OK;
+    }
+    svo_i_call_wait(call);
+    return svo_i_call_end(call, svo_i_call_none(call));
 }
 
 svo_status svo_moving_update(svo_moving *moving, const svo_submit *submit, svo_moving_report *report)

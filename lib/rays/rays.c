@@ -170,8 +170,12 @@ svo_status svo_i_rays_refit(svo_tree *tree, const char *function, cl_command_que
     svo_i_corners_release(&corners);
     SVO_I_TRY(status);
     held->follows = true;
+    cl_int error = clFlush(queue);
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(tree->device, function, "clFlush", error);
+    }
     if (event != NULL) {
-        const cl_int error = clRetainEvent(held->refitted);
+        error = clRetainEvent(held->refitted);
         if (error != CL_SUCCESS) {
             return svo_i_device_fail_cl(tree->device, function, "clRetainEvent", error);
         }
@@ -232,15 +236,13 @@ static svo_status check_bvh(const svo_tree *tree, const char *function)
 static svo_status refit(svo_tree *tree, const svo_i_call *call)
 {
     cl_event waited = NULL;
-    cl_int error = clEnqueueMarkerWithWaitList(call->queue, call->num_wait, call->wait, &waited);
+    const cl_int error = clEnqueueMarkerWithWaitList(call->queue, call->num_wait, call->wait, &waited);
     if (error != CL_SUCCESS) {
         return svo_i_device_fail_cl(tree->device, call->function, "clEnqueueMarkerWithWaitList", error);
     }
     const svo_status status = svo_i_rays_refit(tree, call->function, call->queue, waited, call->event);
     clReleaseEvent(waited);
-    SVO_I_TRY(status);
-    error = clFlush(call->queue);
-    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(tree->device, call->function, "clFlush", error);
+    return status;
 }
 
 svo_status svo_tree_refit_bvh(svo_tree *tree, const svo_submit *submit)

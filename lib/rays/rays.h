@@ -42,8 +42,8 @@ svo_status svo_i_rays_prepare(svo_tree *tree, const char *function, cl_command_q
 /* Makes the BVH, in place of the one that the tree may have, and waits for it. */
 svo_status svo_i_rays_make(svo_tree *tree, const char *function, cl_command_queue queue,
                            const svo_i_bvh_options *options);
-/* Enqueues the fit of the BVH, made with can_refit, to the tree's vertices, which have moved inside the grid. wait and
-   event: NULL allowed. */
+/* Enqueues the fit of the BVH, made with can_refit, to the tree's vertices, which have moved inside the grid, and
+   flushes. wait and event: NULL allowed. */
 svo_status svo_i_rays_refit(svo_tree *tree, const char *function, cl_command_queue queue, cl_event wait,
                             cl_event *event);
 /* The geometry of which a tree's BVH is made. corners: of svo_i_corners_find. */

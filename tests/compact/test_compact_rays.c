@@ -427,10 +427,6 @@ static void wrong_arguments_are_refused(void **state)
                                     &(svo_submit){.queue = queue}),
                    "is negative or not finite");
     assert_refused(&opened,
-                   svo_trace_voxels(svo_compact_target(compact), svo_in_buffer(NULL), svo_in_buffer(NULL), 1, 0, 0,
-                                    &(svo_submit){.queue = queue}),
-                   "svo_trace_voxels: rays is NULL");
-    assert_refused(&opened,
                    svo_trace_voxels(svo_tree_target(tree.tree), svo_in_buffer(NULL), svo_in_buffer(NULL), 1, 0, 0,
                                     &(svo_submit){.queue = queue}),
                    "svo_trace_voxels: rays is NULL");

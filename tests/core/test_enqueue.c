@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What functions that enqueue have in common: NULL for the queue is the device's own, as for those that wait; memory
- * that kernels write must not be CL_MEM_READ_ONLY; a call of OpenCL that fails is named; a tree that is on no device is
- * refused by a status with words.
+ * What calls with an svo_submit have in common: NULL for the queue is the device's own; without an svo_submit, and with
+ * arrays in host memory, they wait, and else for nothing; their commands wait for the caller's events; memory that
+ * kernels write must not be CL_MEM_READ_ONLY; a call of OpenCL that fails is named; targets refuse what they have not,
+ * and trees that are on no device refuse everything.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -18,6 +19,7 @@
 #include "core/compact.h"
 #include "core/tree.h"
 #include "scenes.h"
+#include "support/counting.h"
 #include "support/fixture.h"
 #include "support/info_of.h"
 #include "support/suite.h"
@@ -97,11 +99,8 @@ static void release_subjects(subjects *of)
 
 /* ---- batches ---- */
 
-/* The tail of every call. */
-#define TAIL queue, 0, NULL, event
-
-typedef svo_status enqueue_batch(subjects *of, svo_array input, svo_array output, size_t count,
-                                 const svo_submit *submit);
+typedef svo_status submit_batch(subjects *of, svo_array input, svo_array output, size_t count,
+                                const svo_submit *submit);
 
 static svo_status trace(subjects *of, svo_array input, svo_array output, size_t count, const svo_submit *submit)
 {
@@ -151,7 +150,7 @@ static svo_status irradiance(subjects *of, svo_array input, svo_array output, si
 
 static const struct {
     const char *function, *output;
-    enqueue_batch *call;
+    submit_batch *call;
 } batches[] = {
     {"svo_trace_triangles", "hits", trace},
     {"svo_tree_nearest", "results", nearest},
@@ -206,14 +205,22 @@ static void batches_without_a_queue_take_the_devices_own(void **state)
     release_subjects(&of);
 }
 
-static void expect_complete(cl_event event)
+static cl_int state_of(cl_event event)
 {
     cl_int state = CL_QUEUED;
     assert_non_null(event);
     assert_int_equal(clGetEventInfo(event, CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof state, &state, NULL), CL_SUCCESS);
-    assert_int_equal(state, CL_COMPLETE);
+    return state;
+}
+
+static void expect_complete(cl_event event)
+{
+    assert_int_equal(state_of(event), CL_COMPLETE);
     clReleaseEvent(event);
 }
+
+/* How often a call that succeeds waits. */
+#define WAITS_OF(of, call) (counting_begin(), succeed(of, call), counting_read().waits)
 
 /* Without an svo_submit, and with arrays in host memory, the commands are complete when the call returns. */
 static void batches_wait_where_they_say_so(void **state)
@@ -225,25 +232,42 @@ static void batches_wait_where_they_say_so(void **state)
         cl_mem input = make_memory(&of, CL_MEM_READ_ONLY, 0);
         cl_mem output = make_memory(&of, CL_MEM_WRITE_ONLY, 0x5a);
         cl_event events[2] = {NULL, NULL};
-        run_batch(&of, i, of.opened.queue, expected);
-        succeed(&of, batches[i].call(&of, svo_in_buffer(input), svo_in_buffer(output), COUNT, NULL));
+        const svo_array from = svo_in_buffer(input);
+        const svo_array to = svo_in_buffer(output);
+        const svo_submit on_queue = {.queue = of.opened.queue, .event = &events[0]};
+        run_batch(&of, i, of.opened.queue, expected); /* this makes a BVH and compiles */
+        assert_int_equal(WAITS_OF(&of, batches[i].call(&of, from, to, COUNT, &(svo_submit){.queue = NULL})), 0);
+        assert_true(WAITS_OF(&of, batches[i].call(&of, from, to, COUNT, NULL)) > 0);
         assert_int_equal(clEnqueueReadBuffer(of.opened.queue, output, CL_TRUE, 0, sizeof actual, actual, 0, NULL, NULL),
                          CL_SUCCESS);
         assert_memory_equal(actual, expected, sizeof expected);
         memset(actual, 0x5a, sizeof actual);
-        succeed(&of, batches[i].call(&of, svo_in_host(zeros), svo_in_host(actual), COUNT,
-                                     &(svo_submit){.queue = of.opened.queue, .event = &events[0]}));
+        assert_true(WAITS_OF(&of, batches[i].call(&of, svo_in_host(zeros), svo_in_host(actual), COUNT, &on_queue)) > 0);
         expect_complete(events[0]);
         assert_memory_equal(actual, expected, sizeof expected);
         memset(actual, 0x5a, sizeof actual);
-        succeed(&of, batches[i].call(&of, svo_in_buffer(input), svo_in_host(actual), COUNT,
-                                     &(svo_submit){.event = &events[1]}));
+        succeed(&of, batches[i].call(&of, from, svo_in_host(actual), COUNT, &(svo_submit){.event = &events[1]}));
         expect_complete(events[1]);
         assert_memory_equal(actual, expected, sizeof expected);
         clReleaseMemObject(output);
         clReleaseMemObject(input);
     }
     release_subjects(&of);
+}
+
+static svo_render_options tree_view(const subjects *of)
+{
+    svo_render_options options = {.struct_size = sizeof options, .width = WIDTH, .height = WIDTH};
+    (void)svo_camera_fit(svo_tree_target(of->tree), 1, &options.camera);
+    return options;
+}
+
+static void expect_unsupported(const subjects *of, svo_status status, const char *function, const char *name)
+{
+    char expected[160];
+    (void)snprintf(expected, sizeof expected, "%s: not of a %s", function, name);
+    assert_int_equal(status, SVO_UNSUPPORTED);
+    assert_string_equal(svo_device_message(of->opened.device), expected);
 }
 
 /* What a handle cannot do is refused with words, and so is what is no target. */
@@ -259,6 +283,29 @@ static void targets_refuse_what_they_have_not(void **state)
     assert_int_equal(svo_trace_voxels(svo_scene_target(NULL), rays, hits, 1, 0, 0, NULL), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_trace_triangles(svo_compact_target(of.compact), rays, hits, 1, 0, NULL), SVO_UNSUPPORTED);
     assert_string_equal(svo_device_message(of.opened.device), "svo_trace_triangles: not of a compact tree");
+    const struct {
+        svo_target target;
+        const char *name;
+    } without_rays[] = {{svo_light_target(of.light), "light"}, {svo_probes_target(of.probes), "light field"}};
+    for (size_t i = 0; i < 2; ++i) {
+        const svo_target target = without_rays[i].target;
+        expect_unsupported(&of, svo_trace_triangles(target, rays, hits, 1, 0, NULL), "svo_trace_triangles",
+                           without_rays[i].name);
+        expect_unsupported(&of, svo_trace_voxels(target, rays, hits, 1, 0, 0, NULL), "svo_trace_voxels",
+                           without_rays[i].name);
+    }
+    const svo_render_options view = tree_view(&of);
+    uint8_t rgba[PIXELS_BYTES];
+    svo_camera camera = {.vertical_fov = 0};
+    expect_unsupported(&of, svo_render(svo_probes_target(of.probes), &view, svo_in_host(rgba), NULL), "svo_render",
+                       "light field");
+    expect_unsupported(&of, svo_camera_fit(svo_probes_target(of.probes), 1, &camera), "svo_camera_fit", "light field");
+    const svo_target nothing = {NULL, NULL};
+    assert_int_equal(svo_camera_fit(nothing, 1, &camera), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_kernel_set_arguments(nothing, NULL, 0), SVO_INVALID_ARGUMENT);
+    assert_null(svo_kernel_source(nothing));
+    assert_null(svo_kernel_options(nothing));
+    assert_float_equal(camera.vertical_fov, 0, 0);
     const svo_target without_flags[] = {svo_tree_target(of.tree), svo_compact_target(of.compact)};
     for (size_t i = 0; i < 2; ++i) {
         assert_int_equal(svo_trace_voxels(without_flags[i], rays, hits, 1, 0, SVO_SCENE_ANY, NULL),
@@ -328,51 +375,47 @@ static void a_marker_that_fails_is_named(void **state)
 
 /* ---- pictures ---- */
 
-typedef svo_status enqueue_picture(subjects *of, cl_mem pixels, cl_command_queue queue, cl_event *event);
+typedef svo_status submit_picture(subjects *of, svo_array pixels, const svo_submit *submit);
 
-static svo_render_options tree_view(const subjects *of)
-{
-    svo_render_options options = {.struct_size = sizeof options, .width = WIDTH, .height = WIDTH};
-    (void)svo_camera_fit(svo_tree_target(of->tree), 1, &options.camera);
-    return options;
-}
-
-static svo_status draw_tree(subjects *of, cl_mem pixels, cl_command_queue queue, cl_event *event)
+static svo_status draw_tree(subjects *of, svo_array pixels, const svo_submit *submit)
 {
     const svo_render_options options = tree_view(of);
-    return svo_render(svo_tree_target(of->tree), &options, svo_in_buffer(pixels), &(svo_submit){TAIL});
+    return svo_render(svo_tree_target(of->tree), &options, pixels, submit);
 }
 
-static svo_status draw_compact(subjects *of, cl_mem pixels, cl_command_queue queue, cl_event *event)
+static svo_status draw_compact(subjects *of, svo_array pixels, const svo_submit *submit)
 {
     const svo_render_options options = tree_view(of);
-    return svo_render(svo_compact_target(of->compact), &options, svo_in_buffer(pixels), &(svo_submit){TAIL});
+    return svo_render(svo_compact_target(of->compact), &options, pixels, submit);
 }
 
-static svo_status draw_scene(subjects *of, cl_mem pixels, cl_command_queue queue, cl_event *event)
+static svo_status draw_scene(subjects *of, svo_array pixels, const svo_submit *submit)
 {
     svo_render_options options = {.struct_size = sizeof options, .width = WIDTH, .height = WIDTH};
     (void)svo_camera_fit(svo_scene_target(of->scene), 1, &options.camera);
-    return svo_render(svo_scene_target(of->scene), &options, svo_in_buffer(pixels), &(svo_submit){TAIL});
+    return svo_render(svo_scene_target(of->scene), &options, pixels, submit);
 }
 
-static svo_status draw_light(subjects *of, cl_mem pixels, cl_command_queue queue, cl_event *event)
+static svo_status draw_light(subjects *of, svo_array pixels, const svo_submit *submit)
 {
     const svo_gather_options gather = {.struct_size = sizeof gather, .cones = 1};
     svo_render_options picture = SVO_RENDER_OPTIONS_INIT;
     picture.width = picture.height = WIDTH;
     picture.gather = &gather;
     (void)svo_camera_fit(svo_tree_target(of->tree), 1, &picture.camera);
-    return svo_render(svo_light_target(of->light), &picture, svo_in_buffer(pixels), &(svo_submit){TAIL});
+    return svo_render(svo_light_target(of->light), &picture, pixels, submit);
 }
 
-static void draw(subjects *of, enqueue_picture *call, cl_command_queue queue, uint8_t rgba[PIXELS_BYTES])
+static submit_picture *const pictures[] = {draw_tree, draw_compact, draw_scene, draw_light};
+#define PICTURE_COUNT (sizeof pictures / sizeof pictures[0])
+
+static void draw(subjects *of, submit_picture *call, cl_command_queue queue, uint8_t rgba[PIXELS_BYTES])
 {
     cl_mem pixels =
         clCreateBuffer(info_of_device(of->opened.device).context, CL_MEM_READ_WRITE, PIXELS_BYTES, NULL, NULL);
     cl_event event = NULL;
     assert_non_null(pixels);
-    succeed(of, call(of, pixels, queue, &event));
+    succeed(of, call(of, svo_in_buffer(pixels), &(svo_submit){.queue = queue, .event = &event}));
     assert_int_equal(clEnqueueReadBuffer(of->opened.queue, pixels, CL_TRUE, 0, PIXELS_BYTES, rgba, 1, &event, NULL),
                      CL_SUCCESS);
     clReleaseEvent(event);
@@ -381,13 +424,95 @@ static void draw(subjects *of, enqueue_picture *call, cl_command_queue queue, ui
 
 static void pictures_without_a_queue_take_the_devices_own(void **state)
 {
-    enqueue_picture *const pictures[] = {draw_tree, draw_compact, draw_scene, draw_light};
     subjects of = make_subjects(state);
-    for (size_t i = 0; i < sizeof pictures / sizeof pictures[0]; ++i) {
+    for (size_t i = 0; i < PICTURE_COUNT; ++i) {
         uint8_t expected[PIXELS_BYTES], actual[PIXELS_BYTES];
         draw(&of, pictures[i], of.opened.queue, expected);
         draw(&of, pictures[i], NULL, actual);
         assert_memory_equal(expected, actual, sizeof expected);
+    }
+    release_subjects(&of);
+}
+
+/* ---- events of the caller's ---- */
+
+/* Behind so much work that a call which does not wait for it begins earlier. */
+#define LARGE_BYTES ((size_t)64 << 20)
+
+typedef struct late_input {
+    cl_command_queue queue; /* of any order */
+    cl_mem large, memory;
+    unsigned char zeros[COUNT * RECORD_BYTES];
+    cl_event written; /* of the zeros to the memory */
+} late_input;
+
+/* Writes records of zeros, at some time. */
+static void write_late(late_input *to)
+{
+    const cl_uchar byte = 1;
+    const cl_uchar other = 0x7f;
+    cl_event filled[2] = {NULL, NULL};
+    assert_int_equal(clEnqueueFillBuffer(to->queue, to->memory, &other, 1, 0, sizeof to->zeros, 0, NULL, &filled[0]),
+                     CL_SUCCESS);
+    assert_int_equal(clEnqueueFillBuffer(to->queue, to->large, &byte, 1, 0, LARGE_BYTES, 0, NULL, &filled[1]),
+                     CL_SUCCESS);
+    assert_int_equal(
+        clEnqueueWriteBuffer(to->queue, to->memory, CL_FALSE, 0, sizeof to->zeros, to->zeros, 2, filled, &to->written),
+        CL_SUCCESS);
+    clReleaseEvent(filled[0]);
+    clReleaseEvent(filled[1]);
+}
+
+static void arrays_in_host_memory_wait_for_events(void **state)
+{
+    subjects of = make_subjects(state);
+    const svo_device_info info = info_of_device(of.opened.device);
+    late_input input = {.memory = make_memory(&of, CL_MEM_READ_ONLY, 0)};
+    input.queue = clCreateCommandQueue(info.context, info.device, CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE, NULL);
+    input.large = clCreateBuffer(info.context, CL_MEM_READ_WRITE, LARGE_BYTES, NULL, NULL);
+    assert_non_null(input.large);
+    if (input.queue == NULL) {
+        print_message("on a queue in order: this device has no other\n");
+        input.queue = clCreateCommandQueue(info.context, info.device, 0, NULL);
+    }
+    const svo_submit submit = {.queue = input.queue, .num_wait = 1, .wait = &input.written};
+    for (size_t i = 0; i < BATCH_COUNT; ++i) {
+        unsigned char expected[COUNT * RECORD_BYTES], actual[COUNT * RECORD_BYTES];
+        run_batch(&of, i, of.opened.queue, expected);
+        memset(actual, 0x5a, sizeof actual);
+        write_late(&input);
+        succeed(&of, batches[i].call(&of, svo_in_buffer(input.memory), svo_in_host(actual), COUNT, &submit));
+        expect_complete(input.written);
+        assert_memory_equal(actual, expected, sizeof expected);
+    }
+    for (size_t i = 0; i < PICTURE_COUNT; ++i) {
+        uint8_t expected[PIXELS_BYTES], actual[PIXELS_BYTES];
+        draw(&of, pictures[i], of.opened.queue, expected);
+        write_late(&input);
+        succeed(&of, pictures[i](&of, svo_in_host(actual), &submit));
+        expect_complete(input.written);
+        assert_memory_equal(actual, expected, sizeof expected);
+    }
+    clReleaseMemObject(input.large);
+    clReleaseMemObject(input.memory);
+    clReleaseCommandQueue(input.queue);
+    release_subjects(&of);
+}
+
+static void batches_of_nothing_wait_for_events(void **state)
+{
+    subjects of = make_subjects(state);
+    for (size_t i = 0; i < BATCH_COUNT; ++i) {
+        cl_event gate = clCreateUserEvent(info_of_device(of.opened.device).context, NULL);
+        cl_event event = NULL;
+        const svo_submit submit = {.queue = of.opened.queue, .num_wait = 1, .wait = &gate, .event = &event};
+        succeed(&of, batches[i].call(&of, svo_in_buffer(NULL), svo_in_buffer(NULL), 0, &submit));
+        assert_int_equal(clFlush(of.opened.queue), CL_SUCCESS);
+        assert_true(state_of(event) > CL_COMPLETE);
+        assert_int_equal(clSetUserEventStatus(gate, CL_COMPLETE), CL_SUCCESS);
+        assert_int_equal(clWaitForEvents(1, &event), CL_SUCCESS);
+        expect_complete(event);
+        clReleaseEvent(gate);
     }
     release_subjects(&of);
 }
@@ -425,16 +550,16 @@ static void builds_without_a_queue_take_the_devices_own(void **state)
     wait_for(&event);
     succeed(&of, svo_tree_finish(tree, NULL, 0, NULL));
     succeed(&of, svo_tree_make_bvh(tree, SVO_BVH_FAST, NULL));
-    succeed(&of, svo_plan_update(plan, scene_mesh(cube), &(svo_submit){.event = &event}));
+    assert_int_equal(WAITS_OF(&of, svo_plan_update(plan, scene_mesh(cube), &(svo_submit){.event = &event})), 0);
     wait_for(&event);
-    succeed(&of, svo_build_enqueue(workspace, tree, &(svo_submit){.queue = NULL}));
-    succeed(&of, svo_tree_refit_bvh(tree, &(svo_submit){.event = &event}));
+    assert_int_equal(WAITS_OF(&of, svo_build_enqueue(workspace, tree, &(svo_submit){.queue = NULL})), 0);
+    assert_int_equal(WAITS_OF(&of, svo_tree_refit_bvh(tree, &(svo_submit){.event = &event})), 0);
     wait_for(&event);
     succeed(&of, svo_tree_finish(tree, NULL, 0, NULL));
     /* The same, and each call waits. */
-    succeed(&of, svo_plan_update(plan, scene_mesh(cube), NULL));
-    succeed(&of, svo_build_enqueue(workspace, tree, NULL));
-    succeed(&of, svo_tree_refit_bvh(tree, NULL));
+    assert_true(WAITS_OF(&of, svo_plan_update(plan, scene_mesh(cube), NULL)) > 0);
+    assert_true(WAITS_OF(&of, svo_build_enqueue(workspace, tree, NULL)) > 0);
+    assert_true(WAITS_OF(&of, svo_tree_refit_bvh(tree, NULL)) > 0);
     succeed(&of, svo_tree_finish(tree, NULL, 1, NULL));
     succeed(&of, svo_tree_download(tree, NULL));
     succeed(&of, svo_tree_hash(tree, SVO_HASH_ALL, actual));
@@ -478,6 +603,8 @@ static void what_is_on_no_device_is_refused_with_words(void **state)
     svo_voxel_hit voxel;
     svo_nearest near_point;
     uint8_t rgba[PIXELS_BYTES];
+    cl_mem pixels =
+        clCreateBuffer(info_of_device(of.opened.device).context, CL_MEM_READ_WRITE, PIXELS_BYTES, NULL, NULL);
     svo_light *light = NULL;
     svo_probes *probes = NULL;
     svo_compact *solid = NULL;
@@ -503,12 +630,13 @@ static void what_is_on_no_device_is_refused_with_words(void **state)
         SVO_NOT_ON_DEVICE);
     assert_int_equal(svo_render(svo_compact_target(of.compact), &view, svo_in_host(rgba), NULL), SVO_NOT_ON_DEVICE);
     assert_int_equal(
-        svo_render(svo_compact_target(of.compact), &view, svo_in_buffer(NULL), &(svo_submit){.queue = NULL}),
+        svo_render(svo_compact_target(of.compact), &view, svo_in_buffer(pixels), &(svo_submit){.queue = NULL}),
         SVO_NOT_ON_DEVICE);
     assert_int_equal(svo_compact_expand(of.compact, NULL, &expanded), SVO_NOT_ON_DEVICE);
     assert_string_equal(svo_name(SVO_NAME_STATUS_TEXT, SVO_NOT_ON_DEVICE),
                         "the tree is not on a device; upload it first");
     of.tree->device = of.compact->device = device;
+    clReleaseMemObject(pixels);
     release_subjects(&of);
 }
 
@@ -521,6 +649,8 @@ TEST_GROUP(enqueue)
         cmocka_unit_test(batches_refuse_memory_that_kernels_must_not_write),
         cmocka_unit_test(a_marker_that_fails_is_named),
         cmocka_unit_test(pictures_without_a_queue_take_the_devices_own),
+        cmocka_unit_test(arrays_in_host_memory_wait_for_events),
+        cmocka_unit_test(batches_of_nothing_wait_for_events),
         cmocka_unit_test(builds_without_a_queue_take_the_devices_own),
         cmocka_unit_test(updates_without_a_queue_take_the_devices_own),
         cmocka_unit_test(what_is_on_no_device_is_refused_with_words),

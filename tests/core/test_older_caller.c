@@ -201,6 +201,8 @@ static void outputs_without_a_size_are_refused(void **state)
         assert_int_equal(outputs[i].get(&unset.memory), SVO_INVALID_ARGUMENT);
         assert_canaries(&unset, sizeof(size_t));
     }
+    assert_int_equal(svo_device_get_info(device, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_plan_get_info(plan, NULL), SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_tree_get_info(tree, NULL), SVO_INVALID_ARGUMENT);
 }
 

@@ -257,7 +257,7 @@ static svo_status enqueue_pictures(subject *of, svo_light *light, cl_mem pixels,
                            &(svo_submit){.queue = world.queue, .num_wait = 1, .wait = done, .event = &done[1]}));
 }
 
-static svo_status run_render_enqueue(subject *of)
+static svo_status run_render_buffers(subject *of)
 {
     uint8_t picture[PICTURE_SIDE * PICTURE_SIDE * 4];
     cl_event done[2] = {NULL, NULL};
@@ -359,6 +359,45 @@ static svo_status run_probes(subject *of)
     return SVO_OK;
 }
 
+/*
+ * Kernels of the caller's.
+ */
+
+static void prepare_kernels(subject *of)
+{
+    const svo_compact_options records = {.struct_size = sizeof records, .form = SVO_FORM_DESCRIPTOR};
+    svo_probe_options options = {
+        .struct_size = sizeof options, .counts = {1, 1, 1}, .resolution = 64, .field_size = 4, .cones = 1};
+    prepare_tree(of);
+    options.tree = of->tree;
+    if (svo_compact_create(world.device, of->tree, &records, world.queue, &of->compact) != SVO_OK ||
+        svo_light_create(of->tree, NULL, world.queue, &of->light) != SVO_OK ||
+        svo_probes_create(&options, world.queue, &of->probes) != SVO_OK) {
+        fail_msg("%s", svo_device_message(world.device));
+    }
+    of->kernels[0] = make_kernel(svo_compact_target(of->compact), "kernel void empty(SVO_TREE_PARAMETERS) {}");
+    of->kernels[1] = make_kernel(svo_light_target(of->light), "kernel void empty(SVO_LIGHT_PARAMETERS) {}");
+    of->kernels[2] = make_kernel(svo_probes_target(of->probes), "kernel void empty(SVO_PROBES_PARAMETERS) {}");
+}
+
+static void cleanup_kernels(subject *of)
+{
+    for (int i = 0; i < 3; ++i) {
+        clReleaseKernel(of->kernels[i]);
+    }
+    svo_probes_destroy(&of->probes);
+    svo_light_destroy(&of->light);
+    svo_compact_destroy(&of->compact);
+    destroy_all(of);
+}
+
+static svo_status run_kernels(subject *of)
+{
+    TRY_TOLD(svo_kernel_set_arguments(svo_compact_target(of->compact), of->kernels[0], 0));
+    TRY_TOLD(svo_kernel_set_arguments(svo_light_target(of->light), of->kernels[1], 0));
+    return told(of, world.device, svo_kernel_set_arguments(svo_probes_target(of->probes), of->kernels[2], 0));
+}
+
 static const scenario rows[] = {
     {"compact", false, false, prepare_tree, run_compact, NULL, destroy_all},
     {"compact_rays", false, false, prepare_tree, run_compact_rays, NULL, destroy_all},
@@ -366,7 +405,8 @@ static const scenario rows[] = {
     {"solid", false, false, prepare_tree, run_solid, NULL, destroy_all},
     {"scene", false, false, prepare_tree, run_scene, NULL, destroy_all},
     {"light", false, false, prepare_tree, run_light, NULL, destroy_all},
-    {"render_enqueue", false, false, prepare_tree, run_render_enqueue, NULL, destroy_all},
+    {"render_buffers", false, false, prepare_tree, run_render_buffers, NULL, destroy_all},
     {"probes", false, false, prepare_tree, run_probes, NULL, destroy_all},
+    {"form_arguments", false, false, prepare_kernels, run_kernels, NULL, cleanup_kernels},
 };
 const scenario_list form_scenarios = {rows, sizeof rows / sizeof rows[0]};

@@ -67,6 +67,25 @@ void destroy_all(subject *of)
     svo_device_destroy(&of->device);
 }
 
+cl_kernel make_kernel(svo_target target, const char *text)
+{
+    const char *sources[] = {svo_kernel_source(target), text};
+    cl_program program = clCreateProgramWithSource(info_of_device(world.device).context, 2, sources, NULL, NULL);
+    assert_int_equal(clBuildProgram(program, 0, NULL, svo_kernel_options(target), NULL, NULL), CL_SUCCESS);
+    cl_kernel kernel = clCreateKernel(program, "empty", NULL);
+    clReleaseProgram(program);
+    assert_non_null(kernel);
+    return kernel;
+}
+
+void release_event(cl_event *event)
+{
+    faults_spare(true);
+    assert_int_equal(clReleaseEvent(*event), CL_SUCCESS);
+    faults_spare(false);
+    *event = NULL;
+}
+
 /* Downloads the tree and adds its hash to the digest. */
 svo_status digest_tree(subject *of, svo_tree *tree)
 {
@@ -293,7 +312,47 @@ static void prepare_moving(subject *of)
 
 static svo_status run_update(subject *of)
 {
+    cl_event done = NULL;
     TRY_TOLD(svo_plan_update(of->plan, &world.mesh.mesh, NULL));
+    TRY_TOLD(svo_plan_update(of->plan, &world.mesh.mesh, &(svo_submit){.queue = world.queue, .event = &done}));
+    release_event(&done);
+    return build_and_digest(of, world.cl);
+}
+
+/* The same of floats, with their vertices in buffers. */
+static void prepare_moving_floats(subject *of)
+{
+    svo_plan_options options = everything;
+    const cl_context context = info_of_device(world.device).context;
+    const size_t bytes = sizeof world.float_positions;
+    options.updatable = 1;
+    options.edge = 2.0;
+    if (svo_plan_create(world.device, &world.floats, DEPTH, &options, &of->plan) != SVO_OK) {
+        fail_msg("%s", svo_device_message(world.device));
+    }
+    of->positions = clCreateBuffer(context, CL_MEM_COPY_HOST_PTR, bytes, world.float_positions, NULL);
+    of->normals = clCreateBuffer(context, CL_MEM_COPY_HOST_PTR, bytes, world.mesh.normals, NULL);
+    assert_true(of->positions != NULL && of->normals != NULL);
+}
+
+static void cleanup_moving_floats(subject *of)
+{
+    destroy_all(of);
+    clReleaseMemObject(of->positions);
+    clReleaseMemObject(of->normals);
+}
+
+static svo_status run_update_from_buffers(subject *of)
+{
+    const svo_mesh_buffers buffers = {.struct_size = sizeof buffers,
+                                      .vertex_count = world.floats.vertex_count,
+                                      .triangle_count = world.floats.triangle_count,
+                                      .positions = {.memory = of->positions},
+                                      .normals = {.memory = of->normals}};
+    cl_event done = NULL;
+    TRY_TOLD(svo_plan_update_from_buffers(of->plan, &buffers, NULL));
+    TRY_TOLD(svo_plan_update_from_buffers(of->plan, &buffers, &(svo_submit){.queue = world.queue, .event = &done}));
+    release_event(&done);
     return build_and_digest(of, world.cl);
 }
 
@@ -311,9 +370,7 @@ static svo_status enqueue_and_finish(subject *of, svo_workspace *workspace, svo_
     cl_event done = NULL;
     svo_build_report report = SVO_BUILD_REPORT_INIT;
     TRY_TOLD(svo_build_enqueue(workspace, tree, &(svo_submit){.queue = world.queue, .event = &done}));
-    faults_spare(true);
-    clReleaseEvent(done);
-    faults_spare(false);
+    release_event(&done);
     TRY_TOLD(svo_tree_finish(tree, world.queue, trim, &report));
     return told(of, world.device, digest_tree(of, tree));
 }
@@ -351,6 +408,38 @@ static svo_status run_enqueue(subject *of)
     return enqueue_and_finish(of, of->workspace, of->tree, 0);
 }
 
+/* A finished tree of a plan whose mesh moves, with a BVH. */
+static void prepare_refit(subject *of)
+{
+    prepare_moving_floats(of);
+    if (svo_workspace_create(of->plan, world.cl, world.queue, NULL, &of->workspace) != SVO_OK ||
+        svo_workspace_make_tree(of->workspace, &of->tree) != SVO_OK ||
+        svo_build_enqueue(of->workspace, of->tree, &(svo_submit){.queue = world.queue}) != SVO_OK ||
+        svo_tree_finish(of->tree, world.queue, 0, NULL) != SVO_OK ||
+        svo_tree_make_bvh(of->tree, SVO_BVH_FAST, world.queue) != SVO_OK) {
+        fail_msg("%s", svo_device_message(world.device));
+    }
+}
+
+static svo_status run_refit(subject *of)
+{
+    svo_hit hits[RAYS];
+    cl_event done = NULL;
+    (void)svo_tree_finish(of->tree, world.queue, 0, NULL); /* of an earlier run, where that failed before it began */
+    TRY_TOLD(svo_build_enqueue(of->workspace, of->tree, &(svo_submit){.queue = world.queue}));
+    TRY_TOLD(svo_tree_refit_bvh(of->tree, &(svo_submit){.queue = world.queue, .event = &done}));
+    release_event(&done);
+    TRY_TOLD(svo_tree_refit_bvh(of->tree, NULL));
+    TRY_TOLD(svo_tree_finish(of->tree, world.queue, 0, NULL));
+    TRY_TOLD(svo_trace_triangles(svo_tree_target(of->tree), svo_in_host(world.rays), svo_in_host(hits), RAYS,
+                                 SVO_TRACE_CLOSEST, &(svo_submit){.queue = world.queue}));
+    for (size_t i = 0; i < RAYS; ++i) {
+        hits[i].count = 0; /* leaves visited: a BVH that could not be refit is made anew */
+    }
+    digest(of, hits, sizeof hits);
+    return SVO_OK;
+}
+
 /* By the BVHs of the objects. */
 static svo_status trace_moving(subject *of, svo_moving *moving)
 {
@@ -366,6 +455,8 @@ static svo_status trace_moving(subject *of, svo_moving *moving)
 static svo_status move_object(subject *of, svo_moving *moving)
 {
     const double transform[12] = {0.5, 0, 0, 0.1, 0, 0.5, 0, 0.2, 0, 0, 0.5, 0.3};
+    svo_moving_report report = SVO_MOVING_REPORT_INIT;
+    cl_event done = NULL;
     uint32_t object = 0;
     svo_mesh mesh;
     TRY_TOLD(svo_moving_add(moving, &world.mesh.mesh, NULL, &object));
@@ -378,7 +469,8 @@ static svo_status move_object(subject *of, svo_moving *moving)
     TRY_TOLD(digest_tree(of, svo_moving_tree(moving)));
     TRY_TOLD(trace_moving(of, moving));
     TRY_TOLD(svo_moving_remove(moving, object));
-    TRY_TOLD(svo_moving_update(moving, NULL, NULL));
+    TRY_TOLD(svo_moving_update(moving, &(svo_submit){.queue = world.queue, .event = &done}, &report));
+    release_event(&done);
     return told(of, world.device, digest_tree(of, svo_moving_tree(moving)));
 }
 
@@ -408,6 +500,7 @@ svo_status run_rays(subject *of)
 {
     svo_hit hits[RAYS];
     svo_nearest nearest[RAYS];
+    cl_event done = NULL;
     /* Hits say how many leaves of the BVH were visited. */
     TRY_TOLD(svo_tree_make_bvh(of->tree, SVO_BVH_BEST, world.queue));
     TRY_TOLD(svo_trace_triangles(svo_tree_target(of->tree), svo_in_host(world.rays), svo_in_host(hits), RAYS,
@@ -415,10 +508,12 @@ svo_status run_rays(subject *of)
     digest(of, hits, sizeof hits);
     TRY_TOLD(svo_tree_make_bvh(of->tree, SVO_BVH_FAST, world.queue));
     TRY_TOLD(svo_trace_triangles(svo_tree_target(of->tree), svo_in_host(world.rays), svo_in_host(hits), RAYS,
-                                 SVO_TRACE_COUNT, &(svo_submit){.queue = world.queue}));
+                                 SVO_TRACE_COUNT, &(svo_submit){.queue = world.queue, .event = &done}));
+    release_event(&done);
     digest(of, hits, sizeof hits);
     TRY_TOLD(svo_tree_nearest(of->tree, svo_in_host(world.points), svo_in_host(nearest), RAYS,
-                              &(svo_submit){.queue = world.queue}));
+                              &(svo_submit){.queue = world.queue, .event = &done}));
+    release_event(&done);
     digest(of, nearest, sizeof nearest);
     return SVO_OK;
 }
@@ -439,7 +534,7 @@ static svo_status run_render(subject *of)
     return SVO_OK;
 }
 
-/* The caller's buffers and event. */
+/* The caller's buffers. */
 static void prepare_ray_buffers(subject *of)
 {
     const cl_context context = info_of_device(world.device).context;
@@ -456,28 +551,37 @@ static void cleanup_ray_buffers(subject *of)
     destroy_all(of);
 }
 
-static svo_status take_result(subject *of, cl_event *done)
+/* done: NULL after a call that waits. */
+static void take_result(subject *of, cl_event done)
 {
     svo_hit hits[RAYS];
     faults_spare(true);
-    const cl_int error = clEnqueueReadBuffer(world.queue, of->indices, CL_TRUE, 0, sizeof hits, hits, 1, done, NULL);
-    clReleaseEvent(*done);
+    const cl_int error = clEnqueueReadBuffer(world.queue, of->indices, CL_TRUE, 0, sizeof hits, hits,
+                                             done != NULL ? 1 : 0, done != NULL ? &done : NULL, NULL);
     faults_spare(false);
-    *done = NULL;
     assert_int_equal(error, CL_SUCCESS);
     digest(of, hits, sizeof hits);
-    return SVO_OK;
+    if (done != NULL) {
+        release_event(&done);
+    }
 }
 
-static svo_status run_rays_enqueue(subject *of)
+static svo_status run_rays_buffers(subject *of)
 {
+    const svo_target target = svo_tree_target(of->tree);
+    const svo_array input = svo_in_buffer(of->positions);
+    const svo_array output = svo_in_buffer(of->indices);
     cl_event done = NULL;
-    TRY_TOLD(svo_trace_triangles(svo_tree_target(of->tree), svo_in_buffer(of->positions), svo_in_buffer(of->indices),
-                                 RAYS, SVO_TRACE_CLOSEST, &(svo_submit){.queue = world.queue, .event = &done}));
-    SVO_I_TRY(take_result(of, &done));
-    TRY_TOLD(svo_tree_nearest(of->tree, svo_in_buffer(of->positions), svo_in_buffer(of->indices), RAYS,
-                              &(svo_submit){.queue = world.queue, .event = &done}));
-    return take_result(of, &done);
+    const svo_submit submit = {.queue = world.queue, .event = &done};
+    TRY_TOLD(svo_trace_triangles(target, input, output, RAYS, SVO_TRACE_CLOSEST, &submit));
+    take_result(of, done);
+    TRY_TOLD(svo_tree_nearest(of->tree, input, output, RAYS, &submit));
+    take_result(of, done);
+    TRY_TOLD(svo_trace_triangles(target, input, output, RAYS, SVO_TRACE_CLOSEST, NULL));
+    take_result(of, NULL);
+    TRY_TOLD(svo_tree_nearest(of->tree, input, output, RAYS, NULL));
+    take_result(of, NULL);
+    return SVO_OK;
 }
 
 static svo_status run_set_arguments(subject *of)
@@ -498,12 +602,15 @@ static const scenario rows[] = {
     {"build_short", false, false, prepare_short, run_build, NULL, destroy_all},
     {"build_chunks", false, false, prepare_chunks, run_build, NULL, destroy_all},
     {"plan_update", false, false, prepare_moving, run_update, NULL, destroy_all},
+    {"plan_update_from_buffers", false, false, prepare_moving_floats, run_update_from_buffers, NULL,
+     cleanup_moving_floats},
     {"moving", false, false, prepare_nothing, run_moving, NULL, destroy_all},
     {"first_build", false, false, prepare_device, run_first_build, NULL, destroy_all},
     {"workspace", false, false, prepare_plan, run_workspace, NULL, destroy_all},
     {"enqueue", false, false, prepare_workspace, run_enqueue, NULL, destroy_all},
+    {"refit", false, false, prepare_refit, run_refit, NULL, cleanup_moving_floats},
     {"rays", false, false, prepare_tree, run_rays, NULL, destroy_all},
-    {"rays_enqueue", false, false, prepare_ray_buffers, run_rays_enqueue, NULL, cleanup_ray_buffers},
+    {"rays_buffers", false, false, prepare_ray_buffers, run_rays_buffers, NULL, cleanup_ray_buffers},
     {"set_arguments", false, false, prepare_tree, run_set_arguments, NULL, destroy_all},
     {"render", false, false, prepare_tree, run_render, NULL, destroy_all},
 };

@@ -30,9 +30,10 @@ typedef struct faults_world {
     svo_gl *host, *copy;
     own_context own; /* the caller's */
     uint32_t gl_buffer;
-    cl_program program;
     cl_kernel kernel; /* the caller's */
     attributed_mesh mesh;
+    svo_mesh floats; /* the same, with float_positions */
+    float float_positions[TRIANGLES * 9];
     svo_ray rays[RAYS];
     svo_query_point points[RAYS];
     char folder[64];
@@ -54,7 +55,11 @@ typedef struct subject {
     svo_tree *tree;
     svo_workspace *workspace;
     svo_gl *gl;
-    cl_mem positions, indices;
+    cl_mem positions, normals, indices;
+    svo_compact *compact;
+    svo_light *light;
+    svo_probes *probes;
+    cl_kernel kernels[3]; /* of the caller's, with the parameters of these */
     const char *mesh_path;
     nondefault_state *state; /* of the caller's context */
     char warning[256]; /* of an import that leaves something out */
@@ -97,6 +102,10 @@ void prepare_plan_by(subject *of, const svo_plan_options *options);
 void prepare_tree(subject *of);
 void prepare_host_tree(subject *of);
 void destroy_all(subject *of);
+/* An empty kernel of the caller's. text: "kernel void empty(...) {}". */
+cl_kernel make_kernel(svo_target target, const char *text);
+/* Releases the event of a call that has succeeded. */
+void release_event(cl_event *event);
 
 /* Downloads the tree and adds its hash to the digest. */
 svo_status digest_tree(subject *of, svo_tree *tree);

@@ -383,16 +383,6 @@ static void write_binary_meshes(void)
     write_bytes("b.stl", head, sizeof head, &facets, sizeof facets - 2);
 }
 
-static void make_kernel(void)
-{
-    const char *sources[] = {svo_kernel_source(svo_tree_target(NULL)), "kernel void empty(SVO_TREE_PARAMETERS) {}"};
-    world.program = clCreateProgramWithSource(info_of_device(world.device).context, 2, sources, NULL, NULL);
-    assert_int_equal(clBuildProgram(world.program, 0, NULL, svo_kernel_options(svo_tree_target(NULL)), NULL, NULL),
-                     CL_SUCCESS);
-    world.kernel = clCreateKernel(world.program, "empty", NULL);
-    assert_non_null(world.kernel);
-}
-
 static void make_gl_buffer(void)
 {
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(world.context);
@@ -472,6 +462,13 @@ static int open_world(void **state)
     assert_non_null(world.queue);
     assert_int_equal(svo_frontend_create_cl(world.device, &world.cl), SVO_OK);
     attributed_mesh_create(7, TRIANGLES, 0.0, &world.mesh);
+    world.floats = world.mesh.mesh;
+    world.floats.positions = world.float_positions;
+    world.floats.positions_double = NULL;
+    assert_int_equal(world.floats.vertex_count * 3, sizeof world.float_positions / sizeof world.float_positions[0]);
+    for (size_t i = 0; i < world.floats.vertex_count * 3; ++i) {
+        world.float_positions[i] = (float)world.mesh.base.positions[i];
+    }
     uint64_t random = 3;
     for (size_t i = 0; i < RAYS; ++i) {
         for (size_t axis = 0; axis < 3; ++axis) {
@@ -498,7 +495,7 @@ static int open_world(void **state)
     assert_int_equal(setenv(CHILD_REPORT_VARIABLE, world.report_path, 1), 0);
     write_meshes();
     write_binary_meshes();
-    make_kernel();
+    world.kernel = make_kernel(svo_tree_target(NULL), "kernel void empty(SVO_TREE_PARAMETERS) {}");
     subject of = {0};
     prepare_host_tree(&of);
     assert_int_equal(run_save(&of), SVO_OK);
@@ -526,7 +523,6 @@ static int close_world(void **state)
         svo_i_gl_context_release_current(world.context);
     }
     clReleaseKernel(world.kernel);
-    clReleaseProgram(world.program);
     svo_gl_destroy(&world.host);
     svo_gl_destroy(&world.copy);
     svo_gl_context_destroy(&world.context);

@@ -36,7 +36,7 @@ int main()
 #ifdef HAVE_IO
     svo_tree *tree = nullptr;
     svo_message message = {};
-    const svo_status status = svo_tree_load(svo_from_memory("", 0, "nothing"), NULL, &tree, &message);
+    const svo_status status = svo_tree_load(svo_from_memory("", 0, "nothing"), nullptr, &tree, &message);
     expect_text("svo_tree_load of no bytes", svo_name(SVO_NAME_STATUS, status), "SVO_FILE_DAMAGED");
 #endif
     return failures == 0 ? 0 : 1;

@@ -698,6 +698,33 @@ static void test_a_function_receives_the_bytes_of_the_file(void **unused)
     svo_tree_destroy(&tree);
 }
 
+static int end_the_test(void *user, const void *bytes, size_t byte_count)
+{
+    (void)user;
+    (void)bytes;
+    fail_msg("a function received %zu bytes of the file at a path", byte_count);
+    return 1;
+}
+
+static void test_a_path_comes_before_bytes_and_functions(void **unused)
+{
+    (void)unused;
+    svo_message message = {""};
+    svo_tree *tree = small_tree(NEED_ALL), *loaded = NULL;
+    const char *path = path_of("round.svo");
+    const svo_sink sink = {.path = path, .write = end_the_test};
+    const svo_source source = {.path = path, .bytes = "no tree", .byte_count = 7, .name = "bytes"};
+    (void)unlink(path);
+    assert_int_equal(svo_tree_save(tree, sink, NULL, &message), SVO_OK);
+    assert_int_equal(svo_tree_load(source, NULL, &loaded, &message), SVO_OK);
+    assert_same_tree(tree, loaded);
+    assert_int_equal(unlink(path), 0);
+    svo_tree_destroy(&loaded);
+    assert_int_equal(svo_tree_load(source, NULL, &loaded, &message), SVO_FILE_ERROR);
+    assert_null(loaded);
+    svo_tree_destroy(&tree);
+}
+
 /* The limit on file sizes ends the process by SIGXFSZ after 600 bytes. */
 static void test_a_process_that_ends_while_saving_leaves_nothing(void **unused)
 {
@@ -771,6 +798,7 @@ TEST_GROUP(file)
         cmocka_unit_test(test_what_a_link_leads_to_is_written),
         cmocka_unit_test(test_a_pipe_gets_the_bytes_of_the_file),
         cmocka_unit_test(test_a_function_receives_the_bytes_of_the_file),
+        cmocka_unit_test(test_a_path_comes_before_bytes_and_functions),
         cmocka_unit_test(test_a_process_that_ends_while_saving_leaves_nothing),
     };
     return cmocka_run_group_tests_name("file", tests, make_directory, remove_directory);

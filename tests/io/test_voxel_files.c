@@ -732,10 +732,6 @@ static void test_arguments(void **state)
     assert_int_equal(svo_voxels_load(svo_from_memory("VOX ", 4, NAME), NULL, &voxels, &info, &message),
                      SVO_INVALID_ARGUMENT);
     assert_null(voxels);
-    assert_int_equal(svo_voxels_save(NULL, svo_to_callback(fail_late, &left), SVO_VOXEL_FORMAT_VOX, NULL, NULL),
-                     SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_voxels_save(some, svo_to_callback(NULL, &left), SVO_VOXEL_FORMAT_VOX, NULL, NULL),
-                     SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_voxels_save(some, svo_to_callback(fail_late, &left), SVO_VOXEL_FORMAT_AUTO, NULL, &message),
                      SVO_INVALID_ARGUMENT);
     assert_string_equal(message.text, "svo_voxels_save: format 0 is not in 1 .. 5");

@@ -450,8 +450,6 @@ static void wrong_options_are_refused(void **state)
         expect_refusal(&opened, light, &options, rows[i].text);
     }
     assert_int_equal(svo_gather(NULL, svo_in_host(NULL), svo_in_host(NULL), 0, NULL, NULL), SVO_INVALID_ARGUMENT);
-    assert_int_equal(svo_gather(NULL, svo_in_buffer(NULL), svo_in_buffer(NULL), 0, NULL, &(svo_submit){.queue = NULL}),
-                     SVO_INVALID_ARGUMENT);
     assert_int_equal(
         svo_gather(light, svo_in_host(NULL), svo_in_host(NULL), 1, NULL, &(svo_submit){.queue = opened.queue}),
         SVO_INVALID_ARGUMENT);

@@ -187,7 +187,8 @@ static void follow(const fixture *opened, const stage *of, svo_light *light)
 {
     svo_box boxes[BOXES];
     size_t count = 0;
-    succeed(opened, svo_moving_update(of->moving, NULL, NULL));
+    svo_moving_report report = SVO_MOVING_REPORT_INIT;
+    succeed(opened, svo_moving_update(of->moving, &(svo_submit){.queue = opened->queue}, &report));
     succeed(opened, svo_moving_get_changes(of->moving, boxes, BOXES, &count));
     assert_true(count <= BOXES);
     succeed(opened, svo_light_update(light, svo_moving_tree(of->moving), boxes, count, opened->queue));

@@ -87,7 +87,8 @@ svo_moving *make_stage(const fixture *opened, const actors *of, unsigned depth, 
 
 void update_moving(const fixture *opened, svo_moving *moving)
 {
-    succeed(opened, svo_moving_update(moving, NULL, NULL));
+    svo_moving_report report = SVO_MOVING_REPORT_INIT;
+    succeed(opened, svo_moving_update(moving, &(svo_submit){.queue = opened->queue}, &report));
 }
 
 /* ---- trees ---- */

@@ -227,7 +227,7 @@ static void an_update_waits_for_events(void **state)
     clReleaseCommandQueue(unordered);
 }
 
-/* ---- failures ---- */
+/* ---- reports ---- */
 
 static void assert_fails(const fixture *opened, svo_status actual, svo_status expected, const char *words)
 {
@@ -236,6 +236,82 @@ static void assert_fails(const fixture *opened, svo_status actual, svo_status ex
         fail_msg("\"%s\" does not say \"%s\"", svo_device_message(opened->device), words);
     }
 }
+
+/* How often an update waits that moves an object. */
+static uint64_t count_waits(const fixture *opened, svo_moving *moving, const svo_submit *submit,
+                            svo_moving_report *report)
+{
+    succeed(opened, svo_moving_set_transform(moving, 1, small));
+    counting_begin();
+    succeed(opened, svo_moving_update(moving, submit, report));
+    return counting_read().waits;
+}
+
+/* On the caller's queue, after the caller's events. Between stages waits only who wants their times. */
+static void an_update_with_a_report_waits(void **state)
+{
+    enum { LARGE_BYTES = 64 << 20 };
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_moving_options options = {.need = everything, .edge = 1.0, .max_area = 40.0};
+    const cl_uint byte = 1;
+    svo_moving_report report = SVO_MOVING_REPORT_INIT;
+    cl_event first = NULL;
+    cl_event done = NULL;
+    cl_command_queue unordered = make_unordered(&opened);
+    cl_mem buffer = clCreateBuffer(info_of_device(opened.device).context, CL_MEM_READ_WRITE, LARGE_BYTES, NULL, NULL);
+    actors made;
+    actors_create(4, 80, true, &made);
+    svo_moving *moving = make_stage(&opened, &made, 6, options);
+    assert_non_null(buffer);
+    assert_true(count_waits(&opened, moving, NULL, NULL) > 0); /* the other objects come too */
+    const uint64_t waits = count_waits(&opened, moving, NULL, NULL);
+    assert_true(count_waits(&opened, moving, NULL, &report) > waits);
+    assert_int_equal(clEnqueueFillBuffer(opened.queue, buffer, &byte, sizeof byte, 0, LARGE_BYTES, 0, NULL, &first),
+                     CL_SUCCESS);
+    assert_int_equal(clFlush(opened.queue), CL_SUCCESS);
+    report = (svo_moving_report)SVO_MOVING_REPORT_INIT;
+    const svo_submit submit = {.queue = unordered, .num_wait = 1, .wait = &first, .event = &done};
+    assert_true(count_waits(&opened, moving, &submit, &report) > waits);
+    assert_int_equal(status_of(first), CL_COMPLETE);
+    assert_int_equal(status_of(done), CL_COMPLETE);
+    assert_int_equal(report.changed_objects, 1);
+    assert_true(report.changed_fragments > 0 && report.total_ms > 0 && report.nodes_ms > 0);
+    assert_fails(&opened, svo_moving_finish(moving, NULL), SVO_INVALID_ARGUMENT, "no update is in flight");
+    compare_moving(&opened, moving, 6, &options);
+    clReleaseEvent(first);
+    clReleaseEvent(done);
+    clReleaseMemObject(buffer);
+    clReleaseCommandQueue(unordered);
+    svo_moving_destroy(&moving);
+    actors_destroy(&made);
+}
+
+/* The update is then not made, or stays in flight. */
+static void a_report_of_no_size_is_refused(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_moving_options options = {.need = SVO_NEED_NORMAL, .edge = 1.0, .max_area = 40.0};
+    const svo_submit submit = {.queue = opened.queue};
+    svo_moving_report report = {.struct_size = 4};
+    actors made;
+    actors_create(3, 60, true, &made);
+    svo_moving *moving = make_stage(&opened, &made, 5, options);
+    const svo_tree *tree = svo_moving_tree(moving);
+    assert_fails(&opened, svo_moving_update(moving, &submit, &report), SVO_INVALID_ARGUMENT,
+                 "svo_moving_update: report.struct_size is 4");
+    assert_fails(&opened, svo_moving_update(moving, NULL, &report), SVO_INVALID_ARGUMENT,
+                 "svo_moving_update: report.struct_size is 4");
+    assert_ptr_equal(svo_moving_tree(moving), tree);
+    enqueue(&opened, moving, opened.queue);
+    assert_fails(&opened, svo_moving_finish(moving, &report), SVO_INVALID_ARGUMENT,
+                 "svo_moving_finish: report.struct_size is 4");
+    succeed(&opened, svo_moving_finish(moving, NULL));
+    compare_moving(&opened, moving, 5, &options);
+    svo_moving_destroy(&moving);
+    actors_destroy(&made);
+}
+
+/* ---- failures ---- */
 
 static void too_little_room_is_told_and_grows(void **state)
 {
@@ -306,13 +382,11 @@ static void a_scene_in_flight_is_left_alone(void **state)
     const fixture opened = fixture_cl_of_group(state);
     const svo_moving_options options = {.need = SVO_NEED_NORMAL, .edge = 1.0, .max_area = 40.0};
     static const char words[] = "an update is in flight";
-    svo_moving_report report = SVO_MOVING_REPORT_INIT;
     uint32_t object = 0;
     actors made;
     actors_create(3, 60, true, &made);
     svo_moving *moving = make_stage(&opened, &made, 5, options);
-    succeed(&opened, svo_moving_finish(moving, &report)); /* of the update that made the scene */
-    assert_true(report.changed_objects == 1 && report.fragments > 0);
+    assert_fails(&opened, svo_moving_finish(moving, NULL), SVO_INVALID_ARGUMENT, "no update is in flight");
     assert_int_equal(svo_moving_update(moving, &(svo_submit){.queue = opened.queue, .num_wait = 1, .wait = NULL}, NULL),
                      SVO_INVALID_ARGUMENT);
     enqueue(&opened, moving, opened.queue);
@@ -396,17 +470,12 @@ static void memory_is_flat(void **state)
 TEST_GROUP(moving_enqueue)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(enqueued_moves_equal_full_builds),
-        cmocka_unit_test(every_kind_of_request_can_be_enqueued),
-        cmocka_unit_test(a_scene_may_become_empty),
-        cmocka_unit_test(reports_count_what_changed),
-        cmocka_unit_test(an_update_waits_for_events),
-        cmocka_unit_test(too_little_room_is_told_and_grows),
-        cmocka_unit_test(what_does_not_fit_leaves_the_tree),
-        cmocka_unit_test(an_update_with_a_report_waits),
-        cmocka_unit_test(a_scene_in_flight_is_left_alone),
-        cmocka_unit_test(a_failure_leaves_the_tree),
-        cmocka_unit_test(memory_is_flat),
+        cmocka_unit_test(enqueued_moves_equal_full_builds),  cmocka_unit_test(every_kind_of_request_can_be_enqueued),
+        cmocka_unit_test(a_scene_may_become_empty),          cmocka_unit_test(reports_count_what_changed),
+        cmocka_unit_test(an_update_waits_for_events),        cmocka_unit_test(an_update_with_a_report_waits),
+        cmocka_unit_test(a_report_of_no_size_is_refused),    cmocka_unit_test(too_little_room_is_told_and_grows),
+        cmocka_unit_test(what_does_not_fit_leaves_the_tree), cmocka_unit_test(a_scene_in_flight_is_left_alone),
+        cmocka_unit_test(a_failure_leaves_the_tree),         cmocka_unit_test(memory_is_flat),
     };
     return cmocka_run_group_tests_name("moving_enqueue", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -650,6 +650,21 @@ static void moments_are_means_of_texels(void **state)
 
 /* ---- scenes of placed trees ---- */
 
+/* All but what is found on the way. */
+static void expect_as_planned(const svo_probe_info *made, const svo_probe_info *planned)
+{
+    svo_probe_info found = *planned;
+    assert_int_equal(planned->rays, (uint64_t)planned->probe_count * planned->resolution * planned->resolution);
+    assert_true(made->place_rays <= planned->place_rays);
+    assert_true(planned->moved == 0 && planned->off == 0);
+    found.moved = made->moved;
+    found.off = made->off;
+    found.rays -= (uint64_t)made->off * made->resolution * made->resolution;
+    found.place_rays = made->place_rays;
+    memcpy(found.stage_ms, made->stage_ms, sizeof found.stage_ms);
+    assert_memory_equal(made, &found, sizeof found);
+}
+
 /* An instance that is not moved has the tree's hits, so its probes see the same where they are at the same places. */
 static void scenes_are_seen_as_their_trees(void **state)
 {
@@ -676,9 +691,15 @@ static void scenes_are_seen_as_their_trees(void **state)
         assert_int_equal(svo_probes_create(&options, opened.queue, &probes), SVO_INVALID_ARGUMENT);
         assert_string_equal(svo_device_message(opened.device),
                             "svo_probes_create: options.tree and options.scene are both given");
+        svo_probe_info planned = SVO_PROBE_INFO_INIT;
+        assert_int_equal(svo_probes_plan(&options, &planned), SVO_INVALID_ARGUMENT);
+        assert_string_equal(svo_device_message(opened.device),
+                            "svo_probes_plan: options.tree and options.scene are both given");
         options.tree = NULL;
+        light_succeed(&opened, svo_probes_plan(&options, &planned));
         light_succeed(&opened, svo_probes_create(&options, opened.queue, &probes));
         seen by_scene = look(&opened, probes);
+        expect_as_planned(&by_scene.info, &planned);
         assert_true(fabs((double)by_scene.info.leaf_edge / (double)by_tree.info.leaf_edge - 1) < 1e-6);
         uint32_t differing = 0;
         for (uint32_t i = 0; i < RESOLUTION * RESOLUTION; ++i) {

@@ -302,6 +302,7 @@ static void the_bvh_is_built_on_request(void **state)
     assert_int_equal(svo_tree_make_bvh(prepared.tree, SVO_BVH_BEST, NULL), SVO_OK); /* on the device's own queue */
     const uint64_t bytes = info_of_tree(prepared.tree).ray_bytes;
     assert_int_equal(svo_tree_make_bvh(prepared.tree, SVO_BVH_BEST, opened->queue), SVO_OK); /* once is enough */
+    assert_int_equal(info_of_tree(prepared.tree).ray_bytes, bytes);
     assert_int_equal(info_of_tree(first_use.tree).ray_bytes, bytes);
     assert_in_range(bytes, 1, 208 * prepared.info.list_triangle_count + 192);
     for (size_t i = 0; i < prepared.buffer_count; ++i) {

@@ -3,6 +3,7 @@
 #ifndef SVOCL_TESTS_GL_CONTEXTS_H
 #define SVOCL_TESTS_GL_CONTEXTS_H
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "svocl/gl.h"
@@ -34,12 +35,14 @@ static inline svo_status context_wrap(svo_gl_get_proc_address find, svo_gl_conte
     return svo_gl_context_create(&options, out, message);
 }
 
-/* The value of that kind which the name is of. */
+/* The value of that kind which the name is of; one that is of none ends the program. */
 static inline uint32_t value_of_name(svo_name_kind kind, const char *name)
 {
     uint32_t value = 0;
-    while (value < 8 && strcmp(svo_name(kind, value), name) != 0) {
-        ++value;
+    while (strcmp(svo_name(kind, value), name) != 0) {
+        if (++value == 8) {
+            abort();
+        }
     }
     return value;
 }
