@@ -12,7 +12,7 @@
 #include "core/memory.h"
 #include "core/struct_size.h"
 #include "io/import_text.h"
-#include "io/voxels_files.h"
+#include "io/voxels_formats.h"
 
 #define BINVOX_MAGIC "#binvox"
 

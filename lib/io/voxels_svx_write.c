@@ -9,7 +9,7 @@
 #include <string.h>
 #include <zip.h>
 
-#include "io/voxels_files.h"
+#include "io/voxels_formats.h"
 
 #define MANIFEST_BYTES 2048
 #define DOS_DATE       0x21 /* the first day that an archive can have, so that equal voxels make equal files */

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "io/voxels_files.h"
+#include "io/voxels_formats.h"
 #include "io/voxels_vox_file.h"
 
 /* Groups may share children, so that a small file could be walked for ever. */

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "io/voxels_files.h"
+#include "io/voxels_formats.h"
 
 #define VERSION         150
 #define BLOCK_BITS      24 /* of a Morton code within a block */

@@ -3,8 +3,8 @@
  * What the readers and the writers of voxel files share: the file in memory, messages with their place in it, and
  * growing lists; a buffer before the sink, and voxels in other orders; numbers as text.
  */
-#ifndef SVO_LIB_IO_VOXELS_FILES_H
-#define SVO_LIB_IO_VOXELS_FILES_H
+#ifndef SVO_LIB_IO_VOXELS_FORMATS_H
+#define SVO_LIB_IO_VOXELS_FORMATS_H
 
 #include <stdbool.h>
 #include <stddef.h>
