@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What the readers and the writers of voxel files share: messages, growing lists, the buffer before the sink. */
-#include "io/voxels_formats.h"
+#include "io/voxels_files.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -10,6 +10,7 @@
 
 #include "core/struct_size.h"
 #include "core/voxel_list.h"
+#include "io/voxels_files.h"
 #include "io/voxels_formats.h"
 
 #define BITS_MAX        12u /* longer edges would make gigabytes of empty runs */

@@ -15,6 +15,7 @@
 
 #include "core/memory.h"
 #include "io/import_text.h"
+#include "io/voxels_files.h"
 #include "io/voxels_formats.h"
 
 #define SVX_MANIFEST_BYTES ((uint64_t)1 << 20) /* most bytes of a manifest */

@@ -9,6 +9,7 @@
 #include <string.h>
 #include <zip.h>
 
+#include "io/voxels_files.h"
 #include "io/voxels_formats.h"
 
 #define MANIFEST_BYTES 2048

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "io/voxels_formats.h"
+#include "io/voxels_files.h"
 
 #define CHUNK_HEAD_BYTES 12u
 #define FILE_HEAD_BYTES  8u

@@ -6,7 +6,7 @@
 #ifndef SVO_LIB_IO_VOXELS_VOX_FILE_H
 #define SVO_LIB_IO_VOXELS_VOX_FILE_H
 
-#include "io/voxels_formats.h"
+#include "io/voxels_files.h"
 
 #define VOX_SIDE_MAX   256 /* voxels along an axis of a model */
 #define VOX_DEPTH_MAX  1024 /* nodes from the root of the scene on */

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "io/voxels_files.h"
 #include "io/voxels_formats.h"
 
 #define VERSION         150
