@@ -475,10 +475,10 @@ static void test_probes_are_shown(void **unused)
     (void)describe_panels(&at);
     click_right(&at, 4);
     assert_true(at.state->shown.through);
-    click_right(&at, 8);
+    click_right(&at, 7);
     assert_true(at.state->probes.has_spheres);
     assert_true(draws_map(describe_panels(&at)));
-    click_right(&at, 11);
+    click_right(&at, 10);
     assert_false(at.state->probes.has_map);
     at.state->probes.texels = NULL; /* as the drawing does then */
     assert_false(draws_map(describe_panels(&at)));

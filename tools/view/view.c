@@ -187,9 +187,10 @@ static int list_memory(viewer *which)
 {
     const subject *shown = which->subject;
     const view_state *state = &which->state;
+    const uint64_t ray_bytes = shown->has_tree ? info_of_tree(shown->done.result.tree).ray_bytes : 0;
     const uint64_t frames = state->settings.open[VIEW_PANEL_MEMORY] ? state->revisions.film : 0;
-    const uint64_t changes = 1 + shown->changes + placed_changes(shown->placed) +
-                             info_of_tree(shown->done.result.tree).ray_bytes + shown->probes.version + frames;
+    const uint64_t changes =
+        1 + shown->changes + placed_changes(shown->placed) + ray_bytes + shown->probes.version + frames;
     if (which->listed == changes) {
         return PROGRAM_DONE;
     }
