@@ -17,7 +17,7 @@ lib_rooms+='compact (moving (parts (paged solid (scene (light probes'
 readonly lib_rooms
 readonly glinterop_rooms='context share raster compute frontend'
 tools_rooms='lab/scenes (lab/reference lab/path support lab/measure lab/stress (lab/bench (lab/errors (lab/report '
-tools_rooms+='(web (view lab/program (lab/snapshot (svocl'
+tools_rooms+='(web (view lab/program (svocl'
 readonly tools_rooms
 
 files()
