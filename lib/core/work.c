@@ -353,8 +353,7 @@ svo_status svo_i_work_launch(svo_i_device_work *work, const char *name, const sv
 
 /* ---- scans ---- */
 
-/* Groups of a scan: one per tile, and no more than the device needs. */
-static uint32_t scan_groups(const svo_device *device, uint64_t numbers)
+uint32_t svo_i_scan_groups(const svo_device *device, uint64_t numbers)
 {
     const uint32_t tile = SVO_SCAN_TILE;
     const uint64_t tiles = (numbers + tile - 1) / tile;
@@ -363,7 +362,8 @@ static uint32_t scan_groups(const svo_device *device, uint64_t numbers)
 
 svo_status svo_i_work_scan(svo_i_device_work *work, cl_mem numbers, cl_mem sums, uint64_t count)
 {
-    const svo_filter_params params = {.leaf_count = (cl_uint)count, .scan_groups = scan_groups(work->device, count)};
+    const svo_filter_params params = {.leaf_count = (cl_uint)count,
+                                      .scan_groups = svo_i_scan_groups(work->device, count)};
     const uint64_t items = (uint64_t)params.scan_groups * SVO_GROUP_ITEMS;
     const cl_mem state = NULL; /* of a build; the kernels of this program do not read it */
     const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));

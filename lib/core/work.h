@@ -107,6 +107,8 @@ svo_status svo_i_work_launch_groups(svo_i_device_work *work, const char *name, c
                                     cl_uint argument_count, uint64_t items, size_t group_items);
 /* Takes the event of a command that the caller enqueued after work->last, which becomes the newest. */
 void svo_i_work_follow(svo_i_device_work *work, cl_event event);
+/* Groups of a scan of at most that many numbers: one for each tile, 1 .. device->scan_groups. */
+uint32_t svo_i_scan_groups(const svo_device *device, uint64_t numbers);
 /* Exclusive sums of count numbers, u32 each, into sums, which has an element more: the total. */
 svo_status svo_i_work_scan(svo_i_device_work *work, cl_mem numbers, cl_mem sums, uint64_t count);
 

@@ -5,6 +5,7 @@
  */
 #include "stages/sort.h"
 
+#include "core/work.h"
 #include "plan/estimate.h"
 #include "stages/programs.h"
 
@@ -16,13 +17,6 @@ svo_status svo_i_scan_alloc(svo_i_build *build)
                ? SVO_OK
                : svo_i_commands_alloc(&build->commands, "partials",
                                       build->commands.device->scan_groups * sizeof(cl_uint4), &build->partials);
-}
-
-uint32_t svo_i_scan_groups(const svo_device *device, uint64_t numbers)
-{
-    const uint32_t tile = SVO_SCAN_TILE;
-    const uint64_t tiles = (numbers + tile - 1) / tile;
-    return (uint32_t)(tiles < 1 ? 1 : tiles > device->scan_groups ? device->scan_groups : tiles);
 }
 
 svo_status svo_i_scan_lists(svo_i_build *build, const svo_i_program *program, cl_mem numbers, cl_mem sums, cl_mem state,

@@ -5,6 +5,7 @@
  */
 #include "stages/subdivide.h"
 
+#include "core/work.h"
 #include "plan/estimate.h"
 #include "stages/programs.h"
 #include "stages/sort.h"

@@ -9,9 +9,9 @@
 #include <cmocka.h>
 
 #include "core/device.h"
+#include "core/work.h"
 #include "scenes.h"
 #include "shared/layout.h"
-#include "stages/sort.h"
 #include "support/fixture.h"
 #include "support/suite.h"
 
