@@ -14,7 +14,7 @@ readonly matrix_mirror=http://deb.debian.org/debian
 readonly matrix_packages=(
     build-essential cmake ninja-build pkg-config ocl-icd-opencl-dev opencl-headers libegl-dev libgl-dev libosmesa6-dev
     libegl1 libegl-mesa0 libgl1-mesa-dri libosmesa6 libassimp-dev zlib1g-dev libstb-dev libxxhash-dev libzstd-dev
-    libcjson-dev libcmocka-dev libfast-float-dev
+    libcjson-dev libcmocka-dev libfast-float-dev libgmp-dev
     pocl-opencl-icd # PoCL 6
     mesa-opencl-icd # rusticl
 )

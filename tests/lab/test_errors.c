@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * svocl bench e1 to e5, e7 and e8 on small inputs: svocl's exact methods have no error beyond one rounding, common
- * methods have their known errors, and every table has its methods. Times are not tested, so that one round is enough.
+ * svocl bench e1 to e5, e7 and e8 on small inputs: svocl's methods have no error beyond one rounding, common methods
+ * have their known errors, and every table has its methods. Times are not tested, so that one round is enough.
  */
 #include <stdio.h>
 #include <string.h>
@@ -74,16 +74,17 @@ static void expect_times(const cJSON *table)
     }
 }
 
-static void voxels_are_exact_in_integers_alone(void **state)
+/* svocl's own methods err by their snapped vertices: a voxel in some thousands. */
+static void voxels_are_compared_with_the_mesh_as_given(void **state)
 {
     (void)state;
     need_builds();
     const cJSON *table = NULL;
     cJSON *document = measure("e1", "e1-voxelization", &table);
     expect_times(table);
-    expect_within(table, "exact integers, cl", "error", 0.0, 0.0);
+    assert_true(expect_within(table, "integers of 20 bits, cl", "error", 0.0, 0.05) > 0.0);
     if (gl_works()) {
-        expect_within(table, "exact integers, gl", "error", 0.0, 0.0);
+        expect_within(table, "integers of 20 bits, gl", "error", 0.0, 0.05);
     }
     assert_true(expect_within(table, "plain rasterization", "false negatives", 1.0, 100.0) > 30.0);
     expect_within(table, "4x multisampling", "false negatives", 1.0, 100.0);
@@ -158,7 +159,7 @@ static void other_methods_fail_on_ill_conditioned_meshes(void **state)
     const cJSON *table = NULL;
     cJSON *document = measure("e5", "e5-conditioning", &table);
     expect_times(table);
-    expect_within(table, "exact integers", "error", 0.0, 0.0);
+    expect_within(table, "integers of 20 bits", "error", 0.0, 0.1);
     expect_within(table, "svocl", "error", 0.0, 0.0);
     assert_true(expect_within(table, "float32 test, world coordinates", "error", 0.0, 1e9) > 50.0);
     assert_true(expect_within(table, "watertight", "error", 0.0, 100.0) > 20.0);
@@ -259,7 +260,7 @@ static void probes_are_compared_with_exact_rays(void **state)
 TEST_GROUP(errors)
 {
     const struct CMUnitTest tests[] = {
-        IN_FOLDER(voxels_are_exact_in_integers_alone),
+        IN_FOLDER(voxels_are_compared_with_the_mesh_as_given),
         IN_FOLDER(adversarial_rays_are_right),
         IN_FOLDER(means_by_area_are_within_rounding),
         IN_FOLDER(levels_of_detail_keep_their_bounds),

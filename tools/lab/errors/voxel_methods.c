@@ -46,14 +46,15 @@ const char *voxel_method_name(float_method method)
 
 static const char *frontend_method_name(const svo_frontend *frontend)
 {
-    static const char *const names[][2] = {
-        {"cl", "exact integers, cl"}, {"gl-expand", "exact integers, gl-expand"}, {"gl-hw", "exact integers, gl-hw"}};
+    static const char *const names[][2] = {{"cl", "integers of 20 bits, cl"},
+                                           {"gl-expand", "integers of 20 bits, gl-expand"},
+                                           {"gl-hw", "integers of 20 bits, gl-hw"}};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         if (strcmp(names[i][0], svo_frontend_name(frontend)) == 0) {
             return names[i][1];
         }
     }
-    return "exact integers";
+    return "integers of 20 bits";
 }
 
 /* ---- times ---- */
@@ -182,17 +183,17 @@ static bool frontend_pairs(const voxel_bench *bench, svo_frontend *frontend, ora
 
 static bool compare(voxel_bench *bench, voxel_method *method, voxel_method_result *result)
 {
-    const bool exact = method->frontend != NULL;
-    const oracle_coverage coverage = exact ? ORACLE_HALF_OPEN : float_method_coverage(method->floats);
+    const bool is_own = method->frontend != NULL;
+    const oracle_coverage coverage = is_own ? ORACLE_HALF_OPEN : float_method_coverage(method->floats);
     const oracle_pairs *expected = &bench->expected[coverage];
     oracle_pairs found = {0};
     oracle_difference difference;
-    if (!(exact ? frontend_pairs(bench, method->frontend, &found) : float_pairs(method, &found))) {
+    if (!(is_own ? frontend_pairs(bench, method->frontend, &found) : float_pairs(method, &found))) {
         return false;
     }
     oracle_compare(expected, &found, &difference);
     oracle_pairs_free(&found);
-    result->method = exact ? frontend_method_name(method->frontend) : voxel_method_name(method->floats);
+    result->method = is_own ? frontend_method_name(method->frontend) : voxel_method_name(method->floats);
     result->coverage = coverage == ORACLE_CLOSED ? "closed" : "half-open";
     result->voxels = oracle_pairs_voxel_count(expected);
     result->pairs = expected->count;
@@ -225,11 +226,9 @@ static bool prepare(voxel_bench *bench)
     svo_tree_get_info(bench->tree, &bench->info);
     bench->arrays = (svo_tree_arrays)SVO_TREE_ARRAYS_INIT;
     svo_tree_get_arrays(bench->tree, &bench->arrays);
-    const oracle_mesh mesh = {bench->arrays.vertices, bench->arrays.indices, bench->arrays.triangle_ids,
-                              (size_t)bench->info.list_triangle_count};
     for (int coverage = ORACLE_HALF_OPEN; coverage <= ORACLE_CLOSED && worked; ++coverage) {
-        const oracle_request request = {bench->depth, bench->info.snap_bits, (oracle_coverage)coverage, ORACLE_SAT};
-        worked = oracle_enumerate(&mesh, &request, &bench->expected[coverage]);
+        worked = input_list_pairs(bench->mesh, &bench->info, bench->plan_options.edge > 0.0, (oracle_coverage)coverage,
+                                  &bench->expected[coverage]);
     }
     return worked;
 }

@@ -13,7 +13,7 @@
 #define VOXEL_METHODS_MAX   ((size_t)FLOAT_METHOD_COUNT + VOXEL_FRONTENDS_MAX)
 
 typedef struct voxel_method_result {
-    const char *method; /* "exact integers, cl", "pixel centers", ...: static */
+    const char *method; /* "integers of 20 bits, cl", "pixel centers", ...: static */
     const char *coverage; /* of the reference: static */
     double ms; /* median, of making the list of pairs */
     uint64_t voxels; /* of the reference */

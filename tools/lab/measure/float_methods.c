@@ -374,19 +374,27 @@ static void test_voxels(float_method method, const float_triangle *t, float_list
     }
 }
 
+/* A vertex's coordinate as the caller gave it, rounded to float. */
+static float coordinate(const svo_tree_arrays *arrays, size_t vertex, size_t axis)
+{
+    return arrays->positions_double != NULL ? (float)arrays->positions_double[vertex * 3 + axis]
+                                            : arrays->positions[vertex * 3 + axis];
+}
+
 static void fetch(const svo_tree_info *info, const svo_tree_arrays *arrays, uint64_t index, float_triangle *out)
 {
     const int limit = (1 << info->depth) - 1;
-    const double unit = info->edge / (double)(1u << info->depth);
+    const double unit = ldexp(1.0 / info->scale, (int)(info->snap_bits - info->depth));
     *out = (float_triangle){.voxel = (float)unit, .depth = info->depth, .id = arrays->triangle_ids[index]};
     for (int k = 0; k < 3; ++k) {
         int32_t low = INT32_MAX;
         int32_t high = INT32_MIN;
         for (size_t corner = 0; corner < 3; ++corner) {
-            const int32_t q = arrays->vertices[(size_t)arrays->indices[index * 3 + corner] * 3 + (size_t)k];
+            const size_t vertex = arrays->indices[index * 3 + corner];
+            const int32_t q = arrays->vertices[vertex * 3 + (size_t)k];
             low = q < low ? q : low;
             high = q > high ? q : high;
-            out->vertex[corner][k] = (float)(info->origin[k] + (double)q / info->scale);
+            out->vertex[corner][k] = coordinate(arrays, vertex, (size_t)k);
         }
         const int first = (low >> (info->snap_bits - info->depth)) - 1;
         const int last = (high >> (info->snap_bits - info->depth)) + 1;

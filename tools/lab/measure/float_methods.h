@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Common float32 voxelization methods, compared with the exact one. The snapped triangles are transformed back to world
- * coordinates and rounded to float. The rasterizing methods apply the rules of the hardware on the host (pixel centers
- * or the standard four samples, positions snapped to 1/256 pixel, top-left rule): the rule is measured, not a GPU.
+ * Common float32 voxelization methods, compared with the exact one. They take the caller's own vertices, doubles
+ * rounded to float, and are compared with the exact voxels of those (input_list_pairs). The rasterizing methods apply
+ * the rules of the hardware on the host (pixel centers or the standard four samples, positions snapped to 1/256 pixel,
+ * top-left rule): the rule is measured, not a GPU.
  */
 #ifndef SVOCL_TOOLS_MEASURE_FLOAT_METHODS_H
 #define SVOCL_TOOLS_MEASURE_FLOAT_METHODS_H

@@ -1,12 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* Builds the tree of the exact reference and compares it with a built one, and snaps the mesh again, for verify and
-   stress. */
+/* Builds the tree of the exact reference and compares it with a built one, snaps the mesh again, and compares the tree
+   with the unsnapped mesh, for verify and stress. */
 #include "measure/tree_check.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "reference/oracle.h"
+#include "reference/oracle_exact.h"
+
+/* Snapped coordinates below this are not refused, however they are rounded. */
+#define NEAR_UNITS 0x1p28
 
 /* ---- voxels, pairs and nodes ---- */
 
@@ -175,4 +179,77 @@ bool snap_check(const svo_mesh *mesh, const options *given, const svo_tree_info 
     }
     free(positions);
     return true;
+}
+
+/* ---- the mesh as given ---- */
+
+/* The grid's planes in real arithmetic: of the caller's edge, or of the steps that a fitted grid has. */
+static oracle_space space_of(const svo_tree_info *info, bool is_given)
+{
+    return (oracle_space){.origin = {info->origin[0], info->origin[1], info->origin[2]},
+                          .units = is_given ? info->edge : ldexp(1.0, (int)info->snap_bits),
+                          .scale = is_given ? 1.0 : info->scale,
+                          .depth = info->depth};
+}
+
+/* Whether the reference refuses a triangle. Snapping takes long, so that only distant ones are snapped. */
+static bool is_refused(const oracle_positions *mesh, const oracle_grid *grid, size_t triangle)
+{
+    int32_t snapped[3][3];
+    uint32_t vertices[3];
+    bool near = oracle_triangle_accepted(mesh, triangle, vertices);
+    for (size_t i = 0; near && i < 9; ++i) {
+        const double position = mesh->positions[(size_t)vertices[i / 3] * 3 + i % 3];
+        near = fabs((position - grid->origin[i % 3]) * grid->scale) < NEAR_UNITS;
+    }
+    return !near && !snap_triangle(mesh, grid, triangle, snapped);
+}
+
+/* Three indices per triangle, out of range for those that the reference refuses. NULL: out of memory. */
+static uint32_t *copy_kept_indices(const oracle_positions *mesh, const svo_tree_info *info)
+{
+    const oracle_grid grid = {
+        {info->origin[0], info->origin[1], info->origin[2]}, info->edge, info->scale, info->snap_bits};
+    uint32_t *indices = malloc(mesh->triangle_count * 3 * sizeof *indices + 1);
+    for (size_t triangle = 0; indices != NULL && triangle < mesh->triangle_count; ++triangle) {
+        const bool refused = is_refused(mesh, &grid, triangle);
+        for (size_t corner = triangle * 3; corner < triangle * 3 + 3; ++corner) {
+            indices[corner] = refused ? UINT32_MAX : mesh->indices != NULL ? mesh->indices[corner] : (uint32_t)corner;
+        }
+    }
+    return indices;
+}
+
+bool input_list_pairs(const svo_mesh *mesh, const svo_tree_info *info, bool is_given, oracle_coverage coverage,
+                      oracle_pairs *out)
+{
+    const oracle_space space = space_of(info, is_given);
+    double *positions = copy_positions(mesh);
+    const oracle_positions source = {positions, mesh->vertex_count, mesh->indices, mesh->triangle_count};
+    uint32_t *indices = positions != NULL ? copy_kept_indices(&source, info) : NULL;
+    const oracle_positions kept = {positions, mesh->vertex_count, indices, mesh->triangle_count};
+    *out = (oracle_pairs){0};
+    const bool good = indices != NULL && oracle_exact_enumerate(&kept, &space, coverage, out);
+    free(indices);
+    free(positions);
+    return good;
+}
+
+bool input_check(const svo_mesh *mesh, const options *given, const svo_tree_info *info, const svo_tree_arrays *arrays,
+                 input_differences *found)
+{
+    oracle_pairs expected = {0};
+    oracle_pairs actual = {0};
+    uint64_t empty_leaf_count = 0;
+    *found = (input_differences){0};
+    const bool good = input_list_pairs(mesh, info, given->edge > 0.0, (oracle_coverage)info->coverage, &expected) &&
+                      tree_check_list_pairs(info, arrays, &actual, &empty_leaf_count);
+    if (good) {
+        oracle_compare(&expected, &actual, &found->difference);
+        found->expected_voxels = oracle_pairs_voxel_count(&expected);
+        found->expected_pairs = expected.count;
+    }
+    oracle_pairs_free(&expected);
+    oracle_pairs_free(&actual);
+    return good;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Compares a tree that has leaf lists with the exact reference of tools/lab/reference, which voxelizes its snapped
-   triangles again; and its grid and snapped vertices with those that the reference computes from the same mesh. */
+   triangles again; its grid and snapped vertices with those that the reference computes from the same mesh; and the
+   tree with the exact voxels of that mesh as it was given, which tells what snapping costs. */
 #ifndef SVOCL_TOOLS_MEASURE_TREE_CHECK_H
 #define SVOCL_TOOLS_MEASURE_TREE_CHECK_H
 
@@ -39,5 +40,21 @@ typedef struct snap_differences {
    if memory runs out. */
 bool snap_check(const svo_mesh *mesh, const options *given, const svo_tree_info *info, const svo_tree_arrays *arrays,
                 snap_differences *found);
+
+/* The exact pairs of the mesh as given on a tree's grid, sorted; triangles that are refused for being too far away are
+   left out. is_given: the grid is the caller's, whose edge is exact. Release them by oracle_pairs_free. Returns false
+   if memory runs out. */
+bool input_list_pairs(const svo_mesh *mesh, const svo_tree_info *info, bool is_given, oracle_coverage coverage,
+                      oracle_pairs *out);
+
+/* Differences from the exact voxels of the mesh as given, which need not be 0. */
+typedef struct input_differences {
+    oracle_difference difference;
+    uint64_t expected_voxels, expected_pairs;
+} input_differences;
+
+/* mesh, given: as for snap_check. Returns false under the same conditions as tree_check. */
+bool input_check(const svo_mesh *mesh, const options *given, const svo_tree_info *info, const svo_tree_arrays *arrays,
+                 input_differences *found);
 
 #endif

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The exact reference of meshes as they were given: which voxels a triangle covers when its vertices are exactly the
+ * doubles of the caller, and so are the numbers of the grid. oracle.h decides the same of snapped meshes.
+ *
+ * Again two unrelated methods: separating axes in integers (oracle_exact.c), and clipping in fractions
+ * (oracle_exact_clip.c). Numbers are of any size, by GMP, which ends the process when memory runs out.
+ *
+ * Thread-safety: no state; every function may run on several threads at once.
+ */
+#ifndef SVOCL_TOOLS_REFERENCE_ORACLE_EXACT_H
+#define SVOCL_TOOLS_REFERENCE_ORACLE_EXACT_H
+
+#include "oracle.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/*
+ * A grid of 2^depth voxels per axis. Plane i of an axis is where (v - origin) * scale = i * units / 2^depth, in real
+ * arithmetic. So the grid's edge is units / scale: scale is 1 where the edge is a double. All values are finite, units
+ * and scale above 0. depth: 0 .. ORACLE_DEPTH_MAX.
+ */
+typedef struct oracle_space {
+    double origin[3];
+    double units;
+    double scale;
+    unsigned depth;
+} oracle_space;
+
+/* Vertex, then axis; finite. Segments and points are triangles too. */
+typedef struct oracle_exact_triangle {
+    double vertices[3][3];
+} oracle_exact_triangle;
+
+/* Whether the closed triangle meets the voxel of the given cell, of any integers below 2^30. The two agree. */
+bool oracle_exact_touches(const oracle_exact_triangle *triangle, const oracle_space *space, const int32_t cell[3],
+                          oracle_coverage coverage);
+bool oracle_exact_clip_touches(const oracle_exact_triangle *triangle, const oracle_space *space, const int32_t cell[3],
+                               oracle_coverage coverage);
+
+/*
+ * Every (voxel, triangle) pair of the accepted triangles of a mesh, sorted; triangles are known by their index. Decides
+ * what doubles cannot get wrong in doubles, and the rest as oracle_exact_touches does. Returns false, with *out empty,
+ * if memory runs out or the space is out of range. Release the pairs by oracle_pairs_free.
+ */
+bool oracle_exact_enumerate(const oracle_positions *mesh, const oracle_space *space, oracle_coverage coverage,
+                            oracle_pairs *out);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
