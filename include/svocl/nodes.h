@@ -3,14 +3,15 @@
  * Nodes as places: sizes and corners of voxels, Morton codes, the leaf at a point, the box of a node. Kernels have the
  * same functions, see svo_tree_target.
  *
- * The grid is a cube of 2^snap_bits units along each axis, from origin on; a unit is 1 / scale wide. Its cells on level
- * l are 2^(snap_bits - l) units wide, and there are 2^l along each axis. A voxel is a cell on level depth.
+ * The grid is a cube of 2^snap_bits units along each axis, from origin on, and svo_tree_info.edge wide; a unit is
+ * 1 / scale wide. Its cells on level l are 2^(snap_bits - l) units wide, and there are 2^l along each axis. A voxel is a
+ * cell on level depth.
  *
- * On a grid of the caller's (svo_plan_options.edge) the 2^snap_bits units are svo_tree_info.edge wide. On a fitted grid
- * edge is the mesh's largest extent, which spans 2^snap_bits - 1 units: the vertex at the far end then lies on the last
- * unit and so in the last voxel, for a voxel does not hold its far faces. The whole fitted grid is therefore
- * edge * 2^snap_bits / (2^snap_bits - 1) wide, and a voxel up to a millionth wider than edge / 2^depth. With scale, as
- * these functions compute, neither case needs care.
+ * A fitted grid begins at the mesh's minimum corner. Its edge is the mesh's largest extent times 1 + 2^-20, rounded up
+ * to 24 significant bits: so the far end of the mesh lies inside, for a voxel does not hold its far faces, and the
+ * planes between voxels need few bits. The same origin and edge as a grid of the caller's (svo_plan_options.edge) give
+ * the same grid. In .svo files of fitted grids that svocl wrote before, edge is the extent, and spans 2^snap_bits - 1
+ * units; these functions compute with scale, which is right for both.
  *
  * Thread-safety: functions without a tree are pure. Several threads may call the others for one tree.
  */

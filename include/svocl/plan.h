@@ -129,8 +129,8 @@ typedef struct svo_plan_options {
     uint32_t payload_level;
     /** Minimum corner of the caller's grid [origin, origin + edge)^3; finite. Unused when edge is 0. */
     double origin[3];
-    /** Width of the caller's grid, finite and above 0; or 0 for a grid fitted to the accepted triangles. Triangles
-     *  outside occupy nothing. Vertices must lie less than 2^29 grid units away: 512 edges, 32 at depth 16. */
+    /** Width of the caller's grid, finite and above 0; or 0 for a grid fitted to the accepted triangles, see nodes.h.
+     *  Triangles outside occupy nothing. Vertices must lie less than 2^29 grid units away: 512 edges, 32 at depth 16. */
     double edge;
     /** Fragments the list has room for at first, at most 2^32 - 65537; 0: by the fragment estimate. svo_build grows it
      *  when it is too small. */
@@ -187,7 +187,7 @@ typedef struct svo_plan_info {
     uint64_t refused_triangles; /**< index out of range, not finite, or 2^29 units and more from the grid */
     uint64_t outside_triangles; /**< accepted, but with bounds that miss the caller's grid */
     double origin[3]; /**< minimum corner of the grid, world */
-    double edge; /**< width of the caller's grid, or largest extent of the mesh, world; see nodes.h */
+    double edge; /**< width of the grid, the caller's or fitted, world; see nodes.h */
     double scale; /**< grid units per world unit */
     double snap_error; /**< world: the largest |q / scale + origin - v| over the coordinates of accepted vertices */
     double expected_fragments; /**< the fragment estimate, without slack */

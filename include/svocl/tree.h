@@ -53,9 +53,7 @@ typedef struct svo_tree_info {
     uint32_t weights; /**< svo_weights of the payload */
     uint32_t payload_level; /**< first level with payload; payload arrays begin with that level's first node */
     double origin[3]; /**< minimum corner of the grid, world coordinates */
-    /** World units: the width of the caller's grid, or the largest extent of the mesh, which spans 2^snap_bits - 1 of a
-     *  fitted grid's units; nodes.h explains it. */
-    double edge;
+    double edge; /**< width of the grid, world units; nodes.h explains it */
     double scale; /**< grid units per world unit: q = rint((v - origin) * scale) */
     double snap_error; /**< world: the largest distance along an axis that snapping moved a vertex */
     uint64_t triangles; /**< of the mesh */

@@ -22,6 +22,8 @@
 #define UNITS_FAR (1 << 30)
 /* Largest bounding box, in grid units, for which edge functions fit 32 bits. */
 #define NARROW_UNITS (1 << 14)
+/* Significant bits of a fitted grid's edge. */
+#define EDGE_BITS 24
 /* Largest grid, as a power of two of its units, for which the overlap test fits 64 bits. */
 #define REGULAR_BITS 20u
 /* Triangles with this ratio of length to height are drawn by their bounds, because the corners of the expanded triangle
@@ -83,11 +85,13 @@ static uint64_t mark_vertices(const svo_mesh *mesh, uint8_t *flags)
     return refused;
 }
 
-/* x / y rounded toward zero, for positive x and y. */
-static double divide_toward_zero(double x, double y)
+/* The edge of the grid around an extent: a little above, so that the vertex at the far end lies inside and not on the
+   grid's far face, in few bits, so that the planes between voxels are exact doubles. */
+static double fit_edge(double extent)
 {
-    const double quotient = x / y;
-    return fma(quotient, y, -x) > 0.0 ? nextafter(quotient, 0.0) : quotient;
+    int exponent = 0;
+    const double edge = frexp(extent * (1.0 + 0x1p-20), &exponent);
+    return ldexp(ceil(ldexp(edge, EDGE_BITS)), exponent - EDGE_BITS);
 }
 
 static svo_i_bounds find_bounds(const svo_mesh *mesh, const uint8_t *flags)
@@ -116,8 +120,7 @@ static void fit_grid(svo_plan *plan, const svo_i_bounds *bounds)
         plan->info.origin[axis] = bounds->any ? bounds->low[axis] + 0.0 : 0.0;
         edge = width > edge ? width : edge;
     }
-    plan->info.edge = edge > 0.0 ? edge : 1.0;
-    plan->info.scale = divide_toward_zero((double)((1u << plan->info.snap_bits) - 1u), plan->info.edge);
+    plan->info.edge = edge > 0.0 ? fit_edge(edge) : 1.0;
 }
 
 /* Sets the grid of a part. */
@@ -143,9 +146,11 @@ svo_status svo_i_plan_make_grid(svo_plan *plan, const svo_i_bounds *bounds)
             plan->info.origin[axis] = plan->options.origin[axis] + 0.0;
         }
         plan->info.edge = plan->options.edge;
-        plan->info.scale = (double)(1u << plan->info.snap_bits) / plan->info.edge;
     } else {
         fit_grid(plan, bounds);
+    }
+    if (!svo_i_plan_is_part(plan)) {
+        plan->info.scale = (double)(1u << plan->info.snap_bits) / plan->info.edge;
     }
     if (!isfinite(plan->info.edge) || !isfinite(plan->info.scale) || plan->info.scale <= 0.0) {
         return svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT,

@@ -373,7 +373,7 @@ static bool is_unit_grid(const svo_tree_info *info)
     return whole;
 }
 
-/* The width of a leaf. On a grid of the caller's it follows from edge, without the rounding of scale. */
+/* The width of a leaf. It follows from edge, without the rounding of scale, but in older files (nodes.h). */
 static double leaf_edge(const svo_tree_info *info)
 {
     const double units = ldexp(1.0, (int)info->snap_bits);

@@ -182,17 +182,36 @@ static void check_directions(const fixture *opened, const char *what, const buil
     }
 }
 
+/* Origins at 0 and 1 lie on the mesh's bounds, but for rounding. */
+static double largest_extent(const svo_mesh *mesh)
+{
+    double extent = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        double low = INFINITY;
+        double high = -INFINITY;
+        for (size_t v = 0; v < mesh->vertex_count; ++v) {
+            const size_t i = v * 3 + (size_t)axis;
+            const double x = mesh->positions != NULL ? (double)mesh->positions[i] : mesh->positions_double[i];
+            low = fmin(low, x);
+            high = fmax(high, x);
+        }
+        extent = fmax(extent, high - low);
+    }
+    return extent;
+}
+
 static void check_origins(const fixture *opened, const char *name, const svo_mesh *mesh, unsigned depth)
 {
     static const double places[][3] = {
         {0.5, 0.5, 0.5},   {0.3125, 0.25, 0.75}, {0, 0.5, 0.5}, {0, 0, 0.5},  {0, 0, 0},           {1, 1, 1},
         {-0.25, 0.5, 0.5}, {1.5, 1.25, -0.5},    {0.5, 0.5, 5}, {-40, 17, 3}, {0.1, 0.7, 0.30001}, {0.5, 0, 0.5}};
+    const double extent = largest_extent(mesh);
     built tree;
     build_for_rays(opened, mesh, depth, NULL, 0, &tree);
     for (size_t i = 0; i < sizeof places / sizeof places[0]; ++i) {
         double origin[3];
         for (int axis = 0; axis < 3; ++axis) {
-            origin[axis] = tree.info.origin[axis] + tree.info.edge * places[i][axis];
+            origin[axis] = tree.info.origin[axis] + extent * places[i][axis];
         }
         check_directions(opened, name, &tree, origin);
     }

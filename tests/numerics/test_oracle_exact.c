@@ -50,24 +50,20 @@ static double uniform(void)
 
 /* ---- grids and triangles ---- */
 
-/* Grids without their depth: fitted ones have a scale, callers' ones an edge. */
+/* Grids without their depth. */
 static const oracle_space spaces[] = {
-    {{0.0, 0.0, 0.0}, 1.0, 1.0, 0},
-    {{0.1, -0.2, 0.3}, 0.7, 1.0, 0},
-    {{-1.0, 1.5, 0.0}, 3.0, 1.0, 0},
-    {{0.0, 1.0 / 3.0, -1.0 / 7.0}, 1.0 / 3.0, 1.0, 0},
-    {{1e6, -1e6, 1e6}, 1.0, 1.0, 0},
-    {{-0.81, -0.5, 0.25}, 1048576.0, 647269.7, 0},
-    {{0.0, 0.0, 0.0}, 1048576.0, 1048575.0, 0},
-    {{-1e-40, 0.0, 1e-40}, 1e-38, 1.0, 0},
-    {{0.0, -1e300, 1e300}, 1e301, 1.0, 0},
+    {{0.0, 0.0, 0.0}, 1.0, 0},          {{0.1, -0.2, 0.3}, 0.7, 0},
+    {{-1.0, 1.5, 0.0}, 3.0, 0},         {{0.0, 1.0 / 3.0, -1.0 / 7.0}, 1.0 / 3.0, 0},
+    {{1e6, -1e6, 1e6}, 1.0, 0},         {{-0.81, -0.5, 0.25}, 1.62, 0},
+    {{0.0, 0.0, 0.0}, 0x1.000012p0, 0}, {{-1e-40, 0.0, 1e-40}, 1e-38, 0},
+    {{0.0, -1e300, 1e300}, 1e301, 0},
 };
 #define SPACE_COUNT (sizeof spaces / sizeof spaces[0])
 
 /* The double next to plane `at` of an axis; between planes for values with a fraction. */
 static double position_at(const oracle_space *space, int axis, double at)
 {
-    return space->origin[axis] + at * (space->units / space->scale / ldexp(1.0, (int)space->depth));
+    return space->origin[axis] + at * (space->edge / ldexp(1.0, (int)space->depth));
 }
 
 /* So many ulps up, or down. */
@@ -185,8 +181,8 @@ static void print_sample(const sample *s, const int32_t cell[3])
     for (int i = 0; i < 9; ++i) {
         print_error(" %a", s->triangle.vertices[i / 3][i % 3]);
     }
-    print_error(", origin %a %a %a units %a scale %a depth %u, cell %d %d %d\n", s->space.origin[0], s->space.origin[1],
-                s->space.origin[2], s->space.units, s->space.scale, s->space.depth, cell[0], cell[1], cell[2]);
+    print_error(", origin %a %a %a edge %a depth %u, cell %d %d %d\n", s->space.origin[0], s->space.origin[1],
+                s->space.origin[2], s->space.edge, s->space.depth, cell[0], cell[1], cell[2]);
 }
 
 static bool is_listed(const oracle_pairs *pairs, uint64_t code)
@@ -340,7 +336,7 @@ static void points_lie_on_their_side_of_planes(void **state)
     unsigned below = 0;
     (void)state;
     for (size_t e = 0; e < sizeof edges / sizeof edges[0]; ++e) {
-        const oracle_space space = {{0.0, 0.0, 0.0}, edges[e], 1.0, 9};
+        const oracle_space space = {{0.0, 0.0, 0.0}, edges[e], 9};
         for (int plane = 1; plane < 512; ++plane) {
             const double product = plane * edges[e];
             const double remainder = fma(plane, edges[e], -product); /* plane's real place minus the double's */
@@ -355,11 +351,11 @@ static void points_lie_on_their_side_of_planes(void **state)
     assert_true(below > 300);
 }
 
-/* A fitted grid ends a step behind the mesh. */
-static void a_scale_places_planes(void **state)
+/* A fitted grid ends behind the mesh. */
+static void fitted_grids_place_planes(void **state)
 {
-    const oracle_space space = {{0.0, 0.0, 0.0}, 1048576.0, 1048575.0, 10};
-    const double middle = 0.5 * 1048576.0 / 1048575.0;
+    const oracle_space space = {{0.0, 0.0, 0.0}, 0x1.000012p0, 10};
+    const double middle = 0.5 * 0x1.000012p0;
     (void)state;
     assert_int_equal(cell_of_point(&space, 1.0), 1023);
     assert_int_equal(cell_of_point(&space, moved(middle, -1)), 511);
@@ -376,7 +372,7 @@ static void assert_same_pairs(const oracle_pairs *expected, const oracle_pairs *
 
 #define MESH_TRIANGLES 60
 
-/* A mesh of integers is its own snapped mesh, in any origin, units and scale whose products are exact. */
+/* A mesh of integers is its own snapped mesh, in any origin and edge whose products are exact. */
 static void integers_are_their_own_snapped_mesh(void **state)
 {
     int32_t vertices[MESH_TRIANGLES * 9];
@@ -388,9 +384,7 @@ static void integers_are_their_own_snapped_mesh(void **state)
     for (int round = 0; round < 24; ++round) {
         const unsigned depth = (unsigned)between(3, 6);
         const double step = ldexp(1.0, between(-30, 5)); /* of the grid in the positions */
-        const bool has_scale = between(0, 1) == 1;
-        const oracle_space space = {
-            {step * 3.0, step * -5.0, 0.0}, has_scale ? 256.0 : 256.0 * step, has_scale ? 1.0 / step : 1.0, depth};
+        const oracle_space space = {{step * 3.0, step * -5.0, 0.0}, 256.0 * step, depth};
         for (int i = 0; i < MESH_TRIANGLES * 9; ++i) {
             const int base = i % 9 < 3 || round % 2 == 0 ? between(-40, 300) : vertices[i - 3];
             vertices[i] = base + between(-9, 9);
@@ -418,7 +412,7 @@ static void what_is_no_triangle_is_left_out(void **state)
     static const double positions[] = {0.1, 0.1, 0.1, 0.2, 0.1, 0.1, 0.1, 0.2, 0.1, 0.3, (double)NAN, 0.3};
     static const uint32_t indices[] = {0, 1, 3, 0, 1, 4, 0, 1, 2};
     const oracle_positions mesh = {positions, 4, indices, 3};
-    oracle_space space = {{0.0, 0.0, 0.0}, 1.0, 1.0, 1};
+    oracle_space space = {{0.0, 0.0, 0.0}, 1.0, 1};
     oracle_pairs pairs;
     (void)state;
     assert_true(oracle_exact_enumerate(&mesh, &space, ORACLE_HALF_OPEN, &pairs));
@@ -428,9 +422,9 @@ static void what_is_no_triangle_is_left_out(void **state)
     oracle_pairs_free(&pairs);
     space.depth = ORACLE_DEPTH_MAX + 1;
     assert_false(oracle_exact_enumerate(&mesh, &space, ORACLE_HALF_OPEN, &pairs));
-    space = (oracle_space){{0.0, (double)INFINITY, 0.0}, 1.0, 1.0, 1};
+    space = (oracle_space){{0.0, (double)INFINITY, 0.0}, 1.0, 1};
     assert_false(oracle_exact_enumerate(&mesh, &space, ORACLE_HALF_OPEN, &pairs));
-    space = (oracle_space){{0.0, 0.0, 0.0}, 0.0, 1.0, 1};
+    space = (oracle_space){{0.0, 0.0, 0.0}, 0.0, 1};
     assert_false(oracle_exact_enumerate(&mesh, &space, ORACLE_HALF_OPEN, &pairs));
     assert_null(pairs.pairs);
 }
@@ -448,7 +442,7 @@ TEST_GROUP(oracle_exact)
         cmocka_unit_test(methods_agree_plain),
         cmocka_unit_test(lists_are_complete),
         cmocka_unit_test(points_lie_on_their_side_of_planes),
-        cmocka_unit_test(a_scale_places_planes),
+        cmocka_unit_test(fitted_grids_place_planes),
         cmocka_unit_test(integers_are_their_own_snapped_mesh),
         cmocka_unit_test(what_is_no_triangle_is_left_out),
     };

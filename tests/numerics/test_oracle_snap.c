@@ -111,23 +111,29 @@ static void limit_is_two_to_the_29(void **state)
     assert_int_equal(snapped[1], 1 - (1 << 29));
 }
 
-/* scale is the largest double whose product with edge, taken exactly, does not exceed 2^G - 1; fma tells the sign. */
-static void default_scale_is_rounded_toward_zero(void **state)
+/* Of 24 bits, and above the extent by a millionth, rounded up; scale is the double nearest to 2^G / edge. */
+static void default_edge_is_above_the_extent(void **state)
 {
     uint64_t seed = 78;
 
     (void)state;
     print_message("seed %llu\n", (unsigned long long)seed);
     for (int i = 0; i < 100000; i++) {
-        double positions[9] = {0};
+        double positions[9] = {0}, extent = 0, step;
         const oracle_positions mesh = {positions, 3, NULL, 1};
         oracle_grid grid;
 
         for (int j = 0; j < 9; j++)
             positions[j] = random_double(&seed, i % 2 ? 2 : 200);
         assert_true(oracle_grid_fit(&mesh, SNAP_BITS, &grid));
-        assert_true(fma(grid.scale, grid.edge, -1048575.0) <= 0);
-        assert_true(fma(nextafter(grid.scale, INFINITY), grid.edge, -1048575.0) > 0);
+        for (int k = 0; k < 3; k++)
+            extent = fmax(extent, fmax(fmax(positions[k], positions[3 + k]), positions[6 + k]) -
+                                      fmin(fmin(positions[k], positions[3 + k]), positions[6 + k]));
+        step = ldexp(1, ilogb(grid.edge) - 23);
+        assert_true(fmod(grid.edge, step) == 0);
+        assert_true(grid.edge - extent >= extent * 0x1p-20);
+        assert_true(grid.edge - step - extent < extent * 0x1p-20);
+        assert_true(grid.scale == 0x1p20 / grid.edge);
     }
 }
 
@@ -152,7 +158,7 @@ static void default_grid_is_the_bounds_cube(void **state)
             assert_true(grid.origin[k] == low);
             edge = fmax(edge, high - low);
         }
-        assert_true(grid.edge == edge);
+        assert_true(grid.edge > edge && grid.edge < edge * 1.000002);
         for (int j = 0; j < 3; j++) {
             int32_t snapped[3];
 
@@ -197,7 +203,7 @@ static void default_grid_covers_accepted_triangles_only(void **state)
         assert_int_equal(oracle_triangle_accepted(&mesh, t, vertex_indices), t == 2);
     assert_true(oracle_grid_fit(&mesh, SNAP_BITS, &grid));
     assert_true(grid.origin[0] == 0 && grid.origin[1] == 0 && grid.origin[2] == 0);
-    assert_true(grid.edge == 8);
+    assert_true(grid.edge == 0x800008p-20);
     assert_false(oracle_grid_fit(&none, SNAP_BITS, &grid));
 }
 
@@ -210,7 +216,7 @@ static void one_point_has_edge_one(void **state)
 
     (void)state;
     assert_true(oracle_grid_fit(&mesh, SNAP_BITS, &grid));
-    assert_true(grid.edge == 1 && grid.scale == 1048575);
+    assert_true(grid.edge == 1 && grid.scale == 0x1p20);
     assert_true(oracle_snap(&grid, positions, snapped));
     assert_int_equal(snapped[0] | snapped[1] | snapped[2], 0);
 }
@@ -221,7 +227,7 @@ TEST_GROUP(oracle_snap)
         cmocka_unit_test(snap_equals_the_definition_in_doubles),
         cmocka_unit_test(ties_go_to_even),
         cmocka_unit_test(limit_is_two_to_the_29),
-        cmocka_unit_test(default_scale_is_rounded_toward_zero),
+        cmocka_unit_test(default_edge_is_above_the_extent),
         cmocka_unit_test(default_grid_is_the_bounds_cube),
         cmocka_unit_test(integer_meshes_do_not_change_when_snapped),
         cmocka_unit_test(default_grid_covers_accepted_triangles_only),

@@ -391,9 +391,9 @@ static const gpu_work full_work = {
     .verified = {{.scene = "scene:knot:20000", .depth = "9"},
                  {.scene = "scene:needles:2000", .depth = "8"},
                  {.scene = "scene:dust:20000", .depth = "7"}},
-    .built = {{"scene:cube", "8", "area", "91379db20923711cd023e72f17a1221f"},
-              {"scene:statue", "9", "area", "58d21deb2ee726acae301fd7b09f2208"},
-              {"scene:atrium", "10", "area", "4b180471a013d21348ed8e086f660a4b"}},
+    .built = {{"scene:cube", "8", "area", "7295631d4d00a47cabcc682ae5f774ef"},
+              {"scene:statue", "9", "area", "f680d73963f373d2edb177c79c0060bd"},
+              {"scene:atrium", "10", "area", "5b18de9a2d487628261c38e04de78402"}},
     .traced = {{.scene = "scene:statue", .depth = "8"}, {.scene = "scene:atrium", .depth = "8"}},
     .stress_count = "32",
     .repeats = REPEATS,
@@ -401,8 +401,8 @@ static const gpu_work full_work = {
 };
 static const gpu_work quick_work = {
     .verified = {{.scene = "scene:knot:2000", .depth = "6"}},
-    .built = {{"scene:cube", "5", "uniform", "42c42f9426a397a7191277559135ac97"},
-              {"scene:knot:8000", "7", "uniform", "ed94caadd565d534b230bff73c0da38a"}},
+    .built = {{"scene:cube", "5", "uniform", "c1c19ca5fd62323eb37ae196b20d39e1"},
+              {"scene:knot:8000", "7", "uniform", "eb426812dfd5c4891b33b7613b9235b7"}},
     .traced = {{.scene = "scene:knot:8000", .depth = "6"}},
     .stress_count = "0",
     .repeats = QUICK_REPEATS,

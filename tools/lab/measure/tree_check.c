@@ -183,15 +183,6 @@ bool snap_check(const svo_mesh *mesh, const options *given, const svo_tree_info 
 
 /* ---- the mesh as given ---- */
 
-/* The grid's planes in real arithmetic: of the caller's edge, or of the steps that a fitted grid has. */
-static oracle_space space_of(const svo_tree_info *info, bool is_given)
-{
-    return (oracle_space){.origin = {info->origin[0], info->origin[1], info->origin[2]},
-                          .units = is_given ? info->edge : ldexp(1.0, (int)info->snap_bits),
-                          .scale = is_given ? 1.0 : info->scale,
-                          .depth = info->depth};
-}
-
 /* Whether the reference refuses a triangle. Snapping takes long, so that only distant ones are snapped. */
 static bool is_refused(const oracle_positions *mesh, const oracle_grid *grid, size_t triangle)
 {
@@ -220,10 +211,9 @@ static uint32_t *copy_kept_indices(const oracle_positions *mesh, const svo_tree_
     return indices;
 }
 
-bool input_list_pairs(const svo_mesh *mesh, const svo_tree_info *info, bool is_given, oracle_coverage coverage,
-                      oracle_pairs *out)
+bool input_list_pairs(const svo_mesh *mesh, const svo_tree_info *info, oracle_coverage coverage, oracle_pairs *out)
 {
-    const oracle_space space = space_of(info, is_given);
+    const oracle_space space = {{info->origin[0], info->origin[1], info->origin[2]}, info->edge, info->depth};
     double *positions = copy_positions(mesh);
     const oracle_positions source = {positions, mesh->vertex_count, mesh->indices, mesh->triangle_count};
     uint32_t *indices = positions != NULL ? copy_kept_indices(&source, info) : NULL;
@@ -235,14 +225,14 @@ bool input_list_pairs(const svo_mesh *mesh, const svo_tree_info *info, bool is_g
     return good;
 }
 
-bool input_check(const svo_mesh *mesh, const options *given, const svo_tree_info *info, const svo_tree_arrays *arrays,
+bool input_check(const svo_mesh *mesh, const svo_tree_info *info, const svo_tree_arrays *arrays,
                  input_differences *found)
 {
     oracle_pairs expected = {0};
     oracle_pairs actual = {0};
     uint64_t empty_leaf_count = 0;
     *found = (input_differences){0};
-    const bool good = input_list_pairs(mesh, info, given->edge > 0.0, (oracle_coverage)info->coverage, &expected) &&
+    const bool good = input_list_pairs(mesh, info, (oracle_coverage)info->coverage, &expected) &&
                       tree_check_list_pairs(info, arrays, &actual, &empty_leaf_count);
     if (good) {
         oracle_compare(&expected, &actual, &found->difference);

@@ -42,10 +42,8 @@ bool snap_check(const svo_mesh *mesh, const options *given, const svo_tree_info 
                 snap_differences *found);
 
 /* The exact pairs of the mesh as given on a tree's grid, sorted; triangles that are refused for being too far away are
-   left out. is_given: the grid is the caller's, whose edge is exact. Release them by oracle_pairs_free. Returns false
-   if memory runs out. */
-bool input_list_pairs(const svo_mesh *mesh, const svo_tree_info *info, bool is_given, oracle_coverage coverage,
-                      oracle_pairs *out);
+   left out. Release them by oracle_pairs_free. Returns false if memory runs out. */
+bool input_list_pairs(const svo_mesh *mesh, const svo_tree_info *info, oracle_coverage coverage, oracle_pairs *out);
 
 /* Differences from the exact voxels of the mesh as given, which need not be 0. */
 typedef struct input_differences {
@@ -53,8 +51,8 @@ typedef struct input_differences {
     uint64_t expected_voxels, expected_pairs;
 } input_differences;
 
-/* mesh, given: as for snap_check. Returns false under the same conditions as tree_check. */
-bool input_check(const svo_mesh *mesh, const options *given, const svo_tree_info *info, const svo_tree_arrays *arrays,
+/* Returns false under the same conditions as tree_check. */
+bool input_check(const svo_mesh *mesh, const svo_tree_info *info, const svo_tree_arrays *arrays,
                  input_differences *found);
 
 #endif

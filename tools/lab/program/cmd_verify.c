@@ -410,7 +410,7 @@ static int verify(program *state, const svo_tree *tree, const job *done)
     }
     if (done != NULL) {
         progress_step(state->progress, "comparing voxels with the mesh as given");
-        if (!input_check(done->source.mesh, &state->options, &info, &arrays, &found.input)) {
+        if (!input_check(done->source.mesh, &info, &arrays, &found.input)) {
             return program_fail(state, PROGRAM_FAILED, "%s: the comparison with the mesh ran out of memory",
                                 state->options.input);
         }

@@ -20,7 +20,7 @@
 #define EXACT_CELL_MAX (INT64_C(1) << 40)
 
 typedef struct exact_triangle {
-    mpz_t vertices[3][3]; /* (v - origin) * scale, in units of a power of two */
+    mpz_t vertices[3][3]; /* v - origin, in units of a power of two */
     mpz_t edges[3][3];
     mpz_t normal[3];
     mpz_t width; /* of a voxel, in the same units */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * First reference of meshes as given: the separating axis test over 13 axes, as in oracle_sat.c and oracle_thin.c, on
- * integers of any size. Doubles are integers times powers of two, so that vertices and planes, multiplied by the
- * space's scale, are integers in units of one power of two.
+ * integers of any size. Doubles are integers times powers of two, so that vertices and planes are integers in units of
+ * one power of two.
  */
 #include "exact_axes.h"
 
@@ -19,18 +19,13 @@ static int exponent_of(double value)
     return value == 0.0 ? INT_MAX : exponent - SIGNIFICAND_BITS;
 }
 
-static void set_significand(mpz_t out, double value)
-{
-    int exponent;
-    mpz_set_d(out, ldexp(frexp(value, &exponent), SIGNIFICAND_BITS));
-}
-
 /* value in units of 2^least */
 static void set_value(mpz_t out, double value, int least)
 {
-    set_significand(out, value);
+    int exponent;
+    mpz_set_d(out, ldexp(frexp(value, &exponent), SIGNIFICAND_BITS));
     if (value != 0.0) {
-        mpz_mul_2exp(out, out, (mp_bitcnt_t)(exponent_of(value) - least));
+        mpz_mul_2exp(out, out, (mp_bitcnt_t)(exponent - SIGNIFICAND_BITS - least));
     }
 }
 
@@ -78,10 +73,10 @@ static int least_of(int a, int b)
     return a < b ? a : b;
 }
 
-/* The exponent of the common unit of vertices and origin; that of the width, less the scale's, if it is smaller. */
+/* The exponent of the common unit of vertices, origin and width. */
 static int common_exponent(const oracle_exact_triangle *triangle, const oracle_space *space)
 {
-    int least = exponent_of(space->units) - (int)space->depth - exponent_of(space->scale);
+    int least = exponent_of(space->edge) - (int)space->depth;
     for (int i = 0; i < 9; ++i) {
         least = least_of(least, exponent_of(triangle->vertices[i / 3][i % 3]));
         least = least_of(least, exponent_of(space->origin[i % 3]));
@@ -97,10 +92,8 @@ void exact_triangle_set(exact_triangle *exact, const oracle_exact_triangle *tria
         set_value(out, triangle->vertices[i / 3][i % 3], least);
         set_value(exact->value, space->origin[i % 3], least);
         mpz_sub(out, out, exact->value);
-        set_significand(exact->value, space->scale);
-        mpz_mul(out, out, exact->value);
     }
-    set_value(exact->width, space->units, least + exponent_of(space->scale) + (int)space->depth);
+    set_value(exact->width, space->edge, least + (int)space->depth);
     for (int i = 0; i < 3; ++i) {
         for (int k = 0; k < 3; ++k) {
             mpz_sub(exact->edges[i][k], exact->vertices[(i + 1) % 3][k], exact->vertices[i][k]);

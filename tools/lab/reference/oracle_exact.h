@@ -18,14 +18,12 @@ extern "C" {
 #endif
 
 /*
- * A grid of 2^depth voxels per axis. Plane i of an axis is where (v - origin) * scale = i * units / 2^depth, in real
- * arithmetic. So the grid's edge is units / scale: scale is 1 where the edge is a double. All values are finite, units
- * and scale above 0. depth: 0 .. ORACLE_DEPTH_MAX.
+ * A grid of 2^depth voxels per axis. Plane i of an axis is where v - origin = i * edge / 2^depth, in real arithmetic.
+ * All values are finite, edge above 0. depth: 0 .. ORACLE_DEPTH_MAX.
  */
 typedef struct oracle_space {
     double origin[3];
-    double units;
-    double scale;
+    double edge;
     unsigned depth;
 } oracle_space;
 

@@ -33,21 +33,19 @@ static void polygon_clear(polygon *p)
     }
 }
 
-/* The triangle in the space's scaled numbers, moved so that the cell's corner is 0; and the voxel's width. */
+/* The triangle, moved so that the cell's corner is 0; and the voxel's width. */
 static void polygon_set(polygon *p, const oracle_exact_triangle *triangle, const oracle_space *space,
                         const int32_t cell[3], mpq_t width)
 {
     mpq_t value;
     mpq_init(value);
-    mpq_set_d(width, space->units);
+    mpq_set_d(width, space->edge);
     mpq_div_2exp(width, width, space->depth);
     for (int i = 0; i < 9; ++i) {
         mpq_ptr out = p->corners[i / 3][i % 3];
         mpq_set_d(out, triangle->vertices[i / 3][i % 3]);
         mpq_set_d(value, space->origin[i % 3]);
         mpq_sub(out, out, value);
-        mpq_set_d(value, space->scale);
-        mpq_mul(out, out, value);
         mpq_set_si(value, cell[i % 3], 1);
         mpq_mul(value, value, width);
         mpq_sub(out, out, value);

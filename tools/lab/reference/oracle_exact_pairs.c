@@ -4,8 +4,8 @@
  * is measured in doubles first, in voxels from a cell near the triangle, and its answer is taken where the distance is
  * larger than the bound of the error below; else the axis is decided in integers.
  *
- * The bound. Let u = DBL_EPSILON / 2. A coordinate t = (v - origin) * r with r = scale * 2^depth / units is rounded
- * three times, which errs by less than 4 u |t|. From the cell at the base it errs by d <= 4 u T + u L, where T is the
+ * The bound. Let u = DBL_EPSILON / 2. A coordinate t = (v - origin) * r with r = 2^depth / edge is rounded three
+ * times, which errs by less than 4 u |t|. From the cell at the base it errs by d <= 4 u T + u L, where T is the
  * largest |t|, and L >= 1 the largest coordinate from there, of vertices and boxes both. So an edge errs by 2 d + 4 u
  * L, and has components of at most 2 L. A projection on an edge crossed with an axis has two products, one on the
  * normal three of components below 8 L^2. Summed over the three terms of a comparison that is at most 32 d L + 64 u
@@ -332,19 +332,18 @@ static bool add_triangle(walker *walk)
 
 static bool is_in_range(const oracle_space *space)
 {
-    bool good = isfinite(space->units) && isfinite(space->scale) && space->units > 0.0 && space->scale > 0.0;
+    bool good = isfinite(space->edge) && space->edge > 0.0;
     for (int k = 0; k < 3; ++k) {
         good = good && isfinite(space->origin[k]);
     }
     return good && space->depth <= ORACLE_DEPTH_MAX;
 }
 
-/* Two roundings at most, or 0: out of the range of normal doubles. */
+/* One rounding, or 0: out of the range of normal doubles. */
 static double rate_of(const oracle_space *space)
 {
-    const double scaled = ldexp(space->scale, (int)space->depth);
-    const double rate = scaled / space->units;
-    return space->scale >= DBL_MIN && isfinite(scaled) && isnormal(rate) ? rate : 0.0;
+    const double rate = ldexp(1.0, (int)space->depth) / space->edge;
+    return isnormal(rate) ? rate : 0.0;
 }
 
 bool oracle_exact_enumerate(const oracle_positions *mesh, const oracle_space *space, oracle_coverage coverage,

@@ -93,21 +93,29 @@ static double subtract_double(double a, double b)
     return number_to_double(subtract(a, b));
 }
 
-/* count / edge as a double: rounded toward zero, or to the nearest. count and edge are above 0. */
-static double divide(int64_t count, double edge, bool toward_zero)
+/* 2^bits / edge, rounded to double. */
+static double divide(unsigned bits, double edge)
 {
     number divisor = number_of(edge);
-    int shift = 125 - bit_count(count); /* so that the quotient has more bits than a double */
-    wide dividend = (wide)count << shift, quotient = dividend / divisor.value;
-    int exponent = -shift - divisor.exponent, excess;
+    wide dividend = (wide)1 << 124, quotient = dividend / divisor.value;
 
-    if (!toward_zero) {
-        /* A last bit that says "and a little more" settles what would look like a tie. */
-        quotient = quotient << 1 | (quotient * divisor.value != dividend);
-        return number_to_double(round_to_double((number){quotient, exponent - 1}));
-    }
-    excess = bit_count(quotient) - SIGNIFICAND_BITS;
-    return number_to_double((number){quotient >> excess, exponent + excess});
+    /* A last bit that says "and a little more" settles what would look like a tie. */
+    quotient = quotient << 1 | (quotient * divisor.value != dividend);
+    return number_to_double(round_to_double((number){quotient, (int)bits - 125 - divisor.exponent}));
+}
+
+/* extent * (1 + 2^-20), rounded to double, then up to 24 significant bits. */
+static double edge_around(double extent)
+{
+    number x = number_of(extent), product, edge;
+    int excess;
+
+    product = round_to_double((number){x.value * ((1 << 20) + 1), x.exponent - 20});
+    excess = bit_count(product.value) - 24;
+    edge = (number){product.value >> excess, product.exponent + excess};
+    if (edge.value << excess != product.value)
+        edge.value++;
+    return number_to_double(edge);
 }
 
 static bool is_positive_normal(double value)
@@ -153,9 +161,22 @@ static bool accepted_bounds(const oracle_positions *mesh, double low[3], double 
     return !is_first;
 }
 
+bool oracle_grid_given(const double origin[3], double edge, unsigned snap_bits, oracle_grid *grid)
+{
+    double scale;
+
+    if (!is_positive_normal(edge) || !isfinite(origin[0]) || !isfinite(origin[1]) || !isfinite(origin[2]))
+        return false;
+    scale = divide(snap_bits, edge);
+    if (!is_positive_normal(scale))
+        return false;
+    *grid = (oracle_grid){{origin[0], origin[1], origin[2]}, edge, scale, snap_bits};
+    return true;
+}
+
 bool oracle_grid_fit(const oracle_positions *mesh, unsigned snap_bits, oracle_grid *grid)
 {
-    double low[3], high[3], edge = 0, scale;
+    double low[3], high[3], edge = 0;
 
     if (!accepted_bounds(mesh, low, high))
         return false;
@@ -164,28 +185,7 @@ bool oracle_grid_fit(const oracle_positions *mesh, unsigned snap_bits, oracle_gr
 
         edge = extent > edge ? extent : edge;
     }
-    if (edge == 0)
-        edge = 1;
-    if (!is_positive_normal(edge))
-        return false;
-    scale = divide(((int64_t)1 << snap_bits) - 1, edge, true);
-    if (!is_positive_normal(scale))
-        return false;
-    *grid = (oracle_grid){{low[0], low[1], low[2]}, edge, scale, snap_bits};
-    return true;
-}
-
-bool oracle_grid_given(const double origin[3], double edge, unsigned snap_bits, oracle_grid *grid)
-{
-    double scale;
-
-    if (!is_positive_normal(edge) || !isfinite(origin[0]) || !isfinite(origin[1]) || !isfinite(origin[2]))
-        return false;
-    scale = divide((int64_t)1 << snap_bits, edge, false);
-    if (!is_positive_normal(scale))
-        return false;
-    *grid = (oracle_grid){{origin[0], origin[1], origin[2]}, edge, scale, snap_bits};
-    return true;
+    return oracle_grid_given(low, edge == 0 ? 1 : edge_around(edge), snap_bits, grid);
 }
 
 bool oracle_snap(const oracle_grid *grid, const double position[3], int32_t snapped[3])

@@ -62,7 +62,7 @@ static void shape_at_origin(stress *run, triangle_shape shape)
     }
     stress_end(run, &one);
     if (has_tree) {
-        stress_float_methods(run, one.name, &made.mesh, &own_grid, &built);
+        stress_float_methods(run, one.name, &made.mesh, &built);
         stress_tree_free(&built);
     }
     triangle_set_free(&made);
@@ -85,7 +85,7 @@ static void shape_at_offset(stress *run, triangle_shape shape, double offset, bo
         stress_compare(&made.mesh, &plan_options, &built, &one);
         stress_end(run, &one);
         if (with_float_methods) {
-            stress_float_methods(run, one.name, &made.mesh, &plan_options, &built);
+            stress_float_methods(run, one.name, &made.mesh, &built);
         }
         stress_tree_free(&built);
     } else {

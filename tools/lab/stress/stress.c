@@ -148,7 +148,7 @@ void stress_check(stress *run, const svo_mesh *mesh, unsigned depth, const svo_p
 }
 
 static void float_case(stress *run, float_method method, const char *what, const svo_mesh *mesh,
-                       const svo_plan_options *given, const stress_tree *built)
+                       const stress_tree *built)
 {
     stress_case one = stress_begin("%s", what);
     oracle_pairs expected = {0};
@@ -158,7 +158,7 @@ static void float_case(stress *run, float_method method, const char *what, const
     const double started_ms = input_now_ms();
     bool good = float_method_run(method, &built->info, &built->arrays, &actual);
     one.ms = input_now_ms() - started_ms;
-    good = good && input_list_pairs(mesh, &built->info, given->edge > 0.0, float_method_coverage(method), &expected);
+    good = good && input_list_pairs(mesh, &built->info, float_method_coverage(method), &expected);
     if (good) {
         oracle_difference difference;
         oracle_compare(&expected, &actual, &difference);
@@ -173,10 +173,9 @@ static void float_case(stress *run, float_method method, const char *what, const
     oracle_pairs_free(&actual);
 }
 
-void stress_float_methods(stress *run, const char *what, const svo_mesh *mesh, const svo_plan_options *given,
-                          const stress_tree *built)
+void stress_float_methods(stress *run, const char *what, const svo_mesh *mesh, const stress_tree *built)
 {
     for (int method = 0; method < FLOAT_METHOD_COUNT; ++method) {
-        float_case(run, (float_method)method, what, mesh, given, built);
+        float_case(run, (float_method)method, what, mesh, built);
     }
 }

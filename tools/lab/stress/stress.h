@@ -68,7 +68,6 @@ void stress_check(stress *run, const svo_mesh *mesh, unsigned depth, const svo_p
 
 /* Runs the float32 methods on the triangles of a tree, one case each, and compares them with the exact voxels of its
    mesh. what: the name of the case. */
-void stress_float_methods(stress *run, const char *what, const svo_mesh *mesh, const svo_plan_options *given,
-                          const stress_tree *built);
+void stress_float_methods(stress *run, const char *what, const svo_mesh *mesh, const stress_tree *built);
 
 #endif
