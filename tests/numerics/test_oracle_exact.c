@@ -19,171 +19,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "oracle_exact.h"
+#include "hard_cases.h"
 #include "support/suite.h"
 
 #define CASES_PER_SPACE 14
 
 static const oracle_coverage coverages[] = {ORACLE_HALF_OPEN, ORACLE_CLOSED, ORACLE_THIN};
 
-static uint64_t random_state;
-
-/* splitmix64 */
-static uint64_t next_random(void)
-{
-    uint64_t z = random_state += UINT64_C(0x9e3779b97f4a7c15);
-    z = (z ^ z >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
-    z = (z ^ z >> 27) * UINT64_C(0x94d049bb133111eb);
-    return z ^ z >> 31;
-}
-
-/* Uniform in low .. high, both inclusive. */
-static int between(int low, int high)
-{
-    return low + (int)(next_random() % (uint64_t)(high - low + 1));
-}
-
-static double uniform(void)
-{
-    return (double)(next_random() >> 11) * 0x1p-53;
-}
-
-/* ---- grids and triangles ---- */
-
-/* Grids without their depth. */
-static const oracle_space spaces[] = {
-    {{0.0, 0.0, 0.0}, 1.0, 0},          {{0.1, -0.2, 0.3}, 0.7, 0},
-    {{-1.0, 1.5, 0.0}, 3.0, 0},         {{0.0, 1.0 / 3.0, -1.0 / 7.0}, 1.0 / 3.0, 0},
-    {{1e6, -1e6, 1e6}, 1.0, 0},         {{-0.81, -0.5, 0.25}, 1.62, 0},
-    {{0.0, 0.0, 0.0}, 0x1.000012p0, 0}, {{-1e-40, 0.0, 1e-40}, 1e-38, 0},
-    {{0.0, -1e300, 1e300}, 1e301, 0},
-};
-#define SPACE_COUNT (sizeof spaces / sizeof spaces[0])
-
-/* The double next to plane `at` of an axis; between planes for values with a fraction. */
-static double position_at(const oracle_space *space, int axis, double at)
-{
-    return space->origin[axis] + at * (space->edge / ldexp(1.0, (int)space->depth));
-}
-
-/* So many ulps up, or down. */
-static double moved(double value, int ulps)
-{
-    for (; ulps != 0; ulps += ulps > 0 ? -1 : 1) {
-        value = nextafter(value, ulps > 0 ? (double)INFINITY : -(double)INFINITY);
-    }
-    return value;
-}
-
-/* Cells that the case is about. */
-typedef struct sample {
-    oracle_space space;
-    oracle_exact_triangle triangle;
-    int32_t cell[3];
-} sample;
-
-/* In voxels from the first corner of s->cell, moved by a few ulps of the position. */
-static void set_vertex(sample *s, int vertex, double x, double y, double z, int ulps)
-{
-    const double at[3] = {x, y, z};
-    for (int k = 0; k < 3; ++k) {
-        s->triangle.vertices[vertex][k] =
-            moved(position_at(&s->space, k, (double)s->cell[k] + at[k]), between(-ulps, ulps));
-    }
-}
-
-/* Every vertex an ulp beside planes, or on them. */
-static void make_beside_planes(sample *s)
-{
-    for (int i = 0; i < 3; ++i) {
-        set_vertex(s, i, between(-1, 2), between(-1, 2), between(-1, 2), 1);
-    }
-}
-
-/* Halves of voxels: touches in corners, edges and faces, many of them degenerate. */
-static void make_lattice(sample *s)
-{
-    for (int i = 0; i < 3; ++i) {
-        set_vertex(s, i, between(-2, 4) * 0.5, between(-2, 4) * 0.5, between(-2, 4) * 0.5, 0);
-    }
-}
-
-/* A long edge through a corner of the cell, within ulps. */
-static void make_edge_through_corner(sample *s)
-{
-    const double reach = ldexp(1.0, between(-3, 4));
-    const double step[3] = {reach * between(-3, 3), reach * between(-3, 3), reach * between(-3, 3)};
-    const int corner[3] = {between(0, 1), between(0, 1), between(0, 1)};
-    set_vertex(s, 0, corner[0] - step[0], corner[1] - step[1], corner[2] - step[2], 1);
-    set_vertex(s, 1, corner[0] + step[0], corner[1] + step[1], corner[2] + step[2], 1);
-    set_vertex(s, 2, 6.0 * uniform() - 3.0, 6.0 * uniform() - 3.0, 6.0 * uniform() - 3.0, 0);
-}
-
-/* A plane that cuts a corner off, or misses it, by less than 2^-40 of the grid's edge. */
-static void make_grazing(sample *s)
-{
-    const double reach = 1.0 + uniform();
-    const double depth = ldexp(uniform() - 0.5, (int)s->space.depth - between(40, 56));
-    set_vertex(s, 0, reach + depth, 0.0, 0.0, 0);
-    set_vertex(s, 1, -reach, reach, depth, 0);
-    set_vertex(s, 2, 0.0, -reach, reach + depth, 0);
-}
-
-/* A third vertex within ulps of the segment between the others. */
-static void make_needle(sample *s)
-{
-    const double share = uniform();
-    set_vertex(s, 0, 40.0 * uniform() - 20.0, 40.0 * uniform() - 20.0, 2.0 * uniform() - 1.0, 0);
-    set_vertex(s, 1, 40.0 * uniform() - 20.0, 2.0 * uniform() - 1.0, 40.0 * uniform() - 20.0, 0);
-    for (int k = 0; k < 3; ++k) {
-        const double *a = s->triangle.vertices[0];
-        const double *b = s->triangle.vertices[1];
-        s->triangle.vertices[2][k] = moved(a[k] + share * (b[k] - a[k]), between(-2, 2));
-    }
-}
-
-/* A segment or a point. */
-static void make_degenerate(sample *s)
-{
-    make_edge_through_corner(s);
-    memcpy(s->triangle.vertices[2], s->triangle.vertices[between(0, 1)], sizeof s->triangle.vertices[2]);
-    if (between(0, 2) == 0) {
-        set_vertex(s, 0, between(0, 1), between(0, 1), between(0, 1), 1);
-        memcpy(s->triangle.vertices[1], s->triangle.vertices[0], sizeof s->triangle.vertices[1]);
-        memcpy(s->triangle.vertices[2], s->triangle.vertices[0], sizeof s->triangle.vertices[2]);
-    }
-}
-
-/* Tiny and huge numbers beside those of the grid. */
-static void make_mixed_exponents(sample *s)
-{
-    static const double values[] = {0x1p-62, -0x1p-62, -0.8, 0.8, 0.0, 1e-308, 0x1p-1074, 1e15, -1e30, 1e200, 0.5};
-    for (int i = 0; i < 9; ++i) {
-        const double value = values[between(0, (int)(sizeof values / sizeof values[0]) - 1)];
-        const double other = position_at(&s->space, i % 3, s->cell[i % 3] + between(0, 1));
-        s->triangle.vertices[i / 3][i % 3] = between(0, 2) == 0 ? other : value;
-    }
-}
-
-/* What any mesh has. */
-static void make_plain(sample *s)
-{
-    for (int i = 0; i < 3; ++i) {
-        set_vertex(s, i, 6.0 * uniform() - 2.5, 6.0 * uniform() - 2.5, 6.0 * uniform() - 2.5, 0);
-    }
-}
-
 /* ---- three ways to decide ---- */
-
-static void print_sample(const sample *s, const int32_t cell[3])
-{
-    print_error("triangle");
-    for (int i = 0; i < 9; ++i) {
-        print_error(" %a", s->triangle.vertices[i / 3][i % 3]);
-    }
-    print_error(", origin %a %a %a edge %a depth %u, cell %d %d %d\n", s->space.origin[0], s->space.origin[1],
-                s->space.origin[2], s->space.edge, s->space.depth, cell[0], cell[1], cell[2]);
-}
 
 static bool is_listed(const oracle_pairs *pairs, uint64_t code)
 {
@@ -205,7 +48,7 @@ typedef struct tally {
 } tally;
 
 /* One cell by separating axes, by clipping and as listed. */
-static void check_cell(const sample *s, const oracle_pairs *pairs, const int32_t cell[3], oracle_coverage coverage,
+static void check_cell(const hard_case *s, const oracle_pairs *pairs, const int32_t cell[3], oracle_coverage coverage,
                        tally *counts)
 {
     const int32_t cells = (int32_t)1 << s->space.depth;
@@ -218,14 +61,14 @@ static void check_cell(const sample *s, const oracle_pairs *pairs, const int32_t
     const bool listed = in_grid && is_listed(pairs, oracle_voxel_code((uint32_t)cell[0], (uint32_t)cell[1],
                                                                       (uint32_t)cell[2], s->space.depth));
     if (axes != clip || (in_grid && listed != axes)) {
-        print_sample(s, cell);
+        hard_case_print(s, cell);
         fail_msg("coverage %d: by axes %d, by clipping %d, listed %d", (int)coverage, axes, clip, listed);
     }
     counts->touched += axes;
     counts->missed += !axes;
 }
 
-static oracle_pairs list_of(const sample *s, oracle_coverage coverage)
+static oracle_pairs list_of(const hard_case *s, oracle_coverage coverage)
 {
     const oracle_positions mesh = {&s->triangle.vertices[0][0], 3, NULL, 1};
     oracle_pairs pairs;
@@ -234,7 +77,7 @@ static oracle_pairs list_of(const sample *s, oracle_coverage coverage)
 }
 
 /* The cells around s->cell, and beside some that are listed. */
-static void check_sample(const sample *s, tally *counts)
+static void check_sample(const hard_case *s, tally *counts)
 {
     for (int c = 0; c < 3; ++c) {
         oracle_pairs pairs = list_of(s, coverages[c]);
@@ -243,63 +86,45 @@ static void check_sample(const sample *s, tally *counts)
             check_cell(s, &pairs, cell, coverages[c], counts);
         }
         for (int i = 0; pairs.count > 0 && i < 6; ++i) {
-            const uint64_t code = pairs.pairs[next_random() % pairs.count].code;
+            const uint64_t code = pairs.pairs[hard_random() % pairs.count].code;
             int32_t cell[3] = {0, 0, 0};
             for (unsigned bit = 0; bit < 3 * s->space.depth; ++bit) {
                 cell[bit % 3] |= (int32_t)(code >> bit & 1) << bit / 3;
             }
-            cell[i % 3] += between(-1, 1);
+            cell[i % 3] += hard_between(-1, 1);
             check_cell(s, &pairs, cell, coverages[c], counts);
         }
         oracle_pairs_free(&pairs);
     }
 }
 
-/* every_depth: triangles are a few voxels large, so that their lists are short at any depth. */
-static void check_kind(void (*make)(sample *), bool every_depth)
+static void methods_agree(void **state)
 {
+    const hard_kind *kind = *state;
     tally counts = {0, 0};
-    for (size_t i = 0; i < SPACE_COUNT * CASES_PER_SPACE; ++i) {
-        sample s = {.space = spaces[i % SPACE_COUNT]};
-        s.space.depth = (unsigned)between(1, every_depth ? 16 : 5);
-        for (int k = 0; k < 3; ++k) {
-            s.cell[k] = between(0, (1 << s.space.depth) - 1);
-        }
-        make(&s);
+    for (size_t i = 0; i < (size_t)HARD_SPACES * CASES_PER_SPACE; ++i) {
+        hard_case s;
+        hard_case_make(*kind, i, &s);
         check_sample(&s, &counts);
     }
-    print_message("%u touched, %u missed\n", counts.touched, counts.missed);
+    print_message("%s: %u touched, %u missed\n", hard_kind_name(*kind), counts.touched, counts.missed);
     assert_true(counts.touched > 200);
     assert_true(counts.missed > 200);
 }
 
-#define KIND_TEST(name, every_depth)               \
-    static void methods_agree_##name(void **state) \
-    {                                              \
-        (void)state;                               \
-        check_kind(make_##name, every_depth);      \
-    }
-
-KIND_TEST(beside_planes, true)
-KIND_TEST(lattice, true)
-KIND_TEST(edge_through_corner, true)
-KIND_TEST(grazing, true)
-KIND_TEST(needle, true)
-KIND_TEST(degenerate, true)
-KIND_TEST(mixed_exponents, false)
-KIND_TEST(plain, true)
-
 /* Every voxel of small grids, listed or not. */
 static void lists_are_complete(void **state)
 {
-    static void (*const makers[])(sample *) = {make_lattice, make_plain, make_edge_through_corner, make_degenerate,
-                                               make_beside_planes};
+    static const hard_kind kinds[] = {HARD_LATTICE, HARD_PLAIN, HARD_EDGE_THROUGH_CORNER, HARD_DEGENERATE,
+                                      HARD_BESIDE_PLANES};
     tally counts = {0, 0};
     (void)state;
-    for (size_t i = 0; i < 10 * SPACE_COUNT; ++i) {
-        sample s = {.space = spaces[i % SPACE_COUNT], .cell = {1, 1, 1}};
+    for (size_t i = 0; i < (size_t)10 * HARD_SPACES; ++i) {
+        hard_case s;
+        hard_case_make(HARD_PLAIN, i, &s);
         s.space.depth = 2;
-        makers[i % (sizeof makers / sizeof makers[0])](&s);
+        s.cell[0] = s.cell[1] = s.cell[2] = 1;
+        hard_case_fill(kinds[i % (sizeof kinds / sizeof kinds[0])], &s);
         for (int c = 0; c < 3; ++c) {
             oracle_pairs pairs = list_of(&s, coverages[c]);
             for (int32_t at = 0; at < 64; ++at) {
@@ -317,7 +142,7 @@ static void lists_are_complete(void **state)
 /* The only voxel of a point along the diagonal. */
 static int32_t cell_of_point(const oracle_space *space, double at)
 {
-    sample s = {.space = *space, .triangle = {{{at, at, at}, {at, at, at}, {at, at, at}}}};
+    const hard_case s = {.space = *space, .triangle = {{{at, at, at}, {at, at, at}, {at, at, at}}}};
     oracle_pairs pairs = list_of(&s, ORACLE_HALF_OPEN);
     int32_t cell = 0;
     assert_int_equal(pairs.count, 1);
@@ -343,8 +168,8 @@ static void points_lie_on_their_side_of_planes(void **state)
             const double at = ldexp(product, -9);
             const bool is_below = remainder > 0.0;
             assert_int_equal(cell_of_point(&space, at), is_below ? plane - 1 : plane);
-            assert_int_equal(cell_of_point(&space, moved(at, 1)), plane);
-            assert_int_equal(cell_of_point(&space, moved(at, -1)), plane - 1);
+            assert_int_equal(cell_of_point(&space, hard_move(at, 1)), plane);
+            assert_int_equal(cell_of_point(&space, hard_move(at, -1)), plane - 1);
             below += is_below;
         }
     }
@@ -358,8 +183,8 @@ static void fitted_grids_place_planes(void **state)
     const double middle = 0.5 * 0x1.000012p0;
     (void)state;
     assert_int_equal(cell_of_point(&space, 1.0), 1023);
-    assert_int_equal(cell_of_point(&space, moved(middle, -1)), 511);
-    assert_int_equal(cell_of_point(&space, moved(middle, 1)), 512);
+    assert_int_equal(cell_of_point(&space, hard_move(middle, -1)), 511);
+    assert_int_equal(cell_of_point(&space, hard_move(middle, 1)), 512);
 }
 
 static void assert_same_pairs(const oracle_pairs *expected, const oracle_pairs *actual)
@@ -382,12 +207,12 @@ static void integers_are_their_own_snapped_mesh(void **state)
     size_t pair_count = 0;
     (void)state;
     for (int round = 0; round < 24; ++round) {
-        const unsigned depth = (unsigned)between(3, 6);
-        const double step = ldexp(1.0, between(-30, 5)); /* of the grid in the positions */
+        const unsigned depth = (unsigned)hard_between(3, 6);
+        const double step = ldexp(1.0, hard_between(-30, 5)); /* of the grid in the positions */
         const oracle_space space = {{step * 3.0, step * -5.0, 0.0}, 256.0 * step, depth};
         for (int i = 0; i < MESH_TRIANGLES * 9; ++i) {
-            const int base = i % 9 < 3 || round % 2 == 0 ? between(-40, 300) : vertices[i - 3];
-            vertices[i] = base + between(-9, 9);
+            const int base = i % 9 < 3 || round % 2 == 0 ? hard_between(-40, 300) : vertices[i - 3];
+            vertices[i] = base + hard_between(-9, 9);
             positions[i] = space.origin[i % 3] + vertices[i] * step;
         }
         for (int c = 0; c < 3; ++c) {
@@ -431,23 +256,26 @@ static void what_is_no_triangle_is_left_out(void **state)
 
 TEST_GROUP(oracle_exact)
 {
+    static hard_kind kinds[HARD_KINDS] = {HARD_BESIDE_PLANES, HARD_LATTICE,    HARD_EDGE_THROUGH_CORNER, HARD_GRAZING,
+                                          HARD_NEEDLE,        HARD_DEGENERATE, HARD_MIXED_EXPONENTS,     HARD_PLAIN};
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(methods_agree_beside_planes),
-        cmocka_unit_test(methods_agree_lattice),
-        cmocka_unit_test(methods_agree_edge_through_corner),
-        cmocka_unit_test(methods_agree_grazing),
-        cmocka_unit_test(methods_agree_needle),
-        cmocka_unit_test(methods_agree_degenerate),
-        cmocka_unit_test(methods_agree_mixed_exponents),
-        cmocka_unit_test(methods_agree_plain),
+        cmocka_unit_test_prestate(methods_agree, &kinds[0]),
+        cmocka_unit_test_prestate(methods_agree, &kinds[1]),
+        cmocka_unit_test_prestate(methods_agree, &kinds[2]),
+        cmocka_unit_test_prestate(methods_agree, &kinds[3]),
+        cmocka_unit_test_prestate(methods_agree, &kinds[4]),
+        cmocka_unit_test_prestate(methods_agree, &kinds[5]),
+        cmocka_unit_test_prestate(methods_agree, &kinds[6]),
+        cmocka_unit_test_prestate(methods_agree, &kinds[7]),
         cmocka_unit_test(lists_are_complete),
         cmocka_unit_test(points_lie_on_their_side_of_planes),
         cmocka_unit_test(fitted_grids_place_planes),
         cmocka_unit_test(integers_are_their_own_snapped_mesh),
         cmocka_unit_test(what_is_no_triangle_is_left_out),
     };
-    const char *seed = getenv("SVOCL_TEST_SEED");
-    random_state = seed != NULL ? strtoull(seed, NULL, 10) : 20240607;
-    print_message("seed %llu\n", (unsigned long long)random_state);
+    const char *seed_text = getenv("SVOCL_TEST_SEED");
+    const uint64_t seed = seed_text != NULL ? strtoull(seed_text, NULL, 10) : 20240607;
+    hard_cases_seed(seed);
+    print_message("seed %llu\n", (unsigned long long)seed);
     return cmocka_run_group_tests_name("oracle_exact", tests, NULL, NULL);
 }

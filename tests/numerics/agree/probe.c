@@ -9,7 +9,7 @@ void PROBE_ALL(const probe_input *given, probe_output *found, size_t record_coun
     }
 }
 
-#ifndef PROBE_INTEGERS
+#if !defined(PROBE_INTEGERS) && !defined(PROBE_EXACT)
 
 void PROBE_COLUMN_OF(const probe_input *given, SVO_I32 *first, SVO_I32 *last)
 {

@@ -9,7 +9,7 @@
 
 typedef void probe_function(const probe_input *given, probe_output *found, size_t record_count);
 
-probe_function probe_narrow, probe_regular, probe_wide, probe_integers;
+probe_function probe_narrow, probe_regular, probe_wide, probe_integers, probe_exact;
 probe_function probe_thin_narrow, probe_thin_regular, probe_thin_wide;
 
 /* The source for OpenCL C and for GLSL; the defines select the variant. */
