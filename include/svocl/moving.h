@@ -189,8 +189,8 @@ SVO_API svo_status svo_moving_remove(svo_moving *moving, uint32_t object);
  *
  * \param moving not NULL, without an update in flight
  * \param submit NULL: the device's own queue, and the call waits
- * \param report not NULL: the call waits, for the events of submit too, and receives what was done; it waits between the
- *        stages, to take their times
+ * \param report not NULL: the call waits, for the events of submit too, and receives what was done; it waits between
+ *        the stages, to take their times
  * \returns SVO_CAPACITY_EXCEEDED (more pairs than fragment_capacity, more area than max_area; the message has the
  *          figures; with submit: room for more than 2^32 - 65537 pairs), SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (with
  *          submit: the pairs of an object do not fit one buffer of the device), SVO_OUT_OF_DEVICE_MEMORY,

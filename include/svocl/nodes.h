@@ -4,8 +4,8 @@
  * same functions, see svo_tree_target.
  *
  * The grid is a cube of 2^snap_bits units along each axis, from origin on, and svo_tree_info.edge wide; a unit is
- * 1 / scale wide. Its cells on level l are 2^(snap_bits - l) units wide, and there are 2^l along each axis. A voxel is a
- * cell on level depth.
+ * 1 / scale wide. Its cells on level l are 2^(snap_bits - l) units wide, and there are 2^l along each axis. A voxel is
+ * a cell on level depth.
  *
  * A fitted grid begins at the mesh's minimum corner. Its edge is the mesh's largest extent times 1 + 2^-20, rounded up
  * to 24 significant bits: so the far end of the mesh lies inside, for a voxel does not hold its far faces, and the

@@ -130,7 +130,8 @@ typedef struct svo_plan_options {
     /** Minimum corner of the caller's grid [origin, origin + edge)^3; finite. Unused when edge is 0. */
     double origin[3];
     /** Width of the caller's grid, finite and above 0; or 0 for a grid fitted to the accepted triangles, see nodes.h.
-     *  Triangles outside occupy nothing. Vertices must lie less than 2^29 grid units away: 512 edges, 32 at depth 16. */
+     *  Triangles outside occupy nothing. Vertices must lie less than 2^29 grid units away: 512 edges, 32 at depth
+     *  16. */
     double edge;
     /** Fragments the list has room for at first, at most 2^32 - 65537; 0: by the fragment estimate. svo_build grows it
      *  when it is too small. */
