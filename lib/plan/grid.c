@@ -86,7 +86,7 @@ static uint64_t mark_vertices(const svo_mesh *mesh, uint8_t *flags)
 }
 
 /* The edge of the grid around an extent: a little above, so that the vertex at the far end lies inside and not on the
-   grid's far face, in few bits, so that the planes between voxels are exact doubles. */
+   grid's far face, in few bits, so that the planes' distances from the origin are exact doubles. */
 static double fit_edge(double extent)
 {
     int exponent = 0;
