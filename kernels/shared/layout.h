@@ -92,7 +92,7 @@ SVO_RECORD(svo_large_item)
     SVO_I32 corners[9]; /* 12: grid units */
 };
 
-/* Arguments of the plan's kernels. Doubles are two words, the low one first. 72 bytes. */
+/* Arguments of the plan's kernels. Doubles are two words, the low one first. 80 bytes. */
 SVO_RECORD(svo_plan_params)
 {
     SVO_U32 vertex_count; /* 0 */
@@ -103,7 +103,8 @@ SVO_RECORD(svo_plan_params)
     SVO_U32 material_count; /* 20 */
     SVO_U32 origin[6]; /* 24: of the grid, three doubles */
     SVO_U32 scale[2]; /* 48: grid units per world unit, a double */
-    SVO_U32 class_begin[4]; /* 56: the first item of each class */
+    SVO_U32 edge[2]; /* 56: of the grid, a double */
+    SVO_U32 class_begin[4]; /* 64: the first item of each class */
 };
 
 #define SVO_PLAN_INDEXED  1u /* the mesh has indices */
@@ -375,7 +376,7 @@ SVO_RECORD(svo_ray_params)
 SVO_ASSERT_BYTES(svo_draw_item, 8);
 SVO_ASSERT_BYTES(svo_tile_item, 8);
 SVO_ASSERT_BYTES(svo_large_item, 48);
-SVO_ASSERT_BYTES(svo_plan_params, 72);
+SVO_ASSERT_BYTES(svo_plan_params, 80);
 SVO_ASSERT_BYTES(svo_plan_total_params, 16);
 SVO_ASSERT_BYTES(svo_plan_view, 28);
 SVO_ASSERT_BYTES(svo_triangle_record, 16);

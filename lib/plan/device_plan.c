@@ -116,6 +116,7 @@ static void copy_place(svo_i_grid_run *r)
         put_double(r->plan->info.origin[axis], r->params.origin + (size_t)axis * 2);
     }
     put_double(r->plan->info.scale, r->params.scale);
+    put_double(r->plan->info.edge, r->params.edge);
 }
 
 /* Finds the bounds of the used vertices, if the grid depends on them, and makes the grid. */
