@@ -29,7 +29,7 @@ static void check_refusal(svo_status status, const svo_plan *plan, const svo_dev
     REQUIRE(strchr(device->message.text, '\n') == NULL);
 }
 
-/* Half a unit, plus the rounding error of doubles at the coordinates' magnitude. */
+/* A unit, plus the rounding error of doubles at the coordinates' magnitude. */
 static void check_snap_error(const svo_plan_info *info, const oracle_positions *positions)
 {
     double largest = 0.0;
@@ -41,7 +41,7 @@ static void check_snap_error(const svo_plan_info *info, const oracle_positions *
         largest = fabs(info->origin[axis]) > largest ? fabs(info->origin[axis]) : largest;
     }
     REQUIRE(isfinite(info->snap_error) && info->snap_error >= 0.0);
-    REQUIRE(info->snap_error <= 0.5 / info->scale * (1.0 + 1e-9) + largest * 8.0 * DBL_EPSILON + DBL_MIN);
+    REQUIRE(info->snap_error <= 1.0 / info->scale * (1.0 + 1e-9) + largest * 8.0 * DBL_EPSILON + DBL_MIN);
 }
 
 /* Compares the grid with the reference where doubles are normal; below that range the definition does not apply. */
