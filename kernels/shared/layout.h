@@ -179,8 +179,26 @@ SVO_RECORD(svo_voxelize_params)
     SVO_U32 width; /* 44 */
     SVO_U32 height; /* 48 */
     SVO_U32 capacity; /* 52: fragments that the chunk can hold */
-    SVO_U32 counter; /* 56: the chunk's counter, a pair of words */
+    SVO_U32 counter; /* 56: the chunk, whose counters have SVO_COUNTER_WORDS words */
     SVO_U32 reserved; /* 60 */
+};
+
+/* Words of a chunk's counters, of 64 bits each: its fragments, and of these at first those that are decided; and the
+   undecided ones. */
+#define SVO_COUNTER_WORDS 4u
+
+/* Arguments of the kernels that decide fragments. Doubles are two words, the low one first. 72 bytes. */
+SVO_RECORD(svo_decide_params)
+{
+    SVO_U32 capacity; /* 0: fragments that the chunk can hold */
+    SVO_U32 counter; /* 4: the chunk */
+    SVO_U32 coverage; /* 8: svo_coverage */
+    SVO_U32 is_double; /* 12: not 0: positions are doubles */
+    SVO_U32 depth; /* 16: of the whole tree, also for a part */
+    SVO_U32 corner[3]; /* 20: the first voxel of the part; 0 for a whole tree */
+    SVO_U32 origin[6]; /* 32: of the whole grid, three doubles */
+    SVO_U32 edge[2]; /* 56: of the whole grid, a double */
+    SVO_U32 reserved[2]; /* 64 */
 };
 
 /* Arguments of the subdivision kernels. Levels are counted from pad levels above the root. 56 bytes. */
@@ -381,6 +399,7 @@ SVO_ASSERT_BYTES(svo_plan_total_params, 16);
 SVO_ASSERT_BYTES(svo_plan_view, 28);
 SVO_ASSERT_BYTES(svo_triangle_record, 16);
 SVO_ASSERT_BYTES(svo_voxelize_params, 64);
+SVO_ASSERT_BYTES(svo_decide_params, 72);
 SVO_ASSERT_BYTES(svo_blocks_params, 56);
 SVO_ASSERT_BYTES(svo_subdivide_params, 32);
 SVO_ASSERT_BYTES(svo_sort_params, 16);

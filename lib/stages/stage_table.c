@@ -186,7 +186,7 @@ static const svo_i_stage rows[] = {
      .program = &svo_i_program_voxelize,
      /* The number of tiles is an estimate, as that of nodes is. */
      .buffers = BUFFERS(SCRATCH("mesh_vertices", MESH), SCRATCH("mesh_indices", MESH), SCRATCH("mesh_items", MESH),
-                        SCRATCH("mesh_tiles", NODES), SCRATCH("tile_count", MESH), SCRATCH("counters", MESH),
+                        SCRATCH("mesh_positions", MESH), SCRATCH("mesh_tiles", NODES), SCRATCH("tile_count", MESH), SCRATCH("counters", MESH),
                         SCRATCH("fragments", FRAGMENTS))},
     {.name = "sort",
      .stage = SVO_STAGE_SUBDIVIDE,
