@@ -227,7 +227,7 @@ static bool prepare(voxel_bench *bench)
     bench->arrays = (svo_tree_arrays)SVO_TREE_ARRAYS_INIT;
     svo_tree_get_arrays(bench->tree, &bench->arrays);
     for (int coverage = ORACLE_HALF_OPEN; coverage <= ORACLE_CLOSED && worked; ++coverage) {
-        worked = input_list_pairs(bench->mesh, &bench->info, (oracle_coverage)coverage, &bench->expected[coverage]);
+        worked = mesh_list_pairs(bench->mesh, &bench->info, (oracle_coverage)coverage, &bench->expected[coverage]);
     }
     return worked;
 }
