@@ -162,9 +162,9 @@ cleanup:
     return status;
 }
 
-/* Draws all chunks; counts: of each. */
+/* Draws all chunks; counts: of each; *undecided: of all. */
 static svo_status draw_chunks(const svo_i_rasterizer *rasterizer, svo_plan *plan, const svo_i_chunking *chunking,
-                              svo_i_fragment_list *list, svo_i_raster_count *counts)
+                              svo_i_fragment_list *list, svo_i_raster_count *counts, uint64_t *undecided)
 {
     for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
         svo_i_share_buffer_bind(list->chunks[i].owner, SVO_I_RASTER_FRAGMENTS);
@@ -172,7 +172,9 @@ static svo_status draw_chunks(const svo_i_rasterizer *rasterizer, svo_plan *plan
         SVO_I_TRY(tell(rasterizer, plan, (double)(i + 1) / chunking->chunk_count));
     }
     SVO_I_TRY(svo_i_raster_finish(rasterizer->raster, chunking->chunk_count, counts));
+    *undecided = 0;
     for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
+        *undecided += counts[i].undecided;
         SVO_I_TRY(decide(rasterizer, plan, &list->chunks[i], counts[i]));
         SVO_I_TRY(check_count(rasterizer, plan, chunking, i, list->chunks[i].needed));
     }
@@ -180,7 +182,7 @@ static svo_status draw_chunks(const svo_i_rasterizer *rasterizer, svo_plan *plan
 }
 
 static svo_status draw_list(const svo_i_rasterizer *rasterizer, svo_plan *plan, const svo_i_chunking *chunking,
-                            svo_i_fragment_list *list)
+                            svo_i_fragment_list *list, uint64_t *undecided)
 {
     svo_i_raster_count *counts =
         svo_i_alloc_zeroed(&rasterizer->device->memory, chunking->chunk_count + 1u, sizeof *counts);
@@ -188,7 +190,7 @@ static svo_status draw_list(const svo_i_rasterizer *rasterizer, svo_plan *plan, 
         return svo_i_device_fail(rasterizer->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u counters",
                                  chunking->chunk_count);
     }
-    const svo_status status = draw_chunks(rasterizer, plan, chunking, list, counts);
+    const svo_status status = draw_chunks(rasterizer, plan, chunking, list, counts, undecided);
     svo_i_free(counts);
     return status;
 }
@@ -221,7 +223,7 @@ static svo_status make_list(const svo_i_rasterizer *rasterizer, svo_i_commands *
     SVO_I_TRY(create_chunks(rasterizer, plan, chunking, commands->queue, list));
     SVO_I_TRY(svo_i_raster_upload(rasterizer->raster, plan, chunking->chunk_count));
     take_time(commands->report, SVO_STAGE_TRANSFER, &start_ms);
-    SVO_I_TRY(draw_list(rasterizer, plan, chunking, list));
+    SVO_I_TRY(draw_list(rasterizer, plan, chunking, list, &commands->report->undecided));
     take_time(commands->report, SVO_STAGE_VOXELIZE, &start_ms);
     if (rasterizer->share != SVO_GL_SHARE_AUTO) {
         SVO_I_TRY(hand_over(plan, commands->queue, list));

@@ -77,6 +77,9 @@ typedef struct svo_stage_time {
 typedef struct svo_build_report {
     size_t struct_size; /**< sizeof(svo_build_report) */
     uint64_t fragments; /**< (voxel, triangle) pairs */
+    /** Of the pairs that the front end proposed, those that the snapped mesh did not decide. 0 where the host does not
+     *  read the counts: svo_build_enqueue. */
+    uint64_t undecided;
     uint64_t inner_nodes; /**< of svo_tree_finish with SVO_CAPACITY_EXCEEDED: the room that is enough; else 0 */
     uint32_t list_chunks; /**< buffers of the fragment list */
     uint32_t reruns; /**< how often a capacity was too small and a stage ran again */

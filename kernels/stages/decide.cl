@@ -10,7 +10,8 @@
  * at its end. Where both do not fit, nothing is decided, and the first becomes their sum: what the chunk must hold.
  *
  * Launch: any number of work-items, in whole groups, for svo_k_decide; one group for svo_k_keep_decided. No atomics. Local
- * memory: a word per work-item. The counters are read on the device, so the host need not wait.
+ * memory: a word per work-item. The counters are read on the device, so the host need not wait. On CPUs
+ * (SVO_ONE_WORKER) the first work-item does the work of its group.
  */
 #include "shared/decide.clh"
 #include "shared/fragment.clh"
@@ -26,22 +27,35 @@ static uint svo_undecided(__global const uint *counters, uint capacity)
     return decided + undecided <= (ulong)capacity ? (uint)undecided : 0u;
 }
 
+/* Decides every step-th undecided fragment from i on. */
+SVO_CALLED void svo_decide_run(__global const uint *positions, __global const uint *indices, __global uint *fragments,
+                               const svo_decide_params *params, uint i, uint step, uint count)
+{
+    for (; i < count; i += step) {
+        const size_t at = params->capacity - 1u - i;
+        const svo_code code = svo_fragment_code(fragments, at);
+        const uint cell[3] = {(uint)svo_code_axis(code, 0u), (uint)svo_code_axis(code, 1u),
+                              (uint)svo_code_axis(code, 2u)};
+        const svo_decided_pair pair =
+            svo_load_pair(positions, indices, svo_fragment_triangle(fragments, at), cell, params);
+        if (!svo_decide(&pair, params)) {
+            svo_fragment_store(fragments, at, code, SVO_REFUSED);
+        }
+    }
+}
+
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_decide(__global const uint *positions, __global const uint *indices, __global const uint *all_counters,
              __global uint *fragments, svo_decide_params params)
 {
     const uint count = svo_undecided(all_counters + SVO_COUNTER_WORDS * params.counter, params.capacity);
-    for (uint i = (uint)get_global_id(0); i < count; i += (uint)get_global_size(0)) {
-        const size_t at = params.capacity - 1u - i;
-        const svo_code code = svo_fragment_code(fragments, at);
-        const uint cell[3] = {(uint)svo_code_axis(code, 0u), (uint)svo_code_axis(code, 1u),
-                              (uint)svo_code_axis(code, 2u)};
-        const svo_decided_pair pair =
-            svo_load_pair(positions, indices, svo_fragment_triangle(fragments, at), cell, &params);
-        if (!svo_decide(&pair, &params)) {
-            svo_fragment_store(fragments, at, code, SVO_REFUSED);
-        }
+#ifdef SVO_ONE_WORKER
+    if (get_local_id(0) == 0u) {
+        svo_decide_run(positions, indices, fragments, &params, (uint)get_group_id(0), (uint)get_num_groups(0), count);
     }
+#else
+    svo_decide_run(positions, indices, fragments, &params, (uint)get_global_id(0), (uint)get_global_size(0), count);
+#endif
 }
 
 /* Sources are read from the first on, a group at a time, and no place is written that has not been read. */

@@ -376,13 +376,16 @@ SVO_FUNCTION void svo_push_columns(const svo_column_test *test, const svo_placed
     svo_column_lanes at = svo_begin_columns(test, local_u, local_v, sure);
     svo_code8 heights = svo_axis_codes((uint)placed->first.t + as_uint8(at.first));
     for (inside &= at.first <= at.last; svo_lanes(inside) != 0u; inside &= at.first <= at.last) {
-        uint found = svo_lanes(inside & svo_meets_voxels(test, &at, &sure));
-        const uint decided = svo_lanes(sure);
+        const int8 found = inside & svo_meets_voxels(test, &at, &sure);
+        uint decided = svo_lanes(found & sure);
+        uint undecided = svo_lanes(found & ~sure);
         svo_code codes[8];
         vstore8(columns | heights << placed->axis, 0, codes);
-        for (; found != 0u; found &= found - 1u) {
-            const uint lane = svo_lowest_lane(found);
-            svo_push(stage, codes[lane], placed->triangle, (decided >> lane & 1u) != 0u);
+        for (; decided != 0u; decided &= decided - 1u) {
+            svo_push(stage, codes[svo_lowest_lane(decided)], placed->triangle, true);
+        }
+        for (; undecided != 0u; undecided &= undecided - 1u) {
+            svo_push(stage, codes[svo_lowest_lane(undecided)], placed->triangle, false);
         }
         svo_next_voxels(test, &at);
         heights = svo_next_axis_codes(heights);

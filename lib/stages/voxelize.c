@@ -5,6 +5,8 @@
  */
 #include "stages/voxelize.h"
 
+#include <stdio.h>
+
 #include "plan/chunking.h"
 #include "plan/configuration.h"
 #include "plan/estimate.h"
@@ -57,7 +59,8 @@ static svo_status get_program(svo_plan *plan, svo_i_test test, cl_program *out, 
 static svo_status get_decide_program(svo_plan *plan, cl_program *out, bool *fresh)
 {
     char defines[SVO_I_DEFINES_BYTES];
-    svo_i_plan_defines(plan, &svo_i_program_decide, defines, sizeof defines);
+    (void)snprintf(defines, sizeof defines, "%s%s", plan->work.long_codes ? " -DSVO_CODE48" : "",
+                   plan->device->cpu_path ? " -DSVO_ONE_WORKER" : "");
     return svo_i_program_get(plan->device, SVO_I_BUILD, &svo_i_program_decide, defines, out, fresh);
 }
 
@@ -389,9 +392,11 @@ static svo_status read_counters(run *r, svo_i_fragment_list *list)
     }
     svo_i_stage_begin(r->commands);
     const svo_status status = svo_i_commands_read(r->commands, r->counters, counters, bytes);
+    r->commands->report->undecided = 0;
     for (size_t i = 0; i < list->chunk_count; ++i) {
         const cl_uint *own = counters + SVO_COUNTER_WORDS * i;
         list->chunks[i].needed = (uint64_t)own[1] << 32 | own[0];
+        r->commands->report->undecided += (uint64_t)own[3] << 32 | own[2];
     }
     svo_i_free(counters);
     SVO_I_TRY(status);
