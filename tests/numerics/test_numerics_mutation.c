@@ -178,7 +178,7 @@ static uint32_t count_fragments(svo_gl_context *context, svo_plan *plan, svo_i_c
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(context);
     svo_i_raster *raster = NULL;
     svo_i_chunking layout;
-    uint32_t needed = 0;
+    svo_i_raster_count counts = {0, 0};
     GLuint buffer = 0;
     assert_int_equal(svo_i_raster_create(plan->device, context, method, false, &raster), SVO_OK);
     assert_int_equal(svo_i_chunking_create(plan, UINT64_C(1) << 26, &layout), SVO_OK);
@@ -192,12 +192,12 @@ static uint32_t count_fragments(svo_gl_context *context, svo_plan *plan, svo_i_c
     assert_int_equal(svo_i_raster_upload(raster, plan, 1), SVO_OK);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SVO_I_RASTER_FRAGMENTS, buffer);
     assert_int_equal(svo_i_raster_draw(raster, plan, &layout, 0), SVO_OK);
-    assert_int_equal(svo_i_raster_finish(raster, 1, &needed), SVO_OK);
+    assert_int_equal(svo_i_raster_finish(raster, 1, &counts), SVO_OK);
     gl->DeleteBuffers(1, &buffer);
     svo_i_gl_context_release_current(context);
     svo_i_chunking_destroy(&layout);
     svo_i_raster_destroy(&raster);
-    return needed;
+    return counts.decided + counts.undecided;
 }
 
 static unsigned wrong_rasters(svo_device *device, svo_gl_context *context, const golden_table *table,
