@@ -192,7 +192,7 @@ typedef struct svo_plan_info {
     double scale; /**< grid units per world unit */
     double snap_error; /**< world: the largest |q / scale + origin - v| over the coordinates of accepted vertices */
     double expected_fragments; /**< the fragment estimate, without slack */
-    uint64_t fragments; /**< the exact number after svo_plan_count; 0 before */
+    uint64_t fragments; /**< after svo_plan_count the capacity that suffices; 0 before */
     double grid_ms; /**< wall clock of validating, snapping and classifying, milliseconds; without compiling */
     uint32_t place; /**< svo_place: SVO_PLACE_HOST or SVO_PLACE_DEVICE */
     /** The areas of the three projections of the kept triangles, as far as inside the grid, divided by the square root

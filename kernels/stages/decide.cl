@@ -80,6 +80,7 @@ svo_k_keep_decided(__global uint *all_counters, __global uint *fragments, svo_de
         end += total;
         barrier(CLK_GLOBAL_MEM_FENCE);
     }
+    barrier(CLK_GLOBAL_MEM_FENCE); /* all have read the counters */
     if (item == 0u && both <= (ulong)params.capacity) {
         counters[0] = end;
     } else if (item == 0u) {

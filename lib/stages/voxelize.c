@@ -5,8 +5,6 @@
  */
 #include "stages/voxelize.h"
 
-#include <stdio.h>
-
 #include "plan/chunking.h"
 #include "plan/configuration.h"
 #include "plan/estimate.h"
@@ -59,8 +57,7 @@ static svo_status get_program(svo_plan *plan, svo_i_test test, cl_program *out, 
 static svo_status get_decide_program(svo_plan *plan, cl_program *out, bool *fresh)
 {
     char defines[SVO_I_DEFINES_BYTES];
-    (void)snprintf(defines, sizeof defines, "%s%s", plan->work.long_codes ? " -DSVO_CODE48" : "",
-                   plan->device->cpu_path ? " -DSVO_ONE_WORKER" : "");
+    svo_i_plan_defines(plan, &svo_i_program_decide, defines, sizeof defines);
     return svo_i_program_get(plan->device, SVO_I_BUILD, &svo_i_program_decide, defines, out, fresh);
 }
 
@@ -69,7 +66,9 @@ static svo_status prepare(void *self, svo_plan *plan, svo_i_warm_up *warm_up)
     (void)self;
     cl_program decide = NULL;
     bool decide_fresh = false;
-    SVO_I_TRY(get_decide_program(plan, &decide, &decide_fresh));
+    if (svo_i_plan_needs_program(plan, &svo_i_program_decide)) {
+        SVO_I_TRY(get_decide_program(plan, &decide, &decide_fresh));
+    }
     if (decide_fresh) {
         SVO_I_TRY(svo_i_warm_up_add_program(warm_up, decide));
     }
@@ -99,6 +98,9 @@ static svo_status create_kernels(run *r)
         }
     }
     cl_program program = NULL;
+    if (!svo_i_plan_needs_program(r->commands->plan, &svo_i_program_decide)) {
+        return SVO_OK;
+    }
     SVO_I_TRY(get_decide_program(r->commands->plan, &program, NULL));
     SVO_I_TRY(svo_i_commands_kernel(r->commands, program, "svo_k_decide", &r->decide));
     return svo_i_commands_kernel(r->commands, program, "svo_k_keep_decided", &r->keep_decided);
@@ -248,6 +250,9 @@ static double item_ns(const run *r, const svo_i_chunk *chunk, const size_t *tile
 static svo_status decide(run *r, uint32_t chunk_index, cl_mem fragments)
 {
     const uint64_t capacity = r->chunking->chunks[chunk_index].capacity;
+    if (!svo_i_plan_needs_program(r->commands->plan, &svo_i_program_decide)) {
+        return SVO_OK;
+    }
     svo_decide_params params = svo_i_decide_params(r->commands->plan);
     params.capacity = (cl_uint)capacity;
     params.counter = chunk_index;
