@@ -53,8 +53,7 @@ static unsigned wrong_pairs(const mutant *m)
         probe_output found;
         (m->thin ? sample_make_thin : sample_make)(m->width, 20240305, i, &s);
         m->ask(&s.record, &found, 1);
-        const bool touches = found.words[PROBE_COLUMN] != 0 && found.words[PROBE_VOXEL] != 0;
-        wrong += touches != oracle_sat_touches(&s.triangle, &s.box, s.coverage);
+        wrong += sample_is_wrong(&s, &found, oracle_sat_touches(&s.triangle, &s.box, s.coverage)) ? 1 : 0;
     }
     return wrong;
 }
