@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Rasterizes a plan's triangles into the fragment list: one shared buffer per chunk, filled by OpenGL, then handed over
- * to OpenCL. The list is the input of the stages that build the tree. What the shaders leave undecided, the host decides
- * in between, by the mesh as it was given.
+ * to OpenCL. The list is the input of the stages that build the tree. What the shaders leave undecided, the host
+ * decides in between, by the mesh as it was given.
  */
 #include "raster/rasterize.h"
 
@@ -10,8 +10,8 @@
 #include "core/message.h"
 #include "plan/accounts.h"
 #include "plan/estimate.h"
-#include "shared/decide.clh"
 #include "share/share.h"
+#include "shared/decide.clh"
 #include "stages/inputs.h"
 
 /* Creates a chunk's buffer and gives it to OpenGL. */
@@ -85,10 +85,9 @@ static svo_status check_count(const svo_i_rasterizer *rasterizer, const svo_plan
     }
     const double most = possible_fragments(plan, chunking, &chunking->chunks[chunk]);
     if ((double)needed > most) {
-        return svo_i_device_fail(rasterizer->device, SVO_GL_ERROR,
-                                 "svo_build: %s counted %llu fragments where at most %.0f are possible",
-                                 svo_i_gl_context_functions(rasterizer->context)->renderer,
-                                 (unsigned long long)needed, most);
+        return svo_i_device_fail(
+            rasterizer->device, SVO_GL_ERROR, "svo_build: %s counted %llu fragments where at most %.0f are possible",
+            svo_i_gl_context_functions(rasterizer->context)->renderer, (unsigned long long)needed, most);
     }
     return SVO_OK;
 }
@@ -153,9 +152,11 @@ static svo_status decide(const svo_i_rasterizer *rasterizer, const svo_plan *pla
     }
     svo_status status = SVO_OK;
     const svo_i_share_buffer *shared = chunk->owner;
-    SVO_I_TRY_CLEANUP(svo_i_share_buffer_read_gl(shared, (size_t)chunk->capacity * fragment_bytes - bytes, bytes, words));
+    SVO_I_TRY_CLEANUP(
+        svo_i_share_buffer_read_gl(shared, (size_t)chunk->capacity * fragment_bytes - bytes, bytes, words));
     const uint32_t kept = keep_touching(plan, words, count.undecided);
-    SVO_I_TRY_CLEANUP(svo_i_share_buffer_write_gl(shared, count.decided * fragment_bytes, kept * fragment_bytes, words));
+    SVO_I_TRY_CLEANUP(
+        svo_i_share_buffer_write_gl(shared, count.decided * fragment_bytes, kept * fragment_bytes, words));
     chunk->needed = (uint64_t)count.decided + kept;
 cleanup:
     svo_i_free(words);

@@ -212,8 +212,8 @@ static void report_difference(const svo_plan *plan, uint32_t *drawn, uint32_t *e
     const unsigned depth = plan->info.depth;
     const size_t bytes = svo_i_plan_fragment_bytes(plan);
     if (needed != count) {
-        (void)snprintf(reason, reason_bytes, "the self-test found %llu fragments, not %llu, at depth %u", (unsigned long long)needed,
-                       (unsigned long long)count, depth);
+        (void)snprintf(reason, reason_bytes, "the self-test found %llu fragments, not %llu, at depth %u",
+                       (unsigned long long)needed, (unsigned long long)count, depth);
         return;
     }
     int (*compare)(const void *, const void *) =

@@ -77,7 +77,7 @@ typedef struct svo_stage_time {
 typedef struct svo_build_report {
     size_t struct_size; /**< sizeof(svo_build_report) */
     uint64_t fragments; /**< (voxel, triangle) pairs */
-    /** Of the pairs that the front end proposed, those that the snapped mesh did not decide. 0 where the host does not
+    /** Of the pairs that the front end proposed, those that rounded corners did not decide. 0 where the host does not
      *  read the counts: svo_build_enqueue. */
     uint64_t undecided;
     uint64_t inner_nodes; /**< of svo_tree_finish with SVO_CAPACITY_EXCEEDED: the room that is enough; else 0 */
@@ -174,8 +174,8 @@ SVO_API svo_status svo_workspace_measure(svo_plan *plan, svo_frontend *frontend,
 
 /** Makes a workspace and compiles what its builds need.
  *
- * There is room for the plan's fragment_capacity; without one, for the number that svo_plan_count has found, else for the
- * fragment estimate plus an eighth. Inner nodes follow from the fragment estimate, or from worst_case_nodes.
+ * There is room for the plan's fragment_capacity; without one, for the number that svo_plan_count has found, else for
+ * the fragment estimate plus an eighth. Inner nodes follow from the fragment estimate, or from worst_case_nodes.
  *
  * \param plan with SVO_BUILDER_CL; must outlive the workspace
  * \param frontend not NULL; must outlive the workspace. With a front end of OpenGL, svo_build_enqueue waits on the host

@@ -37,7 +37,8 @@ typedef struct svo_tree svo_tree;
 
 /** Which mesh rays and nearest points meet. */
 typedef enum svo_positions {
-    SVO_POSITIONS_SNAPPED = 0, /**< the snapped one: the tree is from a file of version 1; or it has no rays */
+    /** The rounded one, svo_tree_arrays.vertices: the tree is from a file of version 1; or it has no rays. */
+    SVO_POSITIONS_SNAPPED = 0,
     SVO_POSITIONS_FLOAT = 1, /**< the input's, given as floats */
     SVO_POSITIONS_DOUBLE = 2 /**< the input's, given as doubles */
 } svo_positions;
@@ -55,7 +56,7 @@ typedef struct svo_tree_info {
     double origin[3]; /**< minimum corner of the grid, world coordinates */
     double edge; /**< width of the grid, world units; nodes.h explains it */
     double scale; /**< grid units per world unit */
-    double snap_error; /**< world: the largest distance along an axis between a vertex and that of vertices */
+    double snap_error; /**< world: of svo_plan_info */
     uint64_t triangles; /**< of the mesh */
     uint64_t refused_triangles; /**< of those, not usable: see svo_plan_info */
     uint64_t fragments; /**< (voxel, triangle) pairs */

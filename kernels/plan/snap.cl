@@ -71,9 +71,8 @@ svo_k_plan_snap(__global const uint *positions, __global const uchar *used, __gl
     const double origin[3] = {svo_double_from(params.origin[0], params.origin[1]),
                               svo_double_from(params.origin[2], params.origin[3]),
                               svo_double_from(params.origin[4], params.origin[5])};
-    const svo_snap snap =
-        svo_make_snap(svo_double_from(params.scale[0], params.scale[1]),
-                      svo_double_from(params.edge[0], params.edge[1]), (int)params.snap_bits);
+    const svo_snap snap = svo_make_snap(svo_double_from(params.scale[0], params.scale[1]),
+                                        svo_double_from(params.edge[0], params.edge[1]), (int)params.snap_bits);
     double largest = 0.0;
     for (uint v = run.x; v < run.y; ++v) {
         for (uint axis = 0; axis < 3u; ++axis) {

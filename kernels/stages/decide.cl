@@ -9,8 +9,8 @@
  * A chunk's counters are two of 64 bits: of decided fragments, which lie at its start, and of undecided ones, which lie
  * at its end. Where both do not fit, nothing is decided, and the first becomes their sum: what the chunk must hold.
  *
- * Launch: any number of work-items, in whole groups, for svo_k_decide; one group for svo_k_keep_decided. No atomics. Local
- * memory: a word per work-item. The counters are read on the device, so the host need not wait. On CPUs
+ * Launch: any number of work-items, in whole groups, for svo_k_decide; one group for svo_k_keep_decided. No atomics.
+ * Local memory: a word per work-item. The counters are read on the device, so the host need not wait. On CPUs
  * (SVO_ONE_WORKER) the first work-item does the work of its group.
  */
 #include "shared/decide.clh"
@@ -60,7 +60,8 @@ svo_k_decide(__global const uint *positions, __global const uint *indices, __glo
 
 /* Sources are read from the first on, a group at a time, and no place is written that has not been read. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_keep_decided(__global uint *all_counters, __global uint *fragments, svo_decide_params params, __local uint *scratch)
+svo_k_keep_decided(__global uint *all_counters, __global uint *fragments, svo_decide_params params,
+                   __local uint *scratch)
 {
     __global uint *counters = all_counters + SVO_COUNTER_WORDS * params.counter;
     const uint item = (uint)get_local_id(0);

@@ -483,7 +483,8 @@ svo_k_voxelize(__global const int *vertices, __global const uint *indices, __glo
 {
     (void)scratch;
     if (get_local_id(0) == 0u) {
-        const svo_draw draw = {vertices, indices, items, tiles, counters + SVO_COUNTER_WORDS * params.counter, fragments};
+        const svo_draw draw = {vertices, indices, items, tiles, counters + SVO_COUNTER_WORDS * params.counter,
+                               fragments};
         svo_draw_group((uint)get_global_id(0), &draw, params, words);
     }
 }

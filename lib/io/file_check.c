@@ -107,11 +107,10 @@ static svo_status check_position(const tree_check *job, uint64_t at)
     const svo_snap snap = svo_make_snap(info->scale, info->edge, (int32_t)info->snap_bits);
     const bool is_same = info->is_exact != 0 ? svo_snap_coordinate(&snap, position, info->origin[at % 3]) == snapped
                                              : rint((position - info->origin[at % 3]) * info->scale) == snapped;
-    return is_same
-               ? SVO_OK
-               : svo_i_fail(job->message, SVO_FILE_DAMAGED,
-                            "%s: vertex %" PRIu64 ": position %g is not that of the snapped coordinate %" PRId32,
-                            job->name, at / 3, position, snapped);
+    return is_same ? SVO_OK
+                   : svo_i_fail(job->message, SVO_FILE_DAMAGED,
+                                "%s: vertex %" PRIu64 ": position %g is not that of the snapped coordinate %" PRId32,
+                                job->name, at / 3, position, snapped);
 }
 
 /* Only vertices that a triangle uses must be in range; no hit depends on the others. */

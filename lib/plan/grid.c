@@ -158,8 +158,8 @@ svo_status svo_i_plan_make_grid(svo_plan *plan, const svo_i_bounds *bounds)
     return SVO_OK;
 }
 
-/* Snaps the used vertices. snap_error is the largest error of those within SVO_UNITS_MAX. Those of a part are snapped to
-   the whole grid, and then count from the part's corner. */
+/* Snaps the used vertices. snap_error is the largest error of those within SVO_UNITS_MAX. Those of a part are snapped
+   to the whole grid, and then count from the part's corner. */
 static void snap_vertices(svo_plan *plan, const svo_mesh *mesh, const uint8_t *flags)
 {
     const bool is_part = svo_i_plan_is_part(plan);

@@ -17,10 +17,10 @@ svo_decide_params svo_i_decide_params(const svo_plan *plan)
     const svo_part_header *header = &plan->part.header;
     const double *origin = is_part ? header->origin : plan->info.origin;
     const double *edge = is_part ? &header->edge : &plan->info.edge;
-    svo_decide_params params = {
-        .coverage = (cl_uint)plan->info.coverage,
-        .is_double = svo_i_plan_has(plan->positions_double, plan->memory.positions_double) ? 1 : 0,
-        .depth = is_part ? header->depth : plan->info.depth};
+    svo_decide_params params = {.coverage = (cl_uint)plan->info.coverage,
+                                .is_double =
+                                    svo_i_plan_has(plan->positions_double, plan->memory.positions_double) ? 1 : 0,
+                                .depth = is_part ? header->depth : plan->info.depth};
     for (unsigned axis = 0; axis < 3; ++axis) {
         params.corner[axis] = (cl_uint)plan->part.corner[axis] >> plan->voxel_log2;
     }

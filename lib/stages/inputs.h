@@ -22,8 +22,8 @@ uint32_t svo_i_digit_passes(uint32_t triangle_count);
 SVO_I_SHARED_END
 
 /*
- * The mesh on the device, snapped and as it was given, uploaded once a build: by the first stage that reads it, and kept
- * for the last one. A tree with leaf lists takes the buffers.
+ * The mesh on the device, snapped and as it was given, uploaded once a build: by the first stage that reads it, and
+ * kept for the last one. A tree with leaf lists takes the buffers.
  */
 
 /* Gets the buffers, which stay commands->mesh's. */

@@ -180,7 +180,8 @@ static void check_span(const variant *v, uint32_t record, const probe_output *fo
     }
     SVO_I32 first;
     SVO_I32 last;
-    v->column(&v->given[record], &first, &last);
+    SVO_I32 decided;
+    v->column(&v->given[record], &first, &last, &decided);
     const int32_t *span = found->words + PROBE_SPAN;
     const bool inside_column = span[0] >= 0 && span[1] <= v->given[record].words[14];
     if (!inside_column || (first <= last && (span[0] > first || span[1] < last))) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * svocl verify: compares a tree with the exact reference (tools/lab/reference), voxel by voxel, pair by pair and vertex
- * by vertex; with --form, what its compact forms expand to with the tree; with --solid, the inside. Exact is the tree of
- * the mesh as it was given, in numbers of any size.
+ * by vertex; with --form, what its compact forms expand to with the tree; with --solid, the inside. Exact is the tree
+ * of the mesh as it was given, in numbers of any size.
  */
 #include <inttypes.h>
 #include <string.h>

@@ -135,8 +135,8 @@ void oracle_tree_free(oracle_tree *tree);
 bool oracle_leaf_codes(const uint8_t *child_mask, uint64_t inner_count, unsigned depth, uint64_t leaf_count,
                        uint64_t *codes);
 
-/* World to grid: s = (v - origin) * 2^snap_bits / edge, in real arithmetic, rounded to odd: a whole s is kept, any other
-   becomes the odd one of the two whole numbers around it. */
+/* World to grid: s = (v - origin) * 2^snap_bits / edge, in real arithmetic, rounded to odd: a whole s is kept, any
+   other becomes the odd one of the two whole numbers around it. */
 typedef struct oracle_grid {
     double origin[3];
     double edge;

@@ -23,7 +23,8 @@ extern "C" {
 /*
  * A grid of 2^depth voxels per axis. Plane i of an axis is where v - origin = i * edge / 2^depth, in real arithmetic.
  * An offset v - origin is exact down to 2^-ORACLE_OFFSET_BITS of the power of two above the edge; what lies below is
- * rounded to odd (Boldo and Melquiond, 2008), so that no vertex reaches, crosses or leaves a plane. All values are finite, edge above 0. depth: 0 .. ORACLE_DEPTH_MAX.
+ * rounded to odd (Boldo and Melquiond, 2008), so that no vertex reaches, crosses or leaves a plane. All values are
+ * finite, edge above 0. depth: 0 .. ORACLE_DEPTH_MAX.
  */
 typedef struct oracle_space {
     double origin[3];

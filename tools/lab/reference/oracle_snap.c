@@ -69,8 +69,8 @@ static double number_to_double(number rounded)
 }
 
 /*
- * a - b, exact where their lowest bits are at most 70 bits apart. Else of the lower number only the sign is kept, as the
- * lowest bit below the other, which is moved left by 70 bits: all that rounding the difference can depend on.
+ * a - b, exact where their lowest bits are at most 70 bits apart. Else of the lower number only the sign is kept, as
+ * the lowest bit below the other, which is moved left by 70 bits: all that rounding the difference can depend on.
  */
 static number difference(double a, double b)
 {
