@@ -104,8 +104,8 @@ static void count_voxels(const mutant *m, const int32_t *corners, unsigned depth
     }
 }
 
-/* T1: the number of golden counts that are not between what surely touches and what may. The table has no thin counts, and its triangles are too
-   large for narrow arithmetic. */
+/* T1: the number of golden counts that are not between what surely touches and what may. The table has no thin counts,
+   and its triangles are too large for narrow arithmetic. */
 static unsigned wrong_counts(const mutant *m, const golden_table *table)
 {
     unsigned wrong = 0;

@@ -392,7 +392,7 @@ static void t9_depths_0_and_17_are_refused(void **state)
     }
 }
 
-/* Every kind of hard triangle, on each of the spaces, whose edges are no powers of two and whose origins are far away. */
+/* Every kind of hard triangle, on each of the spaces: edges that are no powers of two, origins far away. */
 static void t4_hard_triangles_are_exact(void **state)
 {
     enum { TRIANGLES = 60 };
