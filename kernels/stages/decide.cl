@@ -75,6 +75,7 @@ svo_k_keep_decided(__global uint *all_counters, __global uint *fragments, svo_de
         const uint moves = first + item < count && triangle != SVO_REFUSED ? 1u : 0u;
         uint total;
         const uint place = end + svo_group_exclusive(moves, scratch, &total);
+        barrier(CLK_GLOBAL_MEM_FENCE); /* all have read theirs */
         if (moves != 0u) {
             svo_fragment_store(fragments, place, code, triangle);
         }
