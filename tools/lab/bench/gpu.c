@@ -391,9 +391,9 @@ static const gpu_work full_work = {
     .verified = {{.scene = "scene:knot:20000", .depth = "9"},
                  {.scene = "scene:needles:2000", .depth = "8"},
                  {.scene = "scene:dust:20000", .depth = "7"}},
-    .built = {{"scene:cube", "8", "area", "7ccd4964fcada8f32d152d905ad9f65e"},
-              {"scene:statue", "9", "area", "11aa41235b0efa08becdb966f5020423"},
-              {"scene:atrium", "10", "area", "bce410765d06cb2a3e451ddcadb13344"}},
+    .built = {{"scene:cube", "8", "area", "7295631d4d00a47cabcc682ae5f774ef"},
+              {"scene:statue", "9", "area", "4b83324ffa6f64035e298336c7d06424"},
+              {"scene:atrium", "10", "area", "f30fec80854fd358c3d3f7c6eef5b983"}},
     .traced = {{.scene = "scene:statue", .depth = "8"}, {.scene = "scene:atrium", .depth = "8"}},
     .stress_count = "32",
     .repeats = REPEATS,
@@ -401,8 +401,8 @@ static const gpu_work full_work = {
 };
 static const gpu_work quick_work = {
     .verified = {{.scene = "scene:knot:2000", .depth = "6"}},
-    .built = {{"scene:cube", "5", "uniform", "ec1db55cfc55554304ff8e39ee06679e"},
-              {"scene:knot:8000", "7", "uniform", "910e6d27fcd6b4d942eccef2055f3e0f"}},
+    .built = {{"scene:cube", "5", "uniform", "c1c19ca5fd62323eb37ae196b20d39e1"},
+              {"scene:knot:8000", "7", "uniform", "2d1a8eb47cfcfb25199aea5e5f4bfbdf"}},
     .traced = {{.scene = "scene:knot:8000", .depth = "6"}},
     .stress_count = "0",
     .repeats = QUICK_REPEATS,
