@@ -425,7 +425,7 @@ static void print_counts(const job *done, const char *hash)
     table_cell(rows, "fragments");
     table_cell(rows, "%s", figure_count(done->result.report.fragments).text);
     table_cell(rows, "undecided");
-    table_cell(rows, "%s, decided by the mesh as given", figure_count(done->result.report.undecided).text);
+    table_cell(rows, "%s", figure_count(done->result.report.undecided).text);
     table_cell(rows, "leaves");
     table_cell(rows, "%s", figure_count(done->result.info.leaf_count).text);
     table_cell(rows, "nodes");
