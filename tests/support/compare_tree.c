@@ -131,7 +131,7 @@ static oracle_exact_triangle triangle_of(const exact *made, uint32_t id)
 {
     const uint32_t *found =
         bsearch(&id, made->triangle_ids, made->triangle_count, sizeof *made->triangle_ids, compare_ids);
-    oracle_exact_triangle triangle;
+    oracle_exact_triangle triangle = {{{0}}};
     assert_non_null(found);
     for (unsigned corner = 0; corner < 3; ++corner) {
         const size_t v = made->indices[(size_t)(found - made->triangle_ids) * 3 + corner];
