@@ -297,10 +297,10 @@ static svo_status upload_block(svo_i_raster *raster, GLuint binding, const char 
     return check(raster, name);
 }
 
-/* One counter per chunk, all zero. */
+/* The counters of each chunk, all zero. */
 static svo_status upload_counters(svo_i_raster *raster, uint32_t chunk_count)
 {
-    uint32_t *zeros = svo_i_alloc_zeroed(&raster->device->memory, chunk_count + 1u, sizeof *zeros);
+    svo_i_raster_count *zeros = svo_i_alloc_zeroed(&raster->device->memory, chunk_count + 1u, sizeof *zeros);
     if (zeros == NULL) {
         return svo_i_device_fail(raster->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u counters", FUNCTION,
                                  chunk_count);
@@ -394,13 +394,13 @@ svo_status svo_i_raster_draw(svo_i_raster *raster, const svo_plan *plan, const s
     return check(raster, "drawing");
 }
 
-svo_status svo_i_raster_finish(svo_i_raster *raster, uint32_t chunk_count, uint32_t *needed)
+svo_status svo_i_raster_finish(svo_i_raster *raster, uint32_t chunk_count, svo_i_raster_count *counts)
 {
     const svo_i_gl_functions *gl = raster->gl;
     gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT | GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
     gl->Finish();
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, raster->buffers[BINDING_COUNTERS]);
-    gl->GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)(chunk_count * sizeof *needed), needed);
+    gl->GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)(chunk_count * sizeof *counts), counts);
     return check(raster, "reading the counters");
 }
 

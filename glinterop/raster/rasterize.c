@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Rasterizes a plan's triangles into the fragment list: one shared buffer per chunk, filled by OpenGL, then handed over
- * to OpenCL. The list is the input of the stages that build the tree.
+ * to OpenCL. The list is the input of the stages that build the tree. What the shaders leave undecided, the host
+ * decides in between, by the mesh as it was given.
  */
 #include "raster/rasterize.h"
 
@@ -10,6 +11,8 @@
 #include "plan/accounts.h"
 #include "plan/estimate.h"
 #include "share/share.h"
+#include "shared/decide.clh"
+#include "stages/inputs.h"
 
 /* Creates a chunk's buffer and gives it to OpenGL. */
 static svo_status create_chunk(const svo_i_rasterizer *rasterizer, size_t bytes, cl_command_queue queue,
@@ -75,16 +78,16 @@ static double possible_fragments(const svo_plan *plan, const svo_i_chunking *chu
 
 /* A chunk that was too small is allocated again with the driver's count, so an impossible count is an error. */
 static svo_status check_count(const svo_i_rasterizer *rasterizer, const svo_plan *plan, const svo_i_chunking *chunking,
-                              uint32_t chunk, uint32_t needed)
+                              uint32_t chunk, uint64_t needed)
 {
     if (needed <= chunking->chunks[chunk].capacity) {
         return SVO_OK;
     }
     const double most = possible_fragments(plan, chunking, &chunking->chunks[chunk]);
     if ((double)needed > most) {
-        return svo_i_device_fail(rasterizer->device, SVO_GL_ERROR,
-                                 "svo_build: %s counted %u fragments where at most %.0f are possible",
-                                 svo_i_gl_context_functions(rasterizer->context)->renderer, needed, most);
+        return svo_i_device_fail(
+            rasterizer->device, SVO_GL_ERROR, "svo_build: %s counted %llu fragments where at most %.0f are possible",
+            svo_i_gl_context_functions(rasterizer->context)->renderer, (unsigned long long)needed, most);
     }
     return SVO_OK;
 }
@@ -99,33 +102,97 @@ static svo_status tell(const svo_i_rasterizer *rasterizer, svo_plan *plan, doubl
     return svo_i_progress_reach(plan, SVO_STAGE_VOXELIZE, part);
 }
 
-/* Draws all chunks; needed: one counter per chunk. */
+/* ---- undecided fragments ---- */
+
+/* Every third bit of a code. */
+static uint32_t coordinate_of(uint64_t code, unsigned axis, unsigned depth)
+{
+    uint32_t coordinate = 0;
+    for (unsigned bit = 0; bit < depth; ++bit) {
+        coordinate |= (uint32_t)(code >> (3 * bit + axis) & 1u) << bit;
+    }
+    return coordinate;
+}
+
+/* Keeps those of the fragments that touch, in their order. Returns how many. */
+static uint32_t keep_touching(const svo_plan *plan, uint32_t *words, uint32_t count)
+{
+    const svo_decide_params params = svo_i_decide_params(plan);
+    const void *positions = params.is_double != 0 ? (const void *)plan->positions_double : plan->positions;
+    const size_t width = svo_i_plan_fragment_bytes(plan) / sizeof *words;
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t *fragment = words + i * width;
+        const uint64_t code = fragment[0] | (width > SVO_FRAGMENT_WORDS_30 ? (uint64_t)fragment[1] << 32 : 0);
+        const uint32_t cell[3] = {coordinate_of(code, 0, plan->info.depth), coordinate_of(code, 1, plan->info.depth),
+                                  coordinate_of(code, 2, plan->info.depth)};
+        const svo_decided_pair pair = svo_load_pair(positions, plan->indices, fragment[width - 1], cell, &params);
+        if (svo_decide(&pair, &params)) {
+            memmove(words + kept * width, fragment, width * sizeof *words);
+            ++kept;
+        }
+    }
+    return kept;
+}
+
+/* Decides the chunk's undecided fragments and moves those that touch to the others; *needed: both. */
+static svo_status decide(const svo_i_rasterizer *rasterizer, const svo_plan *plan, svo_i_fragments *chunk,
+                         svo_i_raster_count count)
+{
+    const size_t fragment_bytes = svo_i_plan_fragment_bytes(plan);
+    const size_t bytes = count.undecided * fragment_bytes;
+    chunk->needed = (uint64_t)count.decided + count.undecided;
+    if (count.undecided == 0 || chunk->needed > chunk->capacity) {
+        return SVO_OK;
+    }
+    uint32_t *words = svo_i_alloc(&rasterizer->device->memory, bytes);
+    if (words == NULL) {
+        return svo_i_device_fail(rasterizer->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u fragments",
+                                 count.undecided);
+    }
+    svo_status status = SVO_OK;
+    const svo_i_share_buffer *shared = chunk->owner;
+    SVO_I_TRY_CLEANUP(
+        svo_i_share_buffer_read_gl(shared, (size_t)chunk->capacity * fragment_bytes - bytes, bytes, words));
+    const uint32_t kept = keep_touching(plan, words, count.undecided);
+    SVO_I_TRY_CLEANUP(
+        svo_i_share_buffer_write_gl(shared, count.decided * fragment_bytes, kept * fragment_bytes, words));
+    chunk->needed = (uint64_t)count.decided + kept;
+cleanup:
+    svo_i_free(words);
+    return status;
+}
+
+/* Draws all chunks; counts: of each; *undecided: of all. */
 static svo_status draw_chunks(const svo_i_rasterizer *rasterizer, svo_plan *plan, const svo_i_chunking *chunking,
-                              svo_i_fragment_list *list, uint32_t *needed)
+                              svo_i_fragment_list *list, svo_i_raster_count *counts, uint64_t *undecided)
 {
     for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
         svo_i_share_buffer_bind(list->chunks[i].owner, SVO_I_RASTER_FRAGMENTS);
         SVO_I_TRY(svo_i_raster_draw(rasterizer->raster, plan, chunking, i));
         SVO_I_TRY(tell(rasterizer, plan, (double)(i + 1) / chunking->chunk_count));
     }
-    SVO_I_TRY(svo_i_raster_finish(rasterizer->raster, chunking->chunk_count, needed));
+    SVO_I_TRY(svo_i_raster_finish(rasterizer->raster, chunking->chunk_count, counts));
+    *undecided = 0;
     for (uint32_t i = 0; i < chunking->chunk_count; ++i) {
-        list->chunks[i].needed = needed[i];
-        SVO_I_TRY(check_count(rasterizer, plan, chunking, i, needed[i]));
+        *undecided += counts[i].undecided;
+        SVO_I_TRY(decide(rasterizer, plan, &list->chunks[i], counts[i]));
+        SVO_I_TRY(check_count(rasterizer, plan, chunking, i, list->chunks[i].needed));
     }
     return SVO_OK;
 }
 
 static svo_status draw_list(const svo_i_rasterizer *rasterizer, svo_plan *plan, const svo_i_chunking *chunking,
-                            svo_i_fragment_list *list)
+                            svo_i_fragment_list *list, uint64_t *undecided)
 {
-    uint32_t *needed = svo_i_alloc_zeroed(&rasterizer->device->memory, chunking->chunk_count + 1u, sizeof *needed);
-    if (needed == NULL) {
+    svo_i_raster_count *counts =
+        svo_i_alloc_zeroed(&rasterizer->device->memory, chunking->chunk_count + 1u, sizeof *counts);
+    if (counts == NULL) {
         return svo_i_device_fail(rasterizer->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u counters",
                                  chunking->chunk_count);
     }
-    const svo_status status = draw_chunks(rasterizer, plan, chunking, list, needed);
-    svo_i_free(needed);
+    const svo_status status = draw_chunks(rasterizer, plan, chunking, list, counts, undecided);
+    svo_i_free(counts);
     return status;
 }
 
@@ -157,7 +224,7 @@ static svo_status make_list(const svo_i_rasterizer *rasterizer, svo_i_commands *
     SVO_I_TRY(create_chunks(rasterizer, plan, chunking, commands->queue, list));
     SVO_I_TRY(svo_i_raster_upload(rasterizer->raster, plan, chunking->chunk_count));
     take_time(commands->report, SVO_STAGE_TRANSFER, &start_ms);
-    SVO_I_TRY(draw_list(rasterizer, plan, chunking, list));
+    SVO_I_TRY(draw_list(rasterizer, plan, chunking, list, &commands->report->undecided));
     take_time(commands->report, SVO_STAGE_VOXELIZE, &start_ms);
     if (rasterizer->share != SVO_GL_SHARE_AUTO) {
         SVO_I_TRY(hand_over(plan, commands->queue, list));

@@ -172,11 +172,13 @@ static int compare_fragments_48(const void *left, const void *right)
 
 /* Draws the plan into a buffer of its own and reads the fragments. words: room for capacity fragments. */
 static svo_status draw(svo_device *device, const svo_i_gl_functions *gl, svo_i_raster *raster, const svo_plan *plan,
-                       uint64_t capacity, uint32_t *words, uint32_t *needed)
+                       uint64_t capacity, uint32_t *words, uint64_t *needed)
 {
     svo_i_chunking layout;
     svo_status status = SVO_OK;
-    const uint64_t bytes = capacity * svo_i_plan_fragment_bytes(plan);
+    svo_i_raster_count counts = {0, 0};
+    const size_t fragment_bytes = svo_i_plan_fragment_bytes(plan);
+    const uint64_t bytes = capacity * fragment_bytes;
     SVO_I_TRY(svo_i_chunking_create(plan, UINT64_C(1) << 26, &layout));
     layout.chunks[0].capacity = capacity;
     GLuint buffer = 0;
@@ -188,10 +190,15 @@ static svo_status draw(svo_device *device, const svo_i_gl_functions *gl, svo_i_r
     SVO_I_TRY_CLEANUP(svo_i_raster_upload(raster, plan, 1));
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SVO_I_RASTER_FRAGMENTS, buffer);
     SVO_I_TRY_CLEANUP(svo_i_raster_draw(raster, plan, &layout, 0));
-    SVO_I_TRY_CLEANUP(svo_i_raster_finish(raster, 1, needed));
+    SVO_I_TRY_CLEANUP(svo_i_raster_finish(raster, 1, &counts));
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
     gl->GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)bytes, words);
     SVO_I_TRY_CLEANUP(svo_i_gl_check(gl, "svo_gl_create", "self-test", &device->message));
+    *needed = (uint64_t)counts.decided + counts.undecided;
+    if (*needed <= capacity) {
+        memmove((char *)words + counts.decided * fragment_bytes,
+                (char *)words + (capacity - counts.undecided) * fragment_bytes, counts.undecided * fragment_bytes);
+    }
 cleanup:
     gl->DeleteBuffers(1, &buffer);
     svo_i_chunking_destroy(&layout);
@@ -199,14 +206,14 @@ cleanup:
 }
 
 /* Writes "" to reason when both arrays hold the same fragments in any order, else how they differ. Sorts both. */
-static void report_difference(const svo_plan *plan, uint32_t *drawn, uint32_t *expected, uint32_t needed,
+static void report_difference(const svo_plan *plan, uint32_t *drawn, uint32_t *expected, uint64_t needed,
                               uint64_t count, char *reason, size_t reason_bytes)
 {
     const unsigned depth = plan->info.depth;
     const size_t bytes = svo_i_plan_fragment_bytes(plan);
     if (needed != count) {
-        (void)snprintf(reason, reason_bytes, "the self-test found %u fragments, not %llu, at depth %u", needed,
-                       (unsigned long long)count, depth);
+        (void)snprintf(reason, reason_bytes, "the self-test found %llu fragments, not %llu, at depth %u",
+                       (unsigned long long)needed, (unsigned long long)count, depth);
         return;
     }
     int (*compare)(const void *, const void *) =
@@ -225,7 +232,7 @@ static svo_status draw_and_compare(svo_device *device, const svo_i_gl_functions 
     uint32_t *expected = NULL;
     uint32_t *drawn = NULL;
     uint64_t count = 0;
-    uint32_t needed = 0;
+    uint64_t needed = 0;
     SVO_I_TRY_CLEANUP(svo_i_walk(plan, &expected, &count));
     drawn = svo_i_alloc(&device->memory, (size_t)(count + 1) * svo_i_plan_fragment_bytes(plan));
     if (drawn == NULL) {

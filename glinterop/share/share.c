@@ -2,6 +2,8 @@
 /* Buffers of both APIs, and how their content gets from one to the other. probe.c finds which path works. */
 #include "share/share.h"
 
+#include <string.h>
+
 #include "core/message.h"
 
 /* ---- `host`, and what all paths need ---- */
@@ -316,6 +318,30 @@ void svo_i_share_buffer_bind(const svo_i_share_buffer *buffer, GLuint binding)
     svo_i_gl_context_functions(buffer->context)
         ->BindBufferRange(GL_SHADER_STORAGE_BUFFER, binding, buffer->name, (GLintptr)buffer->offset_bytes,
                           (GLsizeiptr)buffer->bytes);
+}
+
+svo_status svo_i_share_buffer_read_gl(const svo_i_share_buffer *buffer, size_t first, size_t bytes, void *to)
+{
+    const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
+    if (buffer->pointer != NULL) {
+        memcpy(to, buffer->pointer + first, bytes);
+        return SVO_OK;
+    }
+    gl->BindBuffer(SVO_I_SHARE_WORK_TARGET, buffer->name);
+    gl->GetBufferSubData(SVO_I_SHARE_WORK_TARGET, (GLintptr)(buffer->offset_bytes + first), (GLsizeiptr)bytes, to);
+    return check_gl(buffer, "svo_i_share_buffer_read_gl", "glGetBufferSubData");
+}
+
+svo_status svo_i_share_buffer_write_gl(const svo_i_share_buffer *buffer, size_t first, size_t bytes, const void *from)
+{
+    const svo_i_gl_functions *gl = svo_i_gl_context_functions(buffer->context);
+    if (buffer->pointer != NULL) {
+        memcpy(buffer->pointer + first, from, bytes);
+        return SVO_OK;
+    }
+    gl->BindBuffer(SVO_I_SHARE_WORK_TARGET, buffer->name);
+    gl->BufferSubData(SVO_I_SHARE_WORK_TARGET, (GLintptr)(buffer->offset_bytes + first), (GLsizeiptr)bytes, from);
+    return check_gl(buffer, "svo_i_share_buffer_write_gl", "glBufferSubData");
 }
 
 static svo_status release_to_gl(svo_i_share_buffer *buffer)

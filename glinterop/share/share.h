@@ -78,6 +78,10 @@ svo_status svo_i_share_buffer_to_gl(svo_i_share_buffer *buffer, cl_command_queue
    svo_i_share_buffer_to_gl first. */
 svo_status svo_i_share_buffer_to_cl(svo_i_share_buffer *buffer, size_t used_bytes, cl_command_queue queue);
 
+/* Copies bytes to and from the host while the buffer is OpenGL's, after its commands. Expect the context current. */
+svo_status svo_i_share_buffer_read_gl(const svo_i_share_buffer *buffer, size_t first, size_t bytes, void *to);
+svo_status svo_i_share_buffer_write_gl(const svo_i_share_buffer *buffer, size_t first, size_t bytes, const void *from);
+
 /* Gives the buffer to OpenCL for writing, after OpenGL's commands that read it. */
 svo_status svo_i_share_buffer_begin_cl(svo_i_share_buffer *buffer, cl_command_queue queue);
 /* Makes the first used_bytes visible to every OpenGL command after the return. OpenCL's work on it must have completed.

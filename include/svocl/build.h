@@ -77,6 +77,9 @@ typedef struct svo_stage_time {
 typedef struct svo_build_report {
     size_t struct_size; /**< sizeof(svo_build_report) */
     uint64_t fragments; /**< (voxel, triangle) pairs */
+    /** Of the pairs that the front end proposed, those that rounded corners did not decide. 0 where the host does not
+     *  read the counts: svo_build_enqueue. */
+    uint64_t undecided;
     uint64_t inner_nodes; /**< of svo_tree_finish with SVO_CAPACITY_EXCEEDED: the room that is enough; else 0 */
     uint32_t list_chunks; /**< buffers of the fragment list */
     uint32_t reruns; /**< how often a capacity was too small and a stage ran again */
@@ -171,8 +174,8 @@ SVO_API svo_status svo_workspace_measure(svo_plan *plan, svo_frontend *frontend,
 
 /** Makes a workspace and compiles what its builds need.
  *
- * There is room for the plan's fragment_capacity; without one, for the exact number after svo_plan_count, else for the
- * fragment estimate plus an eighth. Inner nodes follow from the fragment estimate, or from worst_case_nodes.
+ * There is room for the plan's fragment_capacity; without one, for the number that svo_plan_count has found, else for
+ * the fragment estimate plus an eighth. Inner nodes follow from the fragment estimate, or from worst_case_nodes.
  *
  * \param plan with SVO_BUILDER_CL; must outlive the workspace
  * \param frontend not NULL; must outlive the workspace. With a front end of OpenGL, svo_build_enqueue waits on the host
@@ -229,15 +232,16 @@ SVO_API svo_status svo_build_enqueue(svo_workspace *workspace, svo_tree *tree, c
  * \param report receives what the build did; NULL allowed. Stage times need a queue with CL_QUEUE_PROFILING_ENABLE in
  *        svo_build_enqueue
  * \returns SVO_CAPACITY_EXCEEDED when a capacity was too small. The tree stays undefined. report->fragments is the
- *          exact number of fragments, report->inner_nodes the room for inner nodes that suffices, and the message has
+ *          capacity that suffices, report->inner_nodes the room for inner nodes that suffices, and the message has
  *          both. A plan with that fragment_capacity fits, with worst_case_nodes where nodes were short. Of an updatable
- *          plan it is at least the exact number, and the mesh may have outgrown max_area instead; other trees of the
+ *          plan it may be more, and the mesh may have outgrown max_area instead; other trees of the
  *          workspace keep their content.
  *          SVO_INVALID_ARGUMENT without a build in flight, or after svo_workspace_destroy. Otherwise as svo_build. */
 SVO_API svo_status svo_tree_finish(svo_tree *tree, cl_command_queue queue, int trim, svo_build_report *report);
 
 /** Counts the fragments of a plan without keeping them. Their number becomes the plan's capacity, and its list of
- *  buffers exact where it follows from that. Costs about a voxelization.
+ *  buffers exact where it follows from that. Pairs that only the mesh as given decides (svo_build_report.undecided)
+ *  count whether they touch or not, since a list has room for them until they are decided. Costs about a voxelization.
  *
  * \param plan not NULL
  * \param frontend as for svo_build

@@ -3,11 +3,11 @@
  * Files (svocl::io): trees as .svo; meshes from OBJ, PLY, STL, OFF, glTF, and from what assimp knows. It includes
  * files.h, which says where files are, and voxel_files.h, whose subject is voxels.
  *
- * The .svo format, version 3. All numbers are little-endian; offsets are bytes from the start of the file.
+ * The .svo format, version 4. All numbers are little-endian; offsets are bytes from the start of the file.
  *
  *     offset bytes
  *     0      8     magic: 89 53 56 4F 0D 0A 1A 0A  ("\x89SVO\r\n\x1a\n")
- *     8      4     u32 version: 3; files of versions 1 and 2 are still read
+ *     8      4     u32 version: 4; files of versions 1 to 3 are still read
  *     12     4     u32 header_bytes: offset of the first byte after the chunk table
  *     16     8     u64 file_bytes: length of the whole file
  *     24     8     u64 XXH3-64 over bytes 32 .. header_bytes
@@ -53,6 +53,10 @@
  * their count. child_mask is always present. positions or positions_double is there with need's bit 2, unless coverage
  * is thin; its used vertices snap to those of vertices. A zstd chunk has at least 4 bytes per 128 KiB of plain_bytes,
  * as zstd itself ensures.
+ *
+ * Version 3 has the same layout. Its voxels and lists are not those of the mesh as it was given, but of vertices, to
+ * which it was rounded: to the nearest unit, where version 4 rounds to odd (svo_tree_info.is_exact). Trees of such
+ * files, and of older ones, are saved in version 3 again.
  *
  * In version 2 a chunk is a whole array, its level is 0, and first_child is there as well, of every node, also of the
  * empty tree's root (1). Version 1 has, besides, no positions. Trees of such files, and files that are made of those,

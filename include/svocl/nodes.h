@@ -34,12 +34,13 @@ typedef struct svo_box {
     double high[3]; /**< greatest corner; not below low on any axis */
 } svo_box;
 
-/** Where the cells of a grid are: four fields of svo_plan_info before a build. This struct does not grow. */
+/** Where the cells of a grid are: five fields of svo_plan_info before a build. This struct does not grow. */
 typedef struct svo_grid {
     uint32_t depth; /**< the grid has 2^depth voxels per axis */
     uint32_t snap_bits; /**< the grid is 2^snap_bits units wide */
     double origin[3]; /**< minimum corner, world coordinates */
     double scale; /**< grid units per world unit */
+    double edge; /**< width of the grid, world units */
 } svo_grid;
 
 /** The grid of a tree.
@@ -66,8 +67,8 @@ SVO_API double svo_grid_cell_edge(const svo_grid *grid, uint32_t level);
 SVO_API void svo_grid_cell_box(const svo_grid *grid, uint32_t level, const uint32_t cell[3], double low[3],
                                double high[3]);
 
-/** The cell that holds a point. The point is snapped to the nearest unit first, as a vertex of the mesh is: so the cell
- *  of a vertex is occupied, and points up to half a unit outside the grid count as inside.
+/** The cell that holds a point, exactly: cell c on level l holds what is c * edge / 2^l from origin along each axis, or
+ *  more, and less than c + 1 times that. So the cell of a vertex is occupied.
  *
  * \param grid not NULL
  * \param level 0 .. depth

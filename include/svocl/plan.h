@@ -2,7 +2,7 @@
 /** \file
  * The plan: what a build of one mesh will do, decided before anything is allocated on the device.
  *
- * svo_plan_create reads the mesh once. It validates the triangles, places the grid, snaps the vertices to integers,
+ * svo_plan_create reads the mesh once. It validates the triangles, places the grid, rounds the vertices to integers,
  * classifies the triangles by the arithmetic that their overlap test needs, and predicts the size of every buffer with
  * the fragment estimate: a triangle with bounding widths w, area A and unit normal n touches, on voxels of edge h and
  * averaged over random offsets, E = 1 + (wx + wy + wz) / h + A (|nx| + |ny| + |nz|) / h^2 voxels.
@@ -33,7 +33,7 @@ typedef enum svo_need {
     SVO_NEED_DEFAULT = 0, /**< normals, and the colors that the mesh has */
     SVO_NEED_COLOR = 1, /**< RGBA8 per node; white if the mesh has neither colors nor materials */
     SVO_NEED_NORMAL = 2, /**< 3 x int16 per node; the triangles' own normals if the mesh has none */
-    SVO_NEED_RAYS = 4, /**< leaf lists, vertices as given and snapped, and indices, from which trace.h makes a BVH */
+    SVO_NEED_RAYS = 4, /**< leaf lists, vertices as given and rounded, and indices, from which trace.h makes a BVH */
     SVO_NEED_MATERIAL = 8, /**< 16 bits per node: the material with the largest weight; the smaller index on ties */
     SVO_NEED_FILL = 16, /**< 16 bits per node: surface area inside, 4096 = a face of the node, at most 65535 */
     /** 6 x 16 bits per leaf, none for inner nodes: how much surface rays along +x, -x, +y, -y, +z and -z see in the
@@ -87,14 +87,14 @@ typedef enum svo_place {
      *  (max_device_bytes) and on devices without doubles or denormals. */
     SVO_PLACE_DEFAULT = 0,
     SVO_PLACE_HOST = 1, /**< "host": one thread; builds upload what they read */
-    /** "device": kernels. The snapped mesh and the payload inputs stay on the device, in memory of the plan's own,
+    /** "device": kernels. The mesh and the payload inputs stay on the device, in memory of the plan's own,
      *  28 bytes per triangle and 12 per vertex besides attributes and what rays meet; builds copy what they read. */
     SVO_PLACE_DEVICE = 2
 } svo_place;
 
 /** The stages of plans and builds. Later versions may append some. */
 typedef enum svo_stage {
-    SVO_STAGE_GRID = 0, /**< "grid": validate, snap, classify (svo_plan_create) */
+    SVO_STAGE_GRID = 0, /**< "grid": validate, round, classify (svo_plan_create) */
     SVO_STAGE_COMPILE, /**< "compile": kernels and shaders, as far as this build compiled any */
     SVO_STAGE_VOXELIZE, /**< "voxelize": triangles -> fragment list */
     SVO_STAGE_TRANSFER, /**< "transfer": list from OpenGL to OpenCL, host data to the device, counts back */
@@ -190,10 +190,10 @@ typedef struct svo_plan_info {
     double origin[3]; /**< minimum corner of the grid, world */
     double edge; /**< width of the grid, the caller's or fitted, world; see nodes.h */
     double scale; /**< grid units per world unit */
-    double snap_error; /**< world: the largest |q / scale + origin - v| over the coordinates of accepted vertices */
+    double snap_error; /**< world: how far a coordinate that payload is weighed by is off; less than 1 / scale */
     double expected_fragments; /**< the fragment estimate, without slack */
-    uint64_t fragments; /**< the exact number after svo_plan_count; 0 before */
-    double grid_ms; /**< wall clock of validating, snapping and classifying, milliseconds; without compiling */
+    uint64_t fragments; /**< after svo_plan_count the capacity that suffices; 0 before */
+    double grid_ms; /**< wall clock of validating, rounding and classifying, milliseconds; without compiling */
     uint32_t place; /**< svo_place: SVO_PLACE_HOST or SVO_PLACE_DEVICE */
     /** The areas of the three projections of the kept triangles, as far as inside the grid, divided by the square root
      *  of 3; square world units. At most their area. */

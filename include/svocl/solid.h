@@ -3,9 +3,9 @@
  * Solids: the inside of a mesh, found from its octree.
  *
  * A voxel is inside if its center is: the lines from the center along +x, +y and +z each add up the crossings of the
- * snapped mesh, 1 where they leave through the front of a triangle and -1 where they enter. Edges belong to one of
- * their triangles by the top-left rule and heights are compared as integers, so nothing is rounded: on a closed mesh
- * every line gives the same number. Where the three lines disagree, two of them decide.
+ * mesh as it was given (svo_tree_info.is_exact), 1 where they leave through the front of a triangle and -1 where they
+ * enter. Edges belong to one of their triangles by the top-left rule and heights are compared as integers: on a closed
+ * mesh every line gives the same number. Where the three lines disagree, two of them decide.
  *
  * No surface passes through an empty child of a node, so one voxel of it decides for all, and there is no dense grid.
  * The result is the tree in the form SVO_FORM_DESCRIPTOR with leaves added: the empty children that are inside, each

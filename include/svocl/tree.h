@@ -37,7 +37,8 @@ typedef struct svo_tree svo_tree;
 
 /** Which mesh rays and nearest points meet. */
 typedef enum svo_positions {
-    SVO_POSITIONS_SNAPPED = 0, /**< the snapped one: the tree is from a file of version 1; or it has no rays */
+    /** The rounded one, svo_tree_arrays.vertices: the tree is from a file of version 1; or it has no rays. */
+    SVO_POSITIONS_SNAPPED = 0,
     SVO_POSITIONS_FLOAT = 1, /**< the input's, given as floats */
     SVO_POSITIONS_DOUBLE = 2 /**< the input's, given as doubles */
 } svo_positions;
@@ -54,8 +55,8 @@ typedef struct svo_tree_info {
     uint32_t payload_level; /**< first level with payload; payload arrays begin with that level's first node */
     double origin[3]; /**< minimum corner of the grid, world coordinates */
     double edge; /**< width of the grid, world units; nodes.h explains it */
-    double scale; /**< grid units per world unit: q = rint((v - origin) * scale) */
-    double snap_error; /**< world: the largest distance along an axis that snapping moved a vertex */
+    double scale; /**< grid units per world unit */
+    double snap_error; /**< world: of svo_plan_info */
     uint64_t triangles; /**< of the mesh */
     uint64_t refused_triangles; /**< of those, not usable: see svo_plan_info */
     uint64_t fragments; /**< (voxel, triangle) pairs */
@@ -67,6 +68,9 @@ typedef struct svo_tree_info {
     uint64_t list_triangle_count; /**< accepted triangles kept for rays */
     uint32_t level_begin[SVO_LEVELS_MAX]; /**< level l has the nodes level_begin[l] .. level_begin[l + 1] - 1 */
     uint32_t positions; /**< svo_positions: which mesh rays meet */
+    /** Not 0: voxels and lists are those of the mesh as it was given. 0: the tree is from a file of a version before 4,
+     *  and they are those of svo_tree_arrays.vertices, to which the mesh was rounded. */
+    uint32_t is_exact;
     uint64_t ray_bytes; /**< device memory of the BVH; 0 while there is none */
 } svo_tree_info;
 
@@ -83,7 +87,9 @@ typedef struct svo_tree_arrays {
     const int16_t *normals; /**< payload_count * 3: mean normal, 32767 = 1; its length is at most 1 */
     const uint32_t *list_begin; /**< leaf_count + 1: leaf k has list[list_begin[k]] .. list[list_begin[k + 1] - 1] */
     const uint32_t *list; /**< list_count: indices into triangle_ids, ascending within a leaf */
-    const int32_t *vertices; /**< vertex_count * 3: snapped, grid units */
+    /** vertex_count * 3: grid units from origin. Whole numbers of units, if even; an odd number stands for what lies
+     *  between its even neighbors. Up to file version 3 the nearest number. */
+    const int32_t *vertices;
     const uint32_t *indices; /**< list_triangle_count * 3: into vertices */
     const uint32_t *triangle_ids; /**< list_triangle_count: positions in the mesh's index array, ascending */
     const uint16_t *materials; /**< payload_count: into the mesh's materials */

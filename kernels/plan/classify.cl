@@ -7,8 +7,8 @@
  * of sums per group. No atomics.
  */
 #include "plan/plan.clh"
+#include "shared/snap.clh"
 
-#define SVO_UNITS_FAR    (1 << 30)
 #define SVO_NARROW_UNITS (1 << 14)
 #define SVO_REGULAR_BITS 20u
 #define SVO_NEEDLE_RATIO 4096.0

@@ -7,9 +7,7 @@
  * svo_k_plan_totals reduces. No atomics: the marks of vertices are only ever set.
  */
 #include "plan/plan.clh"
-
-#define SVO_UNITS_MAX (1 << 29)
-#define SVO_UNITS_FAR (1 << 30)
+#include "shared/snap.clh"
 
 static bool svo_is_finite(__global const uint *positions, uint flags, uint vertex)
 {
@@ -70,21 +68,24 @@ svo_k_plan_snap(__global const uint *positions, __global const uchar *used, __gl
                 __global ulong *partials, svo_plan_params params, __local ulong *scratch)
 {
     const uint2 run = svo_own_run(params.vertex_count);
-    const double scale = svo_double_from(params.scale[0], params.scale[1]);
-    const double3 origin = (double3)(svo_double_from(params.origin[0], params.origin[1]),
-                                     svo_double_from(params.origin[2], params.origin[3]),
-                                     svo_double_from(params.origin[4], params.origin[5]));
-    double3 largest = (double3)(0.0, 0.0, 0.0);
+    const double origin[3] = {svo_double_from(params.origin[0], params.origin[1]),
+                              svo_double_from(params.origin[2], params.origin[3]),
+                              svo_double_from(params.origin[4], params.origin[5])};
+    const svo_snap snap = svo_make_snap(svo_double_from(params.scale[0], params.scale[1]),
+                                        svo_double_from(params.edge[0], params.edge[1]), (int)params.snap_bits);
+    double largest = 0.0;
     for (uint v = run.x; v < run.y; ++v) {
-        const double3 x = used[v] != 0 ? svo_mesh_vertex(positions, params.flags, v) : origin;
-        const double3 q = rint((x - origin) * scale);
-        const long3 near = fabs(q) < (double3)(SVO_UNITS_MAX);
-        /* On grids near the largest double, converting back may overflow. */
-        const double3 error = fmin(fabs(q / scale + origin - x), (double3)(DBL_MAX));
-        const double3 beyond = select((double3)(-SVO_UNITS_FAR), (double3)(SVO_UNITS_FAR), q > 0.0);
-        largest = fmax(largest, select((double3)(0.0), error, near));
-        vstore3(convert_int3(select(beyond, q, near)), v, vertices);
+        for (uint axis = 0; axis < 3u; ++axis) {
+            const double x =
+                used[v] != 0 ? svo_mesh_coordinate(positions, params.flags, (size_t)v * 3 + axis) : origin[axis];
+            const int q = svo_snap_coordinate(&snap, x, origin[axis]);
+            vertices[(size_t)v * 3 + axis] = q;
+            if (abs(q) < SVO_UNITS_FAR) {
+                /* On grids near the largest double, converting back may overflow. */
+                largest = fmax(largest, fmin(fabs((double)q / snap.scale + origin[axis] - x), DBL_MAX));
+            }
+        }
     }
-    const ulong bits[1] = {as_ulong(fmax(fmax(largest.x, largest.y), largest.z))};
+    const ulong bits[1] = {as_ulong(largest)};
     svo_group_columns(bits, 1u, true, scratch, partials);
 }

@@ -136,6 +136,6 @@ svo_k_plan_tiles(__global const int *vertices, __global const uint *indices, __g
             tiles[first + k].item = params.first_item + id;
             tiles[first + k].corner = (uint)(p.first.x + (row.x + (int)k) * SVO_TILE_EDGE) | (uint)v << 16;
         }
-        svo_count_missing(first, count, counters + 2u * params.counter, &params);
+        svo_count_missing(first, count, counters + SVO_COUNTER_WORDS * params.counter, &params);
     }
 }

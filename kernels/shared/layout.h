@@ -92,7 +92,7 @@ SVO_RECORD(svo_large_item)
     SVO_I32 corners[9]; /* 12: grid units */
 };
 
-/* Arguments of the plan's kernels. Doubles are two words, the low one first. 72 bytes. */
+/* Arguments of the plan's kernels. Doubles are two words, the low one first. 80 bytes. */
 SVO_RECORD(svo_plan_params)
 {
     SVO_U32 vertex_count; /* 0 */
@@ -103,7 +103,8 @@ SVO_RECORD(svo_plan_params)
     SVO_U32 material_count; /* 20 */
     SVO_U32 origin[6]; /* 24: of the grid, three doubles */
     SVO_U32 scale[2]; /* 48: grid units per world unit, a double */
-    SVO_U32 class_begin[4]; /* 56: the first item of each class */
+    SVO_U32 edge[2]; /* 56: of the grid, a double */
+    SVO_U32 class_begin[4]; /* 64: the first item of each class */
 };
 
 #define SVO_PLAN_INDEXED  1u /* the mesh has indices */
@@ -178,8 +179,26 @@ SVO_RECORD(svo_voxelize_params)
     SVO_U32 width; /* 44 */
     SVO_U32 height; /* 48 */
     SVO_U32 capacity; /* 52: fragments that the chunk can hold */
-    SVO_U32 counter; /* 56: the chunk's counter, a pair of words */
+    SVO_U32 counter; /* 56: the chunk, whose counters have SVO_COUNTER_WORDS words */
     SVO_U32 reserved; /* 60 */
+};
+
+/* Words of a chunk's counters, of 64 bits each: its fragments, and of these at first those that are decided; and the
+   undecided ones. */
+#define SVO_COUNTER_WORDS 4u
+
+/* Arguments of the kernels that decide fragments. Doubles are two words, the low one first. 72 bytes. */
+SVO_RECORD(svo_decide_params)
+{
+    SVO_U32 capacity; /* 0: fragments that the chunk can hold */
+    SVO_U32 counter; /* 4: the chunk */
+    SVO_U32 coverage; /* 8: svo_coverage */
+    SVO_U32 is_double; /* 12: not 0: positions are doubles */
+    SVO_U32 depth; /* 16: of the whole tree, also for a part */
+    SVO_U32 corner[3]; /* 20: the first voxel of the part; 0 for a whole tree */
+    SVO_U32 origin[6]; /* 32: of the whole grid, three doubles */
+    SVO_U32 edge[2]; /* 56: of the whole grid, a double */
+    SVO_U32 reserved[2]; /* 64 */
 };
 
 /* Arguments of the subdivision kernels. Levels are counted from pad levels above the root. 56 bytes. */
@@ -375,11 +394,12 @@ SVO_RECORD(svo_ray_params)
 SVO_ASSERT_BYTES(svo_draw_item, 8);
 SVO_ASSERT_BYTES(svo_tile_item, 8);
 SVO_ASSERT_BYTES(svo_large_item, 48);
-SVO_ASSERT_BYTES(svo_plan_params, 72);
+SVO_ASSERT_BYTES(svo_plan_params, 80);
 SVO_ASSERT_BYTES(svo_plan_total_params, 16);
 SVO_ASSERT_BYTES(svo_plan_view, 28);
 SVO_ASSERT_BYTES(svo_triangle_record, 16);
 SVO_ASSERT_BYTES(svo_voxelize_params, 64);
+SVO_ASSERT_BYTES(svo_decide_params, 72);
 SVO_ASSERT_BYTES(svo_blocks_params, 56);
 SVO_ASSERT_BYTES(svo_subdivide_params, 32);
 SVO_ASSERT_BYTES(svo_sort_params, 16);

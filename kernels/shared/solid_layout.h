@@ -14,7 +14,7 @@
 #define SVO_SOLID_AMBIGUOUS  7 /* of those, with axes that disagree */
 #define SVO_SOLID_COUNTERS   8
 
-/* Arguments of the solid kernels. 48 bytes. */
+/* Arguments of the solid kernels. 56 bytes. */
 SVO_RECORD(svo_solid_params)
 {
     SVO_U32 depth; /* 0 */
@@ -28,10 +28,12 @@ SVO_RECORD(svo_solid_params)
     SVO_U32 element_halves; /* 32: 16-bit words of a payload element */
     SVO_U32 repeats; /* 36: not 0: the tree's payload has one element for all nodes */
     SVO_U32 value[2]; /* 40: the element of interior leaves, its first half in the low half of the first word */
+    SVO_U32 rounded_to_odd; /* 48: 1: odd coordinates of vertices may be off; 0: the snapped mesh is the true one */
+    SVO_U32 reserved; /* 52 */
 };
 
 #if !defined(GL_core_profile)
-SVO_ASSERT_BYTES(svo_solid_params, 48);
+SVO_ASSERT_BYTES(svo_solid_params, 56);
 #endif
 
 #endif

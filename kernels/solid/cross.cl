@@ -3,7 +3,8 @@
  * The signed crossings of the columns' center lines, gathered by leaf. Every point of the surface lies in one voxel,
  * half-open, and that voxel's list has the triangle; so each crossing is found once, without a search and without a
  * grid. Voxels of coverage closed list more triangles, whose crossings lie in their neighbors and are not counted here.
- * That is why the lists of a thin tree do not suffice.
+ * That is why the lists of a thin tree do not suffice. The mesh is the one that the lists are exact against: as it was
+ * given, or the snapped one in trees of old files.
  *
  * Launch: svo_k_solid_outside, one work-item per triangle: counts triangles that reach outside the grid, whose
  * crossings no leaf would find. svo_k_solid_cross, one per leaf: lists up to SVO_SHORT_LIST_MAX; longer ones are
@@ -13,6 +14,7 @@
  */
 #include "shared/solid_layout.h"
 
+#include "shared/decide.clh"
 #include "shared/group.clh"
 #include "shared/nodes.clh"
 #include "solid/crossing.clh"
@@ -35,32 +37,60 @@ svo_k_solid_outside(__global const int *vertices, __global const uint *indices, 
     }
 }
 
-/* The voxel's sum of the triangle's crossings, for each axis. */
-static void svo_add_crossings(__global const int *vertices, __global const uint *corners, const uint *voxel,
-                              uint voxel_log2, uint *sums)
+/* The mesh that crosses. positions: as it was given, on the grid; not read if it is the snapped one. */
+typedef struct svo_crossing_mesh {
+    __global const int *vertices;
+    __global const uint *indices;
+    __global const uint *positions;
+    const svo_decide_params *grid;
+} svo_crossing_mesh;
+
+/* Adds the crossings along the axes of a mask, by the caller's numbers. */
+static void svo_add_exactly(const svo_crossing_mesh *mesh, uint triangle, const uint *voxel, uint axes, uint *sums)
 {
-    int triangle[9];
-    for (uint k = 0; k < 9u; ++k) {
-        triangle[k] = vertices[3u * (size_t)corners[k / 3u] + k % 3u];
-    }
+    const svo_decided_pair pair = svo_load_pair(mesh->positions, mesh->indices, triangle, voxel, mesh->grid);
+    const svo_big width = svo_decided_width(mesh->grid);
+    const svo_exact_triangle placed = svo_place_exactly(&pair, mesh->grid, width);
     for (uint axis = 0; axis < 3u; ++axis) {
-        const uint middle = 1u << (voxel_log2 - 1u);
-        const int point[2] = {(int)((voxel[(axis + 1u) % 3u] << voxel_log2) + middle),
-                              (int)((voxel[(axis + 2u) % 3u] << voxel_log2) + middle)};
-        const int low = (int)(voxel[axis] << voxel_log2);
-        svo_side_view seen;
-        const int sense = svo_cross_line(triangle, axis, point, &seen);
-        if (sense != 0 && !svo_crosses_below(&seen, point, low) &&
-            svo_crosses_below(&seen, point, low + (int)(1u << voxel_log2))) {
-            sums[axis] += (uint)sense;
+        if ((axes >> axis & 1u) != 0u) {
+            sums[axis] += (uint)svo_cross_exactly(placed, width, axis);
         }
     }
 }
 
+/* Adds the triangle's crossings inside the voxel to the sums, for each axis. */
+static void svo_add_crossings(const svo_crossing_mesh *mesh, uint triangle, const uint *voxel,
+                              const svo_solid_params *params, uint *sums)
+{
+    int corners[9];
+    int errors[3] = {0, 0, 0};
+    uint undecided = 0;
+    for (uint k = 0; k < 9u; ++k) {
+        corners[k] = mesh->vertices[3u * (size_t)mesh->indices[3u * (size_t)triangle + k / 3u] + k % 3u];
+        errors[k % 3u] |= corners[k] & (int)params->rounded_to_odd;
+    }
+    for (uint axis = 0; axis < 3u; ++axis) {
+        const uint middle = 1u << (params->voxel_log2 - 1u);
+        const int point[2] = {(int)((voxel[(axis + 1u) % 3u] << params->voxel_log2) + middle),
+                              (int)((voxel[(axis + 2u) % 3u] << params->voxel_log2) + middle)};
+        const int low = (int)(voxel[axis] << params->voxel_log2);
+        const int sense = svo_cross_snapped(corners, errors, axis, point, low, low + (int)(1u << params->voxel_log2));
+        if (sense == SVO_CROSSING_UNDECIDED) {
+            undecided |= 1u << axis;
+        } else {
+            sums[axis] += (uint)sense;
+        }
+    }
+    if (undecided != 0u) {
+        svo_add_exactly(mesh, triangle, voxel, undecided, sums);
+    }
+}
+
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_solid_cross(__global const int *vertices, __global const uint *indices, __global const uint *list_begin,
-                  __global const uint *list, __global const ulong *codes, __global uint *crossings,
-                  __global uint *long_lists, volatile __global uint *counters, svo_solid_params params)
+svo_k_solid_cross(__global const int *vertices, __global const uint *indices, __global const uint *positions,
+                  __global const uint *list_begin, __global const uint *list, __global const ulong *codes,
+                  __global uint *crossings, __global uint *long_lists, volatile __global uint *counters,
+                  svo_decide_params grid, svo_solid_params params)
 {
     const uint leaf = (uint)get_global_id(0);
     if (leaf >= params.count) {
@@ -68,6 +98,7 @@ svo_k_solid_cross(__global const int *vertices, __global const uint *indices, __
     }
     const uint begin = list_begin[leaf];
     const uint end = list_begin[leaf + 1u];
+    const svo_crossing_mesh mesh = {vertices, indices, positions, &grid};
     uint sums[3] = {0, 0, 0};
     if (end - begin > SVO_SHORT_LIST_MAX) {
         long_lists[atomic_inc(counters + SVO_SOLID_LONG_LISTS)] = leaf;
@@ -76,7 +107,7 @@ svo_k_solid_cross(__global const int *vertices, __global const uint *indices, __
     uint voxel[3];
     svo_deinterleave(codes[params.leaf_begin + leaf], voxel);
     for (uint i = begin; i < end; ++i) {
-        svo_add_crossings(vertices, indices + 3u * (size_t)list[i], voxel, params.voxel_log2, sums);
+        svo_add_crossings(&mesh, list[i], voxel, &params, sums);
     }
     for (uint axis = 0; axis < 3u; ++axis) {
         crossings[axis * (size_t)params.leaf_count + leaf] = sums[axis];
@@ -84,17 +115,19 @@ svo_k_solid_cross(__global const int *vertices, __global const uint *indices, __
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_solid_cross_long(__global const int *vertices, __global const uint *indices, __global const uint *list_begin,
-                       __global const uint *list, __global const ulong *codes, __global uint *crossings,
-                       __global const uint *long_lists, __local uint *scratch, svo_solid_params params)
+svo_k_solid_cross_long(__global const int *vertices, __global const uint *indices, __global const uint *positions,
+                       __global const uint *list_begin, __global const uint *list, __global const ulong *codes,
+                       __global uint *crossings, __global const uint *long_lists, __local uint *scratch,
+                       svo_decide_params grid, svo_solid_params params)
 {
     const uint leaf = long_lists[get_group_id(0)];
     const uint end = list_begin[leaf + 1u];
+    const svo_crossing_mesh mesh = {vertices, indices, positions, &grid};
     uint sums[3] = {0, 0, 0};
     uint voxel[3];
     svo_deinterleave(codes[params.leaf_begin + leaf], voxel);
     for (uint i = list_begin[leaf] + (uint)get_local_id(0); i < end; i += SVO_GROUP_ITEMS) {
-        svo_add_crossings(vertices, indices + 3u * (size_t)list[i], voxel, params.voxel_log2, sums);
+        svo_add_crossings(&mesh, list[i], voxel, &params, sums);
     }
     for (uint axis = 0; axis < 3u; ++axis) {
         const uint sum = svo_group_sum(sums[axis], scratch);

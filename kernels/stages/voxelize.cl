@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Voxelization: triangles become fragments. Each triangle is projected along the axis of its normal's largest
- * component. For each column of voxels in the projection the plane bounds the candidates, and the exact test of
- * overlap.clh decides. Does in one pass of OpenCL what the raster front end does with a rasterizer (glinterop/raster).
+ * component. For each column of voxels in the projection the plane bounds the candidates, and the test of overlap.clh
+ * decides, or leaves them undecided. Does in one pass of OpenCL what the raster front end does with a rasterizer
+ * (glinterop/raster).
  *
  *   svo_k_voxelize  one draw of a chunk: each work-item finds its fragments and notes them by columns in local
  *                   memory, the group reserves space for all of them at once, and each work-item writes its own
@@ -14,10 +15,11 @@
  * Launch: one work-item per triangle, rounded up to whole groups, then one per tile of the triangles with more than
  * SVO_TILE_COLUMNS columns. The first kind skips those triangles, so no work-item handles more than one tile's columns.
  * The plan sorts items and tiles so that neighbors have about as many columns (lib/plan/grid.c).
- * Reads vertices, indices, items, tiles; writes the chunk's fragments from its start, and its counter.
- * Atomics: an atomic_add on the counter's low word for each space, an atomic_inc on the high word when that wraps. All
+ * Reads vertices, indices, items, tiles; writes the chunk's fragments from its start, the undecided ones from its end
+ * backwards, and its counters; kernels/stages/decide.cl goes on.
+ * Atomics: an atomic_add on a counter's low word for each space, an atomic_inc on the high word when that wraps. All
  * fragments are counted, in 64 bits, however few fit; nothing is written beyond the capacity.
- * Invariant: the set of fragments does not depend on the launch; their order does.
+ * Invariant: what touches does not depend on the launch; the order does, and which fragments are undecided.
  *
  * Defines: SVO_NARROW, SVO_WIDE or neither: the class of the triangles (overlap.clh); SVO_NO_TEST: triangles inside one
  * voxel; SVO_THIN; SVO_CODE48; SVO_COLUMN_LANES.
@@ -29,7 +31,9 @@
  *   [ length - 1 ] [ first voxel on t ] [ column ]
  *
  * A column of a triangle has at most four voxels, since no component of its normal is larger than the one along t (or,
- * without a normal, no extent is shorter). So the first voxels of two of at most 64 columns are no more than 67 apart.
+ * without a normal, no extent is shorter), also with what errors of its corners may add. So the first voxels of two of
+ * at most 64 columns are no more than 67 apart. Notes of columns with an undecided voxel lie at the end of the array,
+ * the first one last.
  */
 #include "shared/fragment.clh"
 #include "shared/group.clh"
@@ -41,10 +45,12 @@ typedef ushort svo_note;
 #define SVO_NOTE_BIAS 128
 /* Words of a work-item's notes; odd, so that those of neighbors lie in different banks of local memory. */
 #define SVO_NOTE_WORDS (SVO_TILE_COLUMNS / 2 + 1)
+#define SVO_LAST_NOTE  (2 * SVO_NOTE_WORDS - 1)
 
-/* What a work-item has found: its notes, its fragments, and the voxel on t that the notes count from. */
+/* What a work-item has found: notes and fragments, of those the undecided, and the voxel on t that notes count from. */
 typedef struct svo_found {
     uint notes, fragments;
+    uint undecided_notes, undecided;
     int first;
 } svo_found;
 
@@ -135,16 +141,19 @@ SVO_FUNCTION svo_source svo_source_of(svo_placed placed, svo_window window)
 
 #ifndef SVO_NO_TEST
 
-/* The voxels of the column at (u, v), from the triangle's first voxel, that touch the triangle: consecutive, since it
-   is convex. x: the first of them, y: how many. */
-SVO_FUNCTION int2 svo_column_run(svo_overlap overlap, svo_placed placed, int u, int v, int voxel_log2, float reach)
+/* The voxels of the column at (u, v), from the triangle's first voxel, that may touch the triangle: consecutive, since
+   it is convex. x: the first of them, y: how many, z: whether they do: SVO_TOUCHES, or column if that is weaker. */
+SVO_FUNCTION int3 svo_column_run(svo_overlap overlap, svo_placed placed, int u, int v, int voxel_log2, float reach,
+                                 int column)
 {
-    int2 run = (int2)(0, 0);
+    int3 run = (int3)(0, 0, column);
     const svo_span span = svo_column_span(overlap.plane, placed.a, u, v, 1 << voxel_log2, placed.last.t, reach);
     for (int k = span.first; k <= span.last; ++k) {
-        if (svo_overlap_voxel(overlap, u, v, k << voxel_log2)) {
+        const int touches = svo_overlap_voxel(overlap, u, v, k << voxel_log2);
+        if (touches != SVO_TOUCHES_NOT) {
             run.x = run.y == 0 ? k : run.x;
             ++run.y;
+            run.z = svo_weaker(run.z, touches);
         } else if (run.y > 0) {
             break;
         }
@@ -169,21 +178,27 @@ SVO_FUNCTION svo_found svo_scan_columns(svo_placed placed, svo_window window, sv
     const svo_overlap overlap =
         svo_make_overlap(placed.a, placed.b, placed.c, 1 << voxel_log2, (int)params.open, (int)placed.axis);
     const float reach = svo_reach_of(placed);
-    svo_found found = {0u, 0u, 0};
+    svo_found found = {0u, 0u, 0u, 0u, 0};
     uint column = 0;
     for (int v = window.v; v < window.end_v; ++v) {
         for (int u = window.u; u < window.end_u; ++u, ++column) {
             const int local_u = (u - placed.first.u) << voxel_log2;
             const int local_v = (v - placed.first.v) << voxel_log2;
-            if (!svo_overlap_column(overlap, local_u, local_v)) {
+            const int touches = svo_overlap_column(overlap, local_u, local_v);
+            if (touches == SVO_TOUCHES_NOT) {
                 continue;
             }
-            const int2 run = svo_column_run(overlap, placed, local_u, local_v, voxel_log2, reach);
+            const int3 run = svo_column_run(overlap, placed, local_u, local_v, voxel_log2, reach, touches);
             if (run.y > 0) {
-                found.first = found.notes == 0u ? run.x : found.first;
+                found.first = found.notes + found.undecided_notes == 0u ? run.x : found.first;
                 const uint first = (uint)(run.x - found.first + SVO_NOTE_BIAS);
-                notes[found.notes++] = (svo_note)(column | first << 6 | (uint)(run.y - 1) << 14);
-                found.fragments += (uint)run.y;
+                const bool is_sure = run.z == SVO_TOUCHES;
+                const uint place = is_sure ? found.notes : SVO_LAST_NOTE - found.undecided_notes;
+                notes[place] = (svo_note)(column | first << 6 | (uint)(run.y - 1) << 14);
+                found.notes += is_sure ? 1u : 0u;
+                found.fragments += is_sure ? (uint)run.y : 0u;
+                found.undecided_notes += is_sure ? 0u : 1u;
+                found.undecided += is_sure ? 0u : (uint)run.y;
             }
         }
     }
@@ -204,12 +219,12 @@ SVO_FUNCTION bool svo_fits_tile(svo_window window)
 SVO_FUNCTION svo_found svo_find(svo_placed placed, svo_window window, svo_voxelize_params params,
                                 __local svo_note *notes)
 {
-    const svo_found nothing = {0u, 0u, 0};
+    const svo_found nothing = {0u, 0u, 0u, 0u, 0};
     if (!svo_fits_tile(window)) {
         return nothing;
     }
     if (params.one_voxel != 0u) {
-        const svo_found one = {1u, 1u, 0};
+        const svo_found one = {1u, 1u, 0u, 0u, 0};
         notes[0] = SVO_NOTE_BIAS << 6;
         return one;
     }
@@ -278,48 +293,66 @@ SVO_FUNCTION uint svo_run_length(uint note)
 
 #ifdef SVO_COLUMN_LANES
 
-/* Fragments that are not written yet. */
+/* Fragments that are not written yet, the undecided ones at the end, the first one last. */
 typedef struct svo_stage {
     __local uint *fragments;
-    uint count;
+    uint count, undecided;
 } svo_stage;
 
 /* Local memory: the notes of one part, then the stage. A part has at most SVO_PART_FRAGMENTS. */
 #define SVO_STAGE_ROOM     ((SVO_VOXELIZE_STAGE_WORDS - SVO_NOTE_WORDS) / SVO_FRAGMENT_WORDS)
 #define SVO_PART_FRAGMENTS (4 * SVO_TILE_COLUMNS)
 
-SVO_FUNCTION void svo_push(svo_stage *stage, svo_code code, uint triangle)
+SVO_FUNCTION void svo_push(svo_stage *stage, svo_code code, uint triangle, bool is_sure)
 {
-    __local uint *words = stage->fragments + stage->count * SVO_FRAGMENT_WORDS;
+    const uint place = is_sure ? stage->count : SVO_STAGE_ROOM - 1u - stage->undecided;
+    __local uint *words = stage->fragments + place * SVO_FRAGMENT_WORDS;
     words[0] = (uint)code;
 #ifdef SVO_CODE48
     words[1] = (uint)(code >> 32);
 #endif
     words[SVO_FRAGMENT_WORDS - 1] = triangle;
-    ++stage->count;
+    stage->count += is_sure ? 1u : 0u;
+    stage->undecided += is_sure ? 0u : 1u;
 }
 
 /* Writes the stage's fragments, up to the capacity, and empties it. */
-SVO_FUNCTION void svo_flush(svo_stage *stage, __global uint *counter, __global uint *fragments, uint capacity)
+SVO_FUNCTION void svo_flush(svo_stage *stage, __global uint *counters, __global uint *fragments, uint capacity)
 {
-    const uint slot = stage->count > 0u ? svo_reserve(stage->count, counter) : 0u;
+    const uint slot = stage->count > 0u ? svo_reserve(stage->count, counters) : 0u;
     const uint count = min(stage->count, capacity - min(slot, capacity));
     __global uint *words = fragments + (size_t)slot * SVO_FRAGMENT_WORDS;
     for (uint i = 0; i < count * SVO_FRAGMENT_WORDS; ++i) {
         words[i] = stage->fragments[i];
     }
+    if (stage->undecided > 0u) {
+        const uint first = svo_reserve(stage->undecided, counters + 2);
+        const uint taken = min(stage->undecided, capacity - min(first, capacity));
+        words = fragments + ((size_t)capacity - first - taken) * SVO_FRAGMENT_WORDS;
+        for (uint i = 0; i < taken * SVO_FRAGMENT_WORDS; ++i) {
+            words[i] = stage->fragments[(SVO_STAGE_ROOM - taken) * SVO_FRAGMENT_WORDS + i];
+        }
+    }
     stage->count = 0u;
+    stage->undecided = 0u;
+}
+
+SVO_FUNCTION void svo_push_run(uint note, svo_found found, svo_source source, svo_stage *stage, bool is_sure)
+{
+    const svo_code column = svo_column_code(note, source);
+    const uint first = svo_run_begin(note, source, found);
+    for (uint k = 0; k < svo_run_length(note); ++k) {
+        svo_push(stage, column | svo_axis_code(first + k) << source.axis, source.triangle, is_sure);
+    }
 }
 
 SVO_FUNCTION void svo_push_notes(__local const svo_note *notes, svo_found found, svo_source source, svo_stage *stage)
 {
     for (uint i = 0; i < found.notes; ++i) {
-        const uint note = notes[i];
-        const svo_code column = svo_column_code(note, source);
-        const uint first = svo_run_begin(note, source, found);
-        for (uint k = 0; k < svo_run_length(note); ++k) {
-            svo_push(stage, column | svo_axis_code(first + k) << source.axis, source.triangle);
-        }
+        svo_push_run(notes[i], found, source, stage, true);
+    }
+    for (uint i = 0; i < found.undecided_notes; ++i) {
+        svo_push_run(notes[SVO_LAST_NOTE - i], found, source, stage, false);
     }
 }
 
@@ -331,7 +364,8 @@ SVO_FUNCTION void svo_push_columns(const svo_column_test *test, const svo_placed
 {
     const uint8 local_u = u << test->voxel_log2;
     const uint8 local_v = v << test->voxel_log2;
-    inside &= svo_meets_columns(test, local_u, local_v);
+    int8 sure;
+    inside &= svo_meets_columns(test, local_u, local_v, &sure);
     if (svo_lanes(inside) == 0u) {
         return;
     }
@@ -339,14 +373,19 @@ SVO_FUNCTION void svo_push_columns(const svo_column_test *test, const svo_placed
     const uint at_v = placed->axis == 0u ? 2u : placed->axis - 1u;
     const svo_code8 columns =
         svo_axis_codes((uint)placed->first.u + u) << at_u | svo_axis_codes((uint)placed->first.v + v) << at_v;
-    svo_column_lanes at = svo_begin_columns(test, local_u, local_v);
+    svo_column_lanes at = svo_begin_columns(test, local_u, local_v, sure);
     svo_code8 heights = svo_axis_codes((uint)placed->first.t + as_uint8(at.first));
     for (inside &= at.first <= at.last; svo_lanes(inside) != 0u; inside &= at.first <= at.last) {
-        uint found = svo_lanes(inside & svo_meets_voxels(&at));
+        const int8 found = inside & svo_meets_voxels(test, &at, &sure);
+        uint decided = svo_lanes(found & sure);
+        uint undecided = svo_lanes(found & ~sure);
         svo_code codes[8];
         vstore8(columns | heights << placed->axis, 0, codes);
-        for (; found != 0u; found &= found - 1u) {
-            svo_push(stage, codes[svo_lowest_lane(found)], placed->triangle);
+        for (; decided != 0u; decided &= decided - 1u) {
+            svo_push(stage, codes[svo_lowest_lane(decided)], placed->triangle, true);
+        }
+        for (; undecided != 0u; undecided &= undecided - 1u) {
+            svo_push(stage, codes[svo_lowest_lane(undecided)], placed->triangle, false);
         }
         svo_next_voxels(test, &at);
         heights = svo_next_axis_codes(heights);
@@ -385,7 +424,7 @@ SVO_FUNCTION void svo_push_one(__global const int *vertices, __global const uint
     if ((uint)at.u - params.left < params.width && (uint)at.v - params.bottom < params.height) {
         svo_push(stage,
                  svo_axis_code((uint)voxel.x) | svo_axis_code((uint)voxel.y) << 1 | svo_axis_code((uint)voxel.z) << 2,
-                 item.triangle);
+                 item.triangle, true);
     }
 }
 
@@ -411,14 +450,14 @@ typedef struct svo_draw {
     __global const uint *indices;
     __global const svo_draw_item *items;
     __global const svo_tile_item *tiles;
-    __global uint *counter, *fragments;
+    __global uint *counters, *fragments;
 } svo_draw;
 
 /* Makes the fragments of the group whose first work-item is given. */
 SVO_CALLED void svo_draw_group(uint first, const svo_draw *draw, svo_voxelize_params params, __local uint *words)
 {
     __local svo_note *notes = (__local svo_note *)words;
-    svo_stage stage = {words + SVO_NOTE_WORDS, 0u};
+    svo_stage stage = {words + SVO_NOTE_WORDS, 0u, 0u};
     for (uint id = first; id < first + SVO_GROUP_ITEMS; ++id) {
         svo_tile_item part;
         if (svo_get_part(id, draw->items, draw->tiles, params, &part)) {
@@ -430,11 +469,11 @@ SVO_CALLED void svo_draw_group(uint first, const svo_draw *draw, svo_voxelize_pa
                 svo_push_part(placed, svo_part_window(id, placed, part, params), params, notes, &stage);
             }
         }
-        if (stage.count + SVO_PART_FRAGMENTS > SVO_STAGE_ROOM) {
-            svo_flush(&stage, draw->counter, draw->fragments, params.capacity);
+        if (stage.count + stage.undecided + SVO_PART_FRAGMENTS > SVO_STAGE_ROOM) {
+            svo_flush(&stage, draw->counters, draw->fragments, params.capacity);
         }
     }
-    svo_flush(&stage, draw->counter, draw->fragments, params.capacity);
+    svo_flush(&stage, draw->counters, draw->fragments, params.capacity);
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
@@ -444,7 +483,8 @@ svo_k_voxelize(__global const int *vertices, __global const uint *indices, __glo
 {
     (void)scratch;
     if (get_local_id(0) == 0u) {
-        const svo_draw draw = {vertices, indices, items, tiles, counters + 2u * params.counter, fragments};
+        const svo_draw draw = {vertices, indices, items, tiles, counters + SVO_COUNTER_WORDS * params.counter,
+                               fragments};
         svo_draw_group((uint)get_global_id(0), &draw, params, words);
     }
 }
@@ -460,25 +500,26 @@ SVO_FUNCTION uint svo_reserve_group(uint count, __global uint *counter, __local 
         scratch[0] = svo_reserve(total, counter);
     }
     barrier(CLK_LOCAL_MEM_FENCE);
-    return scratch[0] + before;
+    const uint first = scratch[0] + before;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    return first;
 }
 
-/* Writes the fragments of the notes, up to the capacity. */
-SVO_FUNCTION void svo_write(__local const svo_note *notes, svo_found found, svo_source source, __global uint *fragments,
-                            uint slot, uint capacity)
+/* Writes the fragments of a note from a slot on, up to the capacity, or the undecided ones as far from the end. Returns
+   the next slot. */
+SVO_FUNCTION uint svo_write_run(uint note, svo_found found, svo_source source, __global uint *fragments, uint slot,
+                                uint capacity, bool is_sure)
 {
-    for (uint i = 0; i < found.notes; ++i) {
-        const uint note = notes[i];
-        const svo_code column = svo_column_code(note, source);
-        const uint first = svo_run_begin(note, source, found);
-        for (uint k = 0; k < svo_run_length(note); ++k) {
-            if (slot < capacity) {
-                const svo_code code = column | svo_axis_code(first + k) << source.axis;
-                svo_fragment_store(fragments, slot, code, source.triangle);
-            }
-            ++slot;
+    const svo_code column = svo_column_code(note, source);
+    const uint first = svo_run_begin(note, source, found);
+    for (uint k = 0; k < svo_run_length(note); ++k) {
+        if (slot < capacity) {
+            const svo_code code = column | svo_axis_code(first + k) << source.axis;
+            svo_fragment_store(fragments, is_sure ? slot : capacity - 1u - slot, code, source.triangle);
         }
+        ++slot;
     }
+    return slot;
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
@@ -488,7 +529,7 @@ svo_k_voxelize(__global const int *vertices, __global const uint *indices, __glo
 {
     const uint id = (uint)get_global_id(0);
     __local svo_note *notes = (__local svo_note *)(words + (uint)get_local_id(0) * SVO_NOTE_WORDS);
-    svo_found found = {0u, 0u, 0};
+    svo_found found = {0u, 0u, 0u, 0u, 0};
     svo_source source = {{0, 0, 0}, 1u, 0u, 0u};
     svo_tile_item part;
     if (svo_get_part(id, items, tiles, params, &part)) {
@@ -497,8 +538,15 @@ svo_k_voxelize(__global const int *vertices, __global const uint *indices, __glo
         source = svo_source_of(placed, window);
         found = svo_find(placed, window, params, notes);
     }
-    const uint slot = svo_reserve_group(found.fragments, counters + 2u * params.counter, scratch);
-    svo_write(notes, found, source, fragments, slot, params.capacity);
+    __global uint *own = counters + SVO_COUNTER_WORDS * params.counter;
+    uint slot = svo_reserve_group(found.fragments, own, scratch);
+    for (uint i = 0; i < found.notes; ++i) {
+        slot = svo_write_run(notes[i], found, source, fragments, slot, params.capacity, true);
+    }
+    slot = svo_reserve_group(found.undecided, own + 2, scratch);
+    for (uint i = 0; i < found.undecided_notes; ++i) {
+        slot = svo_write_run(notes[SVO_LAST_NOTE - i], found, source, fragments, slot, params.capacity, false);
+    }
 }
 
 #endif

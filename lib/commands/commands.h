@@ -59,10 +59,11 @@ typedef struct svo_i_span {
 } svo_i_span;
 #define SVO_I_SPANS_MAX 24
 
-/* The snapped mesh's buffers; NULL where they are not uploaded or the tree has taken them. */
-typedef struct svo_i_snapped_mesh {
+/* The mesh's buffers; NULL where they are not uploaded or the tree has taken them. */
+typedef struct svo_i_build_mesh {
     cl_mem vertices, indices;
-} svo_i_snapped_mesh;
+    cl_mem positions; /* the mesh's own, floats or doubles */
+} svo_i_build_mesh;
 
 typedef struct svo_i_commands {
     svo_i_mode mode;
@@ -73,7 +74,7 @@ typedef struct svo_i_commands {
     bool untimed; /* nobody asks for the times of stages */
     bool blocks; /* SVO_I_MODE_RUN: writes wait, since their sources end before the build does */
     uint64_t released_bytes; /* SVO_I_MODE_RUN: of buffers released since the last wait, which may still be in use */
-    svo_i_snapped_mesh mesh; /* what stages share of it; stages/inputs.h */
+    svo_i_build_mesh mesh; /* what stages share of it; stages/inputs.h */
     svo_build_report *report;
     svo_stage stage; /* that the progress reports */
     double item_ns; /* rough time of a work-item of the next launches, for the progress; stages may set it */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The interface between a build and its front end, which makes the fragment list. A front end may propose any superset
- * of the voxels that a triangle touches. The exact integer test accepts or rejects each, so all front ends make the
- * same fragments.
+ * of the voxels that a triangle touches. An exact test accepts or rejects each, so all front ends make the same
+ * fragments.
  */
 #ifndef SVO_LIB_COMMANDS_FRONTEND_H
 #define SVO_LIB_COMMANDS_FRONTEND_H

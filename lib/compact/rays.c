@@ -23,7 +23,8 @@ static svo_grid grid_of(const svo_compact_info *info)
     return (svo_grid){.depth = info->depth,
                       .snap_bits = info->snap_bits,
                       .origin = {info->origin[0], info->origin[1], info->origin[2]},
-                      .scale = info->scale};
+                      .scale = info->scale,
+                      .edge = info->edge};
 }
 
 static svo_status set_target(void *of, const char *function, cl_kernel kernel, cl_uint first_index)

@@ -8,6 +8,7 @@
 #include "core/message.h"
 #include "core/tree.h"
 #include "shared/nodes.clh"
+#include "shared/snap.clh"
 
 svo_status svo_tree_get_grid(const svo_tree *tree, svo_grid *grid)
 {
@@ -16,10 +17,14 @@ svo_status svo_tree_get_grid(const svo_tree *tree, svo_grid *grid)
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "svo_tree_get_grid: grid is NULL");
     }
     const svo_tree_info *info = &tree->info;
+    /* In old files of fitted grids the edge is less than the grid's width. */
+    const double width = ldexp(1.0, (int)info->snap_bits) / info->scale;
+    const bool is_width = ldexp(1.0, (int)info->snap_bits) / info->edge == info->scale;
     *grid = (svo_grid){.depth = info->depth,
                        .snap_bits = info->snap_bits,
                        .origin = {info->origin[0], info->origin[1], info->origin[2]},
-                       .scale = info->scale};
+                       .scale = info->scale,
+                       .edge = is_width ? info->edge : width};
     return SVO_OK;
 }
 
@@ -47,11 +52,12 @@ void svo_grid_cell_box(const svo_grid *grid, uint32_t level, const uint32_t cell
 
 int svo_grid_cell_of_point(const svo_grid *grid, uint32_t level, const double point[3], uint32_t cell[3])
 {
-    const double end = (double)(1u << grid->snap_bits);
+    const svo_snap snap = svo_make_snap(grid->scale, grid->edge, (int32_t)grid->snap_bits);
+    const int32_t end = (int32_t)(1u << grid->snap_bits);
     uint32_t found[3] = {0, 0, 0};
     for (int axis = 0; axis < 3; ++axis) {
-        const double units = rint((point[axis] - grid->origin[axis]) * grid->scale); /* lib/plan/grid.c */
-        if (!(units >= 0 && units < end)) {
+        const int32_t units = isfinite(point[axis]) ? svo_snap_coordinate(&snap, point[axis], grid->origin[axis]) : -1;
+        if (units < 0 || units >= end) {
             return 0;
         }
         found[axis] = (uint32_t)units >> (grid->snap_bits - level);

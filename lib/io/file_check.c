@@ -15,6 +15,7 @@
 #include "shared/dag.clh"
 #include "shared/descriptor.h"
 #include "shared/nodes.clh"
+#include "shared/snap.clh"
 #include "svocl/plan.h"
 
 /* ---- built trees ---- */
@@ -103,11 +104,13 @@ static svo_status check_position(const tree_check *job, uint64_t at)
     const int32_t snapped = job->arrays.vertices[at];
     const double position =
         job->arrays.positions != NULL ? (double)job->arrays.positions[at] : job->arrays.positions_double[at];
-    return rint((position - info->origin[at % 3]) * info->scale) == snapped
-               ? SVO_OK
-               : svo_i_fail(job->message, SVO_FILE_DAMAGED,
-                            "%s: vertex %" PRIu64 ": position %g is not that of the snapped coordinate %" PRId32,
-                            job->name, at / 3, position, snapped);
+    const svo_snap snap = svo_make_snap(info->scale, info->edge, (int32_t)info->snap_bits);
+    const bool is_same = info->is_exact != 0 ? svo_snap_coordinate(&snap, position, info->origin[at % 3]) == snapped
+                                             : rint((position - info->origin[at % 3]) * info->scale) == snapped;
+    return is_same ? SVO_OK
+                   : svo_i_fail(job->message, SVO_FILE_DAMAGED,
+                                "%s: vertex %" PRIu64 ": position %g is not that of the snapped coordinate %" PRId32,
+                                job->name, at / 3, position, snapped);
 }
 
 /* Only vertices that a triangle uses must be in range; no hit depends on the others. */

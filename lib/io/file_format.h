@@ -25,8 +25,9 @@
 
 #define FILE_MAGIC       "\x89SVO\r\n\x1a\n"
 #define FILE_MAGIC_BYTES 8
-#define FILE_VERSION     3
+#define FILE_VERSION     4
 #define FILE_OLDEST      1 /* version that is still read: without the mesh's own positions */
+#define FILE_EXACT       4 /* the first version whose voxels are those of the mesh as given */
 #define FILE_BY_LEVELS   3 /* the first version whose chunks are arrays of one level, without first_child */
 #define FILE_HASH_BEGIN  32 /* the header's checksum covers everything from here to the end of the chunk table */
 

@@ -99,7 +99,7 @@ uint64_t svo_i_file_entry_count(const svo_tree_info *info, uint32_t version, con
 void svo_i_file_fill_header(file_header *header, const svo_tree_info *info)
 {
     memcpy(header->magic, FILE_MAGIC, FILE_MAGIC_BYTES);
-    header->version = FILE_VERSION;
+    header->version = info->is_exact != 0 ? FILE_VERSION : FILE_EXACT - 1;
     header->depth = info->depth;
     header->snap_bits = info->snap_bits;
     header->coverage = info->coverage;
@@ -178,6 +178,7 @@ static void fill_info(svo_tree_info *info, const file_header *header)
     memcpy(info->origin, header->origin, sizeof info->origin);
     info->edge = header->edge;
     info->scale = header->scale;
+    info->is_exact = header->version >= FILE_EXACT ? 1 : 0;
     info->snap_error = header->snap_error;
     info->triangles = header->triangles;
     info->refused_triangles = header->refused_triangles;

@@ -197,11 +197,14 @@ static svo_status copy_object(maker *m, uint32_t index, const place *at)
     const svo_i_plan_memory *memory = &plan->memory;
     const uint64_t vertices = plan->vertex_count;
     const uint64_t triangles = plan->triangle_count;
+    const bool stored = svo_i_plan_stores_positions(plan);
+    const cl_mem floats = stored ? memory->positions : NULL;
+    const cl_mem doubles = stored ? memory->positions_double : NULL;
     const part parts[] = {{SVO_TREE_VERTICES, false, 3, memory->vertices, at->vertex, vertices, 0},
                           {SVO_TREE_INDICES, true, 3, memory->indices, index, triangles, at->vertex},
                           {SVO_TREE_TRIANGLE_IDS, true, 1, memory->triangle_ids, index, triangles, at->triangle},
-                          {SVO_TREE_POSITIONS, false, 3, memory->positions, at->vertex, vertices, 0},
-                          {SVO_TREE_POSITIONS_DOUBLE, false, 6, memory->positions_double, at->vertex, vertices, 0}};
+                          {SVO_TREE_POSITIONS, false, 3, floats, at->vertex, vertices, 0},
+                          {SVO_TREE_POSITIONS_DOUBLE, false, 6, doubles, at->vertex, vertices, 0}};
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) {
         SVO_I_TRY(parts[i].from != NULL ? copy_part(m, &parts[i]) : SVO_OK);
     }
@@ -219,6 +222,9 @@ static svo_status alloc_geometry(maker *m, const place *end)
     SVO_I_TRY(svo_i_commands_alloc(commands, "vertices", end->vertex * 12, &tree->buffers[SVO_TREE_VERTICES]));
     SVO_I_TRY(svo_i_commands_alloc(commands, "indices", end->listed * 12, &tree->buffers[SVO_TREE_INDICES]));
     SVO_I_TRY(svo_i_commands_alloc(commands, "triangle_ids", end->listed * 4, &tree->buffers[SVO_TREE_TRIANGLE_IDS]));
+    if (!svo_i_plan_stores_positions(&m->moving->whole)) {
+        return SVO_OK;
+    }
     if (memory->positions != NULL) {
         tree->info.positions = SVO_POSITIONS_FLOAT;
         return svo_i_commands_alloc(commands, "positions", end->vertex * 12, &tree->buffers[SVO_TREE_POSITIONS]);

@@ -198,7 +198,8 @@ static svo_status find_params(svo_paged *paged)
     const svo_grid grid = {.depth = info->depth,
                            .snap_bits = info->snap_bits,
                            .origin = {info->origin[0], info->origin[1], info->origin[2]},
-                           .scale = info->scale};
+                           .scale = info->scale,
+                           .edge = info->edge};
     return svo_i_rays_params(paged->device, "svo_paged_open", &grid, info->edge, &paged->params);
 }
 

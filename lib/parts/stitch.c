@@ -325,7 +325,8 @@ static svo_tree_info info_of(const svo_part_header *header)
                           .snap_error = header->snap_error,
                           .triangles = header->triangles,
                           .refused_triangles = header->refused_triangles,
-                          .positions = header->positions};
+                          .positions = header->positions,
+                          .is_exact = 1};
     memcpy(info.origin, header->origin, sizeof info.origin);
     if ((header->need & SVO_NEED_RAYS) != 0) {
         info.vertex_count = header->vertex_count;

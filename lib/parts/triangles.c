@@ -17,6 +17,7 @@
 #include <xxhash.h>
 
 #include "io/file_format.h"
+#include "shared/snap.clh"
 #include "svocl/nodes.h"
 #include "svocl/plan.h"
 
@@ -399,13 +400,14 @@ cleanup:
 
 typedef struct divider {
     const svo_part_header *header;
+    svo_snap snap;
     uint32_t fields;
-    double middle[3]; /* of the parent, in units of the whole grid */
+    int32_t middle[3]; /* of the parent, in units of the whole grid */
     svo_i_triangle_file files[8];
 } divider;
 
 /* A corner's coordinate in units of the whole grid, as plan/grid.c snaps it. */
-static double snapped(const divider *d, const unsigned char *record, unsigned corner, unsigned axis)
+static int32_t snapped(const divider *d, const unsigned char *record, unsigned corner, unsigned axis)
 {
     const unsigned char *at = record + NAME_BYTES + corner * position_bytes(d->fields);
     double wide[3];
@@ -416,7 +418,7 @@ static double snapped(const divider *d, const unsigned char *record, unsigned co
         memcpy(narrow, at, sizeof narrow);
         wide[axis] = (double)narrow[axis];
     }
-    return rint((wide[axis] - d->header->origin[axis]) * d->header->scale);
+    return svo_snap_coordinate(&d->snap, wide[axis], d->header->origin[axis]);
 }
 
 /* The halves of the parent along each axis that a triangle's bounds meet: bit 0 the lower, bit 1 the upper one. Closed
@@ -424,10 +426,10 @@ static double snapped(const divider *d, const unsigned char *record, unsigned co
 static void find_halves(const divider *d, const unsigned char *record, unsigned halves[3])
 {
     for (unsigned axis = 0; axis < 3; ++axis) {
-        double low = INFINITY;
-        double high = -INFINITY;
+        int32_t low = INT32_MAX;
+        int32_t high = INT32_MIN;
         for (unsigned corner = 0; corner < 3; ++corner) {
-            const double q = snapped(d, record, corner, axis);
+            const int32_t q = snapped(d, record, corner, axis);
             low = q < low ? q : low;
             high = q > high ? q : high;
         }
@@ -458,10 +460,10 @@ static svo_status divide_record(divider *d, const unsigned char *record, size_t 
 static void find_middle(divider *d, uint32_t level, uint64_t code)
 {
     uint32_t cell[3];
-    const double width = ldexp(1.0, (int)(d->header->snap_bits - level));
+    const uint32_t half = 1u << (d->header->snap_bits - level - 1);
     svo_code_to_cell(code, cell);
     for (unsigned axis = 0; axis < 3; ++axis) {
-        d->middle[axis] = ((double)cell[axis] + 0.5) * width;
+        d->middle[axis] = (int32_t)((2 * cell[axis] + 1) * half);
     }
 }
 
@@ -476,6 +478,7 @@ svo_status svo_i_triangles_split(const svo_part_header *header, const svo_i_tria
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory to divide triangles", path);
     }
     d->header = header;
+    d->snap = svo_make_snap(header->scale, header->edge, (int32_t)header->snap_bits);
     d->fields = of->fields;
     find_middle(d, of->level, of->code);
     SVO_I_TRY_CLEANUP(open_source(&source, path, of, message));

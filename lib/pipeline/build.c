@@ -228,7 +228,7 @@ svo_status svo_plan_count(svo_plan *plan, svo_frontend *frontend, cl_command_que
     plan->built = false;
     SVO_I_TRY_CLEANUP(svo_i_predict(plan));
 cleanup:
-    svo_i_snapped_mesh_free(&build.commands);
+    svo_i_build_mesh_free(&build.commands);
     svo_i_commands_end(&build.commands);
     svo_i_chunking_destroy(&chunking);
     return status;

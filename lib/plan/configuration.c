@@ -271,7 +271,7 @@ bool svo_i_plan_needs_program(const svo_plan *plan, const svo_i_program *program
     return needs_program(plan, plan->stage_count, program);
 }
 
-/* The voxelizer is one program for each test, which the front end compiles. */
+/* Programs that the front end compiles: the voxelizer, which is one for each test, and what decides. */
 static bool is_of_frontend(const svo_i_stage *stage)
 {
     return stage->stage == SVO_STAGE_VOXELIZE;
@@ -306,16 +306,20 @@ static void list_voxelizers(svo_plan *plan, const char *name)
 
 static void list_kernels(svo_plan *plan)
 {
-    const svo_i_stage *voxelize = NULL;
     for (size_t i = 0; i < plan->stage_count; ++i) {
         const svo_i_program *program = svo_i_plan_new_program(plan, i);
         if (program != NULL) {
             svo_i_plan_defines(plan, program, add_kernels(&plan->work, program->name), SVO_I_DEFINES_BYTES);
         }
-        voxelize = is_of_frontend(&plan->stages[i]) ? &plan->stages[i] : voxelize;
     }
-    if (voxelize != NULL) {
-        list_voxelizers(plan, voxelize->program->name);
+    for (size_t i = 0; i < plan->stage_count; ++i) {
+        const svo_i_stage *stage = &plan->stages[i];
+        if (is_of_frontend(stage) && stage->defines == NULL) {
+            list_voxelizers(plan, stage->program->name);
+        } else if (is_of_frontend(stage) && stage->runs(plan)) {
+            svo_i_plan_defines(plan, stage->program, add_kernels(&plan->work, stage->program->name),
+                               SVO_I_DEFINES_BYTES);
+        }
     }
 }
 

@@ -116,6 +116,7 @@ static void copy_place(svo_i_grid_run *r)
         put_double(r->plan->info.origin[axis], r->params.origin + (size_t)axis * 2);
     }
     put_double(r->plan->info.scale, r->params.scale);
+    put_double(r->plan->info.edge, r->params.edge);
 }
 
 /* Finds the bounds of the used vertices, if the grid depends on them, and makes the grid. */
@@ -265,16 +266,13 @@ static svo_status keep(svo_i_grid_run *r)
     return svo_i_work_launch(r->work, "svo_k_plan_clear", SVO_I_ARGUMENTS(clear), r->params.vertex_count);
 }
 
-/* The mesh's own positions of the vertices that kept triangles use, for rays; plan.c has it for the host. */
+/* The mesh's own positions of the vertices that kept triangles use; plan.c has it for the host. */
 static svo_status keep_positions(svo_i_grid_run *r)
 {
     const bool is_double = (r->params.flags & SVO_PLAN_DOUBLES) != 0;
     svo_i_plan_memory *memory = &r->plan->memory;
     cl_mem *positions = is_double ? &memory->positions_double : &memory->positions;
     const cl_mem marks = (r->params.flags & SVO_PLAN_SOME) != 0 ? r->kept : r->used;
-    if ((r->plan->options.need & SVO_NEED_RAYS) == 0 || r->plan->info.coverage == SVO_COVERAGE_THIN) {
-        return SVO_OK;
-    }
     if (*positions == NULL) {
         SVO_I_TRY(svo_i_work_result(r->work, "plan_positions", (uint64_t)r->params.vertex_count * (is_double ? 24 : 12),
                                     positions));

@@ -2,24 +2,22 @@
 /*
  * The first step of the pipeline: accepts triangles, fits the grid, snaps vertices to integers, makes the draw items.
  *
- * The snap is q = rint((v - origin) * scale), half to even, in double without contraction. After it the integers are
- * the geometry.
+ * Vertices are rounded to odd (kernels/shared/snap.clh), so that they keep their sides of all planes between voxels:
+ * what follows from the voxels of a triangle's corners is exact. The overlap test knows by how much they may be off.
  */
 #include <float.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "plan/accounts.h"
 #include "plan/closed.h"
 #include "plan/estimate.h"
 #include "plan/grid.h"
+#include "shared/snap.clh"
 
 #define VERTEX_FINITE 1u
 #define VERTEX_USED   2u
-/* Largest distance from the origin, in grid units, for which the overlap test's arithmetic is exact. */
-#define UNITS_MAX (1 << 29)
-/* Coordinate of vertices beyond that, with their sign, so that they are on the correct side of the grid. */
-#define UNITS_FAR (1 << 30)
 /* Largest bounding box, in grid units, for which edge functions fit 32 bits. */
 #define NARROW_UNITS (1 << 14)
 /* Significant bits of a fitted grid's edge. */
@@ -128,7 +126,7 @@ static void place_part(svo_plan *plan)
 {
     const svo_part_header *header = &plan->part.header;
     plan->info.scale = header->scale;
-    plan->info.edge = ldexp(1.0, (int)plan->info.snap_bits) / header->scale;
+    plan->info.edge = ldexp(header->edge, -(int)plan->part.level);
     for (unsigned axis = 0; axis < 3; ++axis) {
         plan->info.origin[axis] = header->origin[axis] + (double)plan->part.corner[axis] / header->scale;
     }
@@ -160,24 +158,26 @@ svo_status svo_i_plan_make_grid(svo_plan *plan, const svo_i_bounds *bounds)
     return SVO_OK;
 }
 
-/* Snaps the used vertices. snap_error is the largest error of those within UNITS_MAX. Those of a part are snapped to
-   the whole grid, and then count from the part's corner. */
+/* Snaps the used vertices. snap_error is the largest error of those within SVO_UNITS_MAX. Those of a part are snapped
+   to the whole grid, and then count from the part's corner. */
 static void snap_vertices(svo_plan *plan, const svo_mesh *mesh, const uint8_t *flags)
 {
-    const double *origin = svo_i_plan_is_part(plan) ? plan->part.header.origin : plan->info.origin;
-    const double scale = plan->info.scale;
+    const bool is_part = svo_i_plan_is_part(plan);
+    const svo_part_header *header = &plan->part.header;
+    const double *origin = is_part ? header->origin : plan->info.origin;
+    const svo_snap snap = is_part ? svo_make_snap(header->scale, header->edge, (int32_t)header->snap_bits)
+                                  : svo_make_snap(plan->info.scale, plan->info.edge, (int32_t)plan->info.snap_bits);
     double largest = 0.0;
     for (size_t v = 0; v < mesh->vertex_count; ++v) {
         for (unsigned axis = 0; axis < 3 && (flags[v] & VERTEX_USED) != 0; ++axis) {
             const double x = coordinate(mesh, v, axis);
-            const double q = rint((x - origin[axis]) * scale);
-            if (fabs(q) < UNITS_MAX) {
-                plan->vertices[v * 3 + axis] = (int32_t)q - plan->part.corner[axis];
+            const int32_t q = svo_snap_coordinate(&snap, x, origin[axis]);
+            plan->vertices[v * 3 + axis] = q;
+            if (abs(q) < SVO_UNITS_FAR) {
+                plan->vertices[v * 3 + axis] -= plan->part.corner[axis];
                 /* On grids near the largest double, converting back may overflow. */
-                const double error = fmin(fabs(q / scale + origin[axis] - x), DBL_MAX);
+                const double error = fmin(fabs((double)q / snap.scale + origin[axis] - x), DBL_MAX);
                 largest = error > largest ? error : largest;
-            } else {
-                plan->vertices[v * 3 + axis] = q > 0.0 ? UNITS_FAR : -UNITS_FAR;
             }
         }
     }
@@ -188,7 +188,7 @@ static void snap_vertices(svo_plan *plan, const svo_mesh *mesh, const uint8_t *f
 typedef struct placed {
     int32_t low[3], high[3]; /* grid units */
     int32_t first[3], last[3]; /* voxels, clamped to the grid */
-    bool far; /* a vertex is beyond UNITS_MAX */
+    bool far; /* a vertex is beyond SVO_UNITS_MAX */
     bool outside; /* does not meet the grid */
 } placed;
 
@@ -206,7 +206,7 @@ static placed place(const svo_plan *plan, const uint32_t corners[3])
             low = q < low ? q : low;
             high = q > high ? q : high;
         }
-        p.far = p.far || low <= -UNITS_FAR || high >= UNITS_FAR;
+        p.far = p.far || low <= -SVO_UNITS_FAR || high >= SVO_UNITS_FAR;
         p.outside = p.outside || high < 0 || low >= units + closed;
         p.low[axis] = low;
         p.high[axis] = high;

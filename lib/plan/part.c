@@ -31,6 +31,9 @@ static double expected_nodes(const svo_plan *plan)
 
 static uint32_t positions_of(const svo_plan *plan)
 {
+    if (!svo_i_plan_stores_positions(plan)) {
+        return SVO_POSITIONS_SNAPPED;
+    }
     if (svo_i_plan_has(plan->positions, plan->memory.positions)) {
         return SVO_POSITIONS_FLOAT;
     }

@@ -23,11 +23,11 @@
 #include "plan/update.h"
 #include "svocl/nodes.h"
 
-/* ---- positions for rays ---- */
+/* ---- positions ---- */
 
 /*
- * Keeps the mesh's own vertices beside the snapped ones. Voxels are those of the snapped mesh; rays need no integers
- * and meet the mesh as it was given.
+ * Keeps the mesh's own vertices beside the snapped ones: voxels that these leave undecided are decided by the former,
+ * and rays meet the mesh as it was given.
  */
 
 /* Copies the elements of a vertex for each corner; vertices without a triangle stay 0, since they may not be finite. */
@@ -39,13 +39,9 @@ static void copy_used(const svo_plan *plan, const void *from, void *to, size_t v
     }
 }
 
-/* Copies the positions of the vertices that kept triangles use, as floats or doubles like the mesh's, if rays are
-   asked for that meet triangles. */
+/* Copies the positions of the vertices that kept triangles use, as floats or doubles like the mesh's. */
 static svo_status keep_positions(svo_plan *plan, const svo_mesh *mesh)
 {
-    if ((plan->info.need & SVO_NEED_RAYS) == 0 || plan->info.coverage == SVO_COVERAGE_THIN) {
-        return SVO_OK;
-    }
     const bool is_double = mesh->positions_double != NULL;
     const size_t vertex_bytes = is_double ? 3 * sizeof(double) : 3 * sizeof(float);
     void *copy = svo_i_alloc_zeroed(&plan->device->memory, (size_t)plan->vertex_count + 1, vertex_bytes);

@@ -263,6 +263,12 @@ static inline bool svo_i_plan_is_part(const svo_plan *plan)
     return plan->part.header.depth != 0;
 }
 
+/* Whether trees have the mesh's own positions, for rays that meet triangles. */
+static inline bool svo_i_plan_stores_positions(const svo_plan *plan)
+{
+    return (plan->info.need & SVO_NEED_RAYS) != 0 && plan->info.coverage != SVO_COVERAGE_THIN;
+}
+
 /* Whether a level above the part sums up its root's payload. */
 static inline bool svo_i_part_sums_root(const svo_plan *plan)
 {

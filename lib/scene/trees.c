@@ -136,7 +136,8 @@ static svo_status describe_compact(svo_device *device, const char *function, con
     const svo_grid grid = {.depth = info->depth,
                            .snap_bits = info->snap_bits,
                            .origin = {info->origin[0], info->origin[1], info->origin[2]},
-                           .scale = info->scale};
+                           .scale = info->scale,
+                           .edge = info->edge};
     *out = (svo_i_scene_source){
         .form = svo_i_form_defines(info),
         .nodes = {compact_array(compact, SVO_COMPACT_NODES), compact_array(compact, SVO_COMPACT_LINKS),

@@ -18,6 +18,7 @@
 #include "core/tree.h"
 #include "shared/solid_layout.h"
 #include "solid/programs.h"
+#include "svocl/nodes.h"
 #include "svocl/plan.h"
 
 static const char function[] = "svo_solid_create";
@@ -123,6 +124,8 @@ typedef struct classifier {
     svo_i_device_work *work;
     const svo_tree *tree;
     cl_mem buffers[SCRATCH_COUNT]; /* of the work */
+    cl_mem positions; /* of the tree: the mesh as it was given; others that are not read if the snapped one decides */
+    svo_decide_params grid; /* of these positions */
     svo_solid_params params;
     inside_leaves *out;
     svo_solid_info *info;
@@ -203,16 +206,18 @@ static svo_status cross(classifier *c)
     c->params.count = c->params.leaf_count;
     svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_VERTICES]),
                                   SVO_I_ARGUMENT(tree->buffers[SVO_TREE_INDICES]),
+                                  SVO_I_ARGUMENT(c->positions),
                                   SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST_BEGIN]),
                                   SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST]),
                                   SVO_I_ARGUMENT(c->buffers[SCRATCH_CODES]),
                                   SVO_I_ARGUMENT(c->buffers[SCRATCH_CROSSINGS]),
                                   SVO_I_ARGUMENT(c->buffers[SCRATCH_LONG_LISTS]),
                                   SVO_I_ARGUMENT(c->buffers[SCRATCH_COUNTERS]),
+                                  SVO_I_ARGUMENT(c->grid),
                                   SVO_I_ARGUMENT(c->params)};
     SVO_I_TRY(svo_i_work_launch(c->work, "svo_k_solid_cross", SVO_I_ARGUMENTS(arguments), c->params.count));
     SVO_I_TRY(read_counters(c, counters));
-    arguments[7] = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
+    arguments[8] = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
     SVO_I_TRY(svo_i_work_launch(c->work, "svo_k_solid_cross_long", SVO_I_ARGUMENTS(arguments),
                                 (uint64_t)counters[SVO_SOLID_LONG_LISTS] * SVO_GROUP_ITEMS));
     for (uint32_t level = tree->info.depth; level-- > 0;) {
@@ -295,6 +300,28 @@ static svo_status fill(classifier *c)
     return SVO_OK;
 }
 
+/* The mesh whose crossings count. A part's grid is that of the whole. */
+static void set_mesh(classifier *c)
+{
+    const svo_tree *tree = c->tree;
+    const svo_part_header *header = &tree->part.header;
+    const bool is_part = header->depth != 0;
+    c->positions = tree->buffers[SVO_TREE_VERTICES];
+    if (tree->info.is_exact == 0 || tree->info.positions == SVO_POSITIONS_SNAPPED) {
+        return;
+    }
+    c->params.rounded_to_odd = 1;
+    c->grid.is_double = tree->info.positions == SVO_POSITIONS_DOUBLE;
+    c->positions = tree->buffers[c->grid.is_double ? SVO_TREE_POSITIONS_DOUBLE : SVO_TREE_POSITIONS];
+    c->grid.depth = is_part ? header->depth : tree->info.depth;
+    svo_code_to_cell(tree->part.code, c->grid.corner);
+    for (int axis = 0; axis < 3; ++axis) {
+        c->grid.corner[axis] <<= is_part ? header->depth - tree->part.level : 0;
+    }
+    memcpy(c->grid.origin, is_part ? header->origin : tree->info.origin, sizeof c->grid.origin);
+    memcpy(c->grid.edge, is_part ? &header->edge : &tree->info.edge, sizeof c->grid.edge);
+}
+
 /* Decides all empty children and waits for the counts. info: receives all fields but struct_size. */
 static svo_status classify(svo_i_device_work *work, const svo_tree *tree, svo_solid_rule rule, inside_leaves *out,
                            svo_solid_info *info)
@@ -306,6 +333,7 @@ static svo_status classify(svo_i_device_work *work, const svo_tree *tree, svo_so
                                   .leaf_begin = (cl_uint)tree->info.inner_count,
                                   .leaf_count = (cl_uint)tree->info.leaf_count,
                                   .parity = rule == SVO_SOLID_PARITY};
+    set_mesh(&c);
     info->surface_voxels = tree->info.leaf_count;
     SVO_I_TRY(svo_i_work_use(work, &svo_i_program_solid, ""));
     SVO_I_TRY(allocate(&c));

@@ -5,9 +5,29 @@
  */
 #include "stages/inputs.h"
 
+#include <string.h>
+
 #include "plan/arrays.h"
 
 /* ---- parameters ---- */
+
+svo_decide_params svo_i_decide_params(const svo_plan *plan)
+{
+    const bool is_part = svo_i_plan_is_part(plan);
+    const svo_part_header *header = &plan->part.header;
+    const double *origin = is_part ? header->origin : plan->info.origin;
+    const double *edge = is_part ? &header->edge : &plan->info.edge;
+    svo_decide_params params = {.coverage = (cl_uint)plan->info.coverage,
+                                .is_double =
+                                    svo_i_plan_has(plan->positions_double, plan->memory.positions_double) ? 1 : 0,
+                                .depth = is_part ? header->depth : plan->info.depth};
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        params.corner[axis] = (cl_uint)plan->part.corner[axis] >> plan->voxel_log2;
+    }
+    memcpy(params.origin, origin, sizeof params.origin);
+    memcpy(params.edge, edge, sizeof params.edge);
+    return params;
+}
 
 svo_filter_params svo_i_payload_params(const svo_i_build *build)
 {
@@ -40,7 +60,7 @@ uint32_t svo_i_digit_passes(uint32_t triangle_count)
     return passes;
 }
 
-/* ---- the snapped mesh ---- */
+/* ---- the mesh ---- */
 
 /* Whether a stage after the voxelizer reads the array. */
 static bool keeps_vertices(const svo_plan *plan)
@@ -53,18 +73,18 @@ static bool keeps_indices(const svo_plan *plan)
     return plan->work.lists || plan->work.surface;
 }
 
-/* Uploads an array of so many threes of words, or takes it from the plan's memory, unless that has been done. */
-static svo_status take(svo_i_commands *commands, const char *name, const void *host, cl_mem memory, uint64_t count,
+/* Uploads an array, or takes it from the plan's memory, unless that has been done. */
+static svo_status take(svo_i_commands *commands, const char *name, const void *host, cl_mem memory, uint64_t bytes,
                        cl_mem *taken)
 {
-    return *taken != NULL ? SVO_OK : svo_i_commands_take(commands, name, host, memory, count * 12, taken);
+    return *taken != NULL ? SVO_OK : svo_i_commands_take(commands, name, host, memory, bytes, taken);
 }
 
 static svo_status get_vertices(svo_i_commands *commands, cl_mem *out)
 {
     const svo_plan *plan = commands->plan;
     SVO_I_TRY(take(commands, keeps_vertices(plan) ? "vertices" : "mesh_vertices", plan->vertices, plan->memory.vertices,
-                   plan->vertex_count, &commands->mesh.vertices));
+                   (uint64_t)plan->vertex_count * 12, &commands->mesh.vertices));
     *out = commands->mesh.vertices;
     return SVO_OK;
 }
@@ -73,19 +93,38 @@ static svo_status get_indices(svo_i_commands *commands, cl_mem *out)
 {
     const svo_plan *plan = commands->plan;
     SVO_I_TRY(take(commands, keeps_indices(plan) ? "indices" : "mesh_indices", plan->indices, plan->memory.indices,
-                   plan->triangle_count, &commands->mesh.indices));
+                   (uint64_t)plan->triangle_count * 12, &commands->mesh.indices));
     *out = commands->mesh.indices;
     return SVO_OK;
 }
 
-svo_status svo_i_snapped_mesh_get(svo_i_commands *commands, svo_i_snapped_mesh *out)
+static svo_status get_positions(svo_i_commands *commands, cl_mem *out)
+{
+    const svo_plan *plan = commands->plan;
+    const bool is_stored = plan->work.lists && svo_i_plan_stores_positions(plan);
+    if (svo_i_plan_has(plan->positions_double, plan->memory.positions_double)) {
+        SVO_I_TRY(take(commands, is_stored ? "positions_double" : "mesh_positions", plan->positions_double,
+                       plan->memory.positions_double, (uint64_t)plan->vertex_count * 24, &commands->mesh.positions));
+    } else {
+        SVO_I_TRY(take(commands, is_stored ? "positions" : "mesh_positions", plan->positions, plan->memory.positions,
+                       (uint64_t)plan->vertex_count * 12, &commands->mesh.positions));
+    }
+    *out = commands->mesh.positions;
+    return SVO_OK;
+}
+
+svo_status svo_i_build_mesh_get(svo_i_commands *commands, svo_i_build_mesh *out)
 {
     SVO_I_TRY(get_vertices(commands, &out->vertices));
+    SVO_I_TRY(get_positions(commands, &out->positions));
     return get_indices(commands, &out->indices);
 }
 
-void svo_i_snapped_mesh_listed(svo_i_commands *commands)
+void svo_i_build_mesh_listed(svo_i_commands *commands)
 {
+    if (!commands->plan->work.lists || !svo_i_plan_stores_positions(commands->plan)) {
+        svo_i_commands_free(commands, &commands->mesh.positions);
+    }
     if (!keeps_vertices(commands->plan)) {
         svo_i_commands_free(commands, &commands->mesh.vertices);
     }
@@ -94,37 +133,37 @@ void svo_i_snapped_mesh_listed(svo_i_commands *commands)
     }
 }
 
-void svo_i_snapped_mesh_free(svo_i_commands *commands)
+void svo_i_build_mesh_free(svo_i_commands *commands)
 {
+    svo_i_commands_free(commands, &commands->mesh.positions);
     svo_i_commands_free(commands, &commands->mesh.vertices);
     svo_i_commands_free(commands, &commands->mesh.indices);
 }
 
 /* ---- geometry for rays ---- */
 
-static svo_status upload_positions(svo_i_build *build)
+/* Moves the positions to the tree. */
+static svo_status take_positions(svo_i_build *build)
 {
     const svo_plan *plan = build->commands.plan;
     svo_tree *tree = build->tree;
+    cl_mem positions = NULL;
     tree->info.positions = SVO_POSITIONS_SNAPPED;
-    if (svo_i_plan_has(plan->positions, plan->memory.positions)) {
-        tree->info.positions = SVO_POSITIONS_FLOAT;
-        return svo_i_commands_take(&build->commands, "positions", plan->positions, plan->memory.positions,
-                                   (uint64_t)plan->vertex_count * 12, &tree->buffers[SVO_TREE_POSITIONS]);
+    if (!svo_i_plan_stores_positions(plan)) {
+        return SVO_OK;
     }
-    if (svo_i_plan_has(plan->positions_double, plan->memory.positions_double)) {
-        tree->info.positions = SVO_POSITIONS_DOUBLE;
-        return svo_i_commands_take(&build->commands, "positions_double", plan->positions_double,
-                                   plan->memory.positions_double, (uint64_t)plan->vertex_count * 24,
-                                   &tree->buffers[SVO_TREE_POSITIONS_DOUBLE]);
-    }
+    SVO_I_TRY(get_positions(&build->commands, &positions));
+    build->commands.mesh.positions = NULL;
+    const bool is_double = svo_i_plan_has(plan->positions_double, plan->memory.positions_double);
+    tree->info.positions = is_double ? SVO_POSITIONS_DOUBLE : SVO_POSITIONS_FLOAT;
+    tree->buffers[is_double ? SVO_TREE_POSITIONS_DOUBLE : SVO_TREE_POSITIONS] = positions;
     return SVO_OK;
 }
 
 /* Moves the snapped mesh to the tree. */
 static svo_status take_mesh(svo_i_build *build)
 {
-    svo_i_snapped_mesh *mesh = &build->commands.mesh;
+    svo_i_build_mesh *mesh = &build->commands.mesh;
     if (build->tree->buffers[SVO_TREE_VERTICES] == NULL) { /* else a front end has them there */
         SVO_I_TRY(get_vertices(&build->commands, &build->tree->buffers[SVO_TREE_VERTICES]));
         mesh->vertices = NULL;
@@ -141,7 +180,7 @@ svo_status svo_i_geometry_upload(svo_i_build *build)
     SVO_I_TRY(take_mesh(build));
     SVO_I_TRY(svo_i_commands_take(&build->commands, "triangle_ids", plan->triangle_ids, plan->memory.triangle_ids,
                                   (uint64_t)plan->triangle_count * 4, &build->tree->buffers[SVO_TREE_TRIANGLE_IDS]));
-    SVO_I_TRY(upload_positions(build));
+    SVO_I_TRY(take_positions(build));
     build->tree->info.vertex_count = plan->vertex_count;
     build->tree->info.list_triangle_count = plan->triangle_count;
     return svo_i_stage_end(&build->commands, SVO_STAGE_TRANSFER);
@@ -195,7 +234,7 @@ void svo_i_surface_free(svo_i_build *build)
     for (unsigned i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
         svo_i_commands_free(&build->commands, buffers[i]);
     }
-    svo_i_snapped_mesh_free(&build->commands);
+    svo_i_build_mesh_free(&build->commands);
     *surface = (svo_i_surface){0};
 }
 

@@ -9,6 +9,8 @@
 
 SVO_I_SHARED_BEGIN
 
+/* Of fragments that front ends leave undecided, without those of a chunk. */
+svo_decide_params svo_i_decide_params(const svo_plan *plan);
 /* Parameters of a build, without those of a level or a chunk. */
 svo_filter_params svo_i_payload_params(const svo_i_build *build);
 /* Sets the parameters of a level. */
@@ -20,15 +22,15 @@ uint32_t svo_i_digit_passes(uint32_t triangle_count);
 SVO_I_SHARED_END
 
 /*
- * The snapped mesh on the device, uploaded once a build: by the first stage that reads it, and kept for the last one.
- * A tree with leaf lists takes the buffers.
+ * The mesh on the device, snapped and as it was given, uploaded once a build: by the first stage that reads it, and
+ * kept for the last one. A tree with leaf lists takes the buffers.
  */
 
 /* Gets the buffers, which stay commands->mesh's. */
-svo_status svo_i_snapped_mesh_get(svo_i_commands *commands, svo_i_snapped_mesh *out);
+svo_status svo_i_build_mesh_get(svo_i_commands *commands, svo_i_build_mesh *out);
 /* Releases what no stage after the voxelizer reads. */
-void svo_i_snapped_mesh_listed(svo_i_commands *commands);
-void svo_i_snapped_mesh_free(svo_i_commands *commands);
+void svo_i_build_mesh_listed(svo_i_commands *commands);
+void svo_i_build_mesh_free(svo_i_commands *commands);
 
 /*
  * Stores the snapped mesh in the tree, for rays. Kernels: none.

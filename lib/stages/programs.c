@@ -2,9 +2,9 @@
 /* The programs of kernels/stages: the files with their kernels. What these include comes with them. */
 #include "stages/programs.h"
 
-extern const svo_i_kernel_text svo_i_text_stages_bottom_up_cl, svo_i_text_stages_filter_cl, svo_i_text_stages_link_cl,
-    svo_i_text_stages_material_cl, svo_i_text_stages_pack_cl, svo_i_text_stages_pairs_cl, svo_i_text_stages_scan_cl,
-    svo_i_text_stages_sort_cl, svo_i_text_stages_subdivide_cl, svo_i_text_stages_voxelize_cl;
+extern const svo_i_kernel_text svo_i_text_stages_bottom_up_cl, svo_i_text_stages_decide_cl, svo_i_text_stages_filter_cl,
+    svo_i_text_stages_link_cl, svo_i_text_stages_material_cl, svo_i_text_stages_pack_cl, svo_i_text_stages_pairs_cl,
+    svo_i_text_stages_scan_cl, svo_i_text_stages_sort_cl, svo_i_text_stages_subdivide_cl, svo_i_text_stages_voxelize_cl;
 
 const svo_i_program svo_i_program_subdivide = {.name = "subdivide", .files = {&svo_i_text_stages_subdivide_cl}};
 const svo_i_program svo_i_program_sort = {
@@ -15,3 +15,4 @@ const svo_i_program svo_i_program_filter = {.name = "filter",
                                             .files = {&svo_i_text_stages_link_cl, &svo_i_text_stages_material_cl,
                                                       &svo_i_text_stages_filter_cl, &svo_i_text_stages_pairs_cl}};
 const svo_i_program svo_i_program_voxelize = {.name = "voxelize", .files = {&svo_i_text_stages_voxelize_cl}};
+const svo_i_program svo_i_program_decide = {.name = "decide", .files = {&svo_i_text_stages_decide_cl}};

@@ -15,5 +15,6 @@ SVO_I_SHARED_BEGIN
 extern const svo_i_program svo_i_program_filter;
 SVO_I_SHARED_END
 extern const svo_i_program svo_i_program_voxelize;
+extern const svo_i_program svo_i_program_decide;
 
 #endif

@@ -29,6 +29,13 @@ static bool voxelize_runs(const svo_plan *plan)
     return plan->triangle_count > 0;
 }
 
+/* Triangles inside one voxel leave nothing undecided. */
+static bool decide_runs(const svo_plan *plan)
+{
+    const bool *tests = plan->work.tests;
+    return voxelize_runs(plan) && (tests[SVO_I_TEST_NARROW] || tests[SVO_I_TEST_REGULAR] || tests[SVO_I_TEST_WIDE]);
+}
+
 static bool sort_runs(const svo_plan *plan)
 {
     return plan->work.sorted;
@@ -125,7 +132,7 @@ static void sort_defines(const svo_plan *plan, char *text, size_t bytes)
     (void)snprintf(text, bytes, "%s", svo_i_sort_defines(plan->device));
 }
 
-static void subdivide_defines(const svo_plan *plan, char *text, size_t bytes)
+static void worker_defines(const svo_plan *plan, char *text, size_t bytes)
 {
     (void)snprintf(text, bytes, "%s", plan->device->cpu_path ? " -DSVO_ONE_WORKER" : "");
 }
@@ -188,6 +195,12 @@ static const svo_i_stage rows[] = {
      .buffers = BUFFERS(SCRATCH("mesh_vertices", MESH), SCRATCH("mesh_indices", MESH), SCRATCH("mesh_items", MESH),
                         SCRATCH("mesh_tiles", NODES), SCRATCH("tile_count", MESH), SCRATCH("counters", MESH),
                         SCRATCH("fragments", FRAGMENTS))},
+    {.name = "decide", /* of the same chunks */
+     .stage = SVO_STAGE_VOXELIZE,
+     .runs = decide_runs,
+     .program = &svo_i_program_decide,
+     .defines = worker_defines,
+     .buffers = BUFFERS(SCRATCH("mesh_positions", MESH))},
     {.name = "sort",
      .stage = SVO_STAGE_SUBDIVIDE,
      .runs = sort_runs,
@@ -210,7 +223,7 @@ static const svo_i_stage rows[] = {
      .run = svo_i_subdivide,
      .item_ns = 12.0,
      .program = &svo_i_program_subdivide,
-     .defines = subdivide_defines,
+     .defines = worker_defines,
      .buffers = BUFFERS(SCRATCH("cursors", FRAGMENTS), SCRATCH("state", MESH), SCRATCH("partials", MESH),
                         SCRATCH("blocks", NODES), SCRATCH("block_ranks", NODES), SCRATCH("child_mask_pool", NODES),
                         SCRATCH("first_child_pool", NODES), TREE("child_mask", NODES), TREE("first_child", NODES),

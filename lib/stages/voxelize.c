@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The front end "cl": uploads the snapped mesh, and launches the voxelizer for every draw of every chunk. It is used
- * without OpenGL, and on devices on which it is faster than OpenGL.
+ * The front end "cl": uploads the mesh, launches the voxelizer for every draw of every chunk, and decides what that
+ * leaves undecided. It is used without OpenGL, and on devices on which it is faster than OpenGL.
  */
 #include "stages/voxelize.h"
 
@@ -13,6 +13,8 @@
 #include "stages/inputs.h"
 #include "stages/programs.h"
 
+/* A work-item decides fragments of this many places of a chunk. */
+#define DECIDE_RUN 256
 /* Local memory of a work-group: for sums, and for notes and fragments. */
 #define SCRATCH_BYTES (sizeof(cl_uint) * SVO_GROUP_ITEMS)
 
@@ -25,9 +27,10 @@ static size_t words_bytes(const svo_device *device)
 typedef struct run {
     svo_i_commands *commands;
     const svo_i_chunking *chunking;
-    svo_i_snapped_mesh mesh; /* whose buffers stay those of commands->mesh */
+    svo_i_build_mesh mesh; /* whose buffers stay those of commands->mesh */
     cl_mem items, counters;
     cl_kernel kernels[SVO_I_TEST_COUNT];
+    cl_kernel decide, keep_decided;
 } run;
 
 /* The overlap test for a class of triangles. Triangles inside one voxel need none; any variant works for them. */
@@ -51,9 +54,24 @@ static svo_status get_program(svo_plan *plan, svo_i_test test, cl_program *out, 
     return svo_i_program_get(plan->device, SVO_I_BUILD, &svo_i_program_voxelize, defines, out, fresh);
 }
 
+static svo_status get_decide_program(svo_plan *plan, cl_program *out, bool *fresh)
+{
+    char defines[SVO_I_DEFINES_BYTES];
+    svo_i_plan_defines(plan, &svo_i_program_decide, defines, sizeof defines);
+    return svo_i_program_get(plan->device, SVO_I_BUILD, &svo_i_program_decide, defines, out, fresh);
+}
+
 static svo_status prepare(void *self, svo_plan *plan, svo_i_warm_up *warm_up)
 {
     (void)self;
+    cl_program decide = NULL;
+    bool decide_fresh = false;
+    if (svo_i_plan_needs_program(plan, &svo_i_program_decide)) {
+        SVO_I_TRY(get_decide_program(plan, &decide, &decide_fresh));
+    }
+    if (decide_fresh) {
+        SVO_I_TRY(svo_i_warm_up_add_program(warm_up, decide));
+    }
     for (svo_i_test test = 0; test < SVO_I_TEST_COUNT; ++test) {
         cl_program program = NULL;
         bool fresh = false;
@@ -79,18 +97,24 @@ static svo_status create_kernels(run *r)
             SVO_I_TRY(svo_i_commands_kernel(r->commands, program, "svo_k_voxelize", &r->kernels[test]));
         }
     }
-    return SVO_OK;
+    cl_program program = NULL;
+    if (!svo_i_plan_needs_program(r->commands->plan, &svo_i_program_decide)) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(get_decide_program(r->commands->plan, &program, NULL));
+    SVO_I_TRY(svo_i_commands_kernel(r->commands, program, "svo_k_decide", &r->decide));
+    return svo_i_commands_kernel(r->commands, program, "svo_k_keep_decided", &r->keep_decided);
 }
 
-/* Uploads the mesh, and clears two words per chunk: the low and the high half of the number of fragments. */
+/* Uploads the mesh, and clears the counters. */
 static svo_status upload(run *r)
 {
     const svo_plan *plan = r->commands->plan;
     /* An updatable plan has one more, for tiles that are not used. */
     const uint64_t items = plan->class_begin[SVO_I_CLASS_COUNT] + (plan->update != NULL ? UINT64_C(1) : 0);
-    const uint64_t counter_bytes = (r->chunking->chunk_count + 1u) * 8ull;
+    const uint64_t counter_bytes = (r->chunking->chunk_count + UINT64_C(1)) * SVO_COUNTER_WORDS * sizeof(cl_uint);
     svo_i_stage_begin(r->commands);
-    SVO_I_TRY(svo_i_snapped_mesh_get(r->commands, &r->mesh));
+    SVO_I_TRY(svo_i_build_mesh_get(r->commands, &r->mesh));
     SVO_I_TRY(svo_i_commands_take(r->commands, "mesh_items", plan->items, plan->memory.items,
                                   items * sizeof(svo_draw_item), &r->items));
     SVO_I_TRY(svo_i_commands_alloc(r->commands, "counters", counter_bytes, &r->counters));
@@ -222,6 +246,24 @@ static double item_ns(const run *r, const svo_i_chunk *chunk, const size_t *tile
     return ids > 0 ? chunk_ns / (double)ids : 0.0;
 }
 
+/* Decides a chunk's undecided fragments. */
+static svo_status decide(run *r, uint32_t chunk_index, cl_mem fragments)
+{
+    const uint64_t capacity = r->chunking->chunks[chunk_index].capacity;
+    if (!svo_i_plan_needs_program(r->commands->plan, &svo_i_program_decide)) {
+        return SVO_OK;
+    }
+    svo_decide_params params = svo_i_decide_params(r->commands->plan);
+    params.capacity = (cl_uint)capacity;
+    params.counter = chunk_index;
+    const svo_i_argument decides[] = {SVO_I_ARGUMENT(r->mesh.positions), SVO_I_ARGUMENT(r->mesh.indices),
+                                      SVO_I_ARGUMENT(r->counters), SVO_I_ARGUMENT(fragments), SVO_I_ARGUMENT(params)};
+    const svo_i_argument keeps[] = {SVO_I_ARGUMENT(r->counters), SVO_I_ARGUMENT(fragments), SVO_I_ARGUMENT(params),
+                                    SVO_I_LOCAL(SCRATCH_BYTES)};
+    SVO_I_TRY(svo_i_commands_launch(r->commands, r->decide, SVO_I_ARGUMENTS(decides), capacity / DECIDE_RUN + 1));
+    return svo_i_commands_launch(r->commands, r->keep_decided, SVO_I_ARGUMENTS(keeps), SVO_GROUP_ITEMS);
+}
+
 /* Launches the draws of a chunk. tile_begin: NULL if there are no tiles. */
 static svo_status launch_draws(run *r, uint32_t chunk_index, const size_t *tile_begin, cl_mem tiles, cl_mem fragments)
 {
@@ -237,6 +279,7 @@ static svo_status launch_draws(run *r, uint32_t chunk_index, const size_t *tile_
                                             .counter = chunk_index};
         SVO_I_TRY(launch(r, &r->chunking->draws[chunk->first_draw + i], params, tiles, fragments));
     }
+    SVO_I_TRY(decide(r, chunk_index, fragments));
     return svo_i_stage_end(r->commands, SVO_STAGE_VOXELIZE);
 }
 
@@ -285,6 +328,7 @@ static svo_status launch_moving_draws(run *r, uint32_t chunk_index, uint64_t roo
         }
         SVO_I_TRY(launch(r, draw, params, tiles->tiles, fragments));
     }
+    SVO_I_TRY(decide(r, chunk_index, fragments));
     return svo_i_stage_end(r->commands, SVO_STAGE_VOXELIZE);
 }
 
@@ -345,7 +389,7 @@ cleanup:
 /* Reads the counts, in SVO_I_MODE_RUN. */
 static svo_status read_counters(run *r, svo_i_fragment_list *list)
 {
-    const size_t bytes = ((size_t)list->chunk_count + 1) * 2 * sizeof(cl_uint);
+    const size_t bytes = ((size_t)list->chunk_count + 1) * SVO_COUNTER_WORDS * sizeof(cl_uint);
     cl_uint *counters = svo_i_alloc_zeroed(&r->commands->device->memory, 1, bytes);
     if (counters == NULL) {
         return svo_i_device_fail(r->commands->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u counters",
@@ -353,8 +397,11 @@ static svo_status read_counters(run *r, svo_i_fragment_list *list)
     }
     svo_i_stage_begin(r->commands);
     const svo_status status = svo_i_commands_read(r->commands, r->counters, counters, bytes);
+    r->commands->report->undecided = 0;
     for (size_t i = 0; i < list->chunk_count; ++i) {
-        list->chunks[i].needed = (uint64_t)counters[2 * i + 1] << 32 | counters[2 * i];
+        const cl_uint *own = counters + SVO_COUNTER_WORDS * i;
+        list->chunks[i].needed = (uint64_t)own[1] << 32 | own[0];
+        r->commands->report->undecided += (uint64_t)own[3] << 32 | own[2];
     }
     svo_i_free(counters);
     SVO_I_TRY(status);
@@ -364,12 +411,18 @@ static svo_status read_counters(run *r, svo_i_fragment_list *list)
 
 static void release_run(run *r)
 {
-    svo_i_snapped_mesh_listed(r->commands);
+    svo_i_build_mesh_listed(r->commands);
     svo_i_commands_free(r->commands, &r->items);
     for (svo_i_test test = 0; test < SVO_I_TEST_COUNT; ++test) {
         if (r->kernels[test] != NULL) {
             clReleaseKernel(r->kernels[test]);
         }
+    }
+    if (r->decide != NULL) {
+        clReleaseKernel(r->decide);
+    }
+    if (r->keep_decided != NULL) {
+        clReleaseKernel(r->keep_decided);
     }
 }
 

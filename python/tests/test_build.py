@@ -48,7 +48,8 @@ def test_plan_lists_bytes_and_what_it_leaves_out(device, torus):
         counted = plan.count()
         assert counted == plan.info.fragments > 0
         with plan.build() as tree:
-            assert tree.info.fragments == tree.report.fragments == counted
+            assert tree.info.fragments == tree.report.fragments
+            assert 0 <= counted - tree.info.fragments <= tree.report.undecided
             assert sum(buffer.bytes for buffer in plan.buffers if buffer.persistent) == plan.info.tree_bytes
             assert all(buffer.certainty == svocl.Certainty.EXACT for buffer in plan.buffers)
             assert plan.info.peak_bytes >= plan.info.tree_bytes > 0

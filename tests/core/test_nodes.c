@@ -180,7 +180,8 @@ static svo_grid grid_of_plan(const svo_plan *plan)
     return (svo_grid){.depth = info.depth,
                       .snap_bits = info.snap_bits,
                       .origin = {info.origin[0], info.origin[1], info.origin[2]},
-                      .scale = info.scale};
+                      .scale = info.scale,
+                      .edge = info.edge};
 }
 
 /* ---- grids ---- */
@@ -202,14 +203,14 @@ static void boxes_of_a_callers_grid_have_closed_forms(void **state)
     assert_true(low[0] == -4 && low[1] == 0 && low[2] == 3.75 && high[0] == -3.75 && high[1] == 0.25 && high[2] == 4);
     svo_grid_cell_box(&grid, 0, (const uint32_t[3]){0, 0, 0}, low, NULL);
     assert_true(low[0] == -4 && low[1] == -4 && low[2] == -4);
-    /* A voxel holds its near faces alone, and points are snapped first. */
+    /* A voxel holds its near faces alone, and what is between two units. */
     const double unit = 8.0 / 1048576;
     assert_true(svo_grid_cell_of_point(&grid, 5, (const double[3]){0, 0.25, 0.25 - unit}, cell) != 0);
     assert_true(cell[0] == 16 && cell[1] == 17 && cell[2] == 16);
-    assert_true(svo_grid_cell_of_point(&grid, 5, (const double[3]){-4 - 0.4 * unit, 0.25 - 0.4 * unit, 0}, cell) != 0);
-    assert_true(cell[0] == 0 && cell[1] == 17 && cell[2] == 16);
+    assert_true(svo_grid_cell_of_point(&grid, 5, (const double[3]){-4 + 0.4 * unit, 0.25 - 1e-9 * unit, 0}, cell) != 0);
+    assert_true(cell[0] == 0 && cell[1] == 16 && cell[2] == 16);
     cell[0] = cell[1] = cell[2] = 99;
-    assert_true(svo_grid_cell_of_point(&grid, 5, (const double[3]){-4 - 0.6 * unit, 0, 0}, cell) == 0);
+    assert_true(svo_grid_cell_of_point(&grid, 5, (const double[3]){-4 - 1e-9 * unit, 0, 0}, cell) == 0);
     assert_true(svo_grid_cell_of_point(&grid, 5, (const double[3]){0, 4, 0}, cell) == 0);
     assert_true(svo_grid_cell_of_point(&grid, 5, (const double[3]){0, 0, NAN}, cell) == 0);
     assert_true(svo_grid_cell_of_point(&grid, 5, (const double[3]){INFINITY, 0, 0}, cell) == 0);

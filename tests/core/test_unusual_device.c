@@ -396,11 +396,11 @@ static void binaries_that_are_not_there(void **state)
 
 /* ---- rays ---- */
 
-/* Two triangles in a grid of the unit cube: a wall before its face x = 0 by less than snapping moves it, and one that
-   reaches far out. */
+/* Two triangles in a grid of the unit cube: a wall inside its face x = 0 by less than a grid unit, and one that reaches
+   far out. */
 static svo_tree *build_wall(svo_device *device)
 {
-    static const float wall = -0.45F * 0x1p-20F;
+    static const float wall = 0.45F * 0x1p-20F;
     const float positions[6][3] = {{wall, 0, 0},     {wall, 1, 0},        {wall, 0, 1},
                                    {-3, 0.9F, 0.9F}, {0.2F, 0.9F, 0.95F}, {-3, 0.95F, 0.9F}};
     const uint32_t indices[6] = {0, 1, 2, 3, 4, 5};
@@ -447,7 +447,7 @@ static void a_device_that_fuses_is_refused(void **state)
     }
 }
 
-/* Floats of coordinates far away round by more than the wall is outside: its hits count all the same. */
+/* Floats of coordinates far away round by more than the wall is inside: its hits count all the same. */
 static void hits_at_the_border_count_without_doubles(void **state)
 {
     enum { RAYS = 256 };

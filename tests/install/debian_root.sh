@@ -56,7 +56,7 @@ step 'no laboratory' visitor 'svocl verify scene:cube -d 4 2>&1 | grep "svocl-la
 expect 'svocl: verify: svocl-lab is not installed .apt install svocl-lab.'
 step 'the laboratory alone' root 'apt-get -y -q install --no-install-recommends /packages/svocl-lab_*.deb'
 step 'a check' visitor 'svocl verify scene:cube -d 4'
-expect 'exact beside the snapped mesh: 0 missed, 0 surplus'
+expect 'exact: 0 missed, 0 surplus'
 step 'no Embree' visitor 'svocl bench rays --vs embree --quick 2>&1 | grep "libembree3-3"'
 expect 'svocl: bench: --vs embree: libembree3.so.3 cannot be opened .apt install libembree3-3.'
 step 'where zsh and fish look' root 'ls /usr/share/zsh/vendor-completions/_svocl \

@@ -374,7 +374,7 @@ static void test_broken_headers_are_named(void **unused)
     size_t byte_count = 0;
     uint8_t *bytes = save_to_memory(tree, 0, &byte_count);
     expect_word_refused(bytes, byte_count, 8, 0, "version 0 is not known");
-    expect_word_refused(bytes, byte_count, 8, 4, "version 4 is not known");
+    expect_word_refused(bytes, byte_count, 8, 5, "version 5 is not known");
     expect_word_refused(bytes, byte_count, 8, 2, "chunk child_mask: 1 bytes are not 8 elements of 1");
     expect_word_refused(bytes, byte_count, 32, 105, "105 chunks, at most 104");
     expect_word_refused(bytes, byte_count, 36, 0, "depth 0 is outside 1 .. 16");

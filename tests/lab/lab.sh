@@ -37,11 +37,11 @@ chmod a+x both/svocl-lab
 
 # Exit codes, lines and pipes pass through.
 PATH=$work/path:$PATH alone/svocl verify scene:cube -d 4 >"$work/verdict"
-grep -q 'exact beside the snapped mesh: 0 missed' "$work/verdict" || complain "along PATH: $(cat "$work/verdict")"
+grep -q 'exact: 0 missed' "$work/verdict" || complain "along PATH: $(cat "$work/verdict")"
 expect_failure 2 'svocl: verify: INPUT is missing' both/svocl verify
 expect_failure 1 'svocl: verify: lacking.obj' both/svocl verify lacking.obj
 both/svocl scene cube --quiet -o - | both/svocl verify - -d 4 >"$work/verdict"
-grep -q 'exact beside the snapped mesh: 0 missed' "$work/verdict" || complain "through a pipe: $(cat "$work/verdict")"
+grep -q 'exact: 0 missed' "$work/verdict" || complain "through a pipe: $(cat "$work/verdict")"
 
 # --- svocl-lab by itself ---
 

@@ -44,7 +44,7 @@ expect_none 'https?:|//[a-z]|<link|<iframe|@import|url\(|xlink|file:/|fetch\(|im
 expect_none '(src|href)=["'\''][^#"'\''$s]'
 # The other files.
 expect '"tables"' "$work/page/results.json"
-expect '| integers of 20 bits, cl |' "$work/page/summary.md"
+expect '| exact integers, cl |' "$work/page/summary.md"
 expect '| cl |' "$work/page/summary.md"
 [[ -z $(find "$work/page" -name '*.tmp') ]] || complain "temporary files are left"
 # Read again, the same figures.

@@ -37,7 +37,8 @@ static void check_capacities(const fixture *opened, const svo_mesh *mesh, unsign
     fixture_build(opened, mesh, depth, &options, &expected);
     assert_build_is_exact(mesh, &options, &expected);
     const uint64_t exact_count = expected.report.fragments;
-    const uint64_t capacities[] = {0, 1, exact_count - 1, exact_count, exact_count + 1};
+    const uint64_t room = exact_count + expected.report.undecided;
+    const uint64_t capacities[] = {0, 1, exact_count - 1, room, room + 1};
     for (size_t i = 0; i < sizeof capacities / sizeof capacities[0]; ++i) {
         options.fragment_capacity = capacities[i];
         built actual;

@@ -53,8 +53,7 @@ static unsigned wrong_pairs(const mutant *m)
         probe_output found;
         (m->thin ? sample_make_thin : sample_make)(m->width, 20240305, i, &s);
         m->ask(&s.record, &found, 1);
-        const bool touches = found.words[PROBE_COLUMN] != 0 && found.words[PROBE_VOXEL] != 0;
-        wrong += touches != oracle_sat_touches(&s.triangle, &s.box, s.coverage);
+        wrong += sample_is_wrong(&s, &found, oracle_sat_touches(&s.triangle, &s.box, s.coverage)) ? 1 : 0;
     }
     return wrong;
 }
@@ -69,8 +68,10 @@ static int32_t largest(int32_t a, int32_t b, int32_t c)
     return -smallest(-a, -b, -c);
 }
 
-/* Voxels of one triangle at a depth, by testing every column of its bounds. Closed boxes begin one unit earlier. */
-static uint64_t count_voxels(const mutant *m, const int32_t *corners, unsigned depth, bool closed)
+/* Adds the voxels of one triangle at a depth, by testing every column of its bounds: those that may touch, and those
+   that surely do. Closed boxes begin one unit earlier. */
+static void count_voxels(const mutant *m, const int32_t *corners, unsigned depth, bool closed, uint64_t *most,
+                         uint64_t *least)
 {
     const unsigned shift = GOLDEN_SNAP_BITS - depth;
     const int32_t end = (1 << depth) - 1;
@@ -89,22 +90,22 @@ static uint64_t count_voxels(const mutant *m, const int32_t *corners, unsigned d
     given.words[9] = 1 << shift;
     given.words[10] = closed ? 0 : 1;
     given.words[14] = last[2] - first[2];
-    uint64_t count = 0;
     for (int32_t u = 0; u <= last[0] - first[0]; ++u) {
         for (int32_t v = 0; v <= last[1] - first[1]; ++v) {
             given.words[11] = u << shift;
             given.words[12] = v << shift;
             SVO_I32 begin = 0;
             SVO_I32 finish = 0;
-            m->column(&given, &begin, &finish);
-            count += finish >= begin ? (uint64_t)(finish - begin + 1) : 0;
+            SVO_I32 decided = 0;
+            m->column(&given, &begin, &finish, &decided);
+            *most += finish >= begin ? (uint64_t)(finish - begin + 1) : 0;
+            *least += (uint64_t)decided;
         }
     }
-    return count;
 }
 
-/* T1: the number of golden counts that it does not reproduce. The table has no thin counts, and its triangles are too
-   large for narrow arithmetic. */
+/* T1: the number of golden counts that are not between what surely touches and what may. The table has no thin counts,
+   and its triangles are too large for narrow arithmetic. */
 static unsigned wrong_counts(const mutant *m, const golden_table *table)
 {
     unsigned wrong = 0;
@@ -115,11 +116,12 @@ static unsigned wrong_counts(const mutant *m, const golden_table *table)
             if (expected->depth < 1 || expected->depth > 6) {
                 continue;
             }
-            uint64_t pairs = 0;
+            uint64_t most = 0;
+            uint64_t least = 0;
             for (size_t t = 0; t < scene->triangle_count; ++t) {
-                pairs += count_voxels(m, scene->vertices + t * 9, expected->depth, expected->is_closed);
+                count_voxels(m, scene->vertices + t * 9, expected->depth, expected->is_closed, &most, &least);
             }
-            wrong += pairs != expected->pairs;
+            wrong += expected->pairs < least || expected->pairs > most ? 1 : 0;
         }
     }
     return wrong;
@@ -137,7 +139,8 @@ static void t17_mutants_of_the_shared_test_are_found(void **state)
         const unsigned counts = in_table ? wrong_counts(m, table) : 0;
         print_message("%s: %u pairs and %u golden counts wrong\n", m->name, pairs, counts);
         assert_int_equal(pairs == 0, m->is_sound);
-        assert_true(!in_table || (counts == 0) == m->is_sound);
+        /* Scenes with odd coordinates, which may be off, do not show who owns a face. */
+        assert_true(!m->is_sound || counts == 0);
     }
     golden_free(table);
 }
@@ -172,13 +175,13 @@ static void APIENTRY ignore_parameter(GLenum name, GLint value)
     (void)value;
 }
 
-/* The number of fragments that a rasterization method produces for a plan; none are stored. */
-static uint32_t count_fragments(svo_gl_context *context, svo_plan *plan, svo_i_conservative method)
+/* The numbers of fragments that a rasterization method produces for a plan; none are stored. */
+static svo_i_raster_count count_fragments(svo_gl_context *context, svo_plan *plan, svo_i_conservative method)
 {
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(context);
     svo_i_raster *raster = NULL;
     svo_i_chunking layout;
-    uint32_t needed = 0;
+    svo_i_raster_count counts = {0, 0};
     GLuint buffer = 0;
     assert_int_equal(svo_i_raster_create(plan->device, context, method, false, &raster), SVO_OK);
     assert_int_equal(svo_i_chunking_create(plan, UINT64_C(1) << 26, &layout), SVO_OK);
@@ -192,12 +195,12 @@ static uint32_t count_fragments(svo_gl_context *context, svo_plan *plan, svo_i_c
     assert_int_equal(svo_i_raster_upload(raster, plan, 1), SVO_OK);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SVO_I_RASTER_FRAGMENTS, buffer);
     assert_int_equal(svo_i_raster_draw(raster, plan, &layout, 0), SVO_OK);
-    assert_int_equal(svo_i_raster_finish(raster, 1, &needed), SVO_OK);
+    assert_int_equal(svo_i_raster_finish(raster, 1, &counts), SVO_OK);
     gl->DeleteBuffers(1, &buffer);
     svo_i_gl_context_release_current(context);
     svo_i_chunking_destroy(&layout);
     svo_i_raster_destroy(&raster);
-    return needed;
+    return counts;
 }
 
 static unsigned wrong_rasters(svo_device *device, svo_gl_context *context, const golden_table *table,
@@ -228,7 +231,8 @@ static unsigned wrong_rasters(svo_device *device, svo_gl_context *context, const
             }
             svo_plan *plan = NULL;
             assert_int_equal(svo_plan_create(device, &mesh, expected->depth, &options, &plan), SVO_OK);
-            wrong += count_fragments(context, plan, method) != expected->pairs;
+            const svo_i_raster_count counts = count_fragments(context, plan, method);
+            wrong += expected->pairs < counts.decided || expected->pairs > (uint64_t)counts.decided + counts.undecided;
             svo_plan_destroy(&plan);
         }
         free(positions);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Tests the reference for grid and snap: against the definition in doubles, against exact products by fma, on ties and
- * signs computed by hand, and on accepted and refused triangles. Seeds are fixed and printed.
+ * Tests the reference for grid and snap: against the definition in rationals, on neighbors of whole numbers computed by
+ * hand, and on accepted and refused triangles. Seeds are fixed and printed.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -10,6 +10,7 @@
 
 #include <cmocka.h>
 
+#include <gmp.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,51 +35,89 @@ static double random_double(uint64_t *state, int bits)
     return next_random(state) & 1 ? -value : value;
 }
 
-/* The documented definition in C; the tests are compiled without contraction. */
-static double snap_in_doubles(const oracle_grid *grid, double value, int axis)
+/* The documented definition in rationals. Returns false from 2^29 on. */
+static bool snap_in_rationals(const oracle_grid *grid, double value, int axis, int32_t *snapped)
 {
-    double offset = value - grid->origin[axis];
-    double product = offset * grid->scale;
+    mpq_t units, operand;
+    mpz_t whole;
+    bool is_near;
 
-    return rint(product);
+    mpq_inits(units, operand, NULL);
+    mpz_init(whole);
+    mpq_set_d(units, value);
+    mpq_set_d(operand, grid->origin[axis]);
+    mpq_sub(units, units, operand);
+    mpq_mul_2exp(units, units, grid->snap_bits);
+    mpq_set_d(operand, grid->edge);
+    mpq_div(units, units, operand);
+    mpz_fdiv_q(whole, mpq_numref(units), mpq_denref(units));
+    if (mpz_cmp_ui(mpq_denref(units), 1) != 0)
+        mpz_setbit(whole, 0);
+    is_near = mpz_cmpabs_ui(whole, 1u << 29) < 0;
+    *snapped = is_near ? (int32_t)mpz_get_si(whole) : 0;
+    mpz_clear(whole);
+    mpq_clears(units, operand, NULL);
+    return is_near;
 }
 
-static void snap_equals_the_definition_in_doubles(void **state)
+/* Whole units of an edge of few bits, some of them exact, and their neighbors. */
+static double random_near_unit(uint64_t *seed, double edge, double origin)
 {
-    uint64_t seed = 77, refused_count = 0;
+    double position = origin + edge * ldexp((double)(next_random(seed) % 4194304) - 1048576, -SNAP_BITS);
+    int moved = (int)(next_random(seed) % 3) - 1;
+
+    return moved == 0 ? position : nextafter(position, moved > 0 ? INFINITY : -INFINITY);
+}
+
+static void snap_equals_the_definition_in_rationals(void **state)
+{
+    uint64_t seed = 77, refused_count = 0, even_count = 0;
 
     (void)state;
     print_message("seed %llu\n", (unsigned long long)seed);
-    for (int i = 0; i < 300000; i++) {
-        int bits = i % 3 == 0 ? 3 : i % 3 == 1 ? 30 : 300;
-        const double origin[3] = {random_double(&seed, bits), random_double(&seed, bits), random_double(&seed, bits)};
-        double edge = fabs(random_double(&seed, bits)), position[3], expected[3];
-        oracle_grid grid;
-        int32_t snapped[3] = {0, 0, 0};
+    for (int i = 0; i < 60000; i++) {
+        const int kind = i % 4, bits = kind == 0 ? 3 : kind == 1 ? 30 : kind == 2 ? 300 : 5;
+        double origin[3] = {random_double(&seed, bits), random_double(&seed, bits), random_double(&seed, bits)};
+        double edge = fabs(random_double(&seed, bits)), position[3];
+        int32_t snapped[3] = {0, 0, 0}, expected[3];
         bool is_near = true;
+        oracle_grid grid;
 
+        if (kind == 3) {
+            edge = (double)(1 + next_random(&seed) % 1000);
+            for (int k = 0; k < 3; k++)
+                origin[k] = rint(origin[k]);
+        }
         assert_true(oracle_grid_given(origin, edge, SNAP_BITS, &grid));
         for (int k = 0; k < 3; k++) {
-            position[k] = i & 1 ? random_double(&seed, bits) : origin[k] + edge * random_double(&seed, 4);
-            expected[k] = snap_in_doubles(&grid, position[k], k);
-            is_near = is_near && fabs(expected[k]) < 0x1p29;
+            position[k] = kind == 3                ? random_near_unit(&seed, edge, origin[k])
+                          : next_random(&seed) & 1 ? random_double(&seed, bits)
+                                                   : origin[k] + edge * random_double(&seed, 4);
+            is_near = snap_in_rationals(&grid, position[k], k, &expected[k]) && is_near;
         }
         assert_int_equal(oracle_snap(&grid, position, snapped), is_near);
-        for (int k = 0; is_near && k < 3; k++)
-            assert_int_equal(snapped[k], (int32_t)expected[k]);
+        for (int k = 0; is_near && k < 3; k++) {
+            assert_int_equal(snapped[k], expected[k]);
+            even_count += kind == 3 && snapped[k] % 2 == 0;
+        }
         refused_count += !is_near;
     }
-    assert_in_range(refused_count, 1000, 200000);
+    print_message("%llu even, %llu refused\n", (unsigned long long)even_count, (unsigned long long)refused_count);
+    assert_in_range(refused_count, 1000, 40000);
+    assert_in_range(even_count, 1000, 30000); /* exact ones */
 }
 
-/* With edge 2^20 the scale is 1: halves round to the even neighbor. */
-static void ties_go_to_even(void **state)
+/* With edge 2^20 a unit is 1. */
+static void whole_units_are_kept_and_others_become_odd(void **state)
 {
-    const double origin[3] = {0, 0, 0}, values[] = {0.5, 1.5, 2.5, -0.5, -1.5, -2.5, 2.5000000000000004, -0.0, 5e-324};
-    const int32_t expected[] = {0, 2, 2, 0, -2, -2, 3, 0, 0};
+    const double origin[3] = {0, 0, 0}, values[] = {0.5,  1.5,  2.5,   -0.5,   -1.5,          -2.5, 2.0000000000000004,
+                                                    -0.0, 2,    -4,    5e-324, -5e-324,       3,    1.9999999999999998,
+                                                    -7,   1e-9, 2.999, 4.001,  -2.0000000001, -1};
+    const int32_t expected[] = {1, 1, 3, -1, -1, -3, 3, 0, 2, -4, 1, -1, 3, 1, -7, 1, 3, 5, -3, -1};
     oracle_grid grid;
 
     (void)state;
+    assert_int_equal(sizeof(values) / sizeof(values[0]), sizeof(expected) / sizeof(expected[0]));
     assert_true(oracle_grid_given(origin, 0x1p20, SNAP_BITS, &grid));
     assert_true(grid.scale == 1);
     for (size_t i = 0; i < sizeof(values) / sizeof(values[0]); i++) {
@@ -92,11 +131,26 @@ static void ties_go_to_even(void **state)
     }
 }
 
+/* What lies beside a whole unit by far less than a double can tell: a tiny number, with an origin of 1. */
+static void differences_are_not_rounded(void **state)
+{
+    const double origin[3] = {1, -1, 0x1p-1070}, position[3] = {0x1p-1074, -0x1p-1074, 16};
+    const int32_t expected[3] = {-65535, 65535, 1048575};
+    oracle_grid grid;
+    int32_t snapped[3];
+
+    (void)state;
+    assert_true(oracle_grid_given(origin, 16, SNAP_BITS, &grid));
+    assert_true(oracle_snap(&grid, position, snapped));
+    for (int k = 0; k < 3; k++)
+        assert_int_equal(snapped[k], expected[k]);
+}
+
 static void limit_is_two_to_the_29(void **state)
 {
     const double origin[3] = {0, 0, 0};
     const double inside[3] = {0x1p29 - 1, 1 - 0x1p29, 0}, outside[3] = {0, 0, -0x1p29};
-    const double far_off[3] = {1e300, 0, 0}, rounds_up[3] = {0x1p29 - 0.5, 0, 0};
+    const double far_off[3] = {1e300, 0, 0}, almost[3] = {0x1p29 - 0.5, 0.5 - 0x1p29, 0};
     oracle_grid grid;
     int32_t snapped[3] = {7, 7, 7};
 
@@ -104,11 +158,12 @@ static void limit_is_two_to_the_29(void **state)
     assert_true(oracle_grid_given(origin, 0x1p20, SNAP_BITS, &grid));
     assert_false(oracle_snap(&grid, outside, snapped));
     assert_false(oracle_snap(&grid, far_off, snapped));
-    assert_false(oracle_snap(&grid, rounds_up, snapped));
     assert_int_equal(snapped[0], 7);
-    assert_true(oracle_snap(&grid, inside, snapped));
-    assert_int_equal(snapped[0], (1 << 29) - 1);
-    assert_int_equal(snapped[1], 1 - (1 << 29));
+    for (int i = 0; i < 2; i++) {
+        assert_true(oracle_snap(&grid, i == 0 ? inside : almost, snapped));
+        assert_int_equal(snapped[0], (1 << 29) - 1);
+        assert_int_equal(snapped[1], 1 - (1 << 29));
+    }
 }
 
 /* Of 24 bits, and above the extent by a millionth, rounded up; scale is the double nearest to 2^G / edge. */
@@ -224,8 +279,9 @@ static void one_point_has_edge_one(void **state)
 TEST_GROUP(oracle_snap)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(snap_equals_the_definition_in_doubles),
-        cmocka_unit_test(ties_go_to_even),
+        cmocka_unit_test(snap_equals_the_definition_in_rationals),
+        cmocka_unit_test(whole_units_are_kept_and_others_become_odd),
+        cmocka_unit_test(differences_are_not_rounded),
         cmocka_unit_test(limit_is_two_to_the_29),
         cmocka_unit_test(default_edge_is_above_the_extent),
         cmocka_unit_test(default_grid_is_the_bounds_cube),

@@ -119,14 +119,16 @@ static void coordinates_are_accepted_up_to_the_documented_limit(void **state)
         unsigned refused, outside;
     } cases[] = {
         {{1.0 - FAR, 1.0 - FAR, 7, FAR - 1.0, FAR - 1.0, 9, 5, FAR - 1.0, EDGE - 5.0}, 0, 0},
+        {{0.5 - FAR, 1.5 - FAR, 7, FAR - 0.5, FAR - 1.5, 9, 5, FAR - 0.5, EDGE - 5.0}, 0, 0},
         {{-FAR, 0, 0, 1000, 0, 0, 0, 1000, 0}, 1, 0},
         {{0, FAR, 0, 1000, 0, 0, 0, 1000, 0}, 1, 0},
         {{0, 0, 1e300, 1000, 0, 0, 0, 1000, 0}, 1, 0},
         {{EDGE, 0, 0, 1e300, 0, 0, EDGE, 1000, 0}, 0, 1},
         {{-1, 0, 0, -1e300, 0, 0, -1, 1000, 0}, 0, 1},
-        {{-0.5, 0, 0, -9, 0, 0, -8, 1000, 0}, 0, 0}, /* snaps to -0 */
-        {{0, EDGE - 0.5, 0, 9, EDGE, 0, 8, EDGE + 9.0, 4}, 0, 1}, /* snaps to the even EDGE */
-        {{0, EDGE - 0.75, 0, 9, EDGE, 0, 8, EDGE + 9.0, 4}, 0, 0},
+        {{-0x1p-60, 0, 0, -9, 0, 0, -8, 1000, 0}, 0, 1},
+        {{0, 0, 0, -9, 0, 0, -8, 1000, 0}, 0, 0},
+        {{0, EDGE - 0x1p-30, 0, 9, EDGE, 0, 8, EDGE + 9.0, 4}, 0, 0},
+        {{0, EDGE, 0, 9, EDGE, 0, 8, EDGE + 9.0, 4}, 0, 1},
     };
     const fixture *opened = fixture_of_group(state);
     const svo_plan_options options = {.need = SVO_NEED_RAYS, .edge = EDGE};

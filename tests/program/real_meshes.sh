@@ -28,7 +28,7 @@ while IFS= read -r -d '' file; do
     name=${file#"$work"/}
     code=0
     timeout "$seconds" "$program" verify "$file" -d "$depth" >"$work/out" 2>"$work/err" || code=$?
-    if ((code == 0)) && grep -q 'exact beside the snapped mesh: 0 missed, 0 surplus' "$work/out"; then
+    if ((code == 0)) && grep -q 'exact: 0 missed, 0 surplus' "$work/out"; then
         exact=$((exact + 1))
         sed -n 's/^ *\([0-9,]* of [0-9,]* triangles refused.*\)/refused in '"${name//\//\\/}"': \1/p' "$work/out"
     elif ((code == 1)) && [[ $name != stand-ins/meshes/* ]] && [[ $(wc -l <"$work/err") == 1 ]] &&

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Solids against closed forms and against the exact reference (tools/lab/reference/oracle_solid.h): every voxel, the
- * level of its leaf, every count. Meshes whose corners and edges lie on the columns' center lines, open meshes, and the
- * same bytes for every queue.
+ * Solids against closed forms and against the exact reference of meshes as given (tools/lab/reference/oracle_exact.h):
+ * every voxel, the level of its leaf, every count. Meshes whose corners and edges lie on the columns' center lines, or
+ * an ulp beside them, open meshes, and the same bytes for every queue.
  */
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -15,7 +16,7 @@
 
 #include <cmocka.h>
 
-#include "oracle_solid.h"
+#include "oracle_exact.h"
 #include "shared/layout.h"
 #include "support/fixture.h"
 #include "support/meshes.h"
@@ -35,7 +36,12 @@ typedef struct request {
     svo_solid_rule rule;
     svo_coverage coverage;
     bool open; /* the mesh may have holes: cells are compared, not each voxel */
+    bool skewed; /* on the skewed grid, whose planes are no doubles, with corners up to an ulp beside their places */
+    bool floats; /* the mesh has floats */
 } request;
+
+static const double skewed_origin[3] = {0.1, -0.2, 1.0 / 3.0};
+static const double skewed_edge = 0.7;
 
 static void succeed(const fixture *opened, svo_status status)
 {
@@ -50,19 +56,38 @@ static svo_plan_options unit_grid(unsigned depth, svo_coverage coverage)
     return (svo_plan_options){.need = SVO_NEED_RAYS, .coverage = coverage, .edge = (double)(1u << depth)};
 }
 
+/* The mesh as it was given, in doubles of the caller's. */
+static double *copy_positions(const built *from)
+{
+    const size_t count = (size_t)from->info.vertex_count * 3;
+    double *positions = malloc((count + 1) * sizeof *positions);
+    assert_non_null(positions);
+    for (size_t i = 0; i < count; ++i) {
+        positions[i] = from->info.positions == SVO_POSITIONS_DOUBLE ? from->arrays.positions_double[i]
+                                                                    : (double)from->arrays.positions[i];
+    }
+    return positions;
+}
+
+static oracle_space space_of(const svo_tree_info *info)
+{
+    return (oracle_space){{info->origin[0], info->origin[1], info->origin[2]}, info->edge, info->depth};
+}
+
 static void compare(const built *from, const svo_compact *solid, const request *asked, solved *out)
 {
     svo_compact_info info = SVO_COMPACT_INFO_INIT;
     svo_compact_arrays arrays = SVO_COMPACT_ARRAYS_INIT;
     oracle_solid reference;
-    const oracle_mesh mesh = {from->arrays.vertices, from->arrays.indices, NULL,
-                              (size_t)from->info.list_triangle_count};
-    const oracle_request grid = {.depth = asked->depth, .snap_bits = from->info.snap_bits};
+    double *positions = copy_positions(from);
+    const oracle_positions mesh = {positions, (size_t)from->info.vertex_count, from->arrays.indices,
+                                   (size_t)from->info.list_triangle_count};
+    const oracle_space space = space_of(&from->info);
     uint8_t *levels = malloc((size_t)1 << 3 * asked->depth);
     assert_non_null(levels);
     assert_int_equal(svo_compact_get_info(solid, &info), SVO_OK);
     assert_int_equal(svo_compact_get_arrays(solid, &arrays), SVO_OK);
-    assert_true(oracle_solid_make(&mesh, &grid, (oracle_rule)asked->rule, &reference));
+    assert_true(oracle_exact_solid_make(&mesh, &space, (oracle_rule)asked->rule, &reference));
     assert_true(oracle_descriptor_levels(arrays.nodes, (size_t)info.stored_count, asked->depth, levels));
     oracle_solid_compare(&reference, from->arrays.child_mask, from->arrays.first_child, levels, &out->found);
     for (int axis = 0; axis < 3; ++axis) {
@@ -75,6 +100,7 @@ static void compare(const built *from, const svo_compact *solid, const request *
     assert_int_equal(info.voxel_count, out->info.surface_voxels + out->info.inside_voxels);
     assert_int_equal(info.leaf_count, out->info.surface_voxels + out->info.inside_leaves);
     oracle_solid_free(&reference);
+    free(positions);
     free(levels);
 }
 
@@ -94,12 +120,42 @@ static void check_counts(const solved *found, const request *asked)
     }
 }
 
-/* Builds a mesh on the unit grid, fills it and compares. */
+/* Moves parts from the unit grid to the skewed one, each coordinate an ulp up or down, or not. */
+static void skew(parts *made, unsigned depth)
+{
+    uint64_t seed = 3;
+    for (size_t i = 0; i < made->vertex_count * 3; ++i) {
+        const double at = skewed_origin[i % 3] + made->positions[i] * (skewed_edge / (double)(1u << depth));
+        const double step = (double)random_below(&seed, 3) - 1.0;
+        made->positions[i] = nextafter(at, at + step);
+    }
+}
+
+static float *copy_floats(const parts *made)
+{
+    float *floats = malloc((made->vertex_count * 3 + 1) * sizeof *floats);
+    assert_non_null(floats);
+    for (size_t i = 0; i < made->vertex_count * 3; ++i) {
+        floats[i] = (float)made->positions[i];
+    }
+    return floats;
+}
+
+/* Builds a mesh on the grid, fills it and compares. */
 static solved solve(void **state, const parts *made, request asked)
 {
     const fixture opened = fixture_cl_of_group(state);
-    const svo_mesh mesh = parts_mesh(made);
-    const svo_plan_options plan = unit_grid(asked.depth, asked.coverage);
+    float *floats = asked.floats ? copy_floats(made) : NULL;
+    svo_mesh mesh = parts_mesh(made);
+    svo_plan_options plan = unit_grid(asked.depth, asked.coverage);
+    if (asked.skewed) {
+        memcpy(plan.origin, skewed_origin, sizeof plan.origin);
+        plan.edge = skewed_edge;
+    }
+    if (asked.floats) {
+        mesh.positions = floats;
+        mesh.positions_double = NULL;
+    }
     const svo_solid_options options = {.struct_size = sizeof options, .rule = asked.rule};
     solved out = {.info = SVO_SOLID_INFO_INIT};
     svo_compact *solid = NULL;
@@ -112,6 +168,7 @@ static solved solve(void **state, const parts *made, request asked)
     check_counts(&out, &asked);
     svo_compact_destroy(&solid);
     built_destroy(&tree);
+    free(floats);
     return out;
 }
 
@@ -278,6 +335,41 @@ static void corners_and_edges_on_the_columns(void **state)
     }
 }
 
+/* Small tetrahedra with corners on corners and centers of voxels, so that many cross center lines where voxels meet. */
+static void add_small_tetrahedra(parts *made, uint64_t seed, unsigned count)
+{
+    for (unsigned i = 0; i < count; ++i) {
+        double corners[4][3];
+        double from[3];
+        for (unsigned k = 0; k < 15; ++k) {
+            const double step = 0.5 * random_below(&seed, k < 3 ? 54 : 9);
+            if (k < 3) {
+                from[k] = step;
+            } else {
+                corners[k / 3 - 1][k % 3] = from[k % 3] + step + 0.5;
+            }
+        }
+        parts_add_tetrahedron(made, (const double(*)[3])corners);
+    }
+}
+
+/* The same on a grid of which no plane and no center is a double. */
+static void crossings_an_ulp_beside_planes_and_edges(void **state)
+{
+    for (uint64_t seed = 1; seed <= 12; ++seed) {
+        parts made = {.vertex_count = 0};
+        random_lattice_tetrahedra(&made, seed, 1 + (unsigned)seed % 5, 32, 1);
+        add_small_tetrahedra(&made, seed, 200);
+        skew(&made, 5);
+        print_message("seed %d\n", (int)seed);
+        const bool floats = seed % 2 == 0;
+        solve(state, &made, (request){.depth = 5, .skewed = true, .floats = floats});
+        solve(state, &made, (request){.depth = 5, .skewed = true, .floats = floats, .rule = SVO_SOLID_PARITY});
+        solve_parts(state, &made,
+                    (request){.depth = 5, .skewed = true, .floats = floats, .coverage = SVO_COVERAGE_CLOSED});
+    }
+}
+
 /* Many triangles in every leaf: their lists are read by a work-group. */
 static void long_lists(void **state)
 {
@@ -288,7 +380,9 @@ static void long_lists(void **state)
     parts_add_box(&made, low, high, false, -1);
     const solved found = solve(state, &made, (request){.depth = 4});
     assert_true(found.longest_list > SVO_SHORT_LIST_MAX);
-    solve_parts(state, &made, (request){.depth = 4, .rule = SVO_SOLID_PARITY});
+    solve(state, &made, (request){.depth = 4, .rule = SVO_SOLID_PARITY});
+    skew(&made, 4);
+    solve_parts(state, &made, (request){.depth = 4, .skewed = true});
 }
 
 /* Parts of the surface left out at random, also with ties. */
@@ -314,9 +408,26 @@ static void open_meshes_are_reported(void **state)
 typedef struct deep {
     const built *tree;
     const uint32_t *words;
-    oracle_mesh mesh;
     uint64_t tested;
 } deep;
+
+/* The sum of the crossings above a voxel's center. */
+static int64_t wind(const built *tree, unsigned axis, const int32_t cell[3])
+{
+    const oracle_space space = space_of(&tree->info);
+    oracle_exact_triangle triangle;
+    int64_t half = 0;
+    int64_t sum = 0;
+    for (size_t t = 0; t < tree->info.list_triangle_count; ++t) {
+        for (size_t k = 0; k < 9; ++k) {
+            const size_t vertex = tree->arrays.indices[3 * t + k / 3];
+            triangle.vertices[k / 3][k % 3] = tree->arrays.positions_double[3 * vertex + k % 3];
+        }
+        const int sense = oracle_exact_crossing(&triangle, &space, axis, cell, &half);
+        sum += sense != 0 && half > 2 * (int64_t)cell[axis] ? sense : 0;
+    }
+    return sum;
+}
 
 /* Compares the empty children below a node with the reference, point by point: there is no dense grid. */
 static void check_node(deep *d, uint32_t node, size_t word_index, unsigned level, const uint32_t *cell)
@@ -328,16 +439,15 @@ static void check_node(deep *d, uint32_t node, size_t word_index, unsigned level
     size_t inner = word_index + ((word >> 16 & 1) != 0 ? d->words[word_index + field] : field);
     uint32_t child = arrays->first_child[node];
     for (unsigned octant = 0; octant < 8; ++octant) {
-        const unsigned shift = d->tree->info.snap_bits - level - 1;
+        const unsigned shift = depth - level - 1;
         uint32_t below[3];
-        int64_t at[3];
+        int32_t middle[3];
         for (unsigned axis = 0; axis < 3; ++axis) {
             below[axis] = cell[axis] << 1 | (octant >> axis & 1);
-            at[axis] = ((int64_t)below[axis] << shift) + (level + 1 < depth ? INT64_C(1) << (shift - 1) : 0) +
-                       (INT64_C(1) << (d->tree->info.snap_bits - depth - 1));
+            middle[axis] = (int32_t)(below[axis] << shift | 1u << shift >> 1);
         }
         if ((arrays->child_mask[node] >> octant & 1) == 0) {
-            const bool inside = oracle_point_winding(&d->mesh, (unsigned)(d->tested % 3), at) != 0;
+            const bool inside = wind(d->tree, (unsigned)(d->tested % 3), middle) != 0;
             assert_int_equal(word >> octant & 1, inside);
             assert_int_equal(word >> (8 + octant) & 1, inside);
             ++d->tested;
@@ -375,7 +485,7 @@ static void grids_of_depth_13_and_16(void **state)
         succeed(&opened, svo_solid_create(tree.tree, NULL, opened.queue, &solid, &info));
         succeed(&opened, svo_compact_download(solid, opened.queue));
         assert_int_equal(svo_compact_get_arrays(solid, &arrays), SVO_OK);
-        deep d = {.tree = &tree, .words = arrays.nodes, .mesh = {tree.arrays.vertices, tree.arrays.indices, NULL, 4}};
+        deep d = {.tree = &tree, .words = arrays.nodes};
         const uint32_t root[3] = {0, 0, 0};
         check_node(&d, 0, 0, 0, root);
         assert_int_equal(d.tested, info.tests);
@@ -417,6 +527,7 @@ TEST_GROUP(solid)
         cmocka_unit_test(empty_trees_have_no_inside),
         cmocka_unit_test(spheres_of_radius_4_to_200),
         cmocka_unit_test(corners_and_edges_on_the_columns),
+        cmocka_unit_test(crossings_an_ulp_beside_planes_and_edges),
         cmocka_unit_test(long_lists),
         cmocka_unit_test(open_meshes_are_reported),
         cmocka_unit_test(grids_of_depth_13_and_16),

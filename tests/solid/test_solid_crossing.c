@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Crossings of lines and triangles (kernels/solid/crossing.clh, compiled as C): closed parts cancel on every line, also
- * through corners and edges; each crossing lies in the voxel that the reference says. The same with a planted mistake
- * fails: a wrong tie, heights that a voxel owns at the wrong end, triangles taken the wrong way around.
+ * through corners and edges; each crossing lies in the voxel that the reference says. Triangles as they were given, on
+ * grids that no double fits: where the snapped one decides, it is right, and the exact ones are right where numbers are
+ * an ulp apart. The same with a planted mistake fails: a wrong tie, heights that a voxel owns at the wrong end,
+ * triangles taken the wrong way around, snapped ones that decide too much.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -12,7 +14,10 @@
 
 #include <cmocka.h>
 
-#include "oracle_solid.h"
+#include <string.h>
+
+#include "numerics/hard_cases.h"
+#include "oracle_exact.h"
 #include "solid/crossing/crossing_probe.h"
 #include "support/meshes.h"
 #include "support/suite.h"
@@ -48,18 +53,19 @@ static line make_line(uint64_t *seed)
 }
 
 /* The sum of a face's crossings in the voxel of that height. */
-static int cross_face(crossing_function *cross, const int32_t *vertices, const uint32_t *face, const line *along,
+static int cross_face(const crossing_functions *cross, const int32_t *vertices, const uint32_t *face, const line *along,
                       int32_t height)
 {
+    static const int32_t exactly[3] = {0, 0, 0};
     int32_t corners[9];
     for (unsigned k = 0; k < 9; ++k) {
         corners[k] = vertices[face[k / 3] * 3 + k % 3];
     }
-    return cross(corners, along->axis, along->point, height * WIDTH, (height + 1) * WIDTH);
+    return cross->snapped(corners, exactly, along->axis, along->point, height * WIDTH, (height + 1) * WIDTH);
 }
 
 /* Lines on which the crossings of closed parts do not cancel. */
-static unsigned count_open(crossing_function *cross)
+static unsigned count_open(const crossing_functions *cross)
 {
     uint64_t seed = 31;
     unsigned open = 0;
@@ -77,7 +83,7 @@ static unsigned count_open(crossing_function *cross)
 }
 
 /* Single faces that a voxel crosses otherwise than the reference. */
-static unsigned count_wrong(crossing_function *cross)
+static unsigned count_wrong(const crossing_functions *cross)
 {
     uint64_t seed = 77;
     unsigned wrong = 0;
@@ -106,22 +112,192 @@ static unsigned count_wrong(crossing_function *cross)
 static void crossings_are_those_of_the_reference(void **unused)
 {
     (void)unused;
-    assert_int_equal(count_open(crossing_sound), 0);
-    assert_int_equal(count_wrong(crossing_sound), 0);
+    assert_int_equal(count_open(&crossing_sound), 0);
+    assert_int_equal(count_wrong(&crossing_sound), 0);
 }
 
 /* Another rule for ties is consistent too: it cancels, but single faces differ. */
 static void planted_mistakes_are_found(void **unused)
 {
     (void)unused;
-    assert_int_equal(count_open(crossing_tie), 0);
-    assert_true(count_wrong(crossing_tie) > 0);
-    assert_true(count_open(crossing_both) > 0);
-    assert_true(count_wrong(crossing_both) > 0);
-    assert_true(count_open(crossing_none) > 0);
-    assert_true(count_wrong(crossing_none) > 0);
-    assert_true(count_wrong(crossing_far) > 0);
-    assert_true(count_wrong(crossing_turned) > 0);
+    assert_int_equal(count_open(&crossing_tie), 0);
+    assert_true(count_wrong(&crossing_tie) > 0);
+    assert_true(count_open(&crossing_both) > 0);
+    assert_true(count_wrong(&crossing_both) > 0);
+    assert_true(count_open(&crossing_none) > 0);
+    assert_true(count_wrong(&crossing_none) > 0);
+    assert_true(count_wrong(&crossing_far) > 0);
+    assert_true(count_wrong(&crossing_turned) > 0);
+}
+
+/* ---- triangles as they were given ---- */
+
+/* What a case finds: answers other than the reference's, and how often the snapped triangle decides, or crosses. */
+typedef struct outcome {
+    unsigned wrong_snapped, wrong_exact;
+    unsigned decided, undecided, crossed;
+} outcome;
+
+/* The case about a column's center in place of a voxel's corner: that is a corner of voxels half as wide. */
+static void make_case(hard_kind kind, size_t index, hard_case *s, crossing_pair *pair)
+{
+    hard_case_make(kind, index, s);
+    s->space.depth += s->space.depth < 2 ? 1 : 0;
+    for (int k = 0; k < 3; ++k) {
+        s->cell[k] = 2 * hard_between(0, (1 << (s->space.depth - 1)) - 1) + 1;
+    }
+    hard_case_fill(kind, s);
+    --s->space.depth;
+    memcpy(pair->vertices, s->triangle.vertices, sizeof pair->vertices);
+    memcpy(pair->origin, s->space.origin, sizeof pair->origin);
+    pair->edge = s->space.edge;
+    pair->depth = s->space.depth;
+    for (int k = 0; k < 3; ++k) {
+        s->cell[k] /= 2;
+        pair->cell[k] = (uint32_t)s->cell[k];
+    }
+}
+
+/* Whether all of the triangle lies inside the grid. */
+static bool is_inside(const int32_t corners[9], int snap_bits)
+{
+    bool inside = true;
+    for (int i = 0; i < 9; ++i) {
+        inside = inside && corners[i] >= 0 && corners[i] < 1 << snap_bits;
+    }
+    return inside;
+}
+
+static int cross_reference(const hard_case *s, uint32_t axis)
+{
+    int64_t half = 0;
+    const int sense = oracle_exact_crossing(&s->triangle, &s->space, axis, s->cell, &half);
+    return sense != 0 && half >> 1 == s->cell[axis] ? sense : 0;
+}
+
+/* What the snapped triangle says of the pair. */
+static int cross_snapped(const crossing_functions *cross, const crossing_pair *pair, uint32_t axis, int voxel_log2,
+                         bool *inside)
+{
+    int32_t corners[9];
+    int32_t errors[3];
+    const int snap_bits = (int)pair->depth + voxel_log2;
+    crossing_snap(pair, snap_bits, corners, errors);
+    const int32_t low = (int32_t)(pair->cell[axis] << voxel_log2);
+    const int32_t point[2] = {(int32_t)((2 * pair->cell[(axis + 1) % 3] + 1) << (voxel_log2 - 1)),
+                              (int32_t)((2 * pair->cell[(axis + 2) % 3] + 1) << (voxel_log2 - 1))};
+    *inside = is_inside(corners, snap_bits);
+    return *inside ? cross->snapped(corners, errors, axis, point, low, low + (1 << voxel_log2)) : 0;
+}
+
+static void compare_voxel(const crossing_functions *cross, const hard_case *s, const crossing_pair *pair, uint32_t axis,
+                          outcome *out)
+{
+    const int expected = cross_reference(s, axis);
+    const int voxel_log2 = hard_between(1, (int)pair->depth > 16 ? 24 - (int)pair->depth : 8);
+    bool inside;
+    const int snapped = cross_snapped(cross, pair, axis, voxel_log2, &inside);
+    if (!inside) {
+        return;
+    }
+    out->undecided += snapped == CROSSING_UNDECIDED;
+    out->decided += snapped != CROSSING_UNDECIDED;
+    out->wrong_snapped += snapped != CROSSING_UNDECIDED && snapped != expected;
+    out->wrong_exact += cross->exact(pair, axis) != expected;
+    out->crossed += expected != 0;
+}
+
+/* Hard cases, along each axis, in the voxel and its neighbors along it. */
+static outcome compare_cases(const crossing_functions *cross)
+{
+    outcome out = {0};
+    hard_cases_seed(47);
+    for (size_t i = 0; i < (size_t)HARD_KINDS * HARD_SPACES * 60; ++i) {
+        hard_case s;
+        crossing_pair pair;
+        make_case((hard_kind)(i % HARD_KINDS), i / HARD_KINDS, &s, &pair);
+        for (uint32_t n = 0; n < 9; ++n) {
+            const uint32_t axis = n % 3;
+            const int32_t own = s.cell[axis];
+            const int32_t moved = own + (int32_t)(n / 3) - 1;
+            if (moved >= 0 && moved < 1 << s.space.depth) {
+                s.cell[axis] = moved;
+                pair.cell[axis] = (uint32_t)moved;
+                compare_voxel(cross, &s, &pair, axis, &out);
+                s.cell[axis] = own;
+                pair.cell[axis] = (uint32_t)own;
+            }
+        }
+    }
+    return out;
+}
+
+static void given_triangles_cross_as_the_reference_says(void **unused)
+{
+    (void)unused;
+    const outcome found = compare_cases(&crossing_sound);
+    print_message("%u decided by snapped triangles, %u not, %u crossings\n", found.decided, found.undecided,
+                  found.crossed);
+    assert_int_equal(found.wrong_snapped, 0);
+    assert_int_equal(found.wrong_exact, 0);
+    assert_true(found.decided > 5000 && found.undecided > 5000 && found.crossed > 1000);
+}
+
+static void planted_mistakes_of_given_triangles_are_found(void **unused)
+{
+    (void)unused;
+    assert_true(compare_cases(&crossing_sure_edge).wrong_snapped > 0);
+    assert_true(compare_cases(&crossing_half_edge).wrong_snapped > 0);
+    assert_true(compare_cases(&crossing_sure_height).wrong_snapped > 0);
+    assert_true(compare_cases(&crossing_exact_tie).wrong_exact > 0);
+    assert_true(compare_cases(&crossing_exact_far).wrong_exact > 0);
+    assert_true(compare_cases(&crossing_exact_height).wrong_exact > 0);
+}
+
+/* The sum of the crossings of a face in all voxels of a column. */
+static int cross_column(crossing_pair *pair, uint32_t axis, unsigned *undecided)
+{
+    int sum = 0;
+    for (pair->cell[axis] = 0; pair->cell[axis] < CELLS; ++pair->cell[axis]) {
+        bool inside;
+        const int sense = cross_snapped(&crossing_sound, pair, axis, 6, &inside);
+        assert_true(inside);
+        sum += sense == CROSSING_UNDECIDED ? crossing_sound.exact(pair, axis) : sense;
+        *undecided += sense == CROSSING_UNDECIDED;
+    }
+    return sum;
+}
+
+/* Corners within an ulp of centers and corners of voxels. Faces share edges and corners, and each line crosses as many
+   upwards as downwards. */
+static void given_tetrahedra_cancel(void **unused)
+{
+    (void)unused;
+    uint64_t seed = 9;
+    unsigned undecided = 0;
+    hard_cases_seed(3);
+    for (unsigned n = 0; n < 2000; ++n) {
+        crossing_pair pair = {.origin = {0.1, -0.2, 1.0 / 3.0}, .edge = 0.7, .depth = 4};
+        double corners[12];
+        const uint32_t axis = n % 3;
+        int sum = 0;
+        for (unsigned k = 0; k < 12; ++k) {
+            const uint32_t step = 1 + random_below(&seed, CELLS * 2 - 1);
+            const double at = (double)(n % 2 == 0 ? step : step | 1) / (CELLS * 2);
+            corners[k] = hard_move(pair.origin[k % 3] + at * pair.edge, hard_between(-1, 1));
+        }
+        pair.cell[(axis + 1) % 3] = random_below(&seed, CELLS);
+        pair.cell[(axis + 2) % 3] = random_below(&seed, CELLS);
+        for (unsigned face = 0; face < 4; ++face) {
+            for (unsigned k = 0; k < 9; ++k) {
+                pair.vertices[k] = corners[faces[3 * face + k / 3] * 3 + k % 3];
+            }
+            sum += cross_column(&pair, axis, &undecided);
+        }
+        assert_int_equal(sum, 0);
+    }
+    print_message("%u crossings are not decided by snapped triangles\n", undecided);
+    assert_true(undecided > 1000);
 }
 
 static int sign_of(wide value)
@@ -162,6 +338,9 @@ TEST_GROUP(solid_crossing)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(crossings_are_those_of_the_reference),
         cmocka_unit_test(planted_mistakes_are_found),
+        cmocka_unit_test(given_triangles_cross_as_the_reference_says),
+        cmocka_unit_test(planted_mistakes_of_given_triangles_are_found),
+        cmocka_unit_test(given_tetrahedra_cancel),
         cmocka_unit_test(signs_of_dot_products_are_exact),
     };
     return cmocka_run_group_tests_name("solid_crossing", tests, NULL, NULL);

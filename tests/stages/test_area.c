@@ -366,9 +366,10 @@ static void vertices_that_snap_to_one_position(void **state)
         static const uint32_t faces[4][3] = {LOWER, {1, 2, 3}};
         for (uint32_t i = 0; i < 12; ++i) {
             const uint32_t face = i / 3;
-            const double step = apart != 0 ? 1e-4 : 1e-7; /* a unit is 8e-6 */
+            /* A unit is 8e-6; what lies between two whole ones snaps to one of them. */
+            const double step = apart != 0 ? 1e-4 : 1e-7;
             for (unsigned axis = 0; axis < 3; ++axis) {
-                moved[i][axis] = corners[faces[face][i % 3]][axis] + step * face;
+                moved[i][axis] = corners[faces[face][i % 3]][axis] + 2e-6 + step * face;
             }
             indices[face][i % 3] = i;
         }

@@ -82,6 +82,8 @@ static const struct {
     reach reach;
 } kernels[] = {
     {"svo_k_voxelize", REACH_ONE},
+    {"svo_k_decide", REACH_ONE},
+    {"svo_k_keep_decided", REACH_ONE},
     {"svo_k_mark", REACH_ONE},
     {"svo_k_mark_above", REACH_ONE},
     {"svo_k_count_blocks", REACH_ONE},

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "commands/commands.h"
-#include "oracle.h"
+#include "oracle_exact.h"
 #include "plan/estimate.h"
 #include "support/meshes.h"
 
@@ -35,14 +35,27 @@ static void walk_free(walk *w)
     free(w->by_triangle);
 }
 
+/* False: out of memory. */
+static bool list_pairs(const svo_plan *plan, oracle_pairs *out)
+{
+    const svo_plan_info *info = &plan->info;
+    const oracle_space space = {{info->origin[0], info->origin[1], info->origin[2]}, info->edge, info->depth};
+    const size_t count = (size_t)plan->vertex_count * 3;
+    double *positions = malloc((count + 1) * sizeof *positions);
+    for (size_t i = 0; positions != NULL && i < count; ++i) {
+        positions[i] = plan->positions_double != NULL ? plan->positions_double[i] : (double)plan->positions[i];
+    }
+    const oracle_positions mesh = {positions, plan->vertex_count, plan->indices, plan->triangle_count};
+    const bool good = positions != NULL && oracle_exact_enumerate(&mesh, &space, (oracle_coverage)info->coverage, out);
+    free(positions);
+    return good;
+}
+
 static bool walk_make(const svo_plan *plan, walk *w)
 {
     *w = (walk){.plan = plan};
-    const oracle_mesh mesh = {plan->vertices, plan->indices, NULL, plan->triangle_count};
-    const oracle_request request = {plan->info.depth, plan->info.snap_bits, (oracle_coverage)plan->info.coverage,
-                                    ORACLE_SAT};
     w->triangle_begin = calloc((size_t)plan->triangle_count + 2, sizeof *w->triangle_begin);
-    if (w->triangle_begin == NULL || !oracle_enumerate(&mesh, &request, &w->pairs)) {
+    if (w->triangle_begin == NULL || !list_pairs(plan, &w->pairs)) {
         return false;
     }
     w->by_triangle = calloc(w->pairs.count + 1, sizeof *w->by_triangle);

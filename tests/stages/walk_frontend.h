@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A front end for tests that replaces the rasterizer: the exact references walk the plan's snapped mesh on the host,
- * and the fragments go to OpenCL in an order as irregular as a GPU's. It follows the plan's layout like a real front
- * end (draws, tiles, capacities, counting beyond a full chunk), so that the builder and its kernels can be tested
- * without OpenGL.
+ * A front end for tests that replaces the rasterizer: the exact reference walks the plan's mesh on the host, and the
+ * fragments go to OpenCL in an order as irregular as a GPU's. It follows the plan's layout like a real front end
+ * (draws, tiles, capacities, counting beyond a full chunk), so that the builder and its kernels can be tested without
+ * OpenGL.
  */
 #ifndef SVOCL_TESTS_WALK_FRONTEND_H
 #define SVOCL_TESTS_WALK_FRONTEND_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Compares a built tree with the exact references: grid, snapped vertices, nodes and leaf lists, element by element.
- * Call inside a running cmocka test; a difference fails the test with both values.
+ * Compares a built tree with the exact references: grid, snapped vertices, and nodes and leaf lists of the mesh as it
+ * was given, element by element. Call inside a running cmocka test; a difference fails the test with both values.
  */
 #ifndef SVOCL_TESTS_COMPARE_TREE_H
 #define SVOCL_TESTS_COMPARE_TREE_H
@@ -13,7 +13,8 @@
 typedef struct exact {
     oracle_coverage coverage;
     oracle_grid grid;
-    int32_t *vertices; /* vertex_count * 3; undefined for vertices that no accepted triangle uses */
+    double *positions; /* of the mesh */
+    int32_t *vertices; /* snapped, vertex_count * 3; undefined for vertices that no accepted triangle uses */
     uint32_t *indices; /* of the accepted triangles */
     uint32_t *triangle_ids;
     size_t triangle_count;
@@ -25,7 +26,7 @@ typedef struct exact {
 void exact_create(const svo_mesh *mesh, unsigned depth, const svo_plan_options *grid_options, exact *out);
 void exact_destroy(exact *made);
 
-/* Checks that the second reference finds the same pairs. */
+/* Checks that the second reference finds the same of a sample of the pairs, and of voxels around them. */
 void assert_references_agree(const exact *made);
 
 /* Compares nodes and, where the tree has them, lists and geometry. */

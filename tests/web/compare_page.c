@@ -156,7 +156,7 @@ static svo_status load_compact(const char *path, svo_device *device, subject *ou
         return status;
     }
     (void)svo_compact_get_info(out->compact, &info);
-    out->grid = (svo_grid){.depth = info.depth, .snap_bits = info.snap_bits, .scale = info.scale};
+    out->grid = (svo_grid){.depth = info.depth, .snap_bits = info.snap_bits, .scale = info.scale, .edge = info.edge};
     memcpy(out->grid.origin, info.origin, sizeof info.origin);
     return svo_compact_upload(out->compact, device, NULL);
 }

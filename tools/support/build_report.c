@@ -424,6 +424,8 @@ static void print_counts(const job *done, const char *hash)
     table *rows = table_create("lr");
     table_cell(rows, "fragments");
     table_cell(rows, "%s", figure_count(done->result.report.fragments).text);
+    table_cell(rows, "undecided");
+    table_cell(rows, "%s", figure_count(done->result.report.undecided).text);
     table_cell(rows, "leaves");
     table_cell(rows, "%s", figure_count(done->result.info.leaf_count).text);
     table_cell(rows, "nodes");
@@ -558,6 +560,7 @@ cJSON *report_to_json(const program *state, const job *done, const char *hash)
     cJSON_AddNumberToObject(document, "snap_error", result->info.snap_error);
     json_add_vector(document, "origin", result->info.origin);
     cJSON_AddNumberToObject(document, "edge", result->info.edge);
+    json_add_count(document, "undecided", result->report.undecided);
     json_add_count(document, "list_chunks", result->report.list_chunks);
     json_add_count(document, "reruns", result->report.reruns);
     if (result->calls_are_counted) {

@@ -32,7 +32,8 @@ double web_tree_edge(const web_tree *tree, uint32_t level)
     const svo_grid grid = {.depth = info->depth,
                            .snap_bits = info->snap_bits,
                            .origin = {info->origin[0], info->origin[1], info->origin[2]},
-                           .scale = info->scale};
+                           .scale = info->scale,
+                           .edge = info->edge};
     return svo_grid_cell_edge(&grid, level);
 }
 

@@ -1,21 +1,22 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One column of voxels of one triangle: finds the voxels that pass the exact test and appends a fragment (Morton code,
- * triangle) for each. These voxels are consecutive because the triangle is convex.
+ * One column of voxels of one triangle: finds the voxels that pass the test of overlap.clh and appends a fragment
+ * (Morton code, triangle) for each. These voxels are consecutive because the triangle is convex. Where one of them is
+ * undecided, all of them go to the end of the chunk, backwards, and rasterize.c decides.
  *
- * The chunk's counter keeps counting when the chunk is full, so the host learns the exact capacity needed. Nothing is
- * written past the end.
+ * The chunk's counters keep counting when it is full, so the host learns what capacity suffices. Nothing is written
+ * past the end.
  */
 layout(std430, binding = 3) buffer Counters
 {
-    uint counters[];
+    uint counters[]; /* of a chunk: decided fragments, undecided ones */
 };
 layout(std430, binding = 4) writeonly buffer Fragments
 {
     uint fragments[];
 };
 
-uniform uint chunk;    /* which counter */
+uniform uint chunk;    /* which counters */
 uniform uint capacity; /* fragments the chunk holds */
 
 flat in ivec4 corner_a;
@@ -58,7 +59,7 @@ void append(uint slot, ivec3 permuted_voxel)
 
 void main()
 {
-    uint slot = atomicAdd(counters[chunk], 1u);
+    uint slot = atomicAdd(counters[2u * chunk], 1u);
     if (slot < capacity) {
         append(slot, first_voxel.xyz);
     }
@@ -79,24 +80,31 @@ void main()
 
     int first = 0;
     uint count = 0u;
+    int touches = SVO_TOUCHES_NOT;
     bool inside = pixel.x >= 0 && pixel.y >= 0 && pixel.x <= last_voxel.x && pixel.y <= last_voxel.y;
-    if (inside && svo_overlap_column(overlap, u, v)) {
+    if (inside) {
+        touches = svo_overlap_column(overlap, u, v);
+    }
+    if (touches != SVO_TOUCHES_NOT) {
         float reach = max(float(max(abs(a.u), max(abs(b.u), abs(c.u)))),
                           max(float(max(abs(a.v), max(abs(b.v), abs(c.v)))),
                               float(max(abs(a.t), max(abs(b.t), abs(c.t))))));
         svo_span span = svo_column_span(overlap.plane, a, u, v, w, last_voxel.z, reach);
         for (int k = span.first; k <= span.last; ++k) {
-            if (svo_overlap_voxel(overlap, u, v, k << voxel_log2)) {
+            int voxel = svo_overlap_voxel(overlap, u, v, k << voxel_log2);
+            if (voxel != SVO_TOUCHES_NOT) {
+                touches = min(touches, voxel);
                 first = count == 0u ? k : first;
                 ++count;
             }
         }
     }
     if (count > 0u) {
-        uint slot = atomicAdd(counters[chunk], count);
+        bool decided = touches == SVO_TOUCHES;
+        uint slot = atomicAdd(counters[2u * chunk + (decided ? 0u : 1u)], count);
         for (uint k = 0u; k < count; ++k) {
             if (slot + k < capacity) {
-                append(slot + k, first_voxel.xyz + ivec3(pixel, first + int(k)));
+                append(decided ? slot + k : capacity - 1u - slot - k, first_voxel.xyz + ivec3(pixel, first + int(k)));
             }
         }
     }

@@ -17,7 +17,7 @@ extern const char probe_source_cl[];
 extern const char probe_source_gl[];
 
 /* First and last voxel of the record's column that meet the triangle, by testing each; first > last: none. */
-typedef void probe_column_function(const probe_input *given, SVO_I32 *first, SVO_I32 *last);
+typedef void probe_column_function(const probe_input *given, SVO_I32 *first, SVO_I32 *last, SVO_I32 *decided);
 
 probe_column_function probe_column_narrow, probe_column_regular, probe_column_wide;
 probe_column_function probe_column_thin_narrow, probe_column_thin_regular, probe_column_thin_wide;

@@ -320,3 +320,18 @@ void sample_make_thin(sample_width width, uint64_t seed, uint32_t index, sample 
 {
     make(width, true, seed, index, out);
 }
+
+bool sample_may_touch(const probe_output *found)
+{
+    return found->words[PROBE_COLUMN] != SVO_TOUCHES_NOT && found->words[PROBE_VOXEL] != SVO_TOUCHES_NOT;
+}
+
+bool sample_is_wrong(const sample *given, const probe_output *found, bool touches)
+{
+    int32_t odd = 0;
+    for (unsigned i = 0; i < 9; ++i) {
+        odd |= given->record.words[i] & 1;
+    }
+    const bool is_undecided = found->words[PROBE_COLUMN] == SVO_UNDECIDED || found->words[PROBE_VOXEL] == SVO_UNDECIDED;
+    return sample_may_touch(found) && is_undecided ? odd == 0 : sample_may_touch(found) != touches;
+}

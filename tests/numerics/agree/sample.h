@@ -39,6 +39,13 @@ typedef struct sample {
 void sample_make(sample_width width, uint64_t seed, uint32_t index, sample *out);
 void sample_make_thin(sample_width width, uint64_t seed, uint32_t index, sample *out);
 
+/* Whether what the overlap test says of a record is wrong. touches: whether the triangle, as it is there, touches the
+   box. A no and a yes are about that one too, which is one of those that its corners may stand for. Undecided is right
+   where one of its coordinates is odd. */
+bool sample_is_wrong(const sample *given, const probe_output *found, bool touches);
+/* Whether the answer is not no. */
+bool sample_may_touch(const probe_output *found);
+
 /* SplitMix64 (Steele, Lea and Flood 2014). */
 uint64_t sample_random(uint64_t *state);
 

@@ -16,8 +16,9 @@ static result_table *begin_table(error_run *run)
         "Each method lists the (voxel, triangle) pairs of the mesh as given. Its voxels are compared with the exact "
         "set of that mesh for its coverage: closed voxels for the two separating-axis tests, half-open ones for the "
         "others. The float32 methods run on %u host threads; the two tests visit every voxel of a triangle's bounds. "
-        "svocl's own methods run on the device or renderer named above (stage voxelize). They snap vertices to 2^20 "
-        "steps, and are exact from there. %s; methods run interleaved.",
+        "svocl's own methods run on the device or renderer named above (stage voxelize). Until 0.1 they rounded "
+        "vertices to the nearest of 2^20 steps: those lists are a reference's, without a time. %s; methods run "
+        "interleaved.",
         run->threads, run->rounds_note);
     result_add_column(table, "scene", "");
     result_add_column(table, "grid edge", "voxels");

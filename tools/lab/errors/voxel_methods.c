@@ -2,9 +2,11 @@
 /* Times all methods interleaved, then compares their voxels with the exact ones. */
 #include "errors/voxel_methods.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "measure/nearest_lists.h"
 #include "measure/spread.h"
 #include "measure/tree_check.h"
 #include "path/threads.h"
@@ -14,11 +16,13 @@
 
 typedef struct voxel_bench voxel_bench;
 
-/* One method to be timed. */
+typedef enum voxel_method_kind { METHOD_FRONTEND = 0, METHOD_NEAREST, METHOD_FLOATS } voxel_method_kind;
+
 typedef struct voxel_method {
     voxel_bench *bench;
-    svo_frontend *frontend; /* NULL: a float32 method */
-    float_method floats;
+    voxel_method_kind kind;
+    svo_frontend *frontend; /* of METHOD_FRONTEND */
+    float_method floats; /* of METHOD_FLOATS */
     float_list lists[THREADS_MAX]; /* of the last round, one per thread */
 } voxel_method;
 
@@ -46,15 +50,14 @@ const char *voxel_method_name(float_method method)
 
 static const char *frontend_method_name(const svo_frontend *frontend)
 {
-    static const char *const names[][2] = {{"cl", "integers of 20 bits, cl"},
-                                           {"gl-expand", "integers of 20 bits, gl-expand"},
-                                           {"gl-hw", "integers of 20 bits, gl-hw"}};
+    static const char *const names[][2] = {
+        {"cl", "exact integers, cl"}, {"gl-expand", "exact integers, gl-expand"}, {"gl-hw", "exact integers, gl-hw"}};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         if (strcmp(names[i][0], svo_frontend_name(frontend)) == 0) {
             return names[i][1];
         }
     }
-    return "integers of 20 bits";
+    return "exact integers";
 }
 
 /* ---- times ---- */
@@ -102,38 +105,45 @@ static double run_frontend(void *user)
     return status == SVO_OK ? report.stage_times[SVO_STAGE_VOXELIZE].ms : -1.0;
 }
 
-static void add_method(voxel_bench *bench, svo_frontend *frontend, float_method floats)
+static void add_method(voxel_bench *bench, voxel_method method)
 {
-    bench->methods[bench->method_count++] = (voxel_method){.bench = bench, .frontend = frontend, .floats = floats};
+    method.bench = bench;
+    bench->methods[bench->method_count++] = method;
 }
 
 static void list_methods(voxel_bench *bench)
 {
     const session *opened = &bench->run->opened;
     if (opened->cl != NULL) {
-        add_method(bench, opened->cl, FLOAT_METHOD_COUNT);
+        add_method(bench, (voxel_method){.kind = METHOD_FRONTEND, .frontend = opened->cl});
     }
     if (opened->frontend != opened->cl) {
-        add_method(bench, opened->frontend, FLOAT_METHOD_COUNT);
+        add_method(bench, (voxel_method){.kind = METHOD_FRONTEND, .frontend = opened->frontend});
     }
+    add_method(bench, (voxel_method){.kind = METHOD_NEAREST});
     static const float_method order[FLOAT_METHOD_COUNT] = {FLOAT_CENTERED, FLOAT_PLANES, FLOAT_EXPANDED, FLOAT_SAMPLES,
                                                            FLOAT_PIXELS};
     for (size_t i = 0; i < FLOAT_METHOD_COUNT; ++i) {
-        add_method(bench, NULL, order[i]);
+        add_method(bench, (voxel_method){.kind = METHOD_FLOATS, .floats = order[i]});
     }
 }
 
 static bool measure(voxel_bench *bench, voxel_method_result *results)
 {
     interleaved_method timed[VOXEL_METHODS_MAX];
+    size_t timed_count = 0;
     for (size_t i = 0; i < bench->method_count; ++i) {
         voxel_method *method = &bench->methods[i];
-        timed[i] =
-            (interleaved_method){.work_ms = method->frontend != NULL ? run_frontend : run_floats, .user = method};
+        if (method->kind != METHOD_NEAREST) {
+            timed[timed_count++] = (interleaved_method){
+                .work_ms = method->kind == METHOD_FRONTEND ? run_frontend : run_floats, .user = method};
+        }
     }
-    const bool worked = interleave_measure(timed, bench->method_count, bench->run->rounds);
+    const bool worked = interleave_measure(timed, timed_count, bench->run->rounds);
+    timed_count = 0;
     for (size_t i = 0; i < bench->method_count && worked; ++i) {
-        results[i].ms = timed[i].median_ms;
+        const bool is_timed = bench->methods[i].kind != METHOD_NEAREST;
+        results[i].ms = is_timed ? timed[timed_count++].median_ms : (double)NAN;
     }
     return worked;
 }
@@ -181,19 +191,43 @@ static bool frontend_pairs(const voxel_bench *bench, svo_frontend *frontend, ora
     return worked;
 }
 
+static bool method_pairs(const voxel_bench *bench, voxel_method *method, oracle_pairs *out)
+{
+    switch (method->kind) {
+    case METHOD_FRONTEND:
+        return frontend_pairs(bench, method->frontend, out);
+    case METHOD_NEAREST:
+        return nearest_list_pairs(bench->mesh, &bench->info, ORACLE_HALF_OPEN, out);
+    default:
+        return float_pairs(method, out);
+    }
+}
+
+static const char *method_name(const voxel_method *method)
+{
+    switch (method->kind) {
+    case METHOD_FRONTEND:
+        return frontend_method_name(method->frontend);
+    case METHOD_NEAREST:
+        return "integers of 20 bits (as until 0.1)";
+    default:
+        return voxel_method_name(method->floats);
+    }
+}
+
 static bool compare(voxel_bench *bench, voxel_method *method, voxel_method_result *result)
 {
-    const bool is_own = method->frontend != NULL;
-    const oracle_coverage coverage = is_own ? ORACLE_HALF_OPEN : float_method_coverage(method->floats);
+    const oracle_coverage coverage =
+        method->kind == METHOD_FLOATS ? float_method_coverage(method->floats) : ORACLE_HALF_OPEN;
     const oracle_pairs *expected = &bench->expected[coverage];
     oracle_pairs found = {0};
     oracle_difference difference;
-    if (!(is_own ? frontend_pairs(bench, method->frontend, &found) : float_pairs(method, &found))) {
+    if (!method_pairs(bench, method, &found)) {
         return false;
     }
     oracle_compare(expected, &found, &difference);
     oracle_pairs_free(&found);
-    result->method = is_own ? frontend_method_name(method->frontend) : voxel_method_name(method->floats);
+    result->method = method_name(method);
     result->coverage = coverage == ORACLE_CLOSED ? "closed" : "half-open";
     result->voxels = oracle_pairs_voxel_count(expected);
     result->pairs = expected->count;
@@ -227,7 +261,7 @@ static bool prepare(voxel_bench *bench)
     bench->arrays = (svo_tree_arrays)SVO_TREE_ARRAYS_INIT;
     svo_tree_get_arrays(bench->tree, &bench->arrays);
     for (int coverage = ORACLE_HALF_OPEN; coverage <= ORACLE_CLOSED && worked; ++coverage) {
-        worked = input_list_pairs(bench->mesh, &bench->info, (oracle_coverage)coverage, &bench->expected[coverage]);
+        worked = mesh_list_pairs(bench->mesh, &bench->info, (oracle_coverage)coverage, &bench->expected[coverage]);
     }
     return worked;
 }

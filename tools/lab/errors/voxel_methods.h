@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Voxelizes one mesh by every method: common float32 methods on the host (measure/float_methods.h) and svocl's front
- * ends. Each is compared with the exact set of voxels for its coverage rule.
+ * Voxelizes one mesh by every method: svocl's front ends, what they did until 0.1 (measure/nearest_lists.h), and common
+ * float32 methods on the host (measure/float_methods.h). Each is compared with the exact set of voxels for its coverage
+ * rule.
  */
 #ifndef SVOCL_TOOLS_ERRORS_VOXEL_METHODS_H
 #define SVOCL_TOOLS_ERRORS_VOXEL_METHODS_H
@@ -10,12 +11,12 @@
 #include "measure/float_methods.h"
 
 #define VOXEL_FRONTENDS_MAX 2u
-#define VOXEL_METHODS_MAX   ((size_t)FLOAT_METHOD_COUNT + VOXEL_FRONTENDS_MAX)
+#define VOXEL_METHODS_MAX   ((size_t)FLOAT_METHOD_COUNT + VOXEL_FRONTENDS_MAX + 1)
 
 typedef struct voxel_method_result {
-    const char *method; /* "integers of 20 bits, cl", "pixel centers", ...: static */
+    const char *method; /* "exact integers, cl", "plain rasterization", ...: static */
     const char *coverage; /* of the reference: static */
-    double ms; /* median, of making the list of pairs */
+    double ms; /* median, of making the list of pairs; not finite where it is not measured */
     uint64_t voxels; /* of the reference */
     uint64_t missed_voxels, surplus_voxels;
     uint64_t pairs, missed_pairs, surplus_pairs; /* of (voxel, triangle) pairs */

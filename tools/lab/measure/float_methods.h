@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Common float32 voxelization methods, compared with the exact one. They take the caller's own vertices, doubles
- * rounded to float, and are compared with the exact voxels of those (input_list_pairs). The rasterizing methods apply
+ * rounded to float, and are compared with the exact voxels of those (mesh_list_pairs). The rasterizing methods apply
  * the rules of the hardware on the host (pixel centers or the standard four samples, positions snapped to 1/256 pixel,
  * top-left rule): the rule is measured, not a GPU.
  */

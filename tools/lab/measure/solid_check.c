@@ -2,7 +2,38 @@
 /* The reference's solid beside the library's. */
 #include "measure/solid_check.h"
 
+#include <math.h>
 #include <stdlib.h>
+
+#include "reference/oracle_exact.h"
+
+/* Coordinate i of the vertices of a tree's mesh; in grid units if its voxels are those of the rounded one. */
+static double coordinate(const svo_tree_info *info, const svo_tree_arrays *arrays, size_t i)
+{
+    return info->is_exact == 0                ? (double)arrays->vertices[i]
+           : arrays->positions_double != NULL ? arrays->positions_double[i]
+                                              : (double)arrays->positions[i];
+}
+
+/* The reference's solid of that mesh. */
+static bool make_reference(const svo_tree_info *info, const svo_tree_arrays *arrays, svo_solid_rule rule,
+                           oracle_solid *out)
+{
+    oracle_space space = {{info->origin[0], info->origin[1], info->origin[2]}, info->edge, info->depth};
+    if (info->is_exact == 0) {
+        space = (oracle_space){.edge = ldexp(1.0, (int)info->snap_bits), .depth = info->depth};
+    }
+    const size_t count = (size_t)info->vertex_count * 3;
+    double *positions = malloc(count * sizeof *positions + 1);
+    for (size_t i = 0; positions != NULL && i < count; ++i) {
+        positions[i] = coordinate(info, arrays, i);
+    }
+    const oracle_positions mesh = {positions, (size_t)info->vertex_count, arrays->indices,
+                                   (size_t)info->list_triangle_count};
+    const bool good = positions != NULL && oracle_exact_solid_make(&mesh, &space, (oracle_rule)rule, out);
+    free(positions);
+    return good;
+}
 
 static bool counts_differ(const svo_solid_info *info, const oracle_solid *reference,
                           const oracle_solid_difference *found)
@@ -16,8 +47,6 @@ static bool counts_differ(const svo_solid_info *info, const oracle_solid *refere
 bool solid_check(const svo_tree_info *tree, const svo_tree_arrays *arrays, const svo_compact *solid,
                  const svo_solid_info *info, svo_solid_rule rule, solid_differences *found)
 {
-    const oracle_mesh mesh = {arrays->vertices, arrays->indices, NULL, (size_t)tree->list_triangle_count};
-    const oracle_request request = {.depth = tree->depth, .snap_bits = tree->snap_bits};
     svo_compact_info form = SVO_COMPACT_INFO_INIT;
     svo_compact_arrays words = SVO_COMPACT_ARRAYS_INIT;
     oracle_solid reference = {.depth = 0};
@@ -27,7 +56,7 @@ bool solid_check(const svo_tree_info *tree, const svo_tree_arrays *arrays, const
     (void)svo_compact_get_arrays(solid, &words);
     const bool good = levels != NULL && words.nodes != NULL &&
                       oracle_descriptor_levels(words.nodes, (size_t)form.stored_count, tree->depth, levels) &&
-                      oracle_solid_make(&mesh, &request, (oracle_rule)rule, &reference);
+                      make_reference(tree, arrays, rule, &reference);
     if (good) {
         oracle_solid_compare(&reference, arrays->child_mask, arrays->first_child, levels, &found->voxels);
         found->counts_differ = counts_differ(info, &reference, &found->voxels);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Builds the tree of the exact reference and compares it with a built one, snaps the mesh again, and compares the tree
-   with the unsnapped mesh, for verify and stress. */
+/* Builds the tree of the exact reference and compares it with a built one, and snaps the mesh again, for verify and
+   stress. */
 #include "measure/tree_check.h"
 
 #include <math.h>
@@ -59,38 +59,6 @@ static bool count_node_differences(const oracle_pairs *expected, const svo_tree_
     }
     oracle_tree_free(&tree);
     return true;
-}
-
-bool tree_check(const svo_tree_info *info, const svo_tree_arrays *arrays, tree_differences *found)
-{
-    const oracle_mesh mesh = {arrays->vertices, arrays->indices, arrays->triangle_ids,
-                              (size_t)info->list_triangle_count};
-    const oracle_request request = {info->depth, info->snap_bits, (oracle_coverage)info->coverage, ORACLE_SAT};
-    *found = (tree_differences){0};
-    oracle_pairs expected = {0};
-    oracle_pairs actual = {0};
-    uint64_t empty_leaf_count = 0;
-    bool good = oracle_enumerate(&mesh, &request, &expected) &&
-                tree_check_list_pairs(info, arrays, &actual, &empty_leaf_count) &&
-                count_node_differences(&expected, info, arrays, &found->node_differences);
-    if (good) {
-        oracle_compare(&expected, &actual, &found->difference);
-        found->difference.surplus_voxels += empty_leaf_count;
-        found->expected_voxels = oracle_pairs_voxel_count(&expected);
-        found->expected_pairs = expected.count;
-        found->built_voxels = info->leaf_count;
-        found->built_pairs = actual.count;
-    }
-    oracle_pairs_free(&expected);
-    oracle_pairs_free(&actual);
-    return good;
-}
-
-bool tree_check_is_exact(const tree_differences *found)
-{
-    const oracle_difference *d = &found->difference;
-    return d->missed_voxels == 0 && d->surplus_voxels == 0 && d->missed_pairs == 0 && d->surplus_pairs == 0 &&
-           found->node_differences == 0;
 }
 
 /* ---- snapped vertices ---- */
@@ -181,7 +149,7 @@ bool snap_check(const svo_mesh *mesh, const options *given, const svo_tree_info 
     return true;
 }
 
-/* ---- the mesh as given ---- */
+/* ---- exact pairs ---- */
 
 /* Whether the reference refuses a triangle. Snapping takes long, so that only distant ones are snapped. */
 static bool is_refused(const oracle_positions *mesh, const oracle_grid *grid, size_t triangle)
@@ -211,7 +179,7 @@ static uint32_t *copy_kept_indices(const oracle_positions *mesh, const svo_tree_
     return indices;
 }
 
-bool input_list_pairs(const svo_mesh *mesh, const svo_tree_info *info, oracle_coverage coverage, oracle_pairs *out)
+bool mesh_list_pairs(const svo_mesh *mesh, const svo_tree_info *info, oracle_coverage coverage, oracle_pairs *out)
 {
     const oracle_space space = {{info->origin[0], info->origin[1], info->origin[2]}, info->edge, info->depth};
     double *positions = copy_positions(mesh);
@@ -225,21 +193,66 @@ bool input_list_pairs(const svo_mesh *mesh, const svo_tree_info *info, oracle_co
     return good;
 }
 
-bool input_check(const svo_mesh *mesh, const svo_tree_info *info, const svo_tree_arrays *arrays,
-                 input_differences *found)
+/* Coordinate i of a tree's vertices; in grid units if it has only snapped ones. */
+static double coordinate(const svo_tree_arrays *arrays, size_t i)
 {
+    return arrays->positions_double != NULL ? arrays->positions_double[i]
+           : arrays->positions != NULL      ? (double)arrays->positions[i]
+                                            : (double)arrays->vertices[i];
+}
+
+/* The exact pairs of the triangles that a tree holds. */
+static bool tree_list_pairs(const svo_tree_info *info, const svo_tree_arrays *arrays, oracle_pairs *out)
+{
+    const bool is_snapped = arrays->positions == NULL && arrays->positions_double == NULL;
+    oracle_space space = {{info->origin[0], info->origin[1], info->origin[2]}, info->edge, info->depth};
+    if (is_snapped) {
+        space = (oracle_space){.edge = ldexp(1.0, (int)info->snap_bits), .depth = info->depth};
+    }
+    const size_t count = (size_t)info->vertex_count * 3;
+    double *positions = malloc(count * sizeof *positions + 1);
+    for (size_t i = 0; positions != NULL && i < count; ++i) {
+        positions[i] = coordinate(arrays, i);
+    }
+    const oracle_positions mesh = {positions, (size_t)info->vertex_count, arrays->indices,
+                                   (size_t)info->list_triangle_count};
+    *out = (oracle_pairs){0};
+    const bool good = positions != NULL && oracle_exact_enumerate(&mesh, &space, (oracle_coverage)info->coverage, out);
+    for (size_t i = 0; good && i < out->count; ++i) {
+        out->pairs[i].triangle = arrays->triangle_ids[out->pairs[i].triangle]; /* ids rise: the order stays */
+    }
+    free(positions);
+    return good;
+}
+
+/* ---- the tree ---- */
+
+bool tree_check(const svo_mesh *mesh, const svo_tree_info *info, const svo_tree_arrays *arrays, tree_differences *found)
+{
+    *found = (tree_differences){0};
     oracle_pairs expected = {0};
     oracle_pairs actual = {0};
     uint64_t empty_leaf_count = 0;
-    *found = (input_differences){0};
-    const bool good = input_list_pairs(mesh, info, (oracle_coverage)info->coverage, &expected) &&
-                      tree_check_list_pairs(info, arrays, &actual, &empty_leaf_count);
+    const bool listed = mesh != NULL ? mesh_list_pairs(mesh, info, (oracle_coverage)info->coverage, &expected)
+                                     : tree_list_pairs(info, arrays, &expected);
+    const bool good = listed && tree_check_list_pairs(info, arrays, &actual, &empty_leaf_count) &&
+                      count_node_differences(&expected, info, arrays, &found->node_differences);
     if (good) {
         oracle_compare(&expected, &actual, &found->difference);
+        found->difference.surplus_voxels += empty_leaf_count;
         found->expected_voxels = oracle_pairs_voxel_count(&expected);
         found->expected_pairs = expected.count;
+        found->built_voxels = info->leaf_count;
+        found->built_pairs = actual.count;
     }
     oracle_pairs_free(&expected);
     oracle_pairs_free(&actual);
     return good;
+}
+
+bool tree_check_is_exact(const tree_differences *found)
+{
+    const oracle_difference *d = &found->difference;
+    return d->missed_voxels == 0 && d->surplus_voxels == 0 && d->missed_pairs == 0 && d->surplus_pairs == 0 &&
+           found->node_differences == 0;
 }

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Compares a tree that has leaf lists with the exact reference of tools/lab/reference, which voxelizes its snapped
-   triangles again; its grid and snapped vertices with those that the reference computes from the same mesh; and the
-   tree with the exact voxels of that mesh as it was given, which tells what snapping costs. */
+/* Compares a tree that has leaf lists with the exact reference of tools/lab/reference, which voxelizes the mesh as it
+   was given again; and its grid and snapped vertices with those that the reference computes from the mesh. */
 #ifndef SVOCL_TOOLS_MEASURE_TREE_CHECK_H
 #define SVOCL_TOOLS_MEASURE_TREE_CHECK_H
 
@@ -21,9 +20,10 @@ typedef struct tree_differences {
     uint64_t built_voxels, built_pairs;
 } tree_differences;
 
-/* info, arrays: of a downloaded tree built with SVO_NEED_RAYS. Returns false if memory runs out or the tree is
-   malformed. */
-bool tree_check(const svo_tree_info *info, const svo_tree_arrays *arrays, tree_differences *found);
+/* mesh: the input of the tree; NULL: of a tree from a file, whose own positions are compared. info, arrays: of a
+   downloaded tree built with SVO_NEED_RAYS. Returns false if memory runs out or the tree is malformed. */
+bool tree_check(const svo_mesh *mesh, const svo_tree_info *info, const svo_tree_arrays *arrays,
+                tree_differences *found);
 bool tree_check_is_exact(const tree_differences *found);
 
 /* The tree's voxel-triangle pairs from its masks and leaf lists, sorted; leaves without triangles are only counted.
@@ -41,18 +41,8 @@ typedef struct snap_differences {
 bool snap_check(const svo_mesh *mesh, const options *given, const svo_tree_info *info, const svo_tree_arrays *arrays,
                 snap_differences *found);
 
-/* The exact pairs of the mesh as given on a tree's grid, sorted; triangles that are refused for being too far away are
-   left out. Release them by oracle_pairs_free. Returns false if memory runs out. */
-bool input_list_pairs(const svo_mesh *mesh, const svo_tree_info *info, oracle_coverage coverage, oracle_pairs *out);
-
-/* Differences from the exact voxels of the mesh as given, which need not be 0. */
-typedef struct input_differences {
-    oracle_difference difference;
-    uint64_t expected_voxels, expected_pairs;
-} input_differences;
-
-/* Returns false under the same conditions as tree_check. */
-bool input_check(const svo_mesh *mesh, const svo_tree_info *info, const svo_tree_arrays *arrays,
-                 input_differences *found);
+/* The exact pairs of a mesh on a tree's grid, sorted; triangles that are refused for being too far away are left out.
+   Release them by oracle_pairs_free. Returns false if memory runs out. */
+bool mesh_list_pairs(const svo_mesh *mesh, const svo_tree_info *info, oracle_coverage coverage, oracle_pairs *out);
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * svocl verify: compares a tree with the exact reference (tools/lab/reference), voxel by voxel, pair by pair and vertex
- * by vertex; with --form, what its compact forms expand to with the tree; with --solid, the inside. Exact is a tree of
- * the snapped mesh; beside it stands how the tree differs from the mesh as it was given.
+ * by vertex; with --form, what its compact forms expand to with the tree; with --solid, the inside. Exact is the tree
+ * of the mesh as it was given, in numbers of any size.
  */
 #include <inttypes.h>
 #include <string.h>
@@ -241,12 +241,11 @@ static void solid_verdict_add_json(cJSON *document, const program *state, const 
 
 /* ---- the tree ---- */
 
-/* Differences, all of which must be 0 except those from the mesh as given, and how much was compared. */
+/* Differences, all of which must be 0, and how much was compared. */
 typedef struct verdict {
     tree_differences tree;
-    bool snap_compared; /* false for a tree from a file: the unsnapped mesh is missing */
+    bool snap_compared; /* false for a tree from a file: the grid that was asked for is missing */
     snap_differences snap;
-    input_differences input; /* from the mesh as given; if snap_compared */
     form_checks forms; /* none without --form */
     solid_verdict solid; /* none without --solid */
 } verdict;
@@ -256,62 +255,38 @@ static bool is_exact(const verdict *found)
     return tree_check_is_exact(&found->tree) && found->snap.grid_values == 0 && found->snap.triangles == 0;
 }
 
-/* counts: voxels and pairs of the snapped mesh, then of the mesh as given. */
-static void print_row(table *rows, const char *name, const uint64_t counts[4], bool with_given)
+static void print_row(table *rows, const char *name, uint64_t voxels, uint64_t pairs)
 {
     table_cell(rows, "%s", name);
-    for (int i = 0; i < (with_given ? 4 : 2); ++i) {
-        table_cell(rows, "%s", figure_count(counts[i]).text);
-    }
+    table_cell(rows, "%s", figure_count(voxels).text);
+    table_cell(rows, "%s", figure_count(pairs).text);
 }
 
-/* Counts of the tree beside the snapped mesh, then beside the mesh as given. */
-static void print_counts(const verdict *found)
+static void print_counts(const tree_differences *tree)
 {
-    const bool both = found->snap_compared;
-    const tree_differences *tree = &found->tree;
-    const oracle_difference *snapped = &tree->difference;
-    const oracle_difference *given = &found->input.difference;
-    table *rows = table_create(both ? "lrrrr" : "lrr");
+    const oracle_difference *difference = &tree->difference;
+    table *rows = table_create("lrr");
     table_cell(rows, "%s", "");
     table_cell(rows, "voxels");
     table_cell(rows, "pairs");
-    if (both) {
-        table_cell(rows, "voxels as given");
-        table_cell(rows, "pairs as given");
-    }
-    print_row(rows, "expected",
-              (uint64_t[4]){tree->expected_voxels, tree->expected_pairs, found->input.expected_voxels,
-                            found->input.expected_pairs},
-              both);
-    print_row(rows, "built",
-              (uint64_t[4]){tree->built_voxels, tree->built_pairs, tree->built_voxels, tree->built_pairs}, both);
-    print_row(rows, "missed",
-              (uint64_t[4]){snapped->missed_voxels, snapped->missed_pairs, given->missed_voxels, given->missed_pairs},
-              both);
-    print_row(
-        rows, "surplus",
-        (uint64_t[4]){snapped->surplus_voxels, snapped->surplus_pairs, given->surplus_voxels, given->surplus_pairs},
-        both);
+    print_row(rows, "expected", tree->expected_voxels, tree->expected_pairs);
+    print_row(rows, "built", tree->built_voxels, tree->built_pairs);
+    print_row(rows, "missed", difference->missed_voxels, difference->missed_pairs);
+    print_row(rows, "surplus", difference->surplus_voxels, difference->surplus_pairs);
     table_print(rows);
 }
 
 static void print_verdict(const program *state, const svo_tree_info *info, const verdict *found)
 {
     table_heading("%s at depth %u against the exact reference", state->options.input, info->depth);
-    print_counts(found);
+    print_counts(&found->tree);
     table_line("%s nodes differ", figure_count(found->tree.node_differences).text);
     if (found->snap_compared) {
         table_line("%s triangles are snapped differently, %u grid values differ",
                    figure_count(found->snap.triangles).text, found->snap.grid_values);
     }
     if (is_exact(found)) {
-        table_line("exact beside the snapped mesh: 0 missed, 0 surplus");
-    }
-    if (found->snap_compared) {
-        table_line("beside the mesh as given: %s missed, %s surplus voxels (snapping to 2^%u steps)",
-                   figure_count(found->input.difference.missed_voxels).text,
-                   figure_count(found->input.difference.surplus_voxels).text, info->snap_bits);
+        table_line("exact: 0 missed, 0 surplus");
     }
     form_check_print(&found->forms);
     solid_verdict_print(state, &found->solid);
@@ -329,12 +304,6 @@ static cJSON *to_json(const program *state, const svo_tree_info *info, const ver
     if (found->snap_compared) {
         json_add_count(document, "grid_differences", found->snap.grid_values);
         json_add_count(document, "snap_differences", found->snap.triangles);
-        json_add_count(document, "input_expected_voxels", found->input.expected_voxels);
-        json_add_count(document, "input_expected_pairs", found->input.expected_pairs);
-        json_add_count(document, "input_missed_voxels", found->input.difference.missed_voxels);
-        json_add_count(document, "input_surplus_voxels", found->input.difference.surplus_voxels);
-        json_add_count(document, "input_missed_pairs", found->input.difference.missed_pairs);
-        json_add_count(document, "input_surplus_pairs", found->input.difference.surplus_pairs);
     }
     json_add_count(document, "expected_voxels", found->tree.expected_voxels);
     json_add_count(document, "expected_pairs", found->tree.expected_pairs);
@@ -397,6 +366,10 @@ static int verify(program *state, const svo_tree *tree, const job *done)
                             "%s: the tree has no leaf lists to compare, build it with --need rays",
                             state->options.input);
     }
+    if (done == NULL && info.positions == SVO_POSITIONS_SNAPPED && info.coverage == SVO_COVERAGE_THIN) {
+        return program_fail(state, PROGRAM_FAILED, "%s: the tree has no positions to compare with, give the mesh",
+                            state->options.input);
+    }
     bool good = true;
     progress_step(state->progress, "comparing snapped vertices");
     if (done != NULL) {
@@ -404,16 +377,11 @@ static int verify(program *state, const svo_tree *tree, const job *done)
         good = snap_check(done->source.mesh, &state->options, &info, &arrays, &found.snap);
     }
     progress_step(state->progress, "comparing voxels with the reference");
-    if (!good || !tree_check(&info, &arrays, &found.tree)) {
+    if (!good || !tree_check(done != NULL ? done->source.mesh : NULL, &info, &arrays, &found.tree)) {
         return program_fail(state, PROGRAM_FAILED, "%s: the comparison ran out of memory or the tree is malformed",
                             state->options.input);
     }
     if (done != NULL) {
-        progress_step(state->progress, "comparing voxels with the mesh as given");
-        if (!input_check(done->source.mesh, &info, &arrays, &found.input)) {
-            return program_fail(state, PROGRAM_FAILED, "%s: the comparison with the mesh ran out of memory",
-                                state->options.input);
-        }
         progress_step(state->progress, "expanding compact forms");
         const int exit_code = form_check_run(state, &done->opened, tree, &found.forms);
         if (exit_code != PROGRAM_DONE) {
@@ -457,7 +425,7 @@ int command_verify(program *state)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    exit_code = job_run(state, need | (uint32_t)SVO_NEED_RAYS, solid_is_wanted(state) ? 6 : 4, &done);
+    exit_code = job_run(state, need | (uint32_t)SVO_NEED_RAYS, solid_is_wanted(state) ? 5 : 3, &done);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }

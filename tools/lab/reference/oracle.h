@@ -135,11 +135,12 @@ void oracle_tree_free(oracle_tree *tree);
 bool oracle_leaf_codes(const uint8_t *child_mask, uint64_t inner_count, unsigned depth, uint64_t leaf_count,
                        uint64_t *codes);
 
-/* World to grid: q = rint((v - origin) * scale), where every operation is rounded to double. */
+/* World to grid: s = (v - origin) * 2^snap_bits / edge, in real arithmetic, rounded to odd: a whole s is kept, any
+   other becomes the odd one of the two whole numbers around it. */
 typedef struct oracle_grid {
     double origin[3];
     double edge;
-    double scale;
+    double scale; /* 2^snap_bits / edge, rounded to double */
     unsigned snap_bits;
 } oracle_grid;
 
@@ -161,7 +162,7 @@ bool oracle_grid_fit(const oracle_positions *mesh, unsigned snap_bits, oracle_gr
 /* The caller's grid. Returns false if origin, edge or scale leave the range of normal doubles. */
 bool oracle_grid_given(const double origin[3], double edge, unsigned snap_bits, oracle_grid *grid);
 
-/* Snaps one finite position. Returns false, without writing snapped, if a coordinate is 2^29 or more. */
+/* Snaps one finite position, exactly. Returns false, without writing snapped, if a coordinate is 2^29 or more. */
 bool oracle_snap(const oracle_grid *grid, const double position[3], int32_t snapped[3]);
 
 #ifdef __cplusplus

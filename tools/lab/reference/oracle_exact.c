@@ -84,14 +84,26 @@ static int common_exponent(const oracle_exact_triangle *triangle, const oracle_s
     return least;
 }
 
+/* Rounds to a multiple of 2^shift, to odd ones of it. */
+static void round_to_odd(mpz_t value, mp_bitcnt_t shift)
+{
+    if (!mpz_divisible_2exp_p(value, shift)) {
+        mpz_fdiv_q_2exp(value, value, shift);
+        mpz_setbit(value, 0);
+        mpz_mul_2exp(value, value, shift);
+    }
+}
+
 void exact_triangle_set(exact_triangle *exact, const oracle_exact_triangle *triangle, const oracle_space *space)
 {
     const int least = common_exponent(triangle, space);
+    const int unit = exponent_of(space->edge) + SIGNIFICAND_BITS - ORACLE_OFFSET_BITS;
     for (int i = 0; i < 9; ++i) {
         mpz_ptr out = exact->vertices[i / 3][i % 3];
         set_value(out, triangle->vertices[i / 3][i % 3], least);
         set_value(exact->value, space->origin[i % 3], least);
         mpz_sub(out, out, exact->value);
+        round_to_odd(out, unit > least ? (mp_bitcnt_t)(unit - least) : 0);
     }
     set_value(exact->width, space->edge, least + (int)space->depth);
     for (int i = 0; i < 3; ++i) {

@@ -12,14 +12,19 @@
 #define SVOCL_TOOLS_REFERENCE_ORACLE_EXACT_H
 
 #include "oracle.h"
+#include "oracle_solid.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
+#define ORACLE_OFFSET_BITS 74
+
 /*
  * A grid of 2^depth voxels per axis. Plane i of an axis is where v - origin = i * edge / 2^depth, in real arithmetic.
- * All values are finite, edge above 0. depth: 0 .. ORACLE_DEPTH_MAX.
+ * An offset v - origin is exact down to 2^-ORACLE_OFFSET_BITS of the power of two above the edge; what lies below is
+ * rounded to odd (Boldo and Melquiond, 2008), so that no vertex reaches, crosses or leaves a plane. All values are
+ * finite, edge above 0. depth: 0 .. ORACLE_DEPTH_MAX.
  */
 typedef struct oracle_space {
     double origin[3];
@@ -45,6 +50,21 @@ bool oracle_exact_clip_touches(const oracle_exact_triangle *triangle, const orac
  */
 bool oracle_exact_enumerate(const oracle_positions *mesh, const oracle_space *space, oracle_coverage coverage,
                             oracle_pairs *out);
+
+/*
+ * The line along an axis through the center of a cell, moved as in oracle_solid.c: the sense in which it crosses a
+ * triangle, 1 from behind to the front, -1 the other way, 0 not at all. *half_voxels: unless 0, the height of the
+ * crossing above the grid's first plane in halves of voxels, rounded down and clamped to 2^40.
+ */
+int oracle_exact_crossing(const oracle_exact_triangle *triangle, const oracle_space *space, unsigned axis,
+                          const int32_t cell[3], int64_t *half_voxels);
+
+/*
+ * Every voxel of the grid, as oracle_solid_make does it for a snapped mesh, by the accepted triangles. depth: 1 .. 10.
+ * Returns false, with *out empty, if memory runs out or the depth is out of range. Release it by oracle_solid_free.
+ */
+bool oracle_exact_solid_make(const oracle_positions *mesh, const oracle_space *space, oracle_rule rule,
+                             oracle_solid *out);
 
 #ifdef __cplusplus
 }

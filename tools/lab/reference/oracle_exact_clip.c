@@ -6,6 +6,7 @@
  * exactly when for each axis some corner lies below. Thin coverage has its rule besides, vertex by vertex.
  */
 #include <gmp.h>
+#include <math.h>
 #include <stddef.h>
 
 #include "oracle_exact.h"
@@ -33,6 +34,32 @@ static void polygon_clear(polygon *p)
     }
 }
 
+/* Rounds an offset to odd: to a whole number of units of 2^-ORACLE_OFFSET_BITS of the power of two above the edge. */
+static void round_offset(mpq_t offset, double edge)
+{
+    mpz_t whole;
+    int exponent;
+    mpz_init(whole);
+    (void)frexp(edge, &exponent);
+    exponent -= ORACLE_OFFSET_BITS;
+    if (exponent < 0) {
+        mpq_mul_2exp(offset, offset, (mp_bitcnt_t)-exponent);
+    } else {
+        mpq_div_2exp(offset, offset, (mp_bitcnt_t)exponent);
+    }
+    mpz_fdiv_q(whole, mpq_numref(offset), mpq_denref(offset));
+    if (mpz_cmp_ui(mpq_denref(offset), 1) != 0) {
+        mpz_setbit(whole, 0);
+        mpq_set_z(offset, whole);
+    }
+    if (exponent < 0) {
+        mpq_div_2exp(offset, offset, (mp_bitcnt_t)-exponent);
+    } else {
+        mpq_mul_2exp(offset, offset, (mp_bitcnt_t)exponent);
+    }
+    mpz_clear(whole);
+}
+
 /* The triangle, moved so that the cell's corner is 0; and the voxel's width. */
 static void polygon_set(polygon *p, const oracle_exact_triangle *triangle, const oracle_space *space,
                         const int32_t cell[3], mpq_t width)
@@ -46,6 +73,7 @@ static void polygon_set(polygon *p, const oracle_exact_triangle *triangle, const
         mpq_set_d(out, triangle->vertices[i / 3][i % 3]);
         mpq_set_d(value, space->origin[i % 3]);
         mpq_sub(out, out, value);
+        round_offset(out, space->edge);
         mpq_set_si(value, cell[i % 3], 1);
         mpq_mul(value, value, width);
         mpq_sub(out, out, value);

@@ -4,14 +4,14 @@
  * is measured in doubles first, in voxels from a cell near the triangle, and its answer is taken where the distance is
  * larger than the bound of the error below; else the axis is decided in integers.
  *
- * The bound. Let u = DBL_EPSILON / 2. A coordinate t = (v - origin) * r with r = 2^depth / edge is rounded three
- * times, which errs by less than 4 u |t|. From the cell at the base it errs by d <= 4 u T + u L, where T is the
- * largest |t|, and L >= 1 the largest coordinate from there, of vertices and boxes both. So an edge errs by 2 d + 4 u
- * L, and has components of at most 2 L. A projection on an edge crossed with an axis has two products, one on the
- * normal three of components below 8 L^2. Summed over the three terms of a comparison that is at most 32 d L + 64 u
- * L^2, and 336 d L^2 + 960 u L^3 on the normal. The factors in the code are twice that and more, for what rounding does
- * to the bound. FLOOR is above what underflow can add. Nothing is decided in doubles above LENGTH_MAX, long before
- * overflow.
+ * The bound. Let u = DBL_EPSILON / 2. A coordinate t = (v - origin) * r with r = 2^depth / edge is rounded three times,
+ * which errs by less than 4 u |t|; rounding offsets changes it by less than ROUNDED. From the cell at the base it errs
+ * by d <= 4 u T + u L, where T is the largest |t|, and L >= 1 the largest coordinate from there, of vertices and boxes
+ * both. So an edge errs by 2 d + 4 u L, and has components of at most 2 L. A projection on an edge crossed with an axis
+ * has two products, one on the normal three of components below 8 L^2. Summed over the three terms of a comparison that
+ * is at most 32 d L + 64 u L^2, and 336 d L^2 + 960 u L^3 on the normal. The factors in the code are twice that and
+ * more, for what rounding does to the bound. FLOOR is above what underflow can add. Nothing is decided in doubles above
+ * LENGTH_MAX, long before overflow.
  */
 #include "exact_axes.h"
 
@@ -21,6 +21,8 @@
 
 #define FLOOR      1e-290
 #define LENGTH_MAX 1e60
+/* A unit of offsets in voxels is at most 2^(1 + ORACLE_DEPTH_MAX - ORACLE_OFFSET_BITS). */
+#define ROUNDED 0x1p-57
 /* All axes but those of the box, whose extents are known as cells. */
 #define MEASURED_MAX (EXACT_AXES - EXACT_NORMAL)
 
@@ -134,8 +136,9 @@ static void set_local(const walker *walk, local_triangle *local)
         farthest = larger(fabs(coordinate), farthest);
         local->length = larger(fabs(local->vertices[i / 3][i % 3]), local->length);
     }
-    local->error = local->length > LENGTH_MAX ? (double)INFINITY
-                                              : 4.0 * DBL_EPSILON * farthest + DBL_EPSILON * local->length + FLOOR;
+    local->error = local->length > LENGTH_MAX
+                       ? (double)INFINITY
+                       : 4.0 * DBL_EPSILON * farthest + DBL_EPSILON * local->length + ROUNDED + FLOOR;
     for (int i = 0; i < 9; ++i) {
         local->edges[i / 3][i % 3] = local->vertices[(i / 3 + 1) % 3][i % 3] - local->vertices[i / 3][i % 3];
     }

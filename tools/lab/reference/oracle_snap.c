@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Reference for the grid and the snap. The definition is in doubles; this file evaluates it without double arithmetic,
- * in 128-bit integers that are rounded where the definition rounds. So it shares neither the contraction of the
- * compiler, nor the rounding mode, nor a mistake in the order of operations of the library.
+ * Reference for the grid and the snap, without double arithmetic: in 128-bit integers. The grid is defined in doubles,
+ * and rounded where its definition rounds; the snap is defined in real numbers. So this file shares neither the
+ * contraction of the compiler, nor the rounding mode, nor a mistake in the order of operations of the library.
  */
 #include "oracle.h"
 
@@ -69,10 +69,10 @@ static double number_to_double(number rounded)
 }
 
 /*
- * a - b, rounded to double. Of a number that is more than 2^70 times smaller only the sign matters to the rounding, so
- * that the larger one, moved left by 70 bits, stands for the exact difference in 128 bits.
+ * a - b, exact where their lowest bits are at most 70 bits apart. Else of the lower number only the sign is kept, as
+ * the lowest bit below the other, which is moved left by 70 bits: all that rounding the difference can depend on.
  */
-static number subtract(double a, double b)
+static number difference(double a, double b)
 {
     number x = number_of(a), y = number_of(-b);
     number *high = x.exponent >= y.exponent ? &x : &y, *low = high == &x ? &y : &x;
@@ -85,12 +85,13 @@ static number subtract(double a, double b)
         low->value = low->value < 0 ? -1 : 1;
         distance = 70;
     }
-    return round_to_double((number){high->value * ((wide)1 << distance) + low->value, high->exponent - distance});
+    return (number){high->value * ((wide)1 << distance) + low->value, high->exponent - distance};
 }
 
-static double subtract_double(double a, double b)
+/* a - b, rounded to double. */
+static double subtract(double a, double b)
 {
-    return number_to_double(subtract(a, b));
+    return number_to_double(round_to_double(difference(a, b)));
 }
 
 /* 2^bits / edge, rounded to double. */
@@ -181,31 +182,54 @@ bool oracle_grid_fit(const oracle_positions *mesh, unsigned snap_bits, oracle_gr
     if (!accepted_bounds(mesh, low, high))
         return false;
     for (size_t k = 0; k < 3; k++) {
-        double extent = subtract_double(high[k], low[k]);
+        double extent = subtract(high[k], low[k]);
 
         edge = extent > edge ? extent : edge;
     }
     return oracle_grid_given(low, edge == 0 ? 1 : edge_around(edge), snap_bits, grid);
 }
 
+/*
+ * dividend / divisor, rounded to odd, for a divisor.value from 2^52 on. Returns false for some quotients beyond 2^29.
+ *
+ * The dividend comes from difference(), with at most 124 bits. Where its lowest bit stands for others, it has 122, and
+ * a divisor that is not far above it in position gives quotients beyond 2^29. Multiples of other divisors are even in
+ * units of the dividend: the bit is on the same side of all of them as what it stands for.
+ */
+static bool divide_to_odd(number dividend, number divisor, wide *quotient)
+{
+    int shift = dividend.exponent - divisor.exponent;
+    wide rest;
+
+    if (dividend.value == 0 || shift < -73) {
+        *quotient = (dividend.value > 0) - (dividend.value < 0); /* less than 2^124 / 2^(52 + 74) */
+        return true;
+    }
+    if (shift > 0) {
+        if (bit_count(dividend.value < 0 ? -dividend.value : dividend.value) + shift > 83)
+            return false;
+        dividend.value *= (wide)1 << shift;
+    } else {
+        divisor.value *= (wide)1 << -shift;
+    }
+    *quotient = dividend.value / divisor.value;
+    rest = dividend.value % divisor.value;
+    if (rest != 0)
+        *quotient = (rest < 0 ? *quotient - 1 : *quotient) | 1;
+    return true;
+}
+
 bool oracle_snap(const oracle_grid *grid, const double position[3], int32_t snapped[3])
 {
     const wide limit = (wide)1 << 29;
-    number scale = number_of(grid->scale);
+    number unit = number_of(grid->edge);
     int32_t result[3];
 
+    unit.exponent -= (int)grid->snap_bits;
     for (int k = 0; k < 3; k++) {
-        number offset = subtract(position[k], grid->origin[k]);
-        /* Both have 53 bits at most, or one more where rounding carried: the product is exact. */
-        number product = round_to_double((number){offset.value * scale.value, offset.exponent + scale.exponent});
-        wide q = shift_right_to_even(product.value, -product.exponent);
+        wide q;
 
-        if (product.exponent > 0 && product.value != 0) {
-            if (product.exponent > 29)
-                return false;
-            q *= (wide)1 << product.exponent;
-        }
-        if (q <= -limit || q >= limit)
+        if (!divide_to_odd(difference(position[k], grid->origin[k]), unit, &q) || q <= -limit || q >= limit)
             return false;
         result[k] = (int32_t)q;
     }

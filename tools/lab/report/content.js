@@ -527,9 +527,10 @@ const figures = [
  * 2008. svocl's own methods are blue in every chart.
  */
 const methodStyles = {
-  "integers of 20 bits, cl": ["blue", "circle"],
-  "integers of 20 bits, gl-expand": ["sky", "circle"],
-  "integers of 20 bits, gl-hw": ["sky", "diamond"],
+  "exact integers, cl": ["blue", "circle"],
+  "exact integers, gl-expand": ["sky", "circle"],
+  "exact integers, gl-hw": ["sky", "diamond"],
+  "integers of 20 bits (as until 0.1)": ["blue", "square"],
   "float32 test, box-centered": ["green", "square"],
   "float32 test, world coordinates": ["orange", "diamond"],
   "expansion alone": ["purple", "up"],

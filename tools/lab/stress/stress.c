@@ -119,7 +119,7 @@ void stress_compare(const svo_mesh *mesh, const svo_plan_options *given, const s
     memcpy(grid.origin, given->origin, sizeof grid.origin);
     tree_differences found;
     snap_differences snap;
-    if (!tree_check(&built->info, &built->arrays, &found) ||
+    if (!tree_check(mesh, &built->info, &built->arrays, &found) ||
         !snap_check(mesh, &grid, &built->info, &built->arrays, &snap)) {
         stress_fail(one, "the comparison ran out of memory or the tree is malformed");
         return;
@@ -158,7 +158,7 @@ static void float_case(stress *run, float_method method, const char *what, const
     const double started_ms = input_now_ms();
     bool good = float_method_run(method, &built->info, &built->arrays, &actual);
     one.ms = input_now_ms() - started_ms;
-    good = good && input_list_pairs(mesh, &built->info, float_method_coverage(method), &expected);
+    good = good && mesh_list_pairs(mesh, &built->info, float_method_coverage(method), &expected);
     if (good) {
         oracle_difference difference;
         oracle_compare(&expected, &actual, &difference);
