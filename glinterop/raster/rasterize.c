@@ -13,6 +13,7 @@
 #include "share/share.h"
 #include "shared/decide.clh"
 #include "stages/inputs.h"
+#include "svocl/nodes.h"
 
 /* Creates a chunk's buffer and gives it to OpenGL. */
 static svo_status create_chunk(const svo_i_rasterizer *rasterizer, size_t bytes, cl_command_queue queue,
@@ -104,38 +105,35 @@ static svo_status tell(const svo_i_rasterizer *rasterizer, svo_plan *plan, doubl
 
 /* ---- undecided fragments ---- */
 
-/* Every third bit of a code. */
-static uint32_t coordinate_of(uint64_t code, unsigned axis, unsigned depth)
-{
-    uint32_t coordinate = 0;
-    for (unsigned bit = 0; bit < depth; ++bit) {
-        coordinate |= (uint32_t)(code >> (3 * bit + axis) & 1u) << bit;
-    }
-    return coordinate;
-}
-
-/* Keeps those of the fragments that touch, in their order. Returns how many. */
-static uint32_t keep_touching(const svo_plan *plan, uint32_t *words, uint32_t count)
+/* Keeps those of the fragments that touch, in their order; *kept: how many. */
+static svo_status keep_touching(const svo_i_rasterizer *rasterizer, const svo_plan *plan, uint32_t *words,
+                                uint32_t count, uint32_t *kept)
 {
     const svo_decide_params params = svo_i_decide_params(plan);
     const void *positions = params.is_double != 0 ? (const void *)plan->positions_double : plan->positions;
     const size_t width = svo_i_plan_fragment_bytes(plan) / sizeof *words;
-    uint32_t kept = 0;
+    *kept = 0;
     for (uint32_t i = 0; i < count; ++i) {
         const uint32_t *fragment = words + i * width;
+        const uint32_t triangle = fragment[width - 1];
+        uint32_t cell[3];
         const uint64_t code = fragment[0] | (width > SVO_FRAGMENT_WORDS_30 ? (uint64_t)fragment[1] << 32 : 0);
-        const uint32_t cell[3] = {coordinate_of(code, 0, plan->info.depth), coordinate_of(code, 1, plan->info.depth),
-                                  coordinate_of(code, 2, plan->info.depth)};
-        const svo_decided_pair pair = svo_load_pair(positions, plan->indices, fragment[width - 1], cell, &params);
+        svo_code_to_cell(code, cell);
+        if (triangle >= plan->triangle_count) {
+            return svo_i_device_fail(rasterizer->device, SVO_GL_ERROR, "svo_build: %s wrote triangle %u, not below %u",
+                                     svo_i_gl_context_functions(rasterizer->context)->renderer, triangle,
+                                     plan->triangle_count);
+        }
+        const svo_decided_pair pair = svo_load_pair(positions, plan->indices, triangle, cell, &params);
         if (svo_decide(&pair, &params)) {
-            memmove(words + kept * width, fragment, width * sizeof *words);
-            ++kept;
+            memmove(words + *kept * width, fragment, width * sizeof *words);
+            ++*kept;
         }
     }
-    return kept;
+    return SVO_OK;
 }
 
-/* Decides the chunk's undecided fragments and moves those that touch to the others; *needed: both. */
+/* Decides the chunk's undecided fragments and moves those that touch to the others; chunk->needed: both. */
 static svo_status decide(const svo_i_rasterizer *rasterizer, const svo_plan *plan, svo_i_fragments *chunk,
                          svo_i_raster_count count)
 {
@@ -151,10 +149,11 @@ static svo_status decide(const svo_i_rasterizer *rasterizer, const svo_plan *pla
                                  count.undecided);
     }
     svo_status status = SVO_OK;
+    uint32_t kept = 0;
     const svo_i_share_buffer *shared = chunk->owner;
     SVO_I_TRY_CLEANUP(
         svo_i_share_buffer_read_gl(shared, (size_t)chunk->capacity * fragment_bytes - bytes, bytes, words));
-    const uint32_t kept = keep_touching(plan, words, count.undecided);
+    SVO_I_TRY_CLEANUP(keep_touching(rasterizer, plan, words, count.undecided, &kept));
     SVO_I_TRY_CLEANUP(
         svo_i_share_buffer_write_gl(shared, count.decided * fragment_bytes, kept * fragment_bytes, words));
     chunk->needed = (uint64_t)count.decided + kept;
