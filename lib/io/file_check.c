@@ -24,6 +24,7 @@
 
 typedef struct tree_check {
     const svo_tree_info *info;
+    svo_snap snap; /* of its grid */
     svo_tree_arrays arrays;
     const char *name;
     svo_message *message;
@@ -104,9 +105,9 @@ static svo_status check_position(const tree_check *job, uint64_t at)
     const int32_t snapped = job->arrays.vertices[at];
     const double position =
         job->arrays.positions != NULL ? (double)job->arrays.positions[at] : job->arrays.positions_double[at];
-    const svo_snap snap = svo_make_snap(info->scale, info->edge, (int32_t)info->snap_bits);
-    const bool is_same = info->is_exact != 0 ? svo_snap_coordinate(&snap, position, info->origin[at % 3]) == snapped
-                                             : rint((position - info->origin[at % 3]) * info->scale) == snapped;
+    const bool is_same = info->is_exact != 0
+                             ? svo_snap_coordinate(&job->snap, position, info->origin[at % 3]) == snapped
+                             : rint((position - info->origin[at % 3]) * info->scale) == snapped;
     return is_same ? SVO_OK
                    : svo_i_fail(job->message, SVO_FILE_DAMAGED,
                                 "%s: vertex %" PRIu64 ": position %g is not that of the snapped coordinate %" PRId32,
@@ -155,7 +156,10 @@ static svo_status check_geometry(const tree_check *job)
 
 svo_status svo_i_file_check_structure(const svo_tree *tree, const char *name, svo_message *message)
 {
-    tree_check job = {.info = &tree->info, .name = name, .message = message};
+    tree_check job = {.info = &tree->info,
+                      .snap = svo_make_snap(tree->info.scale, tree->info.edge, (int32_t)tree->info.snap_bits),
+                      .name = name,
+                      .message = message};
     job.arrays = (svo_tree_arrays)SVO_TREE_ARRAYS_INIT;
     (void)svo_tree_get_arrays(tree, &job.arrays);
     SVO_I_TRY(check_nodes(&job));
