@@ -5,27 +5,17 @@
  */
 #include "stages/inputs.h"
 
-#include <string.h>
-
 #include "plan/arrays.h"
 
 /* ---- parameters ---- */
 
 svo_decide_params svo_i_decide_params(const svo_plan *plan)
 {
-    const bool is_part = svo_i_plan_is_part(plan);
-    const svo_part_header *header = &plan->part.header;
-    const double *origin = is_part ? header->origin : plan->info.origin;
-    const double *edge = is_part ? &header->edge : &plan->info.edge;
-    svo_decide_params params = {.coverage = (cl_uint)plan->info.coverage,
-                                .is_double =
-                                    svo_i_plan_has(plan->positions_double, plan->memory.positions_double) ? 1 : 0,
-                                .depth = is_part ? header->depth : plan->info.depth};
-    for (unsigned axis = 0; axis < 3; ++axis) {
-        params.corner[axis] = (cl_uint)plan->part.corner[axis] >> plan->voxel_log2;
-    }
-    memcpy(params.origin, origin, sizeof params.origin);
-    memcpy(params.edge, edge, sizeof params.edge);
+    const svo_i_plan_part *part = &plan->part;
+    svo_decide_params params =
+        svo_i_grid_params(&part->header, part->level, part->code, plan->info.depth, plan->info.origin, plan->info.edge);
+    params.coverage = (cl_uint)plan->info.coverage;
+    params.is_double = svo_i_plan_has(plan->positions_double, plan->memory.positions_double) ? 1 : 0;
     return params;
 }
 
