@@ -112,6 +112,7 @@ static svo_status keep_touching(const svo_i_rasterizer *rasterizer, const svo_pl
     const svo_decide_params params = svo_i_decide_params(plan);
     const void *positions = params.is_double != 0 ? (const void *)plan->positions_double : plan->positions;
     const size_t width = svo_i_plan_fragment_bytes(plan) / sizeof *words;
+    svo_decider decider = {.triangle = SVO_NO_TRIANGLE};
     *kept = 0;
     for (uint32_t i = 0; i < count; ++i) {
         const uint32_t *fragment = words + i * width;
@@ -124,8 +125,7 @@ static svo_status keep_touching(const svo_i_rasterizer *rasterizer, const svo_pl
                                      svo_i_gl_context_functions(rasterizer->context)->renderer, triangle,
                                      plan->triangle_count);
         }
-        const svo_decided_pair pair = svo_load_pair(positions, plan->indices, triangle, cell, &params);
-        if (svo_decide(&pair, &params)) {
+        if (svo_decide(positions, plan->indices, triangle, cell, &params, &decider)) {
             memmove(words + *kept * width, fragment, width * sizeof *words);
             ++*kept;
         }
