@@ -56,9 +56,11 @@ typedef struct svo_found {
 
 /* A triangle, permuted so that t is its axis of projection (overlap.clh). */
 typedef struct svo_placed {
-    svo_point a, b, c; /* grid units, from the corner of the first voxel */
+    svo_point a, b, c; /* units, from the corner of the first voxel */
     svo_point first; /* its first voxel */
     svo_point last; /* its last voxel, from the first */
+    int voxel_log2; /* of the units of a voxel */
+    svo_slope slope; /* by the grid's units */
     uint axis;
     uint triangle;
 } svo_placed;
@@ -98,11 +100,18 @@ SVO_FUNCTION svo_placed svo_place(__global const int *vertices, __global const u
     const int3 first = clamp(low >> voxel_log2, (int3)(0), limit);
     const int3 last = clamp(max(a, max(b, c)) >> voxel_log2, (int3)(0), limit) - first;
     const int3 corner = first << voxel_log2;
+    const int dropped = svo_dropped_bits(max(last.x, max(last.y, last.z)), voxel_log2);
+    r.voxel_log2 = voxel_log2 - dropped;
     r.axis = item.flags & SVO_DRAW_AXIS_MASK;
     r.triangle = item.triangle;
     r.a = svo_turn(a - corner, r.axis);
     r.b = svo_turn(b - corner, r.axis);
     r.c = svo_turn(c - corner, r.axis);
+    const svo_plane plane = svo_normal(r.a, r.b, r.c);
+    r.slope = svo_slope_of(plane.nu, plane.nv, plane.nt);
+    r.a = svo_coarse_point(r.a, dropped);
+    r.b = svo_coarse_point(r.b, dropped);
+    r.c = svo_coarse_point(r.c, dropped);
     r.first = svo_turn(first, r.axis);
     r.last = svo_turn(last, r.axis);
     return r;
@@ -147,7 +156,7 @@ SVO_FUNCTION int3 svo_column_run(svo_overlap overlap, svo_placed placed, int u, 
                                  int column)
 {
     int3 run = (int3)(0, 0, column);
-    const svo_span span = svo_column_span(overlap.plane, placed.a, u, v, 1 << voxel_log2, placed.last.t, reach);
+    const svo_span span = svo_column_span(placed.slope, placed.a, u, v, 1 << voxel_log2, placed.last.t, reach);
     for (int k = span.first; k <= span.last; ++k) {
         const int touches = svo_overlap_voxel(overlap, u, v, k << voxel_log2);
         if (touches != SVO_TOUCHES_NOT) {
@@ -174,7 +183,7 @@ SVO_FUNCTION float svo_reach_of(svo_placed placed)
 SVO_FUNCTION svo_found svo_scan_columns(svo_placed placed, svo_window window, svo_voxelize_params params,
                                         __local svo_note *notes)
 {
-    const int voxel_log2 = (int)params.voxel_log2;
+    const int voxel_log2 = placed.voxel_log2;
     const svo_overlap overlap =
         svo_make_overlap(placed.a, placed.b, placed.c, 1 << voxel_log2, (int)params.open, (int)placed.axis);
     const float reach = svo_reach_of(placed);
@@ -395,10 +404,9 @@ SVO_FUNCTION void svo_push_columns(const svo_column_test *test, const svo_placed
 /* Pushes the fragments of a window of at most SVO_TILE_COLUMNS columns, row after row, eight columns at a time. */
 SVO_FUNCTION void svo_push_window(svo_placed placed, svo_window window, svo_voxelize_params params, svo_stage *stage)
 {
-    const svo_overlap overlap =
-        svo_make_overlap(placed.a, placed.b, placed.c, 1 << params.voxel_log2, (int)params.open, (int)placed.axis);
     const svo_column_test test =
-        svo_make_column_test(overlap, placed.a, params.voxel_log2, (uint)placed.last.t, svo_reach_of(placed));
+        svo_make_column_test(placed.a, placed.b, placed.c, placed.slope, (uint)placed.voxel_log2, (uint)placed.last.t,
+                             (int)params.open, svo_reach_of(placed));
     const uint width = (uint)(window.end_u - window.u);
     const uint count = width * (uint)(window.end_v - window.v);
     const uint rows = 65536u / width + 1u; /* i * rows >> 16 is i / width for i below SVO_TILE_COLUMNS */

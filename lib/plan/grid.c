@@ -18,12 +18,8 @@
 
 #define VERTEX_FINITE 1u
 #define VERTEX_USED   2u
-/* Largest bounding box, in grid units, for which edge functions fit 32 bits. */
-#define NARROW_UNITS (1 << 14)
 /* Significant bits of a fitted grid's edge. */
 #define EDGE_BITS 24
-/* Largest grid, as a power of two of its units, for which the overlap test fits 64 bits. */
-#define REGULAR_BITS 20u
 /* Triangles with this ratio of length to height are drawn by their bounds, because the corners of the expanded triangle
    are too far away for float arithmetic. */
 #define NEEDLE_RATIO 4096.0
@@ -227,22 +223,21 @@ static bool inside_grid(const svo_plan *plan, const placed *p)
 
 static svo_i_class classify(const svo_plan *plan, const placed *p)
 {
-    bool one_voxel = true;
-    bool narrow = plan->voxel_log2 < 14;
+    int32_t widest = 0;
     for (unsigned axis = 0; axis < 3; ++axis) {
-        one_voxel = one_voxel && p->first[axis] == p->last[axis];
-        narrow = narrow && (p->last[axis] - p->first[axis] + 1) <= (NARROW_UNITS >> plan->voxel_log2);
+        const int32_t width = p->last[axis] - p->first[axis] + 1;
+        widest = width > widest ? width : widest;
     }
     if (!inside_grid(plan, p)) {
         return SVO_I_CLASS_WIDE;
     }
-    if (one_voxel && plan->info.coverage != SVO_COVERAGE_THIN) {
+    if (widest == 1 && plan->info.coverage != SVO_COVERAGE_THIN) {
         return SVO_I_CLASS_POINT;
     }
-    if (narrow) {
+    if (widest <= SVO_NARROW_VOXELS) {
         return SVO_I_CLASS_NARROW;
     }
-    return plan->info.snap_bits <= REGULAR_BITS ? SVO_I_CLASS_REGULAR : SVO_I_CLASS_WIDE;
+    return plan->info.snap_bits <= SVO_REGULAR_BITS ? SVO_I_CLASS_REGULAR : SVO_I_CLASS_WIDE;
 }
 
 void svo_i_plan_normal(const svo_plan *plan, const uint32_t corners[3], int64_t normal[3])

@@ -83,7 +83,7 @@ typedef struct svo_i_work {
 /* Classes of triangles, by the arithmetic that their overlap test needs; see kernels/shared/overlap.clh. */
 typedef enum svo_i_class {
     SVO_I_CLASS_POINT = 0, /* inside one voxel: no test */
-    SVO_I_CLASS_NARROW, /* the bounding box in voxels is at most 2^14 units wide: 32 bits */
+    SVO_I_CLASS_NARROW, /* at most SVO_NARROW_VOXELS wide: 32 bits */
     SVO_I_CLASS_REGULAR, /* inside a grid of 2^20 units: 64 bits */
     SVO_I_CLASS_WIDE, /* reaches outside the grid, or the grid is finer: 93 bits */
     SVO_I_CLASS_COUNT

@@ -297,10 +297,8 @@ static bool can_have(const svo_plan *plan, svo_i_class class_id)
     switch (class_id) {
     case SVO_I_CLASS_POINT:
         return plan->info.coverage != SVO_COVERAGE_THIN;
-    case SVO_I_CLASS_NARROW:
-        return plan->voxel_log2 < 14;
     case SVO_I_CLASS_REGULAR:
-        return plan->info.snap_bits <= 20;
+        return plan->info.snap_bits <= SVO_REGULAR_BITS;
     default:
         return true;
     }

@@ -16,10 +16,8 @@
 #include "plan/estimate.h"
 #include "plan/grid.h"
 
-#define UNITS_MAX    (1 << 29) /* the limit of the arithmetic */
-#define UNITS_FAR    (1 << 30) /* beyond it */
-#define NARROW_UNITS (1 << 14)
-#define REGULAR_BITS 20u
+#define UNITS_MAX (1 << 29) /* the limit of the arithmetic */
+#define UNITS_FAR (1 << 30) /* beyond it */
 
 static void check_refusal(svo_status status, const svo_plan *plan, const svo_device *device)
 {
@@ -153,8 +151,8 @@ static void check_class(const svo_plan *plan, uint32_t triangle, svo_i_class cla
         const int32_t first = (low < closed ? 0 : low - closed) >> plan->voxel_log2;
         const int32_t last = high >> plan->voxel_log2;
         REQUIRE(class_id != SVO_I_CLASS_POINT || (inside && first == last));
-        REQUIRE(class_id != SVO_I_CLASS_NARROW || (inside && (last - first + 1) << plan->voxel_log2 <= NARROW_UNITS));
-        REQUIRE(class_id != SVO_I_CLASS_REGULAR || (inside && plan->info.snap_bits <= REGULAR_BITS));
+        REQUIRE(class_id != SVO_I_CLASS_NARROW || (inside && last - first < SVO_NARROW_VOXELS));
+        REQUIRE(class_id != SVO_I_CLASS_REGULAR || (inside && plan->info.snap_bits <= SVO_REGULAR_BITS));
     }
 }
 

@@ -339,7 +339,8 @@ static void t8_an_extent_beyond_doubles_is_refused(void **state)
  * T9 depths.
  */
 
-/* Needles of up to a thousand voxels, and triangles of a few voxels at the depth. */
+/* Needles of up to a thousand voxels, and triangles of a few voxels at the depth, of some dozens, and of a hundred, whose
+   units are the coarsest. */
 static void make_for_depth(uint64_t seed, unsigned depth, owned_mesh *out)
 {
     enum { COUNT = 60, NEEDLES = 6 };
@@ -347,7 +348,7 @@ static void make_for_depth(uint64_t seed, unsigned depth, owned_mesh *out)
     random_mesh(seed, COUNT, 0.0, out);
     for (size_t t = 0; t < COUNT; ++t) {
         double *corners = out->positions + t * 9;
-        const double extent = ldexp(t % 3 == 0 ? 40.0 : 3.0, -(int)depth);
+        const double extent = ldexp(t % 20 == 19 ? 120.0 : t % 3 == 0 ? 40.0 : 3.0, -(int)depth);
         for (unsigned k = 0; k < 9; ++k) {
             const double start = k < 3 ? random_unit(&random) : corners[k % 3];
             corners[k] = fmin(fmax(start + (random_unit(&random) - 0.5) * extent, 0.0), 1.0);
