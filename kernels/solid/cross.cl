@@ -64,7 +64,7 @@ static void svo_add_given(const svo_crossing_mesh *mesh, uint triangle, const ui
     if (axes == 0u) {
         return;
     }
-    const svo_big width = svo_decided_width(mesh->grid);
+    const svo_short width = svo_decided_width(mesh->grid);
     const svo_exact_triangle placed = svo_place_exactly(&pair, mesh->grid, width);
     for (uint axis = 0; axis < 3u; ++axis) {
         if ((axes >> axis & 1u) != 0u) {

@@ -35,7 +35,7 @@ static int cross_exactly(const crossing_pair *pair, uint32_t axis)
 {
     svo_decide_params grid;
     const svo_decided_pair loaded = load(pair, &grid);
-    const svo_big width = svo_decided_width(&grid);
+    const svo_short width = svo_decided_width(&grid);
     return svo_cross_exactly(svo_place_exactly(&loaded, &grid, width), width, axis);
 }
 
