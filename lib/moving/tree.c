@@ -366,8 +366,8 @@ static svo_i_edge_sums sum_known_edges(const maker *m)
     return known;
 }
 
-/* The sums of the scene's edges, zero where its mesh is closed. Edges are those of snapped positions, which do not
-   depend on the object, so the sums of objects add up. */
+/* The sums of the scene's edges, zero where its mesh is closed. Edges are those of positions in the world, which do
+   not depend on the object, so the sums of objects add up. */
 static svo_status sum_edges(maker *m)
 {
     svo_status status = SVO_OK;

@@ -202,12 +202,9 @@ static svo_status classify(svo_i_grid_run *r)
 
 static svo_status sum_edges(svo_i_grid_run *r)
 {
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->plan->memory.vertices),
-                                        SVO_I_ARGUMENT(r->mesh->indices),
-                                        SVO_I_ARGUMENT(r->fates),
-                                        SVO_I_ARGUMENT(r->edges),
-                                        SVO_I_ARGUMENT(r->params),
-                                        SVO_I_LOCAL(SCRATCH_BYTES)};
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->mesh->positions), SVO_I_ARGUMENT(r->mesh->indices),
+                                        SVO_I_ARGUMENT(r->fates),           SVO_I_ARGUMENT(r->edges),
+                                        SVO_I_ARGUMENT(r->params),          SVO_I_LOCAL(SCRATCH_BYTES)};
     return svo_i_work_launch(r->work, "svo_k_plan_closed", SVO_I_ARGUMENTS(arguments),
                              run_items(r->params.triangle_count));
 }

@@ -557,7 +557,7 @@ svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh)
     SVO_I_TRY_CLEANUP(keep_triangles(plan, mesh, flags, keys));
     if ((plan->options.need & SVO_NEED_PROJECTED_AREA) != 0 && !svo_i_plan_is_part(plan)) {
         bool closed = false;
-        SVO_I_TRY_CLEANUP(svo_i_plan_is_closed(plan, &closed));
+        SVO_I_TRY_CLEANUP(svo_i_plan_is_closed(plan, mesh, &closed));
         plan->work.both_sides = !closed;
     }
     clear_unused_vertices(plan, flags);
