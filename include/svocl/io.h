@@ -194,6 +194,11 @@ typedef struct svo_import_options {
      *  nothing is turned but what the file itself asks for, as COLLADA does. */
     uint32_t axes;
     uint32_t reserved; /**< 0 */
+    /** 0 or more, in the mesh's units; 0: positions stay as they are. Vertices are taken in their order: one that lies
+     *  no farther than this from an earlier one that stayed gets the position of the first of these, else it stays. So
+     *  cracks close, and with them a mesh for projected areas. Attributes, indices and triangles stay, also triangles
+     *  that become a segment or a point. */
+    double weld;
 } svo_import_options;
 
 /** All defaults. */
@@ -210,6 +215,7 @@ typedef struct svo_import_info {
     uint64_t read_faces; /**< of those, the ones that became triangles */
     uint64_t triangles; /**< in the mesh */
     uint64_t warnings; /**< given to the log callback */
+    uint64_t welded_vertices; /**< of the mesh, that svo_import_options.weld moved */
 } svo_import_info;
 
 /** All zero. */
@@ -237,8 +243,8 @@ typedef struct svo_import svo_import;
  * \param out receives the mesh
  * \param message receives the reason for a failure; NULL allowed
  * \returns SVO_FILE_ERROR (missing, unreadable), SVO_IMPORT_FAILED (not understood, no triangle, a crash, a limit, a
- *          warning of a strict import, no helper), SVO_CANCELED (the progress callback) or SVO_OUT_OF_HOST_MEMORY on
- *          failure. */
+ *          warning of a strict import, no helper), SVO_INVALID_ARGUMENT (an option out of range), SVO_CANCELED (the
+ *          progress callback) or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_import_file(const char *path, const svo_import_options *options, svo_log_callback log,
                                    void *log_user, svo_import **out, svo_message *message);
 

@@ -530,6 +530,7 @@ static void add_import(cJSON *document, const job *done)
     json_add_count(object, "declared_faces", info->declared_faces);
     json_add_count(object, "read_faces", info->read_faces);
     json_add_count(object, "triangles", info->triangles);
+    json_add_count(object, "welded_vertices", info->welded_vertices);
 }
 
 static void add_buffers(cJSON *document, const job *done)
