@@ -561,7 +561,7 @@ static void build_has_its_json_names(void **state)
     (void)state;
     need_builds();
     static const char *const numbers[] = {"triangles", "refused_triangles", "fragments", "leaves", "nodes",
-                                          "depth",     "snap_error",        "peak_bytes"};
+                                          "depth",     "peak_bytes"};
     static const char *const texts[] = {"hash",    "frontend", "frontend_reason", "share",
                                         "builder", "context",  "device",          "renderer"};
     cJSON *document = run_json("$SVOCL build scene:knot:2000 -d 7 --need color,normal,rays --repeat 3 --json -o a.svo");
@@ -776,8 +776,8 @@ static void verify_finds_every_scene_exact(void **state)
     (void)state;
     need_builds();
     static const char *const names[] = {"atrium", "statue", "knot", "terrain", "needles", "dust", "cornell", "cube"};
-    static const char *const counts[] = {"missed_voxels",    "surplus_voxels",   "missed_pairs",    "surplus_pairs",
-                                         "node_differences", "grid_differences", "snap_differences"};
+    static const char *const counts[] = {"missed_voxels",    "surplus_voxels",   "missed_pairs",        "surplus_pairs",
+                                         "node_differences", "grid_differences", "rounding_differences"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         char line[128];
         snprintf(line, sizeof line, "$SVOCL verify scene:%s:3000 -d 6 --json", names[i]);
