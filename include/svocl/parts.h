@@ -70,7 +70,7 @@ typedef struct svo_part_info {
  * \returns SVO_INVALID_ARGUMENT (not a part, no host arrays), SVO_FILE_ERROR or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_part_save(const svo_tree *tree, const char *path, svo_message *message);
 
-/** Saves what rays meet of the whole mesh: snapped vertices, indices, names of triangles and the mesh's own positions.
+/** Saves what rays meet of the whole mesh: rounded vertices, indices, names of triangles and the mesh's own positions.
  *  svo_parts_stitch needs it for trees with SVO_NEED_RAYS.
  *
  * \param plan of the whole mesh, with SVO_NEED_RAYS; arrays that a device has are copied to the host

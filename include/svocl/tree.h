@@ -38,7 +38,7 @@ typedef struct svo_tree svo_tree;
 /** Which mesh rays and nearest points meet. */
 typedef enum svo_positions {
     /** The rounded one, svo_tree_arrays.vertices: the tree is from a file of version 1; or it has no rays. */
-    SVO_POSITIONS_SNAPPED = 0,
+    SVO_POSITIONS_ROUNDED = 0,
     SVO_POSITIONS_FLOAT = 1, /**< the input's, given as floats */
     SVO_POSITIONS_DOUBLE = 2 /**< the input's, given as doubles */
 } svo_positions;
@@ -56,7 +56,6 @@ typedef struct svo_tree_info {
     double origin[3]; /**< minimum corner of the grid, world coordinates */
     double edge; /**< width of the grid, world units; nodes.h explains it */
     double scale; /**< grid units per world unit */
-    double snap_error; /**< world: of svo_plan_info */
     uint64_t triangles; /**< of the mesh */
     uint64_t refused_triangles; /**< of those, not usable: see svo_plan_info */
     uint64_t fragments; /**< (voxel, triangle) pairs */

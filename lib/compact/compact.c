@@ -228,7 +228,6 @@ static svo_status describe(svo_device *device, const svo_compact_info *info, svo
                            .origin = {info->origin[0], info->origin[1], info->origin[2]},
                            .edge = info->edge,
                            .scale = info->scale,
-                           .snap_error = info->snap_error,
                            .triangles = info->triangles,
                            .refused_triangles = info->refused_triangles,
                            .fragments = info->fragments};

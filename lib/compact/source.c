@@ -28,7 +28,6 @@ void svo_i_source_describe(const svo_tree_info *tree, const svo_compact_options 
                               .origin = {tree->origin[0], tree->origin[1], tree->origin[2]},
                               .edge = tree->edge,
                               .scale = tree->scale,
-                              .snap_error = tree->snap_error,
                               .triangles = tree->triangles,
                               .refused_triangles = tree->refused_triangles,
                               .fragments = tree->fragments};

@@ -24,7 +24,6 @@ static void fill_header(const svo_compact_info *info, file_header *header)
     memcpy(header->origin, info->origin, sizeof header->origin);
     header->edge = info->edge;
     header->scale = info->scale;
-    header->snap_error = info->snap_error;
     header->triangles = info->triangles;
     header->refused_triangles = info->refused_triangles;
     header->fragments = info->fragments;
@@ -103,7 +102,6 @@ static void fill_info(const file_header *header, const file_counts *counts, svo_
                                .origin = {header->origin[0], header->origin[1], header->origin[2]},
                                .edge = header->edge,
                                .scale = header->scale,
-                               .snap_error = header->snap_error,
                                .triangles = header->triangles,
                                .refused_triangles = header->refused_triangles,
                                .fragments = header->fragments,

@@ -52,7 +52,7 @@ typedef struct file_header {
     double origin[3];
     double edge;
     double scale;
-    double snap_error;
+    uint64_t reserved; /* 0; any value in files that svocl wrote before */
     uint64_t triangles;
     uint64_t refused_triangles;
     uint64_t fragments;

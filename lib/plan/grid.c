@@ -5,7 +5,6 @@
  * Vertices are rounded to odd (kernels/shared/snap.clh), so that they keep their sides of all planes between voxels:
  * what follows from the voxels of a triangle's corners is exact. The overlap test knows by how much they may be off.
  */
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -154,8 +153,7 @@ svo_status svo_i_plan_make_grid(svo_plan *plan, const svo_i_bounds *bounds)
     return SVO_OK;
 }
 
-/* Snaps the used vertices. snap_error is the largest error of those within SVO_UNITS_MAX. Those of a part are snapped
-   to the whole grid, and then count from the part's corner. */
+/* Snaps the used vertices. Those of a part are snapped to the whole grid, and then count from the part's corner. */
 static void snap_vertices(svo_plan *plan, const svo_mesh *mesh, const uint8_t *flags)
 {
     const bool is_part = svo_i_plan_is_part(plan);
@@ -163,21 +161,13 @@ static void snap_vertices(svo_plan *plan, const svo_mesh *mesh, const uint8_t *f
     const double *origin = is_part ? header->origin : plan->info.origin;
     const svo_snap snap = is_part ? svo_make_snap(header->scale, header->edge, (int32_t)header->snap_bits)
                                   : svo_make_snap(plan->info.scale, plan->info.edge, (int32_t)plan->info.snap_bits);
-    double largest = 0.0;
     for (size_t v = 0; v < mesh->vertex_count; ++v) {
         for (unsigned axis = 0; axis < 3 && (flags[v] & VERTEX_USED) != 0; ++axis) {
             const double x = coordinate(mesh, v, axis);
             const int32_t q = svo_snap_coordinate(&snap, x, origin[axis]);
-            plan->vertices[v * 3 + axis] = q;
-            if (abs(q) < SVO_UNITS_FAR) {
-                plan->vertices[v * 3 + axis] -= plan->part.corner[axis];
-                /* On grids near the largest double, converting back may overflow. */
-                const double error = fmin(fabs((double)q / snap.scale + origin[axis] - x), DBL_MAX);
-                largest = error > largest ? error : largest;
-            }
+            plan->vertices[v * 3 + axis] = abs(q) < SVO_UNITS_FAR ? q - plan->part.corner[axis] : q;
         }
     }
-    plan->info.snap_error = largest;
 }
 
 /* The position of a snapped triangle in the grid. */
@@ -515,7 +505,6 @@ static void take_counts(svo_plan *plan)
         plan->info.triangles = header->triangles;
         plan->info.refused_triangles = header->refused_triangles;
         plan->info.outside_triangles = header->triangles - header->refused_triangles - header->kept_triangles;
-        plan->info.snap_error = header->snap_error;
         plan->work.both_sides = (header->flags & SVO_PART_BOTH_SIDES) != 0;
     }
 }
@@ -552,7 +541,7 @@ svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh)
     SVO_I_TRY_CLEANUP(keep_triangles(plan, mesh, flags, keys));
     if ((plan->options.need & SVO_NEED_PROJECTED_AREA) != 0 && !svo_i_plan_is_part(plan)) {
         bool closed = false;
-        SVO_I_TRY_CLEANUP(svo_i_plan_is_closed(plan, &closed));
+        SVO_I_TRY_CLEANUP(svo_i_plan_is_closed(plan, mesh, &closed));
         plan->work.both_sides = !closed;
     }
     clear_unused_vertices(plan, flags);

@@ -304,7 +304,7 @@ static void set_mesh(classifier *c)
 {
     const svo_tree *tree = c->tree;
     c->positions = tree->buffers[SVO_TREE_VERTICES];
-    if (tree->info.is_exact == 0 || tree->info.positions == SVO_POSITIONS_SNAPPED) {
+    if (tree->info.is_exact == 0 || tree->info.positions == SVO_POSITIONS_ROUNDED) {
         return;
     }
     c->params.rounded_to_odd = 1;

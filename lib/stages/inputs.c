@@ -138,7 +138,7 @@ static svo_status take_positions(svo_i_build *build)
     const svo_plan *plan = build->commands.plan;
     svo_tree *tree = build->tree;
     cl_mem positions = NULL;
-    tree->info.positions = SVO_POSITIONS_SNAPPED;
+    tree->info.positions = SVO_POSITIONS_ROUNDED;
     if (!svo_i_plan_stores_positions(plan)) {
         return SVO_OK;
     }

@@ -242,12 +242,12 @@ static void test_older_files_give_the_same_trees(void **unused)
                 svo_tree_destroy(&upper);
             }
             svo_tree *all = load_levels(SMALL_TREE_DEPTH);
-            if (version == 1 && tree->info.positions != SVO_POSITIONS_SNAPPED) {
-                assert_int_equal(all->info.positions, SVO_POSITIONS_SNAPPED);
+            if (version == 1 && tree->info.positions != SVO_POSITIONS_ROUNDED) {
+                assert_int_equal(all->info.positions, SVO_POSITIONS_ROUNDED);
                 assert_null(all->host[SVO_TREE_POSITIONS]);
                 svo_i_free(tree->host[SVO_TREE_POSITIONS]);
                 tree->host[SVO_TREE_POSITIONS] = NULL;
-                tree->info.positions = SVO_POSITIONS_SNAPPED;
+                tree->info.positions = SVO_POSITIONS_ROUNDED;
             }
             assert_same_tree(tree, all);
             svo_tree_destroy(&all);

@@ -46,7 +46,7 @@ void payload_pair_normal(const int32_t *const corners[3], int64_t normal[3])
 
 /* An edge between two positions, the lesser first; sign: 1 for this direction, -1 for the other. */
 typedef struct edge {
-    int32_t ends[2][3];
+    double ends[2][3];
     int sign;
 } edge;
 
@@ -55,14 +55,19 @@ static int compare_edges(const void *a, const void *b)
     return memcmp(((const edge *)a)->ends, ((const edge *)b)->ends, sizeof((const edge *)a)->ends);
 }
 
-static edge edge_between(const int32_t *from, const int32_t *to)
+static edge edge_between(const exact *expected, uint32_t from, uint32_t to)
 {
-    edge made;
-    const bool ascends = memcmp(from, to, sizeof made.ends[0]) < 0;
-    memset(&made, 0, sizeof made);
-    memcpy(made.ends[ascends ? 0 : 1], from, sizeof made.ends[0]);
-    memcpy(made.ends[ascends ? 1 : 0], to, sizeof made.ends[0]);
-    made.sign = ascends ? 1 : -1;
+    edge made = {.sign = 1};
+    for (size_t axis = 0; axis < 3; ++axis) { /* + 0.0: -0 equals 0 */
+        made.ends[0][axis] = expected->positions[(size_t)from * 3 + axis] + 0.0;
+        made.ends[1][axis] = expected->positions[(size_t)to * 3 + axis] + 0.0;
+    }
+    if (memcmp(made.ends[0], made.ends[1], sizeof made.ends[0]) > 0) {
+        const edge turned = made;
+        memcpy(made.ends[0], turned.ends[1], sizeof made.ends[0]);
+        memcpy(made.ends[1], turned.ends[0], sizeof made.ends[1]);
+        made.sign = -1;
+    }
     return made;
 }
 
@@ -73,9 +78,7 @@ bool payload_mesh_is_open(const exact *expected)
     bool is_open = false;
     assert_non_null(edges);
     for (size_t i = 0; i < count; ++i) {
-        const size_t next = i % 3 < 2 ? i + 1 : i - 2;
-        edges[i] = edge_between(expected->vertices + (size_t)expected->indices[i] * 3,
-                                expected->vertices + (size_t)expected->indices[next] * 3);
+        edges[i] = edge_between(expected, expected->indices[i], expected->indices[i % 3 < 2 ? i + 1 : i - 2]);
     }
     qsort(edges, count, sizeof *edges, compare_edges);
     for (size_t begin = 0, end = 0; begin < count; begin = end) {
