@@ -94,6 +94,9 @@ svo_status svo_i_grid_alloc(svo_i_grid_run *r)
     SVO_I_TRY(
         svo_i_work_result(r->work, "plan_partials", (uint64_t)groups * SVO_PLAN_SUMS * sizeof(cl_ulong), &r->partials));
     SVO_I_TRY(svo_i_work_result(r->work, "plan_vertices", vertices * 12, &r->plan->memory.vertices));
+    if (svo_i_plan_asks_payload(r->plan)) {
+        SVO_I_TRY(svo_i_work_result(r->work, "plan_remainders", vertices * 8, &r->plan->memory.remainders));
+    }
     return (r->plan->options.need & SVO_NEED_PROJECTED_AREA) == 0
                ? SVO_OK
                : svo_i_work_result(r->work, "plan_edges", (uint64_t)run_groups(triangles) * sizeof(svo_i_edge_sums),
@@ -145,7 +148,8 @@ static svo_status fit(svo_i_grid_run *r)
 static svo_status snap(svo_i_grid_run *r)
 {
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->mesh->positions), SVO_I_ARGUMENT(r->used),
-                                        SVO_I_ARGUMENT(r->plan->memory.vertices), SVO_I_ARGUMENT(r->params)};
+                                        SVO_I_ARGUMENT(r->plan->memory.vertices),
+                                        SVO_I_ARGUMENT(r->plan->memory.remainders), SVO_I_ARGUMENT(r->params)};
     return svo_i_work_launch(r->work, "svo_k_plan_snap", SVO_I_ARGUMENTS(arguments), run_items(r->params.vertex_count));
 }
 
@@ -382,6 +386,7 @@ static svo_status launch_records(svo_i_device_work *work, const svo_plan *plan, 
     const svo_plan_params params = {.vertex_count = plan->vertex_count,
                                     .triangle_count = plan->triangle_count,
                                     .flags = SVO_PLAN_TEXTURED,
+                                    .voxel_log2 = plan->voxel_log2,
                                     .material_count = plan->material_count};
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(memory->vertices),
                                         SVO_I_ARGUMENT(memory->indices),
@@ -394,7 +399,8 @@ static svo_status launch_records(svo_i_device_work *work, const svo_plan *plan, 
                                         SVO_I_ARGUMENT(memory->records),
                                         SVO_I_ARGUMENT(partials),
                                         SVO_I_ARGUMENT(params),
-                                        SVO_I_LOCAL(SCRATCH_BYTES)};
+                                        SVO_I_LOCAL(SCRATCH_BYTES),
+                                        SVO_I_ARGUMENT(memory->remainders)};
     return svo_i_work_launch(work, "svo_k_plan_records", SVO_I_ARGUMENTS(arguments), run_items(plan->triangle_count));
 }
 

@@ -13,6 +13,7 @@
 #include "plan/closed.h"
 #include "plan/estimate.h"
 #include "plan/grid.h"
+#include "shared/fine.clh"
 #include "shared/snap.clh"
 
 #define VERTEX_FINITE 1u
@@ -153,6 +154,17 @@ svo_status svo_i_plan_make_grid(svo_plan *plan, const svo_i_bounds *bounds)
     return SVO_OK;
 }
 
+/* What a vertex lacks that was snapped to units, an odd one of which differs from it; 2^bits parts to a unit. */
+static uint64_t remainders_of(const svo_snap *snap, const svo_mesh *mesh, size_t vertex, const double origin[3],
+                              const int32_t units[3], int32_t bits)
+{
+    int32_t parts[3];
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        parts[axis] = svo_snap_remainder(snap, coordinate(mesh, vertex, axis), origin[axis], units[axis], bits);
+    }
+    return svo_pack_remainders(parts[0], parts[1], parts[2]);
+}
+
 /* Snaps the used vertices. Those of a part are snapped to the whole grid, and then count from the part's corner. */
 static void snap_vertices(svo_plan *plan, const svo_mesh *mesh, const uint8_t *flags)
 {
@@ -162,10 +174,15 @@ static void snap_vertices(svo_plan *plan, const svo_mesh *mesh, const uint8_t *f
     const svo_snap snap = is_part ? svo_make_snap(header->scale, header->edge, (int32_t)header->snap_bits)
                                   : svo_make_snap(plan->info.scale, plan->info.edge, (int32_t)plan->info.snap_bits);
     for (size_t v = 0; v < mesh->vertex_count; ++v) {
+        int32_t units[3] = {0};
         for (unsigned axis = 0; axis < 3 && (flags[v] & VERTEX_USED) != 0; ++axis) {
             const double x = coordinate(mesh, v, axis);
-            const int32_t q = svo_snap_coordinate(&snap, x, origin[axis]);
+            const int32_t q = units[axis] = svo_snap_coordinate(&snap, x, origin[axis]);
             plan->vertices[v * 3 + axis] = abs(q) < SVO_UNITS_FAR ? q - plan->part.corner[axis] : q;
+        }
+        if (plan->remainders != NULL) {
+            plan->remainders[v] =
+                remainders_of(&snap, mesh, v, origin, units, (int32_t)(SVO_SUB_LOG2 - plan->voxel_log2));
         }
     }
 }
@@ -517,12 +534,15 @@ svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh)
     uint8_t *flags = svo_i_alloc_zeroed(&plan->device->memory, vertices + 1, 1);
     order_key *keys = svo_i_alloc_zeroed(&plan->device->memory, triangles + 1, sizeof *keys);
     plan->vertices = svo_i_alloc_zeroed(&plan->device->memory, vertices * 3 + 1, sizeof(int32_t));
+    const bool is_fine = svo_i_plan_asks_payload(plan);
+    plan->remainders = is_fine ? svo_i_alloc(&plan->device->memory, (vertices + 1) * sizeof(uint64_t)) : NULL;
     plan->indices = svo_i_alloc_zeroed(&plan->device->memory, triangles * 3 + 1, sizeof(uint32_t));
     plan->triangle_ids = svo_i_alloc(&plan->device->memory, (triangles + 1) * sizeof(uint32_t));
     plan->items = svo_i_alloc(&plan->device->memory, (triangles + 1) * sizeof(svo_draw_item));
     plan->item_fragments = svo_i_alloc(&plan->device->memory, (triangles + 1) * sizeof(float));
     if (flags == NULL || keys == NULL || plan->vertices == NULL || plan->indices == NULL ||
-        plan->triangle_ids == NULL || plan->items == NULL || plan->item_fragments == NULL) {
+        plan->triangle_ids == NULL || plan->items == NULL || plan->item_fragments == NULL ||
+        (is_fine && plan->remainders == NULL)) {
         status =
             svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY,
                               "svo_plan_create: no memory for %zu vertices and %zu triangles", vertices, triangles);

@@ -205,6 +205,10 @@ svo_status svo_i_surface_upload(svo_i_build *build)
     const uint64_t vertices = plan->vertex_count;
     svo_i_stage_begin(&build->commands);
     SVO_I_TRY(get_geometry(build, out));
+    if (plan->work.positions) {
+        SVO_I_TRY(upload(build, "vertex_remainders", plan->remainders, plan->memory.remainders, vertices * 8,
+                         &out->remainders));
+    }
     SVO_I_TRY(upload(build, "records", plan->records, plan->memory.records,
                      (uint64_t)plan->triangle_count * sizeof(svo_triangle_record), &out->records));
     SVO_I_TRY(upload(build, "vertex_colors", plan->colors, plan->memory.colors, vertices * 4, &out->colors));
@@ -219,8 +223,8 @@ svo_status svo_i_surface_upload(svo_i_build *build)
 void svo_i_surface_free(svo_i_build *build)
 {
     svo_i_surface *surface = &build->surface;
-    cl_mem *buffers[] = {&surface->records, &surface->colors,    &surface->normals,
-                         &surface->uvs,     &surface->materials, &surface->texels};
+    cl_mem *buffers[] = {&surface->remainders, &surface->records,   &surface->colors, &surface->normals,
+                         &surface->uvs,        &surface->materials, &surface->texels};
     for (unsigned i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
         svo_i_commands_free(&build->commands, buffers[i]);
     }

@@ -220,7 +220,7 @@ static void each_payload(void **state)
 static void projected_areas(void **state)
 {
     (void)state;
-    static const char *const buffers[] = {"areas", "records", "vertices", "heads"};
+    static const char *const buffers[] = {"areas", "records", "vertices", "vertex_remainders", "heads"};
     sheet_mesh sheet;
     measured less;
     measured full;

@@ -192,6 +192,7 @@ static const struct {
     {"triangle_ids", SVO_NEED_RAYS},
     {"positions", SVO_NEED_RAYS},
     {"vertices", SVO_NEED_ALL},
+    {"vertex_remainders", SVO_NEED_ALL & ~(uint32_t)SVO_NEED_RAYS},
     {"indices", SVO_NEED_ALL},
     {"cursors", SVO_NEED_ALL},
     {"heads", SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_FILL | SVO_NEED_PROJECTED_AREA},

@@ -94,22 +94,23 @@ static void faces_of_a_cube(void **state)
     parts_free(&made);
 }
 
-/* The area of the snapped triangles that face each of the six rays, or of all for each, in faces of a voxel. */
-static void project(const exact *expected, bool both_sides, double voxel_units, double seen[6])
+/* The area of the triangles that face each of the six rays, or of all for each, in faces of a voxel. */
+static void project(const exact *expected, bool both_sides, double seen[6])
 {
     memset(seen, 0, 6 * sizeof *seen);
     for (size_t t = 0; t < expected->triangle_count; ++t) {
-        const int32_t *corners[3];
-        int64_t normal[3];
-        for (unsigned corner = 0; corner < 3; ++corner) {
-            corners[corner] = expected->vertices + (size_t)expected->indices[t * 3 + corner] * 3;
+        double edges[2][3];
+        for (unsigned i = 0; i < 6; ++i) {
+            const int64_t *from = expected->fine + (size_t)expected->indices[t * 3] * 3;
+            const int64_t *to = expected->fine + (size_t)expected->indices[t * 3 + 1 + i / 3] * 3;
+            edges[i / 3][i % 3] = (double)(to[i % 3] - from[i % 3]) / (double)PAYLOAD_WIDTH;
         }
-        payload_pair_normal(corners, normal);
         for (unsigned k = 0; k < 6; ++k) {
-            const unsigned axis = k / 2;
-            const double n = (double)normal[axis];
+            const unsigned u = (k / 2 + 1) % 3;
+            const unsigned v = (k / 2 + 2) % 3;
+            const double n = edges[0][u] * edges[1][v] - edges[0][v] * edges[1][u];
             if (both_sides || (k % 2 == 0 ? n < 0.0 : n > 0.0)) {
-                seen[k] += fabs(n) / 2.0 / (voxel_units * voxel_units);
+                seen[k] += fabs(n) / 2.0;
             }
         }
     }
@@ -125,7 +126,7 @@ static void check_sums(const fixture *opened, const svo_mesh *mesh, unsigned dep
     double seen[6];
     fixture_build(opened, mesh, depth, options, &tree);
     exact_create(mesh, depth, options, &expected);
-    project(&expected, both_sides, (double)(1u << (20 - depth)), seen);
+    project(&expected, both_sides, seen);
     sum_leaves(&tree, sums);
     for (unsigned k = 0; k < 6; ++k) {
         assert_near(names[k], sums[k], seen[k], most_rounding(&tree));

@@ -15,33 +15,44 @@ int64_t payload_remainder(int64_t value, int64_t period)
     return (value % period + period) % period;
 }
 
-/* Twice the signed area of the triangle (point, p, q) seen along axis. */
-int64_t payload_area_seen(const int64_t point[3], const int32_t p[3], const int32_t q[3], unsigned axis)
+unsigned payload_halve(int64_t *numbers, unsigned count, unsigned bits)
 {
-    const unsigned u = (axis + 1) % 3;
-    const unsigned v = (axis + 2) % 3;
-    return (p[u] - point[u]) * (q[v] - point[v]) - (p[v] - point[v]) * (q[u] - point[u]);
+    int64_t largest = 0;
+    unsigned halvings = 0;
+    for (unsigned i = 0; i < count; ++i) {
+        largest = llabs(numbers[i]) > largest ? llabs(numbers[i]) : largest;
+    }
+    for (; largest >= INT64_C(1) << bits; largest /= 2) {
+        ++halvings;
+        for (unsigned i = 0; i < count; ++i) {
+            numbers[i] = (numbers[i] - payload_remainder(numbers[i], 2)) / 2;
+        }
+    }
+    return halvings;
+}
+
+void payload_pair_normal(const int64_t corners[3][3], int64_t normal[3])
+{
+    int64_t edges[6];
+    for (unsigned i = 0; i < 6; ++i) {
+        edges[i] = corners[1 + i / 3][i % 3] - corners[0][i % 3];
+    }
+    (void)payload_halve(edges, 6, 30);
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        const unsigned u = (axis + 1) % 3;
+        const unsigned v = (axis + 2) % 3;
+        normal[axis] = edges[u] * edges[3 + v] - edges[v] * edges[3 + u];
+    }
 }
 
 /* The axis along which the triangle's projection is largest; the first of equal ones. */
-unsigned payload_pair_axis(const int32_t *const corners[3])
+unsigned payload_pair_axis(const int64_t corners[3][3])
 {
-    const int64_t first[3] = {corners[0][0], corners[0][1], corners[0][2]};
-    int64_t areas[3];
-    for (unsigned axis = 0; axis < 3; ++axis) {
-        areas[axis] = llabs(payload_area_seen(first, corners[1], corners[2], axis));
-    }
+    int64_t normal[3];
+    payload_pair_normal(corners, normal);
     unsigned best = 0;
-    best = areas[1] > areas[best] ? 1 : best;
-    return areas[2] > areas[best] ? 2 : best;
-}
-
-void payload_pair_normal(const int32_t *const corners[3], int64_t normal[3])
-{
-    const int64_t first[3] = {corners[0][0], corners[0][1], corners[0][2]};
-    for (unsigned axis = 0; axis < 3; ++axis) {
-        normal[axis] = payload_area_seen(first, corners[1], corners[2], axis);
-    }
+    best = llabs(normal[1]) > llabs(normal[best]) ? 1 : best;
+    return llabs(normal[2]) > llabs(normal[best]) ? 2 : best;
 }
 
 /* An edge between two positions, the lesser first; sign: 1 for this direction, -1 for the other. */
@@ -136,9 +147,12 @@ void payload_pair_open(const exact *expected, const oracle_pair *pair, payload_p
         const size_t half = (low + high) / 2;
         *(expected->triangle_ids[half] <= pair->triangle ? &low : &high) = half;
     }
+    oracle_voxel_box(pair->code, expected->tree.depth, expected->grid.snap_bits, &out->box);
     for (unsigned corner = 0; corner < 3; ++corner) {
         out->indices[corner] = expected->indices[low * 3 + corner];
-        out->corners[corner] = expected->vertices + (size_t)out->indices[corner] * 3;
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            out->corners[corner][axis] = expected->fine[(size_t)out->indices[corner] * 3 + axis] -
+                                         out->box.corner[axis] / out->box.width * PAYLOAD_WIDTH;
+        }
     }
-    oracle_voxel_box(pair->code, expected->tree.depth, expected->grid.snap_bits, &out->box);
 }
