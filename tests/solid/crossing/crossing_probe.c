@@ -54,6 +54,6 @@ void crossing_snap(const crossing_pair *pair, int snap_bits, int32_t corners[9],
 
 int crossing_sign(const int64_t a[3], const int32_t b[3])
 {
-    return svo_sign_of_sum(svo_dot(a, b), 0);
+    return svo_sign_of_words(svo_dot(a, b), 0);
 }
 #endif
