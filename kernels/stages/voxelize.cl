@@ -60,6 +60,7 @@ typedef struct svo_placed {
     svo_point first; /* its first voxel */
     svo_point last; /* its last voxel, from the first */
     int voxel_log2; /* of the units of a voxel */
+    svo_plane normal;
     svo_slope slope; /* by the grid's units */
     uint axis;
     uint triangle;
@@ -107,11 +108,14 @@ SVO_FUNCTION svo_placed svo_place(__global const int *vertices, __global const u
     r.a = svo_turn(a - corner, r.axis);
     r.b = svo_turn(b - corner, r.axis);
     r.c = svo_turn(c - corner, r.axis);
-    const svo_plane plane = svo_normal(r.a, r.b, r.c);
-    r.slope = svo_slope_of(plane.nu, plane.nv, plane.nt);
-    r.a = svo_coarse_point(r.a, dropped);
-    r.b = svo_coarse_point(r.b, dropped);
-    r.c = svo_coarse_point(r.c, dropped);
+    r.normal = svo_normal(r.a, r.b, r.c);
+    r.slope = svo_slope_of(r.normal.nu, r.normal.nv, r.normal.nt);
+    if (dropped != 0) {
+        r.a = svo_coarse_point(r.a, dropped);
+        r.b = svo_coarse_point(r.b, dropped);
+        r.c = svo_coarse_point(r.c, dropped);
+        r.normal = svo_normal(r.a, r.b, r.c);
+    }
     r.first = svo_turn(first, r.axis);
     r.last = svo_turn(last, r.axis);
     return r;
@@ -404,9 +408,8 @@ SVO_FUNCTION void svo_push_columns(const svo_column_test *test, const svo_placed
 /* Pushes the fragments of a window of at most SVO_TILE_COLUMNS columns, row after row, eight columns at a time. */
 SVO_FUNCTION void svo_push_window(svo_placed placed, svo_window window, svo_voxelize_params params, svo_stage *stage)
 {
-    const svo_column_test test =
-        svo_make_column_test(placed.a, placed.b, placed.c, placed.slope, (uint)placed.voxel_log2, (uint)placed.last.t,
-                             (int)params.open, svo_reach_of(placed));
+    const svo_column_test test = svo_make_column_test(placed.a, placed.b, placed.c, placed.normal, placed.slope,
+                                                      placed.voxel_log2, (uint)placed.last.t, (int)params.open);
     const uint width = (uint)(window.end_u - window.u);
     const uint count = width * (uint)(window.end_v - window.v);
     const uint rows = 65536u / width + 1u; /* i * rows >> 16 is i / width for i below SVO_TILE_COLUMNS */
