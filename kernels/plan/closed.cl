@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Whether a mesh is closed: the edges of its accepted triangles cancel. An edge is two positions as the mesh has them;
- * it counts 1 in one direction and -1 in the other. Instead of the counts, their products with 128-bit hashes of the edges are
- * summed, modulo 2^128 in two halves. A closed mesh gives zero; another one does not, up to a chance of 2^-128
- * (Carter and Wegman, "Universal classes of hash functions", 1979). lib/plan/closed.c counts edge by edge on the host.
+ * it counts 1 in one direction and -1 in the other. Instead of the counts, their products with 128-bit hashes of the
+ * edges are summed, modulo 2^128 in two halves. A closed mesh gives zero; another one does not, up to a chance of
+ * 2^-128 (Carter and Wegman, "Universal classes of hash functions", 1979). lib/plan/closed.c counts edge by edge on the
+ * host.
  *
  * Launch: one work-item per SVO_PLAN_RUN triangles, in whole groups. Writes a row of two sums per group. No atomics.
  */

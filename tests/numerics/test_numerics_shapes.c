@@ -333,8 +333,8 @@ static void t8_an_extent_beyond_doubles_is_refused(void **state)
  * T9 depths.
  */
 
-/* Needles of up to a thousand voxels, and triangles of a few voxels at the depth, of some dozens, and of a hundred, whose
-   units are the coarsest. */
+/* Needles of up to a thousand voxels, and triangles of a few voxels at the depth, of some dozens, and of a hundred,
+   whose units are the coarsest. */
 static void make_for_depth(uint64_t seed, unsigned depth, owned_mesh *out)
 {
     enum { COUNT = 60, NEEDLES = 6 };

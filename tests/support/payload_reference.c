@@ -58,8 +58,8 @@ static int64_t area_from(const int64_t p[2], const int64_t q[2])
     return p[0] * q[1] - p[1] * q[0];
 }
 
-/* The areas between a point, in sub-units, and the edge opposite each corner; none is negative, all are 0 for a triangle
-   without area. Distances from the point have 30 bits. */
+/* The areas between a point, in sub-units, and the edge opposite each corner; none is negative, all are 0 for a
+   triangle without area. Distances from the point have 30 bits. */
 static void corner_parts(const payload_pair *pair, unsigned axis, int64_t u, int64_t v, int64_t parts[3])
 {
     int64_t from[6];

@@ -360,8 +360,8 @@ def read_mesh(
             names, and of the texels of its textures.
         strict: what would be a warning is an error.
         axes: Axes.Z_UP: z is up in the file, so that it is turned. Else it is as the file says.
-        weld: a distance in the mesh's units, 0 or more. A vertex that lies no farther than this from an earlier one that
-            stayed gets the position of the first of these, so that cracks close. 0: positions stay as they are.
+        weld: a distance in the mesh's units, 0 or more. A vertex that lies no farther than this from an earlier one
+            that stayed gets the position of the first of these, so that cracks close. 0: positions stay as they are.
 
     Raises:
         InvalidArgumentError: weld is negative or not finite.

@@ -73,7 +73,7 @@ double oracle_part(const double triangle[3][3], double width, double centroid[3]
     return area / (width * width);
 }
 
-/* Twice the signed area of the triangle (at, p, q) seen along axis. The barycentric weights of slivers need its sign. */
+/* Twice the signed area of the triangle (at, p, q) seen along axis. Barycentric weights of slivers need its sign. */
 static long double area_seen(const double at[3], const double p[3], const double q[3], unsigned axis)
 {
     const unsigned u = (axis + 1) % 3;
