@@ -134,6 +134,9 @@ typedef struct svo_compact_info {
     uint64_t bytes[SVO_COMPACT_BUFFER_COUNT]; /**< of each array; 0: not held */
     uint64_t total_bytes; /**< of all arrays */
     uint32_t bounds; /**< svo_compact_plan: bit b is set where bytes[b] is an upper bound; else 0 */
+    /** Not 0: voxels are those of the mesh, or the voxels, as given. 0: the tree or the compact tree is from a file of
+     *  an older version, and they are those of the mesh as it was rounded; as in svo_tree_info. */
+    uint32_t is_exact;
 } svo_compact_info;
 
 /** An empty output. */

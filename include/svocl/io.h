@@ -62,10 +62,11 @@
  * empty tree's root (1). Version 1 has, besides, no positions. Trees of such files, and files that are made of those,
  * are without them: rays meet the rounded mesh (svo_tree_info.positions).
  *
- * Files of compact trees (compact.h), version 1, differ in this: the magic is 89 53 56 43 0D 0A 1A 0A
- * ("\x89SVC\r\n\x1a\n"). need has payload alone. level_begin counts inner nodes: level l has level_begin[l + 1] -
- * level_begin[l] of them, level depth none. The kind of a chunk is a svo_compact_buffer, in ascending order, where the
- * array is held, and its level is 0. Before them there is one chunk of kind 64:
+ * Files of compact trees (compact.h) differ in this: the magic is 89 53 56 43 0D 0A 1A 0A ("\x89SVC\r\n\x1a\n"). The
+ * version is 2, or 1 where svo_compact_info.is_exact is 0, as it is for all files that svocl wrote before; the layout
+ * is the same. need has payload alone. level_begin counts inner nodes: level l has level_begin[l + 1] - level_begin[l]
+ * of them, level depth none. The kind of a chunk is a svo_compact_buffer, in ascending order, where the array is held,
+ * and its level is 0. Before them there is one chunk of kind 64:
  *
  *     offset bytes
  *     0      4     u32 form: svo_form

@@ -67,8 +67,9 @@ typedef struct svo_tree_info {
     uint64_t list_triangle_count; /**< accepted triangles kept for rays */
     uint32_t level_begin[SVO_LEVELS_MAX]; /**< level l has the nodes level_begin[l] .. level_begin[l + 1] - 1 */
     uint32_t positions; /**< svo_positions: which mesh rays meet */
-    /** Not 0: voxels and lists are those of the mesh as it was given. 0: the tree is from a file of a version before 4,
-     *  and they are those of svo_tree_arrays.vertices, to which the mesh was rounded. */
+    /** Not 0: voxels and lists are those of the mesh, or the voxels, as given. 0: the tree is from a file of a version
+     *  before 4, or from a compact tree's of version 1, and they are those of svo_tree_arrays.vertices, to which the
+     *  mesh was rounded. */
     uint32_t is_exact;
     uint64_t ray_bytes; /**< device memory of the BVH; 0 while there is none */
 } svo_tree_info;

@@ -367,6 +367,25 @@ static void expect_word_refused(uint8_t *bytes, size_t byte_count, size_t offset
     free(copy);
 }
 
+/* The version says whether voxels are those of the mesh as it was given. */
+static void test_exactness_is_kept(void **unused)
+{
+    (void)unused;
+    for (uint32_t is_exact = 0; is_exact < 2; ++is_exact) {
+        svo_tree *tree = small_tree(NEED_WITHOUT_RAYS);
+        svo_tree *loaded = NULL;
+        size_t byte_count = 0;
+        tree->info.is_exact = is_exact;
+        uint8_t *bytes = save_to_memory(tree, 0, &byte_count);
+        assert_int_equal(bytes[8], 3 + is_exact);
+        assert_int_equal(svo_tree_load(svo_from_memory(bytes, byte_count, "file"), NULL, &loaded, NULL), SVO_OK);
+        assert_int_equal(loaded->info.is_exact, is_exact);
+        free(bytes);
+        svo_tree_destroy(&loaded);
+        svo_tree_destroy(&tree);
+    }
+}
+
 static void test_broken_headers_are_named(void **unused)
 {
     (void)unused;
@@ -806,6 +825,7 @@ TEST_GROUP(file)
         cmocka_unit_test(test_trees_have_a_limit_of_voxels),
         cmocka_unit_test(test_foreign_files_are_named),
         cmocka_unit_test(test_files_that_cannot_be_read),
+        cmocka_unit_test(test_exactness_is_kept),
         cmocka_unit_test(test_broken_headers_are_named),
         cmocka_unit_test(test_reserved_bytes_are_not_read),
         cmocka_unit_test(test_a_chunk_cannot_promise_more_than_it_holds),

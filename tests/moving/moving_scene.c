@@ -99,6 +99,7 @@ outcome outcome_of(const fixture *opened, svo_tree *tree)
     succeed(opened, svo_tree_download(tree, opened->queue));
     succeed(opened, svo_tree_hash(tree, SVO_HASH_ALL, found.hash));
     succeed(opened, svo_tree_get_info(tree, &found.info));
+    assert_int_equal(found.info.is_exact, 1);
     succeed(opened, svo_tree_get_arrays(tree, &found.arrays));
     return found;
 }

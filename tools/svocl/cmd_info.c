@@ -25,6 +25,12 @@ static const char *mesh_of_rays(const svo_tree_info *info)
                                                     : "the input, in doubles";
 }
 
+/* Which mesh, or list of voxels, the tree's voxels are of. */
+static const char *source_of_voxels(const svo_tree_info *info)
+{
+    return info->is_exact != 0 ? "the input" : "the rounded mesh";
+}
+
 static cJSON *to_json(const program *state, const file_facts *facts)
 {
     const svo_tree_info *info = &facts->info;
@@ -37,6 +43,7 @@ static cJSON *to_json(const program *state, const file_facts *facts)
     json_add_text(document, "coverage", svo_name(SVO_NAME_COVERAGE, (svo_coverage)info->coverage));
     json_add_needs(document, "need", info->need);
     json_add_needs(document, "constant", info->constant);
+    json_add_text(document, "voxels_of", source_of_voxels(info));
     json_add_text(document, "rays_meet", mesh_of_rays(info));
     json_add_text(document, "weights", svo_name(SVO_NAME_WEIGHTS, (svo_weights)info->weights));
     json_add_vector(document, "origin", info->origin);
@@ -79,6 +86,8 @@ static void print_header(const program *state, const file_facts *facts)
                (info->need & SVO_NEED_FILL) != 0 ? ", fills" : "",
                (info->need & SVO_NEED_PROJECTED_AREA) != 0 ? ", projected areas" : "",
                (info->need & SVO_NEED_RAYS) != 0 ? ", leaf lists and triangles" : "");
+    table_cell(rows, "voxels of");
+    table_cell(rows, "%s", source_of_voxels(info));
     if (mesh_of_rays(info) != NULL) {
         table_cell(rows, "rays meet");
         table_cell(rows, "%s", mesh_of_rays(info));
