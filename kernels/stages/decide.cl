@@ -70,6 +70,31 @@ static void svo_count_decided(__global uint *counters, uint capacity, uint end)
 }
 
 /* Sources are read from the first on, and no place is written that has not been read. */
+#ifdef SVO_ONE_WORKER
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_keep_decided(__global uint *all_counters, __global uint *fragments, svo_decide_params params,
+                   __local uint *scratch)
+{
+    __global uint *counters = all_counters + SVO_COUNTER_WORDS * params.counter;
+    (void)scratch;
+    if (get_local_id(0) == 0u) {
+        const uint count = svo_undecided(counters, params.capacity);
+        uint end = counters[0];
+        for (uint i = 0; i < count; ++i) {
+            const size_t at = params.capacity - count + i;
+            const uint triangle = svo_fragment_triangle(fragments, at);
+            if (triangle != SVO_REFUSED) {
+                svo_fragment_store(fragments, end, svo_fragment_code(fragments, at), triangle);
+                ++end;
+            }
+        }
+        svo_count_decided(counters, params.capacity, end);
+    }
+}
+
+#else
+
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_keep_decided(__global uint *all_counters, __global uint *fragments, svo_decide_params params,
                    __local uint *scratch)
@@ -78,18 +103,6 @@ svo_k_keep_decided(__global uint *all_counters, __global uint *fragments, svo_de
     const uint item = (uint)get_local_id(0);
     const uint count = svo_undecided(counters, params.capacity);
     uint end = counters[0];
-#ifdef SVO_ONE_WORKER
-    (void)scratch;
-    for (uint i = 0; i < (item == 0u ? count : 0u); ++i) {
-        const size_t at = params.capacity - count + i;
-        const svo_code code = svo_fragment_code(fragments, at);
-        const uint triangle = svo_fragment_triangle(fragments, at);
-        if (triangle != SVO_REFUSED) {
-            svo_fragment_store(fragments, end, code, triangle);
-            ++end;
-        }
-    }
-#else
     for (uint first = 0; first < count; first += SVO_GROUP_ITEMS) {
         const size_t at = params.capacity - count + min(first + item, count - 1u);
         const svo_code code = svo_fragment_code(fragments, at);
@@ -105,8 +118,9 @@ svo_k_keep_decided(__global uint *all_counters, __global uint *fragments, svo_de
         barrier(CLK_GLOBAL_MEM_FENCE);
     }
     barrier(CLK_GLOBAL_MEM_FENCE); /* all have read the counters */
-#endif
     if (item == 0u) {
         svo_count_decided(counters, params.capacity, end);
     }
 }
+
+#endif
