@@ -94,6 +94,18 @@ svo_status svo_i_compute_read(svo_i_compute *compute, GLuint buffer, void *to, s
     return check(compute, "reading a buffer");
 }
 
+svo_status svo_i_compute_copy(svo_i_compute *compute, GLuint from, GLuint to, uint64_t offset, uint64_t bytes)
+{
+    const svo_i_gl_functions *gl = compute->gl;
+    gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    gl->BindBuffer(WORK_TARGET, from);
+    gl->BindBuffer(GL_COPY_WRITE_BUFFER, to);
+    gl->CopyBufferSubData(WORK_TARGET, GL_COPY_WRITE_BUFFER, 0, (GLintptr)offset, (GLsizeiptr)bytes);
+    gl->BindBuffer(GL_COPY_WRITE_BUFFER, 0);
+    gl->BindBuffer(WORK_TARGET, 0);
+    return check(compute, "copying a buffer");
+}
+
 /* Expects the buffer bound to WORK_TARGET. */
 static svo_status copy_bound_to_cl(svo_i_compute *compute, svo_i_build *build, const char *name, uint64_t offset,
                                    uint64_t bytes, cl_mem *out)
@@ -134,6 +146,7 @@ svo_status svo_i_compute_to_cl(svo_i_compute *compute, svo_i_build *build, GLuin
 extern const char svo_i_source_compute_common[];
 extern const char svo_i_source_compute_fragment[];
 extern const char svo_i_source_compute_attribute[];
+extern const char svo_i_source_compute_decide[];
 extern const char svo_i_source_compute_subdivide[];
 extern const char svo_i_source_compute_scan[];
 extern const char svo_i_source_compute_link[];
@@ -162,6 +175,7 @@ typedef struct entry_shape {
 /* The needs that require each leaf's range of entries. */
 #define RANGES ((uint32_t)SVO_NEED_RAYS | (uint32_t)SVO_NEED_MATERIAL)
 
+#define DECIDE    svo_i_source_compute_decide
 #define SUBDIVIDE svo_i_source_compute_subdivide
 #define SCAN      svo_i_source_compute_scan
 #define LINK      svo_i_source_compute_link
@@ -171,6 +185,7 @@ typedef struct entry_shape {
 #define MATERIAL  svo_i_source_compute_material
 
 static const entry_shape shapes[SVO_I_ENTRIES] = {
+    {"SVO_K_DECIDE", DECIDE, BASE_FRAGMENT, false, false, 0, false},
     {"SVO_K_MARK", SUBDIVIDE, BASE_FRAGMENT, false, true, 0, false},
     {"SVO_K_DESCEND", SUBDIVIDE, BASE_FRAGMENT, false, true, 0, false},
     {"SVO_K_SCAN_MASKS_REDUCE", SCAN, BASE_COMMON, false, true, 0, false},
@@ -533,7 +548,8 @@ void svo_i_compute_reason(const svo_gl_context *context, bool no_int64, uint32_t
 {
     const svo_i_gl_functions *gl = svo_i_gl_context_functions(context);
     const bool payload = (need & SVO_I_NEED_PAYLOAD) != 0;
-    /* Among the entry points without payload, SVO_I_ENTRY_SORT_LONG has the most blocks: its five and exhausted. */
+    /* Among the entry points without payload, two have the most blocks: SVO_I_ENTRY_DECIDE six, and
+       SVO_I_ENTRY_SORT_LONG five and exhausted. */
     const int blocks = payload ? SVO_I_COMPUTE_BINDINGS : 6;
     reason[0] = '\0';
     if (gl->limits.compute_group_invocations < SVO_GROUP_ITEMS) {

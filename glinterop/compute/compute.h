@@ -6,6 +6,7 @@
  * The files of this room:
  *
  *   compute  storage blocks, programs and launches
+ *   decide   what rasterization leaves undecided
  *   build    nodes and lists of leaves, and the whole build
  *   payload  materials, areas, colors, normals and fills
  */
@@ -44,6 +45,8 @@ void svo_i_compute_fill_zero(const svo_i_compute *compute, GLuint buffer);
 void svo_i_compute_free(const svo_i_compute *compute, GLuint *buffer);
 /* Waits, then reads bytes from the start of the buffer. */
 svo_status svo_i_compute_read(svo_i_compute *compute, GLuint buffer, void *to, size_t bytes);
+/* Copies bytes from the start of a buffer to an offset of another. */
+svo_status svo_i_compute_copy(svo_i_compute *compute, GLuint from, GLuint to, uint64_t offset, uint64_t bytes);
 /* Waits, then copies bytes from an offset of the buffer to a new OpenCL buffer, which the plan lists. */
 svo_status svo_i_compute_to_cl(svo_i_compute *compute, svo_i_build *build, GLuint buffer, const char *name,
                                uint64_t offset, uint64_t bytes, cl_mem *out);
@@ -52,6 +55,7 @@ svo_status svo_i_compute_to_cl(svo_i_compute *compute, svo_i_build *build, GLuin
 
 /* The entry points of compute/shaders/, in the order of the table in compute.c. */
 typedef enum svo_i_entry {
+    SVO_I_ENTRY_DECIDE,
     SVO_I_ENTRY_MARK,
     SVO_I_ENTRY_DESCEND,
     SVO_I_ENTRY_SCAN_MASKS_REDUCE,

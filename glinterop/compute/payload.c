@@ -60,14 +60,27 @@ static svo_status upload_attributes(svo_i_gl_build *gl_build, GLuint *out)
     return SVO_OK;
 }
 
+/* All vertices, then their remainders. */
+static svo_status upload_vertices(svo_i_gl_build *gl_build, GLuint *out)
+{
+    const svo_plan *plan = gl_build->build->commands.plan;
+    const uint64_t vertices = plan->vertex_count;
+    uint64_t end = 0;
+    SVO_I_TRY(svo_i_compute_alloc(gl_build->compute, "vertices", vertices * 20, out));
+    gl_build->compute->gl->BindBuffer(GL_COPY_READ_BUFFER, *out);
+    put_attribute(gl_build, plan->vertices, vertices * 12, &end);
+    put_attribute(gl_build, plan->remainders, vertices * 8, &end);
+    gl_build->compute->gl->BindBuffer(GL_COPY_READ_BUFFER, 0);
+    return SVO_OK;
+}
+
 /* The arrays that locate a triangle in a voxel. Uniform weights alone do not need vertices. */
 static svo_status upload_triangles(svo_i_gl_build *gl_build, gl_surface *out)
 {
     const svo_plan *plan = gl_build->build->commands.plan;
     const uint64_t triangles = plan->triangle_count;
-    const uint64_t vertices = plan->vertex_count;
     if (plan->work.positions) {
-        SVO_I_TRY(upload(gl_build, "vertices", plan->vertices, vertices * 12, &out->vertices));
+        SVO_I_TRY(upload_vertices(gl_build, &out->vertices));
     }
     SVO_I_TRY(upload(gl_build, "indices", plan->indices, triangles * 12, &out->indices));
     return upload(gl_build, "records", plan->records, triangles * sizeof(svo_triangle_record), &out->records);
@@ -153,6 +166,7 @@ static svo_status scatter(sorter *s)
                                                  surface->indices, surface->records, s->list_begin, s->levels[0].counts,
                                                  s->levels[0].entries},
                                      .params = &s->params,
+                                     .vertex_count = gl_build->build->commands.plan->vertex_count,
                                      .items = s->params.fragment_count};
         SVO_I_TRY(svo_i_compute_launch(gl_build->compute, &launch));
     }
@@ -260,6 +274,7 @@ static svo_status add_fragments(svo_i_gl_build *gl_build, const gl_surface *surf
                                                  [4] = surface->records,
                                                  [9] = sums},
                                      .params = &params,
+                                     .vertex_count = gl_build->build->commands.plan->vertex_count,
                                      .items = params.fragment_count};
         SVO_I_TRY(svo_i_compute_launch(gl_build->compute, &launch));
     }

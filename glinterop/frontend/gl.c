@@ -8,6 +8,7 @@
 #include "commands/frontend.h"
 #include "compute/build.h"
 #include "compute/compute.h"
+#include "compute/decide.h"
 #include "core/message.h"
 #include "core/struct_size.h"
 #include "light/light.h"
@@ -125,7 +126,8 @@ static svo_status voxelize(void *self, svo_i_commands *commands, const svo_i_chu
                            svo_i_fragment_list *list)
 {
     const svo_gl *gl = self;
-    const svo_i_rasterizer rasterizer = {gl->device, gl->context, gl->raster, gl->share_choice};
+    const svo_i_rasterizer rasterizer = {
+        .device = gl->device, .context = gl->context, .raster = gl->raster, .share = gl->share_choice};
     return svo_i_rasterize_list(&rasterizer, commands, chunking, list);
 }
 
@@ -230,8 +232,15 @@ static svo_status voxelize_build(void *self, svo_i_commands *commands, const svo
                                  svo_i_fragment_list *list)
 {
     const svo_gl *gl = self;
-    const svo_i_rasterizer rasterizer = {gl->device, gl->context, gl->raster, SVO_GL_SHARE_AUTO};
-    return svo_i_rasterize_list(&rasterizer, commands, chunking, list);
+    svo_i_gl_decider decider;
+    const svo_i_rasterizer rasterizer = {.device = gl->device,
+                                         .context = gl->context,
+                                         .raster = gl->raster,
+                                         .share = SVO_GL_SHARE_AUTO,
+                                         .decider = svo_i_gl_decider_begin(&decider, gl->compute, commands->plan)};
+    const svo_status status = svo_i_rasterize_list(&rasterizer, commands, chunking, list);
+    svo_i_gl_decider_end(&decider);
+    return status;
 }
 
 static svo_status make_tree(void *self, svo_i_build *build)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Rasterizes a plan's triangles into the fragment list: one shared buffer per chunk, filled by OpenGL, then handed over
- * to OpenCL. The list is the input of the stages that build the tree. What the shaders leave undecided, the host
- * decides in between, by the mesh as it was given.
+ * to OpenCL. The list is the input of the stages that build the tree. What the shaders leave undecided is
+ * decided in between, by the mesh as it was given: by the builder's compute shaders, or by the host.
  */
 #include "raster/rasterize.h"
 
@@ -112,6 +112,7 @@ static svo_status keep_touching(const svo_i_rasterizer *rasterizer, const svo_pl
     const svo_decide_params params = svo_i_decide_params(plan);
     const void *positions = params.is_double != 0 ? (const void *)plan->positions_double : plan->positions;
     const size_t width = svo_i_plan_fragment_bytes(plan) / sizeof *words;
+    svo_decider decider = {.triangle = SVO_NO_TRIANGLE};
     *kept = 0;
     for (uint32_t i = 0; i < count; ++i) {
         const uint32_t *fragment = words + i * width;
@@ -124,8 +125,7 @@ static svo_status keep_touching(const svo_i_rasterizer *rasterizer, const svo_pl
                                      svo_i_gl_context_functions(rasterizer->context)->renderer, triangle,
                                      plan->triangle_count);
         }
-        const svo_decided_pair pair = svo_load_pair(positions, plan->indices, triangle, cell, &params);
-        if (svo_decide(&pair, &params)) {
+        if (svo_decide(positions, plan->indices, triangle, cell, &params, &decider)) {
             memmove(words + *kept * width, fragment, width * sizeof *words);
             ++*kept;
         }
@@ -133,33 +133,43 @@ static svo_status keep_touching(const svo_i_rasterizer *rasterizer, const svo_pl
     return SVO_OK;
 }
 
-/* Decides the chunk's undecided fragments and moves those that touch to the others; chunk->needed: both. */
-static svo_status decide(const svo_i_rasterizer *rasterizer, const svo_plan *plan, svo_i_fragments *chunk,
-                         svo_i_raster_count count)
+/* On the host, what svo_i_decider.decide does. */
+static svo_status decide_on_host(const svo_i_rasterizer *rasterizer, const svo_plan *plan,
+                                 const svo_i_share_buffer *shared, uint32_t capacity, svo_i_raster_count count,
+                                 uint32_t *kept)
 {
     const size_t fragment_bytes = svo_i_plan_fragment_bytes(plan);
     const size_t bytes = count.undecided * fragment_bytes;
-    chunk->needed = (uint64_t)count.decided + count.undecided;
-    if (count.undecided == 0 || chunk->needed > chunk->capacity) {
-        return SVO_OK;
-    }
     uint32_t *words = svo_i_alloc(&rasterizer->device->memory, bytes);
     if (words == NULL) {
         return svo_i_device_fail(rasterizer->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u fragments",
                                  count.undecided);
     }
     svo_status status = SVO_OK;
-    uint32_t kept = 0;
-    const svo_i_share_buffer *shared = chunk->owner;
+    SVO_I_TRY_CLEANUP(svo_i_share_buffer_read_gl(shared, capacity * fragment_bytes - bytes, bytes, words));
+    SVO_I_TRY_CLEANUP(keep_touching(rasterizer, plan, words, count.undecided, kept));
     SVO_I_TRY_CLEANUP(
-        svo_i_share_buffer_read_gl(shared, (size_t)chunk->capacity * fragment_bytes - bytes, bytes, words));
-    SVO_I_TRY_CLEANUP(keep_touching(rasterizer, plan, words, count.undecided, &kept));
-    SVO_I_TRY_CLEANUP(
-        svo_i_share_buffer_write_gl(shared, count.decided * fragment_bytes, kept * fragment_bytes, words));
-    chunk->needed = (uint64_t)count.decided + kept;
+        svo_i_share_buffer_write_gl(shared, count.decided * fragment_bytes, *kept * fragment_bytes, words));
 cleanup:
     svo_i_free(words);
     return status;
+}
+
+/* Decides the chunk's undecided fragments and moves those that touch to the others; chunk->needed: both. */
+static svo_status decide(const svo_i_rasterizer *rasterizer, const svo_plan *plan, svo_i_fragments *chunk,
+                         svo_i_raster_count count)
+{
+    const svo_i_decider *decider = &rasterizer->decider;
+    const uint32_t capacity = (uint32_t)chunk->capacity;
+    uint32_t kept = 0;
+    chunk->needed = (uint64_t)count.decided + count.undecided;
+    if (count.undecided == 0 || chunk->needed > chunk->capacity) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(decider->decide != NULL ? decider->decide(decider->self, plan, chunk->owner, capacity, count, &kept)
+                                      : decide_on_host(rasterizer, plan, chunk->owner, capacity, count, &kept));
+    chunk->needed = (uint64_t)count.decided + kept;
+    return SVO_OK;
 }
 
 /* Draws all chunks; counts: of each; *undecided: of all. */

@@ -5,12 +5,23 @@
 
 #include "commands/frontend.h"
 #include "raster/raster.h"
+#include "share/share.h"
+
+/* Who decides undecided fragments. */
+typedef struct svo_i_decider {
+    void *self;
+    /* Moves those of a chunk that touch behind its decided ones; *kept: how many. The chunk holds all of count. NULL:
+       the host does it. */
+    svo_status (*decide)(void *self, const svo_plan *plan, const svo_i_share_buffer *fragments, uint32_t capacity,
+                         svo_i_raster_count count, uint32_t *kept);
+} svo_i_decider;
 
 typedef struct svo_i_rasterizer {
     svo_device *device;
     svo_gl_context *context;
     svo_i_raster *raster;
     svo_gl_share share; /* how the list gets to OpenCL; AUTO: it stays in OpenGL */
+    svo_i_decider decider;
 } svo_i_rasterizer;
 
 /* Implements svo_frontend.voxelize. The owner of each chunk is an svo_i_share_buffer. Makes the context current. */

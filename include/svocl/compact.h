@@ -110,7 +110,7 @@ typedef struct svo_compact_info {
     uint32_t minimized; /**< not 0: leaves may lie above level depth */
     uint32_t directory_step_log2; /**< SVO_FORM_IMPLIED; else 0 */
     uint32_t depth; /**< the grid has 2^depth voxels per axis */
-    uint32_t snap_bits; /**< as all down to snap_error: those of the tree */
+    uint32_t snap_bits; /**< as all down to scale: those of the tree */
     uint32_t coverage; /**< svo_coverage */
     uint32_t need; /**< svo_need bits: the payload that is held */
     uint32_t constant; /**< of those, payload that is the same in every node: one element */
@@ -119,7 +119,6 @@ typedef struct svo_compact_info {
     double origin[3]; /**< minimum corner of the grid, world coordinates */
     double edge; /**< world units: as in svo_tree_info */
     double scale; /**< grid units per world unit */
-    double snap_error; /**< world: the largest distance along an axis that snapping moved a vertex */
     uint64_t triangles; /**< of the mesh */
     uint64_t refused_triangles; /**< of those, not usable */
     uint64_t fragments; /**< (voxel, triangle) pairs */
@@ -135,6 +134,9 @@ typedef struct svo_compact_info {
     uint64_t bytes[SVO_COMPACT_BUFFER_COUNT]; /**< of each array; 0: not held */
     uint64_t total_bytes; /**< of all arrays */
     uint32_t bounds; /**< svo_compact_plan: bit b is set where bytes[b] is an upper bound; else 0 */
+    /** Not 0: voxels are those of the mesh, or the voxels, as given. 0: the tree or the compact tree is from a file of
+     *  an older version, and they are those of the mesh as it was rounded; as in svo_tree_info. */
+    uint32_t is_exact;
 } svo_compact_info;
 
 /** An empty output. */

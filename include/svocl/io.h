@@ -23,7 +23,7 @@
  *     56     24    f64 origin[3]
  *     80     8     f64 edge
  *     88     8     f64 scale
- *     96     8     f64 snap_error
+ *     96     8     u64 reserved: 0; files that svocl wrote before have any value
  *     104    8     u64 triangles
  *     112    8     u64 refused_triangles
  *     120    8     u64 fragments
@@ -51,7 +51,7 @@
  * first_child is not in the file: a node's children begin where those of the node before it end, from node 1 on.
  * plain_bytes follows from the header's counts and the array's element size; that of list, vertices and indices gives
  * their count. child_mask is always present. positions or positions_double is there with need's bit 2, unless coverage
- * is thin; its used vertices snap to those of vertices. A zstd chunk has at least 4 bytes per 128 KiB of plain_bytes,
+ * is thin; its used vertices round to those of vertices. A zstd chunk has at least 4 bytes per 128 KiB of plain_bytes,
  * as zstd itself ensures.
  *
  * Version 3 has the same layout. Its voxels and lists are not those of the mesh as it was given, but of vertices, to
@@ -60,12 +60,13 @@
  *
  * In version 2 a chunk is a whole array, its level is 0, and first_child is there as well, of every node, also of the
  * empty tree's root (1). Version 1 has, besides, no positions. Trees of such files, and files that are made of those,
- * are without them: rays meet the snapped mesh (svo_tree_info.positions).
+ * are without them: rays meet the rounded mesh (svo_tree_info.positions).
  *
- * Files of compact trees (compact.h), version 1, differ in this: the magic is 89 53 56 43 0D 0A 1A 0A
- * ("\x89SVC\r\n\x1a\n"). need has payload alone. level_begin counts inner nodes: level l has level_begin[l + 1] -
- * level_begin[l] of them, level depth none. The kind of a chunk is a svo_compact_buffer, in ascending order, where the
- * array is held, and its level is 0. Before them there is one chunk of kind 64:
+ * Files of compact trees (compact.h) differ in this: the magic is 89 53 56 43 0D 0A 1A 0A ("\x89SVC\r\n\x1a\n"). The
+ * version is 2, or 1 where svo_compact_info.is_exact is 0, as it is for all files that svocl wrote before; the layout
+ * is the same. need has payload alone. level_begin counts inner nodes: level l has level_begin[l + 1] - level_begin[l]
+ * of them, level depth none. The kind of a chunk is a svo_compact_buffer, in ascending order, where the array is held,
+ * and its level is 0. Before them there is one chunk of kind 64:
  *
  *     offset bytes
  *     0      4     u32 form: svo_form
@@ -194,6 +195,11 @@ typedef struct svo_import_options {
      *  nothing is turned but what the file itself asks for, as COLLADA does. */
     uint32_t axes;
     uint32_t reserved; /**< 0 */
+    /** 0 or more, in the mesh's units; 0: positions stay as they are. Vertices are taken in their order: one that lies
+     *  no farther than this from an earlier one that stayed gets the position of the first of these, else it stays. So
+     *  cracks close, and with them a mesh for projected areas. Attributes, indices and triangles stay, also triangles
+     *  that become a segment or a point. */
+    double weld;
 } svo_import_options;
 
 /** All defaults. */
@@ -210,6 +216,7 @@ typedef struct svo_import_info {
     uint64_t read_faces; /**< of those, the ones that became triangles */
     uint64_t triangles; /**< in the mesh */
     uint64_t warnings; /**< given to the log callback */
+    uint64_t welded_vertices; /**< of the mesh, that svo_import_options.weld moved */
 } svo_import_info;
 
 /** All zero. */
@@ -237,8 +244,8 @@ typedef struct svo_import svo_import;
  * \param out receives the mesh
  * \param message receives the reason for a failure; NULL allowed
  * \returns SVO_FILE_ERROR (missing, unreadable), SVO_IMPORT_FAILED (not understood, no triangle, a crash, a limit, a
- *          warning of a strict import, no helper), SVO_CANCELED (the progress callback) or SVO_OUT_OF_HOST_MEMORY on
- *          failure. */
+ *          warning of a strict import, no helper), SVO_INVALID_ARGUMENT (an option out of range), SVO_CANCELED (the
+ *          progress callback) or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_import_file(const char *path, const svo_import_options *options, svo_log_callback log,
                                    void *log_user, svo_import **out, svo_message *message);
 

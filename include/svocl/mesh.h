@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /** \file
  * Triangle meshes. svo_plan_create reads the caller's arrays and does not need them afterwards. Arrays in OpenCL
- * buffers stay there: svo_plan_create_from_buffers snaps them on the device. On devices without doubles or denormals,
- * they are read back first (svo_mesh_read).
+ * buffers stay there: svo_plan_create_from_buffers makes the plan on the device. On devices without doubles or
+ * denormals, they are read back first (svo_mesh_read).
  *
  * The arrays may hold any values. A triangle with an index out of range or a vertex that is not finite is refused and
  * counted. Degenerate triangles (segments, points) are geometry and occupy the voxels that they touch.

@@ -69,7 +69,7 @@ typedef struct svo_moving_report {
     uint64_t changed_objects; /**< voxelized, hidden or removed */
     uint64_t changed_fragments; /**< pairs that went and pairs that came */
     uint64_t fragments; /**< pairs of the scene */
-    double move_ms; /**< the objects' vertices: to the device, snapped, classified */
+    double move_ms; /**< the objects' vertices: to the device, rounded, classified */
     double voxelize_ms; /**< their pairs, in Morton order */
     double weigh_ms; /**< what their pairs contribute: clipping, colors, normals */
     double merge_ms; /**< the lists merged */

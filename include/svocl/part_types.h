@@ -41,7 +41,7 @@ typedef struct svo_part_header {
     double origin[3]; /**< minimum corner of the whole grid, world */
     double edge; /**< of the whole grid, as svo_plan_info has it */
     double scale; /**< grid units per world unit */
-    double snap_error; /**< world: of the whole mesh */
+    uint64_t also_reserved; /**< 0 */
     uint64_t triangles; /**< of the mesh */
     uint64_t refused_triangles; /**< of the mesh */
     uint64_t kept_triangles; /**< those accepted whose bounds meet the grid; leaf lists have positions among these */

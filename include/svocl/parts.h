@@ -23,7 +23,7 @@
  * little-endian.
  *
  *     0    u8[8] 89 53 56 50 0d 0a 1a 0a
- *     8    u32 version, 1; u32 number of segments
+ *     8    u32 version, 2; u32 number of segments
  *     16   u64 length of the file; u64 XXH3 of bytes 32 .. the end of the table
  *     32   u64 XXH3 of the header's values; u64 code; u32 level; u32 1 for a mesh file, 0 for a part
  *     56   u64 fragments; u64 weight, u64 color[4], i64 normal[3]: the root's sums
@@ -31,7 +31,8 @@
  *     200  segments: u32 kind, u32 level, u64 offset, u64 length, u64 XXH3 of the segment
  *
  * A kind is a svo_tree_buffer; 14 are the root's materials and weights, a u64 each: material << 48 | weight. list_begin
- * has an entry per leaf, and lists have positions among the kept triangles of the whole mesh.
+ * has an entry per leaf, and lists have positions among the kept triangles of the whole mesh. Parts of version 1 are of
+ * the rounded mesh; they and their folders are refused, so that a stitched tree is exact (svo_tree_info.is_exact).
  *
  * Thread-safety: functions may be called at the same time, also by several processes for one folder: files appear
  * whole or not at all, and two that build the same part write the same bytes. A svo_parts belongs to one thread at a
@@ -70,7 +71,7 @@ typedef struct svo_part_info {
  * \returns SVO_INVALID_ARGUMENT (not a part, no host arrays), SVO_FILE_ERROR or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_part_save(const svo_tree *tree, const char *path, svo_message *message);
 
-/** Saves what rays meet of the whole mesh: snapped vertices, indices, names of triangles and the mesh's own positions.
+/** Saves what rays meet of the whole mesh: rounded vertices, indices, names of triangles and the mesh's own positions.
  *  svo_parts_stitch needs it for trees with SVO_NEED_RAYS.
  *
  * \param plan of the whole mesh, with SVO_NEED_RAYS; arrays that a device has are copied to the host

@@ -42,8 +42,8 @@ typedef enum svo_need {
      *  count. With closed voxels, surface in a common face counts in both; with thin ones, surface may lie in no leaf.
      *
      *  Triangles of an open mesh count from both sides. A mesh is closed if each edge is used as often in one direction
-     *  as in the other by its accepted triangles, those outside the grid included. Vertices with the same snapped
-     *  position are one, so that split vertices do not open a mesh. */
+     *  as in the other by its accepted triangles, those outside the grid included. Vertices with equal
+     *  coordinates are one, so that split vertices do not open a mesh; a crack of an ulp does. */
     SVO_NEED_PROJECTED_AREA = 32,
     SVO_NEED_NONE = 0x40000000 /**< occupancy alone */
 } svo_need;
@@ -190,7 +190,6 @@ typedef struct svo_plan_info {
     double origin[3]; /**< minimum corner of the grid, world */
     double edge; /**< width of the grid, the caller's or fitted, world; see nodes.h */
     double scale; /**< grid units per world unit */
-    double snap_error; /**< world: how far a coordinate that payload is weighed by is off; less than 1 / scale */
     double expected_fragments; /**< the fragment estimate, without slack */
     uint64_t fragments; /**< after svo_plan_count the capacity that suffices; 0 before */
     double grid_ms; /**< wall clock of validating, rounding and classifying, milliseconds; without compiling */
@@ -277,7 +276,7 @@ SVO_API svo_status svo_plan_get_part_header(const svo_plan *plan, svo_part_heade
  *
  * The mesh does not cross to the host. Of the whole plan the host reads totals (some hundred bytes, and a byte per
  * material), the triangles of more than 64 columns of voxels, 48 bytes each, for the front end "cl", and, where the
- * fragment list takes several chunks, 4 bytes per triangle. A front end or a builder of OpenGL reads the snapped mesh,
+ * fragment list takes several chunks, 4 bytes per triangle. A front end or a builder of OpenGL reads the rounded mesh,
  * since it draws from OpenGL's memory. The buffers are not needed afterwards. OpenGL buffers can be given as the
  * cl_mems that clCreateFromGLBuffer makes of them, acquired; svo_gl_mesh_read reads those of other drivers to the host.
  *
@@ -350,7 +349,7 @@ SVO_API svo_status svo_plan_get_info(const svo_plan *plan, svo_plan_info *info);
 /** An OpenCL buffer that a build allocates, in order of allocation.
  *
  * Before a build the list is predicted, with the front end of OpenCL alone. After a build it is exact, attempts that
- * were too small included. svo_workspace_create makes it the list of a workspace and a tree. The snapped mesh is there
+ * were too small included. svo_workspace_create makes it the list of a workspace and a tree. The rounded mesh is there
  * once: vertices and indices, or mesh_vertices and mesh_indices where the voxelizer alone reads them. With a front end
  * of OpenGL, mesh_vertices, mesh_indices, mesh_items, mesh_tiles and counters are missing, since they are in OpenGL's
  * memory, as is OpenGL's side of the list with share "copy". Small buffers that kernels are tried on when they are

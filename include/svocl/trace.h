@@ -238,9 +238,8 @@ typedef enum svo_trace_flags {
 #define SVO_TRACE_RAYS_MAX 0x7fffffffu /**< most rays or points in a batch */
 
 /** Traces rays against the triangles of a tree or of a scene's trees: those of the mesh as it was given, as far as
- *  they lie inside the grid; of a tree with SVO_POSITIONS_SNAPPED those of the snapped mesh. On a caller's grid the
- *  hits of a triangle that has a voxel there may lie half a grid unit outside, since voxels are those of the snapped
- *  mesh.
+ *  they lie inside the grid; of a tree with SVO_POSITIONS_ROUNDED those of the rounded mesh. On a caller's grid the
+ *  hits of a triangle that has a voxel there may lie half a grid unit outside.
  *
  * Hit, t, u and v are computed in double precision and are the same on every device with cl_khr_fp64, whatever the
  * tree's depth; elsewhere the same watertight test runs in single precision, on vertices rounded to floats in grid

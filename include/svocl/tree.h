@@ -38,7 +38,7 @@ typedef struct svo_tree svo_tree;
 /** Which mesh rays and nearest points meet. */
 typedef enum svo_positions {
     /** The rounded one, svo_tree_arrays.vertices: the tree is from a file of version 1; or it has no rays. */
-    SVO_POSITIONS_SNAPPED = 0,
+    SVO_POSITIONS_ROUNDED = 0,
     SVO_POSITIONS_FLOAT = 1, /**< the input's, given as floats */
     SVO_POSITIONS_DOUBLE = 2 /**< the input's, given as doubles */
 } svo_positions;
@@ -56,7 +56,6 @@ typedef struct svo_tree_info {
     double origin[3]; /**< minimum corner of the grid, world coordinates */
     double edge; /**< width of the grid, world units; nodes.h explains it */
     double scale; /**< grid units per world unit */
-    double snap_error; /**< world: of svo_plan_info */
     uint64_t triangles; /**< of the mesh */
     uint64_t refused_triangles; /**< of those, not usable: see svo_plan_info */
     uint64_t fragments; /**< (voxel, triangle) pairs */
@@ -68,8 +67,9 @@ typedef struct svo_tree_info {
     uint64_t list_triangle_count; /**< accepted triangles kept for rays */
     uint32_t level_begin[SVO_LEVELS_MAX]; /**< level l has the nodes level_begin[l] .. level_begin[l + 1] - 1 */
     uint32_t positions; /**< svo_positions: which mesh rays meet */
-    /** Not 0: voxels and lists are those of the mesh as it was given. 0: the tree is from a file of a version before 4,
-     *  and they are those of svo_tree_arrays.vertices, to which the mesh was rounded. */
+    /** Not 0: voxels and lists are those of the mesh, or the voxels, as given. 0: the tree is from a file of a version
+     *  before 4, or from a compact tree's of version 1, and they are those of svo_tree_arrays.vertices, to which the
+     *  mesh was rounded. */
     uint32_t is_exact;
     uint64_t ray_bytes; /**< device memory of the BVH; 0 while there is none */
 } svo_tree_info;

@@ -49,8 +49,7 @@ static void svo_weigh(__global const uint *fragments, svo_surface surface, svo_w
 #endif
         to.values[begin + i] = svo_keep(SVO_UINT_OF(window.weight, i), color, normal, object);
 #ifdef SVO_AREAS
-        const long doubled_area = ((const long *)window.doubled_area)[i];
-        to.areas[begin + i] = svo_keep_seen(svo_part_shows(surface, window.triangle[i], doubled_area));
+        to.areas[begin + i] = svo_keep_seen(svo_window_seen(&window, i));
 #endif
     }
 }
@@ -83,7 +82,7 @@ static void svo_weigh(__global const uint *fragments, svo_surface surface, svo_w
 #ifdef SVO_AREAS
     const long doubled_area =
         svo_pair_doubled_area(surface, triangle, svo_fragment_code(fragments, begin), share, filter);
-    to.areas[begin] = svo_keep_seen(svo_part_shows(surface, triangle, doubled_area));
+    to.areas[begin] = svo_keep_seen(svo_part_shows(surface, triangle, doubled_area, filter.voxel_log2));
 #endif
     to.values[begin] = svo_keep(weight, color, normal, object);
 }

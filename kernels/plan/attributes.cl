@@ -7,6 +7,7 @@
  * svo_k_plan_records one per SVO_PLAN_RUN kept triangles. No atomics: the marks of materials are only ever set.
  */
 #include "plan/plan.clh"
+#include "shared/fine.clh"
 
 #define SVO_UV_ONE      65536.0
 #define SVO_UV_LIMIT    32767.0
@@ -47,7 +48,20 @@ svo_k_plan_uvs(__global const float *from, __global int *uvs, ulong count)
     }
 }
 
-/* The shape of a snapped triangle: unit normal, axis of the normal's largest component, area in square grid units, and
+/* The mesh in sub-units. */
+typedef struct svo_fine_mesh {
+    __global const int *vertices;
+    __global const ulong *remainders;
+    int bits; /* of a grid unit */
+} svo_fine_mesh;
+
+static long svo_fine_at(const svo_fine_mesh *mesh, uint vertex, int axis)
+{
+    return svo_fine_coordinate(mesh->vertices[(size_t)vertex * 3 + (size_t)axis], mesh->remainders[vertex], axis,
+                               mesh->bits);
+}
+
+/* The shape of a triangle: unit normal, axis of the normal's largest component, area in square grid units, and
    the ratio of the area to that of the projection along the axis. */
 typedef struct svo_shape {
     short4 unit;
@@ -55,17 +69,23 @@ typedef struct svo_shape {
     double area, stretch;
 } svo_shape;
 
-static svo_shape svo_shape_of(__global const int *vertices, const uint corners[3])
+static svo_shape svo_shape_of(const svo_fine_mesh *mesh, const uint corners[3])
 {
-    const svo_snapped q = svo_snapped_triangle(vertices, corners);
-    const long3 normal = svo_snapped_normal(&q);
+    long edges[6];
+    for (int axis = 0; axis < 3; ++axis) {
+        const long first = svo_fine_at(mesh, corners[0], axis);
+        edges[axis] = svo_fine_at(mesh, corners[1], axis) - first;
+        edges[3 + axis] = svo_fine_at(mesh, corners[2], axis) - first;
+    }
+    const svo_fine_normal made = svo_make_fine_normal(edges);
+    const long3 normal = (long3)(made.x, made.y, made.z);
     const ulong3 sizes = abs(normal);
     const double3 n = convert_double3(normal);
     const double doubled_area = svo_length(n);
     svo_shape s;
     s.unit = svo_unit_normal(n, doubled_area);
     s.axis = svo_largest_axis(sizes);
-    s.area = doubled_area * 0.5;
+    s.area = ldexp(doubled_area, 2 * (made.dropped - mesh->bits) - 1);
     const ulong size = svo_component(sizes, s.axis);
     s.stretch = size != 0ul ? doubled_area / (double)size : 1.0;
     return s;
@@ -108,9 +128,10 @@ svo_k_plan_records(__global const int *vertices, __global const uint *indices, _
                    __global const ushort *triangle_materials, __global const uint *colors,
                    __global const ulong *normals, __global const uchar *textured, __global uchar *materials,
                    __global svo_triangle_record *records, __global ulong *partials, svo_plan_params params,
-                   __local ulong *scratch)
+                   __local ulong *scratch, __global const ulong *remainders)
 {
     const uint2 run = svo_own_run(params.triangle_count);
+    const svo_fine_mesh mesh = {vertices, remainders, SVO_SUB_LOG2 - (int)params.voxel_log2};
     const svo_attributes from = {colors, normals};
     const uint first = run.x < run.y ? indices[0] : 0u;
     ulong columns[5] = {0, 0, 0, 0, 0};
@@ -119,7 +140,7 @@ svo_k_plan_records(__global const int *vertices, __global const uint *indices, _
         const uint given = triangle_materials != 0 ? triangle_materials[triangle_ids[t]] : 0u;
         const uint material = given < params.material_count ? given : 0u;
         const bool is_textured = (params.flags & SVO_PLAN_TEXTURED) != 0u && textured[material] != 0;
-        const svo_shape s = svo_shape_of(vertices, corners);
+        const svo_shape s = svo_shape_of(&mesh, corners);
         const uint inside =
             svo_differences(from, corners[0], corners[1]) | svo_differences(from, corners[0], corners[2]);
         const uint vary = inside | svo_differences(from, corners[0], first);

@@ -9,8 +9,6 @@
 #include "plan/plan.clh"
 #include "shared/snap.clh"
 
-#define SVO_NARROW_UNITS (1 << 14)
-#define SVO_REGULAR_BITS 20u
 #define SVO_NEEDLE_RATIO 4096.0
 #define SVO_CORNERS_MAX  9u
 
@@ -51,7 +49,7 @@ static uint svo_class_of(const svo_placed *p, const svo_plan_params *params)
     if (widest == 1 && (params->flags & SVO_PLAN_THIN) == 0u) {
         return SVO_CLASS_POINT;
     }
-    if (params->voxel_log2 < 14u && widest <= SVO_NARROW_UNITS >> params->voxel_log2) {
+    if (widest <= SVO_NARROW_VOXELS) {
         return SVO_CLASS_NARROW;
     }
     return params->snap_bits <= SVO_REGULAR_BITS ? SVO_CLASS_REGULAR : SVO_CLASS_WIDE;

@@ -7,6 +7,7 @@
  * svo_k_plan_totals reduces. No atomics: the marks of vertices are only ever set.
  */
 #include "plan/plan.clh"
+#include "shared/fine.clh"
 #include "shared/snap.clh"
 
 static bool svo_is_finite(__global const uint *positions, uint flags, uint vertex)
@@ -62,10 +63,10 @@ svo_k_plan_bounds(__global const uint *positions, __global const uchar *used, __
     svo_group_columns(keys, 6u, true, scratch, partials);
 }
 
-/* Snaps the used vertices; the others become 0. One column: the bits of the largest error. */
+/* Snaps the used vertices; the others become 0. remainders: NULL if nobody wants them. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_plan_snap(__global const uint *positions, __global const uchar *used, __global int *vertices,
-                __global ulong *partials, svo_plan_params params, __local ulong *scratch)
+                __global ulong *remainders, svo_plan_params params)
 {
     const uint2 run = svo_own_run(params.vertex_count);
     const double origin[3] = {svo_double_from(params.origin[0], params.origin[1]),
@@ -73,19 +74,17 @@ svo_k_plan_snap(__global const uint *positions, __global const uchar *used, __gl
                               svo_double_from(params.origin[4], params.origin[5])};
     const svo_snap snap = svo_make_snap(svo_double_from(params.scale[0], params.scale[1]),
                                         svo_double_from(params.edge[0], params.edge[1]), (int)params.snap_bits);
-    double largest = 0.0;
     for (uint v = run.x; v < run.y; ++v) {
+        int parts[3];
         for (uint axis = 0; axis < 3u; ++axis) {
             const double x =
                 used[v] != 0 ? svo_mesh_coordinate(positions, params.flags, (size_t)v * 3 + axis) : origin[axis];
             const int q = svo_snap_coordinate(&snap, x, origin[axis]);
             vertices[(size_t)v * 3 + axis] = q;
-            if (abs(q) < SVO_UNITS_FAR) {
-                /* On grids near the largest double, converting back may overflow. */
-                largest = fmax(largest, fmin(fabs((double)q / snap.scale + origin[axis] - x), DBL_MAX));
-            }
+            parts[axis] = svo_snap_remainder(&snap, x, origin[axis], q, SVO_SUB_LOG2 - (int)params.voxel_log2);
+        }
+        if (remainders != 0) {
+            remainders[v] = svo_pack_remainders(parts[0], parts[1], parts[2]);
         }
     }
-    const ulong bits[1] = {as_ulong(largest)};
-    svo_group_columns(bits, 1u, true, scratch, partials);
 }

@@ -62,6 +62,13 @@
    that work-items that go through rows meet different banks. */
 #define SVO_SIZE_PITCH (SVO_GROUP_ITEMS + 2)
 
+/* The classes of triangles inside the grid by what the overlap test's integers must hold (overlap.clh): the widest
+   bounding box of SVO_NARROW, in voxels and in units, which are coarser than the grid's where they must be, and the
+   largest grid, as a power of two of its units, for which 64 bits do. */
+#define SVO_NARROW_VOXELS 128
+#define SVO_NARROW_UNITS  (1 << 14)
+#define SVO_REGULAR_BITS  20u
+
 /* svo_draw_item.flags. */
 #define SVO_DRAW_AXIS_MASK 3u /* 0, 1, 2: the axis of projection */
 #define SVO_DRAW_BOUNDS    4u /* draw the triangle's bounds: needles, degenerate triangles, parts outside the grid */

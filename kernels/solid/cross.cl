@@ -46,10 +46,25 @@ typedef struct svo_crossing_mesh {
 } svo_crossing_mesh;
 
 /* Adds the crossings along the axes of a mask, by the caller's numbers. */
-static void svo_add_exactly(const svo_crossing_mesh *mesh, uint triangle, const uint *voxel, uint axes, uint *sums)
+static void svo_add_given(const svo_crossing_mesh *mesh, uint triangle, const uint *voxel, uint axes, uint *sums)
 {
     const svo_decided_pair pair = svo_load_pair(mesh->positions, mesh->indices, triangle, voxel, mesh->grid);
-    const svo_big width = svo_decided_width(mesh->grid);
+#ifdef SVO_DECIDES_IN_DOUBLES
+    if (svo_doubles_hold(mesh->grid)) {
+        const svo_near_triangle near = svo_make_near(&pair, mesh->grid);
+        for (uint axis = 0; axis < 3u; ++axis) {
+            const int said = (axes >> axis & 1u) != 0u ? svo_cross_near(&near, axis) : SVO_CROSSING_UNDECIDED;
+            if (said != SVO_CROSSING_UNDECIDED) {
+                sums[axis] += (uint)said;
+                axes &= ~(1u << axis);
+            }
+        }
+    }
+#endif
+    if (axes == 0u) {
+        return;
+    }
+    const svo_short width = svo_decided_width(mesh->grid);
     const svo_exact_triangle placed = svo_place_exactly(&pair, mesh->grid, width);
     for (uint axis = 0; axis < 3u; ++axis) {
         if ((axes >> axis & 1u) != 0u) {
@@ -63,11 +78,16 @@ static void svo_add_crossings(const svo_crossing_mesh *mesh, uint triangle, cons
                               const svo_solid_params *params, uint *sums)
 {
     int corners[9];
-    int errors[3] = {0, 0, 0};
+    int errors[3];
     uint undecided = 0;
-    for (uint k = 0; k < 9u; ++k) {
-        corners[k] = mesh->vertices[3u * (size_t)mesh->indices[3u * (size_t)triangle + k / 3u] + k % 3u];
-        errors[k % 3u] |= corners[k] & (int)params->rounded_to_odd;
+    for (uint i = 0; i < 3u; ++i) {
+        const size_t first = 3u * (size_t)mesh->indices[3u * (size_t)triangle + i];
+        for (uint axis = 0; axis < 3u; ++axis) {
+            corners[3u * i + axis] = mesh->vertices[first + axis];
+        }
+    }
+    for (uint axis = 0; axis < 3u; ++axis) {
+        errors[axis] = (corners[axis] | corners[3u + axis] | corners[6u + axis]) & (int)params->rounded_to_odd;
     }
     for (uint axis = 0; axis < 3u; ++axis) {
         const uint middle = 1u << (params->voxel_log2 - 1u);
@@ -82,7 +102,7 @@ static void svo_add_crossings(const svo_crossing_mesh *mesh, uint triangle, cons
         }
     }
     if (undecided != 0u) {
-        svo_add_exactly(mesh, triangle, voxel, undecided, sums);
+        svo_add_given(mesh, triangle, voxel, undecided, sums);
     }
 }
 

@@ -17,7 +17,7 @@
 #include "shared/fragment.clh"
 #include "shared/group.clh"
 
-#define SVO_REFUSED 0xffffffffu
+#define SVO_REFUSED SVO_NO_TRIANGLE
 
 /* The undecided fragments; 0 if they and the decided ones exceed the capacity. */
 static uint svo_undecided(__global const uint *counters, uint capacity)
@@ -27,18 +27,18 @@ static uint svo_undecided(__global const uint *counters, uint capacity)
     return decided + undecided <= (ulong)capacity ? (uint)undecided : 0u;
 }
 
-/* Decides every step-th undecided fragment from i on. */
+/* Decides every step-th undecided fragment from i on, below end. */
 SVO_CALLED void svo_decide_run(__global const uint *positions, __global const uint *indices, __global uint *fragments,
-                               const svo_decide_params *params, uint i, uint step, uint count)
+                               const svo_decide_params *params, uint i, uint step, uint end)
 {
-    for (; i < count; i += step) {
+    svo_decider decider;
+    decider.triangle = SVO_NO_TRIANGLE;
+    for (; i < end; i += step) {
         const size_t at = params->capacity - 1u - i;
         const svo_code code = svo_fragment_code(fragments, at);
         const uint cell[3] = {(uint)svo_code_axis(code, 0u), (uint)svo_code_axis(code, 1u),
                               (uint)svo_code_axis(code, 2u)};
-        const svo_decided_pair pair =
-            svo_load_pair(positions, indices, svo_fragment_triangle(fragments, at), cell, params);
-        if (!svo_decide(&pair, params)) {
+        if (!svo_decide(positions, indices, svo_fragment_triangle(fragments, at), cell, params, &decider)) {
             svo_fragment_store(fragments, at, code, SVO_REFUSED);
         }
     }
@@ -50,15 +50,51 @@ svo_k_decide(__global const uint *positions, __global const uint *indices, __glo
 {
     const uint count = svo_undecided(all_counters + SVO_COUNTER_WORDS * params.counter, params.capacity);
 #ifdef SVO_ONE_WORKER
+    /* Those of a triangle lie side by side. */
+    const uint run = count / (uint)get_num_groups(0) + 1u;
+    const uint first = (uint)get_group_id(0) * run;
     if (get_local_id(0) == 0u) {
-        svo_decide_run(positions, indices, fragments, &params, (uint)get_group_id(0), (uint)get_num_groups(0), count);
+        svo_decide_run(positions, indices, fragments, &params, first, 1u, min(first + run, count));
     }
 #else
     svo_decide_run(positions, indices, fragments, &params, (uint)get_global_id(0), (uint)get_global_size(0), count);
 #endif
 }
 
-/* Sources are read from the first on, a group at a time, and no place is written that has not been read. */
+/* The chunk's count: of the fragments that it holds now, or what it must hold. end: where the decided ones end. */
+static void svo_count_decided(__global uint *counters, uint capacity, uint end)
+{
+    const ulong both = ((ulong)counters[1] << 32 | counters[0]) + ((ulong)counters[3] << 32 | counters[2]);
+    counters[0] = both <= (ulong)capacity ? end : (uint)both;
+    counters[1] = both <= (ulong)capacity ? 0u : (uint)(both >> 32);
+}
+
+/* Sources are read from the first on, and no place is written that has not been read. */
+#ifdef SVO_ONE_WORKER
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_keep_decided(__global uint *all_counters, __global uint *fragments, svo_decide_params params,
+                   __local uint *scratch)
+{
+    __global uint *counters = all_counters + SVO_COUNTER_WORDS * params.counter;
+    (void)scratch;
+    if (get_local_id(0) == 0u) {
+        const uint count = svo_undecided(counters, params.capacity);
+        uint end = counters[0];
+        for (uint i = 0; i < count; ++i) {
+            const size_t at = params.capacity - count + i;
+            const uint triangle = svo_fragment_triangle(fragments, at);
+            if (triangle != SVO_REFUSED) {
+                svo_fragment_store(fragments, end, svo_fragment_code(fragments, at), triangle);
+                ++end;
+            }
+        }
+        svo_count_decided(counters, params.capacity, end);
+    }
+}
+
+#else
+
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_keep_decided(__global uint *all_counters, __global uint *fragments, svo_decide_params params,
                    __local uint *scratch)
@@ -66,7 +102,6 @@ svo_k_keep_decided(__global uint *all_counters, __global uint *fragments, svo_de
     __global uint *counters = all_counters + SVO_COUNTER_WORDS * params.counter;
     const uint item = (uint)get_local_id(0);
     const uint count = svo_undecided(counters, params.capacity);
-    const ulong both = ((ulong)counters[1] << 32 | counters[0]) + ((ulong)counters[3] << 32 | counters[2]);
     uint end = counters[0];
     for (uint first = 0; first < count; first += SVO_GROUP_ITEMS) {
         const size_t at = params.capacity - count + min(first + item, count - 1u);
@@ -83,10 +118,9 @@ svo_k_keep_decided(__global uint *all_counters, __global uint *fragments, svo_de
         barrier(CLK_GLOBAL_MEM_FENCE);
     }
     barrier(CLK_GLOBAL_MEM_FENCE); /* all have read the counters */
-    if (item == 0u && both <= (ulong)params.capacity) {
-        counters[0] = end;
-    } else if (item == 0u) {
-        counters[0] = (uint)both;
-        counters[1] = (uint)(both >> 32);
+    if (item == 0u) {
+        svo_count_decided(counters, params.capacity, end);
     }
 }
+
+#endif

@@ -65,14 +65,15 @@ static ushort svo_heaviest(__global const ulong *entries, uint begin, uint end)
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_material_scatter(__global const uint *fragments, __global const uint *cursors, __global const int *vertices,
-                       __global const uint *indices, __global const svo_triangle_record *records,
-                       __global const uint *list_begin, volatile __global uint *counts, __global ulong *entries,
-                       __global const svo_build_state *state, svo_filter_params params)
+                       __global const ulong *remainders, __global const uint *indices,
+                       __global const svo_triangle_record *records, __global const uint *list_begin,
+                       volatile __global uint *counts, __global ulong *entries, __global const svo_build_state *state,
+                       svo_filter_params params)
 {
     svo_make_current(&params, state);
     const uint index = (uint)get_global_id(0);
     if (index < params.fragment_count) {
-        const svo_surface surface = {vertices, indices, records, 0, 0, 0, 0, 0};
+        const svo_surface surface = {vertices, remainders, indices, records, 0, 0, 0, 0, 0};
         const uint triangle = svo_fragment_triangle(fragments, index);
         const svo_share share = svo_pair_share(surface, triangle, svo_fragment_code(fragments, index), params);
         const uint leaf = cursors[index] - params.leaf_begin;

@@ -66,7 +66,7 @@ static void svo_put_pair(__local ulong *at, svo_surface surface, uint triangle, 
 #ifdef SVO_AREAS
     svo_areas areas = svo_no_areas();
     const long doubled_area = svo_pair_doubled_area(surface, triangle, code, share, params);
-    svo_add_areas(&areas, svo_part_shows(surface, triangle, doubled_area), params.both_sides != 0u);
+    svo_add_areas(&areas, svo_part_shows(surface, triangle, doubled_area, params.voxel_log2), params.both_sides != 0u);
     for (uint i = 0; i < 6u; ++i) {
         at[(SVO_AREA_WORD + i) * SVO_GROUP_ITEMS] = areas.of[i];
     }

@@ -18,7 +18,8 @@
  * Reads vertices, indices, items, tiles; writes the chunk's fragments from its start, the undecided ones from its end
  * backwards, and its counters; kernels/stages/decide.cl goes on.
  * Atomics: an atomic_add on a counter's low word for each space, an atomic_inc on the high word when that wraps. All
- * fragments are counted, in 64 bits, however few fit; nothing is written beyond the capacity.
+ * fragments are counted, in 64 bits, however few fit; nothing is written beyond the capacity. An atomic_or reads the
+ * counter of the other end.
  * Invariant: what touches does not depend on the launch; the order does, and which fragments are undecided.
  *
  * Defines: SVO_NARROW, SVO_WIDE or neither: the class of the triangles (overlap.clh); SVO_NO_TEST: triangles inside one
@@ -56,9 +57,12 @@ typedef struct svo_found {
 
 /* A triangle, permuted so that t is its axis of projection (overlap.clh). */
 typedef struct svo_placed {
-    svo_point a, b, c; /* grid units, from the corner of the first voxel */
+    svo_point a, b, c; /* units, from the corner of the first voxel */
     svo_point first; /* its first voxel */
     svo_point last; /* its last voxel, from the first */
+    int voxel_log2; /* of the units of a voxel */
+    svo_plane normal;
+    svo_slope slope; /* by the grid's units */
     uint axis;
     uint triangle;
 } svo_placed;
@@ -98,11 +102,21 @@ SVO_FUNCTION svo_placed svo_place(__global const int *vertices, __global const u
     const int3 first = clamp(low >> voxel_log2, (int3)(0), limit);
     const int3 last = clamp(max(a, max(b, c)) >> voxel_log2, (int3)(0), limit) - first;
     const int3 corner = first << voxel_log2;
+    const int dropped = svo_dropped_bits(max(last.x, max(last.y, last.z)), voxel_log2);
+    r.voxel_log2 = voxel_log2 - dropped;
     r.axis = item.flags & SVO_DRAW_AXIS_MASK;
     r.triangle = item.triangle;
     r.a = svo_turn(a - corner, r.axis);
     r.b = svo_turn(b - corner, r.axis);
     r.c = svo_turn(c - corner, r.axis);
+    r.normal = svo_normal(r.a, r.b, r.c);
+    r.slope = svo_slope_of(r.normal.nu, r.normal.nv, r.normal.nt);
+    if (dropped != 0) {
+        r.a = svo_coarse_point(r.a, dropped);
+        r.b = svo_coarse_point(r.b, dropped);
+        r.c = svo_coarse_point(r.c, dropped);
+        r.normal = svo_normal(r.a, r.b, r.c);
+    }
     r.first = svo_turn(first, r.axis);
     r.last = svo_turn(last, r.axis);
     return r;
@@ -147,7 +161,7 @@ SVO_FUNCTION int3 svo_column_run(svo_overlap overlap, svo_placed placed, int u, 
                                  int column)
 {
     int3 run = (int3)(0, 0, column);
-    const svo_span span = svo_column_span(overlap.plane, placed.a, u, v, 1 << voxel_log2, placed.last.t, reach);
+    const svo_span span = svo_column_span(placed.slope, placed.a, u, v, 1 << voxel_log2, placed.last.t, reach);
     for (int k = span.first; k <= span.last; ++k) {
         const int touches = svo_overlap_voxel(overlap, u, v, k << voxel_log2);
         if (touches != SVO_TOUCHES_NOT) {
@@ -174,7 +188,7 @@ SVO_FUNCTION float svo_reach_of(svo_placed placed)
 SVO_FUNCTION svo_found svo_scan_columns(svo_placed placed, svo_window window, svo_voxelize_params params,
                                         __local svo_note *notes)
 {
-    const int voxel_log2 = (int)params.voxel_log2;
+    const int voxel_log2 = placed.voxel_log2;
     const svo_overlap overlap =
         svo_make_overlap(placed.a, placed.b, placed.c, 1 << voxel_log2, (int)params.open, (int)placed.axis);
     const float reach = svo_reach_of(placed);
@@ -244,6 +258,13 @@ SVO_FUNCTION uint svo_reserve(uint count, __global uint *counter)
         atomic_inc(counter + 1);
     }
     return base;
+}
+
+/* How many slots those of the other counter leave, so far: beyond, fragments from both ends would meet, and the chunk is
+   too small. */
+SVO_FUNCTION uint svo_slots_left(uint capacity, __global uint *other)
+{
+    return capacity - min(atomic_or(other, 0u), capacity);
 }
 
 /* The work-item's triangle or tile; false if it has none. */
@@ -319,16 +340,20 @@ SVO_FUNCTION void svo_push(svo_stage *stage, svo_code code, uint triangle, bool 
 /* Writes the stage's fragments, up to the capacity, and empties it. */
 SVO_FUNCTION void svo_flush(svo_stage *stage, __global uint *counters, __global uint *fragments, uint capacity)
 {
-    const uint slot = stage->count > 0u ? svo_reserve(stage->count, counters) : 0u;
-    const uint count = min(stage->count, capacity - min(slot, capacity));
-    __global uint *words = fragments + (size_t)slot * SVO_FRAGMENT_WORDS;
-    for (uint i = 0; i < count * SVO_FRAGMENT_WORDS; ++i) {
-        words[i] = stage->fragments[i];
+    if (stage->count > 0u) {
+        const uint slot = svo_reserve(stage->count, counters);
+        const uint left = svo_slots_left(capacity, counters + 2);
+        const uint taken = min(stage->count, left - min(slot, left));
+        __global uint *words = fragments + (size_t)slot * SVO_FRAGMENT_WORDS;
+        for (uint i = 0; i < taken * SVO_FRAGMENT_WORDS; ++i) {
+            words[i] = stage->fragments[i];
+        }
     }
     if (stage->undecided > 0u) {
-        const uint first = svo_reserve(stage->undecided, counters + 2);
-        const uint taken = min(stage->undecided, capacity - min(first, capacity));
-        words = fragments + ((size_t)capacity - first - taken) * SVO_FRAGMENT_WORDS;
+        const uint slot = svo_reserve(stage->undecided, counters + 2);
+        const uint left = svo_slots_left(capacity, counters);
+        const uint taken = min(stage->undecided, left - min(slot, left));
+        __global uint *words = fragments + ((size_t)capacity - slot - taken) * SVO_FRAGMENT_WORDS;
         for (uint i = 0; i < taken * SVO_FRAGMENT_WORDS; ++i) {
             words[i] = stage->fragments[(SVO_STAGE_ROOM - taken) * SVO_FRAGMENT_WORDS + i];
         }
@@ -395,10 +420,8 @@ SVO_FUNCTION void svo_push_columns(const svo_column_test *test, const svo_placed
 /* Pushes the fragments of a window of at most SVO_TILE_COLUMNS columns, row after row, eight columns at a time. */
 SVO_FUNCTION void svo_push_window(svo_placed placed, svo_window window, svo_voxelize_params params, svo_stage *stage)
 {
-    const svo_overlap overlap =
-        svo_make_overlap(placed.a, placed.b, placed.c, 1 << params.voxel_log2, (int)params.open, (int)placed.axis);
-    const svo_column_test test =
-        svo_make_column_test(overlap, placed.a, params.voxel_log2, (uint)placed.last.t, svo_reach_of(placed));
+    const svo_column_test test = svo_make_column_test(placed.a, placed.b, placed.c, placed.normal, placed.slope,
+                                                      placed.voxel_log2, (uint)placed.last.t, (int)params.open);
     const uint width = (uint)(window.end_u - window.u);
     const uint count = width * (uint)(window.end_v - window.v);
     const uint rows = 65536u / width + 1u; /* i * rows >> 16 is i / width for i below SVO_TILE_COLUMNS */
@@ -491,35 +514,45 @@ svo_k_voxelize(__global const int *vertices, __global const uint *indices, __glo
 
 #else
 
-/* Reserves slots for the group's fragments; returns the slot of this work-item's first. */
-SVO_FUNCTION uint svo_reserve_group(uint count, __global uint *counter, __local uint *scratch)
+/* Where a work-item's fragments go: to the slots from next on, or, if they are undecided, as far from the end. */
+typedef struct svo_slots {
+    uint next, left; /* left: svo_slots_left */
+    uint capacity;
+    bool is_sure;
+} svo_slots;
+
+/* Reserves slots for the group's fragments. counters: the chunk's. */
+SVO_FUNCTION svo_slots svo_reserve_group(uint count, __global uint *counters, uint capacity, bool is_sure,
+                                         __local uint *scratch)
 {
+    svo_slots r = {0u, 0u, capacity, is_sure};
     uint total;
     const uint before = svo_group_exclusive(count, scratch, &total);
     if (get_local_id(0) == 0u && total > 0u) {
-        scratch[0] = svo_reserve(total, counter);
+        scratch[0] = svo_reserve(total, counters + (is_sure ? 0u : 2u));
+        scratch[1] = svo_slots_left(capacity, counters + (is_sure ? 2u : 0u));
     }
     barrier(CLK_LOCAL_MEM_FENCE);
-    const uint first = scratch[0] + before;
+    r.next = scratch[0] + before;
+    r.left = scratch[1];
     barrier(CLK_LOCAL_MEM_FENCE);
-    return first;
+    return r;
 }
 
-/* Writes the fragments of a note from a slot on, up to the capacity, or the undecided ones as far from the end. Returns
-   the next slot. */
-SVO_FUNCTION uint svo_write_run(uint note, svo_found found, svo_source source, __global uint *fragments, uint slot,
-                                uint capacity, bool is_sure)
+/* Writes the fragments of a note, those that there are slots for. */
+SVO_FUNCTION void svo_write_run(uint note, svo_found found, svo_source source, __global uint *fragments,
+                                svo_slots *slots)
 {
     const svo_code column = svo_column_code(note, source);
     const uint first = svo_run_begin(note, source, found);
     for (uint k = 0; k < svo_run_length(note); ++k) {
-        if (slot < capacity) {
+        if (slots->next < slots->left) {
             const svo_code code = column | svo_axis_code(first + k) << source.axis;
-            svo_fragment_store(fragments, is_sure ? slot : capacity - 1u - slot, code, source.triangle);
+            const uint place = slots->is_sure ? slots->next : slots->capacity - 1u - slots->next;
+            svo_fragment_store(fragments, place, code, source.triangle);
         }
-        ++slot;
+        ++slots->next;
     }
-    return slot;
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
@@ -539,13 +572,13 @@ svo_k_voxelize(__global const int *vertices, __global const uint *indices, __glo
         found = svo_find(placed, window, params, notes);
     }
     __global uint *own = counters + SVO_COUNTER_WORDS * params.counter;
-    uint slot = svo_reserve_group(found.fragments, own, scratch);
+    svo_slots slots = svo_reserve_group(found.fragments, own, params.capacity, true, scratch);
     for (uint i = 0; i < found.notes; ++i) {
-        slot = svo_write_run(notes[i], found, source, fragments, slot, params.capacity, true);
+        svo_write_run(notes[i], found, source, fragments, &slots);
     }
-    slot = svo_reserve_group(found.undecided, own + 2, scratch);
+    slots = svo_reserve_group(found.undecided, own, params.capacity, false, scratch);
     for (uint i = 0; i < found.undecided_notes; ++i) {
-        slot = svo_write_run(notes[SVO_LAST_NOTE - i], found, source, fragments, slot, params.capacity, false);
+        svo_write_run(notes[SVO_LAST_NOTE - i], found, source, fragments, &slots);
     }
 }
 

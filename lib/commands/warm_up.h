@@ -13,7 +13,7 @@
 #define SVO_I_BUILD "svo_build"
 
 /* Limits of a warm-up. A build that exceeds one fails with SVO_INTERNAL. */
-#define SVO_I_WARM_UP_BUFFERS  21 /* buffer arguments of a kernel */
+#define SVO_I_WARM_UP_BUFFERS  22 /* buffer arguments of a kernel */
 #define SVO_I_WARM_UP_LAUNCHES 64
 #define SVO_I_WARM_UP_PROGRAMS 16
 

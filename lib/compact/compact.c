@@ -228,10 +228,10 @@ static svo_status describe(svo_device *device, const svo_compact_info *info, svo
                            .origin = {info->origin[0], info->origin[1], info->origin[2]},
                            .edge = info->edge,
                            .scale = info->scale,
-                           .snap_error = info->snap_error,
                            .triangles = info->triangles,
                            .refused_triangles = info->refused_triangles,
-                           .fragments = info->fragments};
+                           .fragments = info->fragments,
+                           .is_exact = info->is_exact};
     for (uint32_t level = 0; level <= info->depth; ++level) {
         if (!count_level(info, level, &count) || out->node_count + count > NODES_MAX) {
             return svo_i_device_fail(device, SVO_UNSUPPORTED, "svo_compact_expand: the tree has more than %u nodes",

@@ -28,10 +28,10 @@ void svo_i_source_describe(const svo_tree_info *tree, const svo_compact_options 
                               .origin = {tree->origin[0], tree->origin[1], tree->origin[2]},
                               .edge = tree->edge,
                               .scale = tree->scale,
-                              .snap_error = tree->snap_error,
                               .triangles = tree->triangles,
                               .refused_triangles = tree->refused_triangles,
-                              .fragments = tree->fragments};
+                              .fragments = tree->fragments,
+                              .is_exact = tree->is_exact};
     for (uint32_t level = 0; level < tree->depth; ++level) {
         out->level_inner[level] = tree->level_begin[level + 1] - tree->level_begin[level];
     }

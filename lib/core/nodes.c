@@ -33,7 +33,6 @@ double svo_grid_cell_edge(const svo_grid *grid, uint32_t level)
     return ldexp(1.0, (int)grid->snap_bits - (int)level) / grid->scale;
 }
 
-/* q / scale + origin, as snap_error measures it. */
 static double world_coordinate(const svo_grid *grid, int axis, uint64_t units)
 {
     return (double)units / grid->scale + grid->origin[axis];

@@ -11,6 +11,7 @@
 #include "core/device.h"
 #include "core/message.h"
 #include "core/struct_size.h"
+#include "svocl/nodes.h"
 #include "svocl/plan.h"
 
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
@@ -261,6 +262,22 @@ bool svo_i_tree_repeat(const svo_tree *tree, svo_tree_buffer buffer, void **arra
     }
     *array = repeated;
     return true;
+}
+
+svo_decide_params svo_i_grid_params(const svo_part_header *part, uint32_t level, uint64_t code, uint32_t depth,
+                                    const double origin[3], double edge)
+{
+    const bool is_part = part->depth != 0;
+    svo_decide_params params = {.depth = is_part ? part->depth : depth};
+    memcpy(params.origin, is_part ? part->origin : origin, sizeof params.origin);
+    memcpy(params.edge, is_part ? &part->edge : &edge, sizeof params.edge);
+    if (is_part) {
+        svo_code_to_cell(code, params.corner);
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            params.corner[axis] <<= part->depth - level;
+        }
+    }
+    return params;
 }
 
 /* Reads an array into new memory. *out stays NULL for an array that the tree does not hold. */

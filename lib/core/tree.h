@@ -7,6 +7,7 @@
 
 #include "core/memory.h"
 #include "core/message.h"
+#include "shared/layout.h"
 #include "svocl/part_types.h"
 #include "svocl/tree.h"
 
@@ -85,6 +86,11 @@ size_t svo_i_tree_element_bytes(svo_tree_buffer buffer);
 /* Grows a constant array, by realloc, to an element for every node. Returns false, with the array unchanged, when out
    of memory. */
 bool svo_i_tree_repeat(const svo_tree *tree, svo_tree_buffer buffer, void **array);
+
+/* The grid that exact decisions take: of the whole tree, whose part has that level and code; part->depth is 0: there is
+   no larger tree than that of depth, origin and edge. The other fields are 0. */
+svo_decide_params svo_i_grid_params(const svo_part_header *part, uint32_t level, uint64_t code, uint32_t depth,
+                                    const double origin[3], double edge);
 
 SVO_I_SHARED_END
 

@@ -13,7 +13,7 @@
 static void fill_header(const svo_compact_info *info, file_header *header)
 {
     memcpy(header->magic, FILE_COMPACT_MAGIC, FILE_MAGIC_BYTES);
-    header->version = FILE_COMPACT_VERSION;
+    header->version = info->is_exact != 0 ? FILE_COMPACT_VERSION : FILE_COMPACT_EXACT - 1;
     header->depth = info->depth;
     header->snap_bits = info->snap_bits;
     header->coverage = info->coverage;
@@ -24,7 +24,6 @@ static void fill_header(const svo_compact_info *info, file_header *header)
     memcpy(header->origin, info->origin, sizeof header->origin);
     header->edge = info->edge;
     header->scale = info->scale;
-    header->snap_error = info->snap_error;
     header->triangles = info->triangles;
     header->refused_triangles = info->refused_triangles;
     header->fragments = info->fragments;
@@ -103,13 +102,13 @@ static void fill_info(const file_header *header, const file_counts *counts, svo_
                                .origin = {header->origin[0], header->origin[1], header->origin[2]},
                                .edge = header->edge,
                                .scale = header->scale,
-                               .snap_error = header->snap_error,
                                .triangles = header->triangles,
                                .refused_triangles = header->refused_triangles,
                                .fragments = header->fragments,
                                .stored_count = counts->stored_count,
                                .far_count = counts->far_count,
-                               .shared_count = counts->shared_count};
+                               .shared_count = counts->shared_count,
+                               .is_exact = header->version >= FILE_COMPACT_EXACT ? 1 : 0};
     for (uint32_t level = 0; level < header->depth; ++level) {
         info->level_inner[level] = header->level_begin[level + 1] - header->level_begin[level];
     }
@@ -230,7 +229,7 @@ static uint64_t count_bytes(const svo_compact_info *info)
 
 static svo_status load(svo_i_file_load *state, svo_compact **out)
 {
-    static const svo_i_file_kind kind = {"compact tree's", FILE_COMPACT_MAGIC, FILE_COMPACT_VERSION,
+    static const svo_i_file_kind kind = {"compact tree's", FILE_COMPACT_MAGIC, FILE_COMPACT_OLDEST,
                                          FILE_COMPACT_VERSION, 1 + SVO_COMPACT_BUFFER_COUNT};
     file_counts counts = {.form = 0};
     uint64_t offset = 0;

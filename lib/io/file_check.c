@@ -110,7 +110,7 @@ static svo_status check_position(const tree_check *job, uint64_t at)
                              : rint((position - info->origin[at % 3]) * info->scale) == snapped;
     return is_same ? SVO_OK
                    : svo_i_fail(job->message, SVO_FILE_DAMAGED,
-                                "%s: vertex %" PRIu64 ": position %g is not that of the snapped coordinate %" PRId32,
+                                "%s: vertex %" PRIu64 ": position %g does not round to the coordinate %" PRId32,
                                 job->name, at / 3, position, snapped);
 }
 
@@ -130,7 +130,7 @@ static svo_status check_corner(const tree_check *job, uint64_t corner)
                               "%s: vertex %" PRIu32 ": coordinate %" PRId32 " is not within 2^29", job->name, vertex,
                               coordinate);
         }
-        if (job->info->positions != SVO_POSITIONS_SNAPPED) {
+        if (job->info->positions != SVO_POSITIONS_ROUNDED) {
             SVO_I_TRY(check_position(job, 3 * (uint64_t)vertex + axis));
         }
     }

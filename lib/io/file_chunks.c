@@ -154,9 +154,6 @@ static svo_status check_values(const svo_i_file_load *state)
     if (!isfinite(header->edge) || !isfinite(header->scale) || header->edge <= 0 || header->scale <= 0) {
         return svo_i_file_damaged(state, "header: edge %g or scale %g is not above 0", header->edge, header->scale);
     }
-    if (!(header->snap_error >= 0) || !isfinite(header->snap_error)) {
-        return svo_i_file_damaged(state, "header: snap_error %g is not a distance", header->snap_error);
-    }
     if (header->refused_triangles > header->triangles || header->triangles > UINT32_MAX) {
         return svo_i_file_damaged(state, "header: %" PRIu64 " of %" PRIu64 " triangles refused",
                                   header->refused_triangles, header->triangles);

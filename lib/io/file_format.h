@@ -33,7 +33,9 @@
 
 /* Files of compact trees. The header has the same fields; its levels are those of the inner nodes. */
 #define FILE_COMPACT_MAGIC   "\x89SVC\r\n\x1a\n"
-#define FILE_COMPACT_VERSION 1
+#define FILE_COMPACT_VERSION 2
+#define FILE_COMPACT_OLDEST  1 /* version that is still read */
+#define FILE_COMPACT_EXACT   2 /* the first version whose voxels are those of the mesh as given */
 
 typedef struct file_header {
     uint8_t magic[FILE_MAGIC_BYTES];
@@ -52,7 +54,7 @@ typedef struct file_header {
     double origin[3];
     double edge;
     double scale;
-    double snap_error;
+    uint64_t reserved; /* 0; any value in files that svocl wrote before */
     uint64_t triangles;
     uint64_t refused_triangles;
     uint64_t fragments;

@@ -31,6 +31,7 @@
 #include "core/message.h"
 #include "core/struct_size.h"
 #include "io/import_stream.h"
+#include "io/import_weld.h"
 
 #define HELPER_PATH_BYTES    4096
 #define DEFAULT_MEMORY_BYTES ((uint64_t)8 << 30)
@@ -491,6 +492,10 @@ svo_status svo_import_file(const char *path, const svo_import_options *options, 
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_import_file: options.axes %u is not in 0 .. %d",
                           filled.axes, SVO_AXES_Z_UP);
     }
+    if (!isfinite(filled.weld) || filled.weld < 0.0) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT,
+                          "svo_import_file: options.weld %g is not a finite number of at least 0", filled.weld);
+    }
     SVO_I_TRY(check_file(path, &byte_count, message));
     const bool time_grows = filled.time_limit_seconds == 0;
     SVO_I_TRY(fill_options(&filled, byte_count, helper, sizeof helper, message));
@@ -503,6 +508,7 @@ svo_status svo_import_file(const char *path, const svo_import_options *options, 
     import->memory = memory;
     SVO_I_TRY_CLEANUP(svo_i_import_run_child(path, &filled, time_grows, import, message));
     SVO_I_TRY_CLEANUP(svo_i_stream_parse(import, path, filled.strict != 0, log, log_user, message));
+    SVO_I_TRY_CLEANUP(svo_i_import_weld(import, filled.weld, path, message));
     if (filled.axes == SVO_AXES_Z_UP) {
         turn_mesh(&import->mesh);
     }

@@ -110,7 +110,6 @@ void svo_i_file_fill_header(file_header *header, const svo_tree_info *info)
     memcpy(header->origin, info->origin, sizeof header->origin);
     header->edge = info->edge;
     header->scale = info->scale;
-    header->snap_error = info->snap_error;
     header->triangles = info->triangles;
     header->refused_triangles = info->refused_triangles;
     header->fragments = info->fragments;
@@ -179,7 +178,6 @@ static void fill_info(svo_tree_info *info, const file_header *header)
     info->edge = header->edge;
     info->scale = header->scale;
     info->is_exact = header->version >= FILE_EXACT ? 1 : 0;
-    info->snap_error = header->snap_error;
     info->triangles = header->triangles;
     info->refused_triangles = header->refused_triangles;
     info->fragments = header->fragments;
@@ -203,7 +201,7 @@ static uint32_t find_positions(const file_head *head)
             return SVO_POSITIONS_DOUBLE;
         }
     }
-    return SVO_POSITIONS_SNAPPED;
+    return SVO_POSITIONS_ROUNDED;
 }
 
 /* Three counts are not in the header but follow from their chunk's length. */
@@ -348,7 +346,7 @@ static void keep_levels(svo_tree_info *info, uint32_t last_level)
     info->need = kept;
     info->constant &= kept;
     info->payload_level = kept != 0 ? info->payload_level : 0;
-    info->positions = SVO_POSITIONS_SNAPPED;
+    info->positions = SVO_POSITIONS_ROUNDED;
     info->list_count = info->vertex_count = info->list_triangle_count = 0;
     info->inner_count = info->level_begin[last_level];
     info->node_count = info->level_begin[last_level + 1];

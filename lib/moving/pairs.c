@@ -243,14 +243,13 @@ static svo_status launch_weigh(const svo_moving *moving, uint32_t index, svo_i_d
     const svo_filter_params filter = {
         .depth = plan->info.depth, .voxel_log2 = plan->voxel_log2, .weight_log2 = plan->weight_log2};
     const svo_moving_params params = {.count = (cl_uint)list->count, .object = index};
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(list->fragments), SVO_I_ARGUMENT(memory->vertices),
-                                        SVO_I_ARGUMENT(memory->indices), SVO_I_ARGUMENT(memory->records),
-                                        SVO_I_ARGUMENT(memory->colors),  SVO_I_ARGUMENT(memory->normals),
-                                        SVO_I_ARGUMENT(memory->uvs),     SVO_I_ARGUMENT(moving->materials),
-                                        SVO_I_ARGUMENT(moving->texels),  SVO_I_ARGUMENT(list->values),
-                                        SVO_I_ARGUMENT(list->materials), SVO_I_ARGUMENT(list->counted),
-                                        SVO_I_ARGUMENT(filter),          SVO_I_ARGUMENT(params),
-                                        SVO_I_ARGUMENT(list->areas)};
+    const svo_i_argument arguments[] = {
+        SVO_I_ARGUMENT(list->fragments), SVO_I_ARGUMENT(memory->vertices), SVO_I_ARGUMENT(memory->remainders),
+        SVO_I_ARGUMENT(memory->indices), SVO_I_ARGUMENT(memory->records),  SVO_I_ARGUMENT(memory->colors),
+        SVO_I_ARGUMENT(memory->normals), SVO_I_ARGUMENT(memory->uvs),      SVO_I_ARGUMENT(moving->materials),
+        SVO_I_ARGUMENT(moving->texels),  SVO_I_ARGUMENT(list->values),     SVO_I_ARGUMENT(list->materials),
+        SVO_I_ARGUMENT(list->counted),   SVO_I_ARGUMENT(filter),           SVO_I_ARGUMENT(params),
+        SVO_I_ARGUMENT(list->areas)};
     const cl_uint count = (cl_uint)(sizeof arguments / sizeof arguments[0]) - (list->areas != NULL ? 0 : 1);
     const uint64_t per_item = plan->work.pair_lanes ? SVO_GROUP_ITEMS : 1;
     return svo_i_work_launch(work, "svo_k_moving_weigh", arguments, count, (list->count + per_item - 1) / per_item);

@@ -150,14 +150,12 @@ static void count_triangles(const svo_moving *moving, svo_tree_info *info)
 {
     info->triangles = 0;
     info->refused_triangles = 0;
-    info->snap_error = 0.0;
     for (uint32_t i = 0; i < moving->object_count; ++i) {
         const svo_i_moving_object *object = &moving->objects[i];
         if (svo_i_moving_shows(object)) {
             const svo_plan_info *plan = &object->plan->info;
             info->triangles += plan->triangles;
             info->refused_triangles += plan->refused_triangles;
-            info->snap_error = plan->snap_error > info->snap_error ? plan->snap_error : info->snap_error;
         }
     }
 }
@@ -218,7 +216,7 @@ static svo_status alloc_geometry(maker *m, const place *end)
     const svo_i_plan_memory *memory = &m->moving->whole.memory;
     tree->info.vertex_count = end->vertex;
     tree->info.list_triangle_count = end->listed;
-    tree->info.positions = SVO_POSITIONS_SNAPPED; /* of thin voxels */
+    tree->info.positions = SVO_POSITIONS_ROUNDED; /* of thin voxels */
     SVO_I_TRY(svo_i_commands_alloc(commands, "vertices", end->vertex * 12, &tree->buffers[SVO_TREE_VERTICES]));
     SVO_I_TRY(svo_i_commands_alloc(commands, "indices", end->listed * 12, &tree->buffers[SVO_TREE_INDICES]));
     SVO_I_TRY(svo_i_commands_alloc(commands, "triangle_ids", end->listed * 4, &tree->buffers[SVO_TREE_TRIANGLE_IDS]));
@@ -366,8 +364,8 @@ static svo_i_edge_sums sum_known_edges(const maker *m)
     return known;
 }
 
-/* The sums of the scene's edges, zero where its mesh is closed. Edges are those of snapped positions, which do not
-   depend on the object, so the sums of objects add up. */
+/* The sums of the scene's edges, zero where its mesh is closed. Edges are those of positions in the world, which do
+   not depend on the object, so the sums of objects add up. */
 static svo_status sum_edges(maker *m)
 {
     svo_status status = SVO_OK;

@@ -347,9 +347,6 @@ static svo_status move_object(svo_i_flight *flight, uint32_t index, news_of_obje
     const svo_i_update *of_plan = object->plan->update;
     svo_i_mesh_totals *totals = &news->totals;
     svo_status status = svo_i_commands_read(&commands, of_plan->sums, totals->sums, sizeof totals->sums);
-    if (status == SVO_OK) {
-        status = svo_i_commands_read(&commands, of_plan->error, &totals->error, sizeof totals->error);
-    }
     if (status == SVO_OK && of_plan->sums_edges) {
         status = svo_i_commands_read(&commands, of_plan->edges, &totals->edges, sizeof totals->edges);
     }

@@ -6,6 +6,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,7 +23,7 @@
 
 #define PLAN_NAME    "plan"
 #define PLAN_MAGIC   "\x89SVL\r\n\x1a\n"
-#define PLAN_VERSION 1
+#define PLAN_VERSION 2 /* with part files of version 2 */
 #define NAME_BYTES   48
 
 /* The front of the file "plan"; entries, materials, sizes of textures and their texels follow. hash: of all bytes after
@@ -348,9 +349,13 @@ static bool take_head(svo_parts *parts, const unsigned char *bytes, size_t byte_
 static svo_status take_plan(svo_parts *parts, const char *path, const unsigned char *bytes, size_t byte_count,
                             svo_message *message)
 {
-    plan_head head;
+    plan_head head = {.version = PLAN_VERSION};
     if (!take_head(parts, bytes, byte_count, &head)) {
-        return svo_i_fail(message, SVO_FILE_DAMAGED, "%s: not the plan that was written", path);
+        return head.version == PLAN_VERSION
+                   ? svo_i_fail(message, SVO_FILE_DAMAGED, "%s: not the plan that was written", path)
+                   : svo_i_fail(message, SVO_FILE_DAMAGED,
+                                "%s: version %" PRIu32 " is not known, only %d; planning the parts again writes it",
+                                path, head.version, PLAN_VERSION);
     }
     remainder from = {bytes + sizeof head, byte_count - sizeof head, false};
     parts->entries = take(&from, head.entry_count, sizeof *parts->entries);

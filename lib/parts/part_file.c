@@ -268,8 +268,12 @@ static svo_status check_head(const svo_i_part_reader *reader, uint64_t file_byte
     if (memcmp(head->magic, PART_MAGIC, PART_MAGIC_BYTES) != 0) {
         return svo_i_part_damaged(reader, "not a part file");
     }
-    if (head->version != PART_VERSION || head->segment_count > PART_SEGMENTS_MAX) {
-        return svo_i_part_damaged(reader, "its version or its number of segments is not known");
+    if (head->version != PART_VERSION) {
+        return svo_i_fail(reader->message, SVO_FILE_DAMAGED, "%s: version %" PRIu32 " is not known, only %d",
+                          reader->path, head->version, PART_VERSION);
+    }
+    if (head->segment_count > PART_SEGMENTS_MAX) {
+        return svo_i_part_damaged(reader, "its number of segments is not known");
     }
     if (head->file_bytes != file_bytes) {
         return svo_i_fail(reader->message, SVO_FILE_DAMAGED, "%s: %" PRIu64 " bytes expected, %" PRIu64 " there",

@@ -322,7 +322,6 @@ static svo_tree_info info_of(const svo_part_header *header)
                           .payload_level = header->payload_level,
                           .edge = header->edge,
                           .scale = header->scale,
-                          .snap_error = header->snap_error,
                           .triangles = header->triangles,
                           .refused_triangles = header->refused_triangles,
                           .positions = header->positions,

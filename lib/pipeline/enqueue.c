@@ -109,7 +109,6 @@ static svo_status publish_counts(svo_i_pending *pending)
     svo_i_mesh_totals *totals = &pending->totals;
     if (update != NULL) {
         SVO_I_TRY(svo_i_commands_read(&build->commands, update->sums, totals->sums, sizeof totals->sums));
-        SVO_I_TRY(svo_i_commands_read(&build->commands, update->error, &totals->error, sizeof totals->error));
     }
     SVO_I_TRY(svo_i_commands_copy(&build->commands, build->state, build->tree->build_state, 0, sizeof pending->state));
     return svo_i_commands_read(&build->commands, build->state, &pending->state, sizeof pending->state);
@@ -245,7 +244,6 @@ static svo_status take_mesh(svo_tree *tree, const svo_i_pending *pending)
     }
     SVO_I_TRY(svo_i_update_take(plan, "svo_tree_finish", &pending->totals));
     info->refused_triangles = plan->info.refused_triangles;
-    info->snap_error = plan->info.snap_error;
     info->list_triangle_count = (info->need & SVO_NEED_RAYS) != 0 ? plan->update->kept_triangles : 0;
     return SVO_OK;
 }

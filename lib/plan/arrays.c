@@ -150,6 +150,7 @@ static const struct {
     uint64_t vertex_bytes, triangle_bytes;
 } arrays[] = {
     {PLACES(vertices), 12, 0},
+    {PLACES(remainders), 8, 0},
     {PLACES(positions), 12, 0},
     {PLACES(positions_double), 24, 0},
     {PLACES(colors), 4, 0},

@@ -10,6 +10,7 @@
 
 #include "plan/arrays.h"
 #include "plan/grid.h"
+#include "shared/fine.clh"
 
 /* ---- constant payload ---- */
 
@@ -323,8 +324,8 @@ static bool same(const void *attribute, size_t bytes, const uint32_t corners[3])
            memcmp(a + corners[0] * bytes, a + corners[2] * bytes, bytes) == 0;
 }
 
-/* The shape of a snapped triangle. Components of its normal are at most 2^61; their conversion to double is the same on
-   every host. */
+/* The shape of a triangle in sub-units. Components of its normal are at most 2^61; their conversion to double is the
+   same on every host. */
 typedef struct shape {
     int16_t unit[3]; /* unit normal */
     uint32_t axis; /* of the normal's largest component */
@@ -332,11 +333,23 @@ typedef struct shape {
     double stretch; /* ratio of the area to that of the projection along the axis; 1 for degenerate triangles */
 } shape;
 
+static int64_t fine_coordinate(const svo_plan *plan, uint32_t vertex, int32_t axis)
+{
+    return svo_fine_coordinate(plan->vertices[(size_t)vertex * 3 + (size_t)axis], plan->remainders[vertex], axis,
+                               (int32_t)(SVO_SUB_LOG2 - plan->voxel_log2));
+}
+
 static shape shape_of(const svo_plan *plan, const uint32_t corners[3])
 {
-    int64_t n[3];
+    int64_t edges[6];
     shape s;
-    svo_i_plan_normal(plan, corners, n);
+    const int32_t bits = (int32_t)(SVO_SUB_LOG2 - plan->voxel_log2);
+    for (int32_t i = 0; i < 6; ++i) {
+        const int32_t axis = i % 3;
+        edges[i] = fine_coordinate(plan, corners[1 + i / 3], axis) - fine_coordinate(plan, corners[0], axis);
+    }
+    const svo_fine_normal normal = svo_make_fine_normal(edges);
+    const int64_t n[3] = {normal.x, normal.y, normal.z};
     const double x = (double)n[0];
     const double y = (double)n[1];
     const double z = (double)n[2];
@@ -344,7 +357,7 @@ static shape shape_of(const svo_plan *plan, const uint32_t corners[3])
     s.axis = llabs(n[1]) > llabs(n[0]) ? 1 : 0;
     s.axis = llabs(n[2]) > llabs(n[s.axis]) ? 2 : s.axis;
     const double doubled_area = sqrt(x * x + y * y + z * z);
-    s.area = doubled_area * 0.5;
+    s.area = ldexp(doubled_area, 2 * (normal.dropped - bits) - 1);
     s.stretch = n[s.axis] != 0 ? doubled_area / fabs((double)n[s.axis]) : 1.0;
     return s;
 }

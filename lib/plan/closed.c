@@ -2,7 +2,7 @@
 /*
  * Whether a mesh is closed, exactly and in linear time: the edges of its accepted triangles cancel. An edge belongs to
  * the lesser of its two vertices; each vertex's edges are listed, those in one direction before those in the other, and
- * counted per other vertex. Coordinates that snapping has clamped, far outside the grid, are taken as they are.
+ * counted per other vertex. Vertices are one where their given coordinates are equal, and nowhere else.
  */
 #include "plan/closed.h"
 
@@ -11,6 +11,7 @@
 /* The edges of the accepted triangles. */
 typedef struct edges {
     const svo_plan *plan;
+    const svo_mesh *mesh;
     uint32_t *first; /* vertex_count: the first vertex with the position of each */
     size_t *begin; /* vertex_count + 1: where each vertex's edges begin in ends */
     size_t *middle; /* vertex_count: where its edges towards it begin, behind those away from it */
@@ -44,27 +45,59 @@ static void visit_edges(edges *e, edge_visitor visit)
 
 /* ---- equal positions ---- */
 
-static size_t hash_position(const int32_t *position)
+/* A vertex's coordinates as bits; + 0.0 turns -0 into 0, which equals it. */
+typedef struct position {
+    uint64_t bits[3];
+} position;
+
+static position position_of(const svo_mesh *mesh, size_t vertex)
+{
+    position p;
+    for (size_t axis = 0; axis < 3; ++axis) {
+        const double x = mesh->positions_double != NULL ? mesh->positions_double[vertex * 3 + axis]
+                                                        : (double)mesh->positions[vertex * 3 + axis];
+        const double unsigned_zero = x + 0.0;
+        memcpy(&p.bits[axis], &unsigned_zero, sizeof unsigned_zero);
+    }
+    return p;
+}
+
+static bool is_same(const position *a, const position *b)
+{
+    return a->bits[0] == b->bits[0] && a->bits[1] == b->bits[1] && a->bits[2] == b->bits[2];
+}
+
+static size_t hash_position(const position *p)
 {
     uint64_t hash = 0;
     for (unsigned axis = 0; axis < 3; ++axis) {
-        hash = (hash ^ (uint32_t)position[axis]) * UINT64_C(0x9e3779b97f4a7c15);
+        hash = (hash ^ p->bits[axis]) * UINT64_C(0x9e3779b97f4a7c15);
         hash ^= hash >> 29;
     }
     return (size_t)hash;
 }
 
-/* Finds the first vertex of each position, in a hash table with open addressing. slots: vertices plus one, 0: free; a
-   power of two of them, more than there are vertices. */
+/* The slot of a position, or the free one where it belongs: open addressing. slots: vertices plus one, 0: free; a power
+   of two of them, more than there are vertices. */
+static size_t find_slot(const svo_mesh *mesh, const position *p, const uint32_t *slots, size_t slot_count)
+{
+    size_t slot = hash_position(p) & (slot_count - 1);
+    while (slots[slot] != 0) {
+        const position other = position_of(mesh, slots[slot] - 1);
+        if (is_same(p, &other)) {
+            break;
+        }
+        slot = (slot + 1) & (slot_count - 1);
+    }
+    return slot;
+}
+
+/* Finds the first vertex of each position. */
 static void merge_positions(edges *e, uint32_t *slots, size_t slot_count)
 {
-    const int32_t *positions = e->plan->vertices;
     for (uint32_t v = 0; v < e->plan->vertex_count; ++v) {
-        size_t slot = hash_position(positions + (size_t)v * 3) & (slot_count - 1);
-        while (slots[slot] != 0 && memcmp(positions + (size_t)(slots[slot] - 1) * 3, positions + (size_t)v * 3,
-                                          3 * sizeof *positions) != 0) {
-            slot = (slot + 1) & (slot_count - 1);
-        }
+        const position p = position_of(e->mesh, v);
+        const size_t slot = find_slot(e->mesh, &p, slots, slot_count);
         slots[slot] = slots[slot] != 0 ? slots[slot] : v + 1;
         e->first[v] = slots[slot] - 1;
     }
@@ -172,9 +205,9 @@ static svo_status find(edges *e, bool *closed)
     return SVO_OK;
 }
 
-svo_status svo_i_plan_is_closed(const svo_plan *plan, bool *closed)
+svo_status svo_i_plan_is_closed(const svo_plan *plan, const svo_mesh *mesh, bool *closed)
 {
-    edges e = {.plan = plan};
+    edges e = {.plan = plan, .mesh = mesh};
     const svo_status status = find(&e, closed);
     svo_i_free(e.first);
     svo_i_free(e.begin);

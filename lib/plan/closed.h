@@ -5,9 +5,9 @@
 
 #include "plan/plan_data.h"
 
-/* Whether the accepted triangles use each edge as often in one direction as in the other; vertices of equal position
-   are one. Reads the vertices before unused ones are cleared, and the indices: those of kept triangles from the front,
-   those of triangles outside the grid from the end on. */
-svo_status svo_i_plan_is_closed(const svo_plan *plan, bool *closed);
+/* Whether the accepted triangles use each edge as often in one direction as in the other; vertices whose coordinates in
+   the mesh are equal are one. Reads the plan's indices: those of kept triangles from the front, those of triangles
+   outside the grid from the end on. */
+svo_status svo_i_plan_is_closed(const svo_plan *plan, const svo_mesh *mesh, bool *closed);
 
 #endif

@@ -230,11 +230,11 @@ static void configure_tests(svo_plan *plan)
         leave_out(work, "overlap test", "%u of %u triangles lie inside one voxel each", points, plan->triangle_count);
     }
     if (!work->tests[SVO_I_TEST_REGULAR] && !work->tests[SVO_I_TEST_WIDE]) {
-        leave_out(work, "64-bit overlap test", "no triangle's bounding box of voxels is wider than 2^14 grid units");
+        leave_out(work, "64-bit overlap test", "no triangle's bounding box is wider than 128 voxels");
     }
     if (!work->tests[SVO_I_TEST_WIDE]) {
         leave_out(work, "128-bit products", "no triangle reaches outside the grid%s",
-                  plan->info.snap_bits > 20 ? ", or is wider than 2^14 of its units" : "");
+                  plan->info.snap_bits > 20 ? ", or is wider than 128 voxels" : "");
     }
 }
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Plans by kernels (kernels/plan): accepts triangles, fits the grid, snaps vertices, makes the draw items and the
- * payload inputs. The host reads rows of totals (bounds, the snap error, counts and sums), the large triangles, a byte
- * per material, and the first triangle's record and attributes; materials and textures are the host's.
+ * payload inputs. The host reads rows of totals (bounds, counts and sums), the large triangles, a byte per material,
+ * and the first triangle's record and attributes; materials and textures are the host's.
  */
 #include "plan/device_plan.h"
 
@@ -94,6 +94,9 @@ svo_status svo_i_grid_alloc(svo_i_grid_run *r)
     SVO_I_TRY(
         svo_i_work_result(r->work, "plan_partials", (uint64_t)groups * SVO_PLAN_SUMS * sizeof(cl_ulong), &r->partials));
     SVO_I_TRY(svo_i_work_result(r->work, "plan_vertices", vertices * 12, &r->plan->memory.vertices));
+    if (svo_i_plan_asks_payload(r->plan)) {
+        SVO_I_TRY(svo_i_work_result(r->work, "plan_remainders", vertices * 8, &r->plan->memory.remainders));
+    }
     return (r->plan->options.need & SVO_NEED_PROJECTED_AREA) == 0
                ? SVO_OK
                : svo_i_work_result(r->work, "plan_edges", (uint64_t)run_groups(triangles) * sizeof(svo_i_edge_sums),
@@ -142,21 +145,12 @@ static svo_status fit(svo_i_grid_run *r)
     return SVO_OK;
 }
 
-static svo_status launch_snap(svo_i_grid_run *r)
-{
-    const svo_i_argument arguments[] = {
-        SVO_I_ARGUMENT(r->mesh->positions), SVO_I_ARGUMENT(r->used),   SVO_I_ARGUMENT(r->plan->memory.vertices),
-        SVO_I_ARGUMENT(r->partials),        SVO_I_ARGUMENT(r->params), SVO_I_LOCAL(SCRATCH_BYTES)};
-    return svo_i_work_launch(r->work, "svo_k_plan_snap", SVO_I_ARGUMENTS(arguments), run_items(r->params.vertex_count));
-}
-
 static svo_status snap(svo_i_grid_run *r)
 {
-    uint64_t largest = 0;
-    SVO_I_TRY(launch_snap(r));
-    SVO_I_TRY(run_totals(r->work, r->partials, r->params.vertex_count, 1, true, &largest));
-    r->plan->info.snap_error = double_of(largest);
-    return SVO_OK;
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->mesh->positions), SVO_I_ARGUMENT(r->used),
+                                        SVO_I_ARGUMENT(r->plan->memory.vertices),
+                                        SVO_I_ARGUMENT(r->plan->memory.remainders), SVO_I_ARGUMENT(r->params)};
+    return svo_i_work_launch(r->work, "svo_k_plan_snap", SVO_I_ARGUMENTS(arguments), run_items(r->params.vertex_count));
 }
 
 /* Takes the counts and sums of all triangles into the plan. */
@@ -202,12 +196,9 @@ static svo_status classify(svo_i_grid_run *r)
 
 static svo_status sum_edges(svo_i_grid_run *r)
 {
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->plan->memory.vertices),
-                                        SVO_I_ARGUMENT(r->mesh->indices),
-                                        SVO_I_ARGUMENT(r->fates),
-                                        SVO_I_ARGUMENT(r->edges),
-                                        SVO_I_ARGUMENT(r->params),
-                                        SVO_I_LOCAL(SCRATCH_BYTES)};
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->mesh->positions), SVO_I_ARGUMENT(r->mesh->indices),
+                                        SVO_I_ARGUMENT(r->fates),           SVO_I_ARGUMENT(r->edges),
+                                        SVO_I_ARGUMENT(r->params),          SVO_I_LOCAL(SCRATCH_BYTES)};
     return svo_i_work_launch(r->work, "svo_k_plan_closed", SVO_I_ARGUMENTS(arguments),
                              run_items(r->params.triangle_count));
 }
@@ -395,6 +386,7 @@ static svo_status launch_records(svo_i_device_work *work, const svo_plan *plan, 
     const svo_plan_params params = {.vertex_count = plan->vertex_count,
                                     .triangle_count = plan->triangle_count,
                                     .flags = SVO_PLAN_TEXTURED,
+                                    .voxel_log2 = plan->voxel_log2,
                                     .material_count = plan->material_count};
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(memory->vertices),
                                         SVO_I_ARGUMENT(memory->indices),
@@ -407,7 +399,8 @@ static svo_status launch_records(svo_i_device_work *work, const svo_plan *plan, 
                                         SVO_I_ARGUMENT(memory->records),
                                         SVO_I_ARGUMENT(partials),
                                         SVO_I_ARGUMENT(params),
-                                        SVO_I_LOCAL(SCRATCH_BYTES)};
+                                        SVO_I_LOCAL(SCRATCH_BYTES),
+                                        SVO_I_ARGUMENT(memory->remainders)};
     return svo_i_work_launch(work, "svo_k_plan_records", SVO_I_ARGUMENTS(arguments), run_items(plan->triangle_count));
 }
 
@@ -569,8 +562,7 @@ svo_status svo_i_device_launch(svo_i_grid_run *r, const svo_i_material_marks *ma
     const uint32_t vertices = r->params.vertex_count;
     const uint32_t triangles = r->params.triangle_count;
     SVO_I_TRY(accept(r));
-    SVO_I_TRY(launch_snap(r));
-    SVO_I_TRY(run_reduce(r->work, r->partials, vertices, 1, true, totals->error));
+    SVO_I_TRY(snap(r));
     SVO_I_TRY(launch_classify(r));
     SVO_I_TRY(run_reduce(r->work, r->partials, triangles, SVO_PLAN_SUMS, false, totals->sums));
     if (totals->edges != NULL) {

@@ -47,7 +47,6 @@ svo_status svo_i_device_take_mesh(svo_plan *plan, svo_i_device_work *work, const
 /* Where kernels write what the host does not read at once. */
 typedef struct svo_i_device_totals {
     cl_mem sums; /* SVO_PLAN_SUMS of 64 bits */
-    cl_mem error; /* the snap error, bits of a double */
     cl_mem edges; /* svo_i_edge_sums; NULL: not wanted */
 } svo_i_device_totals;
 

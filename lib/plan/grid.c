@@ -5,7 +5,6 @@
  * Vertices are rounded to odd (kernels/shared/snap.clh), so that they keep their sides of all planes between voxels:
  * what follows from the voxels of a triangle's corners is exact. The overlap test knows by how much they may be off.
  */
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,16 +13,13 @@
 #include "plan/closed.h"
 #include "plan/estimate.h"
 #include "plan/grid.h"
+#include "shared/fine.clh"
 #include "shared/snap.clh"
 
 #define VERTEX_FINITE 1u
 #define VERTEX_USED   2u
-/* Largest bounding box, in grid units, for which edge functions fit 32 bits. */
-#define NARROW_UNITS (1 << 14)
 /* Significant bits of a fitted grid's edge. */
 #define EDGE_BITS 24
-/* Largest grid, as a power of two of its units, for which the overlap test fits 64 bits. */
-#define REGULAR_BITS 20u
 /* Triangles with this ratio of length to height are drawn by their bounds, because the corners of the expanded triangle
    are too far away for float arithmetic. */
 #define NEEDLE_RATIO 4096.0
@@ -158,8 +154,18 @@ svo_status svo_i_plan_make_grid(svo_plan *plan, const svo_i_bounds *bounds)
     return SVO_OK;
 }
 
-/* Snaps the used vertices. snap_error is the largest error of those within SVO_UNITS_MAX. Those of a part are snapped
-   to the whole grid, and then count from the part's corner. */
+/* What a vertex lacks that was snapped to units, an odd one of which differs from it; 2^bits parts to a unit. */
+static uint64_t remainders_of(const svo_snap *snap, const svo_mesh *mesh, size_t vertex, const double origin[3],
+                              const int32_t units[3], int32_t bits)
+{
+    int32_t parts[3];
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        parts[axis] = svo_snap_remainder(snap, coordinate(mesh, vertex, axis), origin[axis], units[axis], bits);
+    }
+    return svo_pack_remainders(parts[0], parts[1], parts[2]);
+}
+
+/* Snaps the used vertices. Those of a part are snapped to the whole grid, and then count from the part's corner. */
 static void snap_vertices(svo_plan *plan, const svo_mesh *mesh, const uint8_t *flags)
 {
     const bool is_part = svo_i_plan_is_part(plan);
@@ -167,21 +173,18 @@ static void snap_vertices(svo_plan *plan, const svo_mesh *mesh, const uint8_t *f
     const double *origin = is_part ? header->origin : plan->info.origin;
     const svo_snap snap = is_part ? svo_make_snap(header->scale, header->edge, (int32_t)header->snap_bits)
                                   : svo_make_snap(plan->info.scale, plan->info.edge, (int32_t)plan->info.snap_bits);
-    double largest = 0.0;
     for (size_t v = 0; v < mesh->vertex_count; ++v) {
+        int32_t units[3] = {0};
         for (unsigned axis = 0; axis < 3 && (flags[v] & VERTEX_USED) != 0; ++axis) {
             const double x = coordinate(mesh, v, axis);
-            const int32_t q = svo_snap_coordinate(&snap, x, origin[axis]);
-            plan->vertices[v * 3 + axis] = q;
-            if (abs(q) < SVO_UNITS_FAR) {
-                plan->vertices[v * 3 + axis] -= plan->part.corner[axis];
-                /* On grids near the largest double, converting back may overflow. */
-                const double error = fmin(fabs((double)q / snap.scale + origin[axis] - x), DBL_MAX);
-                largest = error > largest ? error : largest;
-            }
+            const int32_t q = units[axis] = svo_snap_coordinate(&snap, x, origin[axis]);
+            plan->vertices[v * 3 + axis] = abs(q) < SVO_UNITS_FAR ? q - plan->part.corner[axis] : q;
+        }
+        if (plan->remainders != NULL) {
+            plan->remainders[v] =
+                remainders_of(&snap, mesh, v, origin, units, (int32_t)(SVO_SUB_LOG2 - plan->voxel_log2));
         }
     }
-    plan->info.snap_error = largest;
 }
 
 /* The position of a snapped triangle in the grid. */
@@ -227,22 +230,21 @@ static bool inside_grid(const svo_plan *plan, const placed *p)
 
 static svo_i_class classify(const svo_plan *plan, const placed *p)
 {
-    bool one_voxel = true;
-    bool narrow = plan->voxel_log2 < 14;
+    int32_t widest = 0;
     for (unsigned axis = 0; axis < 3; ++axis) {
-        one_voxel = one_voxel && p->first[axis] == p->last[axis];
-        narrow = narrow && (p->last[axis] - p->first[axis] + 1) <= (NARROW_UNITS >> plan->voxel_log2);
+        const int32_t width = p->last[axis] - p->first[axis] + 1;
+        widest = width > widest ? width : widest;
     }
     if (!inside_grid(plan, p)) {
         return SVO_I_CLASS_WIDE;
     }
-    if (one_voxel && plan->info.coverage != SVO_COVERAGE_THIN) {
+    if (widest == 1 && plan->info.coverage != SVO_COVERAGE_THIN) {
         return SVO_I_CLASS_POINT;
     }
-    if (narrow) {
+    if (widest <= SVO_NARROW_VOXELS) {
         return SVO_I_CLASS_NARROW;
     }
-    return plan->info.snap_bits <= REGULAR_BITS ? SVO_I_CLASS_REGULAR : SVO_I_CLASS_WIDE;
+    return plan->info.snap_bits <= SVO_REGULAR_BITS ? SVO_I_CLASS_REGULAR : SVO_I_CLASS_WIDE;
 }
 
 void svo_i_plan_normal(const svo_plan *plan, const uint32_t corners[3], int64_t normal[3])
@@ -520,7 +522,6 @@ static void take_counts(svo_plan *plan)
         plan->info.triangles = header->triangles;
         plan->info.refused_triangles = header->refused_triangles;
         plan->info.outside_triangles = header->triangles - header->refused_triangles - header->kept_triangles;
-        plan->info.snap_error = header->snap_error;
         plan->work.both_sides = (header->flags & SVO_PART_BOTH_SIDES) != 0;
     }
 }
@@ -533,12 +534,15 @@ svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh)
     uint8_t *flags = svo_i_alloc_zeroed(&plan->device->memory, vertices + 1, 1);
     order_key *keys = svo_i_alloc_zeroed(&plan->device->memory, triangles + 1, sizeof *keys);
     plan->vertices = svo_i_alloc_zeroed(&plan->device->memory, vertices * 3 + 1, sizeof(int32_t));
+    const bool is_fine = svo_i_plan_asks_payload(plan);
+    plan->remainders = is_fine ? svo_i_alloc(&plan->device->memory, (vertices + 1) * sizeof(uint64_t)) : NULL;
     plan->indices = svo_i_alloc_zeroed(&plan->device->memory, triangles * 3 + 1, sizeof(uint32_t));
     plan->triangle_ids = svo_i_alloc(&plan->device->memory, (triangles + 1) * sizeof(uint32_t));
     plan->items = svo_i_alloc(&plan->device->memory, (triangles + 1) * sizeof(svo_draw_item));
     plan->item_fragments = svo_i_alloc(&plan->device->memory, (triangles + 1) * sizeof(float));
     if (flags == NULL || keys == NULL || plan->vertices == NULL || plan->indices == NULL ||
-        plan->triangle_ids == NULL || plan->items == NULL || plan->item_fragments == NULL) {
+        plan->triangle_ids == NULL || plan->items == NULL || plan->item_fragments == NULL ||
+        (is_fine && plan->remainders == NULL)) {
         status =
             svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY,
                               "svo_plan_create: no memory for %zu vertices and %zu triangles", vertices, triangles);
@@ -557,7 +561,7 @@ svo_status svo_i_plan_grid(svo_plan *plan, const svo_mesh *mesh)
     SVO_I_TRY_CLEANUP(keep_triangles(plan, mesh, flags, keys));
     if ((plan->options.need & SVO_NEED_PROJECTED_AREA) != 0 && !svo_i_plan_is_part(plan)) {
         bool closed = false;
-        SVO_I_TRY_CLEANUP(svo_i_plan_is_closed(plan, &closed));
+        SVO_I_TRY_CLEANUP(svo_i_plan_is_closed(plan, mesh, &closed));
         plan->work.both_sides = !closed;
     }
     clear_unused_vertices(plan, flags);

@@ -32,13 +32,13 @@ static double expected_nodes(const svo_plan *plan)
 static uint32_t positions_of(const svo_plan *plan)
 {
     if (!svo_i_plan_stores_positions(plan)) {
-        return SVO_POSITIONS_SNAPPED;
+        return SVO_POSITIONS_ROUNDED;
     }
     if (svo_i_plan_has(plan->positions, plan->memory.positions)) {
         return SVO_POSITIONS_FLOAT;
     }
     return svo_i_plan_has(plan->positions_double, plan->memory.positions_double) ? SVO_POSITIONS_DOUBLE
-                                                                                 : SVO_POSITIONS_SNAPPED;
+                                                                                 : SVO_POSITIONS_ROUNDED;
 }
 
 static svo_part_header header_of(const svo_plan *plan)
@@ -58,7 +58,6 @@ static svo_part_header header_of(const svo_plan *plan)
                               .constant_material = work->constant_material,
                               .edge = info->edge,
                               .scale = info->scale,
-                              .snap_error = info->snap_error,
                               .triangles = info->triangles,
                               .refused_triangles = info->refused_triangles,
                               .kept_triangles = plan->triangle_count,
@@ -171,7 +170,6 @@ static void add_counts(svo_i_survey *survey, const svo_plan *block)
     whole->info.triangles += block->info.triangles;
     whole->info.refused_triangles += block->info.refused_triangles;
     whole->info.outside_triangles += block->info.outside_triangles;
-    whole->info.snap_error = fmax(whole->info.snap_error, block->info.snap_error);
     whole->sums.widths += block->sums.widths;
     whole->sums.areas_high += block->sums.areas_high;
     whole->sums.areas_low += block->sums.areas_low;

@@ -451,6 +451,7 @@ void svo_plan_destroy(svo_plan **plan)
     svo_i_update_destroy(p->update);
     svo_i_plan_memory_free(&p->memory);
     svo_i_free(p->vertices);
+    svo_i_free(p->remainders);
     svo_i_free(p->indices);
     svo_i_free(p->triangle_ids);
     svo_i_free(p->part.positions);

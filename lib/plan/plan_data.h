@@ -83,7 +83,7 @@ typedef struct svo_i_work {
 /* Classes of triangles, by the arithmetic that their overlap test needs; see kernels/shared/overlap.clh. */
 typedef enum svo_i_class {
     SVO_I_CLASS_POINT = 0, /* inside one voxel: no test */
-    SVO_I_CLASS_NARROW, /* the bounding box in voxels is at most 2^14 units wide: 32 bits */
+    SVO_I_CLASS_NARROW, /* at most SVO_NARROW_VOXELS wide: 32 bits */
     SVO_I_CLASS_REGULAR, /* inside a grid of 2^20 units: 64 bits */
     SVO_I_CLASS_WIDE, /* reaches outside the grid, or the grid is finer: 93 bits */
     SVO_I_CLASS_COUNT
@@ -184,6 +184,7 @@ typedef struct svo_i_sums {
 /* The arrays of a plan that kernels made, in place of the host's; all NULL in other plans. */
 typedef struct svo_i_plan_memory {
     cl_mem vertices, indices, triangle_ids, items, item_fragments;
+    cl_mem remainders; /* NULL without payload */
     cl_mem positions, positions_double; /* at most one */
     cl_mem records, colors, normals, uvs; /* NULL where the request does not read them or the mesh has none */
 } svo_i_plan_memory;
@@ -215,6 +216,7 @@ struct svo_plan {
     svo_i_plan_memory memory; /* plan/arrays.h brings it to the host */
     /* The snapped mesh. Vertices that no kept triangle uses are 0. */
     int32_t *vertices; /* vertex_count * 3 */
+    uint64_t *remainders; /* vertex_count: what vertices lack in sub-units (shared/fine.clh); NULL without payload */
     uint32_t vertex_count;
     uint32_t *indices; /* triangle_count * 3 */
     uint32_t *triangle_ids; /* mesh indices of the kept triangles: accepted and not outside the grid */
@@ -261,6 +263,12 @@ struct svo_plan {
 static inline bool svo_i_plan_is_part(const svo_plan *plan)
 {
     return plan->part.header.depth != 0;
+}
+
+/* Whether payload is asked for, before it is known what the mesh has. */
+static inline bool svo_i_plan_asks_payload(const svo_plan *plan)
+{
+    return plan->options.need == SVO_NEED_DEFAULT || (plan->options.need & SVO_I_NEED_PAYLOAD) != 0;
 }
 
 /* Whether trees have the mesh's own positions, for rays that meet triangles. */

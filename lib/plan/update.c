@@ -24,7 +24,7 @@
 static svo_status run_kernels(svo_plan *plan, svo_i_device_work *work)
 {
     svo_i_update *update = plan->update;
-    const svo_i_device_totals totals = {update->sums, update->error, update->sums_edges ? update->edges : NULL};
+    const svo_i_device_totals totals = {update->sums, update->sums_edges ? update->edges : NULL};
     update->grid.work = work;
     return svo_i_device_launch(&update->grid, &update->marks, &totals);
 }
@@ -65,7 +65,6 @@ svo_status svo_i_update_take(svo_plan *plan, const char *function, const svo_i_m
     info->outside_triangles = sums[SVO_FATE_OUTSIDE];
     plan->update->kept_triangles = info->triangles - info->refused_triangles - info->outside_triangles;
     plan->update->edge_sums = totals->edges;
-    memcpy(&info->snap_error, &totals->error, sizeof info->snap_error);
     info->area = 0.5 * doubled_areas / (info->scale * info->scale * sqrt(3.0));
     return svo_i_update_check_area(plan, function, info->area);
 }
@@ -75,13 +74,12 @@ static svo_status read_totals(const svo_plan *plan, svo_i_device_work *work, svo
 {
     const svo_i_update *update = plan->update;
     SVO_I_TRY(svo_i_work_read(work, update->sums, 0, totals->sums, sizeof totals->sums));
-    SVO_I_TRY(svo_i_work_read(work, update->error, 0, &totals->error, sizeof totals->error));
     return update->sums_edges ? svo_i_work_read(work, update->edges, 0, &totals->edges, sizeof totals->edges) : SVO_OK;
 }
 
 svo_status svo_i_update_settle(svo_plan *plan, const char *function, cl_command_queue queue)
 {
-    svo_i_mesh_totals totals = {.error = 0};
+    svo_i_mesh_totals totals = {.sums = {0}};
     svo_i_device_work work = {.device = plan->device, .function = function, .queue = queue};
     const cl_event newest = svo_i_in_flight_newest(&plan->update->commands);
     work.wait_count = newest != NULL ? 1 : 0;
@@ -111,7 +109,7 @@ void svo_i_update_destroy(svo_i_update *update)
     svo_i_in_flight_end(&update->commands);
     svo_i_grid_end(&update->grid);
     svo_i_device_mesh_free(&update->mesh);
-    cl_mem *buffers[] = {&update->marks.textured, &update->marks.used, &update->sums, &update->error, &update->edges};
+    cl_mem *buffers[] = {&update->marks.textured, &update->marks.used, &update->sums, &update->edges};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
         svo_i_buffer_release(buffers[i]);
     }
@@ -297,10 +295,8 @@ static bool can_have(const svo_plan *plan, svo_i_class class_id)
     switch (class_id) {
     case SVO_I_CLASS_POINT:
         return plan->info.coverage != SVO_COVERAGE_THIN;
-    case SVO_I_CLASS_NARROW:
-        return plan->voxel_log2 < 14;
     case SVO_I_CLASS_REGULAR:
-        return plan->info.snap_bits <= 20;
+        return plan->info.snap_bits <= SVO_REGULAR_BITS;
     default:
         return true;
     }
@@ -356,7 +352,6 @@ static svo_status make_arrays(svo_plan *plan, svo_i_device_work *work)
     SVO_I_TRY(svo_i_grid_alloc(&update->grid));
     SVO_I_TRY(svo_i_work_result(work, "plan_kept", plan->vertex_count, &update->grid.kept));
     SVO_I_TRY(svo_i_work_result(work, "plan_sums", SVO_PLAN_SUMS * sizeof(cl_ulong), &update->sums));
-    SVO_I_TRY(svo_i_work_result(work, "plan_error", sizeof(cl_ulong), &update->error));
     if ((plan->options.need & SVO_NEED_PROJECTED_AREA) != 0) {
         update->sums_edges = true;
         SVO_I_TRY(svo_i_work_result(work, "plan_edges", sizeof(svo_i_edge_sums), &update->edges));
@@ -455,7 +450,7 @@ static void choose_weights(svo_plan *plan, const uint64_t *totals)
 
 static svo_status take_first(svo_plan *plan, svo_i_device_work *work)
 {
-    svo_i_mesh_totals totals = {.error = 0};
+    svo_i_mesh_totals totals = {.sums = {0}};
     SVO_I_TRY(read_totals(plan, work, &totals));
     plan->work.both_sides = svo_i_edges_are_open(&totals.edges);
     plan->update->sums_edges = false;
@@ -475,8 +470,8 @@ static svo_status warm_tiles(svo_plan *plan, svo_i_device_work *work)
                                         SVO_I_ARGUMENT(memory->indices),
                                         SVO_I_ARGUMENT(memory->items),
                                         SVO_I_ARGUMENT(plan->update->sums),
-                                        SVO_I_ARGUMENT(plan->update->error),
-                                        SVO_I_ARGUMENT(plan->update->error),
+                                        SVO_I_ARGUMENT(plan->update->sums),
+                                        SVO_I_ARGUMENT(plan->update->sums),
                                         SVO_I_ARGUMENT(nothing)};
     return svo_i_work_launch(work, "svo_k_plan_tiles", SVO_I_ARGUMENTS(arguments), plan->triangle_count);
 }

@@ -18,7 +18,6 @@
 #include "core/tree.h"
 #include "shared/solid_layout.h"
 #include "solid/programs.h"
-#include "svocl/nodes.h"
 #include "svocl/plan.h"
 
 static const char function[] = "svo_solid_create";
@@ -300,26 +299,19 @@ static svo_status fill(classifier *c)
     return SVO_OK;
 }
 
-/* The mesh whose crossings count. A part's grid is that of the whole. */
+/* The mesh whose crossings count. */
 static void set_mesh(classifier *c)
 {
     const svo_tree *tree = c->tree;
-    const svo_part_header *header = &tree->part.header;
-    const bool is_part = header->depth != 0;
     c->positions = tree->buffers[SVO_TREE_VERTICES];
-    if (tree->info.is_exact == 0 || tree->info.positions == SVO_POSITIONS_SNAPPED) {
+    if (tree->info.is_exact == 0 || tree->info.positions == SVO_POSITIONS_ROUNDED) {
         return;
     }
     c->params.rounded_to_odd = 1;
+    c->grid = svo_i_grid_params(&tree->part.header, tree->part.level, tree->part.code, tree->info.depth,
+                                tree->info.origin, tree->info.edge);
     c->grid.is_double = tree->info.positions == SVO_POSITIONS_DOUBLE;
     c->positions = tree->buffers[c->grid.is_double ? SVO_TREE_POSITIONS_DOUBLE : SVO_TREE_POSITIONS];
-    c->grid.depth = is_part ? header->depth : tree->info.depth;
-    svo_code_to_cell(tree->part.code, c->grid.corner);
-    for (int axis = 0; axis < 3; ++axis) {
-        c->grid.corner[axis] <<= is_part ? header->depth - tree->part.level : 0;
-    }
-    memcpy(c->grid.origin, is_part ? header->origin : tree->info.origin, sizeof c->grid.origin);
-    memcpy(c->grid.edge, is_part ? &header->edge : &tree->info.edge, sizeof c->grid.edge);
 }
 
 /* Decides all empty children and waits for the counts. info: receives all fields but struct_size. */

@@ -149,7 +149,6 @@ void svo_i_build_fill_info(const svo_i_build *build)
     memcpy(to->origin, from->origin, sizeof to->origin);
     to->edge = from->edge;
     to->scale = from->scale;
-    to->snap_error = from->snap_error;
     to->is_exact = 1;
     to->triangles = from->triangles;
     to->refused_triangles = from->refused_triangles;

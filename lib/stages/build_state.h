@@ -25,6 +25,7 @@
 /* The mesh's attributes on the device. Buffers that the plan does not need are NULL. */
 typedef struct svo_i_surface {
     cl_mem vertices, indices; /* the tree's or those of commands.mesh */
+    cl_mem remainders; /* of the vertices, for stages that read these */
     cl_mem records, colors, normals, uvs, materials, texels;
 } svo_i_surface;
 

@@ -163,7 +163,7 @@ static svo_status launch_parts(filterer *f, cl_kernel kernel, const svo_i_argume
 }
 
 /* The most arguments of a gather kernel. */
-#define GATHER_ARGUMENTS 21
+#define GATHER_ARGUMENTS 22
 
 /* Puts the arguments that the gather kernels have in common: the chunk's fragments, the surface, the sums. */
 static cl_uint put_pairs(const filterer *f, uint32_t chunk, svo_i_argument *arguments)
@@ -175,6 +175,7 @@ static cl_uint put_pairs(const filterer *f, uint32_t chunk, svo_i_argument *argu
                                      SVO_I_ARGUMENT(build->cursors[chunk]),
                                      f->pairs ? SVO_I_ARGUMENT(build->order) : SVO_I_ARGUMENT(f->heads),
                                      SVO_I_ARGUMENT(surface->vertices),
+                                     SVO_I_ARGUMENT(surface->remainders),
                                      SVO_I_ARGUMENT(surface->indices),
                                      SVO_I_ARGUMENT(surface->records),
                                      SVO_I_ARGUMENT(surface->colors),

@@ -5,27 +5,17 @@
  */
 #include "stages/inputs.h"
 
-#include <string.h>
-
 #include "plan/arrays.h"
 
 /* ---- parameters ---- */
 
 svo_decide_params svo_i_decide_params(const svo_plan *plan)
 {
-    const bool is_part = svo_i_plan_is_part(plan);
-    const svo_part_header *header = &plan->part.header;
-    const double *origin = is_part ? header->origin : plan->info.origin;
-    const double *edge = is_part ? &header->edge : &plan->info.edge;
-    svo_decide_params params = {.coverage = (cl_uint)plan->info.coverage,
-                                .is_double =
-                                    svo_i_plan_has(plan->positions_double, plan->memory.positions_double) ? 1 : 0,
-                                .depth = is_part ? header->depth : plan->info.depth};
-    for (unsigned axis = 0; axis < 3; ++axis) {
-        params.corner[axis] = (cl_uint)plan->part.corner[axis] >> plan->voxel_log2;
-    }
-    memcpy(params.origin, origin, sizeof params.origin);
-    memcpy(params.edge, edge, sizeof params.edge);
+    const svo_i_plan_part *part = &plan->part;
+    svo_decide_params params =
+        svo_i_grid_params(&part->header, part->level, part->code, plan->info.depth, plan->info.origin, plan->info.edge);
+    params.coverage = (cl_uint)plan->info.coverage;
+    params.is_double = svo_i_plan_has(plan->positions_double, plan->memory.positions_double) ? 1 : 0;
     return params;
 }
 
@@ -148,7 +138,7 @@ static svo_status take_positions(svo_i_build *build)
     const svo_plan *plan = build->commands.plan;
     svo_tree *tree = build->tree;
     cl_mem positions = NULL;
-    tree->info.positions = SVO_POSITIONS_SNAPPED;
+    tree->info.positions = SVO_POSITIONS_ROUNDED;
     if (!svo_i_plan_stores_positions(plan)) {
         return SVO_OK;
     }
@@ -215,6 +205,10 @@ svo_status svo_i_surface_upload(svo_i_build *build)
     const uint64_t vertices = plan->vertex_count;
     svo_i_stage_begin(&build->commands);
     SVO_I_TRY(get_geometry(build, out));
+    if (plan->work.positions) {
+        SVO_I_TRY(upload(build, "vertex_remainders", plan->remainders, plan->memory.remainders, vertices * 8,
+                         &out->remainders));
+    }
     SVO_I_TRY(upload(build, "records", plan->records, plan->memory.records,
                      (uint64_t)plan->triangle_count * sizeof(svo_triangle_record), &out->records));
     SVO_I_TRY(upload(build, "vertex_colors", plan->colors, plan->memory.colors, vertices * 4, &out->colors));
@@ -229,8 +223,8 @@ svo_status svo_i_surface_upload(svo_i_build *build)
 void svo_i_surface_free(svo_i_build *build)
 {
     svo_i_surface *surface = &build->surface;
-    cl_mem *buffers[] = {&surface->records, &surface->colors,    &surface->normals,
-                         &surface->uvs,     &surface->materials, &surface->texels};
+    cl_mem *buffers[] = {&surface->remainders, &surface->records,   &surface->colors, &surface->normals,
+                         &surface->uvs,        &surface->materials, &surface->texels};
     for (unsigned i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
         svo_i_commands_free(&build->commands, buffers[i]);
     }

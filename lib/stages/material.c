@@ -87,6 +87,7 @@ static svo_status scatter(sorter *s)
         const svo_i_argument arguments[] = {SVO_I_ARGUMENT(build->list.chunks[i].buffer),
                                             SVO_I_ARGUMENT(build->cursors[i]),
                                             SVO_I_ARGUMENT(build->surface.vertices),
+                                            SVO_I_ARGUMENT(build->surface.remainders),
                                             SVO_I_ARGUMENT(build->surface.indices),
                                             SVO_I_ARGUMENT(build->surface.records),
                                             SVO_I_ARGUMENT(s->list_begin),

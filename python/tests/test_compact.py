@@ -29,6 +29,7 @@ def test_a_form_expands_and_traces_as_its_tree(shaded, rays, form):
         assert sum(compact.info.level_leaf) == shaded.info.leaf_count and len(compact.info.level_leaf) == 6
         with compact.expand() as expanded:
             assert expanded.hash(nodes_only=True) == shaded.hash(nodes_only=True)
+            assert expanded.info.is_exact and compact.info.is_exact and shaded.info.is_exact
         expected, hits = shaded.trace_voxels(rays), compact.trace(rays)
         assert 20 < np.isfinite(expected["t"]).sum() < 280
         for field in ("t", "level", "face", "normal"):

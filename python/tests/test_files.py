@@ -90,6 +90,17 @@ def test_a_mesh_file(device, cube, tmp_path):
         assert read.hash() == made.hash()
 
 
+def test_vertices_of_a_mesh_file_are_welded(tmp_path):
+    path = tmp_path / "cracked.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1e-7 0 0\nv 0 0 1\nf 1 2 3\nf 2 4 5\n")
+    assert svocl.read_mesh(path).import_info.welded_vertices == 0
+    mesh = svocl.read_mesh(path, weld=1e-6)
+    assert mesh.import_info.welded_vertices == 1
+    assert len(np.unique(mesh.positions, axis=0)) == 4 and mesh.triangle_count == 2
+    with pytest.raises(svocl.InvalidArgumentError, match="options.weld -1 is not a finite number of at least 0"):
+        svocl.read_mesh(path, weld=-1)
+
+
 def test_a_name_that_is_not_utf8(tmp_path):
     path = os.fsencode(tmp_path) + b"/\xff.obj"
     write_obj(tmp_path / "cube.obj").rename(os.fsdecode(path))
@@ -128,7 +139,7 @@ def test_what_a_file_holds_is_compared_with_what_was_read(tmp_path):
     path = tmp_path / "part.obj"
     path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nf 1 2 3\nl 1 2\n")
     info = svocl.read_mesh(path).import_info
-    assert info == svocl.ImportInfo("obj", 4, 3, 1, 1, 1, 2)
+    assert info == svocl.ImportInfo("obj", 4, 3, 1, 1, 1, 2, 0)
     with pytest.raises(svocl.ImportFailedError, match="left out|belong to no face"):
         svocl.read_mesh(path, strict=True)
     whole = tmp_path / "whole.obj"

@@ -37,16 +37,22 @@ static uint8_t random_mask(void *user, uint32_t level, uint64_t code)
     return mask != 0 ? mask : 16;
 }
 
-static svo_compact *make(const fixture *opened, uint32_t depth, uint32_t need, svo_form form)
+static svo_compact *make_of(const fixture *opened, const svo_tree *tree, svo_form form)
 {
-    uint64_t seed = 3 + depth;
-    svo_tree *tree = hand_tree(depth, random_mask, &seed, need, depth / 2);
     const svo_compact_options options = {.struct_size = sizeof options, .form = form};
     svo_compact *made = NULL;
     if (svo_compact_create(opened->device, tree, &options, opened->queue, &made) != SVO_OK ||
         svo_compact_download(made, opened->queue) != SVO_OK) {
         fail_msg("%s", svo_device_message(opened->device));
     }
+    return made;
+}
+
+static svo_compact *make(const fixture *opened, uint32_t depth, uint32_t need, svo_form form)
+{
+    uint64_t seed = 3 + depth;
+    svo_tree *tree = hand_tree(depth, random_mask, &seed, need, depth / 2);
+    svo_compact *made = make_of(opened, tree, form);
     svo_tree_destroy(&tree);
     return made;
 }
@@ -167,6 +173,97 @@ static void what_is_saved_is_loaded(void **state)
         svo_compact_destroy(&loaded);
         svo_compact_destroy(&made);
     }
+}
+
+/* ---- whether voxels are those of the mesh as it was given ---- */
+
+static uint32_t exactness_of(const svo_compact *compact)
+{
+    svo_compact_info info = SVO_COMPACT_INFO_INIT;
+    assert_int_equal(svo_compact_get_info(compact, &info), SVO_OK);
+    return info.is_exact;
+}
+
+/* What the bytes of a file hold. */
+static svo_compact *load_bytes(const bytes *file)
+{
+    svo_compact *loaded = NULL;
+    svo_message message = {""};
+    if (svo_compact_load(svo_from_memory(file->data, file->count, "file"), NULL, &loaded, &message) != SVO_OK) {
+        fail_msg("%s", message.text);
+    }
+    return loaded;
+}
+
+/* Checks the tree that a compact tree expands to, its .svo file, and what it is made compact to again. */
+static void check_expanded(const fixture *opened, svo_compact *compact, uint32_t is_exact)
+{
+    svo_tree *tree = NULL;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    bytes file = {NULL, 0};
+    assert_int_equal(svo_compact_expand(compact, opened->queue, &tree), SVO_OK);
+    assert_int_equal(svo_tree_get_info(tree, &info), SVO_OK);
+    assert_int_equal(info.is_exact, is_exact);
+    assert_int_equal(svo_tree_download(tree, opened->queue), SVO_OK);
+    assert_int_equal(svo_tree_save(tree, svo_to_callback(append, &file), NULL, NULL), SVO_OK);
+    assert_int_equal(file.data[8], is_exact != 0 ? 4 : 3);
+    free(file.data);
+    svo_compact *again = make_of(opened, tree, SVO_FORM_IMPLIED);
+    assert_int_equal(exactness_of(again), is_exact);
+    svo_compact_destroy(&again);
+    svo_tree_destroy(&tree);
+}
+
+static void exactness_is_kept(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    for (uint32_t turn = 0; turn < 2 * SVO_FORM_COUNT; ++turn) {
+        uint64_t seed = 5;
+        svo_tree *tree = hand_tree(4, random_mask, &seed, PAYLOAD, 2);
+        const svo_compact_options options = {.struct_size = sizeof options, .form = (svo_form)(turn / 2)};
+        svo_compact_info planned = SVO_COMPACT_INFO_INIT;
+        tree->info.is_exact = turn % 2;
+        assert_int_equal(svo_compact_plan(tree, &options, &planned), SVO_OK);
+        assert_int_equal(planned.is_exact, turn % 2);
+        svo_compact *made = make_of(&opened, tree, options.form);
+        assert_int_equal(exactness_of(made), turn % 2);
+        bytes file = bytes_of(made, turn >= SVO_FORM_COUNT);
+        assert_int_equal(file.data[8], 1 + turn % 2);
+        svo_compact *loaded = load_bytes(&file);
+        assert_same(made, loaded);
+        assert_int_equal(svo_compact_upload(loaded, opened.device, opened.queue), SVO_OK);
+        check_expanded(&opened, loaded, turn % 2);
+        free(file.data);
+        svo_compact_destroy(&loaded);
+        svo_compact_destroy(&made);
+        svo_tree_destroy(&tree);
+    }
+}
+
+/* A file that was written before version 2 has these bytes, and version 1. */
+static void older_files_are_not_exact(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    char hashes[2][SVO_HASH_TEXT_BYTES];
+    uint64_t seed = 6;
+    svo_tree *tree = hand_tree(4, random_mask, &seed, PAYLOAD, 2);
+    tree->info.is_exact = 1;
+    svo_compact *made = make_of(&opened, tree, SVO_FORM_DESCRIPTOR);
+    bytes file = bytes_of(made, false);
+    file.data[8] = 1;
+    svo_compact *loaded = load_bytes(&file);
+    assert_int_equal(exactness_of(loaded), 0);
+    assert_int_equal(svo_compact_hash(made, hashes[0]), SVO_OK);
+    assert_int_equal(svo_compact_hash(loaded, hashes[1]), SVO_OK);
+    assert_string_equal(hashes[0], hashes[1]);
+    for (uint8_t version = 0; version < 4; version = (uint8_t)(version + 3)) {
+        file.data[8] = version;
+        assert_damaged(&file, "version", version);
+    }
+    free(file.data);
+    svo_compact_destroy(&loaded);
+    svo_compact_destroy(&made);
+    svo_tree_destroy(&tree);
 }
 
 /* ---- damage ---- */
@@ -296,7 +393,8 @@ TEST_GROUP(compact_seeds)
 TEST_GROUP(compact_file)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_saved_is_loaded), cmocka_unit_test(every_cut_and_every_flipped_bit_is_noticed),
+        cmocka_unit_test(what_is_saved_is_loaded),      cmocka_unit_test(exactness_is_kept),
+        cmocka_unit_test(older_files_are_not_exact),    cmocka_unit_test(every_cut_and_every_flipped_bit_is_noticed),
         cmocka_unit_test(damaged_structure_is_noticed), cmocka_unit_test(wrong_arguments_are_refused)};
     return cmocka_run_group_tests_name("compact_file", tests, fixture_folder_setup, fixture_folder_teardown);
 }

@@ -149,7 +149,7 @@ static void keep_warning(void *user, svo_log_level level, const char *text)
 static svo_status run_import(subject *of)
 {
     svo_import *import = NULL;
-    const svo_import_options options = {.struct_size = sizeof options, .child_program = "/proc/self/exe"};
+    const svo_import_options options = {.struct_size = sizeof options, .child_program = "/proc/self/exe", .weld = 1e-9};
     const svo_status status = svo_import_file(of->mesh_path, &options, keep_warning, of, &import, &of->message);
     if (status == SVO_OK) {
         const svo_mesh *mesh = svo_import_mesh(import);

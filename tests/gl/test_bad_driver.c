@@ -266,27 +266,28 @@ static void spoil_list_for_cl(svo_i_gl_functions *functions)
     functions->UnmapBuffer = unmap_nothing;
 }
 
-/* Damages the list before the first shader reads it. */
-static bool list_spoilt;
+/* Damages the list before a launch: the first decides what rasterization left undecided, the next builds the tree. */
+enum { LAUNCH_DECIDE, LAUNCH_MARK };
+static unsigned launches, launch_spoilt;
 
 static void APIENTRY dispatch_on_list(GLuint columns, GLuint rows, GLuint layers)
 {
     GLint chunk = 0;
     GLint64 bytes = 0;
-    if (!list_spoilt) {
+    if (launches++ == launch_spoilt) {
         honest.GetIntegeri_v(GL_SHADER_STORAGE_BUFFER_BINDING, 0, &chunk);
         honest.BindBuffer(GL_COPY_WRITE_BUFFER, (GLuint)chunk);
         honest.GetBufferParameteri64v(GL_COPY_WRITE_BUFFER, GL_BUFFER_SIZE, &bytes);
         assert_in_range(bytes, 8, sizeof list);
         honest.BufferSubData(GL_COPY_WRITE_BUFFER, 0, (GLsizeiptr)bytes, list);
-        list_spoilt = true;
     }
     honest.DispatchCompute(columns, rows, layers);
 }
 
 static void spoil_list_in_gl(svo_i_gl_functions *functions)
 {
-    list_spoilt = false;
+    launches = 0;
+    launch_spoilt = LAUNCH_MARK;
     functions->DispatchCompute = dispatch_on_list;
 }
 
@@ -343,6 +344,29 @@ static void nonsense_fragments_are_a_status(void **state)
     expect_nonsense_noticed(&(method){SVO_BUILDER_CL, "svo_build: ", build, spoil_list_for_cl});
     expect_nonsense_noticed(&(method){SVO_BUILDER_SORTED, "svo_build: ", build, spoil_list_for_cl});
     expect_nonsense_noticed(&(method){SVO_BUILDER_CL, "svo_gl_build: ", build_in_gl, spoil_list_in_gl});
+}
+
+/* The same where a shader decides them. */
+static void nonsense_undecided_fragments_are_a_status(void **state)
+{
+    (void)state;
+    bad_setup setup;
+    open_setup(SVO_GL_SHARE_COPY, &setup);
+    memset(list, 0, sizeof list);
+    assert_int_equal(build_in_gl(&setup), SVO_OK);
+    for (int i = 0; i < 2; ++i) {
+        for (size_t word = 1; word < sizeof list / sizeof list[0]; word += 2) {
+            list[word] = i == 0 ? UINT32_MAX : TRIANGLES;
+        }
+        spoil(setup.opened.context);
+        spoil_list_in_gl(&setup.opened.context->functions);
+        launch_spoilt = LAUNCH_DECIDE;
+        const svo_status status = build_in_gl(&setup);
+        mend(setup.opened.context);
+        assert_int_equal(status, SVO_GL_ERROR);
+        assert_words(&setup, "of no triangle");
+    }
+    close_setup(&setup);
 }
 
 /* Counters that no scene can reach: a list of that size is impossible. */
@@ -557,6 +581,7 @@ TEST_GROUP(bad_driver)
         cmocka_unit_test(failure_while_starting_is_a_status),
         cmocka_unit_test(mapping_that_fails_is_a_status),
         cmocka_unit_test(nonsense_fragments_are_a_status),
+        cmocka_unit_test(nonsense_undecided_fragments_are_a_status),
         cmocka_unit_test(nonsense_counters_are_a_status),
         cmocka_unit_test(nonsense_limits_are_a_status),
         cmocka_unit_test(compilers_that_fail_are_a_status),

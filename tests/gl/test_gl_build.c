@@ -117,6 +117,41 @@ static void deep_trees_are_the_same(void **state)
     attributed_mesh_destroy(&made);
 }
 
+static unsigned copies;
+static PFNGLCOPYBUFFERSUBDATAPROC honest_copy;
+
+static void APIENTRY count_copy(GLenum from, GLenum to, GLintptr read, GLintptr written, GLsizeiptr bytes)
+{
+    ++copies;
+    honest_copy(from, to, read, written, bytes);
+}
+
+/* Undecided fragments are decided in OpenGL, and copied there; by the host if the mesh exceeds a storage block. */
+static void undecided_fragments_give_the_same_tree(void **state)
+{
+    static const double corner[3] = {0.3, 0.4, 0.5};
+    const fixture *opened = fixture_of_group(state);
+    svo_i_gl_functions *functions = &opened->context->functions;
+    const svo_i_gl_functions honest = *functions;
+    owned_mesh made;
+    random_dust(8, 4000, corner, 0.05, &made);
+    honest_copy = functions->CopyBufferSubData;
+    for (int i = 0; i < 2 * 3; ++i) {
+        const unsigned depth = 10 + (unsigned)i % 2; /* codes of both lengths */
+        const svo_plan_options options = {
+            .need = SVO_NEED_RAYS, .coverage = (svo_coverage)(i % 3), .edge = ldexp(1.0, (int)depth - 5)};
+        svo_build_report report;
+        copies = 0;
+        functions->CopyBufferSubData = count_copy;
+        functions->limits.storage_block_bytes = i < 3 ? honest.limits.storage_block_bytes : 4000 * 3 * 24;
+        assert_same_tree(opened, &made.mesh, depth, &options, &report);
+        *functions = honest;
+        assert_true(report.undecided > 50);
+        assert_int_equal(copies, i < 3 ? 1 : 0);
+    }
+    owned_mesh_free(&made);
+}
+
 static void cut_lists_give_the_same_tree(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -375,6 +410,7 @@ TEST_GROUP(gl_build)
         cmocka_unit_test(every_need_and_weight_gives_the_same_payload),
         cmocka_unit_test(every_coverage_and_depth_gives_the_same_tree),
         cmocka_unit_test(deep_trees_are_the_same),
+        cmocka_unit_test(undecided_fragments_give_the_same_tree),
         cmocka_unit_test(cut_lists_give_the_same_tree),
         cmocka_unit_test(nodes_that_do_not_fit_are_made_again),
         cmocka_unit_test(crowds_in_a_voxel_give_the_same_lists),

@@ -404,7 +404,7 @@ static void make_needle(uint64_t *random, double *corners)
 /* A cycle of four: smaller than a voxel, narrow, regular, and across a face of the grid. */
 static void make_mixed(uint64_t seed, mixed_mesh *out)
 {
-    static const double widths[4] = {0.0001, 0.01, 0.08, 0.05};
+    static const double widths[4] = {0.0001, 0.01, 0.3, 0.05};
     uint64_t random = seed;
     for (int t = 0; t < MIXED_TRIANGLES; ++t) {
         double *corners = out->positions + (size_t)t * 9;
@@ -416,7 +416,7 @@ static void make_mixed(uint64_t seed, mixed_mesh *out)
         const int outside_axis = t % 4 == 3 ? (int)random_below(&random, 3) : -1;
         for (int axis = 0; axis < 3; ++axis) {
             const double face = random_below(&random, 2);
-            const double center = axis == outside_axis ? face : random_between(&random, 0.1, 0.9);
+            const double center = axis == outside_axis ? face : random_between(&random, 0.1 + width, 0.9 - width);
             for (int i = 0; i < 3; ++i) {
                 corners[3 * i + axis] = center + random_between(&random, -width, width);
             }
@@ -435,8 +435,8 @@ static svo_plan *plan_mixed(svo_device *device, const mixed_mesh *mixed, unsigne
         fail_msg("%s", svo_device_message(device));
     }
     for (int c = 0; c < SVO_I_CLASS_COUNT; ++c) {
-        /* Voxels of depth 5 are too large for narrow triangles. */
-        if (plan->class_begin[c] == plan->class_begin[c + 1] && (depth > 5 || c != SVO_I_CLASS_NARROW)) {
+        /* Below depth 8 all triangles are narrow enough. */
+        if (plan->class_begin[c] == plan->class_begin[c + 1] && (depth >= 8 || c != SVO_I_CLASS_REGULAR)) {
             fail_msg("depth %u: no triangle of class %d", depth, c);
         }
     }

@@ -30,8 +30,8 @@ static void pin_plan_info(pins *all, const svo_plan *plan)
              "snap_bits %u need %x constant %x triangles %" PRIu64 " refused %" PRIu64 " outside %" PRIu64,
              (unsigned)info.snap_bits, (unsigned)info.need, (unsigned)info.constant, info.triangles,
              info.refused_triangles, info.outside_triangles);
-    pin_text(all, "grid", "origin %a %a %a edge %a scale %a snap_error %a", info.origin[0], info.origin[1],
-             info.origin[2], info.edge, info.scale, info.snap_error);
+    pin_text(all, "grid", "origin %a %a %a edge %a scale %a", info.origin[0], info.origin[1], info.origin[2], info.edge,
+             info.scale);
     pin_text(all, "estimate", "fragments %a area %a weight_log2 %u ray depth %u tree bytes %" PRIu64,
              info.expected_fragments, info.area, (unsigned)info.weight_log2, info.ray_depth, info.tree_bytes);
 }

@@ -132,7 +132,7 @@ svo_tree *small_tree_make(const uint32_t *codes, size_t count, uint32_t need)
     tree->host[SVO_TREE_FIRST_CHILD] = first_child;
     fill_payload(tree);
     info->need = need;
-    info->positions = (need & SVO_NEED_RAYS) != 0 ? SVO_POSITIONS_FLOAT : SVO_POSITIONS_SNAPPED;
+    info->positions = (need & SVO_NEED_RAYS) != 0 ? SVO_POSITIONS_FLOAT : SVO_POSITIONS_ROUNDED;
     for (int i = 0; i < SVO_TREE_BUFFER_COUNT; ++i) {
         if (!svo_i_tree_holds(info, (svo_tree_buffer)i)) {
             svo_i_free(tree->host[i]);

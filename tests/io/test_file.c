@@ -367,6 +367,25 @@ static void expect_word_refused(uint8_t *bytes, size_t byte_count, size_t offset
     free(copy);
 }
 
+/* The version says whether voxels are those of the mesh as it was given. */
+static void test_exactness_is_kept(void **unused)
+{
+    (void)unused;
+    for (uint32_t is_exact = 0; is_exact < 2; ++is_exact) {
+        svo_tree *tree = small_tree(NEED_WITHOUT_RAYS);
+        svo_tree *loaded = NULL;
+        size_t byte_count = 0;
+        tree->info.is_exact = is_exact;
+        uint8_t *bytes = save_to_memory(tree, 0, &byte_count);
+        assert_int_equal(bytes[8], 3 + is_exact);
+        assert_int_equal(svo_tree_load(svo_from_memory(bytes, byte_count, "file"), NULL, &loaded, NULL), SVO_OK);
+        assert_int_equal(loaded->info.is_exact, is_exact);
+        free(bytes);
+        svo_tree_destroy(&loaded);
+        svo_tree_destroy(&tree);
+    }
+}
+
 static void test_broken_headers_are_named(void **unused)
 {
     (void)unused;
@@ -388,7 +407,6 @@ static void test_broken_headers_are_named(void **unused)
     expect_word_refused(bytes, byte_count, 52, 3, "weights 3 are not known");
     expect_word_refused(bytes, byte_count, 48, NEED_ALL | (uint32_t)SVO_NEED_FILL << 16, "constant 0x");
     expect_word_refused(bytes, byte_count, 52, 9u << 16, "payload_level 9 is above depth");
-    expect_word_refused(bytes, byte_count, 100, 0xbff00000, "snap_error -1");
     expect_word_refused(bytes, byte_count, 60, 0x7ff00000, "origin is not finite");
     expect_word_refused(bytes, byte_count, 84, 0xbff00000, "edge");
     expect_word_refused(bytes, byte_count, 112, 100, "100 of 9 triangles refused");
@@ -397,6 +415,27 @@ static void test_broken_headers_are_named(void **unused)
     expect_word_refused(bytes, byte_count, 128 + 17 * 4, 1, "level_begin[17] is not 0");
     expect_word_refused(bytes, byte_count, 200 + 40 * 2, 99, "chunk 2: kind is 0x63, 0x3 (normals of level 0)");
     expect_word_refused(bytes, byte_count, 200 + 4, 7, "chunk child_mask of level 0: codec 7 is not known");
+    free(bytes);
+    svo_tree_destroy(&tree);
+}
+
+/* Files that svocl wrote before have a distance where zeros are now. */
+static void test_reserved_bytes_are_not_read(void **unused)
+{
+    (void)unused;
+    svo_tree *tree = small_tree(NEED_ALL);
+    size_t byte_count = 0;
+    uint8_t *bytes = save_to_memory(tree, 0, &byte_count);
+    static const uint8_t zeros[8] = {0};
+    svo_tree *again = NULL;
+    svo_message message;
+    assert_memory_equal(bytes + 96, zeros, sizeof zeros);
+    memset(bytes + 96, 0xff, sizeof zeros);
+    seal(bytes);
+    if (svo_tree_load(svo_from_memory(bytes, byte_count, "name"), NULL, &again, &message) != SVO_OK) {
+        fail_msg("%s", message.text);
+    }
+    svo_tree_destroy(&again);
     free(bytes);
     svo_tree_destroy(&tree);
 }
@@ -521,7 +560,7 @@ static void test_broken_structure_is_named(void **unused)
     expect_word_refused(bytes, byte_count, (size_t)find_chunk(bytes, SVO_TREE_TRIANGLE_IDS)->offset + 4, 9,
                         "not ascending below 9");
     expect_word_refused(bytes, byte_count, (size_t)find_chunk(bytes, SVO_TREE_POSITIONS)->offset + 12, 0x40600000,
-                        "vertex 1: position 3.5 is not that of the snapped coordinate 9");
+                        "vertex 1: position 3.5 does not round to the coordinate 9");
     expect_word_refused(bytes, byte_count, (size_t)find_chunk(bytes, SVO_TREE_POSITIONS)->offset, 0x7fc00000,
                         "vertex 0: position nan");
     free(bytes);
@@ -786,7 +825,9 @@ TEST_GROUP(file)
         cmocka_unit_test(test_trees_have_a_limit_of_voxels),
         cmocka_unit_test(test_foreign_files_are_named),
         cmocka_unit_test(test_files_that_cannot_be_read),
+        cmocka_unit_test(test_exactness_is_kept),
         cmocka_unit_test(test_broken_headers_are_named),
+        cmocka_unit_test(test_reserved_bytes_are_not_read),
         cmocka_unit_test(test_a_chunk_cannot_promise_more_than_it_holds),
         cmocka_unit_test(test_a_chunk_that_unpacks_to_less),
         cmocka_unit_test(test_chunks_that_do_not_fit_the_file_are_named),

@@ -173,15 +173,20 @@ static void test_upper_levels_are_those_of_the_tree(void **unused)
 static void test_a_tree_of_upper_levels_can_be_saved(void **unused)
 {
     (void)unused;
-    svo_tree *tree = small_tree(NEED_ALL);
-    write_tree(tree, 0);
-    svo_tree *upper = load_levels(2);
-    write_tree(upper, 1);
-    svo_tree *again = load_levels(2);
-    assert_same_tree(upper, again);
-    svo_tree_destroy(&again);
-    svo_tree_destroy(&upper);
-    svo_tree_destroy(&tree);
+    for (uint32_t is_exact = 0; is_exact < 2; ++is_exact) {
+        svo_tree *tree = small_tree(NEED_ALL);
+        tree->info.is_exact = is_exact;
+        write_tree(tree, 0);
+        svo_tree *upper = load_levels(2);
+        assert_int_equal(upper->info.is_exact, is_exact);
+        write_tree(upper, 1);
+        svo_tree *again = load_levels(2);
+        assert_int_equal(again->info.is_exact, is_exact);
+        assert_same_tree(upper, again);
+        svo_tree_destroy(&again);
+        svo_tree_destroy(&upper);
+        svo_tree_destroy(&tree);
+    }
 }
 
 /* Every byte after the chunks of the upper levels is destroyed. */
@@ -242,12 +247,12 @@ static void test_older_files_give_the_same_trees(void **unused)
                 svo_tree_destroy(&upper);
             }
             svo_tree *all = load_levels(SMALL_TREE_DEPTH);
-            if (version == 1 && tree->info.positions != SVO_POSITIONS_SNAPPED) {
-                assert_int_equal(all->info.positions, SVO_POSITIONS_SNAPPED);
+            if (version == 1 && tree->info.positions != SVO_POSITIONS_ROUNDED) {
+                assert_int_equal(all->info.positions, SVO_POSITIONS_ROUNDED);
                 assert_null(all->host[SVO_TREE_POSITIONS]);
                 svo_i_free(tree->host[SVO_TREE_POSITIONS]);
                 tree->host[SVO_TREE_POSITIONS] = NULL;
-                tree->info.positions = SVO_POSITIONS_SNAPPED;
+                tree->info.positions = SVO_POSITIONS_ROUNDED;
             }
             assert_same_tree(tree, all);
             svo_tree_destroy(&all);

@@ -15,7 +15,6 @@ static clip_probe_output clip_lane(long doubled_area, long u, long v, clip_probe
     return found;
 }
 
-/* The records' voxels: all of one size in each eight. */
 __kernel void clip_lanes_all(__global const clip_probe_input *given, __global clip_probe_output *found, uint item_count)
 {
     const uint i = (uint)get_global_id(0);
@@ -24,21 +23,21 @@ __kernel void clip_lanes_all(__global const clip_probe_input *given, __global cl
     }
     given += 8u * i;
     found += 8u * i;
-    int corners[9][8];
+    const double sub_units = (double)(1 << (SVO_SUB_LOG2 - given->voxel_log2));
+    double numbers[9][8];
     for (uint lane = 0; lane < 8u; ++lane) {
         for (uint k = 0; k < 9u; ++k) {
-            corners[k][lane] = given[lane].corners[k];
+            numbers[k][lane] = given[lane].corners[k] * sub_units + given[lane].remainders[k];
         }
     }
-    const double sub_units = (double)(1 << (SVO_SUB_LOG2 - given->voxel_log2));
-    int8 whole[9];
+    double8 corners[9];
     double8 at[3][3];
     for (uint k = 0; k < 9u; ++k) {
-        whole[k] = vload8(0, corners[k]);
-        at[k % 3u][k / 3u] = convert_double8(whole[k]) * sub_units;
+        corners[k] = vload8(0, numbers[k]);
+        at[k % 3u][k / 3u] = corners[k];
     }
     const svo_parts parts = svo_clip_lanes(at[0], at[1], at[2]);
-    const long8 full = svo_lanes_full(whole, (uint)given->voxel_log2);
+    const long8 full = svo_lanes_full(corners);
     long results[3][8];
     vstore8(select(parts.doubled_area, (long8)(2L * SVO_SUB_EDGE * SVO_SUB_EDGE), full), 0, results[0]);
     vstore8(select(parts.u, (long8)(SVO_SUB_EDGE / 2), full), 0, results[1]);

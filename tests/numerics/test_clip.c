@@ -30,6 +30,17 @@ extern const char clip_lanes_source_cl[];
 
 enum { RECORDS = 20000 };
 
+/* Remainders of odd corners, of half of the records. */
+static void add_remainders(uint64_t *state, clip_probe_input *out)
+{
+    const int32_t most = 1 << (SVO_SUB_LOG2 - out->voxel_log2);
+    const bool any = random_below(state, 2) == 0;
+    for (int i = 0; i < 9; ++i) {
+        const bool has = any && (out->corners[i] & 1) != 0;
+        out->remainders[i] = has ? (int32_t)random_below(state, 2 * (uint32_t)most + 1) - most : 0;
+    }
+}
+
 /* Voxels of 2^8, 2^11 and 2^19 units with triangles around them: smaller than a voxel, a few voxels and very many
    voxels large, slivers, in a voxel's face, with corners on voxel corners, and at the limits of the coordinates. */
 static void make_record(uint64_t *state, clip_probe_input *out)
@@ -54,6 +65,7 @@ static void make_record(uint64_t *state, clip_probe_input *out)
     if (kind == 3) {
         out->corners[2] = out->corners[5] = out->corners[8] = random_below(state, 2) == 0 ? 0 : w;
     }
+    add_remainders(state, out);
 }
 
 static clip_probe_input *make_records(void)
@@ -146,6 +158,7 @@ static void make_lane_records(uint64_t *state, clip_probe_input *out)
                          (rise > 0 ? (int32_t)random_below(state, (uint32_t)rise) - rise / 2 : 0);
             corners[2] = random_below(state, 4) == 0 ? (corners[2] > w / 2 ? w : 0) : corners[2];
         }
+        add_remainders(state, &out[lane]);
     }
 }
 
@@ -185,9 +198,19 @@ static double corner_error(const clip_probe_input *given)
 /* Converts a record to a pair: u, v, t become x, y, z. */
 static void open_record(const clip_probe_input *given, payload_pair *out)
 {
-    *out = (payload_pair){.box = {.width = 1 << given->voxel_log2}};
-    for (int corner = 0; corner < 3; ++corner) {
-        out->corners[corner] = given->corners + 3 * corner;
+    *out = (payload_pair){.indices = {0}};
+    for (int i = 0; i < 9; ++i) {
+        const int64_t sub_units = INT64_C(1) << (SVO_SUB_LOG2 - given->voxel_log2);
+        out->corners[i / 3][i % 3] = given->corners[i] * sub_units + given->remainders[i];
+    }
+}
+
+static void double_normal(const payload_pair *pair, double normal[3])
+{
+    int64_t exact_normal[3];
+    payload_pair_normal(pair->corners, exact_normal);
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        normal[axis] = (double)exact_normal[axis];
     }
 }
 
@@ -203,11 +226,8 @@ static void area_and_centroid_match_the_clipped_triangle(void **state)
         double centroid[3] = {0.0, 0.0, 0.0};
         open_record(&given[i], &pair);
         const clip_probe_output found = clip_probe(given[i]);
-        const int64_t first[3] = {pair.corners[0][0], pair.corners[0][1], pair.corners[0][2]};
         double n[3];
-        for (unsigned axis = 0; axis < 3; ++axis) {
-            n[axis] = (double)payload_area_seen(first, pair.corners[1], pair.corners[2], axis);
-        }
+        double_normal(&pair, n);
         const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
         const double seen = length > 0.0 ? payload_double_part(&pair, centroid) * fabs(n[2]) / length : 0.0;
         const double area = ldexp((double)found.area[1] * 2147483648.0 + found.area[0], -2 * SVO_SUB_LOG2 - 1);
@@ -217,7 +237,7 @@ static void area_and_centroid_match_the_clipped_triangle(void **state)
         }
         worst_area = fmax(worst_area, given[i].voxel_log2 == 11 ? fabs(area - seen) : 0.0);
         /* Checked for parts with enough area only: the centroid of a tiny part may lie anywhere in it. */
-        const double w = ldexp(1.0, given[i].voxel_log2);
+        const double w = (double)PAYLOAD_WIDTH;
         const double moved = seen > 0.0 ? 4.0 * allowed / seen : 1.0;
         if (moved < 0.01 && (fabs(ldexp(found.u, -SVO_SUB_LOG2) - centroid[0] / w) > moved ||
                              fabs(ldexp(found.v, -SVO_SUB_LOG2) - centroid[1] / w) > moved)) {
@@ -254,28 +274,23 @@ static void sum_pieces(const svo_mesh *mesh, unsigned depth, const svo_plan_opti
     exact_create(mesh, depth, options, &snapped);
     *whole = *pieces = 0.0;
     for (size_t t = 0; t < snapped.triangle_count; ++t) {
-        payload_pair pair = {.box = {.width = 1 << snapped.grid.snap_bits}};
+        double triangle[3][3];
         double centroid[3];
-        for (unsigned corner = 0; corner < 3; ++corner) {
-            pair.corners[corner] = snapped.vertices + (size_t)snapped.indices[t * 3 + corner] * 3;
+        for (unsigned k = 0; k < 9; ++k) {
+            triangle[k / 3][k % 3] = (double)snapped.fine[(size_t)snapped.indices[t * 3 + k / 3] * 3 + k % 3];
         }
-        *whole += payload_double_part(&pair, centroid);
+        *whole += oracle_part(triangle, ldexp(1.0, SVO_SUB_LOG2 + (int)depth), centroid);
     }
     for (size_t i = 0; i < snapped.pairs.count; ++i) {
         payload_pair pair;
         int64_t corners[SVO_PART_WORDS];
         payload_pair_open(&snapped, &snapped.pairs.pairs[i], &pair);
         const unsigned axis = payload_pair_axis(pair.corners);
-        const int64_t sub_units = (INT64_C(1) << SVO_SUB_LOG2) / pair.box.width;
         for (unsigned k = 0; k < 9; ++k) {
-            const unsigned along = (axis + 1 + k % 3) % 3;
-            corners[k] = ((int64_t)pair.corners[k / 3][along] - pair.box.corner[along]) * sub_units;
+            corners[k] = pair.corners[k / 3][(axis + 1 + k % 3) % 3];
         }
-        const int64_t first[3] = {pair.corners[0][0], pair.corners[0][1], pair.corners[0][2]};
         double n[3];
-        for (unsigned k = 0; k < 3; ++k) {
-            n[k] = (double)payload_area_seen(first, pair.corners[1], pair.corners[2], k);
-        }
+        double_normal(&pair, n);
         const double stretch = n[axis] != 0.0 ? sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) / fabs(n[axis]) : 0.0;
         *pieces += ldexp((double)svo_clip(corners).doubled_area * stretch, -2 * (SVO_SUB_LOG2 + (int)depth) - 1);
     }

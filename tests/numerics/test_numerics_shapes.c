@@ -239,7 +239,7 @@ static void t3_needles_across_deep_grids_are_exact(void **state)
 }
 
 /*
- * T4 pairs, far from the origin: the tree of the mesh is exact, and the snap error is reported.
+ * T4 pairs, far from the origin: the tree of the mesh is exact.
  */
 static void t4_meshes_at_any_offset_are_exact(void **state)
 {
@@ -253,13 +253,7 @@ static void t4_meshes_at_any_offset_are_exact(void **state)
         }
         const svo_plan_options options = {
             .struct_size = sizeof options, .need = SVO_NEED_RAYS, .coverage = coverages[i % COVERAGES]};
-        built actual;
-        fixture_build(opened, &made.mesh, 7, &options, &actual);
-        print_message("offset %g: seed %zu, snap error %.3g of an edge of 1\n", offsets[i], 400 + i,
-                      actual.info.snap_error);
-        /* A unit, plus the rounding error of doubles of this magnitude. */
-        assert_true(actual.info.snap_error <= 1.01 * 0x1p-20 + 4.0 * offsets[i] * 0x1p-52);
-        built_destroy(&actual);
+        print_message("offset %g: seed %zu\n", offsets[i], 400 + i);
         build_and_compare(opened, &made.mesh, 7, &options);
         owned_mesh_free(&made);
     }
@@ -339,7 +333,8 @@ static void t8_an_extent_beyond_doubles_is_refused(void **state)
  * T9 depths.
  */
 
-/* Needles of up to a thousand voxels, and triangles of a few voxels at the depth. */
+/* Needles of up to a thousand voxels, and triangles of a few voxels at the depth, of some dozens, and of a hundred,
+   whose units are the coarsest. */
 static void make_for_depth(uint64_t seed, unsigned depth, owned_mesh *out)
 {
     enum { COUNT = 60, NEEDLES = 6 };
@@ -347,7 +342,7 @@ static void make_for_depth(uint64_t seed, unsigned depth, owned_mesh *out)
     random_mesh(seed, COUNT, 0.0, out);
     for (size_t t = 0; t < COUNT; ++t) {
         double *corners = out->positions + t * 9;
-        const double extent = ldexp(t % 3 == 0 ? 40.0 : 3.0, -(int)depth);
+        const double extent = ldexp(t % 20 == 19 ? 120.0 : t % 3 == 0 ? 40.0 : 3.0, -(int)depth);
         for (unsigned k = 0; k < 9; ++k) {
             const double start = k < 3 ? random_unit(&random) : corners[k % 3];
             corners[k] = fmin(fmax(start + (random_unit(&random) - 0.5) * extent, 0.0), 1.0);

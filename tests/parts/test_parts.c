@@ -949,6 +949,51 @@ static void test_damaged_folders(void **state)
     attributed_mesh_destroy(&made);
 }
 
+/* Gives a folder's plan and its first part the version before, which only the plan's checksum covers. */
+static void make_older(const char *folder, const char *part)
+{
+    char plan[PATH_BYTES + 16];
+    size_t bytes = 0;
+    (void)snprintf(plan, sizeof plan, "%s/plan", folder);
+    char *content = read_file(plan, &bytes);
+    content[16] = 1;
+    const uint64_t sum = XXH3_64bits(content + 16, bytes - 16);
+    memcpy(content + 8, &sum, sizeof sum);
+    write_file(plan, content, bytes);
+    free(content);
+    overwrite(part, 8, 1);
+}
+
+/* Parts of version 1 are of the rounded mesh: they do not become parts of a tree of the mesh as it was given. */
+static void test_older_folders(void **state)
+{
+    attributed_mesh made;
+    svo_message message;
+    svo_parts *parts = NULL;
+    char folder[PATH_BYTES];
+    char part[PATH_BYTES + 16];
+    attributed_mesh_create(33, 20, 0.0, &made);
+    path_of("folder", folder);
+    (void)snprintf(part, sizeof part, "%s/0-0.part", folder);
+    job j = open_job(state, &made.mesh);
+    for (int turn = 0; turn < 2; ++turn) {
+        check(&j, svo_parts_create(j.opened.device, &made.mesh, 3, NULL, (uint64_t)1 << 40, folder, &message),
+              &message);
+        assert_false(is_built(&j, folder, 0));
+        build_folder(&j, j.opened.device, folder);
+        assert_true(is_built(&j, folder, 0));
+        make_older(folder, part);
+        assert_int_equal(svo_parts_open(folder, &parts, &message), SVO_FILE_DAMAGED);
+        assert_non_null(strstr(message.text, "plan: version 1 is not known, only 2; planning the parts again"));
+    }
+    const svo_part_header header = {.struct_size = sizeof header, .depth = 3};
+    assert_int_equal(svo_part_check(&header, part, NULL, &message), SVO_FILE_DAMAGED);
+    assert_non_null(strstr(message.text, "0-0.part: version 1 is not known, only 2"));
+    check(&j, svo_parts_remove(folder, &message), &message);
+    close_job(&j);
+    attributed_mesh_destroy(&made);
+}
+
 /* A file of triangles of each of the first two parts of a folder, in memory. The caller frees them. */
 typedef struct triangle_files {
     char paths[2][PATH_BYTES + 48];
@@ -1069,6 +1114,7 @@ TEST_GROUP(parts)
         cmocka_unit_test(test_small_devices),
         cmocka_unit_test(test_triangles_that_are_missing),
         cmocka_unit_test(test_damaged_folders),
+        cmocka_unit_test(test_older_folders),
         cmocka_unit_test(test_triangles_of_another_plan),
     };
     return cmocka_run_group_tests_name("parts", tests, setup, teardown);

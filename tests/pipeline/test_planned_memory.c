@@ -79,10 +79,10 @@ static uint64_t bytes_of(const measured *taken, const char *name)
 /* The bytes of all arrays that the host fills. */
 static uint64_t uploaded_bytes(const measured *taken)
 {
-    static const char *const names[] = {"mesh_vertices", "mesh_positions",   "mesh_indices",   "mesh_items",
-                                        "mesh_tiles",    "vertices",         "indices",        "triangle_ids",
-                                        "positions",     "positions_double", "records",        "uvs",
-                                        "texels",        "vertex_colors",    "vertex_normals", "material_records"};
+    static const char *const names[] = {
+        "mesh_vertices", "mesh_positions", "mesh_indices",   "mesh_items",       "mesh_tiles",       "vertices",
+        "indices",       "triangle_ids",   "positions",      "positions_double", "records",          "uvs",
+        "texels",        "vertex_colors",  "vertex_normals", "material_records", "vertex_remainders"};
     uint64_t bytes = 0;
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         bytes += bytes_of(taken, names[i]);

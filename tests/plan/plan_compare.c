@@ -31,6 +31,7 @@ static void compare_geometry(const svo_plan *host, const svo_plan *device)
     SAME(estimate);
     SAME(large_count);
     SAME_ARRAY(vertices, host->vertex_count * 3);
+    SAME_ARRAY(remainders, host->vertex_count);
     SAME_ARRAY(indices, host->triangle_count * 3);
     SAME_ARRAY(triangle_ids, host->triangle_count);
     SAME_ARRAY(items, host->triangle_count);

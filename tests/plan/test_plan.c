@@ -55,21 +55,6 @@ static void the_estimate_predicts_the_fragments(void **state)
     }
 }
 
-/* The largest |q / scale + origin - v|, from the oracle's snap. */
-static double exact_snap_error(const svo_mesh *mesh, const oracle_grid *grid)
-{
-    double largest = 0.0;
-    for (size_t v = 0; v < mesh->vertex_count; ++v) {
-        int32_t snapped[3];
-        assert_true(oracle_snap(grid, mesh->positions_double + v * 3, snapped));
-        for (unsigned axis = 0; axis < 3; ++axis) {
-            const double back = snapped[axis] / grid->scale + grid->origin[axis];
-            largest = fmax(largest, fabs(back - mesh->positions_double[v * 3 + axis]));
-        }
-    }
-    return largest;
-}
-
 static void plan_figures_are_correct(void **state)
 {
     const fixture *opened = fixture_of_group(state);
@@ -90,8 +75,6 @@ static void plan_figures_are_correct(void **state)
         assert_int_equal(info.triangles, 300);
         assert_int_equal(info.refused_triangles, 0);
         assert_true(info.edge == grid.edge && info.scale == grid.scale);
-        assert_true(info.snap_error == exact_snap_error(&made.mesh, &grid));
-        assert_true(info.snap_error > 0.0 && info.snap_error <= 1.01 / grid.scale);
         assert_true(info.grid_ms >= 0.0);
         owned_mesh_free(&made);
     }
@@ -116,19 +99,19 @@ static void fitted_grids_can_be_given(void **state)
         memcpy(given.origin, info.origin, sizeof given.origin);
         const svo_plan_info again = plan_info(opened, &made.mesh, 3, given);
         assert_memory_equal(again.origin, info.origin, sizeof info.origin);
-        assert_true(again.edge == info.edge && again.scale == info.scale && again.snap_error == info.snap_error);
+        assert_true(again.edge == info.edge && again.scale == info.scale);
         assert_int_equal(again.outside_triangles, 0);
         owned_mesh_free(&made);
     }
 }
 
-static void integer_meshes_snap_without_error(void **state)
+/* The largest extent, a little less than a power of two, makes a unit of 1. */
+static void integer_meshes_fit_whole_units(void **state)
 {
     static const float positions[] = {0, 0, 0, 1048575, 12345, 77, 5, 1048575, 654321};
     const svo_mesh mesh = {.struct_size = sizeof mesh, .positions = positions, .vertex_count = 3, .triangle_count = 1};
     const svo_plan_info info = plan_info(fixture_of_group(state), &mesh, 9, (svo_plan_options){0});
     assert_true(info.scale == 1.0);
-    assert_true(info.snap_error == 0.0);
 }
 
 /* A triangle so small that it is in few leaves at any depth. */
@@ -209,6 +192,7 @@ static const struct {
     {"triangle_ids", SVO_NEED_RAYS},
     {"positions", SVO_NEED_RAYS},
     {"vertices", SVO_NEED_ALL},
+    {"vertex_remainders", SVO_NEED_ALL & ~(uint32_t)SVO_NEED_RAYS},
     {"indices", SVO_NEED_ALL},
     {"cursors", SVO_NEED_ALL},
     {"heads", SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_FILL | SVO_NEED_PROJECTED_AREA},
@@ -602,7 +586,7 @@ TEST_GROUP(plan)
         cmocka_unit_test(the_estimate_predicts_the_fragments),
         cmocka_unit_test(plan_figures_are_correct),
         cmocka_unit_test(fitted_grids_can_be_given),
-        cmocka_unit_test(integer_meshes_snap_without_error),
+        cmocka_unit_test(integer_meshes_fit_whole_units),
         cmocka_unit_test(rays_have_a_deepest_depth),
         cmocka_unit_test(refused_and_outside_triangles_are_counted),
         cmocka_unit_test(default_need_follows_the_mesh),

@@ -561,7 +561,7 @@ static void build_has_its_json_names(void **state)
     (void)state;
     need_builds();
     static const char *const numbers[] = {"triangles", "refused_triangles", "fragments", "leaves", "nodes",
-                                          "depth",     "snap_error",        "peak_bytes"};
+                                          "depth",     "peak_bytes"};
     static const char *const texts[] = {"hash",    "frontend", "frontend_reason", "share",
                                         "builder", "context",  "device",          "renderer"};
     cJSON *document = run_json("$SVOCL build scene:knot:2000 -d 7 --need color,normal,rays --repeat 3 --json -o a.svo");
@@ -776,8 +776,8 @@ static void verify_finds_every_scene_exact(void **state)
     (void)state;
     need_builds();
     static const char *const names[] = {"atrium", "statue", "knot", "terrain", "needles", "dust", "cornell", "cube"};
-    static const char *const counts[] = {"missed_voxels",    "surplus_voxels",   "missed_pairs",    "surplus_pairs",
-                                         "node_differences", "grid_differences", "snap_differences"};
+    static const char *const counts[] = {"missed_voxels",    "surplus_voxels",   "missed_pairs",        "surplus_pairs",
+                                         "node_differences", "grid_differences", "rounding_differences"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         char line[128];
         snprintf(line, sizeof line, "$SVOCL verify scene:%s:3000 -d 6 --json", names[i]);
@@ -889,6 +889,30 @@ static void scans_without_normals_get_those_of_their_triangles(void **state)
     run_well("$SVOCL render a.obj -d 5 -o 1.png -q --size 48x32 && $SVOCL render a.svo -o 2.png -q --size 48x32 && "
              "cmp 1.png 2.png");
     run_well("rm 1 2 1.png 2.png a.obj a.svo");
+}
+
+/* A tetrahedron of which one face has corners of its own, an ulp or so off. */
+static void welding_closes_cracks(void **state)
+{
+    (void)state;
+    need_builds();
+#define WHOLE "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 .7\n"
+    write_text("whole.obj", WHOLE "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    write_text("cracked.obj", WHOLE "v .9999999 0 0\nv 0 1 1e-7\nv 0 -1e-8 .7\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 5 6 7\n");
+#undef WHOLE
+    run_well(
+        "$SVOCL hash whole.obj -d 4 --need projected-area >1 && $SVOCL hash cracked.obj -d 4 --need projected-area "
+        ">2 && ! cmp -s 1 2");
+    run_well("$SVOCL hash cracked.obj -d 4 --need projected-area --weld 1e-6 | cmp - 1");
+    cJSON *document = run_json("$SVOCL build cracked.obj -d 4 --weld 1e-6 --json");
+    assert_int_equal(number_of(cJSON_GetObjectItem(document, "import"), "welded_vertices"), 3);
+    cJSON_Delete(document);
+    run_well("$SVOCL build cracked.obj -d 4 --need projected-area --weld 1e-6 --max-memory 1G -o c.svo -q && "
+             "$SVOCL hash c.svo | cmp - 1");
+    run_badly("$SVOCL hash whole.obj --weld -1", 2, "--weld '-1' is not a number of at least 0");
+    run_badly("$SVOCL hash scene:cube --weld 1", 2, "--weld applies to mesh files, not to scene:cube");
+    run_badly("$SVOCL hash c.svo --weld 1", 2, "build options do not apply");
+    run_well("rm -rf 1 2 whole.obj cracked.obj c.svo*");
 }
 
 /* z is up in .vox, and where --axes z-up says so; trees have y up. */
@@ -1303,6 +1327,7 @@ TEST_GROUP(program)
                                        IN_FOLDER(verify_takes_the_mesh_as_given),
                                        IN_FOLDER(the_hash_is_the_same_by_every_method),
                                        IN_FOLDER(scans_without_normals_get_those_of_their_triangles),
+                                       IN_FOLDER(welding_closes_cracks),
                                        IN_FOLDER(files_with_z_up_are_turned),
                                        IN_FOLDER(voxel_files_are_converted),
                                        IN_FOLDER(hash_says_what_ran),

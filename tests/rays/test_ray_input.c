@@ -309,7 +309,7 @@ static void rays_of_version_1_meet_the_snapped_mesh(void **state)
     old.arrays = (svo_tree_arrays)SVO_TREE_ARRAYS_INIT;
     assert_int_equal(svo_tree_get_info(old.tree, &old.info), SVO_OK);
     assert_int_equal(svo_tree_get_arrays(old.tree, &old.arrays), SVO_OK);
-    assert_int_equal(old.info.positions, SVO_POSITIONS_SNAPPED);
+    assert_int_equal(old.info.positions, SVO_POSITIONS_ROUNDED);
     assert_int_equal(svo_tree_upload(old.tree, opened->device, opened->queue), SVO_OK);
     trace_rays(opened, &old, rays, RAYS, SVO_TRACE_CLOSEST, hits);
     (void)check_hits("version 1", &old, rays, hits, &met);

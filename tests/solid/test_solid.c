@@ -97,6 +97,7 @@ static void compare(const built *from, const svo_compact *solid, const request *
         const uint32_t length = from->arrays.list_begin[leaf + 1] - from->arrays.list_begin[leaf];
         out->longest_list = length > out->longest_list ? length : out->longest_list;
     }
+    assert_int_equal(info.is_exact, 1);
     assert_int_equal(info.voxel_count, out->info.surface_voxels + out->info.inside_voxels);
     assert_int_equal(info.leaf_count, out->info.surface_voxels + out->info.inside_leaves);
     oracle_solid_free(&reference);

@@ -128,14 +128,16 @@ static void planted_mistakes_are_found(void **unused)
     assert_true(count_wrong(&crossing_none) > 0);
     assert_true(count_wrong(&crossing_far) > 0);
     assert_true(count_wrong(&crossing_turned) > 0);
+    assert_true(count_wrong(&crossing_passing) > 0);
 }
 
 /* ---- triangles as they were given ---- */
 
-/* What a case finds: answers other than the reference's, and how often the snapped triangle decides, or crosses. */
+/* What a case finds: answers other than the reference's, and how often the snapped triangle decides, doubles do, or it
+   crosses. */
 typedef struct outcome {
-    unsigned wrong_snapped, wrong_exact;
-    unsigned decided, undecided, crossed;
+    unsigned wrong_snapped, wrong_near, wrong_exact;
+    unsigned decided, undecided, near_decided, crossed;
 } outcome;
 
 /* The case about a column's center in place of a voxel's corner: that is a corner of voxels half as wide. */
@@ -200,9 +202,12 @@ static void compare_voxel(const crossing_functions *cross, const hard_case *s, c
     if (!inside) {
         return;
     }
+    const int near = cross->near(pair, axis);
     out->undecided += snapped == CROSSING_UNDECIDED;
     out->decided += snapped != CROSSING_UNDECIDED;
     out->wrong_snapped += snapped != CROSSING_UNDECIDED && snapped != expected;
+    out->near_decided += near != CROSSING_UNDECIDED;
+    out->wrong_near += near != CROSSING_UNDECIDED && near != expected;
     out->wrong_exact += cross->exact(pair, axis) != expected;
     out->crossed += expected != 0;
 }
@@ -236,11 +241,12 @@ static void given_triangles_cross_as_the_reference_says(void **unused)
 {
     (void)unused;
     const outcome found = compare_cases(&crossing_sound);
-    print_message("%u decided by snapped triangles, %u not, %u crossings\n", found.decided, found.undecided,
-                  found.crossed);
+    print_message("%u decided by snapped triangles, %u not, %u by doubles, %u crossings\n", found.decided,
+                  found.undecided, found.near_decided, found.crossed);
     assert_int_equal(found.wrong_snapped, 0);
+    assert_int_equal(found.wrong_near, 0);
     assert_int_equal(found.wrong_exact, 0);
-    assert_true(found.decided > 5000 && found.undecided > 5000 && found.crossed > 1000);
+    assert_true(found.decided > 5000 && found.undecided > 5000 && found.near_decided > 5000 && found.crossed > 1000);
 }
 
 static void planted_mistakes_of_given_triangles_are_found(void **unused)
@@ -249,6 +255,8 @@ static void planted_mistakes_of_given_triangles_are_found(void **unused)
     assert_true(compare_cases(&crossing_sure_edge).wrong_snapped > 0);
     assert_true(compare_cases(&crossing_half_edge).wrong_snapped > 0);
     assert_true(compare_cases(&crossing_sure_height).wrong_snapped > 0);
+    assert_true(compare_cases(&crossing_near_side).wrong_near > 0);
+    assert_true(compare_cases(&crossing_near_height).wrong_near > 0);
     assert_true(compare_cases(&crossing_exact_tie).wrong_exact > 0);
     assert_true(compare_cases(&crossing_exact_far).wrong_exact > 0);
     assert_true(compare_cases(&crossing_exact_height).wrong_exact > 0);

@@ -94,22 +94,23 @@ static void faces_of_a_cube(void **state)
     parts_free(&made);
 }
 
-/* The area of the snapped triangles that face each of the six rays, or of all for each, in faces of a voxel. */
-static void project(const exact *expected, bool both_sides, double voxel_units, double seen[6])
+/* The area of the triangles that face each of the six rays, or of all for each, in faces of a voxel. */
+static void project(const exact *expected, bool both_sides, double seen[6])
 {
     memset(seen, 0, 6 * sizeof *seen);
     for (size_t t = 0; t < expected->triangle_count; ++t) {
-        const int32_t *corners[3];
-        int64_t normal[3];
-        for (unsigned corner = 0; corner < 3; ++corner) {
-            corners[corner] = expected->vertices + (size_t)expected->indices[t * 3 + corner] * 3;
+        double edges[2][3];
+        for (unsigned i = 0; i < 6; ++i) {
+            const int64_t *from = expected->fine + (size_t)expected->indices[t * 3] * 3;
+            const int64_t *to = expected->fine + (size_t)expected->indices[t * 3 + 1 + i / 3] * 3;
+            edges[i / 3][i % 3] = (double)(to[i % 3] - from[i % 3]) / (double)PAYLOAD_WIDTH;
         }
-        payload_pair_normal(corners, normal);
         for (unsigned k = 0; k < 6; ++k) {
-            const unsigned axis = k / 2;
-            const double n = (double)normal[axis];
+            const unsigned u = (k / 2 + 1) % 3;
+            const unsigned v = (k / 2 + 2) % 3;
+            const double n = edges[0][u] * edges[1][v] - edges[0][v] * edges[1][u];
             if (both_sides || (k % 2 == 0 ? n < 0.0 : n > 0.0)) {
-                seen[k] += fabs(n) / 2.0 / (voxel_units * voxel_units);
+                seen[k] += fabs(n) / 2.0;
             }
         }
     }
@@ -125,7 +126,7 @@ static void check_sums(const fixture *opened, const svo_mesh *mesh, unsigned dep
     double seen[6];
     fixture_build(opened, mesh, depth, options, &tree);
     exact_create(mesh, depth, options, &expected);
-    project(&expected, both_sides, (double)(1u << (20 - depth)), seen);
+    project(&expected, both_sides, seen);
     sum_leaves(&tree, sums);
     for (unsigned k = 0; k < 6; ++k) {
         assert_near(names[k], sums[k], seen[k], most_rounding(&tree));
@@ -356,30 +357,56 @@ static void a_grid_that_cuts_a_mesh(void **state)
     assert_true(counts_both_sides(&opened, &cut, &options));
 }
 
-/* Vertices that are not equal, but snap to one position, close a mesh. */
-static void vertices_that_snap_to_one_position(void **state)
+/* ---- equal vertices ---- */
+
+typedef enum seam { SEAM_NONE, SEAM_SIGNED_ZEROS, SEAM_AN_ULP, SEAM_COUNT } seam;
+
+/* A tetrahedron with vertices of its own for each face, three of whose corners lie between grid units. */
+static void split_vertices(seam kind, bool in_floats, double vertices[12][3])
+{
+    static const uint32_t faces[4][3] = {LOWER, {1, 2, 3}};
+    for (unsigned i = 0; i < 12; ++i) {
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            const double x = (corners[faces[i / 3][i % 3]][axis] - 1) / 3;
+            vertices[i][axis] = in_floats ? (double)(float)x : x;
+            if (kind == SEAM_SIGNED_ZEROS && x == 0.0 && i % 2 == 1) {
+                vertices[i][axis] = -0.0;
+            }
+        }
+    }
+    if (kind == SEAM_AN_ULP) {
+        const double x = vertices[9][0];
+        vertices[9][0] = in_floats ? (double)nextafterf((float)x, 8.0F) : nextafter(x, 8.0);
+    }
+}
+
+/* Builds from a plan of the host or of the device. */
+static void check_seam(const fixture *opened, seam kind, bool in_floats, svo_place place)
+{
+    double vertices[12][3];
+    float floats[36];
+    svo_plan_options options = of_voxels(3);
+    svo_mesh mesh = {.struct_size = sizeof mesh, .vertex_count = 12, .triangle_count = 4};
+    split_vertices(kind, in_floats, vertices);
+    for (size_t i = 0; i < 36; ++i) {
+        floats[i] = (float)vertices[i / 3][i % 3];
+    }
+    if (in_floats) {
+        mesh.positions = floats;
+    } else {
+        mesh.positions_double = vertices[0];
+    }
+    options.place = place;
+    check_leaves(opened, &mesh, 3, &options, kind == SEAM_AN_ULP);
+}
+
+/* Vertices are one where their coordinates are equal, whatever the signs of zeros. A crack of one ulp, which lies
+   between two grid units, opens a mesh. */
+static void cracks_open_a_mesh(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
-    for (int apart = 0; apart < 2; ++apart) {
-        double moved[12][3];
-        uint32_t indices[4][3];
-        static const uint32_t faces[4][3] = {LOWER, {1, 2, 3}};
-        for (uint32_t i = 0; i < 12; ++i) {
-            const uint32_t face = i / 3;
-            /* A unit is 8e-6; what lies between two whole ones snaps to one of them. */
-            const double step = apart != 0 ? 1e-4 : 1e-7;
-            for (unsigned axis = 0; axis < 3; ++axis) {
-                moved[i][axis] = corners[faces[face][i % 3]][axis] + 2e-6 + step * face;
-            }
-            indices[face][i % 3] = i;
-        }
-        const svo_mesh mesh = {.struct_size = sizeof mesh,
-                               .positions_double = moved[0],
-                               .vertex_count = 12,
-                               .indices = indices[0],
-                               .triangle_count = 4};
-        const svo_plan_options options = of_voxels(3);
-        check_leaves(&opened, &mesh, 3, &options, apart != 0);
+    for (unsigned i = 0; i < 4 * SEAM_COUNT; ++i) {
+        check_seam(&opened, (seam)(i / 4), i % 2 != 0, i / 2 % 2 != 0 ? SVO_PLACE_DEVICE : SVO_PLACE_HOST);
     }
 }
 
@@ -493,7 +520,7 @@ TEST_GROUP(area)
         cmocka_unit_test(leaves_of_closed_scenes),
         cmocka_unit_test(open_meshes_count_from_both_sides),
         cmocka_unit_test(a_grid_that_cuts_a_mesh),
-        cmocka_unit_test(vertices_that_snap_to_one_position),
+        cmocka_unit_test(cracks_open_a_mesh),
         cmocka_unit_test(all_builds_have_the_same_areas),
         cmocka_unit_test(compact_trees_have_none),
     };

@@ -104,6 +104,34 @@ static void payload_at_great_depths_is_exact(void **state)
     attributed_mesh_destroy(&made);
 }
 
+/* Grids whose edge is no power of two, around numbers that are no multiples of its units: voxels of 2^15, 2^8 and again
+   2^8 units. */
+static void payload_follows_the_given_numbers(void **state)
+{
+    static const unsigned depths[] = {5, 12, 14};
+    const fixture *opened = fixture_of_group(state);
+    for (unsigned i = 0; i < 6; ++i) {
+        const unsigned depth = depths[i % 3];
+        const double edge = ldexp(1.0 / 0.73, (int)depth - 5);
+        const svo_plan_options options = {.need = NEED_PAYLOAD | SVO_NEED_PROJECTED_AREA,
+                                          .origin = {-0.31 * edge, -0.1 / 3.0 - 0.4 * edge, 0.011},
+                                          .edge = edge};
+        attributed_mesh made;
+        attributed_mesh_create(90 + i, 60, 0.0, &made);
+        float *positions = calloc(made.mesh.vertex_count * 3, sizeof *positions);
+        assert_non_null(positions);
+        for (size_t k = 0; k < made.mesh.vertex_count * 3; ++k) {
+            positions[k] = (float)made.mesh.positions_double[k];
+        }
+        svo_mesh mesh = made.mesh;
+        mesh.positions = i < 3 ? positions : NULL;
+        mesh.positions_double = i < 3 ? NULL : mesh.positions_double;
+        check_payload(opened, &mesh, depth, &options);
+        free(positions);
+        attributed_mesh_destroy(&made);
+    }
+}
+
 static void payload_of_scenes_is_exact(void **state)
 {
     static const char *const specs[] = {"atrium", "statue:20000", "knot:5000", "terrain:20000", "cornell", "cube"};
@@ -467,6 +495,7 @@ TEST_GROUP(payload)
         cmocka_unit_test(payload_without_some_attributes_is_exact),
         cmocka_unit_test(payload_of_wide_triangles_is_exact),
         cmocka_unit_test(payload_at_great_depths_is_exact),
+        cmocka_unit_test(payload_follows_the_given_numbers),
         cmocka_unit_test(payload_of_scenes_is_exact),
         cmocka_unit_test(colors_agree_with_doubles),
         cmocka_unit_test(textures_agree_with_doubles),

@@ -50,8 +50,17 @@ static bool snap_corners(const oracle_positions *mesh, const uint32_t corners[3]
     return good;
 }
 
+/* Rounds a triangle's corners to sub-units. */
+static void refine_corners(const oracle_positions *mesh, const uint32_t corners[3], unsigned depth, exact *out)
+{
+    for (unsigned i = 0; i < 9; ++i) {
+        const size_t at = (size_t)corners[i / 3] * 3 + i % 3;
+        out->fine[at] = oracle_exact_rounded(mesh->positions[at], out->grid.origin[i % 3], out->grid.edge, depth + 24);
+    }
+}
+
 /* Triangles that are refused for being too far away get no valid index in near. */
-static void snap_triangles(const oracle_positions *mesh, exact *out, uint32_t *near)
+static void snap_triangles(const oracle_positions *mesh, unsigned depth, exact *out, uint32_t *near)
 {
     for (size_t t = 0; t < mesh->triangle_count; ++t) {
         uint32_t *corners = out->indices + out->triangle_count * 3;
@@ -61,6 +70,7 @@ static void snap_triangles(const oracle_positions *mesh, exact *out, uint32_t *n
         }
         if (snap_corners(mesh, corners, out)) {
             memcpy(near + t * 3, corners, 3 * sizeof *near);
+            refine_corners(mesh, corners, depth, out);
         }
         out->triangle_ids[out->triangle_count++] = (uint32_t)t;
     }
@@ -71,7 +81,7 @@ static void enumerate(const oracle_positions *mesh, unsigned depth, exact *out)
 {
     uint32_t *near = calloc(mesh->triangle_count * 3 + 1, sizeof *near);
     assert_non_null(near);
-    snap_triangles(mesh, out, near);
+    snap_triangles(mesh, depth, out, near);
     const oracle_positions accepted = {mesh->positions, mesh->vertex_count, near, mesh->triangle_count};
     const oracle_space space = space_of(out, depth);
     assert_true(oracle_exact_enumerate(&accepted, &space, out->coverage, &out->pairs));
@@ -85,9 +95,11 @@ void exact_create(const svo_mesh *mesh, unsigned depth, const svo_plan_options *
     out->positions = positions_of(mesh);
     const oracle_positions positions = {out->positions, mesh->vertex_count, mesh->indices, mesh->triangle_count};
     out->vertices = calloc(mesh->vertex_count * 3 + 1, sizeof(int32_t));
+    out->fine = calloc(mesh->vertex_count * 3 + 1, sizeof(int64_t));
     out->indices = calloc(mesh->triangle_count * 3 + 3, sizeof(uint32_t));
     out->triangle_ids = calloc(mesh->triangle_count + 1, sizeof(uint32_t));
     assert_non_null(out->vertices);
+    assert_non_null(out->fine);
     assert_non_null(out->indices);
     assert_non_null(out->triangle_ids);
     const bool has_grid = grid_options != NULL && grid_options->edge > 0.0
@@ -105,6 +117,7 @@ void exact_destroy(exact *made)
     oracle_pairs_free(&made->pairs);
     free(made->triangle_ids);
     free(made->indices);
+    free(made->fine);
     free(made->vertices);
     free(made->positions);
     *made = (exact){0};

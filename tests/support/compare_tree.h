@@ -15,6 +15,7 @@ typedef struct exact {
     oracle_grid grid;
     double *positions; /* of the mesh */
     int32_t *vertices; /* snapped, vertex_count * 3; undefined for vertices that no accepted triangle uses */
+    int64_t *fine; /* the same in sub-units, 2^24 to a voxel: rounded to the nearest, ties to the even one */
     uint32_t *indices; /* of the accepted triangles */
     uint32_t *triangle_ids;
     size_t triangle_count;

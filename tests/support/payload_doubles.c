@@ -45,30 +45,30 @@ static void add_double_color(const svo_mesh *mesh, uint32_t triangle, const uint
     }
 }
 
-static oracle_triangle triangle_of(const payload_pair *pair)
+static void triangle_of(const payload_pair *pair, double triangle[3][3])
 {
-    oracle_triangle triangle = {0};
-    for (unsigned corner = 0; corner < 3; ++corner) {
-        memcpy(triangle.vertex[corner], pair->corners[corner], sizeof triangle.vertex[corner]);
+    for (unsigned i = 0; i < 9; ++i) {
+        triangle[i / 3][i % 3] = (double)pair->corners[i / 3][i % 3];
     }
-    return triangle;
 }
 
 double payload_double_part(const payload_pair *pair, double centroid[3])
 {
-    const oracle_triangle triangle = triangle_of(pair);
-    return oracle_part(&triangle, &pair->box, centroid);
+    double triangle[3][3];
+    triangle_of(pair, triangle);
+    return oracle_part(triangle, (double)PAYLOAD_WIDTH, centroid);
 }
 
 /* The weight of a pair and its corners' weights. Pairs without area get a tiny weight. */
 static double double_share(const payload_pair *pair, svo_weights mode, double weights[3])
 {
     double centroid[3];
-    const double half = (double)pair->box.width * 0.5;
+    double triangle[3][3];
+    const double half = (double)PAYLOAD_WIDTH * 0.5;
     const double middle[3] = {half, half, half};
     const double area = payload_double_part(pair, centroid);
-    const oracle_triangle triangle = triangle_of(pair);
-    oracle_corner_weights(&triangle, &pair->box, mode == SVO_WEIGHTS_AREA ? centroid : middle, weights);
+    triangle_of(pair, triangle);
+    oracle_corner_weights(triangle, mode == SVO_WEIGHTS_AREA ? centroid : middle, weights);
     if (mode == SVO_WEIGHTS_UNIFORM) {
         weights[0] = weights[1] = weights[2] = 1.0 / 3.0;
     }

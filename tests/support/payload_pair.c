@@ -15,38 +15,49 @@ int64_t payload_remainder(int64_t value, int64_t period)
     return (value % period + period) % period;
 }
 
-/* Twice the signed area of the triangle (point, p, q) seen along axis. */
-int64_t payload_area_seen(const int64_t point[3], const int32_t p[3], const int32_t q[3], unsigned axis)
+unsigned payload_halve(int64_t *numbers, unsigned count, unsigned bits)
 {
-    const unsigned u = (axis + 1) % 3;
-    const unsigned v = (axis + 2) % 3;
-    return (p[u] - point[u]) * (q[v] - point[v]) - (p[v] - point[v]) * (q[u] - point[u]);
+    int64_t largest = 0;
+    unsigned halvings = 0;
+    for (unsigned i = 0; i < count; ++i) {
+        largest = llabs(numbers[i]) > largest ? llabs(numbers[i]) : largest;
+    }
+    for (; largest >= INT64_C(1) << bits; largest /= 2) {
+        ++halvings;
+        for (unsigned i = 0; i < count; ++i) {
+            numbers[i] = (numbers[i] - payload_remainder(numbers[i], 2)) / 2;
+        }
+    }
+    return halvings;
+}
+
+void payload_pair_normal(const int64_t corners[3][3], int64_t normal[3])
+{
+    int64_t edges[6];
+    for (unsigned i = 0; i < 6; ++i) {
+        edges[i] = corners[1 + i / 3][i % 3] - corners[0][i % 3];
+    }
+    (void)payload_halve(edges, 6, 30);
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        const unsigned u = (axis + 1) % 3;
+        const unsigned v = (axis + 2) % 3;
+        normal[axis] = edges[u] * edges[3 + v] - edges[v] * edges[3 + u];
+    }
 }
 
 /* The axis along which the triangle's projection is largest; the first of equal ones. */
-unsigned payload_pair_axis(const int32_t *const corners[3])
+unsigned payload_pair_axis(const int64_t corners[3][3])
 {
-    const int64_t first[3] = {corners[0][0], corners[0][1], corners[0][2]};
-    int64_t areas[3];
-    for (unsigned axis = 0; axis < 3; ++axis) {
-        areas[axis] = llabs(payload_area_seen(first, corners[1], corners[2], axis));
-    }
+    int64_t normal[3];
+    payload_pair_normal(corners, normal);
     unsigned best = 0;
-    best = areas[1] > areas[best] ? 1 : best;
-    return areas[2] > areas[best] ? 2 : best;
-}
-
-void payload_pair_normal(const int32_t *const corners[3], int64_t normal[3])
-{
-    const int64_t first[3] = {corners[0][0], corners[0][1], corners[0][2]};
-    for (unsigned axis = 0; axis < 3; ++axis) {
-        normal[axis] = payload_area_seen(first, corners[1], corners[2], axis);
-    }
+    best = llabs(normal[1]) > llabs(normal[best]) ? 1 : best;
+    return llabs(normal[2]) > llabs(normal[best]) ? 2 : best;
 }
 
 /* An edge between two positions, the lesser first; sign: 1 for this direction, -1 for the other. */
 typedef struct edge {
-    int32_t ends[2][3];
+    double ends[2][3];
     int sign;
 } edge;
 
@@ -55,14 +66,19 @@ static int compare_edges(const void *a, const void *b)
     return memcmp(((const edge *)a)->ends, ((const edge *)b)->ends, sizeof((const edge *)a)->ends);
 }
 
-static edge edge_between(const int32_t *from, const int32_t *to)
+static edge edge_between(const exact *expected, uint32_t from, uint32_t to)
 {
-    edge made;
-    const bool ascends = memcmp(from, to, sizeof made.ends[0]) < 0;
-    memset(&made, 0, sizeof made);
-    memcpy(made.ends[ascends ? 0 : 1], from, sizeof made.ends[0]);
-    memcpy(made.ends[ascends ? 1 : 0], to, sizeof made.ends[0]);
-    made.sign = ascends ? 1 : -1;
+    edge made = {.sign = 1};
+    for (size_t axis = 0; axis < 3; ++axis) { /* + 0.0: -0 equals 0 */
+        made.ends[0][axis] = expected->positions[(size_t)from * 3 + axis] + 0.0;
+        made.ends[1][axis] = expected->positions[(size_t)to * 3 + axis] + 0.0;
+    }
+    if (memcmp(made.ends[0], made.ends[1], sizeof made.ends[0]) > 0) {
+        const edge turned = made;
+        memcpy(made.ends[0], turned.ends[1], sizeof made.ends[0]);
+        memcpy(made.ends[1], turned.ends[0], sizeof made.ends[1]);
+        made.sign = -1;
+    }
     return made;
 }
 
@@ -73,9 +89,7 @@ bool payload_mesh_is_open(const exact *expected)
     bool is_open = false;
     assert_non_null(edges);
     for (size_t i = 0; i < count; ++i) {
-        const size_t next = i % 3 < 2 ? i + 1 : i - 2;
-        edges[i] = edge_between(expected->vertices + (size_t)expected->indices[i] * 3,
-                                expected->vertices + (size_t)expected->indices[next] * 3);
+        edges[i] = edge_between(expected, expected->indices[i], expected->indices[i % 3 < 2 ? i + 1 : i - 2]);
     }
     qsort(edges, count, sizeof *edges, compare_edges);
     for (size_t begin = 0, end = 0; begin < count; begin = end) {
@@ -133,9 +147,12 @@ void payload_pair_open(const exact *expected, const oracle_pair *pair, payload_p
         const size_t half = (low + high) / 2;
         *(expected->triangle_ids[half] <= pair->triangle ? &low : &high) = half;
     }
+    oracle_voxel_box(pair->code, expected->tree.depth, expected->grid.snap_bits, &out->box);
     for (unsigned corner = 0; corner < 3; ++corner) {
         out->indices[corner] = expected->indices[low * 3 + corner];
-        out->corners[corner] = expected->vertices + (size_t)out->indices[corner] * 3;
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            out->corners[corner][axis] = expected->fine[(size_t)out->indices[corner] * 3 + axis] -
+                                         out->box.corner[axis] / out->box.width * PAYLOAD_WIDTH;
+        }
     }
-    oracle_voxel_box(pair->code, expected->tree.depth, expected->grid.snap_bits, &out->box);
 }

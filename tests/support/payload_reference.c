@@ -52,33 +52,25 @@ static int64_t round_half_up(int64_t numerator, int64_t denominator)
     return doubled % (2 * denominator) < 0 ? quotient - 1 : quotient;
 }
 
-/* A point of the voxel seen along an axis: u and v in 2^-bits of a grid unit from its corner. */
-typedef struct seen_point {
-    int64_t u, v;
-    unsigned bits;
-} seen_point;
-
-/* Twice the signed area of the triangle (point, p, q), times 2^bits: exact, since the product of the point's own
-   coordinates cancels. */
-static int64_t area_from(const payload_pair *pair, unsigned p, unsigned q, unsigned axis, seen_point point)
+/* Twice the signed area of the triangle of two points and the origin. */
+static int64_t area_from(const int64_t p[2], const int64_t q[2])
 {
-    const __int128 one = (__int128)1 << point.bits;
-    const unsigned u = (axis + 1) % 3;
-    const unsigned v = (axis + 2) % 3;
-    const __int128 p_u = ((__int128)pair->corners[p][u] - pair->box.corner[u]) * one - point.u;
-    const __int128 p_v = ((__int128)pair->corners[p][v] - pair->box.corner[v]) * one - point.v;
-    const __int128 q_u = ((__int128)pair->corners[q][u] - pair->box.corner[u]) * one - point.u;
-    const __int128 q_v = ((__int128)pair->corners[q][v] - pair->box.corner[v]) * one - point.v;
-    return (int64_t)((p_u * q_v - p_v * q_u) / one);
+    return p[0] * q[1] - p[1] * q[0];
 }
 
-/* The areas between the point and the edge opposite each corner; none is negative, all are 0 for a triangle without
-   area. */
-static void corner_parts(const payload_pair *pair, unsigned axis, seen_point point, int64_t parts[3])
+/* The areas between a point, in sub-units, and the edge opposite each corner; none is negative, all are 0 for a
+   triangle without area. Distances from the point have 30 bits. */
+static void corner_parts(const payload_pair *pair, unsigned axis, int64_t u, int64_t v, int64_t parts[3])
 {
-    parts[0] = area_from(pair, 1, 2, axis, point);
-    parts[1] = area_from(pair, 2, 0, axis, point);
-    parts[2] = area_from(pair, 0, 1, axis, point);
+    int64_t from[6];
+    for (unsigned corner = 0; corner < 3; ++corner) {
+        from[2 * corner] = pair->corners[corner][(axis + 1) % 3] - u;
+        from[2 * corner + 1] = pair->corners[corner][(axis + 2) % 3] - v;
+    }
+    (void)payload_halve(from, 6, 30);
+    parts[0] = area_from(from + 2, from + 4);
+    parts[1] = area_from(from + 4, from);
+    parts[2] = area_from(from, from + 2);
     const int64_t area = parts[0] + parts[1] + parts[2];
     const int64_t turn = area < 0 ? -1 : area > 0 ? 1 : 0;
     for (unsigned k = 0; k < 3; ++k) {
@@ -88,10 +80,10 @@ static void corner_parts(const payload_pair *pair, unsigned axis, seen_point poi
 
 /* Corner weights that add up to WEIGHT_ONE: ratios to the 16 leading bits of the whole, rounded down; the first corner
    gets the remainder. */
-static void corner_weights(const payload_pair *pair, unsigned axis, seen_point point, int64_t weights[3])
+static void corner_weights(const payload_pair *pair, unsigned axis, int64_t u, int64_t v, int64_t weights[3])
 {
     int64_t parts[3];
-    corner_parts(pair, axis, point, parts);
+    corner_parts(pair, axis, u, v, parts);
     int64_t whole = parts[0] + parts[1] + parts[2];
     if (whole == 0) {
         weights[1] = weights[2] = WEIGHT_ONE / 3;
@@ -106,53 +98,22 @@ static void corner_weights(const payload_pair *pair, unsigned axis, seen_point p
     weights[0] = WEIGHT_ONE - weights[1] - weights[2];
 }
 
-static void normal_of(const int32_t *const corners[3], double normal[3])
+static void normal_of(const payload_pair *pair, double normal[3])
 {
-    const int64_t first[3] = {corners[0][0], corners[0][1], corners[0][2]};
+    int64_t whole[3];
+    payload_pair_normal(pair->corners, whole);
     for (unsigned axis = 0; axis < 3; ++axis) {
-        normal[axis] = (double)payload_area_seen(first, corners[1], corners[2], axis);
+        normal[axis] = (double)whole[axis];
     }
 }
 
 /* The ratio of the true area to the projected area, 2^30 = 1. */
-static uint32_t stretch_of(const int32_t *const corners[3], unsigned axis)
+static uint32_t stretch_of(const payload_pair *pair, unsigned axis)
 {
     double n[3];
-    normal_of(corners, n);
+    normal_of(pair, n);
     const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
     return (uint32_t)rint((n[axis] != 0.0 ? length / fabs(n[axis]) : 1.0) * 1073741824.0);
-}
-
-/* Whether the projected triangle lies within 2^24 units of a unit of the voxel. */
-static bool is_near(const payload_pair *pair, unsigned axis, int64_t u, int64_t v)
-{
-    bool near = true;
-    for (unsigned corner = 0; corner < 3; ++corner) {
-        const unsigned along_u = (axis + 1) % 3;
-        const unsigned along_v = (axis + 2) % 3;
-        near = near && llabs(pair->corners[corner][along_u] - pair->box.corner[along_u] - u) < 1 << 24 &&
-               llabs(pair->corners[corner][along_v] - pair->box.corner[along_v] - v) < 1 << 24;
-    }
-    return near;
-}
-
-/* A point in sub-units, as in the kernels: for triangles that reach far, the point is rounded to whole units. */
-static seen_point point_at(const payload_pair *pair, unsigned axis, int64_t u, int64_t v)
-{
-    const int64_t sub_units = (INT64_C(1) << SVO_SUB_LOG2) / pair->box.width;
-    const int64_t whole_u = u / sub_units;
-    const int64_t whole_v = v / sub_units;
-    if (!is_near(pair, axis, whole_u, whole_v)) {
-        return (seen_point){whole_u, whole_v, 0};
-    }
-    int64_t coarser = 1; /* down to 2^-12 of a unit */
-    unsigned bits = 0;
-    for (; sub_units / coarser > 4096; coarser *= 2) {
-    }
-    while ((INT64_C(1) << bits) < sub_units / coarser) {
-        ++bits;
-    }
-    return (seen_point){u / coarser, v / coarser, bits};
 }
 
 static svo_part part_of(const payload_pair *pair)
@@ -162,8 +123,7 @@ static svo_part part_of(const payload_pair *pair)
     for (unsigned corner = 0; corner < 3; ++corner) {
         for (unsigned k = 0; k < 3; ++k) {
             const unsigned along = (axis + 1 + k) % 3;
-            polygons[3 * corner + k] = ((int64_t)pair->corners[corner][along] - pair->box.corner[along]) *
-                                       ((INT64_C(1) << SVO_SUB_LOG2) / pair->box.width);
+            polygons[3 * corner + k] = pair->corners[corner][along];
         }
     }
     return svo_clip(polygons);
@@ -173,8 +133,8 @@ static void share_by_area(const surface *of, const payload_pair *pair, share *ou
 {
     const unsigned axis = payload_pair_axis(pair->corners);
     const svo_part part = part_of(pair);
-    out->weight = svo_part_weight(part.doubled_area, stretch_of(pair->corners, axis), of->weight_log2);
-    corner_weights(pair, axis, point_at(pair, axis, part.u, part.v), out->corners);
+    out->weight = svo_part_weight(part.doubled_area, stretch_of(pair, axis), of->weight_log2);
+    corner_weights(pair, axis, part.u, part.v, out->corners);
 }
 
 static void share_of(const surface *of, const payload_pair *pair, share *out)
@@ -186,7 +146,7 @@ static void share_of(const surface *of, const payload_pair *pair, share *out)
         share_by_area(of, pair, out);
         break;
     case SVO_WEIGHTS_CENTER:
-        corner_weights(pair, axis, (seen_point){pair->box.width / 2, pair->box.width / 2, 0}, out->corners);
+        corner_weights(pair, axis, PAYLOAD_WIDTH / 2, PAYLOAD_WIDTH / 2, out->corners);
         break;
     default:
         out->corners[1] = out->corners[2] = WEIGHT_ONE / 3;
@@ -274,10 +234,10 @@ static void fixed_unit(const double vector[3], int64_t out[3])
     }
 }
 
-static void own_normal(const int32_t *const corners[3], int64_t out[3])
+static void own_normal(const payload_pair *pair, int64_t out[3])
 {
     double normal[3];
-    normal_of(corners, normal);
+    normal_of(pair, normal);
     fixed_unit(normal, out);
 }
 
@@ -285,7 +245,7 @@ static void add_normal(const svo_mesh *mesh, const payload_pair *pair, const sha
 {
     int64_t own[3];
     int64_t values[3][3]; /* axis, corner */
-    own_normal(pair->corners, own);
+    own_normal(pair, own);
     for (unsigned corner = 0; corner < 3; ++corner) {
         int64_t unit[3] = {0, 0, 0};
         if (mesh->normals != NULL) {

@@ -247,6 +247,7 @@ static void trees_have_the_means_of_their_voxels(void **state)
     assert_int_equal(svo_tree_get_arrays(tree, &arrays), SVO_OK);
     assert_int_equal(info.depth, 6);
     assert_int_equal(info.triangles, 0);
+    assert_int_equal(info.is_exact, 1);
     assert_int_equal(info.leaf_count, info_of(voxels).voxel_count);
     for (uint32_t level = 0; level <= info.depth; ++level) {
         const size_t count = sum_level(voxels, info.depth - level, nodes);

@@ -370,8 +370,8 @@ static void print_what_ran(const job *done)
         voxel_input_add_rows(rows, &done->source.voxels);
     }
     table_cell(rows, "grid");
-    table_cell(rows, "depth %u, %lu voxels per axis, %s, snap error %.3g", result->info.depth, width,
-               svo_name(SVO_NAME_COVERAGE, (svo_coverage)result->info.coverage), result->info.snap_error);
+    table_cell(rows, "depth %u, %lu voxels per axis, %s", result->info.depth, width,
+               svo_name(SVO_NAME_COVERAGE, (svo_coverage)result->info.coverage));
     table_cell(rows, "opencl");
     table_cell(rows, "%s", info_of_device(done->opened.device).name);
     table_cell(rows, "opengl");
@@ -530,6 +530,7 @@ static void add_import(cJSON *document, const job *done)
     json_add_count(object, "declared_faces", info->declared_faces);
     json_add_count(object, "read_faces", info->read_faces);
     json_add_count(object, "triangles", info->triangles);
+    json_add_count(object, "welded_vertices", info->welded_vertices);
 }
 
 static void add_buffers(cJSON *document, const job *done)
@@ -557,7 +558,6 @@ cJSON *report_to_json(const program *state, const job *done, const char *hash)
     json_add_count(document, "nodes", result->info.node_count);
     json_add_text(document, "hash", hash);
     job_add_what_ran(document, done);
-    cJSON_AddNumberToObject(document, "snap_error", result->info.snap_error);
     json_add_vector(document, "origin", result->info.origin);
     cJSON_AddNumberToObject(document, "edge", result->info.edge);
     json_add_count(document, "undecided", result->report.undecided);

@@ -277,6 +277,9 @@ static int open_scene(program *state, input *opened)
     if (state->options.axes == (int)SVO_AXES_Z_UP) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--axes z-up applies to files, not to %s", opened->name);
     }
+    if (state->options.weld > 0.0) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--weld applies to mesh files, not to %s", opened->name);
+    }
     const svo_status status = scene_create(opened->name + strlen("scene:"), &opened->made, &message);
     if (status != SVO_OK) {
         return program_fail_scene(state, status, message.text);
@@ -325,7 +328,8 @@ static int import(program *state, const char *path, input *opened)
                                          .strict = (uint32_t)state->options.strict,
                                          .progress = ask_to_go_on,
                                          .progress_user = state->progress,
-                                         .axes = (uint32_t)state->options.axes};
+                                         .axes = (uint32_t)state->options.axes,
+                                         .weld = state->options.weld};
     if (svo_import_helper(helper, sizeof helper, NULL) != SVO_OK) {
         import_options.child_program = "/proc/self/exe"; /* this program alone, copied out of its installation */
     }

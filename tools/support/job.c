@@ -174,7 +174,7 @@ static int build_once(program *state, session *opened, const input *source, uint
     svo_plan *plan = NULL;
     cl_calls before;
     (void)cl_calls_count(&before);
-    progress_step(state->progress, "snapping to the grid");
+    progress_step(state->progress, "rounding to the grid");
     int exit_code = job_plan(state, opened->device, source, need, &plan);
     if (exit_code == PROGRAM_DONE) {
         exit_code = build_plan(state, opened, plan, result);

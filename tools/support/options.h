@@ -166,6 +166,7 @@ typedef struct options {
     uint64_t reference; /* gather: paths for each point; 0: none */
     uint64_t hidden, frame; /* voxel files: a flag, and the number of a frame */
     int axes; /* an svo_axes */
+    double weld; /* of mesh files: a distance; 0: none */
     uint64_t max_bytes; /* export-web: of the page */
     int through; /* render: 0 the tree, 1 probes */
     uint32_t probe_counts[3]; /* probes along each axis */

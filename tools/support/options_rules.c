@@ -551,6 +551,8 @@ static const rule rules[] = {
      "also fill the inside, by winding or parity; -o then writes the solid (not filled)"},
     {"axes", '\0', OPTION_BUILD | OPTION_CONVERT_COMMAND, "NAME", read_choice, FIELD(axes), 0, 0, axes_of_files,
      "what is up in files: auto, z in .vox, else y; z-up; keep, nothing is turned (auto)"},
+    {"weld", '\0', OPTION_BUILD, "DISTANCE", read_amount, FIELD(weld), 0, 0, NULL,
+     "mesh files: vertices within this distance of an earlier one get its position (0: none do)"},
     {"hidden", '\0', OPTION_VOXELS, NULL, read_flag, FIELD(hidden), 0, 0, NULL,
      "voxel files: also read what hidden layers and nodes hold"},
     {"frame", '\0', OPTION_VOXELS, "N", read_count, FIELD(frame), 0, INT32_MAX, NULL,

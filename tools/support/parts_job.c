@@ -119,7 +119,8 @@ static int plan_from_memory(program *state, session *opened, const char *folder,
 static int plan_either(program *state, session *opened, const char *folder, parts_mesh *mesh)
 {
     *mesh = (parts_mesh){.in_blocks = false};
-    if (state->options.max_memory > 0 && state->options.strict == 0 && input_is_mesh_file(state)) {
+    if (state->options.max_memory > 0 && state->options.strict == 0 && state->options.weld == 0.0 &&
+        input_is_mesh_file(state)) {
         svo_status status = SVO_OK;
         const int exit_code = plan_in_blocks(state, opened, folder, &status, &mesh->why_whole);
         if (exit_code != PROGRAM_DONE || status == SVO_OK) {

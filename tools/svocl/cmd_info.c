@@ -20,9 +20,15 @@ static const char *mesh_of_rays(const svo_tree_info *info)
     if ((info->need & SVO_NEED_RAYS) == 0 || info->coverage == SVO_COVERAGE_THIN) {
         return NULL;
     }
-    return info->positions == SVO_POSITIONS_SNAPPED ? "the snapped mesh"
+    return info->positions == SVO_POSITIONS_ROUNDED ? "the rounded mesh"
            : info->positions == SVO_POSITIONS_FLOAT ? "the input, in floats"
                                                     : "the input, in doubles";
+}
+
+/* Which mesh, or list of voxels, the tree's voxels are of. */
+static const char *source_of_voxels(const svo_tree_info *info)
+{
+    return info->is_exact != 0 ? "the input" : "the rounded mesh";
 }
 
 static cJSON *to_json(const program *state, const file_facts *facts)
@@ -37,12 +43,12 @@ static cJSON *to_json(const program *state, const file_facts *facts)
     json_add_text(document, "coverage", svo_name(SVO_NAME_COVERAGE, (svo_coverage)info->coverage));
     json_add_needs(document, "need", info->need);
     json_add_needs(document, "constant", info->constant);
+    json_add_text(document, "voxels_of", source_of_voxels(info));
     json_add_text(document, "rays_meet", mesh_of_rays(info));
     json_add_text(document, "weights", svo_name(SVO_NAME_WEIGHTS, (svo_weights)info->weights));
     json_add_vector(document, "origin", info->origin);
     cJSON_AddNumberToObject(document, "edge", info->edge);
     cJSON_AddNumberToObject(document, "scale", info->scale);
-    cJSON_AddNumberToObject(document, "snap_error", info->snap_error);
     json_add_count(document, "triangles", info->triangles);
     json_add_count(document, "refused_triangles", info->refused_triangles);
     json_add_count(document, "fragments", info->fragments);
@@ -72,7 +78,7 @@ static void print_header(const program *state, const file_facts *facts)
     table_cell(rows, "origin");
     table_cell(rows, "%.9g, %.9g, %.9g", info->origin[0], info->origin[1], info->origin[2]);
     table_cell(rows, "edge");
-    table_cell(rows, "%.9g, snapped to %u bits, snap error %.3g", info->edge, info->snap_bits, info->snap_error);
+    table_cell(rows, "%.9g, 2^%u grid units", info->edge, info->snap_bits);
     table_cell(rows, "holds");
     table_cell(rows, "nodes%s%s%s%s%s%s", (info->need & SVO_NEED_COLOR) != 0 ? ", colors" : "",
                (info->need & SVO_NEED_NORMAL) != 0 ? ", normals" : "",
@@ -80,6 +86,8 @@ static void print_header(const program *state, const file_facts *facts)
                (info->need & SVO_NEED_FILL) != 0 ? ", fills" : "",
                (info->need & SVO_NEED_PROJECTED_AREA) != 0 ? ", projected areas" : "",
                (info->need & SVO_NEED_RAYS) != 0 ? ", leaf lists and triangles" : "");
+    table_cell(rows, "voxels of");
+    table_cell(rows, "%s", source_of_voxels(info));
     if (mesh_of_rays(info) != NULL) {
         table_cell(rows, "rays meet");
         table_cell(rows, "%s", mesh_of_rays(info));

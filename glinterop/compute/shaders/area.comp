@@ -17,17 +17,15 @@ layout(std430, binding = 1) readonly buffer Cursors
     uint cursors[];
 };
 
-/* The triangle's normal: the cross product of two edges. */
+/* The triangle's normal: fine.clh. */
 i64vec3 svo_triangle_normal(uint triangle)
 {
-    ivec3 corners[3];
-    for (uint i = 0u; i < 3u; ++i) {
-        uint at = indices[triangle * 3u + i] * 3u;
-        corners[i] = ivec3(vertices[at], vertices[at + 1u], vertices[at + 2u]);
-    }
-    i64vec3 p = i64vec3(corners[1] - corners[0]);
-    i64vec3 q = i64vec3(corners[2] - corners[0]);
-    return i64vec3(p.y * q.z - p.z * q.y, p.z * q.x - p.x * q.z, p.x * q.y - p.y * q.x);
+    i64vec3 first = svo_fine_vertex(indices[triangle * 3u]);
+    i64vec3 p = svo_fine_vertex(indices[triangle * 3u + 1u]) - first;
+    i64vec3 q = svo_fine_vertex(indices[triangle * 3u + 2u]) - first;
+    int64_t edges[6] = int64_t[6](p.x, p.y, p.z, q.x, q.y, q.z);
+    svo_fine_normal made = svo_make_fine_normal(edges);
+    return i64vec3(made.x, made.y, made.z);
 }
 
 void main()
@@ -43,9 +41,9 @@ void main()
     if (largest == int64_t(0)) {
         return; /* a segment or a point */
     }
-    int corners[9];
-    svo_load_corners(triangle, axis, svo_voxel_corner(svo_fragment_code(index), params.voxel_log2), corners);
-    svo_part part = svo_pair_part(corners);
+    int64_t corners[SVO_PART_WORDS];
+    svo_load_corners(triangle, axis, svo_fragment_code(index), corners);
+    svo_part part = svo_clip(corners);
     uint at = (cursors[index] - params.leaf_begin) * 6u;
     for (uint i = 0u; i < 3u; ++i) {
         int64_t n = i == 0u ? normal.x : i == 1u ? normal.y : normal.z;

@@ -8,14 +8,14 @@
  * (RGBA8, one word each), then all normals (int16 x and y, z and 0; two words each; all 0: use the triangle's own),
  * then all u and v (two words each, 65536 = 1). Attributes that the mesh lacks take no space.
  */
-#include "shared/clip.clh"
+#include "shared/fine.clh"
 
 uniform svo_filter_params params;
 uniform uint vertex_count;
 
 layout(std430, binding = 2) readonly buffer Vertices
 {
-    int vertices[]; /* x, y, z per vertex, snapped */
+    int vertices[]; /* x, y, z of each vertex, snapped; then remainders, two words of each (fine.clh) */
 };
 layout(std430, binding = 3) readonly buffer Indices
 {
@@ -53,34 +53,37 @@ ivec3 svo_equal_weights()
 
 #if defined(SVO_WEIGHTS_AREA) || defined(SVO_WEIGHTS_CENTER) || defined(SVO_AREAS)
 
-/* A triangle's corners u, v, t relative to the voxel's minimum corner, in grid units. t is along the triangle's axis.
-   */
-void svo_load_corners(uint triangle, uint axis, ivec3 origin, out int corners[9])
+/* A vertex in sub-units. */
+i64vec3 svo_fine_vertex(uint vertex)
 {
+    int bits = SVO_SUB_LOG2 - int(params.voxel_log2);
+    uint at = vertex * 3u;
+    uint place = vertex_count * 3u + vertex * 2u;
+    uint64_t remainders = uint64_t(uint(vertices[place])) | uint64_t(uint(vertices[place + 1u])) << 32;
+    return i64vec3(svo_fine_coordinate(vertices[at], remainders, 0, bits),
+                   svo_fine_coordinate(vertices[at + 1u], remainders, 1, bits),
+                   svo_fine_coordinate(vertices[at + 2u], remainders, 2, bits));
+}
+
+/* A triangle's corners u, v, t from the voxel's minimum corner, in sub-units; t is its axis. The rest is scratch. */
+void svo_load_corners(uint triangle, uint axis, svo_code code, out int64_t corners[SVO_PART_WORDS])
+{
+    i64vec3 origin =
+        i64vec3(ivec3(svo_code_axis(code, 0u), svo_code_axis(code, 1u), svo_code_axis(code, 2u))) * SVO_SUB_EDGE;
     for (uint i = 0u; i < 3u; ++i) {
-        uint at = indices[triangle * 3u + i] * 3u;
-        int x = vertices[at] - origin.x;
-        int y = vertices[at + 1u] - origin.y;
-        int z = vertices[at + 2u] - origin.z;
-        corners[3u * i] = axis == 0u ? y : axis == 1u ? z : x;
-        corners[3u * i + 1u] = axis == 0u ? z : axis == 1u ? x : y;
-        corners[3u * i + 2u] = axis == 0u ? x : axis == 1u ? y : z;
+        i64vec3 at = svo_fine_vertex(indices[triangle * 3u + i]) - origin;
+        corners[3u * i] = axis == 0u ? at.y : axis == 1u ? at.z : at.x;
+        corners[3u * i + 1u] = axis == 0u ? at.z : axis == 1u ? at.x : at.y;
+        corners[3u * i + 2u] = axis == 0u ? at.x : axis == 1u ? at.y : at.z;
     }
 }
 
-/* Twice the signed area, times 2^bits, of the triangle p, q and a point near the origin. fraction: the point, in
-   2^-bits of a unit. */
-int64_t svo_area_from(ivec2 p, ivec2 q, ivec2 fraction, int bits)
-{
-    int64_t whole = int64_t(p.x) * int64_t(q.y) - int64_t(p.y) * int64_t(q.x);
-    return (whole << bits) - (int64_t(fraction.x) * int64_t(q.y - p.y) - int64_t(fraction.y) * int64_t(q.x - p.x));
-}
+#define SVO_WEIGHED_BITS 30
 
-uint svo_significant_bits(uint64_t number)
+/* Twice the signed area of the triangle of two points and the origin. */
+int64_t svo_area_from(ivec2 p, ivec2 q)
 {
-    uint high = uint(number >> 32);
-    uint low = uint(number & uint64_t(0xffffffffu));
-    return high != 0u ? uint(findMSB(high)) + 33u : uint(findMSB(low) + 1);
+    return int64_t(p.x) * int64_t(q.y) - int64_t(p.y) * int64_t(q.x);
 }
 
 /* GLSL 4.30 has no max of 64-bit integers. */
@@ -89,23 +92,25 @@ int64_t svo_not_negative(int64_t number)
     return number > int64_t(0) ? number : int64_t(0);
 }
 
-/* The weights of the corners at a point of the triangle, in sub-units; a third each for a triangle without area. The
-   point has a precision of 2^-12 unit, or of one unit when the triangle reaches further than 2^24 units, so that areas
-   stay below 2^62. */
-ivec3 svo_corner_weights(int corners[9], int64_t u, int64_t v, uint voxel_log2)
+ivec2 svo_near_point(int64_t u, int64_t v, int dropped)
 {
-    int bits = SVO_SUB_LOG2 - int(voxel_log2);
-    ivec2 unit = ivec2(int(u >> bits), int(v >> bits));
-    ivec2 p = ivec2(corners[0], corners[1]) - unit;
-    ivec2 q = ivec2(corners[3], corners[4]) - unit;
-    ivec2 r = ivec2(corners[6], corners[7]) - unit;
-    ivec2 reach = max(max(abs(p), abs(q)), abs(r));
-    bool is_near = max(reach.x, reach.y) < 1 << 24;
-    int fraction_bits = is_near ? min(bits, 12) : 0;
-    ivec2 fraction = (ivec2(int(u), int(v)) - (unit << bits)) >> (bits - fraction_bits);
-    int64_t part_x = svo_area_from(q, r, fraction, fraction_bits);
-    int64_t part_y = svo_area_from(r, p, fraction, fraction_bits);
-    int64_t part_z = svo_area_from(p, q, fraction, fraction_bits);
+    return ivec2(int(u >> dropped), int(v >> dropped));
+}
+
+/* The barycentric weights of a point; a third each for a triangle without area. */
+ivec3 svo_corner_weights(int64_t corners[SVO_PART_WORDS], int64_t u, int64_t v)
+{
+    uint64_t reach = uint64_t(0);
+    for (int i = 0; i < 9; i += 3) {
+        reach |= SVO_ABS64(corners[i] - u) | SVO_ABS64(corners[i + 1] - v);
+    }
+    int dropped = svo_bits_beyond(reach, SVO_WEIGHED_BITS);
+    ivec2 p = svo_near_point(corners[0] - u, corners[1] - v, dropped);
+    ivec2 q = svo_near_point(corners[3] - u, corners[4] - v, dropped);
+    ivec2 r = svo_near_point(corners[6] - u, corners[7] - v, dropped);
+    int64_t part_x = svo_area_from(q, r);
+    int64_t part_y = svo_area_from(r, p);
+    int64_t part_z = svo_area_from(p, q);
     int64_t area = part_x + part_y + part_z;
     if (area == int64_t(0)) {
         return svo_equal_weights();
@@ -116,31 +121,11 @@ ivec3 svo_corner_weights(int corners[9], int64_t u, int64_t v, uint voxel_log2)
     part_z = svo_not_negative(part_z * side);
     uint64_t total = uint64_t(part_x + part_y + part_z);
     /* Sixteen significant bits suffice and allow a 32-bit division. */
-    uint significant = svo_significant_bits(total);
-    uint shift = significant > 16u ? significant - 16u : 0u;
+    int shift = svo_bits_beyond(total, 16);
     uint whole = uint(total >> shift);
     int second = int((uint(part_y >> shift) << 16) / whole);
     int third = int((uint(part_z >> shift) << 16) / whole);
     return ivec3(SVO_WEIGHT_ONE - second - third, second, third);
-}
-
-ivec3 svo_voxel_corner(svo_code code, uint voxel_log2)
-{
-    return ivec3(svo_code_axis(code, 0u), svo_code_axis(code, 1u), svo_code_axis(code, 2u)) << int(voxel_log2);
-}
-
-#endif
-
-#if defined(SVO_WEIGHTS_AREA) || defined(SVO_AREAS)
-
-/* The part of a triangle inside a voxel. corners: the triangle's, relative to the voxel's minimum corner. */
-svo_part svo_pair_part(int corners[9])
-{
-    svo_i64 polygons[SVO_PART_WORDS];
-    for (int i = 0; i < 9; ++i) {
-        polygons[i] = int64_t(corners[i]) * int64_t(1 << (SVO_SUB_LOG2 - int(params.voxel_log2)));
-    }
-    return svo_clip(polygons);
 }
 
 #endif
@@ -150,20 +135,20 @@ svo_share svo_pair_share(uint triangle, svo_code code)
     svo_share share = svo_share(1u, svo_equal_weights());
 #if defined(SVO_WEIGHTS_AREA)
     svo_triangle_record record = records[triangle];
-    int corners[9];
-    svo_load_corners(triangle, svo_triangle_axis(record), svo_voxel_corner(code, params.voxel_log2), corners);
-    svo_part part = svo_pair_part(corners);
+    int64_t corners[SVO_PART_WORDS];
+    svo_load_corners(triangle, svo_triangle_axis(record), code, corners);
+    int64_t polygons[SVO_PART_WORDS] = corners;
+    svo_part part = svo_clip(polygons);
     share.weight = svo_part_weight(part.doubled_area, record.stretch, params.weight_log2);
     if (!svo_triangle_is_flat(record)) {
-        share.corners = svo_corner_weights(corners, part.u, part.v, params.voxel_log2);
+        share.corners = svo_corner_weights(corners, part.u, part.v);
     }
 #elif defined(SVO_WEIGHTS_CENTER)
     svo_triangle_record record = records[triangle];
     if (!svo_triangle_is_flat(record)) {
-        int corners[9];
-        svo_load_corners(triangle, svo_triangle_axis(record), svo_voxel_corner(code, params.voxel_log2), corners);
-        share.corners = svo_corner_weights(corners, SVO_SUB_EDGE / int64_t(2), SVO_SUB_EDGE / int64_t(2),
-                                           params.voxel_log2);
+        int64_t corners[SVO_PART_WORDS];
+        svo_load_corners(triangle, svo_triangle_axis(record), code, corners);
+        share.corners = svo_corner_weights(corners, SVO_SUB_EDGE / int64_t(2), SVO_SUB_EDGE / int64_t(2));
     }
 #endif
     return share;

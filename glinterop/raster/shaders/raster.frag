@@ -70,9 +70,9 @@ void main()
 void main()
 {
     ivec2 pixel = ivec2(gl_FragCoord.xy) + view_origin - first_voxel.xy;
-    int w = 1 << voxel_log2;
-    int u = pixel.x << voxel_log2;
-    int v = pixel.y << voxel_log2;
+    int w = 1 << corner_c.w;
+    int u = pixel.x << corner_c.w;
+    int v = pixel.y << corner_c.w;
     svo_point a = svo_make_point(corner_a.x, corner_a.y, corner_a.z);
     svo_point b = svo_make_point(corner_b.x, corner_b.y, corner_b.z);
     svo_point c = svo_make_point(corner_c.x, corner_c.y, corner_c.z);
@@ -89,9 +89,10 @@ void main()
         float reach = max(float(max(abs(a.u), max(abs(b.u), abs(c.u)))),
                           max(float(max(abs(a.v), max(abs(b.v), abs(c.v)))),
                               float(max(abs(a.t), max(abs(b.t), abs(c.t))))));
-        svo_span span = svo_column_span(overlap.plane, a, u, v, w, last_voxel.z, reach);
+        svo_slope slope = svo_slope_of(overlap.plane.nu, overlap.plane.nv, overlap.plane.nt);
+        svo_span span = svo_column_span(slope, a, u, v, w, last_voxel.z, reach);
         for (int k = span.first; k <= span.last; ++k) {
-            int voxel = svo_overlap_voxel(overlap, u, v, k << voxel_log2);
+            int voxel = svo_overlap_voxel(overlap, u, v, k << corner_c.w);
             if (voxel != SVO_TOUCHES_NOT) {
                 touches = min(touches, voxel);
                 first = count == 0u ? k : first;

@@ -31,9 +31,9 @@ layout(std430, binding = 2) readonly buffer Items
 uniform uint first_item;
 uniform int view_log2; /* log2 of the viewport's pixels per axis */
 
-flat out ivec4 corner_a;    /* u, v, t in grid units from the first voxel's corner; w: axis of projection */
+flat out ivec4 corner_a;    /* u, v, t in units from the first voxel's corner; w: axis of projection */
 flat out ivec4 corner_b;    /* w: the triangle */
-flat out ivec4 corner_c;
+flat out ivec4 corner_c;    /* w: log2 of the units per voxel */
 flat out ivec4 first_voxel; /* u, v, t in voxels */
 flat out ivec4 last_voxel;  /* u, v, t in voxels from the first */
 
@@ -91,6 +91,12 @@ vec2 bound(vec2 a, vec2 b, vec2 c, vec2 size, uint corner)
     return steep ? placed.yx : placed;
 }
 
+ivec4 coarse(svo_point p, int dropped, int w)
+{
+    p = svo_coarse_point(p, dropped);
+    return ivec4(p.u, p.v, p.t, w);
+}
+
 vec2 pixels(svo_point p)
 {
     return vec2(p.u, p.v) / float(1 << voxel_log2);
@@ -118,9 +124,10 @@ void main()
     svo_point start = permute(first, axis);
     svo_point extent = permute(last, axis);
 
-    corner_a = ivec4(local[0].u, local[0].v, local[0].t, int(axis));
-    corner_b = ivec4(local[1].u, local[1].v, local[1].t, int(item.triangle));
-    corner_c = ivec4(local[2].u, local[2].v, local[2].t, 0);
+    int dropped = svo_dropped_bits(max(last.x, max(last.y, last.z)), voxel_log2);
+    corner_a = coarse(local[0], dropped, int(axis));
+    corner_b = coarse(local[1], dropped, int(item.triangle));
+    corner_c = coarse(local[2], dropped, voxel_log2 - dropped);
     first_voxel = ivec4(start.u, start.v, start.t, 0);
     last_voxel = ivec4(extent.u, extent.v, extent.t, 0);
 

@@ -346,6 +346,7 @@ def read_mesh(
     time_limit_seconds: int = 0,
     strict: bool = False,
     axes: Axes = Axes.AUTO,
+    weld: float = 0.0,
 ) -> Mesh:
     """Reads a mesh file: OBJ with MTL, PLY, STL, OFF and glTF by the library's own readers, others by assimp.
 
@@ -359,8 +360,11 @@ def read_mesh(
             names, and of the texels of its textures.
         strict: what would be a warning is an error.
         axes: Axes.Z_UP: z is up in the file, so that it is turned. Else it is as the file says.
+        weld: a distance in the mesh's units, 0 or more. A vertex that lies no farther than this from an earlier one
+            that stayed gets the position of the first of these, so that cracks close. 0: positions stay as they are.
 
     Raises:
+        InvalidArgumentError: weld is negative or not finite.
         FileError: missing or unreadable.
         ImportFailedError: not understood, no triangle, a crash, a limit, or a warning where strict.
     """
@@ -370,6 +374,7 @@ def read_mesh(
     options.time_limit_seconds = _arrays.integer("time_limit_seconds", time_limit_seconds)
     options.strict = bool(strict)
     options.axes = Axes(axes)
+    options.weld = weld
     helper = os.path.join(os.path.dirname(os.path.abspath(__file__)), "svocl-import")
     program = ffi.new("char[]", encode(helper))  # the wheel's; Debian's package uses that of the shared library
     options.child_program = program if os.path.exists(helper) else ffi.NULL

@@ -39,7 +39,7 @@ class TreeArrays(NamedTuple):
     list: Optional[npt.NDArray[np.uint32]]
     """(list_count,): into triangle_ids."""
     vertices: Optional[npt.NDArray[np.int32]]
-    """(vertex_count, 3): snapped, grid units."""
+    """(vertex_count, 3): rounded to grid units."""
     indices: Optional[npt.NDArray[np.uint32]]
     """(list_triangle_count, 3): into vertices."""
     triangle_ids: Optional[npt.NDArray[np.uint32]]

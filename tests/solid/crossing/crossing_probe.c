@@ -14,18 +14,32 @@ static int cross_snapped(const int32_t *corners, const int32_t *errors, uint32_t
     return svo_cross_snapped(corners, errors, axis, point, low, high);
 }
 
-static int cross_exactly(const crossing_pair *pair, uint32_t axis)
+static svo_decided_pair load(const crossing_pair *pair, svo_decide_params *grid)
 {
     static const uint32_t indices[3] = {0, 1, 2};
-    svo_decide_params grid = {.is_double = 1, .depth = pair->depth};
-    memcpy(grid.origin, pair->origin, sizeof grid.origin);
-    memcpy(grid.edge, &pair->edge, sizeof grid.edge);
-    const svo_decided_pair loaded = svo_load_pair(pair->vertices, indices, 0, pair->cell, &grid);
-    const svo_big width = svo_decided_width(&grid);
+    *grid = (svo_decide_params){.is_double = 1, .depth = pair->depth};
+    memcpy(grid->origin, pair->origin, sizeof grid->origin);
+    memcpy(grid->edge, &pair->edge, sizeof grid->edge);
+    return svo_load_pair(pair->vertices, indices, 0, pair->cell, grid);
+}
+
+static int cross_near(const crossing_pair *pair, uint32_t axis)
+{
+    svo_decide_params grid;
+    const svo_decided_pair loaded = load(pair, &grid);
+    const svo_near_triangle triangle = svo_make_near(&loaded, &grid);
+    return svo_doubles_hold(&grid) ? svo_cross_near(&triangle, axis) : CROSSING_UNDECIDED;
+}
+
+static int cross_exactly(const crossing_pair *pair, uint32_t axis)
+{
+    svo_decide_params grid;
+    const svo_decided_pair loaded = load(pair, &grid);
+    const svo_short width = svo_decided_width(&grid);
     return svo_cross_exactly(svo_place_exactly(&loaded, &grid, width), width, axis);
 }
 
-const crossing_functions CROSSING_PROBE = {cross_snapped, cross_exactly};
+const crossing_functions CROSSING_PROBE = {cross_snapped, cross_near, cross_exactly};
 
 #ifdef CROSSING_SOUND
 void crossing_snap(const crossing_pair *pair, int snap_bits, int32_t corners[9], int32_t errors[3])
@@ -40,6 +54,6 @@ void crossing_snap(const crossing_pair *pair, int snap_bits, int32_t corners[9],
 
 int crossing_sign(const int64_t a[3], const int32_t b[3])
 {
-    return svo_sign_of_dot(a, b);
+    return svo_sign_of_words(svo_dot(a, b), 0);
 }
 #endif

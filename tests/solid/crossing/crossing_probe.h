@@ -21,15 +21,19 @@ typedef struct crossing_functions {
        what they may be off along these axes) from low to below high; 0: not. */
     int (*snapped)(const int32_t *corners, const int32_t *errors, uint32_t axis, const int32_t point[2], int32_t low,
                    int32_t high);
+    /* svo_cross_near: what doubles say of the following. */
+    int (*near)(const crossing_pair *pair, uint32_t axis);
     /* svo_cross_exactly: the same of the line through the voxel's center, inside the voxel. */
     int (*exact)(const crossing_pair *pair, uint32_t axis);
 } crossing_functions;
 
 extern const crossing_functions crossing_sound;
 /* Mistakes that snapped triangles show, */
-extern const crossing_functions crossing_tie, crossing_both, crossing_none, crossing_far, crossing_turned;
-/* where snapping is said to decide, */
+extern const crossing_functions crossing_tie, crossing_both, crossing_none, crossing_far, crossing_turned,
+    crossing_passing;
+/* where snapping or doubles are said to decide, */
 extern const crossing_functions crossing_sure_edge, crossing_half_edge, crossing_sure_height;
+extern const crossing_functions crossing_near_side, crossing_near_height;
 /* and that exact ones show. */
 extern const crossing_functions crossing_exact_tie, crossing_exact_far, crossing_exact_height;
 

@@ -233,7 +233,7 @@ enum { MOVE, VOXELIZE, WEIGH, MERGE, NODES, PAYLOAD, UPDATE, BUILD, RATIO, TIME_
 static const char note[] =
     "Colors and normals are weighted by area. Changed: the share of the (voxel, triangle) pairs that an update makes "
     "anew; the last triangles of the mesh are an object that moves by half a voxel. Columns of stages are medians, "
-    "wall clock: vertices to the device, snapped and classified; pairs made and sorted; pairs weighed and sampled; "
+    "wall clock: vertices to the device, rounded and classified; pairs made and sorted; pairs weighed and sampled; "
     "lists merged; nodes; payload. Build: plan and build of the same mesh, grid and unit of weight, after each update. "
     "Ratio: of the two within a round.";
 

@@ -272,7 +272,7 @@ static const char table_id[] = "rays";
 static const char calls_id[] = "ray-calls";
 
 static const char note[] =
-    "Wall clock, on the snapped mesh, interleaved, each run after one that does not count, on as many threads. Shadow: "
+    "Wall clock, on the rounded mesh, interleaved, each run after one that does not count, on as many threads. Shadow: "
     "any hit; misses: rays away from the "
     "mesh. Embree: the fastest of rtcIntersect1, 8 and 16, or of rtcOccluded, with its medium build and packets laid "
     "out beforehand. Ratio: svocl's rays per second to Embree's, within each round; below 1 Embree leads. Wrong: "

@@ -19,7 +19,7 @@ static const char table_id[] = "solid";
 
 static const char note[] =
     "Methods run interleaved. Tree: plan and build with leaf lists; fill: svo_solid_create on that tree. OpenVDB: "
-    "tools::meshToVolume on all cores, signed distances in a band of three voxels to each side, from the snapped "
+    "tools::meshToVolume on all cores, signed distances in a band of three voxels to each side, from the rounded "
     "triangles. Wrong: voxels that no triangle touches and that are not on the side of their center, by the exact "
     "reference. Ratio: svocl's tree and fill to OpenVDB, within each round.";
 

@@ -34,8 +34,7 @@ typedef struct attribute_samples {
 #define LEAST_LENGTH 0.05 /* of a mean normal with a direction */
 
 typedef struct pair {
-    oracle_triangle triangle;
-    oracle_box box;
+    double triangle[3][3]; /* vertex, axis: in voxels from the voxel's corner */
     size_t corners[3]; /* vertices of the mesh */
 } pair;
 
@@ -43,11 +42,16 @@ static void open_pair(const svo_mesh *mesh, const svo_tree_info *info, const svo
                       uint32_t entry, pair *out)
 {
     const size_t id = arrays->triangle_ids[entry];
-    oracle_voxel_box(code, info->depth, info->snap_bits, &out->box);
+    oracle_box box;
+    oracle_voxel_box(code, info->depth, info->depth, &box); /* in voxels */
     for (size_t i = 0; i < 3; ++i) {
-        const size_t vertex = arrays->indices[(size_t)entry * 3 + i];
-        memcpy(out->triangle.vertex[i], arrays->vertices + vertex * 3, sizeof out->triangle.vertex[i]);
         out->corners[i] = mesh->indices != NULL ? mesh->indices[id * 3 + i] : id * 3 + i;
+        for (size_t axis = 0; axis < 3; ++axis) {
+            const size_t at = out->corners[i] * 3 + axis;
+            const double x = mesh->positions_double != NULL ? mesh->positions_double[at] : (double)mesh->positions[at];
+            out->triangle[i][axis] =
+                ldexp((x - info->origin[axis]) / info->edge, (int)info->depth) - (double)box.corner[axis];
+        }
     }
 }
 
@@ -67,19 +71,18 @@ static void interpolate(const svo_mesh *mesh, attribute kind, const pair *opened
 /* Sets the sample and adds to the leaf's mean. Returns the weight. */
 static double add_pair(const svo_mesh *mesh, attribute kind, const pair *opened, float sample[4], double mean[3])
 {
-    const double half = (double)opened->box.width / 2.0;
-    const double center[3] = {half, half, half};
+    static const double center[3] = {0.5, 0.5, 0.5};
     double centroid[3];
     double weights[3];
     double value[3];
-    oracle_corner_weights(&opened->triangle, &opened->box, center, weights);
+    oracle_corner_weights(opened->triangle, center, weights);
     interpolate(mesh, kind, opened, weights, value);
     for (int channel = 0; channel < 3; ++channel) {
         sample[channel] = (float)value[channel];
     }
     sample[3] = 1.0f;
-    const double area = oracle_part(&opened->triangle, &opened->box, centroid);
-    oracle_corner_weights(&opened->triangle, &opened->box, centroid, weights);
+    const double area = oracle_part(opened->triangle, 1.0, centroid);
+    oracle_corner_weights(opened->triangle, centroid, weights);
     interpolate(mesh, kind, opened, weights, value);
     for (int channel = 0; channel < 3; ++channel) {
         mean[channel] += area * value[channel];

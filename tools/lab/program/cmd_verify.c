@@ -282,7 +282,7 @@ static void print_verdict(const program *state, const svo_tree_info *info, const
     print_counts(&found->tree);
     table_line("%s nodes differ", figure_count(found->tree.node_differences).text);
     if (found->snap_compared) {
-        table_line("%s triangles are snapped differently, %u grid values differ",
+        table_line("%s triangles are rounded differently, %u grid values differ",
                    figure_count(found->snap.triangles).text, found->snap.grid_values);
     }
     if (is_exact(found)) {
@@ -303,7 +303,7 @@ static cJSON *to_json(const program *state, const svo_tree_info *info, const ver
     json_add_count(document, "node_differences", found->tree.node_differences);
     if (found->snap_compared) {
         json_add_count(document, "grid_differences", found->snap.grid_values);
-        json_add_count(document, "snap_differences", found->snap.triangles);
+        json_add_count(document, "rounding_differences", found->snap.triangles);
     }
     json_add_count(document, "expected_voxels", found->tree.expected_voxels);
     json_add_count(document, "expected_pairs", found->tree.expected_pairs);
@@ -348,7 +348,7 @@ static int report_verdict(program *state, const svo_tree_info *info, const verdi
     return program_fail(state, PROGRAM_FAILED,
                         "%s: the tree is not exact: %" PRIu64 " missed and %" PRIu64 " surplus voxels, %" PRIu64
                         " missed and %" PRIu64 " surplus pairs, %" PRIu64 " nodes and %" PRIu64
-                        " snapped triangles differ",
+                        " rounded triangles differ",
                         state->options.input, d->missed_voxels, d->surplus_voxels, d->missed_pairs, d->surplus_pairs,
                         found->tree.node_differences, found->snap.triangles);
 }
@@ -366,12 +366,12 @@ static int verify(program *state, const svo_tree *tree, const job *done)
                             "%s: the tree has no leaf lists to compare, build it with --need rays",
                             state->options.input);
     }
-    if (done == NULL && info.positions == SVO_POSITIONS_SNAPPED && info.coverage == SVO_COVERAGE_THIN) {
+    if (done == NULL && info.positions == SVO_POSITIONS_ROUNDED && info.coverage == SVO_COVERAGE_THIN) {
         return program_fail(state, PROGRAM_FAILED, "%s: the tree has no positions to compare with, give the mesh",
                             state->options.input);
     }
     bool good = true;
-    progress_step(state->progress, "comparing snapped vertices");
+    progress_step(state->progress, "comparing rounded vertices");
     if (done != NULL) {
         found.snap_compared = true;
         good = snap_check(done->source.mesh, &state->options, &info, &arrays, &found.snap);

@@ -42,14 +42,12 @@ typedef struct oracle_box {
 bool oracle_sat_touches(const oracle_triangle *triangle, const oracle_box *box, oracle_coverage coverage);
 bool oracle_clip_touches(const oracle_triangle *triangle, const oracle_box *box, oracle_coverage coverage);
 
-/* In double precision: the area of the triangle inside the box, in box faces, and the centroid of that part, in grid
-   units from the corner of the box; without area, the center of the box. */
-double oracle_part(const oracle_triangle *triangle, const oracle_box *box, double centroid[3]);
-/* The barycentric weights of a point of the triangle (in grid units from the corner of the box), projected along the
-   dominant axis. Points beside the projected triangle are clamped to its border; without area the weights are
-   thirds. */
-void oracle_corner_weights(const oracle_triangle *triangle, const oracle_box *box, const double at[3],
-                           double weights[3]);
+/* In double precision: the area of the triangle inside a box of the given width, in box faces, and the centroid of that
+   part; without area, the center of the box. Positions are from the corner of the box, in any unit. */
+double oracle_part(const double triangle[3][3], double width, double centroid[3]);
+/* The barycentric weights of a point of the triangle, projected along the dominant axis. Points beside the projected
+   triangle are clamped to its border; without area the weights are thirds. */
+void oracle_corner_weights(const double triangle[3][3], const double at[3], double weights[3]);
 
 /* A snapped mesh: borrowed arrays. A triangle with a coordinate of 2^29 and more touches nothing (it is refused). */
 typedef struct oracle_mesh {

@@ -94,6 +94,30 @@ static void round_to_odd(mpz_t value, mp_bitcnt_t shift)
     }
 }
 
+int64_t oracle_exact_rounded(double vertex, double origin, double edge, unsigned bits)
+{
+    const int least = least_of(exponent_of(edge), least_of(exponent_of(vertex), exponent_of(origin)));
+    mpz_t offset;
+    mpz_t width;
+    mpz_t value;
+    mpz_inits(offset, width, value, NULL);
+    set_value(offset, vertex, least);
+    set_value(value, origin, least);
+    set_value(width, edge, least);
+    mpz_sub(offset, offset, value);
+    mpz_mul_2exp(offset, offset, bits);
+    /* floor, then the remainder's double against the width */
+    mpz_fdiv_qr(value, offset, offset, width);
+    mpz_mul_2exp(offset, offset, 1);
+    const int half = mpz_cmp(offset, width);
+    if (half > 0 || (half == 0 && mpz_odd_p(value))) {
+        mpz_add_ui(value, value, 1);
+    }
+    const int64_t rounded = (int64_t)mpz_get_si(value);
+    mpz_clears(offset, width, value, NULL);
+    return rounded;
+}
+
 void exact_triangle_set(exact_triangle *exact, const oracle_exact_triangle *triangle, const oracle_space *space)
 {
     const int least = common_exponent(triangle, space);

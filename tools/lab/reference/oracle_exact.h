@@ -43,6 +43,10 @@ bool oracle_exact_touches(const oracle_exact_triangle *triangle, const oracle_sp
 bool oracle_exact_clip_touches(const oracle_exact_triangle *triangle, const oracle_space *space, const int32_t cell[3],
                                oracle_coverage coverage);
 
+/* (vertex - origin) * 2^bits / edge, in real arithmetic, rounded to the nearest integer, ties to the even one. That
+   integer is below 2^63. */
+int64_t oracle_exact_rounded(double vertex, double origin, double edge, unsigned bits);
+
 /*
  * Every (voxel, triangle) pair of the accepted triangles of a mesh, sorted; triangles are known by their index. Decides
  * what doubles cannot get wrong in doubles, and the rest as oracle_exact_touches does. Returns false, with *out empty,

@@ -9,7 +9,7 @@
 
 #include "oracle.h"
 
-/* A polygon in space, in grid units from the box's corner. */
+/* A polygon in space, from the box's corner. */
 typedef struct polygon {
     double corners[9][3];
     unsigned count;
@@ -37,24 +37,20 @@ static polygon cut(const polygon *from, unsigned axis, double sign, double bound
     return to;
 }
 
-static polygon clipped(const oracle_triangle *triangle, const oracle_box *box)
+static polygon clipped(const double triangle[3][3], double width)
 {
     polygon p = {.count = 3};
-    for (unsigned corner = 0; corner < 3; ++corner) {
-        for (unsigned axis = 0; axis < 3; ++axis) {
-            p.corners[corner][axis] = (double)(triangle->vertex[corner][axis] - box->corner[axis]);
-        }
-    }
+    memcpy(p.corners, triangle, 3 * sizeof p.corners[0]);
     for (unsigned axis = 0; axis < 3; ++axis) {
         p = cut(&p, axis, 1.0, 0.0);
-        p = cut(&p, axis, -1.0, (double)box->width);
+        p = cut(&p, axis, -1.0, width);
     }
     return p;
 }
 
-double oracle_part(const oracle_triangle *triangle, const oracle_box *box, double centroid[3])
+double oracle_part(const double triangle[3][3], double width, double centroid[3])
 {
-    const polygon p = clipped(triangle, box);
+    const polygon p = clipped(triangle, width);
     double area = 0.0;
     double moment[3] = {0.0, 0.0, 0.0};
     for (unsigned i = 2; i < p.count; ++i) {
@@ -71,46 +67,40 @@ double oracle_part(const oracle_triangle *triangle, const oracle_box *box, doubl
             moment[k] += piece * (p.corners[0][k] + p.corners[i - 1][k] + p.corners[i][k]) / 3.0;
         }
     }
-    const double width = (double)box->width;
     for (unsigned k = 0; k < 3; ++k) {
         centroid[k] = area > 0.0 ? moment[k] / area : width / 2.0;
     }
     return area / (width * width);
 }
 
-/* Twice the signed area of the triangle (at, p, q) seen along axis. */
-static double area_seen(const double at[3], const double p[3], const double q[3], unsigned axis)
+/* Twice the signed area of the triangle (at, p, q) seen along axis. Barycentric weights of slivers need its sign. */
+static long double area_seen(const double at[3], const double p[3], const double q[3], unsigned axis)
 {
     const unsigned u = (axis + 1) % 3;
     const unsigned v = (axis + 2) % 3;
-    return (p[u] - at[u]) * (q[v] - at[v]) - (p[v] - at[v]) * (q[u] - at[u]);
+    return ((long double)p[u] - at[u]) * ((long double)q[v] - at[v]) -
+           ((long double)p[v] - at[v]) * ((long double)q[u] - at[u]);
 }
 
-void oracle_corner_weights(const oracle_triangle *triangle, const oracle_box *box, const double at[3],
-                           double weights[3])
+void oracle_corner_weights(const double triangle[3][3], const double at[3], double weights[3])
 {
-    double corners[3][3];
-    for (unsigned corner = 0; corner < 3; ++corner) {
-        for (unsigned k = 0; k < 3; ++k) {
-            corners[corner][k] = (double)(triangle->vertex[corner][k] - box->corner[k]);
-        }
-    }
     unsigned axis = 0;
     for (unsigned other = 1; other < 3; ++other) {
-        const double largest = fabs(area_seen(corners[0], corners[1], corners[2], axis));
-        axis = fabs(area_seen(corners[0], corners[1], corners[2], other)) > largest ? other : axis;
+        const long double largest = fabsl(area_seen(triangle[0], triangle[1], triangle[2], axis));
+        axis = fabsl(area_seen(triangle[0], triangle[1], triangle[2], other)) > largest ? other : axis;
     }
-    double whole = 0.0;
-    double sign = 0.0;
+    long double parts[3];
+    long double whole = 0.0L;
+    long double sign = 0.0L;
     for (unsigned k = 0; k < 3; ++k) {
-        weights[k] = area_seen(at, corners[(k + 1) % 3], corners[(k + 2) % 3], axis);
-        sign += weights[k];
-    }
-    for (unsigned k = 0; k < 3; ++k) {
-        weights[k] = fmax(sign < 0.0 ? -weights[k] : weights[k], 0.0);
-        whole += weights[k];
+        parts[k] = area_seen(at, triangle[(k + 1) % 3], triangle[(k + 2) % 3], axis);
+        sign += parts[k];
     }
     for (unsigned k = 0; k < 3; ++k) {
-        weights[k] = whole > 0.0 && sign != 0.0 ? weights[k] / whole : 1.0 / 3.0;
+        parts[k] = fmaxl(sign < 0.0L ? -parts[k] : parts[k], 0.0L);
+        whole += parts[k];
+    }
+    for (unsigned k = 0; k < 3; ++k) {
+        weights[k] = whole > 0.0L && sign != 0.0L ? (double)(parts[k] / whole) : 1.0 / 3.0;
     }
 }

@@ -132,7 +132,7 @@ void stress_compare(const svo_mesh *mesh, const svo_plan_options *given, const s
                     svo_name(SVO_NAME_COVERAGE, (svo_coverage)built->info.coverage));
     }
     if (snap.grid_values != 0 || snap.triangles != 0) {
-        stress_fail(one, "depth %u: snapped differently than the reference", built->info.depth);
+        stress_fail(one, "depth %u: rounded differently than the reference", built->info.depth);
     }
 }
 
