@@ -155,9 +155,9 @@ static unsigned count_uploads(const fixture *opened, const svo_mesh *mesh, svo_p
 static void arrays_are_uploaded_once(void **state)
 {
     (void)state;
-    /* Of the host's plan: vertices, indices, items; triangle ids, positions; records, colors, normals. Of the mesh:
-       positions, indices, normals, colors. */
-    static const unsigned by_host = 8, by_device = 4;
+    /* Of the host's plan: vertices, indices, items; triangle ids, positions; remainders, records, colors, normals. Of
+       the mesh: positions, indices, normals, colors. */
+    static const unsigned by_host = 9, by_device = 4;
     fixture opened;
     scene *knot = fixture_scene("knot:2000");
     fixture_open_cl(&(fixture_options){.path = SVO_PATH_GPU}, &opened);

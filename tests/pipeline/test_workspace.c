@@ -312,7 +312,8 @@ static void a_plan_is_unchanged_until_a_workspace_exists(void **state)
     scene_destroy(&made);
 }
 
-/* A list that is too short by one, and by many; nodes that do not fit. The reported capacities suffice. */
+/* A list that is too short by one, and by many; nodes that do not fit. The reported capacities suffice, and those of
+   fragments are above the number by undecided ones at most. */
 static void insufficient_capacity_reports_the_required_figures(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
@@ -322,6 +323,7 @@ static void insufficient_capacity_reports_the_required_figures(void **state)
     fixture_build(&opened, scene_mesh(made), 6, &options, &expected);
     const uint64_t exact = expected.info.fragments;
     const uint64_t capacities[] = {1, exact / 2, exact - 1};
+    uint64_t suffices = exact;
     for (size_t i = 0; i < sizeof capacities / sizeof capacities[0]; ++i) {
         options.fragment_capacity = capacities[i];
         svo_plan *plan = make_plan(&opened, scene_mesh(made), 6, options);
@@ -330,16 +332,17 @@ static void insufficient_capacity_reports_the_required_figures(void **state)
         svo_build_report report = {.struct_size = sizeof report};
         succeed(&opened, svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened.queue}));
         assert_int_equal(svo_tree_finish(tree, opened.queue, 1, &report), SVO_CAPACITY_EXCEEDED);
-        assert_int_equal(report.fragments, exact);
+        assert_in_range(report.fragments, exact, exact + exact / 100);
         assert_in_range(report.inner_nodes, expected.info.inner_count, UINT32_MAX);
+        suffices = report.fragments;
         char figure[32];
-        (void)snprintf(figure, sizeof figure, "%llu", (unsigned long long)exact);
+        (void)snprintf(figure, sizeof figure, "%llu", (unsigned long long)suffices);
         assert_non_null(strstr(svo_device_message(opened.device), figure));
         svo_tree_destroy(&tree);
         svo_workspace_destroy(&workspace);
         svo_plan_destroy(&plan);
     }
-    options.fragment_capacity = exact;
+    options.fragment_capacity = suffices;
     compare_with_build(&opened, scene_mesh(made), 6, options);
     built_destroy(&expected);
     scene_destroy(&made);
