@@ -260,8 +260,8 @@ SVO_FUNCTION uint svo_reserve(uint count, __global uint *counter)
     return base;
 }
 
-/* How many slots those of the other counter leave, so far: beyond, fragments from both ends would meet, and the chunk is
-   too small. */
+/* How many slots those of the other counter leave, so far: beyond, fragments from both ends would meet, and the chunk
+   is too small. */
 SVO_FUNCTION uint svo_slots_left(uint capacity, __global uint *other)
 {
     return capacity - min(atomic_or(other, 0u), capacity);

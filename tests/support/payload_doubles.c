@@ -47,8 +47,10 @@ static void add_double_color(const svo_mesh *mesh, uint32_t triangle, const uint
 
 static void triangle_of(const payload_pair *pair, double triangle[3][3])
 {
-    for (unsigned i = 0; i < 9; ++i) {
-        triangle[i / 3][i % 3] = (double)pair->corners[i / 3][i % 3];
+    for (unsigned corner = 0; corner < 3; ++corner) {
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            triangle[corner][axis] = (double)pair->corners[corner][axis];
+        }
     }
 }
 

@@ -61,24 +61,31 @@ typedef struct edge {
     int sign;
 } edge;
 
+static int compare_positions(const double a[3], const double b[3])
+{
+    int order = 0;
+    for (unsigned axis = 0; axis < 3 && order == 0; ++axis) {
+        order = (a[axis] > b[axis]) - (a[axis] < b[axis]); /* -0 equals 0 */
+    }
+    return order;
+}
+
 static int compare_edges(const void *a, const void *b)
 {
-    return memcmp(((const edge *)a)->ends, ((const edge *)b)->ends, sizeof((const edge *)a)->ends);
+    const edge *p = a;
+    const edge *q = b;
+    const int first = compare_positions(p->ends[0], q->ends[0]);
+    return first != 0 ? first : compare_positions(p->ends[1], q->ends[1]);
 }
 
 static edge edge_between(const exact *expected, uint32_t from, uint32_t to)
 {
-    edge made = {.sign = 1};
-    for (size_t axis = 0; axis < 3; ++axis) { /* + 0.0: -0 equals 0 */
-        made.ends[0][axis] = expected->positions[(size_t)from * 3 + axis] + 0.0;
-        made.ends[1][axis] = expected->positions[(size_t)to * 3 + axis] + 0.0;
-    }
-    if (memcmp(made.ends[0], made.ends[1], sizeof made.ends[0]) > 0) {
-        const edge turned = made;
-        memcpy(made.ends[0], turned.ends[1], sizeof made.ends[0]);
-        memcpy(made.ends[1], turned.ends[0], sizeof made.ends[1]);
-        made.sign = -1;
-    }
+    edge made;
+    const double *begin = expected->positions + (size_t)from * 3;
+    const double *end = expected->positions + (size_t)to * 3;
+    made.sign = compare_positions(begin, end) > 0 ? -1 : 1;
+    memcpy(made.ends[0], made.sign > 0 ? begin : end, sizeof made.ends[0]);
+    memcpy(made.ends[1], made.sign > 0 ? end : begin, sizeof made.ends[1]);
     return made;
 }
 
@@ -94,7 +101,7 @@ bool payload_mesh_is_open(const exact *expected)
     qsort(edges, count, sizeof *edges, compare_edges);
     for (size_t begin = 0, end = 0; begin < count; begin = end) {
         long balance = 0;
-        const bool is_point = memcmp(edges[begin].ends[0], edges[begin].ends[1], sizeof edges[begin].ends[0]) == 0;
+        const bool is_point = compare_positions(edges[begin].ends[0], edges[begin].ends[1]) == 0;
         for (end = begin; end < count && compare_edges(&edges[begin], &edges[end]) == 0; ++end) {
             balance += edges[end].sign;
         }
