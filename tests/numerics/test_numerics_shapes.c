@@ -415,6 +415,26 @@ static void t4_hard_triangles_are_exact(void **state)
     }
 }
 
+/* Edges that rise above a plane between voxels for as long as it takes to a voxel's corner, by the coordinate of one end
+   below the last unit that is looked at, which rounds to odd whoever decides. */
+static void t4_bits_below_the_last_unit_round_to_odd(void **state)
+{
+    enum { DEPTH = 12, TRIANGLES = 6 };
+    double positions[TRIANGLES * 9];
+    for (size_t t = 0; t < TRIANGLES; ++t) {
+        const double low = ldexp(-1.0, t < 3 ? -77 : -74);
+        const double corners[3][3] = {{0.0, ldexp(1.0, -65), 0.25}, {1.0, low, 0.25}, {1.0, ldexp(-1.5, -DEPTH), 0.25}};
+        for (size_t i = 0; i < 9; ++i) {
+            positions[t * 9 + i] = corners[i / 3][(i + t) % 3];
+        }
+    }
+    const svo_mesh mesh = mesh_of(positions, TRIANGLES);
+    for (size_t c = 0; c < COVERAGES; ++c) {
+        const svo_plan_options options = {.need = SVO_NEED_RAYS, .coverage = coverages[c], .edge = 1.0};
+        build_and_compare(fixture_of_group(state), &mesh, DEPTH, &options);
+    }
+}
+
 TEST_GROUP(numerics_shapes)
 {
     const struct CMUnitTest tests[] = {
@@ -426,6 +446,7 @@ TEST_GROUP(numerics_shapes)
         cmocka_unit_test(t3_needles_across_deep_grids_are_exact),
         cmocka_unit_test(t4_meshes_at_any_offset_are_exact),
         cmocka_unit_test(t4_hard_triangles_are_exact),
+        cmocka_unit_test(t4_bits_below_the_last_unit_round_to_odd),
         cmocka_unit_test(t8_garbage_is_refused_and_counted_or_exact),
         cmocka_unit_test(t8_an_extent_beyond_doubles_is_refused),
         cmocka_unit_test(t9_every_depth_is_exact),
