@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Rasterizes a plan's triangles into the fragment list: one shared buffer per chunk, filled by OpenGL, then handed over
- * to OpenCL. The list is the input of the stages that build the tree. What the shaders leave undecided is
- * decided in between, by the mesh as it was given: by the builder's compute shaders, or by the host.
+ * to OpenCL. The list is the input of the stages that build the tree. What the shaders leave undecided is decided in
+ * between, by the mesh as it was given: by the builder's compute shaders, or by the host.
  */
 #include "raster/rasterize.h"
 

@@ -42,8 +42,8 @@ typedef enum svo_need {
      *  count. With closed voxels, surface in a common face counts in both; with thin ones, surface may lie in no leaf.
      *
      *  Triangles of an open mesh count from both sides. A mesh is closed if each edge is used as often in one direction
-     *  as in the other by its accepted triangles, those outside the grid included. Vertices with equal
-     *  coordinates are one, so that split vertices do not open a mesh; a crack of an ulp does. */
+     *  as in the other by its accepted triangles, those outside the grid included. Vertices with equal coordinates are
+     *  one, so that split vertices do not open a mesh; a crack of an ulp does. */
     SVO_NEED_PROJECTED_AREA = 32,
     SVO_NEED_NONE = 0x40000000 /**< occupancy alone */
 } svo_need;

@@ -53,10 +53,8 @@ typedef struct position {
 static position position_of(const svo_mesh *mesh, size_t vertex)
 {
     position p;
-    for (size_t axis = 0; axis < 3; ++axis) {
-        const double x = mesh->positions_double != NULL ? mesh->positions_double[vertex * 3 + axis]
-                                                        : (double)mesh->positions[vertex * 3 + axis];
-        const double unsigned_zero = x + 0.0;
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        const double unsigned_zero = svo_i_mesh_coordinate(mesh, vertex, axis) + 0.0;
         memcpy(&p.bits[axis], &unsigned_zero, sizeof unsigned_zero);
     }
     return p;

@@ -33,12 +33,6 @@ typedef struct order_key {
     uint8_t size; /* size_of */
 } order_key;
 
-static double coordinate(const svo_mesh *mesh, size_t vertex, unsigned axis)
-{
-    const size_t index = vertex * 3 + axis;
-    return mesh->positions_double != NULL ? mesh->positions_double[index] : (double)mesh->positions[index];
-}
-
 static uint32_t corner_index(const svo_mesh *mesh, size_t triangle, unsigned corner)
 {
     const size_t index = triangle * 3 + corner;
@@ -62,8 +56,8 @@ static bool acceptable(const svo_mesh *mesh, const uint8_t *flags, size_t triang
 static uint64_t mark_vertices(const svo_mesh *mesh, uint8_t *flags)
 {
     for (size_t v = 0; v < mesh->vertex_count; ++v) {
-        const bool finite =
-            isfinite(coordinate(mesh, v, 0)) && isfinite(coordinate(mesh, v, 1)) && isfinite(coordinate(mesh, v, 2));
+        const bool finite = isfinite(svo_i_mesh_coordinate(mesh, v, 0)) &&
+                            isfinite(svo_i_mesh_coordinate(mesh, v, 1)) && isfinite(svo_i_mesh_coordinate(mesh, v, 2));
         flags[v] = finite ? VERTEX_FINITE : 0;
     }
     uint64_t refused = 0;
@@ -97,7 +91,7 @@ static svo_i_bounds find_bounds(const svo_mesh *mesh, const uint8_t *flags)
         }
         bounds.any = true;
         for (unsigned axis = 0; axis < 3; ++axis) {
-            const double x = coordinate(mesh, v, axis);
+            const double x = svo_i_mesh_coordinate(mesh, v, axis);
             bounds.low[axis] = x < bounds.low[axis] ? x : bounds.low[axis];
             bounds.high[axis] = x > bounds.high[axis] ? x : bounds.high[axis];
         }
@@ -160,7 +154,8 @@ static uint64_t remainders_of(const svo_snap *snap, const svo_mesh *mesh, size_t
 {
     int32_t parts[3];
     for (unsigned axis = 0; axis < 3; ++axis) {
-        parts[axis] = svo_snap_remainder(snap, coordinate(mesh, vertex, axis), origin[axis], units[axis], bits);
+        parts[axis] =
+            svo_snap_remainder(snap, svo_i_mesh_coordinate(mesh, vertex, axis), origin[axis], units[axis], bits);
     }
     return svo_pack_remainders(parts[0], parts[1], parts[2]);
 }
@@ -176,7 +171,7 @@ static void snap_vertices(svo_plan *plan, const svo_mesh *mesh, const uint8_t *f
     for (size_t v = 0; v < mesh->vertex_count; ++v) {
         int32_t units[3] = {0};
         for (unsigned axis = 0; axis < 3 && (flags[v] & VERTEX_USED) != 0; ++axis) {
-            const double x = coordinate(mesh, v, axis);
+            const double x = svo_i_mesh_coordinate(mesh, v, axis);
             const int32_t q = units[axis] = svo_snap_coordinate(&snap, x, origin[axis]);
             plan->vertices[v * 3 + axis] = abs(q) < SVO_UNITS_FAR ? q - plan->part.corner[axis] : q;
         }

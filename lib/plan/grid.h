@@ -13,7 +13,7 @@ typedef struct svo_i_bounds {
     double low[3], high[3];
 } svo_i_bounds;
 
-/* Makes the caller's grid, or the smallest cube that contains the bounds, with its far faces at the last unit. */
+/* Makes the caller's grid, or a fitted one: plan.h has its edge. */
 svo_status svo_i_plan_make_grid(svo_plan *plan, const svo_i_bounds *bounds);
 /* The normal of a snapped triangle: the cross product of two edges. It is exact; components are at most 2^61. */
 void svo_i_plan_normal(const svo_plan *plan, const uint32_t corners[3], int64_t normal[3]);

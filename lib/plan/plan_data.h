@@ -80,6 +80,13 @@ typedef struct svo_i_work {
     size_t left_out_count;
 } svo_i_work;
 
+/* A coordinate of a mesh that the host has. */
+static inline double svo_i_mesh_coordinate(const svo_mesh *mesh, size_t vertex, unsigned axis)
+{
+    const size_t index = vertex * 3 + axis;
+    return mesh->positions_double != NULL ? mesh->positions_double[index] : (double)mesh->positions[index];
+}
+
 /* Classes of triangles, by the arithmetic that their overlap test needs; see kernels/shared/overlap.clh. */
 typedef enum svo_i_class {
     SVO_I_CLASS_POINT = 0, /* inside one voxel: no test */
