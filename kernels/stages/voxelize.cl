@@ -38,7 +38,7 @@
  */
 #include "shared/fragment.clh"
 #include "shared/group.clh"
-#include "shared/overlap.clh"
+#include "shared/span.clh"
 #include "stages/column_lanes.clh"
 
 typedef ushort svo_note;

@@ -415,8 +415,8 @@ static void t4_hard_triangles_are_exact(void **state)
     }
 }
 
-/* Edges that rise above a plane between voxels for as long as it takes to a voxel's corner, by the coordinate of one end
-   below the last unit that is looked at, which rounds to odd whoever decides. */
+/* Edges that rise above a plane between voxels for as long as it takes to a voxel's corner, by the coordinate of one
+   end below the last unit that is looked at, which rounds to odd whoever decides. */
 static void t4_bits_below_the_last_unit_round_to_odd(void **state)
 {
     enum { DEPTH = 12, TRIANGLES = 6 };

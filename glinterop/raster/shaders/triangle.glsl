@@ -8,7 +8,7 @@
  * Uniforms: depth (log2 of the voxels per axis), voxel_log2 (log2 of the grid units per voxel), open (1 where a voxel's
  * far faces belong to its neighbors, 0 where coverage is closed), view_origin (the first pixel of this viewport).
  */
-#include "shared/overlap.clh"
+#include "shared/span.clh"
 
 uniform int depth;
 uniform int voxel_log2;
