@@ -18,17 +18,23 @@
 #include "support/meshes.h"
 #include "support/suite.h"
 
-/* Builds, compares, and checks that both references agree. */
+/* Builds by OpenGL and by OpenCL, compares, and checks that both references agree. */
 static void build_and_compare(const fixture *opened, const svo_mesh *mesh, unsigned depth,
                               const svo_plan_options *options)
 {
+    fixture by_cl = *opened;
     built actual;
+    built same;
     exact expected;
+    by_cl.frontend = opened->cl;
     fixture_build(opened, mesh, depth, options, &actual);
+    fixture_build(&by_cl, mesh, depth, options, &same);
     exact_create(mesh, depth, options, &expected);
     assert_references_agree(&expected);
     assert_tree_is_exact(&actual, &expected);
+    assert_string_equal(actual.hash, same.hash);
     exact_destroy(&expected);
+    built_destroy(&same);
     built_destroy(&actual);
 }
 
