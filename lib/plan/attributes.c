@@ -324,7 +324,7 @@ static bool same(const void *attribute, size_t bytes, const uint32_t corners[3])
            memcmp(a + corners[0] * bytes, a + corners[2] * bytes, bytes) == 0;
 }
 
-/* The shape of a triangle in sub-units. Components of its normal are at most 2^61; their conversion to double is the
+/* A triangle's shape. Components of the normal that it is made of are at most 2^61; their conversion to double is the
    same on every host. */
 typedef struct shape {
     int16_t unit[3]; /* unit normal */
@@ -333,6 +333,7 @@ typedef struct shape {
     double stretch; /* ratio of the area to that of the projection along the axis; 1 for degenerate triangles */
 } shape;
 
+/* A coordinate in sub-units. */
 static int64_t fine_coordinate(const svo_plan *plan, uint32_t vertex, int32_t axis)
 {
     return svo_fine_coordinate(plan->vertices[(size_t)vertex * 3 + (size_t)axis], plan->remainders[vertex], axis,
