@@ -235,9 +235,10 @@ SVO_API svo_status svo_compact_upload(svo_compact *compact, svo_device *device, 
  * \returns SVO_INVALID_ARGUMENT when arrays is NULL or its struct_size is too small. */
 SVO_API svo_status svo_compact_get_arrays(const svo_compact *compact, svo_compact_arrays *arrays);
 
-/** Hashes a compact tree with XXH3-128: u32 form, directory_step_log2, depth, coverage, snap_bits; f64 origin[3], edge;
- *  u32 payload_level; then each array in the order of svo_compact_buffer, its length in bytes as u64 before its
- *  elements; length 0 where it is not held. Little-endian, seed 0. The hash does not depend on device or time.
+/** Hashes a compact tree with XXH3-128: u32 form, directory_step_log2, depth, coverage, and 0, or snap_bits where
+ *  is_exact is 0; f64 origin[3], edge; u32 payload_level; then each array in the order of svo_compact_buffer, its
+ *  length in bytes as u64 before its elements; length 0 where it is not held. Little-endian, seed 0. The hash does not
+ *  depend on device or time.
  *
  * \param compact with host arrays
  * \param text receives 32 lowercase hexadecimal digits, the high half first

@@ -186,7 +186,7 @@ typedef enum svo_hash_scope {
  * It is that of these bytes, one after the other, with seed 0. Numbers are little-endian; names are those of
  * svo_tree_info and svo_tree_arrays.
  *
- *     u32 depth, u32 coverage, u32 snap_bits
+ *     u32 depth, u32 coverage, u32 0, or snap_bits where is_exact is 0
  *     f64 origin[3], f64 edge
  *     u32 level_begin[0] .. level_begin[depth + 1]
  *     array child_mask: u8 each

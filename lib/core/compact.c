@@ -300,7 +300,8 @@ svo_status svo_compact_hash(const svo_compact *compact, char text[SVO_HASH_TEXT_
     XXH3_state_t stack;
     XXH3_state_t *state = &stack;
     const svo_compact_info *info = &compact->info;
-    const uint32_t words[5] = {info->form, info->directory_step_log2, info->depth, info->coverage, info->snap_bits};
+    const uint32_t rounded_to = info->is_exact != 0 ? 0 : info->snap_bits;
+    const uint32_t words[5] = {info->form, info->directory_step_log2, info->depth, info->coverage, rounded_to};
     XXH3_INITSTATE(state);
     XXH3_128bits_reset(state);
     XXH3_128bits_update(state, words, sizeof words);

@@ -401,7 +401,7 @@ svo_status svo_tree_hash(const svo_tree *tree, svo_hash_scope scope, char text[S
     XXH3_INITSTATE(state);
     XXH3_128bits_reset(state);
     const svo_tree_info *info = &tree->info;
-    const uint32_t words[3] = {info->depth, info->coverage, info->snap_bits};
+    const uint32_t words[3] = {info->depth, info->coverage, info->is_exact != 0 ? 0 : info->snap_bits};
     XXH3_128bits_update(state, words, sizeof words);
     XXH3_128bits_update(state, info->origin, sizeof info->origin);
     XXH3_128bits_update(state, &info->edge, sizeof info->edge);

@@ -240,7 +240,7 @@ static void exactness_is_kept(void **state)
     }
 }
 
-/* A file that was written before version 2 has these bytes, and version 1. */
+/* A file that was written before version 2 has these bytes, and version 1. Its hash covers what it was rounded to. */
 static void older_files_are_not_exact(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
@@ -255,7 +255,7 @@ static void older_files_are_not_exact(void **state)
     assert_int_equal(exactness_of(loaded), 0);
     assert_int_equal(svo_compact_hash(made, hashes[0]), SVO_OK);
     assert_int_equal(svo_compact_hash(loaded, hashes[1]), SVO_OK);
-    assert_string_equal(hashes[0], hashes[1]);
+    assert_string_not_equal(hashes[0], hashes[1]);
     for (uint8_t version = 0; version < 4; version = (uint8_t)(version + 3)) {
         file.data[8] = version;
         assert_damaged(&file, "version", version);

@@ -391,9 +391,9 @@ static const gpu_work full_work = {
     .verified = {{.scene = "scene:knot:20000", .depth = "9"},
                  {.scene = "scene:needles:2000", .depth = "8"},
                  {.scene = "scene:dust:20000", .depth = "7"}},
-    .built = {{"scene:cube", "8", "area", "7295631d4d00a47cabcc682ae5f774ef"},
-              {"scene:statue", "9", "area", "b64294d4fe3e34549ae5d8ad15bd47b2"},
-              {"scene:atrium", "10", "area", "f3f1444e5675a7425652c50a1fe90f3c"}},
+    .built = {{"scene:cube", "8", "area", "5584746d1604d9ff300a9da5184513e2"},
+              {"scene:statue", "9", "area", "a7b1d1838a58601db23225765f1da45f"},
+              {"scene:atrium", "10", "area", "3295ef42d8af5ce9c9f3d5873673f309"}},
     .traced = {{.scene = "scene:statue", .depth = "8"}, {.scene = "scene:atrium", .depth = "8"}},
     .stress_count = "32",
     .repeats = REPEATS,
@@ -401,8 +401,8 @@ static const gpu_work full_work = {
 };
 static const gpu_work quick_work = {
     .verified = {{.scene = "scene:knot:2000", .depth = "6"}},
-    .built = {{"scene:cube", "5", "uniform", "c1c19ca5fd62323eb37ae196b20d39e1"},
-              {"scene:knot:8000", "7", "uniform", "2d1a8eb47cfcfb25199aea5e5f4bfbdf"}},
+    .built = {{"scene:cube", "5", "uniform", "a7fe0dfc7847da89b4d733c3bf384e4f"},
+              {"scene:knot:8000", "7", "uniform", "4ab1454d2f06554c7afc29e7be84de1b"}},
     .traced = {{.scene = "scene:knot:8000", .depth = "6"}},
     .stress_count = "0",
     .repeats = QUICK_REPEATS,
