@@ -19,7 +19,6 @@
 
 #include "core/kernel_text.h"
 #include "light/radiance_filter.h"
-#include "plan/plan_data.h"
 #include "rays/rays.h"
 #include "shared/bvh_layout.h"
 #include "shared/light_layout.h"
@@ -613,15 +612,10 @@ static void move_as_on_gpus(fixture *opened, const svo_mesh *mesh)
     opened->device->cpu_path = cpu_path;
 }
 
-/* The one kernel that no build launches on this device; NULL: there is none. Lanes of pairs are for CPUs whose doubles
-   are known to be exact, which few drivers' are (lib/plan/configuration.c). */
-static const char *find_unused(const fixture *opened, const svo_mesh *mesh)
+/* The one kernel that no build launches on this device; NULL: there is none. */
+static const char *find_unused(const fixture *opened)
 {
-    const svo_plan_options options = {.struct_size = sizeof options, .need = SVO_NEED_ALL};
-    svo_plan *plan = NULL;
-    succeed(opened, svo_plan_create(opened->device, mesh, DEPTH, &options, &plan));
-    const bool lanes = plan->work.pair_lanes;
-    svo_plan_destroy(&plan);
+    const bool lanes = fixture_has_pair_lanes(opened);
     if (!lanes) {
         print_message("svo_k_gather_level is not for %s\n", opened->device->name);
     }
@@ -673,7 +667,7 @@ static void every_launch_matches_its_kernel(void **state)
     shine_all(&opened, &painted.mesh);
     move_all(&opened, &painted.mesh);
     move_as_on_gpus(&opened, &painted.mesh);
-    const char *unused = find_unused(&opened, &painted.mesh);
+    const char *unused = find_unused(&opened);
     size_t kernels = 0;
     for (size_t i = 0; kernel_files[i] != NULL; ++i) {
         kernels += check_all_launched(kernel_files[i]->text, unused);
