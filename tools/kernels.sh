@@ -72,11 +72,25 @@ check_variant()
         -Ikernels "${defines[@]}" "$file"
 }
 
+# Places where a condition chooses between max() or min() of a number and another operation on it. Some versions of
+# Intel's driver for CPUs compile that wrongly for 64-bit numbers; svo_reduce of kernels/plan/plan.clh is right in all.
+find_chosen_maxima()
+{
+    local number='[\w.>\[\]-]+'
+    local first="\\?\\s*(?:max|min)\\(\\s*($number)\\s*,[^;?]*\\)\\s*:\\s*\\1\\s*[-+*/|&^]"
+    local second="\\?\\s*($number)\\s*[-+*/|&^][^;?:]*:\\s*(?:max|min)\\(\\s*\\2\\s*,"
+    sources cl clh | xargs -0 grep -H -z -o -P "$first|$second" | tr '\0' '\n' || true # xargs fails where there is none
+}
+
 # tools/scalar_bounds.clh refuses what oclgrind 21 gets wrong. And no local array of a kernel's own: PoCL 3.1 puts some
 # of them into static storage that its threads share, with wrong results now and then. Local memory comes as an
 # argument.
 check_kernels()
 {
+    if find_chosen_maxima | grep .; then
+        printf 'a condition chooses between max() or min() and another operation; write a comparison (svo_reduce)\n'
+        return 1
+    fi
     if sources cl clh | xargs -0 grep -n -E '__local [^()*=]*\[.*\] *[;=]'; then
         printf 'local arrays declared in kernels; make them arguments\n'
         return 1

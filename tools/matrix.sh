@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 #
 # `tools/dev matrix`: the same scenes and rays by several OpenCL implementations; hashes and hits must be equal. On this
-# machine (Debian 12): PoCL 3.1, Intel's driver for CPUs, which pip brings, and, for small scenes, oclgrind. In a Debian
+# machine (Debian 12): PoCL 3.1, Intel's driver for CPUs (tools/drivers.sh) and, for small scenes, oclgrind. In a Debian
 # 13 root created by debootstrap: PoCL 6 and Mesa's rusticl, with svocl compiled there by the compiler of that release.
 # tools/dev sources this file, which uses its functions and settings.
 # shellcheck disable=SC2154
@@ -18,9 +18,6 @@ readonly matrix_packages=(
     pocl-opencl-icd # PoCL 6
     mesa-opencl-icd # rusticl
 )
-
-# Intel's driver for CPUs, and the libraries of numbers that its kernels call: packages of PyPI, 830 MB.
-readonly matrix_intel_packages=(intel-opencl-rt intel-cmplr-lib-rt)
 
 # A case is the arguments of `svocl hash`. Small cases also run on oclgrind, an interpreter.
 readonly matrix_all=color,normal,rays,material,fill,projected-area
@@ -95,17 +92,6 @@ matrix_make_root()
     fi
 }
 
-# A virtual environment beside the root.
-matrix_make_intel()
-{
-    local venv=$1/intel
-    [[ ! -e $venv/made ]] || return 0
-    rm -rf "$venv"
-    quietly "$1/intel.log" python3 -m venv "$venv"
-    quietly "$1/intel.log" "$venv/bin/pip" install --only-binary :all: "${matrix_intel_packages[@]}"
-    touch "$venv/made"
-}
-
 # The working tree as it is, built with warnings as errors.
 matrix_build()
 {
@@ -132,8 +118,8 @@ matrix_runner()
         printf '%s\n' oclgrind --build-options -cl-opt-disable "$program"
         ;;
     Intel)
-        printf '%s\n' env OCL_ICD_FILENAMES="${folder%/*}/intel/lib/libintelocl.so" \
-            LD_LIBRARY_PATH="${folder%/*}/intel/lib" "$program"
+        intel_runner
+        printf '%s\n' "$program"
         ;;
     "PoCL 6") printf '%s\n' matrix_enter "$folder" env OCL_ICD_VENDORS=$vendors/pocl.icd /build/bin/svocl ;;
     rusticl)
@@ -189,15 +175,15 @@ matrix_takes_part()
     [[ $column != oclgrind ]] || [[ $is_small == yes && $frontend == cl ]]
 }
 
-# One line of the table: a method to build, or to trace with the builder "hits", by the kernels of a path. All hashes of
-# a case must equal the first; differences go to matrix_wrong.
+# One line of the table: a method to build, or to trace with the builder "hits", by the kernels of a path, and by each
+# implementation of the caller's columns. All hashes of a case must equal the first; differences go to matrix_wrong.
 matrix_wrong=()
 matrix_expected=
 matrix_row()
 {
     local folder=$1 is_small=$2 case=$3 frontend=$4 builder=$5 path=$6 column hash cell
     printf '  %-26s' "$frontend, $builder, $path"
-    for column in "${matrix_columns[@]}"; do
+    for column in "${columns[@]}"; do
         cell=-
         if matrix_takes_part "$column" "$frontend" "$is_small"; then
             # shellcheck disable=SC2086 # one word per argument
@@ -239,14 +225,14 @@ matrix_versions()
     local folder=$1 show='${Package} ${Version}\n'
     printf 'here: %s\n' "$(dpkg-query -W -f="$show" pocl-opencl-icd oclgrind libgl1-mesa-dri gcc |
         paste -s -d , | sed 's/,/, /g')"
-    printf 'PyPI: %s\n' "$("${folder%/*}/intel/bin/pip" list 2>/dev/null | awk '/^intel-opencl-rt/ { print $1, $2 }')"
+    printf 'PyPI: %s\n' "${intel_packages[0]}"
     printf 'Debian 13: %s\n' "$(matrix_enter "$folder" dpkg-query -W -f="$show" pocl-opencl-icd mesa-opencl-icd \
         libgl1-mesa-dri gcc cmake | paste -s -d , | sed 's/,/, /g')"
 }
 
 matrix()
 {
-    local folder mirror=${2:-$matrix_mirror} case
+    local folder mirror=${2:-$matrix_mirror} columns=("${matrix_columns[@]}") case
     mkdir -p "${1:-$build_matrix}"
     folder=$(cd "${1:-$build_matrix}" && pwd)/$matrix_release
     ((EUID == 0)) || command -v sudo >/dev/null || fail "matrix needs root or sudo"
@@ -254,11 +240,11 @@ matrix()
     prepare_run_time
     command -v debootstrap >/dev/null || apt install --no-install-recommends debootstrap >&2
     matrix_make_root "$folder" "$mirror"
-    matrix_make_intel "${folder%/*}"
+    setup_intel
     matrix_build "$folder"
     matrix_versions "$folder"
     printf '%-28s' ''
-    printf ' %9s' "${matrix_columns[@]}"
+    printf ' %9s' "${columns[@]}"
     printf '\n'
     for case in "${matrix_small_cases[@]}"; do
         matrix_case "$folder" yes "$case" "${matrix_methods[@]}"

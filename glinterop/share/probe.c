@@ -92,10 +92,7 @@ static svo_status return_pattern(svo_i_share_buffer *buffer, unsigned round, cl_
     for (unsigned i = 0; i < TEST_WORDS; ++i) {
         words[i] = test_word(round, i);
     }
-    const cl_int error = clEnqueueWriteBuffer(queue, buffer->memory, CL_TRUE, 0, TEST_BYTES, words, 0, NULL, NULL);
-    if (error != CL_SUCCESS) {
-        return svo_i_device_fail_cl(device, "svo_i_share_probe", "clEnqueueWriteBuffer", error);
-    }
+    SVO_I_TRY(svo_i_device_write(device, "svo_i_share_probe", queue, buffer->memory, 0, words, TEST_BYTES));
     SVO_I_TRY(svo_i_share_buffer_end_cl(buffer, TEST_BYTES, queue));
     SVO_I_TRY(read_pattern(buffer, words));
     for (unsigned i = 0; i < TEST_WORDS; ++i) {

@@ -371,11 +371,10 @@ static svo_status copy_bound_to_cl(const svo_i_share_buffer *buffer, size_t used
     if (mapped == NULL) {
         return fail_map(buffer, "svo_i_share_buffer_to_cl");
     }
-    cl_int error = clEnqueueWriteBuffer(queue, buffer->memory, CL_TRUE, 0, used_bytes, mapped, 0, NULL, NULL);
+    const svo_status status =
+        svo_i_device_write(buffer->device, "svo_i_share_buffer_to_cl", queue, buffer->memory, 0, mapped, used_bytes);
     bool intact = gl->UnmapBuffer(WORK_TARGET) == GL_TRUE;
-    if (error != CL_SUCCESS) {
-        return svo_i_device_fail_cl(buffer->device, "svo_i_share_buffer_to_cl", "clEnqueueWriteBuffer", error);
-    }
+    SVO_I_TRY(status);
     if (!intact) {
         return svo_i_device_fail(buffer->device, SVO_GL_ERROR,
                                  "svo_i_share_buffer_to_cl: glUnmapBuffer reports that the content was lost");

@@ -67,12 +67,13 @@ SVO_INLINED float4 svo_picture_pixel(const svo_lit_picture *picture, uint x, uin
     for (uint sample = 0; sample < samples; ++sample) {
         const svo_ray ray = svo_picture_ray(picture, x, y, sample);
         float3 radiance;
-        if (!svo_lit_look(picture, &ray, cache, &radiance)) {
+        const bool meets = svo_lit_look(picture, &ray, cache, &radiance);
+        if (!meets) {
             sum += svo_picture_background(picture);
         } else {
             sum += picture->params.view == SVO_LIT_VIEW_AO ? radiance : svo_picture_shown(picture, radiance);
-            ++met;
         }
+        met += meets ? 1u : 0u; /* in the else branch, Intel's driver for CPUs would count all samples */
     }
     return svo_pixel_mean(picture->params.pixel_flags, sum, met, samples);
 }

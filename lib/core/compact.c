@@ -246,8 +246,7 @@ static svo_status upload_array(const svo_compact *compact, svo_device *device, c
     }
     SVO_I_TRY(
         svo_i_device_buffer(device, function, svo_name(SVO_NAME_COMPACT_BUFFER, buffer), CL_MEM_READ_ONLY, bytes, out));
-    const cl_int error = clEnqueueWriteBuffer(queue, *out, CL_TRUE, 0, bytes, compact->host[buffer], 0, NULL, NULL);
-    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(device, function, "clEnqueueWriteBuffer", error);
+    return svo_i_device_write(device, function, queue, *out, 0, compact->host[buffer], bytes);
 }
 
 svo_status svo_compact_upload(svo_compact *compact, svo_device *device, cl_command_queue queue)

@@ -278,6 +278,25 @@ bool svo_i_event_settle(cl_event event)
     return status <= CL_COMPLETE;
 }
 
+svo_status svo_i_device_write(svo_device *device, const char *function, cl_command_queue queue, cl_mem buffer,
+                              size_t offset, const void *from, size_t bytes)
+{
+    cl_event written = NULL;
+    if (bytes == 0) {
+        return SVO_OK;
+    }
+    cl_int error = clEnqueueWriteBuffer(queue, buffer, CL_TRUE, offset, bytes, from, 0, NULL, &written);
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(device, function, "clEnqueueWriteBuffer", error);
+    }
+    error = clWaitForEvents(1, &written);
+    if (error != CL_SUCCESS) {
+        (void)svo_i_event_settle(written);
+    }
+    clReleaseEvent(written);
+    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(device, function, "clWaitForEvents", error);
+}
+
 void svo_i_device_log(const svo_device *device, svo_log_level level, const char *text)
 {
     if (device->log != NULL) {

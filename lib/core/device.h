@@ -91,6 +91,12 @@ svo_status svo_i_device_queue(svo_device *device, const char *function, cl_comma
    having waited. Returns false where the command may still run. */
 bool svo_i_event_settle(cl_event event);
 
+/* Writes to a buffer and waits until the bytes are there; none: does nothing. A blocking write alone returns when the
+   memory that it reads is free again, maybe before other queues, or later commands of an out-of-order queue, find what
+   it writes. */
+svo_status svo_i_device_write(svo_device *device, const char *function, cl_command_queue queue, cl_mem buffer,
+                              size_t offset, const void *from, size_t bytes);
+
 void svo_i_device_log(const svo_device *device, svo_log_level level, const char *text);
 
 /* Refuses a caller's events that are of another context, or NULL. */

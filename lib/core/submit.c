@@ -46,9 +46,7 @@ svo_status svo_i_call_input(svo_i_call *call, const char *name, const svo_array 
         return svo_i_device_check_memory(call->device, call->function, name, array->buffer, bytes);
     }
     SVO_I_TRY(make_own(call, name, CL_MEM_READ_ONLY, bytes, out));
-    const cl_int error = clEnqueueWriteBuffer(call->queue, *out, CL_TRUE, 0, bytes, array->host, 0, NULL, NULL);
-    return error == CL_SUCCESS ? SVO_OK
-                               : svo_i_device_fail_cl(call->device, call->function, "clEnqueueWriteBuffer", error);
+    return svo_i_device_write(call->device, call->function, call->queue, *out, 0, array->host, bytes);
 }
 
 svo_status svo_i_call_output(svo_i_call *call, const char *name, const svo_array *array, size_t bytes,

@@ -337,10 +337,7 @@ static svo_status upload_array(const svo_tree *tree, svo_device *device, cl_comm
     }
     SVO_I_TRY(
         svo_i_device_buffer(device, function, svo_name(SVO_NAME_TREE_BUFFER, buffer), CL_MEM_READ_ONLY, bytes, out));
-    const cl_int error = bytes > 0
-                             ? clEnqueueWriteBuffer(queue, *out, CL_TRUE, 0, bytes, tree->host[buffer], 0, NULL, NULL)
-                             : CL_SUCCESS;
-    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(device, function, "clEnqueueWriteBuffer", error);
+    return svo_i_device_write(device, function, queue, *out, 0, tree->host[buffer], bytes);
 }
 
 svo_status svo_tree_upload(svo_tree *tree, svo_device *device, cl_command_queue queue)

@@ -234,10 +234,8 @@ static svo_status write_nodes(const svo_moving *moving, cl_command_queue queue, 
                               const svo_ray_node *nodes)
 {
     const size_t bytes = sizeof *nodes;
-    const cl_int error = count > 0 ? clEnqueueWriteBuffer(queue, moving->bvhs->nodes, CL_TRUE, (size_t)begin * bytes,
-                                                          count * bytes, nodes, 0, NULL, NULL)
-                                   : CL_SUCCESS;
-    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(moving->device, function, "clEnqueueWriteBuffer", error);
+    return svo_i_device_write(moving->device, function, queue, moving->bvhs->nodes, (size_t)begin * bytes, nodes,
+                              count * bytes);
 }
 
 /* Makes the common nodes, from the extents of the objects of the newest tree. Waits. */

@@ -112,12 +112,8 @@ static svo_status write_buffer(const svo_paged *paged, const char *function, cl_
                                const void *from, size_t bytes)
 {
     cl_command_queue queue = NULL;
-    if (bytes == 0) {
-        return SVO_OK;
-    }
     SVO_I_TRY(svo_i_device_queue(paged->device, function, NULL, &queue));
-    const cl_int error = clEnqueueWriteBuffer(queue, buffer, CL_TRUE, offset, bytes, from, 0, NULL, NULL);
-    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(paged->device, function, "clEnqueueWriteBuffer", error);
+    return svo_i_device_write(paged->device, function, queue, buffer, offset, from, bytes);
 }
 
 static size_t table_bytes(const svo_paged *paged)

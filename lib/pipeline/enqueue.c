@@ -282,11 +282,8 @@ static svo_status clear_constants(svo_tree *tree, cl_command_queue queue)
     static const unsigned char none[8] = {0};
     for (svo_tree_buffer i = 0; i < SVO_TREE_BUFFER_COUNT && tree->info.leaf_count == 0; ++i) {
         if (svo_i_tree_is_constant(&tree->info, i)) {
-            const cl_int error = clEnqueueWriteBuffer(queue, tree->buffers[i], CL_TRUE, 0, svo_i_tree_element_bytes(i),
-                                                      none, 0, NULL, NULL);
-            if (error != CL_SUCCESS) {
-                return svo_i_device_fail_cl(tree->device, "svo_tree_finish", "clEnqueueWriteBuffer", error);
-            }
+            SVO_I_TRY(svo_i_device_write(tree->device, "svo_tree_finish", queue, tree->buffers[i], 0, none,
+                                         svo_i_tree_element_bytes(i)));
         }
     }
     return SVO_OK;

@@ -245,11 +245,8 @@ static svo_status write_instances(svo_scene *scene, const char *function, cl_com
                                   uint32_t count, const svo_scene_instance *records)
 {
     const size_t bytes = sizeof *records;
-    const cl_int error = clEnqueueWriteBuffer(queue, scene->buffers[SVO_I_SCENE_INSTANCES], CL_TRUE, first * bytes,
-                                              count * bytes, records, 0, NULL, NULL);
-    if (error != CL_SUCCESS) {
-        return svo_i_device_fail_cl(scene->device, function, "clEnqueueWriteBuffer", error);
-    }
+    SVO_I_TRY(svo_i_device_write(scene->device, function, queue, scene->buffers[SVO_I_SCENE_INSTANCES], first * bytes,
+                                 records, count * bytes));
     for (uint32_t i = 0; i < count; ++i) {
         svo_i_instance_box *box = &scene->boxes[first + i];
         memcpy(box->low, records[i].low, sizeof box->low);

@@ -322,12 +322,9 @@ static svo_status run_bounds(const svo_scene *scene, const char *function, cl_co
     for (size_t i = 0; i < bytes / sizeof *bounds; ++i) {
         bounds[i] = i % 6 < 3 ? INT_MAX : INT_MIN;
     }
-    cl_int error = clEnqueueWriteBuffer(queue, buffer, CL_TRUE, 0, bytes, bounds, 0, NULL, NULL);
-    if (error != CL_SUCCESS) {
-        return svo_i_device_fail_cl(scene->device, function, "clEnqueueWriteBuffer", error);
-    }
+    SVO_I_TRY(svo_i_device_write(scene->device, function, queue, buffer, 0, bounds, bytes));
     SVO_I_TRY(launch_all(scene, function, queue, sources));
-    error = clEnqueueReadBuffer(queue, buffer, CL_TRUE, 0, bytes, bounds, 0, NULL, NULL);
+    const cl_int error = clEnqueueReadBuffer(queue, buffer, CL_TRUE, 0, bytes, bounds, 0, NULL, NULL);
     return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(scene->device, function, "clEnqueueReadBuffer", error);
 }
 
@@ -379,9 +376,7 @@ static svo_status copy_tree(const svo_i_scene_source *source, const svo_scene_tr
 static svo_status write_array(const svo_scene *scene, const char *function, cl_command_queue queue,
                               svo_i_scene_buffer to, uint64_t bytes, const void *array)
 {
-    const cl_int error =
-        clEnqueueWriteBuffer(queue, scene->buffers[to], CL_TRUE, 0, (size_t)bytes, array, 0, NULL, NULL);
-    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(scene->device, function, "clEnqueueWriteBuffer", error);
+    return svo_i_device_write(scene->device, function, queue, scene->buffers[to], 0, array, (size_t)bytes);
 }
 
 static svo_status enqueue_copies(const svo_i_arena *arena, const svo_scene *scene, const char *function,

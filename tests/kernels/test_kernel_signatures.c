@@ -612,8 +612,19 @@ static void move_as_on_gpus(fixture *opened, const svo_mesh *mesh)
     opened->device->cpu_path = cpu_path;
 }
 
-/* Fails if a kernel defined in the source was never launched. Returns how many the source defines. */
-static size_t check_all_launched(const char *source)
+/* The one kernel that no build launches on this device; NULL: there is none. */
+static const char *find_unused(const fixture *opened)
+{
+    const bool lanes = fixture_has_pair_lanes(opened);
+    if (!lanes) {
+        print_message("svo_k_gather_level is not for %s\n", opened->device->name);
+    }
+    return lanes ? NULL : "svo_k_gather_level";
+}
+
+/* Fails if a kernel defined in the source was never launched, but for unused, which must not have been. Returns how
+   many the source defines. */
+static size_t check_all_launched(const char *source, const char *unused)
 {
     static const char prefix[] = "svo_k_";
     size_t count = 0;
@@ -624,8 +635,9 @@ static size_t check_all_launched(const char *source)
             assert_true(length < sizeof name);
             memcpy(name, at, length);
             ++count;
-            if (!was_launched(name)) {
-                fail_msg("%s was not launched", name);
+            const bool expected = unused == NULL || strcmp(name, unused) != 0;
+            if (was_launched(name) != expected) {
+                fail_msg("%s was %slaunched", name, expected ? "not " : "");
             }
         }
     }
@@ -655,9 +667,10 @@ static void every_launch_matches_its_kernel(void **state)
     shine_all(&opened, &painted.mesh);
     move_all(&opened, &painted.mesh);
     move_as_on_gpus(&opened, &painted.mesh);
+    const char *unused = find_unused(&opened);
     size_t kernels = 0;
     for (size_t i = 0; kernel_files[i] != NULL; ++i) {
-        kernels += check_all_launched(kernel_files[i]->text);
+        kernels += check_all_launched(kernel_files[i]->text, unused);
     }
     assert_in_range(notes.launched_count, 1, kernels); /* some have two definitions */
     built_destroy(&tree);

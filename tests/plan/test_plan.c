@@ -343,6 +343,10 @@ static void unrequested_data_is_absent(void **state)
 {
     const fixture by_cl = fixture_cl_of_group(state);
     const fixture *opened = &by_cl;
+    if (!fixture_has_pair_lanes(opened)) {
+        print_message("the table is of builds with lanes of pairs, which this device does not have\n");
+        skip();
+    }
     scene *made = fixture_scene("cornell");
     svo_mesh mesh = *scene_mesh(made);
     uint8_t *colors = varied_colors(mesh.vertex_count);

@@ -112,6 +112,18 @@ fixture *fixture_of_group(void **state)
     return opened;
 }
 
+bool fixture_has_pair_lanes(const fixture *opened)
+{
+    const svo_plan_options options = {.struct_size = sizeof options, .need = SVO_NEED_NORMAL};
+    svo_plan *plan = NULL;
+    scene *cube = fixture_scene("cube");
+    assert_int_equal(svo_plan_create(opened->device, scene_mesh(cube), 1, &options, &plan), SVO_OK);
+    const bool lanes = plan->work.pair_lanes;
+    svo_plan_destroy(&plan);
+    scene_destroy(&cube);
+    return lanes;
+}
+
 scene *fixture_scene(const char *spec)
 {
     svo_message message = {""};

@@ -8,6 +8,8 @@
 #ifndef SVOCL_TESTS_FIXTURE_H
 #define SVOCL_TESTS_FIXTURE_H
 
+#include <stdbool.h>
+
 #include "svocl/gl.h"
 #include "svocl/svocl.h"
 
@@ -51,6 +53,10 @@ int fixture_group_teardown_unoptimized(void **state);
 /* Closes the fixture and ends the running test as skipped. */
 void fixture_skip(fixture *opened, const char *reason);
 void fixture_close_gl(fixture *opened); /* for fixture_close */
+
+/* Whether builds by the kernels for CPUs evaluate pairs eight at a time: only on CPUs whose doubles are known to be
+   exact (lib/plan/configuration.c). Others have other buffers and kernels, and the same results. */
+bool fixture_has_pair_lanes(const fixture *opened);
 
 /* A procedural scene by its specification, in the program's syntax. Released by scene_destroy. */
 struct scene *fixture_scene(const char *spec);
