@@ -16,6 +16,7 @@ struct opengl {
     svo_gl_context *context;
     svo_gl_context_info info;
     svo_gl *gl;
+    uint32_t hybrid_columns; /* as asked for */
     struct {
         int frontend, share; /* as asked for */
         svo_gl *gl;
@@ -54,14 +55,16 @@ static bool open_context(const options *given, const svo_device *device, opengl 
 
 static svo_gl_raster raster_of(int frontend)
 {
-    return frontend == OPTION_FRONTEND_GL_EXPAND ? SVO_GL_RASTER_EXPAND
-           : frontend == OPTION_FRONTEND_GL_HW   ? SVO_GL_RASTER_HW
-                                                 : SVO_GL_RASTER_AUTO;
+    return frontend == OPTION_FRONTEND_GL_EXPAND   ? SVO_GL_RASTER_EXPAND
+           : frontend == OPTION_FRONTEND_GL_HW     ? SVO_GL_RASTER_HW
+           : frontend == OPTION_FRONTEND_GL_HYBRID ? SVO_GL_RASTER_HYBRID
+                                                   : SVO_GL_RASTER_AUTO;
 }
 
 static svo_gl *create(opengl *opened, svo_gl_raster raster, svo_gl_share share, svo_message *reason)
 {
-    const svo_gl_options gl_options = {.struct_size = sizeof gl_options, .raster = raster, .share = share};
+    const svo_gl_options gl_options = {
+        .struct_size = sizeof gl_options, .raster = raster, .share = share, .hybrid_columns = opened->hybrid_columns};
     svo_gl *gl = NULL;
     if (svo_gl_create(opened->device, opened->context, &gl_options, &gl) != SVO_OK) {
         snprintf(reason->text, sizeof reason->text, "%s", program_words(svo_device_message(opened->device)));
@@ -125,6 +128,7 @@ opengl *opengl_open(const options *given, const svo_device *device, svo_message 
 bool opengl_start(opengl *opened, const options *given, svo_device *device, svo_message *reason)
 {
     opened->device = device;
+    opened->hybrid_columns = given->hybrid_columns;
     opened->gl = create(opened, raster_of(given->frontend), (svo_gl_share)given->share, reason);
     return opened->gl != NULL;
 }

@@ -171,7 +171,7 @@ bool options_ask_for_gl(const options *given)
 {
     return given->share != SVO_GL_SHARE_AUTO || given->context != OPTION_CONTEXT_AUTO ||
            given->frontend == OPTION_FRONTEND_GL_EXPAND || given->frontend == OPTION_FRONTEND_GL_HW ||
-           given->builder == OPTION_BUILDER_GL_COMPUTE;
+           given->frontend == OPTION_FRONTEND_GL_HYBRID || given->builder == OPTION_BUILDER_GL_COMPUTE;
 }
 
 /* Combinations of options that exclude or require one another. */
