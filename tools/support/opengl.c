@@ -16,7 +16,9 @@ struct opengl {
     svo_gl_context *context;
     svo_gl_context_info info;
     svo_gl *gl;
-    uint32_t hybrid_columns; /* as asked for */
+    svo_gl *hybrid; /* of opengl_hybrid_frontend */
+    uint32_t hybrid_columns; /* as asked for; of hybrid, its own */
+    svo_gl_share share; /* as asked for */
     struct {
         int frontend, share; /* as asked for */
         svo_gl *gl;
@@ -129,6 +131,7 @@ bool opengl_start(opengl *opened, const options *given, svo_device *device, svo_
 {
     opened->device = device;
     opened->hybrid_columns = given->hybrid_columns;
+    opened->share = (svo_gl_share)given->share;
     opened->gl = create(opened, raster_of(given->frontend), (svo_gl_share)given->share, reason);
     return opened->gl != NULL;
 }
@@ -139,6 +142,7 @@ void opengl_stop(opengl *opened)
         for (size_t i = 0; i < opened->further_count; ++i) {
             svo_gl_destroy(&opened->further[i].gl);
         }
+        svo_gl_destroy(&opened->hybrid);
         svo_gl_destroy(&opened->gl);
     }
 }
@@ -199,4 +203,12 @@ svo_frontend *opengl_further_frontend(opengl *opened, int frontend, int share, s
     opened->further[opened->further_count].share = share;
     opened->further[opened->further_count++].gl = gl;
     return svo_gl_frontend(gl);
+}
+
+svo_frontend *opengl_hybrid_frontend(opengl *opened, uint32_t columns, svo_message *reason)
+{
+    svo_gl_destroy(&opened->hybrid);
+    opened->hybrid_columns = columns;
+    opened->hybrid = create(opened, SVO_GL_RASTER_HYBRID, opened->share, reason);
+    return opened->hybrid != NULL ? svo_gl_frontend(opened->hybrid) : NULL;
 }

@@ -101,6 +101,14 @@ svo_frontend *opengl_further_frontend(opengl *opened, int frontend, int share, s
     return NULL;
 }
 
+svo_frontend *opengl_hybrid_frontend(opengl *opened, uint32_t columns, svo_message *reason)
+{
+    (void)opened;
+    (void)columns;
+    snprintf(reason->text, sizeof reason->text, WITHOUT);
+    return NULL;
+}
+
 void opengl_describe(cJSON *document, svo_device *const *devices, size_t device_count)
 {
     (void)devices;

@@ -117,6 +117,7 @@ typedef struct options {
     bool depth_for_rays; /* set by commands: svo_plan_info.ray_depth in place of depth */
     int share; /* svo_gl_share */
     uint32_t hybrid_columns; /* 0: not given */
+    bool tune;
     int builder; /* svo_builder or OPTION_BUILDER_GL_COMPUTE */
     int coverage; /* svo_coverage */
     int weights; /* svo_weights */

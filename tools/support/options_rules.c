@@ -427,6 +427,8 @@ static const rule rules[] = {
      "auto, cl, gl-expand, gl-hw, gl-hybrid (auto: the fastest)"},
     {"hybrid-columns", '\0', OPTION_BUILD | OPTION_METHODS, "N", read_count, FIELD(hybrid_columns), 1, UINT32_MAX, NULL,
      "gl-hybrid: triangles of more columns of voxels are rasterized (64; software: none)"},
+    {"tune", '\0', OPTION_BUILD, NULL, read_flag, FIELD(tune), 0, 0, NULL,
+     "first measure with this input which triangles gl-hybrid rasterizes, and keep it for auto"},
     {"share", '\0', OPTION_BUILD | OPTION_METHODS, "NAME", read_choice, FIELD(share), 0, 0, shares,
      "auto, interop, host, copy (auto)"},
     {"builder", '\0', OPTION_BUILD, "NAME", read_builder, FIELD(builder), 0, 0, builders,

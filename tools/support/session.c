@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "support/hybrid.h"
 #include "support/info_of.h"
 #include "support/options_parse.h"
 
@@ -272,7 +273,8 @@ void session_choose(program *state, session *opened, const svo_plan *plan)
         return;
     }
     if (try_opengl(state, opened)) {
-        opened->frontend = opengl_prefer(opened->gl, opened->cl, &opened->reason);
+        svo_frontend *measured = hybrid_recall(opened, &opened->reason);
+        opened->frontend = measured != NULL ? measured : opengl_prefer(opened->gl, opened->cl, &opened->reason);
     }
 }
 
