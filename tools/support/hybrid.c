@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "output/output.h"
 #include "support/info_of.h"
-#include "support/output.h"
 
 #define TURNS       4 /* builds of a threshold; the first warms up */
 #define LINE_BYTES  1024
@@ -69,14 +69,29 @@ static uint32_t columns_of_line(const char *line, const char *pair)
     return fits && strncmp(end, pair, strlen(pair)) == 0 ? (uint32_t)columns : 0;
 }
 
-/* Writes the pair's line first, then those of other pairs. */
+/* The pair's line first, then those of other pairs. Returns an errno, or 0. */
+static int write_lines(const svo_i_output *file, const char *pair, uint32_t columns, char *lines)
+{
+    char number[16];
+    int error = svo_i_output_write(file, number, (size_t)snprintf(number, sizeof number, "%" PRIu32, columns));
+    error = error == 0 ? svo_i_output_write(file, pair, strlen(pair)) : error;
+    size_t kept = 1;
+    for (char *line = lines, *end; error == 0 && (end = strchr(line, '\n')) != NULL && kept < LINES_MAX;
+         line = end + 1) {
+        if (columns_of_line(line, pair) == 0) {
+            error = svo_i_output_write(file, line, (size_t)(end + 1 - line));
+            ++kept;
+        }
+    }
+    return error;
+}
+
 static int keep(program *state, const session *opened, uint32_t columns)
 {
     char folder[KERNEL_FOLDER_BYTES];
     char path[KERNEL_FOLDER_BYTES + 16];
     char pair[LINE_BYTES];
-    char number[16];
-    output_file file = {0};
+    svo_i_output file;
     if (!kernel_folder_name(folder) || !kernel_folder_make(folder) || !file_name(path, sizeof path)) {
         return program_fail(state, PROGRAM_FAILED, "--tune: there is no folder to keep the result in");
     }
@@ -84,22 +99,16 @@ static int keep(program *state, const session *opened, uint32_t columns)
     if (lines == NULL) {
         return program_fail(state, PROGRAM_FAILED, "--tune: out of memory");
     }
-    int result = output_open(state, path, &file);
     describe_pair(opened, pair);
-    if (result == PROGRAM_DONE) {
-        output_write(&file, number, (size_t)snprintf(number, sizeof number, "%" PRIu32, columns));
-        output_write(&file, pair, strlen(pair));
-        size_t kept = 1;
-        for (char *line = lines, *end; (end = strchr(line, '\n')) != NULL && kept < LINES_MAX; line = end + 1) {
-            if (columns_of_line(line, pair) == 0) {
-                output_write(&file, line, (size_t)(end + 1 - line));
-                ++kept;
-            }
-        }
-        result = output_commit(state, &file);
+    int error = svo_i_output_open(path, NULL, &file);
+    if (error == 0) {
+        error = write_lines(&file, pair, columns, lines);
+        error = error == 0 ? svo_i_output_commit(&file) : error;
+        svo_i_output_abandon(&file);
     }
     free(lines);
-    return result;
+    return error == 0 ? PROGRAM_DONE
+                      : program_fail(state, PROGRAM_FAILED, "--tune: %s cannot be written: %s", path, strerror(error));
 }
 
 /* ---- use ---- */
