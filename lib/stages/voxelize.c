@@ -124,8 +124,10 @@ static svo_status upload_counters(run *r, const svo_i_fragment_list *list)
         counters[SVO_COUNTER_WORDS * i] = (cl_uint)list->chunks[i].needed;
         counters[SVO_COUNTER_WORDS * i + 1] = (cl_uint)(list->chunks[i].needed >> 32);
     }
-    svo_status status = svo_i_commands_write(r->commands, r->counters, counters, words * sizeof *counters);
-    status = status == SVO_OK ? svo_i_commands_wait(r->commands) : status;
+    svo_status status = SVO_OK;
+    SVO_I_TRY_CLEANUP(svo_i_commands_write(r->commands, r->counters, counters, words * sizeof *counters));
+    SVO_I_TRY_CLEANUP(svo_i_commands_wait(r->commands));
+cleanup:
     svo_i_free(counters);
     return status;
 }

@@ -8,6 +8,7 @@
 
 #include "output/output.h"
 #include "support/info_of.h"
+#include "support/kernel_folder.h"
 
 #define TURNS       4 /* builds of a threshold; the first warms up */
 #define LINE_BYTES  1024
@@ -27,14 +28,13 @@ static bool file_name(char *path, size_t path_bytes)
 }
 
 /* A pair's line from the tab on. Drivers choose their names, so tabs and line ends in them become spaces. */
-static void describe_pair(const session *opened, char text[LINE_BYTES])
+static void describe_pair(const opengl *opened, const svo_device *device, char text[LINE_BYTES])
 {
     char driver[DRIVER_NAME] = "";
-    const svo_device_info on = info_of_device(opened->device);
+    const svo_device_info on = info_of_device(device);
     (void)clGetDeviceInfo(on.device, CL_DRIVER_VERSION, sizeof driver, driver, NULL);
     driver[sizeof driver - 1] = '\0';
-    const int length =
-        snprintf(text, LINE_BYTES, "\t%.256s\t%s\t%.256s\n", on.name, driver, opengl_renderer(opened->gl));
+    const int length = snprintf(text, LINE_BYTES, "\t%.256s\t%s\t%.256s\n", on.name, driver, opengl_renderer(opened));
     unsigned tabs = 0;
     for (int i = 0; i < length - 1; ++i) {
         const bool divides = text[i] == '\t' && tabs < 3;
@@ -86,7 +86,7 @@ static int write_lines(const svo_i_output *file, const char *pair, uint32_t colu
     return error;
 }
 
-static int keep(program *state, const session *opened, uint32_t columns)
+static int keep(program *state, const opengl *opened, const svo_device *device, uint32_t columns)
 {
     char folder[KERNEL_FOLDER_BYTES];
     char path[KERNEL_FOLDER_BYTES + 16];
@@ -99,7 +99,7 @@ static int keep(program *state, const session *opened, uint32_t columns)
     if (lines == NULL) {
         return program_fail(state, PROGRAM_FAILED, "--tune: out of memory");
     }
-    describe_pair(opened, pair);
+    describe_pair(opened, device, pair);
     int error = svo_i_output_open(path, NULL, &file);
     if (error == 0) {
         error = write_lines(&file, pair, columns, lines);
@@ -113,11 +113,6 @@ static int keep(program *state, const session *opened, uint32_t columns)
 
 /* ---- use ---- */
 
-static svo_frontend *frontend_of(session *opened, uint32_t columns, svo_message *reason)
-{
-    return columns == NOTHING && opened->cl != NULL ? opened->cl : opengl_hybrid_frontend(opened->gl, columns, reason);
-}
-
 static void explain(uint32_t columns, svo_message *reason)
 {
     if (columns == NOTHING) {
@@ -129,17 +124,19 @@ static void explain(uint32_t columns, svo_message *reason)
     }
 }
 
-svo_frontend *hybrid_recall(session *opened, svo_message *reason)
+svo_frontend *hybrid_recall(opengl *opened, const svo_device *device, svo_frontend *cl, svo_message *reason)
 {
     char pair[LINE_BYTES];
     uint32_t columns = 0;
     char *lines = read_lines();
-    describe_pair(opened, pair);
+    describe_pair(opened, device, pair);
     for (char *line = lines, *end; columns == 0 && line != NULL && (end = strchr(line, '\n')) != NULL; line = end + 1) {
         columns = columns_of_line(line, pair);
     }
     free(lines);
-    svo_frontend *found = columns != 0 ? frontend_of(opened, columns, reason) : NULL;
+    svo_frontend *found = columns == 0         ? NULL
+                          : columns == NOTHING ? cl
+                                               : opengl_hybrid_frontend(opened, columns, reason);
     if (found != NULL) {
         explain(columns, reason);
     }
@@ -149,48 +146,46 @@ svo_frontend *hybrid_recall(session *opened, svo_message *reason)
 /* ---- measurement ---- */
 
 /* The least time that a list takes, milliseconds. */
-static int measure(program *state, const session *opened, svo_plan *plan, svo_frontend *frontend, double *least_ms)
+static svo_status measure(svo_plan *plan, svo_frontend *frontend, cl_command_queue queue, double *least_ms)
 {
     for (unsigned turn = 0; turn < TURNS; ++turn) {
         svo_build_report report = {.struct_size = sizeof report};
-        svo_tree *tree = NULL;
         svo_stage_time voxelize, transfer;
-        const svo_status status = svo_build(plan, frontend, opened->queue, &tree, &report);
+        svo_tree *tree = NULL;
+        const svo_status status = svo_build(plan, frontend, queue, &tree, &report);
         svo_tree_destroy(&tree);
         if (status != SVO_OK) {
-            return program_fail_library(state, svo_device_message(opened->device));
+            return status;
         }
         svo_build_report_stage(&report, SVO_STAGE_VOXELIZE, &voxelize);
         svo_build_report_stage(&report, SVO_STAGE_TRANSFER, &transfer);
         const double ms = voxelize.ms + transfer.ms;
         *least_ms = turn <= 1 || ms < *least_ms ? ms : *least_ms;
     }
-    return PROGRAM_DONE;
+    return SVO_OK;
 }
 
-int hybrid_tune(program *state, session *opened, svo_plan *plan)
+int hybrid_tune(program *state, opengl *opened, svo_plan *plan, cl_command_queue queue, svo_frontend **best,
+                svo_message *reason)
 {
-    uint32_t best = NOTHING;
-    double best_ms = 0.0;
-    if (opened->gl == NULL) {
-        return program_fail(state, PROGRAM_FAILED, "--tune: there is no OpenGL: %s", opened->reason.text);
-    }
+    const svo_device *device = opengl_device(opened);
+    uint32_t columns = NOTHING;
+    double least_ms = 0.0;
     for (size_t i = 0; i < sizeof thresholds / sizeof thresholds[0]; ++i) {
         double ms = 0.0;
-        svo_frontend *frontend = frontend_of(opened, thresholds[i], &opened->reason);
+        svo_frontend *frontend = opengl_hybrid_frontend(opened, thresholds[i], reason);
         if (frontend == NULL) {
-            return program_fail(state, PROGRAM_FAILED, "--tune: %s", opened->reason.text);
+            return program_fail(state, PROGRAM_FAILED, "--tune: %s", reason->text);
         }
-        const int result = measure(state, opened, plan, frontend, &ms);
-        if (result != PROGRAM_DONE) {
-            return result;
+        if (measure(plan, frontend, queue, &ms) != SVO_OK) {
+            return program_fail_library(state, svo_device_message(device));
         }
-        if (i == 0 || ms < best_ms) {
-            best = thresholds[i];
-            best_ms = ms;
+        if (i == 0 || ms < least_ms) {
+            columns = thresholds[i];
+            least_ms = ms;
         }
     }
-    opened->frontend = frontend_of(opened, best, &opened->reason);
-    explain(best, &opened->reason);
-    return keep(state, opened, best);
+    *best = opengl_hybrid_frontend(opened, columns, reason);
+    explain(columns, reason);
+    return keep(state, opened, device, columns);
 }

@@ -6,12 +6,15 @@
 #ifndef SVOCL_TOOLS_SUPPORT_HYBRID_H
 #define SVOCL_TOOLS_SUPPORT_HYBRID_H
 
-#include "support/session.h"
+#include "support/opengl.h"
+#include "support/program.h"
 
-/* Builds the plan with several thresholds, keeps the one of the least time, and uses its front end. */
-int hybrid_tune(program *state, session *opened, svo_plan *plan);
+/* Builds the plan with several thresholds, and keeps the one of the least time: *best is its front end, and reason says
+   which. */
+int hybrid_tune(program *state, opengl *opened, svo_plan *plan, cl_command_queue queue, svo_frontend **best,
+                svo_message *reason);
 
-/* The front end of the threshold that is kept for the pair, and why; NULL: none is. */
-svo_frontend *hybrid_recall(session *opened, svo_message *reason);
+/* The front end of the threshold that is kept for the pair, which may be cl, and why; NULL: none is. */
+svo_frontend *hybrid_recall(opengl *opened, const svo_device *device, svo_frontend *cl, svo_message *reason);
 
 #endif

@@ -141,7 +141,7 @@ static int build_plan(program *state, session *opened, svo_plan *plan, build_res
 {
     session_choose(state, opened, plan);
     if (state->options.tune) {
-        const int exit_code = hybrid_tune(state, opened, plan);
+        const int exit_code = hybrid_tune(state, opened->gl, plan, opened->queue, &opened->frontend, &opened->reason);
         state->options.tune = false; /* once for all builds */
         if (exit_code != PROGRAM_DONE) {
             return exit_code;

@@ -163,6 +163,11 @@ const char *opengl_context_name(const opengl *opened)
     return svo_name(SVO_NAME_GL_CONTEXT_KIND, opened->info.kind);
 }
 
+const svo_device *opengl_device(const opengl *opened)
+{
+    return opened->device;
+}
+
 const char *opengl_renderer(const opengl *opened)
 {
     return opened->info.renderer;

@@ -30,6 +30,7 @@ void opengl_close(opengl **opened); /* a pointer to NULL is allowed */
 
 const char *opengl_context_name(const opengl *opened); /* "surfaceless", ... */
 const char *opengl_renderer(const opengl *opened);
+const svo_device *opengl_device(const opengl *opened); /* of opengl_start */
 
 svo_frontend *opengl_frontend(opengl *opened);
 /* The faster of OpenGL's front end and cl, and why. */

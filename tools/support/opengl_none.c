@@ -62,6 +62,12 @@ const char *opengl_context_name(const opengl *opened)
     return "none";
 }
 
+const svo_device *opengl_device(const opengl *opened)
+{
+    (void)opened;
+    return NULL;
+}
+
 const char *opengl_renderer(const opengl *opened)
 {
     (void)opened;

@@ -25,12 +25,9 @@
 #define OPTION_FOV_MAX    179.0
 #define OPTION_SCALE_MAX  4.0
 
-static const choice frontends[] = {{"auto", OPTION_FRONTEND_AUTO},
-                                   {"cl", OPTION_FRONTEND_CL},
-                                   {"gl-expand", OPTION_FRONTEND_GL_EXPAND},
-                                   {"gl-hw", OPTION_FRONTEND_GL_HW},
-                                   {"gl-hybrid", OPTION_FRONTEND_GL_HYBRID},
-                                   {NULL, 0}};
+static const choice frontends[] = {{"auto", OPTION_FRONTEND_AUTO},           {"cl", OPTION_FRONTEND_CL},
+                                   {"gl-expand", OPTION_FRONTEND_GL_EXPAND}, {"gl-hw", OPTION_FRONTEND_GL_HW},
+                                   {"gl-hybrid", OPTION_FRONTEND_GL_HYBRID}, {NULL, 0}};
 static const choice paths[] = {{"cpu", SVO_PATH_CPU}, {"gpu", SVO_PATH_GPU}, {NULL, 0}};
 static const choice shares[] = {{"auto", SVO_GL_SHARE_AUTO},
                                 {"interop", SVO_GL_SHARE_INTEROP},
