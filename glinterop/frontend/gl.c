@@ -12,6 +12,7 @@
 #include "core/message.h"
 #include "core/struct_size.h"
 #include "light/light.h"
+#include "plan/arrays.h"
 #include "plan/configuration.h"
 #include "raster/light_view.h"
 #include "raster/raster.h"
@@ -19,15 +20,17 @@
 #include "raster/selftest.h"
 #include "share/probe.h"
 #include "share/share.h"
+#include "stages/voxelize.h"
 
 #define REASON_BYTES SVO_MESSAGE_BYTES /* reasons are messages, with names of drivers in them */
-#define RASTERS      3
+#define RASTERS      4
 
 struct svo_gl {
     svo_device *device;
     svo_gl_context *context;
     bool no_int64;
     svo_gl_raster raster_choice;
+    uint32_t most_columns; /* SVO_GL_RASTER_HYBRID: triangles of more are rasterized */
     svo_gl_share share_choice;
     /* "" for a method or path that works. */
     char raster_reasons[RASTERS][REASON_BYTES];
@@ -76,13 +79,14 @@ static svo_status choose_raster(svo_gl *gl, svo_gl_raster asked)
         return svo_i_device_fail(gl->device, SVO_UNSUPPORTED, "svo_gl_create: gl-hw does not work: %s",
                                  gl->raster_reasons[SVO_GL_RASTER_HW]);
     }
+    const bool is_hybrid = asked == SVO_GL_RASTER_HYBRID;
     if (hardware != NULL && asked != SVO_GL_RASTER_EXPAND) {
         gl->raster = hardware;
-        gl->raster_choice = SVO_GL_RASTER_HW;
+        gl->raster_choice = is_hybrid ? SVO_GL_RASTER_HYBRID : SVO_GL_RASTER_HW;
         return SVO_OK;
     }
     svo_i_raster_destroy(&hardware);
-    gl->raster_choice = SVO_GL_RASTER_EXPAND;
+    gl->raster_choice = is_hybrid ? SVO_GL_RASTER_HYBRID : SVO_GL_RASTER_EXPAND;
     return svo_i_raster_create(gl->device, gl->context, SVO_I_CONSERVATIVE_EXPAND, gl->no_int64, &gl->raster);
 }
 
@@ -137,6 +141,56 @@ static void release(void *self, svo_i_fragment_list *list)
     svo_i_rasterize_release(list);
 }
 
+/* ---- both front ends, each for the triangles that suit it ---- */
+
+/* Builds that wait rasterize; others have kernels alone, which issue the build's own commands. */
+static svo_status prepare_hybrid(void *self, svo_plan *plan, svo_i_warm_up *warm_up)
+{
+    const svo_gl *gl = self;
+    SVO_I_TRY(svo_i_voxelize_prepare(NULL, plan, warm_up));
+    return gl->most_columns != UINT32_MAX && plan->update == NULL ? prepare(self, plan, warm_up) : SVO_OK;
+}
+
+/* Rasterizes the rest of the cut, then adds the other triangles. */
+static svo_status voxelize_both(const svo_gl *gl, svo_i_commands *commands, const svo_i_chunking *chunking,
+                                const svo_i_rest *rest, svo_i_fragment_list *list)
+{
+    svo_i_chunking others = *chunking;
+    const svo_i_rasterizer rasterizer = {
+        .device = gl->device, .context = gl->context, .raster = gl->raster, .share = gl->share_choice, .rest = rest};
+    others.most_columns = gl->most_columns;
+    SVO_I_TRY(svo_i_rasterize_list(&rasterizer, commands, &rest->chunking, list));
+    return rest->others > 0 ? svo_i_voxelize_more(commands, &others, list) : SVO_OK;
+}
+
+static svo_status voxelize_hybrid(void *self, svo_i_commands *commands, const svo_i_chunking *chunking,
+                                  svo_i_fragment_list *list)
+{
+    const svo_gl *gl = self;
+    svo_i_rest rest = {0};
+    svo_plan *plan = commands->plan;
+    if (commands->mode != SVO_I_MODE_RUN || plan->update != NULL || gl->most_columns == UINT32_MAX) {
+        return svo_i_voxelize(NULL, commands, chunking, list);
+    }
+    SVO_I_TRY(svo_i_plan_copy_to_host(plan));
+    SVO_I_TRY(svo_i_rest_find(plan, chunking, gl->most_columns, &rest));
+    const svo_status status = rest.item_count > 0 ? voxelize_both(gl, commands, chunking, &rest, list)
+                                                  : svo_i_voxelize(NULL, commands, chunking, list);
+    svo_i_rest_free(&rest);
+    return status;
+}
+
+static void release_hybrid(void *self, svo_i_fragment_list *list)
+{
+    (void)self;
+    for (uint32_t i = 0; i < list->chunk_count; ++i) {
+        if (list->chunks[i].owner == NULL) {
+            svo_i_buffer_release(&list->chunks[i].buffer);
+        }
+    }
+    svo_i_rasterize_release(list);
+}
+
 static svo_status check_options(svo_device *device, const svo_gl_options *options)
 {
     if ((unsigned)options->raster >= RASTERS || (unsigned)options->share >= SVO_I_SHARES) {
@@ -146,6 +200,14 @@ static svo_status check_options(svo_device *device, const svo_gl_options *option
             (int)options->raster, RASTERS - 1, (int)options->share, SVO_I_SHARES - 1);
     }
     return SVO_OK;
+}
+
+/* Software draws no triangle faster than kernels do. */
+static uint32_t hybrid_columns(svo_gl_context *context, const svo_gl_options *asked)
+{
+    const uint32_t usual =
+        svo_i_gl_is_software(svo_i_gl_context_functions(context)) ? UINT32_MAX : (uint32_t)SVO_TILE_COLUMNS;
+    return asked->hybrid_columns != 0 ? asked->hybrid_columns : usual;
 }
 
 static void fill_frontend(svo_gl *gl)
@@ -159,6 +221,12 @@ static void fill_frontend(svo_gl *gl)
                                   .prepare = prepare,
                                   .voxelize = voxelize,
                                   .release = release};
+    if (gl->raster_choice == SVO_GL_RASTER_HYBRID) {
+        gl->frontend.on_device = true;
+        gl->frontend.prepare = prepare_hybrid;
+        gl->frontend.voxelize = voxelize_hybrid;
+        gl->frontend.release = release_hybrid;
+    }
 }
 
 svo_status svo_gl_create(svo_device *device, svo_gl_context *context, const svo_gl_options *options, svo_gl **out)
@@ -181,6 +249,7 @@ svo_status svo_gl_create(svo_device *device, svo_gl_context *context, const svo_
     gl->device = device;
     gl->context = context;
     gl->no_int64 = asked.no_int64 != 0;
+    gl->most_columns = hybrid_columns(context, &asked);
     SVO_I_TRY_CLEANUP(
         svo_i_share_choose(device, context, "svo_gl_create", asked.share, &gl->share_reasons, &gl->share_choice));
     SVO_I_TRY_CLEANUP(choose_raster(gl, asked.raster));
@@ -224,7 +293,7 @@ static svo_status check_limits(svo_gl *gl, const svo_plan *plan)
 static svo_status prepare_build(void *self, svo_plan *plan, svo_i_warm_up *warm_up)
 {
     svo_gl *gl = self;
-    SVO_I_TRY(gl->frontend.prepare(self, plan, warm_up));
+    SVO_I_TRY(prepare(self, plan, warm_up));
     return svo_i_compute_prepare(gl->compute, plan);
 }
 
@@ -254,9 +323,11 @@ static svo_status create_builder(svo_gl *gl)
     SVO_I_TRY(svo_i_compute_create(gl->device, gl->context, &gl->compute));
     gl->build_frontend = gl->frontend;
     gl->build_frontend.share = "none";
+    gl->build_frontend.on_device = false;
     gl->build_frontend.builder = "gl-compute";
     gl->build_frontend.prepare = prepare_build;
     gl->build_frontend.voxelize = voxelize_build;
+    gl->build_frontend.release = release;
     gl->build_frontend.make_tree = make_tree;
     return SVO_OK;
 }

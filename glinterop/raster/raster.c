@@ -311,14 +311,15 @@ static svo_status upload_counters(svo_i_raster *raster, uint32_t chunk_count)
     return status;
 }
 
-svo_status svo_i_raster_upload(svo_i_raster *raster, const svo_plan *plan, uint32_t chunk_count)
+svo_status svo_i_raster_upload(svo_i_raster *raster, const svo_plan *plan, const svo_draw_item *items,
+                               uint32_t item_count, uint32_t chunk_count)
 {
     const uint64_t triangles = plan->triangle_count;
     const uint64_t vertices = plan->vertex_count;
     svo_i_gl_clear_errors(raster->gl);
     SVO_I_TRY(upload_block(raster, BINDING_VERTICES, "vertices", plan->vertices, vertices * 12));
     SVO_I_TRY(upload_block(raster, BINDING_INDICES, "indices", plan->indices, triangles * 12));
-    SVO_I_TRY(upload_block(raster, BINDING_ITEMS, "items", plan->items, triangles * sizeof(svo_draw_item)));
+    SVO_I_TRY(upload_block(raster, BINDING_ITEMS, "items", items, item_count * sizeof *items));
     SVO_I_TRY(upload_counters(raster, chunk_count));
     return set_state(raster, plan);
 }

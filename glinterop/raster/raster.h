@@ -39,8 +39,9 @@ void svo_i_raster_destroy(svo_i_raster **raster);
 
 /* Compiles the programs that the plan's draws need. SVO_COMPILE_FAILED with the first line of the log. */
 svo_status svo_i_raster_prepare(svo_i_raster *raster, const svo_plan *plan);
-/* Uploads the snapped mesh and the items, and zero counters. */
-svo_status svo_i_raster_upload(svo_i_raster *raster, const svo_plan *plan, uint32_t chunk_count);
+/* Uploads the snapped mesh and the items that draws name, and zero counters. */
+svo_status svo_i_raster_upload(svo_i_raster *raster, const svo_plan *plan, const svo_draw_item *items,
+                               uint32_t item_count, uint32_t chunk_count);
 /* Draws one chunk into the storage block that the caller has bound to SVO_I_RASTER_FRAGMENTS. */
 svo_status svo_i_raster_draw(svo_i_raster *raster, const svo_plan *plan, const svo_i_chunking *layout, uint32_t chunk);
 /* The fragments of a chunk: those that touch, at its start, and undecided ones, at its end. It holds both if their sum

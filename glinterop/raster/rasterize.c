@@ -64,14 +64,22 @@ static double box_voxels(const svo_plan *plan, uint32_t triangle)
     return voxels;
 }
 
-/* The most fragments that a chunk's triangles can touch. */
-static double possible_fragments(const svo_plan *plan, const svo_i_chunking *chunking, const svo_i_chunk *chunk)
+/* What draws name. */
+static const svo_draw_item *items_of(const svo_i_rasterizer *rasterizer, const svo_plan *plan)
 {
+    return rasterizer->rest != NULL ? rasterizer->rest->items : plan->items;
+}
+
+/* The most fragments that a chunk's triangles can touch. */
+static double possible_fragments(const svo_i_rasterizer *rasterizer, const svo_plan *plan,
+                                 const svo_i_chunking *chunking, const svo_i_chunk *chunk)
+{
+    const svo_draw_item *items = items_of(rasterizer, plan);
     double most = 0.0;
     for (uint32_t i = 0; i < chunk->draw_count; ++i) {
         const svo_i_draw *draw = &chunking->draws[chunk->first_draw + i];
         for (uint32_t item = 0; item < draw->item_count; ++item) {
-            most += box_voxels(plan, plan->items[draw->first_item + item].triangle);
+            most += box_voxels(plan, items[draw->first_item + item].triangle);
         }
     }
     return most;
@@ -84,7 +92,7 @@ static svo_status check_count(const svo_i_rasterizer *rasterizer, const svo_plan
     if (needed <= chunking->chunks[chunk].capacity) {
         return SVO_OK;
     }
-    const double most = possible_fragments(plan, chunking, &chunking->chunks[chunk]);
+    const double most = possible_fragments(rasterizer, plan, chunking, &chunking->chunks[chunk]);
     if ((double)needed > most) {
         return svo_i_device_fail(
             rasterizer->device, SVO_GL_ERROR, "svo_build: %s counted %llu fragments where at most %.0f are possible",
@@ -231,7 +239,9 @@ static svo_status make_list(const svo_i_rasterizer *rasterizer, svo_i_commands *
     svo_plan *plan = commands->plan;
     double start_ms = svo_i_now_ms();
     SVO_I_TRY(create_chunks(rasterizer, plan, chunking, commands->queue, list));
-    SVO_I_TRY(svo_i_raster_upload(rasterizer->raster, plan, chunking->chunk_count));
+    const uint32_t items =
+        rasterizer->rest != NULL ? rasterizer->rest->item_count : plan->class_begin[SVO_I_CLASS_COUNT];
+    SVO_I_TRY(svo_i_raster_upload(rasterizer->raster, plan, items_of(rasterizer, plan), items, chunking->chunk_count));
     take_time(commands->report, SVO_STAGE_TRANSFER, &start_ms);
     SVO_I_TRY(draw_list(rasterizer, plan, chunking, list, &commands->report->undecided));
     take_time(commands->report, SVO_STAGE_VOXELIZE, &start_ms);

@@ -4,6 +4,7 @@
 #define SVO_GLINTEROP_RASTER_RASTERIZE_H
 
 #include "commands/frontend.h"
+#include "plan/chunking.h"
 #include "raster/raster.h"
 #include "share/share.h"
 
@@ -22,6 +23,7 @@ typedef struct svo_i_rasterizer {
     svo_i_raster *raster;
     svo_gl_share share; /* how the list gets to OpenCL; AUTO: it stays in OpenGL */
     svo_i_decider decider;
+    const svo_i_rest *rest; /* its triangles alone, in chunks of their own; NULL: the plan's */
 } svo_i_rasterizer;
 
 /* Implements svo_frontend.voxelize. The owner of each chunk is an svo_i_share_buffer. Makes the context current. */

@@ -187,7 +187,7 @@ static svo_status draw(svo_device *device, const svo_i_gl_functions *gl, svo_i_r
     gl->BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)bytes, NULL, GL_STREAM_READ);
     SVO_I_TRY_CLEANUP(svo_i_gl_check(gl, "svo_gl_create", "self-test", &device->message));
     SVO_I_TRY_CLEANUP(svo_i_raster_prepare(raster, plan));
-    SVO_I_TRY_CLEANUP(svo_i_raster_upload(raster, plan, 1));
+    SVO_I_TRY_CLEANUP(svo_i_raster_upload(raster, plan, plan->items, plan->class_begin[SVO_I_CLASS_COUNT], 1));
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SVO_I_RASTER_FRAGMENTS, buffer);
     SVO_I_TRY_CLEANUP(svo_i_raster_draw(raster, plan, &layout, 0));
     SVO_I_TRY_CLEANUP(svo_i_raster_finish(raster, 1, &counts));

@@ -47,7 +47,7 @@ SVO_API int svo_frontend_cl_suffices(const svo_plan *plan, svo_message *reason);
 /** Name of a front end.
  *
  * \param frontend not NULL
- * \returns "cl", "gl-expand", "gl-hw"; static string. */
+ * \returns "cl", "gl-expand", "gl-hw", "gl-hybrid"; static string. */
 SVO_API const char *svo_frontend_name(const svo_frontend *frontend);
 
 /** How the list gets to OpenCL.
@@ -83,7 +83,7 @@ typedef struct svo_build_report {
     uint64_t inner_nodes; /**< of svo_tree_finish with SVO_CAPACITY_EXCEEDED: the room that is enough; else 0 */
     uint32_t list_chunks; /**< buffers of the fragment list */
     uint32_t reruns; /**< how often a capacity was too small and a stage ran again */
-    const char *frontend; /**< "cl", "gl-expand", "gl-hw"; static string */
+    const char *frontend; /**< "cl", "gl-expand", "gl-hw", "gl-hybrid"; static string */
     const char *builder; /**< "cl", "sorted"; "gl-compute" (svo_gl_build); static string */
     const char *share; /**< how the list got to OpenCL: "none" (made there), "interop", "host", "copy" */
     const char *renderer; /**< OpenGL's name of the renderer; lives as long as the context; "" without OpenGL */

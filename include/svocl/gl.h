@@ -161,7 +161,11 @@ SVO_API int svo_gl_device_may_share(const svo_device *device);
 typedef enum svo_gl_raster {
     SVO_GL_RASTER_AUTO = 0, /**< "auto": hardware where it works, else expansion */
     SVO_GL_RASTER_EXPAND, /**< "gl-expand": the vertex shader moves each triangle's edges outwards */
-    SVO_GL_RASTER_HW /**< "gl-hw": GL_NV_conservative_raster with pre-snap, or GL_INTEL_conservative_rasterization */
+    SVO_GL_RASTER_HW, /**< "gl-hw": GL_NV_conservative_raster with pre-snap, or GL_INTEL_conservative_rasterization */
+    /** "gl-hybrid": triangles of many columns of voxels are rasterized, by hardware where it works and else by
+     *  expansion, and the kernels of svo_frontend_create_cl add the others to the same list. The tree is the same.
+     *  svo_build_enqueue and updatable plans, which do not wait, use the kernels alone. */
+    SVO_GL_RASTER_HYBRID
 } svo_gl_raster;
 
 /** How the fragment list gets from OpenGL to OpenCL. */
@@ -178,6 +182,9 @@ typedef struct svo_gl_options {
     svo_gl_raster raster; /**< a forced choice that does not work is an error, never a fallback */
     svo_gl_share share; /**< a forced choice that does not work is an error, never a fallback */
     uint32_t no_int64; /**< not 0: two-word integers in shaders even with ARB_gpu_shader_int64. For tests */
+    /** SVO_GL_RASTER_HYBRID: triangles whose projection along their main axis has a bounding box of more columns of
+     *  voxels are rasterized. UINT32_MAX: none are. 0: 64, and UINT32_MAX for renderers in software. */
+    uint32_t hybrid_columns;
 } svo_gl_options;
 
 /** All defaults. */

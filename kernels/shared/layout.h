@@ -187,7 +187,7 @@ SVO_RECORD(svo_voxelize_params)
     SVO_U32 height; /* 48 */
     SVO_U32 capacity; /* 52: fragments that the chunk can hold */
     SVO_U32 counter; /* 56: the chunk, whose counters have SVO_COUNTER_WORDS words */
-    SVO_U32 reserved; /* 60 */
+    SVO_U32 most_columns; /* 60: of a window; at most SVO_TILE_COLUMNS */
 };
 
 /* Words of a chunk's counters, of 64 bits each: its fragments, and of these at first those that are decided; and the

@@ -221,20 +221,20 @@ SVO_FUNCTION svo_found svo_scan_columns(svo_placed placed, svo_window window, sv
 
 #endif
 
-/* Whether there are columns, and no more than those of a tile; tiles cover larger windows. */
-SVO_FUNCTION bool svo_fits_tile(svo_window window)
+/* Whether there are columns, and no more than a work-item takes. Tiles cover larger windows, or the rasterizer does. */
+SVO_FUNCTION bool svo_fits(svo_window window, svo_voxelize_params params)
 {
     const int width = clamp(window.end_u - window.u, 0, SVO_TILE_COLUMNS + 1);
     const int height = clamp(window.end_v - window.v, 0, SVO_TILE_COLUMNS + 1);
-    return width * height > 0 && width * height <= SVO_TILE_COLUMNS;
+    return width * height > 0 && width * height <= (int)params.most_columns;
 }
 
-/* The same for any window: finds nothing in one that does not fit a tile. */
+/* The same for any window: finds nothing in one that does not fit. */
 SVO_FUNCTION svo_found svo_find(svo_placed placed, svo_window window, svo_voxelize_params params,
                                 __local svo_note *notes)
 {
     const svo_found nothing = {0u, 0u, 0u, 0u, 0};
-    if (!svo_fits_tile(window)) {
+    if (!svo_fits(window, params)) {
         return nothing;
     }
     if (params.one_voxel != 0u) {
@@ -457,7 +457,7 @@ SVO_FUNCTION void svo_push_part(svo_placed placed, svo_window window, svo_voxeli
 {
 #ifdef SVO_SCANS_LANES
     if (params.one_voxel == 0u) {
-        if (svo_fits_tile(window)) {
+        if (svo_fits(window, params)) {
             svo_push_window(placed, window, params, stage);
         }
         return;

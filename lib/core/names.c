@@ -63,7 +63,7 @@ static const char *const context_kinds[SVO_GL_WRAPPED + 1] = {[SVO_GL_SURFACELES
                                                               [SVO_GL_EGL_DEVICE] = "egl-device",
                                                               [SVO_GL_OSMESA] = "osmesa",
                                                               [SVO_GL_WRAPPED] = "wrapped"};
-static const char *const rasters[] = {"auto", "gl-expand", "gl-hw"};
+static const char *const rasters[] = {"auto", "gl-expand", "gl-hw", "gl-hybrid"};
 static const char *const shares[] = {"auto", "interop", "host", "copy"};
 
 static const name_list lists[SVO_NAME_KINDS] = {

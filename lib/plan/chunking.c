@@ -2,7 +2,7 @@
 /*
  * Assigns triangles to chunks of the fragment list, and tiles of triangles that are too large for a chunk. A chunk is
  * no larger than a storage block and an allocation may be. Cuts large triangles into tiles of columns for the front end
- * "cl". No result depends on either cut.
+ * "cl". Finds the triangles that the front end "gl-hybrid" rasterizes. No result depends on either cut.
  */
 #include "plan/chunking.h"
 
@@ -334,12 +334,18 @@ static projection project(const svo_plan *plan, const svo_i_draw *draw, const sv
     return p;
 }
 
-static bool is_large(const projection *p)
+static int64_t columns_of(const projection *p)
 {
     const int64_t width = p->end_u - p->first_u;
     const int64_t height = p->end_v - p->first_v;
-    const int32_t most = SVO_TILE_COLUMNS;
-    return width > 0 && height > 0 && width * height > most;
+    return width > 0 && height > 0 ? width * height : 0;
+}
+
+/* Whether the projection is cut into tiles. most_columns: as in a cut. */
+static bool is_large(const projection *p, uint32_t most_columns)
+{
+    const int64_t columns = columns_of(p);
+    return columns > (int64_t)SVO_TILE_COLUMNS && (most_columns == 0 || columns <= (int64_t)most_columns);
 }
 
 /* The range of u of the projection between two values of v; low is above high if the projection is not there. */
@@ -461,7 +467,7 @@ static uint32_t first_large(const svo_plan *plan, uint32_t item)
     return first;
 }
 
-bool svo_i_tiles_of_draw(const svo_plan *plan, const svo_i_draw *draw, svo_i_tiles *tiles)
+bool svo_i_tiles_of_draw(const svo_plan *plan, const svo_i_draw *draw, uint32_t most_columns, svo_i_tiles *tiles)
 {
     const uint32_t end = first_large(plan, draw->first_item + draw->item_count);
     block unsorted;
@@ -470,7 +476,7 @@ bool svo_i_tiles_of_draw(const svo_plan *plan, const svo_i_draw *draw, svo_i_til
     tiles->memory = &plan->device->memory;
     for (uint32_t i = first_large(plan, draw->first_item); i < end; ++i) {
         const projection p = project(plan, draw, &plan->large[i]);
-        for (int32_t v = p.first_v; v < p.end_v && is_large(&p); v += SVO_TILE_EDGE) {
+        for (int32_t v = p.first_v; v < p.end_v && is_large(&p, most_columns); v += SVO_TILE_EDGE) {
             if (!add_row(&unsorted, &p, plan->large[i].item, v)) {
                 return false;
             }
@@ -494,4 +500,65 @@ void svo_i_tiles_free(svo_i_tiles *tiles)
 {
     svo_i_free(tiles->items);
     *tiles = (svo_i_tiles){0};
+}
+
+/* ---- the rest of a cut ---- */
+
+/* Whether an item has more columns inside the draw. */
+static bool is_beyond(const svo_plan *plan, const svo_i_draw *draw, svo_draw_item item, uint32_t most_columns)
+{
+    const uint32_t *corners = plan->indices + (size_t)item.triangle * 3;
+    svo_large_item placed = {.axis = item.flags & SVO_DRAW_AXIS_MASK};
+    for (unsigned corner = 0; corner < 3; ++corner) {
+        memcpy(placed.corners + corner * 3, plan->vertices + (size_t)corners[corner] * 3, 3 * sizeof placed.corners[0]);
+    }
+    const projection p = project(plan, draw, &placed);
+    return columns_of(&p) > (int64_t)most_columns;
+}
+
+/* Adds the draw's items of more columns, and a draw of them. */
+static bool add_rest(const svo_plan *plan, const svo_i_draw *draw, uint32_t most_columns, svo_i_rest *to)
+{
+    svo_i_draw rest = *draw;
+    rest.first_item = to->item_count;
+    for (uint32_t i = draw->first_item; i < draw->first_item + draw->item_count; ++i) {
+        if (draw->class_id != SVO_I_CLASS_POINT && is_beyond(plan, draw, plan->items[i], most_columns)) {
+            to->items[to->item_count++] = plan->items[i];
+        }
+    }
+    rest.item_count = to->item_count - rest.first_item;
+    to->others += draw->item_count - rest.item_count;
+    return add_draw(&to->chunking, rest);
+}
+
+svo_status svo_i_rest_find(const svo_plan *plan, const svo_i_chunking *cut, uint32_t most_columns, svo_i_rest *out)
+{
+    const svo_i_memory *memory = &plan->device->memory;
+    uint64_t items = 0;
+    for (uint32_t i = 0; i < cut->draw_count; ++i) {
+        items += cut->draws[i].item_count;
+    }
+    *out = (svo_i_rest){.items = svo_i_alloc(memory, (size_t)(items + 1) * sizeof *out->items),
+                        .chunking = {.memory = memory}};
+    bool added = out->items != NULL && items <= UINT32_MAX;
+    for (uint32_t i = 0; i < cut->chunk_count && added; ++i) {
+        const svo_i_chunk *chunk = &cut->chunks[i];
+        const uint32_t first_draw = out->chunking.draw_count;
+        for (uint32_t k = 0; k < chunk->draw_count && added; ++k) {
+            added = add_rest(plan, &cut->draws[chunk->first_draw + k], most_columns, out);
+        }
+        added = added && add_chunk(&out->chunking, first_draw, chunk->capacity);
+    }
+    if (!added) {
+        svo_i_rest_free(out);
+        return no_memory(plan);
+    }
+    return SVO_OK;
+}
+
+void svo_i_rest_free(svo_i_rest *rest)
+{
+    svo_i_free(rest->items);
+    rest->items = NULL;
+    svo_i_chunking_destroy(&rest->chunking);
 }

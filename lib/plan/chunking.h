@@ -34,12 +34,25 @@ typedef struct svo_i_tile_cache {
     size_t *begin; /* index of each draw's first tile, and the end; NULL: empty cache */
 } svo_i_tile_cache;
 
-/* Adds the tiles inside the draw that its triangles of more than SVO_TILE_COLUMNS columns can touch. Returns false when
-   out of memory. */
-bool svo_i_tiles_of_draw(const svo_plan *plan, const svo_i_draw *draw, svo_i_tiles *tiles);
+/* Adds the tiles inside the draw that its triangles of more than SVO_TILE_COLUMNS columns can touch, but not those of
+   more than most_columns, unless that is 0. Returns false when out of memory. */
+bool svo_i_tiles_of_draw(const svo_plan *plan, const svo_i_draw *draw, uint32_t most_columns, svo_i_tiles *tiles);
 /* An estimate of their number. */
 double svo_i_tiles_expected(const svo_plan *plan, const svo_i_draw *draw);
 /* Frees the tiles; a struct that is all zero is allowed. */
 void svo_i_tiles_free(svo_i_tiles *tiles);
+
+/* What is left of a cut with most_columns: the triangles of more columns in their draw. */
+typedef struct svo_i_rest {
+    svo_draw_item *items; /* owned */
+    uint32_t item_count;
+    uint64_t others; /* triangles of all draws that are not among them */
+    svo_i_chunking chunking; /* the cut's chunks, whose draws are of these items */
+} svo_i_rest;
+
+/* plan: its arrays are on the host. most_columns: not 0. */
+svo_status svo_i_rest_find(const svo_plan *plan, const svo_i_chunking *cut, uint32_t most_columns, svo_i_rest *out);
+/* Accepts one that is all zero. */
+void svo_i_rest_free(svo_i_rest *rest);
 
 #endif

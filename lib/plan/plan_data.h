@@ -122,6 +122,7 @@ typedef struct svo_i_chunking {
     uint32_t draw_count, draw_capacity;
     svo_i_chunk *chunks;
     uint32_t chunk_count, chunk_capacity;
+    uint32_t most_columns; /* triangles of more are drawn by others; 0: none are */
     struct svo_i_tile_cache *tile_cache; /* borrowed; for a list of one chunk that is drawn repeatedly; NULL: none */
 } svo_i_chunking;
 

@@ -31,6 +31,7 @@ typedef struct run {
     cl_mem items, counters;
     cl_kernel kernels[SVO_I_TEST_COUNT];
     cl_kernel decide, keep_decided;
+    bool adds; /* to the fragments of chunks that others have drawn */
 } run;
 
 /* The overlap test for a class of triangles. Triangles inside one voxel need none; any variant works for them. */
@@ -61,7 +62,7 @@ static svo_status get_decide_program(svo_plan *plan, cl_program *out, bool *fres
     return svo_i_program_get(plan->device, SVO_I_BUILD, &svo_i_program_decide, defines, out, fresh);
 }
 
-static svo_status prepare(void *self, svo_plan *plan, svo_i_warm_up *warm_up)
+svo_status svo_i_voxelize_prepare(void *self, svo_plan *plan, svo_i_warm_up *warm_up)
 {
     (void)self;
     cl_program decide = NULL;
@@ -106,19 +107,42 @@ static svo_status create_kernels(run *r)
     return svo_i_commands_kernel(r->commands, program, "svo_k_keep_decided", &r->keep_decided);
 }
 
-/* Uploads the mesh, and clears the counters. */
-static svo_status upload(run *r)
+/* The counters: of what the chunks hold already. */
+static svo_status upload_counters(run *r, const svo_i_fragment_list *list)
+{
+    const size_t words = ((size_t)r->chunking->chunk_count + 1) * SVO_COUNTER_WORDS;
+    SVO_I_TRY(svo_i_commands_alloc(r->commands, "counters", words * sizeof(cl_uint), &r->counters));
+    if (!r->adds) {
+        return svo_i_commands_fill_zero(r->commands, r->counters, words * sizeof(cl_uint));
+    }
+    cl_uint *counters = svo_i_alloc_zeroed(&r->commands->device->memory, words, sizeof *counters);
+    if (counters == NULL) {
+        return svo_i_device_fail(r->commands->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %u counters",
+                                 list->chunk_count);
+    }
+    for (uint32_t i = 0; i < list->chunk_count; ++i) {
+        counters[SVO_COUNTER_WORDS * i] = (cl_uint)list->chunks[i].needed;
+        counters[SVO_COUNTER_WORDS * i + 1] = (cl_uint)(list->chunks[i].needed >> 32);
+    }
+    svo_status status = SVO_OK;
+    SVO_I_TRY_CLEANUP(svo_i_commands_write(r->commands, r->counters, counters, words * sizeof *counters));
+    SVO_I_TRY_CLEANUP(svo_i_commands_wait(r->commands));
+cleanup:
+    svo_i_free(counters);
+    return status;
+}
+
+/* Uploads the mesh, and sets the counters. */
+static svo_status upload(run *r, const svo_i_fragment_list *list)
 {
     const svo_plan *plan = r->commands->plan;
     /* An updatable plan has one more, for tiles that are not used. */
     const uint64_t items = plan->class_begin[SVO_I_CLASS_COUNT] + (plan->update != NULL ? UINT64_C(1) : 0);
-    const uint64_t counter_bytes = (r->chunking->chunk_count + UINT64_C(1)) * SVO_COUNTER_WORDS * sizeof(cl_uint);
     svo_i_stage_begin(r->commands);
     SVO_I_TRY(svo_i_build_mesh_get(r->commands, &r->mesh));
     SVO_I_TRY(svo_i_commands_take(r->commands, "mesh_items", plan->items, plan->memory.items,
                                   items * sizeof(svo_draw_item), &r->items));
-    SVO_I_TRY(svo_i_commands_alloc(r->commands, "counters", counter_bytes, &r->counters));
-    SVO_I_TRY(svo_i_commands_fill_zero(r->commands, r->counters, counter_bytes));
+    SVO_I_TRY(upload_counters(r, list));
     return svo_i_stage_end(r->commands, SVO_STAGE_TRANSFER);
 }
 
@@ -141,8 +165,10 @@ static void cut_launch(svo_voxelize_params *params, uint64_t begin, uint64_t end
 }
 
 /* Completes the params of a draw. */
-static void describe(const svo_plan *plan, const svo_i_draw *draw, svo_voxelize_params *params)
+static void describe(const run *r, const svo_i_draw *draw, svo_voxelize_params *params)
 {
+    const svo_plan *plan = r->commands->plan;
+    const uint32_t most = r->chunking->most_columns;
     params->depth = plan->info.depth;
     params->voxel_log2 = plan->voxel_log2;
     params->open = plan->info.coverage == SVO_COVERAGE_CLOSED ? 0 : 1;
@@ -154,13 +180,13 @@ static void describe(const svo_plan *plan, const svo_i_draw *draw, svo_voxelize_
     params->bottom = draw->tile_y;
     params->width = draw->tile_width;
     params->height = draw->tile_height;
+    params->most_columns = most != 0 && most < SVO_TILE_COLUMNS ? most : SVO_TILE_COLUMNS;
 }
 
 static svo_status launch(run *r, const svo_i_draw *draw, svo_voxelize_params params, cl_mem tiles, cl_mem fragments)
 {
-    const svo_plan *plan = r->commands->plan;
     const uint64_t ids = ids_of_triangles(draw) + params.tile_count;
-    describe(plan, draw, &params);
+    describe(r, draw, &params);
     const uint64_t parts = svo_i_commands_parts(r->commands, ids);
     const size_t local_bytes = words_bytes(r->commands->device);
     for (uint64_t part = 0; part < parts; ++part) {
@@ -177,7 +203,7 @@ static svo_status launch(run *r, const svo_i_draw *draw, svo_voxelize_params par
                                             SVO_I_ARGUMENT(cut),
                                             SVO_I_LOCAL(local_bytes),
                                             SVO_I_LOCAL(SCRATCH_BYTES)};
-        SVO_I_TRY(svo_i_commands_launch(r->commands, r->kernels[test_of(plan, draw->class_id)],
+        SVO_I_TRY(svo_i_commands_launch(r->commands, r->kernels[test_of(r->commands->plan, draw->class_id)],
                                         SVO_I_ARGUMENTS(arguments), end - begin));
     }
     return SVO_OK;
@@ -188,7 +214,8 @@ static svo_status make_tiles(const run *r, const svo_i_chunk *chunk, svo_i_tiles
 {
     for (uint32_t i = 0; i < chunk->draw_count; ++i) {
         tile_begin[i] = tiles->count;
-        if (!svo_i_tiles_of_draw(r->commands->plan, &r->chunking->draws[chunk->first_draw + i], tiles)) {
+        if (!svo_i_tiles_of_draw(r->commands->plan, &r->chunking->draws[chunk->first_draw + i],
+                                 r->chunking->most_columns, tiles)) {
             return svo_i_device_fail(r->commands->device, SVO_OUT_OF_HOST_MEMORY, "svo_build: no memory for %zu tiles",
                                      tiles->count);
         }
@@ -322,7 +349,7 @@ static svo_status launch_moving_draws(run *r, uint32_t chunk_index, uint64_t roo
         svo_voxelize_params params = {.tile_count = draw->class_id != SVO_I_CLASS_POINT ? (uint32_t)room : 0,
                                       .capacity = (uint32_t)chunk->capacity,
                                       .counter = chunk_index};
-        describe(r->commands->plan, draw, &params);
+        describe(r, draw, &params);
         if (params.tile_count > 0) {
             SVO_I_TRY(list_tiles(r->commands, tiles, &params));
         }
@@ -397,7 +424,7 @@ static svo_status read_counters(run *r, svo_i_fragment_list *list)
     }
     svo_i_stage_begin(r->commands);
     const svo_status status = svo_i_commands_read(r->commands, r->counters, counters, bytes);
-    r->commands->report->undecided = 0;
+    r->commands->report->undecided = r->adds ? r->commands->report->undecided : 0;
     for (size_t i = 0; i < list->chunk_count; ++i) {
         const cl_uint *own = counters + SVO_COUNTER_WORDS * i;
         list->chunks[i].needed = (uint64_t)own[1] << 32 | own[0];
@@ -430,12 +457,12 @@ static void release_run(run *r)
 static svo_status make_list(run *r, svo_i_fragment_list *list)
 {
     SVO_I_TRY(create_kernels(r));
-    for (uint32_t i = 0; i < r->chunking->chunk_count; ++i) {
+    for (uint32_t i = 0; i < r->chunking->chunk_count && !r->adds; ++i) {
         list->chunks[i].capacity = r->chunking->chunks[i].capacity;
         list->chunks[i].needed = list->chunks[i].capacity;
         SVO_I_TRY(alloc_fragments(r, &list->chunks[i]));
     }
-    SVO_I_TRY(upload(r));
+    SVO_I_TRY(upload(r, list));
     for (uint32_t i = 0; i < r->chunking->chunk_count; ++i) {
         SVO_I_TRY(r->commands->plan->update != NULL ? draw_moving_chunk(r, i, &list->chunks[i])
                                                     : draw_chunk(r, i, &list->chunks[i]));
@@ -443,16 +470,27 @@ static svo_status make_list(run *r, svo_i_fragment_list *list)
     return r->commands->mode == SVO_I_MODE_RUN ? read_counters(r, list) : SVO_OK;
 }
 
+static svo_status voxelize(run *r, svo_i_fragment_list *list)
+{
+    svo_i_commands_stage(r->commands, SVO_STAGE_VOXELIZE, 0.0);
+    const svo_status status = make_list(r, list);
+    list->counters = r->counters;
+    release_run(r);
+    return status;
+}
+
 svo_status svo_i_voxelize(void *self, svo_i_commands *commands, const svo_i_chunking *chunking,
                           svo_i_fragment_list *list)
 {
     (void)self;
     run r = {.commands = commands, .chunking = chunking};
-    svo_i_commands_stage(commands, SVO_STAGE_VOXELIZE, 0.0);
-    const svo_status status = make_list(&r, list);
-    list->counters = r.counters;
-    release_run(&r);
-    return status;
+    return voxelize(&r, list);
+}
+
+svo_status svo_i_voxelize_more(svo_i_commands *commands, const svo_i_chunking *chunking, svo_i_fragment_list *list)
+{
+    run r = {.commands = commands, .chunking = chunking, .adds = true};
+    return voxelize(&r, list);
 }
 
 static void release(void *self, svo_i_fragment_list *list)
@@ -493,7 +531,7 @@ svo_status svo_frontend_create_cl(svo_device *device, svo_frontend **out)
                                .self = frontend,
                                .device = device,
                                .chunk_bytes_max = device->max_allocation_bytes,
-                               .prepare = prepare,
+                               .prepare = svo_i_voxelize_prepare,
                                .on_device = true,
                                .voxelize = svo_i_voxelize,
                                .release = release,

@@ -14,5 +14,11 @@
 /* Implements svo_frontend.voxelize; self is unused. */
 svo_status svo_i_voxelize(void *self, svo_i_commands *commands, const svo_i_chunking *chunking,
                           svo_i_fragment_list *list);
+/* Implements svo_frontend.prepare; self is unused. */
+svo_status svo_i_voxelize_prepare(void *self, svo_plan *plan, svo_i_warm_up *warm_up);
+
+/* Adds the fragments of the chunking's triangles, of at most most_columns, to chunks that hold `needed` fragments of
+   its other triangles. In SVO_I_MODE_RUN. */
+svo_status svo_i_voxelize_more(svo_i_commands *commands, const svo_i_chunking *chunking, svo_i_fragment_list *list);
 
 #endif

@@ -134,6 +134,26 @@ static void shared_buffers_give_the_same_tree(void **state)
     check_whole_path(NULL, CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE | CL_QUEUE_PROFILING_ENABLE);
 }
 
+/* Kernels add to the list that OpenGL has drawn, in the same buffer. */
+static void both_front_ends_fill_one_buffer(void **state)
+{
+    static const uint32_t columns[] = {1, 12, 64};
+    (void)state;
+    for (size_t i = 0; i < sizeof columns / sizeof columns[0]; ++i) {
+        shared_pair pair;
+        open_pair(&(shim_faults){0}, CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE, &pair);
+        svo_gl_destroy(&pair.opened.gl);
+        const svo_gl_options options = {.struct_size = sizeof options,
+                                        .raster = SVO_GL_RASTER_HYBRID,
+                                        .share = SVO_GL_SHARE_INTEROP,
+                                        .hybrid_columns = columns[i]};
+        assert_int_equal(svo_gl_create(pair.opened.device, pair.opened.context, &options, &pair.opened.gl), SVO_OK);
+        pair.opened.frontend = svo_gl_frontend(pair.opened.gl);
+        assert_same_hash(&pair, &everything, "interop");
+        close_pair(&pair);
+    }
+}
+
 static void without_gl_event_opengl_is_finished_first(void **state)
 {
     (void)state;
@@ -363,6 +383,7 @@ TEST_GROUP(interop)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(shared_buffers_give_the_same_tree),
+        cmocka_unit_test(both_front_ends_fill_one_buffer),
         cmocka_unit_test(without_gl_event_opengl_is_finished_first),
         cmocka_unit_test(each_failing_step_has_its_reason_and_the_same_tree),
         cmocka_unit_test(failure_during_a_build_ends_in_a_status),

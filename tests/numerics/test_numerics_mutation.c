@@ -192,7 +192,7 @@ static svo_i_raster_count count_fragments(svo_gl_context *context, svo_plan *pla
     gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
     gl->BufferData(GL_SHADER_STORAGE_BUFFER, 64, NULL, GL_STREAM_READ);
     assert_int_equal(svo_i_raster_prepare(raster, plan), SVO_OK);
-    assert_int_equal(svo_i_raster_upload(raster, plan, 1), SVO_OK);
+    assert_int_equal(svo_i_raster_upload(raster, plan, plan->items, plan->class_begin[SVO_I_CLASS_COUNT], 1), SVO_OK);
     gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SVO_I_RASTER_FRAGMENTS, buffer);
     assert_int_equal(svo_i_raster_draw(raster, plan, &layout, 0), SVO_OK);
     assert_int_equal(svo_i_raster_finish(raster, 1, &counts), SVO_OK);

@@ -360,7 +360,7 @@ static void add_class(const svo_plan *plan, svo_i_class class_id, busy_lanes *bu
     const uint32_t grid = 1u << plan->info.depth;
     const svo_i_draw draw = {class_id, begin, plan->class_begin[class_id + 1] - begin, 0, 0, grid, grid};
     svo_i_tiles tiles = {0};
-    assert_true(svo_i_tiles_of_draw(plan, &draw, &tiles));
+    assert_true(svo_i_tiles_of_draw(plan, &draw, 0, &tiles));
     const size_t most = draw.item_count > tiles.count ? draw.item_count : tiles.count;
     uint32_t *columns = calloc(most + 1, sizeof *columns);
     assert_non_null(columns);

@@ -246,6 +246,9 @@ cl_int __wrap_clGetDeviceInfo(cl_device_id device, cl_device_info what, size_t b
     if (what == CL_DEVICE_PLATFORM) {
         return answer(&platform_id, sizeof(cl_platform_id), bytes, value, needed);
     }
+    if (what == CL_DRIVER_VERSION) {
+        return answer("1.2", sizeof "1.2", bytes, value, needed);
+    }
     assert_int_equal(what, CL_DEVICE_EXTENSIONS);
     return now.machine->lists_sharing ? answer(with, sizeof with, bytes, value, needed)
                                       : answer(without, sizeof without, bytes, value, needed);
@@ -410,9 +413,11 @@ svo_status __wrap_svo_gl_create(svo_device *device, svo_gl_context *context, con
                                 svo_gl **out)
 {
     const place *shared = shared_by(device->context);
-    (void)options;
+    char word[WORD_BYTES];
+    const bool is_hybrid = options->raster == SVO_GL_RASTER_HYBRID;
+    (void)snprintf(word, sizeof word, is_hybrid ? "hybrid%u" : "gl", (unsigned)options->hybrid_columns);
     assert_true(shared == NULL || shared == (const place *)context->native);
-    note("", "gl");
+    note("", word);
     if (now.machine->refuses_front_end) {
         return svo_i_device_fail(device, SVO_UNSUPPORTED, "svo_gl_create: none works");
     }

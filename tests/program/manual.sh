@@ -71,8 +71,8 @@ expect_completion 'probes' svocl render --through p
 expect_completion 'model.obj' svocl convert mo
 expect_completion '--depth --device' svocl build --de
 expect_completion 'cl' svocl build scene : cube --frontend c
-expect_completion 'gl-expand gl-hw' svocl build --frontend = gl
-expect_completion 'auto cl gl-expand gl-hw' svocl build --frontend =
+expect_completion 'gl-expand gl-hw gl-hybrid' svocl build --frontend = gl
+expect_completion 'auto cl gl-expand gl-hw gl-hybrid' svocl build --frontend =
 expect_completion 'normal,rays' svocl build --need normal,r
 expect_completion 'cube' svocl build scene : cu
 expect_completion 'scene:' svocl build sc
@@ -134,7 +134,7 @@ if command -v fish >/dev/null; then
     }
     expect_fish 'svocl verif' 'verify'
     expect_fish 'svocl build --fronte' '--frontend'
-    expect_fish 'svocl build --frontend gl-' 'gl-expand gl-hw'
+    expect_fish 'svocl build --frontend gl-' 'gl-expand gl-hw gl-hybrid'
     expect_fish 'svocl build --frontend=gl-e' '--frontend=gl-expand'
     expect_fish 'svocl build --need normal,r' 'normal,rays'
     expect_fish 'svocl build --need=normal,r' '--need=normal,rays'

@@ -11,12 +11,15 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
 #include "invented_gpus.h"
 #include "support/session.h"
 #include "support/suite.h"
+#include "support/work_folder.h"
 
 /* How the builds of a command get their front end. */
 typedef enum choice { BY_OPTIONS, FOR_SMALL_PLAN, FOR_LARGE_PLAN, OPENGL_IF_ANY, WITH_BOTH } choice;
@@ -287,8 +290,42 @@ static void the_program_opens_what_it_needs_in_order(void **state)
     }
 }
 
+/* What --tune has kept for the pair decides; lines of other pairs, and what is none, do not. */
+static void kept_thresholds_are_used(void **state)
+{
+    static const struct {
+        const char *kept, *end;
+    } cases[] = {
+        {"64\tInvented: RTX\t1.2\tRTX/PCIe\n", " gl hybrid64"},
+        {"8\tInvented: RTX\t1.1\tRTX/PCIe\n4096\tInvented: RTX\t1.2\tRTX/PCIe\n", " gl hybrid4096"},
+        {"4294967295\tInvented: RTX\t1.2\tRTX/PCIe\n", " gl"},
+        {"8\tInvented: RTX\t1.2\tRTX/PCIe of another\n\n\t\n-1\tInvented: RTX\t1.2\tRTX/PCIe\n", " gl"},
+        {"0\tInvented: RTX\t1.2\tRTX/PCIe\n8 \tInvented: RTX\t1.2\tRTX/PCIe\n8\tInvented: RTX\t1.2\tRTX/PCIe", " gl"},
+    };
+    (void)state;
+    assert_int_equal(setenv("XDG_CACHE_HOME", work_folder(), 1), 0);
+    assert_int_equal(mkdir(path_of("svocl"), 0700), 0);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        session opened = {0};
+        opening asked = {.machine = &one_gpu, .how = FOR_LARGE_PLAN};
+        write_text("svocl/hybrid", cases[i].kept);
+        invented_begin(asked.machine);
+        assert_int_equal(open_session(&asked, &opened), PROGRAM_DONE);
+        const char *log = invented_log();
+        const char *front_ends = strstr(log, " cl");
+        assert_non_null(front_ends);
+        assert_string_equal(front_ends + 3, cases[i].end);
+        assert_int_equal(opened.frontend == opened.cl, i == 2);
+        session_close(&opened);
+        invented_check_closed();
+    }
+    assert_int_equal(unlink(path_of("svocl/hybrid")), 0);
+    assert_int_equal(rmdir(path_of("svocl")), 0);
+}
+
 TEST_GROUP(opening)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(the_program_opens_what_it_needs_in_order)};
-    return cmocka_run_group_tests_name("opening", tests, NULL, NULL);
+    const struct CMUnitTest tests[] = {cmocka_unit_test(the_program_opens_what_it_needs_in_order),
+                                       cmocka_unit_test(kept_thresholds_are_used)};
+    return cmocka_run_group_tests_name("opening", tests, work_folder_make, work_folder_remove);
 }

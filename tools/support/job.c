@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "support/hybrid.h"
 #include "support/info_of.h"
 #include "support/wrapped.h"
 
@@ -139,6 +140,13 @@ int job_plan(program *state, svo_device *device, const input *source, uint32_t n
 static int build_plan(program *state, session *opened, svo_plan *plan, build_result *result)
 {
     session_choose(state, opened, plan);
+    if (state->options.tune) {
+        const int exit_code = hybrid_tune(state, opened->gl, plan, opened->queue, &opened->frontend, &opened->reason);
+        state->options.tune = false; /* once for all builds */
+        if (exit_code != PROGRAM_DONE) {
+            return exit_code;
+        }
+    }
     if (state->options.count_first && svo_plan_count(plan, opened->frontend, opened->queue) != SVO_OK) {
         return program_fail_library(state, svo_device_message(opened->device));
     }

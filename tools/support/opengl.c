@@ -16,6 +16,9 @@ struct opengl {
     svo_gl_context *context;
     svo_gl_context_info info;
     svo_gl *gl;
+    svo_gl *hybrid; /* of opengl_hybrid_frontend */
+    uint32_t hybrid_columns; /* as asked for; of hybrid, its own */
+    svo_gl_share share; /* as asked for */
     struct {
         int frontend, share; /* as asked for */
         svo_gl *gl;
@@ -54,14 +57,16 @@ static bool open_context(const options *given, const svo_device *device, opengl 
 
 static svo_gl_raster raster_of(int frontend)
 {
-    return frontend == OPTION_FRONTEND_GL_EXPAND ? SVO_GL_RASTER_EXPAND
-           : frontend == OPTION_FRONTEND_GL_HW   ? SVO_GL_RASTER_HW
-                                                 : SVO_GL_RASTER_AUTO;
+    return frontend == OPTION_FRONTEND_GL_EXPAND   ? SVO_GL_RASTER_EXPAND
+           : frontend == OPTION_FRONTEND_GL_HW     ? SVO_GL_RASTER_HW
+           : frontend == OPTION_FRONTEND_GL_HYBRID ? SVO_GL_RASTER_HYBRID
+                                                   : SVO_GL_RASTER_AUTO;
 }
 
 static svo_gl *create(opengl *opened, svo_gl_raster raster, svo_gl_share share, svo_message *reason)
 {
-    const svo_gl_options gl_options = {.struct_size = sizeof gl_options, .raster = raster, .share = share};
+    const svo_gl_options gl_options = {
+        .struct_size = sizeof gl_options, .raster = raster, .share = share, .hybrid_columns = opened->hybrid_columns};
     svo_gl *gl = NULL;
     if (svo_gl_create(opened->device, opened->context, &gl_options, &gl) != SVO_OK) {
         snprintf(reason->text, sizeof reason->text, "%s", program_words(svo_device_message(opened->device)));
@@ -125,6 +130,8 @@ opengl *opengl_open(const options *given, const svo_device *device, svo_message 
 bool opengl_start(opengl *opened, const options *given, svo_device *device, svo_message *reason)
 {
     opened->device = device;
+    opened->hybrid_columns = given->hybrid_columns;
+    opened->share = (svo_gl_share)given->share;
     opened->gl = create(opened, raster_of(given->frontend), (svo_gl_share)given->share, reason);
     return opened->gl != NULL;
 }
@@ -135,6 +142,7 @@ void opengl_stop(opengl *opened)
         for (size_t i = 0; i < opened->further_count; ++i) {
             svo_gl_destroy(&opened->further[i].gl);
         }
+        svo_gl_destroy(&opened->hybrid);
         svo_gl_destroy(&opened->gl);
     }
 }
@@ -153,6 +161,11 @@ void opengl_close(opengl **opened)
 const char *opengl_context_name(const opengl *opened)
 {
     return svo_name(SVO_NAME_GL_CONTEXT_KIND, opened->info.kind);
+}
+
+const svo_device *opengl_device(const opengl *opened)
+{
+    return opened->device;
 }
 
 const char *opengl_renderer(const opengl *opened)
@@ -195,4 +208,12 @@ svo_frontend *opengl_further_frontend(opengl *opened, int frontend, int share, s
     opened->further[opened->further_count].share = share;
     opened->further[opened->further_count++].gl = gl;
     return svo_gl_frontend(gl);
+}
+
+svo_frontend *opengl_hybrid_frontend(opengl *opened, uint32_t columns, svo_message *reason)
+{
+    svo_gl_destroy(&opened->hybrid);
+    opened->hybrid_columns = columns;
+    opened->hybrid = create(opened, SVO_GL_RASTER_HYBRID, opened->share, reason);
+    return opened->hybrid != NULL ? svo_gl_frontend(opened->hybrid) : NULL;
 }

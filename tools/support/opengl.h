@@ -30,6 +30,7 @@ void opengl_close(opengl **opened); /* a pointer to NULL is allowed */
 
 const char *opengl_context_name(const opengl *opened); /* "surfaceless", ... */
 const char *opengl_renderer(const opengl *opened);
+const svo_device *opengl_device(const opengl *opened); /* of opengl_start */
 
 svo_frontend *opengl_frontend(opengl *opened);
 /* The faster of OpenGL's front end and cl, and why. */
@@ -40,5 +41,7 @@ svo_status opengl_build(opengl *opened, svo_plan *plan, cl_command_queue queue, 
 /* Another front end on the same context, created at the first call for its raster and share (option_frontend,
    svo_gl_share) and kept. NULL with the reason on failure. */
 svo_frontend *opengl_further_frontend(opengl *opened, int frontend, int share, svo_message *reason);
+/* gl-hybrid with a threshold; one at a time is kept. NULL with the reason on failure. */
+svo_frontend *opengl_hybrid_frontend(opengl *opened, uint32_t columns, svo_message *reason);
 
 #endif

@@ -62,6 +62,12 @@ const char *opengl_context_name(const opengl *opened)
     return "none";
 }
 
+const svo_device *opengl_device(const opengl *opened)
+{
+    (void)opened;
+    return NULL;
+}
+
 const char *opengl_renderer(const opengl *opened)
 {
     (void)opened;
@@ -97,6 +103,14 @@ svo_frontend *opengl_further_frontend(opengl *opened, int frontend, int share, s
     (void)opened;
     (void)frontend;
     (void)share;
+    snprintf(reason->text, sizeof reason->text, WITHOUT);
+    return NULL;
+}
+
+svo_frontend *opengl_hybrid_frontend(opengl *opened, uint32_t columns, svo_message *reason)
+{
+    (void)opened;
+    (void)columns;
     snprintf(reason->text, sizeof reason->text, WITHOUT);
     return NULL;
 }

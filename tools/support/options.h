@@ -55,7 +55,8 @@ enum option_frontend {
     OPTION_FRONTEND_AUTO = 0,
     OPTION_FRONTEND_CL, /* OpenCL alone */
     OPTION_FRONTEND_GL_EXPAND,
-    OPTION_FRONTEND_GL_HW
+    OPTION_FRONTEND_GL_HW,
+    OPTION_FRONTEND_GL_HYBRID
 };
 
 /* Next to the values of svo_builder. */
@@ -115,6 +116,8 @@ typedef struct options {
     bool has_builder;
     bool depth_for_rays; /* set by commands: svo_plan_info.ray_depth in place of depth */
     int share; /* svo_gl_share */
+    uint32_t hybrid_columns; /* 0: not given */
+    bool tune;
     int builder; /* svo_builder or OPTION_BUILDER_GL_COMPUTE */
     int coverage; /* svo_coverage */
     int weights; /* svo_weights */

@@ -171,7 +171,7 @@ bool options_ask_for_gl(const options *given)
 {
     return given->share != SVO_GL_SHARE_AUTO || given->context != OPTION_CONTEXT_AUTO ||
            given->frontend == OPTION_FRONTEND_GL_EXPAND || given->frontend == OPTION_FRONTEND_GL_HW ||
-           given->builder == OPTION_BUILDER_GL_COMPUTE;
+           given->frontend == OPTION_FRONTEND_GL_HYBRID || given->tune || given->builder == OPTION_BUILDER_GL_COMPUTE;
 }
 
 /* Combinations of options that exclude or require one another. */
@@ -194,6 +194,13 @@ static int check_together(program *state, const command *which)
     }
     if (given->gl_device != NULL && given->context != SVO_GL_EGL_DEVICE) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--gl-device requires --context egl-device");
+    }
+    if (given->hybrid_columns != 0 && given->frontend != OPTION_FRONTEND_GL_HYBRID) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--hybrid-columns requires --frontend gl-hybrid");
+    }
+    if (given->tune && (given->hybrid_columns != 0 || given->builder == OPTION_BUILDER_GL_COMPUTE ||
+                        (given->frontend != OPTION_FRONTEND_AUTO && given->frontend != OPTION_FRONTEND_GL_HYBRID))) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--tune chooses the front end and its --hybrid-columns");
     }
     if (given->frontend == OPTION_FRONTEND_CL && options_ask_for_gl(given)) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--%s requires OpenGL, which --frontend cl does not use",

@@ -25,11 +25,9 @@
 #define OPTION_FOV_MAX    179.0
 #define OPTION_SCALE_MAX  4.0
 
-static const choice frontends[] = {{"auto", OPTION_FRONTEND_AUTO},
-                                   {"cl", OPTION_FRONTEND_CL},
-                                   {"gl-expand", OPTION_FRONTEND_GL_EXPAND},
-                                   {"gl-hw", OPTION_FRONTEND_GL_HW},
-                                   {NULL, 0}};
+static const choice frontends[] = {{"auto", OPTION_FRONTEND_AUTO},           {"cl", OPTION_FRONTEND_CL},
+                                   {"gl-expand", OPTION_FRONTEND_GL_EXPAND}, {"gl-hw", OPTION_FRONTEND_GL_HW},
+                                   {"gl-hybrid", OPTION_FRONTEND_GL_HYBRID}, {NULL, 0}};
 static const choice paths[] = {{"cpu", SVO_PATH_CPU}, {"gpu", SVO_PATH_GPU}, {NULL, 0}};
 static const choice shares[] = {{"auto", SVO_GL_SHARE_AUTO},
                                 {"interop", SVO_GL_SHARE_INTEROP},
@@ -176,7 +174,7 @@ static int read_bytes(program *state, const rule *option, const char *value)
     return PROGRAM_DONE;
 }
 
-/* "auto, cl, gl-expand, gl-hw" */
+/* "auto, cl, gl-expand, gl-hw, gl-hybrid" */
 static void list_choices(const choice *choices, char *text, size_t text_bytes)
 {
     size_t used = 0;
@@ -423,7 +421,11 @@ static const rule rules[] = {
     {"import-seconds", '\0', OPTION_BUILD, "N", read_count, FIELD(import_seconds), 1, 1000000, NULL,
      "time limit for reading the mesh file (5, and 1 for each MB that it reads)"},
     {"frontend", '\0', OPTION_BUILD | OPTION_METHODS, "NAME", read_choice, FIELD(frontend), 0, 0, frontends,
-     "auto, cl, gl-expand, gl-hw (auto: the fastest)"},
+     "auto, cl, gl-expand, gl-hw, gl-hybrid (auto: the fastest)"},
+    {"hybrid-columns", '\0', OPTION_BUILD | OPTION_METHODS, "N", read_count, FIELD(hybrid_columns), 1, UINT32_MAX, NULL,
+     "gl-hybrid: triangles of more columns of voxels are rasterized (64; software: none)"},
+    {"tune", '\0', OPTION_BUILD, NULL, read_flag, FIELD(tune), 0, 0, NULL,
+     "first measure with this input which triangles gl-hybrid rasterizes, and keep it for auto"},
     {"share", '\0', OPTION_BUILD | OPTION_METHODS, "NAME", read_choice, FIELD(share), 0, 0, shares,
      "auto, interop, host, copy (auto)"},
     {"builder", '\0', OPTION_BUILD, "NAME", read_builder, FIELD(builder), 0, 0, builders,

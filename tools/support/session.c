@@ -1,61 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* Opens devices by the options, and chooses front ends; the user's folder of saved kernels. */
+/* Opens devices by the options, and chooses front ends. */
 #include "support/session.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
+#include "support/hybrid.h"
 #include "support/info_of.h"
+#include "support/kernel_folder.h"
 #include "support/options_parse.h"
-
-/* ---- the folder of saved kernels ---- */
-
-bool kernel_folder_name(char path[KERNEL_FOLDER_BYTES])
-{
-    const char *cache = getenv("XDG_CACHE_HOME");
-    const char *home = getenv("HOME");
-    int length = 0;
-    /* The specification of base directories says to ignore relative paths. */
-    if (cache != NULL && cache[0] == '/') {
-        length = snprintf(path, KERNEL_FOLDER_BYTES, "%s/svocl", cache);
-    } else if (home != NULL && home[0] == '/') {
-        length = snprintf(path, KERNEL_FOLDER_BYTES, "%s/.cache/svocl", home);
-    }
-    return length > 0 && length < KERNEL_FOLDER_BYTES;
-}
-
-bool kernel_folder_make(const char *path)
-{
-    char parent[KERNEL_FOLDER_BYTES];
-    (void)snprintf(parent, sizeof parent, "%s", path);
-    *strrchr(parent, '/') = '\0';
-    const bool has_parent = mkdir(parent, 0700) == 0 || errno == EEXIST;
-    return has_parent && (mkdir(path, 0700) == 0 || errno == EEXIST);
-}
-
-static bool is_own(const struct stat *entry)
-{
-    return (entry->st_uid == geteuid() || entry->st_uid == 0) && (entry->st_mode & (S_IWGRP | S_IWOTH)) == 0;
-}
-
-bool kernel_folder_is_own(const char *path)
-{
-    struct stat entry;
-    return stat(path, &entry) == 0 && S_ISDIR(entry.st_mode) && is_own(&entry);
-}
-
-/* Whether one is there that others may write to. */
-static bool kernel_folder_is_open(const char *path)
-{
-    struct stat entry;
-    return stat(path, &entry) == 0 && S_ISDIR(entry.st_mode) && !is_own(&entry);
-}
-
-/* ---- sessions ---- */
 
 /* The drivers read their thread counts once, at their first call, so the counts are set before it. */
 static int set_threads(program *state)
@@ -272,7 +226,8 @@ void session_choose(program *state, session *opened, const svo_plan *plan)
         return;
     }
     if (try_opengl(state, opened)) {
-        opened->frontend = opengl_prefer(opened->gl, opened->cl, &opened->reason);
+        svo_frontend *measured = hybrid_recall(opened->gl, opened->device, opened->cl, &opened->reason);
+        opened->frontend = measured != NULL ? measured : opengl_prefer(opened->gl, opened->cl, &opened->reason);
     }
 }
 

@@ -12,21 +12,6 @@
 #include "support/program.h"
 #include "svocl/svocl.h"
 
-/* ---- the folder of saved kernels ---- */
-
-#define KERNEL_FOLDER_BYTES 4096
-
-/* Its path; false where neither variable is set, or the path is too long. */
-bool kernel_folder_name(char path[KERNEL_FOLDER_BYTES]);
-
-/* Makes it, and ~/.cache, for the user alone. Returns false with errno set. */
-bool kernel_folder_make(const char *path);
-
-/* Whether a folder is there that only this user, or root, may write to: binaries of others must not be run. */
-bool kernel_folder_is_own(const char *path);
-
-/* ---- sessions ---- */
-
 typedef struct session {
     svo_device *device;
     cl_command_queue queue;

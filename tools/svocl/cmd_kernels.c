@@ -6,6 +6,7 @@
 #include "support/info_of.h"
 #include "support/job.h"
 #include "support/json.h"
+#include "support/kernel_folder.h"
 #include "support/options_parse.h"
 #include "support/session.h"
 #include "support/table.h"

@@ -373,6 +373,7 @@ static const gpu_method methods[] = {
     {"gl-expand, host", {"--frontend", "gl-expand", "--share", "host"}, true, false},
     {"gl-expand, copy", {"--frontend", "gl-expand", "--share", "copy"}, true, false},
     {"gl-hw", {"--frontend", "gl-hw"}, true, false},
+    {"gl-hybrid", {"--frontend", "gl-hybrid", "--hybrid-columns", "64"}, true, false},
     {"gl-compute", {"--builder", "gl-compute"}, true, true},
 };
 #define METHOD_COUNT (sizeof methods / sizeof methods[0])
