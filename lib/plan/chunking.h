@@ -50,9 +50,13 @@ typedef struct svo_i_rest {
     svo_i_chunking chunking; /* the cut's chunks, whose draws are of these items */
 } svo_i_rest;
 
+SVO_I_SHARED_BEGIN
+
 /* plan: its arrays are on the host. most_columns: not 0. */
 svo_status svo_i_rest_find(const svo_plan *plan, const svo_i_chunking *cut, uint32_t most_columns, svo_i_rest *out);
 /* Accepts one that is all zero. */
 void svo_i_rest_free(svo_i_rest *rest);
+
+SVO_I_SHARED_END
 
 #endif

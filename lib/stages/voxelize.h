@@ -11,6 +11,8 @@
 
 #include "stages/build_state.h"
 
+SVO_I_SHARED_BEGIN
+
 /* Implements svo_frontend.voxelize; self is unused. */
 svo_status svo_i_voxelize(void *self, svo_i_commands *commands, const svo_i_chunking *chunking,
                           svo_i_fragment_list *list);
@@ -20,5 +22,7 @@ svo_status svo_i_voxelize_prepare(void *self, svo_plan *plan, svo_i_warm_up *war
 /* Adds the fragments of the chunking's triangles, of at most most_columns, to chunks that hold `needed` fragments of
    its other triangles. In SVO_I_MODE_RUN. */
 svo_status svo_i_voxelize_more(svo_i_commands *commands, const svo_i_chunking *chunking, svo_i_fragment_list *list);
+
+SVO_I_SHARED_END
 
 #endif
