@@ -273,7 +273,7 @@ SVO_RECORD(svo_bottom_up_params)
     SVO_U32 reserved; /* 28 */
 };
 
-/* Arguments of the link, pack and filter kernels. 80 bytes. */
+/* Arguments of the link, pack and filter kernels. 72 bytes. */
 SVO_RECORD(svo_filter_params)
 {
     SVO_U32 depth; /* 0 */
@@ -291,11 +291,9 @@ SVO_RECORD(svo_filter_params)
     SVO_U32 fill_shift; /* 48: shift in bits from weights of the next level's nodes to fills; from 63 on fills are 0 */
     SVO_U32 payload_level; /* 52: the first level whose nodes have payload */
     SVO_U32 payload_begin; /* 56: its first node, whose payload is the first in the arrays */
-    SVO_U32 scan_groups; /* 60: groups of a scan of the leaf lists */
-    SVO_U32 first_index; /* 64: first of the launch's nodes or leaves, where a filter is launched in parts */
-    SVO_U32 both_sides; /* 68: not 0: triangles count for projected areas from both sides */
-    SVO_U32 grouped; /* 72: not 0: fragments are gathered in the order of their leaves */
-    SVO_U32 reserved; /* 76 */
+    SVO_U32 first_index; /* 60: first of the launch's nodes or leaves, where a filter is launched in parts */
+    SVO_U32 both_sides; /* 64: not 0: triangles count for projected areas from both sides */
+    SVO_U32 grouped; /* 68: not 0: fragments are gathered in the order of their leaves */
 };
 
 /* Arguments of the kernels that make compact trees and expand them. 32 bytes. */
@@ -411,7 +409,7 @@ SVO_ASSERT_BYTES(svo_blocks_params, 56);
 SVO_ASSERT_BYTES(svo_subdivide_params, 32);
 SVO_ASSERT_BYTES(svo_sort_params, 16);
 SVO_ASSERT_BYTES(svo_bottom_up_params, 32);
-SVO_ASSERT_BYTES(svo_filter_params, 80);
+SVO_ASSERT_BYTES(svo_filter_params, 72);
 SVO_ASSERT_BYTES(svo_compact_params, 32);
 SVO_ASSERT_BYTES(svo_minimize_params, 48);
 SVO_ASSERT_BYTES(svo_material_record, 32);

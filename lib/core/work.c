@@ -362,9 +362,8 @@ uint32_t svo_i_scan_groups(const svo_device *device, uint64_t numbers)
 
 svo_status svo_i_work_scan(svo_i_device_work *work, cl_mem numbers, cl_mem sums, uint64_t count)
 {
-    const svo_filter_params params = {.leaf_count = (cl_uint)count,
-                                      .scan_groups = svo_i_scan_groups(work->device, count)};
-    const uint64_t items = (uint64_t)params.scan_groups * SVO_GROUP_ITEMS;
+    const svo_filter_params params = {.leaf_count = (cl_uint)count};
+    const uint64_t items = (uint64_t)svo_i_scan_groups(work->device, count) * SVO_GROUP_ITEMS;
     const cl_mem state = NULL; /* of a build; the kernels of this program do not read it */
     const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
     if (work->partials == NULL) {
@@ -372,11 +371,8 @@ svo_status svo_i_work_scan(svo_i_device_work *work, cl_mem numbers, cl_mem sums,
     }
     const svo_i_argument reduce[] = {SVO_I_ARGUMENT(numbers), SVO_I_ARGUMENT(work->partials), SVO_I_ARGUMENT(state),
                                      SVO_I_ARGUMENT(params), scratch};
-    const svo_i_argument partials[] = {SVO_I_ARGUMENT(work->partials), SVO_I_ARGUMENT(sums), SVO_I_ARGUMENT(state),
-                                       SVO_I_ARGUMENT(params), scratch};
     const svo_i_argument add[] = {SVO_I_ARGUMENT(numbers), SVO_I_ARGUMENT(work->partials), SVO_I_ARGUMENT(sums),
                                   SVO_I_ARGUMENT(state),   SVO_I_ARGUMENT(params),         scratch};
     SVO_I_TRY(svo_i_work_launch(work, "svo_k_scan_lists_reduce", SVO_I_ARGUMENTS(reduce), items));
-    SVO_I_TRY(svo_i_work_launch(work, "svo_k_scan_lists_partials", SVO_I_ARGUMENTS(partials), SVO_GROUP_ITEMS));
     return svo_i_work_launch(work, "svo_k_scan_lists_add", SVO_I_ARGUMENTS(add), items);
 }

@@ -242,20 +242,40 @@ static svo_status gather_chunk(filterer *f, uint32_t chunk)
     return svo_i_stage_end(&f->build->commands, SVO_STAGE_FILTER);
 }
 
-/* Fragments that are gathered one by one are added to zero. */
-static svo_status clear_sums(filterer *f)
+/* Zeroes the sums of all leaves, to which the fragments of several chunks are added. */
+static svo_status clear_all_sums(filterer *f)
 {
     const struct {
         cl_mem sums;
         uint32_t leaf_bytes;
     } all[] = {{f->sums[0].weights, 8}, {f->sums[0].colors, 32}, {f->sums[0].normals, 24}, {f->area_sums, 48}};
-    svo_i_stage_begin(&f->build->commands);
     for (unsigned i = 0; i < sizeof all / sizeof all[0]; ++i) {
         if (all[i].sums != NULL) {
             SVO_I_TRY(svo_i_commands_fill_zero(&f->build->commands, all[i].sums,
                                                (uint64_t)f->params.leaf_count * all[i].leaf_bytes));
         }
     }
+    return SVO_OK;
+}
+
+/* Zeroes those of the leaves that two work-groups add to; the others' are written. */
+static svo_status clear_shared_sums(filterer *f)
+{
+    svo_i_build *build = f->build;
+    f->params.fragment_count = (cl_uint)build->list.chunks[0].needed;
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(build->cursors[0]),  SVO_I_ARGUMENT(build->order),
+                                        SVO_I_ARGUMENT(f->sums[0].weights), SVO_I_ARGUMENT(f->sums[0].colors),
+                                        SVO_I_ARGUMENT(f->sums[0].normals), SVO_I_ARGUMENT(f->area_sums),
+                                        SVO_I_ARGUMENT(build->state),       SVO_I_ARGUMENT(f->params)};
+    return svo_i_commands_run(&build->commands, svo_i_build_program(build, &svo_i_program_filter), "svo_k_clear_shared",
+                              SVO_I_ARGUMENTS(arguments), f->params.fragment_count / SVO_GROUP_ITEMS);
+}
+
+/* Fragments that are gathered one by one are added to zero. */
+static svo_status clear_sums(filterer *f)
+{
+    svo_i_stage_begin(&f->build->commands);
+    SVO_I_TRY(f->params.grouped != 0 ? clear_shared_sums(f) : clear_all_sums(f));
     return svo_i_stage_end(&f->build->commands, SVO_STAGE_FILTER);
 }
 
@@ -398,7 +418,7 @@ static svo_status filter_levels(filterer *f)
     bool is_top = false;
     for (uint32_t level = f->leaf_sums ? depth : depth - 1; level-- > last_level && !is_top;) {
         const unsigned odd = (depth - level) % 2;
-        is_top = f->pairs && level <= SVO_TOP_LEVEL;
+        is_top = level <= SVO_TOP_LEVEL;
         svo_i_params_of_level(&f->params, &f->build->tree->info, level);
         SVO_I_TRY(filter_level(f, &f->sums[1 - odd], &f->sums[odd], is_top));
     }

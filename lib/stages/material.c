@@ -155,13 +155,14 @@ static svo_status merge_level(sorter *s, uint32_t level, bool is_top)
                   : svo_i_commands_launch(commands, s->merge, SVO_I_ARGUMENTS(arguments), s->params.level_count);
 }
 
-/* From the deepest level up to the first that has payload. On GPUs one group does the levels above SVO_TOP_LEVEL. */
+/* From the deepest level up to the first that has payload. One group does the levels from
+   SVO_TOP_LEVEL on. */
 static svo_status merge_levels(sorter *s)
 {
     const uint32_t depth = s->build->tree->info.depth;
     bool is_top = false;
     for (uint32_t level = depth; level-- > s->params.payload_level && !is_top;) {
-        is_top = !s->build->commands.device->cpu_path && level <= SVO_TOP_LEVEL && level + 1 < depth;
+        is_top = level <= SVO_TOP_LEVEL && level + 1 < depth;
         SVO_I_TRY(merge_level(s, level, is_top));
     }
     return SVO_OK;
