@@ -35,19 +35,17 @@ static svo_status allocate(sorter *s)
     const uint64_t parents = info->inner_count - info->level_begin[info->depth - 1];
     const uint64_t grandparents =
         info->depth > 1 ? info->level_begin[info->depth - 1] - info->level_begin[info->depth - 2] : 1;
-    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "entry_counts", info->leaf_count * 4, &s->levels[0].counts));
-    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "entry_begins", grandparents * 4, &s->levels[0].begins));
-    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "entry_counts", parents * 4, &s->levels[1].counts));
-    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "entry_begins", parents * 4, &s->levels[1].begins));
-    if (!build->commands.device->cpu_path) {
-        SVO_I_TRY(
-            svo_i_commands_alloc(&build->commands, "long_leaves", (most_long_leaves(build) + 1) * 4, &s->long_leaves));
-    }
-    for (unsigned odd = 0; odd < 2; ++odd) {
-        SVO_I_TRY(
-            svo_i_commands_alloc(&build->commands, "entries", build->fragment_count * 8, &s->levels[odd].entries));
-    }
-    return SVO_OK;
+    const svo_i_request requests[] = {
+        {"entry_counts", info->leaf_count * 4, &s->levels[0].counts},
+        {"entry_begins", grandparents * 4, &s->levels[0].begins},
+        {"entry_counts", parents * 4, &s->levels[1].counts},
+        {"entry_begins", parents * 4, &s->levels[1].begins},
+        {"entries", build->fragment_count * 8, &s->levels[0].entries},
+        {"entries", build->fragment_count * 8, &s->levels[1].entries},
+        {"long_leaves", (most_long_leaves(build) + 1) * 4, &s->long_leaves} /* on GPUs */
+    };
+    const size_t count = sizeof requests / sizeof requests[0] - (build->commands.device->cpu_path ? 1 : 0);
+    return svo_i_commands_alloc_all(&build->commands, requests, count);
 }
 
 static void release(sorter *s)

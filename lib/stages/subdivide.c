@@ -125,8 +125,9 @@ static svo_status alloc_blocks(subdivider *s)
     }
     s->params.rank_blocks = (cl_uint)ranked;
     s->params.dense_begin = s->block_begin[s->params.dense / 3];
-    SVO_I_TRY(svo_i_commands_alloc(commands, "blocks", total * BLOCK_BYTES, &s->blocks));
-    return svo_i_commands_alloc(commands, "block_ranks", ranked * RANK_BYTES, &s->ranks);
+    const svo_i_request requests[] = {{"blocks", total * BLOCK_BYTES, &s->blocks},
+                                      {"block_ranks", ranked * RANK_BYTES, &s->ranks}};
+    return svo_i_commands_alloc_all(commands, SVO_I_REQUESTS(requests));
 }
 
 /* Clears the blocks of the dense levels and initializes the state to a root without children. */
@@ -139,7 +140,6 @@ static svo_status begin(subdivider *s)
     }
     const uint64_t first_blocks = s->params.dense_begin + dense_blocks(s, s->params.dense);
     SVO_I_TRY(svo_i_build_put_state(build, root_alone));
-    SVO_I_TRY(svo_i_scan_alloc(build));
     return svo_i_commands_fill_zero(&build->commands, s->blocks, first_blocks * BLOCK_BYTES);
 }
 

@@ -115,8 +115,8 @@ static svo_status upload(run *r)
     const uint64_t counter_bytes = (r->chunking->chunk_count + UINT64_C(1)) * SVO_COUNTER_WORDS * sizeof(cl_uint);
     svo_i_stage_begin(r->commands);
     SVO_I_TRY(svo_i_build_mesh_get(r->commands, &r->mesh));
-    SVO_I_TRY(svo_i_commands_take(r->commands, "mesh_items", plan->items, plan->memory.items,
-                                  items * sizeof(svo_draw_item), &r->items));
+    SVO_I_TRY(svo_i_commands_borrow(r->commands, "mesh_items", plan->items, plan->memory.items,
+                                    items * sizeof(svo_draw_item), &r->items));
     SVO_I_TRY(svo_i_commands_alloc(r->commands, "counters", counter_bytes, &r->counters));
     SVO_I_TRY(svo_i_commands_fill_zero(r->commands, r->counters, counter_bytes));
     return svo_i_stage_end(r->commands, SVO_STAGE_TRANSFER);
