@@ -136,6 +136,8 @@ SVO_RECORD(svo_plan_params)
 #define SVO_PLAN_SUM_AREAS_HIGH 9
 #define SVO_PLAN_SUM_LARGE      10
 #define SVO_PLAN_SUMS           11
+/* Columns of svo_k_plan_records, at most those. */
+#define SVO_PLAN_FINDINGS 9
 
 /* Arguments of the reduction over the columns of all groups. 16 bytes. */
 SVO_RECORD(svo_plan_total_params)
@@ -143,7 +145,7 @@ SVO_RECORD(svo_plan_total_params)
     SVO_U32 groups; /* 0 */
     SVO_U32 columns; /* 4 */
     SVO_U32 largest; /* 8: not 0: the largest number of each column instead of the sum */
-    SVO_U32 reserved; /* 12 */
+    SVO_U32 first_total; /* 12: the first of the totals that are written */
 };
 
 /* An array in a caller's buffer. 64-bit numbers are two words, the low one first. 28 bytes. */

@@ -302,7 +302,7 @@ static svo_status count_moved(maker *m, cl_mem listed)
     for (uint32_t i = 0; m->news != NULL && i < m->news->moved_count; ++i) {
         const svo_plan *plan = m->moving->objects[m->news->moved[i]].plan;
         const svo_moving_params params = {.count = plan->triangle_count, .object = m->news->moved[i]};
-        const svo_i_argument arguments[] = {SVO_I_ARGUMENT(plan->update->sums), SVO_I_ARGUMENT(listed),
+        const svo_i_argument arguments[] = {SVO_I_ARGUMENT(plan->update->grid.sums), SVO_I_ARGUMENT(listed),
                                             SVO_I_ARGUMENT(params)};
         SVO_I_TRY(svo_i_commands_run(&m->build.commands, m->kept.program, "svo_k_moving_listed",
                                      SVO_I_ARGUMENTS(arguments), 1));
