@@ -349,11 +349,13 @@ SVO_API svo_status svo_plan_get_info(const svo_plan *plan, svo_plan_info *info);
 /** An OpenCL buffer that a build allocates, in order of allocation.
  *
  * Before a build the list is predicted, with the front end of OpenCL alone. After a build it is exact, attempts that
- * were too small included. svo_workspace_create makes it the list of a workspace and a tree. The rounded mesh is there
- * once: vertices and indices, or mesh_vertices and mesh_indices where the voxelizer alone reads them. With a front end
- * of OpenGL, mesh_vertices, mesh_indices, mesh_items, mesh_tiles and counters are missing, since they are in OpenGL's
- * memory, as is OpenGL's side of the list with share "copy". Small buffers that kernels are tried on when they are
- * compiled, before the build allocates, are not listed.
+ * were too small included. svo_workspace_create makes it the list of a workspace and a tree. The rounded mesh is
+ * there once: vertices and indices, or mesh_vertices and mesh_indices where the voxelizer alone reads them. Arrays
+ * that a plan with SVO_PLACE_DEVICE has already are read there, and are not listed unless the tree keeps them. With a
+ * front end of OpenGL, mesh_vertices, mesh_indices, mesh_items, mesh_tiles and counters are missing, since they are
+ * in OpenGL's memory, as is OpenGL's side of the list with share "copy". Small buffers that kernels are tried on when
+ * they are compiled, before the build allocates, are not listed. Buffers that are released together may be parts of
+ * one allocation, and have their bytes rounded up for that.
  *
  * \param plan not NULL
  * \param index below svo_plan_info.buffer_count

@@ -122,7 +122,8 @@ static svo_triangle_record svo_make_record(const svo_shape *s, uint material, bo
 
 /* textured: one byte per material, whether it has a texture. materials: receives 1 for those of kept triangles.
    Columns: the bits of the largest area; whether colors and normals vary; the largest of the triangles' own normals as
-   numbers, and of their complements: they tell whether all are equal. */
+   numbers, and of their complements: they tell whether all are equal; the color and the normal of the first triangle's
+   first corner, and that triangle's record. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_plan_records(__global const int *vertices, __global const uint *indices, __global const uint *triangle_ids,
                    __global const ushort *triangle_materials, __global const uint *colors,
@@ -134,7 +135,7 @@ svo_k_plan_records(__global const int *vertices, __global const uint *indices, _
     const svo_fine_mesh mesh = {vertices, remainders, SVO_SUB_LOG2 - (int)params.voxel_log2};
     const svo_attributes from = {colors, normals};
     const uint first = run.x < run.y ? indices[0] : 0u;
-    ulong columns[5] = {0, 0, 0, 0, 0};
+    ulong columns[SVO_PLAN_FINDINGS] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
     for (uint t = run.x; t < run.y; ++t) {
         const uint corners[3] = {indices[(size_t)t * 3], indices[(size_t)t * 3 + 1], indices[(size_t)t * 3 + 2]};
         const uint given = triangle_materials != 0 ? triangle_materials[triangle_ids[t]] : 0u;
@@ -155,6 +156,12 @@ svo_k_plan_records(__global const int *vertices, __global const uint *indices, _
         columns[2] |= vary >> 1;
         columns[3] = max(columns[3], own);
         columns[4] = max(columns[4], ~own);
+        if (t == 0u) {
+            columns[5] = colors != 0 ? colors[first] : 0u;
+            columns[6] = normals != 0 ? normals[first] : 0ul;
+            columns[7] = (ulong)record.normal_xy << 32 | record.material;
+            columns[8] = (ulong)record.stretch << 32 | record.normal_z_flags;
+        }
     }
-    svo_group_columns(columns, 5u, true, scratch, partials);
+    svo_group_columns(columns, SVO_PLAN_FINDINGS, true, scratch, partials);
 }

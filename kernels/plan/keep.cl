@@ -41,7 +41,7 @@ svo_k_plan_totals(__global ulong *partials, __global ulong *totals, svo_plan_tot
             before += x;
         }
         if (item == 0u) {
-            totals[column] = total;
+            totals[params.first_total + column] = total;
         }
         barrier(CLK_LOCAL_MEM_FENCE);
     }

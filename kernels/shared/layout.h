@@ -136,6 +136,8 @@ SVO_RECORD(svo_plan_params)
 #define SVO_PLAN_SUM_AREAS_HIGH 9
 #define SVO_PLAN_SUM_LARGE      10
 #define SVO_PLAN_SUMS           11
+/* Columns of svo_k_plan_records, at most those. */
+#define SVO_PLAN_FINDINGS 9
 
 /* Arguments of the reduction over the columns of all groups. 16 bytes. */
 SVO_RECORD(svo_plan_total_params)
@@ -143,7 +145,7 @@ SVO_RECORD(svo_plan_total_params)
     SVO_U32 groups; /* 0 */
     SVO_U32 columns; /* 4 */
     SVO_U32 largest; /* 8: not 0: the largest number of each column instead of the sum */
-    SVO_U32 reserved; /* 12 */
+    SVO_U32 first_total; /* 12: the first of the totals that are written */
 };
 
 /* An array in a caller's buffer. 64-bit numbers are two words, the low one first. 28 bytes. */
@@ -273,7 +275,7 @@ SVO_RECORD(svo_bottom_up_params)
     SVO_U32 reserved; /* 28 */
 };
 
-/* Arguments of the link, pack and filter kernels. 80 bytes. */
+/* Arguments of the link, pack and filter kernels. 72 bytes. */
 SVO_RECORD(svo_filter_params)
 {
     SVO_U32 depth; /* 0 */
@@ -291,11 +293,9 @@ SVO_RECORD(svo_filter_params)
     SVO_U32 fill_shift; /* 48: shift in bits from weights of the next level's nodes to fills; from 63 on fills are 0 */
     SVO_U32 payload_level; /* 52: the first level whose nodes have payload */
     SVO_U32 payload_begin; /* 56: its first node, whose payload is the first in the arrays */
-    SVO_U32 scan_groups; /* 60: groups of a scan of the leaf lists */
-    SVO_U32 first_index; /* 64: first of the launch's nodes or leaves, where a filter is launched in parts */
-    SVO_U32 both_sides; /* 68: not 0: triangles count for projected areas from both sides */
-    SVO_U32 grouped; /* 72: not 0: fragments are gathered in the order of their leaves */
-    SVO_U32 reserved; /* 76 */
+    SVO_U32 first_index; /* 60: first of the launch's nodes or leaves, where a filter is launched in parts */
+    SVO_U32 both_sides; /* 64: not 0: triangles count for projected areas from both sides */
+    SVO_U32 grouped; /* 68: not 0: fragments are gathered in the order of their leaves */
 };
 
 /* Arguments of the kernels that make compact trees and expand them. 32 bytes. */
@@ -411,7 +411,7 @@ SVO_ASSERT_BYTES(svo_blocks_params, 56);
 SVO_ASSERT_BYTES(svo_subdivide_params, 32);
 SVO_ASSERT_BYTES(svo_sort_params, 16);
 SVO_ASSERT_BYTES(svo_bottom_up_params, 32);
-SVO_ASSERT_BYTES(svo_filter_params, 80);
+SVO_ASSERT_BYTES(svo_filter_params, 72);
 SVO_ASSERT_BYTES(svo_compact_params, 32);
 SVO_ASSERT_BYTES(svo_minimize_params, 48);
 SVO_ASSERT_BYTES(svo_material_record, 32);

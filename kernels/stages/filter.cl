@@ -10,7 +10,7 @@
  *   pairs.cl            elsewhere, per fragment: the leaves' sums
  *   svo_k_filter        per node of a level, from the deepest level upwards: writes its children's payload and its own
  *                       sums
- *   svo_k_filter_top    elsewhere than on CPUs, the same for the few nodes of the top levels, by one group
+ *   svo_k_filter_top    the same for the few nodes of the top levels, by one group
  *   svo_k_round_areas   per leaf, after all chunks: writes the leaf's projected areas from their sums
  *
  * Invariant: sums are 64-bit and are passed up unrounded; each node rounds once, half up. So the result depends neither

@@ -9,7 +9,7 @@
  *                           four bits a pass. On GPUs (SVO_LONG_LEAVES)
  *   svo_k_material_merge    per node of a level: merges its children's entries, up to eight adjacent sorted runs, in
  *                           place of the first
- *   svo_k_material_top      elsewhere than on CPUs, the same for the few nodes of the top levels, by one group
+ *   svo_k_material_top      the same for the few nodes of the top levels, by one group
  *
  * An entry is a material and a sum of weights in one word, so that words sort by material:
  *

@@ -4,6 +4,8 @@
  * CPUs. A pair is a triangle and a voxel, so a fragment. However many triangles a leaf has, no work-item does more than
  * the others: the sums over a leaf are a segmented reduction (Blelloch, "Prefix Sums and Their Applications", 1990).
  *
+ *   svo_k_clear_shared  per two neighboring groups of the launch that follows: zeroes the sums of a leaf that has pairs
+ *                       in both. For fragments in the order of leaves
  *   svo_k_gather_pairs  per fragment of a chunk, in the order of leaves: what the pair contributes goes to local
  *                       memory; the first work-item of each run of one leaf adds up the run and adds it to the leaf
  *
@@ -11,9 +13,9 @@
  *
  * Launch: one work-item per fragment, rounded up to whole groups; a run is at most a group long. The fragments are in
  * the order of svo_k_scatter, in that of a sorted list, or in any order (params.grouped 0: lists of several chunks).
- * Buffers: sums of the leaves, which start at zero: weights (ulong), color (4 ulong a leaf), normal (3 long a leaf),
- * areas (6 ulong a leaf). Local memory: SVO_PAIR_WORDS * SVO_GROUP_ITEMS ulong and SVO_GROUP_ITEMS uint, arguments (see
- * group.clh).
+ * Buffers: sums of the leaves, which start at zero where runs are added: weights (ulong), color (4 ulong a leaf),
+ * normal (3 long a leaf), areas (6 ulong a leaf). Local memory: SVO_PAIR_WORDS * SVO_GROUP_ITEMS ulong and
+ * SVO_GROUP_ITEMS uint, arguments (see group.clh).
  * Atomics: a run that is all of its leaf is stored. Runs of a leaf that groups share are added by atomics
  * (shared_sum.clh).
  */
@@ -103,6 +105,36 @@ static void svo_add_run(svo_run run, uint word, uint words, uint leaf, __global 
 static uint svo_leaf_at(uint slot, __global const uint *order, __global const uint *cursors, svo_filter_params params)
 {
     return slot < params.fragment_count ? cursors[order != 0 ? order[slot] : slot] - params.leaf_begin : SVO_NO_LEAF;
+}
+
+static void svo_clear_sums(uint words, uint leaf, __global ulong *sums)
+{
+    for (uint k = 0; k < (sums != 0 ? words : 0u); ++k) {
+        sums[(size_t)leaf * words + k] = 0UL;
+    }
+}
+
+/* Of the neighbors that share a leaf, the first two clear it. */
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_clear_shared(__global const uint *cursors, __global const uint *order, __global ulong *weights,
+                   __global ulong *color_sums, __global ulong *normal_sums, __global ulong *area_sums,
+                   __global const svo_build_state *state, svo_filter_params params)
+{
+    svo_make_current(&params, state);
+    const uint slot = ((uint)get_global_id(0) + 1u) * SVO_GROUP_ITEMS; /* the first of a group */
+    if (slot >= params.fragment_count) {
+        return;
+    }
+    const uint leaf = svo_leaf_at(slot, order, cursors, params);
+    const bool is_shared = svo_leaf_at(slot - 1u, order, cursors, params) == leaf;
+    const bool was_shared =
+        slot > SVO_GROUP_ITEMS && svo_leaf_at(slot - SVO_GROUP_ITEMS - 1u, order, cursors, params) == leaf;
+    if (is_shared && !was_shared) {
+        svo_clear_sums(1u, leaf, weights);
+        svo_clear_sums(4u, leaf, color_sums);
+        svo_clear_sums(3u, leaf, normal_sums);
+        svo_clear_sums(6u, leaf, area_sums);
+    }
 }
 
 /* order: NULL: that of the list. */

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Exclusive prefix sums over millions of small numbers: reduce, scan, add (Blelloch, "Prefix Sums and Their
+ * Exclusive prefix sums over millions of small numbers: reduce, then add (Blelloch, "Prefix Sums and Their
  * Applications", 1990). There is no look-back and no spinning, since work-groups may run one after the other.
  *
- *   reduce    params.scan_groups groups; each sums a contiguous range of whole tiles into its partial
- *   partials  one group: exclusive sum of the partials, and what follows from the total
- *   add       the groups of reduce again: exclusive sums inside the range, on top of the group's partial
+ *   reduce  each group sums a contiguous range of whole tiles into its partial
+ *   add     the same groups: exclusive sums inside the range, on top of the partials of the groups before; the last
+ *           group writes the total. Groups are few, so each adds up those partials for itself
  *
  * A tile is SVO_GROUP_ITEMS work-items times 16 consecutive elements. The host launches as many groups as there may be
  * tiles, and no more than the device needs; the sums are the same for any number of groups. The elements are the
@@ -72,26 +72,16 @@ static void svo_store_prefixes(uint16 v, uint sum, __global uint *out, uint inde
     }
 }
 
-/* Exclusive sums of that many groups' partials on top of base, in place; returns the sum of all. One group. */
-static uint svo_scan_partials(__global uint *partials, uint groups, uint base, __local uint *scratch)
+/* The sum of the partials of the groups before this one. */
+static uint svo_sum_before(__global const uint *partials, __local uint *scratch)
 {
-    const uint count = (groups + SVO_GROUP_ITEMS - 1u) / SVO_GROUP_ITEMS;
-    const uint first = min((uint)get_local_id(0) * count, groups);
-    const uint end = min(first + count, groups);
+    const uint group = (uint)get_group_id(0);
     uint sum = 0;
-    for (uint k = first; k < end; ++k) {
+    for (uint k = (uint)get_local_id(0); k < group; k += SVO_GROUP_ITEMS) {
         sum += partials[k];
     }
     uint total;
-    uint before = base + svo_group_exclusive(sum, scratch, &total);
-    for (uint k = first; k < end; ++k) {
-        const uint partial = partials[k];
-        partials[k] = before;
-        before += partial;
-    }
-    /* Not needed for correctness: without it the compiler of rusticl 25.0 crashes on the store of the total that
-       follows. */
-    barrier(CLK_GLOBAL_MEM_FENCE);
+    (void)svo_group_exclusive(sum, scratch, &total);
     return total;
 }
 
@@ -124,21 +114,12 @@ svo_k_scan_lists_reduce(__global const uint *counts, __global uint *partials, __
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_scan_lists_partials(__global uint *partials, __global uint *list_begin, __global const svo_build_state *state,
-                          svo_filter_params params, __local uint *scratch)
-{
-    const uint total = svo_scan_partials(partials, params.scan_groups, 0u, scratch);
-    if (get_local_id(0) == 0u) {
-        list_begin[svo_count_numbers(params, state)] = total;
-    }
-}
-
-__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_scan_lists_add(__global const uint *counts, __global const uint *partials, __global uint *list_begin,
                      __global const svo_build_state *state, svo_filter_params params, __local uint *scratch)
 {
-    const uint2 range = svo_group_range(svo_count_numbers(params, state));
-    uint sum = partials[get_group_id(0)];
+    const uint count = svo_count_numbers(params, state);
+    const uint2 range = svo_group_range(count);
+    uint sum = svo_sum_before(partials, scratch);
     for (uint tile = range.x; tile < range.y; tile += SVO_TILE_ELEMENTS) {
         const uint i = tile + (uint)get_local_id(0) * SVO_ITEM_ELEMENTS;
         const uint16 lengths = svo_list_counts(counts, i, range.y);
@@ -146,6 +127,9 @@ svo_k_scan_lists_add(__global const uint *counts, __global const uint *partials,
         const uint before = svo_group_exclusive(svo_sum16(lengths), scratch, &total);
         svo_store_prefixes(lengths, sum + before, list_begin, i, range.y);
         sum += total;
+    }
+    if (get_local_id(0) == 0u && get_group_id(0) + 1u == get_num_groups(0)) {
+        list_begin[count] = sum;
     }
 }
 

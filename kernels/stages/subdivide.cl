@@ -19,16 +19,16 @@
  *
  *   svo_k_take_count    once, in enqueued builds: the number of fragments
  *   svo_k_mark          for level params.dense and each below: every fragment sets its bit in its block
- *   svo_k_mark_above    for each level above that: its blocks follow from those three levels down
- *   svo_k_count_blocks  per level of blocks: the nodes that each group's blocks stand for
+ *   svo_k_mark_above    for each level above that but the first: its blocks follow from those three levels down
+ *   svo_k_make_top      once: all that follows, for the few blocks of the levels above params.dense
+ *   svo_k_count_blocks  per other level of blocks: the nodes that each group's blocks stand for
  *   svo_k_scan_blocks   then: exclusive sums of that over the groups; where the next levels begin
- *   svo_k_make_nodes    then: masks, first_child and ranks
- *   svo_k_clear_blocks  then: empty blocks for the level of the nodes' great-grandchildren
+ *   svo_k_make_nodes    then: masks, first_child and ranks, and empty blocks for the level of their great-grandchildren
  *   svo_k_find_leaves   once, where something reads the cursors: every fragment's leaf
  *
  * Launch: one work-item per fragment of a chunk or per block, rounded up to whole groups. Groups of the scan own
- * contiguous ranges of blocks; svo_k_scan_blocks is one group. On CPUs (SVO_ONE_WORKER) the first work-item marks and
- * scans for its group.
+ * contiguous ranges of blocks; svo_k_make_top and svo_k_scan_blocks are one group. On CPUs (SVO_ONE_WORKER) the first
+ * work-item marks and scans for its group.
  * Reads the fragments; writes masks, first_child, cursors, blocks, ranks, and counts and overflow of the state.
  * Atomics: atomic_or sets bits. Bits are never cleared, so a bit that is read as set needs no atomic. A block is final
  * once the launch that marks its level has ended.
@@ -182,14 +182,15 @@ svo_k_mark(__global const uint *fragments, volatile __global uint *blocks, __glo
 #endif
 }
 
-/* params.level: of the blocks that are filled. Launch: a work-item per byte, that is per 8 blocks three levels down. */
-__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void svo_k_mark_above(__global uint *blocks,
-                                                                                            svo_blocks_params params)
+/* The bytes of a level's blocks that may have bits. Each stands for 8 blocks three levels down. */
+static uint svo_count_bytes(svo_blocks_params params)
 {
-    const uint item = (uint)get_global_id(0);
-    if (params.depth == 0u || item >= 1u << (3u * (params.level + 2u - params.pad))) {
-        return;
-    }
+    return params.depth == 0u ? 0u : 1u << (3u * (params.level + 2u - params.pad));
+}
+
+/* Fills a byte of the blocks of params.level from those three levels down. */
+static void svo_mark_byte(__global uint *blocks, uint item, svo_blocks_params params)
+{
     uint mask = 0;
     for (uint k = 0; k < 8u; ++k) {
         __global const uint *block = blocks + (size_t)(params.next_begin + item * 8u + k) * SVO_BLOCK_WORDS;
@@ -202,6 +203,16 @@ __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void svo_k
     __global uint *words = blocks + (size_t)params.block_begin * SVO_BLOCK_WORDS;
     if (mask != 0u) {
         atomic_or(words + item / 4u, mask << (8u * (item & 3u)));
+    }
+}
+
+/* params.level: of the blocks that are filled. Launch: a work-item per byte. */
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void svo_k_mark_above(__global uint *blocks,
+                                                                                            svo_blocks_params params)
+{
+    const uint item = (uint)get_global_id(0);
+    if (item < svo_count_bytes(params)) {
+        svo_mark_byte(blocks, item, params);
     }
 }
 
@@ -382,39 +393,111 @@ SVO_CALLED void svo_make_nodes(__global const uint *blocks, uint block, uint4 be
     }
 }
 
-__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_make_nodes(__global const uint *blocks, __global const uint4 *partials, __global uint *ranks,
-                 __global uchar *masks, __global uint *first_child, __global const svo_build_state *state,
-                 svo_blocks_params params, __local uint4 *scratch)
+/* What the nodes of a level are made of, and into. */
+typedef struct svo_level {
+    __global uint *blocks, *ranks;
+    __global uchar *masks;
+    __global uint *first_child;
+} svo_level;
+
+/* Adds up what the blocks of a range stand for, and makes their nodes unless the group only counts. before: what
+   precedes the range. Of the group's workers. */
+static uint4 svo_walk_blocks(svo_level level, uint2 range, uint4 before, bool makes,
+                             __global const svo_build_state *state, svo_blocks_params params, __local uint4 *scratch)
 {
-    if (!svo_is_worker()) {
-        return;
-    }
-    const uint2 range = svo_group_blocks(svo_count_blocks(params, state));
-    uint4 sum = partials[get_group_id(0)];
+    uint4 sum = before;
     for (uint tile = range.x; tile < range.y; tile += SVO_WORKERS) {
         const uint i = tile + (uint)get_local_id(0);
         const uint block = params.block_begin + i;
         uint4 total;
-        const uint4 before =
-            svo_group_exclusive4(i < range.y ? svo_count_nodes(blocks, block) : (uint4)(0u), scratch, &total);
-        if (i < range.y) {
-            svo_make_nodes(blocks, block, sum + before, ranks, masks, first_child, state, params);
+        const uint4 offset =
+            svo_group_exclusive4(i < range.y ? svo_count_nodes(level.blocks, block) : (uint4)(0u), scratch, &total);
+        if (makes && i < range.y) {
+            svo_make_nodes(level.blocks, block, sum + offset, level.ranks, level.masks, level.first_child, state,
+                           params);
         }
         sum += total;
     }
-    if (params.level == 0u && get_global_id(0) == 0 && state->level_begin[2] == 1u) {
-        svo_put_node(masks, first_child, state, 0u, 0u, 0u, 0u); /* a root without children */
+    return sum;
+}
+
+/* Empties the group's part of the blocks three levels down, where those are of nodes alone. */
+static void svo_clear_below(__global uint *blocks, __global const svo_build_state *state, svo_blocks_params params)
+{
+    const bool is_last = params.level + 3u == params.depth + params.pad;
+    svo_blocks_params below = params;
+    below.level += 3u;
+    if (is_last || params.level < params.dense) {
+        return;
+    }
+    const uint2 range = svo_group_blocks(svo_count_blocks(below, state));
+    __global uint16 *cleared = (__global uint16 *)blocks + params.next_begin;
+    for (uint i = range.x + (uint)get_local_id(0); i < range.y; i += SVO_WORKERS) {
+        cleared[i] = (uint16)(0u);
     }
 }
 
-/* Launch: any number of groups. params.level: of the blocks that are cleared. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
-svo_k_clear_blocks(__global uint16 *blocks, __global const svo_build_state *state, svo_blocks_params params)
+svo_k_make_nodes(__global uint *blocks, __global const uint4 *partials, __global uint *ranks, __global uchar *masks,
+                 __global uint *first_child, __global const svo_build_state *state, svo_blocks_params params,
+                 __local uint4 *scratch)
 {
-    const uint count = svo_count_blocks(params, state);
-    for (uint i = (uint)get_global_id(0); i < count; i += (uint)get_global_size(0)) {
-        blocks[(size_t)params.block_begin + i] = (uint16)(0u);
+    if (!svo_is_worker()) {
+        return;
+    }
+    const svo_level level = {blocks, ranks, masks, first_child};
+    const uint2 range = svo_group_blocks(svo_count_blocks(params, state));
+    (void)svo_walk_blocks(level, range, partials[get_group_id(0)], true, state, params, scratch);
+    svo_clear_below(blocks, state, params);
+}
+
+/* What one work-item of the group has written is seen by all. */
+static void svo_wait_for_workers(void)
+{
+#ifndef SVO_ONE_WORKER
+    barrier(CLK_GLOBAL_MEM_FENCE);
+#endif
+}
+
+/* The nodes of a level, by one group. */
+static void svo_make_small_level(svo_level level, __global svo_build_state *state, svo_blocks_params params,
+                                 __local uint4 *scratch)
+{
+    const uint2 range = (uint2)(0u, svo_count_blocks(params, state));
+    const uint4 nodes = svo_walk_blocks(level, range, (uint4)(0u), false, state, params, scratch);
+    svo_wait_for_workers(); /* all have read the state */
+    if (get_local_id(0) == 0 && state->overflow == 0u) {
+        svo_begin_levels(nodes, state, params);
+    }
+    svo_wait_for_workers();
+    if (state->overflow == 0u) {
+        (void)svo_walk_blocks(level, range, (uint4)(0u), true, state, params, scratch);
+        svo_clear_below(level.blocks, state, params);
+    }
+}
+
+/* params: of level 0. second: of level 3, if that is above params.dense too; else of level 0. Launch: one group. */
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_make_top(__global uint *blocks, __global uint *ranks, __global uchar *masks, __global uint *first_child,
+               __global svo_build_state *state, svo_blocks_params params, svo_blocks_params second,
+               __local uint4 *scratch)
+{
+    if (!svo_is_worker()) {
+        return;
+    }
+    const svo_level level = {blocks, ranks, masks, first_child};
+    const uint bytes = params.dense > 0u ? svo_count_bytes(params) : 0u;
+    for (uint item = (uint)get_local_id(0); item < bytes; item += SVO_WORKERS) {
+        svo_mark_byte(blocks, item, params);
+    }
+    svo_wait_for_workers();
+    svo_make_small_level(level, state, params, scratch);
+    if (second.level > 0u) {
+        svo_wait_for_workers();
+        svo_make_small_level(level, state, second, scratch);
+    }
+    if (get_local_id(0) == 0 && state->level_begin[2] == 1u) {
+        svo_put_node(masks, first_child, state, 0u, 0u, 0u, 0u); /* a root without children */
     }
 }
 

@@ -158,6 +158,12 @@ static bool is_lent(const svo_i_commands *commands)
     return commands->mode == SVO_I_MODE_ENQUEUE && commands->allocations != NULL;
 }
 
+/* Waits for released memory that may still be in use, if it is much. */
+static svo_status make_room(svo_i_commands *commands)
+{
+    return commands->released_bytes > SVO_I_RELEASED_BYTES_MAX ? svo_i_commands_wait(commands) : SVO_OK;
+}
+
 svo_status svo_i_commands_alloc(svo_i_commands *commands, const char *name, uint64_t bytes, cl_mem *out)
 {
     if (is_lent(commands)) {
@@ -166,10 +172,25 @@ svo_status svo_i_commands_alloc(svo_i_commands *commands, const char *name, uint
     if (commands->mode == SVO_I_MODE_MEASURE) {
         SVO_I_TRY(measure(commands, name, bytes, out));
     } else {
-        SVO_I_TRY(commands->released_bytes > SVO_I_RELEASED_BYTES_MAX ? svo_i_commands_wait(commands) : SVO_OK);
+        SVO_I_TRY(make_room(commands));
         SVO_I_TRY(svo_i_device_buffer(commands->device, SVO_I_BUILD, name, CL_MEM_READ_WRITE, (size_t)bytes, out));
     }
     return svo_i_plan_buffer_add(commands->plan, name, bytes > 0 ? bytes : 1);
+}
+
+svo_status svo_i_commands_alloc_all(svo_i_commands *commands, const svo_i_request *requests, size_t count)
+{
+    const bool makes = commands->mode != SVO_I_MODE_MEASURE && !is_lent(commands);
+    if (makes) {
+        SVO_I_TRY(make_room(commands));
+        SVO_I_TRY(svo_i_device_buffers(commands->device, SVO_I_BUILD, requests, count));
+    }
+    for (size_t i = 0; i < count; ++i) {
+        const uint64_t bytes = svo_i_device_slots(commands->device, requests[i].bytes);
+        SVO_I_TRY(makes ? svo_i_plan_buffer_add(commands->plan, requests[i].name, bytes)
+                        : svo_i_commands_alloc(commands, requests[i].name, bytes, requests[i].out));
+    }
+    return SVO_OK;
 }
 
 /* Makes event the newest command, or converts the error of its call into a status. */
@@ -206,6 +227,16 @@ svo_status svo_i_commands_upload(svo_i_commands *commands, const char *name, con
     return svo_i_commands_write(commands, *out, data, bytes);
 }
 
+svo_status svo_i_commands_borrow(svo_i_commands *commands, const char *name, const void *host, cl_mem memory,
+                                 uint64_t bytes, cl_mem *out)
+{
+    if (memory == NULL) {
+        return svo_i_commands_upload(commands, name, host, bytes, out);
+    }
+    *out = memory;
+    return SVO_OK;
+}
+
 svo_status svo_i_commands_take(svo_i_commands *commands, const char *name, const void *host, cl_mem memory,
                                uint64_t bytes, cl_mem *out)
 {
@@ -236,7 +267,7 @@ svo_status svo_i_commands_write(svo_i_commands *commands, cl_mem buffer, const v
 
 void svo_i_commands_free(svo_i_commands *commands, cl_mem *buffer)
 {
-    if (*buffer == NULL || is_lent(commands)) {
+    if (*buffer == NULL || is_lent(commands) || svo_i_plan_owns(commands->plan, *buffer)) {
         *buffer = NULL;
         return;
     }

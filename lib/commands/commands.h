@@ -104,18 +104,23 @@ SVO_I_SHARED_BEGIN
 
 /* Allocates a buffer and adds it to the plan's list. name: a static string that the table of stages lists. */
 svo_status svo_i_commands_alloc(svo_i_commands *commands, const char *name, uint64_t bytes, cl_mem *out);
+/* The same for several scratch buffers that are released together: few allocations of OpenCL. */
+svo_status svo_i_commands_alloc_all(svo_i_commands *commands, const svo_i_request *requests, size_t count);
 /* Allocates a buffer and fills it from the host. The data must stay until the next wait. */
 svo_status svo_i_commands_upload(svo_i_commands *commands, const char *name, const void *data, uint64_t bytes,
                                  cl_mem *out);
 
-/* Allocates a buffer and fills it from an array of the plan: from memory on the device, or where that is NULL from the
-   host. */
+/* An array of the plan, for commands that only read it: its memory on the device, or where that is NULL a buffer that
+   is filled from the host. */
+svo_status svo_i_commands_borrow(svo_i_commands *commands, const char *name, const void *host, cl_mem memory,
+                                 uint64_t bytes, cl_mem *out);
+/* The same in a buffer that outlives the plan. */
 svo_status svo_i_commands_take(svo_i_commands *commands, const char *name, const void *host, cl_mem memory,
                                uint64_t bytes, cl_mem *out);
 
 SVO_I_SHARED_END
 
-/* Releases a buffer, NULL allowed, and sets it to NULL. */
+/* Releases a buffer, unless it is the plan's, and sets it to NULL; NULL allowed. */
 void svo_i_commands_free(svo_i_commands *commands, cl_mem *buffer);
 
 /* Writes bytes to the start of a buffer. The data must stay until the next wait. */

@@ -173,6 +173,62 @@ svo_status svo_i_device_buffer(svo_device *device, const char *function, const c
     return make_buffer(device, function, name, flags, NULL, bytes, out);
 }
 
+uint64_t svo_i_device_slots(const svo_device *device, uint64_t bytes)
+{
+    const uint64_t slots = bytes / device->slot_bytes + (bytes % device->slot_bytes != 0 || bytes == 0 ? 1 : 0);
+    return slots * device->slot_bytes;
+}
+
+static svo_status make_separately(svo_device *device, const char *function, const svo_i_request *requests, size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        SVO_I_TRY(make_buffer(device, function, requests[i].name, CL_MEM_READ_WRITE, NULL,
+                              (size_t)svo_i_device_slots(device, requests[i].bytes), requests[i].out));
+    }
+    return SVO_OK;
+}
+
+/* Cuts a buffer, in the order of the requests. */
+static svo_status cut_buffer(svo_device *device, const char *function, cl_mem whole, const svo_i_request *requests,
+                             size_t count)
+{
+    cl_buffer_region region = {0, 0};
+    for (size_t i = 0; i < count; ++i) {
+        cl_int error = CL_SUCCESS;
+        region.size = (size_t)svo_i_device_slots(device, requests[i].bytes);
+        *requests[i].out = clCreateSubBuffer(whole, 0, CL_BUFFER_CREATE_TYPE_REGION, &region, &error);
+        if (error != CL_SUCCESS) {
+            *requests[i].out = NULL;
+            return svo_i_device_fail_cl(device, function, "clCreateSubBuffer", error);
+        }
+        region.origin += region.size;
+    }
+    return SVO_OK;
+}
+
+svo_status svo_i_device_buffers(svo_device *device, const char *function, const svo_i_request *requests, size_t count)
+{
+    cl_mem whole = NULL;
+    uint64_t bytes = 0;
+    svo_status status = SVO_OK;
+    for (size_t i = 0; i < count; ++i) {
+        *requests[i].out = NULL;
+        bytes += svo_i_device_slots(device, requests[i].bytes);
+    }
+    if (count < 2 || bytes > device->max_allocation_bytes) {
+        SVO_I_TRY_CLEANUP(make_separately(device, function, requests, count));
+        return SVO_OK;
+    }
+    SVO_I_TRY_CLEANUP(make_buffer(device, function, requests[0].name, CL_MEM_READ_WRITE, NULL, (size_t)bytes, &whole));
+    SVO_I_TRY_CLEANUP(cut_buffer(device, function, whole, requests, count));
+cleanup:
+    svo_i_buffer_release(&whole);
+    for (size_t i = 0; i < (status == SVO_OK ? 0 : count); ++i) {
+        svo_i_buffer_release(requests[i].out);
+    }
+    return status;
+}
+
 svo_status svo_i_device_constants(svo_device *device, const char *function, const char *name, const void *content,
                                   size_t bytes, cl_mem *out)
 {
@@ -413,11 +469,15 @@ static svo_status choose_widths(svo_device *handle, cl_device_id device, svo_mes
 static svo_status query_properties(svo_device *handle, cl_device_id device, svo_message *message)
 {
     cl_device_type type = 0;
+    cl_uint alignment_bits = 0;
     SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_TYPE, sizeof type, &type, CREATE, message));
     SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof(cl_ulong),
                                     &handle->max_allocation_bytes, CREATE, message));
     SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof(cl_ulong), &handle->global_bytes, CREATE,
                                     message));
+    SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_MEM_BASE_ADDR_ALIGN, sizeof alignment_bits, &alignment_bits,
+                                    CREATE, message));
+    handle->slot_bytes = alignment_bits >= 1024 ? alignment_bits / 8 : 128;
     handle->is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
     return find_extension(handle, device, "cl_khr_fp64", &handle->has_fp64, message);
 }

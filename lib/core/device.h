@@ -52,6 +52,7 @@ struct svo_device {
     svo_i_memory memory; /* of the handle and of what is made from it */
     char *name;
     cl_ulong max_allocation_bytes;
+    size_t slot_bytes; /* where sub-buffers begin: multiples of it */
     cl_ulong global_bytes;
     bool is_cpu; /* by its type: its memory is the host's */
     bool cpu_path; /* kernels and shapes of launches are those for CPUs, see svo_path */
@@ -79,6 +80,21 @@ svo_status svo_i_device_buffer(svo_device *device, const char *function, const c
                                size_t bytes, cl_mem *out);
 /* Releases a buffer, which becomes NULL; NULL allowed. */
 void svo_i_buffer_release(cl_mem *buffer);
+
+/* One of several buffers that are made together. */
+typedef struct svo_i_request {
+    const char *name;
+    uint64_t bytes;
+    cl_mem *out;
+} svo_i_request;
+
+#define SVO_I_REQUESTS(array) (array), sizeof(array) / sizeof((array)[0])
+
+/* Bytes of such a buffer: whole slots. */
+uint64_t svo_i_device_slots(const svo_device *device, uint64_t bytes);
+/* Makes buffers that are released together, each of whole slots: as parts of one allocation, which the driver keeps
+   until all are released, or, where it would be larger than the device allows, one by one. */
+svo_status svo_i_device_buffers(svo_device *device, const char *function, const svo_i_request *requests, size_t count);
 
 /* The device's message; NULL without a device (a tree from a file has none). */
 svo_message *svo_i_device_message(svo_device *device);

@@ -160,12 +160,15 @@ static size_t find_slot(const svo_i_device_work *work)
     return slot;
 }
 
+static svo_status fail_slots(const svo_i_device_work *work)
+{
+    return svo_i_device_fail(work->device, SVO_INTERNAL, "%s: more than %d scratch buffers", work->function,
+                             SVO_I_WORK_BUFFERS_MAX);
+}
+
 static svo_status check_slot(const svo_i_device_work *work)
 {
-    return find_slot(work) < SVO_I_WORK_BUFFERS_MAX
-               ? SVO_OK
-               : svo_i_device_fail(work->device, SVO_INTERNAL, "%s: more than %d scratch buffers", work->function,
-                                   SVO_I_WORK_BUFFERS_MAX);
+    return find_slot(work) < SVO_I_WORK_BUFFERS_MAX ? SVO_OK : fail_slots(work);
 }
 
 /* Takes a new scratch buffer into the work. */
@@ -184,6 +187,22 @@ svo_status svo_i_work_alloc(svo_i_device_work *work, const char *name, uint64_t 
     SVO_I_TRY(check_slot(work));
     SVO_I_TRY(svo_i_work_result(work, name, bytes, out));
     own(work, *out, bytes);
+    return SVO_OK;
+}
+
+svo_status svo_i_work_alloc_all(svo_i_device_work *work, const svo_i_request *requests, size_t count)
+{
+    size_t held = 0;
+    for (size_t i = 0; i < work->buffer_count; ++i) {
+        held += work->buffers[i] != NULL ? 1 : 0;
+    }
+    if (held + count > SVO_I_WORK_BUFFERS_MAX) {
+        return fail_slots(work);
+    }
+    SVO_I_TRY(svo_i_device_buffers(work->device, work->function, requests, count));
+    for (size_t i = 0; i < count; ++i) {
+        own(work, *requests[i].out, svo_i_device_slots(work->device, requests[i].bytes));
+    }
     return SVO_OK;
 }
 
@@ -313,15 +332,25 @@ svo_status svo_i_work_copy(svo_i_device_work *work, cl_mem from, uint64_t from_o
     return follow(work, "clEnqueueCopyBuffer", error, event);
 }
 
-svo_status svo_i_work_read(svo_i_device_work *work, cl_mem buffer, uint64_t offset, void *to, size_t bytes)
+static svo_status read(svo_i_device_work *work, cl_mem buffer, uint64_t offset, void *to, size_t bytes, cl_bool waits)
 {
     cl_event event = NULL;
     if (bytes == 0) {
         return SVO_OK;
     }
-    const cl_int error = clEnqueueReadBuffer(work->queue, buffer, CL_TRUE, (size_t)offset, bytes, to, wait_count(work),
+    const cl_int error = clEnqueueReadBuffer(work->queue, buffer, waits, (size_t)offset, bytes, to, wait_count(work),
                                              wait_list(work), &event);
     return follow(work, "clEnqueueReadBuffer", error, event);
+}
+
+svo_status svo_i_work_read_later(svo_i_device_work *work, cl_mem buffer, void *to, size_t bytes)
+{
+    return read(work, buffer, 0, to, bytes, CL_FALSE);
+}
+
+svo_status svo_i_work_read(svo_i_device_work *work, cl_mem buffer, uint64_t offset, void *to, size_t bytes)
+{
+    return read(work, buffer, offset, to, bytes, CL_TRUE);
 }
 
 svo_status svo_i_work_launch_groups(svo_i_device_work *work, const char *name, const svo_i_argument *arguments,
@@ -362,9 +391,8 @@ uint32_t svo_i_scan_groups(const svo_device *device, uint64_t numbers)
 
 svo_status svo_i_work_scan(svo_i_device_work *work, cl_mem numbers, cl_mem sums, uint64_t count)
 {
-    const svo_filter_params params = {.leaf_count = (cl_uint)count,
-                                      .scan_groups = svo_i_scan_groups(work->device, count)};
-    const uint64_t items = (uint64_t)params.scan_groups * SVO_GROUP_ITEMS;
+    const svo_filter_params params = {.leaf_count = (cl_uint)count};
+    const uint64_t items = (uint64_t)svo_i_scan_groups(work->device, count) * SVO_GROUP_ITEMS;
     const cl_mem state = NULL; /* of a build; the kernels of this program do not read it */
     const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
     if (work->partials == NULL) {
@@ -372,11 +400,8 @@ svo_status svo_i_work_scan(svo_i_device_work *work, cl_mem numbers, cl_mem sums,
     }
     const svo_i_argument reduce[] = {SVO_I_ARGUMENT(numbers), SVO_I_ARGUMENT(work->partials), SVO_I_ARGUMENT(state),
                                      SVO_I_ARGUMENT(params), scratch};
-    const svo_i_argument partials[] = {SVO_I_ARGUMENT(work->partials), SVO_I_ARGUMENT(sums), SVO_I_ARGUMENT(state),
-                                       SVO_I_ARGUMENT(params), scratch};
     const svo_i_argument add[] = {SVO_I_ARGUMENT(numbers), SVO_I_ARGUMENT(work->partials), SVO_I_ARGUMENT(sums),
                                   SVO_I_ARGUMENT(state),   SVO_I_ARGUMENT(params),         scratch};
     SVO_I_TRY(svo_i_work_launch(work, "svo_k_scan_lists_reduce", SVO_I_ARGUMENTS(reduce), items));
-    SVO_I_TRY(svo_i_work_launch(work, "svo_k_scan_lists_partials", SVO_I_ARGUMENTS(partials), SVO_GROUP_ITEMS));
     return svo_i_work_launch(work, "svo_k_scan_lists_add", SVO_I_ARGUMENTS(add), items);
 }

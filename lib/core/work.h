@@ -79,6 +79,8 @@ svo_status svo_i_work_constants(svo_i_device_work *work, const char *name, const
                                 cl_mem *out);
 /* Releases a scratch buffer early. */
 void svo_i_work_free(svo_i_device_work *work, cl_mem *buffer);
+/* Several of them, of one allocation where the device allows it. */
+svo_status svo_i_work_alloc_all(svo_i_device_work *work, const svo_i_request *requests, size_t count);
 /* A buffer that the caller owns. */
 svo_status svo_i_work_result(svo_i_device_work *work, const char *name, uint64_t bytes, cl_mem *out);
 /* The same, with bytes from the host, for kernels to read. A CPU uses the host's memory, which has to outlive
@@ -96,6 +98,8 @@ svo_status svo_i_work_fill_pattern(svo_i_device_work *work, cl_mem buffer, const
                                    uint64_t bytes);
 svo_status svo_i_work_copy(svo_i_device_work *work, cl_mem from, uint64_t from_offset, cl_mem to, uint64_t to_offset,
                            uint64_t bytes);
+/* Does not wait: to must stay until a later command has ended. */
+svo_status svo_i_work_read_later(svo_i_device_work *work, cl_mem buffer, void *to, size_t bytes);
 /* Reads bytes from an offset of a buffer and waits. */
 svo_status svo_i_work_read(svo_i_device_work *work, cl_mem buffer, uint64_t offset, void *to, size_t bytes);
 

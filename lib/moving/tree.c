@@ -34,8 +34,9 @@ static svo_status count_begins(node_maker *m)
 {
     svo_i_commands *commands = &m->build->commands;
     const uint64_t cells = (uint64_t)(m->params.depth + 1) * m->params.strips;
-    SVO_I_TRY(svo_i_commands_alloc(commands, "level_counts", cells * 4, &m->counts));
-    SVO_I_TRY(svo_i_commands_alloc(commands, "level_counts", (cells + 1) * 4, &m->before));
+    const svo_i_request requests[] = {{"level_counts", cells * 4, &m->counts},
+                                      {"level_counts", (cells + 1) * 4, &m->before}};
+    SVO_I_TRY(svo_i_commands_alloc_all(commands, SVO_I_REQUESTS(requests)));
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(m->build->list.chunks[0].buffer), SVO_I_ARGUMENT(m->counted),
                                         SVO_I_ARGUMENT(m->counts), SVO_I_ARGUMENT(m->params)};
     SVO_I_TRY(
@@ -48,7 +49,6 @@ static svo_status count_begins(node_maker *m)
 static svo_status make_state(node_maker *m)
 {
     svo_i_build *build = m->build;
-    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "state", sizeof build->host_state, &build->state));
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(m->before), SVO_I_ARGUMENT(m->counted),
                                         SVO_I_ARGUMENT(build->state), SVO_I_ARGUMENT(m->params)};
     return svo_i_commands_run(&build->commands, m->program, "svo_k_moving_levels", SVO_I_ARGUMENTS(arguments),
@@ -90,7 +90,7 @@ static svo_status make_nodes(node_maker *m)
 {
     svo_i_build *build = m->build;
     svo_build_state *state = &build->host_state;
-    SVO_I_TRY(svo_i_scan_alloc(build));
+    SVO_I_TRY(svo_i_build_alloc_state(build));
     SVO_I_TRY(count_begins(m));
     SVO_I_TRY(make_state(m));
     if (build->commands.mode == SVO_I_MODE_RUN) {
@@ -302,7 +302,7 @@ static svo_status count_moved(maker *m, cl_mem listed)
     for (uint32_t i = 0; m->news != NULL && i < m->news->moved_count; ++i) {
         const svo_plan *plan = m->moving->objects[m->news->moved[i]].plan;
         const svo_moving_params params = {.count = plan->triangle_count, .object = m->news->moved[i]};
-        const svo_i_argument arguments[] = {SVO_I_ARGUMENT(plan->update->sums), SVO_I_ARGUMENT(listed),
+        const svo_i_argument arguments[] = {SVO_I_ARGUMENT(plan->update->grid.sums), SVO_I_ARGUMENT(listed),
                                             SVO_I_ARGUMENT(params)};
         SVO_I_TRY(svo_i_commands_run(&m->build.commands, m->kept.program, "svo_k_moving_listed",
                                      SVO_I_ARGUMENTS(arguments), 1));

@@ -346,7 +346,7 @@ static svo_status move_object(svo_i_flight *flight, uint32_t index, news_of_obje
     svo_i_commands commands = svo_i_chain_begin_commands(chain, object->plan, &discarded);
     const svo_i_update *of_plan = object->plan->update;
     svo_i_mesh_totals *totals = &news->totals;
-    svo_status status = svo_i_commands_read(&commands, of_plan->sums, totals->sums, sizeof totals->sums);
+    svo_status status = svo_i_commands_read(&commands, of_plan->grid.sums, totals->sums, sizeof totals->sums);
     if (status == SVO_OK && of_plan->sums_edges) {
         status = svo_i_commands_read(&commands, of_plan->edges, &totals->edges, sizeof totals->edges);
     }

@@ -108,7 +108,7 @@ static svo_status publish_counts(svo_i_pending *pending)
     const svo_i_update *update = build->commands.plan->update;
     svo_i_mesh_totals *totals = &pending->totals;
     if (update != NULL) {
-        SVO_I_TRY(svo_i_commands_read(&build->commands, update->sums, totals->sums, sizeof totals->sums));
+        SVO_I_TRY(svo_i_commands_read(&build->commands, update->grid.sums, totals->sums, sizeof totals->sums));
     }
     SVO_I_TRY(svo_i_commands_copy(&build->commands, build->state, build->tree->build_state, 0, sizeof pending->state));
     return svo_i_commands_read(&build->commands, build->state, &pending->state, sizeof pending->state);

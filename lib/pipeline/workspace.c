@@ -145,19 +145,6 @@ static svo_status cut_list(svo_workspace *workspace)
     return SVO_OK;
 }
 
-/* The alignment that sub-buffers need; in bits the device's property. */
-static svo_status find_alignment(svo_workspace *workspace)
-{
-    cl_uint bits = 0;
-    const cl_int error =
-        clGetDeviceInfo(workspace->device->device, CL_DEVICE_MEM_BASE_ADDR_ALIGN, sizeof bits, &bits, NULL);
-    if (error != CL_SUCCESS) {
-        return svo_i_device_fail_cl(workspace->device, SVO_I_WORKSPACE, "clGetDeviceInfo", error);
-    }
-    workspace->info.scratch_alignment = bits >= 1024 ? bits / 8 : 128;
-    return SVO_OK;
-}
-
 /* Records the allocations of a build and places its scratch. The plan's list of buffers becomes that of the build. */
 static svo_status measure(svo_workspace *workspace)
 {
@@ -166,7 +153,7 @@ static svo_status measure(svo_workspace *workspace)
     SVO_I_TRY(cut_list(workspace));
     workspace->plan->built = true; /* sizes are exact: capacities are what is allocated */
     SVO_I_TRY(svo_i_measure(workspace->plan, workspace->frontend, &workspace->chunking, list));
-    SVO_I_TRY(find_alignment(workspace));
+    workspace->info.scratch_alignment = workspace->device->slot_bytes;
     svo_i_allocations_place(list, workspace->info.scratch_alignment);
     workspace->info.scratch_bytes = list->scratch_bytes;
     for (size_t i = 0; i < list->count; ++i) {

@@ -164,13 +164,28 @@ static const struct {
 };
 #define ARRAY_COUNT (sizeof arrays / sizeof arrays[0])
 
+static cl_mem memory_at(const svo_i_plan_memory *memory, size_t index)
+{
+    cl_mem buffer = NULL;
+    memcpy(&buffer, (const char *)memory + arrays[index].memory_offset, sizeof buffer);
+    return buffer;
+}
+
+bool svo_i_plan_owns(const svo_plan *plan, cl_mem buffer)
+{
+    size_t i = 0;
+    while (i < ARRAY_COUNT && memory_at(&plan->memory, i) != buffer) {
+        ++i;
+    }
+    return buffer != NULL && i < ARRAY_COUNT;
+}
+
 svo_status svo_i_plan_copy_to_host(svo_plan *plan)
 {
     for (size_t i = 0; i < ARRAY_COUNT; ++i) {
         char *at = (char *)plan + arrays[i].host_offset;
-        cl_mem memory = NULL;
+        cl_mem memory = memory_at(&plan->memory, i);
         void *host = NULL;
-        memcpy(&memory, (const char *)&plan->memory + arrays[i].memory_offset, sizeof memory);
         memcpy(&host, at, sizeof host);
         if (host == NULL && memory != NULL) {
             const uint64_t bytes =
@@ -185,8 +200,7 @@ svo_status svo_i_plan_copy_to_host(svo_plan *plan)
 void svo_i_plan_memory_free(svo_i_plan_memory *memory)
 {
     for (size_t i = 0; i < ARRAY_COUNT; ++i) {
-        cl_mem buffer = NULL;
-        memcpy(&buffer, (const char *)memory + arrays[i].memory_offset, sizeof buffer);
+        cl_mem buffer = memory_at(memory, i);
         svo_i_buffer_release(&buffer);
     }
     *memory = (svo_i_plan_memory){0};

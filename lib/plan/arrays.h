@@ -43,6 +43,8 @@ void svo_i_device_mesh_free(svo_i_device_mesh *mesh);
 bool svo_i_plan_has(const void *host, cl_mem memory);
 /* Reads an array of the plan's memory; the caller frees *out. */
 svo_status svo_i_plan_read(const svo_plan *plan, cl_mem memory, uint64_t bytes, void **out);
+/* Whether a buffer is one of the plan's arrays. */
+bool svo_i_plan_owns(const svo_plan *plan, cl_mem buffer);
 void svo_i_plan_memory_free(svo_i_plan_memory *memory);
 
 SVO_I_SHARED_BEGIN

@@ -18,6 +18,10 @@
 
 #define RUN (SVO_SCAN_TILE / SVO_GROUP_ITEMS)
 
+/* Sums of the edges' hashes, and of all. */
+#define EDGE_SUMS (sizeof(svo_i_edge_sums) / sizeof(uint64_t))
+#define TOTALS    (SVO_PLAN_SUMS + EDGE_SUMS)
+
 /* Local memory of a work-group: one number of 64 bits per work-item. */
 #define SCRATCH_BYTES (sizeof(cl_ulong) * SVO_GROUP_ITEMS)
 
@@ -33,32 +37,14 @@ static uint64_t run_items(uint64_t elements)
     return (elements + RUN - 1) / RUN;
 }
 
-/* Reduces the columns that a launch over elements has left in its groups' partials, to totals. */
+/* Reduces the columns that a launch over elements has left in its groups' partials, to totals from the first on. */
 static svo_status run_reduce(svo_i_device_work *work, cl_mem partials, uint64_t elements, uint32_t columns,
-                             bool largest, cl_mem totals)
+                             bool largest, cl_mem totals, uint32_t first)
 {
-    const svo_plan_total_params params = {run_groups(elements), columns, largest ? 1u : 0u, 0};
+    const svo_plan_total_params params = {run_groups(elements), columns, largest ? 1u : 0u, first};
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(partials), SVO_I_ARGUMENT(totals), SVO_I_ARGUMENT(params),
                                         SVO_I_LOCAL(SCRATCH_BYTES)};
     return svo_i_work_launch(work, "svo_k_plan_totals", SVO_I_ARGUMENTS(arguments), SVO_GROUP_ITEMS);
-}
-
-/* The same, and reads them. */
-static svo_status run_totals(svo_i_device_work *work, cl_mem partials, uint64_t elements, uint32_t columns,
-                             bool largest, uint64_t *out)
-{
-    cl_mem totals = NULL;
-    memset(out, 0, columns * sizeof *out);
-    if (elements == 0) {
-        return SVO_OK;
-    }
-    SVO_I_TRY(svo_i_work_result(work, "totals", columns * sizeof(cl_ulong), &totals));
-    svo_status status = run_reduce(work, partials, elements, columns, largest, totals);
-    if (status == SVO_OK) {
-        status = svo_i_work_read(work, totals, 0, out, columns * sizeof *out);
-    }
-    svo_i_buffer_release(&totals);
-    return status;
 }
 
 static void put_double(double x, cl_uint words[2])
@@ -88,19 +74,31 @@ svo_status svo_i_grid_alloc(svo_i_grid_run *r)
     const uint64_t vertices = r->params.vertex_count;
     const uint64_t triangles = r->params.triangle_count;
     const uint32_t groups = run_groups(vertices > triangles ? vertices : triangles);
-    SVO_I_TRY(svo_i_work_result(r->work, "plan_used", vertices, &r->used));
-    SVO_I_TRY(svo_i_work_result(r->work, "plan_fates", triangles * sizeof(cl_ushort), &r->fates));
-    SVO_I_TRY(svo_i_work_result(r->work, "plan_fragments", triangles * 4, &r->fragments));
-    SVO_I_TRY(
-        svo_i_work_result(r->work, "plan_partials", (uint64_t)groups * SVO_PLAN_SUMS * sizeof(cl_ulong), &r->partials));
-    SVO_I_TRY(svo_i_work_result(r->work, "plan_vertices", vertices * 12, &r->plan->memory.vertices));
-    if (svo_i_plan_asks_payload(r->plan)) {
-        SVO_I_TRY(svo_i_work_result(r->work, "plan_remainders", vertices * 8, &r->plan->memory.remainders));
+    const bool sums_edges = (r->plan->options.need & SVO_NEED_PROJECTED_AREA) != 0;
+    const svo_i_request scratch[] = {
+        {"plan_fragments", triangles * 4, &r->fragments},
+        {"plan_fates", triangles * sizeof(cl_ushort), &r->fates},
+        {"plan_used", vertices, &r->used},
+        {"plan_partials", (uint64_t)groups * SVO_PLAN_SUMS * sizeof(cl_ulong), &r->partials},
+        {"plan_sums", TOTALS * sizeof(cl_ulong), &r->sums},
+        {"plan_edges", (uint64_t)run_groups(triangles) * sizeof(svo_i_edge_sums), &r->edges}};
+    const svo_i_request kept[] = {{"plan_vertices", vertices * 12, &r->plan->memory.vertices},
+                                  {"plan_remainders", vertices * 8, &r->plan->memory.remainders}};
+    const size_t count = sizeof scratch / sizeof scratch[0] - (sums_edges ? 0 : 1);
+    SVO_I_TRY(svo_i_device_buffers(r->work->device, r->work->function, scratch, count));
+    return svo_i_device_buffers(r->work->device, r->work->function, kept, svo_i_plan_asks_payload(r->plan) ? 2 : 1);
+}
+
+/* Reduces partials to totals and reads those, with what follows them. */
+static svo_status read_totals(svo_i_grid_run *r, uint64_t elements, uint32_t columns, bool largest, uint64_t *totals,
+                              size_t total_count)
+{
+    memset(totals, 0, total_count * sizeof *totals);
+    if (elements == 0) {
+        return SVO_OK;
     }
-    return (r->plan->options.need & SVO_NEED_PROJECTED_AREA) == 0
-               ? SVO_OK
-               : svo_i_work_result(r->work, "plan_edges", (uint64_t)run_groups(triangles) * sizeof(svo_i_edge_sums),
-                                   &r->edges);
+    SVO_I_TRY(run_reduce(r->work, r->partials, elements, columns, largest, r->sums, 0));
+    return svo_i_work_read(r->work, r->sums, 0, totals, total_count * sizeof *totals);
 }
 
 static svo_status accept(svo_i_grid_run *r)
@@ -133,7 +131,7 @@ static svo_status fit(svo_i_grid_run *r)
                                             SVO_I_LOCAL(SCRATCH_BYTES)};
         SVO_I_TRY(svo_i_work_launch(r->work, "svo_k_plan_bounds", SVO_I_ARGUMENTS(arguments),
                                     run_items(r->params.vertex_count)));
-        SVO_I_TRY(run_totals(r->work, r->partials, r->params.vertex_count, 6, true, keys));
+        SVO_I_TRY(read_totals(r, r->params.vertex_count, 6, true, keys, 6));
     }
     bounds.any = keys[0] != 0;
     for (unsigned axis = 0; axis < 3 && bounds.any; ++axis) {
@@ -186,14 +184,6 @@ static svo_status launch_classify(svo_i_grid_run *r)
                              run_items(r->params.triangle_count));
 }
 
-static svo_status classify(svo_i_grid_run *r)
-{
-    SVO_I_TRY(launch_classify(r));
-    SVO_I_TRY(run_totals(r->work, r->partials, r->params.triangle_count, SVO_PLAN_SUMS, false, r->totals));
-    take_totals(r);
-    return SVO_OK;
-}
-
 static svo_status sum_edges(svo_i_grid_run *r)
 {
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(r->mesh->positions), SVO_I_ARGUMENT(r->mesh->indices),
@@ -203,13 +193,26 @@ static svo_status sum_edges(svo_i_grid_run *r)
                              run_items(r->params.triangle_count));
 }
 
-/* Whether the edges cancel. */
-static svo_status find_closed(svo_i_grid_run *r)
+/* Launches the sums of the edges' hashes, to totals from the first on. */
+static svo_status launch_edges(svo_i_grid_run *r, cl_mem totals, uint32_t first)
 {
-    svo_i_edge_sums sums = {{0}};
     SVO_I_TRY(sum_edges(r));
-    SVO_I_TRY(run_totals(r->work, r->edges, r->params.triangle_count, 2, false, sums.words));
-    r->plan->work.both_sides = svo_i_edges_are_open(&sums);
+    return run_reduce(r->work, r->edges, r->params.triangle_count, EDGE_SUMS, false, totals, first);
+}
+
+/* Classifies all triangles, and reads their counts and whether the edges cancel. */
+static svo_status classify(svo_i_grid_run *r)
+{
+    svo_i_edge_sums edges;
+    const uint32_t triangles = r->params.triangle_count;
+    SVO_I_TRY(launch_classify(r));
+    if (r->edges != NULL && triangles > 0) {
+        SVO_I_TRY(launch_edges(r, r->sums, SVO_PLAN_SUMS));
+    }
+    SVO_I_TRY(read_totals(r, triangles, SVO_PLAN_SUMS, false, r->totals, TOTALS));
+    memcpy(&edges, r->totals + SVO_PLAN_SUMS, sizeof edges);
+    r->plan->work.both_sides = r->edges != NULL && svo_i_edges_are_open(&edges);
+    take_totals(r);
     return SVO_OK;
 }
 
@@ -218,14 +221,16 @@ static svo_status alloc_kept(svo_i_grid_run *r)
     svo_i_plan_memory *memory = &r->plan->memory;
     const uint64_t count = r->plan->triangle_count;
     const cl_uint kept_bytes = (r->params.flags & SVO_PLAN_SOME) != 0 ? r->params.vertex_count : 0;
-    SVO_I_TRY(svo_i_work_result(r->work, "plan_indices", count * 12, &memory->indices));
-    SVO_I_TRY(svo_i_work_result(r->work, "plan_triangle_ids", count * 4, &memory->triangle_ids));
-    SVO_I_TRY(svo_i_work_result(r->work, "plan_items", count * sizeof(svo_draw_item), &memory->items));
-    SVO_I_TRY(svo_i_work_result(r->work, "plan_item_fragments", count * 4, &memory->item_fragments));
-    SVO_I_TRY(svo_i_work_result(r->work, "plan_large", r->plan->large_count * sizeof(svo_large_item), &r->large));
-    SVO_I_TRY(svo_i_work_result(r->work, "plan_large_count", sizeof(cl_uint), &r->large_count));
+    const svo_i_request kept[] = {{"plan_indices", count * 12, &memory->indices},
+                                  {"plan_triangle_ids", count * 4, &memory->triangle_ids},
+                                  {"plan_items", count * sizeof(svo_draw_item), &memory->items},
+                                  {"plan_item_fragments", count * 4, &memory->item_fragments}};
+    const svo_i_request scratch[] = {{"plan_large", r->plan->large_count * sizeof(svo_large_item), &r->large},
+                                     {"plan_kept", kept_bytes, &r->kept},
+                                     {"plan_large_count", sizeof(cl_uint), &r->large_count}};
+    SVO_I_TRY(svo_i_device_buffers(r->work->device, r->work->function, SVO_I_REQUESTS(kept)));
+    SVO_I_TRY(svo_i_device_buffers(r->work->device, r->work->function, SVO_I_REQUESTS(scratch)));
     SVO_I_TRY(svo_i_work_fill_zero(r->work, r->large_count, sizeof(cl_uint)));
-    SVO_I_TRY(svo_i_work_result(r->work, "plan_kept", kept_bytes, &r->kept));
     return svo_i_work_fill_zero(r->work, r->kept, kept_bytes);
 }
 
@@ -280,7 +285,7 @@ static int compare_items(const void *a, const void *b)
     return x < y ? -1 : x > y ? 1 : 0;
 }
 
-/* Reads the large triangles, whose order differs from run to run. */
+/* Reads the large triangles, without waiting. Their order differs from run to run. */
 static svo_status read_large(svo_i_grid_run *r)
 {
     svo_plan *plan = r->plan;
@@ -290,9 +295,7 @@ static svo_status read_large(svo_i_grid_run *r)
         return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u triangles",
                                  r->work->function, plan->large_count);
     }
-    SVO_I_TRY(svo_i_work_read(r->work, r->large, 0, plan->large, bytes));
-    qsort(plan->large, plan->large_count, sizeof *plan->large, compare_items);
-    return SVO_OK;
+    return svo_i_work_read_later(r->work, r->large, plan->large, bytes);
 }
 
 static svo_status run_grid(svo_i_grid_run *r)
@@ -305,7 +308,6 @@ static svo_status run_grid(svo_i_grid_run *r)
     (void)svo_i_progress_add(plan, SVO_STAGE_GRID, SVO_I_SNAP_NS * (double)r->params.vertex_count);
     SVO_I_TRY(svo_i_progress_tell(plan, SVO_STAGE_GRID));
     SVO_I_TRY(classify(r));
-    SVO_I_TRY(r->edges != NULL ? find_closed(r) : SVO_OK);
     SVO_I_TRY(alloc_kept(r));
     SVO_I_TRY(keep(r));
     SVO_I_TRY(keep_positions(r));
@@ -329,8 +331,8 @@ void svo_i_grid_begin(svo_i_grid_run *r, uint64_t triangles, bool is_double)
 
 void svo_i_grid_end(svo_i_grid_run *r)
 {
-    cl_mem *buffers[] = {&r->used,     &r->kept,  &r->fates,       &r->fragments,
-                         &r->partials, &r->large, &r->large_count, &r->edges};
+    cl_mem *buffers[] = {&r->used,  &r->kept,        &r->fates, &r->fragments, &r->partials,
+                         &r->large, &r->large_count, &r->edges, &r->sums};
     for (unsigned i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
         svo_i_buffer_release(buffers[i]);
     }
@@ -351,9 +353,6 @@ static svo_status make_grid(svo_plan *plan, svo_i_device_work *work, const svo_i
 
 /* ---- the payload inputs ---- */
 
-/* Columns of svo_k_plan_records. */
-#define COLUMNS 5
-
 typedef struct attributes_run {
     svo_plan *plan;
     svo_i_device_work *work;
@@ -363,7 +362,7 @@ typedef struct attributes_run {
     svo_i_findings found;
     uint8_t *is_textured; /* one byte per material */
     svo_i_material_marks marks;
-    cl_mem partials;
+    cl_mem partials, totals;
 } attributes_run;
 
 static svo_status launch_normals(svo_i_device_work *work, cl_mem from, cl_mem to, cl_uint vertices)
@@ -378,7 +377,7 @@ svo_status svo_i_launch_uvs(svo_i_device_work *work, cl_mem from, cl_mem to, cl_
     return svo_i_work_launch(work, "svo_k_plan_uvs", SVO_I_ARGUMENTS(arguments), numbers);
 }
 
-/* partials: receives COLUMNS columns. */
+/* partials: receives SVO_PLAN_FINDINGS columns. */
 static svo_status launch_records(svo_i_device_work *work, const svo_plan *plan, const svo_i_device_mesh *mesh,
                                  const svo_i_material_marks *marks, cl_mem partials)
 {
@@ -427,54 +426,51 @@ static svo_status mark_textured(attributes_run *r)
     for (uint32_t i = 0; i < r->plan->material_count; ++i) {
         r->is_textured[i] = wanted && svo_i_material_is_textured(&r->input->mesh, r->has_uvs, i) ? 1 : 0;
     }
-    SVO_I_TRY(svo_i_work_result(r->work, "plan_materials", r->plan->material_count, &r->marks.used));
     SVO_I_TRY(svo_i_work_fill_zero(r->work, r->marks.used, r->plan->material_count));
-    SVO_I_TRY(svo_i_work_result(r->work, "plan_textured", r->plan->material_count, &r->marks.textured));
-    return svo_i_work_write(r->work, r->marks.textured, r->is_textured, r->plan->material_count);
+    return svo_i_work_write_later(r->work, r->marks.textured, r->is_textured, r->plan->material_count);
 }
 
-static void take_findings(svo_i_findings *found, const uint64_t totals[COLUMNS])
+/* The columns of svo_k_plan_records. */
+static void take_findings(svo_i_findings *found, const uint64_t totals[SVO_PLAN_FINDINGS])
 {
     memcpy(&found->largest_area, &totals[0], sizeof found->largest_area);
     found->colors_vary = totals[1] != 0;
     found->normals_vary = totals[2] != 0;
     found->own_normals_vary = totals[3] != ~totals[4]; /* the largest and the smallest */
+    found->first_color = (uint32_t)totals[5];
+    memcpy(found->first_normal, &totals[6], sizeof found->first_normal);
+    memcpy(&found->first_record, &totals[7], sizeof found->first_record);
 }
 
+static svo_status alloc_records(attributes_run *r)
+{
+    const svo_plan *plan = r->plan;
+    const uint64_t rows = run_groups(plan->triangle_count);
+    const svo_i_request scratch[] = {{"plan_partials", rows * SVO_PLAN_FINDINGS * sizeof(cl_ulong), &r->partials},
+                                     {"plan_totals", SVO_PLAN_FINDINGS * sizeof(cl_ulong), &r->totals},
+                                     {"plan_materials", plan->material_count, &r->marks.used},
+                                     {"plan_textured", plan->material_count, &r->marks.textured}};
+    SVO_I_TRY(svo_i_device_buffers(r->work->device, r->work->function, SVO_I_REQUESTS(scratch)));
+    return svo_i_work_result(r->work, "plan_records", plan->triangle_count * sizeof(svo_triangle_record),
+                             &r->plan->memory.records);
+}
+
+/* Makes the records. The host waits for what they tell. */
 static svo_status make_records(attributes_run *r)
 {
     svo_plan *plan = r->plan;
-    svo_i_plan_memory *memory = &plan->memory;
-    uint64_t totals[COLUMNS] = {0};
+    const uint32_t triangles = plan->triangle_count;
+    uint64_t totals[SVO_PLAN_FINDINGS] = {0};
+    SVO_I_TRY(alloc_records(r));
     SVO_I_TRY(mark_textured(r));
-    SVO_I_TRY(svo_i_work_result(r->work, "plan_records", plan->triangle_count * sizeof(svo_triangle_record),
-                                &memory->records));
-    SVO_I_TRY(svo_i_work_result(r->work, "plan_partials",
-                                (uint64_t)run_groups(plan->triangle_count) * COLUMNS * sizeof(cl_ulong), &r->partials));
     SVO_I_TRY(launch_records(r->work, plan, r->mesh, &r->marks, r->partials));
-    SVO_I_TRY(run_totals(r->work, r->partials, plan->triangle_count, COLUMNS, true, totals));
-    if (plan->triangle_count > 0) {
-        take_findings(&r->found, totals);
+    SVO_I_TRY(svo_i_work_read_later(r->work, r->marks.used, r->found.material_used, plan->material_count));
+    if (triangles == 0) {
+        return svo_i_work_wait(r->work);
     }
-    return svo_i_work_read(r->work, r->marks.used, 0, r->found.material_used, plan->material_count);
-}
-
-/* The first triangle's record, and the attributes of its first corner. */
-static svo_status read_first(attributes_run *r)
-{
-    const svo_i_plan_memory *memory = &r->plan->memory;
-    uint32_t vertex = 0;
-    if (r->plan->triangle_count == 0) {
-        return SVO_OK;
-    }
-    SVO_I_TRY(svo_i_work_read(r->work, memory->records, 0, &r->found.first_record, sizeof r->found.first_record));
-    SVO_I_TRY(svo_i_work_read(r->work, memory->indices, 0, &vertex, sizeof vertex));
-    if (memory->colors != NULL) {
-        SVO_I_TRY(svo_i_work_read(r->work, memory->colors, (uint64_t)vertex * 4, &r->found.first_color, 4));
-    }
-    if (memory->normals != NULL) {
-        SVO_I_TRY(svo_i_work_read(r->work, memory->normals, (uint64_t)vertex * 8, r->found.first_normal, 8));
-    }
+    SVO_I_TRY(run_reduce(r->work, r->partials, triangles, SVO_PLAN_FINDINGS, true, r->totals, 0));
+    SVO_I_TRY(svo_i_work_read(r->work, r->totals, 0, totals, sizeof totals));
+    take_findings(&r->found, totals);
     return SVO_OK;
 }
 
@@ -500,7 +496,6 @@ static svo_status run_attributes(attributes_run *r, svo_i_device_mesh *mesh)
     SVO_I_TRY(svo_i_device_mesh_attributes(r->work, r->input, plan->info.need, mesh));
     SVO_I_TRY(fill_vertices(r));
     SVO_I_TRY(make_records(r));
-    SVO_I_TRY(read_first(r));
     if ((plan->info.need & SVO_NEED_COLOR) != 0) {
         SVO_I_TRY(fill_colors(r));
     }
@@ -526,9 +521,13 @@ static svo_status make_attributes(svo_plan *plan, svo_i_device_work *work, const
     r.found.material_used = svo_i_alloc_zeroed(&plan->device->memory, plan->material_count, 1);
     r.is_textured = svo_i_alloc_zeroed(&plan->device->memory, plan->material_count, 1);
     const svo_status status = run_attributes(&r, mesh);
+    if (status != SVO_OK && work->last != NULL) {
+        (void)svo_i_event_settle(work->last); /* it may use the arrays below */
+    }
     svo_i_buffer_release(&r.marks.textured);
     svo_i_buffer_release(&r.marks.used);
     svo_i_buffer_release(&r.partials);
+    svo_i_buffer_release(&r.totals);
     svo_i_free(r.found.material_used);
     svo_i_free(r.is_textured);
     return status;
@@ -540,7 +539,10 @@ svo_status svo_i_device_take_mesh(svo_plan *plan, svo_i_device_work *work, const
     SVO_I_TRY(svo_i_work_use(work, &svo_i_program_plan, ""));
     SVO_I_TRY(svo_i_device_mesh_geometry(work, input, mesh));
     SVO_I_TRY(make_grid(plan, work, input, mesh));
-    return make_attributes(plan, work, input, mesh);
+    SVO_I_TRY(make_attributes(plan, work, input, mesh));
+    SVO_I_TRY(svo_i_work_wait(work));
+    qsort(plan->large, plan->large_count, sizeof *plan->large, compare_items);
+    return SVO_OK;
 }
 
 /* ---- plans that are updated ---- */
@@ -556,7 +558,7 @@ static svo_status clear(svo_i_grid_run *r)
     return svo_i_work_fill_zero(r->work, r->kept, r->params.vertex_count);
 }
 
-svo_status svo_i_device_launch(svo_i_grid_run *r, const svo_i_material_marks *marks, const svo_i_device_totals *totals)
+svo_status svo_i_device_launch(svo_i_grid_run *r, const svo_i_material_marks *marks, cl_mem edges)
 {
     const svo_i_plan_memory *memory = &r->plan->memory;
     const uint32_t vertices = r->params.vertex_count;
@@ -564,11 +566,8 @@ svo_status svo_i_device_launch(svo_i_grid_run *r, const svo_i_material_marks *ma
     SVO_I_TRY(accept(r));
     SVO_I_TRY(snap(r));
     SVO_I_TRY(launch_classify(r));
-    SVO_I_TRY(run_reduce(r->work, r->partials, triangles, SVO_PLAN_SUMS, false, totals->sums));
-    if (totals->edges != NULL) {
-        SVO_I_TRY(sum_edges(r));
-        SVO_I_TRY(run_reduce(r->work, r->edges, triangles, 2, false, totals->edges));
-    }
+    SVO_I_TRY(run_reduce(r->work, r->partials, triangles, SVO_PLAN_SUMS, false, r->sums, 0));
+    SVO_I_TRY(edges != NULL ? launch_edges(r, edges, 0) : SVO_OK);
     SVO_I_TRY(clear(r));
     SVO_I_TRY(keep(r));
     SVO_I_TRY(keep_positions(r));

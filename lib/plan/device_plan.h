@@ -28,7 +28,8 @@ typedef struct svo_i_grid_run {
     cl_mem partials; /* a row per work-group */
     cl_mem large, large_count; /* NULL: large triangles are not listed */
     cl_mem edges; /* svo_i_edge_sums, a row per work-group; NULL: not wanted */
-    uint64_t totals[SVO_PLAN_SUMS];
+    cl_mem sums; /* of 64 bits: SVO_PLAN_SUMS of the partials, then svo_i_edge_sums, unless those go elsewhere */
+    uint64_t totals[SVO_PLAN_SUMS + 2]; /* all of these */
 } svo_i_grid_run;
 
 /* A byte per material: whether it has a texture; whether a kept triangle has it, which the kernel sets. */
@@ -44,20 +45,15 @@ svo_status svo_i_device_take_mesh(svo_plan *plan, svo_i_device_work *work, const
 
 /* The same for plans that are updated, in steps. */
 
-/* Where kernels write what the host does not read at once. */
-typedef struct svo_i_device_totals {
-    cl_mem sums; /* SVO_PLAN_SUMS of 64 bits */
-    cl_mem edges; /* svo_i_edge_sums; NULL: not wanted */
-} svo_i_device_totals;
-
 /* Makes params, for the plan's grid and a mesh whose positions are floats or doubles. */
 void svo_i_grid_begin(svo_i_grid_run *r, uint64_t triangles, bool is_double);
 /* Makes used, fates, fragments, partials, the plan's vertices and, for projected areas, edges. */
 svo_status svo_i_grid_alloc(svo_i_grid_run *r);
 /* Launches the conversion of texture coordinates. */
 svo_status svo_i_launch_uvs(svo_i_device_work *work, cl_mem from, cl_mem to, cl_ulong numbers);
-/* Launches all other steps, for arrays with room for every triangle, and reads nothing back. */
-svo_status svo_i_device_launch(svo_i_grid_run *r, const svo_i_material_marks *marks, const svo_i_device_totals *totals);
+/* Launches all other steps, for arrays with room for every triangle, and reads nothing back. edges: receives
+   svo_i_edge_sums; NULL: not wanted. */
+svo_status svo_i_device_launch(svo_i_grid_run *r, const svo_i_material_marks *marks, cl_mem edges);
 /* Releases what svo_i_grid_run owns. */
 void svo_i_grid_end(svo_i_grid_run *r);
 

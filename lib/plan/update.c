@@ -24,9 +24,8 @@
 static svo_status run_kernels(svo_plan *plan, svo_i_device_work *work)
 {
     svo_i_update *update = plan->update;
-    const svo_i_device_totals totals = {update->sums, update->sums_edges ? update->edges : NULL};
     update->grid.work = work;
-    return svo_i_device_launch(&update->grid, &update->marks, &totals);
+    return svo_i_device_launch(&update->grid, &update->marks, update->sums_edges ? update->edges : NULL);
 }
 
 /* ---- what the host learns ---- */
@@ -73,7 +72,7 @@ svo_status svo_i_update_take(svo_plan *plan, const char *function, const svo_i_m
 static svo_status read_totals(const svo_plan *plan, svo_i_device_work *work, svo_i_mesh_totals *totals)
 {
     const svo_i_update *update = plan->update;
-    SVO_I_TRY(svo_i_work_read(work, update->sums, 0, totals->sums, sizeof totals->sums));
+    SVO_I_TRY(svo_i_work_read(work, update->grid.sums, 0, totals->sums, sizeof totals->sums));
     return update->sums_edges ? svo_i_work_read(work, update->edges, 0, &totals->edges, sizeof totals->edges) : SVO_OK;
 }
 
@@ -109,7 +108,7 @@ void svo_i_update_destroy(svo_i_update *update)
     svo_i_in_flight_end(&update->commands);
     svo_i_grid_end(&update->grid);
     svo_i_device_mesh_free(&update->mesh);
-    cl_mem *buffers[] = {&update->marks.textured, &update->marks.used, &update->sums, &update->edges};
+    cl_mem *buffers[] = {&update->marks.textured, &update->marks.used, &update->edges};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
         svo_i_buffer_release(buffers[i]);
     }
@@ -351,7 +350,6 @@ static svo_status make_arrays(svo_plan *plan, svo_i_device_work *work)
     update->grid.work = work;
     SVO_I_TRY(svo_i_grid_alloc(&update->grid));
     SVO_I_TRY(svo_i_work_result(work, "plan_kept", plan->vertex_count, &update->grid.kept));
-    SVO_I_TRY(svo_i_work_result(work, "plan_sums", SVO_PLAN_SUMS * sizeof(cl_ulong), &update->sums));
     if ((plan->options.need & SVO_NEED_PROJECTED_AREA) != 0) {
         update->sums_edges = true;
         SVO_I_TRY(svo_i_work_result(work, "plan_edges", sizeof(svo_i_edge_sums), &update->edges));
@@ -469,9 +467,9 @@ static svo_status warm_tiles(svo_plan *plan, svo_i_device_work *work)
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(memory->vertices),
                                         SVO_I_ARGUMENT(memory->indices),
                                         SVO_I_ARGUMENT(memory->items),
-                                        SVO_I_ARGUMENT(plan->update->sums),
-                                        SVO_I_ARGUMENT(plan->update->sums),
-                                        SVO_I_ARGUMENT(plan->update->sums),
+                                        SVO_I_ARGUMENT(plan->update->grid.sums),
+                                        SVO_I_ARGUMENT(plan->update->grid.sums),
+                                        SVO_I_ARGUMENT(plan->update->grid.sums),
                                         SVO_I_ARGUMENT(nothing)};
     return svo_i_work_launch(work, "svo_k_plan_tiles", SVO_I_ARGUMENTS(arguments), plan->triangle_count);
 }

@@ -19,7 +19,7 @@ typedef struct svo_i_update {
     svo_i_grid_run grid;
     svo_i_device_mesh mesh; /* copies of the mesh's arrays, of which updates replace positions and normals */
     svo_i_material_marks marks;
-    cl_mem sums, edges; /* svo_i_mesh_totals; edges NULL without projected areas */
+    cl_mem edges; /* svo_i_edge_sums; NULL without projected areas; svo_i_mesh_totals.sums are grid.sums */
     bool sums_edges; /* of each mesh, not only of the first */
     svo_i_in_flight commands; /* that read or write the plan's arrays */
     bool has_mesh; /* the newest update has succeeded */

@@ -150,17 +150,12 @@ static svo_status scan(chain *c)
 {
     const cl_mem *buffers = c->scene->buffers;
     const cl_mem state = NULL;
-    const uint32_t tile = SVO_SCAN_TILE;
-    const svo_filter_params params = {.leaf_count = (cl_uint)SORT_CELLS,
-                                      .scan_groups = (cl_uint)((SORT_CELLS + tile - 1) / tile)};
-    const uint64_t items = (uint64_t)params.scan_groups * SVO_GROUP_ITEMS;
+    const svo_filter_params params = {.leaf_count = (cl_uint)SORT_CELLS};
+    const uint64_t items = (SORT_CELLS + SVO_SCAN_TILE - 1) / SVO_SCAN_TILE * SVO_GROUP_ITEMS;
     const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
     const svo_i_argument reduce[] = {SVO_I_ARGUMENT(buffers[SVO_I_SCENE_COUNTS]),
                                      SVO_I_ARGUMENT(buffers[SVO_I_SCENE_PARTIALS]), SVO_I_ARGUMENT(state),
                                      SVO_I_ARGUMENT(params), scratch};
-    const svo_i_argument partials[] = {SVO_I_ARGUMENT(buffers[SVO_I_SCENE_PARTIALS]),
-                                       SVO_I_ARGUMENT(buffers[SVO_I_SCENE_BEFORE]), SVO_I_ARGUMENT(state),
-                                       SVO_I_ARGUMENT(params), scratch};
     const svo_i_argument add[] = {SVO_I_ARGUMENT(buffers[SVO_I_SCENE_COUNTS]),
                                   SVO_I_ARGUMENT(buffers[SVO_I_SCENE_PARTIALS]),
                                   SVO_I_ARGUMENT(buffers[SVO_I_SCENE_BEFORE]),
@@ -168,7 +163,6 @@ static svo_status scan(chain *c)
                                   SVO_I_ARGUMENT(params),
                                   scratch};
     SVO_I_TRY(run(c, "svo_k_scan_lists_reduce", SVO_I_ARGUMENTS(reduce), items));
-    SVO_I_TRY(run(c, "svo_k_scan_lists_partials", SVO_I_ARGUMENTS(partials), SVO_GROUP_ITEMS));
     return run(c, "svo_k_scan_lists_add", SVO_I_ARGUMENTS(add), items);
 }
 

@@ -82,10 +82,11 @@ static svo_status allocate_nodes(level_maker *m)
                                    &build->tree->buffers[SVO_TREE_CHILD_MASK]));
     SVO_I_TRY(svo_i_commands_alloc(&build->commands, "first_child", info->inner_count * 4,
                                    &build->tree->buffers[SVO_TREE_FIRST_CHILD]));
-    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "begin_flags", build->fragment_count * 4, &m->flags));
-    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "begin_flags", (build->fragment_count + 1) * 4, &m->indices));
-    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "level_codes", info->leaf_count * code_bytes, &m->codes[0]));
-    return svo_i_commands_alloc(&build->commands, "level_codes", parents * code_bytes, &m->codes[1]);
+    const svo_i_request requests[] = {{"begin_flags", build->fragment_count * 4, &m->flags},
+                                      {"begin_flags", (build->fragment_count + 1) * 4, &m->indices},
+                                      {"level_codes", info->leaf_count * code_bytes, &m->codes[0]},
+                                      {"level_codes", parents * code_bytes, &m->codes[1]}};
+    return svo_i_commands_alloc_all(&build->commands, SVO_I_REQUESTS(requests));
 }
 
 /* Numbers the nodes of a sequence of codes, in the order of their first code. */

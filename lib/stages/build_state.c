@@ -63,6 +63,14 @@ svo_status svo_i_build_alloc_cursors(svo_i_build *build)
     return SVO_OK;
 }
 
+svo_status svo_i_build_alloc_state(svo_i_build *build)
+{
+    const svo_i_request requests[] = {
+        {"state", sizeof build->host_state, &build->state},
+        {"partials", build->commands.device->scan_groups * sizeof(cl_uint4), &build->partials}};
+    return build->state != NULL ? SVO_OK : svo_i_commands_alloc_all(&build->commands, SVO_I_REQUESTS(requests));
+}
+
 svo_status svo_i_build_put_state(svo_i_build *build, const uint32_t level_begin[SVO_LEVELS_MAX])
 {
     uint64_t fragments = 0; /* in enqueued builds the capacity, which the device replaces */
@@ -74,10 +82,8 @@ svo_status svo_i_build_put_state(svo_i_build *build, const uint32_t level_begin[
                                           .triangle_count = build->commands.plan->triangle_count,
                                           .fragment_limit = UINT32_MAX};
     memcpy(build->host_state.level_begin, level_begin, sizeof build->host_state.level_begin);
-    return build->state == NULL
-               ? svo_i_commands_upload(&build->commands, "state", &build->host_state, sizeof build->host_state,
-                                       &build->state)
-               : svo_i_commands_write(&build->commands, build->state, &build->host_state, sizeof build->host_state);
+    SVO_I_TRY(svo_i_build_alloc_state(build));
+    return svo_i_commands_write(&build->commands, build->state, &build->host_state, sizeof build->host_state);
 }
 
 svo_status svo_i_build_alloc_published(svo_i_build *build)

@@ -77,6 +77,8 @@ SVO_I_SHARED_END
 svo_status svo_i_build_get_program(svo_i_build *build, const char *function, const svo_i_program *program, bool *fresh);
 /* What svo_i_build_get_program made; NULL where it was not called, as for programs that the plan does not need. */
 cl_program svo_i_build_program(const svo_i_build *build, const svo_i_program *program);
+/* Allocates build->state and build->partials, unless that has been done. */
+svo_status svo_i_build_alloc_state(svo_i_build *build);
 /* Writes level_begin to build->state, which is allocated on first use. */
 svo_status svo_i_build_put_state(svo_i_build *build, const uint32_t level_begin[SVO_LEVELS_MAX]);
 /* Allocates the tree's own copy of the state, for the caller's kernels. The first allocation of an enqueued build. */

@@ -43,45 +43,54 @@ typedef struct filterer {
     svo_filter_params params;
 } filterer;
 
-/* Allocates the sums of a level, if a level above reads them. */
-static svo_status allocate_sums(filterer *f, level_sums *sums, uint32_t level, uint64_t nodes)
+/* The most buffers of the stage alone: heads, area sums, and the sums of two levels. */
+#define SCRATCH_MAX 8
+
+typedef struct requests {
+    svo_i_request all[SCRATCH_MAX];
+    size_t count;
+} requests;
+
+static void ask(requests *r, bool wanted, const char *name, uint64_t bytes, cl_mem *out)
 {
-    if (level < f->params.payload_level) {
-        return SVO_OK;
+    if (wanted) {
+        r->all[r->count++] = (svo_i_request){name, bytes, out};
     }
-    SVO_I_TRY(svo_i_commands_alloc(&f->build->commands, "weights", nodes * 8, &sums->weights));
-    if (f->color) {
-        SVO_I_TRY(svo_i_commands_alloc(&f->build->commands, "color_sums", nodes * 32, &sums->colors));
-    }
-    if (f->normal) {
-        SVO_I_TRY(svo_i_commands_alloc(&f->build->commands, "normal_sums", nodes * 24, &sums->normals));
-    }
-    return SVO_OK;
 }
 
-/* Allocates the sums of two adjacent levels. */
-static svo_status allocate_all_sums(filterer *f)
+/* Asks for the sums of a level, if a level above reads them. */
+static void ask_sums(const filterer *f, requests *r, level_sums *sums, uint32_t level, uint64_t nodes)
+{
+    const bool wanted = level >= f->params.payload_level;
+    ask(r, wanted, "weights", nodes * 8, &sums->weights);
+    ask(r, wanted && f->color, "color_sums", nodes * 32, &sums->colors);
+    ask(r, wanted && f->normal, "normal_sums", nodes * 24, &sums->normals);
+}
+
+/* Asks for the sums of two adjacent levels. */
+static void ask_all_sums(filterer *f, requests *r)
 {
     const svo_tree_info *info = &f->build->tree->info;
     const uint64_t parents = info->inner_count - info->level_begin[info->depth - 1];
     if (f->leaf_sums) {
-        SVO_I_TRY(allocate_sums(f, &f->sums[0], info->depth, info->leaf_count));
+        ask_sums(f, r, &f->sums[0], info->depth, info->leaf_count);
     } else if (info->depth > 1) {
         const uint64_t grandparents = info->level_begin[info->depth - 1] - info->level_begin[info->depth - 2];
-        SVO_I_TRY(allocate_sums(f, &f->sums[0], info->depth - 2, grandparents));
+        ask_sums(f, r, &f->sums[0], info->depth - 2, grandparents);
     }
-    return allocate_sums(f, &f->sums[1], info->depth - 1, parents);
+    ask_sums(f, r, &f->sums[1], info->depth - 1, parents);
 }
 
-static svo_status allocate_areas(filterer *f)
+static svo_status allocate_scratch(filterer *f)
 {
-    svo_i_commands *commands = &f->build->commands;
-    cl_mem *areas = &f->build->tree->buffers[SVO_TREE_AREAS];
+    requests r = {.count = 0};
     const uint64_t leaves = f->build->tree->info.leaf_count;
-    if (f->leaf_sums) {
-        SVO_I_TRY(svo_i_commands_alloc(commands, "area_sums", leaves * 48, &f->area_sums));
+    ask(&r, !f->pairs && f->build->kept == NULL, "heads", leaves * 4, &f->heads);
+    if (f->levels) {
+        ask_all_sums(f, &r);
     }
-    return svo_i_commands_alloc(commands, "areas", leaves * 12, areas);
+    ask(&r, f->areas && f->leaf_sums, "area_sums", leaves * 48, &f->area_sums);
+    return svo_i_commands_alloc_all(&f->build->commands, r.all, r.count);
 }
 
 static svo_status allocate(filterer *f)
@@ -90,12 +99,7 @@ static svo_status allocate(filterer *f)
     cl_mem *buffers = f->build->tree->buffers;
     const svo_tree_info *info = &f->build->tree->info;
     const uint64_t nodes = info->node_count - info->level_begin[info->payload_level];
-    if (!f->pairs && f->build->kept == NULL) {
-        SVO_I_TRY(svo_i_commands_alloc(commands, "heads", info->leaf_count * 4, &f->heads));
-    }
-    if (f->levels) {
-        SVO_I_TRY(allocate_all_sums(f));
-    }
+    SVO_I_TRY(allocate_scratch(f));
     if (f->color) {
         SVO_I_TRY(svo_i_commands_alloc(commands, "colors", nodes * 4, &buffers[SVO_TREE_COLORS]));
     }
@@ -105,7 +109,7 @@ static svo_status allocate(filterer *f)
     if (f->fill) {
         SVO_I_TRY(svo_i_commands_alloc(commands, "fills", nodes * 2, &buffers[SVO_TREE_FILLS]));
     }
-    return f->areas ? allocate_areas(f) : SVO_OK;
+    return f->areas ? svo_i_commands_alloc(commands, "areas", info->leaf_count * 12, &buffers[SVO_TREE_AREAS]) : SVO_OK;
 }
 
 static svo_status create_kernels(filterer *f)
@@ -242,20 +246,40 @@ static svo_status gather_chunk(filterer *f, uint32_t chunk)
     return svo_i_stage_end(&f->build->commands, SVO_STAGE_FILTER);
 }
 
-/* Fragments that are gathered one by one are added to zero. */
-static svo_status clear_sums(filterer *f)
+/* Zeroes the sums of all leaves, to which the fragments of several chunks are added. */
+static svo_status clear_all_sums(filterer *f)
 {
     const struct {
         cl_mem sums;
         uint32_t leaf_bytes;
     } all[] = {{f->sums[0].weights, 8}, {f->sums[0].colors, 32}, {f->sums[0].normals, 24}, {f->area_sums, 48}};
-    svo_i_stage_begin(&f->build->commands);
     for (unsigned i = 0; i < sizeof all / sizeof all[0]; ++i) {
         if (all[i].sums != NULL) {
             SVO_I_TRY(svo_i_commands_fill_zero(&f->build->commands, all[i].sums,
                                                (uint64_t)f->params.leaf_count * all[i].leaf_bytes));
         }
     }
+    return SVO_OK;
+}
+
+/* Zeroes those of the leaves that two work-groups add to; the others' are written. */
+static svo_status clear_shared_sums(filterer *f)
+{
+    svo_i_build *build = f->build;
+    f->params.fragment_count = (cl_uint)build->list.chunks[0].needed;
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(build->cursors[0]),  SVO_I_ARGUMENT(build->order),
+                                        SVO_I_ARGUMENT(f->sums[0].weights), SVO_I_ARGUMENT(f->sums[0].colors),
+                                        SVO_I_ARGUMENT(f->sums[0].normals), SVO_I_ARGUMENT(f->area_sums),
+                                        SVO_I_ARGUMENT(build->state),       SVO_I_ARGUMENT(f->params)};
+    return svo_i_commands_run(&build->commands, svo_i_build_program(build, &svo_i_program_filter), "svo_k_clear_shared",
+                              SVO_I_ARGUMENTS(arguments), f->params.fragment_count / SVO_GROUP_ITEMS);
+}
+
+/* Fragments that are gathered one by one are added to zero. */
+static svo_status clear_sums(filterer *f)
+{
+    svo_i_stage_begin(&f->build->commands);
+    SVO_I_TRY(f->params.grouped != 0 ? clear_shared_sums(f) : clear_all_sums(f));
     return svo_i_stage_end(&f->build->commands, SVO_STAGE_FILTER);
 }
 
@@ -266,7 +290,9 @@ static svo_status gather_long(filterer *f)
     const svo_i_kept *kept = build->kept;
     const level_sums *sums = &f->long_sums;
     const uint64_t groups = (build->fragment_count + SVO_KEPT_LONG - 1) / SVO_KEPT_LONG;
-    SVO_I_TRY(allocate_sums(f, &f->long_sums, build->tree->info.depth, groups));
+    requests r = {.count = 0};
+    ask_sums(f, &r, &f->long_sums, build->tree->info.depth, groups);
+    SVO_I_TRY(svo_i_commands_alloc_all(&build->commands, r.all, r.count));
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(kept->values),
                                         SVO_I_ARGUMENT(build->tree->buffers[SVO_TREE_LIST_BEGIN]),
                                         SVO_I_ARGUMENT(sums->weights),
@@ -398,7 +424,7 @@ static svo_status filter_levels(filterer *f)
     bool is_top = false;
     for (uint32_t level = f->leaf_sums ? depth : depth - 1; level-- > last_level && !is_top;) {
         const unsigned odd = (depth - level) % 2;
-        is_top = f->pairs && level <= SVO_TOP_LEVEL;
+        is_top = level <= SVO_TOP_LEVEL;
         svo_i_params_of_level(&f->params, &f->build->tree->info, level);
         SVO_I_TRY(filter_level(f, &f->sums[1 - odd], &f->sums[odd], is_top));
     }

@@ -5,6 +5,8 @@
  */
 #include "stages/inputs.h"
 
+#include <string.h>
+
 #include "plan/arrays.h"
 
 /* ---- parameters ---- */
@@ -63,18 +65,23 @@ static bool keeps_indices(const svo_plan *plan)
     return plan->work.lists || plan->work.surface;
 }
 
-/* Uploads an array, or takes it from the plan's memory, unless that has been done. */
-static svo_status take(svo_i_commands *commands, const char *name, const void *host, cl_mem memory, uint64_t bytes,
-                       cl_mem *taken)
+/* How an array of the plan is got: for the tree, or for the build alone. */
+typedef svo_status getter(svo_i_commands *commands, const char *name, const void *host, cl_mem memory, uint64_t bytes,
+                          cl_mem *out);
+
+static getter *getter_for(bool stays)
 {
-    return *taken != NULL ? SVO_OK : svo_i_commands_take(commands, name, host, memory, bytes, taken);
+    return stays ? svo_i_commands_take : svo_i_commands_borrow;
 }
 
 static svo_status get_vertices(svo_i_commands *commands, cl_mem *out)
 {
     const svo_plan *plan = commands->plan;
-    SVO_I_TRY(take(commands, keeps_vertices(plan) ? "vertices" : "mesh_vertices", plan->vertices, plan->memory.vertices,
-                   (uint64_t)plan->vertex_count * 12, &commands->mesh.vertices));
+    if (commands->mesh.vertices == NULL) {
+        SVO_I_TRY(getter_for(plan->work.lists)(commands, keeps_vertices(plan) ? "vertices" : "mesh_vertices",
+                                               plan->vertices, plan->memory.vertices, (uint64_t)plan->vertex_count * 12,
+                                               &commands->mesh.vertices));
+    }
     *out = commands->mesh.vertices;
     return SVO_OK;
 }
@@ -82,8 +89,11 @@ static svo_status get_vertices(svo_i_commands *commands, cl_mem *out)
 static svo_status get_indices(svo_i_commands *commands, cl_mem *out)
 {
     const svo_plan *plan = commands->plan;
-    SVO_I_TRY(take(commands, keeps_indices(plan) ? "indices" : "mesh_indices", plan->indices, plan->memory.indices,
-                   (uint64_t)plan->triangle_count * 12, &commands->mesh.indices));
+    if (commands->mesh.indices == NULL) {
+        SVO_I_TRY(getter_for(plan->work.lists)(commands, keeps_indices(plan) ? "indices" : "mesh_indices",
+                                               plan->indices, plan->memory.indices, (uint64_t)plan->triangle_count * 12,
+                                               &commands->mesh.indices));
+    }
     *out = commands->mesh.indices;
     return SVO_OK;
 }
@@ -92,12 +102,17 @@ static svo_status get_positions(svo_i_commands *commands, cl_mem *out)
 {
     const svo_plan *plan = commands->plan;
     const bool is_stored = plan->work.lists && svo_i_plan_stores_positions(plan);
+    getter *get = getter_for(is_stored);
+    if (commands->mesh.positions != NULL) {
+        *out = commands->mesh.positions;
+        return SVO_OK;
+    }
     if (svo_i_plan_has(plan->positions_double, plan->memory.positions_double)) {
-        SVO_I_TRY(take(commands, is_stored ? "positions_double" : "mesh_positions", plan->positions_double,
-                       plan->memory.positions_double, (uint64_t)plan->vertex_count * 24, &commands->mesh.positions));
+        SVO_I_TRY(get(commands, is_stored ? "positions_double" : "mesh_positions", plan->positions_double,
+                      plan->memory.positions_double, (uint64_t)plan->vertex_count * 24, &commands->mesh.positions));
     } else {
-        SVO_I_TRY(take(commands, is_stored ? "positions" : "mesh_positions", plan->positions, plan->memory.positions,
-                       (uint64_t)plan->vertex_count * 12, &commands->mesh.positions));
+        SVO_I_TRY(get(commands, is_stored ? "positions" : "mesh_positions", plan->positions, plan->memory.positions,
+                      (uint64_t)plan->vertex_count * 12, &commands->mesh.positions));
     }
     *out = commands->mesh.positions;
     return SVO_OK;
@@ -178,14 +193,6 @@ svo_status svo_i_geometry_upload(svo_i_build *build)
 
 /* ---- the surface ---- */
 
-/* Uploads an array if the plan has it, on the host or on the device. */
-static svo_status upload(svo_i_build *build, const char *name, const void *host, cl_mem memory, uint64_t bytes,
-                         cl_mem *out)
-{
-    return svo_i_plan_has(host, memory) ? svo_i_commands_take(&build->commands, name, host, memory, bytes, out)
-                                        : SVO_OK;
-}
-
 /* Uniform weights alone need no vertices: they do not depend on where in its voxel a triangle is. */
 static svo_status get_geometry(svo_i_build *build, svo_i_surface *out)
 {
@@ -198,26 +205,61 @@ static svo_status get_geometry(svo_i_build *build, svo_i_surface *out)
     return get_indices(&build->commands, &out->indices);
 }
 
+/* An array of the surface; no bytes: the plan has none, or nothing reads it. */
+typedef struct surface_array {
+    svo_i_request request;
+    const void *host;
+    cl_mem memory; /* NULL: host */
+} surface_array;
+
+#define SURFACE_ARRAYS 7
+
+static void list_arrays(svo_i_build *build, surface_array arrays[SURFACE_ARRAYS])
+{
+    const svo_plan *plan = build->commands.plan;
+    const svo_i_plan_memory *memory = &plan->memory;
+    svo_i_surface *out = &build->surface;
+    const uint64_t vertices = plan->vertex_count;
+    const surface_array all[SURFACE_ARRAYS] = {
+        {{"vertex_remainders", vertices * 8, &out->remainders},
+         plan->work.positions ? plan->remainders : NULL,
+         plan->work.positions ? memory->remainders : NULL},
+        {{"records", (uint64_t)plan->triangle_count * sizeof(svo_triangle_record), &out->records},
+         plan->records,
+         memory->records},
+        {{"vertex_colors", vertices * 4, &out->colors}, plan->colors, memory->colors},
+        {{"vertex_normals", vertices * 8, &out->normals}, plan->normals, memory->normals},
+        {{"uvs", vertices * 8, &out->uvs}, plan->uvs, memory->uvs},
+        {{"material_records", plan->material_count * sizeof(svo_material_record), &out->materials},
+         plan->materials,
+         NULL},
+        {{"texels", plan->texel_count * 4, &out->texels}, plan->texels, NULL}};
+    memcpy(arrays, all, sizeof all);
+}
+
+/* Arrays that the plan has on the device are read there; the others are uploaded. */
 svo_status svo_i_surface_upload(svo_i_build *build)
 {
-    svo_i_surface *out = &build->surface;
-    const svo_plan *plan = build->commands.plan;
-    const uint64_t vertices = plan->vertex_count;
-    svo_i_stage_begin(&build->commands);
-    SVO_I_TRY(get_geometry(build, out));
-    if (plan->work.positions) {
-        SVO_I_TRY(upload(build, "vertex_remainders", plan->remainders, plan->memory.remainders, vertices * 8,
-                         &out->remainders));
+    svo_i_commands *commands = &build->commands;
+    surface_array arrays[SURFACE_ARRAYS];
+    svo_i_request requests[SURFACE_ARRAYS];
+    const surface_array *uploaded[SURFACE_ARRAYS];
+    size_t count = 0;
+    svo_i_stage_begin(commands);
+    SVO_I_TRY(get_geometry(build, &build->surface));
+    list_arrays(build, arrays);
+    for (size_t i = 0; i < SURFACE_ARRAYS; ++i) {
+        *arrays[i].request.out = arrays[i].memory;
+        if (arrays[i].memory == NULL && arrays[i].host != NULL) {
+            uploaded[count] = &arrays[i];
+            requests[count++] = arrays[i].request;
+        }
     }
-    SVO_I_TRY(upload(build, "records", plan->records, plan->memory.records,
-                     (uint64_t)plan->triangle_count * sizeof(svo_triangle_record), &out->records));
-    SVO_I_TRY(upload(build, "vertex_colors", plan->colors, plan->memory.colors, vertices * 4, &out->colors));
-    SVO_I_TRY(upload(build, "vertex_normals", plan->normals, plan->memory.normals, vertices * 8, &out->normals));
-    SVO_I_TRY(upload(build, "uvs", plan->uvs, plan->memory.uvs, vertices * 8, &out->uvs));
-    SVO_I_TRY(upload(build, "material_records", plan->materials, NULL,
-                     plan->material_count * sizeof(svo_material_record), &out->materials));
-    SVO_I_TRY(upload(build, "texels", plan->texels, NULL, plan->texel_count * 4, &out->texels));
-    return svo_i_stage_end(&build->commands, SVO_STAGE_TRANSFER);
+    SVO_I_TRY(svo_i_commands_alloc_all(commands, requests, count));
+    for (size_t i = 0; i < count; ++i) {
+        SVO_I_TRY(svo_i_commands_write(commands, *requests[i].out, uploaded[i]->host, requests[i].bytes));
+    }
+    return svo_i_stage_end(commands, SVO_STAGE_TRANSFER);
 }
 
 void svo_i_surface_free(svo_i_build *build)

@@ -35,19 +35,17 @@ static svo_status allocate(sorter *s)
     const uint64_t parents = info->inner_count - info->level_begin[info->depth - 1];
     const uint64_t grandparents =
         info->depth > 1 ? info->level_begin[info->depth - 1] - info->level_begin[info->depth - 2] : 1;
-    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "entry_counts", info->leaf_count * 4, &s->levels[0].counts));
-    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "entry_begins", grandparents * 4, &s->levels[0].begins));
-    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "entry_counts", parents * 4, &s->levels[1].counts));
-    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "entry_begins", parents * 4, &s->levels[1].begins));
-    if (!build->commands.device->cpu_path) {
-        SVO_I_TRY(
-            svo_i_commands_alloc(&build->commands, "long_leaves", (most_long_leaves(build) + 1) * 4, &s->long_leaves));
-    }
-    for (unsigned odd = 0; odd < 2; ++odd) {
-        SVO_I_TRY(
-            svo_i_commands_alloc(&build->commands, "entries", build->fragment_count * 8, &s->levels[odd].entries));
-    }
-    return SVO_OK;
+    const svo_i_request requests[] = {
+        {"entry_counts", info->leaf_count * 4, &s->levels[0].counts},
+        {"entry_begins", grandparents * 4, &s->levels[0].begins},
+        {"entry_counts", parents * 4, &s->levels[1].counts},
+        {"entry_begins", parents * 4, &s->levels[1].begins},
+        {"entries", build->fragment_count * 8, &s->levels[0].entries},
+        {"entries", build->fragment_count * 8, &s->levels[1].entries},
+        {"long_leaves", (most_long_leaves(build) + 1) * 4, &s->long_leaves} /* on GPUs */
+    };
+    const size_t count = sizeof requests / sizeof requests[0] - (build->commands.device->cpu_path ? 1 : 0);
+    return svo_i_commands_alloc_all(&build->commands, requests, count);
 }
 
 static void release(sorter *s)
@@ -155,13 +153,14 @@ static svo_status merge_level(sorter *s, uint32_t level, bool is_top)
                   : svo_i_commands_launch(commands, s->merge, SVO_I_ARGUMENTS(arguments), s->params.level_count);
 }
 
-/* From the deepest level up to the first that has payload. On GPUs one group does the levels above SVO_TOP_LEVEL. */
+/* From the deepest level up to the first that has payload. One group does the levels from
+   SVO_TOP_LEVEL on. */
 static svo_status merge_levels(sorter *s)
 {
     const uint32_t depth = s->build->tree->info.depth;
     bool is_top = false;
     for (uint32_t level = depth; level-- > s->params.payload_level && !is_top;) {
-        is_top = !s->build->commands.device->cpu_path && level <= SVO_TOP_LEVEL && level + 1 < depth;
+        is_top = level <= SVO_TOP_LEVEL && level + 1 < depth;
         SVO_I_TRY(merge_level(s, level, is_top));
     }
     return SVO_OK;

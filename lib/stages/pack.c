@@ -17,44 +17,55 @@ typedef struct packer {
     svo_filter_params params;
 } packer;
 
-static svo_status allocate_ranges(packer *p)
-{
-    svo_i_build *build = p->build;
-    const svo_tree_info *info = &build->tree->info;
-    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "list_begin", (info->leaf_count + 1) * 4,
-                                   &build->tree->buffers[SVO_TREE_LIST_BEGIN]));
-    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "list_counts", info->leaf_count * 4, &p->counts));
-    p->list_begin = build->tree->buffers[SVO_TREE_LIST_BEGIN];
-    return SVO_OK;
-}
-
 /* The most leaves that svo_k_sort_long may have to sort, or 1. */
 static uint64_t most_long_leaves(const svo_i_build *build)
 {
     return build->fragment_count / (SVO_SHORT_LIST_MAX + 1) + 1;
 }
 
-static svo_status allocate_lists(packer *p)
-{
-    svo_i_build *build = p->build;
-    build->tree->info.list_count = build->fragment_count;
-    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "list", build->fragment_count * 4,
-                                   &build->tree->buffers[SVO_TREE_LIST]));
-    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "list_spare", build->fragment_count * 4, &p->spare));
-    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "long_leaves", most_long_leaves(build) * 4, &p->long_leaves));
-    p->list = build->tree->buffers[SVO_TREE_LIST];
-    return SVO_OK;
-}
-
-/* Allocates what the fragments are scattered to. */
-static svo_status allocate_slots(packer *p)
+/* Allocates the ranges, and the order where the plan asks for one; with lists the ranges are the tree's. */
+static svo_status allocate_ranges(packer *p)
 {
     svo_i_build *build = p->build;
     const svo_i_work *work = &build->commands.plan->work;
-    SVO_I_TRY(work->lists ? allocate_lists(p) : SVO_OK);
-    return work->order && build->list.chunk_count == 1
-               ? svo_i_commands_alloc(&build->commands, "order", build->fragment_count * 4, &build->order)
-               : SVO_OK;
+    cl_mem *list_begin = &build->tree->buffers[SVO_TREE_LIST_BEGIN];
+    const uint64_t begin_bytes = (build->tree->info.leaf_count + 1) * 4;
+    const svo_i_request requests[] = {{"order", build->fragment_count * 4, &build->order},
+                                      {"list_begin", begin_bytes, list_begin}};
+    const bool has_order = work->order && build->list.chunk_count == 1;
+    if (work->lists) {
+        SVO_I_TRY(svo_i_commands_alloc(&build->commands, "list_begin", begin_bytes, list_begin));
+    }
+    const size_t first = has_order ? 0 : 1;
+    const size_t end = work->lists ? 1 : 2;
+    SVO_I_TRY(svo_i_commands_alloc_all(&build->commands, requests + first, end > first ? end - first : 0));
+    p->list_begin = *list_begin;
+    return SVO_OK;
+}
+
+/* Allocates what the stage alone needs. */
+static svo_status allocate_scratch(packer *p)
+{
+    svo_i_build *build = p->build;
+    const svo_i_request requests[] = {{"list_counts", build->tree->info.leaf_count * 4, &p->counts},
+                                      {"list_spare", build->fragment_count * 4, &p->spare},
+                                      {"long_leaves", most_long_leaves(build) * 4, &p->long_leaves}};
+    return svo_i_commands_alloc_all(&build->commands, requests, build->commands.plan->work.lists ? 3 : 1);
+}
+
+static svo_status allocate(packer *p)
+{
+    svo_i_build *build = p->build;
+    SVO_I_TRY(allocate_ranges(p));
+    SVO_I_TRY(allocate_scratch(p));
+    if (!build->commands.plan->work.lists) {
+        return SVO_OK;
+    }
+    build->tree->info.list_count = build->fragment_count;
+    SVO_I_TRY(svo_i_commands_alloc(&build->commands, "list", build->fragment_count * 4,
+                                   &build->tree->buffers[SVO_TREE_LIST]));
+    p->list = build->tree->buffers[SVO_TREE_LIST];
+    return SVO_OK;
 }
 
 static svo_status count_lists(packer *p)
@@ -114,10 +125,9 @@ static svo_status sort_lists(packer *p)
 
 static svo_status run(packer *p)
 {
-    SVO_I_TRY(allocate_ranges(p));
+    SVO_I_TRY(allocate(p));
     SVO_I_TRY(count_lists(p));
     SVO_I_TRY(svo_i_scan_lists(p->build, &svo_i_program_pack, p->counts, p->list_begin, p->build->state, p->params));
-    SVO_I_TRY(allocate_slots(p));
     SVO_I_TRY(p->list != NULL || p->build->order != NULL ? scatter(p) : SVO_OK);
     SVO_I_TRY(p->list != NULL ? sort_lists(p) : SVO_OK);
     return svo_i_stage_end(&p->build->commands, SVO_STAGE_PACK);

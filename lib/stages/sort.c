@@ -11,31 +11,18 @@
 
 /* ---- scans ---- */
 
-svo_status svo_i_scan_alloc(svo_i_build *build)
-{
-    return build->partials != NULL
-               ? SVO_OK
-               : svo_i_commands_alloc(&build->commands, "partials",
-                                      build->commands.device->scan_groups * sizeof(cl_uint4), &build->partials);
-}
-
 svo_status svo_i_scan_lists(svo_i_build *build, const svo_i_program *program, cl_mem numbers, cl_mem sums, cl_mem state,
                             svo_filter_params params)
 {
     svo_i_commands *commands = &build->commands;
     cl_program kernels = svo_i_build_program(build, program);
-    params.scan_groups = svo_i_scan_groups(commands->device, params.leaf_count);
-    const uint64_t items = (uint64_t)params.scan_groups * SVO_GROUP_ITEMS;
+    const uint64_t items = (uint64_t)svo_i_scan_groups(commands->device, params.leaf_count) * SVO_GROUP_ITEMS;
     const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
     const svo_i_argument reduce[] = {SVO_I_ARGUMENT(numbers), SVO_I_ARGUMENT(build->partials), SVO_I_ARGUMENT(state),
                                      SVO_I_ARGUMENT(params), scratch};
-    const svo_i_argument partials[] = {SVO_I_ARGUMENT(build->partials), SVO_I_ARGUMENT(sums), SVO_I_ARGUMENT(state),
-                                       SVO_I_ARGUMENT(params), scratch};
     const svo_i_argument add[] = {SVO_I_ARGUMENT(numbers), SVO_I_ARGUMENT(build->partials), SVO_I_ARGUMENT(sums),
                                   SVO_I_ARGUMENT(state),   SVO_I_ARGUMENT(params),          scratch};
     SVO_I_TRY(svo_i_commands_run(commands, kernels, "svo_k_scan_lists_reduce", SVO_I_ARGUMENTS(reduce), items));
-    SVO_I_TRY(
-        svo_i_commands_run(commands, kernels, "svo_k_scan_lists_partials", SVO_I_ARGUMENTS(partials), SVO_GROUP_ITEMS));
     return svo_i_commands_run(commands, kernels, "svo_k_scan_lists_add", SVO_I_ARGUMENTS(add), items);
 }
 
@@ -113,8 +100,9 @@ static svo_status sort_list(sorter *s)
     while (triangle_bits < 32 && (plan->triangle_count - 1) >> triangle_bits != 0) {
         ++triangle_bits;
     }
-    SVO_I_TRY(svo_i_commands_alloc(&s->build->commands, "sort_counts", cells * 4, &s->counts));
-    SVO_I_TRY(svo_i_commands_alloc(&s->build->commands, "sort_counts", (cells + 1) * 4, &s->before));
+    const svo_i_request requests[] = {{"sort_counts", cells * 4, &s->counts},
+                                      {"sort_counts", (cells + 1) * 4, &s->before}};
+    SVO_I_TRY(svo_i_commands_alloc_all(&s->build->commands, SVO_I_REQUESTS(requests)));
     if (plan->work.lists) {
         SVO_I_TRY(sort_by(s, true, triangle_bits));
     }
@@ -170,7 +158,7 @@ static svo_status run(sorter *s)
                                  "device's %llu",
                                  (unsigned long long)bytes, (unsigned long long)device->max_allocation_bytes);
     }
-    SVO_I_TRY(svo_i_scan_alloc(build));
+    SVO_I_TRY(svo_i_build_alloc_state(build));
     SVO_I_TRY(take_list(s, bytes));
     SVO_I_TRY(svo_i_commands_alloc(&build->commands, "sorted", bytes, &s->spare));
     return build->fragment_count > 0 ? sort_list(s) : SVO_OK;

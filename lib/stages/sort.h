@@ -6,15 +6,13 @@
 #include "stages/build_state.h"
 
 /*
- * Exclusive prefix sums, for stages: reduce, scan the partial sums, add. Kernels: kernels/stages/scan.cl.
+ * Exclusive prefix sums, for stages: reduce, then add. Kernels: kernels/stages/scan.cl.
  *
  * Reads: an array of numbers.
  * Writes: their sums; build->partials.
- * Needs: svo_i_scan_alloc before the first sum.
+ * Needs: svo_i_build_alloc_state before the first sum.
  */
 
-/* Allocates build->partials, unless it is there. */
-svo_status svo_i_scan_alloc(svo_i_build *build);
 /* sums[i] = numbers[0] + ... + numbers[i - 1] for i in 0 .. params.leaf_count. state: takes the count from the build's
    state on the device; NULL: params.leaf_count is the count. */
 svo_status svo_i_scan_lists(svo_i_build *build, const svo_i_program *program, cl_mem numbers, cl_mem sums, cl_mem state,

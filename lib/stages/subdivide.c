@@ -18,11 +18,12 @@
 #define DENSE_FRAGMENTS 32u
 /* The most levels of blocks, with one to spare. */
 #define BLOCK_LEVELS_MAX 7
+_Static_assert(DENSE_BLOCKS < 1u << 21, "of the levels that have all blocks, the last but one is at most level 3");
 
 typedef struct subdivider {
     svo_i_build *build;
     bool worst_case; /* every fragment may have nodes of its own */
-    cl_kernel mark, count, scan, make, clear;
+    cl_kernel mark, count, scan, make;
     cl_mem blocks, ranks;
     cl_mem masks, first_child;
     uint32_t block_begin[BLOCK_LEVELS_MAX]; /* the first block of level 0, 3, 6, ... */
@@ -39,8 +40,7 @@ static svo_status create_kernels(subdivider *s)
     } kernels[] = {{"svo_k_mark", &s->mark},
                    {"svo_k_count_blocks", &s->count},
                    {"svo_k_scan_blocks", &s->scan},
-                   {"svo_k_make_nodes", &s->make},
-                   {"svo_k_clear_blocks", &s->clear}};
+                   {"svo_k_make_nodes", &s->make}};
     for (unsigned i = 0; i < sizeof kernels / sizeof kernels[0]; ++i) {
         SVO_I_TRY(svo_i_commands_kernel(&s->build->commands, program, kernels[i].name, kernels[i].kernel));
     }
@@ -49,8 +49,8 @@ static svo_status create_kernels(subdivider *s)
 
 static void release_kernels(subdivider *s)
 {
-    cl_kernel kernels[5] = {s->mark, s->count, s->scan, s->make, s->clear};
-    for (unsigned i = 0; i < 5; ++i) {
+    cl_kernel kernels[4] = {s->mark, s->count, s->scan, s->make};
+    for (unsigned i = 0; i < 4; ++i) {
         if (kernels[i] != NULL) {
             clReleaseKernel(kernels[i]);
         }
@@ -125,8 +125,9 @@ static svo_status alloc_blocks(subdivider *s)
     }
     s->params.rank_blocks = (cl_uint)ranked;
     s->params.dense_begin = s->block_begin[s->params.dense / 3];
-    SVO_I_TRY(svo_i_commands_alloc(commands, "blocks", total * BLOCK_BYTES, &s->blocks));
-    return svo_i_commands_alloc(commands, "block_ranks", ranked * RANK_BYTES, &s->ranks);
+    const svo_i_request requests[] = {{"blocks", total * BLOCK_BYTES, &s->blocks},
+                                      {"block_ranks", ranked * RANK_BYTES, &s->ranks}};
+    return svo_i_commands_alloc_all(commands, SVO_I_REQUESTS(requests));
 }
 
 /* Clears the blocks of the dense levels and initializes the state to a root without children. */
@@ -139,7 +140,6 @@ static svo_status begin(subdivider *s)
     }
     const uint64_t first_blocks = s->params.dense_begin + dense_blocks(s, s->params.dense);
     SVO_I_TRY(svo_i_build_put_state(build, root_alone));
-    SVO_I_TRY(svo_i_scan_alloc(build));
     return svo_i_commands_fill_zero(&build->commands, s->blocks, first_blocks * BLOCK_BYTES);
 }
 
@@ -180,16 +180,6 @@ static svo_status make_nodes(subdivider *s)
     return svo_i_commands_launch(&build->commands, s->make, SVO_I_ARGUMENTS(make), items);
 }
 
-/* Clears the blocks of params.level. */
-static svo_status clear_blocks(subdivider *s)
-{
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(s->blocks), SVO_I_ARGUMENT(s->build->state),
-                                        SVO_I_ARGUMENT(s->params)};
-    const uint64_t groups = svo_i_scan_groups(s->build->commands.device,
-                                              most_blocks(s, s->params.level) * (SVO_SCAN_TILE / SVO_GROUP_ITEMS));
-    return svo_i_commands_launch(&s->build->commands, s->clear, SVO_I_ARGUMENTS(arguments), groups * SVO_GROUP_ITEMS);
-}
-
 /* Copies the fragment count, which the host does not know, to the state. */
 static svo_status take_count(subdivider *s)
 {
@@ -205,22 +195,6 @@ static svo_status mark_above(subdivider *s)
 {
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(s->blocks), SVO_I_ARGUMENT(s->params)};
     return run_once(s, "svo_k_mark_above", SVO_I_ARGUMENTS(arguments), dense_blocks(s, s->params.level + 3) / 8);
-}
-
-static svo_status find_leaves(subdivider *s)
-{
-    svo_i_build *build = s->build;
-    svo_blocks_params params = s->params;
-    params.level = s->last;
-    for (uint32_t i = 0; i < build->list.chunk_count; ++i) {
-        const svo_i_fragments *chunk = &build->list.chunks[i];
-        params.fragment_count = (cl_uint)chunk->needed;
-        const svo_i_argument arguments[] = {SVO_I_ARGUMENT(chunk->buffer), SVO_I_ARGUMENT(s->blocks),
-                                            SVO_I_ARGUMENT(s->ranks),      SVO_I_ARGUMENT(build->cursors[i]),
-                                            SVO_I_ARGUMENT(build->state),  SVO_I_ARGUMENT(params)};
-        SVO_I_TRY(run_once(s, "svo_k_find_leaves", SVO_I_ARGUMENTS(arguments), chunk->needed));
-    }
-    return SVO_OK;
 }
 
 /* Sets the parameters to blocks of a level. The nodes of the three levels below have limited room: where they have
@@ -240,22 +214,50 @@ static void set_level(subdivider *s, uint32_t level_of_blocks)
     }
 }
 
+/* Makes the nodes of the levels above the last that has all blocks, but at least those of level 0. */
+static svo_status make_top(subdivider *s)
+{
+    set_level(s, 0);
+    const svo_blocks_params first = s->params;
+    set_level(s, s->params.dense > 3 ? 3 : 0);
+    const svo_i_argument arguments[] = {
+        SVO_I_ARGUMENT(s->blocks),       SVO_I_ARGUMENT(s->ranks),
+        SVO_I_ARGUMENT(s->masks),        SVO_I_ARGUMENT(s->first_child),
+        SVO_I_ARGUMENT(s->build->state), SVO_I_ARGUMENT(first),
+        SVO_I_ARGUMENT(s->params),       SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint4))};
+    return run_once(s, "svo_k_make_top", SVO_I_ARGUMENTS(arguments), SVO_GROUP_ITEMS);
+}
+
+static svo_status find_leaves(subdivider *s)
+{
+    svo_i_build *build = s->build;
+    svo_blocks_params params = s->params;
+    params.level = s->last;
+    for (uint32_t i = 0; i < build->list.chunk_count; ++i) {
+        const svo_i_fragments *chunk = &build->list.chunks[i];
+        params.fragment_count = (cl_uint)chunk->needed;
+        const svo_i_argument arguments[] = {SVO_I_ARGUMENT(chunk->buffer), SVO_I_ARGUMENT(s->blocks),
+                                            SVO_I_ARGUMENT(s->ranks),      SVO_I_ARGUMENT(build->cursors[i]),
+                                            SVO_I_ARGUMENT(build->state),  SVO_I_ARGUMENT(params)};
+        SVO_I_TRY(run_once(s, "svo_k_find_leaves", SVO_I_ARGUMENTS(arguments), chunk->needed));
+    }
+    return SVO_OK;
+}
+
 static svo_status run_levels(subdivider *s)
 {
     const uint32_t dense = s->params.dense;
     set_level(s, dense);
     SVO_I_TRY(s->build->list.counters != NULL ? take_count(s) : SVO_OK);
     SVO_I_TRY(mark(s));
-    for (uint32_t level = dense; level > 0; level -= 3) {
+    for (uint32_t level = dense; level > 3; level -= 3) {
         set_level(s, level - 3);
         SVO_I_TRY(mark_above(s));
     }
-    for (uint32_t level = 0; level <= s->last; level += 3) {
+    SVO_I_TRY(make_top(s));
+    for (uint32_t level = dense > 0 ? dense : 3; level <= s->last; level += 3) {
         set_level(s, level);
-        if (level > dense) {
-            SVO_I_TRY(clear_blocks(s));
-            SVO_I_TRY(mark(s));
-        }
+        SVO_I_TRY(level > dense ? mark(s) : SVO_OK);
         SVO_I_TRY(make_nodes(s));
     }
     return SVO_OK;

@@ -140,8 +140,8 @@ static svo_status upload(run *r, const svo_i_fragment_list *list)
     const uint64_t items = plan->class_begin[SVO_I_CLASS_COUNT] + (plan->update != NULL ? UINT64_C(1) : 0);
     svo_i_stage_begin(r->commands);
     SVO_I_TRY(svo_i_build_mesh_get(r->commands, &r->mesh));
-    SVO_I_TRY(svo_i_commands_take(r->commands, "mesh_items", plan->items, plan->memory.items,
-                                  items * sizeof(svo_draw_item), &r->items));
+    SVO_I_TRY(svo_i_commands_borrow(r->commands, "mesh_items", plan->items, plan->memory.items,
+                                    items * sizeof(svo_draw_item), &r->items));
     SVO_I_TRY(upload_counters(r, list));
     return svo_i_stage_end(r->commands, SVO_STAGE_TRANSFER);
 }

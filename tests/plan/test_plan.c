@@ -357,8 +357,9 @@ static void unrequested_data_is_absent(void **state)
             continue;
         }
         const uint32_t need = bits == 0 ? (uint32_t)SVO_NEED_NONE : bits;
+        const svo_plan_options options = {.need = need, .place = SVO_PLACE_HOST};
         built actual;
-        fixture_build(opened, &mesh, 7, &(svo_plan_options){.need = need}, &actual);
+        fixture_build(opened, &mesh, 7, &options, &actual);
         assert_int_equal(actual.plan.need, bits);
         assert_int_equal(actual.info.need, bits);
         if (bits == 0) {
@@ -374,7 +375,7 @@ static void unrequested_data_is_absent(void **state)
         assert_int_equal(actual.report.stage_times[SVO_STAGE_LINK].clock != NULL,
                          (bits & (SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_FILL | SVO_NEED_PROJECTED_AREA)) != 0);
         svo_buffer_info predicted[FIXTURE_BUFFERS_MAX] = {{0}};
-        const size_t count = predicted_buffers(opened, &mesh, &(svo_plan_options){.need = need}, predicted);
+        const size_t count = predicted_buffers(opened, &mesh, &options, predicted);
         assert_plan_has_what_is_needed(predicted, count, bits);
         assert_prediction_holds(&actual, predicted);
         built_destroy(&actual);

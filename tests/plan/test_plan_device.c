@@ -253,7 +253,7 @@ static void both_plans_build_the_same_tree(void **state)
         fixture_build(&opened, &made.mesh, 6, &options, &device);
         assert_int_equal(device.plan.place, SVO_PLACE_DEVICE);
         assert_string_equal(host.hash, device.hash);
-        assert_int_equal(host.buffer_count, device.buffer_count);
+        assert_true(host.buffer_count > device.buffer_count); /* the mesh is on the device already */
         built_destroy(&host);
         built_destroy(&device);
     }

@@ -69,6 +69,20 @@ cl_int __real_clEnqueueWriteBuffer(cl_command_queue queue, cl_mem buffer, cl_boo
                                    const void *from, cl_uint num_wait, const cl_event *wait, cl_event *event);
 cl_int __wrap_clEnqueueWriteBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset, size_t bytes,
                                    const void *from, cl_uint num_wait, const cl_event *wait, cl_event *event);
+cl_int __real_clEnqueueFillBuffer(cl_command_queue queue, cl_mem buffer, const void *pattern, size_t pattern_bytes,
+                                  size_t offset, size_t bytes, cl_uint num_wait, const cl_event *wait, cl_event *event);
+cl_int __wrap_clEnqueueFillBuffer(cl_command_queue queue, cl_mem buffer, const void *pattern, size_t pattern_bytes,
+                                  size_t offset, size_t bytes, cl_uint num_wait, const cl_event *wait, cl_event *event);
+cl_int __real_clEnqueueCopyBuffer(cl_command_queue queue, cl_mem from, cl_mem to, size_t from_offset, size_t to_offset,
+                                  size_t bytes, cl_uint num_wait, const cl_event *wait, cl_event *event);
+cl_int __wrap_clEnqueueCopyBuffer(cl_command_queue queue, cl_mem from, cl_mem to, size_t from_offset, size_t to_offset,
+                                  size_t bytes, cl_uint num_wait, const cl_event *wait, cl_event *event);
+void *__real_clEnqueueMapBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, cl_map_flags flags,
+                                size_t offset, size_t bytes, cl_uint num_wait, const cl_event *wait, cl_event *event,
+                                cl_int *error);
+void *__wrap_clEnqueueMapBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, cl_map_flags flags,
+                                size_t offset, size_t bytes, cl_uint num_wait, const cl_event *wait, cl_event *event,
+                                cl_int *error);
 cl_int __real_clWaitForEvents(cl_uint num_wait, const cl_event *wait);
 cl_int __wrap_clWaitForEvents(cl_uint num_wait, const cl_event *wait);
 cl_int __real_clFinish(cl_command_queue queue);
@@ -239,6 +253,7 @@ cl_int __wrap_clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool
                                   void *to, cl_uint num_wait, const cl_event *wait, cl_event *event)
 {
     notes.figures.read_bytes += bytes;
+    notes.figures.reads += blocking != CL_FALSE ? 1 : 0;
     notes.figures.waits += blocking != CL_FALSE ? 1 : 0;
     return __real_clEnqueueReadBuffer(queue, buffer, blocking, offset, bytes, to, num_wait, wait, event);
 }
@@ -246,9 +261,34 @@ cl_int __wrap_clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool
 cl_int __wrap_clEnqueueWriteBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset, size_t bytes,
                                    const void *from, cl_uint num_wait, const cl_event *wait, cl_event *event)
 {
+    ++notes.figures.writes;
     notes.figures.written_bytes += bytes;
     notes.figures.waits += blocking != CL_FALSE ? 1 : 0;
     return __real_clEnqueueWriteBuffer(queue, buffer, blocking, offset, bytes, from, num_wait, wait, event);
+}
+
+cl_int __wrap_clEnqueueFillBuffer(cl_command_queue queue, cl_mem buffer, const void *pattern, size_t pattern_bytes,
+                                  size_t offset, size_t bytes, cl_uint num_wait, const cl_event *wait, cl_event *event)
+{
+    ++notes.figures.fills;
+    notes.figures.filled_bytes += bytes;
+    return __real_clEnqueueFillBuffer(queue, buffer, pattern, pattern_bytes, offset, bytes, num_wait, wait, event);
+}
+
+cl_int __wrap_clEnqueueCopyBuffer(cl_command_queue queue, cl_mem from, cl_mem to, size_t from_offset, size_t to_offset,
+                                  size_t bytes, cl_uint num_wait, const cl_event *wait, cl_event *event)
+{
+    ++notes.figures.copies;
+    return __real_clEnqueueCopyBuffer(queue, from, to, from_offset, to_offset, bytes, num_wait, wait, event);
+}
+
+void *__wrap_clEnqueueMapBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, cl_map_flags flags,
+                                size_t offset, size_t bytes, cl_uint num_wait, const cl_event *wait, cl_event *event,
+                                cl_int *error)
+{
+    notes.figures.reads += blocking != CL_FALSE ? 1 : 0;
+    notes.figures.waits += blocking != CL_FALSE ? 1 : 0;
+    return __real_clEnqueueMapBuffer(queue, buffer, blocking, flags, offset, bytes, num_wait, wait, event, error);
 }
 
 cl_int __wrap_clWaitForEvents(cl_uint num_wait, const cl_event *wait)
@@ -271,6 +311,7 @@ cl_int __wrap_clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, c
         ++notes.figures.failed_launches;
         return CL_INVALID_KERNEL_ARGS;
     }
+    ++notes.figures.launches;
     notes.figures.launched_items += dimensions == 1 ? global[0] : 0;
     return __real_clEnqueueNDRangeKernel(queue, kernel, dimensions, offset, global, local, num_wait, wait, event);
 }

@@ -30,10 +30,15 @@ typedef struct counted {
     uint64_t programs; /* successful calls of clCreateProgramWithSource */
     uint64_t builds, built_kernels; /* programs compiled by clBuildProgram, and their kernels */
     uint64_t kernels; /* successful calls of clCreateKernel */
+    uint64_t launches; /* of kernels */
     uint64_t launched_items; /* work-items of all launches of one dimension */
-    uint64_t waits; /* calls of clWaitForEvents and clFinish, and blocking reads and writes */
+    uint64_t waits; /* calls of clWaitForEvents and clFinish, and blocking reads, maps and writes */
+    uint64_t reads; /* blocking reads and maps */
     uint64_t read_bytes; /* that clEnqueueReadBuffer has brought to the host */
-    uint64_t written_bytes; /* that clEnqueueWriteBuffer has brought to the device */
+    uint64_t writes; /* calls of clEnqueueWriteBuffer */
+    uint64_t written_bytes; /* that they have brought to the device */
+    uint64_t fills, filled_bytes; /* calls of clEnqueueFillBuffer */
+    uint64_t copies; /* calls of clEnqueueCopyBuffer */
     uint64_t failed_launches; /* as requested by counting_fail_launch */
 } counted;
 
