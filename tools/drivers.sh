@@ -34,8 +34,8 @@ intel_runner()
 
 # --- a part of the tests ---------------------------------------------------------------------------------------------
 
-# As in tools/matrix.sh. Each run compiles for five to ten seconds, so there are few: every stage by every builder and the
-# kernels of each path; a plan by kernels; light; hits.
+# As in tools/matrix.sh. Each run compiles for five to ten seconds, so there are few: every stage by every builder and
+# the kernels of each path; a plan by kernels; light; hits.
 readonly foreign_case="scene:cornell:60 -d 4 --need $matrix_all"
 readonly foreign_plan="scene:knot:140000 -d 5 --need normal"
 readonly foreign_light="scene:cornell:60 -d 4 --need color,rays,fill --light bricks"

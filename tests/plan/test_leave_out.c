@@ -220,7 +220,7 @@ static void each_payload(void **state)
 static void projected_areas(void **state)
 {
     (void)state;
-    static const char *const buffers[] = {"areas", "records", "vertices", "vertex_remainders", "heads"};
+    static const char *const buffers[] = {"heads", "areas", "records", "vertices", "vertex_remainders"};
     sheet_mesh sheet;
     measured less;
     measured full;
@@ -234,9 +234,10 @@ static void projected_areas(void **state)
     assert_only_less_leaves_out(&less, &full, "mesh attributes");
     assert_only_less_leaves_out(&less, &full, "projected area");
     assert_only_full_has_define(&less, &full, "SVO_AREAS");
-    assert_only_full_has_kernel(&less, &full, "svo_k_gather_level");
+    const bool lanes = fixture_has_pair_lanes(&full.opened);
+    assert_only_full_has_kernel(&less, &full, lanes ? "svo_k_gather_level" : "svo_k_gather_pairs");
     assert_false(measured_has_kernel(&full, "svo_k_filter"));
-    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
+    for (size_t i = lanes ? 0 : 1; i < sizeof buffers / sizeof buffers[0]; ++i) { /* single pairs have no heads */
         assert_only_full_has_buffer(&less, &full, buffers[i]);
     }
     assert_null(measured_buffer(&full, "weights"));
@@ -746,12 +747,13 @@ static void kernels_and_launches_that_a_build_does_not_need(void **state)
     struct scene *made = fixture_scene("knot:300");
     fixture opened;
     fixture_open_cl(&(fixture_options){0}, &opened);
+    const uint64_t lists = fixture_has_pair_lanes(&opened) ? 0 : 1; /* single pairs are gathered from sorted lists */
     for (size_t i = 0; i < sizeof needs / sizeof needs[0]; ++i) {
         const svo_plan_options options = {.need = needs[i]};
         built actual;
         counting_begin();
         fixture_build(&opened, scene_mesh(made), 4, &options, &actual);
-        assert_int_equal(counting_read().builds, programs[i]);
+        assert_int_equal(counting_read().builds, programs[i] + (i == 0 ? lists : 0));
         if (i == 1) {
             assert_non_null(strstr(counting_options(0), "SVO_NORMAL"));
             assert_null(strstr(counting_kernels(0), "svo_k_make_nodes"));
