@@ -394,12 +394,15 @@ static svo_status choose_widths(svo_device *handle, cl_device_id device, svo_mes
 static svo_status query_properties(svo_device *handle, cl_device_id device, svo_message *message)
 {
     cl_device_type type = 0;
+    cl_device_fp_config floats = 0;
     SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_TYPE, sizeof type, &type, CREATE, message));
     SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof(cl_ulong),
                                     &handle->max_allocation_bytes, CREATE, message));
     SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof(cl_ulong), &handle->global_bytes, CREATE,
                                     message));
+    SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_SINGLE_FP_CONFIG, sizeof floats, &floats, CREATE, message));
     handle->is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
+    handle->rounds_quotients = (floats & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
     return find_extension(handle, device, "cl_khr_fp64", &handle->has_fp64, message);
 }
 

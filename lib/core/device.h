@@ -58,6 +58,7 @@ struct svo_device {
     uint32_t scan_groups; /* the most groups that divide an array among them; on GPUs by its compute units */
     uint32_t sort_groups; /* groups of a sort, likewise */
     bool has_fp64; /* kernels have cl_khr_fp64 */
+    bool rounds_quotients; /* of floats, and roots, correctly: programs are compiled so */
     cl_uint band_tiles; /* tiles of a picture in one launch, so that none takes long enough for a driver to end it */
     svo_i_budget *budget; /* NULL: none */
     svo_i_attachment *attachments; /* compiled programs, and what else is kept until the handle is destroyed */

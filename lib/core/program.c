@@ -30,9 +30,10 @@ static void release_program(svo_i_attachment *attachment)
     svo_i_free(compiled);
 }
 
-void svo_i_program_options(const char *defines, char options[SVO_I_PROGRAM_OPTIONS_BYTES])
+void svo_i_program_options(const svo_device *device, const char *defines, char options[SVO_I_PROGRAM_OPTIONS_BYTES])
 {
-    (void)snprintf(options, SVO_I_PROGRAM_OPTIONS_BYTES, "-cl-std=CL1.2%s", defines);
+    (void)snprintf(options, SVO_I_PROGRAM_OPTIONS_BYTES, "-cl-std=CL1.2%s%s",
+                   device->rounds_quotients ? " -cl-fp32-correctly-rounded-divide-sqrt" : "", defines);
 }
 
 /* The hash of a program's text, which is not put together for it. */
@@ -186,7 +187,7 @@ static svo_status compile_text(svo_device *device, const char *function, const c
 {
     const char *call = NULL;
     char options[SVO_I_PROGRAM_OPTIONS_BYTES];
-    svo_i_program_options(defines, options);
+    svo_i_program_options(device, defines, options);
     if (build_short(device, source, options, out)) {
         return SVO_OK;
     }

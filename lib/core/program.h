@@ -30,10 +30,10 @@ svo_status svo_i_program_get(svo_device *device, const char *function, const svo
 /* Whether the device has the program. */
 bool svo_i_program_known(const svo_device *device, const svo_i_program *program, const char *defines);
 
-/* The options that a program is compiled with. */
+/* The options that a program is compiled with on a device. */
 #define SVO_I_PROGRAM_DEFINES_BYTES 512
-#define SVO_I_PROGRAM_OPTIONS_BYTES (SVO_I_PROGRAM_DEFINES_BYTES + 32)
-void svo_i_program_options(const char *defines, char options[SVO_I_PROGRAM_OPTIONS_BYTES]);
+#define SVO_I_PROGRAM_OPTIONS_BYTES (SVO_I_PROGRAM_DEFINES_BYTES + 64)
+void svo_i_program_options(const svo_device *device, const char *defines, char options[SVO_I_PROGRAM_OPTIONS_BYTES]);
 
 /* Most bytes of a program's name, and those of a hash as text. */
 #define SVO_I_PROGRAM_NAME_BYTES 64
