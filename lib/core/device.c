@@ -460,6 +460,7 @@ svo_status svo_device_create(cl_context context, cl_device_id device, const svo_
     handle->log_user = asked.log_user;
     handle->context = context;
     handle->device = device;
+    handle->tests_programs = asked.trust_driver == 0;
     handle->band_tiles = BAND_TILES;
     *out = handle;
     return SVO_OK;
