@@ -11,7 +11,7 @@ const svo_i_program svo_i_program_subdivide = {
 const svo_i_program svo_i_program_sort = {
     .name = "sort",
     .files = {&svo_i_text_stages_scan_cl, &svo_i_text_stages_sort_cl, &svo_i_text_stages_bottom_up_cl},
-    .prove = svo_i_prove_sort};
+    .prove = svo_i_prove_sorted_builder};
 const svo_i_program svo_i_program_pack = {
     .name = "pack", .files = {&svo_i_text_stages_scan_cl, &svo_i_text_stages_pack_cl}, .prove = svo_i_prove_pack};
 const svo_i_program svo_i_program_filter = {.name = "filter",
