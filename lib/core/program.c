@@ -224,7 +224,8 @@ static svo_status attach(svo_device *device, const char *function, const svo_i_p
 {
     compiled_program *compiled = svo_i_alloc_zeroed(&device->memory, 1, sizeof *compiled);
     if (compiled == NULL) {
-        return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a program", function);
+        (void)svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a program", function);
+        return SVO_OUT_OF_HOST_MEMORY;
     }
     compiled->program = program;
     compiled->entry = *entry;

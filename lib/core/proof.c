@@ -50,9 +50,12 @@ svo_status svo_i_proof_fail(svo_i_proof *proof, const char *kernel)
 svo_status svo_i_proof_alloc(svo_i_proof *proof, size_t bytes, void **out)
 {
     *out = svo_i_alloc_zeroed(&proof->work.device->memory, 1, bytes);
-    return *out != NULL ? SVO_OK
-                        : svo_i_device_fail(proof->work.device, SVO_OUT_OF_HOST_MEMORY,
-                                            "%s: no memory to test kernels with", proof->work.function);
+    if (*out == NULL) {
+        (void)svo_i_device_fail(proof->work.device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory to test kernels with",
+                                proof->work.function);
+        return SVO_OUT_OF_HOST_MEMORY;
+    }
+    return SVO_OK;
 }
 
 svo_status svo_i_proof_expect(svo_i_proof *proof, const char *kernel, cl_mem buffer, const void *expected, size_t bytes)
@@ -107,7 +110,7 @@ static void fill_scan(scan_case *c)
         c->group_sums[i / group_numbers] += c->numbers[i];
     }
     for (uint32_t group = 0; group < GROUPS; ++group) {
-        c->group_begins[group] = c->sums[group * group_numbers];
+        c->group_begins[group] = c->sums[(size_t)group * group_numbers];
     }
     uint32_t *const total = &c->total_alone[NUMBERS];
     for (uint32_t i = 0; i < PARTIALS; ++i) {
@@ -234,8 +237,8 @@ static void fill_arithmetic(arithmetic_case *c)
 /* Takes over what was not asked of the device: doubles, quotients and roots. */
 static void forgive(const svo_device *device, arithmetic_case *c)
 {
-    for (size_t i = 0; i < FACTORS * SVO_ARITHMETIC_WORDS; ++i) {
-        const size_t word = i % SVO_ARITHMETIC_WORDS;
+    for (uint32_t i = 0; i < FACTORS * SVO_ARITHMETIC_WORDS; ++i) {
+        const uint32_t word = i % SVO_ARITHMETIC_WORDS;
         const bool is_quotient = word == 2 || word == 3;
         if (is_quotient ? !device->rounds_quotients : word > 3 && !device->has_fp64) {
             c->expected[i] = c->found[i];

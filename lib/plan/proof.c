@@ -30,9 +30,9 @@ static void fill_totals(totals_case *c, bool largest)
 {
     uint64_t random = 6;
     memset(c->totals, 0, sizeof c->totals);
-    for (size_t i = 0; i < ROWS * SVO_PLAN_SUMS; ++i) {
-        const size_t column = i % SVO_PLAN_SUMS;
-        const size_t row = i / SVO_PLAN_SUMS;
+    for (uint32_t i = 0; i < ROWS * SVO_PLAN_SUMS; ++i) {
+        const uint32_t column = i % SVO_PLAN_SUMS;
+        const uint32_t row = i / SVO_PLAN_SUMS;
         const uint64_t x = svo_i_proof_next(&random);
         const uint64_t kinds[4] = {x >> 1, x << 32 >> 1, x >> 33, x & UINT64_C(0x8000000080000001)};
         const bool is_extreme = row == column % 4 * (ROWS - 1) / 3;
@@ -74,8 +74,8 @@ cleanup:
 
 /* ---- a mesh, step by step ---- */
 
-#define VERTICES  SVO_I_PROOF_VERTICES
-#define TRIANGLES SVO_I_PROOF_TRIANGLES
+#define VERTICES  ((size_t)SVO_I_PROOF_VERTICES)
+#define TRIANGLES ((size_t)SVO_I_PROOF_TRIANGLES)
 #define GROUPS    SVO_I_PROOF_GROUPS
 #define MATERIALS SVO_I_PROOF_MATERIALS
 

@@ -46,8 +46,8 @@ static void fill_positions(svo_i_proof_mesh *c)
     }
     static const float odd[9] = {-0.0F, 1e-40F, 0.0F, INFINITY, 0.5F, NAN, 0.25F, 3e6F, -2e9F};
     for (size_t i = 0; i < 9; ++i) {
-        c->floats[4 * SOLIDS * 3 + i] = odd[i];
-        c->doubles[4 * SOLIDS * 3 + i] = (double)odd[i];
+        c->floats[(size_t)12 * SOLIDS + i] = odd[i];
+        c->doubles[(size_t)12 * SOLIDS + i] = (double)odd[i];
     }
 }
 
@@ -245,10 +245,10 @@ static void expect_rows(svo_i_proof_mesh *c)
     svo_plan *plan = c->plan;
     const svo_i_sums before = plan->sums;
     uint32_t kept = 0;
-    for (size_t begin = 0; begin < TRIANGLES; begin += RUN) {
+    for (uint32_t begin = 0; begin < TRIANGLES; begin += RUN) {
         uint64_t *const row = c->rows[begin / SVO_SCAN_TILE];
         plan->sums = (svo_i_sums){0, 0, 0};
-        for (size_t t = begin; t < begin + RUN && t < TRIANGLES; ++t) {
+        for (uint32_t t = begin; t < begin + RUN && t < TRIANGLES; ++t) {
             const uint32_t fate = c->fates[t] & SVO_FATE_MASK;
             ++row[fate];
             if (fate < SVO_I_CLASS_COUNT) {

@@ -130,13 +130,13 @@ static svo_status expect_filtered(svo_i_proof *proof, const filter_case *c, cons
                                   const sum_buffers *nodes, const cl_mem payload[3])
 {
     const size_t children = c->child_count;
-    SVO_I_TRY(svo_i_proof_expect(proof, kernel, nodes->weights, c->nodes.weights, NODES * 8));
+    SVO_I_TRY(svo_i_proof_expect(proof, kernel, nodes->weights, c->nodes.weights, (size_t)NODES * 8));
     if (svo_i_proof_defines(proof, "SVO_COLOR")) {
-        SVO_I_TRY(svo_i_proof_expect(proof, kernel, nodes->colors, c->nodes.colors, NODES * 32));
+        SVO_I_TRY(svo_i_proof_expect(proof, kernel, nodes->colors, c->nodes.colors, (size_t)NODES * 32));
         SVO_I_TRY(svo_i_proof_expect(proof, kernel, payload[0], c->colors, children * 4));
     }
     if (svo_i_proof_defines(proof, "SVO_NORMAL")) {
-        SVO_I_TRY(svo_i_proof_expect(proof, kernel, nodes->normals, c->nodes.normals, NODES * 24));
+        SVO_I_TRY(svo_i_proof_expect(proof, kernel, nodes->normals, c->nodes.normals, (size_t)NODES * 24));
         SVO_I_TRY(svo_i_proof_expect(proof, kernel, payload[1], c->normals, children * 6));
     }
     return svo_i_proof_defines(proof, "SVO_FILL")

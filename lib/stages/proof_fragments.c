@@ -424,7 +424,7 @@ static void fill_corners(decide_case *c, uint32_t triangle, uint64_t *random)
     for (unsigned axis = 0; axis < 3; ++axis) {
         const uint32_t base = 2 * (1 + below(random, (1u << DECIDE_DEPTH) - NEAR - 2));
         for (unsigned corner = 0; corner < 3; ++corner) {
-            const size_t i = (size_t)triangle * 9 + 3 * corner + axis;
+            const size_t i = (size_t)triangle * 9 + (size_t)3 * corner + axis;
             const double place = base + below(random, 2 * NEAR) + (c->edge == 1.0 ? 0.0 : 0.25);
             const double x = nudged(c->origin[axis] + place * half, below(random, 4), c->params.is_double != 0);
             c->floats[i] = (float)x;
@@ -453,7 +453,7 @@ static void put_cells(decide_case *c, uint32_t triangle, uint64_t *random)
 static void fill_decide(decide_case *c, int coverage, bool is_double, unsigned grid)
 {
     static const double origins[2][3] = {{0.0, 0.0, 0.0}, {0.1, -3.7, 1e3}};
-    uint64_t random = 4 + 8 * (uint64_t)coverage + 2 * grid + (is_double ? 1 : 0);
+    uint64_t random = 4 + 8 * (uint64_t)coverage + UINT64_C(2) * grid + (is_double ? 1 : 0);
     memcpy(c->origin, origins[grid], sizeof c->origin);
     c->edge = grid == 0 ? 1.0 : 5.3;
     c->params = (svo_decide_params){
@@ -534,7 +534,7 @@ static svo_status prove_decisions(svo_i_proof *proof, decide_case *c)
                                       SVO_I_ARGUMENT(fragments), SVO_I_ARGUMENT(c->params)};
     const svo_i_argument keeps[] = {SVO_I_ARGUMENT(counters), SVO_I_ARGUMENT(fragments), SVO_I_ARGUMENT(c->params),
                                     SVO_I_LOCAL(sizeof(cl_uint) * SVO_GROUP_ITEMS)};
-    SVO_I_TRY(svo_i_work_launch(work, "svo_k_decide", SVO_I_ARGUMENTS(decides), 2 * SVO_GROUP_ITEMS));
+    SVO_I_TRY(svo_i_work_launch(work, "svo_k_decide", SVO_I_ARGUMENTS(decides), UINT64_C(2) * SVO_GROUP_ITEMS));
     decide_on_host(c);
     SVO_I_TRY(svo_i_proof_expect(proof, "svo_k_decide", fragments, c->words, bytes));
     SVO_I_TRY(svo_i_work_launch(work, "svo_k_keep_decided", SVO_I_ARGUMENTS(keeps), SVO_GROUP_ITEMS));

@@ -51,7 +51,8 @@ static void fill_sort(const svo_i_proof_tree *c, sort_case *s)
     memcpy(places, s->before, sizeof places);
     for (uint32_t i = 0; i < FRAGMENTS; ++i) {
         const uint32_t place = places[c->codes[i] % (SVO_SORT_DIGITS - 1) * SORT_GROUPS + i / length]++;
-        memcpy(s->moved + (size_t)place * c->word_count, c->words + (size_t)i * c->word_count, 4 * c->word_count);
+        memcpy(s->moved + (size_t)place * c->word_count, c->words + (size_t)i * c->word_count,
+               (size_t)4 * c->word_count);
     }
 }
 

@@ -195,7 +195,7 @@ static svo_status begin_blocks(svo_i_proof *proof, blocks_case *b)
     SVO_I_TRY(svo_i_work_alloc(work, "proof", sizeof b->blocks, &b->marks));
     SVO_I_TRY(svo_i_work_fill(work, b->marks, 0xa5a5a5a5u, sizeof b->blocks));
     SVO_I_TRY(svo_i_work_fill_zero(work, b->marks, (1 + DENSE_BLOCKS) * sizeof b->blocks[0]));
-    SVO_I_TRY(svo_i_work_alloc(work, "proof", BLOCKS * BLOCK_RANKS * sizeof(cl_uint), &b->ranks));
+    SVO_I_TRY(svo_i_work_alloc(work, "proof", sizeof(cl_uint) * BLOCKS * BLOCK_RANKS, &b->ranks));
     SVO_I_TRY(svo_i_work_alloc(work, "proof", SCAN_GROUPS * sizeof(cl_uint4), &b->partials));
     SVO_I_TRY(svo_i_work_alloc(work, "proof", inner, &b->masks));
     SVO_I_TRY(svo_i_work_alloc(work, "proof", (uint64_t)inner * 4, &b->first_child));
@@ -253,7 +253,7 @@ static void put_codes(const svo_i_proof_tree *c, uint32_t level, uint32_t *words
 {
     const uint32_t stride = c->word_count - 1;
     for (uint32_t i = 0; i < svo_i_proof_level_count(c, level); ++i) {
-        words[i * stride] = c->level_codes[level][i];
+        words[(size_t)i * stride] = c->level_codes[level][i];
     }
 }
 
@@ -270,7 +270,7 @@ static void flag_begins(const uint32_t *codes, uint32_t count, uint32_t shift, u
 
 static void fill_sorted(const svo_i_proof_tree *c, sorted_case *s)
 {
-    uint32_t places[FRAGMENTS];
+    uint32_t places[FRAGMENTS] = {0};
     uint32_t count = 0;
     for (uint32_t leaf = 0; leaf < svo_i_proof_level_count(c, DEPTH); ++leaf) {
         s->list_begin[leaf] = count;
@@ -285,7 +285,8 @@ static void fill_sorted(const svo_i_proof_tree *c, sorted_case *s)
         s->codes[i] = c->codes[places[i]];
         s->triangles[i] = c->triangles[places[i]];
         s->cursors[i] = c->cursors[places[i]];
-        memcpy(s->words + (size_t)i * c->word_count, c->words + (size_t)places[i] * c->word_count, 4 * c->word_count);
+        memcpy(s->words + (size_t)i * c->word_count, c->words + (size_t)places[i] * c->word_count,
+               (size_t)4 * c->word_count);
     }
     for (uint32_t level = 0; level <= DEPTH; ++level) {
         s->level_counts[level] =

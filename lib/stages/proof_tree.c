@@ -17,11 +17,11 @@ int svo_i_proof_compare_words(const void *a, const void *b)
     return x < y ? -1 : x > y ? 1 : 0;
 }
 
-uint32_t svo_i_proof_place_of(const svo_i_proof_tree *c, uint32_t level, uint32_t code)
+uint32_t svo_i_proof_place_of(const svo_i_proof_tree *tree, uint32_t level, uint32_t code)
 {
-    const uint32_t *const codes = c->level_codes[level];
+    const uint32_t *const codes = tree->level_codes[level];
     const uint32_t *found =
-        bsearch(&code, codes, svo_i_proof_level_count(c, level), sizeof *codes, svo_i_proof_compare_words);
+        bsearch(&code, codes, svo_i_proof_level_count(tree, level), sizeof *codes, svo_i_proof_compare_words);
     return (uint32_t)(found - codes);
 }
 
@@ -75,7 +75,7 @@ svo_status svo_i_proof_tree_make(svo_i_proof *proof, svo_i_proof_tree **out)
     for (uint32_t i = 0; i < FRAGMENTS; ++i) {
         c->codes[i] = code_of(i, (uint32_t)svo_i_proof_next(&random));
         c->triangles[i] = i * 211 % FRAGMENTS;
-        c->words[i * c->word_count] = c->codes[i];
+        c->words[(size_t)i * c->word_count] = c->codes[i];
         c->words[(i + 1) * c->word_count - 1] = c->triangles[i];
     }
     fill_levels(c);
@@ -84,7 +84,7 @@ svo_status svo_i_proof_tree_make(svo_i_proof *proof, svo_i_proof_tree **out)
     return SVO_OK;
 }
 
-svo_status svo_i_proof_fragments(svo_i_proof *proof, const svo_i_proof_tree *c, cl_mem *out)
+svo_status svo_i_proof_fragments(svo_i_proof *proof, const svo_i_proof_tree *tree, cl_mem *out)
 {
-    return svo_i_work_constants(&proof->work, "proof", c->words, (uint64_t)FRAGMENTS * c->word_count * 4, out);
+    return svo_i_work_constants(&proof->work, "proof", tree->words, (uint64_t)FRAGMENTS * tree->word_count * 4, out);
 }
