@@ -64,6 +64,13 @@ typedef struct svo_device_options {
     const svo_memory_callbacks *memory;
     /** Which kernels run; others than the default are for tests and comparisons. */
     svo_path path;
+    /** Not 0: kernels are used without a test. Else programs whose results are stored are tested by known answers
+     *  before their first use: their kernels run on small inputs, and the host computes what they must give. Where a
+     *  kernel gives anything else, the driver has compiled it wrongly, and what needs its program is
+     *  SVO_DEVICE_UNRELIABLE, with kernel, device and driver in the message. Plans that may be made on the host are
+     *  made there instead, and the log callback is told (SVO_LOG_WARNING). A test takes some milliseconds; the handle
+     *  remembers its outcome. */
+    uint64_t trust_driver;
 } svo_device_options;
 
 /** All defaults. */
@@ -105,7 +112,7 @@ typedef struct svo_device_info {
     cl_device_id device; /**< not retained for the caller */
     const char *name; /**< "platform: device"; lives as long as the handle */
     svo_path path; /**< that kernels take: SVO_PATH_CPU or SVO_PATH_GPU */
-    double compile_ms; /**< spent on compiling kernels so far, or on loading them from the driver's cache; wall clock */
+    double compile_ms; /**< spent on compiling, loading from the driver's cache and testing kernels; wall clock */
 } svo_device_info;
 
 /** An empty output. */

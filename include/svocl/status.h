@@ -7,8 +7,9 @@
  * not in 1 .. 16". The handle that was used keeps the line (svo_device_message); functions without a handle write it to
  * an svo_message. A tree from a file, or a compact one, belongs to no device handle before it is uploaded; what needs
  * it on a device returns SVO_NOT_ON_DEVICE, whose text (SVO_NAME_STATUS_TEXT) is the message. Any function may return
- * SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY, and one that can return SVO_CL_ERROR or SVO_GL_ERROR also
- * SVO_OUT_OF_DEVICE_MEMORY. The library never prints, exits or aborts.
+ * SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY, one that can return SVO_CL_ERROR or SVO_GL_ERROR also
+ * SVO_OUT_OF_DEVICE_MEMORY, and one that can return SVO_COMPILE_FAILED also SVO_DEVICE_UNRELIABLE
+ * (svo_device_options.trust_driver). The library never prints, exits or aborts.
  *
  * Structs that may grow begin with "size_t struct_size", which the caller sets to sizeof. Each has a macro SVO_..._INIT
  * that does so and makes everything else zero, which is the default. Sizes below that of the first release are refused
@@ -62,7 +63,8 @@ extern "C" {
     X(SVO_IMPORT_FAILED, 13, "a mesh file cannot be read")                              \
     X(SVO_INTERNAL, 14, "an invariant of the library does not hold")                    \
     X(SVO_CANCELED, 15, "the progress callback stopped the call")                       \
-    X(SVO_NOT_ON_DEVICE, 16, "the tree is not on a device; upload it first")
+    X(SVO_NOT_ON_DEVICE, 16, "the tree is not on a device; upload it first")            \
+    X(SVO_DEVICE_UNRELIABLE, 17, "a kernel gives wrong results on the device")
 
 /** \cond the enumerators are those of SVO_STATUS_LIST */
 typedef enum svo_status {

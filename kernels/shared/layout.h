@@ -22,6 +22,8 @@
 /* Work-items of a work-group. Kernels are compiled for exactly this size, but for those whose work-items have much to
    do: there each is a group of its own. */
 #define SVO_GROUP_ITEMS 64
+/* Words that kernels/shared/arithmetic.cl writes for four factors. */
+#define SVO_ARITHMETIC_WORDS 6
 /* Nodes or leaves that a work-item gathers on CPUs, where it evaluates their pairs together. */
 #define SVO_GATHER_NODES 32
 /* One group filters this level and those above, which have few nodes. */

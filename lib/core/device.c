@@ -470,6 +470,7 @@ static svo_status query_properties(svo_device *handle, cl_device_id device, svo_
 {
     cl_device_type type = 0;
     cl_uint alignment_bits = 0;
+    cl_device_fp_config floats = 0;
     SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_TYPE, sizeof type, &type, CREATE, message));
     SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof(cl_ulong),
                                     &handle->max_allocation_bytes, CREATE, message));
@@ -478,7 +479,9 @@ static svo_status query_properties(svo_device *handle, cl_device_id device, svo_
     SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_MEM_BASE_ADDR_ALIGN, sizeof alignment_bits, &alignment_bits,
                                     CREATE, message));
     handle->slot_bytes = alignment_bits >= 1024 ? alignment_bits / 8 : 128;
+    SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_SINGLE_FP_CONFIG, sizeof floats, &floats, CREATE, message));
     handle->is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
+    handle->rounds_quotients = (floats & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
     return find_extension(handle, device, "cl_khr_fp64", &handle->has_fp64, message);
 }
 
@@ -536,6 +539,7 @@ svo_status svo_device_create(cl_context context, cl_device_id device, const svo_
     handle->log_user = asked.log_user;
     handle->context = context;
     handle->device = device;
+    handle->tests_programs = asked.trust_driver == 0;
     handle->band_tiles = BAND_TILES;
     *out = handle;
     return SVO_OK;

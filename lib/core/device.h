@@ -13,6 +13,7 @@
  *   program        programs, and launches of their kernels
  *   kernel_files   compiled programs in files
  *   work           scratch buffers, copies and launches outside builds; chains of commands on any queues
+ *   proof          known answers of kernels, before a program is used
  *   mesh           meshes in buffers, read to the host
  *   tree           the tree, its arrays and its hash
  *   compact        the handle of compact trees
@@ -59,6 +60,9 @@ struct svo_device {
     uint32_t scan_groups; /* the most groups that divide an array among them; on GPUs by its compute units */
     uint32_t sort_groups; /* groups of a sort, likewise */
     bool has_fp64; /* kernels have cl_khr_fp64 */
+    bool rounds_quotients; /* of floats, and roots, correctly: programs are compiled so */
+    bool tests_programs; /* before their first use: core/proof.h */
+    bool arithmetic_is_tested; /* by one of them, for all */
     cl_uint band_tiles; /* tiles of a picture in one launch, so that none takes long enough for a driver to end it */
     svo_i_budget *budget; /* NULL: none */
     svo_i_attachment *attachments; /* compiled programs, and what else is kept until the handle is destroyed */

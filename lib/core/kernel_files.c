@@ -142,7 +142,7 @@ static svo_status make_key(svo_device *device, const char *function, const svo_i
     add_environment(key);
     add_line(key, "source", entry->source);
     add_line(key, "program", entry->name);
-    svo_i_program_options(entry->defines, options);
+    svo_i_program_options(device, entry->defines, options);
     add_line(key, "options", options);
     hash_text(XXH3_128bits(key->text, strlen(key->text)), hash);
     (void)snprintf(key->name, sizeof key->name, "%.24s" SUFFIX, hash);
@@ -402,12 +402,12 @@ static bool find_line(const kernel_file *file, const char *name, char *value, si
 }
 
 /* The program that the key names, without its binary; false where its options are not the library's. */
-static bool read_entry(const kernel_file *file, svo_i_program_entry *entry)
+static bool read_entry(const svo_device *device, const kernel_file *file, svo_i_program_entry *entry)
 {
     char options[SVO_I_PROGRAM_OPTIONS_BYTES];
     char plain[SVO_I_PROGRAM_OPTIONS_BYTES];
     *entry = (svo_i_program_entry){.program = NULL};
-    svo_i_program_options("", plain);
+    svo_i_program_options(device, "", plain);
     if (!find_line(file, "program", entry->name, sizeof entry->name) ||
         !find_line(file, "source", entry->source, sizeof entry->source) ||
         !find_line(file, "options", options, sizeof options) || strncmp(options, plain, strlen(plain)) != 0 ||
@@ -433,7 +433,7 @@ static cl_program program_of(const svo_device *device, const kernel_file *file, 
     const size_t size = file->binary_bytes;
     cl_int error = CL_SUCCESS;
     char options[SVO_I_PROGRAM_OPTIONS_BYTES];
-    svo_i_program_options(defines, options);
+    svo_i_program_options(device, defines, options);
     cl_program program = clCreateProgramWithBinary(device->context, 1, &device->device, &size, &binary, NULL, &error);
     if (error != CL_SUCCESS) {
         return NULL;
@@ -464,7 +464,7 @@ static svo_status load_program(svo_device *device, const char *path, const kerne
 {
     program_key key;
     svo_i_program_entry entry;
-    if (!read_entry(file, &entry)) {
+    if (!read_entry(device, file, &entry)) {
         return SVO_OK;
     }
     SVO_I_TRY(make_key(device, LOAD, &entry, &key));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Compiles the embedded kernels; a device handle keeps the programs. */
+/* Compiles the embedded kernels; a device handle keeps the programs, and what their tests have shown. */
 #include "core/program.h"
 
 #include <stdio.h>
@@ -15,7 +15,9 @@ typedef struct compiled_program {
     svo_i_attachment attachment;
     const svo_i_program *program; /* NULL: no room has asked for it since it was loaded */
     svo_i_program_entry entry;
-    bool is_fresh; /* loaded, and not used yet */
+    bool is_fresh; /* not used yet */
+    bool is_tested;
+    const char *wrong; /* a kernel that the test has found to be compiled wrongly; NULL: none */
 } compiled_program;
 
 extern const svo_i_kernel_text svo_i_text_shared_builtins_clh;
@@ -30,9 +32,10 @@ static void release_program(svo_i_attachment *attachment)
     svo_i_free(compiled);
 }
 
-void svo_i_program_options(const char *defines, char options[SVO_I_PROGRAM_OPTIONS_BYTES])
+void svo_i_program_options(const svo_device *device, const char *defines, char options[SVO_I_PROGRAM_OPTIONS_BYTES])
 {
-    (void)snprintf(options, SVO_I_PROGRAM_OPTIONS_BYTES, "-cl-std=CL1.2%s", defines);
+    (void)snprintf(options, SVO_I_PROGRAM_OPTIONS_BYTES, "-cl-std=CL1.2%s%s",
+                   device->rounds_quotients ? " -cl-fp32-correctly-rounded-divide-sqrt" : "", defines);
 }
 
 /* The hash of a program's text, which is not put together for it. */
@@ -186,7 +189,7 @@ static svo_status compile_text(svo_device *device, const char *function, const c
 {
     const char *call = NULL;
     char options[SVO_I_PROGRAM_OPTIONS_BYTES];
-    svo_i_program_options(defines, options);
+    svo_i_program_options(device, defines, options);
     if (build_short(device, source, options, out)) {
         return SVO_OK;
     }
@@ -215,19 +218,23 @@ static svo_status compile(svo_device *device, const char *function, const svo_i_
 }
 
 /* Attaches a program to its device, which owns it from then on; after a failure the caller still does. program: NULL
-   for one that was loaded. */
+   for one that was loaded. out: NULL allowed. */
 static svo_status attach(svo_device *device, const char *function, const svo_i_program *program,
-                         const svo_i_program_entry *entry)
+                         const svo_i_program_entry *entry, compiled_program **out)
 {
     compiled_program *compiled = svo_i_alloc_zeroed(&device->memory, 1, sizeof *compiled);
     if (compiled == NULL) {
-        return svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a program", function);
+        (void)svo_i_device_fail(device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a program", function);
+        return SVO_OUT_OF_HOST_MEMORY;
     }
     compiled->program = program;
     compiled->entry = *entry;
-    compiled->is_fresh = program == NULL;
+    compiled->is_fresh = true;
     compiled->attachment.destroy = release_program;
     svo_i_attachment_add(&device->attachments, &compiled->attachment);
+    if (out != NULL) {
+        *out = compiled;
+    }
     return SVO_OK;
 }
 
@@ -247,7 +254,7 @@ static svo_status describe(svo_device *device, const char *function, const svo_i
 
 /* Compiles a program and attaches it. */
 static svo_status make_program(svo_device *device, const char *function, const svo_i_program *program,
-                               const char *defines, cl_program *out)
+                               const char *defines, compiled_program **out)
 {
     svo_i_program_entry made = {.program = NULL};
     SVO_I_TRY(describe(device, function, program, defines, &made));
@@ -255,13 +262,37 @@ static svo_status make_program(svo_device *device, const char *function, const s
     svo_status status = compile(device, function, program, defines, &made.program);
     device->compile_ms += svo_i_now_ms() - start_ms;
     SVO_I_TRY(status);
-    status = attach(device, function, program, &made);
+    status = attach(device, function, program, &made, out);
     if (status != SVO_OK) {
         clReleaseProgram(made.program);
-        return status;
     }
-    *out = made.program;
-    return SVO_OK;
+    return status;
+}
+
+static svo_status fail_wrong(svo_device *device, const char *function, const char *kernel)
+{
+    char *driver = NULL;
+    SVO_I_TRY(
+        svo_i_device_text(device->device, CL_DRIVER_VERSION, function, &device->memory, &driver, &device->message));
+    svo_i_device_fail(device, SVO_DEVICE_UNRELIABLE, "%s: kernel %s gives wrong results on %s, driver %s", function,
+                      kernel, device->name, driver);
+    svo_i_free(driver);
+    return SVO_DEVICE_UNRELIABLE;
+}
+
+/* Tests a program that has a test, once. */
+static svo_status test_program(svo_device *device, const char *function, compiled_program *compiled)
+{
+    svo_i_prover *const prove = compiled->program->prove;
+    if (prove == NULL || compiled->is_tested || !device->tests_programs) {
+        return SVO_OK;
+    }
+    const double start_ms = svo_i_now_ms();
+    compiled->is_tested = true; /* so that the test gets the program */
+    const svo_status status = prove(device, function, &compiled->entry, &compiled->wrong);
+    compiled->is_tested = status == SVO_OK || status == SVO_DEVICE_UNRELIABLE;
+    device->compile_ms += svo_i_now_ms() - start_ms;
+    return status == SVO_DEVICE_UNRELIABLE ? SVO_OK : status;
 }
 
 svo_status svo_i_program_get(svo_device *device, const char *function, const svo_i_program *program,
@@ -269,23 +300,29 @@ svo_status svo_i_program_get(svo_device *device, const char *function, const svo
 {
     compiled_program *known = find_program(device, program, defines);
     if (known == NULL) {
-        SVO_I_TRY(make_program(device, function, program, defines, out));
-        if (fresh != NULL) {
-            *fresh = true;
-        }
-        return SVO_OK;
+        SVO_I_TRY(make_program(device, function, program, defines, &known));
+    }
+    SVO_I_TRY(test_program(device, function, known));
+    if (known->wrong != NULL) {
+        return fail_wrong(device, function, known->wrong);
     }
     *out = known->entry.program;
     if (fresh != NULL) {
         *fresh = known->is_fresh;
-        known->is_fresh = false;
     }
+    known->is_fresh = false;
     return SVO_OK;
 }
 
 bool svo_i_program_known(const svo_device *device, const svo_i_program *program, const char *defines)
 {
     return find_program(device, program, defines) != NULL;
+}
+
+bool svo_i_program_wrong(const svo_device *device, const svo_i_program *program, const char *defines)
+{
+    const compiled_program *known = find_program(device, program, defines);
+    return known != NULL && known->wrong != NULL;
 }
 
 const svo_i_program_entry *svo_i_program_at(const svo_device *device, size_t index)
@@ -299,7 +336,7 @@ const svo_i_program_entry *svo_i_program_at(const svo_device *device, size_t ind
 
 svo_status svo_i_program_add(svo_device *device, const char *function, const svo_i_program_entry *loaded)
 {
-    return attach(device, function, NULL, loaded);
+    return attach(device, function, NULL, loaded, NULL);
 }
 
 svo_status svo_i_kernel_create(svo_device *device, const char *function, cl_program program, const char *name,

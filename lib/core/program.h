@@ -11,33 +11,10 @@
 
 #define SVO_I_PROGRAM_FILES_MAX 11
 
-/* A program: kernels that are compiled together. Its room defines svo_i_program_NAME in programs.c. */
-typedef struct svo_i_program {
-    const char *name; /* in plans, and in the keys of saved kernels */
-    const svo_i_kernel_text *files[SVO_I_PROGRAM_FILES_MAX + 1]; /* those with its kernels; the rest is NULL */
-} svo_i_program;
-
-/*
- * The program with these defines, compiled on first use and owned by the device.
- *
- * function: for the message. defines: " -DSVO_COLOR -DSVO_NORMAL", a space before each; the same text for the same
- * program. fresh: receives whether this call compiled it; NULL allowed.
- * Returns SVO_COMPILE_FAILED with device, options and the first error in the message; the log callback receives the
- * whole build log.
- */
-svo_status svo_i_program_get(svo_device *device, const char *function, const svo_i_program *program,
-                             const char *defines, cl_program *out, bool *fresh);
-/* Whether the device has the program. */
-bool svo_i_program_known(const svo_device *device, const svo_i_program *program, const char *defines);
-
-/* The options that a program is compiled with. */
+/* Most bytes of a program's defines, of its name, and of a hash as text. */
 #define SVO_I_PROGRAM_DEFINES_BYTES 512
-#define SVO_I_PROGRAM_OPTIONS_BYTES (SVO_I_PROGRAM_DEFINES_BYTES + 32)
-void svo_i_program_options(const char *defines, char options[SVO_I_PROGRAM_OPTIONS_BYTES]);
-
-/* Most bytes of a program's name, and those of a hash as text. */
-#define SVO_I_PROGRAM_NAME_BYTES 64
-#define SVO_I_HASH_BYTES         33
+#define SVO_I_PROGRAM_NAME_BYTES    64
+#define SVO_I_HASH_BYTES            33
 
 /* A program that a device has, or that was saved: it is known by its name and the hash of its source. */
 typedef struct svo_i_program_entry {
@@ -46,6 +23,42 @@ typedef struct svo_i_program_entry {
     char defines[SVO_I_PROGRAM_DEFINES_BYTES];
     cl_program program; /* owned by the device */
 } svo_i_program_entry;
+
+/*
+ * Runs kernels of a program on inputs whose results the host knows (core/proof.h).
+ *
+ * function: for the message. wrong: receives the name of a kernel that gave another result, a static string; it has no
+ * message then.
+ * Returns SVO_DEVICE_UNRELIABLE with such a kernel.
+ */
+typedef svo_status svo_i_prover(svo_device *device, const char *function, const svo_i_program_entry *made,
+                                const char **wrong);
+
+/* A program: kernels that are compiled together. Its room defines svo_i_program_NAME in programs.c. */
+typedef struct svo_i_program {
+    const char *name; /* in plans, and in the keys of saved kernels */
+    const svo_i_kernel_text *files[SVO_I_PROGRAM_FILES_MAX + 1]; /* those with its kernels; the rest is NULL */
+    svo_i_prover *prove; /* NULL: nothing stored rests on it */
+} svo_i_program;
+
+/*
+ * The program with these defines, compiled and tested on first use and owned by the device.
+ *
+ * function: for the message. defines: " -DSVO_COLOR -DSVO_NORMAL", a space before each; the same text for the same
+ * program. fresh: receives whether this call compiled it; NULL allowed.
+ * Returns SVO_COMPILE_FAILED with device, options and the first error in the message; the log callback receives the
+ * whole build log. SVO_DEVICE_UNRELIABLE, with kernel, device and driver, at every call for a program that failed its
+ * test.
+ */
+svo_status svo_i_program_get(svo_device *device, const char *function, const svo_i_program *program,
+                             const char *defines, cl_program *out, bool *fresh);
+/* Whether the device has the program, and whether it has failed its test. */
+bool svo_i_program_known(const svo_device *device, const svo_i_program *program, const char *defines);
+bool svo_i_program_wrong(const svo_device *device, const svo_i_program *program, const char *defines);
+
+/* The options that a program is compiled with on a device. */
+#define SVO_I_PROGRAM_OPTIONS_BYTES (SVO_I_PROGRAM_DEFINES_BYTES + 64)
+void svo_i_program_options(const svo_device *device, const char *defines, char options[SVO_I_PROGRAM_OPTIONS_BYTES]);
 
 /* The device's programs by their index; NULL beyond the last. */
 const svo_i_program_entry *svo_i_program_at(const svo_device *device, size_t index);

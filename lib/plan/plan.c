@@ -7,6 +7,7 @@
 #include "plan/plan.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "core/mesh.h"
@@ -85,6 +86,7 @@ static bool prefers_kernels(svo_device *device, const char *function, uint64_t t
     device->planned_triangles += triangles;
     return (svo_i_program_known(device, &svo_i_program_plan, "") ||
             device->planned_triangles >= SVO_I_LOAD_TRIANGLES) &&
+           !svo_i_program_wrong(device, &svo_i_program_plan, "") &&
            find_doubles(device, function, &has_doubles) == SVO_OK && has_doubles;
 }
 
@@ -141,6 +143,14 @@ static void start_over(svo_plan *plan, const svo_plan *before)
     plan->progress = progress;
 }
 
+/* Says that the plan's kernels are not used on the device from now on, and why. */
+static void warn_unreliable(const svo_device *device)
+{
+    char text[SVO_MESSAGE_BYTES + 64];
+    (void)snprintf(text, sizeof text, "%s; plans are made on the host", device->message.text);
+    svo_i_device_log(device, SVO_LOG_WARNING, text);
+}
+
 /* Takes the mesh into a plan: the grid, the draw items, the payload inputs. The bytes are the same in both places. */
 static svo_status take_mesh(svo_plan *plan, const svo_i_plan_input *input)
 {
@@ -153,7 +163,9 @@ static svo_status take_mesh(svo_plan *plan, const svo_i_plan_input *input)
         return take_on_host(plan, input);
     }
     const svo_status status = take_on_device(plan, input);
-    if (status != SVO_OUT_OF_DEVICE_MEMORY && status != SVO_COMPILE_FAILED) {
+    if (status == SVO_DEVICE_UNRELIABLE) {
+        warn_unreliable(plan->device);
+    } else if (status != SVO_OUT_OF_DEVICE_MEMORY && status != SVO_COMPILE_FAILED) {
         return status;
     }
     start_over(plan, &before);

@@ -17,6 +17,7 @@
  *   accounts       what a running call tells its callback, and the bytes that it holds
  *   update         plans whose mesh moves
  *   part           the header of all parts of a tree
+ *   proof          known answers of the kernels (core/proof.h), on the meshes of proof_mesh
  */
 #ifndef SVO_LIB_PLAN_PLAN_DATA_H
 #define SVO_LIB_PLAN_PLAN_DATA_H

@@ -7,4 +7,7 @@
 
 extern const svo_i_program svo_i_program_plan;
 
+/* Known answers of the program: proof.c. */
+svo_i_prover svo_i_prove_plan;
+
 #endif

@@ -14,6 +14,7 @@
  *   pack         lists and ranges of leaves
  *   material     the material of each node
  *   filter       colors, normals and fills of all nodes, projected areas of leaves
+ *   proof_*      known answers of the programs (core/proof.h): fragments, nodes and lists, filter
  */
 #ifndef SVO_LIB_STAGES_BUILD_STATE_H
 #define SVO_LIB_STAGES_BUILD_STATE_H

@@ -139,6 +139,7 @@ ERRORS = {
     "INTERNAL": ("InternalError", "Error"),
     "CANCELED": ("CanceledError", "Error"),
     "NOT_ON_DEVICE": ("NotOnDeviceError", "InvalidArgumentError"),
+    "DEVICE_UNRELIABLE": ("DeviceUnreliableError", "Error"),
 }
 
 HEAD = '''# SPDX-License-Identifier: MIT

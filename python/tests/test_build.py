@@ -186,6 +186,12 @@ def test_every_status_has_a_class_of_its_own():
     assert str(_errors.error(svocl.Status.NO_DEVICE)) == "no OpenCL platform or device fits"
 
 
+def test_a_trusted_driver_gives_the_same_tree(device, cube):
+    with svocl.Device(trust_driver=True) as trusted:
+        assert trusted.build(cube, 4).hash() == device.build(cube, 4).hash()
+    assert issubclass(svocl.DeviceUnreliableError, svocl.Error)
+
+
 def test_a_picture(device, cube):
     with device.build(cube, 4) as tree:
         camera = tree.frame(4 / 3)

@@ -649,6 +649,7 @@ static void every_launch_matches_its_kernel(void **state)
     (void)state;
     fixture opened;
     fixture_open_cl(&(fixture_options){.share = SVO_GL_SHARE_AUTO}, &opened);
+    opened.device->tests_programs = false; /* so that what is launched is what builds and queries launch */
     painted_mesh painted;
     painted_mesh_create(300, &painted);
     built tree;
@@ -668,6 +669,8 @@ static void every_launch_matches_its_kernel(void **state)
     move_all(&opened, &painted.mesh);
     move_as_on_gpus(&opened, &painted.mesh);
     const char *unused = find_unused(&opened);
+    opened.device->tests_programs = true; /* by svo_k_arithmetic too, which has no other use */
+    query_all(&opened, tree.tree);
     size_t kernels = 0;
     for (size_t i = 0; kernel_files[i] != NULL; ++i) {
         kernels += check_all_launched(kernel_files[i]->text, unused);

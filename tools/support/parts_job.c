@@ -35,6 +35,7 @@ int parts_fail(program *state, svo_status status, const char *message)
     case SVO_OUT_OF_HOST_MEMORY:
     case SVO_NO_DEVICE:
     case SVO_COMPILE_FAILED:
+    case SVO_DEVICE_UNRELIABLE:
     case SVO_CL_ERROR:
     case SVO_GL_ERROR:
         return program_fail_status(state, PROGRAM_TRY_AGAIN, message);

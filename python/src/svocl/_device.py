@@ -38,15 +38,19 @@ class Device(DeviceHandle):
             those that match, the available GPU of most compute units with memory of its own is taken first.
         context: a pyopencl.Context, or the int_ptr of one; None: a context is made.
         device: a pyopencl.Device of the context, or its int_ptr; None: the context's only device.
+        trust_driver: use kernels without a test of known answers (DeviceUnreliableError).
 
     Raises:
         NoDeviceError: there is no platform, or no device of that name.
         UnsupportedError: the device lacks what svocl needs.
     """
 
-    def __init__(self, name: Optional[str] = None, *, context: Any = None, device: Any = None) -> None:
+    def __init__(
+        self, name: Optional[str] = None, *, context: Any = None, device: Any = None, trust_driver: bool = False
+    ) -> None:
         options = _structs.new("svo_device_options")
         options.log = lib.svocl_python_log
+        options.trust_driver = 1 if trust_driver else 0
         out = ffi.new("svo_device **")
         message = ffi.new("svo_message *")
 
