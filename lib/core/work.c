@@ -160,15 +160,12 @@ static size_t find_slot(const svo_i_device_work *work)
     return slot;
 }
 
-static svo_status fail_slots(const svo_i_device_work *work)
-{
-    return svo_i_device_fail(work->device, SVO_INTERNAL, "%s: more than %d scratch buffers", work->function,
-                             SVO_I_WORK_BUFFERS_MAX);
-}
-
 static svo_status check_slot(const svo_i_device_work *work)
 {
-    return find_slot(work) < SVO_I_WORK_BUFFERS_MAX ? SVO_OK : fail_slots(work);
+    return find_slot(work) < SVO_I_WORK_BUFFERS_MAX
+               ? SVO_OK
+               : svo_i_device_fail(work->device, SVO_INTERNAL, "%s: more than %d scratch buffers", work->function,
+                                   SVO_I_WORK_BUFFERS_MAX);
 }
 
 /* Takes a new scratch buffer into the work. */
@@ -187,22 +184,6 @@ svo_status svo_i_work_alloc(svo_i_device_work *work, const char *name, uint64_t 
     SVO_I_TRY(check_slot(work));
     SVO_I_TRY(svo_i_work_result(work, name, bytes, out));
     own(work, *out, bytes);
-    return SVO_OK;
-}
-
-svo_status svo_i_work_alloc_all(svo_i_device_work *work, const svo_i_request *requests, size_t count)
-{
-    size_t held = 0;
-    for (size_t i = 0; i < work->buffer_count; ++i) {
-        held += work->buffers[i] != NULL ? 1 : 0;
-    }
-    if (held + count > SVO_I_WORK_BUFFERS_MAX) {
-        return fail_slots(work);
-    }
-    SVO_I_TRY(svo_i_device_buffers(work->device, work->function, requests, count));
-    for (size_t i = 0; i < count; ++i) {
-        own(work, *requests[i].out, svo_i_device_slots(work->device, requests[i].bytes));
-    }
     return SVO_OK;
 }
 

@@ -79,8 +79,6 @@ svo_status svo_i_work_constants(svo_i_device_work *work, const char *name, const
                                 cl_mem *out);
 /* Releases a scratch buffer early. */
 void svo_i_work_free(svo_i_device_work *work, cl_mem *buffer);
-/* Several of them, of one allocation where the device allows it. */
-svo_status svo_i_work_alloc_all(svo_i_device_work *work, const svo_i_request *requests, size_t count);
 /* A buffer that the caller owns. */
 svo_status svo_i_work_result(svo_i_device_work *work, const char *name, uint64_t bytes, cl_mem *out);
 /* The same, with bytes from the host, for kernels to read. A CPU uses the host's memory, which has to outlive

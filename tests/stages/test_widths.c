@@ -47,6 +47,35 @@ static void trees_do_not_depend_on_the_widths(void **state)
     scene_destroy(&knot);
 }
 
+/* Buffers that would be parts of an allocation larger than the device allows are made one by one. */
+static void trees_do_not_depend_on_the_largest_allocation(void **state)
+{
+    static const svo_path paths[] = {SVO_PATH_CPU, SVO_PATH_GPU};
+    scene *knot = fixture_scene("knot:3000");
+    (void)state;
+    for (size_t i = 0; i < sizeof paths / sizeof paths[0]; ++i) {
+        fixture opened;
+        built usual;
+        built forced;
+        enum { LEAF_BYTES = 48 }; /* of the largest sums of leaves, which a list of several chunks has on CPUs too */
+        const svo_plan_options options = {.need = SVO_NEED_ALL, .place = SVO_PLACE_DEVICE};
+        fixture_open_cl(&(fixture_options){.path = paths[i]}, &opened);
+        fixture_build(&opened, scene_mesh(knot), 7, &options, &usual);
+        uint64_t largest = (usual.info.leaf_count + 16) * LEAF_BYTES;
+        for (size_t k = 0; k < usual.buffer_count; ++k) {
+            largest = usual.buffers[k].bytes > largest ? usual.buffers[k].bytes : largest;
+        }
+        opened.device->max_allocation_bytes = largest; /* below the bytes of a stage's buffers together */
+        fixture_build(&opened, scene_mesh(knot), 7, &options, &forced);
+        assert_string_equal(forced.hash, usual.hash);
+        assert_true(forced.plan.peak_bytes > largest);
+        built_destroy(&forced);
+        built_destroy(&usual);
+        fixture_close(&opened);
+    }
+    scene_destroy(&knot);
+}
+
 /* At least one, one for each tile, and no more than have a place for their sums. */
 static void scans_have_at_most_the_devices_groups(void **state)
 {
@@ -62,6 +91,7 @@ static void scans_have_at_most_the_devices_groups(void **state)
 TEST_GROUP(widths)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(trees_do_not_depend_on_the_widths),
+                                       cmocka_unit_test(trees_do_not_depend_on_the_largest_allocation),
                                        cmocka_unit_test(scans_have_at_most_the_devices_groups)};
     return cmocka_run_group_tests_name("widths", tests, fixture_group_setup, fixture_group_teardown);
 }
