@@ -21,15 +21,16 @@ typedef struct gpu_run {
     result_set *results;
     result_table *pairs, *steps; /* what works on which device and renderer; all steps */
     double start_ms; /* input_now_ms */
-    size_t wrong_count;
+    cJSON *devices; /* what `svocl devices` says; NULL: nothing */
+    bench_gpu_verdicts *verdicts;
 } gpu_run;
 
-/* A generated scene at a depth. */
+/* A generated scene at a depth, or at the default one. */
 typedef struct gpu_input {
     const char *scene; /* "scene:cube"; NULL: no more */
     const char *depth;
-    /* For gpu_step_build: the weights of payload, and the hash of the tree with colors, normals and leaf lists. */
-    const char *weights, *hash;
+    const char *weights; /* of payload, for gpu_step_build */
+    const char *hash; /* of the tree with colors, normals and leaf lists, or of what a part of --hash covers */
 } gpu_input;
 
 /* How a tree is built. */
@@ -48,7 +49,8 @@ typedef struct gpu_method {
 static const char pairs_note[] = "What works with each OpenCL device and OpenGL renderer, and why the rest does not.";
 static const char steps_note[] =
     "Each row is a process of its own. Verdict: ok; wrong, a result that differs from the exact reference or from the "
-    "known hash; failed, with the reason. Builds have colors, normals and leaf lists, with `--quick` by uniform "
+    "known hash; absent, what device and renderer do not offer; failed. Builds have colors, normals and leaf lists, "
+    "with `--quick` by uniform "
     "weights. Times are medians of the builds after the first; build: grid, voxelize, transfer and list to tree. "
     "Launches, uploads and waits are calls of OpenCL in one build with its plan. Rate: million rays per second.";
 
@@ -84,7 +86,8 @@ static void gpu_add_tables(gpu_run *run)
 typedef struct step_row {
     const char *step, *method;
     const gpu_input *source; /* NULL: none */
-    const char *kind; /* of rays; NULL: none */
+    const char *kind; /* of rays, or of what is made; NULL: none */
+    bool is_absent; /* the machine does not offer the method */
     double compile_ms, voxelize_ms, tree_ms, build_ms, rate, launches, uploads, waits;
 } step_row;
 
@@ -104,6 +107,20 @@ static step_row row_of(const char *step, const gpu_input *source, const char *me
                       .waits = none};
 }
 
+/* Keeps the first row that is wrong or failed. */
+static void count_verdict(gpu_run *run, const step_row *row, const char *wrong, const child_answer *answer)
+{
+    bench_gpu_verdicts *verdicts = run->verdicts;
+    const bool failed = wrong == NULL && !answer->well && !row->is_absent;
+    if ((wrong != NULL || failed) && verdicts->wrong_count + verdicts->failed_count == 0) {
+        snprintf(verdicts->first.text, sizeof verdicts->first.text, "%s %s%s%s: %.900s", row->step,
+                 row->source != NULL ? row->source->scene : "", row->method[0] != '\0' ? ", " : "", row->method,
+                 wrong != NULL ? wrong : answer->reason);
+    }
+    verdicts->wrong_count += wrong != NULL;
+    verdicts->failed_count += failed;
+}
+
 /* wrong: why the result is, or NULL. */
 static void add_row(gpu_run *run, const step_row *row, const child_answer *answer, const char *wrong)
 {
@@ -117,13 +134,17 @@ static void add_row(gpu_run *run, const step_row *row, const child_answer *answe
                         row->kind != NULL ? ", " : "", row->kind != NULL ? row->kind : "");
     }
     result_add_text(run->steps, "%s", row->method);
-    result_add_text(run->steps, "%s", wrong != NULL ? "wrong" : answer->well ? "ok" : "failed");
+    result_add_text(run->steps, "%s",
+                    wrong != NULL    ? "wrong"
+                    : answer->well   ? "ok"
+                    : row->is_absent ? "absent"
+                                     : "failed");
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i) {
         result_add_number(run->steps, numbers[i]);
     }
     result_add_number(run->steps, answer->ms);
     result_add_text(run->steps, "%s", wrong != NULL ? wrong : answer->reason);
-    run->wrong_count += wrong != NULL;
+    count_verdict(run, row, wrong, answer);
 }
 
 /* ---- children ---- */
@@ -177,6 +198,16 @@ static void ask(const gpu_run *run, const char *const first[], const gpu_input *
 }
 
 /* ---- devices ---- */
+
+/* list: ends with NULL. */
+static bool is_among(const char *name, const char *const list[])
+{
+    size_t i = 0;
+    while (list[i] != NULL && strcmp(list[i], name) != 0) {
+        ++i;
+    }
+    return list[i] != NULL;
+}
 
 static void add_methods(gpu_run *run, const cJSON *pair, const char *list, const char *kind)
 {
@@ -252,7 +283,29 @@ static void gpu_step_devices(gpu_run *run)
     keep_machine(run, answer.document);
     const step_row row = row_of("devices", NULL, "");
     add_row(run, &row, &answer, NULL);
-    cJSON_Delete(answer.document);
+    run->devices = answer.document;
+}
+
+/* Whether no pair with the device of the builds offers what a method names: a front end, a share path, a builder. */
+static bool is_absent(const gpu_run *run, const gpu_method *method)
+{
+    static const char *const lists[] = {"frontends", "shares", "builders"};
+    const char *device = run->results->machine.device;
+    const cJSON *pair = NULL;
+    bool offers = !method->in_gl || run->devices == NULL;
+    cJSON_ArrayForEach(pair, array_of(run->devices, "pairs"))
+    {
+        bool lacks = strcmp(text_of(pair, "device"), device) != 0;
+        for (size_t i = 0; i < sizeof lists / sizeof lists[0]; ++i) {
+            const cJSON *one = NULL;
+            cJSON_ArrayForEach(one, array_of(pair, lists[i]))
+            {
+                lacks = lacks || (is_among(text_of(one, "name"), method->options) && text_of(one, "reason")[0] != '\0');
+            }
+        }
+        offers = offers || !lacks;
+    }
+    return !offers;
 }
 
 /* ---- checks ---- */
@@ -286,8 +339,28 @@ static void gpu_step_verify(gpu_run *run, const gpu_input *source, const gpu_met
     child_answer answer;
     ask(run, words, source, method, &answer);
     const cJSON *exact = cJSON_GetObjectItemCaseSensitive(answer.document, "exact");
-    const step_row row = row_of("verify", source, method->name);
+    step_row row = row_of("verify", source, method->name);
+    row.is_absent = is_absent(run, method);
     add_row(run, &row, &answer, cJSON_IsFalse(exact) ? "not exact" : NULL);
+    cJSON_Delete(answer.document);
+}
+
+/* The compact forms of a tree, each expanded again. */
+static void gpu_step_forms(gpu_run *run, const gpu_input *source)
+{
+    static const char *const words[] = {"verify", "--form", "all", NULL};
+    child_answer answer;
+    const char *wrong = NULL;
+    ask(run, words, source, NULL, &answer);
+    const cJSON *form = NULL;
+    cJSON_ArrayForEach(form, array_of(answer.document, "forms"))
+    {
+        const bool same = cJSON_IsTrue(array_of(form, "same_nodes")) && cJSON_IsTrue(array_of(form, "same_payload"));
+        wrong = same ? wrong : "a form is another tree";
+    }
+    step_row row = row_of("compact", source, "");
+    row.kind = "all forms";
+    add_row(run, &row, &answer, wrong);
     cJSON_Delete(answer.document);
 }
 
@@ -327,6 +400,7 @@ static void gpu_step_build(gpu_run *run, const gpu_input *source, const gpu_meth
     child_answer answer;
     ask(run, words, source, method, &answer);
     step_row row = row_of("build", source, method->name);
+    row.is_absent = is_absent(run, method);
     row.compile_ms = number_of(answer.document, "first_compile_ms");
     row.voxelize_ms = sum_stages(answer.document, stages, 1);
     row.tree_ms = sum_stages(answer.document, stages + 1, 4);
@@ -335,6 +409,37 @@ static void gpu_step_build(gpu_run *run, const gpu_input *source, const gpu_meth
     row.uploads = number_of(answer.document, "uploads");
     row.waits = number_of(answer.document, "waits");
     add_row(run, &row, &answer, compare_hash(source, answer.document, wrong, sizeof wrong));
+    cJSON_Delete(answer.document);
+}
+
+/* What is made on a tree and has a known hash: light in each form, probes. */
+typedef struct gpu_product {
+    const char *step, *kind;
+    gpu_input source;
+    const char *options[12]; /* of svocl hash; ends with NULL */
+} gpu_product;
+
+static void gpu_step_product(gpu_run *run, const gpu_product *product)
+{
+    const char *words[16] = {"hash"};
+    char wrong[128];
+    child_answer answer;
+    memcpy(words + 1, product->options, sizeof product->options);
+    ask(run, words, &product->source, NULL, &answer);
+    step_row row = row_of(product->step, &product->source, "");
+    row.kind = product->kind;
+    add_row(run, &row, &answer, compare_hash(&product->source, answer.document, wrong, sizeof wrong));
+    cJSON_Delete(answer.document);
+}
+
+/* A subject of svocl bench, smaller than its own, as a whole. */
+static void gpu_step_subject(gpu_run *run, const char *name)
+{
+    const char *const words[] = {"bench", name, "--quick", NULL};
+    child_answer answer;
+    ask(run, words, NULL, NULL, &answer);
+    const step_row row = row_of(name, NULL, "");
+    add_row(run, &row, &answer, NULL);
     cJSON_Delete(answer.document);
 }
 
@@ -382,8 +487,9 @@ static const gpu_method methods[] = {
 static const gpu_method *const verified_methods[] = {&methods[0], &methods[4], &methods[5], NULL};
 
 typedef struct gpu_work {
-    gpu_input verified[4], built[4], traced[4];
+    gpu_input verified[4], built[4], traced[4], formed;
     const char *stress_count, *repeats, *slow_repeats;
+    const char *subjects[4]; /* ends with NULL */
 } gpu_work;
 
 /* Hashes are the same on every device, front end, builder and path; these are of PoCL on a CPU. With weights by area
@@ -396,19 +502,53 @@ static const gpu_work full_work = {
               {"scene:statue", "9", "area", "a7b1d1838a58601db23225765f1da45f"},
               {"scene:atrium", "10", "area", "3295ef42d8af5ce9c9f3d5873673f309"}},
     .traced = {{.scene = "scene:statue", .depth = "8"}, {.scene = "scene:atrium", .depth = "8"}},
+    .formed = {.scene = "scene:knot:20000", .depth = "8"},
+    .subjects = {"moving", "scene", "solid"},
     .stress_count = "32",
     .repeats = REPEATS,
     .slow_repeats = SLOW_REPEATS,
 };
 static const gpu_work quick_work = {
-    .verified = {{.scene = "scene:knot:2000", .depth = "6"}},
+    .verified = {{.scene = "scene:knot:8000", .depth = "6"}}, /* enough triangles for plans by kernels */
     .built = {{"scene:cube", "5", "uniform", "a7fe0dfc7847da89b4d733c3bf384e4f"},
               {"scene:knot:8000", "7", "uniform", "4ab1454d2f06554c7afc29e7be84de1b"}},
     .traced = {{.scene = "scene:knot:8000", .depth = "6"}},
+    .formed = {.scene = "scene:knot:8000", .depth = "6"},
+    .subjects = {"solid"},
     .stress_count = "0",
     .repeats = QUICK_REPEATS,
     .slow_repeats = QUICK_REPEATS,
 };
+
+#define LIT_NEEDS "color,normal,rays,fill,projected-area"
+static const gpu_product products[] = {
+    {"light",
+     "faces",
+     {"scene:knot:8000", "7", NULL, "60e78830312b81a8ec0f3903ee10abcd"},
+     {"--need", LIT_NEEDS, "--light", "faces"}},
+    {"light",
+     "bricks",
+     {"scene:knot:8000", "7", NULL, "a2da6ca3ff26b5d67bb933229b610b88"},
+     {"--need", LIT_NEEDS, "--light", "bricks"}},
+    {"light",
+     "voxels",
+     {"scene:knot:8000", "7", NULL, "20d33daf0a6ba89a46779338cb05e832"},
+     {"--need", LIT_NEEDS, "--light", "voxels"}},
+    {"probes",
+     "one place",
+     {"scene:cornell:60", "5", NULL, "67fd5f2bb50722ff6d9c31c36fe4b716"},
+     {"--need", "rays", "--probes", "1,1,1", "--probe-resolution", "64", "--probe-field", "16"}},
+};
+#define PRODUCT_COUNT (sizeof products / sizeof products[0])
+
+static unsigned count_subjects(const gpu_work *work)
+{
+    unsigned count = 0;
+    while (work->subjects[count] != NULL) {
+        ++count;
+    }
+    return count;
+}
 
 static unsigned count_inputs(const gpu_input *inputs)
 {
@@ -422,8 +562,8 @@ static unsigned count_inputs(const gpu_input *inputs)
 static unsigned count_steps(const gpu_work *work)
 {
     const unsigned verified_count = sizeof verified_methods / sizeof verified_methods[0] - 1;
-    return 2 + count_inputs(work->verified) * verified_count + count_inputs(work->built) * (unsigned)METHOD_COUNT +
-           count_inputs(work->traced);
+    return 3 + (unsigned)PRODUCT_COUNT + count_subjects(work) + count_inputs(work->verified) * verified_count +
+           count_inputs(work->built) * (unsigned)METHOD_COUNT + count_inputs(work->traced);
 }
 
 static void run_checks(gpu_run *run, const gpu_work *work)
@@ -438,6 +578,12 @@ static void run_checks(gpu_run *run, const gpu_work *work)
     }
     progress_step(run->state->progress, "stress");
     gpu_step_stress(run, work->stress_count);
+    progress_step(run->state->progress, "compact");
+    gpu_step_forms(run, &work->formed);
+    for (size_t i = 0; i < PRODUCT_COUNT; ++i) {
+        progress_step(run->state->progress, products[i].step);
+        gpu_step_product(run, &products[i]);
+    }
 }
 
 static void run_times(gpu_run *run, const gpu_work *work)
@@ -452,19 +598,23 @@ static void run_times(gpu_run *run, const gpu_work *work)
         progress_step(run->state->progress, "rays");
         gpu_step_rays(run, source);
     }
+    for (size_t i = 0; work->subjects[i] != NULL; ++i) {
+        progress_step(run->state->progress, work->subjects[i]);
+        gpu_step_subject(run, work->subjects[i]);
+    }
 }
 
-int bench_gpu(program *state, result_set *results, size_t *wrong_count)
+int bench_gpu(program *state, result_set *results, bench_gpu_verdicts *verdicts)
 {
     const gpu_work *work = state->options.quick ? &quick_work : &full_work;
-    gpu_run run = {.state = state, .results = results, .start_ms = input_now_ms()};
+    gpu_run run = {.state = state, .results = results, .start_ms = input_now_ms(), .verdicts = verdicts};
     host_describe(&state->options, &results->machine);
     program_begin_progress(state, count_steps(work));
     gpu_add_tables(&run);
     run_checks(&run, work);
     run_times(&run, work);
     progress_destroy(&state->progress);
-    *wrong_count = run.wrong_count;
+    cJSON_Delete(run.devices);
     return result_is_whole(results) ? PROGRAM_DONE
                                     : program_fail(state, PROGRAM_FAILED, "out of memory for the tables");
 }

@@ -6,14 +6,20 @@
 #include "measure/result.h"
 #include "support/program.h"
 
-#define BENCH_GPU_NAME    "gpu"
-#define BENCH_GPU_SUMMARY "devices, exactness, hashes, builds and rays of this machine, each in a process of its own"
+#define BENCH_GPU_NAME "gpu"
+#define BENCH_GPU_SUMMARY \
+    "devices, exactness, hashes, builds, light and rays of this machine, each in a process of its own"
+
+/* How the steps went, all zero at first. What a machine does not offer is neither wrong nor failed. */
+typedef struct bench_gpu_verdicts {
+    size_t wrong_count, failed_count;
+    svo_message first; /* the first of both, and why */
+} bench_gpu_verdicts;
 
 /*
  * Runs every step and fills the set and its machine. Steps that fail are rows with their reason. The options are those
- * of OPTION_DEVICE, --quick and the context. wrong_count: receives how many steps gave a wrong result. Returns the exit
- * code, its line printed.
+ * of OPTION_DEVICE, --quick and the context. Returns the exit code, its line printed.
  */
-int bench_gpu(program *state, result_set *results, size_t *wrong_count);
+int bench_gpu(program *state, result_set *results, bench_gpu_verdicts *verdicts);
 
 #endif

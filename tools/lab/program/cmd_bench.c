@@ -192,19 +192,20 @@ static int show(program *state, const result_set *results)
 
 static int run_subjects(program *state)
 {
-    size_t wrong_count = 0;
+    bench_gpu_verdicts verdicts = {0};
     size_t failed_count = 0;
     result_set *results = result_create();
     if (results == NULL) {
         return program_fail(state, PROGRAM_FAILED, "out of memory");
     }
-    int exit_code = is_gpu(state) ? bench_gpu(state, results, &wrong_count)
+    int exit_code = is_gpu(state) ? bench_gpu(state, results, &verdicts)
                                   : suite_collect(state, subjects, state->options.subject, results, &failed_count);
     if (exit_code == PROGRAM_DONE) {
         exit_code = show(state, results);
     }
-    if (exit_code == PROGRAM_DONE && wrong_count > 0) {
-        exit_code = program_fail(state, PROGRAM_FAILED, "%zu results are wrong", wrong_count);
+    if (exit_code == PROGRAM_DONE && verdicts.wrong_count + verdicts.failed_count > 0) {
+        exit_code = program_fail(state, PROGRAM_FAILED, "%zu rows are wrong and %zu failed, the first: %s",
+                                 verdicts.wrong_count, verdicts.failed_count, verdicts.first.text);
     }
     if (exit_code == PROGRAM_DONE && failed_count > 0) {
         exit_code =
