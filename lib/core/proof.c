@@ -7,18 +7,20 @@
 
 #include "shared/layout.h"
 
-svo_status svo_i_proof_begin(svo_device *device, const char *function, const svo_i_program_entry *made,
-                             const char **wrong, svo_i_proof *out)
+svo_status svo_i_proof_run(svo_device *device, const char *function, const svo_i_program_entry *made,
+                           const char **wrong, size_t memory_bytes, svo_i_proof_steps *steps)
 {
-    *out = (svo_i_proof){.defines = made->defines, .wrong = wrong};
-    SVO_I_TRY(svo_i_work_begin(device, function, NULL, &out->work));
-    out->work.program = made->program;
-    return SVO_OK;
-}
-
-void svo_i_proof_end(svo_i_proof *proof)
-{
-    svo_i_work_end(&proof->work);
+    svo_i_proof proof = {.defines = made->defines, .wrong = wrong};
+    void *memory = NULL;
+    svo_status status = SVO_OK;
+    SVO_I_TRY(svo_i_work_begin(device, function, NULL, &proof.work));
+    proof.work.program = made->program;
+    SVO_I_TRY_CLEANUP(svo_i_proof_alloc(&proof, memory_bytes, &memory));
+    SVO_I_TRY_CLEANUP(steps(&proof, memory));
+cleanup:
+    svo_i_work_end(&proof.work);
+    svo_i_free(memory);
+    return status;
 }
 
 bool svo_i_proof_defines(const svo_i_proof *proof, const char *define)
@@ -249,33 +251,38 @@ svo_status svo_i_prove_rounding(svo_i_proof *proof)
 
 /* ---- programs ---- */
 
-static svo_status prove(svo_device *device, const char *function, const svo_i_program_entry *made, const char **wrong,
-                        bool scans, bool rounds)
+static svo_status prove_scanner(svo_i_proof *proof, void *memory)
 {
-    svo_i_proof proof;
-    SVO_I_TRY(svo_i_proof_begin(device, function, made, wrong, &proof));
-    svo_status status = scans ? svo_i_prove_scans(&proof) : SVO_OK;
-    if (status == SVO_OK && rounds) {
-        status = svo_i_prove_rounding(&proof);
-    }
-    svo_i_proof_end(&proof);
-    return status;
+    (void)memory;
+    return svo_i_prove_scans(proof);
+}
+
+static svo_status prove_arithmetic(svo_i_proof *proof, void *memory)
+{
+    (void)memory;
+    return svo_i_prove_rounding(proof);
+}
+
+static svo_status prove_both(svo_i_proof *proof, void *memory)
+{
+    SVO_I_TRY(prove_scanner(proof, memory));
+    return prove_arithmetic(proof, memory);
 }
 
 svo_status svo_i_prove_scanner(svo_device *device, const char *function, const svo_i_program_entry *made,
                                const char **wrong)
 {
-    return prove(device, function, made, wrong, true, false);
+    return svo_i_proof_run(device, function, made, wrong, 1, prove_scanner);
 }
 
 svo_status svo_i_prove_arithmetic(svo_device *device, const char *function, const svo_i_program_entry *made,
                                   const char **wrong)
 {
-    return prove(device, function, made, wrong, false, true);
+    return svo_i_proof_run(device, function, made, wrong, 1, prove_arithmetic);
 }
 
 svo_status svo_i_prove_scanner_and_arithmetic(svo_device *device, const char *function, const svo_i_program_entry *made,
                                               const char **wrong)
 {
-    return prove(device, function, made, wrong, true, true);
+    return svo_i_proof_run(device, function, made, wrong, 1, prove_both);
 }

@@ -20,9 +20,12 @@ typedef struct svo_i_proof {
     const char **wrong; /* receives the name of a kernel that gives wrong results */
 } svo_i_proof;
 
-svo_status svo_i_proof_begin(svo_device *device, const char *function, const svo_i_program_entry *made,
-                             const char **wrong, svo_i_proof *out);
-void svo_i_proof_end(svo_i_proof *proof);
+/* What proves a program. memory: zeroed, for what the host computes. */
+typedef svo_status svo_i_proof_steps(svo_i_proof *proof, void *memory);
+
+/* Runs the steps with so many bytes: a prover, but for the last two. */
+svo_status svo_i_proof_run(svo_device *device, const char *function, const svo_i_program_entry *made,
+                           const char **wrong, size_t memory_bytes, svo_i_proof_steps *steps);
 
 /* Whether the program was compiled with the define, as in "SVO_SORT". */
 bool svo_i_proof_defines(const svo_i_proof *proof, const char *define);

@@ -411,20 +411,16 @@ cleanup:
     return status;
 }
 
+static svo_status prove_plan(svo_i_proof *proof, void *memory)
+{
+    SVO_I_TRY(prove_totals(proof));
+    (void)end_step(proof, 0, SVO_OK);
+    SVO_I_TRY(prove_mesh(proof, memory, false));
+    return prove_mesh(proof, memory, true);
+}
+
 svo_status svo_i_prove_plan(svo_device *device, const char *function, const svo_i_program_entry *made,
                             const char **wrong)
 {
-    svo_i_proof proof;
-    void *memory = NULL;
-    svo_status status = SVO_OK;
-    SVO_I_TRY(svo_i_proof_begin(device, function, made, wrong, &proof));
-    SVO_I_TRY_CLEANUP(svo_i_proof_alloc(&proof, sizeof(plan_case), &memory));
-    SVO_I_TRY_CLEANUP(prove_totals(&proof));
-    (void)end_step(&proof, 0, SVO_OK);
-    SVO_I_TRY_CLEANUP(prove_mesh(&proof, memory, false));
-    SVO_I_TRY_CLEANUP(prove_mesh(&proof, memory, true));
-cleanup:
-    svo_i_proof_end(&proof);
-    svo_i_free(memory);
-    return status;
+    return svo_i_proof_run(device, function, made, wrong, sizeof(plan_case), prove_plan);
 }

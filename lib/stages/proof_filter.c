@@ -170,30 +170,20 @@ static svo_status prove_kernel(svo_i_proof *proof, const filter_case *c, const c
     return expect_filtered(proof, c, kernel, &nodes, payload);
 }
 
-/* Programs without payload that goes up have neither kernel; with SVO_PAIR_LANES nobody launches the second. */
-static svo_status prove_levels(svo_i_proof *proof)
+/* Programs without payload that goes up have neither kernel. */
+static svo_status prove_levels(svo_i_proof *proof, void *memory)
 {
-    void *memory = NULL;
     if (!svo_i_proof_defines(proof, "SVO_COLOR") && !svo_i_proof_defines(proof, "SVO_NORMAL") &&
         !svo_i_proof_defines(proof, "SVO_FILL")) {
         return SVO_OK;
     }
-    SVO_I_TRY(svo_i_proof_alloc(proof, sizeof(filter_case), &memory));
     fill_filter(memory);
-    svo_status status = prove_kernel(proof, memory, "svo_k_filter", NODES);
-    if (status == SVO_OK && !svo_i_proof_defines(proof, "SVO_PAIR_LANES")) {
-        status = prove_kernel(proof, memory, "svo_k_filter_top", SVO_GROUP_ITEMS);
-    }
-    svo_i_free(memory);
-    return status;
+    SVO_I_TRY(prove_kernel(proof, memory, "svo_k_filter", NODES));
+    return prove_kernel(proof, memory, "svo_k_filter_top", SVO_GROUP_ITEMS);
 }
 
 svo_status svo_i_prove_filter(svo_device *device, const char *function, const svo_i_program_entry *made,
                               const char **wrong)
 {
-    svo_i_proof proof;
-    SVO_I_TRY(svo_i_proof_begin(device, function, made, wrong, &proof));
-    const svo_status status = prove_levels(&proof);
-    svo_i_proof_end(&proof);
-    return status;
+    return svo_i_proof_run(device, function, made, wrong, sizeof(filter_case), prove_levels);
 }

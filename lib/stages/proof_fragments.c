@@ -354,25 +354,20 @@ static svo_status prove_coverage(svo_i_proof *proof, voxels_case *c, int coverag
     return are_right(c, counts) ? SVO_OK : svo_i_proof_fail(proof, "svo_k_voxelize");
 }
 
+static svo_status prove_voxels(svo_i_proof *proof, void *memory)
+{
+    fill_voxels(proof, memory);
+    if (svo_i_proof_defines(proof, "SVO_THIN")) {
+        return prove_coverage(proof, memory, SVO_EXACT_THIN);
+    }
+    SVO_I_TRY(prove_coverage(proof, memory, SVO_EXACT_HALF_OPEN));
+    return prove_coverage(proof, memory, SVO_EXACT_CLOSED);
+}
+
 svo_status svo_i_prove_voxelize(svo_device *device, const char *function, const svo_i_program_entry *made,
                                 const char **wrong)
 {
-    svo_i_proof proof;
-    void *memory = NULL;
-    svo_status status = SVO_OK;
-    SVO_I_TRY(svo_i_proof_begin(device, function, made, wrong, &proof));
-    SVO_I_TRY_CLEANUP(svo_i_proof_alloc(&proof, sizeof(voxels_case), &memory));
-    fill_voxels(&proof, memory);
-    if (svo_i_proof_defines(&proof, "SVO_THIN")) {
-        SVO_I_TRY_CLEANUP(prove_coverage(&proof, memory, SVO_EXACT_THIN));
-    } else {
-        SVO_I_TRY_CLEANUP(prove_coverage(&proof, memory, SVO_EXACT_HALF_OPEN));
-        SVO_I_TRY_CLEANUP(prove_coverage(&proof, memory, SVO_EXACT_CLOSED));
-    }
-cleanup:
-    svo_i_proof_end(&proof);
-    svo_i_free(memory);
-    return status;
+    return svo_i_proof_run(device, function, made, wrong, sizeof(voxels_case), prove_voxels);
 }
 
 /* ---- decisions ---- */
@@ -549,8 +544,7 @@ static svo_status prove_decisions(svo_i_proof *proof, decide_case *c)
     return SVO_OK;
 }
 
-svo_status svo_i_prove_decide(svo_device *device, const char *function, const svo_i_program_entry *made,
-                              const char **wrong)
+static svo_status prove_decide(svo_i_proof *proof, void *memory)
 {
     static const struct {
         int coverage;
@@ -560,18 +554,16 @@ svo_status svo_i_prove_decide(svo_device *device, const char *function, const sv
                 {SVO_EXACT_HALF_OPEN, true, 1},
                 {SVO_EXACT_CLOSED, true, 0},
                 {SVO_EXACT_THIN, true, 0}};
-    svo_i_proof proof;
-    void *memory = NULL;
-    svo_status status = SVO_OK;
-    SVO_I_TRY(svo_i_proof_begin(device, function, made, wrong, &proof));
-    SVO_I_TRY_CLEANUP(svo_i_proof_alloc(&proof, sizeof(decide_case), &memory));
-    ((decide_case *)memory)->word_count = fragment_words(&proof);
+    ((decide_case *)memory)->word_count = fragment_words(proof);
     for (unsigned i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
         fill_decide(memory, rows[i].coverage, rows[i].is_double, rows[i].grid);
-        SVO_I_TRY_CLEANUP(prove_decisions(&proof, memory));
+        SVO_I_TRY(prove_decisions(proof, memory));
     }
-cleanup:
-    svo_i_proof_end(&proof);
-    svo_i_free(memory);
-    return status;
+    return SVO_OK;
+}
+
+svo_status svo_i_prove_decide(svo_device *device, const char *function, const svo_i_program_entry *made,
+                              const char **wrong)
+{
+    return svo_i_proof_run(device, function, made, wrong, sizeof(decide_case), prove_decide);
 }

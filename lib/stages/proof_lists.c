@@ -17,6 +17,7 @@
 
 /* One pass over a digit. */
 typedef struct sort_case {
+    svo_i_proof_tree tree;
     uint32_t counts[SORT_CELLS], before[SORT_CELLS]; /* by digit, then by block */
     uint32_t moved[FRAGMENTS * SVO_FRAGMENT_WORDS_48];
     svo_sort_params params;
@@ -77,43 +78,32 @@ static svo_status prove_pass(svo_i_proof *proof, const svo_i_proof_tree *c, cons
     return svo_i_proof_expect(proof, "svo_k_sort_scatter", moved, s->moved, (size_t)FRAGMENTS * c->word_count * 4);
 }
 
-static svo_status prove_sort(svo_i_proof *proof, svo_i_proof_tree *c)
+static svo_status prove_sort(svo_i_proof *proof, void *memory)
 {
-    void *memory = NULL;
-    svo_status status = SVO_OK;
-    SVO_I_TRY(svo_i_proof_alloc(proof, sizeof(sort_case), &memory));
     sort_case *s = memory;
+    svo_i_proof_tree *c = &s->tree;
+    svo_i_proof_tree_fill(proof, c);
+    SVO_I_TRY(svo_i_prove_scans(proof));
     for (unsigned by_triangle = 0; by_triangle < 2; ++by_triangle) {
         const uint32_t shift = by_triangle == 0 && c->word_count == SVO_FRAGMENT_WORDS_48 ? 29 : 26;
         raise_words(c, shift, by_triangle != 0);
         s->params = (svo_sort_params){FRAGMENTS, shift, by_triangle, SVO_SORT_BITS};
         fill_sort(c, s);
-        SVO_I_TRY_CLEANUP(prove_pass(proof, c, s));
+        SVO_I_TRY(prove_pass(proof, c, s));
     }
-cleanup:
-    svo_i_free(s);
-    return status;
+    return SVO_OK;
 }
 
 svo_status svo_i_prove_sort(svo_device *device, const char *function, const svo_i_program_entry *made,
                             const char **wrong)
 {
-    svo_i_proof proof;
-    svo_i_proof_tree *c = NULL;
-    svo_status status = SVO_OK;
-    SVO_I_TRY(svo_i_proof_begin(device, function, made, wrong, &proof));
-    SVO_I_TRY_CLEANUP(svo_i_proof_tree_make(&proof, &c));
-    SVO_I_TRY_CLEANUP(svo_i_prove_scans(&proof));
-    SVO_I_TRY_CLEANUP(prove_sort(&proof, c));
-cleanup:
-    svo_i_proof_end(&proof);
-    svo_i_free(c);
-    return status;
+    return svo_i_proof_run(device, function, made, wrong, sizeof(sort_case), prove_sort);
 }
 
 /* ---- leaf lists ---- */
 
 typedef struct lists_case {
+    svo_i_proof_tree tree;
     uint32_t counts[FRAGMENTS], begins[FRAGMENTS + 1]; /* of the leaves */
     uint32_t list[FRAGMENTS]; /* of triangles: in the order of the fragments, then in that of each leaf */
     uint32_t order[FRAGMENTS]; /* of fragments */
@@ -251,21 +241,16 @@ static svo_status prove_lists(svo_i_proof *proof, const svo_i_proof_tree *c, lis
     return lists ? prove_sorted(proof, l, state) : SVO_OK;
 }
 
+static svo_status prove_pack(svo_i_proof *proof, void *memory)
+{
+    lists_case *l = memory;
+    svo_i_proof_tree_fill(proof, &l->tree);
+    SVO_I_TRY(svo_i_prove_scans(proof));
+    return prove_lists(proof, &l->tree, l);
+}
+
 svo_status svo_i_prove_pack(svo_device *device, const char *function, const svo_i_program_entry *made,
                             const char **wrong)
 {
-    svo_i_proof proof;
-    svo_i_proof_tree *c = NULL;
-    void *memory = NULL;
-    svo_status status = SVO_OK;
-    SVO_I_TRY(svo_i_proof_begin(device, function, made, wrong, &proof));
-    SVO_I_TRY_CLEANUP(svo_i_proof_tree_make(&proof, &c));
-    SVO_I_TRY_CLEANUP(svo_i_proof_alloc(&proof, sizeof(lists_case), &memory));
-    SVO_I_TRY_CLEANUP(svo_i_prove_scans(&proof));
-    SVO_I_TRY_CLEANUP(prove_lists(&proof, c, memory));
-cleanup:
-    svo_i_proof_end(&proof);
-    svo_i_free(memory);
-    svo_i_free(c);
-    return status;
+    return svo_i_proof_run(device, function, made, wrong, sizeof(lists_case), prove_pack);
 }

@@ -24,7 +24,8 @@ typedef struct block_sums {
 } block_sums;
 
 typedef struct blocks_case {
-    const svo_i_proof_tree *nodes;
+    svo_i_proof_tree tree;
+    const svo_i_proof_tree *nodes; /* tree */
     uint32_t blocks[BLOCKS][BLOCK_WORDS];
     svo_build_state state;
     cl_mem fragments, marks, ranks, partials, masks, first_child, on_device;
@@ -217,8 +218,11 @@ static svo_status begin_blocks(svo_i_proof *proof, blocks_case *b)
     return svo_i_proof_buffer(proof, &b->state, sizeof b->state, &b->on_device);
 }
 
-static svo_status prove_blocks(svo_i_proof *proof, blocks_case *b)
+static svo_status prove_blocks(svo_i_proof *proof, void *memory)
 {
+    blocks_case *b = memory;
+    svo_i_proof_tree_fill(proof, &b->tree);
+    b->nodes = &b->tree;
     SVO_I_TRY(begin_blocks(proof, b));
     SVO_I_TRY(prove_mark(proof, b, DENSE_LEVEL));
     SVO_I_TRY(prove_mark_above(proof, b));
@@ -233,26 +237,14 @@ static svo_status prove_blocks(svo_i_proof *proof, blocks_case *b)
 svo_status svo_i_prove_subdivide(svo_device *device, const char *function, const svo_i_program_entry *made,
                                  const char **wrong)
 {
-    svo_i_proof proof;
-    svo_i_proof_tree *c = NULL;
-    void *memory = NULL;
-    svo_status status = SVO_OK;
-    SVO_I_TRY(svo_i_proof_begin(device, function, made, wrong, &proof));
-    SVO_I_TRY_CLEANUP(svo_i_proof_tree_make(&proof, &c));
-    SVO_I_TRY_CLEANUP(svo_i_proof_alloc(&proof, sizeof(blocks_case), &memory));
-    ((blocks_case *)memory)->nodes = c;
-    SVO_I_TRY_CLEANUP(prove_blocks(&proof, memory));
-cleanup:
-    svo_i_proof_end(&proof);
-    svo_i_free(memory);
-    svo_i_free(c);
-    return status;
+    return svo_i_proof_run(device, function, made, wrong, sizeof(blocks_case), prove_blocks);
 }
 
 /* ---- from the leaves up ---- */
 
 /* The fragments in the order of their codes, and what kernels make of them. */
 typedef struct sorted_case {
+    svo_i_proof_tree tree;
     uint32_t words[FRAGMENTS * SVO_FRAGMENT_WORDS_48];
     uint32_t codes[FRAGMENTS], triangles[FRAGMENTS];
     uint32_t level_counts[DEPTH + 2]; /* fragments by the first level on which they begin a node; impossible ones */
@@ -400,8 +392,11 @@ static svo_status prove_parents(svo_i_proof *proof, const svo_i_proof_tree *c, c
     return svo_i_proof_expect(proof, kernel, made[2], c->first_child + c->level_begin[DEPTH - 1], (size_t)parents * 4);
 }
 
-static svo_status prove_bottom_up(svo_i_proof *proof, const svo_i_proof_tree *c, sorted_case *s)
+static svo_status prove_bottom_up(svo_i_proof *proof, void *memory)
 {
+    sorted_case *s = memory;
+    const svo_i_proof_tree *c = &s->tree;
+    svo_i_proof_tree_fill(proof, &s->tree);
     svo_bottom_up_params params = {.depth = DEPTH,
                                    .count = FRAGMENTS,
                                    .of_fragments = 1,
@@ -422,18 +417,6 @@ static svo_status prove_bottom_up(svo_i_proof *proof, const svo_i_proof_tree *c,
 svo_status svo_i_prove_sorted_builder(svo_device *device, const char *function, const svo_i_program_entry *made,
                                       const char **wrong)
 {
-    svo_i_proof proof;
-    svo_i_proof_tree *c = NULL;
-    void *memory = NULL;
-    svo_status status = SVO_OK;
     SVO_I_TRY(svo_i_prove_sort(device, function, made, wrong));
-    SVO_I_TRY(svo_i_proof_begin(device, function, made, wrong, &proof));
-    SVO_I_TRY_CLEANUP(svo_i_proof_tree_make(&proof, &c));
-    SVO_I_TRY_CLEANUP(svo_i_proof_alloc(&proof, sizeof(sorted_case), &memory));
-    SVO_I_TRY_CLEANUP(prove_bottom_up(&proof, c, memory));
-cleanup:
-    svo_i_proof_end(&proof);
-    svo_i_free(memory);
-    svo_i_free(c);
-    return status;
+    return svo_i_proof_run(device, function, made, wrong, sizeof(sorted_case), prove_bottom_up);
 }

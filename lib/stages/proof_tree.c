@@ -65,12 +65,9 @@ static uint32_t code_of(uint32_t i, uint32_t random)
     return i % 7 < 6 ? codes[i % 7 < 2 ? i % 7 : 2] : random & last;
 }
 
-svo_status svo_i_proof_tree_make(svo_i_proof *proof, svo_i_proof_tree **out)
+void svo_i_proof_tree_fill(const svo_i_proof *proof, svo_i_proof_tree *c)
 {
     uint64_t random = 2;
-    void *memory = NULL;
-    SVO_I_TRY(svo_i_proof_alloc(proof, sizeof(svo_i_proof_tree), &memory));
-    svo_i_proof_tree *c = memory;
     c->word_count = svo_i_proof_defines(proof, "SVO_CODE48") ? SVO_FRAGMENT_WORDS_48 : SVO_FRAGMENT_WORDS_30;
     for (uint32_t i = 0; i < FRAGMENTS; ++i) {
         c->codes[i] = code_of(i, (uint32_t)svo_i_proof_next(&random));
@@ -80,8 +77,6 @@ svo_status svo_i_proof_tree_make(svo_i_proof *proof, svo_i_proof_tree **out)
     }
     fill_levels(c);
     fill_nodes(c);
-    *out = c;
-    return SVO_OK;
 }
 
 svo_status svo_i_proof_fragments(svo_i_proof *proof, const svo_i_proof_tree *tree, cl_mem *out)

@@ -23,8 +23,8 @@ typedef struct svo_i_proof_tree {
     uint32_t cursors[SVO_I_PROOF_FRAGMENTS]; /* the leaf of each fragment */
 } svo_i_proof_tree;
 
-/* The caller frees *out. */
-svo_status svo_i_proof_tree_make(svo_i_proof *proof, svo_i_proof_tree **out);
+/* tree: zeroed. */
+void svo_i_proof_tree_fill(const svo_i_proof *proof, svo_i_proof_tree *tree);
 /* A buffer with the words of the fragments. */
 svo_status svo_i_proof_fragments(svo_i_proof *proof, const svo_i_proof_tree *tree, cl_mem *out);
 /* The place of a code among those of its level. */

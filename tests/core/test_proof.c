@@ -269,6 +269,7 @@ static const fault_row fault_rows[] = {
     {&by_cpu, "svo_k_filter", 8},
     {&by_cpu, "svo_k_filter", 9},
     {&by_cpu, "svo_k_filter", 10},
+    {&by_cpu, "svo_k_filter_top", 8},
     {&by_gpu, "svo_k_filter_top", 5},
     {&by_gpu, "svo_k_filter_top", 8},
     {&sorted, "svo_k_sort_count", 1},
