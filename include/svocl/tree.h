@@ -186,7 +186,7 @@ typedef enum svo_hash_scope {
  * It is that of these bytes, one after the other, with seed 0. Numbers are little-endian; names are those of
  * svo_tree_info and svo_tree_arrays.
  *
- *     u32 depth, u32 coverage, u32 0, or snap_bits where is_exact is 0
+ *     u32 depth, u32 coverage, u32 0
  *     f64 origin[3], f64 edge
  *     u32 level_begin[0] .. level_begin[depth + 1]
  *     array child_mask: u8 each
@@ -202,8 +202,8 @@ typedef enum svo_hash_scope {
  *     array fills: u16 each
  *     array areas: 6 u16 each, if the tree holds it
  *
- * where an array is its length in bytes as u64, then its elements. One that the tree does not hold has length 0, but
- * areas that it does not hold are left out.
+ * where snap_bits takes the place of 0 if is_exact is 0, and an array is its length in bytes as u64, then its elements.
+ * One that the tree does not hold has length 0, but areas that it does not hold are left out.
  * colors, normals, materials and fills have an element for every node from level_begin[payload_level] on, as on the
  * host: one that is constant, and a single element in files and on the device, is repeated for all of them. vertices,
  * indices, triangle_ids and positions are not covered.

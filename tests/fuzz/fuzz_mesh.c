@@ -250,6 +250,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t byte_count)
     svo_plan *plan = NULL;
     mesh_input_read(&input, data, byte_count);
     memset(&device, 0, sizeof device);
+    device.slot_bytes = 128; /* of which sizes are multiples */
     const svo_status status =
         svo_plan_create(&device, &input.mesh, input.depth, input.options_given ? &input.options : NULL, &plan);
     if (status != SVO_OK) {

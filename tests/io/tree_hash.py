@@ -241,7 +241,7 @@ def line_bytes(documents, tree, line):
     total = b""
     for item in line.split(", "):
         kind, name, count = re.fullmatch(r"(u32|f64) (\w+)(?:\[(\d)\])?", item).groups()
-        values = tree.fields[name][: int(count or 1)]
+        values = [int(name)] if name.isdigit() else tree.fields[name][: int(count or 1)]
         total += struct.pack("<%d%s" % (len(values), FORMATS[kind]), *values)
     return total
 
