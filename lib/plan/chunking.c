@@ -510,7 +510,8 @@ static bool is_beyond(const svo_plan *plan, const svo_i_draw *draw, svo_draw_ite
     const uint32_t *corners = plan->indices + (size_t)item.triangle * 3;
     svo_large_item placed = {.axis = item.flags & SVO_DRAW_AXIS_MASK};
     for (unsigned corner = 0; corner < 3; ++corner) {
-        memcpy(placed.corners + corner * 3, plan->vertices + (size_t)corners[corner] * 3, 3 * sizeof placed.corners[0]);
+        memcpy(placed.corners + (size_t)corner * 3, plan->vertices + (size_t)corners[corner] * 3,
+               3 * sizeof placed.corners[0]);
     }
     const projection p = project(plan, draw, &placed);
     return columns_of(&p) > (int64_t)most_columns;

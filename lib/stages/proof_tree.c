@@ -65,18 +65,18 @@ static uint32_t code_of(uint32_t i, uint32_t random)
     return i % 7 < 6 ? codes[i % 7 < 2 ? i % 7 : 2] : random & last;
 }
 
-void svo_i_proof_tree_fill(const svo_i_proof *proof, svo_i_proof_tree *c)
+void svo_i_proof_tree_fill(const svo_i_proof *proof, svo_i_proof_tree *tree)
 {
     uint64_t random = 2;
-    c->word_count = svo_i_proof_defines(proof, "SVO_CODE48") ? SVO_FRAGMENT_WORDS_48 : SVO_FRAGMENT_WORDS_30;
+    tree->word_count = svo_i_proof_defines(proof, "SVO_CODE48") ? SVO_FRAGMENT_WORDS_48 : SVO_FRAGMENT_WORDS_30;
     for (uint32_t i = 0; i < FRAGMENTS; ++i) {
-        c->codes[i] = code_of(i, (uint32_t)svo_i_proof_next(&random));
-        c->triangles[i] = i * 211 % FRAGMENTS;
-        c->words[(size_t)i * c->word_count] = c->codes[i];
-        c->words[(i + 1) * c->word_count - 1] = c->triangles[i];
+        tree->codes[i] = code_of(i, (uint32_t)svo_i_proof_next(&random));
+        tree->triangles[i] = i * 211 % FRAGMENTS;
+        tree->words[(size_t)i * tree->word_count] = tree->codes[i];
+        tree->words[(i + 1) * tree->word_count - 1] = tree->triangles[i];
     }
-    fill_levels(c);
-    fill_nodes(c);
+    fill_levels(tree);
+    fill_nodes(tree);
 }
 
 svo_status svo_i_proof_fragments(svo_i_proof *proof, const svo_i_proof_tree *tree, cl_mem *out)

@@ -121,8 +121,9 @@ static svo_status upload_counters(run *r, const svo_i_fragment_list *list)
                                  list->chunk_count);
     }
     for (uint32_t i = 0; i < list->chunk_count; ++i) {
-        counters[SVO_COUNTER_WORDS * i] = (cl_uint)list->chunks[i].needed;
-        counters[SVO_COUNTER_WORDS * i + 1] = (cl_uint)(list->chunks[i].needed >> 32);
+        cl_uint *const own = counters + (size_t)SVO_COUNTER_WORDS * i;
+        own[0] = (cl_uint)list->chunks[i].needed;
+        own[1] = (cl_uint)(list->chunks[i].needed >> 32);
     }
     svo_status status = SVO_OK;
     SVO_I_TRY_CLEANUP(svo_i_commands_write(r->commands, r->counters, counters, words * sizeof *counters));

@@ -155,7 +155,8 @@ static void prepare_rays(subject *s)
     static svo_ray rays[POINTS];
     svo_device_info on = SVO_DEVICE_INFO_INIT;
     for (size_t i = 0; i < POINTS; ++i) {
-        rays[i] = (svo_ray){.origin = {(float)(i % 64) * 0.1F, (float)(i / 64) * 0.1F, -50.0F},
+        const size_t row = i / 64;
+        rays[i] = (svo_ray){.origin = {(float)(i % 64) * 0.1F, (float)row * 0.1F, -50.0F},
                             .direction = {0.0F, 0.0F, 1.0F},
                             .t_max = 1000.0F};
     }

@@ -13,7 +13,7 @@
 #define TURNS       4 /* builds of a threshold; the first warms up */
 #define LINE_BYTES  1024
 #define LINES_MAX   256 /* pairs of one user; the oldest leaves */
-#define KEPT_BYTES  (LINES_MAX * LINE_BYTES)
+#define KEPT_BYTES  ((size_t)LINES_MAX * LINE_BYTES)
 #define NOTHING     UINT32_MAX /* columns: kernels make all */
 #define DRIVER_NAME 256
 

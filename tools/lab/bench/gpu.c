@@ -272,6 +272,10 @@ static void gpu_step_devices(gpu_run *run)
     child_answer answer;
     child_add(&arguments, "devices");
     child_add(&arguments, "--json");
+    if (run->state->options.path != SVO_PATH_AUTO) { /* what may be shared depends on it */
+        child_add(&arguments, "--path");
+        child_add(&arguments, svo_name(SVO_NAME_PATH, (svo_path)run->state->options.path));
+    }
     run_child(run, &arguments, &answer);
     const cJSON *pair = NULL;
     cJSON_ArrayForEach(pair, array_of(answer.document, "pairs"))
