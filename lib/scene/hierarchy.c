@@ -151,8 +151,8 @@ static svo_status scan(chain *c)
     const cl_mem *buffers = c->scene->buffers;
     const cl_mem state = NULL;
     const svo_filter_params params = {.leaf_count = (cl_uint)SORT_CELLS};
-    const uint64_t tiles = (SORT_CELLS + SVO_SCAN_TILE - 1) / SVO_SCAN_TILE;
-    const uint64_t items = tiles * SVO_GROUP_ITEMS;
+    const cl_uint tiles = ((cl_uint)SORT_CELLS + SVO_SCAN_TILE - 1) / SVO_SCAN_TILE;
+    const uint64_t items = (uint64_t)tiles * SVO_GROUP_ITEMS;
     const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
     const svo_i_argument reduce[] = {SVO_I_ARGUMENT(buffers[SVO_I_SCENE_COUNTS]),
                                      SVO_I_ARGUMENT(buffers[SVO_I_SCENE_PARTIALS]), SVO_I_ARGUMENT(state),
