@@ -56,7 +56,9 @@ static cJSON *gather_pair(svo_device *alone, svo_gl_context *renderer)
 {
     /* The same device on an OpenCL context that can share with the renderer; NULL if there is none. */
     svo_device *joined = NULL;
-    (void)svo_gl_device_create(renderer, info_of_device(alone).device, NULL, &joined, NULL);
+    const svo_device_info on = info_of_device(alone);
+    const svo_device_options device_options = {.struct_size = sizeof device_options, .path = on.path};
+    (void)svo_gl_device_create(renderer, on.device, &device_options, &joined, NULL);
     svo_device *device = joined != NULL ? joined : alone;
     svo_gl_context_info info = SVO_GL_CONTEXT_INFO_INIT;
     svo_gl_context_get_info(renderer, &info);

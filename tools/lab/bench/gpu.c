@@ -296,7 +296,7 @@ static bool is_absent(const gpu_run *run, const gpu_method *method)
     static const char *const lists[] = {"frontends", "shares", "builders"};
     const char *device = run->results->machine.device;
     const cJSON *pair = NULL;
-    bool offers = !method->in_gl || run->devices == NULL;
+    bool offers = !method->in_gl || run->devices == NULL || device[0] == '\0';
     cJSON_ArrayForEach(pair, array_of(run->devices, "pairs"))
     {
         bool lacks = strcmp(text_of(pair, "device"), device) != 0;
