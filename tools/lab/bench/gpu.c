@@ -49,10 +49,10 @@ typedef struct gpu_method {
 static const char pairs_note[] = "What works with each OpenCL device and OpenGL renderer, and why the rest does not.";
 static const char steps_note[] =
     "Each row is a process of its own. Verdict: ok; wrong, a result that differs from the exact reference or from the "
-    "known hash; absent, what device and renderer do not offer; failed. Builds have colors, normals and leaf lists, "
-    "with `--quick` by uniform "
-    "weights. Times are medians of the builds after the first; build: grid, voxelize, transfer and list to tree. "
-    "Launches, uploads and waits are calls of OpenCL in one build with its plan. Rate: million rays per second.";
+    "known hash; absent, what device and renderer do not offer, or have no room for; failed. Builds have colors, "
+    "normals and leaf lists, with `--quick` by uniform weights. Times are medians of the builds after the first; "
+    "build: grid, voxelize, transfer and list to tree. Launches, uploads and waits are calls of OpenCL in one build "
+    "with its plan. Rate: million rays per second.";
 
 /* Both tables, with their columns. */
 static void gpu_add_tables(gpu_run *run)
@@ -404,7 +404,7 @@ static void gpu_step_build(gpu_run *run, const gpu_input *source, const gpu_meth
     child_answer answer;
     ask(run, words, source, method, &answer);
     step_row row = row_of("build", source, method->name);
-    row.is_absent = is_absent(run, method);
+    row.is_absent = is_absent(run, method) || strstr(answer.reason, "above the storage block limit") != NULL;
     row.compile_ms = number_of(answer.document, "first_compile_ms");
     row.voxelize_ms = sum_stages(answer.document, stages, 1);
     row.tree_ms = sum_stages(answer.document, stages + 1, 4);
