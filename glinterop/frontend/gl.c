@@ -143,12 +143,18 @@ static void release(void *self, svo_i_fragment_list *list)
 
 /* ---- both front ends, each for the triangles that suit it ---- */
 
+/* Whether triangles of a plan may be rasterized. */
+static bool may_rasterize(const svo_gl *gl, const svo_plan *plan)
+{
+    return gl->most_columns != UINT32_MAX && plan->update == NULL && svo_i_rest_may_exist(plan, gl->most_columns);
+}
+
 /* Builds that wait rasterize; others have kernels alone, which issue the build's own commands. */
 static svo_status prepare_hybrid(void *self, svo_plan *plan, svo_i_warm_up *warm_up)
 {
     const svo_gl *gl = self;
     SVO_I_TRY(svo_i_voxelize_prepare(NULL, plan, warm_up));
-    return gl->most_columns != UINT32_MAX && plan->update == NULL ? prepare(self, plan, warm_up) : SVO_OK;
+    return may_rasterize(gl, plan) ? prepare(self, plan, warm_up) : SVO_OK;
 }
 
 /* Rasterizes the rest of the cut, then adds the other triangles. */
@@ -169,11 +175,13 @@ static svo_status voxelize_hybrid(void *self, svo_i_commands *commands, const sv
     const svo_gl *gl = self;
     svo_i_rest rest = {0};
     svo_plan *plan = commands->plan;
-    if (commands->mode != SVO_I_MODE_RUN || plan->update != NULL || gl->most_columns == UINT32_MAX) {
+    if (commands->mode != SVO_I_MODE_RUN || !may_rasterize(gl, plan)) {
         return svo_i_voxelize(NULL, commands, chunking, list);
     }
+    const double start_ms = svo_i_now_ms();
     SVO_I_TRY(svo_i_plan_copy_to_host(plan));
     SVO_I_TRY(svo_i_rest_find(plan, chunking, gl->most_columns, &rest));
+    svo_i_report_add(commands->report, SVO_STAGE_TRANSFER, svo_i_now_ms() - start_ms, "wall");
     const svo_status status = rest.item_count > 0 ? voxelize_both(gl, commands, chunking, &rest, list)
                                                   : svo_i_voxelize(NULL, commands, chunking, list);
     svo_i_rest_free(&rest);

@@ -504,17 +504,30 @@ void svo_i_tiles_free(svo_i_tiles *tiles)
 
 /* ---- the rest of a cut ---- */
 
-/* Whether an item has more columns inside the draw. */
-static bool is_beyond(const svo_plan *plan, const svo_i_draw *draw, svo_draw_item item, uint32_t most_columns)
+/* Candidates are the plan's large triangles, or all items where smaller ones may have more columns. */
+static bool are_large(uint32_t most_columns)
 {
-    const uint32_t *corners = plan->indices + (size_t)item.triangle * 3;
-    svo_large_item placed = {.axis = item.flags & SVO_DRAW_AXIS_MASK};
-    for (unsigned corner = 0; corner < 3; ++corner) {
-        memcpy(placed.corners + (size_t)corner * 3, plan->vertices + (size_t)corners[corner] * 3,
-               3 * sizeof placed.corners[0]);
+    return most_columns >= (uint32_t)SVO_TILE_COLUMNS;
+}
+
+/* The first candidate from an item on. */
+static uint32_t first_candidate(const svo_plan *plan, uint32_t most_columns, uint32_t item)
+{
+    return are_large(most_columns) ? first_large(plan, item) : item;
+}
+
+static svo_large_item candidate_at(const svo_plan *plan, uint32_t most_columns, uint32_t index)
+{
+    if (are_large(most_columns)) {
+        return plan->large[index];
     }
-    const projection p = project(plan, draw, &placed);
-    return columns_of(&p) > (int64_t)most_columns;
+    const svo_draw_item item = plan->items[index];
+    const uint32_t *corners = plan->indices + (size_t)item.triangle * 3;
+    svo_large_item r = {.item = index, .axis = item.flags & SVO_DRAW_AXIS_MASK};
+    for (unsigned corner = 0; corner < 3; ++corner) {
+        memcpy(r.corners + (size_t)corner * 3, plan->vertices + (size_t)corners[corner] * 3, 3 * sizeof r.corners[0]);
+    }
+    return r;
 }
 
 /* Adds the draw's items of more columns, and a draw of them. */
@@ -522,9 +535,13 @@ static bool add_rest(const svo_plan *plan, const svo_i_draw *draw, uint32_t most
 {
     svo_i_draw rest = *draw;
     rest.first_item = to->item_count;
-    for (uint32_t i = draw->first_item; i < draw->first_item + draw->item_count; ++i) {
-        if (draw->class_id != SVO_I_CLASS_POINT && is_beyond(plan, draw, plan->items[i], most_columns)) {
-            to->items[to->item_count++] = plan->items[i];
+    const uint32_t end = first_candidate(plan, most_columns, draw->first_item + draw->item_count);
+    uint32_t i = draw->class_id == SVO_I_CLASS_POINT ? end : first_candidate(plan, most_columns, draw->first_item);
+    for (; i < end; ++i) {
+        const svo_large_item candidate = candidate_at(plan, most_columns, i);
+        const projection p = project(plan, draw, &candidate);
+        if (columns_of(&p) > (int64_t)most_columns) {
+            to->items[to->item_count++] = plan->items[candidate.item];
         }
     }
     rest.item_count = to->item_count - rest.first_item;
@@ -532,16 +549,23 @@ static bool add_rest(const svo_plan *plan, const svo_i_draw *draw, uint32_t most
     return add_draw(&to->chunking, rest);
 }
 
+bool svo_i_rest_may_exist(const svo_plan *plan, uint32_t most_columns)
+{
+    return !are_large(most_columns) || plan->large_count > 0;
+}
+
 svo_status svo_i_rest_find(const svo_plan *plan, const svo_i_chunking *cut, uint32_t most_columns, svo_i_rest *out)
 {
     const svo_i_memory *memory = &plan->device->memory;
-    uint64_t items = 0;
+    uint64_t most = 0;
     for (uint32_t i = 0; i < cut->draw_count; ++i) {
-        items += cut->draws[i].item_count;
+        const svo_i_draw *draw = &cut->draws[i];
+        most += first_candidate(plan, most_columns, draw->first_item + draw->item_count) -
+                first_candidate(plan, most_columns, draw->first_item);
     }
-    *out = (svo_i_rest){.items = svo_i_alloc(memory, (size_t)(items + 1) * sizeof *out->items),
+    *out = (svo_i_rest){.items = svo_i_alloc(memory, (size_t)(most + 1) * sizeof *out->items),
                         .chunking = {.memory = memory}};
-    bool added = out->items != NULL && items <= UINT32_MAX;
+    bool added = out->items != NULL && most <= UINT32_MAX;
     for (uint32_t i = 0; i < cut->chunk_count && added; ++i) {
         const svo_i_chunk *chunk = &cut->chunks[i];
         const uint32_t first_draw = out->chunking.draw_count;

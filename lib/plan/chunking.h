@@ -52,6 +52,8 @@ typedef struct svo_i_rest {
 
 SVO_I_SHARED_BEGIN
 
+/* Whether there may be such triangles; from SVO_TILE_COLUMNS on that is known without the plan's arrays. */
+bool svo_i_rest_may_exist(const svo_plan *plan, uint32_t most_columns);
 /* plan: its arrays are on the host. most_columns: not 0. */
 svo_status svo_i_rest_find(const svo_plan *plan, const svo_i_chunking *cut, uint32_t most_columns, svo_i_rest *out);
 /* Accepts one that is all zero. */

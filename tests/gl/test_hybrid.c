@@ -12,6 +12,7 @@
 
 #include <stdio.h>
 
+#include "context/context.h"
 #include "plan/arrays.h"
 #include "plan/chunking.h"
 #include "scenes.h"
@@ -88,27 +89,54 @@ static void every_cut_gives_one_tree(void **state)
     owned_mesh_free(&random);
 }
 
-/* What the tests above rest on: thresholds between the first and the last divide the triangles. */
-static void thresholds_divide_the_triangles(void **state)
+/* Vertices that OpenGL has drawn. */
+static uint64_t drawn_vertices;
+static void(APIENTRY *real_draw)(GLenum mode, GLint first, GLsizei count);
+
+static void APIENTRY counting_draw(GLenum mode, GLint first, GLsizei count)
 {
-    const fixture by_cl = fixture_cl_of_group(state);
+    drawn_vertices += (uint64_t)count;
+    real_draw(mode, first, count);
+}
+
+/* What a build draws once its programs are compiled. */
+static uint64_t vertices_of_build(const fixture *by_both, const svo_mesh *mesh)
+{
+    for (unsigned turn = 0; turn < 2; ++turn) {
+        built finished;
+        drawn_vertices = 0;
+        fixture_build(by_both, mesh, 7, &(svo_plan_options){.need = SVO_NEED_NONE}, &finished);
+        built_destroy(&finished);
+    }
+    return drawn_vertices;
+}
+
+/* Thresholds between the first and the last divide the triangles, and OpenGL draws those of more columns. */
+static void opengl_draws_the_large_triangles(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
     scene *made = fixture_scene("atrium");
     svo_plan *plan = NULL;
     svo_i_chunking cut = {0};
     uint64_t before = UINT64_MAX;
-    assert_int_equal(svo_plan_create(by_cl.device, scene_mesh(made), 7, NULL, &plan), SVO_OK);
+    real_draw = opened->context->functions.DrawArrays;
+    opened->context->functions.DrawArrays = counting_draw;
+    assert_int_equal(svo_plan_create(opened->device, scene_mesh(made), 7, NULL, &plan), SVO_OK);
     assert_int_equal(svo_i_plan_copy_to_host(plan), SVO_OK);
     assert_int_equal(svo_i_chunking_create(plan, svo_i_chunk_bytes_max(plan, UINT64_MAX), &cut), SVO_OK);
     for (size_t i = 0; i < COLUMNS; ++i) {
         svo_i_rest rest;
+        fixture by_both = open_hybrid(opened, SVO_GL_SHARE_AUTO, columns[i]);
         assert_int_equal(svo_i_rest_find(plan, &cut, columns[i], &rest), SVO_OK);
         assert_int_equal(rest.item_count + rest.others, plan->class_begin[SVO_I_CLASS_COUNT]);
         assert_true(rest.item_count <= before && (rest.item_count < before || i == 4));
         assert_true((rest.item_count > 0) == (columns[i] != UINT32_MAX));
-        assert_int_equal(rest.chunking.chunk_count, cut.chunk_count);
+        assert_int_equal(vertices_of_build(&by_both, scene_mesh(made)), 3 * (uint64_t)rest.item_count);
         before = rest.item_count;
         svo_i_rest_free(&rest);
+        close_hybrid(&by_both);
     }
+    opened->context->functions.DrawArrays = real_draw;
     svo_i_chunking_destroy(&cut);
     svo_plan_destroy(&plan);
     scene_destroy(&made);
@@ -153,7 +181,7 @@ TEST_GROUP(hybrid)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_scene_and_coverage_gives_one_tree),
         cmocka_unit_test(every_cut_gives_one_tree),
-        cmocka_unit_test(thresholds_divide_the_triangles),
+        cmocka_unit_test(opengl_draws_the_large_triangles),
         cmocka_unit_test(builds_that_do_not_wait_give_one_tree),
     };
     return cmocka_run_group_tests_name("hybrid", tests, fixture_group_setup, fixture_group_teardown);
