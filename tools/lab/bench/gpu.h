@@ -3,18 +3,11 @@
 #ifndef SVOCL_TOOLS_BENCH_GPU_H
 #define SVOCL_TOOLS_BENCH_GPU_H
 
-#include "measure/result.h"
-#include "support/program.h"
+#include "bench/gpu_steps.h"
 
 #define BENCH_GPU_NAME "gpu"
 #define BENCH_GPU_SUMMARY \
     "devices, exactness, hashes, builds, light and rays of this machine, each in a process of its own"
-
-/* How the steps went, all zero at first. What a machine does not offer is neither wrong nor failed. */
-typedef struct bench_gpu_verdicts {
-    size_t wrong_count, failed_count;
-    svo_message first; /* the first of both, and why */
-} bench_gpu_verdicts;
 
 /*
  * Runs every step and fills the set and its machine. Steps that fail are rows with their reason. The options are those
