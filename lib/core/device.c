@@ -113,6 +113,10 @@ static cl_int budget_count(svo_i_budget *budget, cl_mem buffer, uint64_t bytes)
 #define SETTLE_ATTEMPTS 3
 /* A quarter of a million pixels. */
 #define BAND_TILES 4096u
+/* The first band may leave a large GPU half idle, but a slow one ends it in time. */
+#define BAND_MS           50.0
+#define BAND_FIRST_GROUPS 256u
+#define BAND_LEAST_GROUPS 64u
 
 svo_message *svo_i_device_message(svo_device *device)
 {
@@ -540,6 +544,7 @@ svo_status svo_device_create(cl_context context, cl_device_id device, const svo_
     handle->context = context;
     handle->device = device;
     handle->tests_programs = asked.trust_driver == 0;
+    handle->bands = (svo_i_bands){BAND_MS, BAND_FIRST_GROUPS, BAND_LEAST_GROUPS};
     handle->band_tiles = BAND_TILES;
     *out = handle;
     return SVO_OK;

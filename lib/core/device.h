@@ -45,6 +45,12 @@ typedef struct svo_i_budget_answer {
     uint64_t max_bytes; /* UINT64_MAX without a budget */
 } svo_i_budget_answer;
 
+/* How long the launches of calls that wait should be, see core/submit.h. */
+typedef struct svo_i_bands {
+    double target_ms;
+    size_t first_groups, least_groups;
+} svo_i_bands;
+
 struct svo_device {
     cl_context context;
     cl_device_id device;
@@ -63,6 +69,7 @@ struct svo_device {
     bool rounds_quotients; /* of floats, and roots, correctly: programs are compiled so */
     bool tests_programs; /* before their first use: core/proof.h */
     bool arithmetic_is_tested; /* by one of them, for all */
+    svo_i_bands bands;
     cl_uint band_tiles; /* tiles of a picture in one launch, so that none takes long enough for a driver to end it */
     svo_i_budget *budget; /* NULL: none */
     svo_i_attachment *attachments; /* compiled programs, and what else is kept until the handle is destroyed */
