@@ -3,6 +3,7 @@
 #include "core/submit.h"
 
 #include "core/device.h"
+#include "core/upload.h"
 
 /* ---- arrays ---- */
 

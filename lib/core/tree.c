@@ -11,6 +11,7 @@
 #include "core/device.h"
 #include "core/message.h"
 #include "core/struct_size.h"
+#include "core/upload.h"
 #include "svocl/nodes.h"
 #include "svocl/plan.h"
 

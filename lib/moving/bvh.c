@@ -11,6 +11,7 @@
 
 #include "core/struct_size.h"
 #include "core/tree.h"
+#include "core/upload.h"
 #include "core/work.h"
 #include "moving/bvh_buffers.h"
 #include "plan/update.h"

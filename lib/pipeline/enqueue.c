@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "core/submit.h"
+#include "core/upload.h"
 #include "pipeline/run.h"
 #include "pipeline/workspace.h"
 #include "plan/estimate.h"

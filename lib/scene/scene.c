@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "core/struct_size.h"
+#include "core/upload.h"
 #include "scene/hierarchy.h"
 #include "scene/trees.h"
 #include "svocl/plan.h"

@@ -11,6 +11,7 @@
 #include "compact/form.h"
 #include "core/compact.h"
 #include "core/tree.h"
+#include "core/upload.h"
 #include "rays/rays.h"
 #include "scene/programs.h"
 #include "shared/bvh_layout.h"
