@@ -51,12 +51,12 @@ svo_status svo_i_call_output(svo_i_call *call, const char *name, const svo_array
 typedef struct svo_i_launch {
     cl_kernel kernel;
     size_t groups, group_items; /* at least one */
-    size_t band_groups; /* of a launch whose time is not known; 0: a band that is waited for may be small, others all */
+    size_t band_groups; /* of the first band, and of all that are not measured; 0: svo_device.bands, and all at once */
 } svo_i_launch;
 
-/* Launches it for a call. A driver may end a launch that takes seconds, so a call that waits does it on GPUs in bands
-   of about svo_device.bands.target_ms: each is waited for, and its time decides how large the next one is. Others, in
-   launches of band_groups. The last one has the call's event. */
+/* Launches it for a call. A driver may end a launch that takes seconds, so a call that waits does it in bands on GPUs:
+   it waits for each, whose time decides how large the next one is, toward svo_device.bands.target_ms. Bands of other
+   calls are not measured. The last one has the call's event. */
 svo_status svo_i_call_launch(const svo_i_call *call, const svo_i_launch *launch);
 /* The call waits for its last command, which is yet to come, whatever its svo_submit. */
 void svo_i_call_wait(svo_i_call *call);
