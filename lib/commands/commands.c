@@ -6,7 +6,7 @@
 #include "commands/commands.h"
 
 #include "commands/frontend.h"
-#include "core/upload.h"
+#include "core/staging.h"
 #include "plan/accounts.h"
 #include "plan/arrays.h"
 

@@ -9,9 +9,9 @@
 #include <xxhash.h>
 
 #include "core/device.h"
+#include "core/staging.h"
 #include "core/struct_size.h"
 #include "core/tree.h"
-#include "core/upload.h"
 #include "svocl/plan.h"
 
 svo_compact *svo_i_compact_new(const svo_i_memory *memory)

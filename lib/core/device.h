@@ -12,7 +12,7 @@
  *   device_search  svo_device_create_default
  *   program        programs, and launches of their kernels
  *   kernel_files   compiled programs in files
- *   upload         from host memory to buffers
+ *   staging        between host memory and buffers
  *   submit         the commands of one call, its arrays, its launches in bands
  *   work           scratch buffers, copies and launches outside builds; chains of commands on any queues
  *   proof          known answers of kernels, before a program is used
@@ -71,8 +71,8 @@ struct svo_device {
     bool rounds_quotients; /* of floats, and roots, correctly: programs are compiled so */
     bool tests_programs; /* before their first use: core/proof.h */
     bool arithmetic_is_tested; /* by one of them, for all */
-    size_t staging_bytes; /* of a half of the memory for uploads (core/upload.h); 0: none */
-    size_t staged_bytes_min; /* of an upload that goes through it */
+    size_t staging_bytes; /* of a half (core/staging.h); 0: none */
+    size_t staged_bytes_min; /* of what goes through it */
     svo_i_bands bands;
     cl_uint band_tiles; /* tiles of a picture in one launch, so that none takes long enough for a driver to end it */
     svo_i_budget *budget; /* NULL: none */

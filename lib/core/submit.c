@@ -3,7 +3,7 @@
 #include "core/submit.h"
 
 #include "core/device.h"
-#include "core/upload.h"
+#include "core/staging.h"
 
 /* ---- arrays ---- */
 
@@ -172,8 +172,13 @@ static svo_status finish(svo_i_call *call)
     const char *name = "clWaitForEvents";
     if (call->to != NULL) {
         name = "clEnqueueReadBuffer";
-        error = clEnqueueReadBuffer(call->queue, call->from, CL_TRUE, call->first_byte, call->read_bytes, call->to, 1,
-                                    &call->done, NULL);
+        error = svo_i_download(call->device,
+                               &(svo_i_download_from){.queue = call->queue,
+                                                      .buffer = call->from,
+                                                      .offset = call->first_byte,
+                                                      .bytes = call->read_bytes,
+                                                      .wait = &call->done},
+                               call->to);
     } else {
         error = clWaitForEvents(1, &call->done);
     }

@@ -10,8 +10,8 @@
 
 #include "core/device.h"
 #include "core/message.h"
+#include "core/staging.h"
 #include "core/struct_size.h"
-#include "core/upload.h"
 #include "svocl/nodes.h"
 #include "svocl/plan.h"
 

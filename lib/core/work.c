@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-#include "core/upload.h"
+#include "core/staging.h"
 #include "shared/layout.h"
 
 /* ---- commands in flight ---- */

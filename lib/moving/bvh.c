@@ -9,9 +9,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "core/staging.h"
 #include "core/struct_size.h"
 #include "core/tree.h"
-#include "core/upload.h"
 #include "core/work.h"
 #include "moving/bvh_buffers.h"
 #include "plan/update.h"

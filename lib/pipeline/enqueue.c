@@ -5,8 +5,8 @@
  */
 #include <string.h>
 
+#include "core/staging.h"
 #include "core/submit.h"
-#include "core/upload.h"
 #include "pipeline/run.h"
 #include "pipeline/workspace.h"
 #include "plan/estimate.h"

@@ -10,8 +10,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/staging.h"
 #include "core/struct_size.h"
-#include "core/upload.h"
 #include "scene/hierarchy.h"
 #include "scene/trees.h"
 #include "svocl/plan.h"

@@ -10,8 +10,8 @@
 
 #include "compact/form.h"
 #include "core/compact.h"
+#include "core/staging.h"
 #include "core/tree.h"
-#include "core/upload.h"
 #include "rays/rays.h"
 #include "scene/programs.h"
 #include "shared/bvh_layout.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Uploads through staging memory, as on devices with memory of their own, of a few KiB here: the same bytes at the same
+ * Uploads and results through staging memory, as on devices with memory of their own, of a few KiB here: the same bytes at the same
  * place for sizes around those of its halves, on in-order and out-of-order queues, whether a call waits or not; the
  * same trees. Devices that share the host's memory have none.
  */
@@ -15,7 +15,7 @@
 #include <cmocka.h>
 
 #include "core/device.h"
-#include "core/upload.h"
+#include "core/staging.h"
 #include "core/work.h"
 #include "scenes.h"
 #include "support/counting.h"
@@ -123,6 +123,44 @@ static void writes_that_do_not_wait_have_all_bytes(void **state)
     fixture_close(&opened);
 }
 
+/* Reads what a write that is not waited for brings. found: has one byte more. Returns the calls. */
+static counted write_and_read(const fixture *opened, cl_mem buffer, const unsigned char *bytes, size_t count,
+                              unsigned char *found)
+{
+    cl_event written = NULL;
+    assert_int_equal(clEnqueueWriteBuffer(opened->queue, buffer, CL_FALSE, OFFSET, count, bytes, 0, NULL, &written),
+                     CL_SUCCESS);
+    const svo_i_download_from from = {
+        .queue = opened->queue, .buffer = buffer, .offset = OFFSET, .bytes = count, .wait = &written};
+    memset(found, 0xa5, count + 1);
+    counting_begin();
+    assert_int_equal(svo_i_download(opened->device, &from, found), CL_SUCCESS);
+    const counted did = counting_read();
+    clReleaseEvent(written);
+    return did;
+}
+
+static void reads_have_all_bytes(void **state)
+{
+    static unsigned char bytes[MOST];
+    static unsigned char found[MOST + 1];
+    (void)state;
+    fixture opened;
+    open_staged(CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE, &opened);
+    cl_mem buffer = make_buffer(&opened);
+    (void)write_and_read(&opened, buffer, bytes, MOST, found); /* maps the memory */
+    for (size_t i = 0; i < SIZES; ++i) {
+        fill(bytes, sizes[i], (unsigned)i);
+        const counted did = write_and_read(&opened, buffer, bytes, sizes[i], found);
+        assert_int_equal(did.waits, count_parts(sizes[i])); /* for parts, or a blocking read */
+        assert_int_equal(did.reads, sizes[i] < LEAST ? 1 : 0);
+        assert_memory_equal(found, bytes, sizes[i]);
+        assert_int_equal(found[sizes[i]], 0xa5);
+    }
+    clReleaseMemObject(buffer);
+    fixture_close(&opened);
+}
+
 /* Plans by the host and by kernels, and their builds. */
 static void build_hashes(const fixture *opened, const svo_mesh *mesh, char hashes[2][SVO_HASH_TEXT_BYTES])
 {
@@ -166,6 +204,6 @@ TEST_GROUP(upload)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(writes_have_all_bytes),
                                        cmocka_unit_test(writes_that_do_not_wait_have_all_bytes),
-                                       cmocka_unit_test(trees_are_the_same)};
+                                       cmocka_unit_test(reads_have_all_bytes), cmocka_unit_test(trees_are_the_same)};
     return cmocka_run_group_tests_name("upload", tests, NULL, NULL);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "core/upload.h"
+#include "core/staging.h"
 
 #include <string.h>
 
@@ -12,11 +12,11 @@ typedef struct staging {
     cl_mem memory; /* owned */
     unsigned char *mapped; /* two halves */
     size_t half_bytes;
-    cl_event busy[2]; /* of the write that reads a half; owned; NULL: none */
+    cl_event busy[2]; /* of the command that uses a half; owned; NULL: none */
     unsigned next; /* half */
 } staging;
 
-/* Waits until a half may be filled. */
+/* Waits until a half is free. */
 static void clear_half(cl_event *busy)
 {
     if (*busy != NULL) {
@@ -52,21 +52,24 @@ static cl_int fill_staging(const svo_device *device, staging *out)
         return error;
     }
     out->memory =
-        clCreateBuffer(device->context, CL_MEM_READ_ONLY | CL_MEM_ALLOC_HOST_PTR, 2 * out->half_bytes, NULL, &error);
+        clCreateBuffer(device->context, CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, 2 * out->half_bytes, NULL, &error);
     if (error != CL_SUCCESS) {
         out->memory = NULL;
         return error;
     }
-    out->mapped = clEnqueueMapBuffer(out->queue, out->memory, CL_TRUE, CL_MAP_WRITE_INVALIDATE_REGION, 0,
+    out->mapped = clEnqueueMapBuffer(out->queue, out->memory, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0,
                                      2 * out->half_bytes, 0, NULL, NULL, &error);
     return error;
 }
 
-/* The device's staging memory, made on first use; NULL: it has none, and its driver copies. */
-static staging *get_staging(svo_device *device)
+/* The device's staging memory for so many bytes, made on first use; NULL: its driver copies. */
+static staging *get_staging(svo_device *device, size_t bytes)
 {
+    if (device->staging_bytes == 0 || bytes < device->staged_bytes_min) {
+        return NULL;
+    }
     svo_i_attachment *known = svo_i_attachment_find(device->attachments, release_staging);
-    if (known != NULL || device->staging_bytes == 0) {
+    if (known != NULL) {
         return (staging *)known;
     }
     staging *made = svo_i_alloc_zeroed(&device->memory, 1, sizeof *made);
@@ -75,7 +78,7 @@ static staging *get_staging(svo_device *device)
         svo_i_attachment_add(&device->attachments, &made->attachment);
         return made;
     }
-    device->staging_bytes = 0; /* uploads are right without it */
+    device->staging_bytes = 0; /* it works without */
     if (made != NULL && made->memory != NULL) {
         clReleaseMemObject(made->memory);
     }
@@ -124,7 +127,7 @@ static cl_int enqueue_parts(staging *held, const svo_i_upload *upload, cl_event 
 
 cl_int svo_i_upload_enqueue(svo_device *device, const svo_i_upload *upload, cl_event *event)
 {
-    staging *held = upload->bytes >= device->staged_bytes_min ? get_staging(device) : NULL;
+    staging *held = get_staging(device, upload->bytes);
     if (held == NULL) {
         return clEnqueueWriteBuffer(upload->queue, upload->buffer, upload->blocks, upload->offset, upload->bytes,
                                     upload->from, upload->num_wait, upload->wait, event);
@@ -160,4 +163,60 @@ svo_status svo_i_device_write(svo_device *device, const char *function, cl_comma
     }
     clReleaseEvent(written);
     return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(device, function, "clWaitForEvents", error);
+}
+
+/* ---- downloads ---- */
+
+/* Begins to read the part at an offset of the bytes to the next half. */
+static cl_int read_part(staging *held, const svo_i_download_from *from, size_t at)
+{
+    const unsigned half = held->next;
+    const size_t left = from->bytes - at;
+    clear_half(&held->busy[half]);
+    const cl_int error = clEnqueueReadBuffer(from->queue, from->buffer, CL_FALSE, from->offset + at,
+                                             left < held->half_bytes ? left : held->half_bytes,
+                                             held->mapped + half * held->half_bytes, 1, from->wait, &held->busy[half]);
+    if (error != CL_SUCCESS) {
+        held->busy[half] = NULL;
+        return error;
+    }
+    held->next = 1 - half;
+    return clFlush(from->queue);
+}
+
+/* Waits for the older of two parts, and copies it. */
+static cl_int take_part(staging *held, unsigned half, unsigned char *to, size_t bytes)
+{
+    const cl_int error = clWaitForEvents(1, &held->busy[half]);
+    if (error != CL_SUCCESS) {
+        return error;
+    }
+    clReleaseEvent(held->busy[half]);
+    held->busy[half] = NULL;
+    memcpy(to, held->mapped + half * held->half_bytes, bytes);
+    return CL_SUCCESS;
+}
+
+static cl_int read_parts(staging *held, const svo_i_download_from *from, unsigned char *to)
+{
+    unsigned half = held->next;
+    cl_int error = read_part(held, from, 0);
+    for (size_t at = 0; at < from->bytes && error == CL_SUCCESS; at += held->half_bytes, half = 1 - half) {
+        const size_t left = from->bytes - at;
+        if (left > held->half_bytes) {
+            error = read_part(held, from, at + held->half_bytes);
+        }
+        if (error == CL_SUCCESS) {
+            error = take_part(held, half, to + at, left < held->half_bytes ? left : held->half_bytes);
+        }
+    }
+    return error;
+}
+
+cl_int svo_i_download(svo_device *device, const svo_i_download_from *from, void *to)
+{
+    staging *held = get_staging(device, from->bytes);
+    return held != NULL ? read_parts(held, from, to)
+                        : clEnqueueReadBuffer(from->queue, from->buffer, CL_TRUE, from->offset, from->bytes, to, 1,
+                                              from->wait, NULL);
 }

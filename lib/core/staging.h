@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * From host memory to buffers. A device with memory of its own copies by DMA, which needs pages that stay where they
- * are. For an array anywhere the driver copies it to such pages first, piece by piece, and waits; so here, but without
- * the waits: a device handle has two halves of staging memory, and while one is on its way the next is filled.
+ * Between host memory and buffers. A device with memory of its own copies by DMA, which needs pages that stay where they
+ * are. For an array anywhere the driver copies to or from such pages, piece by piece, and waits for each; so here, but
+ * a device handle has two halves of staging memory, and while one is on its way the other is filled or emptied.
  */
-#ifndef SVO_LIB_CORE_UPLOAD_H
-#define SVO_LIB_CORE_UPLOAD_H
+#ifndef SVO_LIB_CORE_STAGING_H
+#define SVO_LIB_CORE_STAGING_H
 
 #include "core/device.h"
 
@@ -19,8 +19,18 @@ typedef struct svo_i_upload {
     const cl_event *wait;
 } svo_i_upload;
 
+typedef struct svo_i_download_from {
+    cl_command_queue queue;
+    cl_mem buffer;
+    size_t offset, bytes; /* above 0 */
+    const cl_event *wait;
+} svo_i_download_from;
+
 /* clEnqueueWriteBuffer, through staging memory where it helps. event: of all bytes. */
 cl_int svo_i_upload_enqueue(svo_device *device, const svo_i_upload *upload, cl_event *event);
+
+/* A blocking clEnqueueReadBuffer after an event, likewise. */
+cl_int svo_i_download(svo_device *device, const svo_i_download_from *from, void *to);
 
 SVO_I_SHARED_BEGIN
 
