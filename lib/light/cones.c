@@ -40,8 +40,8 @@ _Static_assert((uint32_t)SVO_VIEW_DIRECT == AHEAD + SVO_LIT_VIEW_DIRECT &&
 #define TILE_EDGE SVO_LIGHT_BAND_ROWS
 /* Camera rays of a pixel. */
 #define SAMPLES 4u
-/* Tiles of a launch, so that none takes long enough for a driver to end it. */
-#define BAND_TILES 256u
+/* A tile takes as long as so many of other pictures. */
+#define TILE_COST 16u
 
 /* ---- options ---- */
 
@@ -209,6 +209,7 @@ static svo_status begin_shader(svo_i_device_work *work, const svo_light *light, 
     return make_kernel(out, program, kernel_name);
 }
 
+/* own: the kernel's own arguments, own_count. */
 static svo_status set_arguments(const svo_i_light_shader *shader, const svo_gather_params *gather,
                                 const svo_lit_picture_params *params, const svo_i_argument *own, cl_uint own_count)
 {
@@ -234,16 +235,13 @@ static svo_status set_arguments(const svo_i_light_shader *shader, const svo_gath
                                  own_count);
 }
 
-/* Launches so many whole groups. own: the kernel's own arguments, own_count. */
-static svo_status launch_shader(const svo_i_light_shader *shader, const svo_gather_params *gather,
-                                const svo_lit_picture_params *params, const svo_i_argument *own, cl_uint own_count,
-                                uint64_t groups)
+/* Launches so many whole groups. */
+static svo_status launch_shader(const svo_i_light_shader *shader, size_t groups)
 {
     const size_t local = SVO_GROUP_ITEMS;
-    const size_t global = (size_t)groups * local;
+    const size_t global = groups * local;
     svo_i_device_work *work = shader->work;
     cl_event event = NULL;
-    SVO_I_TRY(set_arguments(shader, gather, params, own, own_count));
     const cl_int error =
         clEnqueueNDRangeKernel(work->queue, shader->kernel, 1, NULL, &global, &local, work->last != NULL ? 1 : 0,
                                work->last != NULL ? &work->last : NULL, &event);
@@ -304,8 +302,8 @@ svo_status svo_i_light_shade_rays(const svo_i_light_shade *shade, cl_mem rays, c
     const svo_i_argument own[] = {SVO_I_ARGUMENT(rays), SVO_I_ARGUMENT(radiance)};
     const uint32_t group_rays = ITEM_RAYS * SVO_GROUP_ITEMS;
     params.width = ray_count;
-    return launch_shader(&shade->shader, &shade->gather, &params, SVO_I_ARGUMENTS(own),
-                         ((uint64_t)ray_count + group_rays - 1) / group_rays);
+    SVO_I_TRY(set_arguments(&shade->shader, &shade->gather, &params, SVO_I_ARGUMENTS(own)));
+    return launch_shader(&shade->shader, ((size_t)ray_count + group_rays - 1) / group_rays);
 }
 
 void svo_i_light_shade_end(svo_i_light_shade *shade)
@@ -388,20 +386,19 @@ typedef struct drawing {
     svo_i_pixel_output output;
 } drawing;
 
-static svo_status launch(const drawing *drawn, const svo_i_light_shader *shader, cl_mem pixels)
+static svo_status launch(const drawing *drawn, const svo_i_light_shader *shader, cl_mem pixels, const svo_i_call *call)
 {
     const svo_render_options *options = &drawn->asked;
     const svo_i_argument own[] = {SVO_I_ARGUMENT(pixels)};
     const uint64_t across = (options->width + TILE_EDGE - 1) / TILE_EDGE;
-    const uint64_t begin = across * (options->first_row / TILE_EDGE);
-    const uint64_t end = begin + across * ((rows_of_band(options) + TILE_EDGE - 1) / TILE_EDGE);
+    const uint64_t down = (rows_of_band(options) + TILE_EDGE - 1) / TILE_EDGE;
     svo_lit_picture_params params = drawn->params;
-    for (uint64_t first = begin; first < end; first += BAND_TILES) {
-        params.first_tile = (uint32_t)first;
-        SVO_I_TRY(launch_shader(shader, &drawn->gather, &params, SVO_I_ARGUMENTS(own),
-                                end - first < BAND_TILES ? end - first : BAND_TILES));
-    }
-    return SVO_OK;
+    params.first_tile = (uint32_t)(across * (options->first_row / TILE_EDGE));
+    SVO_I_TRY(set_arguments(shader, &drawn->gather, &params, SVO_I_ARGUMENTS(own)));
+    return svo_i_call_launch(call, &(svo_i_launch){.kernel = shader->kernel,
+                                                   .groups = (size_t)(across * down),
+                                                   .group_items = SVO_GROUP_ITEMS,
+                                                   .band_groups = call->device->band_tiles / TILE_COST});
 }
 
 static svo_status enqueue(const drawing *drawn, const svo_array *to, svo_i_call *call)
@@ -414,13 +411,13 @@ static svo_status enqueue(const drawing *drawn, const svo_array *to, svo_i_call 
     svo_status status = SVO_OK;
     SVO_I_TRY(svo_i_call_output(call, "pixels", to, row_bytes * options->height, row_bytes * options->first_row,
                                 row_bytes * rows_of_band(options), &pixels));
-    SVO_I_TRY(svo_i_work_begin_after(call->device, call->function, call->queue, call->num_wait, call->wait, &work));
+    SVO_I_TRY(svo_i_work_begin(call->device, call->function, call->queue, &work));
     SVO_I_TRY_CLEANUP(begin_shader(&work, drawn->light, &svo_i_program_light_picture, "svo_k_light_picture", &shader));
-    SVO_I_TRY_CLEANUP(launch(drawn, &shader, pixels));
+    SVO_I_TRY_CLEANUP(launch(drawn, &shader, pixels, call));
 
 cleanup:
     end_shader(&shader);
-    svo_i_work_leave(&work, status == SVO_OK ? call->event : NULL);
+    svo_i_work_leave(&work, NULL);
     return status;
 }
 
