@@ -18,7 +18,7 @@ all_variants()
 {
     local lists='RANGES LISTS' names form picture='PICTURE_TRIANGLES COLOR NORMAL FINISHES'
     for names in "$lists COMPARE COLOR NORMAL FILL MATERIAL WEIGHTS_AREA" \
-        "$lists CODE48 COLOR VERTEX_COLOR TEXTURE NORMAL VERTEX_NORMAL WEIGHTS_CENTER SCENE_TRIANGLES AREAS" \
+        "$lists CODE48 COLOR VERTEX_COLOR TEXTURE NORMAL VERTEX_NORMAL WEIGHTS_CENTER AREAS" \
         'COLOR NORMAL WEIGHTS_AREA AREAS' 'SORT SORT_STRIPS NO_TEST CAST_TILES RAY_STREAMS COLOR NORMAL' \
         'COLOR VERTEX_COLOR TEXTURE NORMAL VERTEX_NORMAL WEIGHTS_AREA AREAS PAIR_LANES' \
         'COLOR NORMAL CODE48 WEIGHTS_CENTER PAIR_LANES' 'NARROW COLUMN_LANES ONE_WORKER COUNT_HITS' \
@@ -31,6 +31,8 @@ all_variants()
         printf "%s\tCOLOR NORMAL $form\n" kernels/rays/{render,trace_voxels,view}.cl \
             kernels/scene/{bounds,render,trace}.cl kernels/compact/expand.cl
     done
+    # Pictures of scenes are of voxels.
+    printf 'kernels/scene/trace.cl\tSCENE_TRIANGLES\n'
     # What paged trees are read by.
     printf "%s\tCOLOR NORMAL READ_PAGED\n" kernels/rays/{render,view}.cl
     # What light is stored in.
