@@ -10,7 +10,7 @@
 readonly stack_limits=tools/kernel_stacks.txt
 readonly stack_targets="nvptx64 amdgcn" libclc=/usr/lib/clc
 # What selects the kernels of CPUs.
-readonly cpu_defines='PAIR_LANES COLUMN_LANES ONE_WORKER SORT_STRIPS CAST_TILES RAY_STREAMS'
+readonly cpu_defines='PAIR_LANES COLUMN_LANES ONE_WORKER SORT_SERIAL BVH_SERIAL CAST_TILES RAY_STREAMS'
 
 # Lines of a kernel file, a tab and the names of defines without their SVO_: all that are checked, also those that
 # change nothing in the file. No kernel uses all of its helpers.
@@ -19,7 +19,7 @@ all_variants()
     local lists='RANGES LISTS' names form picture='PICTURE_TRIANGLES COLOR NORMAL FINISHES'
     for names in "$lists COMPARE COLOR NORMAL FILL MATERIAL WEIGHTS_AREA" \
         "$lists CODE48 COLOR VERTEX_COLOR TEXTURE NORMAL VERTEX_NORMAL WEIGHTS_CENTER AREAS" \
-        'COLOR NORMAL WEIGHTS_AREA AREAS' 'SORT SORT_STRIPS NO_TEST CAST_TILES RAY_STREAMS COLOR NORMAL' \
+        'COLOR NORMAL WEIGHTS_AREA AREAS' 'SORT SORT_SERIAL BVH_SERIAL NO_TEST CAST_TILES RAY_STREAMS COLOR NORMAL' \
         'COLOR VERTEX_COLOR TEXTURE NORMAL VERTEX_NORMAL WEIGHTS_AREA AREAS PAIR_LANES' \
         'COLOR NORMAL CODE48 WEIGHTS_CENTER PAIR_LANES' 'NARROW COLUMN_LANES ONE_WORKER COUNT_HITS' \
         'NARROW COLUMN_LANES CODE48' 'NARROW THIN' 'WIDE CODE48' 'WIDE CODE48 THIN'; do

@@ -8,8 +8,8 @@
  *   svo_k_bvh_open     per node of a level: its children
  *   svo_k_bvh_number   numbers the children that are nodes, which are the next level
  *
- * Launch: root: one work-item; open: a work-item per node; number: one group of SVO_GROUP_ITEMS. No atomics. Local
- * memory is an argument, see group.clh.
+ * Launch: root: one work-item; the others: a work-item per node, in groups of SVO_GROUP_ITEMS, or more: the state says
+ * where levels begin. No atomics. Local memory is an argument, see group.clh.
  */
 #include "bvh/ranges.clh"
 #include "shared/group.clh"
@@ -26,29 +26,26 @@ static uint svo_bvh_largest(const uint *branch, const float *area, uint count)
     return best;
 }
 
-__kernel void svo_k_bvh_root(__global const svo_bvh_branch *branches, __global uint *nodes, uint item_count)
+__kernel void svo_k_bvh_root(__global const svo_bvh_branch *branches, __global uint *nodes,
+                             __global svo_bvh_state *state, uint item_count)
 {
     nodes[0] = 0u;
     nodes[1] = item_count;
     nodes[2] = branches[0].part[0];
+    state->node_begin[0] = 0u;
+    state->node_begin[1] = 1u;
 }
 
-/* nodes: per node its first item, its items and its branch. counts: per node its children that are nodes. item_counts:
-   the items of each leaf, at its first item; 0 elsewhere. */
-__kernel void svo_k_bvh_open(__global const uint *nodes, __global const svo_bvh_branch *branches,
-                             __global svo_bvh_children *children, __global uint *counts, __global uint *item_counts,
-                             uint level_begin, uint level_end)
+/* Writes the children of a node, and returns how many of them are nodes. */
+static uint svo_bvh_open_node(__global const uint *node, __global const svo_bvh_branch *branches,
+                              __global svo_bvh_children *children, __global uint *item_counts)
 {
-    const uint node = level_begin + (uint)get_global_id(0);
-    if (node >= level_end) {
-        return;
-    }
     uint first[8], items[8], branch[8];
     float area[8];
     uint count = 1u;
-    first[0] = nodes[3 * (size_t)node];
-    items[0] = nodes[3 * (size_t)node + 1];
-    branch[0] = nodes[3 * (size_t)node + 2];
+    first[0] = node[0];
+    items[0] = node[1];
+    branch[0] = node[2];
     area[0] = 0.0f;
     for (uint best = svo_bvh_largest(branch, area, 1u); best < count && count < 8u;
          best = svo_bvh_largest(branch, area, count)) {
@@ -66,15 +63,32 @@ __kernel void svo_k_bvh_open(__global const uint *nodes, __global const svo_bvh_
     uint inner = 0u;
     for (uint i = 0; i < 8u; ++i) {
         const bool is_there = i < count && items[i] != 0u;
-        children[node].first[i] = is_there ? first[i] : 0u;
-        children[node].count[i] = is_there ? items[i] : 0u;
-        children[node].node[i] = is_there ? branch[i] : 0u;
+        children->first[i] = is_there ? first[i] : 0u;
+        children->count[i] = is_there ? items[i] : 0u;
+        children->node[i] = is_there ? branch[i] : 0u;
         inner += is_there && branch[i] != 0u ? 1u : 0u;
         if (is_there && branch[i] == 0u) {
             item_counts[first[i]] = items[i];
         }
     }
-    counts[node] = inner;
+    return inner;
+}
+
+/* nodes: per node its first item, its items and its branch. counts: per group of nodes their children that are nodes.
+   item_counts: the items of each leaf, at its first item; 0 elsewhere. */
+__kernel void svo_k_bvh_open(__global const uint *nodes, __global const svo_bvh_branch *branches,
+                             __global svo_bvh_children *children, __global uint *counts, __global uint *item_counts,
+                             __global const svo_bvh_state *state, uint level, __local uint *scratch)
+{
+    const uint node = state->node_begin[level] + (uint)get_global_id(0);
+    uint inner = 0u;
+    if (node < state->node_begin[level + 1u]) {
+        inner = svo_bvh_open_node(nodes + 3 * (size_t)node, branches, children + node, item_counts);
+    }
+    const uint sum = svo_group_sum(inner, scratch);
+    if (get_local_id(0) == 0u) {
+        counts[get_group_id(0)] = sum;
+    }
 }
 
 /* Numbers a node's children from an index on, and tells them of their items. */
@@ -90,24 +104,40 @@ static void svo_bvh_number_children(__global svo_bvh_children *children, __globa
     }
 }
 
+/* The children of a node that are nodes. */
+static uint svo_bvh_count_inner(__global const svo_bvh_children *children)
+{
+    uint inner = 0u;
+    for (uint i = 0; i < 8u; ++i) {
+        inner += children->node[i] != 0u ? 1u : 0u;
+    }
+    return inner;
+}
+
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_bvh_number(__global uint *nodes, __global svo_bvh_children *children, __global const uint *counts,
-                 __global svo_bvh_state *state, uint level_begin, uint level_end, __local uint *scratch)
+                 __global svo_bvh_state *state, uint level, __local uint *scratch)
 {
-    const uint length = (level_end - level_begin + SVO_GROUP_ITEMS - 1u) / SVO_GROUP_ITEMS;
-    const uint begin = min(level_begin + (uint)get_local_id(0) * length, level_end);
-    const uint end = min(begin + length, level_end);
+    const uint begin = state->node_begin[level];
+    const uint end = state->node_begin[level + 1u];
+    const uint group = (uint)get_group_id(0);
+    const uint last_group = (max(end - begin, 1u) - 1u) / SVO_GROUP_ITEMS;
+    if (group > last_group) {
+        return;
+    }
     uint sum = 0u;
-    for (uint node = begin; node < end; ++node) {
-        sum += counts[node];
+    for (uint i = (uint)get_local_id(0); i < group; i += SVO_GROUP_ITEMS) {
+        sum += counts[i];
     }
-    uint total;
-    uint index = level_end + svo_group_exclusive(sum, scratch, &total);
-    for (uint node = begin; node < end; ++node) {
+    uint before, own;
+    svo_group_exclusive(sum, scratch, &before);
+    const uint node = begin + (uint)get_global_id(0);
+    const uint inner = node < end ? svo_bvh_count_inner(children + node) : 0u;
+    const uint index = end + before + svo_group_exclusive(inner, scratch, &own);
+    if (inner != 0u) {
         svo_bvh_number_children(children + node, nodes, index);
-        index += counts[node];
     }
-    if (get_local_id(0) == 0u) {
-        state->node_count = level_end + total;
+    if (group == last_group && get_local_id(0) == 0u) {
+        state->node_begin[level + 2u] = end + before + own;
     }
 }

@@ -9,11 +9,11 @@
  *   svo_k_bvh_items   an item per triangle, and the bounds of all centers
  *
  * Launch: reach: any number of work-items, each of which takes a strip; mark: one per entry of the list; begin: one;
- * items: one per chunk of params.chunk_items triangles. Atomics: maxima, minima and bits, which no order changes. No
- * local memory.
+ * items: a group of SVO_BVH_LANES per chunk of params.chunk_items triangles. Atomics: maxima, minima and bits, which no
+ * order changes.
  */
 #include "bvh/fusion.clh"
-#include "bvh/ranges.clh"
+#include "bvh/lanes.clh"
 #include "bvh/triangles.clh"
 
 /* factors: for svo_bvh_fuses. */
@@ -55,24 +55,23 @@ __kernel void svo_k_bvh_begin(__global svo_bvh_range *ranges, __global svo_bvh_j
     const bool is_job = params.item_count <= params.subtree_items;
     svo_bvh_begin_range(ranges, root, 0u);
     jobs[0] = root;
-    state->range_count = is_job ? 0u : 1u;
-    state->chunk_count = is_job ? 0u : svo_bvh_chunks_of(params.item_count, params.chunk_items);
+    state->range_count[0] = is_job ? 0u : 1u;
+    state->chunk_count[0] = is_job ? 0u : svo_bvh_chunks_of(params.item_count, params.chunk_items);
     state->job_count = is_job ? 1u : 0u;
     branches[0].part[0] = 0u;
     branches[0].area[0] = 1.0f;
 }
 
 /* listed, places: the triangle's mark and the number of those before it, where params.use_list is set. */
-__kernel void svo_k_bvh_items(SVO_BVH_MESH_PARAMETERS, uint first_triangle, __global const uint *listed,
-                              __global const uint *places, __global float8 *items, __global svo_bvh_range *ranges,
-                              svo_bvh_params params)
+SVO_BVH_LANES_KERNEL svo_k_bvh_items(SVO_BVH_MESH_PARAMETERS, uint first_triangle, __global const uint *listed,
+                                     __global const uint *places, __global float8 *items,
+                                     __global svo_bvh_range *ranges, svo_bvh_params params, __local uint *scratch)
 {
     SVO_BVH_MESH_MAKE(mesh, first_triangle);
-    const uint chunk = (uint)get_global_id(0);
-    const uint begin = min(chunk * params.chunk_items, params.triangle_count);
+    const uint begin = (uint)get_group_id(0) * params.chunk_items;
     const uint end = min(begin + params.chunk_items, params.triangle_count);
     svo_bvh_centers centers = SVO_BVH_NO_CENTERS;
-    for (uint i = begin; i < end; ++i) {
+    for (uint i = begin + svo_bvh_lane(); i < end; i += SVO_BVH_LANES) {
         if (params.use_list == 0u || listed[i] != 0u) {
             float8 item = svo_bvh_triangle_box(&mesh, i, params.snap_bits);
             svo_bvh_centers_grow(&centers, svo_bvh_center(item));
@@ -80,7 +79,5 @@ __kernel void svo_k_bvh_items(SVO_BVH_MESH_PARAMETERS, uint first_triangle, __gl
             items[params.use_list != 0u ? places[i] : i] = item;
         }
     }
-    if (begin < end) {
-        svo_bvh_centers_publish(&centers, ranges);
-    }
+    svo_bvh_publish_centers(centers, ranges, scratch);
 }

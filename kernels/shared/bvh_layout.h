@@ -40,6 +40,8 @@ SVO_RECORD(svo_ray_node)
 /* The most items of a job of SVO_BVH_FAST, on every device, since the BVH depends on it. */
 #define SVO_BVH_SWEEP_ITEMS 512
 #define SVO_BVH_IN_B        0x80000000u /* of a job's halvings: its items are in the second of two buffers */
+#define SVO_BVH_ROOM_BYTES  2720 /* local memory for a split with bins: svo_bvh_room */
+#define SVO_BVH_SWEEP_BYTES 7584 /* and for a sweep: svo_bvh_sweep_room */
 
 /* A range of items to split, as a level of the binary tree lists them. 64 bytes. */
 SVO_RECORD(svo_bvh_range)
@@ -57,7 +59,7 @@ SVO_RECORD(svo_bvh_range)
     SVO_U32 center_high[3]; /* 52: the greatest ones */
 };
 
-/* A range of items that a work-item splits down to leaves. 16 bytes. */
+/* A range of items that a group splits down to leaves. 16 bytes. */
 SVO_RECORD(svo_bvh_job)
 {
     SVO_U32 first; /* 0 */
@@ -82,20 +84,20 @@ SVO_RECORD(svo_bvh_children)
     SVO_U32 node[8]; /* 64: a branch, then a node; 0: a leaf */
 };
 
-/* Counts that the making of a BVH keeps on the device. 32 bytes. */
+/* What the making of a BVH counts on the device: ranges and their chunks by levels of the binary tree, and the first
+   node of each level of nodes. 512 bytes. */
 SVO_RECORD(svo_bvh_state)
 {
     SVO_U32 reach; /* 0: the largest absolute coordinate of a vertex */
     SVO_U32 outside; /* 4: whether a vertex lies outside the grid */
-    SVO_U32 range_count; /* 8: of the next level of ranges */
-    SVO_U32 chunk_count; /* 12: of these ranges */
-    SVO_U32 job_count; /* 16 */
-    SVO_U32 node_count; /* 20: nodes of the levels that are numbered */
-    SVO_U32 fuses; /* 24: not 0: the device fuses multiplications and additions that must not be */
-    SVO_U32 reserved; /* 28 */
+    SVO_U32 fuses; /* 8: not 0: the device fuses multiplications and additions that must not be */
+    SVO_U32 job_count; /* 12 */
+    SVO_U32 range_count[SVO_BVH_DEPTH_MAX + 1]; /* 16 */
+    SVO_U32 chunk_count[SVO_BVH_DEPTH_MAX + 1]; /* 180 */
+    SVO_U32 node_begin[SVO_BVH_DEPTH_MAX + 2]; /* 344 */
 };
 
-/* Arguments of the kernels that make a BVH. 40 bytes. */
+/* Arguments of the kernels that make a BVH. 32 bytes. */
 SVO_RECORD(svo_bvh_params)
 {
     SVO_U32 triangle_count; /* 0 */
@@ -104,10 +106,8 @@ SVO_RECORD(svo_bvh_params)
     SVO_U32 chunk_items; /* 12: items of a chunk */
     SVO_U32 subtree_items; /* 16: the most items of a job, SVO_BVH_FEW_ITEMS or more */
     SVO_U32 use_list; /* 20: not 0: the tree's lists say which triangles there are */
-    SVO_U32 in_b; /* 24: not 0: the items of this level are in the second buffer */
-    SVO_U32 range_count; /* 28: of this level */
-    SVO_U32 chunk_count; /* 32 */
-    SVO_U32 halvings; /* 36: splits above the root, of a BVH below other nodes */
+    SVO_U32 level; /* 24: of the binary tree. Items of every other level are in the second buffer */
+    SVO_U32 halvings; /* 28: splits above the root, of a BVH below other nodes */
 };
 
 /* A BVH among those that kernels fit to their triangles together, in buffers that they share. 24 bytes. */
@@ -144,8 +144,8 @@ SVO_ASSERT_BYTES(svo_bvh_range, 64);
 SVO_ASSERT_BYTES(svo_bvh_job, 16);
 SVO_ASSERT_BYTES(svo_bvh_branch, 16);
 SVO_ASSERT_BYTES(svo_bvh_children, 96);
-SVO_ASSERT_BYTES(svo_bvh_state, 32);
-SVO_ASSERT_BYTES(svo_bvh_params, 40);
+SVO_ASSERT_BYTES(svo_bvh_state, 512);
+SVO_ASSERT_BYTES(svo_bvh_params, 32);
 SVO_ASSERT_BYTES(svo_bvh_member, 24);
 SVO_ASSERT_BYTES(svo_bvh_tile, 12);
 SVO_ASSERT_BYTES(svo_bvh_extent, 32);

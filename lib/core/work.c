@@ -331,9 +331,9 @@ static svo_status read(svo_i_device_work *work, cl_mem buffer, uint64_t offset, 
     return follow(work, "clEnqueueReadBuffer", error, event);
 }
 
-svo_status svo_i_work_read_later(svo_i_device_work *work, cl_mem buffer, void *to, size_t bytes)
+svo_status svo_i_work_read_later(svo_i_device_work *work, cl_mem buffer, uint64_t offset, void *to, size_t bytes)
 {
-    return read(work, buffer, 0, to, bytes, CL_FALSE);
+    return read(work, buffer, offset, to, bytes, CL_FALSE);
 }
 
 svo_status svo_i_work_read(svo_i_device_work *work, cl_mem buffer, uint64_t offset, void *to, size_t bytes)

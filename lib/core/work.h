@@ -96,9 +96,9 @@ svo_status svo_i_work_fill_pattern(svo_i_device_work *work, cl_mem buffer, const
                                    uint64_t bytes);
 svo_status svo_i_work_copy(svo_i_device_work *work, cl_mem from, uint64_t from_offset, cl_mem to, uint64_t to_offset,
                            uint64_t bytes);
-/* Does not wait: to must stay until a later command has ended. */
-svo_status svo_i_work_read_later(svo_i_device_work *work, cl_mem buffer, void *to, size_t bytes);
-/* Reads bytes from an offset of a buffer and waits. */
+/* Reads bytes from an offset of a buffer, and does not wait: to must stay until a later command has ended. */
+svo_status svo_i_work_read_later(svo_i_device_work *work, cl_mem buffer, uint64_t offset, void *to, size_t bytes);
+/* The same, and waits. */
 svo_status svo_i_work_read(svo_i_device_work *work, cl_mem buffer, uint64_t offset, void *to, size_t bytes);
 
 /* Launches a kernel of the program for so many work-items, in whole groups. Launches nothing if items is 0. */

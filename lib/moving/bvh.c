@@ -18,7 +18,6 @@
 #include "rays/bvh_fit.h"
 #include "rays/programs.h"
 #include "rays/rays.h"
-#include "stages/sort.h"
 
 static const char function[] = "svo_moving_make_bvh";
 
@@ -368,7 +367,7 @@ static svo_status fit(const pass *p, uint32_t count)
     svo_i_device_work work;
     SVO_I_TRY(svo_i_work_begin(device, function, p->queue, &work));
     SVO_I_TRY_CLEANUP(svo_i_bvh_tables_make(device, function, p->fitted, count, &tables));
-    SVO_I_TRY_CLEANUP(svo_i_work_use(&work, &svo_i_program_bvh, svo_i_sort_defines(device)));
+    SVO_I_TRY_CLEANUP(svo_i_work_use(&work, &svo_i_program_bvh, svo_i_bvh_defines(device)));
     SVO_I_TRY_CLEANUP(svo_i_bvh_fit(&work, &mesh, p->fitted[0], &tables));
     SVO_I_TRY_CLEANUP(svo_i_work_read(&work, tables.extents, 0, p->extents, count * sizeof *p->extents));
 cleanup:

@@ -295,7 +295,7 @@ static svo_status read_large(svo_i_grid_run *r)
         return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u triangles",
                                  r->work->function, plan->large_count);
     }
-    return svo_i_work_read_later(r->work, r->large, plan->large, bytes);
+    return svo_i_work_read_later(r->work, r->large, 0, plan->large, bytes);
 }
 
 static svo_status run_grid(svo_i_grid_run *r)
@@ -464,7 +464,7 @@ static svo_status make_records(attributes_run *r)
     SVO_I_TRY(alloc_records(r));
     SVO_I_TRY(mark_textured(r));
     SVO_I_TRY(launch_records(r->work, plan, r->mesh, &r->marks, r->partials));
-    SVO_I_TRY(svo_i_work_read_later(r->work, r->marks.used, r->found.material_used, plan->material_count));
+    SVO_I_TRY(svo_i_work_read_later(r->work, r->marks.used, 0, r->found.material_used, plan->material_count));
     if (triangles == 0) {
         return svo_i_work_wait(r->work);
     }

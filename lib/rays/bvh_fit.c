@@ -12,7 +12,6 @@
 
 #include "rays/programs.h"
 #include "shared/layout.h"
-#include "stages/sort.h"
 
 /* ---- corners: where they come from ---- */
 
@@ -57,7 +56,7 @@ static svo_status make_on_device(const svo_tree *tree, svo_i_device_work *work, 
                                         SVO_I_ARGUMENT(grid),
                                         SVO_I_ARGUMENT(positions),
                                         SVO_I_ARGUMENT(count)};
-    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_bvh, svo_i_sort_defines(work->device)));
+    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_bvh, svo_i_bvh_defines(work->device)));
     SVO_I_TRY(svo_i_work_launch(work, "svo_k_bvh_corners", SVO_I_ARGUMENTS(arguments), count));
     return svo_i_work_wait(work);
 }
@@ -308,7 +307,7 @@ static svo_status refit(svo_i_device_work *work, const svo_i_bvh_mesh *mesh, con
 {
     cl_event event = NULL;
     const cl_mem extents = bvh->tables.extents;
-    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_bvh, svo_i_sort_defines(work->device)));
+    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_bvh, svo_i_bvh_defines(work->device)));
     SVO_I_TRY(svo_i_bvh_fit(work, mesh, bvh, &bvh->tables));
     const cl_int error =
         clEnqueueReadBuffer(work->queue, extents, CL_FALSE, 0, sizeof *extent, extent, 1, &work->last, &event);
