@@ -40,7 +40,9 @@ SVO_RECORD(svo_gather_params)
     SVO_F32 range; /* 8: world units; 0: to the end of the grid */
     SVO_F32 falloff; /* 12: lambda, per world unit */
     SVO_U32 with_light; /* 16: 0: occlusion alone */
-    SVO_U32 reserved[3]; /* 20 */
+    SVO_U32 paths; /* 20: the most paths of a point, a power of two, at least 16; 0: cones */
+    SVO_U32 bounces; /* 24: the most rays of a path */
+    SVO_F32 goal; /* 28: the error at which a point has enough paths; 0: none */
 };
 
 /* Arguments of the kernels that make and filter light. 32 bytes. */

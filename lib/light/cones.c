@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Cones: options and checks; batches of points, which rays/batch.c launches; and the kernels that shade surfaces of a
- * lit tree (kernels/light/surface.clh), along rays and in pictures.
+ * Gathering: options and checks; batches of points, by cones, which rays/batch.c launches, and by rays; and the kernels
+ * that shade surfaces of a lit tree (kernels/light/surface.clh), along rays and in pictures.
  */
 #include "light/cones.h"
 
@@ -23,9 +23,15 @@
 extern const char svo_i_source_cones[];
 
 #define CONES_DEFAULT 16u
-#define STEP_DEFAULT  0.5F
-#define STEP_MIN      0.25F
-#define STEP_MAX      1.0F
+#define PATHS_MIN     16u
+#define PATHS_MAX     65536u
+#define PATHS_DEFAULT 64u
+#define BOUNCES_MAX   64u
+/* Paths of a launch, so that none takes long enough for a driver to end it. */
+#define BAND_PATHS   1048576u
+#define STEP_DEFAULT 0.5F
+#define STEP_MIN     0.25F
+#define STEP_MAX     1.0F
 
 /* Rays of a work-item: SVO_SHADE_RAYS of the kernel. */
 #define ITEM_RAYS 64u
@@ -77,20 +83,70 @@ static svo_status check_lengths(const svo_light *light, const char *function, co
                                    function, argument, (double)options->falloff);
 }
 
-/* The options, checked, with the defaults for 0. */
+static svo_status check_paths(const svo_light *light, const char *function, const char *argument,
+                              const svo_gather_options *options)
+{
+    const bool is_power = (options->paths & (options->paths - 1)) == 0;
+    if (options->paths != 0 && (!is_power || options->paths < PATHS_MIN || options->paths > PATHS_MAX)) {
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: %s.paths %u is no power of two in %u .. %u",
+                                 function, argument, options->paths, PATHS_MIN, PATHS_MAX);
+    }
+    if (options->bounces > BOUNCES_MAX) {
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: %s.bounces %u is above %u", function,
+                                 argument, options->bounces, BOUNCES_MAX);
+    }
+    return options->error >= 0.0F && isfinite(options->error)
+               ? SVO_OK
+               : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: %s.error %g is negative or not finite",
+                                   function, argument, (double)options->error);
+}
+
+/* Whether the options are those of the method. */
+static svo_status check_method(const svo_light *light, const char *function, const char *argument,
+                               const svo_gather_options *options)
+{
+    const bool has_rays = options->paths != 0 || options->bounces != 0 || options->error != 0.0F;
+    const bool has_cones = options->cones != 0 || options->step != 0.0F;
+    if ((unsigned)options->method >= SVO_GATHER_METHOD_COUNT) {
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: %s.method %d is not in 0 .. %d", function,
+                                 argument, (int)options->method, SVO_GATHER_METHOD_COUNT - 1);
+    }
+    if (options->method == SVO_GATHER_CONES ? has_rays
+                                            : has_cones && (has_rays || options->method == SVO_GATHER_RAYS)) {
+        return svo_i_device_fail(
+            light->device, SVO_INVALID_ARGUMENT,
+            "%s: %s names both cones (cones %u, step %g) and rays (paths %u, bounces %u, error %g)", function, argument,
+            options->cones, (double)options->step, options->paths, options->bounces, (double)options->error);
+    }
+    return SVO_OK;
+}
+
+/* The options, checked, with the defaults for 0. by_default: the method of SVO_GATHER_AUTO without a number of cones. */
 static svo_status read_gather(const svo_light *light, const char *function, const char *argument,
-                              const svo_gather_options *options, svo_gather_params *params)
+                              const svo_gather_options *options, svo_gather_method by_default,
+                              svo_gather_params *params)
 {
     svo_gather_options asked;
     SVO_I_TRY(svo_i_struct_read(svo_i_device_message(light->device), function, argument, options, &asked,
                                 SVO_I_STRUCT_SIZES(svo_gather_options, no_light)));
     SVO_I_TRY(check_cones(light, function, argument, &asked));
     SVO_I_TRY(check_lengths(light, function, argument, &asked));
+    SVO_I_TRY(check_paths(light, function, argument, &asked));
+    SVO_I_TRY(check_method(light, function, argument, &asked));
+    const bool has_cones = asked.cones != 0 || asked.step != 0.0F;
+    const svo_gather_method method = asked.method != SVO_GATHER_AUTO ? asked.method
+                                     : has_cones                     ? SVO_GATHER_CONES
+                                                                     : by_default;
     *params = (svo_gather_params){.cones = asked.cones != 0 ? asked.cones : CONES_DEFAULT,
                                   .step = asked.step > 0.0F ? asked.step : STEP_DEFAULT,
                                   .range = asked.range,
                                   .falloff = asked.falloff,
                                   .with_light = asked.no_light == 0};
+    if (method == SVO_GATHER_RAYS) {
+        params->paths = asked.paths != 0 ? asked.paths : PATHS_DEFAULT;
+        params->bounces = asked.bounces != 0 ? asked.bounces : 1;
+        params->goal = asked.error;
+    }
     return SVO_OK;
 }
 
@@ -134,17 +190,12 @@ static svo_status set_target(void *of, const char *function, cl_kernel kernel, c
     return set_light(of, function, kernel, first_index);
 }
 
-svo_status svo_gather(svo_light *light, svo_array points, svo_array results, size_t point_count,
-                      const svo_gather_options *options, const svo_submit *submit)
+/* Cones that read the light alone. */
+static svo_status gather_cones(svo_light *light, const svo_gather_params *params, const svo_array *points,
+                               const svo_array *results, size_t point_count, const svo_submit *submit)
 {
-    static const char function[] = "svo_gather";
-    svo_gather_params params;
-    if (light == NULL) {
-        return SVO_INVALID_ARGUMENT;
-    }
-    SVO_I_TRY(read_gather(light, function, "options", options, &params));
     const svo_i_batch asked = {.device = light->device,
-                               .function = function,
+                               .function = "svo_gather",
                                .target = {light, SVO_LIGHT_ARGUMENTS, check_target, set_target},
                                .program = &svo_i_program_gather,
                                .kernel_name = "svo_k_gather",
@@ -155,8 +206,8 @@ svo_status svo_gather(svo_light *light, svo_array points, svo_array results, siz
                                .output_bytes = sizeof(svo_gather_result),
                                .count = point_count,
                                .per_item = 1,
-                               .last_argument = {sizeof params, &params, false}};
-    return svo_i_batch_run(&asked, &points, &results, submit);
+                               .last_argument = {sizeof *params, params, false}};
+    return svo_i_batch_run(&asked, points, results, submit);
 }
 
 /* ---- kernels that shade ---- */
@@ -172,12 +223,13 @@ static void add_define(const svo_tree *tree, svo_tree_buffer buffer, const char 
     }
 }
 
-static svo_status make_kernel(svo_i_light_shader *shader, const svo_i_program *program, const char *kernel_name)
+static svo_status make_kernel(svo_i_light_shader *shader, const svo_i_program *program, const char *kernel_name,
+                              const char *own_defines)
 {
     const svo_light *light = shader->light;
     const svo_tree *tree = light->tree;
     char defines[SVO_I_PROGRAM_DEFINES_BYTES];
-    (void)snprintf(defines, sizeof defines, "%s%s", form_defines(light),
+    (void)snprintf(defines, sizeof defines, "%s%s%s", form_defines(light), own_defines,
                    svo_i_rays_of_triangles(&tree->info) ? " -DSVO_PICTURE_TRIANGLES" : "");
     add_define(tree, SVO_TREE_COLORS, " -DSVO_COLOR", " -DSVO_ONE_COLOR", defines, sizeof defines);
     add_define(tree, SVO_TREE_NORMALS, " -DSVO_NORMAL", " -DSVO_ONE_NORMAL", defines, sizeof defines);
@@ -198,15 +250,15 @@ static svo_status upload(svo_i_device_work *work, const char *name, const void *
     return svo_i_work_constants(work, name, list, bytes, out);
 }
 
-/* Makes the kernel and uploads what lights the tree. The work stays in use until end_shader. */
+/* Makes the kernel, with more defines, and uploads what lights the tree. The work stays in use until end_shader. */
 static svo_status begin_shader(svo_i_device_work *work, const svo_light *light, const svo_i_program *program,
-                               const char *kernel_name, svo_i_light_shader *out)
+                               const char *kernel_name, const char *defines, svo_i_light_shader *out)
 {
     const svo_i_light_setup *setup = &light->setup;
     *out = (svo_i_light_shader){.light = light, .work = work};
     SVO_I_TRY(upload(work, "sources", setup->sources, setup->source_count * sizeof *setup->sources, &out->sources));
     SVO_I_TRY(upload(work, "finishes", setup->finishes, setup->finish_count * sizeof *setup->finishes, &out->finishes));
-    return make_kernel(out, program, kernel_name);
+    return make_kernel(out, program, kernel_name, defines);
 }
 
 static svo_status set_arguments(const svo_i_light_shader *shader, const svo_gather_params *gather,
@@ -276,12 +328,92 @@ static svo_lit_picture_params shader_params(const svo_light *light, uint32_t vie
     return params;
 }
 
+/* ---- points, with rays: kernels/light/gather_rays.cl ---- */
+
+/* Points of a launch: as many as have BAND_PATHS paths. */
+static uint32_t points_of_band(const svo_gather_params *gather)
+{
+    const uint32_t points = BAND_PATHS / (gather->paths != 0 ? gather->paths : gather->cones);
+    return points > SVO_GROUP_ITEMS ? points / SVO_GROUP_ITEMS * SVO_GROUP_ITEMS : SVO_GROUP_ITEMS;
+}
+
+static svo_status launch_points(const svo_i_light_shader *shader, const svo_gather_params *gather, cl_mem points,
+                                cl_mem results, uint32_t point_count)
+{
+    const svo_i_argument own[] = {SVO_I_ARGUMENT(points), SVO_I_ARGUMENT(results)};
+    const uint32_t band = points_of_band(gather);
+    svo_lit_picture_params params = shader_params(shader->light, SVO_LIT_VIEW_MATTE);
+    params.width = point_count;
+    for (uint64_t first = 0; first < point_count; first += band) {
+        const uint64_t count = point_count - first < band ? point_count - first : band;
+        params.first_tile = (uint32_t)first;
+        SVO_I_TRY(launch_shader(shader, gather, &params, SVO_I_ARGUMENTS(own),
+                                (count + SVO_GROUP_ITEMS - 1) / SVO_GROUP_ITEMS));
+    }
+    return SVO_OK;
+}
+
+static svo_status enqueue_points(const svo_light *light, const svo_gather_params *gather, cl_mem points, cl_mem results,
+                                 uint32_t point_count, svo_i_call *call)
+{
+    svo_i_device_work work;
+    svo_i_light_shader shader = {.kernel = NULL};
+    svo_status status = SVO_OK;
+    SVO_I_TRY(svo_i_work_begin_after(call->device, call->function, call->queue, call->num_wait, call->wait, &work));
+    SVO_I_TRY_CLEANUP(begin_shader(&work, light, &svo_i_program_gather_rays, "svo_k_gather_rays",
+                                   gather->paths == 0 ? " -DSVO_GATHER_CONES" : "", &shader));
+    SVO_I_TRY_CLEANUP(launch_points(&shader, gather, points, results, point_count));
+
+cleanup:
+    end_shader(&shader);
+    svo_i_work_leave(&work, status == SVO_OK ? call->event : NULL);
+    return status;
+}
+
+/* Rays, or cones with direct light beside them. */
+static svo_status gather_rays(const svo_light *light, const svo_gather_params *params, const svo_array *points,
+                              const svo_array *results, size_t point_count, const svo_submit *submit)
+{
+    static const char function[] = "svo_gather";
+    cl_mem from = NULL;
+    cl_mem to = NULL;
+    svo_i_call call;
+    svo_status status = SVO_OK;
+    if (point_count > SVO_TRACE_RAYS_MAX) {
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: %zu points are above %u", function,
+                                 point_count, SVO_TRACE_RAYS_MAX);
+    }
+    SVO_I_TRY(svo_i_tree_check(light->tree, function));
+    SVO_I_TRY(svo_i_call_begin(light->device, function, submit, &call));
+    SVO_I_TRY_CLEANUP(svo_i_call_input(&call, "points", points, point_count * sizeof(svo_gather_point), &from));
+    SVO_I_TRY_CLEANUP(svo_i_call_output(&call, "results", results, point_count * sizeof(svo_gather_result), 0,
+                                        point_count * sizeof(svo_gather_result), &to));
+    status = point_count > 0 ? enqueue_points(light, params, from, to, (uint32_t)point_count, &call)
+                             : svo_i_call_none(&call);
+
+cleanup:
+    return svo_i_call_end(&call, status);
+}
+
+svo_status svo_gather(svo_light *light, svo_array points, svo_array results, size_t point_count,
+                      const svo_gather_options *options, const svo_submit *submit)
+{
+    svo_gather_params params;
+    if (light == NULL) {
+        return SVO_INVALID_ARGUMENT;
+    }
+    SVO_I_TRY(read_gather(light, "svo_gather", "options", options, SVO_GATHER_RAYS, &params));
+    const bool has_direct = params.with_light != 0 && light->setup.source_count > 0;
+    return params.paths != 0 || has_direct ? gather_rays(light, &params, &points, &results, point_count, submit)
+                                           : gather_cones(light, &params, &points, &results, point_count, submit);
+}
+
 /* ---- radiance along rays: kernels/light/shade.cl ---- */
 
 static svo_status read_cones(const svo_light *light, const char *function, uint32_t cones, svo_gather_params *out)
 {
     const svo_gather_options options = {.struct_size = sizeof options, .cones = cones};
-    return read_gather(light, function, "options", &options, out);
+    return read_gather(light, function, "options", &options, SVO_GATHER_CONES, out);
 }
 
 svo_status svo_i_light_check_cones(const svo_light *light, const char *function, uint32_t cones)
@@ -295,7 +427,7 @@ svo_status svo_i_light_shade_begin(svo_i_device_work *work, const svo_light *lig
 {
     *out = (svo_i_light_shade){.shader = {.light = light}};
     SVO_I_TRY(read_cones(light, work->function, cones, &out->gather));
-    return begin_shader(work, light, &svo_i_program_light_shade, "svo_k_light_shade", &out->shader);
+    return begin_shader(work, light, &svo_i_program_light_shade, "svo_k_light_shade", "", &out->shader);
 }
 
 svo_status svo_i_light_shade_rays(const svo_i_light_shade *shade, cl_mem rays, cl_mem radiance, uint32_t ray_count)
@@ -365,7 +497,11 @@ static svo_status fill_params(const svo_light *light, const char *function, cons
 static svo_status fill_gather(const svo_light *light, const char *function, const svo_render_options *options,
                               svo_gather_params *gather)
 {
-    SVO_I_TRY(read_gather(light, function, "options.gather", options->gather, gather));
+    SVO_I_TRY(read_gather(light, function, "options.gather", options->gather, SVO_GATHER_CONES, gather));
+    if (gather->paths != 0) {
+        return svo_i_device_fail(light->device, SVO_UNSUPPORTED, "%s: options.gather.method: pictures have cones alone",
+                                 function);
+    }
     if (options->view == SVO_VIEW_AO) {
         gather->with_light = 0;
     }
@@ -415,7 +551,8 @@ static svo_status enqueue(const drawing *drawn, const svo_array *to, svo_i_call 
     SVO_I_TRY(svo_i_call_output(call, "pixels", to, row_bytes * options->height, row_bytes * options->first_row,
                                 row_bytes * rows_of_band(options), &pixels));
     SVO_I_TRY(svo_i_work_begin_after(call->device, call->function, call->queue, call->num_wait, call->wait, &work));
-    SVO_I_TRY_CLEANUP(begin_shader(&work, drawn->light, &svo_i_program_light_picture, "svo_k_light_picture", &shader));
+    SVO_I_TRY_CLEANUP(
+        begin_shader(&work, drawn->light, &svo_i_program_light_picture, "svo_k_light_picture", "", &shader));
     SVO_I_TRY_CLEANUP(launch(drawn, &shader, pixels));
 
 cleanup:

@@ -465,7 +465,11 @@ svo_gather_options lighting_gather(const options *given)
                                 .cones = (uint32_t)given->cones,
                                 .range = (float)given->range,
                                 .falloff = (float)given->falloff,
-                                .no_light = given->gi == 0};
+                                .no_light = given->gi == 0,
+                                .method = (svo_gather_method)given->gather_method,
+                                .paths = (uint32_t)given->paths,
+                                .bounces = (uint32_t)given->bounces,
+                                .error = (float)given->error_goal};
 }
 
 /* Bytes of the tree on the device, without what building it took besides. */

@@ -70,7 +70,7 @@ svo_light_setup lighting_setup_for_picture(const program *state, const lighting 
 /* lighting_make for a picture: by --lights, or else by a sun behind the camera and a sky. */
 int lighting_make_for_picture(program *state, const job *done, const svo_camera *camera, lighting *work);
 
-/* --cones, --range and --lambda. */
+/* --cones, --range, --lambda, and what gather has besides. */
 svo_gather_options lighting_gather(const options *given);
 
 /* Says of a scene what its tree is: a line of text, or members of the document. Nothing of other inputs. */

@@ -60,6 +60,8 @@ static const choice sides[] = {{"front", 1}, {"left", 2},   {"right", 3}, {"back
 static const choice light_forms[] = {
     {"faces", SVO_LIGHT_FACES}, {"bricks", SVO_LIGHT_BRICKS}, {"voxels", SVO_LIGHT_VOXELS}, {NULL, 0}};
 static const choice opacities[] = {{"area", SVO_OPACITY_AREA}, {"full", SVO_OPACITY_FULL}, {NULL, 0}};
+static const choice gather_methods[] = {
+    {"auto", SVO_GATHER_AUTO}, {"cones", SVO_GATHER_CONES}, {"rays", SVO_GATHER_RAYS}, {NULL, 0}};
 static const choice cone_sets[] = {{"1", 1}, {"5", 5}, {"6", 6}, {"16", 16}, {"64", 64}, {NULL, 0}};
 static const choice ways_through[] = {{"tree", 0}, {"probes", 1}, {NULL, 0}};
 static const choice switches[] = {{"on", 1}, {"off", 0}, {NULL, 0}};
@@ -494,6 +496,14 @@ static const rule rules[] = {
      "JSON file with lights, sky and camera (a scene's own; else pictures: a sun behind the camera and a sky)"},
     {"cones", '\0', OPTION_LIGHT, "N", read_choice, FIELD(cones), 0, 0, cone_sets,
      "cones that gather the light of a point: 1, 5, 6, 16, 64 (16)"},
+    {"method", '\0', OPTION_GATHER_COMMAND, "NAME", read_choice, FIELD(gather_method), 0, 0, gather_methods,
+     "how light is gathered: cones, rays (auto: rays; with --cones, cones)"},
+    {"paths", '\0', OPTION_GATHER_COMMAND, "N", read_count, FIELD(paths), 16, 65536, NULL,
+     "paths of a point by rays, at most: 16, 32, 64 and so on (64)"},
+    {"bounces", '\0', OPTION_GATHER_COMMAND | OPTION_REFERENCE_COMMAND, "N", read_count, FIELD(bounces), 1, 64, NULL,
+     "rays of a path: so often surfaces reflect the lights (1)"},
+    {"error", '\0', OPTION_GATHER_COMMAND, "E", read_amount, FIELD(error_goal), 0, 0, NULL,
+     "a point has paths enough at this standard error of its openness, and of its light as a share (0: it has all)"},
     {"form", '\0', OPTION_LIGHT, "NAME", read_choice, FIELD(light_form), 0, 0, light_forms,
      "how light is stored: faces, bricks, voxels (faces)"},
     {"opacity", '\0', OPTION_LIGHT, "NAME", read_choice, FIELD(opacity), 0, 0, opacities,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl gather: ambient occlusion, indirect and specular light at points, by cones, and by paths beside them. */
+/* svocl gather: ambient occlusion, direct, indirect and specular light at points, and a path-traced reference. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -76,7 +76,7 @@ static int gather(gathering *work)
     for (size_t i = 0; i < work->at.count; ++i) {
         reflect(work, &work->at.points[i]);
     }
-    progress_step(state->progress, "tracing cones");
+    progress_step(state->progress, "gathering light");
     const double started_ms = input_now_ms();
     if (svo_gather(work->lit.light, svo_in_host(work->at.points), svo_in_host(work->results), work->at.count, &asked,
                    &(svo_submit){.queue = work->done.opened.queue}) != SVO_OK) {
@@ -97,6 +97,7 @@ static int trace_paths(gathering *work)
                               .setup = &work->setup,
                               .range = given->range,
                               .falloff = given->falloff,
+                              .bounces = (unsigned)given->bounces,
                               .threads = given->threads != 0 ? (unsigned)given->threads
                                          : online > 0        ? (unsigned)online
                                                              : 1};
@@ -165,7 +166,10 @@ static void write_point(const gathering *work, size_t index, output_file *file)
     write_floats(file, point->normal, 3, ",");
     write_floats(file, &result->openness, 1, ",");
     write_floats(file, result->irradiance, 3, ",");
-    write_floats(file, result->specular, 3, work->paths != NULL ? "," : "\n");
+    write_floats(file, result->specular, 3, ",");
+    write_floats(file, result->direct, 3, ",");
+    const float errors[2] = {result->openness_error, result->irradiance_error};
+    write_floats(file, errors, 2, work->paths != NULL ? "," : "\n");
     if (work->paths != NULL) {
         const path_result *path = &work->paths[index];
         const float reference[4] = {(float)path->openness, (float)path->irradiance[0], (float)path->irradiance[1],
@@ -176,7 +180,8 @@ static void write_point(const gathering *work, size_t index, output_file *file)
 
 static int write_results(const gathering *work)
 {
-    static const char heading[] = "x,y,z,nx,ny,nz,ao,r,g,b,specular_r,specular_g,specular_b";
+    static const char heading[] = "x,y,z,nx,ny,nz,ao,r,g,b,specular_r,specular_g,specular_b,"
+                                  "direct_r,direct_g,direct_b,ao_error,light_error";
     static const char reference[] = ",reference_ao,reference_r,reference_g,reference_b";
     output_file file;
     progress_step(work->state->progress, "writing the light");
