@@ -305,7 +305,7 @@ static void sources_light_directly(void **state)
 
 /* ---- errors ---- */
 
-/* Points under holes: of the errors, estimated and true, the root mean squares agree; a goal is kept with fewer rays. */
+/* Points under holes: the errors that are estimated are those that are made; a goal is kept with fewer rays. */
 static void errors_are_estimated(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);

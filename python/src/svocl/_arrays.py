@@ -73,8 +73,8 @@ gather_result_dtype = np.dtype(
         ("irradiance_error", "<f4"),
     ]
 )
-"""svo_gather_result, 52 bytes: ambient occlusion, 1 is open; linear red, green, blue; the steps of all cones or the rays
-that were traced; standard errors, which cones do not know."""
+"""svo_gather_result, 52 bytes: ambient occlusion, 1 is open; linear red, green, blue; the steps of all cones or the
+rays that were traced; standard errors, which cones do not know."""
 
 probe_hit_dtype = np.dtype(
     [
