@@ -10,7 +10,7 @@
 
 /* ---- rows of a picture ---- */
 
-/* Rows of a picture. All but pictures that cones light are drawn whole. */
+/* Rows of a picture. All but lit pictures are drawn whole. */
 typedef struct picture_part {
     unsigned width, height; /* of the picture, pixels */
     unsigned first_row, row_count; /* multiples of SVO_LIGHT_BAND_ROWS, but at the end */

@@ -52,16 +52,16 @@ static void choose_form(ui *toolkit, view_state *state)
 
 static void choose_cones(ui *toolkit, view_state *state)
 {
-    static const char *const names[] = {"1", "5", "6", "16", "64"};
-    static const unsigned counts[] = {1, 5, 6, 16, 64};
+    static const char *const names[] = {"no", "1", "5", "6", "16", "64"};
+    static const unsigned counts[] = {0, 1, 5, 6, 16, 64};
     int chosen = 0;
-    while (chosen < 4 && counts[chosen] < state->shown.cones) {
+    while (chosen < 5 && counts[chosen] < state->shown.cones) {
         ++chosen;
     }
-    if (ui_choice(toolkit, "Cones", names, 5, &chosen)) {
+    if (ui_choice(toolkit, "Cones", names, 6, &chosen)) {
         state->shown.cones = counts[chosen];
     }
-    ui_tooltip(toolkit, "That each point gathers occlusion and light with. More are smoother and slower.");
+    ui_tooltip(toolkit, "That each point gathers occlusion and light with, in place of exact rays. More are smoother.");
 }
 
 /* The slider moves in powers of two. */
@@ -102,7 +102,7 @@ static void choose_light(ui *toolkit, view_state *state)
     if (ui_checkbox(toolkit, "Indirect light", &gi)) {
         view_choose_gi(state, gi);
     }
-    ui_tooltip(toolkit, "The full view shows what surfaces reflect to each other, gathered by cones. Key G.");
+    ui_tooltip(toolkit, "The full view shows what surfaces reflect to each other. Key G.");
     if (ui_checkbox(toolkit, "Photons", &photons)) {
         view_choose_photons(state, photons);
     }

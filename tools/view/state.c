@@ -10,7 +10,7 @@
 void view_state_begin(view_state *state)
 {
     const view_probe_grid grid = {.counts = {4, 4, 4}, .resolution = 128, .field_size = 64, .max_mib = 1024};
-    *state = (view_state){.shown = {.photons = true, .gi = true, .cones = 16, .exposure = 1.0F, .probes = grid},
+    *state = (view_state){.shown = {.photons = true, .gi = true, .exposure = 1.0F, .probes = grid},
                           .film = {.loops = true},
                           .scale = 1,
                           .probes = {.asked = grid}};

@@ -68,10 +68,10 @@ typedef struct view_clip {
 typedef struct view_shown {
     view_picture picture;
     unsigned level; /* of the leaves: view_state.level_min .. level_max */
-    bool gi; /* VIEW_FULL shows what cones gather */
+    bool gi; /* VIEW_FULL shows indirect light */
     bool photons; /* surfaces that the lights reach light others */
     svo_light_form form; /* how light is stored */
-    unsigned cones; /* 1, 5, 6, 16, 64 */
+    unsigned cones; /* 1, 5, 6, 16, 64; 0: exact rays in their place */
     float exposure;
     float range, falloff; /* of ambient occlusion; 0: unlimited, none */
     bool through; /* camera rays pass probes, not the tree */

@@ -283,21 +283,24 @@ class Light(Handle):
         camera: Optional[Camera] = None,
         view: View = View.SHADED,
         exposure: float = 1.0,
-        cones: int = 16,
+        paths: int = 16,
+        bounces: int = 3,
+        cones: int = 0,
         step: float = 0.5,
         max_distance: float = np.inf,
         falloff: float = 0.0,
         with_light: bool = True,
         queue: Any = None,
     ) -> npt.NDArray[np.uint8]:
-        """Draws a picture of the lit tree and waits: first hits and shadows by exact rays, the rest by cones.
+        """Draws a picture of the lit tree and waits, by exact rays; reflections are cones.
 
         Args:
             width, height: pixels, 1 .. 16384.
             camera: None: Tree.frame of the tree.
             view: what to show: View.SHADED, all that the light brings, or View.AO, DIRECT, INDIRECT or SPECULAR.
             exposure: radiance is multiplied by it before the tone curve, above 0.
-            cones, step, max_distance, falloff, with_light: see Light.gather.
+            paths: of 2 x 2 pixels, which are smoothed over surfaces: a power of two, 16 .. 65536.
+            bounces, cones, step, max_distance, falloff, with_light: see Light.gather.
             queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
 
         Returns:
@@ -306,6 +309,8 @@ class Light(Handle):
         used = self._frame(width / max(height, 1)) if camera is None else camera
         options, picture = render_options(width, height, used, view)
         gather = _gather_options(cones, step, max_distance, falloff, with_light)
+        if cones == 0:
+            _set_paths(gather, paths, bounces, 0.0)
         options.gather, options.exposure = gather, exposure
         return draw(self._call, lib.svo_light_target, options, picture, queue)
 
