@@ -211,7 +211,7 @@ static void expect_lit_by(const char *input, const char *expected, float sun[3])
 {
     char line[256];
     snprintf(line, sizeof line,
-             "$SVOCL render %s --view full --eye 0.5,0.6,0.8 --at 0.5,0.4,0.2 --size 32x24 --cones 5 --json -o a.png",
+             "$SVOCL render --view full %s --eye 0.5,0.6,0.8 --at 0.5,0.4,0.2 --size 32x24 --cones 5 --json -o a.png",
              input);
     cJSON *document = run_json(line);
     assert_string_equal(text_of(document, "lit_by"), expected);
@@ -244,13 +244,14 @@ static void default_lights_reach_what_is_in_view(void **state)
     assert_true(sun[1] < -0.9F);
     expect_lit_by("room.obj -d 6", "lamp", NULL);
     expect_lit_by("lit.obj -d 6", "emitters", NULL);
-    run_well("$SVOCL build room.obj -d 5 -o room.svc -q");
-    expect_lit_by("room.svc", "lamp", NULL);
+    expect_lit_by("lit.obj -d 6 --view direct", "lamp", NULL);
+    run_well("$SVOCL build room.obj -d 5 --need normal -o room.svo -q");
+    expect_lit_by("room.svo", "lamp", NULL);
     run_well("$SVOCL render room.obj -d 6 --view full --eye 0.5,0.6,0.8 --at 0.5,0.4,0.2 --size 32x24 -o a.png");
     assert_non_null(strstr(last.output, "the scene is closed: lit by a lamp at the camera; --lights FILE sets others"));
     run_well("$SVOCL render room.obj -d 6 --view full --size 32x24 -o a.png");
     assert_non_null(strstr(last.output, "lit by a sun behind the camera and a sky"));
-    run_well("rm a.png pit.obj room.obj room.svc lit.obj m.mtl");
+    run_well("rm a.png pit.obj room.obj room.svo lit.obj m.mtl");
 }
 
 /* Ambient occlusion reaches a tenth of the grid's width unless asked otherwise; light comes from anywhere. */

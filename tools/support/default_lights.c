@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "support/info_of.h"
 #include "support/query_table.h"
 #include "support/viewpoint.h"
 
@@ -317,8 +318,8 @@ static svo_light_source lamp_at(const svo_camera *camera, double distance)
 
 static int choose_in_closed(choosing *work, const svo_camera *camera, default_lights *out)
 {
-    bool lit = false;
-    const int exit_code = try_emitters(work, &lit);
+    bool lit = false; /* by what shines there, which is no light of the direct view */
+    const int exit_code = work->state->options.view != (int)SVO_VIEW_DIRECT ? try_emitters(work, &lit) : PROGRAM_DONE;
     out->kind = lit ? DEFAULT_LIGHT_EMITTERS : DEFAULT_LIGHT_LAMP;
     out->source_count = lit ? 0 : 1;
     out->source = lamp_at(camera, work->distance);
@@ -339,8 +340,7 @@ static void choose_sun(const choosing *work, default_lights *out)
 
 static int choose(choosing *work, const svo_camera *camera, uint32_t width, uint32_t height, default_lights *out)
 {
-    svo_tree_info info = SVO_TREE_INFO_INIT;
-    (void)svo_tree_get_info(work->done->result.tree, &info);
+    const svo_tree_info info = info_of_tree(work->done->result.tree);
     work->has_triangles = (info.need & (uint32_t)SVO_NEED_RAYS) != 0 && info.coverage != (uint32_t)SVO_COVERAGE_THIN;
     work->lift = work->has_triangles ? LIFT * info.edge : info.edge / (double)(1u << info.depth);
     int exit_code = look(work, camera, width, height);

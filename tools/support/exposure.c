@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Automatic exposure by small pictures of linear light. One exposure shows their log average as middle gray (E. Reinhard
- * and others, "Photographic Tone Reproduction for Digital Images", 2002, section 3.1), another one what is bright in
- * them as nearly white. What is used is halfway between the two in stops: white walls stay white, and sun on a floor
- * does not make the room around it black.
+ * Automatic exposure by small pictures of linear light. One exposure shows their log average as middle gray
+ * (E. Reinhard and others, "Photographic Tone Reproduction for Digital Images", 2002, section 3.1), another one what is
+ * bright in them as nearly white. What is used is halfway between the two in stops: white walls stay white, and sun on
+ * a floor does not make the room around it black.
  *
  * Both are of what is in view and has light. Light beyond certain shares of the pixels counts as the light there, so
  * that neither a lamp in view nor a black corner decides.

@@ -463,7 +463,8 @@ static const rule rules[] = {
     {"range", '\0', OPTION_REFERENCE_COMMAND, "R", read_amount, FIELD(range), 0, 0, NULL,
      "farthest that ambient occlusion reaches, in the mesh's units (0: any distance)"},
     {"range", '\0', OPTION_LIGHT, "R", read_amount, FIELD(range), 0, 0, NULL,
-     "farthest that ambient occlusion reaches, in the mesh's units; 0: any distance (a tenth of the grid's width)"},
+     "farthest that ambient occlusion reaches, in the mesh's units; 0: any distance (a tenth of the grid's width; "
+     "pages: 0)"},
     {"lambda", '\0', OPTION_REFERENCE_COMMAND | OPTION_LIGHT, "L", read_amount, FIELD(falloff), 0, 0, NULL,
      "occlusion at a distance t counts 1 / (1 + L t) (0)"},
     {"view", '\0', OPTION_RENDER_COMMAND | OPTION_WEB_COMMAND, "NAME", read_choice, FIELD(view), 0, 0, views,
