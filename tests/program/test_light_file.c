@@ -199,6 +199,8 @@ static void exposure_suits_the_light_in_view(void **state)
              "--exposure %g && cmp a-0001.png c.png && cmp a-0002.png d.png",
              turning);
     run_well(line);
+    run_well("$SVOCL render a.svo --view full --lights lights.json --size 32x24 -o a.hdr && rm a.hdr");
+    assert_non_null(strstr(last.output, "exposure 1\n"));
     write_lights(0, 0);
     run_well("$SVOCL render a.svo --view full --lights lights.json --size 32x24 -o a.png");
     assert_non_null(strstr(last.output, "exposure 1 (automatic)"));

@@ -127,9 +127,10 @@ int exposure_measure(program *state, svo_target lit, const svo_render_options *a
 int exposure_choose(program *state, svo_target lit, const svo_render_options *asked, const session *opened,
                     exposure *out)
 {
+    const bool is_fixed =
+        state->options.exposure > 0 || asked->view == SVO_VIEW_AO || asked->output.format == SVO_PIXELS_LINEAR;
     *out = (exposure){.value = state->options.exposure > 0 ? (float)state->options.exposure : 1};
-    return state->options.exposure > 0 || asked->view == SVO_VIEW_AO ? PROGRAM_DONE
-                                                                     : exposure_measure(state, lit, asked, opened, out);
+    return is_fixed ? PROGRAM_DONE : exposure_measure(state, lit, asked, opened, out);
 }
 
 /* ---- reports ---- */

@@ -14,7 +14,7 @@ typedef struct exposure {
 } exposure;
 
 /* That of a lit tree's pictures which are asked for, whatever exposure they have: by --exposure or automatic, with
-   --turntable one for all of the turn. Returns the exit code. */
+   --turntable one for all of the turn. Linear pictures have the light itself: 1. Returns the exit code. */
 int exposure_choose(program *state, svo_target lit, const svo_render_options *asked, const session *opened,
                     exposure *out);
 /* The automatic one. */

@@ -38,6 +38,7 @@ static void ask(light_render *work)
     work->asked.height = given->height;
     work->asked.view = given->view == OPTION_VIEW_FULL ? SVO_VIEW_SHADED : (svo_render_view)given->view;
     work->asked.gather = &work->gather;
+    work->asked.output = picture_output(given);
     if (shows_occlusion(work)) {
         work->gather.range = (float)lighting_occlusion_range(given, work->done.result.tree);
     }

@@ -19,7 +19,7 @@ typedef struct probe_render {
     svo_device *device;
     cl_command_queue queue;
     svo_camera camera;
-    exposure exposure; /* of shaded pictures */
+    exposure exposed; /* of shaded pictures */
     svo_probes *probes;
     svo_probe_info info;
     probe_found found;
@@ -62,7 +62,7 @@ static int draw(void *user, const svo_camera *camera, const svo_picture_output *
                                  .width = given->width,
                                  .height = given->height,
                                  .view = (svo_render_view)given->view,
-                                 .exposure = (double)work->exposure.value,
+                                 .exposure = (double)work->exposed.value,
                                  .output = *output};
     probe_found found;
     const int exit_code =
@@ -92,7 +92,8 @@ static int report_json(const probe_render *work)
     json_add_count(document, "misses", work->found.rays[SVO_PROBE_MISS]);
     json_add_count(document, "unknown", work->found.rays[SVO_PROBE_UNKNOWN]);
     if (work->lit.light != NULL) {
-        exposure_report_json(document, &work->exposure);
+        exposure_report_json(document, &work->exposed);
+        lighting_report_chosen_json(document, &work->lit);
     }
     cJSON_AddNumberToObject(document, "probes_ms", work->probes_ms);
     return picture_print_document(work->state, document, work->found.trace_ms, work->device, &work->camera);
@@ -103,9 +104,9 @@ static void report_text(const probe_render *work)
     const options *given = &work->state->options;
     progress_hide(work->state->progress);
     table_line("%s of %s in %s%s", picture_describe(given).text, given->input, figure_ms(work->found.trace_ms).text,
-               work->lit.light != NULL ? exposure_describe(&work->exposure).text : "");
+               work->lit.light != NULL ? exposure_describe(&work->exposed).text : "");
     lighting_report_chosen(&work->lit);
-    exposure_report_dark(&work->exposure);
+    exposure_report_dark(&work->exposed);
     table_line("probes: %u x %u x %u of %u x %u texels, %s, in %s; %s moved, %s off", work->info.counts[0],
                work->info.counts[1], work->info.counts[2], work->info.resolution, work->info.resolution,
                figure_bytes(work->info.total_bytes).text, figure_ms(work->probes_ms).text,
@@ -146,8 +147,9 @@ static int expose(probe_render *work)
                                       .height = given->height,
                                       .camera = work->camera,
                                       .view = SVO_VIEW_SHADED,
-                                      .gather = &gather};
-    return exposure_choose(work->state, svo_light_target(work->lit.light), &asked, &work->done.opened, &work->exposure);
+                                      .gather = &gather,
+                                      .output = picture_output(given)};
+    return exposure_choose(work->state, svo_light_target(work->lit.light), &asked, &work->done.opened, &work->exposed);
 }
 
 static int light_tree(probe_render *work)
