@@ -31,7 +31,7 @@
 /* The darkest light that counts, as a share of the brightest. */
 #define DARKEST (1.0F / 256)
 /* Beyond, a number is not light but its rounding. */
-#define EXPOSURE_MAX 1e6
+#define EXPOSURE_MAX 1e12
 
 typedef struct metering {
     float pixels[SIDE * SIDE * 4];
