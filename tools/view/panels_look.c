@@ -68,10 +68,15 @@ static void choose_cones(ui *toolkit, view_state *state)
 static void choose_exposure(ui *toolkit, view_state *state)
 {
     float stops = log2f(state->shown.exposure);
+    bool automatic = state->exposure_is_automatic;
     if (ui_slider(toolkit, "Exposure", &stops, -log2f(VIEW_EXPOSURE_MAX), log2f(VIEW_EXPOSURE_MAX), "%+.1f stops")) {
         view_choose_exposure(state, exp2f(stops));
     }
     ui_tooltip(toolkit, "What light is multiplied by before it is shown: two to this power.");
+    if (ui_checkbox(toolkit, "Automatic exposure", &automatic)) {
+        view_choose_automatic_exposure(state, automatic);
+    }
+    ui_tooltip(toolkit, "Exposure follows the light in view, once the camera rests. Key E.");
 }
 
 static bool shows_cones(view_picture picture)

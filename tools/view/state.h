@@ -314,6 +314,7 @@ typedef struct view_state {
     size_t ground_count;
     float depth_range[2]; /* world units from the eye that view depth shows in white and in dark gray */
     float ground_spacing; /* world units between its lines; 0: it is not shown */
+    bool exposure_is_automatic; /* shown.exposure follows what is in view */
     bool is_refined; /* the window shows the picture in full */
     bool is_idle; /* and nothing moves: frames wait for an event */
 
@@ -416,7 +417,9 @@ void view_choose_level(view_state *state, int level);
 void view_choose_form(view_state *state, svo_light_form form);
 void view_choose_gi(view_state *state, bool is_on);
 void view_choose_photons(view_state *state, bool is_on);
+/* Which ends automatic exposure; and begins or ends that. */
 void view_choose_exposure(view_state *state, float exposure);
+void view_choose_automatic_exposure(view_state *state, bool is_on);
 void view_toggle_panel(view_state *state, view_panel panel);
 /* Whether the tree of what moves is shown. */
 bool view_shows_film(const view_state *state);
