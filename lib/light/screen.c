@@ -13,7 +13,7 @@
 /* Standard errors by which light may differ in the first step; a half of it in each that follows. */
 #define TOLERANCE 4.0F
 /* Rows to either side that a pixel depends on: those of the steps, of errors, and of pixels between cells. */
-#define BESIDE (2u * ((1u << STEPS) - 1u) + 1u + 3u)
+#define BESIDE (2u * ((1u << STEPS) - 1u) + 4u)
 /* Cells of a band, unless it has a single row. */
 #define BAND_CELLS 1048576u
 /* World units within which surfaces are near each other, in leaf edges. */
@@ -21,7 +21,7 @@
 
 static svo_status make_buffers(svo_i_light_screen *screen, svo_i_device_work *work)
 {
-    const uint64_t rows = (uint64_t)screen->band_rows + 2u * BESIDE;
+    const uint64_t rows = (uint64_t)screen->band_rows + (uint64_t)2 * BESIDE;
     const uint64_t cells = (rows < screen->height ? rows : screen->height) * screen->params.columns;
     SVO_I_TRY(svo_i_work_alloc(work, "screen_cells", cells * sizeof(svo_gather_point), &screen->cells));
     SVO_I_TRY(svo_i_work_alloc(work, "screen_gathered", cells * sizeof(svo_gather_result), &screen->gathered));
