@@ -207,7 +207,12 @@ static svo_status check_options(svo_device *device, const svo_gl_options *option
             "svo_gl_create: options.raster %d is not in 0 .. %d or options.share %d not in 0 .. %d",
             (int)options->raster, RASTERS - 1, (int)options->share, SVO_I_SHARES - 1);
     }
-    return SVO_OK;
+    return options->hybrid_columns == 0 || options->raster == SVO_GL_RASTER_HYBRID
+               ? SVO_OK
+               : svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                   "svo_gl_create: options.hybrid_columns %u is of SVO_GL_RASTER_HYBRID, and "
+                                   "options.raster is %s",
+                                   options->hybrid_columns, svo_name(SVO_NAME_GL_RASTER, options->raster));
 }
 
 /* Software draws no triangle faster than kernels do. */

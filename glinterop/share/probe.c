@@ -11,6 +11,7 @@
 #include <stdio.h>
 
 #include "core/message.h"
+#include "core/staging.h"
 #include "share/interop.h"
 #include "share/share.h"
 

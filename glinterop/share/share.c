@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "core/message.h"
+#include "core/staging.h"
 
 /* ---- `host`, and what all paths need ---- */
 

@@ -52,7 +52,8 @@ typedef struct svo_device_options {
      *  time: trees, scratch, BVHs, batches of rays. A buffer counts until the driver destroys it. OpenGL's memory, a
      *  caller's buffers and the driver's own memory do not count. svo_build and svo_workspace_create refuse a plan
      *  whose predicted bytes do not fit, before they compile or allocate, and any buffer that would exceed the limit is
-     *  SVO_OUT_OF_DEVICE_MEMORY. 0: no limit but the device's. */
+     *  SVO_OUT_OF_DEVICE_MEMORY. Copies then go without the 8 MiB of pinned memory that they use on devices with
+     *  memory of their own. 0: no limit but the device's. */
     uint64_t max_device_bytes;
     /** For svo_device_create_default: the most compute units, on a CPU threads, that kernels run on. A device with
      *  more is divided (clCreateSubDevices). The handle's device is then the part, which later handles of this limit

@@ -183,7 +183,8 @@ typedef struct svo_gl_options {
     svo_gl_share share; /**< a forced choice that does not work is an error, never a fallback */
     uint32_t no_int64; /**< not 0: two-word integers in shaders even with ARB_gpu_shader_int64. For tests */
     /** SVO_GL_RASTER_HYBRID: triangles whose projection along their main axis has a bounding box of more columns of
-     *  voxels are rasterized. UINT32_MAX: none are. 0: 64, and UINT32_MAX for renderers in software. */
+     *  voxels are rasterized. UINT32_MAX: none are. 0: 64, and UINT32_MAX for renderers in software. Refused with
+     *  another raster */
     uint32_t hybrid_columns;
 } svo_gl_options;
 

@@ -22,7 +22,11 @@ extern "C" {
  *
  * In place of one, NULL means the device's own queue, and that the call returns when its commands are complete. With
  * one, the call returns when its commands are in the queue, unless one of its arrays is in host memory. All zero: the
- * device's own queue, which is in-order. This struct does not grow. */
+ * device's own queue, which is in-order. This struct does not grow.
+ *
+ * Drivers of GPUs with a display end a launch that takes seconds. A call that waits for rays, points or pixels launches
+ * them in bands there, of about 50 ms each, with the same results. One that returns at once cannot know how long they
+ * take: rays and points are one launch, pictures are launches of so many pixels. */
 typedef struct svo_submit {
     cl_command_queue queue; /**< of the handle's context and device, in-order or out-of-order; NULL: the device's own */
     cl_uint num_wait; /**< number of events in wait */

@@ -3,8 +3,8 @@
  * Light at a batch of points by paths (paths.clh); with SVO_GATHER_CONES by cones, and beside it the light of the
  * sources, for which gather.paths is 0.
  *
- * Launch: one work-item a point, from params.first_tile on; params.width points in all. Reads tree, light, sources and
- * points; writes svo_gather_result. No local memory, no atomics.
+ * Launch: one work-item a point, params.width in all. Reads tree, light, sources and points; writes svo_gather_result.
+ * No local memory, no atomics.
  */
 #include "light/paths.clh"
 
@@ -90,7 +90,7 @@ static svo_gather_result svo_gather_rays(const svo_lit_picture *picture, const s
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_gather_rays(SVO_LIT_PARAMETERS, __global const svo_gather_point *points, __global svo_gather_result *results)
 {
-    const uint i = params.first_tile + (uint)get_global_id(0);
+    const uint i = (uint)get_global_id(0);
     if (i >= params.width) {
         return;
     }

@@ -103,7 +103,7 @@ svo_k_light_picture(SVO_LIT_PARAMETERS, __global const svo_gather_point *cells, 
 {
     /* item bits: 5 4 3 | 2 1 0 are y | x inside the tile, in pairs of pixels. */
     const uint item = (uint)get_local_id(0);
-    const uint tile = (uint)get_group_id(0) + params.first_tile;
+    const uint tile = (uint)(get_global_id(0) / SVO_GROUP_ITEMS) + params.first_tile;
     const uint tiles_across = (params.width + 15u) / 16u;
     const uint x = tile % tiles_across * 16u + 2u * (item & 7u);
     const uint y = tile / tiles_across * 16u + 2u * (item >> 3);

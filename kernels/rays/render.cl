@@ -5,8 +5,8 @@
  * On GPUs a work-item draws a pixel (voxels.clh). With -DSVO_CAST_TILES, for CPUs, a work-item draws all pixels of its
  * group, by packets of rays (tile.clh): the same picture, but for rounding.
  *
- * Launch: one group per 8 x 8 pixels, one dimension, of SVO_GROUP_ITEMS or, with tiles, one work-item; as many tiles as
- * the host likes, from first_tile on. Reads the nodes and, with -DSVO_COLOR and -DSVO_NORMAL, the payload; writes one
+ * Launch: one group per 8 x 8 pixels, one dimension, of SVO_GROUP_ITEMS or, with tiles, one work-item; in bands of
+ * tiles by its offset. Reads the nodes and, with -DSVO_COLOR and -DSVO_NORMAL, the payload; writes one
  * RGBA8 word or four floats per pixel. No atomics, no local memory.
  */
 #include "shared/layout.h"
@@ -94,11 +94,11 @@ static float4 svo_cast_pixel(const svo_cast_picture *picture, uint x, uint y)
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS / SVO_PIXELS_PER_ITEM, 1, 1))) void
 svo_k_cast(SVO_NODES_PARAMETERS, __global const uchar *colors, __global const short *normals,
-           __constant const svo_cast_params *params, __global uint *pixels, uint first_tile)
+           __constant const svo_cast_params *params, __global uint *pixels)
 {
     /* item bits: 5 4 3 | 2 1 0 are y | x inside the tile. */
     const uint item = (uint)get_local_id(0);
-    const uint tile = (uint)get_group_id(0) + first_tile;
+    const uint tile = (uint)(get_global_id(0) / (SVO_GROUP_ITEMS / SVO_PIXELS_PER_ITEM));
     const uint tiles_across = (params->width + 7u) / 8u;
     const uint x = tile % tiles_across * 8u + (item & 7u);
     const uint y = tile / tiles_across * 8u + (item >> 3);

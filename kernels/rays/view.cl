@@ -3,8 +3,8 @@
  * Pictures of what rays find, one ray per pixel or several, without lighting: normals, depths, traversal steps, levels,
  * triangles. Linear pictures have the numbers themselves, others colors for them.
  *
- * Launch: one work-item per pixel, tiles of 8 x 8 pixels per group, one dimension, as many tiles as the host likes,
- * from first_tile on.
+ * Launch: one work-item per pixel, tiles of 8 x 8 pixels per group, one dimension, in bands of tiles by
+ * its offset.
  * Reads the tree and, with -DSVO_NORMAL, its normals; writes one RGBA8 word or four floats per pixel. No atomics, no
  * local memory.
  */
@@ -179,10 +179,10 @@ static void svo_view_store(__constant const svo_cast_params *params, float3 sum,
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_view(SVO_TREE_PARAMETERS, __global const short *normals, __constant const svo_cast_params *params, float4 eye,
-           uint view, __global uint *picture, uint first_tile)
+           uint view, __global uint *picture)
 {
     const uint item = (uint)get_local_id(0);
-    const uint tile = (uint)get_group_id(0) + first_tile;
+    const uint tile = (uint)(get_global_id(0) / SVO_GROUP_ITEMS);
     const uint tiles_across = (params->width + 7u) / 8u;
     const uint x = tile % tiles_across * 8u + (item & 7u);
     const uint y = tile / tiles_across * 8u + (item >> 3);

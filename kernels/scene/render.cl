@@ -3,8 +3,8 @@
  * Pictures of a scene: rays through its voxels (scene.clh), Lambert shading by lights from given directions, with
  * shadows, and by a sky that neighbors darken. The light and the tone curve are those of kernels/rays/render.cl.
  *
- * Launch: one work-item per pixel, tiles of 8 x 8 pixels per group, one dimension, as many tiles as the host likes,
- * from first_tile on. Reads the scene, its colors and normals as far as its trees have them, and the lights; writes one
+ * Launch: one work-item per pixel, tiles of 8 x 8 pixels per group, one dimension, in bands of tiles by
+ * its offset. Reads the scene, its colors and normals as far as its trees have them, and the lights; writes one
  * RGBA8 word or four floats per pixel. No atomics, no local memory.
  */
 #include "shared/layout.h"
@@ -177,11 +177,11 @@ static float3 svo_scene_sample(const svo_scene_view *view, float column, float r
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_scene_render(SVO_SCENE_PARAMETERS, __global const uchar *colors, __global const short *normals,
                    __constant const svo_scene_picture *picture, __constant const svo_scene_light *lights,
-                   __global uint *pixels, uint first_tile)
+                   __global uint *pixels)
 {
     /* item bits: 5 4 3 | 2 1 0 are y | x inside the tile. */
     const uint item = (uint)get_local_id(0);
-    const uint tile = (uint)get_group_id(0) + first_tile;
+    const uint tile = (uint)(get_global_id(0) / SVO_GROUP_ITEMS);
     const uint tiles_across = (picture->width + 7u) / 8u;
     const uint x = tile % tiles_across * 8u + (item & 7u);
     const uint y = tile / tiles_across * 8u + (item >> 3);

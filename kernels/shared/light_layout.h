@@ -234,7 +234,7 @@ SVO_RECORD(svo_lit_picture_params)
     SVO_F32 sky[3]; /* 64: radiance from outside */
     SVO_U32 source_count; /* 76 */
     SVO_U32 finish_count; /* 80 */
-    SVO_U32 first_tile; /* 84: of the launch */
+    SVO_U32 first_tile; /* 84: of the rows that are drawn */
     SVO_U32 samples; /* 88: camera rays of a pixel */
     SVO_U32 pixel_flags; /* 92: SVO_PIXEL_* */
     SVO_F32 background[3]; /* 96: what is behind everything, with SVO_PIXEL_COLOR */

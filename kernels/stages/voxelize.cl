@@ -184,7 +184,8 @@ SVO_FUNCTION float svo_reach_of(svo_placed placed)
     return (float)max(u, max(v, t));
 }
 
-/* Notes the runs of all columns of the window. */
+/* Notes the runs of all columns of the window, which is not empty: in one loop, since in a loop over rows and one over
+   their columns neighbors would wait for each other's longest row. */
 SVO_FUNCTION svo_found svo_scan_columns(svo_placed placed, svo_window window, svo_voxelize_params params,
                                         __local svo_note *notes)
 {
@@ -192,28 +193,33 @@ SVO_FUNCTION svo_found svo_scan_columns(svo_placed placed, svo_window window, sv
     const svo_overlap overlap =
         svo_make_overlap(placed.a, placed.b, placed.c, 1 << voxel_log2, (int)params.open, (int)placed.axis);
     const float reach = svo_reach_of(placed);
+    const uint columns = (uint)((window.end_u - window.u) * (window.end_v - window.v));
     svo_found found = {0u, 0u, 0u, 0u, 0};
-    uint column = 0;
-    for (int v = window.v; v < window.end_v; ++v) {
-        for (int u = window.u; u < window.end_u; ++u, ++column) {
-            const int local_u = (u - placed.first.u) << voxel_log2;
-            const int local_v = (v - placed.first.v) << voxel_log2;
-            const int touches = svo_overlap_column(overlap, local_u, local_v);
-            if (touches == SVO_TOUCHES_NOT) {
-                continue;
-            }
-            const int3 run = svo_column_run(overlap, placed, local_u, local_v, voxel_log2, reach, touches);
-            if (run.y > 0) {
-                found.first = found.notes + found.undecided_notes == 0u ? run.x : found.first;
-                const uint first = (uint)(run.x - found.first + SVO_NOTE_BIAS);
-                const bool is_sure = run.z == SVO_TOUCHES;
-                const uint place = is_sure ? found.notes : SVO_LAST_NOTE - found.undecided_notes;
-                notes[place] = (svo_note)(column | first << 6 | (uint)(run.y - 1) << 14);
-                found.notes += is_sure ? 1u : 0u;
-                found.fragments += is_sure ? (uint)run.y : 0u;
-                found.undecided_notes += is_sure ? 0u : 1u;
-                found.undecided += is_sure ? 0u : (uint)run.y;
-            }
+    int u = window.u;
+    int v = window.v;
+    for (uint column = 0; column < columns; ++column) {
+        const int local_u = (u - placed.first.u) << voxel_log2;
+        const int local_v = (v - placed.first.v) << voxel_log2;
+        ++u;
+        if (u == window.end_u) {
+            u = window.u;
+            ++v;
+        }
+        const int touches = svo_overlap_column(overlap, local_u, local_v);
+        if (touches == SVO_TOUCHES_NOT) {
+            continue;
+        }
+        const int3 run = svo_column_run(overlap, placed, local_u, local_v, voxel_log2, reach, touches);
+        if (run.y > 0) {
+            found.first = found.notes + found.undecided_notes == 0u ? run.x : found.first;
+            const uint first = (uint)(run.x - found.first + SVO_NOTE_BIAS);
+            const bool is_sure = run.z == SVO_TOUCHES;
+            const uint place = is_sure ? found.notes : SVO_LAST_NOTE - found.undecided_notes;
+            notes[place] = (svo_note)(column | first << 6 | (uint)(run.y - 1) << 14);
+            found.notes += is_sure ? 1u : 0u;
+            found.fragments += is_sure ? (uint)run.y : 0u;
+            found.undecided_notes += is_sure ? 0u : 1u;
+            found.undecided += is_sure ? 0u : (uint)run.y;
         }
     }
     return found;

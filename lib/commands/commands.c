@@ -6,6 +6,7 @@
 #include "commands/commands.h"
 
 #include "commands/frontend.h"
+#include "core/staging.h"
 #include "plan/accounts.h"
 #include "plan/arrays.h"
 
@@ -259,9 +260,18 @@ svo_status svo_i_commands_write(svo_i_commands *commands, cl_mem buffer, const v
         return SVO_OK;
     }
     cl_event event = NULL;
-    const cl_bool blocking = commands->blocks ? CL_TRUE : CL_FALSE;
-    const cl_int error = clEnqueueWriteBuffer(commands->queue, buffer, blocking, 0, (size_t)bytes, data,
-                                              wait_count(commands), wait_list(commands), &event);
+    const svo_i_upload upload = {.queue = commands->queue,
+                                 .buffer = buffer,
+                                 .bytes = (size_t)bytes,
+                                 .from = data,
+                                 .blocks = commands->blocks ? CL_TRUE : CL_FALSE,
+                                 .num_wait = wait_count(commands),
+                                 .wait = wait_list(commands)};
+    /* Staging memory may have to be waited for. */
+    const cl_int error = commands->mode == SVO_I_MODE_RUN
+                             ? svo_i_upload_enqueue(commands->device, &upload, &event)
+                             : clEnqueueWriteBuffer(commands->queue, buffer, CL_FALSE, 0, (size_t)bytes, data,
+                                                    upload.num_wait, upload.wait, &event);
     return follow(commands, "clEnqueueWriteBuffer", error, event);
 }
 

@@ -9,6 +9,7 @@
 #include <xxhash.h>
 
 #include "core/device.h"
+#include "core/staging.h"
 #include "core/struct_size.h"
 #include "core/tree.h"
 #include "svocl/plan.h"

@@ -113,6 +113,13 @@ static cl_int budget_count(svo_i_budget *budget, cl_mem buffer, uint64_t bytes)
 #define SETTLE_ATTEMPTS 3
 /* A quarter of a million pixels. */
 #define BAND_TILES 4096u
+/* Halves that hide the time to begin a write; smaller arrays are their driver's. */
+#define STAGING_BYTES    (UINT32_C(4) << 20)
+#define STAGED_BYTES_MIN (UINT32_C(64) << 10)
+/* The first band may leave a large GPU half idle, but a slow one ends it in time. */
+#define BAND_MS           50.0
+#define BAND_FIRST_GROUPS 256u
+#define BAND_LEAST_GROUPS 64u
 
 svo_message *svo_i_device_message(svo_device *device)
 {
@@ -334,25 +341,6 @@ bool svo_i_event_settle(cl_event event)
     return status <= CL_COMPLETE;
 }
 
-svo_status svo_i_device_write(svo_device *device, const char *function, cl_command_queue queue, cl_mem buffer,
-                              size_t offset, const void *from, size_t bytes)
-{
-    cl_event written = NULL;
-    if (bytes == 0) {
-        return SVO_OK;
-    }
-    cl_int error = clEnqueueWriteBuffer(queue, buffer, CL_TRUE, offset, bytes, from, 0, NULL, &written);
-    if (error != CL_SUCCESS) {
-        return svo_i_device_fail_cl(device, function, "clEnqueueWriteBuffer", error);
-    }
-    error = clWaitForEvents(1, &written);
-    if (error != CL_SUCCESS) {
-        (void)svo_i_event_settle(written);
-    }
-    clReleaseEvent(written);
-    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(device, function, "clWaitForEvents", error);
-}
-
 void svo_i_device_log(const svo_device *device, svo_log_level level, const char *text)
 {
     if (device->log != NULL) {
@@ -470,6 +458,7 @@ static svo_status query_properties(svo_device *handle, cl_device_id device, svo_
 {
     cl_device_type type = 0;
     cl_uint alignment_bits = 0;
+    cl_bool shares_memory = CL_TRUE; /* with the host, where the driver does not say */
     cl_device_fp_config floats = 0;
     SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_TYPE, sizeof type, &type, CREATE, message));
     SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof(cl_ulong),
@@ -480,6 +469,9 @@ static svo_status query_properties(svo_device *handle, cl_device_id device, svo_
                                     CREATE, message));
     handle->slot_bytes = alignment_bits >= 1024 ? alignment_bits / 8 : 128;
     SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_SINGLE_FP_CONFIG, sizeof floats, &floats, CREATE, message));
+    (void)clGetDeviceInfo(device, CL_DEVICE_HOST_UNIFIED_MEMORY, sizeof shares_memory, &shares_memory, NULL);
+    handle->staging_bytes = shares_memory == CL_FALSE ? STAGING_BYTES : 0;
+    handle->staged_bytes_min = STAGED_BYTES_MIN;
     handle->is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
     handle->rounds_quotients = (floats & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
     return find_extension(handle, device, "cl_khr_fp64", &handle->has_fp64, message);
@@ -535,11 +527,13 @@ svo_status svo_device_create(cl_context context, cl_device_id device, const svo_
     SVO_I_TRY_CLEANUP(retain(context, device, message));
     handle->name = name;
     handle->budget = budget;
+    handle->staging_bytes = budget == NULL ? handle->staging_bytes : 0; /* no bytes beside those of plans */
     handle->log = asked.log;
     handle->log_user = asked.log_user;
     handle->context = context;
     handle->device = device;
     handle->tests_programs = asked.trust_driver == 0;
+    handle->bands = (svo_i_bands){BAND_MS, BAND_FIRST_GROUPS, BAND_LEAST_GROUPS};
     handle->band_tiles = BAND_TILES;
     *out = handle;
     return SVO_OK;

@@ -12,6 +12,8 @@
  *   device_search  svo_device_create_default
  *   program        programs, and launches of their kernels
  *   kernel_files   compiled programs in files
+ *   staging        between host memory and buffers
+ *   submit         the commands of one call, its arrays, its launches in bands
  *   work           scratch buffers, copies and launches outside builds; chains of commands on any queues
  *   proof          known answers of kernels, before a program is used
  *   mesh           meshes in buffers, read to the host
@@ -45,6 +47,12 @@ typedef struct svo_i_budget_answer {
     uint64_t max_bytes; /* UINT64_MAX without a budget */
 } svo_i_budget_answer;
 
+/* How long the launches of calls that wait should be, see core/submit.h. */
+typedef struct svo_i_bands {
+    double target_ms;
+    size_t first_groups, least_groups;
+} svo_i_bands;
+
 struct svo_device {
     cl_context context;
     cl_device_id device;
@@ -63,6 +71,9 @@ struct svo_device {
     bool rounds_quotients; /* of floats, and roots, correctly: programs are compiled so */
     bool tests_programs; /* before their first use: core/proof.h */
     bool arithmetic_is_tested; /* by one of them, for all */
+    size_t staging_bytes; /* of a half (core/staging.h); 0: none */
+    size_t staged_bytes_min; /* of what goes through it */
+    svo_i_bands bands;
     cl_uint band_tiles; /* tiles of a picture in one launch, so that none takes long enough for a driver to end it */
     svo_i_budget *budget; /* NULL: none */
     svo_i_attachment *attachments; /* compiled programs, and what else is kept until the handle is destroyed */
@@ -110,12 +121,6 @@ svo_status svo_i_device_queue(svo_device *device, const char *function, cl_comma
 /* Waits for an event whose command uses memory that is about to be released, also where clWaitForEvents fails without
    having waited. Returns false where the command may still run. */
 bool svo_i_event_settle(cl_event event);
-
-/* Writes to a buffer and waits until the bytes are there; none: does nothing. A blocking write alone returns when the
-   memory that it reads is free again, maybe before other queues, or later commands of an out-of-order queue, find what
-   it writes. */
-svo_status svo_i_device_write(svo_device *device, const char *function, cl_command_queue queue, cl_mem buffer,
-                              size_t offset, const void *from, size_t bytes);
 
 void svo_i_device_log(const svo_device *device, svo_log_level level, const char *text);
 

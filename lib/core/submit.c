@@ -3,6 +3,7 @@
 #include "core/submit.h"
 
 #include "core/device.h"
+#include "core/staging.h"
 
 /* ---- arrays ---- */
 
@@ -95,6 +96,75 @@ svo_status svo_i_call_none(svo_i_call *call)
                : svo_i_device_fail_cl(call->device, call->function, "clEnqueueMarkerWithWaitList", error);
 }
 
+/* ---- bands ---- */
+
+/* A band may be so many times as large as the one before it, whose first groups may have been the quick ones. */
+#define BAND_GROWTH 8.0
+
+static svo_status launch_band(const svo_i_call *call, const svo_i_launch *launch, size_t first, size_t groups,
+                              const cl_event *previous, cl_event *event)
+{
+    const size_t offset = first * launch->group_items;
+    const size_t items = groups * launch->group_items;
+    /* Each band waits for the previous one, since the queue may be out-of-order. */
+    const cl_int error =
+        clEnqueueNDRangeKernel(call->queue, launch->kernel, 1, &offset, &items, &launch->group_items,
+                               previous != NULL ? 1 : call->num_wait, previous != NULL ? previous : call->wait, event);
+    return error == CL_SUCCESS ? SVO_OK
+                               : svo_i_device_fail_cl(call->device, call->function, "clEnqueueNDRangeKernel", error);
+}
+
+/* Waits for a band. The time of the first one has what the queue did before it: it makes the second one too small. */
+static svo_status measure_band(const svo_i_call *call, const cl_event *band, double begun_ms, size_t *groups)
+{
+    const svo_i_bands *bands = &call->device->bands;
+    const cl_int error = clWaitForEvents(1, band);
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(call->device, call->function, "clWaitForEvents", error);
+    }
+    const double took_ms = svo_i_now_ms() - begun_ms;
+    const double growth =
+        took_ms * BAND_GROWTH > bands->target_ms ? bands->target_ms / took_ms : BAND_GROWTH; /* took_ms may be 0 */
+    const double next = (double)*groups * growth;
+    *groups = next > (double)bands->least_groups ? (size_t)next : bands->least_groups;
+    return SVO_OK;
+}
+
+svo_status svo_i_call_launch(const svo_i_call *call, const svo_i_launch *launch)
+{
+    const bool measures = call->waits && !call->device->cpu_path;
+    size_t most = launch->band_groups > 0 ? launch->band_groups
+                  : measures              ? call->device->bands.first_groups
+                                          : launch->groups;
+    cl_event previous = NULL;
+    svo_status status = SVO_OK;
+    for (size_t first = 0; first < launch->groups;) {
+        const size_t left = launch->groups - first;
+        const bool is_last = left <= most;
+        const double begun_ms = measures ? svo_i_now_ms() : 0;
+        cl_event launched = NULL;
+        SVO_I_TRY_CLEANUP(launch_band(call, launch, first, is_last ? left : most, previous != NULL ? &previous : NULL,
+                                      is_last ? call->event : &launched));
+        if (previous != NULL) {
+            clReleaseEvent(previous);
+        }
+        previous = launched;
+        first += is_last ? left : most;
+        if (measures && !is_last) {
+            SVO_I_TRY_CLEANUP(measure_band(call, &previous, begun_ms, &most));
+        }
+    }
+
+cleanup:
+    if (previous != NULL) {
+        (void)svo_i_event_settle(previous); /* nothing is in progress after a failure */
+        clReleaseEvent(previous);
+    }
+    return status;
+}
+
+/* ---- the end ---- */
+
 /* Reads the result, or waits. */
 static svo_status finish(svo_i_call *call)
 {
@@ -102,8 +172,13 @@ static svo_status finish(svo_i_call *call)
     const char *name = "clWaitForEvents";
     if (call->to != NULL) {
         name = "clEnqueueReadBuffer";
-        error = clEnqueueReadBuffer(call->queue, call->from, CL_TRUE, call->first_byte, call->read_bytes, call->to, 1,
-                                    &call->done, NULL);
+        error = svo_i_download(call->device,
+                               &(svo_i_download_from){.queue = call->queue,
+                                                      .buffer = call->from,
+                                                      .offset = call->first_byte,
+                                                      .bytes = call->read_bytes,
+                                                      .wait = &call->done},
+                               call->to);
     } else {
         error = clWaitForEvents(1, &call->done);
     }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The commands of one call: the queue that they go to, and the buffers that stand for its arrays (svocl/submit.h). */
+/* The commands of one call: the queue that they go to, the buffers that stand for its arrays (svocl/submit.h), and its
+   launches, in bands where one would take too long. */
 #ifndef SVO_LIB_CORE_SUBMIT_H
 #define SVO_LIB_CORE_SUBMIT_H
 
@@ -46,6 +47,17 @@ svo_status svo_i_call_input(svo_i_call *call, const char *name, const svo_array 
 /* The same of the array that they write: a call has one. To host memory go read_bytes of them from first_byte on. */
 svo_status svo_i_call_output(svo_i_call *call, const char *name, const svo_array *array, size_t bytes,
                              size_t first_byte, size_t read_bytes, cl_mem *out);
+/* A kernel whose arguments are set, in whole groups, which find what is theirs by get_global_id. */
+typedef struct svo_i_launch {
+    cl_kernel kernel;
+    size_t groups, group_items; /* at least one */
+    size_t band_groups; /* of the first band, and of all that are not measured; 0: svo_device.bands, and all at once */
+} svo_i_launch;
+
+/* Launches it for a call. A driver may end a launch that takes seconds, so a call that waits does it in bands on GPUs:
+   it waits for each, whose time decides how large the next one is, toward svo_device.bands.target_ms. Bands of other
+   calls are not measured. The last one has the call's event. */
+svo_status svo_i_call_launch(const svo_i_call *call, const svo_i_launch *launch);
 /* The call waits for its last command, which is yet to come, whatever its svo_submit. */
 void svo_i_call_wait(svo_i_call *call);
 /* In place of a command for a call that has nothing to do: signals the event all the same. */

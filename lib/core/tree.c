@@ -10,6 +10,7 @@
 
 #include "core/device.h"
 #include "core/message.h"
+#include "core/staging.h"
 #include "core/struct_size.h"
 #include "svocl/nodes.h"
 #include "svocl/plan.h"

@@ -7,6 +7,7 @@
 
 #include <string.h>
 
+#include "core/staging.h"
 #include "shared/layout.h"
 
 /* ---- commands in flight ---- */
@@ -244,8 +245,14 @@ static svo_status write(svo_i_device_work *work, cl_mem buffer, const void *data
     if (bytes == 0) {
         return SVO_OK;
     }
-    const cl_int error = clEnqueueWriteBuffer(work->queue, buffer, waits, 0, (size_t)bytes, data, wait_count(work),
-                                              wait_list(work), &event);
+    const svo_i_upload upload = {.queue = work->queue,
+                                 .buffer = buffer,
+                                 .bytes = (size_t)bytes,
+                                 .from = data,
+                                 .blocks = waits,
+                                 .num_wait = wait_count(work),
+                                 .wait = wait_list(work)};
+    const cl_int error = svo_i_upload_enqueue(work->device, &upload, &event);
     return follow(work, "clEnqueueWriteBuffer", error, event);
 }
 

@@ -11,8 +11,6 @@
 
 /* Rays of a work-item: SVO_SHADE_RAYS of the kernel. */
 #define ITEM_RAYS 64u
-/* Paths of a launch, so that none takes long enough for a driver to end it. */
-#define BAND_PATHS 1048576u
 
 /* ---- batches of points: kernels/light/gather.cl ---- */
 
@@ -68,13 +66,6 @@ static svo_status gather_cones(svo_light *light, const svo_gather_params *params
 
 /* ---- points, with rays: kernels/light/gather_rays.cl ---- */
 
-/* Points of a launch: as many as have BAND_PATHS paths. */
-static uint32_t points_of_band(const svo_gather_params *gather)
-{
-    const uint32_t points = BAND_PATHS / (gather->paths != 0 ? gather->paths : gather->cones);
-    return points > SVO_GROUP_ITEMS ? points / SVO_GROUP_ITEMS * SVO_GROUP_ITEMS : SVO_GROUP_ITEMS;
-}
-
 static const char *points_defines(const svo_gather_params *gather)
 {
     return gather->paths == 0 ? " -DSVO_GATHER_CONES" : "";
@@ -93,35 +84,31 @@ svo_status svo_i_light_points_also(const svo_i_light_shader *first, const svo_ga
     return svo_i_light_shader_also(first, &svo_i_program_gather_rays, "svo_k_gather_rays", points_defines(gather), out);
 }
 
-svo_status svo_i_light_points_launch(const svo_i_light_shader *shader, const svo_gather_params *gather, cl_mem points,
-                                     cl_mem results, uint32_t point_count)
+svo_status svo_i_light_points_set(const svo_i_light_shader *shader, const svo_gather_params *gather, cl_mem points,
+                                  cl_mem results, uint32_t point_count)
 {
     const svo_i_argument own[] = {SVO_I_ARGUMENT(points), SVO_I_ARGUMENT(results)};
-    const uint32_t band = points_of_band(gather);
     svo_lit_picture_params params = svo_i_light_shader_params(shader->light, SVO_LIT_VIEW_MATTE);
     params.width = point_count;
-    for (uint64_t first = 0; first < point_count; first += band) {
-        const uint64_t count = point_count - first < band ? point_count - first : band;
-        params.first_tile = (uint32_t)first;
-        SVO_I_TRY(svo_i_light_shader_launch(shader, gather, &params, SVO_I_ARGUMENTS(own),
-                                            (count + SVO_GROUP_ITEMS - 1) / SVO_GROUP_ITEMS));
-    }
-    return SVO_OK;
+    return svo_i_light_shader_set(shader, gather, &params, SVO_I_ARGUMENTS(own));
 }
 
 static svo_status enqueue_points(const svo_light *light, const svo_gather_params *gather, cl_mem points, cl_mem results,
-                                 uint32_t point_count, svo_i_call *call)
+                                 uint32_t point_count, const svo_i_call *call)
 {
     svo_i_device_work work;
     svo_i_light_shader shader = {.kernel = NULL};
     svo_status status = SVO_OK;
-    SVO_I_TRY(svo_i_work_begin_after(call->device, call->function, call->queue, call->num_wait, call->wait, &work));
+    SVO_I_TRY(svo_i_work_begin(call->device, call->function, call->queue, &work));
     SVO_I_TRY_CLEANUP(svo_i_light_points_begin(&work, light, gather, &shader));
-    SVO_I_TRY_CLEANUP(svo_i_light_points_launch(&shader, gather, points, results, point_count));
+    SVO_I_TRY_CLEANUP(svo_i_light_points_set(&shader, gather, points, results, point_count));
+    status = svo_i_call_launch(call, &(svo_i_launch){.kernel = shader.kernel,
+                                                     .groups = ((size_t)point_count - 1) / SVO_GROUP_ITEMS + 1,
+                                                     .group_items = SVO_GROUP_ITEMS});
 
 cleanup:
     svo_i_light_shader_end(&shader);
-    svo_i_work_leave(&work, status == SVO_OK ? call->event : NULL);
+    svo_i_work_leave(&work, NULL);
     return status;
 }
 
@@ -191,8 +178,8 @@ svo_status svo_i_light_shade_rays(const svo_i_light_shade *shade, cl_mem rays, c
     const svo_i_argument own[] = {SVO_I_ARGUMENT(rays), SVO_I_ARGUMENT(radiance)};
     const uint32_t group_rays = ITEM_RAYS * SVO_GROUP_ITEMS;
     params.width = ray_count;
-    return svo_i_light_shader_launch(&shade->shader, &shade->gather, &params, SVO_I_ARGUMENTS(own),
-                                     ((uint64_t)ray_count + group_rays - 1) / group_rays);
+    SVO_I_TRY(svo_i_light_shader_set(&shade->shader, &shade->gather, &params, SVO_I_ARGUMENTS(own)));
+    return svo_i_light_shader_launch(&shade->shader, 0, ((size_t)ray_count + group_rays - 1) / group_rays);
 }
 
 void svo_i_light_shade_end(svo_i_light_shade *shade)

@@ -15,14 +15,14 @@ typedef struct svo_i_light_shade {
 /* Sets the arguments that SVO_LIGHT_PARAMETERS of kernels/light/light.clh declares. of: a light. */
 svo_status svo_i_light_set_target(void *of, const char *function, cl_kernel kernel, cl_uint first_index);
 
-/* Launches kernels/light/gather_rays.cl for points in a buffer; shader: begun by one of the first two, of which the
-   second is with the work and the uploads of another one. */
+/* kernels/light/gather_rays.cl, a work-item for each point of a buffer: begins it, by the second function with the work
+   and the uploads of another kernel, and sets its arguments. */
 svo_status svo_i_light_points_begin(svo_i_device_work *work, const svo_light *light, const svo_gather_params *gather,
                                     svo_i_light_shader *out);
 svo_status svo_i_light_points_also(const svo_i_light_shader *first, const svo_gather_params *gather,
                                    svo_i_light_shader *out);
-svo_status svo_i_light_points_launch(const svo_i_light_shader *shader, const svo_gather_params *gather, cl_mem points,
-                                     cl_mem results, uint32_t point_count);
+svo_status svo_i_light_points_set(const svo_i_light_shader *shader, const svo_gather_params *gather, cl_mem points,
+                                  cl_mem results, uint32_t point_count);
 
 /* Checks the number of cones: 1, 5, 6, 16 or 64; 0 for the default. The message names options.cones of the function. */
 svo_status svo_i_light_check_cones(const svo_light *light, const char *function, uint32_t cones);

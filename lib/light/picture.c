@@ -27,8 +27,8 @@ _Static_assert((uint32_t)SVO_VIEW_DIRECT == AHEAD + SVO_LIT_VIEW_DIRECT &&
 #define TILE_EDGE SVO_LIGHT_BAND_ROWS
 /* Camera rays of a pixel. */
 #define SAMPLES 4u
-/* Tiles of a launch, so that none takes long enough for a driver to end it. */
-#define BAND_TILES 256u
+/* A tile takes as long as so many of other pictures. */
+#define TILE_COST 16u
 
 /* ---- pictures: kernels/light/picture.cl ---- */
 
@@ -116,74 +116,106 @@ typedef struct drawing {
     svo_i_pixel_output output;
 } drawing;
 
-/* Draws rows of tiles. screen: NULL without rays. */
-static svo_status launch_tiles(const drawing *drawn, const svo_i_light_shader *shader, const svo_i_light_screen *screen,
-                               cl_mem pixels, uint32_t begin_row, uint32_t end_row)
+/* Sets the kernel's arguments. screen: zero without rays. */
+static svo_status set_kernel(const drawing *drawn, const svo_i_light_shader *shader, const svo_i_light_screen *screen,
+                             uint32_t first_tile, cl_mem pixels)
 {
-    const svo_i_light_screen none = {.cells = NULL};
-    const svo_i_light_screen *used = screen != NULL ? screen : &none;
-    const svo_i_argument own[] = {SVO_I_ARGUMENT(used->cells), SVO_I_ARGUMENT(used->light),
-                                  SVO_I_ARGUMENT(used->params), SVO_I_ARGUMENT(pixels)};
-    const uint64_t across = (drawn->asked.width + TILE_EDGE - 1) / TILE_EDGE;
-    const uint64_t end = across * end_row;
+    const svo_i_argument own[] = {SVO_I_ARGUMENT(screen->cells), SVO_I_ARGUMENT(screen->light),
+                                  SVO_I_ARGUMENT(screen->params), SVO_I_ARGUMENT(pixels)};
     svo_lit_picture_params params = drawn->params;
     svo_gather_params gather = drawn->gather;
-    gather.cones = screen != NULL ? 0 : gather.cones;
-    for (uint64_t first = across * begin_row; first < end; first += BAND_TILES) {
-        params.first_tile = (uint32_t)first;
-        SVO_I_TRY(svo_i_light_shader_launch(shader, &gather, &params, SVO_I_ARGUMENTS(own),
-                                            end - first < BAND_TILES ? end - first : BAND_TILES));
-    }
-    return SVO_OK;
+    gather.cones = drawn->gather.paths != 0 ? 0 : gather.cones;
+    params.first_tile = first_tile;
+    return svo_i_light_shader_set(shader, &gather, &params, SVO_I_ARGUMENTS(own));
 }
 
-/* The band's rows of tiles: all at once, or as many as the cells of the screen hold. */
-static svo_status launch(const drawing *drawn, const svo_i_light_shader *shader, svo_i_light_screen *screen,
-                         cl_mem pixels)
+/* Tiles across the picture. */
+static size_t tiles_across(const svo_render_options *options)
 {
-    const svo_render_options *options = &drawn->asked;
-    const uint32_t begin = options->first_row / TILE_EDGE;
-    const uint32_t end = begin + (rows_of_band(options) + TILE_EDGE - 1) / TILE_EDGE;
-    if (screen == NULL) {
-        return launch_tiles(drawn, shader, NULL, pixels, begin, end);
-    }
+    return ((size_t)options->width + TILE_EDGE - 1) / TILE_EDGE;
+}
+
+/* Rows of tiles of the picture's band. */
+static uint32_t tile_rows(const svo_render_options *options)
+{
+    return (rows_of_band(options) + TILE_EDGE - 1) / TILE_EDGE;
+}
+
+/* Draws the band by rays: as many rows of tiles at once as the cells of the screen hold. */
+static svo_status draw_by_rays(const drawing *drawn, const svo_i_light_shader *shader, svo_i_light_screen *screen,
+                               cl_mem pixels)
+{
+    const size_t across = tiles_across(&drawn->asked);
     const uint32_t cells = TILE_EDGE / SVO_I_SCREEN_CELL; /* of a tile's edge */
     const uint32_t most = screen->band_rows / cells > 0 ? screen->band_rows / cells : 1;
+    const uint32_t begin = drawn->asked.first_row / TILE_EDGE;
+    const uint32_t end = begin + tile_rows(&drawn->asked);
+    const size_t in_launch = shader->light->device->band_tiles / TILE_COST;
     for (uint32_t row = begin; row < end; row += most) {
         const uint32_t last = end - row < most ? end : row + most;
         const uint32_t end_cell = last * cells < screen->height ? last * cells : screen->height;
         SVO_I_TRY(svo_i_light_screen_band(screen, &drawn->params, row * cells, end_cell));
-        SVO_I_TRY(launch_tiles(drawn, shader, screen, pixels, row, last));
+        SVO_I_TRY(set_kernel(drawn, shader, screen, 0, pixels));
+        for (size_t tile = row * across; tile < last * across; tile += in_launch) {
+            const size_t left = last * across - tile;
+            SVO_I_TRY(svo_i_light_shader_launch(shader, tile, left < in_launch ? left : in_launch));
+        }
     }
     return SVO_OK;
 }
 
-static svo_status enqueue(const drawing *drawn, const svo_array *to, svo_i_call *call)
+static svo_status enqueue_rays(const drawing *drawn, cl_mem pixels, svo_i_call *call)
 {
     const svo_render_options *options = &drawn->asked;
-    const size_t row_bytes = (size_t)options->width * drawn->output.pixel_bytes;
-    const bool by_rays = drawn->gather.paths != 0;
     svo_i_device_work work;
     svo_i_light_shader shader = {.kernel = NULL};
     svo_i_light_screen screen = {.cells = NULL};
-    cl_mem pixels = NULL;
     svo_status status = SVO_OK;
-    SVO_I_TRY(svo_i_call_output(call, "pixels", to, row_bytes * options->height, row_bytes * options->first_row,
-                                row_bytes * rows_of_band(options), &pixels));
     SVO_I_TRY(svo_i_work_begin_after(call->device, call->function, call->queue, call->num_wait, call->wait, &work));
     SVO_I_TRY_CLEANUP(svo_i_light_shader_begin(&work, drawn->light, &svo_i_program_light_picture, "svo_k_light_picture",
-                                               by_rays ? " -DSVO_PICTURE_RAYS" : "", &shader));
-    if (by_rays) {
-        SVO_I_TRY_CLEANUP(svo_i_light_screen_begin(&shader, &drawn->gather, options->width, options->height,
-                                                   rows_of_band(options), &screen));
-    }
-    SVO_I_TRY_CLEANUP(launch(drawn, &shader, by_rays ? &screen : NULL, pixels));
+                                               " -DSVO_PICTURE_RAYS", &shader));
+    SVO_I_TRY_CLEANUP(svo_i_light_screen_begin(&shader, &drawn->gather, options->width, options->height,
+                                               rows_of_band(options), &screen));
+    SVO_I_TRY_CLEANUP(draw_by_rays(drawn, &shader, &screen, pixels));
 
 cleanup:
     svo_i_light_screen_end(&screen);
     svo_i_light_shader_end(&shader);
     svo_i_work_leave(&work, status == SVO_OK ? call->event : NULL);
     return status;
+}
+
+static svo_status enqueue_cones(const drawing *drawn, cl_mem pixels, const svo_i_call *call)
+{
+    const svo_render_options *options = &drawn->asked;
+    const svo_i_light_screen none = {.cells = NULL};
+    const size_t across = tiles_across(options);
+    svo_i_device_work work;
+    svo_i_light_shader shader = {.kernel = NULL};
+    svo_status status = SVO_OK;
+    SVO_I_TRY(svo_i_work_begin(call->device, call->function, call->queue, &work));
+    SVO_I_TRY_CLEANUP(svo_i_light_shader_begin(&work, drawn->light, &svo_i_program_light_picture, "svo_k_light_picture",
+                                               "", &shader));
+    SVO_I_TRY_CLEANUP(set_kernel(drawn, &shader, &none, (uint32_t)across * (options->first_row / TILE_EDGE), pixels));
+    status = svo_i_call_launch(call, &(svo_i_launch){.kernel = shader.kernel,
+                                                     .groups = across * tile_rows(options),
+                                                     .group_items = SVO_GROUP_ITEMS,
+                                                     .band_groups = call->device->band_tiles / TILE_COST});
+
+cleanup:
+    svo_i_light_shader_end(&shader);
+    svo_i_work_leave(&work, NULL);
+    return status;
+}
+
+static svo_status enqueue(const drawing *drawn, const svo_array *to, svo_i_call *call)
+{
+    const svo_render_options *options = &drawn->asked;
+    const size_t row_bytes = (size_t)options->width * drawn->output.pixel_bytes;
+    cl_mem pixels = NULL;
+    SVO_I_TRY(svo_i_call_output(call, "pixels", to, row_bytes * options->height, row_bytes * options->first_row,
+                                row_bytes * rows_of_band(options), &pixels));
+    return drawn->gather.paths != 0 ? enqueue_rays(drawn, pixels, call) : enqueue_cones(drawn, pixels, call);
 }
 
 static svo_status render(void *of, const svo_render_options *options, const svo_array *pixels, const svo_submit *submit)

@@ -16,6 +16,8 @@
 #define BESIDE (2u * ((1u << STEPS) - 1u) + 4u)
 /* Cells of a band, unless it has a single row. */
 #define BAND_CELLS 1048576u
+/* Paths of a launch, so that none takes long enough for a driver to end it. */
+#define BAND_PATHS 1048576u
 /* World units within which surfaces are near each other, in leaf edges. */
 #define NEAR 4.0F
 
@@ -64,6 +66,19 @@ static svo_status smooth(svo_i_light_screen *screen)
     return SVO_OK;
 }
 
+/* Gathers in bands of so many paths. */
+static svo_status gather(const svo_i_light_screen *screen, uint32_t cells)
+{
+    const size_t groups = ((size_t)cells + SVO_GROUP_ITEMS - 1) / SVO_GROUP_ITEMS;
+    const size_t in_band = BAND_PATHS / SVO_GROUP_ITEMS / screen->by_rays.paths;
+    const size_t most = in_band > 0 ? in_band : 1;
+    SVO_I_TRY(svo_i_light_points_set(&screen->gather, &screen->by_rays, screen->cells, screen->gathered, cells));
+    for (size_t first = 0; first < groups; first += most) {
+        SVO_I_TRY(svo_i_light_shader_launch(&screen->gather, first, groups - first < most ? groups - first : most));
+    }
+    return SVO_OK;
+}
+
 svo_status svo_i_light_screen_band(svo_i_light_screen *screen, const svo_lit_picture_params *picture,
                                    uint32_t first_row, uint32_t end_row)
 {
@@ -73,9 +88,9 @@ svo_status svo_i_light_screen_band(svo_i_light_screen *screen, const svo_lit_pic
     screen->params.first_row = begin;
     screen->params.rows = end - begin;
     const svo_i_argument own[] = {SVO_I_ARGUMENT(screen->cells), SVO_I_ARGUMENT(screen->params)};
-    SVO_I_TRY(svo_i_light_shader_launch(&screen->points, &screen->by_rays, picture, SVO_I_ARGUMENTS(own),
-                                        (cells + SVO_GROUP_ITEMS - 1) / SVO_GROUP_ITEMS));
-    SVO_I_TRY(svo_i_light_points_launch(&screen->gather, &screen->by_rays, screen->cells, screen->gathered, cells));
+    SVO_I_TRY(svo_i_light_shader_set(&screen->points, &screen->by_rays, picture, SVO_I_ARGUMENTS(own)));
+    SVO_I_TRY(svo_i_light_shader_launch(&screen->points, 0, (cells + SVO_GROUP_ITEMS - 1) / SVO_GROUP_ITEMS));
+    SVO_I_TRY(gather(screen, cells));
     return smooth(screen);
 }
 

@@ -186,8 +186,8 @@ svo_status svo_i_light_shader_also(const svo_i_light_shader *first, const svo_i_
     return make_kernel(out, program, kernel_name, defines);
 }
 
-static svo_status set_arguments(const svo_i_light_shader *shader, const svo_gather_params *gather,
-                                const svo_lit_picture_params *params, const svo_i_argument *own, cl_uint own_count)
+svo_status svo_i_light_shader_set(const svo_i_light_shader *shader, const svo_gather_params *gather,
+                                  const svo_lit_picture_params *params, const svo_i_argument *own, cl_uint own_count)
 {
     const svo_light *light = shader->light;
     const char *function = shader->work->function;
@@ -211,17 +211,15 @@ static svo_status set_arguments(const svo_i_light_shader *shader, const svo_gath
                                  own_count);
 }
 
-svo_status svo_i_light_shader_launch(const svo_i_light_shader *shader, const svo_gather_params *gather,
-                                     const svo_lit_picture_params *params, const svo_i_argument *own, cl_uint own_count,
-                                     uint64_t groups)
+svo_status svo_i_light_shader_launch(const svo_i_light_shader *shader, size_t first_group, size_t groups)
 {
     const size_t local = SVO_GROUP_ITEMS;
-    const size_t global = (size_t)groups * local;
+    const size_t offset = first_group * local;
+    const size_t global = groups * local;
     svo_i_device_work *work = shader->work;
     cl_event event = NULL;
-    SVO_I_TRY(set_arguments(shader, gather, params, own, own_count));
     const cl_int error =
-        clEnqueueNDRangeKernel(work->queue, shader->kernel, 1, NULL, &global, &local, work->last != NULL ? 1 : 0,
+        clEnqueueNDRangeKernel(work->queue, shader->kernel, 1, &offset, &global, &local, work->last != NULL ? 1 : 0,
                                work->last != NULL ? &work->last : NULL, &event);
     if (error != CL_SUCCESS) {
         return svo_i_device_fail_cl(work->device, work->function, "clEnqueueNDRangeKernel", error);

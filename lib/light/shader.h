@@ -33,10 +33,11 @@ svo_status svo_i_light_shader_also(const svo_i_light_shader *first, const svo_i_
                                    const char *kernel_name, const char *defines, svo_i_light_shader *out);
 /* What params have of a light: sky, numbers of sources and finishes. */
 svo_lit_picture_params svo_i_light_shader_params(const svo_light *light, uint32_t view);
-/* Launches so many whole groups. own: the kernel's own arguments, own_count. */
-svo_status svo_i_light_shader_launch(const svo_i_light_shader *shader, const svo_gather_params *gather,
-                                     const svo_lit_picture_params *params, const svo_i_argument *own, cl_uint own_count,
-                                     uint64_t groups);
+/* Sets the kernel's arguments. own: its own ones, own_count. */
+svo_status svo_i_light_shader_set(const svo_i_light_shader *shader, const svo_gather_params *gather,
+                                  const svo_lit_picture_params *params, const svo_i_argument *own, cl_uint own_count);
+/* Launches so many whole groups from one on, as the work's next command. */
+svo_status svo_i_light_shader_launch(const svo_i_light_shader *shader, size_t first_group, size_t groups);
 /* Releases the kernel, but not what the work owns. */
 void svo_i_light_shader_end(svo_i_light_shader *shader);
 

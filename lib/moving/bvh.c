@@ -9,6 +9,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "core/staging.h"
 #include "core/struct_size.h"
 #include "core/tree.h"
 #include "core/work.h"

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/staging.h"
 #include "paged/paged.h"
 #include "shared/nodes.clh"
 #include "shared/page.h"

@@ -5,6 +5,7 @@
  */
 #include <string.h>
 
+#include "core/staging.h"
 #include "core/submit.h"
 #include "pipeline/run.h"
 #include "pipeline/workspace.h"

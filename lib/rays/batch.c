@@ -42,19 +42,14 @@ static svo_status launch(const svo_i_batch *asked, cl_mem input, cl_mem output, 
 {
     const size_t items = (asked->count + asked->per_item - 1) / asked->per_item;
     const size_t local = asked->per_item == 1 ? SVO_GROUP_ITEMS : 1;
-    const size_t global = (items + local - 1) / local * local;
-    cl_kernel kernel = NULL;
+    svo_i_launch launched = {.groups = (items + local - 1) / local, .group_items = local};
     svo_status status = SVO_OK;
-    SVO_I_TRY_CLEANUP(make_kernel(asked, input, output, &kernel));
-    const cl_int error =
-        clEnqueueNDRangeKernel(call->queue, kernel, 1, NULL, &global, &local, call->num_wait, call->wait, call->event);
-    if (error != CL_SUCCESS) {
-        status = svo_i_device_fail_cl(asked->device, asked->function, "clEnqueueNDRangeKernel", error);
-    }
+    SVO_I_TRY_CLEANUP(make_kernel(asked, input, output, &launched.kernel));
+    SVO_I_TRY_CLEANUP(svo_i_call_launch(call, &launched));
 
 cleanup:
-    if (kernel != NULL) {
-        clReleaseKernel(kernel);
+    if (launched.kernel != NULL) {
+        clReleaseKernel(launched.kernel);
     }
     return status;
 }

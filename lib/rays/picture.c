@@ -73,51 +73,14 @@ svo_status svo_i_pixel_output_of(svo_device *device, const char *function, const
     return SVO_OK;
 }
 
-static cl_uint count_tiles(const svo_i_tiles *tiles)
-{
-    return ((tiles->width + TILE_EDGE - 1) / TILE_EDGE) * ((tiles->height + TILE_EDGE - 1) / TILE_EDGE);
-}
-
-/* Launches the band that begins with a tile. previous: the band before; NULL for the first. */
-static svo_status draw_band(const svo_i_tiles *tiles, cl_uint first, const svo_i_call *call, const cl_event *previous,
-                            cl_event *event)
-{
-    const cl_uint count = count_tiles(tiles);
-    const cl_uint most = call->device->band_tiles;
-    const size_t global = (count - first < most ? count - first : most) * tiles->items;
-    SVO_I_TRY(svo_i_kernel_set_from(call->device, call->function, tiles->kernel, tiles->first_tile,
-                                    &SVO_I_ARGUMENT(first), 1));
-    /* Each band waits for the previous one, since the queue may be out-of-order. */
-    const cl_int error =
-        clEnqueueNDRangeKernel(call->queue, tiles->kernel, 1, NULL, &global, &tiles->items,
-                               previous != NULL ? 1 : call->num_wait, previous != NULL ? previous : call->wait, event);
-    return error == CL_SUCCESS ? SVO_OK
-                               : svo_i_device_fail_cl(call->device, call->function, "clEnqueueNDRangeKernel", error);
-}
-
 svo_status svo_i_tiles_draw(const svo_i_tiles *tiles, const svo_i_call *call)
 {
-    const cl_uint count = count_tiles(tiles);
-    const cl_uint most = call->device->band_tiles;
-    cl_event previous = NULL;
-    svo_status status = SVO_OK;
-    for (cl_uint first = 0; first < count; first += most) {
-        const bool is_last = count - first <= most;
-        cl_event drawn = NULL;
-        SVO_I_TRY_CLEANUP(
-            draw_band(tiles, first, call, previous != NULL ? &previous : NULL, is_last ? call->event : &drawn));
-        if (previous != NULL) {
-            clReleaseEvent(previous);
-        }
-        previous = drawn;
-    }
-
-cleanup:
-    if (previous != NULL) {
-        (void)svo_i_event_settle(previous); /* nothing is in progress after a failure */
-        clReleaseEvent(previous);
-    }
-    return status;
+    const size_t across = (tiles->width + TILE_EDGE - 1) / TILE_EDGE;
+    const size_t down = (tiles->height + TILE_EDGE - 1) / TILE_EDGE;
+    return svo_i_call_launch(call, &(svo_i_launch){.kernel = tiles->kernel,
+                                                   .groups = across * down,
+                                                   .group_items = tiles->items,
+                                                   .band_groups = call->device->band_tiles});
 }
 
 /* ---- pictures ---- */
@@ -270,7 +233,6 @@ static svo_status prepare_view(const svo_i_picture_source *source, const svo_ren
                                         SVO_I_ARGUMENT(eye), SVO_I_ARGUMENT(shown), SVO_I_ARGUMENT(drawn->pixels)};
     SVO_I_TRY(make_kernel(source, &svo_i_program_view, "", "svo_k_view", &drawn->tiles.kernel));
     drawn->tiles.items = SVO_GROUP_ITEMS;
-    drawn->tiles.first_tile = source->tree.arguments + 5;
     SVO_I_TRY(source->tree.set(source->tree.of, source->function, drawn->tiles.kernel, 0));
     return svo_i_kernel_set_from(source->device, source->function, drawn->tiles.kernel, source->tree.arguments,
                                  arguments, 5);
@@ -286,7 +248,6 @@ static svo_status prepare_shaded(const svo_i_picture_source *source, picture *dr
     (void)snprintf(defines, sizeof defines, "%s%s", tiles ? " -DSVO_CAST_TILES" : "", color_defines(source));
     SVO_I_TRY(make_kernel(source, &svo_i_program_cast, defines, "svo_k_cast", &drawn->tiles.kernel));
     drawn->tiles.items = tiles ? 1 : SVO_GROUP_ITEMS;
-    drawn->tiles.first_tile = source->node_arguments + 4;
     for (cl_uint i = 0; i < source->node_arguments; ++i) {
         SVO_I_TRY(svo_i_kernel_set_from(source->device, source->function, drawn->tiles.kernel, i,
                                         &(svo_i_argument){sizeof(cl_mem), &source->nodes[i], true}, 1));

@@ -29,13 +29,12 @@ svo_status svo_i_pixel_output_of(svo_device *device, const char *function, const
 
 /* A kernel that draws tiles of 8 x 8 pixels, a group each. */
 typedef struct svo_i_tiles {
-    cl_kernel kernel;
-    cl_uint first_tile; /* the index of its last argument; all others are set */
+    cl_kernel kernel; /* its arguments are set */
     size_t items; /* of a group */
     cl_uint width, height; /* pixels */
 } svo_i_tiles;
 
-/* Enqueues all tiles, in launches of at most svo_device.band_tiles. */
+/* Enqueues all tiles, in bands that begin with svo_device.band_tiles. */
 svo_status svo_i_tiles_draw(const svo_i_tiles *tiles, const svo_i_call *call);
 
 typedef struct svo_i_picture_source {

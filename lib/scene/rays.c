@@ -266,7 +266,6 @@ static svo_status enqueue(drawing *drawn, const svo_array *to, svo_i_call *call)
     SVO_I_TRY(svo_i_call_output(call, "pixels", to, bytes, 0, bytes, &pixels));
     SVO_I_TRY_CLEANUP(prepare(drawn, pixels));
     const svo_i_tiles tiles = {.kernel = drawn->kernel,
-                               .first_tile = count_arguments(drawn->scene) + 5,
                                .items = SVO_GROUP_ITEMS,
                                .width = drawn->picture.width,
                                .height = drawn->picture.height};

@@ -10,6 +10,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/staging.h"
 #include "core/struct_size.h"
 #include "scene/hierarchy.h"
 #include "scene/trees.h"

@@ -10,6 +10,7 @@
 
 #include "compact/form.h"
 #include "core/compact.h"
+#include "core/staging.h"
 #include "core/tree.h"
 #include "rays/rays.h"
 #include "scene/programs.h"

@@ -392,6 +392,9 @@ static void opengl_front_ends(void **state)
     options = (svo_gl_options){.struct_size = sizeof options, .share = (svo_gl_share)9};
     expect(opened, svo_gl_create(opened->device, opened->context, &options, &gl), SVO_INVALID_ARGUMENT,
            "options.share 9 not in 0 .. ");
+    options = (svo_gl_options){.struct_size = sizeof options, .raster = SVO_GL_RASTER_EXPAND, .hybrid_columns = 64};
+    expect(opened, svo_gl_create(opened->device, opened->context, &options, &gl), SVO_INVALID_ARGUMENT,
+           "svo_gl_create: options.hybrid_columns 64 is of SVO_GL_RASTER_HYBRID, and options.raster is gl-expand");
     assert_null(gl);
     svo_mesh_copy *copy = NULL;
     const svo_mesh_buffers buffers = {.struct_size = sizeof buffers};

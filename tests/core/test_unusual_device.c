@@ -250,6 +250,28 @@ static void widths_of_devices(void **state)
     }
 }
 
+/* Memory for uploads is for devices that have memory of their own, and for handles that may have any. */
+static void staging_of_devices(void **state)
+{
+    static const struct {
+        cl_bool shares_memory;
+        uint64_t max_device_bytes;
+        bool has_staging;
+    } cases[] = {{CL_TRUE, 0, false}, {CL_FALSE, 0, true}, {CL_FALSE, UINT64_C(1) << 30, false}};
+    const svo_device_info on = info_of_device(fixture_cl_of_group(state).device);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        const svo_device_options options = {.struct_size = sizeof options,
+                                            .max_device_bytes = cases[i].max_device_bytes};
+        svo_device *device = NULL;
+        device_answer = (answer){.what = CL_DEVICE_HOST_UNIFIED_MEMORY,
+                                 .value = &cases[i].shares_memory,
+                                 .bytes = sizeof cases[i].shares_memory};
+        assert_int_equal(svo_device_create(on.context, on.device, &options, &device, NULL), SVO_OK);
+        assert_int_equal(device->staging_bytes != 0, cases[i].has_staging);
+        svo_device_destroy(&device);
+    }
+}
+
 static void little_local_memory(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
@@ -497,6 +519,7 @@ TEST_GROUP(unusual_device)
         cmocka_unit_test_teardown(paths_of_devices, forget_answers),
         cmocka_unit_test_teardown(a_path_that_is_none_is_refused, forget_answers),
         cmocka_unit_test_teardown(widths_of_devices, forget_answers),
+        cmocka_unit_test_teardown(staging_of_devices, forget_answers),
         cmocka_unit_test_teardown(little_local_memory, forget_answers),
         cmocka_unit_test_teardown(a_list_above_the_largest_buffer, forget_answers),
         cmocka_unit_test_teardown(lists_above_32_bits_are_cut, forget_answers),

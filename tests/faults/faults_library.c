@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 
+#include "core/device.h"
 #include "faults_scenario.h"
 #include "support/info_of.h"
 
@@ -135,6 +136,38 @@ static svo_status run_limited_device(subject *of)
     if (status == SVO_OK) {
         status = told(of, device, svo_tree_upload(tree, device, NULL));
     }
+    svo_tree_destroy(&tree);
+    svo_device_destroy(&device);
+    return status;
+}
+
+/* A tree, rays and hits to and from a device that has memory of its own, in parts. */
+static svo_status run_staging(subject *of)
+{
+    svo_device *device = NULL;
+    svo_tree *tree = NULL;
+    svo_voxel_hit hits[RAYS] = {{.t = 0}};
+    char hash[SVO_HASH_TEXT_BYTES] = "";
+    SVO_I_TRY(svo_device_create_default(NULL, &device, &of->message));
+    device->staging_bytes = 512;
+    device->staged_bytes_min = 256;
+    svo_status status = svo_tree_load(svo_from_path(world.tree_path), NULL, &tree, &of->message);
+    if (status == SVO_OK) {
+        status = told(of, device, svo_tree_upload(tree, device, NULL));
+    }
+    if (status == SVO_OK) {
+        status = told(
+            of, device,
+            svo_trace_voxels(svo_tree_target(tree), svo_in_host(world.rays), svo_in_host(hits), RAYS, 0.0F, 0, NULL));
+    }
+    digest(of, hits, sizeof hits);
+    if (status == SVO_OK) {
+        status = told(of, device, svo_tree_download(tree, NULL));
+    }
+    if (status == SVO_OK) {
+        status = svo_tree_hash(tree, SVO_HASH_ALL, hash);
+    }
+    digest(of, hash, sizeof hash);
     svo_tree_destroy(&tree);
     svo_device_destroy(&device);
     return status;
@@ -592,6 +625,7 @@ static svo_status run_set_arguments(subject *of)
 static const scenario rows[] = {
     {"device", false, false, prepare_nothing, run_device, NULL, destroy_all},
     {"limited_device", false, false, prepare_nothing, run_limited_device, NULL, destroy_all},
+    {"staging", false, false, prepare_nothing, run_staging, NULL, destroy_all},
     {"plan", false, false, prepare_nothing, run_plan, NULL, destroy_all},
     {"plan_on_device", false, false, prepare_nothing, run_plan_on_device, NULL, destroy_all},
     {"plan_count", false, false, prepare_plan, run_count, NULL, destroy_all},

@@ -171,11 +171,18 @@ static void a_machine_is_measured_step_by_step(void **state)
         }
         if (is_ok && by_cl && strcmp(step, "build") == 0) {
             assert_true(number_in_row(row, table, "build") > 0.0);
-            counted += cJSON_IsNumber(cJSON_GetArrayItem(row, column_of(table, "launches")));
+            assert_true(number_in_row(row, table, "wall") > 0.0);
+            counted += number_in_row(row, table, "launches") > 0.0 && number_in_row(row, table, "allocations") > 0.0 &&
+                       number_in_row(row, table, "reading") >= 0.0;
         }
     }
     assert_true(ok_count >= 14); /* devices, verify, stress, forms; light, probes; four builds by cl; rays, solid */
     assert_true(counted == 4 || counted == 0); /* with static libraries, or none */
+    expect_positive(table_of(document, "gpu-devices"), "compute units");
+    expect_positive(table_of(document, "gpu-devices"), "memory");
+    const cJSON *kernels = table_of(document, "gpu-kernels");
+    assert_true(row_count_of(kernels) > 40 || counted == 0);
+    expect_positive(kernels, "multiple");
     cJSON_Delete(document);
     static const char *const kept[] = {"gpu.json"};
     expect_files(kept, 1);

@@ -16,6 +16,7 @@
 
 #include "support/suite.h"
 #include "support/table.h"
+#include "support/text.h"
 
 #define TEXT_BYTES 4096
 
@@ -153,6 +154,25 @@ static void figures_are_readable(void **state)
     assert_string_equal(figure_needs(0).text, "none");
 }
 
+/* As NVIDIA's compiler writes it. */
+static void logs_have_registers(void **state)
+{
+    static const char log[] = "ptxas info    : 0 bytes gmem\n"
+                              "ptxas info    : Compiling entry function 'svo_k_trace_voxels' for 'sm_90'\n"
+                              "ptxas info    : Function properties for svo_k_trace_voxels\n"
+                              "ptxas         .     0 bytes stack frame, 0 bytes spill stores, 0 bytes spill loads\n"
+                              "ptxas info    : Used 64 registers, 424 bytes cmem[0]\n"
+                              "ptxas info    : Compiling entry function 'svo_k_silent' for 'sm_90'\n"
+                              "ptxas info    : Compiling entry function 'svo_k_trace' for 'sm_90'\n"
+                              "ptxas info    : Used 118 registers, 440 bytes cmem[0]\n";
+    (void)state;
+    assert_int_equal(log_registers(log, "svo_k_trace_voxels"), 64);
+    assert_int_equal(log_registers(log, "svo_k_trace"), 118);
+    assert_int_equal(log_registers(log, "svo_k_silent"), 0);
+    assert_int_equal(log_registers(log, "svo_k_other"), 0);
+    assert_int_equal(log_registers("", "svo_k_trace"), 0);
+}
+
 TEST_GROUP(table)
 {
     const struct CMUnitTest tests[] = {
@@ -161,6 +181,7 @@ TEST_GROUP(table)
         cmocka_unit_test(wrapping_cuts_no_character),
         cmocka_unit_test(files_get_one_line_per_row),
         cmocka_unit_test(figures_are_readable),
+        cmocka_unit_test(logs_have_registers),
     };
     return cmocka_run_group_tests_name("table", tests, NULL, NULL);
 }

@@ -567,7 +567,13 @@ cJSON *report_to_json(const program *state, const job *done, const char *hash)
         json_add_count(document, "launches", result->calls.launches);
         json_add_count(document, "uploads", result->calls.uploads);
         json_add_count(document, "waits", result->calls.waits);
+        json_add_count(document, "allocations", result->calls.buffers);
+        json_add_count(document, "reads", result->calls.reads);
+        cJSON_AddNumberToObject(document, "allocations_ms", result->calls.buffers_ms);
+        cJSON_AddNumberToObject(document, "reads_ms", result->calls.reads_ms);
     }
+    cJSON_AddNumberToObject(document, "wall_ms", result->wall_ms);
+    cl_calls_add_kernels(document);
     add_stages(document, state, done);
     add_buffers(document, done);
     return document;

@@ -1,67 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * From INPUT to a tree in memory, measured: shared by build, hash, verify and render. Calls of OpenCL are counted where
- * the program with its static libraries calls the loader.
- */
+/* From INPUT to a tree in memory, measured: shared by build, hash, verify and render. */
 #include "support/job.h"
 
-#include <CL/cl.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "support/hybrid.h"
 #include "support/info_of.h"
-#include "support/wrapped.h"
-
-/* ---- calls of OpenCL ---- */
-
-#ifdef SVOCL_COUNTS_CL_CALLS
-
-static cl_calls counted;
-
-/* The calls since the start. Returns false, and zeros, with shared libraries, whose calls are not seen. */
-static bool cl_calls_count(cl_calls *counts)
-{
-    *counts = counted;
-    return true;
-}
-
-/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): names of the linker */
-WRAPPED(cl_int, clEnqueueNDRangeKernel,
-        (cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t *offset, const size_t *global,
-         const size_t *local, EVENTS),
-        (queue, kernel, dimensions, offset, global, local, EVENTS_GIVEN), ++counted.launches)
-
-WRAPPED(cl_int, clEnqueueWriteBuffer,
-        (cl_command_queue queue, cl_mem buffer, cl_bool blocks, size_t offset, size_t bytes, const void *from, EVENTS),
-        (queue, buffer, blocks, offset, bytes, from, EVENTS_GIVEN),
-        (++counted.uploads, counted.waits += blocks != CL_FALSE))
-
-WRAPPED(cl_int, clEnqueueReadBuffer,
-        (cl_command_queue queue, cl_mem buffer, cl_bool blocks, size_t offset, size_t bytes, void *to, EVENTS),
-        (queue, buffer, blocks, offset, bytes, to, EVENTS_GIVEN), counted.waits += blocks != CL_FALSE)
-
-WRAPPED(void *, clEnqueueMapBuffer,
-        (cl_command_queue queue, cl_mem buffer, cl_bool blocks, cl_map_flags flags, size_t offset, size_t bytes, EVENTS,
-         cl_int *error),
-        (queue, buffer, blocks, flags, offset, bytes, EVENTS_GIVEN, error), counted.waits += blocks != CL_FALSE)
-
-WRAPPED(cl_mem, clCreateBuffer, (cl_context context, cl_mem_flags flags, size_t bytes, void *host, cl_int *error),
-        (context, flags, bytes, host, error), counted.uploads += (flags & CL_MEM_COPY_HOST_PTR) != 0)
-
-WRAPPED(cl_int, clWaitForEvents, (cl_uint count, const cl_event *events), (count, events), ++counted.waits)
-WRAPPED(cl_int, clFinish, (cl_command_queue queue), (queue), ++counted.waits)
-/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
-
-#else
-
-bool cl_calls_count(cl_calls *counts)
-{
-    *counts = (cl_calls){0};
-    return false;
-}
-
-#endif
 
 static void keep_buffers(const svo_plan *plan, build_result *result)
 {
@@ -136,6 +81,17 @@ int job_plan(program *state, svo_device *device, const input *source, uint32_t n
                : program_fail_library(state, svo_device_message(device));
 }
 
+/* The status is for programs that run this one. */
+static int fail_build(program *state, svo_status status, const char *message)
+{
+    if (state->options.json) {
+        cJSON *document = json_document();
+        json_add_text(document, "status", svo_name(SVO_NAME_STATUS, status));
+        (void)json_print(state, document);
+    }
+    return program_fail_library(state, message);
+}
+
 /* Builds the tree of a plan and replaces the tree of an earlier build in result. */
 static int build_plan(program *state, session *opened, svo_plan *plan, build_result *result)
 {
@@ -157,7 +113,7 @@ static int build_plan(program *state, session *opened, svo_plan *plan, build_res
                                   ? opengl_build(opened->gl, plan, opened->queue, &result->tree, &result->report)
                                   : svo_build(plan, opened->frontend, opened->queue, &result->tree, &result->report);
     if (status != SVO_OK) {
-        return program_fail_library(state, svo_device_message(opened->device));
+        return fail_build(state, status, svo_device_message(opened->device));
     }
     result->plan = (svo_plan_info)SVO_PLAN_INFO_INIT;
     svo_plan_get_info(plan, &result->plan);
@@ -167,27 +123,20 @@ static int build_plan(program *state, session *opened, svo_plan *plan, build_res
     return PROGRAM_DONE;
 }
 
-/* Turns the calls before a build into those of the build. */
-static void count_calls_since(const cl_calls *before, build_result *result)
-{
-    result->calls_are_counted = cl_calls_count(&result->calls);
-    result->calls.launches -= before->launches;
-    result->calls.uploads -= before->uploads;
-    result->calls.waits -= before->waits;
-}
-
 /* One build from the source to the tree. */
 static int build_once(program *state, session *opened, const input *source, uint32_t need, build_result *result)
 {
     svo_plan *plan = NULL;
     cl_calls before;
-    (void)cl_calls_count(&before);
+    const double begun_ms = input_now_ms();
+    result->calls_are_counted = cl_calls_count(&before);
     progress_step(state->progress, "rounding to the grid");
     int exit_code = job_plan(state, opened->device, source, need, &plan);
     if (exit_code == PROGRAM_DONE) {
         exit_code = build_plan(state, opened, plan, result);
     }
-    count_calls_since(&before, result);
+    result->wall_ms = input_now_ms() - begun_ms;
+    result->calls = cl_calls_since(&before);
     svo_plan_destroy(&plan);
     return exit_code;
 }
@@ -205,18 +154,27 @@ static double median(double *values, size_t count)
     return count % 2 == 1 ? values[count / 2] : (values[count / 2 - 1] + values[count / 2]) / 2.0;
 }
 
-/* Replaces the times of the last build by medians over the builds after the first. */
-static void take_medians(double *times, size_t repeats, svo_build_report *report)
+/* Times of a build: of its stages, and the wall clock's. */
+#define TIMES (SVO_STAGE_COUNT + 1)
+
+/* Where a result has a time. */
+static double *time_at(build_result *result, size_t index)
 {
-    for (size_t stage = 0; stage < SVO_STAGE_COUNT && repeats > 1; ++stage) {
-        report->stage_times[stage].ms = median(times + stage * repeats, repeats - 1);
+    return index < SVO_STAGE_COUNT ? &result->report.stage_times[index].ms : &result->wall_ms;
+}
+
+/* Replaces the times of the last build by medians over the builds after the first. */
+static void take_medians(double *times, size_t repeats, build_result *result)
+{
+    for (size_t i = 0; i < TIMES && repeats > 1; ++i) {
+        *time_at(result, i) = median(times + i * repeats, repeats - 1);
     }
 }
 
 static int build_repeatedly(program *state, session *opened, const input *source, uint32_t need, build_result *result)
 {
     const size_t repeats = (size_t)state->options.repeat;
-    double *times = calloc(repeats * SVO_STAGE_COUNT, sizeof *times); /* per stage, the builds after the first */
+    double *times = calloc(repeats * TIMES, sizeof *times); /* of each kind, the builds after the first */
     if (times == NULL) {
         return program_fail(state, PROGRAM_FAILED, "out of memory");
     }
@@ -226,11 +184,11 @@ static int build_repeatedly(program *state, session *opened, const input *source
         if (i == 0) {
             result->first_compile_ms = result->report.stage_times[SVO_STAGE_COMPILE].ms;
         }
-        for (size_t stage = 0; stage < SVO_STAGE_COUNT && i > 0; ++stage) {
-            times[stage * repeats + i - 1] = result->report.stage_times[stage].ms;
+        for (size_t k = 0; k < TIMES && i > 0; ++k) {
+            times[k * repeats + i - 1] = *time_at(result, k);
         }
     }
-    take_medians(times, repeats, &result->report);
+    take_medians(times, repeats, result);
     free(times);
     if (exit_code == PROGRAM_DONE && svo_tree_download(result->tree, opened->queue) != SVO_OK) {
         exit_code = program_fail_library(state, svo_device_message(opened->device));
@@ -246,6 +204,9 @@ int job_build(program *state, uint32_t need, job *done)
 int job_open(program *state, uint32_t need, unsigned further_steps, job *done)
 {
     *done = (job){0};
+    if (state->options.json) {
+        cl_calls_keep_kernels();
+    }
     program_begin_progress(state, 1 + 2 * (unsigned)state->options.repeat + further_steps);
     int exit_code = input_open_any(state, need, &done->source);
     if (exit_code == PROGRAM_DONE) {

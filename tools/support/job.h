@@ -1,22 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* One job of the program: its device, input, plan and tree; the calls of OpenCL that it makes. */
+/* One job of the program: its device, input, plan and tree. */
 #ifndef SVOCL_TOOLS_SUPPORT_JOB_H
 #define SVOCL_TOOLS_SUPPORT_JOB_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "support/cl_calls.h"
 #include "support/input.h"
 #include "support/json.h"
 #include "support/session.h"
-
-/* ---- calls of OpenCL ---- */
-
-typedef struct cl_calls {
-    uint64_t launches; /* of kernels */
-    uint64_t uploads; /* writes of buffers, and buffers that are made with content */
-    uint64_t waits; /* calls that return when the device has finished something: waits, blocking reads and writes */
-} cl_calls;
 
 typedef struct build_result {
     svo_tree *tree; /* on the device and downloaded */
@@ -24,6 +17,7 @@ typedef struct build_result {
     svo_tree_info info;
     svo_build_report report; /* stage times are medians of the builds after the first if there were several */
     double first_compile_ms; /* compile time of the first build */
+    double wall_ms; /* from the source to the tree, the plan included; a median as stage times are */
     cl_calls calls; /* of the last build, its plan included */
     bool calls_are_counted;
     svo_buffer_info *buffers;

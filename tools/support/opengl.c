@@ -65,8 +65,10 @@ static svo_gl_raster raster_of(int frontend)
 
 static svo_gl *create(opengl *opened, svo_gl_raster raster, svo_gl_share share, svo_message *reason)
 {
-    const svo_gl_options gl_options = {
-        .struct_size = sizeof gl_options, .raster = raster, .share = share, .hybrid_columns = opened->hybrid_columns};
+    const svo_gl_options gl_options = {.struct_size = sizeof gl_options,
+                                       .raster = raster,
+                                       .share = share,
+                                       .hybrid_columns = raster == SVO_GL_RASTER_HYBRID ? opened->hybrid_columns : 0};
     svo_gl *gl = NULL;
     if (svo_gl_create(opened->device, opened->context, &gl_options, &gl) != SVO_OK) {
         snprintf(reason->text, sizeof reason->text, "%s", program_words(svo_device_message(opened->device)));

@@ -122,3 +122,21 @@ void json_add_text(cJSON *object, const char *name, const char *text)
 {
     cJSON_AddItemToObject(object, name, text != NULL ? json_text(text) : cJSON_CreateNull());
 }
+
+/* ---- logs of compilers ---- */
+
+unsigned log_registers(const char *log, const char *kernel)
+{
+    static const char entry[] = "Compiling entry function '";
+    const size_t length = strlen(kernel);
+    for (const char *at = strstr(log, entry); at != NULL; at = strstr(at, entry)) {
+        at += sizeof entry - 1;
+        if (strncmp(at, kernel, length) == 0 && at[length] == '\'') {
+            const char *end = strstr(at, entry);
+            const char *used = strstr(at, "Used ");
+            return used != NULL && (end == NULL || used < end) ? (unsigned)strtoul(used + sizeof "Used " - 1, NULL, 10)
+                                                               : 0;
+        }
+    }
+    return 0;
+}

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Texts of the program as UTF-8 and as JSON. File names are bytes; JSON and terminals want UTF-8: a byte that is not
- * part of it is shown as \xNN. Every JSON text begins with the program's version.
+ * part of it is shown as \xNN. Every JSON text begins with the program's version. And what logs of compilers say.
  */
 #ifndef SVOCL_TOOLS_SUPPORT_TEXT_H
 #define SVOCL_TOOLS_SUPPORT_TEXT_H
@@ -40,5 +40,10 @@ json_error json_error_at(const char *text, const char *at);
 
 /* text: NULL becomes null. */
 void json_add_text(cJSON *object, const char *name, const char *text);
+
+/* ---- logs of compilers ---- */
+
+/* The registers of a kernel by the log that NVIDIA's compiler writes with -cl-nv-verbose; 0: it does not say. */
+unsigned log_registers(const char *log, const char *kernel);
 
 #endif

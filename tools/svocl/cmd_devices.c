@@ -97,6 +97,7 @@ static cJSON *describe_device(cl_device_id device)
     json_add_text(object, "type", device_type_name(device));
     add_text(object, "version", device, NULL, CL_DEVICE_VERSION);
     add_text(object, "driver", device, NULL, CL_DRIVER_VERSION);
+    add_text(object, "extensions", device, NULL, CL_DEVICE_EXTENSIONS);
     json_add_count(object, "compute_units", compute_units);
     json_add_count(object, "memory_bytes", memory_bytes);
     json_add_count(object, "max_allocation_bytes", max_allocation_bytes);

@@ -48,6 +48,7 @@ static int print_hash_of(program *state, const char *text, const char *name, con
     json_add_text(document, "input", state->options.input);
     json_add_text(document, "hash", text);
     json_add_text(document, name, value);
+    cl_calls_add_kernels(document);
     return json_print(state, document);
 }
 

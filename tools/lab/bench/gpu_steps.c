@@ -16,35 +16,75 @@ static const char steps_note[] =
     "Each row is a process of its own. Verdict: ok; wrong, a result that differs from the exact reference or from the "
     "known hash; absent, what device and renderer do not offer, or have no room for; failed. Builds have colors, "
     "normals and leaf lists, with `--quick` by uniform weights. Times are medians of the builds after the first; "
-    "build: grid, voxelize, transfer and list to tree. Launches, uploads and waits are calls of OpenCL in one build "
-    "with its plan. Rate: million rays per second.";
+    "build: grid, voxelize, transfer and list to tree; wall: the clock's, from the mesh to the tree; gaps: what of it "
+    "is "
+    "in no stage. Launches, uploads, waits, allocations and blocking reads are calls of OpenCL in the last build with "
+    "its plan, and so is the time in the last two. Rate: million rays per second.";
+static const char drivers_note[] =
+    "The OpenCL devices, and those of their extensions that svocl or its compiler knows.";
+static const char kernels_note[] =
+    "The kernels of these builds, light and probes, once for each way in which they were compiled: local memory of a "
+    "group, private memory of a work-item and registers as far as the driver tells (NVIDIA's, when it compiles), and "
+    "the number of which groups should be a multiple.";
+
+static void add_columns(result_table *table, const char *const names[], size_t count, const char *unit)
+{
+    for (size_t i = 0; i < count; ++i) {
+        result_add_column(table, names[i], unit);
+    }
+}
+
+#define COLUMNS(names) (names), sizeof(names) / sizeof((names)[0])
 
 void gpu_add_tables(gpu_run *run)
 {
+    static const char *const of_drivers[] = {"device", "type", "driver", "extensions"};
     static const char *const of_pairs[] = {"device", "renderer", "context", "kind", "name", "works", "reason"};
     static const char *const texts[] = {"step", "input", "method", "verdict"};
-    static const char *const times[] = {"compile", "voxelize", "list to tree", "build"};
-    static const char *const counts[] = {"launches", "uploads", "waits"};
+    static const char *const times[] = {"compile", "voxelize", "list to tree", "build", "wall", "gaps"};
+    static const char *const counts[] = {"launches", "uploads", "waits", "allocations", "reads"};
+    static const char *const in_calls[] = {"allocating", "reading", "process"};
+    static const char *const of_kernels[] = {"multiple", "registers"};
+    static const char *const memories[] = {"local", "private"};
+    run->drivers = result_add_table(run->results, "gpu-devices", "Devices", drivers_note);
+    add_columns(run->drivers, COLUMNS(of_drivers), "");
+    result_add_column(run->drivers, "compute units", "");
+    result_add_column(run->drivers, "memory", "B");
     run->pairs = result_add_table(run->results, "gpu-pairs", "Devices and renderers", pairs_note);
-    for (size_t i = 0; i < sizeof of_pairs / sizeof of_pairs[0]; ++i) {
-        result_add_column(run->pairs, of_pairs[i], "");
-    }
+    add_columns(run->pairs, COLUMNS(of_pairs), "");
     run->steps = result_add_table(run->results, "gpu", "A machine in one table", steps_note);
-    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; ++i) {
-        result_add_column(run->steps, texts[i], "");
-    }
-    for (size_t i = 0; i < sizeof times / sizeof times[0]; ++i) {
-        result_add_column(run->steps, times[i], "ms");
-    }
+    add_columns(run->steps, COLUMNS(texts), "");
+    add_columns(run->steps, COLUMNS(times), "ms");
     result_add_column(run->steps, "rate", "M/s");
-    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
-        result_add_column(run->steps, counts[i], "");
-    }
-    result_add_column(run->steps, "process", "ms");
+    add_columns(run->steps, COLUMNS(counts), "");
+    add_columns(run->steps, COLUMNS(in_calls), "ms");
     result_add_column(run->steps, "reason", "");
+    run->kernels = result_add_table(run->results, "gpu-kernels", "Kernels", kernels_note);
+    result_add_column(run->kernels, "kernel", "");
+    add_columns(run->kernels, COLUMNS(memories), "B");
+    add_columns(run->kernels, COLUMNS(of_kernels), "");
 }
 
 /* ---- rows ---- */
+
+/* The numbers of a row, in the order of their columns. */
+enum {
+    COMPILE_MS,
+    VOXELIZE_MS,
+    TREE_MS,
+    BUILD_MS,
+    WALL_MS,
+    GAPS_MS,
+    RATE,
+    LAUNCHES,
+    UPLOADS,
+    WAITS,
+    ALLOCATIONS,
+    READS,
+    ALLOCATING_MS,
+    READING_MS,
+    NUMBER_COUNT
+};
 
 /* A row before it is added. Numbers that are not finite are absent. */
 typedef struct step_row {
@@ -52,23 +92,16 @@ typedef struct step_row {
     const gpu_input *source; /* NULL: none */
     const char *kind; /* of rays, or of what is made; NULL: none */
     bool is_absent; /* the machine does not offer the method */
-    double compile_ms, voxelize_ms, tree_ms, build_ms, rate, launches, uploads, waits;
+    double numbers[NUMBER_COUNT];
 } step_row;
 
 static step_row row_of(const char *step, const gpu_input *source, const char *method)
 {
-    const double none = (double)NAN;
-    return (step_row){.step = step,
-                      .method = method,
-                      .source = source,
-                      .compile_ms = none,
-                      .voxelize_ms = none,
-                      .tree_ms = none,
-                      .build_ms = none,
-                      .rate = none,
-                      .launches = none,
-                      .uploads = none,
-                      .waits = none};
+    step_row row = {.step = step, .method = method, .source = source};
+    for (size_t i = 0; i < NUMBER_COUNT; ++i) {
+        row.numbers[i] = (double)NAN;
+    }
+    return row;
 }
 
 /* Keeps the first row that is wrong or failed. */
@@ -88,8 +121,6 @@ static void count_verdict(gpu_run *run, const step_row *row, const char *wrong, 
 /* wrong: why the result is, or NULL. */
 static void add_row(gpu_run *run, const step_row *row, const child_answer *answer, const char *wrong)
 {
-    const double numbers[] = {row->compile_ms, row->voxelize_ms, row->tree_ms, row->build_ms,
-                              row->rate,       row->launches,    row->uploads, row->waits};
     result_add_text(run->steps, "%s", row->step);
     if (row->source == NULL) {
         result_add_text(run->steps, "%s", "");
@@ -103,8 +134,8 @@ static void add_row(gpu_run *run, const step_row *row, const child_answer *answe
                     : answer->well   ? "ok"
                     : row->is_absent ? "absent"
                                      : "failed");
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i) {
-        result_add_number(run->steps, numbers[i]);
+    for (size_t i = 0; i < NUMBER_COUNT; ++i) {
+        result_add_number(run->steps, row->numbers[i]);
     }
     result_add_number(run->steps, answer->ms);
     result_add_text(run->steps, "%s", wrong != NULL ? wrong : answer->reason);
@@ -229,6 +260,52 @@ static void keep_machine(gpu_run *run, const cJSON *devices)
     keep_driver(devices, run->results);
 }
 
+/* Those of all extensions that matter here. */
+static void join_extensions(const char *all, char *words, size_t words_bytes)
+{
+    static const char *const known[] = {"cl_khr_fp64",
+                                        "cl_khr_gl_sharing",
+                                        "cl_khr_gl_event",
+                                        "cl_khr_subgroups",
+                                        "cl_khr_int64_base_atomics",
+                                        "cl_intel_subgroups",
+                                        "cl_nv_compiler_options",
+                                        "cl_nv_device_attribute_query",
+                                        "cl_amd_device_attribute_query"};
+    size_t used = 0;
+    words[0] = '\0';
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; ++i) {
+        const size_t length = strlen(known[i]);
+        const char *at = strstr(all, known[i]);
+        while (at != NULL && at[length] != ' ' && at[length] != '\0') {
+            at = strstr(at + length, known[i]);
+        }
+        if (at != NULL && used + length + 2 < words_bytes) {
+            used += (size_t)snprintf(words + used, words_bytes - used, "%s%s", used > 0 ? " " : "", known[i]);
+        }
+    }
+}
+
+static void add_devices(gpu_run *run, const cJSON *devices)
+{
+    const cJSON *platform = NULL;
+    const cJSON *device = NULL;
+    char extensions[512];
+    cJSON_ArrayForEach(platform, array_of(devices, "platforms"))
+    {
+        cJSON_ArrayForEach(device, array_of(platform, "devices"))
+        {
+            join_extensions(text_of(device, "extensions"), extensions, sizeof extensions);
+            result_add_text(run->drivers, "%s", text_of(device, "name"));
+            result_add_text(run->drivers, "%s", text_of(device, "type"));
+            result_add_text(run->drivers, "%s", text_of(device, "driver"));
+            result_add_text(run->drivers, "%s", extensions);
+            result_add_number(run->drivers, number_of(device, "compute_units"));
+            result_add_number(run->drivers, number_of(device, "memory_bytes"));
+        }
+    }
+}
+
 void gpu_step_devices(gpu_run *run)
 {
     child_arguments arguments = {.count = 0};
@@ -247,6 +324,7 @@ void gpu_step_devices(gpu_run *run)
         add_methods(run, pair, "shares", "share");
         add_methods(run, pair, "builders", "builder");
     }
+    add_devices(run, answer.document);
     keep_machine(run, answer.document);
     const step_row row = row_of("devices", NULL, "");
     add_row(run, &row, &answer, NULL);
@@ -341,7 +419,72 @@ static double sum_stages(const cJSON *document, const char *const names[], size_
             sum += strcmp(text_of(stage, "name"), names[i]) == 0 ? number_of(stage, "ms") : 0.0;
         }
     }
-    return document != NULL ? sum : (double)NAN;
+    return sum;
+}
+
+static void fill_numbers(const cJSON *document, double numbers[NUMBER_COUNT])
+{
+    static const char *const stages[] = {"voxelize", "subdivide", "link",     "pack",
+                                         "filter",   "grid",      "transfer", "compile"};
+    const size_t stage_count = sizeof stages / sizeof stages[0];
+    static const struct {
+        const char *name;
+        int at;
+    } fields[] = {{"first_compile_ms", COMPILE_MS},
+                  {"wall_ms", WALL_MS},
+                  {"launches", LAUNCHES},
+                  {"uploads", UPLOADS},
+                  {"waits", WAITS},
+                  {"allocations", ALLOCATIONS},
+                  {"reads", READS},
+                  {"allocations_ms", ALLOCATING_MS},
+                  {"reads_ms", READING_MS}};
+    for (size_t i = 0; i < sizeof fields / sizeof fields[0]; ++i) {
+        numbers[fields[i].at] = number_of(document, fields[i].name);
+    }
+    numbers[VOXELIZE_MS] = sum_stages(document, stages, 1);
+    numbers[TREE_MS] = sum_stages(document, stages + 1, 4);
+    numbers[BUILD_MS] = sum_stages(document, stages, stage_count - 1);
+    numbers[GAPS_MS] = numbers[WALL_MS] - sum_stages(document, stages, stage_count);
+}
+
+/* ---- kernels ---- */
+
+/* Whether the table has a kernel with these numbers. */
+static bool has_kernel(const result_table *table, const char *name, const double numbers[], size_t count)
+{
+    for (size_t row = 0; row < result_row_count(table); ++row) {
+        bool is_same = strcmp(result_cell_at(table, row, 0)->text, name) == 0;
+        for (size_t i = 0; i < count; ++i) {
+            const result_cell *cell = result_cell_at(table, row, i + 1);
+            is_same = is_same && (cell->kind == RESULT_NUMBER ? cell->number == numbers[i] : isnan(numbers[i]));
+        }
+        if (is_same) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Adds the kernels that a child has compiled, but those that others had before. */
+static void add_kernels(gpu_run *run, const cJSON *document)
+{
+    static const char *const names[] = {"local_bytes", "private_bytes", "group_multiple", "registers"};
+    const cJSON *kernel = NULL;
+    cJSON_ArrayForEach(kernel, array_of(document, "compiled_kernels"))
+    {
+        double numbers[sizeof names / sizeof names[0]];
+        for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+            numbers[i] = number_of(kernel, names[i]);
+        }
+        if (has_kernel(run->kernels, text_of(kernel, "name"), COLUMNS(numbers))) {
+            continue;
+        }
+        result_add_text(run->kernels, "%s", text_of(kernel, "name"));
+        for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+            result_add_number(run->kernels, numbers[i]);
+        }
+    }
 }
 
 /* Why the hash is wrong; NULL where it is right, or where there is none. */
@@ -357,20 +500,16 @@ static const char *compare_hash(const gpu_input *source, const cJSON *document, 
 
 void gpu_step_build(gpu_run *run, const gpu_input *source, const gpu_method *method, const char *repeats)
 {
-    static const char *const stages[] = {"voxelize", "subdivide", "link", "pack", "filter", "grid", "transfer"};
     const char *const words[] = {"build", "--need", NEEDS, "--weights", source->weights, "--repeat", repeats, NULL};
     char wrong[128];
     child_answer answer;
     ask(run, words, source, method, &answer);
     step_row row = row_of("build", source, method->name);
-    row.is_absent = is_absent(run, method) || strstr(answer.reason, "above the storage block limit") != NULL;
-    row.compile_ms = number_of(answer.document, "first_compile_ms");
-    row.voxelize_ms = sum_stages(answer.document, stages, 1);
-    row.tree_ms = sum_stages(answer.document, stages + 1, 4);
-    row.build_ms = sum_stages(answer.document, stages, sizeof stages / sizeof stages[0]);
-    row.launches = number_of(answer.document, "launches");
-    row.uploads = number_of(answer.document, "uploads");
-    row.waits = number_of(answer.document, "waits");
+    row.is_absent = is_absent(run, method) || strcmp(text_of(answer.document, "status"), "SVO_UNSUPPORTED") == 0;
+    if (answer.well) {
+        fill_numbers(answer.document, row.numbers);
+        add_kernels(run, answer.document);
+    }
     add_row(run, &row, &answer, compare_hash(source, answer.document, wrong, sizeof wrong));
     cJSON_Delete(answer.document);
 }
@@ -384,6 +523,7 @@ void gpu_step_product(gpu_run *run, const gpu_product *product)
     ask(run, words, &product->source, NULL, &answer);
     step_row row = row_of(product->step, &product->source, "");
     row.kind = product->kind;
+    add_kernels(run, answer.document);
     add_row(run, &row, &answer, compare_hash(&product->source, answer.document, wrong, sizeof wrong));
     cJSON_Delete(answer.document);
 }
@@ -410,7 +550,7 @@ void gpu_step_rays(gpu_run *run, const gpu_input *source)
     cJSON_ArrayForEach(set, sets)
     {
         row.kind = text_of(set, "name");
-        row.rate = number_of(set, "ours_mrays");
+        row.numbers[RATE] = number_of(set, "ours_mrays");
         add_row(run, &row, &answer, NULL);
     }
     if (cJSON_GetArraySize(sets) == 0) {

@@ -16,7 +16,8 @@ typedef struct bench_gpu_verdicts {
 typedef struct gpu_run {
     program *state;
     result_set *results;
-    result_table *pairs, *steps; /* what works on which device and renderer; all steps */
+    /* The devices; what works on which device and renderer; all steps; the kernels that builds and products compiled */
+    result_table *drivers, *pairs, *steps, *kernels;
     double start_ms; /* input_now_ms */
     cJSON *devices; /* what `svocl devices` says; NULL: nothing */
     bench_gpu_verdicts *verdicts;
@@ -45,7 +46,7 @@ typedef struct gpu_product {
     const char *options[12]; /* of svocl hash; ends with NULL */
 } gpu_product;
 
-/* Both tables, with their columns. */
+/* All tables, with their columns. */
 void gpu_add_tables(gpu_run *run);
 /* Devices and renderers, and what works on each pair; fills the machine. */
 void gpu_step_devices(gpu_run *run);

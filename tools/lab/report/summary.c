@@ -8,7 +8,7 @@
 #include "report/text.h"
 
 #define PICKS_MAX   3
-#define COLUMNS_MAX 13
+#define COLUMNS_MAX 16
 
 /* Rows whose column has that text. Without a text: those with the column's largest number among the rows that the picks
    before leave. */
@@ -110,8 +110,13 @@ static const summary_extract extracts[] = {
      .table_id = "gpu",
      .title = "A machine in one table",
      .in_summary = true,
-     .columns = {"step", "input", "method", "verdict", "voxelize", "list to tree", "build", "rate", "launches",
-                 "uploads", "waits", "reason"}},
+     .columns = {"step", "input", "method", "verdict", "voxelize", "list to tree", "build", "wall", "gaps", "rate",
+                 "launches", "uploads", "waits", "allocations", "reads", "reason"}},
+    {.id = "gpu-kernels",
+     .table_id = "gpu-kernels",
+     .title = "Kernels",
+     .in_summary = true,
+     .columns = {"kernel", "local", "private", "multiple", "registers"}},
     {.id = "import",
      .table_id = "import",
      .title = "Reading meshes",
