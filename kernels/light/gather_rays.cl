@@ -43,7 +43,7 @@ static svo_gather_path svo_gather_next(const svo_gather_place *place, float expo
     return path;
 }
 
-static svo_gather_result svo_gather_rays(const svo_lit_picture *picture, const svo_gather_point *point)
+SVO_INLINED svo_gather_result svo_gather_rays(const svo_lit_picture *picture, const svo_gather_point *point)
 {
     const svo_gather_params *gather = &picture->gather;
     svo_gather_result result = svo_gather_dark();
@@ -54,7 +54,7 @@ static svo_gather_result svo_gather_rays(const svo_lit_picture *picture, const s
     const svo_lit_surface surface = svo_gather_surface(&place);
     const uint seed = svo_path_seed(point);
     const uint lobe_paths = place.has_reflection && gather->with_light != 0u ? gather->paths / 4u : 0u;
-    svo_path_sums sums = {{(float4)(0.0f), (float4)(0.0f), (float4)(0.0f), (float4)(0.0f)}, SVO_PATH_BLOCK, 0u};
+    svo_path_sums sums = {(float4)(0.0f), (float4)(0.0f), (float4)(0.0f), (float4)(0.0f), SVO_PATH_BLOCK, 0u};
     float3 specular = (float3)(0.0f);
     uint met = 0u; /* paths of the lobe above the surface */
     uint diffuse_end = gather->paths + 1u;
