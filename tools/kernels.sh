@@ -3,8 +3,8 @@
 #
 # `tools/dev check`: each kernel file alone, under each set of defines, compiles without a warning; and for GPUs of
 # NVIDIA and AMD its kernels keep within the private memory (the stack) that tools/kernel_stacks.txt allows them.
-# `tools/dev stacks [NAME...]` prints what they take. tools/dev sources this file, which uses its functions and
-# settings.
+# `tools/dev stacks [NAME...]` prints what they take, and their registers. tools/dev sources this file, which uses its
+# functions and settings.
 # shellcheck disable=SC2154
 
 readonly stack_limits=tools/kernel_stacks.txt
@@ -18,7 +18,7 @@ all_variants()
 {
     local lists='RANGES LISTS' names form picture='PICTURE_TRIANGLES COLOR NORMAL FINISHES'
     for names in "$lists COMPARE COLOR NORMAL FILL MATERIAL WEIGHTS_AREA" \
-        "$lists CODE48 COLOR VERTEX_COLOR TEXTURE NORMAL VERTEX_NORMAL WEIGHTS_CENTER SCENE_TRIANGLES AREAS" \
+        "$lists CODE48 COLOR VERTEX_COLOR TEXTURE NORMAL VERTEX_NORMAL WEIGHTS_CENTER AREAS" \
         'COLOR NORMAL WEIGHTS_AREA AREAS' 'SORT SORT_STRIPS NO_TEST CAST_TILES RAY_STREAMS COLOR NORMAL' \
         'COLOR VERTEX_COLOR TEXTURE NORMAL VERTEX_NORMAL WEIGHTS_AREA AREAS PAIR_LANES' \
         'COLOR NORMAL CODE48 WEIGHTS_CENTER PAIR_LANES' 'NARROW COLUMN_LANES ONE_WORKER COUNT_HITS' \
@@ -31,10 +31,12 @@ all_variants()
         printf "%s\tCOLOR NORMAL $form\n" kernels/rays/{render,trace_voxels,view}.cl \
             kernels/scene/{bounds,render,trace}.cl kernels/compact/expand.cl
     done
+    # Pictures of scenes are of voxels.
+    printf 'kernels/scene/trace.cl\tSCENE_TRIANGLES\n'
     # What paged trees are read by.
     printf "%s\tCOLOR NORMAL READ_PAGED\n" kernels/rays/{render,view}.cl
     # What light is stored in.
-    for form in LIGHT_{FACES,BRICKS,VOXELS}{,' LIGHT_AREA',' LIGHT_LOBES'," $picture"}; do
+    for form in LIGHT_{FACES,BRICKS,VOXELS}{,' LIGHT_AREA',' LIGHT_LOBES'," $picture",' ONE_WORKER'}; do
         find kernels/light -name '*.cl' -printf "%p\t$form\n"
     done
 }
@@ -161,6 +163,24 @@ read_stacks()
     esac
 }
 
+# read_registers TARGET FILE FIRST: lines of FIRST, a GPU, each kernel of an assembly file and its registers, vector
+# registers on AMD's. NVIDIA's files name registers without limit; ptxas gives them those of a GPU.
+read_registers()
+{
+    local gpu
+    if [[ $1 == amdgcn ]]; then
+        awk -v first="$3" '/-- Begin function/ { name = $NF }
+            /^; NumVgprs: / && name ~ /^svo_k_/ { print "gfx906", first, name, $NF }
+            /^; Occupancy: / && name ~ /^svo_k_/ { print "waves", first, name, $NF }' "$2"
+        return
+    fi
+    for gpu in $ptxas_gpus; do
+        ptxas -v -arch "$gpu" -o /dev/null "$2" 2>&1 | awk -v first="$gpu $3" -F "'" '
+            /Compiling entry function/ { name = $2 }
+            match($0, /Used [0-9]+ registers/) { print first, name, substr($0, RSTART + 5) + 0 }'
+    done
+}
+
 # measure_variant FOLDER "FILE<tab>DEFINES" compiles a file for each target, where FOLDER does not have the result yet,
 # and prints the names of the results. They are named by hashes of the preprocessed text, the options and what reads the
 # assembly, since many defines change nothing in a file.
@@ -174,45 +194,75 @@ measure_variant()
     text=$("${compile[@]}" -target nvptx64--nvidiacl -E -P -o - "$file") || return 1
     for target in $stack_targets; do
         mapfile -t options < <(stack_options "$target")
-        hash=$(printf '%s' "$clang_version ${options[*]} $stack_reader $text" | sha256sum)
+        hash=$(printf '%s' "$clang_version ${options[*]} $ptxas_gpus $stack_reader $text" | sha256sum)
         result=$folder/${hash%% *}
         if [[ ! -e $result ]]; then
             "${compile[@]}" "${options[@]}" -O2 -S -o "$result.$$.s" "$file" &&
                 read_stacks "$target" <"$result.$$.s" | sed "s,^,$target ${file#kernels/} ," >"$result.$$" &&
+                read_registers "$target" "$result.$$.s" "${file#kernels/}" >>"$result.$$" &&
                 rm "$result.$$.s" && mv "$result.$$" "$result" || return 1
         fi
         printf '%s\n' "$result"
     done
 }
 
-# Lines of a kernel's file, its name and, for each target, the most bytes of private memory that it takes under any
-# defines. Arguments: parts of names of files; none means all.
+# Lines of a kernel's file, its name and, under any defines, the most bytes of private memory that it takes on each
+# target; then the most registers on GPUs of ptxas_gpus, 0 without it, and on gfx906, and the fewest waves there, of 10
+# for each SIMD. Arguments: parts of names of files; none means all.
 kernel_stacks()
 {
     local folder=$root/$build/stacks clang_version stack_reader
     clang_version=$(clang --version | head -n 1)
-    stack_reader=$(declare -f read_stacks)
+    stack_reader=$(declare -f read_stacks read_registers)
     mkdir -p "$folder"
-    export -f measure_variant stack_options read_stacks
-    export clang_version stack_reader stack_targets libclc
+    export -f measure_variant stack_options read_stacks read_registers
+    export clang_version stack_reader stack_targets ptxas_gpus libclc
     # shellcheck disable=SC2016 # expanded by the inner shell
     gpu_variants | grep -F "$(printf '%s\n' "${@:-.cl}")" | tr '\n' '\0' |
         xargs -0 -n 1 -P "$jobs" bash -o pipefail -c 'measure_variant "$1" "$2" || exit 255' measure "$folder" |
         sort -u | xargs cat | awk '
-            { kernel = $2 " " $3; kernels[kernel]; if ($4 > most[kernel, $1]) most[kernel, $1] = $4 }
-            END { for (kernel in kernels) print kernel, most[kernel, "nvptx64"] + 0, most[kernel, "amdgcn"] + 0 }' |
+            { kernel = $2 " " $3; kernels[kernel]; number = $1 == "waves" ? 10 - $4 : $4 }
+            number > most[kernel, $1] { most[kernel, $1] = number }
+            END {
+                for (kernel in kernels) {
+                    print kernel, most[kernel, "nvptx64"] + 0, most[kernel, "amdgcn"] + 0, most[kernel, "sm_75"] + 0,
+                        most[kernel, "sm_90"] + 0, most[kernel, "gfx906"] + 0, 10 - most[kernel, "waves"]
+                }
+            }' |
         sort
 }
 
+# Occupancy is the share of a GPU's places for groups that registers leave; local memory, which the host gives, is left
+# out. NVIDIA's GPUs have 65536 registers for 32 warps on sm_75 and 64 on sm_90; a warp takes them in pieces of 256, and
+# a group of SVO_GROUP_ITEMS is two warps.
 stacks()
 {
+    local ptxas_gpus='sm_75 sm_90'
     setup
-    kernel_stacks "$@" | awk '{ printf "%-22s %-32s %7d %7d\n", $1, $2, $3, $4 }'
+    if ! command -v ptxas >/dev/null; then
+        ptxas_gpus=
+        say "stacks: without ptxas, of CUDA's tools, no registers of NVIDIA's GPUs"
+    fi
+    kernel_stacks "$@" | awk '
+        function occupancy(registers, warps,    room) {
+            if (registers == 0) return "-"
+            room = 2 * int(65536 / (2 * 256 * int((registers + 7) / 8)))
+            return int(100 * (room < warps ? room : warps) / warps) "%"
+        }
+        BEGIN {
+            row = "%-22s %-32s %7s %7s %6s %6s %6s %6s %6s %6s\n"
+            printf row, "", "", "bytes", "bytes", "regs", "", "regs", "", "VGPRs", ""
+            printf row, "file", "kernel", "nvptx64", "amdgcn", "sm_75", "busy", "sm_90", "busy", "gfx906", "busy"
+        }
+        {
+            printf row, $1, $2, $3, $4, $5, occupancy($5, 32), $6, occupancy($6, 64), $7, 10 * $8 "%"
+        }'
 }
 
 # Lines of kernel_stacks against the table of limits.
 check_stacks()
 {
+    local ptxas_gpus=
     kernel_stacks | awk -v limits="$stack_limits" '
         function wrong(words) { print limits ": " words; failed = 1 }
         NR == FNR {

@@ -6,7 +6,8 @@
  *   svo_k_light_brick_deep   per lit brick above the leaves
  *   svo_k_light_brick_light  per lit brick of a level above, upwards
  *
- * Launch: one work-item per lit leaf or node, rounded up to whole groups. No atomics, no local memory.
+ * Launch: one work-item per lit leaf, rounded up to whole groups; of brick.clh, for nodes that are lit or not, on CPUs
+ * the same per node, on GPUs one group per node. No atomics.
  */
 #include "light/brick.clh"
 #include "light/kept_light.clh"
@@ -30,13 +31,38 @@ svo_k_light_lit_bricks(__global const uchar *colors, __global const ushort *area
 
 SVO_BRICK_GATHER(svo_brick_gather_light, uint)
 
-/* Sums of weight 2^weight_log2 to the samples of a brick. sums: of red, then of green, then of blue. */
-static void svo_brick_store_light(const ulong *sums, ulong weight_log2, uint place, __global uint *radiance)
+/* The radiance of a sample by the lit leaves in the cells around it. leaves: their places, or SVO_NO_NODE. */
+static uint3 svo_brick_mean_of_leaves(SVO_BRICK_MEMORY const uint *leaves, __global const uint *premultiplied,
+                                      int sample)
 {
-    for (uint k = 0; k < SVO_BRICK_SAMPLES; ++k) {
-        const ulong3 sum = (ulong3)(sums[k], sums[k + SVO_BRICK_SAMPLES], sums[k + 2u * SVO_BRICK_SAMPLES]);
-        const ulong3 mean = (sum + (1ul << weight_log2 >> 1)) >> weight_log2;
-        radiance[SVO_BRICK_SAMPLES * (size_t)place + k] = svo_radiance_encode(convert_uint3_sat(mean));
+    const int first = svo_brick_first_cell(sample);
+    ulong3 sum = (ulong3)(0ul);
+    for (int k = 0; k < 8; ++k) {
+        const uint leaf = leaves[first + svo_brick_next_cell(k)];
+        if (leaf != SVO_NO_NODE) {
+            sum += convert_ulong3(vload3(leaf, premultiplied));
+        }
+    }
+    return convert_uint3((sum + 4ul) >> 3ul);
+}
+
+/* The same by the points around it. */
+static uint3 svo_brick_mean_of_points(SVO_BRICK_MEMORY const uint *points, int sample)
+{
+    const int first = svo_brick_first_point(sample);
+    ulong3 sum = (ulong3)(0ul);
+    for (int k = 0; k < 27; ++k) {
+        uint weight_log2;
+        const int next = svo_brick_next_point(k, &weight_log2);
+        sum += convert_ulong3(svo_radiance_decode(points[first + next])) << (ulong)weight_log2;
+    }
+    return convert_uint3((sum + 32ul) >> 6ul);
+}
+
+static void svo_brick_copy(__global const uint *from, __global uint *to)
+{
+    for (int k = SVO_BRICK_LANE; k < SVO_BRICK_SAMPLES; k += SVO_BRICK_LANES) {
+        to[k] = from[k];
     }
 }
 
@@ -44,63 +70,54 @@ static void svo_brick_store_light(const ulong *sums, ulong weight_log2, uint pla
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_light_brick_deep(__global const uchar *child_mask, __global const uint *first_child, __global const ulong *codes,
                        __global const uint *lit_leaves, __global const uint *premultiplied, __global const uint *lit,
-                       SVO_KEPT_LIGHT_PARAMETERS, __global uint *radiance, svo_light_step params)
+                       SVO_KEPT_LIGHT_PARAMETERS, __global uint *radiance, SVO_BRICK_PARAMETERS)
 {
-    const uint item = (uint)get_global_id(0);
+    const uint item = SVO_BRICK_ITEM;
     const uint node = params.first + item;
     if (item >= params.count || lit[node] == SVO_NO_NODE) {
         return;
     }
+    __global uint *const brick = radiance + SVO_BRICK_SAMPLES * (size_t)lit[node];
     if (svo_light_stays(origins, fresh, node)) {
-        svo_copy_radiance(old_radiance, old_lit[origins[node]], radiance, lit[node], SVO_BRICK_SAMPLES);
+        svo_brick_copy(old_radiance + SVO_BRICK_SAMPLES * (size_t)old_lit[origins[node]], brick);
         return;
     }
-    uint cells[SVO_BRICK_CELL_COUNT];
-    uint channel_cells[SVO_BRICK_CELL_COUNT];
-    ulong sums[3 * SVO_BRICK_SAMPLES];
+    SVO_BRICK_MAKE(cells, points);
     svo_brick_cells(child_mask, first_child, codes, node, params.level, cells);
-    for (uint k = 0; k < SVO_BRICK_CELL_COUNT; ++k) {
+    for (int k = SVO_BRICK_LANE; k < SVO_BRICK_CELL_COUNT; k += SVO_BRICK_LANES) {
         cells[k] = cells[k] != SVO_NO_NODE ? lit_leaves[cells[k] - params.leaf_begin] : SVO_NO_NODE;
     }
-    for (uint channel = 0; channel < 3u; ++channel) {
-        for (uint k = 0; k < SVO_BRICK_CELL_COUNT; ++k) {
-            channel_cells[k] = cells[k] != SVO_NO_NODE ? premultiplied[3u * (size_t)cells[k] + channel] : 0u;
-        }
-        svo_brick_sum_cells(channel_cells, sums + SVO_BRICK_SAMPLES * channel);
+    SVO_BRICK_SYNC();
+    for (int k = SVO_BRICK_LANE; k < SVO_BRICK_SAMPLES; k += SVO_BRICK_LANES) {
+        brick[k] = svo_radiance_encode(svo_brick_mean_of_leaves(cells, premultiplied, k));
     }
-    svo_brick_store_light(sums, 3ul, lit[node], radiance);
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_light_brick_light(__global const uchar *child_mask, __global const uint *first_child, __global const ulong *codes,
                         __global const uint *lit, SVO_KEPT_LIGHT_PARAMETERS, __global uint *radiance,
-                        svo_light_step params)
+                        SVO_BRICK_PARAMETERS)
 {
-    const uint item = (uint)get_global_id(0);
+    const uint item = SVO_BRICK_ITEM;
     const uint node = params.first + item;
     if (item >= params.count || lit[node] == SVO_NO_NODE) {
         return;
     }
+    __global uint *const brick = radiance + SVO_BRICK_SAMPLES * (size_t)lit[node];
     if (svo_light_stays(origins, fresh, node)) {
-        svo_copy_radiance(old_radiance, old_lit[origins[node]], radiance, lit[node], SVO_BRICK_SAMPLES);
+        svo_brick_copy(old_radiance + SVO_BRICK_SAMPLES * (size_t)old_lit[origins[node]], brick);
         return;
     }
-    uint cells[SVO_BRICK_CELL_COUNT];
-    uint points[SVO_BRICK_POINT_COUNT];
-    uint channel_points[SVO_BRICK_POINT_COUNT];
-    ulong sums[3 * SVO_BRICK_SAMPLES];
+    SVO_BRICK_MAKE(cells, points);
     svo_brick_cells(child_mask, first_child, codes, node, params.level, cells);
-    for (uint k = 0; k < SVO_BRICK_CELL_COUNT; ++k) {
+    for (int k = SVO_BRICK_LANE; k < SVO_BRICK_CELL_COUNT; k += SVO_BRICK_LANES) {
         cells[k] = cells[k] != SVO_NO_NODE ? lit[cells[k]] : SVO_NO_NODE;
     }
+    SVO_BRICK_SYNC();
     svo_brick_gather_light(cells, radiance, points);
-    for (uint channel = 0; channel < 3u; ++channel) {
-        for (uint k = 0; k < SVO_BRICK_POINT_COUNT; ++k) {
-            channel_points[k] = svo_radiance_channel(points[k], channel);
-        }
-        svo_brick_sum_points(channel_points, sums + SVO_BRICK_SAMPLES * channel);
+    for (int k = SVO_BRICK_LANE; k < SVO_BRICK_SAMPLES; k += SVO_BRICK_LANES) {
+        brick[k] = svo_radiance_encode(svo_brick_mean_of_points(points, k));
     }
-    svo_brick_store_light(sums, 6ul, lit[node], radiance);
 }
 
 #endif

@@ -8,7 +8,8 @@
  *                             (1, 2, 1) / 4 per axis. So the sum over the points of a level is an eighth of the sum
  *                             over those below, but for rounding
  *
- * Launch: one work-item per node, rounded up to whole groups. No atomics, no local memory.
+ * Launch: of brick.clh, on CPUs one work-item per node, rounded up to whole groups, on GPUs one group per node. No
+ * atomics.
  */
 #include "light/brick.clh"
 
@@ -16,49 +17,65 @@
 
 SVO_BRICK_GATHER(svo_brick_gather_opacity, ushort)
 
-/* Sums of weight 2^weight_log2 to the samples of a brick, rounded half up. */
-static void svo_brick_store(const ulong *sums, uint weight_log2, uint node, __global ushort *samples)
+static uint svo_brick_sum_cells(SVO_BRICK_MEMORY const uint *cells, int sample)
 {
-    for (uint k = 0; k < SVO_BRICK_SAMPLES; ++k) {
-        const ulong half_unit = 1ul << (weight_log2 - 1u);
-        samples[SVO_BRICK_SAMPLES * (size_t)node + k] = (ushort)((sums[k] + half_unit) >> weight_log2);
+    const int first = svo_brick_first_cell(sample);
+    uint sum = 0u;
+    for (int k = 0; k < 8; ++k) {
+        sum += cells[first + svo_brick_next_cell(k)];
     }
+    return sum;
+}
+
+static uint svo_brick_sum_points(SVO_BRICK_MEMORY const uint *points, int sample)
+{
+    const int first = svo_brick_first_point(sample);
+    uint sum = 0u;
+    for (int k = 0; k < 27; ++k) {
+        uint weight_log2;
+        const int next = svo_brick_next_point(k, &weight_log2);
+        sum += points[first + next] << weight_log2;
+    }
+    return sum;
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_light_brick_leaves(__global const uchar *child_mask, __global const uint *first_child,
                          __global const ulong *codes, __global const ushort *leaves, __global const uint *origins,
-                         __global ushort *samples, svo_light_step params)
+                         __global ushort *samples, SVO_BRICK_PARAMETERS)
 {
-    const uint item = (uint)get_global_id(0);
-    if (item >= params.count || svo_light_is_kept(origins, params.first + item)) {
+    const uint item = SVO_BRICK_ITEM;
+    const uint node = params.first + item;
+    if (item >= params.count || svo_light_is_kept(origins, node)) {
         return;
     }
-    uint cells[SVO_BRICK_CELL_COUNT];
-    ulong sums[SVO_BRICK_SAMPLES];
-    svo_brick_cells(child_mask, first_child, codes, params.first + item, params.level, cells);
-    for (uint k = 0; k < SVO_BRICK_CELL_COUNT; ++k) {
+    SVO_BRICK_MAKE(cells, points);
+    svo_brick_cells(child_mask, first_child, codes, node, params.level, cells);
+    for (int k = SVO_BRICK_LANE; k < SVO_BRICK_CELL_COUNT; k += SVO_BRICK_LANES) {
         cells[k] = cells[k] != SVO_NO_NODE ? leaves[cells[k] - params.leaf_begin] : 0u;
     }
-    svo_brick_sum_cells(cells, sums);
-    svo_brick_store(sums, 3u, params.first + item, samples);
+    SVO_BRICK_SYNC();
+    for (int k = SVO_BRICK_LANE; k < SVO_BRICK_SAMPLES; k += SVO_BRICK_LANES) {
+        samples[SVO_BRICK_SAMPLES * (size_t)node + k] = (ushort)((svo_brick_sum_cells(cells, k) + 4u) >> 3);
+    }
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_light_brick_level(__global const uchar *child_mask, __global const uint *first_child, __global const ulong *codes,
-                        __global const uint *origins, __global ushort *samples, svo_light_step params)
+                        __global const uint *origins, __global ushort *samples, SVO_BRICK_PARAMETERS)
 {
-    const uint item = (uint)get_global_id(0);
-    if (item >= params.count || svo_light_is_kept(origins, params.first + item)) {
+    const uint item = SVO_BRICK_ITEM;
+    const uint node = params.first + item;
+    if (item >= params.count || svo_light_is_kept(origins, node)) {
         return;
     }
-    uint cells[SVO_BRICK_CELL_COUNT];
-    uint points[SVO_BRICK_POINT_COUNT];
-    ulong sums[SVO_BRICK_SAMPLES];
-    svo_brick_cells(child_mask, first_child, codes, params.first + item, params.level, cells);
+    SVO_BRICK_MAKE(cells, points);
+    svo_brick_cells(child_mask, first_child, codes, node, params.level, cells);
+    SVO_BRICK_SYNC();
     svo_brick_gather_opacity(cells, samples, points);
-    svo_brick_sum_points(points, sums);
-    svo_brick_store(sums, 6u, params.first + item, samples);
+    for (int k = SVO_BRICK_LANE; k < SVO_BRICK_SAMPLES; k += SVO_BRICK_LANES) {
+        samples[SVO_BRICK_SAMPLES * (size_t)node + k] = (ushort)((svo_brick_sum_points(points, k) + 32u) >> 6);
+    }
 }
 
 #endif

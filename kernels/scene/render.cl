@@ -61,49 +61,6 @@ static svo_ray svo_scene_clip(const svo_scene_view *view, float3 origin, float3 
     return ray;
 }
 
-/* The distance to the first hit within range; range without one. */
-static float svo_scene_reach(const svo_scene_view *view, float3 point, float3 direction, float range, float footprint)
-{
-    const svo_ray ray = svo_scene_make_ray(point, direction, range);
-    svo_scene_search search;
-    return svo_scene_search_ray(&view->scene, &ray, footprint, 0u, &search) ? min(search.t, range) : range;
-}
-
-static bool svo_scene_is_shadowed(const svo_scene_view *view, float3 point, float3 direction)
-{
-    const svo_ray ray = svo_scene_clip(view, point, direction);
-    svo_scene_search search;
-    return svo_scene_search_ray(&view->scene, &ray, 0.0f, SVO_SCENE_FLAG_ANY, &search);
-}
-
-/* How open the hemisphere above the point is, by short rays. 0 .. 1. */
-static float svo_scene_openness(const svo_scene_view *view, const svo_scene_surface *surface)
-{
-    const float range = max(view->picture->occlusion_range, 6.0f * surface->node_width);
-    float open = 0.0f;
-    for (int k = 0; k < SVO_SHADE_OCCLUSION_RAYS; ++k) {
-        const float3 direction = svo_shade_occlusion_direction(surface->normal, k);
-        open += svo_scene_reach(view, surface->point, direction, range, SVO_SHADE_OCCLUSION_FOOTPRINT) / range;
-    }
-    return open / (float)SVO_SHADE_OCCLUSION_RAYS;
-}
-
-/* The light that reaches a surface. */
-static float3 svo_scene_light_of(const svo_scene_view *view, const svo_scene_surface *surface)
-{
-    float3 light =
-        svo_shade_sky(dot(surface->normal, svo_scene_constant(view->picture->up)), svo_scene_openness(view, surface));
-    for (uint i = 0; i < view->picture->light_count; ++i) {
-        const float3 direction = svo_scene_constant(view->lights[i].direction);
-        const float facing = dot(surface->normal, direction);
-        if (facing > 0.0f &&
-            (view->lights[i].shadows == 0u || !svo_scene_is_shadowed(view, surface->point, direction))) {
-            light += facing * svo_scene_constant(view->lights[i].color);
-        }
-    }
-    return light;
-}
-
 /* The voxel's normal where it has one of some length, else its face's, as kernels/rays/render.cl chooses it. */
 static float3 svo_scene_shading_normal(const svo_scene_view *view, __global const svo_scene_instance *instance,
                                        const svo_voxel_hit *hit, float3 direction)
@@ -143,35 +100,110 @@ static svo_scene_surface svo_scene_surface_of(const svo_scene_view *view, const 
     return surface;
 }
 
-static float3 svo_scene_shade(const svo_scene_view *view, const svo_scene_surface *surface, svo_scene_lit *lit)
+/* A ray of a sample: from the camera, or from the surface that this one met. */
+typedef struct svo_scene_query {
+    svo_ray ray;
+    float footprint;
+    uint flags;
+    float3 light; /* that arrives unless the ray meets something */
+} svo_scene_query;
+
+/* Short rays tell how open the hemisphere above a surface is. */
+static float svo_scene_open_range(const svo_scene_view *view, const svo_scene_surface *surface)
+{
+    return max(view->picture->occlusion_range, 6.0f * surface->node_width);
+}
+
+/* The next ray from a surface, and behind it in the list: first the short ones, then those to lights. Lights without
+   shadows add theirs to *light. Returns whether there is one. */
+static bool svo_scene_next_query(const svo_scene_view *view, const svo_scene_surface *surface, uint *next,
+                                 svo_scene_query *query, float3 *light)
+{
+    if (*next < SVO_SHADE_OCCLUSION_RAYS) {
+        query->ray = svo_scene_make_ray(surface->point, svo_shade_occlusion_direction(surface->normal, (int)*next),
+                                        svo_scene_open_range(view, surface));
+        query->footprint = SVO_SHADE_OCCLUSION_FOOTPRINT;
+        query->flags = 0u;
+        ++*next;
+        return true;
+    }
+    while (*next < SVO_SHADE_OCCLUSION_RAYS + view->picture->light_count) {
+        __constant const svo_scene_light *source = view->lights + (*next - SVO_SHADE_OCCLUSION_RAYS);
+        const float3 direction = svo_scene_constant(source->direction);
+        const float facing = dot(surface->normal, direction);
+        const float3 arriving = facing * svo_scene_constant(source->color);
+        ++*next;
+        if (facing > 0.0f && source->shadows == 0u) {
+            *light += arriving;
+        } else if (facing > 0.0f) {
+            query->ray = svo_scene_clip(view, surface->point, direction);
+            query->footprint = 0.0f;
+            query->flags = SVO_SCENE_FLAG_ANY;
+            query->light = arriving;
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Whether a surface takes the light of the last sample. */
+static bool svo_scene_is_alike(const svo_scene_surface *surface, const svo_scene_lit *lit)
 {
     const float3 step = surface->point - lit->point;
-    if (dot(surface->normal, lit->normal) < 0.9f ||
-        dot(step, step) > 6.0f * surface->node_width * surface->node_width) {
-        lit->point = surface->point;
-        lit->normal = surface->normal;
-        lit->light = svo_scene_light_of(view, surface);
-    }
-    return surface->color * lit->light;
+    return !(dot(surface->normal, lit->normal) < 0.9f ||
+             dot(step, step) > 6.0f * surface->node_width * surface->node_width);
+}
+
+/* The surface that a sample's ray meets, with its light in *lit; false: it meets none. All rays of a sample are traced
+   in one place, so that there is one copy of the traversal, with one stack. */
+static bool svo_scene_look(const svo_scene_view *view, svo_scene_query query, svo_scene_surface *surface,
+                           svo_scene_lit *lit)
+{
+    float open = 0.0f; /* of the hemisphere, times the short rays */
+    uint next = 0u; /* 0: the ray is the camera's; else one more than its number in the list */
+    do {
+        svo_scene_search search;
+        const bool is_met = svo_scene_search_ray(&view->scene, &query.ray, query.footprint, query.flags, &search);
+        if (next == 0u) {
+            if (!is_met) {
+                return false;
+            }
+            *surface = svo_scene_surface_of(view, &search, vload3(0, query.ray.origin), vload3(0, query.ray.direction));
+            if (svo_scene_is_alike(surface, lit)) {
+                return true;
+            }
+            lit->point = surface->point;
+            lit->normal = surface->normal;
+        } else if (next <= SVO_SHADE_OCCLUSION_RAYS) {
+            const float range = svo_scene_open_range(view, surface);
+            open += (is_met ? min(search.t, range) : range) / range;
+        } else if (!is_met) {
+            lit->light += query.light;
+        }
+        if (next == SVO_SHADE_OCCLUSION_RAYS) {
+            lit->light = svo_shade_sky(dot(surface->normal, svo_scene_constant(view->picture->up)),
+                                       open / (float)SVO_SHADE_OCCLUSION_RAYS);
+        }
+    } while (svo_scene_next_query(view, surface, &next, &query, &lit->light));
+    return true;
 }
 
 /* One ray of a pixel. *met: counts those that met something. */
 static float3 svo_scene_sample(const svo_scene_view *view, float column, float row, svo_scene_lit *lit, uint *met)
 {
     __constant const svo_scene_picture *picture = view->picture;
-    const float3 origin = svo_scene_constant(picture->eye);
     const float3 direction =
         normalize(svo_scene_constant(picture->corner) + column * svo_scene_constant(picture->across) +
                   row * svo_scene_constant(picture->down));
-    const svo_ray ray = svo_scene_clip(view, origin, direction);
-    svo_scene_search search;
-    if (!svo_scene_search_ray(&view->scene, &ray, picture->footprint, 0u, &search)) {
+    const svo_scene_query camera = {svo_scene_clip(view, svo_scene_constant(picture->eye), direction),
+                                    picture->footprint, 0u, (float3)(0.0f)};
+    svo_scene_surface surface;
+    if (!svo_scene_look(view, camera, &surface, lit)) {
         return svo_pixel_background(picture->pixel_flags, svo_scene_constant(picture->background),
                                     svo_shade_background(row / (float)picture->height));
     }
     ++*met;
-    const svo_scene_surface surface = svo_scene_surface_of(view, &search, origin, direction);
-    return svo_shade_shown(picture->pixel_flags, SVO_SHADE_EXPOSURE * svo_scene_shade(view, &surface, lit));
+    return svo_shade_shown(picture->pixel_flags, SVO_SHADE_EXPOSURE * (surface.color * lit->light));
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void

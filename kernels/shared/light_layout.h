@@ -13,6 +13,10 @@
 /* Samples of a brick, and the most levels from the root to a leaf. */
 #define SVO_BRICK_SAMPLES 27
 #define SVO_LIGHT_LEVELS  17
+/* The cells in and around the node of a brick, the points in and around these, and a group's words for both. */
+#define SVO_BRICK_CELL_COUNT  64
+#define SVO_BRICK_POINT_COUNT 343
+#define SVO_BRICK_ROOM_WORDS  (SVO_BRICK_CELL_COUNT + SVO_BRICK_POINT_COUNT)
 
 /* Of the flags below. */
 #define SVO_LIGHT_FLAG_NORMALS    1u /* the tree has normals */

@@ -14,6 +14,7 @@
  */
 #include "shared/solid_layout.h"
 
+#include "shared/calls.clh"
 #include "shared/decide.clh"
 #include "shared/group.clh"
 #include "shared/nodes.clh"
@@ -48,10 +49,12 @@ typedef struct svo_crossing_mesh {
 /* Adds the crossings along the axes of a mask, by the caller's numbers. */
 static void svo_add_given(const svo_crossing_mesh *mesh, uint triangle, const uint *voxel, uint axes, uint *sums)
 {
-    const svo_decided_pair pair = svo_load_pair(mesh->positions, mesh->indices, triangle, voxel, mesh->grid);
+    svo_decided_pair pair;
+    svo_load_pair(mesh->positions, mesh->indices, triangle, voxel, mesh->grid, &pair);
 #ifdef SVO_DECIDES_IN_DOUBLES
     if (svo_doubles_hold(mesh->grid)) {
-        const svo_near_triangle near = svo_make_near(&pair, mesh->grid);
+        svo_near_triangle near;
+        svo_make_near(&pair, mesh->grid, &near);
         for (uint axis = 0; axis < 3u; ++axis) {
             const int said = (axes >> axis & 1u) != 0u ? svo_cross_near(&near, axis) : SVO_CROSSING_UNDECIDED;
             if (said != SVO_CROSSING_UNDECIDED) {
@@ -65,17 +68,18 @@ static void svo_add_given(const svo_crossing_mesh *mesh, uint triangle, const ui
         return;
     }
     const svo_short width = svo_decided_width(mesh->grid);
-    const svo_exact_triangle placed = svo_place_exactly(&pair, mesh->grid, width);
+    svo_exact_triangle placed;
+    svo_place_exactly(&pair, mesh->grid, width, &placed);
     for (uint axis = 0; axis < 3u; ++axis) {
         if ((axes >> axis & 1u) != 0u) {
-            sums[axis] += (uint)svo_cross_exactly(placed, width, axis);
+            sums[axis] += (uint)svo_cross_exactly(&placed, width, axis);
         }
     }
 }
 
 /* Adds the triangle's crossings inside the voxel to the sums, for each axis. */
-static void svo_add_crossings(const svo_crossing_mesh *mesh, uint triangle, const uint *voxel,
-                              const svo_solid_params *params, uint *sums)
+SVO_INLINED void svo_add_crossings(const svo_crossing_mesh *mesh, uint triangle, const uint *voxel,
+                                   const svo_solid_params *params, uint *sums)
 {
     int corners[9];
     int errors[3];

@@ -31,14 +31,22 @@ static uint svo_undecided(__global const uint *counters, uint capacity)
 SVO_CALLED void svo_decide_run(__global const uint *positions, __global const uint *indices, __global uint *fragments,
                                const svo_decide_params *params, uint i, uint step, uint end)
 {
+#ifdef SVO_ONE_WORKER
     svo_decider decider;
     decider.triangle = SVO_NO_TRIANGLE;
+#endif
     for (; i < end; i += step) {
         const size_t at = params->capacity - 1u - i;
         const svo_code code = svo_fragment_code(fragments, at);
         const uint cell[3] = {(uint)svo_code_axis(code, 0u), (uint)svo_code_axis(code, 1u),
                               (uint)svo_code_axis(code, 2u)};
-        if (!svo_decide(positions, indices, svo_fragment_triangle(fragments, at), cell, params, &decider)) {
+        const uint triangle = svo_fragment_triangle(fragments, at);
+#ifdef SVO_ONE_WORKER
+        const bool touches = svo_decide(positions, indices, triangle, cell, params, &decider);
+#else
+        const bool touches = svo_decide_once(positions, indices, triangle, cell, params);
+#endif
+        if (!touches) {
             svo_fragment_store(fragments, at, code, SVO_REFUSED);
         }
     }

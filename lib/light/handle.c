@@ -15,12 +15,24 @@
 
 const char *svo_i_light_defines(const svo_light *light)
 {
-    static const char *const area[SVO_LIGHT_FORM_COUNT] = {" -DSVO_SORT -DSVO_LIGHT_FACES -DSVO_LIGHT_AREA",
-                                                           " -DSVO_SORT -DSVO_LIGHT_BRICKS -DSVO_LIGHT_AREA",
-                                                           " -DSVO_SORT -DSVO_LIGHT_VOXELS -DSVO_LIGHT_AREA"};
-    static const char *const full[SVO_LIGHT_FORM_COUNT] = {
-        " -DSVO_SORT -DSVO_LIGHT_FACES", " -DSVO_SORT -DSVO_LIGHT_BRICKS", " -DSVO_SORT -DSVO_LIGHT_VOXELS"};
-    return light->info.opacity == SVO_OPACITY_AREA ? area[light->info.form] : full[light->info.form];
+    static const char *const area[] = {" -DSVO_SORT -DSVO_LIGHT_FACES -DSVO_LIGHT_AREA",
+                                       " -DSVO_SORT -DSVO_LIGHT_BRICKS -DSVO_LIGHT_AREA",
+                                       " -DSVO_SORT -DSVO_LIGHT_VOXELS -DSVO_LIGHT_AREA",
+                                       " -DSVO_SORT -DSVO_LIGHT_BRICKS -DSVO_LIGHT_AREA -DSVO_ONE_WORKER"};
+    static const char *const full[] = {" -DSVO_SORT -DSVO_LIGHT_FACES", " -DSVO_SORT -DSVO_LIGHT_BRICKS",
+                                       " -DSVO_SORT -DSVO_LIGHT_VOXELS",
+                                       " -DSVO_SORT -DSVO_LIGHT_BRICKS -DSVO_ONE_WORKER"};
+    const bool one_worker = light->info.form == SVO_LIGHT_BRICKS && light->device->cpu_path;
+    const size_t form = one_worker ? SVO_LIGHT_FORM_COUNT : (size_t)light->info.form;
+    return light->info.opacity == SVO_OPACITY_AREA ? area[form] : full[form];
+}
+
+svo_status svo_i_light_launch_bricks(svo_i_device_work *work, const char *name, const svo_i_argument *arguments,
+                                     cl_uint argument_count, uint32_t bricks)
+{
+    return work->device->cpu_path
+               ? svo_i_work_launch(work, name, arguments, argument_count - 1, bricks)
+               : svo_i_work_launch(work, name, arguments, argument_count, (uint64_t)bricks * SVO_GROUP_ITEMS);
 }
 
 cl_mem svo_i_light_areas(const svo_light *light)

@@ -68,6 +68,10 @@ struct svo_light {
 
 /* The defines of the kernels that make and filter a light: its form, and whether they read areas. Static string. */
 const char *svo_i_light_defines(const svo_light *light);
+/* Launches a kernel that makes so many bricks. arguments: the last is SVO_I_BRICK_ROOM, which CPUs do without. */
+svo_status svo_i_light_launch_bricks(svo_i_device_work *work, const char *name, const svo_i_argument *arguments,
+                                     cl_uint argument_count, uint32_t bricks);
+#define SVO_I_BRICK_ROOM SVO_I_LOCAL(SVO_BRICK_ROOM_WORDS * sizeof(cl_uint))
 
 /* The projected areas of the leaves, where opacity is by area; else NULL. */
 cl_mem svo_i_light_areas(const svo_light *light);

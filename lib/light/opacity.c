@@ -208,8 +208,9 @@ static svo_status make_deepest_bricks(svo_i_device_work *work, const svo_light *
                                         SVO_I_ARGUMENT(leaves),
                                         SVO_I_ARGUMENT(origins),
                                         SVO_I_ARGUMENT(light->buffers[SVO_LIGHT_OPACITY]),
-                                        SVO_I_ARGUMENT(params)};
-    return svo_i_work_launch(work, "svo_k_light_brick_leaves", SVO_I_ARGUMENTS(arguments), params.count);
+                                        SVO_I_ARGUMENT(params),
+                                        SVO_I_BRICK_ROOM};
+    return svo_i_light_launch_bricks(work, "svo_k_light_brick_leaves", SVO_I_ARGUMENTS(arguments), params.count);
 }
 
 /* A level above. */
@@ -222,8 +223,9 @@ static svo_status filter_bricks(svo_i_device_work *work, const svo_light *light,
                                         SVO_I_ARGUMENT(codes),
                                         SVO_I_ARGUMENT(origins),
                                         SVO_I_ARGUMENT(light->buffers[SVO_LIGHT_OPACITY]),
-                                        SVO_I_ARGUMENT(params)};
-    return svo_i_work_launch(work, "svo_k_light_brick_level", SVO_I_ARGUMENTS(arguments), params.count);
+                                        SVO_I_ARGUMENT(params),
+                                        SVO_I_BRICK_ROOM};
+    return svo_i_light_launch_bricks(work, "svo_k_light_brick_level", SVO_I_ARGUMENTS(arguments), params.count);
 }
 
 static svo_status make_bricks(svo_i_device_work *work, svo_light *light)

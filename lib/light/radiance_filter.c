@@ -264,8 +264,8 @@ static svo_status filter_deepest(const filter *f)
         SVO_I_ARGUMENT(f->codes),  SVO_I_ARGUMENT(f->places),
         SVO_I_ARGUMENT(f->values), SVO_I_ARGUMENT(f->light->buffers[SVO_LIGHT_LIT]),
         KEPT_LIGHT_ARGUMENTS(f),   SVO_I_ARGUMENT(f->light->buffers[SVO_LIGHT_RADIANCE]),
-        SVO_I_ARGUMENT(params)};
-    return svo_i_work_launch(f->work, "svo_k_light_brick_deep", SVO_I_ARGUMENTS(arguments), params.count);
+        SVO_I_ARGUMENT(params),    SVO_I_BRICK_ROOM};
+    return svo_i_light_launch_bricks(f->work, "svo_k_light_brick_deep", SVO_I_ARGUMENTS(arguments), params.count);
 }
 
 static svo_status filter_bricks(const filter *f, uint32_t level)
@@ -274,8 +274,8 @@ static svo_status filter_bricks(const filter *f, uint32_t level)
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(f->masks), SVO_I_ARGUMENT(f->children),
                                         SVO_I_ARGUMENT(f->codes), SVO_I_ARGUMENT(f->light->buffers[SVO_LIGHT_LIT]),
                                         KEPT_LIGHT_ARGUMENTS(f),  SVO_I_ARGUMENT(f->light->buffers[SVO_LIGHT_RADIANCE]),
-                                        SVO_I_ARGUMENT(params)};
-    return svo_i_work_launch(f->work, "svo_k_light_brick_light", SVO_I_ARGUMENTS(arguments), params.count);
+                                        SVO_I_ARGUMENT(params),   SVO_I_BRICK_ROOM};
+    return svo_i_light_launch_bricks(f->work, "svo_k_light_brick_light", SVO_I_ARGUMENTS(arguments), params.count);
 }
 
 static svo_status filter_all_bricks(filter *f)

@@ -486,16 +486,15 @@ static uint32_t coordinate_of(const uint32_t *words, uint32_t word_count, unsign
 static void decide_on_host(decide_case *c)
 {
     const void *const positions = c->params.is_double != 0 ? (const void *)c->positions : c->floats;
-    const svo_short width = svo_decided_width(&c->params);
     for (uint32_t i = 0; i < UNDECIDED; ++i) {
         uint32_t *const words = c->words + (size_t)(DECIDE_ROOM - 1 - i) * c->word_count;
         uint32_t cell[3];
         for (unsigned axis = 0; axis < 3; ++axis) {
             cell[axis] = coordinate_of(words, c->word_count, axis);
         }
-        const svo_decided_pair pair = svo_load_pair(positions, c->indices, words[c->word_count - 1], cell, &c->params);
-        if (!svo_exact_touches(svo_place_exactly(&pair, &c->params, width), width, (int32_t)c->params.coverage,
-                               SVO_EXACT_ALL)) {
+        svo_decided_pair pair;
+        svo_load_pair(positions, c->indices, words[c->word_count - 1], cell, &c->params, &pair);
+        if (!svo_pair_touches(&pair, &c->params, SVO_EXACT_ALL)) {
             words[c->word_count - 1] = SVO_NO_TRIANGLE;
         }
     }

@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -112,6 +113,53 @@ static void opencl_agrees_with_c(void **state)
     clip_probe_input *given = make_records();
     compare_kernel(device, clip_probe_source_cl, "-cl-std=CL1.2", "clip_probe_all", given);
     free(given);
+    svo_device_destroy(&device);
+}
+
+/* A part and a whole of up to 62 bits. Many quotients in 2^-31 are next to an integer: those that a wrong last step
+   rounds to the other side. */
+static void make_share(uint64_t *state, uint64_t share[2])
+{
+    const uint32_t bits = 1 + random_below(state, 62);
+    const uint64_t random = (uint64_t)random_below(state, UINT32_MAX) << 32 | random_below(state, UINT32_MAX);
+    const uint64_t top = UINT64_C(1) << (bits - 1);
+    const uint64_t wholes[] = {top, top + 1, 2 * top - 1, top | (random & (top - 1)), top | (random & 255 & (top - 1))};
+    const uint64_t whole = wholes[random_below(state, 5)];
+    const uint64_t quotient = random_below(state, UINT32_C(1) << 31);
+    const uint64_t high = whole >> 31;
+    /* The least part with that quotient: (quotient whole + 2^31 - 1) / 2^31. */
+    const uint64_t least = quotient * high + ((quotient * (whole - (high << 31)) + 0x7fffffff) >> 31);
+    const uint64_t near = least + random_below(state, 3) - 1;
+    const uint64_t parts[] = {near, near, near, random % whole, random % 1024 % whole, whole, whole - 1, 0};
+    const uint64_t part = parts[random_below(state, 8)];
+    share[0] = part > whole ? whole : part;
+    share[1] = whole;
+}
+
+/* The quotients of OpenCL C come from floats, and those of C from a division. */
+static void shares_are_exact_quotients(void **state)
+{
+    enum { SHARES = 1 << 21 };
+    (void)state;
+    svo_device *device = machine_device_or_skip();
+    uint64_t seed = 20260103;
+    uint64_t(*given)[2] = calloc(SHARES, sizeof *given);
+    uint32_t *found = calloc(SHARES, sizeof *found);
+    assert_true(given != NULL && found != NULL);
+    for (uint32_t i = 0; i < SHARES; ++i) {
+        make_share(&seed, given[i]);
+    }
+    const machine_job job = {given, SHARES * sizeof *given, found, SHARES * sizeof *found, SHARES};
+    machine_run_kernel(device, clip_probe_source_cl, "-cl-std=CL1.2", "clip_share_all", &job);
+    for (uint32_t i = 0; i < SHARES; ++i) {
+        const int64_t expected = svo_share_of(given[i][0], given[i][1]);
+        if (found[i] != expected) {
+            fail_msg("%" PRIu64 " of %" PRIu64 ": %u, not %" PRId64 " in 2^-31", given[i][0], given[i][1], found[i],
+                     expected);
+        }
+    }
+    free(given);
+    free(found);
     svo_device_destroy(&device);
 }
 
@@ -332,9 +380,13 @@ static void t2_areas_of_the_clipped_pieces_sum_to_the_mesh(void **state)
 TEST_GROUP(clip)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(opencl_agrees_with_c),        cmocka_unit_test(glsl_agrees_with_c),
-        cmocka_unit_test(eight_lanes_agree_with_c),    cmocka_unit_test(area_and_centroid_match_the_clipped_triangle),
-        cmocka_unit_test(weights_are_stretched_areas), cmocka_unit_test(t2_areas_of_the_clipped_pieces_sum_to_the_mesh),
+        cmocka_unit_test(opencl_agrees_with_c),
+        cmocka_unit_test(glsl_agrees_with_c),
+        cmocka_unit_test(eight_lanes_agree_with_c),
+        cmocka_unit_test(area_and_centroid_match_the_clipped_triangle),
+        cmocka_unit_test(weights_are_stretched_areas),
+        cmocka_unit_test(shares_are_exact_quotients),
+        cmocka_unit_test(t2_areas_of_the_clipped_pieces_sum_to_the_mesh),
     };
     return cmocka_run_group_tests_name("clip", tests, NULL, NULL);
 }

@@ -54,7 +54,7 @@ bool svo_touches(svo_code code, uint triangle)
         svo_short offset = svo_exact_offset(vertex, origin, svo_exact_unit(edge));
         placed.at[i] = svo_exact_place(offset, grid.corner[k] + uint(svo_code_axis(code, k)), width);
     }
-    return svo_exact_touches(placed, width, int(grid.coverage), SVO_EXACT_ALL & ~7u);
+    return svo_exact_touches(placed.at, width, int(grid.coverage), SVO_EXACT_ALL & ~7u);
 }
 
 void main()

@@ -14,29 +14,34 @@ static int cross_snapped(const int32_t *corners, const int32_t *errors, uint32_t
     return svo_cross_snapped(corners, errors, axis, point, low, high);
 }
 
-static svo_decided_pair load(const crossing_pair *pair, svo_decide_params *grid)
+static void load(const crossing_pair *pair, svo_decide_params *grid, svo_decided_pair *out)
 {
     static const uint32_t indices[3] = {0, 1, 2};
     *grid = (svo_decide_params){.is_double = 1, .depth = pair->depth};
     memcpy(grid->origin, pair->origin, sizeof grid->origin);
     memcpy(grid->edge, &pair->edge, sizeof grid->edge);
-    return svo_load_pair(pair->vertices, indices, 0, pair->cell, grid);
+    svo_load_pair(pair->vertices, indices, 0, pair->cell, grid, out);
 }
 
 static int cross_near(const crossing_pair *pair, uint32_t axis)
 {
     svo_decide_params grid;
-    const svo_decided_pair loaded = load(pair, &grid);
-    const svo_near_triangle triangle = svo_make_near(&loaded, &grid);
+    svo_decided_pair loaded;
+    svo_near_triangle triangle;
+    load(pair, &grid, &loaded);
+    svo_make_near(&loaded, &grid, &triangle);
     return svo_doubles_hold(&grid) ? svo_cross_near(&triangle, axis) : CROSSING_UNDECIDED;
 }
 
 static int cross_exactly(const crossing_pair *pair, uint32_t axis)
 {
     svo_decide_params grid;
-    const svo_decided_pair loaded = load(pair, &grid);
+    svo_decided_pair loaded;
+    svo_exact_triangle placed;
+    load(pair, &grid, &loaded);
     const svo_short width = svo_decided_width(&grid);
-    return svo_cross_exactly(svo_place_exactly(&loaded, &grid, width), width, axis);
+    svo_place_exactly(&loaded, &grid, width, &placed);
+    return svo_cross_exactly(&placed, width, axis);
 }
 
 const crossing_functions CROSSING_PROBE = {cross_snapped, cross_near, cross_exactly};
