@@ -167,7 +167,8 @@ typedef struct svo_light_setup {
     float sky[3]; /**< radiance from outside: linear red, green, blue, not negative */
     uint32_t view_resolution; /**< photons along a side of each light's view, 1 .. 16384; 0: four per facing leaf */
     uint32_t diagnose; /**< not 0: counts missed_leaves too, by one more ray a leaf and source */
-    uint32_t no_photons; /**< not 0: sources light surfaces of pictures directly, but no photons leave them */
+    uint32_t no_photons; /**< not 0: no photons leave the sources: surfaces have their direct light, and others' by rays
+                              but not by cones */
     uint32_t updatable; /**< not 0: photons are kept for svo_light_update, in about 36 bytes each, 280 a lit leaf and
                               17 an inner node */
 } svo_light_setup;
@@ -218,23 +219,45 @@ SVO_API svo_status svo_light_set_sources(svo_light *light, const svo_light_setup
 SVO_API svo_status svo_light_update(svo_light *light, svo_tree *tree, const svo_box *changed, size_t change_count,
                                     cl_command_queue queue);
 
-/* ---- cones ---- */
+/* ---- light at points ---- */
+
+/** How light is gathered. */
+typedef enum svo_gather_method {
+    SVO_GATHER_AUTO = 0, /**< "auto": cones where options name their number or step, else rays */
+    SVO_GATHER_CONES = 1, /**< "cones": blurred by the width of the cones, without noise; openings narrower than a cone
+                               are darker than they are, and one reflection of the sources counts */
+    SVO_GATHER_RAYS = 2, /**< "rays": paths of exact rays; noise alone, which their number lessens */
+    SVO_GATHER_METHOD_COUNT /**< number of methods */
+} svo_gather_method;
 
 /** Options of gathering. */
 typedef struct svo_gather_options {
     size_t struct_size; /**< sizeof(svo_gather_options) */
     uint32_t cones; /**< 1, 5, 6, 16 or 64; 0 means 16 */
     float step; /**< of a cone, in its widths: 0.25 .. 1; 0 means 0.5 */
-    float range; /**< world units that cones reach, above 0; 0: to the end of the grid */
+    float range; /**< world units that occlusion reaches, above 0; 0: to the end of the grid. Light has no range by
+                      rays; cones end there */
     float falloff; /**< lambda of the occlusion's weight 1 / (1 + lambda t), per world unit, not negative */
-    uint32_t no_light; /**< not 0: ambient occlusion alone; irradiance and specular are 0 */
+    uint32_t no_light; /**< not 0: ambient occlusion alone; all light is 0 */
+    svo_gather_method method; /**< how */
+    uint32_t paths; /**< paths of a point, at most: a power of two, 16 .. 65536; 0 means 64. In pictures
+                         paths of 2 x 2 pixels, which are smoothed over surfaces; 0 means 16 */
+    uint32_t bounces; /**< rays of a path, at most, 1 .. 64: so often are sources reflected; 0 means 1, in
+                           pictures 3 */
+    float error; /**< a point has paths enough when the standard error of its openness is at most this, and that of its
+                      irradiance as a share of it; not negative; 0: it has all */
 } svo_gather_options;
 
 /** All defaults. */
 #define SVO_GATHER_OPTIONS_INIT SVO_STRUCT_INIT(svo_gather_options)
 
-/** Gathers ambient occlusion, irradiance and specular radiance at points. The direct light of the sources is not part
- *  of it: irradiance is what surfaces reflect and emit, and the sky.
+/** Gathers ambient occlusion, irradiance and specular radiance at points, and the direct light of the sources, which is
+ *  not part of irradiance: that is what surfaces reflect and emit, and the sky.
+ *
+ * Rays meet what the tree's exact rays meet: triangles, else voxels. What they meet has the color of its leaf and
+ * reflects on the side that is met; emission, as finishes have it, leaves both sides. Directions follow from the bits
+ * of a point's position and normal alone, so that results do not depend on what else is in a call. A fourth of paths
+ * more samples the lobe around the reflected direction, if there is one.
  *
  * Points outside the grid, by more than half a voxel, and points whose normal is zero or not finite get openness 1 and
  * no light.
@@ -245,8 +268,8 @@ typedef struct svo_gather_options {
  * \param point_count at most SVO_TRACE_RAYS_MAX
  * \param options NULL means all defaults
  * \param submit NULL: the device's own queue, and the call waits
- * \returns SVO_INVALID_ARGUMENT, SVO_UNSUPPORTED (the grid is beyond the range of floats), SVO_COMPILE_FAILED,
- *          SVO_CL_ERROR or SVO_OUT_OF_DEVICE_MEMORY on failure. */
+ * \returns SVO_INVALID_ARGUMENT (also numbers of paths for cones, or of cones for rays), SVO_UNSUPPORTED (the grid is
+ *          beyond the range of floats), SVO_COMPILE_FAILED, SVO_CL_ERROR or SVO_OUT_OF_DEVICE_MEMORY on failure. */
 SVO_API svo_status svo_gather(svo_light *light, svo_array points, svo_array results, size_t point_count,
                               const svo_gather_options *options, const svo_submit *submit);
 
@@ -259,8 +282,9 @@ SVO_API svo_status svo_gather(svo_light *light, svo_array points, svo_array resu
 
 /** A light as a target: svo_render, svo_camera_fit and kernels of the caller's.
  *
- * Its pictures show a lit tree: first hits and shadows by exact rays, the rest by cones. Sources, finishes and sky are
- * those of svo_light_set_sources. Trees without triangles show their voxels. SVO_VIEW_SHADED has direct, indirect and
+ * Its pictures show a lit tree: first hits, shadows, openness and indirect light by exact rays, specular light by
+ * cones; where svo_render_options.gather says so, openness and indirect light too. Sources, finishes and sky are those
+ * of svo_light_set_sources. Trees without triangles show their voxels. SVO_VIEW_SHADED has direct, indirect and
  * specular light and emission on the surfaces' colors.
  *
  * Light is linear. Up to a half, radiance times exposure is the share of white that a pixel shows; above, highlights

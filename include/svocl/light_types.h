@@ -45,13 +45,16 @@ SVO_RECORD(svo_gather_point)
     SVO_U32 reserved[2]; /**< 40: zero */
 };
 
-/** What the cones of a point gathered. 32 bytes. */
+/** What was gathered at a point. 52 bytes. */
 SVO_RECORD(svo_gather_result)
 {
     SVO_F32 openness; /**< 0: ambient occlusion: 1 is open, 0 closed */
-    SVO_F32 irradiance[3]; /**< 4: pi times the weighted radiance of the cones */
-    SVO_F32 specular[3]; /**< 16: radiance of the specular cone */
-    SVO_U32 steps; /**< 28: of all cones together */
+    SVO_F32 irradiance[3]; /**< 4: by surfaces and the sky: pi times the mean radiance, weighted by the cosine */
+    SVO_F32 specular[3]; /**< 16: mean radiance of the lobe around the reflected direction */
+    SVO_U32 steps; /**< 28: of all cones together; the rays that were traced */
+    SVO_F32 direct[3]; /**< 32: irradiance by the sources, with exact shadows; not part of the other */
+    SVO_F32 openness_error; /**< 44: standard error of openness; not a number for cones, which do not know theirs */
+    SVO_F32 irradiance_error; /**< 48: of irradiance, that of the channel with the largest; likewise */
 };
 
 /** \cond */
@@ -59,7 +62,7 @@ SVO_RECORD(svo_gather_result)
 SVO_ASSERT_BYTES(svo_light_source, 64);
 SVO_ASSERT_BYTES(svo_finish, 32);
 SVO_ASSERT_BYTES(svo_gather_point, 48);
-SVO_ASSERT_BYTES(svo_gather_result, 32);
+SVO_ASSERT_BYTES(svo_gather_result, 52);
 #endif
 /** \endcond */
 

@@ -154,7 +154,7 @@ typedef struct svo_render_options {
      *  nothing is cut away */
     float clip[4];
     const struct svo_scene_light *lights; /**< light_count; NULL when that is 0 */
-    const struct svo_gather_options *gather; /**< of a light: how cones gather; NULL: all defaults */
+    const struct svo_gather_options *gather; /**< of a light: how it is gathered; NULL: all defaults */
     /** Of a scene, world: the range within which neighbors darken a surface (ambient occlusion). 0: a fraction of an
      *  instance's mean width */
     float occlusion_range;

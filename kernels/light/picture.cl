@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Pictures of a lit tree: first hits and shadows by exact rays (surface.clh, direct.clh), openness, indirect and
- * specular light by cones (shading.clh).
+ * Pictures of a lit tree: first hits and shadows by exact rays (surface.clh, direct.clh); openness and indirect light
+ * by cones (shading.clh) or, with SVO_PICTURE_RAYS, by rays that were gathered before (screen.clh); specular light by
+ * cones.
  *
  * A pixel has params.samples camera rays. Those of 2 x 2 pixels that meet one plane within a leaf's edge share
  * what cones gather there, which is nearly all of a picture's time. Light is linear; svo_shade_tone (rays/shade.clh)
@@ -10,8 +11,8 @@
  * Launch: one work-item per 2 x 2 pixels, tiles of 16 x 16 pixels per group, one dimension, as many tiles as the host
  * likes. Reads tree, light and sources; writes one RGBA8 word or four floats per pixel. No atomics, no local memory.
  */
+#include "light/screen.clh"
 #include "light/shading.clh"
-#include "rays/part.clh"
 #include "rays/shade.clh"
 
 /* Samples share what cones gather within this many leaf edges. */
@@ -46,28 +47,46 @@ static void svo_picture_store(const svo_lit_picture *picture, float4 pixel, __gl
 
 /* ---- pixels ---- */
 
-static svo_ray svo_picture_ray(const svo_lit_picture *picture, uint x, uint y, uint sample)
+/* What screen.cl gathered for a band of the picture. */
+typedef struct svo_picture_screen {
+    __global const svo_gather_point *cells;
+    __global const float4 *light;
+    svo_screen_params params;
+} svo_picture_screen;
+
+/* What a view shows of what a place of the picture meets; false: it meets nothing. */
+SVO_INLINED bool svo_picture_look(const svo_lit_picture *picture, const svo_picture_screen *screen, float2 place,
+                                  svo_lit_cache *cache, float3 *radiance)
 {
-    const float2 place = (float2)((float)x, (float)y) + svo_pixel_place(sample, picture->params.samples);
-    const float3 direction = normalize(vload3(0, picture->params.corner) + place.x * vload3(0, picture->params.across) +
-                                       place.y * vload3(0, picture->params.down));
-    const float3 eye = vload3(0, picture->params.eye);
-    const float2 part = svo_ray_part(vload4(0, picture->params.clip), eye, direction);
-    svo_ray ray = svo_lit_ray(eye, direction, part.y);
-    ray.t_min = part.x;
-    return ray;
+    const svo_ray ray = svo_screen_ray(picture, place);
+    svo_lit_surface surface;
+    float3 direct;
+    if (!svo_direct_see(picture, &ray, &surface, &direct)) {
+        return false;
+    }
+    svo_lit_payload(picture, &surface);
+    svo_lit_gathered gathered = svo_lit_cones(picture, &surface, vload3(0, ray.direction), cache);
+#ifdef SVO_PICTURE_RAYS
+    const float4 light = svo_screen_light(screen->cells, screen->light, screen->params, place, &surface);
+    gathered.irradiance = picture->params.view == SVO_LIT_VIEW_AO ? (float3)(light.w) : light.xyz;
+#else
+    (void)screen;
+#endif
+    *radiance = svo_lit_radiance(picture, &surface, direct, &gathered);
+    return true;
 }
 
 /* The shares of white that a pixel shows, or its light. */
-SVO_INLINED float4 svo_picture_pixel(const svo_lit_picture *picture, uint x, uint y, svo_lit_cache *cache)
+SVO_INLINED float4 svo_picture_pixel(const svo_lit_picture *picture, const svo_picture_screen *screen, uint x, uint y,
+                                     svo_lit_cache *cache)
 {
     const uint samples = picture->params.samples;
     float3 sum = (float3)(0.0f);
     uint met = 0u;
     for (uint sample = 0; sample < samples; ++sample) {
-        const svo_ray ray = svo_picture_ray(picture, x, y, sample);
+        const float2 place = (float2)((float)x, (float)y) + svo_pixel_place(sample, samples);
         float3 radiance;
-        const bool meets = svo_lit_look(picture, &ray, cache, &radiance);
+        const bool meets = svo_picture_look(picture, screen, place, cache, &radiance);
         if (!meets) {
             sum += svo_picture_background(picture);
         } else {
@@ -78,8 +97,9 @@ SVO_INLINED float4 svo_picture_pixel(const svo_lit_picture *picture, uint x, uin
     return svo_pixel_mean(picture->params.pixel_flags, sum, met, samples);
 }
 
-__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void svo_k_light_picture(SVO_LIT_PARAMETERS,
-                                                                                               __global uint *pixels)
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_light_picture(SVO_LIT_PARAMETERS, __global const svo_gather_point *cells, __global const float4 *cell_light,
+                    svo_screen_params screen_params, __global uint *pixels)
 {
     /* item bits: 5 4 3 | 2 1 0 are y | x inside the tile, in pairs of pixels. */
     const uint item = (uint)get_local_id(0);
@@ -89,11 +109,12 @@ __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void svo_k
     const uint y = tile / tiles_across * 16u + 2u * (item >> 3);
     SVO_LIT_MAKE(picture);
     SVO_LIT_CACHE(cache, SVO_PICTURE_NEAR);
+    const svo_picture_screen screen = {cells, cell_light, screen_params};
     for (uint pixel = 0; pixel < 4u; ++pixel) {
         const uint column = x + (pixel & 1u);
         const uint row = y + (pixel >> 1);
         if (column < params.width && row < params.height) {
-            svo_picture_store(&picture, svo_picture_pixel(&picture, column, row, &cache), pixels,
+            svo_picture_store(&picture, svo_picture_pixel(&picture, &screen, column, row, &cache), pixels,
                               (size_t)row * params.width + column);
         }
     }

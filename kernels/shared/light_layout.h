@@ -44,7 +44,9 @@ SVO_RECORD(svo_gather_params)
     SVO_F32 range; /* 8: world units; 0: to the end of the grid */
     SVO_F32 falloff; /* 12: lambda, per world unit */
     SVO_U32 with_light; /* 16: 0: occlusion alone */
-    SVO_U32 reserved[3]; /* 20 */
+    SVO_U32 paths; /* 20: the most paths of a point, a power of two, at least 16; 0: cones */
+    SVO_U32 bounces; /* 24: the most rays of a path */
+    SVO_F32 goal; /* 28: the error at which a point has enough paths; 0: none */
 };
 
 /* Arguments of the kernels that make and filter light. 32 bytes. */
@@ -244,7 +246,20 @@ SVO_RECORD(svo_lit_picture_params)
     SVO_F32 clip[4]; /* 112: a plane; what is below it is not seen (kernels/rays/part.clh). Zeros: none */
 };
 
+/* Of kernels/light/screen.cl: the cells of a band of a picture, 2 x 2 pixels each. 32 bytes. */
+SVO_RECORD(svo_screen_params)
+{
+    SVO_U32 columns; /* 0: cells across the picture */
+    SVO_U32 rows; /* 4: of the band */
+    SVO_U32 first_row; /* 8: of the band in the picture */
+    SVO_U32 step; /* 12: of the filter: cells from a neighbor to the next */
+    SVO_F32 tolerance; /* 16: of the filter: standard errors by which light may differ */
+    SVO_F32 near; /* 20: world units within which surfaces are near each other */
+    SVO_U32 reserved[2]; /* 24 */
+};
+
 #if !defined(GL_core_profile)
+SVO_ASSERT_BYTES(svo_screen_params, 32);
 SVO_ASSERT_BYTES(svo_light_params, 32);
 SVO_ASSERT_BYTES(svo_gather_params, 32);
 SVO_ASSERT_BYTES(svo_light_step, 32);

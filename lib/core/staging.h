@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Between host memory and buffers. A device with memory of its own copies by DMA, which needs pages that stay where they
- * are. For an array anywhere the driver copies to or from such pages, piece by piece, and waits for each; so here, but
- * a device handle has two halves of staging memory, and while one is on its way the other is filled or emptied.
+ * Between host memory and buffers. A device with memory of its own copies by DMA, which needs pages that stay where
+ * they are. For an array anywhere the driver copies to or from such pages, piece by piece, and waits for each; so
+ * here, but a device handle has two halves of staging memory, and while one is on its way the other is filled or
+ * emptied.
  */
 #ifndef SVO_LIB_CORE_STAGING_H
 #define SVO_LIB_CORE_STAGING_H

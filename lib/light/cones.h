@@ -1,27 +1,28 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What cones gather from a light: at points, along rays and in pictures.
- *
- * Radiance along rays is for what is made of it. Its kernel takes the arguments that SVO_LIT_PARAMETERS of
- * kernels/light/surface.clh declares, like that of pictures, and then its own.
+ * Light at points and along rays.
  */
 #ifndef SVO_LIB_LIGHT_CONES_H
 #define SVO_LIB_LIGHT_CONES_H
 
-#include "light/handle.h"
-
-/* A kernel, and what lights the tree. */
-typedef struct svo_i_light_shader {
-    const svo_light *light;
-    svo_i_device_work *work;
-    cl_kernel kernel; /* owned */
-    cl_mem sources, finishes; /* the work's; NULL: none */
-} svo_i_light_shader;
+#include "light/shader.h"
 
 typedef struct svo_i_light_shade {
     svo_i_light_shader shader;
     svo_gather_params gather;
 } svo_i_light_shade;
+
+/* Sets the arguments that SVO_LIGHT_PARAMETERS of kernels/light/light.clh declares. of: a light. */
+svo_status svo_i_light_set_target(void *of, const char *function, cl_kernel kernel, cl_uint first_index);
+
+/* kernels/light/gather_rays.cl, a work-item for each point of a buffer: begins it, by the second function with the work
+   and the uploads of another kernel, and sets its arguments. */
+svo_status svo_i_light_points_begin(svo_i_device_work *work, const svo_light *light, const svo_gather_params *gather,
+                                    svo_i_light_shader *out);
+svo_status svo_i_light_points_also(const svo_i_light_shader *first, const svo_gather_params *gather,
+                                   svo_i_light_shader *out);
+svo_status svo_i_light_points_set(const svo_i_light_shader *shader, const svo_gather_params *gather, cl_mem points,
+                                  cl_mem results, uint32_t point_count);
 
 /* Checks the number of cones: 1, 5, 6, 16 or 64; 0 for the default. The message names options.cones of the function. */
 svo_status svo_i_light_check_cones(const svo_light *light, const char *function, uint32_t cones);

@@ -11,7 +11,10 @@
  *   exchange          from the sums of photons to the radiance of lit leaves
  *   shoot             all photons of a setup, or those that a change concerns
  *   light             plan, create, set sources, update, destroy
- *   cones             what cones gather: batches of points, radiance along rays, pictures
+ *   shader            options of gathering; kernels that shade surfaces
+ *   cones             light at batches of points, radiance along rays
+ *   screen            light of pictures by few rays, smoothed over surfaces
+ *   picture           pictures
  */
 #ifndef SVO_LIB_LIGHT_HANDLE_H
 #define SVO_LIB_LIGHT_HANDLE_H

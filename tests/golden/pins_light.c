@@ -84,6 +84,7 @@ static void pin_gathered(pins *all, const svo_tree *tree, svo_light *light)
     svo_gather_result results[POINTS];
     svo_ray rays[POINTS];
     svo_gather_options options = SVO_GATHER_OPTIONS_INIT;
+    options.method = SVO_GATHER_CONES;
     pin_make_rays(tree, 21, rays, POINTS);
     for (size_t i = 0; i < POINTS; ++i) {
         points[i] = (svo_gather_point){.exponent = 20};

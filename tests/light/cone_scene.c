@@ -200,8 +200,9 @@ svo_tree *cone_scene_build(const fixture *opened, const cone_scene *scene, uint3
 
 void cone_scene_gather(const fixture *opened, cone_scene *scene, svo_light *light, const svo_gather_options *options)
 {
+    static const svo_gather_options cones = {.struct_size = sizeof cones, .method = SVO_GATHER_CONES};
     light_succeed(opened, svo_gather(light, svo_in_host(scene->points), svo_in_host(scene->results), scene->point_count,
-                                     options, &(svo_submit){.queue = opened->queue}));
+                                     options != NULL ? options : &cones, &(svo_submit){.queue = opened->queue}));
 }
 
 void cone_scene_gather_form(const fixture *opened, cone_scene *scene, svo_light_form form,

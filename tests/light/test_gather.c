@@ -369,6 +369,7 @@ static void the_sky_is_seen(void **state)
         svo_light *light = light_of(&opened, tree, (svo_light_form)form);
         svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
         svo_gather_options options = SVO_GATHER_OPTIONS_INIT;
+        options.method = SVO_GATHER_CONES;
         setup.sky[0] = 3;
         setup.sky[2] = 0.5F;
         light_succeed(&opened, svo_light_set_sources(light, &setup, opened.queue));
@@ -439,6 +440,18 @@ static void wrong_options_are_refused(void **state)
         {{.range = -1}, "svo_gather: options.range -1 is negative or not finite"},
         {{.range = INFINITY}, "svo_gather: options.range inf is negative or not finite"},
         {{.falloff = -0.5F}, "svo_gather: options.falloff -0.5 is negative or not finite"},
+        {{.paths = 48}, "svo_gather: options.paths 48 is no power of two in 16 .. 65536"},
+        {{.paths = 8}, "svo_gather: options.paths 8 is no power of two in 16 .. 65536"},
+        {{.paths = 131072}, "svo_gather: options.paths 131072 is no power of two in 16 .. 65536"},
+        {{.bounces = 65}, "svo_gather: options.bounces 65 is above 64"},
+        {{.error = -1}, "svo_gather: options.error -1 is negative or not finite"},
+        {{.method = SVO_GATHER_METHOD_COUNT}, "svo_gather: options.method 3 is not in 0 .. 2"},
+        {{.method = SVO_GATHER_CONES, .paths = 64},
+         "svo_gather: options names both cones (cones 0, step 0) and rays (paths 64, bounces 0, error 0)"},
+        {{.method = SVO_GATHER_RAYS, .cones = 16},
+         "svo_gather: options names both cones (cones 16, step 0) and rays (paths 0, bounces 0, error 0)"},
+        {{.step = 0.5F, .bounces = 2},
+         "svo_gather: options names both cones (cones 0, step 0.5) and rays (paths 0, bounces 2, error 0)"},
     };
     const fixture opened = fixture_cl_of_group(state);
     cone_scene *scene;

@@ -206,7 +206,7 @@ static double linear_of(int byte)
     return coded <= 0.04045 ? coded / 12.92 : pow((coded + 0.055) / 1.055, 2.4);
 }
 
-/* What is full is direct and indirect light together; photons and cones can be left out. */
+/* What is full is direct and indirect light together; photons and what is gathered can be left out. */
 static void full_is_direct_and_indirect(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
@@ -243,9 +243,17 @@ static void full_is_direct_and_indirect(void **state)
     dark.no_photons = 1;
     light_succeed(&opened, svo_light_set_sources(scene.light, &dark, opened.queue));
     assert_int_equal(light_info_of(scene.light).photons, 0);
-    without.gather = NULL;
+    const svo_gather_options cones = {.struct_size = sizeof cones, .method = SVO_GATHER_CONES};
+    without.gather = &cones;
     draw(&opened, scene.light, &without, rgba[2]);
     assert_int_equal(rgba[2][4 * last], rgba[0][4 * last]);
+    /* Rays need no photons. */
+    without.gather = NULL;
+    draw(&opened, scene.light, &without, rgba[0]);
+    shine(&opened, scene.light, &sun, 0);
+    draw(&opened, scene.light, &without, rgba[2]);
+    assert_memory_equal(rgba[2], rgba[0], sizeof rgba[0]);
+    assert_true(rgba[2][4 * last] > 0);
     close_floor(&scene);
 }
 
@@ -374,6 +382,62 @@ static void bands_are_rows_of_the_picture(void **state)
     close_floor(&scene);
 }
 
+enum { TALL = 208 };
+
+/* So are those whose light is smoothed across the rows of others: bands gather beyond their own. */
+static void bands_have_the_light_beside_them(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    static uint8_t whole[WIDTH * TALL * 4];
+    static uint8_t bands[WIDTH * TALL * 4];
+    const svo_light_source sun = {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {1, -1, 0}, .value = {1, 1, 1}};
+    svo_render_options picture = picture_of(SVO_VIEW_INDIRECT);
+    lit_floor scene;
+    open_floor(&opened, true, &scene);
+    shine(&opened, scene.light, &sun, 0.2F);
+    picture.height = TALL;
+    picture.camera = (svo_camera){{0, 0.5F, 0.5F}, {0, 0, 0.1F}, {0, 1, 0}, 0.5F};
+    light_succeed(&opened, svo_render(svo_light_target(scene.light), &picture, svo_in_host(whole),
+                                      &(svo_submit){.queue = opened.queue}));
+    picture.row_count = 3 * SVO_LIGHT_BAND_ROWS;
+    for (picture.first_row = 0; picture.first_row < TALL; picture.first_row += picture.row_count) {
+        light_succeed(&opened, svo_render(svo_light_target(scene.light), &picture,
+                                          svo_in_host(bands + (size_t)picture.first_row * WIDTH * 4),
+                                          &(svo_submit){.queue = opened.queue}));
+    }
+    assert_memory_equal(bands, whole, sizeof whole);
+    close_floor(&scene);
+}
+
+/* 16 paths of 2 x 2 pixels, smoothed, beside 4,096; the roof's shadow keeps its edge. */
+static void few_rays_look_like_many(void **state)
+{
+    static const svo_render_view views[3] = {SVO_VIEW_AO, SVO_VIEW_INDIRECT, SVO_VIEW_SHADED};
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_gather_options many = {.struct_size = sizeof many, .method = SVO_GATHER_RAYS, .paths = 4096};
+    const svo_light_source sun = {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {0.2F, -1, 0}, .value = {1, 1, 1}};
+    static uint8_t rgba[2][WIDTH * HEIGHT * 4];
+    lit_floor scene;
+    open_floor(&opened, true, &scene);
+    shine(&opened, scene.light, &sun, 0.3F);
+    for (int i = 0; i < 3; ++i) {
+        svo_render_options picture = picture_of(views[i]);
+        double squares_sum = 0;
+        picture.camera = (svo_camera){{0, 0.5F, 0.5F}, {0, 0, 0.1F}, {0, 1, 0}, 0.5F};
+        draw(&opened, scene.light, &picture, rgba[0]);
+        picture.gather = &many;
+        draw(&opened, scene.light, &picture, rgba[1]);
+        for (size_t at = 0; at < sizeof rgba[0]; ++at) {
+            const double off = (double)rgba[0][at] - rgba[1][at];
+            squares_sum += off * off;
+        }
+        const double rmse = sqrt(squares_sum / (double)sizeof rgba[0]);
+        print_message("view %d: RMSE %.2f of 255\n", (int)views[i], rmse);
+        assert_true(rmse < 4);
+    }
+    close_floor(&scene);
+}
+
 static void expect_refused(const fixture *opened, svo_light *light, const svo_render_options *picture,
                            const char *words)
 {
@@ -425,7 +489,8 @@ TEST_GROUP(light_picture)
         cmocka_unit_test(sources_light_directly),        cmocka_unit_test(shadows_are_those_of_triangles),
         cmocka_unit_test(floors_are_open_to_the_sky),    cmocka_unit_test(full_is_direct_and_indirect),
         cmocka_unit_test(finishes_emit_and_reflect),     cmocka_unit_test(trees_without_triangles_are_drawn),
-        cmocka_unit_test(bands_are_rows_of_the_picture), cmocka_unit_test(a_plane_cuts_the_floor_away),
+        cmocka_unit_test(bands_are_rows_of_the_picture), cmocka_unit_test(bands_have_the_light_beside_them),
+        cmocka_unit_test(few_rays_look_like_many),       cmocka_unit_test(a_plane_cuts_the_floor_away),
         cmocka_unit_test(wrong_pictures_are_refused)};
     return cmocka_run_group_tests_name("light_picture", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -290,11 +290,12 @@ static void cpus_take_one_launch(void **state)
 
 /* ---- pictures ---- */
 
-static uint64_t draw(subject *s, svo_target target, double target_ms, unsigned char *pixels)
+static uint64_t draw(subject *s, svo_target target, svo_render_view view, double target_ms, unsigned char *pixels)
 {
     svo_render_options options = SVO_RENDER_OPTIONS_INIT;
     options.width = EDGE;
     options.height = EDGE;
+    options.view = view;
     s->opened.device->bands = (svo_i_bands){target_ms, 1, 1};
     succeed(&s->opened, svo_camera_fit(svo_tree_target(s->tree), 1.0F, &options.camera));
     memset(pixels, 0xa5, (size_t)EDGE * EDGE * 4);
@@ -304,7 +305,7 @@ static uint64_t draw(subject *s, svo_target target, double target_ms, unsigned c
 }
 
 /* The first band of a picture is as large as all of those that are not measured, here of 32 tiles of 8 x 8 pixels, or
-   2 of the 16 x 16 of a light; the others are of one. */
+   2 of the 16 x 16 of a light without rays; the others are of one. */
 static void pictures_are_the_same_in_bands(void **state)
 {
     static unsigned char pixels[2][EDGE * EDGE * 4];
@@ -313,17 +314,19 @@ static void pictures_are_the_same_in_bands(void **state)
     make_subject(SVO_PATH_GPU, &s);
     const struct {
         svo_target of;
+        svo_render_view view;
         cl_uint tile_edge, first;
-    } targets[] = {{svo_tree_target(s.tree), 8, 32},
-                   {svo_compact_target(s.compact), 8, 32},
-                   {svo_scene_target(s.scene), 8, 32},
-                   {svo_light_target(s.light), 16, 2}};
+    } targets[] = {{svo_tree_target(s.tree), SVO_VIEW_SHADED, 8, 32},
+                   {svo_compact_target(s.compact), SVO_VIEW_SHADED, 8, 32},
+                   {svo_scene_target(s.scene), SVO_VIEW_SHADED, 8, 32},
+                   {svo_light_target(s.light), SVO_VIEW_DIRECT, 16, 2}};
     const cl_uint all = s.opened.device->band_tiles;
     for (size_t i = 0; i < sizeof targets / sizeof targets[0]; ++i) {
         const cl_uint across = EDGE / targets[i].tile_edge;
-        assert_int_equal(draw(&s, targets[i].of, 1e12, pixels[0]), 1);
+        assert_int_equal(draw(&s, targets[i].of, targets[i].view, 1e12, pixels[0]), 1);
         s.opened.device->band_tiles = 32;
-        assert_int_equal(draw(&s, targets[i].of, 0.0, pixels[1]), 1 + across * across - targets[i].first);
+        assert_int_equal(draw(&s, targets[i].of, targets[i].view, 0.0, pixels[1]),
+                         1 + across * across - targets[i].first);
         assert_memory_equal(pixels[0], pixels[1], sizeof pixels[0]);
         s.opened.device->band_tiles = all;
     }

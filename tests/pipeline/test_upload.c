@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Uploads and results through staging memory, as on devices with memory of their own, of a few KiB here: the same bytes at the same
- * place for sizes around those of its halves, on in-order and out-of-order queues, whether a call waits or not; the
- * same trees. Devices that share the host's memory have none.
+ * Uploads and results through staging memory, as on devices with memory of their own, of a few KiB here: the same bytes
+ * at the same place for sizes around those of its halves, on in-order and out-of-order queues, whether a call waits or
+ * not; the same trees. Devices that share the host's memory have none.
  */
 #include <setjmp.h>
 #include <stdarg.h>

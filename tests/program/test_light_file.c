@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Light as a user asks for it: `svocl render --view ao, direct, gi, specular, full`, `svocl gather`, and files of
- * lights, in which whatever is wrong is one line with its place.
+ * Light as a user asks for it: `svocl render --view ao, direct, gi, specular, full`, `svocl gather`, what both choose
+ * where nothing is given, and files of lights, in which whatever is wrong is one line with its place.
  */
 #include "program_picture.h"
 #include "run_program.h"
@@ -77,6 +77,14 @@ static double brightness(const char *view)
     return take_brightness("a.png");
 }
 
+/* By light that views may be compared by. */
+static double plain(const char *view)
+{
+    char options[128];
+    snprintf(options, sizeof options, "--exposure 1 %s", view);
+    return brightness(options);
+}
+
 /* Each view by itself, in every form; what is switched off is dark. */
 static void views_show_their_light(void **state)
 {
@@ -85,21 +93,21 @@ static void views_show_their_light(void **state)
     run_well("$SVOCL build scene:atrium:5000 -d 5 --need color,normal,rays,projected-area -o a.svo -q");
     write_text("lights.json", "{\"lights\": [" SUN "], \"sky\": [0, 0, 0],\n"
                               " \"camera\": {\"eye\": [0, 1.6, 6], \"at\": [0, 1.5, -3], \"fov\": 60}}");
-    const double direct = brightness("--view direct");
-    const double indirect = brightness("--view gi");
-    const double full = brightness("--view full");
+    const double direct = plain("--view direct");
+    const double indirect = plain("--view gi");
+    const double full = plain("--view full");
     assert_true(direct > 5 && indirect > 5 && full > direct && full > indirect);
-    assert_true(brightness("--view ao") > 30);
-    assert_float_equal(brightness("--view specular"), 0, 1e-9);
-    assert_float_equal(brightness("--view full --gi off"), direct, 1e-9);
-    assert_float_equal(brightness("--view gi --photons off"), 0, 1e-9);
-    assert_float_equal(brightness("--view full --photons off"), direct, 1e-9);
-    assert_true(brightness("--view gi --form bricks") > 5);
-    assert_true(brightness("--view gi --form voxels") > 5);
-    assert_true(brightness("--view ao --opacity full") < brightness("--view ao") - 1);
-    assert_float_equal(brightness("--view ao --opacity area"), brightness("--view ao"), 1e-9);
-    assert_true(brightness("--view ao --range 0.5") > brightness("--view ao") + 5);
-    assert_true(brightness("--view ao --lambda 4") > brightness("--view ao") + 5);
+    assert_true(plain("--view ao") > 30);
+    assert_float_equal(plain("--view specular"), 0, 1e-9);
+    assert_float_equal(plain("--view full --gi off"), direct, 1e-9);
+    assert_float_equal(plain("--view gi --photons off"), 0, 1e-9);
+    assert_float_equal(plain("--view full --photons off"), direct, 1e-9);
+    assert_true(plain("--view gi --form bricks") > 5);
+    assert_true(plain("--view gi --form voxels") > 5);
+    assert_true(plain("--view ao --opacity full") < plain("--view ao") - 1);
+    assert_float_equal(plain("--view ao --opacity area"), plain("--view ao"), 1e-9);
+    assert_true(plain("--view ao --range 0.5") > plain("--view ao --range 0") + 5);
+    assert_true(plain("--view ao --range 0 --lambda 4") > plain("--view ao --range 0") + 5);
     assert_true(brightness("--view full --exposure 3") > full + 10);
     run_well("$SVOCL render a.svo -q --view full --lights lights.json --size 32x24 -o a.png");
     run_well("$SVOCL render a.svo -q --view full --lights lights.json --size 32x24 -o b.png && cmp a.png b.png");
@@ -132,6 +140,145 @@ static void every_input_is_lit(void **state)
     run_well("rm a.png a.svc a.vox");
 }
 
+/* ---- what is chosen ---- */
+
+static void write_lights(double sun, double sky)
+{
+    char text[320];
+    snprintf(text, sizeof text,
+             "{\"lights\": [{\"kind\": \"directional\", \"direction\": [-0.3, -1, -0.2], \"value\": [%g, %g, %g]}],\n"
+             " \"sky\": [%g, %g, %g], \"camera\": {\"eye\": [0, 1.6, 6], \"at\": [0, 1.5, -3], \"fov\": 60}}",
+             sun, sun, sun, sky, sky, sky);
+    write_text("lights.json", text);
+}
+
+static double exposure_of(const char *options)
+{
+    char line[256];
+    snprintf(line, sizeof line,
+             "$SVOCL render a.svo --lights lights.json --size 32x24 --cones 5 --json -o a.png --view full %s", options);
+    cJSON *document = run_json(line);
+    assert_true(cJSON_IsTrue(cJSON_GetObjectItem(document, "exposure_is_automatic")));
+    const double exposure = number_of(document, "exposure");
+    cJSON_Delete(document);
+    return exposure;
+}
+
+/* A dim scene looks as a bright one, and what was chosen can be asked for. */
+static void exposure_suits_the_light_in_view(void **state)
+{
+    (void)state;
+    char line[256];
+    need_builds();
+    run_well("$SVOCL build scene:atrium:5000 -d 5 --need color,normal,rays,projected-area -o a.svo -q");
+    write_lights(3, 0.5);
+    const double bright = exposure_of("");
+    write_lights(0.003, 0.0005);
+    const double dim = exposure_of("");
+    if (!(dim > 980 * bright && dim < 1020 * bright)) {
+        fail_msg("exposure %g, and %g of a thousandth of the light", bright, dim);
+    }
+    const double shown = brightness("--view full");
+    if (!(shown > 70 && shown < 190 && plain("--view full") < 20)) {
+        fail_msg("brightness %g", shown);
+    }
+    run_well("$SVOCL render a.svo --view full --lights lights.json --size 32x24 -o a.png --threads 1");
+    assert_non_null(strstr(last.output, "(automatic)"));
+    const char *words = strstr(last.output, "; exposure ");
+    double printed = 0;
+    assert_true(words != NULL && sscanf(words, "; exposure %lf", &printed) == 1);
+    snprintf(line, sizeof line,
+             "$SVOCL render a.svo --view full --lights lights.json --size 32x24 -o b.png --exposure %g", printed);
+    run_well(line);
+    assert_null(strstr(last.output, "automatic"));
+    run_well("cmp a.png b.png");
+    const double turning = exposure_of("--turntable 2");
+    run_well("mv a-0001.png c.png && mv a-0002.png d.png");
+    snprintf(line, sizeof line,
+             "$SVOCL render a.svo -q --view full --lights lights.json --size 32x24 --cones 5 -o a.png --turntable 2 "
+             "--exposure %g && cmp a-0001.png c.png && cmp a-0002.png d.png",
+             turning);
+    run_well(line);
+    run_well("$SVOCL render a.svo --view full --lights lights.json --size 32x24 -o a.hdr && rm a.hdr");
+    assert_non_null(strstr(last.output, "exposure 1\n"));
+    write_lights(0, 0);
+    run_well("$SVOCL render a.svo --view full --lights lights.json --size 32x24 -o a.png");
+    assert_non_null(strstr(last.output, "exposure 1 (automatic)"));
+    assert_non_null(strstr(last.output, "The picture is black"));
+    run_well("rm a.png b.png c.png d.png a-0001.png a-0002.png a.svo lights.json");
+}
+
+/* Looks from the bottom of a room at its wall. */
+static void expect_lit_by(const char *input, const char *expected, float sun[3])
+{
+    char line[256];
+    snprintf(line, sizeof line,
+             "$SVOCL render --view full %s --eye 0.5,0.6,0.8 --at 0.5,0.4,0.2 --size 32x24 --cones 5 --json -o a.png",
+             input);
+    cJSON *document = run_json(line);
+    assert_string_equal(text_of(document, "lit_by"), expected);
+    for (int axis = 0; axis < 3 && sun != NULL; ++axis) {
+        sun[axis] = (float)cJSON_GetArrayItem(array_of(document, "sun"), axis)->valuedouble;
+    }
+    cJSON_Delete(document);
+    const double shown = take_brightness("a.png");
+    if (!(shown > 30 && shown < 230)) {
+        fail_msg("%s: brightness %g", input, shown);
+    }
+}
+
+/* Four walls and a floor, 1 x 4 x 1. */
+#define WALLS                                                                  \
+    "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0 4 0\nv 1 4 0\nv 1 4 1\nv 0 4 1\n" \
+    "f 1 2 3 4\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n"
+
+/* Whatever is in view is lit: by a sun from where it comes in, by what shines in a closed room, or by a lamp. */
+static void default_lights_reach_what_is_in_view(void **state)
+{
+    (void)state;
+    float sun[3];
+    need_builds();
+    write_text("pit.obj", WALLS);
+    write_text("room.obj", WALLS "f 5 6 7 8\n");
+    write_text("m.mtl", "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl lamp\nKd 0 0 0\nKe 4 4 4\n");
+    write_text("lit.obj", "mtllib m.mtl\nusemtl wall\n" WALLS "usemtl lamp\nf 5 6 7 8\n");
+    expect_lit_by("pit.obj -d 6", "sun", sun);
+    assert_true(sun[1] < -0.9F);
+    expect_lit_by("room.obj -d 6", "lamp", NULL);
+    expect_lit_by("lit.obj -d 6", "emitters", NULL);
+    expect_lit_by("lit.obj -d 6 --view direct", "lamp", NULL);
+    run_well("$SVOCL build room.obj -d 5 --need normal -o room.svo -q");
+    expect_lit_by("room.svo", "lamp", NULL);
+    run_well("$SVOCL render room.obj -d 6 --view full --eye 0.5,0.6,0.8 --at 0.5,0.4,0.2 --size 32x24 -o a.png");
+    assert_non_null(strstr(last.output, "the scene is closed: lit by a lamp at the camera; --lights FILE sets others"));
+    run_well("$SVOCL render room.obj -d 6 --view full --size 32x24 -o a.png");
+    assert_non_null(strstr(last.output, "lit by a sun behind the camera and a sky"));
+    run_well("rm a.png pit.obj room.obj room.svo lit.obj m.mtl");
+}
+
+/* Ambient occlusion reaches a tenth of the grid's width unless asked otherwise; light comes from anywhere. */
+static void occlusion_has_a_range(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("$SVOCL build scene:cornell:500 -d 5 --need rays,projected-area --origin -1,0,-1 --edge 2 -o a.svo -q");
+    cJSON *document = run_json("$SVOCL render a.svo --view ao --size 32x24 --json -o a.png");
+    assert_float_equal(number_of(document, "range"), 0.2, 1e-6);
+    cJSON_Delete(document);
+    run_well("$SVOCL render a.svo --view ao --size 32x24 --range 0.2 -q -o b.png && cmp a.png b.png");
+    run_well("$SVOCL render a.svo --view ao --size 32x24 --range 0 -o b.png && ! cmp -s a.png b.png");
+    assert_non_null(strstr(last.output, "ambient occlusion reaches any distance"));
+    write_text("points.csv", "0.5,0,0.5,0,1,0\n0.8,0,-0.8,0,1,0\n");
+    write_text("lights.json", "{\"sky\": [1, 1, 1]}");
+#define GATHER "$SVOCL gather a.svo --points points.csv --lights lights.json -q "
+    run_well(GATHER "-o a.csv && " GATHER "--range 0.2 -o b.csv && " GATHER "--range 0 -o c.csv");
+#undef GATHER
+    run_well("test \"$(cut -d, -f7 a.csv)\" = \"$(cut -d, -f7 b.csv)\"");
+    run_well("test \"$(cut -d, -f8-10 a.csv)\" = \"$(cut -d, -f8-10 c.csv)\"");
+    run_well("test \"$(cut -d, -f7 a.csv)\" != \"$(cut -d, -f7 c.csv)\"");
+    run_well("rm a.svo a.png b.png a.csv b.csv c.csv points.csv lights.json");
+}
+
 static void what_does_not_apply_is_refused(void **state)
 {
     (void)state;
@@ -162,11 +309,12 @@ static void points_are_gathered(void **state)
     write_text("sheets.obj", "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv -2 0.4 -2\nv 2 0.4 -2\nv 2 0.4 2\nv -2 0.4 2\n"
                              "f 1 2 3\nf 1 3 4\nf 5 6 7\nf 5 7 8\n");
     write_text("points.csv", "x,y,z,nx,ny,nz\n0.1,0,0.1,0,1,0\n0.1,0.4,0.1,0,1,0\n0.1,0,0.1,0,0,0\n9,9,9,0,1,0\n");
-    run_well("$SVOCL gather sheets.obj -d 6 --points points.csv -o a.csv");
+    run_well("$SVOCL gather sheets.obj -d 6 --points points.csv --range 0 -o a.csv");
     assert_non_null(strstr(last.output, "2 points lie outside the grid or have no normal"));
     char text[4096];
     read_text("a.csv", text, sizeof text);
-    static const char heading[] = "x,y,z,nx,ny,nz,ao,r,g,b,specular_r,specular_g,specular_b\n";
+    static const char heading[] = "x,y,z,nx,ny,nz,ao,r,g,b,specular_r,specular_g,specular_b,"
+                                  "direct_r,direct_g,direct_b,ao_error,light_error\n";
     assert_memory_equal(text, heading, sizeof heading - 1);
     double openness[4] = {-1, -1, -1, -1};
     const char *line = strchr(text, '\n') + 1;
@@ -196,7 +344,7 @@ static void leaves_are_as_opaque_as_asked(void **state)
     double openness[4];
     for (size_t i = 0; i < 4; ++i) {
         char line[256];
-        snprintf(line, sizeof line, "$SVOCL gather %s --points 50 --json -o a.csv", cases[i].arguments);
+        snprintf(line, sizeof line, "$SVOCL gather %s --points 50 --cones 16 --json -o a.csv", cases[i].arguments);
         cJSON *document = run_json(line);
         assert_string_equal(text_of(document, "opacity"), cases[i].opacity);
         openness[i] = number_of(document, "ao");
@@ -213,18 +361,28 @@ static void the_truth_stands_beside(void **state)
     (void)state;
     need_builds();
     write_text("lights.json", "{\"lights\": [" SUN "], \"sky\": [0.5, 0.5, 0.5]}");
-    cJSON *document = run_json("$SVOCL gather scene:atrium:5000 -d 7 --points 100 --lights lights.json --reference 256 "
-                               "--json -o a.csv");
-    assert_int_equal((int)number_of(document, "points"), 100);
-    const double openness = number_of(document, "ao_rmse");
-    const double irradiance = number_of(document, "irradiance_rmse");
-    if (!(openness > 0 && openness < 0.2 && irradiance > 0 && irradiance < 0.6)) {
-        fail_msg("RMSE of openness %g, of irradiance %g", openness, irradiance);
+    static const struct {
+        const char *options;
+        double openness, irradiance; /* the most */
+    } cases[] = {{"--cones 16", 0.2, 0.6}, {"", 0.03, 0.15}, {"--bounces 3 --error .02 --paths 4096", 0.03, 0.1}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        char line[256];
+        snprintf(line, sizeof line,
+                 "$SVOCL gather scene:atrium:5000 -d 7 --points 100 --lights lights.json --reference 1024 --range 0 "
+                 "--json -o a.csv %s",
+                 cases[i].options);
+        cJSON *document = run_json(line);
+        assert_int_equal((int)number_of(document, "points"), 100);
+        const double openness = number_of(document, "ao_rmse");
+        const double irradiance = number_of(document, "irradiance_rmse");
+        if (!(openness > 0 && openness < cases[i].openness && irradiance > 0 && irradiance < cases[i].irradiance)) {
+            fail_msg("%s: RMSE of openness %g, of irradiance %g", cases[i].options, openness, irradiance);
+        }
+        cJSON_Delete(document);
     }
-    cJSON_Delete(document);
     char text[512];
     read_text("a.csv", text, sizeof text);
-    assert_non_null(strstr(text, ",specular_b,reference_ao,reference_r,reference_g,reference_b\n"));
+    assert_non_null(strstr(text, ",light_error,reference_ao,reference_r,reference_g,reference_b\n"));
     run_well("$SVOCL build scene:cube -d 3 -o a.svo -q");
     run_badly("$SVOCL gather a.svo --points 3 --reference 64 -o b.csv", 2, "a.svo is a finished tree: --reference");
     run_badly("$SVOCL gather a.svo --points 3 -o b.csv", 2, "--points 3 needs a mesh to spread points over");
@@ -236,6 +394,9 @@ TEST_GROUP(light_file)
     const struct CMUnitTest tests[] = {IN_FOLDER(a_wrong_file_is_one_line_with_its_place),
                                        IN_FOLDER(views_show_their_light),
                                        IN_FOLDER(every_input_is_lit),
+                                       IN_FOLDER(exposure_suits_the_light_in_view),
+                                       IN_FOLDER(default_lights_reach_what_is_in_view),
+                                       IN_FOLDER(occlusion_has_a_range),
                                        IN_FOLDER(what_does_not_apply_is_refused),
                                        IN_FOLDER(points_are_gathered),
                                        IN_FOLDER(leaves_are_as_opaque_as_asked),

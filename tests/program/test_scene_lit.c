@@ -193,7 +193,7 @@ static void what_cannot_be_lit_is_one_line(void **state)
     write_text("many.json", "{\"trees\": {\"k\": {\"path\": \"scene:knot:20000\"}},\n"
                             " \"instances\": [{\"tree\": \"k\", \"copies\": {\"count\": [100, 10, 1]}}]}");
     run_badly("$SVOCL render many.json --view full -o a.png", 1,
-              "triangles are above 16777216, the most that views by cones take");
+              "triangles are above 16777216, the most that views of light take");
     write_text("none.json", "{\"trees\": {\"k\": {\"path\": \"none.obj\"}}, \"instances\": [{\"tree\": \"k\"}]}");
     run_badly("$SVOCL render none.json --view full -o a.png", 1, "none.obj");
     write_text("wrong.json", "{\"trees\": {\"k\": {\"path\": \"none.obj\"}},\n \"instances\": [{\"tree\": \"q\"}]}");

@@ -366,7 +366,7 @@ def light_is_that_of_render(browser, folder):
     path = folder / "lit.html"
     tree = folder / "atrium.svo"
     subprocess.run([PROGRAM, "build", "scene:atrium", "-d", "7", "-q", "-o", str(tree)], check=True)
-    export(path, str(tree), "--lights", str(lights))
+    export(path, str(tree), "--lights", str(lights), "--exposure", "1")
     browser.open_whole(path.as_uri())
     browser.run(INSPECT.read_text())
     browser.run("canvas.style.width = '160px', canvas.style.height = '120px', page.resize()")
@@ -374,10 +374,10 @@ def light_is_that_of_render(browser, folder):
     far = {}
     for view in ("full", "ao"):
         picture = folder / f"{view}.png"
-        range_of_page = ["--range", "2"] if view == "ao" else []
+        as_page = ["--range", "2"] if view == "ao" else ["--exposure", "1"]
         subprocess.run(
             [PROGRAM, "render", str(tree), "--lights", str(lights), "--view", view, "--size", "160x120", "-q"]
-            + [*range_of_page, "-o", str(picture)],
+            + [*as_page, "-o", str(picture)],
             check=True,
         )
         address = "data:image/png;base64," + base64.b64encode(picture.read_bytes()).decode()

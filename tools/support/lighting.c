@@ -2,11 +2,12 @@
 /* Reads files of lights; lights trees by them and the options. */
 #include "support/lighting.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "support/info_of.h"
 #include "support/json_source.h"
+#include "support/options_parse.h"
 #include "support/picture.h"
 #include "support/suggest.h"
 #include "support/table.h"
@@ -291,8 +292,6 @@ static int take_scene(program *state, lighting *out)
     return PROGRAM_DONE;
 }
 
-const float lighting_sky[3] = {0.42F, 0.52F, 0.66F};
-
 int lighting_open(program *state, lighting *out)
 {
     *out = (lighting){.light = NULL};
@@ -418,45 +417,29 @@ int lighting_place_camera(program *state, const lighting *work, svo_tree *tree, 
     return viewpoint_place(state, &shown, camera);
 }
 
-svo_light_source lighting_sun(const svo_camera *camera)
+int lighting_setup_for_picture(program *state, const job *done, const svo_camera *camera, lighting *work,
+                               svo_light_setup *setup)
 {
-    float away[3];
-    svo_light_source sun = {.kind = SVO_SOURCE_DIRECTIONAL, .value = {3.0F, 2.8F, 2.5F}};
-    float length = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        away[axis] = camera->target[axis] - camera->eye[axis];
-        length += away[axis] * away[axis];
+    default_lights *chosen = &work->chosen;
+    *setup = lighting_setup(work, &done->source);
+    if (state->options.lights_path != NULL) {
+        return PROGRAM_DONE;
     }
-    length = sqrtf(length);
-    for (int axis = 0; axis < 3; ++axis) {
-        const int next = (axis + 1) % 3;
-        const int last = (axis + 2) % 3;
-        const float right = away[next] * camera->up[last] - away[last] * camera->up[next];
-        sun.direction[axis] = 0.38F * away[axis] - 0.5F * right - 0.85F * length * camera->up[axis];
-    }
-    return sun;
-}
-
-svo_light_setup lighting_setup_for_picture(const program *state, const lighting *work, const input *source,
-                                           const svo_camera *camera, svo_light_source *sun)
-{
-    svo_light_setup setup = lighting_setup(work, source);
-    if (state->options.lights_path == NULL) {
-        *sun = lighting_sun(camera);
-        setup.sources = setup.source_count > 0 ? setup.sources : sun;
-        setup.source_count = setup.source_count > 0 ? setup.source_count : 1;
-        for (int channel = 0; channel < 3; ++channel) {
-            setup.sky[channel] = lighting_sky[channel];
-        }
-    }
-    return setup;
+    const bool is_lit = setup->source_count > 0; /* by a scene's own lights */
+    const int exit_code =
+        is_lit ? PROGRAM_DONE
+               : default_lights_choose(state, done, camera, state->options.width, state->options.height, chosen);
+    setup->sources = is_lit ? setup->sources : &chosen->source;
+    setup->source_count = is_lit ? setup->source_count : chosen->source_count;
+    memcpy(setup->sky, default_lights_sky, sizeof setup->sky);
+    return exit_code;
 }
 
 int lighting_make_for_picture(program *state, const job *done, const svo_camera *camera, lighting *work)
 {
-    svo_light_source sun;
-    const svo_light_setup setup = lighting_setup_for_picture(state, work, &done->source, camera, &sun);
-    return lighting_make(state, done, &setup, work);
+    svo_light_setup setup;
+    const int exit_code = lighting_setup_for_picture(state, done, camera, work, &setup);
+    return exit_code == PROGRAM_DONE ? lighting_make(state, done, &setup, work) : exit_code;
 }
 
 svo_gather_options lighting_gather(const options *given)
@@ -465,7 +448,16 @@ svo_gather_options lighting_gather(const options *given)
                                 .cones = (uint32_t)given->cones,
                                 .range = (float)given->range,
                                 .falloff = (float)given->falloff,
-                                .no_light = given->gi == 0};
+                                .no_light = given->gi == 0,
+                                .method = (svo_gather_method)given->gather_method,
+                                .paths = (uint32_t)given->paths,
+                                .bounces = (uint32_t)given->bounces,
+                                .error = (float)given->error_goal};
+}
+
+double lighting_occlusion_range(const options *given, const svo_tree *tree)
+{
+    return options_is_given(given, "range") ? given->range : figure_rounded(info_of_tree(tree).edge / 10);
 }
 
 /* Bytes of the tree on the device, without what building it took besides. */
@@ -497,6 +489,33 @@ void lighting_report_scene_json(cJSON *document, const lighting *work, const job
         json_add_count(document, "depth", done->result.info.depth);
         json_add_count(document, "tree_bytes", tree_bytes(&done->result));
         cJSON_AddNumberToObject(document, "tree_ms", work->tree_ms);
+    }
+}
+
+void lighting_report_chosen(const lighting *work)
+{
+    if (work->chosen.kind != DEFAULT_LIGHT_NONE) {
+        table_line("%s", default_lights_describe(&work->chosen).text);
+    }
+}
+
+void lighting_report_chosen_json(cJSON *document, const lighting *work)
+{
+    if (work->chosen.kind != DEFAULT_LIGHT_NONE) {
+        json_add_text(document, "lit_by", default_lights_name(work->chosen.kind));
+    }
+    if (work->chosen.kind == DEFAULT_LIGHT_SUN_BEHIND || work->chosen.kind == DEFAULT_LIGHT_SUN_ELSEWHERE) {
+        cJSON_AddItemToObject(document, "sun", cJSON_CreateFloatArray(work->chosen.source.direction, 3));
+    }
+}
+
+void lighting_report_range(const options *given, double range)
+{
+    if (range > 0) {
+        table_line("ambient occlusion reaches %.6g%s", range,
+                   options_is_given(given, "range") ? "" : ", a tenth of the grid's width; --range sets it");
+    } else {
+        table_line("ambient occlusion reaches any distance");
     }
 }
 

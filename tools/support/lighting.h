@@ -3,6 +3,7 @@
 #ifndef SVOCL_TOOLS_SUPPORT_LIGHTING_H
 #define SVOCL_TOOLS_SUPPORT_LIGHTING_H
 
+#include "support/default_lights.h"
 #include "support/job.h"
 #include "support/program.h"
 #include "support/scene_input.h"
@@ -29,6 +30,7 @@ typedef struct lighting {
     light_file file; /* of --lights; without, what a scene says of lights; its camera where --lights has none */
     scene_file scene; /* INPUT, if that is one; else without trees */
     scene_input placed; /* what it places */
+    default_lights chosen; /* of a picture that none of them lights */
     double tree_ms; /* wall-clock time of reading and building the tree */
     svo_light *light;
     svo_light_info info;
@@ -48,10 +50,6 @@ uint32_t lighting_need(const options *given, const input *source);
    nothing is left to release. */
 int lighting_tree(program *state, unsigned further_steps, lighting *work, job *done);
 
-/* Without --lights: radiance from outside, and a sun high over the right shoulder of the viewer. */
-extern const float lighting_sky[3];
-svo_light_source lighting_sun(const svo_camera *camera);
-
 /* What lights the source's tree: the file, and the finishes of the mesh if there is one. Borrows from both. */
 svo_light_setup lighting_setup(const lighting *work, const input *source);
 
@@ -62,20 +60,30 @@ int lighting_make(program *state, const job *done, const svo_light_setup *setup,
    Returns the exit code. */
 int lighting_place_camera(program *state, const lighting *work, svo_tree *tree, svo_camera *camera);
 
-/* The same for a picture: without --lights and a scene's lights by a sun behind the camera and a sky. sun: receives the
-   sun, which the setup borrows. */
-svo_light_setup lighting_setup_for_picture(const program *state, const lighting *work, const input *source,
-                                           const svo_camera *camera, svo_light_source *sun);
+/* The same for a picture: without --lights and a scene's lights by default_lights.h, as work->chosen then says, which
+   the setup borrows. Returns the exit code. */
+int lighting_setup_for_picture(program *state, const job *done, const svo_camera *camera, lighting *work,
+                               svo_light_setup *setup);
 
-/* lighting_make for a picture: by --lights, or else by a sun behind the camera and a sky. */
+/* lighting_make for a picture. */
 int lighting_make_for_picture(program *state, const job *done, const svo_camera *camera, lighting *work);
 
-/* --cones, --range and --lambda. */
+/* --cones, --range, --lambda, and what gather has besides; without --range any distance. */
 svo_gather_options lighting_gather(const options *given);
+
+/* How far ambient occlusion reaches: --range, or else a tenth of the grid's width. 0: any distance. */
+double lighting_occlusion_range(const options *given, const svo_tree *tree);
 
 /* Says of a scene what its tree is: a line of text, or members of the document. Nothing of other inputs. */
 void lighting_report_scene(const lighting *work, const job *done);
 void lighting_report_scene_json(cJSON *document, const lighting *work, const job *done);
+
+/* Say by what a picture is lit where nothing was given. */
+void lighting_report_chosen(const lighting *work);
+void lighting_report_chosen_json(cJSON *document, const lighting *work);
+
+/* Says how far ambient occlusion reaches. */
+void lighting_report_range(const options *given, double range);
 
 /* Adds what the light is: form, opacity, bytes, photons, what they light and miss, times. */
 void lighting_report_json(cJSON *document, const lighting *work);

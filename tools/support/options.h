@@ -162,6 +162,9 @@ typedef struct options {
     double range, falloff; /* light: of ambient occlusion; 0: unlimited, none */
     const char *lights_path; /* light: NULL: not given */
     int cones; /* light: 0: not given */
+    int gather_method; /* gather: an svo_gather_method */
+    uint64_t paths, bounces; /* gather: 0: not given */
+    double error_goal; /* gather: 0: none */
     int light_form; /* light: svo_light_form */
     int opacity; /* light: svo_opacity */
     int photons, gi; /* light: 0: off */

@@ -60,6 +60,8 @@ static const choice sides[] = {{"front", 1}, {"left", 2},   {"right", 3}, {"back
 static const choice light_forms[] = {
     {"faces", SVO_LIGHT_FACES}, {"bricks", SVO_LIGHT_BRICKS}, {"voxels", SVO_LIGHT_VOXELS}, {NULL, 0}};
 static const choice opacities[] = {{"area", SVO_OPACITY_AREA}, {"full", SVO_OPACITY_FULL}, {NULL, 0}};
+static const choice gather_methods[] = {
+    {"auto", SVO_GATHER_AUTO}, {"cones", SVO_GATHER_CONES}, {"rays", SVO_GATHER_RAYS}, {NULL, 0}};
 static const choice cone_sets[] = {{"1", 1}, {"5", 5}, {"6", 6}, {"16", 16}, {"64", 64}, {NULL, 0}};
 static const choice ways_through[] = {{"tree", 0}, {"probes", 1}, {NULL, 0}};
 static const choice switches[] = {{"on", 1}, {"off", 0}, {NULL, 0}};
@@ -460,12 +462,15 @@ static const rule rules[] = {
      NULL, "CSV file with one point per line: x,y,z,nx,ny,nz; or a number of points, spread over the mesh by area"},
     {"samples", '\0', OPTION_REFERENCE_COMMAND, "N", read_count, FIELD(samples), 1, OPTION_SAMPLES_MAX, NULL,
      "paths for each point, rounded down to 16 squares (16384)"},
-    {"range", '\0', OPTION_REFERENCE_COMMAND | OPTION_LIGHT, "R", read_amount, FIELD(range), 0, 0, NULL,
+    {"range", '\0', OPTION_REFERENCE_COMMAND, "R", read_amount, FIELD(range), 0, 0, NULL,
      "farthest that ambient occlusion reaches, in the mesh's units (0: any distance)"},
+    {"range", '\0', OPTION_LIGHT, "R", read_amount, FIELD(range), 0, 0, NULL,
+     "farthest that ambient occlusion reaches, in the mesh's units; 0: any distance (a tenth of the grid's width; "
+     "pages: 0)"},
     {"lambda", '\0', OPTION_REFERENCE_COMMAND | OPTION_LIGHT, "L", read_amount, FIELD(falloff), 0, 0, NULL,
      "occlusion at a distance t counts 1 / (1 + L t) (0)"},
     {"view", '\0', OPTION_RENDER_COMMAND | OPTION_WEB_COMMAND, "NAME", read_choice, FIELD(view), 0, 0, views,
-     "shaded, normal, depth, steps, level, triangles; by cones: ao, direct, gi, specular, full (shaded)"},
+     "shaded, normal, depth, steps, level, triangles; lit: ao, direct, gi, specular, full (shaded)"},
     {"format", '\0', OPTION_PICTURE_FILE, "NAME", read_choice, FIELD(format), 0, 0, picture_formats,
      "format of -o: png, exr, hdr, ppm, y4m (its suffix; standard output: png)"},
     {"background", '\0', OPTION_PICTURE_FILE, "R,G,B", read_background, FIELD(background), 0, 255, NULL,
@@ -491,19 +496,28 @@ static const rule rules[] = {
     {"probe-field", '\0', OPTION_PROBES | OPTION_HASH_COMMAND, "N", read_count, FIELD(probe_field), 1, 256, NULL,
      "cells along each axis of the field that rays choose probes from (64)"},
     {"lights", '\0', OPTION_LIGHT | OPTION_REFERENCE_COMMAND, "FILE", read_text, FIELD(lights_path), 0, 0, NULL,
-     "JSON file with lights, sky and camera (a scene's own; else pictures: a sun behind the camera and a sky)"},
+     "JSON file with lights, sky and camera (a scene's own; else pictures: a sky, and a sun or a lamp that reaches "
+     "what is in view)"},
     {"cones", '\0', OPTION_LIGHT, "N", read_choice, FIELD(cones), 0, 0, cone_sets,
      "cones that gather the light of a point: 1, 5, 6, 16, 64 (16)"},
+    {"method", '\0', OPTION_LIGHT, "NAME", read_choice, FIELD(gather_method), 0, 0, gather_methods,
+     "how light is gathered: cones, rays (auto: with --cones cones, else rays)"},
+    {"paths", '\0', OPTION_LIGHT, "N", read_count, FIELD(paths), 16, 65536, NULL,
+     "paths of a point by rays, at most: 16, 32, 64 and so on (64; of 2 x 2 pixels 16)"},
+    {"bounces", '\0', OPTION_LIGHT | OPTION_REFERENCE_COMMAND, "N", read_count, FIELD(bounces), 1, 64, NULL,
+     "rays of a path: so often surfaces reflect the lights (1)"},
+    {"error", '\0', OPTION_LIGHT, "E", read_amount, FIELD(error_goal), 0, 0, NULL,
+     "a point has paths enough at this standard error of its openness, and of its light as a share (0: it has all)"},
     {"form", '\0', OPTION_LIGHT, "NAME", read_choice, FIELD(light_form), 0, 0, light_forms,
      "how light is stored: faces, bricks, voxels (faces)"},
     {"opacity", '\0', OPTION_LIGHT, "NAME", read_choice, FIELD(opacity), 0, 0, opacities,
      "how opaque leaves are: area, by the area in them that each direction meets; full (area)"},
     {"photons", '\0', OPTION_LIGHT, "NAME", read_choice, FIELD(photons), 0, 0, switches,
-     "whether surfaces that the lights reach light others: on, off (on)"},
+     "whether surfaces that the lights reach light others by cones: on, off (on)"},
     {"gi", '\0', OPTION_RENDER_COMMAND, "NAME", read_choice, FIELD(gi), 0, 0, switches,
-     "whether --view full shows what cones gather: on, off (on)"},
+     "whether --view full shows indirect light: on, off (on)"},
     {"exposure", '\0', OPTION_RENDER_COMMAND | OPTION_WEB_COMMAND, "E", read_amount, FIELD(exposure), 0, 0, NULL,
-     "light is multiplied by it before the tone curve, in views by cones (1)"},
+     "light is multiplied by it before the tone curve, in views of light (automatic: by the light in view)"},
     {"reference", '\0', OPTION_GATHER_COMMAND, "N", read_count, FIELD(reference), 1, OPTION_SAMPLES_MAX, NULL,
      "also path-trace each point by N paths, rounded down to 16 squares (none)"},
     {"eye", '\0', OPTION_RENDER_COMMAND | OPTION_WEB_COMMAND, "X,Y,Z", read_vector, FIELD(eye), 0, 0, NULL,

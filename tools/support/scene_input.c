@@ -62,12 +62,12 @@ static int check_totals(program *state, const char *name, const totals *all)
 {
     if (all->vertices > 3 * (uint64_t)PLACED_TRIANGLES_MAX) {
         return program_fail(state, PROGRAM_FAILED,
-                            "%s: %" PRIu64 " placed vertices are above %" PRIu64 ", the most that views by cones take",
+                            "%s: %" PRIu64 " placed vertices are above %" PRIu64 ", the most that views of light take",
                             name, all->vertices, 3 * (uint64_t)PLACED_TRIANGLES_MAX);
     }
     if (all->triangles > PLACED_TRIANGLES_MAX) {
         return program_fail(state, PROGRAM_FAILED,
-                            "%s: %" PRIu64 " placed triangles are above %" PRIu32 ", the most that views by cones take",
+                            "%s: %" PRIu64 " placed triangles are above %" PRIu32 ", the most that views of light take",
                             name, all->triangles, PLACED_TRIANGLES_MAX);
     }
     return all->materials <= MATERIALS_MAX
@@ -404,7 +404,7 @@ static int voxel_faces_make(program *state, const char *name, const svo_tree *tr
     if (2 * f.count > PLACED_TRIANGLES_MAX) {
         return program_fail(state, PROGRAM_FAILED,
                             "%s: %" PRIu64 " triangles around its voxels are above %" PRIu32
-                            ", the most that views by cones take",
+                            ", the most that views of light take",
                             name, 2 * f.count, PLACED_TRIANGLES_MAX);
     }
     if (!make_face_arrays(&f, out)) {

@@ -217,6 +217,13 @@ void table_line(const char *format, ...)
     va_end(arguments);
 }
 
+double figure_rounded(double value)
+{
+    char text[32];
+    (void)snprintf(text, sizeof text, "%.3g", value);
+    return strtod(text, NULL);
+}
+
 figure figure_count(uint64_t count)
 {
     char digits[24];

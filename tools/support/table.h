@@ -37,6 +37,9 @@ typedef struct figure {
     char text[FIGURE_BYTES];
 } figure;
 
+/* Three digits, for values that are chosen: what is printed and given back on a command line is the same number. */
+double figure_rounded(double value);
+
 figure figure_count(uint64_t count); /* "1,167,738" */
 figure figure_bytes(uint64_t bytes); /* "12.3 MiB" */
 figure figure_ms(double ms); /* "12.34 ms" */

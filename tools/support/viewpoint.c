@@ -222,6 +222,19 @@ float viewpoint_aspect(const program *state)
     return (float)state->options.width / (float)state->options.height;
 }
 
+static uint32_t shrink(uint32_t side, uint32_t from, uint32_t to)
+{
+    const uint32_t shrunk = (uint32_t)(((uint64_t)side * to + from / 2) / from);
+    return shrunk > 0 ? shrunk : 1;
+}
+
+void viewpoint_shrink(uint32_t longer, uint32_t *width, uint32_t *height)
+{
+    const uint32_t from = *width > *height ? *width : *height;
+    *width = shrink(*width, from, longer);
+    *height = shrink(*height, from, longer);
+}
+
 void viewpoint_turn(const svo_camera *start, unsigned frame, unsigned frame_count, svo_camera *out)
 {
     const double angle = 360 * DEGREE * frame / frame_count;

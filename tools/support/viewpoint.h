@@ -20,6 +20,9 @@ int viewpoint_place(program *state, const viewpoint_subject *of, svo_camera *cam
 /* Of the picture that the options ask for. */
 float viewpoint_aspect(const program *state);
 
+/* The size of a smaller picture of the same shape, whose longer side has so many pixels. */
+void viewpoint_shrink(uint32_t longer, uint32_t *width, uint32_t *height);
+
 /* A camera on its way round its target, about its up axis: frame 0 is where it stands, and frame_count would be there
    again. */
 void viewpoint_turn(const svo_camera *start, unsigned frame, unsigned frame_count, svo_camera *out);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "support/exposure.h"
 #include "support/lighting.h"
 #include "support/options_parse.h"
 #include "support/output.h"
@@ -19,7 +20,6 @@ typedef struct web_export {
     job done; /* empty for a compact tree that is taken as it is */
     svo_compact *compact;
     lighting lit; /* of pages with light */
-    svo_light_source sun; /* the only one without others */
     web_light light;
     web_tree tree;
     web_page page;
@@ -163,20 +163,41 @@ static int place_camera(program *state, web_export *made)
 
 /* ---- light ---- */
 
+/* That of a picture by the camera that the page begins with. */
+static int expose(program *state, web_export *made)
+{
+    const svo_gather_options gather = lighting_gather(&state->options);
+    const svo_render_options asked = {.struct_size = sizeof asked,
+                                      .width = state->options.width,
+                                      .height = state->options.height,
+                                      .camera = made->page.start.camera,
+                                      .gather = &gather};
+    exposure chosen;
+    const int exit_code =
+        exposure_choose(state, svo_light_target(made->lit.light), &asked, &made->done.opened, &chosen);
+    made->page.shine.exposure = (double)chosen.value;
+    return exit_code;
+}
+
 static int bake(program *state, web_export *made)
 {
     web_shine *shine = &made->page.shine;
-    const svo_light_setup setup =
-        lighting_setup_for_picture(state, &made->lit, &made->done.source, &made->page.start.camera, &made->sun);
+    svo_light_setup setup;
+    int exit_code = lighting_setup_for_picture(state, &made->done, &made->page.start.camera, &made->lit, &setup);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
     if (setup.source_count > WEB_SOURCES_MAX) {
         return program_fail(state, PROGRAM_FAILED, "%s: %zu lights, above the %u of a page", state->options.lights_path,
                             setup.source_count, WEB_SOURCES_MAX);
     }
     *shine = (web_shine){.sources = setup.sources,
                          .source_count = setup.source_count,
-                         .sky = {setup.sky[0], setup.sky[1], setup.sky[2]},
-                         .exposure = state->options.exposure > 0.0 ? state->options.exposure : 1.0};
-    int exit_code = lighting_make(state, &made->done, &setup, &made->lit);
+                         .sky = {setup.sky[0], setup.sky[1], setup.sky[2]}};
+    exit_code = lighting_make(state, &made->done, &setup, &made->lit);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = expose(state, made);
+    }
     if (exit_code == PROGRAM_DONE) {
         exit_code = web_bake(state, &made->tree, &made->lit, &made->done.opened, &made->light);
     }
@@ -299,6 +320,7 @@ static int report(program *state, const web_export *made)
                figure_bytes(made->page_bytes).text, figure_count(cut->leaf_count).text, cut->level, given->input,
                cut->colors.count > 0 ? ", colors" : "", cut->normals.count > 0 ? ", normals" : "",
                cut->light.count > 0 ? ", light" : "");
+    lighting_report_chosen(&made->lit);
     if (cut->level < depth) {
         table_line("Levels %u to %u are left out: with them the page would exceed %s (--max-bytes).", cut->level + 1,
                    depth, figure_bytes(given->max_bytes).text);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl gather: ambient occlusion, indirect and specular light at points, by cones, and by paths beside them. */
+/* svocl gather: ambient occlusion, direct, indirect and specular light at points, and a path-traced reference. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,6 +26,7 @@ typedef struct gathering {
     svo_gather_result *results;
     path_result *paths; /* NULL without --reference */
     double gather_ms, trace_ms;
+    double range; /* of ambient occlusion; 0: any distance */
     size_t left_out; /* points outside the grid or without a normal */
     double openness; /* mean over the others */
     double openness_error, irradiance_error; /* root of the mean square against the paths, over the others */
@@ -65,10 +66,39 @@ static bool is_left_out(const svo_tree_info *info, const svo_gather_point *point
 
 /* ---- light ---- */
 
+static int gather_into(const gathering *work, const svo_gather_options *asked, svo_gather_result *results)
+{
+    return svo_gather(work->lit.light, svo_in_host(work->at.points), svo_in_host(results), work->at.count, asked,
+                      &(svo_submit){.queue = work->done.opened.queue}) == SVO_OK
+               ? PROGRAM_DONE
+               : program_fail_library(work->state, svo_device_message(work->done.opened.device));
+}
+
+/* Occlusion of the range that is chosen where none is given: cones that end there bring no light from beyond, so they
+   are others than those of light. */
+static int gather_occlusion(gathering *work)
+{
+    svo_gather_options asked = lighting_gather(&work->state->options);
+    svo_gather_result *open = calloc(work->at.count + 1, sizeof *open);
+    if (open == NULL) {
+        return program_fail(work->state, PROGRAM_FAILED, "out of memory for %zu points", work->at.count);
+    }
+    asked.range = (float)work->range;
+    asked.no_light = 1;
+    const int exit_code = gather_into(work, &asked, open);
+    for (size_t i = 0; i < work->at.count && exit_code == PROGRAM_DONE; ++i) {
+        work->results[i].openness = open[i].openness;
+    }
+    free(open);
+    return exit_code;
+}
+
 static int gather(gathering *work)
 {
     program *state = work->state;
-    const svo_gather_options asked = lighting_gather(&state->options);
+    svo_gather_options asked = lighting_gather(&state->options);
+    const bool by_cones = asked.method == SVO_GATHER_CONES || asked.cones != 0;
+    work->range = lighting_occlusion_range(&state->options, work->done.result.tree);
     work->results = calloc(work->at.count + 1, sizeof *work->results);
     if (work->results == NULL) {
         return program_fail(state, PROGRAM_FAILED, "out of memory for %zu points", work->at.count);
@@ -76,14 +106,15 @@ static int gather(gathering *work)
     for (size_t i = 0; i < work->at.count; ++i) {
         reflect(work, &work->at.points[i]);
     }
-    progress_step(state->progress, "tracing cones");
+    progress_step(state->progress, "gathering light");
     const double started_ms = input_now_ms();
-    if (svo_gather(work->lit.light, svo_in_host(work->at.points), svo_in_host(work->results), work->at.count, &asked,
-                   &(svo_submit){.queue = work->done.opened.queue}) != SVO_OK) {
-        return program_fail_library(state, svo_device_message(work->done.opened.device));
+    asked.range = by_cones ? asked.range : (float)work->range;
+    int exit_code = gather_into(work, &asked, work->results);
+    if (exit_code == PROGRAM_DONE && by_cones && !options_is_given(&state->options, "range")) {
+        exit_code = gather_occlusion(work);
     }
     work->gather_ms = input_now_ms() - started_ms;
-    return PROGRAM_DONE;
+    return exit_code;
 }
 
 static int trace_paths(gathering *work)
@@ -95,8 +126,9 @@ static int trace_paths(gathering *work)
                               .mesh = work->done.source.mesh,
                               .queue = work->done.opened.queue,
                               .setup = &work->setup,
-                              .range = given->range,
+                              .range = work->range,
                               .falloff = given->falloff,
+                              .bounces = (unsigned)given->bounces,
                               .threads = given->threads != 0 ? (unsigned)given->threads
                                          : online > 0        ? (unsigned)online
                                                              : 1};
@@ -165,7 +197,10 @@ static void write_point(const gathering *work, size_t index, output_file *file)
     write_floats(file, point->normal, 3, ",");
     write_floats(file, &result->openness, 1, ",");
     write_floats(file, result->irradiance, 3, ",");
-    write_floats(file, result->specular, 3, work->paths != NULL ? "," : "\n");
+    write_floats(file, result->specular, 3, ",");
+    write_floats(file, result->direct, 3, ",");
+    const float errors[2] = {result->openness_error, result->irradiance_error};
+    write_floats(file, errors, 2, work->paths != NULL ? "," : "\n");
     if (work->paths != NULL) {
         const path_result *path = &work->paths[index];
         const float reference[4] = {(float)path->openness, (float)path->irradiance[0], (float)path->irradiance[1],
@@ -176,7 +211,8 @@ static void write_point(const gathering *work, size_t index, output_file *file)
 
 static int write_results(const gathering *work)
 {
-    static const char heading[] = "x,y,z,nx,ny,nz,ao,r,g,b,specular_r,specular_g,specular_b";
+    static const char heading[] = "x,y,z,nx,ny,nz,ao,r,g,b,specular_r,specular_g,specular_b,"
+                                  "direct_r,direct_g,direct_b,ao_error,light_error";
     static const char reference[] = ",reference_ao,reference_r,reference_g,reference_b";
     output_file file;
     progress_step(work->state->progress, "writing the light");
@@ -204,6 +240,7 @@ static int report_json(const gathering *work)
     json_add_count(document, "points", work->at.count);
     json_add_count(document, "left_out", work->left_out);
     cJSON_AddNumberToObject(document, "ao", work->openness);
+    cJSON_AddNumberToObject(document, "range", work->range);
     if (work->paths != NULL) {
         cJSON_AddNumberToObject(document, "ao_rmse", work->openness_error);
         cJSON_AddNumberToObject(document, "irradiance_rmse", work->irradiance_error);
@@ -229,6 +266,7 @@ static int report(const gathering *work)
     table_line("%s: %s points of %s in %s; light in %s", output_name(given->output_path),
                figure_count(work->at.count).text, given->input, figure_ms(work->gather_ms).text,
                figure_ms(work->lit.light_ms).text);
+    lighting_report_range(given, work->range);
     lighting_report_scene(&work->lit, &work->done);
     if (work->paths != NULL) {
         table_line("against %u paths a point, in %s: RMSE of ambient occlusion %.4f, of irradiance %.4f",

@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "support/exposure.h"
 #include "support/lighting.h"
 #include "support/picture.h"
 #include "support/probe_picture.h"
@@ -18,6 +19,7 @@ typedef struct probe_render {
     svo_device *device;
     cl_command_queue queue;
     svo_camera camera;
+    exposure exposed; /* of shaded pictures */
     svo_probes *probes;
     svo_probe_info info;
     probe_found found;
@@ -60,7 +62,7 @@ static int draw(void *user, const svo_camera *camera, const svo_picture_output *
                                  .width = given->width,
                                  .height = given->height,
                                  .view = (svo_render_view)given->view,
-                                 .exposure = given->exposure > 0 ? given->exposure : 1,
+                                 .exposure = (double)work->exposed.value,
                                  .output = *output};
     probe_found found;
     const int exit_code =
@@ -89,6 +91,10 @@ static int report_json(const probe_render *work)
     json_add_count(document, "hits", work->found.rays[SVO_PROBE_HIT]);
     json_add_count(document, "misses", work->found.rays[SVO_PROBE_MISS]);
     json_add_count(document, "unknown", work->found.rays[SVO_PROBE_UNKNOWN]);
+    if (work->lit.light != NULL) {
+        exposure_report_json(document, &work->exposed);
+        lighting_report_chosen_json(document, &work->lit);
+    }
     cJSON_AddNumberToObject(document, "probes_ms", work->probes_ms);
     return picture_print_document(work->state, document, work->found.trace_ms, work->device, &work->camera);
 }
@@ -97,7 +103,10 @@ static void report_text(const probe_render *work)
 {
     const options *given = &work->state->options;
     progress_hide(work->state->progress);
-    table_line("%s of %s in %s", picture_describe(given).text, given->input, figure_ms(work->found.trace_ms).text);
+    table_line("%s of %s in %s%s", picture_describe(given).text, given->input, figure_ms(work->found.trace_ms).text,
+               work->lit.light != NULL ? exposure_describe(&work->exposed).text : "");
+    lighting_report_chosen(&work->lit);
+    exposure_report_dark(&work->exposed);
     table_line("probes: %u x %u x %u of %u x %u texels, %s, in %s; %s moved, %s off", work->info.counts[0],
                work->info.counts[1], work->info.counts[2], work->info.resolution, work->info.resolution,
                figure_bytes(work->info.total_bytes).text, figure_ms(work->probes_ms).text,
@@ -128,6 +137,21 @@ static int render(probe_render *work)
     return exit_code == PROGRAM_DONE ? report(work) : exit_code;
 }
 
+/* The exposure of the same picture by rays and cones, which it so compares with. */
+static int expose(probe_render *work)
+{
+    const options *given = &work->state->options;
+    const svo_gather_options gather = lighting_gather(given);
+    const svo_render_options asked = {.struct_size = sizeof asked,
+                                      .width = given->width,
+                                      .height = given->height,
+                                      .camera = work->camera,
+                                      .view = SVO_VIEW_SHADED,
+                                      .gather = &gather,
+                                      .output = picture_output(given)};
+    return exposure_choose(work->state, svo_light_target(work->lit.light), &asked, &work->done.opened, &work->exposed);
+}
+
 static int light_tree(probe_render *work)
 {
     program *state = work->state;
@@ -136,6 +160,7 @@ static int light_tree(probe_render *work)
     int exit_code = lighting_place_camera(state, &work->lit, work->done.result.tree, &work->camera);
     if (exit_code == PROGRAM_DONE && state->options.view == SVO_VIEW_SHADED) {
         exit_code = lighting_make_for_picture(state, &work->done, &work->camera, &work->lit);
+        exit_code = exit_code == PROGRAM_DONE ? expose(work) : exit_code;
     }
     return exit_code;
 }

@@ -6,11 +6,12 @@
 #include <math.h>
 #include <string.h>
 
+#include "support/exposure.h"
 #include "view/camera.h"
 
 /* ---- rows of a picture ---- */
 
-/* Rows of a picture. All but pictures that cones light are drawn whole. */
+/* Rows of a picture. All but lit pictures are drawn whole. */
 typedef struct picture_part {
     unsigned width, height; /* of the picture, pixels */
     unsigned first_row, row_count; /* multiples of SVO_LIGHT_BAND_ROWS, but at the end */
@@ -29,15 +30,20 @@ static unsigned round_rows(unsigned rows)
     return (rows + SVO_LIGHT_BAND_ROWS - 1) / SVO_LIGHT_BAND_ROWS * SVO_LIGHT_BAND_ROWS;
 }
 
+static svo_gather_options gather_of(const view_shown *shown)
+{
+    return (svo_gather_options){.struct_size = sizeof(svo_gather_options),
+                                .cones = shown->cones,
+                                .range = shown->picture == VIEW_AO ? shown->range : 0,
+                                .falloff = shown->falloff,
+                                .no_light = !shown->gi};
+}
+
 static svo_status draw_light(subject *which, const view_state *state, const picture_part *part, cl_mem pixels,
                              cl_event *drawn)
 {
     const view_shown *shown = &state->shown;
-    const svo_gather_options gather = {.struct_size = sizeof gather,
-                                       .cones = shown->cones,
-                                       .range = shown->range,
-                                       .falloff = shown->falloff,
-                                       .no_light = !shown->gi};
+    const svo_gather_options gather = gather_of(shown);
     svo_render_options asked = {.struct_size = sizeof asked,
                                 .width = part->width,
                                 .height = part->height,
@@ -111,8 +117,7 @@ static bool shown_differs(const view_shown *had, const view_shown *now)
 {
     return had->picture != now->picture || had->level != now->level || had->gi != now->gi ||
            had->photons != now->photons || had->form != now->form || had->cones != now->cones ||
-           differs(had->exposure, now->exposure) || differs(had->range, now->range) ||
-           differs(had->falloff, now->falloff) || had->through != now->through ||
+           differs(had->range, now->range) || differs(had->falloff, now->falloff) || had->through != now->through ||
            (now->through && view_grid_differs(&had->probes, &now->probes));
 }
 
@@ -123,15 +128,57 @@ static bool clip_differs(const view_clip *had, const view_clip *now)
                            differs(had->normal[1], now->normal[1]) || differs(had->normal[2], now->normal[2])));
 }
 
-/* Whether the last picture shows something else than the state does. */
-static bool is_outdated(const drawing *which, const view_state *state)
+/* Whether the last picture shows something else than the state does, wherever the camera is. */
+static bool content_differs(const drawing *which, const view_state *state)
 {
     return which->width == 0 || which->window_width != state->width || which->window_height != state->height ||
-           shown_differs(&which->shown, &state->shown) || clip_differs(&which->shown.clip, &state->shown.clip) ||
-           which->is_scene != state->is_scene || which->revisions.lights != state->revisions.lights ||
-           which->revisions.instances != state->revisions.instances || which->revisions.film != state->revisions.film ||
-           camera_differs(&which->camera, &state->camera.at);
+           shown_differs(&which->shown, &state->shown) || which->is_scene != state->is_scene ||
+           which->revisions.lights != state->revisions.lights ||
+           which->revisions.instances != state->revisions.instances || which->revisions.film != state->revisions.film;
 }
+
+/* Whether the camera or the clip plane has moved since. */
+static bool sight_differs(const drawing *which, const view_state *state)
+{
+    return clip_differs(&which->shown.clip, &state->shown.clip) || camera_differs(&which->camera, &state->camera.at);
+}
+
+/* ---- automatic exposure ---- */
+
+/* Whether the picture shows light of the tree that has to be measured. */
+static bool awaits_exposure(const drawing *which, const view_state *state)
+{
+    const view_picture picture = state->shown.picture;
+    const bool is_lit =
+        state->shown.through ? picture == VIEW_SHADED : subject_picture_is_lit(picture) && picture != VIEW_AO;
+    return state->exposure_is_automatic && is_lit && !state->is_scene && !which->is_exposed;
+}
+
+/* Exposes as svocl render does the same picture; those through probes by what rays and cones show. */
+static int expose(drawing *which, subject *shown, view_state *state)
+{
+    const svo_gather_options gather = gather_of(&state->shown);
+    const bool through = state->shown.through;
+    svo_render_options asked = {.struct_size = sizeof asked,
+                                .width = state->width,
+                                .height = state->height,
+                                .camera = state->camera.at,
+                                .view = through ? SVO_VIEW_SHADED : light_view(state->shown.picture),
+                                .gather = &gather};
+    exposure chosen;
+    if (!through) {
+        view_clip_plane(state, asked.clip);
+    }
+    const int exit_code =
+        exposure_measure(shown->running, svo_light_target(shown->lit.light), &asked, &shown->done.opened, &chosen);
+    if (exit_code == PROGRAM_DONE) {
+        state->shown.exposure = chosen.value;
+        which->is_exposed = true;
+    }
+    return exit_code;
+}
+
+/* ---- pictures ---- */
 
 /* The coarseness whose picture is expected to take no longer than the goal. */
 static unsigned coarse_for(const drawing *which, const view_state *state)
@@ -235,8 +282,15 @@ static int draw_band(drawing *which, subject *shown, view_state *state, const dr
 
 int drawing_next(drawing *which, subject *shown, view_state *state, const drawing_clock *clock, bool *is_new)
 {
-    int exit_code = PROGRAM_DONE;
-    const bool outdated = is_outdated(which, state);
+    const bool is_other = content_differs(which, state);
+    const bool has_moved = sight_differs(which, state);
+    which->is_exposed = which->is_exposed && !is_other && !has_moved && state->exposure_is_automatic;
+    const bool exposes = awaits_exposure(which, state) && (is_other || !has_moved);
+    int exit_code = exposes ? expose(which, shown, state) : PROGRAM_DONE;
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    const bool outdated = is_other || has_moved || differs(which->shown.exposure, state->shown.exposure);
     which->is_enlarged = false;
     *is_new = outdated || which->coarse > 1 || which->rows_done < which->height;
     if (outdated) {
@@ -246,7 +300,7 @@ int drawing_next(drawing *which, subject *shown, view_state *state, const drawin
     } else if (*is_new) {
         exit_code = draw_all(which, shown, state, clock, which->coarse / 2);
     }
-    state->is_refined = which->coarse == 1 && which->rows_done == which->height;
+    state->is_refined = which->coarse == 1 && which->rows_done == which->height && !awaits_exposure(which, state);
     return exit_code;
 }
 

@@ -25,6 +25,7 @@ typedef struct drawing {
     bool is_enlarged; /* they are the first that go over the picture before, of twice the width */
     /* What the last picture shows. */
     view_shown shown;
+    bool is_exposed; /* and its exposure is the one to be shown */
     bool is_scene;
     view_revisions revisions;
     svo_camera camera;

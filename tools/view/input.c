@@ -33,7 +33,7 @@ input_binding input_describe(size_t index)
                                              {"G", "indirect light"},
                                              {"P", "photons"},
                                              {"B", "faces, bricks, voxels"},
-                                             {"+, -", "exposure"},
+                                             {"+, -, E", "exposure, automatic"},
                                              {"T", "look through probes"},
                                              {"O, M", "spheres, a map"},
                                              {", and .", "another probe"},
@@ -213,6 +213,10 @@ static void press_letter(const view_event *event, view_state *state)
         break;
     case '-':
         view_choose_exposure(state, state->shown.exposure / EXPOSURE_STEP);
+        break;
+    case 'e':
+        view_choose_automatic_exposure(state, !state->exposure_is_automatic);
+        view_log(state, "automatic exposure: %s", state->exposure_is_automatic ? "on" : "off");
         break;
     case 'i':
         view_choose_scene(state, !state->is_scene);

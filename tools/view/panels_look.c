@@ -52,26 +52,31 @@ static void choose_form(ui *toolkit, view_state *state)
 
 static void choose_cones(ui *toolkit, view_state *state)
 {
-    static const char *const names[] = {"1", "5", "6", "16", "64"};
-    static const unsigned counts[] = {1, 5, 6, 16, 64};
+    static const char *const names[] = {"no", "1", "5", "6", "16", "64"};
+    static const unsigned counts[] = {0, 1, 5, 6, 16, 64};
     int chosen = 0;
-    while (chosen < 4 && counts[chosen] < state->shown.cones) {
+    while (chosen < 5 && counts[chosen] < state->shown.cones) {
         ++chosen;
     }
-    if (ui_choice(toolkit, "Cones", names, 5, &chosen)) {
+    if (ui_choice(toolkit, "Cones", names, 6, &chosen)) {
         state->shown.cones = counts[chosen];
     }
-    ui_tooltip(toolkit, "That each point gathers occlusion and light with. More are smoother and slower.");
+    ui_tooltip(toolkit, "That each point gathers occlusion and light with, in place of exact rays. More are smoother.");
 }
 
 /* The slider moves in powers of two. */
 static void choose_exposure(ui *toolkit, view_state *state)
 {
     float stops = log2f(state->shown.exposure);
+    bool automatic = state->exposure_is_automatic;
     if (ui_slider(toolkit, "Exposure", &stops, -log2f(VIEW_EXPOSURE_MAX), log2f(VIEW_EXPOSURE_MAX), "%+.1f stops")) {
         view_choose_exposure(state, exp2f(stops));
     }
     ui_tooltip(toolkit, "What light is multiplied by before it is shown: two to this power.");
+    if (ui_checkbox(toolkit, "Automatic exposure", &automatic)) {
+        view_choose_automatic_exposure(state, automatic);
+    }
+    ui_tooltip(toolkit, "Exposure follows the light in view, once the camera rests. Key E.");
 }
 
 static bool shows_cones(view_picture picture)
@@ -102,7 +107,7 @@ static void choose_light(ui *toolkit, view_state *state)
     if (ui_checkbox(toolkit, "Indirect light", &gi)) {
         view_choose_gi(state, gi);
     }
-    ui_tooltip(toolkit, "The full view shows what surfaces reflect to each other, gathered by cones. Key G.");
+    ui_tooltip(toolkit, "The full view shows what surfaces reflect to each other. Key G.");
     if (ui_checkbox(toolkit, "Photons", &photons)) {
         view_choose_photons(state, photons);
     }

@@ -10,7 +10,8 @@
 void view_state_begin(view_state *state)
 {
     const view_probe_grid grid = {.counts = {4, 4, 4}, .resolution = 128, .field_size = 64, .max_mib = 1024};
-    *state = (view_state){.shown = {.photons = true, .gi = true, .cones = 16, .exposure = 1.0F, .probes = grid},
+    *state = (view_state){.shown = {.photons = true, .gi = true, .exposure = 1.0F, .probes = grid},
+                          .exposure_is_automatic = true,
                           .film = {.loops = true},
                           .scale = 1,
                           .probes = {.asked = grid}};
@@ -242,6 +243,12 @@ void view_choose_exposure(view_state *state, float exposure)
 {
     const float least = 1.0F / VIEW_EXPOSURE_MAX;
     state->shown.exposure = exposure < least ? least : exposure > VIEW_EXPOSURE_MAX ? VIEW_EXPOSURE_MAX : exposure;
+    state->exposure_is_automatic = false;
+}
+
+void view_choose_automatic_exposure(view_state *state, bool is_on)
+{
+    state->exposure_is_automatic = is_on;
 }
 
 void view_toggle_panel(view_state *state, view_panel panel)

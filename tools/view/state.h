@@ -68,10 +68,10 @@ typedef struct view_clip {
 typedef struct view_shown {
     view_picture picture;
     unsigned level; /* of the leaves: view_state.level_min .. level_max */
-    bool gi; /* VIEW_FULL shows what cones gather */
+    bool gi; /* VIEW_FULL shows indirect light */
     bool photons; /* surfaces that the lights reach light others */
     svo_light_form form; /* how light is stored */
-    unsigned cones; /* 1, 5, 6, 16, 64 */
+    unsigned cones; /* 1, 5, 6, 16, 64; 0: exact rays in their place */
     float exposure;
     float range, falloff; /* of ambient occlusion; 0: unlimited, none */
     bool through; /* camera rays pass probes, not the tree */
@@ -314,6 +314,7 @@ typedef struct view_state {
     size_t ground_count;
     float depth_range[2]; /* world units from the eye that view depth shows in white and in dark gray */
     float ground_spacing; /* world units between its lines; 0: it is not shown */
+    bool exposure_is_automatic; /* shown.exposure follows what is in view */
     bool is_refined; /* the window shows the picture in full */
     bool is_idle; /* and nothing moves: frames wait for an event */
 
@@ -416,7 +417,9 @@ void view_choose_level(view_state *state, int level);
 void view_choose_form(view_state *state, svo_light_form form);
 void view_choose_gi(view_state *state, bool is_on);
 void view_choose_photons(view_state *state, bool is_on);
+/* Which ends automatic exposure; and begins or ends that. */
 void view_choose_exposure(view_state *state, float exposure);
+void view_choose_automatic_exposure(view_state *state, bool is_on);
 void view_toggle_panel(view_state *state, view_panel panel);
 /* Whether the tree of what moves is shown. */
 bool view_shows_film(const view_state *state);

@@ -34,14 +34,22 @@ static int place_camera(subject *which, view_state *state)
     return exit_code;
 }
 
-/* The lights of --lights, or the sun and the sky of svocl render. */
+/* The lights of --lights, or those of svocl render. */
 static int take_lights(subject *which, view_state *state)
 {
-    const svo_light_source sun = lighting_sun(&state->camera.at);
+    default_lights *chosen = &which->lit.chosen;
     const light_file *file = &which->lit.file;
     const bool from_file = which->running->options.lights_path != NULL;
-    const svo_light_source *sources = from_file ? file->sources : &sun;
-    const size_t count = from_file ? file->source_count : 1;
+    if (!from_file) {
+        const int exit_code =
+            default_lights_choose(which->running, &which->done, &state->camera.at, state->width, state->height, chosen);
+        if (exit_code != PROGRAM_DONE) {
+            return exit_code;
+        }
+        view_log(state, "%s", default_lights_describe(chosen).text);
+    }
+    const svo_light_source *sources = from_file ? file->sources : &chosen->source;
+    const size_t count = from_file ? file->source_count : chosen->source_count;
     for (size_t i = 0; i < count; ++i) {
         if (!view_add_source(state, &sources[i])) {
             return program_fail(which->running, PROGRAM_FAILED, "out of memory for %zu lights", count);
@@ -51,7 +59,7 @@ static int take_lights(subject *which, view_state *state)
     (void)snprintf(state->lights_path, sizeof state->lights_path, "%s",
                    from_file ? which->running->options.lights_path : "");
     memcpy(state->own_paths[VIEW_LIGHTS], state->lights_path, sizeof state->lights_path);
-    memcpy(state->sky, from_file ? file->sky : lighting_sky, sizeof state->sky);
+    memcpy(state->sky, from_file ? file->sky : default_lights_sky, sizeof state->sky);
     return PROGRAM_DONE;
 }
 
@@ -66,6 +74,7 @@ static int describe(subject *which, view_state *state)
     state->level_min = which->done.source.mesh != NULL ? 1 : info.depth;
     state->level_max = info.depth;
     state->shown.level = info.depth;
+    state->shown.range = (float)lighting_occlusion_range(&which->running->options, which->done.result.tree);
     state->has_triangles = (info.need & (uint32_t)SVO_NEED_RAYS) != 0 && info.coverage != (uint32_t)SVO_COVERAGE_THIN;
     return PROGRAM_DONE;
 }

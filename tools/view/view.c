@@ -347,7 +347,6 @@ static void take_picture_options(viewer *which)
     shown->photons = given->photons != 0;
     shown->form = (svo_light_form)given->light_form;
     shown->cones = given->cones > 0 ? (unsigned)given->cones : shown->cones;
-    shown->range = (float)given->range;
     shown->falloff = (float)given->falloff;
     if (given->exposure > 0) {
         view_choose_exposure(&which->state, (float)given->exposure);

@@ -150,7 +150,9 @@ static void add_points(baking *work)
 
 static int gather(program *state, const lighting *lit, const session *opened, baking *work)
 {
-    const svo_gather_options cones = lighting_gather(&state->options);
+    svo_gather_options cones = lighting_gather(&state->options);
+    /* The places are means of leaves, which rays would begin below the surface. */
+    cones.method = cones.method == SVO_GATHER_AUTO ? SVO_GATHER_CONES : cones.method;
     for (size_t at = 0; at < work->point_count; at += POINTS_AT_ONCE) {
         const size_t left = work->point_count - at;
         if (svo_gather(lit->light, svo_in_host(work->points + at), svo_in_host(work->results + at),

@@ -63,9 +63,18 @@ gather_point_dtype = np.dtype(
 its lobe; reserved is 0."""
 
 gather_result_dtype = np.dtype(
-    [("openness", "<f4"), ("irradiance", "<f4", (3,)), ("specular", "<f4", (3,)), ("steps", "<u4")]
+    [
+        ("openness", "<f4"),
+        ("irradiance", "<f4", (3,)),
+        ("specular", "<f4", (3,)),
+        ("steps", "<u4"),
+        ("direct", "<f4", (3,)),
+        ("openness_error", "<f4"),
+        ("irradiance_error", "<f4"),
+    ]
 )
-"""svo_gather_result, 32 bytes: ambient occlusion, 1 is open; linear red, green, blue; the steps of all cones."""
+"""svo_gather_result, 52 bytes: ambient occlusion, 1 is open; linear red, green, blue; the steps of all cones or the
+rays that were traced; standard errors, which cones do not know."""
 
 probe_hit_dtype = np.dtype(
     [

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Light in a tree: photons from sources, and cones that gather ambient occlusion and indirect light."""
+"""Light in a tree: photons from sources, and rays or cones that gather ambient occlusion and indirect light."""
 
 import contextlib
 import functools
@@ -192,13 +192,16 @@ class Light(Handle):
                 raise ValueError("Light: Moving has replaced its tree; call Light.update first")
             yield pointer
 
-    # --- cones ------------------------------------------------------------------------------------------------------
+    # --- light at points --------------------------------------------------------------------------------------------
 
     def gather(
         self,
         points: _arrays.Array,
         *,
-        cones: int = 16,
+        paths: int = 64,
+        bounces: int = 1,
+        error: float = 0.0,
+        cones: int = 0,
         step: float = 0.5,
         max_distance: float = np.inf,
         falloff: float = 0.0,
@@ -206,17 +209,22 @@ class Light(Handle):
         out: Optional[_arrays.Array] = None,
         queue: Any = None,
     ) -> _arrays.Array:
-        """Gathers ambient occlusion, irradiance and specular radiance at points by cones, and waits. The direct light
-        of the sources is not part of it. Points outside the grid, and those with a zero normal, are open and dark.
+        """Gathers ambient occlusion, direct light, irradiance and specular radiance at points, and waits. Irradiance is
+        what surfaces reflect and emit, and the sky. Points outside the grid, and those with a zero normal, are open and
+        dark.
 
         Args:
             points: (...) records of gather_point_dtype, as make_gather_points makes them. Used without a copy if
                 C-contiguous.
-            cones: 1, 5, 6, 16 or 64.
+            paths: of exact rays that a point has, at most: a power of two, 16 .. 65536.
+            bounces: rays of a path, 1 .. 64: so often are sources reflected.
+            error: a point has paths enough when the standard error of its openness is at most this, and that of its
+                irradiance as a share of it; 0: it has all.
+            cones: 1, 5, 6, 16 or 64: cones in place of paths, of which the three above say nothing then; 0: none.
             step: of a cone, in its widths: 0.25 .. 1.
-            max_distance: that cones reach, above 0, world units.
+            max_distance: that occlusion reaches, above 0, world units; cones end there.
             falloff: occlusion at a distance t counts 1 / (1 + falloff * t); per world unit, not negative.
-            with_light: False: ambient occlusion alone; irradiance and specular are 0.
+            with_light: False: ambient occlusion alone; all light is 0.
             out: (...) records of gather_result_dtype, C-contiguous; receives the result.
             queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
 
@@ -226,6 +234,8 @@ class Light(Handle):
         records = _arrays.records("points", points, _arrays.gather_point_dtype)
         results = _arrays.output("out", out, _arrays.gather_result_dtype, records.shape)
         options = _gather_options(cones, step, max_distance, falloff, with_light)
+        if cones == 0:
+            _set_paths(options, paths, bounces, error)
         _opencl.wait(functools.partial(self._call, lib.svo_gather), (records, results), [options], queue)
         return results
 
@@ -236,7 +246,10 @@ class Light(Handle):
         point_count: int,
         queue: Any,
         *,
-        cones: int = 16,
+        paths: int = 64,
+        bounces: int = 1,
+        error: float = 0.0,
+        cones: int = 0,
         step: float = 0.5,
         max_distance: float = np.inf,
         falloff: float = 0.0,
@@ -249,12 +262,14 @@ class Light(Handle):
             points: a pyopencl.Buffer of point_count records of gather_point_dtype, or its int_ptr.
             results: a pyopencl.Buffer that receives point_count records of gather_result_dtype, or its int_ptr.
             point_count, queue, wait_for: see Tree.trace_enqueue.
-            cones, step, max_distance, falloff, with_light: see Light.gather.
+            paths, bounces, error, cones, step, max_distance, falloff, with_light: see Light.gather.
 
         Returns:
             As Tree.trace_enqueue.
         """
         options = _gather_options(cones, step, max_distance, falloff, with_light)
+        if cones == 0:
+            _set_paths(options, paths, bounces, error)
         run = functools.partial(self._call, lib.svo_gather)
         return _opencl.enqueue(run, (points, results), point_count, [options], queue, wait_for)
 
@@ -268,21 +283,24 @@ class Light(Handle):
         camera: Optional[Camera] = None,
         view: View = View.SHADED,
         exposure: float = 1.0,
-        cones: int = 16,
+        paths: int = 16,
+        bounces: int = 3,
+        cones: int = 0,
         step: float = 0.5,
         max_distance: float = np.inf,
         falloff: float = 0.0,
         with_light: bool = True,
         queue: Any = None,
     ) -> npt.NDArray[np.uint8]:
-        """Draws a picture of the lit tree and waits: first hits and shadows by exact rays, the rest by cones.
+        """Draws a picture of the lit tree and waits, by exact rays; reflections are cones.
 
         Args:
             width, height: pixels, 1 .. 16384.
             camera: None: Tree.frame of the tree.
             view: what to show: View.SHADED, all that the light brings, or View.AO, DIRECT, INDIRECT or SPECULAR.
             exposure: radiance is multiplied by it before the tone curve, above 0.
-            cones, step, max_distance, falloff, with_light: see Light.gather.
+            paths: of 2 x 2 pixels, which are smoothed over surfaces: a power of two, 16 .. 65536.
+            bounces, cones, step, max_distance, falloff, with_light: see Light.gather.
             queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
 
         Returns:
@@ -291,6 +309,8 @@ class Light(Handle):
         used = self._frame(width / max(height, 1)) if camera is None else camera
         options, picture = render_options(width, height, used, view)
         gather = _gather_options(cones, step, max_distance, falloff, with_light)
+        if cones == 0:
+            _set_paths(gather, paths, bounces, 0.0)
         options.gather, options.exposure = gather, exposure
         return draw(self._call, lib.svo_light_target, options, picture, queue)
 
@@ -365,11 +385,18 @@ def _source(source: LightSource) -> dict[str, Any]:
 def _gather_options(cones: int, step: float, max_distance: float, falloff: float, with_light: bool) -> Any:
     options = _structs.new("svo_gather_options")
     options.cones = _arrays.integer("cones", cones)
-    options.step = step
+    options.step = step if cones != 0 else 0
     options.range = 0 if max_distance == np.inf else max_distance
     options.falloff = falloff
     options.no_light = not with_light
     return options
+
+
+def _set_paths(options: Any, paths: int, bounces: int, error: float) -> None:
+    options.method = lib.SVO_GATHER_RAYS
+    options.paths = _arrays.integer("paths", paths)
+    options.bounces = _arrays.integer("bounces", bounces)
+    options.error = error
 
 
 def _destroy(pointer: Any) -> None:

@@ -186,6 +186,7 @@ typedef struct path_work {
     const svo_gather_point *points; /* of the group */
     path_result *results;
     uint32_t first_point, seed;
+    unsigned bounce; /* rays of each path so far */
     unsigned strata, per_point; /* along a side of a set's square; 16 of these */
     double lift; /* world units */
     svo_grid grid;
@@ -198,10 +199,12 @@ typedef struct path_work {
 
 /* ---- samples ---- */
 
-/* Two numbers in [0, 1) for a sample: a function of seed, point and sample alone. */
+/* Two numbers in [0, 1) for a sample: a function of seed, bounce, point and sample alone. */
 static void random_pair(const path_work *work, uint32_t point, uint32_t sample, double out[2])
 {
-    random_stream of_point = {.state = (uint64_t)work->seed << 32 | point};
+    random_stream of_bounce = {.state = work->bounce};
+    const uint64_t bounce = work->bounce > 0 ? random_bits(&of_bounce) : 0;
+    random_stream of_point = {.state = ((uint64_t)work->seed << 32 | point) ^ bounce};
     random_stream of_sample = {.state = random_bits(&of_point) + sample};
     out[0] = random_between(&of_sample, 0, 1);
     out[1] = random_between(&of_sample, 0, 1);
@@ -266,23 +269,28 @@ static bool is_there(const lit_place *place)
     return vector_dot(place->normal, place->normal) > 0;
 }
 
+/* The next ray of each path, from its point or from what it met. */
 static void make_rays(void *user, unsigned thread_index, size_t begin, size_t end)
 {
     const path_work *work = user;
     (void)thread_index;
     for (size_t i = begin; i < end; ++i) {
         const size_t point = i / work->per_point;
-        const lit_place place = place_of_point(work, &work->points[point]);
+        if (work->bounce == 0) {
+            work->places[i] = place_of_point(work, &work->points[point]);
+            memset(work->radiance + 3 * i, 0, 3 * sizeof *work->radiance);
+        }
         work->rays[i] = no_ray;
-        if (is_there(&place)) {
+        if (is_there(&work->places[i])) {
             const vector3 local =
                 sample_hemisphere(work, work->first_point + (uint32_t)point, (uint32_t)(i % work->per_point));
-            work->rays[i] = ray_from(work, &place, turn_to(place.normal, local), INFINITY);
+            work->rays[i] = ray_from(work, &work->places[i], turn_to(work->places[i].normal, local), INFINITY);
         }
     }
 }
 
-/* What a ray met, and the radiance that comes from there without the sources: emission, or the sky's. */
+/* What a ray met, and the radiance that comes from there without the sources: emission, or the sky's. Directions have
+   the density of the cosine, so that an irradiance of pi comes with a radiance of 1. */
 static void find_place(const path_work *work, size_t i)
 {
     const svo_light_setup *setup = work->scene->setup;
@@ -290,21 +298,25 @@ static void find_place(const path_work *work, size_t i)
     const svo_hit *hit = &work->hits[i];
     lit_place *place = &work->places[i];
     double *radiance = work->radiance + 3 * i;
+    const double share = work->bounce > 0 ? PI : 1;
+    const double arriving[3] = {share * place->weight[0], share * place->weight[1], share * place->weight[2]};
     *place = (lit_place){.weight = {0}};
     if (hit->triangle == SVO_NO_TRIANGLE) {
-        for (int channel = 0; channel < 3; ++channel) {
-            radiance[channel] = ray->t_max > 0 ? (double)setup->sky[channel] : 0;
+        for (int channel = 0; channel < 3 && ray->t_max > 0; ++channel) {
+            radiance[channel] += arriving[channel] * (double)setup->sky[channel];
         }
         return;
     }
-    path_emission(work->scene->mesh, setup, hit->triangle, radiance);
+    double emission[3];
+    path_emission(work->scene->mesh, setup, hit->triangle, emission);
     path_albedo(work->scene->mesh, hit->triangle, (double)hit->u, (double)hit->v, place->weight);
     const vector3 direction = vector_of(ray->direction);
     const vector3 normal = vector_of(hit->normal);
     place->position = vector_add(vector_of(ray->origin), vector_scale(direction, (double)hit->t));
     place->normal = vector_scale(normal, vector_dot(normal, direction) > 0 ? -1 : 1);
     for (int channel = 0; channel < 3; ++channel) {
-        place->weight[channel] /= PI;
+        radiance[channel] += arriving[channel] * emission[channel];
+        place->weight[channel] *= arriving[channel] / PI;
     }
 }
 
@@ -446,20 +458,33 @@ static svo_status trace_points(path_work *work, size_t point_count)
     return status;
 }
 
-static svo_status trace_paths(path_work *work, size_t point_count)
+/* One ray of each path, and the light of what it met. */
+static svo_status trace_bounce(path_work *work, size_t point_count)
 {
     const path_scene *scene = work->scene;
     const size_t ray_count = point_count * work->per_point;
     threads_run(scene->threads, ray_count, RAYS_PER_CHUNK, make_rays, work);
-    svo_status status =
+    const svo_status status =
         svo_trace_triangles(svo_tree_target(scene->tree), svo_in_host(work->rays), svo_in_host(work->hits), ray_count,
                             SVO_TRACE_CLOSEST, &(svo_submit){.queue = scene->queue});
     if (status != SVO_OK) {
         return status;
     }
-    threads_run(scene->threads, point_count, 1, sum_openness, work);
+    if (work->bounce == 0) {
+        threads_run(scene->threads, point_count, 1, sum_openness, work);
+    }
     threads_run(scene->threads, ray_count, RAYS_PER_CHUNK, find_places, work);
-    status = add_sources(work, ray_count);
+    return add_sources(work, ray_count);
+}
+
+static svo_status trace_paths(path_work *work, size_t point_count)
+{
+    const path_scene *scene = work->scene;
+    svo_status status = SVO_OK;
+    for (work->bounce = 0; status == SVO_OK && work->bounce < (scene->bounces > 0 ? scene->bounces : 1);
+         ++work->bounce) {
+        status = trace_bounce(work, point_count);
+    }
     threads_run(scene->threads, point_count, 1, sum_irradiance, work);
     return status;
 }

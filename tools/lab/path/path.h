@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What light at points truly is: ambient occlusion, direct light, and light after one bounce (Kajiya, "The Rendering
+ * What light at points truly is: ambient occlusion, direct light, and light after some bounces (Kajiya, "The Rendering
  * Equation", 1986), by paths against the triangles. The rays are the tree's own; the rest is double precision on the
  * host. The samples of a point are 16 independent sets, each with one sample in every cell of a square of strata (Cook,
  * Porter, Carpenter, "Distributed Ray Tracing", 1984); their scatter gives the standard error. The same on every run
@@ -28,6 +28,7 @@ typedef struct path_scene {
     const svo_light_setup *setup; /* sources, finishes, sky */
     double range; /* of occlusion, world units; 0: unlimited. Light has no range */
     double falloff; /* lambda of the occlusion's weight 1 / (1 + lambda t) */
+    unsigned bounces; /* rays of a path, so often are sources reflected; 0: one */
     unsigned threads;
 } path_scene;
 

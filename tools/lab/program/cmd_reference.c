@@ -61,6 +61,7 @@ static int trace(program *state, job *done, reference *work)
                               .setup = &setup,
                               .range = given->range,
                               .falloff = given->falloff,
+                              .bounces = (unsigned)given->bounces,
                               .threads = given->threads != 0 ? (unsigned)given->threads
                                          : online > 0        ? (unsigned)online
                                                              : 1};

@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Light at a batch of points by paths (paths.clh); with SVO_GATHER_CONES by cones, and beside it the light of the
+ * sources, for which gather.paths is 0.
+ *
+ * Launch: one work-item a point, params.width in all. Reads tree, light, sources and points; writes svo_gather_result.
+ * No local memory, no atomics.
+ */
+#include "light/paths.clh"
+
+/* The surface that a point is on. */
+static svo_lit_surface svo_gather_surface(const svo_gather_place *place)
+{
+    svo_lit_surface surface;
+    surface.point = place->position;
+    surface.normal = surface.face = place->frame.normal;
+    surface.albedo = surface.emission = surface.specular = (float3)(0.0f);
+    surface.exponent = 0.0f;
+    surface.node = SVO_NO_NODE;
+    return surface;
+}
+
+/* One path of a point: the sources' light first, then paths by the cosine, then those of the reflection's lobe. */
+typedef struct svo_gather_path {
+    float3 direction;
+    uint index, seed; /* of the sequence */
+    bool is_traced; /* a lobe may reach below the surface */
+} svo_gather_path;
+
+static svo_gather_path svo_gather_next(const svo_gather_place *place, float exponent, uint number, uint seed,
+                                       uint diffuse_end)
+{
+    svo_gather_path path = {(float3)(0.0f), 0u, seed, true};
+    if (number == 0u) {
+        return path;
+    }
+    const bool is_diffuse = number < diffuse_end;
+    path.index = is_diffuse ? number - 1u : number - diffuse_end;
+    path.seed = is_diffuse ? seed : svo_path_hash(seed);
+    path.direction = svo_path_direction(is_diffuse ? place->frame.normal : place->reflected,
+                                        is_diffuse ? 1.0f : exponent, svo_path_pair(path.index, path.seed));
+    path.is_traced = is_diffuse || dot(path.direction, place->frame.normal) > 0.0f;
+    return path;
+}
+
+SVO_INLINED svo_gather_result svo_gather_rays(const svo_lit_picture *picture, const svo_gather_point *point)
+{
+    const svo_gather_params *gather = &picture->gather;
+    svo_gather_result result = svo_gather_dark();
+    svo_gather_place place;
+    if (!svo_gather_begin(&picture->light, point, &place)) {
+        return result;
+    }
+    const svo_lit_surface surface = svo_gather_surface(&place);
+    const uint seed = svo_path_seed(point);
+    const uint lobe_paths = place.has_reflection && gather->with_light != 0u ? gather->paths / 4u : 0u;
+    svo_path_sums sums = {(float4)(0.0f), (float4)(0.0f), (float4)(0.0f), (float4)(0.0f), SVO_PATH_BLOCK, 0u};
+    float3 specular = (float3)(0.0f);
+    uint met = 0u; /* paths of the lobe above the surface */
+    uint diffuse_end = gather->paths + 1u;
+    for (uint number = gather->with_light != 0u ? 0u : 1u; number < diffuse_end + lobe_paths; ++number) {
+        const svo_gather_path path = svo_gather_next(&place, point->exponent, number, seed, diffuse_end);
+        if (!path.is_traced) {
+            continue;
+        }
+        const svo_path_light light =
+            svo_path_follow(picture, &surface, path.direction, path.index, path.seed, &result.steps);
+        if (number == 0u) {
+            vstore3(light.radiance, 0, result.direct);
+        } else if (number < diffuse_end) {
+            svo_path_add(&sums, &light);
+            diffuse_end = svo_path_suffices(&sums, gather->goal) ? number + 1u : diffuse_end;
+        } else {
+            specular += light.radiance;
+            met += 1u;
+        }
+    }
+    if (sums.count > 0u) {
+        const float4 mean = svo_path_mean(&sums);
+        const float4 error = svo_path_error(&sums);
+        result.openness = 1.0f - mean.w;
+        vstore3(M_PI_F * mean.xyz, 0, result.irradiance);
+        result.openness_error = error.w;
+        result.irradiance_error = M_PI_F * fmax(error.x, fmax(error.y, error.z));
+        vstore3(specular / (float)max(met, 1u), 0, result.specular);
+    }
+    return result;
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_gather_rays(SVO_LIT_PARAMETERS, __global const svo_gather_point *points, __global svo_gather_result *results)
+{
+    const uint i = (uint)get_global_id(0);
+    if (i >= params.width) {
+        return;
+    }
+    SVO_LIT_MAKE(picture);
+    const svo_gather_point point = points[i];
+    svo_gather_result result = svo_gather_rays(&picture, &point);
+#ifdef SVO_GATHER_CONES
+    svo_gather_result gathered = svo_gather_by(&picture.light, &point, &gather);
+    vstore3(vload3(0, result.direct), 0, gathered.direct);
+    gathered.steps += result.steps;
+    result = gathered;
+#endif
+    results[i] = result;
+}

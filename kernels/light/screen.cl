@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Light of a picture by few rays: gathered at the middle of each 2 x 2 pixels, and smoothed over surfaces.
+ *
+ *   svo_k_screen_points  per cell: the surface that its middle shows, as a point for svo_k_gather_rays; without a
+ *                        normal where nothing is
+ *   svo_k_screen_filter  per cell: one step of an edge-avoiding wavelet filter (Dammertz et al., "Edge-Avoiding A-Trous
+ *                        Wavelet Transform for Fast Global Illumination Filtering", 2010). Neighbors count by how far
+ *                        they lie on the cell's plane, and by how much their light differs beside its standard error
+ *                        (after Schied et al., "Spatiotemporal Variance-Guided Filtering", 2017)
+ *
+ * Launch: one work-item per cell of a band, screen.columns x screen.rows from row screen.first_row on. No atomics, no
+ * local memory.
+ */
+#include "light/screen.clh"
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_screen_points(SVO_LIT_PARAMETERS, __global svo_gather_point *points, svo_screen_params screen)
+{
+    const uint item = (uint)get_global_id(0);
+    if (item >= screen.columns * screen.rows) {
+        return;
+    }
+    SVO_LIT_MAKE(picture);
+    const uint2 cell = (uint2)(item % screen.columns, screen.first_row + item / screen.columns);
+    const svo_ray ray = svo_screen_ray(&picture, 2.0f * convert_float2(cell) + 1.0f);
+    svo_gather_point point = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}, 0.0f, {0u, 0u}};
+    svo_lit_met met;
+    if (svo_lit_trace(&picture, &ray, false, &met)) {
+        svo_lit_surface surface;
+        svo_lit_place(&picture, &ray, &met, &surface);
+        vstore3(surface.point, 0, point.position);
+        vstore3(surface.face, 0, point.normal);
+    }
+    points[item] = point;
+}
+
+/* Of the cubic spline, 16 in all. */
+static float svo_screen_spline(uint away)
+{
+    return away == 0u ? 6.0f : away == 1u ? 4.0f : 1.0f;
+}
+
+static float svo_screen_brightness(float4 light)
+{
+    return 0.2126f * light.x + 0.7152f * light.y + 0.0722f * light.z;
+}
+
+/* The light of a cell before a step. from: of the step before it; NULL: what was gathered. */
+static float4 svo_screen_gathered(__global const svo_gather_result *gathered, __global const float4 *from, size_t cell)
+{
+    return from != NULL ? from[cell] : (float4)(vload3(0, gathered[cell].irradiance), gathered[cell].openness);
+}
+
+/* The standard errors of irradiance and openness at a cell, from those of the cells around it, each of which knows
+   little. */
+static float2 svo_screen_error(__global const svo_gather_result *gathered, svo_screen_params screen, int2 at)
+{
+    float2 squares = (float2)(0.0f);
+    uint count = 0u;
+    for (int k = 0; k < 9; ++k) {
+        const int2 near = at + (int2)(k % 3 - 1, k / 3 - 1);
+        if (near.x >= 0 && near.x < (int)screen.columns && near.y >= 0 && near.y < (int)screen.rows) {
+            __global const svo_gather_result *of = gathered + (size_t)near.y * screen.columns + (size_t)near.x;
+            const float2 error = (float2)(of->irradiance_error, of->openness_error);
+            squares += error * error;
+            ++count;
+        }
+    }
+    return sqrt(squares / (float)count);
+}
+
+__kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
+svo_k_screen_filter(__global const svo_gather_point *points, __global const svo_gather_result *gathered,
+                    __global const float4 *from, __global float4 *to, svo_screen_params screen)
+{
+    const uint item = (uint)get_global_id(0);
+    if (item >= screen.columns * screen.rows) {
+        return;
+    }
+    const int2 at = (int2)((int)(item % screen.columns), (int)(item / screen.columns));
+    const float3 point = vload3(0, points[item].position);
+    const float3 face = vload3(0, points[item].normal);
+    const float4 own = svo_screen_gathered(gathered, from, item);
+    if (!(dot(face, face) > 0.0f)) {
+        to[item] = own;
+        return;
+    }
+    const float2 error = screen.tolerance * svo_screen_error(gathered, screen, at) + 1e-6f;
+    float4 sum = (float4)(0.0f);
+    float light_weights = 0.0f;
+    float openness_weights = 0.0f;
+    for (int k = 0; k < 25; ++k) {
+        const int2 away = (int2)(k % 5 - 2, k / 5 - 2);
+        const int2 near = at + (int)screen.step * away;
+        if (near.x < 0 || near.x >= (int)screen.columns || near.y < 0 || near.y >= (int)screen.rows) {
+            continue;
+        }
+        const size_t cell = (size_t)near.y * screen.columns + (size_t)near.x;
+        const float4 light = svo_screen_gathered(gathered, from, cell);
+        const uint2 far = abs(away);
+        const float spline = svo_screen_spline(far.x) * svo_screen_spline(far.y);
+        const float alike = k == 12 ? spline : spline * svo_screen_alike(point, face, points + cell);
+        const float2 differs =
+            (float2)(fabs(svo_screen_brightness(light) - svo_screen_brightness(own)), fabs(light.w - own.w)) / error;
+        const float light_weight = alike * exp(-differs.x);
+        const float openness_weight = alike * exp(-differs.y);
+        sum.xyz += light_weight * light.xyz;
+        sum.w += openness_weight * light.w;
+        light_weights += light_weight;
+        openness_weights += openness_weight;
+    }
+    to[item] = (float4)(sum.xyz / light_weights, sum.w / openness_weights);
+}
