@@ -139,12 +139,15 @@ static void range_and_falloff_count(void **state)
     cone_scene_add_point(scene, eye, up, 0);
     svo_tree *tree = cone_scene_build(&opened, scene, SVO_NEED_NORMAL | SVO_NEED_RAYS);
     svo_light *light = light_of(&opened, tree, SVO_LIGHT_FACES);
+    const svo_light_setup setup = {.struct_size = sizeof setup, .sky = {1, 1, 1}};
+    light_succeed(&opened, svo_light_set_sources(light, &setup, opened.queue));
     for (uint32_t no_light = 0; no_light < 2; ++no_light) {
         options.no_light = no_light;
         options.range = (float)range;
         options.falloff = 0;
         cone_scene_gather(&opened, scene, light, &options);
         check_near("openness within a range", (double)scene->results[0].openness, 0.25, 0.003);
+        assert_true((no_light != 0) == (scene->results[0].irradiance[1] <= 0));
         /* The mean of 1 / (1 + falloff height / c) over the cosine c, with the density 2 c. */
         options.falloff = 0.2F;
         options.range = 0;

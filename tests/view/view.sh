@@ -17,7 +17,7 @@ readonly scene=(scene:atrium -d 6) probes=(--probes '3,3,3' --probe-resolution 6
 take_tour()
 {
     mkdir "$1"
-    (cd "$1" && "$program" view "${scene[@]}" "${probes[@]}" --width 640 --height 400 --script "$tour")
+    (cd "$1" && "$program" view "${scene[@]}" "${probes[@]}" --cones 5 --width 640 --height 400 --script "$tour")
 }
 
 take_tour first
@@ -42,13 +42,18 @@ same view-2-normal --view normal
 same view-5-level --view level
 same view-6-triangles --view triangles
 same view-8-direct --view direct
-same view-0-full --view full
-same toggle-no-gi --view full --gi off
-same toggle-no-photons --view full --photons off
-same probes-shaded --through probes "${probes[@]}"
+same view-0-full --view full --cones 5
+same toggle-no-gi --view full --cones 5 --gi off
+same toggle-no-photons --view full --cones 5 --photons off
+same probes-shaded --through probes "${probes[@]}" --cones 5
 same probes-normal --through probes "${probes[@]}" --view normal
 same probes-depth --through probes "${probes[@]}" --view depth
 same probes-steps --through probes "${probes[@]}" --view steps
+
+# So are those by rays.
+printf 'key tab\nrefine\nshot first/rays.png\n' >rays.txt
+"$program" view "${scene[@]}" --view full --width 640 --height 400 --script rays.txt
+same rays --view full
 
 # What changes a picture shows; what goes back does.
 differ()
