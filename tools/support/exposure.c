@@ -2,8 +2,8 @@
 /*
  * Automatic exposure by small pictures of linear light. One exposure shows their log average as middle gray
  * (E. Reinhard and others, "Photographic Tone Reproduction for Digital Images", 2002, section 3.1), another one what is
- * bright in them as nearly white. What is used is halfway between the two in stops: white walls stay white, and sun on
- * a floor does not make the room around it black.
+ * bright in them as nearly white. What is used lies between the two, in stops twice as near to the latter: white walls
+ * stay white, and sun on a floor does not make the room around it black.
  *
  * Both are of what is in view and has light. Light beyond certain shares of the pixels counts as the light there, so
  * that neither a lamp in view nor a black corner decides.
@@ -97,8 +97,10 @@ static float exposure_of(metering *work)
     for (size_t i = 0; i < work->count; ++i) {
         sum += log((double)fminf(fmaxf(work->light[i], dark), bright));
     }
-    const double halfway = sqrt(KEY / exp(sum / (double)work->count) * (WHITE / (double)bright));
-    return (float)figure_rounded(fmin(fmax(halfway, 1 / EXPOSURE_MAX), EXPOSURE_MAX));
+    const double of_mean = log(KEY) - sum / (double)work->count;
+    const double of_bright = log(WHITE / (double)bright);
+    const double between = exp((of_mean + 2 * of_bright) / 3);
+    return (float)figure_rounded(fmin(fmax(between, 1 / EXPOSURE_MAX), EXPOSURE_MAX));
 }
 
 int exposure_measure(program *state, svo_target lit, const svo_render_options *asked, const session *opened,
