@@ -377,7 +377,7 @@ def light_is_that_of_render(browser, folder):
         as_page = ["--range", "2"] if view == "ao" else ["--exposure", "1"]
         subprocess.run(
             [PROGRAM, "render", str(tree), "--lights", str(lights), "--view", view, "--size", "160x120", "-q"]
-            + [*as_page, "-o", str(picture)],
+            + [*as_page, "--cones", "16", "-o", str(picture)],
             check=True,
         )
         address = "data:image/png;base64," + base64.b64encode(picture.read_bytes()).decode()
