@@ -43,6 +43,7 @@ readonly foreign_trace="scene:cornell:60 -d 4 --camera auto --size 24x16"
 # A path, "cpu" or "gpu", a test program, a group and a case of it.
 readonly foreign_tests=(
     "cpu test_bvh bvh *"
+    "gpu test_bvh bvh *"
     "cpu test_plan_device plan_buffers *"
     "cpu test_rays trace one_voxel_covers_its_pixels" # uploaded on an out-of-order queue
 )

@@ -233,6 +233,18 @@ static svo_status make_buffers(maker *m)
     return keep_shape(m, SVO_I_BVH_NODE_BOXES, ITEMS_B);
 }
 
+/* Groups beyond the ranges and chunks of a level return at once, but Intel's driver for CPUs reads what these would name
+   before: so they name the first ones. */
+static svo_status clear_levels(maker *m)
+{
+    const uint64_t ranges = ranges_max(m);
+    const uint64_t chunks = chunks_max(m, ranges);
+    SVO_I_TRY(svo_i_work_fill_zero(&m->work, m->buffers[RANGES_A], ranges * sizeof(svo_bvh_range)));
+    SVO_I_TRY(svo_i_work_fill_zero(&m->work, m->buffers[RANGES_B], ranges * sizeof(svo_bvh_range)));
+    SVO_I_TRY(svo_i_work_fill_zero(&m->work, m->buffers[CHUNK_RANGES], chunks * sizeof(cl_uint)));
+    return svo_i_work_fill_zero(&m->work, m->buffers[CHUNK_PLACES], chunks * sizeof(cl_uint2));
+}
+
 /* The root, and the items with the bounds of their centers. */
 static svo_status make_items(maker *m)
 {
@@ -317,7 +329,6 @@ static svo_status split_levels(maker *m)
     const uint32_t levels = levels_until(m->params.item_count, m->params.subtree_items) + SPARE_RANGE_LEVELS;
     const uint64_t most = ranges_max(m);
     uint64_t ranges = m->params.item_count > m->params.subtree_items ? 1 : 0;
-    SVO_I_TRY(svo_i_work_fill_zero(&m->work, m->buffers[CHUNK_RANGES], chunks_max(m, most) * sizeof(cl_uint)));
     while (ranges > 0 && m->params.level < SVO_BVH_DEPTH_MAX) {
         for (uint32_t i = 0; i < levels && m->params.level < SVO_BVH_DEPTH_MAX; ++i) {
             SVO_I_TRY(split_level(m, ranges));
@@ -523,6 +534,7 @@ static svo_status make(maker *m, const svo_i_bvh_options *options)
     SVO_I_TRY(make_first_buffers(m));
     SVO_I_TRY(find_extent(m));
     SVO_I_TRY(make_buffers(m));
+    SVO_I_TRY(m->out->quality == SVO_BVH_FAST ? SVO_OK : clear_levels(m));
     SVO_I_TRY(make_items(m));
     SVO_I_TRY(m->out->quality == SVO_BVH_FAST ? split_sorted(m) : split_items(m));
     SVO_I_TRY(size_records(m));

@@ -331,7 +331,7 @@ static const step steps[] = {
     {NULL, prepare_workspace, NULL, {0}, {0}},
     {"update and enqueued build", enqueue, NULL, {0, 19, 2907, 0, 1, 48}, {0, 19, 2488, 0, 1, 51}},
     {"BVH, fast", make_fast_bvh, make_best_bvh, {21, 3, 80, 3, 5, 53}, {21, 3, 80, 3, 5, 53}},
-    {"BVH, best", make_best_bvh, make_fast_bvh, {24, 4, 80, 3, 5, 56}, {24, 4, 81, 3, 5, 65}},
+    {"BVH, best", make_best_bvh, make_fast_bvh, {24, 7, 82, 3, 5, 56}, {24, 7, 92, 3, 5, 65}},
     {NULL, prepare_rays, NULL, {0}, {0}},
     {"rays in buffers", trace_buffers, NULL, {0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 1}},
     {"rays in host memory", trace_host, NULL, {2, 0, 0, 1, 4, 1}, {2, 0, 0, 1, 4, 1}},
