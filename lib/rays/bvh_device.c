@@ -233,8 +233,8 @@ static svo_status make_buffers(maker *m)
     return keep_shape(m, SVO_I_BVH_NODE_BOXES, ITEMS_B);
 }
 
-/* Groups beyond the ranges and chunks of a level return at once, but Intel's driver for CPUs reads what these would name
-   before: so they name the first ones. */
+/* Groups beyond the ranges and chunks of a level return at once, but Intel's driver for CPUs reads what these would
+   name before: so they name the first ones. */
 static svo_status clear_levels(maker *m)
 {
     const uint64_t ranges = ranges_max(m);
