@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /** \file
- * Light in a tree, by voxel cone tracing (after Crassin et al., "Interactive Indirect Illumination Using Voxel Cone
- * Tracing", 2011): opacity on all levels, photons from light sources into the leaves, filtered upwards, and cones that
- * gather both: ambient occlusion, one bounce of indirect light, and specular reflections.
+ * Light in a tree: ambient occlusion, indirect light and reflections, at points and in pictures. By paths of exact
+ * rays, or by voxel cone tracing (after Crassin et al., "Interactive Indirect Illumination Using Voxel Cone Tracing",
+ * 2011): opacity on all levels, photons from light sources into the leaves, filtered upwards, and cones that gather
+ * both.
  *
  * A light is made of a built tree and refers to it; the tree must outlive it and stay as it is. Opacity is made once;
  * svo_light_set_sources reruns the stages of the sources alone, and svo_light_update makes the light of a changed
- * tree. What is stored is integers, the same bytes on every device and run. Cones are single-precision: the same on
- * every run, and within 1e-4 between devices.
+ * tree. What is stored is integers, the same bytes on every device and run. What is gathered is single-precision, the
+ * same on every run, and within 1e-4 between devices; unless rounding sends a path past the other side of an edge,
+ * which changes a point by that path's share.
  *
  * Forms. SVO_LIGHT_FACES: six opacities and radiances a node, for rays along +x, -x, +y, -y, +z, -z, interpolated
  * between the eight nodes around a point; walls let little light through, whatever the width of the cone.

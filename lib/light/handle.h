@@ -12,7 +12,7 @@
  *   shoot             all photons of a setup, or those that a change concerns
  *   light             plan, create, set sources, update, destroy
  *   shader            options of gathering; kernels that shade surfaces
- *   cones             light at batches of points, radiance along rays
+ *   gather            light at batches of points, radiance along rays
  *   screen            light of pictures by few rays, smoothed over surfaces
  *   picture           pictures
  */

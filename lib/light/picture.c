@@ -5,7 +5,7 @@
 
 #include "core/struct_size.h"
 #include "core/submit.h"
-#include "light/cones.h"
+#include "light/gather.h"
 #include "light/programs.h"
 #include "light/screen.h"
 #include "rays/camera.h"
@@ -150,7 +150,8 @@ static svo_status draw_by_rays(const drawing *drawn, const svo_i_light_shader *s
     const uint32_t most = screen->band_rows / cells > 0 ? screen->band_rows / cells : 1;
     const uint32_t begin = drawn->asked.first_row / TILE_EDGE;
     const uint32_t end = begin + tile_rows(&drawn->asked);
-    const size_t in_launch = shader->light->device->band_tiles / TILE_COST;
+    const size_t tiles = shader->light->device->band_tiles / TILE_COST;
+    const size_t in_launch = tiles > 0 ? tiles : 1;
     for (uint32_t row = begin; row < end; row += most) {
         const uint32_t last = end - row < most ? end : row + most;
         const uint32_t end_cell = last * cells < screen->height ? last * cells : screen->height;

@@ -5,7 +5,7 @@
  */
 #include "light/screen.h"
 
-#include "light/cones.h"
+#include "light/gather.h"
 #include "light/programs.h"
 
 /* Steps of the filter: each reaches 2, 4, 8 .. cells. */

@@ -7,7 +7,7 @@
 
 #include "core/device.h"
 #include "core/struct_size.h"
-#include "light/cones.h"
+#include "light/gather.h"
 #include "probes/encoding.h"
 #include "rays/batch.h"
 #include "rays/rays.h"

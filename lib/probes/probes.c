@@ -10,7 +10,7 @@
 #include <xxhash.h>
 
 #include "core/struct_size.h"
-#include "light/cones.h"
+#include "light/gather.h"
 #include "probes/encoding.h"
 #include "probes/place.h"
 #include "probes/plan.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Light at batches of points, by cones, which rays/batch.c launches, and by rays; radiance along rays. */
-#include "light/cones.h"
+#include "light/gather.h"
 
 #include "core/struct_size.h"
 #include "core/submit.h"

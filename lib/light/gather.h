@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Light at points and along rays.
- */
-#ifndef SVO_LIB_LIGHT_CONES_H
-#define SVO_LIB_LIGHT_CONES_H
+/* Light at points and along rays. */
+#ifndef SVO_LIB_LIGHT_GATHER_H
+#define SVO_LIB_LIGHT_GATHER_H
 
 #include "light/shader.h"
 
