@@ -433,7 +433,7 @@ static void few_rays_look_like_many(void **state)
         }
         const double rmse = sqrt(squares_sum / (double)sizeof rgba[0]);
         print_message("view %d: RMSE %.2f of 255\n", (int)views[i], rmse);
-        assert_true(rmse < 4);
+        assert_true(rmse < 2.5); /* 3.7 of openness without the filter */
     }
     close_floor(&scene);
 }
