@@ -219,15 +219,16 @@ static svo_status make_opacity(svo_light *light, const char *function, cl_comman
     return status;
 }
 
-/* SVO_LIGHT_FLAG_*, by what the tree holds. */
-static uint32_t find_flags(const svo_tree_info *tree)
+/* SVO_LIGHT_FLAG_*, by what the tree holds and what was asked. */
+static uint32_t find_flags(const svo_tree_info *tree, const svo_light_options *options)
 {
     const bool normals = (tree->need & SVO_NEED_NORMAL) != 0;
     const bool colors = (tree->need & SVO_NEED_COLOR) != 0;
     return (normals ? SVO_LIGHT_FLAG_NORMALS : 0) |
            (svo_i_tree_is_constant(tree, SVO_TREE_NORMALS) ? SVO_LIGHT_FLAG_ONE_NORMAL : 0) |
            (colors ? SVO_LIGHT_FLAG_COLORS : 0) |
-           (svo_i_tree_is_constant(tree, SVO_TREE_COLORS) ? SVO_LIGHT_FLAG_ONE_COLOR : 0);
+           (svo_i_tree_is_constant(tree, SVO_TREE_COLORS) ? SVO_LIGHT_FLAG_ONE_COLOR : 0) |
+           (options->one_side != 0 ? SVO_LIGHT_FLAG_ONE_SIDE : 0);
 }
 
 /* Makes a light of a tree with its opacity. before: NULL: from nothing. */
@@ -252,7 +253,7 @@ static svo_status create(svo_tree *tree, const char *function, const svo_light_o
     light->options.struct_size = sizeof light->options;
     light->params = (svo_light_params){
         .depth = tree->info.depth,
-        .flags = find_flags(&tree->info),
+        .flags = find_flags(&tree->info, &asked),
         .voxel_edge = (float)ldexp(1.0 / tree->info.scale, (int)(tree->info.snap_bits - tree->info.depth))};
     const svo_status status = make_opacity(light, function, queue);
     if (status != SVO_OK) {

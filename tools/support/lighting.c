@@ -393,7 +393,8 @@ int lighting_make(program *state, const job *done, const svo_light_setup *setup,
 {
     const svo_light_options light_options = {.struct_size = sizeof light_options,
                                              .form = (svo_light_form)state->options.light_form,
-                                             .opacity = (svo_opacity)state->options.opacity};
+                                             .opacity = (svo_opacity)state->options.opacity,
+                                             .one_side = (uint32_t)state->options.one_side};
     svo_light_setup shining = *setup;
     shining.no_photons = state->options.photons == 0;
     progress_step(state->progress, "spreading the light");

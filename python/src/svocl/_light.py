@@ -74,8 +74,9 @@ class Light(Handle):
     Args:
         tree: on a device. Colors give albedo and opacity (without: opaque, albedo 0.6); Need.NORMAL,
             Need.PROJECTED_AREA and Need.RAYS make cones, opacity and photons exact.
-        form: how to store opacity and radiance.
+        form: how to store opacity and radiance. Walls leak in BRICKS and VOXELS.
         opacity: how opaque leaves are.
+        one_side: of closed meshes, the front alone holds cones back, by the winding of the triangles.
         queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
 
     Raises:
@@ -84,12 +85,18 @@ class Light(Handle):
     """
 
     def __init__(
-        self, tree: Tree, form: LightForm = LightForm.FACES, *, opacity: Opacity = Opacity.AREA, queue: Any = None
+        self,
+        tree: Tree,
+        form: LightForm = LightForm.FACES,
+        *,
+        opacity: Opacity = Opacity.AREA,
+        one_side: bool = False,
+        queue: Any = None,
     ) -> None:
         if not isinstance(tree, Tree):
             raise TypeError(f"tree: {type(tree).__name__}, expected svocl.Tree")
         options = _structs.new("svo_light_options")
-        options.form, options.opacity = LightForm(form), Opacity(opacity)
+        options.form, options.opacity, options.one_side = LightForm(form), Opacity(opacity), bool(one_side)
         cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
         out = ffi.new("svo_light **")
         with tree._use() as pointer:
