@@ -41,7 +41,7 @@ svo_k_light_face_leaves(__global const uchar *colors, __global const ushort *are
     for (uint direction = 0; direction < 6u; ++direction) {
         const uint area = svo_leaf_area(areas, leaf, direction, params.flags);
         opacities[to + direction] = (ushort)svo_leaf_opacity(alpha, area);
-        covers[to + direction] = svo_face_cover(alpha, area);
+        covers[to + direction] = svo_face_cover(alpha, svo_leaf_front(areas, leaf, direction));
     }
 }
 
@@ -122,7 +122,7 @@ svo_k_light_face_leaves_again(__global const uchar *child_mask, __global const u
         const uint alpha = svo_leaf_alpha(colors, first_leaf + k / 6u, params);
         const uint area = svo_leaf_area(areas, first_leaf + k / 6u, k % 6u, params.flags);
         opacities[to + k] = (ushort)svo_extinction_of(svo_leaf_opacity(alpha, area));
-        covers[to + k] = svo_face_cover(alpha, area);
+        covers[to + k] = svo_face_cover(alpha, svo_leaf_front(areas, first_leaf + k / 6u, k % 6u));
     }
 }
 

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Pictures of a lit tree: first hits and shadows by exact rays (surface.clh, direct.clh); openness and indirect light
- * by cones (shading.clh) or, with SVO_PICTURE_RAYS, by rays that were gathered before (screen.clh); specular light by
- * cones.
+ * Pictures of a lit tree: first hits and shadows by exact rays (surface.clh, direct.clh); with SVO_PICTURE_SCREEN
+ * openness and indirect light that were gathered before (screen.clh); specular light by cones (shading.clh).
  *
  * A pixel has params.samples camera rays. Those of 2 x 2 pixels that meet one plane within a leaf's edge share
- * what cones gather there, which is nearly all of a picture's time. Light is linear; svo_shade_tone (rays/shade.clh)
- * makes it the share of white that a screen shows, which is then coded by the sRGB curve (IEC 61966-2-1).
+ * what cones gather there. Light is linear; svo_shade_tone (rays/shade.clh) makes it the share of white that a screen
+ * shows, which is then coded by the sRGB curve (IEC 61966-2-1).
  *
  * Launch: one work-item per 2 x 2 pixels, tiles of 16 x 16 pixels per group, one dimension, as many tiles as the host
  * likes. Reads tree, light and sources; writes one RGBA8 word or four floats per pixel. No atomics, no local memory.
@@ -66,7 +65,7 @@ SVO_INLINED bool svo_picture_look(const svo_lit_picture *picture, const svo_pict
     }
     svo_lit_payload(picture, &surface);
     svo_lit_gathered gathered = svo_lit_cones(picture, &surface, vload3(0, ray.direction), cache);
-#ifdef SVO_PICTURE_RAYS
+#ifdef SVO_PICTURE_SCREEN
     const float4 light = svo_screen_light(screen->cells, screen->light, screen->params, place, &surface);
     gathered.irradiance = picture->params.view == SVO_LIT_VIEW_AO ? (float3)(light.w) : light.xyz;
 #else
