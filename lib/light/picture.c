@@ -146,7 +146,7 @@ static uint32_t tile_rows(const svo_render_options *options)
 
 /* Draws the band by a screen: as many rows of tiles at once as the cells of the screen hold. */
 static svo_status draw_by_screen(const drawing *drawn, const svo_i_light_shader *shader, svo_i_light_screen *screen,
-                               cl_mem pixels)
+                                 cl_mem pixels)
 {
     const size_t across = tiles_across(&drawn->asked);
     const uint32_t cells = TILE_EDGE / SVO_I_SCREEN_CELL; /* of a tile's edge */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Light of a picture by few rays or cones. A band of the picture is gathered with as many rows of cells beside it as the filter
- * reaches, so that what a pixel shows does not depend on bands.
+ * Light of a picture by few rays or cones. A band of the picture is gathered with as many rows of cells beside it as
+ * the filter reaches, so that what a pixel shows does not depend on bands.
  */
 #include "light/screen.h"
 
