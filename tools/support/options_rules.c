@@ -515,6 +515,8 @@ static const rule rules[] = {
      "how opaque leaves are: area, by the area in them that each direction meets; full (area)"},
     {"sides", '\0', OPTION_LIGHT, "NAME", read_choice, FIELD(one_side), 0, 0, opaque_sides,
      "which sides of a closed mesh hold cones back: both; one, the front (both)"},
+    {"light-file", '\0', OPTION_RENDER_COMMAND, "FILE", read_text, FIELD(light_file), 0, 0, NULL,
+     "the light of the tree: read with its sources where FILE is there, else made and written (none)"},
     {"photons", '\0', OPTION_LIGHT, "NAME", read_choice, FIELD(photons), 0, 0, switches,
      "whether surfaces that the lights reach light others by cones: on, off (on)"},
     {"gi", '\0', OPTION_RENDER_COMMAND, "NAME", read_choice, FIELD(gi), 0, 0, switches,
