@@ -146,8 +146,8 @@ typedef struct svo_bvh_around {
     float8 before, after;
 } svo_bvh_around;
 
-static svo_bvh_around svo_bvh_box_around(__global const float8 *items, uint2 strip, uint lanes,
-                                         __local svo_bvh_sweep_room *room)
+SVO_INLINED svo_bvh_around svo_bvh_box_around(__global const float8 *items, uint2 strip, uint lanes,
+                                              __local svo_bvh_sweep_room *room)
 {
     svo_bvh_around around = {SVO_BVH_EMPTY_BOX, SVO_BVH_EMPTY_BOX};
     const uint lane = svo_bvh_lane();
@@ -192,7 +192,7 @@ static svo_bvh_place svo_bvh_sweep_strip(__global const float8 *items, uint coun
 }
 
 /* The best split of a range in its order, for all lanes. */
-static svo_bvh_place svo_bvh_find_sweep(__global const float8 *items, uint count, __local svo_bvh_sweep_room *room)
+SVO_INLINED svo_bvh_place svo_bvh_find_sweep(__global const float8 *items, uint count, __local svo_bvh_sweep_room *room)
 {
     const uint2 strip = svo_bvh_strip(0u, count);
     const uint lanes = min(count, (uint)SVO_BVH_LANES);

@@ -42,8 +42,8 @@ SVO_BVH_LANES_KERNEL svo_k_bvh_bin(__global const svo_bvh_range *ranges, __globa
 }
 
 /* The bins of a range, from those of its chunks. */
-static void svo_bvh_join_bins(__global const float8 *chunk_boxes, __global const uint *chunk_counts, uint chunk_count,
-                              __local svo_bvh_room *room)
+SVO_INLINED void svo_bvh_join_bins(__global const float8 *chunk_boxes, __global const uint *chunk_counts,
+                                   uint chunk_count, __local svo_bvh_room *room)
 {
     for (uint k = svo_bvh_lane(); k < SVO_BVH_CELLS; k += SVO_BVH_LANES) {
         float8 box = SVO_BVH_EMPTY_BIN;
@@ -73,8 +73,8 @@ static uint svo_bvh_chunk_front(const svo_bvh_cut *cut, __global const uint *cou
 }
 
 /* Per chunk of a range, the range and the items of the first part before the chunk. */
-static void svo_bvh_place_chunks(uint2 range_and_chunks, const svo_bvh_cut *cut, __global const uint *counts,
-                                 __global uint2 *places, uint chunk_items, __local uint *scratch)
+SVO_INLINED void svo_bvh_place_chunks(uint2 range_and_chunks, const svo_bvh_cut *cut, __global const uint *counts,
+                                      __global uint2 *places, uint chunk_items, __local uint *scratch)
 {
     const uint2 strip = svo_bvh_strip(0u, range_and_chunks.y);
     uint sum = 0u;

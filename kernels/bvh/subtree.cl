@@ -9,8 +9,8 @@
 #include "bvh/binning.clh"
 
 /* Splits a range of more items than a leaf holds. from, to: its first item. */
-static svo_bvh_cut svo_bvh_split(__global const float8 *from, __global float8 *to, uint count, uint halvings,
-                                 float area, __local svo_bvh_room *room)
+SVO_INLINED svo_bvh_cut svo_bvh_split(__global const float8 *from, __global float8 *to, uint count, uint halvings,
+                                      float area, __local svo_bvh_room *room)
 {
     if (!svo_bvh_is_free(count, halvings)) {
         return svo_bvh_cut_by_count(count, area);
