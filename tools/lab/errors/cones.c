@@ -70,6 +70,13 @@ static void keep_points(const svo_gather_point *candidates, const path_result *s
     }
 }
 
+/* Whether points can be spread over the mesh. */
+static bool has_area(const svo_mesh *mesh)
+{
+    svo_gather_point point;
+    return surface_points(mesh, 1, SEED, &point);
+}
+
 static bool make_points(const error_run *run, size_t point_count, cone_truth *truth)
 {
     const size_t candidate_count = CANDIDATE_SHARE * point_count;
@@ -108,6 +115,11 @@ int cone_truth_make(error_run *run, const truth_scene *given, size_t point_count
         return exit_code;
     }
     out->name = errors_scene_name(&given->scene, &out->opened.source);
+    if (!has_area(out->opened.source.mesh)) {
+        const int failed = program_fail(run->state, PROGRAM_FAILED, "%s: no triangle has an area", out->name);
+        input_close(&out->opened.source);
+        return failed;
+    }
     out->setup.sources = &out->source;
     out->setup.source_count = 1;
     for (int channel = 0; channel < 3; ++channel) {
