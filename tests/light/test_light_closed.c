@@ -276,8 +276,8 @@ static void shadows_of_a_sun_end_at_their_edge(void **state)
     cone_scene_free(scene);
 }
 
-/* A quad under the ceiling of a black room emits 5: below it, and beside it. It hangs four voxels below the ceiling: what
-   is met has the material of its leaf, and leaves that hold a piece of both are the ceiling's in part. */
+/* A quad under the ceiling of a black room emits 5: below it, and beside it. It hangs four voxels below the ceiling:
+   what is met has the material of its leaf, and leaves that hold a piece of both are the ceiling's in part. */
 static void emitters_bring_their_form_factor(void **state)
 {
     static const svo_finish finishes[2] = {{.emission = {0, 0, 0}}, {.emission = {5, 5, 5}}};
