@@ -279,9 +279,9 @@ SVO_API const svo_mesh *svo_import_mesh(const svo_import *import);
  *
  * \param import not NULL
  * \param vertex_count receives how many vertices the file has; 0 where the result is NULL
- * \returns for each vertex of a PLY or OFF file, and for each "v" of an OBJ file, in their order, the index of one of the
- *          mesh's vertices that lie there (several differ in normal or texture coordinates), or SVO_NO_VERTEX. NULL for
- *          other formats. Positions of svo_import_options.weld and axes are those of the mesh. Lives as long as
+ * \returns for each vertex of a PLY or OFF file, and for each "v" of an OBJ file, in their order, the index of one of
+ *          the mesh's vertices that lie there (several differ in normal or texture coordinates), or SVO_NO_VERTEX. NULL
+ *          for other formats. Positions of svo_import_options.weld and axes are those of the mesh. Lives as long as
  *          import. */
 SVO_API const uint32_t *svo_import_file_vertices(const svo_import *import, size_t *vertex_count);
 

@@ -67,8 +67,8 @@ class Mesh:
         finishes: one for each material; none: all are diffuse. Builds do not read them.
 
     Attributes: the arguments, as arrays and tuples; of a mesh from read_mesh also import_info, and file_vertices,
-    (count,) uint32: for each vertex of a PLY or OFF file and each "v" of an OBJ file one of the mesh's vertices that lie
-    there, or NO_VERTEX where no face has it; None of other formats.
+    (count,) uint32: for each vertex of a PLY or OFF file and each "v" of an OBJ file one of the mesh's vertices that
+    lie there, or NO_VERTEX where no face has it; None of other formats.
     """
 
     positions: _arrays.Array
