@@ -207,9 +207,10 @@ svo_tree *cone_lights_tree(cone_lights *lights, unsigned depth, svo_coverage cov
 {
     const session *opened = &lights->run->opened;
     const svo_mesh *mesh = lights->truth->opened.source.mesh;
+    const bool has_colors = mesh->colors != NULL || mesh->material_count > 0; /* without: clay, as the truth has it */
     const svo_plan_options plan_options = {.struct_size = sizeof plan_options,
-                                           .need = SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS |
-                                                   SVO_NEED_PROJECTED_AREA |
+                                           .need = SVO_NEED_NORMAL | SVO_NEED_RAYS | SVO_NEED_PROJECTED_AREA |
+                                                   (has_colors ? (uint32_t)SVO_NEED_COLOR : 0U) |
                                                    (mesh->finishes != NULL ? (uint32_t)SVO_NEED_MATERIAL : 0U),
                                            .coverage = coverage};
     for (size_t i = 0; i < lights->tree_count; ++i) {

@@ -10,6 +10,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 #include "measure/spread.h"
@@ -21,7 +22,7 @@
 #define SEED          5u /* of the truth */
 #define BOUNCES       4u /* of several */
 #define DARKEST       1e-9 /* a mean irradiance below it, of sources of about 1, is no light */
-#define CLOSED_SHARE  0.01 /* of a sun's irradiance: where one bounce brings less on average, the scene is a room */
+#define CLOSED_SHARE  0.001 /* of a sun's irradiance: where a bounce brings less on average, the scene is a room */
 
 static const unsigned cone_counts[] = {1, 5, 6, 16, 64};
 static const unsigned path_counts[] = {16, 64, 256, 1024};
@@ -90,7 +91,8 @@ void e7_light_begin(const error_run *run)
         "for "
         "four bounces a quarter of them. AO: openness within a quarter of the grid's width. Other errors are relative "
         "to the mean irradiance. Skylight: a uniform sky, no source. One bounce: a source by way of one surface; a "
-        "lamp in the middle where a sun hardly reaches inside. Four bounces: the same with a sky. Emitters: materials "
+        "lamp about the middle where a sun hardly reaches inside. Four bounces: the same with a sky. Emitters: "
+        "materials "
         "that "
         "emit, where there are any. Cones: of faces at depth %u, with one bounce at most. Time: of all cores, for each "
         "point. Rays, same error: the time of rays that err as much, interpolated between 16, 64, 256 and 1024 paths; "
@@ -180,20 +182,44 @@ static double error_of_truth(const kind_work *work)
     return sqrt(sum / (3 * (double)work->count));
 }
 
-/* A lamp in the middle of the points' bounds, for rooms that no sun reaches. */
+static double distance_to_points(const kind_work *work, const float place[3])
+{
+    double least = INFINITY;
+    for (size_t i = 0; i < work->count; ++i) {
+        const float *at = work->points[i].position;
+        const double offset[3] = {(double)(at[0] - place[0]), (double)(at[1] - place[1]), (double)(at[2] - place[2])};
+        least = fmin(least, offset[0] * offset[0] + offset[1] * offset[1] + offset[2] * offset[2]);
+    }
+    return least;
+}
+
+/* A lamp for rooms that no sun reaches: about the middle of the points' bounds, where it is the farthest from all. Next
+   to a surface it would light a spot of that alone. */
 static void hang_lamp(kind_work *work)
 {
-    float low[3];
-    float high[3];
     const float power = (float)(work->scene->edge * work->scene->edge);
+    float bounds[2][3];
+    double farthest = -1;
     work->source = (svo_light_source){.kind = SVO_SOURCE_POINT, .value = {power, 0.95F * power, 0.85F * power}};
     for (int axis = 0; axis < 3; ++axis) {
-        low[axis] = high[axis] = work->points[0].position[axis];
+        bounds[0][axis] = bounds[1][axis] = work->points[0].position[axis];
         for (size_t i = 1; i < work->count; ++i) {
-            low[axis] = fminf(low[axis], work->points[i].position[axis]);
-            high[axis] = fmaxf(high[axis], work->points[i].position[axis]);
+            bounds[0][axis] = fminf(bounds[0][axis], work->points[i].position[axis]);
+            bounds[1][axis] = fmaxf(bounds[1][axis], work->points[i].position[axis]);
         }
-        work->source.position[axis] = (low[axis] + high[axis]) / 2;
+    }
+    for (int i = 0; i < 27; ++i) {
+        const int steps[3] = {i % 3, i / 3 % 3, i / 9};
+        float place[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            const float share = 0.5F + 0.1F * (float)(steps[axis] - 1);
+            place[axis] = bounds[0][axis] + share * (bounds[1][axis] - bounds[0][axis]);
+        }
+        const double distance = distance_to_points(work, place);
+        if (distance > farthest) {
+            farthest = distance;
+            memcpy(work->source.position, place, sizeof place);
+        }
     }
 }
 
