@@ -60,7 +60,8 @@ svo_status svo_i_faces_reserve_uvs(face_list *faces, uint64_t corner_count);
 /* Adds the face whose first corner_count corners were filled in. with_uvs: they have texture coordinates. An index out
    of range gives triangles without that vertex, which a build refuses and counts. */
 svo_status svo_i_faces_add(face_list *faces, uint32_t corner_count, bool with_uvs);
-/* After the last face: warns of all that was left out, and hands the mesh which of its vertices those of the file are. */
+/* After the last face: warns of all that was left out, and tells the mesh which of its vertices those of the file
+   are. */
 void svo_i_faces_end(face_list *faces);
 void svo_i_faces_free(face_list *faces);
 
