@@ -64,7 +64,7 @@ static void begin_equal(const error_run *run)
     static const char *const of_method[] = {"16 cones, ", "64 paths, "};
     result_table *table =
         result_add_table(run->results, "e7-equal", "E7: cones, and rays in the time of the same error",
-                         "16 cones and 64 paths, the numbers by default, of the table before, and "
+                         "16 cones and 64 paths, the numbers by default, of the table of all methods, and "
                          "the time in which rays err as much as the cones. Ratio: of the cones' "
                          "time to that; above 1 rays win.");
     char name[64];
