@@ -57,6 +57,7 @@ typedef struct svo_light_options {
     size_t struct_size; /**< sizeof(svo_light_options) */
     svo_light_form form; /**< how to store it */
     svo_opacity opacity; /**< how opaque leaves are */
+    uint32_t no_cones; /**< not 0: nothing is stored and no photons leave, since rays alone gather; cones are refused */
 } svo_light_options;
 
 /** All defaults. */
@@ -117,7 +118,8 @@ typedef struct svo_light_info {
  * \returns SVO_INVALID_ARGUMENT when an option is out of its range. */
 SVO_API svo_status svo_light_plan(const svo_tree *tree, const svo_light_options *options, svo_light_info *info);
 
-/** Makes the opacity of a tree and waits for it. There is no light yet but the sky's, which is 0.
+/** Makes the opacity of a tree and waits for it; without cones there is nothing to make. There is no light yet but the
+ *  sky's, which is 0.
  *
  * \param tree on a device; must outlive the light. Colors give alpha and albedo (absent: opaque, albedo 0.6), normals
  *        and areas (SVO_NEED_PROJECTED_AREA) make cones exact; payload from level 0
@@ -179,7 +181,7 @@ typedef struct svo_light_setup {
 #define SVO_LIGHT_SETUP_INIT SVO_STRUCT_INIT(svo_light_setup)
 
 /** Lights a tree: shoots photons by the tree's exact rays, sums them in the leaves, and filters radiance upwards, where
- *  it is lit. Replaces the light of earlier calls; a failed call leaves it dark.
+ *  it is lit; without cones it keeps what shines. Replaces the light of earlier calls; a failed call leaves it dark.
  *
  * Trees without SVO_NEED_RAYS, or of coverage thin, are lit by rays against their voxels, in single precision. Their
  * light is the same on every run of a device; others' is the same on every device with cl_khr_fp64.
@@ -284,15 +286,15 @@ SVO_API svo_status svo_gather(svo_light *light, svo_array points, svo_array resu
 
 /** A light as a target: svo_render, svo_camera_fit and kernels of the caller's.
  *
- * Its pictures show a lit tree: first hits, shadows, openness and indirect light by exact rays, specular light by
- * cones; where svo_render_options.gather says so, openness and indirect light too. Sources, finishes and sky are those
- * of svo_light_set_sources. Trees without triangles show their voxels. SVO_VIEW_SHADED has direct, indirect and
- * specular light and emission on the surfaces' colors.
+ * Its pictures show a lit tree: first hits, shadows, openness, indirect and specular light by exact rays; by cones where
+ * svo_render_options.gather says so. Sources, finishes and sky are those of svo_light_set_sources. Trees without
+ * triangles show their voxels. SVO_VIEW_SHADED has direct, indirect and specular light and emission on the surfaces'
+ * colors.
  *
  * Light is linear. Up to a half, radiance times exposure is the share of white that a pixel shows; above, highlights
  * roll off as 1 - exp(1 - 2 radiance) / 2. Openness is shown as it is. Shares are coded by the sRGB curve.
  *
- * svo_kernel_source, for cones, declares
+ * svo_kernel_source, for cones, which the light then must have (svo_light_options.no_cones), declares
  *
  *     SVO_LIGHT_PARAMETERS    among a kernel's parameters, SVO_LIGHT_ARGUMENTS of them
  *     SVO_LIGHT_MAKE(light)    an svo_light from these parameters

@@ -2,8 +2,8 @@
 /*
  * Light of a picture by few rays: gathered at the middle of each 2 x 2 pixels, and smoothed over surfaces.
  *
- *   svo_k_screen_points  per cell: the surface that its middle shows, as a point for svo_k_gather_rays; without a
- *                        normal where nothing is
+ *   svo_k_screen_points  per cell: the surface that its middle shows and what it mirrors, as a point for
+ *                        svo_k_gather_rays; without a normal where nothing is
  *   svo_k_screen_filter  per cell: one step of an edge-avoiding wavelet filter (Dammertz et al., "Edge-Avoiding A-Trous
  *                        Wavelet Transform for Fast Global Illumination Filtering", 2010). Neighbors count by how far
  *                        they lie on the cell's plane, and by how much their light differs beside its standard error
@@ -31,6 +31,11 @@ svo_k_screen_points(SVO_LIT_PARAMETERS, __global svo_gather_point *points, svo_s
         svo_lit_place(&picture, &ray, &met, &surface);
         vstore3(surface.point, 0, point.position);
         vstore3(surface.face, 0, point.normal);
+        svo_lit_payload(&picture, &surface);
+        if (svo_lit_reflects(&picture, &surface)) {
+            vstore3(svo_lit_mirrored(&surface, vload3(0, ray.direction)), 0, point.reflected);
+            point.exponent = surface.exponent;
+        }
     }
     points[item] = point;
 }

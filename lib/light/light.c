@@ -85,6 +85,9 @@ static svo_status plan(const svo_tree *tree, const char *function, const svo_lig
     SVO_I_TRY(read_options(tree, function, options, asked));
     const bool has_areas = (tree->info.need & SVO_NEED_PROJECTED_AREA) != 0;
     *info = (svo_light_info){.form = asked->form, .opacity = has_areas ? asked->opacity : SVO_OPACITY_FULL};
+    if (asked->no_cones != 0) {
+        return SVO_OK;
+    }
     info->bytes[SVO_LIGHT_OPACITY] = opacity_bytes(&tree->info, asked->form);
     if (asked->form == SVO_LIGHT_FACES) {
         info->bytes[SVO_LIGHT_COVER] = info->bytes[SVO_LIGHT_OPACITY];
@@ -254,7 +257,7 @@ static svo_status create(svo_tree *tree, const char *function, const svo_light_o
         .depth = tree->info.depth,
         .flags = find_flags(&tree->info),
         .voxel_edge = (float)ldexp(1.0 / tree->info.scale, (int)(tree->info.snap_bits - tree->info.depth))};
-    const svo_status status = make_opacity(light, function, queue);
+    const svo_status status = asked.no_cones != 0 ? SVO_OK : make_opacity(light, function, queue);
     if (status != SVO_OK) {
         svo_light_destroy(&light);
         return status;
@@ -439,7 +442,7 @@ static svo_status set(svo_light *light, const char *name, const svo_light_setup 
 {
     svo_light_setup shining = *setup;
     shining.source_count = setup->no_photons != 0 ? 0 : setup->source_count;
-    svo_status status = shine(light, name, &shining, caster, queue);
+    svo_status status = light->options.no_cones != 0 ? SVO_OK : shine(light, name, &shining, caster, queue);
     if (status == SVO_OK) {
         status = keep_setup(light, name, setup);
     }

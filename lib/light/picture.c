@@ -79,18 +79,18 @@ static svo_status fill_params(const svo_light *light, const char *function, cons
     return SVO_OK;
 }
 
-/* Whether a view has light that rays can gather. */
+/* Whether a view shows light that is gathered. */
 static bool view_gathers(svo_render_view view)
 {
-    return view == SVO_VIEW_AO || view == SVO_VIEW_INDIRECT || view == SVO_VIEW_SHADED;
+    return view != SVO_VIEW_DIRECT;
 }
 
 /* The caller's options for what the view shows of them. */
 static svo_status fill_gather(const svo_light *light, const char *function, const svo_render_options *options,
                               svo_gather_params *gather)
 {
-    const svo_gather_method by_default = view_gathers(options->view) ? SVO_GATHER_RAYS : SVO_GATHER_CONES;
-    SVO_I_TRY(svo_i_light_read_gather(light, function, "options.gather", options->gather, by_default, true, gather));
+    SVO_I_TRY(
+        svo_i_light_read_gather(light, function, "options.gather", options->gather, SVO_GATHER_RAYS, true, gather));
     if (!view_gathers(options->view) || (options->view != SVO_VIEW_AO && gather->with_light == 0)) {
         gather->paths = 0;
     }
@@ -121,12 +121,11 @@ static svo_status set_kernel(const drawing *drawn, const svo_i_light_shader *sha
                              uint32_t first_tile, cl_mem pixels)
 {
     const svo_i_argument own[] = {SVO_I_ARGUMENT(screen->cells), SVO_I_ARGUMENT(screen->light),
-                                  SVO_I_ARGUMENT(screen->params), SVO_I_ARGUMENT(pixels)};
+                                  SVO_I_ARGUMENT(screen->gathered), SVO_I_ARGUMENT(screen->params),
+                                  SVO_I_ARGUMENT(pixels)};
     svo_lit_picture_params params = drawn->params;
-    svo_gather_params gather = drawn->gather;
-    gather.cones = drawn->gather.paths != 0 ? 0 : gather.cones;
     params.first_tile = first_tile;
-    return svo_i_light_shader_set(shader, &gather, &params, SVO_I_ARGUMENTS(own));
+    return svo_i_light_shader_set(shader, &drawn->gather, &params, SVO_I_ARGUMENTS(own));
 }
 
 /* Tiles across the picture. */

@@ -73,6 +73,16 @@ static svo_status check_paths(const svo_light *light, const char *function, cons
                                    function, argument, (double)options->error);
 }
 
+/* Cones need what they read. */
+static svo_status check_has_cones(const svo_light *light, const char *function, const char *argument,
+                                  svo_gather_method method)
+{
+    return method != SVO_GATHER_CONES || light->options.no_cones == 0
+               ? SVO_OK
+               : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
+                                   "%s: %s.method is cones; the light was made with no_cones", function, argument);
+}
+
 /* Whether the options are those of the method. */
 static svo_status check_method(const svo_light *light, const char *function, const char *argument,
                                const svo_gather_options *options)
@@ -108,6 +118,7 @@ svo_status svo_i_light_read_gather(const svo_light *light, const char *function,
     const svo_gather_method method = asked.method != SVO_GATHER_AUTO ? asked.method
                                      : has_cones                     ? SVO_GATHER_CONES
                                                                      : by_default;
+    SVO_I_TRY(check_has_cones(light, function, argument, method));
     *params = (svo_gather_params){.cones = asked.cones != 0 ? asked.cones : CONES_DEFAULT,
                                   .step = asked.step > 0.0F ? asked.step : STEP_DEFAULT,
                                   .range = asked.range,
