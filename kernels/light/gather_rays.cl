@@ -20,26 +20,18 @@ static svo_lit_surface svo_gather_surface(const svo_gather_place *place)
     return surface;
 }
 
-/* One path of a point: the sources' light first, then paths by the cosine, then those of the reflection's lobe. */
-typedef struct svo_gather_path {
-    float3 direction;
-    uint index, seed; /* of the sequence */
-    bool is_traced; /* a lobe may reach below the surface */
-} svo_gather_path;
-
-static svo_gather_path svo_gather_next(const svo_gather_place *place, float exponent, uint number, uint seed,
-                                       uint diffuse_end)
+/* How a path of a point leaves it: the sources' light first, then paths by the cosine, then those of the reflection's
+   lobe. */
+static svo_path_start svo_gather_next(const svo_gather_place *place, float exponent, uint number, uint seed,
+                                      uint diffuse_end)
 {
-    svo_gather_path path = {(float3)(0.0f), 0u, seed, true};
-    if (number == 0u) {
-        return path;
+    svo_path_start path = {(float3)(0.0f), number > 0u && number < diffuse_end, 0u, seed};
+    if (number > 0u) {
+        path.index = path.is_cosine ? number - 1u : number - diffuse_end;
+        path.seed = path.is_cosine ? seed : svo_path_hash(seed);
+        path.direction = svo_path_direction(path.is_cosine ? place->frame.normal : place->reflected,
+                                            path.is_cosine ? 1.0f : exponent, svo_path_pair(path.index, path.seed));
     }
-    const bool is_diffuse = number < diffuse_end;
-    path.index = is_diffuse ? number - 1u : number - diffuse_end;
-    path.seed = is_diffuse ? seed : svo_path_hash(seed);
-    path.direction = svo_path_direction(is_diffuse ? place->frame.normal : place->reflected,
-                                        is_diffuse ? 1.0f : exponent, svo_path_pair(path.index, path.seed));
-    path.is_traced = is_diffuse || dot(path.direction, place->frame.normal) > 0.0f;
     return path;
 }
 
@@ -59,12 +51,11 @@ SVO_INLINED svo_gather_result svo_gather_rays(const svo_lit_picture *picture, co
     uint met = 0u; /* paths of the lobe above the surface */
     uint diffuse_end = gather->paths + 1u;
     for (uint number = gather->with_light != 0u ? 0u : 1u; number < diffuse_end + lobe_paths; ++number) {
-        const svo_gather_path path = svo_gather_next(&place, point->exponent, number, seed, diffuse_end);
-        if (!path.is_traced) {
-            continue;
+        const svo_path_start path = svo_gather_next(&place, point->exponent, number, seed, diffuse_end);
+        if (number >= diffuse_end && dot(path.direction, place.frame.normal) <= 0.0f) {
+            continue; /* the lobe reaches below the surface */
         }
-        const svo_path_light light =
-            svo_path_follow(picture, &surface, path.direction, path.index, path.seed, &result.steps);
+        const svo_path_light light = svo_path_follow(picture, &surface, &path, &result.steps);
         if (number == 0u) {
             vstore3(light.radiance, 0, result.direct);
         } else if (number < diffuse_end) {

@@ -165,6 +165,9 @@ static svo_status make_kernel(svo_i_light_shader *shader, const svo_i_program *p
     if (light->setup.finish_count > 0) {
         add_define(tree, SVO_TREE_MATERIALS, " -DSVO_FINISHES", " -DSVO_ONE_MATERIAL", defines, sizeof defines);
     }
+    if (light->emitters != NULL) {
+        add_define(tree, SVO_TREE_MATERIALS, " -DSVO_EMITTERS", "", defines, sizeof defines);
+    }
     SVO_I_TRY(svo_i_work_use(shader->work, program, defines));
     return svo_i_kernel_create(light->device, shader->work->function, shader->work->program, kernel_name,
                                &shader->kernel);
@@ -213,6 +216,7 @@ svo_status svo_i_light_shader_set(const svo_i_light_shader *shader, const svo_ga
                                      SVO_I_ARGUMENT(tree->buffers[SVO_TREE_MATERIALS]),
                                      SVO_I_ARGUMENT(shader->finishes),
                                      SVO_I_ARGUMENT(shader->sources),
+                                     SVO_I_ARGUMENT(light->emitters),
                                      {sizeof *gather, gather, false},
                                      {sizeof *params, params, false}};
     const cl_uint shared_count = sizeof shared / sizeof shared[0];
@@ -252,7 +256,8 @@ svo_lit_picture_params svo_i_light_shader_params(const svo_light *light, uint32_
     svo_lit_picture_params params = {.view = view,
                                      .exposure = 1.0F,
                                      .source_count = (uint32_t)light->setup.source_count,
-                                     .finish_count = (uint32_t)light->setup.finish_count};
+                                     .finish_count = (uint32_t)light->setup.finish_count,
+                                     .emitter_count = light->emitter_count};
     for (int channel = 0; channel < 3; ++channel) {
         params.sky[channel] = light->params.sky[channel];
     }
