@@ -262,7 +262,8 @@ typedef struct svo_gather_options {
  * Rays meet what the tree's exact rays meet: triangles, else voxels. What they meet has the color of its leaf and
  * reflects on the side that is met; emission, as finishes have it, leaves both sides. Directions follow from the bits
  * of a point's position and normal alone, so that results do not depend on what else is in a call. A fourth of paths
- * more samples the lobe around the reflected direction, if there is one.
+ * more, 16 at least, samples the lobe around the reflected direction, if there is one. Where materials of triangles
+ * emit, a ray more aims at one of them wherever a path goes on, which leaves the mean as it is and lessens the noise.
  *
  * Points outside the grid, by more than half a voxel, and points whose normal is zero or not finite get openness 1 and
  * no light.
@@ -287,10 +288,10 @@ SVO_API svo_status svo_gather(svo_light *light, svo_array points, svo_array resu
 
 /** A light as a target: svo_render, svo_camera_fit and kernels of the caller's.
  *
- * Its pictures show a lit tree: first hits, shadows, openness, indirect and specular light by exact rays; by cones where
- * svo_render_options.gather says so. Sources, finishes and sky are those of svo_light_set_sources. Trees without
- * triangles show their voxels. SVO_VIEW_SHADED has direct, indirect and specular light and emission on the surfaces'
- * colors.
+ * Its pictures show a lit tree: first hits, shadows, openness, indirect and specular light by exact rays; where
+ * svo_render_options.gather says so, by cones. Sources, finishes and sky are those of svo_light_set_sources. Trees
+ * without triangles show their voxels. SVO_VIEW_SHADED has direct, indirect and specular light and emission on the
+ * surfaces' colors.
  *
  * Light is linear. Up to a half, radiance times exposure is the share of white that a pixel shows; above, highlights
  * roll off as 1 - exp(1 - 2 radiance) / 2. Openness is shown as it is. Shares are coded by the sRGB curve.

@@ -8,6 +8,9 @@
  */
 #include "light/paths.clh"
 
+/* The fewest paths of a lobe. */
+#define SVO_GATHER_LOBE_LEAST 16u
+
 /* The surface that a point is on. */
 static svo_lit_surface svo_gather_surface(const svo_gather_place *place)
 {
@@ -35,6 +38,22 @@ static svo_path_start svo_gather_next(const svo_gather_place *place, float expon
     return path;
 }
 
+/* Paths of the lobe above the surface. */
+typedef struct svo_gather_lobe {
+    float3 sum, squares;
+    uint count;
+} svo_gather_lobe;
+
+/* The mean of the lobe's paths and its standard error. */
+static void svo_gather_end_lobe(const svo_gather_lobe *lobe, svo_gather_result *result)
+{
+    const float count = (float)max(lobe->count, 1u);
+    const float3 mean = lobe->sum / count;
+    const float3 variance = fmax(lobe->squares / count - mean * mean, 0.0f);
+    vstore3(mean, 0, result->specular);
+    result->specular_error = sqrt(fmax(variance.x, fmax(variance.y, variance.z)) / fmax(count - 1.0f, 1.0f));
+}
+
 SVO_INLINED svo_gather_result svo_gather_rays(const svo_lit_picture *picture, const svo_gather_point *point)
 {
     const svo_gather_params *gather = &picture->gather;
@@ -45,10 +64,10 @@ SVO_INLINED svo_gather_result svo_gather_rays(const svo_lit_picture *picture, co
     }
     const svo_lit_surface surface = svo_gather_surface(&place);
     const uint seed = svo_path_seed(point);
-    const uint lobe_paths = place.has_reflection && gather->with_light != 0u ? gather->paths / 4u : 0u;
+    const bool has_lobe = place.has_reflection && gather->with_light != 0u;
+    const uint lobe_paths = has_lobe ? max(gather->paths / 4u, SVO_GATHER_LOBE_LEAST) : 0u;
     svo_path_sums sums = {(float4)(0.0f), (float4)(0.0f), (float4)(0.0f), (float4)(0.0f), SVO_PATH_BLOCK, 0u};
-    float3 specular = (float3)(0.0f);
-    uint met = 0u; /* paths of the lobe above the surface */
+    svo_gather_lobe lobe = {(float3)(0.0f), (float3)(0.0f), 0u};
     uint diffuse_end = gather->paths + 1u;
     for (uint number = gather->with_light != 0u ? 0u : 1u; number < diffuse_end + lobe_paths; ++number) {
         const svo_path_start path = svo_gather_next(&place, point->exponent, number, seed, diffuse_end);
@@ -62,8 +81,9 @@ SVO_INLINED svo_gather_result svo_gather_rays(const svo_lit_picture *picture, co
             svo_path_add(&sums, &light);
             diffuse_end = svo_path_suffices(&sums, gather->goal) ? number + 1u : diffuse_end;
         } else {
-            specular += light.radiance;
-            met += 1u;
+            lobe.sum += light.radiance;
+            lobe.squares += light.radiance * light.radiance;
+            lobe.count += 1u;
         }
     }
     if (sums.count > 0u) {
@@ -73,8 +93,8 @@ SVO_INLINED svo_gather_result svo_gather_rays(const svo_lit_picture *picture, co
         vstore3(M_PI_F * mean.xyz, 0, result.irradiance);
         result.openness_error = error.w;
         result.irradiance_error = M_PI_F * fmax(error.x, fmax(error.y, error.z));
-        vstore3(specular / (float)max(met, 1u), 0, result.specular);
     }
+    svo_gather_end_lobe(&lobe, &result);
     return result;
 }
 

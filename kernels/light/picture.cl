@@ -49,8 +49,8 @@ static void svo_picture_store(const svo_lit_picture *picture, float4 pixel, __gl
 /* What screen.cl gathered for a band of the picture. */
 typedef struct svo_picture_screen {
     __global const svo_gather_point *cells;
-    __global const float4 *light; /* smoothed */
-    __global const svo_gather_result *gathered;
+    __global const float4 *light; /* irradiance, and openness as the fourth */
+    __global const float4 *specular; /* of surfaces that mirror */
     svo_screen_params params;
 } svo_picture_screen;
 
@@ -64,7 +64,7 @@ static svo_lit_gathered svo_picture_gathered(const svo_lit_picture *picture, con
     const bool is_openness = picture->params.view == SVO_LIT_VIEW_AO;
     svo_lit_gathered gathered = {is_openness ? (float3)(light.w) : light.xyz, (float3)(0.0f)};
     if (svo_lit_reflects(picture, surface)) {
-        gathered.specular = svo_screen_specular(&cells, screen->gathered);
+        gathered.specular = svo_screen_light(&cells, screen->specular).xyz;
     }
     return gathered;
 }
@@ -115,7 +115,7 @@ SVO_INLINED float4 svo_picture_pixel(const svo_lit_picture *picture, const svo_p
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_light_picture(SVO_LIT_PARAMETERS, __global const svo_gather_point *cells, __global const float4 *cell_light,
-                    __global const svo_gather_result *gathered, svo_screen_params screen_params, __global uint *pixels)
+                    __global const float4 *cell_specular, svo_screen_params screen_params, __global uint *pixels)
 {
     /* item bits: 5 4 3 | 2 1 0 are y | x inside the tile, in pairs of pixels. */
     const uint item = (uint)get_local_id(0);
@@ -125,7 +125,7 @@ svo_k_light_picture(SVO_LIT_PARAMETERS, __global const svo_gather_point *cells, 
     const uint y = tile / tiles_across * 16u + 2u * (item >> 3);
     SVO_LIT_MAKE(picture);
     SVO_LIT_CACHE(cache, SVO_PICTURE_NEAR);
-    const svo_picture_screen screen = {cells, cell_light, gathered, screen_params};
+    const svo_picture_screen screen = {cells, cell_light, cell_specular, screen_params};
     for (uint pixel = 0; pixel < 4u; ++pixel) {
         const uint column = x + (pixel & 1u);
         const uint row = y + (pixel >> 1);

@@ -268,7 +268,8 @@ SVO_RECORD(svo_screen_params)
     SVO_U32 step; /* 12: of the filter: cells from a neighbor to the next */
     SVO_F32 tolerance; /* 16: of the filter: standard errors by which light may differ */
     SVO_F32 near; /* 20: world units within which surfaces are near each other */
-    SVO_U32 reserved[2]; /* 24 */
+    SVO_U32 is_specular; /* 24: the filter smooths what surfaces mirror */
+    SVO_U32 reserved; /* 28 */
 };
 
 #if !defined(GL_core_profile)
