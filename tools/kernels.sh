@@ -17,6 +17,7 @@ readonly cpu_defines='PAIR_LANES COLUMN_LANES ONE_WORKER SORT_SERIAL BVH_SERIAL 
 all_variants()
 {
     local lists='RANGES LISTS' names form picture='PICTURE_TRIANGLES COLOR NORMAL FINISHES'
+    local by_rays=' PICTURE_RAYS EMITTERS'
     for names in "$lists COMPARE COLOR NORMAL FILL MATERIAL WEIGHTS_AREA" \
         "$lists CODE48 COLOR VERTEX_COLOR TEXTURE NORMAL VERTEX_NORMAL WEIGHTS_CENTER AREAS" \
         'COLOR NORMAL WEIGHTS_AREA AREAS' 'SORT SORT_SERIAL BVH_SERIAL NO_TEST CAST_TILES RAY_STREAMS COLOR NORMAL' \
@@ -36,7 +37,7 @@ all_variants()
     # What paged trees are read by.
     printf "%s\tCOLOR NORMAL READ_PAGED\n" kernels/rays/{render,view}.cl
     # What light is stored in.
-    for form in LIGHT_{FACES,BRICKS,VOXELS}{,' LIGHT_AREA',' LIGHT_LOBES'," $picture",' ONE_WORKER'}; do
+    for form in LIGHT_{FACES,BRICKS,VOXELS}{,' LIGHT_AREA',' LIGHT_LOBES',{,"$by_rays"}" $picture",' ONE_WORKER'}; do
         find kernels/light -name '*.cl' -printf "%p\t$form\n"
     done
 }

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Pictures of a lit tree: first hits and shadows by exact rays (surface.clh, direct.clh); openness and indirect light
- * by cones (shading.clh) or, with SVO_PICTURE_RAYS, by rays that were gathered before (screen.clh); specular light by
- * cones.
+ * Pictures of a lit tree: first hits and shadows by exact rays (surface.clh, direct.clh); openness, indirect and
+ * specular light by cones (shading.clh) or, with SVO_PICTURE_RAYS, by rays that were gathered before (screen.clh).
  *
  * A pixel has params.samples camera rays. Those of 2 x 2 pixels that meet one plane within a leaf's edge share
  * what cones gather there, which is nearly all of a picture's time. Light is linear; svo_shade_tone (rays/shade.clh)
@@ -50,9 +49,26 @@ static void svo_picture_store(const svo_lit_picture *picture, float4 pixel, __gl
 /* What screen.cl gathered for a band of the picture. */
 typedef struct svo_picture_screen {
     __global const svo_gather_point *cells;
-    __global const float4 *light;
+    __global const float4 *light; /* irradiance, and openness as the fourth */
+    __global const float4 *specular; /* of surfaces that mirror */
     svo_screen_params params;
 } svo_picture_screen;
+
+#ifdef SVO_PICTURE_RAYS
+/* What rays gathered for a place of the picture. */
+static svo_lit_gathered svo_picture_gathered(const svo_lit_picture *picture, const svo_picture_screen *screen,
+                                             float2 place, const svo_lit_surface *surface)
+{
+    const svo_screen_cells cells = svo_screen_cells_of(screen->cells, screen->params, place, surface);
+    const float4 light = svo_screen_light(&cells, screen->light);
+    const bool is_openness = picture->params.view == SVO_LIT_VIEW_AO;
+    svo_lit_gathered gathered = {is_openness ? (float3)(light.w) : light.xyz, (float3)(0.0f)};
+    if (svo_lit_reflects(picture, surface)) {
+        gathered.specular = svo_screen_light(&cells, screen->specular).xyz;
+    }
+    return gathered;
+}
+#endif
 
 /* What a view shows of what a place of the picture meets; false: it meets nothing. */
 SVO_INLINED bool svo_picture_look(const svo_lit_picture *picture, const svo_picture_screen *screen, float2 place,
@@ -65,11 +81,11 @@ SVO_INLINED bool svo_picture_look(const svo_lit_picture *picture, const svo_pict
         return false;
     }
     svo_lit_payload(picture, &surface);
-    svo_lit_gathered gathered = svo_lit_cones(picture, &surface, vload3(0, ray.direction), cache);
 #ifdef SVO_PICTURE_RAYS
-    const float4 light = svo_screen_light(screen->cells, screen->light, screen->params, place, &surface);
-    gathered.irradiance = picture->params.view == SVO_LIT_VIEW_AO ? (float3)(light.w) : light.xyz;
+    const svo_lit_gathered gathered = svo_picture_gathered(picture, screen, place, &surface);
+    (void)cache;
 #else
+    const svo_lit_gathered gathered = svo_lit_cones(picture, &surface, vload3(0, ray.direction), cache);
     (void)screen;
 #endif
     *radiance = svo_lit_radiance(picture, &surface, direct, &gathered);
@@ -99,7 +115,7 @@ SVO_INLINED float4 svo_picture_pixel(const svo_lit_picture *picture, const svo_p
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_light_picture(SVO_LIT_PARAMETERS, __global const svo_gather_point *cells, __global const float4 *cell_light,
-                    svo_screen_params screen_params, __global uint *pixels)
+                    __global const float4 *cell_specular, svo_screen_params screen_params, __global uint *pixels)
 {
     /* item bits: 5 4 3 | 2 1 0 are y | x inside the tile, in pairs of pixels. */
     const uint item = (uint)get_local_id(0);
@@ -109,7 +125,7 @@ svo_k_light_picture(SVO_LIT_PARAMETERS, __global const svo_gather_point *cells, 
     const uint y = tile / tiles_across * 16u + 2u * (item >> 3);
     SVO_LIT_MAKE(picture);
     SVO_LIT_CACHE(cache, SVO_PICTURE_NEAR);
-    const svo_picture_screen screen = {cells, cell_light, screen_params};
+    const svo_picture_screen screen = {cells, cell_light, cell_specular, screen_params};
     for (uint pixel = 0; pixel < 4u; ++pixel) {
         const uint column = x + (pixel & 1u);
         const uint row = y + (pixel >> 1);
