@@ -49,7 +49,7 @@ static void svo_gather_end_lobe(const svo_gather_lobe *lobe, svo_gather_result *
 {
     const float count = (float)max(lobe->count, 1u);
     const float3 mean = lobe->sum / count;
-    const float3 variance = fmax(lobe->squares / count - mean * mean, 0.0f);
+    const float3 variance = fmax(lobe->squares / count - mean * mean, (float3)(0.0f));
     vstore3(mean, 0, result->specular);
     result->specular_error = sqrt(fmax(variance.x, fmax(variance.y, variance.z)) / fmax(count - 1.0f, 1.0f));
 }
