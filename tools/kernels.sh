@@ -17,6 +17,7 @@ readonly cpu_defines='PAIR_LANES COLUMN_LANES ONE_WORKER SORT_SERIAL BVH_SERIAL 
 all_variants()
 {
     local lists='RANGES LISTS' names form picture='PICTURE_TRIANGLES COLOR NORMAL FINISHES'
+    local by_rays=' PICTURE_SCREEN EMITTERS'
     for names in "$lists COMPARE COLOR NORMAL FILL MATERIAL WEIGHTS_AREA" \
         "$lists CODE48 COLOR VERTEX_COLOR TEXTURE NORMAL VERTEX_NORMAL WEIGHTS_CENTER AREAS" \
         'COLOR NORMAL WEIGHTS_AREA AREAS' 'SORT SORT_SERIAL BVH_SERIAL NO_TEST CAST_TILES RAY_STREAMS COLOR NORMAL' \
@@ -36,7 +37,7 @@ all_variants()
     # What paged trees are read by.
     printf "%s\tCOLOR NORMAL READ_PAGED\n" kernels/rays/{render,view}.cl
     # What light is stored in.
-    for form in LIGHT_{FACES,BRICKS,VOXELS}{,' LIGHT_AREA',' LIGHT_LOBES'," $picture",' ONE_WORKER'}; do
+    for form in LIGHT_{FACES,BRICKS,VOXELS}{,' LIGHT_AREA',' LIGHT_LOBES',{,"$by_rays"}" $picture",' ONE_WORKER'}; do
         find kernels/light -name '*.cl' -printf "%p\t$form\n"
     done
 }
@@ -84,11 +85,47 @@ find_chosen_maxima()
     sources cl clh | xargs -0 grep -H -z -o -P "$first|$second" | tr '\0' '\n' || true # xargs fails where there is none
 }
 
+# Functions that have barriers, or call such, and are not SVO_INLINED (kernels/shared/calls.clh).
+find_called_barriers()
+{
+    # shellcheck disable=SC2016 # of awk
+    sources cl clh | xargs -0 awk '
+        /^(static|SVO_CALLED|SVO_INLINED) .*\(/ {
+            match($0, /svo_[a-z0-9_]+\(/)
+            name = substr($0, RSTART, RLENGTH - 1)
+            place[name] = FILENAME ":" FNR ": " name
+            is_inlined[name] = /^SVO_INLINED/
+        }
+        /^__kernel/ || /^}/ { name = "" }
+        name != "" && /[^a-z_]barrier\(/ { meets[name] = 1 }
+        name != "" {
+            for (rest = $0; match(rest, /svo_[a-z0-9_]+\(/); rest = substr(rest, RSTART + RLENGTH)) {
+                calls[name, substr(rest, RSTART, RLENGTH - 1)] = 1
+            }
+        }
+        END {
+            do {
+                found = 0
+                for (call in calls) {
+                    split(call, pair, SUBSEP)
+                    if (pair[2] in meets && !(pair[1] in meets)) {
+                        meets[pair[1]] = found = 1
+                    }
+                }
+            } while (found)
+            for (name in meets) if (!is_inlined[name]) print place[name]
+        }'
+}
+
 # tools/scalar_bounds.clh refuses what oclgrind 21 gets wrong. And no local array of a kernel's own: PoCL 3.1 puts some
 # of them into static storage that its threads share, with wrong results now and then. Local memory comes as an
 # argument.
 check_kernels()
 {
+    if find_called_barriers | grep .; then
+        printf 'functions with barriers that are not SVO_INLINED\n'
+        return 1
+    fi
     if find_chosen_maxima | grep .; then
         printf 'a condition chooses between max() or min() and another operation; write a comparison (svo_reduce)\n'
         return 1

@@ -192,7 +192,7 @@ SVO_API svo_status svo_compact_load(svo_source source, const svo_load_options *o
 /** Writes a file of a light, as svo_tree_save writes one of a tree: opacity, radiance and what lights the tree, but not
  *  the photons that svo_light_setup.updatable keeps.
  *
- * \param light of a tree with host arrays, whose hash the file has
+ * \param light of a tree with host arrays, whose hash the file has; not one of svo_light_options.no_cones
  * \param sink receives the file
  * \param options NULL means all defaults: not compressed
  * \param queue on the context of the light's device; NULL: the device's own
@@ -316,6 +316,19 @@ SVO_API svo_status svo_import_get_info(const svo_import *import, svo_import_info
  * \param import not NULL
  * \returns the mesh; lives as long as import. */
 SVO_API const svo_mesh *svo_import_mesh(const svo_import *import);
+
+#define SVO_NO_VERTEX UINT32_MAX /**< a vertex of a file that no face has */
+
+/** Which vertex of the mesh each vertex of the file is. The mesh has corners that are equal in all attributes once, and
+ *  leaves out vertices that no face has; so what is computed at its vertices comes back to the file by this map.
+ *
+ * \param import not NULL
+ * \param vertex_count receives how many vertices the file has; 0 where the result is NULL
+ * \returns for each vertex of a PLY or OFF file, and for each "v" of an OBJ file, in their order, the index of one of
+ *          the mesh's vertices that lie there (several differ in normal or texture coordinates), or SVO_NO_VERTEX. NULL
+ *          for other formats. Positions of svo_import_options.weld and axes are those of the mesh. Lives as long as
+ *          import. */
+SVO_API const uint32_t *svo_import_file_vertices(const svo_import *import, size_t *vertex_count);
 
 /** The files besides the mesh file that an import opened: material libraries, textures, buffers. So a program that
  *  writes files can spare those that its mesh is made of.

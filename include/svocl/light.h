@@ -61,6 +61,7 @@ typedef struct svo_light_options {
     uint32_t one_side; /**< not 0: surface of a closed mesh holds back rays that meet its front alone, by the winding of
                             its triangles; else both sides do, as they do for photons and rays. Open meshes have both
                             sides in any case, and so has SVO_OPACITY_FULL */
+    uint32_t no_cones; /**< not 0: nothing is stored and no photons leave, since rays alone gather; cones are refused */
 } svo_light_options;
 
 /** All defaults. */
@@ -107,6 +108,7 @@ typedef struct svo_light_info {
     double stage_ms[SVO_LIGHT_STAGE_COUNT]; /**< of the last run of each stage; 0: it did not run */
     uint64_t traced_photons; /**< of photons, those whose rays were traced by the newest call */
     uint64_t kept_bytes; /**< held for svo_light_update, besides total_bytes */
+    uint64_t emitter_bytes; /**< held for rays that aim at triangles that emit, besides total_bytes */
 } svo_light_info;
 
 /** An empty output. */
@@ -121,7 +123,8 @@ typedef struct svo_light_info {
  * \returns SVO_INVALID_ARGUMENT when an option is out of its range. */
 SVO_API svo_status svo_light_plan(const svo_tree *tree, const svo_light_options *options, svo_light_info *info);
 
-/** Makes the opacity of a tree and waits for it. There is no light yet but the sky's, which is 0.
+/** Makes the opacity of a tree and waits for it; without cones there is nothing to make. There is no light yet but the
+ *  sky's, which is 0.
  *
  * \param tree on a device; must outlive the light. Colors give alpha and albedo (absent: opaque, albedo 0.6), normals
  *        and areas (SVO_NEED_PROJECTED_AREA) make cones exact; payload from level 0
@@ -183,7 +186,7 @@ typedef struct svo_light_setup {
 #define SVO_LIGHT_SETUP_INIT SVO_STRUCT_INIT(svo_light_setup)
 
 /** Lights a tree: shoots photons by the tree's exact rays, sums them in the leaves, and filters radiance upwards, where
- *  it is lit. Replaces the light of earlier calls; a failed call leaves it dark.
+ *  it is lit; without cones it keeps what shines. Replaces the light of earlier calls; a failed call leaves it dark.
  *
  * Trees without SVO_NEED_RAYS, or of coverage thin, are lit by rays against their voxels, in single precision. Their
  * light is the same on every run of a device; others' is the same on every device with cl_khr_fp64.
@@ -263,7 +266,8 @@ typedef struct svo_gather_options {
  * Rays meet what the tree's exact rays meet: triangles, else voxels. What they meet has the color of its leaf and
  * reflects on the side that is met; emission, as finishes have it, leaves both sides. Directions follow from the bits
  * of a point's position and normal alone, so that results do not depend on what else is in a call. A fourth of paths
- * more samples the lobe around the reflected direction, if there is one.
+ * more, 16 at least, samples the lobe around the reflected direction, if there is one. Where materials of triangles
+ * emit, a ray more aims at one of them wherever a path goes on, which leaves the mean as it is and lessens the noise.
  *
  * Points outside the grid, by more than half a voxel, and points whose normal is zero or not finite get openness 1 and
  * no light.
@@ -288,15 +292,15 @@ SVO_API svo_status svo_gather(svo_light *light, svo_array points, svo_array resu
 
 /** A light as a target: svo_render, svo_camera_fit and kernels of the caller's.
  *
- * Its pictures show a lit tree: first hits, shadows, openness and indirect light by exact rays, specular light by
- * cones; where svo_render_options.gather says so, openness and indirect light too. Sources, finishes and sky are those
- * of svo_light_set_sources. Trees without triangles show their voxels. SVO_VIEW_SHADED has direct, indirect and
- * specular light and emission on the surfaces' colors.
+ * Its pictures show a lit tree: first hits, shadows, openness, indirect and specular light by exact rays; where
+ * svo_render_options.gather says so, by cones. Sources, finishes and sky are those of svo_light_set_sources. Trees
+ * without triangles show their voxels. SVO_VIEW_SHADED has direct, indirect and specular light and emission on the
+ * surfaces' colors.
  *
  * Light is linear. Up to a half, radiance times exposure is the share of white that a pixel shows; above, highlights
  * roll off as 1 - exp(1 - 2 radiance) / 2. Openness is shown as it is. Shares are coded by the sRGB curve.
  *
- * svo_kernel_source, for cones, declares
+ * svo_kernel_source, for cones, which the light then must have (svo_light_options.no_cones), declares
  *
  *     SVO_LIGHT_PARAMETERS    among a kernel's parameters, SVO_LIGHT_ARGUMENTS of them
  *     SVO_LIGHT_MAKE(light)    an svo_light from these parameters

@@ -45,7 +45,7 @@ SVO_RECORD(svo_gather_point)
     SVO_U32 reserved[2]; /**< 40: zero */
 };
 
-/** What was gathered at a point. 52 bytes. */
+/** What was gathered at a point. 56 bytes. */
 SVO_RECORD(svo_gather_result)
 {
     SVO_F32 openness; /**< 0: ambient occlusion: 1 is open, 0 closed */
@@ -55,6 +55,7 @@ SVO_RECORD(svo_gather_result)
     SVO_F32 direct[3]; /**< 32: irradiance by the sources, with exact shadows; not part of the other */
     SVO_F32 openness_error; /**< 44: standard error of openness; not a number for cones, which do not know theirs */
     SVO_F32 irradiance_error; /**< 48: of irradiance, that of the channel with the largest; likewise */
+    SVO_F32 specular_error; /**< 52: of specular, likewise */
 };
 
 /** \cond */
@@ -62,7 +63,7 @@ SVO_RECORD(svo_gather_result)
 SVO_ASSERT_BYTES(svo_light_source, 64);
 SVO_ASSERT_BYTES(svo_finish, 32);
 SVO_ASSERT_BYTES(svo_gather_point, 48);
-SVO_ASSERT_BYTES(svo_gather_result, 52);
+SVO_ASSERT_BYTES(svo_gather_result, 56);
 #endif
 /** \endcond */
 

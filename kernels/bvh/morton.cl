@@ -146,14 +146,14 @@ typedef struct svo_bvh_around {
     float8 before, after;
 } svo_bvh_around;
 
-static svo_bvh_around svo_bvh_box_around(__global const float8 *items, uint2 strip, uint lanes,
-                                         __local svo_bvh_sweep_room *room)
+SVO_INLINED void svo_bvh_box_around(__global const float8 *items, uint2 strip, uint lanes,
+                                    __local svo_bvh_sweep_room *room, svo_bvh_around *around)
 {
-    svo_bvh_around around = {SVO_BVH_EMPTY_BOX, SVO_BVH_EMPTY_BOX};
     const uint lane = svo_bvh_lane();
     float8 box = SVO_BVH_EMPTY_BOX;
+    around->before = around->after = SVO_BVH_EMPTY_BOX;
     if (SVO_BVH_LANES == 1) {
-        return around;
+        return;
     }
     for (uint i = strip.x; i < strip.y; ++i) {
         box = min(box, items[i]);
@@ -162,16 +162,15 @@ static svo_bvh_around svo_bvh_box_around(__global const float8 *items, uint2 str
     room->after[lane] = box;
     svo_bvh_meet();
     for (uint reach = 1u; reach < lanes; reach *= 2u) { /* see svo_group_exclusive */
-        around.before = lane >= reach ? room->before[lane - reach] : SVO_BVH_EMPTY_BOX;
-        around.after = lane + reach < SVO_BVH_LANES ? room->after[lane + reach] : SVO_BVH_EMPTY_BOX;
+        around->before = lane >= reach ? room->before[lane - reach] : SVO_BVH_EMPTY_BOX;
+        around->after = lane + reach < SVO_BVH_LANES ? room->after[lane + reach] : SVO_BVH_EMPTY_BOX;
         svo_bvh_meet();
-        room->before[lane] = min(room->before[lane], around.before);
-        room->after[lane] = min(room->after[lane], around.after);
+        room->before[lane] = min(room->before[lane], around->before);
+        room->after[lane] = min(room->after[lane], around->after);
         svo_bvh_meet();
     }
-    around.before = lane > 0u ? room->before[lane - 1u] : SVO_BVH_EMPTY_BOX;
-    around.after = lane + 1u < SVO_BVH_LANES ? room->after[lane + 1u] : SVO_BVH_EMPTY_BOX;
-    return around;
+    around->before = lane > 0u ? room->before[lane - 1u] : SVO_BVH_EMPTY_BOX;
+    around->after = lane + 1u < SVO_BVH_LANES ? room->after[lane + 1u] : SVO_BVH_EMPTY_BOX;
 }
 
 /* The best split of a range in its order that the lane finds. sum: the box of all items before its strip. */
@@ -192,30 +191,31 @@ static svo_bvh_place svo_bvh_sweep_strip(__global const float8 *items, uint coun
 }
 
 /* The best split of a range in its order, for all lanes. */
-static svo_bvh_place svo_bvh_find_sweep(__global const float8 *items, uint count, __local svo_bvh_sweep_room *room)
+SVO_INLINED void svo_bvh_find_sweep(__global const float8 *items, uint count, __local svo_bvh_sweep_room *room,
+                                    svo_bvh_place *best)
 {
     const uint2 strip = svo_bvh_strip(0u, count);
     const uint lanes = min(count, (uint)SVO_BVH_LANES);
-    const svo_bvh_around around = svo_bvh_box_around(items, strip, lanes, room);
+    svo_bvh_around around;
+    svo_bvh_box_around(items, strip, lanes, room, &around);
     float8 sum = around.after;
     for (uint i = strip.y; i > max(strip.x, 1u); --i) {
         sum = min(sum, items[i - 1u]);
         room->areas[i - 1u] = svo_bvh_half_area(sum);
     }
     svo_bvh_meet();
-    svo_bvh_place best = svo_bvh_sweep_strip(items, count, strip, around.before, room);
+    *best = svo_bvh_sweep_strip(items, count, strip, around.before, room);
     if (SVO_BVH_LANES > 1) {
-        room->places[svo_bvh_lane()] = best;
+        room->places[svo_bvh_lane()] = *best;
         svo_bvh_meet();
-        best = room->places[0];
+        *best = room->places[0];
         for (uint i = 1; i < lanes; ++i) {
             const svo_bvh_place place = room->places[i];
-            if (place.at != 0u && (best.at == 0u || place.cost < best.cost)) {
-                best = place;
+            if (place.at != 0u && (best->at == 0u || place.cost < best->cost)) {
+                *best = place;
             }
         }
     }
-    return best;
 }
 
 SVO_BVH_LANES_KERNEL svo_k_bvh_sweep(__global const svo_bvh_job *jobs, __global const float8 *items,
@@ -238,7 +238,7 @@ SVO_BVH_LANES_KERNEL svo_k_bvh_sweep(__global const svo_bvh_job *jobs, __global 
             float second_area = area;
             svo_bvh_place place = {range.count / 2u, 0.0f, area};
             if (svo_bvh_is_free(range.count, range.halvings)) {
-                place = svo_bvh_find_sweep(items + range.first, range.count, room);
+                svo_bvh_find_sweep(items + range.first, range.count, room, &place);
                 second_area = room->areas[place.at];
             }
             svo_bvh_meet();

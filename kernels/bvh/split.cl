@@ -42,8 +42,8 @@ SVO_BVH_LANES_KERNEL svo_k_bvh_bin(__global const svo_bvh_range *ranges, __globa
 }
 
 /* The bins of a range, from those of its chunks. */
-static void svo_bvh_join_bins(__global const float8 *chunk_boxes, __global const uint *chunk_counts, uint chunk_count,
-                              __local svo_bvh_room *room)
+SVO_INLINED void svo_bvh_join_bins(__global const float8 *chunk_boxes, __global const uint *chunk_counts,
+                                   uint chunk_count, __local svo_bvh_room *room)
 {
     for (uint k = svo_bvh_lane(); k < SVO_BVH_CELLS; k += SVO_BVH_LANES) {
         float8 box = SVO_BVH_EMPTY_BIN;
@@ -73,8 +73,8 @@ static uint svo_bvh_chunk_front(const svo_bvh_cut *cut, __global const uint *cou
 }
 
 /* Per chunk of a range, the range and the items of the first part before the chunk. */
-static void svo_bvh_place_chunks(uint2 range_and_chunks, const svo_bvh_cut *cut, __global const uint *counts,
-                                 __global uint2 *places, uint chunk_items, __local uint *scratch)
+SVO_INLINED void svo_bvh_place_chunks(uint2 range_and_chunks, const svo_bvh_cut *cut, __global const uint *counts,
+                                      __global uint2 *places, uint chunk_items, __local uint *scratch)
 {
     const uint2 strip = svo_bvh_strip(0u, range_and_chunks.y);
     uint sum = 0u;
@@ -133,7 +133,7 @@ SVO_BVH_LANES_KERNEL svo_k_bvh_cut(__global svo_bvh_range *ranges, __global svo_
     svo_bvh_cut cut = svo_bvh_cut_by_count(range->count, area);
     if (svo_bvh_is_free(range->count, range->halvings)) {
         svo_bvh_join_bins(chunk_boxes + cell, chunk_counts + cell, chunk_count, room);
-        cut = svo_bvh_find_cut(room, SVO_BVH_BINS, range->count, area);
+        svo_bvh_find_cut(room, SVO_BVH_BINS, range->count, area, &cut);
     }
     const uint split = range->first + cut.front;
     if (svo_bvh_lane() == 0u) {
@@ -169,8 +169,8 @@ SVO_BVH_LANES_KERNEL svo_k_bvh_part(__global const svo_bvh_range *ranges, __glob
     const uint2 part = svo_bvh_chunk(range, chunk, params.chunk_items);
     const svo_bvh_binning by = svo_bvh_place_bins(range->count, svo_bvh_centers_of(range));
     const svo_bvh_cut cut = {0.0f, range->axis, range->at, range->front, {0.0f, 0.0f}};
-    const svo_bvh_halves halves =
-        svo_bvh_part_items(from + range->first, to + range->first, part, place.y, &cut, &by, scratch);
+    svo_bvh_halves halves = {SVO_BVH_NO_CENTERS, SVO_BVH_NO_CENTERS};
+    svo_bvh_part_items(from + range->first, to + range->first, part, place.y, &cut, &by, scratch, &halves);
     if (range->part[0] != SVO_BVH_NO_RANGE) {
         svo_bvh_publish_centers(halves.first, next + range->part[0], scratch);
     }

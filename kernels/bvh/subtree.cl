@@ -9,23 +9,25 @@
 #include "bvh/binning.clh"
 
 /* Splits a range of more items than a leaf holds. from, to: its first item. */
-static svo_bvh_cut svo_bvh_split(__global const float8 *from, __global float8 *to, uint count, uint halvings,
-                                 float area, __local svo_bvh_room *room)
+SVO_INLINED void svo_bvh_split(__global const float8 *from, __global float8 *to, uint count, uint halvings, float area,
+                               __local svo_bvh_room *room, svo_bvh_cut *cut)
 {
+    *cut = svo_bvh_cut_by_count(count, area);
     if (!svo_bvh_is_free(count, halvings)) {
-        return svo_bvh_cut_by_count(count, area);
+        return;
     }
     svo_bvh_centers centers = SVO_BVH_NO_CENTERS;
     for (uint i = svo_bvh_lane(); i < count; i += SVO_BVH_LANES) {
         svo_bvh_centers_grow(&centers, svo_bvh_center(from[i]));
     }
-    const svo_bvh_binning by = svo_bvh_place_bins(count, svo_bvh_join_centers(centers, room->scratch));
+    svo_bvh_join_centers(&centers, room->scratch);
+    const svo_bvh_binning by = svo_bvh_place_bins(count, centers);
     svo_bvh_fill_bins(from, count, &by, room);
-    const svo_bvh_cut cut = svo_bvh_find_cut(room, by.bin_count, count, area);
-    if (cut.axis != SVO_BVH_BY_COUNT) {
-        svo_bvh_part_items(from, to, (uint2)(0u, count), 0u, &cut, &by, room->scratch);
+    svo_bvh_find_cut(room, by.bin_count, count, area, cut);
+    if (cut->axis != SVO_BVH_BY_COUNT) {
+        svo_bvh_halves unused = {SVO_BVH_NO_CENTERS, SVO_BVH_NO_CENTERS};
+        svo_bvh_part_items(from, to, (uint2)(0u, count), 0u, cut, &by, room->scratch, &unused);
     }
-    return cut;
 }
 
 /* A leaf: no branch. */
@@ -60,8 +62,8 @@ SVO_BVH_LANES_KERNEL svo_k_bvh_subtrees(__global const svo_bvh_job *jobs, __glob
             svo_bvh_end_range(range, items, branches, order);
         } else {
             const float area = branches[range.link >> 1].area[range.link & 1u];
-            const svo_bvh_cut cut =
-                svo_bvh_split(items + range.first, others + range.first, range.count, range.halvings, area, room);
+            svo_bvh_cut cut;
+            svo_bvh_split(items + range.first, others + range.first, range.count, range.halvings, area, room, &cut);
             svo_bvh_meet();
             range.halvings |= cut.axis != SVO_BVH_BY_COUNT ? in_b ^ SVO_BVH_IN_B : in_b;
             if (svo_bvh_lane() == 0u) {

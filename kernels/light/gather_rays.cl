@@ -8,6 +8,9 @@
  */
 #include "light/paths.clh"
 
+/* The fewest paths of a lobe. */
+#define SVO_GATHER_LOBE_LEAST 16u
+
 /* The surface that a point is on. */
 static svo_lit_surface svo_gather_surface(const svo_gather_place *place)
 {
@@ -20,27 +23,35 @@ static svo_lit_surface svo_gather_surface(const svo_gather_place *place)
     return surface;
 }
 
-/* One path of a point: the sources' light first, then paths by the cosine, then those of the reflection's lobe. */
-typedef struct svo_gather_path {
-    float3 direction;
-    uint index, seed; /* of the sequence */
-    bool is_traced; /* a lobe may reach below the surface */
-} svo_gather_path;
-
-static svo_gather_path svo_gather_next(const svo_gather_place *place, float exponent, uint number, uint seed,
-                                       uint diffuse_end)
+/* How a path of a point leaves it: the sources' light first, then paths by the cosine, then those of the reflection's
+   lobe. */
+static svo_path_start svo_gather_next(const svo_gather_place *place, float exponent, uint number, uint seed,
+                                      uint diffuse_end)
 {
-    svo_gather_path path = {(float3)(0.0f), 0u, seed, true};
-    if (number == 0u) {
-        return path;
+    svo_path_start path = {(float3)(0.0f), number > 0u && number < diffuse_end, 0u, seed};
+    if (number > 0u) {
+        path.index = path.is_cosine ? number - 1u : number - diffuse_end;
+        path.seed = path.is_cosine ? seed : svo_path_hash(seed);
+        path.direction = svo_path_direction(path.is_cosine ? place->frame.normal : place->reflected,
+                                            path.is_cosine ? 1.0f : exponent, svo_path_pair(path.index, path.seed));
     }
-    const bool is_diffuse = number < diffuse_end;
-    path.index = is_diffuse ? number - 1u : number - diffuse_end;
-    path.seed = is_diffuse ? seed : svo_path_hash(seed);
-    path.direction = svo_path_direction(is_diffuse ? place->frame.normal : place->reflected,
-                                        is_diffuse ? 1.0f : exponent, svo_path_pair(path.index, path.seed));
-    path.is_traced = is_diffuse || dot(path.direction, place->frame.normal) > 0.0f;
     return path;
+}
+
+/* Paths of the lobe above the surface. */
+typedef struct svo_gather_lobe {
+    float3 sum, squares;
+    uint count;
+} svo_gather_lobe;
+
+/* The mean of the lobe's paths and its standard error. */
+static void svo_gather_end_lobe(const svo_gather_lobe *lobe, svo_gather_result *result)
+{
+    const float count = (float)max(lobe->count, 1u);
+    const float3 mean = lobe->sum / count;
+    const float3 variance = fmax(lobe->squares / count - mean * mean, (float3)(0.0f));
+    vstore3(mean, 0, result->specular);
+    result->specular_error = sqrt(fmax(variance.x, fmax(variance.y, variance.z)) / fmax(count - 1.0f, 1.0f));
 }
 
 SVO_INLINED svo_gather_result svo_gather_rays(const svo_lit_picture *picture, const svo_gather_point *point)
@@ -53,26 +64,26 @@ SVO_INLINED svo_gather_result svo_gather_rays(const svo_lit_picture *picture, co
     }
     const svo_lit_surface surface = svo_gather_surface(&place);
     const uint seed = svo_path_seed(point);
-    const uint lobe_paths = place.has_reflection && gather->with_light != 0u ? gather->paths / 4u : 0u;
+    const bool has_lobe = place.has_reflection && gather->with_light != 0u;
+    const uint lobe_paths = has_lobe ? max(gather->paths / 4u, SVO_GATHER_LOBE_LEAST) : 0u;
     svo_path_sums sums = {(float4)(0.0f), (float4)(0.0f), (float4)(0.0f), (float4)(0.0f), SVO_PATH_BLOCK, 0u};
-    float3 specular = (float3)(0.0f);
-    uint met = 0u; /* paths of the lobe above the surface */
+    svo_gather_lobe lobe = {(float3)(0.0f), (float3)(0.0f), 0u};
     uint diffuse_end = gather->paths + 1u;
     for (uint number = gather->with_light != 0u ? 0u : 1u; number < diffuse_end + lobe_paths; ++number) {
-        const svo_gather_path path = svo_gather_next(&place, point->exponent, number, seed, diffuse_end);
-        if (!path.is_traced) {
-            continue;
+        const svo_path_start path = svo_gather_next(&place, point->exponent, number, seed, diffuse_end);
+        if (number >= diffuse_end && dot(path.direction, place.frame.normal) <= 0.0f) {
+            continue; /* the lobe reaches below the surface */
         }
-        const svo_path_light light =
-            svo_path_follow(picture, &surface, path.direction, path.index, path.seed, &result.steps);
+        const svo_path_light light = svo_path_follow(picture, &surface, &path, &result.steps);
         if (number == 0u) {
             vstore3(light.radiance, 0, result.direct);
         } else if (number < diffuse_end) {
             svo_path_add(&sums, &light);
             diffuse_end = svo_path_suffices(&sums, gather->goal) ? number + 1u : diffuse_end;
         } else {
-            specular += light.radiance;
-            met += 1u;
+            lobe.sum += light.radiance;
+            lobe.squares += light.radiance * light.radiance;
+            lobe.count += 1u;
         }
     }
     if (sums.count > 0u) {
@@ -82,8 +93,8 @@ SVO_INLINED svo_gather_result svo_gather_rays(const svo_lit_picture *picture, co
         vstore3(M_PI_F * mean.xyz, 0, result.irradiance);
         result.openness_error = error.w;
         result.irradiance_error = M_PI_F * fmax(error.x, fmax(error.y, error.z));
-        vstore3(specular / (float)max(met, 1u), 0, result.specular);
     }
+    svo_gather_end_lobe(&lobe, &result);
     return result;
 }
 

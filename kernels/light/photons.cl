@@ -27,7 +27,7 @@
 /* ---- leaves ---- */
 
 /* Counts hits, one atomic for a group. All items of the group call it. */
-static void svo_count_hits(uint hits, volatile __global uint *counters, __local uint *scratch)
+SVO_INLINED void svo_count_hits(uint hits, volatile __global uint *counters, __local uint *scratch)
 {
     const uint sum = svo_group_sum(hits, scratch);
     if (get_local_id(0) == 0 && sum > 0u) {

@@ -2,8 +2,8 @@
 /*
  * Light of a picture by few rays or cones: gathered at the middle of each 2 x 2 pixels, and smoothed over surfaces.
  *
- *   svo_k_screen_points  per cell: the surface that its middle shows, as a point for svo_k_gather_rays; without a
- *                        normal where nothing is
+ *   svo_k_screen_points  per cell: the surface that its middle shows and what it mirrors, as a point for
+ *                        svo_k_gather_rays; without a normal where nothing is
  *   svo_k_screen_filter  per cell: one step of an edge-avoiding wavelet filter (Dammertz et al., "Edge-Avoiding A-Trous
  *                        Wavelet Transform for Fast Global Illumination Filtering", 2010). Neighbors count by how far
  *                        they lie on the cell's plane, and by how much their light differs beside its standard error
@@ -31,6 +31,11 @@ svo_k_screen_points(SVO_LIT_PARAMETERS, __global svo_gather_point *points, svo_s
         svo_lit_place(&picture, &ray, &met, &surface);
         vstore3(surface.point, 0, point.position);
         vstore3(surface.face, 0, point.normal);
+        svo_lit_payload(&picture, &surface);
+        if (svo_lit_reflects(&picture, &surface)) {
+            vstore3(svo_lit_mirrored(&surface, vload3(0, ray.direction)), 0, point.reflected);
+            point.exponent = surface.exponent;
+        }
     }
     points[item] = point;
 }
@@ -46,13 +51,17 @@ static float svo_screen_brightness(float4 light)
     return 0.2126f * light.x + 0.7152f * light.y + 0.0722f * light.z;
 }
 
-/* The light of a cell before a step. from: of the step before it; NULL: what was gathered. */
-static float4 svo_screen_gathered(__global const svo_gather_result *gathered, __global const float4 *from, size_t cell)
+/* The light of a cell before a step: irradiance and openness, or specular light. from: of the step before it; NULL:
+   what was gathered. */
+static float4 svo_screen_gathered(__global const svo_gather_result *gathered, __global const float4 *from,
+                                  svo_screen_params screen, size_t cell)
 {
-    return from != NULL ? from[cell] : (float4)(vload3(0, gathered[cell].irradiance), gathered[cell].openness);
+    __global const svo_gather_result *of = gathered + cell;
+    const float3 light = vload3(0, screen.is_specular != 0u ? of->specular : of->irradiance);
+    return from != NULL ? from[cell] : (float4)(light, of->openness);
 }
 
-/* The standard errors of irradiance and openness at a cell, from those of the cells around it, each of which knows
+/* The standard errors of that light and of openness at a cell, from those of the cells around it, each of which knows
    little. */
 static float2 svo_screen_error(__global const svo_gather_result *gathered, svo_screen_params screen, int2 at)
 {
@@ -62,7 +71,8 @@ static float2 svo_screen_error(__global const svo_gather_result *gathered, svo_s
         const int2 near = at + (int2)(k % 3 - 1, k / 3 - 1);
         if (near.x >= 0 && near.x < (int)screen.columns && near.y >= 0 && near.y < (int)screen.rows) {
             __global const svo_gather_result *of = gathered + (size_t)near.y * screen.columns + (size_t)near.x;
-            const float2 error = (float2)(of->irradiance_error, of->openness_error);
+            const float2 error =
+                (float2)(screen.is_specular != 0u ? of->specular_error : of->irradiance_error, of->openness_error);
             squares += error * error;
             ++count;
         }
@@ -81,7 +91,7 @@ svo_k_screen_filter(__global const svo_gather_point *points, __global const svo_
     const int2 at = (int2)((int)(item % screen.columns), (int)(item / screen.columns));
     const float3 point = vload3(0, points[item].position);
     const float3 face = vload3(0, points[item].normal);
-    const float4 own = svo_screen_gathered(gathered, from, item);
+    const float4 own = svo_screen_gathered(gathered, from, screen, item);
     if (!(dot(face, face) > 0.0f)) {
         to[item] = own;
         return;
@@ -97,7 +107,7 @@ svo_k_screen_filter(__global const svo_gather_point *points, __global const svo_
             continue;
         }
         const size_t cell = (size_t)near.y * screen.columns + (size_t)near.x;
-        const float4 light = svo_screen_gathered(gathered, from, cell);
+        const float4 light = svo_screen_gathered(gathered, from, screen, cell);
         const uint2 far = abs(away);
         const float spline = svo_screen_spline(far.x) * svo_screen_spline(far.y);
         const float alike = k == 12 ? spline : spline * svo_screen_alike(point, face, points + cell);

@@ -13,6 +13,7 @@
  */
 #include "moving/areas.clh"
 #include "moving/kept.clh"
+#include "shared/calls.clh"
 #include "shared/state.clh"
 #include "stages/payload.clh"
 
@@ -93,7 +94,7 @@ static uint svo_leaf_of_pair(__global const uint *list_begin, uint leaf_count, u
 }
 
 /* Sum over the group's items; all receive it. */
-static ulong svo_sum_in_group(ulong value, __local ulong *scratch)
+SVO_INLINED ulong svo_sum_in_group(ulong value, __local ulong *scratch)
 {
     const uint item = (uint)get_local_id(0);
     scratch[item] = value;

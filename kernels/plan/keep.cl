@@ -68,7 +68,7 @@ static uint svo_next_class(ulong counts, uint c)
 }
 
 /* Counts of the work-items before this one; total: of all. */
-static ulong svo_counts_before(ulong counts, __local ulong *scratch, ulong *total)
+SVO_INLINED ulong svo_counts_before(ulong counts, __local ulong *scratch, ulong *total)
 {
     const uint item = (uint)get_local_id(0);
     scratch[item] = counts;
@@ -92,8 +92,8 @@ static ulong svo_counts_before(ulong counts, __local ulong *scratch, ulong *tota
 
 /* Ranks the group's triangles of a class by size, then in the order of the mesh; ranks: receives those of the run. A
    row of the table is for a size, its columns are for the work-items. */
-static void svo_rank_sizes(__global const ushort *fates, uint2 run, uint class_id, __local ulong *scratch,
-                           __local ushort *table, ushort ranks[SVO_PLAN_RUN])
+SVO_INLINED void svo_rank_sizes(__global const ushort *fates, uint2 run, uint class_id, __local ulong *scratch,
+                                __local ushort *table, ushort ranks[SVO_PLAN_RUN])
 {
     const uint item = (uint)get_local_id(0);
     __local ushort *column = table + item; /* of this work-item's triangles */

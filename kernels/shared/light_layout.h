@@ -244,9 +244,22 @@ SVO_RECORD(svo_lit_picture_params)
     SVO_U32 samples; /* 88: camera rays of a pixel */
     SVO_U32 pixel_flags; /* 92: SVO_PIXEL_* */
     SVO_F32 background[3]; /* 96: what is behind everything, with SVO_PIXEL_COLOR */
-    SVO_U32 reserved; /* 108 */
+    SVO_U32 emitter_count; /* 108 */
     SVO_F32 clip[4]; /* 112: a plane; what is below it is not seen (kernels/rays/part.clh). Zeros: none */
 };
+
+/* A triangle that emits. 48 bytes. */
+SVO_RECORD(svo_emitter_record)
+{
+    SVO_F32 corner[3]; /* 0: world units */
+    SVO_F32 first_edge[3]; /* 12: to the second corner */
+    SVO_F32 second_edge[3]; /* 24: to the third one */
+    SVO_U32 triangle; /* 36: as hits name it */
+    SVO_U32 end; /* 40: its share ends here, and that of the next begins; SVO_EMITTER_SHARES for the last */
+    SVO_F32 density; /* 44: of points on it that rays aim at, per square world unit */
+};
+
+#define SVO_EMITTER_SHARES 0x80000000u
 
 /* Of kernels/light/screen.cl: the cells of a band of a picture, 2 x 2 pixels each. 32 bytes. */
 SVO_RECORD(svo_screen_params)
@@ -257,11 +270,13 @@ SVO_RECORD(svo_screen_params)
     SVO_U32 step; /* 12: of the filter: cells from a neighbor to the next */
     SVO_F32 tolerance; /* 16: of the filter: standard errors by which light may differ */
     SVO_F32 near; /* 20: world units within which surfaces are near each other */
-    SVO_U32 reserved[2]; /* 24 */
+    SVO_U32 is_specular; /* 24: the filter smooths what surfaces mirror */
+    SVO_U32 reserved; /* 28 */
 };
 
 #if !defined(GL_core_profile)
 SVO_ASSERT_BYTES(svo_screen_params, 32);
+SVO_ASSERT_BYTES(svo_emitter_record, 48);
 SVO_ASSERT_BYTES(svo_light_params, 32);
 SVO_ASSERT_BYTES(svo_gather_params, 32);
 SVO_ASSERT_BYTES(svo_light_step, 32);

@@ -149,8 +149,8 @@ svo_k_material_leaves(__global const uint *list_begin, __global uint *counts, __
 #ifdef SVO_LONG_LEAVES
 
 /* One stable pass over the leaf's entries by a digit of their materials. */
-static void svo_material_pass(__global const ulong *from, __global ulong *to, uint2 leaf, uint digit,
-                              __local uint *counts, __local uint *scratch)
+SVO_INLINED void svo_material_pass(__global const ulong *from, __global ulong *to, uint2 leaf, uint digit,
+                                   __local uint *counts, __local uint *scratch)
 {
     const uint item = (uint)get_local_id(0);
     const uint shift = digit * SVO_DIGIT_BITS;
@@ -179,7 +179,7 @@ static uint svo_begins_material(__global const ulong *entries, uint2 leaf, uint 
 
 /* Adds up the sorted entries of each material, in place, with the help of spare; returns how many materials there
    are. */
-static uint svo_join_materials(__global ulong *entries, __global ulong *spare, uint2 leaf, __local uint *scratch)
+SVO_INLINED uint svo_join_materials(__global ulong *entries, __global ulong *spare, uint2 leaf, __local uint *scratch)
 {
     const uint item = (uint)get_local_id(0);
     const uint2 strip = svo_strip(leaf.x, leaf.y);

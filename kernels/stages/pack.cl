@@ -103,8 +103,8 @@ svo_k_sort_short(__global const uint *list_begin, __global uint *list, __global 
 }
 
 /* One stable pass over length entries by the digit at shift. Each work-item owns a contiguous strip. */
-static void svo_radix_pass(__global const uint *from, __global uint *to, uint length, uint shift, __local uint *counts,
-                           __local uint *scratch)
+SVO_INLINED void svo_radix_pass(__global const uint *from, __global uint *to, uint length, uint shift,
+                                __local uint *counts, __local uint *scratch)
 {
     const uint item = (uint)get_local_id(0);
     const uint2 strip = svo_strip(0u, length);

@@ -73,7 +73,7 @@ static void svo_store_prefixes(uint16 v, uint sum, __global uint *out, uint inde
 }
 
 /* The sum of the partials of the groups before this one. */
-static uint svo_sum_before(__global const uint *partials, __local uint *scratch)
+SVO_INLINED uint svo_sum_before(__global const uint *partials, __local uint *scratch)
 {
     const uint group = (uint)get_group_id(0);
     uint sum = 0;

@@ -37,6 +37,7 @@
  * a driver, so the first pass also rejects impossible fragments that way. (All work-items that set it there write the
  * same word.)
  */
+#include "shared/calls.clh"
 #include "shared/fragment.clh"
 #include "shared/state.clh"
 
@@ -254,7 +255,7 @@ static bool svo_is_worker(void)
 }
 
 /* Exclusive prefix sum over the group's workers (see shared/group.clh); *total receives the sum of all. */
-static uint4 svo_group_exclusive4(uint4 value, __local uint4 *scratch, uint4 *total)
+SVO_INLINED uint4 svo_group_exclusive4(uint4 value, __local uint4 *scratch, uint4 *total)
 {
 #ifdef SVO_ONE_WORKER
     (void)scratch;
@@ -402,8 +403,9 @@ typedef struct svo_level {
 
 /* Adds up what the blocks of a range stand for, and makes their nodes unless the group only counts. before: what
    precedes the range. Of the group's workers. */
-static uint4 svo_walk_blocks(svo_level level, uint2 range, uint4 before, bool makes,
-                             __global const svo_build_state *state, svo_blocks_params params, __local uint4 *scratch)
+SVO_INLINED uint4 svo_walk_blocks(svo_level level, uint2 range, uint4 before, bool makes,
+                                  __global const svo_build_state *state, svo_blocks_params params,
+                                  __local uint4 *scratch)
 {
     uint4 sum = before;
     for (uint tile = range.x; tile < range.y; tile += SVO_WORKERS) {
@@ -452,7 +454,7 @@ svo_k_make_nodes(__global uint *blocks, __global const uint4 *partials, __global
 }
 
 /* What one work-item of the group has written is seen by all. */
-static void svo_wait_for_workers(void)
+SVO_INLINED void svo_wait_for_workers(void)
 {
 #ifndef SVO_ONE_WORKER
     barrier(CLK_GLOBAL_MEM_FENCE);
@@ -460,8 +462,8 @@ static void svo_wait_for_workers(void)
 }
 
 /* The nodes of a level, by one group. */
-static void svo_make_small_level(svo_level level, __global svo_build_state *state, svo_blocks_params params,
-                                 __local uint4 *scratch)
+SVO_INLINED void svo_make_small_level(svo_level level, __global svo_build_state *state, svo_blocks_params params,
+                                      __local uint4 *scratch)
 {
     const uint2 range = (uint2)(0u, svo_count_blocks(params, state));
     const uint4 nodes = svo_walk_blocks(level, range, (uint4)(0u), false, state, params, scratch);

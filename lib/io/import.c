@@ -530,6 +530,12 @@ const svo_mesh *svo_import_mesh(const svo_import *import)
     return &import->mesh;
 }
 
+const uint32_t *svo_import_file_vertices(const svo_import *import, size_t *vertex_count)
+{
+    *vertex_count = import->file_vertex_count;
+    return import->file_vertices;
+}
+
 const char *svo_import_file_path(const svo_import *import, size_t index)
 {
     return index < import->file_count ? import->files[index] : NULL;

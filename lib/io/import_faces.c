@@ -278,14 +278,15 @@ svo_status svo_i_faces_begin(face_list *faces, const mesh_reader *reader, uint64
     }
     faces->vertices = malloc((size_t)(vertex_count + 1) * sizeof *faces->vertices);
     faces->known = malloc((size_t)(vertex_count + 1) * sizeof *faces->known);
-    faces->used = calloc((size_t)vertex_count + 1, sizeof *faces->used);
-    if (faces->vertices == NULL || faces->known == NULL || faces->used == NULL) {
+    faces->gathered = malloc((size_t)(vertex_count + 1) * sizeof *faces->gathered);
+    if (faces->vertices == NULL || faces->known == NULL || faces->gathered == NULL) {
         return svo_i_read_out_of_memory(reader);
     }
     const gather_vertex neutral = {.color = {255, 255, 255, 255}};
     for (size_t i = 0; i < vertex_count; ++i) {
         faces->vertices[i] = neutral;
         faces->known[i] = GATHER_NO_VERTEX;
+        faces->gathered[i] = GATHER_NO_VERTEX;
     }
     faces->vertex_count = (size_t)vertex_count;
     return SVO_OK;
@@ -362,21 +363,15 @@ static void cut(face_list *faces, uint32_t corner_count, bool bad)
     svo_i_polygon_cut(shape, corner_count);
 }
 
-static bool gather_corner(face_list *faces, uint32_t corner, bool with_uvs, uint32_t *index)
+static bool gather_vertex_of(face_list *faces, size_t number, uint32_t corner, bool with_uvs, uint32_t *index)
 {
     gather *mesh = faces->reader->mesh;
-    const int64_t number = faces->corners[corner];
-    *index = GATHER_NO_VERTEX;
-    if (number < 0 || (uint64_t)number >= faces->vertex_count) {
-        return true;
-    }
-    faces->used[number] = 1;
     if (with_uvs) {
         gather_vertex vertex = faces->vertices[number];
         memcpy(vertex.uv, faces->corner_uvs[corner], sizeof vertex.uv);
         return svo_i_gather_vertex(mesh, &vertex, index);
     }
-    const size_t vertex = faces->first != NULL ? faces->first[number] : (size_t)number;
+    const size_t vertex = faces->first != NULL ? faces->first[number] : number;
     if (faces->known[vertex] == GATHER_NO_VERTEX) {
         const gather_vertex *source = &faces->vertices[vertex];
         if (!(faces->first != NULL ? svo_i_gather_append(mesh, source, &faces->known[vertex])
@@ -385,6 +380,22 @@ static bool gather_corner(face_list *faces, uint32_t corner, bool with_uvs, uint
         }
     }
     *index = faces->known[vertex];
+    return true;
+}
+
+static bool gather_corner(face_list *faces, uint32_t corner, bool with_uvs, uint32_t *index)
+{
+    const int64_t number = faces->corners[corner];
+    *index = GATHER_NO_VERTEX;
+    if (number < 0 || (uint64_t)number >= faces->vertex_count) {
+        return true;
+    }
+    if (!gather_vertex_of(faces, (size_t)number, corner, with_uvs, index)) {
+        return false;
+    }
+    if (faces->gathered[number] == GATHER_NO_VERTEX) {
+        faces->gathered[number] = *index;
+    }
     return true;
 }
 
@@ -410,12 +421,12 @@ svo_status svo_i_faces_add(face_list *faces, uint32_t corner_count, bool with_uv
     return SVO_OK;
 }
 
-void svo_i_faces_warn(const face_list *faces)
+void svo_i_faces_end(face_list *faces)
 {
     const mesh_reader *reader = faces->reader;
     uint64_t used_count = 0;
     for (size_t i = 0; i < faces->vertex_count; ++i) {
-        used_count += faces->used[i];
+        used_count += faces->gathered[i] != GATHER_NO_VERTEX ? 1 : 0;
     }
     svo_i_read_count_vertices(reader, used_count, faces->vertex_count);
     svo_i_read_count_faces(reader, faces->small_count, faces->face_count);
@@ -430,13 +441,16 @@ void svo_i_faces_warn(const face_list *faces)
         svo_i_read_warn(reader, "%" PRIu64 " polygons cross themselves; their triangles overlap",
                         faces->shape.crossed_count);
     }
+    reader->mesh->file_vertices = faces->gathered;
+    reader->mesh->file_vertex_count = faces->vertex_count;
+    faces->gathered = NULL;
 }
 
 void svo_i_faces_free(face_list *faces)
 {
     free(faces->vertices);
     free(faces->known);
-    free(faces->used);
+    free(faces->gathered);
     free(faces->first);
     free(faces->corners);
     free(faces->corner_uvs);

@@ -36,7 +36,7 @@ typedef struct face_list {
     const mesh_reader *reader;
     gather_vertex *vertices; /* of the file, vertex_count of them */
     uint32_t *known; /* per vertex its index in the mesh; GATHER_NO_VERTEX before its first use */
-    uint8_t *used; /* per vertex whether a triangle has it */
+    uint32_t *gathered; /* per vertex the one of the mesh that its first corner got; GATHER_NO_VERTEX: no corner */
     uint32_t *first; /* per vertex the first that is equal; NULL: equal ones are found when they are gathered */
     size_t vertex_count;
     int64_t *corners; /* of the face that is read: vertex indices as the file has them */
@@ -60,8 +60,9 @@ svo_status svo_i_faces_reserve_uvs(face_list *faces, uint64_t corner_count);
 /* Adds the face whose first corner_count corners were filled in. with_uvs: they have texture coordinates. An index out
    of range gives triangles without that vertex, which a build refuses and counts. */
 svo_status svo_i_faces_add(face_list *faces, uint32_t corner_count, bool with_uvs);
-/* Warns of all that was left out. */
-void svo_i_faces_warn(const face_list *faces);
+/* After the last face: warns of all that was left out, and tells the mesh which of its vertices those of the file
+   are. */
+void svo_i_faces_end(face_list *faces);
 void svo_i_faces_free(face_list *faces);
 
 #endif

@@ -269,6 +269,7 @@ void svo_i_gather_free(gather *mesh)
     free(mesh->triangle_materials);
     free(mesh->materials);
     free(mesh->finishes);
+    free(mesh->file_vertices);
     memset(mesh, 0, sizeof *mesh);
 }
 
@@ -320,6 +321,10 @@ int svo_i_gather_send(const gather *mesh, int stream)
     }
     if (!is_diffuse(mesh) && svo_i_stream_frame(stream, STREAM_FINISHES, mesh->finishes,
                                                 mesh->material_count * sizeof *mesh->finishes) != 0) {
+        return -1;
+    }
+    if (mesh->file_vertices != NULL && svo_i_stream_frame(stream, STREAM_FILE_VERTICES, mesh->file_vertices,
+                                                          mesh->file_vertex_count * sizeof *mesh->file_vertices) != 0) {
         return -1;
     }
     return svo_i_stream_frame(stream, STREAM_INDICES, mesh->indices, 3 * mesh->triangle_count * sizeof *mesh->indices);

@@ -42,6 +42,8 @@ typedef struct gather {
     svo_material *materials;
     svo_finish *finishes; /* of the materials */
     size_t material_count, material_capacity;
+    uint32_t *file_vertices; /* per vertex of the file the mesh's; GATHER_NO_VERTEX: in no face. NULL: not known */
+    size_t file_vertex_count;
 } gather;
 
 /* Room for so many vertices, all different, and triangles: saves growing step by step. hashed: for svo_i_gather_vertex,

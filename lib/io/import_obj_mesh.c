@@ -515,6 +515,24 @@ static svo_status gather_runs(obj_mesh *mesh)
     return SVO_OK;
 }
 
+/* Which of the mesh's vertices each position became; the last one gathered, where there are several. */
+static svo_status keep_file_vertices(const obj_mesh *mesh)
+{
+    const size_t count = mesh->file->positions.count;
+    uint32_t *vertices = malloc((count + 1) * sizeof *vertices);
+    if (vertices == NULL) {
+        return svo_i_read_out_of_memory(mesh->reader);
+    }
+    for (size_t i = 0; i < count; ++i) {
+        const uint32_t first = mesh->first[i];
+        const bool is_index = first == OBJ_NONE || mesh->plain != NULL;
+        vertices[i] = is_index ? first : ((const known_vertex *)mesh->known.items)[first].index;
+    }
+    mesh->reader->mesh->file_vertices = vertices;
+    mesh->reader->mesh->file_vertex_count = count;
+    return SVO_OK;
+}
+
 static void warn(const obj_mesh *mesh)
 {
     const mesh_reader *reader = mesh->reader;
@@ -569,6 +587,7 @@ svo_status svo_i_obj_gather(const mesh_reader *reader, obj_file *file)
     reader->mesh->has_colors = file->colors.count > 0;
     SVO_I_TRY_CLEANUP(gather_runs(&mesh));
     svo_i_gather_drop_plain_materials(reader->mesh);
+    SVO_I_TRY_CLEANUP(keep_file_vertices(&mesh));
     warn(&mesh);
 cleanup:
     free(mesh.first);

@@ -226,7 +226,7 @@ svo_status svo_i_read_off(mesh_reader *reader)
     SVO_I_TRY_CLEANUP(read_vertices(&off));
     SVO_I_TRY_CLEANUP(svo_i_faces_end_vertices(&off.faces, false));
     SVO_I_TRY_CLEANUP(read_faces(&off));
-    svo_i_faces_warn(&off.faces);
+    svo_i_faces_end(&off.faces);
     svo_i_read_warn_odd(&off.numbers);
     if (skip_to_data(&off.cursor)) {
         svo_i_read_warn(reader, "line %" PRIu64 ": more follows after the %" PRIu64 " faces that are declared",

@@ -255,7 +255,7 @@ static svo_status read_all(ply_reader *ply)
     if (!ply->has_vertices) {
         return svo_i_fail(ply->reader->message, SVO_IMPORT_FAILED, "no element vertex");
     }
-    svo_i_faces_warn(&ply->faces);
+    svo_i_faces_end(&ply->faces);
     svo_i_read_warn_odd(&source->numbers);
     if (source->long_count > 0) {
         svo_i_read_warn(ply->reader, "%" PRIu64 " lines have more values than are declared; the first is line %" PRIu64,

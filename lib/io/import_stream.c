@@ -274,6 +274,25 @@ static svo_status check_lengths(parse_state *state)
     return SVO_OK;
 }
 
+/* Which vertex of the mesh each vertex of the file is. */
+static svo_status take_file_vertices(const parse_state *state)
+{
+    svo_import *import = state->import;
+    const uint32_t *vertices = (const uint32_t *)(const void *)state->payload[STREAM_FILE_VERTICES];
+    const size_t count = state->payload_bytes[STREAM_FILE_VERTICES] / sizeof *vertices;
+    if (!length_fits(state, STREAM_FILE_VERTICES, count, sizeof *vertices)) {
+        return malformed(state, "the vertices of the file are no whole numbers");
+    }
+    for (size_t i = 0; i < count; ++i) {
+        if (vertices[i] != SVO_NO_VERTEX && vertices[i] >= import->mesh.vertex_count) {
+            return malformed(state, "a vertex of the file is none of the mesh");
+        }
+    }
+    import->file_vertices = vertices;
+    import->file_vertex_count = count;
+    return SVO_OK;
+}
+
 static svo_status take_counts(const parse_state *state)
 {
     static const char *const readers[STREAM_READER_COUNT] = {"assimp", "obj", "ply", "stl", "off", "gltf"};
@@ -357,6 +376,7 @@ svo_status svo_i_stream_parse(svo_import *import, const char *path, bool strict,
     SVO_I_TRY(take_frames(&state));
     SVO_I_TRY(check_lengths(&state));
     SVO_I_TRY(take_counts(&state));
+    SVO_I_TRY(take_file_vertices(&state));
     fill_mesh(&state);
     return check_materials(&state);
 }

@@ -14,7 +14,7 @@
 #include "core/memory.h"
 #include "svocl/io.h"
 
-#define STREAM_GREETING       "svoimp4\n" /* changes with the frames: parent and child may be different builds */
+#define STREAM_GREETING       "svoimp5\n" /* changes with the frames: parent and child may be different builds */
 #define STREAM_GREETING_BYTES 8
 #define STREAM_PAYLOAD_ALIGN  8
 #define STREAM_BYTES_A_SECOND 1000000 /* of files, that a reader reads at least */
@@ -31,6 +31,7 @@ typedef enum stream_kind {
     STREAM_UVS, /* 2 floats per vertex */
     STREAM_INDICES, /* 3 uint32_t per triangle */
     STREAM_TRIANGLE_MATERIALS, /* uint16_t per triangle */
+    STREAM_FILE_VERTICES, /* uint32_t per vertex of the file: the mesh's; UINT32_MAX: none. Absent: not known */
     STREAM_COUNTS, /* stream_counts */
     STREAM_WORK, /* uint64_t: bytes that the child is about to read and to make, beyond those of the mesh file */
     STREAM_FILE, /* the path, with its zero, of a file besides the mesh file that is read */
@@ -74,6 +75,8 @@ struct svo_import {
     svo_mesh mesh;
     svo_texture *textures;
     svo_import_info info;
+    const uint32_t *file_vertices; /* in bytes; NULL: not known */
+    size_t file_vertex_count;
     const char **files; /* paths, in bytes */
     size_t file_count, file_capacity;
 };

@@ -41,6 +41,10 @@ static svo_status check_target(void *of, const char *function)
 
 svo_status svo_i_light_set_target(void *of, const char *function, cl_kernel kernel, cl_uint first_index)
 {
+    const svo_light *light = of;
+    if (light->options.no_cones != 0) {
+        return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: the light was made with no_cones", function);
+    }
     return set_light(of, function, kernel, first_index);
 }
 

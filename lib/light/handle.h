@@ -10,6 +10,7 @@
  *   radiance_filter   from the radiance of lit leaves to that of all nodes that see them
  *   exchange          from the sums of photons to the radiance of lit leaves
  *   shoot             all photons of a setup, or those that a change concerns
+ *   emitters          triangles that emit, for rays that aim at them
  *   light             plan, create, set sources, update, destroy
  *   shader            options of gathering; kernels that shade surfaces
  *   gather            light at batches of points, radiance along rays
@@ -65,6 +66,8 @@ struct svo_light {
     svo_light_options options; /* as asked */
     cl_mem buffers[SVO_LIGHT_BUFFER_COUNT]; /* owned; NULL where not held */
     svo_i_light_setup setup; /* owned */
+    cl_mem emitters; /* svo_emitter_record, by ascending triangle; owned; NULL: none */
+    uint32_t emitter_count;
     svo_i_kept_photons *kept; /* owned; NULL: no photons are kept */
     svo_i_kept_nodes *nodes; /* owned; NULL: no nodes are kept */
     svo_i_light_before *before; /* during svo_light_update, which then has given it kept; else NULL */

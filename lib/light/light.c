@@ -17,6 +17,7 @@
 #include "core/compact.h"
 #include "core/opencl.h"
 #include "core/struct_size.h"
+#include "light/emitters.h"
 #include "light/opacity.h"
 #include "light/programs.h"
 #include "light/shoot.h"
@@ -83,6 +84,9 @@ static svo_status plan(const svo_tree *tree, const char *function, const svo_lig
     SVO_I_TRY(read_options(tree, function, options, asked));
     const bool has_areas = (tree->info.need & SVO_NEED_PROJECTED_AREA) != 0;
     *info = (svo_light_info){.form = asked->form, .opacity = has_areas ? asked->opacity : SVO_OPACITY_FULL};
+    if (asked->no_cones != 0) {
+        return SVO_OK;
+    }
     info->bytes[SVO_LIGHT_OPACITY] = opacity_bytes(&tree->info, asked->form);
     if (asked->form == SVO_LIGHT_FACES) {
         info->bytes[SVO_LIGHT_COVER] = info->bytes[SVO_LIGHT_OPACITY];
@@ -265,7 +269,7 @@ static svo_status create(svo_tree *tree, const char *function, const svo_light_o
     svo_light *light = NULL;
     SVO_I_TRY(svo_i_light_new(tree, function, options, &light));
     light->before = before;
-    const svo_status status = make_opacity(light, function, queue);
+    const svo_status status = light->options.no_cones != 0 ? SVO_OK : make_opacity(light, function, queue);
     if (status != SVO_OK) {
         svo_light_destroy(&light);
         return status;
@@ -293,6 +297,7 @@ void svo_light_destroy(svo_light **light)
     forget_setup(*light);
     svo_i_kept_destroy(&(*light)->kept);
     destroy_nodes(&(*light)->nodes);
+    svo_i_light_drop_emitters(*light);
     svo_i_free(*light);
     *light = NULL;
 }
@@ -414,6 +419,7 @@ static void darken(svo_light *light)
     forget_setup(light);
     svo_i_kept_destroy(&light->kept);
     destroy_nodes(&light->nodes);
+    svo_i_light_drop_emitters(light);
     svo_i_light_release(light, SVO_LIGHT_FLUX);
     for (int i = SVO_LIGHT_STAGE_VIEW; i < SVO_LIGHT_STAGE_COUNT; ++i) {
         info->stage_ms[i] = 0;
@@ -443,17 +449,31 @@ cleanup:
     return status;
 }
 
+static svo_status list_emitters(svo_light *light, const char *name, const svo_light_setup *setup,
+                                cl_command_queue queue)
+{
+    svo_i_device_work work;
+    SVO_I_TRY(svo_i_work_begin(light->device, name, queue, &work));
+    const svo_status status = svo_i_light_list_emitters(&work, light, setup);
+    svo_i_work_end(&work);
+    return status;
+}
+
 /* Lights a dark light by a setup that has been checked, and keeps the setup. name: of the public function. The light is
    dark after a failure. */
 static svo_status set(svo_light *light, const char *name, const svo_light_setup *setup,
                       const svo_i_photon_caster *caster, cl_command_queue queue)
 {
     svo_light_setup shining = *setup;
+    svo_status status = SVO_OK;
     shining.source_count = setup->no_photons != 0 ? 0 : setup->source_count;
-    svo_status status = shine(light, name, &shining, caster, queue);
-    if (status == SVO_OK) {
-        status = keep_setup(light, name, setup);
+    if (light->options.no_cones == 0) {
+        SVO_I_TRY_CLEANUP(shine(light, name, &shining, caster, queue));
     }
+    SVO_I_TRY_CLEANUP(list_emitters(light, name, setup, queue));
+    SVO_I_TRY_CLEANUP(keep_setup(light, name, setup));
+
+cleanup:
     if (status != SVO_OK) {
         darken(light);
     }
@@ -463,6 +483,7 @@ static svo_status set(svo_light *light, const char *name, const svo_light_setup 
 svo_status svo_i_light_take_setup(svo_light *light, const char *function, const svo_light_setup *setup)
 {
     SVO_I_TRY(check_setup(light, setup));
+    SVO_I_TRY(list_emitters(light, function, setup, NULL));
     return keep_setup(light, function, setup);
 }
 

@@ -89,10 +89,10 @@ typedef struct drawing {
     svo_i_pixel_output output;
 } drawing;
 
-/* Whether a view has light that is gathered. */
+/* Whether a view shows light that is gathered. */
 static bool view_gathers(svo_render_view view)
 {
-    return view == SVO_VIEW_AO || view == SVO_VIEW_INDIRECT || view == SVO_VIEW_SHADED;
+    return view != SVO_VIEW_DIRECT;
 }
 
 /* The caller's options for what the view shows of them. */
@@ -100,8 +100,8 @@ static svo_status fill_gather(const svo_light *light, const char *function, draw
 {
     const svo_render_options *options = &drawn->asked;
     svo_gather_params *gather = &drawn->gather;
-    const svo_gather_method by_default = view_gathers(options->view) ? SVO_GATHER_RAYS : SVO_GATHER_CONES;
-    SVO_I_TRY(svo_i_light_read_gather(light, function, "options.gather", options->gather, by_default, true, gather));
+    SVO_I_TRY(
+        svo_i_light_read_gather(light, function, "options.gather", options->gather, SVO_GATHER_RAYS, true, gather));
     drawn->by_screen = view_gathers(options->view) && (options->view == SVO_VIEW_AO || gather->with_light != 0);
     if (!drawn->by_screen) {
         gather->paths = 0;
@@ -124,12 +124,11 @@ static svo_status set_kernel(const drawing *drawn, const svo_i_light_shader *sha
                              uint32_t first_tile, cl_mem pixels)
 {
     const svo_i_argument own[] = {SVO_I_ARGUMENT(screen->cells), SVO_I_ARGUMENT(screen->light),
-                                  SVO_I_ARGUMENT(screen->params), SVO_I_ARGUMENT(pixels)};
+                                  SVO_I_ARGUMENT(screen->specular), SVO_I_ARGUMENT(screen->params),
+                                  SVO_I_ARGUMENT(pixels)};
     svo_lit_picture_params params = drawn->params;
-    svo_gather_params gather = drawn->gather;
-    gather.cones = drawn->by_screen ? 0 : gather.cones;
     params.first_tile = first_tile;
-    return svo_i_light_shader_set(shader, &gather, &params, SVO_I_ARGUMENTS(own));
+    return svo_i_light_shader_set(shader, &drawn->gather, &params, SVO_I_ARGUMENTS(own));
 }
 
 /* Tiles across the picture. */
@@ -142,6 +141,18 @@ static size_t tiles_across(const svo_render_options *options)
 static uint32_t tile_rows(const svo_render_options *options)
 {
     return (rows_of_band(options) + TILE_EDGE - 1) / TILE_EDGE;
+}
+
+/* Whether the picture shows specular light. */
+static bool mirrors(const drawing *drawn)
+{
+    const svo_i_light_setup *setup = &drawn->light->setup;
+    bool any = false;
+    for (size_t i = 0; i < setup->finish_count; ++i) {
+        const float *specular = setup->finishes[i].specular;
+        any = any || specular[0] > 0.0F || specular[1] > 0.0F || specular[2] > 0.0F;
+    }
+    return any && (drawn->params.view == SVO_LIT_VIEW_FULL || drawn->params.view == SVO_LIT_VIEW_SPECULAR);
 }
 
 /* Draws the band by a screen: as many rows of tiles at once as the cells of the screen hold. */
@@ -179,7 +190,7 @@ static svo_status enqueue_screen(const drawing *drawn, cl_mem pixels, svo_i_call
     SVO_I_TRY_CLEANUP(svo_i_light_shader_begin(&work, drawn->light, &svo_i_program_light_picture, "svo_k_light_picture",
                                                " -DSVO_PICTURE_SCREEN", &shader));
     SVO_I_TRY_CLEANUP(svo_i_light_screen_begin(&shader, &drawn->gather, options->width, options->height,
-                                               rows_of_band(options), &screen));
+                                               rows_of_band(options), mirrors(drawn), &screen));
     SVO_I_TRY_CLEANUP(draw_by_screen(drawn, &shader, &screen, pixels));
 
 cleanup:

@@ -29,16 +29,20 @@ static svo_status make_buffers(svo_i_light_screen *screen, svo_i_device_work *wo
     SVO_I_TRY(svo_i_work_alloc(work, "screen_cells", cells * sizeof(svo_gather_point), &screen->cells));
     SVO_I_TRY(svo_i_work_alloc(work, "screen_gathered", cells * sizeof(svo_gather_result), &screen->gathered));
     SVO_I_TRY(svo_i_work_alloc(work, "screen_light", cells * sizeof(cl_float4), &screen->light));
+    if (screen->mirrors) {
+        SVO_I_TRY(svo_i_work_alloc(work, "screen_specular", cells * sizeof(cl_float4), &screen->specular));
+    }
     return svo_i_work_alloc(work, "screen_spare", cells * sizeof(cl_float4), &screen->spare);
 }
 
 svo_status svo_i_light_screen_begin(const svo_i_light_shader *first, const svo_gather_params *gather, uint32_t width,
-                                    uint32_t height, uint32_t row_count, svo_i_light_screen *out)
+                                    uint32_t height, uint32_t row_count, bool mirrors, svo_i_light_screen *out)
 {
     const uint32_t columns = (width + SVO_I_SCREEN_CELL - 1) / SVO_I_SCREEN_CELL;
     const uint32_t rows = (row_count + SVO_I_SCREEN_CELL - 1) / SVO_I_SCREEN_CELL;
     const uint32_t most = BAND_CELLS / columns > 0 ? BAND_CELLS / columns : 1;
     *out = (svo_i_light_screen){.asked = *gather,
+                                .mirrors = mirrors,
                                 .height = (height + SVO_I_SCREEN_CELL - 1) / SVO_I_SCREEN_CELL,
                                 .params = {.columns = columns, .near = NEAR * first->light->params.voxel_edge},
                                 .band_rows = rows < most ? rows : most};
@@ -48,11 +52,13 @@ svo_status svo_i_light_screen_begin(const svo_i_light_shader *first, const svo_g
     return svo_i_light_shader_also(first, &svo_i_program_screen, "svo_k_screen_points", "", &out->points);
 }
 
-static svo_status smooth(svo_i_light_screen *screen)
+/* Smooths one of two kinds of light. *light: receives it. */
+static svo_status smooth(svo_i_light_screen *screen, bool is_specular, cl_mem *light)
 {
     svo_i_device_work *work = screen->points.work;
     const uint64_t cells = (uint64_t)screen->params.columns * screen->params.rows;
     cl_mem from = NULL;
+    screen->params.is_specular = is_specular;
     for (uint32_t step = 0; step < STEPS; ++step) {
         screen->params.step = 1u << step;
         screen->params.tolerance = TOLERANCE / (float)(1u << step);
@@ -61,8 +67,8 @@ static svo_status smooth(svo_i_light_screen *screen)
                                             SVO_I_ARGUMENT(screen->params)};
         SVO_I_TRY(svo_i_work_launch(work, "svo_k_screen_filter", SVO_I_ARGUMENTS(arguments), cells));
         from = screen->spare;
-        screen->spare = screen->light;
-        screen->light = from;
+        screen->spare = *light;
+        *light = from;
     }
     return SVO_OK;
 }
@@ -93,7 +99,8 @@ svo_status svo_i_light_screen_band(svo_i_light_screen *screen, const svo_lit_pic
     SVO_I_TRY(svo_i_light_shader_set(&screen->points, &screen->asked, picture, SVO_I_ARGUMENTS(own)));
     SVO_I_TRY(svo_i_light_shader_launch(&screen->points, 0, (cells + SVO_GROUP_ITEMS - 1) / SVO_GROUP_ITEMS));
     SVO_I_TRY(gather(screen, cells));
-    return smooth(screen);
+    SVO_I_TRY(smooth(screen, false, &screen->light));
+    return screen->mirrors ? smooth(screen, true, &screen->specular) : SVO_OK;
 }
 
 void svo_i_light_screen_end(svo_i_light_screen *screen)

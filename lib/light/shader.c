@@ -73,6 +73,16 @@ static svo_status check_paths(const svo_light *light, const char *function, cons
                                    function, argument, (double)options->error);
 }
 
+/* Cones need what they read. */
+static svo_status check_has_cones(const svo_light *light, const char *function, const char *argument,
+                                  svo_gather_method method)
+{
+    return method != SVO_GATHER_CONES || light->options.no_cones == 0
+               ? SVO_OK
+               : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
+                                   "%s: %s.method is cones; the light was made with no_cones", function, argument);
+}
+
 /* Whether the options are those of the method. */
 static svo_status check_method(const svo_light *light, const char *function, const char *argument,
                                const svo_gather_options *options)
@@ -108,6 +118,7 @@ svo_status svo_i_light_read_gather(const svo_light *light, const char *function,
     const svo_gather_method method = asked.method != SVO_GATHER_AUTO ? asked.method
                                      : has_cones                     ? SVO_GATHER_CONES
                                                                      : by_default;
+    SVO_I_TRY(check_has_cones(light, function, argument, method));
     *params = (svo_gather_params){.cones = asked.cones != 0 ? asked.cones : CONES_DEFAULT,
                                   .step = asked.step > 0.0F ? asked.step : STEP_DEFAULT,
                                   .range = asked.range,
@@ -153,6 +164,9 @@ static svo_status make_kernel(svo_i_light_shader *shader, const svo_i_program *p
     add_define(tree, SVO_TREE_NORMALS, " -DSVO_NORMAL", " -DSVO_ONE_NORMAL", defines, sizeof defines);
     if (light->setup.finish_count > 0) {
         add_define(tree, SVO_TREE_MATERIALS, " -DSVO_FINISHES", " -DSVO_ONE_MATERIAL", defines, sizeof defines);
+    }
+    if (light->emitters != NULL) {
+        add_define(tree, SVO_TREE_MATERIALS, " -DSVO_EMITTERS", "", defines, sizeof defines);
     }
     SVO_I_TRY(svo_i_work_use(shader->work, program, defines));
     return svo_i_kernel_create(light->device, shader->work->function, shader->work->program, kernel_name,
@@ -202,6 +216,7 @@ svo_status svo_i_light_shader_set(const svo_i_light_shader *shader, const svo_ga
                                      SVO_I_ARGUMENT(tree->buffers[SVO_TREE_MATERIALS]),
                                      SVO_I_ARGUMENT(shader->finishes),
                                      SVO_I_ARGUMENT(shader->sources),
+                                     SVO_I_ARGUMENT(light->emitters),
                                      {sizeof *gather, gather, false},
                                      {sizeof *params, params, false}};
     const cl_uint shared_count = sizeof shared / sizeof shared[0];
@@ -241,7 +256,8 @@ svo_lit_picture_params svo_i_light_shader_params(const svo_light *light, uint32_
     svo_lit_picture_params params = {.view = view,
                                      .exposure = 1.0F,
                                      .source_count = (uint32_t)light->setup.source_count,
-                                     .finish_count = (uint32_t)light->setup.finish_count};
+                                     .finish_count = (uint32_t)light->setup.finish_count,
+                                     .emitter_count = light->emitter_count};
     for (int channel = 0; channel < 3; ++channel) {
         params.sky[channel] = light->params.sky[channel];
     }

@@ -104,6 +104,10 @@ svo_status svo_light_save(const svo_light *light, svo_sink sink, const svo_save_
     }
     SVO_I_TRY(svo_i_struct_read(message, function, "options", options, &asked,
                                 SVO_I_STRUCT_SIZES(svo_save_options, struct_size)));
+    if (light->options.no_cones != 0) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: the light was made with no_cones: it stores nothing",
+                          function);
+    }
     svo_i_file_save state = {.memory = &light->device->memory, .compress = asked.compress != 0};
     svo_i_light_describe(light, &stored);
     SVO_I_TRY(hash_tree(light->tree, function, message, stored.record.tree_hash));

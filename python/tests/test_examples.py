@@ -30,6 +30,26 @@ def test_occlusion(tmp_path):
         written.rename(tmp_path / "first.ply")
 
 
+@pytest.mark.skipif(not svocl.has_io, reason="built without svocl::io")
+def test_bake(tmp_path):
+    image = pytest.importorskip("PIL.Image")
+    command = [sys.executable, str(EXAMPLES / "bake.py"), "--lightmap", "map.png", "--size", "64", "--paths", "16"]
+    done = subprocess.run(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    assert done.returncode == 0, done.stdout
+    assert "map.png: 100% of the texels lie in charts" in done.stdout
+    mesh = svocl.read_mesh(tmp_path / "baked.ply")
+    floor = mesh.positions[:, 1] == mesh.positions[:, 1].min()
+    gray = mesh.colors[:, 1].astype(float)
+    assert floor.sum() >= 129 * 129 and gray[floor].max() > 200 > gray[floor].min() + 40  # the shadow lies on it
+    pixels = np.asarray(image.open(tmp_path / "map.png"))
+    assert pixels.shape == (64, 64, 3) and pixels[..., 1].max() > 200 > pixels[..., 1].min() + 40
+    content = (tmp_path / "map.exr").read_bytes()
+    linear = np.frombuffer(content[-64 * (8 + 12 * 64) :], np.uint8).reshape(64, -1)[:, 8:].copy().view("<f4")
+    red = linear.reshape(64, 3, 64)[:, 2] / np.pi  # blue, green, red
+    coded = np.where(red <= 0.0031308, 12.92 * red, 1.055 * red ** (1 / 2.4) - 0.055)
+    assert np.abs(np.clip(coded, 0, 1) * 255 - pixels[..., 0]).max() <= 1
+
+
 def test_notebook(tmp_path):
     nbclient = pytest.importorskip("nbclient")
     nbformat = pytest.importorskip("nbformat")

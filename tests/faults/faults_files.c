@@ -156,6 +156,9 @@ static svo_status run_import(subject *of)
         digest(of, mesh->positions, mesh->vertex_count * 3 * sizeof(float));
         digest(of, mesh->indices, mesh->triangle_count * 3 * sizeof(uint32_t));
         digest(of, &mesh->material_count, sizeof mesh->material_count);
+        size_t file_vertex_count = 0;
+        const uint32_t *file_vertices = svo_import_file_vertices(import, &file_vertex_count);
+        digest(of, file_vertices, file_vertex_count * sizeof *file_vertices);
         for (size_t i = 0; svo_import_file_path(import, i) != NULL; ++i) {
             digest(of, &i, sizeof i);
         }

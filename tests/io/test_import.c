@@ -238,6 +238,52 @@ static void test_missing_attributes_become_neutral(void **unused)
     svo_import_destroy(&import);
 }
 
+/* Where the vertices of a file went: those that are equal to one, those that no face has to none. */
+static void expect_file_vertices(const char *name, const char *text, size_t count, size_t unused_index)
+{
+    write_text(name, text);
+    svo_import *import = import_file(name);
+    const svo_mesh *mesh = svo_import_mesh(import);
+    size_t found = 0;
+    const uint32_t *vertices = svo_import_file_vertices(import, &found);
+    assert_int_equal(found, count);
+    for (size_t i = 0; i < count; ++i) {
+        if (i == unused_index) {
+            assert_int_equal(vertices[i], SVO_NO_VERTEX);
+        } else { /* vertex i lies at (i, i * i, 0), but the last one where the first is */
+            const float x = i + 1 == count ? 0 : (float)i;
+            const float place[3] = {x, x * x, 0};
+            assert_true(vertices[i] < mesh->vertex_count);
+            assert_memory_equal(mesh->positions + 3 * (size_t)vertices[i], place, sizeof place);
+        }
+    }
+    svo_import_destroy(&import);
+}
+
+static void test_vertices_of_files_are_found_again(void **unused)
+{
+    (void)unused;
+    expect_file_vertices("map.obj", "v 0 0 0\nv 1 1 0\nv 2 4 0\nv 3 9 0\nv 0 0 0\nf 1 2 4\nf 5 4 2\n", 5, 2);
+    expect_file_vertices("normals.obj",
+                         "v 0 0 0\nv 1 1 0\nv 2 4 0\nv 3 9 0\nv 0 0 0\nvn 0 0 1\nvn 0 1 0\n"
+                         "f 1//1 2//1 4//1\nf 5//2 4//2 2//1\n",
+                         5, 2);
+    expect_file_vertices("map.off", "OFF 5 2 0\n0 0 0\n1 1 0\n2 4 0\n3 9 0\n0 0 0\n3 0 1 3\n3 4 3 1\n", 5, 2);
+    expect_file_vertices("map.ply",
+                         "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
+                         "property float z\nelement face 2\nproperty list uchar int vertex_indices\n"
+                         "property list uchar float texcoord\nend_header\n0 0 0\n1 1 0\n2 4 0\n3 9 0\n0 0 0\n"
+                         "3 0 1 3 6 0 0 1 0 1 1\n3 4 3 1 6 0 0 1 1 1 0\n",
+                         5, 2);
+    write_text("map.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+                          "endloop\nendfacet\nendsolid a\n");
+    svo_import *import = import_file("map.stl");
+    size_t count = 1;
+    assert_null(svo_import_file_vertices(import, &count));
+    assert_int_equal(count, 0);
+    svo_import_destroy(&import);
+}
+
 /* PLY and STL */
 
 static void test_ply_with_colors_and_a_bad_index(void **unused)
@@ -599,6 +645,7 @@ TEST_GROUP(import)
         cmocka_unit_test(test_degenerate_triangles_are_kept),
         cmocka_unit_test(test_vertices_are_joined_only_when_equal),
         cmocka_unit_test(test_missing_attributes_become_neutral),
+        cmocka_unit_test(test_vertices_of_files_are_found_again),
         cmocka_unit_test(test_ply_with_colors_and_a_bad_index),
         cmocka_unit_test(test_binary_stl),
         cmocka_unit_test(test_unreadable_files),

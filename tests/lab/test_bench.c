@@ -539,15 +539,17 @@ static void subjects_that_fail_leave_a_reason(void **state)
 {
     (void)state;
     need_builds();
-    run("$SVOCL bench errors --quick --repeat 1 --scenes scene:castle -o some.json");
+    write_text("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"); /* no points can be spread over it */
+    run("$SVOCL bench errors --quick --repeat 1 --scenes line.obj -o some.json");
     assert_int_equal(last.exit_code, 1);
-    assert_non_null(strstr(last.errors, "7 subjects failed; the tables have the reasons"));
+    assert_non_null(strstr(last.errors, "2 subjects failed; the tables have the reasons"));
     cJSON *document = run_json("cat some.json");
-    assert_non_null(strstr(text_of(table_of(document, "e1-voxelization"), "note"), "Not measured to the end: "));
-    assert_non_null(strstr(text_of(table_of(document, "e8-probes"), "note"), "castle"));
+    assert_non_null(strstr(text_of(table_of(document, "e7-cones"), "note"), "Not measured to the end: "));
+    assert_non_null(strstr(text_of(table_of(document, "e8-probes"), "note"), "line.obj: no triangle has an area"));
+    assert_true(row_count_of(table_of(document, "e1-voxelization")) > 0);
     cJSON_Delete(document);
-    static const char *const kept[] = {"some.json"};
-    expect_files(kept, 1);
+    static const char *const kept[] = {"line.obj", "some.json"};
+    expect_files(kept, 2);
 }
 
 static void unknown_scenes_are_named(void **state)
@@ -556,7 +558,26 @@ static void unknown_scenes_are_named(void **state)
     need_builds();
     run_badly("$SVOCL bench memory --quick --scenes castle.obj", 1, "castle.obj");
     run_badly("$SVOCL bench memory --quick --scenes cube:none", 2, "cube:none");
+    run_badly("$SVOCL bench errors --quick --scenes scene:castle", 2, "castle");
     expect_files(NULL, 0);
+}
+
+/* One INPUT of a list that cannot be read fails before the others are measured. */
+static void bad_inputs_fail_before_anything_is_measured(void **state)
+{
+    static const char *const subjects[] = {"e7", "e8", "light"};
+    (void)state;
+    need_builds();
+    write_text("torn.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
+    for (size_t i = 0; i < sizeof subjects / sizeof subjects[0]; ++i) {
+        char line[128];
+        (void)snprintf(line, sizeof line, "$SVOCL bench %s --scenes atrium,torn.obj -o some.json", subjects[i]);
+        run_badly(line, 1, "torn.obj");
+        (void)snprintf(line, sizeof line, "$SVOCL bench %s --scenes atrium,knot:many -o some.json", subjects[i]);
+        run_badly(line, 2, "knot:many");
+    }
+    static const char *const kept[] = {"torn.obj"};
+    expect_files(kept, 1);
 }
 
 TEST_GROUP(bench)
@@ -573,6 +594,7 @@ TEST_GROUP(bench)
         IN_FOLDER(published_values_name_their_hardware),
         IN_FOLDER(usage_errors_exit_with_code_2),
         IN_FOLDER(unknown_scenes_are_named),
+        IN_FOLDER(bad_inputs_fail_before_anything_is_measured),
         IN_FOLDER(stored_figures_are_those_of_today),
         IN_FOLDER(errors_of_files_are_measured),
         IN_FOLDER(subjects_that_fail_leave_a_reason),

@@ -205,6 +205,31 @@ static void expect_directions(const cJSON *table)
     assert_int_equal(cJSON_GetArraySize(array_of(table, "rows")), 15);
 }
 
+/* Each kind of light has its methods: more paths err less, down to the truth's own error, and without a bias. */
+static void expect_kinds(const cJSON *light, const cJSON *equal)
+{
+    double few = 0;
+    size_t kinds = 0;
+    const cJSON *row = NULL;
+    cJSON_ArrayForEach(row, array_of(light, "rows"))
+    {
+        const double number = cell_of(light, row, "cones or paths");
+        const double error = cell_of(light, row, "RMSE");
+        assert_true(cell_of(light, row, "time") > 0 && error > 0 && cell_of(light, row, "truth's error") > 0);
+        if (begins(word_of(light, row, "method"), "rays")) {
+            few = number <= 16 ? error : few;
+            assert_true(number <= 16 || error < few);
+            const double bias = cell_of(light, row, "bias");
+            const double bound = 0.3 * error > 0.1 ? 0.3 * error : 0.1; /* of 128 points, three to a standard error */
+            assert_true(bias < bound && -bias < bound);
+            kinds += number <= 16;
+        }
+    }
+    assert_true(kinds >= (size_t)3 * 4); /* emitters are not in each scene */
+    assert_int_equal(cJSON_GetArraySize(array_of(light, "rows")), 9 * kinds);
+    assert_int_equal(cJSON_GetArraySize(array_of(equal, "rows")), kinds);
+}
+
 static void cones_are_compared_with_paths(void **state)
 {
     (void)state;
@@ -224,6 +249,13 @@ static void cones_are_compared_with_paths(void **state)
     expect_rays(table, "exact rays, svocl");
     expect_directions(table_of(document, "e7-directions"));
     assert_int_equal(cJSON_GetArraySize(array_of(table_of(document, "e7-alternatives"), "rows")), 15);
+    expect_kinds(table_of(document, "e7-light"), table_of(document, "e7-equal"));
+    const cJSON *peer = table_of(document, "e7-embree");
+    const cJSON *row = NULL;
+    cJSON_ArrayForEach(row, array_of(peer, "rows"))
+    {
+        assert_true(cell_of(peer, row, "differ") < 0.1 && cell_of(peer, row, "ratio") > 0);
+    }
     cJSON_Delete(document);
 }
 

@@ -438,6 +438,47 @@ static void few_rays_look_like_many(void **state)
     close_floor(&scene);
 }
 
+/* A canyon, seen from above, and on the left a lid on it: what rays bring is noisy in the canyon, and steady on the
+   lid. */
+static const float canyon_and_lid[12 * 3] = {-1, 0,    -0.3F, 1, 0,    -0.3F, 1, 0,    0.3F, -1, 0,    0.3F,
+                                             -1, 0.5F, -0.3F, 1, 0.5F, -0.3F, 1, 0.5F, 0.3F, -1, 0.5F, 0.3F,
+                                             -1, 0.5F, -0.3F, 0, 0.5F, -0.3F, 0, 0.5F, 0.3F, -1, 0.5F, 0.3F};
+static const uint32_t canyon_faces[8 * 3] = {0, 2, 1, 0, 3, 2, 0, 1, 5, 0, 5, 4, 3, 7, 6, 3, 6, 2, 8, 10, 9, 8, 11, 10};
+
+/* The mean openness of a picture's column, linear. */
+static double mean_of_column(const uint8_t *rgba, int x)
+{
+    double sum = 0;
+    for (int y = 0; y < HEIGHT; ++y) {
+        sum += linear_of(pixel_at(rgba, x, y)[0]);
+    }
+    return sum / HEIGHT;
+}
+
+/* Smoothing ends at edges, though what lies behind them differs by little more than the noise. */
+static void edges_of_surfaces_are_kept(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    static uint8_t rgba[WIDTH * HEIGHT * 4];
+    const svo_render_options picture = picture_of(SVO_VIEW_AO);
+    svo_mesh mesh = SVO_MESH_INIT;
+    lit_floor scene;
+    mesh.positions = canyon_and_lid;
+    mesh.vertex_count = 12;
+    mesh.indices = canyon_faces;
+    mesh.triangle_count = 8;
+    fixture_build(&opened, &mesh, DEPTH, &everything, &scene.made);
+    scene.light = light_of(&opened, scene.made.tree, SVO_LIGHT_FACES);
+    draw(&opened, scene.light, &picture, rgba);
+    const double beside_lid = mean_of_column(rgba, WIDTH / 2 + 2);
+    print_message("openness of the canyon: %.3f\n", beside_lid);
+    assert_true(beside_lid > 0.2 && beside_lid < 0.5);
+    for (int x = WIDTH / 2 - 3; x < WIDTH / 2; ++x) {
+        assert_true(mean_of_column(rgba, x) > 0.999);
+    }
+    close_floor(&scene);
+}
+
 static void expect_refused(const fixture *opened, svo_light *light, const svo_render_options *picture,
                            const char *words)
 {
@@ -490,7 +531,7 @@ TEST_GROUP(light_picture)
         cmocka_unit_test(floors_are_open_to_the_sky),    cmocka_unit_test(full_is_direct_and_indirect),
         cmocka_unit_test(finishes_emit_and_reflect),     cmocka_unit_test(trees_without_triangles_are_drawn),
         cmocka_unit_test(bands_are_rows_of_the_picture), cmocka_unit_test(bands_have_the_light_beside_them),
-        cmocka_unit_test(few_rays_look_like_many),       cmocka_unit_test(a_plane_cuts_the_floor_away),
-        cmocka_unit_test(wrong_pictures_are_refused)};
+        cmocka_unit_test(few_rays_look_like_many),       cmocka_unit_test(edges_of_surfaces_are_kept),
+        cmocka_unit_test(a_plane_cuts_the_floor_away),   cmocka_unit_test(wrong_pictures_are_refused)};
     return cmocka_run_group_tests_name("light_picture", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -248,6 +248,58 @@ static void an_empty_tree_has_a_light(void **state)
     built_destroy(&tree);
 }
 
+/* ---- without cones ---- */
+
+/* Gathers at some points and draws a picture, by rays. */
+static void use_rays(const fixture *opened, svo_light *light, svo_gather_result results[9], uint8_t rgba[32 * 32 * 4])
+{
+    const svo_light_source sun = {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {0.3F, -1, 0.1F}, .value = {1, 1, 1}};
+    const svo_light_setup setup = {
+        .struct_size = sizeof setup, .sources = &sun, .source_count = 1, .sky = {0.2F, 0.3F, 0.4F}};
+    svo_render_options picture = SVO_RENDER_OPTIONS_INIT;
+    svo_gather_point points[9] = {{.normal = {0, 1, 0}}};
+    light_succeed(opened, svo_light_set_sources(light, &setup, opened->queue));
+    for (int i = 0; i < 9; ++i) {
+        points[i] = (svo_gather_point){.position = {0.1F * (float)i, 0.5F, 0.4F}, .normal = {0, 1, 0}};
+    }
+    light_succeed(opened, svo_gather(light, svo_in_host(points), svo_in_host(results), 9, NULL,
+                                     &(svo_submit){.queue = opened->queue}));
+    picture.width = picture.height = 32;
+    picture.view = SVO_VIEW_SHADED;
+    light_succeed(opened, svo_camera_fit(svo_light_target(light), 1, &picture.camera));
+    light_succeed(opened, svo_render(svo_light_target(light), &picture, svo_in_host(rgba),
+                                     &(svo_submit){.queue = opened->queue}));
+}
+
+/* What rays gather is the same, and nothing is stored for them. */
+static void rays_do_without_stored_light(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_light_options no_cones = {.struct_size = sizeof no_cones, .no_cones = 1};
+    const svo_gather_options cones = {.struct_size = sizeof cones, .cones = 5};
+    static uint8_t rgba[2][32 * 32 * 4];
+    svo_gather_result results[2][9];
+    svo_light *light = NULL;
+    built tree;
+    build(&opened, NEEDS | SVO_NEED_RAYS, SVO_BUILDER_CL, 0, &tree);
+    light = light_of(&opened, tree.tree, SVO_LIGHT_FACES);
+    use_rays(&opened, light, results[0], rgba[0]);
+    svo_light_destroy(&light);
+    light_succeed(&opened, svo_light_create(tree.tree, &no_cones, opened.queue, &light));
+    use_rays(&opened, light, results[1], rgba[1]);
+    assert_memory_equal(results[1], results[0], sizeof results[0]);
+    assert_memory_equal(rgba[1], rgba[0], sizeof rgba[0]);
+    const svo_light_info info = light_info_of(light);
+    assert_int_equal(info.total_bytes + info.scratch_bytes + info.photons, 0);
+    light_succeed(&opened, svo_light_update(light, tree.tree, NULL, 0, opened.queue));
+    assert_int_equal(light_info_of(light).total_bytes, 0);
+    assert_int_equal(svo_gather(light, svo_in_host(NULL), svo_in_host(NULL), 0, &cones, NULL), SVO_INVALID_ARGUMENT);
+    assert_string_equal(svo_device_message(opened.device),
+                        "svo_gather: options.method is cones; the light was made with no_cones");
+    svo_light_destroy(&light);
+    built_destroy(&tree);
+}
+
 /* ---- what is refused ---- */
 
 static void refuse(const fixture *opened, svo_status status, const char *message)
@@ -329,6 +381,7 @@ TEST_GROUP(light_use)
         cmocka_unit_test(opacity_is_full_without_areas),
         cmocka_unit_test(one_alpha_is_that_of_all_leaves),
         cmocka_unit_test(an_empty_tree_has_a_light),
+        cmocka_unit_test(rays_do_without_stored_light),
         cmocka_unit_test(wrong_arguments_are_refused),
         cmocka_unit_test(names_are_those_of_the_header),
     };

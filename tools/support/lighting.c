@@ -294,9 +294,17 @@ static int take_scene(program *state, lighting *out)
     return PROGRAM_DONE;
 }
 
+/* Whether the options name cones, or what is stored for them. */
+static bool asks_for_cones(const options *given)
+{
+    return given->gather_method == SVO_GATHER_CONES || given->cones != 0 || options_is_given(given, "form") ||
+           options_is_given(given, "opacity") || options_is_given(given, "photons") ||
+           options_is_given(given, "sides") || options_is_given(given, "light-file");
+}
+
 int lighting_open(program *state, lighting *out)
 {
-    *out = (lighting){.light = NULL};
+    *out = (lighting){.for_cones = asks_for_cones(&state->options)};
     int exit_code = state->options.lights_path != NULL ? light_file_open(state, state->options.lights_path, &out->file)
                                                        : PROGRAM_DONE;
     if (exit_code == PROGRAM_DONE && scene_file_is_input(state)) {
@@ -316,14 +324,14 @@ void lighting_close(lighting *work)
     scene_file_close(&work->scene);
 }
 
-uint32_t lighting_need(const options *given, const input *source)
+uint32_t lighting_need(const options *given, const lighting *work, const input *source)
 {
     const uint32_t of_picture = picture_need(source, given->need);
     if (source->mesh == NULL || given->need != (uint32_t)SVO_NEED_DEFAULT) {
         return of_picture;
     }
     return of_picture | (uint32_t)SVO_NEED_RAYS |
-           (given->opacity == SVO_OPACITY_AREA ? (uint32_t)SVO_NEED_PROJECTED_AREA : 0u) |
+           (work->for_cones && given->opacity == SVO_OPACITY_AREA ? (uint32_t)SVO_NEED_PROJECTED_AREA : 0u) |
            (source->mesh->finishes != NULL ? (uint32_t)SVO_NEED_MATERIAL : 0u);
 }
 
@@ -355,7 +363,7 @@ int lighting_tree(program *state, unsigned further_steps, lighting *work, job *d
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    exit_code = job_build(state, lighting_need(&state->options, &done->source), done);
+    exit_code = job_build(state, lighting_need(&state->options, work, &done->source), done);
     if (exit_code != PROGRAM_DONE) {
         job_release(done);
     }
@@ -396,7 +404,8 @@ int lighting_make(program *state, const job *done, const svo_light_setup *setup,
     const svo_light_options light_options = {.struct_size = sizeof light_options,
                                              .form = (svo_light_form)state->options.light_form,
                                              .opacity = (svo_opacity)state->options.opacity,
-                                             .one_side = (uint32_t)state->options.one_side};
+                                             .one_side = (uint32_t)state->options.one_side,
+                                             .no_cones = !work->for_cones};
     svo_light_setup shining = *setup;
     shining.no_photons = state->options.photons == 0;
     progress_step(state->progress, "spreading the light");

@@ -31,6 +31,7 @@ typedef struct lighting {
     scene_file scene; /* INPUT, if that is one; else without trees */
     scene_input placed; /* what it places */
     default_lights chosen; /* of a picture that none of them lights */
+    bool for_cones; /* as options ask, or a command that needs them sets */
     double tree_ms; /* wall-clock time of reading and building the tree */
     svo_light *light;
     svo_light_info info;
@@ -43,7 +44,7 @@ int lighting_open(program *state, lighting *out);
 void lighting_close(lighting *work);
 
 /* The svo_need bits of a tree that is lit: what --need says, or else all that makes light exact. */
-uint32_t lighting_need(const options *given, const input *source);
+uint32_t lighting_need(const options *given, const lighting *work, const input *source);
 
 /* Loads or builds the tree to be lit: with what --need says, or else all that makes light exact. A scene becomes one
    tree of all that it places, of --depth. Begins the progress bar, as job_run does. Returns the exit code; on failure

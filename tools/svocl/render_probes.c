@@ -172,6 +172,7 @@ static int render_tree(probe_render *work)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
+    work->lit.for_cones = true; /* which light what probes see */
     exit_code = lighting_tree(state, (state->options.view == SVO_VIEW_SHADED ? 3 : 2) + picture_frames(&state->options),
                               &work->lit, &work->done);
     if (exit_code == PROGRAM_DONE) {

@@ -221,6 +221,7 @@ static int open_tree(program *running, view_state *state, subject *out)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
+    out->lit.for_cones = true; /* a key changes to them */
     exit_code = lighting_tree(running, 1, &out->lit, &out->done);
     if (exit_code != PROGRAM_DONE) {
         lighting_close(&out->lit);
@@ -280,7 +281,8 @@ static int build_level(subject *which)
 {
     job *done = &which->done;
     program_begin_progress(which->running, 2);
-    const int exit_code = job_build(which->running, lighting_need(&which->running->options, &done->source), done);
+    const int exit_code =
+        job_build(which->running, lighting_need(&which->running->options, &which->lit, &done->source), done);
     progress_destroy(&which->running->progress);
     return exit_code;
 }
@@ -485,7 +487,7 @@ static int list_tree(const subject *which, view_state *state)
     const job *done = &which->done;
     svo_plan *plan = NULL;
     if (done->source.mesh != NULL) {
-        const uint32_t need = lighting_need(&which->running->options, &done->source);
+        const uint32_t need = lighting_need(&which->running->options, &which->lit, &done->source);
         const int exit_code = job_plan(which->running, done->opened.device, &done->source, need, &plan);
         if (exit_code != PROGRAM_DONE) {
             return exit_code;

@@ -38,6 +38,15 @@ from ._arrays import (
     voxel_dtype,
     voxel_hit_dtype,
 )
+from ._bake import (
+    BakedVertices,
+    Lightmap,
+    Texels,
+    bake_lightmap,
+    bake_vertices,
+    lightmap_texels,
+    vertex_normals,
+)
 from ._compact import COMPACT_ARGUMENTS, Compact, CompactArrays, Solid
 from ._device import Device
 from ._errors import text as _text
@@ -107,7 +116,7 @@ from ._generated import (
     Wrap,
 )
 from ._light import LIGHT_ARGUMENTS, Light, LightSource, light_kernel_source, make_gather_points
-from ._mesh import DeviceMesh, Finish, Material, Mesh, Texture, has_io, read_mesh
+from ._mesh import NO_VERTEX, DeviceMesh, Finish, Material, Mesh, Texture, has_io, read_mesh
 from ._moving import Moving
 from ._opencl import Event
 from ._paged import Paged
@@ -126,8 +135,10 @@ __all__ = [
     "NO_INSTANCE",
     "NO_NODE",
     "NO_TRIANGLE",
+    "NO_VERTEX",
     "TREE_ARGUMENTS",
     "Axes",
+    "BakedVertices",
     "BuildReport",
     "Builder",
     "BvhQuality",
@@ -163,6 +174,7 @@ __all__ = [
     "LightForm",
     "LightInfo",
     "LightSource",
+    "Lightmap",
     "Material",
     "Mesh",
     "Moving",
@@ -200,6 +212,7 @@ __all__ = [
     "SourceKind",
     "StageTime",
     "Status",
+    "Texels",
     "Texture",
     "TraceMode",
     "Tree",
@@ -214,6 +227,8 @@ __all__ = [
     "VoxelsSaveInfo",
     "Weights",
     "Wrap",
+    "bake_lightmap",
+    "bake_vertices",
     "gather_point_dtype",
     "gather_result_dtype",
     "has_io",
@@ -222,6 +237,7 @@ __all__ = [
     "kernel_options",
     "kernel_source",
     "light_kernel_source",
+    "lightmap_texels",
     "make_gather_points",
     "make_instances",
     "make_rays",
@@ -234,6 +250,7 @@ __all__ = [
     "read_mesh",
     "scene_hit_dtype",
     "scene_triangle_hit_dtype",
+    "vertex_normals",
     "voxel_dtype",
     "voxel_hit_dtype",
 ]

@@ -71,9 +71,10 @@ gather_result_dtype = np.dtype(
         ("direct", "<f4", (3,)),
         ("openness_error", "<f4"),
         ("irradiance_error", "<f4"),
+        ("specular_error", "<f4"),
     ]
 )
-"""svo_gather_result, 52 bytes: ambient occlusion, 1 is open; linear red, green, blue; the steps of all cones or the
+"""svo_gather_result, 56 bytes: ambient occlusion, 1 is open; linear red, green, blue; the steps of all cones or the
 rays that were traced; standard errors, which cones do not know."""
 
 probe_hit_dtype = np.dtype(

@@ -66,7 +66,9 @@ class Mesh:
         textures: of the materials.
         finishes: one for each material; none: all are diffuse. Builds do not read them.
 
-    Attributes: the arguments, as arrays and tuples; import_info, of a mesh from read_mesh.
+    Attributes: the arguments, as arrays and tuples; of a mesh from read_mesh also import_info, and file_vertices,
+    (count,) uint32: for each vertex of a PLY or OFF file and each "v" of an OBJ file one of the mesh's vertices that
+    lie there, or NO_VERTEX where no face has it; None of other formats.
     """
 
     positions: _arrays.Array
@@ -79,6 +81,7 @@ class Mesh:
     textures: tuple[Texture, ...]
     finishes: tuple[Finish, ...]
     import_info: Optional[_generated.ImportInfo] = None
+    file_vertices: Optional[npt.NDArray[np.uint32]] = None
 
     def __init__(
         self,
@@ -300,6 +303,9 @@ def finish_record(finish: Finish) -> tuple[list[float], list[float], float]:
     return emission.tolist(), specular.tolist(), float(finish.exponent)
 
 
+NO_VERTEX: int = 2**32 - 1
+"""In Mesh.file_vertices: a vertex of the file that no face has."""
+
 has_io: bool = hasattr(lib, "svo_import_file")
 """Whether the package was built with svocl::io: .svo files and mesh import."""
 
@@ -400,6 +406,9 @@ def _imported(native: Native) -> Mesh:
             info = _structs.new("svo_import_info")
             lib.svo_import_get_info(pointer, info)
             mesh.import_info = _structs.read(info, _generated.ImportInfo)
+            count = ffi.new("size_t *")
+            file_vertices = lib.svo_import_file_vertices(pointer, count)
+            mesh.file_vertices = view(native, file_vertices, np.uint32, (count[0],))
             return mesh
     finally:
         native.drop(hold)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Few paths are the truth's own, with another seed. Rays and exact cones have directions around the points' normals. */
+/* Rays and exact cones have directions around the points' normals. */
 #include "errors/cone_peers.h"
 
 #include <math.h>
@@ -10,11 +10,9 @@
 
 /* ---- few paths ---- */
 
-#define SEED 2u
-
-bool few_paths_make(const error_run *run, const cone_truth *truth, unsigned per_point, few_paths *out)
+bool few_paths_make(const error_run *run, const cone_truth *truth, svo_light *light, unsigned per_point, few_paths *out)
 {
-    *out = (few_paths){.run = run, .truth = truth, .per_point = path_sample_count(per_point)};
+    *out = (few_paths){.run = run, .truth = truth, .light = light, .per_point = per_point};
     out->results = calloc(truth->count, sizeof *out->results);
     return out->results != NULL;
 }
@@ -28,14 +26,10 @@ void few_paths_free(few_paths *work)
 double few_paths_trace(void *user)
 {
     const few_paths *work = user;
-    const cone_truth *truth = work->truth;
-    const path_scene paths = {.tree = truth->tree,
-                              .mesh = truth->opened.source.mesh,
-                              .queue = work->run->opened.queue,
-                              .setup = &truth->setup,
-                              .threads = work->run->threads};
+    const svo_gather_options asked = {.struct_size = sizeof asked, .method = SVO_GATHER_RAYS, .paths = work->per_point};
     const double started_ms = input_now_ms();
-    const svo_status status = path_trace(&paths, truth->points, truth->count, work->per_point, SEED, work->results);
+    const svo_status status = svo_gather(work->light, svo_in_host(work->truth->points), svo_in_host(work->results),
+                                         work->truth->count, &asked, &(svo_submit){.queue = work->run->opened.queue});
     return status == SVO_OK ? input_now_ms() - started_ms : -1.0;
 }
 
@@ -44,7 +38,7 @@ truth_error few_paths_error(const few_paths *work)
     double *irradiance = calloc(3 * work->truth->count, sizeof *irradiance);
     truth_error error = {NAN, NAN, NAN, NAN};
     for (size_t i = 0; i < 3 * work->truth->count && irradiance != NULL; ++i) {
-        irradiance[i] = work->results[i / 3].irradiance[i % 3];
+        irradiance[i] = (double)work->results[i / 3].irradiance[i % 3];
     }
     if (irradiance != NULL) {
         error = cone_truth_irradiance_error(work->truth, irradiance);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What cones are an alternative to. Light by few paths a point: what users of a tree's rays would do in place of cones.
+ * What cones are an alternative to. Light by so many paths a point, as svo_gather takes them by default.
  * Ambient occlusion by exact rays, so many a point. And sets of exact cones, whose error is that of their directions
  * alone.
  */
@@ -13,15 +13,17 @@
 typedef struct few_paths {
     const error_run *run;
     const cone_truth *truth;
+    svo_light *light; /* borrowed; has the truth's sources */
     unsigned per_point;
-    path_result *results;
+    svo_gather_result *results;
 } few_paths;
 
-/* per_point: as path_sample_count makes it. False when memory runs out. */
-bool few_paths_make(const error_run *run, const cone_truth *truth, unsigned per_point, few_paths *out);
+/* per_point: as svo_gather_options.paths. False when memory runs out. */
+bool few_paths_make(const error_run *run, const cone_truth *truth, svo_light *light, unsigned per_point,
+                    few_paths *out);
 void few_paths_free(few_paths *work);
 
-/* Traces the paths and the shadow rays where they end: an interleaved_method's work. */
+/* Gathers ambient occlusion and light by paths: an interleaved_method's work. */
 double few_paths_trace(void *user);
 /* Of the last run. */
 truth_error few_paths_error(const few_paths *work);

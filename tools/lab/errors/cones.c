@@ -70,6 +70,13 @@ static void keep_points(const svo_gather_point *candidates, const path_result *s
     }
 }
 
+/* Whether points can be spread over the mesh. */
+static bool has_area(const svo_mesh *mesh)
+{
+    svo_gather_point point;
+    return surface_points(mesh, 1, SEED, &point);
+}
+
 static bool make_points(const error_run *run, size_t point_count, cone_truth *truth)
 {
     const size_t candidate_count = CANDIDATE_SHARE * point_count;
@@ -108,6 +115,11 @@ int cone_truth_make(error_run *run, const truth_scene *given, size_t point_count
         return exit_code;
     }
     out->name = errors_scene_name(&given->scene, &out->opened.source);
+    if (!has_area(out->opened.source.mesh)) {
+        const int failed = program_fail(run->state, PROGRAM_FAILED, "%s: no triangle has an area", out->name);
+        input_close(&out->opened.source);
+        return failed;
+    }
     out->setup.sources = &out->source;
     out->setup.source_count = 1;
     for (int channel = 0; channel < 3; ++channel) {
@@ -141,8 +153,7 @@ static int compare_doubles(const void *a, const void *b)
     return (left > right) - (left < right);
 }
 
-/* Takes the signed differences and replaces them by sorted sizes. */
-static truth_error summarize(double *differences, size_t count)
+truth_error truth_error_of(double *differences, size_t count)
 {
     truth_error error = {0};
     for (size_t i = 0; i < count; ++i) {
@@ -165,7 +176,7 @@ truth_error cone_truth_openness_error(const cone_truth *truth, const double *ope
         differences[i] = openness[i] - truth->results[i].openness;
     }
     if (differences != NULL) {
-        error = summarize(differences, truth->count);
+        error = truth_error_of(differences, truth->count);
     }
     free(differences);
     return error;
@@ -179,7 +190,7 @@ truth_error cone_truth_irradiance_error(const cone_truth *truth, const double *i
         differences[i] = (irradiance[i] - truth->results[i / 3].irradiance[i % 3]) / truth->mean_irradiance;
     }
     if (differences != NULL) {
-        error = summarize(differences, 3 * truth->count);
+        error = truth_error_of(differences, 3 * truth->count);
     }
     free(differences);
     return error;
@@ -195,9 +206,12 @@ static bool share_light(const cone_way *a, const cone_way *b)
 svo_tree *cone_lights_tree(cone_lights *lights, unsigned depth, svo_coverage coverage)
 {
     const session *opened = &lights->run->opened;
+    const svo_mesh *mesh = lights->truth->opened.source.mesh;
+    const bool has_colors = mesh->colors != NULL || mesh->material_count > 0; /* without: clay, as the truth has it */
     const svo_plan_options plan_options = {.struct_size = sizeof plan_options,
-                                           .need = SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS |
-                                                   SVO_NEED_PROJECTED_AREA,
+                                           .need = SVO_NEED_NORMAL | SVO_NEED_RAYS | SVO_NEED_PROJECTED_AREA |
+                                                   (has_colors ? (uint32_t)SVO_NEED_COLOR : 0U) |
+                                                   (mesh->finishes != NULL ? (uint32_t)SVO_NEED_MATERIAL : 0U),
                                            .coverage = coverage};
     for (size_t i = 0; i < lights->tree_count; ++i) {
         if (lights->trees[i].depth == depth && lights->trees[i].coverage == coverage) {
@@ -206,7 +220,7 @@ svo_tree *cone_lights_tree(cone_lights *lights, unsigned depth, svo_coverage cov
     }
     svo_plan *plan = NULL;
     svo_tree *tree = NULL;
-    if (svo_plan_create(opened->device, lights->truth->opened.source.mesh, depth, &plan_options, &plan) == SVO_OK &&
+    if (svo_plan_create(opened->device, mesh, depth, &plan_options, &plan) == SVO_OK &&
         svo_build(plan, opened->cl != NULL ? opened->cl : opened->frontend, opened->queue, &tree, NULL) == SVO_OK) {
         lights->trees[lights->tree_count].depth = depth;
         lights->trees[lights->tree_count].coverage = coverage;

@@ -40,6 +40,8 @@ typedef struct truth_error {
     double rmse, p99, largest, bias; /* bias: the signed mean, measured - true */
 } truth_error;
 
+/* Of signed differences, at least one; they are replaced by their sizes in ascending order. */
+truth_error truth_error_of(double *differences, size_t count);
 /* Ambient occlusion, one number a point. Fails for lack of memory: then all are NAN. */
 truth_error cone_truth_openness_error(const cone_truth *truth, const double *openness);
 /* Irradiance, three channels a point, in units of mean_irradiance. */

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * E7: errors and times of ambient occlusion and light gathered by cones, against paths through the triangles; and
- * ambient occlusion by exact rays, which is what cones are an alternative to.
+ * E7: errors and times of ambient occlusion and light gathered by cones, against paths through the triangles; and by
+ * rays, which is what cones are an alternative to. Kinds of light one by one are in e7_light.c, rays alone in
+ * e7_embree.c.
  */
 #include "errors/subjects.h"
 
@@ -12,18 +13,20 @@
 
 #include "errors/cone_peers.h"
 #include "errors/cones.h"
+#include "errors/e7_embree.h"
+#include "errors/e7_light.h"
 #include "measure/spread.h"
 
 #define DEEPEST       9u
 #define DEEPEST_QUICK 7u
-#define POINTS        4096u
+#define POINTS        2048u
 #define POINTS_QUICK  256u
-#define SAMPLES       16384u
+#define SAMPLES       8192u
 #define SAMPLES_QUICK 1024u
-#define ROUNDS        5u /* where --repeat says nothing: there are two dozen methods */
+#define ROUNDS        3u /* where --repeat says nothing: there are two dozen methods */
 #define WAYS          15u
 #define RAY_METHODS   10u
-#define PATH_METHODS  3u
+#define PATH_METHODS  4u
 #define METHODS       (WAYS + RAY_METHODS + PATH_METHODS)
 
 static const truth_scene full_scenes[] = {
@@ -86,7 +89,8 @@ static void begin_cones(const error_run *run)
         "their step in widths, depth, coverage of the voxels, opacity and form of the light, and how they march; "
         "without other words there are 16 cones of step 0.5 in faces by area of half-open voxels at the largest "
         "depth. The published march has five cones in isotropic bricks, one sample a node. Exact rays end at any hit;"
-        " their directions are stratified and made beforehand. Paths: as the truth, but fewer. Embree: rtcOccluded1 "
+        " their directions are stratified and made beforehand. Paths: svo_gather by rays, the default. Embree: "
+        "rtcOccluded1 "
         "on %u threads. Time: of all points, gathered or traced. Size: the light. %s; methods run interleaved.",
         run->quick ? POINTS_QUICK : POINTS, path_sample_count(run->quick ? SAMPLES_QUICK : SAMPLES), run->threads,
         run->rounds_note);
@@ -120,7 +124,8 @@ static void begin_alternatives(const error_run *run)
     result_table *table = result_add_table(
         run->results, "e7-alternatives", "E7: cones, and rays of the same error",
         "The fewest exact rays a point, of 1, 4, 16, 64 and 256, whose ambient occlusion errs no more than that of the "
-        "cones, and the fewest paths, of 16, 64 and 256, whose light errs no more. Ratio: time of the cones to that of "
+        "cones, and the fewest paths, of 16, 64, 256 and 1024, whose light errs no more. Ratio: time of the cones to "
+        "that of "
         "svocl's rays, Embree's rays, svocl's paths; above 1 cones lose.");
     result_add_column(table, "scene", "");
     result_add_column(table, "cones", "");
@@ -212,11 +217,12 @@ static bool make_rays(cone_run *work)
     return !embree_is_there() || work->peer != NULL;
 }
 
-/* 16, 64 and 256 a point. */
+/* 16, 64, 256 and 1024 a point, through the light of the first way. */
 static bool make_paths(cone_run *work)
 {
-    for (unsigned per_point = 16; per_point <= 256; per_point *= 4) {
-        if (!few_paths_make(work->run, &work->truth, per_point, &work->paths[work->path_count++])) {
+    for (unsigned per_point = 16; per_point <= 1024; per_point *= 4) {
+        few_paths *made = &work->paths[work->path_count++];
+        if (!few_paths_make(work->run, &work->truth, work->ways[0].light, per_point, made)) {
             return false;
         }
     }
@@ -449,7 +455,8 @@ static int measure_scene(error_run *run, const truth_scene *given)
     if (exit_code == PROGRAM_DONE) {
         progress_step(run->state->progress, "E7: cones");
         const bool worked = make_cones(work) && make_rays(work) && make_paths(work) && add_directions(work) &&
-                            time_all(work) && add_rows(work);
+                            time_all(work) && add_rows(work) && e7_embree_measure(run, &work->truth, work->peer) &&
+                            e7_light_measure(run, &work->lights, usual_way(run, "").depth);
         exit_code = worked ? PROGRAM_DONE : errors_fail(run);
     }
     release(work);
@@ -467,6 +474,8 @@ static int run_all(suite *all)
     begin_cones(&run);
     begin_directions(&run);
     begin_alternatives(&run);
+    e7_light_begin(&run);
+    e7_embree_begin(&run);
     for (size_t i = 0; i < SUITE_LIST_MAX && exit_code == PROGRAM_DONE; ++i) {
         const bool own = run.scenes[0] == NULL;
         truth_scene given = full_scenes[own && i < SCENES ? i : 0]; /* others have the light of the first */

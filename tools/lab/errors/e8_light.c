@@ -164,7 +164,8 @@ void e8_light_begin(const error_run *run)
         "paths. Rays through probes begin a leaf's edge above the surface, cosine-weighted and stratified, made "
         "beforehand; unknown ones are left out of the mean. Prefiltered: maps of irradiance and of distances. Probes "
         "hold the light of the sources where their texels' rays end, at %u x %u texels. Cones: faces, photons, half "
-        "steps. Paths: as the truth, but fewer. Making: probes, or the light that cones gather. Relighting: once the "
+        "steps. Paths: svo_gather by rays, the default. Making: probes, or the light that cones gather. Relighting: "
+        "once the "
         "sources have changed. Time: of all points. %s; methods run interleaved.",
         run->quick ? RESOLUTION_QUICK : RESOLUTION, run->quick ? RESOLUTION_QUICK : RESOLUTION, run->rounds_note);
     result_add_column(table, "scene", "");
@@ -268,10 +269,12 @@ static bool make_cones(light_work *work)
     return true;
 }
 
+/* Through the light that cones gather. */
 static bool make_paths(light_work *work)
 {
     for (unsigned per_point = 16; per_point <= 256; per_point *= 4) {
-        if (!few_paths_make(work->run, work->lights->truth, per_point, &work->paths[work->path_count++])) {
+        few_paths *made = &work->paths[work->path_count++];
+        if (!few_paths_make(work->run, work->lights->truth, work->cones[0].light, per_point, made)) {
             return false;
         }
     }

@@ -148,6 +148,22 @@ int suite_open(program *state, const char *name, suite_input *out)
     return exit_code;
 }
 
+/* Opens each INPUT of --scenes and closes it again: one that cannot be read fails before anything is measured. */
+static int check_scenes(suite *all)
+{
+    const char *kept = all->state->options.input;
+    int exit_code = PROGRAM_DONE;
+    for (size_t i = 0; all->scenes[i] != NULL && exit_code == PROGRAM_DONE; ++i) {
+        suite_input opened = {.text = ""};
+        exit_code = suite_open(all->state, all->scenes[i], &opened);
+        if (exit_code == PROGRAM_DONE) {
+            input_close(&opened.source);
+        }
+    }
+    all->state->options.input = kept;
+    return exit_code;
+}
+
 /* One scene at every depth. */
 static int run_scene(suite *all, const suite_subject *subject, const char *name, const unsigned *depths)
 {
@@ -225,7 +241,10 @@ static void keep_failure(suite *all, const suite_subject *subject, size_t first_
 static int run_wanted(suite *all, const suite_subject *const *subjects, const char *wanted)
 {
     program_begin_progress(all->state, count_all_steps(all, subjects, wanted));
-    int exit_code = session_open_both(all->state, &all->opened);
+    int exit_code = check_scenes(all);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = session_open_both(all->state, &all->opened);
+    }
     if (exit_code != PROGRAM_DONE) {
         goto cleanup;
     }

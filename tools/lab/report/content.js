@@ -51,6 +51,22 @@ const sections = [
     lead: "The error of a set of cones if each of them were exact."
   },
   {
+    table: "e7-equal",
+    heading: "E7: kinds of light",
+    lead: "Ambient occlusion, the sky's light, a source by way of one surface, of several, and lamps that are " +
+      "surfaces, one by one: by cones and by rays, and how long rays take to err as much as the cones."
+  },
+  {
+    table: "e7-light",
+    heading: "E7: kinds of light, by every method",
+    lead: "From one cone to 64, and from 16 paths a point to 1,024, against thousands of paths through the triangles."
+  },
+  {
+    table: "e7-embree",
+    heading: "E7: Embree",
+    lead: "Rays in the same directions from the same points, by svocl and by Embree."
+  },
+  {
     table: "e8-probes",
     heading: "E8: probes",
     lead: "Rays through light field probes instead of the triangles: what they find, what they miss, and what they " +
@@ -206,6 +222,17 @@ const origins = {
 };
 
 // What charts of probes by time have in common.
+const lightErrors = {
+  table: "e7-light",
+  panels: "scene",
+  curves: "method",
+  x: "time",
+  ys: ["RMSE"],
+  xLabel: "time, µs a point",
+  yLabel: "error, RMSE",
+  front: "all"
+};
+
 const probeErrors = {
   table: "e8-probes",
   panels: "rays",
@@ -384,6 +411,26 @@ const figures = [
     xLabel: "time, ms",
     yLabel: "error of irradiance, RMSE",
     front: "all"
+  },
+  {
+    ...lightErrors,
+    name: "e7a",
+    caption: "Ambient occlusion: error against time. The points of \"cones\" have 1, 5, 6, 16 and 64 cones, those of " +
+      "\"rays\" 16, 64, 256 and 1,024 paths. Rings mark the Pareto front of each scene.",
+    only: ["light", "AO"]
+  },
+  {
+    ...lightErrors,
+    name: "e7s",
+    caption: "The sky's light: error, relative to the mean irradiance, against time.",
+    only: ["light", "skylight"]
+  },
+  {
+    ...lightErrors,
+    name: "e7b",
+    caption: "A source and the sky after four bounces: error, relative to the mean irradiance, against time. Cones " +
+      "have one bounce.",
+    only: ["light", "four bounces"]
   },
   {
     ...probeErrors,
