@@ -77,6 +77,24 @@
  *     24     8     u64 far_count
  *     32     8     u64 shared_count
  *     40     72    u32 level_leaf[18], entries after depth are 0
+ *
+ * Files of lights (light.h) have the magic 89 53 56 4C 0D 0A 1A 0A ("\x89SVL\r\n\x1a\n"), version 1, and the header of
+ * their tree. The first chunk, of kind 64, says what the light is:
+ *
+ *     offset bytes
+ *     0      32    hash of the tree, svo_tree_hash with SVO_HASH_ALL: hexadecimal digits
+ *     32     4     u32 form: svo_light_form
+ *     36     4     u32 opacity: svo_opacity
+ *     40     8     u32 one_side, has_setup: 0 or 1; without a setup all that follows is 0
+ *     48     4     f32 radiance of a unit
+ *     52     12    f32 sky[3]
+ *     64     16    u32 view_resolution, diagnose, no_photons, updatable: of svo_light_setup
+ *     80     16    u64 source_count, finish_count
+ *     96     40    u64 photons, photon_hits, lit_leaves, lit_nodes, missed_leaves: of svo_light_info
+ *     136    32    f64 flux[3], lost_flux
+ *
+ * Then come chunks of kind 65, the svo_light_source as given, 66, the svo_finish, and of each svo_light_buffer, in
+ * ascending order; those of no bytes are left out. All levels in the table of chunks are 0.
  */
 #ifndef SVOCL_IO_H
 #define SVOCL_IO_H
@@ -86,6 +104,7 @@
 
 #include "svocl/compact.h"
 #include "svocl/files.h"
+#include "svocl/light.h"
 #include "svocl/mesh.h"
 #include "svocl/status.h"
 #include "svocl/tree.h"
@@ -169,6 +188,32 @@ SVO_API svo_status svo_compact_save(const svo_compact *compact, svo_sink sink, c
  *          or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_compact_load(svo_source source, const svo_load_options *options, svo_compact **out,
                                     svo_message *message);
+
+/** Writes a file of a light, as svo_tree_save writes one of a tree: opacity, radiance and what lights the tree, but not
+ *  the photons that svo_light_setup.updatable keeps.
+ *
+ * \param light of a tree with host arrays, whose hash the file has; not one of svo_light_options.no_cones
+ * \param sink receives the file
+ * \param options NULL means all defaults: not compressed
+ * \param queue on the context of the light's device; NULL: the device's own
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_FILE_ERROR, SVO_INVALID_ARGUMENT, SVO_OUT_OF_HOST_MEMORY or SVO_CL_ERROR on failure. */
+SVO_API svo_status svo_light_save(const svo_light *light, svo_sink sink, const svo_save_options *options,
+                                  cl_command_queue queue, svo_message *message);
+
+/** Reads such a file. The light has the hash of the one that was saved, and gives the same pictures. Its first
+ *  svo_light_update shoots all photons. Lengths, checksums and places are checked.
+ *
+ * \param tree on a device, with host arrays; must outlive the light
+ * \param source the file
+ * \param options NULL means all defaults; last_level is 0
+ * \param queue on the context of the tree's device; NULL: the device's own
+ * \param out receives the light
+ * \param message receives what is wrong and where; NULL allowed
+ * \returns SVO_FILE_ERROR (cannot be read), SVO_FILE_DAMAGED, SVO_INVALID_ARGUMENT (the light of another tree),
+ *          SVO_NOT_ON_DEVICE, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY or SVO_CL_ERROR on failure. */
+SVO_API svo_status svo_light_load(svo_tree *tree, svo_source source, const svo_load_options *options,
+                                  cl_command_queue queue, svo_light **out, svo_message *message);
 
 /** Is asked while a mesh file is read, ten times a second or more often, on the thread that called the library.
  *

@@ -18,6 +18,7 @@
  * local memory.
  */
 #include "light/leaf_surface.clh"
+#include "light/sides.clh"
 #include "light/slots.clh"
 #include "light/sums.clh"
 
@@ -150,7 +151,9 @@ static uint svo_leaf_opacity(__global const ushort *areas, uint leaf, uint direc
                              const svo_exchange_params *params)
 {
     const bool has_areas = (params->flags & SVO_EXCHANGE_AREAS) != 0u;
-    return surface->alpha * (has_areas ? min((uint)areas[6u * leaf + direction], SVO_FACE_AREA) : SVO_FACE_AREA);
+    const bool one_side = (params->flags & SVO_EXCHANGE_ONE_SIDE) != 0u;
+    const uint area = has_areas ? svo_area_of_sides(areas, leaf, direction, one_side) : SVO_FACE_AREA;
+    return surface->alpha * min(area, SVO_FACE_AREA);
 }
 
 #endif

@@ -39,9 +39,9 @@ svo_k_light_face_leaves(__global const uchar *colors, __global const ushort *are
     const uint alpha = svo_leaf_alpha(colors, leaf, params);
     const size_t to = 6u * (size_t)(params.leaf_begin + leaf);
     for (uint direction = 0; direction < 6u; ++direction) {
-        const uint area = svo_leaf_area(areas, leaf, direction);
+        const uint area = svo_leaf_area(areas, leaf, direction, params.flags);
         opacities[to + direction] = (ushort)svo_leaf_opacity(alpha, area);
-        covers[to + direction] = svo_face_cover(alpha, area);
+        covers[to + direction] = svo_face_cover(alpha, svo_leaf_front(areas, leaf, direction));
     }
 }
 
@@ -120,9 +120,9 @@ svo_k_light_face_leaves_again(__global const uchar *child_mask, __global const u
     }
     for (uint k = 0; k < values; ++k) {
         const uint alpha = svo_leaf_alpha(colors, first_leaf + k / 6u, params);
-        const uint area = svo_leaf_area(areas, first_leaf + k / 6u, k % 6u);
+        const uint area = svo_leaf_area(areas, first_leaf + k / 6u, k % 6u, params.flags);
         opacities[to + k] = (ushort)svo_extinction_of(svo_leaf_opacity(alpha, area));
-        covers[to + k] = svo_face_cover(alpha, area);
+        covers[to + k] = svo_face_cover(alpha, svo_leaf_front(areas, first_leaf + k / 6u, k % 6u));
     }
 }
 
@@ -151,7 +151,7 @@ svo_k_light_face_level_again(__global const uchar *child_mask, __global const ui
             }
             const uint leaf = child - params.leaf_begin;
             cells[octant] = above_leaves ? svo_leaf_opacity(svo_leaf_alpha(colors, leaf, params),
-                                                            svo_leaf_area(areas, leaf, direction))
+                                                            svo_leaf_area(areas, leaf, direction, params.flags))
                                          : node_opacities[6u * (size_t)child + direction];
             cover += covers[6u * (size_t)child + direction];
             ++child;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Light at a batch of points by paths (paths.clh); with SVO_GATHER_CONES by cones, and beside it the light of the
- * sources, for which gather.paths is 0.
+ * sources, for which gather.paths is 0; with SVO_GATHER_ERRORS by cones alone, with errors that a picture smooths by.
  *
  * Launch: one work-item a point, params.width in all. Reads tree, light, sources and points; writes svo_gather_result.
  * No local memory, no atomics.
@@ -107,6 +107,9 @@ svo_k_gather_rays(SVO_LIT_PARAMETERS, __global const svo_gather_point *points, _
     }
     SVO_LIT_MAKE(picture);
     const svo_gather_point point = points[i];
+#ifdef SVO_GATHER_ERRORS
+    results[i] = svo_gather_turned(&picture.light, &point, &gather, svo_gather_turn(&point), true);
+#else
     svo_gather_result result = svo_gather_rays(&picture, &point);
 #ifdef SVO_GATHER_CONES
     svo_gather_result gathered = svo_gather_by(&picture.light, &point, &gather);
@@ -115,4 +118,5 @@ svo_k_gather_rays(SVO_LIT_PARAMETERS, __global const svo_gather_point *points, _
     result = gathered;
 #endif
     results[i] = result;
+#endif
 }

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Pictures of a lit tree: first hits and shadows by exact rays (surface.clh, direct.clh); openness, indirect and
- * specular light by cones (shading.clh) or, with SVO_PICTURE_RAYS, by rays that were gathered before (screen.clh).
+ * Pictures of a lit tree: first hits and shadows by exact rays (surface.clh, direct.clh); with SVO_PICTURE_SCREEN
+ * openness, indirect and specular light that were gathered before (screen.clh).
  *
- * A pixel has params.samples camera rays. Those of 2 x 2 pixels that meet one plane within a leaf's edge share
- * what cones gather there, which is nearly all of a picture's time. Light is linear; svo_shade_tone (rays/shade.clh)
- * makes it the share of white that a screen shows, which is then coded by the sRGB curve (IEC 61966-2-1).
+ * A pixel has params.samples camera rays. Light is linear; svo_shade_tone (rays/shade.clh) makes it the share of white
+ * that a screen shows, which is then coded by the sRGB curve (IEC 61966-2-1).
  *
  * Launch: one work-item per 2 x 2 pixels, tiles of 16 x 16 pixels per group, one dimension, as many tiles as the host
  * likes. Reads tree, light and sources; writes one RGBA8 word or four floats per pixel. No atomics, no local memory.
@@ -13,9 +12,6 @@
 #include "light/screen.clh"
 #include "light/shading.clh"
 #include "rays/shade.clh"
-
-/* Samples share what cones gather within this many leaf edges. */
-#define SVO_PICTURE_NEAR 1.0f
 
 /* ---- what a screen shows ---- */
 
@@ -54,11 +50,11 @@ typedef struct svo_picture_screen {
     svo_screen_params params;
 } svo_picture_screen;
 
-#ifdef SVO_PICTURE_RAYS
-/* What rays gathered for a place of the picture. */
+/* What was gathered for a place of the picture. */
 static svo_lit_gathered svo_picture_gathered(const svo_lit_picture *picture, const svo_picture_screen *screen,
                                              float2 place, const svo_lit_surface *surface)
 {
+#ifdef SVO_PICTURE_SCREEN
     const svo_screen_cells cells = svo_screen_cells_of(screen->cells, screen->params, place, surface);
     const float4 light = svo_screen_light(&cells, screen->light);
     const bool is_openness = picture->params.view == SVO_LIT_VIEW_AO;
@@ -67,12 +63,19 @@ static svo_lit_gathered svo_picture_gathered(const svo_lit_picture *picture, con
         gathered.specular = svo_screen_light(&cells, screen->specular).xyz;
     }
     return gathered;
-}
+#else
+    const svo_lit_gathered none = {(float3)(0.0f), (float3)(0.0f)};
+    (void)picture;
+    (void)screen;
+    (void)place;
+    (void)surface;
+    return none;
 #endif
+}
 
 /* What a view shows of what a place of the picture meets; false: it meets nothing. */
 SVO_INLINED bool svo_picture_look(const svo_lit_picture *picture, const svo_picture_screen *screen, float2 place,
-                                  svo_lit_cache *cache, float3 *radiance)
+                                  float3 *radiance)
 {
     const svo_ray ray = svo_screen_ray(picture, place);
     svo_lit_surface surface;
@@ -81,20 +84,13 @@ SVO_INLINED bool svo_picture_look(const svo_lit_picture *picture, const svo_pict
         return false;
     }
     svo_lit_payload(picture, &surface);
-#ifdef SVO_PICTURE_RAYS
     const svo_lit_gathered gathered = svo_picture_gathered(picture, screen, place, &surface);
-    (void)cache;
-#else
-    const svo_lit_gathered gathered = svo_lit_cones(picture, &surface, vload3(0, ray.direction), cache);
-    (void)screen;
-#endif
     *radiance = svo_lit_radiance(picture, &surface, direct, &gathered);
     return true;
 }
 
 /* The shares of white that a pixel shows, or its light. */
-SVO_INLINED float4 svo_picture_pixel(const svo_lit_picture *picture, const svo_picture_screen *screen, uint x, uint y,
-                                     svo_lit_cache *cache)
+SVO_INLINED float4 svo_picture_pixel(const svo_lit_picture *picture, const svo_picture_screen *screen, uint x, uint y)
 {
     const uint samples = picture->params.samples;
     float3 sum = (float3)(0.0f);
@@ -102,7 +98,7 @@ SVO_INLINED float4 svo_picture_pixel(const svo_lit_picture *picture, const svo_p
     for (uint sample = 0; sample < samples; ++sample) {
         const float2 place = (float2)((float)x, (float)y) + svo_pixel_place(sample, samples);
         float3 radiance;
-        const bool meets = svo_picture_look(picture, screen, place, cache, &radiance);
+        const bool meets = svo_picture_look(picture, screen, place, &radiance);
         if (!meets) {
             sum += svo_picture_background(picture);
         } else {
@@ -124,13 +120,12 @@ svo_k_light_picture(SVO_LIT_PARAMETERS, __global const svo_gather_point *cells, 
     const uint x = tile % tiles_across * 16u + 2u * (item & 7u);
     const uint y = tile / tiles_across * 16u + 2u * (item >> 3);
     SVO_LIT_MAKE(picture);
-    SVO_LIT_CACHE(cache, SVO_PICTURE_NEAR);
     const svo_picture_screen screen = {cells, cell_light, cell_specular, screen_params};
     for (uint pixel = 0; pixel < 4u; ++pixel) {
         const uint column = x + (pixel & 1u);
         const uint row = y + (pixel >> 1);
         if (column < params.width && row < params.height) {
-            svo_picture_store(&picture, svo_picture_pixel(&picture, &screen, column, row, &cache), pixels,
+            svo_picture_store(&picture, svo_picture_pixel(&picture, &screen, column, row), pixels,
                               (size_t)row * params.width + column);
         }
     }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Light of a picture by few rays: gathered at the middle of each 2 x 2 pixels, and smoothed over surfaces.
+ * Light of a picture by few rays or cones: gathered at the middle of each 2 x 2 pixels, and smoothed over surfaces.
  *
  *   svo_k_screen_points  per cell: the surface that its middle shows and what it mirrors, as a point for
  *                        svo_k_gather_rays; without a normal where nothing is

@@ -24,6 +24,7 @@
 #define SVO_LIGHT_FLAG_LIT        4u /* there is radiance */
 #define SVO_LIGHT_FLAG_COLORS     8u /* the tree has colors */
 #define SVO_LIGHT_FLAG_ONE_COLOR  16u /* one for all nodes */
+#define SVO_LIGHT_FLAG_ONE_SIDE   32u /* areas count for rays that meet the front alone */
 
 /* What cones know of a light besides its buffers. 32 bytes. */
 SVO_RECORD(svo_light_params)
@@ -186,6 +187,7 @@ SVO_RECORD(svo_unmet_params)
 #define SVO_EXCHANGE_FILLS        8u
 #define SVO_EXCHANGE_AREAS        16u
 #define SVO_EXCHANGE_ONE_NORMAL   32u
+#define SVO_EXCHANGE_ONE_SIDE     64u
 
 /* Lobes of surfaces that shine: fractional bits; steps of the table of an exponential function, and its entries: an
    exponent of 2 / (1/3) and one more. */

@@ -188,18 +188,15 @@ static void fill_records(const emitter_tree *tree, const emitter_sums *sums, svo
     double before = 0;
     uint32_t count = 0;
     for (uint64_t i = 0; i < tree->info->list_triangle_count; ++i) {
-        if (tree->leaves[i] == 0) {
-            continue;
-        }
-        svo_emitter_record *record = &records[count];
-        const double area = describe(tree, i, record);
+        svo_emitter_record record;
+        const double area = describe(tree, i, &record);
         const double power = power_of(tree, i, area);
         if (power > 0) {
-            before += power;
-            record->end = (uint32_t)(before / sums->power * SVO_EMITTER_SHARES);
             const uint32_t begin = count > 0 ? records[count - 1].end : 0;
-            record->density = (float)((record->end - begin) / (double)SVO_EMITTER_SHARES / area);
-            ++count;
+            before += power;
+            record.end = (uint32_t)(before / sums->power * SVO_EMITTER_SHARES);
+            record.density = (float)((record.end - begin) / (double)SVO_EMITTER_SHARES / area);
+            records[count++] = record;
         }
     }
     records[count - 1].end = SVO_EMITTER_SHARES;

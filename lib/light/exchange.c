@@ -45,7 +45,8 @@ static void describe_tree(exchange *e)
                       (svo_i_tree_is_constant(info, SVO_TREE_COLORS) ? SVO_EXCHANGE_ONE_COLOR : 0) |
                       (svo_i_tree_is_constant(info, SVO_TREE_MATERIALS) ? SVO_EXCHANGE_ONE_MATERIAL : 0) |
                       ((info->need & SVO_NEED_FILL) != 0 ? SVO_EXCHANGE_FILLS : 0) | (areas ? SVO_EXCHANGE_AREAS : 0) |
-                      (svo_i_tree_is_constant(info, SVO_TREE_NORMALS) ? SVO_EXCHANGE_ONE_NORMAL : 0);
+                      (svo_i_tree_is_constant(info, SVO_TREE_NORMALS) ? SVO_EXCHANGE_ONE_NORMAL : 0) |
+                      (e->light->options.one_side != 0 ? SVO_EXCHANGE_ONE_SIDE : 0);
     e->radiance_of_one = e->photons->unit / (PI * edge * edge);
 }
 

@@ -70,22 +70,18 @@ static svo_status gather_cones(svo_light *light, const svo_gather_params *params
 
 /* ---- points, with rays: kernels/light/gather_rays.cl ---- */
 
-static const char *points_defines(const svo_gather_params *gather)
-{
-    return gather->paths == 0 ? " -DSVO_GATHER_CONES" : "";
-}
-
 svo_status svo_i_light_points_begin(svo_i_device_work *work, const svo_light *light, const svo_gather_params *gather,
                                     svo_i_light_shader *out)
 {
     return svo_i_light_shader_begin(work, light, &svo_i_program_gather_rays, "svo_k_gather_rays",
-                                    points_defines(gather), out);
+                                    gather->paths == 0 ? " -DSVO_GATHER_CONES" : "", out);
 }
 
 svo_status svo_i_light_points_also(const svo_i_light_shader *first, const svo_gather_params *gather,
                                    svo_i_light_shader *out)
 {
-    return svo_i_light_shader_also(first, &svo_i_program_gather_rays, "svo_k_gather_rays", points_defines(gather), out);
+    return svo_i_light_shader_also(first, &svo_i_program_gather_rays, "svo_k_gather_rays",
+                                   gather->paths == 0 ? " -DSVO_GATHER_ERRORS" : "", out);
 }
 
 svo_status svo_i_light_points_set(const svo_i_light_shader *shader, const svo_gather_params *gather, cl_mem points,

@@ -54,6 +54,10 @@ typedef struct svo_i_light_before {
     cl_mem renewed; /* u32 an inner node: octants of its children whose leaves have new radiance. Owned; NULL: all do */
 } svo_i_light_before;
 
+/* The most of a setup. */
+#define SVO_I_LIGHT_SOURCES_MAX  1024u
+#define SVO_I_LIGHT_FINISHES_MAX 65535u
+
 struct svo_light {
     svo_tree *tree; /* the caller's */
     svo_device *device; /* the tree's */

@@ -23,9 +23,7 @@
 #include "light/shoot.h"
 #include "svocl/plan.h"
 
-#define SOURCES_MAX  1024u
-#define FINISHES_MAX 65535u
-#define HALF_PI      1.5707963267948966
+#define HALF_PI 1.5707963267948966
 
 static const char set_sources[] = "svo_light_set_sources";
 static const char update[] = "svo_light_update";
@@ -144,7 +142,8 @@ static void forget_setup(svo_light *light)
     light->setup = (svo_i_light_setup){.sources = NULL};
 }
 
-/* Keeps what lights the tree, for pictures and updates: copies sources and finishes of a setup that has been checked.
+/* Keeps what lights the tree, for pictures and updates: the sky, and copies of sources and finishes of a setup that has
+   been checked.
    The light has none yet. */
 static svo_status keep_setup(svo_light *light, const char *function, const svo_light_setup *setup)
 {
@@ -171,6 +170,9 @@ static svo_status keep_setup(svo_light *light, const char *function, const svo_l
     kept->asked.finishes = kept->finishes;
     for (size_t i = 0; i < kept->source_count; ++i) {
         make_unit(kept->sources[i].direction);
+    }
+    for (int channel = 0; channel < 3; ++channel) {
+        light->params.sky[channel] = setup->sky[channel];
     }
     return SVO_OK;
 }
@@ -223,20 +225,19 @@ static svo_status make_opacity(svo_light *light, const char *function, cl_comman
     return status;
 }
 
-/* SVO_LIGHT_FLAG_*, by what the tree holds. */
-static uint32_t find_flags(const svo_tree_info *tree)
+/* SVO_LIGHT_FLAG_*, by what the tree holds and what was asked. */
+static uint32_t find_flags(const svo_tree_info *tree, const svo_light_options *options)
 {
     const bool normals = (tree->need & SVO_NEED_NORMAL) != 0;
     const bool colors = (tree->need & SVO_NEED_COLOR) != 0;
     return (normals ? SVO_LIGHT_FLAG_NORMALS : 0) |
            (svo_i_tree_is_constant(tree, SVO_TREE_NORMALS) ? SVO_LIGHT_FLAG_ONE_NORMAL : 0) |
            (colors ? SVO_LIGHT_FLAG_COLORS : 0) |
-           (svo_i_tree_is_constant(tree, SVO_TREE_COLORS) ? SVO_LIGHT_FLAG_ONE_COLOR : 0);
+           (svo_i_tree_is_constant(tree, SVO_TREE_COLORS) ? SVO_LIGHT_FLAG_ONE_COLOR : 0) |
+           (options->one_side != 0 ? SVO_LIGHT_FLAG_ONE_SIDE : 0);
 }
 
-/* Makes a light of a tree with its opacity. before: NULL: from nothing. */
-static svo_status create(svo_tree *tree, const char *function, const svo_light_options *options,
-                         svo_i_light_before *before, cl_command_queue queue, svo_light **out)
+svo_status svo_i_light_new(svo_tree *tree, const char *function, const svo_light_options *options, svo_light **out)
 {
     svo_light_options asked;
     svo_light_info info;
@@ -250,15 +251,25 @@ static svo_status create(svo_tree *tree, const char *function, const svo_light_o
     }
     light->tree = tree;
     light->device = tree->device;
-    light->before = before;
     light->info = info;
     light->options = asked;
     light->options.struct_size = sizeof light->options;
     light->params = (svo_light_params){
         .depth = tree->info.depth,
-        .flags = find_flags(&tree->info),
+        .flags = find_flags(&tree->info, &asked),
         .voxel_edge = (float)ldexp(1.0 / tree->info.scale, (int)(tree->info.snap_bits - tree->info.depth))};
-    const svo_status status = asked.no_cones != 0 ? SVO_OK : make_opacity(light, function, queue);
+    *out = light;
+    return SVO_OK;
+}
+
+/* Makes a light of a tree with its opacity. before: NULL: from nothing. */
+static svo_status create(svo_tree *tree, const char *function, const svo_light_options *options,
+                         svo_i_light_before *before, cl_command_queue queue, svo_light **out)
+{
+    svo_light *light = NULL;
+    SVO_I_TRY(svo_i_light_new(tree, function, options, &light));
+    light->before = before;
+    const svo_status status = light->options.no_cones != 0 ? SVO_OK : make_opacity(light, function, queue);
     if (status != SVO_OK) {
         svo_light_destroy(&light);
         return status;
@@ -376,8 +387,8 @@ static svo_status check_list(const svo_light *light, const char *what, const voi
 
 static svo_status check_setup(const svo_light *light, const svo_light_setup *setup)
 {
-    SVO_I_TRY(check_list(light, "sources", setup->sources, setup->source_count, SOURCES_MAX));
-    SVO_I_TRY(check_list(light, "finishes", setup->finishes, setup->finish_count, FINISHES_MAX));
+    SVO_I_TRY(check_list(light, "sources", setup->sources, setup->source_count, SVO_I_LIGHT_SOURCES_MAX));
+    SVO_I_TRY(check_list(light, "finishes", setup->finishes, setup->finish_count, SVO_I_LIGHT_FINISHES_MAX));
     /* Lists are not NULL here; the conditions say so to static analysis. */
     for (size_t i = 0; setup->sources != NULL && i < setup->source_count; ++i) {
         SVO_I_TRY(check_source(light, i, &setup->sources[i]));
@@ -461,15 +472,19 @@ static svo_status set(svo_light *light, const char *name, const svo_light_setup 
     }
     SVO_I_TRY_CLEANUP(list_emitters(light, name, setup, queue));
     SVO_I_TRY_CLEANUP(keep_setup(light, name, setup));
-    for (int channel = 0; channel < 3; ++channel) {
-        light->params.sky[channel] = setup->sky[channel];
-    }
 
 cleanup:
     if (status != SVO_OK) {
         darken(light);
     }
     return status;
+}
+
+svo_status svo_i_light_take_setup(svo_light *light, const char *function, const svo_light_setup *setup)
+{
+    SVO_I_TRY(check_setup(light, setup));
+    SVO_I_TRY(list_emitters(light, function, setup, NULL));
+    return keep_setup(light, function, setup);
 }
 
 svo_status svo_i_light_set_sources_by(const svo_i_photon_caster *caster, svo_light *light, const svo_light_setup *setup,

@@ -79,6 +79,16 @@ static svo_status fill_params(const svo_light *light, const char *function, cons
     return SVO_OK;
 }
 
+/* A picture that is about to be drawn. */
+typedef struct drawing {
+    const svo_light *light;
+    svo_render_options asked;
+    svo_lit_picture_params params;
+    svo_gather_params gather;
+    bool by_screen; /* the light of cells of pixels is gathered first, and smoothed */
+    svo_i_pixel_output output;
+} drawing;
+
 /* Whether a view shows light that is gathered. */
 static bool view_gathers(svo_render_view view)
 {
@@ -86,12 +96,14 @@ static bool view_gathers(svo_render_view view)
 }
 
 /* The caller's options for what the view shows of them. */
-static svo_status fill_gather(const svo_light *light, const char *function, const svo_render_options *options,
-                              svo_gather_params *gather)
+static svo_status fill_gather(const svo_light *light, const char *function, drawing *drawn)
 {
+    const svo_render_options *options = &drawn->asked;
+    svo_gather_params *gather = &drawn->gather;
     SVO_I_TRY(
         svo_i_light_read_gather(light, function, "options.gather", options->gather, SVO_GATHER_RAYS, true, gather));
-    if (!view_gathers(options->view) || (options->view != SVO_VIEW_AO && gather->with_light == 0)) {
+    drawn->by_screen = view_gathers(options->view) && (options->view == SVO_VIEW_AO || gather->with_light != 0);
+    if (!drawn->by_screen) {
         gather->paths = 0;
     }
     if (options->view == SVO_VIEW_AO) {
@@ -107,16 +119,7 @@ static uint32_t rows_of_band(const svo_render_options *options)
     return options->row_count == 0 || options->row_count > below ? below : options->row_count;
 }
 
-/* A picture that is about to be drawn. */
-typedef struct drawing {
-    const svo_light *light;
-    svo_render_options asked;
-    svo_lit_picture_params params;
-    svo_gather_params gather;
-    svo_i_pixel_output output;
-} drawing;
-
-/* Sets the kernel's arguments. screen: zero without rays. */
+/* Sets the kernel's arguments. screen: zero without one. */
 static svo_status set_kernel(const drawing *drawn, const svo_i_light_shader *shader, const svo_i_light_screen *screen,
                              uint32_t first_tile, cl_mem pixels)
 {
@@ -152,9 +155,9 @@ static bool mirrors(const drawing *drawn)
     return any && (drawn->params.view == SVO_LIT_VIEW_FULL || drawn->params.view == SVO_LIT_VIEW_SPECULAR);
 }
 
-/* Draws the band by rays: as many rows of tiles at once as the cells of the screen hold. */
-static svo_status draw_by_rays(const drawing *drawn, const svo_i_light_shader *shader, svo_i_light_screen *screen,
-                               cl_mem pixels)
+/* Draws the band by a screen: as many rows of tiles at once as the cells of the screen hold. */
+static svo_status draw_by_screen(const drawing *drawn, const svo_i_light_shader *shader, svo_i_light_screen *screen,
+                                 cl_mem pixels)
 {
     const size_t across = tiles_across(&drawn->asked);
     const uint32_t cells = TILE_EDGE / SVO_I_SCREEN_CELL; /* of a tile's edge */
@@ -176,7 +179,7 @@ static svo_status draw_by_rays(const drawing *drawn, const svo_i_light_shader *s
     return SVO_OK;
 }
 
-static svo_status enqueue_rays(const drawing *drawn, cl_mem pixels, svo_i_call *call)
+static svo_status enqueue_screen(const drawing *drawn, cl_mem pixels, svo_i_call *call)
 {
     const svo_render_options *options = &drawn->asked;
     svo_i_device_work work;
@@ -185,10 +188,10 @@ static svo_status enqueue_rays(const drawing *drawn, cl_mem pixels, svo_i_call *
     svo_status status = SVO_OK;
     SVO_I_TRY(svo_i_work_begin_after(call->device, call->function, call->queue, call->num_wait, call->wait, &work));
     SVO_I_TRY_CLEANUP(svo_i_light_shader_begin(&work, drawn->light, &svo_i_program_light_picture, "svo_k_light_picture",
-                                               " -DSVO_PICTURE_RAYS", &shader));
+                                               " -DSVO_PICTURE_SCREEN", &shader));
     SVO_I_TRY_CLEANUP(svo_i_light_screen_begin(&shader, &drawn->gather, options->width, options->height,
                                                rows_of_band(options), mirrors(drawn), &screen));
-    SVO_I_TRY_CLEANUP(draw_by_rays(drawn, &shader, &screen, pixels));
+    SVO_I_TRY_CLEANUP(draw_by_screen(drawn, &shader, &screen, pixels));
 
 cleanup:
     svo_i_light_screen_end(&screen);
@@ -197,7 +200,8 @@ cleanup:
     return status;
 }
 
-static svo_status enqueue_cones(const drawing *drawn, cl_mem pixels, const svo_i_call *call)
+/* Of views without gathered light. */
+static svo_status enqueue_alone(const drawing *drawn, cl_mem pixels, const svo_i_call *call)
 {
     const svo_render_options *options = &drawn->asked;
     const svo_i_light_screen none = {.cells = NULL};
@@ -227,7 +231,7 @@ static svo_status enqueue(const drawing *drawn, const svo_array *to, svo_i_call 
     cl_mem pixels = NULL;
     SVO_I_TRY(svo_i_call_output(call, "pixels", to, row_bytes * options->height, row_bytes * options->first_row,
                                 row_bytes * rows_of_band(options), &pixels));
-    return drawn->gather.paths != 0 ? enqueue_rays(drawn, pixels, call) : enqueue_cones(drawn, pixels, call);
+    return drawn->by_screen ? enqueue_screen(drawn, pixels, call) : enqueue_alone(drawn, pixels, call);
 }
 
 static svo_status render(void *of, const svo_render_options *options, const svo_array *pixels, const svo_submit *submit)
@@ -246,7 +250,7 @@ static svo_status render(void *of, const svo_render_options *options, const svo_
     SVO_I_TRY(check_exposure(light, function, &drawn.asked));
     SVO_I_TRY(check_band(light, function, &drawn.asked));
     SVO_I_TRY(fill_params(light, function, &drawn.asked, &drawn.params, &drawn.output));
-    SVO_I_TRY(fill_gather(light, function, &drawn.asked, &drawn.gather));
+    SVO_I_TRY(fill_gather(light, function, &drawn));
     SVO_I_TRY(svo_i_call_begin(light->device, function, submit, &call));
     return svo_i_call_end(&call, enqueue(&drawn, pixels, &call));
 }

@@ -6,7 +6,7 @@
 #include "light/programs.h"
 
 /* The words of a node or a brick. */
-static uint64_t words_of(svo_light_form form)
+uint64_t svo_i_light_words(svo_light_form form)
 {
     switch (form) {
     case SVO_LIGHT_BRICKS:
@@ -16,6 +16,11 @@ static uint64_t words_of(svo_light_form form)
     default:
         return 6;
     }
+}
+
+uint64_t svo_i_light_bearers(const svo_tree *tree, svo_light_form form)
+{
+    return form == SVO_LIGHT_BRICKS ? tree->info.inner_count : tree->info.node_count;
 }
 
 /* What the steps have in common. */
@@ -150,7 +155,7 @@ static svo_status make_buffers(filter *f, cl_mem marks)
     SVO_I_TRY(svo_i_light_buffer(f->work, light, SVO_LIGHT_LIT));
     SVO_I_TRY(find_places(f, marks, f->lit_bearers, light->buffers[SVO_LIGHT_LIT], &total));
     light->info.lit_nodes = total;
-    light->info.bytes[SVO_LIGHT_RADIANCE] = total * words_of(light->info.form) * sizeof(cl_uint);
+    light->info.bytes[SVO_LIGHT_RADIANCE] = total * svo_i_light_words(light->info.form) * sizeof(cl_uint);
     return svo_i_light_buffer(f->work, light, SVO_LIGHT_RADIANCE);
 }
 
@@ -183,7 +188,7 @@ static svo_status store_leaves_again(const filter *f)
 {
     const cl_mem *buffers = f->light->buffers;
     svo_light_step params = svo_i_light_step(f->light, f->light->params.depth - 1);
-    params.elements = (cl_uint)words_of(f->light->info.form);
+    params.elements = (cl_uint)svo_i_light_words(f->light->info.form);
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(f->masks),
                                         SVO_I_ARGUMENT(f->children),
                                         SVO_I_ARGUMENT(f->light->before->light->nodes->children),
@@ -304,7 +309,7 @@ static svo_status make_light(svo_i_device_work *work, svo_light *light, const sv
                 .from = lit,
                 .masks = tree->buffers[SVO_TREE_CHILD_MASK],
                 .children = tree->buffers[SVO_TREE_FIRST_CHILD],
-                .lit_bearers = bricks ? tree->info.inner_count : tree->info.node_count};
+                .lit_bearers = svo_i_light_bearers(tree, light->info.form)};
     SVO_I_TRY(svo_i_work_use(work, &svo_i_program_light, svo_i_light_defines(light)));
     SVO_I_TRY(bricks ? filter_all_bricks(&f) : filter_all_nodes(&f));
     light->params.unit = lit->unit;

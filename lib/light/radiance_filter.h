@@ -16,6 +16,10 @@ typedef struct svo_i_lit_leaves {
     float unit; /* radiance of a 1, a power of two */
 } svo_i_lit_leaves;
 
+/* u32 of the radiance of a node or brick; how many of these may have any. */
+uint64_t svo_i_light_words(svo_light_form form);
+uint64_t svo_i_light_bearers(const svo_tree *tree, svo_light_form form);
+
 /* Replaces the light's radiance (SVO_LIGHT_LIT, SVO_LIGHT_RADIANCE) and sets lit_nodes, the unit and the time of the
    stage. The light is dark after a failure. */
 svo_status svo_i_light_filter(svo_i_device_work *work, svo_light *light, const svo_i_lit_leaves *lit);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Light of a picture by few rays. A band of the picture is gathered with as many rows of cells beside it as the filter
- * reaches, so that what a pixel shows does not depend on bands.
+ * Light of a picture by few rays or cones. A band of the picture is gathered with as many rows of cells beside it as
+ * the filter reaches, so that what a pixel shows does not depend on bands.
  */
 #include "light/screen.h"
 
@@ -16,8 +16,9 @@
 #define BESIDE (2u * ((1u << STEPS) - 1u) + 4u)
 /* Cells of a band, unless it has a single row. */
 #define BAND_CELLS 1048576u
-/* Paths of a launch, so that none takes long enough for a driver to end it. */
+/* Paths of a launch, so that none takes long enough for a driver to end it; and how many take as long as a cone. */
 #define BAND_PATHS 1048576u
+#define CONE_PATHS 16u
 /* World units within which surfaces are near each other, in leaf edges. */
 #define NEAR 4.0F
 
@@ -40,7 +41,7 @@ svo_status svo_i_light_screen_begin(const svo_i_light_shader *first, const svo_g
     const uint32_t columns = (width + SVO_I_SCREEN_CELL - 1) / SVO_I_SCREEN_CELL;
     const uint32_t rows = (row_count + SVO_I_SCREEN_CELL - 1) / SVO_I_SCREEN_CELL;
     const uint32_t most = BAND_CELLS / columns > 0 ? BAND_CELLS / columns : 1;
-    *out = (svo_i_light_screen){.by_rays = *gather,
+    *out = (svo_i_light_screen){.asked = *gather,
                                 .mirrors = mirrors,
                                 .height = (height + SVO_I_SCREEN_CELL - 1) / SVO_I_SCREEN_CELL,
                                 .params = {.columns = columns, .near = NEAR * first->light->params.voxel_edge},
@@ -72,13 +73,14 @@ static svo_status smooth(svo_i_light_screen *screen, bool is_specular, cl_mem *l
     return SVO_OK;
 }
 
-/* Gathers in bands of so many paths. */
+/* Gathers in launches of so many paths. */
 static svo_status gather(const svo_i_light_screen *screen, uint32_t cells)
 {
     const size_t groups = ((size_t)cells + SVO_GROUP_ITEMS - 1) / SVO_GROUP_ITEMS;
-    const size_t in_band = BAND_PATHS / SVO_GROUP_ITEMS / screen->by_rays.paths;
+    const uint32_t paths = screen->asked.paths != 0 ? screen->asked.paths : CONE_PATHS * screen->asked.cones;
+    const size_t in_band = BAND_PATHS / SVO_GROUP_ITEMS / paths;
     const size_t most = in_band > 0 ? in_band : 1;
-    SVO_I_TRY(svo_i_light_points_set(&screen->gather, &screen->by_rays, screen->cells, screen->gathered, cells));
+    SVO_I_TRY(svo_i_light_points_set(&screen->gather, &screen->asked, screen->cells, screen->gathered, cells));
     for (size_t first = 0; first < groups; first += most) {
         SVO_I_TRY(svo_i_light_shader_launch(&screen->gather, first, groups - first < most ? groups - first : most));
     }
@@ -94,7 +96,7 @@ svo_status svo_i_light_screen_band(svo_i_light_screen *screen, const svo_lit_pic
     screen->params.first_row = begin;
     screen->params.rows = end - begin;
     const svo_i_argument own[] = {SVO_I_ARGUMENT(screen->cells), SVO_I_ARGUMENT(screen->params)};
-    SVO_I_TRY(svo_i_light_shader_set(&screen->points, &screen->by_rays, picture, SVO_I_ARGUMENTS(own)));
+    SVO_I_TRY(svo_i_light_shader_set(&screen->points, &screen->asked, picture, SVO_I_ARGUMENTS(own)));
     SVO_I_TRY(svo_i_light_shader_launch(&screen->points, 0, (cells + SVO_GROUP_ITEMS - 1) / SVO_GROUP_ITEMS));
     SVO_I_TRY(gather(screen, cells));
     SVO_I_TRY(smooth(screen, false, &screen->light));

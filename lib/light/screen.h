@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Light of a picture by few rays, smoothed over surfaces: kernels/light/screen.cl. */
+/* Light of a picture by few rays or cones, smoothed over surfaces: kernels/light/screen.cl. */
 #ifndef SVO_LIB_LIGHT_SCREEN_H
 #define SVO_LIB_LIGHT_SCREEN_H
 
@@ -10,7 +10,7 @@
 
 typedef struct svo_i_light_screen {
     svo_i_light_shader points, gather;
-    svo_gather_params by_rays;
+    svo_gather_params asked;
     uint32_t height; /* cell rows of the picture */
     bool mirrors; /* surfaces, in this picture */
     svo_screen_params params; /* of the band */

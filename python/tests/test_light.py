@@ -53,6 +53,20 @@ def test_a_ceiling_reflects_the_floor(device, random):
         assert np.allclose(irradiance / irradiance[0], [1, 0.5, 0.25], rtol=0.02)
 
 
+def test_lights_are_saved_and_loaded(device, floor, cube, points, tmp_path):
+    with svocl.Light(floor, one_side=True) as light:
+        light.set_sources([SUN], sky=(0, 0, 1))
+        light.save(tmp_path / "floor.svl", compress=True)
+        with svocl.Light.load(floor, tmp_path / "floor.svl") as loaded:
+            assert loaded.hash() == light.hash()
+            assert np.array_equal(loaded.gather(points), light.gather(points))
+    with device.build(cube, 4, need=NEED) as other:
+        with pytest.raises(svocl.InvalidArgumentError, match="of a tree of hash"):
+            svocl.Light.load(other, tmp_path / "floor.svl")
+    with pytest.raises(svocl.FileError):
+        svocl.Light.load(floor, tmp_path / "none.svl")
+
+
 def test_sources_make_the_light_of_each_call(floor, points):
     with svocl.Light(floor) as light:
         dark = light.hash()

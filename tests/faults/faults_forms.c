@@ -241,6 +241,35 @@ static svo_status run_light(subject *of)
     return SVO_OK;
 }
 
+/* A light, written and read again. */
+static svo_status run_light_files(subject *of)
+{
+    const svo_light_source lamp = {.kind = SVO_SOURCE_POINT, .position = {0.5F, 0.5F, 0.5F}, .value = {1, 2, 3}};
+    const svo_finish finish = {.emission = {1, 1, 1}};
+    const svo_light_setup setup = {.struct_size = sizeof setup,
+                                   .sources = &lamp,
+                                   .source_count = 1,
+                                   .finishes = &finish,
+                                   .finish_count = 1,
+                                   .view_resolution = 16};
+    char hash[SVO_HASH_TEXT_BYTES];
+    svo_status status = SVO_OK;
+    svo_light *made = NULL;
+    svo_light *loaded = NULL;
+    SVO_I_TRY_CLEANUP(told(of, world.device, svo_light_create(of->tree, NULL, world.queue, &made)));
+    SVO_I_TRY_CLEANUP(told(of, world.device, svo_light_set_sources(made, &setup, world.queue)));
+    SVO_I_TRY_CLEANUP(svo_light_save(made, svo_to_path(world.compact_path), NULL, world.queue, &of->message));
+    SVO_I_TRY_CLEANUP(
+        svo_light_load(of->tree, svo_from_path(world.compact_path), NULL, world.queue, &loaded, &of->message));
+    SVO_I_TRY_CLEANUP(told(of, world.device, svo_light_hash(loaded, world.queue, hash)));
+    digest(of, hash, sizeof hash);
+
+cleanup:
+    svo_light_destroy(&loaded);
+    svo_light_destroy(&made);
+    return status;
+}
+
 /* In buffers: a tree, then its light over it, which waits for the first. */
 static svo_status enqueue_pictures(subject *of, svo_light *light, cl_mem pixels, cl_event done[2])
 {
@@ -405,6 +434,7 @@ static const scenario rows[] = {
     {"solid", false, false, prepare_tree, run_solid, NULL, destroy_all},
     {"scene", false, false, prepare_tree, run_scene, NULL, destroy_all},
     {"light", false, false, prepare_tree, run_light, NULL, destroy_all},
+    {"light_files", false, false, prepare_host_tree, run_light_files, NULL, destroy_all},
     {"render_buffers", false, false, prepare_tree, run_render_buffers, NULL, destroy_all},
     {"probes", false, false, prepare_tree, run_probes, NULL, destroy_all},
     {"form_arguments", false, false, prepare_kernels, run_kernels, NULL, cleanup_kernels},

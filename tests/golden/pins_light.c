@@ -203,6 +203,18 @@ static void pin_light_of(pins *all, const pinned_scene *scene, svo_tree *tree, s
     pin_updated(all, scene->mesh, light);
 }
 
+/* Of closed meshes the front alone is opaque. */
+static void pin_one_side(pins *all, const pinned_scene *scene, svo_tree *tree)
+{
+    const svo_light_options options = {.struct_size = sizeof options, .one_side = 1};
+    svo_light *light = NULL;
+    pin_begin(all, "%s faces, one side", scene->name);
+    pin_succeed(all, svo_light_create(tree, &options, all->opened.queue, &light));
+    shine(all, tree, light, true);
+    pin_light_hash(all, "emitting", light);
+    svo_light_destroy(&light);
+}
+
 void pin_light(pins *all)
 {
     for (size_t s = 0; s < PIN_SCENES; ++s) {
@@ -212,6 +224,7 @@ void pin_light(pins *all)
             pin_light_of(all, &all->scenes[s], tree, (svo_light_form)form, SVO_OPACITY_AREA);
         }
         pin_light_of(all, &all->scenes[s], tree, SVO_LIGHT_FACES, SVO_OPACITY_FULL);
+        pin_one_side(all, &all->scenes[s], tree);
         svo_tree_destroy(&tree);
     }
 }

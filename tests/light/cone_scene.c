@@ -163,6 +163,18 @@ void cone_scene_add_room(cone_scene *scene, const double half[3])
     }
 }
 
+void cone_scene_flip(cone_scene *scene)
+{
+    for (size_t i = 0; i < scene->triangle_count; ++i) {
+        float *corners = scene->corners + 9 * i;
+        for (int k = 0; k < 3; ++k) {
+            const float kept = corners[3 + k];
+            corners[3 + k] = corners[6 + k];
+            corners[6 + k] = kept;
+        }
+    }
+}
+
 void cone_scene_add_point(cone_scene *scene, const double position[3], const double normal[3], double openness)
 {
     double at[3];

@@ -41,6 +41,7 @@ void cone_scene_add_quad(cone_scene *scene, const double o[3], const double u[3]
 void cone_scene_add_disk(cone_scene *scene, const double center[3], double radius); /* faces -z */
 void cone_scene_add_sphere(cone_scene *scene, const double center[3], double radius);
 void cone_scene_add_room(cone_scene *scene, const double half[3]); /* seen from inside */
+void cone_scene_flip(cone_scene *scene); /* winds all triangles the other way */
 void cone_scene_add_point(cone_scene *scene, const double position[3], const double normal[3], double openness);
 
 /* Builds a tree with areas and normals; the caller destroys it. */

@@ -85,7 +85,7 @@ static void weights_hold_the_cosine(void **state)
         "__kernel void probe(SVO_LIGHT_PARAMETERS, __global const uint2 *members, __global float4 *found)\n"
         "{\n"
         "    const size_t i = get_global_id(0);\n"
-        "    const svo_set_cone cone = svo_cone_of_set(members[i].x, members[i].y);\n"
+        "    const svo_set_cone cone = svo_cone_of_set(members[i].x, members[i].y, SVO_SET_FIXED);\n"
         "    const svo_frame frame = svo_make_frame(normalize((float3)(1.0f, -2.0f, 3.0f)));\n"
         "    const float3 turned = svo_from_frame(&frame, cone.direction);\n"
         "    found[i] = (float4)(dot(turned, frame.normal), length(turned), cone.weight, cone.tangent);\n"

@@ -164,6 +164,47 @@ static void closed_rooms_are_dark(void **state)
     cone_scene_free(scene);
 }
 
+/* The openness of the middle of a cube of 64 voxels, whose triangles face inwards, or outwards where it is flipped. */
+static double open_cube(const fixture *opened, bool flipped, const svo_light_options *options)
+{
+    static const double half[3] = {32, 32, 32};
+    static const double middle[3] = {1, 2, 3};
+    static const double normal[3] = {0.3, 1, 0.2};
+    cone_scene *scene = cone_scene_new(DEPTH, 18);
+    svo_light *light = NULL;
+    cone_scene_pose(scene, false, 0);
+    cone_scene_add_room(scene, half);
+    if (flipped) {
+        cone_scene_flip(scene);
+    }
+    cone_scene_add_point(scene, middle, normal, 0);
+    svo_tree *tree = cone_scene_build(opened, scene, SVO_NEED_NORMAL | SVO_NEED_PROJECTED_AREA);
+    light_succeed(opened, svo_light_create(tree, options, opened->queue, &light));
+    cone_scene_gather(opened, scene, light, NULL);
+    const double openness = (double)scene->results[0].openness;
+    svo_light_destroy(&light);
+    svo_tree_destroy(&tree);
+    cone_scene_free(scene);
+    return openness;
+}
+
+/* Files wind triangles as they like; forms without direction leak. */
+static void closed_cubes_are_closed_whatever_their_winding(void **state)
+{
+    static const svo_light_options one_side = {.struct_size = sizeof one_side, .one_side = 1};
+    const fixture opened = fixture_cl_of_group(state);
+    check_below("a cube seen from its front", open_cube(&opened, false, NULL), 0.02);
+    check_below("a cube seen from its back", open_cube(&opened, true, NULL), 0.02);
+    check_below("a cube of one side, from its front", open_cube(&opened, false, &one_side), 0.02);
+    check_below("a cube of one side, from its back: closed share", 1 - open_cube(&opened, true, &one_side), 0.001);
+    for (int form = SVO_LIGHT_BRICKS; form <= SVO_LIGHT_VOXELS; ++form) {
+        const svo_light_options options = {.struct_size = sizeof options, .form = (svo_light_form)form};
+        const double front = open_cube(&opened, false, &options);
+        check_below("forms without direction, front and back", fabs(front - open_cube(&opened, true, &options)), 1e-6);
+        assert_true(front > 0.6);
+    }
+}
+
 /* ---- clutter ---- */
 
 static void clutter_of_quads(void **state)
@@ -536,7 +577,7 @@ static void a_moving_light_does_not_flicker(void **state)
             worst = fmax(worst, (jump - 3 * fabs(truth[now][k] - truth[!now][k])) / mean);
         }
     }
-    check_below("jumps beyond three times the truth's, of its mean", worst, 0.016);
+    check_below("jumps beyond three times the truth's, of its mean", worst, 0.022);
     close_room(&room);
 }
 
@@ -546,6 +587,7 @@ TEST_GROUP(light_truths)
         cmocka_unit_test(occlusion_of_simple_shapes),
         cmocka_unit_test(bare_floors_are_open),
         cmocka_unit_test(closed_rooms_are_dark),
+        cmocka_unit_test(closed_cubes_are_closed_whatever_their_winding),
         cmocka_unit_test(clutter_of_quads),
         cmocka_unit_test(a_room_that_emits_is_even),
         cmocka_unit_test(walls_without_direction_leak_as_they_must),

@@ -111,7 +111,8 @@ static void views_show_their_light(void **state)
     assert_true(brightness("--view full --exposure 3") > full + 10);
     run_well("$SVOCL render a.svo -q --view full --lights lights.json --size 32x24 -o a.png");
     run_well("$SVOCL render a.svo -q --view full --lights lights.json --size 32x24 -o b.png && cmp a.png b.png");
-    cJSON *document = run_json("$SVOCL render a.svo --view full --lights lights.json --size 16x16 --json -o a.png");
+    cJSON *document = run_json("$SVOCL render a.svo --view full --cones 5 --lights lights.json --size 16x16 --json "
+                               "-o a.png");
     assert_string_equal(text_of(document, "form"), "faces");
     assert_true(number_of(document, "photons") > 0 && number_of(document, "lit_leaves") > 0);
     assert_true(number_of(document, "lit_nodes") > number_of(document, "lit_leaves"));

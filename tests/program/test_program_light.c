@@ -25,6 +25,23 @@ static void the_hash_is_that_of_the_opacity(void **state)
     run_well("rm a.svo");
 }
 
+/* The second picture has the light of the first. */
+static void a_file_keeps_the_light(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("$SVOCL build scene:knot:200 -d 5 --need color,normal,rays,projected-area -o a.svo --quiet");
+    run_well("$SVOCL render a.svo --view full --size 16x16 --light-file a.svl -o a.png --quiet");
+    run_well("$SVOCL render a.svo --view full --size 16x16 --light-file a.svl -o b.png --quiet");
+    run_well("$SVOCL render a.svo --view full --size 16x16 -o c.png --quiet");
+    run_well("cmp a.png b.png && cmp a.png c.png");
+    run_badly("$SVOCL render a.svo --view full --light-file a.svl --form voxels -o d.png", 2,
+              "--form has no effect: 'a.svl' holds the light");
+    run_badly("$SVOCL render scene:cube -d 4 --view full --light-file a.svl -o d.png", 1,
+              "the light is of a tree of hash");
+    run_well("rm a.svo a.svl a.png b.png c.png");
+}
+
 static void wrong_forms_are_refused(void **state)
 {
     (void)state;
@@ -38,6 +55,7 @@ TEST_GROUP(program_light)
 {
     const struct CMUnitTest tests[] = {
         IN_FOLDER(the_hash_is_that_of_the_opacity),
+        IN_FOLDER(a_file_keeps_the_light),
         IN_FOLDER(wrong_forms_are_refused),
     };
     return cmocka_run_group_tests_name("program_light", tests, NULL, NULL);

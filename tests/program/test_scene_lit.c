@@ -89,7 +89,7 @@ static void instances_are_where_they_are_placed(void **state)
 
 static int count_of(const char *name)
 {
-    cJSON *document = run_json("$SVOCL render scene.json -d 5 --view ao --size 16x16 -o a.png --json");
+    cJSON *document = run_json("$SVOCL render scene.json -d 5 --view ao --cones 5 --size 16x16 -o a.png --json");
     const int count = (int)number_of(document, name);
     cJSON_Delete(document);
     return count;
@@ -143,7 +143,7 @@ static void scenes_have_lights_and_cameras(void **state)
     run_well(RENDER("own.json") "--lights lights.json -o b.png && cmp a.png b.png");
     run_well(RENDER("bare.json") "-o b.png");
     run_well("! cmp -s a.png b.png");
-    cJSON *document = run_json("$SVOCL gather own.json -d 5 --points 20 --reference 64 -o a.csv --json");
+    cJSON *document = run_json("$SVOCL gather own.json -d 5 --cones 16 --points 20 --reference 64 -o a.csv --json");
     assert_true(number_of(document, "photon_hits") > 0);
     assert_int_equal((int)number_of(document, "triangles"), 1);
     assert_float_equal(number_of(document, "ao"), 1, 0.02);

@@ -2,6 +2,7 @@
 /* Reads files of lights; lights trees by them and the options. */
 #include "support/lighting.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,6 +13,7 @@
 #include "support/suggest.h"
 #include "support/table.h"
 #include "support/viewpoint.h"
+#include "svocl/io.h"
 
 /* ---- files of lights ---- */
 
@@ -296,7 +298,8 @@ static int take_scene(program *state, lighting *out)
 static bool asks_for_cones(const options *given)
 {
     return given->gather_method == SVO_GATHER_CONES || given->cones != 0 || options_is_given(given, "form") ||
-           options_is_given(given, "opacity") || options_is_given(given, "photons");
+           options_is_given(given, "opacity") || options_is_given(given, "photons") ||
+           options_is_given(given, "sides") || options_is_given(given, "light-file");
 }
 
 int lighting_open(program *state, lighting *out)
@@ -401,6 +404,7 @@ int lighting_make(program *state, const job *done, const svo_light_setup *setup,
     const svo_light_options light_options = {.struct_size = sizeof light_options,
                                              .form = (svo_light_form)state->options.light_form,
                                              .opacity = (svo_opacity)state->options.opacity,
+                                             .one_side = (uint32_t)state->options.one_side,
                                              .no_cones = !work->for_cones};
     svo_light_setup shining = *setup;
     shining.no_photons = state->options.photons == 0;
@@ -443,11 +447,75 @@ int lighting_setup_for_picture(program *state, const job *done, const svo_camera
     return exit_code;
 }
 
+/* ---- light that is kept in a file ---- */
+
+/* A light in a file has its own of these. */
+static int refuse_beside_file(program *state)
+{
+    static const char *const names[] = {"lights", "form", "opacity", "sides", "photons"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        if (options_is_given(&state->options, names[i])) {
+            return program_fail(state, PROGRAM_WRONG_USAGE, "--%s has no effect: '%s' holds the light", names[i],
+                                state->options.light_file);
+        }
+    }
+    return PROGRAM_DONE;
+}
+
+static int load_light(program *state, const job *done, lighting *work)
+{
+    svo_message message = {""};
+    int exit_code = refuse_beside_file(state);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    progress_step(state->progress, "reading the light");
+    const double started_ms = input_now_ms();
+    if (svo_light_load(done->result.tree, svo_from_path(state->options.light_file), NULL, done->opened.queue,
+                       &work->light, &message) != SVO_OK) {
+        return program_fail_library(state, message.text);
+    }
+    work->light_ms = input_now_ms() - started_ms;
+    work->info = (svo_light_info)SVO_LIGHT_INFO_INIT;
+    (void)svo_light_get_info(work->light, &work->info);
+    return PROGRAM_DONE;
+}
+
+static int save_light(program *state, const job *done, const lighting *work)
+{
+    const svo_save_options packed = {.struct_size = sizeof packed, .compress = 1};
+    const svo_sink sink = svo_to_path(state->options.light_file);
+    svo_message message = {""};
+    if (svo_light_save(work->light, sink, &packed, done->opened.queue, &message) != SVO_OK) {
+        return program_fail_library(state, message.text);
+    }
+    return PROGRAM_DONE;
+}
+
+/* Whether --light-file names a file that is there. */
+static bool light_is_kept(const options *given)
+{
+    FILE *file = given->light_file != NULL ? fopen(given->light_file, "rb") : NULL;
+    if (file != NULL) {
+        (void)fclose(file);
+    }
+    return file != NULL;
+}
+
 int lighting_make_for_picture(program *state, const job *done, const svo_camera *camera, lighting *work)
 {
     svo_light_setup setup;
-    const int exit_code = lighting_setup_for_picture(state, done, camera, work, &setup);
-    return exit_code == PROGRAM_DONE ? lighting_make(state, done, &setup, work) : exit_code;
+    if (state->options.light_file != NULL && svo_tree_download(done->result.tree, done->opened.queue) != SVO_OK) {
+        return program_fail_library(state, svo_device_message(done->opened.device));
+    }
+    if (light_is_kept(&state->options)) {
+        return load_light(state, done, work);
+    }
+    int exit_code = lighting_setup_for_picture(state, done, camera, work, &setup);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = lighting_make(state, done, &setup, work);
+    }
+    return exit_code == PROGRAM_DONE && state->options.light_file != NULL ? save_light(state, done, work) : exit_code;
 }
 
 svo_gather_options lighting_gather(const options *given)

@@ -66,7 +66,7 @@ int lighting_place_camera(program *state, const lighting *work, svo_tree *tree, 
 int lighting_setup_for_picture(program *state, const job *done, const svo_camera *camera, lighting *work,
                                svo_light_setup *setup);
 
-/* lighting_make for a picture. */
+/* lighting_make for a picture; with --light-file read from there, or written. */
 int lighting_make_for_picture(program *state, const job *done, const svo_camera *camera, lighting *work);
 
 /* --cones, --range, --lambda, and what gather has besides; without --range any distance. */

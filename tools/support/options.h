@@ -167,6 +167,8 @@ typedef struct options {
     double error_goal; /* gather: 0: none */
     int light_form; /* light: svo_light_form */
     int opacity; /* light: svo_opacity */
+    const char *light_file; /* render: NULL: not given */
+    int one_side; /* light: 1: of closed meshes the front alone is opaque */
     int photons, gi; /* light: 0: off */
     double exposure; /* light: of pictures; 0: not given */
     uint64_t reference; /* gather: paths for each point; 0: none */

@@ -60,6 +60,7 @@ static const choice sides[] = {{"front", 1}, {"left", 2},   {"right", 3}, {"back
 static const choice light_forms[] = {
     {"faces", SVO_LIGHT_FACES}, {"bricks", SVO_LIGHT_BRICKS}, {"voxels", SVO_LIGHT_VOXELS}, {NULL, 0}};
 static const choice opacities[] = {{"area", SVO_OPACITY_AREA}, {"full", SVO_OPACITY_FULL}, {NULL, 0}};
+static const choice opaque_sides[] = {{"both", 0}, {"one", 1}, {NULL, 0}};
 static const choice gather_methods[] = {
     {"auto", SVO_GATHER_AUTO}, {"cones", SVO_GATHER_CONES}, {"rays", SVO_GATHER_RAYS}, {NULL, 0}};
 static const choice cone_sets[] = {{"1", 1}, {"5", 5}, {"6", 6}, {"16", 16}, {"64", 64}, {NULL, 0}};
@@ -509,9 +510,13 @@ static const rule rules[] = {
     {"error", '\0', OPTION_LIGHT, "E", read_amount, FIELD(error_goal), 0, 0, NULL,
      "a point has paths enough at this standard error of its openness, and of its light as a share (0: it has all)"},
     {"form", '\0', OPTION_LIGHT, "NAME", read_choice, FIELD(light_form), 0, 0, light_forms,
-     "how light is stored: faces, bricks, voxels (faces)"},
+     "how light is stored: faces, bricks, voxels; walls leak in the latter two (faces)"},
     {"opacity", '\0', OPTION_LIGHT, "NAME", read_choice, FIELD(opacity), 0, 0, opacities,
      "how opaque leaves are: area, by the area in them that each direction meets; full (area)"},
+    {"sides", '\0', OPTION_LIGHT, "NAME", read_choice, FIELD(one_side), 0, 0, opaque_sides,
+     "which sides of a closed mesh hold cones back: both; one, the front (both)"},
+    {"light-file", '\0', OPTION_RENDER_COMMAND, "FILE", read_text, FIELD(light_file), 0, 0, NULL,
+     "the light of the tree: read with its sources where FILE is there, else made and written (none)"},
     {"photons", '\0', OPTION_LIGHT, "NAME", read_choice, FIELD(photons), 0, 0, switches,
      "whether surfaces that the lights reach light others by cones: on, off (on)"},
     {"gi", '\0', OPTION_RENDER_COMMAND, "NAME", read_choice, FIELD(gi), 0, 0, switches,

@@ -341,7 +341,8 @@ static int make_light(subject *which, view_state *state)
     const job *done = &which->done;
     const svo_light_options light_options = {.struct_size = sizeof light_options,
                                              .form = state->shown.form,
-                                             .opacity = (svo_opacity)which->running->options.opacity};
+                                             .opacity = (svo_opacity)which->running->options.opacity,
+                                             .one_side = (uint32_t)which->running->options.one_side};
     svo_light_setup setup = lighting_setup(&which->lit, &done->source);
     setup.sources = state->sources;
     setup.source_count = state->source_count;

@@ -14,7 +14,7 @@ from ._callbacks import call
 from ._errors import error, text
 from ._generated import InvalidArgumentError, LightBuffer, LightForm, Opacity, SourceKind, Status, View
 from ._handle import Handle, Native
-from ._mesh import Finish, finish_record
+from ._mesh import Finish, Path, finish_record, from_path, need_io, to_path
 from ._native import ffi, lib
 from ._tree import Camera, Tree, address, draw, framed, render_options
 
@@ -74,8 +74,9 @@ class Light(Handle):
     Args:
         tree: on a device. Colors give albedo and opacity (without: opaque, albedo 0.6); Need.NORMAL,
             Need.PROJECTED_AREA and Need.RAYS make cones, opacity and photons exact.
-        form: how to store opacity and radiance.
+        form: how to store opacity and radiance. Walls leak in BRICKS and VOXELS.
         opacity: how opaque leaves are.
+        one_side: of closed meshes, the front alone holds cones back, by the winding of the triangles.
         queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
 
     Raises:
@@ -84,12 +85,18 @@ class Light(Handle):
     """
 
     def __init__(
-        self, tree: Tree, form: LightForm = LightForm.FACES, *, opacity: Opacity = Opacity.AREA, queue: Any = None
+        self,
+        tree: Tree,
+        form: LightForm = LightForm.FACES,
+        *,
+        opacity: Opacity = Opacity.AREA,
+        one_side: bool = False,
+        queue: Any = None,
     ) -> None:
         if not isinstance(tree, Tree):
             raise TypeError(f"tree: {type(tree).__name__}, expected svocl.Tree")
         options = _structs.new("svo_light_options")
-        options.form, options.opacity = LightForm(form), Opacity(opacity)
+        options.form, options.opacity, options.one_side = LightForm(form), Opacity(opacity), bool(one_side)
         cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
         out = ffi.new("svo_light **")
         with tree._use() as pointer:
@@ -110,6 +117,74 @@ class Light(Handle):
         with super()._use() as pointer:  # whatever became of the tree
             lib.svo_light_get_info(pointer, struct)
         return _structs.read_light_info(struct)
+
+    # --- files ------------------------------------------------------------------------------------------------------
+
+    @staticmethod
+    def load(tree: Tree, path: Path, *, queue: Any = None) -> "Light":
+        """Reads the file of a light of this tree. It has the hash of the light that was saved, and gives the same
+        pictures; the first update shoots all photons.
+
+        Args:
+            tree: on a device.
+            path: of the file.
+            queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
+
+        Raises:
+            FileError: the file cannot be read.
+            FileDamagedError: it is truncated, damaged or of another format.
+            InvalidArgumentError: the light is of another tree.
+        """
+        need_io("Light.load")
+        if not isinstance(tree, Tree):
+            raise TypeError(f"tree: {type(tree).__name__}, expected svocl.Tree")
+        source, _kept = from_path(path)
+        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
+        out, message = ffi.new("svo_light **"), ffi.new("svo_message *")
+        with tree._downloaded(queue) as pointer:
+            status = call(
+                lib.svo_light_load,
+                pointer,
+                source,
+                ffi.NULL,
+                cl_queue,
+                out,
+                message,
+                undo=lambda: lib.svo_light_destroy(out),
+            )
+            if status != lib.SVO_OK:
+                raise error(status, text(message.text))
+            made = Light.__new__(Light)
+            made._open(Native(out[0], _destroy, tree._native.guard, tree._native))
+        return made
+
+    def save(self, path: Path, *, compress: bool = False, queue: Any = None) -> None:
+        """Writes a file of the light, bound to its tree, whose arrays are downloaded first if need be. An existing file
+        is replaced at once, or stays.
+
+        Args:
+            path: of the file.
+            compress: zstd for each array that becomes smaller.
+            queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
+
+        Raises:
+            FileError: the file cannot be written.
+        """
+        need_io("Light.save")
+        sink, _kept = to_path(path)
+        options = _structs.new("svo_save_options")
+        options.compress = bool(compress)
+        cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
+        message = ffi.new("svo_message *")
+        with self._use() as pointer:
+            tree = self._native.parent
+            if tree is not None:
+                status = call(lib.svo_tree_download, tree._pointer[0], cl_queue)
+                if status != lib.SVO_OK:
+                    raise error(status, tree.device_message())
+            status = call(lib.svo_light_save, pointer, sink, options, cl_queue, message)
+            if status != lib.SVO_OK:
+                raise error(status, text(message.text))
 
     # --- sources ----------------------------------------------------------------------------------------------------
 

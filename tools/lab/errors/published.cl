@@ -91,7 +91,7 @@ static svo_gather_result published_gather(const svo_light *light, const svo_gath
             march.direction = place.reflected;
             march.growth = 2.0f * svo_lobe_tangent(point->exponent);
         } else {
-            const svo_set_cone member = svo_cone_of_set(k, PUBLISHED_CONES);
+            const svo_set_cone member = svo_cone_of_set(k, PUBLISHED_CONES, SVO_SET_FIXED);
             march.direction = svo_from_frame(&place.frame, member.direction);
             march.growth = 2.0f * member.tangent;
         }
