@@ -67,6 +67,16 @@ def test_lights_are_saved_and_loaded(device, floor, cube, points, tmp_path):
         svocl.Light.load(floor, tmp_path / "none.svl")
 
 
+def test_rays_need_nothing_stored(floor, points):
+    with svocl.Light(floor) as light, svocl.Light(floor, no_cones=True) as bare:
+        for one in (light, bare):
+            one.set_sources([SUN], sky=(0, 0, 1))
+        assert bare.info.total_bytes == 0 and light.info.total_bytes > 0
+        assert np.array_equal(bare.gather(points), light.gather(points))
+        with pytest.raises(svocl.InvalidArgumentError, match="no_cones"):
+            bare.gather(points, cones=16)
+
+
 def test_sources_make_the_light_of_each_call(floor, points):
     with svocl.Light(floor) as light:
         dark = light.hash()

@@ -77,6 +77,7 @@ class Light(Handle):
         form: how to store opacity and radiance. Walls leak in BRICKS and VOXELS.
         opacity: how opaque leaves are.
         one_side: of closed meshes, the front alone holds cones back, by the winding of the triangles.
+        no_cones: nothing is stored, since rays alone gather; cones are refused.
         queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
 
     Raises:
@@ -91,12 +92,14 @@ class Light(Handle):
         *,
         opacity: Opacity = Opacity.AREA,
         one_side: bool = False,
+        no_cones: bool = False,
         queue: Any = None,
     ) -> None:
         if not isinstance(tree, Tree):
             raise TypeError(f"tree: {type(tree).__name__}, expected svocl.Tree")
         options = _structs.new("svo_light_options")
-        options.form, options.opacity, options.one_side = LightForm(form), Opacity(opacity), bool(one_side)
+        options.form, options.opacity = LightForm(form), Opacity(opacity)
+        options.one_side, options.no_cones = bool(one_side), bool(no_cones)
         cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")
         out = ffi.new("svo_light **")
         with tree._use() as pointer:
