@@ -29,6 +29,7 @@ typedef struct emitter_tree {
 
 /* ---- what is read ---- */
 
+/* *out: owned by the caller; NULL after a failure. */
 static svo_status read_array(const emitter_tree *tree, svo_tree_buffer buffer, uint64_t first, uint64_t count,
                              size_t element_bytes, void **out)
 {
@@ -39,9 +40,14 @@ static svo_status read_array(const emitter_tree *tree, svo_tree_buffer buffer, u
                                  tree->work->function, (unsigned long long)count,
                                  svo_name(SVO_NAME_TREE_BUFFER, (uint32_t)buffer));
     }
-    return count > 0 ? svo_i_work_read(tree->work, light->tree->buffers[buffer], first * element_bytes, *out,
-                                       (size_t)count * element_bytes)
-                     : SVO_OK;
+    const svo_status status = count > 0 ? svo_i_work_read(tree->work, light->tree->buffers[buffer],
+                                                          first * element_bytes, *out, (size_t)count * element_bytes)
+                                        : SVO_OK;
+    if (status != SVO_OK) {
+        svo_i_free(*out);
+        *out = NULL;
+    }
+    return status;
 }
 
 static svo_status read_positions(emitter_tree *tree)

@@ -65,7 +65,7 @@ static const gpu_work quick_work = {
 static const gpu_product products[] = {
     {"light",
      "faces",
-     {"scene:knot:8000", "7", NULL, "60e78830312b81a8ec0f3903ee10abcd"},
+     {"scene:knot:8000", "7", NULL, "28df34d015699bcbcb1ad99183110558"},
      {"--need", LIT_NEEDS, "--light", "faces"}},
     {"light",
      "bricks",
