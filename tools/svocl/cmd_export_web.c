@@ -69,10 +69,10 @@ static int load_compact(program *state, web_export *made, bool lights)
 static int open_lit(program *state, web_export *made)
 {
     const int exit_code = lighting_open(state, &made->lit);
+    made->lit.for_cones = true; /* which bake the page */
     if (exit_code != PROGRAM_DONE || input_is_compact(state)) {
         return exit_code == PROGRAM_DONE ? load_compact(state, made, true) : exit_code;
     }
-    made->lit.for_cones = true; /* which bake the page */
     const int loaded = lighting_tree(state, 5, &made->lit, &made->done);
     return loaded == PROGRAM_DONE ? make_compact(state, 0, made) : loaded;
 }
