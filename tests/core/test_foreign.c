@@ -147,9 +147,9 @@ static void queues_of_another_context_are_refused(void **state)
     const svo_array memory = svo_in_buffer(own.memory);
     const svo_ray ray = {.direction = {0, 0, 1}, .t_max = 1};
     const svo_query_point point = {.max_distance = 1};
-    svo_hit hit;
-    svo_nearest nearest;
-    uint8_t picture[8 * 8 * 4];
+    svo_hit hit = {.t = 0};
+    svo_nearest nearest = {.triangle = 0};
+    uint8_t picture[8 * 8 * 4] = {0};
     svo_render_options options = {.struct_size = sizeof options, .width = 8, .height = 8};
     svo_tree *unmade = NULL;
     svo_workspace *workspace = NULL;
@@ -198,7 +198,7 @@ static void scenes_refuse_what_is_of_another_context(void **state)
                                        .tree_count = 1,
                                        .instance_count = 1};
     svo_render_options shown = {.struct_size = sizeof shown, .width = 8, .height = 8};
-    svo_scene_hit hit;
+    svo_scene_hit hit = {.t = 0};
     uint8_t picture[8 * 8 * 4];
     svo_scene *placed = NULL;
     const svo_submit submit = {.queue = other.queue};

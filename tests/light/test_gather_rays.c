@@ -331,7 +331,7 @@ static void few_paths_find_small_lamps(void **state)
     const svo_gather_options many = by_rays(16384, 2);
     const svo_gather_options few = by_rays(64, 2);
     svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
-    double truth[400];
+    double truth[400] = {0};
     double squares = 0;
     double sum = 0;
     double mean = 0;
