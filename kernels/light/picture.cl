@@ -10,7 +10,6 @@
  * likes. Reads tree, light and sources; writes one RGBA8 word or four floats per pixel. No atomics, no local memory.
  */
 #include "light/screen.clh"
-#include "light/shading.clh"
 #include "rays/shade.clh"
 
 /* ---- what a screen shows ---- */
@@ -50,27 +49,52 @@ typedef struct svo_picture_screen {
     svo_screen_params params;
 } svo_picture_screen;
 
-/* What was gathered for a place of the picture. */
-static svo_lit_gathered svo_picture_gathered(const svo_lit_picture *picture, const svo_picture_screen *screen,
-                                             float2 place, const svo_lit_surface *surface)
+/* What was gathered at a surface. */
+typedef struct svo_picture_light {
+    float3 irradiance; /* in the view of openness that, three times */
+    float3 specular;
+} svo_picture_light;
+
+/* The same for a place of the picture. */
+static svo_picture_light svo_picture_gathered(const svo_lit_picture *picture, const svo_picture_screen *screen,
+                                              float2 place, const svo_lit_surface *surface)
 {
 #ifdef SVO_PICTURE_SCREEN
     const svo_screen_cells cells = svo_screen_cells_of(screen->cells, screen->params, place, surface);
     const float4 light = svo_screen_light(&cells, screen->light);
     const bool is_openness = picture->params.view == SVO_LIT_VIEW_AO;
-    svo_lit_gathered gathered = {is_openness ? (float3)(light.w) : light.xyz, (float3)(0.0f)};
+    svo_picture_light gathered = {is_openness ? (float3)(light.w) : light.xyz, (float3)(0.0f)};
     if (svo_lit_reflects(picture, surface)) {
         gathered.specular = svo_screen_light(&cells, screen->specular).xyz;
     }
     return gathered;
 #else
-    const svo_lit_gathered none = {(float3)(0.0f), (float3)(0.0f)};
+    const svo_picture_light none = {(float3)(0.0f), (float3)(0.0f)};
     (void)picture;
     (void)screen;
     (void)place;
     (void)surface;
     return none;
 #endif
+}
+
+/* What a view shows of a surface: its radiance, or its openness. direct: its irradiance by the sources. */
+static float3 svo_picture_radiance(const svo_lit_picture *picture, const svo_lit_surface *surface, float3 direct,
+                                   const svo_picture_light *gathered)
+{
+    const float3 specular = surface->specular * gathered->specular;
+    switch (picture->params.view) {
+    case SVO_LIT_VIEW_AO:
+        return gathered->irradiance;
+    case SVO_LIT_VIEW_DIRECT:
+        return surface->albedo * direct / M_PI_F;
+    case SVO_LIT_VIEW_INDIRECT:
+        return surface->albedo * gathered->irradiance / M_PI_F;
+    case SVO_LIT_VIEW_SPECULAR:
+        return specular;
+    default:
+        return surface->emission + surface->albedo * (direct + gathered->irradiance) / M_PI_F + specular;
+    }
 }
 
 /* What a view shows of what a place of the picture meets; false: it meets nothing. */
@@ -84,8 +108,8 @@ SVO_INLINED bool svo_picture_look(const svo_lit_picture *picture, const svo_pict
         return false;
     }
     svo_lit_payload(picture, &surface);
-    const svo_lit_gathered gathered = svo_picture_gathered(picture, screen, place, &surface);
-    *radiance = svo_lit_radiance(picture, &surface, direct, &gathered);
+    const svo_picture_light gathered = svo_picture_gathered(picture, screen, place, &surface);
+    *radiance = svo_picture_radiance(picture, &surface, direct, &gathered);
     return true;
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Light. Of shaded pictures, as in kernels/rays/shade.clh: a sun with shadows, and a sky that short rays look for. Of
- * pages with light, as in kernels/light/shading.clh: sources with shadows, and what cones gathered when the page was
+ * pages with light, as in kernels/light/picture.cl: sources with shadows, and what cones gathered when the page was
  * made (tools/web/bake.c), without specular light.
  */
 
