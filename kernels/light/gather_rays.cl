@@ -64,7 +64,7 @@ SVO_INLINED svo_gather_result svo_gather_rays(const svo_lit_picture *picture, co
     }
     const svo_lit_surface surface = svo_gather_surface(&place);
     const uint seed = svo_path_seed(point);
-    const bool has_lobe = place.has_reflection && gather->with_light != 0u;
+    const bool has_lobe = place.has_reflection && gather->with_light != 0u && gather->paths > 0u;
     const uint lobe_paths = has_lobe ? max(gather->paths / 4u, SVO_GATHER_LOBE_LEAST) : 0u;
     svo_path_sums sums = {(float4)(0.0f), (float4)(0.0f), (float4)(0.0f), (float4)(0.0f), SVO_PATH_BLOCK, 0u};
     svo_gather_lobe lobe = {(float3)(0.0f), (float3)(0.0f), 0u};

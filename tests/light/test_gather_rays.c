@@ -301,6 +301,38 @@ static void sources_light_directly(void **state)
     cone_scene_free(scene);
 }
 
+/* What cones gather costs a ray to each source besides, with a reflection too: no ray of a lobe that nobody asked for. */
+static void cones_have_a_ray_to_each_source(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_gather_options cones = {.struct_size = sizeof cones, .cones = 16};
+    const svo_light_source lamp = {.kind = SVO_SOURCE_POINT, .position = {64, 64, 80}, .value = {1, 1, 1}};
+    const double corner[3] = {-60, -60, -20};
+    const double u[3] = {120, 0, 0};
+    const double v[3] = {0, 120, 0};
+    const double position[3] = {5, 6, -20};
+    svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
+    cone_scene *scene = cone_scene_new(DEPTH, 8);
+    cone_scene_add_quad(scene, corner, u, v);
+    cone_scene_add_point(scene, position, up, 0);
+    memcpy(scene->points[0].reflected, scene->points[0].normal, sizeof scene->points[0].reflected);
+    scene->points[0].exponent = 8;
+    svo_tree *tree = cone_scene_build(&opened, scene, SVO_NEED_NORMAL | SVO_NEED_RAYS);
+    svo_light *light = light_of(&opened, tree, SVO_LIGHT_FACES);
+    cone_scene_gather(&opened, scene, light, &cones);
+    const uint32_t dark_steps = scene->results[0].steps;
+    setup.sources = &lamp;
+    setup.source_count = 1;
+    setup.no_photons = 1;
+    light_succeed(&opened, svo_light_set_sources(light, &setup, opened.queue));
+    cone_scene_gather(&opened, scene, light, &cones);
+    assert_true(scene->results[0].direct[0] > 0);
+    assert_int_equal(scene->results[0].steps, dark_steps + 1);
+    svo_light_destroy(&light);
+    svo_tree_destroy(&tree);
+    cone_scene_free(scene);
+}
+
 /* ---- emitters ---- */
 
 /* A closed room with a small lamp below its ceiling, and a dimmer one in a corner; points on floor and walls. */
@@ -472,11 +504,17 @@ static void voxels_are_met_too(void **state)
 TEST_GROUP(gather_rays)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(openings_have_their_share),      cmocka_unit_test(closed_rooms_are_closed),
-        cmocka_unit_test(range_and_falloff_count),        cmocka_unit_test(furnaces_have_their_radiance),
-        cmocka_unit_test(emitters_light_what_they_face),  cmocka_unit_test(sources_light_directly),
-        cmocka_unit_test(few_paths_find_small_lamps),     cmocka_unit_test(errors_are_estimated),
-        cmocka_unit_test(points_do_not_depend_on_others), cmocka_unit_test(voxels_are_met_too),
+        cmocka_unit_test(openings_have_their_share),
+        cmocka_unit_test(closed_rooms_are_closed),
+        cmocka_unit_test(range_and_falloff_count),
+        cmocka_unit_test(furnaces_have_their_radiance),
+        cmocka_unit_test(emitters_light_what_they_face),
+        cmocka_unit_test(sources_light_directly),
+        cmocka_unit_test(cones_have_a_ray_to_each_source),
+        cmocka_unit_test(few_paths_find_small_lamps),
+        cmocka_unit_test(errors_are_estimated),
+        cmocka_unit_test(points_do_not_depend_on_others),
+        cmocka_unit_test(voxels_are_met_too),
     };
     return cmocka_run_group_tests_name("gather_rays", tests, fixture_group_setup, fixture_group_teardown);
 }
