@@ -108,7 +108,8 @@ typedef struct svo_light_info {
     double stage_ms[SVO_LIGHT_STAGE_COUNT]; /**< of the last run of each stage; 0: it did not run */
     uint64_t traced_photons; /**< of photons, those whose rays were traced by the newest call */
     uint64_t kept_bytes; /**< held for svo_light_update, besides total_bytes */
-    uint64_t emitter_bytes; /**< held for rays that aim at triangles that emit, besides total_bytes */
+    uint64_t emitter_bytes; /**< held for rays that aim at triangles that emit, from the first rays on that
+                                 gather light; besides total_bytes */
 } svo_light_info;
 
 /** An empty output. */

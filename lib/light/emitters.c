@@ -100,7 +100,7 @@ static void free_arrays(emitter_tree *tree)
 
 /* ---- which triangles ---- */
 
-static float brightness_of(const svo_light_setup *setup, uint16_t material)
+static float brightness_of(const svo_i_light_setup *setup, uint16_t material)
 {
     if (material >= setup->finish_count) {
         return 0.0F;
@@ -110,11 +110,11 @@ static float brightness_of(const svo_light_setup *setup, uint16_t material)
 }
 
 /* Takes the triangles of the leaves that emit. */
-static void mark_triangles(const emitter_tree *tree, const svo_light_setup *setup)
+static void mark_triangles(const emitter_tree *tree)
 {
     const bool is_one = svo_i_tree_is_constant(tree->info, SVO_TREE_MATERIALS);
     for (uint64_t leaf = 0; leaf < tree->info->leaf_count; ++leaf) {
-        const float brightness = brightness_of(setup, tree->materials[is_one ? 0 : leaf]);
+        const float brightness = brightness_of(&tree->light->setup, tree->materials[is_one ? 0 : leaf]);
         for (uint32_t k = tree->list_begin[leaf]; brightness > 0.0F && k < tree->list_begin[leaf + 1]; ++k) {
             const uint32_t triangle = tree->list[k];
             tree->brightness[triangle] = fmaxf(tree->brightness[triangle], brightness);
@@ -230,7 +230,7 @@ cleanup:
 
 /* ---- all of it ---- */
 
-static bool any_emits(const svo_light_setup *setup)
+static bool any_emits(const svo_i_light_setup *setup)
 {
     bool emits = false;
     for (size_t i = 0; i < setup->finish_count; ++i) {
@@ -251,19 +251,14 @@ static svo_status make_sums(emitter_tree *tree)
                                    tree->work->function, (unsigned long long)count);
 }
 
-svo_status svo_i_light_list_emitters(svo_i_device_work *work, svo_light *light, const svo_light_setup *setup)
+static svo_status list(svo_i_device_work *work, svo_light *light)
 {
-    const svo_tree *of = light->tree;
-    emitter_tree tree = {.work = work, .light = light, .info = &of->info};
+    emitter_tree tree = {.work = work, .light = light, .info = &light->tree->info};
     svo_status status = SVO_OK;
-    if (!any_emits(setup) || !svo_i_rays_of_triangles(&of->info) || of->buffers[SVO_TREE_MATERIALS] == NULL ||
-        of->info.list_triangle_count == 0) {
-        return SVO_OK;
-    }
     SVO_I_TRY_CLEANUP(read_materials(&tree));
     SVO_I_TRY_CLEANUP(read_triangles(&tree));
     SVO_I_TRY_CLEANUP(make_sums(&tree));
-    mark_triangles(&tree, setup);
+    mark_triangles(&tree);
     const emitter_sums sums = sum_emitters(&tree);
     if (sums.count > 0 && sums.area <= MOST_AREA * sums.whole_area) {
         status = upload(&tree, &sums, light);
@@ -274,9 +269,35 @@ cleanup:
     return status;
 }
 
+/* Whether the tree has triangles in leaves that may emit. */
+static bool may_emit(const svo_light *light)
+{
+    const svo_tree *tree = light->tree;
+    return any_emits(&light->setup) && svo_i_rays_of_triangles(&tree->info) &&
+           tree->buffers[SVO_TREE_MATERIALS] != NULL && tree->info.list_triangle_count > 0;
+}
+
+svo_status svo_i_light_list_emitters(svo_light *light, const char *function, cl_command_queue queue)
+{
+    svo_i_device_work work;
+    if (light->knows_emitters || !may_emit(light)) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(svo_i_work_begin(light->device, function, queue, &work));
+    const svo_status status = list(&work, light);
+    svo_i_work_end(&work);
+    if (status != SVO_OK) {
+        svo_i_light_drop_emitters(light);
+        return status;
+    }
+    light->knows_emitters = true;
+    return SVO_OK;
+}
+
 void svo_i_light_drop_emitters(svo_light *light)
 {
     svo_i_buffer_release(&light->emitters);
     light->emitter_count = 0;
+    light->knows_emitters = false;
     light->info.emitter_bytes = 0;
 }

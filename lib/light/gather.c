@@ -4,6 +4,7 @@
 
 #include "core/struct_size.h"
 #include "core/submit.h"
+#include "light/emitters.h"
 #include "light/programs.h"
 #include "light/shader.h"
 #include "rays/batch.h"
@@ -70,18 +71,24 @@ static svo_status gather_cones(svo_light *light, const svo_gather_params *params
 
 /* ---- points, with rays: kernels/light/gather_rays.cl ---- */
 
+/* of_cones: what points by cones take. */
+static const char *points_defines(const svo_light *light, const svo_gather_params *gather, const char *of_cones)
+{
+    return gather->paths == 0 ? of_cones : light->emitters != NULL ? " -DSVO_EMITTERS" : "";
+}
+
 svo_status svo_i_light_points_begin(svo_i_device_work *work, const svo_light *light, const svo_gather_params *gather,
                                     svo_i_light_shader *out)
 {
     return svo_i_light_shader_begin(work, light, &svo_i_program_gather_rays, "svo_k_gather_rays",
-                                    gather->paths == 0 ? " -DSVO_GATHER_CONES" : "", out);
+                                    points_defines(light, gather, " -DSVO_GATHER_CONES"), out);
 }
 
 svo_status svo_i_light_points_also(const svo_i_light_shader *first, const svo_gather_params *gather,
                                    svo_i_light_shader *out)
 {
     return svo_i_light_shader_also(first, &svo_i_program_gather_rays, "svo_k_gather_rays",
-                                   gather->paths == 0 ? " -DSVO_GATHER_ERRORS" : "", out);
+                                   points_defines(first->light, gather, " -DSVO_GATHER_ERRORS"), out);
 }
 
 svo_status svo_i_light_points_set(const svo_i_light_shader *shader, const svo_gather_params *gather, cl_mem points,
@@ -145,6 +152,10 @@ svo_status svo_gather(svo_light *light, svo_array points, svo_array results, siz
         return SVO_INVALID_ARGUMENT;
     }
     SVO_I_TRY(svo_i_light_read_gather(light, "svo_gather", "options", options, SVO_GATHER_RAYS, false, &params));
+    if (params.paths != 0 && params.with_light != 0) {
+        SVO_I_TRY(svo_i_tree_check(light->tree, "svo_gather"));
+        SVO_I_TRY(svo_i_light_list_emitters(light, "svo_gather", submit != NULL ? submit->queue : NULL));
+    }
     const bool has_direct = params.with_light != 0 && light->setup.source_count > 0;
     return params.paths != 0 || has_direct ? gather_rays(light, &params, &points, &results, point_count, submit)
                                            : gather_cones(light, &params, &points, &results, point_count, submit);

@@ -68,6 +68,7 @@ struct svo_light {
     svo_i_light_setup setup; /* owned */
     cl_mem emitters; /* svo_emitter_record, by ascending triangle; owned; NULL: none */
     uint32_t emitter_count;
+    bool knows_emitters; /* they were listed */
     svo_i_kept_photons *kept; /* owned; NULL: no photons are kept */
     svo_i_kept_nodes *nodes; /* owned; NULL: no nodes are kept */
     svo_i_light_before *before; /* during svo_light_update, which then has given it kept; else NULL */

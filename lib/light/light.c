@@ -449,16 +449,6 @@ cleanup:
     return status;
 }
 
-static svo_status list_emitters(svo_light *light, const char *name, const svo_light_setup *setup,
-                                cl_command_queue queue)
-{
-    svo_i_device_work work;
-    SVO_I_TRY(svo_i_work_begin(light->device, name, queue, &work));
-    const svo_status status = svo_i_light_list_emitters(&work, light, setup);
-    svo_i_work_end(&work);
-    return status;
-}
-
 /* Lights a dark light by a setup that has been checked, and keeps the setup. name: of the public function. The light is
    dark after a failure. */
 static svo_status set(svo_light *light, const char *name, const svo_light_setup *setup,
@@ -470,7 +460,6 @@ static svo_status set(svo_light *light, const char *name, const svo_light_setup 
     if (light->options.no_cones == 0) {
         SVO_I_TRY_CLEANUP(shine(light, name, &shining, caster, queue));
     }
-    SVO_I_TRY_CLEANUP(list_emitters(light, name, setup, queue));
     SVO_I_TRY_CLEANUP(keep_setup(light, name, setup));
 
 cleanup:
@@ -483,7 +472,6 @@ cleanup:
 svo_status svo_i_light_take_setup(svo_light *light, const char *function, const svo_light_setup *setup)
 {
     SVO_I_TRY(check_setup(light, setup));
-    SVO_I_TRY(list_emitters(light, function, setup, NULL));
     return keep_setup(light, function, setup);
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/struct_size.h"
 #include "core/submit.h"
+#include "light/emitters.h"
 #include "light/gather.h"
 #include "light/programs.h"
 #include "light/screen.h"
@@ -242,7 +243,7 @@ static svo_status render(void *of, const svo_render_options *options, const svo_
                                                      1u << SVO_VIEW_INDIRECT | 1u << SVO_VIEW_SPECULAR,
                                             .view_names = "SVO_VIEW_SHADED, AO, DIRECT, INDIRECT and SPECULAR",
                                             .gathers = true};
-    const svo_light *light = of;
+    svo_light *light = of;
     drawing drawn = {.light = light};
     svo_i_call call;
     SVO_I_TRY(svo_i_picture_options(light->device, function, &kind, options, &drawn.asked));
@@ -251,6 +252,9 @@ static svo_status render(void *of, const svo_render_options *options, const svo_
     SVO_I_TRY(check_band(light, function, &drawn.asked));
     SVO_I_TRY(fill_params(light, function, &drawn.asked, &drawn.params, &drawn.output));
     SVO_I_TRY(fill_gather(light, function, &drawn));
+    if (drawn.gather.paths != 0 && drawn.gather.with_light != 0) {
+        SVO_I_TRY(svo_i_light_list_emitters(light, function, submit != NULL ? submit->queue : NULL));
+    }
     SVO_I_TRY(svo_i_call_begin(light->device, function, submit, &call));
     return svo_i_call_end(&call, enqueue(&drawn, pixels, &call));
 }

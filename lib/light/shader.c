@@ -165,9 +165,6 @@ static svo_status make_kernel(svo_i_light_shader *shader, const svo_i_program *p
     if (light->setup.finish_count > 0) {
         add_define(tree, SVO_TREE_MATERIALS, " -DSVO_FINISHES", " -DSVO_ONE_MATERIAL", defines, sizeof defines);
     }
-    if (light->emitters != NULL) {
-        add_define(tree, SVO_TREE_MATERIALS, " -DSVO_EMITTERS", "", defines, sizeof defines);
-    }
     SVO_I_TRY(svo_i_work_use(shader->work, program, defines));
     return svo_i_kernel_create(light->device, shader->work->function, shader->work->program, kernel_name,
                                &shader->kernel);
