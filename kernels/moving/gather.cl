@@ -24,7 +24,7 @@ static void svo_add_kept(svo_sums *sums, ulong weight, uint4 value)
 {
     sums->weight += weight;
 #ifdef SVO_COLOR
-    sums->color += weight * convert_ulong4(svo_unpack(value.y));
+    sums->color += svo_color_share(weight, svo_unpack(value.y));
 #endif
 #ifdef SVO_NORMAL
     const int3 normal = svo_kept_normal(value);
@@ -56,7 +56,7 @@ static svo_sums svo_sum_kept(__global const uint4 *values, uint first, uint last
     if (alike && weight != 0) {
         svo_add_kept(&sums, weight, one);
 #ifdef SVO_COLOR
-        payload.colors[leaf] = one.y;
+        payload.colors[leaf] = one.y >> 24 != 0u ? one.y : 0u;
 #endif
 #ifdef SVO_NORMAL
         vstore3(convert_short3(svo_kept_normal(one)), leaf, payload.normals);

@@ -53,7 +53,7 @@ static void svo_put_pair(__local ulong *at, svo_surface surface, uint triangle, 
     const svo_share share = svo_pair_share(surface, triangle, code, params);
     at[0] = share.weight;
 #ifdef SVO_COLOR
-    const ulong4 color = (ulong)share.weight * convert_ulong4(svo_surface_color(surface, triangle, share.corners));
+    const ulong4 color = svo_color_share(share.weight, svo_surface_color(surface, triangle, share.corners));
     at[SVO_COLOR_WORD * SVO_GROUP_ITEMS] = color.x;
     at[(SVO_COLOR_WORD + 1u) * SVO_GROUP_ITEMS] = color.y;
     at[(SVO_COLOR_WORD + 2u) * SVO_GROUP_ITEMS] = color.z;

@@ -23,7 +23,7 @@
 
 #define PLAN_NAME    "plan"
 #define PLAN_MAGIC   "\x89SVL\r\n\x1a\n"
-#define PLAN_VERSION 2 /* with part files of version 2 */
+#define PLAN_VERSION 3 /* with part files of version 3 */
 #define NAME_BYTES   48
 
 /* The front of the file "plan"; entries, materials, sizes of textures and their texels follow. hash: of all bytes after

@@ -18,7 +18,7 @@
 
 #define PART_MAGIC       "\x89SVP\r\n\x1a\n"
 #define PART_MAGIC_BYTES 8
-#define PART_VERSION     2 /* parts of version 1 have the voxels of the rounded mesh */
+#define PART_VERSION     3 /* 1: voxels of the rounded mesh; 2: colors that alpha does not weigh */
 #define PART_HASH_BEGIN  32 /* the head's checksum covers everything from here to the end of the table */
 
 /* Kinds of segments: a svo_tree_buffer, or the root's materials and weights. */

@@ -91,8 +91,10 @@ static svo_i_part_payload round_sums(const svo_i_part_root *root, uint32_t face_
     if (weight == 0) {
         return payload;
     }
+    const uint64_t alpha = root->sums.color[3];
     for (unsigned i = 0; i < 4; ++i) {
-        payload.color[i] = (uint8_t)((2 * root->sums.color[i] + weight) / (2 * weight));
+        const uint64_t by = i == 3 || alpha == 0 ? weight : alpha;
+        payload.color[i] = (uint8_t)((2 * root->sums.color[i] + by) / (2 * by));
     }
     /* The offset makes the dividend positive, since a sum is at most 32768 times the weight. */
     for (unsigned i = 0; i < 3; ++i) {

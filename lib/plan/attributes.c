@@ -110,7 +110,8 @@ static void find_constants(svo_plan *plan, const svo_i_findings *found)
     plan->materials_vary = materials_vary(plan, found);
     if ((plan->info.need & SVO_NEED_COLOR) != 0 && has_one_color(plan, found)) {
         work->constant |= SVO_NEED_COLOR;
-        work->constant_color = plan->triangle_count > 0 ? plan->materials[first->material].rgba : 0;
+        const uint32_t color = plan->triangle_count > 0 ? plan->materials[first->material].rgba : 0;
+        work->constant_color = color >> 24 != 0 ? color : 0; /* as where colors differ: of what shows */
         free_colors(plan);
     }
     if ((plan->info.need & SVO_NEED_NORMAL) != 0 && !plan->one_normal && has_one_own_normal(plan, found)) {

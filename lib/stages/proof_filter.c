@@ -64,11 +64,13 @@ static void fill_child(filter_case *c, uint32_t child, uint64_t *random)
     const uint64_t weight = weight_of(svo_i_proof_next(random));
     c->children.weights[child] = weight;
     c->fills[child] = fill_of(weight);
-    for (unsigned k = 0; k < 4; ++k) {
+    uint64_t by = weight; /* of alpha, then alpha's sum; nothing is seen without */
+    for (unsigned k = 4; k-- > 0;) {
         const uint64_t x = svo_i_proof_next(random);
-        const uint64_t sum = (x >> 40) % 255 * weight + rest_of(weight, x);
+        const uint64_t sum = by > 0 ? (x >> 40) % 255 * by + rest_of(by, x) : 0;
         c->children.colors[(size_t)child * 4 + k] = sum;
-        c->colors[child] |= (uint32_t)((2 * sum + weight) / (2 * weight)) << 8 * k;
+        c->colors[child] |= by > 0 ? (uint32_t)((2 * sum + by) / (2 * by)) << 8 * k : 0;
+        by = k == 3 ? sum : by;
     }
     for (unsigned k = 0; k < 3; ++k) {
         const uint64_t x = svo_i_proof_next(random);

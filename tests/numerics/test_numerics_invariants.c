@@ -459,17 +459,18 @@ enum { FILTER_TRIANGLES = 300, FILTER_DEPTH = 6 };
 
 /* Sums of the pairs below one node of a level, found by the prefix of their codes. */
 typedef struct pair_sums {
-    uint64_t pairs, color[4];
+    uint64_t pairs, color[4]; /* color: red, green and blue times alpha */
 } pair_sums;
 
 static void assert_node_color(const built *actual, size_t node, const pair_sums *sums)
 {
     for (unsigned channel = 0; channel < 4; ++channel) {
-        const uint64_t mean = (2 * sums->color[channel] + sums->pairs) / (2 * sums->pairs);
+        const uint64_t by = channel < 3 && sums->color[3] > 0 ? sums->color[3] : sums->pairs;
+        const uint64_t mean = (2 * sums->color[channel] + by) / (2 * by);
         if (actual->arrays.colors[node * 4 + channel] != mean) {
             fail_msg("node %zu, channel %u: %u, not %llu / %llu", node, channel,
                      actual->arrays.colors[node * 4 + channel], (unsigned long long)sums->color[channel],
-                     (unsigned long long)sums->pairs);
+                     (unsigned long long)by);
         }
     }
 }
@@ -484,8 +485,9 @@ static void check_filter(const built *actual, const oracle_pairs *pairs, const u
         pair_sums sums = {0};
         for (size_t i = 0; i < pairs->count; ++i) {
             ++sums.pairs;
+            const uint8_t *color = colors + pairs->pairs[i].triangle * 12;
             for (unsigned channel = 0; channel < 4; ++channel) {
-                sums.color[channel] += colors[pairs->pairs[i].triangle * 12 + channel];
+                sums.color[channel] += color[channel] * (channel < 3 ? color[3] : 1U);
             }
             if (i + 1 == pairs->count || pairs->pairs[i + 1].code >> below != pairs->pairs[i].code >> below) {
                 assert_node_color(actual, node++, &sums);

@@ -984,11 +984,11 @@ static void test_older_folders(void **state)
         assert_true(is_built(&j, folder, 0));
         make_older(folder, part);
         assert_int_equal(svo_parts_open(folder, &parts, &message), SVO_FILE_DAMAGED);
-        assert_non_null(strstr(message.text, "plan: version 1 is not known, only 2; planning the parts again"));
+        assert_non_null(strstr(message.text, "plan: version 1 is not known, only 3; planning the parts again"));
     }
     const svo_part_header header = {.struct_size = sizeof header, .depth = 3};
     assert_int_equal(svo_part_check(&header, part, NULL, &message), SVO_FILE_DAMAGED);
-    assert_non_null(strstr(message.text, "0-0.part: version 1 is not known, only 2"));
+    assert_non_null(strstr(message.text, "0-0.part: version 1 is not known, only 3"));
     check(&j, svo_parts_remove(folder, &message), &message);
     close_job(&j);
     attributed_mesh_destroy(&made);

@@ -168,7 +168,8 @@ static double largest_color_error(const fixture *opened, const svo_mesh *mesh, u
         const bool is_weighed = weights != SVO_WEIGHTS_AREA || areas[leaf] > AREA_THAT_COUNTS;
         compared += is_weighed ? 1 : 0;
         for (size_t channel = 0; is_weighed && channel < 4; ++channel) {
-            largest = fmax(largest, fabs(rgba[leaf * 4 + channel] - found[channel]));
+            const double shows = channel < 3 ? rgba[leaf * 4 + 3] / 255 : 1; /* colors count as far as they show */
+            largest = fmax(largest, shows * fabs(rgba[leaf * 4 + channel] - found[channel]));
         }
     }
     assert_in_range(compared, actual.info.leaf_count * 9 / 10, actual.info.leaf_count);
@@ -266,7 +267,7 @@ static void assert_crowd_mean(const crowd *made, const built *actual)
         const double length =
             sqrt((double)n[0] * (double)n[0] + (double)n[1] * (double)n[1] + (double)n[2] * (double)n[2]);
         for (unsigned k = 0; k < 4; ++k) {
-            color[k] += made->colors[t * 12 + k];
+            color[k] += made->colors[t * 12 + k] * (k < 3 ? made->colors[t * 12 + 3] : 1.0); /* alpha weighs */
         }
         for (unsigned k = 0; k < 3; ++k) {
             normal[k] += (double)n[k] / length * 32767.0;
@@ -274,7 +275,8 @@ static void assert_crowd_mean(const crowd *made, const built *actual)
     }
     for (size_t node = 0; node < actual->info.node_count; ++node) {
         for (unsigned k = 0; k < 4; ++k) {
-            assert_true(fabs(actual->arrays.colors[node * 4 + k] - color[k] / (double)count) <= 0.5000001);
+            const double by = k < 3 ? color[3] : (double)count;
+            assert_true(fabs(actual->arrays.colors[node * 4 + k] - color[k] / by) <= 0.5000001);
         }
         for (unsigned k = 0; k < 3; ++k) {
             assert_true(fabs(actual->arrays.normals[node * 3 + k] - normal[k] / (double)count) <= 1.0);
@@ -347,8 +349,10 @@ static void t14_means_over_millions_of_triangles_are_exact(void **state)
     assert_int_equal(actual.info.node_count, 3);
     for (unsigned node = 0; node < 3; ++node) {
         for (unsigned k = 0; k < 4; ++k) {
-            const double mean = materials[0].rgba[k] +
-                                ((double)materials[1].rgba[k] - materials[0].rgba[k]) * (double)ones / (double)COUNT;
+            const double weights[2] = {(double)(COUNT - ones) * (k < 3 ? materials[0].rgba[3] : 1.0),
+                                       (double)ones * (k < 3 ? materials[1].rgba[3] : 1.0)};
+            const double mean =
+                (materials[0].rgba[k] * weights[0] + materials[1].rgba[k] * weights[1]) / (weights[0] + weights[1]);
             assert_int_equal(actual.arrays.colors[node * 4 + k], (int)floor(mean + 0.5));
         }
         assert_int_equal(actual.arrays.normals[node * 3], 0);
@@ -358,6 +362,51 @@ static void t14_means_over_millions_of_triangles_are_exact(void **state)
     built_destroy(&actual);
     free(triangle_materials);
     free(indices);
+}
+
+/* A square of leaves: texels of one green show by as many alphas, those between have another color and do not show. The
+   green is that of every node, at the rims, too. */
+static void what_does_not_show_has_no_color(void **state)
+{
+    enum { SIDE = 8 };
+    static const float positions[12] = {0, 0, 0.4F, 1, 0, 0.4F, 1, 1, 0.4F, 0, 1, 0.4F};
+    static const float uvs[8] = {0, 0, 1, 0, 1, 1, 0, 1};
+    static const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+    uint8_t texels[SIDE * SIDE][4];
+    double alpha = 0;
+    for (size_t i = 0; i < sizeof texels / sizeof texels[0]; ++i) {
+        const bool shows = (i / 2 + i / (SIDE * 2)) % 2 == 0;
+        const uint8_t shown[4] = {10, 200, 30, (uint8_t)(255 - 2 * i)};
+        memcpy(texels[i], shows ? shown : (const uint8_t[4]){255, 0, 255, 0}, 4);
+        alpha += texels[i][3] / (double)(SIDE * SIDE);
+    }
+    const svo_texture texture = {.rgba = texels[0], .width = SIDE, .height = SIDE};
+    const svo_material material = {.rgba = {255, 255, 255, 255}};
+    const svo_mesh mesh = {.struct_size = sizeof mesh,
+                           .positions = positions,
+                           .vertex_count = 4,
+                           .indices = indices,
+                           .triangle_count = 2,
+                           .uvs = uvs,
+                           .materials = &material,
+                           .material_count = 1,
+                           .textures = &texture,
+                           .texture_count = 1};
+    for (int weights = SVO_WEIGHTS_AREA; weights <= SVO_WEIGHTS_CENTER; weights += SVO_WEIGHTS_CENTER) {
+        const svo_plan_options options = {.need = SVO_NEED_COLOR, .weights = (svo_weights)weights, .edge = 1.0};
+        built actual;
+        size_t clear = 0;
+        fixture_build(fixture_of_group(state), &mesh, 6, &options, &actual);
+        for (size_t node = 0; node < actual.info.node_count; ++node) {
+            const uint8_t *color = actual.arrays.colors + node * 4;
+            const uint8_t expected[3] = {10, 200, 30};
+            assert_memory_equal(color, color[3] > 0 ? expected : (const uint8_t[3]){0}, 3);
+            clear += color[3] == 0 ? 1 : 0;
+        }
+        assert_in_range(clear, 1, actual.info.node_count - 1);
+        assert_true(fabs(actual.arrays.colors[3] - alpha) <= 1.5);
+        built_destroy(&actual);
+    }
 }
 
 /* A hundred thousand triangles with sixty thousand materials in one voxel, and with a few materials in some hundred
@@ -502,6 +551,7 @@ TEST_GROUP(payload)
         cmocka_unit_test(t14_means_over_many_triangles_are_exact),
         cmocka_unit_test(t14_means_over_millions_of_triangles_are_exact),
         cmocka_unit_test(materials_of_many_triangles_are_exact),
+        cmocka_unit_test(what_does_not_show_has_no_color),
         cmocka_unit_test(fills_are_areas),
         cmocka_unit_test(triangles_without_area_have_equal_weights),
         cmocka_unit_test(payload_does_not_depend_on_the_chunks),

@@ -6,8 +6,15 @@
 #include "payload_pair.h"
 #include "payload_reference.h"
 
-/* Bilinear filtering; coordinates in texels from the center of the first. */
-static double double_sample(const svo_texture *texture, double u, double v, unsigned channel)
+/* A channel of a texel; red, green and blue times alpha. */
+static double weighed_texel(const svo_texture *texture, int64_t column, int64_t row, unsigned channel)
+{
+    const double alpha = channel < 3 ? (double)payload_texel(texture, column, row, 3) : 1.0;
+    return (double)payload_texel(texture, column, row, channel) * alpha;
+}
+
+/* Bilinear filtering of weighed texels; coordinates in texels from the center of the first. */
+static double double_texels(const svo_texture *texture, double u, double v, unsigned channel)
 {
     const double x = u * texture->width - 0.5;
     const double y = v * texture->height - 0.5;
@@ -15,11 +22,17 @@ static double double_sample(const svo_texture *texture, double u, double v, unsi
     const int64_t row = (int64_t)floor(y);
     const double right = x - (double)column;
     const double below = y - (double)row;
-    const double upper = (double)payload_texel(texture, column, row, channel) * (1.0 - right) +
-                         (double)payload_texel(texture, column + 1, row, channel) * right;
-    const double lower = (double)payload_texel(texture, column, row + 1, channel) * (1.0 - right) +
-                         (double)payload_texel(texture, column + 1, row + 1, channel) * right;
+    const double upper = weighed_texel(texture, column, row, channel) * (1.0 - right) +
+                         weighed_texel(texture, column + 1, row, channel) * right;
+    const double lower = weighed_texel(texture, column, row + 1, channel) * (1.0 - right) +
+                         weighed_texel(texture, column + 1, row + 1, channel) * right;
     return upper * (1.0 - below) + lower * below;
+}
+
+static double double_sample(const svo_texture *texture, double u, double v, unsigned channel)
+{
+    const double alpha = double_texels(texture, u, v, 3);
+    return channel == 3 ? alpha : double_texels(texture, u, v, channel) / fmax(alpha, 1e-9);
 }
 
 static void add_double_color(const svo_mesh *mesh, uint32_t triangle, const uint32_t indices[3],
@@ -92,12 +105,12 @@ void payload_double_colors(const svo_mesh *mesh, const exact *expected, svo_weig
             const double weight = double_share(&opened, weights, corners);
             add_double_color(mesh, pairs->pairs[end].triangle, opened.indices, corners, one);
             for (unsigned channel = 0; channel < 4; ++channel) {
-                color[channel] += weight * one[channel];
+                color[channel] += weight * one[channel] * (channel < 3 ? one[3] : 1.0);
             }
             total += weight;
         }
         for (unsigned channel = 0; channel < 4; ++channel) {
-            rgba[leaf * 4 + channel] = color[channel] / total;
+            rgba[leaf * 4 + channel] = color[channel] / (channel < 3 ? fmax(color[3], 1e-9) : total);
         }
     }
 }

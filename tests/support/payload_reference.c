@@ -27,7 +27,7 @@ typedef struct payload_reference {
 /* The sums over a node's pairs. */
 typedef struct sums {
     int64_t weight;
-    int64_t color[4], normal[3];
+    int64_t color[4], normal[3]; /* color: red, green and blue times alpha, and alpha */
 } sums;
 
 /* The mesh in the definition's terms. */
@@ -165,7 +165,14 @@ static int64_t texel_position(int64_t coordinate, uint32_t texel_count)
     return round_half_up(coordinate * texel_count * 256, WEIGHT_ONE) - 128;
 }
 
-static int64_t sampled(const svo_texture *texture, const int64_t uv[2], unsigned channel)
+/* A channel of a texel; red, green and blue times alpha. */
+static int64_t weighed_texel(const svo_texture *texture, int64_t column, int64_t row, unsigned channel)
+{
+    return payload_texel(texture, column, row, channel) * (channel < 3 ? payload_texel(texture, column, row, 3) : 1);
+}
+
+/* The sum of the four texels around a place, whose shares add up to 65536. */
+static int64_t sum_of_texels(const svo_texture *texture, const int64_t uv[2], unsigned channel)
 {
     const int64_t x = texel_position(uv[0], texture->width);
     const int64_t y = texel_position(uv[1], texture->height);
@@ -173,11 +180,18 @@ static int64_t sampled(const svo_texture *texture, const int64_t uv[2], unsigned
     const int64_t below = payload_remainder(y, 256);
     const int64_t column = (x - right) / 256;
     const int64_t row = (y - below) / 256;
-    const int64_t upper = payload_texel(texture, column, row, channel) * (256 - right) +
-                          payload_texel(texture, column + 1, row, channel) * right;
-    const int64_t lower = payload_texel(texture, column, row + 1, channel) * (256 - right) +
-                          payload_texel(texture, column + 1, row + 1, channel) * right;
-    return round_half_up(upper * (256 - below) + lower * below, 65536);
+    const int64_t upper = weighed_texel(texture, column, row, channel) * (256 - right) +
+                          weighed_texel(texture, column + 1, row, channel) * right;
+    const int64_t lower = weighed_texel(texture, column, row + 1, channel) * (256 - right) +
+                          weighed_texel(texture, column + 1, row + 1, channel) * right;
+    return upper * (256 - below) + lower * below;
+}
+
+static int64_t sampled(const svo_texture *texture, const int64_t uv[2], unsigned channel)
+{
+    const int64_t alpha = sum_of_texels(texture, uv, 3);
+    return channel == 3 ? round_half_up(alpha, 65536)
+                        : round_half_up(sum_of_texels(texture, uv, channel), alpha > 0 ? alpha : 1);
 }
 
 static int64_t fixed_uv(float value)
@@ -206,6 +220,7 @@ static void add_color(const svo_mesh *mesh, uint32_t triangle, const uint32_t co
     const svo_material *material = payload_material(mesh, triangle);
     const svo_texture *texture = payload_texture(mesh, triangle);
     int64_t uv[2] = {0, 0};
+    int64_t one[4];
     if (texture != NULL) {
         sample_uv(mesh, corners, by->corners, uv);
     }
@@ -221,7 +236,10 @@ static void add_color(const svo_mesh *mesh, uint32_t triangle, const uint32_t co
         if (texture != NULL) {
             value = round_half_up(value * sampled(texture, uv, channel), 255);
         }
-        color[channel] += by->weight * value;
+        one[channel] = value;
+    }
+    for (unsigned channel = 0; channel < 4; ++channel) {
+        color[channel] += by->weight * one[channel] * (channel < 3 ? one[3] : 1);
     }
 }
 
@@ -331,7 +349,8 @@ static void write_node(const surface *of, size_t node, uint32_t level, const sum
 {
     const int64_t weight = from->weight > 0 ? from->weight : 1; /* an empty root: zeros */
     for (unsigned channel = 0; channel < 4; ++channel) {
-        out->colors[node * 4 + channel] = (uint8_t)round_half_up(from->color[channel], weight);
+        const int64_t by = channel < 3 && from->color[3] > 0 ? from->color[3] : weight;
+        out->colors[node * 4 + channel] = (uint8_t)round_half_up(from->color[channel], by);
     }
     for (unsigned axis = 0; axis < 3; ++axis) {
         out->normals[node * 3 + axis] = (int16_t)round_half_up(from->normal[axis], weight);

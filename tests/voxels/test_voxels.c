@@ -56,6 +56,7 @@ static void fill_random(uint64_t seed, svo_voxel voxels[COUNT])
                                 .z = (int32_t)random_below(&seed, 33) - 3,
                                 .material = (uint16_t)(random_below(&seed, 4) * 1000)};
         memcpy(voxels[i].rgba, &color, 4);
+        voxels[i].rgba[3] |= 1; /* what does not show has no color */
     }
 }
 
@@ -188,7 +189,8 @@ static void lists_refuse_what_is_out_of_range(void **state)
 
 /* A node's sums over the given voxels. */
 typedef struct sums {
-    uint64_t code, count, color[4], materials[4]; /* materials: of 0, 1000, 2000, 3000 */
+    uint64_t code, count, materials[4]; /* materials: of 0, 1000, 2000, 3000 */
+    uint64_t color[4]; /* red, green and blue times alpha */
 } sums;
 
 /* Sums the voxels of each node of a level; voxels are sorted by code. Returns how many nodes there are. */
@@ -207,7 +209,7 @@ static size_t sum_level(const svo_voxels *voxels, uint32_t shift, sums *nodes)
         ++nodes[count - 1].count;
         ++nodes[count - 1].materials[voxel->material / 1000];
         for (int channel = 0; channel < 4; ++channel) {
-            nodes[count - 1].color[channel] += voxel->rgba[channel];
+            nodes[count - 1].color[channel] += voxel->rgba[channel] * (channel < 3 ? voxel->rgba[3] : 1U);
         }
     }
     return count;
@@ -226,7 +228,8 @@ static void check_node(const svo_tree *tree, const svo_tree_arrays *arrays, uint
     }
     assert_int_equal(arrays->materials[node.index], 1000 * heaviest);
     for (int channel = 0; channel < 4; ++channel) {
-        const uint64_t mean = (2 * expected->color[channel] + expected->count) / (2 * expected->count);
+        const uint64_t by = channel < 3 && expected->color[3] > 0 ? expected->color[3] : expected->count;
+        const uint64_t mean = (2 * expected->color[channel] + by) / (2 * by);
         if (arrays->colors[4 * (size_t)node.index + (size_t)channel] != mean) {
             fail_msg("level %u node %u channel %d: %d, expected %llu", level, node.index, channel,
                      arrays->colors[4 * (size_t)node.index + (size_t)channel], (unsigned long long)mean);
@@ -394,25 +397,29 @@ static void leaves_inside_a_grid_are_sorted_from_their_least_corner(void **state
 static void empty_and_single_lists_build(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
-    const svo_voxel one = {.x = -7, .y = 5, .z = 1 << 20, .rgba = {1, 2, 3, 4}, .material = 65534};
-    for (uint64_t count = 0; count < 2; ++count) {
+    for (uint64_t count = 0; count < 3; ++count) { /* of the last, nothing shows */
+        const svo_voxel one = {
+            .x = -7, .y = 5, .z = 1 << 20, .rgba = {1, 2, 3, count == 2 ? 0 : 4}, .material = 65534};
+        const bool shows = count < 2;
         svo_voxels_source source = SVO_VOXELS_SOURCE_INIT;
         svo_tree_info info = SVO_TREE_INFO_INIT;
         svo_tree_arrays arrays = SVO_TREE_ARRAYS_INIT;
         source.voxels = &one;
-        source.voxel_count = count;
+        source.voxel_count = count > 0 ? 1 : 0;
         svo_voxels *voxels = make(&source);
         svo_voxels *back = NULL;
         svo_tree *tree = build(&opened, voxels, 0, NULL);
         assert_int_equal(svo_tree_get_info(tree, &info), SVO_OK);
         assert_int_equal(svo_tree_get_arrays(tree, &arrays), SVO_OK);
         assert_int_equal(info.depth, 1);
-        assert_int_equal(info.leaf_count, count);
+        assert_int_equal(info.leaf_count, source.voxel_count);
         assert_int_equal(svo_tree_get_voxels(tree, &back, NULL), SVO_OK);
-        assert_int_equal(info_of(back).voxel_count, count);
-        if (count == 1) {
-            assert_memory_equal(svo_voxels_get(back), &one, sizeof one);
-            assert_memory_equal(arrays.colors, one.rgba, 4);
+        assert_int_equal(info_of(back).voxel_count, source.voxel_count);
+        if (count > 0) {
+            svo_voxel expected = one;
+            memset(expected.rgba, 0, shows ? 0 : sizeof expected.rgba);
+            assert_memory_equal(svo_voxels_get(back), &expected, sizeof expected);
+            assert_memory_equal(arrays.colors, expected.rgba, 4);
         }
         svo_voxels_destroy(&back);
         svo_tree_destroy(&tree);

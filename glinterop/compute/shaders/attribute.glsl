@@ -224,7 +224,15 @@ uint svo_wrap_texel(int texel, int texel_count, uint wrap)
     return uint(inside < texel_count ? inside : period - 1 - inside);
 }
 
-/* Bilinear filter with eight bits of position between texels, rounded half up. u, v: 65536 = 1. */
+/* A texel, its red, green and blue times alpha. */
+uvec4 svo_weighed_texel(uint rgba)
+{
+    uvec4 color = svo_unpack(rgba);
+    return uvec4(color.xyz * color.w, color.w);
+}
+
+/* Bilinear filter with eight bits of position between texels, rounded half up. Texels weigh by alpha.
+   u, v: 65536 = 1. */
 uvec4 svo_sample(svo_material_record material, int u, int v)
 {
     int64_t x = ((int64_t(u) * int64_t(material.width) * int64_t(256) + int64_t(32768)) >> 16) - int64_t(128);
@@ -237,9 +245,10 @@ uvec4 svo_sample(svo_material_record material, int u, int v)
     uint row1 = material.texel_offset + y1 * material.width;
     uint fx = uint(x & int64_t(255));
     uint fy = uint(y & int64_t(255));
-    uvec4 upper = svo_unpack(texels[row0 + x0]) * (256u - fx) + svo_unpack(texels[row0 + x1]) * fx;
-    uvec4 lower = svo_unpack(texels[row1 + x0]) * (256u - fx) + svo_unpack(texels[row1 + x1]) * fx;
-    return (upper * (256u - fy) + lower * fy + 32768u) >> 16;
+    uvec4 upper = svo_weighed_texel(texels[row0 + x0]) * (256u - fx) + svo_weighed_texel(texels[row0 + x1]) * fx;
+    uvec4 lower = svo_weighed_texel(texels[row1 + x0]) * (256u - fx) + svo_weighed_texel(texels[row1 + x1]) * fx;
+    uvec4 sum = upper * (256u - fy) + lower * fy;
+    return uvec4((sum.xyz + (sum.w >> 1)) / max(sum.w, 1u), (sum.w + 32768u) >> 16);
 }
 
 uvec4 svo_texture_color(svo_material_record material, uint triangle, ivec3 weights)

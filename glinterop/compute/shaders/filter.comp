@@ -133,13 +133,15 @@ layout(std430, binding = SVO_BINDING_COLORS) writeonly buffer Colors
     uint colors[];
 };
 
-/* (2 s + w) / (2 w), that is s / w rounded half up. Small weights divide in 32 bits. */
+/* (2 s + w) / (2 w), that is s / w rounded half up; w is the sum of alpha, and for alpha the weight. Black if nothing
+   shows. Small sums divide in 32 bits. */
 uvec4 svo_mean_color(u64vec4 sum, uint64_t weight)
 {
-    if (weight < uint64_t(1 << 22)) {
-        return (2u * uvec4(sum) + uint(weight)) / (2u * uint(weight));
+    u64vec4 by = u64vec4(u64vec3(max(sum.w, uint64_t(1))), weight);
+    if (max(sum.w, weight) < uint64_t(1 << 22)) {
+        return (2u * uvec4(sum) + uvec4(by)) / (2u * uvec4(by));
     }
-    return uvec4((sum * uint64_t(2) + weight) / (uint64_t(2) * weight));
+    return uvec4((sum * uint64_t(2) + by) / (uint64_t(2) * by));
 }
 
 #endif
@@ -222,7 +224,8 @@ void svo_add_pair(inout svo_sums sums, uint triangle, svo_code code)
     svo_share share = svo_pair_share(triangle, code);
     sums.weight += uint64_t(share.weight);
 #ifdef SVO_COLOR
-    sums.color += uint64_t(share.weight) * u64vec4(svo_surface_color(triangle, share.corners));
+    uvec4 color = svo_surface_color(triangle, share.corners);
+    sums.color += uint64_t(share.weight) * u64vec4(color.xyz * color.w, color.w); /* colors weigh by alpha */
 #endif
 #ifdef SVO_NORMAL
     sums.normal += int64_t(share.weight) * i64vec3(svo_surface_normal(triangle, share.corners));

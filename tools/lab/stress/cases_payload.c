@@ -6,7 +6,7 @@
 #include "stress/cases.h"
 #include "stress/stress.h"
 
-/* Sums of the colors below each node: four channels, then the number of samples. */
+/* Sums of the colors below each node: red, green and blue times alpha, alpha, then the number of samples. */
 typedef uint64_t color_sum[5];
 
 static void add_leaves(const stress_tree *built, const triangle_set *made, color_sum *sums)
@@ -17,7 +17,7 @@ static void add_leaves(const stress_tree *built, const triangle_set *made, color
         for (uint32_t i = arrays->list_begin[leaf]; i < arrays->list_begin[leaf + 1]; ++i) {
             const uint8_t *color = made->colors + (size_t)arrays->triangle_ids[arrays->list[i]] * 12;
             for (int channel = 0; channel < 4; ++channel) {
-                sum[channel] += color[channel];
+                sum[channel] += color[channel] * (channel < 3 ? color[3] : 1U);
             }
             ++sum[4];
         }
@@ -51,8 +51,9 @@ static void check_colors(const stress_tree *built, const triangle_set *made, str
     add_inner(built, sums);
     for (uint64_t node = 0; node < built->info.node_count; ++node) {
         for (int channel = 0; channel < 4; ++channel) {
-            const uint64_t weight = sums[node][4] > 0 ? sums[node][4] : 1;
-            const uint64_t exact = (2 * sums[node][channel] + weight) / (2 * weight);
+            const uint64_t weight = channel < 3 && sums[node][3] > 0 ? sums[node][3] : sums[node][4];
+            const uint64_t by = weight > 0 ? weight : 1;
+            const uint64_t exact = (2 * sums[node][channel] + by) / (2 * by);
             if (built->arrays.colors[node * 4 + (unsigned)channel] != exact) {
                 stress_fail(one, "node %llu, channel %d: %u instead of %llu", (unsigned long long)node, channel,
                             built->arrays.colors[node * 4 + (unsigned)channel], (unsigned long long)exact);
@@ -79,7 +80,7 @@ static bool make_samples(uint64_t seed, size_t count, bool in_one_voxel, triangl
         for (size_t i = 0; i < 9; ++i) {
             out->positions[t * 9 + i] = shape[i] + corner[i % 3] * 16384;
         }
-        const uint32_t color = (uint32_t)(random_bits(&random) >> 32) | 0xff000000u;
+        const uint32_t color = (uint32_t)(random_bits(&random) >> 32);
         for (size_t i = 0; i < 12; ++i) {
             out->colors[t * 12 + i] = (uint8_t)(color >> 8 * (i % 4));
         }
