@@ -31,8 +31,9 @@ typedef struct svo_plan svo_plan;
 /** What a tree holds besides its occupancy. */
 typedef enum svo_need {
     SVO_NEED_DEFAULT = 0, /**< normals, and the colors that the mesh has */
-    /** RGBA8 per node: the mean of alpha, and those of red, green and blue, which alpha weighs; black where nothing
-     *  shows. White if the mesh has neither colors nor materials. */
+    /** RGBA8 per node: the mean of alpha, 255 only where all shows and 0 only where nothing does, and those of red,
+     *  green and blue, which alpha weighs; black where nothing shows. White if the mesh has neither colors nor
+     *  materials. */
     SVO_NEED_COLOR = 1,
     SVO_NEED_NORMAL = 2, /**< 3 x int16 per node; the triangles' own normals if the mesh has none */
     SVO_NEED_RAYS = 4, /**< leaf lists, vertices as given and rounded, and indices, from which trace.h makes a BVH */

@@ -174,7 +174,8 @@ typedef struct svo_render_options {
  * Of trees SVO_VIEW_SHADED shades voxels by normal (their own, else that of the face where the ray entered) and color
  * (their own, else clay of albedo 0.6), with the shadows of a sun behind the camera and a sky that neighbors darken, by
  * four rays for each pixel or as many as options ask for. Up to a half, 0.85 times the light is the share of white that
- * a pixel shows; above, highlights roll off as 1 - exp(1 - 2 light) / 2. Bytes are square roots of shares.
+ * a pixel shows; above, highlights roll off as 1 - exp(1 - 2 light) / 2. Bytes are square roots of shares. A voxel that
+ * shows in part takes as many of a pixel's rays as its alpha tells, and from an alpha of a half on it has a shadow.
  * svo_scene_target and svo_light_target say what others' pictures show. A picture is the same on every run.
  *
  * The first call of a device handle compiles the kernel, and views of a tree with triangles, all but SVO_VIEW_SHADED,

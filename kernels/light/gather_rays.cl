@@ -31,7 +31,7 @@ static svo_path_start svo_gather_next(const svo_gather_place *place, float expon
     svo_path_start path = {(float3)(0.0f), number > 0u && number < diffuse_end, 0u, seed};
     if (number > 0u) {
         path.index = path.is_cosine ? number - 1u : number - diffuse_end;
-        path.seed = path.is_cosine ? seed : svo_path_hash(seed);
+        path.seed = path.is_cosine ? seed : svo_hash(seed);
         path.direction = svo_path_direction(path.is_cosine ? place->frame.normal : place->reflected,
                                             path.is_cosine ? 1.0f : exponent, svo_path_pair(path.index, path.seed));
     }

@@ -99,12 +99,12 @@ static float3 svo_picture_radiance(const svo_lit_picture *picture, const svo_lit
 
 /* What a view shows of what a place of the picture meets; false: it meets nothing. */
 SVO_INLINED bool svo_picture_look(const svo_lit_picture *picture, const svo_picture_screen *screen, float2 place,
-                                  float3 *radiance)
+                                  svo_alpha_ray set, float3 *radiance)
 {
     const svo_ray ray = svo_screen_ray(picture, place);
     svo_lit_surface surface;
     float3 direct;
-    if (!svo_direct_see(picture, &ray, &surface, &direct)) {
+    if (!svo_direct_see(picture, &ray, set, &surface, &direct)) {
         return false;
     }
     svo_lit_payload(picture, &surface);
@@ -122,7 +122,8 @@ SVO_INLINED float4 svo_picture_pixel(const svo_lit_picture *picture, const svo_p
     for (uint sample = 0; sample < samples; ++sample) {
         const float2 place = (float2)((float)x, (float)y) + svo_pixel_place(sample, samples);
         float3 radiance;
-        const bool meets = svo_picture_look(picture, screen, place, &radiance);
+        const svo_alpha_ray set = {sample, samples};
+        const bool meets = svo_picture_look(picture, screen, place, set, &radiance);
         if (!meets) {
             sum += svo_picture_background(picture);
         } else {

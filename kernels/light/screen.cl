@@ -26,7 +26,8 @@ svo_k_screen_points(SVO_LIT_PARAMETERS, __global svo_gather_point *points, svo_s
     const svo_ray ray = svo_screen_ray(&picture, 2.0f * convert_float2(cell) + 1.0f);
     svo_gather_point point = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}, 0.0f, {0u, 0u}};
     svo_lit_met met;
-    if (svo_lit_trace(&picture, &ray, false, &met)) {
+    const svo_alpha_ray alone = {0u, 1u};
+    if (svo_lit_trace(&picture, &ray, false, alone, &met)) {
         svo_lit_surface surface;
         svo_lit_place(&picture, &ray, &met, &surface);
         vstore3(surface.point, 0, point.position);

@@ -72,11 +72,12 @@ SVO_INLINED float3 svo_shade_cones(const svo_lit_picture *picture, const svo_lit
 }
 
 /* What comes along a ray. */
-SVO_INLINED float3 svo_shade_radiance(const svo_lit_picture *picture, const svo_ray *ray, svo_shade_cache *cache)
+SVO_INLINED float3 svo_shade_radiance(const svo_lit_picture *picture, const svo_ray *ray, svo_alpha_ray set,
+                                      svo_shade_cache *cache)
 {
     svo_lit_surface surface;
     float3 direct;
-    if (!svo_direct_see(picture, ray, &surface, &direct)) {
+    if (!svo_direct_see(picture, ray, set, &surface, &direct)) {
         return vload3(0, picture->params.sky);
     }
     svo_lit_payload(picture, &surface);
@@ -94,6 +95,7 @@ svo_k_light_shade(SVO_LIT_PARAMETERS, __global const svo_ray *rays, __global flo
     svo_shade_cache cache = {kept, 0u};
     for (uint i = first; i < end; ++i) {
         const svo_ray ray = rays[i];
-        vstore3(svo_shade_radiance(&picture, &ray, &cache), i, radiance);
+        const svo_alpha_ray set = {i % SVO_SHADE_RAYS, SVO_SHADE_RAYS};
+        vstore3(svo_shade_radiance(&picture, &ray, set, &cache), i, radiance);
     }
 }

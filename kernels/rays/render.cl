@@ -8,11 +8,25 @@
  * Launch: one group per 8 x 8 pixels, one dimension, of SVO_GROUP_ITEMS or, with tiles, one work-item; in bands of
  * tiles by its offset. Reads the nodes and, with -DSVO_COLOR and -DSVO_NORMAL, the payload; writes one
  * RGBA8 word or four floats per pixel. No atomics, no local memory.
+ *
+ * What shows in part takes its share of the samples of a pixel, and of the rays that openness is measured by; from an
+ * alpha of a half on it hides the sun.
  */
 #include "shared/layout.h"
 
 #include "rays/surface.clh"
 #include "rays/tile.clh"
+
+/* The colors of a tree that does not show whole: the root, which is the first, has them all. */
+static __global const uchar *svo_cast_clear(__global const uchar *colors)
+{
+#ifdef SVO_COLOR
+    return colors[3] != 255u ? colors : 0;
+#else
+    (void)colors;
+    return 0;
+#endif
+}
 
 #ifndef SVO_CAST_TILES
 
@@ -27,8 +41,10 @@ static float svo_cast_openness(const svo_cast_picture *picture, const svo_cast_s
     ray.origin = surface->point;
     ray.footprint = SVO_SHADE_OCCLUSION_FOOTPRINT;
     ray.range = svo_cast_occlusion_range(picture, surface);
+    ray.alpha.count = SVO_SHADE_OCCLUSION_RAYS;
     for (int k = 0; k < SVO_SHADE_OCCLUSION_RAYS; ++k) {
         ray.direction = svo_shade_occlusion_direction(surface->normal, k);
+        ray.alpha.index = (uint)k;
         open += svo_cast(&picture->tree, &ray, &hit) ? hit.distance / ray.range : 1.0f;
     }
     return open / (float)SVO_SHADE_OCCLUSION_RAYS;
@@ -43,6 +59,8 @@ static bool svo_cast_is_sunlit(const svo_cast_picture *picture, const svo_cast_s
     ray.origin = surface->point + part.x * ray.direction;
     ray.footprint = 0.0f;
     ray.range = fmin(part.y - part.x, SVO_CAST_FAR);
+    ray.alpha.index = 0u;
+    ray.alpha.count = 1u;
     return dot(surface->normal, ray.direction) > 0.0f && !svo_cast(&picture->tree, &ray, &blocker);
 }
 
@@ -58,11 +76,13 @@ static float4 svo_cast_pixel(const svo_cast_picture *picture, uint x, uint y)
     uint met = 0u;
     const float3 eye = svo_params_vector(picture->params->eye);
     ray.footprint = picture->params->footprint;
+    ray.alpha.count = samples;
     for (uint sample = 0u; sample < samples; ++sample) {
         ray.direction = svo_cast_direction(picture->params, x, y, sample);
         const float2 part = svo_cast_part(picture->params, eye, ray.direction);
         ray.origin = eye + part.x * ray.direction;
         ray.range = fmin(part.y - part.x, SVO_CAST_FAR);
+        ray.alpha.index = sample;
         is_lit = is_lit && sample % SVO_CAST_SAMPLES != 0u;
         if (!svo_cast(&picture->tree, &ray, &hit)) {
             sum += svo_cast_background(picture, y);
@@ -106,6 +126,7 @@ svo_k_cast(SVO_NODES_PARAMETERS, __global const uchar *colors, __global const sh
     SVO_NODES_MAKE(nodes);
     picture.tree.nodes = nodes;
     picture.tree.depth = params->depth;
+    picture.tree.colors = svo_cast_clear(colors);
     picture.colors = colors;
     picture.normals = normals;
     picture.params = params;

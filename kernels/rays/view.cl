@@ -140,6 +140,7 @@ static svo_view_seen svo_view_voxel(const svo_tree *tree, const svo_cast_ray *ra
     svo_view_seen seen;
     cast.nodes = tree->voxels;
     cast.depth = tree->params.depth;
+    cast.colors = 0;
     seen.shown = (float3)(0.0f);
     seen.met = svo_cast(&cast, ray, &hit);
     hit.axis = first > 0.0f && hit.distance == 0.0f ? cut_axis : hit.axis;

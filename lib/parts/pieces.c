@@ -96,6 +96,10 @@ static svo_i_part_payload round_sums(const svo_i_part_root *root, uint32_t face_
         const uint64_t by = i == 3 || alpha == 0 ? weight : alpha;
         payload.color[i] = (uint8_t)((2 * root->sums.color[i] + by) / (2 * by));
     }
+    /* 0 and 255 are the alphas of nothing and all. */
+    const uint8_t least = alpha != 0 ? 1 : 0;
+    const uint8_t most = alpha == 255 * weight ? 255 : 254;
+    payload.color[3] = payload.color[3] < least ? least : payload.color[3] > most ? most : payload.color[3];
     /* The offset makes the dividend positive, since a sum is at most 32768 times the weight. */
     for (unsigned i = 0; i < 3; ++i) {
         const uint64_t shifted = 2 * (uint64_t)root->sums.normal[i] + weight + (weight << 16);

@@ -69,8 +69,12 @@ static void fill_child(filter_case *c, uint32_t child, uint64_t *random)
         const uint64_t x = svo_i_proof_next(random);
         const uint64_t sum = by > 0 ? (x >> 40) % 255 * by + rest_of(by, x) : 0;
         c->children.colors[(size_t)child * 4 + k] = sum;
-        c->colors[child] |= by > 0 ? (uint32_t)((2 * sum + by) / (2 * by)) << 8 * k : 0;
-        by = k == 3 ? sum : by;
+        uint32_t mean = by > 0 ? (uint32_t)((2 * sum + by) / (2 * by)) : 0;
+        if (k == 3) {
+            mean = sum != 0 && mean == 0 ? 1 : sum != 255 * by && mean == 255 ? 254 : mean;
+            by = sum;
+        }
+        c->colors[child] |= mean << 8 * k;
     }
     for (unsigned k = 0; k < 3; ++k) {
         const uint64_t x = svo_i_proof_next(random);

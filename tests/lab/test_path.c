@@ -443,12 +443,12 @@ static void colors_are_decoded_after_they_are_multiplied(void **state)
     double albedo[3];
     mesh.vertex_count = 3;
     mesh.triangle_count = 1;
-    path_albedo(&mesh, 0, 0.2, 0.3, albedo);
+    (void)path_albedo(&mesh, 0, 0.2, 0.3, albedo);
     assert_near("clay", albedo[2], 0.6, 0);
     mesh.colors = colors;
     mesh.materials = &material;
     mesh.material_count = 1;
-    path_albedo(&mesh, 0, 0.2, 0.3, albedo);
+    (void)path_albedo(&mesh, 0, 0.2, 0.3, albedo);
     assert_near("red", albedo[0], 0.502886, 1e-6);
     assert_near("green", albedo[1], 0, 0);
     assert_near("blue", albedo[2], 10 / 255.0 / 12.92, 1e-12);
@@ -456,8 +456,31 @@ static void colors_are_decoded_after_they_are_multiplied(void **state)
     mesh.textures = &texture;
     mesh.texture_count = 1;
     mesh.uvs = uvs;
-    path_albedo(&mesh, 0, 0.2, 0.3, albedo);
+    (void)path_albedo(&mesh, 0, 0.2, 0.3, albedo);
     assert_near("between two texels", albedo[0], pow((94 / 255.0 + 0.055) / 1.055, 2.4), 1e-9);
+}
+
+/* A green that shows beside texels that do not: the color is the green's, alpha that of the place. */
+static void hidden_texels_have_no_color(void **state)
+{
+    (void)state;
+    static const uint8_t texels[] = {0, 255, 0, 255, 255, 0, 255, 0};
+    static const float uvs[] = {0.5F, 0.5F, 0.5F, 0.5F, 0.5F, 0.5F};
+    const svo_texture texture = {.rgba = texels, .width = 2, .height = 1, .wrap_u = SVO_WRAP_CLAMP};
+    const svo_material material = {.rgba = {255, 255, 255, 51}};
+    const svo_mesh mesh = {.struct_size = sizeof mesh,
+                           .vertex_count = 3,
+                           .triangle_count = 1,
+                           .uvs = uvs,
+                           .materials = &material,
+                           .material_count = 1,
+                           .textures = &texture,
+                           .texture_count = 1};
+    double albedo[3];
+    const double alpha = path_albedo(&mesh, 0, 0.2, 0.3, albedo);
+    assert_near("red", albedo[0], 0, 1e-12);
+    assert_near("green", albedo[1], 1, 1e-12);
+    assert_near("alpha", alpha, 0.1, 1e-12);
 }
 
 /* The faces of a box, two triangles each, get points in proportion to their areas; refused triangles get none. */
@@ -503,6 +526,7 @@ TEST_GROUP(path)
         cmocka_unit_test(threads_do_not_change_the_result),
         cmocka_unit_test(points_without_a_place_are_open_and_dark),
         cmocka_unit_test(colors_are_decoded_after_they_are_multiplied),
+        cmocka_unit_test(hidden_texels_have_no_color),
         cmocka_unit_test(points_are_spread_by_area),
     };
     return cmocka_run_group_tests_name("path", tests, fixture_group_setup, fixture_group_teardown);

@@ -193,10 +193,10 @@ void cone_scene_add_point(cone_scene *scene, const double position[3], const dou
 
 /* ---- gathering ---- */
 
-svo_tree *cone_scene_build(const fixture *opened, const cone_scene *scene, uint32_t need)
+/* mesh: without the triangles. */
+static svo_tree *build(const fixture *opened, const cone_scene *scene, svo_mesh mesh, uint32_t need)
 {
     svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
-    svo_mesh mesh = SVO_MESH_INIT;
     built made;
     mesh.positions = scene->corners;
     mesh.vertex_count = 3 * scene->triangle_count;
@@ -208,6 +208,28 @@ svo_tree *cone_scene_build(const fixture *opened, const cone_scene *scene, uint3
     made.tree = NULL;
     built_destroy(&made);
     return tree;
+}
+
+svo_tree *cone_scene_build(const fixture *opened, const cone_scene *scene, uint32_t need)
+{
+    return build(opened, scene, (svo_mesh)SVO_MESH_INIT, need);
+}
+
+svo_tree *cone_scene_build_colored(const fixture *opened, const cone_scene *scene, size_t plain,
+                                   const uint8_t colors[2][4], uint32_t need)
+{
+    svo_material materials[2] = {{.texture_index = SVO_NO_TEXTURE}, {.texture_index = SVO_NO_TEXTURE}};
+    uint16_t of_triangles[CONE_SCENE_TRIANGLES_MAX];
+    svo_mesh mesh = SVO_MESH_INIT;
+    for (size_t i = 0; i < scene->triangle_count; ++i) {
+        of_triangles[i] = i < plain ? 0 : 1;
+    }
+    memcpy(materials[0].rgba, colors[0], sizeof materials[0].rgba);
+    memcpy(materials[1].rgba, colors[1], sizeof materials[1].rgba);
+    mesh.materials = materials;
+    mesh.material_count = 2;
+    mesh.triangle_materials = of_triangles;
+    return build(opened, scene, mesh, need);
 }
 
 void cone_scene_gather(const fixture *opened, cone_scene *scene, svo_light *light, const svo_gather_options *options)

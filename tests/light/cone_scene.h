@@ -46,6 +46,10 @@ void cone_scene_add_point(cone_scene *scene, const double position[3], const dou
 
 /* Builds a tree with areas and normals; the caller destroys it. */
 svo_tree *cone_scene_build(const fixture *opened, const cone_scene *scene, uint32_t need);
+/* Builds a tree of the scene's triangles, of which the first `plain` have material 0 and the others material 1; colors:
+   of the materials. The caller destroys it. */
+svo_tree *cone_scene_build_colored(const fixture *opened, const cone_scene *scene, size_t plain,
+                                   const uint8_t colors[2][4], uint32_t need);
 /* Gathers at all points, into results. options: NULL means 16 cones. */
 void cone_scene_gather(const fixture *opened, cone_scene *scene, svo_light *light, const svo_gather_options *options);
 /* The same with the light of a form, which lives for the call. */

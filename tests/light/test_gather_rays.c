@@ -158,31 +158,11 @@ static void range_and_falloff_count(void **state)
 
 /* ---- light ---- */
 
-/* A tree of the scene's triangles, of which the first `plain` have material 0 and the others material 1. */
+/* A tree of the scene's triangles, the first `plain` with material 0 and the others with material 1, of one gray. */
 static svo_tree *build_materials(const fixture *opened, const cone_scene *scene, size_t plain, uint8_t gray)
 {
-    const svo_material materials[2] = {{.rgba = {gray, gray, gray, 255}, .texture_index = SVO_NO_TEXTURE},
-                                       {.rgba = {gray, gray, gray, 255}, .texture_index = SVO_NO_TEXTURE}};
-    uint16_t of_triangles[CONE_SCENE_TRIANGLES_MAX];
-    svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
-    svo_mesh mesh = SVO_MESH_INIT;
-    built made;
-    for (size_t i = 0; i < scene->triangle_count; ++i) {
-        of_triangles[i] = i < plain ? 0 : 1;
-    }
-    mesh.positions = scene->corners;
-    mesh.vertex_count = 3 * scene->triangle_count;
-    mesh.triangle_count = scene->triangle_count;
-    mesh.materials = materials;
-    mesh.material_count = 2;
-    mesh.triangle_materials = of_triangles;
-    options.edge = ldexp(1, (int)scene->depth);
-    options.need = SVO_NEED_COLOR | SVO_NEED_MATERIAL | SVO_NEED_RAYS;
-    fixture_build(opened, &mesh, scene->depth, &options, &made);
-    svo_tree *tree = made.tree;
-    made.tree = NULL;
-    built_destroy(&made);
-    return tree;
+    const uint8_t colors[2][4] = {{gray, gray, gray, 255}, {gray, gray, gray, 255}};
+    return cone_scene_build_colored(opened, scene, plain, colors, SVO_NEED_COLOR | SVO_NEED_MATERIAL | SVO_NEED_RAYS);
 }
 
 /* All walls emit e and reflect a of what they get: e (1 + a + ... + a^(bounces - 1)) comes from everywhere, so that no
@@ -251,6 +231,44 @@ static void emitters_light_what_they_face(void **state)
                    0.02 * (3 - channel) * PI * share);
         check_near("its mirror image", (double)scene->results[0].specular[channel], 3 - channel, 1e-4);
     }
+    svo_light_destroy(&light);
+    svo_tree_destroy(&tree);
+    cone_scene_free(scene);
+}
+
+/* Two panes above a point that let .6 and .2 of the light through, of a sky and of a lamp. */
+static void panes_let_their_share_through(void **state)
+{
+    static const uint8_t colors[2][4] = {{0, 0, 0, 102}, {0, 0, 0, 204}};
+    static const double far_off = 60;
+    static const double heights[2] = {6, 20};
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_light_source lamp = {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {0, 0, -1}, .value = {1, 1, 1}};
+    const svo_light_setup setup = {.struct_size = sizeof setup, .sources = &lamp, .source_count = 1, .sky = {1, 1, 1}};
+    const svo_gather_options options = by_rays(16384, 2);
+    const svo_gather_options occlusion = {
+        .struct_size = sizeof occlusion, .method = SVO_GATHER_RAYS, .paths = 16384, .no_light = 1, .range = 1000};
+    const double eye[3] = {0, 0, 0};
+    cone_scene *scene = cone_scene_new(DEPTH, 12);
+    cone_scene_pose(scene, false, 1);
+    for (int k = 0; k < 2; ++k) {
+        const double corner[3] = {-far_off, -far_off, heights[k]};
+        cone_scene_add_quad(scene, corner, (const double[3]){2 * far_off, 0, 0}, (const double[3]){0, 2 * far_off, 0});
+    }
+    cone_scene_add_point(scene, eye, up, 0);
+    svo_tree *tree =
+        cone_scene_build_colored(&opened, scene, 2, colors, SVO_NEED_COLOR | SVO_NEED_MATERIAL | SVO_NEED_RAYS);
+    svo_light *light = light_of(&opened, tree, SVO_LIGHT_FACES);
+    light_succeed(&opened, svo_light_set_sources(light, &setup, opened.queue));
+    const double low = rectangle_factor(far_off / heights[0], far_off / heights[0]);
+    const double high = rectangle_factor(far_off / heights[1], far_off / heights[1]);
+    const double open = 1 - low + 0.6 * (low - high) + 0.6 * 0.2 * high;
+    cone_scene_gather(&opened, scene, light, &options);
+    check_near("openness under panes", (double)scene->results[0].openness, open, 0.004);
+    check_near("light of the sky", (double)scene->results[0].irradiance[1], PI * open, 0.004 * PI);
+    check_near("light of the lamp", (double)scene->results[0].direct[1], 0.6 * 0.2, 1e-3);
+    cone_scene_gather(&opened, scene, light, &occlusion);
+    check_near("openness alone", (double)scene->results[0].openness, open, 0.004);
     svo_light_destroy(&light);
     svo_tree_destroy(&tree);
     cone_scene_free(scene);
@@ -505,17 +523,12 @@ static void voxels_are_met_too(void **state)
 TEST_GROUP(gather_rays)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(openings_have_their_share),
-        cmocka_unit_test(closed_rooms_are_closed),
-        cmocka_unit_test(range_and_falloff_count),
-        cmocka_unit_test(furnaces_have_their_radiance),
-        cmocka_unit_test(emitters_light_what_they_face),
-        cmocka_unit_test(sources_light_directly),
-        cmocka_unit_test(cones_have_a_ray_to_each_source),
-        cmocka_unit_test(few_paths_find_small_lamps),
-        cmocka_unit_test(errors_are_estimated),
-        cmocka_unit_test(points_do_not_depend_on_others),
-        cmocka_unit_test(voxels_are_met_too),
+        cmocka_unit_test(openings_have_their_share),      cmocka_unit_test(closed_rooms_are_closed),
+        cmocka_unit_test(range_and_falloff_count),        cmocka_unit_test(furnaces_have_their_radiance),
+        cmocka_unit_test(emitters_light_what_they_face),  cmocka_unit_test(panes_let_their_share_through),
+        cmocka_unit_test(sources_light_directly),         cmocka_unit_test(cones_have_a_ray_to_each_source),
+        cmocka_unit_test(few_paths_find_small_lamps),     cmocka_unit_test(errors_are_estimated),
+        cmocka_unit_test(points_do_not_depend_on_others), cmocka_unit_test(voxels_are_met_too),
     };
     return cmocka_run_group_tests_name("gather_rays", tests, fixture_group_setup, fixture_group_teardown);
 }

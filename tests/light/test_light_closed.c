@@ -98,29 +98,15 @@ static void turn_round(cone_scene *scene)
 static void gather_lit(const fixture *opened, cone_scene *scene, size_t plain, uint8_t gray,
                        const svo_light_setup *setup, const svo_gather_options *options)
 {
-    const svo_material materials[2] = {{.rgba = {gray, gray, gray, 255}, .texture_index = SVO_NO_TEXTURE},
-                                       {.rgba = {gray, gray, gray, 255}, .texture_index = SVO_NO_TEXTURE}};
-    uint16_t of_triangles[CONE_SCENE_TRIANGLES_MAX];
-    svo_plan_options asked = SVO_PLAN_OPTIONS_INIT;
-    svo_mesh mesh = SVO_MESH_INIT;
-    built made;
-    for (size_t i = 0; i < scene->triangle_count; ++i) {
-        of_triangles[i] = i < plain ? 0 : 1;
-    }
-    mesh.positions = scene->corners;
-    mesh.vertex_count = 3 * scene->triangle_count;
-    mesh.triangle_count = scene->triangle_count;
-    mesh.materials = materials;
-    mesh.material_count = 2;
-    mesh.triangle_materials = of_triangles;
-    asked.edge = ldexp(1, (int)scene->depth);
-    asked.need = SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_MATERIAL | SVO_NEED_RAYS | SVO_NEED_PROJECTED_AREA;
-    fixture_build(opened, &mesh, scene->depth, &asked, &made);
-    svo_light *light = light_of(opened, made.tree, SVO_LIGHT_FACES);
+    const uint8_t colors[2][4] = {{gray, gray, gray, 255}, {gray, gray, gray, 255}};
+    svo_tree *tree = cone_scene_build_colored(opened, scene, plain, colors,
+                                              SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_MATERIAL | SVO_NEED_RAYS |
+                                                  SVO_NEED_PROJECTED_AREA);
+    svo_light *light = light_of(opened, tree, SVO_LIGHT_FACES);
     light_succeed(opened, svo_light_set_sources(light, setup, opened->queue));
     cone_scene_gather(opened, scene, light, options);
     svo_light_destroy(&light);
-    built_destroy(&made);
+    svo_tree_destroy(&tree);
 }
 
 /* Under a sky of radiance 1, in black surroundings. */

@@ -17,6 +17,7 @@
 
 #include "support/compare_tree.h"
 #include "support/meshes.h"
+#include "support/payload_reference.h"
 #include "support/suite.h"
 
 #define EDGE 0x1p20
@@ -466,7 +467,8 @@ static void assert_node_color(const built *actual, size_t node, const pair_sums 
 {
     for (unsigned channel = 0; channel < 4; ++channel) {
         const uint64_t by = channel < 3 && sums->color[3] > 0 ? sums->color[3] : sums->pairs;
-        const uint64_t mean = (2 * sums->color[channel] + by) / (2 * by);
+        const uint64_t rounded = (2 * sums->color[channel] + by) / (2 * by);
+        const uint64_t mean = channel < 3 ? rounded : payload_alpha(rounded, sums->color[3], sums->pairs);
         if (actual->arrays.colors[node * 4 + channel] != mean) {
             fail_msg("node %zu, channel %u: %u, not %llu / %llu", node, channel,
                      actual->arrays.colors[node * 4 + channel], (unsigned long long)sums->color[channel],

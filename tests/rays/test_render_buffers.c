@@ -3,7 +3,7 @@
  * Pictures in buffers of the caller's: of trees, compact trees, scenes and lights. Their bytes are those of pictures
  * for the host; they wait for the caller's events and nothing waits for them, but where there is no svo_submit; what
  * cannot take a picture is refused and stays as it is. And what of each pixel is written: bytes or floats, samples,
- * backgrounds.
+ * backgrounds, and what shows in part.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -415,6 +415,89 @@ static void more_samples_come_closer(void **state)
     release_drawn(of);
 }
 
+/* Squares one behind the other that show in part, over a wall that is not there. */
+static void make_panes(const drawn *of, const uint8_t alphas[2], built *made)
+{
+    static const float positions[24] = {0, 0, 0.3F, 1, 0, 0.3F, 1, 1, 0.3F, 0, 1, 0.3F,
+                                        0, 0, 0.7F, 1, 0, 0.7F, 1, 1, 0.7F, 0, 1, 0.7F};
+    static const uint32_t indices[12] = {0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7};
+    static const uint16_t of_triangles[4] = {0, 0, 1, 1};
+    const svo_material materials[2] = {{.rgba = {255, 255, 255, alphas[0]}, .texture_index = SVO_NO_TEXTURE},
+                                       {.rgba = {255, 255, 255, alphas[1]}, .texture_index = SVO_NO_TEXTURE}};
+    const svo_plan_options options = {.struct_size = sizeof options, .need = SVO_NEED_ALL, .edge = 1};
+    const svo_mesh mesh = {.struct_size = sizeof mesh,
+                           .positions = positions,
+                           .vertex_count = 8,
+                           .indices = indices,
+                           .triangle_count = 4,
+                           .triangle_materials = of_triangles,
+                           .materials = materials,
+                           .material_count = 2};
+    fixture_build(&of->opened, &mesh, DEPTH, &options, made);
+}
+
+/* The share of a picture's samples that met a pane, and the largest deviation of a pixel's from it. */
+static double share_of_panes(const drawn *of, svo_target target, const char *name, float fov, double *deviation)
+{
+    enum { SIDE = 16 };
+    static float pixels[SIDE * SIDE * 4];
+    const svo_render_options asked = {
+        .struct_size = sizeof asked,
+        .width = SIDE,
+        .height = SIDE,
+        .camera = {.eye = {0.515F, 0.515F, 40}, .target = {0.515F, 0.515F, 0}, .up = {0, 1, 0}, .vertical_fov = fov},
+        .output = {.samples = 4, .background = SVO_BACKGROUND_TRANSPARENT, .format = SVO_PIXELS_LINEAR}};
+    double share = 0;
+    succeed(of, name, svo_render(target, &asked, svo_in_host(pixels), NULL));
+    for (size_t i = 0; i < (size_t)SIDE * SIDE; ++i) {
+        share += (double)pixels[4 * i + 3] / (SIDE * SIDE);
+    }
+    *deviation = 0;
+    for (size_t i = 0; i < (size_t)SIDE * SIDE; ++i) {
+        *deviation = fmax(*deviation, fabs((double)pixels[4 * i + 3] - share));
+    }
+    return share;
+}
+
+/* A pane takes as many of a pixel's samples as its alpha tells, whatever is drawn; two take theirs by chance. */
+static void panes_take_their_share_of_samples(void **state)
+{
+    static const struct {
+        uint8_t alphas[2];
+        double share, bound, deviation;
+    } cases[] = {{{128, 0}, 0.5, 0, 0},  {{0, 64}, 0.25, 0, 0},       {{255, 128}, 1, 0, 0},
+                 {{0, 0}, 0, 0, 0},      {{128, 128}, 0.75, 0.06, 1}, {{1, 254}, 1, 0, 0},
+                 {{192, 0}, 0.75, 0, 0}, {{200, 200}, 0.94, 0.06, 1}};
+    drawn *of = make_drawn(state);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        const svo_compact_options masks = {.struct_size = sizeof masks, .form = SVO_FORM_IMPLIED};
+        svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
+        svo_compact *compact = NULL;
+        built made;
+        make_panes(of, cases[i].alphas, &made);
+        svo_light *light = light_of(&of->opened, made.tree, SVO_LIGHT_VOXELS);
+        light_succeed(&of->opened, svo_light_set_sources(light, &setup, of->opened.queue));
+        light_succeed(&of->opened,
+                      svo_compact_create(of->opened.device, made.tree, &masks, of->opened.queue, &compact));
+        const svo_target targets[3] = {svo_tree_target(made.tree), svo_compact_target(compact),
+                                       svo_light_target(light)};
+        for (size_t k = 0; k < 3; ++k) {
+            static const char *const kinds[3] = {"panes of a tree", "of a compact tree", "of a light"};
+            double deviation = 0;
+            const double share =
+                share_of_panes(of, targets[k], kinds[k], cases[i].bound > 0 ? 0.02F : 0.0002F, &deviation);
+            if (!(fabs(share - cases[i].share) <= cases[i].bound && deviation <= cases[i].deviation)) {
+                fail_msg("%s, %u and %u: share %g, not %g within %g; pixels deviate by %g", kinds[k],
+                         cases[i].alphas[0], cases[i].alphas[1], share, cases[i].share, cases[i].bound, deviation);
+            }
+        }
+        svo_compact_destroy(&compact);
+        svo_light_destroy(&light);
+        built_destroy(&made);
+    }
+    release_drawn(of);
+}
+
 /* The number that a view shows: how far away what it meets is, in world units. */
 static void depths_are_distances(void **state)
 {
@@ -685,6 +768,7 @@ TEST_GROUP(render_buffers)
         cmocka_unit_test(backgrounds_are_behind_everything),
         cmocka_unit_test(floats_are_the_light_of_bytes),
         cmocka_unit_test(more_samples_come_closer),
+        cmocka_unit_test(panes_take_their_share_of_samples),
         cmocka_unit_test(depths_are_distances),
         cmocka_unit_test(wrong_outputs_are_refused),
         cmocka_unit_test(pictures_wait_for_events_and_not_the_host),

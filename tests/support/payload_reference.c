@@ -165,6 +165,11 @@ static int64_t texel_position(int64_t coordinate, uint32_t texel_count)
     return round_half_up(coordinate * texel_count * 256, WEIGHT_ONE) - 128;
 }
 
+uint8_t payload_alpha(uint64_t rounded, uint64_t sum, uint64_t weight)
+{
+    return rounded == 0 && sum > 0 ? 1 : rounded == 255 && sum < 255 * weight ? 254 : (uint8_t)rounded;
+}
+
 /* A channel of a texel; red, green and blue times alpha. */
 static int64_t weighed_texel(const svo_texture *texture, int64_t column, int64_t row, unsigned channel)
 {
@@ -352,6 +357,7 @@ static void write_node(const surface *of, size_t node, uint32_t level, const sum
         const int64_t by = channel < 3 && from->color[3] > 0 ? from->color[3] : weight;
         out->colors[node * 4 + channel] = (uint8_t)round_half_up(from->color[channel], by);
     }
+    out->colors[node * 4 + 3] = payload_alpha(out->colors[node * 4 + 3], (uint64_t)from->color[3], (uint64_t)weight);
     for (unsigned axis = 0; axis < 3; ++axis) {
         out->normals[node * 3 + axis] = (int16_t)round_half_up(from->normal[axis], weight);
     }

@@ -18,6 +18,10 @@
    cmocka test. */
 void assert_payload_is_exact(const svo_mesh *mesh, const exact *expected, const built *actual);
 
+/* The alpha of a node whose rounded mean is given: 0 and 255 are those of nothing and all. sum: of weights times
+   alpha. */
+uint8_t payload_alpha(uint64_t rounded, uint64_t sum, uint64_t weight);
+
 /* The color of each leaf in double precision, 0 .. 255 per channel. rgba: leaf_count * 4. */
 void payload_double_colors(const svo_mesh *mesh, const exact *expected, svo_weights weights, double *rgba);
 /* The area of the surface inside each leaf in double precision, in faces of a voxel. */

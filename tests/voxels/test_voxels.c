@@ -18,6 +18,7 @@
 #include "scenes.h"
 #include "support/fixture.h"
 #include "support/meshes.h"
+#include "support/payload_reference.h"
 #include "support/suite.h"
 
 enum { COUNT = 3000 };
@@ -229,7 +230,8 @@ static void check_node(const svo_tree *tree, const svo_tree_arrays *arrays, uint
     assert_int_equal(arrays->materials[node.index], 1000 * heaviest);
     for (int channel = 0; channel < 4; ++channel) {
         const uint64_t by = channel < 3 && expected->color[3] > 0 ? expected->color[3] : expected->count;
-        const uint64_t mean = (2 * expected->color[channel] + by) / (2 * by);
+        const uint64_t rounded = (2 * expected->color[channel] + by) / (2 * by);
+        const uint64_t mean = channel < 3 ? rounded : payload_alpha(rounded, expected->color[3], expected->count);
         if (arrays->colors[4 * (size_t)node.index + (size_t)channel] != mean) {
             fail_msg("level %u node %u channel %d: %d, expected %llu", level, node.index, channel,
                      arrays->colors[4 * (size_t)node.index + (size_t)channel], (unsigned long long)mean);
@@ -398,8 +400,7 @@ static void empty_and_single_lists_build(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
     for (uint64_t count = 0; count < 3; ++count) { /* of the last, nothing shows */
-        const svo_voxel one = {
-            .x = -7, .y = 5, .z = 1 << 20, .rgba = {1, 2, 3, count == 2 ? 0 : 4}, .material = 65534};
+        const svo_voxel one = {.x = -7, .y = 5, .z = 1 << 20, .rgba = {1, 2, 3, count == 2 ? 0 : 4}, .material = 65534};
         const bool shows = count < 2;
         svo_voxels_source source = SVO_VOXELS_SOURCE_INIT;
         svo_tree_info info = SVO_TREE_INFO_INIT;

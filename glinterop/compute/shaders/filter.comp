@@ -135,13 +135,22 @@ layout(std430, binding = SVO_BINDING_COLORS) writeonly buffer Colors
 
 /* (2 s + w) / (2 w), that is s / w rounded half up; w is the sum of alpha, and for alpha the weight. Black if nothing
    shows. Small sums divide in 32 bits. */
-uvec4 svo_mean_color(u64vec4 sum, uint64_t weight)
+uvec4 svo_rounded_color(u64vec4 sum, uint64_t weight)
 {
     u64vec4 by = u64vec4(u64vec3(max(sum.w, uint64_t(1))), weight);
     if (max(sum.w, weight) < uint64_t(1 << 22)) {
         return (2u * uvec4(sum) + uvec4(by)) / (2u * uvec4(by));
     }
     return uvec4((sum * uint64_t(2) + by) / (uint64_t(2) * by));
+}
+
+/* Alpha is 255 where all shows, and 0 where nothing does, and nowhere else. */
+uvec4 svo_mean_color(u64vec4 sum, uint64_t weight)
+{
+    uvec4 mean = svo_rounded_color(sum, weight);
+    mean.w = max(mean.w, sum.w != uint64_t(0) ? 1u : 0u);
+    mean.w = min(mean.w, sum.w == uint64_t(255) * weight ? 255u : 254u);
+    return mean;
 }
 
 #endif

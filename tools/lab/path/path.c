@@ -3,7 +3,8 @@
  * Points are traced in groups whose rays fit a batch. Of each group: rays into the hemisphere above each point, with a
  * density in proportion to the cosine, so that means over rays are the integrals; what they meet; the sources' light
  * there, one batch of shadow rays for each source; means over the rays of each set. Light falls off with the inverse
- * square, and spots have a soft edge. Colors are as svo_material describes them, in double precision.
+ * square, and spots have a soft edge. Colors are as svo_material describes them, in double precision. Rays go through
+ * what shows in part, by chance, as its alpha at the point tells.
  */
 #include "path/path.h"
 
@@ -81,21 +82,24 @@ static uint32_t wrapped(int64_t texel, uint32_t count, svo_wrap wrap)
     return (uint32_t)(inside < (int64_t)count ? inside : period - 1 - inside);
 }
 
-/* Bilinear: texel i covers i .. i + 1 and has its value in the middle. */
-static void sample_texture(const svo_texture *image, const double uv[2], double color[3])
+/* Bilinear: texel i covers i .. i + 1 and has its value in the middle. Red, green and blue weigh by alpha. */
+static void sample_texture(const svo_texture *image, const double uv[2], double color[4])
 {
     const double x = uv[0] * image->width - 0.5;
     const double y = uv[1] * image->height - 0.5;
     const double share[2] = {x - floor(x), y - floor(y)};
-    memset(color, 0, 3 * sizeof *color);
+    memset(color, 0, 4 * sizeof *color);
     for (int k = 0; k < 4; ++k) {
         const uint32_t column = wrapped((int64_t)floor(x) + (k & 1), image->width, image->wrap_u);
         const uint32_t row = wrapped((int64_t)floor(y) + (k >> 1), image->height, image->wrap_v);
         const double weight = ((k & 1) != 0 ? share[0] : 1 - share[0]) * ((k >> 1) != 0 ? share[1] : 1 - share[1]);
         const uint8_t *texel = image->rgba + 4 * ((size_t)row * image->width + column);
-        for (int channel = 0; channel < 3; ++channel) {
-            color[channel] += weight * texel[channel] / 255;
+        for (int channel = 0; channel < 4; ++channel) {
+            color[channel] += weight * texel[channel] / 255 * (channel < 3 ? texel[3] / 255.0 : 1);
         }
+    }
+    for (int channel = 0; channel < 3; ++channel) {
+        color[channel] = color[3] > 0 ? color[channel] / color[3] : 0;
     }
 }
 
@@ -106,10 +110,10 @@ static double clamped_uv(float value)
 }
 
 static void multiply_texel(const svo_mesh *mesh, const svo_material *material, uint32_t triangle,
-                           const double weights[3], double color[3])
+                           const double weights[3], double color[4])
 {
     double uv[2] = {0, 0};
-    double texel[3];
+    double texel[4];
     if (material->texture_index >= mesh->texture_count || mesh->uvs == NULL) {
         return;
     }
@@ -119,16 +123,16 @@ static void multiply_texel(const svo_mesh *mesh, const svo_material *material, u
         uv[1] += weights[corner] * clamped_uv(own[1]);
     }
     sample_texture(&mesh->textures[material->texture_index], uv, texel);
-    for (int channel = 0; channel < 3; ++channel) {
+    for (int channel = 0; channel < 4; ++channel) {
         color[channel] *= texel[channel];
     }
 }
 
 /* ---- materials ---- */
 
-static void multiply_vertex_colors(const svo_mesh *mesh, uint32_t triangle, const double weights[3], double color[3])
+static void multiply_vertex_colors(const svo_mesh *mesh, uint32_t triangle, const double weights[3], double color[4])
 {
-    for (int channel = 0; channel < 3 && mesh->colors != NULL; ++channel) {
+    for (int channel = 0; channel < 4 && mesh->colors != NULL; ++channel) {
         double own = 0;
         for (size_t corner = 0; corner < 3; ++corner) {
             own += weights[corner] * mesh->colors[4 * (size_t)corner_of(mesh, triangle, corner) + (size_t)channel];
@@ -137,25 +141,46 @@ static void multiply_vertex_colors(const svo_mesh *mesh, uint32_t triangle, cons
     }
 }
 
-void path_albedo(const svo_mesh *mesh, uint32_t triangle, double u, double v, double albedo[3])
+double path_albedo(const svo_mesh *mesh, uint32_t triangle, double u, double v, double albedo[3])
 {
     const double weights[3] = {1 - u - v, u, v};
+    double color[4] = {1, 1, 1, 1};
     size_t index = 0;
     const svo_material *material = material_of(mesh, triangle, &index);
     if (material == NULL && mesh->colors == NULL) {
         albedo[0] = albedo[1] = albedo[2] = PATH_CLAY;
-        return;
+        return 1;
     }
-    for (int channel = 0; channel < 3; ++channel) {
-        albedo[channel] = material != NULL ? material->rgba[channel] / 255.0 : 1;
+    for (int channel = 0; channel < 4 && material != NULL; ++channel) {
+        color[channel] = material->rgba[channel] / 255.0;
     }
-    multiply_vertex_colors(mesh, triangle, weights, albedo);
+    multiply_vertex_colors(mesh, triangle, weights, color);
     if (material != NULL) {
-        multiply_texel(mesh, material, triangle, weights, albedo);
+        multiply_texel(mesh, material, triangle, weights, color);
     }
     for (int channel = 0; channel < 3; ++channel) {
-        albedo[channel] = decode_srgb(albedo[channel]);
+        albedo[channel] = decode_srgb(color[channel]);
     }
+    return color[3];
+}
+
+/* Whether something of the mesh may show in part. */
+static bool is_clear(const svo_mesh *mesh)
+{
+    bool clear = false;
+    for (size_t i = 0; i < mesh->material_count; ++i) {
+        clear = clear || mesh->materials[i].rgba[3] != 255;
+    }
+    for (size_t i = 0; i < mesh->vertex_count && mesh->colors != NULL; ++i) {
+        clear = clear || mesh->colors[4 * i + 3] != 255;
+    }
+    for (size_t i = 0; i < mesh->texture_count; ++i) {
+        const svo_texture *image = &mesh->textures[i];
+        for (size_t k = 0; k < (size_t)image->width * image->height && !clear; ++k) {
+            clear = image->rgba[4 * k + 3] != 255;
+        }
+    }
+    return clear;
 }
 
 void path_emission(const svo_mesh *mesh, const svo_light_setup *setup, uint32_t triangle, double emission[3])
@@ -192,6 +217,10 @@ typedef struct path_work {
     svo_grid grid;
     svo_ray *rays;
     svo_hit *hits;
+    bool is_clear; /* something of the mesh may show in part */
+    size_t *passing; /* of the rays, those that go on behind what they met; with is_clear */
+    svo_ray *passing_rays;
+    svo_hit *passing_hits;
     lit_place *places;
     double *radiance; /* three to a place */
     const svo_light_source *source; /* of the running batch of shadow rays */
@@ -244,6 +273,64 @@ static svo_ray ray_from(const path_work *work, const lit_place *place, vector3 d
                      .direction = {(float)direction.x, (float)direction.y, (float)direction.z},
                      .t_min = 0,
                      .t_max = (float)length};
+}
+
+/* ---- tracing ---- */
+
+/* Layers that rays go through. */
+#define LAYERS_MAX 64u
+
+/* Whether a ray goes through what it met: a function of seed, bounce, place in the batch and layer alone. */
+static bool passes(const path_work *work, size_t i, unsigned layer)
+{
+    const svo_hit *hit = &work->hits[i];
+    double albedo[3];
+    if (hit->triangle == SVO_NO_TRIANGLE) {
+        return false;
+    }
+    const double alpha = path_albedo(work->scene->mesh, hit->triangle, (double)hit->u, (double)hit->v, albedo);
+    random_stream of_layer = {.state = (uint64_t)work->seed << 32 | (LAYERS_MAX * work->bounce + layer)};
+    random_stream of_ray = {.state = random_bits(&of_layer) + (uint64_t)work->first_point * work->per_point + i};
+    return alpha < 1 && random_between(&of_ray, 0, 1) >= alpha;
+}
+
+/* Notes the rays that go on, of those that went on before. Returns how many. */
+static size_t find_passing(path_work *work, size_t before, unsigned layer)
+{
+    size_t count = 0;
+    for (size_t k = 0; k < before; ++k) {
+        const size_t i = layer == 0 ? k : work->passing[k];
+        if (passes(work, i, layer)) {
+            work->passing_rays[count] = work->rays[i];
+            work->passing_rays[count].t_min = (float)((double)work->hits[i].t + work->lift);
+            work->passing[count++] = i;
+        }
+    }
+    return count;
+}
+
+static svo_status trace_once(const path_work *work, svo_ray *rays, svo_hit *hits, size_t count, uint32_t flags)
+{
+    return svo_trace_triangles(svo_tree_target(work->scene->tree), svo_in_host(rays), svo_in_host(hits), count,
+                               work->is_clear ? SVO_TRACE_CLOSEST : flags, &(svo_submit){.queue = work->scene->queue});
+}
+
+/* What the batch's rays meet. flags: what suffices for rays that nothing lets through. */
+static svo_status trace_rays(path_work *work, size_t count, uint32_t flags)
+{
+    svo_status status = trace_once(work, work->rays, work->hits, count, flags);
+    size_t passing = work->is_clear && status == SVO_OK ? find_passing(work, count, 0) : 0;
+    for (unsigned layer = 1; passing > 0 && layer < LAYERS_MAX; ++layer) {
+        status = trace_once(work, work->passing_rays, work->passing_hits, passing, flags);
+        if (status != SVO_OK) {
+            return status;
+        }
+        for (size_t k = 0; k < passing; ++k) {
+            work->hits[work->passing[k]] = work->passing_hits[k];
+        }
+        passing = find_passing(work, passing, layer);
+    }
+    return status;
 }
 
 /* ---- the group's places ---- */
@@ -309,7 +396,7 @@ static void find_place(const path_work *work, size_t i)
     }
     double emission[3];
     path_emission(work->scene->mesh, setup, hit->triangle, emission);
-    path_albedo(work->scene->mesh, hit->triangle, (double)hit->u, (double)hit->v, place->weight);
+    (void)path_albedo(work->scene->mesh, hit->triangle, (double)hit->u, (double)hit->v, place->weight);
     const vector3 direction = vector_of(ray->direction);
     const vector3 normal = vector_of(hit->normal);
     place->position = vector_add(vector_of(ray->origin), vector_scale(direction, (double)hit->t));
@@ -378,9 +465,7 @@ static svo_status add_sources(path_work *work, size_t place_count)
     for (size_t i = 0; i < scene->setup->source_count; ++i) {
         work->source = &scene->setup->sources[i];
         threads_run(scene->threads, place_count, RAYS_PER_CHUNK, make_shadow_rays, work);
-        const svo_status status =
-            svo_trace_triangles(svo_tree_target(scene->tree), svo_in_host(work->rays), svo_in_host(work->hits),
-                                place_count, SVO_TRACE_ANY, &(svo_submit){.queue = scene->queue});
+        const svo_status status = trace_rays(work, place_count, SVO_TRACE_ANY);
         if (status != SVO_OK) {
             return status;
         }
@@ -464,9 +549,7 @@ static svo_status trace_bounce(path_work *work, size_t point_count)
     const path_scene *scene = work->scene;
     const size_t ray_count = point_count * work->per_point;
     threads_run(scene->threads, ray_count, RAYS_PER_CHUNK, make_rays, work);
-    const svo_status status =
-        svo_trace_triangles(svo_tree_target(scene->tree), svo_in_host(work->rays), svo_in_host(work->hits), ray_count,
-                            SVO_TRACE_CLOSEST, &(svo_submit){.queue = scene->queue});
+    const svo_status status = trace_rays(work, ray_count, SVO_TRACE_CLOSEST);
     if (status != SVO_OK) {
         return status;
     }
@@ -509,13 +592,23 @@ static bool allocate(path_work *work, size_t ray_count)
     work->hits = calloc(ray_count, sizeof *work->hits);
     work->places = calloc(ray_count, sizeof *work->places);
     work->radiance = calloc(3 * ray_count, sizeof *work->radiance);
-    return work->rays != NULL && work->hits != NULL && work->places != NULL && work->radiance != NULL;
+    if (work->is_clear) {
+        work->passing = calloc(ray_count, sizeof *work->passing);
+        work->passing_rays = calloc(ray_count, sizeof *work->passing_rays);
+        work->passing_hits = calloc(ray_count, sizeof *work->passing_hits);
+    }
+    const bool has_passing = work->passing != NULL && work->passing_rays != NULL && work->passing_hits != NULL;
+    return work->rays != NULL && work->hits != NULL && work->places != NULL && work->radiance != NULL &&
+           (has_passing || !work->is_clear);
 }
 
 static void release(path_work *work)
 {
     free(work->rays);
     free(work->hits);
+    free(work->passing);
+    free(work->passing_rays);
+    free(work->passing_hits);
     free(work->places);
     free(work->radiance);
 }
@@ -542,6 +635,7 @@ svo_status path_trace(const path_scene *scene, const svo_gather_point *points, s
     if (status != SVO_OK || point_count == 0) {
         return status;
     }
+    work.is_clear = is_clear(scene->mesh);
     work.lift = LIFT * svo_grid_cell_edge(&work.grid, 0);
     status = allocate(&work, group * work.per_point) ? SVO_OK : SVO_OUT_OF_HOST_MEMORY;
     size_t done = 0;
