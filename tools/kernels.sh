@@ -17,7 +17,7 @@ readonly cpu_defines='PAIR_LANES COLUMN_LANES ONE_WORKER SORT_SERIAL BVH_SERIAL 
 all_variants()
 {
     local lists='RANGES LISTS' names form picture='PICTURE_TRIANGLES COLOR NORMAL FINISHES'
-    local by_rays=' PICTURE_SCREEN EMITTERS'
+    local by_rays=' PICTURE_SCREEN EMITTERS SKY_MAP'
     for names in "$lists COMPARE COLOR NORMAL FILL MATERIAL WEIGHTS_AREA" \
         "$lists CODE48 COLOR VERTEX_COLOR TEXTURE NORMAL VERTEX_NORMAL WEIGHTS_CENTER AREAS" \
         'COLOR NORMAL WEIGHTS_AREA AREAS' 'SORT SORT_SERIAL BVH_SERIAL NO_TEST CAST_TILES RAY_STREAMS COLOR NORMAL' \
@@ -34,6 +34,8 @@ all_variants()
     done
     # Pictures of scenes are of voxels.
     printf 'kernels/scene/trace.cl\tSCENE_TRIANGLES\n'
+    # Rays through probes under a map.
+    printf 'kernels/probes/trace.cl\tSKY_MAP\n'
     # What paged trees are read by.
     printf "%s\tCOLOR NORMAL READ_PAGED\n" kernels/rays/{render,view}.cl
     # What light is stored in.

@@ -110,6 +110,7 @@ typedef struct svo_light_info {
     uint64_t kept_bytes; /**< held for svo_light_update, besides total_bytes */
     uint64_t emitter_bytes; /**< held for rays that aim at triangles that emit, from the first rays on that
                                  gather light; besides total_bytes */
+    uint64_t sky_bytes; /**< held for the map of the sky and its means; besides total_bytes */
 } svo_light_info;
 
 /** An empty output. */
@@ -167,6 +168,9 @@ SVO_API cl_mem svo_light_get_buffer(const svo_light *light, svo_light_buffer buf
  * \returns SVO_CL_ERROR or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_light_hash(const svo_light *light, cl_command_queue queue, char text[SVO_HASH_TEXT_BYTES]);
 
+#define SVO_SKY_WIDTH_MAX  8192u /**< the most columns of svo_light_setup.sky_map */
+#define SVO_SKY_HEIGHT_MAX 4096u /**< the most rows of svo_light_setup.sky_map */
+
 /** What lights a tree. Arrays are borrowed for the call. */
 typedef struct svo_light_setup {
     size_t struct_size; /**< sizeof(svo_light_setup) */
@@ -181,6 +185,13 @@ typedef struct svo_light_setup {
                               but not by cones */
     uint32_t updatable; /**< not 0: photons are kept for svo_light_update, in about 36 bytes each, 280 a lit leaf and
                               17 an inner node */
+    /** Radiance from outside by direction, on top of sky: sky_height rows of sky_width texels of linear red, green,
+     *  blue, not negative. Equirectangular, as someone sees it who stands inside: the first row is around the zenith,
+     *  +y, the last one around -y; columns go to the right all around, with -z in the middle of the row and +x at
+     *  three quarters. Between the centers of texels it is linear. Cones see its means. NULL: there is none. */
+    const float *sky_map;
+    uint32_t sky_width; /**< 1 .. SVO_SKY_WIDTH_MAX; 0 without a map */
+    uint32_t sky_height; /**< 1 .. SVO_SKY_HEIGHT_MAX; 0 without a map */
 } svo_light_setup;
 
 /** No light. */
@@ -289,7 +300,7 @@ SVO_API svo_status svo_gather(svo_light *light, svo_array points, svo_array resu
 #define SVO_LIGHT_BAND_ROWS 16u /**< bands of a picture have multiples of so many rows */
 
 /** Number of kernel arguments that SVO_LIGHT_PARAMETERS declares. */
-#define SVO_LIGHT_ARGUMENTS 9u
+#define SVO_LIGHT_ARGUMENTS 10u
 
 /** A light as a target: svo_render, svo_camera_fit and kernels of the caller's.
  *
@@ -313,7 +324,8 @@ SVO_API svo_status svo_gather(svo_light *light, svo_array points, svo_array resu
  *     svo_gather_result svo_gather(const svo_light *, const svo_gather_point *, uint cones, float step, float range,
  *                                  float falloff)
  *
- * svo_kernel_options are those of a tree, and one that selects the light's form.
+ * svo_kernel_options are those of a tree, one that selects the light's form, and one that reads the map of its sky: a
+ * kernel that was compiled while the light had no map does not see a later one.
  *
  * \param light NULL: calls are refused, but svo_kernel_source answers. The light and its tree stay as they are until
  *        pictures are drawn

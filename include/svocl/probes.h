@@ -260,7 +260,7 @@ SVO_API svo_status svo_probes_irradiance(svo_probes *probes, svo_array points, s
                                          const svo_submit *submit);
 
 /** Number of kernel arguments that SVO_PROBES_PARAMETERS declares. */
-#define SVO_PROBES_ARGUMENTS 7u
+#define SVO_PROBES_ARGUMENTS 8u
 
 /** Probes as a target: kernels of the caller's. svo_kernel_source declares
  *
@@ -270,6 +270,8 @@ SVO_API svo_status svo_probes_irradiance(svo_probes *probes, svo_array points, s
  *     uint svo_trace_probes(const svo_probes *, const svo_ray *, float thickness, svo_probe_hit *)
  *         the hit's state; thickness: a factor, 1 by default
  *     svo_probe_irradiance svo_gather_probes(const svo_probes *, float3 position, float3 normal)
+ *
+ * svo_kernel_options has one more where the light of the probes had a map of its sky when it was taken.
  *
  * \param probes NULL: calls are refused, but svo_kernel_source and svo_kernel_options answer
  * \returns the target. */

@@ -19,11 +19,12 @@ static float3 svo_picture_shown(const svo_lit_picture *picture, float3 radiance)
     return svo_shade_shown(picture->params.pixel_flags, picture->params.exposure * radiance);
 }
 
-static float3 svo_picture_background(const svo_lit_picture *picture)
+/* Along a ray that meets nothing. */
+static float3 svo_picture_background(const svo_lit_picture *picture, float3 direction)
 {
     const float3 own = picture->params.view == SVO_LIT_VIEW_AO
                            ? (float3)(1.0f)
-                           : svo_picture_shown(picture, vload3(0, picture->params.sky));
+                           : svo_picture_shown(picture, svo_light_sky(&picture->light, direction));
     return svo_pixel_background(picture->params.pixel_flags, vload3(0, picture->params.background), own);
 }
 
@@ -97,14 +98,13 @@ static float3 svo_picture_radiance(const svo_lit_picture *picture, const svo_lit
     }
 }
 
-/* What a view shows of what a place of the picture meets; false: it meets nothing. */
+/* What a view shows of what the ray of a place of the picture meets; false: it meets nothing. */
 SVO_INLINED bool svo_picture_look(const svo_lit_picture *picture, const svo_picture_screen *screen, float2 place,
-                                  svo_alpha_ray set, float3 *radiance)
+                                  const svo_ray *ray, svo_alpha_ray set, float3 *radiance)
 {
-    const svo_ray ray = svo_screen_ray(picture, place);
     svo_lit_surface surface;
     float3 direct;
-    if (!svo_direct_see(picture, &ray, set, &surface, &direct)) {
+    if (!svo_direct_see(picture, ray, set, &surface, &direct)) {
         return false;
     }
     svo_lit_payload(picture, &surface);
@@ -122,10 +122,11 @@ SVO_INLINED float4 svo_picture_pixel(const svo_lit_picture *picture, const svo_p
     for (uint sample = 0; sample < samples; ++sample) {
         const float2 place = (float2)((float)x, (float)y) + svo_pixel_place(sample, samples);
         float3 radiance;
+        const svo_ray ray = svo_screen_ray(picture, place);
         const svo_alpha_ray set = {sample, samples};
-        const bool meets = svo_picture_look(picture, screen, place, set, &radiance);
+        const bool meets = svo_picture_look(picture, screen, place, &ray, set, &radiance);
         if (!meets) {
-            sum += svo_picture_background(picture);
+            sum += svo_picture_background(picture, vload3(0, ray.direction));
         } else {
             sum += picture->params.view == SVO_LIT_VIEW_AO ? radiance : svo_picture_shown(picture, radiance);
         }

@@ -2,7 +2,7 @@
 /*
  * Radiance along rays in a lit tree, without specular light: what surfaces send everywhere. Direct light has exact
  * shadows (direct.clh), the other is gathered by cones (gather.clh). Rays that meet nothing see the sky, and so do rays
- * without a direction.
+ * without a direction, at the zenith.
  *
  * Surfaces of one plane that lie near each other share what cones gather, which is nearly all of the time.
  *
@@ -78,7 +78,7 @@ SVO_INLINED float3 svo_shade_radiance(const svo_lit_picture *picture, const svo_
     svo_lit_surface surface;
     float3 direct;
     if (!svo_direct_see(picture, ray, set, &surface, &direct)) {
-        return vload3(0, picture->params.sky);
+        return svo_light_sky(&picture->light, vload3(0, ray->direction));
     }
     svo_lit_payload(picture, &surface);
     const float3 irradiance = direct + svo_shade_cones(picture, &surface, cache);

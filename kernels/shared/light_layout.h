@@ -34,7 +34,7 @@ SVO_RECORD(svo_light_params)
     SVO_F32 unit; /* 8: radiance of a unit of the radiance buffer, a power of two */
     SVO_F32 voxel_edge; /* 12: of a leaf, world units */
     SVO_F32 sky[3]; /* 16: radiance from outside */
-    SVO_U32 reserved; /* 28 */
+    SVO_U32 sky_size; /* 28: of the map on top of it: width, and from bit 16 on height, texels; 0: none */
 };
 
 /* How cones gather. 32 bytes. */
@@ -226,7 +226,7 @@ SVO_RECORD(svo_exchange_params)
 /* And for maps, which are looked at from elsewhere: full without specular light. */
 #define SVO_LIT_VIEW_MATTE 5u
 
-/* Arguments of pictures of lights, world coordinates. 128 bytes. */
+/* Arguments of pictures of lights, world coordinates. 116 bytes. */
 SVO_RECORD(svo_lit_picture_params)
 {
     SVO_F32 eye[3]; /* 0 */
@@ -237,15 +237,14 @@ SVO_RECORD(svo_lit_picture_params)
     SVO_U32 height; /* 44: pixels */
     SVO_F32 down[3]; /* 48: from a pixel to the one below, at that distance */
     SVO_F32 exposure; /* 60 */
-    SVO_F32 sky[3]; /* 64: radiance from outside */
-    SVO_U32 source_count; /* 76 */
-    SVO_U32 finish_count; /* 80 */
-    SVO_U32 first_tile; /* 84: of the rows that are drawn */
-    SVO_U32 samples; /* 88: camera rays of a pixel */
-    SVO_U32 pixel_flags; /* 92: SVO_PIXEL_* */
-    SVO_F32 background[3]; /* 96: what is behind everything, with SVO_PIXEL_COLOR */
-    SVO_U32 emitter_count; /* 108 */
-    SVO_F32 clip[4]; /* 112: a plane; what is below it is not seen (kernels/rays/part.clh). Zeros: none */
+    SVO_U32 source_count; /* 64 */
+    SVO_U32 finish_count; /* 68 */
+    SVO_U32 first_tile; /* 72: of the rows that are drawn */
+    SVO_U32 samples; /* 76: camera rays of a pixel */
+    SVO_U32 pixel_flags; /* 80: SVO_PIXEL_* */
+    SVO_F32 background[3]; /* 84: what is behind everything, with SVO_PIXEL_COLOR */
+    SVO_U32 emitter_count; /* 96 */
+    SVO_F32 clip[4]; /* 100: a plane; what is below it is not seen (kernels/rays/part.clh). Zeros: none */
 };
 
 /* A triangle that emits. 48 bytes. */
@@ -288,7 +287,7 @@ SVO_ASSERT_BYTES(svo_crossing_params, 32);
 SVO_ASSERT_BYTES(svo_unmet_params, 48);
 SVO_ASSERT_BYTES(svo_finish_record, 32);
 SVO_ASSERT_BYTES(svo_exchange_params, 32);
-SVO_ASSERT_BYTES(svo_lit_picture_params, 128);
+SVO_ASSERT_BYTES(svo_lit_picture_params, 116);
 #endif
 
 #endif

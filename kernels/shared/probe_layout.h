@@ -41,7 +41,8 @@ SVO_RECORD(svo_probes_params)
     SVO_F32 code_log2; /* 84: log2(C F + 1): the distance of a code q is (exp2(q / 65534 code_log2) - 1) / C */
     SVO_F32 farthest; /* 88: F */
     SVO_F32 sky[3]; /* 92: radiance of what sees nothing */
-    SVO_U32 reserved[2]; /* 104 */
+    SVO_U32 sky_size; /* 104: of the map on top of it, as in svo_light_params */
+    SVO_U32 reserved; /* 108 */
 };
 
 /* A launch of the kernels that make probes. 32 bytes. */

@@ -28,6 +28,7 @@ static svo_status set_light(const svo_light *light, const char *function, cl_ker
                                                            SVO_I_ARGUMENT(light->buffers[SVO_LIGHT_COVER]),
                                                            SVO_I_ARGUMENT(light->buffers[SVO_LIGHT_LIT]),
                                                            SVO_I_ARGUMENT(light->buffers[SVO_LIGHT_RADIANCE]),
+                                                           SVO_I_ARGUMENT(light->sky_map),
                                                            SVO_I_ARGUMENT(grid),
                                                            SVO_I_ARGUMENT(light->params)};
     return svo_i_kernel_set_from(light->device, function, kernel, first_index, arguments, SVO_LIGHT_ARGUMENTS);

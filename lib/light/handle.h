@@ -11,6 +11,7 @@
  *   exchange          from the sums of photons to the radiance of lit leaves
  *   shoot             all photons of a setup, or those that a change concerns
  *   emitters          triangles that emit, for rays that aim at them
+ *   sky               the map of the sky
  *   light             plan, create, set sources, update, destroy
  *   shader            options of gathering; kernels that shade surfaces
  *   gather            light at batches of points, radiance along rays
@@ -24,7 +25,7 @@
 
 /* What lights the tree: copies of what svo_light_set_sources got. */
 typedef struct svo_i_light_setup {
-    svo_light_setup asked; /* its arrays are given and finishes below; struct_size 0: there is none */
+    svo_light_setup asked; /* its arrays are given and finishes below, without a map; struct_size 0: there is none */
     svo_light_source *given; /* NULL: none */
     svo_light_source *sources; /* with unit directions, for pictures; NULL: none */
     size_t source_count;
@@ -66,6 +67,7 @@ struct svo_light {
     svo_light_options options; /* as asked */
     cl_mem buffers[SVO_LIGHT_BUFFER_COUNT]; /* owned; NULL where not held */
     svo_i_light_setup setup; /* owned */
+    cl_mem sky_map; /* and its means, as params.sky_size says; owned; NULL: none (sky.c) */
     cl_mem emitters; /* svo_emitter_record, by ascending triangle; owned; NULL: none */
     uint32_t emitter_count;
     bool knows_emitters; /* they were listed */

@@ -21,6 +21,7 @@
 #include "light/opacity.h"
 #include "light/programs.h"
 #include "light/shoot.h"
+#include "light/sky.h"
 #include "svocl/plan.h"
 
 #define HALF_PI 1.5707963267948966
@@ -150,6 +151,8 @@ static svo_status keep_setup(svo_light *light, const char *function, const svo_l
     svo_i_light_setup *kept = &light->setup;
     kept->asked = *setup;
     kept->asked.sources = kept->given = NULL;
+    kept->asked.sky_map = NULL;
+    kept->asked.sky_width = kept->asked.sky_height = 0;
     kept->source_count = setup->source_count;
     kept->finish_count = setup->finish_count;
     if (setup->source_count > 0) {
@@ -298,6 +301,7 @@ void svo_light_destroy(svo_light **light)
     svo_i_kept_destroy(&(*light)->kept);
     destroy_nodes(&(*light)->nodes);
     svo_i_light_drop_emitters(*light);
+    svo_i_light_drop_sky(*light);
     svo_i_free(*light);
     *light = NULL;
 }
@@ -403,6 +407,7 @@ static svo_status check_setup(const svo_light *light, const svo_light_setup *set
                                      (double)setup->sky[channel]);
         }
     }
+    SVO_I_TRY(svo_i_light_check_sky(light, set_sources, setup));
     return setup->view_resolution <= SVO_I_VIEW_PIXELS_MAX
                ? SVO_OK
                : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: setup.view_resolution %u is above %u",
@@ -420,6 +425,7 @@ static void darken(svo_light *light)
     svo_i_kept_destroy(&light->kept);
     destroy_nodes(&light->nodes);
     svo_i_light_drop_emitters(light);
+    svo_i_light_drop_sky(light);
     svo_i_light_release(light, SVO_LIGHT_FLUX);
     for (int i = SVO_LIGHT_STAGE_VIEW; i < SVO_LIGHT_STAGE_COUNT; ++i) {
         info->stage_ms[i] = 0;
@@ -449,6 +455,18 @@ cleanup:
     return status;
 }
 
+static svo_status make_sky(svo_light *light, const char *name, const svo_light_setup *setup, cl_command_queue queue)
+{
+    svo_i_device_work work;
+    if (setup->sky_map == NULL) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(svo_i_work_begin(light->device, name, queue, &work));
+    const svo_status status = svo_i_light_make_sky(&work, light, setup);
+    svo_i_work_end(&work);
+    return status;
+}
+
 /* Lights a dark light by a setup that has been checked, and keeps the setup. name: of the public function. The light is
    dark after a failure. */
 static svo_status set(svo_light *light, const char *name, const svo_light_setup *setup,
@@ -460,6 +478,7 @@ static svo_status set(svo_light *light, const char *name, const svo_light_setup 
     if (light->options.no_cones == 0) {
         SVO_I_TRY_CLEANUP(shine(light, name, &shining, caster, queue));
     }
+    SVO_I_TRY_CLEANUP(make_sky(light, name, setup, queue));
     SVO_I_TRY_CLEANUP(keep_setup(light, name, setup));
 
 cleanup:
@@ -544,6 +563,7 @@ static svo_status light_up(svo_light *made, svo_light *light, cl_command_queue q
     if (light->setup.asked.struct_size == 0) {
         return SVO_OK;
     }
+    SVO_I_TRY(svo_i_light_share_sky(light, update, made));
     made->kept = light->kept;
     light->kept = NULL;
     return set(made, update, &light->setup.asked, NULL, queue);

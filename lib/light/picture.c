@@ -278,11 +278,14 @@ static const char *kernel_source(void)
 
 static const char *kernel_options(const void *of)
 {
-    static const char *const options[SVO_LIGHT_FORM_COUNT] = {SVO_I_KERNEL_OPTIONS " -DSVO_LIGHT_FACES",
-                                                              SVO_I_KERNEL_OPTIONS " -DSVO_LIGHT_BRICKS",
-                                                              SVO_I_KERNEL_OPTIONS " -DSVO_LIGHT_VOXELS"};
+    static const char *const plain[SVO_LIGHT_FORM_COUNT] = {SVO_I_KERNEL_OPTIONS " -DSVO_LIGHT_FACES",
+                                                            SVO_I_KERNEL_OPTIONS " -DSVO_LIGHT_BRICKS",
+                                                            SVO_I_KERNEL_OPTIONS " -DSVO_LIGHT_VOXELS"};
+    static const char *const mapped[SVO_LIGHT_FORM_COUNT] = {SVO_I_KERNEL_OPTIONS " -DSVO_LIGHT_FACES -DSVO_SKY_MAP",
+                                                             SVO_I_KERNEL_OPTIONS " -DSVO_LIGHT_BRICKS -DSVO_SKY_MAP",
+                                                             SVO_I_KERNEL_OPTIONS " -DSVO_LIGHT_VOXELS -DSVO_SKY_MAP"};
     const svo_light *light = of;
-    return light != NULL ? options[light->info.form] : NULL;
+    return light != NULL ? (light->sky_map != NULL ? mapped : plain)[light->info.form] : NULL;
 }
 
 static const struct svo_target_class light_class = {.name = "light",

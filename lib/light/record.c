@@ -7,6 +7,7 @@
 
 #include "light/light.h"
 #include "light/radiance_filter.h"
+#include "light/sky.h"
 #include "svocl/plan.h"
 
 /* ---- to a record ---- */
@@ -33,18 +34,35 @@ void svo_i_light_describe(const svo_light *light, svo_i_stored_light *stored)
                                               .missed_leaves = info->missed_leaves,
                                               .lost_flux = info->lost_flux},
                                    .sources = light->setup.given,
-                                   .finishes = light->setup.finishes};
+                                   .finishes = light->setup.finishes,
+                                   .sky_width = light->params.sky_size & 0xffffu,
+                                   .sky_height = light->params.sky_size >> 16};
     memcpy(stored->record.sky, light->params.sky, sizeof stored->record.sky);
     memcpy(stored->record.flux, info->flux, sizeof stored->record.flux);
+}
+
+static svo_status read_bytes(const svo_light *light, const char *function, cl_command_queue queue, cl_mem buffer,
+                             uint64_t bytes, void *to)
+{
+    SVO_I_TRY(svo_i_device_queue(light->device, function, queue, &queue));
+    const cl_int error = clEnqueueReadBuffer(queue, buffer, CL_TRUE, 0, (size_t)bytes, to, 0, NULL, NULL);
+    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(light->device, function, "clEnqueueReadBuffer", error);
 }
 
 svo_status svo_i_light_read_array(const svo_light *light, const char *function, cl_command_queue queue,
                                   svo_light_buffer buffer, void *array)
 {
-    SVO_I_TRY(svo_i_device_queue(light->device, function, queue, &queue));
-    const cl_int error = clEnqueueReadBuffer(queue, light->buffers[buffer], CL_TRUE, 0,
-                                             (size_t)light->info.bytes[buffer], array, 0, NULL, NULL);
-    return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(light->device, function, "clEnqueueReadBuffer", error);
+    return read_bytes(light, function, queue, light->buffers[buffer], light->info.bytes[buffer], array);
+}
+
+uint64_t svo_i_light_sky_bytes(const svo_light *light)
+{
+    return svo_i_sky_map_bytes(light->params.sky_size & 0xffffu, light->params.sky_size >> 16);
+}
+
+svo_status svo_i_light_read_sky(const svo_light *light, const char *function, cl_command_queue queue, float *map)
+{
+    return read_bytes(light, function, queue, light->sky_map, svo_i_light_sky_bytes(light), map);
 }
 
 /* ---- what a record's light has ---- */
@@ -120,23 +138,29 @@ static void fill_info(const svo_i_light_record *record, svo_light *light)
     light->params.flags |= record->lit_nodes > 0 ? SVO_LIGHT_FLAG_LIT : 0;
 }
 
-static svo_status take_setup(svo_light *light, const char *function, const svo_i_stored_light *stored)
+/* setup: receives what the record says; all zero without one. */
+static svo_status take_setup(svo_light *light, const char *function, const svo_i_stored_light *stored,
+                             svo_light_setup *setup)
 {
     const svo_i_light_record *record = &stored->record;
-    svo_light_setup setup = {.struct_size = sizeof setup,
-                             .sources = record->source_count > 0 ? stored->sources : NULL,
-                             .source_count = (size_t)record->source_count,
-                             .finishes = record->finish_count > 0 ? stored->finishes : NULL,
-                             .finish_count = (size_t)record->finish_count,
-                             .view_resolution = record->view_resolution,
-                             .diagnose = record->diagnose,
-                             .no_photons = record->no_photons,
-                             .updatable = record->updatable};
+    *setup = (svo_light_setup){.struct_size = 0};
     if (record->has_setup == 0) {
         return SVO_OK;
     }
-    memcpy(setup.sky, record->sky, sizeof setup.sky);
-    const svo_status status = svo_i_light_take_setup(light, function, &setup);
+    *setup = (svo_light_setup){.struct_size = sizeof *setup,
+                               .sources = record->source_count > 0 ? stored->sources : NULL,
+                               .source_count = (size_t)record->source_count,
+                               .finishes = record->finish_count > 0 ? stored->finishes : NULL,
+                               .finish_count = (size_t)record->finish_count,
+                               .view_resolution = record->view_resolution,
+                               .diagnose = record->diagnose,
+                               .no_photons = record->no_photons,
+                               .updatable = record->updatable,
+                               .sky_map = stored->sky_map,
+                               .sky_width = stored->sky_width,
+                               .sky_height = stored->sky_height};
+    memcpy(setup->sky, record->sky, sizeof setup->sky);
+    const svo_status status = svo_i_light_take_setup(light, function, setup);
     return status == SVO_INVALID_ARGUMENT ? SVO_FILE_DAMAGED : status;
 }
 
@@ -157,9 +181,14 @@ static svo_status fill(svo_light *light, const char *function, const svo_i_store
                        const uint64_t bytes[SVO_LIGHT_BUFFER_COUNT], cl_command_queue queue)
 {
     svo_i_device_work work;
-    SVO_I_TRY(take_setup(light, function, stored));
+    svo_light_setup setup;
+    svo_status status = SVO_OK;
+    SVO_I_TRY(take_setup(light, function, stored, &setup));
     SVO_I_TRY(svo_i_work_begin(light->device, function, queue, &work));
-    const svo_status status = upload_arrays(&work, light, stored, bytes);
+    SVO_I_TRY_CLEANUP(upload_arrays(&work, light, stored, bytes));
+    SVO_I_TRY_CLEANUP(setup.sky_map != NULL ? svo_i_light_make_sky(&work, light, &setup) : SVO_OK);
+
+cleanup:
     svo_i_work_end(&work);
     fill_info(&stored->record, light);
     return status;

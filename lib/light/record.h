@@ -23,16 +23,21 @@ typedef struct svo_i_stored_light {
     svo_i_light_record record;
     const svo_light_source *sources; /* record.source_count */
     const svo_finish *finishes; /* record.finish_count */
+    const float *sky_map; /* sky_width x sky_height texels of three values; NULL: none */
+    uint32_t sky_width, sky_height;
     const void *arrays[SVO_LIGHT_BUFFER_COUNT]; /* of svo_i_light_count_arrays bytes; NULL where that is 0 */
 } svo_i_stored_light;
 
 SVO_I_SHARED_BEGIN
 
-/* Describes a light, without the tree's hash and arrays. Lists stay those of the light. */
+/* Describes a light, without the tree's hash, the map of the sky and arrays. Lists stay those of the light. */
 void svo_i_light_describe(const svo_light *light, svo_i_stored_light *stored);
 /* Reads a buffer of the light, all info.bytes of it, and waits. */
 svo_status svo_i_light_read_array(const svo_light *light, const char *function, cl_command_queue queue,
                                   svo_light_buffer buffer, void *array);
+/* Reads the map of the sky, without its means: svo_i_light_sky_bytes, 0 where there is none. */
+uint64_t svo_i_light_sky_bytes(const svo_light *light);
+svo_status svo_i_light_read_sky(const svo_light *light, const char *function, cl_command_queue queue, float *map);
 
 /* The bytes of each array that a record's light has. Returns false where its values are out of their range or do not
    fit the tree. */

@@ -134,9 +134,11 @@ svo_status svo_i_light_read_gather(const svo_light *light, const char *function,
 
 const char *svo_i_light_form_defines(const svo_light *light)
 {
-    static const char *const defines[SVO_LIGHT_FORM_COUNT] = {" -DSVO_LIGHT_FACES", " -DSVO_LIGHT_BRICKS",
-                                                              " -DSVO_LIGHT_VOXELS"};
-    return defines[light->info.form];
+    static const char *const plain[SVO_LIGHT_FORM_COUNT] = {" -DSVO_LIGHT_FACES", " -DSVO_LIGHT_BRICKS",
+                                                            " -DSVO_LIGHT_VOXELS"};
+    static const char *const mapped[SVO_LIGHT_FORM_COUNT] = {
+        " -DSVO_LIGHT_FACES -DSVO_SKY_MAP", " -DSVO_LIGHT_BRICKS -DSVO_SKY_MAP", " -DSVO_LIGHT_VOXELS -DSVO_SKY_MAP"};
+    return (light->sky_map != NULL ? mapped : plain)[light->info.form];
 }
 
 /* ---- kernels that shade ---- */
@@ -207,6 +209,7 @@ svo_status svo_i_light_shader_set(const svo_i_light_shader *shader, const svo_ga
                                      SVO_I_ARGUMENT(light->buffers[SVO_LIGHT_COVER]),
                                      SVO_I_ARGUMENT(light->buffers[SVO_LIGHT_LIT]),
                                      SVO_I_ARGUMENT(light->buffers[SVO_LIGHT_RADIANCE]),
+                                     SVO_I_ARGUMENT(light->sky_map),
                                      SVO_I_ARGUMENT(light->params),
                                      SVO_I_ARGUMENT(tree->buffers[SVO_TREE_COLORS]),
                                      SVO_I_ARGUMENT(tree->buffers[SVO_TREE_NORMALS]),
@@ -250,13 +253,9 @@ void svo_i_light_shader_end(svo_i_light_shader *shader)
 
 svo_lit_picture_params svo_i_light_shader_params(const svo_light *light, uint32_t view)
 {
-    svo_lit_picture_params params = {.view = view,
-                                     .exposure = 1.0F,
-                                     .source_count = (uint32_t)light->setup.source_count,
-                                     .finish_count = (uint32_t)light->setup.finish_count,
-                                     .emitter_count = light->emitter_count};
-    for (int channel = 0; channel < 3; ++channel) {
-        params.sky[channel] = light->params.sky[channel];
-    }
-    return params;
+    return (svo_lit_picture_params){.view = view,
+                                    .exposure = 1.0F,
+                                    .source_count = (uint32_t)light->setup.source_count,
+                                    .finish_count = (uint32_t)light->setup.finish_count,
+                                    .emitter_count = light->emitter_count};
 }

@@ -14,7 +14,7 @@ svo_status svo_i_light_read_gather(const svo_light *light, const char *function,
                                    const svo_gather_options *options, svo_gather_method by_default, bool for_picture,
                                    svo_gather_params *params);
 
-/* The define of the kernels that read the light's form. Static string. */
+/* The defines of the kernels that read the light's form, and the map of its sky. Static string. */
 const char *svo_i_light_form_defines(const svo_light *light);
 
 /* A kernel, and what lights the tree. */
@@ -31,7 +31,7 @@ svo_status svo_i_light_shader_begin(svo_i_device_work *work, const svo_light *li
 /* Another kernel of the same program, work and uploads. Ended before the first one. */
 svo_status svo_i_light_shader_also(const svo_i_light_shader *first, const svo_i_program *program,
                                    const char *kernel_name, const char *defines, svo_i_light_shader *out);
-/* What params have of a light: sky, numbers of sources and finishes. */
+/* What params have of a light: numbers of sources, finishes and emitters. */
 svo_lit_picture_params svo_i_light_shader_params(const svo_light *light, uint32_t view);
 /* Sets the kernel's arguments. own: its own ones, own_count. */
 svo_status svo_i_light_shader_set(const svo_i_light_shader *shader, const svo_gather_params *gather,

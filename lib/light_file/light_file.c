@@ -11,14 +11,26 @@
 #include "io/file_format.h"
 #include "light/record.h"
 
-#define FILE_LIGHT_MAGIC   "\x89SVL\r\n\x1a\n"
-#define FILE_LIGHT_VERSION 1
+#define FILE_LIGHT_MAGIC    "\x89SVL\r\n\x1a\n"
+#define FILE_LIGHT_VERSION  1
+#define FILE_LIGHT_WITH_SKY 2 /* the version of files with a map of the sky */
 
 /* Chunks besides the buffers, which have their own values. */
 #define KIND_RECORD   64u
 #define KIND_SOURCES  65u
 #define KIND_FINISHES 66u
-#define CHUNKS_MAX    (3u + SVO_LIGHT_BUFFER_COUNT)
+#define KIND_SKY      67u /* width, height, texels */
+#define CHUNKS_MAX    (4u + SVO_LIGHT_BUFFER_COUNT)
+
+/* That chunk. */
+typedef struct sky_chunk {
+    uint32_t width, height;
+    float texels[]; /* of three values each */
+} sky_chunk;
+
+#define SKY_HEAD_BYTES    sizeof(sky_chunk)
+#define SKY_TEXEL_BYTES   (3 * sizeof(float))
+#define SKY_MAP_BYTES_MAX ((uint64_t)SVO_SKY_WIDTH_MAX * SVO_SKY_HEIGHT_MAX * SKY_TEXEL_BYTES)
 
 static_assert(sizeof(svo_i_light_record) == 168, "io.h: light");
 static_assert(offsetof(svo_i_light_record, source_count) == 80, "io.h: source_count");
@@ -64,6 +76,26 @@ static void add_array(svo_i_file_save *state, uint32_t kind, const char *name, c
     }
 }
 
+/* Reads the map of the sky, if there is one, into new memory and lists it. */
+static svo_status add_sky(svo_i_file_save *state, const svo_light *light, const svo_i_stored_light *stored,
+                          const char *function, cl_command_queue queue, sky_chunk **map, svo_message *message)
+{
+    const uint64_t bytes = SKY_HEAD_BYTES + svo_i_light_sky_bytes(light);
+    if (bytes == SKY_HEAD_BYTES) {
+        return SVO_OK;
+    }
+    *map = svo_i_alloc(&light->device->memory, (size_t)bytes);
+    if (*map == NULL) {
+        return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: sky_map needs %" PRIu64 " bytes", function, bytes);
+    }
+    (*map)->width = stored->sky_width;
+    (*map)->height = stored->sky_height;
+    SVO_I_TRY(told(svo_i_light_read_sky(light, function, queue, (*map)->texels), light->tree, message));
+    state->head.header.version = FILE_LIGHT_WITH_SKY;
+    add_array(state, KIND_SKY, "sky_map", *map, bytes);
+    return SVO_OK;
+}
+
 /* Reads the light's buffers into new memory and lists them. */
 static svo_status add_buffers(svo_i_file_save *state, const svo_light *light, const char *function,
                               cl_command_queue queue, void *arrays[SVO_LIGHT_BUFFER_COUNT], svo_message *message)
@@ -96,6 +128,7 @@ svo_status svo_light_save(const svo_light *light, svo_sink sink, const svo_save_
 {
     static const char function[] = "svo_light_save";
     void *arrays[SVO_LIGHT_BUFFER_COUNT] = {NULL};
+    sky_chunk *sky = NULL;
     svo_i_stored_light stored;
     svo_save_options asked;
     svo_status status = SVO_OK;
@@ -115,10 +148,12 @@ svo_status svo_light_save(const svo_light *light, svo_sink sink, const svo_save_
     add_array(&state, KIND_RECORD, "light", &stored.record, sizeof stored.record);
     add_array(&state, KIND_SOURCES, "sources", stored.sources, stored.record.source_count * sizeof *stored.sources);
     add_array(&state, KIND_FINISHES, "finishes", stored.finishes, stored.record.finish_count * sizeof *stored.finishes);
+    SVO_I_TRY_CLEANUP(add_sky(&state, light, &stored, function, queue, &sky, message));
     SVO_I_TRY_CLEANUP(add_buffers(&state, light, function, queue, arrays, message));
     SVO_I_TRY_CLEANUP(svo_i_file_write(&state, function, sink, message));
 
 cleanup:
+    svo_i_free(sky);
     free_arrays(arrays);
     return status;
 }
@@ -183,8 +218,32 @@ static svo_status check_tree(const svo_i_file_load *state, const svo_tree *tree,
 /* Lists and arrays, in new memory. */
 typedef struct loaded {
     void *sources, *finishes;
+    sky_chunk *sky; /* NULL: none */
     void *arrays[SVO_LIGHT_BUFFER_COUNT];
 } loaded;
+
+/* Reads the map of the sky, if a chunk of it is next. */
+static svo_status load_sky(const svo_i_file_load *state, position *at, const svo_i_light_record *record, loaded *got)
+{
+    const file_chunk *chunk = &state->head.chunks[at->chunk_index];
+    void *plain = NULL;
+    if (at->chunk_index == state->head.header.chunk_count || chunk->kind != KIND_SKY) {
+        return SVO_OK;
+    }
+    if (chunk->plain_bytes <= SKY_HEAD_BYTES || chunk->plain_bytes > SKY_HEAD_BYTES + SKY_MAP_BYTES_MAX) {
+        return svo_i_file_damaged(state, "chunk sky_map: %" PRIu64 " bytes are no map", chunk->plain_bytes);
+    }
+    SVO_I_TRY(svo_i_file_limit(state, 0, chunk->plain_bytes));
+    const svo_status status = load_chunk(state, at, KIND_SKY, "sky_map", chunk->plain_bytes, &plain);
+    got->sky = plain;
+    SVO_I_TRY(status);
+    const uint64_t texels = (uint64_t)got->sky->width * got->sky->height;
+    return record->has_setup != 0 && texels <= SKY_MAP_BYTES_MAX / SKY_TEXEL_BYTES &&
+                   chunk->plain_bytes == SKY_HEAD_BYTES + texels * SKY_TEXEL_BYTES
+               ? SVO_OK
+               : svo_i_file_damaged(state, "chunk sky_map: %" PRIu64 " bytes are no map of %" PRIu32 " x %" PRIu32,
+                                    chunk->plain_bytes, got->sky->width, got->sky->height);
+}
 
 static svo_status load_arrays(const svo_i_file_load *state, position *at, const svo_tree *tree,
                               const svo_i_light_record *record, loaded *got)
@@ -202,6 +261,7 @@ static svo_status load_arrays(const svo_i_file_load *state, position *at, const 
         load_chunk(state, at, KIND_SOURCES, "sources", record->source_count * sizeof(svo_light_source), &got->sources));
     SVO_I_TRY(
         load_chunk(state, at, KIND_FINISHES, "finishes", record->finish_count * sizeof(svo_finish), &got->finishes));
+    SVO_I_TRY(load_sky(state, at, record, got));
     for (svo_light_buffer i = 0; i < SVO_LIGHT_BUFFER_COUNT; ++i) {
         SVO_I_TRY(load_chunk(state, at, (uint32_t)i, svo_name(SVO_NAME_LIGHT_BUFFER, i), bytes[i], &got->arrays[i]));
     }
@@ -214,6 +274,11 @@ static svo_status restore(const svo_i_file_load *state, svo_tree *tree, svo_i_st
 {
     stored->sources = got->sources;
     stored->finishes = got->finishes;
+    if (got->sky != NULL) {
+        stored->sky_width = got->sky->width;
+        stored->sky_height = got->sky->height;
+        stored->sky_map = got->sky->texels;
+    }
     for (int i = 0; i < SVO_LIGHT_BUFFER_COUNT; ++i) {
         stored->arrays[i] = got->arrays[i];
     }
@@ -222,7 +287,7 @@ static svo_status restore(const svo_i_file_load *state, svo_tree *tree, svo_i_st
 
 static svo_status load(svo_i_file_load *state, svo_tree *tree, cl_command_queue queue, svo_light **out)
 {
-    static const svo_i_file_kind kind = {"light's", FILE_LIGHT_MAGIC, FILE_LIGHT_VERSION, FILE_LIGHT_VERSION,
+    static const svo_i_file_kind kind = {"light's", FILE_LIGHT_MAGIC, FILE_LIGHT_VERSION, FILE_LIGHT_WITH_SKY,
                                          CHUNKS_MAX};
     svo_i_stored_light stored = {.sources = NULL};
     loaded got = {.sources = NULL};
@@ -242,6 +307,7 @@ static svo_status load(svo_i_file_load *state, svo_tree *tree, cl_command_queue 
 cleanup:
     svo_i_free(got.sources);
     svo_i_free(got.finishes);
+    svo_i_free(got.sky);
     free_arrays(got.arrays);
     return status;
 }

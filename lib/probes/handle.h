@@ -27,6 +27,7 @@ struct svo_probes {
     svo_probes_params params; /* of its kernels */
     uint32_t cones; /* svo_probe_options.cones */
     cl_mem buffers[SVO_PROBES_BUFFER_COUNT]; /* owned; NULL where not held */
+    cl_mem sky_map; /* of the light that texels have; retained; NULL: none */
 };
 
 /* Launches of rays of texels: their scratch buffers. */

@@ -290,6 +290,21 @@ static svo_status took(const svo_i_probe_bands *bands, svo_probes_stage stage, d
     return SVO_OK;
 }
 
+/* Takes the sky of the light as it is now. */
+static svo_status take_sky(svo_probes *probes, const char *function)
+{
+    const svo_light *light = probes->light;
+    const cl_int error = light->sky_map != NULL ? clRetainMemObject(light->sky_map) : CL_SUCCESS;
+    if (error != CL_SUCCESS) {
+        return svo_i_device_fail_cl(probes->device, function, "clRetainMemObject", error);
+    }
+    svo_i_buffer_release(&probes->sky_map);
+    probes->sky_map = light->sky_map;
+    probes->params.sky_size = light->params.sky_size;
+    memcpy(probes->params.sky, light->params.sky, sizeof probes->params.sky);
+    return SVO_OK;
+}
+
 /* Radiance, and what follows from it. */
 static svo_status light(const svo_i_probe_bands *bands, double *start)
 {
@@ -297,7 +312,7 @@ static svo_status light(const svo_i_probe_bands *bands, double *start)
     if (probes->light == NULL) {
         return SVO_OK;
     }
-    memcpy(probes->params.sky, probes->light->params.sky, sizeof probes->params.sky);
+    SVO_I_TRY(take_sky(probes, bands->work->function));
     SVO_I_TRY(make_radiance(bands));
     SVO_I_TRY(took(bands, SVO_PROBES_STAGE_RADIANCE, start));
     if (probes->buffers[SVO_PROBES_IRRADIANCE] == NULL) {
@@ -453,6 +468,7 @@ void svo_probes_destroy(svo_probes **probes)
             clReleaseMemObject((*probes)->buffers[i]);
         }
     }
+    svo_i_buffer_release(&(*probes)->sky_map);
     svo_i_free(*probes);
     *probes = NULL;
 }

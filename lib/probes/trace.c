@@ -31,6 +31,7 @@ static svo_status set_target(void *of, const char *function, cl_kernel kernel, c
                                                             SVO_I_ARGUMENT(probes->buffers[SVO_PROBES_FIELD]),
                                                             SVO_I_ARGUMENT(probes->buffers[SVO_PROBES_IRRADIANCE]),
                                                             SVO_I_ARGUMENT(probes->buffers[SVO_PROBES_MOMENTS]),
+                                                            SVO_I_ARGUMENT(probes->sky_map),
                                                             SVO_I_ARGUMENT(probes->params)};
     return svo_i_kernel_set_from(probes->device, function, kernel, first_index, arguments, SVO_PROBES_ARGUMENTS);
 }
@@ -73,7 +74,7 @@ svo_status svo_probes_trace(svo_probes *probes, svo_array rays, svo_array hits, 
                                .target = target_of(probes),
                                .program = &svo_i_program_probe_trace,
                                .kernel_name = "svo_k_probe_trace",
-                               .defines = "",
+                               .defines = probes->sky_map != NULL ? " -DSVO_SKY_MAP" : "",
                                .input_name = "rays",
                                .output_name = "hits",
                                .input_bytes = sizeof(svo_ray),
@@ -124,10 +125,10 @@ static const char *kernel_source(void)
     return svo_i_source_light_field;
 }
 
-static const char *kernel_options(const void *probes)
+static const char *kernel_options(const void *of)
 {
-    (void)probes;
-    return SVO_I_KERNEL_OPTIONS;
+    const svo_probes *probes = of;
+    return probes != NULL && probes->sky_map != NULL ? SVO_I_KERNEL_OPTIONS " -DSVO_SKY_MAP" : SVO_I_KERNEL_OPTIONS;
 }
 
 static const struct svo_target_class probes_class = {.name = "light field",

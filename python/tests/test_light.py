@@ -39,6 +39,26 @@ def test_a_bare_floor_is_open_and_sees_the_sky(floor, points, form):
         assert np.array_equal(dark["openness"], results["openness"]) and not dark["irradiance"].any()
 
 
+def test_a_sky_may_depend_on_direction(floor, points):
+    """1 + y for a direction's height y brings pi + 2 pi / 3 to a surface that looks up; a half is red."""
+    height = np.cos(np.pi * (np.arange(90) + 0.5) / 90)
+    sky = np.zeros((90, 60, 3), np.float32)
+    sky[:, 30:, 0] = 1
+    sky[..., 1] = 1 + height[:, np.newaxis]
+    with svocl.Light(floor) as light:
+        light.set_sources(sky=(0, 0, 1), sky_map=sky)
+        assert light.info.sky_bytes >= sky.nbytes
+        for kind in ({"paths": 1024}, {"cones": 64}):
+            results = light.gather(points, **kind)
+            assert np.allclose(results["irradiance"], np.pi * np.array([1 / 2, 5 / 3, 1]), rtol=0.05)
+        with pytest.raises(ValueError, match="sky_map: shape"):
+            light.set_sources(sky_map=sky[0])
+        with pytest.raises(svocl.InvalidArgumentError, match=r"sky_map\[0\] -1, of column 0 and row 0, is negative"):
+            light.set_sources(sky_map=-np.ones((2, 3, 3)))
+        light.set_sources()
+        assert light.info.sky_bytes == 0
+
+
 def test_a_ceiling_reflects_the_floor(device, random):
     """Between two large sheets a ceiling gets what the floor reflects: albedo times the sun's irradiance."""
     low, high = FLOOR.copy(), FLOOR.copy()

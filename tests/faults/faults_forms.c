@@ -184,6 +184,8 @@ static svo_status run_scene(subject *of)
 }
 
 /* A light that is updated twice, for a tree that has not changed. */
+static const float sky_texels[6] = {1, 2, 3, 0, 0.5F, 0};
+
 static svo_status update_light(subject *of, svo_light *light, svo_light_setup setup)
 {
     const svo_box changed = {.high = {0.5, 0.5, 0.5}};
@@ -210,7 +212,10 @@ static svo_status run_light(subject *of)
                                        .finishes = &finish,
                                        .finish_count = 1,
                                        .view_resolution = 16,
-                                       .diagnose = 1};
+                                       .diagnose = 1,
+                                       .sky_map = sky_texels,
+                                       .sky_width = 2,
+                                       .sky_height = 1};
         svo_light *light = NULL;
         TRY_TOLD(svo_light_create(of->tree, &options, world.queue, &light));
         svo_status status = form == 0 ? update_light(of, light, setup) : SVO_OK;
@@ -251,7 +256,10 @@ static svo_status run_light_files(subject *of)
                                    .source_count = 1,
                                    .finishes = &finish,
                                    .finish_count = 1,
-                                   .view_resolution = 16};
+                                   .view_resolution = 16,
+                                   .sky_map = sky_texels,
+                                   .sky_width = 2,
+                                   .sky_height = 1};
     char hash[SVO_HASH_TEXT_BYTES];
     svo_status status = SVO_OK;
     svo_light *made = NULL;
@@ -373,7 +381,8 @@ static svo_status probe_scene(subject *of, svo_probe_options options)
 
 static svo_status run_probes(subject *of)
 {
-    const svo_light_setup setup = {.struct_size = sizeof setup, .sky = {1, 1, 1}};
+    const svo_light_setup setup = {
+        .struct_size = sizeof setup, .sky = {1, 1, 1}, .sky_map = sky_texels, .sky_width = 2, .sky_height = 1};
     svo_probe_options options = {
         .struct_size = sizeof options, .counts = {2, 1, 1}, .resolution = 64, .field_size = 4, .cones = 1};
     svo_light *light = NULL;

@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "path/outside.h"
 #include "path/path.h"
 #include "path/surface_points.h"
 #include "support/fixture.h"
@@ -262,6 +263,63 @@ static void equal_radiance_gives_pi_times_it(void **state)
     assert_near("sky, red", outside.irradiance[0], 0, 0);
     assert_near("sky, openness", outside.openness, 1, 0);
     free_shape(&ball);
+    free_shape(&below);
+}
+
+/* A map that is read at the centers of its texels and between them, over the turn's end and beyond the last row. */
+static void outside_is_read_from_the_map(void **state)
+{
+    (void)state;
+    float texels[3 * 4 * 2] = {0};
+    svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
+    double radiance[3];
+    for (size_t i = 0; i < 8; ++i) {
+        texels[3 * i] = (float)(i % 4);
+        texels[3 * i + 1] = (float)(i / 4); /* NOLINT: a row */
+    }
+    setup.sky[2] = 5;
+    setup.sky_map = texels;
+    setup.sky_width = 4;
+    setup.sky_height = 2;
+    static const struct {
+        double x, y, z, red, green;
+    } cases[] = {{-1, 0, -1, 1, 0.5}, /* halfway to the left from -z: the second of four columns */
+                 {1, 0, -1, 2, 0.5},   {1, 0, 1, 3, 0.5},   {-1, 0, 1, 0, 0.5},
+                 {0, 0, -3, 1.5, 0.5}, {0, 0, 1, 1.5, 0.5}, /* between the last column and the first */
+                 {1, 9, -1, 2, 0},     {1, -9, -1, 2, 1}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        path_outside(&setup, vector(cases[i].x, cases[i].y, cases[i].z), radiance);
+        assert_near("red of the map", radiance[0], cases[i].red, 1e-12);
+        assert_near("green of the map", radiance[1], cases[i].green, 1e-12);
+        assert_near("blue of the sky", radiance[2], 5, 1e-12);
+    }
+}
+
+/* 1 + y, where y is the height of a direction, brings pi + 2 pi / 3; half a sky brings half of its light. */
+static void skies_bring_their_integrals(void **state)
+{
+    enum { ROWS = 180, COLUMNS = 360 };
+    static float texels[3 * ROWS * COLUMNS];
+    shape below = make_quad((double[]){-1, -9, -1}, (double[]){2, 0, 0}, (double[]){0, 0, 2});
+    truth open = truth_of(&below);
+    for (size_t i = 0; i < (size_t)ROWS * COLUMNS; ++i) {
+        const size_t row = i / COLUMNS;
+        texels[3 * i] = (float)(1 + cos(PI * ((double)row + 0.5) / ROWS));
+        texels[3 * i + 1] = i % COLUMNS < COLUMNS / 2 ? 1 : 0;
+    }
+    open.setup.sky_map = texels;
+    open.setup.sky_width = COLUMNS;
+    open.setup.sky_height = ROWS;
+    const path_result up = trace_point(state, &open, point_at(0, 0, 0));
+    assert_near("gradient", up.irradiance[0], PI + 2 * PI / 3, 0.001 + 3 * up.irradiance_error[0]);
+    assert_near("half a sky", up.irradiance[1], PI / 2, 0.001 + 3 * up.irradiance_error[1]);
+    svo_gather_point to_the_left = point_at(0, 0, 0);
+    to_the_left.normal[0] = -2;
+    const path_result left = trace_point(state, &open, to_the_left);
+    assert_near("gradient, tilted", left.irradiance[0], PI + 2 * PI / 3 * sqrt(0.5),
+                0.001 + 3 * left.irradiance_error[0]);
+    assert_near("half a sky, tilted", left.irradiance[1], PI * (1 + sqrt(0.5)) / 2,
+                0.001 + 3 * left.irradiance_error[1]);
     free_shape(&below);
 }
 
@@ -517,6 +575,8 @@ TEST_GROUP(path)
         cmocka_unit_test(spheres_occlude_by_their_closed_form),
         cmocka_unit_test(occlusion_falls_off_and_ends_at_its_range),
         cmocka_unit_test(equal_radiance_gives_pi_times_it),
+        cmocka_unit_test(outside_is_read_from_the_map),
+        cmocka_unit_test(skies_bring_their_integrals),
         cmocka_unit_test(a_lit_disk_reflects_by_its_closed_form),
         cmocka_unit_test(one_bounce_in_a_sphere_is_its_albedo_times_the_direct_light),
         cmocka_unit_test(point_lights_obey_the_inverse_square_law),

@@ -60,8 +60,8 @@ static svo_tree *make_tree(const fixture *opened, uint64_t seed, uint32_t need)
     return tree;
 }
 
-/* A sun, a lamp and a sky over materials that shine and emit. */
-static void shine(const fixture *opened, svo_light *light)
+/* A sun, a lamp and a sky over materials that shine and emit. sky_map: of 3 x 2 texels; NULL: none. */
+static void shine_under(const fixture *opened, svo_light *light, const float *sky_map)
 {
     static const svo_light_source sources[] = {
         {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {-3, -10, -2}, .value = {3, 2, 1}},
@@ -74,9 +74,19 @@ static void shine(const fixture *opened, svo_light *light)
                                    .finish_count = 2,
                                    .sky = {0.2F, 0.3F, 0.4F},
                                    .view_resolution = 24,
-                                   .updatable = 1};
+                                   .updatable = 1,
+                                   .sky_map = sky_map,
+                                   .sky_width = sky_map != NULL ? 3 : 0,
+                                   .sky_height = sky_map != NULL ? 2 : 0};
     light_succeed(opened, svo_light_set_sources(light, &setup, opened->queue));
 }
+
+static void shine(const fixture *opened, svo_light *light)
+{
+    shine_under(opened, light, NULL);
+}
+
+static const float sky_texels[18] = {0.1F, 0.2F, 0.9F, 0, 0, 2, 1, 1, 1, 0.3F, 0, 0, 0.25F, 0.5F, 0, 0, 0, 0};
 
 static bytes save(const svo_light *light, uint32_t compress)
 {
@@ -121,6 +131,7 @@ static void assert_same(const fixture *opened, svo_light *a, svo_light *b)
     assert_int_equal(infos[0].photons, infos[1].photons);
     assert_int_equal(infos[0].lit_nodes, infos[1].lit_nodes);
     assert_int_equal(infos[0].total_bytes, infos[1].total_bytes);
+    assert_int_equal(infos[0].sky_bytes, infos[1].sky_bytes);
     assert_memory_equal(infos[0].bytes, infos[1].bytes, sizeof infos[0].bytes);
     assert_memory_equal(infos[0].flux, infos[1].flux, sizeof infos[0].flux);
     for (uint32_t cones = 0; cones <= 5; cones += 5) { /* by rays, and by cones */
@@ -144,13 +155,15 @@ static void loaded_lights_are_those_that_were_saved(void **state)
     const fixture opened = fixture_cl_of_group(state);
     svo_tree *tree = make_tree(&opened, 3, NEEDS);
     for (int form = 0; form < SVO_LIGHT_FORM_COUNT; ++form) {
-        for (uint32_t kind = 0; kind < 4; ++kind) { /* lit or dark, packed or not */
+        for (uint32_t kind = 0; kind < 6; ++kind) { /* lit, dark, or under a map of the sky; packed or not */
             const svo_light_options options = {
                 .struct_size = sizeof options, .form = (svo_light_form)form, .one_side = kind & 1};
             svo_light *light = NULL;
             light_succeed(&opened, svo_light_create(tree, &options, opened.queue, &light));
             if (kind < 2) {
                 shine(&opened, light);
+            } else if (kind >= 4) {
+                shine_under(&opened, light, sky_texels);
             }
             bytes file = save(light, kind & 1);
             svo_light *loaded = load(tree, &file);
@@ -287,6 +300,48 @@ static void wrong_values_are_refused(void **state)
     svo_tree_destroy(&tree);
 }
 
+/* Files with a map are of version 2; others stay of version 1. */
+static void wrong_maps_are_refused(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    svo_tree *tree = make_tree(&opened, 3, NEEDS);
+    svo_light *light = light_of(&opened, tree, SVO_LIGHT_FACES);
+    shine(&opened, light);
+    bytes file = save(light, 0);
+    assert_int_equal(head_of(&file)->header.version, 1);
+    free(file.data);
+    shine_under(&opened, light, sky_texels);
+    file = save(light, 0);
+    file_head *head = head_of(&file);
+    assert_int_equal(head->header.version, 2);
+    assert_int_equal(head->chunks[3].plain_bytes, 8 + sizeof sky_texels);
+    uint32_t *size = (void *)(file.data + head->chunks[3].offset);
+    float *texels = (float *)(void *)(size + 2);
+    assert_memory_equal(texels, sky_texels, sizeof sky_texels);
+    size[0] = 2;
+    sign(&file);
+    assert_refused(tree, &file, SVO_FILE_DAMAGED, "chunk sky_map: 80 bytes are no map of 2 x 2");
+    size[0] = 0;
+    sign(&file);
+    assert_refused(tree, &file, SVO_FILE_DAMAGED, "chunk sky_map: 80 bytes are no map of 0 x 2");
+    size[0] = UINT32_MAX;
+    size[1] = UINT32_MAX;
+    sign(&file);
+    assert_refused(tree, &file, SVO_FILE_DAMAGED, "chunk sky_map: 80 bytes are no map");
+    size[0] = 3;
+    size[1] = 2;
+    texels[4] = -1;
+    sign(&file);
+    assert_refused(tree, &file, SVO_FILE_DAMAGED, "sky_map[4] -1, of column 1 and row 0, is negative or not finite");
+    texels[4] = sky_texels[4];
+    head->chunks[3].kind = 68;
+    sign(&file);
+    assert_refused(tree, &file, SVO_FILE_DAMAGED, "chunk opacity is missing");
+    free(file.data);
+    svo_light_destroy(&light);
+    svo_tree_destroy(&tree);
+}
+
 static void wrong_calls_are_refused(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
@@ -316,6 +371,7 @@ TEST_GROUP(light_stored)
         cmocka_unit_test(lights_of_other_trees_are_refused),
         cmocka_unit_test(damage_is_noticed),
         cmocka_unit_test(wrong_values_are_refused),
+        cmocka_unit_test(wrong_maps_are_refused),
         cmocka_unit_test(wrong_calls_are_refused),
     };
     return cmocka_run_group_tests_name("light_stored", tests, fixture_group_setup, fixture_group_teardown);

@@ -48,23 +48,6 @@ static int read_direction(const json_source *source, const cJSON *object, const 
                                                 : exit_code;
 }
 
-/* Red, green and blue. */
-static int read_color(const json_source *source, const cJSON *object, const char *what, const char *name, float out[3])
-{
-    const int exit_code = read_vector(source, object, what, name, out);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
-    }
-    const cJSON *number = member(object, name)->child;
-    for (int channel = 0; channel < 3; ++channel, number = number->next) {
-        if (out[channel] < 0.0F) {
-            return json_source_fail(source, number, "number %d of '%s' is %g, below 0", channel + 1, name,
-                                    (double)out[channel]);
-        }
-    }
-    return PROGRAM_DONE;
-}
-
 /* A member that is an angle within low .. high, degrees; radians go to out. */
 static int read_angle(const json_source *source, const cJSON *object, const char *what, const char *name, double low,
                       double high, float *out)
@@ -91,7 +74,7 @@ static int read_directional(const json_source *source, const cJSON *object, svo_
     if (exit_code == PROGRAM_DONE) {
         exit_code = read_direction(source, object, what, "direction", out->direction);
     }
-    return exit_code == PROGRAM_DONE ? read_color(source, object, what, "value", out->value) : exit_code;
+    return exit_code == PROGRAM_DONE ? sky_file_color(source, object, what, "value", out->value) : exit_code;
 }
 
 static int read_point(const json_source *source, const cJSON *object, svo_light_source *out)
@@ -103,7 +86,7 @@ static int read_point(const json_source *source, const cJSON *object, svo_light_
     if (exit_code == PROGRAM_DONE) {
         exit_code = read_vector(source, object, what, "position", out->position);
     }
-    return exit_code == PROGRAM_DONE ? read_color(source, object, what, "value", out->value) : exit_code;
+    return exit_code == PROGRAM_DONE ? sky_file_color(source, object, what, "value", out->value) : exit_code;
 }
 
 static int read_spot(const json_source *source, const cJSON *object, svo_light_source *out)
@@ -119,7 +102,7 @@ static int read_spot(const json_source *source, const cJSON *object, svo_light_s
         exit_code = read_direction(source, object, what, "direction", out->direction);
     }
     if (exit_code == PROGRAM_DONE) {
-        exit_code = read_color(source, object, what, "value", out->value);
+        exit_code = sky_file_color(source, object, what, "value", out->value);
     }
     if (exit_code == PROGRAM_DONE) {
         exit_code = read_angle(source, object, what, "inner_angle", 0, SPOT_ANGLE_MAX, &out->inner_angle);
@@ -185,8 +168,8 @@ static int read_lights(const json_source *source, light_file *file)
 
 static int read_sky(const json_source *source, light_file *file)
 {
-    return member(source->root, "sky") != NULL ? read_color(source, source->root, "the file", "sky", file->sky)
-                                               : PROGRAM_DONE;
+    const cJSON *value = member(source->root, "sky");
+    return value != NULL ? sky_file_read(source, value, &file->sky) : PROGRAM_DONE;
 }
 
 static int read_camera(const json_source *source, light_file *file)
@@ -233,6 +216,7 @@ static int read_file(const json_source *source, light_file *file)
 static void light_file_close(light_file *file)
 {
     free(file->sources);
+    sky_file_close(&file->sky);
     *file = (light_file){.sources = NULL};
 }
 
@@ -380,8 +364,11 @@ svo_light_setup lighting_setup(const lighting *work, const input *source)
     setup.finishes = has_finishes ? source->mesh->finishes : NULL;
     setup.finish_count = has_finishes ? source->mesh->material_count : 0;
     for (int channel = 0; channel < 3; ++channel) {
-        setup.sky[channel] = work->file.sky[channel];
+        setup.sky[channel] = work->file.sky.radiance[channel];
     }
+    setup.sky_map = work->file.sky.texels;
+    setup.sky_width = work->file.sky.width;
+    setup.sky_height = work->file.sky.height;
     return setup;
 }
 

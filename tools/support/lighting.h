@@ -7,6 +7,7 @@
 #include "support/job.h"
 #include "support/program.h"
 #include "support/scene_input.h"
+#include "support/sky_file.h"
 #include "svocl/light.h"
 #include "svocl/light_types.h"
 #include "svocl/trace.h"
@@ -19,7 +20,7 @@
 typedef struct light_file {
     svo_light_source *sources; /* NULL: none */
     size_t source_count;
-    float sky[3]; /* radiance; zero: not given */
+    sky_file sky; /* dark: not given */
     svo_camera camera;
     bool has_camera;
 } light_file;

@@ -192,6 +192,10 @@ static int bake(program *state, web_export *made)
         return program_fail(state, PROGRAM_FAILED, "%s: %zu lights, above the %u of a page", state->options.lights_path,
                             setup.source_count, WEB_SOURCES_MAX);
     }
+    if (setup.sky_map != NULL) {
+        return program_fail(state, PROGRAM_FAILED, "%s: 'sky' is a map; pages take one radiance",
+                            state->options.lights_path);
+    }
     *shine = (web_shine){.sources = setup.sources,
                          .source_count = setup.source_count,
                          .sky = {setup.sky[0], setup.sky[1], setup.sky[2]}};

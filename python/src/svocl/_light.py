@@ -197,6 +197,7 @@ class Light(Handle):
         *,
         finishes: Sequence[Finish] = (),
         sky: Sequence[float] = (0.0, 0.0, 0.0),
+        sky_map: Optional[npt.ArrayLike] = None,
         view_resolution: int = 0,
         photons: bool = True,
         diagnose: bool = False,
@@ -210,6 +211,9 @@ class Light(Handle):
             sources: at most 1024.
             finishes: by material, for trees with Need.MATERIAL: Mesh.finishes. Materials beyond are diffuse.
             sky: radiance from outside: linear red, green, blue, not negative.
+            sky_map: (rows, columns, 3): radiance from outside by direction, on top of sky, at most 4096 x 8192.
+                Equirectangular, as seen from inside: rows from the zenith, +y, down, and columns to the right around
+                y with -z in the middle. The light keeps a copy.
             view_resolution: photons along a side of each source's view, 1 .. 16384; 0: four per facing leaf.
             photons: False: sources light the surfaces of pictures, but these light no others.
             diagnose: also count LightInfo.missed_leaves.
@@ -226,6 +230,10 @@ class Light(Handle):
         setup.sources, setup.source_count = given if sources else ffi.NULL, len(sources)
         setup.finishes, setup.finish_count = finished if finishes else ffi.NULL, len(finishes)
         setup.sky = _arrays.three("sky", sky)
+        if sky_map is not None:
+            texels = _arrays.floats("sky_map", sky_map, ("rows", "columns", 3))
+            setup.sky_map = address("float *", texels)
+            setup.sky_height, setup.sky_width = texels.shape[:2]
         setup.view_resolution = _arrays.integer("view_resolution", view_resolution)
         setup.diagnose, setup.no_photons, setup.updatable = bool(diagnose), not photons, bool(updatable)
         self._call(lib.svo_light_set_sources, setup, _opencl.pointer("cl_command_queue", queue, "queue"))

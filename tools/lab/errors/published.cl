@@ -60,7 +60,7 @@ static svo_cone_result published_cone(const svo_light *light, const svo_march *m
         result.steps += 1u;
     }
     if (march->with_light && range >= inside.y) {
-        result.radiance += result.pass * svo_light_sky(light);
+        result.radiance += result.pass * svo_light_sky(light, march->direction);
     }
     return result;
 }

@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "path/outside.h"
 #include "path/threads.h"
 #include "scenes/maths.h"
 #include "svocl/nodes.h"
@@ -389,8 +390,12 @@ static void find_place(const path_work *work, size_t i)
     const double arriving[3] = {share * place->weight[0], share * place->weight[1], share * place->weight[2]};
     *place = (lit_place){.weight = {0}};
     if (hit->triangle == SVO_NO_TRIANGLE) {
-        for (int channel = 0; channel < 3 && ray->t_max > 0; ++channel) {
-            radiance[channel] += arriving[channel] * (double)setup->sky[channel];
+        double outside[3] = {0, 0, 0};
+        if (ray->t_max > 0) {
+            path_outside(setup, vector_of(ray->direction), outside);
+        }
+        for (int channel = 0; channel < 3; ++channel) {
+            radiance[channel] += arriving[channel] * outside[channel];
         }
         return;
     }
