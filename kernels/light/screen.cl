@@ -23,11 +23,16 @@ svo_k_screen_points(SVO_LIT_PARAMETERS, __global svo_gather_point *points, svo_s
     }
     SVO_LIT_MAKE(picture);
     const uint2 cell = (uint2)(item % screen.columns, screen.first_row + item / screen.columns);
-    const svo_ray ray = svo_screen_ray(&picture, 2.0f * convert_float2(cell) + 1.0f);
+    svo_ray ray = svo_screen_ray(&picture, 2.0f * convert_float2(cell) + 1.0f);
     svo_gather_point point = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}, 0.0f, {0u, 0u}};
     svo_lit_met met;
+    svo_lit_through through = svo_lit_start();
     const svo_alpha_ray alone = {0u, 1u};
-    if (svo_lit_trace(&picture, &ray, false, alone, &met)) {
+    uint found = SVO_LIT_ON;
+    while (found == SVO_LIT_ON) {
+        found = svo_lit_search(&picture, &ray, false, alone, &through, &met);
+    }
+    if (found == SVO_LIT_MET) {
         svo_lit_surface surface;
         svo_lit_place(&picture, &ray, &met, &surface);
         vstore3(surface.point, 0, point.position);
