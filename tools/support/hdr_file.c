@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Radiance pictures. stb_image, which writes them here, does not notice where a file ends too early, and does not end
- * on some that are damaged.
+ * Radiance pictures. stb_image, which writes them here, does not notice where a file ends too early.
  *
  * A head of lines that ends with an empty one, the size, and rows: plain pixels of four bytes, or, where a row begins
  * with 2, 2 and the width in two bytes, the four channels one after the other, in runs of equal bytes (128 more than
