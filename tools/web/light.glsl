@@ -33,7 +33,8 @@ float openness(vec3 point, vec3 normal, float range)
         vec2 circle = k == 0 ? vec2(0.85, 0.2) : k == 1 ? vec2(-0.2, 0.85) : k == 2 ? vec2(-0.85, -0.2)
                                                                                     : vec2(0.2, -0.85);
         Hit hit;
-        Ray ray = Ray(point, normalize(0.6 * normal + circle.x * side + circle.y * other), 0.12, range);
+        vec3 direction = normalize(0.6 * normal + circle.x * side + circle.y * other);
+        Ray ray = Ray(point, direction, 0.12, range, uvec2(k, 4));
         open += castRay(ray, hit) ? hit.distance / range : 1.0;
     }
     return 0.25 * open;
@@ -65,7 +66,8 @@ vec3 fittedNormal(Ray ray, Hit hit, float nodeWidth)
         float angle = 0.25 * PI * float(k);
         vec3 place = vec3(1.0, cos(angle), sin(angle));
         Hit beside;
-        Ray parallel = Ray(begin + reach * (place.y * side + place.z * other), ray.direction, 0.0, 2.0 * before);
+        vec3 from = begin + reach * (place.y * side + place.z * other);
+        Ray parallel = Ray(from, ray.direction, 0.0, 2.0 * before, ray.set);
         if (castRay(parallel, beside) && abs(beside.distance - before) < 0.9 * before) {
             squares += outerProduct(place, place);
             products += (beside.distance - before) / reach * place;
@@ -111,7 +113,7 @@ vec3 lightAt(vec3 point, vec3 normal, float nodeWidth)
 {
     float direct = max(dot(normal, sun), 0.0);
     Hit blocker;
-    if (direct > 0.0 && castRay(Ray(point, sun, 0.0, FAR), blocker)) {
+    if (direct > 0.0 && castRay(Ray(point, sun, 0.0, FAR, uvec2(0, 1)), blocker)) {
         direct = 0.0;
     }
     float open = openness(point, normal, max(occlusionRange, 6.0 * nodeWidth));
@@ -172,7 +174,7 @@ vec3 irradianceBy(int source, vec3 point, vec3 normal, float nodeWidth)
         : smoothstep(direction.w, sourceValue[source].w, -dot(direction.xyz, to) / away) / squared;
     Hit blocker;
     float range = place.w == SOURCE_FAR ? FAR : away - 2.0 * nodeWidth; /* the lamp's own voxels are not in its way */
-    if (facing * share <= 0.0 || castRay(Ray(point, to / away, 0.0, range), blocker)) {
+    if (facing * share <= 0.0 || castRay(Ray(point, to / away, 0.0, range, uvec2(0, 1)), blocker)) {
         return vec3(0.0);
     }
     return facing * share * sourceValue[source].rgb;
@@ -237,7 +239,7 @@ vec3 showOpenness(Ray ray, Hit hit)
         float angle = 2.39996 * float(k);
         vec3 direction = sqrt(share) * (cos(angle) * side + sin(angle) * other) + sqrt(1.0 - share) * normal;
         Hit blocker;
-        open += castRay(Ray(point, direction, 0.12, range), blocker) ? blocker.distance / range : 1.0;
+        open += castRay(Ray(point, direction, 0.12, range, uvec2(k, 16)), blocker) ? blocker.distance / range : 1.0;
     }
     return vec3(open / 16.0);
 }

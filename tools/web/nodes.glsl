@@ -73,6 +73,14 @@ bool readColor(uint node, out vec3 color)
     return true;
 }
 
+/* How much of a node shows, 0 .. 255; all where nodes have no color. */
+uint readAlpha(uint node)
+{
+    return node < colorRange.x
+        ? 255u
+        : uint(texelFetch(colors, placeTexel((node - colorRange.x) * colorRange.y), 0).a * 255.0 + 0.5);
+}
+
 /* The unit normal of a node from octahedral coordinates; false where it has none. At 0 the sign is +, which sign() does
    not say. */
 bool readNormal(uint node, out vec3 normal)

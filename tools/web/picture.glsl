@@ -90,11 +90,13 @@ void main()
     vec3 sum = vec3(0.0);
     Lit lit = Lit(vec3(0.0), vec3(0.0), vec3(0.0));
     vec2 pixel = vec2(gl_FragCoord.x - 0.5, pictureHeight / block - gl_FragCoord.y - 0.5);
+    bool byAlpha = view == VIEW_SHADED || view >= VIEW_OPEN; /* other views show what there is */
     for (int k = 0; k < samples * samples; ++k) {
         vec2 inside = (vec2(k % samples, k / samples) + 0.5) / float(samples);
         vec2 place = block * (pixel + inside);
         vec3 direction = normalize(corner + place.x * across + place.y * down);
-        sum += lookAlong(Ray(eye, direction, footprint / float(samples), FAR), place.y, lit);
+        uvec2 set = byAlpha ? uvec2(k, samples * samples) : uvec2(0);
+        sum += lookAlong(Ray(eye, direction, footprint / float(samples), FAR, set), place.y, lit);
     }
     sum /= float(samples * samples);
     color = vec4(view == VIEW_SHADED ? encodeSquares(sum) : view >= VIEW_OPEN ? encodeLight(sum) : sum, 1.0);

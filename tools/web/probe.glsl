@@ -17,7 +17,7 @@ void main()
     vec2 place = first + stride * (gl_FragCoord.xy - 0.5) + 0.5;
     vec3 direction = normalize(corner + place.x * across + place.y * down);
     Hit hit;
-    bool met = castRay(Ray(eye, direction, footprint, FAR), hit);
+    bool met = castRay(Ray(eye, direction, footprint, FAR, uvec2(0)), hit);
     found = uvec4(hit.node, hit.level, hit.steps, met);
     along = uvec4(floatBitsToUint(direction), floatBitsToUint(hit.distance));
 }

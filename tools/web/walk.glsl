@@ -16,6 +16,7 @@ struct Ray {
     vec3 direction; /* unit */
     float footprint; /* nodes smaller than footprint * distance are not opened */
     float range;
+    uvec2 set; /* its number in a set of rays that see nodes by their alpha, and how many these are; 0: whole nodes */
 };
 
 struct Hit {
@@ -63,6 +64,20 @@ int countDigits(int number)
     return (floatBitsToInt(float(number)) >> 23) - 126;
 }
 
+/* Whether a ray sees a node: kernels/rays/alpha.clh. The finalizer of MurmurHash3 hashes the cell. */
+bool showsNode(uint node, ivec3 cell, uvec2 set)
+{
+    uint alpha = set.y == 0u ? 255u : readAlpha(node);
+    if (alpha == 255u) {
+        return true;
+    }
+    uint bits = uint(cell.x) * 73856093u ^ uint(cell.y) * 19349663u ^ uint(cell.z) * 83492791u;
+    bits = (bits ^ bits >> 16) * 0x85ebca6bu;
+    bits = (bits ^ bits >> 13) * 0xc2b2ae35u;
+    uint turn = (bits ^ bits >> 16) % set.y;
+    return 2u * alpha * set.y > (2u * ((set.x + turn) % set.y) + 1u) * 255u;
+}
+
 /* The first voxel along the ray. */
 bool castRay(Ray ray, out Hit hit)
 {
@@ -105,7 +120,10 @@ bool castRay(Ray ray, out Hit hit)
             hit.axis = axis;
             hit.level = level;
             hit.node = stack[level];
-            return true;
+            if (showsNode(hit.node, cell >> (depth - level), ray.set)) {
+                return true;
+            }
+            level -= 1; /* as if it were empty */
         }
         /* Leave the empty cell by the nearest of its three far faces. */
         int width = 1 << (depth - level - 1);

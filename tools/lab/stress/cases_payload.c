@@ -17,7 +17,7 @@ static void add_leaves(const stress_tree *built, const triangle_set *made, color
         for (uint32_t i = arrays->list_begin[leaf]; i < arrays->list_begin[leaf + 1]; ++i) {
             const uint8_t *color = made->colors + (size_t)arrays->triangle_ids[arrays->list[i]] * 12;
             for (int channel = 0; channel < 4; ++channel) {
-                sum[channel] += color[channel] * (channel < 3 ? color[3] : 1U);
+                sum[channel] += (uint64_t)color[channel] * (channel < 3 ? color[3] : 1U);
             }
             ++sum[4];
         }
