@@ -157,6 +157,16 @@ static size_t count_hits(const svo_hit *hits)
     return count;
 }
 
+/* Pixels of two pictures that differ. */
+static size_t count_differing(const uint8_t *one, const uint8_t *other)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < (size_t)PICTURE_SIDE * PICTURE_SIDE; ++i) {
+        count += memcmp(one + 4 * i, other + 4 * i, 4) != 0 ? 1 : 0;
+    }
+    return count;
+}
+
 static void hits_and_pictures_are_the_same(void **state)
 {
     const both *opened = *state;
@@ -176,7 +186,8 @@ static void hits_and_pictures_are_the_same(void **state)
         assert_int_equal(by_cpu->any[i].triangle == SVO_NO_TRIANGLE, by_gpu->any[i].triangle == SVO_NO_TRIANGLE);
     }
     assert_memory_equal(by_cpu->count, by_gpu->count, sizeof by_cpu->count);
-    assert_memory_equal(by_cpu->shaded, by_gpu->shaded, sizeof by_cpu->shaded);
+    /* Rays that go on behind what shows in part graze many voxels, at some of which rounding decides. */
+    assert_in_range(count_differing(by_cpu->shaded, by_gpu->shaded), 0, PICTURE_SIDE * PICTURE_SIDE / 200);
     assert_memory_equal(by_cpu->normals, by_gpu->normals, sizeof by_cpu->normals);
     free(by_cpu);
     free(by_gpu);

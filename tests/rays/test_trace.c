@@ -108,6 +108,9 @@ static svo_tree *make_tree(const occupancy *voxels, bool black)
         info->need = SVO_NEED_COLOR;
         tree->host[SVO_TREE_COLORS] = svo_i_alloc_zeroed(NULL, info->node_count, 4);
         assert_non_null(tree->host[SVO_TREE_COLORS]);
+        for (uint64_t node = 0; node < info->node_count; ++node) { /* opaque */
+            ((uint8_t *)tree->host[SVO_TREE_COLORS])[4 * node + 3] = 255;
+        }
     }
     free(codes);
     assert_int_equal(svo_tree_upload(tree, device, queue), SVO_OK);
