@@ -836,7 +836,7 @@ static void test_saved_lights_are_read_again(void **unused)
         check_floats(got, "direction", had->kind != SVO_SOURCE_POINT ? had->direction : NULL);
         check_floats(got, "position", had->kind != SVO_SOURCE_DIRECTIONAL ? had->position : NULL);
         if (had->kind == SVO_SOURCE_SPOT) {
-            const double degree = 0.017453292519943295; /* as light_file.c has it */
+            const double degree = 0.017453292519943295; /* as lights_file.c has it */
             assert_true((float)(cJSON_GetObjectItem(got, "inner_angle")->valuedouble * degree) == had->inner_angle);
             assert_true((float)(cJSON_GetObjectItem(got, "outer_angle")->valuedouble * degree) == had->outer_angle);
         }

@@ -5,30 +5,15 @@
 
 #include "support/default_lights.h"
 #include "support/job.h"
+#include "support/lights_file.h"
 #include "support/program.h"
 #include "support/scene_input.h"
-#include "support/sky_file.h"
 #include "svocl/light.h"
 #include "svocl/light_types.h"
 #include "svocl/trace.h"
 
-/* ---- files of lights ---- */
-
-/* Most lights of a file. */
-#define LIGHT_FILE_SOURCES_MAX 1024
-
-typedef struct light_file {
-    svo_light_source *sources; /* NULL: none */
-    size_t source_count;
-    sky_file sky; /* dark: not given */
-    svo_camera camera;
-    bool has_camera;
-} light_file;
-
-/* ---- lit trees ---- */
-
 typedef struct lighting {
-    light_file file; /* of --lights; without, what a scene says of lights; its camera where --lights has none */
+    lights_file file; /* of --lights; without, what a scene says of lights; its camera where --lights has none */
     scene_file scene; /* INPUT, if that is one; else without trees */
     scene_input placed; /* what it places */
     default_lights chosen; /* of a picture that none of them lights */

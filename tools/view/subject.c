@@ -38,7 +38,7 @@ static int place_camera(subject *which, view_state *state)
 static int take_lights(subject *which, view_state *state)
 {
     default_lights *chosen = &which->lit.chosen;
-    const light_file *file = &which->lit.file;
+    const lights_file *file = &which->lit.file;
     const bool from_file = which->running->options.lights_path != NULL;
     if (!from_file) {
         const int exit_code =
