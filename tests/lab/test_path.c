@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "path/albedo.h"
 #include "path/outside.h"
 #include "path/path.h"
 #include "path/surface_points.h"
@@ -210,6 +211,38 @@ static void disks_occlude_by_their_closed_form(void **state)
                     0.001 + 3 * found.openness_error);
         free_shape(&disk);
     }
+}
+
+/* Two disks above a point, each of which lets .6 through, of a sky, of a sun and of what is seen. */
+static void panes_let_their_share_through(void **state)
+{
+    static const svo_light_source sun = {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {0, -1, 0}, .value = {1, 1, 1}};
+    shape low = make_disk(1, 1);
+    shape high = make_disk(1, 2);
+    const size_t vertices = low.mesh.vertex_count;
+    const size_t corners = 3 * low.mesh.triangle_count;
+    shape both = new_shape(2 * vertices, 2 * low.mesh.triangle_count);
+    memcpy(both.positions, low.positions, 3 * vertices * sizeof *both.positions);
+    memcpy(both.positions + 3 * vertices, high.positions, 3 * vertices * sizeof *both.positions);
+    for (size_t i = 0; i < 2 * corners; ++i) {
+        both.indices[i] = low.indices[i % corners] + (i < corners ? 0 : (uint32_t)vertices);
+    }
+    both.material.rgba[3] = 102;
+    both.mesh.materials = &both.material;
+    both.mesh.material_count = 1;
+    truth how = truth_of(&both);
+    how.setup.sources = &sun;
+    how.setup.source_count = 1;
+    how.setup.sky[1] = 1;
+    const double open = 0.5 + (0.5 - 0.2) * 0.6 + 0.2 * 0.36;
+    const path_result found = trace_point(state, &how, point_at(0.1, 0, 0));
+    assert_near("openness", found.openness, open, 0.005 + 3 * found.openness_error);
+    assert_near("sun", found.direct[0], 0.36, 1e-6);
+    /* The disks are white and reflect the sun, which shines on the upper one, and on the lower one through it. */
+    assert_near("sky", found.irradiance[1] - found.irradiance[0], PI * open, 0.02 + 4 * found.irradiance_error[1]);
+    free_shape(&both);
+    free_shape(&low);
+    free_shape(&high);
 }
 
 static void spheres_occlude_by_their_closed_form(void **state)
@@ -572,6 +605,7 @@ TEST_GROUP(path)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(walls_occlude_by_their_closed_form),
         cmocka_unit_test(disks_occlude_by_their_closed_form),
+        cmocka_unit_test(panes_let_their_share_through),
         cmocka_unit_test(spheres_occlude_by_their_closed_form),
         cmocka_unit_test(occlusion_falls_off_and_ends_at_its_range),
         cmocka_unit_test(equal_radiance_gives_pi_times_it),

@@ -3,8 +3,8 @@
  * Points are traced in groups whose rays fit a batch. Of each group: rays into the hemisphere above each point, with a
  * density in proportion to the cosine, so that means over rays are the integrals; what they meet; the sources' light
  * there, one batch of shadow rays for each source; means over the rays of each set. Light falls off with the inverse
- * square, and spots have a soft edge. Colors are as svo_material describes them, in double precision. Rays go through
- * what shows in part, by chance, as its alpha at the point tells.
+ * square, and spots have a soft edge. Rays of paths go through what shows in part by chance, as its alpha at the point
+ * tells; those to sources bring what all layers let through.
  */
 #include "path/path.h"
 
@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "path/albedo.h"
 #include "path/outside.h"
 #include "path/threads.h"
 #include "scenes/maths.h"
@@ -52,148 +53,6 @@ bool path_source_view(const svo_light_source *source, vector3 place, source_view
     return view->strength > 0;
 }
 
-/* IEC 61966-2-1. */
-static double decode_srgb(double value)
-{
-    return value <= 0.04045 ? value / 12.92 : pow((value + 0.055) / 1.055, 2.4);
-}
-
-static uint32_t corner_of(const svo_mesh *mesh, uint32_t triangle, size_t corner)
-{
-    const size_t place = (size_t)triangle * 3 + corner;
-    return mesh->indices != NULL ? mesh->indices[place] : (uint32_t)place;
-}
-
-static const svo_material *material_of(const svo_mesh *mesh, uint32_t triangle, size_t *index)
-{
-    const size_t named = mesh->triangle_materials != NULL ? mesh->triangle_materials[triangle] : 0;
-    *index = named < mesh->material_count ? named : 0;
-    return mesh->material_count > 0 ? &mesh->materials[*index] : NULL;
-}
-
-/* ---- textures ---- */
-
-static uint32_t wrapped(int64_t texel, uint32_t count, svo_wrap wrap)
-{
-    const int64_t period = wrap == SVO_WRAP_MIRROR ? 2 * (int64_t)count : (int64_t)count;
-    if (wrap == SVO_WRAP_CLAMP) {
-        return texel < 0 ? 0 : texel >= (int64_t)count ? count - 1 : (uint32_t)texel;
-    }
-    const int64_t inside = (texel % period + period) % period;
-    return (uint32_t)(inside < (int64_t)count ? inside : period - 1 - inside);
-}
-
-/* Bilinear: texel i covers i .. i + 1 and has its value in the middle. Red, green and blue weigh by alpha. */
-static void sample_texture(const svo_texture *image, const double uv[2], double color[4])
-{
-    const double x = uv[0] * image->width - 0.5;
-    const double y = uv[1] * image->height - 0.5;
-    const double share[2] = {x - floor(x), y - floor(y)};
-    memset(color, 0, 4 * sizeof *color);
-    for (int k = 0; k < 4; ++k) {
-        const uint32_t column = wrapped((int64_t)floor(x) + (k & 1), image->width, image->wrap_u);
-        const uint32_t row = wrapped((int64_t)floor(y) + (k >> 1), image->height, image->wrap_v);
-        const double weight = ((k & 1) != 0 ? share[0] : 1 - share[0]) * ((k >> 1) != 0 ? share[1] : 1 - share[1]);
-        const uint8_t *texel = image->rgba + 4 * ((size_t)row * image->width + column);
-        for (int channel = 0; channel < 4; ++channel) {
-            color[channel] += weight * texel[channel] / 255 * (channel < 3 ? texel[3] / 255.0 : 1);
-        }
-    }
-    for (int channel = 0; channel < 3; ++channel) {
-        color[channel] = color[3] > 0 ? color[channel] / color[3] : 0;
-    }
-}
-
-/* As svo_mesh.uvs says. */
-static double clamped_uv(float value)
-{
-    return isfinite(value) ? fmin(fmax((double)value, -32767.0), 32767.0) : 0.0;
-}
-
-static void multiply_texel(const svo_mesh *mesh, const svo_material *material, uint32_t triangle,
-                           const double weights[3], double color[4])
-{
-    double uv[2] = {0, 0};
-    double texel[4];
-    if (material->texture_index >= mesh->texture_count || mesh->uvs == NULL) {
-        return;
-    }
-    for (size_t corner = 0; corner < 3; ++corner) {
-        const float *own = mesh->uvs + 2 * (size_t)corner_of(mesh, triangle, corner);
-        uv[0] += weights[corner] * clamped_uv(own[0]);
-        uv[1] += weights[corner] * clamped_uv(own[1]);
-    }
-    sample_texture(&mesh->textures[material->texture_index], uv, texel);
-    for (int channel = 0; channel < 4; ++channel) {
-        color[channel] *= texel[channel];
-    }
-}
-
-/* ---- materials ---- */
-
-static void multiply_vertex_colors(const svo_mesh *mesh, uint32_t triangle, const double weights[3], double color[4])
-{
-    for (int channel = 0; channel < 4 && mesh->colors != NULL; ++channel) {
-        double own = 0;
-        for (size_t corner = 0; corner < 3; ++corner) {
-            own += weights[corner] * mesh->colors[4 * (size_t)corner_of(mesh, triangle, corner) + (size_t)channel];
-        }
-        color[channel] *= own / 255;
-    }
-}
-
-double path_albedo(const svo_mesh *mesh, uint32_t triangle, double u, double v, double albedo[3])
-{
-    const double weights[3] = {1 - u - v, u, v};
-    double color[4] = {1, 1, 1, 1};
-    size_t index = 0;
-    const svo_material *material = material_of(mesh, triangle, &index);
-    if (material == NULL && mesh->colors == NULL) {
-        albedo[0] = albedo[1] = albedo[2] = PATH_CLAY;
-        return 1;
-    }
-    for (int channel = 0; channel < 4 && material != NULL; ++channel) {
-        color[channel] = material->rgba[channel] / 255.0;
-    }
-    multiply_vertex_colors(mesh, triangle, weights, color);
-    if (material != NULL) {
-        multiply_texel(mesh, material, triangle, weights, color);
-    }
-    for (int channel = 0; channel < 3; ++channel) {
-        albedo[channel] = decode_srgb(color[channel]);
-    }
-    return color[3];
-}
-
-/* Whether something of the mesh may show in part. */
-static bool is_clear(const svo_mesh *mesh)
-{
-    bool clear = false;
-    for (size_t i = 0; i < mesh->material_count; ++i) {
-        clear = clear || mesh->materials[i].rgba[3] != 255;
-    }
-    for (size_t i = 0; i < mesh->vertex_count && mesh->colors != NULL; ++i) {
-        clear = clear || mesh->colors[4 * i + 3] != 255;
-    }
-    for (size_t i = 0; i < mesh->texture_count; ++i) {
-        const svo_texture *image = &mesh->textures[i];
-        for (size_t k = 0; k < (size_t)image->width * image->height && !clear; ++k) {
-            clear = image->rgba[4 * k + 3] != 255;
-        }
-    }
-    return clear;
-}
-
-void path_emission(const svo_mesh *mesh, const svo_light_setup *setup, uint32_t triangle, double emission[3])
-{
-    size_t index = 0;
-    (void)material_of(mesh, triangle, &index);
-    const bool emits = index < setup->finish_count;
-    for (int channel = 0; channel < 3; ++channel) {
-        emission[channel] = emits ? (double)setup->finishes[index].emission[channel] : 0;
-    }
-}
-
 #define BATCH_RAYS     524288u /* a group is at least one point */
 #define RAYS_PER_CHUNK 1024u
 #define PI             3.14159265358979323846
@@ -222,6 +81,7 @@ typedef struct path_work {
     size_t *passing; /* of the rays, those that go on behind what they met; with is_clear */
     svo_ray *passing_rays;
     svo_hit *passing_hits;
+    double *pass; /* the share of light that what a ray to a source met lets through; likewise */
     lit_place *places;
     double *radiance; /* three to a place */
     const svo_light_source *source; /* of the running batch of shadow rays */
@@ -280,9 +140,12 @@ static svo_ray ray_from(const path_work *work, const lit_place *place, vector3 d
 
 /* Layers that rays go through. */
 #define LAYERS_MAX 64u
+/* Less light does not get through. */
+#define LEAST_PASS 1e-9
 
-/* Whether a ray goes through what it met: a function of seed, bounce, place in the batch and layer alone. */
-static bool passes(const path_work *work, size_t i, unsigned layer)
+/* Whether a ray goes on behind what it met. To a source all of it does that is let through; else by chance, a function
+   of seed, bounce, place in the batch and layer alone. */
+static bool passes(const path_work *work, size_t i, unsigned layer, bool to_source)
 {
     const svo_hit *hit = &work->hits[i];
     double albedo[3];
@@ -290,18 +153,22 @@ static bool passes(const path_work *work, size_t i, unsigned layer)
         return false;
     }
     const double alpha = path_albedo(work->scene->mesh, hit->triangle, (double)hit->u, (double)hit->v, albedo);
+    if (to_source) {
+        work->pass[i] *= 1 - alpha;
+        return work->pass[i] > LEAST_PASS;
+    }
     random_stream of_layer = {.state = (uint64_t)work->seed << 32 | (LAYERS_MAX * work->bounce + layer)};
     random_stream of_ray = {.state = random_bits(&of_layer) + (uint64_t)work->first_point * work->per_point + i};
     return alpha < 1 && random_between(&of_ray, 0, 1) >= alpha;
 }
 
 /* Notes the rays that go on, of those that went on before. Returns how many. */
-static size_t find_passing(path_work *work, size_t before, unsigned layer)
+static size_t find_passing(path_work *work, size_t before, unsigned layer, bool to_source)
 {
     size_t count = 0;
     for (size_t k = 0; k < before; ++k) {
         const size_t i = layer == 0 ? k : work->passing[k];
-        if (passes(work, i, layer)) {
+        if (passes(work, i, layer, to_source)) {
             work->passing_rays[count] = work->rays[i];
             work->passing_rays[count].t_min = (float)((double)work->hits[i].t + work->lift);
             work->passing[count++] = i;
@@ -310,26 +177,30 @@ static size_t find_passing(path_work *work, size_t before, unsigned layer)
     return count;
 }
 
-static svo_status trace_once(const path_work *work, svo_ray *rays, svo_hit *hits, size_t count, uint32_t flags)
+static svo_status trace_once(const path_work *work, svo_ray *rays, svo_hit *hits, size_t count, bool to_source)
 {
-    return svo_trace_triangles(svo_tree_target(work->scene->tree), svo_in_host(rays), svo_in_host(hits), count,
-                               work->is_clear ? SVO_TRACE_CLOSEST : flags, &(svo_submit){.queue = work->scene->queue});
+    const uint32_t flags = to_source && !work->is_clear ? SVO_TRACE_ANY : SVO_TRACE_CLOSEST;
+    return svo_trace_triangles(svo_tree_target(work->scene->tree), svo_in_host(rays), svo_in_host(hits), count, flags,
+                               &(svo_submit){.queue = work->scene->queue});
 }
 
-/* What the batch's rays meet. flags: what suffices for rays that nothing lets through. */
-static svo_status trace_rays(path_work *work, size_t count, uint32_t flags)
+/* What the batch's rays meet; of those to sources, whether they meet anything. */
+static svo_status trace_rays(path_work *work, size_t count, bool to_source)
 {
-    svo_status status = trace_once(work, work->rays, work->hits, count, flags);
-    size_t passing = work->is_clear && status == SVO_OK ? find_passing(work, count, 0) : 0;
+    svo_status status = trace_once(work, work->rays, work->hits, count, to_source);
+    for (size_t i = 0; work->is_clear && i < count; ++i) {
+        work->pass[i] = 1;
+    }
+    size_t passing = work->is_clear && status == SVO_OK ? find_passing(work, count, 0, to_source) : 0;
     for (unsigned layer = 1; passing > 0 && layer < LAYERS_MAX; ++layer) {
-        status = trace_once(work, work->passing_rays, work->passing_hits, passing, flags);
+        status = trace_once(work, work->passing_rays, work->passing_hits, passing, to_source);
         if (status != SVO_OK) {
             return status;
         }
         for (size_t k = 0; k < passing; ++k) {
             work->hits[work->passing[k]] = work->passing_hits[k];
         }
-        passing = find_passing(work, passing, layer);
+        passing = find_passing(work, passing, layer, to_source);
     }
     return status;
 }
@@ -454,7 +325,8 @@ static void add_light(void *user, unsigned thread_index, size_t begin, size_t en
         source_view view;
         if (work->rays[i].t_max > 0 && work->hits[i].triangle == SVO_NO_TRIANGLE &&
             path_source_view(work->source, place->position, &view)) {
-            const double irradiance = view.strength * vector_dot(view.direction, place->normal);
+            const double pass = work->is_clear ? work->pass[i] : 1;
+            const double irradiance = pass * view.strength * vector_dot(view.direction, place->normal);
             for (int channel = 0; channel < 3; ++channel) {
                 work->radiance[3 * i + (size_t)channel] +=
                     place->weight[channel] * irradiance * (double)work->source->value[channel];
@@ -470,7 +342,7 @@ static svo_status add_sources(path_work *work, size_t place_count)
     for (size_t i = 0; i < scene->setup->source_count; ++i) {
         work->source = &scene->setup->sources[i];
         threads_run(scene->threads, place_count, RAYS_PER_CHUNK, make_shadow_rays, work);
-        const svo_status status = trace_rays(work, place_count, SVO_TRACE_ANY);
+        const svo_status status = trace_rays(work, place_count, true);
         if (status != SVO_OK) {
             return status;
         }
@@ -554,7 +426,7 @@ static svo_status trace_bounce(path_work *work, size_t point_count)
     const path_scene *scene = work->scene;
     const size_t ray_count = point_count * work->per_point;
     threads_run(scene->threads, ray_count, RAYS_PER_CHUNK, make_rays, work);
-    const svo_status status = trace_rays(work, ray_count, SVO_TRACE_CLOSEST);
+    const svo_status status = trace_rays(work, ray_count, false);
     if (status != SVO_OK) {
         return status;
     }
@@ -601,8 +473,10 @@ static bool allocate(path_work *work, size_t ray_count)
         work->passing = calloc(ray_count, sizeof *work->passing);
         work->passing_rays = calloc(ray_count, sizeof *work->passing_rays);
         work->passing_hits = calloc(ray_count, sizeof *work->passing_hits);
+        work->pass = calloc(ray_count, sizeof *work->pass);
     }
-    const bool has_passing = work->passing != NULL && work->passing_rays != NULL && work->passing_hits != NULL;
+    const bool has_passing =
+        work->passing != NULL && work->passing_rays != NULL && work->passing_hits != NULL && work->pass != NULL;
     return work->rays != NULL && work->hits != NULL && work->places != NULL && work->radiance != NULL &&
            (has_passing || !work->is_clear);
 }
@@ -614,6 +488,7 @@ static void release(path_work *work)
     free(work->passing);
     free(work->passing_rays);
     free(work->passing_hits);
+    free(work->pass);
     free(work->places);
     free(work->radiance);
 }
@@ -640,7 +515,7 @@ svo_status path_trace(const path_scene *scene, const svo_gather_point *points, s
     if (status != SVO_OK || point_count == 0) {
         return status;
     }
-    work.is_clear = is_clear(scene->mesh);
+    work.is_clear = path_is_clear(scene->mesh);
     work.lift = LIFT * svo_grid_cell_edge(&work.grid, 0);
     status = allocate(&work, group * work.per_point) ? SVO_OK : SVO_OUT_OF_HOST_MEMORY;
     size_t done = 0;

@@ -62,13 +62,4 @@ typedef struct source_view {
 /* False where the source sends no light to the place. */
 bool path_source_view(const svo_light_source *source, vector3 place, source_view *view);
 
-#define PATH_CLAY 0.6 /* albedo of meshes without colors */
-
-/* Linear red, green and blue of the triangle at barycentric weights u and v: vertex color, base color and texel, each
-   decoded from sRGB after they are multiplied. Returns alpha, 0 .. 1. */
-double path_albedo(const svo_mesh *mesh, uint32_t triangle, double u, double v, double albedo[3]);
-
-/* Radiance that the triangle emits. */
-void path_emission(const svo_mesh *mesh, const svo_light_setup *setup, uint32_t triangle, double emission[3]);
-
 #endif
