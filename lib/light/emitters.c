@@ -277,13 +277,14 @@ static bool may_emit(const svo_light *light)
            tree->buffers[SVO_TREE_MATERIALS] != NULL && tree->info.list_triangle_count > 0;
 }
 
-svo_status svo_i_light_list_emitters(svo_light *light, const char *function, cl_command_queue queue)
+svo_status svo_i_light_list_emitters(svo_light *light, const char *function, const svo_gather_params *gather,
+                                     const svo_submit *submit)
 {
     svo_i_device_work work;
-    if (light->knows_emitters || !may_emit(light)) {
+    if (gather->paths == 0 || gather->with_light == 0 || light->knows_emitters || !may_emit(light)) {
         return SVO_OK;
     }
-    SVO_I_TRY(svo_i_work_begin(light->device, function, queue, &work));
+    SVO_I_TRY(svo_i_work_begin(light->device, function, submit != NULL ? submit->queue : NULL, &work));
     const svo_status status = list(&work, light);
     svo_i_work_end(&work);
     if (status != SVO_OK) {

@@ -5,10 +5,11 @@
 
 #include "light/handle.h"
 
-/* Lists the triangles in leaves whose finish emits, as the light's emitters, unless they are listed; waits. There are
-   none without triangles or materials, and where so much of the surface emits that any ray finds some. queue: on the
-   context of the light's device; NULL: the device's own. */
-svo_status svo_i_light_list_emitters(svo_light *light, const char *function, cl_command_queue queue);
+/* Lists the triangles in leaves whose finish emits, as the light's emitters, if paths are to aim at them and they are
+   not listed; waits. There are none without triangles or materials, and where so much of the surface emits that any ray
+   finds some. submit: whose queue is used; NULL: the device's own. */
+svo_status svo_i_light_list_emitters(svo_light *light, const char *function, const svo_gather_params *gather,
+                                     const svo_submit *submit);
 /* Forgets them: the light has other finishes, or is of another tree. */
 void svo_i_light_drop_emitters(svo_light *light);
 

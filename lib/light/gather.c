@@ -133,7 +133,6 @@ static svo_status gather_rays(const svo_light *light, const svo_gather_params *p
         return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: %zu points are above %u", function,
                                  point_count, SVO_TRACE_RAYS_MAX);
     }
-    SVO_I_TRY(svo_i_tree_check(light->tree, function));
     SVO_I_TRY(svo_i_call_begin(light->device, function, submit, &call));
     SVO_I_TRY_CLEANUP(svo_i_call_input(&call, "points", points, point_count * sizeof(svo_gather_point), &from));
     SVO_I_TRY_CLEANUP(svo_i_call_output(&call, "results", results, point_count * sizeof(svo_gather_result), 0,
@@ -153,10 +152,8 @@ svo_status svo_gather(svo_light *light, svo_array points, svo_array results, siz
         return SVO_INVALID_ARGUMENT;
     }
     SVO_I_TRY(svo_i_light_read_gather(light, "svo_gather", "options", options, SVO_GATHER_RAYS, false, &params));
-    if (params.paths != 0 && params.with_light != 0) {
-        SVO_I_TRY(svo_i_tree_check(light->tree, "svo_gather"));
-        SVO_I_TRY(svo_i_light_list_emitters(light, "svo_gather", submit != NULL ? submit->queue : NULL));
-    }
+    SVO_I_TRY(svo_i_tree_check(light->tree, "svo_gather"));
+    SVO_I_TRY(svo_i_light_list_emitters(light, "svo_gather", &params, submit));
     const bool has_direct = params.with_light != 0 && light->setup.source_count > 0;
     return params.paths != 0 || has_direct ? gather_rays(light, &params, &points, &results, point_count, submit)
                                            : gather_cones(light, &params, &points, &results, point_count, submit);

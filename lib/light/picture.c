@@ -252,9 +252,7 @@ static svo_status render(void *of, const svo_render_options *options, const svo_
     SVO_I_TRY(check_band(light, function, &drawn.asked));
     SVO_I_TRY(fill_params(light, function, &drawn.asked, &drawn.params, &drawn.output));
     SVO_I_TRY(fill_gather(light, function, &drawn));
-    if (drawn.gather.paths != 0 && drawn.gather.with_light != 0) {
-        SVO_I_TRY(svo_i_light_list_emitters(light, function, submit != NULL ? submit->queue : NULL));
-    }
+    SVO_I_TRY(svo_i_light_list_emitters(light, function, &drawn.gather, submit));
     SVO_I_TRY(svo_i_call_begin(light->device, function, submit, &call));
     return svo_i_call_end(&call, enqueue(&drawn, pixels, &call));
 }
@@ -276,16 +274,9 @@ static const char *kernel_source(void)
     return svo_i_source_cones;
 }
 
-static const char *kernel_options(const void *of)
+static const char *kernel_options(const void *light)
 {
-    static const char *const plain[SVO_LIGHT_FORM_COUNT] = {SVO_I_KERNEL_OPTIONS " -DSVO_LIGHT_FACES",
-                                                            SVO_I_KERNEL_OPTIONS " -DSVO_LIGHT_BRICKS",
-                                                            SVO_I_KERNEL_OPTIONS " -DSVO_LIGHT_VOXELS"};
-    static const char *const mapped[SVO_LIGHT_FORM_COUNT] = {SVO_I_KERNEL_OPTIONS " -DSVO_LIGHT_FACES -DSVO_SKY_MAP",
-                                                             SVO_I_KERNEL_OPTIONS " -DSVO_LIGHT_BRICKS -DSVO_SKY_MAP",
-                                                             SVO_I_KERNEL_OPTIONS " -DSVO_LIGHT_VOXELS -DSVO_SKY_MAP"};
-    const svo_light *light = of;
-    return light != NULL ? (light->sky_map != NULL ? mapped : plain)[light->info.form] : NULL;
+    return light != NULL ? svo_i_light_options(light) : NULL;
 }
 
 static const struct svo_target_class light_class = {.name = "light",

@@ -8,6 +8,7 @@
 
 #include "core/struct_size.h"
 #include "rays/rays.h"
+#include "rays/target.h"
 
 #define CONES_DEFAULT 16u
 #define STEP_DEFAULT  0.5F
@@ -132,13 +133,20 @@ svo_status svo_i_light_read_gather(const svo_light *light, const char *function,
     return SVO_OK;
 }
 
+const char *svo_i_light_options(const svo_light *light)
+{
+    static const char *const plain[SVO_LIGHT_FORM_COUNT] = {SVO_I_KERNEL_OPTIONS " -DSVO_LIGHT_FACES",
+                                                            SVO_I_KERNEL_OPTIONS " -DSVO_LIGHT_BRICKS",
+                                                            SVO_I_KERNEL_OPTIONS " -DSVO_LIGHT_VOXELS"};
+    static const char *const mapped[SVO_LIGHT_FORM_COUNT] = {SVO_I_KERNEL_OPTIONS " -DSVO_LIGHT_FACES -DSVO_SKY_MAP",
+                                                             SVO_I_KERNEL_OPTIONS " -DSVO_LIGHT_BRICKS -DSVO_SKY_MAP",
+                                                             SVO_I_KERNEL_OPTIONS " -DSVO_LIGHT_VOXELS -DSVO_SKY_MAP"};
+    return (light->sky_map != NULL ? mapped : plain)[light->info.form];
+}
+
 const char *svo_i_light_form_defines(const svo_light *light)
 {
-    static const char *const plain[SVO_LIGHT_FORM_COUNT] = {" -DSVO_LIGHT_FACES", " -DSVO_LIGHT_BRICKS",
-                                                            " -DSVO_LIGHT_VOXELS"};
-    static const char *const mapped[SVO_LIGHT_FORM_COUNT] = {
-        " -DSVO_LIGHT_FACES -DSVO_SKY_MAP", " -DSVO_LIGHT_BRICKS -DSVO_SKY_MAP", " -DSVO_LIGHT_VOXELS -DSVO_SKY_MAP"};
-    return (light->sky_map != NULL ? mapped : plain)[light->info.form];
+    return svo_i_light_options(light) + strlen(SVO_I_KERNEL_OPTIONS);
 }
 
 /* ---- kernels that shade ---- */

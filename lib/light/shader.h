@@ -14,7 +14,9 @@ svo_status svo_i_light_read_gather(const svo_light *light, const char *function,
                                    const svo_gather_options *options, svo_gather_method by_default, bool for_picture,
                                    svo_gather_params *params);
 
-/* The defines of the kernels that read the light's form, and the map of its sky. Static string. */
+/* svo_kernel_options of a light. Static string. */
+const char *svo_i_light_options(const svo_light *light);
+/* The defines among them: of the light's form, and of the map of its sky. */
 const char *svo_i_light_form_defines(const svo_light *light);
 
 /* A kernel, and what lights the tree. */
