@@ -224,8 +224,9 @@ static void panes_let_their_share_through(void **state)
     shape both = new_shape(2 * vertices, 2 * low.mesh.triangle_count);
     memcpy(both.positions, low.positions, 3 * vertices * sizeof *both.positions);
     memcpy(both.positions + 3 * vertices, high.positions, 3 * vertices * sizeof *both.positions);
-    for (size_t i = 0; i < 2 * corners; ++i) {
-        both.indices[i] = low.indices[i % corners] + (i < corners ? 0 : (uint32_t)vertices);
+    for (size_t i = 0; i < corners; ++i) {
+        both.indices[i] = low.indices[i];
+        both.indices[corners + i] = low.indices[i] + (uint32_t)vertices;
     }
     both.material.rgba[3] = 102;
     both.mesh.materials = &both.material;
