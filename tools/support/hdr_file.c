@@ -108,7 +108,7 @@ static bool unpack(const reader *from, uint8_t *row, uint32_t channel)
             return false;
         }
         const bool is_run = length > RUN;
-        const uint32_t count = is_run ? length - RUN : length;
+        const uint32_t count = is_run ? length - (uint32_t)RUN : length;
         if (count == 0 || count > from->width - column) {
             return fail(from, "a row of it is damaged");
         }
