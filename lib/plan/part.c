@@ -56,6 +56,7 @@ static svo_part_header header_of(const svo_plan *plan)
                               .flags = work->both_sides ? (uint32_t)SVO_PART_BOTH_SIDES : 0,
                               .positions = positions_of(plan),
                               .constant_material = work->constant_material,
+                              .least_alpha = plan->least_alpha,
                               .edge = info->edge,
                               .scale = info->scale,
                               .triangles = info->triangles,
