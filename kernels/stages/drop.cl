@@ -12,9 +12,11 @@
  * bits (SVO_COUNTER_WORDS), tell how many there are; then, how many remain and how many were dropped. If the fragments
  * did not fit, nothing is dropped.
  *
- * Compiled with SVO_COLOR, whose alpha it is. Launch: one work-item per fragment, or per two of them, rounded up to whole groups. Atomics: increments of the
- * numbers of dropped fragments and of places. They decide the order of the list, on which no result depends.
- * Fragments outside the grid or of no triangle, which a driver may make, remain for the stage that tells of them.
+ * Compiled with SVO_COLOR, whose alpha it is.
+ *
+ * Launch: one work-item per fragment, or per two of them, rounded up to whole groups. Atomics: increments of the
+ * numbers of dropped fragments and of places. They decide the order of the list, on which no result depends. Fragments
+ * outside the grid or of no triangle, which a driver may make, remain for the stage that tells of them.
  *
  * Most triangles are decided without clipping: no point of a triangle shows less than the least alpha of its material's
  * texels, of its corners and of the material's color, multiplied, since means and products are rounded the same way.

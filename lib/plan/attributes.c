@@ -124,13 +124,13 @@ static void free_unasked_colors(svo_plan *plan)
 void svo_i_plan_find_dropped(svo_plan *plan, const uint8_t *material_used)
 {
     bool some = svo_i_plan_has(plan->colors, plan->memory.colors); /* of several values, which only kernels see */
-    if (plan->least_alpha == 0 || plan->materials == NULL) {
+    if (plan->least_alpha == 0) {
         return;
     }
     for (uint32_t i = 0; i < plan->material_count; ++i) {
         svo_material_record *material = &plan->materials[i];
         material->least_alpha = least_of(material);
-        some = some || ((material_used == NULL || material_used[i] != 0) && material->least_alpha < plan->least_alpha);
+        some = some || ((plan->update != NULL || material_used[i] != 0) && material->least_alpha < plan->least_alpha);
     }
     plan->work.drop = some && plan->triangle_count > 0;
     if (!plan->work.drop && plan->update == NULL) { /* objects of a scene that moves share them */

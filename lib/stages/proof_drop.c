@@ -42,7 +42,7 @@ static uint32_t times(uint32_t a, uint32_t b)
     return (2 * a * b + 255) / 510;
 }
 
-/* Materials on both sides of the least alpha; the last is textured, with a texel that does not show and one that does. */
+/* Materials on both sides of the least alpha; the last is textured, with a texel that shows and one that does not. */
 static void fill_materials(drop_case *c)
 {
     static const uint32_t alphas[MATERIALS] = {0, LEAST - 1, LEAST, 254, 255, 255};
@@ -68,8 +68,8 @@ static uint32_t fill_triangle(drop_case *c, uint32_t triangle, uint64_t *random)
     for (uint32_t i = 3 * triangle; i < 3 * triangle + 3; ++i) {
         c->indices[i] = i;
         c->colors[i] = corner << 24;
-        c->uvs[2 * i] = texel != 0 ? 49152 : 16384; /* in the middle of the texel */
-        c->uvs[2 * i + 1] = 32768;
+        c->uvs[(size_t)2 * i] = texel != 0 ? 49152 : 16384; /* in the middle of the texel */
+        c->uvs[(size_t)2 * i + 1] = 32768;
     }
     c->records[triangle] = (svo_triangle_record){.material = material, .normal_z_flags = SVO_TRIANGLE_FLAT};
     uint32_t alpha = c->materials[material].rgba >> 24;

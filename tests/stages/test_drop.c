@@ -54,7 +54,7 @@ static void check_on_path(svo_path path)
     fixture opened;
     uint64_t counts[2] = {0, 0};
     fixture_open_cl(&(fixture_options){.path = path}, &opened);
-    for (uint64_t seed = 1; seed <= 30; ++seed) {
+    for (uint64_t seed = 1; seed <= 12; ++seed) {
         attributed_mesh made;
         const svo_weights weights = seed % 5 == 1 ? SVO_WEIGHTS_AREA : (svo_weights)(seed % 3);
         const svo_plan_options options = {.need = weights == SVO_WEIGHTS_AREA ? needs[seed % 5] : needs[2 + seed % 3],
