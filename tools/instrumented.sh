@@ -15,20 +15,20 @@ readonly coverage_minimum=97 # percent of lines
 readonly instrumented_tests=(fuzz_seeds_file fuzz_seeds_mesh test_file test_workspace test_bad_driver test_threads
     test_paged_threads)
 
-# configure_preset PRESET: as `configure`, into the preset's folder.
+# configure_preset PRESET [OPTION...]: as `configure`, into the preset's folder.
 configure_preset()
 {
     local folder=build-$1
     [[ -e $folder/build.ninja ]] && return 0
     mkdir -p "$folder"
-    quietly "$folder/configure.log" cmake --preset "$1"
+    quietly "$folder/configure.log" cmake --preset "$@"
 }
 
 # instrumented PRESET PREFIX... -- [CTEST ARGUMENT...]: builds and runs the seven tests, or those that the arguments
 # select. PREFIX is a command that runs ctest. oclgrind loads a library of its own first, where a sanitizer must be.
 instrumented()
 {
-    local preset=$1 prefix=() targets=() selected
+    local preset=$1 prefix=() targets=() options=() selected
     shift
     while [[ $1 != -- ]]; do
         prefix+=("$1")
@@ -39,9 +39,11 @@ instrumented()
         selected=$(printf '|%s' "${instrumented_tests[@]}")
         set -- -R "^(${selected:1})\$"
         targets=(--target "${instrumented_tests[@]}")
+        # Optimized code takes longer to compile than it saves these tests. A build that is here already serves as well.
+        options=(-DCMAKE_C_FLAGS_RELEASE=-O0 -DCMAKE_CXX_FLAGS_RELEASE=-O0)
     fi
     setup
-    configure_preset "$preset"
+    configure_preset "$preset" "${options[@]}"
     quietly "build-$preset/build.log" cmake --build "build-$preset" -j "$jobs" "${targets[@]}"
     prepare_run_time
     "${prefix[@]}" ctest --test-dir "build-$preset" --output-on-failure --no-tests=error --timeout 1800 -j 2 \

@@ -102,7 +102,7 @@ put_compute_shaders()
 
 check_shaders()
 {
-    local folder=$build_gcc/shaders log
+    local folder=$build_clang/shaders log
     rm -rf "$folder"
     mkdir -p "$folder"
     put_raster_shaders "$folder"

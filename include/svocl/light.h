@@ -28,6 +28,7 @@
 
 #include "svocl/device.h"
 #include "svocl/light_types.h"
+#include "svocl/mesh.h"
 #include "svocl/nodes.h"
 #include "svocl/trace.h"
 #include "svocl/tree.h"
@@ -111,6 +112,7 @@ typedef struct svo_light_info {
     uint64_t emitter_bytes; /**< held for rays that aim at triangles that emit, from the first rays on that
                                  gather light; besides total_bytes */
     uint64_t sky_bytes; /**< held for the map of the sky and its means; besides total_bytes */
+    uint64_t mesh_bytes; /**< held for the mesh of svo_light_set_mesh; besides total_bytes */
 } svo_light_info;
 
 /** An empty output. */
@@ -210,6 +212,23 @@ typedef struct svo_light_setup {
  *          SVO_UNSUPPORTED, SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY, SVO_COMPILE_FAILED or SVO_CL_ERROR on
  *          failure. */
 SVO_API svo_status svo_light_set_sources(svo_light *light, const svo_light_setup *setup, cl_command_queue queue);
+
+/** Gives a light the mesh that its tree was made of, in place of an earlier one. Pictures then have its textures,
+ *  vertex colors, materials and vertex normals at the points that the camera sees; far away, where rays are wider than
+ *  leaves, the payload of the leaf as without a mesh. Textures have levels of half the size each, which take a third
+ *  more. All rays of light go through what shows in part by the alpha of the mesh at the point. What surfaces reflect
+ *  between each other has the colors of leaves as before.
+ *
+ * The light of later sources has the mesh, too; svo_light_update takes it away, since triangles may have changed.
+ *
+ * \param light not NULL; its tree has SVO_NEED_RAYS
+ * \param mesh of as many triangles as the tree was made of, in their order; read during the call. Finishes are those of
+ *        svo_light_setup. NULL: none from now on
+ * \param queue on the context of the light's device; NULL: the device's own
+ * \returns SVO_INVALID_ARGUMENT (a mesh that svo_plan_create would refuse, another number of triangles, a tree without
+ *          rays), SVO_OUT_OF_HOST_MEMORY, SVO_OUT_OF_DEVICE_MEMORY or SVO_CL_ERROR on failure: the light then has no
+ *          mesh. */
+SVO_API svo_status svo_light_set_mesh(svo_light *light, const svo_mesh *mesh, cl_command_queue queue);
 
 /** The most boxes of svo_light_update. */
 #define SVO_LIGHT_BOXES_MAX 1048576u

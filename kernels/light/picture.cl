@@ -104,10 +104,10 @@ SVO_INLINED bool svo_picture_look(const svo_lit_picture *picture, const svo_pict
 {
     svo_lit_surface surface;
     float3 direct;
-    if (!svo_direct_see(picture, ray, set, &surface, &direct)) {
+    if (!svo_direct_see(picture, ray, picture->params.sample_width, set, &surface, &direct)) {
         return false;
     }
-    svo_lit_payload(picture, &surface);
+    svo_lit_seen(picture, &surface);
     const svo_picture_light gathered = svo_picture_gathered(picture, screen, place, &surface);
     *radiance = svo_picture_radiance(picture, &surface, direct, &gathered);
     return true;

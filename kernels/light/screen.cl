@@ -26,7 +26,7 @@ svo_k_screen_points(SVO_LIT_PARAMETERS, __global svo_gather_point *points, svo_s
     svo_ray ray = svo_screen_ray(&picture, 2.0f * convert_float2(cell) + 1.0f);
     svo_gather_point point = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}, 0.0f, {0u, 0u}};
     svo_lit_met met;
-    svo_lit_through through = svo_lit_start();
+    svo_lit_through through = svo_lit_start(params.sample_width);
     const svo_alpha_ray alone = {0u, 1u};
     uint found = SVO_LIT_ON;
     while (found == SVO_LIT_ON) {
@@ -34,10 +34,10 @@ svo_k_screen_points(SVO_LIT_PARAMETERS, __global svo_gather_point *points, svo_s
     }
     if (found == SVO_LIT_MET) {
         svo_lit_surface surface;
-        svo_lit_place(&picture, &ray, &met, &surface);
+        svo_lit_place(&picture, &ray, &met, through.widening, &surface);
         vstore3(surface.point, 0, point.position);
         vstore3(surface.face, 0, point.normal);
-        svo_lit_payload(&picture, &surface);
+        svo_lit_seen(&picture, &surface);
         if (svo_lit_reflects(&picture, &surface)) {
             vstore3(svo_lit_mirrored(&surface, vload3(0, ray.direction)), 0, point.reflected);
             point.exponent = surface.exponent;

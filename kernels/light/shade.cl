@@ -9,6 +9,8 @@
  * Launch: one work-item per SVO_SHADE_RAYS consecutive rays, which share what cones gather. Reads tree, light, sources
  * and rays; writes three floats per ray. params.width: rays. No atomics, no local memory.
  */
+#define SVO_LIT_LEAVES
+
 #include "light/direct.clh"
 #include "light/gather.clh"
 
@@ -77,7 +79,7 @@ SVO_INLINED float3 svo_shade_radiance(const svo_lit_picture *picture, const svo_
 {
     svo_lit_surface surface;
     float3 direct;
-    if (!svo_direct_see(picture, ray, set, &surface, &direct)) {
+    if (!svo_direct_see(picture, ray, 0.0f, set, &surface, &direct)) {
         return svo_light_sky(&picture->light, vload3(0, ray->direction));
     }
     svo_lit_payload(picture, &surface);

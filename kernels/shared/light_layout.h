@@ -226,7 +226,7 @@ SVO_RECORD(svo_exchange_params)
 /* And for maps, which are looked at from elsewhere: full without specular light. */
 #define SVO_LIT_VIEW_MATTE 5u
 
-/* Arguments of pictures of lights, world coordinates. 116 bytes. */
+/* Arguments of pictures of lights, world coordinates. 124 bytes. */
 SVO_RECORD(svo_lit_picture_params)
 {
     SVO_F32 eye[3]; /* 0 */
@@ -245,7 +245,26 @@ SVO_RECORD(svo_lit_picture_params)
     SVO_F32 background[3]; /* 84: what is behind everything, with SVO_PIXEL_COLOR */
     SVO_U32 emitter_count; /* 96 */
     SVO_F32 clip[4]; /* 100: a plane; what is below it is not seen (kernels/rays/part.clh). Zeros: none */
+    SVO_U32 mesh_flags; /* 116: SVO_MESH_* */
+    SVO_F32 sample_width; /* 120: of a camera ray's share of the picture, at distance 1 from the eye */
 };
+
+/* svo_lit_picture_params.mesh_flags, of the mesh that a light was given */
+#define SVO_MESH_COLORS  1u /* it has materials or vertex colors */
+#define SVO_MESH_NORMALS 2u
+#define SVO_MESH_CLEAR   4u /* some of it shows in part */
+
+/* What a triangle of that mesh looks like: at its corners, unless said otherwise. 56 bytes. */
+SVO_RECORD(svo_mesh_triangle)
+{
+    SVO_F32 uvs[6]; /* 0: u, v each */
+    SVO_U32 colors[3]; /* 24: RGBA8 */
+    SVO_U32 normals[3]; /* 36: unit, octahedral, two numbers of 16 bits in -32767 .. 32767 */
+    SVO_U32 material; /* 48: and SVO_MESH_TRIANGLE_CLEAR if it may show in part */
+    SVO_F32 level; /* 52: logarithm to base 2 of its texels in a world unit */
+};
+
+#define SVO_MESH_TRIANGLE_CLEAR 0x80000000u
 
 /* A triangle that emits. 48 bytes. */
 SVO_RECORD(svo_emitter_record)
@@ -276,6 +295,7 @@ SVO_RECORD(svo_screen_params)
 #if !defined(GL_core_profile)
 SVO_ASSERT_BYTES(svo_screen_params, 32);
 SVO_ASSERT_BYTES(svo_emitter_record, 48);
+SVO_ASSERT_BYTES(svo_mesh_triangle, 56);
 SVO_ASSERT_BYTES(svo_light_params, 32);
 SVO_ASSERT_BYTES(svo_gather_params, 32);
 SVO_ASSERT_BYTES(svo_light_step, 32);
@@ -287,7 +307,7 @@ SVO_ASSERT_BYTES(svo_crossing_params, 32);
 SVO_ASSERT_BYTES(svo_unmet_params, 48);
 SVO_ASSERT_BYTES(svo_finish_record, 32);
 SVO_ASSERT_BYTES(svo_exchange_params, 32);
-SVO_ASSERT_BYTES(svo_lit_picture_params, 116);
+SVO_ASSERT_BYTES(svo_lit_picture_params, 124);
 #endif
 
 #endif

@@ -12,12 +12,58 @@
 #include "core/opencl.h"
 #include "core/struct_size.h"
 
-#define ARRAYS 6
+#define ARRAYS           6
+#define MATERIALS_MAX    65535
+#define TEXTURE_EDGE_MAX 16384
 
 struct svo_mesh_copy {
     svo_mesh mesh;
     void *arrays[ARRAYS]; /* owned; some NULL */
 };
+
+/* ---- checks ---- */
+
+static svo_status check_texture(svo_device *device, const char *function, size_t index, const svo_texture *texture)
+{
+    const bool fits = texture->width >= 1 && texture->width <= TEXTURE_EDGE_MAX && texture->height >= 1 &&
+                      texture->height <= TEXTURE_EDGE_MAX;
+    return texture->rgba != NULL && fits
+               ? SVO_OK
+               : svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                   "%s: texture %zu is %u x %u texels, not 1 .. %d each, or has none", function, index,
+                                   texture->width, texture->height, TEXTURE_EDGE_MAX);
+}
+
+svo_status svo_i_mesh_check_counts(svo_device *device, const char *function, const svo_mesh *mesh)
+{
+    if (mesh->vertex_count >= UINT32_MAX || mesh->triangle_count >= UINT32_MAX) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "%s: mesh has %zu vertices and %zu triangles, not below 2^32 - 1", function,
+                                 mesh->vertex_count, mesh->triangle_count);
+    }
+    if (mesh->material_count > MATERIALS_MAX || (mesh->material_count > 0 && mesh->materials == NULL) ||
+        (mesh->texture_count > 0 && mesh->textures == NULL)) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "%s: mesh has %zu materials (at most %d) and %zu textures, or no array", function,
+                                 mesh->material_count, MATERIALS_MAX, mesh->texture_count);
+    }
+    for (size_t i = 0; i < mesh->texture_count; ++i) {
+        SVO_I_TRY(check_texture(device, function, i, &mesh->textures[i]));
+    }
+    return SVO_OK;
+}
+
+svo_status svo_i_mesh_check_host(svo_device *device, const char *function, const svo_mesh *mesh)
+{
+    if (mesh->vertex_count > 0 && (mesh->positions == NULL) == (mesh->positions_double == NULL)) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
+                                 "%s: mesh has %zu vertices but not exactly one array of positions", function,
+                                 mesh->vertex_count);
+    }
+    return svo_i_mesh_check_counts(device, function, mesh);
+}
+
+/* ---- reading ---- */
 
 /* One array of a mesh in the making. */
 typedef struct array {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Reading a mesh from buffers: shared by OpenCL (mesh.c) and OpenGL (glinterop/share/buffer.c). */
+/* Checks of meshes, and reading them from buffers: shared by OpenCL (mesh.c) and OpenGL (glinterop/share/buffer.c). */
 #ifndef SVO_LIB_CORE_MESH_H
 #define SVO_LIB_CORE_MESH_H
 
@@ -21,6 +21,11 @@ typedef struct svo_i_mesh_reader {
 /* Refuses buffers whose counts or views do not fit, without reading them. buffers: complete. */
 svo_status svo_i_mesh_check(const char *function, cl_context context, const svo_mesh_buffers *buffers,
                             svo_message *message);
+
+/* Refuses counts, materials and textures that do not fit. */
+svo_status svo_i_mesh_check_counts(svo_device *device, const char *function, const svo_mesh *mesh);
+/* The same and, of a mesh on the host, positions. */
+svo_status svo_i_mesh_check_host(svo_device *device, const char *function, const svo_mesh *mesh);
 
 SVO_I_SHARED_BEGIN
 

@@ -12,6 +12,7 @@
  *   shoot             all photons of a setup, or those that a change concerns
  *   emitters          triangles that emit, for rays that aim at them
  *   sky               the map of the sky
+ *   mesh              the mesh of the tree, for what cameras see
  *   light             plan, create, set sources, update, destroy
  *   shader            options of gathering; kernels that shade surfaces
  *   gather            light at batches of points, radiance along rays
@@ -55,6 +56,12 @@ typedef struct svo_i_light_before {
     cl_mem renewed; /* u32 an inner node: octants of its children whose leaves have new radiance. Owned; NULL: all do */
 } svo_i_light_before;
 
+/* What svo_light_set_mesh got: kernels/light/mesh.clh. */
+typedef struct svo_i_light_mesh {
+    cl_mem triangles, materials, texels; /* owned; NULL: there is no mesh */
+    uint32_t flags; /* SVO_MESH_* */
+} svo_i_light_mesh;
+
 /* The most of a setup. */
 #define SVO_I_LIGHT_SOURCES_MAX  1024u
 #define SVO_I_LIGHT_FINISHES_MAX 65535u
@@ -68,6 +75,7 @@ struct svo_light {
     cl_mem buffers[SVO_LIGHT_BUFFER_COUNT]; /* owned; NULL where not held */
     svo_i_light_setup setup; /* owned */
     cl_mem sky_map; /* and its means, as params.sky_size says; owned; NULL: none (sky.c) */
+    svo_i_light_mesh mesh;
     cl_mem emitters; /* svo_emitter_record, by ascending triangle; owned; NULL: none */
     uint32_t emitter_count;
     bool knows_emitters; /* they were listed */

@@ -18,6 +18,7 @@
 #include "core/opencl.h"
 #include "core/struct_size.h"
 #include "light/emitters.h"
+#include "light/mesh.h"
 #include "light/opacity.h"
 #include "light/programs.h"
 #include "light/setup.h"
@@ -233,6 +234,7 @@ void svo_light_destroy(svo_light **light)
     destroy_nodes(&(*light)->nodes);
     svo_i_light_drop_emitters(*light);
     svo_i_light_drop_sky(*light);
+    svo_i_light_drop_mesh(*light);
     svo_i_free(*light);
     *light = NULL;
 }

@@ -55,6 +55,20 @@ static svo_status check_exposure(const svo_light *light, const char *function, c
                                    (double)options->exposure);
 }
 
+/* How wide the share of a camera ray is at distance 1 from the eye, in the middle of the picture. */
+static float sample_width(const svo_i_pinhole *hole, const svo_render_options *options, uint32_t samples)
+{
+    double across = 0;
+    double away = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double middle = (double)hole->corner[axis] + 0.5 * options->width * (double)hole->across[axis] +
+                              0.5 * options->height * (double)hole->down[axis];
+        across += (double)hole->across[axis] * (double)hole->across[axis];
+        away += middle * middle;
+    }
+    return (float)sqrt(across / away / samples);
+}
+
 static svo_status fill_params(const svo_light *light, const char *function, const svo_render_options *options,
                               svo_lit_picture_params *params, svo_i_pixel_output *output)
 {
@@ -70,6 +84,7 @@ static svo_status fill_params(const svo_light *light, const char *function, cons
     params->exposure = options->exposure > 0.0F ? options->exposure : 1.0F;
     params->samples = output->samples;
     params->pixel_flags = output->flags;
+    params->sample_width = sample_width(&hole, options, output->samples);
     for (int axis = 0; axis < 3; ++axis) {
         params->eye[axis] = options->camera.eye[axis];
         params->corner[axis] = hole.corner[axis];

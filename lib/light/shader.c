@@ -168,8 +168,9 @@ static svo_status make_kernel(svo_i_light_shader *shader, const svo_i_program *p
     const svo_light *light = shader->light;
     const svo_tree *tree = light->tree;
     char defines[SVO_I_PROGRAM_DEFINES_BYTES];
-    (void)snprintf(defines, sizeof defines, "%s%s%s", svo_i_light_form_defines(light), own_defines,
-                   svo_i_rays_of_triangles(&tree->info) ? " -DSVO_PICTURE_TRIANGLES" : "");
+    (void)snprintf(defines, sizeof defines, "%s%s%s%s", svo_i_light_form_defines(light), own_defines,
+                   svo_i_rays_of_triangles(&tree->info) ? " -DSVO_PICTURE_TRIANGLES" : "",
+                   light->mesh.triangles != NULL ? " -DSVO_LIT_MESH" : "");
     add_define(tree, SVO_TREE_COLORS, " -DSVO_COLOR", " -DSVO_ONE_COLOR", defines, sizeof defines);
     add_define(tree, SVO_TREE_NORMALS, " -DSVO_NORMAL", " -DSVO_ONE_NORMAL", defines, sizeof defines);
     if (light->setup.finish_count > 0) {
@@ -225,6 +226,9 @@ svo_status svo_i_light_shader_set(const svo_i_light_shader *shader, const svo_ga
                                      SVO_I_ARGUMENT(shader->finishes),
                                      SVO_I_ARGUMENT(shader->sources),
                                      SVO_I_ARGUMENT(light->emitters),
+                                     SVO_I_ARGUMENT(light->mesh.triangles),
+                                     SVO_I_ARGUMENT(light->mesh.materials),
+                                     SVO_I_ARGUMENT(light->mesh.texels),
                                      {sizeof *gather, gather, false},
                                      {sizeof *params, params, false}};
     const cl_uint shared_count = sizeof shared / sizeof shared[0];
@@ -265,5 +269,6 @@ svo_lit_picture_params svo_i_light_shader_params(const svo_light *light, uint32_
                                     .exposure = 1.0F,
                                     .source_count = (uint32_t)light->setup.source_count,
                                     .finish_count = (uint32_t)light->setup.finish_count,
-                                    .emitter_count = light->emitter_count};
+                                    .emitter_count = light->emitter_count,
+                                    .mesh_flags = light->mesh.flags};
 }

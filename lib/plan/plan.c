@@ -344,53 +344,12 @@ static svo_status check_options(svo_device *device, const char *function, const 
     return SVO_OK;
 }
 
-static svo_status check_textures(svo_device *device, const char *function, const svo_mesh *mesh)
-{
-    for (size_t i = 0; i < mesh->texture_count; ++i) {
-        const svo_texture *texture = &mesh->textures[i];
-        if (texture->rgba == NULL || texture->width < 1 || texture->width > 16384 || texture->height < 1 ||
-            texture->height > 16384) {
-            return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
-                                     "%s: texture %zu is %u x %u texels, not 1 .. 16384 each, or has none", function, i,
-                                     texture->width, texture->height);
-        }
-    }
-    return SVO_OK;
-}
-
-static svo_status check_mesh(svo_device *device, const char *function, const svo_mesh *mesh)
-{
-    if (mesh->vertex_count >= UINT32_MAX || mesh->triangle_count >= UINT32_MAX) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
-                                 "%s: mesh has %zu vertices and %zu triangles, not below 2^32 - 1", function,
-                                 mesh->vertex_count, mesh->triangle_count);
-    }
-    if (mesh->material_count > 65535 || (mesh->material_count > 0 && mesh->materials == NULL) ||
-        (mesh->texture_count > 0 && mesh->textures == NULL)) {
-        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
-                                 "%s: mesh has %zu materials (at most 65535) and %zu textures, or no array", function,
-                                 mesh->material_count, mesh->texture_count);
-    }
-    return check_textures(device, function, mesh);
-}
-
-/* Whether there is one array of positions, or none where there are no vertices. */
-static svo_status check_positions(svo_device *device, const char *function, const svo_mesh *mesh)
-{
-    return mesh->vertex_count == 0 || (mesh->positions == NULL) != (mesh->positions_double == NULL)
-               ? SVO_OK
-               : svo_i_device_fail(device, SVO_INVALID_ARGUMENT,
-                                   "%s: mesh has %zu vertices but not exactly one array of positions", function,
-                                   mesh->vertex_count);
-}
-
 static svo_status check_input(svo_device *device, const char *function, const svo_i_plan_input *input,
                               const svo_plan_options *options)
 {
     SVO_I_TRY(check_options(device, function, options));
     if (input->buffers == NULL) {
-        SVO_I_TRY(check_positions(device, function, &input->mesh));
-        return check_mesh(device, function, &input->mesh);
+        return svo_i_mesh_check_host(device, function, &input->mesh);
     }
     if (options->place == SVO_PLACE_HOST || options->part_header != NULL) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: %s; the mesh is on the device", function,
@@ -399,7 +358,7 @@ static svo_status check_input(svo_device *device, const char *function, const sv
     }
     SVO_I_TRY(svo_i_mesh_check(function, device->context, input->buffers, &device->message));
     SVO_I_TRY(svo_i_device_check_wait(device, function, input->wait_count, input->wait));
-    return check_mesh(device, function, &input->mesh);
+    return svo_i_mesh_check_counts(device, function, &input->mesh);
 }
 
 /* Fills a plan whose device, options, depth and stages are set. */

@@ -110,6 +110,7 @@ NAMES = {
     "svo_compact_plan": "of a plan",
     "svo_light_create": "making it",
     "svo_light_set_sources": "Light.set_sources",
+    "svo_light_set_mesh": "Light.set_mesh",
     "svo_light_setup.diagnose": "Light.set_sources(diagnose=True)",
     "svo_light_update": "Light.update",
     "svo_scene_rebuild": "Scene.rebuild",

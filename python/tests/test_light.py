@@ -59,6 +59,34 @@ def test_a_sky_may_depend_on_direction(floor, points):
         assert light.info.sky_bytes == 0
 
 
+def test_pictures_show_the_mesh(device):
+    """A floor of one voxel's width with a texel of red and one of green, under a sun that makes it send its albedo."""
+    texels = np.array([[[255, 0, 0, 255], [0, 255, 0, 255]]], np.uint8)
+    mesh = svocl.Mesh(
+        FLOOR,
+        np.array([[0, 2, 1], [0, 3, 2]], np.uint32),
+        uvs=FLOOR[:, [0, 2]],
+        materials=[svocl.Material((255, 255, 255, 255), 0)],
+        textures=[svocl.Texture(texels, svocl.Wrap.CLAMP, svocl.Wrap.CLAMP)],
+    )
+    sun = svocl.LightSource(svocl.SourceKind.DIRECTIONAL, (np.pi,) * 3, direction=(0, -1, 0))
+    with device.build(mesh, 1, need=svocl.Need.COLOR | svocl.Need.RAYS, origin=(0, 0, 0), edge=4) as tree:
+        with svocl.Light(tree) as light:
+            light.set_sources([sun])
+            light.set_mesh(mesh)
+            assert light.info.mesh_bytes > 0
+            for x, channel in ((0.2, 0), (0.8, 1)):
+                camera = svocl.Camera(eye=(x, 2, 0.4), target=(x, 0, 0.4), up=(0, 0, 1), vertical_fov=1e-3)
+                picture = light.render(2, 2, camera=camera, view=svocl.View.DIRECT)
+                assert (picture[..., channel] > 200).all() and (picture[..., 1 - channel] < 5).all()
+            with pytest.raises(svocl.InvalidArgumentError, match="mesh has 1 triangles; that of the tree has 2"):
+                light.set_mesh(svocl.Mesh(FLOOR[:3]))
+            with pytest.raises(TypeError, match="mesh: int, expected svocl.Mesh"):
+                light.set_mesh(7)
+            assert light.info.mesh_bytes == 0
+            light.set_mesh(None)
+
+
 def test_a_ceiling_reflects_the_floor(device, random):
     """Between two large sheets a ceiling gets what the floor reflects: albedo times the sun's irradiance."""
     low, high = FLOOR.copy(), FLOOR.copy()

@@ -38,7 +38,7 @@ static const invented_device *asked; /* for a context */
 
 /* Handles of devices point to them, handles of platforms to their rows of the machine. */
 
-/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTBEGIN(readability-identifier-naming) */
 cl_int __wrap_clGetPlatformIDs(cl_uint room, cl_platform_id *platforms, cl_uint *count);
 cl_int __wrap_clGetDeviceIDs(cl_platform_id platform, cl_device_type type, cl_uint room, cl_device_id *devices,
                              cl_uint *count);
@@ -136,7 +136,7 @@ cl_context __wrap_clCreateContext(const cl_context_properties *properties, cl_ui
     *error = CL_DEVICE_NOT_AVAILABLE;
     return NULL;
 }
-/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTEND(readability-identifier-naming) */
 
 static const invented_device
     cpu = {.name = "cpu", .type = CL_DEVICE_TYPE_CPU, .compute_units = 64, .shares_memory = true},

@@ -342,7 +342,7 @@ static void batches_refuse_memory_that_kernels_must_not_write(void **state)
 
 static bool marker_fails;
 
-/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTBEGIN(readability-identifier-naming) */
 cl_int __real_clEnqueueMarkerWithWaitList(cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
                                           cl_event *event);
 cl_int __wrap_clEnqueueMarkerWithWaitList(cl_command_queue queue, cl_uint num_wait, const cl_event *wait,
@@ -352,7 +352,7 @@ cl_int __wrap_clEnqueueMarkerWithWaitList(cl_command_queue queue, cl_uint num_wa
 {
     return marker_fails ? CL_INVALID_OPERATION : __real_clEnqueueMarkerWithWaitList(queue, num_wait, wait, event);
 }
-/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTEND(readability-identifier-naming) */
 
 static void a_marker_that_fails_is_named(void **state)
 {

@@ -32,7 +32,7 @@
 static char folder[] = "/tmp/svocl_output_XXXXXX";
 static bool without_tmpfile;
 
-/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTBEGIN(readability-identifier-naming) */
 int __real_open(const char *path, int flags, ...);
 int __wrap_open(const char *path, int flags, mode_t mode);
 
@@ -44,7 +44,7 @@ int __wrap_open(const char *path, int flags, mode_t mode)
     }
     return __real_open(path, flags, mode);
 }
-/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTEND(readability-identifier-naming) */
 
 static int save(const char *path, const char *text)
 {

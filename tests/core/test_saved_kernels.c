@@ -31,7 +31,7 @@ enum { DEPTH = 5, FILES_MAX = 8, PATH_BYTES = 512 };
 
 /* The linker routes the library's calls here. */
 static size_t binaries_asked;
-/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTBEGIN(readability-identifier-naming) */
 cl_int __real_clGetProgramInfo(cl_program program, cl_program_info what, size_t bytes, void *value, size_t *needed);
 cl_int __wrap_clGetProgramInfo(cl_program program, cl_program_info what, size_t bytes, void *value, size_t *needed);
 
@@ -59,7 +59,7 @@ cl_program __wrap_clCreateProgramWithBinary(cl_context context, cl_uint count, c
     }
     return __real_clCreateProgramWithBinary(context, count, devices, sizes, binaries, states, error);
 }
-/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTEND(readability-identifier-naming) */
 
 /* A folder with the kernels of one plan, and the hash of its tree. */
 typedef struct saved {

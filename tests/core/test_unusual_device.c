@@ -52,7 +52,7 @@ static cl_int tell(const answer *told, size_t bytes, void *value, size_t *needed
     return CL_SUCCESS;
 }
 
-/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTBEGIN(readability-identifier-naming) */
 typedef void(CL_CALLBACK *build_callback)(cl_program, void *);
 cl_int __real_clGetDeviceInfo(cl_device_id device, cl_device_info what, size_t bytes, void *value, size_t *needed);
 cl_int __wrap_clGetDeviceInfo(cl_device_id device, cl_device_info what, size_t bytes, void *value, size_t *needed);
@@ -119,7 +119,7 @@ cl_int __wrap_clBuildProgram(cl_program program, cl_uint count, const cl_device_
                ? CL_BUILD_PROGRAM_FAILURE
                : __real_clBuildProgram(program, count, devices, options, done, user);
 }
-/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTEND(readability-identifier-naming) */
 
 static int forget_answers(void **state)
 {

@@ -109,7 +109,7 @@ __attribute__((noinline)) bool faults_turn(fault_kind kind, const char *name)
 }
 
 /* The linker's names for the real calls and for their wrappers. */
-/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTBEGIN(readability-identifier-naming) */
 #define DECLARE(type, name, parameters) \
     type __real_##name parameters;      \
     type __wrap_##name parameters;      \
@@ -477,4 +477,4 @@ DECLARE(void *, dlsym, (void *library, const char *name))
     }
     return faults_hook(name, __real_dlsym(library, name));
 }
-/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTEND(readability-identifier-naming) */

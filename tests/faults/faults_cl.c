@@ -5,7 +5,7 @@
 #include "faults.h"
 
 /* The linker's names for the real calls and for their wrappers. */
-/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTBEGIN(readability-identifier-naming) */
 #define DECLARE(type, name, parameters) \
     type __real_##name parameters;      \
     type __wrap_##name parameters;      \
@@ -220,4 +220,4 @@ DECLARE(void *, clGetExtensionFunctionAddressForPlatform, (cl_platform_id platfo
                ? NULL
                : __real_clGetExtensionFunctionAddressForPlatform(platform, name);
 }
-/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTEND(readability-identifier-naming) */

@@ -27,7 +27,7 @@ static cl_event said_to_have_failed;
 static cl_event waited_for[16]; /* by markers */
 static size_t waited_count;
 
-/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTBEGIN(readability-identifier-naming) */
 cl_int __real_clWaitForEvents(cl_uint count, const cl_event *events);
 cl_int __wrap_clWaitForEvents(cl_uint count, const cl_event *events);
 
@@ -78,7 +78,7 @@ cl_int __wrap_clEnqueueMarkerWithWaitList(cl_command_queue queue, cl_uint count,
     }
     return __real_clEnqueueMarkerWithWaitList(queue, count, wait, event);
 }
-/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTEND(readability-identifier-naming) */
 
 /* ---- a mesh that moves ---- */
 

@@ -152,7 +152,7 @@ static void check_launch(cl_kernel handle)
 /* ---- the calls ---- */
 
 /* The linker's names for the real calls and for their wrappers. */
-/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTBEGIN(readability-identifier-naming) */
 typedef void(CL_CALLBACK *build_callback)(cl_program program, void *user);
 cl_int __real_clBuildProgram(cl_program program, cl_uint count, const cl_device_id *devices, const char *options,
                              build_callback done, void *user);
@@ -227,7 +227,7 @@ cl_int __wrap_clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, c
     check_launch(kernel);
     return __real_clEnqueueNDRangeKernel(queue, kernel, dimensions, offset, global, local, num_wait, wait, event);
 }
-/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTEND(readability-identifier-naming) */
 
 /* ---- builds and queries that launch every kernel ---- */
 

@@ -405,7 +405,7 @@ static void test_updates_with_a_limit(void **state)
 
 static size_t failing_bytes; /* a read of so many fails after it has brought them */
 
-/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTBEGIN(readability-identifier-naming) */
 cl_int __real_clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset, size_t bytes,
                                   void *to, cl_uint num_wait, const cl_event *wait, cl_event *event);
 cl_int __wrap_clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset, size_t bytes,
@@ -417,7 +417,7 @@ cl_int __wrap_clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool
     const cl_int error = __real_clEnqueueReadBuffer(queue, buffer, blocking, offset, bytes, to, num_wait, wait, event);
     return bytes == failing_bytes ? CL_OUT_OF_RESOURCES : error;
 }
-/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTEND(readability-identifier-naming) */
 
 /* A picture whose marks could not be read has missed nothing, whatever came of the read. */
 static void test_marks_that_cannot_be_read(void **state)

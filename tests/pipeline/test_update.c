@@ -555,7 +555,7 @@ static struct {
     cl_uint waited_count;
 } watched;
 
-/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): names of the linker */
+/* NOLINTBEGIN(readability-identifier-naming): names of the linker */
 cl_int __real_clGetEventInfo(cl_event event, cl_event_info name, size_t bytes, void *value, size_t *needed);
 cl_int __wrap_clGetEventInfo(cl_event event, cl_event_info name, size_t bytes, void *value, size_t *needed);
 cl_int __wrap_clGetEventInfo(cl_event event, cl_event_info name, size_t bytes, void *value, size_t *needed)
@@ -578,7 +578,7 @@ cl_int __wrap_clEnqueueMarkerWithWaitList(cl_command_queue queue, cl_uint count,
     }
     return __real_clEnqueueMarkerWithWaitList(queue, count, wait, event);
 }
-/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTEND(readability-identifier-naming) */
 
 static void assert_waited_for(cl_event expected)
 {

@@ -31,7 +31,7 @@ static struct {
 /* More than a record of counts or parameters. */
 static const size_t large_bytes = 1024;
 
-/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTBEGIN(readability-identifier-naming) */
 cl_int __real_clWaitForEvents(cl_uint count, const cl_event *events);
 cl_int __wrap_clWaitForEvents(cl_uint count, const cl_event *events);
 cl_int __real_clEnqueueWriteBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset, size_t bytes,
@@ -56,7 +56,7 @@ cl_int __wrap_clEnqueueWriteBuffer(cl_command_queue queue, cl_mem buffer, cl_boo
     }
     return __real_clEnqueueWriteBuffer(queue, buffer, blocking, offset, bytes, data, num_wait, wait, event);
 }
-/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTEND(readability-identifier-naming) */
 
 #define DEPTH 6
 /* After the voxelizer, at the end, and when the queue is let go. */

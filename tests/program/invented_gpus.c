@@ -85,7 +85,7 @@ void invented_check_closed(void)
     }
 }
 
-/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTBEGIN(readability-identifier-naming) */
 
 /* ---- OpenGL contexts ---- */
 
@@ -447,4 +447,4 @@ svo_frontend *__wrap_svo_gl_prefer(svo_gl *gl, svo_frontend *cl, svo_message *re
     (void)reason;
     return (svo_frontend *)(void *)gl;
 }
-/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTEND(readability-identifier-naming) */

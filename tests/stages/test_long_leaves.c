@@ -41,7 +41,7 @@ static struct {
     size_t count;
 } notes;
 
-/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTBEGIN(readability-identifier-naming) */
 cl_int __real_clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t *offset,
                                      const size_t *global, const size_t *local, cl_uint num_wait, const cl_event *wait,
                                      cl_event *event);
@@ -61,7 +61,7 @@ cl_int __wrap_clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, c
     }
     return __real_clEnqueueNDRangeKernel(queue, kernel, dimensions, offset, global, local, num_wait, wait, event);
 }
-/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTEND(readability-identifier-naming) */
 
 /* How a kernel's longest loop depends on a leaf of many triangles. */
 typedef enum reach {

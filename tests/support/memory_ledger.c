@@ -31,7 +31,7 @@ static bool watching;
 
 #ifdef SVOCL_WATCH_MALLOC
 /* The linker's names for the real calls and for their wrappers. */
-/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTBEGIN(readability-identifier-naming) */
 #define WATCH(type, name, parameters, arguments) \
     type __real_##name parameters;               \
     type __wrap_##name parameters;               \
@@ -66,7 +66,7 @@ void __wrap_free(void *block)
 
 #define REAL_MALLOC __real_malloc
 #define REAL_FREE   __real_free
-/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTEND(readability-identifier-naming) */
 #else
 #define REAL_MALLOC malloc
 #define REAL_FREE   free

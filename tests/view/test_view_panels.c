@@ -26,7 +26,7 @@ static int fails(void)
     return calls_until_failure > 0 && --calls_until_failure == 0;
 }
 
-/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): the linker's names */
+/* NOLINTBEGIN(readability-identifier-naming): the linker's names */
 void *__real_malloc(size_t bytes);
 void *__real_calloc(size_t count, size_t bytes);
 void *__real_realloc(void *block, size_t bytes);
@@ -48,7 +48,7 @@ void *__wrap_realloc(void *block, size_t bytes)
 {
     return fails() ? NULL : __real_realloc(block, bytes);
 }
-/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTEND(readability-identifier-naming) */
 
 /* ---- a panel with a widget of each kind ---- */
 

@@ -146,7 +146,7 @@ bool cl_calls_count(cl_calls *counts)
     return true;
 }
 
-/* NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): names of the linker */
+/* NOLINTBEGIN(readability-identifier-naming): names of the linker */
 WRAPPED(cl_int, clEnqueueNDRangeKernel,
         (cl_command_queue queue, cl_kernel kernel, cl_uint dimensions, const size_t *offset, const size_t *global,
          const size_t *local, EVENTS),
@@ -235,7 +235,7 @@ cl_int __wrap_clBuildProgram(cl_program compiled, cl_uint count, const cl_device
     }
     return __real_clBuildProgram(compiled, count, devices, given, callback, user);
 }
-/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
+/* NOLINTEND(readability-identifier-naming) */
 
 #else
 

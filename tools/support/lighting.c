@@ -162,6 +162,15 @@ static int count_missed(program *state, const job *done, const svo_light_setup *
     return PROGRAM_DONE;
 }
 
+svo_status lighting_give_mesh(const job *done, const lighting *work)
+{
+    const svo_mesh *mesh = done->source.mesh;
+    const bool has_rays = (info_of_tree(done->result.tree).need & SVO_NEED_RAYS) != 0;
+    return mesh != NULL && has_rays && (mesh->material_count > 0 || mesh->colors != NULL || mesh->normals != NULL)
+               ? svo_light_set_mesh(work->light, mesh, done->opened.queue)
+               : SVO_OK;
+}
+
 int lighting_make(program *state, const job *done, const svo_light_setup *setup, lighting *work)
 {
     const svo_light_options light_options = {.struct_size = sizeof light_options,
@@ -175,6 +184,9 @@ int lighting_make(program *state, const job *done, const svo_light_setup *setup,
     const double started_ms = input_now_ms();
     if (svo_light_create(done->result.tree, &light_options, done->opened.queue, &work->light) != SVO_OK ||
         svo_light_set_sources(work->light, &shining, done->opened.queue) != SVO_OK) {
+        return program_fail_library(state, svo_device_message(done->opened.device));
+    }
+    if (lighting_give_mesh(done, work) != SVO_OK) {
         return program_fail_library(state, svo_device_message(done->opened.device));
     }
     work->light_ms = input_now_ms() - started_ms;
@@ -237,6 +249,9 @@ static int load_light(program *state, const job *done, lighting *work)
     if (svo_light_load(done->result.tree, svo_from_path(state->options.light_file), NULL, done->opened.queue,
                        &work->light, &message) != SVO_OK) {
         return program_fail_library(state, message.text);
+    }
+    if (lighting_give_mesh(done, work) != SVO_OK) {
+        return program_fail_library(state, svo_device_message(done->opened.device));
     }
     work->light_ms = input_now_ms() - started_ms;
     work->info = (svo_light_info)SVO_LIGHT_INFO_INIT;

@@ -43,6 +43,9 @@ svo_light_setup lighting_setup(const lighting *work, const input *source);
 /* Makes the light of a tree on the device, by --form, --opacity and --photons; one step of the progress bar. */
 int lighting_make(program *state, const job *done, const svo_light_setup *setup, lighting *work);
 
+/* Gives the light the mesh of its tree, if there is one and it looks other than the tree's leaves. */
+svo_status lighting_give_mesh(const job *done, const lighting *work);
+
 /* Where a picture of --size is taken from: the file's camera, or one that frames the tree, moved by the options.
    Returns the exit code. */
 int lighting_place_camera(program *state, const lighting *work, svo_tree *tree, svo_camera *camera);

@@ -6,7 +6,7 @@
 #ifndef SVO_TOOLS_SUPPORT_WRAPPED_H
 #define SVO_TOOLS_SUPPORT_WRAPPED_H
 
-/* NOLINTBEGIN(bugprone-macro-parentheses,bugprone-reserved-identifier): lists of parameters; names of the linker */
+/* NOLINTBEGIN(bugprone-macro-parentheses): lists of parameters */
 /* Takes a note, a statement that can use the parameters, and calls the real function. */
 #define WRAPPED(type, name, parameters, arguments, note) \
     type __real_##name parameters;                       \
@@ -16,7 +16,7 @@
         note;                                            \
         return __real_##name arguments;                  \
     }
-/* NOLINTEND(bugprone-macro-parentheses,bugprone-reserved-identifier) */
+/* NOLINTEND(bugprone-macro-parentheses) */
 
 /* The end of the parameters of a call that enqueues a command. */
 #define EVENTS       cl_uint num_wait, const cl_event *wait, cl_event *event

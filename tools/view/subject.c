@@ -360,7 +360,8 @@ static int make_light(subject *which, view_state *state)
     program_begin_step(which->running, "lighting the tree");
     if ((which->lit.light == NULL &&
          svo_light_create(done->result.tree, &light_options, done->opened.queue, &which->lit.light) != SVO_OK) ||
-        svo_light_set_sources(which->lit.light, &setup, done->opened.queue) != SVO_OK) {
+        svo_light_set_sources(which->lit.light, &setup, done->opened.queue) != SVO_OK ||
+        lighting_give_mesh(done, &which->lit) != SVO_OK) {
         return program_fail_library(which->running, svo_device_message(done->opened.device));
     }
     progress_destroy(&which->running->progress);

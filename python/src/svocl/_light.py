@@ -14,7 +14,7 @@ from ._callbacks import call
 from ._errors import error, text
 from ._generated import InvalidArgumentError, LightBuffer, LightForm, Opacity, SourceKind, Status, View
 from ._handle import Handle, Native
-from ._mesh import Finish, Path, finish_record, from_path, need_io, to_path
+from ._mesh import Finish, Mesh, Path, finish_record, from_path, need_io, to_path
 from ._native import ffi, lib
 from ._tree import Camera, Tree, address, draw, framed, render_options
 
@@ -237,6 +237,26 @@ class Light(Handle):
         setup.view_resolution = _arrays.integer("view_resolution", view_resolution)
         setup.diagnose, setup.no_photons, setup.updatable = bool(diagnose), not photons, bool(updatable)
         self._call(lib.svo_light_set_sources, setup, _opencl.pointer("cl_command_queue", queue, "queue"))
+
+    def set_mesh(self, mesh: Optional[Mesh], *, queue: Any = None) -> None:
+        """Gives the light the mesh that its tree was made of, in place of an earlier one. Pictures then show textures,
+        vertex colors, materials and vertex normals at the point where a ray meets the mesh, as long as rays are
+        narrower than leaves; all rays of light go through what shows in part by the alpha there. Light.update takes
+        the mesh away.
+
+        Args:
+            mesh: of as many triangles as the tree was made of, in their order; the device has a copy. None: none from
+                now on.
+            queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
+
+        Raises:
+            InvalidArgumentError: another number of triangles, or a tree without rays.
+            OutOfDeviceMemoryError, OutOfHostMemoryError, CLError
+        """
+        if mesh is not None and not isinstance(mesh, Mesh):
+            raise TypeError(f"mesh: {type(mesh).__name__}, expected svocl.Mesh")
+        struct, _kept = mesh._struct() if mesh is not None else (ffi.NULL, [])
+        self._call(lib.svo_light_set_mesh, struct, _opencl.pointer("cl_command_queue", queue, "queue"))
 
     def update(self, tree: Tree, changed: npt.ArrayLike, *, queue: Any = None) -> None:
         """Makes the light that of another tree, with the same sources, and waits: byte for byte that of Light(tree) and

@@ -1,0 +1,447 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Lights that have the mesh of their tree: pictures beside the texels, normals and materials at their pixels, far away
+ * beside the leaves; shadows and views through what the texture leaves out; what is refused.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "light_fixture.h"
+#include "support/suite.h"
+
+#define PI     3.14159265F
+#define DEPTH  3u
+#define EDGE   8 /* of a card, world units */
+#define TEXELS 16u
+
+/* ---- cards: quads at z above the origin, which face +z; u goes with x, v with y ---- */
+
+#define CARDS 3
+
+typedef struct cards {
+    svo_mesh mesh;
+    float positions[18 * CARDS], uvs[12 * CARDS], normals[18 * CARDS];
+    uint16_t materials[2 * CARDS];
+    svo_material material[CARDS];
+    svo_finish finishes[CARDS];
+    svo_texture texture;
+    uint8_t texels[4 * 64 * 64];
+    fixture opened;
+    svo_tree *tree;
+    svo_light *light;
+} cards;
+
+static cards *cards_new(void **state, uint32_t texels)
+{
+    cards *made = calloc(1, sizeof *made);
+    assert_non_null(made);
+    made->opened = fixture_cl_of_group(state);
+    made->texture = (svo_texture){.rgba = made->texels, .width = texels, .height = texels};
+    for (size_t i = 0; i < CARDS; ++i) {
+        made->material[i] = (svo_material){.rgba = {255, 255, 255, 255}, .texture_index = SVO_NO_TEXTURE};
+    }
+    made->mesh = (svo_mesh){.struct_size = sizeof made->mesh,
+                            .positions = made->positions,
+                            .uvs = made->uvs,
+                            .triangle_materials = made->materials,
+                            .materials = made->material,
+                            .material_count = CARDS,
+                            .textures = &made->texture,
+                            .texture_count = 1,
+                            .finishes = made->finishes};
+    return made;
+}
+
+/* Adds a card of the next material, with so many repetitions of the texture. */
+static void add_card(cards *to, float z, float repeats)
+{
+    static const float corners[6][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}};
+    const size_t card = to->mesh.triangle_count / 2;
+    for (size_t i = 0; i < 6; ++i) {
+        const size_t vertex = 6 * card + i;
+        for (size_t axis = 0; axis < 2; ++axis) {
+            to->positions[3 * vertex + axis] = EDGE * corners[i][axis];
+            to->uvs[2 * vertex + axis] = repeats * corners[i][axis];
+        }
+        to->positions[3 * vertex + 2] = z;
+    }
+    to->materials[2 * card] = to->materials[2 * card + 1] = (uint16_t)card;
+    to->mesh.triangle_count += 2;
+    to->mesh.vertex_count += 6;
+}
+
+/* Builds the tree of the cards; its light has a sun along -z of irradiance pi, so that surfaces that face it send their
+   albedo. */
+static void light_cards(cards *of)
+{
+    static const svo_light_source sun = {SVO_SOURCE_DIRECTIONAL, .direction = {0, 0, -1}, .value = {PI, PI, PI}};
+    const svo_plan_options options = {.need = SVO_NEED_COLOR | SVO_NEED_NORMAL | SVO_NEED_RAYS | SVO_NEED_MATERIAL};
+    const svo_light_options without_cones = {.struct_size = sizeof without_cones, .no_cones = 1};
+    const svo_light_setup setup = {.struct_size = sizeof setup,
+                                   .sources = &sun,
+                                   .source_count = 1,
+                                   .finishes = of->finishes,
+                                   .finish_count = CARDS};
+    built finished;
+    fixture_build(&of->opened, &of->mesh, DEPTH, &options, &finished);
+    of->tree = finished.tree;
+    finished.tree = NULL;
+    built_destroy(&finished);
+    light_succeed(&of->opened, svo_light_create(of->tree, &without_cones, of->opened.queue, &of->light));
+    light_succeed(&of->opened, svo_light_set_sources(of->light, &setup, of->opened.queue));
+}
+
+static void give_mesh(cards *of)
+{
+    light_succeed(&of->opened, svo_light_set_mesh(of->light, &of->mesh, of->opened.queue));
+}
+
+static void cards_free(cards *of)
+{
+    svo_light_destroy(&of->light);
+    svo_tree_destroy(&of->tree);
+    free(of);
+}
+
+/* What a pixel of so many world units sees of a card at z 0, straight from above. */
+static void look(const cards *at, svo_render_view view, float x, float y, float width, float out[4])
+{
+    svo_render_options options = {.struct_size = sizeof options, .width = 1, .height = 1, .view = view};
+    const float away = 64;
+    options.output.format = SVO_PIXELS_LINEAR;
+    options.output.samples = 1;
+    options.camera = (svo_camera){.eye = {x, y, away}, .target = {x, y, 0}, .up = {0, 1, 0}};
+    options.camera.vertical_fov = 2 * atanf(width / 2 / away);
+    light_succeed(&at->opened, svo_render(svo_light_target(at->light), &options, svo_in_host(out),
+                                          &(svo_submit){.queue = at->opened.queue}));
+}
+
+static void check_near(const char *what, float found, float wanted, float tolerance)
+{
+    if (!(fabsf(found - wanted) <= tolerance)) {
+        fail_msg("%s is %g, not %g", what, (double)found, (double)wanted);
+    }
+}
+
+static float linear_of(uint8_t byte)
+{
+    const float share = byte / 255.0F;
+    return share <= 0.04045F ? share / 12.92F : powf((share + 0.055F) / 1.055F, 2.4F);
+}
+
+static void fill_random(cards *of)
+{
+    uint32_t state = 1;
+    for (size_t i = 0; i < sizeof of->texels; ++i) {
+        state = state * 1664525u + 1013904223u;
+        of->texels[i] = i % 4 == 3 ? 255 : (uint8_t)(state >> 24);
+    }
+}
+
+/* ---- tests ---- */
+
+/* The texture lies on the card twice: repeated along x, mirrored along y. Of the texels, of which a leaf has 4 x 4,
+   each pixel shows its own. */
+static void pixels_show_their_texels(void **state)
+{
+    cards *on = cards_new(state, TEXELS);
+    fill_random(on);
+    on->texture.wrap_v = SVO_WRAP_MIRROR;
+    on->material[0].texture_index = 0;
+    on->material[0].rgba[1] = 100;
+    add_card(on, 0, 2);
+    light_cards(on);
+    give_mesh(on);
+    assert_true(light_info_of(on->light).mesh_bytes > sizeof(uint32_t) * TEXELS * TEXELS);
+    for (uint32_t row = 1; row < 2 * TEXELS; row += 5) {
+        for (uint32_t column = 0; column < 2 * TEXELS; column += 3) {
+            const uint32_t from_row = row < TEXELS ? row : 2 * TEXELS - 1 - row;
+            const uint8_t *texel = on->texels + 4 * (size_t)(from_row * TEXELS + column % TEXELS);
+            const float texel_edge = EDGE / (2.0F * TEXELS);
+            float pixel[4];
+            look(on, SVO_VIEW_DIRECT, ((float)column + 0.5F) * texel_edge, ((float)row + 0.5F) * texel_edge, 1e-4F,
+                 pixel);
+            check_near("red", pixel[0], linear_of(texel[0]), 0.002F);
+            check_near("green", pixel[1], linear_of((uint8_t)((2 * 100 * texel[1] + 255) / 510)), 0.006F);
+            check_near("blue", pixel[2], linear_of(texel[2]), 0.002F);
+        }
+    }
+    cards_free(on);
+}
+
+/* Rays that are as wide as a leaf see the leaf, as without a mesh; and so they do without one again. */
+static void wide_rays_see_leaves(void **state)
+{
+    cards *on = cards_new(state, TEXELS);
+    float bare[4];
+    float pixel[4];
+    fill_random(on);
+    on->material[0].texture_index = 0;
+    add_card(on, 0, 1);
+    light_cards(on);
+    look(on, SVO_VIEW_DIRECT, 2.3F, 5.1F, 1.1F, bare);
+    give_mesh(on);
+    look(on, SVO_VIEW_DIRECT, 2.3F, 5.1F, 1.1F, pixel);
+    assert_memory_equal(bare, pixel, sizeof bare);
+    look(on, SVO_VIEW_DIRECT, 2.3F, 5.1F, 0.01F, pixel);
+    assert_memory_not_equal(bare, pixel, sizeof bare);
+    light_succeed(&on->opened, svo_light_set_mesh(on->light, NULL, on->opened.queue));
+    assert_int_equal(light_info_of(on->light).mesh_bytes, 0);
+    look(on, SVO_VIEW_DIRECT, 2.3F, 5.1F, 0.01F, pixel);
+    assert_memory_equal(bare, pixel, sizeof bare);
+    cards_free(on);
+}
+
+/* A board of 63 x 63 texels of black and white, of which wide pixels have the mean wherever they look. */
+static void wide_rays_see_means(void **state)
+{
+    cards *on = cards_new(state, 63);
+    for (uint32_t i = 0; i < 63 * 63; ++i) {
+        const uint8_t byte = (i / 63 + i % 63) % 2 == 0 ? 255 : 0;
+        memset(on->texels + 4 * (size_t)i, byte, 3);
+        on->texels[4 * (size_t)i + 3] = 255;
+    }
+    on->material[0].texture_index = 0;
+    add_card(on, 0, 1);
+    light_cards(on);
+    give_mesh(on);
+    for (int i = 0; i < 20; ++i) {
+        float pixel[4];
+        look(on, SVO_VIEW_DIRECT, 1 + 0.31F * (float)i, 1.5F + 0.21F * (float)i, 0.45F, pixel);
+        check_near("the mean", pixel[0], linear_of(128), 0.012F);
+    }
+    cards_free(on);
+}
+
+/* Levels weigh by alpha: red around holes of green. */
+static void means_weigh_by_alpha(void **state)
+{
+    cards *on = cards_new(state, 64);
+    for (uint32_t i = 0; i < 64 * 64; ++i) {
+        const bool is_hole = (i / 64 + i % 64) % 2 != 0;
+        const uint8_t texel[4] = {is_hole ? 0 : 200, is_hole ? 255 : 0, 0, is_hole ? 1 : 255};
+        memcpy(on->texels + 4 * (size_t)i, texel, 4);
+    }
+    on->material[0].texture_index = 0;
+    add_card(on, 0, 1);
+    add_card(on, -1, 1);
+    light_cards(on);
+    give_mesh(on);
+    float pixel[4];
+    look(on, SVO_VIEW_DIRECT, 3.3F, 4.2F, 0.45F, pixel);
+    check_near("red", pixel[0], linear_of(199), 0.01F);
+    check_near("green", pixel[1], linear_of(1), 0.001F);
+    cards_free(on);
+}
+
+/* A card above another one, of which the texture leaves out a half: its shadow and the view through it end between the
+   texels, inside of leaves. */
+static void cut_outs_end_at_their_texels(void **state)
+{
+    enum { POINTS = 14 };
+    cards *on = cards_new(state, TEXELS);
+    svo_gather_point points[POINTS];
+    svo_gather_result results[POINTS];
+    for (uint32_t i = 0; i < TEXELS * TEXELS; ++i) {
+        const uint8_t texel[4] = {255, 0, 0, i % TEXELS < 7 ? 0 : 255};
+        memcpy(on->texels + 4 * (size_t)i, texel, 4);
+    }
+    on->material[0].rgba[0] = 0;
+    on->material[1].texture_index = 0;
+    add_card(on, -3, 1);
+    add_card(on, 0, 1);
+    light_cards(on);
+    give_mesh(on);
+    for (int i = 0; i < POINTS; ++i) {
+        const int beyond = i - POINTS / 2;
+        const float x = beyond < 0 ? 3.2F - 0.4F * (float)i : 3.8F + 0.5F * (float)beyond;
+        const svo_gather_point point = {.position = {x, 3.1F, -3}, .normal = {0, 0, 1}};
+        points[i] = point;
+    }
+    const svo_gather_options options = {.struct_size = sizeof options, .paths = 16};
+    light_succeed(&on->opened, svo_gather(on->light, svo_in_host(points), svo_in_host(results), POINTS, &options,
+                                          &(svo_submit){.queue = on->opened.queue}));
+    for (int i = 0; i < POINTS; ++i) {
+        const bool is_open = i < POINTS / 2;
+        float pixel[4];
+        check_near("direct light", results[i].direct[0], is_open ? PI : 0, 1e-5F);
+        look(on, SVO_VIEW_DIRECT, points[i].position[0], 3.1F, 1e-3F, pixel);
+        check_near("red of the view", pixel[0], is_open ? 0 : 1, 1e-3F);
+        check_near("green of the view", pixel[1], is_open ? 1 : 0, 1e-3F);
+    }
+    cards_free(on);
+}
+
+/* Two panes, one by the alpha of its material and one by that of its vertices, let their shares of the sun through. */
+static void panes_multiply(void **state)
+{
+    cards *on = cards_new(state, TEXELS);
+    uint8_t colors[4 * 6 * CARDS];
+    memset(colors, 255, sizeof colors);
+    for (size_t i = 12; i < 18; ++i) {
+        colors[4 * i + 3] = 51;
+    }
+    on->mesh.colors = colors;
+    on->material[1].rgba[3] = 102;
+    add_card(on, -3, 1);
+    add_card(on, -1, 1);
+    add_card(on, 0, 1);
+    light_cards(on);
+    give_mesh(on);
+    const svo_gather_point point = {.position = {3, 4, -2}, .normal = {0, 0, 1}};
+    svo_gather_result result;
+    light_succeed(&on->opened, svo_gather(on->light, svo_in_host(&point), svo_in_host(&result), 1, NULL,
+                                          &(svo_submit){.queue = on->opened.queue}));
+    check_near("direct light", result.direct[1], PI * 0.6F * 0.8F, 1e-4F);
+    cards_free(on);
+}
+
+/* Vertex normals, one of which is missing, lean: the middle of a triangle has their mean. */
+static void normals_are_those_of_vertices(void **state)
+{
+    cards *on = cards_new(state, TEXELS);
+    const float leaning[3] = {0.6F, 0, 0.8F};
+    add_card(on, 0, 1);
+    for (size_t i = 0; i < 5; ++i) {
+        memcpy(on->normals + 3 * i, leaning, sizeof leaning);
+    }
+    on->mesh.normals = on->normals;
+    light_cards(on);
+    give_mesh(on);
+    float pixel[4];
+    look(on, SVO_VIEW_DIRECT, 7, 1, 1e-4F, pixel);
+    check_near("of three normals", pixel[0], 0.8F, 1e-3F);
+    look(on, SVO_VIEW_DIRECT, EDGE / 3.0F, 2 * EDGE / 3.0F, 1e-4F, pixel);
+    check_near("of two and its own", pixel[0], 2.6F / sqrtf(1.2F * 1.2F + 2.6F * 2.6F), 1e-3F);
+    cards_free(on);
+}
+
+/* The two triangles of a card, of which one emits: on either side of their edge, in the same leaf. */
+static void materials_are_those_of_triangles(void **state)
+{
+    cards *on = cards_new(state, TEXELS);
+    float pixel[4];
+    on->finishes[0].emission[0] = 2;
+    add_card(on, 0, 1);
+    on->materials[1] = 1;
+    light_cards(on);
+    give_mesh(on);
+    look(on, SVO_VIEW_SHADED, 4.6F, 4.4F, 1e-4F, pixel);
+    check_near("red that emits", pixel[0], 3, 1e-3F);
+    check_near("green that does not", pixel[1], 1, 1e-3F);
+    look(on, SVO_VIEW_SHADED, 4.4F, 4.6F, 1e-4F, pixel);
+    check_near("red that does not emit", pixel[0], 1, 1e-3F);
+    cards_free(on);
+}
+
+/* Indices and doubles are as good as floats in a row. */
+static void all_kinds_of_arrays_are_read(void **state)
+{
+    cards *on = cards_new(state, TEXELS);
+    double positions[18 * CARDS];
+    uint32_t indices[6];
+    float first[4];
+    float second[4];
+    fill_random(on);
+    on->material[0].texture_index = 0;
+    add_card(on, 0, 3);
+    light_cards(on);
+    give_mesh(on);
+    look(on, SVO_VIEW_DIRECT, 3.3F, 4.1F, 0.2F, first);
+    for (size_t i = 0; i < 18; ++i) {
+        positions[i] = (double)on->positions[i];
+    }
+    for (uint32_t i = 0; i < 6; ++i) {
+        indices[i] = i;
+    }
+    on->mesh.positions_double = positions;
+    on->mesh.positions = NULL;
+    on->mesh.indices = indices;
+    give_mesh(on);
+    look(on, SVO_VIEW_DIRECT, 3.3F, 4.1F, 0.2F, second);
+    assert_memory_equal(first, second, sizeof first);
+    cards_free(on);
+}
+
+static void check_refused(const cards *on, const char *text)
+{
+    assert_int_equal(svo_light_set_mesh(on->light, &on->mesh, on->opened.queue), SVO_INVALID_ARGUMENT);
+    if (strstr(svo_device_message(on->opened.device), text) == NULL) {
+        fail_msg("'%s' is not in '%s'", text, svo_device_message(on->opened.device));
+    }
+    assert_int_equal(light_info_of(on->light).mesh_bytes, 0);
+}
+
+static void other_meshes_are_refused(void **state)
+{
+    cards *on = cards_new(state, TEXELS);
+    static const svo_plan_options no_rays = {.need = SVO_NEED_COLOR};
+    const svo_light_options without_cones = {.struct_size = sizeof without_cones, .no_cones = 1};
+    built finished;
+    add_card(on, 0, 1);
+    light_cards(on);
+    give_mesh(on);
+    on->mesh.triangle_count = 1;
+    check_refused(on, "svo_light_set_mesh: mesh has 1 triangles; that of the tree has 2");
+    on->mesh.triangle_count = 2;
+    on->texture.width = 0;
+    check_refused(on, "svo_light_set_mesh: texture 0 is 0 x 16 texels, not 1 .. 16384 each, or has none");
+    on->texture.width = TEXELS;
+    on->mesh.positions = NULL;
+    check_refused(on, "mesh has 6 vertices but not exactly one array of positions");
+    on->mesh.positions = on->positions;
+    give_mesh(on);
+    const svo_box all = {{-1, -1, -1}, {EDGE + 1, EDGE + 1, 1}};
+    light_succeed(&on->opened, svo_light_update(on->light, on->tree, &all, 1, on->opened.queue));
+    assert_int_equal(light_info_of(on->light).mesh_bytes, 0);
+    svo_light_destroy(&on->light);
+    fixture_build(&on->opened, &on->mesh, DEPTH, &no_rays, &finished);
+    light_succeed(&on->opened, svo_light_create(finished.tree, &without_cones, on->opened.queue, &on->light));
+    check_refused(on, "svo_light_set_mesh: the tree has no triangles for rays");
+    svo_light_destroy(&on->light);
+    built_destroy(&finished);
+    assert_int_equal(svo_light_set_mesh(NULL, &on->mesh, on->opened.queue), SVO_INVALID_ARGUMENT);
+    cards_free(on);
+}
+
+/* Materials, vertices and textures that do not exist are none, as builds have it. */
+static void bad_names_are_harmless(void **state)
+{
+    cards *on = cards_new(state, TEXELS);
+    uint32_t indices[6] = {0, 1, 2, 3, 4, 77};
+    float pixel[4];
+    add_card(on, 0, 1);
+    on->materials[0] = 900;
+    on->material[0].texture_index = 5;
+    on->material[0].rgba[0] = 0;
+    on->uvs[0] = NAN;
+    on->mesh.indices = indices;
+    light_cards(on);
+    give_mesh(on);
+    look(on, SVO_VIEW_DIRECT, 6, 2, 1e-4F, pixel);
+    check_near("red", pixel[0], 0, 1e-4F);
+    check_near("green", pixel[1], 1, 1e-4F);
+    cards_free(on);
+}
+
+TEST_GROUP(light_mesh)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pixels_show_their_texels),      cmocka_unit_test(wide_rays_see_leaves),
+        cmocka_unit_test(wide_rays_see_means),           cmocka_unit_test(means_weigh_by_alpha),
+        cmocka_unit_test(cut_outs_end_at_their_texels),  cmocka_unit_test(panes_multiply),
+        cmocka_unit_test(normals_are_those_of_vertices), cmocka_unit_test(materials_are_those_of_triangles),
+        cmocka_unit_test(all_kinds_of_arrays_are_read),  cmocka_unit_test(other_meshes_are_refused),
+        cmocka_unit_test(bad_names_are_harmless),
+    };
+    return cmocka_run_group_tests_name("light_mesh", tests, fixture_group_setup, fixture_group_teardown);
+}
