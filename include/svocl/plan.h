@@ -218,8 +218,8 @@ typedef struct svo_plan_info {
     uint64_t tree_bytes; /**< the device memory of the finished tree */
     uint32_t kernels_count; /**< the entries of svo_plan_get_kernels */
     uint32_t left_out_count; /**< the entries of svo_plan_get_left_out */
-    uint32_t
-        drops_pairs; /**< not 0: builds look for pairs with an alpha below options.drop_alpha; else there are none */
+    /** Not 0: builds look for pairs with an alpha below options.drop_alpha. 0: there are none, or it is 0. */
+    uint32_t drops_pairs;
 } svo_plan_info;
 
 /** An empty output. */

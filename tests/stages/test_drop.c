@@ -57,9 +57,11 @@ static void check_on_path(svo_path path)
     for (uint64_t seed = 1; seed <= 12; ++seed) {
         attributed_mesh made;
         const svo_weights weights = seed % 5 == 1 ? SVO_WEIGHTS_AREA : (svo_weights)(seed % 3);
+        const double far = seed % 9 == 0 ? -30.0 : 0.0; /* so that codes have all their bits */
         const svo_plan_options options = {.need = weights == SVO_WEIGHTS_AREA ? needs[seed % 5] : needs[2 + seed % 3],
                                           .weights = weights,
-                                          .edge = seed % 2 == 0 ? 1.0 : 0.0,
+                                          .edge = seed % 9 == 0 ? 32.0 : (double)(1 - seed % 2),
+                                          .origin = {far, far, far},
                                           .coverage = (svo_coverage)(seed / 3 % 3),
                                           .builder = (svo_builder)(seed / 2 % 2),
                                           .chunk_bytes = seed % 4 == 0 ? 16384 : 0,
