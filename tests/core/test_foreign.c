@@ -39,24 +39,6 @@ typedef struct native {
 
 #define MEMORY_BYTES 4096
 
-/* Its parameters are those of SVO_TREE_PARAMETERS in size. */
-static cl_kernel make_kernel(cl_context context, cl_device_id device)
-{
-    const char *source =
-        "typedef struct { float words[16]; } params;\n"
-        "__kernel void plain(__global uchar *a, __global uint *b, __global uint *c, __global int4 *d,\n"
-        "                    params e)\n"
-        "{\n"
-        "    b[0] = a[0] + c[0] + d[0].x + (uint)e.words[0];\n"
-        "}\n";
-    cl_program program = clCreateProgramWithSource(context, 1, &source, NULL, NULL);
-    assert_int_equal(clBuildProgram(program, 1, &device, "-cl-std=CL1.2", NULL, NULL), CL_SUCCESS);
-    cl_kernel kernel = clCreateKernel(program, "plain", NULL);
-    clReleaseProgram(program);
-    assert_non_null(kernel);
-    return kernel;
-}
-
 static foreigner make_foreigner(const fixture *opened)
 {
     const cl_device_id device = info_of_device(opened->device).device;
@@ -65,7 +47,7 @@ static foreigner make_foreigner(const fixture *opened)
     made.queue = clCreateCommandQueue(made.context, device, 0, NULL);
     made.memory = clCreateBuffer(made.context, CL_MEM_READ_WRITE, MEMORY_BYTES, NULL, NULL);
     made.event = clCreateUserEvent(made.context, NULL);
-    made.kernel = make_kernel(made.context, device);
+    made.kernel = fixture_tree_kernel(made.context, device);
     assert_non_null(made.queue);
     assert_non_null(made.memory);
     assert_non_null(made.event);

@@ -518,25 +518,6 @@ static void wrong_arguments_are_refused(void **state)
 
 /* ---- trees without content ---- */
 
-/* A kernel with SVO_TREE_PARAMETERS, as far as svo_kernel_set_arguments can tell. */
-static cl_kernel make_plain_kernel(const fixture *opened)
-{
-    const char *source =
-        "typedef struct { float words[16]; } params;\n"
-        "__kernel void plain(__global uchar *a, __global uint *b, __global uint *c, __global int4 *d,\n"
-        "                    params e)\n"
-        "{\n"
-        "    b[0] = a[0] + c[0] + d[0].x + (uint)e.words[0];\n"
-        "}\n";
-    const cl_device_id device = info_of_device(opened->device).device;
-    cl_program program = clCreateProgramWithSource(info_of_device(opened->device).context, 1, &source, NULL, NULL);
-    assert_int_equal(clBuildProgram(program, 1, &device, "-cl-std=CL1.2", NULL, NULL), CL_SUCCESS);
-    cl_kernel kernel = clCreateKernel(program, "plain", NULL);
-    clReleaseProgram(program);
-    assert_non_null(kernel);
-    return kernel;
-}
-
 static void expect_refusal(const fixture *opened, svo_status status, const char *function, const char *words)
 {
     const char *message = svo_device_message(opened->device);
@@ -606,7 +587,7 @@ static void trees_without_content_are_refused(void **state)
     const svo_ray ray = {.origin = {1.5F, 0.3F, -9.0F}, .direction = {0, 0, 1}, .t_max = 100};
     svo_hit hits[2];
     char hash[SVO_HASH_TEXT_BYTES];
-    cl_kernel kernel = make_plain_kernel(&opened);
+    cl_kernel kernel = fixture_tree_kernel(info_of_device(opened.device).context, info_of_device(opened.device).device);
     built expected;
     fixture_build(&opened, scene_mesh(made), 5, &options, &expected);
     succeed(&opened, svo_trace_triangles(svo_tree_target(expected.tree), svo_in_host(&ray), svo_in_host(&hits[0]), 1,
@@ -664,7 +645,7 @@ static void finishing_after_the_workspace_is_a_status(void **state)
     const fixture opened = fixture_cl_of_group(state);
     struct scene *made = fixture_scene("knot:500");
     const svo_plan_options options = {.need = SVO_NEED_ALL};
-    cl_kernel kernel = make_plain_kernel(&opened);
+    cl_kernel kernel = fixture_tree_kernel(info_of_device(opened.device).context, info_of_device(opened.device).device);
     built expected;
     fixture_build(&opened, scene_mesh(made), 5, &options, &expected);
     svo_frontend *frontend = NULL;

@@ -5,6 +5,7 @@
 
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -205,4 +206,24 @@ void built_destroy(built *finished)
 {
     svo_tree_destroy(&finished->tree);
     *finished = (built){0};
+}
+
+cl_kernel fixture_tree_kernel(cl_context context, cl_device_id device)
+{
+    char source[512];
+    const char *text = source;
+    (void)snprintf(source, sizeof source,
+                   "typedef struct { float words[%zu]; } params;\n"
+                   "__kernel void plain(__global uchar *a, __global uint *b, __global uint *c, __global int4 *d,\n"
+                   "                    params e)\n"
+                   "{\n"
+                   "    b[0] = a[0] + c[0] + d[0].x + (uint)e.words[0];\n"
+                   "}\n",
+                   sizeof(svo_ray_params) / sizeof(float));
+    cl_program program = clCreateProgramWithSource(context, 1, &text, NULL, NULL);
+    assert_int_equal(clBuildProgram(program, 1, &device, "-cl-std=CL1.2", NULL, NULL), CL_SUCCESS);
+    cl_kernel kernel = clCreateKernel(program, "plain", NULL);
+    clReleaseProgram(program);
+    assert_non_null(kernel);
+    return kernel;
 }

@@ -88,4 +88,7 @@ void fixture_build_in_gl(const fixture *opened, const svo_mesh *mesh, unsigned d
                          built *out);
 void built_destroy(built *finished);
 
+/* A caller's kernel whose parameters have the sizes of SVO_TREE_PARAMETERS, without the time to compile these. */
+cl_kernel fixture_tree_kernel(cl_context context, cl_device_id device);
+
 #endif
