@@ -64,7 +64,7 @@ static void fold_normals(svo_plan *plan, const svo_i_findings *found)
 
 static bool has_one_color(const svo_plan *plan, const svo_i_findings *found)
 {
-    if (svo_i_plan_has(plan->colors, plan->memory.colors) || plan->texels != NULL) {
+    if (plan->materials == NULL || svo_i_plan_has(plan->colors, plan->memory.colors) || plan->texels != NULL) {
         return false;
     }
     const uint32_t color = plan->materials[found->first_record.material].rgba;
@@ -582,10 +582,13 @@ svo_status svo_i_plan_attributes(svo_plan *plan, const svo_mesh *mesh)
         return SVO_OK;
     }
     svo_i_findings found = {.material_used = svo_i_alloc_zeroed(&plan->device->memory, plan->material_count, 1)};
-    svo_status status = found.material_used != NULL ? svo_i_plan_find(plan, mesh, &found) : no_memory(plan);
-    if (status == SVO_OK) {
-        status = svo_i_plan_conclude(plan, &found);
+    svo_status status = SVO_OK;
+    if (found.material_used == NULL) {
+        return no_memory(plan);
     }
+    SVO_I_TRY_CLEANUP(svo_i_plan_find(plan, mesh, &found));
+    SVO_I_TRY_CLEANUP(svo_i_plan_conclude(plan, &found));
+cleanup:
     svo_i_free(found.material_used);
     return status;
 }
