@@ -76,7 +76,7 @@ typedef struct svo_stage_time {
 /** What a build did. */
 typedef struct svo_build_report {
     size_t struct_size; /**< sizeof(svo_build_report) */
-    uint64_t fragments; /**< (voxel, triangle) pairs */
+    uint64_t fragments; /**< (voxel, triangle) pairs; without those that svo_plan_options.drop_alpha leaves out */
     /** Of the pairs that the front end proposed, those that rounded corners did not decide. 0 where the host does not
      *  read the counts: svo_build_enqueue. */
     uint64_t undecided;
@@ -88,6 +88,7 @@ typedef struct svo_build_report {
     const char *share; /**< how the list got to OpenCL: "none" (made there), "interop", "host", "copy" */
     const char *renderer; /**< OpenGL's name of the renderer; lives as long as the context; "" without OpenGL */
     svo_stage_time stage_times[SVO_STAGE_CAPACITY]; /**< by svo_stage; svo_build_report_stage says how many */
+    uint64_t dropped; /**< (voxel, triangle) pairs that svo_plan_options.drop_alpha left out */
 } svo_build_report;
 
 /** An empty output. */

@@ -58,6 +58,7 @@ typedef struct svo_moving_options {
     /** Most (voxel, triangle) pairs of the scene; 0: as many as memory holds, at most 2^32 - 65537. */
     uint64_t fragment_capacity;
     uint32_t weight_log2; /**< see svo_plan_options; takes the place of max_area */
+    double drop_alpha; /**< see svo_plan_options: pairs with an alpha below it are left out; 0: none are */
 } svo_moving_options;
 
 /** All defaults; edge is missing. */

@@ -37,7 +37,7 @@ typedef struct svo_part_header {
     uint8_t constant_color[4]; /**< RGBA8 */
     int16_t constant_normal[3]; /**< 32767 = 1 */
     uint16_t constant_material; /**< into the mesh's materials */
-    uint32_t reserved; /**< 0 */
+    uint32_t least_alpha; /**< 255ths: pairs of less alpha are left out (svo_plan_options.drop_alpha); 0: none are */
     double origin[3]; /**< minimum corner of the whole grid, world */
     double edge; /**< of the whole grid, as svo_plan_info has it */
     double scale; /**< grid units per world unit */

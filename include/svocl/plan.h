@@ -105,6 +105,7 @@ typedef enum svo_stage {
     SVO_STAGE_PACK, /**< "pack": sorted leaf lists */
     SVO_STAGE_LINK, /**< "link": linked leaf lists for the filter */
     SVO_STAGE_FILTER, /**< "filter": payload of the leaves, then of each level above */
+    SVO_STAGE_DROP, /**< "drop": pairs with too little alpha leave the list (svo_plan_options.drop_alpha) */
     SVO_STAGE_COUNT /**< number of stages that the headers know */
 } svo_stage;
 
@@ -174,6 +175,12 @@ typedef struct svo_plan_options {
      *  overflow. So that trees of different plans can be equal. At most what the mesh's area allows, and 30 in
      *  updatable plans, where it takes the place of max_area. */
     uint32_t weight_log2;
+    /** Above 0, at most 1: pairs of a voxel and a triangle with an alpha below it are left out, so that a voxel of no
+     *  other pairs is empty. A pair's alpha is that of its color, be colors needed or not: of material, vertex colors
+     *  and texture, multiplied, where weights says that the triangle is sampled, in 255ths. Payload and leaf lists are
+     *  of the pairs that remain. Without any the tree is a root without leaves. Rays that meet triangles meet them
+     *  whole. 0: no pair is left out. */
+    double drop_alpha;
 } svo_plan_options;
 
 /** All defaults. */
@@ -211,6 +218,8 @@ typedef struct svo_plan_info {
     uint64_t tree_bytes; /**< the device memory of the finished tree */
     uint32_t kernels_count; /**< the entries of svo_plan_get_kernels */
     uint32_t left_out_count; /**< the entries of svo_plan_get_left_out */
+    /** Not 0: builds look for pairs with an alpha below options.drop_alpha. 0: there are none, or it is 0. */
+    uint32_t drops_pairs;
 } svo_plan_info;
 
 /** An empty output. */
@@ -239,7 +248,7 @@ typedef struct svo_buffer_info {
 /** A program of kernels that a build compiles, unless the device handle has it already. */
 typedef struct svo_kernels_info {
     size_t struct_size; /**< sizeof(svo_kernels_info) */
-    const char *name; /**< "subdivide", "sort", "pack", "filter", "voxelize"; static string */
+    const char *name; /**< "subdivide", "sort", "pack", "filter", "voxelize", "drop"; static string */
     const char *defines; /**< " -DSVO_COLOR -DSVO_WEIGHTS_AREA", ...; lives as long as the plan */
 } svo_kernels_info;
 

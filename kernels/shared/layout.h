@@ -212,6 +212,19 @@ SVO_RECORD(svo_decide_params)
     SVO_U32 reserved[2]; /* 64 */
 };
 
+/* Arguments of the kernels that drop pairs by their alpha. 32 bytes. */
+SVO_RECORD(svo_drop_params)
+{
+    SVO_U32 capacity; /* 0: fragments of the chunk, or where it has counters the room for them */
+    SVO_U32 counter; /* 4: the chunk */
+    SVO_U32 least_alpha; /* 8: 1 .. 255; pairs of less are dropped */
+    SVO_U32 triangle_count; /* 12: a fragment's triangle is below it */
+    SVO_U32 depth; /* 16 */
+    SVO_U32 voxel_log2; /* 20: edge of a voxel in grid units */
+    SVO_U32 weight_log2; /* 24: a voxel's face weighs 2^weight_log2 */
+    SVO_U32 reserved; /* 28 */
+};
+
 /* Arguments of the subdivision kernels. Levels are counted from pad levels above the root. 56 bytes. */
 SVO_RECORD(svo_blocks_params)
 {
@@ -343,7 +356,8 @@ SVO_RECORD(svo_material_record)
     SVO_U32 height; /* 12: texels */
     SVO_U32 wrap_u; /* 16: svo_wrap */
     SVO_U32 wrap_v; /* 20 */
-    SVO_U32 reserved[2]; /* 24 */
+    SVO_U32 least_alpha; /* 24: no point has less, vertex colors aside; of plans that drop pairs by alpha, else 0 */
+    SVO_U32 reserved; /* 28 */
 };
 
 /* Arguments of the ray caster. Positions and lengths in voxels, from the grid's minimum corner; directions in the
@@ -409,6 +423,7 @@ SVO_ASSERT_BYTES(svo_plan_view, 28);
 SVO_ASSERT_BYTES(svo_triangle_record, 16);
 SVO_ASSERT_BYTES(svo_voxelize_params, 64);
 SVO_ASSERT_BYTES(svo_decide_params, 72);
+SVO_ASSERT_BYTES(svo_drop_params, 32);
 SVO_ASSERT_BYTES(svo_blocks_params, 56);
 SVO_ASSERT_BYTES(svo_subdivide_params, 32);
 SVO_ASSERT_BYTES(svo_sort_params, 16);

@@ -38,8 +38,8 @@ static const char *const coverages[] = {"half-open", "closed", "thin"};
 static const char *const weights[] = {"area", "uniform", "center"};
 static const char *const builders[] = {"cl", "sorted"};
 static const char *const places[] = {"default", "host", "device"};
-static const char *const stages[SVO_STAGE_COUNT] = {"grid",      "compile", "voxelize", "transfer",
-                                                    "subdivide", "pack",    "link",     "filter"};
+static const char *const stages[SVO_STAGE_COUNT] = {"grid", "compile", "voxelize", "transfer", "subdivide",
+                                                    "pack", "link",    "filter",   "drop"};
 static const char *const certainties[] = {"exact", "bound", "estimate"};
 static const char *const paths[] = {"auto", "cpu", "gpu"};
 static const char *const tree_buffers[SVO_TREE_BUILD_STATE + 1] = {

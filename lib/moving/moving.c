@@ -31,7 +31,8 @@ static svo_status read_options(svo_moving *moving, const svo_moving_options *giv
                                          .edge = options.edge,
                                          .max_area = options.max_area,
                                          .updatable = 1,
-                                         .weight_log2 = options.weight_log2};
+                                         .weight_log2 = options.weight_log2,
+                                         .drop_alpha = options.drop_alpha};
     memcpy(moving->options.origin, options.origin, sizeof options.origin);
     return SVO_OK;
 }

@@ -16,6 +16,7 @@
 #include "plan/chunking.h"
 #include "plan/configuration.h"
 #include "plan/estimate.h"
+#include "stages/drop.h"
 #include "stages/inputs.h"
 #include "stages/programs.h"
 #include "stages/sort.h"
@@ -162,6 +163,28 @@ void svo_i_moving_remember(svo_i_moving_object *object, uint64_t fragments)
     *capacity = *capacity > room ? *capacity : room;
 }
 
+/* Drops pairs by their alpha, by the arrays that the object's plan and the scene have on the device. */
+static svo_status drop_pairs(const svo_moving *moving, svo_i_build *build)
+{
+    const svo_plan *plan = build->commands.plan;
+    const svo_i_plan_memory *memory = &plan->memory;
+    if (!plan->work.drop) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(svo_i_build_get_program(build, SVO_I_BUILD, &svo_i_program_drop, NULL));
+    build->surface = (svo_i_surface){.vertices = memory->vertices,
+                                     .indices = memory->indices,
+                                     .remainders = memory->remainders,
+                                     .records = memory->records,
+                                     .colors = memory->colors,
+                                     .uvs = memory->uvs,
+                                     .materials = moving->materials,
+                                     .texels = moving->texels};
+    const svo_status status = svo_i_drop(build);
+    build->surface = (svo_i_surface){0};
+    return status;
+}
+
 /* The one chunk of a list whose count stays on the device. */
 static svo_status make_chunk(const svo_moving *moving, svo_i_build *build, svo_i_chunking *chunking)
 {
@@ -192,6 +215,7 @@ static svo_status draw_later(svo_moving *moving, svo_i_build *build, svo_i_pair_
     SVO_I_TRY_CLEANUP(svo_i_moving_program(moving, "svo_moving_update", &program));
     SVO_I_TRY_CLEANUP(make_chunk(moving, build, &chunking));
     SVO_I_TRY_CLEANUP(svo_i_frontend_voxelize(build->frontend, commands, &chunking, &build->list));
+    SVO_I_TRY_CLEANUP(drop_pairs(moving, build));
     SVO_I_TRY_CLEANUP(svo_i_device_buffer(moving->device, "svo_moving_update", "pair_count", CL_MEM_READ_WRITE,
                                           sizeof(cl_uint), &out->counted));
     const svo_moving_params params = {.count = (cl_uint)build->fragment_count};
@@ -211,7 +235,7 @@ static svo_status draw(svo_moving *moving, uint32_t index, svo_i_build *build)
 {
     SVO_I_TRY(svo_i_list_make(build));
     svo_i_moving_remember(&moving->objects[index], build->fragment_count);
-    return SVO_OK;
+    return drop_pairs(moving, build);
 }
 
 svo_status svo_i_moving_voxelize(svo_moving *moving, uint32_t index, svo_i_chain *chain, svo_i_pair_count *later,

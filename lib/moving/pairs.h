@@ -33,7 +33,7 @@ void svo_i_chain_settle(svo_i_chain *chain);
 
 /* What the device counts of an object in an update that does not wait. */
 typedef struct svo_i_pair_count {
-    cl_uint words[2]; /* low and high word of the pairs that the object has */
+    cl_uint words[SVO_COUNTER_WORDS]; /* of the list (kernels/stages/drop.cl): its pairs; those that were dropped */
     uint64_t capacity; /* pairs that there is room for */
 } svo_i_pair_count;
 

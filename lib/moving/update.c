@@ -470,7 +470,8 @@ static svo_status take_objects(svo_i_flight *flight)
         flight->counts[i] = pairs;
         u->report.changed_fragments += pairs - news->pairs.capacity;
         u->report.fragments += pairs - news->pairs.capacity;
-        svo_i_moving_remember(object, pairs);
+        const uint64_t dropped = object->plan->work.drop ? news->pairs.words[2] : 0;
+        svo_i_moving_remember(object, pairs + dropped);
         if (status == SVO_OK && pairs > news->pairs.capacity) {
             status = svo_i_device_fail(u->moving->device, SVO_CAPACITY_EXCEEDED,
                                        "%s: object %u has %llu fragments, and the update had room for %llu; the next "

@@ -362,6 +362,11 @@ svo_status svo_build(svo_plan *plan, svo_frontend *frontend, cl_command_queue qu
         return svo_i_device_fail(plan->device, SVO_UNSUPPORTED, "svo_build: the builder %s makes no parts of trees",
                                  frontend->builder);
     }
+    if (plan->work.drop && frontend->make_tree != NULL) {
+        return svo_i_device_fail(plan->device, SVO_UNSUPPORTED,
+                                 "svo_build: the builder %s leaves no pairs out, and options.drop_alpha is %g",
+                                 frontend->builder, plan->options.drop_alpha);
+    }
     svo_build_report made;
     const svo_status status = run_build(plan, frontend, queue, out, &made, report != NULL);
     svo_i_report_write(&made, report);

@@ -111,6 +111,10 @@ static svo_status publish_counts(svo_i_pending *pending)
     if (update != NULL) {
         SVO_I_TRY(svo_i_commands_read(&build->commands, update->grid.sums, totals->sums, sizeof totals->sums));
     }
+    if (build->list.counters != NULL && build->commands.plan->work.drop) {
+        SVO_I_TRY(
+            svo_i_commands_read(&build->commands, build->list.counters, pending->counters, sizeof pending->counters));
+    }
     SVO_I_TRY(svo_i_commands_copy(&build->commands, build->state, build->tree->build_state, 0, sizeof pending->state));
     return svo_i_commands_read(&build->commands, build->state, &pending->state, sizeof pending->state);
 }
@@ -257,6 +261,7 @@ static svo_status take_counts(svo_tree *tree, svo_i_pending *pending)
     const svo_workspace_info *room = &tree->workspace->info;
     const uint64_t needed = (uint64_t)state->fragments_high << 32 | state->fragments_low;
     pending->report.fragments = needed;
+    pending->report.dropped = build->commands.plan->work.drop && state->overflow == 0 ? pending->counters[2] : 0;
     build->fragment_count = needed;
     if (state->overflow == SVO_DAMAGED_LIST) {
         return svo_i_build_fail_damaged(build);

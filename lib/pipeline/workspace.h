@@ -16,6 +16,7 @@ struct svo_i_pending {
     cl_event done;
     svo_build_state state; /* read back by the last command */
     svo_i_mesh_totals totals; /* of an updatable plan's mesh; read back too */
+    cl_uint counters[SVO_COUNTER_WORDS]; /* of the list, where pairs are dropped; read back too */
     svo_i_pending *next; /* in workspace->given_up */
 };
 

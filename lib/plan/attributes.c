@@ -64,7 +64,7 @@ static void fold_normals(svo_plan *plan, const svo_i_findings *found)
 
 static bool has_one_color(const svo_plan *plan, const svo_i_findings *found)
 {
-    if (svo_i_plan_has(plan->colors, plan->memory.colors) || plan->texels != NULL) {
+    if (plan->materials == NULL || svo_i_plan_has(plan->colors, plan->memory.colors) || plan->texels != NULL) {
         return false;
     }
     const uint32_t color = plan->materials[found->first_record.material].rgba;
@@ -99,6 +99,47 @@ static bool materials_vary(const svo_plan *plan, const svo_i_findings *found)
     return used > 1;
 }
 
+/* ---- alpha that is too little ---- */
+
+/* The least alpha of all points of a material: means of texels are no less than these, and products are rounded alike.
+   Until now it is that of the texels. */
+static uint32_t least_of(const svo_material_record *material)
+{
+    return modulate(material->rgba, material->least_alpha << 24) >> 24;
+}
+
+/* Frees what was taken for its alpha alone. */
+static void free_unasked_colors(svo_plan *plan)
+{
+    if ((plan->info.need & ~plan->work.constant & SVO_NEED_COLOR) == 0) {
+        drop(plan->colors, &plan->memory.colors);
+        svo_i_free(plan->texels);
+        plan->colors = NULL;
+        plan->texels = NULL;
+        plan->texel_count = 0;
+        free_colors(plan);
+    }
+}
+
+void svo_i_plan_find_dropped(svo_plan *plan, const uint8_t *material_used)
+{
+    bool some = svo_i_plan_has(plan->colors, plan->memory.colors); /* of several values, which only kernels see */
+    if (plan->least_alpha == 0) {
+        return;
+    }
+    for (uint32_t i = 0; i < plan->material_count; ++i) {
+        svo_material_record *material = &plan->materials[i];
+        material->least_alpha = least_of(material);
+        some = some || ((plan->update != NULL || material_used[i] != 0) && material->least_alpha < plan->least_alpha);
+    }
+    plan->work.drop = some && plan->triangle_count > 0;
+    if (!plan->work.drop && plan->update == NULL) { /* objects of a scene that moves share them */
+        free_unasked_colors(plan);
+    }
+}
+
+/* ---- all that is constant ---- */
+
 /* Moves vertex colors that are all equal into the materials, and vertex normals into the plan's constant normal. Finds
    the payload that is the same in every node. Frees the inputs that are not needed for it. */
 static void find_constants(svo_plan *plan, const svo_i_findings *found)
@@ -108,11 +149,14 @@ static void find_constants(svo_plan *plan, const svo_i_findings *found)
     fold_colors(plan, found);
     fold_normals(plan, found);
     plan->materials_vary = materials_vary(plan, found);
+    svo_i_plan_find_dropped(plan, found->material_used);
     if ((plan->info.need & SVO_NEED_COLOR) != 0 && has_one_color(plan, found)) {
         work->constant |= SVO_NEED_COLOR;
         const uint32_t color = plan->triangle_count > 0 ? plan->materials[first->material].rgba : 0;
         work->constant_color = color >> 24 != 0 ? color : 0; /* as where colors differ: of what shows */
-        free_colors(plan);
+        if (!work->drop) {
+            free_colors(plan);
+        }
     }
     if ((plan->info.need & SVO_NEED_NORMAL) != 0 && !plan->one_normal && has_one_own_normal(plan, found)) {
         plan->one_normal = true;
@@ -271,6 +315,35 @@ static svo_status copy_texels(svo_plan *plan, const svo_mesh *mesh, const uint8_
     return SVO_OK;
 }
 
+static uint32_t least_alpha_of(const svo_texture *texture)
+{
+    const size_t texels = (size_t)texture->width * texture->height;
+    uint8_t least = UINT8_MAX;
+    for (size_t i = 0; i < texels && least > 0; ++i) {
+        const uint8_t alpha = texture->rgba[4 * i + 3];
+        least = alpha < least ? alpha : least;
+    }
+    return least;
+}
+
+/* Sets the least alpha of the texels of each material, 255 without a texture. used: as below. */
+static svo_status find_least_texels(svo_plan *plan, const svo_mesh *mesh, const uint8_t *used)
+{
+    uint32_t *least = svo_i_alloc_zeroed(&plan->device->memory, mesh->texture_count + 1, sizeof *least);
+    if (least == NULL) {
+        return no_memory(plan);
+    }
+    for (size_t i = 0; i < mesh->texture_count && used != NULL; ++i) {
+        least[i] = used[i] != 0 ? least_alpha_of(&mesh->textures[i]) : UINT8_MAX;
+    }
+    for (uint32_t i = 0; i < plan->material_count; ++i) {
+        svo_material_record *material = &plan->materials[i];
+        material->least_alpha = material->width != 0 ? least[mesh->materials[i].texture_index] : UINT8_MAX;
+    }
+    svo_i_free(least);
+    return SVO_OK;
+}
+
 /* used: one byte per texture; NULL: none is used. */
 static svo_status copy_records(svo_plan *plan, const svo_mesh *mesh, const uint8_t *used)
 {
@@ -302,7 +375,7 @@ static svo_status copy_records(svo_plan *plan, const svo_mesh *mesh, const uint8
         }
     }
     svo_i_free(offsets);
-    return SVO_OK;
+    return plan->least_alpha != 0 ? find_least_texels(plan, mesh, used) : SVO_OK;
 }
 
 svo_status svo_i_plan_copy_materials(svo_plan *plan, const svo_mesh *mesh, bool has_uvs, const uint8_t *material_used)
@@ -459,6 +532,7 @@ svo_status svo_i_plan_conclude(svo_plan *plan, const svo_i_findings *found)
     const uint32_t asked = plan->options.weight_log2;
     if (svo_i_plan_is_part(plan)) {
         take_constants(plan);
+        svo_i_plan_find_dropped(plan, found->material_used);
         plan->info.weight_log2 = plan->weight_log2;
         return SVO_OK;
     }
@@ -466,7 +540,7 @@ svo_status svo_i_plan_conclude(svo_plan *plan, const svo_i_findings *found)
     /* The areas of three projections are no less than the area. */
     const uint32_t finest = svo_i_plan_choose_weight_log2(plan, found->largest_area, plan->estimate[2]);
     plan->weight_log2 = asked != 0 ? asked : finest;
-    plan->info.weight_log2 = plan->weight_log2;
+    plan->info.weight_log2 = (plan->info.need & SVO_I_NEED_PAYLOAD) != 0 ? plan->weight_log2 : 0;
     return asked <= finest ? SVO_OK
                            : svo_i_device_fail(plan->device, SVO_INVALID_ARGUMENT,
                                                "%s: options.weight_log2 %u is above %u, the most that the mesh's area "
@@ -490,7 +564,7 @@ svo_status svo_i_plan_find(svo_plan *plan, const svo_mesh *mesh, svo_i_findings 
         found->material_used[material_of(plan, mesh, t)] = 1;
     }
     const uint32_t varying = plan->info.need & ~plan->part.header.constant; /* of a part the whole knows this */
-    if ((varying & SVO_NEED_COLOR) != 0) {
+    if ((varying & SVO_NEED_COLOR) != 0 || plan->least_alpha != 0) {
         SVO_I_TRY(copy_color_inputs(plan, mesh, found->material_used));
     }
     if ((varying & SVO_NEED_NORMAL) != 0 && mesh->normals != NULL) {
@@ -504,14 +578,17 @@ svo_status svo_i_plan_find(svo_plan *plan, const svo_mesh *mesh, svo_i_findings 
 svo_status svo_i_plan_attributes(svo_plan *plan, const svo_mesh *mesh)
 {
     svo_i_plan_resolve_need(plan, mesh, mesh->colors != NULL);
-    if ((plan->info.need & SVO_I_NEED_PAYLOAD) == 0) {
+    if (svo_i_plan_reads(plan) == 0) {
         return SVO_OK;
     }
     svo_i_findings found = {.material_used = svo_i_alloc_zeroed(&plan->device->memory, plan->material_count, 1)};
-    svo_status status = found.material_used != NULL ? svo_i_plan_find(plan, mesh, &found) : no_memory(plan);
-    if (status == SVO_OK) {
-        status = svo_i_plan_conclude(plan, &found);
+    svo_status status = SVO_OK;
+    if (found.material_used == NULL) {
+        return no_memory(plan);
     }
+    SVO_I_TRY_CLEANUP(svo_i_plan_find(plan, mesh, &found));
+    SVO_I_TRY_CLEANUP(svo_i_plan_conclude(plan, &found));
+cleanup:
     svo_i_free(found.material_used);
     return status;
 }

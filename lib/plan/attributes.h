@@ -37,6 +37,10 @@ void svo_i_plan_resolve_need(svo_plan *plan, const svo_mesh *mesh, bool has_colo
 bool svo_i_material_is_textured(const svo_mesh *mesh, bool has_uvs, size_t material);
 /* Copies the materials, and the textures of used ones. */
 svo_status svo_i_plan_copy_materials(svo_plan *plan, const svo_mesh *mesh, bool has_uvs, const uint8_t *material_used);
+/* Where the plan drops pairs by alpha: finds whether there may be any, and what each material shows at least. Frees the
+   inputs of colors if there are none and no color is asked for. material_used: a byte for each; unused
+   in updatable plans, whose triangles may have any. */
+void svo_i_plan_find_dropped(svo_plan *plan, const uint8_t *material_used);
 /* The finest unit of weight that suits triangles of that largest area and a sum of projected areas, both in square grid
    units: the weight of a voxel's face, as a power of two. */
 uint32_t svo_i_plan_choose_weight_log2(const svo_plan *plan, double largest_area, double total_area);

@@ -139,6 +139,9 @@ static void leave_out_textures(svo_plan *plan)
     svo_i_work *work = &plan->work;
     const bool color = (work->made & SVO_NEED_COLOR) != 0;
     const char *reason = color ? "no accepted triangle is textured" : "no color is computed per node";
+    if (work->drop && plan->texel_count > 0 && !work->textures) {
+        return; /* their alpha is read */
+    }
     if (!work->textures) {
         leave_out(work, "textures", "%s", reason);
         leave_out(work, "texture coordinates", "%s", color ? "no texture is sampled" : reason);
@@ -157,7 +160,8 @@ static void leave_out_inputs(svo_plan *plan)
         return;
     }
     leave_out_clipping(plan);
-    if (!work->vertex_colors) {
+    const bool alpha_of_vertices = work->drop && svo_i_plan_has(plan->colors, plan->memory.colors);
+    if (!work->vertex_colors && !alpha_of_vertices) {
         leave_out(work, "vertex colors", "%s",
                   (work->made & SVO_NEED_COLOR) != 0 ? "the mesh has none, or a single one, which the materials include"
                                                      : "no color is computed per node");
@@ -189,7 +193,7 @@ static void configure_payload(svo_plan *plan)
     const bool areas = (work->made & SVO_NEED_PROJECTED_AREA) != 0;
     work->filter = areas || (work->made & SVO_I_NEED_FILTER) != 0;
     work->pair_lanes = work->filter && plan->device->cpu_path && has_exact_doubles(plan->device);
-    work->surface = work->made != 0;
+    work->surface = work->made != 0 || work->drop;
     work->positions = areas || (work->surface && plan->options.weights != SVO_WEIGHTS_UNIFORM);
     work->vertex_colors = (work->made & SVO_NEED_COLOR) != 0 && svo_i_plan_has(plan->colors, plan->memory.colors);
     work->vertex_normals = (work->made & SVO_NEED_NORMAL) != 0 && svo_i_plan_has(plan->normals, plan->memory.normals);
@@ -200,6 +204,10 @@ static void configure_payload(svo_plan *plan)
     leave_out_payload(plan, SVO_NEED_FILL, "fill");
     leave_out_payload(plan, SVO_NEED_PROJECTED_AREA, "projected area");
     leave_out_constants(work);
+    if (plan->least_alpha != 0 && !work->drop) {
+        leave_out(work, "pairs to drop", "no color, material or texel of the triangles has an alpha below %g",
+                  plan->options.drop_alpha);
+    }
     if (work->made == SVO_NEED_PROJECTED_AREA) {
         leave_out(work, "filtered levels", "only leaves have projected areas");
     } else if (work->made != 0 && plan->options.payload_level > 0) {

@@ -422,7 +422,7 @@ static svo_status fill_vertices(attributes_run *r)
 /* Which materials have a texture, for the kernel. */
 static svo_status mark_textured(attributes_run *r)
 {
-    const bool wanted = (r->plan->info.need & SVO_NEED_COLOR) != 0;
+    const bool wanted = (svo_i_plan_reads(r->plan) & SVO_NEED_COLOR) != 0;
     for (uint32_t i = 0; i < r->plan->material_count; ++i) {
         r->is_textured[i] = wanted && svo_i_material_is_textured(&r->input->mesh, r->has_uvs, i) ? 1 : 0;
     }
@@ -493,10 +493,10 @@ static svo_status run_attributes(attributes_run *r, svo_i_device_mesh *mesh)
         return svo_i_device_fail(plan->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %u materials",
                                  r->work->function, plan->material_count);
     }
-    SVO_I_TRY(svo_i_device_mesh_attributes(r->work, r->input, plan->info.need, mesh));
+    SVO_I_TRY(svo_i_device_mesh_attributes(r->work, r->input, svo_i_plan_reads(plan), mesh));
     SVO_I_TRY(fill_vertices(r));
     SVO_I_TRY(make_records(r));
-    if ((plan->info.need & SVO_NEED_COLOR) != 0) {
+    if ((svo_i_plan_reads(plan) & SVO_NEED_COLOR) != 0) {
         SVO_I_TRY(fill_colors(r));
     }
     return svo_i_plan_conclude(plan, &r->found);
@@ -515,7 +515,7 @@ static svo_status make_attributes(svo_plan *plan, svo_i_device_work *work, const
                         .has_normals = b != NULL ? b->normals.memory != NULL : given->normals != NULL,
                         .has_uvs = b != NULL ? b->uvs.memory != NULL : given->uvs != NULL};
     svo_i_plan_resolve_need(plan, given, r.has_colors);
-    if ((plan->info.need & SVO_I_NEED_PAYLOAD) == 0) {
+    if (svo_i_plan_reads(plan) == 0) {
         return SVO_OK;
     }
     r.found.material_used = svo_i_alloc_zeroed(&plan->device->memory, plan->material_count, 1);

@@ -56,6 +56,7 @@ static svo_part_header header_of(const svo_plan *plan)
                               .flags = work->both_sides ? (uint32_t)SVO_PART_BOTH_SIDES : 0,
                               .positions = positions_of(plan),
                               .constant_material = work->constant_material,
+                              .least_alpha = plan->least_alpha,
                               .edge = info->edge,
                               .scale = info->scale,
                               .triangles = info->triangles,
@@ -248,7 +249,7 @@ static svo_status conclude(svo_i_survey *survey)
     whole->normals = array;
     SVO_I_TRY(stand_in(whole, (whole->info.need & SVO_NEED_COLOR) != 0 && survey->has_colors, 4, &array));
     whole->colors = array;
-    if ((whole->info.need & SVO_NEED_COLOR) != 0) {
+    if ((svo_i_plan_reads(whole) & SVO_NEED_COLOR) != 0) {
         SVO_I_TRY(svo_i_plan_copy_materials(whole, &none, false, survey->material_used));
     }
     return svo_i_plan_conclude(whole, &survey->found);

@@ -172,6 +172,8 @@ static svo_status take_mesh(svo_plan *plan, const svo_i_plan_input *input)
     return take_on_host(plan, input);
 }
 
+#define ALPHA_ONE 255.0
+
 /* ---- parts: what the header of the whole decides ---- */
 
 /* The same units for all depths up to 12, so that their trees nest. Above, a voxel has 2^8 units. */
@@ -197,7 +199,7 @@ static const char *wrong_header(const svo_part_header *header, uint32_t depth)
     if (header->snap_bits != snap_bits(depth) || header->coverage > SVO_COVERAGE_THIN ||
         header->weights > SVO_WEIGHTS_CENTER || header->payload_level > depth ||
         (header->need & ~(uint32_t)SVO_NEED_ALL) != 0 || (header->constant & ~header->need) != 0 ||
-        header->weight_log2 > WEIGHT_LOG2_MAX) {
+        header->weight_log2 > WEIGHT_LOG2_MAX || header->least_alpha > UINT8_MAX) {
         return "has values that no plan has";
     }
     const bool has_grid = isfinite(header->origin[0]) && isfinite(header->origin[1]) && isfinite(header->origin[2]) &&
@@ -230,6 +232,7 @@ static void take_request(const svo_part_header *header, svo_plan_options *option
     options->weights = (svo_weights)header->weights;
     options->payload_level = header->payload_level > level ? header->payload_level - level : 0;
     options->edge = 0.0;
+    options->drop_alpha = header->least_alpha / ALPHA_ONE;
     memset(options->origin, 0, sizeof options->origin);
 }
 
@@ -316,6 +319,10 @@ static svo_status check_options(svo_device *device, const char *function, const 
                                  "options.weights is %s",
                                  function, svo_name(SVO_NAME_WEIGHTS, options->weights));
     }
+    if (!(options->drop_alpha >= 0.0 && options->drop_alpha <= 1.0)) {
+        return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.drop_alpha %g is not in 0 .. 1", function,
+                                 options->drop_alpha);
+    }
     if (!isfinite(options->edge) || options->edge < 0.0) {
         return svo_i_device_fail(device, SVO_INVALID_ARGUMENT, "%s: options.edge %g is not finite and at least 0",
                                  function, options->edge);
@@ -400,6 +407,8 @@ svo_status svo_i_plan_new(svo_device *device, const char *function, const svo_i_
     plan->device = device;
     plan->options = asked;
     plan->part = part;
+    plan->least_alpha =
+        svo_i_plan_is_part(plan) ? part.header.least_alpha : (uint32_t)ceil(asked.drop_alpha * ALPHA_ONE);
     svo_plan_set_progress(plan, asked.progress, asked.progress_user);
     plan->info.depth = depth;
     plan->stages = stages->rows;
@@ -450,6 +459,7 @@ svo_status svo_plan_get_info(const svo_plan *plan, svo_plan_info *info)
     found.tree_bytes = svo_i_plan_tree_bytes(plan);
     found.kernels_count = (uint32_t)plan->work.kernels_count;
     found.left_out_count = (uint32_t)plan->work.left_out_count;
+    found.drops_pairs = plan->work.drop ? 1 : 0;
     return svo_i_struct_write(&plan->device->message, "svo_plan_get_info", "info", &found, info,
                               SVO_I_STRUCT_SIZES(svo_plan_info, coverage));
 }

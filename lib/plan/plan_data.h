@@ -61,6 +61,7 @@ typedef struct svo_i_work {
     bool lists; /* sorted leaf lists */
     bool ranges; /* the range of each leaf's entries: for leaf lists or materials */
     bool filter; /* color, normal or fill per node, or projected areas */
+    bool drop; /* some pair may have too little alpha */
     bool surface; /* some stage reads the mesh's attributes */
     bool order; /* fragments in the order of their leaves, for kernels/stages/pairs.cl */
     bool pair_lanes; /* pairs are evaluated eight at a time: on CPUs whose doubles are known to be exact */
@@ -221,6 +222,7 @@ struct svo_plan {
     const svo_i_stage *stages; /* the table of stages, in stages/stage_table.c */
     size_t stage_count;
     uint32_t voxel_log2; /* edge of a voxel in grid units */
+    uint32_t least_alpha; /* 1 .. 255: pairs of less alpha are dropped; 0: none are */
 
     svo_i_plan_memory memory; /* plan/arrays.h brings it to the host */
     /* The snapped mesh. Vertices that no kept triangle uses are 0. */
@@ -274,10 +276,17 @@ static inline bool svo_i_plan_is_part(const svo_plan *plan)
     return plan->part.header.depth != 0;
 }
 
-/* Whether payload is asked for, before it is known what the mesh has. */
+/* Whether payload or its inputs are asked for, before it is known what the mesh has. */
 static inline bool svo_i_plan_asks_payload(const svo_plan *plan)
 {
-    return plan->options.need == SVO_NEED_DEFAULT || (plan->options.need & SVO_I_NEED_PAYLOAD) != 0;
+    return plan->options.need == SVO_NEED_DEFAULT || (plan->options.need & SVO_I_NEED_PAYLOAD) != 0 ||
+           plan->least_alpha != 0;
+}
+
+/* svo_need bits of payload whose inputs the plan takes from the mesh: alpha is that of colors. */
+static inline uint32_t svo_i_plan_reads(const svo_plan *plan)
+{
+    return (plan->info.need & SVO_I_NEED_PAYLOAD) | (plan->least_alpha != 0 ? (uint32_t)SVO_NEED_COLOR : 0u);
 }
 
 /* Whether trees have the mesh's own positions, for rays that meet triangles. */

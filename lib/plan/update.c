@@ -374,7 +374,8 @@ static svo_status mark_materials(svo_plan *plan, svo_i_device_work *work, const 
     }
     svo_status status = SVO_OK;
     for (uint32_t i = 0; i < count; ++i) {
-        textured[i] = (plan->info.need & SVO_NEED_COLOR) != 0 && svo_i_material_is_textured(mesh, has_uvs, i) ? 1 : 0;
+        textured[i] =
+            (svo_i_plan_reads(plan) & SVO_NEED_COLOR) != 0 && svo_i_material_is_textured(mesh, has_uvs, i) ? 1 : 0;
     }
     SVO_I_TRY_CLEANUP(svo_i_work_result(work, "plan_materials", count, &marks->used));
     SVO_I_TRY_CLEANUP(svo_i_work_result(work, "plan_textured", count, &marks->textured));
@@ -402,10 +403,10 @@ static svo_status make_attributes(svo_plan *plan, svo_i_device_work *work, const
 {
     svo_i_plan_memory *memory = &plan->memory;
     const uint64_t vertices = plan->vertex_count;
-    if ((plan->info.need & SVO_I_NEED_PAYLOAD) == 0) {
+    if (svo_i_plan_reads(plan) == 0) {
         return SVO_OK;
     }
-    if ((plan->info.need & SVO_NEED_COLOR) != 0) {
+    if ((svo_i_plan_reads(plan) & SVO_NEED_COLOR) != 0) {
         SVO_I_TRY(copy_materials(plan, &input->mesh, uvs != NULL));
     }
     if (plan->textures_used > 0) {
@@ -417,7 +418,9 @@ static svo_status make_attributes(svo_plan *plan, svo_i_device_work *work, const
     }
     SVO_I_TRY(svo_i_work_result(work, "plan_records", (uint64_t)plan->triangle_count * sizeof(svo_triangle_record),
                                 &memory->records));
-    return mark_materials(plan, work, &input->mesh, uvs != NULL);
+    SVO_I_TRY(mark_materials(plan, work, &input->mesh, uvs != NULL));
+    svo_i_plan_find_dropped(plan, NULL);
+    return SVO_OK;
 }
 
 /* ---- a new plan: what the host keeps of its mesh ---- */
@@ -513,8 +516,8 @@ svo_status svo_i_update_create(svo_plan *plan, svo_i_device_work *work, const sv
     const svo_mesh_buffers *b = input->buffers;
     svo_i_plan_resolve_need(plan, &input->mesh, b != NULL ? b->colors.memory != NULL : input->mesh.colors != NULL);
     SVO_I_TRY(svo_i_device_mesh_geometry(work, input, mesh));
-    if ((plan->info.need & SVO_I_NEED_PAYLOAD) != 0) {
-        SVO_I_TRY(svo_i_device_mesh_attributes(work, input, plan->info.need, mesh));
+    if (svo_i_plan_reads(plan) != 0) {
+        SVO_I_TRY(svo_i_device_mesh_attributes(work, input, svo_i_plan_reads(plan), mesh));
     }
     SVO_I_TRY(own_mesh(plan, work, mesh, is_double));
     describe(plan, is_double);

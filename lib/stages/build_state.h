@@ -8,13 +8,14 @@
  *   build_state  a build in progress
  *   inputs       what stages get from the plan: parameters, mesh, attributes, constants
  *   voxelize     the fragment list, by the front end "cl"
+ *   drop         pairs with too little alpha leave the list
  *   subdivide    nodes, from the top down
  *   sort         the sorted list, and prefix sums
  *   bottom_up    nodes from the sorted list
  *   pack         lists and ranges of leaves
  *   material     the material of each node
  *   filter       colors, normals and fills of all nodes, projected areas of leaves
- *   proof_*      known answers of the programs (core/proof.h): fragments, nodes and lists, filter
+ *   proof_*      known answers of the programs (core/proof.h): fragments, drop, nodes and lists, filter
  */
 #ifndef SVO_LIB_STAGES_BUILD_STATE_H
 #define SVO_LIB_STAGES_BUILD_STATE_H

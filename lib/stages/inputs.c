@@ -245,6 +245,9 @@ svo_status svo_i_surface_upload(svo_i_build *build)
     svo_i_request requests[SURFACE_ARRAYS];
     const surface_array *uploaded[SURFACE_ARRAYS];
     size_t count = 0;
+    if (build->surface.records != NULL) { /* a stage before has uploaded it */
+        return SVO_OK;
+    }
     svo_i_stage_begin(commands);
     SVO_I_TRY(get_geometry(build, &build->surface));
     list_arrays(build, arrays);

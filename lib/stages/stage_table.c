@@ -7,7 +7,9 @@
 
 #include <stdio.h>
 
+#include "plan/arrays.h"
 #include "stages/bottom_up.h"
+#include "stages/drop.h"
 #include "stages/filter.h"
 #include "stages/inputs.h"
 #include "stages/material.h"
@@ -34,6 +36,11 @@ static bool decide_runs(const svo_plan *plan)
 {
     const bool *tests = plan->work.tests;
     return voxelize_runs(plan) && (tests[SVO_I_TEST_NARROW] || tests[SVO_I_TEST_REGULAR] || tests[SVO_I_TEST_WIDE]);
+}
+
+static bool drop_runs(const svo_plan *plan)
+{
+    return plan->work.drop;
 }
 
 static bool sort_runs(const svo_plan *plan)
@@ -63,7 +70,7 @@ static bool bottom_up_lists_runs(const svo_plan *plan)
 
 static bool surface_runs(const svo_plan *plan)
 {
-    return plan->work.surface;
+    return plan->work.made != 0;
 }
 
 static bool ranges_runs(const svo_plan *plan)
@@ -127,6 +134,8 @@ static const char *no_packing(const svo_plan *plan)
 
 /* ---- the defines that select a stage's kernels ---- */
 
+static const char *const weight_defines[] = {" -DSVO_WEIGHTS_AREA", "", " -DSVO_WEIGHTS_CENTER"}; /* by svo_weights */
+
 static void sort_defines(const svo_plan *plan, char *text, size_t bytes)
 {
     (void)snprintf(text, bytes, "%s", svo_i_sort_defines(plan->device));
@@ -137,6 +146,15 @@ static void worker_defines(const svo_plan *plan, char *text, size_t bytes)
     (void)snprintf(text, bytes, "%s", plan->device->cpu_path ? " -DSVO_ONE_WORKER" : "");
 }
 
+/* What the mesh has, whatever the payload reads of it. */
+static void drop_defines(const svo_plan *plan, char *text, size_t bytes)
+{
+    const bool colors = svo_i_plan_has(plan->colors, plan->memory.colors);
+    (void)snprintf(text, bytes, " -DSVO_COLOR%s%s%s%s", colors ? " -DSVO_VERTEX_COLOR" : "",
+                   plan->texel_count > 0 ? " -DSVO_TEXTURE" : "", weight_defines[plan->options.weights],
+                   plan->device->cpu_path ? " -DSVO_ONE_WORKER" : "");
+}
+
 static void pack_defines(const svo_plan *plan, char *text, size_t bytes)
 {
     (void)snprintf(text, bytes, " -DSVO_RANGES%s%s", plan->work.lists ? " -DSVO_LISTS" : "",
@@ -145,10 +163,9 @@ static void pack_defines(const svo_plan *plan, char *text, size_t bytes)
 
 static void surface_defines(const svo_plan *plan, char *text, size_t bytes)
 {
-    static const char *const weights[] = {" -DSVO_WEIGHTS_AREA", "", " -DSVO_WEIGHTS_CENTER"};
     (void)snprintf(text, bytes, "%s%s%s%s%s", plan->work.vertex_colors ? " -DSVO_VERTEX_COLOR" : "",
                    plan->work.textures ? " -DSVO_TEXTURE" : "", plan->work.vertex_normals ? " -DSVO_VERTEX_NORMAL" : "",
-                   weights[plan->options.weights], plan->work.pair_lanes ? " -DSVO_PAIR_LANES" : "");
+                   weight_defines[plan->options.weights], plan->work.pair_lanes ? " -DSVO_PAIR_LANES" : "");
 }
 
 static void material_defines(const svo_plan *plan, char *text, size_t bytes)
@@ -201,6 +218,14 @@ static const svo_i_stage rows[] = {
      .program = &svo_i_program_decide,
      .defines = worker_defines,
      .buffers = BUFFERS(SCRATCH("mesh_positions", MESH))},
+    {.name = "drop",
+     .stage = SVO_STAGE_DROP,
+     .runs = drop_runs,
+     .run = svo_i_drop,
+     .item_ns = 30.0,
+     .program = &svo_i_program_drop,
+     .defines = drop_defines,
+     .buffers = BUFFERS(SCRATCH("drop_tally", MESH), SCRATCH("drop_places", FRAGMENTS), SCRATCH("counters", MESH))},
     {.name = "sort",
      .stage = SVO_STAGE_SUBDIVIDE,
      .runs = sort_runs,

@@ -57,6 +57,25 @@ def test_plan_lists_bytes_and_what_it_leaves_out(device, torus):
             assert all(stage.ms >= 0 and stage.clock in ("wall", "cl-event") for stage in tree.report.stages.values())
 
 
+def test_pairs_below_an_alpha_are_left_out(device):
+    """A square whose alpha grows from its left side to its right one, built, and as a scene that moves."""
+    positions = np.array([[0, 0, 0.51], [1, 0, 0.51], [1, 1, 0.51], [0, 1, 0.51]], np.float32)
+    colors = np.array([[255, 255, 255, alpha] for alpha in (0, 255, 255, 0)], np.uint8)
+    mesh = svocl.Mesh(positions, np.array([[0, 1, 2], [0, 2, 3]]), colors=colors)
+    grid = {"origin": (0, 0, 0), "edge": 1.0}
+    with device.build(mesh, 5, **grid) as whole, device.build(mesh, 5, drop_alpha=0.75, **grid) as tree:
+        assert whole.info.leaf_count == 1024 and whole.report.dropped == 0
+        assert tree.info.leaf_count == 256 and tree.voxels()[:, 0].min() == 24
+        assert tree.report.dropped + tree.report.fragments == whole.report.fragments
+        assert tree.report.stages["drop"].ms >= 0 and "drop" not in whole.report.stages
+    with device.plan(mesh, 5, drop_alpha=0.5) as plan, device.plan(mesh, 5) as other:
+        assert plan.info.drops_pairs and not other.info.drops_pairs
+    with svocl.Moving(device, mesh, 5, drop_alpha=0.75, **grid) as moving:
+        assert moving.tree.info.leaf_count == 256
+    with pytest.raises(svocl.InvalidArgumentError, match="drop_alpha 2 is not in 0 .. 1"):
+        device.plan(mesh, 5, drop_alpha=2.0)
+
+
 def test_callers_grid(device, cube):
     with device.build(cube, 3, origin=(-1.0, -1.0, -1.0), edge=4.0) as tree:
         assert (tree.info.origin, tree.info.edge) == ((-1.0, -1.0, -1.0), 4.0)

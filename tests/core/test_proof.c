@@ -195,6 +195,11 @@ static const recipe on_device = {
     "cube", 4, SVO_PATH_AUTO, {.need = PAYLOAD | SVO_NEED_PROJECTED_AREA, .place = SVO_PLACE_DEVICE}};
 static const recipe by_cpu = {"cube", 4, SVO_PATH_CPU, {.need = PAYLOAD | SVO_NEED_RAYS, .place = SVO_PLACE_HOST}};
 static const recipe by_gpu = {"cube", 4, SVO_PATH_GPU, {.need = PAYLOAD | SVO_NEED_RAYS, .place = SVO_PLACE_HOST}};
+/* The faces of the cube have colors of their own. */
+static const recipe drops_by_cpu = {
+    "cube", 4, SVO_PATH_CPU, {.need = SVO_NEED_NONE, .place = SVO_PLACE_HOST, .drop_alpha = 0.5}};
+static const recipe drops_by_gpu = {
+    "cube", 4, SVO_PATH_GPU, {.need = PAYLOAD, .place = SVO_PLACE_HOST, .drop_alpha = 0.5}};
 static const recipe sorted = {
     "cube", 4, SVO_PATH_GPU, {.need = SVO_NEED_RAYS, .builder = SVO_BUILDER_SORTED, .place = SVO_PLACE_HOST}};
 static const recipe sorted_by_cpu = {
@@ -240,6 +245,10 @@ static const fault_row fault_rows[] = {
     {&by_cpu, "svo_k_keep_decided", 0},
     {&by_cpu, "svo_k_keep_decided", 1},
     {&by_gpu, "svo_k_keep_decided", 1},
+    {&drops_by_cpu, "svo_k_drop_pairs", 0},
+    {&drops_by_gpu, "svo_k_drop_pairs", 11},
+    {&drops_by_cpu, "svo_k_find_places", 3},
+    {&drops_by_gpu, "svo_k_move_pairs", 0},
     {&by_cpu, "svo_k_mark", 1},
     {&by_gpu, "svo_k_mark", 1},
     {&by_cpu, "svo_k_mark_above", 0},

@@ -307,8 +307,8 @@ static cl_mem buffer_of(const fixture *opened, const void *bytes, size_t count)
     return buffer;
 }
 
-/* The list in one chunk and in several, each with and without areas, the same with a workspace, the sorted builder,
-   which has the same payload stages, and a deep tree. */
+/* The list in one chunk and in several, each with and without areas, the same with a workspace, where pairs are
+   dropped, too, the sorted builder, which has the same payload stages, and a deep tree. */
 static void build_all(const fixture *opened, const svo_mesh *mesh, built *out)
 {
     svo_plan_options options = {.need = PAYLOAD | (uint32_t)SVO_NEED_RAYS, .weights = SVO_WEIGHTS_UNIFORM, .edge = 1.0};
@@ -323,7 +323,9 @@ static void build_all(const fixture *opened, const svo_mesh *mesh, built *out)
         options.need |= SVO_NEED_PROJECTED_AREA;
     }
     options.chunk_bytes = 0;
+    options.drop_alpha = 0.5;
     enqueue_build(opened, mesh, &options);
+    options.drop_alpha = 0.0;
     options = (svo_plan_options){.need = SVO_NEED_RAYS, .builder = SVO_BUILDER_SORTED, .edge = 1.0};
     fixture_build(opened, mesh, DEPTH, &options, &other);
     built_destroy(&other);

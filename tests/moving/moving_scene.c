@@ -148,7 +148,8 @@ svo_tree *build_whole(const fixture *opened, svo_moving *moving, unsigned depth,
                                 .weights = of->weights,
                                 .payload_level = of->payload_level,
                                 .edge = of->edge,
-                                .weight_log2 = info.weight_log2};
+                                .weight_log2 = info.weight_log2,
+                                .drop_alpha = of->drop_alpha};
     memcpy(options.origin, of->origin, sizeof options.origin);
     svo_plan *plan = make_plan(opened, &mesh, depth, options);
     succeed(opened, svo_build(plan, opened->frontend, opened->queue, &tree, NULL));

@@ -90,6 +90,20 @@ static void every_kind_of_request_can_move(void **state)
     }
 }
 
+/* Materials, textures and colors of all alphas; with payload that needs their colors, and without. */
+static void pairs_are_dropped_while_objects_move(void **state)
+{
+    static const uint32_t needs[] = {SVO_NEED_ALL, SVO_NEED_NONE, SVO_NEED_NORMAL | SVO_NEED_RAYS};
+    const fixture opened = fixture_cl_of_group(state);
+    for (size_t i = 0; i < sizeof needs / sizeof needs[0]; ++i) {
+        const svo_moving_options options = {.need = needs[i],
+                                            .weights = i == 1 ? SVO_WEIGHTS_CENTER : SVO_WEIGHTS_AREA,
+                                            .edge = 1.0,
+                                            .drop_alpha = 0.3};
+        compare_moves(&opened, 90 + i, 4, 6, options);
+    }
+}
+
 /* Long codes, and a grid finer than 2^20 units. */
 static void deep_grids_can_move(void **state)
 {
@@ -385,6 +399,7 @@ TEST_GROUP(moving)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_hundred_moves_equal_full_builds),
         cmocka_unit_test(every_kind_of_request_can_move),
+        cmocka_unit_test(pairs_are_dropped_while_objects_move),
         cmocka_unit_test(deep_grids_can_move),
         cmocka_unit_test(all_may_leave_the_grid),
         cmocka_unit_test(objects_come_and_go),

@@ -119,6 +119,7 @@ static void every_kind_of_request_can_be_enqueued(void **state)
                                             .edge = 0.9};
         compare_moves(&opened, 70 + i, 3, i == 1 ? 1 : 7, options);
     }
+    compare_moves(&opened, 14, 3, 6, (svo_moving_options){.need = everything, .edge = 1.0, .drop_alpha = 0.3});
     compare_moves(&opened, 12, 3, 11, (svo_moving_options){.need = everything, .origin = {0.4, 0.4, 0.4}, .edge = 60});
 }
 

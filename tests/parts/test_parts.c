@@ -279,6 +279,28 @@ static void test_coverages(void **state)
     attributed_mesh_destroy(&made);
 }
 
+/* Also where the payload has no color, or the color of nothing. */
+static void test_dropped_pairs(void **state)
+{
+    static const uint32_t needs[] = {SVO_NEED_ALL, SVO_NEED_NONE, SVO_NEED_NORMAL};
+    attributed_mesh made;
+    attributed_mesh_create(19, 60, 0.0, &made);
+    for (size_t i = 0; i < sizeof needs / sizeof needs[0]; ++i) {
+        svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+        options.need = needs[i];
+        options.drop_alpha = 0.3;
+        compare_cuts(state, &made.mesh, 5, &options, 4);
+    }
+    made.mesh.colors = NULL;
+    made.mesh.texture_count = made.mesh.material_count = 1;
+    made.materials[0].rgba[3] = 60;
+    svo_plan_options options = SVO_PLAN_OPTIONS_INIT;
+    options.need = SVO_NEED_COLOR;
+    options.drop_alpha = 0.3;
+    compare_cuts(state, &made.mesh, 4, &options, 3);
+    attributed_mesh_destroy(&made);
+}
+
 static void test_payload_levels(void **state)
 {
     attributed_mesh made;
@@ -1098,6 +1120,7 @@ TEST_GROUP(parts)
         cmocka_unit_test(test_every_cut),
         cmocka_unit_test(test_deepest_cuts),
         cmocka_unit_test(test_coverages),
+        cmocka_unit_test(test_dropped_pairs),
         cmocka_unit_test(test_payload_levels),
         cmocka_unit_test(test_depths),
         cmocka_unit_test(test_materials_tie),

@@ -26,6 +26,11 @@ static void usage_errors_exit_with_code_2(void **state)
     run_badly("$SVOCL build scene:cube --origin 0,0 --edge 1", 2, "'0,0'");
     run_badly("$SVOCL build scene:cube --origin 0,0,0 --edge -1", 2, "'-1'");
     run_badly("$SVOCL build scene:cube --edge nan --origin 0,0,0", 2, "'nan'");
+    run_badly("$SVOCL build scene:cube --drop-alpha 0", 2, "--drop-alpha '0' is not a number above 0 and at most 1");
+    run_badly("$SVOCL build scene:cube --drop-alpha 1.01", 2, "'1.01'");
+    run_badly("$SVOCL build scene:cube --drop-alpha .1x", 2, "'.1x'");
+    run_badly("$SVOCL build scene:cube --drop-alpha .5 --solid winding", 2, "--drop-alpha does not apply with --solid");
+    run_badly("$SVOCL verify scene:cube --drop-alpha .5", 2, "--drop-alpha does not apply to verify");
     run_badly("$SVOCL build scene:cube --need color,taste", 2, "'color,taste'");
     run_badly("$SVOCL build scene:cube --threads 0", 2, "threads 0 is below 1");
     run_badly("$SVOCL build scene:cube --path fpga", 2, "--path 'fpga' is none of cpu, gpu");
@@ -67,6 +72,7 @@ static void options_without_effect_are_refused(void **state)
         {"hash a.svo --hidden", "--hidden applies to voxel files"},
         {"hash a.vox --share host", "--share does not apply to voxels"},
         {"build a.vox --weights area", "--weights does not apply to voxels"},
+        {"build a.vox --drop-alpha .5", "--drop-alpha does not apply to voxels"},
         {"convert a.vox a.svo --levels 2", "--levels applies to .svo files"},
         {"trace scene:cube --rays a.csv --size 2x2 -o b.csv", "--size does not apply with --rays"},
         {"trace scene:cube --camera auto --need color -o b.csv", "--need does not apply to rays"},
@@ -544,11 +550,11 @@ static void a_full_standard_output_is_an_error(void **state)
 
 static void check_stages(const cJSON *document)
 {
-    static const char *const names[] = {"import", "grid",   "voxelize", "subdivide", "link",
-                                        "pack",   "filter", "transfer", "compile"};
+    static const char *const names[] = {"import", "grid", "voxelize", "drop",     "subdivide",
+                                        "link",   "pack", "filter",   "transfer", "compile"};
     const cJSON *stages = array_of(document, "stages");
-    assert_int_equal(cJSON_GetArraySize(stages), 9);
-    for (int i = 0; i < 9; ++i) {
+    assert_int_equal(cJSON_GetArraySize(stages), 10);
+    for (int i = 0; i < 10; ++i) {
         const cJSON *stage = cJSON_GetArrayItem(stages, i);
         assert_string_equal(text_of(stage, "name"), names[i]);
         assert_true(number_of(stage, "ms") >= 0.0);

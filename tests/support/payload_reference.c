@@ -219,13 +219,13 @@ static void sample_uv(const svo_mesh *mesh, const uint32_t corners[3], const int
     }
 }
 
-static void add_color(const svo_mesh *mesh, uint32_t triangle, const uint32_t corners[3], const share *by,
-                      int64_t color[4])
+/* The color of a triangle where its corners have those shares. */
+static void color_of(const svo_mesh *mesh, uint32_t triangle, const uint32_t corners[3], const share *by,
+                     int64_t one[4])
 {
     const svo_material *material = payload_material(mesh, triangle);
     const svo_texture *texture = payload_texture(mesh, triangle);
     int64_t uv[2] = {0, 0};
-    int64_t one[4];
     if (texture != NULL) {
         sample_uv(mesh, corners, by->corners, uv);
     }
@@ -243,6 +243,13 @@ static void add_color(const svo_mesh *mesh, uint32_t triangle, const uint32_t co
         }
         one[channel] = value;
     }
+}
+
+static void add_color(const svo_mesh *mesh, uint32_t triangle, const uint32_t corners[3], const share *by,
+                      int64_t color[4])
+{
+    int64_t one[4];
+    color_of(mesh, triangle, corners, by, one);
     for (unsigned channel = 0; channel < 4; ++channel) {
         color[channel] += by->weight * one[channel] * (channel < 3 ? one[3] : 1);
     }
@@ -297,6 +304,30 @@ static void add_pair(const surface *of, const oracle_pair *pair, sums *leaf, int
     add_normal(of->mesh, &opened, &by, leaf->normal);
     const size_t material = of->mesh->triangle_materials != NULL ? of->mesh->triangle_materials[pair->triangle] : 0;
     by_material[material < of->material_count ? material : 0] += by.weight;
+}
+
+size_t payload_drop_pairs(const svo_mesh *mesh, svo_weights weights, double least, exact *expected)
+{
+    const surface of = {.mesh = mesh, .snapped = expected, .weights = weights, .weight_log2 = 16};
+    oracle_pairs *pairs = &expected->pairs;
+    const unsigned depth = expected->tree.depth;
+    const size_t before = pairs->count;
+    size_t kept = 0;
+    for (size_t i = 0; i < before; ++i) {
+        payload_pair opened;
+        share by;
+        int64_t color[4];
+        payload_pair_open(expected, &pairs->pairs[i], &opened);
+        share_of(&of, &opened, &by);
+        color_of(mesh, pairs->pairs[i].triangle, opened.indices, &by, color);
+        if ((double)color[3] >= least * 255.0) {
+            pairs->pairs[kept++] = pairs->pairs[i];
+        }
+    }
+    pairs->count = kept;
+    oracle_tree_free(&expected->tree);
+    assert_true(oracle_tree_make(pairs, depth, &expected->tree));
+    return before - kept;
 }
 
 static void add_sums(sums *to, const sums *from)

@@ -18,6 +18,10 @@
    cmocka test. */
 void assert_payload_is_exact(const svo_mesh *mesh, const exact *expected, const built *actual);
 
+/* Leaves out the pairs whose alpha is below least, 0 .. 1, by the same definition, and makes the tree of those that
+   remain. Returns how many were left out. */
+size_t payload_drop_pairs(const svo_mesh *mesh, svo_weights weights, double least, exact *expected);
+
 /* The alpha of a node whose rounded mean is given: 0 and 255 are those of nothing and all. sum: of weights times
    alpha. */
 uint8_t payload_alpha(uint64_t rounded, uint64_t sum, uint64_t weight);

@@ -231,6 +231,7 @@ static int start_scene(animation *film)
     film->grid.need = picture_need(&(input){.mesh = &film->opened.placed.mesh}, given->need);
     film->grid.coverage = (svo_coverage)given->coverage;
     film->grid.weights = (svo_weights)given->weights;
+    film->grid.drop_alpha = given->drop_alpha;
     if (svo_moving_create(film->device, &film->still.mesh, (unsigned)given->depth, &film->grid, film->queue,
                           &film->moving) != SVO_OK) {
         return fail_library(film);

@@ -330,9 +330,9 @@ typedef struct stage_row {
 /* In pipeline order; compilation comes last because it is no stage of the pipeline. */
 static void list_stages(const job *done, stage_row rows[STAGE_ROWS])
 {
-    static const svo_stage order[SVO_STAGE_COUNT] = {SVO_STAGE_GRID,     SVO_STAGE_VOXELIZE, SVO_STAGE_SUBDIVIDE,
-                                                     SVO_STAGE_LINK,     SVO_STAGE_PACK,     SVO_STAGE_FILTER,
-                                                     SVO_STAGE_TRANSFER, SVO_STAGE_COMPILE};
+    static const svo_stage order[SVO_STAGE_COUNT] = {SVO_STAGE_GRID,      SVO_STAGE_VOXELIZE, SVO_STAGE_DROP,
+                                                     SVO_STAGE_SUBDIVIDE, SVO_STAGE_LINK,     SVO_STAGE_PACK,
+                                                     SVO_STAGE_FILTER,    SVO_STAGE_TRANSFER, SVO_STAGE_COMPILE};
     rows[0] = (stage_row){"import", {done->source.import_ms, "wall"}};
     for (size_t i = 0; i < SVO_STAGE_COUNT; ++i) {
         rows[i + 1] = (stage_row){svo_name(SVO_NAME_STAGE, order[i]), done->result.report.stage_times[order[i]]};
@@ -347,8 +347,8 @@ static double stage_ms(const job *done, svo_stage stage)
 /* From the fragment list to the finished tree. */
 static double tree_ms(const job *done)
 {
-    return stage_ms(done, SVO_STAGE_SUBDIVIDE) + stage_ms(done, SVO_STAGE_LINK) + stage_ms(done, SVO_STAGE_PACK) +
-           stage_ms(done, SVO_STAGE_FILTER);
+    return stage_ms(done, SVO_STAGE_DROP) + stage_ms(done, SVO_STAGE_SUBDIVIDE) + stage_ms(done, SVO_STAGE_LINK) +
+           stage_ms(done, SVO_STAGE_PACK) + stage_ms(done, SVO_STAGE_FILTER);
 }
 
 static double per_second(uint64_t count, double ms)
@@ -417,8 +417,9 @@ static void print_stages(const program *state, const job *done)
                figure_rate(per_second(fragments, tree_ms(done))).text);
 }
 
-static void print_counts(const job *done, const char *hash)
+static void print_counts(const program *state, const job *done, const char *hash)
 {
+    const bool drops = state->options.drop_alpha > 0.0;
     table_gap();
     table_heading("tree");
     table *rows = table_create("lr");
@@ -426,12 +427,20 @@ static void print_counts(const job *done, const char *hash)
     table_cell(rows, "%s", figure_count(done->result.report.fragments).text);
     table_cell(rows, "undecided");
     table_cell(rows, "%s", figure_count(done->result.report.undecided).text);
+    if (drops) {
+        table_cell(rows, "dropped");
+        table_cell(rows, "%s", figure_count(done->result.report.dropped).text);
+    }
     table_cell(rows, "leaves");
     table_cell(rows, "%s", figure_count(done->result.info.leaf_count).text);
     table_cell(rows, "nodes");
     table_cell(rows, "%s", figure_count(done->result.info.node_count).text);
     table_print(rows);
     table_line("hash       %s", hash);
+    if (drops && done->result.plan.drops_pairs == 0) {
+        table_line("--drop-alpha leaves nothing out: no color, material or texel has an alpha below %g",
+                   state->options.drop_alpha);
+    }
 }
 
 static void print_buffers(const job *done)
@@ -476,7 +485,7 @@ void report_print(const program *state, const job *done, const char *hash)
     print_what_ran(done);
     report_print_refused(done);
     print_stages(state, done);
-    print_counts(done, hash);
+    print_counts(state, done, hash);
     print_buffers(done);
 }
 
@@ -554,6 +563,9 @@ cJSON *report_to_json(const program *state, const job *done, const char *hash)
     add_import(document, done);
     report_add_refused(document, done);
     json_add_count(document, "fragments", result->report.fragments);
+    if (state->options.drop_alpha > 0.0) {
+        json_add_count(document, "dropped", result->report.dropped);
+    }
     json_add_count(document, "leaves", result->info.leaf_count);
     json_add_count(document, "nodes", result->info.node_count);
     json_add_text(document, "hash", hash);

@@ -59,7 +59,8 @@ svo_plan_options job_plan_options(const program *state, uint32_t need)
                                      .weights = (svo_weights)given->weights,
                                      .builder = in_gl ? SVO_BUILDER_CL : (svo_builder)given->builder,
                                      .payload_level = (uint32_t)given->payload_level,
-                                     .edge = given->edge};
+                                     .edge = given->edge,
+                                     .drop_alpha = given->drop_alpha};
     memcpy(plan_options.origin, given->origin, sizeof plan_options.origin);
     return plan_options;
 }

@@ -121,6 +121,7 @@ typedef struct options {
     int builder; /* svo_builder or OPTION_BUILDER_GL_COMPUTE */
     int coverage; /* svo_coverage */
     int weights; /* svo_weights */
+    double drop_alpha; /* 0: not given */
     int context; /* svo_gl_context_kind or OPTION_CONTEXT_AUTO */
     uint64_t strict; /* flag: warnings of the import are errors */
     uint64_t import_seconds; /* time limit of the import; 0: by the size of the file */

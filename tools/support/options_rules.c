@@ -292,6 +292,18 @@ static int read_amount(program *state, const rule *option, const char *value)
     return PROGRAM_DONE;
 }
 
+/* Above 0, at most 1. */
+static int read_share(program *state, const rule *option, const char *value)
+{
+    double *share = field(state, option);
+    char *end = NULL;
+    if (!parse_number(value, &end, share) || *end != '\0' || !(*share > 0.0 && *share <= 1.0)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s '%s' is not a number above 0 and at most 1", option->name,
+                            value);
+    }
+    return PROGRAM_DONE;
+}
+
 /* One name of a list, which is not terminated; NULL: none has that name. */
 static const choice *find_choice(const choice *choices, const char *name, size_t length)
 {
@@ -419,6 +431,8 @@ static const rule rules[] = {
      "half-open, closed, thin (half-open)"},
     {"weights", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(weights), 0, 0, weights,
      "weight of a triangle in a mean: area, uniform, center (area)"},
+    {"drop-alpha", '\0', OPTION_BUILD, "A", read_share, FIELD(drop_alpha), 0, 0, NULL,
+     "leave out triangles' parts in voxels that show less than A, 0 to 1, by materials, colors and textures (none)"},
     {"strict", '\0', OPTION_BUILD, NULL, read_flag, FIELD(strict), 0, 0, NULL,
      "fail where the mesh file holds something that is not read"},
     {"import-seconds", '\0', OPTION_BUILD, "N", read_count, FIELD(import_seconds), 1, 1000000, NULL,

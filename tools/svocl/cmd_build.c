@@ -112,6 +112,10 @@ static int check_options(program *state)
         return program_fail(state, PROGRAM_WRONG_USAGE, "--%s does not apply with --plan-only, which builds nothing",
                             given->count_first ? "count-first" : "solid");
     }
+    if (solid_is_wanted(state) && given->drop_alpha > 0.0) {
+        return program_fail(state, PROGRAM_WRONG_USAGE,
+                            "--drop-alpha does not apply with --solid, which counts crossings of the whole surface");
+    }
     if (given->compress && given->output_path == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--compress needs -o FILE");
     }

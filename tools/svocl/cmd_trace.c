@@ -118,7 +118,7 @@ int command_trace(program *state)
                             given->camera != NULL ? "both" : "neither");
     }
     static const char *const of_pictures[] = {"size", NULL};
-    static const char *const of_payload[] = {"need", "weights", NULL};
+    static const char *const of_payload[] = {"need", "weights", "drop-alpha", NULL};
     if ((given->rays_path != NULL && options_refuse(state, of_pictures, "with --rays") != PROGRAM_DONE) ||
         options_refuse(state, of_payload, "to rays") != PROGRAM_DONE) {
         return PROGRAM_WRONG_USAGE;

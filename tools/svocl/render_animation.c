@@ -50,6 +50,7 @@ static int verify(animated_render *work, uint64_t frame, const char *hash)
                                .need = info.need,
                                .coverage = work->film.grid.coverage,
                                .weights = work->film.grid.weights,
+                               .drop_alpha = work->film.grid.drop_alpha,
                                .edge = work->film.grid.edge,
                                .weight_log2 = info.weight_log2};
     memcpy(pinned.origin, work->film.grid.origin, sizeof pinned.origin);

@@ -116,6 +116,7 @@ class Device(DeviceHandle):
         worst_case_nodes: bool = False,
         chunk_bytes: int = 0,
         weight_log2: int = 0,
+        drop_alpha: float = 0.0,
         progress: Optional[_progress.Progress] = None,
     ) -> Plan:
         """Plans the build of a mesh: what it will do, and the size of every buffer. Allocates nothing on the device.
@@ -138,6 +139,8 @@ class Device(DeviceHandle):
             chunk_bytes: upper limit for a chunk of the list, at least 16384; 0: that of the device.
             weight_log2: the weight of a voxel's face, as a power of two from 13 on, so that trees of different plans
                 can be equal; 0: the largest without overflow.
+            drop_alpha: 0 .. 1: pairs of a voxel and a triangle whose alpha, that of their color, is below it are left
+                out, and voxels without pairs are empty; BuildReport.dropped counts them. 0: none are.
             progress: for this call, and for Plan.count and Plan.build that are not given another. A callable
                 (stage, fraction): a name such as "grid" or "voxelize", and 0.0 .. 1.0 of the whole call, by predicted
                 times, never less than before. It runs on the calling thread and must not use the device or what was
@@ -151,7 +154,7 @@ class Device(DeviceHandle):
             OutOfDeviceMemoryError, OutOfHostMemoryError
         """
         given = mesh if isinstance(mesh, DeviceMesh) else mesh_of(mesh)
-        options = plan_options(need, coverage, weights, builder, payload_level, origin, edge)
+        options = plan_options(need, coverage, weights, builder, payload_level, origin, edge, drop_alpha)
         options.fragment_capacity = _arrays.integer("fragment_capacity", fragment_capacity, 64)
         options.worst_case_nodes = bool(worst_case_nodes)
         options.chunk_bytes = _arrays.integer("chunk_bytes", chunk_bytes, 64)
@@ -205,6 +208,7 @@ def plan_options(
     payload_level: int,
     origin: Optional[Sequence[float]],
     edge: Optional[float],
+    drop_alpha: float,
 ) -> Any:
     """svo_plan_options of what decides the tree, see Device.plan."""
     if (origin is None) != (edge is None):
@@ -215,6 +219,7 @@ def plan_options(
     options.weights = Weights(weights)
     options.builder = Builder(builder)
     options.payload_level = _arrays.integer("payload_level", payload_level)
+    options.drop_alpha = drop_alpha
     if origin is not None and edge is not None:
         if not edge > 0:  # in C, 0 is a fitted grid
             raise ValueError(f"edge: {edge} is not above 0")

@@ -41,6 +41,7 @@ class Moving(Handle):
             the static mesh.
         fragment_capacity: most (voxel, triangle) pairs of the scene; 0: as many as memory holds.
         weight_log2: see Device.plan; takes the place of max_area.
+        drop_alpha: see Device.plan.
         queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
 
     Raises:
@@ -64,6 +65,7 @@ class Moving(Handle):
         max_area: float = 0.0,
         fragment_capacity: int = 0,
         weight_log2: int = 0,
+        drop_alpha: float = 0.0,
         queue: Any = None,
     ) -> None:
         struct, kept = mesh_of(mesh)._struct()
@@ -73,6 +75,7 @@ class Moving(Handle):
         options.coverage, options.weights = Coverage(coverage), Weights(weights)
         options.payload_level = _arrays.integer("payload_level", payload_level)
         options.max_area = max_area
+        options.drop_alpha = drop_alpha
         options.fragment_capacity = _arrays.integer("fragment_capacity", fragment_capacity, 64)
         options.weight_log2 = _arrays.integer("weight_log2", weight_log2)
         cl_queue = _opencl.pointer("cl_command_queue", queue, "queue")

@@ -73,6 +73,7 @@ class Parts(Handle):
         payload_level: int = 0,
         origin: Optional[Sequence[float]] = None,
         edge: Optional[float] = None,
+        drop_alpha: float = 0.0,
     ) -> "Parts":
         """Plans the parts of a mesh and fills a folder. Parts of this tree that are in it already stay.
 
@@ -83,14 +84,14 @@ class Parts(Handle):
             folder: is made where it is not there.
             max_bytes: for the buffers and the host's memory of one part's build; 0: a sixteenth of the whole's, and
                 at least 16 MiB.
-            need, coverage, weights, payload_level, origin, edge: see Device.plan.
+            need, coverage, weights, payload_level, origin, edge, drop_alpha: see Device.plan.
 
         Raises:
             CapacityExceededError: the tree has too many nodes, or max_bytes is too small for any part.
             FileError, and what Device.plan raises.
         """
         need_io("Parts.create")
-        options = plan_options(need, coverage, weights, Builder.CL, payload_level, origin, edge)
+        options = plan_options(need, coverage, weights, Builder.CL, payload_level, origin, edge, drop_alpha)
         struct, kept = mesh_of(mesh)._struct()
         bytes_max = _arrays.integer("max_bytes", max_bytes, 64)
         message = ffi.new("svo_message *")

@@ -110,8 +110,8 @@ static bool has_ray_count(const char *wanted)
 /* Options of builds and of measurements that the subject does not take. */
 static int check_table_options(program *state)
 {
-    static const char *const of_builds[] = {"need",  "coverage", "weights", "builder", "frontend",
-                                            "share", "origin",   "edge",    NULL};
+    static const char *const of_builds[] = {"need",  "coverage", "weights", "builder",    "frontend",
+                                            "share", "origin",   "edge",    "drop-alpha", NULL};
     static const char *const of_scenes[] = {"scenes", NULL};
     static const char *const of_depths[] = {"depths", NULL};
     static const char *const of_rays[] = {"ray-count", NULL};
@@ -219,7 +219,7 @@ static int measure(program *state)
 {
     const options *given = &state->options;
     if (strcmp(given->subject, "rays") == 0 && given->scenes == NULL && given->depths == NULL) {
-        static const char *const others[] = {"workers", "need", "weights", NULL};
+        static const char *const others[] = {"workers", "need", "weights", "drop-alpha", NULL};
         const int refused = options_refuse(state, others, "to bench rays");
         return refused == PROGRAM_DONE ? bench_rays_alone(state) : refused;
     }

@@ -188,7 +188,7 @@ static int run(program *state, job *done)
 int command_reference(program *state)
 {
     const options *given = &state->options;
-    static const char *const of_payload[] = {"need", "weights", NULL};
+    static const char *const of_payload[] = {"need", "weights", "drop-alpha", NULL};
     if (light_points_check(state) != PROGRAM_DONE || options_refuse(state, of_payload, "to paths") != PROGRAM_DONE) {
         return PROGRAM_WRONG_USAGE;
     }

@@ -12,6 +12,7 @@
 #include "program/commands.h"
 #include "support/build_report.h"
 #include "support/json.h"
+#include "support/options_parse.h"
 #include "support/session.h"
 #include "support/table.h"
 
@@ -419,9 +420,13 @@ int command_verify(program *state)
     if (input_is_tree(state)) {
         return verify_tree_file(state);
     }
+    static const char *const of_alpha[] = {"drop-alpha", NULL};
     const uint32_t need = state->options.need & ~(uint32_t)SVO_NEED_NONE;
     job done;
-    int exit_code = solid_verdict_check_depth(state);
+    int exit_code = options_refuse(state, of_alpha, "to verify, which knows shapes alone");
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = solid_verdict_check_depth(state);
+    }
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
