@@ -23,7 +23,11 @@ SVO_RECORD(svo_light_source)
     SVO_F32 value[3]; /**< 28: red, green, blue, not negative */
     SVO_F32 inner_angle; /**< 40: spot: radians from the axis up to which it has its full value */
     SVO_F32 outer_angle; /**< 44: spot: radians at which it ends, above inner_angle and below pi / 2 */
-    SVO_U32 reserved[4]; /**< 48: zero */
+    /** 48: 0, or the source's size, which shadows show: of a point or spot the radius of a ball around its position,
+     *  world units; of a directional one radians from its axis, below pi / 2. Rays honor it; photons leave its middle.
+     *  Outside a ball, value is what it is without a size. Places inside see a point. */
+    SVO_F32 radius;
+    SVO_U32 reserved[3]; /**< 52: zero */
 };
 
 /** What a material does besides its color. Materials without one are diffuse and do not emit. 32 bytes. */

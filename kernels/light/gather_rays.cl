@@ -35,7 +35,7 @@ static svo_path_start svo_gather_next(const svo_gather_place *place, float expon
         path.index = path.is_cosine ? number - 1u : number - diffuse_end;
         path.seed = path.is_cosine ? seed : svo_hash(seed);
         path.direction = svo_path_direction(path.is_cosine ? place->frame.normal : place->reflected,
-                                            path.is_cosine ? 1.0f : exponent, svo_path_pair(path.index, path.seed));
+                                            path.is_cosine ? 1.0f : exponent, svo_sobol_pair(path.index, path.seed));
     }
     return path;
 }

@@ -100,11 +100,11 @@ static float3 svo_picture_radiance(const svo_lit_picture *picture, const svo_lit
 
 /* What a view shows of what the ray of a place of the picture meets; false: it meets nothing. */
 SVO_INLINED bool svo_picture_look(const svo_lit_picture *picture, const svo_picture_screen *screen, float2 place,
-                                  const svo_ray *ray, svo_alpha_ray set, float3 *radiance)
+                                  const svo_ray *ray, svo_alpha_ray set, svo_direct_samples samples, float3 *radiance)
 {
     svo_lit_surface surface;
     float3 direct;
-    if (!svo_direct_see(picture, ray, picture->params.sample_width, set, &surface, &direct)) {
+    if (!svo_direct_see(picture, ray, picture->params.sample_width, set, samples, &surface, &direct)) {
         return false;
     }
     svo_lit_seen(picture, &surface);
@@ -113,7 +113,17 @@ SVO_INLINED bool svo_picture_look(const svo_lit_picture *picture, const svo_pict
     return true;
 }
 
-/* The shares of white that a pixel shows, or its light. */
+/* The lower half of the bits, each with a zero above it. */
+static uint svo_picture_even(uint bits)
+{
+    bits = (bits | bits << 8) & 0x00ff00ffu;
+    bits = (bits | bits << 4) & 0x0f0f0f0fu;
+    bits = (bits | bits << 2) & 0x33333333u;
+    return (bits | bits << 1) & 0x55555555u;
+}
+
+/* The shares of white that a pixel shows, or its light. Rays to sources are spread over the picture in Morton order, so
+   that pixels near each other err in different ways. */
 SVO_INLINED float4 svo_picture_pixel(const svo_lit_picture *picture, const svo_picture_screen *screen, uint x, uint y)
 {
     const uint samples = picture->params.samples;
@@ -124,7 +134,9 @@ SVO_INLINED float4 svo_picture_pixel(const svo_lit_picture *picture, const svo_p
         float3 radiance;
         const svo_ray ray = svo_screen_ray(picture, place);
         const svo_alpha_ray set = {sample, samples};
-        const bool meets = svo_picture_look(picture, screen, place, &ray, set, &radiance);
+        const svo_direct_samples to_sources = {(svo_picture_even(x) | svo_picture_even(y) << 1) * samples + sample, 0u,
+                                               picture->params.source_rays_log2};
+        const bool meets = svo_picture_look(picture, screen, place, &ray, set, to_sources, &radiance);
         if (!meets) {
             sum += svo_picture_background(picture, vload3(0, ray.direction));
         } else {

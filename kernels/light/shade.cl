@@ -75,11 +75,11 @@ SVO_INLINED float3 svo_shade_cones(const svo_lit_picture *picture, const svo_lit
 
 /* What comes along a ray. */
 SVO_INLINED float3 svo_shade_radiance(const svo_lit_picture *picture, const svo_ray *ray, svo_alpha_ray set,
-                                      svo_shade_cache *cache)
+                                      svo_direct_samples samples, svo_shade_cache *cache)
 {
     svo_lit_surface surface;
     float3 direct;
-    if (!svo_direct_see(picture, ray, 0.0f, set, &surface, &direct)) {
+    if (!svo_direct_see(picture, ray, 0.0f, set, samples, &surface, &direct)) {
         return svo_light_sky(&picture->light, vload3(0, ray->direction));
     }
     svo_lit_payload(picture, &surface);
@@ -98,6 +98,7 @@ svo_k_light_shade(SVO_LIT_PARAMETERS, __global const svo_ray *rays, __global flo
     for (uint i = first; i < end; ++i) {
         const svo_ray ray = rays[i];
         const svo_alpha_ray set = {i % SVO_SHADE_RAYS, SVO_SHADE_RAYS};
-        vstore3(svo_shade_radiance(&picture, &ray, set, &cache), i, radiance);
+        const svo_direct_samples samples = {i, 0u, params.source_rays_log2};
+        vstore3(svo_shade_radiance(&picture, &ray, set, samples, &cache), i, radiance);
     }
 }

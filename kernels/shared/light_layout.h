@@ -226,7 +226,7 @@ SVO_RECORD(svo_exchange_params)
 /* And for maps, which are looked at from elsewhere: full without specular light. */
 #define SVO_LIT_VIEW_MATTE 5u
 
-/* Arguments of pictures of lights, world coordinates. 124 bytes. */
+/* Arguments of pictures of lights, world coordinates. 128 bytes. */
 SVO_RECORD(svo_lit_picture_params)
 {
     SVO_F32 eye[3]; /* 0 */
@@ -247,6 +247,7 @@ SVO_RECORD(svo_lit_picture_params)
     SVO_F32 clip[4]; /* 100: a plane; what is below it is not seen (kernels/rays/part.clh). Zeros: none */
     SVO_U32 mesh_flags; /* 116: SVO_MESH_* */
     SVO_F32 sample_width; /* 120: of a camera ray's share of the picture, at distance 1 from the eye */
+    SVO_U32 source_rays_log2; /* 124: rays from what is lit to each source that has a size */
 };
 
 /* svo_lit_picture_params.mesh_flags, of the mesh that a light was given */
@@ -307,7 +308,7 @@ SVO_ASSERT_BYTES(svo_crossing_params, 32);
 SVO_ASSERT_BYTES(svo_unmet_params, 48);
 SVO_ASSERT_BYTES(svo_finish_record, 32);
 SVO_ASSERT_BYTES(svo_exchange_params, 32);
-SVO_ASSERT_BYTES(svo_lit_picture_params, 124);
+SVO_ASSERT_BYTES(svo_lit_picture_params, 128);
 #endif
 
 #endif

@@ -12,6 +12,9 @@
 
 /* Rays of a work-item: SVO_SHADE_RAYS of the kernel. */
 #define ITEM_RAYS 64u
+/* Rays of a point, and of what a ray meets, to a source that has a size. */
+#define POINT_SOURCE_RAYS_LOG2 6
+#define SHADE_SOURCE_RAYS_LOG2 2
 
 /* ---- batches of points: kernels/light/gather.cl ---- */
 
@@ -92,12 +95,13 @@ svo_status svo_i_light_points_also(const svo_i_light_shader *first, const svo_ga
                                    points_defines(first->light, gather, " -DSVO_GATHER_ERRORS"), out);
 }
 
-svo_status svo_i_light_points_set(const svo_i_light_shader *shader, const svo_gather_params *gather, cl_mem points,
-                                  cl_mem results, uint32_t point_count)
+svo_status svo_i_light_points_set(const svo_i_light_shader *shader, const svo_gather_params *gather,
+                                  uint32_t source_rays_log2, cl_mem points, cl_mem results, uint32_t point_count)
 {
     const svo_i_argument own[] = {SVO_I_ARGUMENT(points), SVO_I_ARGUMENT(results)};
     svo_lit_picture_params params = svo_i_light_shader_params(shader->light, SVO_LIT_VIEW_MATTE);
     params.width = point_count;
+    params.source_rays_log2 = source_rays_log2;
     return svo_i_light_shader_set(shader, gather, &params, SVO_I_ARGUMENTS(own));
 }
 
@@ -109,7 +113,7 @@ static svo_status enqueue_points(const svo_light *light, const svo_gather_params
     svo_status status = SVO_OK;
     SVO_I_TRY(svo_i_work_begin(call->device, call->function, call->queue, &work));
     SVO_I_TRY_CLEANUP(svo_i_light_points_begin(&work, light, gather, &shader));
-    SVO_I_TRY_CLEANUP(svo_i_light_points_set(&shader, gather, points, results, point_count));
+    SVO_I_TRY_CLEANUP(svo_i_light_points_set(&shader, gather, POINT_SOURCE_RAYS_LOG2, points, results, point_count));
     status = svo_i_call_launch(call, &(svo_i_launch){.kernel = shader.kernel,
                                                      .groups = ((size_t)point_count - 1) / SVO_GROUP_ITEMS + 1,
                                                      .group_items = SVO_GROUP_ITEMS});
@@ -187,6 +191,7 @@ svo_status svo_i_light_shade_rays(const svo_i_light_shade *shade, cl_mem rays, c
     const svo_i_argument own[] = {SVO_I_ARGUMENT(rays), SVO_I_ARGUMENT(radiance)};
     const uint32_t group_rays = ITEM_RAYS * SVO_GROUP_ITEMS;
     params.width = ray_count;
+    params.source_rays_log2 = SHADE_SOURCE_RAYS_LOG2;
     SVO_I_TRY(svo_i_light_shader_set(&shade->shader, &shade->gather, &params, SVO_I_ARGUMENTS(own)));
     return svo_i_light_shader_launch(&shade->shader, 0, ((size_t)ray_count + group_rays - 1) / group_rays);
 }

@@ -19,8 +19,8 @@ svo_status svo_i_light_points_begin(svo_i_device_work *work, const svo_light *li
                                     svo_i_light_shader *out);
 svo_status svo_i_light_points_also(const svo_i_light_shader *first, const svo_gather_params *gather,
                                    svo_i_light_shader *out);
-svo_status svo_i_light_points_set(const svo_i_light_shader *shader, const svo_gather_params *gather, cl_mem points,
-                                  cl_mem results, uint32_t point_count);
+svo_status svo_i_light_points_set(const svo_i_light_shader *shader, const svo_gather_params *gather,
+                                  uint32_t source_rays_log2, cl_mem points, cl_mem results, uint32_t point_count);
 
 /* Checks the number of cones: 1, 5, 6, 16 or 64; 0 for the default. The message names options.cones of the function. */
 svo_status svo_i_light_check_cones(const svo_light *light, const char *function, uint32_t cones);

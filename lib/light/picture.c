@@ -28,6 +28,8 @@ _Static_assert((uint32_t)SVO_VIEW_DIRECT == AHEAD + SVO_LIT_VIEW_DIRECT &&
 #define TILE_EDGE SVO_LIGHT_BAND_ROWS
 /* Camera rays of a pixel. */
 #define SAMPLES 4u
+/* Rays of a pixel to a source that has a size, at least. */
+#define SOURCE_RAYS 16u
 /* A tile takes as long as so many of other pictures. */
 #define TILE_COST 16u
 
@@ -83,6 +85,9 @@ static svo_status fill_params(const svo_light *light, const char *function, cons
     params->height = options->height;
     params->exposure = options->exposure > 0.0F ? options->exposure : 1.0F;
     params->samples = output->samples;
+    for (uint32_t rays = output->samples; rays < SOURCE_RAYS; rays *= 2) {
+        params->source_rays_log2 += 1;
+    }
     params->pixel_flags = output->flags;
     params->sample_width = sample_width(&hole, options, output->samples);
     for (int axis = 0; axis < 3; ++axis) {

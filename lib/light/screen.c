@@ -80,7 +80,7 @@ static svo_status gather(const svo_i_light_screen *screen, uint32_t cells)
     const uint32_t paths = screen->asked.paths != 0 ? screen->asked.paths : CONE_PATHS * screen->asked.cones;
     const size_t in_band = BAND_PATHS / SVO_GROUP_ITEMS / paths;
     const size_t most = in_band > 0 ? in_band : 1;
-    SVO_I_TRY(svo_i_light_points_set(&screen->gather, &screen->asked, screen->cells, screen->gathered, cells));
+    SVO_I_TRY(svo_i_light_points_set(&screen->gather, &screen->asked, 0, screen->cells, screen->gathered, cells));
     for (size_t first = 0; first < groups; first += most) {
         SVO_I_TRY(svo_i_light_shader_launch(&screen->gather, first, groups - first < most ? groups - first : most));
     }

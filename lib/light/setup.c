@@ -67,6 +67,10 @@ static svo_status check_source(const svo_light *light, size_t index, const svo_l
         return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: setup.sources[%zu].direction is zero",
                                  set_sources, index);
     }
+    SVO_I_TRY(check_values(light, "sources", index, "radius", &source->radius, 1, false));
+    if (!has_position && (double)source->radius >= HALF_PI) {
+        return refuse(light, "sources", index, "radius", (double)source->radius, "is not below pi / 2");
+    }
     return source->kind == SVO_SOURCE_SPOT ? check_angles(light, index, source) : SVO_OK;
 }
 

@@ -139,6 +139,10 @@ def test_sources_make_the_light_of_each_call(floor, points):
         assert light.hash() == dark and light.buffer_int_ptr(svocl.LightBuffer.RADIANCE) is None
         light.set_sources([SUN], view_resolution=100)
         assert light.hash() == lit
+        light.set_sources([SUN._replace(radius=0.1)], view_resolution=100)
+        assert light.hash() == lit  # photons leave its middle
+        with pytest.raises(svocl.InvalidArgumentError, match="radius 2 is not below pi / 2"):
+            light.set_sources([SUN._replace(radius=2)])
         light.set_sources([SUN], view_resolution=100, photons=False)
         assert light.hash() == dark
 

@@ -410,6 +410,40 @@ static void point_lights_obey_the_inverse_square_law(void **state)
     free_shape((shape *)&floor);
 }
 
+/* A sun and a ball whose middles an edge covers shine with half of their light on what lies right below it, and with
+   that of a segment of their disks beside; a ball whose half is below the surface with its upper half, 2 / (3 pi). */
+static void lights_with_a_size_have_soft_shadows(void **state)
+{
+    const double radius = 0.05;
+    const svo_light_source sun = {
+        .kind = SVO_SOURCE_DIRECTIONAL, .direction = {0, -2, 0}, .value = {1, 1, 1}, .radius = (float)radius};
+    const svo_light_source ball = {
+        .kind = SVO_SOURCE_POINT, .position = {0, 20, 0}, .value = {400, 400, 400}, .radius = (float)(20 * radius)};
+    const svo_light_source *const sources[] = {&sun, &ball};
+    shape shade = make_quad((double[]){0, 2, -50}, (double[]){0, 0, 100}, (double[]){50, 0, 0});
+    truth how = truth_of(&shade);
+    how.setup.source_count = 1;
+    how.samples = 16;
+    for (int k = 0; k < 2; ++k) {
+        how.setup.sources = sources[k];
+        for (int i = -3; i <= 3; ++i) {
+            /* From so far aside the edge, 2 above, covers the disk up to that height; a ball is 20 above. */
+            const double height = -0.3 * i;
+            const double aside = 0.3 * i * 2 * radius / (k == 0 ? 1 : 1 - 2.0 / 20);
+            const path_result found = trace_point(state, &how, point_at(aside, 0, 0));
+            const double share = 0.5 + (height * sqrt(1 - height * height) + asin(height)) / PI;
+            assert_near(k == 0 ? "sun" : "ball", found.direct[0], share, 0.03);
+        }
+    }
+    svo_gather_point beside = point_at(-20, 0, 0); /* whose surface the ball's middle lies in */
+    beside.normal[0] = 1;
+    beside.normal[1] = -1;
+    const double squared = 20 * 20 + 20 * 20;
+    const double expected = 400 / squared * (20 * radius / sqrt(squared)) * 2 / (3 * PI);
+    assert_near("half a ball", trace_point(state, &how, beside).direct[0], expected, 0.08 * expected);
+    free_shape(&shade);
+}
+
 static void directional_light_obeys_the_cosine_law_and_casts_shadows(void **state)
 {
     svo_light_source sun = {.kind = SVO_SOURCE_DIRECTIONAL, .value = {1, 1, 1}};
@@ -615,6 +649,7 @@ TEST_GROUP(path)
         cmocka_unit_test(a_lit_disk_reflects_by_its_closed_form),
         cmocka_unit_test(one_bounce_in_a_sphere_is_its_albedo_times_the_direct_light),
         cmocka_unit_test(point_lights_obey_the_inverse_square_law),
+        cmocka_unit_test(lights_with_a_size_have_soft_shadows),
         cmocka_unit_test(directional_light_obeys_the_cosine_law_and_casts_shadows),
         cmocka_unit_test(spots_are_full_inside_and_end_outside),
         cmocka_unit_test(standard_errors_are_honest),

@@ -319,6 +319,101 @@ static void sources_light_directly(void **state)
     cone_scene_free(scene);
 }
 
+/* The share of a disk of radius 1 that lies on the side of a line below some height. */
+static double disk_share(double height)
+{
+    const double h = fmin(fmax(height, -1), 1);
+    return 0.5 + (h * sqrt(1 - h * h) + asin(h)) / PI;
+}
+
+/* A floor whose half lies below a shade: what a source with a size brings to it. per_disk: how far the shade's edge is
+   from the middle of the disk that the source shows, in its radii, for a place aside by 1. */
+static void check_penumbra(const fixture *opened, cone_scene *scene, svo_light *light, const svo_light_source *source,
+                           double per_disk, const char *what)
+{
+    const svo_light_setup setup = {.struct_size = sizeof setup, .sources = source, .source_count = 1};
+    light_succeed(opened, svo_light_set_sources(light, &setup, opened->queue));
+    for (int method = SVO_GATHER_CONES; method <= SVO_GATHER_RAYS; ++method) {
+        const svo_gather_options options = {.struct_size = sizeof options, .method = (svo_gather_method)method};
+        double difference = 0;
+        cone_scene_gather(opened, scene, light, &options);
+        for (size_t i = 0; i < scene->point_count; ++i) {
+            const double x = (double)scene->points[i].position[0] - 64;
+            const double away = 40 * 40 + x * x;
+            const double whole = source->kind == SVO_SOURCE_DIRECTIONAL ? 1 : 40 / (away * sqrt(away));
+            const double share = (double)scene->results[i].direct[0] / whole;
+            difference += (share - disk_share(-x * per_disk)) / (double)scene->point_count;
+            check_near(what, share, disk_share(-x * per_disk), 0.04);
+        }
+        check_near("the mean difference", difference, 0, 0.004);
+    }
+}
+
+/* A sun and a ball over a floor with a shade before a part of it: half-shadows as wide as closed forms have them. */
+static void sources_with_a_size_have_soft_shadows(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_light_source sun = {
+        .kind = SVO_SOURCE_DIRECTIONAL, .direction = {0, 0, -3}, .value = {1, 1, 1}, .radius = 0.08F};
+    const svo_light_source ball = {
+        .kind = SVO_SOURCE_POINT, .position = {64, 64, 84}, .value = {1, 1, 1}, .radius = 2.5F};
+    svo_light_source spot = ball;
+    cone_scene *scene = cone_scene_new(DEPTH, 8);
+    cone_scene_add_quad(scene, (const double[3]){-60, -60, -20}, (const double[3]){120, 0, 0},
+                        (const double[3]){0, 120, 0});
+    cone_scene_add_quad(scene, (const double[3]){0, -60, 0}, (const double[3]){60, 0, 0}, (const double[3]){0, 120, 0});
+    for (int i = -40; i <= 40; ++i) {
+        cone_scene_add_point(scene, (const double[3]){0.1 * i + 0.01, 0, -20}, up, 0);
+    }
+    svo_tree *tree = cone_scene_build(&opened, scene, SVO_NEED_NORMAL | SVO_NEED_RAYS);
+    svo_light *light = light_of(&opened, tree, SVO_LIGHT_FACES);
+    /* An edge 20 above the floor, x aside, lies x / 20 from the sun's middle; and x from the ball's, 40 above. */
+    check_penumbra(&opened, scene, light, &sun, 1 / (20 * sin(0.08)), "a sun's share");
+    check_penumbra(&opened, scene, light, &ball, 1 / 2.5, "a ball's share");
+    spot.kind = SVO_SOURCE_SPOT;
+    spot.direction[2] = -1;
+    spot.inner_angle = 1.0F;
+    spot.outer_angle = 1.2F;
+    check_penumbra(&opened, scene, light, &spot, 1 / 2.5, "a wide spot's share");
+    svo_light_destroy(&light);
+    svo_tree_destroy(&tree);
+    cone_scene_free(scene);
+}
+
+/* A ball lights what faces it as its middle does, and what it is half above with the mean of the heights over half its
+   disk, 2 / (3 pi); what is inside the ball is not in the way. Where the point is inside, it is a point. */
+static void a_ball_shines_like_its_middle(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const double aside[3] = {1, 0, 0};
+    const double eye[3] = {0, 0, 0};
+    const double size = 0.1;
+    svo_light_source ball = {
+        .kind = SVO_SOURCE_POINT, .position = {64, 64, 94}, .value = {900, 900, 900}, .radius = (float)(30 * size)};
+    const svo_light_setup setup = {.struct_size = sizeof setup, .sources = &ball, .source_count = 1};
+    cone_scene *scene = cone_scene_new(DEPTH, 8);
+    cone_scene_add_quad(scene, (const double[3]){-60, -60, -40}, (const double[3]){9, 0, 0},
+                        (const double[3]){0, 9, 0});
+    cone_scene_add_point(scene, eye, up, 0);
+    cone_scene_add_quad(scene, (const double[3]){0.2, 0.2, 29.5}, (const double[3]){0.8, 0, 0},
+                        (const double[3]){0, 0.8, 0});
+    cone_scene_add_point(scene, eye, aside, 0);
+    svo_tree *tree = cone_scene_build(&opened, scene, SVO_NEED_NORMAL | SVO_NEED_RAYS);
+    svo_light *light = light_of(&opened, tree, SVO_LIGHT_FACES);
+    const svo_gather_options options = by_rays(16, 1);
+    light_succeed(&opened, svo_light_set_sources(light, &setup, opened.queue));
+    cone_scene_gather(&opened, scene, light, &options);
+    check_near("what faces the ball", (double)scene->results[0].direct[0], 1, 1e-3);
+    check_near("what it is half above", (double)scene->results[1].direct[0], size * 2 / (3 * PI), 0.03 * size);
+    ball.radius = 31;
+    light_succeed(&opened, svo_light_set_sources(light, &setup, opened.queue));
+    cone_scene_gather(&opened, scene, light, &options);
+    check_near("from inside", (double)scene->results[0].direct[0], 1, 1e-3);
+    svo_light_destroy(&light);
+    svo_tree_destroy(&tree);
+    cone_scene_free(scene);
+}
+
 /* What cones gather costs a ray to each source besides, with a reflection too: none of a lobe that nobody asked for. */
 static void cones_have_a_ray_to_each_source(void **state)
 {
@@ -526,7 +621,8 @@ TEST_GROUP(gather_rays)
         cmocka_unit_test(openings_have_their_share),      cmocka_unit_test(closed_rooms_are_closed),
         cmocka_unit_test(range_and_falloff_count),        cmocka_unit_test(furnaces_have_their_radiance),
         cmocka_unit_test(emitters_light_what_they_face),  cmocka_unit_test(panes_let_their_share_through),
-        cmocka_unit_test(sources_light_directly),         cmocka_unit_test(cones_have_a_ray_to_each_source),
+        cmocka_unit_test(sources_light_directly),         cmocka_unit_test(sources_with_a_size_have_soft_shadows),
+        cmocka_unit_test(a_ball_shines_like_its_middle),  cmocka_unit_test(cones_have_a_ray_to_each_source),
         cmocka_unit_test(few_paths_find_small_lamps),     cmocka_unit_test(errors_are_estimated),
         cmocka_unit_test(points_do_not_depend_on_others), cmocka_unit_test(voxels_are_met_too),
     };

@@ -167,6 +167,43 @@ static void shadows_are_those_of_triangles(void **state)
     close_floor(&scene);
 }
 
+/* Below an edge of the roof a pixel shows the share of the sun's disk that the edge leaves over, by the default of 16
+   rays. */
+static void suns_with_a_size_have_soft_shadows(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    static float pixels[WIDTH * HEIGHT * 4];
+    const double radius = 0.1;
+    const double edge = 0.3;
+    const svo_light_source sun = {
+        .kind = SVO_SOURCE_DIRECTIONAL, .direction = {0, -1, 0}, .value = {1, 1, 1}, .radius = (float)radius};
+    double mean = 0;
+    double variance = 0;
+    svo_render_options picture = picture_of(SVO_VIEW_DIRECT);
+    lit_floor scene;
+    open_floor(&opened, true, &scene);
+    shine(&opened, scene.light, &sun, 0);
+    picture.camera = (svo_camera){{(float)edge, 0.3F, 0.95F}, {(float)edge, 0, 0}, {0, 1, 0}, 0.05F};
+    picture.output.format = SVO_PIXELS_LINEAR;
+    light_succeed(&opened, svo_render(svo_light_target(scene.light), &picture, svo_in_host(pixels),
+                                      &(svo_submit){.queue = opened.queue}));
+    for (int y = 0; y < HEIGHT; ++y) {
+        for (int x = 0; x < WIDTH; ++x) {
+            const double aside = (x + 0.5 - WIDTH / 2.0) * 2 * tan(0.025) / HEIGHT * hypot(0.3, 0.95);
+            const double height = aside / (0.6 * sin(radius));
+            const double expected = 0.5 + (height * sqrt(1 - height * height) + asin(height)) / PI;
+            const double share = (double)pixels[4 * (y * WIDTH + x)] * PI / CLAY;
+            mean += (share - expected) / (WIDTH * HEIGHT);
+            variance += (share - expected) * (share - expected) / (WIDTH * HEIGHT);
+        }
+    }
+    /* 16 rays at random would err by .13 where half of the disk is covered */
+    if (fabs(mean) > 0.003 || variance > 0.06 * 0.06) {
+        fail_msg("shares are off by %g in the mean, %g as a rule", mean, sqrt(variance));
+    }
+    close_floor(&scene);
+}
+
 /* ---- cones ---- */
 
 /* An open floor is white, reflects all of the sky, and the sky is what it is; a roof darkens the floor. */
@@ -526,12 +563,18 @@ static void wrong_pictures_are_refused(void **state)
 
 TEST_GROUP(light_picture)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sources_light_directly),        cmocka_unit_test(shadows_are_those_of_triangles),
-        cmocka_unit_test(floors_are_open_to_the_sky),    cmocka_unit_test(full_is_direct_and_indirect),
-        cmocka_unit_test(finishes_emit_and_reflect),     cmocka_unit_test(trees_without_triangles_are_drawn),
-        cmocka_unit_test(bands_are_rows_of_the_picture), cmocka_unit_test(bands_have_the_light_beside_them),
-        cmocka_unit_test(few_rays_look_like_many),       cmocka_unit_test(edges_of_surfaces_are_kept),
-        cmocka_unit_test(a_plane_cuts_the_floor_away),   cmocka_unit_test(wrong_pictures_are_refused)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(sources_light_directly),
+                                       cmocka_unit_test(shadows_are_those_of_triangles),
+                                       cmocka_unit_test(suns_with_a_size_have_soft_shadows),
+                                       cmocka_unit_test(floors_are_open_to_the_sky),
+                                       cmocka_unit_test(full_is_direct_and_indirect),
+                                       cmocka_unit_test(finishes_emit_and_reflect),
+                                       cmocka_unit_test(trees_without_triangles_are_drawn),
+                                       cmocka_unit_test(bands_are_rows_of_the_picture),
+                                       cmocka_unit_test(bands_have_the_light_beside_them),
+                                       cmocka_unit_test(few_rays_look_like_many),
+                                       cmocka_unit_test(edges_of_surfaces_are_kept),
+                                       cmocka_unit_test(a_plane_cuts_the_floor_away),
+                                       cmocka_unit_test(wrong_pictures_are_refused)};
     return cmocka_run_group_tests_name("light_picture", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -32,7 +32,7 @@ static void a_wrong_file_is_one_line_with_its_place(void **state)
         {"{\"lights\": [{\n\"kind\": \"spott\"}]}",
          "lights.json:2: kind 'spott' of a light is none of directional, point, spot, did you mean 'spot'?"},
         {"{\"lights\": [{\"kind\": \"point\",\n\"direction\": [0, 1, 0]}]}",
-         "lights.json:2: key 'direction' of a point light is none of kind, position, value"},
+         "lights.json:2: key 'direction' of a point light is none of kind, position, value, radius"},
         {"{\"lights\": [\n{\"kind\": \"point\", \"value\": [1, 1, 1]}]}",
          "lights.json:2: a point light has no 'position'"},
         {"{\"lights\": [{\"kind\": \"directional\",\n\"direction\": [0, 0, 0], \"value\": [1, 1, 1]}]}",
@@ -51,6 +51,11 @@ static void a_wrong_file_is_one_line_with_its_place(void **state)
          "1],\n"
          "\"inner_angle\": 30,\n\"outer_angle\": 90}]}",
          "lights.json:3: 'outer_angle' is not a number of degrees within 0 .. 89.9"},
+        {"{\"lights\": [{\"kind\": \"point\", \"position\": [0, 0, 0], \"value\": [1, 1, 1],\n\"radius\": -1}]}",
+         "lights.json:2: 'radius' is not a number of at least 0"},
+        {"{\"lights\": [{\"kind\": \"directional\", \"direction\": [0, 1, 0], \"value\": [1, 1, 1],\n"
+         "\"angular_radius\": 90}]}",
+         "lights.json:2: 'angular_radius' is not a number of degrees within 0 .. 89.9"},
         {"{\n\"sky\": [0, 0, -1]}", "lights.json:2: number 3 of 'sky' is -1, below 0"},
         {"{\n\"camera\": {\"eye\": [0, 0, 1]}}", "lights.json:2: 'camera' has no 'at'"},
         {"{\"camera\": {\"eye\": [0, 0, 1],\n\"target\": [0, 0, 0]}}",

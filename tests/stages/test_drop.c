@@ -156,6 +156,35 @@ static void all_ways_to_build_make_one_tree(void **state)
     attributed_mesh_destroy(&made);
 }
 
+/* The words of an enqueued build whose list has too little room. */
+static void overflow(const fixture *opened, const svo_mesh *mesh, double drop_alpha, char words[512])
+{
+    svo_plan *plan =
+        make_plan(opened, mesh, 6, (svo_plan_options){.edge = 1.0, .drop_alpha = drop_alpha, .fragment_capacity = 100});
+    svo_workspace *workspace = make_workspace(opened, plan);
+    svo_tree *tree = make_tree(opened, workspace);
+    succeed(opened, svo_build_enqueue(workspace, tree, &(svo_submit){.queue = opened->queue}));
+    assert_int_equal(svo_tree_finish(tree, opened->queue, 0, NULL), SVO_CAPACITY_EXCEEDED);
+    (void)snprintf(words, 512, "%s", svo_device_message(opened->device));
+    svo_tree_destroy(&tree);
+    svo_workspace_destroy(&workspace);
+    svo_plan_destroy(&plan);
+}
+
+/* There must be room for all pairs, dropped ones included. */
+static void lists_that_do_not_fit_are_refused(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    attributed_mesh made;
+    char all[512];
+    char some[512];
+    attributed_mesh_create(77, 500, 0.0, &made);
+    overflow(&opened, &made.mesh, 0.0, all);
+    overflow(&opened, &made.mesh, 0.25, some);
+    assert_string_equal(some, all);
+    attributed_mesh_destroy(&made);
+}
+
 /* Updatable plans make all payload per node, so their trees are compared with each other. */
 static void plans_whose_mesh_moves_leave_them_out(void **state)
 {
@@ -438,6 +467,7 @@ TEST_GROUP(drop)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_reference_leaves_out_the_same_pairs),
         cmocka_unit_test(all_ways_to_build_make_one_tree),
+        cmocka_unit_test(lists_that_do_not_fit_are_refused),
         cmocka_unit_test(plans_whose_mesh_moves_leave_them_out),
         cmocka_unit_test(a_square_half_of_which_shows_loses_the_other_half),
         cmocka_unit_test(an_alpha_that_is_just_enough_stays),

@@ -812,6 +812,7 @@ static void test_saved_lights_are_read_again(void **unused)
         assert_true(light_edit_add(state, i % 3));
         svo_light_source *source = &state->sources[i];
         source->value[0] = random_within(&seed, 0, 9);
+        source->radius = i < 30 ? 0 : random_within(&seed, 0.01F, 1.5F);
         if (source->kind == SVO_SOURCE_SPOT) {
             source->outer_angle = random_within(&seed, 0.4F, 1.5F);
             source->inner_angle = random_within(&seed, 0, 0.39F);
@@ -835,8 +836,12 @@ static void test_saved_lights_are_read_again(void **unused)
         check_floats(got, "value", had->value);
         check_floats(got, "direction", had->kind != SVO_SOURCE_POINT ? had->direction : NULL);
         check_floats(got, "position", had->kind != SVO_SOURCE_DIRECTIONAL ? had->position : NULL);
+        const double degree = 0.017453292519943295; /* as lights_file.c has it */
+        const bool is_sun = had->kind == SVO_SOURCE_DIRECTIONAL;
+        const cJSON *radius = cJSON_GetObjectItem(got, is_sun ? "angular_radius" : "radius");
+        assert_int_equal(radius != NULL, had->radius > 0);
+        assert_true(radius == NULL || (float)(radius->valuedouble * (is_sun ? degree : 1)) == had->radius);
         if (had->kind == SVO_SOURCE_SPOT) {
-            const double degree = 0.017453292519943295; /* as lights_file.c has it */
             assert_true((float)(cJSON_GetObjectItem(got, "inner_angle")->valuedouble * degree) == had->inner_angle);
             assert_true((float)(cJSON_GetObjectItem(got, "outer_angle")->valuedouble * degree) == had->outer_angle);
         }

@@ -2,6 +2,7 @@
 /* Reads files of lights. */
 #include "support/lights_file.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -56,33 +57,54 @@ static int read_angle(const json_source *source, const cJSON *object, const char
 
 /* ---- lights ---- */
 
+/* Of the ball that a light is, world units; 0 where the file has none. */
+static int read_radius(const json_source *source, const cJSON *object, float *out)
+{
+    const cJSON *value = member(object, "radius");
+    if (value == NULL) {
+        return PROGRAM_DONE;
+    }
+    if (!cJSON_IsNumber(value) || !(value->valuedouble >= 0) || !isfinite((float)value->valuedouble)) {
+        return json_source_fail(source, value, "'radius' is not a number of at least 0");
+    }
+    *out = (float)value->valuedouble;
+    return PROGRAM_DONE;
+}
+
 static int read_directional(const json_source *source, const cJSON *object, svo_light_source *out)
 {
-    static const char *const keys[] = {"kind", "direction", "value", NULL};
+    static const char *const keys[] = {"kind", "direction", "value", "angular_radius", NULL};
     static const char what[] = "a directional light";
     int exit_code = json_source_check_keys(source, object, what, keys);
     out->kind = SVO_SOURCE_DIRECTIONAL;
     if (exit_code == PROGRAM_DONE) {
         exit_code = read_direction(source, object, what, "direction", out->direction);
     }
+    if (exit_code == PROGRAM_DONE && member(object, "angular_radius") != NULL) {
+        exit_code = read_angle(source, object, what, "angular_radius", 0, SPOT_ANGLE_MAX, &out->radius);
+    }
     return exit_code == PROGRAM_DONE ? sky_file_color(source, object, what, "value", out->value) : exit_code;
 }
 
 static int read_point(const json_source *source, const cJSON *object, svo_light_source *out)
 {
-    static const char *const keys[] = {"kind", "position", "value", NULL};
+    static const char *const keys[] = {"kind", "position", "value", "radius", NULL};
     static const char what[] = "a point light";
     int exit_code = json_source_check_keys(source, object, what, keys);
     out->kind = SVO_SOURCE_POINT;
     if (exit_code == PROGRAM_DONE) {
         exit_code = read_vector(source, object, what, "position", out->position);
     }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = read_radius(source, object, &out->radius);
+    }
     return exit_code == PROGRAM_DONE ? sky_file_color(source, object, what, "value", out->value) : exit_code;
 }
 
 static int read_spot(const json_source *source, const cJSON *object, svo_light_source *out)
 {
-    static const char *const keys[] = {"kind", "position", "direction", "value", "inner_angle", "outer_angle", NULL};
+    static const char *const keys[] = {"kind",   "position",    "direction",   "value",
+                                       "radius", "inner_angle", "outer_angle", NULL};
     static const char what[] = "a spot light";
     int exit_code = json_source_check_keys(source, object, what, keys);
     out->kind = SVO_SOURCE_SPOT;
@@ -91,6 +113,9 @@ static int read_spot(const json_source *source, const cJSON *object, svo_light_s
     }
     if (exit_code == PROGRAM_DONE) {
         exit_code = read_direction(source, object, what, "direction", out->direction);
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = read_radius(source, object, &out->radius);
     }
     if (exit_code == PROGRAM_DONE) {
         exit_code = sky_file_color(source, object, what, "value", out->value);

@@ -216,6 +216,7 @@ static bool edit_kind(ui *toolkit, svo_light_source *source)
         return false;
     }
     source->kind = (uint32_t)kind;
+    source->radius = 0;
     if (source->direction[0] == 0 && source->direction[1] == 0 && source->direction[2] == 0) {
         source->direction[1] = -1;
     }
@@ -224,6 +225,22 @@ static bool edit_kind(ui *toolkit, svo_light_source *source)
         source->outer_angle = 0.5F;
     }
     return true;
+}
+
+/* Of a sun an angle, of others that of a ball. */
+static bool edit_size(ui *toolkit, svo_light_source *source)
+{
+    if (source->kind != SVO_SOURCE_DIRECTIONAL) {
+        const bool changed = ui_numbers(toolkit, "Radius", &source->radius, 1, 0.01F, "%.2f");
+        ui_tooltip(toolkit, "Of a ball around the position. Its shadows have a soft edge.");
+        source->radius = fmaxf(source->radius, 0);
+        return changed;
+    }
+    float degrees = source->radius * 180 / PI;
+    const bool changed = ui_slider(toolkit, "Radius", &degrees, 0, 30, "%.2f \xC2\xB0");
+    ui_tooltip(toolkit, "Degrees of the disk in the sky, .27 for the sun. Its shadows have a soft edge.");
+    source->radius = changed ? degrees * PI / 180 : source->radius;
+    return changed;
 }
 
 static void edit_source(ui *toolkit, view_state *state, svo_light_source *source)
@@ -240,9 +257,11 @@ static void edit_source(ui *toolkit, view_state *state, svo_light_source *source
     if (source->kind == SVO_SOURCE_SPOT) {
         changed |= edit_cone(toolkit, source);
     }
+    changed |= edit_size(toolkit, source);
     changed |= ui_color(toolkit, "Color", source->value);
     ui_tooltip(toolkit, "Linear red, green and blue: irradiance of a sun, intensity of others.");
-    if (!view_is_moderate(source->position, 3) || !view_is_moderate(source->value, 3)) {
+    if (!view_is_moderate(source->position, 3) || !view_is_moderate(source->value, 3) ||
+        !view_is_moderate(&source->radius, 1)) {
         *source = before;
     } else if (changed) {
         view_lights_changed(state);

@@ -33,6 +33,9 @@ class LightSource(NamedTuple):
     """Of SourceKind.SPOT: radians from the axis up to which it has its full value."""
     outer_angle: float = 0.0
     """Of SourceKind.SPOT: radians at which it ends, above inner_angle and below pi / 2."""
+    radius: float = 0.0
+    """Its size, which shadows show: of a ball around its position, world units; of SourceKind.DIRECTIONAL radians from
+    its axis, below pi / 2. Photons leave its middle."""
 
 
 def make_gather_points(
@@ -485,6 +488,7 @@ def _source(source: LightSource) -> dict[str, Any]:
         "value": _arrays.three("LightSource.value", source.value),
         "inner_angle": source.inner_angle,
         "outer_angle": source.outer_angle,
+        "radius": source.radius,
     }
 
 

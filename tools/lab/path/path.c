@@ -56,6 +56,8 @@ bool path_source_view(const svo_light_source *source, vector3 place, source_view
 #define BATCH_RAYS     524288u /* a group is at least one point */
 #define RAYS_PER_CHUNK 1024u
 #define PI             3.14159265358979323846
+/* Along a side of the square of rays from a point to a source with a size. */
+#define SOURCE_STRATA 16u
 /* Rays begin so far above a surface, in widths of the grid: 4 units of snapping. */
 #define LIFT 0x1p-18
 
@@ -85,6 +87,7 @@ typedef struct path_work {
     lit_place *places;
     double *radiance; /* three to a place */
     const svo_light_source *source; /* of the running batch of shadow rays */
+    uint32_t source_ray, source_rays; /* of those to this source from each place: the running one, and all */
 } path_work;
 
 /* ---- samples ---- */
@@ -122,6 +125,38 @@ static vector3 turn_to(vector3 normal, vector3 local)
     const vector3 other = vector_cross(normal, side);
     return vector_add(vector_scale(normal, local.z),
                       vector_add(vector_scale(side, local.x), vector_scale(other, local.y)));
+}
+
+void path_source_spread(const svo_light_source *source, const double chosen[2], source_view *view)
+{
+    const bool is_far = source->kind == SVO_SOURCE_DIRECTIONAL;
+    const double size = is_far ? sin((double)source->radius) : (double)source->radius / view->distance;
+    if (!(size < 1)) {
+        return; /* inside the ball */
+    }
+    const double sine = size * sqrt(chosen[0]);
+    const double cosine = sqrt(1 - sine * sine);
+    const double turn = 2 * PI * chosen[1];
+    view->direction = turn_to(view->direction, vector(sine * cos(turn), sine * sin(turn), cosine));
+    view->distance *= cosine - (is_far ? 0 : sqrt(size * size - sine * sine));
+    view->strength /= cosine;
+}
+
+/* The running batch's source as a place sees it, with a size the point of it that the batch's ray goes to. */
+static bool see_source(const path_work *work, size_t place, source_view *view)
+{
+    double jitter[2];
+    const bool is_seen = path_source_view(work->source, work->places[place].position, view);
+    if (is_seen && work->source->radius > 0.0F) {
+        random_pair(work, work->first_point + (uint32_t)place, ~work->source_ray, jitter);
+        const unsigned row = work->source_ray / SOURCE_STRATA;
+        const unsigned column = work->source_ray % SOURCE_STRATA;
+        const double strata = work->source_rays > 1 ? SOURCE_STRATA : 1;
+        const double chosen[2] = {(row + jitter[0]) / strata, (column + jitter[1]) / strata};
+        path_source_spread(work->source, chosen, view);
+        view->strength /= work->source_rays;
+    }
+    return is_seen;
 }
 
 static const svo_ray no_ray = {.direction = {0, 0, 1}, .t_min = 0, .t_max = -1};
@@ -309,8 +344,7 @@ static void make_shadow_rays(void *user, unsigned thread_index, size_t begin, si
         const lit_place *place = &work->places[i];
         source_view view;
         work->rays[i] = no_ray;
-        if (is_there(place) && path_source_view(work->source, place->position, &view) &&
-            vector_dot(view.direction, place->normal) > 0) {
+        if (is_there(place) && see_source(work, i, &view) && vector_dot(view.direction, place->normal) > 0) {
             work->rays[i] = ray_from(work, place, view.direction, view.distance);
         }
     }
@@ -323,8 +357,7 @@ static void add_light(void *user, unsigned thread_index, size_t begin, size_t en
     for (size_t i = begin; i < end; ++i) {
         const lit_place *place = &work->places[i];
         source_view view;
-        if (work->rays[i].t_max > 0 && work->hits[i].triangle == SVO_NO_TRIANGLE &&
-            path_source_view(work->source, place->position, &view)) {
+        if (work->rays[i].t_max > 0 && work->hits[i].triangle == SVO_NO_TRIANGLE && see_source(work, i, &view)) {
             const double pass = work->is_clear ? work->pass[i] : 1;
             const double irradiance = pass * view.strength * vector_dot(view.direction, place->normal);
             for (int channel = 0; channel < 3; ++channel) {
@@ -335,18 +368,21 @@ static void add_light(void *user, unsigned thread_index, size_t begin, size_t en
     }
 }
 
-/* Adds what each source brings to the first places. */
-static svo_status add_sources(path_work *work, size_t place_count)
+/* Adds what each source brings to the first places. rays: from each to a source with a size. */
+static svo_status add_sources(path_work *work, size_t place_count, uint32_t rays)
 {
     const path_scene *scene = work->scene;
     for (size_t i = 0; i < scene->setup->source_count; ++i) {
         work->source = &scene->setup->sources[i];
-        threads_run(scene->threads, place_count, RAYS_PER_CHUNK, make_shadow_rays, work);
-        const svo_status status = trace_rays(work, place_count, true);
-        if (status != SVO_OK) {
-            return status;
+        work->source_rays = work->source->radius > 0.0F ? rays : 1;
+        for (work->source_ray = 0; work->source_ray < work->source_rays; ++work->source_ray) {
+            threads_run(scene->threads, place_count, RAYS_PER_CHUNK, make_shadow_rays, work);
+            const svo_status status = trace_rays(work, place_count, true);
+            if (status != SVO_OK) {
+                return status;
+            }
+            threads_run(scene->threads, place_count, RAYS_PER_CHUNK, add_light, work);
         }
-        threads_run(scene->threads, place_count, RAYS_PER_CHUNK, add_light, work);
     }
     return SVO_OK;
 }
@@ -415,7 +451,7 @@ static void take_direct(const path_work *work, size_t point_count)
 static svo_status trace_points(path_work *work, size_t point_count)
 {
     take_points(work, point_count);
-    const svo_status status = add_sources(work, point_count);
+    const svo_status status = add_sources(work, point_count, SOURCE_STRATA * SOURCE_STRATA);
     take_direct(work, point_count);
     return status;
 }
@@ -434,7 +470,7 @@ static svo_status trace_bounce(path_work *work, size_t point_count)
         threads_run(scene->threads, point_count, 1, sum_openness, work);
     }
     threads_run(scene->threads, ray_count, RAYS_PER_CHUNK, find_places, work);
-    return add_sources(work, ray_count);
+    return add_sources(work, ray_count, 1);
 }
 
 static svo_status trace_paths(path_work *work, size_t point_count)

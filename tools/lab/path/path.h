@@ -3,8 +3,8 @@
  * What light at points truly is: ambient occlusion, direct light, and light after some bounces (Kajiya, "The Rendering
  * Equation", 1986), by paths against the triangles. The rays are the tree's own; the rest is double precision on the
  * host. The samples of a point are 16 independent sets, each with one sample in every cell of a square of strata (Cook,
- * Porter, Carpenter, "Distributed Ray Tracing", 1984); their scatter gives the standard error. The same on every run
- * and with every number of threads.
+ * Porter, Carpenter, "Distributed Ray Tracing", 1984); their scatter gives the standard error. To sources with a size
+ * go 256 rays from a point, and one from what its paths meet. The same on every run and with every number of threads.
  *
  * Surfaces are opaque, reflect diffusely by their linear color, on the side that a ray meets, and emit on both sides.
  */
@@ -59,7 +59,10 @@ typedef struct source_view {
     double strength; /* irradiance of a surface that faces the source, for a value of 1 */
 } source_view;
 
-/* False where the source sends no light to the place. */
+/* False where the source sends no light to the place. It is the middle of the source that is seen. */
 bool path_source_view(const svo_light_source *source, vector3 place, source_view *view);
+/* Turns the view of a source with a size to the point of it that two numbers in [0, 1) choose, evenly over the disk
+   that it shows. */
+void path_source_spread(const svo_light_source *source, const double chosen[2], source_view *view);
 
 #endif
