@@ -91,6 +91,7 @@ configure_package_config_file(cmake/svocl-config.cmake.in ${PROJECT_BINARY_DIR}/
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/svocl-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(
   FILES ${PROJECT_BINARY_DIR}/svocl-config.cmake ${PROJECT_BINARY_DIR}/svocl-config-version.cmake
+        ${PROJECT_SOURCE_DIR}/cmake/svocl-hash-test.cmake
   DESTINATION ${svocl_package_dir}
   COMPONENT svocl_development)
 

@@ -2,11 +2,13 @@
 # SPDX-License-Identifier: MIT
 #
 # `tools/dev deb`: the Debian packages and the Python wheel, and whether they install and run in a clean Debian 12.
-# `tools/dev bare`: demo and test of a clone in a clean Debian 12. `tools/dev oldest_cmake`: whether the oldest CMake
-# suffices. tools/dev sources this file, which uses its functions and settings.
+# `tools/dev bare`: demo and test of a clone in a clean Debian 12. `tools/dev recipe`: the recipe of docs/ci.md in one.
+# `tools/dev oldest_cmake`: whether the oldest CMake suffices. tools/dev sources this file, which uses its functions and
+# settings.
 # shellcheck disable=SC2154
 
 readonly build_deb=build-deb
+readonly build_ci=build-ci # as in docs/ci.md
 readonly build_cmake=build-cmake
 
 # wheel FOLDER: the Python package as a wheel there. pip brings what builds it.
@@ -47,6 +49,18 @@ bare()
 {
     setup_debootstrap
     tests/install/bare_root.sh "${1:-$build_deb/debian}" "${@:2}"
+}
+
+# Makes the package by the lines of docs/ci.md.
+recipe()
+{
+    local lines
+    setup "${program_packages[@]}" python3-yaml
+    setup_debootstrap
+    lines=$(sed -n '/^cmake -B build-ci/,/^cpack/p' docs/ci.md)
+    mkdir -p "$build_ci"
+    quietly "$build_ci/package.log" bash -e -c "${lines/%packages/$build_ci/packages}"
+    tests/install/recipe_root.sh "$build_ci/packages" "${1:-$build_deb/debian}" "${@:2}"
 }
 
 oldest_cmake()

@@ -72,7 +72,7 @@ def test_readme(tmp_path, monkeypatch, capsys):
     cl = pytest.importorskip("pyopencl")
     pytest.importorskip("tqdm")
     blocks = re.findall(r"```python\n(.*?)```", (EXAMPLES.parent / "README.md").read_text(), re.DOTALL)
-    assert len(blocks) == 8
+    assert len(blocks) == 9
     names = {}
     monkeypatch.chdir(tmp_path)
     if not svocl.has_io:
@@ -88,12 +88,13 @@ def test_readme(tmp_path, monkeypatch, capsys):
     moving = blocks.pop(1)
     exec(moving, names)
     assert names["moving"].closed and names["angle"] == 0.2
-    parts, paged = blocks.pop(1), blocks.pop(1)
+    parts, paged, testing = blocks.pop(1), blocks.pop(1), blocks.pop(1)
     if svocl.has_io:
         exec(parts, names)
         assert svocl.Tree.load("mesh.svo").info.leaf_count == names["tree"].info.leaf_count
         exec(paged, names)
         assert names["picture"].shape == (480, 640, 4) and names["picture"].any() and names["paged"].closed
+        exec(testing, names)
     context = cl.create_some_context(interactive=False)
     monkeypatch.setattr(cl, "create_some_context", lambda: context)
     rays, hits = svocl.make_rays([[0.2, 0.2, -1]], [0, 0, 1]), np.zeros(1, svocl.hit_dtype)

@@ -28,6 +28,34 @@ if(NOT out MATCHES "^96776 leaves, 128073 nodes, hash ")
   message(FATAL_ERROR "the program built with find_package printed \"${out}\"")
 endif()
 
+# Tests of hashes: one that holds, one that does not, and a hash that is none.
+file(MAKE_DIRECTORY ${WORK_DIR}/hash_test)
+file(WRITE ${WORK_DIR}/hash_test/part.obj "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+set(hash_project "cmake_minimum_required(VERSION 3.22)\nproject(hashes LANGUAGES C)\nenable_testing()\n"
+                 "find_package(svocl 0.1 REQUIRED COMPONENTS svocl)\n")
+string(JOIN "" hash_project ${hash_project})
+run(${prefix}/bin/svocl hash ${WORK_DIR}/hash_test/part.obj -d 3)
+string(STRIP "${out}" part_hash)
+set(zeros 00000000000000000000000000000000)
+file(WRITE ${WORK_DIR}/hash_test/CMakeLists.txt
+     "${hash_project}svocl_add_hash_test(NAME part INPUT part.obj HASH ${part_hash} OPTIONS -d 3)\n"
+     "svocl_add_hash_test(NAME other INPUT scene:cube HASH ${zeros} OPTIONS -d 3 --need none)\n")
+run(${CMAKE_COMMAND} -S ${WORK_DIR}/hash_test -B ${WORK_DIR}/hash_test/build -G ${GENERATOR}
+    -DCMAKE_C_COMPILER=${C_COMPILER} -DCMAKE_PREFIX_PATH=${prefix})
+run(${CMAKE_CTEST_COMMAND} --test-dir ${WORK_DIR}/hash_test/build -R part)
+expect_match("a test of the right hash" "${out}" "100% tests passed, 0 tests failed out of 1")
+execute_process(COMMAND ${CMAKE_CTEST_COMMAND} --test-dir ${WORK_DIR}/hash_test/build -R other --output-on-failure
+                RESULT_VARIABLE result OUTPUT_VARIABLE out ERROR_VARIABLE out)
+expect_match("a test of another hash" "${out}" "scene:cube: the hash is [0-9a-f]+, and --expect is ${zeros}")
+if(result EQUAL 0)
+  message(FATAL_ERROR "a test of another hash passed")
+endif()
+file(WRITE ${WORK_DIR}/hash_test/CMakeLists.txt
+     "${hash_project}svocl_add_hash_test(NAME short INPUT part.obj HASH 12ab)\n")
+execute_process(COMMAND ${CMAKE_COMMAND} ${WORK_DIR}/hash_test/build RESULT_VARIABLE result OUTPUT_QUIET
+                ERROR_VARIABLE out)
+expect_match("the message of a short hash" "${out}" "HASH '12ab' is not 32")
+
 # Its laboratory, which it finds beside itself.
 run(${prefix}/bin/svocl verify scene:cube -d 4)
 expect_match("svocl verify" "${out}" "exact: 0 missed, 0 surplus")

@@ -29,6 +29,7 @@ done
 for command in bench reference report stress verify; do
     grep -q -F "svocl\\-$command\\fR" "$work/pages/svocl-lab.1" || complain "svocl-lab.1 lacks $command"
 done
+grep -q '^Different' "$work/pages/svocl-diff.1" || complain 'svocl-diff.1 does not say what exit code 1 is'
 if command -v mandoc >/dev/null; then
     # STYLE is advice for manuals of BSD; the date is left out, so that pages are the same every day.
     mandoc -T lint -W warning "$work"/pages/*.1 | grep -v 'missing date' >"$work/lint" || true
@@ -79,6 +80,8 @@ expect_completion 'scene:' svocl build sc
 expect_completion 'model.obj' svocl build mo
 expect_completion 'my model.ply' svocl build my
 expect_completion 'model.obj' svocl build -o mod
+expect_completion '--picture' svocl diff --pi
+expect_completion 'cube' svocl diff model.obj scene : cu
 expect_completion 'folder' svocl report --docs f
 expect_completion 'knot' svocl scene kn
 expect_completion 'voxelize' svocl bench vo

@@ -68,6 +68,9 @@ static int protect_inputs(program *state, const command *which)
     if (which->reads_file && given->input != NULL && strncmp(given->input, "scene:", 6) != 0) {
         exit_code = output_protect(state, given->input);
     }
+    if (given->second_input != NULL && strncmp(given->second_input, "scene:", 6) != 0 && exit_code == PROGRAM_DONE) {
+        exit_code = output_protect(state, given->second_input);
+    }
     for (size_t i = 0; options_rule(i) != NULL && exit_code == PROGRAM_DONE; ++i) {
         const char *path = options_input_path(given, i);
         exit_code = path != NULL ? output_protect(state, path) : PROGRAM_DONE;
@@ -129,6 +132,7 @@ static int dispatch(program *state, const dispatch_program *self, int argument_c
         return PROGRAM_DONE;
     }
     state->command = which->name;
+    state->compares = which->compares;
     return run_command(state, self, which, argument_count - 2, arguments + 2);
 }
 
@@ -163,6 +167,9 @@ int dispatch_main(const dispatch_program *self, int argument_count, char **argum
     if ((fflush(stdout) != 0 || ferror(stdout)) && exit_code == PROGRAM_DONE) {
         exit_code = program_fail(&state, PROGRAM_FAILED, "standard output: %s",
                                  errno != 0 ? strerror(errno) : "a write failed");
+    }
+    if (state.compares && exit_code != PROGRAM_DONE) {
+        exit_code = exit_code == PROGRAM_DIFFERENT ? PROGRAM_FAILED : PROGRAM_WRONG_USAGE;
     }
     return exit_code;
 }

@@ -48,8 +48,9 @@ enum option_group {
     OPTION_PICTURE_FILE = 1073741824 /* what a picture's file holds, and its frames */
 };
 
-/* How large voxel files and trees may become. An enumerator could not hold the last bit. */
-#define OPTION_UNFOLDED 0x80000000u
+/* Bits that an enumerator could not hold. */
+#define OPTION_UNFOLDED     ((uint64_t)1 << 31) /* how large voxel files and trees may become */
+#define OPTION_DIFF_COMMAND ((uint64_t)1 << 32) /* a second INPUT, picture */
 
 enum option_frontend {
     OPTION_FRONTEND_AUTO = 0,
@@ -100,8 +101,9 @@ typedef struct option_vector {
 
 typedef struct options {
     const char *input; /* the argument that is not an option; NULL: none */
+    const char *second_input; /* diff: the argument after input; NULL: none */
     const char *subject; /* bench: what is measured; parts: what is done; the argument before input */
-    unsigned given_groups; /* groups of the options on the command line */
+    uint64_t given_groups; /* groups of the options on the command line */
     uint64_t given_rules[OPTION_RULES_MAX / 64]; /* those options: bits, by their places in the table */
     uint64_t help, quiet, verbose, json; /* flags: 0 or 1 */
 
@@ -131,7 +133,7 @@ typedef struct options {
     double edge; /* 0: not given */
     uint32_t need; /* svo_need bits */
 
-    const char *output_path; /* NULL: not given. convert: the second argument */
+    const char *output_path; /* NULL: not given. convert: the second argument; diff: of --picture */
     uint64_t repeat, compress;
     uint64_t plan, plan_only, count_first; /* build: flags */
     uint64_t payload_level; /* build */
@@ -140,6 +142,7 @@ typedef struct options {
     int form; /* verify: 0 not given, else 1 + svo_form, or OPTION_FORM_ALL */
     int solid; /* build, verify: 0 not given, else 1 + svo_solid_rule */
     uint64_t nodes; /* hash: nodes only */
+    const char *expected_hash; /* hash: SVO_HASH_TEXT_BYTES - 1 digits; NULL: not given */
     bool has_light; /* hash: the light is hashed, of light_form */
     uint64_t triangles; /* scene: 0: not given */
     uint64_t seed;
@@ -208,11 +211,12 @@ enum option_output {
 typedef struct command {
     const char *name;
     bool in_lab; /* svocl-lab runs it */
-    unsigned groups;
+    uint64_t groups;
     const char *input_name; /* "INPUT"; NULL: takes none */
     bool needs_input;
     const char *summary; /* one line */
     bool reads_file; /* INPUT may be a file or a pipe */
+    bool compares; /* the exit code is 1 for different inputs alone, and 2 for every failure, as that of cmp(1) */
     enum option_output output; /* what -o names */
     const char *suffixes; /* of the files that the command writes, ".obj .ply"; NULL: any */
     const char *solid_suffixes; /* the same with --solid; NULL: takes none */

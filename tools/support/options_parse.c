@@ -158,6 +158,9 @@ static int parse_all(program *state, const command *which, int argument_count, c
         } else if ((which->groups & (unsigned)OPTION_CONVERT_COMMAND) != 0 && state->options.input != NULL &&
                    state->options.output_path == NULL) {
             state->options.output_path = arguments[i];
+        } else if ((which->groups & OPTION_DIFF_COMMAND) != 0 && state->options.input != NULL &&
+                   state->options.second_input == NULL) {
+            state->options.second_input = arguments[i];
         } else if (which->input_name == NULL || state->options.input != NULL) {
             return program_fail(state, PROGRAM_WRONG_USAGE, "unexpected argument '%s'", arguments[i]);
         } else {
@@ -266,7 +269,7 @@ const char *options_input_path(const options *given, size_t place)
 {
     const rule *option = options_rule(place);
     return is_given_at(given, place) && option->value_name != NULL && strcmp(option->value_name, "FILE") == 0 &&
-                   option->group != (unsigned)OPTION_OUTPUT
+                   option->group != (unsigned)OPTION_OUTPUT && option->group != OPTION_DIFF_COMMAND
                ? *(const char *const *)((const char *)given + option->offset)
                : NULL;
 }
@@ -281,7 +284,7 @@ int options_refuse(program *state, const char *const names[], const char *where)
     return PROGRAM_DONE;
 }
 
-int options_refuse_groups(program *state, unsigned groups, const char *where)
+int options_refuse_groups(program *state, uint64_t groups, const char *where)
 {
     for (size_t i = 0; options_rule(i) != NULL; ++i) {
         if (is_given_at(&state->options, i) && (options_rule(i)->group & groups) != 0) {
@@ -291,7 +294,7 @@ int options_refuse_groups(program *state, unsigned groups, const char *where)
     return PROGRAM_DONE;
 }
 
-int options_take_only(program *state, unsigned groups, const char *const names[], const char *where)
+int options_take_only(program *state, uint64_t groups, const char *const names[], const char *where)
 {
     for (size_t i = 0; options_rule(i) != NULL; ++i) {
         const bool is_taken = (options_rule(i)->group & (groups | (unsigned)OPTION_COMMON)) != 0;

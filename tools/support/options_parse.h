@@ -25,9 +25,9 @@ const char *options_input_path(const options *given, size_t place);
    Returns the exit code. */
 int options_refuse(program *state, const char *const names[], const char *where);
 /* The same of all options of some groups. */
-int options_refuse_groups(program *state, unsigned groups, const char *where);
+int options_refuse_groups(program *state, uint64_t groups, const char *where);
 /* Fails where another option is on the command line than those of the groups and the names. */
-int options_take_only(program *state, unsigned groups, const char *const names[], const char *where);
+int options_take_only(program *state, uint64_t groups, const char *const names[], const char *where);
 
 /* Prints a command's usage and options to standard output. */
 void options_print_help(const command *which);

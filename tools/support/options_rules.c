@@ -109,6 +109,17 @@ static int read_text(program *state, const rule *option, const char *value)
     return PROGRAM_DONE;
 }
 
+/* The hash that a tree is to have; upper case is the same. */
+static int read_hash(program *state, const rule *option, const char *value)
+{
+    const size_t digits = SVO_HASH_TEXT_BYTES - 1;
+    if (strlen(value) != digits || strspn(value, "0123456789abcdefABCDEF") != digits) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s '%s' is not a hash, which has %zu hexadecimal digits",
+                            option->name, value, digits);
+    }
+    return read_text(state, option, value);
+}
+
 static int read_count(program *state, const rule *option, const char *value)
 {
     errno = 0;
@@ -609,6 +620,10 @@ static const rule rules[] = {
      "also expand a compact form: descriptor, implied, shared, or all of them (none)"},
     {"nodes", '\0', OPTION_HASH_COMMAND, NULL, read_flag, FIELD(nodes), 0, 0, NULL,
      "hash only the nodes, without lists and payload"},
+    {"expect", '\0', OPTION_HASH_COMMAND, "HASH", read_hash, FIELD(expected_hash), 0, 0, NULL,
+     "fail with exit code 1 unless the hash is this one (any hash is right)"},
+    {"picture", '\0', OPTION_DIFF_COMMAND, "FILE", read_text, FIELD(output_path), 0, 0, NULL,
+     "PNG file to write: voxels of A alone in orange, of B alone in blue, with other payload in yellow (none)"},
     {"light", '\0', OPTION_HASH_COMMAND, "FORM", read_light, FIELD(light_form), 0, 0, light_forms,
      "hash the light of a sun and a lamp, stored as faces, bricks or voxels (the tree)"},
     {"vs", '\0', OPTION_BENCH_COMMAND, "NAME", read_choice, FIELD(versus), 0, 0, rivals,

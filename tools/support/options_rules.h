@@ -16,7 +16,7 @@ typedef struct rule rule;
 struct rule {
     const char *name;
     char letter; /* '\0': no short form */
-    unsigned group;
+    uint64_t group;
     const char *value_name; /* NULL: a flag; FILE and DIR are paths, LIST has commas */
     int (*read)(program *state, const rule *option, const char *value);
     size_t offset; /* of the field in options */

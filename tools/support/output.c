@@ -119,21 +119,22 @@ static int check_suffix(program *state, const command *which, const char *path)
 
 /* ---- standard output ---- */
 
-/* The path after -o leads to standard output: keeps that for the file. */
+/* The path of the command's file leads to standard output: keeps that for the file. */
 static int take_standard_output(program *state, enum option_output kind)
 {
     options *given = &state->options;
+    const char *option = (given->given_groups & OPTION_DIFF_COMMAND) != 0 ? "--picture" : "-o";
     if (kind == OPTION_OUTPUT_FOLDER) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "-o %s is standard output, a folder is needed",
+        return program_fail(state, PROGRAM_WRONG_USAGE, "%s %s is standard output, a folder is needed", option,
                             given->output_path);
     }
     if (given->json) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "--json and -o %s both write to standard output",
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--json and %s %s both write to standard output", option,
                             given->output_path);
     }
     if (kind == OPTION_OUTPUT_BYTES && isatty(STDOUT_FILENO)) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "-o %s writes bytes that no terminal shows, redirect them",
-                            given->output_path);
+        return program_fail(state, PROGRAM_WRONG_USAGE, "%s %s writes bytes that no terminal shows, redirect them",
+                            option, given->output_path);
     }
     given->output_path = "-";
     state->file_descriptor = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);

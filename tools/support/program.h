@@ -17,7 +17,13 @@
 #include "svocl/device.h"
 #include "svocl/status.h"
 
-enum { PROGRAM_DONE = 0, PROGRAM_FAILED = 1, PROGRAM_WRONG_USAGE = 2, PROGRAM_TRY_AGAIN = 75 /* as in sysexits.h */ };
+enum {
+    PROGRAM_DONE = 0,
+    PROGRAM_FAILED = 1,
+    PROGRAM_WRONG_USAGE = 2,
+    PROGRAM_DIFFERENT = 3, /* what a command that compares found: the program's exit code is 1, and 2 for failures */
+    PROGRAM_TRY_AGAIN = 75 /* as in sysexits.h */
+};
 
 #define PROGRAM_WARNINGS_KEPT 16
 #define PROGRAM_FAILURE_BYTES 2048
@@ -43,6 +49,7 @@ typedef struct program {
     char *warnings[PROGRAM_WARNINGS_KEPT];
     unsigned warning_count; /* all warnings, kept or not */
     program_devices devices; /* create NULL: the default */
+    bool compares; /* the command does */
     bool reads_mesh; /* so that JSON has the warnings as well */
     char last_failure[PROGRAM_FAILURE_BYTES]; /* the words of the last program_fail */
 } program;

@@ -64,6 +64,7 @@ static argument_kind kind_of(const command *which)
 {
     return which->input_name == NULL                    ? ARGUMENT_NONE
            : strcmp(which->input_name, "INPUT") == 0    ? ARGUMENT_INPUT
+           : strcmp(which->input_name, "A B") == 0      ? ARGUMENT_INPUT
            : strcmp(which->input_name, "FILE.svo") == 0 ? ARGUMENT_FILE
            : strcmp(which->input_name, "IN OUT") == 0   ? ARGUMENT_FILE
            : strcmp(which->input_name, "NAME") == 0     ? ARGUMENT_SCENE
@@ -275,6 +276,9 @@ static void put_zsh_argument(FILE *script, const program *state, const command *
     fputs("'", script);
     if (kind == ARGUMENT_SUBJECT) {
         fputs(" \\\n            '2:INPUT:_svocl_input'", script);
+    }
+    if ((which->groups & OPTION_DIFF_COMMAND) != 0) {
+        fputs(" \\\n            '2:B:_svocl_input'", script);
     }
     if ((which->groups & (unsigned)OPTION_CONVERT_COMMAND) != 0) {
         fputs(" \\\n            '2:OUT:_files'", script);

@@ -2,10 +2,31 @@
 /* svocl hash: the hash of a tree, of a light or of probes in it, alone on the last line. */
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 #include "support/job.h"
 #include "svocl/commands.h"
 #include "svocl/probes.h"
+
+/* Fails where --expect asks for another hash. */
+static int check_expected(program *state, const char *hash)
+{
+    const char *expected = state->options.expected_hash;
+    return expected == NULL || strcasecmp(expected, hash) == 0
+               ? PROGRAM_DONE
+               : program_fail(state, PROGRAM_FAILED, "%s: the hash is %s, and --expect is %s", state->options.input,
+                              hash, expected);
+}
+
+static int print_digits(program *state, const char *hash)
+{
+    const int exit_code = check_expected(state, hash);
+    if (exit_code == PROGRAM_DONE) {
+        progress_hide(state->progress);
+        puts(hash);
+    }
+    return exit_code;
+}
 
 /* done: NULL for a hashed file, where nothing was built. */
 static int print_hash(program *state, const svo_tree *tree, const job *done)
@@ -16,14 +37,13 @@ static int print_hash(program *state, const svo_tree *tree, const job *done)
     if (svo_tree_hash(tree, SVO_HASH_ALL, all) != SVO_OK || svo_tree_hash(tree, SVO_HASH_NODES, nodes) != SVO_OK) {
         return program_fail(state, PROGRAM_FAILED, "%s: the tree has no host arrays to hash", state->options.input);
     }
+    const char *asked = state->options.nodes ? nodes : all;
     if (!state->options.json) {
-        progress_hide(state->progress);
-        puts(state->options.nodes ? nodes : all);
-        return PROGRAM_DONE;
+        return print_digits(state, asked);
     }
     cJSON *document = json_document();
     json_add_text(document, "input", state->options.input);
-    json_add_text(document, "hash", state->options.nodes ? nodes : all);
+    json_add_text(document, "hash", asked);
     json_add_text(document, "scope", state->options.nodes ? "nodes" : "all");
     json_add_text(document, "nodes_hash", nodes);
     if (done != NULL) {
@@ -33,23 +53,23 @@ static int print_hash(program *state, const svo_tree *tree, const job *done)
         svo_tree_get_info(tree, &info);
         json_add_count(document, "depth", info.depth);
     }
-    return json_print(state, document);
+    const int exit_code = json_print(state, document);
+    return exit_code == PROGRAM_DONE ? check_expected(state, asked) : exit_code;
 }
 
 /* The hash of something in a tree, and with --json what is known of it. */
 static int print_hash_of(program *state, const char *text, const char *name, const char *value)
 {
     if (!state->options.json) {
-        progress_hide(state->progress);
-        puts(text);
-        return PROGRAM_DONE;
+        return print_digits(state, text);
     }
     cJSON *document = json_document();
     json_add_text(document, "input", state->options.input);
     json_add_text(document, "hash", text);
     json_add_text(document, name, value);
     cl_calls_add_kernels(document);
-    return json_print(state, document);
+    const int exit_code = json_print(state, document);
+    return exit_code == PROGRAM_DONE ? check_expected(state, text) : exit_code;
 }
 
 /* ---- light ---- */

@@ -143,10 +143,15 @@ static void put_subjects(FILE *page)
           page);
 }
 
-static void put_exit_status(FILE *page)
+/* compares: of a command that does. */
+static void put_exit_status(FILE *page, bool compares)
 {
     put_section(page, "EXIT STATUS");
-    fputs(".TP\n.B 0\nDone.\n.TP\n.B 1\nFailed; one line on standard error says why.\n.TP\n.B 2\nWrong usage.\n", page);
+    fputs(compares
+              ? ".TP\n.B 0\nEqual.\n.TP\n.B 1\nDifferent.\n.TP\n.B 2\nFailed, or wrong usage; one line on "
+                "standard error says why.\n"
+              : ".TP\n.B 0\nDone.\n.TP\n.B 1\nFailed; one line on standard error says why.\n.TP\n.B 2\nWrong usage.\n",
+          page);
 }
 
 /* of_lab: only those that svocl-lab runs. */
@@ -174,7 +179,7 @@ static void put_lab(FILE *page, const program *state)
                   "What svocl runs for the commands that check and measure, with the same arguments. It looks for "
                   "svocl-lab in its own folder, then along PATH.");
     put_commands(page, state, true);
-    put_exit_status(page);
+    put_exit_status(page, false);
     put_section(page, "SEE ALSO");
     fputs(".BR svocl (1)\n", page);
 }
@@ -196,7 +201,7 @@ static void put_program(FILE *page, const program *state)
     put_paragraph(page,
                   "--json prints JSON on standard output; its member version is the version of svocl. A byte of a "
                   "name that is not UTF-8 is shown as \\xNN.");
-    put_exit_status(page);
+    put_exit_status(page, false);
     put_section(page, "ENVIRONMENT");
     fputs(".TP\n.B TMPDIR\n", page);
     put_paragraph(page, "The folder for a mesh that comes through a pipe, /tmp by default.");
@@ -229,7 +234,7 @@ static void put_command(FILE *page, const command *which)
         put_subjects(page);
     }
     put_options(page, which);
-    put_exit_status(page);
+    put_exit_status(page, which->compares);
     put_section(page, "EXAMPLES");
     put_examples(page, which);
     put_section(page, "SEE ALSO");

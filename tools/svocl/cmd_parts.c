@@ -18,7 +18,7 @@
 #define SUFFIX ".parts"
 
 /* Refuses what an action does not take. */
-static int take_only(program *state, unsigned groups, const char *const names[])
+static int take_only(program *state, uint64_t groups, const char *const names[])
 {
     char where[32];
     (void)snprintf(where, sizeof where, "to parts %s", state->options.subject);
@@ -214,7 +214,7 @@ static int remove_folder(program *state)
 static const struct {
     const char *name;
     int (*run)(program *state, const svo_parts *parts);
-    unsigned groups;
+    uint64_t groups;
     const char *names[3];
 } actions[] = {{"build", build_parts_of, OPTION_DEVICE | OPTION_METHODS, {"part", "max-memory", NULL}},
                {"status", status, OPTION_JSON, {NULL}},

@@ -11,6 +11,7 @@ int command_build(program *state);
 int command_info(program *state);
 int command_kernels(program *state);
 int command_hash(program *state);
+int command_diff(program *state);
 int command_convert(program *state);
 int command_render(program *state);
 int command_export_web(program *state);

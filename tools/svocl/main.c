@@ -30,7 +30,8 @@ static void print_help(const program *state)
         printf("%s%s", i == 0 ? " " : ", ", scene_describe(i)->name);
     }
     puts(".\n\nOptions of a command, with their defaults in parentheses: svocl COMMAND --help\n"
-         "Exit code: 0 done, 1 failed, 2 wrong usage");
+         "Exit code: 0 done, 1 failed, 2 wrong usage\n"
+         "Exit code of diff: 0 equal, 1 different, 2 failed or wrong usage");
 }
 
 static int run_lab(program *state, char **arguments)
@@ -43,14 +44,23 @@ static int run_lab(program *state, char **arguments)
 int main(int argument_count, char **arguments)
 {
     static const dispatch_runner runners[] = {
-        {"devices", command_devices}, {"scene", command_scene},
-        {"build", command_build},     {"parts", command_parts},
-        {"info", command_info},       {"hash", command_hash},
-        {"convert", command_convert}, {"render", command_render},
-        {"view", command_view},       {"export-web", command_export_web},
-        {"trace", command_trace},     {"gather", command_gather},
-        {"kernels", command_kernels}, {"completion", command_completion},
-        {"man", command_man},         {NULL, NULL},
+        {"devices", command_devices},
+        {"scene", command_scene},
+        {"build", command_build},
+        {"parts", command_parts},
+        {"info", command_info},
+        {"hash", command_hash},
+        {"diff", command_diff},
+        {"convert", command_convert},
+        {"render", command_render},
+        {"view", command_view},
+        {"export-web", command_export_web},
+        {"trace", command_trace},
+        {"gather", command_gather},
+        {"kernels", command_kernels},
+        {"completion", command_completion},
+        {"man", command_man},
+        {NULL, NULL},
     };
     static const dispatch_program self = {.name = "svocl",
                                           .runners = runners,

@@ -1,0 +1,38 @@
+# svocl_add_hash_test(NAME name INPUT input HASH hash [OPTIONS option...])
+#
+# Adds a test of CTest: `svocl hash INPUT OPTIONS --expect HASH`. It fails where the tree has another hash, and says
+# which. INPUT is what `svocl hash` takes: a file, relative to the current source folder, or scene:NAME. The program is
+# SVOCL_PROGRAM if that is set, else that of this build or installation, else one on PATH. find_package(svocl) loads
+# this file, with any components.
+set_property(GLOBAL PROPERTY svocl_prefix "${PACKAGE_PREFIX_DIR}")
+
+function(svocl_add_hash_test)
+  cmake_parse_arguments(PARSE_ARGV 0 of "" "NAME;INPUT;HASH" "OPTIONS")
+  foreach(argument IN ITEMS NAME INPUT HASH)
+    if(NOT of_${argument})
+      message(FATAL_ERROR "svocl_add_hash_test: ${argument} is missing")
+    endif()
+  endforeach()
+  if(of_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "svocl_add_hash_test(${of_NAME}): unknown arguments ${of_UNPARSED_ARGUMENTS}")
+  endif()
+  string(LENGTH "${of_HASH}" digits)
+  if(NOT digits EQUAL 32 OR NOT of_HASH MATCHES "^[0-9A-Fa-f]+$")
+    message(FATAL_ERROR "svocl_add_hash_test(${of_NAME}): HASH '${of_HASH}' is not 32 hexadecimal digits")
+  endif()
+  if(NOT of_INPUT MATCHES "^(scene:|[$]<)")
+    get_filename_component(of_INPUT "${of_INPUT}" ABSOLUTE)
+  endif()
+  set(program "${SVOCL_PROGRAM}")
+  if(NOT program AND TARGET svocl_program)
+    set(program $<TARGET_FILE:svocl_program>)
+  elseif(NOT program)
+    get_property(prefix GLOBAL PROPERTY svocl_prefix)
+    find_program(SVOCL_PROGRAM svocl HINTS "${prefix}/bin")
+    set(program "${SVOCL_PROGRAM}")
+  endif()
+  if(NOT program)
+    message(FATAL_ERROR "svocl_add_hash_test(${of_NAME}): the program svocl is not found; set SVOCL_PROGRAM to its path")
+  endif()
+  add_test(NAME "${of_NAME}" COMMAND "${program}" hash "${of_INPUT}" ${of_OPTIONS} --expect "${of_HASH}")
+endfunction()
