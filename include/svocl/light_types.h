@@ -12,20 +12,22 @@
 #define SVO_SOURCE_DIRECTIONAL 0u /**< svo_light_source.kind: parallel light; value is its irradiance E */
 #define SVO_SOURCE_POINT       1u /**< svo_light_source.kind: value is its intensity I, per unit of solid angle */
 #define SVO_SOURCE_SPOT        2u /**< svo_light_source.kind: a point source within a cone; value is I on its axis */
+#define SVO_SOURCE_DISK        3u /**< svo_light_source.kind: a flat disk, shines to one side; value is I on its axis */
 
 /** A source of light, in world coordinates and linear units. Between its angles a spot has the share s^2 (3 - 2 s) of
- *  its value, where s goes from 1 to 0 with the cosine of the angle from the axis. 64 bytes. */
+ *  its value, where s goes from 1 to 0 with the cosine of the angle from the axis. A disk has the cosine of the angle
+ *  from its axis as its share, as a panel of one radiance does. 64 bytes. */
 SVO_RECORD(svo_light_source)
 {
     SVO_U32 kind; /**< 0: SVO_SOURCE_* */
-    SVO_F32 position[3]; /**< 4: point and spot */
-    SVO_F32 direction[3]; /**< 16: directional and spot: where the light goes, any length above 0 */
+    SVO_F32 position[3]; /**< 4: all but directional */
+    SVO_F32 direction[3]; /**< 16: all but point: where the light goes, any length above 0 */
     SVO_F32 value[3]; /**< 28: red, green, blue, not negative */
     SVO_F32 inner_angle; /**< 40: spot: radians from the axis up to which it has its full value */
     SVO_F32 outer_angle; /**< 44: spot: radians at which it ends, above inner_angle and below pi / 2 */
     /** 48: 0, or the source's size, which shadows show: of a point or spot the radius of a ball around its position,
-     *  world units; of a directional one radians from its axis, below pi / 2. Rays honor it; photons leave its middle.
-     *  Outside a ball, value is what it is without a size. Places inside see a point. */
+     *  world units; of a disk its own; of a directional source radians from its axis, below pi / 2. Rays honor it;
+     *  photons leave its middle. Outside a ball, value is what it is without a size. Places inside see a point. */
     SVO_F32 radius;
     SVO_U32 reserved[3]; /**< 52: zero */
 };

@@ -35,7 +35,7 @@ svo_k_light_rays(__global const svo_photon_weight *weights, __global svo_ray *ra
     svo_set_ray(rays + item, origin, direction, weights[item].flux != 0u);
 }
 
-/* Whether a spot shines along a vector. */
+/* Whether a spot or a disk shines along a vector. */
 static bool svo_is_in_spot(const svo_light_source *source, float3 along, float outer_cosine)
 {
     const float3 axis = svo_view_vector(source->direction);
@@ -62,7 +62,7 @@ svo_k_unmet_rays(__global const uchar *child_mask, __global const uint *first_ch
     if (source.kind == SVO_SOURCE_DIRECTIONAL) {
         direction = normalize(svo_view_vector(source.direction));
         origin = center - params.reach * direction;
-    } else if (source.kind == SVO_SOURCE_SPOT) {
+    } else if (source.kind >= SVO_SOURCE_SPOT) {
         shot = shot && svo_is_in_spot(&source, direction, params.outer_cosine);
     }
     svo_set_ray(rays + item, origin, direction, shot);

@@ -55,10 +55,10 @@ static svo_status check_source(const svo_light *light, size_t index, const svo_l
 {
     const bool has_position = source->kind != SVO_SOURCE_DIRECTIONAL;
     const bool has_direction = source->kind != SVO_SOURCE_POINT;
-    if (source->kind > SVO_SOURCE_SPOT) {
+    if (source->kind > SVO_SOURCE_DISK) {
         return svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT,
                                  "%s: setup.sources[%zu].kind %u is not in 0 .. %u", set_sources, index, source->kind,
-                                 SVO_SOURCE_SPOT);
+                                 SVO_SOURCE_DISK);
     }
     SVO_I_TRY(check_values(light, "sources", index, "value", source->value, 3, false));
     SVO_I_TRY(check_values(light, "sources", index, "position", source->position, has_position ? 3 : 0, true));

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * From a source to pixels. Parallel light has a rectangle across its direction; a point source the faces of a cube
- * around it, a spot one face or, if it is wide, several. Rectangles are cut to what they see of the box.
+ * around it, a spot one face or, if it is wide, several; a disk those of a spot of 90 degrees, from its middle.
+ * Rectangles are cut to what they see of the box.
  *
  * The flux of a pixel is its irradiance times its area, or intensity times solid angle: dx dy (1 + x^2 + y^2)^-1.5 at
  * its center. (Differences of arctangents, the exact solid angle, lose all digits of a float.)
@@ -249,7 +250,8 @@ static uint32_t view_spot(const svo_light_source *source, const svo_i_lit_box *b
 {
     face faces[5];
     double forward[3];
-    const double outer_cosine = svo_i_plain_cosine(source->outer_angle);
+    const bool is_disk = source->kind == SVO_SOURCE_DISK;
+    const double outer_cosine = is_disk ? 0 : svo_i_plain_cosine(source->outer_angle);
     load(source->direction, forward);
     (void)svo_i_normalize(forward, forward);
     const uint32_t face_count = list_spot_faces(forward, outer_cosine, faces);
@@ -257,7 +259,8 @@ static uint32_t view_spot(const svo_light_source *source, const svo_i_lit_box *b
     for (uint32_t i = 0; i < face_count; ++i) {
         svo_i_light_view *view = &views[count];
         if (view_face(source, &faces[i], box, resolution, view)) {
-            view->is_spot = true;
+            view->has_axis = true;
+            view->is_disk = is_disk;
             view->axis[0] = dot(forward, faces[i].right);
             view->axis[1] = dot(forward, faces[i].up);
             view->axis[2] = dot(forward, faces[i].forward);
@@ -287,9 +290,12 @@ uint32_t svo_i_light_views(const svo_light_source *source, const svo_i_lit_box *
 
 /* ---- weights ---- */
 
-/* A spot's share by the cosine from its axis: 1 inside, 0 outside, smooth between. */
-static double spot_share(const svo_i_light_view *view, double cosine)
+/* The share of a spot by the cosine from its axis: 1 inside, 0 outside, smooth between; of a disk. */
+static double share_of(const svo_i_light_view *view, double cosine)
 {
+    if (view->is_disk) {
+        return cosine < 0 ? 0 : cosine;
+    }
     const double at = (cosine - view->outer_cosine) / (view->inner_cosine - view->outer_cosine);
     const double share = at < 0 ? 0 : at > 1 ? 1 : at;
     return share * share * (3 - 2 * share);
@@ -307,7 +313,7 @@ static double weigh(const svo_i_light_view *view, uint32_t column, uint32_t row,
     const double squared = 1 + x * x + y * y;
     *inverse_length = 1 / sqrt(squared);
     const double share =
-        view->is_spot ? spot_share(view, (view->axis[0] * x + view->axis[1] * y + view->axis[2]) * *inverse_length) : 1;
+        view->has_axis ? share_of(view, (view->axis[0] * x + view->axis[1] * y + view->axis[2]) * *inverse_length) : 1;
     return share * *inverse_length / squared;
 }
 

@@ -24,8 +24,8 @@ typedef struct svo_i_light_view {
     uint32_t photon_count; /* of whole tiles */
     double middle[2]; /* of a point source: x and y at the rectangle's middle, where the depth is 1 */
     double half[2]; /* half a pixel */
-    bool is_spot;
-    double axis[3]; /* of a spot, on the view's right, up and forward */
+    bool has_axis, is_disk; /* of a spot or a disk; of a disk */
+    double axis[3]; /* of these, on the view's right, up and forward */
     double inner_cosine, outer_cosine;
     double pixel; /* area of a pixel; of a point source where the depth is 1 */
 } svo_i_light_view;

@@ -441,6 +441,13 @@ static void lights_with_a_size_have_soft_shadows(void **state)
     const double squared = 20 * 20 + 20 * 20;
     const double expected = 400 / squared * (20 * radius / sqrt(squared)) * 2 / (3 * PI);
     assert_near("half a ball", trace_point(state, &how, beside).direct[0], expected, 0.08 * expected);
+    /* A disk over a floor, at its middle and behind. */
+    svo_light_source disk = {
+        .kind = SVO_SOURCE_DISK, .position = {-20, 3, 0}, .direction = {0, -5, 0}, .value = {25, 25, 25}, .radius = 4};
+    how.setup.sources = &disk;
+    assert_near("disk", trace_point(state, &how, point_at(-20, 0, 0)).direct[0], 1, 0.02);
+    disk.direction[1] = 5;
+    assert_near("behind a disk", trace_point(state, &how, point_at(-20, 0, 0)).direct[0], 0, 0);
     free_shape(&shade);
 }
 

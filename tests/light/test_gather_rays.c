@@ -414,6 +414,50 @@ static void a_ball_shines_like_its_middle(void **state)
     cone_scene_free(scene);
 }
 
+/* A disk over a floor that it is parallel to (Howell, "A Catalog of Radiation Heat Transfer Configuration Factors",
+   B-13); dark above it; and, as small as a point, the cosine's square over the squared distance. */
+static void disks_shine_to_one_side(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const double height = 20;
+    const double radius = 16;
+    svo_light_source disk = {.kind = SVO_SOURCE_DISK,
+                             .position = {64, 64, 64},
+                             .direction = {0, 0, -2},
+                             .value = {1000, 1000, 1000},
+                             .radius = (float)radius};
+    const svo_light_setup setup = {.struct_size = sizeof setup, .sources = &disk, .source_count = 1};
+    const svo_gather_options options = by_rays(16, 1);
+    cone_scene *scene = cone_scene_new(DEPTH, 8);
+    cone_scene_add_quad(scene, (const double[3]){-60, -60, -20}, (const double[3]){120, 0, 0},
+                        (const double[3]){0, 120, 0});
+    for (int i = 0; i < 12; ++i) {
+        cone_scene_add_point(scene, (const double[3]){4.0 * i, 0, -height}, up, 0);
+    }
+    cone_scene_add_point(scene, (const double[3]){3, 3, 20}, (const double[3]){0, 0, -1}, 0);
+    svo_tree *tree = cone_scene_build(&opened, scene, SVO_NEED_NORMAL | SVO_NEED_RAYS);
+    svo_light *light = light_of(&opened, tree, SVO_LIGHT_FACES);
+    for (int size = 0; size < 2; ++size) {
+        disk.radius = size > 0 ? (float)radius : 0;
+        light_succeed(&opened, svo_light_set_sources(light, &setup, opened.queue));
+        cone_scene_gather(&opened, scene, light, &options);
+        for (int i = 0; i < 12; ++i) {
+            const double squared = height * height + 16.0 * i * i;
+            const double sum = squared + radius * radius;
+            const double factor =
+                (1 - (squared - radius * radius) / sqrt(sum * sum - 4 * 16.0 * i * i * radius * radius)) / 2;
+            const double expected =
+                1000 * (size > 0 ? factor / (radius * radius) : height * height / (squared * squared));
+            check_near("a disk's light", (double)scene->results[i].direct[1], expected,
+                       (size > 0 ? 0.02 : 1e-4) * expected);
+        }
+        check_near("behind the disk", (double)scene->results[12].direct[1], 0, 0);
+    }
+    svo_light_destroy(&light);
+    svo_tree_destroy(&tree);
+    cone_scene_free(scene);
+}
+
 /* What cones gather costs a ray to each source besides, with a reflection too: none of a lobe that nobody asked for. */
 static void cones_have_a_ray_to_each_source(void **state)
 {
@@ -618,13 +662,21 @@ static void voxels_are_met_too(void **state)
 TEST_GROUP(gather_rays)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(openings_have_their_share),      cmocka_unit_test(closed_rooms_are_closed),
-        cmocka_unit_test(range_and_falloff_count),        cmocka_unit_test(furnaces_have_their_radiance),
-        cmocka_unit_test(emitters_light_what_they_face),  cmocka_unit_test(panes_let_their_share_through),
-        cmocka_unit_test(sources_light_directly),         cmocka_unit_test(sources_with_a_size_have_soft_shadows),
-        cmocka_unit_test(a_ball_shines_like_its_middle),  cmocka_unit_test(cones_have_a_ray_to_each_source),
-        cmocka_unit_test(few_paths_find_small_lamps),     cmocka_unit_test(errors_are_estimated),
-        cmocka_unit_test(points_do_not_depend_on_others), cmocka_unit_test(voxels_are_met_too),
+        cmocka_unit_test(openings_have_their_share),
+        cmocka_unit_test(closed_rooms_are_closed),
+        cmocka_unit_test(range_and_falloff_count),
+        cmocka_unit_test(furnaces_have_their_radiance),
+        cmocka_unit_test(emitters_light_what_they_face),
+        cmocka_unit_test(panes_let_their_share_through),
+        cmocka_unit_test(sources_light_directly),
+        cmocka_unit_test(sources_with_a_size_have_soft_shadows),
+        cmocka_unit_test(a_ball_shines_like_its_middle),
+        cmocka_unit_test(disks_shine_to_one_side),
+        cmocka_unit_test(cones_have_a_ray_to_each_source),
+        cmocka_unit_test(few_paths_find_small_lamps),
+        cmocka_unit_test(errors_are_estimated),
+        cmocka_unit_test(points_do_not_depend_on_others),
+        cmocka_unit_test(voxels_are_met_too),
     };
     return cmocka_run_group_tests_name("gather_rays", tests, fixture_group_setup, fixture_group_teardown);
 }

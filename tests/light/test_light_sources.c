@@ -215,7 +215,8 @@ static void test_bad_setups_are_refused(void **state)
 {
     const fixture opened = fixture_cl_of_group(state);
     const refusal refusals[] = {
-        {ONE_SOURCE(.kind = 3), "setup.sources[0].kind 3 is not in 0 .. 2"},
+        {ONE_SOURCE(.kind = 4), "setup.sources[0].kind 4 is not in 0 .. 3"},
+        {ONE_SOURCE(.kind = 3), "setup.sources[0].direction is zero"},
         {ONE_SOURCE(.kind = 1, .value = {0, -2, 0}), "setup.sources[0].value -2 is negative"},
         {ONE_SOURCE(.kind = 1, .value = {NAN, 0, 0}), "setup.sources[0].value nan is not finite"},
         {ONE_SOURCE(.kind = 1, .position = {0, 0, INFINITY}), "setup.sources[0].position inf is not finite"},

@@ -98,6 +98,17 @@ static void test_spots_have_the_flux_of_their_cone(void **state)
     }
 }
 
+/* The integral of the cosine over a hemisphere is pi. */
+static void test_disks_have_the_flux_of_their_cosine(void **state)
+{
+    (void)state;
+    const svo_light_source source = {
+        .kind = SVO_SOURCE_DISK, .position = {0.5F, 0.5F, 0.5F}, .direction = {0.3F, -2.0F, 0.7F}, .radius = 0.2F};
+    uint64_t shot = 0;
+    assert_near(sum_source(&source, &unit_box, 512, &shot), PI, PI * 2e-4, "disk");
+    assert_true(shot > 0);
+}
+
 static void test_parallel_light_covers_the_box(void **state)
 {
     (void)state;
@@ -217,6 +228,7 @@ TEST_GROUP(light_view)
         cmocka_unit_test(test_cosine_is_the_library_s),
         cmocka_unit_test(test_faces_of_a_cube_sum_to_the_sphere),
         cmocka_unit_test(test_spots_have_the_flux_of_their_cone),
+        cmocka_unit_test(test_disks_have_the_flux_of_their_cosine),
         cmocka_unit_test(test_parallel_light_covers_the_box),
         cmocka_unit_test(test_each_point_of_the_box_has_a_pixel),
         cmocka_unit_test(test_bands_do_not_matter),

@@ -30,7 +30,7 @@ static void a_wrong_file_is_one_line_with_its_place(void **state)
         {"{\"lights\": [\n7]}", "lights.json:2: a light is not an object"},
         {"{\"lights\": [\n{\"value\": [1, 1, 1]}]}", "lights.json:2: 'kind' of a light is missing or not a text"},
         {"{\"lights\": [{\n\"kind\": \"spott\"}]}",
-         "lights.json:2: kind 'spott' of a light is none of directional, point, spot, did you mean 'spot'?"},
+         "lights.json:2: kind 'spott' of a light is none of directional, point, spot, disk, did you mean 'spot'?"},
         {"{\"lights\": [{\"kind\": \"point\",\n\"direction\": [0, 1, 0]}]}",
          "lights.json:2: key 'direction' of a point light is none of kind, position, value, radius"},
         {"{\"lights\": [\n{\"kind\": \"point\", \"value\": [1, 1, 1]}]}",
@@ -56,6 +56,9 @@ static void a_wrong_file_is_one_line_with_its_place(void **state)
         {"{\"lights\": [{\"kind\": \"directional\", \"direction\": [0, 1, 0], \"value\": [1, 1, 1],\n"
          "\"angular_radius\": 90}]}",
          "lights.json:2: 'angular_radius' is not a number of degrees within 0 .. 89.9"},
+        {"{\"lights\": [{\"kind\": \"disk\", \"position\": [0, 0, 0], \"value\": [1, 1, 1],\n"
+         "\"inner_angle\": 1}]}",
+         "lights.json:2: key 'inner_angle' of a disk light is none of kind, position, direction, value, radius"},
         {"{\n\"sky\": [0, 0, -1]}", "lights.json:2: number 3 of 'sky' is -1, below 0"},
         {"{\n\"camera\": {\"eye\": [0, 0, 1]}}", "lights.json:2: 'camera' has no 'at'"},
         {"{\"camera\": {\"eye\": [0, 0, 1],\n\"target\": [0, 0, 0]}}",

@@ -809,7 +809,7 @@ static void test_saved_lights_are_read_again(void **unused)
     state->is_scene = false;
     history_begin(state);
     for (uint32_t i = 0; i < 60; ++i) {
-        assert_true(light_edit_add(state, i % 3));
+        assert_true(light_edit_add(state, i % 4));
         svo_light_source *source = &state->sources[i];
         source->value[0] = random_within(&seed, 0, 9);
         source->radius = i < 30 ? 0 : random_within(&seed, 0.01F, 1.5F);

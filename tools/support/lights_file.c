@@ -133,19 +133,37 @@ static int read_spot(const json_source *source, const cJSON *object, svo_light_s
     return exit_code;
 }
 
+static int read_disk(const json_source *source, const cJSON *object, svo_light_source *out)
+{
+    static const char *const keys[] = {"kind", "position", "direction", "value", "radius", NULL};
+    static const char what[] = "a disk light";
+    int exit_code = json_source_check_keys(source, object, what, keys);
+    out->kind = SVO_SOURCE_DISK;
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = read_vector(source, object, what, "position", out->position);
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = read_direction(source, object, what, "direction", out->direction);
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = read_radius(source, object, &out->radius);
+    }
+    return exit_code == PROGRAM_DONE ? sky_file_color(source, object, what, "value", out->value) : exit_code;
+}
+
 static int read_light(const json_source *source, const cJSON *object, svo_light_source *out)
 {
     static const struct {
         const char *name;
         int (*read)(const json_source *source, const cJSON *object, svo_light_source *out);
-    } kinds[] = {{"directional", read_directional}, {"point", read_point}, {"spot", read_spot}};
+    } kinds[] = {{"directional", read_directional}, {"point", read_point}, {"spot", read_spot}, {"disk", read_disk}};
     if (!cJSON_IsObject(object)) {
         return json_source_fail(source, object, "a light is not an object");
     }
     const cJSON *kind = member(object, "kind");
     if (!cJSON_IsString(kind)) {
         return json_source_fail(source, kind != NULL ? kind : object,
-                                "'kind' of a light is missing or not a text: directional, point or spot");
+                                "'kind' of a light is missing or not a text: directional, point, spot or disk");
     }
     suggestion near = suggestion_begin(kind->valuestring, strlen(kind->valuestring));
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; ++i) {
@@ -154,7 +172,7 @@ static int read_light(const json_source *source, const cJSON *object, svo_light_
         }
         suggestion_offer(&near, kinds[i].name);
     }
-    return json_source_fail(source, kind, "kind '%s' of a light is none of directional, point, spot%s",
+    return json_source_fail(source, kind, "kind '%s' of a light is none of directional, point, spot, disk%s",
                             kind->valuestring, suggestion_end(&near).text);
 }
 

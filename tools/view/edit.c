@@ -241,11 +241,12 @@ bool light_edit_add(view_state *state, uint32_t kind)
     svo_light_source source = {.kind = kind, .value = {value, 0.95F * value, 0.88F * value}};
     for (int i = 0; i < 3; ++i) {
         source.position[i] = camera->eye[i] + 0.5F * away * seen.away[i] + 0.25F * away * seen.up[i];
-        source.direction[i] = kind == SVO_SOURCE_SPOT ? camera->target[i] - source.position[i]
+        source.direction[i] = kind >= SVO_SOURCE_SPOT ? camera->target[i] - source.position[i]
                                                       : 0.4F * seen.away[i] - 0.3F * seen.right[i] - seen.up[i];
     }
     source.inner_angle = kind == SVO_SOURCE_SPOT ? 0.35F : 0;
     source.outer_angle = kind == SVO_SOURCE_SPOT ? 0.5F : 0;
+    source.radius = kind == SVO_SOURCE_DISK ? 0.05F * away : 0;
     return view_add_source(state, &source);
 }
 

@@ -553,9 +553,9 @@ static void put_angle(writer *to, const char *name, float radians)
 
 static void put_source(writer *to, const svo_light_source *source)
 {
-    static const char *const kinds[] = {"directional", "point", "spot"};
+    static const char *const kinds[] = {"directional", "point", "spot", "disk"};
     put(to, "    {\"kind\": ");
-    put_quoted(to, kinds[source->kind <= SVO_SOURCE_SPOT ? source->kind : SVO_SOURCE_DIRECTIONAL]);
+    put_quoted(to, kinds[source->kind <= SVO_SOURCE_DISK ? source->kind : SVO_SOURCE_DIRECTIONAL]);
     if (source->kind != SVO_SOURCE_DIRECTIONAL) {
         put(to, ", ");
         put_floats(to, "position", source->position, 3);

@@ -176,7 +176,7 @@ void panels_motion(ui *toolkit, view_state *state)
 /* The lowest and highest elevation: straight down has no direction around. */
 #define STEEP 89.5F
 
-static const char *const kinds[] = {"sun", "point", "spot"};
+static const char *const kinds[] = {"sun", "point", "spot", "disk"};
 
 static bool edit_direction(ui *toolkit, const view_state *state, float direction[3])
 {
@@ -212,7 +212,7 @@ static bool edit_cone(ui *toolkit, svo_light_source *source)
 static bool edit_kind(ui *toolkit, svo_light_source *source)
 {
     int kind = (int)source->kind;
-    if (!ui_choice(toolkit, "Kind", kinds, 3, &kind)) {
+    if (!ui_choice(toolkit, "Kind", kinds, 4, &kind)) {
         return false;
     }
     source->kind = (uint32_t)kind;
@@ -232,7 +232,7 @@ static bool edit_size(ui *toolkit, svo_light_source *source)
 {
     if (source->kind != SVO_SOURCE_DIRECTIONAL) {
         const bool changed = ui_numbers(toolkit, "Radius", &source->radius, 1, 0.01F, "%.2f");
-        ui_tooltip(toolkit, "Of a ball around the position. Its shadows have a soft edge.");
+        ui_tooltip(toolkit, "Of a ball around the position, or of the disk. Shadows have a soft edge.");
         source->radius = fmaxf(source->radius, 0);
         return changed;
     }
@@ -273,7 +273,7 @@ static void list_sources(ui *toolkit, view_state *state)
     char text[64];
     for (size_t i = 0; i < state->source_count; ++i) {
         const uint32_t kind = state->sources[i].kind;
-        (void)snprintf(text, sizeof text, "%zu  %s", i, kinds[kind < 3 ? kind : 0]);
+        (void)snprintf(text, sizeof text, "%zu  %s", i, kinds[kind < 4 ? kind : 0]);
         ui_push(toolkit, (int)i);
         if (ui_item(toolkit, text, i == state->source)) {
             state->source = i;
@@ -284,9 +284,9 @@ static void list_sources(ui *toolkit, view_state *state)
 
 static void describe_sources(ui *toolkit, view_state *state)
 {
-    static const char *const added[] = {"+ sun", "+ point", "+ spot"};
+    static const char *const added[] = {"+ sun", "+ point", "+ spot", "+ disk"};
     static const char *const removed[] = {"Remove"};
-    const int add = ui_buttons(toolkit, added, 3);
+    const int add = ui_buttons(toolkit, added, 4);
     if (add >= 0) {
         (void)light_edit_add(state, (uint32_t)add);
     }

@@ -126,7 +126,7 @@ function sourceUniforms(tree) {
     sky: tree.sky,
     sourceCount: tree.sources.length,
     sourcePlace: pack(source => [...cells(source.position), source.kind]),
-    sourceDirection: pack(source => [...(isFar(source) || source.kind === 2 ? normalize(source.direction) : [0, 0, 0]),
+    sourceDirection: pack(source => [...(isFar(source) || source.kind >= 2 ? normalize(source.direction) : [0, 0, 0]),
       source.kind === 2 ? Math.cos(source.outer) : unlimited[0]]),
     sourceValue: pack(source => [...scale(source.value, isFar(source) ? 1 : 1 / tree.edge ** 2),
       source.kind === 2 ? Math.cos(source.inner) : unlimited[1]])

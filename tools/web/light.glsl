@@ -7,6 +7,7 @@
 
 #define SOURCES_MAX 16
 #define SOURCE_FAR  0.0 /* kind: all its light comes from one direction */
+#define SOURCE_DISK 3.0 /* kind: shines by the cosine from its axis */
 #define PI          3.14159265
 
 uniform vec3 sun; /* towards it; unit */
@@ -170,8 +171,10 @@ vec3 irradianceBy(int source, vec3 point, vec3 normal, float nodeWidth)
     float squared = max(dot(to, to), 1e-20);
     float away = sqrt(squared);
     float facing = dot(normal, to) / away;
+    float cosine = -dot(direction.xyz, to) / away;
     float share = place.w == SOURCE_FAR ? 1.0
-        : smoothstep(direction.w, sourceValue[source].w, -dot(direction.xyz, to) / away) / squared;
+        : (place.w == SOURCE_DISK ? max(cosine, 0.0)
+                                  : smoothstep(direction.w, sourceValue[source].w, cosine)) / squared;
     Hit blocker;
     float range = place.w == SOURCE_FAR ? FAR : away - 2.0 * nodeWidth; /* the lamp's own voxels are not in its way */
     if (facing * share <= 0.0 || castRay(Ray(point, to / away, 0.0, range, uvec2(0, 1)), blocker)) {

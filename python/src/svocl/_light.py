@@ -26,16 +26,16 @@ class LightSource(NamedTuple):
     value: tuple[float, float, float]
     """Red, green, blue, not negative: irradiance of SourceKind.DIRECTIONAL, intensity of the others."""
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Of SourceKind.POINT and SourceKind.SPOT."""
+    """Of all but SourceKind.DIRECTIONAL."""
     direction: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Of SourceKind.DIRECTIONAL and SourceKind.SPOT: where the light goes, any length above 0."""
+    """Of all but SourceKind.POINT: where the light goes, any length above 0."""
     inner_angle: float = 0.0
     """Of SourceKind.SPOT: radians from the axis up to which it has its full value."""
     outer_angle: float = 0.0
     """Of SourceKind.SPOT: radians at which it ends, above inner_angle and below pi / 2."""
     radius: float = 0.0
-    """Its size, which shadows show: of a ball around its position, world units; of SourceKind.DIRECTIONAL radians from
-    its axis, below pi / 2. Photons leave its middle."""
+    """Its size, which shadows show: of a ball around its position or of a disk, world units; of SourceKind.DIRECTIONAL
+    radians from its axis, below pi / 2. Photons leave its middle."""
 
 
 def make_gather_points(

@@ -49,6 +49,9 @@ bool path_source_view(const svo_light_source *source, vector3 place, source_view
     view->strength = 1 / vector_dot(towards, towards);
     if (source->kind == SVO_SOURCE_SPOT) {
         view->strength *= spot_share(source, view->direction);
+    } else if (source->kind == SVO_SOURCE_DISK) {
+        const vector3 axis = vector_normalize(vector_of(source->direction));
+        view->strength *= fmax(-vector_dot(axis, view->direction), 0);
     }
     return view->strength > 0;
 }
@@ -129,6 +132,17 @@ static vector3 turn_to(vector3 normal, vector3 local)
 
 void path_source_spread(const svo_light_source *source, const double chosen[2], source_view *view)
 {
+    const double turn = 2 * PI * chosen[1];
+    if (source->kind == SVO_SOURCE_DISK) {
+        const double aside = (double)source->radius * sqrt(chosen[0]);
+        const vector3 axis = vector_normalize(vector_of(source->direction));
+        const vector3 across = turn_to(axis, vector(aside * cos(turn), aside * sin(turn), 0));
+        const vector3 towards = vector_add(vector_scale(view->direction, view->distance), across);
+        view->strength *= pow(view->distance / vector_length(towards), 3); /* the cosine over the squared distance */
+        view->distance = vector_length(towards);
+        view->direction = vector_normalize(towards);
+        return;
+    }
     const bool is_far = source->kind == SVO_SOURCE_DIRECTIONAL;
     const double size = is_far ? sin((double)source->radius) : (double)source->radius / view->distance;
     if (!(size < 1)) {
@@ -136,7 +150,6 @@ void path_source_spread(const svo_light_source *source, const double chosen[2], 
     }
     const double sine = size * sqrt(chosen[0]);
     const double cosine = sqrt(1 - sine * sine);
-    const double turn = 2 * PI * chosen[1];
     view->direction = turn_to(view->direction, vector(sine * cos(turn), sine * sin(turn), cosine));
     view->distance *= cosine - (is_far ? 0 : sqrt(size * size - sine * sine));
     view->strength /= cosine;
