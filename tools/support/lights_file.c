@@ -86,14 +86,16 @@ static int read_directional(const json_source *source, const cJSON *object, svo_
     return exit_code == PROGRAM_DONE ? sky_file_color(source, object, what, "value", out->value) : exit_code;
 }
 
-static int read_point(const json_source *source, const cJSON *object, svo_light_source *out)
+/* What lights with a place have. turns: a direction too. */
+static int read_placed(const json_source *source, const cJSON *object, const char *what, const char *const keys[],
+                       bool turns, svo_light_source *out)
 {
-    static const char *const keys[] = {"kind", "position", "value", "radius", NULL};
-    static const char what[] = "a point light";
     int exit_code = json_source_check_keys(source, object, what, keys);
-    out->kind = SVO_SOURCE_POINT;
     if (exit_code == PROGRAM_DONE) {
         exit_code = read_vector(source, object, what, "position", out->position);
+    }
+    if (exit_code == PROGRAM_DONE && turns) {
+        exit_code = read_direction(source, object, what, "direction", out->direction);
     }
     if (exit_code == PROGRAM_DONE) {
         exit_code = read_radius(source, object, &out->radius);
@@ -101,25 +103,27 @@ static int read_point(const json_source *source, const cJSON *object, svo_light_
     return exit_code == PROGRAM_DONE ? sky_file_color(source, object, what, "value", out->value) : exit_code;
 }
 
+static int read_point(const json_source *source, const cJSON *object, svo_light_source *out)
+{
+    static const char *const keys[] = {"kind", "position", "value", "radius", NULL};
+    out->kind = SVO_SOURCE_POINT;
+    return read_placed(source, object, "a point light", keys, false, out);
+}
+
+static int read_disk(const json_source *source, const cJSON *object, svo_light_source *out)
+{
+    static const char *const keys[] = {"kind", "position", "direction", "value", "radius", NULL};
+    out->kind = SVO_SOURCE_DISK;
+    return read_placed(source, object, "a disk light", keys, true, out);
+}
+
 static int read_spot(const json_source *source, const cJSON *object, svo_light_source *out)
 {
     static const char *const keys[] = {"kind",   "position",    "direction",   "value",
                                        "radius", "inner_angle", "outer_angle", NULL};
     static const char what[] = "a spot light";
-    int exit_code = json_source_check_keys(source, object, what, keys);
     out->kind = SVO_SOURCE_SPOT;
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = read_vector(source, object, what, "position", out->position);
-    }
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = read_direction(source, object, what, "direction", out->direction);
-    }
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = read_radius(source, object, &out->radius);
-    }
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = sky_file_color(source, object, what, "value", out->value);
-    }
+    int exit_code = read_placed(source, object, what, keys, true, out);
     if (exit_code == PROGRAM_DONE) {
         exit_code = read_angle(source, object, what, "inner_angle", 0, SPOT_ANGLE_MAX, &out->inner_angle);
     }
@@ -131,24 +135,6 @@ static int read_spot(const json_source *source, const cJSON *object, svo_light_s
                                 member(object, "inner_angle")->valuedouble, member(object, "outer_angle")->valuedouble);
     }
     return exit_code;
-}
-
-static int read_disk(const json_source *source, const cJSON *object, svo_light_source *out)
-{
-    static const char *const keys[] = {"kind", "position", "direction", "value", "radius", NULL};
-    static const char what[] = "a disk light";
-    int exit_code = json_source_check_keys(source, object, what, keys);
-    out->kind = SVO_SOURCE_DISK;
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = read_vector(source, object, what, "position", out->position);
-    }
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = read_direction(source, object, what, "direction", out->direction);
-    }
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = read_radius(source, object, &out->radius);
-    }
-    return exit_code == PROGRAM_DONE ? sky_file_color(source, object, what, "value", out->value) : exit_code;
 }
 
 static int read_light(const json_source *source, const cJSON *object, svo_light_source *out)
