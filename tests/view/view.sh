@@ -30,11 +30,12 @@ done
 [[ ! -e config ]] || complain "a script wrote settings"
 
 # Pictures are those of svocl render.
+size=640x400
 same()
 {
     local picture=$1
     shift
-    "$program" render "${scene[@]}" --size 640x400 "$@" -q -o rendered.png
+    "$program" render "${scene[@]}" --size "$size" "$@" -q -o rendered.png
     cmp -s "first/$picture.png" rendered.png || complain "$picture is not what svocl render $* writes"
 }
 same view-1-shaded
@@ -50,9 +51,10 @@ same probes-normal --through probes "${probes[@]}" --view normal
 same probes-depth --through probes "${probes[@]}" --view depth
 same probes-steps --through probes "${probes[@]}" --view steps
 
-# So are those by rays.
+# So are those by rays, which take long: a quarter of the pixels.
+size=320x200
 printf 'key tab\nrefine\nshot first/rays.png\n' >rays.txt
-"$program" view "${scene[@]}" --view full --width 640 --height 400 --script rays.txt
+"$program" view "${scene[@]}" --view full --width 320 --height 200 --script rays.txt
 same rays --view full
 
 # What changes a picture shows; what goes back does.
