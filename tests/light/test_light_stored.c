@@ -293,9 +293,9 @@ static void wrong_values_are_refused(void **state)
     sign(&file);
     assert_refused(tree, &file, SVO_FILE_DAMAGED, "lit: a place is not below ");
     lit[0] = place;
-    sources[1].kind = 3;
+    sources[1].kind = 4;
     sign(&file);
-    assert_refused(tree, &file, SVO_FILE_DAMAGED, "sources[1].kind 3 is not in 0 .. 2");
+    assert_refused(tree, &file, SVO_FILE_DAMAGED, "sources[1].kind 4 is not in 0 .. 3");
     free(file.data);
     svo_tree_destroy(&tree);
 }

@@ -569,8 +569,8 @@ static void put_source(writer *to, const svo_light_source *source)
     if (source->radius > 0.0F && source->kind == SVO_SOURCE_DIRECTIONAL) {
         put_angle(to, "angular_radius", source->radius);
     } else if (source->radius > 0.0F) {
-        put(to, ", ");
-        put_floats(to, "radius", &source->radius, 1);
+        put(to, ", \"radius\": ");
+        put_float(to, source->radius);
     }
     if (source->kind == SVO_SOURCE_SPOT) {
         put_angle(to, "inner_angle", source->inner_angle);
