@@ -74,19 +74,18 @@ static int allocate(const json_source *source, uint32_t width, uint32_t height, 
 static int read_gradient(const json_source *source, const cJSON *object, sky_file *out)
 {
     static const char *const keys[] = {"zenith", "horizon", "ground", NULL};
-    float colors[3][CHANNELS] = {{0}};
     int exit_code = json_source_check_keys(source, object, "a gradient of the sky", keys);
     for (int i = 0; i < 3 && exit_code == PROGRAM_DONE; ++i) {
-        exit_code = sky_file_color(source, object, "a gradient of the sky", keys[i], colors[i]);
+        exit_code = sky_file_color(source, object, "a gradient of the sky", keys[i], out->gradient[i]);
     }
     if (exit_code == PROGRAM_DONE) {
         exit_code = allocate(source, 1, GRADIENT_ROWS, out);
     }
     for (uint32_t row = 0; row < GRADIENT_ROWS && exit_code == PROGRAM_DONE; ++row) {
         const double height = cos(PI * (row + 0.5) / GRADIENT_ROWS);
-        const float *end = height > 0 ? colors[0] : colors[2];
+        const float *end = height > 0 ? out->gradient[0] : out->gradient[2];
         for (int channel = 0; channel < CHANNELS; ++channel) {
-            const double horizon = (double)colors[1][channel];
+            const double horizon = (double)out->gradient[1][channel];
             out->texels[CHANNELS * row + (uint32_t)channel] =
                 (float)(horizon + fabs(height) * ((double)end[channel] - horizon));
         }
@@ -170,7 +169,12 @@ static int load_picture(const sky_picture *picture, FILE *stream, sky_file *out)
         exit_code = take_texels(picture, read.texels, out);
     }
     hdr_file_free(&read);
-    return exit_code;
+    out->path = strdup(picture->path);
+    out->scale = picture->scale;
+    out->turn = picture->turn;
+    return exit_code == PROGRAM_DONE && out->path == NULL
+               ? program_fail(picture->source->state, PROGRAM_FAILED, "out of memory for a path of a sky")
+               : exit_code;
 }
 
 static int read_picture(const json_source *source, const cJSON *object, sky_file *out)
@@ -217,5 +221,6 @@ int sky_file_read(const json_source *source, const cJSON *value, sky_file *out)
 void sky_file_close(sky_file *sky)
 {
     free(sky->texels);
+    free(sky->path);
     *sky = (sky_file){.texels = NULL};
 }
