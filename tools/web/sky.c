@@ -80,11 +80,11 @@ bool web_sky_make(const svo_light_setup *setup, size_t byte_limit, web_sky *out)
     out->height = height;
     for (uint32_t row = 0; row < height; ++row) {
         const covered rows = cover(row, height, setup->sky_height);
-        for (uint32_t column = 0; column < width; ++column) {
-            const covered columns = cover(column, width, setup->sky_width);
+        for (uint32_t i = 0; i < width; ++i) {
+            const covered columns = cover(i, width, setup->sky_width);
             float mean[3];
             average(setup, &columns, &rows, mean);
-            web_pack_light(mean, out->texels[(size_t)row * width + column]);
+            web_pack_light(mean, out->texels[(size_t)row * width + i]);
         }
     }
     return true;
