@@ -7,7 +7,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
+#include "support/exr_file.h"
 #include "support/hdr_file.h"
 #include "svocl/light.h"
 
@@ -161,7 +163,10 @@ static int take_texels(const sky_picture *picture, const float *pixels, sky_file
 static int load_picture(const sky_picture *picture, FILE *stream, sky_file *out)
 {
     hdr_picture read;
-    if (!hdr_file_read(stream, SVO_SKY_WIDTH_MAX, SVO_SKY_HEIGHT_MAX, &read)) {
+    const size_t length = strlen(picture->path);
+    const bool is_exr = length > 4 && strcasecmp(picture->path + length - 4, ".exr") == 0;
+    if (!(is_exr ? exr_file_read(picture->path, SVO_SKY_WIDTH_MAX, SVO_SKY_HEIGHT_MAX, &read)
+                 : hdr_file_read(stream, SVO_SKY_WIDTH_MAX, SVO_SKY_HEIGHT_MAX, &read))) {
         return fail_file(picture, read.words);
     }
     int exit_code = allocate(picture->source, read.width, read.height, out);
