@@ -131,8 +131,6 @@ static void damaged_pictures_are_refused(void **state)
     write_hdr("a.hdr", true, 1);
     write_text("lights.json", "{\"sky\": {\"file\": \"a.hdr\",\n\"scale\": 1e30}}");
     run_well("$SVOCL gather scene:cube -d 2 --points 1 --lights lights.json -o a.csv -q");
-    run_badly("$SVOCL export-web scene:cube -d 2 --lights lights.json -o a.html", 1,
-              "lights.json: 'sky' is a map; pages take one radiance");
     run_well("rm a.hdr a.csv lights.json");
 }
 
@@ -216,6 +214,63 @@ static void pictures_are_seen_from_inside(void **state)
     run_well("rm sky.hdr packed.hdr");
 }
 
+#ifdef SVOCL_EXR
+
+/* A picture of svocl render as a sky: each texel that a camera looks at is that of the file, one of red, green, blue
+   and alpha. Where it ends early it is refused. */
+static void exr_pictures_are_skies(void **state)
+{
+    (void)state;
+    need_builds();
+    static const char render[] = "$SVOCL render scene:cornell -d 3 --view full --exposure 1 --cones 5 --size 16x8 -q";
+    char line[256];
+    int width = 0, height = 0;
+    snprintf(line, sizeof line, "%s --background transparent -o sky.exr", render);
+    run_well(line);
+    float *texels = read_light("sky.exr", &width, &height);
+    assert_int_equal(width, 16);
+    double brightest = 0;
+    for (int row = 2; row < 6; row += 3) {
+        for (int column = 4; column < 12; column += 3) {
+            const double turn = 2 * PI * ((column + 0.5) / 16 - 0.5);
+            const double polar = PI * (row + 0.5) / 8;
+            const double direction[3] = {sin(polar) * sin(turn), cos(polar), -sin(polar) * cos(turn)};
+            const float *texel = texels + 4 * (16 * row + column);
+            double light[3];
+            look("{\"file\": \"sky.exr\", \"scale\": 3}", direction, light);
+            for (int channel = 0; channel < 3; ++channel) {
+                const double wanted = 3 * (double)texel[channel];
+                check_near("a channel", light[channel], wanted, 0.02 + 0.05 * wanted);
+                brightest = fmax(brightest, wanted);
+            }
+        }
+    }
+    assert_true(brightest > 0.1);
+    free(texels);
+    write_text("lights.json", "{\"sky\": {\"file\": \"cut.exr\"}}");
+    run_well("head -c 330 sky.exr >cut.exr");
+    run_badly("$SVOCL gather scene:cube -d 2 --points 1 --lights lights.json -o a.csv", 1,
+              "lights.json:1: 'file' cut.exr: ");
+    write_text("cut.exr", "#?RADIANCE\n");
+    run_badly("$SVOCL gather scene:cube -d 2 --points 1 --lights lights.json -o a.csv", 1,
+              "lights.json:1: 'file' cut.exr: ");
+    run_well("rm cut.exr sky.exr lights.json");
+}
+
+#else
+
+static void exr_pictures_are_skies(void **state)
+{
+    (void)state;
+    write_text("a.exr", "a");
+    write_text("lights.json", "{\"sky\": {\"file\": \"a.exr\"}}");
+    run_badly("$SVOCL gather scene:cube -d 2 --points 1 --lights lights.json -o a.csv", 1,
+              "lights.json:1: 'file' a.exr: this program was built without OpenEXR (libopenexr-dev)");
+    run_well("rm a.exr lights.json");
+}
+
+#endif
+
 /* Paths are relative to the file of lights; points are lit as the reference says. */
 static void points_are_lit_as_the_reference_says(void **state)
 {
@@ -245,9 +300,11 @@ static void points_are_lit_as_the_reference_says(void **state)
 
 TEST_GROUP(sky_file)
 {
-    const struct CMUnitTest tests[] = {
-        IN_FOLDER(wrong_skies_are_one_line_with_their_place), IN_FOLDER(damaged_pictures_are_refused),
-        IN_FOLDER(gradients_go_from_the_zenith_to_the_ground), IN_FOLDER(pictures_are_seen_from_inside),
-        IN_FOLDER(points_are_lit_as_the_reference_says)};
+    const struct CMUnitTest tests[] = {IN_FOLDER(wrong_skies_are_one_line_with_their_place),
+                                       IN_FOLDER(damaged_pictures_are_refused),
+                                       IN_FOLDER(gradients_go_from_the_zenith_to_the_ground),
+                                       IN_FOLDER(pictures_are_seen_from_inside),
+                                       IN_FOLDER(exr_pictures_are_skies),
+                                       IN_FOLDER(points_are_lit_as_the_reference_says)};
     return cmocka_run_group_tests_name("sky_file", tests, NULL, NULL);
 }

@@ -855,6 +855,57 @@ static void test_saved_lights_are_read_again(void **unused)
     free(state);
 }
 
+/* The sky of a saved file of lights. */
+static cJSON *saved_sky(view_state *state, const sky_file *map, const char *path)
+{
+    state->sky_map = map;
+    assert_int_equal(lights_save(state, path), 0);
+    char *text = read_whole(path);
+    cJSON *root = cJSON_Parse(text);
+    assert_non_null(root);
+    cJSON *sky = cJSON_DetachItemFromObject(root, "sky");
+    assert_non_null(sky);
+    cJSON_Delete(root);
+    free(text);
+    return sky;
+}
+
+/* Skies by direction are written as what they were made of; pictures are found from the file's folder. */
+static void test_saved_skies_are_what_they_were_made_of(void **unused)
+{
+    (void)unused;
+    static const char *const names[] = {"zenith", "horizon", "ground"};
+    const sky_file gradient = {.gradient = {{0.1F, 0.2F, 1}, {3, 0.3F, 0.7F}, {0, 0.6F, 0.9F}}};
+    char folder[4096], path[4096], wanted[8192];
+    sky_file picture = {.path = "skies/sky.hdr", .scale = 0.1, .turn = -200.7};
+    view_state *state = malloc(sizeof *state);
+    begin_scene(state);
+    state->is_scene = false;
+    work_folder_remember("sky.json");
+    (void)snprintf(path, sizeof path, "%s", path_of("sky.json"));
+    cJSON *sky = saved_sky(state, &gradient, path);
+    assert_int_equal(cJSON_GetArraySize(sky), 3);
+    for (int i = 0; i < 3; ++i) {
+        check_floats(sky, names[i], gradient.gradient[i]);
+    }
+    cJSON_Delete(sky);
+    assert_non_null(getcwd(folder, sizeof folder));
+    (void)snprintf(wanted, sizeof wanted, "%s/skies/sky.hdr", folder);
+    sky = saved_sky(state, &picture, path);
+    assert_int_equal(cJSON_GetArraySize(sky), 3);
+    assert_string_equal(cJSON_GetObjectItem(sky, "file")->valuestring, wanted);
+    assert_true(cJSON_GetObjectItem(sky, "scale")->valuedouble == 0.1);
+    assert_true(cJSON_GetObjectItem(sky, "turn")->valuedouble == -200.7);
+    cJSON_Delete(sky);
+    (void)snprintf(wanted, sizeof wanted, "%s/sky.hdr", work_folder());
+    picture.path = wanted;
+    sky = saved_sky(state, &picture, path);
+    assert_string_equal(cJSON_GetObjectItem(sky, "file")->valuestring, wanted);
+    cJSON_Delete(sky);
+    view_state_end(state);
+    free(state);
+}
+
 TEST_GROUP(view_edit)
 {
     const struct CMUnitTest tests[] = {
@@ -877,6 +928,7 @@ TEST_GROUP(view_edit)
         cmocka_unit_test(test_closing_asks_about_unsaved_edits),
         cmocka_unit_test(test_saving_replaces_no_other_file_unasked),
         cmocka_unit_test(test_saved_lights_are_read_again),
+        cmocka_unit_test(test_saved_skies_are_what_they_were_made_of),
     };
     return cmocka_run_group_tests_name("view_edit", tests, work_folder_make, work_folder_remove);
 }

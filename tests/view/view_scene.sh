@@ -191,6 +191,27 @@ SCRIPT
 "$program" render scene:atrium -d 5 --view direct --lights atrium-lights.json --size 640x400 -q -o relit.png
 cmp -s lit.png relit.png || complain "saved lights give another picture"
 
+# Skies by direction show as svocl render draws them, before and after lights are saved.
+mkdir skies
+printf '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n\200\100\040\200\040\100\200\201' >two.hdr
+echo '{"sky": {"file": "../two.hdr", "scale": 0.75, "turn": 30}}' >skies/picture.json
+echo '{"sky": {"zenith": [0.1, 0.3, 1], "horizon": [1, 0.8, 0.6], "ground": [0.2, 0.1, 0]}}' >skies/gradient.json
+for sky in skies/picture skies/gradient; do
+    cp "$sky.json" "$sky-before.json"
+    view scene:knot:2000 -d 4 --cones 5 --lights "$sky.json" <<SCRIPT
+key 0
+refine
+key tab
+refine
+shot $sky.png
+key ctrl+s
+wait 2
+SCRIPT
+    cmp -s "$sky.json" "$sky-before.json" && complain "$sky.json was not saved"
+    same scene:knot:2000 "$sky.png" -d 4 --cones 5 --view full --lights "$sky-before.json"
+    same scene:knot:2000 "$sky.png" -d 4 --cones 5 --view full --lights "$sky.json"
+done
+
 # A scene that cannot be loaded changes nothing.
 printf '{"trees": 1}\n' >broken.json
 view scene:knot:2000 -d 6 2>err <<SCRIPT

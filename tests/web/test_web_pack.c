@@ -22,6 +22,7 @@
 #include "support/suite.h"
 #include "svocl/compact.h"
 #include "web/pack.h"
+#include "web/sky.h"
 
 #define DEPTH 7u
 
@@ -259,6 +260,68 @@ static void light_ends_with_its_level(void **state)
     release(&made);
 }
 
+/* ---- skies ---- */
+
+#define SKY_WIDTH  1100u
+#define SKY_HEIGHT 700u
+
+static double unpacked(const unsigned char texel[4], int channel)
+{
+    return texel[channel] / 255.0 * exp2(texel[3] - 128.0);
+}
+
+/* Solid angle times texels, of 4 pi, of a channel. */
+static double light_of(const web_sky *sky, int channel)
+{
+    const double pi = 3.14159265358979323846;
+    double sum = 0;
+    for (uint32_t i = 0; i < sky->width * sky->height; ++i) {
+        const uint32_t row = i / sky->width;
+        sum += unpacked(sky->texels[i], channel) / sky->width / 2 *
+               (cos(pi * row / sky->height) - cos(pi * (row + 1) / sky->height));
+    }
+    return sum;
+}
+
+/* However many texels are left, a sky of a radiance keeps it, a small sun its light, and what is red up and blue down
+   its colors; what fits is kept as it is. */
+static void skies_keep_their_light(void **state)
+{
+    (void)state;
+    float *texels = malloc((size_t)3 * SKY_WIDTH * SKY_HEIGHT * sizeof *texels);
+    web_sky sky;
+    assert_non_null(texels);
+    for (uint32_t i = 0; i < SKY_WIDTH * SKY_HEIGHT; ++i) {
+        const uint32_t row = i / SKY_WIDTH;
+        texels[3 * i] = 0.7F;
+        texels[3 * i + 1] = row == 200 && i % SKY_WIDTH == 900 ? 5000 : 0;
+        texels[3 * i + 2] = row >= SKY_HEIGHT / 2 ? 2 : 0;
+    }
+    svo_light_setup setup = {.sky_map = texels, .sky_width = SKY_WIDTH, .sky_height = SKY_HEIGHT};
+    const double sun = 5000.0 / SKY_WIDTH / 2 * (cos(200 * 3.14159265358979 / 700) - cos(201 * 3.14159265358979 / 700));
+    for (size_t limit = 4000000; limit > 100; limit /= 30) {
+        assert_true(web_sky_make(&setup, limit, &sky));
+        assert_true(sky.width <= WEB_SKY_WIDTH_MAX && sky.height <= WEB_SKY_HEIGHT_MAX);
+        assert_true((size_t)4 * sky.width * sky.height <= limit);
+        assert_true(fabs(light_of(&sky, 0) - 0.7) < 0.004);
+        assert_true(fabs(light_of(&sky, 1) / sun - 1) < 0.01);
+        assert_true(fabs(light_of(&sky, 2) - 1) < 0.006);
+        assert_true(unpacked(sky.texels[0], 2) == 0);
+        free(sky.texels);
+    }
+    assert_int_equal(sky.width * sky.height, 32); /* 8 x 4, of the last limit */
+    setup.sky_width = 3;
+    setup.sky_height = 1;
+    assert_true(web_sky_make(&setup, 1 << 20, &sky));
+    assert_int_equal(sky.width, 3);
+    assert_true(fabs(unpacked(sky.texels[2], 0) - 0.7) < 0.002);
+    free(sky.texels);
+    setup.sky_map = NULL;
+    assert_true(web_sky_make(&setup, 1 << 20, &sky));
+    assert_true(sky.width == 0 && sky.texels == NULL);
+    free(texels);
+}
+
 /* ---- bounds ---- */
 
 static void bounds_are_those_of_the_cells(void **state)
@@ -344,6 +407,7 @@ TEST_GROUP(web_pack)
         cmocka_unit_test(payload_may_begin_below_the_root),
         cmocka_unit_test(constant_payload_is_one_element),
         cmocka_unit_test(light_ends_with_its_level),
+        cmocka_unit_test(skies_keep_their_light),
         cmocka_unit_test(bounds_are_those_of_the_cells),
         cmocka_unit_test(normals_keep_their_direction),
     };

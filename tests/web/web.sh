@@ -106,6 +106,15 @@ export_page ao.html tree.svo --view ao --up 0,0,1 --fov 50
 grep -q '"view":5,' ao.html || complain "--view ao is not the first view"
 grep -q '"up":\[0,0,1\]' ao.html || complain "--up is not what is up"
 
+# Skies by direction: texels that are bounded, of a small page to fewer.
+echo '{"sky": {"zenith": [0.1, 0.3, 1], "horizon": [1, 0.8, 0.6], "ground": [0.2, 0.1, 0]}}' >gradient.json
+export_page sky.html scene:cube -d 3 --lights gradient.json --cones 5
+grep -q '"skyMap":{"width":1,"height":256,"texels":"' sky.html || complain "the page does not have the sky's map"
+least=$(($(number bytes) - 500))
+export_page sky.html scene:cube -d 3 --lights gradient.json --cones 5 --max-bytes "$least"
+grep -q '"skyMap"' sky.html || complain "a small page has no sky"
+grep -q '"skyMap"' lit.html && complain "a sky of one radiance is a map"
+
 expect_failure 2 'a page has the views' "$program" export-web tree.svo --view specular -o no.html
 expect_failure 2 'without --lights or --view full' "$program" export-web tree.svo --cones 6 -o no.html
 expect_failure 2 'without --lights or --view full' "$program" export-web tree.svo --exposure 2 -o no.html

@@ -389,6 +389,31 @@ def light_is_that_of_render(browser, folder):
     expect("openness is that of svocl render", far["ao"] < 25, far)
 
 
+def skies_are_those_of_render(browser, folder):
+    # Eight columns and four rows, each of a color of its own; what lies between texels shows where they are.
+    texels = bytes(value for i in range(32) for value in (40 + 6 * i, 255 - 7 * i, 90 + 50 * (i % 4), 127 + i % 2))
+    (folder / "sky.hdr").write_bytes(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n" + texels)
+    lights = folder / "sky.json"
+    lights.write_text(json.dumps({"sky": {"file": "sky.hdr", "turn": 20}}))
+    path = folder / "sky.html"
+    picture = folder / "sky.png"
+    far = []
+    # From two sides, one of which has the seam of the map.
+    for place in (["--eye", "3,2,4", "--at", "-0.5,1.5,0"], ["--eye", "0.3,-1,-4", "--at", "0,0,0"]):
+        shown = ["scene:knot:2000", "-d", "5", "--lights", str(lights), "--exposure", "0.7", "--fov", "100", *place]
+        export(path, *shown)
+        as_page = ["--view", "full", "--size", "160x120", "--cones", "16", "-q", "-o", str(picture)]
+        subprocess.run([PROGRAM, "render", *shown, *as_page], check=True)
+        browser.open_whole(path.as_uri())
+        browser.run(INSPECT.read_text())
+        browser.run("canvas.style.width = '160px', canvas.style.height = '120px', page.resize()")
+        browser.wait("!page.scheduled")
+        address = "data:image/png;base64," + base64.b64encode(picture.read_bytes()).decode()
+        far.append(float(browser.run(f"readPicture('{address}').then(picture => distance(readCanvas(page), picture))")))
+    print(f"mean difference to svocl render, of 255: {far}")
+    expect("a sky is that of svocl render", max(far) < 2.5, far)
+
+
 TESTS = [
     levels_come_coarse_first,
     cut_off_pages_say_so,
@@ -396,6 +421,7 @@ TESTS = [
     pixels_of_the_screen_are_followed,
     what_is_up_is_framed,
     light_is_that_of_render,
+    skies_are_those_of_render,
 ]
 
 

@@ -7,7 +7,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
+#include "support/exr_file.h"
 #include "support/hdr_file.h"
 #include "svocl/light.h"
 
@@ -74,19 +76,18 @@ static int allocate(const json_source *source, uint32_t width, uint32_t height, 
 static int read_gradient(const json_source *source, const cJSON *object, sky_file *out)
 {
     static const char *const keys[] = {"zenith", "horizon", "ground", NULL};
-    float colors[3][CHANNELS] = {{0}};
     int exit_code = json_source_check_keys(source, object, "a gradient of the sky", keys);
     for (int i = 0; i < 3 && exit_code == PROGRAM_DONE; ++i) {
-        exit_code = sky_file_color(source, object, "a gradient of the sky", keys[i], colors[i]);
+        exit_code = sky_file_color(source, object, "a gradient of the sky", keys[i], out->gradient[i]);
     }
     if (exit_code == PROGRAM_DONE) {
         exit_code = allocate(source, 1, GRADIENT_ROWS, out);
     }
     for (uint32_t row = 0; row < GRADIENT_ROWS && exit_code == PROGRAM_DONE; ++row) {
         const double height = cos(PI * (row + 0.5) / GRADIENT_ROWS);
-        const float *end = height > 0 ? colors[0] : colors[2];
+        const float *end = height > 0 ? out->gradient[0] : out->gradient[2];
         for (int channel = 0; channel < CHANNELS; ++channel) {
-            const double horizon = (double)colors[1][channel];
+            const double horizon = (double)out->gradient[1][channel];
             out->texels[CHANNELS * row + (uint32_t)channel] =
                 (float)(horizon + fabs(height) * ((double)end[channel] - horizon));
         }
@@ -162,7 +163,10 @@ static int take_texels(const sky_picture *picture, const float *pixels, sky_file
 static int load_picture(const sky_picture *picture, FILE *stream, sky_file *out)
 {
     hdr_picture read;
-    if (!hdr_file_read(stream, SVO_SKY_WIDTH_MAX, SVO_SKY_HEIGHT_MAX, &read)) {
+    const size_t length = strlen(picture->path);
+    const bool is_exr = length > 4 && strcasecmp(picture->path + length - 4, ".exr") == 0;
+    if (!(is_exr ? exr_file_read(picture->path, SVO_SKY_WIDTH_MAX, SVO_SKY_HEIGHT_MAX, &read)
+                 : hdr_file_read(stream, SVO_SKY_WIDTH_MAX, SVO_SKY_HEIGHT_MAX, &read))) {
         return fail_file(picture, read.words);
     }
     int exit_code = allocate(picture->source, read.width, read.height, out);
@@ -170,7 +174,12 @@ static int load_picture(const sky_picture *picture, FILE *stream, sky_file *out)
         exit_code = take_texels(picture, read.texels, out);
     }
     hdr_file_free(&read);
-    return exit_code;
+    out->path = strdup(picture->path);
+    out->scale = picture->scale;
+    out->turn = picture->turn;
+    return exit_code == PROGRAM_DONE && out->path == NULL
+               ? program_fail(picture->source->state, PROGRAM_FAILED, "out of memory for a path of a sky")
+               : exit_code;
 }
 
 static int read_picture(const json_source *source, const cJSON *object, sky_file *out)
@@ -217,5 +226,6 @@ int sky_file_read(const json_source *source, const cJSON *value, sky_file *out)
 void sky_file_close(sky_file *sky)
 {
     free(sky->texels);
+    free(sky->path);
     *sky = (sky_file){.texels = NULL};
 }

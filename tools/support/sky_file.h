@@ -10,6 +10,10 @@ typedef struct sky_file {
     float radiance[3]; /* of all directions; zero where there is a map */
     float *texels; /* owned; NULL: there is no map */
     uint32_t width, height;
+    /* What the map was made of: a picture, scaled and turned by degrees, or a gradient. */
+    char *path; /* owned; NULL: a gradient */
+    double scale, turn;
+    float gradient[3][3]; /* zenith, horizon, ground */
 } sky_file;
 
 /* Reads the value of "sky". Returns the exit code; out is closed in any case. */

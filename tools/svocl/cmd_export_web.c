@@ -15,6 +15,9 @@
 #include "web/bake.h"
 #include "web/page.h"
 
+/* Texels of the sky take at most so small a share of --max-bytes. */
+#define SKY_SHARE 8u
+
 /* What is made on the way from INPUT to the page. */
 typedef struct web_export {
     job done; /* empty for a compact tree that is taken as it is */
@@ -192,13 +195,12 @@ static int bake(program *state, web_export *made)
         return program_fail(state, PROGRAM_FAILED, "%s: %zu lights, above the %u of a page", state->options.lights_path,
                             setup.source_count, WEB_SOURCES_MAX);
     }
-    if (setup.sky_map != NULL) {
-        return program_fail(state, PROGRAM_FAILED, "%s: 'sky' is a map; pages take one radiance",
-                            state->options.lights_path);
-    }
     *shine = (web_shine){.sources = setup.sources,
                          .source_count = setup.source_count,
                          .sky = {setup.sky[0], setup.sky[1], setup.sky[2]}};
+    if (!web_sky_make(&setup, (size_t)(state->options.max_bytes / SKY_SHARE), &shine->sky_map)) {
+        return program_fail(state, PROGRAM_FAILED, "out of memory for the sky");
+    }
     exit_code = lighting_make(state, &made->done, &setup, &made->lit);
     if (exit_code == PROGRAM_DONE) {
         exit_code = expose(state, made);
@@ -357,6 +359,7 @@ int command_export_web(program *state)
     }
     free(made.page.packed.bytes);
     free(made.light.texels);
+    free(made.page.shine.sky_map.texels);
     svo_compact_destroy(&made.compact);
     svo_light_destroy(&made.lit.light);
     job_release(&made.done);

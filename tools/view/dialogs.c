@@ -146,7 +146,7 @@ void question_save_as(view_state *state, view_document document, const char *pat
     struct stat unused;
     if (path[0] == '\0') {
         ask_for_name(state, document);
-    } else if (is_read(state, path)) {
+    } else if (is_read(state, path) && strcmp(path, state->own_paths[document]) != 0) {
         view_log(state, "%s is what is shown: the %s needs a file of its own", path, document_names[document]);
         ask_again(state, document, path);
     } else if (is_there(path, &unused) && strcmp(path, state->own_paths[document]) != 0) {

@@ -543,12 +543,17 @@ static int put_scene(writer *to, const view_state *state, const char *path)
 
 /* ---- lights of a tree ---- */
 
+static void put_number(writer *to, const char *name, double number)
+{
+    char text[64];
+    (void)snprintf(text, sizeof text, ", \"%s\": %.17g", name, number);
+    put(to, text);
+}
+
 /* Radians as degrees that give the same float again. */
 static void put_angle(writer *to, const char *name, float radians)
 {
-    char text[64];
-    (void)snprintf(text, sizeof text, ", \"%s\": %.17g", name, (double)radians * 180 / PI);
-    put(to, text);
+    put_number(to, name, (double)radians * 180 / PI);
 }
 
 static void put_source(writer *to, const svo_light_source *source)
@@ -579,16 +584,43 @@ static void put_source(writer *to, const svo_light_source *source)
     put(to, "}");
 }
 
+/* One radiance, or what the map was made of. */
+static int put_sky(writer *to, const view_state *state, const char *path)
+{
+    static const char *const names[] = {"zenith", "horizon", "ground"};
+    const sky_file *map = state->sky_map;
+    int error = 0;
+    if (map == NULL) {
+        put_floats(to, "sky", state->sky, 3);
+        return 0;
+    }
+    put(to, "\"sky\": {");
+    if (map->path != NULL) {
+        put(to, "\"file\": ");
+        error = put_path(to, map->path, path);
+        put_number(to, "scale", map->scale);
+        put_number(to, "turn", map->turn);
+    }
+    for (int i = 0; i < 3 && map->path == NULL; ++i) {
+        put(to, i > 0 ? ", " : "");
+        put_floats(to, names[i], map->gradient[i], 3);
+    }
+    put(to, "}");
+    return error;
+}
+
 static int put_sources(writer *to, const view_state *state, const char *path)
 {
-    (void)path;
     put(to, "{\n  \"lights\": [");
     for (size_t i = 0; i < state->source_count; ++i) {
         put(to, i > 0 ? ",\n" : "\n");
         put_source(to, &state->sources[i]);
     }
     put(to, "\n  ],\n  ");
-    put_floats(to, "sky", state->sky, 3);
+    const int error = put_sky(to, state, path);
+    if (error != 0) {
+        return error;
+    }
     put(to, ",\n");
     put_camera(to, &state->camera.at, "at");
     put_angle(to, "fov", state->camera.at.vertical_fov);

@@ -282,6 +282,22 @@ static void list_sources(ui *toolkit, view_state *state)
     }
 }
 
+static void describe_sky(ui *toolkit, view_state *state)
+{
+    if (state->sky_map != NULL) {
+        const sky_file *map = state->sky_map;
+        ui_text(toolkit, "Sky: a %s", map->path != NULL ? "picture" : "gradient");
+        ui_tooltip(toolkit, "By direction, as the file of lights has it.");
+        return;
+    }
+    float sky[3] = {state->sky[0], state->sky[1], state->sky[2]};
+    if (ui_color(toolkit, "Sky", sky) && view_is_moderate(sky, 3)) {
+        memcpy(state->sky, sky, sizeof sky);
+        view_lights_changed(state);
+    }
+    ui_tooltip(toolkit, "Radiance from outside, linear red, green and blue.");
+}
+
 static void describe_sources(ui *toolkit, view_state *state)
 {
     static const char *const added[] = {"+ sun", "+ point", "+ spot", "+ disk"};
@@ -297,12 +313,7 @@ static void describe_sources(ui *toolkit, view_state *state)
             view_remove_source(state, state->source);
         }
     }
-    float sky[3] = {state->sky[0], state->sky[1], state->sky[2]};
-    if (ui_color(toolkit, "Sky", sky) && view_is_moderate(sky, 3)) {
-        memcpy(state->sky, sky, sizeof sky);
-        view_lights_changed(state);
-    }
-    ui_tooltip(toolkit, "Radiance from outside, linear red, green and blue.");
+    describe_sky(toolkit, state);
 }
 
 /* ---- lights of scenes ---- */

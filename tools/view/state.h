@@ -12,6 +12,7 @@
 #include <stdint.h>
 
 #include "support/scene_motion.h"
+#include "support/sky_file.h"
 #include "svocl/light.h"
 #include "svocl/probes.h"
 #include "svocl/scene.h"
@@ -324,7 +325,8 @@ typedef struct view_state {
 
     svo_light_source *sources; /* source_count of source_capacity */
     size_t source_count, source_capacity;
-    float sky[3];
+    float sky[3]; /* zero where there is a map */
+    const sky_file *sky_map; /* of the file of lights, kept as it is; NULL: none */
     size_t source; /* the chosen one */
 
     const view_tree *trees;

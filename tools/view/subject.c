@@ -48,11 +48,6 @@ static int take_lights(subject *which, view_state *state)
         }
         view_log(state, "%s", default_lights_describe(chosen).text);
     }
-    if (file->sky.texels != NULL) {
-        return program_fail(which->running, PROGRAM_FAILED,
-                            "%s: 'sky' is a map, which the viewer does not edit; it takes one radiance",
-                            which->running->options.lights_path);
-    }
     const svo_light_source *sources = from_file ? file->sources : &chosen->source;
     const size_t count = from_file ? file->source_count : chosen->source_count;
     for (size_t i = 0; i < count; ++i) {
@@ -64,6 +59,7 @@ static int take_lights(subject *which, view_state *state)
     (void)snprintf(state->lights_path, sizeof state->lights_path, "%s",
                    from_file ? which->running->options.lights_path : "");
     memcpy(state->own_paths[VIEW_LIGHTS], state->lights_path, sizeof state->lights_path);
+    state->sky_map = file->sky.texels != NULL ? &file->sky : NULL;
     memcpy(state->sky, from_file ? file->sky.radiance : default_lights_sky, sizeof state->sky);
     return PROGRAM_DONE;
 }

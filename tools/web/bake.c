@@ -164,19 +164,6 @@ static int gather(program *state, const lighting *lit, const session *opened, ba
     return PROGRAM_DONE;
 }
 
-void web_pack_light(const float light[3], unsigned char out[4])
-{
-    int exponent = 0;
-    const float brightest = fmaxf(light[0], fmaxf(light[1], light[2]));
-    (void)frexpf(brightest, &exponent);
-    exponent = exponent < -127 || !(brightest > 0.0F) ? -127 : exponent > 127 ? 127 : exponent;
-    for (int channel = 0; channel < 3; ++channel) {
-        const float share = ldexpf(light[channel], -exponent);
-        out[channel] = (unsigned char)(255.0F * (share < 1.0F ? share : 1.0F) + 0.5F);
-    }
-    out[3] = (unsigned char)(exponent + 128);
-}
-
 static float brightness(const float light[3])
 {
     return fmaxf(light[0], fmaxf(light[1], light[2]));

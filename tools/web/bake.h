@@ -11,7 +11,4 @@
    children. Returns the exit code. */
 int web_bake(program *state, const web_tree *tree, const lighting *lit, const session *opened, web_light *out);
 
-/* Red, green, blue, not negative, and the exponent that they share, never 0. */
-void web_pack_light(const float light[3], unsigned char out[4]);
-
 #endif

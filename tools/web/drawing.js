@@ -103,6 +103,7 @@ function setUniforms(gl, {program, uniforms}, values) {
       case gl.FLOAT_VEC2: gl.uniform2fv(uniform.location, value); break;
       case gl.FLOAT_VEC3: gl.uniform3fv(uniform.location, value); break;
       case gl.FLOAT_VEC4: gl.uniform4fv(uniform.location, value); break; /* an array of them */
+      case gl.INT_VEC2: gl.uniform2iv(uniform.location, value); break;
       case gl.UNSIGNED_INT_VEC2: gl.uniform2uiv(uniform.location, value); break;
       default: gl.uniform1i(uniform.location, value); /* numbers, and units of textures */
     }
@@ -177,8 +178,13 @@ class Drawing {
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     const texels = countTexels(tree, tree.level);
     names.forEach((name, unit) => makeTexture(gl, unit, layouts[name], texels[name]));
+    const sky = tree.skyMap ?? {width: 0, height: 0, texels: ""};
+    makeTexture(gl, names.length, layouts.light, sky.width * sky.height);
+    fillTexture(gl, layouts.light, decodeLetters(sky.texels), 0);
     const common = {
       ...Object.fromEntries(names.map((name, unit) => [name, unit])),
+      skyMap: names.length,
+      skySize: [sky.width, sky.height],
       depth: tree.level,
       colorRange: rangeOf(tree.colors),
       normalRange: rangeOf(tree.normals),

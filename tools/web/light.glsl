@@ -18,6 +18,8 @@ uniform float pagePixel; /* the width of the cone of a pixel of the page, which 
 uniform int lightLevel; /* the last with baked light */
 uniform float exposure;
 uniform vec3 sky; /* radiance from outside */
+uniform sampler2DArray skyMap; /* RGBA8: what comes on top of it by direction, rows from the zenith down */
+uniform ivec2 skySize; /* its columns and rows; 0: there is none */
 uniform int sourceCount;
 uniform vec4 sourcePlace[SOURCES_MAX]; /* in cells; w: the kind */
 uniform vec4 sourceDirection[SOURCES_MAX]; /* where the light goes, unit; w: the cosine where a spot ends */
@@ -181,6 +183,27 @@ vec3 irradianceBy(int source, vec3 point, vec3 normal, float nodeWidth)
         return vec3(0.0);
     }
     return facing * share * sourceValue[source].rgb;
+}
+
+vec3 skyTexel(ivec2 place)
+{
+    ivec2 inside = ivec2((place.x + skySize.x) % skySize.x, clamp(place.y, 0, skySize.y - 1));
+    return unpackLight(texelFetch(skyMap, placeTexel(uint(inside.y * skySize.x + inside.x)), 0));
+}
+
+/* Radiance from outside along a direction, as kernels/light/sky.clh has it. */
+vec3 skyAlong(vec3 direction)
+{
+    if (skySize.x == 0) {
+        return sky;
+    }
+    float turn = atan(direction.x, -direction.z) / (2.0 * PI) + 0.5;
+    vec2 place = vec2(turn, atan(length(direction.xz), direction.y) / PI) * vec2(skySize) - 0.5;
+    ivec2 low = ivec2(floor(place));
+    vec2 share = place - floor(place);
+    vec3 above = mix(skyTexel(low), skyTexel(low + ivec2(1, 0)), share.x);
+    vec3 below = mix(skyTexel(low + ivec2(0, 1)), skyTexel(low + ivec2(1, 1)), share.x);
+    return sky + mix(above, below, share.y);
 }
 
 /* All irradiance of a lit page. inside: a point of the node, so that a node of baked light holds it; point: off it.

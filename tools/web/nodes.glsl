@@ -122,10 +122,16 @@ bool findNode(ivec3 cell, int level, out uint node)
     return true;
 }
 
+/* Three numbers with a shared exponent. */
+vec3 unpackLight(vec4 stored)
+{
+    return stored.rgb * exp2(round(255.0 * stored.a) - 128.0);
+}
+
 /* Baked irradiance of a node from one of six directions; false where it has none. */
 bool readLight(uint node, int face, out vec3 irradiance)
 {
     vec4 stored = texelFetch(light, placeTexel(6u * node + uint(face)), 0);
-    irradiance = stored.rgb * exp2(round(255.0 * stored.a) - 128.0);
+    irradiance = unpackLight(stored);
     return stored.a > 0.0;
 }

@@ -79,6 +79,9 @@ bool web_tree_bounds(const web_tree *tree, uint32_t low[3], uint32_t high[3]);
    0, 0: shorter than a fifth, so that the face's is used. */
 void web_pack_normal(const int16_t normal[3], unsigned char out[2]);
 
+/* Red, green, blue, not negative, and the exponent that they share, never 0: as texels of web_light. */
+void web_pack_light(const float light[3], unsigned char out[4]);
+
 typedef enum web_pack_status { WEB_PACK_DONE, WEB_PACK_TOO_LARGE, WEB_PACK_NO_MEMORY } web_pack_status;
 
 /* The stream, compressed. What is in front of an end unpacks to whole levels: pages show a tree while the rest of them

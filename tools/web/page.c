@@ -12,7 +12,8 @@
  *    "origin": [0, 0, 0], "edge": 0.0039,                    of the grid; of a cell, in world units
  *    "view": 0,                         the first
  *    "camera": {"up": [0, 1, 0], "fov": 0.56, "eye": [2, 2, 2], "at": [0, 0, 0]},   0, without eye and at: as framed
- *    "lightLevel": 6, "sky": [1, 1, 1], "exposure": 1, "sources": [...]}            with light
+ *    "lightLevel": 6, "sky": [1, 1, 1], "exposure": 1, "sources": [...],            with light
+ *    "skyMap": {"width": 512, "height": 256, "texels": "gICAgQ..."}}     where the sky is a map, as web_sky has it
  *
  * Behind the scripts the data (pack.h) follow in base64, in blocks, coarse levels first. After each of them one line of
  * script hands it over as soon as the parser is there. A block is a megabyte long, or ends with a level.
@@ -76,6 +77,25 @@ static void add_camera(cJSON *object, const web_start *start)
     }
 }
 
+/* Nothing without a map. False when out of memory. */
+static bool add_sky_map(cJSON *object, const web_sky *sky)
+{
+    char *text = NULL;
+    size_t text_bytes = 0;
+    FILE *stream = sky->width > 0 ? open_memstream(&text, &text_bytes) : NULL;
+    if (stream == NULL) {
+        return sky->width == 0;
+    }
+    page_template_base64(sky->texels[0], (size_t)4 * sky->width * sky->height, stream);
+    const bool is_whole = fclose(stream) == 0;
+    cJSON *added = cJSON_AddObjectToObject(object, "skyMap");
+    json_add_count(added, "width", sky->width);
+    json_add_count(added, "height", sky->height);
+    json_add_text(added, "texels", is_whole ? text : "");
+    free(text);
+    return is_whole;
+}
+
 static void add_shine(cJSON *object, const web_page *page)
 {
     const web_shine *shine = &page->shine;
@@ -128,10 +148,12 @@ static char *describe(const web_page *page)
     cJSON_AddNumberToObject(object, "edge", web_tree_edge(page->tree, page->cut.level));
     json_add_count(object, "view", (uint64_t)page->start.view);
     add_camera(object, &page->start);
+    bool is_whole = true;
     if (page->cut.light.count > 0) {
         add_shine(object, page);
+        is_whole = add_sky_map(object, &page->shine.sky_map);
     }
-    char *text = cJSON_PrintUnformatted(object);
+    char *text = is_whole ? cJSON_PrintUnformatted(object) : NULL;
     cJSON_Delete(object);
     return text;
 }

@@ -7,6 +7,7 @@
 
 #include "support/program.h"
 #include "web/pack.h"
+#include "web/sky.h"
 
 /* Where a page begins, as far as it is known: else it frames the tree in its window. */
 typedef struct web_start {
@@ -31,7 +32,8 @@ enum web_view {
 typedef struct web_shine {
     const svo_light_source *sources; /* at most WEB_SOURCES_MAX */
     size_t source_count;
-    float sky[3];
+    float sky[3]; /* of all directions, on top of the map's */
+    web_sky sky_map;
     double exposure;
 } web_shine;
 

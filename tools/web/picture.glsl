@@ -67,7 +67,8 @@ vec3 lookAlong(Ray ray, float row, inout Lit lit)
         return heat(float(hit.steps) / STEPS_HOT);
     }
     if (view == VIEW_SHADED || view == VIEW_FULL) {
-        vec3 behind = view == VIEW_FULL ? toneOf(exposure * sky) : mix(skyAbove, skyBelow, row / pictureHeight);
+        vec3 behind = view == VIEW_FULL ? toneOf(exposure * skyAlong(ray.direction))
+                                        : mix(skyAbove, skyBelow, row / pictureHeight);
         return met ? shade(ray, hit, view == VIEW_FULL, lit) : behind;
     }
     if (view == VIEW_OPEN) {
