@@ -2,21 +2,38 @@
 /* The state of a sweep as JSON: raw rounds of each setting, raw blocks of errors. */
 #include "tune/state.h"
 
-#include <math.h>
+#include <errno.h>
+#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "support/json.h"
-#include "support/json_source.h"
+#include "support/text.h"
 
 /* ---- writing ---- */
+
+/* With all digits, some of which cJSON leaves out: a run that goes on computes with the same numbers. */
+static cJSON *exact_number(double number)
+{
+    char text[32];
+    (void)snprintf(text, sizeof text, "%.17g", number);
+    return cJSON_CreateRaw(text);
+}
+
+static cJSON *exact_array(const double *numbers, size_t count)
+{
+    cJSON *list = cJSON_CreateArray();
+    for (size_t i = 0; i < count; ++i) {
+        cJSON_AddItemToArray(list, exact_number(numbers[i]));
+    }
+    return list;
+}
 
 static cJSON *record_to_json(const tune_errors *errors)
 {
     cJSON *object = cJSON_CreateObject();
     cJSON_AddNumberToObject(object, "kind", errors->kind);
-    cJSON_AddNumberToObject(object, "voxel", errors->voxel);
-    cJSON_AddNumberToObject(object, "faces", errors->faces);
+    cJSON_AddItemToObject(object, "voxel", exact_number(errors->voxel));
+    cJSON_AddItemToObject(object, "faces", exact_number(errors->faces));
     json_add_count(object, "voxels", errors->voxels);
     json_add_count(object, "rungs", errors->rungs);
     cJSON *of = cJSON_AddObjectToObject(object, "of");
@@ -27,7 +44,7 @@ static cJSON *record_to_json(const tune_errors *errors)
             for (size_t k = 0; k < SAMPLE_BLOCKS; ++k) {
                 const sample_block *block = &errors->of[i].blocks[k];
                 const double numbers[4] = {block->count, block->sum, block->square_sum, block->most};
-                cJSON_AddItemToArray(list, cJSON_CreateDoubleArray(numbers, 4));
+                cJSON_AddItemToArray(list, exact_array(numbers, 4));
             }
         }
     }
@@ -46,11 +63,11 @@ static cJSON *setting_to_json(const sweep *all, size_t index)
         dimension_value(i, own->setting.values[i], text, sizeof text);
         json_add_text(object, dimension_name(i), text);
     }
-    cJSON_AddNumberToObject(object, "first_ms", own->first_ms);
-    cJSON_AddItemToObject(object, "rounds_ms", cJSON_CreateDoubleArray(of->rounds, (int)of->round_count));
+    cJSON_AddItemToObject(object, "first_ms", exact_number(own->first_ms));
+    cJSON_AddItemToObject(object, "rounds_ms", exact_array(of->rounds, of->round_count));
     cJSON_AddNumberToObject(object, "peak_bytes", of->bytes);
     cJSON_AddNumberToObject(object, "result_bytes", own->result_bytes);
-    cJSON_AddNumberToObject(object, "query_us", own->query_us);
+    cJSON_AddItemToObject(object, "query_us", exact_number(own->query_us));
     json_add_text(object, "left", race_left_name(of->left));
     json_add_count(object, "left_after", of->left_after);
     json_add_text(object, "reason", own->reason);
@@ -73,7 +90,7 @@ cJSON *state_to_json(const sweep *all)
     cJSON *document = json_document();
     json_add_text(document, "input", all->state->options.input);
     json_add_count(document, "triangles", all->made->source->mesh->triangle_count);
-    cJSON_AddNumberToObject(document, "area", all->made->area);
+    cJSON_AddItemToObject(document, "area", exact_number(all->made->area));
     add_text_or_empty(document, "error", given->error_list);
     add_text_or_empty(document, "free", given->free_list);
     cJSON_AddBoolToObject(document, "exhaustive", all->exhaustive);
@@ -188,14 +205,15 @@ static void read_record(const cJSON *object, tune_errors *out)
     }
 }
 
-static int read_state(sweep *all, const json_source *source)
+static int read_state(sweep *all, const cJSON *root)
 {
-    const cJSON *settings = cJSON_GetObjectItemCaseSensitive(source->root, "settings");
-    const cJSON *records = cJSON_GetObjectItemCaseSensitive(source->root, "errors");
-    if (!cJSON_IsArray(settings) || !cJSON_IsArray(records) || !is_same_sweep(all, source->root, settings) ||
+    const cJSON *settings = cJSON_GetObjectItemCaseSensitive(root, "settings");
+    const cJSON *records = cJSON_GetObjectItemCaseSensitive(root, "errors");
+    if (!cJSON_IsArray(settings) || !cJSON_IsArray(records) || !is_same_sweep(all, root, settings) ||
         (size_t)cJSON_GetArraySize(records) != all->record_count) {
         return program_fail(all->state, PROGRAM_FAILED,
-                            "--resume %s: it is of another mesh, other settings or other bounds", source->path);
+                            "--resume %s: it is of another mesh, other settings or other bounds",
+                            all->state->options.resume_path);
     }
     size_t index = 0;
     for (const cJSON *one = settings->child; one != NULL; one = one->next, ++index) {
@@ -208,17 +226,43 @@ static int read_state(sweep *all, const json_source *source)
     return PROGRAM_DONE;
 }
 
+/* The bytes of a file and a terminator, by malloc; NULL on failure, with errno. */
+static char *read_bytes(FILE *file)
+{
+    const bool at_end = fseek(file, 0, SEEK_END) == 0;
+    const long length = at_end ? ftell(file) : -1;
+    char *text = length >= 0 ? calloc((size_t)length + 1, 1) : NULL;
+    if (text != NULL && (fseek(file, 0, SEEK_SET) != 0 || fread(text, 1, (size_t)length, file) != (size_t)length)) {
+        free(text);
+        text = NULL;
+    }
+    return text;
+}
+
+/* The file is read and written, which no other command does; so it is not among the inputs that outputs spare. */
 int state_resume(sweep *all)
 {
     const char *path = all->state->options.resume_path;
-    json_source source;
-    if (path == NULL || access(path, F_OK) != 0) {
-        return PROGRAM_DONE;
+    FILE *file = path != NULL ? fopen(path, "rb") : NULL;
+    if (file == NULL) {
+        return path == NULL || errno == ENOENT
+                   ? PROGRAM_DONE
+                   : program_fail(all->state, PROGRAM_FAILED, "--resume %s: %s", path, strerror(errno));
     }
-    int exit_code = json_source_open(all->state, path, &source);
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = read_state(all, &source);
-        json_source_close(&source);
+    const char *end = NULL;
+    char *text = read_bytes(file);
+    cJSON *root = text != NULL ? cJSON_ParseWithOpts(text, &end, true) : NULL;
+    int exit_code = PROGRAM_DONE;
+    if (text == NULL) {
+        exit_code = program_fail(all->state, PROGRAM_FAILED, "--resume %s: it cannot be read", path);
+    } else if (root == NULL) {
+        const json_error error = json_error_at(text, end != NULL ? end : text);
+        exit_code = program_fail(all->state, PROGRAM_FAILED, "--resume %s:%u: %s", path, error.line, error.text);
+    } else {
+        exit_code = read_state(all, root);
     }
+    cJSON_Delete(root);
+    free(text);
+    (void)fclose(file);
     return exit_code;
 }

@@ -115,16 +115,8 @@ static void run_setting(sweep *all, size_t index, unsigned rung)
     }
 }
 
-static size_t count_live(const sweep *all)
-{
-    size_t live = 0;
-    for (size_t i = 0; i < all->count; ++i) {
-        live += all->candidates[i].left == LEFT_NOT;
-    }
-    return live;
-}
-
-static int run_rounds(sweep *all, unsigned rung)
+/* measured: set where something was. */
+static int run_rounds(sweep *all, unsigned rung, bool *measured)
 {
     int exit_code = PROGRAM_DONE;
     for (size_t round = 0; round < rounds_until[rung] && exit_code == PROGRAM_DONE; ++round) {
@@ -137,12 +129,13 @@ static int run_rounds(sweep *all, unsigned rung)
                 ran = true;
             }
         }
+        *measured = *measured || ran;
         exit_code = ran ? all->save(all) : PROGRAM_DONE;
     }
     return exit_code;
 }
 
-static int add_errors(sweep *all, unsigned rung)
+static int add_errors(sweep *all, unsigned rung, bool *measured)
 {
     int exit_code = PROGRAM_DONE;
     for (size_t i = 0; i < all->count && exit_code == PROGRAM_DONE; ++i) {
@@ -157,6 +150,7 @@ static int add_errors(sweep *all, unsigned rung)
         }
         progress_part(all->state->progress, "errors", (double)i / (double)all->count);
         if (wanted) {
+            *measured = true;
             exit_code = sampler_add(all->made, &all->settings[i].setting, rung, all->seed, &targets);
         }
         for (tune_kind kind = KIND_SHAPE; kind <= KIND_PAYLOAD && wanted && exit_code == PROGRAM_DONE; ++kind) {
@@ -229,15 +223,16 @@ int sweep_run(sweep *all)
     }
     for (unsigned rung = 0; rung < SWEEP_RUNGS && exit_code == PROGRAM_DONE; ++rung) {
         const race of = sweep_race(all);
+        bool measured = false; /* not where an earlier run has finished the rung: who left then has left */
         progress_step(all->state->progress, steps[rung]);
-        exit_code = count_live(all) > 0 ? run_rounds(all, rung) : PROGRAM_DONE;
+        exit_code = run_rounds(all, rung, &measured);
         if (exit_code == PROGRAM_DONE) {
-            exit_code = add_errors(all, rung);
+            exit_code = add_errors(all, rung, &measured);
         }
-        if (exit_code == PROGRAM_DONE && !all->exhaustive) {
+        if (exit_code == PROGRAM_DONE && measured && !all->exhaustive) {
             race_leave(&of, rung + 1, true);
         }
-        if (exit_code == PROGRAM_DONE) {
+        if (exit_code == PROGRAM_DONE && measured) {
             exit_code = all->save(all);
         }
     }
