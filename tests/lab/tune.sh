@@ -33,7 +33,7 @@ same()
 {
     [[ $(value "$1" "$3") == "$(value "$2" "$3")" ]] || complain "$1 and $2 differ: $3"
 }
-readonly cube=(tune scene:cube --free depth:4-5,builder:cl+sorted --error voxel-rms-units:.02 --json)
+readonly cube=(tune scene:cube --free "depth:4-5,builder:cl+sorted" --error voxel-rms-units:.02 --json)
 
 # --- closed forms ---
 

@@ -221,6 +221,7 @@ int sweep_run(sweep *all)
     if (all->space.counts[DIMENSION_GATHER] > 1 || all->space.values[DIMENSION_GATHER][0] != 0) {
         exit_code = sampler_light_truth(all->made, all->seed);
     }
+    progress_forecast(all->state->progress);
     for (unsigned rung = 0; rung < SWEEP_RUNGS && exit_code == PROGRAM_DONE; ++rung) {
         const race of = sweep_race(all);
         bool measured = false; /* not where an earlier run has finished the rung: who left then has left */
