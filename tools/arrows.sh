@@ -17,7 +17,7 @@ lib_rooms+='compact (moving (parts (paged solid (scene (light light_file (probes
 readonly lib_rooms
 readonly glinterop_rooms='context share raster compute frontend'
 tools_rooms='lab/scenes (lab/reference lab/path support lab/measure lab/stress (lab/bench (lab/errors (lab/report '
-tools_rooms+='(web (view lab/program (svocl'
+tools_rooms+='(lab/tune (web (view lab/program (svocl'
 readonly tools_rooms
 
 files()

@@ -19,7 +19,7 @@ cp "$lab" path/svocl-lab
 
 # --- found and missed ---
 
-for command in verify reference stress bench report; do
+for command in verify reference stress bench report tune; do
     expect_failure 1 "svocl: $command: svocl-lab is not installed (apt install svocl-lab)" \
         env PATH=/nonexistent alone/svocl "$command" --help
     expect_failure 1 "svocl: $command: svocl-lab is not installed" env PATH=/nonexistent alone/svocl help "$command"
@@ -47,7 +47,7 @@ grep -q 'exact: 0 missed' "$work/verdict" || complain "through a pipe: $(cat "$w
 
 [[ $(both/svocl-lab --version) == "svocl-lab $(both/svocl --version | cut -d ' ' -f 2)" ]] || complain 'another version'
 both/svocl-lab --help >"$work/help"
-for command in verify reference stress bench report; do
+for command in verify reference stress bench report tune; do
     grep -q "^  $command " "$work/help" || complain "svocl-lab --help lacks $command"
 done
 expect_failure 2 "unknown command 'build', see svocl-lab --help" both/svocl-lab build scene:cube

@@ -26,7 +26,7 @@ for command in "${commands[@]}"; do
     done < <("$program" "$command" --help | grep -o -e '^ .*--[a-z-]*' | sed 's/.*--//')
 done
 [[ -s $work/pages/svocl-lab.1 ]] || complain "no page of svocl-lab"
-for command in bench reference report stress verify; do
+for command in bench reference report stress tune verify; do
     grep -q -F "svocl\\-$command\\fR" "$work/pages/svocl-lab.1" || complain "svocl-lab.1 lacks $command"
 done
 grep -q '^Different' "$work/pages/svocl-diff.1" || complain 'svocl-diff.1 does not say what exit code 1 is'

@@ -51,6 +51,7 @@ enum option_group {
 /* Bits that an enumerator could not hold. */
 #define OPTION_UNFOLDED     ((uint64_t)1 << 31) /* how large voxel files and trees may become */
 #define OPTION_DIFF_COMMAND ((uint64_t)1 << 32) /* a second INPUT, picture */
+#define OPTION_TUNE_COMMAND ((uint64_t)1 << 33) /* what is free, bounds, files */
 
 enum option_frontend {
     OPTION_FRONTEND_AUTO = 0,
@@ -200,6 +201,12 @@ typedef struct options {
     uint64_t pixel_samples; /* render: rays of a pixel; 0: the picture's own number */
     uint64_t turntable; /* render: frames round the up axis; 0: not given */
     uint64_t frame_rate; /* render: of a film, frames a second; 0: not given */
+    const char *free_list, *error_list; /* tune: NULL: not given */
+    double time_bound; /* tune: seconds; 0: not given */
+    uint64_t memory_bound; /* tune: bytes; 0: not given */
+    uint64_t exhaustive; /* tune: a flag */
+    uint64_t queries; /* tune: that count in times */
+    const char *page_path, *csv_path, *resume_path; /* tune: NULL: not given */
 } options;
 
 enum option_output {

@@ -269,7 +269,8 @@ const char *options_input_path(const options *given, size_t place)
 {
     const rule *option = options_rule(place);
     return is_given_at(given, place) && option->value_name != NULL && strcmp(option->value_name, "FILE") == 0 &&
-                   option->group != (unsigned)OPTION_OUTPUT && option->group != OPTION_DIFF_COMMAND
+                   option->group != (unsigned)OPTION_OUTPUT && option->group != OPTION_DIFF_COMMAND &&
+                   option->group != OPTION_TUNE_COMMAND
                ? *(const char *const *)((const char *)given + option->offset)
                : NULL;
 }

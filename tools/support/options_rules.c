@@ -303,6 +303,20 @@ static int read_amount(program *state, const rule *option, const char *value)
     return PROGRAM_DONE;
 }
 
+/* A number of seconds with a unit: 20s, 500ms. */
+static int read_seconds(program *state, const rule *option, const char *value)
+{
+    double *seconds = field(state, option);
+    char *end = NULL;
+    const bool is_number = parse_number(value, &end, seconds);
+    const double unit = strcmp(end, "ms") == 0 ? 1e-3 : strcmp(end, "s") == 0 || *end == '\0' ? 1.0 : 0.0;
+    *seconds *= unit;
+    return is_number && *seconds > 0.0
+               ? PROGRAM_DONE
+               : program_fail(state, PROGRAM_WRONG_USAGE, "--%s '%s' is not a time above 0, such as 20s or 500ms",
+                              option->name, value);
+}
+
 /* Above 0, at most 1. */
 static int read_share(program *state, const rule *option, const char *value)
 {
@@ -474,8 +488,10 @@ static const rule rules[] = {
      "file to write; - is standard output"},
     {"triangles", '\0', OPTION_SCENE_COMMAND, "N", read_count, FIELD(triangles), 1, SCENE_TRIANGLES_MAX, NULL,
      "approximate number of triangles (the default of the scene)"},
-    {"seed", '\0', OPTION_SCENE_COMMAND | OPTION_STRESS_COMMAND | OPTION_REFERENCE_COMMAND | OPTION_GATHER_COMMAND, "S",
-     read_count, FIELD(seed), 0, UINT32_MAX, NULL, "random seed (1)"},
+    {"seed", '\0',
+     OPTION_SCENE_COMMAND | OPTION_STRESS_COMMAND | OPTION_REFERENCE_COMMAND | OPTION_GATHER_COMMAND |
+         OPTION_TUNE_COMMAND,
+     "S", read_count, FIELD(seed), 0, UINT32_MAX, NULL, "random seed (1)"},
     {"count", '\0', OPTION_STRESS_COMMAND, "N", read_count, FIELD(count), 0, 1000, NULL,
      "amount of work, 0 to 1000: triangles per case grow with it (8)"},
     {"size", '\0', OPTION_PICTURE_SIZE, "WxH", read_pixels, FIELD(width), 1, 16384, NULL,
@@ -634,6 +650,25 @@ static const rule rules[] = {
      "bench parts: comma-separated numbers of workers of one thread each (1,2)"},
     {"isa", '\0', OPTION_BENCH_COMMAND, "NAME", read_text, FIELD(isa), 0, 0, NULL,
      "instruction set of PoCL's kernels and of Embree: sse2, avx2 or avx512 (the widest of the processor)"},
+    {"free", '\0', OPTION_TUNE_COMMAND, "LIST", read_text, FIELD(free_list), 0, 0, NULL,
+     "what may vary, with values or all: depth:7-9,coverage,weights,builder:cl+sorted,frontend,share,path,form,"
+     "light-form,cones,rays (depth,coverage,weights,builder:cl+sorted)"},
+    {"error", '\0', OPTION_TUNE_COMMAND, "LIST", read_text, FIELD(error_list), 0, 0, NULL,
+     "bounds of errors, as voxel-rms-units:.01,normal:5; a measure without a number is to be the least (none)"},
+    {"time", '\0', OPTION_TUNE_COMMAND, "T", read_seconds, FIELD(time_bound), 0, 0, NULL,
+     "most time of a build with its queries: 20s, 500ms (any)"},
+    {"memory", '\0', OPTION_TUNE_COMMAND, "BYTES", read_bytes, FIELD(memory_bound), 1, UINT64_MAX, NULL,
+     "most memory on the device at one time: 65536, 512M, 4GB (any)"},
+    {"queries", '\0', OPTION_TUNE_COMMAND, "N", read_count, FIELD(queries), 1, 1000000000, NULL,
+     "so many gathered points, or without light rays through voxels, count in times (0; with light 100000)"},
+    {"exhaustive", '\0', OPTION_TUNE_COMMAND, NULL, read_flag, FIELD(exhaustive), 0, 0, NULL,
+     "measure all settings to the end, also those that cannot win"},
+    {"page", '\0', OPTION_TUNE_COMMAND, "FILE", read_text, FIELD(page_path), 0, 0, NULL,
+     "web page to write, with charts of time, memory and errors (none)"},
+    {"csv", '\0', OPTION_TUNE_COMMAND, "FILE", read_text, FIELD(csv_path), 0, 0, NULL,
+     "CSV file to write, a line for each round (none)"},
+    {"resume", '\0', OPTION_TUNE_COMMAND, "FILE", read_text, FIELD(resume_path), 0, 0, NULL,
+     "JSON file that keeps what is measured; a run that was interrupted goes on from it (none)"},
     {"json", '\0', OPTION_JSON, NULL, read_flag, FIELD(json), 0, 0, NULL, "print JSON on standard output"},
     {"quiet", 'q', OPTION_COMMON, NULL, read_flag, FIELD(quiet), 0, 0, NULL,
      "print errors and results, no report of what was done, no warnings, no progress"},

@@ -29,6 +29,8 @@ struct progress {
     double started_s;
     bool shown;
     bool held;
+    bool forecasts; /* how much time is left */
+    double forecast_s, forecast_done; /* when that began, and what was done then */
     bool ending;
     bool is_drawn; /* on a terminal, by the thread */
     progress_watch watch; /* NULL functions: nobody */
@@ -66,7 +68,7 @@ static void put_text(char line[LINE_BYTES], const char *text, size_t room)
 /* The bar is as long as there is room, then what runs is shortened; the step and the clock stay. */
 static void write_line(const progress *bar, double elapsed_s, char line[LINE_BYTES])
 {
-    char step[32], what[LINE_BYTES], clock[48];
+    char step[32], what[LINE_BYTES], clock[96];
     const size_t room = columns();
     const double done = (bar->steps_begun - 1 + bar->part) / bar->step_count;
     (void)snprintf(step, sizeof step, "%u/%u ", bar->steps_begun, bar->step_count);
@@ -76,6 +78,10 @@ static void write_line(const progress *bar, double elapsed_s, char line[LINE_BYT
         (void)snprintf(clock, sizeof clock, ", %.0f %%, %.1f s", bar->part * 100.0, elapsed_s);
     } else {
         (void)snprintf(clock, sizeof clock, ", %.1f s", elapsed_s);
+    }
+    if (bar->forecasts && done > bar->forecast_done + 0.02 && done < 1.0) {
+        const double rate = (elapsed_s - bar->forecast_s) / (done - bar->forecast_done);
+        (void)snprintf(clock + strlen(clock), sizeof clock - strlen(clock), ", %.0f s left", rate * (1.0 - done));
     }
     size_t used = strlen(bar->title) + 1 + strlen(step) + strlen(clock);
     const size_t wanted = used + strlen(what) + 3; /* with brackets and a space */
@@ -207,6 +213,18 @@ void progress_part(progress *bar, const char *stage, double fraction)
     if (is_seen) {
         tell(bar);
     }
+}
+
+void progress_forecast(progress *bar)
+{
+    if (bar == NULL) {
+        return;
+    }
+    pthread_mutex_lock(&bar->lock);
+    bar->forecasts = true;
+    bar->forecast_s = now_s() - bar->started_s;
+    bar->forecast_done = (double)bar->steps_begun / bar->step_count;
+    pthread_mutex_unlock(&bar->lock);
 }
 
 bool progress_stops(const progress *bar)

@@ -41,6 +41,9 @@ void progress_part(progress *bar, const char *stage, double fraction);
 /* Whether who watches wants the work to end. */
 bool progress_stops(const progress *bar);
 
+/* From now on the bar says how much time is left, if all steps take equally long. */
+void progress_forecast(progress *bar);
+
 /* While held, new steps are part of the current one. */
 void progress_hold(progress *bar, bool held);
 

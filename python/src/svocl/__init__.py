@@ -125,6 +125,7 @@ from ._plan import Plan
 from ._probes import Probes
 from ._scene import Scene, SceneLight, make_instances
 from ._tree import TREE_ARGUMENTS, Camera, Tree, TreeArrays, kernel_options, kernel_source, make_rays
+from ._tune import TuneResult, TuneSetting, tune
 from ._voxels import Voxels, make_voxels
 
 __version__: str = _text(_lib.svo_version_string())
@@ -219,6 +220,8 @@ __all__ = [
     "TreeArrays",
     "TreeBuffer",
     "TreeInfo",
+    "TuneResult",
+    "TuneSetting",
     "UnsupportedError",
     "View",
     "VoxelFileInfo",
@@ -250,6 +253,7 @@ __all__ = [
     "read_mesh",
     "scene_hit_dtype",
     "scene_triangle_hit_dtype",
+    "tune",
     "vertex_normals",
     "voxel_dtype",
     "voxel_hit_dtype",

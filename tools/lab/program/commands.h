@@ -12,5 +12,7 @@ int command_stress(program *state);
 int command_bench(program *state);
 int command_report(program *state);
 void command_bench_print_subjects(void);
+int command_tune(program *state);
+void command_tune_print_measures(void);
 
 #endif

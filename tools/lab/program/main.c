@@ -29,13 +29,21 @@ static void print_command_help(const command *which)
     if ((which->groups & (unsigned)OPTION_BENCH_COMMAND) != 0) {
         command_bench_print_subjects();
     }
+    if ((which->groups & OPTION_TUNE_COMMAND) != 0) {
+        command_tune_print_measures();
+    }
 }
 
 int main(int argument_count, char **arguments)
 {
     static const dispatch_runner runners[] = {
-        {"verify", command_verify}, {"reference", command_reference}, {"stress", command_stress},
-        {"bench", command_bench},   {"report", command_report},       {NULL, NULL},
+        {"verify", command_verify},
+        {"reference", command_reference},
+        {"stress", command_stress},
+        {"bench", command_bench},
+        {"report", command_report},
+        {"tune", command_tune},
+        {NULL, NULL},
     };
     static const dispatch_program self = {
         .name = "svocl-lab", .runners = runners, .print_help = print_help, .print_command_help = print_command_help};

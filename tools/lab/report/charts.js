@@ -146,7 +146,7 @@ function drawCurve(figure, points, name, style, x, y) {
   const marks = own.map((point, index) => {
     const [px, py] = at[index];
     const title = html`<title>${name}: ${figure.xLabel} ${formatNumber(point.x)}, ${figure.yLabel} ${
-      formatNumber(point.y)}</title>`;
+      formatNumber(point.y)}${point.hint !== undefined && `\n${point.hint}`}</title>`;
     return [
       point.low !== null && html`<path class="spread" stroke="${style.color}" d="M${round(px)} ${
         round(y.place(point.low))}V${round(y.place(point.high))}"/>`,
@@ -154,7 +154,8 @@ function drawCurve(figure, points, name, style, x, y) {
     ];
   });
   return own.length > 0 &&
-    html`<g data-curve="${name}"><path class="curve" stroke="${style.color}" d="M${line}"/>${marks}</g>`;
+    html`<g data-curve="${name}">${!figure.scattered && html`<path class="curve" stroke="${style.color}"
+      d="M${line}"/>`}${marks}</g>`;
 }
 
 function drawRings(figure, points, x, y) {
@@ -242,7 +243,8 @@ function pointsOfRow(figure, table, row) {
     const low = ranged ? numberAt(row, column + 1) : null;
     const high = low !== null ? numberAt(row, column + 2) : null;
     const size = figure.size !== undefined ? at(figure.size) : 0;
-    return [{curve, x, y: row[column], size, low: high !== null ? low : null, high}];
+    const hint = figure.hint !== undefined ? at(figure.hint) : undefined;
+    return [{curve, x, y: row[column], size, low: high !== null ? low : null, high, hint}];
   });
 }
 
