@@ -129,48 +129,71 @@ static occupancy *new_occupancy(uint32_t depth)
 
 typedef enum reference_answer { REFERENCE_MISS, REFERENCE_HIT, REFERENCE_TOO_CLOSE } reference_answer;
 
-/* Whether the half-line meets the box enlarged by margin on every side. */
-static bool meets_box(const double eye[3], const double direction[3], const double low[3], double width, double margin)
+/* The least corners of the occupied cells: the reference visits them once for each ray. */
+typedef struct cell_list {
+    double (*low)[3];
+    uint32_t count;
+    double width;
+} cell_list;
+
+static cell_list cells_of(const occupancy *voxels)
+{
+    const uint32_t side = 1u << voxels->depth;
+    cell_list out = {.low = malloc(sizeof(double[3]) << (3 * voxels->depth)), .width = 1.0 / side};
+    assert_non_null(out.low);
+    for (uint32_t cell = 0; cell < side * side * side; ++cell) {
+        const uint32_t at[3] = {cell % side, cell / side % side, cell / side / side};
+        if (voxels->leaves[morton(at[0], at[1], at[2])]) {
+            for (int axis = 0; axis < 3; ++axis) {
+                out.low[out.count][axis] = at[axis] * out.width;
+            }
+            ++out.count;
+        }
+    }
+    return out;
+}
+
+typedef struct half_line {
+    double eye[3], inverse[3]; /* inverse: of the direction; infinite along a face */
+} half_line;
+
+/* Whether it meets the box enlarged by margin on every side. */
+static bool meets_box(const half_line *line, const double low[3], double width, double margin)
 {
     double entry = 0;
     double exit = HUGE_VAL;
     for (int axis = 0; axis < 3; ++axis) {
-        const double near_face = low[axis] - margin - eye[axis];
-        const double far_face = low[axis] + width + margin - eye[axis];
-        if (direction[axis] == 0) {
+        const double near_face = low[axis] - margin - line->eye[axis];
+        const double far_face = low[axis] + width + margin - line->eye[axis];
+        if (isinf(line->inverse[axis])) {
             if (near_face > 0 || far_face < 0) {
                 return false;
             }
             continue;
         }
-        const double a = near_face / direction[axis];
-        const double b = far_face / direction[axis];
-        entry = fmax(entry, fmin(a, b));
-        exit = fmin(exit, fmax(a, b));
+        const double a = near_face * line->inverse[axis];
+        const double b = far_face * line->inverse[axis];
+        const double first = a < b ? a : b;
+        const double last = a < b ? b : a;
+        entry = first > entry ? first : entry;
+        exit = last < exit ? last : exit;
+        if (entry > exit) {
+            return false;
+        }
     }
-    return entry <= exit;
+    return true;
 }
 
-static reference_answer reference_ray(const occupancy *voxels, const double eye[3], const double direction[3])
+static reference_answer reference_ray(const cell_list *voxels, const half_line *line)
 {
-    const uint32_t cells = 1u << voxels->depth;
-    const double width = 1.0 / cells;
     const double margin = 1e-4;
     reference_answer answer = REFERENCE_MISS;
-    for (uint32_t z = 0; z < cells; ++z) {
-        for (uint32_t y = 0; y < cells; ++y) {
-            for (uint32_t x = 0; x < cells; ++x) {
-                if (!voxels->leaves[morton(x, y, z)]) {
-                    continue;
-                }
-                const double low[3] = {x * width, y * width, z * width};
-                if (meets_box(eye, direction, low, width, -margin)) {
-                    return REFERENCE_HIT;
-                }
-                if (meets_box(eye, direction, low, width, margin)) {
-                    answer = REFERENCE_TOO_CLOSE;
-                }
+    for (uint32_t i = 0; i < voxels->count; ++i) {
+        if (meets_box(line, voxels->low[i], voxels->width, margin)) {
+            if (meets_box(line, voxels->low[i], voxels->width, -margin)) {
+                return REFERENCE_HIT;
             }
+            answer = REFERENCE_TOO_CLOSE;
         }
     }
     return answer;
@@ -212,18 +235,18 @@ static pinhole pinhole_of(const svo_camera *camera)
 }
 
 /* The common result of the four rays of a pixel, if they agree. */
-static reference_answer reference_pixel(const occupancy *voxels, const pinhole *hole, uint32_t x, uint32_t y)
+static reference_answer reference_pixel(const cell_list *voxels, const pinhole *hole, uint32_t x, uint32_t y)
 {
     reference_answer answer = REFERENCE_TOO_CLOSE;
     for (int sample = 0; sample < 4; ++sample) {
         const double right = (2 * (x + 0.25 + 0.5 * (sample % 2)) / WIDTH - 1) * hole->tangent * WIDTH / HEIGHT;
         const double up =
             (1 - 2 * (y + 0.25 + 0.5 * (sample / 2)) / HEIGHT) * hole->tangent; /* NOLINT: row of samples */
-        double direction[3];
+        half_line line = {{hole->eye[0], hole->eye[1], hole->eye[2]}, {0}};
         for (int axis = 0; axis < 3; ++axis) {
-            direction[axis] = hole->forward[axis] + right * hole->right[axis] + up * hole->up[axis];
+            line.inverse[axis] = 1 / (hole->forward[axis] + right * hole->right[axis] + up * hole->up[axis]);
         }
-        const reference_answer one = reference_ray(voxels, hole->eye, direction);
+        const reference_answer one = reference_ray(voxels, &line);
         if (sample > 0 && one != answer) {
             return REFERENCE_TOO_CLOSE;
         }
@@ -279,12 +302,13 @@ static uint32_t check_clipped(const char *name, const occupancy *voxels, const f
     render_clipped(tree, camera, clip, SVO_VIEW_SHADED, picture);
     render_background(background);
     const pinhole hole = pinhole_of(camera);
+    const cell_list occupied = cells_of(left);
     uint32_t hits = 0;
     for (uint32_t y = 0; y < HEIGHT; ++y) {
         for (uint32_t x = 0; x < WIDTH; ++x) {
             const uint8_t *pixel = picture + 4 * ((size_t)y * WIDTH + x);
             const uint8_t *behind = background + 4 * ((size_t)y * WIDTH + x);
-            const reference_answer answer = reference_pixel(left, &hole, x, y);
+            const reference_answer answer = reference_pixel(&occupied, &hole, x, y);
             if ((answer == REFERENCE_HIT && !is_black(pixel)) ||
                 (answer == REFERENCE_MISS && memcmp(pixel, behind, 4) != 0)) {
                 fail_msg("%s: pixel %u, %u is %u %u %u; the reference says %s", name, x, y, pixel[0], pixel[1],
@@ -293,6 +317,7 @@ static uint32_t check_clipped(const char *name, const occupancy *voxels, const f
             hits += answer == REFERENCE_HIT;
         }
     }
+    free(occupied.low);
     svo_tree_destroy(&tree);
     return hits;
 }
