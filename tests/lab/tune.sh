@@ -66,6 +66,14 @@ check exhaustive.json 'all(len(one["rounds_ms"]) == 11 for one in d["settings"])
 "$svocl" tune scene:cube --free depth:4-5 --error voxel-rms-units:1e-6 >none.txt
 grep -q 'no setting keeps these bounds' none.txt || complain "an impossible bound: $(cat none.txt)"
 
+# The command runs in a shell, with what is fixed on tune's own line.
+"$svocl" scene cube -o "it's a cube.obj"
+"$svocl" tune "it's a cube.obj" --weld .001 --free depth:4 --error normal --json >quoted.json
+command=$(value quoted.json 'd["answer"]["command"]')
+[[ $command == *' --weld .001 '* ]] || complain "--weld is not in: $command"
+(eval "\"$svocl\" ${command#svocl }") >build.txt || complain "does not run: $command"
+[[ -s model.svo ]] || complain "no tree by: $command"
+
 # --- files ---
 
 grep -q '^setting,round,"\?time' rounds.csv || complain "CSV: $(head -n 1 rounds.csv)"

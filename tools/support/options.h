@@ -106,6 +106,7 @@ typedef struct options {
     const char *subject; /* bench: what is measured; parts: what is done; the argument before input */
     uint64_t given_groups; /* groups of the options on the command line */
     uint64_t given_rules[OPTION_RULES_MAX / 64]; /* those options: bits, by their places in the table */
+    const char *given_values[OPTION_RULES_MAX]; /* their values as they are written; NULL: a flag, or not given */
     uint64_t help, quiet, verbose, json; /* flags: 0 or 1 */
 
     const char *device_name; /* NULL: the library's choice */

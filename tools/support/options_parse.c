@@ -139,6 +139,7 @@ static int parse_option(program *state, const command *which, int argument_count
     const size_t place = (size_t)(option - options_rule(0));
     state->options.given_groups |= option->group;
     state->options.given_rules[place / 64] |= (uint64_t)1 << place % 64;
+    state->options.given_values[place] = value;
     return option->read(state, option, value);
 }
 
@@ -246,7 +247,7 @@ static bool is_among(const char *name, const char *const names[])
     return names[i] != NULL;
 }
 
-static bool is_given_at(const options *given, size_t place)
+bool options_is_given_at(const options *given, size_t place)
 {
     return (given->given_rules[place / 64] >> place % 64 & 1u) != 0;
 }
@@ -260,7 +261,7 @@ bool options_is_given(const options *given, const char *name)
 {
     bool found = false;
     for (size_t i = 0; options_rule(i) != NULL; ++i) {
-        found = found || (is_given_at(given, i) && strcmp(options_rule(i)->name, name) == 0);
+        found = found || (options_is_given_at(given, i) && strcmp(options_rule(i)->name, name) == 0);
     }
     return found;
 }
@@ -268,7 +269,7 @@ bool options_is_given(const options *given, const char *name)
 const char *options_input_path(const options *given, size_t place)
 {
     const rule *option = options_rule(place);
-    return is_given_at(given, place) && option->value_name != NULL && strcmp(option->value_name, "FILE") == 0 &&
+    return options_is_given_at(given, place) && option->value_name != NULL && strcmp(option->value_name, "FILE") == 0 &&
                    option->group != (unsigned)OPTION_OUTPUT && option->group != OPTION_DIFF_COMMAND &&
                    option->group != OPTION_TUNE_COMMAND
                ? *(const char *const *)((const char *)given + option->offset)
@@ -278,7 +279,7 @@ const char *options_input_path(const options *given, size_t place)
 int options_refuse(program *state, const char *const names[], const char *where)
 {
     for (size_t i = 0; options_rule(i) != NULL; ++i) {
-        if (is_given_at(&state->options, i) && is_among(options_rule(i)->name, names)) {
+        if (options_is_given_at(&state->options, i) && is_among(options_rule(i)->name, names)) {
             return refuse(state, options_rule(i), where);
         }
     }
@@ -288,7 +289,7 @@ int options_refuse(program *state, const char *const names[], const char *where)
 int options_refuse_groups(program *state, uint64_t groups, const char *where)
 {
     for (size_t i = 0; options_rule(i) != NULL; ++i) {
-        if (is_given_at(&state->options, i) && (options_rule(i)->group & groups) != 0) {
+        if (options_is_given_at(&state->options, i) && (options_rule(i)->group & groups) != 0) {
             return refuse(state, options_rule(i), where);
         }
     }
@@ -299,7 +300,7 @@ int options_take_only(program *state, uint64_t groups, const char *const names[]
 {
     for (size_t i = 0; options_rule(i) != NULL; ++i) {
         const bool is_taken = (options_rule(i)->group & (groups | (unsigned)OPTION_COMMON)) != 0;
-        if (is_given_at(&state->options, i) && !is_taken && !is_among(options_rule(i)->name, names)) {
+        if (options_is_given_at(&state->options, i) && !is_taken && !is_among(options_rule(i)->name, names)) {
             return refuse(state, options_rule(i), where);
         }
     }

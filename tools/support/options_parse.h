@@ -17,6 +17,8 @@ bool options_may_lack_input(const command *which);
 
 /* Whether an option is on the command line. */
 bool options_is_given(const options *given, const char *name);
+/* The same of the option at a place of the table: names may stand there twice. */
+bool options_is_given_at(const options *given, size_t place);
 
 /* The file that the option at a place of the table reads, where it is on the command line; else NULL. */
 const char *options_input_path(const options *given, size_t place);

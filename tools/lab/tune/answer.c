@@ -65,7 +65,8 @@ static const char *standing_of(const sweep *all, size_t index)
 
 static void add_setting(const sweep *all, size_t index, result_table *into)
 {
-    char text[SWEEP_TEXT_BYTES];
+    char value[32];
+    text_list text;
     const sweep_setting *own = &all->settings[index];
     const candidate *of = &all->candidates[index];
     double rounds[RESAMPLE_ROUNDS_MAX];
@@ -74,8 +75,8 @@ static void add_setting(const sweep *all, size_t index, result_table *into)
         if (i == DIMENSION_DEPTH) {
             result_add_number(into, own->setting.values[i]);
         } else if (varies(all, i)) {
-            dimension_value(i, own->setting.values[i], text, sizeof text);
-            result_add_text(into, "%s", text);
+            dimension_value(i, own->setting.values[i], value, sizeof value);
+            result_add_text(into, "%s", value);
         }
     }
     memcpy(rounds, of->rounds, sizeof rounds);
@@ -92,8 +93,8 @@ static void add_setting(const sweep *all, size_t index, result_table *into)
             result_add_number(into, value_of(of, measure));
         }
     }
-    tune_setting_command(all->state, &own->setting, text, sizeof text);
-    result_add_text(into, "%s", text);
+    tune_setting_command(all->state, &own->setting, &text);
+    result_add_text(into, "%s", text.text);
 }
 
 static void add_settings(const sweep *all, result_set *tables)
@@ -159,7 +160,7 @@ static void add_errors(const sweep *all, result_set *tables)
 
 static void add_rounds(const sweep *all, result_set *tables)
 {
-    char text[SWEEP_TEXT_BYTES];
+    text_list text;
     result_table *into = result_add_table(tables, "tune-rounds", "Rounds", "Each round of each setting");
     result_add_column(into, "setting", "");
     result_add_column(into, "round", "");
@@ -167,13 +168,13 @@ static void add_rounds(const sweep *all, result_set *tables)
     result_add_column(into, "memory", "B");
     result_add_column(into, "command", "");
     for (size_t i = 0; i < all->count; ++i) {
-        tune_setting_command(all->state, &all->settings[i].setting, text, sizeof text);
+        tune_setting_command(all->state, &all->settings[i].setting, &text);
         for (size_t round = 0; round < all->candidates[i].round_count; ++round) {
             result_add_number(into, (double)i);
             result_add_number(into, (double)round);
             result_add_number(into, all->candidates[i].rounds[round]);
             result_add_number(into, all->candidates[i].bytes);
-            result_add_text(into, "%s", text);
+            result_add_text(into, "%s", text.text);
         }
     }
 }
@@ -193,36 +194,36 @@ result_set *answer_tables(const sweep *all)
 
 /* ---- words ---- */
 
-void answer_words(const sweep *all, char *text, size_t text_bytes)
+void answer_words(const sweep *all, text_list *out)
 {
-    text_list list = {.text = text, .bytes = text_bytes};
     const tune_bounds *bounds = &all->bounds;
+    text_list_clear(out);
     if (!race_has_goal(bounds)) {
-        text_list_add(&list, "no bound is given: settings marked front are those that none beats in everything");
+        text_list_add(out, "no bound is given: settings marked front are those that none beats in everything");
         return;
     }
-    text_list_add(&list, "least %s",
+    text_list_add(out, "least %s",
                   bounds->least < tune_measure_count() ? tune_measure_at(bounds->least)->name : "time");
     for (size_t i = 0; i < bounds->count; ++i) {
-        text_list_add(&list, ", %s at most %g", tune_measure_at(bounds->list[i].measure)->name, bounds->list[i].most);
+        text_list_add(out, ", %s at most %g", tune_measure_at(bounds->list[i].measure)->name, bounds->list[i].most);
     }
     if (isfinite(bounds->time_ms)) {
-        text_list_add(&list, ", time at most %s", figure_ms(bounds->time_ms).text);
+        text_list_add(out, ", time at most %s", figure_ms(bounds->time_ms).text);
     }
     if (isfinite(bounds->bytes)) {
-        text_list_add(&list, ", memory at most %s", figure_bytes((uint64_t)bounds->bytes).text);
+        text_list_add(out, ", memory at most %s", figure_bytes((uint64_t)bounds->bytes).text);
     }
     if (all->verdict.winner == all->count) {
-        text_list_add(&list, ": no setting keeps these bounds");
+        text_list_add(out, ": no setting keeps these bounds");
     }
 }
 
 static void print_setting(const sweep *all, const char *what, size_t index)
 {
-    char text[SWEEP_TEXT_BYTES];
+    text_list text;
     const candidate *own = &all->candidates[index];
-    tune_setting_command(all->state, &all->settings[index].setting, text, sizeof text);
-    table_line("%s: %s", what, text);
+    tune_setting_command(all->state, &all->settings[index].setting, &text);
+    table_line("%s: %s", what, text.text);
     table_line("  %s, memory %s", figure_ms(resample_median(own->rounds, own->round_count)).text,
                figure_bytes((uint64_t)own->bytes).text);
 }
@@ -241,14 +242,14 @@ static void print_fresh(const sweep *all)
 
 static void print_answer(const sweep *all)
 {
-    char text[SWEEP_TEXT_BYTES];
-    answer_words(all, text, sizeof text);
-    table_line("%s", text);
+    text_list text;
+    answer_words(all, &text);
+    table_line("%s", text.text);
     if (all->verdict.winner < all->count) {
         print_setting(all, "answer", all->verdict.winner);
         print_fresh(all);
-        tune_setting_code(&all->settings[all->verdict.winner].setting, text, sizeof text);
-        table_line("  C: %s", text);
+        tune_setting_code(&all->settings[all->verdict.winner].setting, &text);
+        table_line("  C: %s", text.text);
         table_line("  wins in %.0f %% of resampled sweeps, within 5 %% of the winner in %.0f %%",
                    100 * all->verdict.sure, 100 * all->verdict.near);
     }
@@ -278,9 +279,9 @@ static int compare_rows(const void *a, const void *b)
 static void print_row(const sweep *all, const row_order *row, table *rows)
 {
     static const char *const columns[] = {"voxel-rms-units", "normal", "delta-e"};
-    char text[256] = "";
-    text_list list = {.text = text, .bytes = sizeof text};
+    text_list list;
     const candidate *own = &all->candidates[row->index];
+    text_list_clear(&list);
     table_cell(rows, "%s", standing_of(all, row->index));
     table_cell(rows, "%d", all->settings[row->index].setting.values[DIMENSION_DEPTH]);
     for (tune_dimension at = DIMENSION_COVERAGE; at < DIMENSION_COUNT; ++at) {
@@ -290,7 +291,7 @@ static void print_row(const sweep *all, const row_order *row, table *rows)
             text_list_add(&list, "%s%s", list.used > 0 ? ", " : "", value);
         }
     }
-    table_cell(rows, "%s", text);
+    table_cell(rows, "%s", list.text);
     table_cell(rows, "%s", isfinite(row->time) ? figure_ms(row->time).text : "-");
     table_cell(rows, "%s", own->bytes > 0 ? figure_bytes((uint64_t)own->bytes).text : "-");
     for (size_t i = 0; i < sizeof columns / sizeof columns[0]; ++i) {
@@ -341,14 +342,14 @@ void answer_print(const sweep *all)
 
 static cJSON *verdict_to_json(const sweep *all, size_t index)
 {
-    char text[SWEEP_TEXT_BYTES];
+    text_list text;
     const candidate *own = &all->candidates[index];
     cJSON *object = cJSON_CreateObject();
     json_add_count(object, "setting", index);
-    tune_setting_command(all->state, &all->settings[index].setting, text, sizeof text);
-    json_add_text(object, "command", text);
-    tune_setting_code(&all->settings[index].setting, text, sizeof text);
-    json_add_text(object, "c", text);
+    tune_setting_command(all->state, &all->settings[index].setting, &text);
+    json_add_text(object, "command", text.text);
+    tune_setting_code(&all->settings[index].setting, &text);
+    json_add_text(object, "c", text.text);
     const interval time = interval_of_time(own->rounds, own->round_count);
     cJSON_AddNumberToObject(object, "time_ms", time.middle);
     cJSON_AddNumberToObject(object, "time_low_ms", time.low);
@@ -359,7 +360,7 @@ static cJSON *verdict_to_json(const sweep *all, size_t index)
 
 cJSON *answer_to_json(const sweep *all, const result_set *tables)
 {
-    char text[SWEEP_TEXT_BYTES];
+    text_list text;
     cJSON *document = state_to_json(all);
     cJSON *of_tables = result_to_json(tables);
     if (document == NULL || of_tables == NULL) {
@@ -367,8 +368,8 @@ cJSON *answer_to_json(const sweep *all, const result_set *tables)
         cJSON_Delete(of_tables);
         return NULL;
     }
-    answer_words(all, text, sizeof text);
-    json_add_text(document, "asked", text);
+    answer_words(all, &text);
+    json_add_text(document, "asked", text.text);
     cJSON_AddItemToObject(document, "answer",
                           all->verdict.winner < all->count ? verdict_to_json(all, all->verdict.winner)
                                                            : cJSON_CreateNull());

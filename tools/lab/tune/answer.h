@@ -16,6 +16,6 @@ void answer_print(const sweep *all);
 /* The state with "answer" and "tables". NULL when out of memory. */
 cJSON *answer_to_json(const sweep *all, const result_set *tables);
 /* One line in words: what was asked and found. */
-void answer_words(const sweep *all, char *text, size_t text_bytes);
+void answer_words(const sweep *all, text_list *out);
 
 #endif

@@ -13,21 +13,21 @@ extern const char tune_template[], tune_script_content[], page_style[], page_scr
 
 static cJSON *verdict_to_facts(const sweep *all)
 {
-    char text[SWEEP_TEXT_BYTES];
+    text_list text;
     cJSON *facts = cJSON_CreateObject();
-    answer_words(all, text, sizeof text);
-    cJSON_AddStringToObject(facts, "asked", text);
+    answer_words(all, &text);
+    cJSON_AddStringToObject(facts, "asked", text.text);
     if (all->verdict.winner < all->count) {
-        tune_setting_command(all->state, &all->settings[all->verdict.winner].setting, text, sizeof text);
-        cJSON_AddStringToObject(facts, "command", text);
-        tune_setting_code(&all->settings[all->verdict.winner].setting, text, sizeof text);
-        cJSON_AddStringToObject(facts, "c", text);
+        tune_setting_command(all->state, &all->settings[all->verdict.winner].setting, &text);
+        cJSON_AddStringToObject(facts, "command", text.text);
+        tune_setting_code(&all->settings[all->verdict.winner].setting, &text);
+        cJSON_AddStringToObject(facts, "c", text.text);
         cJSON_AddNumberToObject(facts, "sure", all->verdict.sure);
         cJSON_AddNumberToObject(facts, "near", all->verdict.near);
     }
     if (all->verdict.second < all->count) {
-        tune_setting_command(all->state, &all->settings[all->verdict.second].setting, text, sizeof text);
-        cJSON_AddStringToObject(facts, "second", text);
+        tune_setting_command(all->state, &all->settings[all->verdict.second].setting, &text);
+        cJSON_AddStringToObject(facts, "second", text.text);
     }
     return facts;
 }

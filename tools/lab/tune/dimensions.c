@@ -307,24 +307,69 @@ static void add_option(text_list *list, const tune_setting *setting, tune_dimens
     }
 }
 
-void tune_setting_command(const program *state, const tune_setting *setting, char *text, size_t text_bytes)
+/* As a word of a shell. */
+static void add_word(text_list *list, const char *word)
 {
-    text_list list = {.text = text, .bytes = text_bytes};
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./:,=+@%-";
+    if (word[0] != '\0' && word[strspn(word, plain)] == '\0') {
+        text_list_add(list, " %s", word);
+        return;
+    }
+    text_list_add(list, " '");
+    for (; *word != '\0'; ++word) {
+        if (*word == '\'') {
+            text_list_add(list, "'\\''");
+        } else {
+            text_list_add(list, "%c", *word);
+        }
+    }
+    text_list_add(list, "'");
+}
+
+/* Whether an option is about what is built, and no setting has a value of its own for it. */
+static bool is_carried(const program *state, size_t place)
+{
+    const rule *option = options_rule(place);
+    bool carried = options_is_given_at(&state->options, place) &&
+                   (option->group & (OPTION_COMMON | OPTION_JSON | OPTION_TUNE_COMMAND)) == 0;
+    for (tune_dimension i = DIMENSION_DEPTH; i < DIMENSION_COUNT; ++i) {
+        carried = carried && strcmp(option->name, names[i]) != 0;
+    }
+    return carried;
+}
+
+static void add_carried(text_list *list, const program *state)
+{
+    for (size_t i = 0; options_rule(i) != NULL; ++i) {
+        if (is_carried(state, i)) {
+            text_list_add(list, " --%s", options_rule(i)->name);
+            if (state->options.given_values[i] != NULL) {
+                add_word(list, state->options.given_values[i]);
+            }
+        }
+    }
+}
+
+void tune_setting_command(const program *state, const tune_setting *setting, text_list *out)
+{
     const int *at = setting->values;
     const int gather = at[DIMENSION_GATHER];
-    text_list_add(&list, "svocl %s %s -d %d", gather != 0 ? "gather" : "build", state->options.input,
-                  at[DIMENSION_DEPTH]);
+    text_list_clear(out);
+    text_list_add(out, "svocl %s", gather != 0 ? "gather" : "build");
+    add_word(out, state->options.input);
+    text_list_add(out, " -d %d", at[DIMENSION_DEPTH]);
     for (tune_dimension i = DIMENSION_COVERAGE; i <= DIMENSION_PATH; ++i) {
-        add_option(&list, setting, i, 0);
+        add_option(out, setting, i, 0);
     }
+    add_carried(out, state);
     if (gather != 0) {
-        text_list_add(&list, gather > 0 ? " --method cones --cones %d" : " --method rays --paths %d", abs(gather));
+        text_list_add(out, gather > 0 ? " --method cones --cones %d" : " --method rays --paths %d", abs(gather));
         if (gather > 0 && at[DIMENSION_LIGHT_FORM] != SVO_LIGHT_FACES) {
-            text_list_add(&list, " --form %s", choice_name(light_forms, at[DIMENSION_LIGHT_FORM]));
+            text_list_add(out, " --form %s", choice_name(light_forms, at[DIMENSION_LIGHT_FORM]));
         }
-        text_list_add(&list, " --points points.csv -o light.csv");
+        text_list_add(out, " --points points.csv -o light.csv");
     } else {
-        text_list_add(&list, " -o model.svo");
+        text_list_add(out, " -o model.svo");
     }
 }
 
@@ -352,21 +397,21 @@ static void add_gather(text_list *list, const tune_setting *setting)
     }
 }
 
-void tune_setting_code(const tune_setting *setting, char *text, size_t text_bytes)
+void tune_setting_code(const tune_setting *setting, text_list *out)
 {
-    text_list list = {.text = text, .bytes = text_bytes};
     const int *at = setting->values;
-    text_list_add(&list, "/* depth %d */ svo_plan_options plan = {.struct_size = sizeof plan", at[DIMENSION_DEPTH]);
-    add_field(&list, "coverage", "SVO_COVERAGE_", svo_name(SVO_NAME_COVERAGE, (uint32_t)at[DIMENSION_COVERAGE]));
-    add_field(&list, "weights", "SVO_WEIGHTS_", svo_name(SVO_NAME_WEIGHTS, (uint32_t)at[DIMENSION_WEIGHTS]));
+    text_list_clear(out);
+    text_list_add(out, "/* depth %d */ svo_plan_options plan = {.struct_size = sizeof plan", at[DIMENSION_DEPTH]);
+    add_field(out, "coverage", "SVO_COVERAGE_", svo_name(SVO_NAME_COVERAGE, (uint32_t)at[DIMENSION_COVERAGE]));
+    add_field(out, "weights", "SVO_WEIGHTS_", svo_name(SVO_NAME_WEIGHTS, (uint32_t)at[DIMENSION_WEIGHTS]));
     if (at[DIMENSION_BUILDER] == SVO_BUILDER_SORTED) {
-        text_list_add(&list, ", .builder = SVO_BUILDER_SORTED");
+        text_list_add(out, ", .builder = SVO_BUILDER_SORTED");
     }
-    text_list_add(&list, "}");
+    text_list_add(out, "}");
     if (at[DIMENSION_FORM] > 0) {
-        text_list_add(&list, "; svo_compact_options compact = {.struct_size = sizeof compact");
-        add_field(&list, "form", "SVO_FORM_", choice_name(forms, at[DIMENSION_FORM]));
-        text_list_add(&list, "}");
+        text_list_add(out, "; svo_compact_options compact = {.struct_size = sizeof compact");
+        add_field(out, "form", "SVO_FORM_", choice_name(forms, at[DIMENSION_FORM]));
+        text_list_add(out, "}");
     }
-    add_gather(&list, setting);
+    add_gather(out, setting);
 }

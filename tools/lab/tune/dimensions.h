@@ -10,6 +10,7 @@
 #include <stddef.h>
 
 #include "support/program.h"
+#include "tune/text_list.h"
 
 typedef enum tune_dimension {
     DIMENSION_DEPTH = 0,
@@ -54,9 +55,10 @@ int tune_space_read(program *state, const unsigned *depths, bool gathers, tune_s
    light's form for rays. settings: room for TUNE_SETTINGS_MAX. Returns the exit code. */
 int tune_space_list(program *state, const tune_space *space, tune_setting *settings, size_t *count);
 
-/* The command that does what a setting does: `svocl build` or, where something is gathered, `svocl gather`. */
-void tune_setting_command(const program *state, const tune_setting *setting, char *text, size_t text_bytes);
+/* The command that does what a setting does, for a shell: `svocl build` or, where something is gathered, `svocl
+   gather`, with what else is on the command line of tune. */
+void tune_setting_command(const program *state, const tune_setting *setting, text_list *out);
 /* The same in C. */
-void tune_setting_code(const tune_setting *setting, char *text, size_t text_bytes);
+void tune_setting_code(const tune_setting *setting, text_list *out);
 
 #endif

@@ -53,15 +53,16 @@ static cJSON *record_to_json(const tune_errors *errors)
 
 static cJSON *setting_to_json(const sweep *all, size_t index)
 {
-    char text[SWEEP_TEXT_BYTES];
+    char value[32];
+    text_list text;
     const sweep_setting *own = &all->settings[index];
     const candidate *of = &all->candidates[index];
     cJSON *object = cJSON_CreateObject();
-    tune_setting_command(all->state, &own->setting, text, sizeof text);
-    json_add_text(object, "command", text);
+    tune_setting_command(all->state, &own->setting, &text);
+    json_add_text(object, "command", text.text);
     for (tune_dimension i = DIMENSION_DEPTH; i < DIMENSION_COUNT; ++i) {
-        dimension_value(i, own->setting.values[i], text, sizeof text);
-        json_add_text(object, dimension_name(i), text);
+        dimension_value(i, own->setting.values[i], value, sizeof value);
+        json_add_text(object, dimension_name(i), value);
     }
     cJSON_AddItemToObject(object, "first_ms", exact_number(own->first_ms));
     cJSON_AddItemToObject(object, "rounds_ms", exact_array(of->rounds, of->round_count));
@@ -135,7 +136,7 @@ static bool has_text(const cJSON *object, const char *name, const char *text)
 /* Whether the state is of the same mesh, the same settings and the same wishes. */
 static bool is_same_sweep(const sweep *all, const cJSON *root, const cJSON *settings)
 {
-    char text[SWEEP_TEXT_BYTES];
+    char value[32];
     const options *given = &all->state->options;
     bool same = has_text(root, "input", given->input) &&
                 number_of(root, "triangles") == (double)all->made->source->mesh->triangle_count &&
@@ -147,8 +148,8 @@ static bool is_same_sweep(const sweep *all, const cJSON *root, const cJSON *sett
     const cJSON *one = settings != NULL ? settings->child : NULL;
     for (size_t i = 0; i < all->count && same && one != NULL; ++i, one = one->next) {
         for (tune_dimension k = DIMENSION_DEPTH; k < DIMENSION_COUNT && same; ++k) {
-            dimension_value(k, all->settings[i].setting.values[k], text, sizeof text);
-            same = has_text(one, dimension_name(k), text);
+            dimension_value(k, all->settings[i].setting.values[k], value, sizeof value);
+            same = has_text(one, dimension_name(k), value);
         }
     }
     return same;

@@ -6,8 +6,7 @@
 #include "tune/race.h"
 #include "tune/trial.h"
 
-#define SWEEP_RUNGS      4u
-#define SWEEP_TEXT_BYTES 1024u
+#define SWEEP_RUNGS 4u
 
 typedef struct sweep_setting {
     tune_setting setting;

@@ -162,7 +162,8 @@ static bool trace(trial *run)
     svo_ray *rays = calloc(RAYS, sizeof *rays);
     svo_voxel_hit *hits = calloc(RAYS, sizeof *hits);
     for (size_t i = 0; i < RAYS && rays != NULL; ++i) {
-        const double part[3] = {(double)(i % 128) / 128, (double)(i / 128) / 128, -0.5};
+        const size_t row = i / 128;
+        const double part[3] = {(double)(i % 128) / 128, (double)row / 128, -0.5};
         const unsigned turn = (unsigned)(i % 3);
         rays[i] = (svo_ray){.t_max = INFINITY};
         for (unsigned axis = 0; axis < 3; ++axis) {
