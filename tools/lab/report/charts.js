@@ -7,7 +7,7 @@
 
 const chartWidth = 460;
 const chartHeight = 300;
-const frame = {left: 62, right: 450, top: 10, bottom: 250};
+const frame = {left: 70, right: 450, top: 10, bottom: 250};
 const barHeight = 20;
 const letterWidth = 6.4; /* of 12 px text, generously */
 
@@ -35,7 +35,8 @@ function measureAxis(values, label) {
 
 function labelPower(at, power) {
   if (power < -3 || power > 4) {
-    return formatPower(power);
+    const factor = Math.round(at / 10 ** power);
+    return factor === 1 ? formatPower(power) : `${factor}×${formatPower(power)}`;
   }
   return power < 0 ? String(Number(at.toPrecision(2))) : formatNumber(at);
 }
