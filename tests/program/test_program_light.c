@@ -42,6 +42,26 @@ static void a_file_keeps_the_light(void **state)
     run_well("rm a.svo a.svl a.png b.png c.png");
 }
 
+/* A stored tree has the picture of one that is built, where its mesh is given, and not without. */
+static void a_stored_tree_takes_its_mesh(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("$SVOCL build scene:knot:200 -d 5 --need color,normal,rays -o a.svo --quiet");
+    run_well("$SVOCL render scene:knot:200 -d 5 --view full --size 32x32 -o a.png --quiet");
+    run_well("$SVOCL render a.svo --mesh scene:knot:200 --view full --size 32x32 -o b.png --quiet");
+    run_well("$SVOCL render a.svo --view full --size 32x32 -o c.png --quiet");
+    run_well("cmp a.png b.png && ! cmp -s a.png c.png");
+    run_badly("$SVOCL render a.svo --mesh scene:knot:800 --view full -o d.png", 1,
+              "triangle 0 is not where the tree of a.svo has it");
+    run_badly("$SVOCL render scene:cube -d 4 --mesh scene:cube --view full -o d.png", 2,
+              "--mesh is for a finished tree");
+    run_badly("$SVOCL render a.svo --mesh scene:knot:200 -o d.png", 2, "--mesh has no effect without light");
+    run_well("$SVOCL build scene:knot:200 -d 5 -o a.svo --quiet");
+    run_badly("$SVOCL render a.svo --mesh scene:knot:200 --view full -o d.png", 1, "has no triangles");
+    run_well("rm a.svo a.png b.png c.png");
+}
+
 static void wrong_forms_are_refused(void **state)
 {
     (void)state;
@@ -56,6 +76,7 @@ TEST_GROUP(program_light)
     const struct CMUnitTest tests[] = {
         IN_FOLDER(the_hash_is_that_of_the_opacity),
         IN_FOLDER(a_file_keeps_the_light),
+        IN_FOLDER(a_stored_tree_takes_its_mesh),
         IN_FOLDER(wrong_forms_are_refused),
     };
     return cmocka_run_group_tests_name("program_light", tests, NULL, NULL);

@@ -10,6 +10,7 @@
 #include "support/options_parse.h"
 #include "support/picture.h"
 #include "support/table.h"
+#include "support/tree_mesh.h"
 #include "support/viewpoint.h"
 #include "svocl/io.h"
 
@@ -82,6 +83,7 @@ void lighting_close(lighting *work)
     lights_file_close(&work->file);
     scene_input_close(&work->placed);
     scene_file_close(&work->scene);
+    input_close(&work->mesh);
 }
 
 uint32_t lighting_need(const options *given, const lighting *work, const input *source)
@@ -112,11 +114,29 @@ static int open_scene(program *state, unsigned further_steps, lighting *work, jo
     return exit_code;
 }
 
+/* A stored tree, and its mesh if that is given. */
+static int load_tree(program *state, unsigned further_steps, lighting *work, job *done)
+{
+    const bool has_mesh = state->options.mesh_path != NULL;
+    int exit_code = job_load(state, further_steps + (has_mesh ? 1 : 0), done);
+    if (exit_code == PROGRAM_DONE && has_mesh) {
+        exit_code = tree_mesh_open(state, done->result.tree, &work->mesh);
+        if (exit_code != PROGRAM_DONE) {
+            job_release(done);
+        }
+    }
+    return exit_code;
+}
+
 int lighting_tree(program *state, unsigned further_steps, lighting *work, job *done)
 {
     const double started_ms = input_now_ms();
     if (input_is_tree(state)) {
-        return job_load(state, further_steps, done);
+        return load_tree(state, further_steps, work, done);
+    }
+    if (state->options.mesh_path != NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE,
+                            "--mesh is for a finished tree; %s has a mesh of its own or none", state->options.input);
     }
     int exit_code = work->scene.tree_count > 0 ? open_scene(state, further_steps, work, done)
                                                : job_open(state, state->options.need, further_steps, done);
@@ -131,14 +151,22 @@ int lighting_tree(program *state, unsigned further_steps, lighting *work, job *d
     return exit_code;
 }
 
-svo_light_setup lighting_setup(const lighting *work, const input *source)
+/* The mesh of a tree that was built here or that --mesh names; else NULL. */
+static const svo_mesh *mesh_of(const lighting *work, const input *source)
 {
-    const bool has_finishes = source->mesh != NULL && source->mesh->finishes != NULL;
+    return work->mesh.mesh != NULL ? work->mesh.mesh : source->mesh;
+}
+
+svo_light_setup lighting_setup(const lighting *work, const job *done)
+{
+    const svo_mesh *mesh = mesh_of(work, &done->source);
+    const bool has_materials = (info_of_tree(done->result.tree).need & SVO_NEED_MATERIAL) != 0;
+    const bool has_finishes = mesh != NULL && mesh->finishes != NULL && (has_materials || work->mesh.mesh == NULL);
     svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
     setup.sources = work->file.sources;
     setup.source_count = work->file.source_count;
-    setup.finishes = has_finishes ? source->mesh->finishes : NULL;
-    setup.finish_count = has_finishes ? source->mesh->material_count : 0;
+    setup.finishes = has_finishes ? mesh->finishes : NULL;
+    setup.finish_count = has_finishes ? mesh->material_count : 0;
     for (int channel = 0; channel < 3; ++channel) {
         setup.sky[channel] = work->file.sky.radiance[channel];
     }
@@ -164,7 +192,7 @@ static int count_missed(program *state, const job *done, const svo_light_setup *
 
 svo_status lighting_give_mesh(const job *done, const lighting *work)
 {
-    const svo_mesh *mesh = done->source.mesh;
+    const svo_mesh *mesh = mesh_of(work, &done->source);
     const bool has_rays = (info_of_tree(done->result.tree).need & SVO_NEED_RAYS) != 0;
     return mesh != NULL && has_rays && (mesh->material_count > 0 || mesh->colors != NULL || mesh->normals != NULL)
                ? svo_light_set_mesh(work->light, mesh, done->opened.queue)
@@ -208,7 +236,7 @@ int lighting_setup_for_picture(program *state, const job *done, const svo_camera
                                svo_light_setup *setup)
 {
     default_lights *chosen = &work->chosen;
-    *setup = lighting_setup(work, &done->source);
+    *setup = lighting_setup(work, done);
     if (state->options.lights_path != NULL) {
         return PROGRAM_DONE;
     }

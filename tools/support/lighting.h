@@ -16,6 +16,7 @@ typedef struct lighting {
     lights_file file; /* of --lights; without, what a scene says of lights; its camera where --lights has none */
     scene_file scene; /* INPUT, if that is one; else without trees */
     scene_input placed; /* what it places */
+    input mesh; /* of --mesh, else empty */
     default_lights chosen; /* of a picture that none of them lights */
     bool for_cones; /* as options ask, or a command that needs them sets */
     double tree_ms; /* wall-clock time of reading and building the tree */
@@ -37,8 +38,8 @@ uint32_t lighting_need(const options *given, const lighting *work, const input *
    nothing is left to release. */
 int lighting_tree(program *state, unsigned further_steps, lighting *work, job *done);
 
-/* What lights the source's tree: the file, and the finishes of the mesh if there is one. Borrows from both. */
-svo_light_setup lighting_setup(const lighting *work, const input *source);
+/* What lights the tree: the file, and the finishes of the mesh if there is one. Borrows from both. */
+svo_light_setup lighting_setup(const lighting *work, const job *done);
 
 /* Makes the light of a tree on the device, by --form, --opacity and --photons; one step of the progress bar. */
 int lighting_make(program *state, const job *done, const svo_light_setup *setup, lighting *work);

@@ -174,6 +174,7 @@ typedef struct options {
     int light_form; /* light: svo_light_form */
     int opacity; /* light: svo_opacity */
     const char *light_file; /* render: NULL: not given */
+    const char *mesh_path; /* of a stored tree that is lit; NULL: not given */
     int one_side; /* light: 1: of closed meshes the front alone is opaque */
     int photons, gi; /* light: 0: off */
     double exposure; /* light: of pictures; 0: not given */

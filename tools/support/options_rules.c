@@ -558,6 +558,8 @@ static const rule rules[] = {
      "which sides of a closed mesh hold cones back: both; one, the front (both)"},
     {"light-file", '\0', OPTION_RENDER_COMMAND, "FILE", read_text, FIELD(light_file), 0, 0, NULL,
      "the light of the tree: read with its sources where FILE is there, else made and written (none)"},
+    {"mesh", '\0', OPTION_LIGHT, "FILE", read_text, FIELD(mesh_path), 0, 0, NULL,
+     "the mesh that INPUT, a tree with rays, was made of: light has its textures, normals and finishes (none)"},
     {"photons", '\0', OPTION_LIGHT, "NAME", read_choice, FIELD(photons), 0, 0, switches,
      "whether surfaces that the lights reach light others by cones: on, off (on)"},
     {"gi", '\0', OPTION_RENDER_COMMAND, "NAME", read_choice, FIELD(gi), 0, 0, switches,

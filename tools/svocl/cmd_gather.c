@@ -286,7 +286,7 @@ static int run(gathering *work)
 {
     program *state = work->state;
     int exit_code = light_points_make(state, work->done.source.mesh, &work->at);
-    work->setup = lighting_setup(&work->lit, &work->done.source);
+    work->setup = lighting_setup(&work->lit, &work->done);
     if (exit_code == PROGRAM_DONE) {
         exit_code = lighting_make(state, &work->done, &work->setup, &work->lit);
     }

@@ -344,7 +344,7 @@ static int make_light(subject *which, view_state *state)
                                              .form = state->shown.form,
                                              .opacity = (svo_opacity)which->running->options.opacity,
                                              .one_side = (uint32_t)which->running->options.one_side};
-    svo_light_setup setup = lighting_setup(&which->lit, &done->source);
+    svo_light_setup setup = lighting_setup(&which->lit, done);
     setup.sources = state->sources;
     setup.source_count = state->source_count;
     setup.no_photons = !state->shown.photons;

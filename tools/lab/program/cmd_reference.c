@@ -54,7 +54,7 @@ static int trace(program *state, job *done, reference *work)
 {
     const options *given = &state->options;
     const long online = sysconf(_SC_NPROCESSORS_ONLN);
-    const svo_light_setup setup = lighting_setup(&work->lit, &done->source);
+    const svo_light_setup setup = lighting_setup(&work->lit, done);
     const path_scene paths = {.tree = done->result.tree,
                               .mesh = done->source.mesh,
                               .queue = done->opened.queue,
