@@ -71,7 +71,7 @@ static cJSON *setting_to_json(const sweep *all, size_t index)
     cJSON_AddItemToObject(object, "query_us", exact_number(own->query_us));
     json_add_text(object, "left", race_left_name(of->left));
     json_add_count(object, "left_after", of->left_after);
-    json_add_text(object, "reason", own->reason);
+    json_add_text(object, "reason", own->reason.text);
     cJSON *records = cJSON_AddArrayToObject(object, "errors");
     for (int kind = 0; kind < KIND_COUNT; ++kind) {
         cJSON_AddItemToArray(records, own->records[kind] == SIZE_MAX ? cJSON_CreateNull()
@@ -179,7 +179,7 @@ static void read_setting(const cJSON *object, sweep_setting *own, candidate *of)
     of->bytes = number_of(object, "peak_bytes");
     of->left = left_of(object);
     of->left_after = (unsigned)number_of(object, "left_after");
-    (void)snprintf(own->reason, sizeof own->reason, "%s", cJSON_IsString(reason) ? reason->valuestring : "");
+    (void)snprintf(own->reason.text, sizeof own->reason.text, "%s", cJSON_IsString(reason) ? reason->valuestring : "");
 }
 
 static void read_block(const cJSON *numbers, sample_block *out)

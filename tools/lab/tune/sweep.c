@@ -84,7 +84,7 @@ static void fail_setting(sweep *all, size_t index, const svo_message *reason, un
 {
     all->candidates[index].left = LEFT_FAILED;
     all->candidates[index].left_after = rung;
-    (void)snprintf(all->settings[index].reason, sizeof all->settings[index].reason, "%s", reason->text);
+    all->settings[index].reason = *reason;
 }
 
 /* One run of a setting: the first one is apart. */

@@ -13,7 +13,7 @@ typedef struct sweep_setting {
     size_t records[KIND_COUNT]; /* indices of errors; record_count: none */
     double first_ms; /* of the first run, kernels compiled; 0: it has not run */
     double result_bytes, query_us; /* of the last run */
-    char reason[256]; /* of LEFT_FAILED */
+    svo_message reason; /* of LEFT_FAILED */
 } sweep_setting;
 
 typedef struct sweep sweep;
