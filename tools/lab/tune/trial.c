@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "support/info_of.h"
+#include "support/job.h"
 #include "tune/light_errors.h"
 
 #define RAYS 16384u
@@ -84,17 +85,13 @@ typedef struct trial {
 
 static bool build(trial *run)
 {
-    const options *given = &run->all->state->options;
     const int *at = run->setting->values;
     const bool in_gl = at[DIMENSION_BUILDER] == OPTION_BUILDER_GL_COMPUTE;
-    svo_plan_options asked = {.struct_size = sizeof asked,
-                              .need = sampler_need(run->all->made, run->setting, given->need),
-                              .coverage = (svo_coverage)at[DIMENSION_COVERAGE],
-                              .weights = (svo_weights)at[DIMENSION_WEIGHTS],
-                              .builder = in_gl ? SVO_BUILDER_CL : (svo_builder)at[DIMENSION_BUILDER],
-                              .edge = given->edge,
-                              .drop_alpha = given->drop_alpha};
-    memcpy(asked.origin, given->origin, sizeof asked.origin);
+    const uint32_t need = sampler_need(run->all->made, run->setting, run->all->state->options.need);
+    svo_plan_options asked = job_plan_options(run->all->state, need);
+    asked.coverage = (svo_coverage)at[DIMENSION_COVERAGE];
+    asked.weights = (svo_weights)at[DIMENSION_WEIGHTS];
+    asked.builder = in_gl ? SVO_BUILDER_CL : (svo_builder)at[DIMENSION_BUILDER];
     const double started_ms = input_now_ms();
     if (svo_plan_create(run->opened->device, run->all->made->source->mesh, (unsigned)at[DIMENSION_DEPTH], &asked,
                         &run->plan) != SVO_OK) {
