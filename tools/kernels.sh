@@ -156,6 +156,28 @@ gpu_variants()
     kernel_variants | sed -E "s/ (${cpu_defines// /|})\>//g; s/\t(${cpu_defines// /|}) */\t/" | sort -u
 }
 
+# Of the files of light, which take the longest, only those whose defines no other line has all of: there defines add to
+# a kernel. All but one of their kernels take the most by these lines, and that one 2 % less than by the others.
+largest_variants()
+{
+    gpu_variants | awk -F '\t' '
+        function is_within(a, b,    words, count, i) {
+            count = split(a, words, " ")
+            for (i = 1; i <= count && index(" " b " ", " " words[i] " "); ++i) { }
+            return i > count
+        }
+        { file[NR] = $1; defines[NR] = $2 }
+        END {
+            for (i = 1; i <= NR; ++i) {
+                covered = 0
+                for (k = 1; k <= NR && file[i] ~ /\/light\//; ++k) {
+                    covered += k != i && file[k] == file[i] && is_within(defines[i], defines[k])
+                }
+                if (!covered) print file[i] "\t" defines[i]
+            }
+        }'
+}
+
 # Options of clang for a target: NVIDIA's GPUs from Volta on, and AMD's gfx906 by a driver for which scratch is printed.
 stack_options()
 {
@@ -247,9 +269,11 @@ measure_variant()
 
 # Lines of a kernel's file, its name and, under any defines, the most bytes of private memory that it takes on each
 # target; then the most registers on GPUs of ptxas_gpus, 0 without it, and on gfx906, and the fewest waves there, of 10
-# for each SIMD. Arguments: parts of names of files; none means all.
+# for each SIMD. Arguments: which prints the variants; parts of names of files, none means all.
 kernel_stacks()
 {
+    local variants=$1
+    shift
     local folder=$root/$build/stacks clang_version stack_reader
     clang_version=$(clang --version | head -n 1)
     stack_reader=$(declare -f read_stacks read_registers)
@@ -257,7 +281,7 @@ kernel_stacks()
     export -f measure_variant stack_options read_stacks read_registers
     export clang_version stack_reader stack_targets ptxas_gpus libclc
     # shellcheck disable=SC2016 # expanded by the inner shell
-    gpu_variants | grep -F "$(printf '%s\n' "${@:-.cl}")" | tr '\n' '\0' |
+    "$variants" | grep -F "$(printf '%s\n' "${@:-.cl}")" | tr '\n' '\0' |
         xargs -0 -n 1 -P "$jobs" bash -o pipefail -c 'measure_variant "$1" "$2" || exit 255' measure "$folder" |
         sort -u | xargs cat | awk '
             { kernel = $2 " " $3; kernels[kernel]; number = $1 == "waves" ? 10 - $4 : $4 }
@@ -282,7 +306,7 @@ stacks()
         ptxas_gpus=
         say "stacks: without ptxas, of CUDA's tools, no registers of NVIDIA's GPUs"
     fi
-    kernel_stacks "$@" | awk '
+    kernel_stacks gpu_variants "$@" | awk '
         function occupancy(registers, warps,    room) {
             if (registers == 0) return "-"
             room = 2 * int(65536 / (2 * 256 * int((registers + 7) / 8)))
@@ -302,7 +326,7 @@ stacks()
 check_stacks()
 {
     local ptxas_gpus=
-    kernel_stacks | awk -v limits="$stack_limits" '
+    kernel_stacks largest_variants | awk -v limits="$stack_limits" '
         function wrong(words) { print limits ": " words; failed = 1 }
         NR == FNR {
             if ($0 ~ /^#|^$/) next
