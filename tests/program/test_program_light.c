@@ -56,7 +56,7 @@ static void a_stored_tree_takes_its_mesh(void **state)
               "triangle 0 is not where the tree of a.svo has it");
     run_badly("$SVOCL render scene:cube -d 4 --mesh scene:cube --view full -o d.png", 2,
               "--mesh is for a finished tree");
-    run_badly("$SVOCL render a.svo --mesh scene:knot:200 -o d.png", 2, "--mesh has no effect without light");
+    run_badly("$SVOCL render a.svo --mesh scene:knot:200 -o d.png", 2, "options of lights and cones require --view ao");
     run_well("$SVOCL build scene:knot:200 -d 5 -o a.svo --quiet");
     run_badly("$SVOCL render a.svo --mesh scene:knot:200 --view full -o d.png", 1, "has no triangles");
     run_well("rm a.svo a.png b.png c.png");

@@ -174,9 +174,6 @@ int command_render(program *state)
     if (exit_code == PROGRAM_DONE && render_light_is_asked(&state->options)) {
         return render_light(state);
     }
-    if (exit_code == PROGRAM_DONE && state->options.mesh_path != NULL) {
-        exit_code = program_fail(state, PROGRAM_WRONG_USAGE, "--mesh has no effect without light, see --view");
-    }
     if (exit_code == PROGRAM_DONE && scene_file_is_input(state)) {
         return render_scene(state);
     }
