@@ -93,4 +93,13 @@ expect_failure 2 "tune: --free: '9-7' is no depth or range of depths in 1 .. 16"
 expect_failure 2 "tune: --time '20m' is not a time above 0" "$svocl" tune scene:cube --time 20m
 expect_failure 1 "tune: --resume state.json: it is of another mesh, other settings or other bounds" \
     "$svocl" tune scene:cube --free depth:4 --resume state.json
+expect_failure 1 "it is of another mesh, other settings or other bounds" \
+    "$svocl" "${cube[@]}" --time 9s --resume state.json
+expect_failure 1 "it is of another mesh, other settings or other bounds" \
+    "$svocl" "${cube[@]}" --edge 3 --origin=-1,-1,-1 --resume state.json
+echo '{"settings": [' >damaged.json
+expect_failure 1 "damaged.json:" "$svocl" "${cube[@]}" --resume damaged.json
+check first.json 'len(d["settings"]) == 4'
+"$svocl" tune scene:cube --free depth:4+4-5+5,builder:cl+sorted+cl --json --error voxel-rms-units:.02 >twice.json
+check twice.json 'len(d["settings"]) == 4'
 exit "$failed"

@@ -79,15 +79,14 @@ function styleOf(method, position) {
 }
 
 function showAnswer({input, answer}) {
-  const escape = text => String(text).replace(/[&<>"]/g, character => `&#${character.charCodeAt(0)};`);
   const percent = share => `${Math.round(100 * share)} %`;
   document.getElementById("input").append(input);
-  document.getElementById("answer").innerHTML = `<p class="lead">${escape(answer.asked)}</p>` +
+  document.getElementById("answer").innerHTML = `<p class="lead">${escapeText(answer.asked)}</p>` +
     (answer.command === undefined ? "" :
-      `<p><code>${escape(answer.command)}</code></p><p><code>${escape(answer.c)}</code></p>` +
+      `<p><code>${escapeText(answer.command)}</code></p><p><code>${escapeText(answer.c)}</code></p>` +
       `<p class="note">It wins in ${percent(answer.sure)} of resampled sweeps and is within 5 % of the winner in ` +
-      `${percent(answer.near)}.${answer.second === undefined ? "" : ` Second: <code>${escape(answer.second)}</code>`}` +
-      "</p>");
+      `${percent(answer.near)}.` +
+      (answer.second === undefined ? "" : ` Second: <code>${escapeText(answer.second)}</code>`) + "</p>");
 }
 
 if (data0 !== null) {

@@ -26,23 +26,22 @@ static const choice forms[] = {{"tree", 0},
                                {"implied", 1 + SVO_FORM_IMPLIED},
                                {"shared", 1 + SVO_FORM_SHARED},
                                {NULL, 0}};
-static const choice light_forms[] = {
-    {"faces", SVO_LIGHT_FACES}, {"bricks", SVO_LIGHT_BRICKS}, {"voxels", SVO_LIGHT_VOXELS}, {NULL, 0}};
-static const choice cone_sets[] = {{"1", 1}, {"5", 5}, {"6", 6}, {"16", 16}, {"64", 64}, {NULL, 0}};
 static const choice ray_sets[] = {{"16", -16},   {"32", -32},   {"64", -64},     {"128", -128},
                                   {"256", -256}, {"512", -512}, {"1024", -1024}, {NULL, 0}};
 
-/* The choices of the option of that name; NULL for numbers. */
+/* The choices of the first option of a name, which is light's; NULL for numbers. */
+static const choice *choices_named(const char *name)
+{
+    size_t place = 0;
+    while (options_rule(place) != NULL && strcmp(options_rule(place)->name, name) != 0) {
+        ++place;
+    }
+    return options_rule(place) != NULL ? options_rule(place)->choices : NULL;
+}
+
 static const choice *choices_of(tune_dimension which)
 {
-    const rule *option = options_rule(0);
-    if (which == DIMENSION_FORM || which == DIMENSION_LIGHT_FORM) {
-        return which == DIMENSION_FORM ? forms : light_forms;
-    }
-    for (size_t i = 0; option != NULL && strcmp(option->name, names[which]) != 0; ++i) {
-        option = options_rule(i);
-    }
-    return option != NULL ? option->choices : NULL;
+    return which == DIMENSION_FORM ? forms : choices_named(which == DIMENSION_LIGHT_FORM ? "form" : names[which]);
 }
 
 static const char *choice_name(const choice *choices, int value)
@@ -83,6 +82,11 @@ static int add_value(const free_reader *reader, tune_dimension which, int value)
         space->is_free[which] = true;
         space->counts[which] = 0;
     }
+    for (size_t i = 0; i < space->counts[which]; ++i) {
+        if (space->values[which][i] == value) {
+            return PROGRAM_DONE; /* named twice */
+        }
+    }
     if (space->counts[which] == DIMENSION_VALUES_MAX) {
         return program_fail(reader->state, PROGRAM_WRONG_USAGE, "--free: %s has more than %u values", names[which],
                             DIMENSION_VALUES_MAX);
@@ -120,9 +124,9 @@ static int add_choice(const free_reader *reader, tune_dimension which, const cho
         suggestion_offer(&near, one->name);
     }
     return program_fail(reader->state, PROGRAM_WRONG_USAGE, "--free: '%.*s' is no value of %s%s", (int)length, text,
-                        choices == cone_sets  ? "cones"
-                        : choices == ray_sets ? "rays"
-                                              : names[which],
+                        which != DIMENSION_GATHER ? names[which]
+                        : choices == ray_sets     ? "rays"
+                                                  : "cones",
                         suggestion_end(&near).text);
 }
 
@@ -147,7 +151,7 @@ static bool find_free(const char *name, size_t length, tune_dimension *which, co
     const bool cones = length == 5 && strncmp(name, "cones", length) == 0;
     if (cones || (length == 4 && strncmp(name, "rays", length) == 0)) {
         *which = DIMENSION_GATHER;
-        *choices = cones ? cone_sets : ray_sets;
+        *choices = cones ? choices_named("cones") : ray_sets;
         return true;
     }
     for (*which = DIMENSION_DEPTH; *which < DIMENSION_GATHER; ++*which) {
@@ -262,15 +266,6 @@ static bool is_second_name(const tune_space *space, const tune_setting *setting)
            (at[DIMENSION_GATHER] <= 0 && at[DIMENSION_LIGHT_FORM] != space->values[DIMENSION_LIGHT_FORM][0]);
 }
 
-static bool is_listed(const tune_setting *settings, size_t count, const tune_setting *one)
-{
-    bool found = false;
-    for (size_t i = 0; i < count && !found; ++i) {
-        found = memcmp(&settings[i], one, sizeof *one) == 0;
-    }
-    return found;
-}
-
 int tune_space_list(program *state, const tune_space *space, tune_setting *settings, size_t *count)
 {
     size_t product = 1;
@@ -285,7 +280,7 @@ int tune_space_list(program *state, const tune_space *space, tune_setting *setti
             one.values[i] = space->values[i][rest % space->counts[i]];
             rest /= space->counts[i];
         }
-        if (is_second_name(space, &one) || is_listed(settings, *count, &one)) {
+        if (is_second_name(space, &one)) {
             continue;
         }
         if (*count == TUNE_SETTINGS_MAX) {
@@ -365,7 +360,7 @@ void tune_setting_command(const program *state, const tune_setting *setting, tex
     if (gather != 0) {
         text_list_add(out, gather > 0 ? " --method cones --cones %d" : " --method rays --paths %d", abs(gather));
         if (gather > 0 && at[DIMENSION_LIGHT_FORM] != SVO_LIGHT_FACES) {
-            text_list_add(out, " --form %s", choice_name(light_forms, at[DIMENSION_LIGHT_FORM]));
+            text_list_add(out, " --form %s", choice_name(choices_of(DIMENSION_LIGHT_FORM), at[DIMENSION_LIGHT_FORM]));
         }
         text_list_add(out, " --points points.csv -o light.csv");
     } else {
@@ -388,7 +383,8 @@ static void add_gather(text_list *list, const tune_setting *setting)
     const int gather = setting->values[DIMENSION_GATHER];
     if (gather > 0) {
         text_list_add(list, "; svo_light_options light = {.struct_size = sizeof light");
-        add_field(list, "form", "SVO_LIGHT_", choice_name(light_forms, setting->values[DIMENSION_LIGHT_FORM]));
+        add_field(list, "form", "SVO_LIGHT_",
+                  choice_name(choices_of(DIMENSION_LIGHT_FORM), setting->values[DIMENSION_LIGHT_FORM]));
         text_list_add(list, "}");
     }
     if (gather != 0) {

@@ -3,11 +3,11 @@
 #include "tune/state.h"
 
 #include <errno.h>
-#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "support/json.h"
-#include "support/text.h"
+#include "support/json_source.h"
 
 /* ---- writing ---- */
 
@@ -89,11 +89,13 @@ cJSON *state_to_json(const sweep *all)
 {
     const options *given = &all->state->options;
     cJSON *document = json_document();
-    json_add_text(document, "input", all->state->options.input);
+    json_add_text(document, "input", given->input);
     json_add_count(document, "triangles", all->made->source->mesh->triangle_count);
     cJSON_AddItemToObject(document, "area", exact_number(all->made->area));
     add_text_or_empty(document, "error", given->error_list);
     add_text_or_empty(document, "free", given->free_list);
+    cJSON_AddItemToObject(document, "time_s", exact_number(given->time_bound));
+    json_add_count(document, "memory", given->memory_bound);
     cJSON_AddBoolToObject(document, "exhaustive", all->exhaustive);
     json_add_count(document, "seed", all->seed);
     json_add_count(document, "queries", all->runs->queries);
@@ -127,26 +129,38 @@ static double number_of(const cJSON *object, const char *name)
     return cJSON_IsNumber(number) ? number->valuedouble : 0;
 }
 
+/* 0 also for what is no count. */
+static uint64_t count_of(const cJSON *object, const char *name)
+{
+    const double number = number_of(object, name);
+    return number > 0 && number < 0x1p53 ? (uint64_t)number : 0;
+}
+
 static bool has_text(const cJSON *object, const char *name, const char *text)
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
     return cJSON_IsString(item) && strcmp(item->valuestring, text != NULL ? text : "") == 0;
 }
 
-/* Whether the state is of the same mesh, the same settings and the same wishes. */
+/* Whether the state is of the same mesh, the same settings, which commands tell with all else that is given, and the
+   same wishes. */
 static bool is_same_sweep(const sweep *all, const cJSON *root, const cJSON *settings)
 {
     char value[32];
+    text_list line;
     const options *given = &all->state->options;
     bool same = has_text(root, "input", given->input) &&
                 number_of(root, "triangles") == (double)all->made->source->mesh->triangle_count &&
                 number_of(root, "area") == all->made->area && number_of(root, "seed") == all->seed &&
                 number_of(root, "queries") == (double)all->runs->queries &&
-                has_text(root, "error", given->error_list) &&
+                has_text(root, "error", given->error_list) && number_of(root, "time_s") == given->time_bound &&
+                number_of(root, "memory") == (double)given->memory_bound &&
                 cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(root, "exhaustive")) == all->exhaustive &&
                 (size_t)cJSON_GetArraySize(settings) == all->count;
     const cJSON *one = settings != NULL ? settings->child : NULL;
     for (size_t i = 0; i < all->count && same && one != NULL; ++i, one = one->next) {
+        tune_setting_command(all->state, &all->settings[i].setting, &line);
+        same = has_text(one, "command", line.text);
         for (tune_dimension k = DIMENSION_DEPTH; k < DIMENSION_COUNT && same; ++k) {
             dimension_value(k, all->settings[i].setting.values[k], value, sizeof value);
             same = has_text(one, dimension_name(k), value);
@@ -178,7 +192,7 @@ static void read_setting(const cJSON *object, sweep_setting *own, candidate *of)
     own->query_us = number_of(object, "query_us");
     of->bytes = number_of(object, "peak_bytes");
     of->left = left_of(object);
-    of->left_after = (unsigned)number_of(object, "left_after");
+    of->left_after = (unsigned)count_of(object, "left_after");
     (void)snprintf(own->reason.text, sizeof own->reason.text, "%s", cJSON_IsString(reason) ? reason->valuestring : "");
 }
 
@@ -195,8 +209,8 @@ static void read_record(const cJSON *object, tune_errors *out)
     const cJSON *of = cJSON_GetObjectItemCaseSensitive(object, "of");
     out->voxel = number_of(object, "voxel");
     out->faces = number_of(object, "faces");
-    out->voxels = (uint64_t)number_of(object, "voxels");
-    out->rungs = (size_t)number_of(object, "rungs");
+    out->voxels = count_of(object, "voxels");
+    out->rungs = (size_t)count_of(object, "rungs");
     for (tune_quantity i = QUANTITY_VOXEL; i < QUANTITY_COUNT; ++i) {
         const cJSON *list = cJSON_GetObjectItemCaseSensitive(of, quantity_name(i));
         const cJSON *block = cJSON_IsArray(list) ? list->child : NULL;
@@ -227,43 +241,18 @@ static int read_state(sweep *all, const cJSON *root)
     return PROGRAM_DONE;
 }
 
-/* The bytes of a file and a terminator, by malloc; NULL on failure, with errno. */
-static char *read_bytes(FILE *file)
-{
-    const bool at_end = fseek(file, 0, SEEK_END) == 0;
-    const long length = at_end ? ftell(file) : -1;
-    char *text = length >= 0 ? calloc((size_t)length + 1, 1) : NULL;
-    if (text != NULL && (fseek(file, 0, SEEK_SET) != 0 || fread(text, 1, (size_t)length, file) != (size_t)length)) {
-        free(text);
-        text = NULL;
-    }
-    return text;
-}
-
 /* The file is read and written, which no other command does; so it is not among the inputs that outputs spare. */
 int state_resume(sweep *all)
 {
     const char *path = all->state->options.resume_path;
-    FILE *file = path != NULL ? fopen(path, "rb") : NULL;
-    if (file == NULL) {
-        return path == NULL || errno == ENOENT
-                   ? PROGRAM_DONE
-                   : program_fail(all->state, PROGRAM_FAILED, "--resume %s: %s", path, strerror(errno));
+    json_source source;
+    if (path == NULL || (access(path, F_OK) != 0 && errno == ENOENT)) {
+        return PROGRAM_DONE;
     }
-    const char *end = NULL;
-    char *text = read_bytes(file);
-    cJSON *root = text != NULL ? cJSON_ParseWithOpts(text, &end, true) : NULL;
-    int exit_code = PROGRAM_DONE;
-    if (text == NULL) {
-        exit_code = program_fail(all->state, PROGRAM_FAILED, "--resume %s: it cannot be read", path);
-    } else if (root == NULL) {
-        const json_error error = json_error_at(text, end != NULL ? end : text);
-        exit_code = program_fail(all->state, PROGRAM_FAILED, "--resume %s:%u: %s", path, error.line, error.text);
-    } else {
-        exit_code = read_state(all, root);
+    int exit_code = json_source_open(all->state, path, &source);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = read_state(all, source.root);
+        json_source_close(&source);
     }
-    cJSON_Delete(root);
-    free(text);
-    (void)fclose(file);
     return exit_code;
 }
