@@ -111,7 +111,8 @@ typedef struct svo_light_info {
     uint64_t kept_bytes; /**< held for svo_light_update, besides total_bytes */
     uint64_t emitter_bytes; /**< held for rays that aim at triangles that emit, from the first rays on that
                                  gather light; besides total_bytes */
-    uint64_t sky_bytes; /**< held for the map of the sky and its means; besides total_bytes */
+    uint64_t sky_bytes; /**< held for the map of the sky, its means and, where it is bright in places, the shares by
+                             which paths aim at it; besides total_bytes */
     uint64_t mesh_bytes; /**< held for the mesh of svo_light_set_mesh; besides total_bytes */
 } svo_light_info;
 
@@ -190,7 +191,8 @@ typedef struct svo_light_setup {
     /** Radiance from outside by direction, on top of sky: sky_height rows of sky_width texels of linear red, green,
      *  blue, not negative. Equirectangular, as someone sees it who stands inside: the first row is around the zenith,
      *  +y, the last one around -y; columns go to the right all around, with -z in the middle of the row and +x at
-     *  three quarters. Between the centers of texels it is linear. Cones see its means. NULL: there is none. */
+     *  three quarters. Between the centers of texels it is linear. Cones see its means, and rays of paths aim at what
+     *  is bright in it. NULL: there is none. */
     const float *sky_map;
     uint32_t sky_width; /**< 1 .. SVO_SKY_WIDTH_MAX; 0 without a map */
     uint32_t sky_height; /**< 1 .. SVO_SKY_HEIGHT_MAX; 0 without a map */

@@ -280,6 +280,10 @@ SVO_RECORD(svo_emitter_record)
 
 #define SVO_EMITTER_SHARES 0x80000000u
 
+/* Of rays that aim at rows of the sky's map, and of those at the texels of a row (light/sky.clh). Numbers of paths tell
+   as many apart. */
+#define SVO_SKY_SHARES 0x1000000u
+
 /* Of kernels/light/screen.cl: the cells of a band of a picture, 2 x 2 pixels each. 32 bytes. */
 SVO_RECORD(svo_screen_params)
 {

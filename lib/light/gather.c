@@ -78,7 +78,12 @@ static svo_status gather_cones(svo_light *light, const svo_gather_params *params
 /* of_cones: what points by cones take. */
 static const char *points_defines(const svo_light *light, const svo_gather_params *gather, const char *of_cones)
 {
-    return gather->paths == 0 ? of_cones : light->emitters != NULL ? " -DSVO_EMITTERS" : "";
+    const bool aims = light->emitters != NULL;
+    if (gather->paths == 0) {
+        return of_cones;
+    }
+    return light->aims_at_sky ? (aims ? " -DSVO_EMITTERS -DSVO_SKY_AIMS" : " -DSVO_SKY_AIMS")
+                              : (aims ? " -DSVO_EMITTERS" : "");
 }
 
 svo_status svo_i_light_points_begin(svo_i_device_work *work, const svo_light *light, const svo_gather_params *gather,

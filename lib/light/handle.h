@@ -75,6 +75,7 @@ struct svo_light {
     cl_mem buffers[SVO_LIGHT_BUFFER_COUNT]; /* owned; NULL where not held */
     svo_i_light_setup setup; /* owned */
     cl_mem sky_map; /* and its means, as params.sky_size says; owned; NULL: none (sky.c) */
+    bool aims_at_sky; /* behind them are shares, by which paths aim at it */
     svo_i_light_mesh mesh;
     cl_mem emitters; /* svo_emitter_record, by ascending triangle; owned; NULL: none */
     uint32_t emitter_count;

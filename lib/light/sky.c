@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The map of the sky and, behind it, its means for cones: levels of half the width and height, rounded up, down to a
- * single texel. A texel of a level is the mean over its solid angle, so that each level has the flux of the map. All of
- * it is computed on the host, so that each device has the same.
+ * single texel. A texel of a level is the mean over its solid angle, so that each level has the flux of the map. Where
+ * the map is bright in places, shares follow by which rays of paths aim at its texels. All of it is computed on the
+ * host, so that each device has the same.
  */
 #include "light/sky.h"
 
@@ -12,6 +13,10 @@
 #include "core/memory.h"
 
 #define PI 3.14159265358979323846
+
+/* Paths aim at a map whose squared radiance has a mean of more than so many times the square of the mean. One that is
+   the same all around has 1, half a sky 2, a clear sky with its sun thousands. */
+#define UNEVEN 2.0
 
 /* ---- checks ---- */
 
@@ -140,32 +145,122 @@ static void make_level(const sky_level *finer, const sky_level *level)
     }
 }
 
+/* ---- shares ---- */
+
+static double brightest(const svo_light_setup *setup, uint32_t column, uint32_t row)
+{
+    const float *texel = setup->sky_map + 3 * ((size_t)setup->sky_width * row + column);
+    return (double)fmaxf(texel[0], fmaxf(texel[1], texel[2]));
+}
+
+/* What a texel of a row has of all directions. */
+static double share_of_sphere(const svo_light_setup *setup, uint32_t row)
+{
+    const double height = height_above(row, setup->sky_height) - height_above(row + 1.0, setup->sky_height);
+    return height / 2 / setup->sky_width;
+}
+
+/* Means over all directions: of radiance, and of its square. */
+typedef struct sky_means {
+    double radiance, square;
+} sky_means;
+
+static sky_means means_of(const svo_light_setup *setup)
+{
+    sky_means means = {0, 0};
+    for (uint32_t row = 0; row < setup->sky_height; ++row) {
+        const double share = share_of_sphere(setup, row);
+        for (uint32_t column = 0; column < setup->sky_width; ++column) {
+            const double radiance = brightest(setup, column, row);
+            means.radiance += share * radiance;
+            means.square += share * radiance * radiance;
+        }
+    }
+    return means;
+}
+
+/* Where a share ends, of what stands before it and of all. */
+static uint32_t end_of(double before, double all)
+{
+    return all > 0 ? (uint32_t)fmin(before / all * SVO_SKY_SHARES, SVO_SKY_SHARES) : SVO_SKY_SHARES;
+}
+
+/* Texels of a row, in proportion to what they have above the mean: rays that aim nowhere find the rest (Karlik, Sik,
+   Vevoda, Skrivan and Krivanek, "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling",
+   2019). Returns the sum. */
+static double share_row(const svo_light_setup *setup, double mean, uint32_t row, uint32_t *ends)
+{
+    double sum = 0;
+    double before = 0;
+    for (uint32_t column = 0; column < setup->sky_width; ++column) {
+        sum += fmax(brightest(setup, column, row) - mean, 0);
+    }
+    for (uint32_t column = 0; column < setup->sky_width; ++column) {
+        before += fmax(brightest(setup, column, row) - mean, 0);
+        ends[column] = end_of(before, sum);
+    }
+    ends[setup->sky_width - 1] = SVO_SKY_SHARES;
+    return sum * share_of_sphere(setup, row);
+}
+
+/* Rows, then the texels of each: sky_height * (1 + sky_width) words. sums: of rows, scratch. */
+static void make_shares(const svo_light_setup *setup, double mean, double *sums, uint32_t *ends)
+{
+    double all = 0;
+    double before = 0;
+    for (uint32_t row = 0; row < setup->sky_height; ++row) {
+        sums[row] = share_row(setup, mean, row, ends + setup->sky_height + (size_t)setup->sky_width * row);
+        all += sums[row];
+    }
+    for (uint32_t row = 0; row < setup->sky_height; ++row) {
+        before += sums[row];
+        ends[row] = end_of(before, all);
+    }
+    ends[setup->sky_height - 1] = SVO_SKY_SHARES;
+}
+
 /* ---- the map of a light ---- */
 
-svo_status svo_i_light_make_sky(svo_i_device_work *work, svo_light *light, const svo_light_setup *setup)
+/* The map and its means. */
+static void make_levels(const svo_light_setup *setup, float *texels)
 {
-    const uint64_t bytes = 3 * sizeof(cl_float) * count_texels(setup->sky_width, setup->sky_height);
-    sky_level level = {.width = setup->sky_width, .height = setup->sky_height};
-    svo_status status = SVO_OK;
-    float *texels = bytes <= SIZE_MAX ? svo_i_alloc(&light->device->memory, (size_t)bytes) : NULL;
-    if (texels == NULL) {
-        return svo_i_device_fail(light->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for a sky map of %u x %u",
-                                 work->function, setup->sky_width, setup->sky_height);
-    }
-    level.texels = texels;
+    sky_level level = {.texels = texels, .width = setup->sky_width, .height = setup->sky_height};
     memcpy(texels, setup->sky_map, (size_t)svo_i_sky_map_bytes(setup->sky_width, setup->sky_height));
     while (!is_last(&level)) {
         const sky_level next = level_after(&level);
         make_level(&level, &next);
         level = next;
     }
+}
+
+svo_status svo_i_light_make_sky(svo_i_device_work *work, svo_light *light, const svo_light_setup *setup)
+{
+    const sky_means means = means_of(setup);
+    const bool has_shares = means.square > UNEVEN * means.radiance * means.radiance;
+    const uint64_t values = 3 * count_texels(setup->sky_width, setup->sky_height);
+    const uint64_t shares = has_shares ? setup->sky_height * (UINT64_C(1) + setup->sky_width) : 0;
+    const uint64_t bytes = values * sizeof(cl_float) + shares * sizeof(cl_uint);
+    svo_status status = SVO_OK;
+    double *sums = svo_i_alloc_zeroed(&light->device->memory, setup->sky_height, sizeof *sums);
+    cl_uint *words = bytes <= SIZE_MAX ? svo_i_alloc(&light->device->memory, (size_t)bytes) : NULL;
+    SVO_I_TRY_CLEANUP(sums != NULL && words != NULL
+                          ? SVO_OK
+                          : svo_i_device_fail(light->device, SVO_OUT_OF_HOST_MEMORY,
+                                              "%s: no memory for a sky map of %u x %u", work->function,
+                                              setup->sky_width, setup->sky_height));
+    make_levels(setup, (float *)(void *)words);
+    if (has_shares) {
+        make_shares(setup, means.radiance, sums, words + values);
+    }
     SVO_I_TRY_CLEANUP(svo_i_work_result(work, "sky_map", bytes, &light->sky_map));
-    SVO_I_TRY_CLEANUP(svo_i_work_write(work, light->sky_map, texels, bytes));
+    SVO_I_TRY_CLEANUP(svo_i_work_write(work, light->sky_map, words, bytes));
     light->params.sky_size = setup->sky_width | setup->sky_height << 16;
     light->info.sky_bytes = bytes;
+    light->aims_at_sky = has_shares;
 
 cleanup:
-    svo_i_free(texels);
+    svo_i_free(words);
+    svo_i_free(sums);
     return status;
 }
 
@@ -181,6 +276,7 @@ svo_status svo_i_light_share_sky(const svo_light *from, const char *function, sv
     to->sky_map = from->sky_map;
     to->params.sky_size = from->params.sky_size;
     to->info.sky_bytes = from->info.sky_bytes;
+    to->aims_at_sky = from->aims_at_sky;
     return SVO_OK;
 }
 
@@ -189,4 +285,5 @@ void svo_i_light_drop_sky(svo_light *light)
     svo_i_buffer_release(&light->sky_map);
     light->params.sky_size = 0;
     light->info.sky_bytes = 0;
+    light->aims_at_sky = false;
 }

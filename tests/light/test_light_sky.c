@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Skies that depend on direction: irradiance beside closed forms and beside integrals, by rays and by cones; what
- * mirrors, pictures and probes see of the map; maps of one radiance; updates; what is refused.
+ * Skies that depend on direction: irradiance beside closed forms and beside integrals, by rays and by cones; suns in
+ * them, at which paths aim; what mirrors, pictures and probes see of the map; maps of one radiance; updates; what is
+ * refused.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -285,6 +286,134 @@ static void caps_keep_their_light(void **state)
     open_scene_free(&on);
 }
 
+/* ---- bright places ---- */
+
+#define SUN_RADIANCE 20000.0
+
+/* .1 all around and a sun of two by two texels, some 1.4 degrees wide. */
+static map sun_map(uint32_t column, uint32_t row)
+{
+    const map made = map_new(512, 256);
+    for (size_t i = 0; i < (size_t)3 * made.width * made.height; ++i) {
+        made.texels[i] = 0.1F;
+    }
+    for (uint32_t k = 0; k < 4; ++k) {
+        for (uint32_t channel = 0; channel < 3; ++channel) {
+            texel(&made, (column + k % 2) % made.width, row + k / 2)[channel] += 20000;
+        }
+    }
+    return made;
+}
+
+/* The irradiance by the sun alone, in steps of a 16th of a texel, linear between their centers. */
+static double sun_irradiance(const map *sky, uint32_t column, uint32_t row, const double normal[3])
+{
+    const map fine = {NULL, 16 * sky->width, 16 * sky->height};
+    double sum = 0;
+    for (int32_t j = row == 0 ? 0 : 16 * (int32_t)row - 8; j < 16 * (int32_t)row + 40; ++j) {
+        const double angle = 2 * PI / fine.width * (cos(PI * j / fine.height) - cos(PI * (j + 1.0) / fine.height));
+        const double below = (j + 0.5) / 16 - row - 1; /* texels from the middle; above the first row that goes on */
+        const double of_row = row == 0 && below < 0 ? 1 : fmin(1, 1.5 - fabs(below));
+        for (int32_t i = -8; i < 40; ++i) {
+            double d[3];
+            direction_of(&fine, (uint32_t)(16 * (int32_t)column + i), (uint32_t)j, d);
+            sum += angle * fmax(dot(d, normal), 0) * 20000 * of_row * fmin(1, 1.5 - fabs((i + 0.5) / 16 - 1));
+        }
+    }
+    return sum;
+}
+
+/* 64 paths find a sun by aiming at it: high up, at the horizon across the map's edge, and below. With a plain sky there
+   is no map that they could take for it, and each has its share. */
+static void suns_of_maps_are_found(void **state)
+{
+    static const uint32_t places[][2] = {{100, 60}, {511, 127}, {300, 240}, {17, 0}};
+    const svo_gather_options rays = by_rays(64);
+    open_scene on = open_scene_new(state);
+    uint64_t seed = 11;
+    for (int i = 0; i < 24; ++i) {
+        add_normal(&on, 2 * random_unit(&seed) - 1, 2 * random_unit(&seed) - 1, 2 * random_unit(&seed) - 1);
+    }
+    for (size_t place = 0; place < sizeof places / sizeof places[0]; ++place) {
+        const uint32_t column = places[place][0];
+        const uint32_t row = places[place][1];
+        const map sky = sun_map(column, row);
+        double worst = 0;
+        svo_light_setup setup = setup_of(&sky);
+        setup.sky[0] = 1;
+        shine(&on, &setup);
+        assert_int_equal(light_info_of(on.light).sky_bytes, 12 * ((512 * 256 * 4 - 1) / 3 + 1) + 4 * (256 + 512 * 256));
+        gather(&on, &rays);
+        for (size_t i = 0; i < on.scene->point_count; ++i) {
+            const float *n = on.scene->points[i].normal;
+            const float *got = on.scene->results[i].irradiance;
+            const double normal[3] = {(double)n[0], (double)n[1], (double)n[2]};
+            const double sun = sun_irradiance(&sky, column, row, normal);
+            worst = fmax(worst, fabs((double)got[1] - 0.1 * PI - sun) / (0.1 * PI + sun));
+            check_near("irradiance of a sun", (double)got[1], 0.1 * PI + sun, 0.02 * (0.1 * PI + sun));
+            check_near("with the plain sky", (double)got[0] - (double)got[1], PI, 1e-5 * (PI + sun));
+        }
+        print_message("a sun at column %u, row %u: at most %.4f of irradiance off\n", column, row, worst);
+        free(sky.texels);
+    }
+    open_scene_free(&on);
+}
+
+/* The irradiance of both points of a scene. */
+static void gather_pair(open_scene *on, const svo_light_setup *setup, double out[2])
+{
+    const svo_gather_options rays = by_rays(64);
+    shine(on, setup);
+    gather(on, &rays);
+    for (int i = 0; i < 2; ++i) {
+        out[i] = (double)on->scene->results[i].irradiance[0];
+    }
+}
+
+/* A lamp above a point hides the sun from it, not from the one beside, and paths aim at both: with both, points have
+   the sum of what they have of each. */
+static void lamps_hide_suns_of_maps(void **state)
+{
+    static const double corners[2][3] = {{-14, -10, -14}, {-3, 4, -3}};
+    static const double u[2][3] = {{28, 0, 0}, {6, 0, 0}};
+    static const double v[2][3] = {{0, 0, 28}, {0, 0, 6}};
+    static const double points[2][3] = {{0.1, 0.2, 0.3}, {10.1, 0.2, 0.3}};
+    static const double up[3] = {0, 1, 0};
+    static const uint8_t white[2][4] = {{255, 255, 255, 255}, {255, 255, 255, 255}};
+    static const svo_finish finishes[2] = {{.emission = {0, 0, 0}}, {.emission = {2, 2, 2}}};
+    open_scene on = {.opened = fixture_cl_of_group(state), .scene = cone_scene_new(DEPTH, 1)};
+    const map sky = sun_map(256, 0);
+    const map dark = map_new(2, 2);
+    const double sun = sun_irradiance(&sky, 256, 0, up);
+    svo_light_setup setup = setup_of(&sky);
+    double of_sky[2];
+    double of_lamp[2];
+    double of_both[2];
+    for (int i = 0; i < 2; ++i) {
+        cone_scene_add_quad(on.scene, corners[i], u[i], v[i]);
+        cone_scene_add_point(on.scene, points[i], up, 1);
+    }
+    on.tree =
+        cone_scene_build_colored(&on.opened, on.scene, 2, white, SVO_NEED_NORMAL | SVO_NEED_RAYS | SVO_NEED_MATERIAL);
+    on.light = light_of(&on.opened, on.tree, SVO_LIGHT_FACES);
+    gather_pair(&on, &setup, of_sky);
+    check_near("irradiance below a lamp", of_sky[0], 0, 0.1 * PI);
+    check_near("irradiance beside it", of_sky[1], 0.1 * PI + sun, 0.01 * (0.1 * PI + sun));
+    setup.finishes = finishes;
+    setup.finish_count = 2;
+    gather_pair(&on, &setup, of_both);
+    setup.sky_map = dark.texels;
+    setup.sky_width = setup.sky_height = 2;
+    gather_pair(&on, &setup, of_lamp);
+    assert_true(of_lamp[0] > 1);
+    for (int i = 0; i < 2; ++i) {
+        check_near("irradiance of lamp and sky", of_both[i], of_sky[i] + of_lamp[i], 0.02 * of_both[i]);
+    }
+    free(sky.texels);
+    free(dark.texels);
+    open_scene_free(&on);
+}
+
 /* A map of one radiance is as good as a sky of it, and as none at all where it is 0. */
 static void one_radiance_is_the_plain_sky(void **state)
 {
@@ -532,6 +661,7 @@ TEST_GROUP(light_sky)
         cmocka_unit_test(one_radiance_is_the_plain_sky), cmocka_unit_test(mirrors_see_the_map),
         cmocka_unit_test(pictures_show_the_map),         cmocka_unit_test(probes_show_the_map),
         cmocka_unit_test(updates_keep_the_map),          cmocka_unit_test(bad_maps_are_refused),
+        cmocka_unit_test(suns_of_maps_are_found),        cmocka_unit_test(lamps_hide_suns_of_maps),
     };
     return cmocka_run_group_tests_name("light_sky", tests, fixture_group_setup, fixture_group_teardown);
 }
