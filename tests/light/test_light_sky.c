@@ -583,35 +583,42 @@ static void probes_show_the_map(void **state)
 
 /* ---- changes, refusals ---- */
 
-/* An updated light has the map of the light before it. */
-static void updates_keep_the_map(void **state)
+/* An updated light has the map of the light before it, and aims at it as that did. */
+static void check_updates(open_scene *on, const map *sky)
 {
     const svo_gather_options rays = by_rays(64);
     const svo_gather_options cones = by_cones(5);
-    open_scene on = open_scene_new(state);
-    const map sky = smooth_map();
-    svo_light_setup setup = setup_of(&sky);
+    svo_light_setup setup = setup_of(sky);
     const svo_box all = {.low = {0, 0, 0}, .high = {32, 32, 32}};
     svo_gather_result before[2];
     setup.updatable = 1;
-    add_normal(&on, 1, 2, 3);
-    shine(&on, &setup);
-    free(sky.texels); /* the light has a copy */
-    gather(&on, &rays);
-    before[0] = on.scene->results[0];
-    gather(&on, &cones);
-    before[1] = on.scene->results[0];
-    const uint64_t bytes = light_info_of(on.light).sky_bytes;
+    shine(on, &setup);
+    free(sky->texels); /* the light has a copy */
+    gather(on, &rays);
+    before[0] = on->scene->results[0];
+    gather(on, &cones);
+    before[1] = on->scene->results[0];
+    const uint64_t bytes = light_info_of(on->light).sky_bytes;
     assert_true(bytes > 0);
     for (int update = 0; update < 3; ++update) {
-        light_succeed(&on.opened, svo_light_update(on.light, on.tree, &all, 1, on.opened.queue));
-        assert_int_equal(light_info_of(on.light).sky_bytes, bytes);
-        gather(&on, &rays);
-        assert_memory_equal(&before[0], &on.scene->results[0], sizeof before[0]);
-        gather(&on, &cones);
-        check_near("irradiance by cones", (double)on.scene->results[0].irradiance[0], (double)before[1].irradiance[0],
+        light_succeed(&on->opened, svo_light_update(on->light, on->tree, &all, 1, on->opened.queue));
+        assert_int_equal(light_info_of(on->light).sky_bytes, bytes);
+        gather(on, &rays);
+        assert_memory_equal(&before[0], &on->scene->results[0], sizeof before[0]);
+        gather(on, &cones);
+        check_near("irradiance by cones", (double)on->scene->results[0].irradiance[0], (double)before[1].irradiance[0],
                    0);
     }
+}
+
+static void updates_keep_the_map(void **state)
+{
+    open_scene on = open_scene_new(state);
+    const map smooth = smooth_map();
+    const map uneven = sun_map(100, 60);
+    add_normal(&on, 1, 2, 3);
+    check_updates(&on, &smooth);
+    check_updates(&on, &uneven);
     open_scene_free(&on);
 }
 
