@@ -382,9 +382,9 @@ static void lamps_hide_suns_of_maps(void **state)
     static const uint8_t white[2][4] = {{255, 255, 255, 255}, {255, 255, 255, 255}};
     static const svo_finish finishes[2] = {{.emission = {0, 0, 0}}, {.emission = {2, 2, 2}}};
     open_scene on = {.opened = fixture_cl_of_group(state), .scene = cone_scene_new(DEPTH, 1)};
-    const map sky = sun_map(256, 0);
+    const map sky = sun_map(256, 10);
     const map dark = map_new(2, 2);
-    const double sun = sun_irradiance(&sky, 256, 0, up);
+    const double sun = sun_irradiance(&sky, 256, 10, up);
     svo_light_setup setup = setup_of(&sky);
     double of_sky[2];
     double of_lamp[2];
@@ -397,6 +397,7 @@ static void lamps_hide_suns_of_maps(void **state)
         cone_scene_build_colored(&on.opened, on.scene, 2, white, SVO_NEED_NORMAL | SVO_NEED_RAYS | SVO_NEED_MATERIAL);
     on.light = light_of(&on.opened, on.tree, SVO_LIGHT_FACES);
     gather_pair(&on, &setup, of_sky);
+    assert_true(sun > 1);
     check_near("irradiance below a lamp", of_sky[0], 0, 0.1 * PI);
     check_near("irradiance beside it", of_sky[1], 0.1 * PI + sun, 0.01 * (0.1 * PI + sun));
     setup.finishes = finishes;
