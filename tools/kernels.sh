@@ -156,8 +156,8 @@ gpu_variants()
     kernel_variants | sed -E "s/ (${cpu_defines// /|})\>//g; s/\t(${cpu_defines// /|}) */\t/" | sort -u
 }
 
-# Of the files of light, which take the longest, only those whose defines no other line has all of: there defines add to
-# a kernel. All but one of their kernels take the most by these lines, and that one 2 % less than by the others.
+# Of each file only the lines whose defines no other line has all of, since defines add to a kernel. All but two of the
+# kernels take the most by these lines, and those 2 % less than by the others.
 largest_variants()
 {
     gpu_variants | awk -F '\t' '
@@ -170,7 +170,7 @@ largest_variants()
         END {
             for (i = 1; i <= NR; ++i) {
                 covered = 0
-                for (k = 1; k <= NR && file[i] ~ /\/light\//; ++k) {
+                for (k = 1; k <= NR; ++k) {
                     covered += k != i && file[k] == file[i] && is_within(defines[i], defines[k])
                 }
                 if (!covered) print file[i] "\t" defines[i]
