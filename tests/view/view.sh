@@ -57,6 +57,14 @@ printf 'key tab\nrefine\nshot first/rays.png\n' >rays.txt
 "$program" view "${scene[@]}" --view full --width 320 --height 200 --script rays.txt
 same rays --view full
 
+# A stored tree has the textures, normals and finishes of its mesh.
+"$program" scene atrium -q -o atrium.obj
+"$program" build atrium.obj -d 6 --need color,normal,rays,material -q -o atrium.svo
+printf 'key tab\nrefine\nshot stored.png\n' >stored.txt
+"$program" view atrium.svo --mesh atrium.obj --view full --width 240 --height 160 --script stored.txt
+"$program" render atrium.obj -d 6 --view full --size 240x160 -q -o built.png
+cmp -s stored.png built.png || complain "a stored tree with its mesh is not shown as the mesh is"
+
 # What changes a picture shows; what goes back does.
 differ()
 {
