@@ -6,12 +6,15 @@
  *
  * Storage blocks 0 to 7 are the same in all users of this file. vertex_attributes holds the colors of all vertices
  * (RGBA8, one word each), then all normals (int16 x and y, z and 0; two words each; all 0: use the triangle's own),
- * then all u and v (two words each, 65536 = 1). Attributes that the mesh lacks take no space.
+ * then all u and v (two words each, 65536 = 1). Attributes that the mesh lacks take no space. Of a mesh that is too
+ * large for storage blocks they hold a part at a time, and triangles count from the part's first.
  */
 #include "shared/fine.clh"
 
 uniform svo_filter_params params;
 uniform uint vertex_count;
+uniform uint first_triangle; /* triangles of this part of the mesh: the first, and how many */
+uniform uint triangle_count;
 
 layout(std430, binding = 2) readonly buffer Vertices
 {
@@ -213,6 +216,66 @@ layout(std430, binding = 7) readonly buffer Texels
     uint texels[];
 };
 
+#ifdef SVO_K_GATHER
+
+/* Texels go on in the blocks that this entry point has left, each of 2^texel_block_log2 of them. */
+uniform uint texel_block_log2;
+
+layout(std430, binding = 8) readonly buffer Texels1
+{
+    uint texels_1[];
+};
+layout(std430, binding = 10) readonly buffer Texels2
+{
+    uint texels_2[];
+};
+layout(std430, binding = 11) readonly buffer Texels3
+{
+    uint texels_3[];
+};
+layout(std430, binding = 12) readonly buffer Texels4
+{
+    uint texels_4[];
+};
+layout(std430, binding = 13) readonly buffer Texels5
+{
+    uint texels_5[];
+};
+layout(std430, binding = 14) readonly buffer Texels6
+{
+    uint texels_6[];
+};
+
+uint svo_texel(uint at)
+{
+    uint inside = at & ((1u << texel_block_log2) - 1u);
+    switch (at >> texel_block_log2) {
+    case 0u:
+        return texels[inside];
+    case 1u:
+        return texels_1[inside];
+    case 2u:
+        return texels_2[inside];
+    case 3u:
+        return texels_3[inside];
+    case 4u:
+        return texels_4[inside];
+    case 5u:
+        return texels_5[inside];
+    default:
+        return texels_6[inside];
+    }
+}
+
+#else
+
+uint svo_texel(uint at)
+{
+    return texels[at];
+}
+
+#endif
+
 /* The texel's index along one axis of a texture. GLSL leaves the remainder of negative numbers undefined. */
 uint svo_wrap_texel(int texel, int texel_count, uint wrap)
 {
@@ -225,9 +288,9 @@ uint svo_wrap_texel(int texel, int texel_count, uint wrap)
 }
 
 /* A texel, its red, green and blue times alpha. */
-uvec4 svo_weighed_texel(uint rgba)
+uvec4 svo_weighed_texel(uint at)
 {
-    uvec4 color = svo_unpack(rgba);
+    uvec4 color = svo_unpack(svo_texel(at));
     return uvec4(color.xyz * color.w, color.w);
 }
 
@@ -245,8 +308,8 @@ uvec4 svo_sample(svo_material_record material, int u, int v)
     uint row1 = material.texel_offset + y1 * material.width;
     uint fx = uint(x & int64_t(255));
     uint fy = uint(y & int64_t(255));
-    uvec4 upper = svo_weighed_texel(texels[row0 + x0]) * (256u - fx) + svo_weighed_texel(texels[row0 + x1]) * fx;
-    uvec4 lower = svo_weighed_texel(texels[row1 + x0]) * (256u - fx) + svo_weighed_texel(texels[row1 + x1]) * fx;
+    uvec4 upper = svo_weighed_texel(row0 + x0) * (256u - fx) + svo_weighed_texel(row0 + x1) * fx;
+    uvec4 lower = svo_weighed_texel(row1 + x0) * (256u - fx) + svo_weighed_texel(row1 + x1) * fx;
     uvec4 sum = upper * (256u - fy) + lower * fy;
     return uvec4((sum.xyz + (sum.w >> 1)) / max(sum.w, 1u), (sum.w + 32768u) >> 16);
 }

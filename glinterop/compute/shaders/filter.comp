@@ -6,7 +6,8 @@
  *   SVO_K_GATHER_LEVEL  per node of the deepest inner level: walks its leaves' linked lists, writes the leaves'
  *                       payload and the node's sums. For lists of one chunk without long leaves
  *   SVO_K_GATHER        per fragment of a chunk, for all other lists: adds its contribution to the sums of its leaf,
- *                       which start at zero. 64-bit sums by 32-bit atomics, with a carry from the low to the high word
+ *                       which start at zero. 64-bit sums by 32-bit atomics, with a carry from the low to the high word.
+ *                       The window is one of leaves
  *   SVO_K_FILTER        per node of a level, upwards from the deepest level left: writes its children's payload and its
  *                       own sums
  *
@@ -70,19 +71,20 @@ svo_sums svo_join_sums(svo_sums a, svo_sums b)
 
 #ifndef SVO_K_GATHER
 
-/* The nodes' own sums. */
+/* The nodes' own sums, from the first of their level on. */
 #ifdef SVO_K_FILTER
-layout(std430, binding = 3) writeonly buffer Sums
+#define SVO_BINDING_SUMS 3
 #else
-layout(std430, binding = 9) writeonly buffer Sums
+#define SVO_BINDING_SUMS 9
 #endif
+layout(std430, binding = SVO_BINDING_SUMS) writeonly buffer Sums
 {
     uint64_t node_sums[];
 };
 
 void svo_store_sums(svo_sums sums, uint node)
 {
-    uint at = node * SVO_SUM_WORDS;
+    uint at = node * SVO_SUM_WORDS - svo_first[SVO_BINDING_SUMS] / 2u;
     node_sums[at] = sums.weight;
 #ifdef SVO_COLOR
     node_sums[at + 1u] = sums.color.x;
@@ -120,6 +122,11 @@ layout(std430, binding = SVO_BINDING_FIRST_CHILD) readonly buffer FirstChild
 {
     uint first_child[];
 };
+
+uint svo_first_child(uint node)
+{
+    return first_child[node - svo_first[SVO_BINDING_FIRST_CHILD]];
+}
 
 uint svo_child_count(uint node)
 {
@@ -175,7 +182,7 @@ int svo_mean_normal(int64_t sum, uint64_t weight)
 
 void svo_put_normal(uint index, int number)
 {
-    atomicOr(normals[index >> 1], (uint(number) & 0xffffu) << (16u * (index & 1u)));
+    atomicOr(normals[(index >> 1) - svo_first[SVO_BINDING_NORMALS]], (uint(number) & 0xffffu) << (16u * (index & 1u)));
 }
 
 #endif
@@ -204,7 +211,7 @@ void svo_store_payload(svo_sums sums, uint node, uint fill_shift)
 {
 #ifdef SVO_COLOR
     uvec4 mean = svo_mean_color(sums.color, sums.weight);
-    colors[node] = mean.x | mean.y << 8 | mean.z << 16 | mean.w << 24;
+    colors[node - svo_first[SVO_BINDING_COLORS]] = mean.x | mean.y << 8 | mean.z << 16 | mean.w << 24;
 #endif
 #ifdef SVO_NORMAL
     svo_put_normal(3u * node, svo_mean_normal(sums.normal.x, sums.weight));
@@ -212,7 +219,8 @@ void svo_store_payload(svo_sums sums, uint node, uint fill_shift)
     svo_put_normal(3u * node + 2u, svo_mean_normal(sums.normal.z, sums.weight));
 #endif
 #ifdef SVO_FILL
-    atomicOr(fills[node >> 1], svo_fill_of(sums.weight, fill_shift) << (16u * (node & 1u)));
+    atomicOr(fills[(node >> 1) - svo_first[SVO_BINDING_FILLS]],
+             svo_fill_of(sums.weight, fill_shift) << (16u * (node & 1u)));
 #endif
 }
 
@@ -256,9 +264,14 @@ void main()
     if (index >= params.fragment_count) {
         return;
     }
+    uint triangle = svo_fragment_triangle(index) - first_triangle;
+    uint leaf = cursors[index] - params.leaf_begin;
+    if (triangle >= triangle_count || !svo_in_window(leaf)) {
+        return;
+    }
     svo_sums sums = svo_no_sums();
-    svo_add_pair(sums, svo_fragment_triangle(index), svo_fragment_code(index));
-    uint at = (cursors[index] - params.leaf_begin) * SVO_SUM_WORDS;
+    svo_add_pair(sums, triangle, svo_fragment_code(index));
+    uint at = leaf * SVO_SUM_WORDS;
     svo_add_sum(at, sums.weight);
 #ifdef SVO_COLOR
     svo_add_sum(at + 1u, sums.color.x);
@@ -299,12 +312,12 @@ svo_sums svo_sum_list(uint link)
 
 void main()
 {
-    uint index = svo_item();
-    if (index >= params.level_count) {
+    uint index = window_begin + svo_item();
+    if (!svo_in_window(index)) {
         return;
     }
     uint node = params.level_begin + index;
-    uint begin = first_child[node];
+    uint begin = svo_first_child(node);
     uint end = begin + svo_child_count(node);
     svo_sums sums = svo_no_sums();
     for (uint leaf = begin; leaf < end; ++leaf) {
@@ -328,7 +341,7 @@ layout(std430, binding = 2) readonly buffer ChildSums
 
 svo_sums svo_load_sums(uint node)
 {
-    uint at = node * SVO_SUM_WORDS;
+    uint at = node * SVO_SUM_WORDS - svo_first[2] / 2u;
     svo_sums sums;
     sums.weight = child_sums[at];
 #ifdef SVO_COLOR
@@ -344,12 +357,12 @@ svo_sums svo_load_sums(uint node)
 /* Sums are indexed from the first node of their level, payload from the root. */
 void main()
 {
-    uint index = svo_item();
-    if (index >= params.level_count) {
+    uint index = window_begin + svo_item();
+    if (!svo_in_window(index)) {
         return;
     }
     uint node = params.level_begin + index;
-    uint begin = first_child[node];
+    uint begin = svo_first_child(node);
     uint end = begin + svo_child_count(node);
     svo_sums sums = svo_no_sums();
     for (uint child = begin; child < end; ++child) {
