@@ -45,9 +45,8 @@ void main()
     if (largest == int64_t(0)) {
         return; /* a segment or a point */
     }
-    int64_t corners[SVO_PART_WORDS];
-    svo_load_corners(triangle, axis, svo_fragment_code(index), corners);
-    svo_part part = svo_clip(corners);
+    svo_load_corners(triangle, axis, svo_fragment_code(index));
+    svo_part part = svo_clip();
     uint at = leaf * 6u;
     for (uint i = 0u; i < 3u; ++i) {
         int64_t n = i == 0u ? normal.x : i == 1u ? normal.y : normal.z;

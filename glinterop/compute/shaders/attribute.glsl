@@ -68,8 +68,9 @@ i64vec3 svo_fine_vertex(uint vertex)
                    svo_fine_coordinate(vertices[at + 2u], remainders, 2, bits));
 }
 
-/* A triangle's corners u, v, t from the voxel's minimum corner, in sub-units; t is its axis. The rest is scratch. */
-void svo_load_corners(uint triangle, uint axis, svo_code code, out int64_t corners[SVO_PART_WORDS])
+/* A triangle's corners u, v, t from the voxel's minimum corner, in sub-units, at the front of the polygons; t is its
+   axis. */
+void svo_load_corners(uint triangle, uint axis, svo_code code)
 {
     i64vec3 origin =
         i64vec3(ivec3(svo_code_axis(code, 0u), svo_code_axis(code, 1u), svo_code_axis(code, 2u))) * SVO_SUB_EDGE;
@@ -100,17 +101,28 @@ ivec2 svo_near_point(int64_t u, int64_t v, int dropped)
     return ivec2(int(u >> dropped), int(v >> dropped));
 }
 
-/* The barycentric weights of a point; a third each for a triangle without area. */
-ivec3 svo_corner_weights(int64_t corners[SVO_PART_WORDS], int64_t u, int64_t v)
+/* The u and v of a triangle's corners: clipping overwrites those that are loaded. */
+struct svo_corner_points {
+    i64vec2 a, b, c;
+};
+
+svo_corner_points svo_loaded_points()
 {
-    uint64_t reach = uint64_t(0);
-    for (int i = 0; i < 9; i += 3) {
-        reach |= SVO_ABS64(corners[i] - u) | SVO_ABS64(corners[i + 1] - v);
-    }
-    int dropped = svo_bits_beyond(reach, SVO_WEIGHED_BITS);
-    ivec2 p = svo_near_point(corners[0] - u, corners[1] - v, dropped);
-    ivec2 q = svo_near_point(corners[3] - u, corners[4] - v, dropped);
-    ivec2 r = svo_near_point(corners[6] - u, corners[7] - v, dropped);
+    return svo_corner_points(i64vec2(corners[0], corners[1]), i64vec2(corners[3], corners[4]),
+                             i64vec2(corners[6], corners[7]));
+}
+
+/* The barycentric weights of a point; a third each for a triangle without area. */
+ivec3 svo_corner_weights(svo_corner_points points, int64_t u, int64_t v)
+{
+    i64vec2 a = points.a - i64vec2(u, v);
+    i64vec2 b = points.b - i64vec2(u, v);
+    i64vec2 c = points.c - i64vec2(u, v);
+    u64vec2 reach = u64vec2(abs(a)) | u64vec2(abs(b)) | u64vec2(abs(c));
+    int dropped = svo_bits_beyond(reach.x | reach.y, SVO_WEIGHED_BITS);
+    ivec2 p = svo_near_point(a.x, a.y, dropped);
+    ivec2 q = svo_near_point(b.x, b.y, dropped);
+    ivec2 r = svo_near_point(c.x, c.y, dropped);
     int64_t part_x = svo_area_from(q, r);
     int64_t part_y = svo_area_from(r, p);
     int64_t part_z = svo_area_from(p, q);
@@ -138,20 +150,18 @@ svo_share svo_pair_share(uint triangle, svo_code code)
     svo_share share = svo_share(1u, svo_equal_weights());
 #if defined(SVO_WEIGHTS_AREA)
     svo_triangle_record record = records[triangle];
-    int64_t corners[SVO_PART_WORDS];
-    svo_load_corners(triangle, svo_triangle_axis(record), code, corners);
-    int64_t polygons[SVO_PART_WORDS] = corners;
-    svo_part part = svo_clip(polygons);
+    svo_load_corners(triangle, svo_triangle_axis(record), code);
+    svo_corner_points points = svo_loaded_points();
+    svo_part part = svo_clip();
     share.weight = svo_part_weight(part.doubled_area, record.stretch, params.weight_log2);
     if (!svo_triangle_is_flat(record)) {
-        share.corners = svo_corner_weights(corners, part.u, part.v);
+        share.corners = svo_corner_weights(points, part.u, part.v);
     }
 #elif defined(SVO_WEIGHTS_CENTER)
     svo_triangle_record record = records[triangle];
     if (!svo_triangle_is_flat(record)) {
-        int64_t corners[SVO_PART_WORDS];
-        svo_load_corners(triangle, svo_triangle_axis(record), code, corners);
-        share.corners = svo_corner_weights(corners, SVO_SUB_EDGE / int64_t(2), SVO_SUB_EDGE / int64_t(2));
+        svo_load_corners(triangle, svo_triangle_axis(record), code);
+        share.corners = svo_corner_weights(svo_loaded_points(), SVO_SUB_EDGE / int64_t(2), SVO_SUB_EDGE / int64_t(2));
     }
 #endif
     return share;
