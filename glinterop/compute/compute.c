@@ -190,7 +190,6 @@ extern const char svo_i_source_compute_attribute[];
 extern const char svo_i_source_compute_decide[];
 extern const char svo_i_source_compute_subdivide[];
 extern const char svo_i_source_compute_scan[];
-extern const char svo_i_source_compute_link[];
 extern const char svo_i_source_compute_pack[];
 extern const char svo_i_source_compute_filter[];
 extern const char svo_i_source_compute_area[];
@@ -219,7 +218,6 @@ typedef struct entry_shape {
 #define DECIDE    svo_i_source_compute_decide
 #define SUBDIVIDE svo_i_source_compute_subdivide
 #define SCAN      svo_i_source_compute_scan
-#define LINK      svo_i_source_compute_link
 #define PACK      svo_i_source_compute_pack
 #define FILTER    svo_i_source_compute_filter
 #define AREA      svo_i_source_compute_area
@@ -244,9 +242,7 @@ static const entry_shape shapes[SVO_I_ENTRIES] = {
     {"SVO_K_MATERIAL_PASS", MATERIAL, BASE_COMMON, true, false, SVO_NEED_MATERIAL, true},
     {"SVO_K_MATERIAL_ROOM", MATERIAL, BASE_COMMON, true, false, SVO_NEED_MATERIAL, false},
     {"SVO_K_MATERIAL_MERGE", MATERIAL, BASE_COMMON, true, false, SVO_NEED_MATERIAL, false},
-    {"SVO_K_LINK", LINK, BASE_COMMON, false, false, SVO_I_NEED_FILTER, false},
-    {"SVO_K_GATHER_LEVEL", FILTER, BASE_ATTRIBUTE, true, false, SVO_I_NEED_FILTER, false},
-    {"SVO_K_GATHER", FILTER, BASE_ATTRIBUTE, true, false, SVO_I_NEED_FILTER, true},
+    {"SVO_K_GATHER", FILTER, BASE_ATTRIBUTE, true, false, SVO_I_NEED_FILTER, false},
     {"SVO_K_FILTER", FILTER, BASE_COMMON, true, false, SVO_I_NEED_FILTER, false},
     {"SVO_K_AREA", AREA, BASE_ATTRIBUTE, true, false, SVO_NEED_PROJECTED_AREA, false},
     {"SVO_K_ROUND_AREAS", AREA, BASE_ATTRIBUTE, true, false, SVO_NEED_PROJECTED_AREA, false},

@@ -67,18 +67,14 @@ static svo_status make_areas(svo_i_gl_build *gl_build, const svo_i_gl_surface *s
 /* ---- colors, normals and fills ---- */
 
 /*
- * Links the leaves' fragments and sums up their contributions, then sums up children level by level and writes every
- * node's color, normal and fill.
- *
- * A list of one chunk, the usual case, is linked and gathered straight into the sums of the deepest inner level. With
- * several chunks, a mesh in parts, or a voxel with more triangles than an invocation is given (shaders/compute.glsl),
- * every fragment is added to the sums of its leaf instead: to those of a window of leaves at a time.
+ * Adds the contribution of every fragment to the sums of its leaf, then sums up children level by level and writes
+ * every node's color, normal and fill. Sums of leaves are those of a window at a time. Lists of leaves that are walked
+ * would do without atomics, but invocations that run together would wait for the longest list.
  */
 
 typedef struct filterer {
     svo_i_gl_build *gl_build;
     const svo_i_gl_surface *surface;
-    GLuint heads, links;
     GLuint sums[2]; /* of levels at an even and at an odd distance from the leaves */
     GLuint leaf_sums; /* of a window */
     uint64_t node_bytes; /* bytes of a node's sums */
@@ -116,22 +112,6 @@ static svo_status allocate_sums(filterer *f)
     return svo_i_compute_alloc_array(f->gl_build->compute, "sums", parents * f->node_bytes, &f->sums[1]);
 }
 
-/* Links the fragments of each leaf of the only chunk. */
-static svo_status link_leaves(filterer *f)
-{
-    svo_i_compute *compute = f->gl_build->compute;
-    f->params.fragment_count = (cl_uint)f->gl_build->build->fragment_count;
-    svo_i_compute_stage_begin(compute);
-    SVO_I_TRY(svo_i_compute_alloc_zero(compute, "heads", f->params.leaf_count * UINT64_C(4), &f->heads));
-    SVO_I_TRY(svo_i_compute_alloc(compute, "links", f->params.fragment_count * UINT64_C(4), &f->links));
-    const svo_i_launch launch = {.entry = SVO_I_ENTRY_LINK,
-                                 .buffers = {f->gl_build->cursors[0], f->heads, f->links},
-                                 .params = &f->params,
-                                 .items = f->params.fragment_count};
-    SVO_I_TRY(svo_i_compute_launch(compute, &launch));
-    return svo_i_compute_stage_end(compute, f->gl_build->build, SVO_STAGE_LINK);
-}
-
 /* The children of a level's nodes from begin on, as many as a launch can bind the sums of. */
 static svo_status next_window(filterer *f, const svo_i_offsets *children, svo_i_window *window)
 {
@@ -153,49 +133,6 @@ static void bind_payload(const filterer *f, const svo_i_window *window, unsigned
     launch->ranges[colors + 2] = svo_i_range_of(begin, end, 2);
 }
 
-/* Walks the lists of the leaves below a window's nodes. */
-static svo_status walk_window(filterer *f, const svo_i_window *window)
-{
-    svo_i_gl_build *gl_build = f->gl_build;
-    const svo_i_gl_surface *surface = f->surface;
-    const svo_i_gl_part *part = surface->parts;
-    const uint64_t first_node = (uint64_t)f->params.level_begin + window->begin;
-    svo_i_launch launch = {.entry = SVO_I_ENTRY_GATHER_LEVEL,
-                           .buffers = {svo_i_gl_chunk(gl_build, 0), f->links, part->vertices, part->indices,
-                                       part->records, part->attributes, surface->materials, surface->texels[0],
-                                       f->heads, f->sums[1], gl_build->arrays[SVO_TREE_CHILD_MASK],
-                                       gl_build->arrays[SVO_TREE_FIRST_CHILD]},
-                           .ranges = {[9] = svo_i_range_of(window->begin, window->end, (unsigned)f->node_bytes),
-                                      [11] = svo_i_range_of(first_node, first_node + window->end - window->begin, 4)},
-                           .params = &f->params,
-                           .mesh = part->mesh,
-                           .window_begin = window->begin,
-                           .window_count = window->end - window->begin,
-                           .items = window->end - window->begin};
-    bind_payload(f, window, 12, &launch);
-    return svo_i_compute_launch(gl_build->compute, &launch);
-}
-
-/* Computes the leaves' payload and the sums of their parents by walking the linked lists. *walked is false when a list
-   is too long for this context; the results are then invalid. */
-static svo_status walk_leaves(filterer *f, bool *walked)
-{
-    const svo_tree_info *info = &f->gl_build->build->tree->info;
-    svo_i_compute *compute = f->gl_build->compute;
-    const svo_i_offsets children = svo_i_gl_child_offsets(f->gl_build, info->depth - 1);
-    bool exhausted = false;
-    svo_i_params_of_level(&f->params, info, info->depth - 1);
-    svo_i_compute_stage_begin(compute);
-    for (svo_i_window window = {0}; window.end < children.count;) {
-        SVO_I_TRY(next_window(f, &children, &window));
-        SVO_I_TRY(walk_window(f, &window));
-    }
-    SVO_I_TRY(svo_i_compute_stage_end(compute, f->gl_build->build, SVO_STAGE_FILTER));
-    SVO_I_TRY(svo_i_compute_exhausted(compute, &exhausted));
-    *walked = !exhausted;
-    return SVO_OK;
-}
-
 /* Sums up the children of each node of a window, and writes the children's payload. */
 static svo_status filter_window(filterer *f, const svo_i_window *window, GLuint child_sums, bool local, GLuint sums)
 {
@@ -214,16 +151,6 @@ static svo_status filter_window(filterer *f, const svo_i_window *window, GLuint 
     launch.ranges[2].local = local;
     bind_payload(f, window, 4, &launch);
     return svo_i_compute_launch(gl_build->compute, &launch);
-}
-
-/* Compiles before the stage that launches it. Rarely needed, so not compiled by prepare. */
-static svo_status compile_gather(filterer *f)
-{
-    svo_i_compute_program *program = NULL;
-    const double start_ms = svo_i_now_ms();
-    const svo_status status = svo_i_compute_program_get(f->gl_build->compute, SVO_I_ENTRY_GATHER, &program);
-    svo_i_report_add(f->gl_build->build->commands.report, SVO_STAGE_COMPILE, svo_i_now_ms() - start_ms, "wall");
-    return status;
 }
 
 /* Adds the fragments of a window's leaves to sums, which hold these alone. */
@@ -269,11 +196,8 @@ static svo_status add_leaves(filterer *f)
     const uint64_t most = svo_i_compute_range_max(compute) / f->node_bytes * f->node_bytes;
     const uint64_t all = f->params.leaf_count * f->node_bytes;
     const uint64_t bytes = (all < most ? all : most) + SVO_I_RANGE_SLACK;
-    SVO_I_TRY(compile_gather(f));
-    svo_i_compute_stage_begin(compute);
     SVO_I_TRY(svo_i_compute_alloc(compute, "leaf_sums", bytes, &f->leaf_sums));
-    SVO_I_TRY(add_windows(f));
-    return svo_i_compute_stage_end(compute, f->gl_build->build, SVO_STAGE_FILTER);
+    return add_windows(f);
 }
 
 /* Sums up the children of each node of a level, and writes the nodes' payload. */
@@ -289,42 +213,15 @@ static svo_status filter_level(filterer *f, uint32_t level)
     return SVO_OK;
 }
 
-/* Filters the levels above end, up to the root. */
-static svo_status filter_levels(filterer *f, uint32_t end)
+static svo_status run_levels(filterer *f)
 {
     svo_i_compute_stage_begin(f->gl_build->compute);
-    for (uint32_t level = end; level-- > 0;) {
+    SVO_I_TRY(allocate_sums(f));
+    SVO_I_TRY(add_leaves(f));
+    for (uint32_t level = f->gl_build->build->tree->info.depth - 1; level-- > 0;) {
         SVO_I_TRY(filter_level(f, level));
     }
     return svo_i_compute_stage_end(f->gl_build->compute, f->gl_build->build, SVO_STAGE_FILTER);
-}
-
-/* Clears what a failed walk has written by atomicOr. */
-static void clear_payload(filterer *f)
-{
-    static const svo_tree_buffer arrays[] = {SVO_TREE_NORMALS, SVO_TREE_FILLS};
-    for (unsigned i = 0; i < 2; ++i) {
-        if (f->gl_build->arrays[arrays[i]] != 0) {
-            svo_i_compute_fill_zero(f->gl_build->compute, f->gl_build->arrays[arrays[i]]);
-        }
-    }
-}
-
-/* The leaves and their parents' sums, then all levels above. */
-static svo_status run_levels(filterer *f)
-{
-    const uint32_t depth = f->gl_build->build->tree->info.depth;
-    bool walked = false;
-    if (f->gl_build->build->list.chunk_count == 1 && svo_i_gl_surface_is_whole(f->surface)) {
-        SVO_I_TRY(link_leaves(f));
-        SVO_I_TRY(walk_leaves(f, &walked));
-        if (walked) {
-            return filter_levels(f, depth - 1);
-        }
-        clear_payload(f);
-    }
-    SVO_I_TRY(add_leaves(f));
-    return filter_levels(f, depth - 1);
 }
 
 static svo_status sum_colors(filterer *f)
@@ -333,7 +230,6 @@ static svo_status sum_colors(filterer *f)
     if (f->params.leaf_count == 0) {
         return SVO_OK; /* a root without leaves, whose payload is zero */
     }
-    SVO_I_TRY(allocate_sums(f));
     return run_levels(f);
 }
 
@@ -342,8 +238,6 @@ static svo_status make_colors(svo_i_gl_build *gl_build, const svo_i_gl_surface *
     filterer f = {.gl_build = gl_build, .surface = surface, .params = svo_i_payload_params(gl_build->build)};
     f.node_bytes = UINT64_C(8) * (1u + (needs(&f, SVO_NEED_COLOR) ? 4u : 0u) + (needs(&f, SVO_NEED_NORMAL) ? 3u : 0u));
     const svo_status status = sum_colors(&f);
-    svo_i_compute_free(gl_build->compute, &f.heads);
-    svo_i_compute_free(gl_build->compute, &f.links);
     svo_i_compute_free(gl_build->compute, &f.sums[0]);
     svo_i_compute_free(gl_build->compute, &f.sums[1]);
     svo_i_compute_free(gl_build->compute, &f.leaf_sums);

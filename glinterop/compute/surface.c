@@ -250,11 +250,6 @@ void svo_i_gl_surface_free(svo_i_gl_build *gl_build, svo_i_gl_surface *surface)
     svo_i_free(surface->parts);
 }
 
-bool svo_i_gl_surface_is_whole(const svo_i_gl_surface *surface)
-{
-    return surface->part_count == 1 && surface->texel_blocks <= 1;
-}
-
 svo_status svo_i_gl_launch_fragments(svo_i_gl_build *gl_build, const svo_i_gl_surface *surface,
                                      svo_filter_params params, svo_i_launch launch)
 {

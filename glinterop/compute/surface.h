@@ -26,8 +26,6 @@ typedef struct svo_i_gl_surface {
 /* Call svo_i_gl_surface_free after a failure too. */
 svo_status svo_i_gl_surface_upload(svo_i_gl_build *gl_build, svo_i_gl_surface *out);
 void svo_i_gl_surface_free(svo_i_gl_build *gl_build, svo_i_gl_surface *surface);
-/* Whether one launch of each entry point can reach all of the mesh. */
-bool svo_i_gl_surface_is_whole(const svo_i_gl_surface *surface);
 
 /* Launches an entry point on the fragments of all chunks, with each part of the mesh. The launch lacks the parameters
    and the buffers 0 to 5: fragments, cursors, vertices, indices, records, attributes. */

@@ -382,7 +382,7 @@ static const double wall_corners[] = {0.0, 0.0, 0.0, 1.0, 0.0, 0.01, 0.0, 1.0, 0
 static const svo_mesh wall = {
     .struct_size = sizeof wall, .positions_double = wall_corners, .vertex_count = 3, .triangle_count = 1};
 
-/* One chunk, whose lists are walked, but more nodes than a block has sums, payload or first children of. */
+/* One chunk, but more nodes than a block has sums, payload or first children of. */
 static void nodes_may_exceed_a_storage_block(void **state)
 {
     static const double corner[3] = {0.3, 0.4, 0.5};

@@ -201,7 +201,8 @@ int svo_blend(int a, int b, int c, ivec3 weights)
                 int64_t(SVO_WEIGHT_ONE / 2)) >> 16);
 }
 
-#ifdef SVO_COLOR
+/* SVO_K_GATHER alone reads colors; drivers count the blocks of all that is declared. */
+#if defined(SVO_COLOR) && defined(SVO_K_GATHER)
 
 layout(std430, binding = 6) readonly buffer Materials
 {
@@ -226,9 +227,7 @@ layout(std430, binding = 7) readonly buffer Texels
     uint texels[];
 };
 
-#ifdef SVO_K_GATHER
-
-/* Texels go on in the blocks that this entry point has left, each of 2^texel_block_log2 of them. */
+/* Texels go on in the blocks that are left, each of 2^texel_block_log2 of them. */
 uniform uint texel_block_log2;
 
 layout(std430, binding = 8) readonly buffer Texels1
@@ -276,15 +275,6 @@ uint svo_texel(uint at)
         return texels_6[inside];
     }
 }
-
-#else
-
-uint svo_texel(uint at)
-{
-    return texels[at];
-}
-
-#endif
 
 /* The texel's index along one axis of a texture. GLSL leaves the remainder of negative numbers undefined. */
 uint svo_wrap_texel(int texel, int texel_count, uint wrap)

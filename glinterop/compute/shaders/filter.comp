@@ -3,13 +3,10 @@
  * The payload, bottom up: mean color, mean normal and fill of every node, in integers. kernels/stages/filter.cl in
  * GLSL.
  *
- *   SVO_K_GATHER_LEVEL  per node of the deepest inner level: walks its leaves' linked lists, writes the leaves'
- *                       payload and the node's sums. For lists of one chunk without long leaves
- *   SVO_K_GATHER        per fragment of a chunk, for all other lists: adds its contribution to the sums of its leaf,
- *                       which start at zero. 64-bit sums by 32-bit atomics, with a carry from the low to the high word.
- *                       The window is one of leaves
- *   SVO_K_FILTER        per node of a level, upwards from the deepest level left: writes its children's payload and its
- *                       own sums
+ *   SVO_K_GATHER  per fragment of a chunk: adds its contribution to the sums of its leaf, which start at zero. 64-bit
+ *                 sums by 32-bit atomics, with a carry from the low to the high word. The window is one of leaves
+ *   SVO_K_FILTER  per node of a level, upwards from the deepest inner one: writes its children's payload and its own
+ *                 sums
  *
  * Launch: one invocation per node or fragment. The sums of a node are adjacent: weight, color (four words), normal
  * (three), 64 bits each, as far as the variant has them. Normals and fills are 16-bit numbers, two per word: their
@@ -69,22 +66,17 @@ svo_sums svo_join_sums(svo_sums a, svo_sums b)
 #define SVO_SUM_WORDS SVO_NORMAL_SUM
 #endif
 
-#ifndef SVO_K_GATHER
+#ifdef SVO_K_FILTER
 
 /* The nodes' own sums, from the first of their level on. */
-#ifdef SVO_K_FILTER
-#define SVO_BINDING_SUMS 3
-#else
-#define SVO_BINDING_SUMS 9
-#endif
-layout(std430, binding = SVO_BINDING_SUMS) writeonly buffer Sums
+layout(std430, binding = 3) writeonly buffer Sums
 {
     uint64_t node_sums[];
 };
 
 void svo_store_sums(svo_sums sums, uint node)
 {
-    uint at = node * SVO_SUM_WORDS - svo_first[SVO_BINDING_SUMS] / 2u;
+    uint at = node * SVO_SUM_WORDS - svo_first[3] / 2u;
     node_sums[at] = sums.weight;
 #ifdef SVO_COLOR
     node_sums[at + 1u] = sums.color.x;
@@ -99,33 +91,18 @@ void svo_store_sums(svo_sums sums, uint node)
 #endif
 }
 
-/* The bindings of the tree and its payload. */
-#ifdef SVO_K_FILTER
-#define SVO_BINDING_MASKS       0
-#define SVO_BINDING_FIRST_CHILD 1
-#define SVO_BINDING_COLORS      4
-#define SVO_BINDING_NORMALS     5
-#define SVO_BINDING_FILLS       6
-#else
-#define SVO_BINDING_MASKS       10
-#define SVO_BINDING_FIRST_CHILD 11
-#define SVO_BINDING_COLORS      12
-#define SVO_BINDING_NORMALS     13
-#define SVO_BINDING_FILLS       14
-#endif
-
-layout(std430, binding = SVO_BINDING_MASKS) readonly buffer Masks
+layout(std430, binding = 0) readonly buffer Masks
 {
     uint masks[];
 };
-layout(std430, binding = SVO_BINDING_FIRST_CHILD) readonly buffer FirstChild
+layout(std430, binding = 1) readonly buffer FirstChild
 {
     uint first_child[];
 };
 
 uint svo_first_child(uint node)
 {
-    return first_child[node - svo_first[SVO_BINDING_FIRST_CHILD]];
+    return first_child[node - svo_first[1]];
 }
 
 uint svo_child_count(uint node)
@@ -135,7 +112,7 @@ uint svo_child_count(uint node)
 
 #ifdef SVO_COLOR
 
-layout(std430, binding = SVO_BINDING_COLORS) writeonly buffer Colors
+layout(std430, binding = 4) writeonly buffer Colors
 {
     uint colors[];
 };
@@ -164,7 +141,7 @@ uvec4 svo_mean_color(u64vec4 sum, uint64_t weight)
 
 #ifdef SVO_NORMAL
 
-layout(std430, binding = SVO_BINDING_NORMALS) buffer Normals
+layout(std430, binding = 5) buffer Normals
 {
     uint normals[]; /* two numbers per word */
 };
@@ -182,14 +159,14 @@ int svo_mean_normal(int64_t sum, uint64_t weight)
 
 void svo_put_normal(uint index, int number)
 {
-    atomicOr(normals[(index >> 1) - svo_first[SVO_BINDING_NORMALS]], (uint(number) & 0xffffu) << (16u * (index & 1u)));
+    atomicOr(normals[(index >> 1) - svo_first[5]], (uint(number) & 0xffffu) << (16u * (index & 1u)));
 }
 
 #endif
 
 #ifdef SVO_FILL
 
-layout(std430, binding = SVO_BINDING_FILLS) buffer Fills
+layout(std430, binding = 6) buffer Fills
 {
     uint fills[]; /* two numbers per word */
 };
@@ -211,7 +188,7 @@ void svo_store_payload(svo_sums sums, uint node, uint fill_shift)
 {
 #ifdef SVO_COLOR
     uvec4 mean = svo_mean_color(sums.color, sums.weight);
-    colors[node - svo_first[SVO_BINDING_COLORS]] = mean.x | mean.y << 8 | mean.z << 16 | mean.w << 24;
+    colors[node - svo_first[4]] = mean.x | mean.y << 8 | mean.z << 16 | mean.w << 24;
 #endif
 #ifdef SVO_NORMAL
     svo_put_normal(3u * node, svo_mean_normal(sums.normal.x, sums.weight));
@@ -219,7 +196,7 @@ void svo_store_payload(svo_sums sums, uint node, uint fill_shift)
     svo_put_normal(3u * node + 2u, svo_mean_normal(sums.normal.z, sums.weight));
 #endif
 #ifdef SVO_FILL
-    atomicOr(fills[(node >> 1) - svo_first[SVO_BINDING_FILLS]],
+    atomicOr(fills[(node >> 1) - svo_first[6]],
              svo_fill_of(sums.weight, fill_shift) << (16u * (node & 1u)));
 #endif
 }
@@ -234,7 +211,7 @@ void svo_store_root(svo_sums sums, uint node)
 
 #endif
 
-#if defined(SVO_K_GATHER) || defined(SVO_K_GATHER_LEVEL)
+#ifdef SVO_K_GATHER
 
 void svo_add_pair(inout svo_sums sums, uint triangle, svo_code code)
 {
@@ -248,10 +225,6 @@ void svo_add_pair(inout svo_sums sums, uint triangle, svo_code code)
     sums.normal += int64_t(share.weight) * i64vec3(svo_surface_normal(triangle, share.corners));
 #endif
 }
-
-#endif
-
-#ifdef SVO_K_GATHER
 
 layout(std430, binding = 1) readonly buffer Cursors
 {
@@ -284,50 +257,6 @@ void main()
     svo_add_sum(at + SVO_NORMAL_SUM + 1u, uint64_t(sums.normal.y));
     svo_add_sum(at + SVO_NORMAL_SUM + 2u, uint64_t(sums.normal.z));
 #endif
-}
-
-#endif
-
-#ifdef SVO_K_GATHER_LEVEL
-
-layout(std430, binding = 1) readonly buffer Links
-{
-    uint links[];
-};
-layout(std430, binding = 8) readonly buffer Heads
-{
-    uint heads[];
-};
-
-/* Sums up a leaf's list. link: its first fragment plus one. */
-svo_sums svo_sum_list(uint link)
-{
-    svo_sums sums = svo_no_sums();
-    for (uint triangles = 1u; link != 0u && !svo_is_long(triangles); ++triangles) {
-        svo_add_pair(sums, svo_fragment_triangle(link - 1u), svo_fragment_code(link - 1u));
-        link = links[link - 1u];
-    }
-    return sums;
-}
-
-void main()
-{
-    uint index = window_begin + svo_item();
-    if (!svo_in_window(index)) {
-        return;
-    }
-    uint node = params.level_begin + index;
-    uint begin = svo_first_child(node);
-    uint end = begin + svo_child_count(node);
-    svo_sums sums = svo_no_sums();
-    for (uint leaf = begin; leaf < end; ++leaf) {
-        svo_sums part = svo_sum_list(heads[leaf - params.leaf_begin]);
-        svo_store_payload(part, leaf, params.fill_shift);
-        sums = svo_join_sums(sums, part);
-    }
-    svo_store_sums(sums, index);
-    svo_store_root(sums, node);
-    svo_check_loops();
 }
 
 #endif
