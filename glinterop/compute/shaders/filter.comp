@@ -25,7 +25,7 @@ struct svo_sums {
     u64vec4 color;
 #endif
 #ifdef SVO_NORMAL
-    i64vec3 normal;
+    u64vec3 normal; /* each plus 32768 times its weight: numbers that are not negative rarely carry to the high word */
 #endif
 };
 
@@ -37,7 +37,7 @@ svo_sums svo_no_sums()
     sums.color = u64vec4(0);
 #endif
 #ifdef SVO_NORMAL
-    sums.normal = i64vec3(0);
+    sums.normal = u64vec3(0);
 #endif
     return sums;
 }
@@ -85,9 +85,9 @@ void svo_store_sums(svo_sums sums, uint node)
     node_sums[at + 4u] = sums.color.w;
 #endif
 #ifdef SVO_NORMAL
-    node_sums[at + SVO_NORMAL_SUM] = uint64_t(sums.normal.x);
-    node_sums[at + SVO_NORMAL_SUM + 1u] = uint64_t(sums.normal.y);
-    node_sums[at + SVO_NORMAL_SUM + 2u] = uint64_t(sums.normal.z);
+    node_sums[at + SVO_NORMAL_SUM] = sums.normal.x;
+    node_sums[at + SVO_NORMAL_SUM + 1u] = sums.normal.y;
+    node_sums[at + SVO_NORMAL_SUM + 2u] = sums.normal.z;
 #endif
 }
 
@@ -146,15 +146,13 @@ layout(std430, binding = 5) buffer Normals
     uint normals[]; /* two numbers per word */
 };
 
-/* s / w rounded half up: floor((2 s + w) / (2 w)); the offset makes the dividend positive, since |s| <= 32768 w. */
-int svo_mean_normal(int64_t sum, uint64_t weight)
+/* s / w rounded half up: floor((2 s + w) / (2 w)), where the sum is s + 32768 w. */
+int svo_mean_normal(uint64_t sum, uint64_t weight)
 {
     if (weight < uint64_t(1 << 14)) {
-        uint dividend = uint(int(sum) * 2 + int(uint(weight)) + int(uint(weight) << 16));
-        return int(dividend / (2u * uint(weight))) - 32768;
+        return int((2u * uint(sum) + uint(weight)) / (2u * uint(weight))) - 32768;
     }
-    uint64_t dividend = uint64_t(sum * int64_t(2)) + weight + (weight << 16);
-    return int(uint(dividend / (uint64_t(2) * weight))) - 32768;
+    return int(uint((sum * uint64_t(2) + weight) / (uint64_t(2) * weight))) - 32768;
 }
 
 void svo_put_normal(uint index, int number)
@@ -222,7 +220,7 @@ void svo_add_pair(inout svo_sums sums, uint triangle, svo_code code)
     sums.color += uint64_t(share.weight) * u64vec4(color.xyz * color.w, color.w); /* colors weigh by alpha */
 #endif
 #ifdef SVO_NORMAL
-    sums.normal += int64_t(share.weight) * i64vec3(svo_surface_normal(triangle, share.corners));
+    sums.normal += uint64_t(share.weight) * u64vec3(svo_surface_normal(triangle, share.corners) + 32768);
 #endif
 }
 
@@ -253,9 +251,9 @@ void main()
     svo_add_sum(at + 4u, sums.color.w);
 #endif
 #ifdef SVO_NORMAL
-    svo_add_sum(at + SVO_NORMAL_SUM, uint64_t(sums.normal.x));
-    svo_add_sum(at + SVO_NORMAL_SUM + 1u, uint64_t(sums.normal.y));
-    svo_add_sum(at + SVO_NORMAL_SUM + 2u, uint64_t(sums.normal.z));
+    svo_add_sum(at + SVO_NORMAL_SUM, sums.normal.x);
+    svo_add_sum(at + SVO_NORMAL_SUM + 1u, sums.normal.y);
+    svo_add_sum(at + SVO_NORMAL_SUM + 2u, sums.normal.z);
 #endif
 }
 
@@ -277,8 +275,8 @@ svo_sums svo_load_sums(uint node)
     sums.color = u64vec4(child_sums[at + 1u], child_sums[at + 2u], child_sums[at + 3u], child_sums[at + 4u]);
 #endif
 #ifdef SVO_NORMAL
-    sums.normal = i64vec3(int64_t(child_sums[at + SVO_NORMAL_SUM]), int64_t(child_sums[at + SVO_NORMAL_SUM + 1u]),
-                          int64_t(child_sums[at + SVO_NORMAL_SUM + 2u]));
+    sums.normal = u64vec3(child_sums[at + SVO_NORMAL_SUM], child_sums[at + SVO_NORMAL_SUM + 1u],
+                          child_sums[at + SVO_NORMAL_SUM + 2u]);
 #endif
     return sums;
 }
