@@ -5,11 +5,14 @@
  */
 #include "compute/build.h"
 
+#include <stddef.h>
 #include <string.h>
 
 #include "commands/commands.h"
 #include "compute/compute.h"
 #include "compute/payload.h"
+#include "compute/surface.h"
+#include "compute/windows.h"
 #include "core/message.h"
 #include "plan/accounts.h"
 #include "plan/estimate.h"
@@ -69,6 +72,50 @@ static svo_status mark_root(subdivider *s, svo_subdivide_params params)
     return SVO_OK;
 }
 
+/* The nodes of a level; all nodes that there is room for, where a launch can bind the first children of these.
+   Otherwise the host asks. */
+static svo_status find_level(const subdivider *s, uint32_t level, svo_i_window *out)
+{
+    svo_i_compute *compute = s->gl_build->compute;
+    const uint64_t capacity = s->gl_build->build->inner_capacity;
+    uint32_t begins[2] = {0, (uint32_t)capacity};
+    if (capacity * 4 > svo_i_compute_range_max(compute)) {
+        const size_t offset = offsetof(svo_build_state, level_begin) + level * sizeof begins[0];
+        SVO_I_TRY(svo_i_compute_read_at(compute, s->gl_build->state, offset, begins, sizeof begins));
+    }
+    *out = (svo_i_window){.begin = begins[0], .end = begins[1]};
+    return SVO_OK;
+}
+
+/* The first of the nodes of a level whose first children a launch can bind. */
+static svo_i_window first_part(const subdivider *s, const svo_i_window *left)
+{
+    const uint64_t most = svo_i_compute_range_max(s->gl_build->compute) / 4;
+    const uint32_t count = left->end - left->begin;
+    return (svo_i_window){.begin = left->begin, .end = left->begin + (count < most ? count : (uint32_t)most)};
+}
+
+/* Writes first_child of the level's nodes. */
+static svo_status add_level(subdivider *s, const svo_subdivide_params *params)
+{
+    svo_i_window left = {0};
+    SVO_I_TRY(find_level(s, params->level, &left));
+    while (left.begin < left.end) {
+        const svo_i_window part = first_part(s, &left);
+        const svo_i_launch launch = {.entry = SVO_I_ENTRY_SCAN_MASKS_ADD,
+                                     .buffers = {s->masks, s->gl_build->partials, s->first_child, s->gl_build->state},
+                                     .ranges = {[2] = svo_i_range_of(part.begin, part.end, 4)},
+                                     .params = params,
+                                     .window_begin = part.begin,
+                                     .window_count = part.end - part.begin,
+                                     .indirect = s->launches,
+                                     .indirect_word = 3 * params->level};
+        SVO_I_TRY(svo_i_compute_launch(s->gl_build->compute, &launch));
+        left.begin = part.end;
+    }
+    return SVO_OK;
+}
+
 /* Computes first_child of the level's nodes, and where the level after the next begins. */
 static svo_status scan_level(subdivider *s, svo_subdivide_params params)
 {
@@ -83,19 +130,14 @@ static svo_status scan_level(subdivider *s, svo_subdivide_params params)
                                      {.entry = SVO_I_ENTRY_SCAN_MASKS_PARTIALS,
                                       .buffers = {partials, state, s->launches},
                                       .params = &params,
-                                      .items = SVO_GROUP_ITEMS},
-                                     {.entry = SVO_I_ENTRY_SCAN_MASKS_ADD,
-                                      .buffers = {s->masks, partials, s->first_child, state},
-                                      .params = &params,
-                                      .indirect = s->launches,
-                                      .indirect_word = 3 * params.level}};
-    for (unsigned i = 0; i < 3; ++i) {
+                                      .items = SVO_GROUP_ITEMS}};
+    for (unsigned i = 0; i < 2; ++i) {
         SVO_I_TRY(svo_i_compute_launch(compute, &launches[i]));
     }
-    return SVO_OK;
+    return add_level(s, &params);
 }
 
-static svo_status descend(subdivider *s, svo_subdivide_params params)
+static svo_status descend_part(subdivider *s, svo_subdivide_params params, const svo_i_window *part)
 {
     svo_i_gl_build *gl_build = s->gl_build;
     for (uint32_t i = 0; i < gl_build->build->list.chunk_count; ++i) {
@@ -103,9 +145,24 @@ static svo_status descend(subdivider *s, svo_subdivide_params params)
         const svo_i_launch launch = {
             .entry = SVO_I_ENTRY_DESCEND,
             .buffers = {svo_i_gl_chunk(gl_build, i), gl_build->cursors[i], s->masks, s->first_child, gl_build->state},
+            .ranges = {[3] = svo_i_range_of(part->begin, part->end, 4)},
             .params = &params,
+            .window_begin = part->begin,
+            .window_count = part->end - part->begin,
             .items = params.fragment_count};
         SVO_I_TRY(svo_i_compute_launch(gl_build->compute, &launch));
+    }
+    return SVO_OK;
+}
+
+static svo_status descend(subdivider *s, svo_subdivide_params params)
+{
+    svo_i_window left = {0};
+    SVO_I_TRY(find_level(s, params.level, &left));
+    while (left.begin < left.end) {
+        const svo_i_window part = first_part(s, &left);
+        SVO_I_TRY(descend_part(s, params, &part));
+        left.begin = part.end;
     }
     return SVO_OK;
 }
@@ -159,58 +216,50 @@ typedef struct packer {
 
 static svo_status allocate_lists(packer *p)
 {
-    static const uint32_t no_groups[3] = {0, 1, 1};
     svo_i_gl_build *gl_build = p->gl_build;
     const uint64_t fragments = gl_build->build->fragment_count;
     gl_build->build->tree->info.list_count = fragments;
     const uint64_t long_leaves = fragments / (SVO_SHORT_LIST_MAX + 1) + 1;
     svo_i_compute *compute = gl_build->compute;
-    SVO_I_TRY(svo_i_compute_alloc(compute, "list", fragments * 4, &gl_build->arrays[SVO_TREE_LIST]));
-    SVO_I_TRY(svo_i_compute_alloc(compute, "list_spare", fragments * 4, &p->spare));
+    SVO_I_TRY(svo_i_compute_alloc_array(compute, "list", fragments * 4, &gl_build->arrays[SVO_TREE_LIST]));
+    SVO_I_TRY(svo_i_compute_alloc_array(compute, "list_spare", fragments * 4, &p->spare));
     SVO_I_TRY(svo_i_compute_alloc(compute, "long_leaves", long_leaves * 4, &p->long_leaves));
-    return svo_i_compute_upload(compute, "launches", no_groups, sizeof no_groups, &p->launches);
+    return svo_i_compute_alloc(compute, "launches", 12, &p->launches);
 }
 
-static svo_status count_lists(packer *p)
+/* Adds the fragments of leaves of a window to their lengths. */
+static svo_status count_window(packer *p, uint32_t begin, uint32_t count)
 {
     svo_i_gl_build *gl_build = p->gl_build;
-    const uint64_t bytes = p->params.leaf_count * UINT64_C(4);
-    SVO_I_TRY(svo_i_compute_alloc_zero(gl_build->compute, "list_counts", bytes, &p->counts));
     for (uint32_t i = 0; i < gl_build->build->list.chunk_count; ++i) {
         p->params.fragment_count = (cl_uint)gl_build->build->list.chunks[i].needed;
         const svo_i_launch launch = {.entry = SVO_I_ENTRY_COUNT,
                                      .buffers = {gl_build->cursors[i], p->counts},
+                                     .ranges = {[1] = svo_i_range_of(begin, (uint64_t)begin + count, 4)},
                                      .params = &p->params,
+                                     .window_begin = begin,
+                                     .window_count = count,
                                      .items = p->params.fragment_count};
         SVO_I_TRY(svo_i_compute_launch(gl_build->compute, &launch));
     }
     return SVO_OK;
 }
 
-static svo_status scan_lists(packer *p)
+static svo_status count_lists(packer *p)
 {
-    const uint64_t items = (uint64_t)SVO_SCAN_GROUPS * SVO_GROUP_ITEMS;
-    const GLuint partials = p->gl_build->partials;
-    const GLuint list_begin = p->gl_build->arrays[SVO_TREE_LIST_BEGIN];
-    const svo_i_launch launches[] = {{.entry = SVO_I_ENTRY_SCAN_LISTS_REDUCE,
-                                      .buffers = {p->counts, partials},
-                                      .params = &p->params,
-                                      .items = items},
-                                     {.entry = SVO_I_ENTRY_SCAN_LISTS_PARTIALS,
-                                      .buffers = {partials, list_begin},
-                                      .params = &p->params,
-                                      .items = SVO_GROUP_ITEMS},
-                                     {.entry = SVO_I_ENTRY_SCAN_LISTS_ADD,
-                                      .buffers = {p->counts, partials, list_begin},
-                                      .params = &p->params,
-                                      .items = items}};
-    for (unsigned i = 0; i < 3; ++i) {
-        SVO_I_TRY(svo_i_compute_launch(p->gl_build->compute, &launches[i]));
+    svo_i_compute *compute = p->gl_build->compute;
+    const uint64_t most = svo_i_compute_range_max(compute) / 4;
+    const uint32_t leaves = p->params.leaf_count;
+    SVO_I_TRY(svo_i_compute_alloc_array_zero(compute, "list_counts", leaves * UINT64_C(4), &p->counts));
+    uint32_t size = 0;
+    for (uint32_t begin = 0; begin < leaves; begin += size) {
+        size = leaves - begin < most ? leaves - begin : (uint32_t)most;
+        SVO_I_TRY(count_window(p, begin, size));
     }
     return SVO_OK;
 }
 
-static svo_status scatter(packer *p)
+static svo_status scatter(packer *p, const svo_i_window *window)
 {
     svo_i_gl_build *gl_build = p->gl_build;
     for (uint32_t i = 0; i < gl_build->build->list.chunk_count; ++i) {
@@ -219,26 +268,48 @@ static svo_status scatter(packer *p)
                                      .buffers = {svo_i_gl_chunk(gl_build, i), gl_build->cursors[i], p->counts,
                                                  gl_build->arrays[SVO_TREE_LIST_BEGIN],
                                                  gl_build->arrays[SVO_TREE_LIST]},
+                                     .ranges = {[2] = svo_i_range_of(window->begin, window->end, 4),
+                                                [3] = svo_i_range_of(window->begin, window->end, 4),
+                                                [4] = svo_i_range_of(window->first, window->last, 4)},
                                      .params = &p->params,
+                                     .window_begin = window->begin,
+                                     .window_count = window->end - window->begin,
                                      .items = p->params.fragment_count};
         SVO_I_TRY(svo_i_compute_launch(gl_build->compute, &launch));
     }
     return SVO_OK;
 }
 
-static svo_status sort_lists(packer *p)
+/* No long leaves yet. */
+static void clear_long_leaves(packer *p)
+{
+    static const uint32_t no_groups[3] = {0, 1, 1};
+    static const uint32_t none = 0;
+    svo_i_compute *compute = p->gl_build->compute;
+    svo_i_compute_write_at(compute, p->launches, 0, no_groups, sizeof no_groups);
+    svo_i_compute_write_at(compute, p->gl_build->state, offsetof(svo_build_state, long_lists), &none, sizeof none);
+}
+
+static svo_status sort_lists(packer *p, const svo_i_window *window)
 {
     svo_i_gl_build *gl_build = p->gl_build;
     const GLuint list_begin = gl_build->arrays[SVO_TREE_LIST_BEGIN];
     const GLuint list = gl_build->arrays[SVO_TREE_LIST];
+    const svo_i_range begins = svo_i_range_of(window->begin, window->end + UINT64_C(1), 4);
+    const svo_i_range entries = svo_i_range_of(window->first, window->last, 4);
     const svo_i_launch sort_short = {.entry = SVO_I_ENTRY_SORT_SHORT,
                                      .buffers = {list_begin, list, p->long_leaves, gl_build->state, p->launches},
+                                     .ranges = {begins, entries},
                                      .params = &p->params,
-                                     .items = p->params.leaf_count};
+                                     .window_begin = window->begin,
+                                     .window_count = window->end - window->begin,
+                                     .items = window->end - window->begin};
+    clear_long_leaves(p);
     SVO_I_TRY(svo_i_compute_launch(gl_build->compute, &sort_short));
     svo_filter_params pass = p->params; /* level: which digit */
     const svo_i_launch sort_long = {.entry = SVO_I_ENTRY_SORT_LONG,
                                     .buffers = {list_begin, list, p->spare, p->long_leaves, gl_build->state},
+                                    .ranges = {begins, entries, entries},
                                     .params = &pass,
                                     .indirect = p->launches};
     for (pass.level = 0; pass.level < pass.digit_passes; ++pass.level) {
@@ -251,16 +322,23 @@ static svo_status make_ranges(packer *p)
 {
     const uint64_t bytes = (p->params.leaf_count + UINT64_C(1)) * 4;
     GLuint *list_begin = &p->gl_build->arrays[SVO_TREE_LIST_BEGIN];
-    SVO_I_TRY(svo_i_compute_alloc(p->gl_build->compute, "list_begin", bytes, list_begin));
+    SVO_I_TRY(svo_i_compute_alloc_array(p->gl_build->compute, "list_begin", bytes, list_begin));
     SVO_I_TRY(count_lists(p));
-    return scan_lists(p);
+    return svo_i_gl_scan(p->gl_build, p->counts, *list_begin, p->params.leaf_count);
 }
 
 static svo_status make_lists(packer *p)
 {
+    svo_i_gl_build *gl_build = p->gl_build;
+    const svo_i_offsets offsets = svo_i_gl_list_offsets(gl_build);
+    const uint64_t most = svo_i_compute_range_max(gl_build->compute) / 4;
     SVO_I_TRY(allocate_lists(p));
-    SVO_I_TRY(scatter(p));
-    return sort_lists(p);
+    for (svo_i_window window = {0}; window.end < offsets.count;) {
+        SVO_I_TRY(svo_i_gl_window(gl_build, &offsets, window.end, most - 1, most, "triangles", &window));
+        SVO_I_TRY(scatter(p, &window));
+        SVO_I_TRY(sort_lists(p, &window));
+    }
+    return SVO_OK;
 }
 
 /* Creates list_begin, and list if with_lists. */
@@ -288,28 +366,15 @@ cleanup:
 
 /* ---- the build ---- */
 
-static svo_status check_array(svo_i_compute *compute, const char *name, double bytes)
-{
-    const svo_i_gl_functions *gl = compute->gl;
-    if (bytes <= (double)gl->limits.storage_block_bytes) {
-        return SVO_OK;
-    }
-    return svo_i_device_fail(compute->device, SVO_UNSUPPORTED,
-                             SVO_I_GL_BUILD ": %s need about %.0f bytes, above the storage block limit of %lld of %s",
-                             name, bytes, (long long)gl->limits.storage_block_bytes, gl->renderer);
-}
-
 svo_status svo_i_gl_check_size(svo_i_compute *compute, const svo_plan *plan)
 {
-    const double fragments = plan->info.expected_fragments;
-    SVO_I_TRY(check_array(compute, "triangle records", (double)plan->triangle_count * 16));
-    if (plan->work.lists) {
-        SVO_I_TRY(check_array(compute, "leaf lists", fragments * 4));
+    const uint64_t most = svo_i_gl_texels_max(compute);
+    if (plan->texel_count <= most) {
+        return SVO_OK;
     }
-    if ((plan->work.made & SVO_NEED_MATERIAL) != 0) {
-        SVO_I_TRY(check_array(compute, "material entries", fragments * 8));
-    }
-    return check_array(compute, "texels", (double)plan->texel_count * 4);
+    return svo_i_device_fail(
+        compute->device, SVO_UNSUPPORTED, SVO_I_GL_BUILD ": %llu texels are above the %llu of %u storage blocks of %s",
+        (unsigned long long)plan->texel_count, (unsigned long long)most, SVO_I_TEXEL_BLOCKS, compute->gl->renderer);
 }
 
 static svo_status alloc_cursors(svo_i_gl_build *gl_build)
@@ -338,7 +403,7 @@ static svo_status try_nodes(svo_i_gl_build *gl_build, uint64_t inner_capacity, b
     svo_i_compute_free(compute, masks);
     svo_i_compute_free(compute, first_child);
     SVO_I_TRY(svo_i_compute_alloc(compute, "child_mask_pool", inner_capacity, masks));
-    SVO_I_TRY(svo_i_compute_alloc(compute, "first_child_pool", inner_capacity * 4, first_child));
+    SVO_I_TRY(svo_i_compute_alloc_array(compute, "first_child_pool", inner_capacity * 4, first_child));
     return subdivide(gl_build, fits);
 }
 
@@ -347,7 +412,7 @@ static svo_status make_nodes(svo_i_gl_build *gl_build)
 {
     svo_i_build *build = gl_build->build;
     const svo_i_gl_functions *gl = gl_build->compute->gl;
-    const uint64_t most = (uint64_t)gl->limits.storage_block_bytes / 4 - 1;
+    const uint64_t most = svo_i_compute_range_max(gl_build->compute); /* a byte each */
     bool fits = false;
     uint64_t wanted = 0;
     for (unsigned attempt = 0; attempt < 2 && !fits; ++attempt) {

@@ -29,25 +29,40 @@ static svo_status check(svo_i_compute *compute, const char *step)
     return svo_i_gl_check(compute->gl, SVO_I_GL_BUILD, step, &compute->device->message);
 }
 
-static svo_status alloc(svo_i_compute *compute, const char *name, uint64_t bytes, const void *data, GLuint *out)
+/* Whole words plus one: shaders read one word past the last. */
+static uint64_t padded(uint64_t bytes)
+{
+    return (bytes + 3) / 4 * 4 + 4;
+}
+
+uint64_t svo_i_compute_range_max(const svo_i_compute *compute)
+{
+    return (uint64_t)compute->gl->limits.storage_block_bytes - 2 * SVO_I_RANGE_SLACK;
+}
+
+static svo_status alloc_any(svo_i_compute *compute, const char *name, uint64_t bytes, const void *data, GLuint *out)
 {
     const svo_i_gl_functions *gl = compute->gl;
-    /* Whole words plus one: shaders read one word past the last. */
-    const uint64_t padded = (bytes + 3) / 4 * 4 + 4;
-    if (padded > (uint64_t)gl->limits.storage_block_bytes) {
-        return svo_i_device_fail(compute->device, SVO_UNSUPPORTED,
-                                 SVO_I_GL_BUILD ": %s needs %llu bytes, above the storage block limit of %lld of %s",
-                                 name, (unsigned long long)padded, (long long)gl->limits.storage_block_bytes,
-                                 gl->renderer);
-    }
     gl->GenBuffers(1, out);
     gl->BindBuffer(WORK_TARGET, *out);
-    gl->BufferData(WORK_TARGET, (GLsizeiptr)padded, NULL, GL_STATIC_COPY); /* in the GPU's memory */
+    gl->BufferData(WORK_TARGET, (GLsizeiptr)padded(bytes), NULL, GL_STATIC_COPY); /* in the GPU's memory */
     if (data != NULL && bytes > 0) {
         gl->BufferSubData(WORK_TARGET, 0, (GLsizeiptr)bytes, data);
     }
     gl->BindBuffer(WORK_TARGET, 0);
     return check(compute, name);
+}
+
+static svo_status alloc(svo_i_compute *compute, const char *name, uint64_t bytes, const void *data, GLuint *out)
+{
+    const svo_i_gl_functions *gl = compute->gl;
+    if (padded(bytes) > (uint64_t)gl->limits.storage_block_bytes) {
+        return svo_i_device_fail(compute->device, SVO_UNSUPPORTED,
+                                 SVO_I_GL_BUILD ": %s needs %llu bytes, above the storage block limit of %lld of %s",
+                                 name, (unsigned long long)padded(bytes), (long long)gl->limits.storage_block_bytes,
+                                 gl->renderer);
+    }
+    return alloc_any(compute, name, bytes, data, out);
 }
 
 svo_status svo_i_compute_alloc(svo_i_compute *compute, const char *name, uint64_t bytes, GLuint *out)
@@ -67,6 +82,18 @@ svo_status svo_i_compute_upload(svo_i_compute *compute, const char *name, const 
     return alloc(compute, name, bytes, data, out);
 }
 
+svo_status svo_i_compute_alloc_array(svo_i_compute *compute, const char *name, uint64_t bytes, GLuint *out)
+{
+    return alloc_any(compute, name, bytes, NULL, out);
+}
+
+svo_status svo_i_compute_alloc_array_zero(svo_i_compute *compute, const char *name, uint64_t bytes, GLuint *out)
+{
+    SVO_I_TRY(alloc_any(compute, name, bytes, NULL, out));
+    svo_i_compute_fill_zero(compute, *out);
+    return SVO_OK;
+}
+
 void svo_i_compute_fill_zero(const svo_i_compute *compute, GLuint buffer)
 {
     const svo_i_gl_functions *gl = compute->gl;
@@ -84,14 +111,28 @@ void svo_i_compute_free(const svo_i_compute *compute, GLuint *buffer)
     }
 }
 
-svo_status svo_i_compute_read(svo_i_compute *compute, GLuint buffer, void *to, size_t bytes)
+svo_status svo_i_compute_read_at(svo_i_compute *compute, GLuint buffer, uint64_t offset, void *to, size_t bytes)
 {
     const svo_i_gl_functions *gl = compute->gl;
     gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     gl->BindBuffer(WORK_TARGET, buffer);
-    gl->GetBufferSubData(WORK_TARGET, 0, (GLsizeiptr)bytes, to);
+    gl->GetBufferSubData(WORK_TARGET, (GLintptr)offset, (GLsizeiptr)bytes, to);
     gl->BindBuffer(WORK_TARGET, 0);
     return check(compute, "reading a buffer");
+}
+
+svo_status svo_i_compute_read(svo_i_compute *compute, GLuint buffer, void *to, size_t bytes)
+{
+    return svo_i_compute_read_at(compute, buffer, 0, to, bytes);
+}
+
+void svo_i_compute_write_at(svo_i_compute *compute, GLuint buffer, uint64_t offset, const void *from, size_t bytes)
+{
+    const svo_i_gl_functions *gl = compute->gl;
+    gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    gl->BindBuffer(WORK_TARGET, buffer);
+    gl->BufferSubData(WORK_TARGET, (GLintptr)offset, (GLsizeiptr)bytes, from);
+    gl->BindBuffer(WORK_TARGET, 0);
 }
 
 svo_status svo_i_compute_copy(svo_i_compute *compute, GLuint from, GLuint to, uint64_t offset, uint64_t bytes)
@@ -149,7 +190,6 @@ extern const char svo_i_source_compute_attribute[];
 extern const char svo_i_source_compute_decide[];
 extern const char svo_i_source_compute_subdivide[];
 extern const char svo_i_source_compute_scan[];
-extern const char svo_i_source_compute_link[];
 extern const char svo_i_source_compute_pack[];
 extern const char svo_i_source_compute_filter[];
 extern const char svo_i_source_compute_area[];
@@ -178,7 +218,6 @@ typedef struct entry_shape {
 #define DECIDE    svo_i_source_compute_decide
 #define SUBDIVIDE svo_i_source_compute_subdivide
 #define SCAN      svo_i_source_compute_scan
-#define LINK      svo_i_source_compute_link
 #define PACK      svo_i_source_compute_pack
 #define FILTER    svo_i_source_compute_filter
 #define AREA      svo_i_source_compute_area
@@ -201,10 +240,9 @@ static const entry_shape shapes[SVO_I_ENTRIES] = {
     {"SVO_K_MATERIAL_SCATTER", MATERIAL, BASE_ATTRIBUTE, true, false, SVO_NEED_MATERIAL, false},
     {"SVO_K_MATERIAL_LEAVES", MATERIAL, BASE_COMMON, true, false, SVO_NEED_MATERIAL, false},
     {"SVO_K_MATERIAL_PASS", MATERIAL, BASE_COMMON, true, false, SVO_NEED_MATERIAL, true},
+    {"SVO_K_MATERIAL_ROOM", MATERIAL, BASE_COMMON, true, false, SVO_NEED_MATERIAL, false},
     {"SVO_K_MATERIAL_MERGE", MATERIAL, BASE_COMMON, true, false, SVO_NEED_MATERIAL, false},
-    {"SVO_K_LINK", LINK, BASE_COMMON, false, false, SVO_I_NEED_FILTER, false},
-    {"SVO_K_GATHER_LEVEL", FILTER, BASE_ATTRIBUTE, true, false, SVO_I_NEED_FILTER, false},
-    {"SVO_K_GATHER", FILTER, BASE_ATTRIBUTE, true, false, SVO_I_NEED_FILTER, true},
+    {"SVO_K_GATHER", FILTER, BASE_ATTRIBUTE, true, false, SVO_I_NEED_FILTER, false},
     {"SVO_K_FILTER", FILTER, BASE_COMMON, true, false, SVO_I_NEED_FILTER, false},
     {"SVO_K_AREA", AREA, BASE_ATTRIBUTE, true, false, SVO_NEED_PROJECTED_AREA, false},
     {"SVO_K_ROUND_AREAS", AREA, BASE_ATTRIBUTE, true, false, SVO_NEED_PROJECTED_AREA, false},
@@ -287,7 +325,17 @@ static void find_uniforms(const svo_i_gl_functions *gl, svo_i_compute_program *p
     for (size_t i = 0; i < count; ++i) {
         program->fields[i] = gl->GetUniformLocation(program->name, fields[i].name);
     }
+    for (unsigned binding = 0; binding < SVO_I_COMPUTE_BLOCKS; ++binding) {
+        char name[24];
+        (void)snprintf(name, sizeof name, "svo_first[%u]", binding);
+        program->first[binding] = gl->GetUniformLocation(program->name, name);
+    }
+    program->window_begin = gl->GetUniformLocation(program->name, "window_begin");
+    program->window_count = gl->GetUniformLocation(program->name, "window_count");
     program->vertex_count = gl->GetUniformLocation(program->name, "vertex_count");
+    program->first_triangle = gl->GetUniformLocation(program->name, "first_triangle");
+    program->triangle_count = gl->GetUniformLocation(program->name, "triangle_count");
+    program->texel_block_log2 = gl->GetUniformLocation(program->name, "texel_block_log2");
 }
 
 /* Sets the parameters' uniforms of the program in use. params: NULL means zeros. */
@@ -302,6 +350,14 @@ static void set_params(const svo_i_compute *compute, const svo_i_compute_program
         }
         compute->gl->Uniform1ui(program->fields[i], value);
     }
+}
+
+static void set_mesh(const svo_i_compute *compute, const svo_i_compute_program *program, const svo_i_launch_mesh *mesh)
+{
+    compute->gl->Uniform1ui(program->vertex_count, mesh->vertex_count);
+    compute->gl->Uniform1ui(program->first_triangle, mesh->first_triangle);
+    compute->gl->Uniform1ui(program->triangle_count, mesh->triangle_count);
+    compute->gl->Uniform1ui(program->texel_block_log2, mesh->texel_block_log2);
 }
 
 /* Drivers compile a shader at its first launch: launches one group on a buffer of zeros. */
@@ -407,6 +463,33 @@ static void dispatch(const svo_i_gl_functions *gl, const svo_i_launch *launch)
     gl->DispatchCompute((GLuint)columns, (GLuint)((groups + columns - 1) / columns), 1);
 }
 
+svo_i_range svo_i_range_of(uint64_t begin, uint64_t end, unsigned element_bytes)
+{
+    return (svo_i_range){.begin_bytes = begin * element_bytes, .bytes = (end - begin) * element_bytes};
+}
+
+/* Offsets of ranges are multiples of this many bytes, which OpenGL's own alignment divides. */
+#define RANGE_ALIGNMENT SVO_I_RANGE_SLACK
+
+/* Binds what the launch reads and writes, and tells the program in use where ranges begin. */
+static void bind_buffers(const svo_i_compute *compute, const svo_i_compute_program *program, const svo_i_launch *launch)
+{
+    const svo_i_gl_functions *gl = compute->gl;
+    for (GLuint binding = 0; binding < SVO_I_COMPUTE_BLOCKS; ++binding) {
+        const GLuint buffer = launch->buffers[binding];
+        const svo_i_range *range = &launch->ranges[binding];
+        const uint64_t begin = range->begin_bytes / RANGE_ALIGNMENT * RANGE_ALIGNMENT;
+        if (buffer != 0 && (range->bytes == 0 || range->local)) {
+            gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, buffer);
+        } else if (buffer != 0) {
+            gl->BindBufferRange(GL_SHADER_STORAGE_BUFFER, binding, buffer, (GLintptr)begin,
+                                (GLsizeiptr)padded(range->begin_bytes - begin + range->bytes));
+        }
+        gl->Uniform1ui(program->first[binding], (GLuint)(begin / 4));
+    }
+    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SVO_I_COMPUTE_EXHAUSTED, compute->exhausted);
+}
+
 svo_status svo_i_compute_launch(svo_i_compute *compute, const svo_i_launch *launch)
 {
     const svo_i_gl_functions *gl = compute->gl;
@@ -415,15 +498,12 @@ svo_status svo_i_compute_launch(svo_i_compute *compute, const svo_i_launch *laun
         return SVO_OK;
     }
     SVO_I_TRY(svo_i_compute_program_get(compute, launch->entry, &program));
-    for (GLuint binding = 0; binding < SVO_I_COMPUTE_BLOCKS; ++binding) {
-        if (launch->buffers[binding] != 0) {
-            gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, launch->buffers[binding]);
-        }
-    }
-    gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, SVO_I_COMPUTE_EXHAUSTED, compute->exhausted);
     gl->UseProgram(program->name);
+    bind_buffers(compute, program, launch);
     set_params(compute, program, launch->params);
-    gl->Uniform1ui(program->vertex_count, launch->vertex_count);
+    set_mesh(compute, program, &launch->mesh);
+    gl->Uniform1ui(program->window_begin, launch->window_begin);
+    gl->Uniform1ui(program->window_count, launch->window_count);
     gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
                       (launch->indirect != 0 ? GL_COMMAND_BARRIER_BIT : 0u));
     dispatch(gl, launch);

@@ -5,10 +5,13 @@
  *
  * The files of this room:
  *
- *   compute  storage blocks, programs and launches
- *   decide   what rasterization leaves undecided
- *   build    nodes and lists of leaves, and the whole build
- *   payload  materials, areas, colors, normals and fills
+ *   compute   storage blocks, programs and launches
+ *   decide    what rasterization leaves undecided
+ *   windows   windows of arrays that exceed a storage block, exclusive sums
+ *   surface   the mesh's attributes, and launches that read them
+ *   material  materials
+ *   payload   areas, colors, normals and fills, and all payload
+ *   build     nodes and lists of leaves, and the whole build
  */
 #ifndef SVO_GLINTEROP_COMPUTE_COMPUTE_H
 #define SVO_GLINTEROP_COMPUTE_COMPUTE_H
@@ -34,6 +37,8 @@ typedef struct svo_i_compute {
 
 /* Storage blocks. All functions expect the context current. */
 
+/* The most bytes of an array that a launch can bind. */
+uint64_t svo_i_compute_range_max(const svo_i_compute *compute);
 /* Create a storage block: undefined, all zero, or filled from the host. SVO_UNSUPPORTED naming the block when it is
    above the context's limit, SVO_OUT_OF_DEVICE_MEMORY when OpenGL has no memory left. */
 svo_status svo_i_compute_alloc(svo_i_compute *compute, const char *name, uint64_t bytes, GLuint *out);
@@ -41,10 +46,16 @@ svo_status svo_i_compute_alloc_zero(svo_i_compute *compute, const char *name, ui
 svo_status svo_i_compute_upload(svo_i_compute *compute, const char *name, const void *data, uint64_t bytes,
                                 GLuint *out);
 void svo_i_compute_fill_zero(const svo_i_compute *compute, GLuint buffer);
+/* Create an array of any size, of which launches bind ranges. */
+svo_status svo_i_compute_alloc_array(svo_i_compute *compute, const char *name, uint64_t bytes, GLuint *out);
+svo_status svo_i_compute_alloc_array_zero(svo_i_compute *compute, const char *name, uint64_t bytes, GLuint *out);
 /* *buffer: 0 allowed; set to 0. */
 void svo_i_compute_free(const svo_i_compute *compute, GLuint *buffer);
-/* Waits, then reads bytes from the start of the buffer. */
+/* Waits, then reads bytes from the start of the buffer, or from an offset. */
 svo_status svo_i_compute_read(svo_i_compute *compute, GLuint buffer, void *to, size_t bytes);
+svo_status svo_i_compute_read_at(svo_i_compute *compute, GLuint buffer, uint64_t offset, void *to, size_t bytes);
+/* Writes bytes from an offset of the buffer on. */
+void svo_i_compute_write_at(svo_i_compute *compute, GLuint buffer, uint64_t offset, const void *from, size_t bytes);
 /* Copies bytes from the start of a buffer to an offset of another. */
 svo_status svo_i_compute_copy(svo_i_compute *compute, GLuint from, GLuint to, uint64_t offset, uint64_t bytes);
 /* Waits, then copies bytes from an offset of the buffer to a new OpenCL buffer, which the plan lists. */
@@ -71,9 +82,8 @@ typedef enum svo_i_entry {
     SVO_I_ENTRY_MATERIAL_SCATTER,
     SVO_I_ENTRY_MATERIAL_LEAVES,
     SVO_I_ENTRY_MATERIAL_PASS,
+    SVO_I_ENTRY_MATERIAL_ROOM,
     SVO_I_ENTRY_MATERIAL_MERGE,
-    SVO_I_ENTRY_LINK,
-    SVO_I_ENTRY_GATHER_LEVEL,
     SVO_I_ENTRY_GATHER,
     SVO_I_ENTRY_FILTER,
     SVO_I_ENTRY_AREA,
@@ -97,7 +107,9 @@ struct svo_i_compute_program {
     char defines[SVO_I_DEFINES_BYTES];
     GLuint name;
     GLint fields[SVO_I_COMPUTE_FIELDS]; /* uniform locations; -1: not read */
-    GLint vertex_count;
+    GLint first[SVO_I_COMPUTE_BLOCKS];
+    GLint window_begin, window_count;
+    GLint vertex_count, first_triangle, triangle_count, texel_block_log2;
 };
 
 /* The calls below expect the context current. */
@@ -109,12 +121,31 @@ svo_status svo_i_compute_program_get(svo_i_compute *compute, svo_i_entry entry, 
 
 /* Launches compute shaders and times them. All functions expect the context current. */
 
+/* What a launch binds of an array. bytes 0: the whole buffer. */
+typedef struct svo_i_range {
+    uint64_t begin_bytes, bytes;
+    bool local; /* the buffer holds this range alone, with room for SVO_I_RANGE_SLACK more bytes */
+} svo_i_range;
+#define SVO_I_RANGE_SLACK 256
+
+/* The elements from begin to end. */
+svo_i_range svo_i_range_of(uint64_t begin, uint64_t end, unsigned element_bytes);
+
+/* A part of the mesh, for entry points that read its attributes. */
+typedef struct svo_i_launch_mesh {
+    uint32_t vertex_count;
+    uint32_t first_triangle, triangle_count;
+    uint32_t texel_block_log2;
+} svo_i_launch_mesh;
+
 /* One dispatch. It starts after all earlier ones have finished. */
 typedef struct svo_i_launch {
     svo_i_entry entry;
     GLuint buffers[SVO_I_COMPUTE_BLOCKS]; /* by binding; 0: not bound, since the variant does not read it */
+    svo_i_range ranges[SVO_I_COMPUTE_BLOCKS];
     const void *params; /* svo_subdivide_params or svo_filter_params, by entry point */
-    uint32_t vertex_count; /* for entry points that read attributes */
+    svo_i_launch_mesh mesh;
+    uint32_t window_begin, window_count; /* the nodes or leaves whose elements the ranges hold */
     uint64_t items; /* 0: launches nothing. Ignored with indirect. */
     GLuint indirect; /* not 0: this buffer has the numbers of groups, from word indirect_word on */
     uint32_t indirect_word;

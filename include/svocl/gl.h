@@ -348,9 +348,10 @@ SVO_API svo_status svo_gl_plan_update(svo_plan *plan, svo_gl_buffer *positions, 
  * \param queue as for svo_build
  * \param out receives the tree
  * \param report NULL allowed
- * \returns what svo_build returns. SVO_UNSUPPORTED when an array does not fit a shader storage block of the context, or
- *          when a voxel has more triangles than the driver allows loop iterations (some two million on llvmpipe for
- *          SVO_NEED_RAYS); the message says by how much. */
+ * \returns what svo_build returns. Arrays may exceed a shader storage block of the context. SVO_UNSUPPORTED when the
+ *          inner nodes exceed its bytes, texels seven blocks or the triangles of a node's children an eighth of its
+ *          bytes where there are materials; or when a voxel has more triangles than the driver allows loop iterations
+ *          (some two million on llvmpipe for SVO_NEED_RAYS). The message says by how much. */
 SVO_API svo_status svo_gl_build(svo_gl *gl, svo_plan *plan, cl_command_queue queue, svo_tree **out,
                                 svo_build_report *report);
 

@@ -268,7 +268,7 @@ static void any_queue_will_do(void **state)
 static void assert_refused(const fixture *opened, const svo_mesh *mesh, unsigned depth, uint32_t need,
                            const char *words)
 {
-    const svo_plan_options options = {.struct_size = sizeof options, .need = need};
+    const svo_plan_options options = {.struct_size = sizeof options, .need = need, .chunk_bytes = 16384};
     svo_plan *plan = NULL;
     svo_tree *tree = NULL;
     assert_int_equal(svo_plan_create(opened->device, mesh, depth, &options, &plan), SVO_OK);
@@ -314,13 +314,147 @@ static void too_few_bindings_are_refused(void **state)
     scene_destroy(&made);
 }
 
-/* A wall at depth 15 has a billion pairs: no storage block holds the lists, and nothing is drawn. */
-static void what_does_not_fit_a_storage_block_is_refused(void **state)
+/* ---- arrays that exceed a storage block ---- */
+
+/* What is bound must fit a storage block. */
+static struct {
+    svo_i_gl_functions honest;
+    GLint64 block_bytes;
+    unsigned ranges; /* that begin inside their array */
+} bound;
+
+static void APIENTRY check_range(GLenum target, GLuint index, GLuint buffer, GLintptr offset, GLsizeiptr bytes)
 {
-    static const double wall[] = {0.0, 0.0, 0.0, 1.0, 0.0, 0.01, 0.0, 1.0, 0.02};
-    const svo_mesh mesh = {
-        .struct_size = sizeof mesh, .positions_double = wall, .vertex_count = 3, .triangle_count = 1};
-    assert_refused(fixture_of_group(state), &mesh, 15, SVO_NEED_RAYS, "leaf lists need about");
+    assert_true(bytes <= bound.block_bytes);
+    assert_int_equal(offset % 256, 0);
+    bound.ranges += offset > 0;
+    bound.honest.BindBufferRange(target, index, buffer, offset, bytes);
+}
+
+static void APIENTRY check_buffer(GLenum target, GLuint index, GLuint buffer)
+{
+    GLint64 bytes = 0;
+    bound.honest.BindBufferBase(target, index, buffer);
+    bound.honest.GetBufferParameteri64v(target, GL_BUFFER_SIZE, &bytes);
+    assert_true(buffer == 0 || bytes <= bound.block_bytes);
+    bound.honest.BindBufferBase(target, index, buffer);
+}
+
+/* As if the context's storage blocks were so small. */
+static void assert_same_in_blocks(const fixture *opened, const svo_mesh *mesh, unsigned depth,
+                                  const svo_plan_options *options, GLint64 block_bytes, svo_build_report *report)
+{
+    svo_i_gl_functions *functions = &opened->context->functions;
+    svo_plan_options small = *options;
+    small.chunk_bytes = (size_t)block_bytes; /* front ends keep the limit that they found */
+    bound.honest = *functions;
+    bound.block_bytes = functions->limits.storage_block_bytes = block_bytes;
+    bound.ranges = 0;
+    functions->BindBufferRange = check_range;
+    functions->BindBufferBase = check_buffer;
+    assert_same_tree(opened, mesh, depth, &small, report);
+    *functions = bound.honest;
+    assert_in_range(bound.ranges, 1, UINT32_MAX);
+}
+
+/* Parts of the mesh, two blocks of texels, windows of leaves and of nodes, with every need and weight. */
+static void arrays_may_exceed_a_storage_block(void **state)
+{
+    static const uint32_t needs[] = {SVO_NEED_COLOR, SVO_NEED_NORMAL,         SVO_NEED_RAYS, SVO_NEED_MATERIAL,
+                                     SVO_NEED_FILL,  SVO_NEED_PROJECTED_AREA, SVO_NEED_ALL};
+    const fixture *opened = fixture_of_group(state);
+    attributed_mesh made;
+    attributed_mesh_create(5, 400, 0.0, &made);
+    for (size_t i = 0; i < sizeof needs / sizeof needs[0]; ++i) {
+        assert_same_in_blocks(opened, &made.mesh, 4, &(svo_plan_options){.need = needs[i]}, 16384, NULL);
+    }
+    for (int weights = SVO_WEIGHTS_UNIFORM; weights <= SVO_WEIGHTS_CENTER; ++weights) {
+        svo_plan_options options = {.need = NEED_UNIFORM, .weights = (svo_weights)weights};
+        assert_same_in_blocks(opened, &made.mesh, 5, &options, 16384, NULL);
+        options.edge = 200.0; /* codes of 48 bits */
+        assert_same_in_blocks(opened, &made.mesh, 11, &options, 16384, NULL);
+    }
+    attributed_mesh_destroy(&made);
+}
+
+/* One triangle, of many voxels. */
+static const double wall_corners[] = {0.0, 0.0, 0.0, 1.0, 0.0, 0.01, 0.0, 1.0, 0.02};
+static const svo_mesh wall = {
+    .struct_size = sizeof wall, .positions_double = wall_corners, .vertex_count = 3, .triangle_count = 1};
+
+/* One chunk, but more nodes than a block has sums, payload or first children of. */
+static void nodes_may_exceed_a_storage_block(void **state)
+{
+    static const double corner[3] = {0.3, 0.4, 0.5};
+    svo_build_report report;
+    owned_mesh dust;
+    random_dust(4, 25, corner, 0.06, &dust);
+    for (unsigned depth = 9; depth <= 10; ++depth) {
+        const svo_plan_options options = {.need = SVO_NEED_NORMAL | SVO_NEED_FILL, .edge = ldexp(1.0, (int)depth - 7)};
+        assert_same_in_blocks(fixture_of_group(state), &dust.mesh, depth, &options, 16384, &report);
+        assert_int_equal(report.list_chunks, 1);
+    }
+    owned_mesh_free(&dust);
+    assert_same_in_blocks(fixture_of_group(state), &wall, 7, &(svo_plan_options){.need = SVO_NEED_RAYS}, 16384, NULL);
+}
+
+#define SHEETS_MAX 5000
+
+/* The same large triangle many times, of two materials. */
+typedef struct sheets {
+    svo_mesh mesh;
+    svo_material materials[2];
+    uint16_t of_triangle[SHEETS_MAX];
+    uint32_t indices[3 * SHEETS_MAX];
+} sheets;
+
+static void make_sheets(size_t count, sheets *out)
+{
+    static const double slope[] = {0.0, 0.0, 1.5, 0.0, 1.5, 0.0, 1.5, 0.0, 0.0};
+    for (size_t i = 0; i < 3 * count; ++i) {
+        out->indices[i] = (uint32_t)(i % 3);
+        out->of_triangle[i / 3] = (uint16_t)(i / 3 % 5 == 0);
+    }
+    out->materials[0] = out->materials[1] = (svo_material){.texture_index = SVO_NO_TEXTURE};
+    out->mesh = (svo_mesh){.struct_size = sizeof out->mesh,
+                           .positions_double = slope,
+                           .vertex_count = 3,
+                           .triangle_count = count,
+                           .indices = out->indices,
+                           .triangle_materials = out->of_triangle,
+                           .materials = out->materials,
+                           .material_count = 2};
+}
+
+/* Long lists in each window, and voxels whose materials many invocations sort. */
+static void crowds_may_fill_windows(void **state)
+{
+    static sheets made;
+    const fixture *opened = fixture_of_group(state);
+    make_sheets(1200, &made);
+    assert_same_in_blocks(opened, &made.mesh, 2, &(svo_plan_options){.need = SVO_NEED_RAYS}, 16384, NULL);
+    make_sheets(SHEETS_MAX, &made);
+    assert_same_in_blocks(opened, &made.mesh, 2, &(svo_plan_options){.need = SVO_NEED_MATERIAL | SVO_NEED_NORMAL},
+                          300000, NULL);
+}
+
+/* What no window can hold: the triangles of a node's children, the masks of all nodes, texels beyond seven blocks. */
+static void what_no_window_holds_is_refused(void **state)
+{
+    static sheets made;
+    const fixture *opened = fixture_of_group(state);
+    GLint64 *block_bytes = &opened->context->functions.limits.storage_block_bytes;
+    const GLint64 honest = *block_bytes;
+    attributed_mesh textured;
+    attributed_mesh_create(5, 20, 0.0, &textured);
+    make_sheets(1200, &made);
+    *block_bytes = 16384;
+    assert_refused(opened, &wall, 9, SVO_NEED_NONE, "the tree has more inner nodes than the 15872 of a storage block");
+    assert_refused(opened, &made.mesh, 1, SVO_NEED_MATERIAL, "a node has more than 1984 triangles");
+    *block_bytes = 1200;
+    assert_refused(opened, &textured.mesh, 4, SVO_NEED_COLOR, "texels are above the 896 of 7 storage blocks");
+    *block_bytes = honest;
+    attributed_mesh_destroy(&textured);
 }
 
 static void wrong_arguments_are_refused(void **state)
@@ -421,7 +555,10 @@ TEST_GROUP(gl_build)
         cmocka_unit_test(any_queue_will_do),
         cmocka_unit_test(without_64_bit_integers_payload_is_refused),
         cmocka_unit_test(too_few_bindings_are_refused),
-        cmocka_unit_test(what_does_not_fit_a_storage_block_is_refused),
+        cmocka_unit_test(arrays_may_exceed_a_storage_block),
+        cmocka_unit_test(nodes_may_exceed_a_storage_block),
+        cmocka_unit_test(crowds_may_fill_windows),
+        cmocka_unit_test(what_no_window_holds_is_refused),
         cmocka_unit_test(wrong_arguments_are_refused),
     };
     return cmocka_run_group_tests_name("gl_build", tests, fixture_group_setup, fixture_group_teardown);

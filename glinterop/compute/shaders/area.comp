@@ -34,17 +34,20 @@ void main()
     if (index >= params.fragment_count) {
         return;
     }
-    uint triangle = svo_fragment_triangle(index);
+    uint triangle = svo_fragment_triangle(index) - first_triangle;
+    uint leaf = cursors[index] - params.leaf_begin;
+    if (triangle >= triangle_count || !svo_in_window(leaf)) {
+        return;
+    }
     uint axis = svo_triangle_axis(records[triangle]);
     i64vec3 normal = svo_triangle_normal(triangle);
     int64_t largest = axis == 0u ? normal.x : axis == 1u ? normal.y : normal.z;
     if (largest == int64_t(0)) {
         return; /* a segment or a point */
     }
-    int64_t corners[SVO_PART_WORDS];
-    svo_load_corners(triangle, axis, svo_fragment_code(index), corners);
-    svo_part part = svo_clip(corners);
-    uint at = (cursors[index] - params.leaf_begin) * 6u;
+    svo_load_corners(triangle, axis, svo_fragment_code(index));
+    svo_part part = svo_clip();
+    uint at = leaf * 6u;
     for (uint i = 0u; i < 3u; ++i) {
         int64_t n = i == 0u ? normal.x : i == 1u ? normal.y : normal.z;
         uint64_t seen = uint64_t(svo_part_seen(part.doubled_area, svo_cut_share(int64_t(0), largest, n)));
@@ -72,14 +75,15 @@ layout(std430, binding = 10) writeonly buffer Areas
 
 void main()
 {
-    uint leaf = svo_item();
-    if (leaf >= params.leaf_count) {
+    uint leaf = window_begin + svo_item();
+    if (!svo_in_window(leaf)) {
         return;
     }
     for (uint word = 3u * leaf; word < 3u * leaf + 3u; ++word) {
-        uint low = svo_projected_area(area_sums[2u * word]);
-        uint high = svo_projected_area(area_sums[2u * word + 1u]);
-        areas[word] = low | high << 16;
+        uint sum = 2u * word - svo_first[9] / 2u;
+        uint low = svo_projected_area(area_sums[sum]);
+        uint high = svo_projected_area(area_sums[sum + 1u]);
+        areas[word - svo_first[10]] = low | high << 16;
     }
 }
 

@@ -6,12 +6,15 @@
  *
  * Storage blocks 0 to 7 are the same in all users of this file. vertex_attributes holds the colors of all vertices
  * (RGBA8, one word each), then all normals (int16 x and y, z and 0; two words each; all 0: use the triangle's own),
- * then all u and v (two words each, 65536 = 1). Attributes that the mesh lacks take no space.
+ * then all u and v (two words each, 65536 = 1). Attributes that the mesh lacks take no space. Of a mesh that is too
+ * large for storage blocks they hold a part at a time, and triangles count from the part's first.
  */
 #include "shared/fine.clh"
 
 uniform svo_filter_params params;
 uniform uint vertex_count;
+uniform uint first_triangle; /* triangles of this part of the mesh: the first, and how many */
+uniform uint triangle_count;
 
 layout(std430, binding = 2) readonly buffer Vertices
 {
@@ -65,8 +68,9 @@ i64vec3 svo_fine_vertex(uint vertex)
                    svo_fine_coordinate(vertices[at + 2u], remainders, 2, bits));
 }
 
-/* A triangle's corners u, v, t from the voxel's minimum corner, in sub-units; t is its axis. The rest is scratch. */
-void svo_load_corners(uint triangle, uint axis, svo_code code, out int64_t corners[SVO_PART_WORDS])
+/* A triangle's corners u, v, t from the voxel's minimum corner, in sub-units, at the front of the polygons; t is its
+   axis. */
+void svo_load_corners(uint triangle, uint axis, svo_code code)
 {
     i64vec3 origin =
         i64vec3(ivec3(svo_code_axis(code, 0u), svo_code_axis(code, 1u), svo_code_axis(code, 2u))) * SVO_SUB_EDGE;
@@ -97,17 +101,28 @@ ivec2 svo_near_point(int64_t u, int64_t v, int dropped)
     return ivec2(int(u >> dropped), int(v >> dropped));
 }
 
-/* The barycentric weights of a point; a third each for a triangle without area. */
-ivec3 svo_corner_weights(int64_t corners[SVO_PART_WORDS], int64_t u, int64_t v)
+/* The u and v of a triangle's corners: clipping overwrites those that are loaded. */
+struct svo_corner_points {
+    i64vec2 a, b, c;
+};
+
+svo_corner_points svo_loaded_points()
 {
-    uint64_t reach = uint64_t(0);
-    for (int i = 0; i < 9; i += 3) {
-        reach |= SVO_ABS64(corners[i] - u) | SVO_ABS64(corners[i + 1] - v);
-    }
-    int dropped = svo_bits_beyond(reach, SVO_WEIGHED_BITS);
-    ivec2 p = svo_near_point(corners[0] - u, corners[1] - v, dropped);
-    ivec2 q = svo_near_point(corners[3] - u, corners[4] - v, dropped);
-    ivec2 r = svo_near_point(corners[6] - u, corners[7] - v, dropped);
+    return svo_corner_points(i64vec2(corners[0], corners[1]), i64vec2(corners[3], corners[4]),
+                             i64vec2(corners[6], corners[7]));
+}
+
+/* The barycentric weights of a point; a third each for a triangle without area. */
+ivec3 svo_corner_weights(svo_corner_points points, int64_t u, int64_t v)
+{
+    i64vec2 a = points.a - i64vec2(u, v);
+    i64vec2 b = points.b - i64vec2(u, v);
+    i64vec2 c = points.c - i64vec2(u, v);
+    u64vec2 reach = u64vec2(abs(a)) | u64vec2(abs(b)) | u64vec2(abs(c));
+    int dropped = svo_bits_beyond(reach.x | reach.y, SVO_WEIGHED_BITS);
+    ivec2 p = svo_near_point(a.x, a.y, dropped);
+    ivec2 q = svo_near_point(b.x, b.y, dropped);
+    ivec2 r = svo_near_point(c.x, c.y, dropped);
     int64_t part_x = svo_area_from(q, r);
     int64_t part_y = svo_area_from(r, p);
     int64_t part_z = svo_area_from(p, q);
@@ -135,20 +150,18 @@ svo_share svo_pair_share(uint triangle, svo_code code)
     svo_share share = svo_share(1u, svo_equal_weights());
 #if defined(SVO_WEIGHTS_AREA)
     svo_triangle_record record = records[triangle];
-    int64_t corners[SVO_PART_WORDS];
-    svo_load_corners(triangle, svo_triangle_axis(record), code, corners);
-    int64_t polygons[SVO_PART_WORDS] = corners;
-    svo_part part = svo_clip(polygons);
+    svo_load_corners(triangle, svo_triangle_axis(record), code);
+    svo_corner_points points = svo_loaded_points();
+    svo_part part = svo_clip();
     share.weight = svo_part_weight(part.doubled_area, record.stretch, params.weight_log2);
     if (!svo_triangle_is_flat(record)) {
-        share.corners = svo_corner_weights(corners, part.u, part.v);
+        share.corners = svo_corner_weights(points, part.u, part.v);
     }
 #elif defined(SVO_WEIGHTS_CENTER)
     svo_triangle_record record = records[triangle];
     if (!svo_triangle_is_flat(record)) {
-        int64_t corners[SVO_PART_WORDS];
-        svo_load_corners(triangle, svo_triangle_axis(record), code, corners);
-        share.corners = svo_corner_weights(corners, SVO_SUB_EDGE / int64_t(2), SVO_SUB_EDGE / int64_t(2));
+        svo_load_corners(triangle, svo_triangle_axis(record), code);
+        share.corners = svo_corner_weights(svo_loaded_points(), SVO_SUB_EDGE / int64_t(2), SVO_SUB_EDGE / int64_t(2));
     }
 #endif
     return share;
@@ -188,7 +201,8 @@ int svo_blend(int a, int b, int c, ivec3 weights)
                 int64_t(SVO_WEIGHT_ONE / 2)) >> 16);
 }
 
-#ifdef SVO_COLOR
+/* SVO_K_GATHER alone reads colors; drivers count the blocks of all that is declared. */
+#if defined(SVO_COLOR) && defined(SVO_K_GATHER)
 
 layout(std430, binding = 6) readonly buffer Materials
 {
@@ -213,6 +227,55 @@ layout(std430, binding = 7) readonly buffer Texels
     uint texels[];
 };
 
+/* Texels go on in the blocks that are left, each of 2^texel_block_log2 of them. */
+uniform uint texel_block_log2;
+
+layout(std430, binding = 8) readonly buffer Texels1
+{
+    uint texels_1[];
+};
+layout(std430, binding = 10) readonly buffer Texels2
+{
+    uint texels_2[];
+};
+layout(std430, binding = 11) readonly buffer Texels3
+{
+    uint texels_3[];
+};
+layout(std430, binding = 12) readonly buffer Texels4
+{
+    uint texels_4[];
+};
+layout(std430, binding = 13) readonly buffer Texels5
+{
+    uint texels_5[];
+};
+layout(std430, binding = 14) readonly buffer Texels6
+{
+    uint texels_6[];
+};
+
+uint svo_texel(uint at)
+{
+    uint inside = at & ((1u << texel_block_log2) - 1u);
+    switch (at >> texel_block_log2) {
+    case 0u:
+        return texels[inside];
+    case 1u:
+        return texels_1[inside];
+    case 2u:
+        return texels_2[inside];
+    case 3u:
+        return texels_3[inside];
+    case 4u:
+        return texels_4[inside];
+    case 5u:
+        return texels_5[inside];
+    default:
+        return texels_6[inside];
+    }
+}
+
 /* The texel's index along one axis of a texture. GLSL leaves the remainder of negative numbers undefined. */
 uint svo_wrap_texel(int texel, int texel_count, uint wrap)
 {
@@ -225,9 +288,9 @@ uint svo_wrap_texel(int texel, int texel_count, uint wrap)
 }
 
 /* A texel, its red, green and blue times alpha. */
-uvec4 svo_weighed_texel(uint rgba)
+uvec4 svo_weighed_texel(uint at)
 {
-    uvec4 color = svo_unpack(rgba);
+    uvec4 color = svo_unpack(svo_texel(at));
     return uvec4(color.xyz * color.w, color.w);
 }
 
@@ -245,8 +308,8 @@ uvec4 svo_sample(svo_material_record material, int u, int v)
     uint row1 = material.texel_offset + y1 * material.width;
     uint fx = uint(x & int64_t(255));
     uint fy = uint(y & int64_t(255));
-    uvec4 upper = svo_weighed_texel(texels[row0 + x0]) * (256u - fx) + svo_weighed_texel(texels[row0 + x1]) * fx;
-    uvec4 lower = svo_weighed_texel(texels[row1 + x0]) * (256u - fx) + svo_weighed_texel(texels[row1 + x1]) * fx;
+    uvec4 upper = svo_weighed_texel(row0 + x0) * (256u - fx) + svo_weighed_texel(row0 + x1) * fx;
+    uvec4 lower = svo_weighed_texel(row1 + x0) * (256u - fx) + svo_weighed_texel(row1 + x1) * fx;
     uvec4 sum = upper * (256u - fy) + lower * fy;
     return uvec4((sum.xyz + (sum.w >> 1)) / max(sum.w, 1u), (sum.w + 32768u) >> 16);
 }

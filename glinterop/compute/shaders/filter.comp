@@ -3,12 +3,10 @@
  * The payload, bottom up: mean color, mean normal and fill of every node, in integers. kernels/stages/filter.cl in
  * GLSL.
  *
- *   SVO_K_GATHER_LEVEL  per node of the deepest inner level: walks its leaves' linked lists, writes the leaves'
- *                       payload and the node's sums. For lists of one chunk without long leaves
- *   SVO_K_GATHER        per fragment of a chunk, for all other lists: adds its contribution to the sums of its leaf,
- *                       which start at zero. 64-bit sums by 32-bit atomics, with a carry from the low to the high word
- *   SVO_K_FILTER        per node of a level, upwards from the deepest level left: writes its children's payload and its
- *                       own sums
+ *   SVO_K_GATHER  per fragment of a chunk: adds its contribution to the sums of its leaf, which start at zero. 64-bit
+ *                 sums by 32-bit atomics, with a carry from the low to the high word. The window is one of leaves
+ *   SVO_K_FILTER  per node of a level, upwards from the deepest inner one: writes its children's payload and its own
+ *                 sums
  *
  * Launch: one invocation per node or fragment. The sums of a node are adjacent: weight, color (four words), normal
  * (three), 64 bits each, as far as the variant has them. Normals and fills are 16-bit numbers, two per word: their
@@ -27,7 +25,7 @@ struct svo_sums {
     u64vec4 color;
 #endif
 #ifdef SVO_NORMAL
-    i64vec3 normal;
+    u64vec3 normal; /* each plus 32768 times its weight: numbers that are not negative rarely carry to the high word */
 #endif
 };
 
@@ -39,7 +37,7 @@ svo_sums svo_no_sums()
     sums.color = u64vec4(0);
 #endif
 #ifdef SVO_NORMAL
-    sums.normal = i64vec3(0);
+    sums.normal = u64vec3(0);
 #endif
     return sums;
 }
@@ -68,21 +66,17 @@ svo_sums svo_join_sums(svo_sums a, svo_sums b)
 #define SVO_SUM_WORDS SVO_NORMAL_SUM
 #endif
 
-#ifndef SVO_K_GATHER
-
-/* The nodes' own sums. */
 #ifdef SVO_K_FILTER
+
+/* The nodes' own sums, from the first of their level on. */
 layout(std430, binding = 3) writeonly buffer Sums
-#else
-layout(std430, binding = 9) writeonly buffer Sums
-#endif
 {
     uint64_t node_sums[];
 };
 
 void svo_store_sums(svo_sums sums, uint node)
 {
-    uint at = node * SVO_SUM_WORDS;
+    uint at = node * SVO_SUM_WORDS - svo_first[3] / 2u;
     node_sums[at] = sums.weight;
 #ifdef SVO_COLOR
     node_sums[at + 1u] = sums.color.x;
@@ -91,35 +85,25 @@ void svo_store_sums(svo_sums sums, uint node)
     node_sums[at + 4u] = sums.color.w;
 #endif
 #ifdef SVO_NORMAL
-    node_sums[at + SVO_NORMAL_SUM] = uint64_t(sums.normal.x);
-    node_sums[at + SVO_NORMAL_SUM + 1u] = uint64_t(sums.normal.y);
-    node_sums[at + SVO_NORMAL_SUM + 2u] = uint64_t(sums.normal.z);
+    node_sums[at + SVO_NORMAL_SUM] = sums.normal.x;
+    node_sums[at + SVO_NORMAL_SUM + 1u] = sums.normal.y;
+    node_sums[at + SVO_NORMAL_SUM + 2u] = sums.normal.z;
 #endif
 }
 
-/* The bindings of the tree and its payload. */
-#ifdef SVO_K_FILTER
-#define SVO_BINDING_MASKS       0
-#define SVO_BINDING_FIRST_CHILD 1
-#define SVO_BINDING_COLORS      4
-#define SVO_BINDING_NORMALS     5
-#define SVO_BINDING_FILLS       6
-#else
-#define SVO_BINDING_MASKS       10
-#define SVO_BINDING_FIRST_CHILD 11
-#define SVO_BINDING_COLORS      12
-#define SVO_BINDING_NORMALS     13
-#define SVO_BINDING_FILLS       14
-#endif
-
-layout(std430, binding = SVO_BINDING_MASKS) readonly buffer Masks
+layout(std430, binding = 0) readonly buffer Masks
 {
     uint masks[];
 };
-layout(std430, binding = SVO_BINDING_FIRST_CHILD) readonly buffer FirstChild
+layout(std430, binding = 1) readonly buffer FirstChild
 {
     uint first_child[];
 };
+
+uint svo_first_child(uint node)
+{
+    return first_child[node - svo_first[1]];
+}
 
 uint svo_child_count(uint node)
 {
@@ -128,7 +112,7 @@ uint svo_child_count(uint node)
 
 #ifdef SVO_COLOR
 
-layout(std430, binding = SVO_BINDING_COLORS) writeonly buffer Colors
+layout(std430, binding = 4) writeonly buffer Colors
 {
     uint colors[];
 };
@@ -157,32 +141,30 @@ uvec4 svo_mean_color(u64vec4 sum, uint64_t weight)
 
 #ifdef SVO_NORMAL
 
-layout(std430, binding = SVO_BINDING_NORMALS) buffer Normals
+layout(std430, binding = 5) buffer Normals
 {
     uint normals[]; /* two numbers per word */
 };
 
-/* s / w rounded half up: floor((2 s + w) / (2 w)); the offset makes the dividend positive, since |s| <= 32768 w. */
-int svo_mean_normal(int64_t sum, uint64_t weight)
+/* s / w rounded half up: floor((2 s + w) / (2 w)), where the sum is s + 32768 w. */
+int svo_mean_normal(uint64_t sum, uint64_t weight)
 {
     if (weight < uint64_t(1 << 14)) {
-        uint dividend = uint(int(sum) * 2 + int(uint(weight)) + int(uint(weight) << 16));
-        return int(dividend / (2u * uint(weight))) - 32768;
+        return int((2u * uint(sum) + uint(weight)) / (2u * uint(weight))) - 32768;
     }
-    uint64_t dividend = uint64_t(sum * int64_t(2)) + weight + (weight << 16);
-    return int(uint(dividend / (uint64_t(2) * weight))) - 32768;
+    return int(uint((sum * uint64_t(2) + weight) / (uint64_t(2) * weight))) - 32768;
 }
 
 void svo_put_normal(uint index, int number)
 {
-    atomicOr(normals[index >> 1], (uint(number) & 0xffffu) << (16u * (index & 1u)));
+    atomicOr(normals[(index >> 1) - svo_first[5]], (uint(number) & 0xffffu) << (16u * (index & 1u)));
 }
 
 #endif
 
 #ifdef SVO_FILL
 
-layout(std430, binding = SVO_BINDING_FILLS) buffer Fills
+layout(std430, binding = 6) buffer Fills
 {
     uint fills[]; /* two numbers per word */
 };
@@ -204,7 +186,7 @@ void svo_store_payload(svo_sums sums, uint node, uint fill_shift)
 {
 #ifdef SVO_COLOR
     uvec4 mean = svo_mean_color(sums.color, sums.weight);
-    colors[node] = mean.x | mean.y << 8 | mean.z << 16 | mean.w << 24;
+    colors[node - svo_first[4]] = mean.x | mean.y << 8 | mean.z << 16 | mean.w << 24;
 #endif
 #ifdef SVO_NORMAL
     svo_put_normal(3u * node, svo_mean_normal(sums.normal.x, sums.weight));
@@ -212,7 +194,8 @@ void svo_store_payload(svo_sums sums, uint node, uint fill_shift)
     svo_put_normal(3u * node + 2u, svo_mean_normal(sums.normal.z, sums.weight));
 #endif
 #ifdef SVO_FILL
-    atomicOr(fills[node >> 1], svo_fill_of(sums.weight, fill_shift) << (16u * (node & 1u)));
+    atomicOr(fills[(node >> 1) - svo_first[6]],
+             svo_fill_of(sums.weight, fill_shift) << (16u * (node & 1u)));
 #endif
 }
 
@@ -226,7 +209,7 @@ void svo_store_root(svo_sums sums, uint node)
 
 #endif
 
-#if defined(SVO_K_GATHER) || defined(SVO_K_GATHER_LEVEL)
+#ifdef SVO_K_GATHER
 
 void svo_add_pair(inout svo_sums sums, uint triangle, svo_code code)
 {
@@ -237,13 +220,9 @@ void svo_add_pair(inout svo_sums sums, uint triangle, svo_code code)
     sums.color += uint64_t(share.weight) * u64vec4(color.xyz * color.w, color.w); /* colors weigh by alpha */
 #endif
 #ifdef SVO_NORMAL
-    sums.normal += int64_t(share.weight) * i64vec3(svo_surface_normal(triangle, share.corners));
+    sums.normal += uint64_t(share.weight) * u64vec3(svo_surface_normal(triangle, share.corners) + 32768);
 #endif
 }
-
-#endif
-
-#ifdef SVO_K_GATHER
 
 layout(std430, binding = 1) readonly buffer Cursors
 {
@@ -256,9 +235,14 @@ void main()
     if (index >= params.fragment_count) {
         return;
     }
+    uint triangle = svo_fragment_triangle(index) - first_triangle;
+    uint leaf = cursors[index] - params.leaf_begin;
+    if (triangle >= triangle_count || !svo_in_window(leaf)) {
+        return;
+    }
     svo_sums sums = svo_no_sums();
-    svo_add_pair(sums, svo_fragment_triangle(index), svo_fragment_code(index));
-    uint at = (cursors[index] - params.leaf_begin) * SVO_SUM_WORDS;
+    svo_add_pair(sums, triangle, svo_fragment_code(index));
+    uint at = leaf * SVO_SUM_WORDS;
     svo_add_sum(at, sums.weight);
 #ifdef SVO_COLOR
     svo_add_sum(at + 1u, sums.color.x);
@@ -267,54 +251,10 @@ void main()
     svo_add_sum(at + 4u, sums.color.w);
 #endif
 #ifdef SVO_NORMAL
-    svo_add_sum(at + SVO_NORMAL_SUM, uint64_t(sums.normal.x));
-    svo_add_sum(at + SVO_NORMAL_SUM + 1u, uint64_t(sums.normal.y));
-    svo_add_sum(at + SVO_NORMAL_SUM + 2u, uint64_t(sums.normal.z));
+    svo_add_sum(at + SVO_NORMAL_SUM, sums.normal.x);
+    svo_add_sum(at + SVO_NORMAL_SUM + 1u, sums.normal.y);
+    svo_add_sum(at + SVO_NORMAL_SUM + 2u, sums.normal.z);
 #endif
-}
-
-#endif
-
-#ifdef SVO_K_GATHER_LEVEL
-
-layout(std430, binding = 1) readonly buffer Links
-{
-    uint links[];
-};
-layout(std430, binding = 8) readonly buffer Heads
-{
-    uint heads[];
-};
-
-/* Sums up a leaf's list. link: its first fragment plus one. */
-svo_sums svo_sum_list(uint link)
-{
-    svo_sums sums = svo_no_sums();
-    for (uint triangles = 1u; link != 0u && !svo_is_long(triangles); ++triangles) {
-        svo_add_pair(sums, svo_fragment_triangle(link - 1u), svo_fragment_code(link - 1u));
-        link = links[link - 1u];
-    }
-    return sums;
-}
-
-void main()
-{
-    uint index = svo_item();
-    if (index >= params.level_count) {
-        return;
-    }
-    uint node = params.level_begin + index;
-    uint begin = first_child[node];
-    uint end = begin + svo_child_count(node);
-    svo_sums sums = svo_no_sums();
-    for (uint leaf = begin; leaf < end; ++leaf) {
-        svo_sums part = svo_sum_list(heads[leaf - params.leaf_begin]);
-        svo_store_payload(part, leaf, params.fill_shift);
-        sums = svo_join_sums(sums, part);
-    }
-    svo_store_sums(sums, index);
-    svo_store_root(sums, node);
-    svo_check_loops();
 }
 
 #endif
@@ -328,15 +268,15 @@ layout(std430, binding = 2) readonly buffer ChildSums
 
 svo_sums svo_load_sums(uint node)
 {
-    uint at = node * SVO_SUM_WORDS;
+    uint at = node * SVO_SUM_WORDS - svo_first[2] / 2u;
     svo_sums sums;
     sums.weight = child_sums[at];
 #ifdef SVO_COLOR
     sums.color = u64vec4(child_sums[at + 1u], child_sums[at + 2u], child_sums[at + 3u], child_sums[at + 4u]);
 #endif
 #ifdef SVO_NORMAL
-    sums.normal = i64vec3(int64_t(child_sums[at + SVO_NORMAL_SUM]), int64_t(child_sums[at + SVO_NORMAL_SUM + 1u]),
-                          int64_t(child_sums[at + SVO_NORMAL_SUM + 2u]));
+    sums.normal = u64vec3(child_sums[at + SVO_NORMAL_SUM], child_sums[at + SVO_NORMAL_SUM + 1u],
+                          child_sums[at + SVO_NORMAL_SUM + 2u]);
 #endif
     return sums;
 }
@@ -344,12 +284,12 @@ svo_sums svo_load_sums(uint node)
 /* Sums are indexed from the first node of their level, payload from the root. */
 void main()
 {
-    uint index = svo_item();
-    if (index >= params.level_count) {
+    uint index = window_begin + svo_item();
+    if (!svo_in_window(index)) {
         return;
     }
     uint node = params.level_begin + index;
-    uint begin = first_child[node];
+    uint begin = svo_first_child(node);
     uint end = begin + svo_child_count(node);
     svo_sums sums = svo_no_sums();
     for (uint child = begin; child < end; ++child) {

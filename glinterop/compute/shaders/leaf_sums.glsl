@@ -9,11 +9,12 @@ layout(std430, binding = 9) buffer Sums
 
 void svo_add_sum(uint at, uint64_t number)
 {
+    uint word = 2u * at - svo_first[9];
     uint low = uint(number & uint64_t(0xffffffffu));
-    uint before = atomicAdd(sum_words[2u * at], low);
+    uint before = atomicAdd(sum_words[word], low);
     uint high = uint(number >> 32) + (before + low < before ? 1u : 0u);
     if (high != 0u) {
-        atomicAdd(sum_words[2u * at + 1u], high);
+        atomicAdd(sum_words[word + 1u], high);
     }
 }
 

@@ -7,8 +7,11 @@
  *   SVO_K_MATERIAL_LEAVES   per leaf: sorts its entries by material and sums up those of one material
  *   SVO_K_MATERIAL_PASS     per entry: one pass of that merge sort, where a leaf is too long for one invocation
  *                           (compute.glsl)
- *   SVO_K_MATERIAL_MERGE    per node of a level: merges its children's entries, in place of the first child's
+ *   SVO_K_MATERIAL_ROOM     per node of a level: the number of its children's entries
+ *   scan.comp               per node: where its own entries begin
+ *   SVO_K_MATERIAL_MERGE    per node: merges its children's entries
  *
+ * Entries of leaves begin where their lists do, and those of other nodes follow one another without gaps.
  * Materials are 16-bit numbers, two per word: their array starts at zero, and an atomicOr writes each number.
  */
 #define SVO_ENTRY_SHIFT 48
@@ -21,7 +24,7 @@ layout(std430, binding = 1) readonly buffer Cursors
 {
     uint cursors[];
 };
-layout(std430, binding = 5) readonly buffer ListBegin
+layout(std430, binding = 8) readonly buffer ListBegin
 {
     uint list_begin[];
 };
@@ -37,12 +40,16 @@ layout(std430, binding = 7) writeonly buffer Entries
 void main()
 {
     uint index = svo_item();
-    if (index < params.fragment_count) {
-        uint triangle = svo_fragment_triangle(index);
+    if (index >= params.fragment_count) {
+        return;
+    }
+    uint triangle = svo_fragment_triangle(index) - first_triangle;
+    uint leaf = cursors[index] - params.leaf_begin;
+    if (triangle < triangle_count && svo_in_window(leaf)) {
         svo_share share = svo_pair_share(triangle, svo_fragment_code(index));
-        uint leaf = cursors[index] - params.leaf_begin;
-        uint slot = list_begin[leaf] + atomicAdd(counts[leaf], 1u);
-        entries[slot] = uint64_t(records[triangle].material) << SVO_ENTRY_SHIFT | uint64_t(share.weight);
+        uint slot = list_begin[leaf - svo_first[8]] + atomicAdd(counts[leaf - svo_first[6]], 1u);
+        entries[slot - svo_first[7] / 2u] =
+            uint64_t(records[triangle].material) << SVO_ENTRY_SHIFT | uint64_t(share.weight);
     }
 }
 
@@ -63,10 +70,12 @@ layout(std430, binding = 4) buffer Materials
 {
     uint materials[]; /* two numbers per word */
 };
-#else
+#endif
+
+#ifdef SVO_K_MATERIAL_MERGE
 layout(std430, binding = 4) readonly buffer ChildEntries
 {
-    uint64_t spare[]; /* the children's */
+    uint64_t child_entries[];
 };
 layout(std430, binding = 7) buffer Entries
 {
@@ -88,9 +97,12 @@ uint64_t svo_entry_weight(uint64_t entry)
     return entry & ((uint64_t(1) << SVO_ENTRY_SHIFT) - uint64_t(1));
 }
 
-void svo_put_material(uint node, uint material)
+#ifndef SVO_K_MATERIAL_ROOM
+
+/* first: of the range of materials. */
+void svo_put_material(uint node, uint material, uint first)
 {
-    atomicOr(materials[node >> 1], material << (16u * (node & 1u)));
+    atomicOr(materials[(node >> 1) - first], material << (16u * (node & 1u)));
 }
 
 uint svo_heaviest(uint begin, uint end)
@@ -107,12 +119,20 @@ uint svo_heaviest(uint begin, uint end)
 
 #endif
 
+#endif
+
 #if defined(SVO_K_MATERIAL_LEAVES) || defined(SVO_K_MATERIAL_PASS)
 
 layout(std430, binding = 0) readonly buffer ListBegin
 {
     uint list_begin[];
 };
+
+/* The first entry that is bound, of both arrays. */
+uint svo_first_entry()
+{
+    return svo_first[2] / 2u;
+}
 
 /* The array to read from, and the other one to write to. */
 uint64_t svo_from(bool forth, uint index)
@@ -162,29 +182,32 @@ void svo_merge_pair(bool forth, uint begin, uint middle, uint end)
 
 #ifdef SVO_K_MATERIAL_PASS
 
-/* The leaf whose range contains an entry: the last that begins no later. */
+/* The leaf whose range contains an entry: the last of the window that begins no later. */
 uint svo_leaf_of(uint index)
 {
     uint leaf = 0u;
     for (uint reach = 0x80000000u; reach != 0u; reach >>= 1) {
-        if (reach < params.leaf_count - leaf && list_begin[leaf + reach] <= index) {
+        if (reach < window_count - leaf && list_begin[window_begin + leaf + reach - svo_first[0]] <= index) {
             leaf += reach;
         }
     }
-    return leaf;
+    return window_begin + leaf - svo_first[0];
 }
 
-/* params.level: log2 of the runs' width. Even levels read entries and write spare. */
+/* params.level: log2 of the runs' width. Even levels read entries and write spare. params.fragment_count: the entries
+   of the window. */
 void main()
 {
-    uint index = svo_item();
-    if (index >= params.fragment_count) {
+    if (svo_item() >= params.fragment_count) {
         return;
     }
+    uint index = list_begin[window_begin - svo_first[0]] + svo_item();
     uint leaf = svo_leaf_of(index);
     uint width = 1u << params.level;
-    uint end = list_begin[leaf + 1u];
-    if ((index - list_begin[leaf]) % (2u * width) == 0u) {
+    uint begin = list_begin[leaf] - svo_first_entry();
+    uint end = list_begin[leaf + 1u] - svo_first_entry();
+    index -= svo_first_entry();
+    if ((index - begin) % (2u * width) == 0u) {
         svo_merge_pair((params.level & 1u) == 0u, index, min(index + width, end), min(index + 2u * width, end));
     }
     svo_check_loops();
@@ -203,12 +226,12 @@ layout(std430, binding = 1) writeonly buffer Counts
    params.digit_passes: not 0 when other launches have already sorted. */
 void main()
 {
-    uint leaf = svo_item();
-    if (leaf >= params.leaf_count) {
+    uint leaf = window_begin + svo_item();
+    if (!svo_in_window(leaf)) {
         return;
     }
-    uint begin = list_begin[leaf];
-    uint end = list_begin[leaf + 1u];
+    uint begin = list_begin[leaf - svo_first[0]] - svo_first_entry();
+    uint end = list_begin[leaf - svo_first[0] + 1u] - svo_first_entry();
     bool forth = true;
     uint unsorted = params.digit_passes != 0u ? 0u : end - begin;
     if (svo_is_long(unsorted)) {
@@ -229,14 +252,14 @@ void main()
         entries[i] = entry;
         ++count;
     }
-    counts[leaf] = count;
-    svo_put_material(params.leaf_begin + leaf, svo_heaviest(begin, begin + count));
+    counts[leaf - svo_first[1]] = count;
+    svo_put_material(params.leaf_begin + leaf, svo_heaviest(begin, begin + count), svo_first[4]);
     svo_check_loops();
 }
 
 #endif
 
-#ifdef SVO_K_MATERIAL_MERGE
+#if defined(SVO_K_MATERIAL_ROOM) || defined(SVO_K_MATERIAL_MERGE)
 
 layout(std430, binding = 0) readonly buffer Masks
 {
@@ -246,47 +269,82 @@ layout(std430, binding = 1) readonly buffer FirstChild
 {
     uint first_child[];
 };
-layout(std430, binding = 2) readonly buffer ChildBegins
-{
-    uint child_begins[];
-};
 layout(std430, binding = 3) readonly buffer ChildCounts
 {
     uint child_counts[];
-};
-layout(std430, binding = 5) writeonly buffer Begins
-{
-    uint begins[];
 };
 layout(std430, binding = 6) writeonly buffer Counts
 {
     uint counts[];
 };
 
-/* child_begins and child_counts are indexed from the first node of their level. */
+/* Arrays of a level are indexed from its first node. */
+uint svo_child_of(uint node)
+{
+    return first_child[node - svo_first[1]] - params.child_begin;
+}
+
+uint svo_children_of(uint node)
+{
+    return uint(bitCount(masks[node >> 2] >> (8u * (node & 3u)) & 255u));
+}
+
+#endif
+
+#ifdef SVO_K_MATERIAL_ROOM
+
 void main()
 {
-    uint index = svo_item();
-    if (index >= params.level_count) {
+    uint index = window_begin + svo_item();
+    if (!svo_in_window(index)) {
         return;
     }
     uint node = params.level_begin + index;
-    uint child = first_child[node] - params.child_begin;
-    uint children = uint(bitCount(masks[node >> 2] >> (8u * (node & 3u)) & 255u));
+    uint child = svo_child_of(node) - svo_first[3];
+    uint children = svo_children_of(node);
+    uint sum = 0u;
+    for (uint i = 0u; i < children; ++i) {
+        sum += child_counts[child + i];
+    }
+    counts[index - svo_first[6]] = sum;
+}
+
+#endif
+
+#ifdef SVO_K_MATERIAL_MERGE
+
+layout(std430, binding = 2) readonly buffer ChildBegins
+{
+    uint child_begins[];
+};
+layout(std430, binding = 5) readonly buffer Begins
+{
+    uint begins[];
+};
+
+void main()
+{
+    uint index = window_begin + svo_item();
+    if (!svo_in_window(index)) {
+        return;
+    }
+    uint node = params.level_begin + index;
+    uint child = svo_child_of(node);
+    uint children = svo_children_of(node);
     uint next[8];
     uint last[8];
     for (uint i = 0u; i < children; ++i) {
-        next[i] = child_begins[child + i];
-        last[i] = next[i] + child_counts[child + i];
+        next[i] = child_begins[child + i - svo_first[2]] - svo_first[4] / 2u;
+        last[i] = next[i] + child_counts[child + i - svo_first[3]];
     }
-    uint begin = next[0];
+    uint begin = begins[index - svo_first[5]] - svo_first[7] / 2u;
     uint end = begin;
     uint64_t open = SVO_NO_ENTRY;
     for (;;) {
         uint chosen = 0u;
         uint64_t least = SVO_NO_ENTRY;
         for (uint i = 0u; i < children; ++i) {
-            uint64_t entry = next[i] < last[i] ? spare[next[i]] : SVO_NO_ENTRY;
+            uint64_t entry = next[i] < last[i] ? child_entries[next[i]] : SVO_NO_ENTRY;
             chosen = entry < least ? i : chosen;
             least = entry < least ? entry : least;
         }
@@ -301,9 +359,8 @@ void main()
         open = open == SVO_NO_ENTRY ? least : open + svo_entry_weight(least);
         ++next[chosen];
     }
-    begins[index] = begin;
-    counts[index] = end - begin;
-    svo_put_material(node, svo_heaviest(begin, end));
+    counts[index - svo_first[6]] = end - begin;
+    svo_put_material(node, svo_heaviest(begin, end), svo_first[8]);
     svo_check_loops();
 }
 

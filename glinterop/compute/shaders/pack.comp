@@ -29,8 +29,12 @@ layout(std430, binding = 1) buffer Counts
 void main()
 {
     uint index = svo_item();
-    if (index < params.fragment_count) {
-        atomicAdd(counts[cursors[index] - params.leaf_begin], 1u);
+    if (index >= params.fragment_count) {
+        return;
+    }
+    uint leaf = cursors[index] - params.leaf_begin;
+    if (svo_in_window(leaf)) {
+        atomicAdd(counts[leaf - svo_first[1]], 1u);
     }
 }
 
@@ -58,10 +62,13 @@ layout(std430, binding = 4) writeonly buffer List
 void main()
 {
     uint index = svo_item();
-    if (index < params.fragment_count) {
-        uint leaf = cursors[index] - params.leaf_begin;
-        uint slot = list_begin[leaf] + atomicAdd(counts[leaf], 0xffffffffu) - 1u;
-        list[slot] = svo_fragment_triangle(index);
+    if (index >= params.fragment_count) {
+        return;
+    }
+    uint leaf = cursors[index] - params.leaf_begin;
+    if (svo_in_window(leaf)) {
+        uint slot = list_begin[leaf - svo_first[3]] + atomicAdd(counts[leaf - svo_first[2]], 0xffffffffu) - 1u;
+        list[slot - svo_first[4]] = svo_fragment_triangle(index);
     }
 }
 
@@ -116,12 +123,12 @@ void svo_sort_short(uint begin, uint end)
 
 void main()
 {
-    uint leaf = svo_item();
-    if (leaf >= params.leaf_count) {
+    uint leaf = window_begin + svo_item();
+    if (!svo_in_window(leaf)) {
         return;
     }
-    uint begin = list_begin[leaf];
-    uint end = list_begin[leaf + 1u];
+    uint begin = list_begin[leaf - svo_first[0]] - svo_first[1];
+    uint end = list_begin[leaf - svo_first[0] + 1u] - svo_first[1];
     if (end - begin > uint(SVO_SHORT_LIST_MAX)) {
         uint slot = atomicAdd(state.long_lists, 1u);
         long_leaves[slot] = leaf;
@@ -225,14 +232,14 @@ void svo_radix_pass(bool forth, uint first, uint length, uint shift)
     }
 }
 
-/* params.level: which pass. */
+/* params.level: which pass. The same ranges of list and spare are bound. */
 void main()
 {
     uint k = gl_WorkGroupID.y * SVO_LONG_ROW + gl_WorkGroupID.x;
     if (k < state.long_lists) { /* uniform within the group */
-        uint leaf = long_leaves[k];
+        uint leaf = long_leaves[k] - svo_first[0];
         uint begin = list_begin[leaf];
-        svo_radix_pass((params.level & 1u) == 0u, begin, list_begin[leaf + 1u] - begin,
+        svo_radix_pass((params.level & 1u) == 0u, begin - svo_first[1], list_begin[leaf + 1u] - begin,
                        params.level * uint(SVO_DIGIT_BITS));
         svo_check_loops();
     }

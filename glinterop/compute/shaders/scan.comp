@@ -4,7 +4,7 @@
  *
  * Sums over a level's masks launch one group per range of the level. Only the device knows the number of nodes, so the
  * partials pass of one level writes the launch of the next (SVO_K_SCAN_MASKS_PARTIALS, Launches). Sums over the leaf
- * lists launch SVO_SCAN_GROUPS groups.
+ * lists, or over the entries of a level's nodes (material.comp), launch SVO_SCAN_GROUPS groups.
  */
 #define SVO_ITEM_ELEMENTS 16u
 #define SVO_TILE_ELEMENTS (uint(SVO_GROUP_ITEMS) * SVO_ITEM_ELEMENTS)
@@ -74,18 +74,18 @@ uint svo_four_masks(uint node, uint end)
 
 #endif
 
-#if defined(SVO_K_SCAN_LISTS_REDUCE) || defined(SVO_K_SCAN_LISTS_ADD) || defined(SVO_K_SCAN_LISTS_PARTIALS)
-
-uniform svo_filter_params params;
-
-#endif
-
 #if defined(SVO_K_SCAN_LISTS_REDUCE) || defined(SVO_K_SCAN_LISTS_ADD)
 
 layout(std430, binding = 0) readonly buffer Counts
 {
     uint counts[];
 };
+
+/* The number of an element of the window. */
+uint svo_count_of(uint element)
+{
+    return counts[window_begin + element - svo_first[0]];
+}
 
 #endif
 
@@ -131,10 +131,10 @@ void main()
 
 void main()
 {
-    uvec2 range = svo_group_range(params.leaf_count);
+    uvec2 range = svo_group_range(window_count);
     uint sum = 0u;
     for (uint i = range.x + gl_LocalInvocationID.x; i < range.y; i += uint(SVO_GROUP_ITEMS)) {
-        sum += counts[i];
+        sum += svo_count_of(i);
     }
     svo_store_partial(sum);
 }
@@ -203,16 +203,19 @@ void main()
 
 #ifdef SVO_K_SCAN_LISTS_PARTIALS
 
-layout(std430, binding = 1) writeonly buffer ListBegin
+layout(std430, binding = 1) buffer ListBegin
 {
     uint list_begin[];
 };
 
+/* A window begins where the one before it ends. */
 void main()
 {
-    uint total = svo_scan_partials(svo_groups_of(params.leaf_count), 0u);
+    uint begin = window_begin - svo_first[1];
+    uint base = window_begin > 0u ? list_begin[begin] : 0u;
+    uint total = svo_scan_partials(svo_groups_of(window_count), base);
     if (gl_LocalInvocationID.x == 0u) {
-        list_begin[params.leaf_count] = total;
+        list_begin[begin + window_count] = base + total;
     }
 }
 
@@ -250,8 +253,9 @@ void main()
         uint total;
         uint prefix = sum + svo_group_exclusive(own, total);
         for (uint k = 0u; k < SVO_ITEM_ELEMENTS; ++k) {
-            if (first + k < range.y) {
-                first_child[begin + first + k] = prefix;
+            uint node = begin + first + k;
+            if (first + k < range.y && svo_in_window(node)) {
+                first_child[node - svo_first[2]] = prefix;
             }
             prefix += uint(bitCount(words[k >> 2] >> (8u * (k & 3u)) & 255u));
         }
@@ -274,21 +278,21 @@ layout(std430, binding = 2) writeonly buffer ListBegin
 
 void main()
 {
-    uvec2 range = svo_group_range(params.leaf_count);
+    uvec2 range = svo_group_range(window_count);
     uint sum = partials[gl_WorkGroupID.x];
     for (uint tile = range.x; tile < range.y; tile += SVO_TILE_ELEMENTS) {
         uint first = tile + gl_LocalInvocationID.x * SVO_ITEM_ELEMENTS;
         uint lengths[SVO_ITEM_ELEMENTS];
         uint own = 0u;
         for (uint k = 0u; k < SVO_ITEM_ELEMENTS; ++k) {
-            lengths[k] = first + k < range.y ? counts[first + k] : 0u;
+            lengths[k] = first + k < range.y ? svo_count_of(first + k) : 0u;
             own += lengths[k];
         }
         uint total;
         uint prefix = sum + svo_group_exclusive(own, total);
         for (uint k = 0u; k < SVO_ITEM_ELEMENTS; ++k) {
             if (first + k < range.y) {
-                list_begin[first + k] = prefix;
+                list_begin[window_begin + first + k - svo_first[2]] = prefix;
             }
             prefix += lengths[k];
         }

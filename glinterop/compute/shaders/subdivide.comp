@@ -3,7 +3,8 @@
  * Subdivides top down, level by level: kernels/stages/subdivide.cl in GLSL.
  *
  *   SVO_K_MARK     once: every fragment marks its octant in the root
- *   SVO_K_DESCEND  per level: every fragment moves its cursor to the child and marks its octant there
+ *   SVO_K_DESCEND  per level: every fragment moves its cursor to the child and marks its octant there. Nodes of a
+ *                  window count from the root
  *
  * Launch: one invocation per fragment of a chunk, rounded up to whole groups. subdivide.cl describes the masks (four
  * per word), why plain reads beside atomicOr suffice, and how invalid fragments are handled.
@@ -70,9 +71,12 @@ void main()
     }
     svo_code code = svo_fragment_code(index);
     uint node = params.level == 0u ? 0u : cursors[index];
+    if (!svo_in_window(node)) {
+        return; /* of another window, or moved by an earlier one */
+    }
     uint mask = masks[node >> 2] >> (8u * (node & 3u)) & 255u;
     uint octant = svo_octant(code, params.depth, params.level);
-    uint child = first_child[node] + uint(bitCount(mask & ((1u << octant) - 1u)));
+    uint child = first_child[node - svo_first[3]] + uint(bitCount(mask & ((1u << octant) - 1u)));
     cursors[index] = child;
     if (params.level + 1u < params.depth) {
         svo_mark(child, svo_octant(code, params.depth, params.level + 1u));
