@@ -3,6 +3,7 @@
 #include "measure/bootstrap.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "measure/spread.h"
@@ -48,4 +49,21 @@ interval interval_of_time(const double *rounds, size_t count)
         values[i] = bootstrap_time(rounds, count, (draw){i, 1});
     }
     return bootstrap_interval(values, bootstrap_median(rounds, count));
+}
+
+void interval_add(result_table *table, interval of)
+{
+    result_add_number(table, of.middle);
+    result_add_number(table, of.low);
+    result_add_number(table, of.high);
+}
+
+void interval_add_columns(result_table *table, const char *name, const char *unit)
+{
+    static const char *const suffixes[] = {"", " low", " high"};
+    for (size_t i = 0; i < 3; ++i) {
+        char text[64];
+        snprintf(text, sizeof text, "%.48s%s", name, suffixes[i]);
+        result_add_column(table, text, unit);
+    }
 }

@@ -10,6 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "measure/result.h"
 #include "scenes/maths.h"
 
 #define BOOTSTRAP_ROUNDS_MAX 64u
@@ -33,5 +34,9 @@ double bootstrap_median(const double *rounds, size_t count);
 double bootstrap_time(const double *rounds, size_t count, draw which);
 /* Of the median. count: 0 .. BOOTSTRAP_ROUNDS_MAX. */
 interval interval_of_time(const double *rounds, size_t count);
+
+/* Three columns: name, "name low", "name high". */
+void interval_add_columns(result_table *table, const char *name, const char *unit);
+void interval_add(result_table *table, interval of);
 
 #endif
