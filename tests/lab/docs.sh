@@ -16,7 +16,7 @@ copy_documents()
     rm -rf "$work/copy"
     mkdir -p "$work/copy/docs"
     cp "$source/README.md" "$work/copy"
-    cp "$source"/docs/*.md "$work/copy/docs"
+    cp "$source"/docs/*.md "$source"/docs/gl_vs_cl*.json "$work/copy/docs"
 }
 write_tables()
 {
@@ -75,6 +75,10 @@ expect_refused '<!-- svocl:table rays -->\n' 'performance.md:[0-9]*: this table 
 expect_refused '<!-- svocl:table rays -->\n<!-- svocl:table e1 -->\n<!-- svocl:end -->\n' 'this table has no svocl:end'
 expect_refused '<!-- svocl:end -->\n' 'svocl:end without a svocl:table'
 expect_refused '<!-- svocl:tables rays -->\n' 'neither <!-- svocl:table ID --> nor'
+
+expect_refused '<!-- svocl:results nowhere.json -->\n' 'docs/nowhere.json: No such file'
+expect_refused '<!-- svocl:results gl_vs_cl.json -->\n<!-- svocl:table nothing -->\n<!-- svocl:end -->\n' \
+    'performance.md:[0-9]*: .* nothing$'
 
 # Results that lack a table.
 copy_documents

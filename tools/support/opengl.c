@@ -9,7 +9,7 @@
 #include "support/info_of.h"
 #include "svocl/gl.h"
 
-#define FURTHER_MAX 8
+#define FURTHER_MAX 16
 
 struct opengl {
     svo_device *device;
@@ -191,11 +191,12 @@ svo_frontend *opengl_prefer(opengl *opened, svo_frontend *cl, svo_message *reaso
     return svo_gl_prefer(opened->gl, cl, reason);
 }
 
-svo_frontend *opengl_further_frontend(opengl *opened, int frontend, int share, svo_message *reason)
+/* Made at the first call and kept. NULL with the reason on failure. */
+static svo_gl *find_further(opengl *opened, int frontend, int share, svo_message *reason)
 {
     for (size_t i = 0; i < opened->further_count; ++i) {
         if (opened->further[i].frontend == frontend && opened->further[i].share == share) {
-            return svo_gl_frontend(opened->further[i].gl);
+            return opened->further[i].gl;
         }
     }
     if (opened->further_count == FURTHER_MAX) {
@@ -203,13 +204,26 @@ svo_frontend *opengl_further_frontend(opengl *opened, int frontend, int share, s
         return NULL;
     }
     svo_gl *gl = create(opened, raster_of(frontend), (svo_gl_share)share, reason);
-    if (gl == NULL) {
-        return NULL;
+    if (gl != NULL) {
+        opened->further[opened->further_count].frontend = frontend;
+        opened->further[opened->further_count].share = share;
+        opened->further[opened->further_count++].gl = gl;
     }
-    opened->further[opened->further_count].frontend = frontend;
-    opened->further[opened->further_count].share = share;
-    opened->further[opened->further_count++].gl = gl;
-    return svo_gl_frontend(gl);
+    return gl;
+}
+
+svo_frontend *opengl_further_frontend(opengl *opened, int frontend, int share, svo_message *reason)
+{
+    svo_gl *gl = find_further(opened, frontend, share, reason);
+    return gl != NULL ? svo_gl_frontend(gl) : NULL;
+}
+
+svo_status opengl_further_build(opengl *opened, int frontend, int share, svo_plan *plan, cl_command_queue queue,
+                                svo_tree **out, svo_build_report *report)
+{
+    svo_message reason;
+    svo_gl *gl = find_further(opened, frontend, share, &reason);
+    return gl != NULL ? svo_gl_build(gl, plan, queue, out, report) : SVO_NO_GL;
 }
 
 svo_frontend *opengl_hybrid_frontend(opengl *opened, uint32_t columns, svo_message *reason)

@@ -41,6 +41,10 @@ svo_status opengl_build(opengl *opened, svo_plan *plan, cl_command_queue queue, 
 /* Another front end on the same context, created at the first call for its raster and share (option_frontend,
    svo_gl_share) and kept. NULL with the reason on failure. */
 svo_frontend *opengl_further_frontend(opengl *opened, int frontend, int share, svo_message *reason);
+/* A build by OpenGL's compute shaders whose list is by the front end of those choices. SVO_NO_GL where
+   opengl_further_frontend has none. */
+svo_status opengl_further_build(opengl *opened, int frontend, int share, svo_plan *plan, cl_command_queue queue,
+                                svo_tree **out, svo_build_report *report);
 /* gl-hybrid with a threshold; one at a time is kept. NULL with the reason on failure. */
 svo_frontend *opengl_hybrid_frontend(opengl *opened, uint32_t columns, svo_message *reason);
 

@@ -107,6 +107,14 @@ svo_frontend *opengl_further_frontend(opengl *opened, int frontend, int share, s
     return NULL;
 }
 
+svo_status opengl_further_build(opengl *opened, int frontend, int share, svo_plan *plan, cl_command_queue queue,
+                                svo_tree **out, svo_build_report *report)
+{
+    (void)frontend;
+    (void)share;
+    return opengl_build(opened, plan, queue, out, report);
+}
+
 svo_frontend *opengl_hybrid_frontend(opengl *opened, uint32_t columns, svo_message *reason)
 {
     (void)opened;

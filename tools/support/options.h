@@ -93,6 +93,7 @@ enum option_background { OPTION_BACKGROUND_OWN = 0, OPTION_BACKGROUND_COLOR, OPT
 #define OPTION_DEFAULT_FPS   30u
 #define OPTION_SAMPLES_MAX   262144
 #define OPTION_RULES_MAX     128
+#define OPTION_INPUTS_MAX    12 /* of bench, after the first */
 
 /* A point or direction of the command line. */
 typedef struct option_vector {
@@ -102,6 +103,8 @@ typedef struct option_vector {
 
 typedef struct options {
     const char *input; /* the argument that is not an option; NULL: none */
+    const char *further_inputs[OPTION_INPUTS_MAX]; /* bench: the arguments after input */
+    size_t further_count;
     const char *second_input; /* diff: the argument after input; NULL: none */
     const char *subject; /* bench: what is measured; parts: what is done; the argument before input */
     uint64_t given_groups; /* groups of the options on the command line */
@@ -156,6 +159,7 @@ typedef struct options {
     uint64_t count; /* stress: amount of work */
     int versus; /* bench: 0 nothing, or OPTION_VERSUS_* */
     uint64_t ray_count; /* bench: rays per set */
+    uint64_t processes, full; /* bench gl-vs-cl: 0: not given; a flag */
     const char *workers; /* bench parts: a list with commas; NULL: not given */
     const char *isa; /* bench: the instruction set of PoCL and of Embree; NULL: the processor's */
     const char *scenes, *depths; /* measurements: lists with commas; NULL: each measurement's own */
@@ -204,11 +208,11 @@ typedef struct options {
     uint64_t turntable; /* render: frames round the up axis; 0: not given */
     uint64_t frame_rate; /* render: of a film, frames a second; 0: not given */
     const char *free_list, *error_list; /* tune: NULL: not given */
-    double time_bound; /* tune: seconds; 0: not given */
+    double time_bound; /* tune, bench gl-vs-cl: seconds; 0: not given */
     uint64_t memory_bound; /* tune: bytes; 0: not given */
     uint64_t exhaustive; /* tune: a flag */
     uint64_t queries; /* tune: that count in times */
-    const char *page_path, *csv_path, *resume_path; /* tune: NULL: not given */
+    const char *page_path, *csv_path, *resume_path; /* tune, the first two of bench too: NULL: not given */
 } options;
 
 enum option_output {

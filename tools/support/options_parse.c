@@ -162,6 +162,9 @@ static int parse_all(program *state, const command *which, int argument_count, c
         } else if ((which->groups & OPTION_DIFF_COMMAND) != 0 && state->options.input != NULL &&
                    state->options.second_input == NULL) {
             state->options.second_input = arguments[i];
+        } else if ((which->groups & (unsigned)OPTION_BENCH_COMMAND) != 0 && state->options.input != NULL &&
+                   state->options.further_count < OPTION_INPUTS_MAX) {
+            state->options.further_inputs[state->options.further_count++] = arguments[i];
         } else if (which->input_name == NULL || state->options.input != NULL) {
             return program_fail(state, PROGRAM_WRONG_USAGE, "unexpected argument '%s'", arguments[i]);
         } else {
@@ -271,7 +274,7 @@ const char *options_input_path(const options *given, size_t place)
     const rule *option = options_rule(place);
     return options_is_given_at(given, place) && option->value_name != NULL && strcmp(option->value_name, "FILE") == 0 &&
                    option->group != (unsigned)OPTION_OUTPUT && option->group != OPTION_DIFF_COMMAND &&
-                   option->group != OPTION_TUNE_COMMAND
+                   (option->group & OPTION_TUNE_COMMAND) == 0
                ? *(const char *const *)((const char *)given + option->offset)
                : NULL;
 }

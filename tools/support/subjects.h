@@ -45,6 +45,14 @@ typedef struct subject_words {
     const char *summary; /* one line, without a full stop */
 } subject_words;
 
+/* What is no subject of any group: measurements in processes of their own. */
+#define BENCH_GPU_NAME "gpu"
+#define BENCH_GPU_SUMMARY \
+    "devices, exactness, hashes, builds, light and rays of this machine, each in a process of its own"
+#define BENCH_VERSUS_NAME "gl-vs-cl"
+#define BENCH_VERSUS_SUMMARY \
+    "what building by OpenGL costs beside OpenCL: a factorial design, several processes, one clock"
+
 /* By subject_id. */
 extern const subject_words subject_table[SUBJECT_COUNT];
 

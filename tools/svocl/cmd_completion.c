@@ -39,7 +39,7 @@ static void put_subjects(FILE *script)
     for (size_t i = 0; i < SUBJECT_COUNT; ++i) {
         fprintf(script, "%s ", subject_table[i].name);
     }
-    fputs("all errors", script);
+    fputs("all errors " BENCH_GPU_NAME " " BENCH_VERSUS_NAME, script);
 }
 
 static void put_commands(FILE *script, const program *state)

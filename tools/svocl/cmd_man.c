@@ -139,6 +139,9 @@ static void put_subjects(FILE *page)
         put_paragraph(page, subject_table[i].name);
         put_paragraph(page, subject_table[i].summary);
     }
+    fputs(".TP\n.B " BENCH_GPU_NAME "\n" BENCH_GPU_SUMMARY "\n.TP\n.B " BENCH_VERSUS_NAME "\n" BENCH_VERSUS_SUMMARY
+          "\n",
+          page);
     fputs(".TP\n.BR all \", \" errors\nAll of a group: the measurements of times and bytes; e1 to e5, e7 and e8.\n",
           page);
 }

@@ -17,7 +17,7 @@
 #include "support/sibling.h"
 #include "svocl/device.h"
 
-#define OUTPUT_BYTES_MAX ((size_t)1 << 20)
+#define OUTPUT_BYTES_MAX ((size_t)1 << 26)
 
 bool child_cache_create(child_cache *made)
 {

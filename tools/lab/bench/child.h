@@ -18,7 +18,7 @@ typedef struct child_cache {
 bool child_cache_create(child_cache *made);
 void child_cache_remove(const child_cache *made);
 
-#define CHILD_ARGUMENTS_MAX 32
+#define CHILD_ARGUMENTS_MAX 48
 #define CHILD_REASON_BYTES  (SVO_MESSAGE_BYTES + 64) /* a message of the library, after the command */
 
 /* Arguments, without the program's name; ends with NULL. */

@@ -5,10 +5,6 @@
 
 #include "bench/gpu_steps.h"
 
-#define BENCH_GPU_NAME "gpu"
-#define BENCH_GPU_SUMMARY \
-    "devices, exactness, hashes, builds, light and rays of this machine, each in a process of its own"
-
 /*
  * Runs every step and fills the set and its machine. Steps that fail are rows with their reason. The options are those
  * of OPTION_DEVICE, --quick and the context. Returns the exit code, its line printed.

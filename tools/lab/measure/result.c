@@ -206,6 +206,17 @@ void result_add_absent(result_table *table)
     }
 }
 
+void result_add_cell(result_table *table, const result_cell *cell)
+{
+    if (cell != NULL && cell->kind == RESULT_TEXT) {
+        result_add_text(table, "%s", cell->text);
+    } else if (cell != NULL && cell->kind == RESULT_NUMBER) {
+        result_add_number(table, cell->number);
+    } else {
+        result_add_absent(table);
+    }
+}
+
 void result_drop_partial_row(result_table *table)
 {
     while (table != NULL && table->column_count > 0 && table->cell_count % table->column_count != 0) {
@@ -265,8 +276,10 @@ static bool is_suffixed(const char *name, const char *stem, const char *suffix)
 bool result_has_quartiles(const result_table *table, size_t column)
 {
     const result_column *columns = table->columns + column;
-    return column + 2 < table->column_count && is_suffixed(columns[1].name, columns[0].name, " q1") &&
-           is_suffixed(columns[2].name, columns[0].name, " q3");
+    return column + 2 < table->column_count && ((is_suffixed(columns[1].name, columns[0].name, " q1") &&
+                                                 is_suffixed(columns[2].name, columns[0].name, " q3")) ||
+                                                (is_suffixed(columns[1].name, columns[0].name, " low") &&
+                                                 is_suffixed(columns[2].name, columns[0].name, " high")));
 }
 
 const result_cell *result_cell_at(const result_table *table, size_t row, size_t column)

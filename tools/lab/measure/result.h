@@ -89,6 +89,8 @@ void result_drop_partial_row(result_table *table);
 void result_add_text(result_table *table, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void result_add_number(result_table *table, double number);
 void result_add_absent(result_table *table);
+/* A copy. */
+void result_add_cell(result_table *table, const result_cell *cell);
 
 /* Whether memory sufficed and every row is complete. */
 bool result_is_whole(const result_set *set);
@@ -98,7 +100,8 @@ result_table *result_find(const result_set *set, const char *id);
 size_t result_row_count(const result_table *table);
 /* The column of that name: its index, or column_count where there is none. */
 size_t result_find_column(const result_table *table, const char *name);
-/* Whether the two columns after this one are its quartiles: "NAME q1" and "NAME q3". */
+/* Whether the two columns after this one are its quartiles, "NAME q1" and "NAME q3", or its interval, "NAME low" and
+   "NAME high". */
 bool result_has_quartiles(const result_table *table, size_t column);
 /* NULL outside the table. */
 const result_cell *result_cell_at(const result_table *table, size_t row, size_t column);

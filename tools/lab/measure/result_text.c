@@ -62,7 +62,9 @@ static void print_heading(table *rows, const result_table *results, size_t colum
 {
     const result_column *head = &results->columns[column];
     table_cell(rows, "%s%s%s%s", head->name, head->unit[0] != '\0' ? ", " : "", head->unit,
-               result_has_quartiles(results, column) ? " (q1-q3)" : "");
+               !result_has_quartiles(results, column)                      ? ""
+               : strstr(results->columns[column + 1].name, " low") != NULL ? " (low-high)"
+                                                                           : " (q1-q3)");
 }
 
 static void print_cell(table *rows, const result_table *results, size_t row, size_t column)

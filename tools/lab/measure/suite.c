@@ -55,7 +55,7 @@ static int read_scenes(suite *all, const char *list)
     return PROGRAM_DONE;
 }
 
-static int read_depths(suite *all, const char *list)
+int suite_read_depths(program *state, const char *list, unsigned depths[SUITE_LIST_MAX])
 {
     size_t count = 0;
     for (const char *text = list; *text != '\0';) {
@@ -64,11 +64,10 @@ static int read_depths(suite *all, const char *list)
         const bool is_number = *text >= '0' && *text <= '9' && depth >= SVO_DEPTH_MIN && depth <= SVO_DEPTH_MAX;
         const bool more = *end == ',' && end[1] != '\0';
         if (!is_number || (*end != '\0' && !more) || count + 1 == SUITE_LIST_MAX) {
-            return program_fail(all->state, PROGRAM_WRONG_USAGE,
-                                "--depths '%s' is not a list of 1 to %d depths, %d to %d", list, SUITE_LIST_MAX - 1,
-                                SVO_DEPTH_MIN, SVO_DEPTH_MAX);
+            return program_fail(state, PROGRAM_WRONG_USAGE, "--depths '%s' is not a list of 1 to %d depths, %d to %d",
+                                list, SUITE_LIST_MAX - 1, SVO_DEPTH_MIN, SVO_DEPTH_MAX);
         }
-        all->depths[count++] = (unsigned)depth;
+        depths[count++] = (unsigned)depth;
         text = more ? end + 1 : end;
     }
     return PROGRAM_DONE;
@@ -81,7 +80,7 @@ static int read_options(suite *all)
     all->repeats = given->has_repeat ? (size_t)given->repeat : all->quick ? QUICK_REPEATS : REPEATS;
     int exit_code = given->scenes != NULL ? read_scenes(all, given->scenes) : PROGRAM_DONE;
     if (exit_code == PROGRAM_DONE && given->depths != NULL) {
-        exit_code = read_depths(all, given->depths);
+        exit_code = suite_read_depths(all->state, given->depths, all->depths);
     }
     return exit_code;
 }
@@ -134,12 +133,21 @@ static void describe_machine(suite *all)
 
 /* ---- the run ---- */
 
-int suite_open(program *state, const char *name, suite_input *out)
+int suite_name(program *state, const char *name, suite_input *out)
 {
     const char *prefix = is_scene(name) && strncmp(name, "scene:", 6) != 0 ? "scene:" : "";
     if (snprintf(out->text, sizeof out->text, "%s%s", prefix, name) >= (int)sizeof out->text) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--scenes: '%s' is longer than %zu bytes", name,
                             sizeof out->text - sizeof "scene:");
+    }
+    return PROGRAM_DONE;
+}
+
+int suite_open(program *state, const char *name, suite_input *out)
+{
+    const int named = suite_name(state, name, out);
+    if (named != PROGRAM_DONE) {
+        return named;
     }
     state->options.input = out->text;
     progress_hold(state->progress, true);

@@ -68,9 +68,14 @@ typedef struct suite_input {
     input source;
 } suite_input;
 
+/* The text of an INPUT in which "scene:" may be left out. Returns the exit code. */
+int suite_name(program *state, const char *name, suite_input *out);
 /* Opens an INPUT, in which "scene:" may be left out, to be closed by input_close(&out->source). Returns the exit code.
  */
 int suite_open(program *state, const char *name, suite_input *out);
+
+/* Reads the value of --depths; the list ends with 0. Returns the exit code. */
+int suite_read_depths(program *state, const char *list, unsigned depths[SUITE_LIST_MAX]);
 
 /* The scene's name for tables: the input's without "scene:", or a file's without its folders. */
 const char *suite_scene_name(const input *source);

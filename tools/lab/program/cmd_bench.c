@@ -6,6 +6,7 @@
 #include "bench/gpu.h"
 #include "bench/openvdb.h"
 #include "bench/rays.h"
+#include "bench/versus.h"
 #include "measure/host.h"
 #include "measure/result_json.h"
 #include "measure/result_text.h"
@@ -42,12 +43,14 @@ void command_bench_print_subjects(void)
     table_cell(rows, "e1 to e5, e7 and e8");
     table_cell(rows, BENCH_GPU_NAME);
     table_cell(rows, BENCH_GPU_SUMMARY);
+    table_cell(rows, BENCH_VERSUS_NAME);
+    table_cell(rows, BENCH_VERSUS_SUMMARY);
     table_gap();
     table_heading("SUBJECT");
     table_print_wrapped(rows, TABLE_HELP_WIDTH);
 }
 
-/* "voxelize, build, ..., all, errors, e1 to e5, e7, e8, gpu" */
+/* "voxelize, build, ..., all, errors, e1 to e5, e7, e8, gpu, gl-vs-cl" */
 static void list_subjects(char *text, size_t text_bytes)
 {
     size_t used = 0;
@@ -55,7 +58,8 @@ static void list_subjects(char *text, size_t text_bytes)
         used += (size_t)snprintf(text + used, text_bytes - used, "%s, ", subject_table[i].name);
     }
     if (used < text_bytes) {
-        snprintf(text + used, text_bytes - used, "all, errors, e1 to e5, e7, e8, " BENCH_GPU_NAME);
+        snprintf(text + used, text_bytes - used,
+                 "all, errors, e1 to e5, e7, e8, " BENCH_GPU_NAME ", " BENCH_VERSUS_NAME);
     }
 }
 
@@ -64,20 +68,26 @@ static bool is_gpu(const program *state)
     return strcmp(state->options.subject, BENCH_GPU_NAME) == 0;
 }
 
+static bool is_versus(const program *state)
+{
+    return strcmp(state->options.subject, BENCH_VERSUS_NAME) == 0;
+}
+
 static int check_subject(program *state)
 {
     const options *given = &state->options;
-    char known[256];
+    char known[320];
     list_subjects(known, sizeof known);
     if (given->subject == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "SUBJECT is missing, one of %s", known);
     }
-    if (!is_gpu(state) && !subjects_know(given->subject)) {
+    if (!is_gpu(state) && !is_versus(state) && !subjects_know(given->subject)) {
         suggestion near = suggestion_begin(given->subject, strlen(given->subject));
         for (size_t i = 0; i < SUBJECT_COUNT; ++i) {
             suggestion_offer(&near, subject_table[i].name);
         }
         suggestion_offer(&near, BENCH_GPU_NAME);
+        suggestion_offer(&near, BENCH_VERSUS_NAME);
         return program_fail(state, PROGRAM_WRONG_USAGE, "SUBJECT '%s' is none of %s%s", given->subject, known,
                             suggestion_end(&near).text);
     }
@@ -107,11 +117,13 @@ static bool has_ray_count(const char *wanted)
     return found;
 }
 
+static const char *const of_builds[] = {"need",  "coverage", "weights", "builder",    "frontend",
+                                        "share", "origin",   "edge",    "drop-alpha", NULL};
+static const char *const of_versus[] = {"processes", "time", "full", "seed", "from", "page", "csv", NULL};
+
 /* Options of builds and of measurements that the subject does not take. */
 static int check_table_options(program *state)
 {
-    static const char *const of_builds[] = {"need",  "coverage", "weights", "builder",    "frontend",
-                                            "share", "origin",   "edge",    "drop-alpha", NULL};
     static const char *const of_scenes[] = {"scenes", NULL};
     static const char *const of_depths[] = {"depths", NULL};
     static const char *const of_rays[] = {"ray-count", NULL};
@@ -120,6 +132,9 @@ static int check_table_options(program *state)
     char where[64];
     (void)snprintf(where, sizeof where, "to bench %s", subject);
     int exit_code = options_refuse(state, of_builds, where);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = options_refuse(state, of_versus, where);
+    }
     if (exit_code == PROGRAM_DONE && !has_scenes(subject, false)) {
         exit_code = options_refuse(state, of_scenes, where);
     }
@@ -163,8 +178,10 @@ static void print_tables(const result_set *results)
 {
     result_print_machine(results);
     for (size_t i = 0; i < results->table_count; ++i) {
-        table_gap();
-        result_print(results->tables[i]);
+        if (!bench_versus_is_raw(results->tables[i])) {
+            table_gap();
+            result_print(results->tables[i]);
+        }
     }
 }
 
@@ -198,8 +215,12 @@ static int run_subjects(program *state)
     if (results == NULL) {
         return program_fail(state, PROGRAM_FAILED, "out of memory");
     }
-    int exit_code = is_gpu(state) ? bench_gpu(state, results, &verdicts)
-                                  : suite_collect(state, subjects, state->options.subject, results, &failed_count);
+    int exit_code = is_gpu(state)      ? bench_gpu(state, results, &verdicts)
+                    : is_versus(state) ? bench_versus(state, results)
+                                       : suite_collect(state, subjects, state->options.subject, results, &failed_count);
+    if (exit_code == PROGRAM_DONE && is_versus(state)) {
+        exit_code = bench_versus_write(state, results);
+    }
     if (exit_code == PROGRAM_DONE) {
         exit_code = show(state, results);
     }
@@ -215,12 +236,38 @@ static int run_subjects(program *state)
     return exit_code;
 }
 
+/* It varies what builds have, and its scenes are its INPUTs. */
+static int check_versus(program *state)
+{
+    static const char *const others[] = {"scenes", "ray-count", "workers", "vs", NULL};
+    const options *given = &state->options;
+    int exit_code = options_refuse(state, of_builds, "to bench " BENCH_VERSUS_NAME);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = options_refuse(state, others, "to bench " BENCH_VERSUS_NAME);
+    }
+    if (exit_code == PROGRAM_DONE && given->page_path != NULL) {
+        exit_code = output_check(state, given->page_path);
+    }
+    if (exit_code == PROGRAM_DONE && given->csv_path != NULL) {
+        exit_code = output_check(state, given->csv_path);
+    }
+    return exit_code;
+}
+
 static int measure(program *state)
 {
     const options *given = &state->options;
+    if (is_versus(state)) {
+        const int refused = check_versus(state);
+        return refused == PROGRAM_DONE ? run_subjects(state) : refused;
+    }
+    if (given->further_count > 0) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "unexpected argument '%s'", given->further_inputs[0]);
+    }
     if (strcmp(given->subject, "rays") == 0 && given->scenes == NULL && given->depths == NULL) {
         static const char *const others[] = {"workers", "need", "weights", "drop-alpha", NULL};
-        const int refused = options_refuse(state, others, "to bench rays");
+        int refused = options_refuse(state, others, "to bench rays");
+        refused = refused == PROGRAM_DONE ? options_refuse(state, of_versus, "to bench rays") : refused;
         return refused == PROGRAM_DONE ? bench_rays_alone(state) : refused;
     }
     const int exit_code = check_options(state);

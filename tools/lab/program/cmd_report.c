@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <time.h>
 
+#include "measure/result_file.h"
 #include "measure/result_json.h"
 #include "measure/result_text.h"
 #include "program/commands.h"
@@ -19,60 +20,9 @@
 #include "support/output.h"
 #include "support/table.h"
 
-#define PATH_BYTES     4096
-#define FILE_BYTES_MAX ((size_t)64 << 20) /* 64 MiB */
+#define PATH_BYTES 4096
 
 /* ---- reading or measuring ---- */
-
-/* The rest of a file as a text, allocated by malloc; NULL after a failure, which is printed. */
-static char *read_text(program *state, FILE *file, const char *name)
-{
-    char *text = NULL;
-    const char *failure = "longer than 64 MiB";
-    size_t used = 0;
-    for (size_t capacity = 1 << 16; capacity <= FILE_BYTES_MAX; capacity *= 2) {
-        char *grown = realloc(text, capacity + 1);
-        if (grown == NULL) {
-            failure = "out of memory";
-            break;
-        }
-        text = grown;
-        used += fread(text + used, 1, capacity - used, file);
-        if (used < capacity) { /* the end, or an error */
-            text[used] = '\0';
-            failure = ferror(file) != 0 ? strerror(errno) : NULL;
-            break;
-        }
-    }
-    if (failure != NULL) {
-        program_fail(state, PROGRAM_FAILED, "%s: %s", name, failure);
-        free(text);
-        text = NULL;
-    }
-    return text;
-}
-
-static result_set *read_results(program *state, const char *path)
-{
-    svo_message message = {""};
-    const bool standard = piped_is_standard_input(path);
-    const char *name = standard ? "standard input" : path;
-    FILE *file = standard ? stdin : fopen(path, "rb");
-    if (file == NULL) {
-        program_fail(state, PROGRAM_FAILED, "%s: %s", name, strerror(errno));
-        return NULL;
-    }
-    char *text = read_text(state, file, name);
-    if (!standard) {
-        fclose(file);
-    }
-    result_set *results = text != NULL ? result_parse(text, &message) : NULL;
-    if (text != NULL && results == NULL) {
-        program_fail(state, PROGRAM_FAILED, "%s: %s", name, message.text);
-    }
-    free(text);
-    return results;
-}
 
 static void set_date(result_machine *machine)
 {
@@ -271,7 +221,7 @@ int command_report(program *state)
         return exit_code;
     }
     size_t failed_count = 0;
-    result_set *results = given->from != NULL ? read_results(state, given->from) : measure(state, &failed_count);
+    result_set *results = given->from != NULL ? result_file_read(state, given->from) : measure(state, &failed_count);
     if (results == NULL) {
         return PROGRAM_FAILED;
     }

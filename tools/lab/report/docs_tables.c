@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "measure/result_file.h"
 #include "report/summary.h"
 #include "support/output.h"
 
@@ -16,6 +17,7 @@
 
 static const char marker_begin[] = "<!-- svocl:";
 static const char marker_table[] = "<!-- svocl:table ";
+static const char marker_results[] = "<!-- svocl:results ";
 static const char marker_end[] = "<!-- svocl:end -->\n";
 
 typedef struct document {
@@ -28,6 +30,7 @@ typedef struct document {
 typedef struct cursor {
     program *state;
     const result_set *results;
+    result_set *own; /* of svocl:results; NULL before it */
     const char *path;
     size_t line, table_line; /* from 1; table_line is 0 outside tables */
     size_t table_count;
@@ -40,33 +43,49 @@ static int fail_at(const cursor *at, size_t line, const char *problem, const cha
 
 /* ---- markers ---- */
 
-/* The ID of a line that opens a table; false where it does not. */
-static bool read_id(const char *line, char id[ID_BYTES])
+/* The word of a line between the marker and its end; false where there is none. */
+static bool read_word(const char *line, const char *marker, char word[ID_BYTES])
 {
-    const size_t prefix = sizeof marker_table - 1;
-    if (strncmp(line, marker_table, prefix) != 0) {
+    const size_t prefix = strlen(marker);
+    if (strncmp(line, marker, prefix) != 0) {
         return false;
     }
     const size_t length = strcspn(line + prefix, " \n");
     if (length == 0 || length >= ID_BYTES || strcmp(line + prefix + length, " -->\n") != 0) {
         return false;
     }
-    memcpy(id, line + prefix, length);
-    id[length] = '\0';
+    memcpy(word, line + prefix, length);
+    word[length] = '\0';
     return true;
+}
+
+/* Reads the results of the tables below. name: of a file beside the document. */
+static int read_results(cursor *at, const char *name)
+{
+    char path[PATH_BYTES + ID_BYTES];
+    const char *slash = strrchr(at->path, '/');
+    const int folder_length = slash != NULL ? (int)(slash + 1 - at->path) : 0;
+    (void)snprintf(path, sizeof path, "%.*s%s", folder_length, at->path, name);
+    result_destroy(&at->own);
+    at->own = result_file_read(at->state, path);
+    return at->own != NULL ? PROGRAM_DONE : PROGRAM_FAILED;
 }
 
 static int write_table(const cursor *at, const char *id, FILE *text)
 {
+    const result_set *results = at->own != NULL ? at->own : at->results;
+    const result_table *whole = at->own != NULL ? result_find(at->own, id) : NULL;
     fputs("\n", text);
     if (strcmp(id, "machine") == 0) {
-        summary_write_machine(&at->results->machine, text);
+        summary_write_machine(&results->machine, text);
+    } else if (whole != NULL) {
+        summary_write_table(whole, text);
     } else {
         const summary_extract *wanted = summary_find(id);
         if (wanted == NULL) {
             return fail_at(at, at->line, "there is no table of the ID ", id);
         }
-        if (!summary_write_extract(wanted, at->results, text)) {
+        if (!summary_write_extract(wanted, results, text)) {
             return fail_at(at, at->line, "the results lack what is needed for the table ", id);
         }
     }
@@ -88,7 +107,11 @@ static int rewrite_marker(cursor *at, const char *line, FILE *text)
     if (at->table_line != 0) {
         return fail_at(at, at->table_line, "this table has no svocl:end", "");
     }
-    if (!read_id(line, id)) {
+    if (read_word(line, marker_results, id)) {
+        fputs(line, text);
+        return read_results(at, id);
+    }
+    if (!read_word(line, marker_table, id)) {
         return fail_at(at, at->line, "neither <!-- svocl:table ID --> nor <!-- svocl:end -->", "");
     }
     at->table_line = at->line;
@@ -140,6 +163,7 @@ static int rewrite(program *state, const result_set *results, document *one)
     int exit_code =
         text != NULL ? rewrite_lines(&at, file, text) : program_fail(state, PROGRAM_FAILED, "out of memory");
     fclose(file);
+    result_destroy(&at.own);
     if (text != NULL && fclose(text) != 0 && exit_code == PROGRAM_DONE) {
         exit_code = program_fail(state, PROGRAM_FAILED, "out of memory");
     }

@@ -5,7 +5,12 @@
  *   <!-- svocl:table ID -->
  *   <!-- svocl:end -->
  *
- * ID is "machine" or that of an extract (summary.h). What stands between the two is the program's.
+ * ID is "machine" or that of an extract (summary.h). What stands between the two is the program's. A line
+ *
+ *   <!-- svocl:results FILE -->
+ *
+ * says that the tables below it are of the results in another file, in the document's folder; their IDs may then be
+ * those of tables as well, which are written whole.
  */
 #ifndef SVOCL_TOOLS_REPORT_DOCS_TABLES_H
 #define SVOCL_TOOLS_REPORT_DOCS_TABLES_H

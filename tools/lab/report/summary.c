@@ -543,6 +543,49 @@ static void write_crossing(const crossing *of, FILE *text)
     }
 }
 
+static size_t next_column(const result_table *table, size_t column)
+{
+    return column + (result_has_quartiles(table, column) ? 3 : 1);
+}
+
+/* With the two columns after it where they are its interval: "31.2 [30.9, 33.0]". */
+static void write_cell_with_interval(const result_table *table, size_t row, size_t column, FILE *text)
+{
+    const char *unit = "";
+    const double divisor = unit_of(table, column, &unit);
+    const result_cell *cell = result_cell_at(table, row, column);
+    if (!result_has_quartiles(table, column) || cell[0].kind != RESULT_NUMBER || cell[1].kind != RESULT_NUMBER ||
+        cell[2].kind != RESULT_NUMBER) {
+        write_cell(table, row, column, text);
+        return;
+    }
+    fprintf(text, " %s [%s, %s] |", text_format_number(cell[0].number / divisor).text,
+            text_format_number(cell[1].number / divisor).text, text_format_number(cell[2].number / divisor).text);
+}
+
+void summary_write_table(const result_table *table, FILE *text)
+{
+    fputs("|", text);
+    for (size_t i = 0; i < table->column_count; i = next_column(table, i)) {
+        const char *unit = "";
+        unit_of(table, i, &unit);
+        fprintf(text, " %s%s%s |", table->columns[i].name, unit[0] != '\0' ? ", " : "", unit);
+    }
+    fputs("\n|", text);
+    for (size_t i = 0; i < table->column_count; i = next_column(table, i)) {
+        const result_cell *cell = result_cell_at(table, 0, i);
+        fputs(cell != NULL && cell->kind == RESULT_NUMBER ? " ---: |" : " --- |", text);
+    }
+    fputs("\n", text);
+    for (size_t row = 0; row < result_row_count(table); ++row) {
+        fputs("|", text);
+        for (size_t i = 0; i < table->column_count; i = next_column(table, i)) {
+            write_cell_with_interval(table, row, i, text);
+        }
+        fputs("\n", text);
+    }
+}
+
 bool summary_write_extract(const summary_extract *wanted, const result_set *results, FILE *text)
 {
     const result_table *table = result_find(results, wanted->table_id);

@@ -16,6 +16,9 @@ const summary_extract *summary_find(const char *id);
    where no row fits. */
 bool summary_write_extract(const summary_extract *wanted, const result_set *results, FILE *text);
 
+/* Writes a whole table; the low and high ends of intervals stand beside their middle. */
+void summary_write_table(const result_table *table, FILE *text);
+
 /* What the results were measured on, as a table. */
 void summary_write_machine(const result_machine *machine, FILE *text);
 

@@ -74,8 +74,9 @@ function findColumn(table, name) {
   return table.columns.findIndex(column => column.name === name);
 }
 
-/* Whether the two columns after this one hold its quartiles. */
+/* Whether the two columns after this one hold its quartiles, or an interval. */
 function hasQuartiles(table, column) {
   const [{name}, low, high] = table.columns.slice(column, column + 3);
-  return low !== undefined && high !== undefined && low.name === `${name} q1` && high.name === `${name} q3`;
+  return low !== undefined && high !== undefined && [["q1", "q3"], ["low", "high"]].some(([first, last]) =>
+    low.name === `${name} ${first}` && high.name === `${name} ${last}`);
 }

@@ -69,7 +69,7 @@ static void add_setting(const sweep *all, size_t index, result_table *into)
     text_list text;
     const sweep_setting *own = &all->settings[index];
     const candidate *of = &all->candidates[index];
-    double rounds[RESAMPLE_ROUNDS_MAX];
+    double rounds[BOOTSTRAP_ROUNDS_MAX];
     result_add_text(into, "%s", standing_of(all, index));
     for (tune_dimension i = DIMENSION_DEPTH; i < DIMENSION_COUNT; ++i) {
         if (i == DIMENSION_DEPTH) {
@@ -224,7 +224,7 @@ static void print_setting(const sweep *all, const char *what, size_t index)
     const candidate *own = &all->candidates[index];
     tune_setting_command(all->state, &all->settings[index].setting, &text);
     table_line("%s: %s", what, text.text);
-    table_line("  %s, memory %s", figure_ms(resample_median(own->rounds, own->round_count)).text,
+    table_line("  %s, memory %s", figure_ms(bootstrap_median(own->rounds, own->round_count)).text,
                figure_bytes((uint64_t)own->bytes).text);
 }
 
@@ -326,9 +326,10 @@ void answer_print(const sweep *all)
     row_order *order = calloc(all->count + 1, sizeof *order);
     for (size_t i = 0; i < all->count && order != NULL; ++i) {
         const candidate *own = &all->candidates[i];
-        order[i] = (row_order){.index = i,
-                               .time = own->round_count > 0 ? resample_median(own->rounds, own->round_count) : HUGE_VAL,
-                               .left = own->left != LEFT_NOT && i != all->verdict.winner && i != all->verdict.second};
+        order[i] =
+            (row_order){.index = i,
+                        .time = own->round_count > 0 ? bootstrap_median(own->rounds, own->round_count) : HUGE_VAL,
+                        .left = own->left != LEFT_NOT && i != all->verdict.winner && i != all->verdict.second};
     }
     if (order != NULL) {
         qsort(order, all->count, sizeof *order, compare_rows);

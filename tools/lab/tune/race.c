@@ -223,7 +223,7 @@ static bool is_better(score a, score b)
 /* In one draw. */
 static score draw_score(const candidate *one, size_t index, const tune_bounds *bounds, uint64_t number)
 {
-    const double time = resample_time(one->rounds, one->round_count, (draw){number, 16 + index});
+    const double time = bootstrap_time(one->rounds, one->round_count, (draw){number, 16 + index});
     score out = {.within = one->bytes <= bounds->bytes && time <= bounds->time_ms, .goal = time, .time = time};
     for (size_t i = 0; i < bounds->count; ++i) {
         const tune_errors *errors = errors_of(one, bounds->list[i].measure);

@@ -25,7 +25,7 @@ typedef enum race_left {
 const char *race_left_name(race_left left); /* in files and tables */
 
 typedef struct candidate {
-    double rounds[RESAMPLE_ROUNDS_MAX]; /* ms */
+    double rounds[BOOTSTRAP_ROUNDS_MAX]; /* ms */
     size_t round_count;
     double bytes;
     const tune_errors *errors[KIND_COUNT]; /* borrowed; NULL: not measured */

@@ -183,7 +183,7 @@ static void read_setting(const cJSON *object, sweep_setting *own, candidate *of)
     const cJSON *rounds = cJSON_GetObjectItemCaseSensitive(object, "rounds_ms");
     const cJSON *reason = cJSON_GetObjectItemCaseSensitive(object, "reason");
     const cJSON *round = cJSON_IsArray(rounds) ? rounds->child : NULL;
-    for (; round != NULL && of->round_count < RESAMPLE_ROUNDS_MAX; round = round->next) {
+    for (; round != NULL && of->round_count < BOOTSTRAP_ROUNDS_MAX; round = round->next) {
         of->rounds[of->round_count] = round->valuedouble;
         of->round_count += cJSON_IsNumber(round) && round->valuedouble > 0;
     }
