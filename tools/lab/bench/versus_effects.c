@@ -247,11 +247,16 @@ static size_t count_values(const analysis *all, unsigned bits)
     return values;
 }
 
+static void add_share(result_table *table, double share)
+{
+    result_add_number(table, share > ROUNDING ? 100 * share : 0);
+}
+
 static void add_row(result_table *table, const subset *of, const char *name, double share)
 {
     result_add_text(table, "%s", of->name);
     result_add_text(table, "%s", name);
-    result_add_number(table, share > ROUNDING ? 100 * share : 0);
+    add_share(table, share);
 }
 
 static void add_single(result_table *table, const subset *of, const analysis *all, const factor *one)
@@ -260,7 +265,7 @@ static void add_single(result_table *table, const subset *of, const analysis *al
     const double alone =
         is_method ? between(all, VERSUS_METHOD) - between(all, VERSUS_METHOD & ~one->bits) : between(all, one->bits);
     add_row(table, of, one->name, between(all, one->bits) / all->total);
-    result_add_number(table, 100 * alone / all->total);
+    add_share(table, alone / all->total);
     result_add_number(table, (double)count_values(all, one->bits));
     result_add_number(table, largest_ratio(all, one->bits));
 }
