@@ -37,7 +37,7 @@ static uint64_t padded(uint64_t bytes)
 
 uint64_t svo_i_compute_range_max(const svo_i_compute *compute)
 {
-    return (uint64_t)compute->gl->limits.storage_block_bytes - 2 * SVO_I_RANGE_SLACK;
+    return (uint64_t)compute->gl->limits.storage_block_bytes - UINT64_C(2) * SVO_I_RANGE_SLACK;
 }
 
 static svo_status alloc_any(svo_i_compute *compute, const char *name, uint64_t bytes, const void *data, GLuint *out)
