@@ -213,7 +213,7 @@ function drawBar(point, index, left, scale, unit) {
 
 function drawBars(figure, points, all, id, label) {
   const unit = chooseUnit(figure.unit, all.map(point => point.y));
-  const left = 14 + letterWidth * Math.max(...all.map(point => point.curve.length));
+  const left = 20 + letterWidth * Math.max(...all.map(point => point.curve.length));
   const most = Math.max(...all.map(point => Math.max(point.y, point.high ?? 0))) || 1;
   const scale = (chartWidth - left - 66) / most;
   const bars = points.map((point, index) => drawBar(point, index, left, scale, unit));
