@@ -247,17 +247,22 @@ static double order_of(const versus_data *data, size_t cell)
     return versus_number(data, cell, VERSUS_DEPTH) * 1e12 + versus_number(data, cell, VERSUS_TRIANGLES);
 }
 
-/* Rows by growing depth, then by triangles; others as they come. */
+/* Adds a row by growing depth, then by triangles, behind those that are alike. */
+static void insert_row(const versus_data *data, size_t cell, size_t *rows, size_t *count)
+{
+    size_t at = (*count)++;
+    for (; at > 0 && order_of(data, rows[at - 1]) > order_of(data, cell); --at) {
+        rows[at] = rows[at - 1];
+    }
+    rows[at] = cell;
+}
+
 static size_t list_rows(const versus_data *data, const beside *of, size_t *rows)
 {
     size_t count = 0;
     for (size_t i = 0; i < data->count; ++i) {
         if (is_row(data, of, i)) {
-            size_t at = count++;
-            for (; at > 0 && order_of(data, rows[at - 1]) > order_of(data, i); --at) {
-                rows[at] = rows[at - 1];
-            }
-            rows[at] = i;
+            insert_row(data, i, rows, &count);
         }
     }
     return count;
@@ -328,8 +333,23 @@ static const beside tables[] = {
 
 static const char series_note[] = "The same numbers, a row for each time: all cells of the central payload.";
 
+/* Measured cells of the central payload. */
+static size_t list_series(const versus_data *data, size_t *rows)
+{
+    const unsigned payload = VERSUS_SETTING & ~VERSUS_BIT(VERSUS_DEPTH) & ~VERSUS_BIT(VERSUS_SCENE);
+    size_t count = 0;
+    for (size_t i = 0; i < data->count; ++i) {
+        if (data->samples[i].count > 0 && versus_same(data, i, 0, payload)) {
+            insert_row(data, i, rows, &count);
+        }
+    }
+    return count;
+}
+
 static void add_series(const versus_data *data, result_set *results)
 {
+    size_t *rows = calloc(data->count + 1, sizeof *rows);
+    const size_t row_count = rows != NULL ? list_series(data, rows) : 0;
     result_table *table = result_add_table(results, VERSUS_SERIES_ID, "Times by depth and scene", series_note);
     result_add_column(table, "scene", "");
     result_add_column(table, "triangles", "");
@@ -338,19 +358,17 @@ static void add_series(const versus_data *data, result_set *results)
     result_add_column(table, "central depth", "");
     result_add_column(table, "method", "");
     interval_add_columns(table, "wall", "ms");
-    for (size_t i = 0; i < data->count; ++i) {
-        if (data->samples[i].count == 0 ||
-            !versus_same(data, i, 0, VERSUS_SETTING & ~VERSUS_BIT(VERSUS_DEPTH) & ~VERSUS_BIT(VERSUS_SCENE))) {
-            continue;
-        }
-        result_add_text(table, "%s", versus_text(data, i, VERSUS_SCENE));
-        result_add_number(table, versus_number(data, i, VERSUS_TRIANGLES));
-        result_add_number(table, versus_number(data, i, VERSUS_DEPTH));
-        result_add_text(table, "%s", versus_same(data, i, 0, VERSUS_BIT(VERSUS_SCENE)) ? "yes" : "no");
-        result_add_text(table, "%s", versus_same(data, i, 0, VERSUS_BIT(VERSUS_DEPTH)) ? "yes" : "no");
-        result_add_text(table, "%s", versus_method_words(data, i).text);
-        interval_add(table, versus_interval(data, i, VERSUS_WALL));
+    for (size_t i = 0; i < row_count; ++i) {
+        const size_t cell = rows[i];
+        result_add_text(table, "%s", versus_text(data, cell, VERSUS_SCENE));
+        result_add_number(table, versus_number(data, cell, VERSUS_TRIANGLES));
+        result_add_number(table, versus_number(data, cell, VERSUS_DEPTH));
+        result_add_text(table, "%s", versus_same(data, cell, 0, VERSUS_BIT(VERSUS_SCENE)) ? "yes" : "no");
+        result_add_text(table, "%s", versus_same(data, cell, 0, VERSUS_BIT(VERSUS_DEPTH)) ? "yes" : "no");
+        result_add_text(table, "%s", versus_method_words(data, cell).text);
+        interval_add(table, versus_interval(data, cell, VERSUS_WALL));
     }
+    free(rows);
 }
 
 void versus_tabulate(const versus_data *data, const result_set *measured, result_set *into)
