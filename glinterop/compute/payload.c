@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The payload of a tree by compute shaders: materials, then what shaders/area.comp, link.comp and filter.comp make.
+ * The payload of a tree by compute shaders: materials, then what shaders/area.comp and filter.comp make.
  */
 #include "compute/payload.h"
 
