@@ -31,6 +31,7 @@ typedef struct svo_i_kept_photons {
     svo_device *device;
     bool whole; /* what follows is that of the light's tree */
     bool has_directions; /* of radiance */
+    bool is_clear; /* some of the tree shows in part, and lets photons through */
     svo_i_kept_tree tree;
     svo_i_lit_box box;
     svo_i_kept_view *views; /* owned */

@@ -24,6 +24,8 @@ typedef struct svo_i_photons {
     bool has_directions; /* of radiance */
     bool has_lobes; /* a material shines, and the tree has what lobes follow from */
     bool of_triangles; /* that photons meet; else voxels */
+    bool is_clear; /* some of these show in part, and let photons through */
+    uint32_t bounces; /* times that a photon lights a leaf, at most; at least 1 */
     double unit; /* world flux of one */
     cl_mem slots; /* u32 a leaf: its slot, SVO_SLOT_NONE, ... */
     cl_mem sums; /* of the slots */
@@ -36,7 +38,12 @@ typedef struct svo_i_photons {
     uint64_t hits; /* of rays of this call: 64 bits of what the counter has 32 of */
     uint64_t hits_before; /* of photons that are not shot again */
     svo_i_kept_photons *kept; /* owns the sums, and receives what is shot; NULL: nothing is kept */
+    uint64_t sent; /* photons that surfaces sent on, each time */
+    uint32_t through; /* photons that went through what they met, modulo 2^32 */
+    uint32_t views; /* that were shot, and emission */
     cl_mem weights, rays, met, leaves; /* of a band */
+    cl_mem carried; /* svo_carried_photon, of photons that are sent on; NULL: none are */
+    cl_mem behind, found, lists[2]; /* of those that go through what they meet: rays, hits, numbers; NULL: none do */
     cl_mem groups; /* of the photons that are shot; NULL: all of a view */
     svo_photon_weight *host_weights; /* of a band, owned */
     cl_mem spreads; /* svo_photon_spread each SVO_ITEM_PHOTONS of them */
@@ -50,6 +57,10 @@ svo_status svo_i_photons_begin(svo_i_device_work *work, svo_tree *tree, bool has
                                svo_i_kept_photons *kept, svo_i_photons *out);
 /* Shoots all photons of a view. value: red, green, blue of its source. */
 svo_status svo_i_photons_shoot(svo_i_photons *photons, const svo_i_light_view *view, const float value[3]);
+/* Shoots so many photons from pieces of triangles that emit: svo_emitter_piece each, whose ends and flux say how many
+   and what. brightest: the most flux that one has in a channel. */
+svo_status svo_i_photons_emit(svo_i_photons *photons, cl_mem pieces, uint32_t piece_count, uint32_t photon_count,
+                              uint64_t brightest);
 /* Shoots those of a launch whose weights are there. */
 svo_status svo_i_photons_shoot_weighed(svo_i_photons *photons, const svo_light_view_params *params);
 /* Buffers for a band, kept from view to view. */
