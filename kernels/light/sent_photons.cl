@@ -47,8 +47,8 @@ static uint svo_onward_alpha(__global const uchar *colors, uint leaf, const svo_
 /* Whether a photon stops at a leaf. */
 static bool svo_onward_stops(uint alpha, uint photon, const svo_onward_params *params)
 {
-    const uint turned = svo_sobol_reverse(svo_sobol_scramble(photon, svo_hash(params->seed)));
-    const svo_alpha_ray ray = {turned >> 24, SVO_THROUGH_SET};
+    const float place = svo_sobol_pair(photon, svo_hash(params->seed)).x;
+    const svo_alpha_ray ray = {(uint)(place * (float)SVO_THROUGH_SET), SVO_THROUGH_SET};
     return (params->flags & SVO_ONWARD_LAST) != 0u || svo_alpha_shows(alpha, ray, 0u);
 }
 
