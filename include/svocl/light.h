@@ -209,6 +209,9 @@ typedef struct svo_light_setup {
      *  2 on a photon goes on from what it met, with what the albedo of the leaf leaves of its flux, until less than
      *  2^-12 of the brightest photon is left. */
     uint32_t bounces;
+    uint32_t photon_alpha; /**< not 0: photons go through what shows in part, as rays to sources do: of those that meet
+                                triangles in a leaf, its alpha's share stops there. Else what photons meet stops them
+                                whole. Voxels, and photons that OpenGL casts from sources, do the latter in any case */
 } svo_light_setup;
 
 /** No light. */

@@ -78,14 +78,14 @@ static svo_status begin_sums(svo_i_photons *photons)
     return make_sums(photons, leaves < FIRST_SLOTS ? leaves : FIRST_SLOTS);
 }
 
-/* Whether some of the tree shows in part: its root then has an alpha below 1. */
-static svo_status read_is_clear(svo_i_device_work *work, const svo_tree *tree, bool *is_clear)
+svo_status svo_i_photons_see_alpha(svo_i_photons *photons)
 {
+    const svo_tree *tree = photons->tree;
     uint8_t root[4] = {255, 255, 255, 255};
     if ((tree->info.need & SVO_NEED_COLOR) != 0) {
-        SVO_I_TRY(svo_i_work_read(work, tree->buffers[SVO_TREE_COLORS], 0, root, sizeof root));
+        SVO_I_TRY(svo_i_work_read(photons->work, tree->buffers[SVO_TREE_COLORS], 0, root, sizeof root));
     }
-    *is_clear = root[3] != 255;
+    photons->is_clear = photons->of_triangles && root[3] != 255;
     return SVO_OK;
 }
 
@@ -102,7 +102,6 @@ svo_status svo_i_photons_begin(svo_i_device_work *work, svo_tree *tree, bool has
                            .bounces = 1,
                            .unit = unit,
                            .kept = kept};
-    SVO_I_TRY(out->of_triangles ? read_is_clear(work, tree, &out->is_clear) : SVO_OK);
     SVO_I_TRY(svo_i_work_alloc(work, "photon_slots", slot_bytes, &out->slots));
     SVO_I_TRY(begin_sums(out));
     SVO_I_TRY(svo_i_work_alloc(work, "photon_counters", counters * sizeof(cl_uint), &out->counters));

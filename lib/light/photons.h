@@ -55,6 +55,8 @@ typedef struct svo_i_photons {
    2^SVO_FLUX_TOTAL_LOG2 of it. kept: NULL: nothing is kept. */
 svo_status svo_i_photons_begin(svo_i_device_work *work, svo_tree *tree, bool has_directions, double unit,
                                svo_i_kept_photons *kept, svo_i_photons *out);
+/* Photons go through what shows in part, if some of the tree does: its root then has an alpha below 1. */
+svo_status svo_i_photons_see_alpha(svo_i_photons *photons);
 /* Shoots all photons of a view. value: red, green, blue of its source. */
 svo_status svo_i_photons_shoot(svo_i_photons *photons, const svo_i_light_view *view, const float value[3]);
 /* Shoots so many photons from pieces of triangles that emit: svo_emitter_piece each, whose ends and flux say how many

@@ -540,6 +540,7 @@ static svo_status shine(svo_i_device_work *work, svo_light *light, const svo_lig
     photons.has_lobes = has_lobes(light, setup);
     photons.bounces = setup->bounces > 1 ? setup->bounces : 1;
     photons.caster = caster;
+    SVO_I_TRY(setup->photon_alpha != 0 ? svo_i_photons_see_alpha(&photons) : SVO_OK);
     SVO_I_TRY(shoot(&photons, light, setup, box, emission, again));
     double *const stage_ms = light->info.stage_ms;
     stage_ms[SVO_LIGHT_STAGE_VIEW] = photons.view_ms;

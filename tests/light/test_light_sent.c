@@ -288,7 +288,7 @@ static void cards_catch_their_alpha(void **state)
     static const uint8_t alphas[] = {0, 64, 128, 254, 255};
     const svo_light_source sun = {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {0, 0, -1}, .value = {1, 2, 3}};
     const svo_light_setup setup = {
-        .struct_size = sizeof setup, .sources = &sun, .source_count = 1, .view_resolution = 400};
+        .struct_size = sizeof setup, .sources = &sun, .source_count = 1, .view_resolution = 400, .photon_alpha = 1};
     const fixture opened = fixture_cl_of_group(state);
     for (int k = 0; k < 10; ++k) {
         const bool has_floor = k >= 5;
@@ -314,7 +314,7 @@ static void layers_decide_on_their_own(void **state)
 {
     const svo_light_source sun = {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {0, 0, -1}, .value = {1, 1, 1}};
     const svo_light_setup setup = {
-        .struct_size = sizeof setup, .sources = &sun, .source_count = 1, .view_resolution = 400};
+        .struct_size = sizeof setup, .sources = &sun, .source_count = 1, .view_resolution = 400, .photon_alpha = 1};
     const fixture opened = fixture_cl_of_group(state);
     for (int cards = 2; cards <= 12; cards += 5) {
         cone_scene *scene = cone_scene_new(DEPTH, 40);
@@ -356,6 +356,7 @@ static void photons_that_go_on_are_the_same_on_every_run(void **state)
                                        .finishes = lamp,
                                        .finish_count = 2,
                                        .updatable = 1,
+                                       .photon_alpha = 1,
                                        .emission_photons = 20001,
                                        .bounces = 4};
         char texts[3][SVO_HASH_TEXT_BYTES];
