@@ -205,9 +205,9 @@ typedef struct svo_light_setup {
      *  without triangles or materials shoot none. svo_light_info.scratch_bytes has what it takes: 76 bytes a piece of
      *  a triangle in a leaf, and 36 a photon of 262,144 at a time. */
     uint32_t emission_photons;
-    /** So often do surfaces reflect the light of photons for cones, at most, 1 .. SVO_LIGHT_BOUNCES_MAX; 0 means 1. From
-     *  2 on a photon goes on from what it met, with what the albedo of the leaf leaves of its flux, until less than
-     *  2^-12 of the brightest photon is left. */
+    /** So often do surfaces reflect the light of photons for cones, at most, 1 .. SVO_LIGHT_BOUNCES_MAX; 0 means 1.
+     *  From 2 on a photon goes on from what it met, with what the albedo of the leaf leaves of its flux, until less
+     *  than 2^-12 of the brightest photon's is left. */
     uint32_t bounces;
     uint32_t photon_alpha; /**< not 0: photons go through what shows in part, as rays to sources do: of those that meet
                                 triangles in a leaf, its alpha's share stops there. Else what photons meet stops them
