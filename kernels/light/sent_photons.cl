@@ -52,8 +52,8 @@ static bool svo_onward_stops(uint alpha, uint photon, const svo_onward_params *p
     return (params->flags & SVO_ONWARD_LAST) != 0u || svo_alpha_shows(alpha, ray, 0u);
 }
 
-/* hits: of the photons; found: with SVO_ONWARD_LISTED, of the rays that were searched behind them, by the list. rays: of
-   the photons. behind, next_list: receive the rays that go on, and their photons. */
+/* hits: of the photons; found: with SVO_ONWARD_LISTED, of the rays that were searched behind them, by the list. rays:
+   of the photons. behind, next_list: receive the rays that go on, and their photons. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_photon_through(__global const uchar *child_mask, __global const uint *first_child,
                      __global const uint *list_begin, __global const uint *list, __global const int *vertices,
@@ -178,8 +178,8 @@ svo_k_photon_emit(__global const svo_emitter_piece *pieces, __global svo_ray *ra
     __global const svo_emitter_piece *piece = pieces + low;
     const float2 square = svo_sobol_pair(photon, svo_hash(onward.seed + 1u));
     const float2 place = square.x + square.y > 1.0f ? 1.0f - square : square;
-    const float3 point = vload3(0, piece->corner) + place.x * vload3(0, piece->first_edge) +
-                         place.y * vload3(0, piece->second_edge);
+    const float3 point =
+        vload3(0, piece->corner) + place.x * vload3(0, piece->first_edge) + place.y * vload3(0, piece->second_edge);
     const uint2 pair = svo_onward_pair(photon, onward.seed);
     const bool is_back = pair.x >= 1u << 23; /* both sides emit */
     int normal[3];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Photons and radiance that are kept on the device, so that few are shot again for a changed tree: photons.c fills them,
- * shoot.c shoots again from them, kernels/light/kept_photons.cl has the steps.
+ * Photons and radiance that are kept on the device, so that few are shot again for a changed tree: photons.c fills
+ * them, shoot.c shoots again from them, kernels/light/kept_photons.cl has the steps.
  */
 #include "light/kept_photons.h"
 
