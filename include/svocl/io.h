@@ -79,7 +79,7 @@
  *     40     72    u32 level_leaf[18], entries after depth are 0
  *
  * Files of lights (light.h) have the magic 89 53 56 4C 0D 0A 1A 0A ("\x89SVL\r\n\x1a\n"), version 1, or 2 with a map of
- * the sky, and the header of their tree. The first chunk, of kind 64, says what the light is:
+ * the sky, 3 with chunk 68, and the header of their tree. The first chunk, of kind 64, says what the light is:
  *
  *     offset bytes
  *     0      32    hash of the tree, svo_tree_hash with SVO_HASH_ALL: hexadecimal digits
@@ -94,9 +94,10 @@
  *     136    32    f64 flux[3], lost_flux
  *
  * Then come chunks of kind 65, the svo_light_source as given, 66, the svo_finish, and of each svo_light_buffer, in
- * ascending order; those of no bytes are left out. In files of version 2 a chunk of kind 67 may follow the finishes:
- * u32 sky_width, u32 sky_height, and the texels of the map of the sky, three f32 each. All levels in the table of
- * chunks are 0.
+ * ascending order; those of no bytes are left out. From version 2 on a chunk of kind 67 may follow the finishes:
+ * u32 sky_width, u32 sky_height, and the texels of the map of the sky, three f32 each. In files of version 3 one of
+ * kind 68 follows these: u32 emission_photons, bounces, photon_alpha (0 or 1) of svo_light_setup, u32 0. All levels in
+ * the table of chunks are 0.
  */
 #ifndef SVOCL_IO_H
 #define SVOCL_IO_H

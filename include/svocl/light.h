@@ -94,13 +94,13 @@ typedef struct svo_light_info {
     size_t struct_size; /**< sizeof(svo_light_info) */
     svo_light_form form; /**< how it is stored */
     svo_opacity opacity; /**< SVO_OPACITY_FULL where the tree holds no areas */
-    uint64_t photons; /**< rays from the sources */
+    uint64_t photons; /**< rays from the sources and from what emits */
     uint64_t photon_hits; /**< of those, that met the tree */
     uint64_t lit_leaves; /**< leaves with light: photons or emission */
     uint64_t lit_nodes; /**< of all levels */
     uint64_t missed_leaves; /**< leaves without a photon, although they are what a ray from a source to their center
                                  meets first; 0 without svo_light_setup.diagnose */
-    double flux[3]; /**< of all photons that hit: red, green, blue, world units */
+    double flux[3]; /**< of all photons that hit: red, green, blue, world units; with bounces each time that they do */
     double lost_flux; /**< share of it that found no leaf */
     uint64_t bytes[SVO_LIGHT_BUFFER_COUNT]; /**< of each buffer; 0: not held */
     uint64_t total_bytes; /**< of all buffers */
@@ -114,6 +114,7 @@ typedef struct svo_light_info {
     uint64_t sky_bytes; /**< held for the map of the sky, its means and, where it is bright in places, the shares by
                              which paths aim at it; besides total_bytes */
     uint64_t mesh_bytes; /**< held for the mesh of svo_light_set_mesh; besides total_bytes */
+    uint64_t sent_photons; /**< rays of photons that surfaces sent on: svo_light_setup.bounces */
 } svo_light_info;
 
 /** An empty output. */
@@ -171,8 +172,10 @@ SVO_API cl_mem svo_light_get_buffer(const svo_light *light, svo_light_buffer buf
  * \returns SVO_CL_ERROR or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_light_hash(const svo_light *light, cl_command_queue queue, char text[SVO_HASH_TEXT_BYTES]);
 
-#define SVO_SKY_WIDTH_MAX  8192u /**< the most columns of svo_light_setup.sky_map */
-#define SVO_SKY_HEIGHT_MAX 4096u /**< the most rows of svo_light_setup.sky_map */
+#define SVO_EMISSION_PHOTONS_MAX (1u << 30) /**< the most of svo_light_setup.emission_photons */
+#define SVO_LIGHT_BOUNCES_MAX    64u /**< the most of svo_light_setup.bounces */
+#define SVO_SKY_WIDTH_MAX        8192u /**< the most columns of svo_light_setup.sky_map */
+#define SVO_SKY_HEIGHT_MAX       4096u /**< the most rows of svo_light_setup.sky_map */
 
 /** What lights a tree. Arrays are borrowed for the call. */
 typedef struct svo_light_setup {
@@ -196,6 +199,19 @@ typedef struct svo_light_setup {
     const float *sky_map;
     uint32_t sky_width; /**< 1 .. SVO_SKY_WIDTH_MAX; 0 without a map */
     uint32_t sky_height; /**< 1 .. SVO_SKY_HEIGHT_MAX; 0 without a map */
+    /** So many photons leave the triangles in leaves whose finish emits, so that cones have what surfaces reflect of
+     *  emission; a power of two is spread best, at most SVO_EMISSION_PHOTONS_MAX. Each has the same share of the power,
+     *  pi times emission, area and alpha on both sides. 0: cones see emission itself, and nothing that it lights. Trees
+     *  without triangles or materials shoot none. svo_light_info.scratch_bytes has what it takes: 76 bytes a piece of
+     *  a triangle in a leaf, and 36 a photon of 262,144 at a time. */
+    uint32_t emission_photons;
+    /** So often do surfaces reflect the light of photons for cones, at most, 1 .. SVO_LIGHT_BOUNCES_MAX; 0 means 1.
+     *  From 2 on a photon goes on from what it met, with what the albedo of the leaf leaves of its flux, until less
+     *  than 2^-12 of the brightest photon's is left. */
+    uint32_t bounces;
+    uint32_t photon_alpha; /**< not 0: photons go through what shows in part, as rays to sources do: of those that meet
+                                triangles in a leaf, its alpha's share stops there. Else what photons meet stops them
+                                whole. Voxels, and photons that OpenGL casts from sources, do the latter in any case */
 } svo_light_setup;
 
 /** No light. */

@@ -35,6 +35,11 @@ SVO_INLINED void svo_count_hits(uint hits, volatile __global uint *counters, __l
     }
 }
 
+static bool svo_counts_hits(const svo_photon_params *params)
+{
+    return params->spreads == SVO_SPREAD_VIEW || params->spreads == SVO_SPREAD_WHOLE;
+}
+
 /* Gives slots to leaves, and stores them. */
 static void svo_keep_reach(const svo_reach *reach, __global svo_photon_spread *spread, volatile __global uint *slots,
                            volatile __global uint *counters)
@@ -75,7 +80,7 @@ svo_k_photon_find(__global const uchar *child_mask, __global const uint *first_c
         leaves[first + k] = leaf;
         own[k] = svo_is_leaf(leaf) ? svo_reach_own(leaf, places[k].cell, &reach) : SVO_SPREAD_CELLS;
     }
-    for (uint k = 0; k < count && params.spreads != 0u; ++k) {
+    for (uint k = 0; k < count && params.spreads == SVO_SPREAD_VIEW; ++k) {
         uint parts = 0u;
         if (own[k] < SVO_SPREAD_CELLS) {
             svo_footprint footprint;
@@ -86,10 +91,10 @@ svo_k_photon_find(__global const uchar *child_mask, __global const uint *first_c
         }
         spreads[item].parts[k] = parts;
     }
-    if (params.spreads != 0u && count > 0u) {
+    if (params.spreads != SVO_SPREAD_NOTHING && count > 0u) {
         svo_keep_reach(&reach, spreads + item, slots, counters);
     }
-    svo_count_hits(params.spreads != 0u ? met : 0u, counters, scratch);
+    svo_count_hits(svo_counts_hits(&params) ? met : 0u, counters, scratch);
 }
 
 /* Photons that meet voxels do not spread. */
@@ -114,14 +119,14 @@ svo_k_voxel_find(__global const svo_voxel_hit *hits, __global uint *leaves, __gl
             parts = svo_some_parts(SVO_SPREAD_PARTS, svo_reach_own(leaf, nowhere, &reach));
             ++met;
         }
-        if (params.spreads != 0u) {
+        if (params.spreads == SVO_SPREAD_VIEW) {
             spreads[item].parts[k] = parts;
         }
     }
-    if (params.spreads != 0u && count > 0u) {
+    if (params.spreads != SVO_SPREAD_NOTHING && count > 0u) {
         svo_keep_reach(&reach, spreads + item, slots, counters);
     }
-    svo_count_hits(params.spreads != 0u ? met : 0u, counters, scratch);
+    svo_count_hits(svo_counts_hits(&params) ? met : 0u, counters, scratch);
 }
 
 /* ---- sums ---- */

@@ -100,7 +100,15 @@ SVO_RECORD(svo_light_step)
 #define SVO_PHOTON_FREE       17 /* slots without photons, whose numbers follow the counters */
 #define SVO_PHOTON_FIRST_SLOT 18 /* of those that are claimed when no slot is free any more */
 #define SVO_PHOTON_GONE       19 /* slots whose leaves are gone, although photons of theirs stay: 0 */
-#define SVO_PHOTON_COUNTERS   20
+#define SVO_PHOTON_THROUGH    20 /* photons that go through what they met */
+#define SVO_PHOTON_ON         21 /* photons that surfaces have sent on */
+#define SVO_PHOTON_COUNTERS   22
+
+/* What becomes of photons that met something: svo_photon_params.spreads. */
+#define SVO_SPREAD_NOTHING 0u /* their leaves are told, and get no slots */
+#define SVO_SPREAD_VIEW    1u /* those of a view spread, leaves get slots, and hits are counted */
+#define SVO_SPREAD_WHOLE   2u /* each goes to its own leaf; else the same */
+#define SVO_SPREAD_ON      3u /* the same, and hits are not counted: they were */
 
 /* A photon's flux relative to that of a pixel in the middle of the view, 2^31 = 1; 0: none is shot. And 1 / length of
    its direction, 2^31 = 1. 8 bytes. */
@@ -147,9 +155,49 @@ SVO_RECORD(svo_photon_params)
     SVO_U32 leaf_count; /* 12 */
     SVO_U32 triangle_count; /* 16: of those with ids */
     SVO_U32 count; /* 20: photons, slots or leaves of the launch */
-    SVO_U32 spreads; /* 24: not 0: photons of a view spread, leaves get slots, and hits are counted */
+    SVO_U32 spreads; /* 24: SVO_SPREAD_* */
     SVO_F32 cells; /* 28: leaves along a world unit */
 };
+
+/* A photon that does not come from a view. 36 bytes. */
+SVO_RECORD(svo_carried_photon)
+{
+    SVO_U32 flux[6]; /* 0: red, green, blue, 64 bits each; zeros: it has ended */
+    SVO_I32 way[3]; /* 24: its direction, 2^SVO_FLUX_UNIT_LOG2 = 1 */
+};
+
+/* A piece of a triangle in a leaf that emits. 76 bytes. */
+SVO_RECORD(svo_emitter_piece)
+{
+    SVO_F32 corner[3]; /* 0: world units */
+    SVO_F32 first_edge[3]; /* 12: to the second corner */
+    SVO_F32 second_edge[3]; /* 24: to the third one */
+    SVO_I32 normal[3]; /* 36: of either side, 2^SVO_FLUX_UNIT_LOG2 = 1 */
+    SVO_U32 end; /* 48: photons of this piece and those before */
+    SVO_U32 flux[6]; /* 52: of each photon: red, green, blue, 64 bits each */
+};
+
+/* Arguments of the kernels of photons that go on: through what shows in part, from what emits or from what they met.
+   48 bytes. */
+SVO_RECORD(svo_onward_params)
+{
+    SVO_U32 count; /* 0: photons of the launch */
+    SVO_U32 seed; /* 4: of the numbers that decide; another one for each view, bounce and layer */
+    SVO_U32 first; /* 8: of the launch's photons that leave pieces of triangles */
+    SVO_U32 piece_count; /* 12 */
+    SVO_U32 flags; /* 16: SVO_ONWARD_* */
+    SVO_U32 leaf_begin; /* 20: the first leaf's place in the payload */
+    SVO_F32 offset; /* 24: from a surface to a ray that leaves it, world units */
+    SVO_U32 least[2]; /* 28: photons with less flux in all channels end; 64 bits */
+    SVO_U32 through; /* 36: what SVO_PHOTON_THROUGH has counted before */
+    SVO_U32 reserved[2]; /* 40 */
+};
+
+#define SVO_ONWARD_COLORS    1u /* the tree has colors */
+#define SVO_ONWARD_ONE_COLOR 2u /* for all nodes */
+#define SVO_ONWARD_VIEW      4u /* photons are those of a view, and carry nothing yet */
+#define SVO_ONWARD_LISTED    8u /* photons are listed: they have been searched behind what they met */
+#define SVO_ONWARD_LAST      16u /* they stop at what they meet */
 
 /* Arguments of the kernel that finds photons whose rays meet what changed. 32 bytes. */
 SVO_RECORD(svo_crossing_params)
@@ -308,6 +356,9 @@ SVO_ASSERT_BYTES(svo_photon_weight, 8);
 SVO_ASSERT_BYTES(svo_photon_spread, 48);
 SVO_ASSERT_BYTES(svo_light_view_params, 108);
 SVO_ASSERT_BYTES(svo_photon_params, 32);
+SVO_ASSERT_BYTES(svo_carried_photon, 36);
+SVO_ASSERT_BYTES(svo_emitter_piece, 76);
+SVO_ASSERT_BYTES(svo_onward_params, 48);
 SVO_ASSERT_BYTES(svo_crossing_params, 32);
 SVO_ASSERT_BYTES(svo_unmet_params, 48);
 SVO_ASSERT_BYTES(svo_finish_record, 32);

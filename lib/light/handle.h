@@ -4,7 +4,8 @@
  *
  * The room, each file after those that it uses:
  *   source_views      what a light source sees, as pixels
- *   photons           photons of a view into the sums of leaves, and what is kept of them
+ *   kept_photons      what is kept of photons for a changed tree
+ *   photons           photons of a view into the sums of leaves
  *   handle            this: fields, names, description, hash
  *   opacity           the opacity of all nodes, in three forms; what a changed tree keeps of it
  *   radiance_filter   from the radiance of lit leaves to that of all nodes that see them

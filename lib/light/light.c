@@ -256,7 +256,7 @@ static void darken(svo_light *light)
         info->stage_ms[i] = 0;
     }
     info->photons = info->photon_hits = info->lit_leaves = info->missed_leaves = 0;
-    info->traced_photons = info->kept_bytes = 0;
+    info->traced_photons = info->kept_bytes = info->sent_photons = 0;
     info->flux[0] = info->flux[1] = info->flux[2] = info->lost_flux = 0;
     light->params.sky[0] = light->params.sky[1] = light->params.sky[2] = 0.0F;
 }
@@ -299,7 +299,10 @@ static svo_status set(svo_light *light, const char *name, const svo_light_setup 
 {
     svo_light_setup shining = *setup;
     svo_status status = SVO_OK;
-    shining.source_count = setup->no_photons != 0 ? 0 : setup->source_count;
+    if (setup->no_photons != 0) {
+        shining.source_count = 0;
+        shining.emission_photons = 0;
+    }
     if (light->options.no_cones == 0) {
         SVO_I_TRY_CLEANUP(shine(light, name, &shining, caster, queue));
     }

@@ -3,6 +3,10 @@
  * Photons into leaves, in bands of a view: weights from the host, rays, hits by the batches of lib/rays, the leaf of
  * each hit, and sums. Which leaves get light is not known before, so they claim slots among the sums, which grow. What
  * is kept of photons receives a copy of each band; shoot.c shoots again from it.
+ *
+ * Where the tree shows in part, photons go on behind what they met as its alpha tells. With bounces each band goes on
+ * from what it met, with what albedos leave of its flux, as often as asked or until too little is left. Photons of
+ * triangles that emit come in bands, too: kernels/light/sent_photons.cl.
  */
 #include "light/photons.h"
 
@@ -14,171 +18,13 @@
 #include "rays/rays.h"
 #include "svocl/trace.h"
 
+/* A photon ends where it carries less than this part of what the brightest began with. */
+#define LEAST_FLUX_LOG2 12
+/* Photons stop at what they meet behind so many layers that show in part. */
+#define LAYERS_MAX 64u
+
 /* The first room for slots. */
 #define FIRST_SLOTS (UINT32_C(1) << 16)
-
-/* ---- what is kept ---- */
-
-svo_status svo_i_kept_tree_read(svo_i_device_work *work, const svo_tree *tree, svo_i_kept_tree *out)
-{
-    static const svo_tree_buffer buffers[3] = {SVO_TREE_COLORS, SVO_TREE_NORMALS, SVO_TREE_MATERIALS};
-    const svo_tree_info *info = &tree->info;
-    *out = (svo_i_kept_tree){.need = info->need, .constant = info->constant, .weights = info->weights};
-    SVO_I_TRY(svo_tree_get_grid(tree, &out->grid));
-    for (size_t i = 0; i < 3; ++i) {
-        if (svo_i_tree_is_constant(info, buffers[i])) {
-            SVO_I_TRY(svo_i_work_read(work, tree->buffers[buffers[i]], 0, &out->constants[i],
-                                      svo_i_tree_element_bytes(buffers[i])));
-        }
-    }
-    return SVO_OK;
-}
-
-bool svo_i_kept_tree_is_same(const svo_i_kept_tree *a, const svo_i_kept_tree *b)
-{
-    bool same = a->grid.depth == b->grid.depth && a->grid.snap_bits == b->grid.snap_bits &&
-                a->grid.scale == b->grid.scale && a->need == b->need && a->constant == b->constant &&
-                a->weights == b->weights;
-    for (int i = 0; i < 3; ++i) {
-        same = same && a->grid.origin[i] == b->grid.origin[i] && a->constants[i] == b->constants[i];
-    }
-    return same;
-}
-
-static bool is_same_box(const svo_i_lit_box *a, const svo_i_lit_box *b)
-{
-    bool same = a->leaf_edge == b->leaf_edge;
-    for (int axis = 0; axis < 3; ++axis) {
-        same = same && a->low[axis] == b->low[axis] && a->high[axis] == b->high[axis];
-    }
-    return same;
-}
-
-svo_status svo_i_kept_fits(const svo_i_kept_photons *kept, svo_i_device_work *work, const svo_tree *tree,
-                           const svo_i_lit_box *box, bool *fits)
-{
-    svo_i_kept_tree now;
-    SVO_I_TRY(svo_i_kept_tree_read(work, tree, &now));
-    *fits = kept->whole && is_same_box(box, &kept->box) && svo_i_kept_tree_is_same(&now, &kept->tree);
-    return SVO_OK;
-}
-
-static void release_buffers(svo_i_kept_photons *kept)
-{
-    cl_mem *const buffers[] = {&kept->weights, &kept->ends,  &kept->spreads,  &kept->sums,
-                               &kept->users,   &kept->codes, &kept->radiance, &kept->bits};
-    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; ++i) {
-        svo_i_buffer_release(buffers[i]);
-    }
-    svo_i_free(kept->views);
-}
-
-void svo_i_kept_destroy(svo_i_kept_photons **kept)
-{
-    if (*kept != NULL) {
-        release_buffers(*kept);
-        svo_i_free(*kept);
-        *kept = NULL;
-    }
-}
-
-/* Lists the views of a setup as svo_i_light_shine shoots them. kept->views: room for them; NULL: they are counted. */
-static svo_status list_views(svo_i_kept_photons *kept, svo_i_device_work *work, const svo_light_setup *setup)
-{
-    svo_i_light_view views[SVO_I_VIEWS_OF_ONE_MAX];
-    uint64_t photons = 0;
-    kept->view_count = 0;
-    for (size_t i = 0; i < setup->source_count; ++i) {
-        const svo_light_source *source = &setup->sources[i];
-        const uint32_t count =
-            svo_i_source_is_dark(source) ? 0 : svo_i_light_views(source, &kept->box, setup->view_resolution, views);
-        for (uint32_t k = 0; k < count; ++k) {
-            if (kept->views != NULL) {
-                kept->views[kept->view_count] =
-                    (svo_i_kept_view){.photon_count = views[k].photon_count, .first = (uint32_t)photons};
-            }
-            photons += views[k].photon_count;
-            ++kept->view_count;
-        }
-    }
-    kept->photon_count = (uint32_t)photons;
-    return photons <= UINT32_MAX
-               ? SVO_OK
-               : svo_i_device_fail(kept->device, SVO_UNSUPPORTED, "%s: setup.updatable: %llu photons are above %u",
-                                   work->function, (unsigned long long)photons, UINT32_MAX);
-}
-
-static svo_status make_views(svo_i_kept_photons *kept, svo_i_device_work *work, const svo_light_setup *setup)
-{
-    SVO_I_TRY(list_views(kept, work, setup));
-    kept->views = svo_i_alloc_zeroed(&kept->device->memory, kept->view_count + 1, sizeof *kept->views);
-    if (kept->views == NULL) {
-        return svo_i_device_fail(kept->device, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %zu views", work->function,
-                                 kept->view_count);
-    }
-    return list_views(kept, work, setup);
-}
-
-svo_status svo_i_kept_begin(svo_i_kept_photons *kept, svo_i_device_work *work, const svo_tree *tree,
-                            const svo_light_setup *setup, const svo_i_lit_box *box, bool has_directions)
-{
-    release_buffers(kept);
-    *kept = (svo_i_kept_photons){.device = tree->device, .has_directions = has_directions, .box = *box};
-    SVO_I_TRY(svo_i_kept_tree_read(work, tree, &kept->tree));
-    SVO_I_TRY(make_views(kept, work, setup));
-    const uint64_t photons = kept->photon_count;
-    SVO_I_TRY(svo_i_work_result(work, "kept_weights", photons * sizeof(svo_photon_weight), &kept->weights));
-    SVO_I_TRY(svo_i_work_result(work, "kept_ends", photons * sizeof(cl_float4), &kept->ends));
-    return svo_i_work_result(work, "kept_spreads", photons / SVO_ITEM_PHOTONS * sizeof(svo_photon_spread),
-                             &kept->spreads);
-}
-
-/* Replaces a buffer by a larger one, whose new part is filled with a word. */
-static svo_status grow(svo_i_device_work *work, const char *name, uint64_t old_bytes, uint64_t bytes, cl_uint word,
-                       cl_mem *buffer)
-{
-    cl_mem larger = NULL;
-    svo_status status = SVO_OK;
-    SVO_I_TRY(svo_i_work_result(work, name, bytes, &larger));
-    SVO_I_TRY_CLEANUP(svo_i_work_fill(work, larger, word, bytes));
-    SVO_I_TRY_CLEANUP(svo_i_work_copy(work, *buffer, 0, larger, 0, old_bytes));
-    SVO_I_TRY_CLEANUP(svo_i_work_wait(work));
-    svo_i_buffer_release(buffer);
-    *buffer = larger;
-    return SVO_OK;
-cleanup:
-    (void)svo_i_work_wait(work);
-    svo_i_buffer_release(&larger);
-    return status;
-}
-
-/* Gives slots more room. slot_bytes, radiance_bytes: of one. */
-static svo_status grow_kept(svo_i_kept_photons *kept, svo_i_device_work *work, uint64_t room, uint64_t slot_bytes,
-                            uint64_t radiance_bytes)
-{
-    const uint64_t old = kept->slot_room;
-    SVO_I_TRY(grow(work, "kept_sums", old * slot_bytes, room * slot_bytes, 0, &kept->sums));
-    SVO_I_TRY(grow(work, "kept_users", old * sizeof(cl_uint), room * sizeof(cl_uint), 0, &kept->users));
-    SVO_I_TRY(grow(work, "kept_codes", old * sizeof(cl_ulong), room * sizeof(cl_ulong), SVO_SLOT_NONE, &kept->codes));
-    SVO_I_TRY(grow(work, "kept_radiance", old * radiance_bytes, room * radiance_bytes, 0, &kept->radiance));
-    SVO_I_TRY(grow(work, "kept_bits", old * sizeof(cl_uint), room * sizeof(cl_uint), SVO_SLOT_STALE, &kept->bits));
-    kept->slot_room = room;
-    return SVO_OK;
-}
-
-svo_status svo_i_kept_use(const svo_i_kept_photons *kept, svo_i_device_work *work)
-{
-    return svo_i_work_use(work, &svo_i_program_kept_photons,
-                          kept->has_directions ? " -DSVO_SORT -DSVO_LIGHT_FACES" : " -DSVO_SORT");
-}
-
-/* The photons that are shot next are those of the next view, whose params are known now but for kept_first. */
-static void next_view(svo_i_kept_photons *kept, svo_light_view_params *params)
-{
-    svo_i_kept_view *view = &kept->views[kept->shot_views++];
-    params->kept_first = view->first;
-    view->params = *params;
-}
 
 /* ---- buffers ---- */
 
@@ -207,8 +53,8 @@ static svo_status make_sums(svo_i_photons *photons, uint64_t room)
     svo_i_kept_photons *kept = photons->kept;
     cl_mem larger = NULL;
     if (kept != NULL) {
-        SVO_I_TRY(grow_kept(kept, photons->work, room, sum_bytes(photons, 1),
-                            svo_i_photons_values_of_leaf(photons) * sizeof(cl_uint)));
+        SVO_I_TRY(svo_i_kept_grow(kept, photons->work, room, sum_bytes(photons, 1),
+                                  svo_i_photons_values_of_leaf(photons) * sizeof(cl_uint)));
         photons->sums = kept->sums;
     } else {
         SVO_I_TRY(svo_i_work_alloc(photons->work, "photon_sums", sum_bytes(photons, room), &larger));
@@ -232,6 +78,17 @@ static svo_status begin_sums(svo_i_photons *photons)
     return make_sums(photons, leaves < FIRST_SLOTS ? leaves : FIRST_SLOTS);
 }
 
+svo_status svo_i_photons_see_alpha(svo_i_photons *photons)
+{
+    const svo_tree *tree = photons->tree;
+    uint8_t root[4] = {255, 255, 255, 255};
+    if ((tree->info.need & SVO_NEED_COLOR) != 0) {
+        SVO_I_TRY(svo_i_work_read(photons->work, tree->buffers[SVO_TREE_COLORS], 0, root, sizeof root));
+    }
+    photons->is_clear = photons->of_triangles && root[3] != 255;
+    return SVO_OK;
+}
+
 svo_status svo_i_photons_begin(svo_i_device_work *work, svo_tree *tree, bool has_directions, double unit,
                                svo_i_kept_photons *kept, svo_i_photons *out)
 {
@@ -242,6 +99,7 @@ svo_status svo_i_photons_begin(svo_i_device_work *work, svo_tree *tree, bool has
                            .tree = tree,
                            .has_directions = has_directions,
                            .of_triangles = svo_i_rays_of_triangles(info),
+                           .bounces = 1,
                            .unit = unit,
                            .kept = kept};
     SVO_I_TRY(svo_i_work_alloc(work, "photon_slots", slot_bytes, &out->slots));
@@ -251,8 +109,27 @@ svo_status svo_i_photons_begin(svo_i_device_work *work, svo_tree *tree, bool has
     return svo_i_work_fill_zero(work, out->counters, SVO_PHOTON_COUNTERS * sizeof(cl_uint));
 }
 
+/* What only some photons need. */
+static svo_status make_onward_bands(svo_i_photons *photons, bool is_carried)
+{
+    svo_i_device_work *work = photons->work;
+    const uint64_t list_bytes = SVO_I_BAND_PHOTONS * sizeof(cl_uint);
+    if (is_carried && photons->carried == NULL) {
+        SVO_I_TRY(svo_i_work_alloc(work, "photons_carried", SVO_I_BAND_PHOTONS * sizeof(svo_carried_photon),
+                                   &photons->carried));
+    }
+    if (!photons->is_clear || photons->behind != NULL) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(svo_i_work_alloc(work, "photon_lists", list_bytes, &photons->lists[0]));
+    SVO_I_TRY(svo_i_work_alloc(work, "photon_lists", list_bytes, &photons->lists[1]));
+    SVO_I_TRY(svo_i_work_alloc(work, "photon_found", SVO_I_BAND_PHOTONS * sizeof(svo_hit), &photons->found));
+    return svo_i_work_alloc(work, "photon_behind", SVO_I_BAND_PHOTONS * sizeof(svo_ray), &photons->behind);
+}
+
 svo_status svo_i_photons_make_bands(svo_i_photons *photons)
 {
+    SVO_I_TRY(make_onward_bands(photons, photons->bounces > 1));
     if (photons->leaves != NULL) {
         return SVO_OK;
     }
@@ -279,6 +156,11 @@ void svo_i_photons_release_bands(svo_i_photons *photons)
     svo_i_work_free(photons->work, &photons->met);
     svo_i_work_free(photons->work, &photons->spreads);
     svo_i_work_free(photons->work, &photons->leaves);
+    svo_i_work_free(photons->work, &photons->carried);
+    svo_i_work_free(photons->work, &photons->behind);
+    svo_i_work_free(photons->work, &photons->found);
+    svo_i_work_free(photons->work, &photons->lists[0]);
+    svo_i_work_free(photons->work, &photons->lists[1]);
     svo_i_free(photons->host_weights);
     photons->host_weights = NULL;
 }
@@ -310,13 +192,13 @@ svo_status svo_i_photons_make_room(svo_i_photons *photons)
 
 /* ---- a band ---- */
 
-/* What a band's rays meet. */
-static svo_status trace_band(svo_i_photons *photons, uint32_t count)
+/* What rays meet. */
+static svo_status trace_rays(svo_i_photons *photons, cl_mem from, cl_mem hits, uint32_t count)
 {
     svo_i_device_work *work = photons->work;
     cl_event done = NULL;
-    const svo_array rays = svo_in_buffer(photons->rays);
-    const svo_array met = svo_in_buffer(photons->met);
+    const svo_array rays = svo_in_buffer(from);
+    const svo_array met = svo_in_buffer(hits);
     const svo_submit submit = {.queue = work->queue, .num_wait = 1, .wait = &work->last, .event = &done};
     const svo_status status =
         photons->of_triangles
@@ -330,30 +212,36 @@ static svo_status trace_band(svo_i_photons *photons, uint32_t count)
     return SVO_OK;
 }
 
-/* The leaves of that. view: whose photons they are: then they spread, the leaves get slots, and hits are counted; NULL:
-   of none. */
-static svo_status find_leaves(svo_i_photons *photons, const svo_light_view_params *view, uint32_t count)
+static svo_photon_params make_params(const svo_i_photons *photons, uint32_t count, uint32_t spreads)
 {
-    static const svo_light_view_params no_view = {.count = 0};
     const svo_tree *tree = photons->tree;
     const double leaf_edge = ldexp(1 / tree->info.scale, (int)(tree->info.snap_bits - tree->info.depth));
-    const svo_photon_params params = {.depth = tree->info.depth,
-                                      .snap_bits = tree->info.snap_bits,
-                                      .leaf_begin = (cl_uint)tree->info.inner_count,
-                                      .leaf_count = (cl_uint)tree->info.leaf_count,
-                                      .triangle_count = (cl_uint)tree->info.list_triangle_count,
-                                      .count = count,
-                                      .spreads = view != NULL ? 1 : 0,
-                                      .cells = (cl_float)(1 / leaf_edge)};
+    return (svo_photon_params){.depth = tree->info.depth,
+                               .snap_bits = tree->info.snap_bits,
+                               .leaf_begin = (cl_uint)tree->info.inner_count,
+                               .leaf_count = (cl_uint)tree->info.leaf_count,
+                               .triangle_count = (cl_uint)tree->info.list_triangle_count,
+                               .count = count,
+                               .spreads = spreads,
+                               .cells = (cl_float)(1 / leaf_edge)};
+}
+
+/* The arguments of a tree with leaf lists. */
+#define LIST_ARGUMENTS(tree)                                                                                     \
+    SVO_I_ARGUMENT((tree)->buffers[SVO_TREE_CHILD_MASK]), SVO_I_ARGUMENT((tree)->buffers[SVO_TREE_FIRST_CHILD]), \
+        SVO_I_ARGUMENT((tree)->buffers[SVO_TREE_LIST_BEGIN]), SVO_I_ARGUMENT((tree)->buffers[SVO_TREE_LIST]),    \
+        SVO_I_ARGUMENT((tree)->buffers[SVO_TREE_VERTICES]), SVO_I_ARGUMENT((tree)->buffers[SVO_TREE_INDICES]),   \
+        SVO_I_ARGUMENT((tree)->buffers[SVO_TREE_TRIANGLE_IDS])
+
+/* The leaves of that. spreads: SVO_SPREAD_*; view: whose photons they are, for SVO_SPREAD_VIEW. */
+static svo_status find_leaves(svo_i_photons *photons, uint32_t spreads, const svo_light_view_params *view,
+                              uint32_t count)
+{
+    static const svo_light_view_params no_view = {.count = 0};
+    const svo_photon_params params = make_params(photons, count, spreads);
     const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
     const uint64_t items = (count + SVO_ITEM_PHOTONS - 1) / SVO_ITEM_PHOTONS;
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
-                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
-                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST_BEGIN]),
-                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST]),
-                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_VERTICES]),
-                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_INDICES]),
-                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_TRIANGLE_IDS]),
+    const svo_i_argument arguments[] = {LIST_ARGUMENTS(photons->tree),
                                         SVO_I_ARGUMENT(photons->met),
                                         SVO_I_ARGUMENT(photons->leaves),
                                         SVO_I_ARGUMENT(photons->spreads),
@@ -370,18 +258,197 @@ static svo_status find_leaves(svo_i_photons *photons, const svo_light_view_param
                : svo_i_work_launch(photons->work, "svo_k_voxel_find", of_voxels, argument_count - 9, items);
 }
 
+/* ---- photons that go on ---- */
+
+static svo_status use_sent(const svo_i_photons *photons)
+{
+    return svo_i_work_use(photons->work, &svo_i_program_sent_photons,
+                          photons->has_directions ? " -DSVO_LIGHT_FACES" : "");
+}
+
+/* What the kernels of photons that go on need to know of the tree. As kernels/light/surface.clh has it, rays leave a
+   triangle by 2^-18 of the grid, and voxels by 1.75 of theirs. */
+static svo_onward_params make_onward(const svo_i_photons *photons, uint32_t first, uint32_t count, uint32_t flags)
+{
+    const svo_tree_info *info = &photons->tree->info;
+    const double grid = ldexp(1 / info->scale, (int)info->snap_bits);
+    const double offset = photons->of_triangles ? ldexp(grid, -18) : 1.75 * ldexp(grid, -(int)info->depth);
+    return (svo_onward_params){.count = count,
+                               .first = first,
+                               .flags = flags | ((info->need & SVO_NEED_COLOR) != 0 ? SVO_ONWARD_COLORS : 0) |
+                                        (svo_i_tree_is_constant(info, SVO_TREE_COLORS) ? SVO_ONWARD_ONE_COLOR : 0),
+                               .leaf_begin = (cl_uint)(info->inner_count - info->level_begin[info->payload_level]),
+                               .offset = (cl_float)offset};
+}
+
+/* The seed of the numbers of photons: of a view, a bounce and a layer. */
+static uint32_t make_seed(const svo_i_photons *photons, uint32_t bounce, uint32_t layer)
+{
+    return ((photons->views * 64 + bounce) * LAYERS_MAX + layer) * 4;
+}
+
+/* Which photons of a launch go on behind what they met. view: whose photons they are. */
+static svo_status list_through(svo_i_photons *photons, const svo_light_view_params *view, uint32_t bounce,
+                               uint32_t layer, uint32_t count, uint32_t *listed)
+{
+    const svo_photon_params params = make_params(photons, count, SVO_SPREAD_NOTHING);
+    svo_onward_params onward =
+        make_onward(photons, view->first, count,
+                    (layer > 0 ? SVO_ONWARD_LISTED : 0) | (layer + 1 == LAYERS_MAX ? SVO_ONWARD_LAST : 0));
+    onward.seed = make_seed(photons, bounce, layer);
+    onward.through = photons->through;
+    const svo_i_argument arguments[] = {LIST_ARGUMENTS(photons->tree),
+                                        SVO_I_ARGUMENT(photons->tree->buffers[SVO_TREE_COLORS]),
+                                        SVO_I_ARGUMENT(photons->rays),
+                                        SVO_I_ARGUMENT(photons->met),
+                                        SVO_I_ARGUMENT(photons->found),
+                                        SVO_I_ARGUMENT(photons->behind),
+                                        SVO_I_ARGUMENT(photons->lists[layer % 2]),
+                                        SVO_I_ARGUMENT(photons->lists[(layer + 1) % 2]),
+                                        SVO_I_ARGUMENT(photons->counters),
+                                        SVO_I_ARGUMENT(photons->groups),
+                                        SVO_I_ARGUMENT(params),
+                                        SVO_I_ARGUMENT(onward),
+                                        SVO_I_ARGUMENT(*view)};
+    cl_uint counted = 0;
+    SVO_I_TRY(use_sent(photons));
+    SVO_I_TRY(svo_i_work_launch(photons->work, "svo_k_photon_through", SVO_I_ARGUMENTS(arguments), count));
+    SVO_I_TRY(svo_i_work_read(photons->work, photons->counters, SVO_PHOTON_THROUGH * sizeof counted, &counted,
+                              sizeof counted));
+    *listed = counted - photons->through;
+    photons->through = counted;
+    return SVO_OK;
+}
+
+/* What a band's rays meet, through what shows in part. bounce: of the photons; view: whose they are. */
+static svo_status trace_band(svo_i_photons *photons, const svo_light_view_params *view, uint32_t bounce, uint32_t count)
+{
+    SVO_I_TRY(trace_rays(photons, photons->rays, photons->met, count));
+    if (!photons->is_clear) {
+        return SVO_OK;
+    }
+    uint32_t listed = count;
+    for (uint32_t layer = 0; layer < LAYERS_MAX && listed > 0; ++layer) {
+        SVO_I_TRY(list_through(photons, view, bounce, layer, listed, &listed));
+        SVO_I_TRY(listed > 0 ? trace_rays(photons, photons->behind, photons->found, listed) : SVO_OK);
+    }
+    return svo_i_photons_use(photons);
+}
+
+/* Photons of a band that carry their flux come to leaves. */
+static svo_status land(svo_i_photons *photons, const svo_onward_params *onward, uint32_t spreads)
+{
+    SVO_I_TRY(svo_i_photons_use(photons));
+    SVO_I_TRY(find_leaves(photons, spreads, NULL, onward->count));
+    SVO_I_TRY(svo_i_photons_make_room(photons));
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(photons->carried), SVO_I_ARGUMENT(photons->met),
+                                        SVO_I_ARGUMENT(photons->leaves),  SVO_I_ARGUMENT(photons->slots),
+                                        SVO_I_ARGUMENT(photons->sums),    SVO_I_ARGUMENT(photons->counters),
+                                        SVO_I_ARGUMENT(*onward)};
+    SVO_I_TRY(use_sent(photons));
+    return svo_i_work_launch(photons->work, "svo_k_photon_land", SVO_I_ARGUMENTS(arguments), onward->count);
+}
+
+/* Surfaces send the photons of a band on. going: receives how many. */
+static svo_status send(svo_i_photons *photons, const svo_light_view_params *view, const svo_onward_params *onward,
+                       uint32_t *going)
+{
+    const svo_i_argument scratch = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
+    const svo_i_argument arguments[] = {
+        SVO_I_ARGUMENT(photons->weights),  SVO_I_ARGUMENT(photons->met),
+        SVO_I_ARGUMENT(photons->leaves),   SVO_I_ARGUMENT(photons->tree->buffers[SVO_TREE_COLORS]),
+        SVO_I_ARGUMENT(photons->rays),     SVO_I_ARGUMENT(photons->carried),
+        SVO_I_ARGUMENT(photons->counters), scratch,
+        SVO_I_ARGUMENT(*onward),           SVO_I_ARGUMENT(*view)};
+    cl_uint counted = 0;
+    SVO_I_TRY(use_sent(photons));
+    SVO_I_TRY(svo_i_work_launch(photons->work, "svo_k_photon_send", SVO_I_ARGUMENTS(arguments), onward->count));
+    SVO_I_TRY(
+        svo_i_work_read(photons->work, photons->counters, SVO_PHOTON_ON * sizeof counted, &counted, sizeof counted));
+    *going = counted - (cl_uint)photons->sent;
+    photons->sent += *going;
+    return SVO_OK;
+}
+
+/* Sends a band on from what it met, until no photon is left. brightest: the most that one began with; of_view: they
+   carry nothing yet. */
+static svo_status send_on(svo_i_photons *photons, const svo_light_view_params *view, uint64_t brightest, bool of_view)
+{
+    const uint64_t least = brightest >> LEAST_FLUX_LOG2;
+    uint32_t going = view->count;
+    for (uint32_t bounce = 1; bounce < photons->bounces && going > 0; ++bounce) {
+        const double start = svo_i_now_ms();
+        svo_onward_params onward =
+            make_onward(photons, view->first, view->count, of_view && bounce == 1 ? SVO_ONWARD_VIEW : 0);
+        onward.seed = make_seed(photons, bounce, 0) + 1;
+        onward.least[0] = (cl_uint)least;
+        onward.least[1] = (cl_uint)(least >> 32);
+        SVO_I_TRY(send(photons, view, &onward, &going));
+        SVO_I_TRY(going > 0 ? trace_band(photons, view, bounce, view->count) : SVO_OK);
+        SVO_I_TRY(svo_i_work_wait(photons->work));
+        const double seen = svo_i_now_ms();
+        SVO_I_TRY(going > 0 ? land(photons, &onward, SVO_SPREAD_ON) : SVO_OK);
+        SVO_I_TRY(svo_i_work_wait(photons->work));
+        photons->view_ms += seen - start;
+        photons->sum_ms += svo_i_now_ms() - seen;
+    }
+    return svo_i_photons_use(photons);
+}
+
+static svo_status emit_band(svo_i_photons *photons, cl_mem pieces, uint32_t piece_count,
+                            const svo_light_view_params *view)
+{
+    const double start = svo_i_now_ms();
+    svo_onward_params onward = make_onward(photons, view->first, view->count, 0);
+    onward.seed = make_seed(photons, 0, 0) + 1;
+    onward.piece_count = piece_count;
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(pieces), SVO_I_ARGUMENT(photons->rays),
+                                        SVO_I_ARGUMENT(photons->carried), SVO_I_ARGUMENT(onward)};
+    SVO_I_TRY(use_sent(photons));
+    SVO_I_TRY(svo_i_work_launch(photons->work, "svo_k_photon_emit", SVO_I_ARGUMENTS(arguments), view->count));
+    SVO_I_TRY(trace_band(photons, view, 0, view->count));
+    SVO_I_TRY(svo_i_work_wait(photons->work));
+    const double seen = svo_i_now_ms();
+    SVO_I_TRY(land(photons, &onward, SVO_SPREAD_WHOLE));
+    SVO_I_TRY(svo_i_work_wait(photons->work));
+    photons->view_ms += seen - start;
+    photons->sum_ms += svo_i_now_ms() - seen;
+    return SVO_OK;
+}
+
+svo_status svo_i_photons_emit(svo_i_photons *photons, cl_mem pieces, uint32_t piece_count, uint32_t photon_count,
+                              uint64_t brightest)
+{
+    svo_light_view_params view = {.count = 0};
+    SVO_I_TRY(make_onward_bands(photons, true));
+    SVO_I_TRY(svo_i_photons_make_bands(photons));
+    for (; view.first < photon_count; view.first += view.count) {
+        view.count = photon_count - view.first < SVO_I_BAND_PHOTONS ? photon_count - view.first : SVO_I_BAND_PHOTONS;
+        SVO_I_TRY(emit_band(photons, pieces, piece_count, &view));
+        SVO_I_TRY(send_on(photons, &view, brightest, false));
+    }
+    photons->shot += photon_count;
+    photons->traced += photon_count;
+    ++photons->views;
+    return svo_i_photons_use(photons);
+}
+
+/* ---- a band of a view ---- */
+
 /* What a band's photons meet. */
 static svo_status see_band(svo_i_photons *photons, const svo_light_view_params *params)
 {
     svo_i_device_work *work = photons->work;
     const svo_i_argument rays[] = {SVO_I_ARGUMENT(photons->weights), SVO_I_ARGUMENT(photons->rays),
                                    SVO_I_ARGUMENT(photons->groups), SVO_I_ARGUMENT(*params)};
+    if (photons->caster == NULL || photons->bounces > 1) {
+        SVO_I_TRY(svo_i_work_launch(work, "svo_k_light_rays", SVO_I_ARGUMENTS(rays), params->count));
+    }
     if (photons->caster != NULL) {
         SVO_I_TRY(svo_i_work_wait(work));
         return photons->caster->cast(photons->caster->self, params, photons->host_weights, work->queue, photons->met);
     }
-    SVO_I_TRY(svo_i_work_launch(work, "svo_k_light_rays", SVO_I_ARGUMENTS(rays), params->count));
-    SVO_I_TRY(trace_band(photons, params->count));
+    SVO_I_TRY(trace_band(photons, params, 0, params->count));
     return svo_i_work_wait(work);
 }
 
@@ -399,6 +466,17 @@ static svo_status keep_band(const svo_i_photons *photons, const svo_light_view_p
     return svo_i_photons_use(photons);
 }
 
+/* The most that a photon of a view has in a channel. */
+static uint64_t brightest_of(const svo_light_view_params *params)
+{
+    uint64_t most = 0;
+    for (size_t channel = 0; channel < 3; ++channel) {
+        const uint64_t flux = (uint64_t)params->flux[2 * channel + 1] << 32 | params->flux[2 * channel];
+        most = flux > most ? flux : most;
+    }
+    return most;
+}
+
 svo_status svo_i_photons_shoot_weighed(svo_i_photons *photons, const svo_light_view_params *params)
 {
     svo_i_device_work *work = photons->work;
@@ -409,7 +487,7 @@ svo_status svo_i_photons_shoot_weighed(svo_i_photons *photons, const svo_light_v
         SVO_I_ARGUMENT(photons->counters), SVO_I_ARGUMENT(photons->groups), SVO_I_ARGUMENT(*params)};
     SVO_I_TRY(see_band(photons, params));
     const double seen = svo_i_now_ms();
-    SVO_I_TRY(find_leaves(photons, params, params->count));
+    SVO_I_TRY(find_leaves(photons, SVO_SPREAD_VIEW, params, params->count));
     SVO_I_TRY(svo_i_photons_make_room(photons));
     SVO_I_TRY(svo_i_work_launch(work, "svo_k_photon_add", SVO_I_ARGUMENTS(add),
                                 (params->count + SVO_ITEM_PHOTONS - 1) / SVO_ITEM_PHOTONS));
@@ -417,7 +495,7 @@ svo_status svo_i_photons_shoot_weighed(svo_i_photons *photons, const svo_light_v
     SVO_I_TRY(svo_i_work_wait(work));
     photons->view_ms += seen - start;
     photons->sum_ms += svo_i_now_ms() - seen;
-    return SVO_OK;
+    return photons->bounces > 1 ? send_on(photons, params, brightest_of(params), true) : SVO_OK;
 }
 
 static svo_status shoot_band(svo_i_photons *photons, const svo_i_light_view *view, const svo_light_view_params *params)
@@ -455,9 +533,11 @@ svo_status svo_i_photons_shoot(svo_i_photons *photons, const svo_i_light_view *v
         params.flux[2 * channel + 1] = (cl_uint)(flux >> 32);
     }
     if (photons->kept != NULL) {
-        next_view(photons->kept, &params);
+        svo_i_kept_next_view(photons->kept, &params);
     }
-    return shoot_bands(photons, view, &params);
+    SVO_I_TRY(shoot_bands(photons, view, &params));
+    ++photons->views;
+    return SVO_OK;
 }
 
 /* ---- totals ---- */
@@ -496,8 +576,8 @@ static svo_status look_at_band(svo_i_photons *photons, const svo_light_source *s
                                     SVO_I_ARGUMENT(photons->counters), SVO_I_ARGUMENT(params->first),
                                     SVO_I_ARGUMENT(params->count)};
     SVO_I_TRY(svo_i_work_launch(photons->work, "svo_k_unmet_rays", SVO_I_ARGUMENTS(rays), params->count));
-    SVO_I_TRY(trace_band(photons, params->count));
-    SVO_I_TRY(find_leaves(photons, NULL, params->count));
+    SVO_I_TRY(trace_rays(photons, photons->rays, photons->met, params->count));
+    SVO_I_TRY(find_leaves(photons, SVO_SPREAD_NOTHING, NULL, params->count));
     return svo_i_work_launch(photons->work, "svo_k_unmet_count", SVO_I_ARGUMENTS(count), params->count);
 }
 

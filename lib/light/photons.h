@@ -1,67 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Photons from light views into the sums of leaves: kernels/light/light_view.cl and photons.cl. Photons and radiance
- * may be kept on the device, so that few are shot again for a changed tree: kernels/light/kept_photons.cl.
- */
+/* Photons from light views into the sums of leaves: kernels/light/light_view.cl and photons.cl. */
 #ifndef SVO_LIB_LIGHT_PHOTONS_H
 #define SVO_LIB_LIGHT_PHOTONS_H
 
-#include "core/tree.h"
-#include "core/work.h"
-#include "light/source_views.h"
-#include "svocl/light.h"
-#include "svocl/nodes.h"
-
-/* ---- what is kept ---- */
-
-/* What two trees have in common where one has what is kept of the other. */
-typedef struct svo_i_kept_tree {
-    svo_grid grid;
-    uint32_t need, constant, weights; /* of svo_tree_info */
-    uint64_t constants[3]; /* of colors, normals and materials, where all nodes have the same; else 0 */
-} svo_i_kept_tree;
-
-svo_status svo_i_kept_tree_read(svo_i_device_work *work, const svo_tree *tree, svo_i_kept_tree *out);
-bool svo_i_kept_tree_is_same(const svo_i_kept_tree *a, const svo_i_kept_tree *b);
-
-/* A view whose photons are kept. */
-typedef struct svo_i_kept_view {
-    svo_light_view_params params; /* but for first and count */
-    uint32_t photon_count;
-    uint32_t first; /* its first photon among all */
-} svo_i_kept_view;
-
-/* The views, and with them their photons, follow from a setup, the grid and the bounds of the leaves. */
-typedef struct svo_i_kept_photons {
-    svo_device *device;
-    bool whole; /* what follows is that of the light's tree */
-    bool has_directions; /* of radiance */
-    svo_i_kept_tree tree;
-    svo_i_lit_box box;
-    svo_i_kept_view *views; /* owned */
-    size_t view_count, shot_views;
-    uint32_t photon_count;
-    cl_mem weights, ends, spreads; /* of photons; of groups: slots, not leaves */
-    cl_mem sums, users, codes; /* of slots */
-    cl_mem radiance, bits; /* of slots: values in the unit, and the bits of the largest or SVO_SLOT_STALE */
-    float unit; /* of that radiance; 0: there is none yet */
-    uint64_t slot_room, slot_count;
-    uint64_t shot, hits;
-    cl_uint lost[6]; /* flux: red, green, blue, 64 bits each */
-} svo_i_kept_photons;
-
-/* Whether what is kept is that of the same views and of leaves with the same kind of payload. */
-svo_status svo_i_kept_fits(const svo_i_kept_photons *kept, svo_i_device_work *work, const svo_tree *tree,
-                           const svo_i_lit_box *box, bool *fits);
-/* Begins anew, for the views of a setup. */
-svo_status svo_i_kept_begin(svo_i_kept_photons *kept, svo_i_device_work *work, const svo_tree *tree,
-                            const svo_light_setup *setup, const svo_i_lit_box *box, bool has_directions);
-/* Selects the program of kept photons. */
-svo_status svo_i_kept_use(const svo_i_kept_photons *kept, svo_i_device_work *work);
-/* NULL allowed; sets it to NULL. */
-void svo_i_kept_destroy(svo_i_kept_photons **kept);
-
-/* ---- photons ---- */
+#include "light/kept_photons.h"
 
 /* What casts photons in place of the tree's rays: svocl::gl, by rasterization. */
 typedef struct svo_i_photon_caster {
@@ -82,6 +24,8 @@ typedef struct svo_i_photons {
     bool has_directions; /* of radiance */
     bool has_lobes; /* a material shines, and the tree has what lobes follow from */
     bool of_triangles; /* that photons meet; else voxels */
+    bool is_clear; /* some of these show in part, and let photons through */
+    uint32_t bounces; /* times that a photon lights a leaf, at most; at least 1 */
     double unit; /* world flux of one */
     cl_mem slots; /* u32 a leaf: its slot, SVO_SLOT_NONE, ... */
     cl_mem sums; /* of the slots */
@@ -94,7 +38,12 @@ typedef struct svo_i_photons {
     uint64_t hits; /* of rays of this call: 64 bits of what the counter has 32 of */
     uint64_t hits_before; /* of photons that are not shot again */
     svo_i_kept_photons *kept; /* owns the sums, and receives what is shot; NULL: nothing is kept */
+    uint64_t sent; /* photons that surfaces sent on, each time */
+    uint32_t through; /* photons that went through what they met, modulo 2^32 */
+    uint32_t views; /* that were shot, and emission */
     cl_mem weights, rays, met, leaves; /* of a band */
+    cl_mem carried; /* svo_carried_photon, of photons that are sent on; NULL: none are */
+    cl_mem behind, found, lists[2]; /* of those that go through what they meet: rays, hits, numbers; NULL: none do */
     cl_mem groups; /* of the photons that are shot; NULL: all of a view */
     svo_photon_weight *host_weights; /* of a band, owned */
     cl_mem spreads; /* svo_photon_spread each SVO_ITEM_PHOTONS of them */
@@ -106,8 +55,14 @@ typedef struct svo_i_photons {
    2^SVO_FLUX_TOTAL_LOG2 of it. kept: NULL: nothing is kept. */
 svo_status svo_i_photons_begin(svo_i_device_work *work, svo_tree *tree, bool has_directions, double unit,
                                svo_i_kept_photons *kept, svo_i_photons *out);
+/* Photons go through what shows in part, if some of the tree does: its root then has an alpha below 1. */
+svo_status svo_i_photons_see_alpha(svo_i_photons *photons);
 /* Shoots all photons of a view. value: red, green, blue of its source. */
 svo_status svo_i_photons_shoot(svo_i_photons *photons, const svo_i_light_view *view, const float value[3]);
+/* Shoots so many photons from pieces of triangles that emit: svo_emitter_piece each, whose ends and flux say how many
+   and what. brightest: the most flux that one has in a channel. */
+svo_status svo_i_photons_emit(svo_i_photons *photons, cl_mem pieces, uint32_t piece_count, uint32_t photon_count,
+                              uint64_t brightest);
 /* Shoots those of a launch whose weights are there. */
 svo_status svo_i_photons_shoot_weighed(svo_i_photons *photons, const svo_light_view_params *params);
 /* Buffers for a band, kept from view to view. */

@@ -18,9 +18,15 @@ typedef struct svo_i_light_record {
     double flux[3], lost_flux;
 } svo_i_light_record;
 
+/* What later versions say of its photons. All 0: nothing. */
+typedef struct svo_i_photon_record {
+    uint32_t emission_photons, bounces, photon_alpha, reserved;
+} svo_i_photon_record;
+
 /* The same in memory. Arrays are borrowed. */
 typedef struct svo_i_stored_light {
     svo_i_light_record record;
+    svo_i_photon_record photons;
     const svo_light_source *sources; /* record.source_count */
     const svo_finish *finishes; /* record.finish_count */
     const float *sky_map; /* sky_width x sky_height texels of three values; NULL: none */

@@ -99,6 +99,13 @@ static svo_status check_list(const svo_light *light, const char *what, const voi
                : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: setup.%s is NULL", set_sources, what);
 }
 
+static svo_status check_most(const svo_light *light, const char *field, uint32_t value, uint32_t most)
+{
+    return value <= most ? SVO_OK
+                         : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: setup.%s %u is above %u",
+                                             set_sources, field, value, most);
+}
+
 svo_status svo_i_light_check_setup(const svo_light *light, const svo_light_setup *setup)
 {
     SVO_I_TRY(check_list(light, "sources", setup->sources, setup->source_count, SVO_I_LIGHT_SOURCES_MAX));
@@ -118,10 +125,9 @@ svo_status svo_i_light_check_setup(const svo_light *light, const svo_light_setup
         }
     }
     SVO_I_TRY(svo_i_light_check_sky(light, set_sources, setup));
-    return setup->view_resolution <= SVO_I_VIEW_PIXELS_MAX
-               ? SVO_OK
-               : svo_i_device_fail(light->device, SVO_INVALID_ARGUMENT, "%s: setup.view_resolution %u is above %u",
-                                   set_sources, setup->view_resolution, SVO_I_VIEW_PIXELS_MAX);
+    SVO_I_TRY(check_most(light, "emission_photons", setup->emission_photons, SVO_EMISSION_PHOTONS_MAX));
+    SVO_I_TRY(check_most(light, "bounces", setup->bounces, SVO_LIGHT_BOUNCES_MAX));
+    return check_most(light, "view_resolution", setup->view_resolution, SVO_I_VIEW_PIXELS_MAX);
 }
 
 /* ---- keeping ---- */

@@ -8,6 +8,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "light/emitters.h"
 #include "light/exchange.h"
 #include "rays/rays.h"
 #include "svocl/plan.h"
@@ -16,6 +17,8 @@
 #define BOUNDS_NODES_MAX (UINT32_C(1) << 18)
 /* Times the largest coordinate: more than the error of places along rays in floats, some of 2^-24. */
 #define BOX_ERROR 0x1p-18
+/* Leaves from what photons go through to the leaf whose alpha counts, at most: beside its cell, and its width. */
+#define CLEAR_REACH 2.5
 
 /* ---- the bounds of the leaves ---- */
 
@@ -219,6 +222,7 @@ static svo_status shoot_groups_of_view(reshoot *a, size_t index)
     const uint32_t photons = a->view_counts[index] * SVO_ITEM_PHOTONS;
     svo_light_view_params params = view->params;
     a->photons->groups = a->groups;
+    a->photons->views = (uint32_t)index;
     a->photons->traced += photons;
     for (uint32_t done = 0; done < photons; done += params.count) {
         params.first = view->first + done;
@@ -253,10 +257,12 @@ static double find_largest(const svo_i_kept_photons *kept, const svo_i_light_cha
     return largest;
 }
 
-/* The boxes for kernels: low x, y, z, high x, y, z, wider by more than the error of floats there. */
+/* The boxes for kernels: low x, y, z, high x, y, z, wider by more than the error of floats there. A leaf that shows in
+   part lets photons through by its alpha, which what a box holds of it changes beside the box, too. */
 static svo_status upload_boxes(reshoot *a, const svo_i_light_changes *changes)
 {
-    const double wider = find_largest(a->kept, changes) * BOX_ERROR;
+    const double alphas = a->kept->is_clear || a->photons->is_clear ? CLEAR_REACH * a->kept->box.leaf_edge : 0;
+    const double wider = find_largest(a->kept, changes) * BOX_ERROR + alphas;
     const size_t bytes = changes->count * 6 * sizeof(cl_float);
     cl_float *boxes = svo_i_alloc(&a->kept->device->memory, bytes + 1);
     if (boxes == NULL) {
@@ -346,11 +352,11 @@ static svo_status shoot_again(svo_i_photons *photons, svo_i_light_before *before
 
 /* ---- what is kept ---- */
 
-/* Whether photons are kept: they meet triangles by rays. */
+/* Whether photons are kept: they meet triangles by rays, come from sources, and end there. */
 static bool is_kept(const svo_light *light, const svo_light_setup *setup, const svo_i_photon_caster *caster)
 {
-    return setup->updatable != 0 && setup->diagnose == 0 && caster == NULL &&
-           svo_i_rays_of_triangles(&light->tree->info);
+    return setup->updatable != 0 && setup->diagnose == 0 && setup->bounces <= 1 && setup->emission_photons == 0 &&
+           caster == NULL && svo_i_rays_of_triangles(&light->tree->info);
 }
 
 /* Begins what is kept, or goes on with it. fits: receives whether few photons need to be shot. */
@@ -400,6 +406,7 @@ static svo_status finish_kept(svo_i_photons *photons, const svo_i_flux_totals *t
 {
     svo_i_kept_photons *kept = photons->kept;
     SVO_I_TRY(name_slots(photons, renewed));
+    kept->is_clear = photons->is_clear;
     kept->slot_count = photons->slot_count;
     kept->shot = photons->shot;
     kept->hits = photons->hits_before + photons->hits;
@@ -413,11 +420,11 @@ static svo_status finish_kept(svo_i_photons *photons, const svo_i_flux_totals *t
 
 /* ---- flux ---- */
 
-/* The flux that all photons can have together, all channels. */
-static double bound_flux(const svo_light_setup *setup, const svo_i_lit_box *box)
+/* The flux that leaves can get from all photons together, all channels. */
+static double bound_flux(const svo_light_setup *setup, const svo_i_lit_box *box, const svo_i_emission *emission)
 {
     svo_i_light_view views[SVO_I_VIEWS_OF_ONE_MAX];
-    double bound = 0;
+    double bound = 3 * emission->power;
     for (size_t i = 0; i < setup->source_count; ++i) {
         const svo_light_source *source = &setup->sources[i];
         const uint32_t count = svo_i_light_views(source, box, setup->view_resolution, views);
@@ -426,7 +433,7 @@ static double bound_flux(const svo_light_setup *setup, const svo_i_lit_box *box)
                      ((double)source->value[0] + (double)source->value[1] + (double)source->value[2]);
         }
     }
-    return bound;
+    return bound * (setup->bounces > 1 ? setup->bounces : 1);
 }
 
 /* The unit of flux: a power of two with which no sum overflows. */
@@ -452,6 +459,7 @@ static svo_status describe_flux(svo_i_photons *photons, svo_light_info *info, sv
     info->photons = photons->shot;
     info->photon_hits = photons->hits_before + photons->hits;
     info->traced_photons = photons->traced;
+    info->sent_photons = photons->sent;
     return SVO_OK;
 }
 
@@ -470,11 +478,46 @@ static bool has_lobes(const svo_light *light, const svo_light_setup *setup)
 
 /* ---- from sources to lit leaves ---- */
 
+/* Lists what emits for photons, if any are asked for. emission: all zero. */
+static svo_status list_emission(svo_i_device_work *work, const svo_light *light, const svo_light_setup *setup,
+                                svo_i_emission *emission)
+{
+    uint64_t *codes = NULL;
+    if (setup->emission_photons == 0 || !svo_i_emission_may_be(light->tree, setup->finishes, setup->finish_count)) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(find_codes(work, light->tree, light->tree->info.depth, &codes));
+    const svo_status status = svo_i_emission_list(work, light, setup, codes, emission);
+    svo_i_free(codes);
+    return status;
+}
+
+/* Shoots the photons of what emits. */
+static svo_status shoot_emission(svo_i_photons *photons, const svo_light_setup *setup, svo_i_emission *emission)
+{
+    svo_i_device_work *work = photons->work;
+    const size_t bytes = emission->count * sizeof *emission->pieces;
+    uint64_t brightest = 0;
+    cl_mem pieces = NULL;
+    if (emission->count == 0) {
+        return SVO_OK;
+    }
+    svo_i_emission_share(emission, setup, setup->emission_photons, photons->unit, &brightest);
+    SVO_I_TRY(svo_i_work_alloc(work, "emitter_pieces", bytes, &pieces));
+    SVO_I_TRY(svo_i_work_write(work, pieces, emission->pieces, bytes));
+    SVO_I_TRY(svo_i_photons_emit(photons, pieces, emission->count, setup->emission_photons, brightest));
+    svo_i_work_free(work, &pieces);
+    return SVO_OK;
+}
+
 /* Shoots all photons, or those that changes concern. */
 static svo_status shoot(svo_i_photons *photons, svo_light *light, const svo_light_setup *setup,
-                        const svo_i_lit_box *box, bool again)
+                        const svo_i_lit_box *box, svo_i_emission *emission, bool again)
 {
     svo_status status = again ? shoot_again(photons, light->before) : shoot_all(photons, setup, box);
+    if (status == SVO_OK) {
+        status = shoot_emission(photons, setup, emission);
+    }
     if (status == SVO_OK && !again && setup->diagnose != 0) {
         status = svo_i_photons_count_unmet(photons, setup, &light->info.missed_leaves);
     }
@@ -482,25 +525,23 @@ static svo_status shoot(svo_i_photons *photons, svo_light *light, const svo_ligh
     return status;
 }
 
-svo_status svo_i_light_shine(svo_i_device_work *work, svo_light *light, const svo_light_setup *setup,
-                             const svo_i_photon_caster *caster, svo_i_lit_leaves *lit)
+/* The same with what emits, all of which is known now. */
+static svo_status shine(svo_i_device_work *work, svo_light *light, const svo_light_setup *setup,
+                        const svo_i_photon_caster *caster, const svo_i_lit_box *box, svo_i_emission *emission,
+                        svo_i_lit_leaves *lit)
 {
-    svo_i_lit_box box = {.leaf_edge = 0};
     svo_i_photons photons;
     svo_i_flux_totals totals;
-    *lit = (svo_i_lit_leaves){.unit = 1};
-    if (light->tree->info.leaf_count == 0) {
-        return SVO_OK;
-    }
-    SVO_I_TRY(find_lit_box(work, light->tree, &box));
-    const double unit = flux_unit(bound_flux(setup, &box));
+    const double unit = flux_unit(bound_flux(setup, box, emission));
     const bool faces = light->info.form == SVO_LIGHT_FACES;
     bool again = false;
-    SVO_I_TRY(begin_kept(work, light, setup, caster, &box, &again));
+    SVO_I_TRY(begin_kept(work, light, setup, caster, box, &again));
     SVO_I_TRY(svo_i_photons_begin(work, light->tree, faces, unit, light->kept, &photons));
     photons.has_lobes = has_lobes(light, setup);
+    photons.bounces = setup->bounces > 1 ? setup->bounces : 1;
     photons.caster = caster;
-    SVO_I_TRY(shoot(&photons, light, setup, &box, again));
+    SVO_I_TRY(setup->photon_alpha != 0 ? svo_i_photons_see_alpha(&photons) : SVO_OK);
+    SVO_I_TRY(shoot(&photons, light, setup, box, emission, again));
     double *const stage_ms = light->info.stage_ms;
     stage_ms[SVO_LIGHT_STAGE_VIEW] = photons.view_ms;
     SVO_I_TRY(describe_flux(&photons, &light->info, &totals));
@@ -515,4 +556,22 @@ svo_status svo_i_light_shine(svo_i_device_work *work, svo_light *light, const sv
     light->info.lit_leaves = lit->lit_count;
     svo_i_photons_release(&photons);
     return svo_i_light_took(work, light, SVO_LIGHT_STAGE_EXCHANGE, start);
+}
+
+svo_status svo_i_light_shine(svo_i_device_work *work, svo_light *light, const svo_light_setup *setup,
+                             const svo_i_photon_caster *caster, svo_i_lit_leaves *lit)
+{
+    svo_i_lit_box box = {.leaf_edge = 0};
+    svo_i_emission emission = {.pieces = NULL};
+    *lit = (svo_i_lit_leaves){.unit = 1};
+    if (light->tree->info.leaf_count == 0) {
+        return SVO_OK;
+    }
+    SVO_I_TRY(find_lit_box(work, light->tree, &box));
+    svo_status status = list_emission(work, light, setup, &emission);
+    if (status == SVO_OK) {
+        status = shine(work, light, setup, caster, &box, &emission, lit);
+    }
+    svo_i_emission_free(&emission);
+    return status;
 }

@@ -14,13 +14,15 @@
 #define FILE_LIGHT_MAGIC    "\x89SVL\r\n\x1a\n"
 #define FILE_LIGHT_VERSION  1
 #define FILE_LIGHT_WITH_SKY 2 /* the version of files with a map of the sky */
+#define FILE_LIGHT_PHOTONS  3 /* of files that say how photons go on */
 
 /* Chunks besides the buffers, which have their own values. */
 #define KIND_RECORD   64u
 #define KIND_SOURCES  65u
 #define KIND_FINISHES 66u
 #define KIND_SKY      67u /* width, height, texels */
-#define CHUNKS_MAX    (4u + SVO_LIGHT_BUFFER_COUNT)
+#define KIND_PHOTONS  68u
+#define CHUNKS_MAX    (5u + SVO_LIGHT_BUFFER_COUNT)
 
 /* That chunk. */
 typedef struct sky_chunk {
@@ -34,6 +36,7 @@ typedef struct sky_chunk {
 
 static_assert(sizeof(svo_i_light_record) == 168, "io.h: light");
 static_assert(offsetof(svo_i_light_record, source_count) == 80, "io.h: source_count");
+static_assert(sizeof(svo_i_photon_record) == 16, "io.h: photons");
 static_assert(offsetof(svo_i_light_record, flux) == 136, "io.h: flux");
 
 /* What failed on the device, in the caller's message. */
@@ -96,6 +99,15 @@ static svo_status add_sky(svo_i_file_save *state, const svo_light *light, const 
     return SVO_OK;
 }
 
+/* Lists how photons go on, if they do. */
+static void add_photons(svo_i_file_save *state, const svo_i_photon_record *photons)
+{
+    if (photons->emission_photons != 0 || photons->bounces != 0 || photons->photon_alpha != 0) {
+        state->head.header.version = FILE_LIGHT_PHOTONS;
+        add_array(state, KIND_PHOTONS, "photons", photons, sizeof *photons);
+    }
+}
+
 /* Reads the light's buffers into new memory and lists them. */
 static svo_status add_buffers(svo_i_file_save *state, const svo_light *light, const char *function,
                               cl_command_queue queue, void *arrays[SVO_LIGHT_BUFFER_COUNT], svo_message *message)
@@ -149,6 +161,7 @@ svo_status svo_light_save(const svo_light *light, svo_sink sink, const svo_save_
     add_array(&state, KIND_SOURCES, "sources", stored.sources, stored.record.source_count * sizeof *stored.sources);
     add_array(&state, KIND_FINISHES, "finishes", stored.finishes, stored.record.finish_count * sizeof *stored.finishes);
     SVO_I_TRY_CLEANUP(add_sky(&state, light, &stored, function, queue, &sky, message));
+    add_photons(&state, &stored.photons);
     SVO_I_TRY_CLEANUP(add_buffers(&state, light, function, queue, arrays, message));
     SVO_I_TRY_CLEANUP(svo_i_file_write(&state, function, sink, message));
 
@@ -219,6 +232,7 @@ static svo_status check_tree(const svo_i_file_load *state, const svo_tree *tree,
 typedef struct loaded {
     void *sources, *finishes;
     sky_chunk *sky; /* NULL: none */
+    svo_i_photon_record photons;
     void *arrays[SVO_LIGHT_BUFFER_COUNT];
 } loaded;
 
@@ -245,6 +259,28 @@ static svo_status load_sky(const svo_i_file_load *state, position *at, const svo
                                     chunk->plain_bytes, got->sky->width, got->sky->height);
 }
 
+/* Reads how photons go on, if that chunk is next. */
+static svo_status load_photons(const svo_i_file_load *state, position *at, const svo_i_light_record *record,
+                               svo_i_photon_record *photons)
+{
+    const file_chunk *chunk = &state->head.chunks[at->chunk_index];
+    svo_status status = SVO_OK;
+    void *plain = NULL;
+    if (at->chunk_index == state->head.header.chunk_count || chunk->kind != KIND_PHOTONS) {
+        return SVO_OK;
+    }
+    SVO_I_TRY_CLEANUP(load_chunk(state, at, KIND_PHOTONS, "photons", sizeof *photons, &plain));
+    memcpy(photons, plain, sizeof *photons);
+    if (record->has_setup == 0 || photons->photon_alpha > 1 || photons->reserved != 0) {
+        status = svo_i_file_damaged(state, "chunk photons: %" PRIu32 ", %" PRIu32 " are not 0 or 1, 0",
+                                    photons->photon_alpha, photons->reserved);
+    }
+
+cleanup:
+    svo_i_free(plain);
+    return status;
+}
+
 static svo_status load_arrays(const svo_i_file_load *state, position *at, const svo_tree *tree,
                               const svo_i_light_record *record, loaded *got)
 {
@@ -262,6 +298,7 @@ static svo_status load_arrays(const svo_i_file_load *state, position *at, const 
     SVO_I_TRY(
         load_chunk(state, at, KIND_FINISHES, "finishes", record->finish_count * sizeof(svo_finish), &got->finishes));
     SVO_I_TRY(load_sky(state, at, record, got));
+    SVO_I_TRY(load_photons(state, at, record, &got->photons));
     for (svo_light_buffer i = 0; i < SVO_LIGHT_BUFFER_COUNT; ++i) {
         SVO_I_TRY(load_chunk(state, at, (uint32_t)i, svo_name(SVO_NAME_LIGHT_BUFFER, i), bytes[i], &got->arrays[i]));
     }
@@ -274,6 +311,7 @@ static svo_status restore(const svo_i_file_load *state, svo_tree *tree, svo_i_st
 {
     stored->sources = got->sources;
     stored->finishes = got->finishes;
+    stored->photons = got->photons;
     if (got->sky != NULL) {
         stored->sky_width = got->sky->width;
         stored->sky_height = got->sky->height;
@@ -287,7 +325,7 @@ static svo_status restore(const svo_i_file_load *state, svo_tree *tree, svo_i_st
 
 static svo_status load(svo_i_file_load *state, svo_tree *tree, cl_command_queue queue, svo_light **out)
 {
-    static const svo_i_file_kind kind = {"light's", FILE_LIGHT_MAGIC, FILE_LIGHT_VERSION, FILE_LIGHT_WITH_SKY,
+    static const svo_i_file_kind kind = {"light's", FILE_LIGHT_MAGIC, FILE_LIGHT_VERSION, FILE_LIGHT_PHOTONS,
                                          CHUNKS_MAX};
     svo_i_stored_light stored = {.sources = NULL};
     loaded got = {.sources = NULL};

@@ -112,6 +112,7 @@ NAMES = {
     "svo_light_set_sources": "Light.set_sources",
     "svo_light_set_mesh": "Light.set_mesh",
     "svo_light_setup.diagnose": "Light.set_sources(diagnose=True)",
+    "svo_light_setup.bounces": "Light.set_sources(bounces=2) or more",
     "svo_light_update": "Light.update",
     "svo_scene_rebuild": "Scene.rebuild",
     "svo_paged_open": "Paged",

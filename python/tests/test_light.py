@@ -59,6 +59,27 @@ def test_a_sky_may_depend_on_direction(floor, points):
         assert light.info.sky_bytes == 0
 
 
+def test_photons_leave_what_emits_and_bounce(device):
+    """Two opposite squares that glow: of the light that one gets from the other, the albedo goes back."""
+    mesh = svocl.Mesh(
+        np.concatenate([FLOOR, FLOOR + np.float32([0, 0.5, 0])]),
+        np.array([[0, 2, 1], [0, 3, 2], [4, 6, 5], [4, 7, 6]], np.uint32),
+        triangle_materials=np.zeros(4, np.uint16),
+        materials=[svocl.Material((188, 188, 188, 255))],
+    )
+    needs = svocl.Need.COLOR | svocl.Need.RAYS | svocl.Need.MATERIAL
+    with device.build(mesh, 3, need=needs) as tree, svocl.Light(tree) as light:
+        glow = svocl.Finish(emission=(1, 2, 4))
+        flux = []
+        for bounces in (1, 2, 64):
+            light.set_sources(finishes=[glow], emission_photons=4096, bounces=bounces, photon_alpha=True)
+            assert light.info.photons == 4096 and (light.info.sent_photons > 0) == (bounces > 1)
+            flux.append(light.info.flux[2])
+        assert 0 < flux[0] < flux[1] < flux[2] < 3 * flux[0]
+        with pytest.raises(svocl.InvalidArgumentError, match="setup.bounces 65 is above 64"):
+            light.set_sources(bounces=65)
+
+
 def test_pictures_show_the_mesh(device):
     """A floor of one voxel's width with a texel of red and one of green, under a sun that makes it send its albedo."""
     texels = np.array([[[255, 0, 0, 255], [0, 255, 0, 255]]], np.uint8)

@@ -26,8 +26,9 @@
 
 /* ---- light ---- */
 
-/* A sun, a lamp and a spot; materials of which one reflects green alone, and in the second setup one emits. */
-static void shine(pins *all, const svo_tree *tree, svo_light *light, bool emits)
+/* A sun, a lamp and a spot; materials of which one reflects green alone, and in the second setup one emits. goes_on:
+   that one shoots photons, too, and all of them bounce and honor alpha. */
+static void shine_on(pins *all, const svo_tree *tree, svo_light *light, bool emits, bool goes_on)
 {
     svo_tree_info info = SVO_TREE_INFO_INIT;
     svo_tree_get_info(tree, &info);
@@ -57,7 +58,15 @@ static void shine(pins *all, const svo_tree *tree, svo_light *light, bool emits)
     setup.view_resolution = 48;
     setup.diagnose = emits ? 1 : 0;
     setup.updatable = emits ? 0 : 1;
+    setup.emission_photons = goes_on ? 10000 : 0;
+    setup.bounces = goes_on ? 4 : 0;
+    setup.photon_alpha = goes_on ? 1 : 0;
     pin_succeed(all, svo_light_set_sources(light, &setup, all->opened.queue));
+}
+
+static void shine(pins *all, const svo_tree *tree, svo_light *light, bool emits)
+{
+    shine_on(all, tree, light, emits, false);
 }
 
 static void pin_light_hash(pins *all, const char *name, const svo_light *light)
@@ -198,6 +207,8 @@ static void pin_light_of(pins *all, const pinned_scene *scene, svo_tree *tree, s
         pin_pictures(all, light);
         pin_begin(all, "%s %s %s", scene->name, svo_name(SVO_NAME_LIGHT_FORM, form), how);
     }
+    shine_on(all, tree, light, true, true);
+    pin_light_hash(all, "going on", light);
     shine(all, tree, light, false);
     pin_light_hash(all, "lit", light);
     pin_updated(all, scene->mesh, light);

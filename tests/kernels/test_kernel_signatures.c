@@ -500,6 +500,7 @@ static void light_all(const fixture *opened, svo_tree *tree)
     static const uint32_t leaf = 0;
     static const uint32_t radiance[18] = {1};
     static const svo_gather_point point = {.normal = {0, 0, 1}};
+    static const svo_finish glow = {.emission = {1, 1, 1}};
     svo_gather_result result;
     for (int form = 0; form < SVO_LIGHT_FORM_COUNT; ++form) {
         const svo_light_options options = {.struct_size = sizeof options, .form = (svo_light_form)form};
@@ -514,6 +515,13 @@ static void light_all(const fixture *opened, svo_tree *tree)
         succeed(opened, svo_light_set_sources(light, &setup, opened->queue));
         succeed(opened, svo_light_update(light, tree, &changed, 1, opened->queue));
         succeed(opened, svo_light_update(light, tree, &changed, 1, opened->queue)); /* from what the first one kept */
+        svo_light_setup onward = setup;
+        onward.finishes = &glow;
+        onward.finish_count = 1;
+        onward.emission_photons = 8;
+        onward.bounces = 2;
+        onward.photon_alpha = 1;
+        succeed(opened, svo_light_set_sources(light, &onward, opened->queue));
         succeed(opened, svo_i_work_begin(opened->device, "light_all", opened->queue, &work));
         succeed(opened, svo_i_work_alloc(&work, "leaves", sizeof leaf, &lit.leaves));
         succeed(opened, svo_i_work_alloc(&work, "radiance", sizeof radiance, &lit.radiance));

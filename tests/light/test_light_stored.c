@@ -60,8 +60,9 @@ static svo_tree *make_tree(const fixture *opened, uint64_t seed, uint32_t need)
     return tree;
 }
 
-/* A sun, a lamp and a sky over materials that shine and emit. sky_map: of 3 x 2 texels; NULL: none. */
-static void shine_under(const fixture *opened, svo_light *light, const float *sky_map)
+/* A sun, a lamp and a sky over materials that shine and emit. sky_map: of 3 x 2 texels; NULL: none. goes_on: photons of
+   emission, too, bounces and alpha. */
+static void shine_under(const fixture *opened, svo_light *light, const float *sky_map, bool goes_on)
 {
     static const svo_light_source sources[] = {
         {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {-3, -10, -2}, .value = {3, 2, 1}},
@@ -77,13 +78,16 @@ static void shine_under(const fixture *opened, svo_light *light, const float *sk
                                    .updatable = 1,
                                    .sky_map = sky_map,
                                    .sky_width = sky_map != NULL ? 3 : 0,
-                                   .sky_height = sky_map != NULL ? 2 : 0};
+                                   .sky_height = sky_map != NULL ? 2 : 0,
+                                   .emission_photons = goes_on ? 3000 : 0,
+                                   .bounces = goes_on ? 3 : 0,
+                                   .photon_alpha = goes_on};
     light_succeed(opened, svo_light_set_sources(light, &setup, opened->queue));
 }
 
 static void shine(const fixture *opened, svo_light *light)
 {
-    shine_under(opened, light, NULL);
+    shine_under(opened, light, NULL, false);
 }
 
 static const float sky_texels[18] = {0.1F, 0.2F, 0.9F, 0, 0, 2, 1, 1, 1, 0.3F, 0, 0, 0.25F, 0.5F, 0, 0, 0, 0};
@@ -155,7 +159,8 @@ static void loaded_lights_are_those_that_were_saved(void **state)
     const fixture opened = fixture_cl_of_group(state);
     svo_tree *tree = make_tree(&opened, 3, NEEDS);
     for (int form = 0; form < SVO_LIGHT_FORM_COUNT; ++form) {
-        for (uint32_t kind = 0; kind < 6; ++kind) { /* lit, dark, or under a map of the sky; packed or not */
+        for (uint32_t kind = 0; kind < 10;
+             ++kind) { /* lit, dark, or under a map of the sky, photons that go on; packed or not */
             const svo_light_options options = {
                 .struct_size = sizeof options, .form = (svo_light_form)form, .one_side = kind & 1};
             svo_light *light = NULL;
@@ -163,7 +168,7 @@ static void loaded_lights_are_those_that_were_saved(void **state)
             if (kind < 2) {
                 shine(&opened, light);
             } else if (kind >= 4) {
-                shine_under(&opened, light, sky_texels);
+                shine_under(&opened, light, kind < 8 ? sky_texels : NULL, kind >= 6);
             }
             bytes file = save(light, kind & 1);
             svo_light *loaded = load(tree, &file);
@@ -310,7 +315,7 @@ static void wrong_maps_are_refused(void **state)
     bytes file = save(light, 0);
     assert_int_equal(head_of(&file)->header.version, 1);
     free(file.data);
-    shine_under(&opened, light, sky_texels);
+    shine_under(&opened, light, sky_texels, false);
     file = save(light, 0);
     file_head *head = head_of(&file);
     assert_int_equal(head->header.version, 2);
@@ -334,9 +339,41 @@ static void wrong_maps_are_refused(void **state)
     sign(&file);
     assert_refused(tree, &file, SVO_FILE_DAMAGED, "sky_map[4] -1, of column 1 and row 0, is negative or not finite");
     texels[4] = sky_texels[4];
-    head->chunks[3].kind = 68;
+    head->chunks[3].kind = 69;
     sign(&file);
     assert_refused(tree, &file, SVO_FILE_DAMAGED, "chunk opacity is missing");
+    free(file.data);
+    svo_light_destroy(&light);
+    svo_tree_destroy(&tree);
+}
+
+/* Files that say how photons go on are of version 3. */
+static void wrong_photons_are_refused(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    svo_tree *tree = make_tree(&opened, 3, NEEDS);
+    svo_light *light = light_of(&opened, tree, SVO_LIGHT_FACES);
+    shine_under(&opened, light, NULL, true);
+    bytes file = save(light, 0);
+    file_head *head = head_of(&file);
+    assert_int_equal(head->header.version, 3);
+    assert_int_equal(head->chunks[3].kind, 68);
+    assert_int_equal(head->chunks[3].plain_bytes, 16);
+    uint32_t *numbers = (void *)(file.data + head->chunks[3].offset);
+    assert_int_equal(numbers[0], 3000);
+    assert_int_equal(numbers[1], 3);
+    assert_int_equal(numbers[2], 1);
+    numbers[2] = 2;
+    sign(&file);
+    assert_refused(tree, &file, SVO_FILE_DAMAGED, "chunk photons: 2, 0 are not 0 or 1, 0");
+    numbers[2] = 1;
+    numbers[3] = 1;
+    sign(&file);
+    assert_refused(tree, &file, SVO_FILE_DAMAGED, "chunk photons: 1, 1 are not 0 or 1, 0");
+    numbers[3] = 0;
+    numbers[1] = 65;
+    sign(&file);
+    assert_refused(tree, &file, SVO_FILE_DAMAGED, "setup.bounces 65 is above 64");
     free(file.data);
     svo_light_destroy(&light);
     svo_tree_destroy(&tree);
@@ -372,6 +409,7 @@ TEST_GROUP(light_stored)
         cmocka_unit_test(damage_is_noticed),
         cmocka_unit_test(wrong_values_are_refused),
         cmocka_unit_test(wrong_maps_are_refused),
+        cmocka_unit_test(wrong_photons_are_refused),
         cmocka_unit_test(wrong_calls_are_refused),
     };
     return cmocka_run_group_tests_name("light_stored", tests, fixture_group_setup, fixture_group_teardown);

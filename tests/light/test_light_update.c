@@ -251,6 +251,10 @@ static void random_moves_equal_lights_from_nothing(void **state)
     for (int form = 0; form < SVO_LIGHT_FORM_COUNT; ++form) {
         compare_moves(&opened, 40 + (uint64_t)form, form == 0 ? moves : 4, (svo_light_form)form, &setup);
     }
+    /* Photons that go through what shows in part, whose alpha what moves changes. */
+    svo_light_setup clear = setup;
+    clear.photon_alpha = 1;
+    compare_moves(&opened, 44, moves, SVO_LIGHT_FACES, &clear);
 }
 
 static void photons_of_any_size_can_follow(void **state)
@@ -378,13 +382,15 @@ static void every_setup_can_follow(void **state)
     open_stage(&opened, seed, &of);
     svo_light_setup setup = setup_of(all_sources, 3, 40);
     svo_light *light = make_light(&opened, svo_moving_tree(of.moving), SVO_LIGHT_BRICKS, &setup);
-    for (int i = 0; i < 6; ++i) {
+    for (int i = 0; i < 8; ++i) {
         setup = setup_of(&all_sources[i % 3], i == 4 ? 0 : 1, 40);
+        setup.bounces = i == 6 ? 3 : 1;
+        setup.emission_photons = i == 7 ? 5000 : 0;
         setup.diagnose = i == 1;
         setup.updatable = i != 2;
         setup.no_photons = i == 3;
         succeed(&opened, svo_light_set_sources(light, &setup, opened.queue));
-        assert_int_equal(info_of(&opened, light).kept_bytes > 0, i != 1 && i != 2);
+        assert_int_equal(info_of(&opened, light).kept_bytes > 0, i != 1 && i != 2 && i < 6);
         for (int k = 0; k < 2; ++k) {
             play(&opened, &of, &seed);
             follow(&opened, &of, light);

@@ -365,6 +365,40 @@ static void leaves_are_as_opaque_as_asked(void **state)
     run_well("rm a.csv");
 }
 
+/* Below a plate that emits lies one that reflects it: cones that look down see that with photons alone, twice as often
+   reflected brighter still. */
+static void emitters_shoot_photons(void **state)
+{
+    (void)state;
+    need_builds();
+    static const char *const arguments[] = {"", " --emission-photons 65536", " --emission-photons 65536 --bounces 4"};
+    write_text("m.mtl", "newmtl wall\nKd 0.9 0.9 0.9\nnewmtl lamp\nKd 0.9 0.9 0.9\nKe 4 4 4\n");
+    write_text("lit.obj",
+               "mtllib m.mtl\nv -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv -2 1 -2\nv 2 1 -2\nv 2 1 2\nv -2 1 2\n"
+               "usemtl wall\nf 4 3 2 1\nusemtl lamp\nf 5 6 7 8\n");
+    write_text("points.csv", "0.1,1,0.1,0,-1,0\n");
+    write_text("lights.json", "{\"lights\": []}");
+    double red[3] = {-1, -1, -1};
+    for (int i = 0; i < 3; ++i) {
+        char line[256];
+        char text[1024];
+        snprintf(line, sizeof line,
+                 "$SVOCL gather lit.obj -d 6 --points points.csv --lights lights.json --cones 16 --json -o a.csv%s",
+                 arguments[i]);
+        cJSON *document = run_json(line);
+        assert_float_equal(number_of(document, "photons"), i > 0 ? 65536 : 0, 0);
+        assert_true((number_of(document, "sent_photons") > 0) == (i == 2));
+        cJSON_Delete(document);
+        read_text("a.csv", text, sizeof text);
+        assert_int_equal(sscanf(strchr(text, '\n') + 1, "%*f,%*f,%*f,%*f,%*f,%*f,%*f,%lf", &red[i]), 1);
+    }
+    if (!(red[0] < 0.01 && red[1] > 1 && red[2] > 1.2 * red[1])) {
+        fail_msg("a lamp's own light is %g, with photons %g, by bounces %g", red[0], red[1], red[2]);
+    }
+    run_badly("$SVOCL render lit.obj -d 4 --emission-photons 5 -o a.png", 2, "options of lights and cones require");
+    run_well("rm a.csv points.csv lights.json lit.obj m.mtl");
+}
+
 static void the_truth_stands_beside(void **state)
 {
     (void)state;
@@ -409,6 +443,7 @@ TEST_GROUP(light_file)
                                        IN_FOLDER(what_does_not_apply_is_refused),
                                        IN_FOLDER(points_are_gathered),
                                        IN_FOLDER(leaves_are_as_opaque_as_asked),
+                                       IN_FOLDER(emitters_shoot_photons),
                                        IN_FOLDER(the_truth_stands_beside)};
     return cmocka_run_group_tests_name("light_file", tests, NULL, NULL);
 }

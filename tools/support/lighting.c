@@ -60,7 +60,8 @@ static bool asks_for_cones(const options *given)
 {
     return given->gather_method == SVO_GATHER_CONES || given->cones != 0 || options_is_given(given, "form") ||
            options_is_given(given, "opacity") || options_is_given(given, "photons") ||
-           options_is_given(given, "sides") || options_is_given(given, "light-file");
+           options_is_given(given, "sides") || options_is_given(given, "light-file") ||
+           options_is_given(given, "emission-photons");
 }
 
 int lighting_open(program *state, lighting *out)
@@ -199,6 +200,20 @@ svo_status lighting_give_mesh(const job *done, const lighting *work)
                : SVO_OK;
 }
 
+/* Whether light is gathered by cones. */
+static bool gathers_by_cones(const options *given)
+{
+    return given->gather_method == SVO_GATHER_CONES || given->cones != 0;
+}
+
+void lighting_set_photons(const options *given, svo_light_setup *setup)
+{
+    setup->no_photons = given->photons == 0;
+    setup->emission_photons = (uint32_t)given->emission_photons;
+    setup->bounces = gathers_by_cones(given) ? (uint32_t)given->bounces : 0;
+    setup->photon_alpha = 1;
+}
+
 int lighting_make(program *state, const job *done, const svo_light_setup *setup, lighting *work)
 {
     const svo_light_options light_options = {.struct_size = sizeof light_options,
@@ -207,7 +222,7 @@ int lighting_make(program *state, const job *done, const svo_light_setup *setup,
                                              .one_side = (uint32_t)state->options.one_side,
                                              .no_cones = !work->for_cones};
     svo_light_setup shining = *setup;
-    shining.no_photons = state->options.photons == 0;
+    lighting_set_photons(&state->options, &shining);
     progress_step(state->progress, "spreading the light");
     const double started_ms = input_now_ms();
     if (svo_light_create(done->result.tree, &light_options, done->opened.queue, &work->light) != SVO_OK ||
@@ -255,7 +270,7 @@ int lighting_setup_for_picture(program *state, const job *done, const svo_camera
 /* A light in a file has its own of these. */
 static int refuse_beside_file(program *state)
 {
-    static const char *const names[] = {"lights", "form", "opacity", "sides", "photons"};
+    static const char *const names[] = {"lights", "form", "opacity", "sides", "photons", "emission-photons"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         if (options_is_given(&state->options, names[i])) {
             return program_fail(state, PROGRAM_WRONG_USAGE, "--%s has no effect: '%s' holds the light", names[i],
@@ -333,7 +348,7 @@ svo_gather_options lighting_gather(const options *given)
                                 .no_light = given->gi == 0,
                                 .method = (svo_gather_method)given->gather_method,
                                 .paths = (uint32_t)given->paths,
-                                .bounces = (uint32_t)given->bounces,
+                                .bounces = gathers_by_cones(given) ? 0 : (uint32_t)given->bounces,
                                 .error = (float)given->error_goal};
 }
 
@@ -409,6 +424,7 @@ void lighting_report_json(cJSON *document, const lighting *work)
     json_add_count(document, "light_bytes", work->info.total_bytes);
     json_add_count(document, "photons", work->info.photons);
     json_add_count(document, "photon_hits", work->info.photon_hits);
+    json_add_count(document, "sent_photons", work->info.sent_photons);
     json_add_count(document, "lit_leaves", work->info.lit_leaves);
     json_add_count(document, "lit_nodes", work->info.lit_nodes);
     json_add_count(document, "missed_leaves", work->info.missed_leaves);

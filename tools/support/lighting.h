@@ -59,6 +59,9 @@ int lighting_setup_for_picture(program *state, const job *done, const svo_camera
 /* lighting_make for a picture; with --light-file read from there, or written. */
 int lighting_make_for_picture(program *state, const job *done, const svo_camera *camera, lighting *work);
 
+/* --photons, --emission-photons and, for cones, --bounces; photons honor alpha. */
+void lighting_set_photons(const options *given, svo_light_setup *setup);
+
 /* --cones, --range, --lambda, and what gather has besides; without --range any distance. */
 svo_gather_options lighting_gather(const options *given);
 

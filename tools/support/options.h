@@ -181,6 +181,7 @@ typedef struct options {
     const char *mesh_path; /* of a stored tree that is lit; NULL: not given */
     int one_side; /* light: 1: of closed meshes the front alone is opaque */
     int photons, gi; /* light: 0: off */
+    uint64_t emission_photons; /* light: 0: none */
     double exposure; /* light: of pictures; 0: not given */
     uint64_t reference; /* gather: paths for each point; 0: none */
     uint64_t hidden, frame; /* voxel files: a flag, and the number of a frame */

@@ -347,6 +347,7 @@ static int make_light(subject *which, view_state *state)
     svo_light_setup setup = lighting_setup(&which->lit, done);
     setup.sources = state->sources;
     setup.source_count = state->source_count;
+    lighting_set_photons(&which->running->options, &setup);
     setup.no_photons = !state->shown.photons;
     memcpy(setup.sky, state->sky, sizeof setup.sky);
     if (which->lit.light != NULL && which->form != state->shown.form) {

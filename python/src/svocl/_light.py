@@ -205,6 +205,9 @@ class Light(Handle):
         photons: bool = True,
         diagnose: bool = False,
         updatable: bool = False,
+        emission_photons: int = 0,
+        bounces: int = 1,
+        photon_alpha: bool = False,
         queue: Any = None,
     ) -> None:
         """Lights the tree and waits: shoots photons, sums them in the leaves, and filters radiance upwards. Replaces
@@ -221,6 +224,9 @@ class Light(Handle):
             photons: False: sources light the surfaces of pictures, but these light no others.
             diagnose: also count LightInfo.missed_leaves.
             updatable: keep photons on the device, so that Light.update shoots few of them again.
+            emission_photons: so many leave the triangles that emit, for cones: at most 2**30, best a power of two.
+            bounces: so often do surfaces reflect the light of photons, for cones, 1 .. 64.
+            photon_alpha: photons go through what shows in part, as rays do.
             queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
 
         Raises:
@@ -239,6 +245,8 @@ class Light(Handle):
             setup.sky_height, setup.sky_width = texels.shape[:2]
         setup.view_resolution = _arrays.integer("view_resolution", view_resolution)
         setup.diagnose, setup.no_photons, setup.updatable = bool(diagnose), not photons, bool(updatable)
+        setup.emission_photons = _arrays.integer("emission_photons", emission_photons)
+        setup.bounces, setup.photon_alpha = _arrays.integer("bounces", bounces), bool(photon_alpha)
         self._call(lib.svo_light_set_sources, setup, _opencl.pointer("cl_command_queue", queue, "queue"))
 
     def set_mesh(self, mesh: Optional[Mesh], *, queue: Any = None) -> None:
