@@ -224,9 +224,13 @@ svo_k_material_long(__global const uint *list_begin, __global uint *leaf_counts,
     for (uint k = (uint)get_group_id(0); k < long_count; k += (uint)get_num_groups(0)) {
         const uint leaf = long_leaves[1u + k];
         const uint2 range = (uint2)(list_begin[leaf], list_begin[leaf + 1u]);
-        for (uint pass = 0; pass < params.digit_passes; pass += 2u) {
-            svo_material_pass(entries, spare, range, pass, counts, scratch);
-            svo_material_pass(spare, entries, range, pass + 1u, counts, scratch);
+        __global ulong *from = entries;
+        __global ulong *to = spare;
+        for (uint pass = 0; pass < params.digit_passes; ++pass) {
+            svo_material_pass(from, to, range, pass, counts, scratch);
+            __global ulong *const sorted = to;
+            to = from;
+            from = sorted;
         }
         const uint count = svo_join_materials(entries, spare, range, scratch);
         barrier(CLK_GLOBAL_MEM_FENCE);
