@@ -18,6 +18,7 @@ static cJSON *verdict_to_facts(const sweep *all)
         cJSON_AddStringToObject(facts, "command", text.text);
         tune_setting_code(&all->settings[all->verdict.winner].setting, &text);
         cJSON_AddStringToObject(facts, "c", text.text);
+        cJSON_AddStringToObject(facts, "note", tune_setting_rest(&all->settings[all->verdict.winner].setting));
         cJSON_AddNumberToObject(facts, "sure", all->verdict.sure);
         cJSON_AddNumberToObject(facts, "near", all->verdict.near);
     }

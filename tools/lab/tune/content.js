@@ -37,8 +37,10 @@ const charted = [
   ["normal", "normal, mean, degrees"],
   ["depth-rms-units", "rays to voxels, RMS, units"],
   ["silhouette", "silhouette, % of rays"],
+  ["triangle", "other triangles, % of rays"],
   ["ao", "ambient occlusion, RMSE"],
-  ["light", "light, RMSE, of the mean"]
+  ["light", "light, RMSE, of the mean"],
+  ["direct", "light of the lights themselves, RMSE, of the mean"]
 ];
 
 const data0 = JSON.parse(document.getElementById("data").textContent);
@@ -84,6 +86,7 @@ function showAnswer({input, answer}) {
   document.getElementById("answer").innerHTML = `<p class="lead">${escapeText(answer.asked)}</p>` +
     (answer.command === undefined ? "" :
       `<p><code>${escapeText(answer.command)}</code></p><p><code>${escapeText(answer.c)}</code></p>` +
+      (answer.note === "" ? "" : `<p class="note">The command and the options in C: ${escapeText(answer.note)}.</p>`) +
       `<p class="note">It wins in ${percent(answer.sure)} of resampled sweeps and is within 5 % of the winner in ` +
       `${percent(answer.near)}.` +
       (answer.second === undefined ? "" : ` Second: <code>${escapeText(answer.second)}</code>`) + "</p>");
