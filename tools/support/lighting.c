@@ -185,7 +185,8 @@ static int count_missed(program *state, const job *done, const svo_light_setup *
 svo_status lighting_give_mesh(const job *done, const lighting *work)
 {
     const svo_mesh *mesh = mesh_of(work, &done->source);
-    const bool has_rays = (info_of_tree(done->result.tree).need & SVO_NEED_RAYS) != 0;
+    const svo_tree_info info = info_of_tree(done->result.tree);
+    const bool has_rays = (info.need & SVO_NEED_RAYS) != 0 && info.coverage != (uint32_t)SVO_COVERAGE_THIN;
     return mesh != NULL && has_rays && (mesh->material_count > 0 || mesh->colors != NULL || mesh->normals != NULL)
                ? svo_light_set_mesh(work->light, mesh, done->opened.queue)
                : SVO_OK;

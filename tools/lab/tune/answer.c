@@ -46,7 +46,8 @@ static bool is_measured(const sweep *all, size_t measure)
 
 static bool varies(const sweep *all, tune_dimension which)
 {
-    return which == DIMENSION_DEPTH || all->space.counts[which] > 1;
+    return which == DIMENSION_DEPTH || all->space.counts[which] > 1 ||
+           (which == DIMENSION_GATHER && all->space.values[which][0] != 0);
 }
 
 /* ---- tables ---- */

@@ -20,11 +20,12 @@ svo_light *sampler_light(const sampler *made, session *opened, svo_tree *tree, c
     const svo_light_options asked = {.struct_size = sizeof asked,
                                      .form = (svo_light_form)setting->values[DIMENSION_LIGHT_FORM],
                                      .no_cones = gather_how(setting->values[DIMENSION_GATHER]) == GATHER_RAYS};
+    const bool has_triangles = setting->values[DIMENSION_COVERAGE] != SVO_COVERAGE_THIN;
     const bool has_looks = mesh->material_count > 0 || mesh->colors != NULL || mesh->normals != NULL;
     svo_light *light = NULL;
     if (svo_light_create(tree, &asked, opened->queue, &light) != SVO_OK ||
         svo_light_set_sources(light, &made->setup, opened->queue) != SVO_OK ||
-        (has_looks && svo_light_set_mesh(light, mesh, opened->queue) != SVO_OK)) {
+        (has_triangles && has_looks && svo_light_set_mesh(light, mesh, opened->queue) != SVO_OK)) {
         svo_light_destroy(&light);
     }
     return light;
