@@ -661,8 +661,9 @@ static const rule rules[] = {
     {"full", '\0', OPTION_BENCH_COMMAND, NULL, read_flag, FIELD(full), 0, 0, NULL,
      "gl-vs-cl: all depths and scenes with all needs, weights and coverages"},
     {"free", '\0', OPTION_TUNE_COMMAND, "LIST", read_text, FIELD(free_list), 0, 0, NULL,
-     "what may vary, with values or all: depth:7-9,coverage,weights,builder:cl+sorted,frontend,share,path,form,"
-     "light-form,cones,rays,probes:4x64 (depth,coverage,weights,builder:cl+sorted)"},
+     "what may vary, with commas between, by values or all: depth:7-9 coverage weights builder:cl+sorted frontend "
+     "share "
+     "path form light-form cones rays probes:4x64 (depth,coverage,weights,builder:cl+sorted)"},
     {"error", '\0', OPTION_TUNE_COMMAND, "LIST", read_text, FIELD(error_list), 0, 0, NULL,
      "bounds of errors, as voxel-rms-units:.01,normal:5; a measure without a number is to be the least (none)"},
     {"time", '\0', OPTION_TUNE_COMMAND, "T", read_seconds, FIELD(time_bound), 0, 0, NULL,

@@ -75,7 +75,7 @@ static tune_wish wish_for_light(const program *state, const tune_bounds *bounds)
     for (size_t i = 0; tune_bounds_at(bounds, i) != NULL; ++i) {
         wish = tune_bounds_at(bounds, i)->quantity == QUANTITY_LIGHT ? WISH_LIGHT : wish;
     }
-    return state->options.lights_path != NULL ? WISH_LIGHT : wish;
+    return state->options.lights_path != NULL && !tune_bounds_ask(bounds, KIND_LIGHT) ? WISH_LIGHT : wish;
 }
 
 /* What all trees hold: what --need names, or what `svocl build` chooses and what bounds ask for. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Light of a sampler's mesh: points spread over it by area, their true light by paths, and what settings gather there. */
+/* Light of a sampler's mesh: points spread over it by area, their true light by paths, and what settings gather. */
 #ifndef SVOCL_TOOLS_TUNE_LIGHT_ERRORS_H
 #define SVOCL_TOOLS_TUNE_LIGHT_ERRORS_H
 
