@@ -50,6 +50,18 @@ static bool varies(const sweep *all, tune_dimension which)
            (which == DIMENSION_GATHER && all->space.values[which][0] != 0);
 }
 
+void answer_varied(const sweep *all, size_t index, text_list *out)
+{
+    char value[32];
+    text_list_clear(out);
+    for (tune_dimension at = DIMENSION_COVERAGE; at < DIMENSION_COUNT; ++at) {
+        dimension_value(at, all->settings[index].setting.values[at], value, sizeof value);
+        if (varies(all, at)) {
+            text_list_add(out, "%s%s", out->used > 0 ? ", " : "", value);
+        }
+    }
+}
+
 /* ---- tables ---- */
 
 static const char *standing_of(const sweep *all, size_t index)
@@ -263,7 +275,9 @@ static void print_setting(const sweep *all, const char *what, size_t index)
     const candidate *own = &all->candidates[index];
     tune_setting_command(all->state, &all->settings[index].setting, &text);
     table_line("%s: %s", what, text.text);
-    table_line("  %s, memory %s", figure_ms(bootstrap_median(own->rounds, own->round_count)).text,
+    answer_varied(all, index, &text);
+    table_line("  %s%s%s, memory %s", text.text, text.used > 0 ? ": " : "",
+               figure_ms(bootstrap_median(own->rounds, own->round_count)).text,
                figure_bytes((uint64_t)own->bytes).text);
 }
 
@@ -358,16 +372,9 @@ static void print_row(const sweep *all, const row_order *row, table *rows)
 {
     text_list list;
     const candidate *own = &all->candidates[row->index];
-    text_list_clear(&list);
+    answer_varied(all, row->index, &list);
     table_cell(rows, "%s", standing_of(all, row->index));
     table_cell(rows, "%d", all->settings[row->index].setting.values[DIMENSION_DEPTH]);
-    for (tune_dimension at = DIMENSION_COVERAGE; at < DIMENSION_COUNT; ++at) {
-        char value[32];
-        dimension_value(at, all->settings[row->index].setting.values[at], value, sizeof value);
-        if (varies(all, at)) {
-            text_list_add(&list, "%s%s", list.used > 0 ? ", " : "", value);
-        }
-    }
     table_cell(rows, "%s", list.text);
     table_cell(rows, "%s", isfinite(row->time) ? figure_ms(row->time).text : "-");
     table_cell(rows, "%s", own->bytes > 0 ? figure_bytes((uint64_t)own->bytes).text : "-");

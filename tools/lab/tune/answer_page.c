@@ -25,6 +25,8 @@ static cJSON *verdict_to_facts(const sweep *all)
     if (all->verdict.second < all->count) {
         tune_setting_command(all->state, &all->settings[all->verdict.second].setting, &text);
         cJSON_AddStringToObject(facts, "second", text.text);
+        answer_varied(all, all->verdict.second, &text);
+        cJSON_AddStringToObject(facts, "varied", text.text);
     }
     return facts;
 }
