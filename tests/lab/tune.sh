@@ -207,6 +207,9 @@ check court.json 'error(1, "direct") > 100 * error(0, "direct")'
 
 expect_failure 1 "tune: --error light: no light reaches scene:cube from dark.json" \
     "$svocl" tune scene:cube --free depth:4,rays:16 --lights dark.json --error light
+expect_failure 2 "output sun.json would replace sun.json" \
+    "$svocl" tune scene:cube --free depth:4,rays:16 --lights sun.json --csv sun.json
+grep -q directional sun.json || complain 'the lights are gone'
 expect_failure 1 "none.json" "$svocl" tune scene:cube --lights none.json
 for value in 0 41 4x65 4x 4x48 4x1040 x64 -2; do
     expect_failure 2 "--free: '$value' is not N or NxR: probes along an axis, 1 .. 40, and texels of a map's side, 64" \

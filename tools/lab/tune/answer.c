@@ -337,7 +337,7 @@ static int compare_rows(const void *a, const void *b)
 /* The measures of the bounds, then usual ones, as far as they were measured. Returns how many. */
 static size_t choose_columns(const sweep *all, size_t columns[COLUMNS_SHOWN])
 {
-    static const char *const usual[] = {"voxel-rms-units", "normal", "delta-e"};
+    static const char *const usual[] = {"light", "ao", "voxel-rms-units", "normal", "delta-e"};
     size_t count = 0;
     for (size_t i = 0; i < TUNE_BOUNDS_MAX + 1 + sizeof usual / sizeof usual[0] && count < COLUMNS_SHOWN; ++i) {
         const tune_measure *asked = tune_bounds_at(&all->bounds, i);
