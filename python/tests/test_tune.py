@@ -12,6 +12,7 @@ import svocl
 ANSWER = {
     "command": "svocl build model.ply -d 8 -o model.svo",
     "c": "/* depth 8 */",
+    "note": "",
     "time_ms": 12.5,
     "time_low_ms": 12.0,
     "time_high_ms": 13.0,
@@ -44,6 +45,8 @@ def test_arguments_and_answer(tmp_path: Path) -> None:
         free={"depth": [7, 8], "coverage": None, "builder": "cl"},
         time_s=0.5,
         memory_bytes=1 << 20,
+        need=["normal", "rays"],
+        lights="sun.json",
         exhaustive=True,
         page=tmp_path / "page.html",
         program=program,
@@ -61,11 +64,15 @@ def test_arguments_and_answer(tmp_path: Path) -> None:
         "0.5s",
         "--memory",
         "1048576",
+        "--need",
+        "normal,rays",
+        "--lights",
+        "sun.json",
         "--page",
         str(tmp_path / "page.html"),
         "--exhaustive",
     ]
-    assert found.answer == svocl.TuneSetting(ANSWER["command"], "/* depth 8 */", 12.5, 12.0, 13.0, 4096)
+    assert found.answer == svocl.TuneSetting(ANSWER["command"], "/* depth 8 */", 12.5, 12.0, 13.0, 4096, "")
     assert found.second is None and found.sure == 0.75 and found.near == 1.0
     assert found.fresh == {"normal": 4.5} and found.document == DOCUMENT
 

@@ -104,6 +104,23 @@ static void statistics_are_closed_forms(void **state)
     assert_memory_equal(&mean, &again, sizeof mean);
 }
 
+/* The same triangle; nothing; one that is missed; one where nothing is; a tie; another one, behind. */
+static void triangles_are_compared(void **state)
+{
+    static const tune_hit exact[] = {{4, 2}, {SVO_NO_TRIANGLE, INFINITY}, {4, 2}, {SVO_NO_TRIANGLE, INFINITY}, {4, 2},
+                                     {4, 2}};
+    static const tune_hit found[] = {
+        {4, 2}, {SVO_NO_TRIANGLE, INFINITY}, {SVO_NO_TRIANGLE, INFINITY}, {7, 3}, {7, 2.0000001}, {7, 2.5}};
+    tune_errors errors = {.kind = KIND_RAYS, .voxel = 0.25};
+    (void)state;
+    for (size_t i = 0; i < sizeof exact / sizeof exact[0]; ++i) {
+        samples_add_hit(&errors, i, exact[i], found[i]);
+    }
+    expect_near(value_of(&errors, "triangle"), 60, 1e-12); /* three of five: the second ray meets nothing at all */
+    expect_near(value_of(&errors, "t-max-units"), 0.5, 1e-12);
+    expect_near(value_of(&errors, "t-rms"), sqrt(4.0 / 3), 1e-6);
+}
+
 /* A root with one leaf, in its last octant: the center lies at 1.5, 1.5, 1.5 voxels. */
 static void the_nearest_leaf_is_found(void **state)
 {
@@ -191,11 +208,35 @@ static void bounds_choose(void **state)
     assert_false(race_is_on_front(&all, 5));
 }
 
+/* A setting without a value of what is bounded cannot win, and leaves for that reason alone. */
+static void who_has_no_value_leaves(void **state)
+{
+    candidate list[SETTINGS];
+    tune_errors errors[SETTINGS];
+    const tune_bounds bounds = bound_of("triangle", 5);
+    const race all = {list, SETTINGS, &bounds};
+    (void)state;
+    make_race(list, errors, 11);
+    for (size_t i = 0; i < SETTINGS; ++i) {
+        errors[i].kind = KIND_RAYS;
+        list[i].errors[KIND_RAYS] = &errors[i];
+        for (size_t k = 0; i > 0 && k < 512; ++k) {
+            samples_add(&errors[i].of[QUANTITY_TRIANGLE], k, 0);
+        }
+    }
+    list[0].lacks[QUANTITY_TRIANGLE] = true;
+    race_leave(&all, 1, true);
+    assert_int_equal(list[0].left, LEFT_UNABLE);
+    assert_int_equal(list[1].left, LEFT_NOT);
+    assert_int_equal(race_judge(&all).winner, 1);
+}
+
 TEST_GROUP(tune)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(differences_are_as_published), cmocka_unit_test(white_is_neutral),
         cmocka_unit_test(statistics_are_closed_forms),  cmocka_unit_test(the_nearest_leaf_is_found),
+        cmocka_unit_test(triangles_are_compared),       cmocka_unit_test(who_has_no_value_leaves),
         cmocka_unit_test(halving_and_all_agree),        cmocka_unit_test(bounds_choose),
     };
     return cmocka_run_group_tests_name("tune", tests, NULL, NULL);

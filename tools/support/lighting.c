@@ -163,17 +163,9 @@ svo_light_setup lighting_setup(const lighting *work, const job *done)
     const svo_mesh *mesh = mesh_of(work, &done->source);
     const bool has_materials = (info_of_tree(done->result.tree).need & SVO_NEED_MATERIAL) != 0;
     const bool has_finishes = mesh != NULL && mesh->finishes != NULL && (has_materials || work->mesh.mesh == NULL);
-    svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
-    setup.sources = work->file.sources;
-    setup.source_count = work->file.source_count;
+    svo_light_setup setup = lights_file_setup(&work->file);
     setup.finishes = has_finishes ? mesh->finishes : NULL;
     setup.finish_count = has_finishes ? mesh->material_count : 0;
-    for (int channel = 0; channel < 3; ++channel) {
-        setup.sky[channel] = work->file.sky.radiance[channel];
-    }
-    setup.sky_map = work->file.sky.texels;
-    setup.sky_width = work->file.sky.width;
-    setup.sky_height = work->file.sky.height;
     return setup;
 }
 
@@ -194,7 +186,8 @@ static int count_missed(program *state, const job *done, const svo_light_setup *
 svo_status lighting_give_mesh(const job *done, const lighting *work)
 {
     const svo_mesh *mesh = mesh_of(work, &done->source);
-    const bool has_rays = (info_of_tree(done->result.tree).need & SVO_NEED_RAYS) != 0;
+    const svo_tree_info info = info_of_tree(done->result.tree);
+    const bool has_rays = (info.need & SVO_NEED_RAYS) != 0 && info.coverage != (uint32_t)SVO_COVERAGE_THIN;
     return mesh != NULL && has_rays && (mesh->material_count > 0 || mesh->colors != NULL || mesh->normals != NULL)
                ? svo_light_set_mesh(work->light, mesh, done->opened.queue)
                : SVO_OK;

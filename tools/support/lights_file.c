@@ -255,3 +255,15 @@ int lights_file_open(program *state, const char *path, lights_file *out)
     }
     return exit_code;
 }
+
+svo_light_setup lights_file_setup(const lights_file *file)
+{
+    svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
+    setup.sources = file->sources;
+    setup.source_count = file->source_count;
+    memcpy(setup.sky, file->sky.radiance, sizeof setup.sky);
+    setup.sky_map = file->sky.texels;
+    setup.sky_width = file->sky.width;
+    setup.sky_height = file->sky.height;
+    return setup;
+}

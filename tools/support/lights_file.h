@@ -8,7 +8,7 @@
 
 #include "support/program.h"
 #include "support/sky_file.h"
-#include "svocl/light_types.h"
+#include "svocl/light.h"
 #include "svocl/trace.h"
 
 /* Most lights of a file. */
@@ -25,5 +25,8 @@ typedef struct lights_file {
 /* Reads and checks the file. Returns the exit code; on failure nothing stays open. */
 int lights_file_open(program *state, const char *path, lights_file *out);
 void lights_file_close(lights_file *file);
+
+/* Its lights and its sky, which the setup borrows. */
+svo_light_setup lights_file_setup(const lights_file *file);
 
 #endif

@@ -272,9 +272,9 @@ bool options_is_given(const options *given, const char *name)
 const char *options_input_path(const options *given, size_t place)
 {
     const rule *option = options_rule(place);
+    const bool is_output = (option->group & OPTION_TUNE_COMMAND) != 0 && strcmp(option->name, "lights") != 0;
     return options_is_given_at(given, place) && option->value_name != NULL && strcmp(option->value_name, "FILE") == 0 &&
-                   option->group != (unsigned)OPTION_OUTPUT && option->group != OPTION_DIFF_COMMAND &&
-                   (option->group & OPTION_TUNE_COMMAND) == 0
+                   option->group != (unsigned)OPTION_OUTPUT && option->group != OPTION_DIFF_COMMAND && !is_output
                ? *(const char *const *)((const char *)given + option->offset)
                : NULL;
 }

@@ -540,6 +540,8 @@ static const rule rules[] = {
     {"lights", '\0', OPTION_LIGHT | OPTION_REFERENCE_COMMAND, "FILE", read_text, FIELD(lights_path), 0, 0, NULL,
      "JSON file with lights, sky and camera (a scene's own; else pictures: a sky, and a sun or a lamp that reaches "
      "what is in view)"},
+    {"lights", '\0', OPTION_TUNE_COMMAND, "FILE", read_text, FIELD(lights_path), 0, 0, NULL,
+     "JSON file with the lights and the sky that light is measured under (a sun and a sky)"},
     {"cones", '\0', OPTION_LIGHT, "N", read_choice, FIELD(cones), 0, 0, cone_sets,
      "cones that gather the light of a point: 1, 5, 6, 16, 64 (16)"},
     {"method", '\0', OPTION_LIGHT, "NAME", read_choice, FIELD(gather_method), 0, 0, gather_methods,
@@ -661,8 +663,9 @@ static const rule rules[] = {
     {"full", '\0', OPTION_BENCH_COMMAND, NULL, read_flag, FIELD(full), 0, 0, NULL,
      "gl-vs-cl: all depths and scenes with all needs, weights and coverages"},
     {"free", '\0', OPTION_TUNE_COMMAND, "LIST", read_text, FIELD(free_list), 0, 0, NULL,
-     "what may vary, with values or all: depth:7-9,coverage,weights,builder:cl+sorted,frontend,share,path,form,"
-     "light-form,cones,rays (depth,coverage,weights,builder:cl+sorted)"},
+     "what may vary, with commas between, by values or all: depth:7-9 coverage weights builder:cl+sorted frontend "
+     "share "
+     "path form light-form cones rays probes:4x64 (depth,coverage,weights,builder:cl+sorted)"},
     {"error", '\0', OPTION_TUNE_COMMAND, "LIST", read_text, FIELD(error_list), 0, 0, NULL,
      "bounds of errors, as voxel-rms-units:.01,normal:5; a measure without a number is to be the least (none)"},
     {"time", '\0', OPTION_TUNE_COMMAND, "T", read_seconds, FIELD(time_bound), 0, 0, NULL,

@@ -27,6 +27,8 @@ class TuneSetting:
     """95 % interval of the median"""
     memory_bytes: int
     """the most on the device at one time"""
+    note: str
+    """what the options of C do and the command does not; empty: it does all"""
 
 
 @dataclass(frozen=True)
@@ -65,6 +67,7 @@ def _setting(found: Mapping[str, Any] | None) -> TuneSetting | None:
         found["time_low_ms"],
         found["time_high_ms"],
         int(found["memory_bytes"]),
+        found["note"],
     )
 
 
@@ -76,6 +79,8 @@ def tune(
     time_s: float | None = None,
     memory_bytes: int | None = None,
     queries: int | None = None,
+    need: Sequence[str] | None = None,
+    lights: str | os.PathLike[str] | None = None,
     exhaustive: bool = False,
     page: str | os.PathLike[str] | None = None,
     csv: str | os.PathLike[str] | None = None,
@@ -88,8 +93,9 @@ def tune(
     source: what the program takes as INPUT: a mesh file, or "scene:statue". error: bounds by the names of measures;
     None in place of one number: that measure is to be the least. free: what may vary, {"depth": [7, 8], "coverage":
     None}; None means all values. time_s: seconds; memory_bytes: on the device. queries: gathered points or rays that
-    count in times. page, csv, resume: files. program: the program or its path. options: further ones of the command
-    line. Raises RuntimeError with the program's line on failure.
+    count in times. need: what all trees hold, ["color", "rays"]; None: normals and colors, and what bounds ask for.
+    lights: a file, as ``svocl gather`` takes it; None: a sun and a sky. page, csv, resume: files. program: the program
+    or its path. options: further ones of the command line. Raises RuntimeError with the program's line on failure.
     """
     path = shutil.which(program)
     if path is None:
@@ -101,6 +107,8 @@ def tune(
         "--time": f"{time_s!r}s" if time_s is not None else None,
         "--memory": str(memory_bytes) if memory_bytes is not None else None,
         "--queries": str(queries) if queries is not None else None,
+        "--need": ",".join(need) or "none" if need is not None else None,
+        "--lights": lights,
         "--page": page,
         "--csv": csv,
         "--resume": resume,

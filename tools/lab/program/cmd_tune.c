@@ -64,11 +64,70 @@ static void usual_depths(const session *opened, const svo_mesh *mesh, unsigned d
     depths[USUAL_DEPTHS] = 0;
 }
 
-static bool wants_light(const program *state, const tune_bounds *bounds)
+static tune_wish wish_for_light(const program *state, const tune_bounds *bounds)
 {
+    static const char *const names[] = {"cones", "rays", "probes"};
     const char *text = state->options.free_list;
-    return tune_bounds_ask(bounds, KIND_LIGHT) ||
-           (text != NULL && (strstr(text, "cones") != NULL || strstr(text, "rays") != NULL));
+    tune_wish wish = tune_bounds_ask(bounds, KIND_LIGHT) ? WISH_GATHER : WISH_NONE;
+    for (size_t i = 0; i < sizeof names / sizeof names[0] && text != NULL; ++i) {
+        wish = strstr(text, names[i]) != NULL ? WISH_GATHER : wish;
+    }
+    for (size_t i = 0; tune_bounds_at(bounds, i) != NULL; ++i) {
+        wish = tune_bounds_at(bounds, i)->quantity == QUANTITY_LIGHT ? WISH_LIGHT : wish;
+    }
+    return state->options.lights_path != NULL && !tune_bounds_ask(bounds, KIND_LIGHT) ? WISH_LIGHT : wish;
+}
+
+/* What all trees hold: what --need names, or what `svocl build` chooses and what bounds ask for. */
+static uint32_t common_need(const sweep *all)
+{
+    const uint32_t named = all->state->options.need;
+    if (named != (uint32_t)SVO_NEED_DEFAULT) {
+        return named & SVO_NEED_ALL;
+    }
+    uint32_t need = all->usual_need;
+    for (size_t i = 0; tune_bounds_at(&all->bounds, i) != NULL; ++i) {
+        need |= quantity_need(tune_bounds_at(&all->bounds, i)->quantity);
+    }
+    return need;
+}
+
+/* Fails where no setting can have a value of a bound. */
+static int check_bounds(const sweep *all)
+{
+    text_list need;
+    const sampler *made = all->made;
+    for (size_t i = 0; tune_bounds_at(&all->bounds, i) != NULL; ++i) {
+        const tune_measure *one = tune_bounds_at(&all->bounds, i);
+        const uint32_t asked = quantity_need(one->quantity);
+        tune_need_names(asked, &need);
+        if ((asked & ~made->measured) != 0) {
+            return program_fail(all->state, PROGRAM_WRONG_USAGE, "--error %s asks for %s, which --need leaves out",
+                                one->name, need.text);
+        }
+        if (asked == SVO_NEED_COLOR && !made->has_colors) {
+            return program_fail(all->state, PROGRAM_FAILED, "--error %s: %s has no colors", one->name,
+                                made->source->name);
+        }
+        if (one->quantity == QUANTITY_ENCLOSED && !(made->volume > 0)) {
+            return program_fail(all->state, PROGRAM_FAILED, "--error %s: %s is not closed", one->name,
+                                made->source->name);
+        }
+    }
+    return PROGRAM_DONE;
+}
+
+static void set_needs(sweep *all)
+{
+    const svo_mesh *mesh = all->made->source->mesh;
+    const uint32_t common = common_need(all);
+    const bool names = all->state->options.need != (uint32_t)SVO_NEED_DEFAULT || common != all->usual_need;
+    for (size_t i = 0; i < all->count; ++i) {
+        tune_setting *one = &all->settings[i].setting;
+        one->need = common | tune_gather_need(one->values[DIMENSION_GATHER], mesh);
+        one->names_need = names;
+        all->made->has_probes = all->made->has_probes || gather_how(one->values[DIMENSION_GATHER]) == GATHER_PROBES;
+    }
 }
 
 static int list_settings(sweep *all, const session *opened)
@@ -78,7 +137,7 @@ static int list_settings(sweep *all, const session *opened)
     usual_depths(opened, all->made->source->mesh, depths);
     all->settings = calloc(TUNE_SETTINGS_MAX, sizeof *all->settings);
     int exit_code = list != NULL && all->settings != NULL
-                        ? tune_space_read(all->state, depths, wants_light(all->state, &all->bounds), &all->space)
+                        ? tune_space_read(all->state, depths, wish_for_light(all->state, &all->bounds), &all->space)
                         : program_fail(all->state, PROGRAM_FAILED, "out of memory");
     if (exit_code == PROGRAM_DONE) {
         exit_code = tune_space_list(all->state, &all->space, list, &all->count);
@@ -86,6 +145,7 @@ static int list_settings(sweep *all, const session *opened)
     for (size_t i = 0; i < all->count; ++i) {
         all->settings[i].setting = list[i];
     }
+    set_needs(all);
     free(list);
     return exit_code;
 }
@@ -152,9 +212,12 @@ static int run(program *state, job *done, const tune_bounds *bounds)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    const bool light = wants_light(state, bounds);
+    const bool light = wish_for_light(state, bounds) != WISH_NONE;
     const uint64_t queries = given->queries > 0 || !light ? given->queries : LIGHT_QUERIES;
-    exit_code = list_settings(&all, &done->opened);
+    all.usual_need = SVO_NEED_NORMAL | (made.has_colors ? (uint32_t)SVO_NEED_COLOR : 0);
+    made.measured = given->need == (uint32_t)SVO_NEED_DEFAULT ? (uint32_t)SVO_NEED_ALL : given->need;
+    exit_code = check_bounds(&all);
+    exit_code = exit_code == PROGRAM_DONE ? list_settings(&all, &done->opened) : exit_code;
     if (exit_code == PROGRAM_DONE && (!trials_open(state, &made, queries, queries > 0, &runs) || !sweep_begin(&all))) {
         exit_code = program_fail(state, PROGRAM_FAILED, "out of memory for %zu settings", all.count);
     }
@@ -186,7 +249,7 @@ static int check_files(program *state)
 
 int command_tune(program *state)
 {
-    static const char *const others[] = {"tune", "hybrid-columns", "need", NULL};
+    static const char *const others[] = {"tune", "hybrid-columns", NULL};
     tune_bounds bounds;
     job done = {.source = {.name = NULL}};
     int exit_code = options_refuse(state, others, "to tune");

@@ -19,8 +19,9 @@
 
 /* The measures that have a column in the table of settings, where they were measured. */
 static const char *const shown[] = {
-    "voxel-rms-units", "surface-rms-units", "face-max-units", "area", "volume",  "color", "delta-e",
-    "normal",          "depth-rms-units",   "silhouette",     "ao",   "ao-bias", "light", "light-bias"};
+    "voxel-rms-units", "surface-rms-units", "face-max-units", "area",       "volume",      "color", "delta-e",
+    "normal",          "depth-rms-units",   "silhouette",     "triangle",   "t-rms-units", "ao",    "ao-bias",
+    "light",           "light-bias",        "direct",         "direct-bias"};
 #define SHOWN (sizeof shown / sizeof shown[0])
 
 static double value_of(const candidate *of, size_t measure)
@@ -45,7 +46,20 @@ static bool is_measured(const sweep *all, size_t measure)
 
 static bool varies(const sweep *all, tune_dimension which)
 {
-    return which == DIMENSION_DEPTH || all->space.counts[which] > 1;
+    return which == DIMENSION_DEPTH || all->space.counts[which] > 1 ||
+           (which == DIMENSION_GATHER && all->space.values[which][0] != 0);
+}
+
+void answer_varied(const sweep *all, size_t index, text_list *out)
+{
+    char value[32];
+    text_list_clear(out);
+    for (tune_dimension at = DIMENSION_COVERAGE; at < DIMENSION_COUNT; ++at) {
+        dimension_value(at, all->settings[index].setting.values[at], value, sizeof value);
+        if (varies(all, at)) {
+            text_list_add(out, "%s%s", out->used > 0 ? ", " : "", value);
+        }
+    }
 }
 
 /* ---- tables ---- */
@@ -61,6 +75,17 @@ static const char *standing_of(const sweep *all, size_t index)
         return race_left_name(own->left);
     }
     return race_is_on_front(&of, index) ? "front" : "";
+}
+
+/* A number, or why there is none. */
+static void add_value(const sweep *all, size_t index, size_t measure, result_table *into)
+{
+    const char *why = tune_setting_lacks(&all->settings[index].setting, tune_measure_at(measure)->quantity);
+    if (why != NULL) {
+        result_add_text(into, "%s", why);
+    } else {
+        result_add_number(into, value_of(&all->candidates[index], measure));
+    }
 }
 
 static void add_setting(const sweep *all, size_t index, result_table *into)
@@ -90,7 +115,7 @@ static void add_setting(const sweep *all, size_t index, result_table *into)
     for (size_t i = 0; i < SHOWN; ++i) {
         const size_t measure = tune_measure_find(shown[i], strlen(shown[i]));
         if (is_measured(all, measure)) {
-            result_add_number(into, value_of(of, measure));
+            add_value(all, index, measure, into);
         }
     }
     tune_setting_command(all->state, &own->setting, &text);
@@ -101,9 +126,10 @@ static void add_settings(const sweep *all, result_set *tables)
 {
     result_table *into = result_add_table(tables, "tune", "Settings",
                                           "Time: plan, build, compact form, light and queries, median and quartiles of "
-                                          "the rounds after the first run, which is apart and compiles. Memory: the "
-                                          "most on the device at one time. Result: the tree or its compact form, and "
-                                          "light. Errors: against the mesh as it was given");
+                                          "the rounds after the first run, which is apart, compiles, and makes the "
+                                          "sampled queries alone. Memory: the most on the device at one time. Result: "
+                                          "the tree or its compact form, light and probes. Errors: against the mesh as "
+                                          "it was given; ao reaches as far as `svocl gather` has it");
     result_add_column(into, "standing", "");
     for (tune_dimension i = DIMENSION_DEPTH; i < DIMENSION_COUNT; ++i) {
         if (varies(all, i)) {
@@ -194,12 +220,36 @@ result_set *answer_tables(const sweep *all)
 
 /* ---- words ---- */
 
+/* What trees hold that nobody named: by bounds, and by what is gathered. */
+static void add_needs(const sweep *all, text_list *out)
+{
+    text_list names;
+    const uint32_t named = all->state->options.need;
+    uint32_t asked = 0;
+    uint32_t gathered = 0;
+    for (size_t i = 0; tune_bounds_at(&all->bounds, i) != NULL; ++i) {
+        asked |= quantity_need(tune_bounds_at(&all->bounds, i)->quantity) & ~all->usual_need;
+    }
+    for (size_t i = 0; i < all->count && named != (uint32_t)SVO_NEED_DEFAULT; ++i) {
+        gathered |= all->settings[i].setting.need & ~named;
+    }
+    if (named == (uint32_t)SVO_NEED_DEFAULT && asked != 0) {
+        tune_need_names(asked, &names);
+        text_list_add(out, "; trees hold %s, too, which --error asks for", names.text);
+    }
+    if (gathered != 0) {
+        tune_need_names(gathered, &names);
+        text_list_add(out, "; trees hold %s, too, by which light is gathered", names.text);
+    }
+}
+
 void answer_words(const sweep *all, text_list *out)
 {
     const tune_bounds *bounds = &all->bounds;
     text_list_clear(out);
     if (!race_has_goal(bounds)) {
         text_list_add(out, "no bound is given: settings marked front are those that none beats in everything");
+        add_needs(all, out);
         return;
     }
     text_list_add(out, "least %s",
@@ -216,6 +266,7 @@ void answer_words(const sweep *all, text_list *out)
     if (all->verdict.winner == all->count) {
         text_list_add(out, ": no setting keeps these bounds");
     }
+    add_needs(all, out);
 }
 
 static void print_setting(const sweep *all, const char *what, size_t index)
@@ -224,7 +275,9 @@ static void print_setting(const sweep *all, const char *what, size_t index)
     const candidate *own = &all->candidates[index];
     tune_setting_command(all->state, &all->settings[index].setting, &text);
     table_line("%s: %s", what, text.text);
-    table_line("  %s, memory %s", figure_ms(bootstrap_median(own->rounds, own->round_count)).text,
+    answer_varied(all, index, &text);
+    table_line("  %s%s%s, memory %s", text.text, text.used > 0 ? ": " : "",
+               figure_ms(bootstrap_median(own->rounds, own->round_count)).text,
                figure_bytes((uint64_t)own->bytes).text);
 }
 
@@ -250,6 +303,9 @@ static void print_answer(const sweep *all)
         print_fresh(all);
         tune_setting_code(&all->settings[all->verdict.winner].setting, &text);
         table_line("  C: %s", text.text);
+        if (tune_setting_rest(&all->settings[all->verdict.winner].setting)[0] != '\0') {
+            table_line("  %s", tune_setting_rest(&all->settings[all->verdict.winner].setting));
+        }
         table_line("  wins in %.0f %% of resampled sweeps, within 5 %% of the winner in %.0f %%",
                    100 * all->verdict.sure, 100 * all->verdict.near);
     }
@@ -276,44 +332,73 @@ static int compare_rows(const void *a, const void *b)
                                        : (first->time > second->time) - (first->time < second->time);
 }
 
+#define COLUMNS_SHOWN 4u
+
+/* The measures of the bounds, then usual ones, as far as they were measured. Returns how many. */
+static size_t choose_columns(const sweep *all, size_t columns[COLUMNS_SHOWN])
+{
+    static const char *const usual[] = {"light", "ao", "voxel-rms-units", "normal", "delta-e"};
+    size_t count = 0;
+    for (size_t i = 0; i < TUNE_BOUNDS_MAX + 1 + sizeof usual / sizeof usual[0] && count < COLUMNS_SHOWN; ++i) {
+        const tune_measure *asked = tune_bounds_at(&all->bounds, i);
+        const size_t place = i - TUNE_BOUNDS_MAX - 1;
+        if (asked == NULL && i < TUNE_BOUNDS_MAX + 1) {
+            continue;
+        }
+        const char *name = i < TUNE_BOUNDS_MAX + 1 ? asked->name : usual[place];
+        const size_t measure = tune_measure_find(name, strlen(name));
+        bool is_new = is_measured(all, measure);
+        for (size_t k = 0; k < count; ++k) {
+            is_new = is_new && columns[k] != measure;
+        }
+        columns[count] = measure;
+        count += is_new;
+    }
+    return count;
+}
+
+static void print_value(const sweep *all, size_t index, size_t measure, table *rows)
+{
+    const char *why = tune_setting_lacks(&all->settings[index].setting, tune_measure_at(measure)->quantity);
+    const double value = value_of(&all->candidates[index], measure);
+    if (isfinite(value)) {
+        table_cell(rows, "%.4g", value);
+    } else {
+        table_cell(rows, "%s", why != NULL ? why : "-");
+    }
+}
+
 static void print_row(const sweep *all, const row_order *row, table *rows)
 {
-    static const char *const columns[] = {"voxel-rms-units", "normal", "delta-e"};
     text_list list;
     const candidate *own = &all->candidates[row->index];
-    text_list_clear(&list);
+    answer_varied(all, row->index, &list);
     table_cell(rows, "%s", standing_of(all, row->index));
     table_cell(rows, "%d", all->settings[row->index].setting.values[DIMENSION_DEPTH]);
-    for (tune_dimension at = DIMENSION_COVERAGE; at < DIMENSION_COUNT; ++at) {
-        char value[32];
-        dimension_value(at, all->settings[row->index].setting.values[at], value, sizeof value);
-        if (varies(all, at)) {
-            text_list_add(&list, "%s%s", list.used > 0 ? ", " : "", value);
-        }
-    }
     table_cell(rows, "%s", list.text);
     table_cell(rows, "%s", isfinite(row->time) ? figure_ms(row->time).text : "-");
     table_cell(rows, "%s", own->bytes > 0 ? figure_bytes((uint64_t)own->bytes).text : "-");
-    for (size_t i = 0; i < sizeof columns / sizeof columns[0]; ++i) {
-        const double value = value_of(own, tune_measure_find(columns[i], strlen(columns[i])));
-        if (isfinite(value)) {
-            table_cell(rows, "%.4g", value);
-        } else {
-            table_cell(rows, "-");
-        }
-    }
 }
 
 static void print_rows(const sweep *all, const row_order *order)
 {
-    static const char *const heads[] = {"",       "depth",           "setting", "time",
-                                        "memory", "voxel-rms-units", "normal",  "delta-e"};
-    table *rows = table_create("lrlrrrrr");
+    static const char *const heads[] = {"", "depth", "setting", "time", "memory"};
+    size_t columns[COLUMNS_SHOWN];
+    const size_t column_count = choose_columns(all, columns);
+    char alignment[] = "lrlrrrrrr";
+    alignment[sizeof heads / sizeof heads[0] + column_count] = '\0';
+    table *rows = table_create(alignment);
     for (size_t i = 0; i < sizeof heads / sizeof heads[0]; ++i) {
         table_cell(rows, "%s", heads[i]);
     }
+    for (size_t k = 0; k < column_count; ++k) {
+        table_cell(rows, "%s", tune_measure_at(columns[k])->name);
+    }
     for (size_t i = 0; i < all->count && i < ROWS_SHOWN; ++i) {
         print_row(all, &order[i], rows);
+        for (size_t k = 0; k < column_count; ++k) {
+            print_value(all, order[i].index, columns[k], rows);
+        }
     }
     table_print(rows);
     if (all->count > ROWS_SHOWN) {
@@ -351,6 +436,7 @@ static cJSON *verdict_to_json(const sweep *all, size_t index)
     json_add_text(object, "command", text.text);
     tune_setting_code(&all->settings[index].setting, &text);
     json_add_text(object, "c", text.text);
+    json_add_text(object, "note", tune_setting_rest(&all->settings[index].setting));
     const interval time = interval_of_time(own->rounds, own->round_count);
     cJSON_AddNumberToObject(object, "time_ms", time.middle);
     cJSON_AddNumberToObject(object, "time_low_ms", time.low);

@@ -15,6 +15,8 @@ result_set *answer_tables(const sweep *all);
 void answer_print(const sweep *all);
 /* The state with "answer" and "tables". NULL when out of memory. */
 cJSON *answer_to_json(const sweep *all, const result_set *tables);
+/* The values of a setting in what varies, but the depth: "half-open, 64 rays". */
+void answer_varied(const sweep *all, size_t index, text_list *out);
 /* One line in words: what was asked and found. */
 void answer_words(const sweep *all, text_list *out);
 

@@ -18,12 +18,15 @@ static cJSON *verdict_to_facts(const sweep *all)
         cJSON_AddStringToObject(facts, "command", text.text);
         tune_setting_code(&all->settings[all->verdict.winner].setting, &text);
         cJSON_AddStringToObject(facts, "c", text.text);
+        cJSON_AddStringToObject(facts, "note", tune_setting_rest(&all->settings[all->verdict.winner].setting));
         cJSON_AddNumberToObject(facts, "sure", all->verdict.sure);
         cJSON_AddNumberToObject(facts, "near", all->verdict.near);
     }
     if (all->verdict.second < all->count) {
         tune_setting_command(all->state, &all->settings[all->verdict.second].setting, &text);
         cJSON_AddStringToObject(facts, "second", text.text);
+        answer_varied(all, all->verdict.second, &text);
+        cJSON_AddStringToObject(facts, "varied", text.text);
     }
     return facts;
 }

@@ -37,16 +37,20 @@ const charted = [
   ["normal", "normal, mean, degrees"],
   ["depth-rms-units", "rays to voxels, RMS, units"],
   ["silhouette", "silhouette, % of rays"],
+  ["triangle", "other triangles, % of rays"],
   ["ao", "ambient occlusion, RMSE"],
-  ["light", "light, RMSE, of the mean"]
+  ["light", "light, RMSE, of the mean"],
+  ["direct", "direct light, RMSE, of the mean"]
 ];
 
 const data0 = JSON.parse(document.getElementById("data").textContent);
 const tune0 = data0?.results.tables.find(table => table.id === "tune");
 
-/* The column whose values name the curves: the free dimension with the fewest settings, coverage if it is free. */
-const curvesOf = ["coverage", "weights", "builder", "gather", "form"].find(name =>
-  tune0?.columns.some(column => column.name === name)) ?? "standing";
+/* The column whose values name the curves: how light is gathered, else coverage, of what varies. */
+const curvesOf = ["gather", "coverage", "weights", "builder", "form"].find(name => {
+  const at = tune0?.columns.findIndex(column => column.name === name) ?? -1;
+  return at >= 0 && new Set(tune0.rows.map(row => row[at])).size > 1;
+}) ?? "standing";
 
 function frontOf([measure, label], x, xLabel) {
   return {
@@ -78,15 +82,21 @@ function styleOf(method, position) {
           marker: markerOrder[position % markerOrder.length]};
 }
 
+function sentenceOf(note) {
+  return note === "" ? "" : `<p class="note">${escapeText(note[0].toUpperCase() + note.slice(1))}.</p>`;
+}
+
 function showAnswer({input, answer}) {
   const percent = share => `${Math.round(100 * share)} %`;
+  const varied = answer.varied ? ` (${escapeText(answer.varied)})` : "";
   document.getElementById("input").append(input);
   document.getElementById("answer").innerHTML = `<p class="lead">${escapeText(answer.asked)}</p>` +
     (answer.command === undefined ? "" :
       `<p><code>${escapeText(answer.command)}</code></p><p><code>${escapeText(answer.c)}</code></p>` +
+      sentenceOf(answer.note) +
       `<p class="note">It wins in ${percent(answer.sure)} of resampled sweeps and is within 5 % of the winner in ` +
       `${percent(answer.near)}.` +
-      (answer.second === undefined ? "" : ` Second: <code>${escapeText(answer.second)}</code>`) + "</p>");
+      (answer.second === undefined ? "" : ` Second: <code>${escapeText(answer.second)}</code>${varied}`) + "</p>");
 }
 
 if (data0 !== null) {

@@ -26,8 +26,19 @@ static const choice forms[] = {{"tree", 0},
                                {"implied", 1 + SVO_FORM_IMPLIED},
                                {"shared", 1 + SVO_FORM_SHARED},
                                {NULL, 0}};
-static const choice ray_sets[] = {{"16", -16},   {"32", -32},   {"64", -64},     {"128", -128},
-                                  {"256", -256}, {"512", -512}, {"1024", -1024}, {NULL, 0}};
+static const choice ray_sets[] = {{"16", 16},   {"32", 32},   {"64", 64},     {"128", 128},
+                                  {"256", 256}, {"512", 512}, {"1024", 1024}, {NULL, 0}};
+/* Of probes without values. */
+static const choice probe_sets[] = {{"2x64", GATHER_GRID(2, 64)},
+                                    {"4x64", GATHER_GRID(4, 64)},
+                                    {"4x128", GATHER_GRID(4, 128)},
+                                    {"8x64", GATHER_GRID(8, 64)},
+                                    {NULL, 0}};
+#define PROBES_ALONG_MAX 40 /* 64,000 in all, below SVO_PROBES_MAX */
+#define PROBES_TEXELS    128u /* without a number */
+
+static const char *const gather_names[] = {
+    [GATHER_NOTHING] = "", [GATHER_CONES] = "cones", [GATHER_RAYS] = "rays", [GATHER_PROBES] = "probes"};
 
 /* The choices of the first option of a name, which is light's; NULL for numbers. */
 static const choice *choices_named(const char *name)
@@ -55,8 +66,10 @@ static const char *choice_name(const choice *choices, int value)
 void dimension_value(tune_dimension which, int value, char *text, size_t text_bytes)
 {
     const char *name = choice_name(choices_of(which), value);
-    if (which == DIMENSION_GATHER) {
-        (void)snprintf(text, text_bytes, "%d %s", abs(value), value > 0 ? "cones" : value < 0 ? "rays" : "");
+    if (which == DIMENSION_GATHER && gather_how(value) == GATHER_PROBES) {
+        (void)snprintf(text, text_bytes, "%ux%u probes", gather_along(value), gather_texels(value));
+    } else if (which == DIMENSION_GATHER) {
+        (void)snprintf(text, text_bytes, "%u %s", gather_count(value), gather_names[gather_how(value)]);
         text[value == 0 ? 0 : strlen(text)] = '\0';
     } else if (name != NULL) {
         (void)snprintf(text, text_bytes, "%s", name);
@@ -113,50 +126,83 @@ static int add_depths(const free_reader *reader, const char *text, size_t length
     return exit_code;
 }
 
-static int add_choice(const free_reader *reader, tune_dimension which, const choice *choices, const char *text,
-                      size_t length)
+/* A name of --free: its dimension, its choices and, of light, the way to gather. */
+typedef struct free_name {
+    tune_dimension which;
+    tune_gather how;
+    const choice *choices;
+} free_name;
+
+static int add_named(const free_reader *reader, const free_name *name, int value)
+{
+    return add_value(reader, name->which, name->which == DIMENSION_GATHER ? GATHER_VALUE(name->how, value) : value);
+}
+
+/* "4" or "4x64". */
+static int add_probes(const free_reader *reader, const char *text, size_t length)
+{
+    char *end = NULL;
+    const unsigned long along = strtoul(text, &end, 10);
+    const unsigned long texels = *end == 'x' ? strtoul(end + 1, &end, 10) : PROBES_TEXELS;
+    const bool is_read = end == text + length && text[0] >= '0' && text[0] <= '9';
+    return is_read && along >= 1 && along <= PROBES_ALONG_MAX && texels >= SVO_PROBES_RESOLUTION_MIN &&
+                   texels <= SVO_PROBES_RESOLUTION_MAX && texels % SVO_PROBES_RESOLUTION_STEP == 0
+               ? add_value(reader, DIMENSION_GATHER, GATHER_VALUE(GATHER_PROBES, GATHER_GRID((int)along, (int)texels)))
+               : program_fail(reader->state, PROGRAM_WRONG_USAGE,
+                              "--free: '%.*s' is not N or NxR: probes along an axis, 1 .. %d, and texels of a map's "
+                              "side, %u .. %u in steps of %u",
+                              (int)length, text, PROBES_ALONG_MAX, SVO_PROBES_RESOLUTION_MIN, SVO_PROBES_RESOLUTION_MAX,
+                              SVO_PROBES_RESOLUTION_STEP);
+}
+
+static int add_choice(const free_reader *reader, const free_name *name, const char *text, size_t length)
 {
     suggestion near = suggestion_begin(text, length);
-    for (const choice *one = choices; one->name != NULL; ++one) {
+    for (const choice *one = name->choices; one->name != NULL; ++one) {
         if (strlen(one->name) == length && strncmp(one->name, text, length) == 0) {
-            return add_value(reader, which, one->value);
+            return add_named(reader, name, one->value);
         }
         suggestion_offer(&near, one->name);
     }
     return program_fail(reader->state, PROGRAM_WRONG_USAGE, "--free: '%.*s' is no value of %s%s", (int)length, text,
-                        which != DIMENSION_GATHER ? names[which]
-                        : choices == ray_sets     ? "rays"
-                                                  : "cones",
+                        name->which != DIMENSION_GATHER ? names[name->which] : gather_names[name->how],
                         suggestion_end(&near).text);
 }
 
-static int add_all(const free_reader *reader, tune_dimension which, const choice *choices)
+static int add_all(const free_reader *reader, const free_name *name)
 {
     int exit_code = PROGRAM_DONE;
-    if (which == DIMENSION_DEPTH) {
+    if (name->which == DIMENSION_DEPTH) {
         for (const unsigned *depth = reader->depths; *depth != 0 && exit_code == PROGRAM_DONE; ++depth) {
-            exit_code = add_value(reader, which, (int)*depth);
+            exit_code = add_value(reader, name->which, (int)*depth);
         }
         return exit_code;
     }
-    for (; choices->name != NULL && exit_code == PROGRAM_DONE; ++choices) {
-        exit_code = add_value(reader, which, choices->value);
+    for (const choice *one = name->choices; one->name != NULL && exit_code == PROGRAM_DONE; ++one) {
+        exit_code = add_named(reader, name, one->value);
     }
     return exit_code;
 }
 
-/* The dimension and the choices of a name of --free. */
-static bool find_free(const char *name, size_t length, tune_dimension *which, const choice **choices)
+static bool is_text(const char *text, size_t length, const char *name)
 {
-    const bool cones = length == 5 && strncmp(name, "cones", length) == 0;
-    if (cones || (length == 4 && strncmp(name, "rays", length) == 0)) {
-        *which = DIMENSION_GATHER;
-        *choices = cones ? choices_named("cones") : ray_sets;
-        return true;
+    return strlen(name) == length && strncmp(name, text, length) == 0;
+}
+
+static bool find_free(const char *text, size_t length, free_name *out)
+{
+    const choice *const sets[] = {
+        [GATHER_CONES] = choices_named("cones"), [GATHER_RAYS] = ray_sets, [GATHER_PROBES] = probe_sets};
+    *out = (free_name){.which = DIMENSION_GATHER};
+    for (out->how = GATHER_CONES; out->how <= GATHER_PROBES; ++out->how) {
+        if (is_text(text, length, gather_names[out->how])) {
+            out->choices = sets[out->how];
+            return true;
+        }
     }
-    for (*which = DIMENSION_DEPTH; *which < DIMENSION_GATHER; ++*which) {
-        if (strlen(names[*which]) == length && strncmp(names[*which], name, length) == 0) {
-            *choices = choices_of(*which);
+    for (out->which = DIMENSION_DEPTH; out->which < DIMENSION_GATHER; ++out->which) {
+        if (is_text(text, length, names[out->which])) {
+            out->choices = choices_of(out->which);
             return true;
         }
     }
@@ -169,31 +215,32 @@ static int fail_free(program *state, const char *text, size_t length)
     for (int i = 0; i < DIMENSION_GATHER; ++i) {
         suggestion_offer(&near, names[i]);
     }
-    suggestion_offer(&near, "cones");
-    suggestion_offer(&near, "rays");
+    for (int i = GATHER_CONES; i <= GATHER_PROBES; ++i) {
+        suggestion_offer(&near, gather_names[i]);
+    }
     return program_fail(state, PROGRAM_WRONG_USAGE,
                         "--free: '%.*s' is none of depth, coverage, weights, frontend, share, builder, path, form, "
-                        "light-form, cones, rays%s",
+                        "light-form, cones, rays, probes%s",
                         (int)length, text, suggestion_end(&near).text);
 }
 
 /* One "NAME" or "NAME:VALUE+VALUE". */
 static int read_free(const free_reader *reader, const char *text, size_t length)
 {
-    tune_dimension which;
-    const choice *choices = NULL;
+    free_name name;
     const size_t name_length = strcspn(text, ":,");
     int exit_code = PROGRAM_DONE;
-    if (!find_free(text, name_length, &which, &choices)) {
+    if (!find_free(text, name_length, &name)) {
         return fail_free(reader->state, text, name_length);
     }
     if (name_length == length) {
-        return add_all(reader, which, choices);
+        return add_all(reader, &name);
     }
     for (const char *value = text + name_length + 1; exit_code == PROGRAM_DONE; ++value) {
         const size_t value_length = strcspn(value, "+,");
-        exit_code = which == DIMENSION_DEPTH ? add_depths(reader, value, value_length)
-                                             : add_choice(reader, which, choices, value, value_length);
+        exit_code = name.which == DIMENSION_DEPTH ? add_depths(reader, value, value_length)
+                    : name.how == GATHER_PROBES   ? add_probes(reader, value, value_length)
+                                                  : add_choice(reader, &name, value, value_length);
         value += value_length;
         if (*value != '+') {
             break;
@@ -222,10 +269,10 @@ static int free_usual(const free_reader *reader)
 {
     static const int usual_builders[] = {SVO_BUILDER_CL, SVO_BUILDER_SORTED};
     const options *given = &reader->state->options;
-    int exit_code = given->has_depth ? PROGRAM_DONE : add_all(reader, DIMENSION_DEPTH, NULL);
-    for (int i = DIMENSION_COVERAGE; i <= DIMENSION_WEIGHTS && exit_code == PROGRAM_DONE; ++i) {
+    int exit_code = given->has_depth ? PROGRAM_DONE : add_all(reader, &(free_name){.which = DIMENSION_DEPTH});
+    for (tune_dimension i = DIMENSION_COVERAGE; i <= DIMENSION_WEIGHTS && exit_code == PROGRAM_DONE; ++i) {
         if (!options_is_given(given, names[i])) {
-            exit_code = add_all(reader, (tune_dimension)i, choices_of((tune_dimension)i));
+            exit_code = add_all(reader, &(free_name){.which = i, .choices = choices_of(i)});
         }
     }
     for (size_t i = 0; i < 2 && !given->has_builder && exit_code == PROGRAM_DONE; ++i) {
@@ -234,9 +281,12 @@ static int free_usual(const free_reader *reader)
     return exit_code;
 }
 
-int tune_space_read(program *state, const unsigned *depths, bool gathers, tune_space *space)
+int tune_space_read(program *state, const unsigned *depths, tune_wish wish, tune_space *space)
 {
-    static const int usual_gathers[] = {5, 16, -16, -64, -256};
+    static const int usual_gathers[] = {
+        GATHER_VALUE(GATHER_CONES, 5), GATHER_VALUE(GATHER_CONES, 16), GATHER_VALUE(GATHER_RAYS, 16),
+        GATHER_VALUE(GATHER_RAYS, 64), GATHER_VALUE(GATHER_RAYS, 256), GATHER_VALUE(GATHER_PROBES, GATHER_GRID(4, 64))};
+    const size_t usual_count = wish == WISH_LIGHT ? 6 : wish == WISH_GATHER ? 5 : 0;
     const free_reader reader = {state, depths, space};
     const char *text = state->options.free_list;
     fix_values(&state->options, space);
@@ -246,7 +296,7 @@ int tune_space_read(program *state, const unsigned *depths, bool gathers, tune_s
         exit_code = read_free(&reader, text, length);
         text = text[length] == ',' ? text + length + 1 : NULL;
     }
-    for (size_t i = 0; i < 5 && gathers && !space->is_free[DIMENSION_GATHER] && exit_code == PROGRAM_DONE; ++i) {
+    for (size_t i = 0; i < usual_count && !space->is_free[DIMENSION_GATHER] && exit_code == PROGRAM_DONE; ++i) {
         space->values[DIMENSION_GATHER][i] = usual_gathers[i];
         space->counts[DIMENSION_GATHER] = i + 1;
     }
@@ -254,6 +304,13 @@ int tune_space_read(program *state, const unsigned *depths, bool gathers, tune_s
 }
 
 /* ---- settings ---- */
+
+/* For cones, which light what probes see, too. */
+static bool stores_light(const tune_setting *setting)
+{
+    const tune_gather how = gather_how(setting->values[DIMENSION_GATHER]);
+    return how == GATHER_CONES || how == GATHER_PROBES;
+}
 
 /* Whether the setting with the first values of the dimensions that do not matter to it is another one. */
 static bool is_second_name(const tune_space *space, const tune_setting *setting)
@@ -263,7 +320,7 @@ static bool is_second_name(const tune_space *space, const tune_setting *setting)
     const bool in_cl = at[DIMENSION_FRONTEND] == OPTION_FRONTEND_CL || at[DIMENSION_FRONTEND] == OPTION_FRONTEND_AUTO;
     return (in_gl && at[DIMENSION_FRONTEND] != space->values[DIMENSION_FRONTEND][0]) ||
            (in_cl && !in_gl && at[DIMENSION_SHARE] != space->values[DIMENSION_SHARE][0]) ||
-           (at[DIMENSION_GATHER] <= 0 && at[DIMENSION_LIGHT_FORM] != space->values[DIMENSION_LIGHT_FORM][0]);
+           (!stores_light(setting) && at[DIMENSION_LIGHT_FORM] != space->values[DIMENSION_LIGHT_FORM][0]);
 }
 
 int tune_space_list(program *state, const tune_space *space, tune_setting *settings, size_t *count)
@@ -274,7 +331,7 @@ int tune_space_list(program *state, const tune_space *space, tune_setting *setti
         product *= space->counts[i]; /* below 16^10 */
     }
     for (size_t place = 0; place < product; ++place) {
-        tune_setting one;
+        tune_setting one = {.need = 0};
         size_t rest = place;
         for (int i = DIMENSION_COUNT - 1; i >= 0; --i) {
             one.values[i] = space->values[i][rest % space->counts[i]];
@@ -289,6 +346,66 @@ int tune_space_list(program *state, const tune_space *space, tune_setting *setti
         settings[(*count)++] = one;
     }
     return PROGRAM_DONE;
+}
+
+/* ---- what trees hold ---- */
+
+uint32_t tune_gather_need(int gather, const svo_mesh *mesh)
+{
+    const bool has_colors = mesh->colors != NULL || mesh->material_count > 0;
+    const tune_gather how = gather_how(gather);
+    return how == GATHER_NOTHING
+               ? 0
+               : SVO_NEED_NORMAL | SVO_NEED_RAYS | (how != GATHER_RAYS ? (uint32_t)SVO_NEED_PROJECTED_AREA : 0U) |
+                     (has_colors ? (uint32_t)SVO_NEED_COLOR : 0U) |
+                     (mesh->finishes != NULL ? (uint32_t)SVO_NEED_MATERIAL : 0U);
+}
+
+/* The names of bits, with a separator and in a text each. */
+static void add_needs(text_list *list, uint32_t need, const char *separator, void (*add)(text_list *, const char *))
+{
+    const char *before = "";
+    for (const choice *one = choices_named("need"); one->name != NULL; ++one) {
+        if ((need & (uint32_t)one->value) != 0) {
+            text_list_add(list, "%s", before);
+            add(list, one->name);
+            before = separator;
+        }
+    }
+}
+
+static void add_plain(text_list *list, const char *name)
+{
+    text_list_add(list, "%s", name);
+}
+
+void tune_need_names(uint32_t need, text_list *out)
+{
+    text_list_clear(out);
+    add_needs(out, need, ",", add_plain);
+    text_list_add(out, "%s", need == 0 ? "none" : "");
+}
+
+const char *tune_setting_lacks(const tune_setting *setting, tune_quantity quantity)
+{
+    const int *at = setting->values;
+    const bool is_thin = at[DIMENSION_COVERAGE] == SVO_COVERAGE_THIN;
+    const bool has_probes = gather_how(at[DIMENSION_GATHER]) == GATHER_PROBES;
+    switch (quantity) {
+    case QUANTITY_ENCLOSED:
+        return is_thin ? "thin voxels enclose nothing" : NULL;
+    case QUANTITY_TRIANGLE:
+    case QUANTITY_T:
+        return is_thin                   ? "thin voxels lack triangles"
+               : at[DIMENSION_FORM] != 0 ? "a compact form has no triangles"
+                                         : NULL;
+    case QUANTITY_OCCLUSION:
+        return has_probes ? "probes hold no openness" : NULL;
+    case QUANTITY_DIRECT:
+        return has_probes ? "probes hold no direct light" : NULL;
+    default:
+        return NULL;
+    }
 }
 
 /* ---- command lines ---- */
@@ -326,7 +443,8 @@ static bool is_carried(const program *state, size_t place)
 {
     const rule *option = options_rule(place);
     bool carried = options_is_given_at(&state->options, place) &&
-                   (option->group & (OPTION_COMMON | OPTION_JSON | OPTION_TUNE_COMMAND)) == 0;
+                   (option->group & (OPTION_COMMON | OPTION_JSON | OPTION_TUNE_COMMAND)) == 0 &&
+                   strcmp(option->name, "need") != 0;
     for (tune_dimension i = DIMENSION_DEPTH; i < DIMENSION_COUNT; ++i) {
         carried = carried && strcmp(option->name, names[i]) != 0;
     }
@@ -345,26 +463,64 @@ static void add_carried(text_list *list, const program *state)
     }
 }
 
+static void add_gather_options(text_list *out, const program *state, const tune_setting *setting)
+{
+    const int gather = setting->values[DIMENSION_GATHER];
+    const unsigned along = gather_along(gather);
+    if (state->options.lights_path != NULL) {
+        text_list_add(out, " --lights");
+        add_word(out, state->options.lights_path);
+    }
+    if (stores_light(setting) && setting->values[DIMENSION_LIGHT_FORM] != SVO_LIGHT_FACES) {
+        text_list_add(out, " --form %s",
+                      choice_name(choices_of(DIMENSION_LIGHT_FORM), setting->values[DIMENSION_LIGHT_FORM]));
+    }
+    if (gather_how(gather) == GATHER_PROBES) {
+        text_list_add(out, " --through probes --probes %u,%u,%u --probe-resolution %u -o probes.png", along, along,
+                      along, gather_texels(gather));
+        return;
+    }
+    text_list_add(out, gather_how(gather) == GATHER_CONES ? " --method cones --cones %u" : " --method rays --paths %u",
+                  gather_count(gather));
+    text_list_add(out, " --points %u", GATHER_POINTS);
+    if (options_is_given(&state->options, "seed")) {
+        text_list_add(out, " --seed %u", (unsigned)state->options.seed);
+    }
+    text_list_add(out, " -o light.csv");
+}
+
 void tune_setting_command(const program *state, const tune_setting *setting, text_list *out)
 {
+    static const char *const commands[] = {
+        [GATHER_NOTHING] = "build", [GATHER_CONES] = "gather", [GATHER_RAYS] = "gather", [GATHER_PROBES] = "render"};
     const int *at = setting->values;
-    const int gather = at[DIMENSION_GATHER];
+    text_list need;
     text_list_clear(out);
-    text_list_add(out, "svocl %s", gather != 0 ? "gather" : "build");
+    text_list_add(out, "svocl %s", commands[gather_how(at[DIMENSION_GATHER])]);
     add_word(out, state->options.input);
     text_list_add(out, " -d %d", at[DIMENSION_DEPTH]);
     for (tune_dimension i = DIMENSION_COVERAGE; i <= DIMENSION_PATH; ++i) {
         add_option(out, setting, i, 0);
     }
+    if (setting->names_need) {
+        tune_need_names(setting->need, &need);
+        text_list_add(out, " --need %s", need.text);
+    }
     add_carried(out, state);
-    if (gather != 0) {
-        text_list_add(out, gather > 0 ? " --method cones --cones %d" : " --method rays --paths %d", abs(gather));
-        if (gather > 0 && at[DIMENSION_LIGHT_FORM] != SVO_LIGHT_FACES) {
-            text_list_add(out, " --form %s", choice_name(choices_of(DIMENSION_LIGHT_FORM), at[DIMENSION_LIGHT_FORM]));
-        }
-        text_list_add(out, " --points points.csv -o light.csv");
+    if (at[DIMENSION_GATHER] != 0) {
+        add_gather_options(out, state, setting);
     } else {
         text_list_add(out, " -o model.svo");
+    }
+}
+
+/* ---- C ---- */
+
+static void add_upper(text_list *list, const char *name)
+{
+    for (; *name != '\0'; ++name) {
+        const char letter = *name >= 'a' && *name <= 'z' ? (char)(*name - 'a' + 'A') : *name == '-' ? '_' : *name;
+        text_list_add(list, "%c", letter);
     }
 }
 
@@ -372,24 +528,35 @@ void tune_setting_command(const program *state, const tune_setting *setting, tex
 static void add_field(text_list *list, const char *field, const char *prefix, const char *name)
 {
     text_list_add(list, ", .%s = %s", field, prefix);
-    for (; *name != '\0'; ++name) {
-        const char letter = *name >= 'a' && *name <= 'z' ? (char)(*name - 'a' + 'A') : *name == '-' ? '_' : *name;
-        text_list_add(list, "%c", letter);
-    }
+    add_upper(list, name);
+}
+
+static void add_need(text_list *list, const char *name)
+{
+    text_list_add(list, "SVO_NEED_");
+    add_upper(list, name);
 }
 
 static void add_gather(text_list *list, const tune_setting *setting)
 {
     const int gather = setting->values[DIMENSION_GATHER];
-    if (gather > 0) {
+    const unsigned along = gather_along(gather);
+    if (stores_light(setting)) {
         text_list_add(list, "; svo_light_options light = {.struct_size = sizeof light");
         add_field(list, "form", "SVO_LIGHT_",
                   choice_name(choices_of(DIMENSION_LIGHT_FORM), setting->values[DIMENSION_LIGHT_FORM]));
         text_list_add(list, "}");
     }
-    if (gather != 0) {
-        text_list_add(list, "; svo_gather_options gather = {.struct_size = sizeof gather, .method = %s, .%s = %d}",
-                      gather > 0 ? "SVO_GATHER_CONES" : "SVO_GATHER_RAYS", gather > 0 ? "cones" : "paths", abs(gather));
+    if (gather_how(gather) == GATHER_PROBES) {
+        text_list_add(list,
+                      "; svo_probe_options probes = {.struct_size = sizeof probes, .counts = {%u, %u, %u}, "
+                      ".resolution = %u, .diffuse = 1}",
+                      along, along, along, gather_texels(gather));
+    } else if (gather != 0) {
+        const bool is_cones = gather_how(gather) == GATHER_CONES;
+        text_list_add(list, "; svo_gather_options gather = {.struct_size = sizeof gather, .method = %s, .%s = %u}",
+                      is_cones ? "SVO_GATHER_CONES" : "SVO_GATHER_RAYS", is_cones ? "cones" : "paths",
+                      gather_count(gather));
     }
 }
 
@@ -398,6 +565,11 @@ void tune_setting_code(const tune_setting *setting, text_list *out)
     const int *at = setting->values;
     text_list_clear(out);
     text_list_add(out, "/* depth %d */ svo_plan_options plan = {.struct_size = sizeof plan", at[DIMENSION_DEPTH]);
+    if (setting->names_need || at[DIMENSION_GATHER] != 0) {
+        text_list_add(out, ", .need = ");
+        add_needs(out, setting->need, " | ", add_need);
+        text_list_add(out, "%s", setting->need == 0 ? "SVO_NEED_NONE" : "");
+    }
     add_field(out, "coverage", "SVO_COVERAGE_", svo_name(SVO_NAME_COVERAGE, (uint32_t)at[DIMENSION_COVERAGE]));
     add_field(out, "weights", "SVO_WEIGHTS_", svo_name(SVO_NAME_WEIGHTS, (uint32_t)at[DIMENSION_WEIGHTS]));
     if (at[DIMENSION_BUILDER] == SVO_BUILDER_SORTED) {
@@ -410,4 +582,13 @@ void tune_setting_code(const tune_setting *setting, text_list *out)
         text_list_add(out, "}");
     }
     add_gather(out, setting);
+}
+
+const char *tune_setting_rest(const tune_setting *setting)
+{
+    const bool has_form = setting->values[DIMENSION_FORM] != 0;
+    return gather_how(setting->values[DIMENSION_GATHER]) == GATHER_PROBES
+               ? "the command draws a picture through these probes: irradiance at points is svo_probes_irradiance's"
+           : has_form ? "the command makes the tree alone: the compact form is svo_compact_create's, by these options"
+                      : "";
 }

@@ -6,25 +6,42 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "measure/ray_sets.h"
 #include "support/suggest.h"
+#include "svocl/plan.h"
 
 /* ---- quantities ---- */
 
 static const struct {
     const char *name;
     tune_kind kind;
+    uint32_t need;
 } quantities[QUANTITY_COUNT] = {
-    [QUANTITY_VOXEL] = {"voxel", KIND_SHAPE},           [QUANTITY_FACE] = {"face", KIND_SHAPE},
-    [QUANTITY_SURFACE] = {"surface", KIND_SHAPE},       [QUANTITY_EXPOSED] = {"exposed", KIND_SHAPE},
-    [QUANTITY_ENCLOSED] = {"enclosed", KIND_SHAPE},     [QUANTITY_DEPTH] = {"depth", KIND_SHAPE},
-    [QUANTITY_SILHOUETTE] = {"silhouette", KIND_SHAPE}, [QUANTITY_COLOR] = {"color", KIND_PAYLOAD},
-    [QUANTITY_DELTA_E] = {"delta-e", KIND_PAYLOAD},     [QUANTITY_NORMAL] = {"normal", KIND_PAYLOAD},
-    [QUANTITY_OCCLUSION] = {"ao", KIND_LIGHT},          [QUANTITY_LIGHT] = {"light", KIND_LIGHT},
+    [QUANTITY_VOXEL] = {"voxel", KIND_SHAPE, 0},
+    [QUANTITY_FACE] = {"face", KIND_SHAPE, 0},
+    [QUANTITY_SURFACE] = {"surface", KIND_SHAPE, 0},
+    [QUANTITY_EXPOSED] = {"exposed", KIND_SHAPE, 0},
+    [QUANTITY_ENCLOSED] = {"enclosed", KIND_SHAPE, 0},
+    [QUANTITY_DEPTH] = {"depth", KIND_RAYS, 0},
+    [QUANTITY_SILHOUETTE] = {"silhouette", KIND_RAYS, 0},
+    [QUANTITY_TRIANGLE] = {"triangle", KIND_RAYS, SVO_NEED_RAYS},
+    [QUANTITY_T] = {"t", KIND_RAYS, SVO_NEED_RAYS},
+    [QUANTITY_COLOR] = {"color", KIND_PAYLOAD, SVO_NEED_COLOR},
+    [QUANTITY_DELTA_E] = {"delta-e", KIND_PAYLOAD, SVO_NEED_COLOR},
+    [QUANTITY_NORMAL] = {"normal", KIND_PAYLOAD, SVO_NEED_NORMAL},
+    [QUANTITY_OCCLUSION] = {"ao", KIND_LIGHT, 0},
+    [QUANTITY_LIGHT] = {"light", KIND_LIGHT, 0},
+    [QUANTITY_DIRECT] = {"direct", KIND_LIGHT, 0},
 };
 
 tune_kind quantity_kind(tune_quantity quantity)
 {
     return quantities[quantity].kind;
+}
+
+uint32_t quantity_need(tune_quantity quantity)
+{
+    return quantities[quantity].need;
 }
 
 const char *quantity_name(tune_quantity quantity)
@@ -53,6 +70,19 @@ sample_block samples_sum(const samples *of)
         sum.most = fmax(sum.most, of->blocks[i].most);
     }
     return sum;
+}
+
+void samples_add_hit(tune_errors *errors, size_t index, tune_hit exact, tune_hit found)
+{
+    const bool is_met = exact.triangle != SVO_NO_TRIANGLE;
+    const bool is_found = found.triangle != SVO_NO_TRIANGLE;
+    if (is_met || is_found) {
+        const bool same = exact.triangle == found.triangle || (is_met && is_found && ray_ties(exact.t, found.t));
+        samples_add(&errors->of[QUANTITY_TRIANGLE], index, !same);
+    }
+    if (is_met && is_found) {
+        samples_add(&errors->of[QUANTITY_T], index, fabs(exact.t - found.t) / errors->voxel);
+    }
 }
 
 /* ---- measures ---- */
@@ -84,10 +114,16 @@ static const tune_measure measures[] = {
     {"depth-rms", "voxels", QUANTITY_DEPTH, STATISTIC_RMS, false, "rays to voxels against rays to triangles, RMS"},
     {"depth-rms-units", "units", QUANTITY_DEPTH, STATISTIC_RMS, true, "rays to voxels against triangles, RMS"},
     {"silhouette", "%", QUANTITY_SILHOUETTE, STATISTIC_MEAN, false, "rays that meet voxels or triangles alone"},
+    {"triangle", "%", QUANTITY_TRIANGLE, STATISTIC_MEAN, false, "rays that hit another triangle, but for ties"},
+    {"t-rms", "voxels", QUANTITY_T, STATISTIC_RMS, false, "where rays hit triangles, RMS"},
+    {"t-rms-units", "units", QUANTITY_T, STATISTIC_RMS, true, "where rays hit triangles, RMS"},
+    {"t-max-units", "units", QUANTITY_T, STATISTIC_MOST, true, "where rays hit triangles, largest"},
     {"ao", "openness", QUANTITY_OCCLUSION, STATISTIC_RMS, false, "ambient occlusion, RMSE"},
     {"ao-bias", "openness", QUANTITY_OCCLUSION, STATISTIC_BIAS, false, "ambient occlusion, signed mean"},
     {"light", "of mean", QUANTITY_LIGHT, STATISTIC_RMS, false, "irradiance after a bounce, RMSE"},
     {"light-bias", "of mean", QUANTITY_LIGHT, STATISTIC_BIAS, false, "irradiance after a bounce, signed mean"},
+    {"direct", "of mean", QUANTITY_DIRECT, STATISTIC_RMS, false, "irradiance by the lights, RMSE"},
+    {"direct-bias", "of mean", QUANTITY_DIRECT, STATISTIC_BIAS, false, "irradiance by the lights, signed mean"},
 };
 
 const tune_measure *tune_measure_at(size_t index)
@@ -113,7 +149,8 @@ size_t tune_measure_find(const char *name, size_t length)
 double tune_measure_value(const tune_measure *which, const tune_errors *errors, const sample_block *sum)
 {
     const double mean = sum->count > 0 ? sum->sum / sum->count : NAN;
-    const double scale = which->quantity == QUANTITY_SILHOUETTE ? 100 : which->in_units ? errors->voxel : 1;
+    const bool is_share = which->quantity == QUANTITY_SILHOUETTE || which->quantity == QUANTITY_TRIANGLE;
+    const double scale = is_share ? 100 : which->in_units ? errors->voxel : 1;
     switch (which->statistic) {
     case STATISTIC_RMS:
         return sum->count > 0 ? scale * sqrt(sum->square_sum / sum->count) : NAN;
@@ -183,11 +220,18 @@ int tune_bounds_read(program *state, const char *text, tune_bounds *bounds)
     return exit_code;
 }
 
+const tune_measure *tune_bounds_at(const tune_bounds *bounds, size_t index)
+{
+    return index < bounds->count    ? &measures[bounds->list[index].measure]
+           : index == bounds->count ? tune_measure_at(bounds->least)
+                                    : NULL;
+}
+
 bool tune_bounds_ask(const tune_bounds *bounds, tune_kind kind)
 {
-    bool asked = bounds->least < tune_measure_count() && quantity_kind(measures[bounds->least].quantity) == kind;
-    for (size_t i = 0; i < bounds->count; ++i) {
-        asked = asked || quantity_kind(measures[bounds->list[i].measure].quantity) == kind;
+    bool asked = false;
+    for (size_t i = 0; tune_bounds_at(bounds, i) != NULL; ++i) {
+        asked = asked || quantity_kind(tune_bounds_at(bounds, i)->quantity) == kind;
     }
     return asked;
 }

@@ -20,18 +20,24 @@ typedef enum tune_quantity {
     QUANTITY_EXPOSED, /* exposed faces of a voxel, 0 .. 6 */
     QUANTITY_ENCLOSED, /* enclosed volume, as a share of the mesh's; one number, in every block */
     QUANTITY_DEPTH, /* between where a ray meets the voxels and the triangles, voxels */
+    QUANTITY_TRIANGLE, /* 1: a ray hits another triangle than the exact reference's, not one at the same t */
+    QUANTITY_T, /* between where a ray hits a triangle and where it does exactly, voxels */
     QUANTITY_SILHOUETTE, /* 1: a ray meets the one, and not the other */
     QUANTITY_COLOR, /* between colors, linear light, root of the mean square of three channels */
     QUANTITY_DELTA_E, /* the same, CIEDE2000 */
     QUANTITY_NORMAL, /* between normals, degrees */
     QUANTITY_OCCLUSION, /* gathered openness less the true one */
     QUANTITY_LIGHT, /* gathered irradiance less the true one, in units of its mean */
+    QUANTITY_DIRECT, /* the same of the lights' own */
     QUANTITY_COUNT
 } tune_quantity;
 
-/* Settings that agree in some dimensions have the same errors: of the nodes, of the payload, of what is gathered. */
-typedef enum tune_kind { KIND_SHAPE = 0, KIND_PAYLOAD, KIND_LIGHT, KIND_COUNT } tune_kind;
+/* Settings that agree in some dimensions have the same errors: of the nodes, of rays, of the payload, of what is
+   gathered. */
+typedef enum tune_kind { KIND_SHAPE = 0, KIND_RAYS, KIND_PAYLOAD, KIND_LIGHT, KIND_COUNT } tune_kind;
 tune_kind quantity_kind(tune_quantity quantity);
+/* The svo_need bit without which a tree has nothing to measure; 0: it always has. */
+uint32_t quantity_need(tune_quantity quantity);
 const char *quantity_name(tune_quantity quantity); /* in files */
 
 #define SAMPLE_BLOCKS 64u
@@ -59,6 +65,16 @@ typedef struct tune_errors {
     samples of[QUANTITY_COUNT];
     size_t rungs; /* of sample points that are in it */
 } tune_errors;
+
+/* What a ray hits: a triangle of the mesh, or SVO_NO_TRIANGLE. */
+typedef struct tune_hit {
+    uint32_t triangle;
+    double t;
+} tune_hit;
+
+/* Adds QUANTITY_TRIANGLE of a ray that meets something in one of the hits, and QUANTITY_T of one that does in both. Ts
+   that are equal up to rounding in float are a tie. errors->voxel is known. */
+void samples_add_hit(tune_errors *errors, size_t index, tune_hit exact, tune_hit found);
 
 typedef enum tune_statistic {
     STATISTIC_MEAN = 0,
@@ -104,7 +120,9 @@ typedef struct tune_bounds {
 /* Reads the text of --error, "voxel-rms:.5,ao:.03,normal". Returns the exit code. */
 int tune_bounds_read(program *state, const char *text, tune_bounds *bounds);
 
-/* Whether a bound, or what is to be the least, is of that kind. */
+/* The measures of bounds, then what is to be the least; NULL past the last. */
+const tune_measure *tune_bounds_at(const tune_bounds *bounds, size_t index);
+/* Whether one of them is of that kind. */
 bool tune_bounds_ask(const tune_bounds *bounds, tune_kind kind);
 
 #endif

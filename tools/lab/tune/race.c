@@ -12,8 +12,8 @@
 #define NEAR        1.05 /* times the best: as good as that */
 #define HALF_SLACK  1.15 /* nobody leaves for being so much slower than the best, without an interval */
 
-static const char *const left_names[LEFT_COUNT] = {"",      "memory", "error",     "time",         "slower",
-                                                   "worse", "halved", "dominated", "fresh points", "failed"};
+static const char *const left_names[LEFT_COUNT] = {"",      "no value", "memory",    "error",        "time",  "slower",
+                                                   "worse", "halved",   "dominated", "fresh points", "failed"};
 
 const char *race_left_name(race_left left)
 {
@@ -57,6 +57,9 @@ static standing stand(const candidate *one, const tune_bounds *bounds)
     out.goal = has_least ? race_error(one, bounds->least) : out.time;
     out.within = one->round_count > 0 && out.time.high <= bounds->time_ms && one->bytes <= bounds->bytes;
     out.why = one->bytes > bounds->bytes ? LEFT_MEMORY : out.time.low > bounds->time_ms ? LEFT_TIME : LEFT_NOT;
+    for (size_t i = 0; tune_bounds_at(bounds, i) != NULL; ++i) {
+        out.why = one->lacks[tune_bounds_at(bounds, i)->quantity] ? LEFT_UNABLE : out.why;
+    }
     for (size_t i = 0; i < bounds->count; ++i) {
         const interval error = race_error(one, bounds->list[i].measure);
         out.within = out.within && error.high <= bounds->list[i].most;
@@ -89,7 +92,7 @@ static bool dominates(const candidate *a, const candidate *b, bool surely)
     for (size_t i = 0; i < tune_measure_count(); ++i) {
         const double first = estimate_error(a, i);
         const double second = estimate_error(b, i);
-        if (tune_measure_at(i)->statistic != STATISTIC_MOST && first > second) {
+        if ((tune_measure_at(i)->statistic != STATISTIC_MOST && first > second) || (isnan(first) && !isnan(second))) {
             return false;
         }
         smaller = smaller || first < second;

@@ -11,6 +11,7 @@
 
 typedef enum race_left {
     LEFT_NOT = 0, /* still there */
+    LEFT_UNABLE, /* it has no value of what is bounded, or to be the least */
     LEFT_MEMORY, /* above --memory */
     LEFT_ERROR, /* above a bound of --error */
     LEFT_TIME, /* above --time */
@@ -29,6 +30,7 @@ typedef struct candidate {
     size_t round_count;
     double bytes;
     const tune_errors *errors[KIND_COUNT]; /* borrowed; NULL: not measured */
+    bool lacks[QUANTITY_COUNT]; /* it can have no value */
     race_left left;
     unsigned left_after; /* rungs */
 } candidate;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The reference of the mesh, and errors of nodes: distances, faces, volume, rays. */
+/* The reference of the mesh, and errors of nodes: distances, faces, volume. */
 #include "tune/sampler.h"
 
 #include <math.h>
@@ -10,6 +10,7 @@
 #include "path/surface_points.h"
 #include "scenes/maths.h"
 #include "support/info_of.h"
+#include "support/lighting.h"
 #include "tune/nearest_leaf.h"
 #include "tune/payload_errors.h"
 
@@ -97,6 +98,29 @@ static unsigned ray_depth(const sampler *made, const svo_plan_options *asked)
     return depth;
 }
 
+/* Lights of --lights, or a sun and a sky; finishes of the mesh, which may shine. */
+static int set_lights(sampler *out)
+{
+    const char *path = out->state->options.lights_path;
+    const svo_mesh *mesh = out->source->mesh;
+    if (path != NULL) {
+        const int exit_code = lights_file_open(out->state, path, &out->lights);
+        if (exit_code != PROGRAM_DONE) {
+            return exit_code;
+        }
+        out->setup = lights_file_setup(&out->lights);
+    } else {
+        out->sun = (svo_light_source){
+            .kind = SVO_SOURCE_DIRECTIONAL, .direction = {-0.5F, -1.0F, -0.35F}, .value = {SUN, SUN, SUN}};
+        out->setup.sources = &out->sun;
+        out->setup.source_count = 1;
+        out->setup.sky[0] = out->setup.sky[1] = out->setup.sky[2] = SKY;
+    }
+    out->setup.finishes = mesh->finishes;
+    out->setup.finish_count = mesh->finishes != NULL ? mesh->material_count : 0;
+    return PROGRAM_DONE;
+}
+
 int sampler_open(program *state, const input *source, session *opened, sampler *out)
 {
     const long online = sysconf(_SC_NPROCESSORS_ONLN);
@@ -108,9 +132,10 @@ int sampler_open(program *state, const input *source, session *opened, sampler *
     }
     out->threads = given->threads != 0 ? (unsigned)given->threads : online > 0 ? (unsigned)online : 1;
     out->has_colors = source->mesh->colors != NULL || source->mesh->material_count > 0;
-    out->sun = (svo_light_source){
-        .kind = SVO_SOURCE_DIRECTIONAL, .direction = {-0.5F, -1.0F, -0.35F}, .value = {SUN, SUN, SUN}};
-    out->setup.sky[0] = out->setup.sky[1] = out->setup.sky[2] = SKY;
+    const int lights_code = set_lights(out);
+    if (lights_code != PROGRAM_DONE) {
+        return lights_code;
+    }
     const svo_plan_options asked = grid_options(out);
     const unsigned depth = ray_depth(out, &asked);
     if (depth == 0 || build(out, depth, &asked, &out->truth) != SVO_OK) {
@@ -119,7 +144,8 @@ int sampler_open(program *state, const input *source, session *opened, sampler *
         return exit_code;
     }
     out->grid = info_of_tree(out->truth);
-    out->range = out->grid.edge / 4;
+    out->rays = (ray_truth){.opened = opened, .tree = out->truth, .threads = out->threads};
+    out->range = lighting_occlusion_range(given, out->truth);
     measure_mesh(out);
     out->volume = enclosed_voxels(out, out->truth) >= 0 ? out->volume : 0;
     return PROGRAM_DONE;
@@ -128,8 +154,11 @@ int sampler_open(program *state, const input *source, session *opened, sampler *
 void sampler_close(sampler *made)
 {
     svo_tree_destroy(&made->truth);
+    ray_truth_clear(&made->rays);
+    lights_file_close(&made->lights);
     free(made->points);
     free(made->lit);
+    free(made->twice_lit);
     *made = (sampler){0};
 }
 
@@ -233,58 +262,7 @@ static bool add_surface(shape_work *work, uint32_t seed)
     return worked;
 }
 
-/* ---- rays ---- */
-
-/* From a sphere around the grid to random points in the bounds of the surface: other rays for each seed. */
-static void make_rays(const shape_work *work, uint32_t seed, svo_ray *rays)
-{
-    random_stream random = {.state = seed};
-    const double half = work->info.edge / 2;
-    for (size_t i = 0; i < work->count; ++i) {
-        const vector3 way = random_direction(&random);
-        const vector3 aim = vector_scale(random_direction(&random), half * random_between(&random, 0, 1));
-        const vector3 from = vector_scale(way, 3 * half);
-        const vector3 along = vector_normalize(vector_subtract(aim, from));
-        const double start[3] = {from.x, from.y, from.z};
-        const double direction[3] = {along.x, along.y, along.z};
-        rays[i] = (svo_ray){.t_max = INFINITY};
-        for (int axis = 0; axis < 3; ++axis) {
-            rays[i].origin[axis] = (float)(work->info.origin[axis] + half + start[axis]);
-            rays[i].direction[axis] = (float)direction[axis];
-        }
-    }
-}
-
-static bool add_rays(shape_work *work, uint32_t seed)
-{
-    const svo_submit submit = {.queue = work->made->opened->queue};
-    svo_ray *rays = calloc(work->count, sizeof *rays);
-    svo_hit *hits = calloc(work->count, sizeof *hits);
-    svo_voxel_hit *voxels = calloc(work->count, sizeof *voxels);
-    bool worked = rays != NULL && hits != NULL && voxels != NULL;
-    if (worked) {
-        make_rays(work, seed, rays);
-        worked = svo_trace_triangles(svo_tree_target(work->made->truth), svo_in_host(rays), svo_in_host(hits),
-                                     work->count, SVO_TRACE_CLOSEST, &submit) == SVO_OK &&
-                 svo_trace_voxels(svo_tree_target(work->tree), svo_in_host(rays), svo_in_host(voxels), work->count, 0,
-                                  SVO_TRACE_CLOSEST, &submit) == SVO_OK;
-    }
-    for (size_t i = 0; i < work->count && worked; ++i) {
-        const bool of_triangle = isfinite(hits[i].t);
-        const bool of_voxel = isfinite(voxels[i].t);
-        if (of_triangle || of_voxel) {
-            samples_add(&work->errors->of[QUANTITY_SILHOUETTE], i, of_triangle != of_voxel);
-        }
-        if (of_triangle && of_voxel) {
-            samples_add(&work->errors->of[QUANTITY_DEPTH], i,
-                        fabs((double)hits[i].t - (double)voxels[i].t) / work->errors->voxel);
-        }
-    }
-    free(rays);
-    free(hits);
-    free(voxels);
-    return worked;
-}
+/* ---- a rung ---- */
 
 static void add_volume(shape_work *work, svo_tree *lists)
 {
@@ -316,16 +294,14 @@ static bool add_shape(sampler *made, svo_tree *tree, unsigned rung, uint32_t see
     errors->voxels = work.info.leaf_count;
     errors->faces = 3 * errors->voxel * errors->voxel * (double)errors->voxels / made->area;
     add_volume(&work, tree);
-    return add_distances(&work) && add_surface(&work, seed) && add_rays(&work, seed);
+    return add_distances(&work) && add_surface(&work, seed);
 }
-
-/* ---- a rung ---- */
 
 static svo_plan_options errors_options(const sampler *made, const tune_setting *setting)
 {
     svo_plan_options asked = grid_options(made);
-    const uint32_t need = made->has_colors ? (uint32_t)SVO_NEED_COLOR : 0;
-    asked.need = SVO_NEED_RAYS | SVO_NEED_NORMAL | need;
+    const uint32_t payload = SVO_NEED_NORMAL | (made->has_colors ? (uint32_t)SVO_NEED_COLOR : 0);
+    asked.need = SVO_NEED_RAYS | (made->measured & payload); /* payload needs the lists, too */
     asked.coverage = (svo_coverage)setting->values[DIMENSION_COVERAGE];
     asked.weights = (svo_weights)setting->values[DIMENSION_WEIGHTS];
     asked.drop_alpha = made->state->options.drop_alpha;
@@ -343,6 +319,11 @@ int sampler_add(sampler *made, const tune_setting *setting, unsigned rung, uint3
     int exit_code = build(made, depth, &asked, &tree) == SVO_OK ? PROGRAM_DONE : fail_device(made);
     if (exit_code == PROGRAM_DONE && targets->of[KIND_SHAPE] != NULL &&
         !add_shape(made, tree, rung, own_seed, targets->of[KIND_SHAPE])) {
+        exit_code = fail_device(made);
+    }
+    if (exit_code == PROGRAM_DONE && targets->of[KIND_RAYS] != NULL &&
+        !ray_errors_add(&made->rays, setting, tree, made->measured, sampler_points(rung), own_seed,
+                        targets->of[KIND_RAYS])) {
         exit_code = fail_device(made);
     }
     if (exit_code == PROGRAM_DONE && targets->of[KIND_PAYLOAD] != NULL) {

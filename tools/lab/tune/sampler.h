@@ -9,11 +9,11 @@
 
 #include "path/path.h"
 #include "support/input.h"
+#include "support/lights_file.h"
 #include "support/session.h"
 #include "tune/dimensions.h"
 #include "tune/measures.h"
-
-#define SAMPLER_LIGHT_POINTS 512u
+#include "tune/ray_errors.h"
 
 typedef struct sampler {
     program *state;
@@ -23,14 +23,18 @@ typedef struct sampler {
     svo_tree_info grid; /* of truth: its origin and edge are those of all trees */
     double area, volume; /* of the mesh, world units; volume 0: it is not closed */
     bool has_colors;
+    uint32_t measured; /* svo_need bits of what is measured; others were not asked for */
     unsigned threads;
+    ray_truth rays;
+    lights_file lights; /* of --lights */
     svo_light_source sun;
-    svo_light_setup setup; /* the sun and a sky */
-    double range; /* of ambient occlusion: a quarter of the grid's width */
+    svo_light_setup setup; /* the file's lights, or the sun and a sky */
+    double range; /* of ambient occlusion: that of `svocl gather` */
     uint32_t light_seed; /* of the truth below */
     svo_gather_point *points; /* NULL: not made yet */
-    path_result *lit;
-    double mean_irradiance;
+    path_result *lit; /* after one reflection of the lights */
+    path_result *twice_lit; /* after two, which probes have */
+    bool has_probes; /* some setting does; else there is no twice_lit */
 } sampler;
 
 /* Returns the exit code; on failure nothing is left to release. */
@@ -39,8 +43,8 @@ void sampler_close(sampler *made);
 
 /* Sample points of a rung. */
 size_t sampler_points(unsigned rung);
-/* Adds the points of a rung and seed to the errors of a setting. Shape and payload may be NULL, light too. Returns the
-   exit code. */
+/* Adds the points of a rung and seed to the errors of a setting. Those of a kind may be NULL, and of light are. Returns
+   the exit code. */
 typedef struct sampler_targets {
     tune_errors *of[KIND_COUNT];
 } sampler_targets;

@@ -3,6 +3,7 @@
 #include "tune/state.h"
 
 #include <errno.h>
+#include <inttypes.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -85,6 +86,30 @@ static void add_text_or_empty(cJSON *object, const char *name, const char *text)
     json_add_text(object, name, text != NULL ? text : "");
 }
 
+typedef struct lights_mark {
+    char text[17];
+} lights_mark;
+
+static uint64_t add_bytes(uint64_t hash, const void *bytes, size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        hash = (hash ^ ((const uint8_t *)bytes)[i]) * 0x100000001b3u;
+    }
+    return hash;
+}
+
+/* Of what the lights and the sky are, whatever their file is called: FNV-1a. */
+static lights_mark mark_of_lights(const svo_light_setup *setup)
+{
+    lights_mark mark;
+    uint64_t hash = 0xcbf29ce484222325u;
+    hash = add_bytes(hash, setup->sources, setup->source_count * sizeof *setup->sources);
+    hash = add_bytes(hash, setup->sky, sizeof setup->sky);
+    hash = add_bytes(hash, setup->sky_map, 3 * (size_t)setup->sky_width * setup->sky_height * sizeof *setup->sky_map);
+    (void)snprintf(mark.text, sizeof mark.text, "%016" PRIx64, hash);
+    return mark;
+}
+
 cJSON *state_to_json(const sweep *all)
 {
     const options *given = &all->state->options;
@@ -96,6 +121,8 @@ cJSON *state_to_json(const sweep *all)
     add_text_or_empty(document, "free", given->free_list);
     cJSON_AddItemToObject(document, "time_s", exact_number(given->time_bound));
     json_add_count(document, "memory", given->memory_bound);
+    add_text_or_empty(document, "lights", given->lights_path);
+    json_add_text(document, "light", mark_of_lights(&all->made->setup).text);
     cJSON_AddBoolToObject(document, "exhaustive", all->exhaustive);
     json_add_count(document, "seed", all->seed);
     json_add_count(document, "queries", all->runs->queries);
@@ -153,6 +180,7 @@ static bool is_same_sweep(const sweep *all, const cJSON *root, const cJSON *sett
                 number_of(root, "triangles") == (double)all->made->source->mesh->triangle_count &&
                 number_of(root, "area") == all->made->area && number_of(root, "seed") == all->seed &&
                 number_of(root, "queries") == (double)all->runs->queries &&
+                has_text(root, "light", mark_of_lights(&all->made->setup).text) &&
                 has_text(root, "error", given->error_list) && number_of(root, "time_s") == given->time_bound &&
                 number_of(root, "memory") == (double)given->memory_bound &&
                 cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(root, "exhaustive")) == all->exhaustive &&

@@ -21,7 +21,8 @@ static bool shares_record(tune_kind kind, const tune_setting *a, const tune_sett
     bool same = true;
     for (int i = 0; i < DIMENSION_COUNT; ++i) {
         const bool matters = i == DIMENSION_DEPTH || i == DIMENSION_COVERAGE ||
-                             (kind == KIND_PAYLOAD && i == DIMENSION_WEIGHTS) ||
+                             (kind == KIND_RAYS && i == DIMENSION_FORM) ||
+                             (kind >= KIND_PAYLOAD && i == DIMENSION_WEIGHTS) ||
                              (kind == KIND_LIGHT && (i == DIMENSION_LIGHT_FORM || i == DIMENSION_GATHER));
         same = same && (!matters || a->values[i] == b->values[i]);
     }
@@ -50,6 +51,9 @@ bool sweep_begin(sweep *all)
     }
     for (size_t i = 0; i < all->count; ++i) {
         const bool gathers = all->settings[i].setting.values[DIMENSION_GATHER] != 0;
+        for (tune_quantity k = QUANTITY_VOXEL; k < QUANTITY_COUNT; ++k) {
+            all->candidates[i].lacks[k] = tune_setting_lacks(&all->settings[i].setting, k) != NULL;
+        }
         for (tune_kind kind = KIND_SHAPE; kind < KIND_COUNT; ++kind) {
             if (kind != KIND_LIGHT || gathers) {
                 all->settings[i].records[kind] = find_record(all, i, kind);
@@ -101,7 +105,7 @@ static void run_setting(sweep *all, size_t index, unsigned rung)
             return;
         }
         if (is_first && i == 0) {
-            own->first_ms = times.total_ms;
+            own->first_ms = times.once_ms;
         }
     }
     of->rounds[of->round_count++] = times.total_ms;
@@ -110,7 +114,7 @@ static void run_setting(sweep *all, size_t index, unsigned rung)
     own->query_us = times.query_us;
     tune_errors *light = own->setting.values[DIMENSION_GATHER] != 0 ? &all->records[own->records[KIND_LIGHT]] : NULL;
     if (light != NULL && light->rungs == 0) {
-        trial_add_light(all->runs, light);
+        light_errors_add(all->made, &own->setting, all->runs->gathered, light);
         light->rungs = 1;
     }
 }
@@ -180,7 +184,7 @@ static bool keeps_bounds(const sweep *all)
 static int measure_fresh(sweep *all, size_t index)
 {
     const tune_setting *setting = &all->settings[index].setting;
-    sampler_targets targets = {{&all->fresh[KIND_SHAPE], &all->fresh[KIND_PAYLOAD]}};
+    sampler_targets targets = {{&all->fresh[KIND_SHAPE], &all->fresh[KIND_RAYS], &all->fresh[KIND_PAYLOAD]}};
     memset(all->fresh, 0, KIND_COUNT * sizeof *all->fresh);
     int exit_code = sampler_add(all->made, setting, SWEEP_RUNGS - 1, all->seed + 1, &targets);
     if (exit_code == PROGRAM_DONE && setting->values[DIMENSION_GATHER] != 0) {
@@ -188,7 +192,7 @@ static int measure_fresh(sweep *all, size_t index)
         svo_message reason = {""};
         exit_code = sampler_light_truth(all->made, all->seed + 1);
         if (exit_code == PROGRAM_DONE && trial_run(all->runs, setting, &times, &reason)) {
-            trial_add_light(all->runs, &all->fresh[KIND_LIGHT]);
+            light_errors_add(all->made, setting, all->runs->gathered, &all->fresh[KIND_LIGHT]);
         }
     }
     return exit_code;
@@ -214,12 +218,28 @@ static int answer(sweep *all)
     return exit_code;
 }
 
+/* Fails where a bound is of light and there is none. */
+static int check_light(const sweep *all)
+{
+    const char *path = all->state->options.lights_path;
+    for (size_t i = 0; tune_bounds_at(&all->bounds, i) != NULL; ++i) {
+        const tune_measure *measure = tune_bounds_at(&all->bounds, i);
+        if ((measure->quantity == QUANTITY_LIGHT || measure->quantity == QUANTITY_DIRECT) &&
+            !sampler_is_lit(all->made, measure->quantity)) {
+            return program_fail(all->state, PROGRAM_FAILED, "--error %s: no light reaches %s from %s", measure->name,
+                                all->made->source->name, path != NULL ? path : "the sun and the sky");
+        }
+    }
+    return PROGRAM_DONE;
+}
+
 int sweep_run(sweep *all)
 {
     static const char *const steps[SWEEP_RUNGS] = {"rung 1 of 4", "rung 2 of 4", "rung 3 of 4", "rung 4 of 4"};
     int exit_code = PROGRAM_DONE;
-    if (all->space.counts[DIMENSION_GATHER] > 1 || all->space.values[DIMENSION_GATHER][0] != 0) {
+    if (all->space.values[DIMENSION_GATHER][0] != 0) {
         exit_code = sampler_light_truth(all->made, all->seed);
+        exit_code = exit_code == PROGRAM_DONE ? check_light(all) : exit_code;
     }
     progress_forecast(all->state->progress);
     for (unsigned rung = 0; rung < SWEEP_RUNGS && exit_code == PROGRAM_DONE; ++rung) {

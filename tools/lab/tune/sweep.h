@@ -11,7 +11,7 @@
 typedef struct sweep_setting {
     tune_setting setting;
     size_t records[KIND_COUNT]; /* indices of errors; record_count: none */
-    double first_ms; /* of the first run, kernels compiled; 0: it has not run */
+    double first_ms; /* of the first run, kernels compiled, its own queries counted; 0: it has not run */
     double result_bytes, query_us; /* of the last run */
     svo_message reason; /* of LEFT_FAILED */
 } sweep_setting;
@@ -24,6 +24,7 @@ struct sweep {
     tune_bounds bounds;
     tune_space space;
     uint32_t seed;
+    uint32_t usual_need; /* svo_need bits of a tree without --need */
     bool exhaustive;
     sweep_setting *settings; /* count */
     candidate *candidates; /* count */

@@ -15,9 +15,8 @@
 bool trials_open(program *state, sampler *made, uint64_t queries, bool traces, trials *out)
 {
     *out = (trials){.state = state, .made = made, .queries = queries, .traces = traces};
-    out->openness = calloc(SAMPLER_LIGHT_POINTS, sizeof *out->openness);
-    out->light = calloc(SAMPLER_LIGHT_POINTS, sizeof *out->light);
-    return out->openness != NULL && out->light != NULL;
+    out->gathered = calloc(GATHER_POINTS, sizeof *out->gathered);
+    return out->gathered != NULL;
 }
 
 void trials_close(trials *all)
@@ -27,9 +26,8 @@ void trials_close(trials *all)
             session_close(&all->list[i].opened);
         }
     }
-    free(all->openness);
-    free(all->light);
-    all->openness = all->light = NULL;
+    free(all->gathered);
+    all->gathered = NULL;
     all->count = 0;
 }
 
@@ -80,6 +78,7 @@ typedef struct trial {
     svo_tree *tree;
     svo_compact *form;
     svo_light *light;
+    svo_probes *probes;
     trial_times *times;
 } trial;
 
@@ -87,8 +86,8 @@ static bool build(trial *run)
 {
     const int *at = run->setting->values;
     const bool in_gl = at[DIMENSION_BUILDER] == OPTION_BUILDER_GL_COMPUTE;
-    const uint32_t need = sampler_need(run->all->made, run->setting, run->all->state->options.need);
-    svo_plan_options asked = job_plan_options(run->all->state, need);
+    const uint32_t need = run->setting->need;
+    svo_plan_options asked = job_plan_options(run->all->state, need != 0 ? need : (uint32_t)SVO_NEED_NONE);
     asked.coverage = (svo_coverage)at[DIMENSION_COVERAGE];
     asked.weights = (svo_weights)at[DIMENSION_WEIGHTS];
     asked.builder = in_gl ? SVO_BUILDER_CL : (svo_builder)at[DIMENSION_BUILDER];
@@ -130,24 +129,49 @@ static bool make_form(trial *run)
     return true;
 }
 
-static bool gather(trial *run)
+/* What is left on the device grows by so much, and by scratch while it is made. */
+static void count_bytes(trial_times *times, uint64_t kept, uint64_t scratch)
 {
-    const sampler *made = run->all->made;
+    times->result_bytes += (double)kept;
+    times->bytes = fmax(times->bytes, times->result_bytes + (double)scratch);
+}
+
+static bool make_light(trial *run)
+{
     svo_light_info info = SVO_LIGHT_INFO_INIT;
-    double started_ms = input_now_ms();
-    run->light = sampler_light(made, run->opened, run->tree, run->setting);
+    svo_probe_info of_probes = SVO_PROBE_INFO_INIT;
+    const bool has_probes = gather_how(run->setting->values[DIMENSION_GATHER]) == GATHER_PROBES;
+    const double started_ms = input_now_ms();
+    run->light = sampler_light(run->all->made, run->opened, run->tree, run->setting);
+    if (run->light != NULL && has_probes) {
+        run->probes = sampler_probes(run->opened, run->tree, run->light, run->setting);
+    }
     run->times->light_ms = input_now_ms() - started_ms;
-    if (run->light == NULL || svo_light_get_info(run->light, &info) != SVO_OK) {
+    if (run->light == NULL || svo_light_get_info(run->light, &info) != SVO_OK || (has_probes && run->probes == NULL)) {
         return false;
     }
-    const double light_bytes = (double)info.total_bytes;
-    run->times->bytes = fmax(run->times->bytes, run->times->result_bytes + light_bytes + (double)info.scratch_bytes);
-    run->times->result_bytes += light_bytes;
-    started_ms = input_now_ms();
+    count_bytes(run->times, info.total_bytes + info.sky_bytes + info.mesh_bytes, info.scratch_bytes);
+    if (has_probes && svo_probes_get_info(run->probes, &of_probes) == SVO_OK) {
+        count_bytes(run->times, of_probes.total_bytes, of_probes.scratch_bytes);
+    }
+    return true;
+}
+
+static void count_queries(trial_times *times, double ms, size_t count)
+{
+    times->once_ms = ms;
+    times->query_us = 1e3 * ms / (double)count;
+}
+
+static bool gather(trial *run)
+{
+    if (!make_light(run)) {
+        return false;
+    }
+    const double started_ms = input_now_ms();
     const bool worked =
-        sampler_gather(made, run->opened, run->light, run->setting, false, run->all->openness) == SVO_OK &&
-        sampler_gather(made, run->opened, run->light, run->setting, true, run->all->light) == SVO_OK;
-    run->times->query_us = 1e3 * (input_now_ms() - started_ms) / SAMPLER_LIGHT_POINTS;
+        sampler_gather(run->all->made, run->opened, run->light, run->probes, run->setting, run->all->gathered);
+    count_queries(run->times, input_now_ms() - started_ms, GATHER_POINTS);
     return worked;
 }
 
@@ -172,7 +196,7 @@ static bool trace(trial *run)
     const bool worked = rays != NULL && hits != NULL &&
                         svo_trace_voxels(target, svo_in_host(rays), svo_in_host(hits), RAYS, 0, SVO_TRACE_CLOSEST,
                                          &(svo_submit){.queue = run->opened->queue}) == SVO_OK;
-    run->times->query_us = 1e3 * (input_now_ms() - started_ms) / RAYS;
+    count_queries(run->times, input_now_ms() - started_ms, RAYS);
     free(rays);
     free(hits);
     return worked;
@@ -193,26 +217,15 @@ bool trial_run(trials *all, const tune_setting *setting, trial_times *out, svo_m
     } else if (worked && all->traces) {
         worked = trace(&run);
     }
+    out->once_ms += out->build_ms + out->form_ms + out->light_ms;
     out->total_ms = out->build_ms + out->form_ms + out->light_ms + 1e-3 * out->query_us * (double)all->queries;
     if (!worked) {
         (void)snprintf(reason->text, sizeof reason->text, "%s", svo_device_message(with->opened.device));
     }
+    svo_probes_destroy(&run.probes);
     svo_light_destroy(&run.light);
     svo_compact_destroy(&run.form);
     svo_tree_destroy(&run.tree);
     svo_plan_destroy(&run.plan);
     return worked;
-}
-
-void trial_add_light(const trials *all, tune_errors *errors)
-{
-    for (size_t i = 0; i < SAMPLER_LIGHT_POINTS; ++i) {
-        const path_result *lit = &all->made->lit[i];
-        samples_add(&errors->of[QUANTITY_OCCLUSION], i, (double)all->openness[i].openness - lit->openness);
-        for (int channel = 0; channel < 3 && all->made->mean_irradiance > 1e-9; ++channel) {
-            samples_add(&errors->of[QUANTITY_LIGHT], i,
-                        ((double)all->light[i].irradiance[channel] - lit->irradiance[channel]) /
-                            all->made->mean_irradiance);
-        }
-    }
 }

@@ -22,12 +22,13 @@ typedef struct trials {
     size_t count;
     uint64_t queries; /* that count in the time of a setting */
     bool traces; /* queries are rays through voxels where nothing is gathered */
-    svo_gather_result *openness, *light; /* SAMPLER_LIGHT_POINTS: of the last run that gathered */
+    svo_gather_result *gathered; /* GATHER_POINTS: of the last run that gathered */
 } trials;
 
 typedef struct trial_times {
-    double build_ms, form_ms, light_ms;
+    double build_ms, form_ms, light_ms; /* light_ms: also of probes */
     double query_us; /* of one */
+    double once_ms; /* with those that were measured */
     double total_ms; /* with so many queries */
     double bytes; /* the most on the device at one time */
     double result_bytes; /* of what is left: the tree or its compact form, and light */
@@ -38,8 +39,5 @@ void trials_close(trials *all);
 
 /* Returns false with the reason. */
 bool trial_run(trials *all, const tune_setting *setting, trial_times *out, svo_message *reason);
-
-/* Adds what the last run gathered. */
-void trial_add_light(const trials *all, tune_errors *errors);
 
 #endif
