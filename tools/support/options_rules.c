@@ -664,8 +664,7 @@ static const rule rules[] = {
      "gl-vs-cl: all depths and scenes with all needs, weights and coverages"},
     {"free", '\0', OPTION_TUNE_COMMAND, "LIST", read_text, FIELD(free_list), 0, 0, NULL,
      "what may vary, with commas between, by values or all: depth:7-9 coverage weights builder:cl+sorted frontend "
-     "share "
-     "path form light-form cones rays probes:4x64 (depth,coverage,weights,builder:cl+sorted)"},
+     "share path form light-form cones rays probes:4x64 (depth,coverage,weights,builder:cl+sorted)"},
     {"error", '\0', OPTION_TUNE_COMMAND, "LIST", read_text, FIELD(error_list), 0, 0, NULL,
      "bounds of errors, as voxel-rms-units:.01,normal:5; a measure without a number is to be the least (none)"},
     {"time", '\0', OPTION_TUNE_COMMAND, "T", read_seconds, FIELD(time_bound), 0, 0, NULL,

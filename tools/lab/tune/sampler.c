@@ -118,6 +118,7 @@ static int set_lights(sampler *out)
     }
     out->setup.finishes = mesh->finishes;
     out->setup.finish_count = mesh->finishes != NULL ? mesh->material_count : 0;
+    out->setup.photon_alpha = 1; /* as svocl gather */
     return PROGRAM_DONE;
 }
 
