@@ -212,7 +212,8 @@ SVO_INLINED uint svo_join_materials(__global ulong *entries, __global ulong *spa
 }
 
 /* counts: SVO_DIGITS * SVO_GROUP_ITEMS words, scratch: SVO_GROUP_ITEMS; arguments, see group.clh. params.digit_passes:
-   over the materials, an even number. */
+   over the materials, an even number. One call of the pass: Intel's driver crashes now and then at two
+   (tests/drivers/barriers.c). */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_material_long(__global const uint *list_begin, __global uint *leaf_counts, __global ulong *entries,
                     __global ulong *spare, __global const uint *long_leaves, __global ushort *materials,
@@ -224,9 +225,13 @@ svo_k_material_long(__global const uint *list_begin, __global uint *leaf_counts,
     for (uint k = (uint)get_group_id(0); k < long_count; k += (uint)get_num_groups(0)) {
         const uint leaf = long_leaves[1u + k];
         const uint2 range = (uint2)(list_begin[leaf], list_begin[leaf + 1u]);
-        for (uint pass = 0; pass < params.digit_passes; pass += 2u) {
-            svo_material_pass(entries, spare, range, pass, counts, scratch);
-            svo_material_pass(spare, entries, range, pass + 1u, counts, scratch);
+        __global ulong *from = entries;
+        __global ulong *to = spare;
+        for (uint pass = 0; pass < params.digit_passes; ++pass) {
+            svo_material_pass(from, to, range, pass, counts, scratch);
+            __global ulong *const sorted = to;
+            to = from;
+            from = sorted;
         }
         const uint count = svo_join_materials(entries, spare, range, scratch);
         barrier(CLK_GLOBAL_MEM_FENCE);
