@@ -25,10 +25,11 @@ setup_intel()
     printf '%s\n' "${intel_packages[*]}" >"$intel_folder/packages"
 }
 
-# The words before a command that runs by Intel's driver alone, one per line: the folder of vendors is empty.
+# The words before a command that runs by Intel's driver alone, one per line: the folder of vendors is empty. Freed
+# memory is overwritten, so that a compiler that reads it fails each time (tests/drivers/barriers.c).
 intel_runner()
 {
-    printf '%s\n' env OCL_ICD_VENDORS="$root/$intel_folder/vendors" \
+    printf '%s\n' env MALLOC_PERTURB_=165 OCL_ICD_VENDORS="$root/$intel_folder/vendors" \
         OCL_ICD_FILENAMES="$root/$intel_folder/lib/libintelocl.so" LD_LIBRARY_PATH="$root/$intel_folder/lib"
 }
 
@@ -40,12 +41,13 @@ readonly foreign_case="scene:cornell:60 -d 4 --need $matrix_all"
 readonly foreign_plan="scene:knot:140000 -d 5 --need normal"
 readonly foreign_light="scene:cornell:60 -d 4 --need color,rays,fill --light bricks"
 readonly foreign_trace="scene:cornell:60 -d 4 --camera auto --size 24x16"
-# A path, "cpu" or "gpu", a test program, a group and a case of it.
+# A path, "cpu" or "gpu", a test program, and a group and a case of it if it has such.
 readonly foreign_tests=(
     "cpu test_bvh bvh *"
     "gpu test_bvh bvh *"
     "cpu test_plan_device plan_buffers *"
     "cpu test_rays trace one_voxel_covers_its_pixels" # uploaded on an out-of-order queue
+    "cpu driver_barriers"
 )
 
 # Prints what a test says where it fails.
@@ -55,10 +57,10 @@ foreign_test()
     shift 2
     mapfile -t runner < <(intel_runner)
     if "${runner[@]}" SVOCL_TEST_PATH="$path" "$build/tests/$test" "$@" >"$log" 2>&1; then
-        printf '  %-70s %9s\n' "$test $*, $path" passed
+        printf '  %-70s %9s\n' "$test${*:+ $*}, $path" passed
         return 0
     fi
-    printf '  %-70s %9s\n' "$test $*, $path" FAILED
+    printf '  %-70s %9s\n' "$test${*:+ $*}, $path" FAILED
     cat "$log"
     return 1
 }

@@ -17,9 +17,9 @@ readonly cpu_defines='PAIR_LANES COLUMN_LANES ONE_WORKER SORT_SERIAL BVH_SERIAL 
 all_variants()
 {
     local lists='RANGES LISTS' names form picture='PICTURE_TRIANGLES COLOR NORMAL FINISHES'
-    local by_rays=' PICTURE_SCREEN EMITTERS SKY_MAP SKY_AIMS LIT_MESH'
-    for names in "$lists COMPARE COLOR NORMAL FILL MATERIAL WEIGHTS_AREA" \
-        "$lists CODE48 COLOR VERTEX_COLOR TEXTURE NORMAL VERTEX_NORMAL WEIGHTS_CENTER AREAS" \
+    local by_rays=' PICTURE_SCREEN EMITTERS SKY_MAP SKY_AIMS LIT_MESH GATHER_ERRORS'
+    for names in "$lists COMPARE COLOR NORMAL FILL MATERIAL LONG_LEAVES WEIGHTS_AREA" \
+        "$lists ORDER CODE48 COLOR VERTEX_COLOR TEXTURE NORMAL VERTEX_NORMAL WEIGHTS_CENTER AREAS" \
         'COLOR NORMAL WEIGHTS_AREA AREAS' 'SORT SORT_SERIAL BVH_SERIAL NO_TEST CAST_TILES RAY_STREAMS COLOR NORMAL' \
         'COLOR VERTEX_COLOR TEXTURE NORMAL VERTEX_NORMAL WEIGHTS_AREA AREAS PAIR_LANES' \
         'COLOR NORMAL CODE48 WEIGHTS_CENTER PAIR_LANES' 'NARROW COLUMN_LANES ONE_WORKER COUNT_HITS' \
@@ -42,6 +42,9 @@ all_variants()
     for form in LIGHT_{FACES,BRICKS,VOXELS}{,' LIGHT_AREA',' LIGHT_LOBES',{,"$by_rays"}" $picture",' ONE_WORKER'}; do
         find kernels/light -name '*.cl' -printf "%p\t$form\n"
     done
+    # Cones alone, in trees of one color, normal and material.
+    form="LIGHT_FACES GATHER_CONES $picture ONE_COLOR ONE_NORMAL ONE_MATERIAL"
+    find kernels/light -name '*.cl' -printf "%p\t$form\n"
 }
 
 # Lines of a kernel file and the words in it and in what it includes.
@@ -75,6 +78,14 @@ check_variant()
     # shellcheck disable=SC2086 # one word per option
     clang $builtin_options -include-pch "$builtins" -fsyntax-only -Wall -Wextra -Wno-unused-function -Werror -Iinclude \
         -Ikernels "${defines[@]}" "$file"
+}
+
+# Names of defines without a value that the library gives to kernels, and that no variant has.
+find_unchecked_defines()
+{
+    comm -23 <(sources c | grep -z -E '^(lib|glinterop)/' |
+        xargs -0 grep -h -o -P -- '-DSVO_\K[A-Z0-9_]{2,}\b(?!=)' | sort -u) \
+        <(all_variants | cut -f 2 | tr ' ' '\n' | sort -u)
 }
 
 # Places where a condition chooses between max() or min() of a number and another operation on it. Some versions of
@@ -124,6 +135,10 @@ find_called_barriers()
 # argument.
 check_kernels()
 {
+    if find_unchecked_defines | grep .; then
+        printf 'defines of kernels that all_variants does not have\n'
+        return 1
+    fi
     if find_called_barriers | grep .; then
         printf 'functions with barriers that are not SVO_INLINED\n'
         return 1

@@ -136,7 +136,7 @@ matrix_hash()
     local runner output
     mapfile -t runner < <(matrix_runner "$1" "$2")
     shift 2
-    output=$("${runner[@]}" hash "$@" 2>&1) || output="exit code $?: $output"
+    output=$("${runner[@]}" hash "$@" 2>&1) || output="exit code $?: ${output//$'\n'/ | }"
     printf '%s\n' "${output##*$'\n'}"
 }
 
@@ -163,7 +163,7 @@ matrix_hits()
     # shellcheck disable=SC2016 # expanded by the inner shell
     output=$("${runner[@]::${#runner[@]}-1}" sh -c '
         hits=$(mktemp --suffix=.csv) && "$0" trace "$@" -o "$hits" >&2 && md5sum <"$hits" && rm "$hits"' \
-        "${runner[-1]}" "$@" 2>&1 < <(matrix_rays)) || output="exit code $?: $output"
+        "${runner[-1]}" "$@" 2>&1 < <(matrix_rays)) || output="exit code $?: ${output//$'\n'/ | }"
     output=${output##*$'\n'}
     printf '%s\n' "${output%  -}"
 }

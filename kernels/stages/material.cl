@@ -212,7 +212,8 @@ SVO_INLINED uint svo_join_materials(__global ulong *entries, __global ulong *spa
 }
 
 /* counts: SVO_DIGITS * SVO_GROUP_ITEMS words, scratch: SVO_GROUP_ITEMS; arguments, see group.clh. params.digit_passes:
-   over the materials, an even number. */
+   over the materials, an even number. One call of the pass: Intel's driver crashes now and then at two
+   (tests/drivers/barriers.c). */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_material_long(__global const uint *list_begin, __global uint *leaf_counts, __global ulong *entries,
                     __global ulong *spare, __global const uint *long_leaves, __global ushort *materials,

@@ -207,7 +207,7 @@ static void make_rays(compact_bench *bench, size_t set)
     if (set == 0) {
         svo_camera camera = {.vertical_fov = 0};
         (void)svo_camera_fit(svo_tree_target(bench->tree), 1.0f, &camera);
-        ray_set_primary(&camera, bench->ray_count, bench->rays);
+        ray_set_primary(&camera, 1, bench->ray_count, bench->rays);
         return;
     }
     double high[3];

@@ -161,7 +161,7 @@ static int open_scene(rays_run *run)
     if (svo_camera_fit(svo_tree_target(svo_moving_tree(run->scene.moving)), 1.0F, &camera) != SVO_OK) {
         return fail_rays(run);
     }
-    ray_set_primary(&camera, RAY_COUNT, run->primary);
+    ray_set_primary(&camera, 1, RAY_COUNT, run->primary);
     ray_set_incoherent(grid->origin, high, RAY_COUNT, run->incoherent);
     return PROGRAM_DONE;
 }

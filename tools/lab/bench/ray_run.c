@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "measure/quantization.h"
 #include "measure/ray_sets.h"
@@ -36,6 +37,10 @@ static int snap_mesh(ray_run *run)
     run->work.source.mesh = &run->snapped;
     return PROGRAM_DONE;
 }
+
+#define TILE          4u /* columns and rows of 16 rays */
+#define CLOSE_SHARE   0.25f /* of the distance to what the camera looks at */
+#define OCCLUSION_MAX 0.05 /* of the diagonal of the box */
 
 static cl_mem make_buffer(const ray_run *run, size_t bytes)
 {
@@ -108,48 +113,78 @@ static void find_bounds(const ray_run *run, double low[3], double high[3])
     }
 }
 
-/* The rays of a set; false where there are none. Shadow rays begin at the hits of the set before, the primary rays. */
+static void move_close(svo_camera *camera)
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        camera->eye[axis] = camera->target[axis] + CLOSE_SHARE * (camera->eye[axis] - camera->target[axis]);
+    }
+}
+
+/* The rays of a set; false where there are none. Those that start at hits need the sets that were traced before. */
 static bool fill_set(const ray_run *run, ray_set_kind kind, ray_set *set)
 {
     svo_camera camera = {.vertical_fov = 0};
+    const svo_ray *primary = run->sets[RAY_SET_PRIMARY].rays;
     double low[3];
     double high[3];
     find_bounds(run, low, high);
+    const double diagonal = hypot(hypot(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
     (void)svo_camera_fit(svo_tree_target(run->work.result.tree), 1.0f, &camera);
     switch (kind) {
     case RAY_SET_PRIMARY:
-        ray_set_primary(&camera, run->ray_count, set->rays);
+        ray_set_primary(&camera, TILE, run->ray_count, set->rays);
         return true;
+    case RAY_SET_ROWS:
+        ray_set_primary(&camera, 1, run->ray_count, set->rays);
+        return true;
+    case RAY_SET_CLOSE:
+        move_close(&camera);
+        ray_set_primary(&camera, TILE, run->ray_count, set->rays);
+        return true;
+    case RAY_SET_SHADOW:
+        return ray_set_shadow(&camera, primary, run->primary, run->ray_count, set->rays);
+    case RAY_SET_BOUNCE:
+        return ray_set_diffuse(primary, run->primary, INFINITY, run->ray_count, set->rays);
+    case RAY_SET_OCCLUSION:
+        return ray_set_diffuse(primary, run->primary, (float)(OCCLUSION_MAX * diagonal), run->ray_count, set->rays);
     case RAY_SET_INCOHERENT:
         ray_set_incoherent(low, high, run->ray_count, set->rays);
         return true;
+    case RAY_SET_THROUGH:
+        return ray_set_through(run->sets[RAY_SET_INCOHERENT].rays, run->ours, run->ray_count, set->rays);
     case RAY_SET_MISSES:
         ray_set_misses(low, high, run->ray_count, set->rays);
         return true;
-    case RAY_SET_SHADOW:
+    case RAY_SETS:
         break;
     }
-    return ray_set_shadow(&camera, run->sets[RAY_SET_PRIMARY].rays, run->ours, run->ray_count, set->rays);
+    return false;
 }
 
 static int make_sets(ray_run *run)
 {
-    static const char *const names[RAY_SETS] = {"primary", "shadow", "incoherent", "misses"};
+    static const char *const names[RAY_SETS] = {
+        [RAY_SET_PRIMARY] = "primary",       [RAY_SET_ROWS] = "primary, by rows",
+        [RAY_SET_CLOSE] = "close up",        [RAY_SET_SHADOW] = "shadow",
+        [RAY_SET_BOUNCE] = "diffuse bounce", [RAY_SET_OCCLUSION] = "ambient occlusion",
+        [RAY_SET_INCOHERENT] = "incoherent", [RAY_SET_THROUGH] = "misses through the box",
+        [RAY_SET_MISSES] = "misses"};
     const size_t count = run->ray_count;
     bool there = true;
     for (int k = 0; k < RAY_SETS; ++k) {
         run->sets[k].name = names[k];
-        run->sets[k].any = k == RAY_SET_SHADOW;
+        run->sets[k].any = k == RAY_SET_SHADOW || k == RAY_SET_OCCLUSION;
         run->sets[k].rays = calloc(count, sizeof(svo_ray));
         there = there && run->sets[k].rays != NULL;
     }
     run->ours = calloc(count, sizeof(svo_hit));
+    run->primary = calloc(count, sizeof(svo_hit));
     run->theirs = calloc(count, sizeof(svo_hit));
     run->spare = calloc(count, sizeof(svo_hit));
     run->device_rays = make_buffer(run, count * sizeof(svo_ray));
     run->device_hits = make_buffer(run, count * sizeof(svo_hit));
-    return there && run->ours != NULL && run->theirs != NULL && run->spare != NULL && run->device_rays != NULL &&
-                   run->device_hits != NULL
+    return there && run->ours != NULL && run->primary != NULL && run->theirs != NULL && run->spare != NULL &&
+                   run->device_rays != NULL && run->device_hits != NULL
                ? PROGRAM_DONE
                : program_fail(run->state, PROGRAM_FAILED, "out of memory for %zu rays", count);
 }
@@ -360,6 +395,9 @@ int ray_run_all(ray_run *run)
             continue;
         }
         exit_code = measure_set(run, &run->sets[k]);
+        if (exit_code == PROGRAM_DONE && k == RAY_SET_PRIMARY) {
+            memcpy(run->primary, run->ours, run->ray_count * sizeof *run->primary);
+        }
         if (exit_code == PROGRAM_DONE) {
             judge_set(run, &run->sets[k]);
         }
@@ -382,6 +420,7 @@ void ray_run_release(ray_run *run)
         embree_destroy(&run->peers[i]);
     }
     free(run->ours);
+    free(run->primary);
     free(run->theirs);
     free(run->spare);
     grid_rays_destroy(&run->grid);

@@ -19,8 +19,18 @@
 #define RAY_CALLS      3 /* widths of Embree's medium build */
 #define RAY_RIVALS_MAX (RAY_CALLS + RAY_BUILDS - 1)
 
-typedef enum ray_set_kind { RAY_SET_PRIMARY = 0, RAY_SET_SHADOW, RAY_SET_INCOHERENT, RAY_SET_MISSES } ray_set_kind;
-#define RAY_SETS 4
+typedef enum ray_set_kind {
+    RAY_SET_PRIMARY = 0, /* in tiles of 4 x 4, which packets of 16 are */
+    RAY_SET_ROWS, /* the same picture row by row */
+    RAY_SET_CLOSE, /* in tiles, from a quarter of the distance */
+    RAY_SET_SHADOW, /* from where the primary rays hit, as the next two */
+    RAY_SET_BOUNCE,
+    RAY_SET_OCCLUSION, /* within a twentieth of the box's diagonal */
+    RAY_SET_INCOHERENT,
+    RAY_SET_THROUGH, /* those of the incoherent rays that miss */
+    RAY_SET_MISSES, /* away from the box */
+    RAY_SETS
+} ray_set_kind;
 
 /* One of the others with one set of rays. */
 typedef struct ray_rival {
@@ -54,6 +64,7 @@ typedef struct ray_run {
     unsigned threads;
     size_t ray_count, repeats;
     svo_hit *ours, *theirs, *spare;
+    svo_hit *primary; /* svocl's hits of the set from which others start */
     cl_mem device_rays, device_hits, grid_hits;
     ray_set sets[RAY_SETS];
 } ray_run;

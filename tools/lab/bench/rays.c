@@ -272,14 +272,19 @@ static const char table_id[] = "rays";
 static const char calls_id[] = "ray-calls";
 
 static const char note[] =
-    "Wall clock, on the rounded mesh, interleaved, each run after one that does not count, on as many threads. Shadow: "
-    "any hit; misses: rays away from the "
-    "mesh. Embree: the fastest of rtcIntersect1, 8 and 16, or of rtcOccluded, with its medium build and packets laid "
-    "out beforehand. Ratio: svocl's rays per second to Embree's, within each round; below 1 Embree leads. Wrong: "
+    "Wall clock, on the rounded mesh, interleaved, each run after one that does not count, on as many threads. "
+    "Primary: "
+    "tiles of 4 x 4 pixels, which packets of 16 are; by rows: the same picture row by row; close up: from a quarter of "
+    "the distance. Shadow, diffuse bounce and ambient occlusion (within a twentieth of the box's diagonal) start where "
+    "primary rays hit; shadow and occlusion ask for any hit. Misses through the box: the incoherent rays that miss; "
+    "misses: rays away from it. Embree: the fastest of rtcIntersect1, 8 and 16, or of rtcOccluded, with its medium "
+    "build, in place on packets that are laid out before the clock starts, hits taken out of them after it. Ratio: "
+    "svocl's rays per second to Embree's, within each round; below 1 Embree leads. Wrong: "
     "another triangle than the reference, or none.";
 
 static const char calls_note[] =
-    "The same runs, call by call: Embree's medium build with rtcIntersect1, 8 and 16 (for shadow rays rtcOccluded), "
+    "The same runs, call by call: Embree's medium build with rtcIntersect1, 8 and 16 (for shadow and occlusion "
+    "rtcOccluded), "
     "each with the faster of its flags for coherent and for incoherent rays; low, high and robust: its other builds "
     "by their fastest call. Native widths: packets that Embree does not divide. Best: the fastest of all of these, and "
     "svocl's rays per second to its.";

@@ -350,7 +350,7 @@ static void make_rays(scene_bench *bench, int set)
     if (set == 0) {
         svo_camera camera = {.vertical_fov = 0};
         (void)svo_camera_fit(svo_scene_target(bench->scene), 1.0F, &camera);
-        ray_set_primary(&camera, bench->ray_count, bench->rays);
+        ray_set_primary(&camera, 1, bench->ray_count, bench->rays);
     } else {
         ray_set_incoherent(bench->info.low, bench->info.high, bench->ray_count, bench->rays);
     }

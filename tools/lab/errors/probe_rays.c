@@ -95,7 +95,7 @@ bool probe_rays_make(const error_run *run, svo_tree *tree, const svo_camera *cam
             return false;
         }
     }
-    ray_set_primary(camera, count, sets[PROBE_RAYS_PRIMARY].rays);
+    ray_set_primary(camera, 1, count, sets[PROBE_RAYS_PRIMARY].rays);
     make_random(&grid, &sets[PROBE_RAYS_RANDOM]);
     return trace_exactly(run, tree, &sets[PROBE_RAYS_PRIMARY]) &&
            make_cosine(&sets[PROBE_RAYS_PRIMARY], svo_grid_cell_edge(&grid, grid.depth), &sets[PROBE_RAYS_COSINE]) &&

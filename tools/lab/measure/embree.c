@@ -255,8 +255,24 @@ bool embree_is_native(const embree *peer, unsigned width)
 
 /* ---- rays, as packets ---- */
 
-/* The rows of width numbers of struct RTCRay, RTCRay8 and RTCRay16. */
-enum { ROW_ORIGIN, ROW_NEAR = 3, ROW_DIRECTION, ROW_FAR = 8, ROW_MASK, RAY_ROWS = 12 };
+/* The rows of width numbers of struct RTCRayHit, RTCRayHit8 and RTCRayHit16. */
+enum {
+    ROW_ORIGIN = 0,
+    ROW_NEAR = 3,
+    ROW_DIRECTION = 4,
+    ROW_FAR = 8,
+    ROW_MASK = 9,
+    ROW_U = 15,
+    ROW_V = 16,
+    ROW_TRIANGLE = 17,
+    ROW_GEOMETRY = 18,
+    ROW_INSTANCE = 19,
+    QUERY_ROWS = 20,
+    QUERY_ALIGNMENT = 64
+};
+
+_Static_assert(sizeof(struct RTCRayHit) == QUERY_ROWS * sizeof(float), "no instances of instances, no padding");
+_Static_assert(sizeof(struct RTCRayHit16) == sizeof(float[QUERY_ROWS][16]), "no padding");
 
 typedef struct ray_batch {
     const embree *peer;
@@ -264,8 +280,8 @@ typedef struct ray_batch {
     const svo_ray *rays;
     svo_hit *hits;
     size_t ray_count;
-    float *packets; /* RAY_ROWS rows each */
-    int *valid; /* for each ray: -1, or 0 where Embree refuses it */
+    float *queries; /* QUERY_ROWS rows for each packet, which Embree reads and writes in place */
+    int *valid; /* for each ray: -1, or 0 where Embree refuses it or there is none */
 } ray_batch;
 
 static bool is_valid(const svo_ray *ray)
@@ -277,11 +293,18 @@ static bool is_valid(const svo_ray *ray)
     return valid;
 }
 
+/* Where the numbers of a ray begin; they are as far apart as the call is wide. */
+static float *lane_of(const ray_batch *batch, size_t index)
+{
+    const size_t width = batch->call.width;
+    return batch->queries + index / width * width * QUERY_ROWS + index % width;
+}
+
 static void lay_out_ray(const ray_batch *batch, size_t index)
 {
     const size_t width = batch->call.width;
     const svo_ray *ray = &batch->rays[index];
-    float *lane = batch->packets + index / width * width * RAY_ROWS + index % width;
+    float *lane = lane_of(batch, index);
     for (size_t axis = 0; axis < 3; ++axis) {
         lane[(ROW_ORIGIN + axis) * width] = ray->origin[axis];
         lane[(ROW_DIRECTION + axis) * width] = ray->direction[axis];
@@ -289,58 +312,63 @@ static void lay_out_ray(const ray_batch *batch, size_t index)
     lane[ROW_NEAR * width] = ray->t_min;
     lane[ROW_FAR * width] = ray->t_max;
     memset(&lane[ROW_MASK * width], 0xff, sizeof(float));
+    memset(&lane[ROW_GEOMETRY * width], 0xff, sizeof(float));
+    memset(&lane[ROW_INSTANCE * width], 0xff, sizeof(float));
     batch->valid[index] = is_valid(ray) ? -1 : 0;
+}
+
+/* Aligned as Embree asks for, and zero. Widths are whole packets of QUERY_ALIGNMENT bytes or one ray, whose rows do not
+   need it. */
+static void *allocate_aligned(size_t bytes)
+{
+    const size_t whole = (bytes + QUERY_ALIGNMENT - 1) / QUERY_ALIGNMENT * QUERY_ALIGNMENT;
+    void *made = aligned_alloc(QUERY_ALIGNMENT, whole);
+    return made != NULL ? memset(made, 0, whole) : NULL;
 }
 
 static bool lay_out_rays(ray_batch *batch)
 {
-    const unsigned width = batch->call.width;
-    const size_t packets = (batch->ray_count + width - 1) / width;
-    batch->valid = calloc(packets * width, sizeof *batch->valid);
-    batch->packets = calloc(packets * width * RAY_ROWS, sizeof *batch->packets);
-    const bool made = batch->packets != NULL && batch->valid != NULL;
+    const size_t width = batch->call.width;
+    const size_t lanes = (batch->ray_count + width - 1) / width * width;
+    batch->valid = allocate_aligned(lanes * sizeof *batch->valid);
+    batch->queries = allocate_aligned(lanes * QUERY_ROWS * sizeof *batch->queries);
+    const bool made = batch->queries != NULL && batch->valid != NULL;
     for (size_t i = 0; made && i < batch->ray_count; ++i) {
         lay_out_ray(batch, i);
     }
     return made;
 }
 
-/* ---- tracing ---- */
-
-static void keep_hit(svo_hit *hit, bool met, float t, uint32_t triangle, float u, float v)
+/* rtcOccluded makes tfar of an occluded ray minus infinity. */
+static void keep_hits(const ray_batch *batch)
 {
-    hit->t = met ? t : INFINITY;
-    hit->triangle = met ? triangle : SVO_NO_TRIANGLE;
-    hit->u = u;
-    hit->v = v;
+    const size_t width = batch->call.width;
+    for (size_t i = 0; i < batch->ray_count; ++i) {
+        const float *lane = lane_of(batch, i);
+        svo_hit *hit = &batch->hits[i];
+        uint32_t triangle, geometry;
+        memcpy(&triangle, &lane[ROW_TRIANGLE * width], sizeof triangle);
+        memcpy(&geometry, &lane[ROW_GEOMETRY * width], sizeof geometry);
+        const bool met = batch->call.any ? lane[ROW_FAR * width] < 0 : geometry != RTC_INVALID_GEOMETRY_ID;
+        hit->t = !met ? INFINITY : batch->call.any ? 0 : lane[ROW_FAR * width];
+        hit->triangle = met ? triangle : SVO_NO_TRIANGLE;
+        hit->u = lane[ROW_U * width];
+        hit->v = lane[ROW_V * width];
+    }
 }
 
-/* One function for each width: Embree's types and functions differ by a number. rtcOccluded makes tfar of an occluded
-   ray minus infinity. */
-#define TRACE_PACKET(width)                                                                                          \
-    static void trace_##width(const ray_batch *batch, struct RTCIntersectContext *context, size_t first)             \
-    {                                                                                                                \
-        const size_t left = batch->ray_count - first;                                                                \
-        const unsigned count = left < (width) ? (unsigned)left : (width);                                            \
-        _Alignas(64) int valid[width];                                                                               \
-        struct RTCRayHit##width query;                                                                               \
-        memcpy(&query.ray, batch->packets + first * RAY_ROWS, sizeof query.ray);                                     \
-        memcpy(valid, batch->valid + first, sizeof valid);                                                           \
-        memset(query.hit.geomID, 0xff, sizeof query.hit.geomID);                                                     \
-        memset(query.hit.instID, 0xff, sizeof query.hit.instID);                                                     \
-        if (batch->call.any) {                                                                                       \
-            api.rtcOccluded##width(valid, batch->peer->scene, context, &query.ray);                                  \
-        } else {                                                                                                     \
-            api.rtcIntersect##width(valid, batch->peer->scene, context, &query);                                     \
-        }                                                                                                            \
-        for (unsigned i = 0; i < count; ++i) {                                                                       \
-            if (batch->call.any) {                                                                                   \
-                keep_hit(&batch->hits[first + i], query.ray.tfar[i] < 0, 0, 0, 0, 0);                                \
-            } else {                                                                                                 \
-                keep_hit(&batch->hits[first + i], query.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID, query.ray.tfar[i], \
-                         query.hit.primID[i], query.hit.u[i], query.hit.v[i]);                                       \
-            }                                                                                                        \
-        }                                                                                                            \
+/* ---- tracing ---- */
+
+/* One function for each width: Embree's types and functions differ by a number. */
+#define TRACE_PACKET(width)                                                                                        \
+    static void trace_##width(const ray_batch *batch, struct RTCIntersectContext *context, size_t first)           \
+    {                                                                                                              \
+        struct RTCRayHit##width *query = (struct RTCRayHit##width *)(void *)(batch->queries + first * QUERY_ROWS); \
+        if (batch->call.any) {                                                                                     \
+            api.rtcOccluded##width(batch->valid + first, batch->peer->scene, context, &query->ray);                \
+        } else {                                                                                                   \
+            api.rtcIntersect##width(batch->valid + first, batch->peer->scene, context, query);                     \
+        }                                                                                                          \
     }
 
 TRACE_PACKET(8)
@@ -348,18 +376,14 @@ TRACE_PACKET(16)
 
 static void trace_1(const ray_batch *batch, struct RTCIntersectContext *context, size_t index)
 {
-    struct RTCRayHit query = {.hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}}};
-    memcpy(&query.ray, batch->packets + index * RAY_ROWS, sizeof query.ray);
-    if (batch->valid[index] != 0 && batch->call.any) {
-        api.rtcOccluded1(batch->peer->scene, context, &query.ray);
-    } else if (batch->valid[index] != 0) {
-        api.rtcIntersect1(batch->peer->scene, context, &query);
+    struct RTCRayHit *query = (struct RTCRayHit *)(void *)(batch->queries + index * QUERY_ROWS);
+    if (batch->valid[index] == 0) {
+        return;
     }
     if (batch->call.any) {
-        keep_hit(&batch->hits[index], query.ray.tfar < 0, 0, 0, 0, 0);
+        api.rtcOccluded1(batch->peer->scene, context, &query->ray);
     } else {
-        keep_hit(&batch->hits[index], query.hit.geomID != RTC_INVALID_GEOMETRY_ID, query.ray.tfar, query.hit.primID,
-                 query.hit.u, query.hit.v);
+        api.rtcIntersect1(batch->peer->scene, context, query);
     }
 }
 
@@ -391,8 +415,9 @@ double embree_trace(const embree *peer, embree_call call, const svo_ray *rays, s
         const double start_ms = input_now_ms();
         const unsigned took_part = threads_run(thread_count, ray_count, RAYS_PER_CHUNK, trace_chunk, &batch);
         ms = took_part == thread_count ? input_now_ms() - start_ms : -1.0;
+        keep_hits(&batch);
     }
-    free(batch.packets);
+    free(batch.queries);
     free(batch.valid);
     return ms;
 }

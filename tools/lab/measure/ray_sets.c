@@ -38,16 +38,20 @@ static svo_ray make_ray(const double origin[3], const double direction[3])
     return ray;
 }
 
-void ray_set_primary(const svo_camera *camera, size_t count, svo_ray *rays)
+void ray_set_primary(const svo_camera *camera, unsigned tile, size_t count, svo_ray *rays)
 {
-    size_t edge = (size_t)sqrt((double)count);
-    edge = edge > 0 ? edge : 1;
+    const size_t rows = (size_t)sqrt((double)count) / tile; /* of tiles */
+    const size_t edge = (rows > 0 ? rows : 1) * tile;
     const double tangent = tan(0.5 * (double)camera->vertical_fov);
     const camera_axes axes = ray_table_axes(camera);
     const double eye[3] = {(double)camera->eye[0], (double)camera->eye[1], (double)camera->eye[2]};
     for (size_t i = 0; i < count; ++i) {
-        const double across = (2.0 * ((double)(i % edge) + 0.5) / (double)edge - 1.0) * tangent;
-        const double down = (2.0 * ((double)(i / edge % edge) + 0.5) / (double)edge - 1.0) * tangent;
+        const size_t in_tile = i % ((size_t)tile * tile);
+        const size_t first = i / ((size_t)tile * tile) * tile; /* column of the tile, were the tiles in one row */
+        const size_t column = first % edge + in_tile % tile;
+        const size_t row = first / edge * tile % edge + in_tile / tile;
+        const double across = (2.0 * ((double)column + 0.5) / (double)edge - 1.0) * tangent;
+        const double down = (2.0 * ((double)row + 0.5) / (double)edge - 1.0) * tangent;
         double direction[3];
         for (int axis = 0; axis < 3; ++axis) {
             direction[axis] = axes.forward[axis] + across * axes.right[axis] - down * axes.up[axis];
@@ -91,6 +95,80 @@ void ray_set_misses(const double low[3], const double high[3], size_t count, svo
     }
 }
 
+bool ray_set_through(const svo_ray *among, const svo_hit *hits, size_t count, svo_ray *rays)
+{
+    size_t made = 0;
+    for (size_t i = 0; made < count && (made > 0 || i < count); ++i) {
+        if (hits[i % count].triangle == SVO_NO_TRIANGLE) {
+            rays[made++] = among[i % count];
+        }
+    }
+    return made == count;
+}
+
+/* A place outside of the surface that a ray hit. */
+static void find_start(const svo_ray *primary, const svo_hit *hit, double origin[3])
+{
+    const double t = (double)hit->t * (1.0 - SHADOW_OFFSET);
+    for (int axis = 0; axis < 3; ++axis) {
+        origin[axis] = (double)primary->origin[axis] + t * (double)primary->direction[axis];
+    }
+}
+
+/* Two random numbers of which the point (x, y) is uniform in the unit disk. */
+static void random_in_disk(uint64_t *state, double *x, double *y)
+{
+    do {
+        *x = 2.0 * random_unit(state) - 1.0;
+        *y = 2.0 * random_unit(state) - 1.0;
+    } while (*x * *x + *y * *y >= 1.0);
+}
+
+/* A direction about a unit normal by the cosine: the disk below the hemisphere, projected up onto it (Malley's
+   method). */
+static void random_about(uint64_t *state, const double normal[3], double direction[3])
+{
+    const int least = fabs(normal[0]) < fabs(normal[1]) ? (fabs(normal[0]) < fabs(normal[2]) ? 0 : 2)
+                                                        : (fabs(normal[1]) < fabs(normal[2]) ? 1 : 2);
+    double first[3] = {0, 0, 0}, x, y;
+    first[least] = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+        first[axis] -= normal[least] * normal[axis];
+    }
+    normalize(first);
+    const double second[3] = {normal[1] * first[2] - normal[2] * first[1], normal[2] * first[0] - normal[0] * first[2],
+                              normal[0] * first[1] - normal[1] * first[0]};
+    random_in_disk(state, &x, &y);
+    for (int axis = 0; axis < 3; ++axis) {
+        direction[axis] = x * first[axis] + y * second[axis] + sqrt(1.0 - x * x - y * y) * normal[axis];
+    }
+}
+
+bool ray_set_diffuse(const svo_ray *primary, const svo_hit *hits, float t_max, size_t count, svo_ray *rays)
+{
+    uint64_t state = UINT64_C(0x9e3779b97f4a7c15);
+    size_t made = 0;
+    for (size_t i = 0; made < count && (made > 0 || i < count); ++i) {
+        const svo_hit *hit = &hits[i % count];
+        const svo_ray *ray = &primary[i % count];
+        if (hit->triangle == SVO_NO_TRIANGLE) {
+            continue;
+        }
+        double along = 0, normal[3], origin[3], direction[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            along += (double)ray->direction[axis] * (double)hit->normal[axis];
+        }
+        for (int axis = 0; axis < 3; ++axis) {
+            normal[axis] = along > 0 ? -(double)hit->normal[axis] : (double)hit->normal[axis];
+        }
+        find_start(ray, hit, origin);
+        random_about(&state, normal, direction);
+        rays[made] = make_ray(origin, direction);
+        rays[made++].t_max = t_max;
+    }
+    return made == count;
+}
+
 bool ray_set_shadow(const svo_camera *camera, const svo_ray *primary, const svo_hit *hits, size_t count, svo_ray *rays)
 {
     const camera_axes axes = ray_table_axes(camera);
@@ -105,11 +183,8 @@ bool ray_set_shadow(const svo_camera *camera, const svo_ray *primary, const svo_
     }
     for (size_t made = 0, i = 0; made < count && hit_count > 0; i = i + 1 < count ? i + 1 : 0) {
         if (hits[i].triangle != SVO_NO_TRIANGLE) {
-            const double t = (double)hits[i].t * (1.0 - SHADOW_OFFSET); /* outside of the surface */
             double origin[3];
-            for (int axis = 0; axis < 3; ++axis) {
-                origin[axis] = (double)primary[i].origin[axis] + t * (double)primary[i].direction[axis];
-            }
+            find_start(&primary[i], &hits[i], origin);
             rays[made++] = make_ray(origin, sun);
         }
     }

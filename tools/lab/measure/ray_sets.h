@@ -10,8 +10,9 @@
 #include "reference/oracle_rays.h"
 #include "svocl/svocl.h"
 
-/* A pinhole camera's rays, row by row of a square picture. Rays after its last full row start again at the top. */
-void ray_set_primary(const svo_camera *camera, size_t count, svo_ray *rays);
+/* A pinhole camera's rays of a square picture, by square tiles of that edge, in which the rays lie row by row, as the
+   tiles do. 1: row by row of the picture. Rays after its last full row of tiles start again at the top. */
+void ray_set_primary(const svo_camera *camera, unsigned tile, size_t count, svo_ray *rays);
 
 /* From random points on the sphere around the box towards random points inside the box. */
 void ray_set_incoherent(const double low[3], const double high[3], size_t count, svo_ray *rays);
@@ -19,9 +20,16 @@ void ray_set_incoherent(const double low[3], const double high[3], size_t count,
 /* From the same points away from the box: all miss it. */
 void ray_set_misses(const double low[3], const double high[3], size_t count, svo_ray *rays);
 
+/* Those of some rays that miss, in their order, again and again until there are count. False: all hit. */
+bool ray_set_through(const svo_ray *among, const svo_hit *hits, size_t count, svo_ray *rays);
+
 /* From where primary rays hit to a sun above and beside the camera, in the order of the hits, again and again until
    there are count. False: no ray hits. */
 bool ray_set_shadow(const svo_camera *camera, const svo_ray *primary, const svo_hit *hits, size_t count, svo_ray *rays);
+
+/* From the same places in directions of diffuse light: distributed as the cosine to the normal of the side that the
+   primary ray met. t_max: of each. False: no ray hits. */
+bool ray_set_diffuse(const svo_ray *primary, const svo_hit *hits, float t_max, size_t count, svo_ray *rays);
 
 /* Whether two ts are equal up to rounding in float. */
 bool ray_ties(double a, double b);

@@ -7,6 +7,7 @@
 #include "bench/openvdb.h"
 #include "bench/rays.h"
 #include "bench/versus.h"
+#include "measure/embree.h"
 #include "measure/host.h"
 #include "measure/result_json.h"
 #include "measure/result_text.h"
@@ -164,9 +165,14 @@ static int check_options(program *state)
     }
     static const char *const rivals[] = {
         [OPTION_VERSUS_EMBREE] = "embree", [OPTION_VERSUS_OPENVDB] = "openvdb", [OPTION_VERSUS_GRID] = "grid"};
-    if (given->versus != 0 && (given->versus != OPTION_VERSUS_OPENVDB || strcmp(given->subject, "solid") != 0)) {
+    static const char *const whose[] = {
+        [OPTION_VERSUS_EMBREE] = "rays", [OPTION_VERSUS_OPENVDB] = "solid", [OPTION_VERSUS_GRID] = ""};
+    if (given->versus != 0 && strcmp(given->subject, whose[given->versus]) != 0) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "option --vs %s does not apply to bench %s",
                             rivals[given->versus], given->subject);
+    }
+    if (given->versus == OPTION_VERSUS_EMBREE && !embree_is_there()) {
+        return program_fail(state, PROGRAM_FAILED, "--vs embree: %s", embree_lack());
     }
     if (given->versus == OPTION_VERSUS_OPENVDB && !openvdb_is_there()) {
         return program_fail(state, PROGRAM_FAILED, "--vs openvdb: this program was built without libopenvdb-dev");
