@@ -46,9 +46,9 @@ const char *embree_version(const embree *peer);
 /* Whether Embree has packets of that width in the instruction set. Others it divides. */
 bool embree_is_native(const embree *peer, unsigned width);
 
-/* Fills t, triangle, u and v of the hits on that many threads, at most THREADS_MAX. Embree works in place on packets that
-   are laid out beforehand, and hits are taken out of them afterwards; neither counts. Rays that Embree refuses, with
-   numbers that are not finite or beyond 2^60, miss. Returns the milliseconds, below 0 on failure. */
+/* Fills t, triangle, u and v of the hits on that many threads, at most THREADS_MAX. Embree works in place on packets
+   that are laid out beforehand, and hits are taken out of them afterwards; neither counts. Rays that Embree refuses,
+   with numbers that are not finite or beyond 2^60, miss. Returns the milliseconds, below 0 on failure. */
 double embree_trace(const embree *peer, embree_call call, const svo_ray *rays, svo_hit *hits, size_t ray_count,
                     unsigned thread_count);
 
