@@ -161,7 +161,9 @@ static void add_points(cone_scene *scene, const double half[3])
 {
     static const double up[3] = {0, 0, 1};
     for (int i = 0; i < POINTS; ++i) {
-        const double position[3] = {half[0] * (0.1875 * (i % 8) - 0.65), half[1] * (0.1875 * (i / 8) - 0.65), -half[2]};
+        const int column = i % 8;
+        const int row = i / 8;
+        const double position[3] = {half[0] * (0.1875 * column - 0.65), half[1] * (0.1875 * row - 0.65), -half[2]};
         cone_scene_add_point(scene, position, up, 0);
     }
 }
@@ -175,7 +177,8 @@ static void furnaces_have_all_reflections(void **state)
     const double half[3] = {14, 16, 20};
     const fixture opened = fixture_cl_of_group(state);
     for (int k = 0; k < 12; ++k) {
-        const double albedo = k / 4 == 0 ? 0 : pow((grays[k / 4] / 255.0 + 0.055) / 1.055, 2.4);
+        const int gray = k / 4;
+        const double albedo = gray == 0 ? 0 : pow((grays[gray] / 255.0 + 0.055) / 1.055, 2.4);
         const double reflections = bounces[k % 4] > 0 ? bounces[k % 4] : 1;
         cone_scene *scene = cone_scene_new(DEPTH, 36);
         cone_scene_pose(scene, false, 2);
