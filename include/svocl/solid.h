@@ -12,9 +12,11 @@
  * at its own level, which is the highest. Voxels that the surface touches stay leaves, whatever their center. The built
  * tree does not change.
  *
- * The work grows with the leaf lists, which each leaf reads for the crossings inside it (a crossing is a point of the
- * surface, so it lies in one voxel and the voxel's list has its triangle), and with the empty children, from which a
- * walk along the octree adds them up.
+ * Empty children that are connected by faces make a region. If the mesh is closed, as its edges tell, all of a region
+ * has the same number: one line of one voxel decides it, and the work grows with the nodes. Else, and where regions are
+ * more than a sixteenth of the leaves, each empty child takes three lines. Each leaf adds up the crossings inside it (a
+ * crossing is a point of the surface, so it lies in one voxel and the voxel's list has its triangle), and walks along
+ * the octree lead from one such sum to the next. For a closed mesh both give the same.
  *
  * Thread-safety: svo_solid_create needs exclusive use of the tree's device handle.
  */
@@ -54,13 +56,14 @@ typedef struct svo_solid_info {
     uint64_t surface_voxels; /**< leaves of the built tree */
     uint64_t inside_voxels; /**< voxels inside that no surface touches */
     uint64_t inside_leaves; /**< leaves that hold them */
-    uint64_t tests; /**< empty children of inner nodes, each decided by one voxel */
+    uint64_t tests; /**< empty children of inner nodes: the cells that are inside or outside as a whole */
     uint64_t ambiguous_cells; /**< of those, with lines that disagree; two of three decided */
     uint64_t ambiguous_voxels; /**< voxels of those cells, inside or not */
     /** Columns of voxels along x, y and z whose crossings do not add up to 0: the surface has a hole there, or a tear.
      *  All 0 for a closed mesh; then no cell is ambiguous. */
     uint64_t open_columns[3];
     uint64_t scratch_bytes; /**< device memory that finding the inside took; it is released */
+    uint64_t regions; /**< of connected cells, decided by a line each; 0: each cell was decided by three lines */
 } svo_solid_info;
 
 /** An empty output. */

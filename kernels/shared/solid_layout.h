@@ -12,9 +12,16 @@
 #define SVO_SOLID_TESTS      5 /* empty cells of the launch */
 #define SVO_SOLID_INSIDE     6 /* of those, inside */
 #define SVO_SOLID_AMBIGUOUS  7 /* of those, with axes that disagree */
-#define SVO_SOLID_COUNTERS   8
+#define SVO_SOLID_EDGES      8 /* four sums of the edges' hashes */
+#define SVO_SOLID_REGIONS    12 /* regions of empty cells */
+#define SVO_SOLID_COUNTERS   13
 
-/* Arguments of the solid kernels. 56 bytes. */
+/* What positions are. */
+#define SVO_SOLID_SNAPPED 0
+#define SVO_SOLID_FLOATS  1
+#define SVO_SOLID_DOUBLES 2
+
+/* Arguments of the solid kernels. 64 bytes. */
 SVO_RECORD(svo_solid_params)
 {
     SVO_U32 depth; /* 0 */
@@ -29,11 +36,13 @@ SVO_RECORD(svo_solid_params)
     SVO_U32 repeats; /* 36: not 0: the tree's payload has one element for all nodes */
     SVO_U32 value[2]; /* 40: the element of interior leaves, its first half in the low half of the first word */
     SVO_U32 rounded_to_odd; /* 48: 1: odd coordinates of vertices may be off; 0: the snapped mesh is the true one */
-    SVO_U32 reserved; /* 52 */
+    SVO_U32 positions; /* 52: what they are, SVO_SOLID_* */
+    SVO_U32 region_max; /* 56: the most regions that are decided one by one */
+    SVO_U32 reserved; /* 60 */
 };
 
 #if !defined(GL_core_profile)
-SVO_ASSERT_BYTES(svo_solid_params, 56);
+SVO_ASSERT_BYTES(svo_solid_params, 64);
 #endif
 
 #endif

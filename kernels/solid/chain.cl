@@ -25,11 +25,14 @@ svo_k_solid_chain(__global const uchar *child_mask, __global const uint *first_c
     const svo_solid_tree tree = {child_mask,   first_child,       carries,          crossings,
                                  params.depth, params.leaf_begin, params.leaf_count};
     uint voxel[3];
+    svo_column_walk start;
     svo_deinterleave(codes[params.leaf_begin + leaf], voxel);
+    svo_walk_begin(&tree, voxel, 0u, &start);
     for (uint axis = 0; axis < 3u; ++axis) {
         const size_t row = axis * (size_t)params.leaf_count;
         if (crossings[row + leaf] != 0u) {
-            const uint next = svo_next_crossed(&tree, voxel, axis);
+            svo_column_walk walk = start;
+            const uint next = svo_walk_on(&tree, axis, &walk);
             next_leaf[row + leaf] = next;
             if (next != SVO_SOLID_NO_LEAF) {
                 atomic_or(follows + next, 1u << axis);

@@ -12,16 +12,30 @@
 #include "shared/nodes.clh"
 #include "solid/column.clh"
 
-/* For how many of the axes the voxel is inside. */
-static uint svo_inside_votes(const svo_solid_tree *tree, __global const uint *windings, const uint *voxel, uint parity)
+/* The empty octants of a node that the lines along an axis say are inside. Two that lie behind each other share a line.
+   corner: the voxel of the child in octant 0 that decides. start: a walk in that child. */
+static uint svo_inside_along(const svo_solid_tree *tree, __global const uint *windings, const svo_column_walk *start,
+                             const uint *corner, uint axis, uint empty, uint parity)
 {
-    uint votes = 0;
-    for (uint axis = 0; axis < 3u; ++axis) {
-        const uint leaf = svo_next_crossed(tree, voxel, axis);
+    const uint step = 1u << axis;
+    uint inside = 0;
+    for (uint octant = 8u; octant-- > 0u;) {
+        if ((empty >> octant & 1u) == 0u) {
+            continue;
+        }
+        if ((octant & step) == 0u && (empty >> (octant | step) & 1u) != 0u) {
+            inside |= (inside >> (octant | step) & 1u) << octant;
+            continue;
+        }
+        svo_column_walk walk = *start;
+        for (uint k = 0; k < 3u; ++k) {
+            walk.at[k] = corner[k] + ((octant >> k & 1u) << walk.shift);
+        }
+        const uint leaf = svo_walk_on(tree, axis, &walk);
         const uint winding = leaf != SVO_SOLID_NO_LEAF ? windings[axis * (size_t)tree->leaf_count + leaf] : 0u;
-        votes += parity != 0u ? winding & 1u : (uint)(winding != 0u);
+        inside |= (parity != 0u ? winding & 1u : (uint)(winding != 0u)) << octant;
     }
-    return votes;
+    return inside;
 }
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
@@ -36,24 +50,21 @@ svo_k_solid_fill(__global const uchar *child_mask, __global const uint *first_ch
     const svo_solid_tree tree = {child_mask,   first_child,       carries,          crossings,
                                  params.depth, params.leaf_begin, params.leaf_count};
     const uint node = params.first + item;
-    const uint mask = child_mask[node];
+    const uint empty = ~(uint)child_mask[node] & 255u;
     const uint child_log2 = params.depth - params.level - 1u; /* width of the children in voxels */
-    const uint middle = 1u << child_log2 >> 1;
-    uint inside = 0;
-    uint ambiguous = 0;
-    for (uint octant = 0; octant < 8u; ++octant) {
-        if ((mask >> octant & 1u) != 0u) {
-            continue;
-        }
-        uint voxel[3];
-        svo_deinterleave(codes[node] << 3 | octant, voxel);
-        for (uint axis = 0; axis < 3u; ++axis) {
-            voxel[axis] = (voxel[axis] << child_log2) + middle;
-        }
-        const uint votes = svo_inside_votes(&tree, windings, voxel, params.parity);
-        inside |= (uint)(votes >= 2u) << octant;
-        ambiguous += (uint)(votes == 1u || votes == 2u);
+    uint corner[3];
+    uint said[3];
+    svo_column_walk start;
+    svo_deinterleave(codes[node] << 3, corner);
+    for (uint axis = 0; axis < 3u; ++axis) {
+        corner[axis] = (corner[axis] << child_log2) + (1u << child_log2 >> 1);
     }
+    svo_walk_begin(&tree, corner, child_log2, &start);
+    for (uint axis = 0; axis < 3u; ++axis) {
+        said[axis] = svo_inside_along(&tree, windings, &start, corner, axis, empty, params.parity);
+    }
+    const uint inside = (said[0] & said[1]) | (said[1] & said[2]) | (said[2] & said[0]);
+    const uint ambiguous = popcount((said[0] | said[1] | said[2]) & ~(said[0] & said[1] & said[2]));
     inside_mask[node] = (uchar)inside;
     if (inside != 0u) {
         atomic_add(counters + SVO_SOLID_INSIDE, popcount(inside));
@@ -61,7 +72,7 @@ svo_k_solid_fill(__global const uchar *child_mask, __global const uint *first_ch
     if (ambiguous != 0u) {
         atomic_add(counters + SVO_SOLID_AMBIGUOUS, ambiguous);
     }
-    if (mask != 255u) {
-        atomic_add(counters + SVO_SOLID_TESTS, 8u - popcount(mask));
+    if (empty != 0u) {
+        atomic_add(counters + SVO_SOLID_TESTS, popcount(empty));
     }
 }

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * svo_solid_create: options and checks; which empty children of a tree's inner nodes are inside the mesh; the tree with
- * these interior leaves, as the encoder of the descriptor form reads it.
- *
- * The tree's leaf lists say which triangles may cross a column inside a leaf (kernels/solid/cross.cl); chains along
- * columns add the leaves' sums up (chain.cl), and every empty child takes the number of the next crossed leaf
- * (fill.cl). Scratch is 8 bytes per node, 44 per leaf and 2 per inner node.
+ * svo_solid_create: options and checks; the tree with the empty children that are inside (inside.h) as leaves, as the
+ * encoder of the descriptor form reads it.
  */
 #include "svocl/solid.h"
 
@@ -17,6 +13,7 @@
 #include "core/struct_size.h"
 #include "core/tree.h"
 #include "shared/solid_layout.h"
+#include "solid/inside.h"
 #include "solid/programs.h"
 #include "svocl/plan.h"
 
@@ -28,9 +25,6 @@ static const char function[] = "svo_solid_create";
 
 /* Materials have 16 bits, and a mesh has 65535 at most. */
 #define MATERIAL_MAX 65534
-
-/* Nodes of a launch, so that its counts fit 32 bits. */
-#define PART_NODES (UINT32_C(1) << 28)
 
 /* ---- checks ---- */
 
@@ -97,250 +91,6 @@ static svo_status check_tree(const svo_tree *tree)
     return check_count(tree, info->inner_count, "inner ", INNER_MAX);
 }
 
-/* ---- what is inside ---- */
-
-/* What the device found. */
-typedef struct inside_leaves {
-    cl_mem mask; /* scratch of the work: a byte per inner node, bit o for an empty child in octant o that is inside */
-    uint64_t count; /* of those children */
-    uint64_t level_count[SVO_LEVELS_MAX]; /* the same by their level */
-} inside_leaves;
-
-typedef enum scratch {
-    SCRATCH_CODES = 0,
-    SCRATCH_CROSSINGS,
-    SCRATCH_LONG_LISTS,
-    SCRATCH_NEXT,
-    SCRATCH_FOLLOWS,
-    SCRATCH_WINDINGS,
-    SCRATCH_CARRIES,
-    SCRATCH_COUNTERS,
-    SCRATCH_INSIDE, /* the result */
-    SCRATCH_COUNT
-} scratch;
-
-typedef struct classifier {
-    svo_i_device_work *work;
-    const svo_tree *tree;
-    cl_mem buffers[SCRATCH_COUNT]; /* of the work */
-    cl_mem positions; /* of the tree: the mesh as it was given; others that are not read if the snapped one decides */
-    svo_decide_params grid; /* of these positions */
-    svo_solid_params params;
-    inside_leaves *out;
-    svo_solid_info *info;
-} classifier;
-
-static svo_status clear_counters(classifier *c)
-{
-    return svo_i_work_fill_zero(c->work, c->buffers[SCRATCH_COUNTERS], SVO_SOLID_COUNTERS * sizeof(cl_uint));
-}
-
-static svo_status read_counters(classifier *c, cl_uint counters[SVO_SOLID_COUNTERS])
-{
-    return svo_i_work_read(c->work, c->buffers[SCRATCH_COUNTERS], 0, counters, SVO_SOLID_COUNTERS * sizeof counters[0]);
-}
-
-static svo_status allocate(classifier *c)
-{
-    static const char *const names[SCRATCH_COUNT] = {"solid_codes",   "solid_crossings", "solid_long_lists",
-                                                     "solid_next",    "solid_follows",   "solid_windings",
-                                                     "solid_carries", "solid_counters",  "solid_inside"};
-    const svo_tree_info *tree = &c->tree->info;
-    const uint64_t bytes[SCRATCH_COUNT] = {[SCRATCH_CODES] = tree->node_count * sizeof(cl_ulong),
-                                           [SCRATCH_CROSSINGS] = tree->leaf_count * 3 * sizeof(cl_uint),
-                                           [SCRATCH_LONG_LISTS] = tree->leaf_count * sizeof(cl_uint),
-                                           [SCRATCH_NEXT] = tree->leaf_count * 3 * sizeof(cl_uint),
-                                           [SCRATCH_FOLLOWS] = tree->leaf_count * sizeof(cl_uint),
-                                           [SCRATCH_WINDINGS] = tree->leaf_count * 3 * sizeof(cl_uint),
-                                           [SCRATCH_CARRIES] = tree->inner_count,
-                                           [SCRATCH_COUNTERS] = SVO_SOLID_COUNTERS * sizeof(cl_uint),
-                                           [SCRATCH_INSIDE] = tree->inner_count};
-    for (scratch i = 0; i < SCRATCH_COUNT; ++i) {
-        SVO_I_TRY(svo_i_work_alloc(c->work, names[i], bytes[i], &c->buffers[i]));
-        c->info->scratch_bytes += bytes[i];
-    }
-    return SVO_OK;
-}
-
-/* Refuses a mesh of which the leaves do not hold all crossings. */
-static svo_status check_triangles(classifier *c)
-{
-    const svo_tree *tree = c->tree;
-    cl_uint counters[SVO_SOLID_COUNTERS] = {0};
-    c->params.count = (cl_uint)tree->info.list_triangle_count;
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_VERTICES]),
-                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_INDICES]),
-                                        SVO_I_ARGUMENT(c->buffers[SCRATCH_COUNTERS]), SVO_I_ARGUMENT(c->params)};
-    SVO_I_TRY(clear_counters(c));
-    SVO_I_TRY(svo_i_work_launch(c->work, "svo_k_solid_outside", SVO_I_ARGUMENTS(arguments), c->params.count));
-    SVO_I_TRY(read_counters(c, counters));
-    if (counters[SVO_SOLID_OUTSIDE] > 0) {
-        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
-                                 "%s: %u triangles reach outside the tree's grid; a solid needs all of the mesh inside",
-                                 c->work->function, counters[SVO_SOLID_OUTSIDE]);
-    }
-    return SVO_OK;
-}
-
-/* The codes of all nodes. */
-static svo_status place(classifier *c)
-{
-    const svo_tree *tree = c->tree;
-    for (uint32_t level = 0; level < tree->info.depth; ++level) {
-        c->params.first = tree->info.level_begin[level];
-        c->params.count = tree->info.level_begin[level + 1] - c->params.first;
-        const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
-                                            SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
-                                            SVO_I_ARGUMENT(c->buffers[SCRATCH_CODES]), SVO_I_ARGUMENT(c->params)};
-        SVO_I_TRY(svo_i_work_launch(c->work, "svo_k_solid_place", SVO_I_ARGUMENTS(arguments), c->params.count));
-    }
-    return SVO_OK;
-}
-
-/* The sums of all leaves, and what they imply for the nodes above. */
-static svo_status cross(classifier *c)
-{
-    const svo_tree *tree = c->tree;
-    cl_uint counters[SVO_SOLID_COUNTERS] = {0};
-    c->params.count = c->params.leaf_count;
-    svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_VERTICES]),
-                                  SVO_I_ARGUMENT(tree->buffers[SVO_TREE_INDICES]),
-                                  SVO_I_ARGUMENT(c->positions),
-                                  SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST_BEGIN]),
-                                  SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST]),
-                                  SVO_I_ARGUMENT(c->buffers[SCRATCH_CODES]),
-                                  SVO_I_ARGUMENT(c->buffers[SCRATCH_CROSSINGS]),
-                                  SVO_I_ARGUMENT(c->buffers[SCRATCH_LONG_LISTS]),
-                                  SVO_I_ARGUMENT(c->buffers[SCRATCH_COUNTERS]),
-                                  SVO_I_ARGUMENT(c->grid),
-                                  SVO_I_ARGUMENT(c->params)};
-    SVO_I_TRY(svo_i_work_launch(c->work, "svo_k_solid_cross", SVO_I_ARGUMENTS(arguments), c->params.count));
-    SVO_I_TRY(read_counters(c, counters));
-    arguments[8] = SVO_I_LOCAL(SVO_GROUP_ITEMS * sizeof(cl_uint));
-    SVO_I_TRY(svo_i_work_launch(c->work, "svo_k_solid_cross_long", SVO_I_ARGUMENTS(arguments),
-                                (uint64_t)counters[SVO_SOLID_LONG_LISTS] * SVO_GROUP_ITEMS));
-    for (uint32_t level = tree->info.depth; level-- > 0;) {
-        c->params.first = tree->info.level_begin[level];
-        c->params.count = tree->info.level_begin[level + 1] - c->params.first;
-        const svo_i_argument upwards[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
-                                          SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
-                                          SVO_I_ARGUMENT(c->buffers[SCRATCH_CROSSINGS]),
-                                          SVO_I_ARGUMENT(c->buffers[SCRATCH_CARRIES]), SVO_I_ARGUMENT(c->params)};
-        SVO_I_TRY(svo_i_work_launch(c->work, "svo_k_solid_carry", SVO_I_ARGUMENTS(upwards), c->params.count));
-    }
-    return SVO_OK;
-}
-
-/* The winding numbers in front of the leaves; counts the columns that are not closed. */
-static svo_status chain(classifier *c)
-{
-    const svo_tree *tree = c->tree;
-    cl_uint counters[SVO_SOLID_COUNTERS] = {0};
-    c->params.count = c->params.leaf_count;
-    const svo_i_argument links[] = {
-        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]), SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
-        SVO_I_ARGUMENT(c->buffers[SCRATCH_CODES]),          SVO_I_ARGUMENT(c->buffers[SCRATCH_CARRIES]),
-        SVO_I_ARGUMENT(c->buffers[SCRATCH_CROSSINGS]),      SVO_I_ARGUMENT(c->buffers[SCRATCH_NEXT]),
-        SVO_I_ARGUMENT(c->buffers[SCRATCH_FOLLOWS]),        SVO_I_ARGUMENT(c->params)};
-    const svo_i_argument sums[] = {
-        SVO_I_ARGUMENT(c->buffers[SCRATCH_CROSSINGS]), SVO_I_ARGUMENT(c->buffers[SCRATCH_NEXT]),
-        SVO_I_ARGUMENT(c->buffers[SCRATCH_FOLLOWS]),   SVO_I_ARGUMENT(c->buffers[SCRATCH_WINDINGS]),
-        SVO_I_ARGUMENT(c->buffers[SCRATCH_COUNTERS]),  SVO_I_ARGUMENT(c->params)};
-    SVO_I_TRY(svo_i_work_fill_zero(c->work, c->buffers[SCRATCH_FOLLOWS], tree->info.leaf_count * sizeof(cl_uint)));
-    SVO_I_TRY(svo_i_work_launch(c->work, "svo_k_solid_chain", SVO_I_ARGUMENTS(links), c->params.count));
-    SVO_I_TRY(svo_i_work_launch(c->work, "svo_k_solid_sum", SVO_I_ARGUMENTS(sums), c->params.count));
-    SVO_I_TRY(read_counters(c, counters));
-    for (int axis = 0; axis < 3; ++axis) {
-        c->info->open_columns[axis] = counters[SVO_SOLID_OPEN_X + axis];
-    }
-    return SVO_OK;
-}
-
-/* Decides the empty children of some nodes of a level, c->params.first and count, and adds to the counts. */
-static svo_status fill_part(classifier *c)
-{
-    const svo_tree *tree = c->tree;
-    cl_uint counters[SVO_SOLID_COUNTERS] = {0};
-    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
-                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
-                                        SVO_I_ARGUMENT(c->buffers[SCRATCH_CODES]),
-                                        SVO_I_ARGUMENT(c->buffers[SCRATCH_CARRIES]),
-                                        SVO_I_ARGUMENT(c->buffers[SCRATCH_CROSSINGS]),
-                                        SVO_I_ARGUMENT(c->buffers[SCRATCH_WINDINGS]),
-                                        SVO_I_ARGUMENT(c->buffers[SCRATCH_INSIDE]),
-                                        SVO_I_ARGUMENT(c->buffers[SCRATCH_COUNTERS]),
-                                        SVO_I_ARGUMENT(c->params)};
-    const unsigned cell_log2 = 3 * (c->params.depth - c->params.level - 1); /* voxels of a child */
-    SVO_I_TRY(clear_counters(c));
-    SVO_I_TRY(svo_i_work_launch(c->work, "svo_k_solid_fill", SVO_I_ARGUMENTS(arguments), c->params.count));
-    SVO_I_TRY(read_counters(c, counters));
-    c->info->tests += counters[SVO_SOLID_TESTS];
-    c->out->level_count[c->params.level + 1] += counters[SVO_SOLID_INSIDE];
-    c->out->count += counters[SVO_SOLID_INSIDE];
-    c->info->inside_leaves += counters[SVO_SOLID_INSIDE];
-    c->info->inside_voxels += (uint64_t)counters[SVO_SOLID_INSIDE] << cell_log2;
-    c->info->ambiguous_cells += counters[SVO_SOLID_AMBIGUOUS];
-    c->info->ambiguous_voxels += (uint64_t)counters[SVO_SOLID_AMBIGUOUS] << cell_log2;
-    return SVO_OK;
-}
-
-static svo_status fill(classifier *c)
-{
-    const svo_tree_info *tree = &c->tree->info;
-    for (uint32_t level = 0; level < tree->depth; ++level) {
-        const uint32_t end = tree->level_begin[level + 1];
-        c->params.level = level;
-        for (uint32_t first = tree->level_begin[level]; first < end; first += c->params.count) {
-            c->params.first = first;
-            c->params.count = end - first < PART_NODES ? end - first : PART_NODES;
-            SVO_I_TRY(fill_part(c));
-        }
-    }
-    return SVO_OK;
-}
-
-/* The mesh whose crossings count. */
-static void set_mesh(classifier *c)
-{
-    const svo_tree *tree = c->tree;
-    c->positions = tree->buffers[SVO_TREE_VERTICES];
-    if (tree->info.is_exact == 0 || tree->info.positions == SVO_POSITIONS_ROUNDED) {
-        return;
-    }
-    c->params.rounded_to_odd = 1;
-    c->grid = svo_i_grid_params(&tree->part.header, tree->part.level, tree->part.code, tree->info.depth,
-                                tree->info.origin, tree->info.edge);
-    c->grid.is_double = tree->info.positions == SVO_POSITIONS_DOUBLE;
-    c->positions = tree->buffers[c->grid.is_double ? SVO_TREE_POSITIONS_DOUBLE : SVO_TREE_POSITIONS];
-}
-
-/* Decides all empty children and waits for the counts. info: receives all fields but struct_size. */
-static svo_status classify(svo_i_device_work *work, const svo_tree *tree, svo_solid_rule rule, inside_leaves *out,
-                           svo_solid_info *info)
-{
-    classifier c = {.work = work, .tree = tree, .out = out, .info = info};
-    *out = (inside_leaves){.mask = NULL};
-    c.params = (svo_solid_params){.depth = tree->info.depth,
-                                  .voxel_log2 = tree->info.snap_bits - tree->info.depth,
-                                  .leaf_begin = (cl_uint)tree->info.inner_count,
-                                  .leaf_count = (cl_uint)tree->info.leaf_count,
-                                  .parity = rule == SVO_SOLID_PARITY};
-    set_mesh(&c);
-    info->surface_voxels = tree->info.leaf_count;
-    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_solid, ""));
-    SVO_I_TRY(allocate(&c));
-    SVO_I_TRY(check_triangles(&c));
-    SVO_I_TRY(place(&c));
-    SVO_I_TRY(cross(&c));
-    SVO_I_TRY(chain(&c));
-    SVO_I_TRY(fill(&c));
-    out->mask = c.buffers[SCRATCH_INSIDE];
-    for (scratch i = 0; i < SCRATCH_INSIDE; ++i) {
-        svo_i_work_free(work, &c.buffers[i]);
-    }
-    return SVO_OK;
-}
-
 /* ---- interior leaves ---- */
 
 /* The most bytes of a payload element. */
@@ -359,7 +109,7 @@ static void fill_element(const svo_solid_options *options, svo_compact_buffer bu
 }
 
 /* valid, leaf and the places of the children's payload. */
-static svo_status make_masks(svo_i_device_work *work, const svo_tree *tree, const inside_leaves *inside,
+static svo_status make_masks(svo_i_device_work *work, const svo_tree *tree, const svo_i_inside *inside,
                              svo_i_compact_source *out)
 {
     const svo_tree_info *info = &tree->info;
@@ -404,7 +154,7 @@ static svo_status check_constant(svo_i_device_work *work, const svo_tree *tree, 
 }
 
 /* The payload with that of the interior leaves; the tree's own where it is the same everywhere. */
-static svo_status make_payload(svo_i_device_work *work, const svo_tree *tree, const inside_leaves *inside,
+static svo_status make_payload(svo_i_device_work *work, const svo_tree *tree, const svo_i_inside *inside,
                                const svo_solid_options *options, svo_compact_buffer buffer, svo_i_compact_source *out)
 {
     const svo_tree_buffer of_tree = svo_i_compact_tree_buffer(buffer);
@@ -437,7 +187,7 @@ static svo_status make_payload(svo_i_device_work *work, const svo_tree *tree, co
 
 /* Adds the interior leaves to a tree. The tree and the work own its arrays, which must outlive the work. options: read
    and complete. */
-static svo_status make_source(svo_i_device_work *work, const svo_tree *tree, const inside_leaves *inside,
+static svo_status make_source(svo_i_device_work *work, const svo_tree *tree, const svo_i_inside *inside,
                               const svo_solid_options *options, svo_i_compact_source *out)
 {
     const svo_compact_options form = {.struct_size = sizeof form, .form = SVO_FORM_DESCRIPTOR};
@@ -461,7 +211,7 @@ static svo_status make_source(svo_i_device_work *work, const svo_tree *tree, con
 
 /* ---- the solid ---- */
 
-static svo_status encode(svo_i_device_work *work, const svo_tree *tree, const inside_leaves *inside,
+static svo_status encode(svo_i_device_work *work, const svo_tree *tree, const svo_i_inside *inside,
                          const svo_solid_options *options, svo_compact *compact)
 {
     svo_i_compact_source source;
@@ -476,10 +226,10 @@ static svo_status make(const svo_tree *tree, const svo_solid_options *options, c
                        svo_compact *compact, svo_solid_info *info)
 {
     svo_i_device_work work;
-    inside_leaves inside;
+    svo_i_inside inside;
     svo_status status = SVO_OK;
     SVO_I_TRY(svo_i_work_begin(tree->device, function, queue, &work));
-    SVO_I_TRY_CLEANUP(classify(&work, tree, options->rule, &inside, info));
+    SVO_I_TRY_CLEANUP(svo_i_inside_find(&work, tree, options->rule, &inside, info));
     SVO_I_TRY_CLEANUP(encode(&work, tree, &inside, options, compact));
     SVO_I_TRY_CLEANUP(svo_i_work_wait(&work));
 

@@ -32,7 +32,7 @@
 #include "support/solid_meshes.h"
 #include "support/suite.h"
 
-#define KERNELS_MAX   192
+#define KERNELS_MAX   256
 #define HANDLES_MAX   256 /* cl_kernel handles, live or released */
 #define ARGUMENTS_MAX 32
 #define NAME_BYTES    64
@@ -472,8 +472,8 @@ static void compact_all(const fixture *opened, svo_tree *tree)
     }
 }
 
-/* A box with material inside, and a leaf with a list that a work-group reads. */
-static void fill_all(const fixture *opened)
+/* A box with material inside, with and without one of its faces, and a leaf with a list that a work-group reads. */
+static void fill_box(const fixture *opened, int skipped_face)
 {
     static const double low[3] = {0.1, 0.1, 0.1};
     static const double high[3] = {0.9, 0.9, 0.9};
@@ -482,7 +482,7 @@ static void fill_all(const fixture *opened)
     parts made = {.vertex_count = 0};
     svo_compact *solid = NULL;
     built tree;
-    parts_add_box(&made, low, high, false, -1);
+    parts_add_box(&made, low, high, false, skipped_face);
     for (int i = 0; i < SVO_SHORT_LIST_MAX / 3; ++i) {
         parts_add_tetrahedron(&made, tiny);
     }
@@ -492,6 +492,12 @@ static void fill_all(const fixture *opened)
     svo_compact_destroy(&solid);
     built_destroy(&tree);
     parts_free(&made);
+}
+
+static void fill_all(const fixture *opened)
+{
+    fill_box(opened, -1);
+    fill_box(opened, 0);
 }
 
 /* A light of each form, with one lit leaf. */

@@ -38,6 +38,7 @@ typedef struct request {
     bool open; /* the mesh may have holes: cells are compared, not each voxel */
     bool skewed; /* on the skewed grid, whose planes are no doubles, with corners up to an ulp beside their places */
     bool floats; /* the mesh has floats */
+    bool many_regions; /* too many for a line each */
 } request;
 
 static const double skewed_origin[3] = {0.1, -0.2, 1.0 / 3.0};
@@ -118,6 +119,9 @@ static void check_counts(const solved *found, const request *asked)
         assert_int_equal(found->found.split_voxels, 0);
         assert_int_equal(info->ambiguous_cells, 0);
         assert_int_equal(info->open_columns[0] + info->open_columns[1] + info->open_columns[2], 0);
+        assert_true(asked->many_regions ? info->regions == 0 : info->regions > 0);
+    } else {
+        assert_int_equal(info->regions, 0);
     }
 }
 
@@ -143,7 +147,7 @@ static float *copy_floats(const parts *made)
 }
 
 /* Builds a mesh on the grid, fills it and compares. */
-static solved solve(void **state, const parts *made, request asked)
+static solved solve_once(void **state, const parts *made, request asked)
 {
     const fixture opened = fixture_cl_of_group(state);
     float *floats = asked.floats ? copy_floats(made) : NULL;
@@ -170,6 +174,39 @@ static solved solve(void **state, const parts *made, request asked)
     svo_compact_destroy(&solid);
     built_destroy(&tree);
     free(floats);
+    return out;
+}
+
+/* The parts and a triangle by itself in the last voxel. */
+static parts with_lone_triangle(const parts *made, const request *asked)
+{
+    const size_t vertices = made->vertex_count;
+    const size_t triangles = made->triangle_count;
+    parts out = {malloc((vertices + 3) * 3 * sizeof(double)), malloc((triangles + 1) * 3 * sizeof(uint32_t)),
+                 vertices + 3, triangles + 1};
+    assert_true(out.positions != NULL && out.indices != NULL);
+    memcpy(out.positions, made->positions, vertices * 3 * sizeof(double));
+    memcpy(out.indices, made->indices, triangles * 3 * sizeof(uint32_t));
+    for (size_t i = 0; i < 9; ++i) {
+        const double at = (double)(1u << asked->depth) - (i % 4 == 0 ? 0.125 : 0.875);
+        out.positions[vertices * 3 + i] =
+            asked->skewed ? skewed_origin[i % 3] + at * (skewed_edge / (double)(1u << asked->depth)) : at;
+        out.indices[triangles * 3 + i / 3] = (uint32_t)(vertices + i / 3);
+    }
+    return out;
+}
+
+/* The same with a closed mesh, whose regions decide, and with that mesh and a triangle that is not closed, where each
+   cell decides for itself. */
+static solved solve(void **state, const parts *made, request asked)
+{
+    const solved out = solve_once(state, made, asked);
+    if (!asked.open && !asked.many_regions) {
+        parts opened = with_lone_triangle(made, &asked);
+        asked.open = true;
+        solve_once(state, &opened, asked);
+        parts_free(&opened);
+    }
     return out;
 }
 
@@ -273,6 +310,103 @@ static void missing_face_is_reported(void **state)
         assert_true(found.info.ambiguous_voxels > 0);
         assert_int_equal(found.info.inside_voxels, 14 * 14 * 14 + 14 * 14);
     }
+}
+
+/* Cubes side by side that share all of their faces, with one empty voxel each. */
+static void many_pockets_take_three_lines_each(void **state)
+{
+    parts made = {.vertex_count = 0};
+    for (unsigned i = 0; i < 12 * 12 * 12; ++i) {
+        const unsigned cell[3] = {i % 12, i / 12 % 12, i / 144};
+        const double low[3] = {2 * cell[0] + 0.5, 2 * cell[1] + 0.5, 2 * cell[2] + 0.5};
+        const double high[3] = {low[0] + 2, low[1] + 2, low[2] + 2};
+        parts_add_box(&made, low, high, i % 2 != 0, -1);
+    }
+    const solved found = solve_parts(state, &made, (request){.depth = 5, .many_regions = true});
+    assert_int_equal(found.info.inside_voxels, 12 * 12 * 12);
+}
+
+/* A hollow cube with fins that begin at one wall and at the other by turns: the passage between them is one region,
+   though its ends are far from each other by way of it. */
+static void a_winding_passage_is_one_region(void **state)
+{
+    parts made = {.vertex_count = 0};
+    parts_add_cube(&made, 1.5, 30.5, false, -1);
+    parts_add_cube(&made, 4.5, 27.5, true, -1);
+    for (unsigned fin = 0; fin < 5; ++fin) {
+        const double x = fin % 2 != 0 ? 8.5 : 3.5;
+        const double low[3] = {x, 4 * fin + 6.25, 3.5};
+        const double high[3] = {x + 20, 4 * fin + 8.75, 28.5};
+        parts_add_box(&made, low, high, false, -1);
+    }
+    const solved found = solve_parts(state, &made, (request){.depth = 5});
+    assert_int_equal(found.info.regions, 3 + 5); /* outside, the wall, the passage, and the fins */
+}
+
+/* A wall with a dent one voxel wide, whose only neighbor is an empty cell eight voxels wide before it: the same regions
+   as without the dent. */
+static void small_cells_join_larger_ones_on_all_sides(void **state)
+{
+    static const double around[4][2][2] = {{{2.5, 12.75}, {2.5, 29.5}},
+                                           {{14.25, 29.5}, {2.5, 29.5}},
+                                           {{2.5, 29.5}, {2.5, 12.75}},
+                                           {{2.5, 29.5}, {14.25, 29.5}}};
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        uint64_t regions[2];
+        for (unsigned dent = 0; dent < 2; ++dent) {
+            parts made = {.vertex_count = 0};
+            double low[3];
+            double high[3];
+            for (unsigned side = 0; side < 5; ++side) {
+                low[axis] = side == 4 && dent != 0 ? 17.25 : 16.25;
+                high[axis] = 20.5;
+                for (unsigned k = 0; k < 2; ++k) {
+                    low[(axis + 1 + k) % 3] = side == 4 ? 12.75 : around[side][k][0];
+                    high[(axis + 1 + k) % 3] = side == 4 ? 14.25 : around[side][k][1];
+                }
+                parts_add_box(&made, low, high, false, -1);
+            }
+            regions[dent] = solve_parts(state, &made, (request){.depth = 5}).info.regions;
+        }
+        assert_int_equal(regions[0], regions[1]);
+    }
+}
+
+/* The faces of a cube have corners of their own, and zeros with either sign. */
+static void seams_and_signs_of_zero_are_closed(void **state)
+{
+    parts made = {.vertex_count = 0};
+    parts_add_cube(&made, 0, 12, false, -1);
+    double *positions = malloc(made.triangle_count * 9 * sizeof *positions);
+    uint32_t *indices = malloc(made.triangle_count * 3 * sizeof *indices);
+    assert_true(positions != NULL && indices != NULL);
+    for (size_t i = 0; i < made.triangle_count * 3; ++i) {
+        indices[i] = (uint32_t)i;
+        for (size_t axis = 0; axis < 3; ++axis) {
+            const double at = made.positions[3 * made.indices[i] + axis];
+            positions[3 * i + axis] = at == 0 && i % 2 != 0 ? -0.0 : at;
+        }
+    }
+    parts apart = {positions, indices, made.triangle_count * 3, made.triangle_count};
+    for (int floats = 0; floats < 2; ++floats) {
+        const solved found = solve(state, &apart, (request){.depth = 4, .floats = floats != 0});
+        assert_int_equal(found.info.regions, 2);
+        assert_int_equal(found.info.inside_voxels, 11 * 11 * 11);
+    }
+    parts_free(&apart);
+    parts_free(&made);
+}
+
+/* A cube with one triangle turned around has no hole, but its edges do not cancel. */
+static void a_turned_triangle_is_open(void **state)
+{
+    parts made = {.vertex_count = 0};
+    parts_add_cube(&made, 3.5, 20.5, false, -1);
+    const uint32_t swapped = made.indices[0];
+    made.indices[0] = made.indices[1];
+    made.indices[1] = swapped;
+    solve(state, &made, (request){.depth = 5, .open = true});
+    solve_parts(state, &made, (request){.depth = 5, .open = true, .rule = SVO_SOLID_PARITY});
 }
 
 static void empty_trees_have_no_inside(void **state)
@@ -525,6 +659,11 @@ TEST_GROUP(solid)
         cmocka_unit_test(overlapping_cubes_make_their_union),
         cmocka_unit_test(columns_with_many_crossings),
         cmocka_unit_test(missing_face_is_reported),
+        cmocka_unit_test(many_pockets_take_three_lines_each),
+        cmocka_unit_test(a_winding_passage_is_one_region),
+        cmocka_unit_test(small_cells_join_larger_ones_on_all_sides),
+        cmocka_unit_test(seams_and_signs_of_zero_are_closed),
+        cmocka_unit_test(a_turned_triangle_is_open),
         cmocka_unit_test(empty_trees_have_no_inside),
         cmocka_unit_test(spheres_of_radius_4_to_200),
         cmocka_unit_test(corners_and_edges_on_the_columns),

@@ -282,8 +282,13 @@ void solid_print(const program *state, const solid_result *made)
     add_row(rows, "inside", info->inside_voxels, info->inside_leaves);
     add_row(rows, "ambiguous", info->ambiguous_voxels, info->ambiguous_cells);
     table_print(rows);
-    table_line("%s empty cells tested, %s of words and payload", figure_count(info->tests).text,
-               figure_bytes(made->form.total_bytes).text);
+    if (info->regions > 0) {
+        table_line("%s empty cells in %s regions, %s of words and payload", figure_count(info->tests).text,
+                   figure_count(info->regions).text, figure_bytes(made->form.total_bytes).text);
+    } else {
+        table_line("%s empty cells tested, %s of words and payload", figure_count(info->tests).text,
+                   figure_bytes(made->form.total_bytes).text);
+    }
     if (!is_closed(info)) {
         table_line("the surface is not closed: crossings do not cancel in %s columns along x, %s along y, %s along z",
                    figure_count(info->open_columns[0]).text, figure_count(info->open_columns[1]).text,
@@ -304,6 +309,7 @@ cJSON *solid_add_json(cJSON *document, const program *state, const solid_result 
     json_add_count(object, "inside_voxels", info->inside_voxels);
     json_add_count(object, "inside_leaves", info->inside_leaves);
     json_add_count(object, "tests", info->tests);
+    json_add_count(object, "regions", info->regions);
     json_add_count(object, "ambiguous_cells", info->ambiguous_cells);
     json_add_count(object, "ambiguous_voxels", info->ambiguous_voxels);
     cJSON *columns = cJSON_AddObjectToObject(object, "open_columns");
