@@ -34,6 +34,8 @@ all_variants()
     done
     # Pictures of scenes are of voxels.
     printf 'kernels/scene/trace.cl\tSCENE_TRIANGLES\n'
+    # What of a scene shows in part.
+    printf '%s\n' kernels/scene/render.cl$'\tSCENE_CLEAR'{,' READ_IMPLIED HAS_BASES'}
     # Rays through probes under a map.
     printf 'kernels/probes/trace.cl\tSKY_MAP\n'
     # What paged trees are read by.
