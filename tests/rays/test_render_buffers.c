@@ -415,8 +415,8 @@ static void more_samples_come_closer(void **state)
     release_drawn(of);
 }
 
-/* Squares one behind the other that show in part, over a wall that is not there. */
-static void make_panes(const drawn *of, const uint8_t alphas[2], built *made)
+/* Squares one behind the other that show in part, over a wall that is not there. need: of the tree. */
+static void make_panes(const drawn *of, const uint8_t alphas[2], uint32_t need, built *made)
 {
     static const float positions[24] = {0, 0, 0.3F, 1, 0, 0.3F, 1, 1, 0.3F, 0, 1, 0.3F,
                                         0, 0, 0.7F, 1, 0, 0.7F, 1, 1, 0.7F, 0, 1, 0.7F};
@@ -424,7 +424,7 @@ static void make_panes(const drawn *of, const uint8_t alphas[2], built *made)
     static const uint16_t of_triangles[4] = {0, 0, 1, 1};
     const svo_material materials[2] = {{.rgba = {255, 255, 255, alphas[0]}, .texture_index = SVO_NO_TEXTURE},
                                        {.rgba = {255, 255, 255, alphas[1]}, .texture_index = SVO_NO_TEXTURE}};
-    const svo_plan_options options = {.struct_size = sizeof options, .need = SVO_NEED_ALL, .edge = 1};
+    const svo_plan_options options = {.struct_size = sizeof options, .need = need, .edge = 1};
     const svo_mesh mesh = {.struct_size = sizeof mesh,
                            .positions = positions,
                            .vertex_count = 8,
@@ -485,16 +485,21 @@ static void panes_take_their_share_of_samples(void **state)
         svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
         svo_compact *compact = NULL;
         built made;
-        make_panes(of, cases[i].alphas, &made);
+        built voxels;
+        make_panes(of, cases[i].alphas, SVO_NEED_ALL, &made);
+        make_panes(of, cases[i].alphas, SVO_NEED_COLOR, &voxels);
         svo_light *light = light_of(&of->opened, made.tree, SVO_LIGHT_VOXELS);
         svo_scene *placed = scene_of_tree(of, made.tree);
         light_succeed(&of->opened, svo_light_set_sources(light, &setup, of->opened.queue));
         light_succeed(&of->opened,
                       svo_compact_create(of->opened.device, made.tree, &masks, of->opened.queue, &compact));
-        const svo_target targets[4] = {svo_tree_target(made.tree), svo_compact_target(compact), svo_light_target(light),
-                                       svo_scene_target(placed)};
-        for (size_t k = 0; k < 4; ++k) {
-            static const char *const kinds[4] = {"panes of a tree", "of a compact tree", "of a light", "of a scene"};
+        svo_light *voxel_light = light_of(&of->opened, voxels.tree, SVO_LIGHT_VOXELS);
+        light_succeed(&of->opened, svo_light_set_sources(voxel_light, &setup, of->opened.queue));
+        const svo_target targets[5] = {svo_tree_target(made.tree), svo_compact_target(compact), svo_light_target(light),
+                                       svo_scene_target(placed), svo_light_target(voxel_light)};
+        for (size_t k = 0; k < 5; ++k) {
+            static const char *const kinds[5] = {"panes of a tree", "of a compact tree", "of a light", "of a scene",
+                                                 "of a light of voxels"};
             double deviation = 0;
             const double share =
                 share_of_panes(of, targets[k], kinds[k], cases[i].bound > 0 ? 0.02F : 0.0002F, &deviation);
@@ -505,8 +510,10 @@ static void panes_take_their_share_of_samples(void **state)
         }
         svo_compact_destroy(&compact);
         svo_light_destroy(&light);
+        svo_light_destroy(&voxel_light);
         svo_scene_destroy(&placed);
         built_destroy(&made);
+        built_destroy(&voxels);
     }
     release_drawn(of);
 }
@@ -523,7 +530,7 @@ static void instances_take_their_own_share_of_samples(void **state)
     svo_tree *trees[2];
     built made[2];
     for (size_t i = 0; i < 2; ++i) {
-        make_panes(of, alphas[i], &made[i]);
+        make_panes(of, alphas[i], SVO_NEED_ALL, &made[i]);
         trees[i] = made[i].tree;
     }
     const svo_scene_options options = {
@@ -555,7 +562,7 @@ static void panes_of_scenes_shade_from_a_half_on(void **state)
         const uint8_t alphas[2] = {255, cases[i].alpha};
         static float pixels[4 * 4];
         built made;
-        make_panes(of, alphas, &made);
+        make_panes(of, alphas, SVO_NEED_ALL, &made);
         svo_scene *placed = scene_of_tree(of, made.tree);
         const svo_render_options asked = {.struct_size = sizeof asked,
                                           .width = 2,
