@@ -35,7 +35,9 @@ all_variants()
     # Pictures of scenes are of voxels.
     printf 'kernels/scene/trace.cl\tSCENE_TRIANGLES\n'
     # What of a scene shows in part.
-    printf '%s\n' kernels/scene/render.cl$'\tSCENE_CLEAR'{,' READ_IMPLIED HAS_BASES'}
+    printf '%s\n' kernels/scene/render.cl$'\tCLEAR_NODES'{,' READ_IMPLIED HAS_BASES'}
+    # What probes see of it.
+    printf 'kernels/probes/clear.cl\tCLEAR_NODES\n'
     # Rays through probes under a map.
     printf 'kernels/probes/trace.cl\tSKY_MAP\n'
     # What paged trees are read by.

@@ -2,7 +2,7 @@
 /*
  * Pictures of a scene: rays through its voxels (scene.clh), Lambert shading by lights from given directions, with
  * shadows, and by a sky that neighbors darken. The light and the tone curve are those of kernels/rays/render.cl. So is
- * how what shows in part is seen, with -DSVO_SCENE_CLEAR, for scenes that have some.
+ * how what shows in part is seen, with -DSVO_CLEAR_NODES, for scenes that have some.
  *
  * Launch: one work-item per pixel, tiles of 8 x 8 pixels per group, one dimension, in bands of tiles by
  * its offset. Reads the scene, its colors and normals as far as its trees have them, and the lights; writes one
@@ -169,7 +169,7 @@ static bool svo_scene_look(const svo_scene_view *view, svo_scene_query query, sv
     uint next = 0u; /* 0: the ray is the camera's; else one more than its number in the list */
     do {
         svo_scene_search search;
-#ifdef SVO_SCENE_CLEAR
+#ifdef SVO_CLEAR_NODES
         search.alpha = query.alpha;
 #endif
         const bool is_met = svo_scene_search_ray(&view->scene, &query.ray, query.footprint, query.flags, &search);
@@ -236,7 +236,7 @@ svo_k_scene_render(SVO_SCENE_PARAMETERS, __global const uchar *colors, __global 
     svo_scene_view view;
     SVO_SCENE_MAKE(scene);
     view.scene = scene;
-#ifdef SVO_SCENE_CLEAR
+#ifdef SVO_CLEAR_NODES
     view.scene.colors = colors;
 #endif
     view.colors = colors;

@@ -233,7 +233,7 @@ static svo_status prepare(drawing *drawn, cl_mem pixels)
     const char *function = drawn->function;
     char defines[SVO_I_PROGRAM_DEFINES_BYTES];
     cl_program program = NULL;
-    (void)snprintf(defines, sizeof defines, "%s%s", scene->form, scene->is_clear ? " -DSVO_SCENE_CLEAR" : "");
+    (void)snprintf(defines, sizeof defines, "%s%s", scene->form, scene->is_clear ? " -DSVO_CLEAR_NODES" : "");
     SVO_I_TRY(svo_i_device_constants(device, function, "camera", &drawn->picture, sizeof drawn->picture,
                                      &drawn->picture_buffer));
     SVO_I_TRY(
