@@ -242,10 +242,44 @@ static void films_leave_walls_as_they_are(void **state)
     free(of);
 }
 
+/* Columns of voxels catch what does not pass them, of a sun along them; without photon_alpha all of it. */
+static void voxels_catch_their_alpha(void **state)
+{
+    cloud *of = cloud_new(state, 23);
+    for (uint32_t photon_alpha = 0; photon_alpha < 2; ++photon_alpha) {
+        const svo_light_source sun = {.kind = SVO_SOURCE_DIRECTIONAL, .direction = {0, 0, -1}, .value = {1, 2, 3}};
+        const svo_light_setup setup = {.struct_size = sizeof setup,
+                                       .sources = &sun,
+                                       .source_count = 1,
+                                       .view_resolution = 512,
+                                       .photon_alpha = photon_alpha};
+        double expected = 0;
+        fill(of, 0.1);
+        of->alphas[0] = 204;
+        for (size_t column = 0; column < WIDTH * WIDTH; ++column) {
+            double passing = 1;
+            for (size_t z = 0; z < WIDTH; ++z) {
+                const uint8_t alpha = of->alphas[column + WIDTH * WIDTH * z];
+                passing *= photon_alpha != 0 ? 1 - alpha / 255.0 : alpha == 0 ? 1 : 0;
+            }
+            expected += 1 - passing;
+        }
+        of->tree = light_tree_of(&of->opened, DEPTH, of->alphas);
+        of->light = light_of(&of->opened, of->tree, SVO_LIGHT_FACES);
+        light_succeed(&of->opened, svo_light_set_sources(of->light, &setup, of->opened.queue));
+        const double found = light_info_of(of->light).flux[1] / 2;
+        if (!(fabs(found - expected) <= 0.01 * expected)) {
+            fail_msg("photon_alpha %u: flux %g, not %g", photon_alpha, found, expected);
+        }
+        cloud_dim(of);
+    }
+    free(of);
+}
+
 TEST_GROUP(light_clear)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(suns_shine_through_voxels),
-                                       cmocka_unit_test(skies_shine_through_voxels),
-                                       cmocka_unit_test(films_leave_walls_as_they_are)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(suns_shine_through_voxels), cmocka_unit_test(skies_shine_through_voxels),
+        cmocka_unit_test(films_leave_walls_as_they_are), cmocka_unit_test(voxels_catch_their_alpha)};
     return cmocka_run_group_tests_name("light_clear", tests, fixture_group_setup, fixture_group_teardown);
 }
