@@ -34,6 +34,10 @@ all_variants()
     done
     # Pictures of scenes are of voxels.
     printf 'kernels/scene/trace.cl\tSCENE_TRIANGLES\n'
+    # What of a scene shows in part.
+    printf '%s\n' kernels/scene/render.cl$'\tCLEAR_NODES'{,' READ_IMPLIED HAS_BASES'}
+    # What probes and photons see of it.
+    printf '%s\tCLEAR_NODES\n' kernels/{probes/clear,light/voxel_photons}.cl
     # Rays through probes under a map.
     printf 'kernels/probes/trace.cl\tSKY_MAP\n'
     # What paged trees are read by.

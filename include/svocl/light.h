@@ -210,8 +210,9 @@ typedef struct svo_light_setup {
      *  than 2^-12 of the brightest photon's is left. */
     uint32_t bounces;
     uint32_t photon_alpha; /**< not 0: photons go through what shows in part, as rays to sources do: of those that meet
-                                triangles in a leaf, its alpha's share stops there. Else what photons meet stops them
-                                whole. Voxels, and photons that OpenGL casts from sources, do the latter in any case */
+                                triangles in a leaf, or its voxel in trees without triangles, its alpha's share stops
+                                there. Else what photons meet stops them whole, as it stops those that OpenGL casts from
+                                sources in any case */
 } svo_light_setup;
 
 /** No light. */

@@ -143,7 +143,8 @@ typedef enum svo_scene_flags {
  * pixel. Triangles need SVO_NEED_RAYS.
  *
  * Its pictures show voxels by normal and color as far as the scene holds them (SVO_NEED_NORMAL, SVO_NEED_COLOR), with
- * Lambert shading by the lights, shadows, and the light of the sky.
+ * Lambert shading by the lights, shadows, and the light of the sky. With colors, what shows in part takes its alpha's
+ * share of a pixel's rays, and from an alpha of a half on it has a shadow; traced rays meet whatever is there.
  *
  * \param scene NULL: calls are refused
  * \returns the target. */

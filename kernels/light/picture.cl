@@ -104,7 +104,7 @@ SVO_INLINED bool svo_picture_look(const svo_lit_picture *picture, const svo_pict
 {
     svo_lit_surface surface;
     float3 direct;
-    if (!svo_direct_see(picture, ray, picture->params.sample_width, set, samples, &surface, &direct)) {
+    if (!svo_direct_see(picture, ray, svo_lit_start(picture->params.sample_width), set, samples, &surface, &direct)) {
         return false;
     }
     svo_lit_seen(picture, &surface);

@@ -2,7 +2,7 @@
 /*
  * Radiance along rays in a lit tree, without specular light: what surfaces send everywhere. Direct light has exact
  * shadows (direct.clh), the other is gathered by cones (gather.clh). Rays that meet nothing see the sky, and so do rays
- * without a direction, at the zenith.
+ * without a direction, at the zenith. A ray that begins later than at 0 stops at what it meets, whatever its alpha.
  *
  * Surfaces of one plane that lie near each other share what cones gather, which is nearly all of the time.
  *
@@ -79,7 +79,9 @@ SVO_INLINED float3 svo_shade_radiance(const svo_lit_picture *picture, const svo_
 {
     svo_lit_surface surface;
     float3 direct;
-    if (!svo_direct_see(picture, ray, 0.0f, set, samples, &surface, &direct)) {
+    svo_lit_through start = svo_lit_start(0.0f);
+    start.layers = ray->t_min > 0.0f ? SVO_SURFACE_LAYERS : 0u;
+    if (!svo_direct_see(picture, ray, start, set, samples, &surface, &direct)) {
         return svo_light_sky(&picture->light, vload3(0, ray->direction));
     }
     svo_lit_payload(picture, &surface);

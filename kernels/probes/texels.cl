@@ -12,41 +12,7 @@
  * first words, svo_k_probe_light reads radiance and writes their second words. No atomics, no local memory.
  */
 #include "probes/encoding.clh"
-#include "shared/probe_layout.h"
-
-/* Bits 0, 2, 4 and 6. */
-static uint svo_probe_even_bits(uint bits)
-{
-    return (bits & 1u) | (bits >> 1 & 2u) | (bits >> 2 & 4u) | (bits >> 3 & 8u);
-}
-
-/* Column and row of a probe's ray. */
-static uint2 svo_probe_ray_place(uint ray, uint resolution)
-{
-    const uint block = ray / (SVO_PROBE_BLOCK * SVO_PROBE_BLOCK);
-    const uint blocks = resolution / SVO_PROBE_BLOCK;
-    return (uint2)(block % blocks * SVO_PROBE_BLOCK + svo_probe_even_bits(ray),
-                   block / blocks * SVO_PROBE_BLOCK + svo_probe_even_bits(ray >> 1));
-}
-
-/* The texel that a work-item of a launch is about. */
-typedef struct svo_probe_item {
-    uint probe, column, row;
-    ulong texel; /* among those of all probes */
-} svo_probe_item;
-
-static svo_probe_item svo_probe_find_item(const svo_probes_params *params, const svo_probe_step *step, uint i)
-{
-    const uint texels = params->resolution * params->resolution;
-    const uint ray = step->first + i;
-    const uint2 place = svo_probe_ray_place(ray % texels, params->resolution);
-    svo_probe_item item;
-    item.probe = ray / texels;
-    item.column = place.x;
-    item.row = place.y;
-    item.texel = (ulong)item.probe * texels + place.y * params->resolution + place.x;
-    return item;
-}
+#include "probes/item.clh"
 
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_probe_rays(__global const svo_probe *places, __global svo_ray *rays, svo_probes_params params,

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Pictures of a scene: rays through its voxels (scene.clh), Lambert shading by lights from given directions, with
- * shadows, and by a sky that neighbors darken. The light and the tone curve are those of kernels/rays/render.cl.
+ * shadows, and by a sky that neighbors darken. The light and the tone curve are those of kernels/rays/render.cl. So is
+ * how what shows in part is seen, with -DSVO_CLEAR_NODES, for scenes that have some.
  *
  * Launch: one work-item per pixel, tiles of 8 x 8 pixels per group, one dimension, in bands of tiles by
  * its offset. Reads the scene, its colors and normals as far as its trees have them, and the lights; writes one
@@ -105,6 +106,7 @@ typedef struct svo_scene_query {
     svo_ray ray;
     float footprint;
     uint flags;
+    svo_alpha_ray alpha;
     float3 light; /* that arrives unless the ray meets something */
 } svo_scene_query;
 
@@ -124,6 +126,8 @@ static bool svo_scene_next_query(const svo_scene_view *view, const svo_scene_sur
                                         svo_scene_open_range(view, surface));
         query->footprint = SVO_SHADE_OCCLUSION_FOOTPRINT;
         query->flags = 0u;
+        query->alpha.index = *next;
+        query->alpha.count = SVO_SHADE_OCCLUSION_RAYS;
         ++*next;
         return true;
     }
@@ -139,6 +143,8 @@ static bool svo_scene_next_query(const svo_scene_view *view, const svo_scene_sur
             query->ray = svo_scene_clip(view, surface->point, direction);
             query->footprint = 0.0f;
             query->flags = SVO_SCENE_FLAG_ANY;
+            query->alpha.index = 0u;
+            query->alpha.count = 1u;
             query->light = arriving;
             return true;
         }
@@ -163,6 +169,9 @@ static bool svo_scene_look(const svo_scene_view *view, svo_scene_query query, sv
     uint next = 0u; /* 0: the ray is the camera's; else one more than its number in the list */
     do {
         svo_scene_search search;
+#ifdef SVO_CLEAR_NODES
+        search.alpha = query.alpha;
+#endif
         const bool is_met = svo_scene_search_ray(&view->scene, &query.ray, query.footprint, query.flags, &search);
         if (next == 0u) {
             if (!is_met) {
@@ -189,18 +198,22 @@ static bool svo_scene_look(const svo_scene_view *view, svo_scene_query query, sv
 }
 
 /* One ray of a pixel. *met: counts those that met something. */
-static float3 svo_scene_sample(const svo_scene_view *view, float column, float row, svo_scene_lit *lit, uint *met)
+static float3 svo_scene_sample(const svo_scene_view *view, uint x, uint y, uint sample, svo_scene_lit *lit, uint *met)
 {
     __constant const svo_scene_picture *picture = view->picture;
+    const float2 place = (float2)((float)x, (float)y) + svo_pixel_place(sample, picture->samples);
     const float3 direction =
-        normalize(svo_scene_constant(picture->corner) + column * svo_scene_constant(picture->across) +
-                  row * svo_scene_constant(picture->down));
+        normalize(svo_scene_constant(picture->corner) + place.x * svo_scene_constant(picture->across) +
+                  place.y * svo_scene_constant(picture->down));
     const svo_scene_query camera = {svo_scene_clip(view, svo_scene_constant(picture->eye), direction),
-                                    picture->footprint, 0u, (float3)(0.0f)};
+                                    picture->footprint,
+                                    0u,
+                                    {sample, picture->samples},
+                                    (float3)(0.0f)};
     svo_scene_surface surface;
     if (!svo_scene_look(view, camera, &surface, lit)) {
         return svo_pixel_background(picture->pixel_flags, svo_scene_constant(picture->background),
-                                    svo_shade_background(row / (float)picture->height));
+                                    svo_shade_background(place.y / (float)picture->height));
     }
     ++*met;
     return svo_shade_shown(picture->pixel_flags, SVO_SHADE_EXPOSURE * (surface.color * lit->light));
@@ -223,6 +236,9 @@ svo_k_scene_render(SVO_SCENE_PARAMETERS, __global const uchar *colors, __global 
     svo_scene_view view;
     SVO_SCENE_MAKE(scene);
     view.scene = scene;
+#ifdef SVO_CLEAR_NODES
+    view.scene.colors = colors;
+#endif
     view.colors = colors;
     view.normals = normals;
     view.picture = picture;
@@ -234,8 +250,7 @@ svo_k_scene_render(SVO_SCENE_PARAMETERS, __global const uchar *colors, __global 
     float3 sum = (float3)(0.0f);
     uint met = 0u;
     for (uint sample = 0u; sample < picture->samples; ++sample) {
-        const float2 place = (float2)((float)x, (float)y) + svo_pixel_place(sample, picture->samples);
-        sum += svo_scene_sample(&view, place.x, place.y, &lit, &met);
+        sum += svo_scene_sample(&view, x, y, sample, &lit, &met);
     }
     svo_shade_store(picture->pixel_flags, svo_pixel_mean(picture->pixel_flags, sum, met, picture->samples), pixels,
                     (size_t)y * picture->width + x);

@@ -28,6 +28,7 @@ SVO_RECORD(svo_scene_tree)
 #define SVO_SCENE_TREE_ONE_COLOR  2u /* for all nodes */
 #define SVO_SCENE_TREE_NORMALS    4u
 #define SVO_SCENE_TREE_ONE_NORMAL 8u
+#define SVO_SCENE_TREE_CLEAR      16u /* it has colors, and some node shows in part */
 
 /* An instance: M is the linear part of its matrix. 152 bytes. */
 SVO_RECORD(svo_scene_instance)

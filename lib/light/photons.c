@@ -4,9 +4,9 @@
  * each hit, and sums. Which leaves get light is not known before, so they claim slots among the sums, which grow. What
  * is kept of photons receives a copy of each band; shoot.c shoots again from it.
  *
- * Where the tree shows in part, photons go on behind what they met as its alpha tells. With bounces each band goes on
- * from what it met, with what albedos leave of its flux, as often as asked or until too little is left. Photons of
- * triangles that emit come in bands, too: kernels/light/sent_photons.cl.
+ * Where the tree shows in part, photons go on behind what they met as its alpha tells, through voxels at once. With
+ * bounces each band goes on from what it met, with what albedos leave of its flux, as often as asked or until too
+ * little is left. Photons of triangles that emit come in bands, too: kernels/light/sent_photons.cl.
  */
 #include "light/photons.h"
 
@@ -86,6 +86,8 @@ svo_status svo_i_photons_see_alpha(svo_i_photons *photons)
         SVO_I_TRY(svo_i_work_read(photons->work, tree->buffers[SVO_TREE_COLORS], 0, root, sizeof root));
     }
     photons->is_clear = photons->of_triangles && root[3] != 255;
+    photons->has_clear_voxels = !photons->of_triangles && root[3] != 255 &&
+                                (tree->info.payload_level == 0 || svo_i_tree_is_constant(&tree->info, SVO_TREE_COLORS));
     return SVO_OK;
 }
 
@@ -320,9 +322,38 @@ static svo_status list_through(svo_i_photons *photons, const svo_light_view_para
     return SVO_OK;
 }
 
+/* The voxels that a band's rays meet, as their alpha tells. */
+static svo_status trace_clear_voxels(svo_i_photons *photons, const svo_light_view_params *view, uint32_t bounce,
+                                     uint32_t count)
+{
+    const svo_tree *tree = photons->tree;
+    const cl_mem none = NULL;
+    svo_ray_params grid = {.depth = 0};
+    svo_onward_params onward = make_onward(photons, view->first, count, 0);
+    onward.seed = make_seed(photons, bounce, 0);
+    SVO_I_TRY(svo_i_rays_tree_params(tree, photons->work->function, &grid));
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
+                                        SVO_I_ARGUMENT(none),
+                                        SVO_I_ARGUMENT(none),
+                                        SVO_I_ARGUMENT(grid),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_COLORS]),
+                                        SVO_I_ARGUMENT(photons->rays),
+                                        SVO_I_ARGUMENT(photons->met),
+                                        SVO_I_ARGUMENT(photons->groups),
+                                        SVO_I_ARGUMENT(onward),
+                                        SVO_I_ARGUMENT(*view)};
+    SVO_I_TRY(svo_i_work_use(photons->work, &svo_i_program_voxel_photons, " -DSVO_CLEAR_NODES"));
+    SVO_I_TRY(svo_i_work_launch(photons->work, "svo_k_photon_voxel", SVO_I_ARGUMENTS(arguments), count));
+    return svo_i_photons_use(photons);
+}
+
 /* What a band's rays meet, through what shows in part. bounce: of the photons; view: whose they are. */
 static svo_status trace_band(svo_i_photons *photons, const svo_light_view_params *view, uint32_t bounce, uint32_t count)
 {
+    if (photons->has_clear_voxels) {
+        return trace_clear_voxels(photons, view, bounce, count);
+    }
     SVO_I_TRY(trace_rays(photons, photons->rays, photons->met, count));
     if (!photons->is_clear) {
         return SVO_OK;

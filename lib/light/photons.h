@@ -24,7 +24,8 @@ typedef struct svo_i_photons {
     bool has_directions; /* of radiance */
     bool has_lobes; /* a material shines, and the tree has what lobes follow from */
     bool of_triangles; /* that photons meet; else voxels */
-    bool is_clear; /* some of these show in part, and let photons through */
+    bool is_clear; /* triangles in some leaves show in part, and let photons through */
+    bool has_clear_voxels; /* some of the voxels do */
     uint32_t bounces; /* times that a photon lights a leaf, at most; at least 1 */
     double unit; /* world flux of one */
     cl_mem slots; /* u32 a leaf: its slot, SVO_SLOT_NONE, ... */

@@ -6,6 +6,7 @@
  *   handle     this: the fields
  *   encoding   what texels store, on the host: tables of codes, directions
  *   plan       what probes look at; options, checks, sizes
+ *   clear      what probes see of trees that show in part
  *   place      where probes are: those in bad places are moved or switched off
  *   probes     creation, stage by stage: texels, radiance, the field, prefiltered maps; description, hash
  *   trace      rays through probes, diffuse light, the caller's kernels
@@ -25,6 +26,7 @@ struct svo_probes {
     svo_device *device; /* the tree's or the scene's */
     svo_probe_info info;
     svo_probes_params params; /* of its kernels */
+    bool is_clear; /* some of what they see shows in part */
     uint32_t cones; /* svo_probe_options.cones */
     cl_mem buffers[SVO_PROBES_BUFFER_COUNT]; /* owned; NULL where not held */
     cl_mem sky_map; /* of the light that texels have; retained; NULL: none */

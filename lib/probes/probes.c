@@ -11,6 +11,7 @@
 
 #include "core/struct_size.h"
 #include "light/gather.h"
+#include "probes/clear.h"
 #include "probes/encoding.h"
 #include "probes/place.h"
 #include "probes/plan.h"
@@ -97,7 +98,12 @@ static svo_status trace_band(const svo_i_probe_bands *bands, svo_probe_step *ste
 {
     svo_probes *probes = bands->probes;
     SVO_I_TRY(aim_band(bands, step));
-    SVO_I_TRY(svo_i_sight_trace(probes, bands->work, bands->rays, bands->hits, step->count));
+    if (probes->is_clear) {
+        SVO_I_TRY(svo_i_clear_trace(bands, step->count));
+        SVO_I_TRY(svo_i_work_use(bands->work, &svo_i_program_probes, ""));
+    } else {
+        SVO_I_TRY(svo_i_sight_trace(probes, bands->work, bands->rays, bands->hits, step->count));
+    }
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(bands->hits), SVO_I_ARGUMENT(bands->thresholds),
                                         SVO_I_ARGUMENT(probes->buffers[SVO_PROBES_TEXELS]),
                                         SVO_I_ARGUMENT(probes->params), SVO_I_ARGUMENT(*step)};
@@ -140,6 +146,7 @@ static svo_status shade_band(const svo_i_probe_bands *bands, const svo_i_light_s
 {
     const svo_probes *probes = bands->probes;
     SVO_I_TRY(aim_band(bands, step));
+    SVO_I_TRY(probes->is_clear ? svo_i_clear_reach(bands, step) : SVO_OK);
     SVO_I_TRY(svo_i_light_shade_rays(shade, bands->rays, radiance, step->count));
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(radiance), SVO_I_ARGUMENT(probes->buffers[SVO_PROBES_TEXELS]),
                                         SVO_I_ARGUMENT(probes->params), SVO_I_ARGUMENT(*step)};
@@ -371,6 +378,7 @@ static svo_status run(svo_probes *probes, const char *function, cl_command_queue
     svo_i_device_work work;
     svo_status status = SVO_OK;
     SVO_I_TRY(svo_i_work_begin(probes->device, function, queue, &work));
+    SVO_I_TRY_CLEANUP(svo_i_probes_find_clear(probes, &work));
     SVO_I_TRY_CLEANUP(make(probes, &work, keep_places));
     probes->info.scratch_bytes = work.peak_bytes;
 

@@ -6,6 +6,7 @@
 #include "core/program.h"
 
 extern const svo_i_program svo_i_program_probes;
+extern const svo_i_program svo_i_program_probe_clear;
 extern const svo_i_program svo_i_program_probe_filter;
 extern const svo_i_program svo_i_program_probe_trace;
 extern const svo_i_program svo_i_program_probe_gather;

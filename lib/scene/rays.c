@@ -231,12 +231,14 @@ static svo_status prepare(drawing *drawn, cl_mem pixels)
     const svo_scene *scene = drawn->scene;
     svo_device *device = scene->device;
     const char *function = drawn->function;
+    char defines[SVO_I_PROGRAM_DEFINES_BYTES];
     cl_program program = NULL;
+    (void)snprintf(defines, sizeof defines, "%s%s", scene->form, scene->is_clear ? " -DSVO_CLEAR_NODES" : "");
     SVO_I_TRY(svo_i_device_constants(device, function, "camera", &drawn->picture, sizeof drawn->picture,
                                      &drawn->picture_buffer));
     SVO_I_TRY(
         svo_i_device_constants(device, function, "lights", drawn->lights, sizeof drawn->lights, &drawn->lights_buffer));
-    SVO_I_TRY(svo_i_program_get(device, function, &svo_i_program_scene_cast, scene->form, &program, NULL));
+    SVO_I_TRY(svo_i_program_get(device, function, &svo_i_program_scene_cast, defines, &program, NULL));
     SVO_I_TRY(svo_i_kernel_create(device, function, program, "svo_k_scene_render", &drawn->kernel));
     const svo_i_argument others[] = {
         SVO_I_ARGUMENT(scene->buffers[SVO_I_SCENE_COLORS]), SVO_I_ARGUMENT(scene->buffers[SVO_I_SCENE_NORMALS]),

@@ -398,9 +398,31 @@ static svo_status copy_trees(const svo_i_arena *arena, const svo_scene *scene, c
     return error == CL_SUCCESS ? SVO_OK : svo_i_device_fail_cl(scene->device, function, "clFinish", error);
 }
 
+/* Marks the trees that show in part: the root, which is the first, has the mean of all alpha. */
+static svo_status mark_clear(const svo_i_arena *arena, svo_scene *scene, const char *function, cl_command_queue queue)
+{
+    for (uint32_t i = 0; i < arena->tree_count; ++i) {
+        svo_scene_tree *place = &arena->places[i];
+        uint8_t root[4] = {0};
+        if ((place->flags & SVO_SCENE_TREE_COLORS) == 0 || arena->sources[i].colors.bytes == 0) {
+            continue;
+        }
+        const cl_int error =
+            clEnqueueReadBuffer(queue, scene->buffers[SVO_I_SCENE_COLORS], CL_TRUE,
+                                (size_t)place->color_begin * sizeof root, sizeof root, root, 0, NULL, NULL);
+        if (error != CL_SUCCESS) {
+            return svo_i_device_fail_cl(scene->device, function, "clEnqueueReadBuffer", error);
+        }
+        place->flags |= root[3] != 255 ? SVO_SCENE_TREE_CLEAR : 0;
+        scene->is_clear = scene->is_clear || root[3] != 255;
+    }
+    return SVO_OK;
+}
+
 svo_status svo_i_arena_fill(const svo_i_arena *arena, svo_scene *scene, const char *function, cl_command_queue queue)
 {
     SVO_I_TRY(copy_trees(arena, scene, function, queue));
+    SVO_I_TRY(mark_clear(arena, scene, function, queue));
     SVO_I_TRY(write_array(scene, function, queue, SVO_I_SCENE_TREE_PARAMS, arena->bytes[SVO_I_SCENE_TREE_PARAMS],
                           arena->params));
     SVO_I_TRY(write_array(scene, function, queue, SVO_I_SCENE_TREES, arena->bytes[SVO_I_SCENE_TREES], arena->places));

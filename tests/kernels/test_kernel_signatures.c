@@ -582,6 +582,7 @@ static void shine_all(const fixture *opened, const svo_mesh *mesh)
     setup.finish_count = 2;
     setup.view_resolution = 16;
     setup.diagnose = 1;
+    setup.photon_alpha = 1;
     for (int i = 0; i < 2; ++i) {
         const svo_plan_options options = {.need = needs[i], .weights = SVO_WEIGHTS_UNIFORM, .edge = 1.0};
         const svo_light_options faces = SVO_LIGHT_OPTIONS_INIT;

@@ -345,7 +345,7 @@ static const step steps[] = {
     {"light", make_light, drop_light, {2, 0, 0, 0, 3, 10}, {2, 0, 0, 0, 3, 10}},
     {"photons", set_sources, NULL, {18, 4, 17027, 5, 11, 32}, {18, 4, 17027, 5, 11, 32}},
     {"light at points", gather, NULL, {3, 0, 0, 1, 4, 1}, {3, 0, 0, 1, 4, 1}},
-    {"probes", make_probes, drop_probes, {12, 0, 0, 1, 13, 12}, {12, 0, 0, 1, 13, 12}},
+    {"probes", make_probes, drop_probes, {12, 0, 0, 2, 14, 12}, {12, 0, 0, 2, 14, 12}},
     {NULL, prepare_scene, NULL, {0}, {0}},
     {"scene, transforms", place_instances, NULL, {0, 0, 0, 0, 3, 1}, {0, 0, 0, 0, 3, 1}},
     {"scene, hierarchy", rebuild_scene, NULL, {0, 0, 0, 0, 1, 35}, {0, 0, 0, 0, 1, 35}},

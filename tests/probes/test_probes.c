@@ -572,6 +572,88 @@ static void texels_have_the_direct_light(void **state)
     close_lit(&floor);
 }
 
+/* A pane of some alpha that glows green over a floor that glows red; albedos are black. need: of the tree. */
+static void open_pane(const fixture *opened, uint8_t alpha, uint32_t need, lit *out)
+{
+    static const float positions[] = {-0.97F, -0.48F, -0.97F, 0.97F, -0.48F, -0.97F, 0.97F, -0.48F,
+                                      0.97F,  -0.97F, -0.48F, 0.97F, -0.9F,  0.02F,  -0.9F, 0.9F,
+                                      0.02F,  -0.9F,  0.9F,   0.02F, 0.9F,   -0.9F,  0.02F, 0.9F};
+    static const uint32_t indices[] = {0, 2, 1, 0, 3, 2, 4, 6, 5, 4, 7, 6};
+    static const uint16_t of_triangles[] = {0, 0, 1, 1};
+    const svo_material materials[2] = {{.rgba = {0, 0, 0, 255}, .texture_index = SVO_NO_TEXTURE},
+                                       {.rgba = {0, 0, 0, alpha}, .texture_index = SVO_NO_TEXTURE}};
+    const svo_finish finishes[2] = {{.emission = {1, 0, 0}}, {.emission = {0, 1, 0}}};
+    const svo_plan_options grid = {.need = need, .edge = 2, .origin = {-1, -1, -1}};
+    const svo_mesh mesh = {.struct_size = sizeof mesh,
+                           .positions = positions,
+                           .vertex_count = 8,
+                           .indices = indices,
+                           .triangle_count = 4,
+                           .triangle_materials = of_triangles,
+                           .materials = materials,
+                           .material_count = 2};
+    const svo_light_setup setup = {
+        .struct_size = sizeof setup, .finishes = finishes, .finish_count = 2, .sky = {0, 0, 1}, .no_photons = 1};
+    fixture_build(opened, &mesh, DEPTH, &grid, &out->tree);
+    out->light = light_of(opened, out->tree.tree, SVO_LIGHT_FACES);
+    light_succeed(opened, svo_light_set_sources(out->light, &setup, opened->queue));
+}
+
+/* What a probe above sees of them in its texels: by how much more of those towards the pane have it than should, as a
+   share. Each has the light of what its distance is of. A slanted ray meets another voxel of the pane as often as it
+   is slanted along an axis. error: of distances, world units. */
+static double more_of_pane(const seen *of, double alpha, bool of_voxels, double error)
+{
+    double towards = 0;
+    double more = 0;
+    for (uint32_t i = 0; i < RESOLUTION * RESOLUTION; ++i) {
+        float direction[3];
+        float radiance[3];
+        svo_probe_direction(RESOLUTION, i % RESOLUTION, i / RESOLUTION, direction);
+        svo_probe_radiance(of->texels[2 * i + 1], radiance);
+        const double down = -(double)direction[1];
+        const double slants[2] = {fabs((double)direction[0]) / down, fabs((double)direction[2]) / down};
+        const bool is_towards = down > 0 && slants[0] < 1 && slants[1] < 1;
+        const double passes = (1 - alpha) * (of_voxels ? (1 - alpha * slants[0]) * (1 - alpha * slants[1]) : 1);
+        const uint32_t code = of->texels[2 * i] & 0xffffu;
+        const double height = code == SVO_PROBE_NOTHING ? HUGE_VAL : down * svo_probe_distance(&of->info, code);
+        const bool is_pane = fabs(height - 0.5) <= error;
+        const bool is_floor = fabs(height - 1) <= error;
+        if ((radiance[1] == 1.0F) != is_pane || (radiance[0] == 1.0F) != is_floor ||
+            (radiance[2] > 0.5F) != (code == SVO_PROBE_NOTHING)) {
+            fail_msg("texel %u: radiance %g %g %g, %g below the probe", i, (double)radiance[0], (double)radiance[1],
+                     (double)radiance[2], height);
+        }
+        towards += is_towards ? 1 : 0;
+        more += is_towards ? (is_pane ? 1 : 0) - (1 - passes) : 0;
+    }
+    return more / towards;
+}
+
+/* Of texels towards a pane as many see it as its alpha tells; the others see what is behind, each with its light. */
+static void texels_see_by_alpha(void **state)
+{
+    static const uint8_t alphas[] = {0, 64, 128, 254, 255};
+    const fixture opened = fixture_cl_of_group(state);
+    for (size_t k = 0; k < 2 * sizeof alphas; ++k) {
+        const uint8_t alpha = alphas[k / 2];
+        const bool of_voxels = k % 2 != 0;
+        lit panes;
+        open_pane(&opened, alpha, of_voxels ? lit_grid.need & ~(unsigned)SVO_NEED_RAYS : lit_grid.need, &panes);
+        svo_probe_options options = one_probe(0, 0.52F, 0, 1);
+        options.light = panes.light;
+        options.keep_places = 1;
+        seen of = make(&opened, panes.tree.tree, &options);
+        const double more = more_of_pane(&of, alpha / 255.0, of_voxels, of_voxels ? 2.0 / 32 : 0.002);
+        if (!(fabs(more) <= (of_voxels ? 0.03 : 0.02))) {
+            fail_msg("alpha %u of %s: %g more of the texels than should see the pane", alpha,
+                     of_voxels ? "voxels" : "triangles", more);
+        }
+        forget(&of);
+        close_lit(&panes);
+    }
+}
+
 /* New light changes radiance and irradiance, and nothing else; the same light gives the same bytes. */
 static void relighting_changes_radiance_alone(void **state)
 {
@@ -1109,6 +1191,7 @@ TEST_GROUP(probes)
         cmocka_unit_test(probes_without_a_free_place_are_off),
         cmocka_unit_test(a_glowing_room_has_its_emission),
         cmocka_unit_test(texels_have_the_direct_light),
+        cmocka_unit_test(texels_see_by_alpha),
         cmocka_unit_test(relighting_changes_radiance_alone),
         cmocka_unit_test(moments_are_means_of_texels),
         cmocka_unit_test(scenes_are_seen_as_their_trees),

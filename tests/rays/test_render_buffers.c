@@ -415,8 +415,8 @@ static void more_samples_come_closer(void **state)
     release_drawn(of);
 }
 
-/* Squares one behind the other that show in part, over a wall that is not there. */
-static void make_panes(const drawn *of, const uint8_t alphas[2], built *made)
+/* Squares one behind the other that show in part, over a wall that is not there. need: of the tree. */
+static void make_panes(const drawn *of, const uint8_t alphas[2], uint32_t need, built *made)
 {
     static const float positions[24] = {0, 0, 0.3F, 1, 0, 0.3F, 1, 1, 0.3F, 0, 1, 0.3F,
                                         0, 0, 0.7F, 1, 0, 0.7F, 1, 1, 0.7F, 0, 1, 0.7F};
@@ -424,7 +424,7 @@ static void make_panes(const drawn *of, const uint8_t alphas[2], built *made)
     static const uint16_t of_triangles[4] = {0, 0, 1, 1};
     const svo_material materials[2] = {{.rgba = {255, 255, 255, alphas[0]}, .texture_index = SVO_NO_TEXTURE},
                                        {.rgba = {255, 255, 255, alphas[1]}, .texture_index = SVO_NO_TEXTURE}};
-    const svo_plan_options options = {.struct_size = sizeof options, .need = SVO_NEED_ALL, .edge = 1};
+    const svo_plan_options options = {.struct_size = sizeof options, .need = need, .edge = 1};
     const svo_mesh mesh = {.struct_size = sizeof mesh,
                            .positions = positions,
                            .vertex_count = 8,
@@ -459,6 +459,17 @@ static double share_of_panes(const drawn *of, svo_target target, const char *nam
     return share;
 }
 
+/* Of a tree where it is. */
+static svo_scene *scene_of_tree(const drawn *of, svo_tree *tree)
+{
+    static const svo_instance here = {0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+    const svo_scene_options options = {
+        .struct_size = sizeof options, .trees = &tree, .instances = &here, .tree_count = 1, .instance_count = 1};
+    svo_scene *placed = NULL;
+    light_succeed(&of->opened, svo_scene_create(of->opened.device, &options, of->opened.queue, &placed));
+    return placed;
+}
+
 /* A pane takes as many of a pixel's samples as its alpha tells, whatever is drawn; two take theirs by chance. */
 static void panes_take_their_share_of_samples(void **state)
 {
@@ -474,15 +485,21 @@ static void panes_take_their_share_of_samples(void **state)
         svo_light_setup setup = SVO_LIGHT_SETUP_INIT;
         svo_compact *compact = NULL;
         built made;
-        make_panes(of, cases[i].alphas, &made);
+        built voxels;
+        make_panes(of, cases[i].alphas, SVO_NEED_ALL, &made);
+        make_panes(of, cases[i].alphas, SVO_NEED_COLOR, &voxels);
         svo_light *light = light_of(&of->opened, made.tree, SVO_LIGHT_VOXELS);
+        svo_scene *placed = scene_of_tree(of, made.tree);
         light_succeed(&of->opened, svo_light_set_sources(light, &setup, of->opened.queue));
         light_succeed(&of->opened,
                       svo_compact_create(of->opened.device, made.tree, &masks, of->opened.queue, &compact));
-        const svo_target targets[3] = {svo_tree_target(made.tree), svo_compact_target(compact),
-                                       svo_light_target(light)};
-        for (size_t k = 0; k < 3; ++k) {
-            static const char *const kinds[3] = {"panes of a tree", "of a compact tree", "of a light"};
+        svo_light *voxel_light = light_of(&of->opened, voxels.tree, SVO_LIGHT_VOXELS);
+        light_succeed(&of->opened, svo_light_set_sources(voxel_light, &setup, of->opened.queue));
+        const svo_target targets[5] = {svo_tree_target(made.tree), svo_compact_target(compact), svo_light_target(light),
+                                       svo_scene_target(placed), svo_light_target(voxel_light)};
+        for (size_t k = 0; k < 5; ++k) {
+            static const char *const kinds[5] = {"panes of a tree", "of a compact tree", "of a light", "of a scene",
+                                                 "of a light of voxels"};
             double deviation = 0;
             const double share =
                 share_of_panes(of, targets[k], kinds[k], cases[i].bound > 0 ? 0.02F : 0.0002F, &deviation);
@@ -493,6 +510,78 @@ static void panes_take_their_share_of_samples(void **state)
         }
         svo_compact_destroy(&compact);
         svo_light_destroy(&light);
+        svo_light_destroy(&voxel_light);
+        svo_scene_destroy(&placed);
+        built_destroy(&made);
+        built_destroy(&voxels);
+    }
+    release_drawn(of);
+}
+
+/* Instances of one tree behind each other do not take the same samples, although a ray meets the same cells of them.
+   And each tree has its own colors. */
+static void instances_take_their_own_share_of_samples(void **state)
+{
+    static const svo_instance instances[3] = {{1, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}},
+                                              {1, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -0.25F}},
+                                              {0, {1, 0, 0, 9, 0, 1, 0, 0, 0, 0, 1, 0}}};
+    static const uint8_t alphas[2][2] = {{255, 254}, {128, 0}};
+    drawn *of = make_drawn(state);
+    svo_tree *trees[2];
+    built made[2];
+    for (size_t i = 0; i < 2; ++i) {
+        make_panes(of, alphas[i], SVO_NEED_ALL, &made[i]);
+        trees[i] = made[i].tree;
+    }
+    const svo_scene_options options = {
+        .struct_size = sizeof options, .trees = trees, .instances = instances, .tree_count = 2, .instance_count = 3};
+    svo_scene *placed = NULL;
+    double deviation = 0;
+    light_succeed(&of->opened, svo_scene_create(of->opened.device, &options, of->opened.queue, &placed));
+    const double share = share_of_panes(of, svo_scene_target(placed), "two instances", 0.02F, &deviation);
+    if (!(fabs(share - 0.75) <= 0.06)) {
+        fail_msg("share %g, not 0.75", share);
+    }
+    svo_scene_destroy(&placed);
+    built_destroy(&made[0]);
+    built_destroy(&made[1]);
+    release_drawn(of);
+}
+
+/* What light comes through a pane: from an alpha of a half on it has a shadow. The floor below it is drawn alone. */
+static void panes_of_scenes_shade_from_a_half_on(void **state)
+{
+    static const struct {
+        uint8_t alpha;
+        bool shades;
+    } cases[] = {{0, false}, {64, false}, {127, false}, {128, true}, {255, true}};
+    float light[sizeof cases / sizeof cases[0]];
+    drawn *of = make_drawn(state);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        const svo_scene_light sun = {.direction = {0, 0, 1}, .shadows = 1, .color = {1, 1, 1}};
+        const uint8_t alphas[2] = {255, cases[i].alpha};
+        static float pixels[4 * 4];
+        built made;
+        make_panes(of, alphas, SVO_NEED_ALL, &made);
+        svo_scene *placed = scene_of_tree(of, made.tree);
+        const svo_render_options asked = {.struct_size = sizeof asked,
+                                          .width = 2,
+                                          .height = 2,
+                                          .camera = {.eye = {0.515F, 0.515F, 0.5F},
+                                                     .target = {0.515F, 0.515F, 0},
+                                                     .up = {0, 1, 0},
+                                                     .vertical_fov = 1},
+                                          .lights = &sun,
+                                          .light_count = 1,
+                                          .occlusion_range = 0.01F,
+                                          .output = {.samples = 1, .format = SVO_PIXELS_LINEAR}};
+        succeed(of, "a floor", svo_render(svo_scene_target(placed), &asked, svo_in_host(pixels), NULL));
+        light[i] = pixels[0];
+        if (cases[i].shades != (light[i] < light[0] - 0.5F)) {
+            fail_msg("alpha %u: the floor shows %g, without a pane %g", cases[i].alpha, (double)light[i],
+                     (double)light[0]);
+        }
+        svo_scene_destroy(&placed);
         built_destroy(&made);
     }
     release_drawn(of);
@@ -769,6 +858,8 @@ TEST_GROUP(render_buffers)
         cmocka_unit_test(floats_are_the_light_of_bytes),
         cmocka_unit_test(more_samples_come_closer),
         cmocka_unit_test(panes_take_their_share_of_samples),
+        cmocka_unit_test(instances_take_their_own_share_of_samples),
+        cmocka_unit_test(panes_of_scenes_shade_from_a_half_on),
         cmocka_unit_test(depths_are_distances),
         cmocka_unit_test(wrong_outputs_are_refused),
         cmocka_unit_test(pictures_wait_for_events_and_not_the_host),
