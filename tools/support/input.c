@@ -21,16 +21,7 @@
 
 /* ---- temporary files ---- */
 
-/* Bytes in a temporary file with a name of a given suffix, for readers that need both. A signal that ends the program
-   removes it. Stays where it is while it exists. */
-typedef struct spool_file {
-    char path[4096];
-    svo_i_output target;
-    cleanup_entry entry;
-} spool_file;
-
-/* Makes an empty file in $TMPDIR, or in /tmp. Returns the exit code; after a failure there is nothing to remove. */
-static int spool_open(program *state, const char *suffix, spool_file *spool)
+int spool_open(program *state, const char *suffix, spool_file *spool)
 {
     const char *folder = getenv("TMPDIR");
     *spool = (spool_file){.target = {.descriptor = -1}};
@@ -59,7 +50,7 @@ static int spool_write(program *state, spool_file *spool, const void *bytes, siz
     return error == 0 ? PROGRAM_DONE : program_fail(state, PROGRAM_FAILED, "%s: %s", spool->path, strerror(error));
 }
 
-static void spool_remove(spool_file *spool)
+void spool_remove(spool_file *spool)
 {
     const svo_i_output_watch *watch = &spool->entry.watch;
     svo_i_output_abandon(&spool->target);

@@ -6,10 +6,25 @@
 #include <stdbool.h>
 
 #include "scenes/scenes.h"
+#include "support/cleanup.h"
 #include "support/program.h"
 #include "support/voxel_input.h"
 #include "svocl/compact.h"
 #include "svocl/io.h"
+
+/* ---- temporary files ---- */
+
+/* A temporary file with a name of a given suffix, for readers and writers that need one. A signal that ends the program
+   removes it. Stays where it is while it exists. */
+typedef struct spool_file {
+    char path[4096];
+    svo_i_output target;
+    cleanup_entry entry;
+} spool_file;
+
+/* Makes an empty file in $TMPDIR, or in /tmp. Returns the exit code; after a failure there is nothing to remove. */
+int spool_open(program *state, const char *suffix, spool_file *spool);
+void spool_remove(spool_file *spool);
 
 /* ---- compact trees ---- */
 

@@ -10,6 +10,7 @@
 #include "support/probe_picture.h"
 #include "support/scene_file.h"
 #include "support/table.h"
+#include "support/tree_form.h"
 #include "support/value_scale.h"
 #include "support/viewpoint.h"
 #include "svocl/commands.h"
@@ -36,15 +37,16 @@ static int report_picture(program *state, const session *opened, const svo_camer
 typedef struct tree_render {
     program *state;
     const session *opened;
-    svo_tree *tree;
+    svo_tree *tree; /* NULL: compact is drawn */
+    svo_compact *compact;
     float *numbers; /* owned: of a picture that has a scale */
     value_scale scale;
 } tree_render;
 
 static int draw_tree(const tree_render *work, const svo_render_options *asked, void *pixels)
 {
-    return svo_render(svo_tree_target(work->tree), asked, svo_in_host(pixels),
-                      &(svo_submit){.queue = work->opened->queue}) == SVO_OK
+    const svo_target target = work->compact != NULL ? svo_compact_target(work->compact) : svo_tree_target(work->tree);
+    return svo_render(target, asked, svo_in_host(pixels), &(svo_submit){.queue = work->opened->queue}) == SVO_OK
                ? PROGRAM_DONE
                : program_fail_library(work->state, svo_device_message(work->opened->device));
 }
@@ -82,23 +84,38 @@ static int draw(void *user, const svo_camera *camera, const svo_picture_output *
     return has_scale ? draw_scaled(work, &asked, pixels) : draw_tree(work, &asked, pixels);
 }
 
-static int render(program *state, const session *opened, svo_tree *tree)
+/* Frames the tree, then draws it, or the compact tree in its place, without the tree in memory. */
+static int render(program *state, job *done)
 {
-    tree_render work = {.state = state, .opened = opened, .tree = tree};
-    const viewpoint_subject shown = {.target = svo_tree_target(tree), .aspect = viewpoint_aspect(state)};
+    tree_render work = {.state = state, .opened = &done->opened, .tree = done->result.tree};
+    const viewpoint_subject shown = {.target = svo_tree_target(work.tree), .aspect = viewpoint_aspect(state)};
     svo_camera camera;
     double render_ms = 0;
     int exit_code = viewpoint_place(state, &shown, &camera);
     if (exit_code == PROGRAM_DONE) {
+        exit_code = tree_form_of_input(state, work.opened, work.tree, &work.compact);
+    }
+    if (work.compact != NULL) {
+        svo_tree_destroy(&done->result.tree);
+        work.tree = NULL;
+    }
+    if (exit_code == PROGRAM_DONE) {
         exit_code = picture_draw(state, "casting rays", &camera, draw, &work, &render_ms);
     }
+    svo_compact_destroy(&work.compact);
     free(work.numbers);
-    return exit_code == PROGRAM_DONE ? report_picture(state, opened, &camera, &work.scale, render_ms) : exit_code;
+    return exit_code == PROGRAM_DONE ? report_picture(state, work.opened, &camera, &work.scale, render_ms) : exit_code;
+}
+
+/* Steps of the progress bar after the tree. */
+static unsigned further_steps(const program *state)
+{
+    return 1 + picture_frames(&state->options) + (state->options.tree_form != 0 ? 1 : 0);
 }
 
 static int build_tree(program *state, job *done)
 {
-    const int exit_code = job_open(state, state->options.need, 1 + picture_frames(&state->options), done);
+    const int exit_code = job_open(state, state->options.need, further_steps(state), done);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
@@ -145,13 +162,32 @@ static int check_view(program *state)
                               "options of lights and cones require --view ao, direct, gi, specular or full");
 }
 
+/* What is made of built trees alone. */
+static int check_form(program *state)
+{
+    const options *given = &state->options;
+    const char *where = given->animate != 0                 ? "with --animate, which moves a built tree"
+                        : given->paged > 0                  ? "with --paged, which reads a .svo file"
+                        : given->through != 0               ? "with --through probes, which are made of a built tree"
+                        : render_light_is_asked(given)      ? "to views of light, which is stored in a built tree"
+                        : given->view == SVO_VIEW_TRIANGLES ? "to --view triangles, which no compact tree has"
+                                                            : NULL;
+    if (where != NULL && options_refuse_groups(state, OPTION_TREE_FORM, where) != PROGRAM_DONE) {
+        return PROGRAM_WRONG_USAGE;
+    }
+    return given->view != SVO_VIEW_TRIANGLES || !input_is_compact(state)
+               ? PROGRAM_DONE
+               : program_fail(state, PROGRAM_WRONG_USAGE, "%s is a compact tree, which has no triangles to view",
+                              given->input);
+}
+
 int command_render(program *state)
 {
     if (state->options.output_path == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "-o FILE is missing");
     }
     job done;
-    if (check_probes(state) != PROGRAM_DONE || check_view(state) != PROGRAM_DONE) {
+    if (check_probes(state) != PROGRAM_DONE || check_view(state) != PROGRAM_DONE || check_form(state) != PROGRAM_DONE) {
         return PROGRAM_WRONG_USAGE;
     }
     int exit_code = render_animation_check(state);
@@ -178,11 +214,10 @@ int command_render(program *state)
         return render_scene(state);
     }
     if (exit_code == PROGRAM_DONE) {
-        exit_code = input_is_tree(state) ? job_load(state, 1 + picture_frames(&state->options), &done)
-                                         : build_tree(state, &done);
+        exit_code = input_is_tree(state) ? job_load(state, further_steps(state), &done) : build_tree(state, &done);
     }
     if (exit_code == PROGRAM_DONE) {
-        exit_code = render(state, &done.opened, done.result.tree);
+        exit_code = render(state, &done);
         job_release(&done);
     }
     return exit_code;
