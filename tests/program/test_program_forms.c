@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Compact trees as users reach them: written and read by every command, of meshes, voxels, solids and parts. */
+/* Compact trees as users reach them: written and read by every command, of meshes, voxels, solids, parts and scenes. */
 #include "run_program.h"
 #include "support/suite.h"
 
@@ -154,6 +154,44 @@ static void parts_are_stitched_to_a_form(void **state)
     run_well("rm m.ply a.svc b.svc");
 }
 
+/* ---- scenes ---- */
+
+#define PLACED "\"instances\": [{\"tree\": \"a\"}, {\"tree\": \"b\", \"translate\": [9, 0, 0]}]"
+
+static void scenes_take_voxels_and_forms(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("$SVOCL convert scene:statue:500 a.vox -d 3 -q && $SVOCL convert a.vox b.svx -q");
+    run_well("$SVOCL build a.vox -o a.svo -q && $SVOCL build b.svx -o b.svo -q");
+    run_well("$SVOCL convert b.svo b.svc --tree-form shared -q");
+    write_text("t.json", "{\"trees\": {\"a\": {\"path\": \"a.svo\"}, \"b\": {\"path\": \"b.svo\"}}, " PLACED "}");
+    run_well(
+        "$SVOCL render t.json --size 40x30 -o t.png -q && $SVOCL render t.json --view ao -d 5 --size 20x20 -o o.png");
+    write_text("v.json", "{\"trees\": {\"a\": {\"path\": \"a.vox\"}, \"b\": {\"path\": \"b.svx\"}}, " PLACED "}");
+    run_well("$SVOCL render v.json --size 40x30 -o v.png -q && cmp t.png v.png");
+    run_well("$SVOCL render v.json --view ao -d 5 --size 20x20 -o v.png -q && cmp o.png v.png");
+    for (size_t i = 0; i < FORMS; ++i) {
+        char text[512];
+        run_with_form(forms[i], "$SVOCL render v.json --tree-form $F --size 40x30 -o v.png -q && cmp t.png v.png");
+        (void)snprintf(text, sizeof text,
+                       "{\"trees\": {\"a\": {\"path\": \"a.vox\", \"form\": \"%s\"}, "
+                       "\"b\": {\"path\": \"b.svc\", \"form\": \"%s\"}}, " PLACED "}",
+                       forms[i], forms[i]);
+        write_text("f.json", text);
+        cJSON *document = run_json("$SVOCL render f.json --size 40x30 -o v.png --json && cmp t.png v.png");
+        assert_string_equal(text_of(document, "form"), forms[i]);
+        cJSON_Delete(document);
+    }
+    write_text("f.json", "{\"form\": \"implied\", \"trees\": {\"a\": {\"path\": \"a.vox\"},\n"
+                         "\"b\": {\"path\": \"b.svc\", \"form\": \"shared\"}}, " PLACED "}");
+    run_badly("$SVOCL render f.json -o v.png", 1,
+              "f.json:2: tree 'b' has form 'shared', and 'a' has 'implied'; the trees of a scene have one form");
+    write_text("f.json", "{\"trees\": {\"a\": {\"path\": \"a.vox\",\n\"form\": \"share\"}}, " PLACED "}");
+    run_badly("$SVOCL render f.json -o v.png", 1, "f.json:2: 'form' is none of built, descriptor, implied, shared");
+    run_well("rm a.vox b.svx a.svo b.svo b.svc t.json v.json f.json t.png o.png v.png");
+}
+
 /* ---- what does not apply ---- */
 
 static void what_no_form_has_is_refused_before_any_work(void **state)
@@ -197,6 +235,7 @@ TEST_GROUP(program_forms)
         IN_FOLDER_ANY_KERNELS(meshes_and_voxels_are_converted_in_one_step),
         IN_FOLDER_ANY_KERNELS(pages_take_the_form_they_hold),
         IN_FOLDER_ANY_KERNELS(parts_are_stitched_to_a_form),
+        IN_FOLDER(scenes_take_voxels_and_forms),
         IN_FOLDER(what_no_form_has_is_refused_before_any_work),
     };
     return cmocka_run_group_tests_name("program_forms", tests, NULL, NULL);
