@@ -187,6 +187,7 @@ static void scenes_take_voxels_and_forms(void **state)
                          "\"b\": {\"path\": \"b.svc\", \"form\": \"shared\"}}, " PLACED "}");
     run_badly("$SVOCL render f.json -o v.png", 1,
               "f.json:2: tree 'b' has form 'shared', and 'a' has 'implied'; the trees of a scene have one form");
+    run_well("$SVOCL render f.json --tree-form descriptor --size 40x30 -o v.png -q && cmp t.png v.png");
     write_text("f.json", "{\"trees\": {\"a\": {\"path\": \"a.vox\",\n\"form\": \"share\"}}, " PLACED "}");
     run_badly("$SVOCL render f.json -o v.png", 1, "f.json:2: 'form' is none of built, descriptor, implied, shared");
     run_well("rm a.vox b.svx a.svo b.svo b.svc t.json v.json f.json t.png o.png v.png");
@@ -215,7 +216,7 @@ static void what_no_form_has_is_refused_before_any_work(void **state)
         {"hash none.svo --tree-form shared --light faces", "--tree-form does not apply with --light"},
         {"convert none.svo a.svo --axes z-up", "--axes does not apply from a tree to a tree"},
         {"convert none.svo -", "output - has no suffix that tells the format"},
-        {"view none.svo --tree-form shared", "--tree-form does not apply"},
+        {"export-web none.svo --tree-form descriptor -o a.html", "pages hold trees in form implied alone"},
         {"gather none.svo --points 3 --tree-form shared -o a.csv", "--tree-form does not apply"},
     };
     for (size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i) {

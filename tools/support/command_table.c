@@ -107,7 +107,7 @@ static const command commands[] = {
                   "render model.svo --turntable 120 --format y4m -o - | ffmpeg -i - -pix_fmt yuv420p turn.mp4")},
     {.name = "view",
      .groups = OPTION_DEVICE | OPTION_BUILD | OPTION_VOXELS | OPTION_RENDER_COMMAND | OPTION_LIGHT | OPTION_PROBES |
-               OPTION_VIEW_COMMAND | OPTION_UNFOLDED,
+               OPTION_VIEW_COMMAND | OPTION_TREE_FORM | OPTION_UNFOLDED,
      .input_name = "INPUT",
      .needs_input = true,
      .summary = "Shows the octree of a mesh or voxels, a .svo or .svc file or a .json scene in a window.",

@@ -62,18 +62,19 @@ static int read_scene_form(const json_source *source, scene_file *file)
     return read_form(source, source->root, &file->form);
 }
 
-/* A scene on the device has one form, which is that of its trees. */
+/* A scene on the device has one form, that of --tree-form, else that of its trees. */
 static int unite_forms(const json_source *source, scene_file *file)
 {
+    const int asked = source->state->options.tree_form;
     for (size_t i = 0; i < file->tree_count; ++i) {
         const scene_file_tree *tree = &file->trees[i];
-        if (tree->form != file->trees[0].form) {
+        if (asked == 0 && tree->form != file->trees[0].form) {
             return json_source_fail(
                 source, tree->value, "tree '%s' has form '%s', and '%s' has '%s'; the trees of a scene have one form",
                 tree->name, form_name(tree->form), file->trees[0].name, form_name(file->trees[0].form));
         }
     }
-    file->form = file->trees[0].form;
+    file->form = asked != 0 ? asked - 1 : file->trees[0].form;
     return PROGRAM_DONE;
 }
 

@@ -214,9 +214,6 @@ int device_scene_open(program *state, unsigned further_steps, device_scene *out)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    if (state->options.tree_form != 0) {
-        out->file.form = state->options.tree_form - 1;
-    }
     program_begin_progress(state, SCENE_TREES_STEPS * (unsigned)out->file.tree_count + 1 + further_steps);
     exit_code = scene_trees_open(state, &out->file, &out->trees);
     if (exit_code == PROGRAM_DONE) {
