@@ -227,7 +227,7 @@ int input_refuse_build_options(program *state)
 int input_refuse_device_options(program *state)
 {
     const int exit_code = input_refuse_build_options(state);
-    return exit_code == PROGRAM_DONE
+    return exit_code == PROGRAM_DONE && !input_is_compact(state)
                ? options_refuse_groups(state, OPTION_DEVICE, "to a finished tree, which the host reads")
                : exit_code;
 }

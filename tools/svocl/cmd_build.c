@@ -182,6 +182,11 @@ static int check_payload_level(program *state)
 
 int command_build(program *state)
 {
+    if (input_is_tree(state)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE,
+                            "%s is a finished tree, a mesh or voxels are needed here; svocl convert changes its form",
+                            state->options.input);
+    }
     if (check_payload_level(state) != PROGRAM_DONE) {
         return PROGRAM_WRONG_USAGE;
     }

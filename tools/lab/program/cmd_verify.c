@@ -406,6 +406,11 @@ static int verify_tree_file(program *state)
         return program_fail(state, PROGRAM_WRONG_USAGE, "option --%s does not apply to a .svo file, give the mesh",
                             state->options.tree_form != 0 ? "tree-form" : "solid");
     }
+    if (input_is_compact(state)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE,
+                            "%s is a compact tree, which has no leaf lists to compare; give the mesh, and --tree-form",
+                            state->options.input);
+    }
     svo_tree *tree = NULL;
     program_begin_progress(state, 3);
     exit_code = input_load_tree(state, &tree);
