@@ -62,7 +62,8 @@ static void pictures_and_rays_are_those_of_the_tree(void **state)
     run_well("$SVOCL render a.svo --size 40x30 --view normal -o n.png -q");
     run_well("$SVOCL trace a.svo --meet voxels --camera auto --size 20x20 -o a.csv");
     assert_non_null(strstr(last.output, " rays hit voxels of a.svo at depth 5"));
-    run_well("grep -q 'ray,t,level,face' a.csv && grep -q ',5,' a.csv && grep -q 'inf,-1,-1' a.csv");
+    run_well("grep -q '^ray,t,level,face$' a.csv && grep -q 'inf,-1,-1$' a.csv && grep -q ',5,5$' a.csv");
+    run_well("awk -F, 'NR > 1 && $2 != \"inf\" && ($3 != 5 || $4 > 5) { exit 1 }' a.csv");
     for (size_t i = 0; i < FORMS; ++i) {
         run_with_form(forms[i], "$SVOCL convert a.svo a.svc --tree-form $F -q");
         run_well("$SVOCL render a.svc --size 40x30 -o b.png -q && cmp a.png b.png");
@@ -97,6 +98,10 @@ static void solids_take_every_form(void **state)
         run_with_form(forms[i], "$SVOCL convert scene:cube -d 4 --solid winding --tree-form $F --minimize c.svc -q");
         run_well("cmp b.svc c.svc");
     }
+    /* What is expanded is merged again where that is asked for, though the file has the form. */
+    run_well("$SVOCL convert a.svc b.svc --tree-form implied -q && $SVOCL info b.svc --json | grep -q ':.*false'");
+    run_well(
+        "$SVOCL convert b.svc c.svc --tree-form implied --minimize -q && test $(wc -c <c.svc) -lt $(wc -c <b.svc)");
     cJSON *document = run_json("$SVOCL convert scene:cube c.vox -d 4 --solid winding --json");
     assert_int_equal((int)number_of(document, "leaves"), 16 * 16 * 16);
     assert_int_equal((int)number_of(cJSON_GetObjectItem(document, "solid"), "inside_voxels"), 14 * 14 * 14);
@@ -109,9 +114,9 @@ static void meshes_and_voxels_are_converted_in_one_step(void **state)
 {
     (void)state;
     need_builds();
-    run_well("$SVOCL build scene:statue:500 -d 4 -o a.svo -q && $SVOCL convert a.svo a.vox -q");
-    run_well("$SVOCL scene statue:500 -o m.ply -q && $SVOCL build m.ply -d 4 -o m.svo -q");
-    run_well("$SVOCL convert scene:statue:500 b.vox -d 4 -q && cmp a.vox b.vox");
+    run_well("$SVOCL build scene:knot:500 -d 4 -o a.svo -q && $SVOCL convert a.svo a.vox -q");
+    run_well("$SVOCL scene knot:500 -o m.ply -q && $SVOCL build m.ply -d 4 -o m.svo -q");
+    run_well("$SVOCL convert scene:knot:500 b.vox -d 4 -q && cmp a.vox b.vox");
     run_well("$SVOCL convert m.ply b.vox -d 4 -q && $SVOCL convert m.svo a.vox -q && cmp a.vox b.vox");
     run_well("$SVOCL convert - b.vox -d 4 -q <m.ply && cmp a.vox b.vox");
     run_well("$SVOCL convert m.ply b.svo -d 4 -q && cmp m.svo b.svo");
@@ -128,6 +133,8 @@ static void pages_take_the_form_they_hold(void **state)
     run_well("$SVOCL build scene:cube -d 4 --tree-form implied --directory-step 16 -o a.svc -q");
     run_well("$SVOCL build scene:cube -d 4 -o a.svo -q && $SVOCL export-web a.svo -o a.html -q");
     run_well("sed s/a.svo/a.svc/g a.html >b.html; $SVOCL export-web a.svc -o a.html -q && cmp a.html b.html");
+    run_well("$SVOCL convert a.svo a.svc --tree-form shared -q && $SVOCL export-web a.svc -o a.html -q && cmp a.html "
+             "b.html");
     run_well("$SVOCL export-web a.svo --tree-form implied --directory-step 16 -o a.html -q");
     run_badly("$SVOCL export-web a.svo --tree-form shared -o a.html", 2,
               "--tree-form shared: pages hold trees in form");
@@ -188,7 +195,10 @@ static void scenes_take_voxels_and_forms(void **state)
                          "\"b\": {\"path\": \"b.svc\", \"form\": \"shared\"}}, " PLACED "}");
     run_badly("$SVOCL render f.json -o v.png", 1,
               "f.json:2: tree 'b' has form 'shared', and 'a' has 'implied'; the trees of a scene have one form");
-    run_well("$SVOCL render f.json --tree-form descriptor --size 40x30 -o v.png -q && cmp t.png v.png");
+    cJSON *document =
+        run_json("$SVOCL render f.json --tree-form descriptor --size 40x30 -o v.png --json && cmp t.png v.png");
+    assert_string_equal(text_of(document, "form"), "descriptor");
+    cJSON_Delete(document);
     write_text("f.json", "{\"trees\": {\"a\": {\"path\": \"a.vox\",\n\"form\": \"share\"}}, " PLACED "}");
     run_badly("$SVOCL render f.json -o v.png", 1, "f.json:2: 'form' is none of built, descriptor, implied, shared");
     run_well("rm a.vox b.svx a.svo b.svo b.svc t.json v.json f.json t.png o.png v.png");

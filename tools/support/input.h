@@ -63,7 +63,8 @@ bool input_is_tree(const program *state);
 /* Whether that tree is a compact one. */
 bool input_is_compact(const program *state);
 int input_refuse_build_options(program *state);
-/* The same where the tree is read on the host: options of the device neither, unless a compact one is expanded there. */
+/* The same where the tree is read on the host: options of the device neither, unless a compact one is expanded
+   there. */
 int input_refuse_device_options(program *state);
 
 /* Whether INPUT is a mesh file: no scene, pipe, tree or voxel file. */
