@@ -47,8 +47,8 @@ typedef struct svo_i_fitted {
 /* The nodes of a tree on the host. */
 typedef struct svo_i_framed {
     const void *subject;
-    /* The mask of a node's children, which child receives by octant; 0: the node is a leaf. NULL: nodes are not known, so
-       that the whole grid counts. node: 0 for the root, else from child. */
+    /* The mask of a node's children, which child receives by octant; 0: the node is a leaf. NULL: nodes are not known,
+       so that the whole grid counts. node: 0 for the root, else from child. */
     uint32_t (*open)(const void *subject, uint32_t node, uint32_t level, uint32_t child[8]);
     uint32_t depth;
     double origin[3], edge; /* of the grid */
