@@ -450,6 +450,9 @@ void input_close(input *opened)
 
 int input_load_compact(program *state, svo_compact **out)
 {
+    if (state->options.last_level != 0) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--levels reads a .svo file; compact trees are read whole");
+    }
     return compact_input_load(state, piped_source(&state->piped, state->options.input), out);
 }
 
@@ -462,9 +465,6 @@ int input_load_tree(program *state, svo_tree **out)
     progress_step(state->progress, "reading the tree");
     if (input_is_compact(state)) {
         svo_compact *compact = NULL;
-        if (load_options.last_level != 0) {
-            return program_fail(state, PROGRAM_WRONG_USAGE, "--levels reads a .svo file; compact trees are read whole");
-        }
         const int exit_code = input_load_compact(state, &compact);
         return exit_code == PROGRAM_DONE ? compact_input_expand(state, state->options.input, &compact, out) : exit_code;
     }

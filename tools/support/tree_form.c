@@ -58,30 +58,58 @@ int tree_form_change(program *state, const session *opened, svo_compact **compac
     return exit_code;
 }
 
-/* A .svc file as it is. */
-static int load(program *state, const session *opened, svo_compact **out)
+/* ---- in place of the tree ---- */
+
+static int download(program *state, const session *opened, svo_compact *compact)
 {
-    const int exit_code = input_load_compact(state, out);
-    if (exit_code != PROGRAM_DONE || svo_compact_upload(*out, opened->device, opened->queue) == SVO_OK) {
-        return exit_code;
-    }
-    svo_compact_destroy(out);
-    return program_fail_library(state, svo_device_message(opened->device));
+    return svo_compact_download(compact, opened->queue) == SVO_OK
+               ? PROGRAM_DONE
+               : program_fail_library(state, svo_device_message(opened->device));
 }
 
-int tree_form_of_input(program *state, const session *opened, const svo_tree *tree, svo_compact **out)
+static int load(program *state, job *done, svo_compact **out)
 {
-    const svo_compact_options asked = tree_form_options(&state->options);
-    const bool is_asked = state->options.tree_form != 0;
-    *out = NULL;
-    if (input_is_compact(state)) {
-        const int exit_code = load(state, opened, out);
-        if (exit_code != PROGRAM_DONE || !is_asked || tree_form_fits(*out, &asked)) {
-            return exit_code;
-        }
-        svo_compact_destroy(out);
+    session *opened = &done->opened;
+    progress_step(state->progress, "reading the tree");
+    int exit_code = input_load_compact(state, out);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = session_open_device(state, opened);
     }
-    return is_asked ? tree_form_make(state, opened, tree, out) : PROGRAM_DONE;
+    if (exit_code == PROGRAM_DONE && svo_compact_upload(*out, opened->device, opened->queue) != SVO_OK) {
+        exit_code = program_fail_library(state, svo_device_message(opened->device));
+    }
+    if (exit_code == PROGRAM_DONE && state->options.tree_form != 0) {
+        exit_code = tree_form_change(state, opened, out);
+    }
+    return exit_code == PROGRAM_DONE ? download(state, opened, *out) : exit_code;
+}
+
+int tree_form_load(program *state, unsigned further_steps, job *done, svo_compact **out)
+{
+    *done = (job){0};
+    *out = NULL;
+    int exit_code = input_refuse_build_options(state);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    program_begin_progress(state, 1 + further_steps);
+    exit_code = load(state, done, out);
+    if (exit_code != PROGRAM_DONE) {
+        svo_compact_destroy(out);
+        job_release(done);
+    }
+    return exit_code;
+}
+
+int tree_form_take(program *state, job *done, svo_compact **out)
+{
+    *out = NULL;
+    if (state->options.tree_form == 0) {
+        return PROGRAM_DONE;
+    }
+    int exit_code = tree_form_make(state, &done->opened, done->result.tree, out);
+    svo_tree_destroy(&done->result.tree);
+    return exit_code == PROGRAM_DONE ? download(state, &done->opened, *out) : exit_code;
 }
 
 /* ---- what it is ---- */

@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 
+#include "support/job.h"
 #include "support/json.h"
 #include "support/session.h"
 #include "svocl/compact.h"
@@ -23,9 +24,14 @@ int tree_form_make(program *state, const session *opened, const svo_tree *tree, 
 /* Makes it of a compact tree on the device, which it replaces unless that fits; the same step. */
 int tree_form_change(program *state, const session *opened, svo_compact **compact);
 
-/* INPUT as a compact tree on the device: what --tree-form asks for, else that of a .svc file as it is, else *out is
-   NULL. tree: of INPUT, for what does not fit. Returns the exit code. */
-int tree_form_of_input(program *state, const session *opened, const svo_tree *tree, svo_compact **out);
+/* INPUT, a .svc file, on the device and on the host, in the form of --tree-form if there is one. Begins the progress
+   bar, as job_load does, and opens the session of done, which has no tree. Returns the exit code; on failure nothing is
+   left to release. */
+int tree_form_load(program *state, unsigned further_steps, job *done, svo_compact **out);
+
+/* With --tree-form: makes the form of the tree of done, on the device and on the host, and destroys the tree. Else *out
+   is NULL. Returns the exit code. */
+int tree_form_take(program *state, job *done, svo_compact **out);
 
 /* What a compact tree is, as cells of a table's rows of two, and as the object "compact". */
 void tree_form_add_rows(struct table *rows, const svo_compact *compact);

@@ -163,19 +163,26 @@ static svo_compact *compact_of(const conversion *done)
     return is_solid ? done->solid.solid : done->compact;
 }
 
-/* The solid, or the tree, in the form that --tree-form names. */
+/* The solid, the compact tree of IN where that fits, or else the tree, in the form that --tree-form names. */
 static int make_compact(program *state, conversion *done)
 {
-    const job *made = &done->made;
+    const session *opened = &done->made.opened;
+    const svo_compact_options asked = tree_form_options(&state->options);
     int exit_code = PROGRAM_DONE;
-    if (state->options.tree_form != 0) {
-        exit_code = done->solid.solid != NULL
-                        ? tree_form_change(state, &made->opened, &done->solid.solid)
-                        : tree_form_of_input(state, &made->opened, made->result.tree, &done->compact);
+    if (done->from == FROM_TREE && input_is_compact(state)) {
+        exit_code = input_load_compact(state, &done->compact);
+        if (exit_code != PROGRAM_DONE || tree_form_fits(done->compact, &asked)) {
+            return exit_code;
+        }
+        svo_compact_destroy(&done->compact);
     }
-    return exit_code != PROGRAM_DONE || svo_compact_download(compact_of(done), made->opened.queue) == SVO_OK
+    if (state->options.tree_form != 0) {
+        exit_code = done->solid.solid != NULL ? tree_form_change(state, opened, &done->solid.solid)
+                                              : tree_form_make(state, opened, done->made.result.tree, &done->compact);
+    }
+    return exit_code != PROGRAM_DONE || svo_compact_download(compact_of(done), opened->queue) == SVO_OK
                ? exit_code
-               : program_fail_library(state, svo_device_message(made->opened.device));
+               : program_fail_library(state, svo_device_message(opened->device));
 }
 
 static int write_tree(program *state, conversion *done)

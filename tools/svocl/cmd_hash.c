@@ -166,12 +166,12 @@ static int hash_inside(program *state)
 
 /* ---- compact trees ---- */
 
-static int print_form_hash(program *state, const job *done, svo_compact *compact)
+static int print_form_hash(program *state, const svo_compact *compact)
 {
     char text[SVO_HASH_TEXT_BYTES];
     progress_step(state->progress, "hashing");
-    if (svo_compact_download(compact, done->opened.queue) != SVO_OK || svo_compact_hash(compact, text) != SVO_OK) {
-        return program_fail_library(state, svo_device_message(done->opened.device));
+    if (svo_compact_hash(compact, text) != SVO_OK) {
+        return program_fail(state, PROGRAM_FAILED, "%s: the compact tree cannot be hashed", state->options.input);
     }
     if (!state->options.json) {
         return print_digits(state, text);
@@ -189,13 +189,17 @@ static int hash_form(program *state)
 {
     job done;
     svo_compact *compact = NULL;
-    int exit_code = input_is_tree(state) ? job_load(state, 2, &done) : job_run(state, state->options.need, 2, &done);
+    int exit_code = input_is_compact(state) ? tree_form_load(state, 2, &done, &compact)
+                    : input_is_tree(state)  ? job_load(state, 2, &done)
+                                            : job_run(state, state->options.need, 2, &done);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    exit_code = tree_form_of_input(state, &done.opened, done.result.tree, &compact);
+    if (compact == NULL) {
+        exit_code = tree_form_take(state, &done, &compact);
+    }
     if (exit_code == PROGRAM_DONE) {
-        exit_code = print_form_hash(state, &done, compact);
+        exit_code = print_form_hash(state, compact);
     }
     svo_compact_destroy(&compact);
     job_release(&done);

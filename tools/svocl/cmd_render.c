@@ -33,20 +33,18 @@ static int report_picture(program *state, const session *opened, const svo_camer
     return PROGRAM_DONE;
 }
 
-/* A tree on the device, with its arrays on the host. */
+/* A tree or a compact tree on the device, with its arrays on the host. */
 typedef struct tree_render {
     program *state;
     const session *opened;
-    svo_tree *tree; /* NULL: compact is drawn */
-    svo_compact *compact;
+    svo_target target;
     float *numbers; /* owned: of a picture that has a scale */
     value_scale scale;
 } tree_render;
 
 static int draw_tree(const tree_render *work, const svo_render_options *asked, void *pixels)
 {
-    const svo_target target = work->compact != NULL ? svo_compact_target(work->compact) : svo_tree_target(work->tree);
-    return svo_render(target, asked, svo_in_host(pixels), &(svo_submit){.queue = work->opened->queue}) == SVO_OK
+    return svo_render(work->target, asked, svo_in_host(pixels), &(svo_submit){.queue = work->opened->queue}) == SVO_OK
                ? PROGRAM_DONE
                : program_fail_library(work->state, svo_device_message(work->opened->device));
 }
@@ -84,27 +82,18 @@ static int draw(void *user, const svo_camera *camera, const svo_picture_output *
     return has_scale ? draw_scaled(work, &asked, pixels) : draw_tree(work, &asked, pixels);
 }
 
-/* Frames the tree, then draws it, or the compact tree in its place, without the tree in memory. */
-static int render(program *state, job *done)
+static int render(program *state, const session *opened, svo_target target)
 {
-    tree_render work = {.state = state, .opened = &done->opened, .tree = done->result.tree};
-    const viewpoint_subject shown = {.target = svo_tree_target(work.tree), .aspect = viewpoint_aspect(state)};
+    tree_render work = {.state = state, .opened = opened, .target = target};
+    const viewpoint_subject shown = {.target = target, .aspect = viewpoint_aspect(state)};
     svo_camera camera;
     double render_ms = 0;
     int exit_code = viewpoint_place(state, &shown, &camera);
     if (exit_code == PROGRAM_DONE) {
-        exit_code = tree_form_of_input(state, work.opened, work.tree, &work.compact);
-    }
-    if (work.compact != NULL) {
-        svo_tree_destroy(&done->result.tree);
-        work.tree = NULL;
-    }
-    if (exit_code == PROGRAM_DONE) {
         exit_code = picture_draw(state, "casting rays", &camera, draw, &work, &render_ms);
     }
-    svo_compact_destroy(&work.compact);
     free(work.numbers);
-    return exit_code == PROGRAM_DONE ? report_picture(state, work.opened, &camera, &work.scale, render_ms) : exit_code;
+    return exit_code == PROGRAM_DONE ? report_picture(state, opened, &camera, &work.scale, render_ms) : exit_code;
 }
 
 /* Steps of the progress bar after the tree. */
@@ -128,6 +117,29 @@ static int build_tree(program *state, job *done)
         job_release(done);
     }
     return built;
+}
+
+/* A mesh, voxels, or a finished tree, of whatever form; drawn in the form of --tree-form. */
+static int render_tree(program *state)
+{
+    job done;
+    svo_compact *compact = NULL;
+    int exit_code = input_is_compact(state) ? tree_form_load(state, further_steps(state), &done, &compact)
+                    : input_is_tree(state)  ? job_load(state, further_steps(state), &done)
+                                            : build_tree(state, &done);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    if (compact == NULL) {
+        exit_code = tree_form_take(state, &done, &compact);
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = render(state, &done.opened,
+                           compact != NULL ? svo_compact_target(compact) : svo_tree_target(done.result.tree));
+    }
+    svo_compact_destroy(&compact);
+    job_release(&done);
+    return exit_code;
 }
 
 static int check_probes(program *state)
@@ -186,7 +198,6 @@ int command_render(program *state)
     if (state->options.output_path == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "-o FILE is missing");
     }
-    job done;
     if (check_probes(state) != PROGRAM_DONE || check_view(state) != PROGRAM_DONE || check_form(state) != PROGRAM_DONE) {
         return PROGRAM_WRONG_USAGE;
     }
@@ -213,12 +224,5 @@ int command_render(program *state)
     if (exit_code == PROGRAM_DONE && scene_file_is_input(state)) {
         return render_scene(state);
     }
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = input_is_tree(state) ? job_load(state, further_steps(state), &done) : build_tree(state, &done);
-    }
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = render(state, &done);
-        job_release(&done);
-    }
-    return exit_code;
+    return exit_code == PROGRAM_DONE ? render_tree(state) : exit_code;
 }

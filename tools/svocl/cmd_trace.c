@@ -85,7 +85,7 @@ static int report(const ray_run *run)
     return PROGRAM_DONE;
 }
 
-static int make_rays(program *state, svo_tree *tree, ray_table *out)
+static int make_rays(program *state, svo_target target, ray_table *out)
 {
     const options *given = &state->options;
     if (given->rays_path != NULL) {
@@ -93,7 +93,7 @@ static int make_rays(program *state, svo_tree *tree, ray_table *out)
     }
     svo_camera framed = {.vertical_fov = 0};
     svo_camera camera;
-    (void)svo_camera_fit(svo_tree_target(tree), (float)given->width / (float)given->height, &framed);
+    (void)svo_camera_fit(target, (float)given->width / (float)given->height, &framed);
     if (!ray_table_parse_camera(given->camera, &framed, &camera)) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--camera '%s' is neither auto nor 6, 9 or 10 numbers",
                             given->camera);
@@ -131,37 +131,38 @@ static int trace(ray_run *run)
     return exit_code == PROGRAM_DONE ? report(run) : exit_code;
 }
 
-/* The tree frames the camera; rays meet the compact tree in its place, if there is one. */
-static int trace_tree(program *state, const job *done)
+static int trace_target(program *state, const session *opened, svo_target target, unsigned depth)
 {
-    svo_tree *tree = done->result.tree;
-    svo_compact *compact = NULL;
-    svo_tree_info info = SVO_TREE_INFO_INIT;
-    ray_run run = {.state = state, .opened = &done->opened};
-    (void)svo_tree_get_info(tree, &info);
-    run.depth = info.depth;
-    int exit_code = tree_form_of_input(state, run.opened, tree, &compact);
-    if (exit_code == PROGRAM_DONE) {
-        progress_step(state->progress, "tracing rays");
-        exit_code = make_rays(state, tree, &run.cast);
-    }
+    ray_run run = {.state = state, .opened = opened, .target = target, .depth = depth};
+    progress_step(state->progress, "tracing rays");
+    int exit_code = make_rays(state, target, &run.cast);
     if (exit_code == PROGRAM_DONE) {
         exit_code = allocate_hits(&run);
     }
     if (exit_code == PROGRAM_DONE) {
-        run.target = compact != NULL ? svo_compact_target(compact) : svo_tree_target(tree);
         exit_code = trace(&run);
     }
     free(run.hits);
     free(run.voxel_hits);
     ray_table_free(&run.cast);
-    svo_compact_destroy(&compact);
     return exit_code;
 }
 
-static int make_tree(program *state, job *done)
+/* Of the tree, or of the compact tree in its place. */
+static int trace_either(program *state, job *done, svo_compact *compact)
 {
-    const unsigned further_steps = state->options.tree_form != 0 ? 3 : 2;
+    svo_compact_info form = SVO_COMPACT_INFO_INIT;
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    if (compact != NULL) {
+        (void)svo_compact_get_info(compact, &form);
+        return trace_target(state, &done->opened, svo_compact_target(compact), form.depth);
+    }
+    (void)svo_tree_get_info(done->result.tree, &info);
+    return trace_target(state, &done->opened, svo_tree_target(done->result.tree), info.depth);
+}
+
+static int make_tree(program *state, unsigned further_steps, job *done)
+{
     const bool voxels = meets_voxels(state);
     if (input_is_tree(state)) {
         return job_load(state, further_steps, done);
@@ -198,14 +199,24 @@ static int check_options(program *state)
 
 int command_trace(program *state)
 {
+    const unsigned further_steps = state->options.tree_form != 0 ? 3 : 2;
     job done;
+    svo_compact *compact = NULL;
     int exit_code = check_options(state);
     if (exit_code == PROGRAM_DONE) {
-        exit_code = make_tree(state, &done);
+        exit_code = input_is_compact(state) ? tree_form_load(state, further_steps, &done, &compact)
+                                            : make_tree(state, further_steps, &done);
+    }
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    if (compact == NULL) {
+        exit_code = tree_form_take(state, &done, &compact);
     }
     if (exit_code == PROGRAM_DONE) {
-        exit_code = trace_tree(state, &done);
-        job_release(&done);
+        exit_code = trace_either(state, &done, compact);
     }
+    svo_compact_destroy(&compact);
+    job_release(&done);
     return exit_code;
 }
