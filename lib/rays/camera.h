@@ -59,7 +59,7 @@ double svo_i_framed_reach(const void *framed, const double along[3]);
 /* Does what svo_camera_fit says; false, and the camera as it was, for one without a frame. */
 bool svo_i_camera_fit(const svo_i_fitted *of, float aspect, svo_camera *camera);
 /* svo_camera_fit of a tree. */
-svo_status svo_i_tree_fit_camera(const void *tree, float aspect, svo_camera *camera);
+svo_status svo_i_tree_fit_camera(const void *subject, float aspect, svo_camera *camera);
 
 /* Towards the light: high, and over the right shoulder of whoever looks along the view. up: unit. */
 void svo_i_place_sun(const svo_i_view *looking, const double up[3], double sun[3]);
