@@ -248,7 +248,7 @@ SVO_API svo_status svo_compact_hash(const svo_compact *compact, char text[SVO_HA
 /** Number of kernel arguments that SVO_TREE_PARAMETERS declares with the options of a compact tree. */
 #define SVO_COMPACT_ARGUMENTS 4u
 
-/** A compact tree as a target: svo_render, svo_trace_voxels and kernels of the caller's.
+/** A compact tree as a target: svo_render, svo_trace_voxels, svo_camera_fit and kernels of the caller's.
  *
  * Hits have the level, face, normal, t and cell of those against the built tree. svo_voxel_hit.node is the place of the
  * node's payload. It is SVO_NO_NODE for a node above payload_level; t tells whether there is a hit. Where all payload

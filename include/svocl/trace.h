@@ -78,12 +78,12 @@ typedef struct svo_camera {
 #define SVO_FRAME_LEVEL_MAX 7u
 
 /** Moves a camera to where what is framed fills its picture and all of it is in view, with a margin of two hundredths
- *  of the picture at least: of a tree, or of a light's, the occupied part; of a scene the boxes of all instances. The
- *  camera's direction of sight, its up and its angle stay. Its target becomes the point in the middle of the picture
- *  that is as far away as the middle of what is framed.
+ *  of the picture at least: of a tree, of a compact one, or of a light's, the occupied part; of a scene the boxes of
+ *  all instances. The camera's direction of sight, its up and its angle stay. Its target becomes the point in the
+ *  middle of the picture that is as far away as the middle of what is framed.
  *
- * \param target a tree, a light or a scene. Of a tree without host arrays the whole grid is framed; one that is on no
- *        device will do
+ * \param target a tree, a compact tree, a light or a scene. Of a tree without host arrays the whole grid is framed; one
+ *        that is on no device will do
  * \param aspect width / height, above 0; anything else counts as 1
  * \param camera is moved. Where eye and target are the same it looks from the front, a little from the right and from
  *        above, turned with up; up zero: y; vertical_fov zero: 0.56. So all zero frames from the front, and succeeds

@@ -4,9 +4,12 @@
 #include "compact/form.h"
 #include "core/device.h"
 #include "rays/batch.h"
+#include "rays/camera.h"
 #include "rays/picture.h"
 #include "rays/programs.h"
 #include "rays/target.h"
+#include "shared/dag.clh"
+#include "shared/descriptor.h"
 #include "svocl/plan.h"
 
 /* ---- the target ---- */
@@ -92,6 +95,78 @@ static svo_status render(void *of, const svo_render_options *options, const svo_
     return svo_i_picture_draw(&source, &asked, pixels, submit);
 }
 
+/* ---- framing: an svo_i_framed.open of each form, of the arrays on the host; a leaf is SVO_NO_NODE ---- */
+
+static uint32_t open_word(const void *subject, uint32_t node, uint32_t level, uint32_t child[8])
+{
+    const svo_compact *compact = subject;
+    const uint32_t *words = compact->host[SVO_COMPACT_NODES];
+    (void)level;
+    if (node == SVO_NO_NODE) {
+        return 0;
+    }
+    const uint32_t distance = words[node] >> SVO_WORD_DISTANCE_SHIFT;
+    uint32_t next = node + ((words[node] & SVO_WORD_FAR) != 0 ? words[node + distance] : distance);
+    for (uint32_t octant = 0; octant < 8; ++octant) {
+        const bool is_inner = (words[node] >> octant & ~(words[node] >> SVO_WORD_LEAF_SHIFT >> octant) & 1u) != 0;
+        child[octant] = is_inner ? next++ : SVO_NO_NODE;
+    }
+    return words[node] & 0xffu;
+}
+
+static uint32_t open_mask(const void *subject, uint32_t node, uint32_t level, uint32_t child[8])
+{
+    const svo_compact *compact = subject;
+    const uint8_t *masks = compact->host[SVO_COMPACT_NODES];
+    if (level == compact->info.depth) {
+        return 0;
+    }
+    const uint32_t entry = node >> compact->info.directory_step_log2;
+    uint32_t next = ((const uint32_t *)compact->host[SVO_COMPACT_LINKS])[entry];
+    for (uint32_t at = entry << compact->info.directory_step_log2; at < node; ++at) {
+        next += svo_count_bits(masks[at]);
+    }
+    for (uint32_t octant = 0; octant < 8; ++octant) {
+        child[octant] = next;
+        next += masks[node] >> octant & 1u;
+    }
+    return masks[node];
+}
+
+static uint32_t open_record(const void *subject, uint32_t node, uint32_t level, uint32_t child[8])
+{
+    const svo_compact *compact = subject;
+    const uint32_t *words = compact->host[SVO_COMPACT_NODES];
+    const uint32_t levels = compact->info.depth - level;
+    const uint32_t places = svo_i_compact_has_places(&compact->info) ? 1 : 0;
+    if (node == SVO_NO_NODE || levels == 0) {
+        return 0;
+    }
+    const svo_shared_node at = level == 0 ? svo_shared_root(words, levels) : (svo_shared_node){.record = node};
+    const uint32_t masks = svo_shared_masks(words, levels, at.record);
+    for (uint32_t octant = 0; octant < 8; ++octant) {
+        const bool is_inner = (masks >> octant & ~(masks >> 8 >> octant) & 1u) != 0;
+        child[octant] = is_inner ? svo_shared_child(words, levels, levels, places, at, octant).record : SVO_NO_NODE;
+    }
+    return masks & 0xffu;
+}
+
+static svo_status fit_camera(const void *of, float aspect, svo_camera *camera)
+{
+    static uint32_t (*const opens[SVO_FORM_COUNT])(const void *, uint32_t, uint32_t, uint32_t *) = {
+        [SVO_FORM_DESCRIPTOR] = open_word, [SVO_FORM_IMPLIED] = open_mask, [SVO_FORM_SHARED] = open_record};
+    const svo_compact *compact = of;
+    const svo_compact_info *info = &compact->info;
+    const bool is_known = compact->downloaded && info->leaf_count > 0;
+    const svo_i_framed framed = {.subject = compact,
+                                 .open = is_known ? opens[info->form] : NULL,
+                                 .depth = info->depth,
+                                 .origin = {info->origin[0], info->origin[1], info->origin[2]},
+                                 .edge = info->edge};
+    const svo_i_fitted fitted = {&framed, svo_i_framed_reach};
+    return svo_i_camera_fit(&fitted, aspect, camera) ? SVO_OK : SVO_INVALID_ARGUMENT;
+}
+
 /* ---- the class ---- */
 
 static svo_device *device_of(const void *compact)
@@ -109,6 +184,7 @@ static const struct svo_target_class compact_class = {.name = "compact tree",
                                                       .device = device_of,
                                                       .trace_voxels = trace_voxels,
                                                       .render = render,
+                                                      .fit_camera = fit_camera,
                                                       .kernel_source = svo_i_tree_kernel_source,
                                                       .kernel_options = kernel_options,
                                                       .set_kernel_arguments = set_target};

@@ -109,11 +109,9 @@ static const double front_side[3] = {0.406, 0.375, 0.833};
 /* Of the picture's half, around what is framed. */
 #define FRAME_MARGIN 1.04
 
-/* The nodes on the host, and a direction along which the farthest occupied cell is sought. */
+/* A direction along which the farthest occupied cell is sought. */
 typedef struct reach_search {
-    const uint8_t *child_mask;
-    const uint32_t *first_child;
-    double origin[3], edge; /* of the grid */
+    const svo_i_framed *of;
     double along[3];
     uint32_t ahead; /* the octant that lies farthest along it */
     uint32_t level; /* cells of this one are not opened */
@@ -123,10 +121,10 @@ typedef struct reach_search {
 /* How far the corner of a cell reaches. */
 static double cell_reach(const reach_search *of, uint32_t level, const uint32_t cell[3])
 {
-    const double width = of->edge / (double)(1u << level);
+    const double width = of->of->edge / (double)(1u << level);
     double reach = 0;
     for (int axis = 0; axis < 3; ++axis) {
-        reach += of->along[axis] * (of->origin[axis] + width * (cell[axis] + (of->ahead >> axis & 1)));
+        reach += of->along[axis] * (of->of->origin[axis] + width * (cell[axis] + (of->ahead >> axis & 1)));
     }
     return reach;
 }
@@ -138,16 +136,11 @@ static void search_reach(reach_search *of, uint32_t node, uint32_t level, const 
     if (reach <= of->reach) {
         return;
     }
-    const uint32_t mask = level < of->level ? of->child_mask[node] : 0;
+    uint32_t child[8];
+    const uint32_t mask = level < of->level ? of->of->open(of->of->subject, node, level, child) : 0;
     if (mask == 0) {
         of->reach = reach;
         return;
-    }
-    uint32_t child[8];
-    uint32_t next = of->first_child[node];
-    for (uint32_t octant = 0; octant < 8; ++octant) {
-        child[octant] = next;
-        next += mask >> octant & 1;
     }
     for (uint32_t k = 0; k < 8; ++k) {
         const uint32_t octant = of->ahead ^ k;
@@ -159,26 +152,32 @@ static void search_reach(reach_search *of, uint32_t node, uint32_t level, const 
     }
 }
 
-/* Without host arrays or leaves the whole grid counts. */
-static double tree_reach(const void *subject, const double along[3])
+double svo_i_framed_reach(const void *framed, const double along[3])
 {
-    const svo_tree *tree = subject;
-    const bool is_known = tree->host[SVO_TREE_CHILD_MASK] != NULL && tree->host[SVO_TREE_FIRST_CHILD] != NULL &&
-                          tree->info.leaf_count > 0;
-    const uint32_t deepest = tree->info.depth < SVO_FRAME_LEVEL_MAX ? tree->info.depth : SVO_FRAME_LEVEL_MAX;
-    reach_search search = {.child_mask = tree->host[SVO_TREE_CHILD_MASK],
-                           .first_child = tree->host[SVO_TREE_FIRST_CHILD],
-                           .edge = tree->info.edge,
-                           .level = is_known ? deepest : 0,
-                           .reach = -HUGE_VAL};
+    const svo_i_framed *of = framed;
+    const uint32_t deepest = of->depth < SVO_FRAME_LEVEL_MAX ? of->depth : SVO_FRAME_LEVEL_MAX;
+    reach_search search = {.of = of, .level = of->open != NULL ? deepest : 0, .reach = -HUGE_VAL};
     for (int axis = 0; axis < 3; ++axis) {
-        search.origin[axis] = tree->info.origin[axis];
         search.along[axis] = along[axis];
         search.ahead |= along[axis] > 0 ? 1u << axis : 0;
     }
     const uint32_t root[3] = {0, 0, 0};
     search_reach(&search, 0, 0, root);
     return search.reach;
+}
+
+/* An svo_i_framed.open. */
+static uint32_t open_node(const void *subject, uint32_t node, uint32_t level, uint32_t child[8])
+{
+    const svo_tree *tree = subject;
+    const uint32_t mask = ((const uint8_t *)tree->host[SVO_TREE_CHILD_MASK])[node];
+    uint32_t next = ((const uint32_t *)tree->host[SVO_TREE_FIRST_CHILD])[node];
+    (void)level;
+    for (uint32_t octant = 0; octant < 8; ++octant) {
+        child[octant] = next;
+        next += mask >> octant & 1;
+    }
+    return mask;
 }
 
 /* The direction from which a camera without one looks: in front of whoever has this up, unit, turned there from y by
@@ -265,9 +264,17 @@ bool svo_i_camera_fit(const svo_i_fitted *of, float aspect, svo_camera *camera)
     return true;
 }
 
-svo_status svo_i_tree_fit_camera(const void *tree, float aspect, svo_camera *camera)
+svo_status svo_i_tree_fit_camera(const void *subject, float aspect, svo_camera *camera)
 {
-    const svo_i_fitted fitted = {tree, tree_reach};
+    const svo_tree *tree = subject;
+    const bool is_known = tree->host[SVO_TREE_CHILD_MASK] != NULL && tree->host[SVO_TREE_FIRST_CHILD] != NULL &&
+                          tree->info.leaf_count > 0;
+    const svo_i_framed framed = {.subject = tree,
+                                 .open = is_known ? open_node : NULL,
+                                 .depth = tree->info.depth,
+                                 .origin = {tree->info.origin[0], tree->info.origin[1], tree->info.origin[2]},
+                                 .edge = tree->info.edge};
+    const svo_i_fitted fitted = {&framed, svo_i_framed_reach};
     return svo_i_camera_fit(&fitted, aspect, camera) ? SVO_OK : SVO_INVALID_ARGUMENT;
 }
 

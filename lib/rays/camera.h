@@ -44,10 +44,22 @@ typedef struct svo_i_fitted {
     double (*reach)(const void *subject, const double along[3]);
 } svo_i_fitted;
 
+/* The nodes of a tree on the host. */
+typedef struct svo_i_framed {
+    const void *subject;
+    /* The mask of a node's children, which child receives by octant; 0: the node is a leaf. NULL: nodes are not known,
+       so that the whole grid counts. node: 0 for the root, else from child. */
+    uint32_t (*open)(const void *subject, uint32_t node, uint32_t level, uint32_t child[8]);
+    uint32_t depth;
+    double origin[3], edge; /* of the grid */
+} svo_i_framed;
+/* An svo_i_fitted.reach of svo_i_framed: cells down to SVO_FRAME_LEVEL_MAX are occupied or empty. */
+double svo_i_framed_reach(const void *framed, const double along[3]);
+
 /* Does what svo_camera_fit says; false, and the camera as it was, for one without a frame. */
 bool svo_i_camera_fit(const svo_i_fitted *of, float aspect, svo_camera *camera);
 /* svo_camera_fit of a tree. */
-svo_status svo_i_tree_fit_camera(const void *tree, float aspect, svo_camera *camera);
+svo_status svo_i_tree_fit_camera(const void *subject, float aspect, svo_camera *camera);
 
 /* Towards the light: high, and over the right shoulder of whoever looks along the view. up: unit. */
 void svo_i_place_sun(const svo_i_view *looking, const double up[3], double sun[3]);

@@ -36,6 +36,8 @@ def test_a_form_expands_and_traces_as_its_tree(shaded, rays, form):
             assert np.array_equal(hits[field], expected[field]), field
         camera = shaded.frame()
         assert np.array_equal(compact.render(32, 24, camera), shaded.render(32, 24, camera=camera))
+        assert compact.frame() == camera and compact.frame(1.5, camera) == shaded.frame(1.5, camera)
+        assert np.array_equal(compact.render(32, 24), shaded.render(32, 24))
 
 
 def test_the_arrays_are_those_of_the_form(shaded):

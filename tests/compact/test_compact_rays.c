@@ -369,6 +369,69 @@ static void every_form_draws_the_picture_of_the_built_tree(void **state)
     scene_destroy(&knot);
 }
 
+/* On the device alone. */
+static svo_compact *make_form(const fixture *opened, const svo_tree *tree, svo_form form, bool minimize)
+{
+    const svo_compact_options options = {
+        .struct_size = sizeof options, .form = form, .leave_out = minimize ? SVO_NEED_ALL : 0, .minimize = minimize};
+    svo_compact *made = NULL;
+    if (svo_compact_create(opened->device, tree, &options, opened->queue, &made) != SVO_OK) {
+        fail_msg("%s", svo_device_message(opened->device));
+    }
+    return made;
+}
+
+/* A camera is fitted to each form as to the built tree, merged or not, above and below the last level that counts. */
+static void every_form_is_framed_as_the_built_tree(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const svo_plan_options needs = {.need = (uint32_t)SVO_NEED_NORMAL};
+    static const struct {
+        const char *scene;
+        unsigned depth;
+    } trees[] = {{"knot:3000", 6}, {"cube", 1}, {"cube", 2}, {"terrain:500", 4}, {"knot:3000", 8}};
+    for (size_t i = 0; i < 2 * sizeof trees / sizeof trees[0]; ++i) {
+        scene *made = fixture_scene(trees[i / 2].scene);
+        built tree;
+        fixture_build(&opened, scene_mesh(made), trees[i / 2].depth, &needs, &tree);
+        assert_int_equal(svo_tree_download(tree.tree, opened.queue), SVO_OK);
+        for (int form = 0; form < SVO_FORM_COUNT; ++form) {
+            const svo_camera from = {.eye = {1, 2, -3}, .up = {0, 0, 1}, .vertical_fov = 1.0F};
+            svo_camera expected[2] = {{.vertical_fov = 0}, from};
+            svo_camera got[2] = {{.vertical_fov = 0}, from};
+            svo_compact *compact = make_form(&opened, tree.tree, (svo_form)form, i % 2 == 1);
+            assert_int_equal(svo_compact_download(compact, opened.queue), SVO_OK);
+            for (size_t k = 0; k < 2; ++k) {
+                assert_int_equal(svo_camera_fit(svo_tree_target(tree.tree), 1.5F, &expected[k]), SVO_OK);
+                assert_int_equal(svo_camera_fit(svo_compact_target(compact), 1.5F, &got[k]), SVO_OK);
+            }
+            assert_memory_equal(expected, got, sizeof got);
+            svo_compact_destroy(&compact);
+        }
+        built_destroy(&tree);
+        scene_destroy(&made);
+    }
+}
+
+/* Without host arrays the whole grid is framed. */
+static void a_form_on_the_device_alone_is_framed_by_its_grid(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    scene *knot = fixture_scene("knot:500");
+    svo_camera whole = {.vertical_fov = 0};
+    svo_camera occupied = {.vertical_fov = 0};
+    built tree;
+    fixture_build(&opened, scene_mesh(knot), 4, NULL, &tree);
+    svo_compact *compact = make_form(&opened, tree.tree, SVO_FORM_SHARED, false);
+    assert_int_equal(svo_camera_fit(svo_compact_target(compact), 1, &whole), SVO_OK);
+    assert_int_equal(svo_compact_download(compact, opened.queue), SVO_OK);
+    assert_int_equal(svo_camera_fit(svo_compact_target(compact), 1, &occupied), SVO_OK);
+    assert_true(whole.eye[2] > occupied.eye[2]);
+    svo_compact_destroy(&compact);
+    built_destroy(&tree);
+    scene_destroy(&knot);
+}
+
 /* ---- wrong calls ---- */
 
 static void assert_refused(const fixture *opened, svo_status status, const char *words)
@@ -463,6 +526,8 @@ TEST_GROUP(compact_rays)
     const struct CMUnitTest tests[] = {cmocka_unit_test(every_form_gives_the_hits_of_the_built_tree),
                                        cmocka_unit_test(merged_leaves_are_met_at_the_same_distance),
                                        cmocka_unit_test(every_form_draws_the_picture_of_the_built_tree),
+                                       cmocka_unit_test(every_form_is_framed_as_the_built_tree),
+                                       cmocka_unit_test(a_form_on_the_device_alone_is_framed_by_its_grid),
                                        cmocka_unit_test(wrong_arguments_are_refused)};
     return cmocka_run_group_tests_name("compact_rays", tests, fixture_group_setup, fixture_group_teardown);
 }

@@ -120,10 +120,11 @@ expect_failure 1 "tune: --error volume: bare.off is not closed" "$svocl" tune ba
 check gathered.json '"trees hold color,normal,rays, too, by which light is gathered" in d["asked"]'
 check gathered.json '" --need color,normal,rays,fill " in d["settings"][0]["command"]'
 
-# A compact form is made in C alone, and a line says so.
-"$svocl" tune scene:cube --free depth:4,form:shared --error voxel-rms:1 >form.txt
-grep -q 'the command makes the tree alone: the compact form is svo_compact_create' form.txt ||
-    complain "a compact form: $(cat form.txt)"
+# A compact form is made by the command.
+"$svocl" tune scene:cube --free depth:4,form:shared --error voxel-rms:1 --json >form.json
+check form.json 'd["answer"]["command"].endswith(" --tree-form shared -o model.svc") and d["answer"]["note"] == ""'
+run form.json 0 -q
+[[ -s model.svc ]] || complain "no file of the compact form: $(value form.json 'd["answer"]["command"]')"
 
 # --- light ---
 

@@ -303,7 +303,7 @@ static void what_does_not_apply_is_refused(void **state)
     run_badly("$SVOCL render scene:cube -d 2 --view ao --range=-1 -o a.png", 2, "--range '-1' is not a number");
     run_badly("$SVOCL gather scene:cube -d 2 -o a.csv", 2, "--points FILE is missing");
     run_badly("$SVOCL gather scene:cube -d 2 --points 3", 2, "-o FILE is missing");
-    run_badly("$SVOCL verify scene:cube -d 2 --form faces", 2, "--form 'faces' is none of descriptor");
+    run_badly("$SVOCL verify scene:cube -d 2 --tree-form faces", 2, "--tree-form 'faces' is none of descriptor");
     expect_files(NULL, 0);
 }
 

@@ -211,9 +211,9 @@ static void triangles_that_are_not_finite_are_counted(void **state)
     run_well("$SVOCL verify nan.ply -d 4");
     assert_non_null(strstr(last.output, "1 of 2 triangles refused"));
     assert_non_null(strstr(last.output, "exact: 0 missed, 0 surplus"));
-    run_well("$SVOCL verify nan.ply -d 4 --form all");
+    run_well("$SVOCL verify nan.ply -d 4 --tree-form all");
     assert_non_null(strstr(last.output, "the same tree"));
-    run_badly("$SVOCL verify nan.ply --form small", 2, "--form 'small' is none of descriptor");
+    run_badly("$SVOCL verify nan.ply --tree-form small", 2, "--tree-form 'small' is none of descriptor");
     write_text("all_nan.ply", PLY_HEADER("1") "nan 0 0\n1 0 0\n0 1 0\n0 1 1\n3 0 1 2\n");
     run_badly("$SVOCL build all_nan.ply -d 4", 1, "all_nan.ply: no valid triangle");
 }
@@ -991,8 +991,10 @@ static void voxel_files_are_converted(void **state)
     assert_int_equal((int)number_of(cJSON_GetObjectItem(document, "voxels"), "distinct_voxels"), 2);
     cJSON_Delete(document);
     run_badly("$SVOCL convert a.binvox", 2, "OUT is missing");
-    run_badly("$SVOCL convert a.binvox x.tga", 2, "output x.tga does not end in .svo, .vox");
-    run_badly("$SVOCL convert x.obj x.vox", 2, "IN x.obj is not");
+    run_badly("$SVOCL convert a.binvox x.tga", 2, "output x.tga does not end in .svo, .svc, .vox");
+    run_badly("$SVOCL convert x.obj x.vox", 1, "x.obj");
+    run_badly("$SVOCL convert a.binvox x.vox -d 3", 2, "--depth does not apply from voxels to voxels");
+    run_badly("$SVOCL convert a.svo x.vox -d 3", 2, "--depth does not apply to IN that is a finished tree");
     run_badly("$SVOCL convert a.svo x.vox --frame 1", 2, "--frame");
     run_badly("$SVOCL convert a.binvox x.vox --compress", 2, "--compress");
     run_badly("$SVOCL convert a.binvox no/x.vox", 1, "no/x.vox");

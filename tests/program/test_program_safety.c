@@ -161,12 +161,16 @@ static void other_suffixes_are_refused_before_any_work(void **state)
 {
     (void)state;
     static const char *const lines[][2] = {
-        {"build none.obj -o x.svc", "output x.svc does not end in .svo"},
-        {"build none.obj -o x.vox", "output x.vox does not end in .svo"},
-        {"build none.obj -o a.b/x.xyz", "output a.b/x.xyz does not end in .svo"},
-        {"build none.obj --solid winding -o x.svo", "output x.svo does not end in .svc"},
-        {"build none.obj --max-memory 1M -o x.obj", "output x.obj does not end in .svo"},
-        {"parts plan none.obj -o x.ply", "output x.ply does not end in .svo"},
+        {"build none.obj -o x.svc", "output x.svc is a compact tree, which needs --tree-form or --solid"},
+        {"build none.obj -o x.vox", "output x.vox does not end in .svo or .svc"},
+        {"build none.obj -o a.b/x.xyz", "output a.b/x.xyz does not end in .svo or .svc"},
+        {"build none.obj --solid winding -o x.svo", "output x.svo does not end in .svc, as files of --solid do"},
+        {"build none.obj --tree-form shared -o x.svo", "output x.svo does not end in .svc, as files of --tree-form do"},
+        {"build none.obj --max-memory 1M -o x.obj", "output x.obj does not end in .svo or .svc"},
+        {"parts plan none.obj -o x.ply", "output x.ply does not end in .svo or .svc"},
+        {"parts stitch none.parts -o x.svc", "output x.svc is a compact tree, which needs --tree-form"},
+        {"convert none.svo x.svc", "output x.svc is a compact tree, which needs --tree-form or --solid"},
+        {"convert none.svo x.vox --tree-form shared", "output x.vox does not end in .svc"},
         {"render none.svo -o x.jpg", "output x.jpg does not end in .png"},
         {"render none.json --animate -o film.gif", "output film.gif does not end in .png"},
         {"export-web none.svo -o x.pdf", "output x.pdf does not end in .html or .htm"},
@@ -176,7 +180,7 @@ static void other_suffixes_are_refused_before_any_work(void **state)
         {"bench rays -o x.csv", "output x.csv does not end in .json"},
         {"scene cube -o x.stl", "output x.stl does not end in .obj or .ply"},
         {"scene cube -o x", "output x does not end in .obj or .ply"},
-        {"convert none.vox x.stl", "output x.stl does not end in .svo, .vox, .svx, .binvox, .ply or .obj"},
+        {"convert none.vox x.stl", "output x.stl does not end in .svo, .svc, .vox, .svx, .binvox, .ply or .obj"},
     };
     for (size_t i = 0; i < sizeof lines / sizeof lines[0]; ++i) {
         char line[160];

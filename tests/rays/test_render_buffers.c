@@ -832,8 +832,6 @@ static void what_a_target_does_not_have_is_refused(void **state)
 {
     drawn *of = make_drawn(state);
     svo_camera camera = {.vertical_fov = 0};
-    assert_int_equal(svo_camera_fit(of->targets[COMPACT], 1, &camera), SVO_UNSUPPORTED);
-    assert_string_equal(svo_device_message(of->opened.device), "svo_camera_fit: not of a compact tree");
     assert_int_equal(svo_kernel_set_arguments(of->targets[SCENE], NULL, 0), SVO_UNSUPPORTED);
     assert_string_equal(svo_device_message(of->opened.device), "svo_kernel_set_arguments: not of a scene");
     assert_null(svo_kernel_source(of->targets[SCENE]));

@@ -176,6 +176,7 @@ expect_failure 1 'OpenGL 4.3' env MESA_GL_VERSION_OVERRIDE=4.2 "${view[@]}"
 expect_failure 1 'OpenCL' env OCL_ICD_VENDORS=/nonexistent "${view[@]}"
 expect_failure 1 'nothing.txt' "$program" view scene:cube -d 2 --script nothing.txt
 expect_failure 2 'frames' "${view[@]}" --frames 8
+expect_failure 2 'tree-form takes a scene' "${view[@]}" --tree-form shared
 expect_failure 2 "scale '9' is not a number within 1 .. 4" "${view[@]}" --scale 9
 echo '{"trees": {"a": {"path": "scene:cube", "depth": 2}}, "instances": [{"tree": "a"}]}' >still.json
 expect_failure 2 'lights and cones' "$program" view still.json --script short.txt --view full

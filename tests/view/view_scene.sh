@@ -87,6 +87,18 @@ cmp -s removed.png redone.png || complain "what was undone and redone is another
 cmp -s before.png edited.png && complain "another instance shows nothing"
 cmp -s removed.png edited.png && complain "a removed instance still shows"
 
+# In a form the picture is the same, and the saved scene names it.
+cp before.json form.json
+view form.json --tree-form shared <<'SCRIPT'
+key tab
+refine
+shot form.png
+key ctrl+s
+wait 2
+SCRIPT
+cmp -s before.png form.png || complain "the scene in a form is another picture"
+grep -q '"form": "shared"' form.json || complain "the saved scene does not name its form: $(cat form.json)"
+
 # Through probes: as it is, and after an instance was moved; without light.
 readonly probes=(--probes '3,3,3' --probe-resolution 64)
 cp before.json probes.json

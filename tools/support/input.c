@@ -21,16 +21,7 @@
 
 /* ---- temporary files ---- */
 
-/* Bytes in a temporary file with a name of a given suffix, for readers that need both. A signal that ends the program
-   removes it. Stays where it is while it exists. */
-typedef struct spool_file {
-    char path[4096];
-    svo_i_output target;
-    cleanup_entry entry;
-} spool_file;
-
-/* Makes an empty file in $TMPDIR, or in /tmp. Returns the exit code; after a failure there is nothing to remove. */
-static int spool_open(program *state, const char *suffix, spool_file *spool)
+int spool_open(program *state, const char *suffix, spool_file *spool)
 {
     const char *folder = getenv("TMPDIR");
     *spool = (spool_file){.target = {.descriptor = -1}};
@@ -59,7 +50,7 @@ static int spool_write(program *state, spool_file *spool, const void *bytes, siz
     return error == 0 ? PROGRAM_DONE : program_fail(state, PROGRAM_FAILED, "%s: %s", spool->path, strerror(error));
 }
 
-static void spool_remove(spool_file *spool)
+void spool_remove(spool_file *spool)
 {
     const svo_i_output_watch *watch = &spool->entry.watch;
     svo_i_output_abandon(&spool->target);
@@ -236,7 +227,7 @@ int input_refuse_build_options(program *state)
 int input_refuse_device_options(program *state)
 {
     const int exit_code = input_refuse_build_options(state);
-    return exit_code == PROGRAM_DONE
+    return exit_code == PROGRAM_DONE && !input_is_compact(state)
                ? options_refuse_groups(state, OPTION_DEVICE, "to a finished tree, which the host reads")
                : exit_code;
 }
@@ -459,6 +450,9 @@ void input_close(input *opened)
 
 int input_load_compact(program *state, svo_compact **out)
 {
+    if (state->options.last_level != 0) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--levels reads a .svo file; compact trees are read whole");
+    }
     return compact_input_load(state, piped_source(&state->piped, state->options.input), out);
 }
 
@@ -471,9 +465,6 @@ int input_load_tree(program *state, svo_tree **out)
     progress_step(state->progress, "reading the tree");
     if (input_is_compact(state)) {
         svo_compact *compact = NULL;
-        if (load_options.last_level != 0) {
-            return program_fail(state, PROGRAM_WRONG_USAGE, "--levels reads a .svo file; compact trees are read whole");
-        }
         const int exit_code = input_load_compact(state, &compact);
         return exit_code == PROGRAM_DONE ? compact_input_expand(state, state->options.input, &compact, out) : exit_code;
     }

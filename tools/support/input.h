@@ -6,10 +6,25 @@
 #include <stdbool.h>
 
 #include "scenes/scenes.h"
+#include "support/cleanup.h"
 #include "support/program.h"
 #include "support/voxel_input.h"
 #include "svocl/compact.h"
 #include "svocl/io.h"
+
+/* ---- temporary files ---- */
+
+/* A temporary file with a name of a given suffix, for readers and writers that need one. A signal that ends the program
+   removes it. Stays where it is while it exists. */
+typedef struct spool_file {
+    char path[4096];
+    svo_i_output target;
+    cleanup_entry entry;
+} spool_file;
+
+/* Makes an empty file in $TMPDIR, or in /tmp. Returns the exit code; after a failure there is nothing to remove. */
+int spool_open(program *state, const char *suffix, spool_file *spool);
+void spool_remove(spool_file *spool);
 
 /* ---- compact trees ---- */
 
@@ -48,7 +63,8 @@ bool input_is_tree(const program *state);
 /* Whether that tree is a compact one. */
 bool input_is_compact(const program *state);
 int input_refuse_build_options(program *state);
-/* The same where the tree is read on the host: options of the device neither. */
+/* The same where the tree is read on the host: options of the device neither, unless a compact one is expanded
+   there. */
 int input_refuse_device_options(program *state);
 
 /* Whether INPUT is a mesh file: no scene, pipe, tree or voxel file. */

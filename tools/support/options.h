@@ -31,7 +31,7 @@ enum option_group {
     OPTION_PICTURE_SIZE = 8192,
     OPTION_MEASURE = 16384, /* amount of work and number of repeats */
     OPTION_REPORT_COMMAND = 32768, /* from, docs */
-    OPTION_FORM = 65536, /* form */
+    OPTION_FORM = 65536, /* verify: tree-form, of several forms */
     OPTION_SOLID = 131072, /* solid */
     OPTION_VOXELS = 262144, /* what is read of a voxel file */
     OPTION_CONVERT_COMMAND = 524288, /* a second argument, the file to write */
@@ -52,6 +52,7 @@ enum option_group {
 #define OPTION_UNFOLDED     ((uint64_t)1 << 31) /* how large voxel files and trees may become */
 #define OPTION_DIFF_COMMAND ((uint64_t)1 << 32) /* a second INPUT, picture */
 #define OPTION_TUNE_COMMAND ((uint64_t)1 << 33) /* what is free, bounds, files */
+#define OPTION_TREE_FORM    ((uint64_t)1 << 34) /* the form of a tree that is held or written */
 
 enum option_frontend {
     OPTION_FRONTEND_AUTO = 0,
@@ -82,6 +83,9 @@ enum option_background { OPTION_BACKGROUND_OWN = 0, OPTION_BACKGROUND_COLOR, OPT
 
 /* Next to 1 + the values of svo_form. */
 #define OPTION_FORM_ALL (-1)
+
+#define OPTION_MEETS_TRIANGLES 1
+#define OPTION_MEETS_VOXELS    2
 
 #define OPTION_VERSUS_EMBREE  1
 #define OPTION_VERSUS_OPENVDB 2
@@ -144,7 +148,10 @@ typedef struct options {
     uint64_t payload_level; /* build */
     uint64_t last_level; /* of a .svo file; 0: all */
     bool has_repeat;
-    int form; /* verify: 0 not given, else 1 + svo_form, or OPTION_FORM_ALL */
+    int tree_form; /* 0: as built, else 1 + svo_form; verify: or OPTION_FORM_ALL */
+    int directory_step_log2; /* of the implied form; 0: not given */
+    uint64_t minimize; /* compact trees: a flag */
+    int meets; /* trace: 0 not given, else OPTION_MEETS_* */
     int solid; /* build, verify: 0 not given, else 1 + svo_solid_rule */
     uint64_t nodes; /* hash: nodes only */
     const char *expected_hash; /* hash: SVO_HASH_TEXT_BYTES - 1 digits; NULL: not given */
@@ -232,8 +239,8 @@ typedef struct command {
     bool reads_file; /* INPUT may be a file or a pipe */
     bool compares; /* the exit code is 1 for different inputs alone, and 2 for every failure, as that of cmp(1) */
     enum option_output output; /* what -o names */
-    const char *suffixes; /* of the files that the command writes, ".obj .ply"; NULL: any */
-    const char *solid_suffixes; /* the same with --solid; NULL: takes none */
+    const char *suffixes; /* of the files that the command writes, ".obj .ply"; NULL: any. ".svc" with --tree-form or
+                             --solid, and then no other */
     bool needs_suffix; /* it tells the format */
     const char *const *examples; /* arguments after "svocl"; ends with NULL */
 } command;

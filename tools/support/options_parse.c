@@ -9,6 +9,7 @@
 #include "support/options_rules.h"
 #include "support/suggest.h"
 #include "support/table.h"
+#include "svocl/compact.h"
 #include "svocl/plan.h"
 
 /* Commands whose INPUT comes after a subject. */
@@ -214,6 +215,13 @@ static int check_together(program *state, const command *which)
                             given->builder == OPTION_BUILDER_GL_COMPUTE ? "builder gl-compute"
                             : given->share != SVO_GL_SHARE_AUTO         ? "share"
                                                                         : "context");
+    }
+    if (given->tree_form == 0 && (given->minimize || given->directory_step_log2 != 0)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--%s requires --tree-form",
+                            given->minimize ? "minimize" : "directory-step");
+    }
+    if (given->directory_step_log2 != 0 && given->tree_form != 1 + SVO_FORM_IMPLIED) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--directory-step requires --tree-form implied");
     }
     return PROGRAM_DONE;
 }

@@ -65,6 +65,7 @@ static const choice gather_methods[] = {
     {"auto", SVO_GATHER_AUTO}, {"cones", SVO_GATHER_CONES}, {"rays", SVO_GATHER_RAYS}, {NULL, 0}};
 static const choice cone_sets[] = {{"1", 1}, {"5", 5}, {"6", 6}, {"16", 16}, {"64", 64}, {NULL, 0}};
 static const choice ways_through[] = {{"tree", 0}, {"probes", 1}, {NULL, 0}};
+static const choice things_met[] = {{"triangles", OPTION_MEETS_TRIANGLES}, {"voxels", OPTION_MEETS_VOXELS}, {NULL, 0}};
 static const choice switches[] = {{"on", 1}, {"off", 0}, {NULL, 0}};
 static const choice rivals[] = {{"none", 0},
                                 {"embree", OPTION_VERSUS_EMBREE},
@@ -75,8 +76,13 @@ static const choice solids[] = {{"winding", 1 + SVO_SOLID_WINDING}, {"parity", 1
 static const choice forms[] = {{"descriptor", 1 + SVO_FORM_DESCRIPTOR},
                                {"implied", 1 + SVO_FORM_IMPLIED},
                                {"shared", 1 + SVO_FORM_SHARED},
-                               {"all", OPTION_FORM_ALL},
                                {NULL, 0}};
+static const choice checked_forms[] = {{"descriptor", 1 + SVO_FORM_DESCRIPTOR},
+                                       {"implied", 1 + SVO_FORM_IMPLIED},
+                                       {"shared", 1 + SVO_FORM_SHARED},
+                                       {"all", OPTION_FORM_ALL},
+                                       {NULL, 0}};
+static const choice directory_steps[] = {{"16", 4}, {"32", 5}, {"64", 6}, {NULL, 0}};
 static const choice axes_of_files[] = {
     {"auto", SVO_AXES_AUTO}, {"keep", SVO_AXES_KEEP}, {"z-up", SVO_AXES_Z_UP}, {NULL, 0}};
 static const choice needs[] = {{"color", SVO_NEED_COLOR},
@@ -500,6 +506,8 @@ static const rule rules[] = {
      "CSV file with one ray per line: ox,oy,oz,dx,dy,dz; - is standard input"},
     {"camera", '\0', OPTION_TRACE_COMMAND, "VIEW", read_text, FIELD(camera), 0, 0, NULL,
      "one ray per pixel: auto, or eye, target, up, degrees as 6, 9 or 10 numbers"},
+    {"meet", '\0', OPTION_TRACE_COMMAND, "NAME", read_choice, FIELD(meets), 0, 0, things_met,
+     "what rays meet: triangles, voxels (triangles; compact trees, which have none: voxels)"},
     {"points", '\0', OPTION_REFERENCE_COMMAND | OPTION_GATHER_COMMAND, "FILE", read_text, FIELD(points_path), 0, 0,
      NULL, "CSV file with one point per line: x,y,z,nx,ny,nz; or a number of points, spread over the mesh by area"},
     {"samples", '\0', OPTION_REFERENCE_COMMAND, "N", read_count, FIELD(samples), 1, OPTION_SAMPLES_MAX, NULL,
@@ -638,8 +646,14 @@ static const rule rules[] = {
      "keys, moves, clicks, waits and shots to play, in place of hands; the same pictures on every run"},
     {"compress", '\0', OPTION_BUILD_COMMAND | OPTION_CONVERT_COMMAND, NULL, read_flag, FIELD(compress), 0, 0, NULL,
      "compress the .svo file with zstd"},
-    {"form", '\0', OPTION_FORM, "NAME", read_choice, FIELD(form), 0, 0, forms,
+    {"tree-form", '\0', OPTION_FORM, "NAME", read_choice, FIELD(tree_form), 0, 0, checked_forms,
      "also expand a compact form: descriptor, implied, shared, or all of them (none)"},
+    {"tree-form", '\0', OPTION_TREE_FORM, "NAME", read_choice, FIELD(tree_form), 0, 0, forms,
+     "the compact form that the tree has here and in .svc files: descriptor, implied, shared (that of INPUT)"},
+    {"minimize", '\0', OPTION_TREE_FORM, NULL, read_flag, FIELD(minimize), 0, 0, NULL,
+     "with --tree-form: eight leaves of one payload become a leaf"},
+    {"directory-step", '\0', OPTION_TREE_FORM, "N", read_choice, FIELD(directory_step_log2), 0, 0, directory_steps,
+     "with --tree-form implied: nodes for which its directory has an entry, 16, 32 or 64 (32; export-web: 16)"},
     {"nodes", '\0', OPTION_HASH_COMMAND, NULL, read_flag, FIELD(nodes), 0, 0, NULL,
      "hash only the nodes, without lists and payload"},
     {"expect", '\0', OPTION_HASH_COMMAND, "HASH", read_hash, FIELD(expected_hash), 0, 0, NULL,

@@ -13,6 +13,7 @@
 
 #include "scenes/scenes.h"
 #include "svocl/io.h"
+#include "svocl/voxel_files.h"
 
 static bool is_standard_output(const char *path)
 {
@@ -74,7 +75,22 @@ static int claim(program *state, const char *path)
                : fail_clash(state, name, clash);
 }
 
-/* ---- suffixes ---- */
+/* ---- suffixes: what is written where ---- */
+
+bool output_has_suffix(const char *path, const char *suffix)
+{
+    const size_t path_bytes = strlen(path);
+    const size_t suffix_bytes = strlen(suffix);
+    return path_bytes > suffix_bytes && strcasecmp(path + path_bytes - suffix_bytes, suffix) == 0;
+}
+
+output_kind output_kind_of(const options *given, const char *path)
+{
+    if (svo_voxel_format_of_path(path) != SVO_VOXEL_FORMAT_AUTO) {
+        return OUTPUT_VOXELS;
+    }
+    return given->tree_form != 0 || given->solid != 0 ? OUTPUT_COMPACT : OUTPUT_TREE;
+}
 
 /* Whether a list with spaces, ".obj .ply", has the suffix. */
 static bool is_listed(const char *suffixes, const char *suffix)
@@ -102,19 +118,44 @@ static void write_list(const char *suffixes, char *text, size_t text_bytes)
     }
 }
 
+/* Where a name's suffix begins; NULL: it has none, since a leading dot hides a file. */
+static const char *suffix_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    const char *name = slash != NULL ? slash + 1 : path;
+    return name[0] != '\0' ? strrchr(name + 1, '.') : NULL;
+}
+
+int output_check_tree(program *state, const char *path, const char *needs)
+{
+    const options *given = &state->options;
+    const char *suffix = suffix_of(path);
+    const bool is_compact = suffix != NULL && strcasecmp(suffix, ".svc") == 0;
+    const output_kind kind = output_kind_of(given, path);
+    if (is_compact && kind != OUTPUT_COMPACT) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "output %s is a compact tree, which needs %s", path, needs);
+    }
+    return suffix == NULL || is_compact || (given->tree_form == 0 && kind != OUTPUT_COMPACT)
+               ? PROGRAM_DONE
+               : program_fail(state, PROGRAM_WRONG_USAGE, "output %s does not end in .svc, as files of --%s do", path,
+                              given->tree_form != 0 ? "tree-form" : "solid");
+}
+
 static int check_suffix(program *state, const command *which, const char *path)
 {
     char known[128] = "";
-    const char *suffixes = state->options.solid != 0 ? which->solid_suffixes : which->suffixes;
-    const char *slash = strrchr(path, '/');
-    const char *name = slash != NULL ? slash + 1 : path;
-    const char *suffix = name[0] != '\0' ? strrchr(name + 1, '.') : NULL; /* a leading dot hides a file */
-    if (suffixes == NULL || piped_is_stream(path) ||
-        (suffix == NULL ? !which->needs_suffix : is_listed(suffixes, suffix))) {
+    const char *suffix = suffix_of(path);
+    if (which->suffixes == NULL || piped_is_stream(path) || (suffix == NULL && !which->needs_suffix)) {
         return PROGRAM_DONE;
     }
-    write_list(suffixes, known, sizeof known);
-    return program_fail(state, PROGRAM_WRONG_USAGE, "output %s does not end in %s", path, known);
+    if (suffix == NULL || !is_listed(which->suffixes, suffix)) {
+        write_list(which->suffixes, known, sizeof known);
+        return program_fail(state, PROGRAM_WRONG_USAGE, "output %s does not end in %s", path, known);
+    }
+    const bool takes_solid = (which->groups & (unsigned)OPTION_SOLID) != 0;
+    return is_listed(which->suffixes, ".svc")
+               ? output_check_tree(state, path, takes_solid ? "--tree-form or --solid" : "--tree-form")
+               : PROGRAM_DONE;
 }
 
 /* ---- standard output ---- */
@@ -282,13 +323,6 @@ int tree_output_write(program *state, const svo_tree *tree, const svo_compact *c
 
 /* ---- meshes ---- */
 
-static bool has_suffix(const char *path, const char *suffix)
-{
-    const size_t path_bytes = strlen(path);
-    const size_t suffix_bytes = strlen(suffix);
-    return path_bytes > suffix_bytes && strcasecmp(path + path_bytes - suffix_bytes, suffix) == 0;
-}
-
 /* Passes a failure of a writer on; the file is abandoned. */
 static int fail(program *state, output_file *file, svo_status status, const char *words)
 {
@@ -346,7 +380,7 @@ static int write_obj(program *state, const svo_mesh *mesh, const char *path, con
 
 int mesh_output_write(program *state, const svo_mesh *mesh, const char *path)
 {
-    if (!has_suffix(path, ".obj")) {
+    if (!output_has_suffix(path, ".obj")) {
         return write_ply(state, mesh, path);
     }
     const size_t path_bytes = strlen(path) + 1;

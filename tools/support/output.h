@@ -22,15 +22,30 @@ typedef struct output_file {
     int error; /* errno of the first write that failed; 0: none */
 } output_file;
 
+/* What a file of voxels is, by its name and the options. */
+typedef enum output_kind {
+    OUTPUT_TREE = 0, /* .svo */
+    OUTPUT_COMPACT, /* .svc: --tree-form or --solid asks for it */
+    OUTPUT_VOXELS /* a format of svo_voxel_format_of_path */
+} output_kind;
+output_kind output_kind_of(const options *given, const char *path);
+
+/* Whether a name ends in a suffix, in any case, behind something else. */
+bool output_has_suffix(const char *path, const char *suffix);
+
 /* What messages call the path: "standard output" for "-". */
 const char *output_name(const char *path);
 
 /*
  * To be called once, when the inputs of the command line are protected, with the path after -o: checks it, and that the
- * command writes files of its suffix. Where it is "-" or leads to standard output, keeps that for the file. What the
- * program prints then goes to standard error. Returns the exit code.
+ * command writes files of its suffix with these options. Where it is "-" or leads to standard output, keeps that for
+ * the file. What the program prints then goes to standard error. Returns the exit code.
  */
 int output_begin(program *state, const command *which);
+
+/* Fails where the suffix of a tree's file is that of another kind than the options ask for. needs: the options that the
+   command takes for compact trees. */
+int output_check_tree(program *state, const char *path, const char *needs);
 
 /* This run reads path, "-" for standard input: no output may be that file. Fails where one is. */
 int output_protect(program *state, const char *path);

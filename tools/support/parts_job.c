@@ -9,6 +9,9 @@
 #include <sys/stat.h>
 
 #include "support/job.h"
+#include "support/output.h"
+#include "support/tree_form.h"
+#include "svocl/io.h"
 
 #define SUFFIX ".parts"
 
@@ -166,9 +169,50 @@ int parts_build(program *state, session *opened, const svo_parts *parts, size_t 
     return status == SVO_OK ? PROGRAM_DONE : parts_fail(state, status, message.text);
 }
 
-int parts_finish(program *state, const svo_parts *parts, const char *path)
+static int stitch(program *state, const svo_parts *parts, const char *path)
 {
     svo_message message;
     const svo_status status = svo_parts_finish(parts, path, &message);
     return status == SVO_OK ? PROGRAM_DONE : parts_fail(state, status, message.text);
+}
+
+/* A stitched file as a compact tree with host arrays. */
+static int make_compact(program *state, const session *opened, const char *path, svo_compact **out)
+{
+    svo_tree *tree = NULL;
+    svo_message message = {""};
+    if (svo_tree_load(svo_from_path(path), NULL, &tree, &message) != SVO_OK) {
+        return program_fail_library(state, message.text);
+    }
+    int exit_code = svo_tree_upload(tree, opened->device, opened->queue) == SVO_OK
+                        ? tree_form_make(state, opened, tree, out)
+                        : program_fail_library(state, svo_device_message(opened->device));
+    if (exit_code == PROGRAM_DONE && svo_compact_download(*out, opened->queue) != SVO_OK) {
+        exit_code = program_fail_library(state, svo_device_message(opened->device));
+    }
+    svo_tree_destroy(&tree);
+    return exit_code;
+}
+
+int parts_finish(program *state, const session *opened, const svo_parts *parts, const char *path)
+{
+    if (state->options.tree_form == 0) {
+        return stitch(state, parts, path);
+    }
+    spool_file spool;
+    svo_compact *compact = NULL;
+    int exit_code = spool_open(state, ".svo", &spool);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    exit_code = stitch(state, parts, spool.path);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = make_compact(state, opened, spool.path, &compact);
+    }
+    spool_remove(&spool);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = tree_output_write(state, NULL, compact, path);
+    }
+    svo_compact_destroy(&compact);
+    return exit_code;
 }

@@ -30,6 +30,8 @@ int parts_plan(program *state, session *opened, const char *folder, parts_mesh *
 int parts_open(program *state, const char *folder, svo_parts **out);
 /* Builds one part; where its file is damaged, says so. */
 int parts_build(program *state, session *opened, const svo_parts *parts, size_t index);
-int parts_finish(program *state, const svo_parts *parts, const char *path);
+/* Stitches the parts, all of which are built. By --tree-form it makes a compact tree of them, for which the tree must
+   fit on the device and in memory, and its .svo file in a temporary folder. */
+int parts_finish(program *state, const session *opened, const svo_parts *parts, const char *path);
 
 #endif

@@ -259,6 +259,20 @@ void ray_table_write_hits(output_file *file, const svo_hit *hits, size_t count)
     }
 }
 
+void ray_table_write_voxel_hits(output_file *file, const svo_voxel_hit *hits, size_t count)
+{
+    static const char heading[] = "ray,t,level,face\n";
+    char line[96];
+    output_write(file, heading, sizeof heading - 1);
+    for (size_t i = 0; i < count; ++i) {
+        const svo_voxel_hit *hit = &hits[i];
+        const int length = isinf(hit->t) ? snprintf(line, sizeof line, "%zu,inf,-1,-1\n", i)
+                                         : snprintf(line, sizeof line, "%zu,%.9g,%lu,%lu\n", i, (double)hit->t,
+                                                    (unsigned long)hit->level, (unsigned long)hit->face);
+        output_write(file, line, (size_t)length);
+    }
+}
+
 /* ---- points ---- */
 
 int point_table_read(program *state, const char *path, point_table *out)

@@ -41,6 +41,10 @@ void ray_table_free(ray_table *list);
 /* ray,t,triangle,u,v with a heading; a miss has triangle -1 and t inf. */
 void ray_table_write_hits(output_file *file, const svo_hit *hits, size_t count);
 
+/* ray,t,level,face with a heading: 2 * axis of the face, plus 1 for its high side, or 6 inside the voxel; a miss has -1
+   for both and t inf. */
+void ray_table_write_voxel_hits(output_file *file, const svo_voxel_hit *hits, size_t count);
+
 /* ---- points ---- */
 
 typedef struct point_table {

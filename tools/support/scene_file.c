@@ -27,24 +27,55 @@ static const cJSON *member(const cJSON *object, const char *name)
     return cJSON_GetObjectItemCaseSensitive(object, name);
 }
 
-/* ---- the form ---- */
+/* ---- forms ---- */
 
-static int read_form(const json_source *source, scene_file *file)
+static const char *form_name(int form)
 {
-    const cJSON *value = member(source->root, "form");
-    const char *name = value == NULL ? "built" : cJSON_IsString(value) ? value->valuestring : "";
+    return form == SCENE_FILE_BUILT ? "built" : svo_name(SVO_NAME_FORM, (svo_form)form);
+}
+
+/* 'form' of the scene, or of one of its trees; *out stays where there is none. */
+static int read_form(const json_source *source, const cJSON *object, int *out)
+{
+    const cJSON *value = member(object, "form");
+    const char *name = cJSON_IsString(value) ? value->valuestring : "";
     char known[128] = "";
     size_t used = 0;
     suggestion near = suggestion_begin(name, strlen(name));
-    for (file->form = SCENE_FILE_BUILT; file->form < SVO_FORM_COUNT; ++file->form) {
-        const char *one = scene_file_form_name(file);
-        if (strcmp(name, one) == 0) {
+    if (value == NULL) {
+        return PROGRAM_DONE;
+    }
+    for (int form = SCENE_FILE_BUILT; form < SVO_FORM_COUNT; ++form) {
+        if (strcmp(name, form_name(form)) == 0) {
+            *out = form;
             return PROGRAM_DONE;
         }
-        used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", used > 0 ? ", " : "", one);
-        suggestion_offer(&near, one);
+        used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", used > 0 ? ", " : "", form_name(form));
+        suggestion_offer(&near, form_name(form));
     }
     return json_source_fail(source, value, "'form' is none of %s%s", known, suggestion_end(&near).text);
+}
+
+static int read_scene_form(const json_source *source, scene_file *file)
+{
+    file->form = SCENE_FILE_BUILT;
+    return read_form(source, source->root, &file->form);
+}
+
+/* A scene on the device has one form, that of --tree-form, else that of its trees. */
+static int unite_forms(const json_source *source, scene_file *file)
+{
+    const int asked = source->state->options.tree_form;
+    for (size_t i = 0; i < file->tree_count; ++i) {
+        const scene_file_tree *tree = &file->trees[i];
+        if (asked == 0 && tree->form != file->trees[0].form) {
+            return json_source_fail(
+                source, tree->value, "tree '%s' has form '%s', and '%s' has '%s'; the trees of a scene have one form",
+                tree->name, form_name(tree->form), file->trees[0].name, form_name(file->trees[0].form));
+        }
+    }
+    file->form = asked != 0 ? asked - 1 : file->trees[0].form;
+    return PROGRAM_DONE;
 }
 
 /* ---- trees ---- */
@@ -68,7 +99,7 @@ static int find_path(const json_source *source, const cJSON *value, scene_file_t
 
 static int read_tree(const json_source *source, const cJSON *object, scene_file_tree *out)
 {
-    static const char *const keys[] = {"path", "depth", NULL};
+    static const char *const keys[] = {"path", "depth", "form", NULL};
     int exit_code = json_source_check_keys(source, object, "a tree", keys);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
@@ -82,6 +113,9 @@ static int read_tree(const json_source *source, const cJSON *object, scene_file_
         return json_source_fail(source, object, "tree '%s' has no 'path'", out->name);
     }
     exit_code = find_path(source, member(object, "path"), out);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = read_form(source, object, &out->form);
+    }
     return exit_code == PROGRAM_DONE && member(object, "depth") != NULL
                ? json_source_count(source, member(object, "depth"), "depth", 1, 16, &out->depth)
                : exit_code;
@@ -104,9 +138,10 @@ static int read_trees(const json_source *source, scene_file *file)
     }
     int exit_code = PROGRAM_DONE;
     for (const cJSON *tree = trees->child; tree != NULL && exit_code == PROGRAM_DONE; tree = tree->next) {
+        file->trees[file->tree_count].form = file->form;
         exit_code = read_tree(source, tree, &file->trees[file->tree_count++]);
     }
-    return exit_code;
+    return exit_code == PROGRAM_DONE ? unite_forms(source, file) : exit_code;
 }
 
 static int find_tree(const json_source *source, const scene_file *file, const cJSON *object, uint32_t *out)
@@ -479,7 +514,8 @@ typedef int part_reader(const json_source *source, scene_file *file);
 static int read_file(const json_source *source, scene_file *file)
 {
     static const char *const keys[] = {"form", "trees", "instances", "camera", "lights", "occlusion_range", NULL};
-    static part_reader *const readers[] = {read_form, read_trees, read_instances, read_camera, read_lights, read_range};
+    static part_reader *const readers[] = {read_scene_form, read_trees,  read_instances,
+                                           read_camera,     read_lights, read_range};
     int exit_code = json_source_check_keys(source, source->root, "the scene", keys);
     for (size_t i = 0; i < sizeof readers / sizeof readers[0] && exit_code == PROGRAM_DONE; ++i) {
         exit_code = readers[i](source, file);
@@ -515,7 +551,7 @@ void scene_file_close(scene_file *file)
 
 const char *scene_file_form_name(const scene_file *file)
 {
-    return file->form == SCENE_FILE_BUILT ? "built" : svo_name(SVO_NAME_FORM, (svo_form)file->form);
+    return form_name(file->form);
 }
 
 int scene_file_fail_library(const scene_file *file, const char *message)

@@ -13,8 +13,9 @@
 /* One of the file's trees. */
 typedef struct scene_file_tree {
     char name[64]; /* in the file */
-    char path[SCENE_FILE_PATH_BYTES]; /* of a .svo or .svc file or a mesh, from where the program runs; or scene:... */
-    unsigned depth; /* for a mesh; 0: not given */
+    char path[SCENE_FILE_PATH_BYTES]; /* of a tree, voxels or a mesh, from where the program runs; or scene:... */
+    unsigned depth; /* for a mesh or voxels; 0: not given */
+    int form; /* that of the scene, unless it names its own */
     const cJSON *value; /* for messages */
 } scene_file_tree;
 
@@ -28,7 +29,7 @@ typedef struct scene_file_entry {
 
 typedef struct scene_file {
     json_source source; /* open as long as the scene */
-    int form; /* svo_form that the trees are held in; SCENE_FILE_BUILT: as built */
+    int form; /* svo_form that all trees are held in; SCENE_FILE_BUILT: as built */
     scene_file_tree *trees;
     size_t tree_count;
     scene_file_entry *entries; /* by ascending begin */

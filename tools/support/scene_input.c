@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "support/session.h"
 #include "support/voxel_input.h"
 #include "svocl/nodes.h"
 
@@ -429,12 +430,51 @@ static int read_voxels(program *state, placed_mesh *out)
     return exit_code;
 }
 
+/* The tree of a list of voxels, at the least depth unless the scene's file names one, as pictures of it have. */
+static int build_voxels(program *state, const voxel_input *list, unsigned depth, placed_mesh *out)
+{
+    session opened;
+    svo_tree *tree = NULL;
+    int exit_code = session_open_device(state, &opened);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    if (svo_voxels_build(opened.device, list->voxels, depth, NULL, opened.queue, &tree, NULL) != SVO_OK ||
+        svo_tree_download(tree, opened.queue) != SVO_OK) {
+        exit_code = program_fail_library(state, svo_device_message(opened.device));
+    } else {
+        exit_code = voxel_faces_make(state, state->options.input, tree, out);
+    }
+    svo_tree_destroy(&tree);
+    session_close(&opened);
+    return exit_code;
+}
+
+static int read_voxel_file(program *state, unsigned depth, placed_mesh *out)
+{
+    voxel_input list;
+    progress_step(state->progress, "reading the voxels");
+    int exit_code = voxel_input_open(state, &list);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = build_voxels(state, &list, depth, out);
+    }
+    voxel_input_close(&list);
+    return exit_code;
+}
+
 /* The tree's path stands in for INPUT. */
 static int read_tree(program *state, const scene_file_tree *tree, input *source, placed_mesh *voxels)
 {
     const char *before = state->options.input;
+    int exit_code = PROGRAM_DONE;
     state->options.input = tree->path;
-    const int exit_code = input_is_tree(state) ? read_voxels(state, voxels) : input_open(state, source);
+    if (input_is_tree(state)) {
+        exit_code = read_voxels(state, voxels);
+    } else if (voxel_input_is_given(state)) {
+        exit_code = read_voxel_file(state, tree->depth, voxels);
+    } else {
+        exit_code = input_open(state, source);
+    }
     state->options.input = before;
     return exit_code;
 }

@@ -7,10 +7,8 @@
 #include "support/input.h"
 #include "support/job.h"
 #include "support/picture.h"
+#include "support/tree_form.h"
 #include "support/viewpoint.h"
-
-/* The directory of compact trees in SVO_FORM_IMPLIED, which must be the same in all of a scene. */
-#define DIRECTORY_STEP_LOG2 5u
 
 /* ---- trees ---- */
 
@@ -23,14 +21,33 @@ static int load_tree(scene_trees *work, size_t index)
                : exit_code;
 }
 
+/* A voxel file has its own depth, unless the scene's file names one, and takes no options of meshes. */
+static int open_voxels(scene_trees *work, size_t index, input *source)
+{
+    program *running = work->running;
+    *source = (input){.name = running->options.input};
+    running->options.has_depth = work->file->trees[index].depth > 0;
+    progress_step(running->progress, "reading the voxels");
+    return voxel_input_open(running, &source->voxels);
+}
+
+/* The svo_need bits of a build. */
+static uint32_t need_of(const scene_trees *work, const input *source)
+{
+    const uint32_t of_voxels = (uint32_t)SVO_NEED_COLOR | (uint32_t)SVO_NEED_MATERIAL | (uint32_t)SVO_NEED_NONE;
+    const uint32_t asked = work->running->options.need;
+    return source->mesh != NULL ? picture_need(source, asked) : asked & of_voxels;
+}
+
 static int build_tree(scene_trees *work, size_t index)
 {
     job one = {.opened = work->opened};
-    int exit_code = input_open(work->running, &one.source);
+    int exit_code = voxel_input_is_given(work->running) ? open_voxels(work, index, &one.source)
+                                                        : input_open(work->running, &one.source);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    exit_code = job_build(work->running, picture_need(&one.source, work->running->options.need), &one);
+    exit_code = job_build(work->running, need_of(work, &one.source), &one);
     work->opened = one.opened; /* the front end is chosen by the first build */
     work->trees[index] = one.result.tree;
     free(one.result.buffers);
@@ -53,22 +70,24 @@ static int make_tree(scene_trees *work, size_t index)
 
 /* ---- compact trees ---- */
 
-static bool has_form(const scene_trees *work, const svo_compact *compact)
+/* The form of the file, or of --tree-form, which has taken its place there. */
+static svo_compact_options compact_options(const scene_trees *work)
 {
-    svo_compact_info info = SVO_COMPACT_INFO_INIT;
-    return svo_compact_get_info(compact, &info) == SVO_OK && (int)info.form == work->file->form &&
-           (info.form != SVO_FORM_IMPLIED || info.directory_step_log2 == DIRECTORY_STEP_LOG2);
+    options given = work->running->options;
+    given.tree_form = 1 + work->file->form;
+    return tree_form_options(&given);
 }
 
 /* A file of the scene's form is used as it is: it may be minimized, or a solid. For another one nothing is loaded. */
 static int load_compact(scene_trees *work, size_t index)
 {
     svo_compact **out = &work->compacts[index];
+    const svo_compact_options asked = compact_options(work);
     const int exit_code = compact_input_load(work->running, svo_from_path(work->file->trees[index].path), out);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    if (!has_form(work, *out)) {
+    if (!tree_form_fits(*out, &asked)) {
         svo_compact_destroy(out);
         return PROGRAM_DONE;
     }
@@ -79,8 +98,7 @@ static int load_compact(scene_trees *work, size_t index)
 
 static int make_compact(scene_trees *work, size_t index)
 {
-    const svo_compact_options asked = {
-        .struct_size = sizeof asked, .form = (svo_form)work->file->form, .directory_step_log2 = DIRECTORY_STEP_LOG2};
+    const svo_compact_options asked = compact_options(work);
     int exit_code = compact_input_is_name(work->file->trees[index].path) ? load_compact(work, index) : PROGRAM_DONE;
     if (exit_code != PROGRAM_DONE || work->compacts[index] != NULL) {
         return exit_code;

@@ -84,7 +84,7 @@ static int stitch_all(program *state, parts_run *run)
     const double start_ms = input_now_ms();
     svo_message message;
     progress_step(state->progress, "stitching");
-    const int exit_code = parts_finish(state, run->parts, state->options.output_path);
+    const int exit_code = parts_finish(state, &run->opened, run->parts, state->options.output_path);
     run->stitch_ms = input_now_ms() - start_ms;
     if (exit_code == PROGRAM_DONE && svo_parts_remove(run->folder, &message) != SVO_OK) {
         return program_fail_library(state, message.text);
@@ -166,7 +166,7 @@ int build_parts(program *state)
     if (run.folder == NULL) {
         return program_fail(state, PROGRAM_FAILED, "out of memory");
     }
-    program_begin_progress(state, 4);
+    program_begin_progress(state, state->options.tree_form != 0 ? 6 : 4);
     const bool is_new = !parts_folder_exists(run.folder);
     exit_code = run_all(state, &run);
     if (exit_code == PROGRAM_WRONG_USAGE && is_new && parts_folder_exists(run.folder)) {

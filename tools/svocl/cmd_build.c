@@ -5,6 +5,7 @@
 #include "support/output.h"
 #include "support/picture.h"
 #include "support/table.h"
+#include "support/tree_form.h"
 #include "svocl/build_parts.h"
 #include "svocl/commands.h"
 
@@ -54,9 +55,43 @@ static int plan_alone(program *state)
     return exit_code;
 }
 
-static int report(program *state, const job *done, const char *hash, const solid_result *solid)
+/* What a build gives beside the tree. */
+typedef struct build_extras {
+    solid_result solid;
+    svo_compact *form; /* by --tree-form; NULL: none, or it is the solid's */
+    char hash[SVO_HASH_TEXT_BYTES];
+} build_extras;
+
+/* What -o writes in place of the tree; NULL: the tree. */
+static svo_compact *compact_of(const build_extras *extras)
 {
-    cJSON *document = state->options.json ? report_to_json(state, done, hash) : NULL;
+    return extras->form != NULL ? extras->form : extras->solid.solid;
+}
+
+static int report_json(program *state, const build_extras *extras, cJSON *document)
+{
+    solid_add_json(document, state, &extras->solid);
+    if (state->options.tree_form != 0) {
+        tree_form_add_json(document, compact_of(extras));
+    }
+    return json_print(state, document);
+}
+
+static void report_text(const program *state, const job *done, const build_extras *extras)
+{
+    report_print(state, done, extras->hash);
+    solid_print(state, &extras->solid);
+    if (state->options.tree_form != 0) {
+        table_gap();
+        table *rows = table_create("ll");
+        tree_form_add_rows(rows, compact_of(extras));
+        table_print(rows);
+    }
+}
+
+static int report(program *state, const job *done, const build_extras *extras)
+{
+    cJSON *document = state->options.json ? report_to_json(state, done, extras->hash) : NULL;
     if (state->options.plan) {
         const int planned = show_plan(state, &done->source, done->opened.device, document);
         if (planned != PROGRAM_DONE) {
@@ -65,39 +100,49 @@ static int report(program *state, const job *done, const char *hash, const solid
         }
     }
     if (state->options.json) {
-        solid_add_json(document, state, solid);
-        return json_print(state, document);
+        return report_json(state, extras, document);
     }
     if (state->options.plan && !state->options.quiet) {
         table_gap();
     }
     if (!state->options.quiet) {
-        report_print(state, done, hash);
-        solid_print(state, solid);
+        report_text(state, done, extras);
     }
     return PROGRAM_DONE;
 }
 
+/* The solid by --solid, then the form by --tree-form, of the solid if there is one. */
+static int make_extras(program *state, const job *done, build_extras *extras)
+{
+    const session *opened = &done->opened;
+    int exit_code = solid_make(state, opened->device, done->result.tree, &extras->solid);
+    if (exit_code == PROGRAM_DONE && state->options.tree_form != 0) {
+        exit_code = extras->solid.solid != NULL ? tree_form_change(state, opened, &extras->solid.solid)
+                                                : tree_form_make(state, opened, done->result.tree, &extras->form);
+    }
+    svo_compact *compact = compact_of(extras);
+    return exit_code != PROGRAM_DONE || compact == NULL || svo_compact_download(compact, opened->queue) == SVO_OK
+               ? exit_code
+               : program_fail_library(state, svo_device_message(opened->device));
+}
+
 static int finish(program *state, const job *done)
 {
-    char hash[SVO_HASH_TEXT_BYTES];
+    build_extras extras = {.form = NULL};
     progress_step(state->progress, "hashing");
-    if (svo_tree_hash(done->result.tree, SVO_HASH_ALL, hash) != SVO_OK) {
+    if (svo_tree_hash(done->result.tree, SVO_HASH_ALL, extras.hash) != SVO_OK) {
         return program_fail_library(state, svo_device_message(done->opened.device));
     }
-    solid_result solid;
-    int exit_code = solid_make(state, done->opened.device, done->result.tree, &solid);
-    if (exit_code == PROGRAM_DONE && solid.solid != NULL && svo_compact_download(solid.solid, NULL) != SVO_OK) {
-        exit_code = program_fail_library(state, svo_device_message(done->opened.device));
-    }
+    int exit_code = make_extras(state, done, &extras);
     if (exit_code == PROGRAM_DONE && state->options.output_path != NULL) {
-        exit_code = tree_output_write(state, done->result.tree, solid.solid, state->options.output_path);
+        exit_code = tree_output_write(state, done->result.tree, compact_of(&extras), state->options.output_path);
     }
     progress_destroy(&state->progress);
     if (exit_code == PROGRAM_DONE) {
-        exit_code = report(state, done, hash, &solid);
+        exit_code = report(state, done, &extras);
     }
-    solid_release(&solid);
+    svo_compact_destroy(&extras.form);
+    solid_release(&extras.solid);
     return exit_code;
 }
 
@@ -108,9 +153,11 @@ static int check_options(program *state)
         return program_fail(state, PROGRAM_WRONG_USAGE, "%s does not apply with --plan-only, which builds nothing",
                             given->output_path != NULL ? "-o FILE" : "--repeat");
     }
-    if (given->plan_only && (solid_is_wanted(state) || given->count_first)) {
+    if (given->plan_only && (solid_is_wanted(state) || given->count_first || given->tree_form != 0)) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--%s does not apply with --plan-only, which builds nothing",
-                            given->count_first ? "count-first" : "solid");
+                            given->count_first       ? "count-first"
+                            : solid_is_wanted(state) ? "solid"
+                                                     : "tree-form");
     }
     if (solid_is_wanted(state) && given->drop_alpha > 0.0) {
         return program_fail(state, PROGRAM_WRONG_USAGE,
@@ -135,6 +182,11 @@ static int check_payload_level(program *state)
 
 int command_build(program *state)
 {
+    if (input_is_tree(state)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE,
+                            "%s is a finished tree, a mesh or voxels are needed here; svocl convert changes its form",
+                            state->options.input);
+    }
     if (check_payload_level(state) != PROGRAM_DONE) {
         return PROGRAM_WRONG_USAGE;
     }
@@ -150,7 +202,8 @@ int command_build(program *state)
     }
     job done;
     uint32_t need = solid_need(state, state->options.need);
-    exit_code = job_open(state, need, solid_is_wanted(state) ? 3 : 2, &done);
+    const unsigned further_steps = solid_is_wanted(state) ? 3 : 2;
+    exit_code = job_open(state, need, further_steps + (state->options.tree_form != 0 ? 1 : 0), &done);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }

@@ -62,15 +62,15 @@ typedef enum argument_kind {
 
 static argument_kind kind_of(const command *which)
 {
-    return which->input_name == NULL                    ? ARGUMENT_NONE
-           : strcmp(which->input_name, "INPUT") == 0    ? ARGUMENT_INPUT
-           : strcmp(which->input_name, "A B") == 0      ? ARGUMENT_INPUT
-           : strcmp(which->input_name, "FILE.svo") == 0 ? ARGUMENT_FILE
-           : strcmp(which->input_name, "IN OUT") == 0   ? ARGUMENT_FILE
-           : strcmp(which->input_name, "NAME") == 0     ? ARGUMENT_SCENE
-           : strcmp(which->input_name, "SHELL") == 0    ? ARGUMENT_SHELL
-           : strcmp(which->input_name, "COMMAND") == 0  ? ARGUMENT_COMMAND
-                                                        : ARGUMENT_SUBJECT;
+    return which->input_name == NULL                   ? ARGUMENT_NONE
+           : strcmp(which->input_name, "INPUT") == 0   ? ARGUMENT_INPUT
+           : strcmp(which->input_name, "A B") == 0     ? ARGUMENT_INPUT
+           : strcmp(which->input_name, "FILE") == 0    ? ARGUMENT_FILE
+           : strcmp(which->input_name, "IN OUT") == 0  ? ARGUMENT_INPUT
+           : strcmp(which->input_name, "NAME") == 0    ? ARGUMENT_SCENE
+           : strcmp(which->input_name, "SHELL") == 0   ? ARGUMENT_SHELL
+           : strcmp(which->input_name, "COMMAND") == 0 ? ARGUMENT_COMMAND
+                                                       : ARGUMENT_SUBJECT;
 }
 
 /* ---- bash ---- */

@@ -1,109 +1,198 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl convert: voxel files and trees to voxel files, trees, points and cubes. */
+/* svocl convert: meshes, voxel files and trees to voxel files, trees, compact trees, points and cubes. */
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 
-#include "support/input.h"
+#include "support/build_report.h"
+#include "support/job.h"
 #include "support/json.h"
+#include "support/options_parse.h"
 #include "support/output.h"
-#include "support/session.h"
+#include "support/picture.h"
 #include "support/table.h"
+#include "support/tree_form.h"
 #include "svocl/commands.h"
+
+/* What IN is. */
+typedef enum source_kind { FROM_TREE = 0, FROM_VOXELS, FROM_MESH } source_kind;
 
 /* What was read and written. */
 typedef struct conversion {
-    voxel_input source;
-    bool from_tree;
+    source_kind from;
+    output_kind to;
+    job made; /* the tree, on the device unless it is only read for its voxels; voxels that it was built of */
+    voxel_input list; /* of a voxel file that becomes another, or of the leaves of the tree */
+    solid_result solid;
+    svo_compact *compact; /* where one is written that is not the solid's */
     svo_voxels_save_info written; /* format AUTO: a tree */
     svo_tree_info tree; /* where one was written */
 } conversion;
 
-static bool is_tree_path(const char *path)
+/* ---- what does not apply ---- */
+
+static source_kind kind_of_input(const program *state)
 {
-    const size_t length = strlen(path);
-    return length >= 4 && strcasecmp(path + length - 4, ".svo") == 0;
+    return input_is_tree(state) ? FROM_TREE : voxel_input_is_given(state) ? FROM_VOXELS : FROM_MESH;
 }
 
-static int check_arguments(program *state)
+/* Options that neither IN nor OUT takes. */
+static int check_options(program *state, const conversion *done)
+{
+    static const char *const none[] = {NULL};
+    static const char *const of_axes[] = {"axes", NULL};
+    static const char *const of_lists[] = {"drop-alpha", NULL};
+    const uint64_t all = OPTION_DEVICE | OPTION_JSON | OPTION_CONVERT_COMMAND | OPTION_UNFOLDED | OPTION_TREE_FORM;
+    if (done->from == FROM_TREE) {
+        const int exit_code = options_take_only(state, all | OPTION_LEVELS, none, "to IN that is a finished tree");
+        return exit_code == PROGRAM_DONE && done->to != OUTPUT_VOXELS
+                   ? options_refuse(state, of_axes, "from a tree to a tree")
+                   : exit_code;
+    }
+    if (done->from == FROM_VOXELS && done->to == OUTPUT_VOXELS) {
+        return options_take_only(state, all | OPTION_VOXELS, none, "from voxels to voxels");
+    }
+    return solid_is_wanted(state)
+               ? options_refuse(state, of_lists, "with --solid, which counts crossings of the whole surface")
+               : PROGRAM_DONE;
+}
+
+static int check_arguments(program *state, const conversion *done)
 {
     const options *given = &state->options;
-    if (given->output_path == NULL) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "OUT is missing, see svocl convert --help");
+    if (given->compress && done->to == OUTPUT_VOXELS) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--compress applies to .svo and .svc, not to OUT %s",
+                            given->output_path);
     }
-    if (!input_is_tree(state) && !voxel_input_is_given(state)) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "IN %s is not .vox, .svx, .binvox or .svo", given->input);
-    }
-    if (input_is_tree(state) && (given->given_groups & (unsigned)OPTION_VOXELS) != 0) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "--hidden and --frame do not apply to a tree, IN %s",
-                            given->input);
-    }
-    if (!input_is_tree(state) && given->last_level != 0) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "--levels applies to .svo files, not to IN %s", given->input);
-    }
-    const bool to_tree = is_tree_path(given->output_path);
-    if (!to_tree && svo_voxel_format_of_path(given->output_path) == SVO_VOXEL_FORMAT_AUTO) {
+    if (done->to != OUTPUT_VOXELS &&
+        !output_has_suffix(given->output_path, done->to == OUTPUT_TREE ? ".svo" : ".svc")) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "output %s has no suffix that tells the format",
                             given->output_path);
     }
-    if (given->compress && !to_tree) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "--compress applies to .svo, not to OUT %s",
-                            given->output_path);
-    }
-    return output_check(state, given->output_path);
+    const int exit_code = check_options(state, done);
+    return exit_code == PROGRAM_DONE ? output_check(state, given->output_path) : exit_code;
 }
 
-/* The voxels of a finished tree. */
-static int read_tree(program *state, voxel_input *source)
+/* ---- reading ---- */
+
+/* A finished tree, on a device where it is not its voxels alone that are needed. */
+static int load_tree(program *state, conversion *done)
 {
-    svo_tree *tree = NULL;
+    job *made = &done->made;
+    int exit_code = input_load_tree(state, &made->result.tree);
+    if (exit_code != PROGRAM_DONE || done->to != OUTPUT_COMPACT) {
+        return exit_code;
+    }
+    exit_code = session_open_device(state, &made->opened);
+    return exit_code != PROGRAM_DONE ||
+                   svo_tree_upload(made->result.tree, made->opened.device, made->opened.queue) == SVO_OK
+               ? exit_code
+               : program_fail_library(state, svo_device_message(made->opened.device));
+}
+
+/* The svo_need bits of a build: of its voxels colors alone are written. */
+static uint32_t need_of(const program *state, const conversion *done)
+{
+    const uint32_t asked = state->options.need;
+    const bool is_open = done->to == OUTPUT_VOXELS && asked == (uint32_t)SVO_NEED_DEFAULT;
+    return solid_need(state, is_open ? (uint32_t)SVO_NEED_COLOR : asked);
+}
+
+/* Where voxels are wanted of a solid, the solid's tree takes the place of the surface's. */
+static int fill(program *state, conversion *done)
+{
+    job *made = &done->made;
+    int exit_code = solid_make(state, made->opened.device, made->result.tree, &done->solid);
+    if (exit_code != PROGRAM_DONE || done->solid.solid == NULL || done->to != OUTPUT_VOXELS) {
+        return exit_code;
+    }
+    svo_tree_destroy(&made->result.tree);
+    return svo_compact_expand(done->solid.solid, made->opened.queue, &made->result.tree) == SVO_OK &&
+                   svo_tree_download(made->result.tree, made->opened.queue) == SVO_OK
+               ? PROGRAM_DONE
+               : program_fail_library(state, svo_device_message(made->opened.device));
+}
+
+static int build_tree(program *state, conversion *done)
+{
+    uint32_t need = need_of(state, done);
+    int exit_code = job_open(state, need, 3, &done->made);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    if (solid_is_wanted(state) && state->options.need == (uint32_t)SVO_NEED_DEFAULT) {
+        need |= picture_need(&done->made.source, SVO_NEED_DEFAULT); /* what the default means beside the solid's bits */
+    }
+    exit_code = job_build(state, need, &done->made);
+    return exit_code == PROGRAM_DONE ? fill(state, done) : exit_code;
+}
+
+/* The leaves of the tree, as a list. */
+static int list_leaves(program *state, conversion *done)
+{
+    voxel_input *list = &done->list;
     svo_message message = {""};
-    int exit_code = input_load_tree(state, &tree);
-    if (exit_code == PROGRAM_DONE && svo_tree_get_voxels(tree, &source->voxels, &message) != SVO_OK) {
-        exit_code = program_fail_library(state, message.text);
+    if (svo_tree_get_voxels(done->made.result.tree, &list->voxels, &message) != SVO_OK) {
+        return program_fail_library(state, message.text);
     }
-    if (exit_code == PROGRAM_DONE) {
-        (void)svo_voxels_set_axes(source->voxels, (svo_axes)state->options.axes);
-    }
-    svo_tree_destroy(&tree);
-    if (exit_code == PROGRAM_DONE) {
-        source->list = (svo_voxels_info)SVO_VOXELS_INFO_INIT;
-        (void)svo_voxels_get_info(source->voxels, &source->list);
-    }
-    return exit_code;
+    (void)svo_voxels_set_axes(list->voxels, (svo_axes)state->options.axes);
+    list->list = (svo_voxels_info)SVO_VOXELS_INFO_INIT;
+    (void)svo_voxels_get_info(list->voxels, &list->list);
+    return PROGRAM_DONE;
 }
 
-static int read_voxels(program *state, conversion *done)
+static int read_source(program *state, conversion *done)
 {
-    done->from_tree = input_is_tree(state);
-    if (done->from_tree) {
-        return read_tree(state, &done->source);
+    if (done->from == FROM_VOXELS && done->to == OUTPUT_VOXELS) {
+        program_begin_progress(state, 2);
+        progress_step(state->progress, "reading the voxels");
+        return voxel_input_open(state, &done->list);
     }
-    progress_step(state->progress, "reading the voxels");
-    return voxel_input_open(state, &done->source);
+    if (done->from == FROM_TREE) {
+        program_begin_progress(state, 3);
+    }
+    const int exit_code = done->from == FROM_TREE ? load_tree(state, done) : build_tree(state, done);
+    return exit_code == PROGRAM_DONE && done->to == OUTPUT_VOXELS ? list_leaves(state, done) : exit_code;
+}
+
+/* ---- writing ---- */
+
+/* What OUT is in place of the tree; NULL: the tree. */
+static svo_compact *compact_of(const conversion *done)
+{
+    const bool is_solid = done->compact == NULL && done->to == OUTPUT_COMPACT;
+    return is_solid ? done->solid.solid : done->compact;
+}
+
+/* The solid, the compact tree of IN where that fits, or else the tree, in the form that --tree-form names. */
+static int make_compact(program *state, conversion *done)
+{
+    const session *opened = &done->made.opened;
+    const svo_compact_options asked = tree_form_options(&state->options);
+    int exit_code = PROGRAM_DONE;
+    if (done->from == FROM_TREE && input_is_compact(state)) {
+        exit_code = input_load_compact(state, &done->compact);
+        if (exit_code != PROGRAM_DONE || tree_form_fits(done->compact, &asked)) {
+            return exit_code;
+        }
+        svo_compact_destroy(&done->compact);
+    }
+    if (state->options.tree_form != 0) {
+        exit_code = done->solid.solid != NULL ? tree_form_change(state, opened, &done->solid.solid)
+                                              : tree_form_make(state, opened, done->made.result.tree, &done->compact);
+    }
+    return exit_code != PROGRAM_DONE || svo_compact_download(compact_of(done), opened->queue) == SVO_OK
+               ? exit_code
+               : program_fail_library(state, svo_device_message(opened->device));
 }
 
 static int write_tree(program *state, conversion *done)
 {
-    session opened;
-    svo_tree *tree = NULL;
-    int exit_code = session_open_device(state, &opened);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
-    }
-    progress_step(state->progress, "building the tree");
-    if (svo_voxels_build(opened.device, done->source.voxels, 0, NULL, opened.queue, &tree, NULL) != SVO_OK ||
-        svo_tree_download(tree, opened.queue) != SVO_OK) {
-        exit_code = program_fail_library(state, svo_device_message(opened.device));
-    }
-    if (exit_code == PROGRAM_DONE) {
-        done->tree = (svo_tree_info)SVO_TREE_INFO_INIT;
-        (void)svo_tree_get_info(tree, &done->tree);
-        exit_code = tree_output_write(state, tree, NULL, state->options.output_path);
-    }
-    svo_tree_destroy(&tree);
-    session_close(&opened);
-    return exit_code;
+    const svo_tree *tree = done->made.result.tree;
+    done->tree = (svo_tree_info)SVO_TREE_INFO_INIT;
+    (void)svo_tree_get_info(tree, &done->tree);
+    const int exit_code = done->to == OUTPUT_COMPACT ? make_compact(state, done) : PROGRAM_DONE;
+    return exit_code == PROGRAM_DONE ? tree_output_write(state, tree, compact_of(done), state->options.output_path)
+                                     : exit_code;
 }
 
 static int write_file(program *state, conversion *done)
@@ -117,7 +206,7 @@ static int write_file(program *state, conversion *done)
         return exit_code;
     }
     /* A write that failed is reported by output_commit. */
-    if (svo_voxels_save(done->source.voxels, output_sink(&file), svo_voxel_format_of_path(path), &done->written,
+    if (svo_voxels_save(done->list.voxels, output_sink(&file), svo_voxel_format_of_path(path), &done->written,
                         &message) != SVO_OK &&
         file.error == 0) {
         output_abandon(&file);
@@ -126,14 +215,25 @@ static int write_file(program *state, conversion *done)
     return output_commit(state, &file);
 }
 
+/* ---- the report ---- */
+
+/* The list that was read or written; its voxels are NULL between a mesh or a tree and a tree. */
+static const voxel_input *list_of(const conversion *done)
+{
+    return done->list.voxels != NULL ? &done->list : &done->made.source.voxels;
+}
+
 /* Parts of a list that a format may not hold. */
 #define PARTS_MAX 5
 
 /* What the list has and the format does not. Returns how many parts it is. */
 static size_t find_left_out(const conversion *done, const char *out[PARTS_MAX])
 {
-    const svo_voxels_info *list = &done->source.list;
-    const svo_voxel *voxels = svo_voxels_get(done->source.voxels);
+    const svo_voxels_info *list = &list_of(done)->list;
+    if (list_of(done)->voxels == NULL) {
+        return 0;
+    }
+    const svo_voxel *voxels = svo_voxels_get(list_of(done)->voxels);
     const bool moved =
         list->voxel_edge != 1.0 || list->origin[0] != 0.0 || list->origin[1] != 0.0 || list->origin[2] != 0.0;
     bool colors = false;
@@ -165,11 +265,14 @@ static size_t find_left_out(const conversion *done, const char *out[PARTS_MAX])
 static void add_counts(cJSON *object, const conversion *done)
 {
     const svo_voxels_save_info *written = &done->written;
-    if (written->format == SVO_VOXEL_FORMAT_AUTO) {
-        json_add_text(object, "format", "svo");
+    if (done->to != OUTPUT_VOXELS) {
+        json_add_text(object, "format", done->to == OUTPUT_COMPACT ? "svc" : "svo");
         json_add_count(object, "depth", done->tree.depth);
         json_add_count(object, "leaves", done->tree.leaf_count);
         json_add_count(object, "nodes", done->tree.node_count);
+        if (done->to == OUTPUT_COMPACT) {
+            tree_form_add_json(object, compact_of(done));
+        }
         return;
     }
     json_add_text(object, "format", svo_name(SVO_NAME_VOXEL_FORMAT, (svo_voxel_format)written->format));
@@ -209,7 +312,7 @@ static void add_written_row(table *rows, const conversion *done)
 {
     const svo_voxels_save_info *written = &done->written;
     table_cell(rows, "written");
-    if (written->format == SVO_VOXEL_FORMAT_AUTO) {
+    if (done->to != OUTPUT_VOXELS) {
         table_cell(rows, "%s leaves, %s nodes, depth %u", figure_count(done->tree.leaf_count).text,
                    figure_count(done->tree.node_count).text, done->tree.depth);
     } else if (written->format == SVO_VOXEL_FORMAT_OBJ) {
@@ -224,60 +327,88 @@ static void add_written_row(table *rows, const conversion *done)
     } else {
         table_cell(rows, "%s", figure_bytes(written->bytes).text);
     }
+    if (done->to == OUTPUT_COMPACT) {
+        tree_form_add_rows(rows, compact_of(done));
+    }
     add_left_out_row(rows, done);
+}
+
+/* The leaves of what is no voxel file: of the list, or of the tree. */
+static uint64_t leaves_of(const conversion *done)
+{
+    return done->list.voxels != NULL ? done->list.list.voxel_count : done->tree.leaf_count;
+}
+
+static int report_json(program *state, const conversion *done)
+{
+    const options *given = &state->options;
+    cJSON *document = json_document();
+    json_add_text(document, "input", given->input);
+    json_add_text(document, "file", given->output_path);
+    if (done->from == FROM_VOXELS) {
+        voxel_input_add_json(document, list_of(done));
+    } else {
+        json_add_count(document, "leaves", leaves_of(done));
+    }
+    add_written(document, done);
+    solid_add_json(document, state, &done->solid);
+    return json_print(state, document);
+}
+
+static void report_text(const program *state, const conversion *done)
+{
+    const svo_voxels_info *list = &list_of(done)->list;
+    table_heading("%s -> %s", state->options.input, output_name(state->options.output_path));
+    table *rows = table_create("ll");
+    if (done->from == FROM_VOXELS) {
+        voxel_input_add_rows(rows, list_of(done));
+    } else {
+        table_cell(rows, "leaves");
+        table_cell(rows, "%s", figure_count(leaves_of(done)).text);
+    }
+    if (list->voxel_count > 0) {
+        table_cell(rows, "bounds");
+        table_cell(rows, "%d, %d, %d to %d, %d, %d", list->low[0], list->low[1], list->low[2], list->high[0],
+                   list->high[1], list->high[2]);
+    }
+    add_written_row(rows, done);
+    table_print(rows);
+    solid_print(state, &done->solid);
 }
 
 static int report(program *state, const conversion *done)
 {
-    const options *given = &state->options;
     progress_destroy(&state->progress);
-    if (given->json) {
-        cJSON *document = json_document();
-        json_add_text(document, "input", given->input);
-        json_add_text(document, "file", given->output_path);
-        if (done->from_tree) {
-            json_add_count(document, "leaves", done->source.list.voxel_count);
-        } else {
-            voxel_input_add_json(document, &done->source);
-        }
-        add_written(document, done);
-        return json_print(state, document);
+    if (state->options.json) {
+        return report_json(state, done);
     }
-    if (given->quiet) {
-        return PROGRAM_DONE;
+    if (!state->options.quiet) {
+        report_text(state, done);
     }
-    table_heading("%s -> %s", given->input, output_name(given->output_path));
-    table *rows = table_create("ll");
-    if (done->from_tree) {
-        table_cell(rows, "leaves");
-        table_cell(rows, "%s", figure_count(done->source.list.voxel_count).text);
-    } else {
-        voxel_input_add_rows(rows, &done->source);
-    }
-    const int32_t *low = done->source.list.low;
-    const int32_t *high = done->source.list.high;
-    table_cell(rows, "bounds");
-    table_cell(rows, "%d, %d, %d to %d, %d, %d", low[0], low[1], low[2], high[0], high[1], high[2]);
-    add_written_row(rows, done);
-    table_print(rows);
     return PROGRAM_DONE;
 }
 
 int command_convert(program *state)
 {
-    conversion done = {.written = SVO_VOXELS_SAVE_INFO_INIT};
-    int exit_code = check_arguments(state);
+    conversion done = {.from = kind_of_input(state), .written = SVO_VOXELS_SAVE_INFO_INIT};
+    if (state->options.output_path == NULL) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "OUT is missing, see svocl convert --help");
+    }
+    done.to = output_kind_of(&state->options, state->options.output_path);
+    int exit_code = check_arguments(state, &done);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    program_begin_progress(state, 3);
-    exit_code = read_voxels(state, &done);
+    exit_code = read_source(state, &done);
     if (exit_code == PROGRAM_DONE) {
-        exit_code = is_tree_path(state->options.output_path) ? write_tree(state, &done) : write_file(state, &done);
+        exit_code = done.to == OUTPUT_VOXELS ? write_file(state, &done) : write_tree(state, &done);
     }
     if (exit_code == PROGRAM_DONE) {
         exit_code = report(state, &done);
     }
-    voxel_input_close(&done.source);
+    svo_compact_destroy(&done.compact);
+    solid_release(&done.solid);
+    voxel_input_close(&done.list);
+    job_release(&done.made);
     return exit_code;
 }

@@ -9,6 +9,7 @@
 #include "support/options_parse.h"
 #include "support/output.h"
 #include "support/table.h"
+#include "support/tree_form.h"
 #include "support/viewpoint.h"
 #include "svocl/commands.h"
 #include "svocl/compact.h"
@@ -38,7 +39,7 @@ static int make_compact(program *state, uint32_t minimize, web_export *made)
                                         .form = SVO_FORM_IMPLIED,
                                         .leave_out = SVO_NEED_ALL & ~(SVO_NEED_COLOR | SVO_NEED_NORMAL),
                                         .directory_step_log2 = WEB_DIRECTORY_STEP_LOG2,
-                                        .minimize = minimize};
+                                        .minimize = minimize | (uint32_t)state->options.minimize};
     const svo_tree *tree = made->done.result.tree;
     progress_step(state->progress, "making the compact tree");
     if (svo_compact_create(opened->device, tree, &wanted, opened->queue, &made->compact) != SVO_OK ||
@@ -60,7 +61,10 @@ static int load_compact(program *state, web_export *made, bool lights)
         return exit_code;
     }
     (void)svo_compact_get_info(made->compact, &info);
-    if (!lights && info.form == SVO_FORM_IMPLIED && info.directory_step_log2 == WEB_DIRECTORY_STEP_LOG2) {
+    const svo_compact_options wanted = {.form = SVO_FORM_IMPLIED,
+                                        .directory_step_log2 = WEB_DIRECTORY_STEP_LOG2,
+                                        .minimize = (uint32_t)state->options.minimize};
+    if (!lights && tree_form_fits(made->compact, &wanted)) {
         program_begin_progress(state, 2);
         return PROGRAM_DONE;
     }
@@ -132,6 +136,20 @@ static int check_view(program *state, web_start *start)
     }
     start->view = options_is_given(given, "view") ? start->view : (int)WEB_VIEW_FULL;
     return PROGRAM_DONE;
+}
+
+/* Pages hold one form. */
+static int check_form(program *state)
+{
+    const options *given = &state->options;
+    if (given->tree_form != 0 && given->tree_form != 1 + SVO_FORM_IMPLIED) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--tree-form %s: pages hold trees in form implied alone",
+                            svo_name(SVO_NAME_FORM, (svo_form)(given->tree_form - 1)));
+    }
+    return given->directory_step_log2 == 0 || given->directory_step_log2 == (int)WEB_DIRECTORY_STEP_LOG2
+               ? PROGRAM_DONE
+               : program_fail(state, PROGRAM_WRONG_USAGE, "--directory-step %u: that of pages is %u",
+                              1u << given->directory_step_log2, 1u << WEB_DIRECTORY_STEP_LOG2);
 }
 
 /* Where a camera stands that sees all of a tree, roughly: of those that are not on a device. */
@@ -342,6 +360,9 @@ int command_export_web(program *state)
         return program_fail(state, PROGRAM_WRONG_USAGE, "-o FILE is missing");
     }
     int exit_code = check_view(state, &made.page.start);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = check_form(state);
+    }
     if (exit_code == PROGRAM_DONE) {
         exit_code = output_check(state, state->options.output_path);
     }

@@ -5,6 +5,8 @@
 #include <strings.h>
 
 #include "support/job.h"
+#include "support/options_parse.h"
+#include "support/tree_form.h"
 #include "svocl/commands.h"
 #include "svocl/probes.h"
 
@@ -162,6 +164,48 @@ static int hash_inside(program *state)
     return exit_code;
 }
 
+/* ---- compact trees ---- */
+
+static int print_form_hash(program *state, const svo_compact *compact)
+{
+    char text[SVO_HASH_TEXT_BYTES];
+    progress_step(state->progress, "hashing");
+    if (svo_compact_hash(compact, text) != SVO_OK) {
+        return program_fail(state, PROGRAM_FAILED, "%s: the compact tree cannot be hashed", state->options.input);
+    }
+    if (!state->options.json) {
+        return print_digits(state, text);
+    }
+    cJSON *document = json_document();
+    json_add_text(document, "input", state->options.input);
+    json_add_text(document, "hash", text);
+    tree_form_add_json(document, compact);
+    cl_calls_add_kernels(document);
+    const int exit_code = json_print(state, document);
+    return exit_code == PROGRAM_DONE ? check_expected(state, text) : exit_code;
+}
+
+static int hash_form(program *state)
+{
+    job done;
+    svo_compact *compact = NULL;
+    int exit_code = input_is_compact(state) ? tree_form_load(state, 2, &done, &compact)
+                    : input_is_tree(state)  ? job_load(state, 2, &done)
+                                            : job_run(state, state->options.need, 2, &done);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    if (compact == NULL) {
+        exit_code = tree_form_take(state, &done, &compact);
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = print_form_hash(state, compact);
+    }
+    svo_compact_destroy(&compact);
+    job_release(&done);
+    return exit_code;
+}
+
 /* ---- trees ---- */
 
 static int hash_tree_file(program *state)
@@ -193,7 +237,13 @@ int command_hash(program *state)
                             state->options.nodes ? "nodes" : "light");
     }
     if (state->options.has_light || has_probes(state)) {
-        return hash_inside(state);
+        const int exit_code = options_refuse_groups(state, OPTION_TREE_FORM, "with --light and --probes");
+        return exit_code == PROGRAM_DONE ? hash_inside(state) : exit_code;
+    }
+    if (state->options.tree_form != 0) {
+        static const char *const of_trees[] = {"nodes", NULL};
+        const int exit_code = options_refuse(state, of_trees, "with --tree-form, whose arrays are hashed");
+        return exit_code == PROGRAM_DONE ? hash_form(state) : exit_code;
     }
     if (input_is_tree(state)) {
         return hash_tree_file(state);

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* svocl info: prints what a .svo file contains. Loading checks every length, checksum and index. */
+/* svocl info: prints what a .svo or .svc file contains. Loading checks every length, checksum and index. */
 #include <inttypes.h>
 
 #include "support/input.h"
 #include "support/json.h"
 #include "support/table.h"
+#include "support/tree_form.h"
 #include "svocl/commands.h"
 
 typedef struct file_facts {
+    svo_compact *compact; /* of a .svc file, whose expanded tree the rest describes */
     svo_tree_info info;
     uint64_t file_bytes;
     char hash[SVO_HASH_TEXT_BYTES];
@@ -62,6 +64,9 @@ static cJSON *to_json(const program *state, const file_facts *facts)
     }
     json_add_text(document, "hash", facts->hash);
     json_add_text(document, "nodes_hash", facts->nodes_hash);
+    if (facts->compact != NULL) {
+        tree_form_add_json(document, facts->compact);
+    }
     return document;
 }
 
@@ -72,6 +77,9 @@ static void print_header(const program *state, const file_facts *facts)
     table *rows = table_create("ll");
     table_cell(rows, "file");
     table_cell(rows, "%s, checksums good", figure_bytes(facts->file_bytes).text);
+    if (facts->compact != NULL) {
+        tree_form_add_rows(rows, facts->compact);
+    }
     table_cell(rows, "grid");
     table_cell(rows, "depth %u, %lu voxels per axis, %s", info->depth, 1UL << info->depth,
                svo_name(SVO_NAME_COVERAGE, (svo_coverage)info->coverage));
@@ -123,31 +131,39 @@ static void print_levels(const svo_tree_info *info)
     table_print(rows);
 }
 
-int command_info(program *state)
+/* Reads what INPUT is, and the tree that a compact one expands to. */
+static int read_facts(program *state, file_facts *facts)
 {
     svo_tree *tree = NULL;
-    program_begin_progress(state, 1);
     int exit_code = input_load_tree(state, &tree);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
+    if (exit_code == PROGRAM_DONE && input_is_compact(state)) {
+        exit_code = input_load_compact(state, &facts->compact);
     }
-    file_facts facts = {0};
-    facts.info = (svo_tree_info)SVO_TREE_INFO_INIT;
-    svo_tree_get_info(tree, &facts.info);
-    exit_code = input_measure(state, &facts.file_bytes);
-    if (exit_code == PROGRAM_DONE && (svo_tree_hash(tree, SVO_HASH_ALL, facts.hash) != SVO_OK ||
-                                      svo_tree_hash(tree, SVO_HASH_NODES, facts.nodes_hash) != SVO_OK)) {
+    if (exit_code == PROGRAM_DONE) {
+        facts->info = (svo_tree_info)SVO_TREE_INFO_INIT;
+        svo_tree_get_info(tree, &facts->info);
+        exit_code = input_measure(state, &facts->file_bytes);
+    }
+    if (exit_code == PROGRAM_DONE && (svo_tree_hash(tree, SVO_HASH_ALL, facts->hash) != SVO_OK ||
+                                      svo_tree_hash(tree, SVO_HASH_NODES, facts->nodes_hash) != SVO_OK)) {
         exit_code = program_fail(state, PROGRAM_FAILED, "%s: the tree cannot be hashed", state->options.input);
     }
     svo_tree_destroy(&tree);
-    if (exit_code != PROGRAM_DONE) {
-        return exit_code;
-    }
+    return exit_code;
+}
+
+int command_info(program *state)
+{
+    file_facts facts = {.compact = NULL};
+    program_begin_progress(state, 1);
+    int exit_code = read_facts(state, &facts);
     progress_destroy(&state->progress);
-    if (state->options.json) {
-        return json_print(state, to_json(state, &facts));
+    if (exit_code == PROGRAM_DONE && state->options.json) {
+        exit_code = json_print(state, to_json(state, &facts));
+    } else if (exit_code == PROGRAM_DONE) {
+        print_header(state, &facts);
+        print_levels(&facts.info);
     }
-    print_header(state, &facts);
-    print_levels(&facts.info);
-    return PROGRAM_DONE;
+    svo_compact_destroy(&facts.compact);
+    return exit_code;
 }

@@ -31,7 +31,7 @@ static int check_plan(program *state)
     static const char *const of_builds[] = {"part", NULL};
     static const char where[] = "to parts plan";
     if (options_refuse(state, of_builds, where) != PROGRAM_DONE ||
-        options_refuse_groups(state, OPTION_METHODS, where) != PROGRAM_DONE) {
+        options_refuse_groups(state, OPTION_METHODS | OPTION_TREE_FORM, where) != PROGRAM_DONE) {
         return PROGRAM_WRONG_USAGE;
     }
     return parts_check_builder(state);
@@ -176,25 +176,52 @@ static int status(program *state, const svo_parts *parts)
     return PROGRAM_DONE;
 }
 
+/* The folder's name without its suffix; by malloc. NULL: it has another, or there is no memory. */
+static char *path_of_folder(const char *folder)
+{
+    const size_t length = strlen(folder);
+    char *path = output_has_suffix(folder, SUFFIX) ? calloc(length + 1, 1) : NULL;
+    if (path != NULL) {
+        memcpy(path, folder, length - (sizeof SUFFIX - 1));
+    }
+    return path;
+}
+
+static int stitch_to(program *state, const svo_parts *parts, const char *path)
+{
+    session opened = {0};
+    int exit_code = state->options.tree_form != 0 ? open_device(state, &opened) : PROGRAM_DONE;
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = parts_finish(state, &opened, parts, path);
+    }
+    session_close(&opened);
+    return exit_code;
+}
+
 /* -o, or the folder's name without its suffix. */
 static int stitch(program *state, const svo_parts *parts)
 {
-    const char *folder = state->options.input;
-    const size_t length = strlen(folder);
-    if (state->options.output_path != NULL) {
-        const int exit_code = output_check(state, state->options.output_path);
-        return exit_code == PROGRAM_DONE ? parts_finish(state, parts, state->options.output_path) : exit_code;
+    const options *given = &state->options;
+    if (given->tree_form == 0 &&
+        options_refuse_groups(state, OPTION_DEVICE, "to parts stitch without --tree-form") != PROGRAM_DONE) {
+        return PROGRAM_WRONG_USAGE;
     }
-    if (length < sizeof SUFFIX || strcmp(folder + length - (sizeof SUFFIX - 1), SUFFIX) != 0) {
+    if (given->output_path != NULL) {
+        const int exit_code = output_check(state, given->output_path);
+        return exit_code == PROGRAM_DONE ? stitch_to(state, parts, given->output_path) : exit_code;
+    }
+    if (!output_has_suffix(given->input, SUFFIX)) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "%s does not end in " SUFFIX ": parts stitch needs -o FILE",
-                            folder);
+                            given->input);
     }
-    char *path = calloc(length + 1, 1);
+    char *path = path_of_folder(given->input);
     if (path == NULL) {
         return program_fail(state, PROGRAM_FAILED, "out of memory");
     }
-    memcpy(path, folder, length - (sizeof SUFFIX - 1));
-    const int exit_code = parts_finish(state, parts, path);
+    int exit_code = output_check_tree(state, path, "--tree-form");
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = stitch_to(state, parts, path);
+    }
     free(path);
     return exit_code;
 }
@@ -218,7 +245,7 @@ static const struct {
     const char *names[3];
 } actions[] = {{"build", build_parts_of, OPTION_DEVICE | OPTION_METHODS, {"part", "max-memory", NULL}},
                {"status", status, OPTION_JSON, {NULL}},
-               {"stitch", stitch, OPTION_OUTPUT, {NULL}}};
+               {"stitch", stitch, OPTION_OUTPUT | OPTION_TREE_FORM | OPTION_DEVICE, {NULL}}};
 
 int command_parts(program *state)
 {

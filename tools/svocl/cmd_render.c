@@ -10,6 +10,7 @@
 #include "support/probe_picture.h"
 #include "support/scene_file.h"
 #include "support/table.h"
+#include "support/tree_form.h"
 #include "support/value_scale.h"
 #include "support/viewpoint.h"
 #include "svocl/commands.h"
@@ -32,19 +33,18 @@ static int report_picture(program *state, const session *opened, const svo_camer
     return PROGRAM_DONE;
 }
 
-/* A tree on the device, with its arrays on the host. */
+/* A tree or a compact tree on the device, with its arrays on the host. */
 typedef struct tree_render {
     program *state;
     const session *opened;
-    svo_tree *tree;
+    svo_target target;
     float *numbers; /* owned: of a picture that has a scale */
     value_scale scale;
 } tree_render;
 
 static int draw_tree(const tree_render *work, const svo_render_options *asked, void *pixels)
 {
-    return svo_render(svo_tree_target(work->tree), asked, svo_in_host(pixels),
-                      &(svo_submit){.queue = work->opened->queue}) == SVO_OK
+    return svo_render(work->target, asked, svo_in_host(pixels), &(svo_submit){.queue = work->opened->queue}) == SVO_OK
                ? PROGRAM_DONE
                : program_fail_library(work->state, svo_device_message(work->opened->device));
 }
@@ -82,10 +82,10 @@ static int draw(void *user, const svo_camera *camera, const svo_picture_output *
     return has_scale ? draw_scaled(work, &asked, pixels) : draw_tree(work, &asked, pixels);
 }
 
-static int render(program *state, const session *opened, svo_tree *tree)
+static int render(program *state, const session *opened, svo_target target)
 {
-    tree_render work = {.state = state, .opened = opened, .tree = tree};
-    const viewpoint_subject shown = {.target = svo_tree_target(tree), .aspect = viewpoint_aspect(state)};
+    tree_render work = {.state = state, .opened = opened, .target = target};
+    const viewpoint_subject shown = {.target = target, .aspect = viewpoint_aspect(state)};
     svo_camera camera;
     double render_ms = 0;
     int exit_code = viewpoint_place(state, &shown, &camera);
@@ -96,9 +96,15 @@ static int render(program *state, const session *opened, svo_tree *tree)
     return exit_code == PROGRAM_DONE ? report_picture(state, opened, &camera, &work.scale, render_ms) : exit_code;
 }
 
+/* Steps of the progress bar after the tree. */
+static unsigned further_steps(const program *state)
+{
+    return 1 + picture_frames(&state->options) + (state->options.tree_form != 0 ? 1 : 0);
+}
+
 static int build_tree(program *state, job *done)
 {
-    const int exit_code = job_open(state, state->options.need, 1 + picture_frames(&state->options), done);
+    const int exit_code = job_open(state, state->options.need, further_steps(state), done);
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
@@ -111,6 +117,29 @@ static int build_tree(program *state, job *done)
         job_release(done);
     }
     return built;
+}
+
+/* A mesh, voxels, or a finished tree, of whatever form; drawn in the form of --tree-form. */
+static int render_tree(program *state)
+{
+    job done;
+    svo_compact *compact = NULL;
+    int exit_code = input_is_compact(state) ? tree_form_load(state, further_steps(state), &done, &compact)
+                    : input_is_tree(state)  ? job_load(state, further_steps(state), &done)
+                                            : build_tree(state, &done);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    if (compact == NULL) {
+        exit_code = tree_form_take(state, &done, &compact);
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = render(state, &done.opened,
+                           compact != NULL ? svo_compact_target(compact) : svo_tree_target(done.result.tree));
+    }
+    svo_compact_destroy(&compact);
+    job_release(&done);
+    return exit_code;
 }
 
 static int check_probes(program *state)
@@ -145,13 +174,31 @@ static int check_view(program *state)
                               "options of lights and cones require --view ao, direct, gi, specular or full");
 }
 
+/* What is made of built trees alone. */
+static int check_form(program *state)
+{
+    const options *given = &state->options;
+    const char *where = given->animate != 0                 ? "with --animate, which moves a built tree"
+                        : given->paged > 0                  ? "with --paged, which reads a .svo file"
+                        : given->through != 0               ? "with --through probes, which are made of a built tree"
+                        : render_light_is_asked(given)      ? "to views of light, which is stored in a built tree"
+                        : given->view == SVO_VIEW_TRIANGLES ? "to --view triangles, which no compact tree has"
+                                                            : NULL;
+    if (where != NULL && options_refuse_groups(state, OPTION_TREE_FORM, where) != PROGRAM_DONE) {
+        return PROGRAM_WRONG_USAGE;
+    }
+    return given->view != SVO_VIEW_TRIANGLES || !input_is_compact(state)
+               ? PROGRAM_DONE
+               : program_fail(state, PROGRAM_WRONG_USAGE, "%s is a compact tree, which has no triangles to view",
+                              given->input);
+}
+
 int command_render(program *state)
 {
     if (state->options.output_path == NULL) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "-o FILE is missing");
     }
-    job done;
-    if (check_probes(state) != PROGRAM_DONE || check_view(state) != PROGRAM_DONE) {
+    if (check_probes(state) != PROGRAM_DONE || check_view(state) != PROGRAM_DONE || check_form(state) != PROGRAM_DONE) {
         return PROGRAM_WRONG_USAGE;
     }
     int exit_code = render_animation_check(state);
@@ -177,13 +224,5 @@ int command_render(program *state)
     if (exit_code == PROGRAM_DONE && scene_file_is_input(state)) {
         return render_scene(state);
     }
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = input_is_tree(state) ? job_load(state, 1 + picture_frames(&state->options), &done)
-                                         : build_tree(state, &done);
-    }
-    if (exit_code == PROGRAM_DONE) {
-        exit_code = render(state, &done.opened, done.result.tree);
-        job_release(&done);
-    }
-    return exit_code;
+    return exit_code == PROGRAM_DONE ? render_tree(state) : exit_code;
 }

@@ -22,8 +22,8 @@ static void print_help(const program *state)
         table_cell(rows, "%s", state->commands[i].summary);
     }
     table_print_wrapped(rows, TABLE_HELP_WIDTH);
-    fputs("\nINPUT is a mesh file (OBJ, PLY, STL, OFF, glTF, ...), a .svo file where no build\n"
-          "is needed, - for standard input, or a generated scene,\n"
+    fputs("\nINPUT is a mesh file (OBJ, PLY, STL, OFF, glTF, ...), a voxel file, a .svo or\n"
+          ".svc file where no build is needed, - for standard input, or a generated scene,\n"
           "scene:NAME[:triangles[:seed]], with NAME one of\n ",
           stdout);
     for (size_t i = 0; scene_describe(i) != NULL; ++i) {

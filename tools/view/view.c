@@ -440,6 +440,11 @@ static int check_options(program *running)
         return program_fail(running, PROGRAM_WRONG_USAGE, "--frames takes a scene with motions, a .json file, not %s",
                             given->input);
     }
+    if (given->tree_form != 0 && !is_scene) {
+        return program_fail(running, PROGRAM_WRONG_USAGE,
+                            "--tree-form takes a scene, a .json file: %s is shown as a built tree, which light needs",
+                            given->input);
+    }
     return is_scene && has_cones
                ? program_fail(running, PROGRAM_WRONG_USAGE,
                               "options of lights and cones, and their views, do not apply to the scene %s",

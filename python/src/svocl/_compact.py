@@ -17,7 +17,7 @@ from ._handle import Guard, Handle, Native, view
 from ._mesh import Path, from_bytes, from_path, need_io
 from ._native import ffi, lib
 from ._resident import Resident
-from ._tree import Camera, Tree, draw, render_options, trace_voxels
+from ._tree import Camera, Tree, draw, framed, render_options, trace_voxels
 
 if TYPE_CHECKING:
     from ._device import Device
@@ -271,21 +271,40 @@ class Compact(Resident):
         function = self._of_target(lib.svo_trace_voxels)
         return self._enqueue("trace_enqueue", function, (rays, hits), ray_count, [footprint, 0], queue, wait_for)
 
+    def frame(self, aspect: float = 1.0, camera: Optional[Camera] = None) -> Camera:
+        """Tree.frame of the tree that this was made from, downloading first if need be.
+
+        Args:
+            aspect, camera: see Tree.frame.
+
+        Raises:
+            InvalidArgumentError: the camera has no frame: its up is along its line of sight.
+        """
+        with self._downloaded(None) as pointer:
+            return framed(lib.svo_compact_target(pointer), aspect, camera)
+
     def render(
-        self, width: int, height: int, camera: Camera, *, view: View = View.SHADED, queue: Any = None
+        self,
+        width: int,
+        height: int,
+        camera: Optional[Camera] = None,
+        *,
+        view: View = View.SHADED,
+        queue: Any = None,
     ) -> npt.NDArray[np.uint8]:
         """Draws a picture and waits: the bytes of Tree.render of the tree that this was made from.
 
         Args:
             width, height: pixels, 1 .. 16384.
-            camera: for example Tree.frame's.
+            camera: None: Compact.frame.
             view: what to show: View.SHADED, NORMAL, DEPTH, STEPS or LEVEL.
             queue: a pyopencl.CommandQueue on the device's context, or its int_ptr; None: the device's own.
 
         Returns:
             (height, width, 4) uint8: RGBA, top to bottom.
         """
-        options, picture = render_options(width, height, camera, view)
+        used = self.frame(width / max(height, 1)) if camera is None else camera
+        options, picture = render_options(width, height, used, view)
         return draw(functools.partial(self._device_call, "render"), lib.svo_compact_target, options, picture, queue)
 
     # --- shared -----------------------------------------------------------------------------------------------------

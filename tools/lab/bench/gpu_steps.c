@@ -390,7 +390,7 @@ void gpu_step_verify(gpu_run *run, const gpu_input *source, const gpu_method *me
 
 void gpu_step_forms(gpu_run *run, const gpu_input *source)
 {
-    static const char *const words[] = {"verify", "--form", "all", NULL};
+    static const char *const words[] = {"verify", "--tree-form", "all", NULL};
     child_answer answer;
     const char *wrong = NULL;
     ask(run, words, source, NULL, &answer);

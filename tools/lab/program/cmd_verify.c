@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * svocl verify: compares a tree with the exact reference (tools/lab/reference), voxel by voxel, pair by pair and vertex
- * by vertex; with --form, what its compact forms expand to with the tree; with --solid, the inside. Exact is the tree
- * of the mesh as it was given, in numbers of any size.
+ * by vertex; with --tree-form, what its compact forms expand to with the tree; with --solid, the inside. Exact is the
+ * tree of the mesh as it was given, in numbers of any size.
  */
 #include <inttypes.h>
 #include <string.h>
@@ -96,10 +96,11 @@ static svo_status check_form(const session *opened, const svo_tree *tree, svo_fo
     return status;
 }
 
-/* Makes, expands and compares what --form names. tree: with host arrays. Returns the exit code, its line printed. */
+/* Makes, expands and compares what --tree-form names. tree: with host arrays. Returns the exit code, its line
+   printed. */
 static int form_check_run(program *state, const session *opened, const svo_tree *tree, form_checks *out)
 {
-    const int wanted = state->options.form;
+    const int wanted = state->options.tree_form;
     *out = (form_checks){.count = 0};
     for (int form = 0; form < SVO_FORM_COUNT; ++form) {
         if (wanted == OPTION_FORM_ALL || wanted == 1 + form) {
@@ -247,7 +248,7 @@ typedef struct verdict {
     tree_differences tree;
     bool snap_compared; /* false for a tree from a file: the grid that was asked for is missing */
     snap_differences snap;
-    form_checks forms; /* none without --form */
+    form_checks forms; /* none without --tree-form */
     solid_verdict solid; /* none without --solid */
 } verdict;
 
@@ -401,9 +402,14 @@ static int verify_tree_file(program *state)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    if (state->options.form != 0 || state->options.solid != 0) {
+    if (state->options.tree_form != 0 || state->options.solid != 0) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "option --%s does not apply to a .svo file, give the mesh",
-                            state->options.form != 0 ? "form" : "solid");
+                            state->options.tree_form != 0 ? "tree-form" : "solid");
+    }
+    if (input_is_compact(state)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE,
+                            "%s is a compact tree, which has no leaf lists to compare; give the mesh, and --tree-form",
+                            state->options.input);
     }
     svo_tree *tree = NULL;
     program_begin_progress(state, 3);

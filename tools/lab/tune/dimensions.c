@@ -509,6 +509,8 @@ void tune_setting_command(const program *state, const tune_setting *setting, tex
     add_carried(out, state);
     if (at[DIMENSION_GATHER] != 0) {
         add_gather_options(out, state, setting);
+    } else if (at[DIMENSION_FORM] != 0) {
+        text_list_add(out, " --tree-form %s -o model.svc", choice_name(forms, at[DIMENSION_FORM]));
     } else {
         text_list_add(out, " -o model.svo");
     }
@@ -586,9 +588,9 @@ void tune_setting_code(const tune_setting *setting, text_list *out)
 
 const char *tune_setting_rest(const tune_setting *setting)
 {
-    const bool has_form = setting->values[DIMENSION_FORM] != 0;
+    const bool has_form = setting->values[DIMENSION_FORM] != 0 && setting->values[DIMENSION_GATHER] != 0;
     return gather_how(setting->values[DIMENSION_GATHER]) == GATHER_PROBES
                ? "the command draws a picture through these probes: irradiance at points is svo_probes_irradiance's"
-           : has_form ? "the command makes the tree alone: the compact form is svo_compact_create's, by these options"
+           : has_form ? "the command gathers in the tree alone: svocl build --tree-form makes its compact form"
                       : "";
 }
