@@ -14,25 +14,7 @@
 
 #include "rays/ray_batch.clh"
 #include "rays/rays.clh"
-
-#ifdef SVO_RAY_STREAMS
-#define SVO_TRACE_ITEMS 1
-#else
-#define SVO_TRACE_ITEMS SVO_GROUP_ITEMS
-#endif
-
-/* The rays of this work-item: equal shares, of whole packets on CPUs. */
-static void svo_trace_share(uint ray_count, uint *first, uint *end)
-{
-#ifdef SVO_RAY_STREAMS
-    const uint items = (uint)get_global_size(0);
-    const ulong share = ((ray_count - 1u) / SVO_PACKET_RAYS / items + 1u) * (ulong)SVO_PACKET_RAYS;
-#else
-    const ulong share = 1u;
-#endif
-    *first = (uint)min(get_global_id(0) * share, (ulong)ray_count);
-    *end = (uint)min(*first + share, (ulong)ray_count);
-}
+#include "rays/share.clh"
 
 __kernel __attribute__((reqd_work_group_size(SVO_TRACE_ITEMS, 1, 1))) void
 svo_k_trace(SVO_TREE_PARAMETERS, __global const svo_ray *rays, __global svo_hit *hits, uint ray_count, uint any)

@@ -68,7 +68,6 @@ static svo_status gather_cones(svo_light *light, const svo_gather_params *params
                                .input_bytes = sizeof(svo_gather_point),
                                .output_bytes = sizeof(svo_gather_result),
                                .count = point_count,
-                               .per_item = 1,
                                .last_argument = {sizeof *params, params, false}};
     return svo_i_batch_run(&asked, points, results, submit);
 }

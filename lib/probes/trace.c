@@ -80,7 +80,6 @@ svo_status svo_probes_trace(svo_probes *probes, svo_array rays, svo_array hits, 
                                .input_bytes = sizeof(svo_ray),
                                .output_bytes = sizeof(svo_probe_hit),
                                .count = ray_count,
-                               .per_item = 1,
                                .last_argument = {sizeof thickness, &thickness, false}};
     return svo_i_batch_run(&asked, &rays, &hits, submit);
 }
@@ -108,8 +107,7 @@ svo_status svo_probes_irradiance(svo_probes *probes, svo_array points, svo_array
                                .output_name = "results",
                                .input_bytes = sizeof(svo_gather_point),
                                .output_bytes = sizeof(svo_probe_irradiance),
-                               .count = point_count,
-                               .per_item = 1};
+                               .count = point_count};
     return svo_i_batch_run(&asked, &points, &results, submit);
 }
 

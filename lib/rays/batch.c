@@ -3,6 +3,7 @@
 #include "rays/batch.h"
 
 #include <math.h>
+#include <stdio.h>
 
 #include "core/device.h"
 #include "core/submit.h"
@@ -30,18 +31,32 @@ static svo_status make_kernel(const svo_i_batch *asked, cl_mem input, cl_mem out
     const cl_uint first = asked->target.arguments;
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(input), SVO_I_ARGUMENT(output), SVO_I_ARGUMENT(count),
                                         asked->last_argument};
+    char defines[SVO_I_PROGRAM_DEFINES_BYTES];
     cl_program program = NULL;
-    SVO_I_TRY(svo_i_program_get(asked->device, asked->function, asked->program, asked->defines, &program, NULL));
+    (void)snprintf(defines, sizeof defines, "%s%s", asked->defines, asked->streams ? " -DSVO_RAY_STREAMS" : "");
+    SVO_I_TRY(svo_i_program_get(asked->device, asked->function, asked->program, defines, &program, NULL));
     SVO_I_TRY(svo_i_kernel_create(asked->device, asked->function, program, asked->kernel_name, out));
     SVO_I_TRY(asked->target.set(asked->target.of, asked->function, *out, 0));
     return svo_i_kernel_set_from(asked->device, asked->function, *out, first, arguments,
                                  asked->last_argument.value != NULL ? 4 : 3);
 }
 
+#define STREAM_ITEMS     4096u
+#define STREAM_SHARE_MAX 256u
+
+/* Records of a work-item with streams, whose last rays have few others beside them: many, but enough work-items for the
+   threads of a large machine. */
+static size_t stream_share(size_t count)
+{
+    const size_t share = count / STREAM_ITEMS / SVO_GROUP_ITEMS * SVO_GROUP_ITEMS;
+    return share < SVO_GROUP_ITEMS ? SVO_GROUP_ITEMS : share < STREAM_SHARE_MAX ? share : STREAM_SHARE_MAX;
+}
+
 static svo_status launch(const svo_i_batch *asked, cl_mem input, cl_mem output, const svo_i_call *call)
 {
-    const size_t items = (asked->count + asked->per_item - 1) / asked->per_item;
-    const size_t local = asked->per_item == 1 ? SVO_GROUP_ITEMS : 1;
+    const size_t per_item = asked->streams ? stream_share(asked->count) : 1;
+    const size_t items = (asked->count + per_item - 1) / per_item;
+    const size_t local = asked->streams ? 1 : SVO_GROUP_ITEMS;
     svo_i_launch launched = {.groups = (items + local - 1) / local, .group_items = local};
     svo_status status = SVO_OK;
     SVO_I_TRY_CLEANUP(make_kernel(asked, input, output, &launched.kernel));
@@ -81,7 +96,7 @@ svo_status svo_i_batch_of_voxels(svo_i_batch *batch, size_t ray_count, const cl_
     batch->input_bytes = sizeof(svo_ray);
     batch->output_bytes = sizeof(svo_voxel_hit);
     batch->count = ray_count;
-    batch->per_item = 1;
+    batch->streams = batch->device != NULL && batch->device->cpu_path;
     batch->last_argument = (svo_i_argument){sizeof *footprint, footprint, false};
     if (flags != 0) {
         return svo_i_device_fail(batch->device, SVO_INVALID_ARGUMENT, "%s: flags %u is not 0, and not of a scene",
@@ -93,39 +108,25 @@ svo_status svo_i_batch_of_voxels(svo_i_batch *batch, size_t ray_count, const cl_
                                    batch->function, (double)*footprint);
 }
 
-#define STREAM_ITEMS     4096u
-#define STREAM_SHARE_MAX 256u
-
 /* ---- rays ---- */
-
-/* Rays of a work-item with streams, whose last rays have few others beside them: many, but enough work-items for the
-   threads of a large machine. */
-static size_t stream_share(size_t ray_count)
-{
-    const size_t share = ray_count / STREAM_ITEMS / SVO_GROUP_ITEMS * SVO_GROUP_ITEMS;
-    return share < SVO_GROUP_ITEMS ? SVO_GROUP_ITEMS : share < STREAM_SHARE_MAX ? share : STREAM_SHARE_MAX;
-}
 
 /* any: 1 for SVO_TRACE_ANY, else 0; lives as long as the batch. */
 static svo_status ray_batch(svo_tree *tree, const char *function, size_t ray_count, uint32_t flags, cl_uint *any,
                             svo_i_batch *out)
 {
-    const bool streams = flags != SVO_TRACE_COUNT && tree->device != NULL && tree->device->cpu_path;
     *any = flags == SVO_TRACE_ANY;
     *out = (svo_i_batch){.device = tree->device,
                          .function = function,
                          .target = svo_i_rays_target(tree),
                          .program = &svo_i_program_trace,
                          .kernel_name = "svo_k_trace",
-                         .defines = flags == SVO_TRACE_COUNT ? " -DSVO_COUNT_HITS"
-                                    : streams                ? " -DSVO_RAY_STREAMS"
-                                                             : "",
+                         .defines = flags == SVO_TRACE_COUNT ? " -DSVO_COUNT_HITS" : "",
+                         .streams = flags != SVO_TRACE_COUNT && tree->device != NULL && tree->device->cpu_path,
                          .input_name = "rays",
                          .output_name = "hits",
                          .input_bytes = sizeof(svo_ray),
                          .output_bytes = sizeof(svo_hit),
                          .count = ray_count,
-                         .per_item = streams ? stream_share(ray_count) : 1, /* see kernels/rays/trace.cl */
                          .last_argument = {sizeof *any, any, false}};
     return flags <= SVO_TRACE_COUNT
                ? SVO_OK
@@ -160,8 +161,7 @@ svo_status svo_tree_nearest(svo_tree *tree, svo_array points, svo_array results,
                                .output_name = "results",
                                .input_bytes = sizeof(svo_query_point),
                                .output_bytes = sizeof(svo_nearest),
-                               .count = point_count,
-                               .per_item = 1};
+                               .count = point_count};
     return svo_i_batch_run(&asked, &points, &results, submit);
 }
 

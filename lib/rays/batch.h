@@ -15,7 +15,7 @@ typedef struct svo_i_batch {
     const char *input_name, *output_name; /* of the arguments */
     size_t input_bytes, output_bytes; /* of a record */
     size_t count;
-    size_t per_item; /* records a work-item takes; above 1: in groups of one work-item */
+    bool streams; /* a work-item takes many records, in groups of one, by a program with SVO_RAY_STREAMS: for CPUs */
     svo_i_argument last_argument; /* after the count; its value NULL: none */
 } svo_i_batch;
 

@@ -95,8 +95,7 @@ static svo_status trace(const svo_scene *scene, const char *function, scene_targ
                                .output_name = "hits",
                                .input_bytes = sizeof(svo_ray),
                                .output_bytes = of->triangles ? sizeof(svo_scene_triangle_hit) : sizeof(svo_scene_hit),
-                               .count = ray_count,
-                               .per_item = 1};
+                               .count = ray_count};
     return svo_i_batch_run(&asked, rays, hits, submit);
 }
 

@@ -14,9 +14,9 @@ Records are in rooms/ROOM.txt:
 
 A line that begins with "in" names the folders or files whose text the records after it change; those that are not
 there are left out, as long as one is. A record is a name, a piece of text that occurs exactly once in them, what takes
-its place, and the tests, of which one must fail: programs of the build with their arguments. In a text, \\n is the end
-of a line. Where the text of a record is not found, or found again, the run ends with an error, so that no record
-outlives the code that it is about.
+its place, and the tests, of which one must fail: programs of the build with their arguments; --gpu-path, as the last
+of them, runs it by the kernels for GPUs. In a text, \\n is the end of a line. Where the text of a record is not found,
+or found again, the run ends with an error, so that no record outlives the code that it is about.
 
 --check reads the records alone, without a build. FOLDER holds the copy and its build; a second run there is quicker.
 """
@@ -37,6 +37,7 @@ ROOMS_LEAST = 8  # records of a room
 SUFFIXES = {".c", ".h", ".cl", ".clh", ".cpp"}
 TEST_SECONDS = 400  # a mistake may make a test hang
 PINS = "golden_pins"  # ends at its first difference
+GPU_PATH = "--gpu-path"
 # Where a kernel or a shader does not compile, any test fails.
 NO_MISTAKE = ("SVO_COMPILE_FAILED", "does not compile")
 
@@ -186,10 +187,11 @@ class Copy:
             sys.exit(f"run.py: the build has no program {test[0]}")
         program = max(found, key=lambda path: path.stat().st_mtime)  # an older one is where it stood once
         first = ["--first"] if test[0] == PINS else []
+        path = {"SVOCL_TEST_PATH": "gpu"} if test[-1] == GPU_PATH else {}
         printed = []
         with subprocess.Popen(
-            [str(program), *first, *test[1:]],
-            env=self.environment,
+            [str(program), *first, *(word for word in test[1:] if word != GPU_PATH)],
+            env=self.environment | path,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,

@@ -11,6 +11,7 @@ const subject_words subject_table[SUBJECT_COUNT] = {
     [SUBJECT_CONVERT] = {"convert", "all",
                          "voxels to lists, trees, compact trees and files, for solid spheres of growing size"},
     [SUBJECT_RAYS] = {"rays", "all", "rays against triangles, compared with Embree"},
+    [SUBJECT_VOXEL_RAYS] = {"voxel-rays", "all", "rays through voxels, compared with NanoVDB and a brickmap"},
     [SUBJECT_COMPACT] = {"compact", "all", "compact trees: bytes and rays beside the built tree"},
     [SUBJECT_SOLID] = {"solid", "all", "the inside of closed meshes, compared with OpenVDB"},
     [SUBJECT_SCENE] = {"scene", "all", "instances of a tree beside one tree of all voxels and beside Embree"},

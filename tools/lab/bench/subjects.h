@@ -17,6 +17,8 @@ extern const suite_subject bench_startup;
 extern const suite_subject bench_import;
 /* Voxels to trees and files. */
 extern const suite_subject bench_convert;
+/* Subject "voxel-rays": rays through the voxels of a tree beside NanoVDB and a brickmap. */
+extern const suite_subject bench_voxel_rays;
 /* Subject "compact": bytes and rays of compact trees beside the built tree. */
 extern const suite_subject bench_compact;
 /* svocl bench solid: the inside of closed meshes. */

@@ -15,6 +15,7 @@ const suite_subject *const subjects[] = {
     [SUBJECT_IMPORT] = &bench_import,
     [SUBJECT_CONVERT] = &bench_convert,
     [SUBJECT_RAYS] = &bench_rays,
+    [SUBJECT_VOXEL_RAYS] = &bench_voxel_rays,
     [SUBJECT_COMPACT] = &bench_compact,
     [SUBJECT_SOLID] = &bench_solid,
     [SUBJECT_SCENE] = &bench_scene,

@@ -123,6 +123,12 @@ static const summary_extract extracts[] = {
      .columns = {"scene", "format", "triangles", "file", "svocl", "assimp", "svocl rate", "assimp rate",
                  "svocl/assimp"}},
     /* The chapters of what is made from trees. */
+    {.id = "voxel-rays",
+     .table_id = "voxel-rays",
+     .title = "Rays through voxels",
+     .in_summary = true,
+     .columns = {"scene", "depth", "voxels", "rays", "svocl", "NanoVDB", "ratio to NanoVDB", "brickmap",
+                 "ratio to brickmap", "svocl wrong", "NanoVDB wrong", "brickmap wrong"}},
     {.id = "compact",
      .table_id = "compact",
      .title = "Compact trees",

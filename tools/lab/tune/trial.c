@@ -12,6 +12,9 @@
 
 #define RAYS 16384u
 
+/* Builds that are shorter depend on what ran before them. */
+#define SHORT_BUILD_MS 50.0
+
 bool trials_open(program *state, sampler *made, uint64_t queries, bool traces, trials *out)
 {
     *out = (trials){.state = state, .made = made, .queries = queries, .traces = traces};
@@ -108,6 +111,19 @@ static bool build(trial *run)
         run->times->result_bytes = (double)info.tree_bytes;
     }
     return status == SVO_OK;
+}
+
+/* Builds; a short build a second time, which counts, so that each has its own kind before it: the caches and the memory
+   that another setting leaves behind would make it slower, and which one that is depends on the sweep. */
+static bool build_warm(trial *run)
+{
+    bool worked = build(run);
+    if (worked && run->times->build_ms < SHORT_BUILD_MS) {
+        svo_tree_destroy(&run->tree);
+        svo_plan_destroy(&run->plan);
+        worked = build(run);
+    }
+    return worked;
 }
 
 static bool make_form(trial *run)
@@ -211,7 +227,7 @@ bool trial_run(trials *all, const tune_setting *setting, trial_times *out, svo_m
         return false;
     }
     trial run = {.all = all, .setting = setting, .opened = &with->opened, .times = out};
-    bool worked = build(&run) && make_form(&run);
+    bool worked = build_warm(&run) && make_form(&run);
     if (worked && setting->values[DIMENSION_GATHER] != 0) {
         worked = gather(&run);
     } else if (worked && all->traces) {
