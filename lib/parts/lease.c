@@ -19,7 +19,7 @@
 
 #define PLANNER_NAME   "planner" LEASE_SUFFIX
 #define RUN_PREFIX     "run-"
-#define OWNER_PREFIX   "owner-"
+#define OWNER_NAME     "owner"
 #define TOKEN_BYTES    160
 #define TEXT_BYTES     512
 #define TRIES          1000
@@ -246,8 +246,7 @@ typedef struct look {
     owner own;
     int64_t now;
     bool is_refused; /* the message says by whom */
-    char entry[TEXT_BYTES]; /* of the planner: its file */
-    char token[TOKEN_BYTES]; /* names of what is broken */
+    char entry[TEXT_BYTES]; /* OWNER of the planner */
 } look;
 
 static void refuse(look *l, const owner *found, const char *does)
@@ -290,28 +289,35 @@ static int look_at_run(void *user, const char *name)
 static int note_entry(void *user, const char *name)
 {
     look *l = user;
-    if (strncmp(name, OWNER_PREFIX, strlen(OWNER_PREFIX)) == 0) {
-        (void)snprintf(l->entry, sizeof l->entry, "%s", name);
-    }
+    (void)snprintf(l->entry, sizeof l->entry, "%s", name);
     return 0;
 }
 
-/* Moves the planner's lease away. If that is not the one that was found stale, it goes back. */
-static int break_planner(look *l, const char *held, const owner *found)
+/* Moves the planner's folder away; no other planner has one of that name. What it was in is empty then. */
+static int break_planner(const look *l, const char *held, const owner *found)
 {
-    char *moved = svo_i_path_join(l->folder, l->token);
-    char *entry = moved != NULL ? svo_i_path_join(moved, l->entry) : NULL;
-    int error = entry == NULL ? ENOMEM : rename(held, moved) == 0 ? 0 : errno;
-    if (error == 0 && access(entry, F_OK) != 0) {
-        (void)rename(moved, held);
-        refuse(l, found, "plans its parts");
-    } else if (error == 0) {
-        error = svo_i_path_remove(moved);
+    char name[TEXT_BYTES + sizeof "broken-" LEASE_SUFFIX];
+    (void)snprintf(name, sizeof name, "broken-%s" LEASE_SUFFIX, l->entry);
+    char *own = svo_i_path_join(held, l->entry);
+    char *moved = svo_i_path_join(l->folder, name);
+    int error = own == NULL || moved == NULL ? ENOMEM : rename(own, moved) == 0 ? 0 : errno;
+    if (error == 0) {
         tell_broken(l, found);
+        error = svo_i_path_remove(moved);
     }
-    svo_i_free(entry);
     svo_i_free(moved);
-    return error == ENOENT ? 0 : error;
+    svo_i_free(own);
+    return error;
+}
+
+static int read_planner(const char *held, const char *entry, owner *found, int64_t *seconds)
+{
+    char *own = svo_i_path_join(held, entry);
+    char *path = own != NULL ? svo_i_path_join(own, OWNER_NAME) : NULL;
+    const int error = path != NULL ? read_owner(path, found, seconds) : ENOMEM;
+    svo_i_free(path);
+    svo_i_free(own);
+    return error;
 }
 
 static int look_at_planner(look *l)
@@ -321,16 +327,14 @@ static int look_at_planner(look *l)
     char *held = svo_i_path_join(l->folder, PLANNER_NAME);
     l->entry[0] = '\0';
     int error = held != NULL ? each_name(held, note_entry, l) : ENOMEM;
-    char *path = error == 0 ? svo_i_path_join(held, l->entry) : NULL;
     if (error == 0 && l->entry[0] != '\0') {
-        error = path != NULL ? read_owner(path, &found, &seconds) : ENOMEM;
+        error = read_planner(held, l->entry, &found, &seconds);
         if (error == 0 && !is_stale(&l->own, &found, l->now, seconds)) {
             refuse(l, &found, "plans its parts");
         } else if (error == 0 && l->device != NULL) {
             error = break_planner(l, held, &found);
         }
     }
-    svo_i_free(path);
     svo_i_free(held);
     return error == ENOENT ? 0 : error;
 }
@@ -364,9 +368,13 @@ static int make_folder(const char *folder, bool *made)
     return *made || errno == EEXIST ? 0 : errno;
 }
 
-static void name_token(const owner *own, int number, const char *prefix, const char *suffix, char token[TOKEN_BYTES])
+/* A name that no other lease has, nor an earlier one of this process. */
+static void name_token(const owner *own, const char *prefix, const char *suffix, char token[TOKEN_BYTES])
 {
-    (void)snprintf(token, TOKEN_BYTES, "%s%.64s-%ld-%d%s", prefix, own->host, own->process, number, suffix);
+    struct timespec now;
+    (void)clock_gettime(CLOCK_REALTIME, &now);
+    (void)snprintf(token, TOKEN_BYTES, "%s%.64s-%ld-%llx%08lx%s", prefix, own->host, own->process,
+                   (unsigned long long)now.tv_sec, (unsigned long)now.tv_nsec, suffix);
 }
 
 /* A new file of the owner; *path is the caller's. */
@@ -375,7 +383,7 @@ static int make_run(const char *folder, const owner *own, char **path)
     int error = EEXIST;
     for (int i = 0; error == EEXIST && i < TRIES; ++i) {
         char token[TOKEN_BYTES];
-        name_token(own, i, RUN_PREFIX, LEASE_SUFFIX, token);
+        name_token(own, RUN_PREFIX, LEASE_SUFFIX, token);
         svo_i_free(*path);
         *path = svo_i_path_join(folder, token);
         error = *path != NULL ? write_owner(*path, O_CREAT | O_EXCL, own) : ENOMEM;
@@ -450,26 +458,25 @@ static int64_t monotonic_ms(void)
     return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
 }
 
-/* A folder of its own with the owner's file in it. *path and *name are the caller's. */
-static int make_planner(look *l, char **path, char file_name[TOKEN_BYTES])
+/* A folder with OWNER, a folder with the owner's file. *path is the caller's. */
+static int make_planner(look *l, char **path, char token[TOKEN_BYTES])
 {
-    int error = EEXIST;
-    for (int i = 0; error == EEXIST && i < TRIES; ++i) {
-        name_token(&l->own, i, "plan-", LEASE_SUFFIX, l->token);
-        svo_i_free(*path);
-        *path = svo_i_path_join(l->folder, l->token);
-        error = *path == NULL ? ENOMEM : mkdir(*path, 0777) == 0 ? 0 : errno;
-        name_token(&l->own, i, OWNER_PREFIX, "", file_name);
-    }
-    char *file = error == 0 ? svo_i_path_join(*path, file_name) : NULL;
+    char name[TOKEN_BYTES + sizeof "plan-" LEASE_SUFFIX];
+    name_token(&l->own, "", "", token);
+    (void)snprintf(name, sizeof name, "plan-%s" LEASE_SUFFIX, token);
+    *path = svo_i_path_join(l->folder, name);
+    char *own = *path != NULL ? svo_i_path_join(*path, token) : NULL;
+    char *file = own != NULL ? svo_i_path_join(own, OWNER_NAME) : NULL;
+    int error = file == NULL ? ENOMEM : mkdir(*path, 0777) == 0 ? 0 : errno;
     if (error == 0) {
-        error = file != NULL ? write_owner(file, O_CREAT | O_EXCL, &l->own) : ENOMEM;
+        error = mkdir(own, 0777) == 0 ? write_owner(file, O_CREAT | O_EXCL, &l->own) : errno;
         l->now = error == 0 ? clock_of(file) : 0;
         if (error != 0) {
             (void)svo_i_path_remove(*path);
         }
     }
     svo_i_free(file);
+    svo_i_free(own);
     return error;
 }
 
@@ -480,7 +487,6 @@ static int hold(look *l, const char *made, const char *held)
     for (int i = 0; i < TRIES && !l->is_refused && (error == EEXIST || error == ENOTEMPTY); ++i) {
         error = rename(made, held) == 0 ? 0 : errno;
         if (error == EEXIST || error == ENOTEMPTY) {
-            name_token(&l->own, i, "broken-", LEASE_SUFFIX, l->token);
             const int failed = look_at_planner(l);
             error = failed != 0 ? failed : error;
         }
@@ -493,23 +499,24 @@ static int take_planner(look *l, svo_i_planner *planner)
     char token[TOKEN_BYTES];
     char *made = NULL;
     planner->folder = svo_i_copy_text(NULL, l->folder);
-    char *held = svo_i_path_join(l->folder, PLANNER_NAME);
-    int error = planner->folder != NULL && held != NULL ? make_folder(l->folder, &planner->made_folder) : ENOMEM;
+    char *all = svo_i_path_join(l->folder, PLANNER_NAME);
+    int error = planner->folder != NULL && all != NULL ? make_folder(l->folder, &planner->made_folder) : ENOMEM;
     error = error == 0 ? make_planner(l, &made, token) : error;
     if (error == 0) {
-        planner->owner = svo_i_path_join(held, token);
-        error = planner->owner != NULL ? hold(l, made, held) : ENOMEM;
+        char *own = svo_i_path_join(all, token);
+        planner->owner = own != NULL ? svo_i_path_join(own, OWNER_NAME) : NULL;
+        error = planner->owner != NULL ? hold(l, made, all) : ENOMEM;
         if (error != 0) {
             (void)svo_i_path_remove(made);
+            svo_i_free(own);
+        } else {
+            planner->held = own;
+            planner->renewed_ms = monotonic_ms();
+            error = each_name(l->folder, look_at_run, l);
         }
     }
     svo_i_free(made);
-    if (error == 0) {
-        planner->held = held;
-        planner->renewed_ms = monotonic_ms();
-        return each_name(l->folder, look_at_run, l);
-    }
-    svo_i_free(held);
+    svo_i_free(all);
     return error;
 }
 
@@ -540,16 +547,21 @@ svo_status svo_i_planner_renew(svo_i_planner *planner, svo_message *message)
                              : fail_errno(message, planner->owner, "cannot be renewed", error);
 }
 
-/* The lease is moved away before it is emptied, so that the next planner does not find it half gone. */
+/* What is left in planner.lease is empty then, which is as good as not there. */
 void svo_i_planner_release(svo_i_planner *planner)
 {
-    if (planner->held != NULL && (access(planner->owner, F_OK) == 0 || errno != ENOENT)) {
-        char token[TOKEN_BYTES + 32];
-        (void)snprintf(token, sizeof token, "done-%s%s", strrchr(planner->owner, '/') + 1, LEASE_SUFFIX);
+    if (planner->held != NULL) {
+        char token[TOKEN_BYTES + sizeof "done-" LEASE_SUFFIX];
+        (void)snprintf(token, sizeof token, "done-%s" LEASE_SUFFIX, strrchr(planner->held, '/') + 1);
         char *moved = svo_i_path_join(planner->folder, token);
         const bool is_moved = moved != NULL && rename(planner->held, moved) == 0;
         (void)svo_i_path_remove(is_moved ? moved : planner->held);
         svo_i_free(moved);
+        char *all = svo_i_path_join(planner->folder, PLANNER_NAME);
+        if (all != NULL) {
+            (void)rmdir(all);
+        }
+        svo_i_free(all);
     }
     if (planner->made_folder) {
         (void)rmdir(planner->folder);

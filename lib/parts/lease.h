@@ -4,12 +4,13 @@
  * keep planners from taking a plan away from those that work by it.
  *
  *   run-OWNER.lease      a file of each run that builds or stitches (svo_parts_lease)
- *   planner.lease/       a folder of the one process that plans: owner-OWNER, which is renewed, and what it makes
- *                        beside the plan that is there (planning.c)
+ *   planner.lease/OWNER/ a folder in a folder, of the one process that plans: "owner", which is renewed, and what it
+ *                        makes beside the plan that is there (planning.c)
  *
- * A folder is renamed onto another only where that is empty, on network file systems too, so there is one planner. All
- * that a planner moves into the folder or out of it goes by renames through its lease. When the lease is broken by a
- * rename, those paths are gone, so a planner that was stopped meanwhile can change nothing when it goes on.
+ * A folder is renamed onto another only where that is empty, on network file systems too, so there is one planner. OWNER
+ * is a name that no other lease has, and all that a planner moves into the folder of the parts or out of it goes by
+ * renames through that. When the lease is broken by a rename, those paths are gone, so a planner that was stopped
+ * meanwhile can change nothing when it goes on, not even release what is another's by then.
  *
  * A lease is stale when it was not renewed for SVO_PARTS_LEASE_SECONDS by the clock of the file system, or when its
  * process is known to be gone: one of this machine since it started, that has no such process any more.
@@ -26,7 +27,7 @@
 
 /* The lease of a planner. */
 typedef struct svo_i_planner {
-    char *held; /* FOLDER/planner.lease; NULL: none */
+    char *held; /* FOLDER/planner.lease/OWNER; NULL: none */
     char *owner; /* the file in it that is renewed */
     char *folder; /* of the parts */
     bool made_folder;

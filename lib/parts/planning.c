@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * From one plan of a folder to the next. A planner writes below its lease: "new" with the files of triangles, and
- * "plan". Then each step is a rename of what lies below the lease, or to there, so a planner whose lease was broken can
- * do none of them:
+ * "plan". Then each step is a rename of what lies there, or to there, so a planner whose lease was broken can do none
+ * of them:
  *
  *   1. "new" becomes the folder that has the plan's identity for a name; where that is there, its files replace those.
  *   2. "plan" replaces the plan of the folder. From here on who opens the folder has the new plan; before, the old one.
@@ -21,8 +21,6 @@
 #include "parts/lease.h"
 #include "parts/part_file.h"
 
-#define NEW_NAME  "new"
-#define OLD_NAME  "old"
 #define PLAN_NAME "plan"
 
 static svo_status fail_errno(const svo_parts *parts, svo_message *message, const char *what, int error)
@@ -38,7 +36,7 @@ static svo_status fail_errno(const svo_parts *parts, svo_message *message, const
 svo_status svo_i_planning_begin(svo_parts *parts, const svo_device *device, svo_message *message)
 {
     SVO_I_TRY(svo_i_planner_take(parts->folder, device, &parts->planner, message));
-    parts->place = svo_i_path_join(parts->planner.held, NEW_NAME);
+    parts->place = svo_i_path_join(parts->planner.held, "new");
     if (parts->place == NULL) {
         return svo_i_folder_no_memory(parts, message);
     }
@@ -107,7 +105,7 @@ static int install(const svo_parts *parts, const char *place)
 /* Removes what is of other plans. What stays in the end does no harm, so failures are not told. */
 static void remove_others(const svo_parts *parts, const char *kept)
 {
-    char *old = svo_i_path_join(parts->planner.held, OLD_NAME);
+    char *old = svo_i_path_join(parts->planner.held, "old");
     if (old != NULL && mkdir(old, 0777) == 0) {
         const moving others = {parts->folder, old, svo_i_folder_is_of_other_plans, kept};
         (void)move_chosen(&others);
@@ -122,16 +120,18 @@ svo_status svo_i_planning_switch(svo_parts *parts, svo_message *message)
     svo_i_identity_write(parts->identity, name);
     char *place = svo_i_path_join(parts->folder, name);
     char *plan = svo_i_path_join(parts->planner.held, PLAN_NAME);
-    svo_status status = place != NULL && plan != NULL ? svo_i_folder_save(parts, plan, message)
-                                                      : svo_i_folder_no_memory(parts, message);
+    char *target = svo_i_path_join(parts->folder, PLAN_NAME);
+    svo_status status = place != NULL && plan != NULL && target != NULL ? svo_i_folder_save(parts, plan, message)
+                                                                        : svo_i_folder_no_memory(parts, message);
     if (status == SVO_OK) {
         int error = install(parts, place);
-        error = error == 0 ? move(parts->planner.held, parts->folder, PLAN_NAME) : error;
+        error = error == 0 && rename(plan, target) != 0 ? errno : error;
         status = error == 0 ? SVO_OK : fail_errno(parts, message, "the plan cannot be put in its place", error);
     }
     if (status == SVO_OK) {
         remove_others(parts, name);
     }
+    svo_i_free(target);
     svo_i_free(plan);
     svo_i_free(place);
     return status;
