@@ -7,9 +7,9 @@
  *   planner.lease/OWNER/ a folder in a folder, of the one process that plans: "owner", which is renewed, and what it
  *                        makes beside the plan that is there (planning.c)
  *
- * A folder is renamed onto another only where that is empty, on network file systems too, so there is one planner. OWNER
- * is a name that no other lease has, and all that a planner moves into the folder of the parts or out of it goes by
- * renames through that. When the lease is broken by a rename, those paths are gone, so a planner that was stopped
+ * A folder is renamed onto another only where that is empty, on network file systems too, so there is one planner.
+ * OWNER is a name that no other lease has, and all that a planner moves into the folder of the parts or out of it goes
+ * by renames through that. When the lease is broken by a rename, those paths are gone, so a planner that was stopped
  * meanwhile can change nothing when it goes on, not even release what is another's by then.
  *
  * A lease is stale when it was not renewed for SVO_PARTS_LEASE_SECONDS by the clock of the file system, or when its

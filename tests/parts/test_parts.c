@@ -1116,6 +1116,58 @@ static void test_triangles_of_another_plan(void **state)
     attributed_mesh_destroy(&other);
 }
 
+/* A folder that is planned anew: who opened it before builds and stitches nothing more, and says why. Parts of the plan
+   before are of no use to the new one, nor is the place of its triangles, which is gone. */
+static void test_planned_anew(void **state)
+{
+    attributed_mesh made;
+    attributed_mesh other;
+    svo_message message;
+    svo_parts *before = NULL;
+    svo_parts_lease *lease = NULL;
+    char folder[PATH_BYTES];
+    char place[PATH_BYTES + 48];
+    char out[PATH_BYTES];
+    attributed_mesh_create(31, 200, 0.0, &made);
+    attributed_mesh_create(32, 200, 0.0, &other);
+    path_of("folder", folder);
+    path_of("parts.svo", out);
+    job j = open_job(state, &made.mesh);
+    check(&j, svo_parts_lease_take(folder, &lease, &message), &message);
+    check(&j, svo_parts_create(j.opened.device, &other.mesh, 5, NULL, 400000, folder, &message), &message);
+    check(&j, svo_parts_open(folder, &before, &message), &message);
+    place_of(folder, place);
+    check(&j, svo_parts_build(before, 0, j.opened.device, NULL, NULL, &message), &message);
+    check(&j, svo_parts_create(j.opened.device, &made.mesh, 5, NULL, 400000, folder, &message), &message);
+    assert_int_equal(access(place, F_OK), -1);
+    assert_int_equal(svo_parts_build(before, 1, j.opened.device, NULL, NULL, &message), SVO_UNAVAILABLE);
+    assert_non_null(strstr(message.text, strrchr(place, '/') + 1));
+    assert_int_equal(svo_parts_finish(before, out, &message), SVO_UNAVAILABLE);
+    assert_non_null(strstr(message.text, "planned anew meanwhile: this run belongs to plan "));
+    svo_parts_close(&before);
+    build_folder(&j, j.opened.device, folder);
+    finish_folder(&j, folder, out);
+    build_whole(&j, 5, NULL);
+    path_of("whole.svo", folder);
+    assert_same_files(folder, out);
+    path_of("folder", folder);
+    place_of(folder, place);
+    check(&j, svo_parts_create(j.opened.device, &made.mesh, 5, NULL, 300000, folder, &message), &message);
+    assert_int_equal(access(place, F_OK), 0);
+    check(&j, svo_parts_lease_renew(lease, &message), &message);
+    check(&j, svo_parts_remove(folder, &message), &message);
+    assert_int_equal(svo_parts_lease_renew(lease, &message), SVO_UNAVAILABLE);
+    svo_parts_lease_release(&lease);
+    assert_null(lease);
+    svo_parts_lease_release(&lease);
+    assert_int_equal(svo_parts_lease_take(NULL, &lease, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_parts_lease_renew(NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_parts_get_identity(NULL, place, &message), SVO_INVALID_ARGUMENT);
+    close_job(&j);
+    attributed_mesh_destroy(&made);
+    attributed_mesh_destroy(&other);
+}
+
 static int setup(void **state)
 {
     return mkdtemp(directory) != NULL ? fixture_group_setup(state) : -1;
@@ -1158,6 +1210,7 @@ TEST_GROUP(parts)
         cmocka_unit_test(test_damaged_folders),
         cmocka_unit_test(test_older_folders),
         cmocka_unit_test(test_triangles_of_another_plan),
+        cmocka_unit_test(test_planned_anew),
     };
     return cmocka_run_group_tests_name("parts", tests, setup, teardown);
 }

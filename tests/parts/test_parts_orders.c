@@ -367,10 +367,10 @@ static void expect_words(const actor *a)
     const char *text = a->message.text;
     const bool plans = a->does == PLANS_A || a->does == PLANS_B;
     bool known = false;
-    if (a->status == SVO_UNAVAILABLE) {
-        known = strstr(text, "its lease is less than") != NULL || strstr(text, "the lease was broken") != NULL ||
-                strstr(text, "planned anew meanwhile") != NULL;
-        known = known && (world.leases_are_stale || strstr(text, "its lease is less than") != NULL);
+    if (a->status == SVO_UNAVAILABLE && !world.leases_are_stale) {
+        known = strstr(text, "its lease is less than") != NULL;
+    } else if (a->status == SVO_UNAVAILABLE) {
+        known = strstr(text, "the lease was broken") != NULL || strstr(text, "planned anew meanwhile") != NULL;
     } else if (a->status == SVO_FILE_ERROR && !plans) {
         known = !a->opened ? strstr(text, "plan: cannot be opened") != NULL
                            : a->does == STITCHES && strstr(text, "is missing") != NULL;
