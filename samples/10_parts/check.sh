@@ -21,7 +21,7 @@ echo m p elsewhere 7 >made.svo.parts/planner.lease/7/owner
 rm made.svo.parts/"$(cd made.svo.parts && set -- *.part && echo "$1")"
 make_again()
 {
-    MAKEFLAGS='' make -s -j 2 -f "$here/Makefile" MESH=scene:statue:20000 DEPTH=7 BYTES=2M OUT=made.svo 2>&1
+    MAKEFLAGS='' make -s -j 1 -f "$here/Makefile" MESH=scene:statue:20000 DEPTH=7 BYTES=2M OUT=made.svo 2>&1
 }
 ! make_again >words
 grep -q 'process 7 on elsewhere plans its parts' words
