@@ -17,18 +17,22 @@
  *     svo_parts_finish          all parts are there -> the .svo file
  *     svo_parts_remove          removes what is in the folder
  *
+ * Every file has the identity of the plan that it is of: a hash of the triangles and materials, the grid, the options
+ * of the tree and the version of the library. What is of another plan is refused by name. svo_parts_lease keeps a plan
+ * in its place while it is worked by.
+ *
  * A part file is a head, a table of segments and the segments: of each level of the part the child masks and the
  * payload, of the leaves also areas and lists, in Morton order. The head has the sums of the part's root, unrounded:
  * the levels above the parts are rounded once, from sums, by the same integer arithmetic as all others. Numbers are
  * little-endian.
  *
  *     0    u8[8] 89 53 56 50 0d 0a 1a 0a
- *     8    u32 version, 2; u32 number of segments
+ *     8    u32 version, 4; u32 number of segments
  *     16   u64 length of the file; u64 XXH3 of bytes 32 .. the end of the table
- *     32   u64 XXH3 of the header's values; u64 code; u32 level; u32 1 for a mesh file, 0 for a part
- *     56   u64 fragments; u64 weight, u64 color[4], i64 normal[3]: the root's sums
- *     128  u32 level_begin[18]: of the part's own levels, as in svo_tree_info
- *     200  segments: u32 kind, u32 level, u64 offset, u64 length, u64 XXH3 of the segment
+ *     32   u64 identity[2]; u64 code; u32 level; u32 1 for a mesh file, 0 for a part
+ *     64   u64 fragments; u64 weight, u64 color[4], i64 normal[3]: the root's sums
+ *     136  u32 level_begin[18]: of the part's own levels, as in svo_tree_info
+ *     208  segments: u32 kind, u32 level, u64 offset, u64 length, u64 XXH3 of the segment
  *
  * A kind is a svo_tree_buffer; 14 are the root's materials and weights, a u64 each: material << 48 | weight. list_begin
  * has an entry per leaf, and lists have positions among the kept triangles of the whole mesh. Parts of version 1 are of
@@ -103,13 +107,45 @@ SVO_API svo_status svo_part_check(const svo_part_header *header, const char *pat
  * \param path the .svo file, which appears whole or not at all; no pipe or terminal, since its head is written last
  * \param message receives the reason for a failure; NULL allowed
  * \returns SVO_FILE_DAMAGED (a part is damaged, of another tree, or overlaps another), SVO_CAPACITY_EXCEEDED (more than
- *          2^32 - 2 nodes or list entries; the message has the number), SVO_FILE_ERROR, SVO_INVALID_ARGUMENT or
- *          SVO_OUT_OF_HOST_MEMORY on failure. */
+ *          2^32 - 2 nodes or list entries; the message has the number), SVO_UNAVAILABLE (a failure of files that may
+ *          pass, such as that of a full disk), SVO_FILE_ERROR, SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on
+ *          failure. */
 SVO_API svo_status svo_parts_stitch(const svo_part_header *header, const char *const *paths, size_t part_count,
                                     const char *mesh_path, const char *path, svo_message *message);
 
 /** A folder with the parts of one tree. */
 typedef struct svo_parts svo_parts;
+
+#define SVO_PARTS_IDENTITY_BYTES 33 /**< of an identity as text: 32 hexadecimal digits, and the terminator */
+#define SVO_PARTS_LEASE_SECONDS  60 /**< a lease that was not renewed for so long is stale */
+
+/** That a run builds or stitches the parts of a folder. While there is one, other processes do not plan or remove it.
+ *  Any number of runs may have one of a folder. */
+typedef struct svo_parts_lease svo_parts_lease;
+
+/** Takes a lease. It is a file of the folder with its owner in it. A process that takes one before it plans has no gap
+ *  between its plan and its parts.
+ *
+ * \param folder is made where it is not there
+ * \param out receives the lease; release it by svo_parts_lease_release
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_UNAVAILABLE (another process plans the folder, which the message names, or there is no space),
+ *          SVO_FILE_ERROR, SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on failure. */
+SVO_API svo_status svo_parts_lease_take(const char *folder, svo_parts_lease **out, svo_message *message);
+
+/** Renews a lease: to be called three times in SVO_PARTS_LEASE_SECONDS or more often, by any thread, but not while
+ *  another uses the lease. A lease that is not renewed counts for nothing, and whoever plans next breaks it: what is
+ *  built by the plan before is then refused.
+ *
+ * \param lease not NULL
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_UNAVAILABLE (it was broken), SVO_FILE_ERROR or SVO_INVALID_ARGUMENT on failure. */
+SVO_API svo_status svo_parts_lease_renew(svo_parts_lease *lease, svo_message *message);
+
+/** Releases a lease, and removes the folder if the lease made it and it is empty.
+ *
+ * \param lease set to NULL; NULL and a pointer to NULL are allowed */
+SVO_API void svo_parts_lease_release(svo_parts_lease **lease);
 
 /** A part of the list of a folder. */
 typedef struct svo_parts_entry {
@@ -127,7 +163,8 @@ typedef struct svo_parts_entry {
 /** Plans the parts of a mesh: makes one plan of the whole mesh for the header, writes the triangles and the materials
  *  to the folder, and splits parts, eight children each, until each is expected to fit max_bytes. Parts that no
  *  triangle meets do not exist. Part files that are there already stay; svo_parts_build checks whether they are of this
- *  tree.
+ *  tree. The plan is made beside the one that is there and replaces it at once, in the end. Leases of other processes
+ *  that are stale are broken, which the device's log is told.
  *
  * \param device whose memory the parts are planned for
  * \param mesh the whole mesh
@@ -139,7 +176,8 @@ typedef struct svo_parts_entry {
  * \param folder is made where it is not there
  * \param message receives the reason for a failure; NULL allowed
  * \returns SVO_CAPACITY_EXCEEDED (more than 2^32 - 2 nodes are expected, and nothing is written; or max_bytes is too
- *          small for any part), SVO_FILE_ERROR, and what svo_plan_create returns. */
+ *          small for any part), SVO_UNAVAILABLE (another process plans, builds or stitches the parts, or broke this
+ *          one's lease, or there is no space), SVO_FILE_ERROR, and what svo_plan_create returns. */
 SVO_API svo_status svo_parts_create(svo_device *device, const svo_mesh *mesh, unsigned depth,
                                     const svo_plan_options *options, uint64_t max_bytes, const char *folder,
                                     svo_message *message);
@@ -192,6 +230,15 @@ SVO_API size_t svo_parts_count(const svo_parts *parts);
  * \returns SVO_INVALID_ARGUMENT when header is NULL or its struct_size is too small. */
 SVO_API svo_status svo_parts_get_header(const svo_parts *parts, svo_part_header *header, svo_message *message);
 
+/** The identity of the plan. It is in each of its files, and names the folder of those that are not parts.
+ *
+ * \param parts not NULL
+ * \param text receives it
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_INVALID_ARGUMENT on failure. */
+SVO_API svo_status svo_parts_get_identity(const svo_parts *parts, char text[SVO_PARTS_IDENTITY_BYTES],
+                                          svo_message *message);
+
 /** Describes a part as it was planned.
  *
  * \param parts not NULL
@@ -222,8 +269,9 @@ SVO_API svo_status svo_parts_is_built(const svo_parts *parts, size_t index, int 
  * \param queue of the device; NULL: the device's own
  * \param message receives the reason for a failure; NULL allowed
  * \returns SVO_FILE_ERROR (such as triangles that are missing), SVO_FILE_DAMAGED (triangles that are not those that
- *          were written; creating the parts again writes them, and keeps what is built), SVO_CAPACITY_EXCEEDED (a part
- *          that cannot be split does not fit), SVO_INVALID_ARGUMENT and what svo_build returns. */
+ *          were written; creating the parts again writes them, and keeps what is built), SVO_UNAVAILABLE (the folder
+ *          was planned anew since it was opened, or there is no space), SVO_CAPACITY_EXCEEDED (a part that cannot be
+ *          split does not fit), SVO_INVALID_ARGUMENT and what svo_build returns. */
 SVO_API svo_status svo_parts_build(const svo_parts *parts, size_t index, svo_device *device, svo_frontend *frontend,
                                    cl_command_queue queue, svo_message *message);
 
@@ -232,14 +280,15 @@ SVO_API svo_status svo_parts_build(const svo_parts *parts, size_t index, svo_dev
  * \param parts not NULL
  * \param path the .svo file, see svo_parts_stitch
  * \param message receives the reason for a failure; NULL allowed
- * \returns SVO_FILE_ERROR (a part is missing; the message names it) and what svo_parts_stitch returns. */
+ * \returns SVO_FILE_ERROR (a part is missing; the message names it), SVO_UNAVAILABLE (the folder was planned anew, and
+ *          parts of the plan that was opened are missing) and what svo_parts_stitch returns. */
 SVO_API svo_status svo_parts_finish(const svo_parts *parts, const char *path, svo_message *message);
 
 /** Removes the files of a folder, and the folder if nothing else is in it.
  *
  * \param folder of svo_parts_create
  * \param message receives the reason for a failure; NULL allowed
- * \returns SVO_FILE_ERROR or SVO_INVALID_ARGUMENT on failure. */
+ * \returns SVO_UNAVAILABLE (another process has a lease), SVO_FILE_ERROR or SVO_INVALID_ARGUMENT on failure. */
 SVO_API svo_status svo_parts_remove(const char *folder, svo_message *message);
 
 #ifdef __cplusplus

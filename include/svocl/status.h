@@ -64,7 +64,8 @@ extern "C" {
     X(SVO_INTERNAL, 14, "an invariant of the library does not hold")                    \
     X(SVO_CANCELED, 15, "the progress callback stopped the call")                       \
     X(SVO_NOT_ON_DEVICE, 16, "the tree is not on a device; upload it first")            \
-    X(SVO_DEVICE_UNRELIABLE, 17, "a kernel gives wrong results on the device")
+    X(SVO_DEVICE_UNRELIABLE, 17, "a kernel gives wrong results on the device")          \
+    X(SVO_UNAVAILABLE, 18, "a file or a folder cannot be had now; later it may")
 
 /** \cond the enumerators are those of SVO_STATUS_LIST */
 typedef enum svo_status {

@@ -19,6 +19,7 @@
 #include "parts/folder.h"
 #include "parts/job.h"
 #include "parts/part_file.h"
+#include "parts/planning.h"
 #include "parts/triangles.h"
 #include "plan/arrays.h"
 #include "plan/part.h"
@@ -148,13 +149,15 @@ static svo_status fill_folder(svo_parts *parts, svo_device *device, const svo_me
 {
     svo_plan *plan = NULL;
     svo_status status = SVO_OK;
+    SVO_I_TRY(svo_i_lease_check(parts->folder, message)); /* before work that would be in vain */
     SVO_I_TRY_CLEANUP(plan_whole(parts, device, mesh, depth, options, &plan, message));
-    SVO_I_TRY_CLEANUP(svo_i_folder_make(parts->folder, message));
+    SVO_I_TRY_CLEANUP(svo_i_planning_begin(parts, device, message));
     SVO_I_TRY_CLEANUP(copy_materials(parts, mesh, message));
     SVO_I_TRY_CLEANUP(save_input(parts, plan, mesh, message));
     SVO_I_TRY_CLEANUP(save_mesh(parts, plan, message));
     svo_plan_destroy(&plan);
-    status = svo_i_parts_divide(parts, device, message);
+    SVO_I_TRY_CLEANUP(svo_i_parts_divide(parts, device, message));
+    status = svo_i_planning_switch(parts, message);
 cleanup:
     svo_plan_destroy(&plan);
     return status;
@@ -236,6 +239,7 @@ static svo_status write_triangles(passing *p, const char *path)
             return fail_device(p, status);
         }
         SVO_I_TRY(svo_i_triangles_append(&p->file, &block, p->kept, kept_count));
+        SVO_I_TRY(svo_i_planning_renew(p->parts, p->message));
     } while (block.triangle_count > 0);
     SVO_I_TRY(svo_i_triangles_hash(&p->file, &hash));
     p->parts->header = (svo_part_header)SVO_PART_HEADER_INIT;
@@ -256,7 +260,7 @@ static svo_status run_passes(passing *p, svo_plan *empty)
         return fail_device(p, status);
     }
     SVO_I_TRY(find_grid(p));
-    SVO_I_TRY(svo_i_folder_make(p->parts->folder, p->message));
+    SVO_I_TRY(svo_i_planning_begin(p->parts, p->device, p->message));
     char *path = svo_i_part_path(p->parts, 0, 0, "tri");
     p->kept = svo_i_alloc(NULL, BLOCK_TRIANGLES * sizeof *p->kept);
     status = path != NULL && p->kept != NULL ? write_triangles(p, path) : svo_i_folder_no_memory(p->parts, p->message);
@@ -287,8 +291,10 @@ cleanup:
 
 static svo_status fill_from_file(passing *p, const char *path, unsigned depth, const svo_plan_options *options)
 {
+    SVO_I_TRY(svo_i_lease_check(p->parts->folder, p->message)); /* before work that would be in vain */
     SVO_I_TRY(take_file(p, path, depth, options));
-    return svo_i_parts_divide(p->parts, p->device, p->message);
+    SVO_I_TRY(svo_i_parts_divide(p->parts, p->device, p->message));
+    return svo_i_planning_switch(p->parts, p->message);
 }
 
 svo_status svo_parts_create_from_file(svo_device *device, const char *path, unsigned depth,

@@ -20,10 +20,11 @@
 #include "io/file_format.h"
 #include "output/output.h"
 #include "parts/part_file.h"
+#include "svocl/version.h"
 
 #define PLAN_NAME    "plan"
 #define PLAN_MAGIC   "\x89SVL\r\n\x1a\n"
-#define PLAN_VERSION 3 /* with part files of version 3 */
+#define PLAN_VERSION 4 /* with part files of version 4 */
 #define NAME_BYTES   48
 
 /* The front of the file "plan"; entries, materials, sizes of textures and their texels follow. hash: of all bytes after
@@ -36,6 +37,7 @@ typedef struct plan_head {
     uint64_t file_bytes;
     uint64_t max_bytes;
     uint64_t entry_count, material_count, texture_count;
+    uint64_t identity[2];
     svo_part_header header;
 } plan_head;
 
@@ -43,52 +45,25 @@ typedef struct plan_texture {
     uint32_t width, height, wrap_u, wrap_v;
 } plan_texture;
 
-static_assert(sizeof(plan_head) == 56 + 8 + sizeof(svo_part_header), "no padding");
+static_assert(sizeof(plan_head) == 56 + 8 + 16 + sizeof(svo_part_header), "no padding");
 static_assert(sizeof(svo_material) == 8 && sizeof(svo_i_part_entry) == 32, "no padding");
-
-/* The path of a file; released by svo_i_free. NULL when out of memory. */
-static char *join(const char *folder, const char *name)
-{
-    const size_t bytes = strlen(folder) + strlen(name) + 2;
-    char *path = svo_i_alloc(NULL, bytes);
-    if (path != NULL) {
-        (void)snprintf(path, bytes, "%s/%s", folder, name);
-    }
-    return path;
-}
 
 char *svo_i_folder_path(const svo_parts *parts, const char *name)
 {
-    return join(parts->folder, name);
+    return svo_i_path_join(parts->place, name);
 }
 
 char *svo_i_part_path(const svo_parts *parts, uint32_t level, uint64_t code, const char *suffix)
 {
     char name[NAME_BYTES];
     (void)snprintf(name, sizeof name, "%u-%llx.%s", level, (unsigned long long)code, suffix);
-    return svo_i_folder_path(parts, name);
-}
-
-void svo_i_folder_identity(const svo_parts *parts, uint64_t identity[2])
-{
-    const svo_part_header *header = &parts->header;
-    const uint64_t fields = parts->fields;
-    XXH3_state_t state;
-    XXH3_INITSTATE(&state);
-    XXH3_128bits_reset(&state);
-    XXH3_128bits_update(&state, (const char *)header + sizeof header->struct_size,
-                        sizeof *header - sizeof header->struct_size);
-    XXH3_128bits_update(&state, &parts->max_bytes, sizeof parts->max_bytes);
-    XXH3_128bits_update(&state, &fields, sizeof fields);
-    const XXH128_hash_t digest = XXH3_128bits_digest(&state);
-    identity[0] = digest.low64;
-    identity[1] = digest.high64;
+    return svo_i_path_join(strcmp(suffix, "part") == 0 ? parts->folder : parts->place, name);
 }
 
 svo_i_triangles_of svo_i_folder_triangles(const svo_parts *parts, uint32_t level, uint64_t code)
 {
     svo_i_triangles_of of = {.code = code, .level = level, .fields = parts->fields};
-    svo_i_folder_identity(parts, of.plan);
+    svo_i_part_identity(&parts->header, of.plan);
     return of;
 }
 
@@ -98,43 +73,12 @@ svo_status svo_i_file_find(const char *path, bool *is_there, svo_message *messag
     *is_there = stat(path, &found) == 0;
     return *is_there || errno == ENOENT
                ? SVO_OK
-               : svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be looked up: %s", path, strerror(errno));
+               : svo_i_fail(message, svo_i_file_status(errno), "%s: cannot be looked up: %s", path, strerror(errno));
 }
 
 svo_status svo_i_folder_no_memory(const svo_parts *parts, svo_message *message)
 {
     return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: out of memory", parts->folder);
-}
-
-/* Removes a file of a folder, unless another process has. Returns an errno. */
-static int remove_file(const char *folder, const char *name)
-{
-    char *path = join(folder, name);
-    const int error = path == NULL ? ENOMEM : unlink(path) == 0 || errno == ENOENT ? 0 : errno;
-    svo_i_free(path);
-    return error;
-}
-
-/* Removes the files of a folder for which choose says so. Returns the errno of the last that failed. */
-static int remove_files(const char *folder, bool (*choose)(const char *name))
-{
-    DIR *opened = opendir(folder);
-    if (opened == NULL) {
-        return errno;
-    }
-    int last_error = 0;
-    const struct dirent *entry = NULL;
-    do {
-        errno = 0;
-        entry = readdir(opened);
-        int error = entry == NULL ? errno : 0;
-        if (entry != NULL && choose(entry->d_name)) {
-            error = remove_file(folder, entry->d_name);
-        }
-        last_error = error != 0 ? error : last_error;
-    } while (entry != NULL);
-    (void)closedir(opened);
-    return last_error;
 }
 
 static bool ends_in(const char *name, const char *suffix)
@@ -143,26 +87,24 @@ static bool ends_in(const char *name, const char *suffix)
     return length >= strlen(suffix) && strcmp(name + length - strlen(suffix), suffix) == 0;
 }
 
-/* Part files know their whole; the other files may be of another tree. */
-static bool may_be_stale(const char *name)
+/* Whether a name is that of the place of a plan. */
+static bool is_place(const char *name)
 {
-    return strcmp(name, PLAN_NAME) == 0 || strcmp(name, "mesh") == 0 || ends_in(name, ".tri") ||
+    return strlen(name) == IDENTITY_BYTES - 1 && strspn(name, "0123456789abcdef") == IDENTITY_BYTES - 1;
+}
+
+/* Files of triangles lay beside parts before plans had places. */
+bool svo_i_folder_is_of_other_plans(const char *name, const char *kept)
+{
+    return (is_place(name) && strcmp(name, kept) != 0) || strcmp(name, "mesh") == 0 || ends_in(name, ".tri") ||
            ends_in(name, ".split");
 }
 
-/* Also what killed processes have left on file systems without O_TMPFILE. */
+/* Also what killed processes have left, of leases and on file systems without O_TMPFILE. */
 static bool is_ours(const char *name)
 {
-    return may_be_stale(name) || ends_in(name, ".part") || svo_i_output_is_temporary(name);
-}
-
-svo_status svo_i_folder_make(const char *folder, svo_message *message)
-{
-    int error = mkdir(folder, 0777) == 0 ? 0 : errno;
-    if (error == EEXIST) {
-        error = remove_files(folder, may_be_stale);
-    }
-    return error == 0 ? SVO_OK : svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be made: %s", folder, strerror(error));
+    return strcmp(name, PLAN_NAME) == 0 || svo_i_folder_is_of_other_plans(name, "") || ends_in(name, ".part") ||
+           ends_in(name, LEASE_SUFFIX) || svo_i_output_is_temporary(name);
 }
 
 svo_status svo_i_folder_add(svo_parts *parts, const svo_i_part_entry *entry, svo_message *message)
@@ -202,6 +144,8 @@ static void free_parts(svo_parts *parts)
     svo_i_free(parts->textures);
     svo_i_free(parts->materials);
     svo_i_free(parts->entries);
+    svo_i_planner_release(&parts->planner);
+    svo_i_free(parts->place);
     svo_i_free(parts->folder);
     svo_i_free(parts);
 }
@@ -260,7 +204,7 @@ static int write_plan(const svo_parts *parts, plan_head *head, const char *path)
     return error;
 }
 
-svo_status svo_i_folder_save(const svo_parts *parts, svo_message *message)
+svo_status svo_i_folder_save(const svo_parts *parts, const char *path, svo_message *message)
 {
     plan_head head = {.version = PLAN_VERSION,
                       .fields = parts->fields,
@@ -268,6 +212,7 @@ svo_status svo_i_folder_save(const svo_parts *parts, svo_message *message)
                       .entry_count = parts->entry_count,
                       .material_count = parts->material_count,
                       .texture_count = parts->texture_count,
+                      .identity = {parts->identity[0], parts->identity[1]},
                       .header = parts->header};
     memcpy(head.magic, PLAN_MAGIC, sizeof head.magic);
     head.file_bytes = sizeof head + parts->entry_count * sizeof *parts->entries +
@@ -275,15 +220,10 @@ svo_status svo_i_folder_save(const svo_parts *parts, svo_message *message)
     for (size_t i = 0; i < parts->texture_count; ++i) {
         head.file_bytes += texel_bytes(&parts->textures[i]);
     }
-    char *path = svo_i_folder_path(parts, PLAN_NAME);
-    if (path == NULL) {
-        return svo_i_folder_no_memory(parts, message);
-    }
     const int error = write_plan(parts, &head, path);
-    const svo_status status =
-        error == 0 ? SVO_OK : svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be written: %s", path, strerror(error));
-    svo_i_free(path);
-    return status;
+    return error == 0
+               ? SVO_OK
+               : svo_i_fail(message, svo_i_file_status(error), "%s: cannot be written: %s", path, strerror(error));
 }
 
 /* ---- reading ---- */
@@ -342,8 +282,21 @@ static bool take_head(svo_parts *parts, const unsigned char *bytes, size_t byte_
     parts->header = head->header;
     parts->fields = head->fields;
     parts->max_bytes = head->max_bytes;
+    memcpy(parts->identity, head->identity, sizeof parts->identity);
     return memcmp(head->magic, PLAN_MAGIC, sizeof head->magic) == 0 && head->version == PLAN_VERSION &&
            head->file_bytes == byte_count && head->hash == XXH3_64bits(bytes + begin, byte_count - begin);
+}
+
+/* Identities depend on the version of the library that planned. */
+static svo_status check_identity(const svo_parts *parts, const char *path, svo_message *message)
+{
+    uint64_t own[2];
+    svo_i_part_identity(&parts->header, own);
+    return memcmp(own, parts->identity, sizeof own) == 0
+               ? SVO_OK
+               : svo_i_fail(message, SVO_FILE_DAMAGED,
+                            "%s: the plan of another version of svocl than %s; planning the parts again writes it",
+                            path, SVO_VERSION_STRING);
 }
 
 static svo_status take_plan(svo_parts *parts, const char *path, const unsigned char *bytes, size_t byte_count,
@@ -357,6 +310,7 @@ static svo_status take_plan(svo_parts *parts, const char *path, const unsigned c
                                 "%s: version %" PRIu32 " is not known, only %d; planning the parts again writes it",
                                 path, head.version, PLAN_VERSION);
     }
+    SVO_I_TRY(check_identity(parts, path, message));
     remainder from = {bytes + sizeof head, byte_count - sizeof head, false};
     parts->entries = take(&from, head.entry_count, sizeof *parts->entries);
     parts->materials = take(&from, head.material_count, sizeof *parts->materials);
@@ -380,7 +334,7 @@ static svo_status read_plan(const char *path, unsigned char **bytes, size_t *byt
         if (file >= 0) {
             (void)close(file);
         }
-        return svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be opened: %s", path, strerror(error));
+        return svo_i_fail(message, svo_i_file_status(error), "%s: cannot be opened: %s", path, strerror(error));
     }
     *byte_count = (size_t)found.st_size;
     *bytes = svo_i_alloc(NULL, *byte_count + 1);
@@ -390,9 +344,10 @@ static svo_status read_plan(const char *path, unsigned char **bytes, size_t *byt
     if (*bytes == NULL) {
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for %zu bytes", path, *byte_count);
     }
-    return got == *byte_count ? SVO_OK
-                              : svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path,
-                                           error != 0 ? strerror(error) : "it has become shorter");
+    return got == *byte_count
+               ? SVO_OK
+               : svo_i_fail(message, error != 0 ? svo_i_file_status(error) : SVO_FILE_ERROR, "%s: cannot be read: %s",
+                            path, error != 0 ? strerror(error) : "it has become shorter");
 }
 
 static svo_status open_plan(svo_parts *parts, const char *path, svo_message *message)
@@ -407,6 +362,14 @@ static svo_status open_plan(svo_parts *parts, const char *path, svo_message *mes
     return status;
 }
 
+static svo_status find_place(svo_parts *parts, svo_message *message)
+{
+    svo_i_identity_text name;
+    svo_i_identity_write(parts->identity, name);
+    parts->place = svo_i_path_join(parts->folder, name);
+    return parts->place != NULL ? SVO_OK : svo_i_folder_no_memory(parts, message);
+}
+
 svo_status svo_parts_open(const char *folder, svo_parts **out, svo_message *message)
 {
     if (folder == NULL || out == NULL) {
@@ -418,13 +381,14 @@ svo_status svo_parts_open(const char *folder, svo_parts **out, svo_message *mess
     svo_status status = SVO_OK;
     if (parts != NULL) {
         parts->folder = svo_i_copy_text(NULL, folder);
-        path = parts->folder != NULL ? svo_i_folder_path(parts, PLAN_NAME) : NULL;
+        path = parts->folder != NULL ? svo_i_path_join(folder, PLAN_NAME) : NULL;
     }
     if (path == NULL) {
         status = svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "svo_parts_open: out of memory");
         goto cleanup;
     }
     SVO_I_TRY_CLEANUP(open_plan(parts, path, message));
+    SVO_I_TRY_CLEANUP(find_place(parts, message));
     *out = parts;
     parts = NULL;
 cleanup:
@@ -433,6 +397,47 @@ cleanup:
         free_parts(parts);
     }
     return status;
+}
+
+/* Reads the front of a folder's plan, and says whether all of it is there. */
+static bool read_identity(const char *folder, uint64_t identity[2])
+{
+    plan_head head = {.version = 0};
+    size_t got = 0;
+    char *path = svo_i_path_join(folder, PLAN_NAME);
+    const int file = path != NULL ? open(path, O_RDONLY | O_CLOEXEC) : -1;
+    if (file >= 0) {
+        (void)svo_i_read_at(file, 0, &head, sizeof head, &got);
+        (void)close(file);
+    }
+    svo_i_free(path);
+    memcpy(identity, head.identity, sizeof head.identity);
+    return got == sizeof head && head.version == PLAN_VERSION;
+}
+
+/* A plan that cannot be read now is taken for the one that was opened: what is made is checked where it is used. */
+svo_status svo_i_folder_is_current(const svo_parts *parts, svo_message *message)
+{
+    uint64_t found[2];
+    svo_i_identity_text own_name, found_name;
+    if (!read_identity(parts->folder, found) || memcmp(found, parts->identity, sizeof found) == 0) {
+        return SVO_OK;
+    }
+    svo_i_identity_write(parts->identity, own_name);
+    svo_i_identity_write(found, found_name);
+    return svo_i_fail(message, SVO_UNAVAILABLE,
+                      "%s: planned anew meanwhile: this run belongs to plan %s, the folder's plan is %s", parts->folder,
+                      own_name, found_name);
+}
+
+svo_status svo_parts_get_identity(const svo_parts *parts, char text[SVO_PARTS_IDENTITY_BYTES], svo_message *message)
+{
+    if (parts == NULL || text == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_parts_get_identity: %s is NULL",
+                          parts == NULL ? "parts" : "text");
+    }
+    svo_i_identity_write(parts->identity, text);
+    return SVO_OK;
 }
 
 void svo_parts_close(svo_parts **parts)
@@ -456,15 +461,48 @@ svo_status svo_parts_get_header(const svo_parts *parts, svo_part_header *header,
 
 /* ---- removing ---- */
 
+/* Only leases and places of plans are folders. */
+static int remove_entry(const char *path, const char *name)
+{
+    const bool is_folder = is_place(name) || ends_in(name, LEASE_SUFFIX);
+    return is_folder ? svo_i_path_remove(path) : unlink(path) == 0 || errno == ENOENT ? 0 : errno;
+}
+
+/* Removes what is ours in a folder. Returns the errno of the last that failed. */
+static int remove_files(const char *folder)
+{
+    DIR *opened = opendir(folder);
+    if (opened == NULL) {
+        return errno;
+    }
+    int last_error = 0;
+    const struct dirent *entry = NULL;
+    do {
+        errno = 0;
+        entry = readdir(opened);
+        int error = entry == NULL ? errno : 0;
+        if (entry != NULL && is_ours(entry->d_name)) {
+            char *path = svo_i_path_join(folder, entry->d_name);
+            error = path == NULL ? ENOMEM : remove_entry(path, entry->d_name);
+            svo_i_free(path);
+        }
+        last_error = error != 0 ? error : last_error;
+    } while (entry != NULL);
+    (void)closedir(opened);
+    return last_error;
+}
+
 svo_status svo_parts_remove(const char *folder, svo_message *message)
 {
     if (folder == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "svo_parts_remove: folder is NULL");
     }
-    int error = remove_files(folder, is_ours);
+    SVO_I_TRY(svo_i_lease_check(folder, message));
+    int error = remove_files(folder);
     if (error == 0 && rmdir(folder) != 0 && errno != ENOTEMPTY && errno != EEXIST && errno != ENOENT) {
         error = errno;
     }
-    return error == 0 ? SVO_OK
-                      : svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be emptied: %s", folder, strerror(error));
+    return error == 0
+               ? SVO_OK
+               : svo_i_fail(message, svo_i_file_status(error), "%s: cannot be emptied: %s", folder, strerror(error));
 }

@@ -21,6 +21,7 @@
 #include "io/file_format.h"
 #include "output/output.h"
 #include "parts/part_file.h"
+#include "parts/planning.h"
 #include "parts/triangles.h"
 
 /*
@@ -83,7 +84,8 @@ static svo_status save_split(const svo_parts *parts, uint32_t level, uint64_t co
     }
     svo_i_output_abandon(&output);
     const svo_status status =
-        error == 0 ? SVO_OK : svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be written: %s", path, strerror(error));
+        error == 0 ? SVO_OK
+                   : svo_i_fail(message, svo_i_file_status(error), "%s: cannot be written: %s", path, strerror(error));
     svo_i_free(path);
     return status;
 }
@@ -101,7 +103,7 @@ static int read_split(const char *path, split_file *content, size_t *byte_count)
 }
 
 /* Whether there is such a file. A damaged one, or one of another plan or part, counts as none, since the part can be
-   divided again. */
+   divided again; the message says whose it is. */
 static svo_status find_split(const svo_parts *parts, uint32_t level, uint64_t code, bool *is_split, uint64_t counts[8],
                              svo_message *message)
 {
@@ -115,13 +117,16 @@ static svo_status find_split(const svo_parts *parts, uint32_t level, uint64_t co
     const int error = read_split(path, &content, &byte_count);
     *is_split = error == 0 && byte_count == sizeof content && content.hash == hash_of(&content) &&
                 memcmp(&content.of, &of, sizeof of) == 0;
+    if (error == 0 && byte_count == sizeof content && memcmp(content.of.plan, of.plan, sizeof of.plan) != 0) {
+        (void)svo_i_part_is_foreign(path, content.of.plan, of.plan, "", message);
+    }
     if (*is_split) {
         memcpy(counts, content.counts, sizeof content.counts);
     }
     const svo_status status =
         error == 0 || error == ENOENT
             ? SVO_OK
-            : svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be read: %s", path, strerror(error));
+            : svo_i_fail(message, svo_i_file_status(error), "%s: cannot be read: %s", path, strerror(error));
     svo_i_free(path);
     return status;
 }
@@ -243,6 +248,7 @@ static svo_status plan_part(const planner *p, uint32_t level, uint64_t code, uin
     if (triangles == 0) {
         return SVO_OK;
     }
+    SVO_I_TRY(svo_i_planning_renew(p->parts, p->message));
     SVO_I_TRY(fits(p, level, code, triangles, &fit, &entry.expected_bytes));
     return fit ? svo_i_folder_add(p->parts, &entry, p->message) : plan_children(p, level, code);
 }
@@ -250,8 +256,7 @@ static svo_status plan_part(const planner *p, uint32_t level, uint64_t code, uin
 svo_status svo_i_parts_divide(svo_parts *parts, svo_device *device, svo_message *message)
 {
     const planner p = {parts, device, message};
-    SVO_I_TRY(plan_part(&p, 0, 0, parts->header.kept_triangles));
-    return svo_i_folder_save(parts, message);
+    return plan_part(&p, 0, 0, parts->header.kept_triangles);
 }
 
 /* ---- what is there ---- */
@@ -388,6 +393,7 @@ static svo_status save_tree(const builder *b, svo_tree *tree, uint32_t level, ui
     if (status != SVO_OK) {
         return fail_device(b->device, status, b->message);
     }
+    SVO_I_TRY(svo_i_folder_is_current(b->parts, b->message));
     char *path = svo_i_part_path(b->parts, level, code, "part");
     if (path == NULL) {
         return svo_i_folder_no_memory(b->parts, b->message);
@@ -482,6 +488,15 @@ static svo_status build_visited(void *user, uint32_t level, uint64_t code, stand
     return build_at(b, level, code);
 }
 
+/* A failure of files that came of a new plan says so. */
+static svo_status tell_cause(const svo_parts *parts, svo_status status, svo_message *message)
+{
+    if (status == SVO_FILE_ERROR || status == SVO_FILE_DAMAGED) {
+        SVO_I_TRY(svo_i_folder_is_current(parts, message));
+    }
+    return status;
+}
+
 svo_status svo_parts_build(const svo_parts *parts, size_t index, svo_device *device, svo_frontend *frontend,
                            cl_command_queue queue, svo_message *message)
 {
@@ -492,7 +507,8 @@ svo_status svo_parts_build(const svo_parts *parts, size_t index, svo_device *dev
     }
     const svo_i_part_entry *listed = &parts->entries[index];
     builder b = {parts, device, frontend, queue, message, listed->level};
-    return build_at(&b, listed->level, listed->code);
+    SVO_I_TRY(svo_i_folder_is_current(parts, message));
+    return tell_cause(parts, build_at(&b, listed->level, listed->code), message);
 }
 
 /* ---- stitching ---- */
@@ -558,5 +574,5 @@ cleanup:
     }
     svo_i_free(g.paths);
     svo_i_free(mesh);
-    return status;
+    return tell_cause(parts, status, message);
 }

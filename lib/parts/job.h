@@ -5,7 +5,7 @@
 
 #include "parts/folder.h"
 
-/* Divides the part 0-0, whose triangles are in the folder, until all parts fit, and writes the list. */
+/* Divides the part 0-0, whose triangles are in the folder, until all parts fit, and makes the list. */
 svo_status svo_i_parts_divide(svo_parts *parts, svo_device *device, svo_message *message);
 
 #endif

@@ -9,6 +9,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -22,6 +23,53 @@
 #include "output/output.h"
 #include "plan/arrays.h"
 #include "svocl/parts.h"
+#include "svocl/version.h"
+
+/* ---- identities ---- */
+
+void svo_i_part_identity(const svo_part_header *header, uint64_t identity[2])
+{
+    static const char made_by[] = SVO_VERSION_STRING;
+    const uint32_t version = PART_VERSION;
+    XXH3_state_t state;
+    XXH3_INITSTATE(&state);
+    XXH3_128bits_reset(&state);
+    XXH3_128bits_update(&state, (const char *)header + sizeof header->struct_size,
+                        sizeof *header - sizeof header->struct_size);
+    XXH3_128bits_update(&state, &version, sizeof version);
+    XXH3_128bits_update(&state, made_by, sizeof made_by);
+    const XXH128_hash_t digest = XXH3_128bits_digest(&state);
+    identity[0] = digest.low64;
+    identity[1] = digest.high64;
+}
+
+void svo_i_identity_write(const uint64_t identity[2], svo_i_identity_text text)
+{
+    (void)snprintf(text, IDENTITY_BYTES, "%016" PRIx64 "%016" PRIx64, identity[1], identity[0]);
+}
+
+svo_status svo_i_part_is_foreign(const char *path, const uint64_t found[2], const uint64_t own[2], const char *then,
+                                 svo_message *message)
+{
+    svo_i_identity_text found_name, own_name;
+    svo_i_identity_write(found, found_name);
+    svo_i_identity_write(own, own_name);
+    return svo_i_fail(message, SVO_FILE_DAMAGED, "%s belongs to plan %s, the folder's plan is %s%s", path, found_name,
+                      own_name, then);
+}
+
+svo_status svo_i_file_status(int error)
+{
+    static const int passing[] = {EAGAIN,    EBUSY,       EDQUOT,       EINTR,   EIO,     EMFILE,
+                                  ENETDOWN,  ENETUNREACH, ENFILE,       ENOBUFS, ENOMEM,  ENOSPC,
+                                  EHOSTDOWN, ENOTCONN,    EHOSTUNREACH, ESTALE,  ETXTBSY, ETIMEDOUT};
+    for (size_t i = 0; i < sizeof passing / sizeof passing[0]; ++i) {
+        if (error == passing[i]) {
+            return SVO_UNAVAILABLE;
+        }
+    }
+    return SVO_FILE_ERROR;
+}
 
 /* ---- writing ---- */
 
@@ -32,12 +80,6 @@ typedef struct writer {
     part_file file;
     const void *bytes[PART_SEGMENTS_MAX]; /* of each segment; the caller's */
 } writer;
-
-/* Checksum of a header's values, by which part files know their whole. */
-static uint64_t hash_header(const svo_part_header *header)
-{
-    return XXH3_64bits((const char *)header + sizeof header->struct_size, sizeof *header - sizeof header->struct_size);
-}
 
 static void add_segment(writer *w, uint32_t kind, uint32_t level, const void *bytes, uint64_t byte_count)
 {
@@ -88,7 +130,8 @@ static svo_status write_file(writer *w)
     }
     svo_i_output_abandon(&output);
     return error == 0 ? SVO_OK
-                      : svo_i_fail(w->message, SVO_FILE_ERROR, "%s: cannot be written: %s", w->path, strerror(error));
+                      : svo_i_fail(w->message, svo_i_file_status(error), "%s: cannot be written: %s", w->path,
+                                   strerror(error));
 }
 
 /* ---- parts ---- */
@@ -178,7 +221,7 @@ svo_status svo_part_save(const svo_tree *tree, const char *path, svo_message *me
     }
     w->path = path;
     w->message = message;
-    w->file.head.whole = hash_header(&tree->part.header);
+    svo_i_part_identity(&tree->part.header, w->file.head.whole);
     w->file.head.level = tree->part.level;
     w->file.head.code = tree->part.code;
     if (svo_i_tree_holds(&tree->info, SVO_TREE_LIST)) {
@@ -220,7 +263,7 @@ svo_status svo_i_part_save_mesh(svo_plan *plan, const svo_part_header *header, c
     }
     w->path = path;
     w->message = message;
-    w->file.head.whole = hash_header(header);
+    svo_i_part_identity(header, w->file.head.whole);
     w->file.head.is_mesh = 1;
     add_mesh(w, plan);
     const svo_status status = write_file(w);
@@ -257,7 +300,8 @@ static svo_status read_at(const svo_i_part_reader *reader, uint64_t offset, void
     size_t got = 0;
     const int error = svo_i_read_at(reader->file, offset, out, byte_count, &got);
     if (error != 0) {
-        return svo_i_fail(reader->message, SVO_FILE_ERROR, "%s: cannot be read: %s", reader->path, strerror(error));
+        return svo_i_fail(reader->message, svo_i_file_status(error), "%s: cannot be read: %s", reader->path,
+                          strerror(error));
     }
     return got == byte_count ? SVO_OK : svo_i_part_damaged(reader, "truncated");
 }
@@ -314,8 +358,10 @@ static bool has_levels(const part_head *head, uint32_t depth)
 static svo_status check_place(const svo_i_part_reader *reader, const svo_part_header *header, bool is_mesh)
 {
     const part_head *head = &reader->content.head;
-    if (head->whole != hash_header(header)) {
-        return svo_i_part_damaged(reader, "a part of another tree");
+    uint64_t own[2];
+    svo_i_part_identity(header, own);
+    if (memcmp(head->whole, own, sizeof own) != 0) {
+        return svo_i_part_is_foreign(reader->path, head->whole, own, "", reader->message);
     }
     if (is_mesh || head->is_mesh != 0) {
         return is_mesh && head->is_mesh == 1 ? SVO_OK
@@ -333,7 +379,8 @@ static svo_status read_head(svo_i_part_reader *reader, const svo_part_header *he
     struct stat found;
     part_head *head = &reader->content.head;
     if (fstat(reader->file, &found) != 0) {
-        return svo_i_fail(reader->message, SVO_FILE_ERROR, "%s: cannot be read: %s", reader->path, strerror(errno));
+        return svo_i_fail(reader->message, svo_i_file_status(errno), "%s: cannot be read: %s", reader->path,
+                          strerror(errno));
     }
     if (!S_ISREG(found.st_mode)) {
         return svo_i_fail(reader->message, SVO_FILE_ERROR, "%s: not a file", reader->path);
@@ -356,8 +403,9 @@ svo_status svo_i_part_open(const svo_part_header *header, const char *path, bool
     reader->path = path;
     reader->message = message;
     reader->file = open(path, O_RDONLY | O_CLOEXEC);
-    return reader->file >= 0 ? read_head(reader, header, is_mesh)
-                             : svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be opened: %s", path, strerror(errno));
+    return reader->file >= 0
+               ? read_head(reader, header, is_mesh)
+               : svo_i_fail(message, svo_i_file_status(errno), "%s: cannot be opened: %s", path, strerror(errno));
 }
 
 void svo_i_part_close(svo_i_part_reader *reader)

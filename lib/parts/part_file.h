@@ -18,7 +18,7 @@
 
 #define PART_MAGIC       "\x89SVP\r\n\x1a\n"
 #define PART_MAGIC_BYTES 8
-#define PART_VERSION     3 /* 1: voxels of the rounded mesh; 2: colors that alpha does not weigh */
+#define PART_VERSION     4 /* 1: voxels of the rounded mesh; 2: colors that alpha does not weigh; 3: a short identity */
 #define PART_HASH_BEGIN  32 /* the head's checksum covers everything from here to the end of the table */
 
 /* Kinds of segments: a svo_tree_buffer, or the root's materials and weights. */
@@ -34,7 +34,7 @@ typedef struct part_head {
     uint32_t segment_count;
     uint64_t file_bytes;
     uint64_t head_hash;
-    uint64_t whole; /* checksum of the whole's header */
+    uint64_t whole[2]; /* svo_i_part_identity */
     uint64_t code;
     uint32_t level;
     uint32_t is_mesh; /* 1: what rays meet of the whole; 0: a part */
@@ -58,9 +58,25 @@ typedef struct part_file {
 
 static_assert(sizeof(svo_part_header) == 168, "no padding: its bytes are hashed");
 static_assert(offsetof(part_head, whole) == PART_HASH_BEGIN, "parts.h: whole");
-static_assert(sizeof(part_head) == 200, "parts.h: head");
+static_assert(sizeof(part_head) == 208, "parts.h: head");
 static_assert(sizeof(part_segment) == 32, "parts.h: segment");
-static_assert(offsetof(part_file, segments) == 200, "parts.h: table");
+static_assert(offsetof(part_file, segments) == 208, "parts.h: table");
+
+/* ---- identities ---- */
+
+#define IDENTITY_BYTES SVO_PARTS_IDENTITY_BYTES
+typedef char svo_i_identity_text[IDENTITY_BYTES];
+
+/* Which tree a file is of: an XXH3-128 of the header's values, whose input_hash is of the triangles and materials, and
+   of the versions of the library and of part files. */
+void svo_i_part_identity(const svo_part_header *header, uint64_t identity[2]);
+void svo_i_identity_write(const uint64_t identity[2], svo_i_identity_text text);
+/* Refuses a file by its name and both identities, with SVO_FILE_DAMAGED. then: what helps, from ";" on. */
+svo_status svo_i_part_is_foreign(const char *path, const uint64_t found[2], const uint64_t own[2], const char *then,
+                                 svo_message *message);
+
+/* SVO_UNAVAILABLE for an errno that may pass, such as that of a full disk; SVO_FILE_ERROR for others. */
+svo_status svo_i_file_status(int error);
 
 /* svo_part_save_mesh for a header that has more than the plan knows. */
 svo_status svo_i_part_save_mesh(svo_plan *plan, const svo_part_header *header, const char *path, svo_message *message);

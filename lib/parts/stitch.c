@@ -51,7 +51,7 @@ typedef struct target {
 
 static svo_status fail_errno(const stitcher *s, int error)
 {
-    return svo_i_fail(s->message, SVO_FILE_ERROR, "%s: cannot be written: %s", s->path, strerror(error));
+    return svo_i_fail(s->message, svo_i_file_status(error), "%s: cannot be written: %s", s->path, strerror(error));
 }
 
 /* Appends bytes to a chunk. Of child masks it counts the children. */

@@ -17,6 +17,7 @@
 #include <xxhash.h>
 
 #include "io/file_format.h"
+#include "parts/part_file.h"
 #include "shared/snap.clh"
 #include "svocl/nodes.h"
 #include "svocl/plan.h"
@@ -25,7 +26,7 @@
 #define NAME_BYTES    8 /* name and material, 4 bytes each */
 #define MAGIC         "\x89SVT\r\n\x1a\n"
 #define MAGIC_BYTES   8
-#define VERSION       2
+#define VERSION       3 /* 2: the identity of a plan had its limit in it */
 
 /* What follows the records. */
 typedef struct triangle_tail {
@@ -74,7 +75,8 @@ size_t svo_i_triangle_bytes(uint32_t fields)
 
 static svo_status fail_errno(const svo_i_triangle_file *file, int error)
 {
-    return svo_i_fail(file->message, SVO_FILE_ERROR, "%s: cannot be written: %s", file->path, strerror(error));
+    return svo_i_fail(file->message, svo_i_file_status(error), "%s: cannot be written: %s", file->path,
+                      strerror(error));
 }
 
 svo_status svo_i_triangles_begin(svo_i_triangle_file *file, void *hash, const char *path, uint32_t fields,
@@ -213,7 +215,8 @@ static svo_status read_bytes(const triangle_source *source, uint64_t offset, voi
     size_t got = 0;
     const int error = svo_i_read_at(source->file, offset, out, byte_count, &got);
     if (error != 0) {
-        return svo_i_fail(source->message, SVO_FILE_ERROR, "%s: cannot be read: %s", source->path, strerror(error));
+        return svo_i_fail(source->message, svo_i_file_status(error), "%s: cannot be read: %s", source->path,
+                          strerror(error));
     }
     return got == byte_count ? SVO_OK : damaged(source);
 }
@@ -227,11 +230,12 @@ static svo_status check_tail(const triangle_source *source, const svo_i_triangle
                           "%s: no file of triangles of version %d; planning the parts again writes one", source->path,
                           VERSION);
     }
-    if (found->plan[0] != of->plan[0] || found->plan[1] != of->plan[1] || found->fields != of->fields) {
-        return svo_i_fail(source->message, SVO_FILE_DAMAGED,
-                          "%s: triangles of the plan %016" PRIx64 "%016" PRIx64 ", not of the folder's, %016" PRIx64
-                          "%016" PRIx64 "; planning the parts again writes them",
-                          source->path, found->plan[1], found->plan[0], of->plan[1], of->plan[0]);
+    if (memcmp(found->plan, of->plan, sizeof of->plan) != 0) {
+        return svo_i_part_is_foreign(source->path, found->plan, of->plan, "; planning the parts again writes it",
+                                     source->message);
+    }
+    if (found->fields != of->fields) {
+        return damaged(source);
     }
     if (found->level != of->level || found->code != of->code) {
         return svo_i_fail(source->message, SVO_FILE_DAMAGED,
@@ -251,7 +255,7 @@ static svo_status open_source(triangle_source *source, const char *path, const s
     source->file = open(path, O_RDONLY | O_CLOEXEC);
     if (source->file < 0 || fstat(source->file, &found) != 0) {
         const int error = errno;
-        return svo_i_fail(message, SVO_FILE_ERROR, "%s: cannot be opened: %s%s", path, strerror(error),
+        return svo_i_fail(message, svo_i_file_status(error), "%s: cannot be opened: %s%s", path, strerror(error),
                           error == ENOENT ? "; planning the parts again writes it" : "");
     }
     const uint64_t bytes = (uint64_t)found.st_size;

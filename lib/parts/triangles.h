@@ -7,7 +7,7 @@
  *   n * r    n records of r bytes: name and material, 4 bytes each; then for three corners positions (floats or
  *            doubles), normals, colors and texture coordinates, those that the fields name
  *   8        magic
- *   4        version, 2; files of version 1 had nothing but the checksum after the records
+ *   4        version, 3; files of version 1 had nothing but the checksum after the records
  *   4        r
  *   32       svo_i_triangles_of: the plan that the triangles are of, the part's place, the fields
  *   8        XXH3 of all before
@@ -31,7 +31,7 @@ size_t svo_i_triangle_bytes(uint32_t fields);
 
 /* What the triangles of a file are of; its bytes are in the file. */
 typedef struct svo_i_triangles_of {
-    uint64_t plan[2]; /* svo_i_folder_identity */
+    uint64_t plan[2]; /* svo_i_part_identity */
     uint64_t code; /* of the part */
     uint32_t level;
     uint32_t fields;

@@ -142,6 +142,7 @@ ERRORS = {
     "CANCELED": ("CanceledError", "Error"),
     "NOT_ON_DEVICE": ("NotOnDeviceError", "InvalidArgumentError"),
     "DEVICE_UNRELIABLE": ("DeviceUnreliableError", "Error"),
+    "UNAVAILABLE": ("UnavailableError", "FileError"),
 }
 
 HEAD = '''# SPDX-License-Identifier: MIT

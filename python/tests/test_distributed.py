@@ -184,6 +184,62 @@ def test_parts_refuse_what_they_must(device, mesh, tmp_path):
         parts.finish(tmp_path / "t.svo")
 
 
+def test_a_folder_has_one_plan_at_a_time(device, mesh, tmp_path):
+    """Another process with a lease is named; what was opened before a new plan builds nothing more."""
+    folder = tmp_path / "tree.svo.parts"
+    with svocl.Parts.lease(folder):
+        with svocl.Parts.create(device, mesh, DEPTH, folder, max_bytes=PART_BYTES) as parts:
+            assert re.fullmatch("[0-9a-f]{32}", parts.identity) and (folder / parts.identity).is_dir()
+            with svocl.Parts.create(device, mesh, DEPTH - 1, folder, max_bytes=PART_BYTES) as anew:
+                assert anew.identity != parts.identity
+            with pytest.raises(svocl.UnavailableError, match="planned anew meanwhile"):
+                parts.build(0, device)
+        assert len(list(folder.glob("run-*.lease"))) == 1
+    assert not list(folder.glob("*.lease"))
+    (folder / "run-7.lease").write_text("m p elsewhere 7\n")
+    with pytest.raises(svocl.UnavailableError, match="process 7 on elsewhere builds or stitches its parts"):
+        svocl.Parts.create(device, mesh, DEPTH, folder, max_bytes=PART_BYTES)
+
+
+def test_a_folder_in_use_is_tried_again(mesh_file, whole, tmp_path):
+    """The command ends with 75 and goes on when the other run has ended."""
+    path = tmp_path / "tree.svo"
+    folder = tmp_path / "tree.svo.parts"
+    folder.mkdir()
+    (folder / "run-7.lease").write_text("m p elsewhere 7\n")
+    code, _, errors = run(mesh_file, path, "--workers", "1")
+    assert code == 75 and "process 7 on elsewhere" in errors
+    (folder / "run-7.lease").unlink()
+    assert run(mesh_file, path, "--workers", "1")[0] == 0
+    expect_tree(path, whole)
+
+
+@pytest.mark.parametrize("options", [[], ["--no-shared-folder"]])
+def test_a_folder_planned_anew_under_a_run(pool, device, mesh, mesh_file, whole, tmp_path, options):
+    """As after a run that was stopped until its lease was stale: it ends, and what it made is in no other tree."""
+    path = tmp_path / "tree.svo"
+    folder = tmp_path / "tree.svo.parts"
+    moved = svocl.Mesh(mesh.positions + np.array([0.002, 0, 0], mesh.positions.dtype), mesh.indices)
+    pool.worker("slow=0.1")
+    job = start(mesh_file, path, "--scheduler", pool.address, *options)
+    wait_for_parts(folder, 3)
+    with pytest.raises(svocl.UnavailableError, match="builds or stitches its parts"):
+        svocl.Parts.create(device, moved, DEPTH, folder, max_bytes=PART_BYTES)
+    for lease in folder.glob("run-*.lease"):
+        os.utime(lease, (0, 0))
+    with svocl.Parts.create(device, moved, DEPTH, folder, max_bytes=PART_BYTES) as parts:
+        code, _, errors = finish(job)
+        assert code == 75 and "planned anew meanwhile" in errors and not path.exists()
+        for index in range(len(parts)):
+            parts.build(index, device)
+        parts.finish(path)
+    svocl.Parts.remove(folder)
+    with device.build(moved, DEPTH) as tree:
+        moved_hash = tree.hash()
+    assert moved_hash != whole
+    expect_tree(path, moved_hash)
+
+
 # --- workers that work ----------------------------------------------------------------------------------------------
 
 

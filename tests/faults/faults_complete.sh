@@ -10,7 +10,7 @@ shift 2
 
 # Text, memory, numbers, signal sets, the clock; what only releases.
 plain="__errno_location __isoc99_sscanf __popcountdi2 __tls_get_addr _GLOBAL_OFFSET_TABLE_ bcmp bsearch clock_gettime
-dlerror environ feof ftell getenv getpid getrlimit memchr memcmp memcpy memmove memset nanosleep
+dlerror environ feof ftell getenv gethostname getpid getppid getrlimit memchr memcmp memcpy memmove memset nanosleep
 posix_spawn_file_actions_destroy posix_spawnattr_destroy pthread_sigmask qsort sigaddset sigemptyset sigfillset
 sigismember sigpending sigtimedwait sin sincos snprintf strcasecmp strchr strcmp strcspn strerror strlen strncasecmp
 strncmp strpbrk strrchr strncat strspn strstr strtok_r strtol strtoll strtoul strtoull sysconf ungetc vsnprintf acosf

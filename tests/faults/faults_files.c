@@ -335,16 +335,22 @@ static svo_status create_parts(subject *of, const char *folder, uint64_t max_byt
 static svo_status run_parts_of(subject *of, uint64_t max_bytes)
 {
     char folder[128];
+    char identity[SVO_PARTS_IDENTITY_BYTES];
     svo_parts *parts = NULL;
+    svo_parts_lease *lease = NULL;
     svo_status status = SVO_OK;
     (void)snprintf(folder, sizeof folder, "%s/parts", world.folder);
-    SVO_I_TRY(create_parts(of, folder, max_bytes));
+    SVO_I_TRY_CLEANUP(svo_parts_lease_take(folder, &lease, &of->message));
+    SVO_I_TRY_CLEANUP(create_parts(of, folder, max_bytes));
+    SVO_I_TRY_CLEANUP(svo_parts_lease_renew(lease, &of->message));
     SVO_I_TRY_CLEANUP(svo_parts_open(folder, &parts, &of->message));
+    SVO_I_TRY_CLEANUP(svo_parts_get_identity(parts, identity, &of->message));
     SVO_I_TRY_CLEANUP(build_parts(of, parts));
     digest_parts(of);
     status = svo_parts_remove(folder, &of->message);
 cleanup:
     svo_parts_close(&parts);
+    svo_parts_lease_release(&lease);
     return status;
 }
 

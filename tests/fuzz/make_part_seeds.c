@@ -46,8 +46,7 @@ static int save(const char *folder, const char *name)
     memcpy(head->magic, PART_MAGIC, PART_MAGIC_BYTES);
     head->version = PART_VERSION;
     head->file_bytes = head_bytes + byte_count;
-    head->whole =
-        XXH3_64bits((const char *)&header + sizeof header.struct_size, sizeof header - sizeof header.struct_size);
+    svo_i_part_identity(&header, head->whole);
     head->head_hash = XXH3_64bits((const char *)&file + PART_HASH_BEGIN, head_bytes - PART_HASH_BEGIN);
     (void)snprintf(path, sizeof path, "%s/%s", folder, name);
     FILE *out = fopen(path, "wb");

@@ -36,8 +36,7 @@ static void repair(uint8_t *data, size_t byte_count)
     memcpy(head->magic, PART_MAGIC, PART_MAGIC_BYTES);
     head->version = PART_VERSION;
     head->file_bytes = byte_count;
-    head->whole =
-        XXH3_64bits((const char *)&header + sizeof header.struct_size, sizeof header - sizeof header.struct_size);
+    svo_i_part_identity(&header, head->whole);
     const size_t head_bytes = sizeof *head + head->segment_count * sizeof(part_segment);
     head->head_hash = XXH3_64bits((const char *)&file + PART_HASH_BEGIN, head_bytes - PART_HASH_BEGIN);
     memcpy(data, &file, head_bytes);

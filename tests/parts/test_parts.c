@@ -545,7 +545,7 @@ static void test_overlap(void **state)
 }
 
 /* Bytes of a part file's head, as parts.h documents them. */
-enum { HEAD_SEGMENTS = 12, HEAD_HASH = 24, HEAD_HASHED = 32, HEAD_LEVELS = 128, HEAD_BYTES = 200, SEGMENT_BYTES = 32 };
+enum { HEAD_SEGMENTS = 12, HEAD_HASH = 24, HEAD_HASHED = 32, HEAD_LEVELS = 136, HEAD_BYTES = 208, SEGMENT_BYTES = 32 };
 
 /* Rewrites the head of a part of 12 levels: full levels down to the tenth, 3 * 10^9 nodes below, a right checksum.
    Returns how many nodes that are. */
@@ -705,6 +705,18 @@ static bool is_built(const job *j, const char *folder, size_t index)
     return answer != 0;
 }
 
+/* The place of a folder's files that are not parts. The folder has one plan. */
+static void place_of(const char *folder, char place[PATH_BYTES + 48])
+{
+    svo_parts *parts = NULL;
+    svo_message message;
+    char identity[SVO_PARTS_IDENTITY_BYTES];
+    assert_int_equal(svo_parts_open(folder, &parts, &message), SVO_OK);
+    assert_int_equal(svo_parts_get_identity(parts, identity, &message), SVO_OK);
+    (void)snprintf(place, PATH_BYTES + 48, "%s/%s", folder, identity);
+    svo_parts_close(&parts);
+}
+
 /* Any limit gives the same file, in positions of either width. */
 static void test_folders(void **state)
 {
@@ -805,7 +817,8 @@ static void test_small_devices(void **state)
     svo_message message;
     char folder[PATH_BYTES];
     char whole[PATH_BYTES];
-    char split[PATH_BYTES + 16];
+    char place[PATH_BYTES + 48];
+    char split[PATH_BYTES + 96];
     char parts[PATH_BYTES];
     attributed_mesh_create(19, 200, 0.0, &made);
     options.need = NEED_ALL;
@@ -820,7 +833,8 @@ static void test_small_devices(void **state)
     limited.max_device_bytes = 3000000;
     check(&j, svo_device_create_default(&limited, &device, &message), &message);
     build_folder(&j, device, folder);
-    (void)snprintf(split, sizeof split, "%s/0-0.split", folder);
+    place_of(folder, place);
+    (void)snprintf(split, sizeof split, "%s/0-0.split", place);
     assert_int_equal(access(split, F_OK), 0);
     finish_folder(&j, folder, parts);
     assert_same_files(whole, parts);
@@ -902,17 +916,19 @@ static void test_triangles_that_are_missing(void **state)
     svo_message message;
     uint32_t level = 0;
     unsigned long long code = 0;
+    char place[PATH_BYTES + 48];
     char part[PATH_BYTES + 48];
-    char above[PATH_BYTES + 48];
-    char listed[PATH_BYTES + 48];
+    char above[PATH_BYTES + 96];
+    char listed[PATH_BYTES + 96];
     open_divided(state, &d);
     find_deep_part(&d, &level, &code);
     assert_true(level >= 2);
     (void)snprintf(part, sizeof part, "%s/%u-%llx.part", d.folder, level, code);
-    (void)snprintf(above, sizeof above, "%s/%u-%llx.tri", d.folder, level - 1, code >> 3);
-    (void)snprintf(listed, sizeof listed, "%s/0-0.tri", d.folder);
-    char triangles[PATH_BYTES + 48];
-    (void)snprintf(triangles, sizeof triangles, "%s/%u-%llx.tri", d.folder, level, code);
+    place_of(d.folder, place);
+    (void)snprintf(above, sizeof above, "%s/%u-%llx.tri", place, level - 1, code >> 3);
+    (void)snprintf(listed, sizeof listed, "%s/0-0.tri", place);
+    char triangles[PATH_BYTES + 96];
+    (void)snprintf(triangles, sizeof triangles, "%s/%u-%llx.tri", place, level, code);
     for (unsigned way = 0; way < 2; ++way) {
         damage_end(part);
         if (way == 0) {
@@ -937,18 +953,19 @@ static void test_triangles_that_are_missing(void **state)
 /* A changed byte in the plan or in triangles is found before anything is built from it. */
 static void test_damaged_folders(void **state)
 {
-    static const char *const names[] = {"plan", "0-0.tri"};
     attributed_mesh made;
     svo_message message;
     char folder[PATH_BYTES];
-    char path[PATH_BYTES + 16];
+    char place[PATH_BYTES + 48];
+    char path[PATH_BYTES + 96];
     attributed_mesh_create(20, 5, 0.0, &made);
     path_of("folder", folder);
     job j = open_job(state, &made.mesh);
     for (size_t i = 0; i < 2; ++i) {
         check(&j, svo_parts_create(j.opened.device, &made.mesh, 3, NULL, (uint64_t)1 << 40, folder, &message),
               &message);
-        (void)snprintf(path, sizeof path, "%s/%s", folder, names[i]);
+        place_of(folder, place);
+        (void)snprintf(path, sizeof path, i == 0 ? "%s/plan" : "%s/0-0.tri", i == 0 ? folder : place);
         size_t bytes = 0;
         char *content = read_file(path, &bytes);
         for (size_t at = 0; at < bytes; at += 3) {
@@ -1006,11 +1023,11 @@ static void test_older_folders(void **state)
         assert_true(is_built(&j, folder, 0));
         make_older(folder, part);
         assert_int_equal(svo_parts_open(folder, &parts, &message), SVO_FILE_DAMAGED);
-        assert_non_null(strstr(message.text, "plan: version 1 is not known, only 3; planning the parts again"));
+        assert_non_null(strstr(message.text, "plan: version 1 is not known, only 4; planning the parts again"));
     }
     const svo_part_header header = {.struct_size = sizeof header, .depth = 3};
     assert_int_equal(svo_part_check(&header, part, NULL, &message), SVO_FILE_DAMAGED);
-    assert_non_null(strstr(message.text, "0-0.part: version 1 is not known, only 3"));
+    assert_non_null(strstr(message.text, "0-0.part: version 1 is not known, only 4"));
     check(&j, svo_parts_remove(folder, &message), &message);
     close_job(&j);
     attributed_mesh_destroy(&made);
@@ -1018,7 +1035,7 @@ static void test_older_folders(void **state)
 
 /* A file of triangles of each of the first two parts of a folder, in memory. The caller frees them. */
 typedef struct triangle_files {
-    char paths[2][PATH_BYTES + 48];
+    char paths[2][PATH_BYTES + 96];
     char *contents[2];
     size_t bytes[2];
 } triangle_files;
@@ -1028,13 +1045,15 @@ static triangle_files make_triangle_files(const job *j, const svo_mesh *mesh, co
     triangle_files files;
     svo_parts *parts = NULL;
     svo_message message;
+    char place[PATH_BYTES + 48];
     check(j, svo_parts_create(j->opened.device, mesh, 5, NULL, 400000, folder, &message), &message);
+    place_of(folder, place);
     check(j, svo_parts_open(folder, &parts, &message), &message);
     assert_true(svo_parts_count(parts) >= 2);
     for (size_t i = 0; i < 2; ++i) {
         svo_parts_entry entry = SVO_PARTS_ENTRY_INIT;
         check(j, svo_parts_get(parts, i, &entry, &message), &message);
-        (void)snprintf(files.paths[i], sizeof files.paths[i], "%s/%u-%llx.tri", folder, entry.level,
+        (void)snprintf(files.paths[i], sizeof files.paths[i], "%s/%u-%llx.tri", place, entry.level,
                        (unsigned long long)entry.code);
         files.contents[i] = read_file(files.paths[i], &files.bytes[i]);
     }
@@ -1077,7 +1096,7 @@ static void test_triangles_of_another_plan(void **state)
     triangle_files foreign = make_triangle_files(&j, &other.mesh, folder);
     check(&j, svo_parts_remove(folder, &message), &message);
     triangle_files own = make_triangle_files(&j, &made.mesh, folder);
-    expect_refused(&j, &own, folder, foreign.contents[0], foreign.bytes[0], "triangles of the plan ");
+    expect_refused(&j, &own, folder, foreign.contents[0], foreign.bytes[0], " belongs to plan ");
     expect_refused(&j, &own, folder, own.contents[1], own.bytes[1], "triangles of the part ");
     const size_t records = own.bytes[0] - 56;
     const uint64_t sum = XXH3_64bits(own.contents[0], records);
@@ -1085,13 +1104,65 @@ static void test_triangles_of_another_plan(void **state)
     assert_non_null(older);
     memcpy(older, own.contents[0], own.bytes[0]);
     memcpy(older + records, &sum, sizeof sum);
-    expect_refused(&j, &own, folder, older, records + sizeof sum, "no file of triangles of version 2");
+    expect_refused(&j, &own, folder, older, records + sizeof sum, "no file of triangles of version 3");
     free(older);
     write_file(own.paths[0], own.contents[0], own.bytes[0]);
     build_folder(&j, j.opened.device, folder);
     check(&j, svo_parts_remove(folder, &message), &message);
     free_triangle_files(&foreign);
     free_triangle_files(&own);
+    close_job(&j);
+    attributed_mesh_destroy(&made);
+    attributed_mesh_destroy(&other);
+}
+
+/* A folder that is planned anew: who opened it before builds and stitches nothing more, and says why. Parts of the plan
+   before are of no use to the new one, nor is the place of its triangles, which is gone. */
+static void test_planned_anew(void **state)
+{
+    attributed_mesh made;
+    attributed_mesh other;
+    svo_message message;
+    svo_parts *before = NULL;
+    svo_parts_lease *lease = NULL;
+    char folder[PATH_BYTES];
+    char place[PATH_BYTES + 48];
+    char out[PATH_BYTES];
+    attributed_mesh_create(31, 200, 0.0, &made);
+    attributed_mesh_create(32, 200, 0.0, &other);
+    path_of("folder", folder);
+    path_of("parts.svo", out);
+    job j = open_job(state, &made.mesh);
+    check(&j, svo_parts_lease_take(folder, &lease, &message), &message);
+    check(&j, svo_parts_create(j.opened.device, &other.mesh, 5, NULL, 400000, folder, &message), &message);
+    check(&j, svo_parts_open(folder, &before, &message), &message);
+    place_of(folder, place);
+    check(&j, svo_parts_build(before, 0, j.opened.device, NULL, NULL, &message), &message);
+    check(&j, svo_parts_create(j.opened.device, &made.mesh, 5, NULL, 400000, folder, &message), &message);
+    assert_int_equal(access(place, F_OK), -1);
+    assert_int_equal(svo_parts_build(before, 1, j.opened.device, NULL, NULL, &message), SVO_UNAVAILABLE);
+    assert_non_null(strstr(message.text, strrchr(place, '/') + 1));
+    assert_int_equal(svo_parts_finish(before, out, &message), SVO_UNAVAILABLE);
+    assert_non_null(strstr(message.text, "planned anew meanwhile: this run belongs to plan "));
+    svo_parts_close(&before);
+    build_folder(&j, j.opened.device, folder);
+    finish_folder(&j, folder, out);
+    build_whole(&j, 5, NULL);
+    path_of("whole.svo", folder);
+    assert_same_files(folder, out);
+    path_of("folder", folder);
+    place_of(folder, place);
+    check(&j, svo_parts_create(j.opened.device, &made.mesh, 5, NULL, 300000, folder, &message), &message);
+    assert_int_equal(access(place, F_OK), 0);
+    check(&j, svo_parts_lease_renew(lease, &message), &message);
+    check(&j, svo_parts_remove(folder, &message), &message);
+    assert_int_equal(svo_parts_lease_renew(lease, &message), SVO_UNAVAILABLE);
+    svo_parts_lease_release(&lease);
+    assert_null(lease);
+    svo_parts_lease_release(&lease);
+    assert_int_equal(svo_parts_lease_take(NULL, &lease, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_parts_lease_renew(NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_parts_get_identity(NULL, place, &message), SVO_INVALID_ARGUMENT);
     close_job(&j);
     attributed_mesh_destroy(&made);
     attributed_mesh_destroy(&other);
@@ -1139,6 +1210,7 @@ TEST_GROUP(parts)
         cmocka_unit_test(test_damaged_folders),
         cmocka_unit_test(test_older_folders),
         cmocka_unit_test(test_triangles_of_another_plan),
+        cmocka_unit_test(test_planned_anew),
     };
     return cmocka_run_group_tests_name("parts", tests, setup, teardown);
 }

@@ -31,6 +31,19 @@ bool parts_folder_exists(const char *folder)
     return stat(folder, &found) == 0;
 }
 
+bool parts_folder_has_plan(const char *folder)
+{
+    const size_t bytes = strlen(folder) + sizeof "/plan";
+    char *path = malloc(bytes);
+    if (path == NULL) {
+        return true;
+    }
+    (void)snprintf(path, bytes, "%s/plan", folder);
+    const bool is_there = parts_folder_exists(path);
+    free(path);
+    return is_there;
+}
+
 int parts_fail(program *state, svo_status status, const char *message)
 {
     switch (status) {
@@ -41,6 +54,7 @@ int parts_fail(program *state, svo_status status, const char *message)
     case SVO_DEVICE_UNRELIABLE:
     case SVO_CL_ERROR:
     case SVO_GL_ERROR:
+    case SVO_UNAVAILABLE:
         return program_fail_status(state, PROGRAM_TRY_AGAIN, message);
     case SVO_CAPACITY_EXCEEDED: /* the limit of --max-memory, or the nodes of a tree */
         return program_fail_status(state, strstr(message, "max_bytes") != NULL ? PROGRAM_WRONG_USAGE : PROGRAM_FAILED,
@@ -169,10 +183,25 @@ int parts_build(program *state, session *opened, const svo_parts *parts, size_t 
     return status == SVO_OK ? PROGRAM_DONE : parts_fail(state, status, message.text);
 }
 
+/* Whether a part is missing or damaged, which building it mends. */
+static bool lacks_parts(const svo_parts *parts)
+{
+    int is_built = 1;
+    for (size_t i = 0; i < svo_parts_count(parts) && is_built != 0; ++i) {
+        if (svo_parts_is_built(parts, i, &is_built, NULL) != SVO_OK) {
+            return false;
+        }
+    }
+    return is_built == 0;
+}
+
 static int stitch(program *state, const svo_parts *parts, const char *path)
 {
     svo_message message;
     const svo_status status = svo_parts_finish(parts, path, &message);
+    if ((status == SVO_FILE_ERROR || status == SVO_FILE_DAMAGED) && lacks_parts(parts)) {
+        return program_fail_status(state, PROGRAM_TRY_AGAIN, message.text);
+    }
     return status == SVO_OK ? PROGRAM_DONE : parts_fail(state, status, message.text);
 }
 

@@ -10,8 +10,11 @@
 /* The folder of the parts of a .svo file; by malloc, NULL when out of memory. */
 char *parts_folder_of(const char *path);
 bool parts_folder_exists(const char *folder);
+/* Runs that ended before they had planned leave a folder without a plan. */
+bool parts_folder_has_plan(const char *folder);
 
-/* program_fail with a library message: PROGRAM_TRY_AGAIN after a failure of the device or of memory. */
+/* program_fail with a library message: PROGRAM_TRY_AGAIN after what may pass, such as a failure of the device, of
+   memory or of space, or another's lease. */
 int parts_fail(program *state, svo_status status, const char *message);
 
 /* Refuses --builder where it is not the one that makes parts. Returns the exit code. */
@@ -30,8 +33,9 @@ int parts_plan(program *state, session *opened, const char *folder, parts_mesh *
 int parts_open(program *state, const char *folder, svo_parts **out);
 /* Builds one part; where its file is damaged, says so. */
 int parts_build(program *state, session *opened, const svo_parts *parts, size_t index);
-/* Stitches the parts, all of which are built. By --tree-form it makes a compact tree of them, for which the tree must
-   fit on the device and in memory, and its .svo file in a temporary folder. */
+/* Stitches the parts; PROGRAM_TRY_AGAIN where one is missing or damaged, since it can be built. By --tree-form it makes
+   a compact tree of them, for which the tree must fit on the device and in memory, and its .svo file in a temporary
+   folder. */
 int parts_finish(program *state, const session *opened, const svo_parts *parts, const char *path);
 
 #endif

@@ -7,6 +7,7 @@
 #include "support/build_report.h"
 #include "support/json.h"
 #include "support/output.h"
+#include "support/parts_hold.h"
 #include "support/parts_job.h"
 #include "support/table.h"
 
@@ -14,6 +15,7 @@
 typedef struct parts_run {
     char *folder;
     session opened;
+    parts_holder *holder; /* from before the plan on, so that nobody else plans in between */
     svo_parts *parts;
     parts_mesh mesh;
     double plan_ms, build_ms, stitch_ms;
@@ -48,7 +50,7 @@ static int check_options(program *state)
 
 static int check_folder(program *state, const parts_run *run)
 {
-    return !parts_folder_exists(run->folder) || state->options.resume
+    return !parts_folder_has_plan(run->folder) || state->options.resume
                ? PROGRAM_DONE
                : program_fail(state, PROGRAM_FAILED,
                               "%s exists: --resume goes on from there, svocl parts remove "
@@ -86,10 +88,11 @@ static int stitch_all(program *state, parts_run *run)
     progress_step(state->progress, "stitching");
     const int exit_code = parts_finish(state, &run->opened, run->parts, state->options.output_path);
     run->stitch_ms = input_now_ms() - start_ms;
-    if (exit_code == PROGRAM_DONE && svo_parts_remove(run->folder, &message) != SVO_OK) {
-        return program_fail_library(state, message.text);
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
     }
-    return exit_code;
+    const svo_status status = svo_parts_remove(run->folder, &message);
+    return status == SVO_OK ? PROGRAM_DONE : parts_fail(state, status, message.text);
 }
 
 static int report_json(program *state, const parts_run *run)
@@ -147,6 +150,9 @@ static int run_all(program *state, parts_run *run)
         exit_code = session_open(state, &run->opened);
     }
     if (exit_code == PROGRAM_DONE) {
+        exit_code = parts_hold(state, run->folder, &run->holder);
+    }
+    if (exit_code == PROGRAM_DONE) {
         exit_code = plan_all(state, run);
     }
     if (exit_code == PROGRAM_DONE) {
@@ -179,6 +185,7 @@ int build_parts(program *state)
         report_table(state, &run);
     }
     svo_parts_close(&run.parts);
+    parts_release(&run.holder);
     session_close(&run.opened);
     free(run.folder);
     return exit_code;

@@ -11,6 +11,7 @@
 #include "support/json.h"
 #include "support/options_parse.h"
 #include "support/output.h"
+#include "support/parts_hold.h"
 #include "support/parts_job.h"
 #include "support/table.h"
 #include "svocl/commands.h"
@@ -233,8 +234,8 @@ static int remove_folder(program *state)
     if (take_only(state, 0, none) != PROGRAM_DONE) {
         return PROGRAM_WRONG_USAGE;
     }
-    return svo_parts_remove(state->options.input, &message) == SVO_OK ? PROGRAM_DONE
-                                                                      : program_fail_library(state, message.text);
+    const svo_status status = svo_parts_remove(state->options.input, &message);
+    return status == SVO_OK ? PROGRAM_DONE : parts_fail(state, status, message.text);
 }
 
 /* The actions on a folder that is open, and the options that they take. */
@@ -243,9 +244,28 @@ static const struct {
     int (*run)(program *state, const svo_parts *parts);
     uint64_t groups;
     const char *names[3];
-} actions[] = {{"build", build_parts_of, OPTION_DEVICE | OPTION_METHODS, {"part", "max-memory", NULL}},
-               {"status", status, OPTION_JSON, {NULL}},
-               {"stitch", stitch, OPTION_OUTPUT | OPTION_TREE_FORM | OPTION_DEVICE, {NULL}}};
+    bool holds; /* a lease of the folder, so that nobody plans meanwhile */
+} actions[] = {{"build", build_parts_of, OPTION_DEVICE | OPTION_METHODS, {"part", "max-memory", NULL}, true},
+               {"status", status, OPTION_JSON, {NULL}, false},
+               {"stitch", stitch, OPTION_OUTPUT | OPTION_TREE_FORM | OPTION_DEVICE, {NULL}, true}};
+
+/* Opens the folder for an action, and runs it. A folder that is not there is not made. */
+static int run_action(program *state, int (*run)(program *state, const svo_parts *parts), bool holds)
+{
+    svo_parts *parts = NULL;
+    parts_holder *holder = NULL;
+    const char *folder = state->options.input;
+    int exit_code = holds && parts_folder_exists(folder) ? parts_hold(state, folder, &holder) : PROGRAM_DONE;
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = parts_open(state, folder, &parts);
+    }
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = run(state, parts);
+    }
+    svo_parts_close(&parts);
+    parts_release(&holder);
+    return exit_code;
+}
 
 int command_parts(program *state)
 {
@@ -261,16 +281,8 @@ int command_parts(program *state)
     }
     for (size_t i = 0; i < sizeof actions / sizeof actions[0]; ++i) {
         if (strcmp(action, actions[i].name) == 0) {
-            svo_parts *parts = NULL;
-            int exit_code = take_only(state, actions[i].groups, actions[i].names);
-            if (exit_code == PROGRAM_DONE) {
-                exit_code = parts_open(state, state->options.input, &parts);
-            }
-            if (exit_code == PROGRAM_DONE) {
-                exit_code = actions[i].run(state, parts);
-            }
-            svo_parts_close(&parts);
-            return exit_code;
+            const int exit_code = take_only(state, actions[i].groups, actions[i].names);
+            return exit_code == PROGRAM_DONE ? run_action(state, actions[i].run, actions[i].holds) : exit_code;
         }
     }
     return program_fail(state, PROGRAM_WRONG_USAGE, "ACTION '%s' is none of plan, build, status, stitch, remove",

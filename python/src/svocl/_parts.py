@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: MIT
 """Trees in parts: a folder with what each part needs, built by any number of processes and stitched to one file."""
 
+import contextlib
 import logging
 import os
-from collections.abc import Sequence
+import threading
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple, Optional
 
 from . import _arrays, _structs
@@ -88,6 +90,7 @@ class Parts(Handle):
 
         Raises:
             CapacityExceededError: the tree has too many nodes, or max_bytes is too small for any part.
+            UnavailableError: another process plans, builds or stitches the parts of the folder.
             FileError, and what Device.plan raises.
         """
         need_io("Parts.create")
@@ -104,10 +107,43 @@ class Parts(Handle):
         return cls(folder)
 
     @staticmethod
+    @contextlib.contextmanager
+    def lease(folder: Path) -> Iterator[None]:
+        """Holds a lease of a folder, which is made where it is not there: meanwhile no other process plans or removes
+        it. A thread renews the lease. Taken before create, it leaves no gap between a plan and its parts.
+
+        Raises:
+            UnavailableError: another process plans the folder.
+            FileError: no file can be made in it.
+        """
+        need_io("Parts.lease")
+        out = ffi.new("svo_parts_lease **")
+        message = ffi.new("svo_message *")
+        status = call(lib.svo_parts_lease_take, encode(folder), out, message)
+        if status != lib.SVO_OK:
+            raise error(status, text(message.text))
+        done = threading.Event()
+
+        def renew() -> None:
+            # A renewal that fails is not told: whatever it led to is, where files are of another plan.
+            while not done.wait(lib.SVO_PARTS_LEASE_SECONDS / 4):
+                lib.svo_parts_lease_renew(out[0], ffi.NULL)
+
+        thread = threading.Thread(target=renew, name="svocl lease", daemon=True)
+        thread.start()
+        try:
+            yield
+        finally:
+            done.set()
+            thread.join()
+            lib.svo_parts_lease_release(out)
+
+    @staticmethod
     def remove(folder: Path) -> None:
         """Removes the files of a folder, and the folder if nothing else is in it.
 
         Raises:
+            UnavailableError: another process has a lease of it.
             FileError: a file cannot be removed.
         """
         need_io("Parts.remove")
@@ -119,6 +155,14 @@ class Parts(Handle):
     def __len__(self) -> int:
         with self._use() as pointer:
             return int(lib.svo_parts_count(pointer))
+
+    @property
+    def identity(self) -> str:
+        """Of the plan: 32 hexadecimal digits, which each of its files has. Those that are not parts are in the folder's
+        folder of that name."""
+        out = ffi.new("char[]", lib.SVO_PARTS_IDENTITY_BYTES)
+        self._ask(lib.svo_parts_get_identity, out)
+        return text(out)
 
     @property
     def entries(self) -> list[PartEntry]:
@@ -146,6 +190,7 @@ class Parts(Handle):
             device: any.
 
         Raises:
+            UnavailableError: the folder was planned anew since it was opened, or there is no space.
             FileError, FileDamagedError: the folder's files.
             CapacityExceededError: a part that cannot be split does not fit.
         """

@@ -7,6 +7,7 @@ goes on from what is there, and 130 after Ctrl-C.
 
 import argparse
 import contextlib
+import errno
 import importlib
 import json
 import logging
@@ -23,11 +24,13 @@ from typing import Any, NoReturn, Optional
 import svocl
 
 from ._run import Interrupted, Refused, Share, Summary, build_parts
-from ._tasks import RETRIED, worker_ttl
+from ._tasks import PASSING, worker_ttl
 
 DONE, FAILED, WRONG_USAGE, TRY_AGAIN, STOPPED = 0, 1, 2, 75, 130
 NAME = "svocl.distributed"
 CLOSE_SECONDS = 10
+PASSING_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.ESTALE, errno.ETIMEDOUT, errno.EMFILE, errno.ENFILE)
+"""Of files that Python writes: a later try may succeed."""
 SETTINGS = {
     "distributed.scheduler.worker-ttl": ("5 minutes", "30s"),
     "distributed.scheduler.worker-saturation": (1.1, 1.0),
@@ -56,10 +59,9 @@ def main() -> int:
     except Refused as problem:
         return fail(FAILED, str(problem))
     except svocl.Error as problem:
-        is_retried = isinstance(problem, RETRIED) and not isinstance(problem, svocl.FileError)
-        return fail(TRY_AGAIN if is_retried else FAILED, str(problem))
+        return fail(TRY_AGAIN if isinstance(problem, PASSING) else FAILED, str(problem))
     except OSError as problem:
-        return fail(FAILED, str(problem))
+        return fail(TRY_AGAIN if problem.errno in PASSING_ERRORS else FAILED, str(problem))
     except KeyboardInterrupt:
         return fail(STOPPED, "stopped; the same command goes on from the parts that are there")
 
@@ -67,14 +69,15 @@ def main() -> int:
 def run(options: argparse.Namespace) -> int:
     folder = f"{options.output}.parts"
     times: dict[str, float] = {}
-    with measured(times, "plan"):
-        parts = plan(options, folder)
-    with parts:
-        summary = build(options, parts, times)
-        with measured(times, "stitch"):
-            parts.finish(options.output)
-    if not options.keep:
-        svocl.Parts.remove(folder)
+    with svocl.Parts.lease(folder):
+        with measured(times, "plan"):
+            parts = plan(options, folder)
+        with parts:
+            summary = build(options, parts, times)
+            with measured(times, "stitch"):
+                finish(parts, options.output)
+        if not options.keep:
+            svocl.Parts.remove(folder)
     tell(options, summary, times)
     return DONE
 
@@ -116,6 +119,16 @@ def plan_by_program(options: argparse.Namespace) -> None:
     done = subprocess.run(command, stdin=subprocess.DEVNULL)
     if done.returncode != 0:
         raise Failed(done.returncode if done.returncode > 0 else FAILED, f"this failed: {' '.join(command)}")
+
+
+def finish(parts: svocl.Parts, path: str) -> None:
+    """Stitches. What is missing or damaged by then is built by the next try."""
+    try:
+        parts.finish(path)
+    except (svocl.FileError, svocl.FileDamagedError) as problem:
+        if all(parts.is_built(index) for index in range(len(parts))):
+            raise
+        raise Interrupted(f"{problem}; the same command builds it") from problem
 
 
 def build(options: argparse.Namespace, parts: svocl.Parts, times: dict[str, float]) -> Summary:

@@ -11,6 +11,7 @@ import warnings
 from collections import deque
 from typing import Any, Callable, NamedTuple, Optional
 
+from .._generated import Error
 from .._parts import PartEntry, Parts
 from . import _tasks
 
@@ -81,8 +82,10 @@ class _Run:
         missing = [index for index in range(len(self.entries)) if not parts.is_built(index)]
         self.waiting = deque(sorted(missing, key=lambda index: -self.entries[index].expected_bytes))
         self.kept = self.there = len(self.entries) - len(missing)
+        self.identity = parts.identity
         self.plan = self._read(_tasks.PLAN)
         self.digest = _tasks.digest(self.plan)
+        self.file = self._file_of_plan()
         self.futures: dict[str, int] = {}
         self.arrival = time.monotonic()
         self.tries = [0] * len(self.entries)
@@ -131,7 +134,7 @@ class _Run:
 
     def _submit(self, index: int) -> None:
         entry = self.entries[index]
-        work = _tasks.Work(index, entry.name, self.folder, self.digest, self.device)
+        work = _tasks.Work(index, entry.name, self.folder, self.identity, self.digest, self.device)
         # The key is never one of an earlier job, whose results may be lost.
         options = {"key": f"svocl_part-{entry.name}-{uuid.uuid4().hex}", "priority": entry.expected_bytes}
         with warnings.catch_warnings():
@@ -139,14 +142,41 @@ class _Run:
             if self.shared:
                 future = self.client.submit(_tasks.build_shared, work, **options)
             else:
-                triangles = self._read(f"{entry.name}.tri")
+                triangles = self._read(os.path.join(self.identity, f"{entry.name}.tri"))
                 future = self.client.submit(_tasks.build_sent, work, self.plan, triangles, **options)
         self.futures[future.key] = index
         self.completed.add(future)
 
     def _read(self, name: str) -> bytes:
-        with open(os.path.join(self.folder, name), "rb") as file:
-            return file.read()
+        try:
+            with open(os.path.join(self.folder, name), "rb") as file:
+                return file.read()
+        except OSError:
+            self._check_plan()  # which says why, if there is a new one
+            raise
+
+    def _file_of_plan(self) -> tuple[int, int, int]:
+        """Another plan is another file."""
+        try:
+            found = os.stat(os.path.join(self.folder, _tasks.PLAN))
+        except OSError:
+            return 0, 0, 0
+        return found.st_ino, found.st_mtime_ns, found.st_size
+
+    def _check_plan(self) -> None:
+        """The folder's plan is that of this job. A job that was stopped until its lease was stale may find another."""
+        if self._file_of_plan() == self.file:
+            return
+        try:
+            with Parts(self.folder) as found:
+                identity = found.identity
+        except Error:
+            return  # it is said by who needs it
+        if identity != self.identity:
+            raise Interrupted(
+                f"{self.folder}: planned anew meanwhile: this job belongs to plan {self.identity}, "
+                f"the folder's plan is {identity}"
+            )
 
     # --- taking -----------------------------------------------------------------------------------------------------
 
@@ -170,6 +200,8 @@ class _Run:
 
     def _built(self, index: int, built: _tasks.Built) -> None:
         entry = self.entries[index]
+        if built.is_final or built.failure or not built.is_shared:
+            self._check_plan()
         if built.is_final:
             raise Refused(f"the part {entry.name}: {built.failure}")
         if built.failure:
@@ -186,6 +218,8 @@ class _Run:
         if strangers:
             self._try_again(index, f"{built.worker}: {strangers[0]!r} is no file of the part")
             return
+        if files:
+            self._check_plan()
         # A part may have been split. What says so comes last, when its children are there.
         for name, content in sorted(files.items(), key=lambda file: file[0].endswith(".split")):
             self._write(name, content)
@@ -196,11 +230,13 @@ class _Run:
 
     def _write(self, name: str, content: bytes) -> None:
         """The file appears whole or not at all."""
-        part = os.path.join(self.folder, f".{os.getpid()}-{name}")
+        # What says that a part was split lies in the place of the plan.
+        place = os.path.join(self.folder, self.identity) if name.endswith(".split") else self.folder
+        part = os.path.join(place, f".{os.getpid()}-{name}")
         try:
             with open(part, "wb") as file:
                 file.write(content)
-            os.replace(part, os.path.join(self.folder, name))
+            os.replace(part, os.path.join(place, name))
         except OSError as problem:
             if os.path.exists(part):
                 os.unlink(part)

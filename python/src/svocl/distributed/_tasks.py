@@ -19,14 +19,26 @@ from .._generated import (
     NoDeviceError,
     OutOfDeviceMemoryError,
     OutOfHostMemoryError,
+    UnavailableError,
 )
 from .._parts import Parts
 
 PLAN = "plan"
 """The file of a folder of parts that says what they are parts of."""
 
-RETRIED = (CLError, CompileError, FileError, GLError, NoDeviceError, OutOfDeviceMemoryError, OutOfHostMemoryError)
-"""What another worker, or another try, may do without. Everything else fails the same way again."""
+PASSING = (
+    CLError,
+    CompileError,
+    GLError,
+    NoDeviceError,
+    OutOfDeviceMemoryError,
+    OutOfHostMemoryError,
+    UnavailableError,
+)
+"""What a later try may do without."""
+
+RETRIED = (*PASSING, FileError)
+"""What another worker may do without, too. Everything else fails the same way again."""
 
 
 class Work(NamedTuple):
@@ -38,6 +50,8 @@ class Work(NamedTuple):
     """LEVEL-CODE."""
     folder: str
     """The client's folder of parts."""
+    identity: str
+    """Of the plan, which names the place of the part's triangles in the folder."""
     plan_digest: bytes
     """Of the folder's file `plan`: a folder of that name on another machine may be another one."""
     device: Optional[str]
@@ -85,21 +99,23 @@ def build_sent(work: Work, plan: bytes, triangles: bytes) -> Built:
     """
     try:
         with tempfile.TemporaryDirectory(prefix="svocl-") as folder:
-            for name, content in ((PLAN, plan), (f"{work.name}.tri", triangles)):
+            os.mkdir(os.path.join(folder, work.identity))
+            for name, content in ((PLAN, plan), (os.path.join(work.identity, f"{work.name}.tri"), triangles)):
                 with open(os.path.join(folder, name), "wb") as file:
                     file.write(content)
-            return _build(work, folder)._replace(files=_read_files(folder))
+            return _build(work, folder)._replace(files=_read_files(work, folder))
     except OSError as problem:
         return Built(_address(), failure=str(problem))
 
 
-def _read_files(folder: str) -> dict[str, bytes]:
+def _read_files(work: Work, folder: str) -> dict[str, bytes]:
     """The parts in a folder, and which of them were split."""
     files = {}
-    for name in os.listdir(folder):
-        if name.endswith((".part", ".split")):
-            with open(os.path.join(folder, name), "rb") as file:
-                files[name] = file.read()
+    for place, suffix in ((folder, ".part"), (os.path.join(folder, work.identity), ".split")):
+        for name in os.listdir(place):
+            if name.endswith(suffix):
+                with open(os.path.join(place, name), "rb") as file:
+                    files[name] = file.read()
     return files
 
 
