@@ -84,7 +84,7 @@ expect_completion '--picture' svocl diff --pi
 expect_completion 'cube' svocl diff model.obj scene : cu
 expect_completion 'folder' svocl report --docs f
 expect_completion 'knot' svocl scene kn
-expect_completion 'voxelize' svocl bench vo
+expect_completion 'voxelize' svocl bench voxeli
 expect_completion 'zsh' svocl completion z
 expect_completion 'verify' svocl help ver
 expect_completion 'grid' svocl bench rays --vs g
@@ -147,7 +147,7 @@ if command -v fish >/dev/null; then
     expect_fish 'svocl report --docs fo' 'folder/'
     expect_fish 'svocl build --device mo' ''
     expect_fish 'svocl scene stat' 'statue'
-    expect_fish 'svocl bench vo' 'voxelize'
+    expect_fish 'svocl bench voxeli' 'voxelize'
     expect_fish 'svocl completion f' 'fish'
     expect_fish 'svocl help verif' 'verify'
     "$program" --help | sed -n 's/^  \([a-z-]\{1,\}\)  .*/\1/p' | sort >"$work/wanted"

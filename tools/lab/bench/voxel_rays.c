@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * svocl bench voxel-rays: rays through the voxels of a tree, beside NanoVDB's hierarchical walk and beside a brickmap of
- * the same voxels. Rays of which two tracers differ are judged by the voxels themselves, in doubles.
+ * svocl bench voxel-rays: rays through the voxels of a tree, beside NanoVDB's hierarchical walk and beside a brickmap
+ * of the same voxels. Rays of which two tracers differ are judged by the voxels themselves, in doubles.
  */
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A brickmap, as renderers of voxels write it by themselves: a dense grid of bricks of 8^3 voxels, a bit per voxel, and a
- * scalar walk from cell to cell through both (Amanatides and Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing",
+ * A brickmap, as renderers of voxels write it by themselves: a dense grid of bricks of 8^3 voxels, a bit per voxel, and
+ * a scalar walk from cell to cell through both (Amanatides and Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing",
  * 1987).
  */
 #ifndef SVOCL_TOOLS_MEASURE_BRICKMAP_H
