@@ -20,6 +20,7 @@ SUN = svocl.LightSource(svocl.SourceKind.DIRECTIONAL, (2.2, 2.05, 1.8), directio
 SKY = (0.3, 0.36, 0.45)
 NEED = svocl.Need.COLOR | svocl.Need.NORMAL | svocl.Need.RAYS | svocl.Need.MATERIAL
 FLOOR = 128  # squares along a side
+ALBEDO = 0.7  # of what is shown, so that what lies in the sun is not white alone
 
 
 def torus(around=96, across=48):
@@ -146,12 +147,12 @@ def main():
         print(device.name)
         light.set_sources([SUN], sky=SKY)
         baked = svocl.bake_vertices(light, scene, paths=arguments.paths)
-        # A white surface shows the radiance irradiance / pi.
-        write_ply(arguments.output, scene, srgb(baked.irradiance / np.pi))
+        # A surface of an albedo shows the radiance albedo * irradiance / pi.
+        write_ply(arguments.output, scene, srgb(ALBEDO * baked.irradiance / np.pi))
         print(f"{arguments.output}: {scene.vertex_count} vertices, mean irradiance {baked.irradiance.mean():.2f}")
         if arguments.lightmap is not None:
             map = svocl.bake_lightmap(light, mesh, arguments.size, arguments.size, paths=arguments.paths)
-            write_png(arguments.lightmap, srgb(map.irradiance / np.pi))
+            write_png(arguments.lightmap, srgb(ALBEDO * map.irradiance / np.pi))
             write_exr(arguments.lightmap.rsplit(".", 1)[0] + ".exr", map.irradiance)
             print(f"{arguments.lightmap}: {(map.coverage == 1).mean():.0%} of the texels lie in charts")
 

@@ -45,7 +45,7 @@ def test_bake(tmp_path):
     assert pixels.shape == (64, 64, 3) and pixels[..., 1].max() > 200 > pixels[..., 1].min() + 40
     content = (tmp_path / "map.exr").read_bytes()
     linear = np.frombuffer(content[-64 * (8 + 12 * 64) :], np.uint8).reshape(64, -1)[:, 8:].copy().view("<f4")
-    red = linear.reshape(64, 3, 64)[:, 2] / np.pi  # blue, green, red
+    red = 0.7 * linear.reshape(64, 3, 64)[:, 2] / np.pi  # blue, green, red; an albedo of 0.7
     coded = np.where(red <= 0.0031308, 12.92 * red, 1.055 * red ** (1 / 2.4) - 0.055)
     assert np.abs(np.clip(coded, 0, 1) * 255 - pixels[..., 0]).max() <= 1
 
