@@ -31,7 +31,7 @@ all_variants()
     for form in READ_{DESCRIPTOR,IMPLIED,SHARED}{,' HAS_BASES'}; do
         printf "%s\tCOLOR NORMAL $form\n" kernels/rays/{render,trace_voxels,view}.cl \
             kernels/scene/{bounds,render,trace}.cl kernels/compact/expand.cl
-        printf "kernels/rays/trace_voxels.cl\t$form RAY_STREAMS\n"
+        printf '%s\t%s RAY_STREAMS\n' kernels/rays/trace_voxels.cl "$form"
     done
     # Pictures of scenes are of voxels.
     printf 'kernels/scene/trace.cl\tSCENE_TRIANGLES\n'

@@ -127,7 +127,7 @@ static bool is_twin(int index)
 static int nth_left(int n, int other_than)
 {
     for (int i = 0; i < world.of->count; ++i) {
-        if (!world.actors[i].is_done && i != other_than && !is_twin(i) && n-- == 0) {
+        if (i != other_than && !world.actors[i].is_done && !is_twin(i) && n-- == 0) {
             return i;
         }
     }

@@ -34,6 +34,7 @@ void nanovdb_trace(const nanovdb_voxels *voxels, const voxel_ray *rays, float *d
 {
     (void)voxels;
     (void)rays;
-    (void)distances;
-    (void)ray_count;
+    for (size_t i = 0; i < ray_count; ++i) {
+        distances[i] = 0.0F;
+    }
 }
