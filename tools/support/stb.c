@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The functions of stb's headers that tools, tests and Dear ImGui call: not every system has them as a library. */
+/* What tools, tests and Dear ImGui call of stb, for systems that have its headers alone (cmake/stb.cmake). */
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 #define STB_IMAGE_WRITE_IMPLEMENTATION
