@@ -15,7 +15,8 @@ if(SVOCL_OPENVDB)
     set(SVOCL_OPENVDB_FOUND ON)
   endif()
 endif()
-# `svocl bench voxel-rays` measures NanoVDB if libnanovdb-dev is installed, by another such file.
+# `svocl bench voxel-rays` measures NanoVDB if libnanovdb-dev is installed, which the set-up of the tests brings for
+# .nvdb files, by another such file.
 set(SVOCL_NANOVDB_FOUND OFF)
 if(SVOCL_OPENVDB)
   find_path(NANOVDB_INCLUDE_DIR nanovdb/util/HDDA.h)

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /** \file
- * Voxel files (svocl::io): .vox, .svx and .binvox to lists of voxels and back, points as .ply, cubes as .obj.
+ * Voxel files (svocl::io): .vox, .svx, .binvox and .nvdb to lists of voxels and back, points as .ply, cubes as .obj.
  *
  *     format    read  write  holds
  *     .vox      yes   yes    MagicaVoxel, versions 150 and 200: models, a scene of them, 255 colors, materials
  *     .svx      yes   yes    Shapeways: slices as PNG images in a zip archive. Needs libzip and expat
  *     .binvox   yes   yes    occupancy, run by run
+ *     .nvdb     yes   yes    NanoVDB, version 32: occupancy, RGBA8 colors, materials. Needs NanoVDB's header to build
  *     .ply      no    yes    a point at the center of each voxel, with color and material
  *     .obj      no    yes    the faces between voxels and what is empty, with colors
  *
@@ -37,7 +38,8 @@ typedef enum svo_voxel_format {
     SVO_VOXEL_FORMAT_SVX, /**< "svx" */
     SVO_VOXEL_FORMAT_BINVOX, /**< "binvox" */
     SVO_VOXEL_FORMAT_PLY, /**< "ply": is only written */
-    SVO_VOXEL_FORMAT_OBJ /**< "obj": is only written */
+    SVO_VOXEL_FORMAT_OBJ, /**< "obj": is only written */
+    SVO_VOXEL_FORMAT_NVDB /**< "nvdb" */
 } svo_voxel_format;
 
 /** The format that a file is written in by its suffix, in upper or lower case.
@@ -73,7 +75,7 @@ typedef struct svo_voxels_load_options {
 typedef struct svo_voxel_file_info {
     size_t struct_size; /**< sizeof(svo_voxel_file_info) */
     uint32_t format; /**< svo_voxel_format */
-    uint32_t version; /**< .vox: 150 or 200; .binvox: 1 or 2; .svx: 0 */
+    uint32_t version; /**< .vox: 150 or 200; .binvox: 1 or 2; .nvdb: 32; .svx: 0 */
     uint64_t models; /**< .vox: models in the file; else 1 */
     uint64_t instances; /**< models placed */
     uint64_t rotated_instances; /**< of those, with a rotation or a mirror */
@@ -85,7 +87,7 @@ typedef struct svo_voxel_file_info {
 /** All zero. */
 #define SVO_VOXEL_FILE_INFO_INIT SVO_STRUCT_INIT(svo_voxel_file_info)
 
-/** Reads a .vox, .svx or .binvox file; its bytes say which. docs/voxel_files.md says what becomes of each part.
+/** Reads a .vox, .svx, .binvox or .nvdb file; its bytes say which. docs/voxel_files.md says what becomes of each part.
  *
  * \param source the file
  * \param options NULL means all defaults
@@ -93,7 +95,8 @@ typedef struct svo_voxel_file_info {
  * \param info receives what the file holds; NULL allowed
  * \param message receives what is wrong and where; NULL allowed
  * \returns SVO_FILE_ERROR (cannot be read), SVO_FILE_DAMAGED, SVO_UNSUPPORTED (a .svx file, and the library was built
- *          without libzip or expat), SVO_INVALID_ARGUMENT (no such frame, too many voxels, memory is not valid) or
+ *          without libzip or expat; a .nvdb file that is packed or of another version, or the library was built without
+ *          NanoVDB's header), SVO_INVALID_ARGUMENT (no such frame, too many voxels, memory is not valid) or
  *          SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_voxels_load(svo_source source, const svo_voxels_load_options *options, svo_voxels **out,
                                    svo_voxel_file_info *info, svo_message *message);
@@ -119,9 +122,10 @@ typedef struct svo_voxels_save_info {
  *  .vox: models of up to 256^3 voxels in a scene that places them. Where materials are 1 .. 255 and each has one color,
  *  they become the indices of the palette; else colors do, and beyond 255 of them a voxel has the nearest of 255 that
  *  k-means finds. Properties are written to the materials' chunks. .binvox: the occupancy, in the smallest cube whose
- *  edge is a power of two. .svx: occupancy, colors without alpha, and materials unless one is above
- *  255. Neither has properties of materials; .vox has neither origin nor voxel_edge. svo_voxels_set_axes says which
- *  axis is up in the file: z in .vox, unless it says otherwise.
+ *  edge is a power of two. .svx: occupancy, colors without alpha, and materials unless one is above 255. .nvdb: a grid
+ *  "density", a fog volume that is 1 in voxels, and where there are any, grids "color" and "material" of the same
+ *  voxels. None of these has properties of materials; .vox has neither origin nor voxel_edge. svo_voxels_set_axes says
+ *  which axis is up in the file: z in .vox, unless it says otherwise.
  *
  * \param voxels not NULL
  * \param sink receives the file

@@ -173,6 +173,19 @@ svo_status svo_i_voxels_add_property(voxel_reader *reader, uint32_t material, co
     return SVO_OK;
 }
 
+/* ---- checksums ---- */
+
+void svo_i_voxels_byte_sums(uint32_t sums[256])
+{
+    for (uint32_t byte = 0; byte < 256; ++byte) {
+        uint32_t sum = byte;
+        for (int bit = 0; bit < 8; ++bit) {
+            sum = sum >> 1 ^ ((sum & 1u) != 0 ? 0xedb88320u : 0u);
+        }
+        sums[byte] = sum;
+    }
+}
+
 /* ---- writing ---- */
 
 svo_status svo_i_voxels_write_fail(const voxel_writer *writer, svo_status status, const char *format, ...)

@@ -80,6 +80,11 @@ svo_status svo_i_voxels_append(voxel_reader *reader, svo_voxel voxel);
 svo_status svo_i_voxels_add_property(voxel_reader *reader, uint32_t material, const char *key, size_t key_bytes,
                                      const char *value, size_t value_bytes);
 
+/* ---- checksums ---- */
+
+/* The sums of single bytes for CRC-32 (polynomial 0xedb88320), as PNG images and .nvdb files have it. */
+void svo_i_voxels_byte_sums(uint32_t sums[256]);
+
 /* ---- writing ---- */
 
 #define VOXEL_BUFFER_BYTES ((size_t)1 << 16)

@@ -8,10 +8,12 @@
 /* Reads a file of one format into the reader's voxels and properties. */
 svo_status svo_i_voxels_read_vox(voxel_reader *reader);
 svo_status svo_i_voxels_read_svx(voxel_reader *reader);
+svo_status svo_i_voxels_read_nvdb(voxel_reader *reader);
 
 /* Write a file of one format. */
 svo_status svo_i_voxels_write_vox(voxel_writer *writer);
 svo_status svo_i_voxels_write_svx(voxel_writer *writer);
+svo_status svo_i_voxels_write_nvdb(voxel_writer *writer);
 
 /* ---- .svx, as its reader and its writer share it ---- */
 
@@ -24,6 +26,7 @@ svo_status svo_i_voxels_write_svx(voxel_writer *writer);
 typedef enum svx_kind { SVX_DENSITY, SVX_COLOR, SVX_MATERIAL, SVX_KINDS } svx_kind;
 
 /* Why there is neither where the library is built without what they need. */
-#define VOXELS_NO_SVX ".svx needs libzip and expat, which svocl was built without"
+#define VOXELS_NO_SVX  ".svx needs libzip and expat, which svocl was built without"
+#define VOXELS_NO_NVDB ".nvdb needs NanoVDB's header, which svocl was built without"
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Voxel files to lists of voxels: reads the file into memory, and finds its reader by its first bytes. The one of
- * .binvox files is here; voxels_vox.c and voxels_svx.c have the others.
+ * .binvox files is here; voxels_vox.c, voxels_svx.c and voxels_nvdb.c have the others.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <inttypes.h>
@@ -225,7 +225,7 @@ static svo_status read_binvox(voxel_reader *reader)
     return SVO_OK;
 }
 
-/* ---- .svx ---- */
+/* ---- formats that the library was built without ---- */
 
 #ifndef SVOCL_SVX
 svo_status svo_i_voxels_read_svx(voxel_reader *reader)
@@ -234,12 +234,19 @@ svo_status svo_i_voxels_read_svx(voxel_reader *reader)
 }
 #endif
 
+#ifndef SVOCL_NVDB
+svo_status svo_i_voxels_read_nvdb(voxel_reader *reader)
+{
+    return svo_i_voxels_fail(reader, SVO_UNSUPPORTED, "%s", VOXELS_NO_NVDB);
+}
+#endif
+
 /* ---- loading ---- */
 
 svo_voxel_format svo_voxel_format_of_path(const char *path)
 {
     const char *dot = path != NULL ? strrchr(path, '.') : NULL;
-    for (uint32_t format = SVO_VOXEL_FORMAT_VOX; format <= SVO_VOXEL_FORMAT_OBJ && dot != NULL; ++format) {
+    for (uint32_t format = SVO_VOXEL_FORMAT_VOX; format <= SVO_VOXEL_FORMAT_NVDB && dot != NULL; ++format) {
         if (strcasecmp(dot + 1, svo_name(SVO_NAME_VOXEL_FORMAT, format)) == 0) {
             return (svo_voxel_format)format;
         }
@@ -268,7 +275,11 @@ static svo_status read_format(voxel_reader *reader)
         reader->info.format = SVO_VOXEL_FORMAT_SVX;
         return svo_i_voxels_read_svx(reader);
     }
-    return svo_i_voxels_damaged(reader, "byte 0: neither a .vox nor a .svx nor a .binvox file");
+    if (begins(reader, "NanoVDB")) {
+        reader->info.format = SVO_VOXEL_FORMAT_NVDB;
+        return svo_i_voxels_read_nvdb(reader);
+    }
+    return svo_i_voxels_damaged(reader, "byte 0: neither a .vox nor a .svx nor a .binvox nor a .nvdb file");
 }
 
 /* From z up to y up. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Lists of voxels to files. The writers of .binvox, .ply and .obj files are here; voxels_vox_write.c and
- * voxels_svx_write.c are the others.
+ * Lists of voxels to files. The writers of .binvox, .ply and .obj files are here; voxels_vox_write.c,
+ * voxels_svx_write.c and voxels_nvdb_write.c are the others.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <inttypes.h>
@@ -234,6 +234,13 @@ svo_status svo_i_voxels_write_svx(voxel_writer *writer)
 }
 #endif
 
+#ifndef SVOCL_NVDB
+svo_status svo_i_voxels_write_nvdb(voxel_writer *writer)
+{
+    return svo_i_voxels_write_fail(writer, SVO_UNSUPPORTED, "%s", VOXELS_NO_NVDB);
+}
+#endif
+
 /* ---- saving ---- */
 
 static svo_status write_format(voxel_writer *writer, svo_voxel_format format)
@@ -245,6 +252,8 @@ static svo_status write_format(voxel_writer *writer, svo_voxel_format format)
         return svo_i_voxels_write_svx(writer);
     case SVO_VOXEL_FORMAT_BINVOX:
         return write_binvox(writer);
+    case SVO_VOXEL_FORMAT_NVDB:
+        return svo_i_voxels_write_nvdb(writer);
     case SVO_VOXEL_FORMAT_PLY:
         return write_ply(writer);
     default:
@@ -332,13 +341,13 @@ svo_status svo_voxels_save(const svo_voxels *voxels, svo_sink sink, svo_voxel_fo
     if (format == SVO_VOXEL_FORMAT_AUTO) {
         format = svo_voxel_format_of_path(sink.path);
     }
-    if ((unsigned)format < SVO_VOXEL_FORMAT_VOX || (unsigned)format > SVO_VOXEL_FORMAT_OBJ) {
+    if ((unsigned)format < SVO_VOXEL_FORMAT_VOX || (unsigned)format > SVO_VOXEL_FORMAT_NVDB) {
         return sink.path != NULL
                    ? svo_i_fail(message, SVO_INVALID_ARGUMENT,
-                                "%s: the suffix of '%s' is not vox, svx, binvox, ply or obj, and format is %d",
+                                "%s: the suffix of '%s' is not vox, svx, binvox, ply, obj or nvdb, and format is %d",
                                 function, sink.path, (int)format)
                    : svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: format %d is not in %d .. %d", function,
-                                (int)format, SVO_VOXEL_FORMAT_VOX, SVO_VOXEL_FORMAT_OBJ);
+                                (int)format, SVO_VOXEL_FORMAT_VOX, SVO_VOXEL_FORMAT_NVDB);
     }
     SVO_I_TRY(info == NULL ? SVO_OK
                            : svo_i_struct_check(message, function, "info", info,

@@ -35,17 +35,6 @@ typedef struct png_writer {
     uint32_t sums[256]; /* checksums of single bytes */
 } png_writer;
 
-static void fill_sums(png_writer *png)
-{
-    for (uint32_t byte = 0; byte < 256; ++byte) {
-        uint32_t sum = byte;
-        for (int bit = 0; bit < 8; ++bit) {
-            sum = sum >> 1 ^ ((sum & 1u) != 0 ? 0xedb88320u : 0u);
-        }
-        png->sums[byte] = sum;
-    }
-}
-
 static void put(png_writer *png, const void *bytes, size_t count)
 {
     memcpy(png->bytes + png->count, bytes, count);
@@ -130,7 +119,7 @@ static uint8_t *make_png(const svo_i_memory *memory, const uint8_t *pixels, uint
     if (png.bytes == NULL) {
         return NULL;
     }
-    fill_sums(&png);
+    svo_i_voxels_byte_sums(png.sums);
     put(&png, signature, sizeof signature);
     put_header(&png, width, height, channels);
     put_rows(&png, pixels, row_bytes, height);

@@ -150,6 +150,13 @@ static bool has_svx(void)
     return svo_voxels_load(svo_from_memory(zip, sizeof zip, NAME), NULL, &voxels, NULL, &message) != SVO_UNSUPPORTED;
 }
 
+static bool has_nvdb(void)
+{
+    svo_voxels *voxels = NULL;
+    svo_message message = {""};
+    return svo_voxels_load(svo_from_memory("NanoVDB", 7, NAME), NULL, &voxels, NULL, &message) != SVO_UNSUPPORTED;
+}
+
 static void test_round_trips(void **state)
 {
     (void)state;
@@ -162,6 +169,10 @@ static void test_round_trips(void **state)
     if (has_svx()) {
         check_round_trip(small, SVO_VOXEL_FORMAT_SVX, true, true);
         check_round_trip(large, SVO_VOXEL_FORMAT_SVX, true, true);
+    }
+    if (has_nvdb()) {
+        check_round_trip(small, SVO_VOXEL_FORMAT_NVDB, true, true);
+        check_round_trip(large, SVO_VOXEL_FORMAT_NVDB, true, true);
     }
     svo_voxels_destroy(&small);
     svo_voxels_destroy(&large);
@@ -204,6 +215,9 @@ static void test_no_voxels(void **state)
     check_round_trip(empty, SVO_VOXEL_FORMAT_BINVOX, true, true);
     if (has_svx()) {
         check_round_trip(empty, SVO_VOXEL_FORMAT_SVX, true, true);
+    }
+    if (has_nvdb()) {
+        check_round_trip(empty, SVO_VOXEL_FORMAT_NVDB, true, true);
     }
     byte_list obj = write_as(empty, SVO_VOXEL_FORMAT_OBJ, NULL);
     byte_list ply = write_as(empty, SVO_VOXEL_FORMAT_PLY, NULL);
@@ -667,10 +681,10 @@ static void test_write_failures(void **state)
 {
     (void)state;
     svo_voxels *voxels = random_voxels(7, corner, large_box, 255);
-    for (int format = SVO_VOXEL_FORMAT_VOX; format <= SVO_VOXEL_FORMAT_OBJ; ++format) {
+    for (int format = SVO_VOXEL_FORMAT_VOX; format <= SVO_VOXEL_FORMAT_NVDB; ++format) {
         int left = 0;
         svo_message message = {""};
-        if (format == SVO_VOXEL_FORMAT_SVX && !has_svx()) {
+        if ((format == SVO_VOXEL_FORMAT_SVX && !has_svx()) || (format == SVO_VOXEL_FORMAT_NVDB && !has_nvdb())) {
             continue;
         }
         assert_int_equal(
@@ -734,8 +748,8 @@ static void test_arguments(void **state)
     assert_null(voxels);
     assert_int_equal(svo_voxels_save(some, svo_to_callback(fail_late, &left), SVO_VOXEL_FORMAT_AUTO, NULL, &message),
                      SVO_INVALID_ARGUMENT);
-    assert_string_equal(message.text, "svo_voxels_save: format 0 is not in 1 .. 5");
-    assert_int_equal(svo_voxels_save(some, svo_to_callback(fail_late, &left), (svo_voxel_format)6, NULL, NULL),
+    assert_string_equal(message.text, "svo_voxels_save: format 0 is not in 1 .. 6");
+    assert_int_equal(svo_voxels_save(some, svo_to_callback(fail_late, &left), (svo_voxel_format)7, NULL, NULL),
                      SVO_INVALID_ARGUMENT);
     assert_int_equal(svo_voxels_save(NULL, svo_to_path("x.vox"), SVO_VOXEL_FORMAT_AUTO, NULL, NULL),
                      SVO_INVALID_ARGUMENT);

@@ -80,10 +80,10 @@ static const command commands[] = {
                OPTION_UNFOLDED,
      .input_name = "IN OUT",
      .needs_input = true,
-     .suffixes = ".svo .svc .vox .svx .binvox .ply .obj",
+     .suffixes = ".svo .svc .vox .svx .binvox .nvdb .ply .obj",
      .needs_suffix = true,
-     .summary = "Converts IN, a mesh, voxels (.vox, .svx, .binvox) or a tree (.svo, .svc), to OUT, voxels or a tree; "
-                "voxels also as .ply or .obj.",
+     .summary = "Converts IN, a mesh, voxels (.vox, .svx, .binvox, .nvdb) or a tree (.svo, .svc), to OUT, voxels or a "
+                "tree; voxels also as .ply or .obj.",
      .reads_file = true,
      .examples = EXAMPLES("convert castle.vox castle.svo", "convert model.svo model.vox",
                           "convert model.obj model.vox -d 7", "convert model.svo model.svc --tree-form implied",

@@ -113,6 +113,7 @@ const char *piped_judge(piped_input *piped)
                     : begins_with(piped, "VOX ")                                 ? ".vox"
                     : begins_with(piped, "#binvox")                              ? ".binvox"
                     : begins_with(piped, "PK\3\4")                               ? ".svx"
+                    : begins_with(piped, "NanoVDB")                              ? ".nvdb"
                     : is_off(piped)                                              ? ".off"
                     : is_stl(piped)                                              ? ".stl"
                     : is_obj(piped)                                              ? ".obj"

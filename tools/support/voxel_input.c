@@ -12,7 +12,8 @@ bool voxel_input_is_given(const program *state)
 {
     const svo_voxel_format format = svo_voxel_format_of_path(
         piped_is(&state->piped, state->options.input) ? state->piped.suffix : state->options.input);
-    return format == SVO_VOXEL_FORMAT_VOX || format == SVO_VOXEL_FORMAT_SVX || format == SVO_VOXEL_FORMAT_BINVOX;
+    return format == SVO_VOXEL_FORMAT_VOX || format == SVO_VOXEL_FORMAT_SVX || format == SVO_VOXEL_FORMAT_BINVOX ||
+           format == SVO_VOXEL_FORMAT_NVDB;
 }
 
 int voxel_input_open(program *state, voxel_input *opened)

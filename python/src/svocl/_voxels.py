@@ -104,7 +104,7 @@ class Voxels(Handle):
     def load(
         cls, path: Path, *, hidden: bool = False, frame: int = 0, voxels_max: int = 0, axes: Axes = Axes.AUTO
     ) -> "Voxels":
-        """Reads a .vox, .svx or .binvox file; its bytes say which. Warnings go to the logger "svocl".
+        """Reads a .vox, .svx, .binvox or .nvdb file; its bytes say which. Warnings go to the logger "svocl".
 
         Args:
             path: of the file.
@@ -117,7 +117,7 @@ class Voxels(Handle):
             FileError: the file cannot be read.
             FileDamagedError: it is truncated, damaged or of another format.
             InvalidArgumentError: no such frame, or too many voxels.
-            UnsupportedError: .svx, and svocl was built without libzip or expat.
+            UnsupportedError: .svx or .nvdb, and svocl was built without what they need.
         """
         need_io("Voxels.load")
         source, _kept = from_path(path)
@@ -156,8 +156,8 @@ class Voxels(Handle):
             call(lib.svo_voxels_set_axes, pointer, Axes(axes))
 
     def save(self, path: Path) -> _generated.VoxelsSaveInfo:
-        """Writes a file, whole or not at all; its suffix says the format: .vox, .svx, .binvox, .ply (points) or .obj
-        (the outer faces of cubes).
+        """Writes a file, whole or not at all; its suffix says the format: .vox, .svx, .binvox, .nvdb, .ply (points) or
+        .obj (the outer faces of cubes).
 
         Args:
             path: of the file.
@@ -168,7 +168,7 @@ class Voxels(Handle):
         Raises:
             FileError: the file cannot be written.
             InvalidArgumentError: no known suffix, or more than the format can hold.
-            UnsupportedError: .svx, and svocl was built without libzip or expat.
+            UnsupportedError: .svx or .nvdb, and svocl was built without what they need.
         """
         need_io("Voxels.save")
         sink, _kept = to_path(path)
