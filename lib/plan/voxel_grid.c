@@ -104,7 +104,7 @@ static svo_status place_axis(const svo_i_bounds *bounds, unsigned axis, double v
 svo_status svo_mesh_voxel_grid(const svo_mesh *mesh, double voxel_edge, double origin[3], double *edge, unsigned *depth,
                                svo_message *message)
 {
-    svo_mesh given;
+    svo_mesh given = SVO_MESH_INIT;
     svo_i_bounds bounds = {false, {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     double place[3] = {0.0, 0.0, 0.0};
     unsigned levels = SVO_DEPTH_MIN;

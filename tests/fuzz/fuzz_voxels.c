@@ -2,7 +2,8 @@
 /*
  * Fuzz target: arbitrary bytes as a voxel file. Either they are refused with a one-line message that names the byte, or
  * the list is well formed: voxels within their bounds, in Morton order, materials below the count; and what is written
- * of it is read as the same list. A .vox file that is read is copied, byte for byte, and its copy has the same info.
+ * of it is read as the same list. Its faces are written. A .vox file that is read is copied, byte for byte, with the
+ * same info.
  *
  * FUZZ_ARCHIVE: bytes that do not begin as an archive are a manifest, a byte 0, and an image, which are put into one
  * with correct checksums.
@@ -83,6 +84,19 @@ static void check_written(const svo_voxels *voxels)
     free(file.data);
 }
 
+/* Writes the faces, unless voxels are too far out for floats. A face has a body and eight gaps around it at most. */
+static void check_faces(const svo_voxels *voxels)
+{
+    bytes file = {NULL, 0};
+    svo_voxels_save_info info = SVO_VOXELS_SAVE_INFO_INIT;
+    const svo_status status =
+        svo_voxels_save_faces(voxels, svo_to_callback(append, &file), SVO_VOXEL_FORMAT_PLY, &info, NULL);
+    REQUIRE(status == SVO_OK || (status == SVO_INVALID_ARGUMENT && file.count == 0));
+    REQUIRE(info.faces <= 9 * info.voxel_faces && info.bytes == file.count);
+    REQUIRE(status != SVO_OK || file.count > info.faces * (4 * 16 + 17));
+    free(file.data);
+}
+
 static void check_copy(const uint8_t *data, size_t byte_count, const svo_voxels_load_options *options,
                        const svo_voxel_file_info *info)
 {
@@ -122,6 +136,7 @@ static void run(const uint8_t *data, size_t byte_count)
     }
     check_list(voxels);
     check_written(voxels);
+    check_faces(voxels);
     check_copy(data, byte_count, &options, &info);
     svo_voxels_destroy(&voxels);
 }
