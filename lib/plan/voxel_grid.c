@@ -63,12 +63,8 @@ static double count_voxels(double origin, double high, double width)
 }
 
 /* Checks what is given, and copies the mesh as far as the caller's struct reaches. */
-static svo_status check(const svo_mesh *mesh, double voxel_edge, const char *missing, svo_mesh *given,
-                        svo_message *message)
+static svo_status check(const svo_mesh *mesh, double voxel_edge, svo_mesh *given, svo_message *message)
 {
-    if (missing != NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function, missing);
-    }
     if (!(voxel_edge > 0.0) || !isfinite(ldexp(voxel_edge, SVO_DEPTH_MAX))) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: voxel_edge %g is not above 0, or too large", function,
                           voxel_edge);
@@ -113,7 +109,10 @@ svo_status svo_mesh_voxel_grid(const svo_mesh *mesh, double voxel_edge, double o
                           : edge == NULL   ? "edge"
                           : depth == NULL  ? "depth"
                                            : NULL;
-    SVO_I_TRY(check(mesh, voxel_edge, missing, &given, message));
+    if (missing != NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function, missing);
+    }
+    SVO_I_TRY(check(mesh, voxel_edge, &given, message));
     for (size_t triangle = 0; triangle < given.triangle_count; ++triangle) {
         add_triangle(&given, triangle, &bounds);
     }
