@@ -265,6 +265,21 @@ typedef struct svo_left_out {
 /** An empty output. */
 #define SVO_LEFT_OUT_INIT SVO_STRUCT_INIT(svo_left_out)
 
+/** The grid whose voxels have a given width, for svo_plan_options: its planes are at whole multiples of the width, it
+ *  begins at or below the mesh's least corner, and it has the least depth that holds the mesh. A vertex on a plane lies
+ *  in the voxel above it, so that a cube of 4 voxels whose corners are on planes takes 5 of them.
+ *
+ * \param mesh its valid triangles are looked at, on the host
+ * \param voxel_edge width of a voxel, world units, finite and above 0
+ * \param origin receives svo_plan_options.origin; all 0 without triangles
+ * \param edge receives svo_plan_options.edge: voxel_edge times 2^depth, exactly
+ * \param depth receives the depth, SVO_DEPTH_MIN .. SVO_DEPTH_MAX
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_INVALID_ARGUMENT (NULL, no positions, a width that is none; more than 2^SVO_DEPTH_MAX voxels along an
+ *          axis, which the message counts). */
+SVO_API svo_status svo_mesh_voxel_grid(const svo_mesh *mesh, double voxel_edge, double origin[3], double *edge,
+                                       unsigned *depth, svo_message *message);
+
 /** Makes a plan. The mesh's arrays are not needed afterwards.
  *
  * \param device must outlive the plan

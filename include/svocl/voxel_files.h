@@ -4,11 +4,12 @@
  *
  *     format    read  write  holds
  *     .vox      yes   yes    MagicaVoxel, versions 150 and 200: models, a scene of them, 255 colors, materials
+ *     .vox      yes   no     SLAB6: a grid of indices into 255 colors. Has no mark: judged by its length
  *     .svx      yes   yes    Shapeways: slices as PNG images in a zip archive. Needs libzip and expat
  *     .binvox   yes   yes    occupancy, run by run
  *     .nvdb     yes   yes    NanoVDB, version 32: occupancy, RGBA8 colors, materials. Needs NanoVDB's header to build
- *     .ply      no    yes    a point at the center of each voxel, with color and material
- *     .obj      no    yes    the faces between voxels and what is empty, with colors
+ *     .ply      no    yes    a point at the center of each voxel, with color and material; or rectangles
+ *     .obj      no    yes    the faces between voxels and what is empty, with colors; or rectangles
  *
  * Files are not trusted. Every length is checked against the file, and every count against its limit, before memory is
  * allocated for it. What is damaged is refused with SVO_FILE_DAMAGED and a message that names the file, the part of it
@@ -39,7 +40,8 @@ typedef enum svo_voxel_format {
     SVO_VOXEL_FORMAT_BINVOX, /**< "binvox" */
     SVO_VOXEL_FORMAT_PLY, /**< "ply": is only written */
     SVO_VOXEL_FORMAT_OBJ, /**< "obj": is only written */
-    SVO_VOXEL_FORMAT_NVDB /**< "nvdb" */
+    SVO_VOXEL_FORMAT_NVDB, /**< "nvdb" */
+    SVO_VOXEL_FORMAT_SLAB6 /**< "slab6": is only read; its files end in .vox too */
 } svo_voxel_format;
 
 /** The format that a file is written in by its suffix, in upper or lower case.
@@ -82,24 +84,59 @@ typedef struct svo_voxel_file_info {
     uint64_t hidden_instances; /**< left out since they or their layer are hidden */
     uint64_t instance_voxels; /**< voxels of all instances */
     uint64_t warnings; /**< given to the log callback */
+    uint64_t left_out_models; /**< .vox: models that no instance places: of other frames, hidden, or unused */
+    uint64_t left_out_frames; /**< .vox: frames of nodes besides the one taken of each */
+    uint64_t names; /**< .vox: of nodes and layers */
+    uint64_t layers; /**< .vox: chunks LAYR */
+    uint64_t groups; /**< .vox: chunks nGRP */
+    uint64_t cameras; /**< .vox: chunks rCAM */
+    uint64_t render_settings; /**< .vox: chunks rOBJ */
+    uint64_t notes; /**< .vox: chunks NOTE */
+    uint64_t palette_orders; /**< .vox: chunks IMAP */
+    uint64_t unused_colors; /**< .vox with a palette: entries that no voxel of any model has */
+    uint64_t other_chunks; /**< .vox: chunks of other kinds, which are not read */
 } svo_voxel_file_info;
 
 /** All zero. */
 #define SVO_VOXEL_FILE_INFO_INIT SVO_STRUCT_INIT(svo_voxel_file_info)
 
 /** Reads a .vox, .svx, .binvox or .nvdb file; its bytes say which. docs/voxel_files.md says what becomes of each part.
+ *  svo_voxels_left_out says what the list lacks.
  *
  * \param source the file
  * \param options NULL means all defaults
  * \param out receives the list
  * \param info receives what the file holds; NULL allowed
  * \param message receives what is wrong and where; NULL allowed
- * \returns SVO_FILE_ERROR (cannot be read), SVO_FILE_DAMAGED, SVO_UNSUPPORTED (a .svx file, and the library was built
- *          without libzip or expat; a .nvdb file that is packed or of another version, or the library was built without
- *          NanoVDB's header), SVO_INVALID_ARGUMENT (no such frame, too many voxels, memory is not valid) or
- *          SVO_OUT_OF_HOST_MEMORY on failure. */
+ * \returns SVO_FILE_ERROR (cannot be read), SVO_FILE_DAMAGED, SVO_UNSUPPORTED (a file that Teardown compressed; a
+ *          .svx file, and the library was built without libzip or expat; a .nvdb file that is packed or of another
+ *          version, or the library was built without NanoVDB's header), SVO_INVALID_ARGUMENT (no such frame, too many
+ *          voxels, memory is not valid) or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_voxels_load(svo_source source, const svo_voxels_load_options *options, svo_voxels **out,
                                    svo_voxel_file_info *info, svo_message *message);
+
+/** Says what a file holds and a list of its voxels does not: which instance a voxel is of, other models and frames,
+ *  hidden ones, names, layers, groups, cameras, settings, notes, the palette's order and unused colors, other chunks.
+ *
+ * \param info that svo_voxels_load filled; not NULL
+ * \param text receives it in one line without the file's name, such as "the division into 3 instances, 8 layers, 1
+ *        group"; empty where nothing is left out
+ * \returns SVO_INVALID_ARGUMENT when info or text is NULL or the struct_size is too small. */
+SVO_API svo_status svo_voxels_left_out(const svo_voxel_file_info *info, svo_message *text);
+
+/** Writes a .vox file again with everything that it holds, after the checks of svo_voxels_load: models, instances,
+ *  rotations, names, layers, groups, all frames, the palette with its order, materials, cameras, settings, notes. The
+ *  contents of chunks, those of other kinds too, are the same bytes in the same order.
+ *
+ * \param source a .vox file of MagicaVoxel
+ * \param sink receives the file; nothing is written of one that is refused
+ * \param options as for svo_voxels_load. voxels_max limits the voxels of all instances; 0: they may be any number, for
+ *        no list is made. hidden and frame select what info counts, nothing else. NULL means all defaults
+ * \param info receives what the file holds; NULL allowed
+ * \param message receives what is wrong and where; NULL allowed
+ * \returns what svo_voxels_load returns. SVO_UNSUPPORTED also for a voxel file of another format. */
+SVO_API svo_status svo_voxels_copy_vox(svo_source source, svo_sink sink, const svo_voxels_load_options *options,
+                                       svo_voxel_file_info *info, svo_message *message);
 
 /** What was written. */
 typedef struct svo_voxels_save_info {
@@ -110,8 +147,9 @@ typedef struct svo_voxels_save_info {
     uint32_t color_error;
     uint64_t models; /**< .vox: models; else 1 */
     uint64_t colors; /**< .vox: different pairs of a color and a material; else 0 */
-    uint64_t faces; /**< .obj: faces; else 0 */
+    uint64_t faces; /**< .obj: faces; of svo_voxels_save_faces: rectangles; else 0 */
     uint64_t bytes; /**< of the file */
+    uint64_t voxel_faces; /**< svo_voxels_save_faces: faces of voxels that the rectangles are of; else 0 */
 } svo_voxels_save_info;
 
 /** All zero. */
@@ -136,6 +174,29 @@ typedef struct svo_voxels_save_info {
  *          the format can hold) or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_voxels_save(const svo_voxels *voxels, svo_sink sink, svo_voxel_format format,
                                    svo_voxels_save_info *info, svo_message *message);
+
+/** Writes the surface of a list as a mesh of rectangles (see files.h): the faces behind which there is no voxel, merged
+ *  as far as they have one plane and one color. Each rectangle has four corners of its own, with that color.
+ *
+ *  The surface is closed, and its front is outside. Sides of rectangles may end in the middle of other ones
+ *  (T-junctions): a program that needs edges to meet at corners alone must split them. The mesh can be read in again
+ *  (svo_import_file). A half-open build of it, on a grid of the same planes, has voxels of the list alone: all with an
+ *  outer face, in their colors, and some that touch the surface at an edge. A solid of it has them all.
+ *
+ *  For that, faces on the far sides of voxels lie 2^-20 of a voxel, or a float's step, below the plane between the
+ *  voxels. Where voxel_edge is no power of two, so that planes are no doubles, faces on near sides lie as far above it.
+ *  Where outlines or colors turn, strips of that width are left between rectangles. Materials are left out, and in .obj
+ *  files alpha.
+ *
+ * \param voxels not NULL. Planes between voxels must lie four floats apart, at least
+ * \param sink receives the file
+ * \param format SVO_VOXEL_FORMAT_PLY, SVO_VOXEL_FORMAT_OBJ, or AUTO: by the suffix of the sink's path
+ * \param info receives what was written; NULL allowed
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_FILE_ERROR, SVO_INVALID_ARGUMENT (another format; voxels too far out for floats; more than 2^29
+ *          rectangles in a .ply file) or SVO_OUT_OF_HOST_MEMORY on failure. */
+SVO_API svo_status svo_voxels_save_faces(const svo_voxels *voxels, svo_sink sink, svo_voxel_format format,
+                                         svo_voxels_save_info *info, svo_message *message);
 
 #ifdef __cplusplus
 }

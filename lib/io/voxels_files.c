@@ -10,7 +10,8 @@
 
 bool svo_i_voxels_are_turned(svo_axes axes, svo_voxel_format format)
 {
-    return axes == SVO_AXES_Z_UP || (axes == SVO_AXES_AUTO && format == SVO_VOXEL_FORMAT_VOX);
+    const bool is_z_up = format == SVO_VOXEL_FORMAT_VOX || format == SVO_VOXEL_FORMAT_SLAB6;
+    return axes == SVO_AXES_Z_UP || (axes == SVO_AXES_AUTO && is_z_up);
 }
 
 /* ---- numbers ---- */
@@ -250,4 +251,30 @@ svo_status svo_i_voxels_sorted(const voxel_writer *writer, svo_i_voxel_order ord
 double svo_i_voxels_world(const voxel_writer *writer, int axis, double place)
 {
     return writer->list.origin[axis] + place * writer->list.voxel_edge;
+}
+
+bool svo_i_voxels_has(const voxel_writer *writer, const int32_t place[3])
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        if (place[axis] < writer->list.low[axis] || place[axis] >= writer->list.high[axis]) {
+            return false;
+        }
+    }
+    const svo_voxel key = {.x = place[0], .y = place[1], .z = place[2]};
+    const uint64_t code = svo_i_voxel_code(&key, writer->list.low);
+    uint64_t begin = 0;
+    uint64_t end = writer->list.voxel_count;
+    while (begin < end) {
+        const uint64_t middle = begin + (end - begin) / 2;
+        const uint64_t found = svo_i_voxel_code(&writer->voxels[middle], writer->list.low);
+        if (found == code) {
+            return true;
+        }
+        if (found < code) {
+            begin = middle + 1;
+        } else {
+            end = middle;
+        }
+    }
+    return false;
 }

@@ -95,6 +95,8 @@ typedef struct voxel_writer {
     const svo_i_memory *memory; /* of the list */
     const svo_voxel *voxels;
     svo_voxels_info list;
+    bool is_turned; /* the list is the caller's with z up */
+    bool as_faces; /* .ply and .obj: as merged faces */
     const svo_voxel_property *properties;
     svo_voxels_save_info info;
     uint8_t *buffer; /* VOXEL_BUFFER_BYTES; owned */
@@ -112,6 +114,9 @@ svo_status svo_i_voxels_flush(voxel_writer *writer);
 
 /* A copy of the voxels in another order, for svo_i_free. */
 svo_status svo_i_voxels_sorted(const voxel_writer *writer, svo_i_voxel_order order, svo_voxel **out);
+
+/* Whether the list has a voxel there, by its Morton code. */
+bool svo_i_voxels_has(const voxel_writer *writer, const int32_t place[3]);
 
 /* The world position of a corner: of the voxel at that place, or between voxels. */
 double svo_i_voxels_world(const voxel_writer *writer, int axis, double place);

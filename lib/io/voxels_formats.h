@@ -10,10 +10,15 @@ svo_status svo_i_voxels_read_vox(voxel_reader *reader);
 svo_status svo_i_voxels_read_svx(voxel_reader *reader);
 svo_status svo_i_voxels_read_nvdb(voxel_reader *reader);
 
+/* Checks a .vox file and fills the reader's info, as reading does, without a list. */
+svo_status svo_i_voxels_check_vox(voxel_reader *reader);
+
 /* Write a file of one format. */
 svo_status svo_i_voxels_write_vox(voxel_writer *writer);
 svo_status svo_i_voxels_write_svx(voxel_writer *writer);
 svo_status svo_i_voxels_write_nvdb(voxel_writer *writer);
+/* Writes the merged faces as .ply or .obj. */
+svo_status svo_i_voxels_write_faces(voxel_writer *writer, svo_voxel_format format);
 
 /* ---- .svx, as its reader and its writer share it ---- */
 

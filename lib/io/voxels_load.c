@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Voxel files to lists of voxels: reads the file into memory, and finds its reader by its first bytes. The one of
- * .binvox files is here; voxels_vox.c, voxels_svx.c and voxels_nvdb.c have the others.
+ * Voxel files to lists of voxels: reads the file into memory, and finds its reader by its first bytes. Those of .binvox
+ * files and of SLAB6's are here; voxels_vox.c, voxels_svx.c and voxels_nvdb.c have the others. Also .vox files to
+ * themselves, and what lists do not hold of them.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
@@ -14,7 +16,13 @@
 #include "io/import_text.h"
 #include "io/voxels_formats.h"
 
-#define BINVOX_MAGIC "#binvox"
+#define BINVOX_MAGIC      "#binvox"
+#define VOX_MAGIC         "VOX "
+#define TEARDOWN_MAGIC    "TDCZ"
+#define SLAB6_HEAD_BYTES  12u
+#define SLAB6_SIDE_MAX    1024
+#define SLAB6_COLOR_BYTES 768u
+#define SLAB6_EMPTY       255
 
 /*
  * ---- .binvox ----
@@ -225,6 +233,64 @@ static svo_status read_binvox(voxel_reader *reader)
     return SVO_OK;
 }
 
+/*
+ * ---- .vox of SLAB6 ----
+ *
+ * As slab6.txt of Ken Silverman's SLAB6 has it: three sizes of 32 bits, a byte for each voxel of which z runs fastest
+ * and x slowest, and 256 colors of three bytes, 0 .. 63. z points down. Nothing marks the format but its length.
+ */
+
+/* Whether the bytes can be such a file. */
+static bool read_slab6_sizes(const voxel_reader *reader, int32_t size[3])
+{
+    if (reader->byte_count < SLAB6_HEAD_BYTES + SLAB6_COLOR_BYTES) {
+        return false;
+    }
+    memcpy(size, reader->bytes, SLAB6_HEAD_BYTES);
+    for (int axis = 0; axis < 3; ++axis) {
+        if (size[axis] < 1 || size[axis] > SLAB6_SIDE_MAX) {
+            return false;
+        }
+    }
+    return (uint64_t)size[0] * (uint64_t)size[1] * (uint64_t)size[2] ==
+           reader->byte_count - SLAB6_HEAD_BYTES - SLAB6_COLOR_BYTES;
+}
+
+static svo_status read_slab6(voxel_reader *reader, const int32_t size[3])
+{
+    const size_t count = reader->byte_count - SLAB6_HEAD_BYTES - SLAB6_COLOR_BYTES;
+    const uint8_t *cells = reader->bytes + SLAB6_HEAD_BYTES;
+    const uint8_t *colors = cells + count;
+    uint64_t filled = 0;
+    for (size_t i = 0; i < SLAB6_COLOR_BYTES; ++i) {
+        if (colors[i] > 63) {
+            return svo_i_voxels_damaged(reader, "palette: %d is above 63, at byte %zu", colors[i],
+                                        SLAB6_HEAD_BYTES + count + i);
+        }
+    }
+    for (size_t i = 0; i < count; ++i) {
+        filled += cells[i] != SLAB6_EMPTY ? 1 : 0;
+    }
+    SVO_I_TRY(svo_i_voxels_reserve(reader, filled));
+    for (size_t i = 0; i < count; ++i) {
+        const uint8_t *color = colors + 3 * (size_t)cells[i];
+        if (cells[i] == SLAB6_EMPTY) {
+            continue;
+        }
+        svo_voxel voxel = {.x = (int32_t)(i / (size_t)size[2] / (size_t)size[1]),
+                           .y = size[1] - 1 - (int32_t)(i / (size_t)size[2] % (size_t)size[1]),
+                           .z = size[2] - 1 - (int32_t)(i % (size_t)size[2]),
+                           .rgba = {0, 0, 0, 255},
+                           .material = (uint16_t)(cells[i] + 1)};
+        for (int channel = 0; channel < 3; ++channel) {
+            voxel.rgba[channel] = (uint8_t)(color[channel] << 2 | color[channel] >> 4);
+        }
+        svo_i_voxels_add(reader, voxel);
+    }
+    reader->info.instance_voxels = filled;
+    return SVO_OK;
+}
+
 /* ---- formats that the library was built without ---- */
 
 #ifndef SVOCL_SVX
@@ -260,10 +326,17 @@ static bool begins(const voxel_reader *reader, const char *magic)
     return reader->byte_count >= bytes && memcmp(reader->bytes, magic, bytes) == 0;
 }
 
+static svo_status fail_teardown(const voxel_reader *reader)
+{
+    return svo_i_voxels_fail(reader, SVO_UNSUPPORTED,
+                             "a .vox file that Teardown compressed (TDCZ), which svocl does not read");
+}
+
 static svo_status read_format(voxel_reader *reader)
 {
+    int32_t size[3];
     reader->info = (svo_voxel_file_info){.struct_size = sizeof reader->info, .models = 1, .instances = 1};
-    if (begins(reader, "VOX ")) {
+    if (begins(reader, VOX_MAGIC)) {
         reader->info.format = SVO_VOXEL_FORMAT_VOX;
         return svo_i_voxels_read_vox(reader);
     }
@@ -278,6 +351,13 @@ static svo_status read_format(voxel_reader *reader)
     if (begins(reader, "NanoVDB")) {
         reader->info.format = SVO_VOXEL_FORMAT_NVDB;
         return svo_i_voxels_read_nvdb(reader);
+    }
+    if (begins(reader, TEARDOWN_MAGIC)) {
+        return fail_teardown(reader);
+    }
+    if (read_slab6_sizes(reader, size)) {
+        reader->info.format = SVO_VOXEL_FORMAT_SLAB6;
+        return read_slab6(reader, size);
     }
     return svo_i_voxels_damaged(reader, "byte 0: neither a .vox nor a .svx nor a .binvox nor a .nvdb file");
 }
@@ -325,6 +405,14 @@ static svo_status make_list(voxel_reader *reader, svo_voxels **out)
     return status;
 }
 
+static void give_info(const voxel_reader *reader, svo_voxel_file_info *info)
+{
+    if (info != NULL) {
+        (void)svo_i_struct_write(NULL, "", "info", &reader->info, info,
+                                 SVO_I_STRUCT_SIZES(svo_voxel_file_info, warnings));
+    }
+}
+
 static svo_status load(voxel_reader *reader, svo_voxels **out, svo_voxel_file_info *info)
 {
     svo_status status = SVO_OK;
@@ -335,10 +423,7 @@ static svo_status load(voxel_reader *reader, svo_voxels **out, svo_voxel_file_in
     }
     SVO_I_TRY_CLEANUP(make_list(reader, out));
     (void)svo_voxels_set_axes(*out, axes);
-    if (info != NULL) {
-        (void)svo_i_struct_write(NULL, "", "info", &reader->info, info,
-                                 SVO_I_STRUCT_SIZES(svo_voxel_file_info, warnings));
-    }
+    give_info(reader, info);
 cleanup:
     svo_i_free(reader->voxels);
     svo_i_free(reader->properties);
@@ -346,16 +431,15 @@ cleanup:
     return status;
 }
 
-static const char load_name[] = "svo_voxels_load";
-
-/* Checks what the function takes and prepares the reader. */
-static svo_status start(const svo_voxels_load_options *options, const svo_voxel_file_info *info, voxel_reader *reader)
+/* Checks what a function takes and prepares the reader. */
+static svo_status start(const char *function, const svo_voxels_load_options *options, const svo_voxel_file_info *info,
+                        voxel_reader *reader)
 {
-    SVO_I_TRY(svo_i_struct_read(reader->message, load_name, "options", options, &reader->options,
+    SVO_I_TRY(svo_i_struct_read(reader->message, function, "options", options, &reader->options,
                                 SVO_I_STRUCT_SIZES(svo_voxels_load_options, log_user)));
-    SVO_I_TRY(svo_i_memory_read(reader->message, load_name, "options.memory", reader->options.memory, &reader->memory));
+    SVO_I_TRY(svo_i_memory_read(reader->message, function, "options.memory", reader->options.memory, &reader->memory));
     if (reader->options.axes > SVO_AXES_Z_UP) {
-        return svo_i_fail(reader->message, SVO_INVALID_ARGUMENT, "%s: options.axes %u is not in 0 .. %d", load_name,
+        return svo_i_fail(reader->message, SVO_INVALID_ARGUMENT, "%s: options.axes %u is not in 0 .. %d", function,
                           reader->options.axes, SVO_AXES_Z_UP);
     }
     const uint64_t most = SVO_VOXELS_MAX;
@@ -367,7 +451,7 @@ static svo_status start(const svo_voxels_load_options *options, const svo_voxel_
         reader->options.voxels_max = most;
     }
     return info == NULL ? SVO_OK
-                        : svo_i_struct_check(reader->message, load_name, "info", info,
+                        : svo_i_struct_check(reader->message, function, "info", info,
                                              SVO_I_STRUCT_SIZES(svo_voxel_file_info, warnings));
 }
 
@@ -389,15 +473,16 @@ static svo_status take_bytes(const svo_i_source *source, voxel_reader *reader, u
 svo_status svo_voxels_load(svo_source source, const svo_voxels_load_options *options, svo_voxels **out,
                            svo_voxel_file_info *info, svo_message *message)
 {
+    static const char function[] = "svo_voxels_load";
     voxel_reader reader = {.message = message};
     svo_i_source file;
     uint8_t *owned = NULL;
     svo_status status = SVO_OK;
     if (out == NULL) {
-        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: out is NULL", load_name);
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: out is NULL", function);
     }
-    SVO_I_TRY(start(options, info, &reader));
-    SVO_I_TRY(svo_i_source_open(load_name, source, message, &file));
+    SVO_I_TRY(start(function, options, info, &reader));
+    SVO_I_TRY(svo_i_source_open(function, source, message, &file));
     reader.name = file.name;
     SVO_I_TRY_CLEANUP(take_bytes(&file, &reader, &owned));
     SVO_I_TRY_CLEANUP(load(&reader, out, info));
@@ -405,4 +490,100 @@ cleanup:
     svo_i_source_close(&file);
     svo_i_free(owned);
     return status;
+}
+
+/* ---- a .vox file again ---- */
+
+static svo_status check_vox(voxel_reader *reader)
+{
+    svo_status status = SVO_OK;
+    if (begins(reader, TEARDOWN_MAGIC)) {
+        return fail_teardown(reader);
+    }
+    if (!begins(reader, VOX_MAGIC)) {
+        return svo_i_voxels_fail(reader, SVO_UNSUPPORTED, "no .vox file of MagicaVoxel, and others are not copied");
+    }
+    reader->info = (svo_voxel_file_info){.struct_size = sizeof reader->info, .format = SVO_VOXEL_FORMAT_VOX};
+    SVO_I_TRY_CLEANUP(svo_i_voxels_check_vox(reader));
+    if (!reader->limit_is_default) {
+        SVO_I_TRY_CLEANUP(svo_i_voxels_limit(reader, reader->info.instance_voxels));
+    }
+cleanup:
+    svo_i_free(reader->properties);
+    svo_i_free(reader->texts);
+    return status;
+}
+
+/* The sink is opened after the checks, so that nothing is written of a file that is refused. */
+static svo_status copy_vox(const char *function, voxel_reader *reader, svo_sink given)
+{
+    svo_i_sink sink;
+    svo_status status = SVO_OK;
+    SVO_I_TRY(check_vox(reader));
+    SVO_I_TRY(svo_i_sink_open(function, given, reader->message, &sink));
+    if (!svo_i_sink_write(&sink, reader->bytes, reader->byte_count)) {
+        status = svo_i_fail(reader->message, SVO_FILE_ERROR, "%s: its %zu bytes could not be written", sink.name,
+                            reader->byte_count);
+    }
+    return svo_i_sink_close(&sink, status);
+}
+
+svo_status svo_voxels_copy_vox(svo_source source, svo_sink sink, const svo_voxels_load_options *options,
+                               svo_voxel_file_info *info, svo_message *message)
+{
+    static const char function[] = "svo_voxels_copy_vox";
+    voxel_reader reader = {.message = message};
+    svo_i_source file;
+    uint8_t *owned = NULL;
+    svo_status status = SVO_OK;
+    SVO_I_TRY(start(function, options, info, &reader));
+    SVO_I_TRY(svo_i_source_open(function, source, message, &file));
+    reader.name = file.name;
+    SVO_I_TRY_CLEANUP(take_bytes(&file, &reader, &owned));
+    SVO_I_TRY_CLEANUP(copy_vox(function, &reader, sink));
+    give_info(&reader, info);
+cleanup:
+    svo_i_source_close(&file);
+    svo_i_free(owned);
+    return status;
+}
+
+/* ---- what a list does not hold ---- */
+
+/* Adds ", 3 names" to the line, or ", 1 name". */
+static void add_part(svo_message *text, uint64_t count, const char *one, const char *several)
+{
+    const size_t used = strlen(text->text);
+    if (count > 0) {
+        (void)snprintf(text->text + used, sizeof text->text - used, "%s%" PRIu64 " %s", used > 0 ? ", " : "", count,
+                       count == 1 ? one : several);
+    }
+}
+
+svo_status svo_voxels_left_out(const svo_voxel_file_info *info, svo_message *text)
+{
+    static const char function[] = "svo_voxels_left_out";
+    svo_voxel_file_info file;
+    if (text == NULL || info == NULL) {
+        return svo_i_fail(text, SVO_INVALID_ARGUMENT, "%s: %s is NULL", function, text == NULL ? "text" : "info");
+    }
+    SVO_I_TRY(
+        svo_i_struct_read(text, function, "info", info, &file, SVO_I_STRUCT_SIZES(svo_voxel_file_info, warnings)));
+    text->text[0] = '\0';
+    if (file.instances > 1) {
+        (void)snprintf(text->text, sizeof text->text, "the division into %" PRIu64 " instances", file.instances);
+    }
+    add_part(text, file.left_out_models, "model", "models");
+    add_part(text, file.hidden_instances, "hidden instance", "hidden instances");
+    add_part(text, file.left_out_frames, "frame", "frames");
+    add_part(text, file.names, "name", "names");
+    add_part(text, file.layers, "layer", "layers");
+    add_part(text, file.groups, "group", "groups");
+    add_part(text, file.cameras, "camera", "cameras");
+    add_part(text, file.render_settings, "render setting", "render settings");
+    add_part(text, file.notes, "list of notes", "lists of notes");
+    add_part(text, file.palette_orders, "order of the palette", "orders of the palette");
+    add_part(text, file.unused_colors, "color that no voxel has", "colors that no voxel has");
+    add_part(text, file.other_chunks, "chunk of another kind", "chunks of other kinds");
+    return SVO_OK;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Lists of voxels to files. The writers of .binvox, .ply and .obj files are here; voxels_vox_write.c,
- * voxels_svx_write.c and voxels_nvdb_write.c are the others.
+ * voxels_svx_write.c, voxels_nvdb_write.c and voxels_faces.c are the others.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <inttypes.h>
@@ -138,33 +138,6 @@ static svo_status write_ply(voxel_writer *writer)
 static const uint8_t face_corners[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
                                            {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
 
-/* Whether there is a voxel, by its Morton code. */
-static bool is_filled(const voxel_writer *writer, const int32_t place[3])
-{
-    for (int axis = 0; axis < 3; ++axis) {
-        if (place[axis] < writer->list.low[axis] || place[axis] >= writer->list.high[axis]) {
-            return false;
-        }
-    }
-    const svo_voxel key = {.x = place[0], .y = place[1], .z = place[2]};
-    const uint64_t code = svo_i_voxel_code(&key, writer->list.low);
-    uint64_t begin = 0;
-    uint64_t end = writer->list.voxel_count;
-    while (begin < end) {
-        const uint64_t middle = begin + (end - begin) / 2;
-        const uint64_t found = svo_i_voxel_code(&writer->voxels[middle], writer->list.low);
-        if (found == code) {
-            return true;
-        }
-        if (found < code) {
-            begin = middle + 1;
-        } else {
-            end = middle;
-        }
-    }
-    return false;
-}
-
 /* A bit for each face behind which there is no voxel. */
 static unsigned outer_faces(const voxel_writer *writer, const svo_voxel *voxel)
 {
@@ -172,7 +145,7 @@ static unsigned outer_faces(const voxel_writer *writer, const svo_voxel *voxel)
     for (unsigned face = 0; face < 6; ++face) {
         int32_t place[3] = {voxel->x, voxel->y, voxel->z};
         place[face / 2] += face % 2 != 0 ? 1 : -1;
-        faces |= is_filled(writer, place) ? 0u : 1u << face;
+        faces |= svo_i_voxels_has(writer, place) ? 0u : 1u << face;
     }
     return faces;
 }
@@ -245,6 +218,9 @@ svo_status svo_i_voxels_write_nvdb(voxel_writer *writer)
 
 static svo_status write_format(voxel_writer *writer, svo_voxel_format format)
 {
+    if (writer->as_faces) {
+        return svo_i_voxels_write_faces(writer, format);
+    }
     switch (format) {
     case SVO_VOXEL_FORMAT_VOX:
         return svo_i_voxels_write_vox(writer);
@@ -312,6 +288,7 @@ static svo_status write_list(voxel_writer *writer, const svo_voxels *voxels, svo
     SVO_I_TRY(take_list(writer, voxels));
     if (svo_i_voxels_are_turned(voxels->axes, format)) {
         SVO_I_TRY(turn(writer, &turned));
+        writer->is_turned = true;
         (void)take_list(writer, turned);
     }
     writer->info = (svo_voxels_save_info){.struct_size = sizeof writer->info, .format = format, .models = 1};
@@ -331,10 +308,22 @@ cleanup:
     return status;
 }
 
+/* Writes to a sink, for either function. */
+static svo_status save(const char *function, const svo_voxels *voxels, svo_sink sink, svo_voxel_format format,
+                       voxel_writer *writer, svo_voxels_save_info *info, svo_message *message)
+{
+    SVO_I_TRY(info == NULL ? SVO_OK
+                           : svo_i_struct_check(message, function, "info", info,
+                                                SVO_I_STRUCT_SIZES(svo_voxels_save_info, bytes)));
+    SVO_I_TRY(svo_i_sink_open(function, sink, message, &writer->sink));
+    return svo_i_sink_close(&writer->sink, write_list(writer, voxels, format, info));
+}
+
 svo_status svo_voxels_save(const svo_voxels *voxels, svo_sink sink, svo_voxel_format format, svo_voxels_save_info *info,
                            svo_message *message)
 {
     static const char function[] = "svo_voxels_save";
+    voxel_writer writer = {.used = 0};
     if (voxels == NULL) {
         return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: voxels is NULL", function);
     }
@@ -349,10 +338,26 @@ svo_status svo_voxels_save(const svo_voxels *voxels, svo_sink sink, svo_voxel_fo
                    : svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: format %d is not in %d .. %d", function,
                                 (int)format, SVO_VOXEL_FORMAT_VOX, SVO_VOXEL_FORMAT_NVDB);
     }
-    SVO_I_TRY(info == NULL ? SVO_OK
-                           : svo_i_struct_check(message, function, "info", info,
-                                                SVO_I_STRUCT_SIZES(svo_voxels_save_info, bytes)));
-    voxel_writer writer = {.used = 0};
-    SVO_I_TRY(svo_i_sink_open(function, sink, message, &writer.sink));
-    return svo_i_sink_close(&writer.sink, write_list(&writer, voxels, format, info));
+    return save(function, voxels, sink, format, &writer, info, message);
+}
+
+svo_status svo_voxels_save_faces(const svo_voxels *voxels, svo_sink sink, svo_voxel_format format,
+                                 svo_voxels_save_info *info, svo_message *message)
+{
+    static const char function[] = "svo_voxels_save_faces";
+    voxel_writer writer = {.as_faces = true};
+    if (voxels == NULL) {
+        return svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: voxels is NULL", function);
+    }
+    if (format == SVO_VOXEL_FORMAT_AUTO) {
+        format = svo_voxel_format_of_path(sink.path);
+    }
+    if (format != SVO_VOXEL_FORMAT_PLY && format != SVO_VOXEL_FORMAT_OBJ) {
+        return sink.path != NULL ? svo_i_fail(message, SVO_INVALID_ARGUMENT,
+                                              "%s: the suffix of '%s' is neither ply nor obj, and format is %d",
+                                              function, sink.path, (int)format)
+                                 : svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: format %d is neither %d nor %d",
+                                              function, (int)format, SVO_VOXEL_FORMAT_PLY, SVO_VOXEL_FORMAT_OBJ);
+    }
+    return save(function, voxels, sink, format, &writer, info, message);
 }

@@ -136,7 +136,7 @@ static svo_status visit_shape(walk *w, const step *at)
     if ((size_t)at->node->child >= file->model_count) {
         return node_damaged(w, at->node, "names a model that the file does not have:", at->node->child);
     }
-    const vox_model *model = &file->models[at->node->child];
+    vox_model *model = &file->models[at->node->child];
     if (at->hidden && file->reader->options.hidden == 0) {
         info->hidden_instances += w->counts ? 1 : 0;
         return SVO_OK;
@@ -155,6 +155,7 @@ static svo_status visit_shape(walk *w, const step *at)
         return node_damaged(w, at->node, "is beyond the limit of instances,", SVO_VOXEL_INSTANCES_MAX);
     }
     ++info->instances;
+    model->is_placed = true;
     info->rotated_instances += is_rotated(&at->transform) ? 1 : 0;
     w->voxels += model->filled;
     return SVO_OK;
@@ -238,7 +239,8 @@ static svo_status sort_scene(const walk *w)
                                       : node_damaged(w, &file->nodes[0], "has the least id; there is no root,", 0);
 }
 
-static svo_status place_scene(vox_file *file)
+/* Counts what the scene shows; then places it where places is true. */
+static svo_status place_scene(vox_file *file, bool places)
 {
     svo_status status = SVO_OK;
     step *path = svo_i_alloc_zeroed(&file->reader->memory, VOX_DEPTH_MAX, sizeof *path);
@@ -249,16 +251,18 @@ static svo_status place_scene(vox_file *file)
     SVO_I_TRY_CLEANUP(sort_scene(&w));
     SVO_I_TRY_CLEANUP(walk_scene(&w));
     file->reader->info.instance_voxels = w.voxels;
-    SVO_I_TRY_CLEANUP(svo_i_voxels_reserve(file->reader, w.voxels));
-    w.counts = false;
-    SVO_I_TRY_CLEANUP(walk_scene(&w));
+    if (places) {
+        SVO_I_TRY_CLEANUP(svo_i_voxels_reserve(file->reader, w.voxels));
+        w.counts = false;
+        SVO_I_TRY_CLEANUP(walk_scene(&w));
+    }
 cleanup:
     svo_i_free(path);
     return status;
 }
 
 /* Without a scene the frame is the number of a model, whose voxels stay where they are. */
-static svo_status place_frame(vox_file *file)
+static svo_status place_frame(vox_file *file, bool places)
 {
     voxel_reader *reader = file->reader;
     const uint32_t frame = reader->options.frame;
@@ -269,34 +273,52 @@ static svo_status place_frame(vox_file *file)
         return svo_i_voxels_fail(reader, SVO_INVALID_ARGUMENT, "frame %" PRIu32 " is not below its %zu models", frame,
                                  file->model_count);
     }
-    const vox_model *model = &file->models[frame];
+    vox_model *model = &file->models[frame];
     walk w = {.file = file};
     vox_transform where_it_is = identity;
     for (int axis = 0; axis < 3; ++axis) {
         where_it_is.translation[axis] = model->size[axis] / 2;
     }
+    model->is_placed = true;
     reader->info.instances = 1;
     reader->info.instance_voxels = model->filled;
-    SVO_I_TRY(svo_i_voxels_reserve(reader, model->filled));
-    place_model(&w, model, &where_it_is);
+    if (places) {
+        SVO_I_TRY(svo_i_voxels_reserve(reader, model->filled));
+        place_model(&w, model, &where_it_is);
+    }
     return SVO_OK;
 }
 
-static svo_status place(vox_file *file)
+static svo_status place(vox_file *file, bool places)
 {
-    file->reader->info.instances = 0;
-    return file->node_count > 0 ? place_scene(file) : place_frame(file);
+    svo_voxel_file_info *info = &file->reader->info;
+    info->instances = 0;
+    SVO_I_TRY(file->node_count > 0 ? place_scene(file, places) : place_frame(file, places));
+    for (size_t i = 0; i < file->model_count; ++i) {
+        info->left_out_models += file->models[i].is_placed ? 0 : 1;
+    }
+    return SVO_OK;
 }
 
-svo_status svo_i_voxels_read_vox(voxel_reader *reader)
+static svo_status read_vox(voxel_reader *reader, bool places)
 {
     vox_file file = {.reader = reader, .packed = -1};
     svo_status status = SVO_OK;
     SVO_I_TRY_CLEANUP(svo_i_vox_read_file(&file));
-    SVO_I_TRY_CLEANUP(place(&file));
+    SVO_I_TRY_CLEANUP(place(&file, places));
 cleanup:
     svo_i_free(file.models);
     svo_i_free(file.nodes);
     svo_i_free(file.layers);
     return status;
+}
+
+svo_status svo_i_voxels_read_vox(voxel_reader *reader)
+{
+    return read_vox(reader, true);
+}
+
+svo_status svo_i_voxels_check_vox(voxel_reader *reader)
+{
+    return read_vox(reader, false);
 }

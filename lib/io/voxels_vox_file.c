@@ -81,6 +81,7 @@ typedef struct vox_text {
 /* What dictionaries of nodes and layers say. */
 typedef struct attributes {
     bool hidden;
+    bool is_named;
     vox_transform transform;
     int32_t frame; /* -1: not said */
 } attributes;
@@ -164,6 +165,8 @@ static svo_status read_attribute(const vox_cursor *cursor, vox_text key, vox_tex
     int32_t numbers[3] = {0, 0, 0};
     if (is_text(key, "_hidden")) {
         read->hidden = is_text(value, "1");
+    } else if (is_text(key, "_name")) {
+        read->is_named = value.byte_count > 0;
     } else if (is_text(key, "_r")) {
         return read_rotation(cursor, value, &read->transform);
     } else if (is_text(key, "_t")) {
@@ -223,13 +226,14 @@ static svo_status read_frame_count(vox_cursor *cursor, const char *what, ptrdiff
 }
 
 /* Begins a node: its id and its attributes. */
-static svo_status begin_node(vox_cursor *cursor, vox_node_kind kind, vox_node *node)
+static svo_status begin_node(vox_file *file, vox_cursor *cursor, vox_node_kind kind, vox_node *node)
 {
     attributes own;
     *node = (vox_node){.kind = kind, .offset = cursor->offset, .layer = -1};
     SVO_I_TRY(read_i32(cursor, "the node's id", &node->id));
     SVO_I_TRY(read_attributes(cursor, &own));
     node->hidden = own.hidden;
+    file->reader->info.names += own.is_named ? 1 : 0;
     return SVO_OK;
 }
 
@@ -247,7 +251,7 @@ static svo_status read_transform(vox_file *file, vox_cursor *cursor)
     int32_t reserved = 0;
     int32_t frames = 0;
     frame_choice choice = {.asked = file->reader->options.frame, .begins = -1};
-    SVO_I_TRY(begin_node(cursor, VOX_NODE_TRANSFORM, &node));
+    SVO_I_TRY(begin_node(file, cursor, VOX_NODE_TRANSFORM, &node));
     SVO_I_TRY(read_i32(cursor, "the child's id", &node.child));
     SVO_I_TRY(read_i32(cursor, "a reserved number", &reserved));
     SVO_I_TRY(read_i32(cursor, "the layer's id", &node.layer));
@@ -259,6 +263,7 @@ static svo_status read_transform(vox_file *file, vox_cursor *cursor)
             node.transform = frame.transform;
         }
     }
+    file->reader->info.left_out_frames += (uint64_t)frames - 1;
     return add_node(file, &node);
 }
 
@@ -266,13 +271,14 @@ static svo_status read_group(vox_file *file, vox_cursor *cursor)
 {
     vox_node node;
     int32_t count = 0;
-    SVO_I_TRY(begin_node(cursor, VOX_NODE_GROUP, &node));
+    SVO_I_TRY(begin_node(file, cursor, VOX_NODE_GROUP, &node));
     SVO_I_TRY(read_i32(cursor, "the number of children", &count));
     if (count < 0 || count > (cursor->end - cursor->at) / VOX_NODE_BYTES) {
         return damaged(cursor, "%" PRId32 " children in %td bytes", count, cursor->end - cursor->at);
     }
     node.children = cursor->at;
     node.child_count = (uint32_t)count;
+    ++file->reader->info.groups;
     return add_node(file, &node);
 }
 
@@ -281,7 +287,7 @@ static svo_status read_shape(vox_file *file, vox_cursor *cursor)
     vox_node node;
     int32_t models = 0;
     frame_choice choice = {.asked = file->reader->options.frame, .begins = -1};
-    SVO_I_TRY(begin_node(cursor, VOX_NODE_SHAPE, &node));
+    SVO_I_TRY(begin_node(file, cursor, VOX_NODE_SHAPE, &node));
     SVO_I_TRY(read_frame_count(cursor, "the number of models", 8, &models));
     for (int32_t i = 0; i < models; ++i) {
         int32_t model = 0;
@@ -295,6 +301,7 @@ static svo_status read_shape(vox_file *file, vox_cursor *cursor)
             node.child = model;
         }
     }
+    file->reader->info.left_out_frames += (uint64_t)models - 1;
     return add_node(file, &node);
 }
 
@@ -305,6 +312,8 @@ static svo_status read_layer(vox_file *file, vox_cursor *cursor)
     SVO_I_TRY(read_i32(cursor, "the layer's id", &layer.id));
     SVO_I_TRY(read_attributes(cursor, &own));
     layer.hidden = own.hidden;
+    ++file->reader->info.layers;
+    file->reader->info.names += own.is_named ? 1 : 0;
     SVO_I_TRY(
         grow(file->reader, (void **)&file->layers, file->layer_count, &file->layer_capacity, sizeof *file->layers));
     file->layers[file->layer_count++] = layer;
@@ -454,6 +463,7 @@ static svo_status read_voxels(vox_file *file, vox_cursor *cursor)
             }
         }
         model.filled += cursor->at[3] != 0 ? 1 : 0;
+        file->is_used[cursor->at[3]] = true;
     }
     SVO_I_TRY(
         grow(file->reader, (void **)&file->models, file->model_count, &file->model_capacity, sizeof *file->models));
@@ -468,16 +478,39 @@ static svo_status read_palette(vox_file *file, vox_cursor *cursor)
         return damaged(cursor, "%td bytes of colors, not %u", cursor->end - cursor->at, PALETTE_BYTES);
     }
     memcpy(file->palette[1], cursor->at, PALETTE_BYTES - 4); /* the last entry is no voxel's */
+    file->has_palette = true;
     return SVO_OK;
 }
 
 /* The order in which an editor shows the palette; it changes no color. */
 static svo_status check_order(vox_file *file, vox_cursor *cursor)
 {
-    (void)file;
+    ++file->reader->info.palette_orders;
     return cursor->end - cursor->at == ORDER_BYTES
                ? SVO_OK
                : damaged(cursor, "%td bytes of indices, not %u", cursor->end - cursor->at, ORDER_BYTES);
+}
+
+/* What no list of voxels has is counted. */
+static svo_status count_camera(vox_file *file, vox_cursor *cursor)
+{
+    (void)cursor;
+    ++file->reader->info.cameras;
+    return SVO_OK;
+}
+
+static svo_status count_render_setting(vox_file *file, vox_cursor *cursor)
+{
+    (void)cursor;
+    ++file->reader->info.render_settings;
+    return SVO_OK;
+}
+
+static svo_status count_notes(vox_file *file, vox_cursor *cursor)
+{
+    (void)cursor;
+    ++file->reader->info.notes;
+    return SVO_OK;
 }
 
 static svo_status read_content(vox_file *file, vox_cursor *cursor)
@@ -485,15 +518,27 @@ static svo_status read_content(vox_file *file, vox_cursor *cursor)
     static const struct {
         const char *id;
         svo_status (*read)(vox_file *file, vox_cursor *cursor);
-    } chunks[] = {{"PACK", read_pack},      {"SIZE", read_size},  {"XYZI", read_voxels}, {"RGBA", read_palette},
-                  {"IMAP", check_order},    {"MATT", read_matt},  {"MATL", read_matl},   {"LAYR", read_layer},
-                  {"nTRN", read_transform}, {"nGRP", read_group}, {"nSHP", read_shape}};
+    } chunks[] = {{"PACK", read_pack},
+                  {"SIZE", read_size},
+                  {"XYZI", read_voxels},
+                  {"RGBA", read_palette},
+                  {"IMAP", check_order},
+                  {"MATT", read_matt},
+                  {"MATL", read_matl},
+                  {"LAYR", read_layer},
+                  {"nTRN", read_transform},
+                  {"nGRP", read_group},
+                  {"nSHP", read_shape},
+                  {"rCAM", count_camera},
+                  {"rOBJ", count_render_setting},
+                  {"NOTE", count_notes}};
     for (size_t i = 0; i < sizeof chunks / sizeof chunks[0]; ++i) {
         if (strcmp(cursor->id, chunks[i].id) == 0) {
             return chunks[i].read(file, cursor);
         }
     }
-    return SVO_OK; /* not known: skipped */
+    ++file->reader->info.other_chunks; /* not known: skipped */
+    return SVO_OK;
 }
 
 /* Reads the head of a chunk; the cursor is then its content. *next: where its children end. */
@@ -564,5 +609,8 @@ svo_status svo_i_vox_read_file(vox_file *file)
                                     file->packed);
     }
     reader->info.models = file->model_count;
+    for (size_t i = 1; i < 256 && file->has_palette; ++i) {
+        reader->info.unused_colors += file->is_used[i] ? 0 : 1;
+    }
     return SVO_OK;
 }

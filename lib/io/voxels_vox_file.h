@@ -18,6 +18,7 @@ typedef struct vox_model {
     const uint8_t *voxels; /* count times x, y, z, index of the palette; 0 is empty */
     uint32_t count;
     uint32_t filled; /* of those, not empty */
+    bool is_placed; /* by an instance that is read */
 } vox_model;
 
 /* p goes to R p + T. Row i of R has sign[i] in column[i] and is 0 elsewhere. */
@@ -58,6 +59,8 @@ typedef struct vox_file {
     int32_t size[3];
     int64_t packed; /* models by PACK; -1: no such chunk */
     uint8_t palette[256][4]; /* by the index of a voxel */
+    bool has_palette; /* of its own */
+    bool is_used[256]; /* entries of the palette that a voxel of some model has */
     vox_node *nodes; /* by id, when all are read */
     size_t node_count, node_capacity;
     vox_layer *layers; /* by id and offset, when all are read */

@@ -7,6 +7,7 @@
  *
  *   plan           svo_plan: checks a request, and takes the mesh on the host or by kernels
  *   grid           on the host: accepts triangles, fits the grid, snaps, classifies
+ *   voxel_grid     the grid with voxels of a given width, for callers
  *   closed         whether a mesh is closed
  *   attributes     payload inputs, and payload that is the same in every node
  *   device_plan    grid and attributes by kernels

@@ -126,3 +126,44 @@ def test_wrong_arguments(device):
     far.close()
     with pytest.raises(ValueError, match="Voxels is closed"):
         far.info  # noqa: B018
+
+
+@pytest.mark.skipif(not svocl.has_io, reason="built without svocl::io")
+def test_vox_files_are_copied(random, tmp_path):
+    first, second = tmp_path / "first.vox", tmp_path / "second.vox"
+    with svocl.Voxels(some_voxels(random)) as voxels:
+        voxels.save(first)
+        assert voxels.left_out == ""
+    info = svocl.Voxels.copy_vox(first, second)
+    assert info.format == "vox" and info.models == 1 and info.groups == 1
+    assert first.read_bytes() == second.read_bytes()
+    with svocl.Voxels.load(first) as loaded:
+        assert loaded.left_out.startswith("1 group, ") and loaded.left_out.endswith(" colors that no voxel has")
+    first.write_bytes(b"TDCZ")
+    with pytest.raises(svocl.UnsupportedError, match="Teardown"):
+        svocl.Voxels.copy_vox(first, second)
+
+
+@pytest.mark.skipif(not svocl.has_io, reason="built without svocl::io")
+def test_faces_are_read_back(device, random, tmp_path):
+    """A list, its faces, the mesh of them, a tree on the grid of that mesh, and its leaves."""
+    path = tmp_path / "faces.ply"
+    places = np.unique(random.integers(-3, 3, (60, 3)), axis=0)
+    with svocl.Voxels(svocl.make_voxels(places, (200, 100, 50, 255))) as voxels:
+        written = voxels.save_faces(path)
+    assert 6 < written.faces < written.voxel_faces < 6 * len(places)
+    mesh = svocl.read_mesh(path)
+    origin, edge, depth = mesh.voxel_grid(1)
+    assert edge == 8 and depth == 3
+    with device.build(mesh, depth, origin=origin, edge=edge) as tree:
+        found = {tuple(place) for place in (tree.voxels() + np.array(origin, int)).tolist()}
+    assert found <= {tuple(place) for place in places.tolist()}
+    steps = [(axis, step) for axis in range(3) for step in (-1, 1)]
+    shown = [p for p in places.tolist() if any(beside(p, *step) not in places.tolist() for step in steps)]
+    assert found >= {tuple(place) for place in shown}
+    with pytest.raises(svocl.InvalidArgumentError, match="above the limit of 65536"):
+        mesh.voxel_grid(1e-6)
+
+
+def beside(place, axis, step):
+    return [coordinate + (step if i == axis else 0) for i, coordinate in enumerate(place)]

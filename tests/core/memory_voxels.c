@@ -18,11 +18,11 @@ enum { WIDTH = 10, HEIGHT = 6, LENGTH = 10, VOXELS = WIDTH * HEIGHT * LENGTH };
 
 /* A file in memory. */
 typedef struct voxel_file {
-    uint8_t bytes[1 << 19];
+    uint8_t bytes[1 << 20];
     size_t count;
 } voxel_file;
 
-static voxel_file files[SVO_VOXEL_FORMAT_OBJ + 1];
+static voxel_file files[SVO_VOXEL_FORMAT_NVDB + 1];
 
 static int append(void *user, const void *bytes, size_t byte_count)
 {
@@ -73,20 +73,21 @@ void memory_voxels_destroy(memory_voxels *of)
 
 svo_status memory_voxels_write(const memory_voxels *of, const char *path, svo_message *message)
 {
-    for (int format = SVO_VOXEL_FORMAT_VOX; format <= SVO_VOXEL_FORMAT_OBJ; ++format) {
+    for (int format = SVO_VOXEL_FORMAT_VOX; format <= SVO_VOXEL_FORMAT_NVDB; ++format) {
         files[format].count = 0;
         const svo_status status =
             svo_voxels_save(of->list, svo_to_callback(append, &files[format]), (svo_voxel_format)format, NULL, message);
-        if (status != SVO_OK && (format != SVO_VOXEL_FORMAT_SVX || status != SVO_UNSUPPORTED)) {
+        const bool is_optional = format == SVO_VOXEL_FORMAT_SVX || format == SVO_VOXEL_FORMAT_NVDB;
+        if (status != SVO_OK && (!is_optional || status != SVO_UNSUPPORTED)) {
             return status;
         }
     }
     return svo_voxels_save(of->list, svo_to_path(path), SVO_VOXEL_FORMAT_VOX, NULL, message);
 }
 
-bool memory_voxels_have_svx(void)
+bool memory_voxels_have(svo_voxel_format format)
 {
-    return files[SVO_VOXEL_FORMAT_SVX].count > 0;
+    return files[format].count > 0;
 }
 
 /* The list that was read fills the box again. */

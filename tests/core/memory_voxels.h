@@ -19,8 +19,8 @@ void memory_voxels_destroy(memory_voxels *of);
 /* Writes the list in each format: into memory, which the functions below read, and as .vox to a path. */
 svo_status memory_voxels_write(const memory_voxels *of, const char *path, svo_message *message);
 
-/* Whether the library writes and reads .svx files. */
-bool memory_voxels_have_svx(void);
+/* Whether the library writes and reads files of a format. */
+bool memory_voxels_have(svo_voxel_format format);
 
 /* Read a file that was written before, and check that the list fills the same box. */
 svo_status memory_voxels_load_path(memory_voxels *of, const char *path, svo_message *message);

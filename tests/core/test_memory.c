@@ -314,6 +314,10 @@ static svo_status run_voxels_load(subject *of)
     svo_voxels_destroy(&of->voxels.again);
     SVO_I_TRY(memory_voxels_load(&of->voxels, SVO_VOXEL_FORMAT_VOX, &of->message));
     svo_voxels_destroy(&of->voxels.again);
+    if (memory_voxels_have(SVO_VOXEL_FORMAT_NVDB)) {
+        SVO_I_TRY(memory_voxels_load(&of->voxels, SVO_VOXEL_FORMAT_NVDB, &of->message));
+        svo_voxels_destroy(&of->voxels.again);
+    }
     return memory_voxels_load(&of->voxels, SVO_VOXEL_FORMAT_BINVOX, &of->message);
 }
 
@@ -441,7 +445,7 @@ static ledger_counts play(const scenario *of, uint64_t fail_at)
 static bool can_run(const scenario *of)
 {
     if (of->run == run_svx_load) {
-        return memory_voxels_have_svx();
+        return memory_voxels_have(SVO_VOXEL_FORMAT_SVX);
     }
 #ifdef HAVE_GL
     svo_gl_context *context = NULL;

@@ -262,7 +262,7 @@ static svo_status use_voxels(subject *of, const svo_voxels *voxels)
     SVO_I_TRY(svo_voxels_save(voxels, svo_to_path(world.vox_path), SVO_VOXEL_FORMAT_AUTO, NULL, &of->message));
     SVO_I_TRY(svo_voxels_load(svo_from_path(world.vox_path), NULL, &again, NULL, &of->message));
     svo_voxels_destroy(&again);
-    return SVO_OK;
+    return svo_voxels_copy_vox(svo_from_path(world.vox_path), svo_to_path(world.vox_path), NULL, NULL, &of->message);
 }
 
 /* A list, its tree and files. */

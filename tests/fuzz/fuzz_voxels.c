@@ -2,7 +2,8 @@
 /*
  * Fuzz target: arbitrary bytes as a voxel file. Either they are refused with a one-line message that names the byte, or
  * the list is well formed: voxels within their bounds, in Morton order, materials below the count; and what is written
- * of it is read as the same list.
+ * of it is read as the same list. Its faces are written. A .vox file that is read is copied, byte for byte, with the
+ * same info.
  *
  * FUZZ_ARCHIVE: bytes that do not begin as an archive are a manifest, a byte 0, and an image, which are put into one
  * with correct checksums.
@@ -83,23 +84,60 @@ static void check_written(const svo_voxels *voxels)
     free(file.data);
 }
 
+/* Writes the faces, unless voxels are too far out for floats. A face has a body and eight gaps around it at most. */
+static void check_faces(const svo_voxels *voxels)
+{
+    bytes file = {NULL, 0};
+    svo_voxels_save_info info = SVO_VOXELS_SAVE_INFO_INIT;
+    const svo_status status =
+        svo_voxels_save_faces(voxels, svo_to_callback(append, &file), SVO_VOXEL_FORMAT_PLY, &info, NULL);
+    REQUIRE(status == SVO_OK || (status == SVO_INVALID_ARGUMENT && file.count == 0));
+    REQUIRE(info.faces <= 9 * info.voxel_faces && info.bytes == file.count);
+    REQUIRE(status != SVO_OK || file.count > info.faces * (4 * 16 + 17));
+    free(file.data);
+}
+
+static void check_copy(const uint8_t *data, size_t byte_count, const svo_voxels_load_options *options,
+                       const svo_voxel_file_info *info)
+{
+    bytes file = {NULL, 0};
+    svo_message text = {""};
+    svo_voxel_file_info copied = SVO_VOXEL_FILE_INFO_INIT;
+    const svo_status status = svo_voxels_copy_vox(svo_from_memory(data, byte_count, NAME),
+                                                  svo_to_callback(append, &file), options, &copied, &text);
+    if (info == NULL || info->format != SVO_VOXEL_FORMAT_VOX) {
+        REQUIRE(status != SVO_OK && file.count == 0 && text.text[0] != '\0');
+        return;
+    }
+    REQUIRE(status == SVO_OK && file.count == byte_count && memcmp(file.data, data, byte_count) == 0);
+    REQUIRE(memcmp(&copied, info, sizeof copied) == 0);
+    REQUIRE(svo_voxels_left_out(info, &text) == SVO_OK && strchr(text.text, '\n') == NULL);
+    free(file.data);
+}
+
 static void run(const uint8_t *data, size_t byte_count)
 {
     static const uint8_t nothing;
     svo_voxels *voxels = NULL;
+    svo_voxel_file_info info = SVO_VOXEL_FILE_INFO_INIT;
     svo_message message = {""};
     const svo_voxels_load_options options = {.struct_size = sizeof options,
                                              .voxels_max = VOXELS_MAX,
                                              .hidden = (uint32_t)(byte_count % 2),
                                              .frame = (uint32_t)(byte_count % 3)};
     const svo_status status = svo_voxels_load(svo_from_memory(data != NULL ? data : &nothing, byte_count, NAME),
-                                              &options, &voxels, NULL, &message);
+                                              &options, &voxels, &info, &message);
     if (status != SVO_OK) {
         check_refusal(status, voxels, &message);
+        if (status == SVO_FILE_DAMAGED && data != NULL) {
+            check_copy(data, byte_count, &options, NULL);
+        }
         return;
     }
     check_list(voxels);
     check_written(voxels);
+    check_faces(voxels);
+    check_copy(data, byte_count, &options, &info);
     svo_voxels_destroy(&voxels);
 }
 

@@ -585,6 +585,116 @@ static void arguments_of_a_build_are_checked(void **state)
     svo_device_destroy(&other);
 }
 
+/* ---- grids by the width of a voxel ---- */
+
+/* Random triangles within a box that lies anywhere; returns the far ends of what they use. */
+static void random_box(uint64_t *seed, double positions[9], double low[3], double high[3])
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        const double begin = (double)random_below(seed, 2000) / 7.0 - 140.0;
+        const double width = (double)random_below(seed, 1000) / 9.0;
+        for (int corner = 0; corner < 3; ++corner) {
+            positions[3 * corner + axis] = begin + width * corner / 2.0;
+        }
+        low[axis] = begin;
+        high[axis] = positions[6 + axis];
+    }
+}
+
+/* The grid is that of the definition: on multiples, around the mesh, and half of it would not hold the mesh. */
+static void voxels_have_the_width_that_is_asked_for(void **state)
+{
+    static const double widths[] = {1.0, 0.25, 0.1, 1.0 / 3.0, 3.7, 0.011};
+    const fixture *opened = fixture_of_group(state);
+    uint64_t seed = 41;
+    for (int i = 0; i < 300; ++i) {
+        double positions[9], low[3], high[3], origin[3], edge = 0.0;
+        unsigned depth = 0;
+        bool half_suffices = true;
+        const double width = widths[i % 6];
+        random_box(&seed, positions, low, high);
+        const svo_mesh mesh = {
+            .struct_size = sizeof mesh, .positions_double = positions, .vertex_count = 3, .triangle_count = 1};
+        assert_int_equal(svo_mesh_voxel_grid(&mesh, width, origin, &edge, &depth, NULL), SVO_OK);
+        assert_true(edge == ldexp(width, (int)depth));
+        for (int axis = 0; axis < 3; ++axis) {
+            assert_true(origin[axis] == round(origin[axis] / width) * width);
+            assert_true(origin[axis] <= low[axis] && origin[axis] + 1.000001 * width > low[axis]);
+            assert_true((long double)high[axis] < (long double)origin[axis] + (long double)edge);
+            half_suffices = half_suffices && high[axis] < origin[axis] + 0.499999 * edge;
+        }
+        assert_true(depth == 1 || !half_suffices);
+        const svo_plan_options options = {
+            .origin = {origin[0], origin[1], origin[2]}, .edge = edge, .need = SVO_NEED_NONE};
+        assert_int_equal(plan_info(opened, &mesh, depth, options).outside_triangles, 0);
+    }
+}
+
+/* A vertex on a plane lies in the voxel above; what builds refuse has no place. */
+static void far_planes_take_a_voxel(void **state)
+{
+    (void)state;
+    static const struct {
+        float high;
+        double width;
+        unsigned depth;
+    } cases[] = {{1.0f, 0.25, 3}, {0.99f, 0.25, 2}, {65535.5f, 1.0, 16}, {0.0f, 1.0, 1}, {1e-3f, 5.0, 1}};
+    float positions[] = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, NAN, 1e9f, 0.0f};
+    static const uint32_t indices[] = {0, 1, 2, 0, 1, 3, 0, 1, 9};
+    const svo_mesh mesh = {
+        .struct_size = sizeof mesh, .positions = positions, .vertex_count = 4, .indices = indices, .triangle_count = 3};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        double origin[3], edge = 0.0;
+        unsigned depth = 0;
+        positions[7] = cases[i].high;
+        assert_int_equal(svo_mesh_voxel_grid(&mesh, cases[i].width, origin, &edge, &depth, NULL), SVO_OK);
+        assert_int_equal(depth, cases[i].depth);
+        assert_true(edge == ldexp(cases[i].width, (int)depth) && origin[0] == 0.0 && origin[1] == 0.0);
+    }
+}
+
+static void assert_no_voxel_grid(const svo_mesh *mesh, double width, const char *words)
+{
+    double origin[3], edge = 0.0;
+    unsigned depth = 0;
+    svo_message message = {""};
+    assert_int_equal(svo_mesh_voxel_grid(mesh, width, origin, &edge, &depth, &message), SVO_INVALID_ARGUMENT);
+    if (strstr(message.text, words) == NULL) {
+        fail_msg("'%s' has no '%s'", message.text, words);
+    }
+}
+
+static void widths_of_no_grid_are_refused(void **state)
+{
+    (void)state;
+    static const float positions[] = {0.0f, 0.0f, 0.0f, 65536.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f};
+    svo_mesh mesh = {.struct_size = sizeof mesh, .positions = positions, .vertex_count = 3, .triangle_count = 1};
+    svo_message message = {""};
+    double origin[3], edge = 0.0;
+    unsigned depth = 7;
+    assert_no_voxel_grid(&mesh, 0.0, "svo_mesh_voxel_grid: voxel_edge 0 is not above 0, or too large");
+    assert_no_voxel_grid(&mesh, -1.0, "voxel_edge -1");
+    assert_no_voxel_grid(&mesh, NAN, "voxel_edge");
+    assert_no_voxel_grid(&mesh, 1e305, "too large");
+    assert_no_voxel_grid(&mesh, 1.0, "voxel_edge 1 makes 65537 voxels along x, above the limit of 65536 (depth 16)");
+    assert_no_voxel_grid(NULL, 1.0, "mesh is NULL");
+    const float far_away[] = {1e20f, 0.0f, 0.0f, 1e20f, 0.0f, 0.0f, 1e20f, 1.0f, 0.0f};
+    mesh.positions = far_away;
+    assert_no_voxel_grid(&mesh, 1.0, "voxel_edge 1 is too small for vertices at x = 1e+20");
+    mesh.positions = NULL;
+    assert_no_voxel_grid(&mesh, 1.0, "no positions");
+    mesh.struct_size = 3;
+    assert_no_voxel_grid(&mesh, 1.0, "mesh.struct_size");
+    mesh.struct_size = sizeof mesh;
+    assert_int_equal(svo_mesh_voxel_grid(&mesh, 1.0, NULL, &edge, &depth, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_mesh_voxel_grid(&mesh, 1.0, origin, NULL, &depth, &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_mesh_voxel_grid(&mesh, 1.0, origin, &edge, NULL, &message), SVO_INVALID_ARGUMENT);
+    assert_string_equal(message.text, "svo_mesh_voxel_grid: depth is NULL");
+    mesh = (svo_mesh)SVO_MESH_INIT;
+    assert_int_equal(svo_mesh_voxel_grid(&mesh, 0.5, origin, &edge, &depth, NULL), SVO_OK);
+    assert_true(depth == 1 && edge == 1.0 && origin[0] == 0.0 && origin[1] == 0.0 && origin[2] == 0.0);
+}
+
 TEST_GROUP(plan)
 {
     const struct CMUnitTest tests[] = {
@@ -592,6 +702,9 @@ TEST_GROUP(plan)
         cmocka_unit_test(plan_figures_are_correct),
         cmocka_unit_test(fitted_grids_can_be_given),
         cmocka_unit_test(integer_meshes_fit_whole_units),
+        cmocka_unit_test(voxels_have_the_width_that_is_asked_for),
+        cmocka_unit_test(far_planes_take_a_voxel),
+        cmocka_unit_test(widths_of_no_grid_are_refused),
         cmocka_unit_test(rays_have_a_deepest_depth),
         cmocka_unit_test(refused_and_outside_triangles_are_counted),
         cmocka_unit_test(default_need_follows_the_mesh),

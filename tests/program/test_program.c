@@ -956,6 +956,112 @@ static void files_with_z_up_are_turned(void **state)
     run_well("rm 1 2 3 a.vox b.vox c.vox b.obj c.obj a.svo y.binvox z.binvox y.obj z.obj");
 }
 
+/* A .vox file with a name, two models and a chunk that svocl does not know becomes itself; other forms of it say what
+   they lack. */
+static void vox_files_keep_what_they_hold(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("model='SIZE\\14\\0\\0\\0\\0\\0\\0\\0\\1\\0\\0\\0\\1\\0\\0\\0\\1\\0\\0\\0"
+             "XYZI\\10\\0\\0\\0\\0\\0\\0\\0\\1\\0\\0\\0\\0\\0\\0\\1' && "
+             "printf \"VOX \\226\\0\\0\\0MAIN\\0\\0\\0\\0\\211\\0\\0\\0$model${model}LAYR\\27\\0\\0\\0\\0\\0\\0\\0"
+             "\\0\\0\\0\\0\\1\\0\\0\\0\\5\\0\\0\\0_name\\2\\0\\0\\0upzNEW\\2\\0\\0\\0\\0\\0\\0\\0ab\" >a.vox");
+    run_well("$SVOCL convert a.vox b.vox && cmp a.vox b.vox");
+    assert_non_null(strstr(last.output, "; all that the file holds\n"));
+    assert_null(strstr(last.errors, "left out"));
+    run_well("$SVOCL convert - c.vox -q --axes keep <a.vox && cmp a.vox c.vox");
+    cJSON *document = run_json("$SVOCL convert a.vox b.vox --json");
+    const cJSON *written = cJSON_GetObjectItem(document, "written");
+    assert_true(cJSON_IsTrue(cJSON_GetObjectItem(written, "is_copy")));
+    assert_int_equal((int)number_of(written, "models"), 2);
+    cJSON_Delete(document);
+    static const char lacks[] = "a.vox: left out: 1 model, 1 name, 1 layer, 1 chunk of another kind";
+    run_well("$SVOCL convert a.vox a.svo");
+    assert_non_null(strstr(last.errors, lacks));
+    run_well("$SVOCL build a.vox");
+    assert_non_null(strstr(last.errors, lacks));
+    run_well("$SVOCL convert a.vox b.vox --frame 1");
+    assert_non_null(strstr(last.errors, lacks));
+    run_well("! cmp -s a.vox b.vox && $SVOCL convert a.vox a.svo -q");
+    assert_string_equal(last.errors, "");
+    document = run_json("$SVOCL convert a.vox a.svo --json 2>1");
+    assert_string_equal(text_of(cJSON_GetObjectItem(document, "voxels"), "left_out"), strstr(lacks, "1 model"));
+    cJSON_Delete(document);
+    run_badly("$SVOCL convert a.vox no/b.vox", 1, "no/b.vox");
+    run_well("printf TDCZ >t.vox && printf broken >d.vox");
+    run_badly("$SVOCL convert t.vox b.vox", 1, "t.vox: a .vox file that Teardown compressed (TDCZ)");
+    run_badly("$SVOCL convert d.vox b.vox", 1, "d.vox: byte 0: neither");
+    run_well("rm a.vox b.vox c.vox t.vox d.vox a.svo 1");
+}
+
+/* Merged faces are a mesh that is read back as the voxels that they were made of: the surface, and with --solid all. */
+static void merged_faces_are_read_back(void **state)
+{
+    (void)state;
+    need_builds();
+    run_well("$SVOCL convert scene:statue:500 a.vox -d 5 --solid winding -q && $SVOCL convert a.vox a.binvox -q");
+    run_well("$SVOCL convert scene:statue:500 s.svo -d 5 --origin=-1,-1,-1 --edge 3 --need color -q");
+    static const char *const names[] = {"m.ply", "m.obj"};
+    for (size_t i = 0; i < 2; ++i) {
+        char line[320];
+        (void)snprintf(line, sizeof line, "$SVOCL convert a.vox %s --merge", names[i]);
+        run_well(line);
+        assert_non_null(strstr(last.output, " rectangles of "));
+        (void)snprintf(line, sizeof line,
+                       "$SVOCL convert %s b.vox --voxel-size 1 --solid winding -q && $SVOCL convert b.vox b.binvox -q "
+                       "&& cmp a.binvox b.binvox",
+                       names[i]);
+        run_well(line);
+        /* A voxel is 3 / 32 wide. */
+        (void)snprintf(line, sizeof line,
+                       "$SVOCL convert s.svo %s --merge -q && $SVOCL convert %s t.svo -d 5 --origin=-1,-1,-1 --edge 3 "
+                       "--need color -q",
+                       names[i], names[i]);
+        run_well(line);
+        run_well("$SVOCL hash s.svo --nodes >1 && $SVOCL hash t.svo --nodes >2 && cmp 1 2");
+    }
+    run_well(
+        "$SVOCL convert a.vox m.obj --merge -q --axes z-up && $SVOCL convert m.obj b.vox --voxel-size 1 --axes z-up "
+        "--solid winding -q && $SVOCL convert b.vox b.binvox -q && cmp a.binvox b.binvox");
+    run_well("$SVOCL convert s.svo m.ply --merge"); /* nothing is left out */
+    assert_string_equal(last.errors, "");
+    cJSON *document = run_json("$SVOCL convert a.vox m.ply --merge --json");
+    const cJSON *written = cJSON_GetObjectItem(document, "written");
+    assert_true(number_of(written, "faces") > 6.0 && number_of(written, "voxel_faces") > number_of(written, "faces"));
+    cJSON_Delete(document);
+    run_badly("$SVOCL convert a.vox b.svo --merge", 2, "--merge applies to .ply and .obj, not to OUT b.svo");
+    run_badly("$SVOCL convert a.vox b.vox --merge", 2, "--merge applies to .ply and .obj, not to OUT b.vox");
+    run_well("rm a.vox a.binvox b.vox b.binvox s.svo t.svo m.ply m.obj 1 2");
+}
+
+/* --voxel-size makes the grid: the tree is that of --origin, --edge and --depth. */
+static void voxels_have_a_size(void **state)
+{
+    (void)state;
+    need_builds();
+    write_text("a.obj", "v -0.3 0 0\nv 1.2 0 0.7\nv 0 0.9 0\nf 1 2 3\n");
+    run_well("$SVOCL hash a.obj --voxel-size 0.25 >1");
+    run_well("$SVOCL hash a.obj --origin=-0.5,0,0 --edge 2 -d 3 >2 && cmp 1 2");
+    run_well("$SVOCL build a.obj --voxel-size 0.25 -o a.svo -q && $SVOCL hash a.svo >2 && cmp 1 2");
+    run_well("$SVOCL build a.obj --voxel-size 0.25 -o p.svo -q --max-memory 1G && cmp a.svo p.svo");
+    run_well("$SVOCL convert a.obj c.svo --voxel-size 0.25 -q && cmp a.svo c.svo && $SVOCL diff a.svo c.svo");
+    run_well("$SVOCL diff a.obj a.obj --voxel-size 0.25");
+    cJSON *document = run_json("$SVOCL build a.obj --voxel-size 0.01 --json");
+    assert_int_equal((int)number_of(document, "depth"), 8);
+    cJSON_Delete(document);
+    run_badly("$SVOCL build a.obj --voxel-size 1e-5", 1,
+              "--voxel-size 1e-05 makes 150002 voxels along x, above the limit of 65536 (depth 16)");
+    run_badly("$SVOCL build a.obj --voxel-size 0", 2, "voxel-size '0' is not a number above 0");
+    run_badly("$SVOCL build a.obj --voxel-size 1 -d 4", 2, "--voxel-size and --depth exclude each other");
+    run_badly("$SVOCL build a.obj --voxel-size 1 --origin 0,0,0 --edge 4", 2,
+              "--voxel-size and --origin exclude each other");
+    run_badly("$SVOCL build a.svo --voxel-size 1", 2, "a mesh or voxels are needed");
+    run_badly("$SVOCL hash a.svo --voxel-size 1", 2, "build options do not apply");
+    run_well("$SVOCL convert a.svo a.vox -q");
+    run_badly("$SVOCL build a.vox --voxel-size 1", 2, "--voxel-size does not apply to voxels");
+    run_well("rm a.obj a.svo p.svo c.svo a.vox 1 2");
+}
+
 static void voxel_files_are_converted(void **state)
 {
     (void)state;
@@ -1337,6 +1443,9 @@ TEST_GROUP(program)
                                        IN_FOLDER(scans_without_normals_get_those_of_their_triangles),
                                        IN_FOLDER(welding_closes_cracks),
                                        IN_FOLDER(files_with_z_up_are_turned),
+                                       IN_FOLDER(vox_files_keep_what_they_hold),
+                                       IN_FOLDER(merged_faces_are_read_back),
+                                       IN_FOLDER(voxels_have_a_size),
                                        IN_FOLDER(voxel_files_are_converted),
                                        IN_FOLDER(hash_says_what_ran),
                                        IN_FOLDER(a_picture_is_written),

@@ -393,6 +393,24 @@ static int refuse_levels(program *state)
                               state->options.input);
 }
 
+/* Takes the grid of --voxel-size for that of --origin, --edge and --depth. */
+static int take_voxel_size(program *state, const svo_mesh *mesh)
+{
+    options *given = &state->options;
+    unsigned depth = 0;
+    svo_message message = {""};
+    if (given->voxel_size <= 0.0) {
+        return PROGRAM_DONE;
+    }
+    if (svo_mesh_voxel_grid(mesh, given->voxel_size, given->origin, &given->edge, &depth, &message) != SVO_OK) {
+        return program_fail_library(state, message.text);
+    }
+    given->depth = depth;
+    given->has_depth = given->has_origin = true;
+    given->voxel_size = 0.0;
+    return PROGRAM_DONE;
+}
+
 int input_open(program *state, input *opened)
 {
     *opened = (input){.name = state->options.input};
@@ -413,6 +431,9 @@ int input_open(program *state, input *opened)
     }
     if (result == PROGRAM_DONE) {
         result = check_triangles(state, opened);
+    }
+    if (result == PROGRAM_DONE) {
+        result = take_voxel_size(state, opened->mesh);
     }
     if (result != PROGRAM_DONE) {
         input_close(opened);

@@ -140,6 +140,7 @@ typedef struct options {
     double origin[3];
     bool has_origin;
     double edge; /* 0: not given */
+    double voxel_size; /* 0: not given, or origin, edge and depth are of it already */
     uint32_t need; /* svo_need bits */
 
     const char *output_path; /* NULL: not given. convert: the second argument; diff: of --picture */
@@ -193,6 +194,7 @@ typedef struct options {
     uint64_t reference; /* gather: paths for each point; 0: none */
     uint64_t hidden, frame; /* voxel files: a flag, and the number of a frame */
     int axes; /* an svo_axes */
+    uint64_t merge; /* convert: a flag */
     double weld; /* of mesh files: a distance; 0: none */
     uint64_t max_bytes; /* export-web: of the page */
     int through; /* render: 0 the tree, 1 probes */

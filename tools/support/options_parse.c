@@ -197,6 +197,12 @@ static int check_together(program *state, const command *which)
         return program_fail(state, PROGRAM_WRONG_USAGE, "--origin and --edge require each other, --%s is missing",
                             given->has_origin ? "edge" : "origin");
     }
+    if (given->voxel_size > 0.0 && (given->has_depth || given->has_origin || given->animate)) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--voxel-size and --%s exclude each other",
+                            given->has_depth    ? "depth"
+                            : given->has_origin ? "origin"
+                                                : "animate");
+    }
     if (given->gl_device != NULL && given->context == OPTION_CONTEXT_AUTO) {
         given->context = SVO_GL_EGL_DEVICE;
     }

@@ -294,7 +294,7 @@ static int read_edge(program *state, const rule *option, const char *value)
     double *edge = field(state, option);
     char *end = NULL;
     if (!parse_number(value, &end, edge) || *end != '\0' || *edge <= 0.0) {
-        return program_fail(state, PROGRAM_WRONG_USAGE, "edge '%s' is not a number above 0", value);
+        return program_fail(state, PROGRAM_WRONG_USAGE, "%s '%s' is not a number above 0", option->name, value);
     }
     return PROGRAM_DONE;
 }
@@ -458,6 +458,8 @@ static const rule rules[] = {
      "minimum corner of the grid, requires --edge (fitted to the mesh)"},
     {"edge", '\0', OPTION_BUILD, "E", read_edge, FIELD(edge), 0, 0, NULL,
      "width of the grid, requires --origin (fitted to the mesh)"},
+    {"voxel-size", '\0', OPTION_BUILD, "S", read_edge, FIELD(voxel_size), 0, 0, NULL,
+     "width of a voxel, in place of --depth: planes at multiples of S, the least depth that holds the mesh (by depth)"},
     {"coverage", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(coverage), 0, 0, coverages,
      "half-open, closed, thin (half-open)"},
     {"weights", '\0', OPTION_BUILD, "NAME", read_choice, FIELD(weights), 0, 0, weights,
@@ -654,6 +656,8 @@ static const rule rules[] = {
      "with --tree-form: eight leaves of one payload become a leaf"},
     {"directory-step", '\0', OPTION_TREE_FORM, "N", read_choice, FIELD(directory_step_log2), 0, 0, directory_steps,
      "with --tree-form implied: nodes for which its directory has an entry, 16, 32 or 64 (32; export-web: 16)"},
+    {"merge", '\0', OPTION_CONVERT_COMMAND, NULL, read_flag, FIELD(merge), 0, 0, NULL,
+     "OUT .ply or .obj: the surface as rectangles, faces of one color merged; a mesh that can be read back"},
     {"nodes", '\0', OPTION_HASH_COMMAND, NULL, read_flag, FIELD(nodes), 0, 0, NULL,
      "hash only the nodes, without lists and payload"},
     {"expect", '\0', OPTION_HASH_COMMAND, "HASH", read_hash, FIELD(expected_hash), 0, 0, NULL,

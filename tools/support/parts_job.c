@@ -90,6 +90,11 @@ static uint64_t mesh_bytes_of(const svo_mesh *mesh)
 static int plan_in_blocks(program *state, session *opened, const char *folder, svo_status *status, svo_message *message)
 {
     const svo_plan_options asked = job_plan_options(state, state->options.need);
+    if (state->options.voxel_size > 0.0) {
+        *status = SVO_UNSUPPORTED;
+        (void)snprintf(message->text, sizeof message->text, "--voxel-size needs the whole mesh");
+        return PROGRAM_DONE;
+    }
     progress_step(state->progress, "reading the mesh");
     *status = svo_parts_create_from_file(opened->device, state->options.input, (unsigned)state->options.depth, &asked,
                                          state->options.max_memory, folder, message);

@@ -63,7 +63,8 @@ static const char *const arguments[][2] = {{"options.payload_level", "--payload-
                                            {"max_device_bytes", "--max-memory"},
                                            {"max_bytes", "--max-memory"},
                                            {"svo_parts_create", "svocl build --max-memory"},
-                                           {"voxels_max", "--max-voxels"}};
+                                           {"voxels_max", "--max-voxels"},
+                                           {"voxel_edge", "--voxel-size"}};
 
 /* The words with options in place of arguments. */
 static svo_message with_options(const char *words)

@@ -466,8 +466,10 @@ static int read_voxel_file(program *state, unsigned depth, placed_mesh *out)
 static int read_tree(program *state, const scene_file_tree *tree, input *source, placed_mesh *voxels)
 {
     const char *before = state->options.input;
+    const double voxel_size = state->options.voxel_size;
     int exit_code = PROGRAM_DONE;
     state->options.input = tree->path;
+    state->options.voxel_size = 0.0; /* of trees, which are not made here */
     if (input_is_tree(state)) {
         exit_code = read_voxels(state, voxels);
     } else if (voxel_input_is_given(state)) {
@@ -476,6 +478,7 @@ static int read_tree(program *state, const scene_file_tree *tree, input *source,
         exit_code = input_open(state, source);
     }
     state->options.input = before;
+    state->options.voxel_size = voxel_size;
     return exit_code;
 }
 

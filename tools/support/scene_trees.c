@@ -63,6 +63,7 @@ static int make_tree(scene_trees *work, size_t index)
     const options before = *given;
     given->input = tree->path;
     given->depth = tree->depth > 0 ? tree->depth : given->depth;
+    given->voxel_size = tree->depth > 0 ? 0.0 : given->voxel_size;
     const int exit_code = input_is_tree(work->running) ? load_tree(work, index) : build_tree(work, index);
     *given = before;
     return exit_code;

@@ -16,17 +16,23 @@ bool voxel_input_is_given(const program *state)
            format == SVO_VOXEL_FORMAT_NVDB;
 }
 
+static svo_voxels_load_options load_options_of(program *state)
+{
+    const options *given = &state->options;
+    return (svo_voxels_load_options){.struct_size = sizeof(svo_voxels_load_options),
+                                     .hidden = (uint32_t)given->hidden,
+                                     .frame = (uint32_t)given->frame,
+                                     .voxels_max = given->max_voxels,
+                                     .axes = (uint32_t)given->axes,
+                                     .log = program_log,
+                                     .log_user = state};
+}
+
 int voxel_input_open(program *state, voxel_input *opened)
 {
     svo_message message = {""};
     const options *given = &state->options;
-    const svo_voxels_load_options load_options = {.struct_size = sizeof load_options,
-                                                  .hidden = (uint32_t)given->hidden,
-                                                  .frame = (uint32_t)given->frame,
-                                                  .voxels_max = given->max_voxels,
-                                                  .axes = (uint32_t)given->axes,
-                                                  .log = program_log,
-                                                  .log_user = state};
+    const svo_voxels_load_options load_options = load_options_of(state);
     *opened = (voxel_input){.file = SVO_VOXEL_FILE_INFO_INIT, .list = SVO_VOXELS_INFO_INIT};
     if (svo_voxels_load(piped_source(&state->piped, given->input), &load_options, &opened->voxels, &opened->file,
                         &message) != SVO_OK) {
@@ -34,6 +40,30 @@ int voxel_input_open(program *state, voxel_input *opened)
     }
     (void)svo_voxels_get_info(opened->voxels, &opened->list);
     return PROGRAM_DONE;
+}
+
+svo_status voxel_input_copy(program *state, svo_sink sink, voxel_input *opened, svo_message *message)
+{
+    const svo_voxels_load_options load_options = load_options_of(state);
+    *opened = (voxel_input){.file = SVO_VOXEL_FILE_INFO_INIT, .list = SVO_VOXELS_INFO_INIT};
+    return svo_voxels_copy_vox(piped_source(&state->piped, state->options.input), sink, &load_options, &opened->file,
+                               message);
+}
+
+void voxel_input_warn(program *state, const voxel_input *opened, const char *others)
+{
+    svo_message file = {""};
+    svo_message line;
+    if (opened->file.struct_size > 0) { /* of a file, not of a tree */
+        (void)svo_voxels_left_out(&opened->file, &file);
+    }
+    const bool has_others = others != NULL && others[0] != '\0';
+    if (file.text[0] == '\0' && !has_others) {
+        return;
+    }
+    (void)snprintf(line.text, sizeof line.text, "%s: left out: %s%s%s", state->options.input, file.text,
+                   file.text[0] != '\0' && has_others ? ", " : "", has_others ? others : "");
+    program_log(state, SVO_LOG_WARNING, line.text);
 }
 
 void voxel_input_close(voxel_input *opened)
@@ -44,8 +74,8 @@ void voxel_input_close(voxel_input *opened)
 int voxel_input_check_options(program *state, uint32_t need)
 {
     const options *given = &state->options;
-    static const char *const of_meshes[] = {"origin", "edge",           "coverage", "weights", "drop-alpha",
-                                            "strict", "import-seconds", "weld",     NULL};
+    static const char *const of_meshes[] = {"origin",     "edge",   "voxel-size",     "coverage", "weights",
+                                            "drop-alpha", "strict", "import-seconds", "weld",     NULL};
     if (options_refuse(state, of_meshes, "to voxels") != PROGRAM_DONE ||
         (options_ask_for_gl(given) && options_refuse_groups(state, OPTION_METHODS, "to voxels") != PROGRAM_DONE)) {
         return PROGRAM_WRONG_USAGE;
@@ -75,7 +105,13 @@ typedef struct voxel_count {
     uint64_t count;
 } voxel_count;
 
-enum { VOXEL_COUNTS = 6 };
+enum { VOXEL_COUNTS = 6, LIST_COUNTS = 1 }; /* the last are the list's */
+
+/* How many there are: a copy has no list. */
+static int count_counts(const voxel_input *opened)
+{
+    return opened->voxels != NULL ? VOXEL_COUNTS : VOXEL_COUNTS - LIST_COUNTS;
+}
 
 static void list_counts(const voxel_input *opened, voxel_count counts[VOXEL_COUNTS])
 {
@@ -91,7 +127,7 @@ void voxel_input_add_rows(table *rows, const voxel_input *opened)
 {
     voxel_count counts[VOXEL_COUNTS];
     list_counts(opened, counts);
-    for (int i = 0; i < VOXEL_COUNTS; ++i) {
+    for (int i = 0; i < count_counts(opened); ++i) {
         char name[32];
         snprintf(name, sizeof name, "%s", counts[i].name);
         for (char *c = name; *c != '\0'; ++c) {
@@ -105,13 +141,19 @@ void voxel_input_add_rows(table *rows, const voxel_input *opened)
 void voxel_input_add_json(cJSON *document, const voxel_input *opened)
 {
     voxel_count counts[VOXEL_COUNTS];
+    svo_message left_out = {""};
     cJSON *object = cJSON_AddObjectToObject(document, "voxels");
     list_counts(opened, counts);
     json_add_text(object, "format", svo_name(SVO_NAME_VOXEL_FORMAT, (svo_voxel_format)opened->file.format));
     json_add_count(object, "version", opened->file.version);
-    for (int i = 0; i < VOXEL_COUNTS; ++i) {
+    for (int i = 0; i < count_counts(opened); ++i) {
         json_add_count(object, counts[i].name, counts[i].count);
     }
+    if (opened->voxels == NULL) {
+        return;
+    }
+    (void)svo_voxels_left_out(&opened->file, &left_out);
+    json_add_text(object, "left_out", left_out.text);
     cJSON *low = cJSON_AddArrayToObject(object, "low");
     cJSON *high = cJSON_AddArrayToObject(object, "high");
     for (int axis = 0; axis < 3; ++axis) {

@@ -22,6 +22,10 @@ bool voxel_input_is_given(const program *state);
 
 /* Reads the file by --hidden and --frame. Returns the exit code; on failure nothing stays open. */
 int voxel_input_open(program *state, voxel_input *opened);
+/* Writes the file again by svo_voxels_copy_vox; opened has no list then. */
+svo_status voxel_input_copy(program *state, svo_sink sink, voxel_input *opened, svo_message *message);
+/* Warns of what the file holds and the list does not, and of what else is left out; others: NULL or its words. */
+void voxel_input_warn(program *state, const voxel_input *opened, const char *others);
 void voxel_input_close(voxel_input *opened);
 
 /* Refuses options of meshes, and what voxels do not have of need. Returns the exit code. */

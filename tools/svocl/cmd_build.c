@@ -207,6 +207,9 @@ int command_build(program *state)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
+    if (done.source.voxels.voxels != NULL) {
+        voxel_input_warn(state, &done.source.voxels, NULL);
+    }
     if (need != state->options.need && state->options.need == (uint32_t)SVO_NEED_DEFAULT) {
         need |= picture_need(&done.source, SVO_NEED_DEFAULT); /* what the default means beside the bits of the solid */
     }

@@ -26,6 +26,7 @@ typedef struct conversion {
     svo_compact *compact; /* where one is written that is not the solid's */
     svo_voxels_save_info written; /* format AUTO: a tree */
     svo_tree_info tree; /* where one was written */
+    bool is_copy; /* a .vox file that is written again as it is: list has no voxels */
 } conversion;
 
 /* ---- what does not apply ---- */
@@ -61,6 +62,11 @@ static int check_arguments(program *state, const conversion *done)
     const options *given = &state->options;
     if (given->compress && done->to == OUTPUT_VOXELS) {
         return program_fail(state, PROGRAM_WRONG_USAGE, "--compress applies to .svo and .svc, not to OUT %s",
+                            given->output_path);
+    }
+    const svo_voxel_format format = svo_voxel_format_of_path(given->output_path);
+    if (given->merge && format != SVO_VOXEL_FORMAT_PLY && format != SVO_VOXEL_FORMAT_OBJ) {
+        return program_fail(state, PROGRAM_WRONG_USAGE, "--merge applies to .ply and .obj, not to OUT %s",
                             given->output_path);
     }
     if (done->to != OUTPUT_VOXELS &&
@@ -205,13 +211,50 @@ static int write_file(program *state, conversion *done)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    /* A write that failed is reported by output_commit. */
-    if (svo_voxels_save(done->list.voxels, output_sink(&file), svo_voxel_format_of_path(path), &done->written,
-                        &message) != SVO_OK &&
-        file.error == 0) {
+    const svo_voxel_format format = svo_voxel_format_of_path(path);
+    const svo_sink sink = output_sink(&file);
+    const svo_status status = state->options.merge
+                                  ? svo_voxels_save_faces(done->list.voxels, sink, format, &done->written, &message)
+                                  : svo_voxels_save(done->list.voxels, sink, format, &done->written, &message);
+    if (status != SVO_OK && file.error == 0) { /* else output_commit reports it */
         output_abandon(&file);
         return program_fail(state, PROGRAM_FAILED, "%s: %s", path, program_words(message.text));
     }
+    return output_commit(state, &file);
+}
+
+/* Whether a .vox file becomes a .vox file without a choice of its parts: then it keeps all that it holds. */
+static bool wants_copy(const program *state, const conversion *done)
+{
+    const options *given = &state->options;
+    const char *name = piped_is(&state->piped, given->input) ? state->piped.suffix : given->input;
+    return done->from == FROM_VOXELS && svo_voxel_format_of_path(given->output_path) == SVO_VOXEL_FORMAT_VOX &&
+           svo_voxel_format_of_path(name) == SVO_VOXEL_FORMAT_VOX && !options_is_given(given, "hidden") &&
+           !options_is_given(given, "frame");
+}
+
+/* Writes the file again; done->is_copy: whether it could, which other formats with that suffix cannot. */
+static int copy_file(program *state, conversion *done)
+{
+    output_file file;
+    svo_message message = {""};
+    program_begin_progress(state, 1);
+    progress_step(state->progress, "copying the voxels");
+    int exit_code = input_measure(state, &done->written.bytes);
+    if (exit_code == PROGRAM_DONE) {
+        exit_code = output_open(state, state->options.output_path, &file);
+    }
+    if (exit_code != PROGRAM_DONE) {
+        return exit_code;
+    }
+    const svo_status status = voxel_input_copy(state, output_sink(&file), &done->list, &message);
+    if (status != SVO_OK && file.error == 0) { /* else output_commit reports it */
+        output_abandon(&file);
+        return status == SVO_UNSUPPORTED ? PROGRAM_DONE : program_fail_library(state, message.text);
+    }
+    done->is_copy = true;
+    done->written.format = SVO_VOXEL_FORMAT_VOX;
+    done->written.models = done->list.file.models;
     return output_commit(state, &file);
 }
 
@@ -220,7 +263,7 @@ static int write_file(program *state, conversion *done)
 /* The list that was read or written; its voxels are NULL between a mesh or a tree and a tree. */
 static const voxel_input *list_of(const conversion *done)
 {
-    return done->list.voxels != NULL ? &done->list : &done->made.source.voxels;
+    return done->is_copy || done->list.voxels != NULL ? &done->list : &done->made.source.voxels;
 }
 
 /* Parts of a list that a format may not hold. */
@@ -248,9 +291,11 @@ static size_t find_left_out(const conversion *done, const char *out[PARTS_MAX])
     const bool svx = format == SVO_VOXEL_FORMAT_SVX;
     const bool obj = format == SVO_VOXEL_FORMAT_OBJ;
     const bool vox = format == SVO_VOXEL_FORMAT_VOX;
+    const bool faces = done->written.voxel_faces > 0;
     const char *const parts[PARTS_MAX] = {
         colors && binvox ? "colors" : NULL, alpha && (binvox || svx || obj) ? "alpha" : NULL,
-        list->material_count > 1 && (binvox || obj || (svx && list->material_count > 256)) ? "materials" : NULL,
+        list->material_count > 1 && (binvox || obj || faces || (svx && list->material_count > 256)) ? "materials"
+                                                                                                    : NULL,
         list->property_count > 0 && !vox ? "properties of materials" : NULL,
         moved && vox ? "the place and the width of voxels" : NULL};
     size_t count = 0;
@@ -278,9 +323,14 @@ static void add_counts(cJSON *object, const conversion *done)
     json_add_text(object, "format", svo_name(SVO_NAME_VOXEL_FORMAT, (svo_voxel_format)written->format));
     json_add_count(object, "bytes", written->bytes);
     json_add_count(object, "models", written->models);
+    cJSON_AddBoolToObject(object, "is_copy", done->is_copy);
+    if (done->is_copy) {
+        return;
+    }
     json_add_count(object, "colors", written->colors);
     json_add_count(object, "color_error", written->color_error);
     json_add_count(object, "faces", written->faces);
+    json_add_count(object, "voxel_faces", written->voxel_faces);
 }
 
 static void add_written(cJSON *document, const conversion *done)
@@ -292,18 +342,29 @@ static void add_written(cJSON *document, const conversion *done)
     cJSON_AddItemToObject(object, "left_out", cJSON_CreateStringArray(parts, count));
 }
 
-static void add_left_out_row(table *rows, const conversion *done)
+/* The parts in words; "": none is left out. */
+typedef struct parts_text {
+    char text[128];
+} parts_text;
+
+static parts_text words_of_left_out(const conversion *done)
 {
+    parts_text words = {""};
     const char *parts[PARTS_MAX];
     const size_t count = find_left_out(done, parts);
-    char text[128] = "";
     size_t used = 0;
     for (size_t i = 0; i < count; ++i) {
-        used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", i > 0 ? ", " : "", parts[i]);
+        used += (size_t)snprintf(words.text + used, sizeof words.text - used, "%s%s", i > 0 ? ", " : "", parts[i]);
     }
-    if (count > 0) {
+    return words;
+}
+
+static void add_left_out_row(table *rows, const conversion *done)
+{
+    const parts_text words = words_of_left_out(done);
+    if (words.text[0] != '\0') {
         table_cell(rows, "left out");
-        table_cell(rows, "%s", text);
+        table_cell(rows, "%s", words.text);
     }
 }
 
@@ -315,6 +376,11 @@ static void add_written_row(table *rows, const conversion *done)
     if (done->to != OUTPUT_VOXELS) {
         table_cell(rows, "%s leaves, %s nodes, depth %u", figure_count(done->tree.leaf_count).text,
                    figure_count(done->tree.node_count).text, done->tree.depth);
+    } else if (done->is_copy) {
+        table_cell(rows, "%s; all that the file holds", figure_bytes(written->bytes).text);
+    } else if (written->voxel_faces > 0) {
+        table_cell(rows, "%s rectangles of %s faces, %s", figure_count(written->faces).text,
+                   figure_count(written->voxel_faces).text, figure_bytes(written->bytes).text);
     } else if (written->format == SVO_VOXEL_FORMAT_OBJ) {
         table_cell(rows, "%s faces, %s", figure_count(written->faces).text, figure_bytes(written->bytes).text);
     } else if (written->format == SVO_VOXEL_FORMAT_VOX) {
@@ -379,6 +445,9 @@ static void report_text(const program *state, const conversion *done)
 static int report(program *state, const conversion *done)
 {
     progress_destroy(&state->progress);
+    if (!done->is_copy) {
+        voxel_input_warn(state, list_of(done), words_of_left_out(done).text);
+    }
     if (state->options.json) {
         return report_json(state, done);
     }
@@ -399,8 +468,13 @@ int command_convert(program *state)
     if (exit_code != PROGRAM_DONE) {
         return exit_code;
     }
-    exit_code = read_source(state, &done);
-    if (exit_code == PROGRAM_DONE) {
+    if (wants_copy(state, &done)) {
+        exit_code = copy_file(state, &done);
+    }
+    if (exit_code == PROGRAM_DONE && !done.is_copy) {
+        exit_code = read_source(state, &done);
+    }
+    if (exit_code == PROGRAM_DONE && !done.is_copy) {
         exit_code = done.to == OUTPUT_VOXELS ? write_file(state, &done) : write_tree(state, &done);
     }
     if (exit_code == PROGRAM_DONE) {

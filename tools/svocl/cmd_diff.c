@@ -76,7 +76,12 @@ static int open_side(program *state, comparison *work, unsigned which)
     diff_side *side = &work->sides[which];
     work->is_built[which] = !is_tree(state, work->names[which]);
     if (work->is_built[which]) {
+        const double voxel_size = state->options.voxel_size;
         exit_code = job_run(state, state->options.need, 1, &work->built[which]);
+        if (voxel_size > 0.0) { /* of each mesh */
+            state->options.voxel_size = voxel_size;
+            state->options.edge = 0.0;
+        }
         work->is_built[which] = exit_code == PROGRAM_DONE;
     } else {
         program_begin_progress(state, 2);

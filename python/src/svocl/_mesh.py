@@ -124,6 +124,24 @@ class Mesh:
     def triangle_count(self) -> int:
         return self.vertex_count // 3 if self.indices is None else len(self.indices)
 
+    def voxel_grid(self, voxel_edge: float) -> tuple[tuple[float, float, float], float, int]:
+        """The grid whose voxels have a given width, with planes at its whole multiples, and the least depth that holds
+        the mesh: (origin, edge, depth) for Device.plan and Device.build.
+
+        Args:
+            voxel_edge: width of a voxel, world units, above 0.
+
+        Raises:
+            InvalidArgumentError: there would be more than 65,536 voxels along an axis.
+        """
+        mesh, _kept = self._struct()
+        origin, edge = ffi.new("double[3]"), ffi.new("double *")
+        depth, message = ffi.new("unsigned *"), ffi.new("svo_message *")
+        status = lib.svo_mesh_voxel_grid(mesh, voxel_edge, origin, edge, depth, message)
+        if status != lib.SVO_OK:
+            raise error(status, text(message.text))
+        return (origin[0], origin[1], origin[2]), edge[0], depth[0]
+
     def __repr__(self) -> str:
         return f"<svocl.Mesh: {self.vertex_count} vertices, {self.triangle_count} triangles>"
 

@@ -62,6 +62,7 @@ class Voxels(Handle):
 
     Attributes:
         file_info: what the file holds, of a list from Voxels.load; else None.
+        left_out: what the file holds and the list does not, in one line, such as "8 layers, 1 group"; else "".
 
     Raises:
         InvalidArgumentError: a number is out of range, or the voxels are too far apart.
@@ -69,6 +70,7 @@ class Voxels(Handle):
     """
 
     file_info: Optional[_generated.VoxelFileInfo] = None
+    left_out: str = ""
 
     def __init__(
         self,
@@ -145,6 +147,33 @@ class Voxels(Handle):
         source, _kept = from_bytes(content, name)
         return cls._load(source, hidden, frame, voxels_max, axes)
 
+    @staticmethod
+    def copy_vox(path: Path, to: Path) -> _generated.VoxelFileInfo:
+        """Writes a .vox file again with all that it holds, after the checks of Voxels.load: models, instances, names,
+        layers, groups, frames, palette, materials, cameras, settings, notes and chunks that svocl does not know.
+
+        Args:
+            path: of a .vox file of MagicaVoxel.
+            to: of the file that is written, whole or not at all.
+
+        Returns:
+            What the file holds.
+
+        Raises:
+            FileError: a file cannot be read or written.
+            FileDamagedError: it is truncated or damaged.
+            UnsupportedError: it has another format.
+        """
+        need_io("Voxels.copy_vox")
+        source, _kept = from_path(path)
+        sink, _also_kept = to_path(to)
+        info = _structs.new("svo_voxel_file_info")
+        message = ffi.new("svo_message *")
+        status = call(lib.svo_voxels_copy_vox, source, sink, ffi.NULL, info, message)
+        if status != lib.SVO_OK:
+            raise error(status, text(message.text))
+        return _structs.read_file_info(info, _generated.VoxelFileInfo)
+
     def set_axes(self, axes: Axes) -> None:
         """Says which axis is up in files that the list is written to: at first what Voxels.load was given, else
         Axes.AUTO.
@@ -176,6 +205,30 @@ class Voxels(Handle):
         message = ffi.new("svo_message *")
         with self._use() as pointer:
             status = call(lib.svo_voxels_save, pointer, sink, lib.SVO_VOXEL_FORMAT_AUTO, info, message)
+            if status != lib.SVO_OK:
+                raise error(status, text(message.text))
+        return _structs.read_file_info(info, _generated.VoxelsSaveInfo)
+
+    def save_faces(self, path: Path) -> _generated.VoxelsSaveInfo:
+        """Writes the surface as a mesh of rectangles, whole or not at all: faces of one plane and color are merged. It
+        is closed, sides may end in the middle of others, and on the same grid it is read back as the same voxels.
+
+        Args:
+            path: of the file, .ply or .obj.
+
+        Returns:
+            What was written: faces rectangles, of voxel_faces faces.
+
+        Raises:
+            FileError: the file cannot be written.
+            InvalidArgumentError: another suffix, or voxels too far out for floats.
+        """
+        need_io("Voxels.save_faces")
+        sink, _kept = to_path(path)
+        info = _structs.new("svo_voxels_save_info")
+        message = ffi.new("svo_message *")
+        with self._use() as pointer:
+            status = call(lib.svo_voxels_save_faces, pointer, sink, lib.SVO_VOXEL_FORMAT_AUTO, info, message)
             if status != lib.SVO_OK:
                 raise error(status, text(message.text))
         return _structs.read_file_info(info, _generated.VoxelsSaveInfo)
@@ -295,6 +348,9 @@ class Voxels(Handle):
         made = cls.__new__(cls)
         made._create(lib.svo_voxels_load, source, options, info=info)
         made.file_info = _structs.read_file_info(info, _generated.VoxelFileInfo)
+        message = ffi.new("svo_message *")
+        call(lib.svo_voxels_left_out, info, message)
+        made.left_out = text(message.text)
         return made
 
     def _create(self, function: Any, *arguments: Any, info: Any = None) -> None:

@@ -118,8 +118,8 @@ static bool has_ray_count(const char *wanted)
     return found;
 }
 
-static const char *const of_builds[] = {"need",  "coverage", "weights", "builder",    "frontend",
-                                        "share", "origin",   "edge",    "drop-alpha", NULL};
+static const char *const of_builds[] = {"need",   "coverage", "weights",    "builder",    "frontend", "share",
+                                        "origin", "edge",     "voxel-size", "drop-alpha", NULL};
 static const char *const of_versus[] = {"processes", "time", "full", "seed", "from", "page", "csv", NULL};
 
 /* Options of builds and of measurements that the subject does not take. */

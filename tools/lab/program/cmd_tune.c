@@ -249,7 +249,7 @@ static int check_files(program *state)
 
 int command_tune(program *state)
 {
-    static const char *const others[] = {"tune", "hybrid-columns", NULL};
+    static const char *const others[] = {"tune", "hybrid-columns", "voxel-size", NULL};
     tune_bounds bounds;
     job done = {.source = {.name = NULL}};
     int exit_code = options_refuse(state, others, "to tune");
