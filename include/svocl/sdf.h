@@ -5,7 +5,7 @@
  * The distance of a voxel is that from its center to the nearest point of the mesh as it was given
  * (svo_tree_info.is_exact), in world units, computed in doubles and rounded to float. The center of voxel x is at
  * origin + (x + 1/2) edge / 2^depth, exactly. The distance is within an ulp of the exact one, or within 2^-45 of the
- * width of a voxel and of the widths of the triangles nearby, whichever is more.
+ * width of a voxel or of the triangles nearby, whichever is more; of slivers, times their length over their height.
  *
  * The sign is that of the rules of solid.h, for each voxel: an empty cell of the octree is inside or outside as a
  * whole, and a voxel that the surface touches is inside if its own center is. A voxel that is inside has the sign bit,
