@@ -48,12 +48,12 @@ static bool find_bounds(const svo_mesh *mesh, double low[3], double high[3])
     bool found = false;
     for (size_t i = 0; i < 3 * mesh->triangle_count; ++i) {
         const uint64_t vertex = mesh->indices[i];
-        double at[3];
+        double at[3] = {NAN, NAN, NAN};
         for (size_t axis = 0; axis < 3 && vertex < mesh->vertex_count; ++axis) {
             at[axis] = mesh->positions_double != NULL ? mesh->positions_double[3 * vertex + axis]
                                                       : (double)mesh->positions[3 * vertex + axis];
         }
-        if (vertex >= mesh->vertex_count || !isfinite(at[0]) || !isfinite(at[1]) || !isfinite(at[2])) {
+        if (!isfinite(at[0]) || !isfinite(at[1]) || !isfinite(at[2])) {
             continue;
         }
         for (int axis = 0; axis < 3; ++axis) {
