@@ -81,7 +81,7 @@ def _copy(pointer: Any) -> Sdf:
     lib.svo_sdf_get_arrays(pointer, arrays)
     info = _structs.read(struct, _generated.SdfInfo)
     count = info.voxel_count
-    distances = np.empty(count, np.float32)
+    distances: npt.NDArray[np.float32] = np.empty(count, np.float32)
     if count > 0:
         ffi.memmove(distances, arrays.distances, distances.nbytes)
     voxels = None
