@@ -11,6 +11,7 @@
  *     nodes       as places: boxes, codes, points  nodes.h
  *     rays        triangles, voxels, pictures      trace.h
  *     svo_compact smaller forms of a tree          compact.h
+ *     svo_sdf     signed distance fields           sdf.h
  *     svo_moving  one tree of objects that move    moving.h
  *     svo_scene   many placed trees                scene.h
  *     svo_light   light in a tree, cones           light.h
@@ -33,6 +34,7 @@
 #include "svocl/plan.h"
 #include "svocl/probes.h"
 #include "svocl/scene.h"
+#include "svocl/sdf.h"
 #include "svocl/solid.h"
 #include "svocl/status.h"
 #include "svocl/submit.h"

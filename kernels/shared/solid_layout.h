@@ -38,7 +38,7 @@ SVO_RECORD(svo_solid_params)
     SVO_U32 rounded_to_odd; /* 48: 1: odd coordinates of vertices may be off; 0: the snapped mesh is the true one */
     SVO_U32 positions; /* 52: what they are, SVO_SOLID_* */
     SVO_U32 region_max; /* 56: the most regions that are decided one by one */
-    SVO_U32 reserved; /* 60 */
+    SVO_U32 axes; /* 60: bits of the axes along which leaves are crossed: 7, or of a closed mesh 1 */
 };
 
 #if !defined(GL_core_profile)

@@ -38,7 +38,7 @@ svo_k_solid_cross(__global const int *vertices, __global const uint *indices, __
     uint voxel[3];
     svo_deinterleave(codes[params.leaf_begin + leaf], voxel);
     for (uint i = begin; i < end; ++i) {
-        svo_add_crossings(&mesh, list[i], voxel, &params, 7u, sums);
+        svo_add_crossings(&mesh, list[i], voxel, &params, params.axes, false, sums);
     }
     for (uint axis = 0; axis < 3u; ++axis) {
         crossings[axis * (size_t)params.leaf_count + leaf] = sums[axis];
@@ -58,7 +58,7 @@ svo_k_solid_cross_long(__global const int *vertices, __global const uint *indice
     uint voxel[3];
     svo_deinterleave(codes[params.leaf_begin + leaf], voxel);
     for (uint i = list_begin[leaf] + (uint)get_local_id(0); i < end; i += SVO_GROUP_ITEMS) {
-        svo_add_crossings(&mesh, list[i], voxel, &params, 7u, sums);
+        svo_add_crossings(&mesh, list[i], voxel, &params, params.axes, false, sums);
     }
     for (uint axis = 0; axis < 3u; ++axis) {
         const uint sum = svo_group_sum(sums[axis], scratch);

@@ -199,7 +199,7 @@ svo_k_solid_probe(__global const uchar *child_mask, __global const uint *first_c
     svo_walk_begin(&tree, place.cell, cell_log2, &walk);
     for (uint leaf = svo_walk_on(&tree, 0u, &walk); leaf != SVO_SOLID_NO_LEAF; leaf = svo_walk_on(&tree, 0u, &walk)) {
         for (uint i = list_begin[leaf]; i < list_begin[leaf + 1u]; ++i) {
-            svo_add_crossings(&mesh, list[i], walk.at, &params, 1u, sums);
+            svo_add_crossings(&mesh, list[i], walk.at, &params, 1u, false, sums);
         }
     }
     const uint inside = params.parity != 0u ? sums[0] & 1u : (uint)(sums[0] != 0u);

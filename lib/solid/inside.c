@@ -12,6 +12,7 @@
 #include "core/program.h"
 #include "shared/solid_layout.h"
 #include "solid/programs.h"
+#include "svocl/plan.h"
 
 /* Nodes of a launch, so that its counts fit 32 bits. */
 #define PART_NODES (UINT32_C(1) << 28)
@@ -25,7 +26,8 @@
 
 typedef enum scratch {
     SCRATCH_COUNTERS = 0,
-    SCRATCH_INSIDE, /* the result */
+    SCRATCH_INSIDE, /* the results */
+    SCRATCH_INSIDE_LEAF,
     /* of regions */
     SCRATCH_LINKS,
     SCRATCH_PARENTS,
@@ -55,8 +57,9 @@ typedef struct classifier {
 static svo_status allocate(classifier *c, scratch buffer, uint64_t bytes)
 {
     static const char *const names[SCRATCH_COUNT] = {
-        "solid_counters",  "solid_inside",     "solid_links", "solid_parents", "solid_roots",    "solid_codes",
-        "solid_crossings", "solid_long_lists", "solid_next",  "solid_follows", "solid_windings", "solid_carries"};
+        "solid_counters", "solid_inside",   "solid_inside_leaf", "solid_links",      "solid_parents",
+        "solid_roots",    "solid_codes",    "solid_crossings",   "solid_long_lists", "solid_next",
+        "solid_follows",  "solid_windings", "solid_carries"};
     c->info->scratch_bytes += bytes;
     return svo_i_work_alloc(c->work, names[buffer], bytes, &c->buffers[buffer]);
 }
@@ -116,7 +119,7 @@ static svo_status read_mesh(classifier *c, bool *closed)
     SVO_I_TRY(read_counters(c, counters));
     if (counters[SVO_SOLID_OUTSIDE] > 0) {
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
-                                 "%s: %u triangles reach outside the tree's grid; a solid needs all of the mesh inside",
+                                 "%s: %u triangles reach outside the tree's grid; all of the mesh is needed inside",
                                  c->work->function, counters[SVO_SOLID_OUTSIDE]);
     }
     const cl_uint *edges = counters + SVO_SOLID_EDGES;
@@ -332,10 +335,18 @@ static svo_status chain(classifier *c)
     return SVO_OK;
 }
 
+/* Sums up all crossings along the columns. */
+static svo_status sum_columns(classifier *c)
+{
+    SVO_I_TRY(allocate_columns(c));
+    SVO_I_TRY(place(c));
+    SVO_I_TRY(cross(c));
+    return chain(c);
+}
+
 static svo_status decide_columns(classifier *c)
 {
     const svo_tree *tree = c->tree;
-    SVO_I_TRY(allocate_columns(c));
     const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
                                         SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
                                         SVO_I_ARGUMENT(c->buffers[SCRATCH_CODES]),
@@ -346,39 +357,112 @@ static svo_status decide_columns(classifier *c)
                                         SVO_I_ARGUMENT(c->buffers[SCRATCH_COUNTERS]),
                                         SVO_I_ARGUMENT(c->params)};
     const decision fill = {"svo_k_solid_fill", SVO_I_ARGUMENTS(arguments)};
-    SVO_I_TRY(place(c));
-    SVO_I_TRY(cross(c));
-    SVO_I_TRY(chain(c));
-    SVO_I_TRY(decide_all(c, &fill));
-    release(c, SCRATCH_CODES, SCRATCH_COUNT);
+    return decide_all(c, &fill);
+}
+
+/* Decides the centers of leaves. */
+static svo_status decide_leaves(classifier *c)
+{
+    const svo_tree *tree = c->tree;
+    SVO_I_TRY(allocate(c, SCRATCH_INSIDE_LEAF, tree->info.leaf_count));
+    c->params.count = c->params.leaf_count;
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(tree->buffers[SVO_TREE_CHILD_MASK]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_FIRST_CHILD]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_VERTICES]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_INDICES]),
+                                        SVO_I_ARGUMENT(c->positions),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST_BEGIN]),
+                                        SVO_I_ARGUMENT(tree->buffers[SVO_TREE_LIST]),
+                                        SVO_I_ARGUMENT(c->buffers[SCRATCH_CODES]),
+                                        SVO_I_ARGUMENT(c->buffers[SCRATCH_CARRIES]),
+                                        SVO_I_ARGUMENT(c->buffers[SCRATCH_CROSSINGS]),
+                                        SVO_I_ARGUMENT(c->buffers[SCRATCH_WINDINGS]),
+                                        SVO_I_ARGUMENT(c->buffers[SCRATCH_INSIDE_LEAF]),
+                                        SVO_I_ARGUMENT(c->grid),
+                                        SVO_I_ARGUMENT(c->params)};
+    return svo_i_work_launch(c->work, "svo_k_solid_centers", SVO_I_ARGUMENTS(arguments), c->params.count);
+}
+
+/* ---- the entrance ---- */
+
+/* Why a tree's lists do not hold all of the mesh, for a message; NULL: they do. */
+static const char *find_lack(const svo_tree *tree)
+{
+    if (tree->info.coverage == SVO_COVERAGE_THIN) {
+        return "the tree's coverage is thin: the surface passes through cells that it leaves empty, so parts of a cell "
+               "may lie on both sides";
+    }
+    return (tree->info.need & SVO_NEED_RAYS) == 0 ? "the tree holds no leaf lists; build it with SVO_NEED_RAYS" : NULL;
+}
+
+svo_status svo_i_inside_check(const svo_tree *tree, const char *function, const char *what)
+{
+    const svo_tree_info *info = &tree->info;
+    const char *lack = find_lack(tree);
+    if (lack != NULL) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: %s", function, lack);
+    }
+    const uint64_t usable = info->triangles - info->refused_triangles;
+    if (usable > info->list_triangle_count) {
+        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
+                                 "%s: %llu triangles lie outside the tree's grid; %s needs all of the mesh inside",
+                                 function, (unsigned long long)(usable - info->list_triangle_count), what);
+    }
     return SVO_OK;
 }
 
-svo_status svo_i_inside_find(svo_i_device_work *work, const svo_tree *tree, svo_solid_rule rule, svo_i_inside *out,
-                             svo_solid_info *info)
+/* Begins a classifier, and tells whether the mesh is closed. */
+static svo_status begin(classifier *c, svo_solid_rule rule, bool *closed)
+{
+    const svo_tree_info *info = &c->tree->info;
+    c->params = (svo_solid_params){.depth = info->depth,
+                                   .voxel_log2 = info->snap_bits - info->depth,
+                                   .leaf_begin = (cl_uint)info->inner_count,
+                                   .leaf_count = (cl_uint)info->leaf_count,
+                                   .parity = rule == SVO_SOLID_PARITY};
+    set_mesh(c);
+    SVO_I_TRY(svo_i_work_use(c->work, &svo_i_program_solid, ""));
+    SVO_I_TRY(allocate(c, SCRATCH_COUNTERS, SVO_SOLID_COUNTERS * sizeof(cl_uint)));
+    return read_mesh(c, closed);
+}
+
+svo_status svo_i_inside_check_mesh(svo_i_device_work *work, const svo_tree *tree)
+{
+    svo_solid_info info;
+    classifier c = {.work = work, .tree = tree, .info = &info};
+    bool closed = false;
+    info.scratch_bytes = 0;
+    SVO_I_TRY(begin(&c, SVO_SOLID_WINDING, &closed));
+    release(&c, SCRATCH_COUNTERS, SCRATCH_INSIDE);
+    return SVO_OK;
+}
+
+svo_status svo_i_inside_find(svo_i_device_work *work, const svo_tree *tree, svo_solid_rule rule, bool with_leaves,
+                             svo_i_inside *out, svo_solid_info *info)
 {
     classifier c = {.work = work, .tree = tree, .out = out, .info = info};
     bool closed = false;
     bool decided = false;
     *out = (svo_i_inside){.mask = NULL};
-    c.params = (svo_solid_params){.depth = tree->info.depth,
-                                  .voxel_log2 = tree->info.snap_bits - tree->info.depth,
-                                  .leaf_begin = (cl_uint)tree->info.inner_count,
-                                  .leaf_count = (cl_uint)tree->info.leaf_count,
-                                  .parity = rule == SVO_SOLID_PARITY};
-    set_mesh(&c);
     info->surface_voxels = tree->info.leaf_count;
-    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_solid, ""));
-    SVO_I_TRY(allocate(&c, SCRATCH_COUNTERS, SVO_SOLID_COUNTERS * sizeof(cl_uint)));
+    SVO_I_TRY(begin(&c, rule, &closed));
     SVO_I_TRY(allocate(&c, SCRATCH_INSIDE, tree->info.inner_count));
-    SVO_I_TRY(read_mesh(&c, &closed));
     if (closed && tree->info.inner_count < LINKED_NODES_MAX) {
         SVO_I_TRY(decide_regions(&c, &decided));
+    }
+    c.params.axes = decided ? 1 : 7;
+    if (!decided || with_leaves) {
+        SVO_I_TRY(sum_columns(&c));
     }
     if (!decided) {
         SVO_I_TRY(decide_columns(&c));
     }
+    if (with_leaves) {
+        SVO_I_TRY(decide_leaves(&c));
+    }
+    release(&c, SCRATCH_CODES, SCRATCH_COUNT);
     out->mask = c.buffers[SCRATCH_INSIDE];
+    out->leaves = c.buffers[SCRATCH_INSIDE_LEAF];
     release(&c, SCRATCH_COUNTERS, SCRATCH_INSIDE);
     return SVO_OK;
 }

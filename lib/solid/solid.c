@@ -47,22 +47,6 @@ static svo_status read_options(const svo_tree *tree, const svo_solid_options *op
     return SVO_OK;
 }
 
-/* Why a tree does not say what is inside, for a message; NULL: it does. */
-static const char *find_lack(const svo_tree *tree)
-{
-    if (tree->info.coverage == SVO_COVERAGE_THIN) {
-        return "the tree's coverage is thin: the surface passes through cells that it leaves empty, so parts of a cell "
-               "may lie on both sides";
-    }
-    if ((tree->info.need & SVO_NEED_RAYS) == 0) {
-        return "the tree holds no leaf lists; build it with SVO_NEED_RAYS";
-    }
-    if (tree->info.payload_level > 0 && (tree->info.need & SVO_I_PAYLOAD_NEEDS) != 0) {
-        return "the tree's payload does not begin at level 0, and interior leaves may lie on any level";
-    }
-    return NULL;
-}
-
 /* Refuses more nodes than the form can name. count: of the nodes; kind: "inner " or "". */
 static svo_status check_count(const svo_tree *tree, uint64_t count, const char *kind, uint64_t most)
 {
@@ -78,15 +62,12 @@ static svo_status check_tree(const svo_tree *tree)
     if (tree->device == NULL) {
         return SVO_NOT_ON_DEVICE;
     }
-    const char *lack = find_lack(tree);
-    if (lack != NULL) {
-        return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT, "%s: %s", function, lack);
-    }
-    const uint64_t usable = info->triangles - info->refused_triangles;
-    if (usable > info->list_triangle_count) {
+    SVO_I_TRY(svo_i_inside_check(tree, function, "a solid"));
+    if (info->payload_level > 0 && (info->need & SVO_I_PAYLOAD_NEEDS) != 0) {
         return svo_i_device_fail(tree->device, SVO_INVALID_ARGUMENT,
-                                 "%s: %llu triangles lie outside the tree's grid; a solid needs all of the mesh inside",
-                                 function, (unsigned long long)(usable - info->list_triangle_count));
+                                 "%s: the tree's payload does not begin at level 0, and interior leaves may lie on any "
+                                 "level",
+                                 function);
     }
     return check_count(tree, info->inner_count, "inner ", INNER_MAX);
 }
@@ -229,7 +210,7 @@ static svo_status make(const svo_tree *tree, const svo_solid_options *options, c
     svo_i_inside inside;
     svo_status status = SVO_OK;
     SVO_I_TRY(svo_i_work_begin(tree->device, function, queue, &work));
-    SVO_I_TRY_CLEANUP(svo_i_inside_find(&work, tree, options->rule, &inside, info));
+    SVO_I_TRY_CLEANUP(svo_i_inside_find(&work, tree, options->rule, false, &inside, info));
     SVO_I_TRY_CLEANUP(encode(&work, tree, &inside, options, compact));
     SVO_I_TRY_CLEANUP(svo_i_work_wait(&work));
 

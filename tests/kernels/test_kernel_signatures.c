@@ -25,6 +25,7 @@
 #include "shared/moving_layout.h"
 #include "shared/probe_layout.h"
 #include "shared/scene_layout.h"
+#include "shared/sdf_layout.h"
 #include "shared/solid_layout.h"
 #include "support/fixture.h"
 #include "support/info_of.h"
@@ -472,7 +473,8 @@ static void compact_all(const fixture *opened, svo_tree *tree)
     }
 }
 
-/* A box with material inside, with and without one of its faces, and a leaf with a list that a work-group reads. */
+/* A box with material inside, with and without one of its faces, and a leaf with a list that a work-group reads; its
+   distance fields. */
 static void fill_box(const fixture *opened, int skipped_face)
 {
     static const double low[3] = {0.1, 0.1, 0.1};
@@ -490,6 +492,12 @@ static void fill_box(const fixture *opened, int skipped_face)
     fixture_build(opened, &mesh, DEPTH, &options, &tree);
     succeed(opened, svo_solid_create(tree.tree, NULL, opened->queue, &solid, NULL));
     svo_compact_destroy(&solid);
+    for (int is_band = 0; is_band < 2; ++is_band) {
+        const svo_sdf_options asked = {.struct_size = sizeof asked, .band = (float)is_band};
+        svo_sdf *sdf = NULL;
+        succeed(opened, svo_sdf_create(tree.tree, &asked, opened->queue, &sdf));
+        svo_sdf_destroy(&sdf);
+    }
     built_destroy(&tree);
     parts_free(&made);
 }

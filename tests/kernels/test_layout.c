@@ -19,6 +19,7 @@
 #include "shared/moving_layout.h"
 #include "shared/probe_layout.h"
 #include "shared/scene_layout.h"
+#include "shared/sdf_layout.h"
 #include "shared/solid_layout.h"
 #include "support/machine.h"
 #include "support/suite.h"

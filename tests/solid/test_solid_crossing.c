@@ -170,16 +170,17 @@ static bool is_inside(const int32_t corners[9], int snap_bits)
     return inside;
 }
 
-static int cross_reference(const hard_case *s, uint32_t axis)
+/* upper: from the center of the voxel on. */
+static int cross_reference(const hard_case *s, uint32_t axis, bool upper)
 {
     int64_t half = 0;
     const int sense = oracle_exact_crossing(&s->triangle, &s->space, axis, s->cell, &half);
-    return sense != 0 && half >> 1 == s->cell[axis] ? sense : 0;
+    return sense != 0 && half >> 1 == s->cell[axis] && (!upper || half % 2 != 0) ? sense : 0;
 }
 
 /* What the snapped triangle says of the pair. */
 static int cross_snapped(const crossing_functions *cross, const crossing_pair *pair, uint32_t axis, int voxel_log2,
-                         bool *inside)
+                         bool upper, bool *inside)
 {
     int32_t corners[9];
     int32_t errors[3];
@@ -189,30 +190,31 @@ static int cross_snapped(const crossing_functions *cross, const crossing_pair *p
     const int32_t point[2] = {(int32_t)((2 * pair->cell[(axis + 1) % 3] + 1) << (voxel_log2 - 1)),
                               (int32_t)((2 * pair->cell[(axis + 2) % 3] + 1) << (voxel_log2 - 1))};
     *inside = is_inside(corners, snap_bits);
-    return *inside ? cross->snapped(corners, errors, axis, point, low, low + (1 << voxel_log2)) : 0;
+    const int32_t from = upper ? low + (1 << (voxel_log2 - 1)) : low;
+    return *inside ? cross->snapped(corners, errors, axis, point, from, low + (1 << voxel_log2)) : 0;
 }
 
 static void compare_voxel(const crossing_functions *cross, const hard_case *s, const crossing_pair *pair, uint32_t axis,
-                          outcome *out)
+                          bool upper, outcome *out)
 {
-    const int expected = cross_reference(s, axis);
+    const int expected = cross_reference(s, axis, upper);
     const int voxel_log2 = hard_between(1, (int)pair->depth > 16 ? 24 - (int)pair->depth : 8);
     bool inside;
-    const int snapped = cross_snapped(cross, pair, axis, voxel_log2, &inside);
+    const int snapped = cross_snapped(cross, pair, axis, voxel_log2, upper, &inside);
     if (!inside) {
         return;
     }
-    const int near = cross->near(pair, axis);
+    const int near = cross->near(pair, axis, upper);
     out->undecided += snapped == CROSSING_UNDECIDED;
     out->decided += snapped != CROSSING_UNDECIDED;
     out->wrong_snapped += snapped != CROSSING_UNDECIDED && snapped != expected;
     out->near_decided += near != CROSSING_UNDECIDED;
     out->wrong_near += near != CROSSING_UNDECIDED && near != expected;
-    out->wrong_exact += cross->exact(pair, axis) != expected;
+    out->wrong_exact += cross->exact(pair, axis, upper) != expected;
     out->crossed += expected != 0;
 }
 
-/* Hard cases, along each axis, in the voxel and its neighbors along it. */
+/* Hard cases, along each axis, in the voxel and its neighbors along it, and in the upper half of each. */
 static outcome compare_cases(const crossing_functions *cross)
 {
     outcome out = {0};
@@ -228,7 +230,8 @@ static outcome compare_cases(const crossing_functions *cross)
             if (moved >= 0 && moved < 1 << s.space.depth) {
                 s.cell[axis] = moved;
                 pair.cell[axis] = (uint32_t)moved;
-                compare_voxel(cross, &s, &pair, axis, &out);
+                compare_voxel(cross, &s, &pair, axis, false, &out);
+                compare_voxel(cross, &s, &pair, axis, true, &out);
                 s.cell[axis] = own;
                 pair.cell[axis] = (uint32_t)own;
             }
@@ -268,9 +271,9 @@ static int cross_column(crossing_pair *pair, uint32_t axis, unsigned *undecided)
     int sum = 0;
     for (pair->cell[axis] = 0; pair->cell[axis] < CELLS; ++pair->cell[axis]) {
         bool inside;
-        const int sense = cross_snapped(&crossing_sound, pair, axis, 6, &inside);
+        const int sense = cross_snapped(&crossing_sound, pair, axis, 6, false, &inside);
         assert_true(inside);
-        sum += sense == CROSSING_UNDECIDED ? crossing_sound.exact(pair, axis) : sense;
+        sum += sense == CROSSING_UNDECIDED ? crossing_sound.exact(pair, axis, false) : sense;
         *undecided += sense == CROSSING_UNDECIDED;
     }
     return sum;

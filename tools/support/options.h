@@ -53,6 +53,7 @@ enum option_group {
 #define OPTION_DIFF_COMMAND ((uint64_t)1 << 32) /* a second INPUT, picture */
 #define OPTION_TUNE_COMMAND ((uint64_t)1 << 33) /* what is free, bounds, files */
 #define OPTION_TREE_FORM    ((uint64_t)1 << 34) /* the form of a tree that is held or written */
+#define OPTION_SDF_COMMAND  ((uint64_t)1 << 35) /* band, sign, margin */
 
 enum option_frontend {
     OPTION_FRONTEND_AUTO = 0,
@@ -78,6 +79,8 @@ enum option_format {
     OPTION_FORMAT_PPM,
     OPTION_FORMAT_Y4M
 };
+
+enum option_sign { OPTION_SIGN_NONE = 100 }; /* beside svo_solid_rule */
 
 enum option_background { OPTION_BACKGROUND_OWN = 0, OPTION_BACKGROUND_COLOR, OPTION_BACKGROUND_TRANSPARENT };
 
@@ -204,6 +207,9 @@ typedef struct options {
     uint64_t fullscreen; /* view: a flag */
     double scale; /* view: of panels; 0: not given */
     const char *script_path; /* view: NULL: not given */
+    double band; /* sdf: voxels; 0: dense */
+    double margin; /* sdf: voxels; below 0: not given */
+    int sign; /* sdf: svo_solid_rule or OPTION_SIGN_NONE */
     uint64_t max_voxels; /* of voxel files and trees; 0: by memory */
     uint64_t max_memory; /* build, parts: bytes that a part may take; 0: not given */
     uint64_t resume; /* build: a flag */

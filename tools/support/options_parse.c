@@ -245,7 +245,9 @@ int options_parse(program *state, const command *which, int argument_count, char
                                .gi = 1,
                                .ray_count = 1000000,
                                .samples = 16384,
-                               .max_bytes = OPTION_DEFAULT_PAGE};
+                               .max_bytes = OPTION_DEFAULT_PAGE,
+                               .band = 3,
+                               .margin = -1};
     const int result = parse_all(state, which, argument_count, arguments);
     if (result != PROGRAM_DONE || state->options.help) {
         return result;

@@ -73,6 +73,8 @@ static const choice rivals[] = {{"none", 0},
                                 {"grid", OPTION_VERSUS_GRID},
                                 {NULL, 0}};
 static const choice solids[] = {{"winding", 1 + SVO_SOLID_WINDING}, {"parity", 1 + SVO_SOLID_PARITY}, {NULL, 0}};
+static const choice signs[] = {
+    {"winding", SVO_SOLID_WINDING}, {"parity", SVO_SOLID_PARITY}, {"none", OPTION_SIGN_NONE}, {NULL, 0}};
 static const choice forms[] = {{"descriptor", 1 + SVO_FORM_DESCRIPTOR},
                                {"implied", 1 + SVO_FORM_IMPLIED},
                                {"shared", 1 + SVO_FORM_SHARED},
@@ -627,6 +629,12 @@ static const rule rules[] = {
      "most voxels that a voxel file or a tree may unfold to, those of all levels (what memory holds)"},
     {"solid", '\0', OPTION_SOLID, "RULE", read_choice, FIELD(solid), 0, 0, solids,
      "also fill the inside, by winding or parity; -o then writes the solid (not filled)"},
+    {"band", '\0', OPTION_SDF_COMMAND, "VOXELS", read_amount, FIELD(band), 0, 0, NULL,
+     "only voxels less than so many voxels' widths from the surface; 0: all voxels (3)"},
+    {"sign", '\0', OPTION_SDF_COMMAND, "RULE", read_choice, FIELD(sign), 0, 0, signs,
+     "what is inside, with negative distances: winding, parity, none (winding)"},
+    {"margin", '\0', OPTION_SDF_COMMAND, "VOXELS", read_amount, FIELD(margin), 0, 0, NULL,
+     "room around the mesh in its grid, on each side (the band and 1; 4 with --band 0)"},
     {"axes", '\0', OPTION_BUILD | OPTION_CONVERT_COMMAND, "NAME", read_choice, FIELD(axes), 0, 0, axes_of_files,
      "what is up in files: auto, z in .vox, else y; z-up; keep, nothing is turned (auto)"},
     {"weld", '\0', OPTION_BUILD, "DISTANCE", read_amount, FIELD(weld), 0, 0, NULL,

@@ -18,6 +18,7 @@ int command_export_web(program *state);
 int command_view(program *state);
 int command_trace(program *state);
 int command_gather(program *state);
+int command_sdf(program *state);
 int command_parts(program *state);
 int command_completion(program *state);
 int command_man(program *state);

@@ -57,6 +57,7 @@ int main(int argument_count, char **arguments)
         {"export-web", command_export_web},
         {"trace", command_trace},
         {"gather", command_gather},
+        {"sdf", command_sdf},
         {"kernels", command_kernels},
         {"completion", command_completion},
         {"man", command_man},

@@ -99,6 +99,7 @@ from ._generated import (
     ProbeInfo,
     SceneInfo,
     SceneTrace,
+    SdfInfo,
     SolidInfo,
     SolidRule,
     SourceKind,
@@ -125,6 +126,7 @@ from ._parts import Parts, PartEntry
 from ._plan import Plan
 from ._probes import Probes
 from ._scene import Scene, SceneLight, make_instances
+from ._sdf import Sdf, sdf
 from ._tree import TREE_ARGUMENTS, Camera, Tree, TreeArrays, kernel_options, kernel_source, make_rays
 from ._tune import TuneResult, TuneSetting, tune
 from ._voxels import Voxels, make_voxels
@@ -208,6 +210,8 @@ __all__ = [
     "SceneLight",
     "SceneInfo",
     "SceneTrace",
+    "Sdf",
+    "SdfInfo",
     "Solid",
     "SolidInfo",
     "SolidRule",
@@ -255,6 +259,7 @@ __all__ = [
     "read_mesh",
     "scene_hit_dtype",
     "scene_triangle_hit_dtype",
+    "sdf",
     "tune",
     "vertex_normals",
     "voxel_dtype",

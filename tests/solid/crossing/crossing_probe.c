@@ -23,17 +23,17 @@ static void load(const crossing_pair *pair, svo_decide_params *grid, svo_decided
     svo_load_pair(pair->vertices, indices, 0, pair->cell, grid, out);
 }
 
-static int cross_near(const crossing_pair *pair, uint32_t axis)
+static int cross_near(const crossing_pair *pair, uint32_t axis, bool upper)
 {
     svo_decide_params grid;
     svo_decided_pair loaded;
     svo_near_triangle triangle;
     load(pair, &grid, &loaded);
     svo_make_near(&loaded, &grid, &triangle);
-    return svo_doubles_hold(&grid) ? svo_cross_near(&triangle, axis) : CROSSING_UNDECIDED;
+    return svo_doubles_hold(&grid) ? svo_cross_near(&triangle, axis, upper) : CROSSING_UNDECIDED;
 }
 
-static int cross_exactly(const crossing_pair *pair, uint32_t axis)
+static int cross_exactly(const crossing_pair *pair, uint32_t axis, bool upper)
 {
     svo_decide_params grid;
     svo_decided_pair loaded;
@@ -41,7 +41,7 @@ static int cross_exactly(const crossing_pair *pair, uint32_t axis)
     load(pair, &grid, &loaded);
     const svo_short width = svo_decided_width(&grid);
     svo_place_exactly(&loaded, &grid, width, &placed);
-    return svo_cross_exactly(&placed, width, axis);
+    return svo_cross_exactly(&placed, width, axis, upper);
 }
 
 const crossing_functions CROSSING_PROBE = {cross_snapped, cross_near, cross_exactly};

@@ -3,6 +3,7 @@
 #ifndef SVOCL_TESTS_AGREE_CROSSING_CROSSING_PROBE_H
 #define SVOCL_TESTS_AGREE_CROSSING_CROSSING_PROBE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 /* A triangle as it was given, and a voxel of the grid. */
@@ -22,9 +23,9 @@ typedef struct crossing_functions {
     int (*snapped)(const int32_t *corners, const int32_t *errors, uint32_t axis, const int32_t point[2], int32_t low,
                    int32_t high);
     /* svo_cross_near: what doubles say of the following. */
-    int (*near)(const crossing_pair *pair, uint32_t axis);
-    /* svo_cross_exactly: the same of the line through the voxel's center, inside the voxel. */
-    int (*exact)(const crossing_pair *pair, uint32_t axis);
+    int (*near)(const crossing_pair *pair, uint32_t axis, bool upper);
+    /* svo_cross_exactly: the same of the line through the voxel's center, inside the voxel, or from its center on. */
+    int (*exact)(const crossing_pair *pair, uint32_t axis, bool upper);
 } crossing_functions;
 
 extern const crossing_functions crossing_sound;
