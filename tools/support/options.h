@@ -136,6 +136,7 @@ typedef struct options {
     int context; /* svo_gl_context_kind or OPTION_CONTEXT_AUTO */
     uint64_t strict; /* flag: warnings of the import are errors */
     uint64_t import_seconds; /* time limit of the import; 0: by the size of the file */
+    uint64_t import_memory; /* bytes, of the import; 0: by the size of the file */
     const char *gl_device; /* EGL device by index or name; NULL: not given */
     double origin[3];
     bool has_origin;
