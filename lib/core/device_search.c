@@ -14,7 +14,8 @@
 #include "core/struct_size.h"
 
 #define CREATE_DEFAULT "svo_device_create_default"
-/* Address space that a driver with its compiler needs to be loaded: PoCL 3.1 with LLVM 14 and two threads takes 380 MiB. */
+/* Address space that a driver with its compiler needs to be loaded. PoCL 3.1 with LLVM 14 and two threads takes 380
+   MiB. */
 #define DRIVER_BYTES (UINT64_C(448) << 20)
 /* Beside that, a driver for CPUs starts threads, each with a stack; PoCL ends the process where one does not start. */
 #define OPENING_BYTES (UINT64_C(128) << 20)

@@ -44,7 +44,8 @@ SVO_I_SHARED_END
 uint64_t svo_i_limit_left(const svo_i_limit *limit);
 
 /* Adds to the text of a failed allocation that memory is limited, where address space is: "; out of memory: RLIMIT_AS
-   (ulimit -v) is 400.0 MiB, of which 12.0 MiB are left". Control groups let no allocation fail. message: NULL allowed. */
+   (ulimit -v) is 400.0 MiB, of which 12.0 MiB are left". Control groups let no allocation fail. message: NULL
+   allowed. */
 void svo_i_limit_explain(svo_message *message);
 
 #endif

@@ -318,8 +318,8 @@ static void files_that_unfold_beyond_memory_are_refused(void **state)
     run_badly("ulimit -v 2000000; $SVOCL render bomb.svo -o x.png", 1, "above half of the 1.9 GiB");
 }
 
-/* A driver that gets no memory may end the process, so the library asks before it does. Whatever is short, of the loader,
-   the driver, its compiler, the mesh or the buffers, the error is one line that names the limit. */
+/* A driver that gets no memory may end the process, so the library asks before it does. Whatever is short, of the
+   loader, the driver, its compiler, the mesh or the buffers, the error is one line that names the limit. */
 static void short_memory_is_told_as_such(void **state)
 {
     (void)state;
