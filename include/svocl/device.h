@@ -53,7 +53,14 @@ typedef struct svo_device_options {
      *  caller's buffers and the driver's own memory do not count. svo_build and svo_workspace_create refuse a plan
      *  whose predicted bytes do not fit, before they compile or allocate, and any buffer that would exceed the limit is
      *  SVO_OUT_OF_DEVICE_MEMORY. Copies then go without the 8 MiB of pinned memory that they use on devices with
-     *  memory of their own. 0: no limit but the device's. */
+     *  memory of their own. 0: no limit but the device's.
+     *
+     *  On devices without memory of their own, such as CPUs, buffers are the process's memory. There the same is
+     *  refused above what the process may have: RLIMIT_AS (ulimit -v) and the limits of its control group and of those
+     *  above it, less what is in use and 192 MiB for the driver's compiler, 96 MiB once it has compiled. A driver that
+     *  runs out of memory may end the process. Where not even a compiler has room, the status is
+     *  SVO_OUT_OF_HOST_MEMORY. Messages name the limit and its value. The limits that there are when the handle is
+     *  made count; what they are and what is in use is read again. */
     uint64_t max_device_bytes;
     /** For svo_device_create_default: the most compute units, on a CPU threads, that kernels run on. A device with
      *  more is divided (clCreateSubDevices). The handle's device is then the part, which later handles of this limit
@@ -98,7 +105,8 @@ SVO_API svo_status svo_device_create(cl_context context, cl_device_id device, co
  * \param out receives the handle
  * \param message receives the reason for a failure; NULL allowed
  * \returns SVO_NO_DEVICE when there is no platform or no device of that name; the message names platforms without any
- *          device. SVO_UNSUPPORTED when it cannot be divided for max_threads. Else as svo_device_create. */
+ *          device. SVO_OUT_OF_HOST_MEMORY when there is none and RLIMIT_AS leaves too little to load a driver, 448 MiB.
+ *          SVO_UNSUPPORTED when it cannot be divided for max_threads. Else as svo_device_create. */
 SVO_API svo_status svo_device_create_default(const svo_device_options *options, svo_device **out, svo_message *message);
 
 /** Destroys a handle. Destroy the plans, trees and front ends that were made from it first.

@@ -228,7 +228,11 @@ typedef int (*svo_import_progress_callback)(void *user, uint64_t byte_count);
 /** Options of an import. */
 typedef struct svo_import_options {
     size_t struct_size; /**< sizeof(svo_import_options) */
-    uint64_t memory_limit_bytes; /**< address space of the child process; 0: 8 GiB */
+    /** Address space of the child process. 0: 1 GiB, 64 bytes for each of the file and of the files that it names, and
+     *  16 for each of the texels of its textures and of the corners of meshes that it draws many times, for these 8 GiB
+     *  at most. A limit of the calling process (RLIMIT_AS) that is lower holds too, and what exceeds it is
+     *  SVO_OUT_OF_HOST_MEMORY; what exceeds this one is SVO_IMPORT_FAILED. */
+    uint64_t memory_limit_bytes;
     uint32_t time_limit_seconds; /**< wall clock, of all; 0: 5 s, and 1 s for each 10^6 bytes of the file, of the
                                       files that it names, and of the texels of its textures */
     const char *child_program; /**< a program that calls svo_import_child_main first; "/proc/self/exe" is the caller.

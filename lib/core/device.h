@@ -6,7 +6,8 @@
  *
  *   message        messages, the two ways to pass a failure on, checked sizes, the clock
  *   struct_size    public structs that may grow
- *   memory         host memory, its limits, and lists of what handles own
+ *   limits         what the process may have of memory, and has
+ *   memory         host memory, and lists of what handles own
  *   opencl         errors, properties and objects of OpenCL
  *   device         the handle, its buffers and their budget
  *   device_search  svo_device_create_default
@@ -34,18 +35,26 @@
 #include "svocl/device.h"
 
 /*
- * The budget of a device handle: how many bytes the OpenCL buffers may have that live at the same time. A buffer counts
- * until the driver destroys it, whoever holds it last. Handles without a budget count nothing. It is shared by the
- * handle and its buffers, some of which may live longer.
+ * The budget of a device handle: how many bytes the OpenCL buffers may have that live at the same time. That is
+ * max_device_bytes, and on devices whose memory is the process's also what its limits leave. A buffer counts until the
+ * driver destroys it, whoever holds it last. Handles without a budget count nothing. It is shared by the handle and its
+ * buffers, some of which may live longer.
  */
 typedef struct svo_i_budget svo_i_budget;
 
 /* Whether so many more bytes fit a budget. */
 typedef struct svo_i_budget_answer {
     bool fits;
+    svo_status status; /* where they do not: SVO_OUT_OF_HOST_MEMORY where no buffer does, however small */
     uint64_t held_bytes; /* of the buffers that live */
-    uint64_t max_bytes; /* UINT64_MAX without a budget */
+    uint64_t max_bytes; /* max_device_bytes; UINT64_MAX: none */
+    svo_i_limit limit; /* of the process, that they do not fit, with what is kept for compilers; else without a name */
 } svo_i_budget_answer;
+
+/* Why they do not fit: "beside the 3.0 MiB in use, above max_device_bytes, 4.0 MiB". */
+typedef struct svo_i_budget_text {
+    char text[256];
+} svo_i_budget_text;
 
 /* How long the launches of calls that wait should be, see core/submit.h. */
 typedef struct svo_i_bands {
@@ -64,6 +73,9 @@ struct svo_device {
     size_t slot_bytes; /* where sub-buffers begin: multiples of it */
     cl_ulong global_bytes;
     bool is_cpu; /* by its type: its memory is the host's */
+    bool has_own_memory; /* that is not the process's */
+    bool has_compiled; /* a program: what the compiler keeps, it has */
+    bool saves_memory; /* max_device_bytes was given: no bytes beside those of plans */
     bool cpu_path; /* kernels and shapes of launches are those for CPUs, see svo_path */
     uint32_t scan_groups; /* the most groups that divide an array among them; on GPUs by its compute units */
     uint32_t sort_groups; /* groups of a sort, likewise */
@@ -124,6 +136,9 @@ bool svo_i_event_settle(cl_event event);
 
 void svo_i_device_log(const svo_device *device, svo_log_level level, const char *text);
 
+/* Refuses to compile where the process's limits leave a compiler too little: PoCL's ends the process then. */
+svo_status svo_i_device_check_compiler(svo_device *device, const char *function);
+
 /* Refuses a caller's events that are of another context, or NULL. */
 svo_status svo_i_device_check_wait(svo_device *device, const char *function, cl_uint num_wait, const cl_event *wait);
 
@@ -132,6 +147,7 @@ SVO_I_SHARED_END
 /* A driver may destroy a released buffer a moment after the last command that used it, so this waits up to a tenth of a
    second before it says no. */
 svo_i_budget_answer svo_i_device_budget(const svo_device *device, uint64_t bytes);
+svo_i_budget_text svo_i_budget_words(const svo_i_budget_answer *answer);
 
 /* svo_i_device_buffer for what kernels only read, with its content. No command is enqueued, so nothing waits. */
 svo_status svo_i_device_constants(svo_device *device, const char *function, const char *name, const void *content,

@@ -7,12 +7,19 @@
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
+#include <unistd.h>
 
 #include "core/device.h"
 #include "core/opencl.h"
 #include "core/struct_size.h"
 
 #define CREATE_DEFAULT "svo_device_create_default"
+/* Address space that a driver with its compiler needs to be loaded. PoCL 3.1 with LLVM 14 and two threads takes 380
+   MiB. */
+#define DRIVER_BYTES (UINT64_C(448) << 20)
+/* Beside that, a driver for CPUs starts threads, each with a stack; PoCL ends the process where one does not start. */
+#define OPENING_BYTES (UINT64_C(128) << 20)
+#define STACK_BYTES   (UINT64_C(8) << 20)
 
 /* Whether part occurs in text, ignoring the case of letters. */
 static bool contains(const char *text, const char *part)
@@ -151,12 +158,40 @@ static svo_status search_platform(device_search *search, cl_platform_id platform
     return status;
 }
 
+/* The loader does not say whether there is no driver, or no memory to load it. */
+static svo_status fail_without_platforms(svo_message *message)
+{
+    const svo_i_limit limit = svo_i_limit_read(SVO_I_LIMIT_SPACE);
+    return svo_i_limit_left(&limit) >= DRIVER_BYTES
+               ? svo_i_fail(message, SVO_NO_DEVICE, CREATE_DEFAULT ": no OpenCL platform is installed")
+               : svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY,
+                            CREATE_DEFAULT ": out of memory: no OpenCL platform could be loaded; %s is %s, which "
+                                           "leaves %s, and drivers need about %s",
+                            limit.name, svo_i_bytes(limit.bytes).text, svo_i_bytes(svo_i_limit_left(&limit)).text,
+                            svo_i_bytes(DRIVER_BYTES).text);
+}
+
+/* Refuses to open devices where address space is too short for the threads of CPUs. */
+static svo_status check_opening(svo_message *message)
+{
+    const long online = sysconf(_SC_NPROCESSORS_ONLN);
+    const uint64_t needed_bytes = OPENING_BYTES + (online > 0 ? (uint64_t)online : 1) * STACK_BYTES;
+    const svo_i_limit limit = svo_i_limit_read(SVO_I_LIMIT_SPACE);
+    return svo_i_limit_left(&limit) >= needed_bytes
+               ? SVO_OK
+               : svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY,
+                            CREATE_DEFAULT ": out of memory: opening devices needs about %s, and %s is %s, which "
+                                           "leaves %s",
+                            svo_i_bytes(needed_bytes).text, limit.name, svo_i_bytes(limit.bytes).text,
+                            svo_i_bytes(svo_i_limit_left(&limit)).text);
+}
+
 /* All platforms; the caller frees the list. CL_PLATFORM_NOT_FOUND_KHR: the loader found none. */
 static svo_status list_platforms(const svo_i_memory *memory, cl_platform_id **out, cl_uint *count, svo_message *message)
 {
     cl_int error = clGetPlatformIDs(0, NULL, count);
     if (error == CL_PLATFORM_NOT_FOUND_KHR || (error == CL_SUCCESS && *count == 0)) {
-        return svo_i_fail(message, SVO_NO_DEVICE, CREATE_DEFAULT ": no OpenCL platform is installed");
+        return fail_without_platforms(message);
     }
     cl_platform_id *platforms = error == CL_SUCCESS ? svo_i_alloc_zeroed(memory, *count, sizeof(cl_platform_id)) : NULL;
     if (error == CL_SUCCESS && platforms == NULL) {
@@ -194,6 +229,11 @@ static svo_status find_device(const char *wanted, const svo_i_memory *memory, cl
     const svo_status listed = list_platforms(memory, &platforms, &count, message);
     if (platforms == NULL) {
         return listed;
+    }
+    const svo_status checked = check_opening(message);
+    if (checked != SVO_OK) {
+        svo_i_free(platforms);
+        return checked;
     }
     device_search search = {.memory = memory, .wanted = wanted};
     char rest = '\0';

@@ -5,6 +5,7 @@
 
 #include <stddef.h>
 
+#include "core/limits.h"
 #include "core/message.h"
 #include "svocl/memory.h"
 
@@ -41,23 +42,6 @@ void *svo_i_grow(const svo_i_memory *memory, void *block, size_t bytes);
 char *svo_i_copy_text(const svo_i_memory *memory, const char *text);
 /* Releases a block; NULL allowed. */
 void svo_i_free(void *block);
-
-SVO_I_SHARED_END
-
-/* How much memory this process may have, so that a small file that unfolds to more is refused before it does. */
-
-/* A number of bytes for a message. */
-typedef struct svo_i_bytes_text {
-    char text[32];
-} svo_i_bytes_text;
-
-SVO_I_SHARED_BEGIN
-
-/* The least of the machine's memory, the process's limit of address space and the limit of its control group, bytes. */
-uint64_t svo_i_host_memory_bytes(void);
-
-/* "144.0 GiB", or "512 bytes" below a KiB. */
-svo_i_bytes_text svo_i_bytes(uint64_t bytes);
 
 SVO_I_SHARED_END
 

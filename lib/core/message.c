@@ -7,6 +7,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "core/limits.h"
 #include "svocl/version.h"
 
 svo_status svo_i_fail_v(svo_message *message, svo_status status, const char *format, va_list arguments)
@@ -18,6 +19,9 @@ svo_status svo_i_fail_v(svo_message *message, svo_status status, const char *for
                 *c = ' ';
             }
         }
+    }
+    if (status == SVO_OUT_OF_HOST_MEMORY) {
+        svo_i_limit_explain(message);
     }
     return status;
 }

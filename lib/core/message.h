@@ -8,19 +8,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "core/visibility.h"
 #include "svocl/status.h"
-
-/*
- * Around internal functions that svocl::gl and svocl::io may call; lib/exports.txt names those that are exported. As
- * with SVO_API, a static library exports none.
- */
-#ifdef SVO_STATIC
-#define SVO_I_SHARED_BEGIN
-#define SVO_I_SHARED_END
-#else
-#define SVO_I_SHARED_BEGIN _Pragma("GCC visibility push(default)")
-#define SVO_I_SHARED_END   _Pragma("GCC visibility pop")
-#endif
 
 /*
  * The two ways to pass a failure on; tools/dev check finds others. A function that owns nothing returns it. A function

@@ -10,6 +10,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "core/limits.h"
+
 /* ---- errors ---- */
 
 /* The error codes of OpenCL 1.2 and cl_khr_gl_sharing. */
@@ -82,7 +84,11 @@ svo_status svo_i_fail_cl(svo_message *message, const char *function, const char 
     } else if (error == CL_OUT_OF_HOST_MEMORY) {
         status = SVO_OUT_OF_HOST_MEMORY;
     }
-    return svo_i_fail(message, status, "%s: %s failed with %s (%d)", function, call, svo_i_cl_error_name(error), error);
+    (void)svo_i_fail(message, status, "%s: %s failed with %s (%d)", function, call, svo_i_cl_error_name(error), error);
+    if (status == SVO_OUT_OF_DEVICE_MEMORY) {
+        svo_i_limit_explain(message);
+    }
+    return status;
 }
 
 /* ---- properties ---- */

@@ -199,8 +199,11 @@ static svo_status compile_text(svo_device *device, const char *function, const c
         *out = program;
         return SVO_OK;
     }
-    const svo_status status = error == CL_BUILD_PROGRAM_FAILURE ? fail_build(device, function, program, options)
-                                                                : svo_i_device_fail_cl(device, function, call, error);
+    svo_status status = svo_i_device_check_compiler(device, function); /* without memory, no text compiles */
+    if (status == SVO_OK) {
+        status = error == CL_BUILD_PROGRAM_FAILURE ? fail_build(device, function, program, options)
+                                                   : svo_i_device_fail_cl(device, function, call, error);
+    }
     if (program != NULL) {
         clReleaseProgram(program);
     }
@@ -258,10 +261,12 @@ static svo_status make_program(svo_device *device, const char *function, const s
 {
     svo_i_program_entry made = {.program = NULL};
     SVO_I_TRY(describe(device, function, program, defines, &made));
+    SVO_I_TRY(svo_i_device_check_compiler(device, function));
     const double start_ms = svo_i_now_ms();
     svo_status status = compile(device, function, program, defines, &made.program);
     device->compile_ms += svo_i_now_ms() - start_ms;
     SVO_I_TRY(status);
+    device->has_compiled = true;
     status = attach(device, function, program, &made, out);
     if (status != SVO_OK) {
         clReleaseProgram(made.program);

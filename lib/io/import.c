@@ -34,7 +34,6 @@
 #include "io/import_weld.h"
 
 #define HELPER_PATH_BYTES    4096
-#define DEFAULT_MEMORY_BYTES ((uint64_t)8 << 30)
 #define DEFAULT_TIME_SECONDS 5
 #define FIRST_READ_BYTES     ((size_t)1 << 20)
 #define PIPE_BYTES           (1 << 20) /* of the answer on its way: the default is 64 KiB */
@@ -96,7 +95,7 @@ svo_status svo_import_helper(char *path, size_t path_bytes, svo_message *message
 /*
  * ---- the child ----
  *
- * The default time limit grows with what the child says that it reads besides the mesh file.
+ * The default limits grow with what the child says that it reads besides the mesh file, and makes of it.
  */
 
 typedef struct import_child {
@@ -104,8 +103,9 @@ typedef struct import_child {
     const svo_import_options *options;
     const svo_i_memory *memory;
     svo_message *message;
-    bool time_grows;
+    import_growth grows;
     double start_ms, limit_ms;
+    stream_work work; /* announced */
     size_t next_frame; /* offset of the first frame of the answer that has not been looked at */
     pid_t process;
     int stream;
@@ -181,10 +181,12 @@ static int spawn(import_child *child, char *const *arguments, char *const *envir
 
 static svo_status start(import_child *child)
 {
-    char memory[24], seconds[16], word[] = IMPORT_CHILD_WORD, grows[8];
+    char memory[24], seconds[16], word[] = IMPORT_CHILD_WORD, time_grows[8], memory_grows[8];
     (void)snprintf(memory, sizeof memory, "%" PRIu64, child->options->memory_limit_bytes);
     (void)snprintf(seconds, sizeof seconds, "%" PRIu32, child->options->time_limit_seconds);
-    (void)snprintf(grows, sizeof grows, "%s", child->time_grows ? IMPORT_CHILD_GROWS : IMPORT_CHILD_FIXED);
+    (void)snprintf(time_grows, sizeof time_grows, "%s", child->grows.time ? IMPORT_CHILD_GROWS : IMPORT_CHILD_FIXED);
+    (void)snprintf(memory_grows, sizeof memory_grows, "%s",
+                   child->grows.memory ? IMPORT_CHILD_GROWS : IMPORT_CHILD_FIXED);
     char *program = svo_i_copy_text(child->memory, child->options->child_program);
     char *path = svo_i_copy_text(child->memory, child->path);
     char **environment = child_environment(child->memory);
@@ -196,7 +198,8 @@ static svo_status start(import_child *child)
         status = svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: no pipe to the reader: %s", child->path,
                             strerror(errno));
     } else {
-        char *const arguments[IMPORT_CHILD_ARGUMENT_COUNT + 1] = {program, word, path, memory, seconds, grows, NULL};
+        char *const arguments[IMPORT_CHILD_ARGUMENT_COUNT + 1] = {program, word,       path,         memory,
+                                                                  seconds, time_grows, memory_grows, NULL};
         (void)fcntl(ends[0], F_SETPIPE_SZ, PIPE_BYTES); /* refused: more turns of both processes */
         const int error = spawn(child, arguments, environment, ends[1]);
         close(ends[1]);
@@ -204,8 +207,8 @@ static svo_status start(import_child *child)
             child->stream = ends[0];
         } else {
             close(ends[0]);
-            status = svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: the reader %s cannot be started: %s",
-                                child->path, program, strerror(error));
+            status = svo_i_fail(child->message, error == ENOMEM ? SVO_OUT_OF_HOST_MEMORY : SVO_IMPORT_FAILED,
+                                "%s: the reader %s cannot be started: %s", child->path, program, strerror(error));
         }
     }
     svo_i_free(program);
@@ -245,15 +248,22 @@ static svo_status ask_progress(const import_child *child, const svo_import *impo
                : svo_i_fail(child->message, SVO_CANCELED, "%s: the progress callback stopped the import", child->path);
 }
 
+static uint64_t memory_bytes(const import_child *child)
+{
+    const uint64_t given = child->options->memory_limit_bytes;
+    const uint64_t more = child->grows.memory ? svo_i_stream_memory(&child->work) : 0;
+    return given > UINT64_MAX - more ? UINT64_MAX : given + more;
+}
+
 /* Room for at least one more byte, up to the child's memory limit. */
 static svo_status make_room(const import_child *child, svo_import *import, size_t *capacity)
 {
     if (import->byte_count < *capacity) {
         return SVO_OK;
     }
-    if (*capacity >= child->options->memory_limit_bytes) {
-        return svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: the mesh needs more than %s", child->path,
-                          svo_i_bytes(child->options->memory_limit_bytes).text);
+    if (*capacity >= memory_bytes(child)) {
+        return svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: the mesh needs more than %s (memory_limit_bytes)",
+                          child->path, svo_i_bytes(memory_bytes(child)).text);
     }
     const size_t larger = *capacity == 0 ? FIRST_READ_BYTES : 2 * *capacity;
     uint8_t *bytes = larger > *capacity ? svo_i_grow(child->memory, import->bytes, larger) : NULL;
@@ -266,17 +276,20 @@ static svo_status make_room(const import_child *child, svo_import *import, size_
     return SVO_OK;
 }
 
-/* Gives the child time for the work that it has announced so far. Frames are judged when the answer is complete. */
+/* Gives the child what the work takes that it has announced so far. Frames are judged when the answer is complete. */
 static void take_work(import_child *child, const svo_import *import)
 {
     stream_frame frame;
-    uint64_t work_bytes = 0;
+    stream_work work;
     while (child->next_frame < import->byte_count &&
-           import->byte_count - child->next_frame >= sizeof frame + sizeof work_bytes) {
+           import->byte_count - child->next_frame >= sizeof frame + sizeof work) {
         memcpy(&frame, import->bytes + child->next_frame, sizeof frame);
         if (frame.kind == STREAM_WORK) {
-            memcpy(&work_bytes, import->bytes + child->next_frame + sizeof frame, sizeof work_bytes);
-            child->limit_ms += 1e3 * (double)work_bytes / STREAM_BYTES_A_SECOND;
+            memcpy(&work, import->bytes + child->next_frame + sizeof frame, sizeof work);
+            svo_i_stream_add(&child->work, &work);
+            if (child->grows.time) {
+                child->limit_ms += 1e3 * ((double)work.read_bytes + (double)work.made_bytes) / STREAM_BYTES_A_SECOND;
+            }
         }
         const uint64_t most_bytes = SIZE_MAX - child->next_frame - sizeof frame - STREAM_PAYLOAD_ALIGN;
         const uint64_t payload_bytes = frame.payload_bytes < most_bytes ? frame.payload_bytes : most_bytes;
@@ -304,9 +317,7 @@ static svo_status collect(import_child *child, svo_import *import)
         }
         if (got > 0) {
             import->byte_count += (size_t)got;
-            if (child->time_grows) {
-                take_work(child, import);
-            }
+            take_work(child, import);
         } else if (errno != EINTR) {
             return svo_i_fail(child->message, SVO_IMPORT_FAILED, "%s: the reader's pipe cannot be read: %s",
                               child->path, strerror(errno));
@@ -365,14 +376,14 @@ static void kill_and_reap(const import_child *child)
     }
 }
 
-svo_status svo_i_import_run_child(const char *path, const svo_import_options *options, bool time_grows,
+svo_status svo_i_import_run_child(const char *path, const svo_import_options *options, import_growth grows,
                                   svo_import *import, svo_message *message)
 {
     import_child child = {.path = path,
                           .options = options,
                           .memory = &import->memory,
                           .message = message,
-                          .time_grows = time_grows,
+                          .grows = grows,
                           .start_ms = svo_i_now_ms(),
                           .limit_ms = 1e3 * options->time_limit_seconds,
                           .next_frame = STREAM_GREETING_BYTES,
@@ -420,13 +431,13 @@ static svo_status check_file(const char *path, uint64_t *byte_count, svo_message
     return status;
 }
 
-/* Options without zeros. helper: room for the path of the helper program. The time for other files than the mesh file
-   is added when the child announces them. */
+/* Options without zeros. helper: room for the path of the helper program. Time and memory for other files than the mesh
+   file are added when the child announces them. */
 static svo_status fill_options(svo_import_options *options, uint64_t byte_count, char *helper, size_t helper_bytes,
                                svo_message *message)
 {
     if (options->memory_limit_bytes == 0) {
-        options->memory_limit_bytes = DEFAULT_MEMORY_BYTES;
+        options->memory_limit_bytes = STREAM_MEMORY_BYTES + svo_i_stream_memory(&(stream_work){byte_count, 0});
     }
     if (options->time_limit_seconds == 0) {
         const uint64_t seconds = DEFAULT_TIME_SECONDS + byte_count / STREAM_BYTES_A_SECOND;
@@ -497,7 +508,7 @@ svo_status svo_import_file(const char *path, const svo_import_options *options, 
                           "svo_import_file: options.weld %g is not a finite number of at least 0", filled.weld);
     }
     SVO_I_TRY(check_file(path, &byte_count, message));
-    const bool time_grows = filled.time_limit_seconds == 0;
+    const import_growth grows = {filled.time_limit_seconds == 0, filled.memory_limit_bytes == 0};
     SVO_I_TRY(fill_options(&filled, byte_count, helper, sizeof helper, message));
     svo_i_memory memory;
     SVO_I_TRY(svo_i_memory_read(message, "svo_import_file", "options.memory", filled.memory, &memory));
@@ -506,7 +517,7 @@ svo_status svo_import_file(const char *path, const svo_import_options *options, 
         return svo_i_fail(message, SVO_OUT_OF_HOST_MEMORY, "%s: no memory for the mesh", path);
     }
     import->memory = memory;
-    SVO_I_TRY_CLEANUP(svo_i_import_run_child(path, &filled, time_grows, import, message));
+    SVO_I_TRY_CLEANUP(svo_i_import_run_child(path, &filled, grows, import, message));
     SVO_I_TRY_CLEANUP(svo_i_stream_parse(import, path, filled.strict != 0, log, log_user, message));
     SVO_I_TRY_CLEANUP(svo_i_import_weld(import, filled.weld, path, message));
     if (filled.axes == SVO_AXES_Z_UP) {

@@ -84,25 +84,39 @@ svo_status svo_i_read_mesh(mesh_reader *reader, mesh_format format)
 
 /* ---- the child ---- */
 
-/* A limit that cannot be set is no error: the parent's timeout still holds. */
-static void set_limits(uint64_t memory_bytes, uint64_t seconds, bool time_grows)
+/* A limit that cannot be set is no error: the parent's timeout still holds. Returns the calling process's limit of
+   address space, which no other exceeds. */
+static uint64_t set_limits(uint64_t memory_bytes, uint64_t seconds, bool time_grows, bool memory_grows)
 {
+    struct rlimit given = {.rlim_cur = RLIM_INFINITY, .rlim_max = RLIM_INFINITY};
     /* 1 and not 0: with 0 the kernel still pipes a core to a handler, and 1 is too small for any core file. */
     const struct rlimit core = {.rlim_cur = 1, .rlim_max = 1};
     (void)setrlimit(RLIMIT_CORE, &core);
     const struct rlimit processor = {.rlim_cur = seconds, .rlim_max = time_grows ? RLIM_INFINITY : seconds + 1};
     (void)setrlimit(RLIMIT_CPU, &processor);
+    (void)getrlimit(RLIMIT_AS, &given);
     if (LIMIT_ADDRESS_SPACE) {
-        const struct rlimit space = {.rlim_cur = memory_bytes, .rlim_max = memory_bytes};
+        const uint64_t least = memory_bytes < given.rlim_cur ? memory_bytes : given.rlim_cur;
+        const struct rlimit space = {.rlim_cur = least, .rlim_max = memory_grows ? given.rlim_cur : least};
         (void)setrlimit(RLIMIT_AS, &space);
     }
+    return given.rlim_cur;
 }
 
-static int report_failure(const char *words, uint64_t memory_bytes)
+/* given_bytes: of address space, the calling process's limit. */
+static int report_failure(const char *words, uint64_t given_bytes)
 {
-    if (strcmp(words, "out of memory") == 0 || strstr(words, "bad_alloc") != NULL) {
-        (void)svo_i_stream_text(IMPORT_CHILD_STREAM, STREAM_FAILURE, "reading needs more than %s of memory",
-                                svo_i_bytes(memory_bytes).text);
+    struct rlimit space = {.rlim_cur = 0};
+    (void)getrlimit(RLIMIT_AS, &space);
+    const bool is_short = strstr(words, "out of memory") != NULL || strstr(words, "bad_alloc") != NULL;
+    if (is_short && given_bytes != RLIM_INFINITY && space.rlim_cur >= given_bytes) {
+        (void)svo_i_stream_text(IMPORT_CHILD_STREAM, STREAM_NO_MEMORY,
+                                "reading needs more memory: out of memory: RLIMIT_AS (ulimit -v) is %s",
+                                svo_i_bytes(given_bytes).text);
+    } else if (is_short) {
+        (void)svo_i_stream_text(IMPORT_CHILD_STREAM, STREAM_FAILURE,
+                                "reading needs more than %s of memory (memory_limit_bytes)",
+                                svo_i_bytes(space.rlim_cur).text);
     } else if (strncmp(words, "No suitable reader found", 24) == 0) {
         (void)svo_i_stream_text(IMPORT_CHILD_STREAM, STREAM_FAILURE, "no mesh format that assimp knows");
     } else {
@@ -112,18 +126,20 @@ static int report_failure(const char *words, uint64_t memory_bytes)
 }
 
 /* Reads with one of the library's readers, or with assimp. Returns 0, or the exit code after reporting a failure. */
-static int read_file(const char *path, uint64_t memory_bytes, gather *mesh, stream_counts *counts)
+static int read_file(const char *path, uint64_t given_bytes, gather *mesh, stream_counts *counts)
 {
     file_bytes file;
+    stream_work work = {0, 0};
     svo_message message = {""};
     const char *trouble = svo_i_file_open(path, &file);
     if (trouble != NULL) {
-        return report_failure(trouble, memory_bytes);
+        return report_failure(trouble, given_bytes);
     }
     mesh_reader reader = {.path = path,
                           .bytes = file.bytes,
                           .byte_count = file.byte_count,
                           .stream = IMPORT_CHILD_STREAM,
+                          .work = &work,
                           .mesh = mesh,
                           .counts = counts,
                           .message = &message};
@@ -136,17 +152,17 @@ static int read_file(const char *path, uint64_t memory_bytes, gather *mesh, stre
     if (status == SVO_FILE_ERROR) {
         return 1; /* the parent is gone */
     }
-    return status != SVO_OK ? report_failure(message.text, memory_bytes) : 0;
+    return status != SVO_OK ? report_failure(message.text, given_bytes) : 0;
 }
 
-static int read_and_send(const char *path, uint64_t memory_bytes)
+static int read_and_send(const char *path, uint64_t given_bytes)
 {
     gather mesh = {0};
     stream_counts counts = {.reader = STREAM_READER_ASSIMP};
     if (svo_i_stream_write(IMPORT_CHILD_STREAM, STREAM_GREETING, STREAM_GREETING_BYTES) != 0) {
         return 1;
     }
-    int result = read_file(path, memory_bytes, &mesh, &counts);
+    int result = read_file(path, given_bytes, &mesh, &counts);
     if (result == 0 && (svo_i_gather_send(&mesh, IMPORT_CHILD_STREAM) != 0 ||
                         svo_i_stream_frame(IMPORT_CHILD_STREAM, STREAM_COUNTS, &counts, sizeof counts) != 0 ||
                         svo_i_stream_frame(IMPORT_CHILD_STREAM, STREAM_END, NULL, 0) != 0)) {
@@ -164,7 +180,8 @@ int svo_import_child_main(int argc, char **argv, int *exit_code)
     }
     const uint64_t memory_bytes = strtoull(argv[3], NULL, 10);
     const uint64_t seconds = strtoull(argv[4], NULL, 10);
-    set_limits(memory_bytes, seconds, strcmp(argv[5], IMPORT_CHILD_GROWS) == 0);
-    *exit_code = read_and_send(argv[2], memory_bytes);
+    const uint64_t given_bytes = set_limits(memory_bytes, seconds, strcmp(argv[5], IMPORT_CHILD_GROWS) == 0,
+                                            strcmp(argv[6], IMPORT_CHILD_GROWS) == 0);
+    *exit_code = read_and_send(argv[2], given_bytes);
     return 1;
 }

@@ -283,7 +283,7 @@ static svo_status open_file(gltf_file *file, const char *path, gltf_buffer *buff
     if (trouble != NULL) {
         return svo_i_fail(file->reader->message, SVO_IMPORT_FAILED, "buffer %s cannot be read: %s", path, trouble);
     }
-    svo_i_stream_work(file->reader->stream, buffer->file.byte_count);
+    svo_i_stream_work(file->reader->stream, file->reader->work, (stream_work){buffer->file.byte_count, 0});
     if (svo_i_file_tell_beside(file->reader->stream, file->reader->path, path) != 0) {
         return svo_i_fail(file->reader->message, SVO_IMPORT_FAILED, "buffer %s: out of memory", path);
     }

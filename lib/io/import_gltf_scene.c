@@ -428,7 +428,8 @@ static svo_status draw_primitive(gltf_scene *scene, const cJSON *item, const tra
         status = gather_primitive(scene, &p, t);
         goto cleanup;
     }
-    svo_i_stream_work(scene->file.reader->stream, (uint64_t)all->count * p.corner_count);
+    svo_i_stream_work(scene->file.reader->stream, scene->file.reader->work,
+                      (stream_work){0, (uint64_t)all->count * p.corner_count});
     for (uint32_t i = 0; i < all->count; ++i) {
         const transform placed = place_instance(all, i, t);
         SVO_I_TRY_CLEANUP(gather_primitive(scene, &p, &placed));
@@ -576,7 +577,8 @@ static svo_status read_scene(gltf_scene *scene)
 
 svo_status svo_i_read_gltf(const mesh_reader *reader)
 {
-    gltf_scene scene = {.mesh = reader->mesh, .textures = {.mesh_path = reader->path, .stream = reader->stream}};
+    gltf_scene scene = {.mesh = reader->mesh,
+                        .textures = {.mesh_path = reader->path, .stream = reader->stream, .work = reader->work}};
     svo_status status = SVO_OK;
     bool is_older = false;
     SVO_I_TRY_CLEANUP(svo_i_gltf_open(reader, &scene.file, &is_older));

@@ -261,7 +261,7 @@ static svo_status read_library_file(obj_reader *obj, const char *name, bool *fou
 {
     file_bytes library;
     const char *trouble = svo_i_file_open_beside(obj->reader->path, name, &library);
-    svo_i_stream_work(obj->reader->stream, library.byte_count);
+    svo_i_stream_work(obj->reader->stream, obj->reader->work, (stream_work){library.byte_count, 0});
     *found = trouble == NULL;
     if (!*found) {
         return SVO_OK;

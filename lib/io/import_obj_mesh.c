@@ -574,7 +574,9 @@ static svo_status match_plain(obj_mesh *mesh)
 svo_status svo_i_obj_gather(const mesh_reader *reader, obj_file *file)
 {
     svo_status status = SVO_OK;
-    obj_mesh mesh = {.reader = reader, .file = file, .textures = {.mesh_path = reader->path, .stream = reader->stream}};
+    obj_mesh mesh = {.reader = reader,
+                     .file = file,
+                     .textures = {.mesh_path = reader->path, .stream = reader->stream, .work = reader->work}};
     const size_t position_count = file->positions.count;
     const bool is_plain = file->uvs.count == 0 && file->normals.count == 0;
     mesh.first = malloc((position_count + 1) * sizeof *mesh.first);

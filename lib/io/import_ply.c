@@ -235,7 +235,7 @@ static svo_status read_texture(ply_reader *ply)
     if (!svo_i_ply_declares_uvs(&ply->header) || ply->header.texture_file[0] == '\0' || reader->path == NULL) {
         return SVO_OK;
     }
-    texture_list textures = {.mesh_path = reader->path, .stream = reader->stream};
+    texture_list textures = {.mesh_path = reader->path, .stream = reader->stream, .work = reader->work};
     const texture_source image = {.name = ply->header.texture_file, .alpha_from = TEXTURE_KEEP_ALPHA};
     const bool done = svo_i_import_texture(&textures, &image, &ply->material.texture_index);
     reader->mesh->has_uvs = ply->material.texture_index != SVO_NO_TEXTURE;

@@ -236,10 +236,12 @@ void svo_i_import_tame_finish(svo_finish *finish)
  * and not the parent.
  */
 
-/* Tells the parent what an image takes: its bytes, and its texels where it is understood. */
-static void announce(const texture_list *textures, uint64_t packed_bytes, int width, int height)
+/* Tells the parent what an image takes: its bytes, of a file of its own or in another, and its texels where it is
+   understood. */
+static void announce(const texture_list *textures, uint64_t read_bytes, uint64_t packed_bytes, int width, int height)
 {
-    svo_i_stream_work(textures->stream, packed_bytes + (uint64_t)width * (uint64_t)height * 4);
+    svo_i_stream_work(textures->stream, textures->work,
+                      (stream_work){read_bytes, packed_bytes + (uint64_t)width * (uint64_t)height * 4});
 }
 
 /* Pixels from malloc and their size, or NULL and the reason. */
@@ -254,7 +256,7 @@ static uint8_t *decode_file(const texture_list *textures, const char *path, int 
     }
     int channels = 0;
     (void)stbi_info_from_file(file, width, height, &channels);
-    announce(textures, (uint64_t)entry.st_size, *width, *height);
+    announce(textures, (uint64_t)entry.st_size, 0, *width, *height);
     uint8_t *pixels = stbi_load_from_file(file, width, height, &channels, 4);
     (void)fclose(file);
     *trouble = pixels == NULL ? stbi_failure_reason() : NULL;
@@ -271,7 +273,7 @@ static uint8_t *decode_packed(const texture_list *textures, const void *bytes, s
         return NULL;
     }
     (void)stbi_info_from_memory(bytes, (int)byte_count, width, height, &channels);
-    announce(textures, byte_count, *width, *height);
+    announce(textures, 0, byte_count, *width, *height);
     uint8_t *pixels = stbi_load_from_memory(bytes, (int)byte_count, width, height, &channels, 4);
     *trouble = pixels == NULL ? stbi_failure_reason() : NULL;
     return pixels;

@@ -77,6 +77,7 @@ typedef struct mesh_reader {
     const char *bytes; /* the whole file */
     size_t byte_count;
     int stream; /* receives textures and warnings */
+    stream_work *work; /* announced to it; NULL: no memory is limited */
     gather *mesh; /* receives the mesh */
     stream_counts *counts; /* receives what the file declares and what was read */
     svo_message *message;
@@ -143,6 +144,7 @@ typedef struct texture_list {
     const struct aiScene *scene; /* may have images in it; NULL: all are files */
     const char *mesh_path;
     int stream;
+    stream_work *work; /* announced to it; NULL: no memory is limited */
     texture_entry *entries;
     size_t entry_count, entry_capacity;
     uint32_t texture_count; /* sent */

@@ -484,13 +484,15 @@ static bool plan_meshes(scene_reader *reader, texture_list *textures)
 
 /* Gathers every triangle of the scene in node order, textures and warnings going to the stream on the way. Returns
    NULL, or why there is no mesh: a static string. */
-static const char *gather_scene(const struct aiScene *scene, const char *path, int stream, gather *mesh)
+static const char *gather_scene(const struct aiScene *scene, const mesh_reader *to)
 {
+    const int stream = to->stream;
+    gather *mesh = to->mesh;
     if (scene->mRootNode == NULL) {
         return "no triangles";
     }
-    scene_reader reader = {.scene = scene, .path = path, .stream = stream, .mesh = mesh};
-    texture_list textures = {.scene = scene, .mesh_path = path, .stream = stream};
+    scene_reader reader = {.scene = scene, .path = to->path, .stream = stream, .mesh = mesh};
+    texture_list textures = {.scene = scene, .mesh_path = to->path, .stream = stream, .work = to->work};
     const transform world = transform_identity();
     if (plan_meshes(&reader, &textures) && gather_node(&reader, scene->mRootNode, &world, 0)) {
         if (mesh->triangle_count == 0) {
@@ -540,7 +542,7 @@ svo_status svo_i_read_scene(const mesh_reader *reader)
         return svo_i_fail(reader->message, SVO_IMPORT_FAILED, "%s",
                           words != NULL && words[0] != '\0' ? words : "not understood");
     }
-    const char *failure = gather_scene(scene, reader->path, reader->stream, reader->mesh);
+    const char *failure = gather_scene(scene, reader);
     aiReleaseImport(scene);
     if (failure != NULL) {
         return svo_i_fail(reader->message, SVO_IMPORT_FAILED, "%s", failure);

@@ -74,13 +74,47 @@ int svo_i_stream_text(int stream, stream_kind kind, const char *format, ...)
     return svo_i_stream_frame(stream, kind, text.text, strlen(text.text));
 }
 
-void svo_i_stream_work(int stream, uint64_t byte_count)
+static uint64_t smaller(uint64_t a, uint64_t b)
+{
+    return a < b ? a : b;
+}
+
+static uint64_t add(uint64_t a, uint64_t b)
+{
+    return a > UINT64_MAX - b ? UINT64_MAX : a + b;
+}
+
+static uint64_t times(uint64_t a, uint64_t factor, uint64_t most)
+{
+    return a > most / factor ? most : a * factor;
+}
+
+uint64_t svo_i_stream_memory(const stream_work *work)
+{
+    return times(work->read_bytes, STREAM_MEMORY_OF_FILES, UINT64_MAX / 4) +
+           times(work->made_bytes, STREAM_MEMORY_OF_MADE, STREAM_MADE_BYTES_MAX);
+}
+
+void svo_i_stream_add(stream_work *sum, const stream_work *more)
+{
+    sum->read_bytes = add(sum->read_bytes, more->read_bytes);
+    sum->made_bytes = add(sum->made_bytes, more->made_bytes);
+}
+
+void svo_i_stream_work(int stream, stream_work *done, stream_work more)
 {
     struct rlimit processor;
-    (void)svo_i_stream_frame(stream, STREAM_WORK, &byte_count, sizeof byte_count);
+    struct rlimit space;
+    (void)svo_i_stream_frame(stream, STREAM_WORK, &more, sizeof more);
     if (getrlimit(RLIMIT_CPU, &processor) == 0 && processor.rlim_cur != RLIM_INFINITY) {
-        processor.rlim_cur += byte_count / STREAM_BYTES_A_SECOND + 1;
+        processor.rlim_cur += add(more.read_bytes, more.made_bytes) / STREAM_BYTES_A_SECOND + 1;
         (void)setrlimit(RLIMIT_CPU, &processor); /* refused where the limit is for the file as a whole */
+    }
+    if (done != NULL && getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY) {
+        const uint64_t before = svo_i_stream_memory(done);
+        svo_i_stream_add(done, &more);
+        space.rlim_cur = smaller(add(space.rlim_cur, svo_i_stream_memory(done) - before), space.rlim_max);
+        (void)setrlimit(RLIMIT_AS, &space);
     }
 }
 
@@ -117,6 +151,9 @@ static svo_status take_text(const parse_state *state, stream_kind kind, const ui
 {
     svo_message text;
     copy_text(&text, payload, payload_bytes);
+    if (kind == STREAM_NO_MEMORY) {
+        return svo_i_fail(state->message, SVO_OUT_OF_HOST_MEMORY, "%s: %s", state->path, text.text);
+    }
     if (kind == STREAM_FAILURE || state->strict) {
         return svo_i_fail(state->message, SVO_IMPORT_FAILED, "%s: %s", state->path, text.text);
     }
@@ -197,6 +234,7 @@ static svo_status take_frame(parse_state *state, stream_kind kind, const uint8_t
     switch (kind) {
     case STREAM_WARNING:
     case STREAM_FAILURE:
+    case STREAM_NO_MEMORY:
         return take_text(state, kind, payload, payload_bytes);
     case STREAM_TEXTURE:
         return take_texture(state, payload, payload_bytes);

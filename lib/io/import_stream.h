@@ -14,7 +14,7 @@
 #include "core/memory.h"
 #include "svocl/io.h"
 
-#define STREAM_GREETING       "svoimp5\n" /* changes with the frames: parent and child may be different builds */
+#define STREAM_GREETING       "svoimp6\n" /* changes with the frames: parent and child may be different builds */
 #define STREAM_GREETING_BYTES 8
 #define STREAM_PAYLOAD_ALIGN  8
 #define STREAM_BYTES_A_SECOND 1000000 /* of files, that a reader reads at least */
@@ -22,6 +22,7 @@
 typedef enum stream_kind {
     STREAM_WARNING = 0, /* text for the log callback */
     STREAM_FAILURE, /* text: why there will be no mesh */
+    STREAM_NO_MEMORY, /* text: the same, where the calling process's limits left too little */
     STREAM_TEXTURE, /* stream_texture, then its texels; the order of these frames is their index */
     STREAM_MATERIALS, /* svo_material each */
     STREAM_FINISHES, /* svo_finish per material; absent: all zero */
@@ -33,7 +34,7 @@ typedef enum stream_kind {
     STREAM_TRIANGLE_MATERIALS, /* uint16_t per triangle */
     STREAM_FILE_VERTICES, /* uint32_t per vertex of the file: the mesh's; UINT32_MAX: none. Absent: not known */
     STREAM_COUNTS, /* stream_counts */
-    STREAM_WORK, /* uint64_t: bytes that the child is about to read and to make, beyond those of the mesh file */
+    STREAM_WORK, /* stream_work: what the child is about to do, beyond reading the mesh file */
     STREAM_FILE, /* the path, with its zero, of a file besides the mesh file that is read */
     STREAM_END, /* empty: the answer is complete */
     STREAM_KIND_COUNT
@@ -65,6 +66,19 @@ typedef struct stream_counts {
     uint64_t declared_vertices, used_vertices, declared_faces, read_faces;
 } stream_counts;
 
+/* Work beyond the mesh file. Texels, and corners of meshes that are drawn many times, have no bytes in a file. */
+typedef struct stream_work {
+    uint64_t read_bytes; /* of files that the mesh file names */
+    uint64_t made_bytes; /* of what unfolds */
+} stream_work;
+
+/* Memory of a child: STREAM_MEMORY_BYTES, and for each byte of files and of what unfolds so many, but of the latter no
+   more than STREAM_MADE_BYTES_MAX: a small file may declare any number. */
+#define STREAM_MEMORY_BYTES    (UINT64_C(1) << 30)
+#define STREAM_MEMORY_OF_FILES 64
+#define STREAM_MEMORY_OF_MADE  16
+#define STREAM_MADE_BYTES_MAX  (UINT64_C(8) << 30)
+
 #define STREAM_TEXTURE_SIDE_MAX 16384 /* svo_texture's limit */
 
 /* The parent's result: a mesh that points into the stream's bytes. */
@@ -90,10 +104,16 @@ int svo_i_stream_file(int stream, const char *path);
 int svo_i_stream_text(int stream, stream_kind kind, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
 /*
- * Announces work: the parent gives more time for it, and the child allows itself more processor time, unless the time
- * is limited for the file as a whole. A parent that is gone is seen at the next write.
+ * Announces work: the parent gives more time and memory for it, and the child allows itself more, unless they are
+ * limited for the file as a whole. A parent that is gone is seen at the next write. done: the sum of what was announced
+ * before, to which it adds; NULL: no memory is limited.
  */
-void svo_i_stream_work(int stream, uint64_t byte_count);
+void svo_i_stream_work(int stream, stream_work *done, stream_work more);
+
+/* Memory for all that was announced, at most UINT64_MAX / 2. */
+uint64_t svo_i_stream_memory(const stream_work *work);
+/* Adds, up to UINT64_MAX. */
+void svo_i_stream_add(stream_work *sum, const stream_work *more);
 
 /*
  * Parent side: checks import->bytes and fills the rest of import. path: the mesh file, for messages and the log.

@@ -508,6 +508,10 @@ svo_status svo_parts_build(const svo_parts *parts, size_t index, svo_device *dev
     const svo_i_part_entry *listed = &parts->entries[index];
     builder b = {parts, device, frontend, queue, message, listed->level};
     SVO_I_TRY(svo_i_folder_is_current(parts, message));
+    const svo_status status = svo_i_device_check_compiler(device, function);
+    if (status != SVO_OK) {
+        return fail_device(device, status, message); /* no smaller part would succeed */
+    }
     return tell_cause(parts, build_at(&b, listed->level, listed->code), message);
 }
 

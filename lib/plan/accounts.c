@@ -172,10 +172,9 @@ uint64_t svo_i_plan_tree_bytes(const svo_plan *plan)
 svo_status svo_i_plan_check_budget(const svo_plan *plan, const char *function, uint64_t bytes)
 {
     const svo_i_budget_answer room = svo_i_device_budget(plan->device, bytes);
-    return room.fits ? SVO_OK
-                     : svo_i_device_fail(plan->device, SVO_OUT_OF_DEVICE_MEMORY,
-                                         "%s: the scene needs about %s at depth %u beside the %s in use, above "
-                                         "max_device_bytes, %s",
-                                         function, svo_i_bytes(bytes).text, plan->info.depth,
-                                         svo_i_bytes(room.held_bytes).text, svo_i_bytes(room.max_bytes).text);
+    return room.fits
+               ? SVO_OK
+               : svo_i_device_fail(plan->device, room.status, "%s: the scene needs about %s at depth %u %s%s", function,
+                                   svo_i_bytes(bytes).text, plan->info.depth, svo_i_budget_words(&room).text,
+                                   svo_i_limit_left(&room.limit) > 0 ? "; svo_parts_create builds it in parts" : "");
 }

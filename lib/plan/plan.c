@@ -76,11 +76,11 @@ static svo_status find_doubles(svo_device *device, const char *function, bool *h
     return SVO_OK;
 }
 
-/* Whether kernels are likely quicker. A handle with a budget has its memory for builds. */
+/* Whether kernels are likely quicker. A handle with max_device_bytes has its memory for builds. */
 static bool prefers_kernels(svo_device *device, const char *function, uint64_t triangles)
 {
     bool has_doubles = false;
-    if (device->budget != NULL || triangles < SVO_I_KERNEL_TRIANGLES_MIN) {
+    if (device->saves_memory || triangles < SVO_I_KERNEL_TRIANGLES_MIN) {
         return false;
     }
     device->planned_triangles += triangles;

@@ -324,12 +324,17 @@ static void digest_parts(subject *of)
     faults_spare(false);
 }
 
-/* Fills the folder from the mesh in memory, or from its file where there is one. */
+/* Fills the folder from the mesh in memory, with rays and all else, or from its file where there is one: with all that
+   blocks of a file can have. */
 static svo_status create_parts(subject *of, const char *folder, uint64_t max_bytes)
 {
+    static const svo_plan_options of_blocks = {.struct_size = sizeof of_blocks,
+                                               .need = (uint32_t)SVO_NEED_NORMAL | (uint32_t)SVO_NEED_MATERIAL |
+                                                       (uint32_t)SVO_NEED_FILL};
     return of->mesh_path == NULL
                ? svo_parts_create(world.device, &world.mesh.mesh, DEPTH, &everything, max_bytes, folder, &of->message)
-               : svo_parts_create_from_file(world.device, of->mesh_path, DEPTH, NULL, max_bytes, folder, &of->message);
+               : svo_parts_create_from_file(world.device, of->mesh_path, DEPTH, &of_blocks, max_bytes, folder,
+                                            &of->message);
 }
 
 static svo_status run_parts_of(subject *of, uint64_t max_bytes)

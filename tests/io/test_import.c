@@ -459,6 +459,40 @@ static void test_the_time_limit_grows_with_the_file(void **unused)
     free(bytes);
 }
 
+/* 1 GiB, and 64 bytes for each of the file. */
+static void test_the_memory_limit_grows_with_the_file(void **unused)
+{
+    (void)unused;
+    const svo_import_options self = {.struct_size = sizeof self, .child_program = SELF};
+    const svo_import_options given = {
+        .struct_size = sizeof given, .memory_limit_bytes = 123456789, .child_program = SELF};
+    expect_misbehavior("tell memory", &self, "limit 1073743872 grows"); /* of 32 bytes */
+    expect_misbehavior("tell memory", &given, "limit 123456789 fixed");
+    uint8_t *bytes = calloc(1000000, 1);
+    assert_non_null(bytes);
+    write_bytes("long.obj", bytes, 1000000);
+    free(bytes);
+    assert_int_equal(setenv(MISBEHAVIOR, "tell memory", 1), 0);
+    expect_failure(path_of("long.obj"), &self, SVO_IMPORT_FAILED, "limit 1137741824 grows");
+    assert_int_equal(unsetenv(MISBEHAVIOR), 0);
+}
+
+/* Of what unfolds, a small file may declare any number. */
+static void test_the_memory_of_what_unfolds_has_an_end(void **unused)
+{
+    (void)unused;
+    stream_work sum = {0, 0};
+    assert_true(svo_i_stream_memory(&(stream_work){10, 0}) == 640);
+    assert_true(svo_i_stream_memory(&(stream_work){10, 100}) == 640 + 1600);
+    assert_true(svo_i_stream_memory(&(stream_work){10, UINT64_C(1) << 29}) == 640 + (UINT64_C(8) << 30));
+    assert_true(svo_i_stream_memory(&(stream_work){10, (UINT64_C(1) << 29) + 1}) == 640 + (UINT64_C(8) << 30));
+    assert_true(svo_i_stream_memory(&(stream_work){UINT64_MAX, UINT64_MAX}) == UINT64_MAX / 4 + (UINT64_C(8) << 30));
+    svo_i_stream_add(&sum, &(stream_work){7, UINT64_MAX - 1});
+    svo_i_stream_add(&sum, &(stream_work){8, 1});
+    svo_i_stream_add(&sum, &(stream_work){9, 1});
+    assert_true(sum.read_bytes == 24 && sum.made_bytes == UINT64_MAX);
+}
+
 /* Work that the child announces gives it more time: the first child is silent for longer than the limit, the second one
    hangs, and the third one's limit is of the file as a whole. */
 static void test_the_time_limit_grows_with_announced_work(void **unused)
@@ -481,8 +515,8 @@ static void test_the_time_limit_grows_with_announced_work(void **unused)
         svo_import import = {.byte_count = 0};
         svo_message message = {""};
         assert_int_equal(setenv(MISBEHAVIOR, cases[i].kind, 1), 0);
-        const svo_status status =
-            svo_i_import_run_child(path_of("child.obj"), &options, cases[i].time_grows, &import, &message);
+        const svo_status status = svo_i_import_run_child(
+            path_of("child.obj"), &options, (import_growth){cases[i].time_grows, false}, &import, &message);
         assert_int_equal(unsetenv(MISBEHAVIOR), 0);
         svo_i_free(import.bytes);
         if (status != cases[i].expected || strstr(message.text, cases[i].text) == NULL) {
@@ -519,15 +553,11 @@ static void test_a_child_that_cannot_start(void **unused)
     expect_failure(path_of("child.obj"), &options, SVO_IMPORT_FAILED, "/nonexistent/program cannot be started");
 }
 
-/* A file that needs more memory than the child's limit; builds with the address sanitizer cannot be limited. */
-static void test_a_child_out_of_memory(void **unused)
+/* A file that takes more than 24 MB to read: an OBJ of 6 MB. */
+static void write_large(void)
 {
-    (void)unused;
-    if (WITH_ADDRESS_SANITIZER) {
-        skip();
-    }
     const size_t count = 200000;
-    char *text = malloc(count * 32);
+    char *text = malloc(count * 128);
     assert_non_null(text);
     size_t end = 0;
     for (size_t i = 0; i < count; ++i) {
@@ -536,8 +566,88 @@ static void test_a_child_out_of_memory(void **unused)
     (void)sprintf(text + end, "f 1 2 3\n");
     write_text("large.obj", text);
     free(text);
+}
+
+/* A small OBJ, whose material library of 7 MB takes more than 34 MiB to read. */
+static void write_many_materials(void)
+{
+    const size_t count = 60000;
+    char *text = malloc(count * 128);
+    assert_non_null(text);
+    size_t end = 0;
+    for (size_t i = 0; i < count; ++i) {
+        end += (size_t)sprintf(text + end, "newmtl m%0100zu\nKd 1 0.5 0\n", i);
+    }
+    write_text("many.mtl", text);
+    free(text);
+    write_text("many.obj", "mtllib many.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
+}
+
+/* Builds with the address sanitizer cannot be limited. */
+static void test_a_child_out_of_memory(void **unused)
+{
+    (void)unused;
+    if (WITH_ADDRESS_SANITIZER) {
+        skip();
+    }
+    write_large();
     const svo_import_options options = {.struct_size = sizeof options, .memory_limit_bytes = (uint64_t)16 << 20};
     expect_failure(path_of("large.obj"), &options, SVO_IMPORT_FAILED, "reading needs more than 16.0 MiB of memory");
+}
+
+/* What the child announces of other files gives it more memory, unless the limit is of the file as a whole. */
+static void test_the_memory_limit_grows_with_announced_work(void **unused)
+{
+    (void)unused;
+    if (WITH_ADDRESS_SANITIZER) {
+        skip();
+    }
+    const svo_import_options options = {.struct_size = sizeof options,
+                                        .memory_limit_bytes = UINT64_C(34) << 20,
+                                        .time_limit_seconds = 60,
+                                        .child_program = SELF};
+    write_many_materials();
+    for (int grows = 0; grows < 2; ++grows) {
+        svo_message message = {""};
+        svo_import import = {.byte_count = 0};
+        svo_status status = svo_i_import_run_child(path_of("many.obj"), &options, (import_growth){false, grows != 0},
+                                                   &import, &message);
+        if (status == SVO_OK) {
+            status = svo_i_stream_parse(&import, "many.obj", false, NULL, NULL, &message);
+        }
+        svo_i_free((void *)import.files);
+        svo_i_free(import.bytes);
+        if (status != (grows ? SVO_OK : SVO_IMPORT_FAILED) ||
+            (!grows &&
+             strstr(message.text, "reading needs more than 34.0 MiB of memory (memory_limit_bytes)") == NULL)) {
+            fail_msg("%d: %s \"%s\"", grows, svo_name(SVO_NAME_STATUS, status), message.text);
+        }
+    }
+}
+
+/* A limit of the calling process that is lower holds for the child, and the message says whose it is. */
+static void test_the_limit_of_the_process_holds(void **unused)
+{
+    (void)unused;
+    if (WITH_ADDRESS_SANITIZER) {
+        skip();
+    }
+    char helper[4096], script[4352], path[4096];
+    svo_import *import = NULL;
+    svo_message message = {""};
+    assert_int_equal(svo_import_helper(helper, sizeof helper, &message), SVO_OK);
+    (void)snprintf(script, sizeof script, "#!/bin/sh\nulimit -v 24000\nexec %s \"$@\"\n", helper);
+    write_text("limited", script);
+    (void)snprintf(path, sizeof path, "%s", path_of("limited"));
+    assert_int_equal(chmod(path, 0700), 0);
+    write_large();
+    const svo_import_options options = {.struct_size = sizeof options, .child_program = path};
+    const svo_status status = svo_import_file(path_of("large.obj"), &options, NULL, NULL, &import, &message);
+    svo_import_destroy(&import);
+    if (status != SVO_OUT_OF_HOST_MEMORY || strstr(message.text, "out of memory") == NULL ||
+        strstr(message.text, "RLIMIT_AS (ulimit -v) is 23.4 MiB") == NULL) {
+        fail_msg("%s \"%s\"", svo_name(SVO_NAME_STATUS, status), message.text);
+    }
 }
 
 /* The caller's own handling of child processes must not matter. */
@@ -595,7 +705,7 @@ static void answer(const void *bytes, size_t byte_count)
 }
 
 /* Runs this program as a child that misbehaves in the given way. */
-static int misbehave(const char *kind, const char *path, const char *seconds)
+static int misbehave(const char *kind, char **arguments)
 {
     if (strcmp(kind, "crash") == 0) {
         (void)signal(SIGSEGV, SIG_DFL);
@@ -617,19 +727,23 @@ static int misbehave(const char *kind, const char *path, const char *seconds)
     } else if (strncmp(kind, "work", 4) == 0) {
         const struct timespec silence = {.tv_sec = 1, .tv_nsec = 500000000};
         answer(STREAM_GREETING, STREAM_GREETING_BYTES);
-        svo_i_stream_work(IMPORT_CHILD_STREAM, kind[4] == '\0' ? 1000000000 : 1000000);
+        svo_i_stream_work(IMPORT_CHILD_STREAM, NULL,
+                          kind[4] == '\0' ? (stream_work){900000000, 100000000} : (stream_work){400000, 600000});
         if (kind[4] != '\0') {
             pause();
         }
         nanosleep(&silence, NULL);
     } else if (strcmp(kind, "tell limit") == 0) {
         answer(STREAM_GREETING, STREAM_GREETING_BYTES);
-        (void)svo_i_stream_text(IMPORT_CHILD_STREAM, STREAM_FAILURE, "limit %s", seconds);
+        (void)svo_i_stream_text(IMPORT_CHILD_STREAM, STREAM_FAILURE, "limit %s", arguments[4]);
+    } else if (strcmp(kind, "tell memory") == 0) {
+        answer(STREAM_GREETING, STREAM_GREETING_BYTES);
+        (void)svo_i_stream_text(IMPORT_CHILD_STREAM, STREAM_FAILURE, "limit %s %s", arguments[3], arguments[6]);
     } else if (strcmp(kind, "again") == 0) {
         /* Emulates a program without svo_import_child_main: it imports, and its child would do the same. */
         svo_message message = {""};
         svo_import *import = NULL;
-        (void)svo_import_file(path, NULL, NULL, NULL, &import, &message);
+        (void)svo_import_file(arguments[2], NULL, NULL, NULL, &import, &message);
         answer(STREAM_GREETING, STREAM_GREETING_BYTES);
         (void)svo_i_stream_text(IMPORT_CHILD_STREAM, STREAM_FAILURE, "%s", message.text);
     }
@@ -655,6 +769,10 @@ TEST_GROUP(import)
         cmocka_unit_test(test_an_import_with_progress_reads_the_same),
         cmocka_unit_test(test_the_time_limit_grows_with_the_file),
         cmocka_unit_test(test_the_time_limit_grows_with_announced_work),
+        cmocka_unit_test(test_the_memory_limit_grows_with_the_file),
+        cmocka_unit_test(test_the_memory_of_what_unfolds_has_an_end),
+        cmocka_unit_test(test_the_memory_limit_grows_with_announced_work),
+        cmocka_unit_test(test_the_limit_of_the_process_holds),
         cmocka_unit_test(test_the_helper_reads_by_default),
         cmocka_unit_test(test_a_child_that_cannot_start),
         cmocka_unit_test(test_a_child_out_of_memory),
@@ -669,7 +787,7 @@ int main(int argc, char **argv)
 {
     const char *misbehavior = getenv(MISBEHAVIOR);
     if (misbehavior != NULL && argc == IMPORT_CHILD_ARGUMENT_COUNT) {
-        return misbehave(misbehavior, argv[2], argv[4]);
+        return misbehave(misbehavior, argv);
     }
     int exit_code = 0;
     if (svo_import_child_main(argc, argv, &exit_code)) {

@@ -677,7 +677,7 @@ static void test_other_files_are_announced(void **unused)
 {
     (void)unused;
     static const uint8_t texels[64 * 32 * 4];
-    uint64_t announced = 0;
+    stream_work announced = {0, 0};
     int image_bytes = 0;
     unsigned char *image = stbi_write_png_to_mem(texels, 256, 64, 32, 4, &image_bytes);
     assert_non_null(image);
@@ -693,15 +693,16 @@ static void test_other_files_are_announced(void **unused)
                             "\"images\":[{\"uri\":\"large.png\"}]");
     for (size_t at = STREAM_GREETING_BYTES; at + sizeof(stream_frame) <= import->byte_count;) {
         stream_frame frame;
-        uint64_t work_bytes = 0;
+        stream_work work;
         memcpy(&frame, import->bytes + at, sizeof frame);
         if (frame.kind == STREAM_WORK) {
-            memcpy(&work_bytes, import->bytes + at + sizeof frame, sizeof work_bytes);
-            announced += work_bytes;
+            memcpy(&work, import->bytes + at + sizeof frame, sizeof work);
+            svo_i_stream_add(&announced, &work);
         }
         at += sizeof frame + (frame.payload_bytes + 7) / 8 * 8;
     }
-    assert_int_equal(announced, 60 + (uint64_t)image_bytes + sizeof texels);
+    assert_int_equal(announced.read_bytes, 60 + (uint64_t)image_bytes);
+    assert_int_equal(announced.made_bytes, sizeof texels);
     svo_import_destroy(&import);
 }
 

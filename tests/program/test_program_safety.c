@@ -318,6 +318,27 @@ static void files_that_unfold_beyond_memory_are_refused(void **state)
     run_badly("ulimit -v 2000000; $SVOCL render bomb.svo -o x.png", 1, "above half of the 1.9 GiB");
 }
 
+/* A driver that gets no memory may end the process, so the library asks before it does. Whatever is short, of the
+   loader, the driver, its compiler, the mesh or the buffers, the error is one line that names the limit. */
+static void short_memory_is_told_as_such(void **state)
+{
+    (void)state;
+    need_builds();
+    static const char *const limits[] = {"60000", "200000", "310000", "350000", "420000", "500000", "600000"};
+    char line[200];
+    for (size_t i = 0; i < sizeof limits / sizeof limits[0]; ++i) {
+        (void)snprintf(line, sizeof line, "ulimit -v %s; $SVOCL build scene:knot:20000 -d 8 --threads 2", limits[i]);
+        run_badly(line, 1, "out of memory");
+        run_badly(line, 1, "RLIMIT_AS (ulimit -v) is ");
+    }
+    run_badly("ulimit -v 500000; $SVOCL build scene:cube -d 3 --threads 2 --max-memory 2M -o p.svo", 75,
+              "out of memory: compiling kernels needs about 192.0 MiB, and RLIMIT_AS (ulimit -v) is 488.3 MiB");
+    run_well("rm -r p.svo.parts");
+    run_badly("ulimit -v 9000000; $SVOCL build scene:cube -d 14 --threads 2", 1,
+              "out of memory: RLIMIT_AS (ulimit -v) is 8.6 GiB, which leaves ");
+    run_well("ulimit -v 9000000; $SVOCL build scene:cube -d 3 --threads 2 -q");
+}
+
 /* ---- numbers ---- */
 
 static void sizes_have_units(void **state)
@@ -435,6 +456,7 @@ TEST_GROUP(program_safety)
         IN_FOLDER(names_without_a_suffix_are_written),
         IN_FOLDER(files_that_unfold_have_a_limit),
         IN_FOLDER(files_that_unfold_beyond_memory_are_refused),
+        IN_FOLDER(short_memory_is_told_as_such),
         IN_FOLDER(sizes_have_units),
         IN_FOLDER(wrong_numbers_are_wrong_usage),
         IN_FOLDER(json_that_is_not_says_where),

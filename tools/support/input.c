@@ -315,6 +315,7 @@ static int import(program *state, const char *path, input *opened)
     mesh_file file = {.state = state, .path = path, .name = opened->name};
     char helper[PATH_BYTES];
     svo_import_options import_options = {.struct_size = sizeof import_options,
+                                         .memory_limit_bytes = state->options.import_memory,
                                          .time_limit_seconds = (uint32_t)state->options.import_seconds,
                                          .strict = (uint32_t)state->options.strict,
                                          .progress = ask_to_go_on,

@@ -99,7 +99,7 @@ enum option_background { OPTION_BACKGROUND_OWN = 0, OPTION_BACKGROUND_COLOR, OPT
 #define OPTION_CONTEXT_AUTO  (-1)
 #define OPTION_DEFAULT_FPS   30u
 #define OPTION_SAMPLES_MAX   262144
-#define OPTION_RULES_MAX     128
+#define OPTION_RULES_MAX     192
 #define OPTION_INPUTS_MAX    12 /* of bench, after the first */
 
 /* A point or direction of the command line. */
@@ -139,6 +139,7 @@ typedef struct options {
     int context; /* svo_gl_context_kind or OPTION_CONTEXT_AUTO */
     uint64_t strict; /* flag: warnings of the import are errors */
     uint64_t import_seconds; /* time limit of the import; 0: by the size of the file */
+    uint64_t import_memory; /* bytes, of the import; 0: by the size of the file */
     const char *gl_device; /* EGL device by index or name; NULL: not given */
     double origin[3];
     bool has_origin;

@@ -472,6 +472,8 @@ static const rule rules[] = {
      "fail where the mesh file holds something that is not read"},
     {"import-seconds", '\0', OPTION_BUILD, "N", read_count, FIELD(import_seconds), 1, 1000000, NULL,
      "time limit for reading the mesh file (5, and 1 for each MB that it reads)"},
+    {"import-memory", '\0', OPTION_BUILD, "BYTES", read_bytes, FIELD(import_memory), 1, UINT64_MAX, NULL,
+     "address space for reading the mesh file: 512MiB, 4GB (1GiB, and 64 bytes for each that it reads)"},
     {"frontend", '\0', OPTION_BUILD | OPTION_METHODS, "NAME", read_choice, FIELD(frontend), 0, 0, frontends,
      "auto, cl, gl-expand, gl-hw, gl-hybrid (auto: the fastest)"},
     {"hybrid-columns", '\0', OPTION_BUILD | OPTION_METHODS, "N", read_count, FIELD(hybrid_columns), 1, UINT32_MAX, NULL,

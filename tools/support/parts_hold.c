@@ -63,7 +63,8 @@ int parts_hold(program *state, const char *folder, parts_holder **out)
     const svo_status status = svo_parts_lease_take(folder, &holder->lease, &message);
     int exit_code = status == SVO_OK ? PROGRAM_DONE : parts_fail(state, status, message.text);
     if (exit_code == PROGRAM_DONE && !start(holder)) {
-        exit_code = program_fail(state, PROGRAM_TRY_AGAIN, "no thread can be started");
+        exit_code = program_fail(state, PROGRAM_TRY_AGAIN,
+                                 "no thread can be started: out of memory, or too many threads (ulimit -v, ulimit -u)");
     }
     if (exit_code != PROGRAM_DONE) {
         parts_release(&holder);

@@ -63,6 +63,7 @@ static const char *const arguments[][2] = {{"options.payload_level", "--payload-
                                            {"max_device_bytes", "--max-memory"},
                                            {"max_bytes", "--max-memory"},
                                            {"svo_parts_create", "svocl build --max-memory"},
+                                           {"memory_limit_bytes", "--import-memory"},
                                            {"voxels_max", "--max-voxels"},
                                            {"voxel_edge", "--voxel-size"}};
 

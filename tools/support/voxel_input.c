@@ -74,8 +74,9 @@ void voxel_input_close(voxel_input *opened)
 int voxel_input_check_options(program *state, uint32_t need)
 {
     const options *given = &state->options;
-    static const char *const of_meshes[] = {"origin",     "edge",   "voxel-size",     "coverage", "weights",
-                                            "drop-alpha", "strict", "import-seconds", "weld",     NULL};
+    static const char *const of_meshes[] = {"origin",        "edge",       "voxel-size", "coverage",
+                                            "weights",       "drop-alpha", "strict",     "import-seconds",
+                                            "import-memory", "weld",       NULL};
     if (options_refuse(state, of_meshes, "to voxels") != PROGRAM_DONE ||
         (options_ask_for_gl(given) && options_refuse_groups(state, OPTION_METHODS, "to voxels") != PROGRAM_DONE)) {
         return PROGRAM_WRONG_USAGE;
