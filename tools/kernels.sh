@@ -10,7 +10,7 @@
 readonly stack_limits=tools/kernel_stacks.txt
 readonly stack_targets="nvptx64 amdgcn" libclc=/usr/lib/clc
 # What selects the kernels of CPUs.
-readonly cpu_defines='PAIR_LANES COLUMN_LANES ONE_WORKER SORT_SERIAL BVH_SERIAL CAST_TILES RAY_STREAMS'
+readonly cpu_defines='PAIR_LANES COLUMN_LANES ONE_WORKER SORT_SERIAL BVH_SERIAL CAST_TILES RAY_STREAMS LANES_APART'
 
 # Lines of a kernel file, a tab and the names of defines without their SVO_: all that are checked, also those that
 # change nothing in the file. No kernel uses all of its helpers.
@@ -32,9 +32,10 @@ all_variants()
         printf "%s\tCOLOR NORMAL $form\n" kernels/rays/{render,trace_voxels,view}.cl \
             kernels/scene/{bounds,render,trace}.cl kernels/compact/expand.cl
         printf '%s\t%s RAY_STREAMS\n' kernels/rays/trace_voxels.cl "$form"
+        printf 'kernels/scene/trace.cl\t%s RAY_STREAMS LANES_APART\n' "$form"
     done
     # Pictures of scenes are of voxels.
-    printf 'kernels/scene/trace.cl\tSCENE_TRIANGLES\n'
+    printf 'kernels/scene/trace.cl\t%s\n' SCENE_TRIANGLES 'SCENE_TRIANGLES RAY_STREAMS' 'RAY_STREAMS LANES_APART'
     # What of a scene shows in part.
     printf '%s\n' kernels/scene/render.cl$'\tCLEAR_NODES'{,' READ_IMPLIED HAS_BASES'}
     # What probes and photons see of it.

@@ -12,7 +12,7 @@
 
 #include "rays/part.clh"
 #include "rays/shade.clh"
-#include "scene/scene.clh"
+#include "scene/walk.clh"
 
 /* What a kernel draws from. */
 typedef struct svo_scene_view {

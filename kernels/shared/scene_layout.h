@@ -52,6 +52,15 @@ SVO_RECORD(svo_scene_node)
     SVO_U32 reserved; /* 60 */
 };
 
+/* A node of the wide hierarchy, for CPUs: up to eight nodes or instances that are met together. 224 bytes. */
+SVO_RECORD(svo_scene_wide)
+{
+    SVO_F32 low[24]; /* 0: low x of the children, y, z; where there is no child, beyond all numbers */
+    SVO_F32 high[24]; /* 96 */
+    SVO_U32 child[8]; /* 192: nodes, SVO_SCENE_LEAF and an instance, or SVO_NO_NODE */
+};
+#define SVO_SCENE_WIDTH 8u /* children of a node */
+
 /* Arguments of the scene's kernels. 40 bytes. */
 SVO_RECORD(svo_scene_params)
 {
@@ -89,6 +98,7 @@ SVO_RECORD(svo_scene_picture)
 SVO_ASSERT_BYTES(svo_scene_tree, 32);
 SVO_ASSERT_BYTES(svo_scene_instance, 152);
 SVO_ASSERT_BYTES(svo_scene_node, 64);
+SVO_ASSERT_BYTES(svo_scene_wide, 224);
 SVO_ASSERT_BYTES(svo_scene_params, 40);
 SVO_ASSERT_BYTES(svo_scene_picture, 128);
 #endif

@@ -531,6 +531,7 @@ static svo_status choose_widths(svo_device *handle, cl_device_id device, svo_mes
     cl_uint units = 0;
     SVO_I_TRY(svo_i_device_property(device, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof units, &units, CREATE, message));
     handle->scan_groups = handle->cpu_path ? SVO_SCAN_GROUPS : between(64, UINT64_C(8) * units, 2048);
+    handle->stream_items = between(64, UINT64_C(32) * units, 4096);
     handle->sort_groups = handle->cpu_path ? SVO_SORT_BLOCKS : between(16, UINT64_C(4) * units, 512);
     return SVO_OK;
 }

@@ -79,6 +79,7 @@ struct svo_device {
     bool cpu_path; /* kernels and shapes of launches are those for CPUs, see svo_path */
     uint32_t scan_groups; /* the most groups that divide an array among them; on GPUs by its compute units */
     uint32_t sort_groups; /* groups of a sort, likewise */
+    uint32_t stream_items; /* work-items that share a batch of rays, for CPUs: some for each compute unit */
     bool has_fp64; /* kernels have cl_khr_fp64 */
     bool rounds_quotients; /* of floats, and roots, correctly: programs are compiled so */
     bool tests_programs; /* before their first use: core/proof.h */

@@ -41,20 +41,19 @@ static svo_status make_kernel(const svo_i_batch *asked, cl_mem input, cl_mem out
                                  asked->last_argument.value != NULL ? 4 : 3);
 }
 
-#define STREAM_ITEMS     4096u
-#define STREAM_SHARE_MAX 256u
+#define STREAM_SHARE_MAX 512u
 
 /* Records of a work-item with streams, whose last rays have few others beside them: many, but enough work-items for the
-   threads of a large machine. */
-static size_t stream_share(size_t count)
+   device's threads. */
+static size_t stream_share(const svo_device *device, size_t count)
 {
-    const size_t share = count / STREAM_ITEMS / SVO_GROUP_ITEMS * SVO_GROUP_ITEMS;
+    const size_t share = count / device->stream_items / SVO_GROUP_ITEMS * SVO_GROUP_ITEMS;
     return share < SVO_GROUP_ITEMS ? SVO_GROUP_ITEMS : share < STREAM_SHARE_MAX ? share : STREAM_SHARE_MAX;
 }
 
 static svo_status launch(const svo_i_batch *asked, cl_mem input, cl_mem output, const svo_i_call *call)
 {
-    const size_t per_item = asked->streams ? stream_share(asked->count) : 1;
+    const size_t per_item = asked->streams ? stream_share(asked->device, asked->count) : 1;
     const size_t items = (asked->count + per_item - 1) / per_item;
     const size_t local = asked->streams ? 1 : SVO_GROUP_ITEMS;
     svo_i_launch launched = {.groups = (items + local - 1) / local, .group_items = local};

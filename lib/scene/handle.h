@@ -35,6 +35,7 @@ typedef enum svo_i_scene_buffer {
     SVO_I_SCENE_BOUNDS, /* of the trees */
     SVO_I_SCENE_PARENTS, /* of instances, in the hierarchy */
     SVO_I_SCENE_ARRIVALS, /* at its nodes, while they are refit */
+    SVO_I_SCENE_WIDE, /* the hierarchy with eight children to a node, in place of the other for rays; for CPUs */
     SVO_I_SCENE_LIST, /* of Morton codes; like the rest, for the sort */
     SVO_I_SCENE_SPARE,
     SVO_I_SCENE_COUNTS,

@@ -17,7 +17,15 @@
 
 #define SORT_CELLS ((uint64_t)SVO_SORT_DIGITS * SVO_SORT_BLOCKS)
 
-void svo_i_hierarchy_plan(uint32_t instance_count, uint64_t bytes[SVO_I_SCENE_BUFFERS])
+/* The most nodes of the wide hierarchy. Of its nodes, F have eight children and S have fewer, at least two, which are
+   instances alone. There are count + F + S - 1 children in all, 8 F + 2 S or more: 7 F + S is below count, and 2 S is
+   at most count. */
+static uint64_t wide_count_max(uint64_t count)
+{
+    return (count - 1 + 6 * (count / 2)) / 7;
+}
+
+void svo_i_hierarchy_plan(const svo_device *device, uint32_t instance_count, uint64_t bytes[SVO_I_SCENE_BUFFERS])
 {
     const uint64_t count = instance_count;
     bytes[SVO_I_SCENE_INSTANCES] = count * sizeof(svo_scene_instance);
@@ -27,6 +35,7 @@ void svo_i_hierarchy_plan(uint32_t instance_count, uint64_t bytes[SVO_I_SCENE_BU
     bytes[SVO_I_SCENE_HIERARCHY] = (count - 1) * sizeof(svo_scene_node);
     bytes[SVO_I_SCENE_PARENTS] = count * sizeof(cl_uint);
     bytes[SVO_I_SCENE_ARRIVALS] = (count - 1) * SVO_SCENE_BOUNDS * sizeof(cl_uint);
+    bytes[SVO_I_SCENE_WIDE] = device->cpu_path ? wide_count_max(count) * sizeof(svo_scene_wide) : 0;
     bytes[SVO_I_SCENE_LIST] = count * SVO_FRAGMENT_WORDS_48 * sizeof(cl_uint);
     bytes[SVO_I_SCENE_SPARE] = bytes[SVO_I_SCENE_LIST];
     bytes[SVO_I_SCENE_COUNTS] = SORT_CELLS * sizeof(cl_uint);
@@ -45,9 +54,9 @@ typedef struct chain {
     cl_event last; /* NULL: none yet */
 } chain;
 
-static svo_status enqueue(chain *c, cl_kernel kernel, const char *name, uint64_t items)
+/* local: items of a group. */
+static svo_status enqueue(chain *c, cl_kernel kernel, const char *name, uint64_t items, size_t local)
 {
-    const size_t local = SVO_GROUP_ITEMS;
     const size_t global = (size_t)((items + local - 1) / local * local);
     cl_event done = NULL;
     const cl_int error = clEnqueueNDRangeKernel(c->queue, kernel, 1, NULL, &global, &local, c->last != NULL ? 1 : 0,
@@ -62,6 +71,7 @@ static svo_status enqueue(chain *c, cl_kernel kernel, const char *name, uint64_t
     return SVO_OK;
 }
 
+/* items: 0 for a kernel of one work-item. */
 static svo_status run(chain *c, const char *name, const svo_i_argument *arguments, cl_uint argument_count,
                       uint64_t items)
 {
@@ -69,7 +79,7 @@ static svo_status run(chain *c, const char *name, const svo_i_argument *argument
     svo_status status = SVO_OK;
     SVO_I_TRY(svo_i_kernel_create(c->scene->device, c->function, c->program, name, &kernel));
     SVO_I_TRY_CLEANUP(svo_i_kernel_set(c->scene->device, c->function, kernel, arguments, argument_count));
-    SVO_I_TRY_CLEANUP(enqueue(c, kernel, name, items));
+    SVO_I_TRY_CLEANUP(enqueue(c, kernel, name, items > 0 ? items : 1, items > 0 ? SVO_GROUP_ITEMS : 1));
 
 cleanup:
     clReleaseKernel(kernel);
@@ -189,6 +199,15 @@ static svo_status sort_pass(chain *c, uint32_t shift)
     return SVO_OK;
 }
 
+/* The wide hierarchy, where there is one, from the boxes of the other. */
+static svo_status widen(chain *c)
+{
+    const cl_mem *buffers = c->scene->buffers;
+    const svo_i_argument arguments[] = {SVO_I_ARGUMENT(buffers[SVO_I_SCENE_HIERARCHY]),
+                                        SVO_I_ARGUMENT(buffers[SVO_I_SCENE_WIDE])};
+    return buffers[SVO_I_SCENE_WIDE] != NULL ? run(c, "svo_k_scene_widen", SVO_I_ARGUMENTS(arguments), 0) : SVO_OK;
+}
+
 static svo_status refit(chain *c)
 {
     const svo_scene *scene = c->scene;
@@ -197,8 +216,9 @@ static svo_status refit(chain *c)
                                         SVO_I_ARGUMENT(buffers[SVO_I_SCENE_PARENTS]),
                                         SVO_I_ARGUMENT(buffers[SVO_I_SCENE_HIERARCHY]),
                                         SVO_I_ARGUMENT(buffers[SVO_I_SCENE_ARRIVALS]), SVO_I_ARGUMENT(scene->params)};
-    return run(c, "svo_k_scene_refit", SVO_I_ARGUMENTS(arguments),
-               (uint64_t)scene->info.instance_count * SVO_SCENE_BOUNDS);
+    SVO_I_TRY(run(c, "svo_k_scene_refit", SVO_I_ARGUMENTS(arguments),
+                  (uint64_t)scene->info.instance_count * SVO_SCENE_BOUNDS));
+    return widen(c);
 }
 
 static svo_status build(chain *c)

@@ -38,7 +38,8 @@ static svo_status set_scene(const svo_scene *scene, const char *function, cl_ker
     cl_uint count = 0;
     for (cl_uint i = 0; i < SVO_I_SCENE_ARGUMENT_BUFFERS; ++i) {
         if (i < scene->node_buffers || i >= SVO_I_SCENE_NODE_BUFFERS) {
-            arguments[count++] = SVO_I_ARGUMENT(scene->buffers[i]);
+            const bool is_wide = i == SVO_I_SCENE_HIERARCHY && scene->device->cpu_path;
+            arguments[count++] = SVO_I_ARGUMENT(scene->buffers[is_wide ? SVO_I_SCENE_WIDE : i]);
         }
     }
     arguments[count++] = (svo_i_argument){sizeof *params, params, false};
@@ -84,7 +85,9 @@ static svo_status set_target(void *of, const char *function, cl_kernel kernel, c
 static svo_status trace(const svo_scene *scene, const char *function, scene_target *of, const svo_array *rays,
                         const svo_array *hits, size_t ray_count, const svo_submit *submit)
 {
-    (void)snprintf(of->defines, sizeof of->defines, "%s%s", scene->form, of->triangles ? " -DSVO_SCENE_TRIANGLES" : "");
+    const char *lanes = scene->device->cpu_path ? " -DSVO_LANES_APART" : "";
+    (void)snprintf(of->defines, sizeof of->defines, "%s%s", scene->form,
+                   of->triangles ? " -DSVO_SCENE_TRIANGLES" : lanes);
     const svo_i_batch asked = {.device = scene->device,
                                .function = function,
                                .target = {of, count_arguments(scene), check_target, set_target},
@@ -95,7 +98,8 @@ static svo_status trace(const svo_scene *scene, const char *function, scene_targ
                                .output_name = "hits",
                                .input_bytes = sizeof(svo_ray),
                                .output_bytes = of->triangles ? sizeof(svo_scene_triangle_hit) : sizeof(svo_scene_hit),
-                               .count = ray_count};
+                               .count = ray_count,
+                               .streams = scene->device->cpu_path};
     return svo_i_batch_run(&asked, rays, hits, submit);
 }
 
@@ -232,7 +236,8 @@ static svo_status prepare(drawing *drawn, cl_mem pixels)
     const char *function = drawn->function;
     char defines[SVO_I_PROGRAM_DEFINES_BYTES];
     cl_program program = NULL;
-    (void)snprintf(defines, sizeof defines, "%s%s", scene->form, scene->is_clear ? " -DSVO_CLEAR_NODES" : "");
+    (void)snprintf(defines, sizeof defines, "%s%s%s", scene->form, scene->is_clear ? " -DSVO_CLEAR_NODES" : "",
+                   device->cpu_path ? " -DSVO_RAY_STREAMS" : "");
     SVO_I_TRY(svo_i_device_constants(device, function, "camera", &drawn->picture, sizeof drawn->picture,
                                      &drawn->picture_buffer));
     SVO_I_TRY(

@@ -67,7 +67,7 @@ static svo_scene_info describe(const svo_scene_options *options, const uint64_t 
                            .need = options->need};
     for (int i = 0; i < SVO_I_SCENE_BUFFERS; ++i) {
         uint64_t *sum = i == SVO_I_SCENE_INSTANCES ? &info.instance_bytes
-                        : i == SVO_I_SCENE_HIERARCHY || i == SVO_I_SCENE_PARENTS || i == SVO_I_SCENE_ARRIVALS
+                        : i == SVO_I_SCENE_HIERARCHY || (i >= SVO_I_SCENE_PARENTS && i <= SVO_I_SCENE_WIDE)
                             ? &info.hierarchy_bytes
                         : i >= SVO_I_SCENE_LIST ? &info.sort_bytes
                                                 : &info.tree_bytes;
@@ -93,7 +93,7 @@ svo_status svo_scene_plan(svo_device *device, const svo_scene_options *options, 
     }
     SVO_I_TRY(read_options(device, function, options, &asked));
     SVO_I_TRY_CLEANUP(svo_i_arena_plan(device, function, &asked, &arena));
-    svo_i_hierarchy_plan(asked.instance_count, arena.bytes);
+    svo_i_hierarchy_plan(device, asked.instance_count, arena.bytes);
     const svo_scene_info made = describe(&asked, arena.bytes);
     SVO_I_TRY_CLEANUP(write_info(device, function, &made, info));
 
@@ -219,9 +219,9 @@ static svo_status place(svo_device *device, const char *function, uint32_t insta
 static svo_status allocate(svo_scene *scene, const char *function, const uint64_t bytes[SVO_I_SCENE_BUFFERS])
 {
     static const char *const names[SVO_I_SCENE_BUFFERS] = {
-        "nodes",     "nodes",     "nodes",       "ray_nodes",   "ray_leaves", "tree_params", "trees",
-        "instances", "hierarchy", "colors",      "normals",     "bounds",     "parents",     "arrivals",
-        "codes",     "codes",     "sort_counts", "sort_counts", "partials"};
+        "nodes",     "nodes",     "nodes",  "ray_nodes",   "ray_leaves",  "tree_params", "trees",
+        "instances", "hierarchy", "colors", "normals",     "bounds",      "parents",     "arrivals",
+        "wide",      "codes",     "codes",  "sort_counts", "sort_counts", "partials"};
     for (int i = 0; i < SVO_I_SCENE_BUFFERS; ++i) {
         if (bytes[i] > 0) {
             SVO_I_TRY(svo_i_device_buffer(scene->device, function, names[i], CL_MEM_READ_WRITE, (size_t)bytes[i],
@@ -315,7 +315,7 @@ static svo_status make(svo_scene *scene, const char *function, const svo_scene_o
                        cl_command_queue queue)
 {
     SVO_I_TRY(svo_i_arena_plan(scene->device, function, options, arena));
-    svo_i_hierarchy_plan(options->instance_count, arena->bytes);
+    svo_i_hierarchy_plan(scene->device, options->instance_count, arena->bytes);
     scene->info = describe(options, arena->bytes);
     scene->form = arena->sources[0].form;
     scene->node_buffers = options->compacts != NULL ? SVO_I_SCENE_NODE_BUFFERS : 2;

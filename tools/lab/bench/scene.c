@@ -163,6 +163,30 @@ static embree *lattice_boxes(const lattice *of, const float (*matrices)[12], siz
     return peer;
 }
 
+/* ---- triangles ---- */
+
+/* The mesh's triangles, placed by the matrices. NULL on failure, or without Embree. */
+static embree *lattice_triangles(const lattice *of, const float (*matrices)[12], size_t matrix_count)
+{
+    const svo_mesh *mesh = of->mesh;
+    float *vertices = calloc(mesh->vertex_count * 3 + 1, sizeof *vertices);
+    uint32_t *indices = calloc(mesh->triangle_count * 3 + 1, sizeof *indices);
+    embree *peer = NULL;
+    if (vertices != NULL && indices != NULL) {
+        for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
+            vertices[i] = mesh->positions_double != NULL ? (float)mesh->positions_double[i] : mesh->positions[i];
+        }
+        for (size_t i = 0; i < mesh->triangle_count * 3; ++i) {
+            indices[i] = mesh->indices != NULL ? mesh->indices[i] : (uint32_t)i;
+        }
+        peer =
+            embree_create_placed(vertices, mesh->vertex_count, indices, mesh->triangle_count, matrices, matrix_count);
+    }
+    free(vertices);
+    free(indices);
+    return peer;
+}
+
 /* ---- instances ---- */
 
 static const char table_id[] = "scene";
@@ -170,13 +194,16 @@ static const char table_id[] = "scene";
 static const char note[] =
     "Instances in a lattice, a grid's width apart. Build: svo_scene_rebuild; refit: svo_scene_set_transforms of all "
     "instances. Rays against voxels, as a camera's and between random points, run interleaved with one tree of all "
-    "voxels (merged) and with rtcIntersect1 against Embree's instances of the voxels as boxes, on as many threads. "
+    "voxels (merged) and with rtcIntersect1 against Embree's instances of the voxels as boxes, on as many threads; "
+    "rays "
+    "against the triangles with rtcIntersect1 against Embree's instances of the same triangles. "
     "Same: the share of random rays that meet the merged tree at the same t.";
 
 /* Lattices of these are compared with one tree, up to the edge, and with Embree, up to the count. */
 #define MERGED_EDGE_LOG2_MAX 3u
 #define EMBREE_COUNT_MAX     4096u
 #define SET_COUNT            2
+#define METHOD_COUNT         5
 
 static const uint32_t counts[] = {1, 8, 64, 512, 4096, 32768, 100000};
 #define QUICK_COUNTS 4
@@ -192,12 +219,13 @@ typedef struct scene_bench {
     svo_scene *scene;
     svo_scene_info info;
     svo_tree *merged; /* NULL: none */
-    embree *peer; /* NULL: none */
+    embree *peer, *triangles_peer; /* NULL: none */
     svo_ray *rays;
     svo_hit *peer_hits;
     cl_mem device_rays, device_hits;
     spread build_ms, refit_ms;
-    double rates[SET_COUNT][3]; /* of the scene, the merged tree, Embree; NAN: not measured */
+    /* Of the scene, the merged tree, Embree, and of triangles of the scene and Embree; NAN: not measured. */
+    double rates[SET_COUNT][METHOD_COUNT];
     double same;
 } scene_bench;
 
@@ -213,9 +241,13 @@ static int begin(suite *all)
     result_add_column(table, "primary", "M/s");
     result_add_column(table, "merged primary", "M/s");
     result_add_column(table, "Embree primary", "M/s");
+    result_add_column(table, "triangles primary", "M/s");
+    result_add_column(table, "Embree triangles primary", "M/s");
     result_add_column(table, "incoherent", "M/s");
     result_add_column(table, "merged incoherent", "M/s");
     result_add_column(table, "Embree incoherent", "M/s");
+    result_add_column(table, "triangles incoherent", "M/s");
+    result_add_column(table, "Embree triangles incoherent", "M/s");
     result_add_column(table, "Embree build", "ms");
     result_add_column(table, "same", "%");
     return PROGRAM_DONE;
@@ -226,7 +258,7 @@ static int begin(suite *all)
 static bool build_model(scene_bench *bench, const input *source, unsigned depth)
 {
     const session *opened = &bench->all->opened;
-    const svo_plan_options asked = {.struct_size = sizeof asked, .need = SVO_NEED_NONE};
+    const svo_plan_options asked = {.struct_size = sizeof asked, .need = SVO_NEED_RAYS};
     svo_plan *plan = NULL;
     lattice *model = &bench->model;
     const bool built = svo_plan_create(opened->device, source->mesh, depth, &asked, &plan) == SVO_OK &&
@@ -258,7 +290,7 @@ static bool make_scene(scene_bench *bench)
                                      .instances = bench->instances,
                                      .tree_count = 1,
                                      .instance_count = bench->count,
-                                     .need = SVO_NEED_NONE};
+                                     .need = SVO_NEED_RAYS};
     bench->info = (svo_scene_info)SVO_SCENE_INFO_INIT;
     return svo_scene_create(opened->device, &asked, opened->queue, &bench->scene) == SVO_OK &&
            svo_scene_get_info(bench->scene, &bench->info) == SVO_OK;
@@ -276,6 +308,7 @@ static bool make_peers(scene_bench *bench)
     }
     if (bench->count <= EMBREE_COUNT_MAX && embree_is_there()) {
         bench->peer = lattice_boxes(&bench->model, (const float(*)[12])bench->matrices, bench->count);
+        bench->triangles_peer = lattice_triangles(&bench->model, (const float(*)[12])bench->matrices, bench->count);
     }
     return true;
 }
@@ -345,6 +378,24 @@ static double trace_embree(void *user)
                         bench->threads);
 }
 
+static double trace_triangles(void *user)
+{
+    const scene_bench *bench = user;
+    cl_event done = NULL;
+    const double start_ms = input_now_ms();
+    const svo_status status = svo_trace_triangles(
+        svo_scene_target(bench->scene), svo_in_buffer(bench->device_rays), svo_in_buffer(bench->device_hits),
+        bench->ray_count, SVO_SCENE_CLOSEST, &(svo_submit){.queue = bench->all->opened.queue, .event = &done});
+    return wait_ms(status, &done, start_ms);
+}
+
+static double trace_embree_triangles(void *user)
+{
+    const scene_bench *bench = user;
+    return embree_trace(bench->triangles_peer, EMBREE_INTERSECT1, bench->rays, bench->peer_hits, bench->ray_count,
+                        bench->threads);
+}
+
 static void make_rays(scene_bench *bench, int set)
 {
     if (set == 0) {
@@ -358,16 +409,21 @@ static void make_rays(scene_bench *bench, int set)
 
 static bool measure_rays(scene_bench *bench, int set)
 {
-    interleaved_method methods[3] = {{trace_scene, bench, NAN}, {trace_merged, bench, NAN}, {trace_embree, bench, NAN}};
-    const bool there[3] = {true, bench->merged != NULL, bench->peer != NULL};
-    interleaved_method asked[3];
+    interleaved_method methods[METHOD_COUNT] = {{trace_scene, bench, NAN},
+                                                {trace_merged, bench, NAN},
+                                                {trace_embree, bench, NAN},
+                                                {trace_triangles, bench, NAN},
+                                                {trace_embree_triangles, bench, NAN}};
+    const bool there[METHOD_COUNT] = {true, bench->merged != NULL, bench->peer != NULL, true,
+                                      bench->triangles_peer != NULL};
+    interleaved_method asked[METHOD_COUNT];
     size_t count = 0;
     make_rays(bench, set);
     if (clEnqueueWriteBuffer(bench->all->opened.queue, bench->device_rays, CL_TRUE, 0,
                              bench->ray_count * sizeof(svo_ray), bench->rays, 0, NULL, NULL) != CL_SUCCESS) {
         return false;
     }
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < METHOD_COUNT; ++i) {
         if (there[i]) {
             asked[count++] = methods[i];
         }
@@ -375,7 +431,7 @@ static bool measure_rays(scene_bench *bench, int set)
     if (!interleave_measure(asked, count, bench->all->repeats)) {
         return false;
     }
-    for (int i = 0, k = 0; i < 3; ++i) {
+    for (int i = 0, k = 0; i < METHOD_COUNT; ++i) {
         bench->rates[set][i] = there[i] ? (double)bench->ray_count / asked[k++].median_ms * 1e-3 : (double)NAN;
     }
     return true;
@@ -415,7 +471,7 @@ static void add_row(result_table *table, const scene_bench *bench, const input *
     spread_add(table, bench->build_ms);
     spread_add(table, bench->refit_ms);
     for (int set = 0; set < SET_COUNT; ++set) {
-        for (int i = 0; i < 3; ++i) {
+        for (int i = 0; i < METHOD_COUNT; ++i) {
             result_add_number(table, bench->rates[set][i]);
         }
     }
@@ -427,9 +483,13 @@ static void release_scene(scene_bench *bench)
 {
     svo_scene_destroy(&bench->scene);
     svo_tree_destroy(&bench->merged);
-    if (bench->peer != NULL) {
-        embree_destroy(&bench->peer);
+    embree *peers[] = {bench->peer, bench->triangles_peer};
+    for (size_t i = 0; i < sizeof peers / sizeof peers[0]; ++i) {
+        if (peers[i] != NULL) {
+            embree_destroy(&peers[i]);
+        }
     }
+    bench->peer = bench->triangles_peer = NULL;
 }
 
 /* ---- the subject ---- */
