@@ -37,7 +37,7 @@ all_variants()
     # Pictures of scenes are of voxels.
     printf 'kernels/scene/trace.cl\t%s\n' SCENE_TRIANGLES 'SCENE_TRIANGLES RAY_STREAMS' 'RAY_STREAMS LANES_APART'
     # What of a scene shows in part.
-    printf '%s\n' kernels/scene/render.cl$'\tCLEAR_NODES'{,' READ_IMPLIED HAS_BASES'}
+    printf '%s\n' kernels/scene/{render,see}.cl$'\tCLEAR_NODES'{,' READ_IMPLIED HAS_BASES',' RAY_STREAMS'}
     # What probes and photons see of it.
     printf '%s\tCLEAR_NODES\n' kernels/{probes/clear,light/voxel_photons}.cl
     # Rays through probes under a map.

@@ -22,20 +22,6 @@
 #include "rays/rays.clh"
 #endif
 
-/* Rays of a set. */
-#define SVO_PROBE_SET 64u
-
-/* A texel's ray of its set of 8 x 8 texels, which come in Morton order: bits reversed, so that neighbors differ. */
-static svo_alpha_ray svo_probe_alpha_ray(uint ray)
-{
-    uint place = 0u;
-    for (uint bit = 0u; bit < 6u; ++bit) {
-        place |= (ray >> bit & 1u) << (5u - bit);
-    }
-    const svo_alpha_ray of = {place, SVO_PROBE_SET};
-    return of;
-}
-
 /* hits: of the rays, which begin anew behind what they met, or reach that alone from now on. */
 __kernel __attribute__((reqd_work_group_size(SVO_GROUP_ITEMS, 1, 1))) void
 svo_k_probe_through(__global const uchar *child_mask, __global const uint *first_child, __global const uint *list_begin,
@@ -54,7 +40,7 @@ svo_k_probe_through(__global const uchar *child_mask, __global const uint *first
     const uint leaf = svo_leaf_of_hit(&tree, hit.triangle, hit.u, hit.v, &place);
     const size_t color = (onward.flags & SVO_ONWARD_ONE_COLOR) != 0u ? 0u : (size_t)onward.leaf_begin + leaf;
     const uint alpha = svo_is_leaf(leaf) ? colors[4u * color + 3u] : 255u;
-    if (svo_alpha_shows(alpha, svo_probe_alpha_ray(i), svo_alpha_turn(leaf))) {
+    if (svo_alpha_shows(alpha, svo_alpha_ray_of_texel(i), svo_alpha_turn(leaf))) {
         rays[i].t_min = as_float(max(as_uint(hit.t), 1u) - 1u);
         rays[i].t_max = as_float(as_uint(hit.t) + 1u);
     } else {
@@ -77,7 +63,7 @@ svo_k_probe_see(SVO_TREE_PARAMETERS, __global const uchar *colors, __global cons
     tree.seen.colors = colors;
     tree.seen.color_step = (onward.flags & SVO_ONWARD_ONE_COLOR) != 0u ? 0u : 1u;
     tree.seen.index = 0u;
-    tree.seen.ray = svo_probe_alpha_ray(i);
+    tree.seen.ray = svo_alpha_ray_of_texel(i);
     const svo_ray ray = rays[i];
     svo_voxel_hit hit;
     svo_trace_voxel(&tree, &ray, 0.0f, &hit);

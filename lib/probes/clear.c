@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What probes see of trees that show in part: launches of kernels/probes/clear.cl. */
+/* What probes see of trees that show in part: launches of kernels/probes/clear.cl, and of a scene's kernel. */
 #include "probes/clear.h"
 
 #include <math.h>
@@ -7,6 +7,7 @@
 #include "probes/plan.h"
 #include "probes/programs.h"
 #include "rays/rays.h"
+#include "scene/handle.h"
 #include "shared/light_layout.h"
 #include "svocl/plan.h"
 
@@ -17,7 +18,11 @@ svo_status svo_i_probes_find_clear(svo_probes *probes, svo_i_device_work *work)
 {
     const svo_tree *tree = probes->tree;
     uint8_t root[4] = {255, 255, 255, 255};
-    if (tree != NULL && tree->buffers[SVO_TREE_COLORS] != NULL && tree->info.leaf_count > 0 &&
+    if (tree == NULL) {
+        probes->is_clear = probes->scene->is_clear;
+        return SVO_OK;
+    }
+    if (tree->buffers[SVO_TREE_COLORS] != NULL && tree->info.leaf_count > 0 &&
         (tree->info.payload_level == 0 || svo_i_tree_is_constant(&tree->info, SVO_TREE_COLORS))) {
         SVO_I_TRY(svo_i_work_read(work, tree->buffers[SVO_TREE_COLORS], 0, root, sizeof root));
     }
@@ -114,8 +119,12 @@ static svo_status trace_voxels(const svo_i_probe_bands *bands, uint32_t ray_coun
 
 svo_status svo_i_clear_trace(const svo_i_probe_bands *bands, uint32_t ray_count)
 {
-    return svo_i_rays_of_triangles(&bands->probes->tree->info) ? trace_triangles(bands, ray_count)
-                                                               : trace_voxels(bands, ray_count);
+    const svo_probes *probes = bands->probes;
+    if (probes->scene != NULL) {
+        return svo_i_scene_see(probes->scene, bands->work, bands->rays, bands->hits, ray_count);
+    }
+    return svo_i_rays_of_triangles(&probes->tree->info) ? trace_triangles(bands, ray_count)
+                                                        : trace_voxels(bands, ray_count);
 }
 
 svo_status svo_i_clear_reach(const svo_i_probe_bands *bands, const svo_probe_step *step)

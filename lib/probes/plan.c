@@ -26,7 +26,7 @@
 static bool has_triangles(const svo_i_sight *sight)
 {
     return sight->tree != NULL ? svo_i_rays_of_triangles(&sight->tree->info)
-                               : (sight->scene->info.need & SVO_NEED_RAYS) != 0;
+                               : (sight->scene->info.need & SVO_NEED_RAYS) != 0 && !sight->scene->is_clear;
 }
 
 /* NULL: not on a device. */

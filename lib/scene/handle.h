@@ -13,6 +13,7 @@
 #define SVO_LIB_SCENE_HANDLE_H
 
 #include "core/program.h"
+#include "core/work.h"
 #include "shared/scene_layout.h"
 #include "svocl/scene.h"
 
@@ -78,5 +79,10 @@ static inline svo_status svo_i_scene_check(const svo_scene *scene, const char *f
                                            "%s: an earlier change of the scene failed halfway", function)
                        : SVO_OK;
 }
+
+/* What rays of probes' texels see of the voxels of a scene that is_clear, by alpha (kernels/scene/see.cl): an
+   svo_scene_hit for each. */
+svo_status svo_i_scene_see(const svo_scene *scene, svo_i_device_work *work, cl_mem rays, cl_mem hits,
+                           uint32_t ray_count);
 
 #endif

@@ -9,5 +9,6 @@ extern const svo_i_program svo_i_program_scene_build;
 extern const svo_i_program svo_i_program_scene_bounds;
 extern const svo_i_program svo_i_program_scene_trace;
 extern const svo_i_program svo_i_program_scene_cast;
+extern const svo_i_program svo_i_program_scene_see;
 
 #endif

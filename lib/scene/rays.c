@@ -25,16 +25,15 @@ _Static_assert((uint32_t)SVO_SCENE_ANY == 1 && (uint32_t)SVO_SCENE_EVERY_INSTANC
 
 /* ---- arguments of kernels ---- */
 
-/* How many arguments SVO_SCENE_PARAMETERS declares for the scene; and sets them. */
+/* How many arguments SVO_SCENE_PARAMETERS declares for the scene. */
 static cl_uint count_arguments(const svo_scene *scene)
 {
     return scene->node_buffers + (SVO_I_SCENE_ARGUMENT_BUFFERS - SVO_I_SCENE_NODE_BUFFERS) + 1;
 }
 
-static svo_status set_scene(const svo_scene *scene, const char *function, cl_kernel kernel, cl_uint first_index,
-                            const svo_scene_params *params)
+/* Lists them. */
+static cl_uint list_arguments(const svo_scene *scene, const svo_scene_params *params, svo_i_argument *arguments)
 {
-    svo_i_argument arguments[SVO_I_SCENE_ARGUMENT_BUFFERS + 1];
     cl_uint count = 0;
     for (cl_uint i = 0; i < SVO_I_SCENE_ARGUMENT_BUFFERS; ++i) {
         if (i < scene->node_buffers || i >= SVO_I_SCENE_NODE_BUFFERS) {
@@ -43,6 +42,14 @@ static svo_status set_scene(const svo_scene *scene, const char *function, cl_ker
         }
     }
     arguments[count++] = (svo_i_argument){sizeof *params, params, false};
+    return count;
+}
+
+static svo_status set_scene(const svo_scene *scene, const char *function, cl_kernel kernel, cl_uint first_index,
+                            const svo_scene_params *params)
+{
+    svo_i_argument arguments[SVO_I_SCENE_ARGUMENT_BUFFERS + 1];
+    const cl_uint count = list_arguments(scene, params, arguments);
     return svo_i_kernel_set_from(scene->device, function, kernel, first_index, arguments, count);
 }
 
@@ -119,6 +126,33 @@ static svo_status trace_triangles(void *scene, const svo_array *rays, const svo_
     of.params.footprint = 0.0F;
     of.params.flags = flags;
     return trace(scene, "svo_trace_triangles", &of, rays, hits, ray_count, submit);
+}
+
+/* ---- rays by alpha ---- */
+
+/* Options of kernels that see what shows in part. */
+static void write_seeing_options(const svo_scene *scene, char defines[SVO_I_PROGRAM_DEFINES_BYTES])
+{
+    (void)snprintf(defines, SVO_I_PROGRAM_DEFINES_BYTES, "%s%s%s", scene->form,
+                   scene->is_clear ? " -DSVO_CLEAR_NODES" : "", scene->device->cpu_path ? " -DSVO_RAY_STREAMS" : "");
+}
+
+svo_status svo_i_scene_see(const svo_scene *scene, svo_i_device_work *work, cl_mem rays, cl_mem hits,
+                           uint32_t ray_count)
+{
+    svo_i_argument arguments[SVO_I_SCENE_ARGUMENT_BUFFERS + 5];
+    char defines[SVO_I_PROGRAM_DEFINES_BYTES];
+    svo_scene_params params = scene->params;
+    params.footprint = 0.0F;
+    params.flags = SVO_SCENE_CLOSEST;
+    cl_uint count = list_arguments(scene, &params, arguments);
+    arguments[count++] = SVO_I_ARGUMENT(scene->buffers[SVO_I_SCENE_COLORS]);
+    arguments[count++] = SVO_I_ARGUMENT(rays);
+    arguments[count++] = SVO_I_ARGUMENT(hits);
+    arguments[count++] = SVO_I_ARGUMENT(ray_count);
+    write_seeing_options(scene, defines);
+    SVO_I_TRY(svo_i_work_use(work, &svo_i_program_scene_see, defines));
+    return svo_i_work_launch(work, "svo_k_scene_see", arguments, count, ray_count);
 }
 
 /* ---- pictures ---- */
@@ -236,8 +270,7 @@ static svo_status prepare(drawing *drawn, cl_mem pixels)
     const char *function = drawn->function;
     char defines[SVO_I_PROGRAM_DEFINES_BYTES];
     cl_program program = NULL;
-    (void)snprintf(defines, sizeof defines, "%s%s%s", scene->form, scene->is_clear ? " -DSVO_CLEAR_NODES" : "",
-                   device->cpu_path ? " -DSVO_RAY_STREAMS" : "");
+    write_seeing_options(scene, defines);
     SVO_I_TRY(svo_i_device_constants(device, function, "camera", &drawn->picture, sizeof drawn->picture,
                                      &drawn->picture_buffer));
     SVO_I_TRY(

@@ -747,6 +747,54 @@ static void expect_as_planned(const svo_probe_info *made, const svo_probe_info *
     assert_memory_equal(made, &found, sizeof found);
 }
 
+/* Of a pane in a scene as many texels see what is behind as of the pane's tree, and the same ones, where the instance
+   is not moved; by voxels, also where the scene has triangles. */
+static void scenes_are_seen_by_alpha(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    const uint32_t of_voxels = lit_grid.need & ~(uint32_t)SVO_NEED_RAYS;
+    svo_probe_options options = one_probe(0, 0.52F, 0, 1);
+    lit panes;
+    options.keep_places = 1;
+    open_pane(&opened, 128, of_voxels, &panes);
+    seen by_tree = make(&opened, panes.tree.tree, &options);
+    close_lit(&panes);
+    for (int k = 0; k < 2; ++k) {
+        open_pane(&opened, 128, k == 0 ? of_voxels : lit_grid.need, &panes);
+        const svo_instance instance = {.transform = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+        const uint32_t need = k == 0 ? SVO_NEED_COLOR : (uint32_t)SVO_NEED_COLOR | SVO_NEED_RAYS;
+        const svo_scene_options placed = {.struct_size = sizeof placed,
+                                          .trees = &panes.tree.tree,
+                                          .instances = &instance,
+                                          .tree_count = 1,
+                                          .instance_count = 1,
+                                          .need = need};
+        svo_scene *scene = NULL;
+        svo_probes *probes = NULL;
+        light_succeed(&opened, svo_scene_create(opened.device, &placed, opened.queue, &scene));
+        options.scene = scene;
+        light_succeed(&opened, svo_probes_create(&options, opened.queue, &probes));
+        seen by_scene = look(&opened, probes);
+        uint32_t behind = 0;
+        uint32_t differing = 0;
+        for (uint32_t i = 0; i < RESOLUTION * RESOLUTION; ++i) {
+            float direction[3];
+            svo_probe_direction(RESOLUTION, i % RESOLUTION, i / RESOLUTION, direction);
+            const double a = svo_probe_distance(&by_tree.info, by_tree.texels[2 * i] & 0xffffu);
+            const double b = svo_probe_distance(&by_scene.info, by_scene.texels[2 * i] & 0xffffu);
+            behind += direction[1] < 0 && b < 1e6 && -(double)direction[1] * b > 0.75 ? 1 : 0;
+            differing += fabs(a - b) > 1e-3 * (1 + a) ? 1 : 0;
+        }
+        assert_in_range(differing, 0, RESOLUTION * RESOLUTION / 500);
+        assert_in_range(behind, RESOLUTION * RESOLUTION / 40, RESOLUTION * RESOLUTION / 4);
+        forget(&by_scene);
+        svo_scene_destroy(&scene);
+        options.scene = NULL;
+        close_lit(&panes);
+    }
+    forget(&by_tree);
+}
+
 /* An instance that is not moved has the tree's hits, so its probes see the same where they are at the same places. */
 static void scenes_are_seen_as_their_trees(void **state)
 {
@@ -1195,6 +1243,7 @@ TEST_GROUP(probes)
         cmocka_unit_test(relighting_changes_radiance_alone),
         cmocka_unit_test(moments_are_means_of_texels),
         cmocka_unit_test(scenes_are_seen_as_their_trees),
+        cmocka_unit_test(scenes_are_seen_by_alpha),
         cmocka_unit_test(probes_allocate_what_is_planned),
         cmocka_unit_test(kernels_are_compiled_where_they_are_asked_for),
         cmocka_unit_test(queues_and_threads_give_the_same_bytes),
