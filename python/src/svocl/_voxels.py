@@ -200,14 +200,7 @@ class Voxels(Handle):
             UnsupportedError: .svx or .nvdb, and svocl was built without what they need.
         """
         need_io("Voxels.save")
-        sink, _kept = to_path(path)
-        info = _structs.new("svo_voxels_save_info")
-        message = ffi.new("svo_message *")
-        with self._use() as pointer:
-            status = call(lib.svo_voxels_save, pointer, sink, lib.SVO_VOXEL_FORMAT_AUTO, info, message)
-            if status != lib.SVO_OK:
-                raise error(status, text(message.text))
-        return _structs.read_file_info(info, _generated.VoxelsSaveInfo)
+        return self._write(lib.svo_voxels_save, path)
 
     def save_faces(self, path: Path) -> _generated.VoxelsSaveInfo:
         """Writes the surface as a mesh of rectangles, whole or not at all: faces of one plane and color are merged. It
@@ -224,14 +217,7 @@ class Voxels(Handle):
             InvalidArgumentError: another suffix, or voxels too far out for floats.
         """
         need_io("Voxels.save_faces")
-        sink, _kept = to_path(path)
-        info = _structs.new("svo_voxels_save_info")
-        message = ffi.new("svo_message *")
-        with self._use() as pointer:
-            status = call(lib.svo_voxels_save_faces, pointer, sink, lib.SVO_VOXEL_FORMAT_AUTO, info, message)
-            if status != lib.SVO_OK:
-                raise error(status, text(message.text))
-        return _structs.read_file_info(info, _generated.VoxelsSaveInfo)
+        return self._write(lib.svo_voxels_save_faces, path)
 
     # --- trees ------------------------------------------------------------------------------------------------------
 
@@ -352,6 +338,16 @@ class Voxels(Handle):
         call(lib.svo_voxels_left_out, info, message)
         made.left_out = text(message.text)
         return made
+
+    def _write(self, function: Any, path: Path) -> _generated.VoxelsSaveInfo:
+        sink, _kept = to_path(path)
+        info = _structs.new("svo_voxels_save_info")
+        message = ffi.new("svo_message *")
+        with self._use() as pointer:
+            status = call(function, pointer, sink, lib.SVO_VOXEL_FORMAT_AUTO, info, message)
+            if status != lib.SVO_OK:
+                raise error(status, text(message.text))
+        return _structs.read_file_info(info, _generated.VoxelsSaveInfo)
 
     def _create(self, function: Any, *arguments: Any, info: Any = None) -> None:
         out = ffi.new("svo_voxels **")
