@@ -573,6 +573,29 @@ static void probe_all(const fixture *opened, svo_tree *tree, svo_light *light)
     svo_probes_destroy(&probes);
 }
 
+/* Probes of a scene of a tree that shows in part. */
+static void probe_scene(const fixture *opened, svo_tree *tree)
+{
+    const svo_instance instance = {0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+    const svo_scene_options placed = {.struct_size = sizeof placed,
+                                      .trees = &tree,
+                                      .instances = &instance,
+                                      .tree_count = 1,
+                                      .instance_count = 1,
+                                      .need = SVO_NEED_COLOR};
+    svo_probe_options options = SVO_PROBE_OPTIONS_INIT;
+    svo_scene *scene = NULL;
+    svo_probes *probes = NULL;
+    succeed(opened, svo_scene_create(opened->device, &placed, opened->queue, &scene));
+    options.counts[0] = options.counts[1] = options.counts[2] = 1;
+    options.resolution = 64;
+    options.field_size = 2;
+    options.scene = scene;
+    succeed(opened, svo_probes_create(&options, opened->queue, &probes));
+    svo_probes_destroy(&probes);
+    svo_scene_destroy(&scene);
+}
+
 /* A lamp on triangles and on voxels, and materials that emit; all that it counts. */
 static void shine_all(const fixture *opened, const svo_mesh *mesh)
 {
@@ -602,6 +625,7 @@ static void shine_all(const fixture *opened, const svo_mesh *mesh)
         succeed(opened, svo_render(svo_light_target(light), &picture, svo_in_host(pixels),
                                    &(svo_submit){.queue = opened->queue}));
         probe_all(opened, made.tree, light);
+        probe_scene(opened, made.tree);
         svo_light_destroy(&light);
         built_destroy(&made);
     }
