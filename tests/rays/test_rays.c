@@ -673,6 +673,51 @@ static void rays_of_a_packet_are_traced_in_groups(void **state)
     built_destroy(&tree);
 }
 
+/* Packets of short rays in all directions from one or two places close to the surface, so that groups of every size
+   occur; some rays are long, invalid, unusual, or begin behind their start. Every fifth packet starts at the grid's
+   corner. */
+static void rays_that_end_soon_are_traced_together(void **state)
+{
+    const fixture *opened = fixture_of_group(state);
+    enum { RAYS = 8192 };
+    static svo_ray aimed[RAYS];
+    static svo_ray rays[RAYS];
+    static svo_hit expected[RAYS];
+    static svo_hit hits[RAYS];
+    uint64_t random = 23;
+    built tree;
+    size_t met = 0;
+    build_scene(opened, "knot:20000", 7, &tree);
+    for (size_t i = 0; i < RAYS; ++i) {
+        aimed[i] = random_ray_near(&tree, &random, 1.0);
+    }
+    trace_rays(opened, &tree, aimed, RAYS, SVO_TRACE_CLOSEST, hits);
+    for (size_t i = 0; i < RAYS; ++i) {
+        const size_t packet = i / 8;
+        const size_t place = packet * 8 + (random_unit(&random) * 8.0 < (double)(packet % 8) ? 1 : 0);
+        const double t = hits[place].triangle != SVO_NO_TRIANGLE ? 0.999 * (double)hits[place].t : 0.5;
+        const double length = i % 53 == 0 ? 0.0 : i % 31 == 0 ? 0x1p70 : 1.0;
+        for (int axis = 0; axis < 3; ++axis) {
+            const double from = (double)aimed[place].origin[axis] + t * (double)aimed[place].direction[axis];
+            const double spread = 0.01 * tree.info.edge * (random_unit(&random) - 0.5);
+            rays[i].origin[axis] = (float)((packet % 5 == 4 ? tree.info.origin[axis] : from) + spread);
+            rays[i].direction[axis] = (float)(length * tree.info.edge * (random_unit(&random) - 0.5));
+        }
+        rays[i].t_min = i % 37 == 0 ? -0.05f : 0.0f;
+        rays[i].t_max = (float)(i % 17 == 0 ? 2.0 : i % 41 == 0 ? -0.1 : 0.15 * random_unit(&random));
+    }
+    run_arrays_kernel(opened, &tree, svo_kernel_options(svo_tree_target(NULL)), 0, rays, expected, RAYS);
+    for (size_t i = 0; i < RAYS; ++i) {
+        met += expected[i].triangle != SVO_NO_TRIANGLE;
+    }
+    assert_in_range(met, RAYS / 8, RAYS - RAYS / 8);
+    for (cl_uint any = 0; any < 2; ++any) {
+        trace_rays(opened, &tree, rays, RAYS, any != 0 ? SVO_TRACE_ANY : SVO_TRACE_CLOSEST, hits);
+        expect_hits(hits, expected, RAYS, any, "short rays");
+    }
+    built_destroy(&tree);
+}
+
 /* The tree needs no lists. A voxel is hit before the triangles in it, by at most its diagonal. */
 static void voxel_hits_come_just_before_triangle_hits(void **state)
 {
@@ -818,6 +863,7 @@ TEST_GROUP(rays)
         cmocka_unit_test(the_nearest_triangle_agrees_with_the_reference),
         cmocka_unit_test(an_own_kernel_traces_arrays_of_rays),
         cmocka_unit_test(rays_of_a_packet_are_traced_in_groups),
+        cmocka_unit_test(rays_that_end_soon_are_traced_together),
         cmocka_unit_test(voxel_hits_come_just_before_triangle_hits),
         cmocka_unit_test(invalid_calls_are_refused),
         cmocka_unit_test(events_order_an_out_of_order_queue),
