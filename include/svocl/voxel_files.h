@@ -199,9 +199,9 @@ SVO_API svo_status svo_voxels_save(const svo_voxels *voxels, svo_sink sink, svo_
 SVO_API svo_status svo_voxels_save_faces(const svo_voxels *voxels, svo_sink sink, svo_voxel_format format,
                                          svo_voxels_save_info *info, svo_message *message);
 
-/** Writes a signed distance field as a .nvdb file (see files.h): a level set "surface" of floats, NanoVDB's form of what
- *  programs for volumes take. The field's voxels are active, at the field's places in the world. What is not in a band
- *  has its width as the distance, negative inside; in a dense field all voxels are active. -0 becomes -FLT_MIN.
+/** Writes a signed distance field as a .nvdb file (see files.h): a level set "surface" of floats, NanoVDB's form of
+ *  what programs of volumes take. The field's voxels are active, at the field's places in the world. What is not in a
+ *  band has its width as the distance, negative inside; in a dense field all voxels are active. -0 becomes -FLT_MIN.
  *
  * \param sdf with host arrays (svo_sdf_download), at most 4096^3 voxels
  * \param sink receives the file

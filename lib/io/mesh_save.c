@@ -176,7 +176,7 @@ static svo_status put_obj(mesh_writer *w)
  * One primitive. Colors are linear in glTF: 16 bits a component, which give the bytes of sRGB back.
  */
 
-/* The fifth root of x in 0 .. 1, by Newton's method from above; no function of the C library, whose last bits differ. */
+/* The fifth root of x in 0 .. 1, by Newton's method from above: the last bits of the C library's functions differ. */
 static double fifth_root(double x)
 {
     double root = 1.0;
@@ -417,6 +417,12 @@ svo_mesh_format svo_mesh_format_of_path(const char *path)
     return SVO_MESH_FORMAT_AUTO;
 }
 
+static svo_status put_file(mesh_writer *w, svo_mesh_format format)
+{
+    SVO_I_TRY(format == SVO_MESH_FORMAT_PLY ? put_ply(w) : format == SVO_MESH_FORMAT_OBJ ? put_obj(w) : put_glb(w));
+    return flush(w);
+}
+
 svo_status svo_mesh_save(const svo_mesh *mesh, svo_sink sink, svo_mesh_format format, svo_message *message)
 {
     mesh_writer w = {.used = 0};
@@ -436,9 +442,5 @@ svo_status svo_mesh_save(const svo_mesh *mesh, svo_sink sink, svo_mesh_format fo
     SVO_I_TRY(check_mesh(&given, message));
     w.mesh = &given;
     SVO_I_TRY(svo_i_sink_open(function, sink, message, &w.sink));
-    svo_status status = format == SVO_MESH_FORMAT_PLY   ? put_ply(&w)
-                        : format == SVO_MESH_FORMAT_OBJ ? put_obj(&w)
-                                                        : put_glb(&w);
-    status = status == SVO_OK ? flush(&w) : status;
-    return svo_i_sink_close(&w.sink, status);
+    return svo_i_sink_close(&w.sink, put_file(&w, format));
 }

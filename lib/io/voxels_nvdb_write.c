@@ -2,8 +2,8 @@
 /*
  * The .nvdb writer: a grid "density", a fog volume of 4 bits a voxel that is 1 where a voxel is, and, where there are
  * any, grids "color" (RGBA8) and "material" of the same voxels. Distances are a grid "surface", a level set of floats:
- * what is not in the band has the greatest distance of it, negative inside. A grid is made in memory: its headers need what comes
- * last. All bytes between fields are 0, so that equal voxels make equal files.
+ * what is not in the band has the greatest distance of it, negative inside. A grid is made in memory: its headers need
+ * what comes last. All bytes between fields are 0, so that equal voxels make equal files.
  */
 #include <inttypes.h>
 

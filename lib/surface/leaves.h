@@ -3,7 +3,7 @@
 #ifndef SVO_LIB_SURFACE_LEAVES_H
 #define SVO_LIB_SURFACE_LEAVES_H
 
-#include "surface/handle.h"
+#include "surface/work.h"
 
 /* Refuses a tree that has not what the parts take from it. */
 svo_status svo_i_surface_check_tree(const svo_surface_options *options, svo_message *message);

@@ -3,7 +3,7 @@
 #ifndef SVO_LIB_SURFACE_VERTICES_H
 #define SVO_LIB_SURFACE_VERTICES_H
 
-#include "surface/handle.h"
+#include "surface/work.h"
 
 /* Finds the cubes that the surface passes, brick by brick, and sets their vertices: positions, and normals if they are
    wanted. */

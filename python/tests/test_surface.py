@@ -9,9 +9,7 @@ import svocl
 @pytest.fixture(scope="module")
 def roomy(device, torus):
     """A torus in a grid with room around it."""
-    with device.build(
-        torus, 5, need=svocl.Need.RAYS | svocl.Need.COLOR, origin=(-2.0, -2.0, -2.0), edge=4.0
-    ) as made:
+    with device.build(torus, 5, need=svocl.Need.RAYS | svocl.Need.COLOR, origin=(-2.0, -2.0, -2.0), edge=4.0) as made:
         yield made
 
 

@@ -38,8 +38,8 @@ typedef struct nvdb_distance {
     int is_active;
 } nvdb_distance;
 
-/* The values of a level set of floats at all places from 0 to side - 1 along each axis, x + side (y + side z), and where
-   place 0, 0, 0 is in the world. Returns NULL if the grid is valid, else why not. */
+/* The values of a level set of floats at all places from 0 to side - 1 along each axis, x + side (y + side z), and
+   where place 0, 0, 0 is in the world. Returns NULL if the grid is valid, else why not. */
 const char *nvdb_peer_read_surface(const char *path, int side, nvdb_distance *values, double center[3]);
 
 /* Writes a file of a kind. voxels: those that a reader should find, by malloc, by a search with NanoVDB's accessors. */

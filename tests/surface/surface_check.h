@@ -10,8 +10,8 @@ typedef struct surface_measures {
     double volume; /* enclosed, positive where triangles face outwards */
 } surface_measures;
 
-/* Fails unless every edge belongs to two triangles that pass it in opposite directions, the triangles around each vertex
-   are one ring, every vertex has triangles, and no two have the same place. */
+/* Fails unless every edge belongs to two triangles that pass it in opposite directions, the triangles around each
+   vertex are one ring, every vertex has triangles, and no two have the same place. */
 surface_measures surface_check(const svo_surface *surface);
 
 /* Fails unless the bytes of two surfaces are the same. */

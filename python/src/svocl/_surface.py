@@ -103,9 +103,7 @@ def _make(field: Any, options: Any) -> Surface:
     out = ffi.new("svo_surface **")
     message = ffi.new("svo_message *")
     try:
-        status = call(
-            lib.svo_surface_create, field, options, out, message, undo=lambda: lib.svo_surface_destroy(out)
-        )
+        status = call(lib.svo_surface_create, field, options, out, message, undo=lambda: lib.svo_surface_destroy(out))
         if status != lib.SVO_OK:
             raise error(status, text(message.text))
         return _copy(out[0])
