@@ -648,7 +648,7 @@ static const rule rules[] = {
     {"sign", '\0', OPTION_DISTANCES, "RULE", read_choice, FIELD(sign), 0, 0, signs,
      "what is inside, with negative distances: winding, parity, none (winding)"},
     {"margin", '\0', OPTION_DISTANCES, "VOXELS", read_amount, FIELD(margin), 0, 0, NULL,
-     "room around the mesh in its grid, on each side (the band and 1; 4 with --band 0; meshes: 2)"},
+     "room around the mesh in its grid, on each side (the band and 1; of dense fields 4; of mesh 2)"},
     {"axes", '\0', OPTION_BUILD | OPTION_CONVERT_COMMAND, "NAME", read_choice, FIELD(axes), 0, 0, axes_of_files,
      "what is up in files: auto, z in .vox, else y; z-up; keep, nothing is turned (auto)"},
     {"weld", '\0', OPTION_BUILD, "DISTANCE", read_amount, FIELD(weld), 0, 0, NULL,
