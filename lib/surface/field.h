@@ -14,7 +14,7 @@
 
 #define SVO_I_SURFACE_BRICK 8 /* cubes along an axis */
 #define SVO_I_SURFACE_SIDE  (SVO_I_SURFACE_BRICK + 1) /* centers */
-#define SVO_I_SURFACE_SITES (SVO_I_SURFACE_SIDE * SVO_I_SURFACE_SIDE * SVO_I_SURFACE_SIDE)
+#define SVO_I_SURFACE_SITES ((size_t)SVO_I_SURFACE_SIDE * SVO_I_SURFACE_SIDE * SVO_I_SURFACE_SIDE)
 
 /* What a center is. */
 typedef enum svo_i_surface_state {

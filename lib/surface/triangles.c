@@ -130,7 +130,7 @@ static svo_status add_edge(svo_i_surface_work *work, const neighborhood *near, s
 {
     /* How far the cubes are before the edge on the two other axes, counterclockwise around the first. */
     static const uint8_t before[4] = {0, 1, 3, 2};
-    static const size_t strides[3] = {1, SVO_I_SURFACE_SIDE, SVO_I_SURFACE_SIDE * SVO_I_SURFACE_SIDE};
+    static const size_t strides[3] = {1, SVO_I_SURFACE_SIDE, (size_t)SVO_I_SURFACE_SIDE * SVO_I_SURFACE_SIDE};
     const svo_i_surface_cube *own = &work->cubes[near->cubes[site] - 1];
     const bool is_low_inside = (own->inside & 1u) != 0;
     uint32_t around[4];

@@ -14,6 +14,8 @@
 /* Crossings keep so far from centers, in voxels: pieces around one center would else shrink to a point. */
 #define KEPT_FROM_CENTER 0x1p-10
 
+#define CUBES ((size_t)SVO_I_SURFACE_BRICK * SVO_I_SURFACE_BRICK * SVO_I_SURFACE_BRICK)
+
 /* A cube in its window. */
 typedef struct cube {
     int32_t place[3]; /* of its lowest center in the field */
@@ -203,7 +205,7 @@ static bool is_cube_of_field(const svo_surface_field *field, const cube *c)
 
 static svo_status add_cubes(svo_i_surface_work *work, const svo_i_surface_window *window)
 {
-    for (size_t place = 0; place < SVO_I_SURFACE_BRICK * SVO_I_SURFACE_BRICK * SVO_I_SURFACE_BRICK; ++place) {
+    for (size_t place = 0; place < CUBES; ++place) {
         cube c;
         const bool is_whole = take_cube(window, place, &c);
         if (!is_cube_of_field(&work->reader.field, &c)) {

@@ -75,20 +75,26 @@ static void check_rings(const side *sides, size_t count, size_t vertex_count)
     assert_int_equal(vertices, vertex_count);
 }
 
+/* Bits of coordinates. */
+typedef struct vertex_place {
+    uint32_t at[3];
+} vertex_place;
+
 static int compare_places(const void *a, const void *b)
 {
-    return memcmp(a, b, 3 * sizeof(float));
+    return memcmp(a, b, sizeof(vertex_place));
 }
 
 static void check_places(const svo_mesh *mesh)
 {
-    float *places = malloc(mesh->vertex_count * 3 * sizeof *places + 1);
+    vertex_place *places = malloc(mesh->vertex_count * sizeof *places + 1);
     assert_non_null(places);
-    memcpy(places, mesh->positions, mesh->vertex_count * 3 * sizeof *places);
-    qsort(places, mesh->vertex_count, 3 * sizeof *places, compare_places);
+    memcpy(places, mesh->positions, mesh->vertex_count * sizeof *places);
+    qsort(places, mesh->vertex_count, sizeof *places, compare_places);
     for (size_t i = 1; i < mesh->vertex_count; ++i) {
-        const float *at = places + 3 * i;
-        if (memcmp(at - 3, at, 3 * sizeof *at) == 0) {
+        if (compare_places(&places[i - 1], &places[i]) == 0) {
+            float at[3];
+            memcpy(at, places[i].at, sizeof at);
             fail_msg("two vertices are at %.9g, %.9g, %.9g", (double)at[0], (double)at[1], (double)at[2]);
         }
     }

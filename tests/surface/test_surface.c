@@ -64,7 +64,9 @@ static numbers sample(uint32_t size, shape *of)
 {
     numbers made = make_numbers(size, size, size);
     for (uint32_t i = 0; i < size * size * size; ++i) {
-        const double at[3] = {i % size, i / size % size, i / size / size};
+        const uint32_t y = i / size % size;
+        const uint32_t z = i / size / size;
+        const double at[3] = {i % size, y, z};
         made.distances[i] = (float)(of(at) * SPACING);
     }
     return made;
