@@ -351,6 +351,33 @@ SVO_API const char *svo_import_file_path(const svo_import *import, size_t index)
  * \param import set to NULL; NULL and a pointer to NULL are allowed */
 SVO_API void svo_import_destroy(svo_import **import);
 
+/** Formats of mesh files that are written. */
+typedef enum svo_mesh_format {
+    SVO_MESH_FORMAT_AUTO = 0, /**< by the suffix of the path, in any case */
+    SVO_MESH_FORMAT_PLY = 1, /**< binary, little-endian: normals, RGBA8 colors */
+    SVO_MESH_FORMAT_OBJ = 2, /**< normals; colors after positions, without alpha */
+    SVO_MESH_FORMAT_GLB = 3 /**< glTF 2.0, binary: unit normals; colors as linear light, 16 bits */
+} svo_mesh_format;
+
+/** The format of a mesh file by the suffix of its name.
+ *
+ * \param path may be NULL
+ * \returns the format; SVO_MESH_FORMAT_AUTO for another suffix, and for NULL. */
+SVO_API svo_mesh_format svo_mesh_format_of_path(const char *path);
+
+/** Writes a mesh as a file: positions, triangles and, where it has them, normals and colors, taken as sRGB. In .glb a
+ *  normal of length 0 becomes 0, 0, 1, and alpha below 255 makes the material blend. svo_import_file gives the same
+ *  positions, triangles and colors back.
+ *
+ * \param mesh not NULL: float positions, finite; at least a triangle, whose vertices are there; no materials and no
+ *        textures. Texture coordinates are not written
+ * \param sink where it is written to
+ * \param format AUTO: by the suffix of the path
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_INVALID_ARGUMENT (mesh, format), SVO_UNSUPPORTED (a mesh with materials, textures or double positions; a
+ *          .glb file of 4 GiB or more) or SVO_FILE_ERROR on failure. */
+SVO_API svo_status svo_mesh_save(const svo_mesh *mesh, svo_sink sink, svo_mesh_format format, svo_message *message);
+
 /** Does the work of an import's child process. A program that imports through itself calls this first in main().
  *
  * \param argc of main

@@ -12,6 +12,7 @@
  *     rays        triangles, voxels, pictures      trace.h
  *     svo_compact smaller forms of a tree          compact.h
  *     svo_sdf     signed distance fields           sdf.h
+ *     svo_surface closed meshes out of fields      surface.h
  *     svo_moving  one tree of objects that move    moving.h
  *     svo_scene   many placed trees                scene.h
  *     svo_light   light in a tree, cones           light.h
@@ -38,6 +39,7 @@
 #include "svocl/solid.h"
 #include "svocl/status.h"
 #include "svocl/submit.h"
+#include "svocl/surface.h"
 #include "svocl/trace.h"
 #include "svocl/tree.h"
 #include "svocl/version.h"

@@ -23,6 +23,7 @@
 
 #include "svocl/files.h"
 #include "svocl/memory.h"
+#include "svocl/sdf.h"
 #include "svocl/status.h"
 #include "svocl/voxels.h"
 
@@ -197,6 +198,17 @@ SVO_API svo_status svo_voxels_save(const svo_voxels *voxels, svo_sink sink, svo_
  *          rectangles in a .ply file) or SVO_OUT_OF_HOST_MEMORY on failure. */
 SVO_API svo_status svo_voxels_save_faces(const svo_voxels *voxels, svo_sink sink, svo_voxel_format format,
                                          svo_voxels_save_info *info, svo_message *message);
+
+/** Writes a signed distance field as a .nvdb file (see files.h): a level set "surface" of floats, NanoVDB's form of
+ *  what programs of volumes take. The field's voxels are active, at the field's places in the world. What is not in a
+ *  band has its width as the distance, negative inside; in a dense field all voxels are active. -0 becomes -FLT_MIN.
+ *
+ * \param sdf with host arrays (svo_sdf_download), at most 4096^3 voxels
+ * \param sink receives the file
+ * \param message receives the reason for a failure; NULL allowed
+ * \returns SVO_FILE_ERROR, SVO_UNSUPPORTED (more voxels along an axis; svocl was built without NanoVDB's header),
+ *          SVO_INVALID_ARGUMENT or SVO_OUT_OF_HOST_MEMORY on failure. */
+SVO_API svo_status svo_sdf_save(const svo_sdf *sdf, svo_sink sink, svo_message *message);
 
 #ifdef __cplusplus
 }

@@ -97,6 +97,7 @@ typedef struct voxel_writer {
     svo_voxels_info list;
     bool is_turned; /* the list is the caller's with z up */
     bool as_faces; /* .ply and .obj: as merged faces */
+    float background; /* .nvdb: above 0, colors are floats, distances, and this is the greatest; else 0 */
     const svo_voxel_property *properties;
     svo_voxels_save_info info;
     uint8_t *buffer; /* VOXEL_BUFFER_BYTES; owned */

@@ -17,6 +17,10 @@ svo_status svo_i_voxels_check_vox(voxel_reader *reader);
 svo_status svo_i_voxels_write_vox(voxel_writer *writer);
 svo_status svo_i_voxels_write_svx(voxel_writer *writer);
 svo_status svo_i_voxels_write_nvdb(voxel_writer *writer);
+/* Writes a list to a sink, for the functions that save lists. writer: what is to be written, and how. info: NULL
+   allowed. */
+svo_status svo_i_voxels_save_by(const char *function, const svo_voxels *voxels, svo_sink sink, svo_voxel_format format,
+                                voxel_writer *writer, svo_voxels_save_info *info, svo_message *message);
 /* Writes the merged faces as .ply or .obj. */
 svo_status svo_i_voxels_write_faces(voxel_writer *writer, svo_voxel_format format);
 

@@ -49,6 +49,7 @@ enum { NVDB_LEAF, NVDB_LOWER, NVDB_UPPER, NVDB_ROOT, NVDB_NODE_LEVELS = NVDB_ROO
 #define NVDB_DENSITY  "density"
 #define NVDB_COLOR    "color"
 #define NVDB_MATERIAL "material"
+#define NVDB_SURFACE  "surface" /* a level set */
 
 /* The log2 of the voxels along an edge of a node, and of the children along it. */
 static inline uint32_t nvdb_voxels_log2(int level)

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The .nvdb writer: a grid "density", a fog volume of 4 bits a voxel that is 1 where a voxel is, and, where there are
- * any, grids "color" (RGBA8) and "material" of the same voxels. A grid is made in memory: its headers need what comes
- * last. All bytes between fields are 0, so that equal voxels make equal files.
+ * any, grids "color" (RGBA8) and "material" of the same voxels. Distances are a grid "surface", a level set of floats:
+ * what is not in the band has the greatest distance of it, negative inside. A grid is made in memory: its headers need
+ * what comes last. All bytes between fields are 0, so that equal voxels make equal files.
  */
 #include <inttypes.h>
 
@@ -24,6 +25,8 @@ typedef struct grid_kind {
 static const grid_kind density = {NVDB_DENSITY, PNANOVDB_GRID_TYPE_FP4, PNANOVDB_GRID_CLASS_FOG_VOLUME};
 static const grid_kind color = {NVDB_COLOR, PNANOVDB_GRID_TYPE_RGBA8, PNANOVDB_GRID_CLASS_VOXEL_VOLUME};
 static const grid_kind material = {NVDB_MATERIAL, PNANOVDB_GRID_TYPE_UINT32, PNANOVDB_GRID_CLASS_VOXEL_VOLUME};
+
+static const grid_kind surface = {NVDB_SURFACE, PNANOVDB_GRID_TYPE_FLOAT, PNANOVDB_GRID_CLASS_LEVEL_SET};
 
 /* The voxels of all grids, node by node. */
 typedef struct shape {
@@ -187,7 +190,7 @@ static void put_value(grid *g, const svo_voxel *voxel, uint32_t place)
     set_bit(g, g->at[NVDB_LEAF] + PNANOVDB_LEAF_OFF_VALUE_MASK, place);
     if (g->kind == &density) {
         g->bytes[table + (place >> 1)] |= (uint8_t)(1u << 4 * (place & 1u));
-    } else if (g->kind == &color) {
+    } else if (g->kind == &color || g->kind == &surface) {
         put(g, table + 4u * (uint64_t)place, voxel->rgba, sizeof voxel->rgba);
     } else {
         put_u32(g, table + 4u * (uint64_t)place, voxel->material);
@@ -245,6 +248,97 @@ static void sort_tiles(grid *g)
         }
         memcpy(tiles + place * bytes, held, bytes);
     }
+}
+
+/*
+ * ---- what is not in the band ----
+ *
+ * Signs of voxels and of parts of nodes without voxels: that of the voxel before them in their row, of the row before
+ * in its plane, or of the plane before, which is the flood fill of OpenVDB's level sets.
+ */
+
+static float get_float(const grid *g, uint64_t at)
+{
+    float value = 0.0f;
+    memcpy(&value, g->bytes + at, sizeof value);
+    return value;
+}
+
+static bool has_bit(const grid *g, uint64_t mask, uint32_t bit)
+{
+    return (g->bytes[mask + (bit >> 3)] >> (bit & 7u) & 1u) != 0;
+}
+
+/* The value of the first or the last voxel of a node. */
+static float end_value(const grid *g, uint64_t node, int level, bool last)
+{
+    const pnanovdb_grid_type_constants_t *p = g->parts.places;
+    for (; level > NVDB_LEAF; --level) {
+        const uint32_t entry = last ? (1u << 3 * nvdb_children_log2(level)) - 1 : 0;
+        const uint64_t place = node + nvdb_table(p, level) + (uint64_t)p->table_stride * entry;
+        int64_t child = 0;
+        if (!has_bit(g, node + nvdb_child_mask(level), entry)) {
+            return get_float(g, place);
+        }
+        memcpy(&child, g->bytes + place, sizeof child);
+        node += (uint64_t)child;
+    }
+    return get_float(g, node + p->leaf_off_table + (last ? 4u * 511u : 0u));
+}
+
+/* Whether an entry of a node has a sign of its own; then *inside is that of its first or its last voxel. */
+static bool has_sign(const grid *g, uint64_t node, int level, uint32_t entry, bool last, bool *inside)
+{
+    const pnanovdb_grid_type_constants_t *p = g->parts.places;
+    const uint64_t mask = node + (level == NVDB_LEAF ? PNANOVDB_LEAF_OFF_VALUE_MASK : nvdb_child_mask(level));
+    if (!has_bit(g, mask, entry)) {
+        return false;
+    }
+    if (level == NVDB_LEAF) {
+        *inside = get_float(g, node + p->leaf_off_table + 4 * (uint64_t)entry) < 0.0f;
+        return true;
+    }
+    int64_t child = 0;
+    memcpy(&child, g->bytes + node + nvdb_table(p, level) + (uint64_t)p->table_stride * entry, sizeof child);
+    *inside = end_value(g, node + (uint64_t)child, level - 1, last) < 0.0f;
+    return true;
+}
+
+/* Fills the entries of a node that have no sign of their own. */
+static void fill_node(grid *g, uint64_t node, int level)
+{
+    const pnanovdb_grid_type_constants_t *p = g->parts.places;
+    const uint32_t bits = nvdb_children_log2(level);
+    const uint32_t count = 1u << 3 * bits;
+    const uint32_t along = (1u << bits) - 1;
+    const uint64_t table = node + (level == NVDB_LEAF ? p->leaf_off_table : nvdb_table(p, level));
+    const uint64_t stride = level == NVDB_LEAF ? sizeof(float) : p->table_stride;
+    bool of_plane = false;
+    for (uint32_t entry = 0; entry < count && !has_sign(g, node, level, entry, false, &of_plane); ++entry) {
+    }
+    bool of_row = of_plane;
+    bool inside = of_plane;
+    for (uint32_t entry = 0; entry < count; ++entry) {
+        const bool begins_row = (entry & along) == 0;
+        const bool begins_plane = begins_row && (entry >> bits & along) == 0;
+        inside = begins_plane ? of_plane : begins_row ? of_row : inside;
+        if (!has_sign(g, node, level, entry, true, &inside)) {
+            const float value = inside ? -g->of->writer->background : g->of->writer->background;
+            put(g, table + stride * entry, &value, sizeof value);
+        }
+        of_row = begins_row ? inside : of_row;
+        of_plane = begins_plane ? inside : of_plane;
+    }
+}
+
+static void fill_background(grid *g)
+{
+    for (int level = NVDB_LEAF; level < NVDB_NODE_LEVELS; ++level) {
+        for (uint32_t i = 0; i < g->parts.counts[level]; ++i) {
+            fill_node(g, g->parts.nodes[level] + (uint64_t)i * nvdb_node_bytes(g->parts.places, level), level);
+        }
+    }
+    put(g, g->parts.root + g->parts.places->root_off_background, &g->of->writer->background, sizeof(float));
 }
 
 /* ---- the headers of a grid ---- */
@@ -340,6 +434,9 @@ static svo_status make_grid(const shape *of, const grid_kind *kind, grid *made)
         }
     }
     fill_nodes(made);
+    if (kind == &surface) {
+        fill_background(made);
+    }
     sort_tiles(made);
     put_headers(made);
     svo_i_nvdb_sums(made->bytes, parts, sums);
@@ -408,13 +505,14 @@ svo_status svo_i_voxels_write_nvdb(voxel_writer *writer)
     bool has_colors = false;
     bool has_materials = false;
     svo_status status = SVO_OK;
-    for (uint64_t i = 0; i < writer->list.voxel_count; ++i) {
+    const bool is_surface = writer->background > 0.0f;
+    for (uint64_t i = 0; i < writer->list.voxel_count && !is_surface; ++i) {
         static const uint8_t white[4] = {255, 255, 255, 255};
         has_colors = has_colors || memcmp(writer->voxels[i].rgba, white, sizeof white) != 0;
         has_materials = has_materials || writer->voxels[i].material != 0;
     }
     SVO_I_TRY_CLEANUP(make_shape(writer, &of));
-    SVO_I_TRY_CLEANUP(make_grid(&of, &density, &grids[0]));
+    SVO_I_TRY_CLEANUP(make_grid(&of, is_surface ? &surface : &density, &grids[0]));
     if (has_colors) {
         SVO_I_TRY_CLEANUP(make_grid(&of, &color, &grids[grid_count++]));
     }

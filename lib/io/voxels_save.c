@@ -308,9 +308,8 @@ cleanup:
     return status;
 }
 
-/* Writes to a sink, for either function. */
-static svo_status save(const char *function, const svo_voxels *voxels, svo_sink sink, svo_voxel_format format,
-                       voxel_writer *writer, svo_voxels_save_info *info, svo_message *message)
+svo_status svo_i_voxels_save_by(const char *function, const svo_voxels *voxels, svo_sink sink, svo_voxel_format format,
+                                voxel_writer *writer, svo_voxels_save_info *info, svo_message *message)
 {
     SVO_I_TRY(info == NULL ? SVO_OK
                            : svo_i_struct_check(message, function, "info", info,
@@ -338,7 +337,7 @@ svo_status svo_voxels_save(const svo_voxels *voxels, svo_sink sink, svo_voxel_fo
                    : svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: format %d is not in %d .. %d", function,
                                 (int)format, SVO_VOXEL_FORMAT_VOX, SVO_VOXEL_FORMAT_NVDB);
     }
-    return save(function, voxels, sink, format, &writer, info, message);
+    return svo_i_voxels_save_by(function, voxels, sink, format, &writer, info, message);
 }
 
 svo_status svo_voxels_save_faces(const svo_voxels *voxels, svo_sink sink, svo_voxel_format format,
@@ -359,5 +358,5 @@ svo_status svo_voxels_save_faces(const svo_voxels *voxels, svo_sink sink, svo_vo
                                  : svo_i_fail(message, SVO_INVALID_ARGUMENT, "%s: format %d is neither %d nor %d",
                                               function, (int)format, SVO_VOXEL_FORMAT_PLY, SVO_VOXEL_FORMAT_OBJ);
     }
-    return save(function, voxels, sink, format, &writer, info, message);
+    return svo_i_voxels_save_by(function, voxels, sink, format, &writer, info, message);
 }

@@ -299,6 +299,37 @@ static svo_status run_voxels(subject *of)
     return status;
 }
 
+/* ---- surfaces ---- */
+
+/* A ball with the colors of the tree, as a mesh file. */
+static svo_status run_surface(subject *of)
+{
+    enum { SIDE = 7 };
+    float distances[SIDE * SIDE * SIDE];
+    for (int i = 0; i < SIDE * SIDE * SIDE; ++i) {
+        const int x = i % SIDE - 3, y = i / SIDE % SIDE - 3, z = i / SIDE / SIDE - 3;
+        distances[i] = (float)(x * x + y * y + z * z) - 6.5F;
+    }
+    const svo_surface_field field = {.struct_size = sizeof field,
+                                     .distances = distances,
+                                     .voxel_count = SIDE * SIDE * SIDE,
+                                     .size = {SIDE, SIDE, SIDE},
+                                     .spacing = 0.1};
+    const svo_surface_options options = {
+        .struct_size = sizeof options, .parts = SVO_SURFACE_NORMALS | SVO_SURFACE_COLORS, .tree = of->tree};
+    svo_surface *surface = NULL;
+    SVO_I_TRY(svo_surface_create(&field, &options, &surface, &of->message));
+    const svo_status status =
+        svo_mesh_save(svo_surface_get_mesh(surface), svo_to_path(world.vox_path), SVO_MESH_FORMAT_GLB, &of->message);
+    svo_surface_destroy(&surface);
+    return status;
+}
+
+static void digest_surface(subject *of)
+{
+    digest_file(of, world.vox_path);
+}
+
 /* ---- parts ---- */
 
 #define PART_BYTES 500000
@@ -470,6 +501,7 @@ static const scenario rows[] = {
     {"import_stl", false, true, prepare_stl, run_import, NULL, destroy_all},
     {"import_off", false, true, prepare_off, run_import, NULL, destroy_all},
     {"voxels", false, false, prepare_nothing, run_voxels, NULL, destroy_all},
+    {"surface", false, false, prepare_host_tree, run_surface, digest_surface, destroy_all},
     {"parts", false, false, prepare_parts, run_parts, NULL, destroy_all},
     {"parts_of_ply", false, false, prepare_parts_of_ply, run_parts, NULL, destroy_all},
     {"parts_of_stl", false, false, prepare_parts_of_stl, run_parts, NULL, destroy_all},

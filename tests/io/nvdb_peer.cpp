@@ -149,6 +149,30 @@ const char *nvdb_peer_read(const char *path, nvdb_voxel **voxels, size_t *count)
     return problem.empty() ? nullptr : problem.c_str();
 }
 
+const char *nvdb_peer_read_surface(const char *path, int side, nvdb_distance *values, double center[3])
+{
+    problem.clear();
+    try {
+        const handles all = nanovdb::io::readGrids(path);
+        const auto *grid = find<float>(all, "surface");
+        if (grid == nullptr || !grid->isLevelSet() || all.size() != 1) {
+            return "no level set \"surface\", or other grids";
+        }
+        auto accessor = grid->getAccessor();
+        for (int i = 0; i < side * side * side; ++i) {
+            const nanovdb::Coord at(i % side, i / side % side, i / side / side);
+            values[i] = {accessor.getValue(at), accessor.isActive(at)};
+        }
+        const nanovdb::Vec3d first = grid->indexToWorld(nanovdb::Vec3d(0.0));
+        for (int axis = 0; axis < 3; ++axis) {
+            center[axis] = first[axis];
+        }
+    } catch (const std::exception &failure) {
+        problem = failure.what();
+    }
+    return problem.empty() ? nullptr : problem.c_str();
+}
+
 void nvdb_peer_write(const char *path, nvdb_kind kind, nvdb_voxel **voxels, size_t *count)
 {
     copy_out(kind == NVDB_SPHERE_FLOAT    ? write_sphere<float, float>(path)

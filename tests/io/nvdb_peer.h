@@ -32,6 +32,16 @@ typedef enum nvdb_kind {
    and 0 without them. Returns NULL if all grids are valid, else why not. */
 const char *nvdb_peer_read(const char *path, nvdb_voxel **voxels, size_t *count);
 
+/* What a level set "surface" has at a place. */
+typedef struct nvdb_distance {
+    float value;
+    int is_active;
+} nvdb_distance;
+
+/* The values of a level set of floats at all places from 0 to side - 1 along each axis, x + side (y + side z), and
+   where place 0, 0, 0 is in the world. Returns NULL if the grid is valid, else why not. */
+const char *nvdb_peer_read_surface(const char *path, int side, nvdb_distance *values, double center[3]);
+
 /* Writes a file of a kind. voxels: those that a reader should find, by malloc, by a search with NanoVDB's accessors. */
 void nvdb_peer_write(const char *path, nvdb_kind kind, nvdb_voxel **voxels, size_t *count);
 

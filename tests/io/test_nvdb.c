@@ -4,6 +4,7 @@
  * NanoVDB writes; files that lie about their nodes are refused, byte by byte.
  */
 #include <inttypes.h>
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -16,7 +17,9 @@
 
 #include "io/voxels_nvdb_file.h"
 #include "nvdb_peer.h"
+#include "sdf/handle.h"
 #include "support/suite.h"
+#include "svocl/nodes.h"
 #include "svocl/voxel_files.h"
 
 #define NAME "file"
@@ -369,6 +372,111 @@ static void test_changes(void **state)
     free(file.bytes);
 }
 
+/* ---- distances ---- */
+
+enum { SIDE = 64, SITES = SIDE * SIDE * SIDE };
+
+/* Of a hollow ball, in voxels; its inside has whole leaves. */
+static float ball_distance(const uint32_t cell[3])
+{
+    const double x = cell[0] - 31.3;
+    const double y = cell[1] - 30.8;
+    const double z = cell[2] - 32.1;
+    const double away = sqrt(x * x + y * y + z * z);
+    return (float)fmax(away - 27.4, 4.2 - away);
+}
+
+static uint64_t find_band(float band, float *distances, uint64_t *codes)
+{
+    uint64_t count = 0;
+    for (uint64_t code = 0; code < SITES; ++code) {
+        uint32_t cell[3];
+        svo_code_to_cell(code, cell);
+        const float distance = ball_distance(cell);
+        if (fabsf(distance) < band) {
+            distances[count] = 0.25F * distance;
+            codes[count++] = code;
+        }
+    }
+    return count;
+}
+
+/* NanoVDB finds the band's distances in their places, and signs of all else. */
+static void check_surface(const char *path, float band, const double origin[3])
+{
+    nvdb_distance *values = malloc(SITES * sizeof *values);
+    double center[3];
+    assert_non_null(values);
+    const char *problem = nvdb_peer_read_surface(path, SIDE, values, center);
+    if (problem != NULL) {
+        fail_msg("%s", problem);
+    }
+    for (uint32_t i = 0; i < SITES; ++i) {
+        const uint32_t cell[3] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
+        const float distance = ball_distance(cell);
+        const bool is_active = band == 0 || fabsf(distance) < band;
+        const float expected = 0.25F * (is_active ? distance : distance < 0 ? -band : band);
+        if (values[i].value != expected || (values[i].is_active != 0) != is_active) {
+            fail_msg("voxel %u %u %u: %.9g, not %.9g", cell[0], cell[1], cell[2], (double)values[i].value,
+                     (double)expected);
+        }
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        assert_true(center[axis] == origin[axis] + 0.125);
+    }
+    free(values);
+}
+
+static void test_distances(void **state)
+{
+    (void)state;
+    static const double origin[3] = {-3.0, 2.5, 0.75};
+    static const float bands[] = {2.5F, 6.0F, 0.0F};
+    float *distances = malloc(SITES * sizeof *distances);
+    uint64_t *codes = malloc(SITES * sizeof *codes);
+    svo_message message = {""};
+    char path[64];
+    assert_non_null(distances);
+    assert_non_null(codes);
+    make_path(path);
+    for (int i = 0; i < 3; ++i) {
+        /* A field without a device. */
+        svo_sdf sdf = {.info = {.struct_size = sizeof sdf.info, .depth = 6, .band = bands[i], .spacing = 0.25},
+                       .host = {distances, bands[i] > 0 ? codes : NULL}};
+        memcpy(sdf.info.origin, origin, sizeof sdf.info.origin);
+        sdf.info.voxel_count = find_band(bands[i] > 0 ? bands[i] : 1000.0F, distances, codes);
+        for (uint32_t at = 0; at < SITES && bands[i] == 0; ++at) {
+            const uint32_t cell[3] = {at % SIDE, at / SIDE % SIDE, at / SIDE / SIDE};
+            distances[at] = 0.25F * ball_distance(cell);
+        }
+        if (svo_sdf_save(&sdf, svo_to_path(path), &message) != SVO_OK) {
+            fail_msg("%s", message.text);
+        }
+        check_surface(path, bands[i], origin);
+        /* What is inside comes back as voxels. */
+        uint64_t inside = 0;
+        svo_voxels *list = NULL;
+        for (uint64_t code = 0; code < SITES; ++code) {
+            uint32_t cell[3];
+            svo_code_to_cell(code, cell);
+            inside += ball_distance(cell) < 0;
+        }
+        assert_int_equal(svo_voxels_load(svo_from_path(path), NULL, &list, NULL, &message), SVO_OK);
+        assert_int_equal(info_of(list).voxel_count, inside);
+        svo_voxels_destroy(&list);
+    }
+    svo_sdf wrong = {.info = {.struct_size = sizeof wrong.info, .depth = 13, .voxel_count = 1}};
+    assert_int_equal(svo_sdf_save(&wrong, svo_to_path(path), &message), SVO_INVALID_ARGUMENT);
+    assert_non_null(strstr(message.text, "call svo_sdf_download first"));
+    wrong.host[SVO_SDF_DISTANCES] = distances;
+    assert_int_equal(svo_sdf_save(&wrong, svo_to_path(path), &message), SVO_UNSUPPORTED);
+    assert_non_null(strstr(message.text, "depth 13 is above 12"));
+    assert_int_equal(svo_sdf_save(NULL, svo_to_path(path), &message), SVO_INVALID_ARGUMENT);
+    assert_int_equal(unlink(path), 0);
+    free(distances);
+    free(codes);
+}
+
 TEST_GROUP(nvdb)
 {
     const struct CMUnitTest tests[] = {
@@ -378,6 +486,7 @@ TEST_GROUP(nvdb)
         cmocka_unit_test(test_tiles),
         cmocka_unit_test(test_level_set_of_four_bits),
         cmocka_unit_test(test_changes),
+        cmocka_unit_test(test_distances),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

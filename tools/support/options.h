@@ -53,7 +53,9 @@ enum option_group {
 #define OPTION_DIFF_COMMAND ((uint64_t)1 << 32) /* a second INPUT, picture */
 #define OPTION_TUNE_COMMAND ((uint64_t)1 << 33) /* what is free, bounds, files */
 #define OPTION_TREE_FORM    ((uint64_t)1 << 34) /* the form of a tree that is held or written */
-#define OPTION_SDF_COMMAND  ((uint64_t)1 << 35) /* band, sign, margin */
+#define OPTION_SDF_COMMAND  ((uint64_t)1 << 35) /* band */
+#define OPTION_DISTANCES    ((uint64_t)1 << 36) /* sign, margin */
+#define OPTION_MESH_COMMAND ((uint64_t)1 << 37) /* iso, colors */
 
 enum option_frontend {
     OPTION_FRONTEND_AUTO = 0,
@@ -209,8 +211,10 @@ typedef struct options {
     double scale; /* view: of panels; 0: not given */
     const char *script_path; /* view: NULL: not given */
     double band; /* sdf: voxels; 0: dense */
-    double margin; /* sdf: voxels; below 0: not given */
-    int sign; /* sdf: svo_solid_rule or OPTION_SIGN_NONE */
+    double margin; /* sdf, mesh: voxels; below 0: not given */
+    double iso; /* mesh: world units */
+    uint64_t colors; /* mesh: a flag */
+    int sign; /* sdf, mesh: svo_solid_rule or OPTION_SIGN_NONE */
     uint64_t max_voxels; /* of voxel files and trees; 0: by memory */
     uint64_t max_memory; /* build, parts: bytes that a part may take; 0: not given */
     uint64_t resume; /* build: a flag */

@@ -311,6 +311,14 @@ static int read_amount(program *state, const rule *option, const char *value)
     return PROGRAM_DONE;
 }
 
+static int read_distance(program *state, const rule *option, const char *value)
+{
+    char *end = NULL;
+    return parse_number(value, &end, field(state, option)) && *end == '\0'
+               ? PROGRAM_DONE
+               : program_fail(state, PROGRAM_WRONG_USAGE, "--%s '%s' is not a number", option->name, value);
+}
+
 /* A number of seconds with a unit: 20s, 500ms. */
 static int read_seconds(program *state, const rule *option, const char *value)
 {
@@ -633,10 +641,14 @@ static const rule rules[] = {
      "also fill the inside, by winding or parity; -o then writes the solid (not filled)"},
     {"band", '\0', OPTION_SDF_COMMAND, "VOXELS", read_amount, FIELD(band), 0, 0, NULL,
      "only voxels less than so many voxels' widths from the surface; 0: all voxels (3)"},
-    {"sign", '\0', OPTION_SDF_COMMAND, "RULE", read_choice, FIELD(sign), 0, 0, signs,
+    {"iso", '\0', OPTION_MESH_COMMAND, "DISTANCE", read_distance, FIELD(iso), 0, 0, NULL,
+     "where the surface is: at this distance from the mesh, in its units; below 0 inside (0)"},
+    {"colors", '\0', OPTION_MESH_COMMAND, NULL, read_flag, FIELD(colors), 0, 0, NULL,
+     "vertices also have colors, those of the nearest voxels (positions and normals)"},
+    {"sign", '\0', OPTION_DISTANCES, "RULE", read_choice, FIELD(sign), 0, 0, signs,
      "what is inside, with negative distances: winding, parity, none (winding)"},
-    {"margin", '\0', OPTION_SDF_COMMAND, "VOXELS", read_amount, FIELD(margin), 0, 0, NULL,
-     "room around the mesh in its grid, on each side (the band and 1; 4 with --band 0)"},
+    {"margin", '\0', OPTION_DISTANCES, "VOXELS", read_amount, FIELD(margin), 0, 0, NULL,
+     "room around the mesh in its grid, on each side (the band and 1; of dense fields 4; of mesh 2)"},
     {"axes", '\0', OPTION_BUILD | OPTION_CONVERT_COMMAND, "NAME", read_choice, FIELD(axes), 0, 0, axes_of_files,
      "what is up in files: auto, z in .vox, else y; z-up; keep, nothing is turned (auto)"},
     {"weld", '\0', OPTION_BUILD, "DISTANCE", read_amount, FIELD(weld), 0, 0, NULL,

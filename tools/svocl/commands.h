@@ -19,6 +19,7 @@ int command_view(program *state);
 int command_trace(program *state);
 int command_gather(program *state);
 int command_sdf(program *state);
+int command_mesh(program *state);
 int command_parts(program *state);
 int command_completion(program *state);
 int command_man(program *state);

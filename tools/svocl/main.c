@@ -58,6 +58,7 @@ int main(int argument_count, char **arguments)
         {"trace", command_trace},
         {"gather", command_gather},
         {"sdf", command_sdf},
+        {"mesh", command_mesh},
         {"kernels", command_kernels},
         {"completion", command_completion},
         {"man", command_man},

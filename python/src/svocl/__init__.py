@@ -105,6 +105,7 @@ from ._generated import (
     SourceKind,
     StageTime,
     Status,
+    SurfaceInfo,
     TraceMode,
     TreeBuffer,
     TreeInfo,
@@ -127,6 +128,7 @@ from ._plan import Plan
 from ._probes import Probes
 from ._scene import Scene, SceneLight, make_instances
 from ._sdf import Sdf, sdf
+from ._surface import Surface, surface
 from ._tree import TREE_ARGUMENTS, Camera, Tree, TreeArrays, kernel_options, kernel_source, make_rays
 from ._tune import TuneResult, TuneSetting, tune
 from ._voxels import Voxels, make_voxels
@@ -218,6 +220,8 @@ __all__ = [
     "SourceKind",
     "StageTime",
     "Status",
+    "Surface",
+    "SurfaceInfo",
     "Texels",
     "Texture",
     "TraceMode",
@@ -260,6 +264,7 @@ __all__ = [
     "scene_hit_dtype",
     "scene_triangle_hit_dtype",
     "sdf",
+    "surface",
     "tune",
     "vertex_normals",
     "voxel_dtype",
