@@ -54,6 +54,7 @@ enum option_group {
 #define OPTION_TUNE_COMMAND ((uint64_t)1 << 33) /* what is free, bounds, files */
 #define OPTION_TREE_FORM    ((uint64_t)1 << 34) /* the form of a tree that is held or written */
 #define OPTION_SDF_COMMAND  ((uint64_t)1 << 35) /* band, sign, margin */
+#define OPTION_EDIT_COMMAND ((uint64_t)1 << 36) /* a second argument, the script; the memory of nodes */
 
 enum option_frontend {
     OPTION_FRONTEND_AUTO = 0,
@@ -112,7 +113,7 @@ typedef struct options {
     const char *input; /* the argument that is not an option; NULL: none */
     const char *further_inputs[OPTION_INPUTS_MAX]; /* bench: the arguments after input */
     size_t further_count;
-    const char *second_input; /* diff: the argument after input; NULL: none */
+    const char *second_input; /* diff, edit: the argument after input; NULL: none */
     const char *subject; /* bench: what is measured; parts: what is done; the argument before input */
     uint64_t given_groups; /* groups of the options on the command line */
     uint64_t given_rules[OPTION_RULES_MAX / 64]; /* those options: bits, by their places in the table */
@@ -212,7 +213,7 @@ typedef struct options {
     double margin; /* sdf: voxels; below 0: not given */
     int sign; /* sdf: svo_solid_rule or OPTION_SIGN_NONE */
     uint64_t max_voxels; /* of voxel files and trees; 0: by memory */
-    uint64_t max_memory; /* build, parts: bytes that a part may take; 0: not given */
+    uint64_t max_memory; /* build, parts: bytes that a part may take; edit: nodes; 0: not given */
     uint64_t resume; /* build: a flag */
     const char *part; /* parts: NULL: not given, else an index or LEVEL-CODE */
     uint64_t animate, verify_frames; /* render: flags */
