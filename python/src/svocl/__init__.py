@@ -64,6 +64,8 @@ from ._generated import (
     CompileError,
     Coverage,
     DeviceUnreliableError,
+    EditInfo,
+    EditVerb,
     Error,
     FileDamagedError,
     FileError,
@@ -117,6 +119,7 @@ from ._generated import (
     Weights,
     Wrap,
 )
+from ._edit import Box, Capsule, Edit, Sphere
 from ._light import LIGHT_ARGUMENTS, Light, LightSource, light_kernel_source, make_gather_points
 from ._mesh import NO_VERTEX, DeviceMesh, Finish, Material, Mesh, Texture, has_io, read_mesh
 from ._moving import Moving
@@ -143,6 +146,7 @@ __all__ = [
     "TREE_ARGUMENTS",
     "Axes",
     "BakedVertices",
+    "Box",
     "BuildReport",
     "Builder",
     "BvhQuality",
@@ -150,6 +154,7 @@ __all__ = [
     "Camera",
     "CanceledError",
     "CapacityExceededError",
+    "Capsule",
     "Certainty",
     "Compact",
     "CompactArrays",
@@ -160,6 +165,9 @@ __all__ = [
     "Device",
     "DeviceMesh",
     "DeviceUnreliableError",
+    "Edit",
+    "EditInfo",
+    "EditVerb",
     "Error",
     "Event",
     "FileDamagedError",
@@ -216,6 +224,7 @@ __all__ = [
     "SolidInfo",
     "SolidRule",
     "SourceKind",
+    "Sphere",
     "StageTime",
     "Status",
     "Texels",
