@@ -40,6 +40,8 @@ typedef enum svo_name_kind {
     SVO_NAME_GL_CONTEXT_KIND, /**< svo_gl_context_kind: "surfaceless", "egl-device", "osmesa", "wrapped" */
     SVO_NAME_GL_RASTER, /**< svo_gl_raster: "auto", "gl-expand", "gl-hw", "gl-hybrid" */
     SVO_NAME_GL_SHARE, /**< svo_gl_share: "auto", "interop", "host", "copy" */
+    SVO_NAME_EDIT_VERB, /**< svo_edit_verb: "set", "add", "clear", "keep", "paint" */
+    SVO_NAME_EDIT_SHAPE, /**< svo_edit_shape: "box", "sphere", "capsule", "voxels" */
     SVO_NAME_KINDS /**< number of kinds */
 } svo_name_kind;
 

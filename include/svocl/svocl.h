@@ -18,6 +18,7 @@
  *     svo_light   light in a tree, cones           light.h
  *     svo_probes  light field probes               probes.h
  *     svo_voxels  given voxels -> tree, and back   voxels.h
+ *     svo_edit    edits of voxels, undo and redo   edit.h
  */
 #ifndef SVOCL_SVOCL_H
 #define SVOCL_SVOCL_H
@@ -25,6 +26,7 @@
 #include "svocl/build.h"
 #include "svocl/compact.h"
 #include "svocl/device.h"
+#include "svocl/edit.h"
 #include "svocl/export.h"
 #include "svocl/light.h"
 #include "svocl/memory.h"

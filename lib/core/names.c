@@ -65,6 +65,8 @@ static const char *const context_kinds[SVO_GL_WRAPPED + 1] = {[SVO_GL_SURFACELES
                                                               [SVO_GL_WRAPPED] = "wrapped"};
 static const char *const rasters[] = {"auto", "gl-expand", "gl-hw", "gl-hybrid"};
 static const char *const shares[] = {"auto", "interop", "host", "copy"};
+static const char *const edit_verbs[] = {"set", "add", "clear", "keep", "paint"};
+static const char *const edit_shapes[] = {"box", "sphere", "capsule", "voxels"};
 
 static const name_list lists[SVO_NAME_KINDS] = {
     [SVO_NAME_STATUS] = NAME_LIST(statuses, "unknown status"),
@@ -90,6 +92,8 @@ static const name_list lists[SVO_NAME_KINDS] = {
     [SVO_NAME_GL_CONTEXT_KIND] = NAME_LIST(context_kinds, "unknown context kind"),
     [SVO_NAME_GL_RASTER] = NAME_LIST(rasters, "unknown"),
     [SVO_NAME_GL_SHARE] = NAME_LIST(shares, "unknown"),
+    [SVO_NAME_EDIT_VERB] = NAME_LIST(edit_verbs, "unknown verb"),
+    [SVO_NAME_EDIT_SHAPE] = NAME_LIST(edit_shapes, "unknown shape"),
 };
 
 /* The index of a bit; more than any for what is no single bit. */

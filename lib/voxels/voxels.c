@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Lists of voxels: each place once, in Morton order. Files and trees are made from them, and they from those. */
+#include "voxels/voxels.h"
+
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -8,7 +10,6 @@
 #include "core/memory.h"
 #include "core/struct_size.h"
 #include "core/tree.h"
-#include "core/voxel_list.h"
 #include "svocl/nodes.h"
 
 #define COORDINATE_MAX (1 << 30)
@@ -233,6 +234,12 @@ cleanup:
     return status;
 }
 
+svo_status svo_i_voxels_take(const svo_i_memory *memory, const svo_voxels_source *source, svo_voxel *voxels,
+                             svo_voxels **out, svo_message *message)
+{
+    return take_voxels(memory, source, voxels, NULL, out, message);
+}
+
 svo_status svo_voxels_create(const svo_voxels_source *source, svo_voxels **out, svo_message *message)
 {
     svo_voxels_source given;
@@ -417,7 +424,7 @@ svo_status svo_tree_get_voxels(const svo_tree *tree, svo_voxels **out, svo_messa
                           (unsigned long long)info->leaf_count);
     }
     fill_leaves(tree, offset, voxels);
-    const svo_status status = take_voxels(&tree->memory, &source, voxels, NULL, out, message);
+    const svo_status status = svo_i_voxels_take(&tree->memory, &source, voxels, out, message);
     if (status != SVO_OK) {
         svo_i_message_rename(message, get_name);
     }

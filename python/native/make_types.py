@@ -39,6 +39,7 @@ ENUMS = (
     ("svo_light_buffer", "LightBuffer", "SVO_LIGHT_", "IntEnum"),
     ("svo_source_kind", "SourceKind", "SVO_SOURCE_", "IntEnum"),
     ("svo_probes_buffer", "ProbeBuffer", "SVO_PROBES_", "IntEnum"),
+    ("svo_edit_verb", "EditVerb", "SVO_EDIT_", "IntEnum"),
 )
 
 # What the headers have as a list and as macros: the pattern of an enumerator and its words, and the words of all.
@@ -65,6 +66,7 @@ STRUCTS = (
     ("svo_sdf_info", "SdfInfo"),
     ("svo_surface_info", "SurfaceInfo"),
     ("svo_light_info", "LightInfo"),
+    ("svo_edit_info", "EditInfo"),
     ("svo_voxels_info", "VoxelsInfo"),
     ("svo_voxel_file_info", "VoxelFileInfo"),
     ("svo_voxels_save_info", "VoxelsSaveInfo"),

@@ -622,6 +622,57 @@ static svo_status run_set_arguments(subject *of)
     return told(of, world.device, svo_kernel_set_arguments(svo_tree_target(of->tree), world.kernel, 0));
 }
 
+/* Two edits, steps of all kinds, a list and a tree. */
+static svo_status use_edit(subject *of, svo_edit *edit, svo_edit *stamp)
+{
+    svo_edit_step step = SVO_EDIT_STEP_INIT;
+    const int32_t offset[3] = {5, -3, 1};
+    svo_voxels *list = NULL;
+    svo_voxels_info info = SVO_VOXELS_INFO_INIT;
+    step.shape = SVO_EDIT_SPHERE;
+    step.radius = 6.0;
+    SVO_I_TRY(svo_edit_apply(stamp, &step, &of->message));
+    step.end[0] = 20.0;
+    step.shape = SVO_EDIT_CAPSULE;
+    SVO_I_TRY(svo_edit_apply(edit, &step, &of->message));
+    SVO_I_TRY(svo_edit_copy(edit, &step, offset, &of->message));
+    step.shape = SVO_EDIT_VOXELS;
+    step.verb = SVO_EDIT_CLEAR;
+    step.other = stamp;
+    SVO_I_TRY(svo_edit_apply(edit, &step, &of->message));
+    svo_edit_collect(edit);
+    SVO_I_TRY(svo_edit_undo(edit));
+    SVO_I_TRY(svo_edit_redo(edit));
+    SVO_I_TRY(svo_edit_get_voxels(edit, &list, &of->message));
+    (void)svo_voxels_get_info(list, &info);
+    digest(of, svo_voxels_get(list), info.voxel_count * sizeof(svo_voxel));
+    svo_voxels_destroy(&list);
+    return SVO_OK;
+}
+
+static svo_status run_edit(subject *of)
+{
+    svo_edit *edit = NULL, *stamp = NULL;
+    svo_tree *tree = NULL;
+    svo_status status = svo_edit_create(NULL, NULL, &edit, &of->message);
+    if (status == SVO_OK) {
+        status = svo_edit_create(NULL, NULL, &stamp, &of->message);
+    }
+    if (status == SVO_OK) {
+        status = use_edit(of, edit, stamp);
+    }
+    if (status == SVO_OK) {
+        status = told(of, world.device, svo_edit_commit(edit, world.device, 0, NULL, world.queue, &tree, NULL));
+    }
+    if (status == SVO_OK) {
+        status = told(of, world.device, digest_tree(of, tree));
+    }
+    svo_tree_destroy(&tree);
+    svo_edit_destroy(&stamp);
+    svo_edit_destroy(&edit);
+    return status;
+}
+
 static const scenario rows[] = {
     {"device", false, false, prepare_nothing, run_device, NULL, destroy_all},
     {"limited_device", false, false, prepare_nothing, run_limited_device, NULL, destroy_all},
@@ -647,5 +698,6 @@ static const scenario rows[] = {
     {"rays_buffers", false, false, prepare_ray_buffers, run_rays_buffers, NULL, cleanup_ray_buffers},
     {"set_arguments", false, false, prepare_tree, run_set_arguments, NULL, destroy_all},
     {"render", false, false, prepare_tree, run_render, NULL, destroy_all},
+    {"edit", false, false, prepare_nothing, run_edit, NULL, destroy_all},
 };
 const scenario_list library_scenarios = {rows, sizeof rows / sizeof rows[0]};

@@ -88,6 +88,17 @@ static const command commands[] = {
      .examples = EXAMPLES("convert castle.vox castle.svo", "convert model.svo model.vox",
                           "convert model.obj model.vox -d 7", "convert model.svo model.svc --tree-form implied",
                           "convert castle.vox castle.ply --hidden", "convert walk.vox step.binvox --frame 3")},
+    {.name = "edit",
+     .groups = BUILDS | OPTION_VOXELS | OPTION_OUTPUT | OPTION_EDIT_COMMAND | OPTION_LEVELS | OPTION_TREE_FORM |
+               OPTION_UNFOLDED,
+     .input_name = "IN SCRIPT",
+     .needs_input = true,
+     .suffixes = ".svo .svc .vox .svx .binvox .nvdb .ply .obj",
+     .needs_suffix = true,
+     .summary = "Edits the voxels of a file or a tree by the steps of a script, with shapes and other voxels.",
+     .reads_file = true,
+     .examples = EXAMPLES("edit castle.vox dig.txt -o dug.vox", "edit model.svo dig.txt -o dug.svo",
+                          "edit model.svo dig.txt --tree-form shared -o dug.svc")},
     {.name = "render",
      .groups = BUILDS | OPTION_VOXELS | OPTION_OUTPUT | OPTION_PICTURE_SIZE | OPTION_RENDER_COMMAND | OPTION_LIGHT |
                OPTION_PROBES | OPTION_LEVELS | OPTION_PAGED | OPTION_PICTURE_FILE | OPTION_TREE_FORM | OPTION_UNFOLDED,

@@ -56,6 +56,7 @@ enum option_group {
 #define OPTION_SDF_COMMAND  ((uint64_t)1 << 35) /* band */
 #define OPTION_DISTANCES    ((uint64_t)1 << 36) /* sign, margin */
 #define OPTION_MESH_COMMAND ((uint64_t)1 << 37) /* iso, colors */
+#define OPTION_EDIT_COMMAND ((uint64_t)1 << 38) /* a second argument, the script; the memory of nodes */
 
 enum option_frontend {
     OPTION_FRONTEND_AUTO = 0,
@@ -114,7 +115,7 @@ typedef struct options {
     const char *input; /* the argument that is not an option; NULL: none */
     const char *further_inputs[OPTION_INPUTS_MAX]; /* bench: the arguments after input */
     size_t further_count;
-    const char *second_input; /* diff: the argument after input; NULL: none */
+    const char *second_input; /* diff, edit: the argument after input; NULL: none */
     const char *subject; /* bench: what is measured; parts: what is done; the argument before input */
     uint64_t given_groups; /* groups of the options on the command line */
     uint64_t given_rules[OPTION_RULES_MAX / 64]; /* those options: bits, by their places in the table */
@@ -216,7 +217,7 @@ typedef struct options {
     uint64_t colors; /* mesh: a flag */
     int sign; /* sdf, mesh: svo_solid_rule or OPTION_SIGN_NONE */
     uint64_t max_voxels; /* of voxel files and trees; 0: by memory */
-    uint64_t max_memory; /* build, parts: bytes that a part may take; 0: not given */
+    uint64_t max_memory; /* build, parts: bytes that a part may take; edit: nodes; 0: not given */
     uint64_t resume; /* build: a flag */
     const char *part; /* parts: NULL: not given, else an index or LEVEL-CODE */
     uint64_t animate, verify_frames; /* render: flags */

@@ -160,7 +160,7 @@ static int parse_all(program *state, const command *which, int argument_count, c
         } else if ((which->groups & (unsigned)OPTION_CONVERT_COMMAND) != 0 && state->options.input != NULL &&
                    state->options.output_path == NULL) {
             state->options.output_path = arguments[i];
-        } else if ((which->groups & OPTION_DIFF_COMMAND) != 0 && state->options.input != NULL &&
+        } else if ((which->groups & (OPTION_DIFF_COMMAND | OPTION_EDIT_COMMAND)) != 0 && state->options.input != NULL &&
                    state->options.second_input == NULL) {
             state->options.second_input = arguments[i];
         } else if ((which->groups & (unsigned)OPTION_BENCH_COMMAND) != 0 && state->options.input != NULL &&

@@ -14,6 +14,7 @@
 #include "scenes/scenes.h"
 #include "support/suggest.h"
 #include "svocl/compact.h"
+#include "svocl/edit.h"
 #include "svocl/light.h"
 #include "svocl/probes.h"
 #include "svocl/solid.h"
@@ -631,6 +632,8 @@ static const rule rules[] = {
     {"max-memory", '\0', OPTION_BUILD_COMMAND | OPTION_PARTS_COMMAND, "BYTES", read_bytes, FIELD(max_memory), 0,
      UINT64_MAX, NULL,
      "build in parts that take at most so much memory each: 65536, 512MiB, 4GB (build: in one piece)"},
+    {"max-memory", '\0', OPTION_EDIT_COMMAND, "BYTES", read_bytes, FIELD(max_memory), SVO_EDIT_BYTES_MIN, UINT64_MAX,
+     NULL, "most memory of the nodes that are edited: 512MiB, 4GB (half of the machine's)"},
     {"resume", '\0', OPTION_BUILD_COMMAND, NULL, read_flag, FIELD(resume), 0, 0, NULL,
      "with --max-memory: keep the parts that an earlier run has finished"},
     {"part", '\0', OPTION_PARTS_COMMAND, "PART", read_text, FIELD(part), 0, 0, NULL,

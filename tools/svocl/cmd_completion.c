@@ -62,15 +62,16 @@ typedef enum argument_kind {
 
 static argument_kind kind_of(const command *which)
 {
-    return which->input_name == NULL                   ? ARGUMENT_NONE
-           : strcmp(which->input_name, "INPUT") == 0   ? ARGUMENT_INPUT
-           : strcmp(which->input_name, "A B") == 0     ? ARGUMENT_INPUT
-           : strcmp(which->input_name, "FILE") == 0    ? ARGUMENT_FILE
-           : strcmp(which->input_name, "IN OUT") == 0  ? ARGUMENT_INPUT
-           : strcmp(which->input_name, "NAME") == 0    ? ARGUMENT_SCENE
-           : strcmp(which->input_name, "SHELL") == 0   ? ARGUMENT_SHELL
-           : strcmp(which->input_name, "COMMAND") == 0 ? ARGUMENT_COMMAND
-                                                       : ARGUMENT_SUBJECT;
+    return which->input_name == NULL                     ? ARGUMENT_NONE
+           : strcmp(which->input_name, "INPUT") == 0     ? ARGUMENT_INPUT
+           : strcmp(which->input_name, "A B") == 0       ? ARGUMENT_INPUT
+           : strcmp(which->input_name, "FILE") == 0      ? ARGUMENT_FILE
+           : strcmp(which->input_name, "IN OUT") == 0    ? ARGUMENT_INPUT
+           : strcmp(which->input_name, "IN SCRIPT") == 0 ? ARGUMENT_INPUT
+           : strcmp(which->input_name, "NAME") == 0      ? ARGUMENT_SCENE
+           : strcmp(which->input_name, "SHELL") == 0     ? ARGUMENT_SHELL
+           : strcmp(which->input_name, "COMMAND") == 0   ? ARGUMENT_COMMAND
+                                                         : ARGUMENT_SUBJECT;
 }
 
 /* ---- bash ---- */
@@ -279,6 +280,9 @@ static void put_zsh_argument(FILE *script, const program *state, const command *
     }
     if ((which->groups & OPTION_DIFF_COMMAND) != 0) {
         fputs(" \\\n            '2:B:_svocl_input'", script);
+    }
+    if ((which->groups & OPTION_EDIT_COMMAND) != 0) {
+        fputs(" \\\n            '2:SCRIPT:_files'", script);
     }
     if ((which->groups & (unsigned)OPTION_CONVERT_COMMAND) != 0) {
         fputs(" \\\n            '2:OUT:_files'", script);

@@ -13,6 +13,7 @@ int command_kernels(program *state);
 int command_hash(program *state);
 int command_diff(program *state);
 int command_convert(program *state);
+int command_edit(program *state);
 int command_render(program *state);
 int command_export_web(program *state);
 int command_view(program *state);

@@ -52,6 +52,7 @@ int main(int argument_count, char **arguments)
         {"hash", command_hash},
         {"diff", command_diff},
         {"convert", command_convert},
+        {"edit", command_edit},
         {"render", command_render},
         {"view", command_view},
         {"export-web", command_export_web},

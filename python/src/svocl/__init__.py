@@ -64,6 +64,8 @@ from ._generated import (
     CompileError,
     Coverage,
     DeviceUnreliableError,
+    EditInfo,
+    EditVerb,
     Error,
     FileDamagedError,
     FileError,
@@ -118,6 +120,7 @@ from ._generated import (
     Weights,
     Wrap,
 )
+from ._edit import Box, Capsule, Edit, Sphere
 from ._light import LIGHT_ARGUMENTS, Light, LightSource, light_kernel_source, make_gather_points
 from ._mesh import NO_VERTEX, DeviceMesh, Finish, Material, Mesh, Texture, has_io, read_mesh
 from ._moving import Moving
@@ -145,6 +148,7 @@ __all__ = [
     "TREE_ARGUMENTS",
     "Axes",
     "BakedVertices",
+    "Box",
     "BuildReport",
     "Builder",
     "BvhQuality",
@@ -152,6 +156,7 @@ __all__ = [
     "Camera",
     "CanceledError",
     "CapacityExceededError",
+    "Capsule",
     "Certainty",
     "Compact",
     "CompactArrays",
@@ -162,6 +167,9 @@ __all__ = [
     "Device",
     "DeviceMesh",
     "DeviceUnreliableError",
+    "Edit",
+    "EditInfo",
+    "EditVerb",
     "Error",
     "Event",
     "FileDamagedError",
@@ -218,6 +226,7 @@ __all__ = [
     "SolidInfo",
     "SolidRule",
     "SourceKind",
+    "Sphere",
     "StageTime",
     "Status",
     "Surface",

@@ -58,7 +58,15 @@ def svocl_python_log(_user: Any, level: int, message: Any) -> None:
 
 @_callback(after_exception=1)
 def svocl_python_progress(user: Any, stage: int, fraction: float) -> int:
-    stop = ffi.from_handle(user)(text(lib.svo_name(lib.SVO_NAME_STAGE, stage)), fraction)
+    return _stops(ffi.from_handle(user)(text(lib.svo_name(lib.SVO_NAME_STAGE, stage)), fraction))
+
+
+@_callback(after_exception=1)
+def svocl_python_edit_progress(user: Any, fraction: float) -> int:
+    return _stops(ffi.from_handle(user)(fraction))
+
+
+def _stops(stop: Any) -> int:
     if stop is not None and not isinstance(stop, (bool, np.bool_)):
         raise TypeError(f"progress: the callable returned {type(stop).__name__}, expected None or bool")
     return int(stop is not None and bool(stop))

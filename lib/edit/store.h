@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The nodes of an edit: written once, one after the other, and never changed, so that versions share what they have in
+ * common (Driscoll et al., "Making Data Structures Persistent", 1989; for voxels Careil et al., "Interactively
+ * Modifying Compressed Sparse Voxel Representations", 2020).
+ *
+ * A node is a cube of 2^level voxels along each axis:
+ *
+ *     empty     SVO_I_EDIT_EMPTY, no node
+ *     uniform   full, with one color and material; a node for any level
+ *     inner     up to eight children of level - 1, and how many voxels they have
+ *     block     on level 2: 64 places, and the color and material of each voxel, or one for all
+ *
+ * Nodes lie in segments, in units of 8 bytes. Children come before their parents. So nodes that are still needed can be
+ * moved down in one pass in the order of their places, without a second copy of anything (Lisp 2's compaction, with the
+ * bit map of Abuaid et al., "An Efficient Parallel Heap Compaction Algorithm", 2004). Each segment has room for what
+ * that takes: a bit for each unit and a number for each 64.
+ */
+#ifndef SVO_LIB_EDIT_STORE_H
+#define SVO_LIB_EDIT_STORE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "core/memory.h"
+
+#define SVO_I_EDIT_EMPTY       0u /* in place of a node: no voxels */
+#define SVO_I_EDIT_BLOCK_LEVEL 2u
+#define SVO_I_EDIT_CELLS       64u /* of a block, by Morton code */
+
+/* Where a node is: its first unit. */
+typedef uint32_t svo_i_edit_ref;
+
+typedef enum svo_i_edit_kind {
+    SVO_I_EDIT_UNIFORM = 1,
+    SVO_I_EDIT_INNER = 2,
+    SVO_I_EDIT_BLOCK = 4, /* and, as bits: */
+    SVO_I_EDIT_COLORS = 8, /* each voxel has a color of its own */
+    SVO_I_EDIT_MATERIALS = 16 /* each voxel has a material of its own */
+} svo_i_edit_kind;
+
+/* What a voxel has. */
+typedef struct svo_i_edit_payload {
+    uint32_t color; /* the bytes of RGBA8 */
+    uint16_t material;
+} svo_i_edit_payload;
+
+/* The first unit of every node. */
+typedef struct svo_i_edit_node {
+    uint8_t kind; /* svo_i_edit_kind */
+    uint8_t mask; /* inner: which children are there */
+    uint16_t material; /* of all voxels, where the kind has one */
+    uint32_t color; /* the same */
+} svo_i_edit_node;
+
+/* An inner node. children has as many as the mask has bits. */
+typedef struct svo_i_edit_inner {
+    svo_i_edit_node node;
+    uint64_t voxel_count;
+    svo_i_edit_ref children[8];
+} svo_i_edit_inner;
+
+/* The 64 places of a block, unpacked. */
+typedef struct svo_i_edit_cells {
+    uint64_t mask; /* bit i: there is a voxel at Morton code i */
+    uint32_t color[SVO_I_EDIT_CELLS];
+    uint16_t material[SVO_I_EDIT_CELLS];
+} svo_i_edit_cells;
+
+struct svo_i_edit_segment;
+
+/* All zero but memory and max_bytes: no nodes. */
+typedef struct svo_i_edit_store {
+    svo_i_memory memory;
+    uint64_t max_bytes; /* of all segments */
+    struct svo_i_edit_segment **segments; /* owned, as they themselves are */
+    uint32_t segment_count;
+    uint32_t segment_room; /* elements of segments */
+    uint32_t top; /* the first unit that is free */
+    svo_i_edit_ref last_uniform; /* or SVO_I_EDIT_EMPTY: neighbors often are the same */
+    svo_status failure; /* why the last allocation failed: SVO_OUT_OF_HOST_MEMORY or, by max_bytes,
+                           SVO_CAPACITY_EXCEEDED */
+} svo_i_edit_store;
+
+/* The bytes of a segment, with what a collection needs. */
+extern const size_t svo_i_edit_segment_bytes;
+
+void svo_i_edit_store_release(svo_i_edit_store *store);
+
+/* What the store holds, and what of it has nodes, bytes. */
+uint64_t svo_i_edit_store_held(const svo_i_edit_store *store);
+uint64_t svo_i_edit_store_used(const svo_i_edit_store *store);
+
+/* The bytes of the nodes between two tops. */
+uint64_t svo_i_edit_bytes_between(uint32_t begin, uint32_t end);
+
+/* Takes back all nodes from top on, and releases the segments that then are empty. */
+void svo_i_edit_store_rewind(svo_i_edit_store *store, uint32_t top);
+
+/* Keeps the nodes of the roots alone, moved together, and puts their new places in roots. It cannot fail. */
+void svo_i_edit_store_collect(svo_i_edit_store *store, svo_i_edit_ref *roots, size_t root_count);
+
+/* The kind of a node that is not empty, without the bits of blocks. */
+svo_i_edit_kind svo_i_edit_kind_of(const svo_i_edit_store *store, svo_i_edit_ref ref);
+/* The payload of a uniform node. */
+svo_i_edit_payload svo_i_edit_payload_of(const svo_i_edit_store *store, svo_i_edit_ref ref);
+/* The voxels below a node. */
+uint64_t svo_i_edit_voxels_of(const svo_i_edit_store *store, svo_i_edit_ref ref, uint32_t level);
+/* The children of a node above level 2 that may be empty; all eight of a uniform node are itself. */
+void svo_i_edit_children_of(const svo_i_edit_store *store, svo_i_edit_ref ref, svo_i_edit_ref children[8]);
+/* The places of a node of level 2, which may be empty. */
+void svo_i_edit_unpack(const svo_i_edit_store *store, svo_i_edit_ref ref, svo_i_edit_cells *cells);
+/* The node of level 2 with these places; uniform or empty where they are. false: no memory, see failure. */
+bool svo_i_edit_pack(svo_i_edit_store *store, const svo_i_edit_cells *cells, svo_i_edit_ref *out);
+/* The node with these children, of level - 1 each; uniform or empty where they are. */
+bool svo_i_edit_join(svo_i_edit_store *store, const svo_i_edit_ref children[8], uint32_t level, svo_i_edit_ref *out);
+/* A uniform node. */
+bool svo_i_edit_fill(svo_i_edit_store *store, svo_i_edit_payload payload, svo_i_edit_ref *out);
+
+#endif

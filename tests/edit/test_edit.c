@@ -1,0 +1,803 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Edits against a dense array of voxels, which is asked voxel by voxel: lists after every step, trees now and then;
+ * undo and redo; shapes far out against distances in double precision; closed meshes; what is refused; and that steps
+ * cost their surfaces.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "support/fixture.h"
+#include "support/meshes.h"
+#include "support/solid_meshes.h"
+#include "support/suite.h"
+
+enum {
+    EDGE = 48, /* of the array */
+    INSET = 8, /* shapes keep from its faces, so that moved ones stay inside */
+    CELLS = EDGE * EDGE * EDGE,
+    UNDO = 3
+};
+
+static const int32_t corner[3] = {-7, 100, 3}; /* of the array; voxels begin where they happen to */
+
+typedef struct dense_cell {
+    uint8_t rgba[4];
+    uint16_t material;
+    bool full;
+} dense_cell;
+
+/* The array, and those before, for undo; the oldest is forgotten. */
+typedef struct dense {
+    dense_cell *versions[UNDO + 1];
+    int current;
+    int count;
+} dense;
+
+static void *allocate(size_t bytes)
+{
+    void *block = calloc(1, bytes);
+    assert_non_null(block);
+    return block;
+}
+
+static void dense_open(dense *all)
+{
+    for (int i = 0; i <= UNDO; ++i) {
+        all->versions[i] = allocate(CELLS * sizeof(dense_cell));
+    }
+    all->current = 0;
+    all->count = 1;
+}
+
+static void dense_close(dense *all)
+{
+    for (int i = 0; i <= UNDO; ++i) {
+        free(all->versions[i]);
+    }
+}
+
+/* A copy of the current array becomes the current one. */
+static dense_cell *dense_push(dense *all)
+{
+    if (all->current == UNDO) {
+        dense_cell *oldest = all->versions[0];
+        memmove(&all->versions[0], &all->versions[1], UNDO * sizeof oldest);
+        all->versions[UNDO] = oldest;
+        --all->current;
+    }
+    memcpy(all->versions[all->current + 1], all->versions[all->current], CELLS * sizeof(dense_cell));
+    ++all->current;
+    all->count = all->current + 1;
+    return all->versions[all->current];
+}
+
+static size_t index_of(const int place[3])
+{
+    return ((size_t)place[2] * EDGE + (size_t)place[1]) * EDGE + (size_t)place[0];
+}
+
+static bool is_within(const int place[3])
+{
+    bool within = true;
+    for (int axis = 0; axis < 3; ++axis) {
+        within = within && place[axis] >= 0 && place[axis] < EDGE;
+    }
+    return within;
+}
+
+static svo_voxels *make_list(const svo_voxel *voxels, uint64_t count)
+{
+    svo_voxels *made = NULL;
+    svo_message message = {""};
+    svo_voxels_source source = SVO_VOXELS_SOURCE_INIT;
+    source.voxels = voxels;
+    source.voxel_count = count;
+    if (svo_voxels_create(&source, &made, &message) != SVO_OK) {
+        fail_msg("%s", message.text);
+    }
+    return made;
+}
+
+static svo_voxels *list_of_dense(const dense_cell *cells)
+{
+    svo_voxel *voxels = allocate(CELLS * sizeof *voxels);
+    uint64_t count = 0;
+    for (int z = 0; z < EDGE; ++z) {
+        for (int y = 0; y < EDGE; ++y) {
+            for (int x = 0; x < EDGE; ++x) {
+                const int place[3] = {x, y, z};
+                const dense_cell *cell = &cells[index_of(place)];
+                if (cell->full) {
+                    voxels[count] = (svo_voxel){
+                        .x = x + corner[0], .y = y + corner[1], .z = z + corner[2], .material = cell->material};
+                    memcpy(voxels[count++].rgba, cell->rgba, 4);
+                }
+            }
+        }
+    }
+    svo_voxels *made = make_list(voxels, count);
+    free(voxels);
+    return made;
+}
+
+static svo_edit *make_edit(const svo_voxels *voxels, const svo_edit_options *options)
+{
+    svo_edit *made = NULL;
+    svo_message message = {""};
+    if (svo_edit_create(voxels, options, &made, &message) != SVO_OK) {
+        fail_msg("%s", message.text);
+    }
+    return made;
+}
+
+static svo_edit_info info_of(const svo_edit *edit)
+{
+    svo_edit_info info = SVO_EDIT_INFO_INIT;
+    assert_int_equal(svo_edit_get_info(edit, &info), SVO_OK);
+    return info;
+}
+
+static svo_voxels *list_of_edit(const svo_edit *edit)
+{
+    svo_voxels *made = NULL;
+    svo_message message = {""};
+    if (svo_edit_get_voxels(edit, &made, &message) != SVO_OK) {
+        fail_msg("%s", message.text);
+    }
+    return made;
+}
+
+static void assert_same_lists(const svo_voxels *found, const svo_voxels *expected)
+{
+    svo_voxels_info left = SVO_VOXELS_INFO_INIT;
+    svo_voxels_info right = SVO_VOXELS_INFO_INIT;
+    assert_int_equal(svo_voxels_get_info(found, &left), SVO_OK);
+    assert_int_equal(svo_voxels_get_info(expected, &right), SVO_OK);
+    assert_int_equal(left.voxel_count, right.voxel_count);
+    assert_memory_equal(&left, &right, sizeof left);
+    assert_memory_equal(svo_voxels_get(found), svo_voxels_get(expected), left.voxel_count * sizeof(svo_voxel));
+}
+
+static void succeed(const fixture *opened, svo_status status)
+{
+    if (status != SVO_OK) {
+        fail_msg("%s", svo_device_message(opened->device));
+    }
+}
+
+/* The edit's list is the array's, and with a device so are the bytes of the tree. */
+static void assert_is_dense(const svo_edit *edit, const dense_cell *cells, const fixture *opened)
+{
+    svo_voxels *expected = list_of_dense(cells);
+    svo_voxels *found = list_of_edit(edit);
+    assert_same_lists(found, expected);
+    svo_voxels_info list = SVO_VOXELS_INFO_INIT;
+    assert_int_equal(svo_voxels_get_info(found, &list), SVO_OK);
+    assert_int_equal(info_of(edit).voxel_count, list.voxel_count);
+    if (opened != NULL) {
+        svo_tree *trees[2] = {NULL, NULL};
+        char hashes[2][SVO_HASH_TEXT_BYTES];
+        succeed(opened, svo_edit_commit(edit, opened->device, 0, NULL, opened->queue, &trees[0], NULL));
+        succeed(opened, svo_voxels_build(opened->device, expected, 0, NULL, opened->queue, &trees[1], NULL));
+        for (int i = 0; i < 2; ++i) {
+            succeed(opened, svo_tree_download(trees[i], opened->queue));
+            assert_int_equal(svo_tree_hash(trees[i], SVO_HASH_ALL, hashes[i]), SVO_OK);
+            svo_tree_destroy(&trees[i]);
+        }
+        assert_string_equal(hashes[0], hashes[1]);
+    }
+    svo_voxels_destroy(&found);
+    svo_voxels_destroy(&expected);
+}
+
+/* ---- shapes, voxel by voxel ---- */
+
+static int64_t dot(const int64_t a[3], const int64_t b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Whether the center of a voxel of the array is inside; numbers of the step are multiples of 1/256. */
+static bool is_inside(const svo_edit_step *step, const int place[3])
+{
+    int64_t from[3];
+    int64_t to[3];
+    int64_t along[3];
+    const int64_t radius = (int64_t)(step->radius * 256.0);
+    bool in_box = true;
+    for (int axis = 0; axis < 3; ++axis) {
+        const int64_t center = (place[axis] + corner[axis]) * 256 + 128;
+        from[axis] = center - (int64_t)floor(step->begin[axis] * 256.0);
+        to[axis] = center - (int64_t)floor(step->end[axis] * 256.0);
+        along[axis] = from[axis] - to[axis];
+        in_box = in_box && from[axis] >= 0 && to[axis] < 0;
+    }
+    if (step->shape == SVO_EDIT_BOX) {
+        return in_box;
+    }
+    const int64_t length = step->shape == SVO_EDIT_SPHERE ? 0 : dot(along, along);
+    const int64_t projection = length > 0 ? dot(from, along) : 0;
+    if (projection <= 0) {
+        return dot(from, from) <= radius * radius;
+    }
+    if (projection >= length) {
+        return dot(to, to) <= radius * radius;
+    }
+    return dot(from, from) * length - projection * projection <= radius * radius * length; /* below 2^62 here */
+}
+
+static void change_cell(dense_cell *cell, svo_edit_verb verb, bool inside, const dense_cell *with)
+{
+    switch (verb) {
+    case SVO_EDIT_SET:
+        *cell = inside ? *with : *cell;
+        break;
+    case SVO_EDIT_ADD:
+        *cell = inside && !cell->full ? *with : *cell;
+        break;
+    case SVO_EDIT_CLEAR:
+        *cell = inside ? (dense_cell){.full = false} : *cell;
+        break;
+    case SVO_EDIT_KEEP:
+        *cell = inside ? *cell : (dense_cell){.full = false};
+        break;
+    default:
+        *cell = inside && cell->full ? *with : *cell;
+    }
+}
+
+static void change_by_shape(dense_cell *cells, const svo_edit_step *step)
+{
+    dense_cell with = {.material = (uint16_t)step->material, .full = true};
+    memcpy(with.rgba, step->rgba, 4);
+    for (int i = 0; i < CELLS; ++i) {
+        const int place[3] = {i % EDGE, i / EDGE % EDGE, i / EDGE / EDGE};
+        change_cell(&cells[i], (svo_edit_verb)step->verb, is_inside(step, place), &with);
+    }
+}
+
+/* By the voxels of another array, or of the part of it inside region, which are moved. */
+static void change_by_voxels(dense_cell *cells, svo_edit_verb verb, const dense_cell *others,
+                             const svo_edit_step *region, const int32_t offset[3])
+{
+    dense_cell *copy = allocate(CELLS * sizeof *copy);
+    memcpy(copy, others, CELLS * sizeof *copy);
+    for (int i = 0; i < CELLS; ++i) {
+        const int place[3] = {i % EDGE, i / EDGE % EDGE, i / EDGE / EDGE};
+        const int source[3] = {place[0] - offset[0], place[1] - offset[1], place[2] - offset[2]};
+        const bool inside =
+            is_within(source) && copy[index_of(source)].full && (region == NULL || is_inside(region, source));
+        change_cell(&cells[i], verb, inside, inside ? &copy[index_of(source)] : NULL);
+    }
+    free(copy);
+}
+
+/* ---- random steps ---- */
+
+/* A multiple of grain / 256 below limit / 256. */
+static double random_length(uint64_t *seed, uint32_t limit, uint32_t grain)
+{
+    const uint32_t whole = random_below(seed, limit);
+    return (whole - whole % grain) / 256.0;
+}
+
+static svo_edit_step random_shape(uint64_t *seed)
+{
+    static const uint8_t colors[3][4] = {{200, 10, 30, 255}, {1, 2, 3, 128}, {255, 255, 255, 255}};
+    svo_edit_step step = SVO_EDIT_STEP_INIT;
+    step.verb = random_below(seed, 10);
+    step.verb = step.verb > SVO_EDIT_PAINT ? SVO_EDIT_SET : step.verb == SVO_EDIT_KEEP ? SVO_EDIT_ADD : step.verb;
+    step.verb = random_below(seed, 12) == 0 ? SVO_EDIT_KEEP : step.verb;
+    step.shape = random_below(seed, 3);
+    step.material = random_below(seed, 3) * 7;
+    memcpy(step.rgba, colors[random_below(seed, 3)], 4);
+    /* Whole numbers are as likely as fractions: their faces and their distances are the ties. */
+    const uint32_t grain = random_below(seed, 2) == 0 ? 256 : 1;
+    step.radius = step.shape == SVO_EDIT_BOX ? 0.0 : random_length(seed, 11 * 256, grain);
+    const double room = EDGE - 2 * INSET - 2 * step.radius;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double low = corner[axis] + INSET + step.radius;
+        step.begin[axis] = low + random_length(seed, (uint32_t)(room * 256.0) + 1, grain);
+        step.end[axis] = low + random_length(seed, (uint32_t)(room * 256.0) + 1, grain);
+    }
+    return step;
+}
+
+static void random_offset(uint64_t *seed, int32_t offset[3])
+{
+    const uint32_t grain = random_below(seed, 3) == 0 ? 4 : 1; /* whole blocks are shared */
+    for (int axis = 0; axis < 3; ++axis) {
+        offset[axis] = (int32_t)(random_below(seed, 2 * INSET + 1) / grain * grain) - INSET;
+    }
+}
+
+/* What the program of a random test has. */
+typedef struct random_edit {
+    uint64_t seed;
+    svo_edit *edit;
+    svo_edit *other;
+    dense_cell *other_cells;
+    dense all;
+} random_edit;
+
+static svo_edit *edit_of_dense(const dense_cell *cells)
+{
+    const svo_edit_options options = {.struct_size = sizeof options, .undo_count = UNDO};
+    svo_voxels *list = list_of_dense(cells);
+    svo_edit *made = make_edit(list, &options);
+    svo_voxels_destroy(&list);
+    return made;
+}
+
+static void random_open(uint64_t seed, random_edit *r)
+{
+    *r = (random_edit){.seed = seed, .other_cells = allocate(CELLS * sizeof(dense_cell))};
+    dense_open(&r->all);
+    for (int i = 0; i < 6; ++i) {
+        svo_edit_step step = random_shape(&r->seed);
+        step.verb = SVO_EDIT_SET;
+        change_by_shape(i < 3 ? r->all.versions[0] : r->other_cells, &step);
+    }
+    r->edit = edit_of_dense(r->all.versions[0]);
+    r->other = edit_of_dense(r->other_cells);
+}
+
+static void random_close(random_edit *r)
+{
+    svo_edit_destroy(&r->edit);
+    svo_edit_destroy(&r->other);
+    dense_close(&r->all);
+    free(r->other_cells);
+}
+
+static void apply_voxels(random_edit *r, svo_message *message)
+{
+    svo_edit_step step = SVO_EDIT_STEP_INIT;
+    const bool is_self = random_below(&r->seed, 4) == 0;
+    step.verb = random_below(&r->seed, 5);
+    step.verb = is_self && step.verb <= SVO_EDIT_ADD ? SVO_EDIT_PAINT : step.verb; /* others might leave the array */
+    step.shape = SVO_EDIT_VOXELS;
+    step.other = is_self ? r->edit : r->other;
+    random_offset(&r->seed, step.offset);
+    if (svo_edit_apply(r->edit, &step, message) == SVO_OK) {
+        const dense_cell *others = is_self ? r->all.versions[r->all.current] : r->other_cells;
+        change_by_voxels(dense_push(&r->all), (svo_edit_verb)step.verb, others, NULL, step.offset);
+    }
+}
+
+static void apply_shape(random_edit *r, bool copies, svo_message *message)
+{
+    int32_t offset[3];
+    const svo_edit_step step = random_shape(&r->seed);
+    random_offset(&r->seed, offset);
+    const svo_status status =
+        copies ? svo_edit_copy(r->edit, &step, offset, message) : svo_edit_apply(r->edit, &step, message);
+    if (status != SVO_OK) {
+        return;
+    }
+    dense_cell *cells = dense_push(&r->all);
+    if (copies) {
+        change_by_voxels(cells, (svo_edit_verb)step.verb, cells, &step, offset);
+    } else {
+        change_by_shape(cells, &step);
+    }
+}
+
+/* A step, or back or forth by one, or a collection. */
+static void random_step(random_edit *r)
+{
+    svo_message message = {""};
+    const uint32_t kind = random_below(&r->seed, 20);
+    if (kind < 3) {
+        const bool can = r->all.current > 0;
+        assert_int_equal(svo_edit_undo(r->edit), can ? SVO_OK : SVO_INVALID_ARGUMENT);
+        r->all.current -= can ? 1 : 0;
+    } else if (kind < 5) {
+        const bool can = r->all.current + 1 < r->all.count;
+        assert_int_equal(svo_edit_redo(r->edit), can ? SVO_OK : SVO_INVALID_ARGUMENT);
+        r->all.current += can ? 1 : 0;
+    } else if (kind < 7) {
+        svo_edit_collect(r->edit);
+    } else if (kind < 10) {
+        apply_voxels(r, &message);
+    } else {
+        apply_shape(r, kind < 13, &message);
+    }
+    if (message.text[0] != '\0') {
+        fail_msg("%s", message.text);
+    }
+    const svo_edit_info info = info_of(r->edit);
+    assert_int_equal(info.undo_count, r->all.current);
+    assert_int_equal(info.redo_count, r->all.count - 1 - r->all.current);
+}
+
+static void steps_are_those_of_a_dense_array(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    for (uint64_t seed = 1; seed <= 3; ++seed) {
+        random_edit r;
+        print_message("seed %d\n", (int)seed);
+        random_open(seed, &r);
+        for (int i = 0; i < 80; ++i) {
+            random_step(&r);
+            assert_is_dense(r.edit, r.all.versions[r.all.current], i % 20 == 0 ? &opened : NULL);
+        }
+        random_close(&r);
+    }
+}
+
+static void places_are_found(void **state)
+{
+    (void)state;
+    random_edit r;
+    random_open(11, &r);
+    const dense_cell *cells = r.all.versions[0];
+    for (int i = 0; i < CELLS; ++i) {
+        svo_voxel voxel;
+        const int32_t place[3] = {i % EDGE + corner[0], i / EDGE % EDGE + corner[1], i / EDGE / EDGE + corner[2]};
+        const int found = svo_edit_find(r.edit, place, &voxel);
+        assert_int_equal(found != 0, cells[i].full);
+        if (found != 0) {
+            assert_int_equal(voxel.y, place[1]);
+            assert_int_equal(voxel.material, cells[i].material);
+            assert_memory_equal(voxel.rgba, cells[i].rgba, 4);
+        }
+    }
+    const int32_t outside[3] = {INT32_MAX, INT32_MIN, 0};
+    assert_int_equal(svo_edit_find(r.edit, outside, NULL), 0);
+    random_close(&r);
+}
+
+/* ---- far out, and large ---- */
+
+/* A line of a million voxels from corner to corner of what an edit can fill, against distances in doubles; scattered
+   voxels that are too near its surface for these are left out. */
+static void long_capsules_keep_what_is_near(void **state)
+{
+    (void)state;
+    enum { COUNT = 20000 };
+    svo_voxel *voxels = allocate(COUNT * sizeof *voxels);
+    bool *near = allocate(COUNT * sizeof *near);
+    uint64_t seed = 5;
+    size_t count = 0;
+    const double from[3] = {60.25, 1000.0, 900000.5};
+    const double to[3] = {1000000.0, 7000.75, 50.0};
+    const double radius = 50.125;
+    while (count < COUNT) {
+        const double t = random_unit(&seed);
+        double squares[2] = {0.0, 0.0}; /* of the distance from the first end, and of its part along the line */
+        double length = 0.0;
+        double along = 0.0;
+        int32_t place[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            place[axis] = (int32_t)(from[axis] + (to[axis] - from[axis]) * t) + (int32_t)random_below(&seed, 101) - 50;
+            const double away = place[axis] + 0.5 - from[axis];
+            squares[0] += away * away;
+            along += away * (to[axis] - from[axis]);
+            length += (to[axis] - from[axis]) * (to[axis] - from[axis]);
+        }
+        squares[1] = along * along / length;
+        const double distance = sqrt(squares[0] - squares[1] > 0.0 ? squares[0] - squares[1] : 0.0);
+        if (along < 0.0 || along > length || fabs(distance - radius) < 0.01) {
+            continue;
+        }
+        near[count] = distance < radius;
+        voxels[count++] = (svo_voxel){.x = place[0], .y = place[1], .z = place[2], .rgba = {1, 2, 3, 4}};
+    }
+    svo_voxels *list = make_list(voxels, COUNT);
+    svo_edit *edit = make_edit(list, NULL);
+    svo_edit_step step = SVO_EDIT_STEP_INIT;
+    step.verb = SVO_EDIT_KEEP;
+    step.shape = SVO_EDIT_CAPSULE;
+    memcpy(step.begin, from, sizeof from);
+    memcpy(step.end, to, sizeof to);
+    step.radius = radius;
+    assert_int_equal(svo_edit_apply(edit, &step, NULL), SVO_OK);
+    for (size_t i = 0; i < COUNT; ++i) {
+        const int32_t place[3] = {voxels[i].x, voxels[i].y, voxels[i].z};
+        assert_int_equal(svo_edit_find(edit, place, NULL) != 0, near[i]);
+    }
+    svo_edit_destroy(&edit);
+    svo_voxels_destroy(&list);
+    free(voxels);
+    free(near);
+}
+
+/* Half of the cube in a few nodes; and a sphere of twice the radius in about four times as many. */
+static void steps_cost_their_surface(void **state)
+{
+    (void)state;
+    svo_edit *edit = make_edit(NULL, NULL);
+    const svo_edit_info before = info_of(edit);
+    svo_edit_step step = SVO_EDIT_STEP_INIT;
+    step.end[0] = 1 << 20;
+    step.end[1] = 1 << 20;
+    step.end[2] = 1 << 20;
+    assert_int_equal(svo_edit_apply(edit, &step, NULL), SVO_OK);
+    assert_int_equal(info_of(edit).voxel_count, UINT64_C(1) << 60);
+    assert_in_range(info_of(edit).step_nodes, 1, 64);
+    step.end[0] = (1 << 20) - 1; /* a million voxels of a face's inside */
+    step.end[1] = 1000;
+    step.end[2] = 1000;
+    step.begin[0] = (1 << 20) - 2;
+    step.verb = SVO_EDIT_CLEAR;
+    assert_int_equal(svo_edit_apply(edit, &step, NULL), SVO_OK);
+    assert_int_equal(info_of(edit).voxel_count, (UINT64_C(1) << 60) - 1000000);
+    svo_voxels *list = NULL;
+    assert_int_equal(svo_edit_get_voxels(edit, &list, NULL), SVO_INVALID_ARGUMENT);
+    uint64_t nodes[2];
+    for (int i = 0; i < 2; ++i) {
+        step = (svo_edit_step)SVO_EDIT_STEP_INIT;
+        step.shape = SVO_EDIT_SPHERE;
+        step.begin[0] = -500000.0;
+        step.radius = 64 << i;
+        assert_int_equal(svo_edit_apply(edit, &step, NULL), SVO_OK);
+        nodes[i] = info_of(edit).step_nodes;
+        assert_int_equal(svo_edit_undo(edit), SVO_OK);
+    }
+    assert_in_range(nodes[1], 3 * nodes[0], 5 * nodes[0]);
+    assert_in_range(nodes[1], 1, 4 * 4 * 128 * 128);
+    assert_int_equal(before.low[0], -(1 << 20));
+    assert_int_equal(before.high[0], 1 << 20);
+    svo_edit_destroy(&edit);
+}
+
+/* The solid of a box mesh with a box-shaped hole, as voxels one unit wide. */
+static svo_edit *edit_of_mesh(const fixture *opened)
+{
+    const svo_plan_options options = {.struct_size = sizeof options, .need = SVO_NEED_RAYS, .edge = 32.0};
+    const svo_solid_options filling = {.struct_size = sizeof filling, .rule = SVO_SOLID_PARITY};
+    parts made = {NULL, NULL, 0, 0};
+    built surface;
+    svo_compact *solid = NULL;
+    svo_tree *tree = NULL;
+    svo_voxels *list = NULL;
+    parts_add_cube(&made, 2.5, 20.5, false, -1);
+    parts_add_cube(&made, 7.5, 14.5, true, -1);
+    const svo_mesh mesh = parts_mesh(&made);
+    fixture_build(opened, &mesh, 5, &options, &surface);
+    succeed(opened, svo_solid_create(surface.tree, &filling, opened->queue, &solid, NULL));
+    succeed(opened, svo_compact_expand(solid, opened->queue, &tree));
+    succeed(opened, svo_tree_download(tree, opened->queue));
+    assert_int_equal(svo_tree_get_voxels(tree, &list, NULL), SVO_OK);
+    svo_edit *edit = make_edit(list, NULL);
+    svo_voxels_destroy(&list);
+    svo_tree_destroy(&tree);
+    svo_compact_destroy(&solid);
+    built_destroy(&surface);
+    parts_free(&made);
+    return edit;
+}
+
+/* Where the mesh passes through a voxel or around its center: those from 2 to 20, but the hole's from 8 to 13. */
+static void closed_meshes_are_shapes(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    svo_edit *mesh = edit_of_mesh(&opened);
+    svo_edit *edit = make_edit(NULL, NULL);
+    svo_edit_step step = SVO_EDIT_STEP_INIT;
+    step.end[0] = step.end[1] = step.end[2] = 40.0;
+    assert_int_equal(svo_edit_apply(edit, &step, NULL), SVO_OK);
+    step.verb = SVO_EDIT_CLEAR;
+    step.shape = SVO_EDIT_VOXELS;
+    step.other = mesh;
+    step.offset[1] = 17;
+    assert_int_equal(svo_edit_apply(edit, &step, NULL), SVO_OK);
+    assert_int_equal(info_of(edit).voxel_count, 40 * 40 * 40 - (19 * 19 * 19 - 6 * 6 * 6));
+    for (int i = 0; i < 40 * 40 * 40; ++i) {
+        const int32_t place[3] = {i % 40, i / 40 % 40, i / 1600};
+        bool inside = true;
+        bool in_hole = true;
+        for (int axis = 0; axis < 3; ++axis) {
+            const int32_t at = place[axis] - step.offset[axis];
+            inside = inside && at >= 2 && at <= 20;
+            in_hole = in_hole && at >= 8 && at <= 13;
+        }
+        assert_int_equal(svo_edit_find(edit, place, NULL) != 0, !inside || in_hole);
+    }
+    svo_edit_destroy(&edit);
+    svo_edit_destroy(&mesh);
+}
+
+/* ---- lists ---- */
+
+static void lists_keep_their_place_and_properties(void **state)
+{
+    (void)state;
+    const svo_voxel voxels[] = {{.x = 1 << 30, .y = -(1 << 30), .z = 5, .material = 3},
+                                {.x = (1 << 30) - 9, .y = 3 - (1 << 30), .z = 5, .rgba = {1, 2, 3, 4}}};
+    const svo_voxel_property property = {.material = 3, .key = "name", .value = "stone"};
+    const svo_voxels_source source = {.struct_size = sizeof source,
+                                      .voxels = voxels,
+                                      .voxel_count = 2,
+                                      .properties = &property,
+                                      .property_count = 1,
+                                      .origin = {0.5, -2.0, 1e6},
+                                      .voxel_edge = 0.125};
+    svo_voxels *list = NULL;
+    assert_int_equal(svo_voxels_create(&source, &list, NULL), SVO_OK);
+    svo_edit *edit = make_edit(list, NULL);
+    svo_voxels *again = list_of_edit(edit);
+    assert_same_lists(again, list);
+    assert_string_equal(svo_voxels_get_properties(again)->value, "stone");
+    assert_int_equal(info_of(edit).high[0], (1 << 30) + 1);
+    assert_int_equal(info_of(edit).low[1], -(1 << 30));
+    svo_voxels_destroy(&again);
+    svo_voxels_destroy(&list);
+    svo_edit_destroy(&edit);
+    svo_edit_destroy(&edit);
+    svo_edit_destroy(NULL);
+}
+
+static void empty_edits_have_lists_and_trees(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    svo_edit *edit = make_edit(NULL, NULL);
+    svo_voxels *empty = make_list(NULL, 0);
+    svo_voxels *found = list_of_edit(edit);
+    assert_same_lists(found, empty);
+    svo_voxels_destroy(&found);
+    svo_voxels_destroy(&empty);
+    svo_edit_collect(edit);
+    svo_edit_step step = SVO_EDIT_STEP_INIT;
+    step.shape = SVO_EDIT_SPHERE; /* of radius 0, at no center */
+    assert_int_equal(svo_edit_apply(edit, &step, NULL), SVO_OK);
+    assert_int_equal(info_of(edit).voxel_count, 0);
+    step.begin[0] = step.begin[1] = step.begin[2] = -2.5; /* at one */
+    assert_int_equal(svo_edit_apply(edit, &step, NULL), SVO_OK);
+    assert_int_equal(info_of(edit).voxel_count, 1);
+    svo_tree *tree = NULL;
+    succeed(&opened, svo_edit_commit(edit, opened.device, 3, NULL, NULL, &tree, NULL));
+    svo_tree_info info = SVO_TREE_INFO_INIT;
+    assert_int_equal(svo_tree_get_info(tree, &info), SVO_OK);
+    assert_int_equal(info.leaf_count, 1);
+    assert_int_equal(info.depth, 3);
+    assert_true(info.origin[1] == -3.0);
+    svo_tree_destroy(&tree);
+    svo_edit_destroy(&edit);
+}
+
+/* ---- refusals ---- */
+
+static void expect_refused(svo_edit *edit, const svo_edit_step *step, const char *words)
+{
+    svo_message message = {""};
+    const svo_status status = svo_edit_apply(edit, step, &message);
+    if (status != SVO_INVALID_ARGUMENT || strcmp(message.text, words) != 0) {
+        fail_msg("%s '%s', expected '%s'", svo_name(SVO_NAME_STATUS, status), message.text, words);
+    }
+    assert_int_equal(info_of(edit).undo_count, 0);
+}
+
+static void wrong_steps_are_refused(void **state)
+{
+    (void)state;
+    svo_edit *edit = make_edit(NULL, NULL);
+    const svo_edit_step good = SVO_EDIT_STEP_INIT;
+    svo_edit_step step = good;
+    step.verb = 5;
+    expect_refused(edit, &step, "svo_edit_apply: step.verb 5 is not in 0 .. 4");
+    step = good;
+    step.shape = 4;
+    expect_refused(edit, &step, "svo_edit_apply: step.shape 4 is not in 0 .. 3");
+    step = good;
+    step.material = 65535;
+    expect_refused(edit, &step, "svo_edit_apply: step.material 65535 is above 65534");
+    step = good;
+    step.end[1] = NAN;
+    expect_refused(edit, &step, "svo_edit_apply: step.end.y nan with radius 0 is not within -1048576 .. 1048576");
+    step = good;
+    step.shape = SVO_EDIT_SPHERE;
+    step.radius = -1.0;
+    expect_refused(edit, &step, "svo_edit_apply: step.radius -1 is not at least 0");
+    step.radius = 2.0;
+    step.begin[2] = 1048575.0;
+    expect_refused(edit, &step,
+                   "svo_edit_apply: step.begin.z 1.04858e+06 with radius 2 is not within -1048576 .. 1048576");
+    step = good;
+    step.shape = SVO_EDIT_VOXELS;
+    expect_refused(edit, &step, "svo_edit_apply: step.other is NULL");
+    step = good;
+    step.reserved = 1;
+    expect_refused(edit, &step, "svo_edit_apply: step.reserved 1 is not 0");
+    expect_refused(edit, NULL, "svo_edit_apply: step is NULL");
+    assert_int_equal(svo_edit_undo(edit), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_edit_redo(edit), SVO_INVALID_ARGUMENT);
+    svo_edit_destroy(&edit);
+}
+
+static void what_leaves_the_cube_is_refused(void **state)
+{
+    (void)state;
+    svo_message message = {""};
+    svo_edit *edit = make_edit(NULL, NULL);
+    svo_edit_step step = SVO_EDIT_STEP_INIT;
+    step.end[0] = step.end[1] = step.end[2] = 10.0;
+    assert_int_equal(svo_edit_apply(edit, &step, NULL), SVO_OK);
+    const int32_t too_far[3] = {0, (1 << 20) - 9, 0};
+    const int32_t far[3] = {0, (1 << 20) - 10, 0};
+    assert_int_equal(svo_edit_copy(edit, &step, too_far, &message), SVO_INVALID_ARGUMENT);
+    assert_string_equal(message.text, "svo_edit_copy: voxels moved by 0, 1048567, 0 are not within -1048576, -1048576, "
+                                      "-1048576 .. 1048576, 1048576, 1048576");
+    assert_int_equal(info_of(edit).voxel_count, 1000);
+    assert_int_equal(svo_edit_copy(edit, &step, far, &message), SVO_OK);
+    assert_int_equal(info_of(edit).voxel_count, 2000);
+    const int32_t beyond[3] = {0, 0, (1 << 21) + 1};
+    assert_int_equal(svo_edit_copy(edit, &step, beyond, &message), SVO_INVALID_ARGUMENT);
+    step.shape = SVO_EDIT_VOXELS;
+    step.other = edit;
+    assert_int_equal(svo_edit_copy(edit, &step, far, &message), SVO_INVALID_ARGUMENT);
+    assert_string_equal(message.text, "svo_edit_copy: region.shape is not a box, sphere or capsule");
+    step.offset[2] = INT32_MAX; /* what is out of the cube is nowhere: nothing is kept */
+    step.verb = SVO_EDIT_KEEP;
+    assert_int_equal(svo_edit_apply(edit, &step, &message), SVO_OK);
+    assert_int_equal(info_of(edit).voxel_count, 0);
+    svo_edit_destroy(&edit);
+}
+
+static void expect_not_created(const svo_voxels *voxels, const svo_edit_options *options, svo_status expected,
+                               const char *words)
+{
+    svo_edit *edit = NULL;
+    svo_message message = {""};
+    assert_int_equal(svo_edit_create(voxels, options, &edit, &message), expected);
+    assert_string_equal(message.text, words);
+    assert_null(edit);
+}
+
+static void wrong_edits_are_refused(void **state)
+{
+    const fixture opened = fixture_cl_of_group(state);
+    svo_edit_options options = SVO_EDIT_OPTIONS_INIT;
+    options.max_bytes = SVO_EDIT_BYTES_MIN - 1;
+    expect_not_created(NULL, &options, SVO_INVALID_ARGUMENT,
+                       "svo_edit_create: options.max_bytes 2097151 is below 2097152");
+    options.max_bytes = 0;
+    options.undo_count = SVO_EDIT_UNDO_MAX + 1;
+    expect_not_created(NULL, &options, SVO_INVALID_ARGUMENT,
+                       "svo_edit_create: options.undo_count 1048577 is above 1048576");
+    options.undo_count = 0;
+    options.reserved = 2;
+    expect_not_created(NULL, &options, SVO_INVALID_ARGUMENT, "svo_edit_create: options.reserved 2 is not 0");
+    const svo_voxel ends[] = {{.x = -1}, {.x = 1 << 20}};
+    svo_voxels *list = make_list(ends, 2);
+    expect_not_created(list, NULL, SVO_INVALID_ARGUMENT,
+                       "svo_edit_create: x coordinates -1 .. 1048576 span more than 1048576 voxels");
+    svo_voxels_destroy(&list);
+    assert_int_equal(svo_edit_create(NULL, NULL, NULL, NULL), SVO_INVALID_ARGUMENT);
+    assert_int_equal(svo_edit_get_info(NULL, NULL), SVO_INVALID_ARGUMENT);
+    svo_tree *tree = NULL;
+    assert_int_equal(svo_edit_commit(NULL, opened.device, 0, NULL, NULL, &tree, NULL), SVO_INVALID_ARGUMENT);
+    assert_string_equal(svo_device_message(opened.device), "svo_edit_commit: edit is NULL");
+    svo_edit *edit = make_edit(NULL, NULL);
+    svo_edit_step step = SVO_EDIT_STEP_INIT;
+    step.end[0] = 1 << 17;
+    step.end[1] = step.end[2] = 1.0;
+    assert_int_equal(svo_edit_apply(edit, &step, NULL), SVO_OK);
+    assert_int_equal(svo_edit_commit(edit, opened.device, 0, NULL, NULL, &tree, NULL), SVO_INVALID_ARGUMENT);
+    assert_string_equal(svo_device_message(opened.device),
+                        "svo_edit_commit: the voxels span 131072 x 1 x 1, more than 2^16 along an axis");
+    svo_edit_destroy(&edit);
+}
+
+TEST_GROUP(edit)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(steps_are_those_of_a_dense_array), cmocka_unit_test(places_are_found),
+        cmocka_unit_test(long_capsules_keep_what_is_near),  cmocka_unit_test(steps_cost_their_surface),
+        cmocka_unit_test(closed_meshes_are_shapes),         cmocka_unit_test(lists_keep_their_place_and_properties),
+        cmocka_unit_test(empty_edits_have_lists_and_trees), cmocka_unit_test(wrong_steps_are_refused),
+        cmocka_unit_test(what_leaves_the_cube_is_refused),  cmocka_unit_test(wrong_edits_are_refused),
+    };
+    return cmocka_run_group_tests_name("edit", tests, fixture_group_setup, fixture_group_teardown);
+}
