@@ -60,7 +60,7 @@ static bool take_payload(svo_i_edit_cells *a, const svo_i_edit_cells *b, uint64_
 {
     bool changes = false;
     for (uint64_t left = places; left != 0; left &= left - 1) {
-        const uint32_t cell = (uint32_t)__builtin_ctzll(left);
+        const uint32_t cell = svo_i_edit_lowest(left);
         changes = changes || a->color[cell] != b->color[cell] || a->material[cell] != b->material[cell];
         a->color[cell] = b->color[cell];
         a->material[cell] = b->material[cell];

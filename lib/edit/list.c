@@ -92,7 +92,7 @@ static void write_block(writing *w, svo_i_edit_ref ref, const uint32_t cell[3])
     svo_i_edit_cells cells;
     svo_i_edit_unpack(w->store, ref, &cells);
     for (uint64_t left = cells.mask; left != 0; left &= left - 1) {
-        const uint32_t code = (uint32_t)__builtin_ctzll(left);
+        const uint32_t code = svo_i_edit_lowest(left);
         const uint32_t inner[3] = {(code & 1u) + (code >> 2 & 2u), (code >> 1 & 1u) + (code >> 3 & 2u),
                                    (code >> 2 & 1u) + (code >> 4 & 2u)};
         *w->next = (svo_voxel){.x = (int32_t)(w->corner[0] + cell[0] + inner[0]),

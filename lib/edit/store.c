@@ -119,11 +119,6 @@ static void *reserve(svo_i_edit_store *store, uint32_t units, svo_i_edit_ref *ou
 
 /* ---- nodes ---- */
 
-static uint32_t bit_count(uint64_t bits)
-{
-    return (uint32_t)__builtin_popcountll(bits);
-}
-
 /* The occupied places of a block, which follow its first unit. */
 static uint64_t mask_of(const svo_i_edit_node *block)
 {
@@ -132,15 +127,15 @@ static uint64_t mask_of(const svo_i_edit_node *block)
 
 static uint32_t block_units(uint32_t kind, uint64_t mask)
 {
-    const uint32_t bytes = bit_count(mask) * (((kind & SVO_I_EDIT_COLORS) != 0 ? 4u : 0u) +
-                                              ((kind & SVO_I_EDIT_MATERIALS) != 0 ? 2u : 0u));
+    const uint32_t bytes = svo_i_edit_count(mask) * (((kind & SVO_I_EDIT_COLORS) != 0 ? 4u : 0u) +
+                                                     ((kind & SVO_I_EDIT_MATERIALS) != 0 ? 2u : 0u));
     return 2u + (bytes + UNIT_BYTES - 1u) / UNIT_BYTES;
 }
 
 static uint32_t units_of(const svo_i_edit_node *node)
 {
     if (node->kind == SVO_I_EDIT_INNER) {
-        return 2u + (bit_count(node->mask) + 1u) / 2u;
+        return 2u + (svo_i_edit_count(node->mask) + 1u) / 2u;
     }
     return node->kind == SVO_I_EDIT_UNIFORM ? 1u : block_units(node->kind, mask_of(node));
 }
@@ -167,7 +162,7 @@ uint64_t svo_i_edit_voxels_of(const svo_i_edit_store *store, svo_i_edit_ref ref,
         return (uint64_t)1 << 3u * level;
     }
     return node->kind == SVO_I_EDIT_INNER ? ((const svo_i_edit_inner *)(const void *)node)->voxel_count
-                                          : bit_count(mask_of(node));
+                                          : svo_i_edit_count(mask_of(node));
 }
 
 void svo_i_edit_children_of(const svo_i_edit_store *store, svo_i_edit_ref ref, svo_i_edit_ref children[8])
@@ -227,7 +222,7 @@ bool svo_i_edit_join(svo_i_edit_store *store, const svo_i_edit_ref children[8], 
         *out = children[0];
         return true;
     }
-    svo_i_edit_inner *inner = reserve(store, 2u + (bit_count(mask) + 1u) / 2u, out);
+    svo_i_edit_inner *inner = reserve(store, 2u + (svo_i_edit_count(mask) + 1u) / 2u, out);
     if (inner == NULL) {
         return false;
     }
@@ -256,9 +251,10 @@ void svo_i_edit_unpack(const svo_i_edit_store *store, svo_i_edit_ref ref, svo_i_
     const bool has_colors = (node->kind & SVO_I_EDIT_COLORS) != 0;
     const bool has_materials = (node->kind & SVO_I_EDIT_MATERIALS) != 0;
     cells->mask = is_block ? mask_of(node) : UINT64_MAX;
-    const uint16_t *materials = (const uint16_t *)(const void *)(colors + (has_colors ? bit_count(cells->mask) : 0));
+    const uint16_t *materials =
+        (const uint16_t *)(const void *)(colors + (has_colors ? svo_i_edit_count(cells->mask) : 0));
     for (uint64_t left = cells->mask; left != 0; left &= left - 1) {
-        const uint32_t cell = (uint32_t)__builtin_ctzll(left);
+        const uint32_t cell = svo_i_edit_lowest(left);
         cells->color[cell] = has_colors ? *colors++ : node->color;
         cells->material[cell] = has_materials ? *materials++ : node->material;
     }
@@ -267,10 +263,10 @@ void svo_i_edit_unpack(const svo_i_edit_store *store, svo_i_edit_ref ref, svo_i_
 /* The payload bits of a block: what its voxels do not have in common. */
 static uint32_t variety_of(const svo_i_edit_cells *cells)
 {
-    const uint32_t first = (uint32_t)__builtin_ctzll(cells->mask);
+    const uint32_t first = svo_i_edit_lowest(cells->mask);
     uint32_t kind = 0;
     for (uint64_t left = cells->mask & (cells->mask - 1); left != 0; left &= left - 1) {
-        const uint32_t cell = (uint32_t)__builtin_ctzll(left);
+        const uint32_t cell = svo_i_edit_lowest(left);
         kind |= cells->color[cell] != cells->color[first] ? (uint32_t)SVO_I_EDIT_COLORS : 0u;
         kind |= cells->material[cell] != cells->material[first] ? (uint32_t)SVO_I_EDIT_MATERIALS : 0u;
     }
@@ -282,9 +278,9 @@ static void write_payload(const svo_i_edit_cells *cells, svo_i_edit_node *node)
     uint32_t *colors = (uint32_t *)(void *)(node + 2);
     const bool has_colors = (node->kind & SVO_I_EDIT_COLORS) != 0;
     const bool has_materials = (node->kind & SVO_I_EDIT_MATERIALS) != 0;
-    uint16_t *materials = (uint16_t *)(void *)(colors + (has_colors ? bit_count(cells->mask) : 0));
+    uint16_t *materials = (uint16_t *)(void *)(colors + (has_colors ? svo_i_edit_count(cells->mask) : 0));
     for (uint64_t left = cells->mask; left != 0 && (has_colors || has_materials); left &= left - 1) {
-        const uint32_t cell = (uint32_t)__builtin_ctzll(left);
+        const uint32_t cell = svo_i_edit_lowest(left);
         if (has_colors) {
             *colors++ = cells->color[cell];
         }
@@ -300,7 +296,7 @@ bool svo_i_edit_pack(svo_i_edit_store *store, const svo_i_edit_cells *cells, svo
         *out = SVO_I_EDIT_EMPTY;
         return true;
     }
-    const uint32_t first = (uint32_t)__builtin_ctzll(cells->mask);
+    const uint32_t first = svo_i_edit_lowest(cells->mask);
     const svo_i_edit_payload payload = {.color = cells->color[first], .material = cells->material[first]};
     const uint32_t kind = (uint32_t)SVO_I_EDIT_BLOCK | variety_of(cells);
     if (cells->mask == UINT64_MAX && kind == SVO_I_EDIT_BLOCK) {
@@ -359,7 +355,7 @@ static void mark(svo_i_edit_store *store, svo_i_edit_ref root)
             continue;
         }
         const svo_i_edit_inner *inner = (const svo_i_edit_inner *)(const void *)node;
-        for (uint32_t i = 0; i < bit_count(node->mask); ++i) {
+        for (uint32_t i = 0; i < svo_i_edit_count(node->mask); ++i) {
             stack[count++] = inner->children[i];
         }
     }
@@ -378,7 +374,7 @@ static uint32_t measure_word(const svo_i_edit_store *store, uint32_t word, uint6
         if (left == 0) {
             return sum;
         }
-        const uint32_t bit = (uint32_t)__builtin_ctzll(left);
+        const uint32_t bit = svo_i_edit_lowest(left);
         const uint32_t units = units_of(at(store, (svo_i_edit_ref)(begin + bit)));
         *first = *first == 64u ? bit : *first;
         *next = begin + bit + units;
@@ -402,7 +398,7 @@ static uint32_t place(svo_i_edit_store *store)
             to = (to | (SEGMENT_UNITS - 1u)) + 1u;
         }
         const uint64_t before = one->live[word % SEGMENT_WORDS] & (((uint64_t)1 << first) - 1u);
-        one->moved[word % SEGMENT_WORDS] = (uint32_t)to - bit_count(before);
+        one->moved[word % SEGMENT_WORDS] = (uint32_t)to - svo_i_edit_count(before);
         to += units;
     }
     return (uint32_t)to;
@@ -415,7 +411,7 @@ static svo_i_edit_ref moved(const svo_i_edit_store *store, svo_i_edit_ref ref)
     }
     const segment *one = store->segments[ref >> SEGMENT_LOG2];
     const uint32_t word = (ref & (SEGMENT_UNITS - 1u)) >> WORD_LOG2;
-    return one->moved[word] + bit_count(one->live[word] & (((uint64_t)1 << (ref & 63u)) - 1u));
+    return one->moved[word] + svo_i_edit_count(one->live[word] & (((uint64_t)1 << (ref & 63u)) - 1u));
 }
 
 /* Moves the nodes that begin in a word's units. */
@@ -429,12 +425,12 @@ static void move_word(svo_i_edit_store *store, uint32_t word, uint64_t *next)
         if (left == 0) {
             return;
         }
-        const svo_i_edit_ref ref = (svo_i_edit_ref)(begin + (uint32_t)__builtin_ctzll(left));
+        const svo_i_edit_ref ref = (svo_i_edit_ref)(begin + svo_i_edit_lowest(left));
         svo_i_edit_node *node = at(store, ref);
         const uint32_t units = units_of(node);
         if (node->kind == SVO_I_EDIT_INNER) {
             svo_i_edit_inner *inner = (svo_i_edit_inner *)(void *)node;
-            for (uint32_t i = 0; i < bit_count(node->mask); ++i) {
+            for (uint32_t i = 0; i < svo_i_edit_count(node->mask); ++i) {
                 inner->children[i] = moved(store, inner->children[i]);
             }
         }

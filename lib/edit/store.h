@@ -29,6 +29,21 @@
 #define SVO_I_EDIT_BLOCK_LEVEL 2u
 #define SVO_I_EDIT_CELLS       64u /* of a block, by Morton code */
 
+/* How many bits are set. */
+static inline uint32_t svo_i_edit_count(uint64_t bits)
+{
+    bits -= bits >> 1 & UINT64_C(0x5555555555555555);
+    bits = (bits & UINT64_C(0x3333333333333333)) + (bits >> 2 & UINT64_C(0x3333333333333333));
+    bits = (bits + (bits >> 4)) & UINT64_C(0x0f0f0f0f0f0f0f0f);
+    return (uint32_t)(bits * UINT64_C(0x0101010101010101) >> 56);
+}
+
+/* The place of the lowest bit that is set; not of 0. */
+static inline uint32_t svo_i_edit_lowest(uint64_t bits)
+{
+    return svo_i_edit_count(~bits & (bits - 1));
+}
+
 /* Where a node is: its first unit. */
 typedef uint32_t svo_i_edit_ref;
 

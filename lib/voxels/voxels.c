@@ -10,6 +10,7 @@
 #include "core/memory.h"
 #include "core/struct_size.h"
 #include "core/tree.h"
+#include "shared/nodes.clh"
 #include "svocl/nodes.h"
 
 #define COORDINATE_MAX (1 << 30)
@@ -351,7 +352,7 @@ static void fill_leaves(const svo_tree *tree, const int32_t offset[3], svo_voxel
         if (left[level] == 0) {
             return;
         }
-        const uint32_t octant = (uint32_t)__builtin_ctz(left[level]);
+        const uint32_t octant = svo_count_bits(~left[level] & (left[level] - 1)); /* its lowest bit */
         left[level] &= left[level] - 1;
         const uint32_t shift = depth - level - 1;
         for (unsigned axis = 0; axis < 3; ++axis) {
@@ -363,7 +364,7 @@ static void fill_leaves(const svo_tree *tree, const int32_t offset[3], svo_voxel
             continue;
         }
         const uint32_t before = masks[nodes[level]] & ((1u << octant) - 1u);
-        nodes[level + 1] = first_child[nodes[level]] + (uint32_t)__builtin_popcount(before);
+        nodes[level + 1] = first_child[nodes[level]] + svo_count_bits(before);
         left[level + 1] = masks[nodes[level + 1]];
         ++level;
     }
