@@ -2,7 +2,8 @@
 """numpy arrays that go into the library: their types and shapes are checked here, since C cannot.
 
 An array of the expected type that is C-contiguous is used as it is; any other that converts without a surprise is
-copied. Lists and tuples are converted by numpy.
+copied. So are arrays of other packages in the host's memory, by __array_interface__, __array__ or DLPack. Lists and
+tuples are converted by numpy.
 """
 
 import operator
@@ -115,8 +116,28 @@ def _check_shape(name: str, array: Array, shape: Shape) -> None:
         raise ValueError(f"{name}: shape {_words(array.shape)}, expected {_words(shape)}")
 
 
+def taken(name: str, value: Any) -> Any:
+    """The array of an object that has one, in its own type and without a copy where it has that; else the value."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value
+    try:
+        if hasattr(value, "__array_interface__") or hasattr(value, "__array__"):
+            return np.asarray(value)
+        if hasattr(value, "__dlpack__"):
+            return np.from_dlpack(value)
+    except (TypeError, ValueError, RuntimeError, BufferError) as problem:
+        raise TypeError(f"{name}: {type(value).__name__} is no array in the host's memory: {problem}") from None
+    return value
+
+
+def array(name: str, value: Any) -> Array:
+    """As numpy converts it, and by DLPack."""
+    return np.asarray(taken(name, value))
+
+
 def _convert(name: str, value: Any, default: Any) -> Array:
     """value as an array; what is no array gets the default type."""
+    value = taken(name, value)
     if isinstance(value, np.ndarray):
         return value
     try:
@@ -130,7 +151,9 @@ def _convert(name: str, value: Any, default: Any) -> Array:
 
 def floats(name: str, value: Any, shape: Shape, double: bool = False) -> Array:
     """float32 numbers, C-contiguous; float64 numbers are rounded, or stay as they are with double."""
-    array = value if isinstance(value, np.ndarray) else _convert(name, value, np.float64).astype(np.float64)
+    array = taken(name, value)
+    if not isinstance(value, np.ndarray) and getattr(array, "dtype", None) not in (np.float32, np.float64):
+        array = _convert(name, array, np.float64).astype(np.float64)
     _check_shape(name, array, shape)
     if array.dtype.kind != "f" or array.dtype.itemsize not in (4, 8):
         raise TypeError(f"{name}: dtype {array.dtype}, expected float32 or float64, of shape {_words(shape)}")
@@ -157,8 +180,7 @@ def integers(name: str, value: Any, dtype: Any, shape: Shape) -> Array:
 def records(name: str, value: Any, dtype: "np.dtype[Any]") -> Array:
     """Records of ray_dtype, query_dtype or gather_point_dtype, C-contiguous, from such an array or one of float32
     (..., numbers)."""
-    if isinstance(value, np.void):  # one element of such an array
-        value = np.asarray(value)
+    value = np.asarray(value) if isinstance(value, np.void) else taken(name, value)  # void: one element of an array
     if not isinstance(value, np.ndarray):
         raise TypeError(f"{name}: {type(value).__name__}, expected an array of svocl.{_record_name(dtype)}")
     numbers = dtype.itemsize // 4
