@@ -10,6 +10,10 @@
 Log messages of the library go to the logger "svocl".
 """
 
+from ._driver import use_pocl_of_pip as _use_pocl_of_pip
+
+_use_pocl_of_pip()
+
 try:
     from ._native import lib as _lib
 except ImportError as _problem:
