@@ -231,10 +231,10 @@ class DeviceMesh:
         textures: Sequence[Texture] = (),
         wait_for: Sequence[Any] = (),
     ) -> None:
-        self.vertex_count = _rows("positions", positions)
+        self.vertex_count: int = _rows("positions", positions)
         if indices is None and self.vertex_count % 3 != 0:
             raise ValueError(f"positions: shape ({self.vertex_count}, 3), expected (3 * triangle_count, 3)")
-        self.triangle_count = self.vertex_count // 3 if indices is None else _rows("indices", indices)
+        self.triangle_count: int = self.vertex_count // 3 if indices is None else _rows("indices", indices)
         vertices, triangles = self.vertex_count, self.triangle_count
         self._arrays = {
             "positions": _device_array("positions", positions, (vertices, 3), (np.float32,)),
@@ -248,7 +248,7 @@ class DeviceMesh:
             raise ValueError(f"indices: strides {tuple(indices.strides)}, expected a packed array")
         self._kept = [positions, indices, normals, colors, uvs, triangle_materials]
         self._index_bytes = 4 if indices is None else np.dtype(indices.dtype).itemsize
-        self.wait_for = tuple(wait_for)
+        self.wait_for: tuple[Any, ...] = tuple(wait_for)
         # What is on the host is a mesh without vertices.
         self._host = Mesh(np.zeros((0, 3), np.float32), materials=materials, textures=textures)
 
